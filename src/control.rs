@@ -1,0 +1,140 @@
+//! Progress, cancellation and deadline of a running decomposition.
+
+use std::fmt;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use crate::Error;
+
+/// What the decomposition is busy with.
+#[non_exhaustive]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Stage {
+    /// Welding, repair, components.
+    Repair,
+    /// Simplification to the maximum resolutions (paper, section 3.2).
+    Simplify,
+    /// Search over resolutions and planar thresholds (sections 3.4 and 3.5).
+    Search,
+    /// Group merging (section 3.6).
+    Merge,
+    /// Convex hulls of the groups.
+    Hulls,
+    /// Source triangles are assigned to hulls.
+    Assign,
+}
+
+impl Stage {
+    /// The stage's name in plain words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Repair => "repair",
+            Self::Simplify => "simplify",
+            Self::Search => "search",
+            Self::Merge => "merge",
+            Self::Hulls => "hulls",
+            Self::Assign => "assign",
+        }
+    }
+}
+
+impl fmt::Display for Stage {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(self.name())
+    }
+}
+
+/// How far the work has come.
+#[non_exhaustive]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Progress {
+    /// What is being done.
+    pub stage: Stage,
+    /// Share of the whole work that is done, from 0 to 1; it never falls.
+    pub fraction: f32,
+}
+
+impl Progress {
+    pub(crate) fn new(stage: Stage, fraction: f32) -> Self {
+        Self { stage, fraction }
+    }
+}
+
+type Listener = Arc<dyn Fn(Progress) + Send + Sync>;
+
+/// Hands on progress and takes back "stop": clone it, keep one copy, give the other to
+/// [`decompose`](crate::decompose).
+///
+/// `Control::default()` reports to nobody and never stops.
+#[derive(Clone, Default)]
+pub struct Control {
+    cancelled: Arc<AtomicBool>,
+    deadline: Option<Instant>,
+    listener: Option<Listener>,
+}
+
+impl Control {
+    /// Reports to nobody and never stops until [`cancel`](Self::cancel) is called.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Calls `listener` whenever the work has come further. It may be called from any thread of
+    /// the pool, and should return at once.
+    #[must_use]
+    pub fn with_progress(mut self, listener: impl Fn(Progress) + Send + Sync + 'static) -> Self {
+        self.listener = Some(Arc::new(listener));
+        self
+    }
+
+    /// After `deadline` the best valid result so far is returned, or
+    /// [`Error::DeadlineExceeded`] where there is none yet.
+    #[must_use]
+    pub fn with_deadline(mut self, deadline: Instant) -> Self {
+        self.deadline = Some(deadline);
+        self
+    }
+
+    /// Asks the work to stop. It returns [`Error::Cancelled`] soon after. Works on every clone.
+    pub fn cancel(&self) {
+        self.cancelled.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether [`cancel`](Self::cancel) was called on this control or a clone of it.
+    pub fn is_cancelled(&self) -> bool {
+        self.cancelled.load(Ordering::Relaxed)
+    }
+
+    /// Whether the deadline has passed.
+    pub fn is_past_deadline(&self) -> bool {
+        self.deadline
+            .is_some_and(|deadline| Instant::now() >= deadline)
+    }
+
+    /// An error once somebody has cancelled.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        if self.is_cancelled() {
+            Err(Error::Cancelled)
+        } else {
+            Ok(())
+        }
+    }
+
+    pub(crate) fn report(&self, stage: Stage, fraction: f32) {
+        if let Some(listener) = &self.listener {
+            listener(Progress::new(stage, fraction));
+        }
+    }
+}
+
+impl fmt::Debug for Control {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter
+            .debug_struct("Control")
+            .field("cancelled", &self.is_cancelled())
+            .field("deadline", &self.deadline)
+            .field("progress", &self.listener.is_some())
+            .finish()
+    }
+}

@@ -1,0 +1,221 @@
+//! The result: hulls, the groups that they come from, and the report.
+
+use crate::Method;
+
+/// An axis-aligned box, in the input's units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bounds {
+    /// The least coordinates.
+    pub min: [f64; 3],
+    /// The greatest coordinates.
+    pub max: [f64; 3],
+}
+
+/// One convex piece, in the input's units.
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hull {
+    /// Vertices; each is used by a triangle.
+    pub points: Vec<[f64; 3]>,
+    /// Triangles of the closed, outward-oriented surface.
+    pub triangles: Vec<[u32; 3]>,
+    /// Enclosed volume, in cubed units; positive.
+    pub volume: f64,
+    /// Bounding box of `points`.
+    pub bounds: Bounds,
+    /// The connected component of the input that the hull belongs to.
+    pub component: u32,
+    /// The input's triangles that the hull stands for, ascending.
+    pub source_triangles: Vec<u32>,
+    /// Thickness that was given to a flat, linear or point-like group so that the hull has
+    /// volume; 0 for all others. In units.
+    pub added_thickness: f64,
+    /// How far the cap on vertices made the hull grow: no point of it is farther than this from
+    /// the hull without a cap. In units.
+    pub cap_growth: f64,
+}
+
+/// The simplified mesh that was grouped, in the input's units.
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct GroupedMesh {
+    /// Vertices.
+    pub positions: Vec<[f64; 3]>,
+    /// Triangles.
+    pub triangles: Vec<[u32; 3]>,
+    /// For each triangle the index of its hull in [`Decomposition::hulls`].
+    pub groups: Vec<u32>,
+}
+
+/// Convex hulls and how they came about.
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq)]
+pub struct Decomposition {
+    /// The convex pieces.
+    pub hulls: Vec<Hull>,
+    /// The simplified mesh with a group label per triangle.
+    pub grouped: GroupedMesh,
+    /// What was done, and how well it went.
+    pub report: Report,
+}
+
+/// What was repaired in the input, as counts.
+#[non_exhaustive]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Repairs {
+    /// Vertices that were welded to another.
+    pub welded_vertices: usize,
+    /// Vertices that no triangle uses.
+    pub unused_vertices: usize,
+    /// Triangles dropped because they use a coordinate that is not finite.
+    pub non_finite_triangles: usize,
+    /// Triangles dropped because they have no area.
+    pub degenerate_triangles: usize,
+    /// Triangles dropped because another has the same vertices.
+    pub duplicate_triangles: usize,
+    /// Triangles that were turned around.
+    pub flipped_triangles: usize,
+    /// Edges with more than two triangles, which stay.
+    pub non_manifold_edges: usize,
+    /// Edges with one triangle, which stay open.
+    pub open_edges: usize,
+}
+
+/// Wall-clock time of a stage.
+#[non_exhaustive]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StageTime {
+    /// The stage.
+    pub stage: crate::Stage,
+    /// Seconds that it took.
+    pub seconds: f64,
+}
+
+/// What was done, and how well it went.
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq)]
+pub struct Report {
+    /// [`ALGORITHM_VERSION`](crate::ALGORITHM_VERSION) of the library that did it.
+    pub algorithm_version: u32,
+    /// The method.
+    pub method: Method,
+    /// Vertices given.
+    pub source_vertices: usize,
+    /// Triangles given.
+    pub source_triangles: usize,
+    /// Triangles left after repair.
+    pub triangles: usize,
+    /// Diagonal of the bounding box of the vertices that triangles use, in units. Relative
+    /// lengths are divided by it.
+    pub diagonal: f64,
+    /// Connected components.
+    pub components: usize,
+    /// Components without open or non-manifold edges.
+    pub closed_components: usize,
+    /// What was repaired.
+    pub repairs: Repairs,
+    /// The search of the paper's method.
+    pub surface: Option<SurfaceReport>,
+    /// Whether the deadline cut the work short.
+    pub deadline_reached: bool,
+    /// Wall-clock time by stage; the only part of a result that differs between runs.
+    pub times: Vec<StageTime>,
+}
+
+/// The paper's search tree and what it chose: a row of its Table 1.
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq)]
+pub struct SurfaceReport {
+    /// Pieces, after group merging.
+    pub pieces: usize,
+    /// Pieces of the chosen candidate before group merging.
+    pub pieces_before_merging: usize,
+    /// k: average number of pieces over the candidates of all resolutions.
+    pub average_pieces: f64,
+    /// Average concavity cost of the chosen candidate, equation (3).
+    pub cost: f64,
+    /// p of the chosen candidate, in units of the thresholds.
+    pub planar_threshold: f64,
+    /// r of the chosen candidate.
+    pub resolution: usize,
+    /// Triangles of the simplified mesh.
+    pub polygons: usize,
+    /// Triangles before simplification.
+    pub initial_polygons: usize,
+    /// The length that counted as 1 for p and a, in the input's units.
+    pub unit: f64,
+    /// The whole tree, in the order of R.
+    pub resolutions: Vec<ResolutionReport>,
+}
+
+/// One subtree of the search: a maximum resolution.
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq)]
+pub struct ResolutionReport {
+    /// r.
+    pub resolution: usize,
+    /// Target triangle count: the initial one times powers of Q.
+    pub target: usize,
+    /// Triangle count that simplification reached.
+    pub polygons: usize,
+    /// What became of it.
+    pub outcome: ResolutionOutcome,
+    /// Its planar thresholds, in the order of the parameters.
+    pub thresholds: Vec<ThresholdReport>,
+}
+
+/// What became of a resolution (section 3.5).
+#[non_exhaustive]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ResolutionOutcome {
+    /// Least cost of all that were left.
+    Selected,
+    /// Another has a lower cost.
+    CostlierThanSelected,
+    /// More than 1.5 k pieces.
+    TooManyPieces,
+    /// An earlier resolution had fewer than μ pieces.
+    CutOff,
+    /// The same simplified mesh as the resolution before, so the same result.
+    SameAsBefore,
+    /// The deadline came first.
+    DeadlineReached,
+}
+
+/// One leaf of the search: a planar threshold.
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq)]
+pub struct ThresholdReport {
+    /// p.
+    pub planar_threshold: f64,
+    /// Number of groups.
+    pub pieces: usize,
+    /// Average cost, as far as it was computed.
+    pub cost: f64,
+    /// What became of it.
+    pub outcome: ThresholdOutcome,
+}
+
+/// What became of a threshold (section 3.4.2).
+#[non_exhaustive]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ThresholdOutcome {
+    /// The resolution's candidate: fewest pieces under ε.
+    Candidate,
+    /// The resolution's candidate, taken at once for a cost below 1e-6.
+    CandidateAtOnce,
+    /// The resolution's candidate by the fail-safe: least cost, since none was under ε.
+    CandidateByFailSafe,
+    /// Under ε, but another has fewer pieces.
+    MorePieces,
+    /// Its cost is not under ε.
+    TooCostly,
+    /// Given up while its running average was above 3 ε.
+    AbortedAboveThreshold,
+    /// Given up while its running average was above three times the least so far.
+    AbortedAboveLeast,
+    /// A single group: the search of this resolution ends here.
+    SingleGroup,
+    /// Not tried, since an earlier threshold ended the search of this resolution.
+    NotTried,
+}

@@ -1,0 +1,76 @@
+//! What can go wrong, in words that say what and where.
+
+/// Every way in which the library refuses input or stops early. It never panics instead.
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// There are no vertices or no triangles.
+    #[error("the mesh is empty: {vertices} vertices, {triangles} triangles")]
+    EmptyMesh {
+        /// Number of positions given.
+        vertices: usize,
+        /// Number of triangles given.
+        triangles: usize,
+    },
+    /// A triangle names a vertex that does not exist.
+    #[error("triangle {triangle} uses vertex {index}, but there are only {vertices} vertices")]
+    IndexOutOfRange {
+        /// The first such triangle.
+        triangle: usize,
+        /// The index that it holds.
+        index: u32,
+        /// Number of positions given.
+        vertices: usize,
+    },
+    /// After repair no triangle is left.
+    #[error(
+        "no usable triangle: of {triangles} triangles {degenerate} have no area and \
+         {non_finite} have a coordinate that is not finite"
+    )]
+    NothingUsable {
+        /// Number of triangles given.
+        triangles: usize,
+        /// How many of them have no area, also after welding.
+        degenerate: usize,
+        /// How many of them use a vertex that is infinite or not a number.
+        non_finite: usize,
+    },
+    /// The mesh has more vertices or triangles than 32-bit indices can name.
+    #[error("the mesh is too large: {count} {what}, at most {limit} can be handled")]
+    TooLarge {
+        /// What there is too much of.
+        what: &'static str,
+        /// How many there are.
+        count: usize,
+        /// How many there may be.
+        limit: usize,
+    },
+    /// A parameter has a value that means nothing.
+    #[error("parameter `{name}`: {reason}")]
+    InvalidParameter {
+        /// Name of the field.
+        name: &'static str,
+        /// What is wrong with its value.
+        reason: String,
+    },
+    /// The points have no convex hull: there are none, or none is finite.
+    #[error("no convex hull: {reason}")]
+    NoHull {
+        /// Why not.
+        reason: &'static str,
+    },
+    /// [`Control::cancel`](crate::Control::cancel) was called.
+    #[error("cancelled")]
+    Cancelled,
+    /// The deadline passed before there was any valid result.
+    #[error("the deadline passed before there was any result")]
+    DeadlineExceeded,
+    /// A file could not be read or written, or does not hold what its suffix says.
+    #[error("{path}: {reason}")]
+    File {
+        /// The file's path, as given.
+        path: String,
+        /// What is wrong, and where in the file if that is known.
+        reason: String,
+    },
+}

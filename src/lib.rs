@@ -1,0 +1,54 @@
+//! Concave triangle meshes into few convex hulls, fast and with a measured error.
+//!
+//! Game physics can't move a concave body: the engine wants convex pieces.
+//! [`decompose`] takes positions and triangles and returns convex hulls with an honest
+//! [`Report`].
+//!
+//! # Conventions
+//!
+//! - **Units** are the input's. Lengths that are *relative* say so: they are divided by the
+//!   diagonal of the bounding box of the vertices that triangles use.
+//! - **Winding**: right- and left-handed input both work, since a closed mesh that encloses a
+//!   negative volume is turned around. Triangles of the output are wound counter-clockwise seen
+//!   from outside (in a right-handed frame), so that normals point outward.
+//! - **Precision**: everything is computed in `f64` on a copy that is moved to the origin and
+//!   scaled to a diagonal of 1; results are returned in the input's units.
+//! - **Determinism**: the same input and parameters give the same result, for any number of
+//!   threads. Only a deadline ([`Control::with_deadline`]) may make a result depend on time.
+//!
+//! # Module map
+//!
+//! | module | stage | paper |
+//! |---|---|---|
+//! | `mesh::repair` | weld, drop, orient, split into components | – |
+//! | `mesh::adjacency` | triangles, vertices, the 3n adjacency list | 3.3 |
+//! | `mesh::simplify` | simplification quality Q and maximum resolution r | 3.2 |
+//! | `surface::grouping` | convex polygon grouping | 3.4.1 |
+//! | `surface::threshold_selection` | the search over planar thresholds p | 3.4.2 |
+//! | `surface::cost` | concavity cost, equation (3) | 3.4.3 |
+//! | `surface::resolution_selection` | the search over maximum resolutions R | 3.5 |
+//! | `surface::group_merging` | small groups join their neighbours | 3.6 |
+//! | `hull` | convex hulls of the groups, thickness of flat ones, vertex cap | 3.6 |
+//! | `field` | distance to the surface, generalized winding number | – |
+//! | `measure` | judges any set of hulls against a mesh | – |
+//! | `io` (feature) | readers and writers of mesh files | – |
+
+mod control;
+mod decompose;
+mod decomposition;
+mod error;
+mod mesh;
+mod parameters;
+mod vector;
+
+pub use control::{Control, Progress, Stage};
+pub use decompose::{Coordinate, Decomposer, decompose};
+pub use decomposition::{
+    Bounds, Decomposition, GroupedMesh, Hull, Repairs, Report, ResolutionOutcome, ResolutionReport,
+    StageTime, SurfaceReport, ThresholdOutcome, ThresholdReport,
+};
+pub use error::Error;
+pub use parameters::{Method, Parameters, SurfaceParameters, Unit};
+
+/// Changes whenever the same input and parameters may give another result.
+pub const ALGORITHM_VERSION: u32 = 1;

@@ -1,0 +1,75 @@
+//! Vectors of three `f64`: the few operations that the pipeline needs.
+
+/// A point or a direction.
+pub(crate) type Vector = [f64; 3];
+
+#[inline]
+pub(crate) fn add(a: Vector, b: Vector) -> Vector {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+#[inline]
+pub(crate) fn subtract(a: Vector, b: Vector) -> Vector {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+#[inline]
+pub(crate) fn scale(a: Vector, factor: f64) -> Vector {
+    [a[0] * factor, a[1] * factor, a[2] * factor]
+}
+
+#[inline]
+pub(crate) fn dot(a: Vector, b: Vector) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline]
+pub(crate) fn cross(a: Vector, b: Vector) -> Vector {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+#[inline]
+pub(crate) fn length_squared(a: Vector) -> f64 {
+    dot(a, a)
+}
+
+#[inline]
+pub(crate) fn length(a: Vector) -> f64 {
+    length_squared(a).sqrt()
+}
+
+#[inline]
+pub(crate) fn distance(a: Vector, b: Vector) -> f64 {
+    length(subtract(a, b))
+}
+
+/// The unit vector along `a`, or zero where `a` has no direction.
+#[inline]
+pub(crate) fn normalize(a: Vector) -> Vector {
+    let length = length(a);
+    if length > 0.0 && length.is_finite() {
+        scale(a, 1.0 / length)
+    } else {
+        [0.0; 3]
+    }
+}
+
+#[inline]
+pub(crate) fn minimum(a: Vector, b: Vector) -> Vector {
+    [a[0].min(b[0]), a[1].min(b[1]), a[2].min(b[2])]
+}
+
+#[inline]
+pub(crate) fn maximum(a: Vector, b: Vector) -> Vector {
+    [a[0].max(b[0]), a[1].max(b[1]), a[2].max(b[2])]
+}
+
+/// Twice the area of a triangle times its unit normal.
+#[inline]
+pub(crate) fn area_normal(a: Vector, b: Vector, c: Vector) -> Vector {
+    cross(subtract(b, a), subtract(c, a))
+}
