@@ -59,10 +59,7 @@ impl Decomposer {
     ) -> Result<Self, Error> {
         parameters.validate()?;
         if positions.is_empty() || triangles.is_empty() {
-            return Err(Error::EmptyMesh {
-                vertices: positions.len(),
-                triangles: triangles.len(),
-            });
+            return Err(Error::EmptyMesh { vertices: positions.len(), triangles: triangles.len() });
         }
         Ok(Self {})
     }
@@ -73,8 +70,6 @@ impl Decomposer {
     /// See [`Error`].
     pub fn step(&mut self, control: &Control) -> Result<Option<Decomposition>, Error> {
         control.check()?;
-        Err(Error::NoHull {
-            reason: "the method is not connected yet",
-        })
+        Err(Error::NoHull { reason: "the method is not connected yet" })
     }
 }

@@ -37,6 +37,7 @@ mod control;
 mod decompose;
 mod decomposition;
 mod error;
+pub mod hull;
 mod mesh;
 mod parameters;
 mod vector;

@@ -98,15 +98,8 @@ impl SurfaceParameters {
         }
         let finite_and_at_least_zero = |value: f64| value.is_finite() && value >= 0.0;
         let finite_and_positive = |value: f64| value.is_finite() && value > 0.0;
-        if let Some(p) = self
-            .planar_thresholds
-            .iter()
-            .find(|p| !finite_and_at_least_zero(**p))
-        {
-            return invalid(
-                "planar_thresholds",
-                format!("p must be at least 0, not {p}"),
-            );
+        if let Some(p) = self.planar_thresholds.iter().find(|p| !finite_and_at_least_zero(**p)) {
+            return invalid("planar_thresholds", format!("p must be at least 0, not {p}"));
         }
         if !finite_and_at_least_zero(self.angular_threshold) {
             let reason = format!("a must be at least 0, not {}", self.angular_threshold);
@@ -194,9 +187,6 @@ impl Parameters {
 
 impl Default for Parameters {
     fn default() -> Self {
-        Self {
-            max_vertices: Some(DEFAULT_MAX_VERTICES),
-            ..Self::paper()
-        }
+        Self { max_vertices: Some(DEFAULT_MAX_VERTICES), ..Self::paper() }
     }
 }

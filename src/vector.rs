@@ -25,11 +25,7 @@ pub(crate) fn dot(a: Vector, b: Vector) -> f64 {
 
 #[inline]
 pub(crate) fn cross(a: Vector, b: Vector) -> Vector {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 #[inline]
@@ -51,11 +47,7 @@ pub(crate) fn distance(a: Vector, b: Vector) -> f64 {
 #[inline]
 pub(crate) fn normalize(a: Vector) -> Vector {
     let length = length(a);
-    if length > 0.0 && length.is_finite() {
-        scale(a, 1.0 / length)
-    } else {
-        [0.0; 3]
-    }
+    if length > 0.0 && length.is_finite() { scale(a, 1.0 / length) } else { [0.0; 3] }
 }
 
 #[inline]

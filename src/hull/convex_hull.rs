@@ -1,0 +1,87 @@
+//! A convex polyhedron, and what can be asked of it.
+
+use crate::vector::{Vector, area_normal, cross, dot, length, maximum, minimum, scale, subtract};
+use crate::{Bounds, Error};
+
+use super::{HullBuilder, Shape};
+
+/// A closed convex polyhedron of triangles, wound counter-clockwise seen from outside.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ConvexHull {
+    /// Vertices, each used by a triangle.
+    pub points: Vec<[f64; 3]>,
+    /// Triangles over `points`.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// The convex hull of points, in their units. O(n log n) expected.
+///
+/// No point lies farther than [`DEFAULT_TOLERANCE`](super::DEFAULT_TOLERANCE) of their extent
+/// outside a face. Points that are not finite are ignored.
+///
+/// # Errors
+/// [`Error::NoHull`] if the points lie in a plane, on a line or on a spot up to the tolerance;
+/// [`solid_hull`](super::solid_hull) gives such points a thickness instead.
+pub fn convex_hull(points: &[[f64; 3]]) -> Result<ConvexHull, Error> {
+    let mut builder = HullBuilder::new();
+    let reason = match builder.build(points) {
+        Shape::Solid => return Ok(builder.extract().into()),
+        Shape::Flat => "the points lie in a plane",
+        Shape::Linear => "the points lie on a line",
+        Shape::Point => "there are no two distinct finite points",
+    };
+    Err(Error::NoHull { reason })
+}
+
+impl From<(Vec<[f64; 3]>, Vec<[u32; 3]>)> for ConvexHull {
+    fn from((points, triangles): (Vec<[f64; 3]>, Vec<[u32; 3]>)) -> Self {
+        Self { points, triangles }
+    }
+}
+
+impl ConvexHull {
+    /// The corners of each triangle. Triangles with an index out of range are left out.
+    pub fn corners(&self) -> impl Iterator<Item = [[f64; 3]; 3]> + '_ {
+        self.triangles.iter().filter_map(|triangle| {
+            let [a, b, c] = triangle.map(|index| self.points.get(index as usize).copied());
+            Some([a?, b?, c?])
+        })
+    }
+
+    /// Enclosed volume, in cubed units. O(triangles).
+    pub fn volume(&self) -> f64 {
+        // Seen from a vertex, so that far from the origin no digits are lost.
+        let Some(&apex) = self.points.first() else {
+            return 0.0;
+        };
+        let volumes = self
+            .corners()
+            .map(|[a, b, c]| dot(subtract(a, apex), cross(subtract(b, apex), subtract(c, apex))));
+        volumes.sum::<f64>() / 6.0
+    }
+
+    /// Axis-aligned bounding box; `None` without points. O(points).
+    pub fn bounds(&self) -> Option<Bounds> {
+        let first = *self.points.first()?;
+        let (min, max) = self
+            .points
+            .iter()
+            .fold((first, first), |(min, max), &point| (minimum(min, point), maximum(max, point)));
+        Some(Bounds { min, max })
+    }
+
+    /// The unit normal and offset of each triangle's plane; zero for triangles without area.
+    pub(crate) fn planes(&self) -> Vec<(Vector, f64)> {
+        let plane = |[a, b, c]: [Vector; 3]| {
+            let normal = area_normal(a, b, c);
+            let area = length(normal);
+            if area > 0.0 {
+                let normal = scale(normal, 1.0 / area);
+                (normal, dot(normal, a))
+            } else {
+                ([0.0; 3], 0.0)
+            }
+        };
+        self.corners().map(plane).collect()
+    }
+}

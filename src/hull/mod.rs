@@ -1,0 +1,18 @@
+//! Convex hulls, in double precision, that a physics engine can take as they are.
+//!
+//! [`convex_hull`] answers for one set of points; a [`HullBuilder`] keeps its memory between
+//! hulls and can go on growing a hull. Flat, linear and point-like sets get a small thickness
+//! ([`MINIMUM_THICKNESS`]), so that every hull has volume.
+
+mod builder;
+mod convex_hull;
+mod face;
+mod redundant;
+mod simplex;
+mod single_precision;
+mod thickness;
+
+pub use builder::{DEFAULT_TOLERANCE, HullBuilder};
+pub use convex_hull::{ConvexHull, convex_hull};
+pub use simplex::Shape;
+pub use thickness::{MINIMUM_THICKNESS, solid_hull};

@@ -1,0 +1,81 @@
+//! The first tetrahedron of a hull, or the reason why there is none.
+
+use crate::vector::{
+    Vector, area_normal, cross, distance, dot, length_squared, normalize, subtract,
+};
+
+/// In how many dimensions points extend, up to the hull's tolerance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shape {
+    /// They span a volume and have a hull.
+    Solid,
+    /// They lie in a plane.
+    Flat,
+    /// They lie on a line.
+    Linear,
+    /// They lie on one spot, or there are none.
+    Point,
+}
+
+/// Four points, far apart, that span a tetrahedron. For a lesser shape as many of them as it has
+/// are meaningful. O(n).
+pub(super) fn first_simplex(points: &[Vector], threshold: f64) -> (Shape, [u32; 4]) {
+    let [a, b] = farthest_extremes(points);
+    let corner = |index: u32| points[index as usize];
+    if points.is_empty() || distance(corner(a), corner(b)) <= threshold {
+        return (Shape::Point, [a; 4]);
+    }
+    let direction = normalize(subtract(corner(b), corner(a)));
+    let (c, from_line) =
+        farthest(points, |point| length_squared(cross(direction, subtract(point, corner(a)))));
+    if from_line.sqrt() <= threshold {
+        return (Shape::Linear, [a, b, a, a]);
+    }
+    let normal = normalize(area_normal(corner(a), corner(b), corner(c)));
+    let (d, from_plane) = farthest(points, |point| dot(normal, subtract(point, corner(a))).abs());
+    if from_plane <= threshold {
+        return (Shape::Flat, [a, b, c, a]);
+    }
+    (Shape::Solid, [a, b, c, d])
+}
+
+/// Of the six points that reach farthest along the axes the two that are farthest apart.
+fn farthest_extremes(points: &[Vector]) -> [u32; 2] {
+    let mut extremes = [0u32; 6];
+    for (index, point) in points.iter().enumerate() {
+        for axis in 0..3 {
+            let at = |extreme: u32| points[extreme as usize][axis];
+            if point[axis] < at(extremes[2 * axis]) {
+                extremes[2 * axis] = index as u32;
+            }
+            if point[axis] > at(extremes[2 * axis + 1]) {
+                extremes[2 * axis + 1] = index as u32;
+            }
+        }
+    }
+    let mut best = (0.0, [0, 0]);
+    for (place, &first) in extremes.iter().enumerate() {
+        for &second in &extremes[place + 1..] {
+            let Some((p, q)) = points.get(first as usize).zip(points.get(second as usize)) else {
+                continue;
+            };
+            let apart = length_squared(subtract(*p, *q));
+            if apart > best.0 {
+                best = (apart, [first, second]);
+            }
+        }
+    }
+    best.1
+}
+
+/// The first point for which `measure` is greatest.
+fn farthest(points: &[Vector], measure: impl Fn(Vector) -> f64) -> (u32, f64) {
+    let mut best = (0, f64::NEG_INFINITY);
+    for (index, &point) in points.iter().enumerate() {
+        let value = measure(point);
+        if value > best.1 {
+            best = (index as u32, value);
+        }
+    }
+    best
+}

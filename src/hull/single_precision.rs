@@ -1,0 +1,55 @@
+//! Hulls in `f32`, still convex.
+//!
+//! Rounding moves vertices by half a unit in the last place, which may dent flat sides, fold
+//! slivers, and flatten what lies far from the origin. So the rounded points get a hull of their
+//! own: what is returned is convex as it stands, and has volume.
+
+use super::{ConvexHull, HullBuilder, Shape, solid_hull};
+use crate::Error;
+
+/// A hull far from the origin keeps at least this many units in the last place of its largest
+/// coordinate as thickness, so that its volume survives the next rounding too.
+const LEAST_ULPS: f64 = 4.0;
+
+/// Thickness is rounded as well, so it may take a few goes; each doubles it.
+const ATTEMPTS: usize = 4;
+
+/// Vertices and triangles in `f32`.
+pub type SinglePrecisionHull = (Vec<[f32; 3]>, Vec<[u32; 3]>);
+
+/// The hull of the points rounded to `f32`. Convex up to the tolerance of [`HullBuilder`], which
+/// is less than 1e-6 of the diagonal.
+///
+/// # Errors
+/// [`Error::NoHull`] if a coordinate is beyond the range of `f32`, or nothing is left.
+pub(crate) fn to_single_precision(
+    hull: &ConvexHull,
+    builder: &mut HullBuilder,
+) -> Result<SinglePrecisionHull, Error> {
+    let mut points = rounded(&hull.points)?;
+    let largest = points.iter().flatten().fold(0.0f64, |largest, x| largest.max(x.abs()));
+    let mut least_thickness = LEAST_ULPS * f64::from(f32::EPSILON) * largest;
+    for _ in 0..ATTEMPTS {
+        let (solid, _) = solid_hull(builder, &points, [0.0; 3], least_thickness)?;
+        points = rounded(&solid.points)?;
+        if builder.build(&points) == Shape::Solid {
+            let (points, triangles) = builder.extract();
+            return Ok((
+                points.into_iter().map(|point| point.map(|x| x as f32)).collect(),
+                triangles,
+            ));
+        }
+        least_thickness *= 2.0;
+    }
+    Err(Error::NoHull { reason: "rounding to f32 leaves no volume" })
+}
+
+fn rounded(points: &[[f64; 3]]) -> Result<Vec<[f64; 3]>, Error> {
+    let round = |point: &[f64; 3]| point.map(|x| f64::from(x as f32));
+    let points: Vec<_> = points.iter().map(round).collect();
+    if points.iter().flatten().all(|x| x.is_finite()) {
+        Ok(points)
+    } else {
+        Err(Error::NoHull { reason: "a coordinate is beyond the range of f32" })
+    }
+}

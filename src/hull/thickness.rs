@@ -1,0 +1,156 @@
+//! Volume for sets of points that have next to none.
+//!
+//! Groups of a mesh are often flat, and physics engines lose or flatten plates that are thinner
+//! than about 6e-4 of their diagonal. Such a set is pushed against its normal, into the body that
+//! it is the surface of, until it is [`MINIMUM_THICKNESS`] thick: its outer side stays in place.
+
+use super::{ConvexHull, HullBuilder, Shape};
+use crate::Error;
+use crate::vector::{Vector, add, cross, distance, dot, normalize, scale, subtract};
+
+/// The least width of a hull, as a share of the diagonal of its own bounding box. Parry flattens
+/// plates thinner than about 6e-4 of their diagonal; this leaves room for rounding to `f32`.
+pub const MINIMUM_THICKNESS: f64 = 1e-3;
+
+/// A width below the minimum by less than this share of it is left alone, so that a hull that was
+/// thickened once is not thickened again.
+const SLACK: f64 = 1e-3;
+
+/// The width of a hull is at least its first tetrahedron's height divided by this, so that the
+/// exact width of most hulls need not be known.
+const HEIGHT_PER_WIDTH: f64 = 8.0;
+
+/// A spot becomes a rod, a rod a plate, a plate a body.
+const DIMENSIONS: usize = 3;
+
+/// The convex hull of points, with at least [`MINIMUM_THICKNESS`] times the diagonal of their
+/// bounding box, or `least_thickness` in units if that is more, in every direction.
+///
+/// `outward` is the mean normal of the surface that the points come from: thickness is added
+/// against it. Zero if there is none; then it is added on both sides. The second value is the
+/// thickness that was added, in units, 0 for most hulls: no point of the hull is farther than
+/// that (times the square root of 3 for spots) from the hull of the points.
+///
+/// # Errors
+/// [`Error::NoHull`] if no point is finite, or if all are one spot and `least_thickness` is 0.
+pub fn solid_hull(
+    builder: &mut HullBuilder,
+    points: &[[f64; 3]],
+    outward: [f64; 3],
+    least_thickness: f64,
+) -> Result<(ConvexHull, f64), Error> {
+    let shape = builder.build(points);
+    let wanted = (MINIMUM_THICKNESS * diagonal(points)).max(least_thickness);
+    let is_thick = shape == Shape::Solid && builder.simplex_height() >= HEIGHT_PER_WIDTH * wanted;
+    if is_thick {
+        return Ok((builder.extract().into(), 0.0));
+    }
+    thicken(builder, shape, points, outward, wanted)
+}
+
+#[cold]
+fn thicken(
+    builder: &mut HullBuilder,
+    mut shape: Shape,
+    points: &[[f64; 3]],
+    outward: Vector,
+    wanted: f64,
+) -> Result<(ConvexHull, f64), Error> {
+    let mut points: Vec<Vector> =
+        points.iter().copied().filter(|p| p.iter().all(|x| x.is_finite())).collect();
+    if points.is_empty() {
+        return Err(Error::NoHull { reason: "no point is finite" });
+    }
+    let outward = normalize(outward);
+    let mut added: f64 = 0.0;
+    for _ in 0..=DIMENSIONS {
+        let (width, direction) = thin_direction(builder, shape, &points, outward);
+        if shape == Shape::Solid && width >= wanted * (1.0 - SLACK) {
+            return Ok((builder.extract().into(), added));
+        }
+        let missing = wanted - width;
+        added = added.max(missing);
+        points = pushed(&points, direction, outward, missing);
+        shape = builder.build(&points);
+    }
+    match shape {
+        Shape::Solid => Ok((builder.extract().into(), added)),
+        _ => Err(Error::NoHull { reason: "the points are one spot" }),
+    }
+}
+
+/// Where the points are thinnest, and how thin.
+fn thin_direction(
+    builder: &HullBuilder,
+    shape: Shape,
+    points: &[Vector],
+    outward: Vector,
+) -> (f64, Vector) {
+    if shape == Shape::Solid {
+        return builder.width().unwrap_or((0.0, outward));
+    }
+    let (first, second) = far_pair(points);
+    let along = normalize(subtract(second, first));
+    let direction = match shape {
+        Shape::Flat => {
+            let away = |point: &Vector| cross(along, subtract(*point, first));
+            let longest =
+                points.iter().map(away).max_by(|a, b| dot(*a, *a).total_cmp(&dot(*b, *b)));
+            normalize(longest.unwrap_or(outward))
+        }
+        Shape::Linear => {
+            // Across the line, along the surface's normal if that leads across.
+            let across = subtract(outward, scale(along, dot(outward, along)));
+            if dot(across, across) > 0.25 { normalize(across) } else { any_across(along) }
+        }
+        _ if outward != [0.0; 3] => outward,
+        _ => [0.0, 0.0, 1.0],
+    };
+    (0.0, direction)
+}
+
+/// The points and their copies, moved against `outward`, or to both sides without one.
+fn pushed(points: &[Vector], direction: Vector, outward: Vector, distance: f64) -> Vec<Vector> {
+    /// Less than this cosine and the surface's normal says nothing about the side.
+    const UNCERTAIN: f64 = 1e-3;
+    let along = dot(direction, outward);
+    let (from, to) = if along > UNCERTAIN {
+        (0.0, -distance)
+    } else if along < -UNCERTAIN {
+        (0.0, distance)
+    } else {
+        (-0.5 * distance, 0.5 * distance)
+    };
+    let moved = |by: f64| points.iter().map(move |&point| add(point, scale(direction, by)));
+    moved(from).chain(moved(to)).collect()
+}
+
+/// Some unit vector at right angles to a unit vector.
+fn any_across(along: Vector) -> Vector {
+    let least = (0..3).min_by(|&a, &b| along[a].abs().total_cmp(&along[b].abs())).unwrap_or(0);
+    let mut axis = [0.0; 3];
+    axis[least] = 1.0;
+    normalize(cross(along, axis))
+}
+
+/// A point and the one farthest from it.
+fn far_pair(points: &[Vector]) -> (Vector, Vector) {
+    let first = points.first().copied().unwrap_or_default();
+    let farthest = |from: Vector| {
+        let by_distance =
+            |a: &&Vector, b: &&Vector| distance(from, **a).total_cmp(&distance(from, **b));
+        points.iter().max_by(by_distance).copied().unwrap_or(from)
+    };
+    let second = farthest(first);
+    (farthest(second), second)
+}
+
+fn diagonal(points: &[[f64; 3]]) -> f64 {
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for &point in points.iter().filter(|p| p.iter().all(|x| x.is_finite())) {
+        low = crate::vector::minimum(low, point);
+        high = crate::vector::maximum(high, point);
+    }
+    let diagonal = distance(low, high);
+    if diagonal.is_finite() { diagonal } else { 0.0 }
+}

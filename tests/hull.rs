@@ -1,0 +1,286 @@
+//! Promises of the convex hull.
+
+use hullwright::hull::{
+    ConvexHull, DEFAULT_TOLERANCE, HullBuilder, MINIMUM_THICKNESS, Shape, convex_hull, solid_hull,
+};
+use proptest::prelude::*;
+
+type Point = [f64; 3];
+
+fn subtract(a: Point, b: Point) -> Point {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn dot(a: Point, b: Point) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: Point, b: Point) -> Point {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn length(a: Point) -> f64 {
+    dot(a, a).sqrt()
+}
+
+fn diagonal(points: &[Point]) -> f64 {
+    let extent = |axis: usize| {
+        let of = points.iter().map(|point| point[axis]);
+        of.clone().fold(f64::MIN, f64::max) - of.fold(f64::MAX, f64::min)
+    };
+    length([extent(0), extent(1), extent(2)])
+}
+
+/// Height over longest side; below this a triangle's computed normal is noise.
+const SLIVER: f64 = 1e-7;
+
+/// Worst distance of a point in front of a face of the hull that is no sliver.
+fn worst_outside(hull: &ConvexHull, points: &[Point]) -> f64 {
+    let mut worst = f64::MIN;
+    for [a, b, c] in hull.corners() {
+        let normal = cross(subtract(b, a), subtract(c, a));
+        let area = length(normal);
+        let side = length(subtract(b, a)).max(length(subtract(c, a))).max(length(subtract(c, b)));
+        if area <= SLIVER * side * side {
+            continue;
+        }
+        for &point in points {
+            worst = worst.max(dot(normal, subtract(point, a)) / area);
+        }
+    }
+    worst
+}
+
+/// Everything that a hull promises, whatever its points.
+fn check(hull: &ConvexHull, points: &[Point]) {
+    let size = diagonal(points);
+    assert!(hull.volume() > 0.0, "volume {}", hull.volume());
+    // Each half-edge has exactly one partner, and the surface is one sphere.
+    let mut edges: Vec<[u32; 2]> =
+        hull.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
+    edges.sort_unstable();
+    let count = edges.len();
+    edges.dedup();
+    assert_eq!(edges.len(), count, "a half-edge occurs twice");
+    for &[a, b] in &edges {
+        assert!(edges.binary_search(&[b, a]).is_ok(), "an edge is open");
+    }
+    assert_eq!(hull.points.len() + hull.triangles.len(), count / 2 + 2, "Euler's formula");
+    let mut used: Vec<u32> = hull.triangles.iter().flatten().copied().collect();
+    used.sort_unstable();
+    used.dedup();
+    assert_eq!(used.len(), hull.points.len(), "a vertex is unused");
+    let own = worst_outside(hull, &hull.points);
+    assert!(own <= 1e-9 * size, "not convex by {}", own / size);
+    let outside = worst_outside(hull, points);
+    assert!(outside <= DEFAULT_TOLERANCE * size * 1.01, "a point is outside by {}", outside / size);
+    assert!(hull.points.iter().all(|vertex| points.contains(vertex)), "a vertex is invented");
+}
+
+fn grid(counts: [usize; 3]) -> Vec<Point> {
+    let mut points = Vec::new();
+    for x in 0..counts[0] {
+        for y in 0..counts[1] {
+            for z in 0..counts[2] {
+                points.push([x as f64, y as f64, z as f64]);
+            }
+        }
+    }
+    points
+}
+
+#[test]
+fn a_box_with_points_all_over_it_has_eight_vertices() {
+    let points = grid([7, 5, 4]);
+    let hull = convex_hull(&points).unwrap();
+    check(&hull, &points);
+    assert_eq!(hull.points.len(), 8);
+    assert_eq!(hull.triangles.len(), 12);
+    assert!((hull.volume() - 6.0 * 4.0 * 3.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_rotated_box_grid_keeps_only_its_corners() {
+    let (sin, cos) = 0.7f64.sin_cos();
+    let points: Vec<Point> = grid([6, 6, 6])
+        .into_iter()
+        .map(|[x, y, z]| [cos * x - sin * y, sin * x + cos * y, z + 0.3 * x - 0.1 * y])
+        .collect();
+    let hull = convex_hull(&points).unwrap();
+    check(&hull, &points);
+    assert_eq!(hull.points.len(), 8);
+}
+
+#[test]
+fn duplicates_change_nothing() {
+    let mut points = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let once = convex_hull(&points).unwrap();
+    points.extend(points.clone());
+    let twice = convex_hull(&points).unwrap();
+    assert_eq!(once, twice);
+    assert!((once.volume() - 1.0 / 6.0).abs() < 1e-15);
+}
+
+#[test]
+fn cospherical_points_are_all_vertices() {
+    let mut points = Vec::new();
+    for i in 0..24 {
+        for j in 1..12 {
+            let (azimuth, polar) = (
+                f64::from(i) * std::f64::consts::TAU / 24.0,
+                f64::from(j) * std::f64::consts::PI / 12.0,
+            );
+            points.push([polar.sin() * azimuth.cos(), polar.sin() * azimuth.sin(), polar.cos()]);
+        }
+    }
+    let hull = convex_hull(&points).unwrap();
+    check(&hull, &points);
+    assert_eq!(hull.points.len(), points.len());
+}
+
+#[test]
+fn a_dense_nearly_flat_cap_stays_convex() {
+    // The case that broke an early quickhull: many points, each barely in front of the others.
+    let mut points = vec![[0.0, 0.0, -1.0]];
+    for i in 0..60 {
+        for j in 0..60 {
+            let (x, y) = (f64::from(i) / 60.0 - 0.5, f64::from(j) / 60.0 - 0.5);
+            points.push([x, y, -1e-6 * (x * x + y * y)]);
+        }
+    }
+    check(&convex_hull(&points).unwrap(), &points);
+}
+
+#[test]
+fn needles_and_plates_are_hulls_as_long_as_they_are_thicker_than_the_tolerance() {
+    for thickness in [1e-1, 1e-3, 1e-5, 1e-6] {
+        let plate: Vec<Point> =
+            grid([9, 7, 2]).into_iter().map(|[x, y, z]| [x, y, 10.0 * z * thickness]).collect();
+        check(&convex_hull(&plate).unwrap(), &plate);
+        let needle: Vec<Point> = grid([9, 2, 2])
+            .into_iter()
+            .map(|[x, y, z]| [x, 10.0 * y * thickness, 10.0 * z * thickness])
+            .collect();
+        check(&convex_hull(&needle).unwrap(), &needle);
+    }
+}
+
+#[test]
+fn flat_linear_and_pointlike_sets_are_recognised() {
+    let mut builder = HullBuilder::new();
+    assert_eq!(builder.build(&grid([4, 5, 1])), Shape::Flat);
+    assert_eq!(builder.build(&grid([4, 1, 1])), Shape::Linear);
+    assert_eq!(builder.build(&grid([1, 1, 1])), Shape::Point);
+    assert_eq!(builder.build(&[]), Shape::Point);
+    assert_eq!(builder.build(&[[f64::NAN; 3], [f64::INFINITY; 3]]), Shape::Point);
+    assert!(convex_hull(&grid([4, 5, 1])).is_err());
+}
+
+#[test]
+fn a_flat_set_grows_against_its_normal() {
+    let points = grid([4, 4, 1]);
+    let mut builder = HullBuilder::new();
+    let (hull, added) = solid_hull(&mut builder, &points, [0.0, 0.0, 1.0], 0.0).unwrap();
+    let wanted = MINIMUM_THICKNESS * diagonal(&points);
+    assert!((added - wanted).abs() < 1e-12);
+    let bounds = hull.bounds().unwrap();
+    assert_eq!(bounds.max[2], 0.0, "the outer side stays");
+    assert!((bounds.min[2] + wanted).abs() < 1e-12);
+    assert_eq!(hull.points.len(), 8);
+}
+
+#[test]
+fn lines_and_spots_become_bodies() {
+    let mut builder = HullBuilder::new();
+    let (rod, _) = solid_hull(&mut builder, &grid([5, 1, 1]), [0.0, 1.0, 0.0], 0.0).unwrap();
+    assert!(rod.volume() > 0.0);
+    assert_eq!(rod.bounds().unwrap().max[1], 0.0);
+    let (spot, _) = solid_hull(&mut builder, &grid([1, 1, 1]), [0.0; 3], 0.5).unwrap();
+    assert!((spot.volume() - 0.125).abs() < 1e-6, "{}", spot.volume());
+    assert!(solid_hull(&mut builder, &[], [0.0; 3], 0.5).is_err());
+}
+
+#[test]
+fn an_inserted_point_gives_the_same_volume_as_building_anew() {
+    let mut builder = HullBuilder::new();
+    let all = random_points(7, 200);
+    builder.build(&all[..150]);
+    builder.insert(&all[150..]);
+    let grown = ConvexHull::from(builder.extract());
+    check(&grown, &all);
+    let anew = convex_hull(&all).unwrap();
+    assert!((grown.volume() - anew.volume()).abs() < 1e-9);
+}
+
+#[test]
+fn far_from_the_origin_and_at_any_scale_the_triangles_are_the_same() {
+    let points = random_points(3, 80);
+    let hull = convex_hull(&points).unwrap();
+    for scale in [1e-150, 1e-20, 1e20, 1e150] {
+        let scaled: Vec<Point> = points.iter().map(|p| p.map(|x| x * scale)).collect();
+        assert_eq!(convex_hull(&scaled).unwrap().triangles.len(), hull.triangles.len());
+    }
+    let moved: Vec<Point> = points.iter().map(|p| p.map(|x| x + 1000.0)).collect();
+    assert_eq!(convex_hull(&moved).unwrap().triangles, hull.triangles);
+}
+
+fn random_points(seed: u64, count: usize) -> Vec<Point> {
+    let mut state = seed;
+    let mut next = || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    };
+    (0..count).map(|_| [next(), next(), next()]).collect()
+}
+
+/// Coordinates that are often equal, nearly equal, or on a grid.
+fn awkward_coordinate() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        (-4i32..=4).prop_map(f64::from),
+        (-4i32..=4).prop_map(|x| f64::from(x) + 1e-9),
+        (-4i32..=4).prop_map(|x| f64::from(x) - 3e-7),
+        -1.0..1.0,
+        (-1.0f32..1.0).prop_map(f64::from),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(400))]
+
+    #[test]
+    fn every_hull_is_convex_closed_and_holds_its_points(
+        points in prop::collection::vec(prop::array::uniform3(awkward_coordinate()), 4..120)
+    ) {
+        if let Ok(hull) = convex_hull(&points) {
+            check(&hull, &points);
+        }
+    }
+
+    #[test]
+    fn every_hull_that_grew_is_convex_closed_and_holds_its_points(
+        points in prop::collection::vec(prop::array::uniform3(awkward_coordinate()), 8..80),
+        first in 4usize..40,
+    ) {
+        let mut builder = HullBuilder::new();
+        let first = first.min(points.len());
+        if builder.build(&points[..first]) == Shape::Solid {
+            builder.insert(&points[first..]);
+            check(&builder.extract().into(), &points);
+        }
+    }
+
+    #[test]
+    fn every_set_of_points_gets_a_body(
+        points in prop::collection::vec(prop::array::uniform3(awkward_coordinate()), 1..40),
+        flatten in prop::array::uniform3(prop::bool::ANY),
+    ) {
+        let points: Vec<Point> = points
+            .iter()
+            .map(|p| [0, 1, 2].map(|axis| if flatten[axis] { 0.5 } else { p[axis] }))
+            .collect();
+        let mut builder = HullBuilder::new();
+        let (hull, _) = solid_hull(&mut builder, &points, [0.0, 0.0, 1.0], 1e-3).unwrap();
+        prop_assert!(hull.volume() > 0.0);
+        prop_assert!(worst_outside(&hull, &points) <= 2.0 * DEFAULT_TOLERANCE * 14.0);
+    }
+}
