@@ -1,7 +1,19 @@
 //! The input as the pipeline works on it: repaired, normalised, simplified.
 
+#![expect(
+    dead_code,
+    reason = "the stages that use this module are connected once all of them exist"
+)]
+
 use crate::Repairs;
-use crate::vector::{Vector, add, scale, subtract};
+use crate::vector::{Vector, add, length, maximum, minimum, scale, subtract};
+
+pub(crate) mod adjacency;
+mod components;
+mod edges;
+mod orientation;
+pub(crate) mod repair;
+mod weld;
 
 /// Vertices and triangles that index them.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -19,6 +31,29 @@ pub(crate) struct Normalization {
 }
 
 impl Normalization {
+    /// Without overflow for coordinates up to half the largest number. The diagonal is 0 where its
+    /// inverse would not be finite, as for a single point.
+    pub(crate) fn of(points: impl Iterator<Item = Vector>) -> Self {
+        let mut low = [f64::INFINITY; 3];
+        let mut high = [f64::NEG_INFINITY; 3];
+        for point in points {
+            low = minimum(low, point);
+            high = maximum(high, point);
+        }
+        let extent = subtract(high, low);
+        let longest = extent[0].max(extent[1]).max(extent[2]);
+        if longest < f64::MIN_POSITIVE {
+            return Self {
+                centre: [0.0; 3],
+                diagonal: 0.0,
+            };
+        }
+        Self {
+            centre: add(scale(low, 0.5), scale(high, 0.5)),
+            diagonal: longest * length(scale(extent, 1.0 / longest)),
+        }
+    }
+
     pub(crate) fn normalize(&self, point: Vector) -> Vector {
         scale(subtract(point, self.centre), 1.0 / self.diagonal)
     }
@@ -36,9 +71,12 @@ pub(crate) struct PreparedMesh {
     pub normalization: Normalization,
     /// For each triangle its index in the input.
     pub source_triangles: Vec<u32>,
+    /// For each vertex its index in the input; of welded ones the first.
+    pub source_vertices: Vec<u32>,
     /// For each triangle its connected component (over shared edges).
     pub components: Vec<u32>,
-    /// For each component whether it has neither open nor non-manifold edges.
+    /// For each component whether each of its edges has exactly two triangles, which run along
+    /// it in opposite directions.
     pub closed: Vec<bool>,
     pub repairs: Repairs,
 }

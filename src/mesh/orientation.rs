@@ -1,0 +1,252 @@
+//! Winding: consistent within each patch, outward where a patch encloses a volume.
+//!
+//! 1. Within a patch that has two sides, the minority by area is turned around.
+//! 2. If the solid patches together enclose a negative volume, the whole mesh is turned around:
+//!    the input is left-handed.
+//! 3. A solid patch whose volume is still negative is turned around, unless it is a cavity: unless
+//!    it lies inside others.
+
+use robust::{Coord, orient2d};
+
+use super::components::{Connectivity, PatchKind};
+use crate::vector::{Vector, add, area_normal, dot, length, maximum, minimum, scale, subtract};
+
+/// A patch with holes counts as solid if its volume differs by less than this share of itself
+/// wherever in its bounding box the holes' lids meet. Small holes pass. A box without a lid (0.2)
+/// does not: which of its sides is meant, its author knows better.
+const NEARLY_CLOSED: f64 = 0.1;
+
+/// Turns triangles around as the module's head says. Returns for each whether it was.
+///
+/// Linear time, and for cavities that times the logarithm of their number.
+pub(crate) fn orient(
+    positions: &[Vector],
+    triangles: &mut [[u32; 3]],
+    connectivity: &Connectivity,
+) -> Vec<bool> {
+    let mut turned = make_consistent(positions, triangles, connectivity);
+    let mut solids = Solids::measure(positions, triangles, connectivity, &turned);
+    if solids.volumes.iter().sum::<f64>() < 0.0 {
+        turned.iter_mut().for_each(|turned| *turned = !*turned);
+        solids
+            .volumes
+            .iter_mut()
+            .for_each(|volume| *volume = -*volume);
+    }
+    if solids.volumes.iter().any(|&volume| volume < 0.0) {
+        let inverted = inverted_solids(positions, triangles, connectivity, &turned, &solids);
+        for (turned, &patch) in turned.iter_mut().zip(&connectivity.patches) {
+            *turned ^= inverted[patch as usize];
+        }
+    }
+    for (triangle, _) in triangles
+        .iter_mut()
+        .zip(&turned)
+        .filter(|(_, turned)| **turned)
+    {
+        triangle.swap(1, 2);
+    }
+    turned
+}
+
+fn corners(positions: &[Vector], triangle: [u32; 3]) -> [Vector; 3] {
+    triangle.map(|vertex| positions[vertex as usize])
+}
+
+/// For each triangle whether it must be turned to agree with most of its patch.
+fn make_consistent(
+    positions: &[Vector],
+    triangles: &[[u32; 3]],
+    connectivity: &Connectivity,
+) -> Vec<bool> {
+    let reversed = &connectivity.reversed;
+    if !reversed.contains(&true) {
+        return vec![false; triangles.len()];
+    }
+    // Area of what agrees with the first triangle of the patch, less the area of the rest.
+    let mut majority = vec![0.0; connectivity.kinds.len()];
+    for (t, &triangle) in triangles.iter().enumerate() {
+        let [a, b, c] = corners(positions, triangle);
+        let area = length(area_normal(a, b, c));
+        majority[connectivity.patches[t] as usize] += if reversed[t] { -area } else { area };
+    }
+    connectivity
+        .patches
+        .iter()
+        .zip(reversed)
+        .map(|(&patch, &reversed)| {
+            let agrees_with_majority = reversed == (majority[patch as usize] < 0.0);
+            connectivity.kinds[patch as usize] != PatchKind::Twisted && !agrees_with_majority
+        })
+        .collect()
+}
+
+/// What the patches enclose.
+struct Solids {
+    /// For each patch six times its signed volume, or 0 where it encloses none.
+    volumes: Vec<f64>,
+    /// Bounding boxes of the patches.
+    boxes: Vec<[Vector; 2]>,
+}
+
+impl Solids {
+    fn measure(
+        positions: &[Vector],
+        triangles: &[[u32; 3]],
+        connectivity: &Connectivity,
+        turned: &[bool],
+    ) -> Self {
+        let count = connectivity.kinds.len();
+        let mut boxes = vec![[[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]]; count];
+        for (&triangle, &patch) in triangles.iter().zip(&connectivity.patches) {
+            let [low, high] = &mut boxes[patch as usize];
+            for corner in corners(positions, triangle) {
+                *low = minimum(*low, corner);
+                *high = maximum(*high, corner);
+            }
+        }
+        let mut volumes = vec![0.0; count];
+        let mut vector_areas = vec![[0.0; 3]; count];
+        for (t, &triangle) in triangles.iter().enumerate() {
+            let patch = connectivity.patches[t] as usize;
+            let [low, high] = boxes[patch];
+            let centre = scale(add(low, high), 0.5);
+            let [a, b, c] = corners(positions, triangle);
+            let sign = if turned[t] { -1.0 } else { 1.0 };
+            let normal = scale(area_normal(a, b, c), sign);
+            volumes[patch] += dot(normal, subtract(a, centre));
+            vector_areas[patch] = add(vector_areas[patch], normal);
+        }
+        for patch in 0..count {
+            let [low, high] = boxes[patch];
+            let half = scale(subtract(high, low), 0.5);
+            let uncertain = dot(vector_areas[patch].map(f64::abs), half);
+            let solid = match connectivity.kinds[patch] {
+                PatchKind::Closed => true,
+                PatchKind::Open => uncertain < NEARLY_CLOSED * volumes[patch].abs(),
+                PatchKind::Twisted => false,
+            };
+            if !solid {
+                volumes[patch] = 0.0;
+            }
+        }
+        Self { volumes, boxes }
+    }
+
+    fn box_contains(&self, outer: usize, inner: usize) -> bool {
+        let [outer, inner] = [self.boxes[outer], self.boxes[inner]];
+        (0..3).all(|axis| outer[0][axis] <= inner[0][axis] && inner[1][axis] <= outer[1][axis])
+    }
+}
+
+/// A solid of negative volume, and the ray along x that tells what it lies in.
+struct Query {
+    patch: usize,
+    origin: Vector,
+}
+
+/// For each patch whether it is a solid of negative volume that lies in nothing.
+fn inverted_solids(
+    positions: &[Vector],
+    triangles: &[[u32; 3]],
+    connectivity: &Connectivity,
+    turned: &[bool],
+    solids: &Solids,
+) -> Vec<bool> {
+    let mut queries: Vec<Query> = Vec::new();
+    let mut has_query = vec![false; solids.volumes.len()];
+    for (&triangle, &patch) in triangles.iter().zip(&connectivity.patches) {
+        let patch = patch as usize;
+        if solids.volumes[patch] < 0.0 && !has_query[patch] {
+            has_query[patch] = true;
+            let [a, b, c] = corners(positions, triangle);
+            let origin = scale(add(a, add(b, c)), 1.0 / 3.0);
+            queries.push(Query { patch, origin });
+        }
+    }
+    queries.sort_by(|a, b| a.origin[1].total_cmp(&b.origin[1]));
+
+    // For each crossing of a ray: query, patch, and its share in the winding number.
+    let mut crossings: Vec<(usize, usize, i32)> = Vec::new();
+    for (t, &triangle) in triangles.iter().enumerate() {
+        let patch = connectivity.patches[t] as usize;
+        if solids.volumes[patch] == 0.0 {
+            continue;
+        }
+        let [a, mut b, mut c] = corners(positions, triangle);
+        if turned[t] {
+            std::mem::swap(&mut b, &mut c);
+        }
+        let low = minimum(a, minimum(b, c));
+        let high = maximum(a, maximum(b, c));
+        let first = queries.partition_point(|query| query.origin[1] < low[1]);
+        for (index, query) in queries.iter().enumerate().skip(first) {
+            if query.origin[1] > high[1] {
+                break;
+            }
+            let misses = query.origin[2] < low[2]
+                || query.origin[2] > high[2]
+                || query.origin[0] > high[0]
+                || query.patch == patch
+                || !solids.box_contains(patch, query.patch);
+            if !misses {
+                let share = crossing(query.origin, [a, b, c]);
+                if share != 0 {
+                    crossings.push((index, patch, share));
+                }
+            }
+        }
+    }
+
+    // What encloses is larger, so that it is decided first whether that is turned around.
+    crossings.sort_unstable();
+    let mut order: Vec<usize> = (0..queries.len()).collect();
+    order.sort_by(|&a, &b| {
+        let volume = |index: usize| solids.volumes[queries[index].patch];
+        volume(a).total_cmp(&volume(b)).then(a.cmp(&b))
+    });
+    let mut inverted = vec![false; solids.volumes.len()];
+    for index in order {
+        let start = crossings.partition_point(|crossing| crossing.0 < index);
+        let winding: i32 = crossings[start..]
+            .iter()
+            .take_while(|crossing| crossing.0 == index)
+            .map(|&(_, patch, share)| if inverted[patch] { -share } else { share })
+            .sum();
+        inverted[queries[index].patch] = winding <= 0;
+    }
+    inverted
+}
+
+/// What a triangle adds to the winding number of `origin`: 1 if the ray from there along x leaves
+/// through its back, -1 if it enters through its front, 0 if it misses.
+///
+/// Rays through edges and vertices count once: the ray is moved by an infinitesimal (δ, δ²) in y
+/// and z, and the sides of edges are exact.
+fn crossing(origin: Vector, [a, b, c]: [Vector; 3]) -> i32 {
+    let side = side_of(a, b, origin);
+    if side == 0 || side != side_of(b, c, origin) || side != side_of(c, a, origin) {
+        return 0;
+    }
+    let in_front = dot(area_normal(a, b, c), subtract(origin, a));
+    let ahead = if side > 0 {
+        in_front < 0.0
+    } else {
+        in_front > 0.0
+    };
+    if ahead { side } else { 0 }
+}
+
+/// On which side of the line from `from` to `to` the point lies, all seen along x.
+fn side_of(from: Vector, to: Vector, point: Vector) -> i32 {
+    let flat = |v: Vector| Coord { x: v[1], y: v[2] };
+    let sign = |x: f64| i32::from(x > 0.0) - i32::from(x < 0.0);
+    let exact = sign(orient2d(flat(from), flat(to), flat(point)));
+    if exact != 0 {
+        exact
+    } else if from[2] != to[2] {
+        sign(from[2] - to[2])
+    } else {
+        sign(to[1] - from[1])
+    }
+}
