@@ -13,6 +13,7 @@ mod components;
 mod edges;
 mod orientation;
 pub(crate) mod repair;
+pub(crate) mod simplify;
 mod weld;
 
 /// Vertices and triangles that index them.
@@ -79,4 +80,23 @@ pub(crate) struct PreparedMesh {
     /// it in opposite directions.
     pub closed: Vec<bool>,
     pub repairs: Repairs,
+}
+
+/// Renumbers the vertices that triangles use, in their order. Returns for each its old number.
+fn compact(triangles: &mut [[u32; 3]], vertices: usize) -> Vec<u32> {
+    let mut new_numbers = vec![0_u32; vertices];
+    for &vertex in triangles.as_flattened() {
+        new_numbers[vertex as usize] = 1;
+    }
+    let mut old_numbers = Vec::new();
+    for (old, new) in (0_u32..).zip(&mut new_numbers) {
+        if *new == 1 {
+            *new = old_numbers.len() as u32;
+            old_numbers.push(old);
+        }
+    }
+    for vertex in triangles.as_flattened_mut() {
+        *vertex = new_numbers[*vertex as usize];
+    }
+    old_numbers
 }

@@ -8,7 +8,7 @@
 use super::components::Connectivity;
 use super::orientation::orient;
 use super::weld::weld;
-use super::{Normalization, PreparedMesh, TriangleMesh};
+use super::{Normalization, PreparedMesh, TriangleMesh, compact};
 use crate::decompose::Coordinate;
 use crate::vector::{Vector, area_normal, length_squared, subtract};
 use crate::{Control, Error, Repairs};
@@ -193,7 +193,7 @@ impl Survey {
 }
 
 /// Whether a triangle of the normalised mesh is, within rounding, no triangle.
-fn is_degenerate(positions: &[Vector], triangle: [u32; 3]) -> bool {
+pub(super) fn is_degenerate(positions: &[Vector], triangle: [u32; 3]) -> bool {
     let [i, j, k] = triangle;
     if i == j || j == k || k == i {
         return true;
@@ -208,7 +208,7 @@ fn is_degenerate(positions: &[Vector], triangle: [u32; 3]) -> bool {
 /// Drops triangles whose vertices an earlier one has too, in whatever order. Returns how many.
 ///
 /// Triangles are sorted by their least vertex by counting, then by the others in short runs.
-fn drop_duplicates(
+pub(super) fn drop_duplicates(
     triangles: &mut Vec<[u32; 3]>,
     source_triangles: &mut Vec<u32>,
     vertices: usize,
@@ -249,23 +249,4 @@ fn drop_duplicates(
         source_triangles.retain(|_| keep.next().unwrap_or(true));
     }
     duplicates
-}
-
-/// Renumbers the vertices that triangles use, in their order. Returns for each its old number.
-fn compact(triangles: &mut [[u32; 3]], vertices: usize) -> Vec<u32> {
-    let mut new_numbers = vec![0_u32; vertices];
-    for &vertex in triangles.as_flattened() {
-        new_numbers[vertex as usize] = 1;
-    }
-    let mut old_numbers = Vec::new();
-    for (old, new) in (0_u32..).zip(&mut new_numbers) {
-        if *new == 1 {
-            *new = old_numbers.len() as u32;
-            old_numbers.push(old);
-        }
-    }
-    for vertex in triangles.as_flattened_mut() {
-        *vertex = new_numbers[*vertex as usize];
-    }
-    old_numbers
 }

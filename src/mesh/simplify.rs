@@ -1,0 +1,451 @@
+//! Mesh simplification [3.2]: fewer triangles, nearly the same surface.
+//!
+//! The work is done by meshoptimizer: edges are collapsed, those that change the surface least
+//! first, each onto one of its two vertices, so that a vertex of the result is exactly one of the
+//! source. It stops at the target alone, whatever the error.
+//!
+//! **When the target can't be reached.** The library never tears a surface and never joins two,
+//! so locked non-manifold vertices can keep it above the target; that is rare. More often it gets
+//! there by collapsing whole components to nothing, smallest first. A part must not vanish, so
+//! each lost component is brought back, simplified on its own to a dozen triangles: the result
+//! then has more triangles than the target. Too many triangles cost time, a lost part costs
+//! the shape.
+//!
+//! Thin parts of a closed mesh may end as two triangles back to back, with the same vertices.
+//! They stay: they are all that is left of the part.
+
+use std::borrow::Cow;
+
+use meshopt::{SimplifyOptions, simplify_decoder};
+
+use super::repair::is_degenerate;
+use super::{TriangleMesh, compact};
+use crate::vector::{Vector, area_normal, length};
+
+/// Far above any error that a mesh of diagonal 1 can have: only the target stops simplification.
+const ANY_ERROR: f32 = 10.0;
+
+/// The number of triangles to aim for: `triangles` times Q, rounded down, again and again until
+/// it is at most `maximum`, the paper's r. A step takes away at least one triangle. With Q = 1
+/// there is no simplification.
+pub(crate) fn simplification_target(triangles: usize, quality: f64, maximum: usize) -> usize {
+    if quality >= 1.0 {
+        return triangles;
+    }
+    let mut target = triangles;
+    while target > maximum {
+        target = ((target as f64 * quality) as usize).min(target - 1);
+    }
+    target
+}
+
+/// A simplified mesh, and where it comes from.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct SimplifiedMesh {
+    /// Each vertex is exactly one of the mesh that was simplified.
+    pub mesh: TriangleMesh,
+    /// For each vertex its index in the mesh that was simplified.
+    pub source_vertices: Vec<u32>,
+    /// For each triangle its component.
+    pub components: Vec<u32>,
+    /// How far the surface moved, as the simplifier estimates it.
+    pub error: f64,
+}
+
+/// A component that simplification lost comes back with this many triangles: a box needs them.
+const LOST_COMPONENT_TRIANGLES: usize = 12;
+
+/// A component counts as lost if it has fewer triangles than [`LOST_COMPONENT_TRIANGLES`] with
+/// less than this share of its area. An octahedron has 0.55 of the area of the sphere around it,
+/// a flat triangle, seen from both sides, 0.21.
+const LEAST_AREA_KEPT: f64 = 0.25;
+
+/// Fewer triangles: `target`, or more where the module's head says so. Never none.
+///
+/// `components` holds the component of each triangle. Time O(n log n) in the number of triangles.
+pub(crate) fn simplify(mesh: &TriangleMesh, components: &[u32], target: usize) -> SimplifiedMesh {
+    if target >= mesh.triangles.len() {
+        return SimplifiedMesh {
+            mesh: mesh.clone(),
+            source_vertices: (0..mesh.positions.len() as u32).collect(),
+            components: components.to_vec(),
+            error: 0.0,
+        };
+    }
+    let separated = Separated::new(mesh, components);
+    let (mut triangles, error) = collapse_edges(&separated.positions, &separated.triangles, target);
+    triangles.retain(|&triangle| !is_degenerate(&separated.positions, triangle));
+    bring_back_lost(&separated, components, &mut triangles);
+    let components = triangles.iter().map(|&t| separated.component(t)).collect();
+    for vertex in triangles.as_flattened_mut() {
+        *vertex = separated.source_vertex(*vertex);
+    }
+    let source_vertices = compact(&mut triangles, mesh.positions.len());
+    SimplifiedMesh {
+        mesh: TriangleMesh {
+            positions: source_vertices
+                .iter()
+                .map(|&vertex| mesh.positions[vertex as usize])
+                .collect(),
+            triangles,
+        },
+        source_vertices,
+        components,
+        error,
+    }
+}
+
+/// The one call to the library: triangles of the same vertices, `target` of them if possible,
+/// and the error that the library estimates.
+fn collapse_edges(
+    positions: &[Vector],
+    triangles: &[[u32; 3]],
+    target: usize,
+) -> (Vec<[u32; 3]>, f64) {
+    let positions: Vec<[f32; 3]> = positions.iter().map(|p| p.map(|x| x as f32)).collect();
+    let mut error = 0.0;
+    let indices = simplify_decoder(
+        triangles.as_flattened(),
+        &positions,
+        3 * target,
+        ANY_ERROR,
+        SimplifyOptions::ErrorAbsolute,
+        Some(&mut error),
+    );
+    let (triangles, _) = indices.as_chunks();
+    (triangles.to_vec(), f64::from(error))
+}
+
+/// A mesh whose components share no vertex: where they touch, all but one have a copy.
+///
+/// The library sees that copies are at the same place and does not move them. A shared vertex it
+/// would move, and with it the triangles of one component into the other.
+struct Separated<'a> {
+    positions: Cow<'a, [Vector]>,
+    triangles: Cow<'a, [[u32; 3]]>,
+    /// For each vertex its component; empty if there is only one.
+    owners: Vec<u32>,
+    /// For each copy the vertex that it is a copy of. Copies come after all vertices.
+    copied: Vec<u32>,
+    vertices: usize,
+}
+
+impl<'a> Separated<'a> {
+    fn new(mesh: &'a TriangleMesh, components: &[u32]) -> Self {
+        let vertices = mesh.positions.len();
+        let mut separated = Self {
+            positions: Cow::Borrowed(&mesh.positions),
+            triangles: Cow::Borrowed(&mesh.triangles),
+            owners: Vec::new(),
+            copied: Vec::new(),
+            vertices,
+        };
+        if components.iter().all(|&component| component == 0) {
+            return separated;
+        }
+        const NOBODY: u32 = u32::MAX;
+        separated.owners = vec![NOBODY; vertices];
+        let mut copies: Vec<(u32, u32)> = Vec::new();
+        for (triangle, &component) in mesh.triangles.iter().zip(components) {
+            for &vertex in triangle {
+                let owner = &mut separated.owners[vertex as usize];
+                if *owner == NOBODY {
+                    *owner = component;
+                } else if *owner != component {
+                    copies.push((vertex, component));
+                }
+            }
+        }
+        if copies.is_empty() {
+            return separated;
+        }
+        copies.sort_unstable();
+        copies.dedup();
+        let positions = separated.positions.to_mut();
+        for &(vertex, component) in &copies {
+            positions.push(mesh.positions[vertex as usize]);
+            separated.owners.push(component);
+            separated.copied.push(vertex);
+        }
+        let triangles = separated.triangles.to_mut();
+        for (triangle, &component) in triangles.iter_mut().zip(components) {
+            for vertex in triangle {
+                if separated.owners[*vertex as usize] != component {
+                    let copy = copies.partition_point(|entry| *entry < (*vertex, component));
+                    *vertex = (vertices + copy) as u32;
+                }
+            }
+        }
+        separated
+    }
+
+    fn component(&self, triangle: [u32; 3]) -> u32 {
+        self.owners.get(triangle[0] as usize).copied().unwrap_or(0)
+    }
+
+    fn source_vertex(&self, vertex: u32) -> u32 {
+        match (vertex as usize).checked_sub(self.vertices) {
+            Some(copy) => self.copied[copy],
+            None => vertex,
+        }
+    }
+}
+
+/// Gives each component of which too little is left a coarse version of its own.
+fn bring_back_lost(mesh: &Separated<'_>, components: &[u32], triangles: &mut Vec<[u32; 3]>) {
+    let count = components.iter().max().map_or(0, |&most| most as usize + 1);
+    let before = measure(mesh, &mesh.triangles, count);
+    let after = measure(mesh, triangles, count);
+    let lost: Vec<bool> = (0..count)
+        .map(|component| is_lost(before[component], after[component]))
+        .collect();
+    if !lost.contains(&true) {
+        return;
+    }
+    triangles.retain(|&triangle| !lost[mesh.component(triangle) as usize]);
+    let mut parts: Vec<Vec<[u32; 3]>> = vec![Vec::new(); count];
+    for (&triangle, &component) in mesh.triangles.iter().zip(components) {
+        if lost[component as usize] {
+            parts[component as usize].push(triangle);
+        }
+    }
+    for (part, before) in parts.into_iter().zip(before) {
+        triangles.extend(simplify_alone(&mesh.positions, part, before));
+    }
+}
+
+/// Number of triangles, and twice their area.
+type Measure = (usize, f64);
+
+fn measure(mesh: &Separated<'_>, triangles: &[[u32; 3]], count: usize) -> Vec<Measure> {
+    let mut measures = vec![(0, 0.0); count];
+    for &triangle in triangles {
+        let (number, area) = &mut measures[mesh.component(triangle) as usize];
+        *number += 1;
+        *area += doubled_area(&mesh.positions, triangle);
+    }
+    measures
+}
+
+fn doubled_area(positions: &[Vector], triangle: [u32; 3]) -> f64 {
+    let [a, b, c] = triangle.map(|vertex| positions[vertex as usize]);
+    length(area_normal(a, b, c))
+}
+
+fn is_lost(before: Measure, after: Measure) -> bool {
+    after.0 < LOST_COMPONENT_TRIANGLES.min(before.0) && after.1 < LEAST_AREA_KEPT * before.1
+}
+
+/// The triangles of one component, as few as keep it from being lost.
+fn simplify_alone(positions: &[Vector], part: Vec<[u32; 3]>, before: Measure) -> Vec<[u32; 3]> {
+    let mut sorted: Vec<u32> = part.as_flattened().to_vec();
+    sorted.sort_unstable();
+    sorted.dedup();
+    let own_positions: Vec<Vector> = sorted.iter().map(|&v| positions[v as usize]).collect();
+    let own = |vertex: u32| sorted.partition_point(|&other| other < vertex) as u32;
+    let own_part: Vec<[u32; 3]> = part.iter().map(|triangle| triangle.map(own)).collect();
+
+    let mut target = LOST_COMPONENT_TRIANGLES;
+    while target < part.len() {
+        let (mut coarse, _) = collapse_edges(&own_positions, &own_part, target);
+        coarse.retain(|&triangle| !is_degenerate(&own_positions, triangle));
+        let area = coarse
+            .iter()
+            .map(|&t| doubled_area(&own_positions, t))
+            .sum();
+        if !is_lost(before, (coarse.len(), area)) {
+            return coarse
+                .iter()
+                .map(|triangle| triangle.map(|vertex| sorted[vertex as usize]))
+                .collect();
+        }
+        target *= 2;
+    }
+    part
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
+    use crate::vector::{add, scale};
+
+    #[test]
+    fn the_target_is_the_count_times_q_until_it_is_at_most_r() {
+        // 11258, 9006, 7204, 5763, 4610, 3688, 2950, 2360, 1888, 1510, 1208, 966, 772, 617, 493
+        assert_eq!(simplification_target(11_258, 0.8, 3000), 2950);
+        assert_eq!(simplification_target(11_258, 0.8, 2000), 1888);
+        assert_eq!(simplification_target(11_258, 0.8, 1000), 966);
+        assert_eq!(simplification_target(11_258, 0.8, 500), 493);
+    }
+
+    #[test]
+    fn what_is_small_enough_stays() {
+        assert_eq!(simplification_target(500, 0.8, 500), 500);
+        assert_eq!(simplification_target(12, 0.8, 500), 12);
+    }
+
+    #[test]
+    fn a_quality_of_one_means_no_simplification() {
+        assert_eq!(simplification_target(11_258, 1.0, 500), 11_258);
+    }
+
+    #[test]
+    fn each_step_takes_away_a_triangle_at_least() {
+        assert_eq!(simplification_target(1000, 0.999_999, 3), 3);
+        assert_eq!(simplification_target(1000, 1e-9, 3), 0);
+    }
+
+    /// A sphere of `2 n (n - 1)` triangles.
+    fn sphere(n: u32, centre: Vector, radius: f64) -> TriangleMesh {
+        let mut mesh = TriangleMesh::default();
+        let mut point = |theta: f64, phi: f64| {
+            let direction = [
+                theta.sin() * phi.cos(),
+                theta.sin() * phi.sin(),
+                theta.cos(),
+            ];
+            mesh.positions.push(add(centre, scale(direction, radius)));
+        };
+        let step = std::f64::consts::PI / f64::from(n);
+        point(0.0, 0.0);
+        for i in 1..n {
+            for j in 0..n {
+                point(f64::from(i) * step, f64::from(j) * 2.0 * step);
+            }
+        }
+        point(std::f64::consts::PI, 0.0);
+        let last = mesh.positions.len() as u32 - 1;
+        let at = |i: u32, j: u32| 1 + (i - 1) * n + j % n;
+        for j in 0..n {
+            mesh.triangles.push([0, at(1, j), at(1, j + 1)]);
+            for i in 1..n - 1 {
+                mesh.triangles
+                    .push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
+                mesh.triangles
+                    .push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+            }
+            mesh.triangles.push([last, at(n - 1, j + 1), at(n - 1, j)]);
+        }
+        mesh
+    }
+
+    /// Several meshes as the components of one.
+    fn join(parts: &[TriangleMesh]) -> (TriangleMesh, Vec<u32>) {
+        let mut mesh = TriangleMesh::default();
+        let mut components = Vec::new();
+        for (component, part) in (0..).zip(parts) {
+            let first = mesh.positions.len() as u32;
+            mesh.positions.extend(&part.positions);
+            let moved = part.triangles.iter().map(|t| t.map(|v| v + first));
+            mesh.triangles.extend(moved);
+            components.extend(vec![component; part.triangles.len()]);
+        }
+        (mesh, components)
+    }
+
+    fn assert_sound(simplified: &SimplifiedMesh, source: &TriangleMesh) {
+        let mesh = &simplified.mesh;
+        assert_eq!(mesh.triangles.len(), simplified.components.len());
+        assert_eq!(mesh.positions.len(), simplified.source_vertices.len());
+        for (position, &vertex) in mesh.positions.iter().zip(&simplified.source_vertices) {
+            assert_eq!(position, &source.positions[vertex as usize]);
+        }
+        for &triangle in &mesh.triangles {
+            assert!(!is_degenerate(&mesh.positions, triangle));
+        }
+        let mut used = vec![false; mesh.positions.len()];
+        for &vertex in mesh.triangles.as_flattened() {
+            used[vertex as usize] = true;
+        }
+        assert!(!used.contains(&false));
+    }
+
+    #[test]
+    fn a_sphere_reaches_its_target_and_stays_closed() {
+        let source = sphere(40, [0.0; 3], 0.28);
+        let components = vec![0; source.triangles.len()];
+        for target in [2000, 1000, 250] {
+            let simplified = simplify(&source, &components, target);
+            assert_sound(&simplified, &source);
+            let reached = simplified.mesh.triangles.len();
+            assert!(reached <= target && reached + 10 > target, "{reached}");
+            let adjacency = Adjacency::new(&simplified.mesh);
+            assert!(!adjacency.neighbours.contains(&NO_NEIGHBOUR));
+        }
+    }
+
+    #[test]
+    fn a_target_that_is_reached_already_changes_nothing() {
+        let source = sphere(8, [0.0; 3], 0.28);
+        let components = vec![0; source.triangles.len()];
+        let simplified = simplify(&source, &components, source.triangles.len());
+        assert_eq!(simplified.mesh, source);
+        assert_eq!(simplified.error, 0.0);
+    }
+
+    #[test]
+    fn no_component_vanishes() {
+        let mut parts = vec![sphere(40, [0.0; 3], 0.2)];
+        for i in 0..12 {
+            let angle = f64::from(i) * 0.5;
+            let centre = [0.27 * angle.cos(), 0.27 * angle.sin(), 0.0];
+            parts.push(sphere(8, centre, 0.004));
+        }
+        let (source, components) = join(&parts);
+        let simplified = simplify(&source, &components, 50);
+        assert_sound(&simplified, &source);
+        let measure_all = |mesh: &TriangleMesh, components: &[u32]| {
+            measure(&Separated::new(mesh, components), &mesh.triangles, 13)
+        };
+        let before = measure_all(&source, &components);
+        let after = measure_all(&simplified.mesh, &simplified.components);
+        for (before, after) in before.into_iter().zip(after) {
+            assert!(after.0 >= 4 && !is_lost(before, after), "{after:?}");
+        }
+        assert!(simplified.mesh.triangles.len() < 250);
+    }
+
+    #[test]
+    fn loose_triangles_all_stay() {
+        let mut source = TriangleMesh::default();
+        for i in 0..100_u32 {
+            let x = f64::from(i) * 0.005 - 0.25;
+            source
+                .positions
+                .extend([[x, 0.0, 0.0], [x + 0.004, 0.0, 0.0], [x, 0.004, 0.0]]);
+            source.triangles.push([3 * i, 3 * i + 1, 3 * i + 2]);
+        }
+        let components: Vec<u32> = (0..100).collect();
+        let simplified = simplify(&source, &components, 10);
+        assert_sound(&simplified, &source);
+        let mut left = simplified.components;
+        left.sort_unstable();
+        assert_eq!(left, components);
+    }
+
+    #[test]
+    fn components_that_touch_at_a_vertex_stay_apart() {
+        let mut source = sphere(20, [0.0; 3], 0.1);
+        let half = source.triangles.len();
+        let other = sphere(20, [0.0, 0.0, 0.2], 0.1);
+        // The north pole of the first is the south pole of the second.
+        let offset = source.positions.len() as u32;
+        let south = other.positions.len() as u32 - 1;
+        source.positions.extend(&other.positions);
+        let number = |v: u32| if v == south { 0 } else { v + offset };
+        let moved = other.triangles.iter().map(|t| t.map(number));
+        source.triangles.extend(moved);
+        let components: Vec<u32> = (0..source.triangles.len())
+            .map(|t| u32::from(t >= half))
+            .collect();
+        let simplified = simplify(&source, &components, 60);
+        for (triangle, &component) in simplified.mesh.triangles.iter().zip(&simplified.components) {
+            let height = triangle
+                .iter()
+                .map(|&v| simplified.mesh.positions[v as usize][2])
+                .sum::<f64>();
+            assert_eq!(component, u32::from(height > 0.3));
+        }
+    }
+}
