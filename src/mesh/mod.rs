@@ -13,6 +13,8 @@ mod components;
 mod edges;
 mod orientation;
 pub(crate) mod repair;
+#[cfg(test)]
+pub(crate) mod shapes;
 pub(crate) mod simplify;
 mod weld;
 

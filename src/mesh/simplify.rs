@@ -268,7 +268,7 @@ fn simplify_alone(positions: &[Vector], part: Vec<[u32; 3]>, before: Measure) ->
 mod tests {
     use super::*;
     use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
-    use crate::vector::{add, scale};
+    use crate::mesh::shapes::{join, uv_sphere};
 
     #[test]
     fn the_target_is_the_count_times_q_until_it_is_at_most_r() {
@@ -296,52 +296,13 @@ mod tests {
         assert_eq!(simplification_target(1000, 1e-9, 3), 0);
     }
 
-    /// A sphere of `2 n (n - 1)` triangles.
-    fn sphere(n: u32, centre: Vector, radius: f64) -> TriangleMesh {
-        let mut mesh = TriangleMesh::default();
-        let mut point = |theta: f64, phi: f64| {
-            let direction = [
-                theta.sin() * phi.cos(),
-                theta.sin() * phi.sin(),
-                theta.cos(),
-            ];
-            mesh.positions.push(add(centre, scale(direction, radius)));
-        };
-        let step = std::f64::consts::PI / f64::from(n);
-        point(0.0, 0.0);
-        for i in 1..n {
-            for j in 0..n {
-                point(f64::from(i) * step, f64::from(j) * 2.0 * step);
-            }
-        }
-        point(std::f64::consts::PI, 0.0);
-        let last = mesh.positions.len() as u32 - 1;
-        let at = |i: u32, j: u32| 1 + (i - 1) * n + j % n;
-        for j in 0..n {
-            mesh.triangles.push([0, at(1, j), at(1, j + 1)]);
-            for i in 1..n - 1 {
-                mesh.triangles
-                    .push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
-                mesh.triangles
-                    .push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
-            }
-            mesh.triangles.push([last, at(n - 1, j + 1), at(n - 1, j)]);
-        }
-        mesh
-    }
-
     /// Several meshes as the components of one.
-    fn join(parts: &[TriangleMesh]) -> (TriangleMesh, Vec<u32>) {
-        let mut mesh = TriangleMesh::default();
-        let mut components = Vec::new();
-        for (component, part) in (0..).zip(parts) {
-            let first = mesh.positions.len() as u32;
-            mesh.positions.extend(&part.positions);
-            let moved = part.triangles.iter().map(|t| t.map(|v| v + first));
-            mesh.triangles.extend(moved);
-            components.extend(vec![component; part.triangles.len()]);
-        }
-        (mesh, components)
+    fn join_components(parts: &[TriangleMesh]) -> (TriangleMesh, Vec<u32>) {
+        let components = (0_u32..)
+            .zip(parts)
+            .flat_map(|(component, part)| vec![component; part.triangles.len()])
+            .collect();
+        (join(parts), components)
     }
 
     fn assert_sound(simplified: &SimplifiedMesh, source: &TriangleMesh) {
@@ -363,7 +324,7 @@ mod tests {
 
     #[test]
     fn a_sphere_reaches_its_target_and_stays_closed() {
-        let source = sphere(40, [0.0; 3], 0.28);
+        let source = uv_sphere(40, [0.0; 3], 0.28);
         let components = vec![0; source.triangles.len()];
         for target in [2000, 1000, 250] {
             let simplified = simplify(&source, &components, target);
@@ -377,7 +338,7 @@ mod tests {
 
     #[test]
     fn a_target_that_is_reached_already_changes_nothing() {
-        let source = sphere(8, [0.0; 3], 0.28);
+        let source = uv_sphere(8, [0.0; 3], 0.28);
         let components = vec![0; source.triangles.len()];
         let simplified = simplify(&source, &components, source.triangles.len());
         assert_eq!(simplified.mesh, source);
@@ -386,13 +347,13 @@ mod tests {
 
     #[test]
     fn no_component_vanishes() {
-        let mut parts = vec![sphere(40, [0.0; 3], 0.2)];
+        let mut parts = vec![uv_sphere(40, [0.0; 3], 0.2)];
         for i in 0..12 {
             let angle = f64::from(i) * 0.5;
             let centre = [0.27 * angle.cos(), 0.27 * angle.sin(), 0.0];
-            parts.push(sphere(8, centre, 0.004));
+            parts.push(uv_sphere(8, centre, 0.004));
         }
-        let (source, components) = join(&parts);
+        let (source, components) = join_components(&parts);
         let simplified = simplify(&source, &components, 50);
         assert_sound(&simplified, &source);
         let measure_all = |mesh: &TriangleMesh, components: &[u32]| {
@@ -426,9 +387,9 @@ mod tests {
 
     #[test]
     fn components_that_touch_at_a_vertex_stay_apart() {
-        let mut source = sphere(20, [0.0; 3], 0.1);
+        let mut source = uv_sphere(20, [0.0; 3], 0.1);
         let half = source.triangles.len();
-        let other = sphere(20, [0.0, 0.0, 0.2], 0.1);
+        let other = uv_sphere(20, [0.0, 0.0, 0.2], 0.1);
         // The north pole of the first is the south pole of the second.
         let offset = source.positions.len() as u32;
         let south = other.positions.len() as u32 - 1;
