@@ -44,12 +44,7 @@ impl Adjacency {
             .collect();
         let (offsets, incident) = incident_triangles(triangles, mesh.positions.len());
         let neighbours = neighbours(triangles, mesh.positions.len(), &normals);
-        Self {
-            normals,
-            neighbours,
-            offsets,
-            incident,
-        }
+        Self { normals, neighbours, offsets, incident }
     }
 
     /// The triangles that use a vertex, ascending.
@@ -64,11 +59,7 @@ impl Adjacency {
     #[inline]
     pub(crate) fn triangle_neighbours(&self, triangle: u32) -> [u32; 3] {
         let start = 3 * triangle as usize;
-        [
-            self.neighbours[start],
-            self.neighbours[start + 1],
-            self.neighbours[start + 2],
-        ]
+        [self.neighbours[start], self.neighbours[start + 1], self.neighbours[start + 2]]
     }
 }
 
@@ -113,9 +104,8 @@ fn pair_flattest_first(
     edge: Edge<'_>,
     join: &mut impl FnMut(u32, u32),
 ) {
-    let (forward, backward): (Vec<u32>, Vec<u32>) = edge
-        .half_edges()
-        .partition(|&half_edge| ascends(triangles, half_edge));
+    let (forward, backward): (Vec<u32>, Vec<u32>) =
+        edge.half_edges().partition(|&half_edge| ascends(triangles, half_edge));
     if edge.len() > MOST_PAIRED_BY_ANGLE {
         for (&a, &b) in forward.iter().zip(&backward) {
             join(a, b);
@@ -144,10 +134,7 @@ mod tests {
     use super::*;
 
     fn mesh(positions: &[Vector], triangles: &[[u32; 3]]) -> TriangleMesh {
-        TriangleMesh {
-            positions: positions.to_vec(),
-            triangles: triangles.to_vec(),
-        }
+        TriangleMesh { positions: positions.to_vec(), triangles: triangles.to_vec() }
     }
 
     fn assert_symmetric(adjacency: &Adjacency) {
@@ -185,10 +172,7 @@ mod tests {
             &[[0, 1, 2], [0, 2, 3]],
         );
         let none = NO_NEIGHBOUR;
-        assert_eq!(
-            Adjacency::new(&square).neighbours,
-            [none, none, 1, 0, none, none]
-        );
+        assert_eq!(Adjacency::new(&square).neighbours, [none, none, 1, 0, none, none]);
     }
 
     /// Triangles on one common edge from vertex 0 to vertex 1, like pages of a book. A page's
@@ -200,11 +184,7 @@ mod tests {
             let (sine, cosine) = degrees.to_radians().sin_cos();
             let outer = positions.len() as u32;
             positions.push([cosine, sine, 0.5]);
-            triangles.push(if forward {
-                [0, 1, outer]
-            } else {
-                [1, 0, outer]
-            });
+            triangles.push(if forward { [0, 1, outer] } else { [1, 0, outer] });
         }
         mesh(&positions, &triangles)
     }
@@ -256,9 +236,8 @@ mod tests {
 
     #[test]
     fn a_thousand_triangles_at_one_edge_are_paired_too() {
-        let pages: Vec<(f64, bool)> = (0..1000_u32)
-            .map(|page| (f64::from(page) * 0.36, page % 2 == 0))
-            .collect();
+        let pages: Vec<(f64, bool)> =
+            (0..1000_u32).map(|page| (f64::from(page) * 0.36, page % 2 == 0)).collect();
         let adjacency = Adjacency::new(&book(&pages));
         assert_symmetric(&adjacency);
         assert!((0..1000).all(|page| partner(&adjacency, page) != NO_NEIGHBOUR));

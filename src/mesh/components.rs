@@ -85,10 +85,7 @@ impl Connectivity {
             let patch = patches[edge.half_edge(0) as usize / 3];
             closed[component_of_patch[patch as usize] as usize] = false;
         }
-        let components = patches
-            .iter()
-            .map(|&patch| component_of_patch[patch as usize])
-            .collect();
+        let components = patches.iter().map(|&patch| component_of_patch[patch as usize]).collect();
         Self {
             patches,
             reversed,
@@ -136,9 +133,7 @@ const TURNED: u32 = 1 << 31;
 
 impl ParityForest {
     fn new(elements: usize) -> Self {
-        Self {
-            links: (0..elements as u32).collect(),
-        }
+        Self { links: (0..elements as u32).collect() }
     }
 
     /// The set's first element, with the bit that says whether `element` is turned against it.
@@ -271,11 +266,7 @@ mod tests {
         let mut triangles = TETRAHEDRON.to_vec();
         triangles.push([0, 1, 4]);
         let connectivity = Connectivity::new(&triangles, 5);
-        assert_eq!(
-            connectivity.kinds,
-            [PatchKind::Closed, PatchKind::Open],
-            "tetrahedron and fin"
-        );
+        assert_eq!(connectivity.kinds, [PatchKind::Closed, PatchKind::Open], "tetrahedron and fin");
         assert_eq!(connectivity.closed, [false]);
         assert_eq!(connectivity.open_edges, 2);
         assert_eq!(connectivity.non_manifold_edges, 1);

@@ -46,10 +46,7 @@ impl Normalization {
         let extent = subtract(high, low);
         let longest = extent[0].max(extent[1]).max(extent[2]);
         if longest < f64::MIN_POSITIVE {
-            return Self {
-                centre: [0.0; 3],
-                diagonal: 0.0,
-            };
+            return Self { centre: [0.0; 3], diagonal: 0.0 };
         }
         Self {
             centre: add(scale(low, 0.5), scale(high, 0.5)),

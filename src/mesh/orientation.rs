@@ -28,10 +28,7 @@ pub(crate) fn orient(
     let mut solids = Solids::measure(positions, triangles, connectivity, &turned);
     if solids.volumes.iter().sum::<f64>() < 0.0 {
         turned.iter_mut().for_each(|turned| *turned = !*turned);
-        solids
-            .volumes
-            .iter_mut()
-            .for_each(|volume| *volume = -*volume);
+        solids.volumes.iter_mut().for_each(|volume| *volume = -*volume);
     }
     if solids.volumes.iter().any(|&volume| volume < 0.0) {
         let inverted = inverted_solids(positions, triangles, connectivity, &turned, &solids);
@@ -39,11 +36,7 @@ pub(crate) fn orient(
             *turned ^= inverted[patch as usize];
         }
     }
-    for (triangle, _) in triangles
-        .iter_mut()
-        .zip(&turned)
-        .filter(|(_, turned)| **turned)
-    {
+    for (triangle, _) in triangles.iter_mut().zip(&turned).filter(|(_, turned)| **turned) {
         triangle.swap(1, 2);
     }
     turned
@@ -229,11 +222,7 @@ fn crossing(origin: Vector, [a, b, c]: [Vector; 3]) -> i32 {
         return 0;
     }
     let in_front = dot(area_normal(a, b, c), subtract(origin, a));
-    let ahead = if side > 0 {
-        in_front < 0.0
-    } else {
-        in_front > 0.0
-    };
+    let ahead = if side > 0 { in_front < 0.0 } else { in_front > 0.0 };
     if ahead { side } else { 0 }
 }
 

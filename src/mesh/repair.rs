@@ -46,10 +46,7 @@ pub(crate) fn prepare<C: Coordinate>(
     let survey = Survey::new(positions.len(), triangles, position);
     repairs.non_finite_triangles = survey.non_finite_triangles;
     if survey.candidates.is_empty() || survey.normalization.diagonal == 0.0 {
-        return Err(nothing_usable(
-            triangles.len(),
-            repairs.non_finite_triangles,
-        ));
+        return Err(nothing_usable(triangles.len(), repairs.non_finite_triangles));
     }
     let normalized: Vec<Vector> = positions
         .iter()
@@ -76,10 +73,7 @@ pub(crate) fn prepare<C: Coordinate>(
     });
     repairs.degenerate_triangles = triangles.len() - repairs.non_finite_triangles - kept.len();
     if kept.is_empty() {
-        return Err(nothing_usable(
-            triangles.len(),
-            repairs.non_finite_triangles,
-        ));
+        return Err(nothing_usable(triangles.len(), repairs.non_finite_triangles));
     }
     repairs.duplicate_triangles =
         drop_duplicates(&mut kept, &mut source_triangles, positions.len());
@@ -118,35 +112,23 @@ pub(crate) fn prepare<C: Coordinate>(
 }
 
 fn nothing_usable(triangles: usize, non_finite: usize) -> Error {
-    Error::NothingUsable {
-        triangles,
-        degenerate: triangles - non_finite,
-        non_finite,
-    }
+    Error::NothingUsable { triangles, degenerate: triangles - non_finite, non_finite }
 }
 
 fn validate(vertices: usize, triangles: &[[u32; 3]]) -> Result<(), Error> {
     if vertices == 0 || triangles.is_empty() {
-        return Err(Error::EmptyMesh {
-            vertices,
-            triangles: triangles.len(),
-        });
+        return Err(Error::EmptyMesh { vertices, triangles: triangles.len() });
     }
-    for (what, count, limit) in [
-        ("vertices", vertices, MOST_VERTICES),
-        ("triangles", triangles.len(), MOST_TRIANGLES),
-    ] {
+    for (what, count, limit) in
+        [("vertices", vertices, MOST_VERTICES), ("triangles", triangles.len(), MOST_TRIANGLES)]
+    {
         if count > limit {
             return Err(Error::TooLarge { what, count, limit });
         }
     }
     for (t, triangle) in triangles.iter().enumerate() {
         if let Some(&index) = triangle.iter().find(|&&index| index as usize >= vertices) {
-            return Err(Error::IndexOutOfRange {
-                triangle: t,
-                index,
-                vertices,
-            });
+            return Err(Error::IndexOutOfRange { triangle: t, index, vertices });
         }
     }
     Ok(())
@@ -179,10 +161,8 @@ impl Survey {
                 }
             }
         }
-        let used_positions = (0_u32..)
-            .zip(&used)
-            .filter(|(_, used)| **used)
-            .map(|(vertex, _)| position(vertex));
+        let used_positions =
+            (0_u32..).zip(&used).filter(|(_, used)| **used).map(|(vertex, _)| position(vertex));
         Self {
             normalization: Normalization::of(used_positions),
             candidates,
@@ -286,11 +266,7 @@ mod tests {
 
     fn moved(mesh: &TriangleMesh, factor: f64, offset: f64) -> TriangleMesh {
         TriangleMesh {
-            positions: mesh
-                .positions
-                .iter()
-                .map(|p| p.map(|x| x * factor + offset))
-                .collect(),
+            positions: mesh.positions.iter().map(|p| p.map(|x| x * factor + offset)).collect(),
             triangles: mesh.triangles.clone(),
         }
     }
@@ -319,11 +295,8 @@ mod tests {
 
     #[test]
     fn single_precision_gives_the_same() {
-        let positions: Vec<[f32; 3]> = cube()
-            .positions
-            .iter()
-            .map(|p| p.map(|x| x as f32))
-            .collect();
+        let positions: Vec<[f32; 3]> =
+            cube().positions.iter().map(|p| p.map(|x| x as f32)).collect();
         let prepared = prepare(&positions, &cube().triangles, &Control::new());
         assert_eq!(prepared, Ok(repaired(&cube())));
     }
@@ -345,22 +318,15 @@ mod tests {
     fn an_index_out_of_range_is_named() {
         assert_eq!(
             refused(&[[0.0; 3]; 3], &[[0, 1, 2], [0, 3, 1]]),
-            Error::IndexOutOfRange {
-                triangle: 1,
-                index: 3,
-                vertices: 3
-            }
+            Error::IndexOutOfRange { triangle: 1, index: 3, vertices: 3 }
         );
     }
 
     #[test]
     fn a_point_a_line_and_nan_are_not_usable() {
         let nan = f64::NAN;
-        let unusable = |degenerate, non_finite| Error::NothingUsable {
-            triangles: 1,
-            degenerate,
-            non_finite,
-        };
+        let unusable =
+            |degenerate, non_finite| Error::NothingUsable { triangles: 1, degenerate, non_finite };
         assert_eq!(refused(&[[2.0; 3]; 3], &[[0, 1, 2]]), unusable(1, 0));
         let line = [[0.0; 3], [1.0; 3], [2.0; 3]];
         assert_eq!(refused(&line, &[[0, 1, 2]]), unusable(1, 0));
@@ -419,15 +385,8 @@ mod tests {
         let prepared = repaired(&mesh);
         assert_eq!(prepared.mesh.positions.len(), 24 * 12);
         assert_eq!(prepared.closed, [true]);
-        for (&position, &source) in prepared
-            .mesh
-            .positions
-            .iter()
-            .zip(&prepared.source_vertices)
-        {
-            let expected = prepared
-                .normalization
-                .normalize(mesh.positions[source as usize]);
+        for (&position, &source) in prepared.mesh.positions.iter().zip(&prepared.source_vertices) {
+            let expected = prepared.normalization.normalize(mesh.positions[source as usize]);
             assert_eq!(position, expected);
         }
         assert_eq!(prepared.source_vertices[..3], [0, 1, 2]);
@@ -605,11 +564,7 @@ mod tests {
         mesh.positions[7][2] = f64::INFINITY;
         mesh.positions.push([9.0; 3]);
         let prepared = repaired(&mesh);
-        let Repairs {
-            welded_vertices,
-            unused_vertices,
-            ..
-        } = prepared.repairs;
+        let Repairs { welded_vertices, unused_vertices, .. } = prepared.repairs;
         assert_eq!(
             prepared.mesh.positions.len() + welded_vertices + unused_vertices,
             mesh.positions.len()

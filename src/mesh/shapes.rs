@@ -10,9 +10,7 @@ use crate::vector::{Vector, add, scale};
 pub(crate) fn cuboid(low: Vector, high: Vector) -> TriangleMesh {
     let pick = |bit: usize, axis: usize| if bit == 0 { low[axis] } else { high[axis] };
     TriangleMesh {
-        positions: (0..8)
-            .map(|v| [pick(v & 1, 0), pick(v & 2, 1), pick(v & 4, 2)])
-            .collect(),
+        positions: (0..8).map(|v| [pick(v & 1, 0), pick(v & 2, 1), pick(v & 4, 2)]).collect(),
         triangles: vec![
             [0, 2, 3],
             [0, 3, 1],
@@ -34,11 +32,7 @@ pub(crate) fn cuboid(low: Vector, high: Vector) -> TriangleMesh {
 pub(crate) fn uv_sphere(n: u32, centre: Vector, radius: f64) -> TriangleMesh {
     let mut mesh = TriangleMesh::default();
     let mut point = |theta: f64, phi: f64| {
-        let direction = [
-            theta.sin() * phi.cos(),
-            theta.sin() * phi.sin(),
-            theta.cos(),
-        ];
+        let direction = [theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()];
         mesh.positions.push(add(centre, scale(direction, radius)));
     };
     let step = PI / f64::from(n);
@@ -54,10 +48,8 @@ pub(crate) fn uv_sphere(n: u32, centre: Vector, radius: f64) -> TriangleMesh {
     for j in 0..n {
         mesh.triangles.push([0, at(1, j), at(1, j + 1)]);
         for i in 1..n - 1 {
-            mesh.triangles
-                .push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
-            mesh.triangles
-                .push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+            mesh.triangles.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
+            mesh.triangles.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
         }
         mesh.triangles.push([last, at(n - 1, j + 1), at(n - 1, j)]);
     }
@@ -68,8 +60,7 @@ pub(crate) fn uv_sphere(n: u32, centre: Vector, radius: f64) -> TriangleMesh {
 pub(crate) fn hemisphere(n: u32) -> TriangleMesh {
     let mut mesh = uv_sphere(n, [0.0; 3], 1.0);
     let positions = &mesh.positions;
-    mesh.triangles
-        .retain(|triangle| triangle.iter().all(|&v| positions[v as usize][2] > -1e-9));
+    mesh.triangles.retain(|triangle| triangle.iter().all(|&v| positions[v as usize][2] > -1e-9));
     mesh
 }
 
@@ -79,17 +70,11 @@ pub(crate) fn torus(n: u32, m: u32) -> TriangleMesh {
     let at = |i: u32, j: u32| (i % n) * m + j % m;
     for i in 0..n {
         for j in 0..m {
-            let (a, b) = (
-                f64::from(i) * TAU / f64::from(n),
-                f64::from(j) * TAU / f64::from(m),
-            );
+            let (a, b) = (f64::from(i) * TAU / f64::from(n), f64::from(j) * TAU / f64::from(m));
             let r = 1.0 + 0.3 * b.cos();
-            mesh.positions
-                .push([r * a.cos(), r * a.sin(), 0.3 * b.sin()]);
-            mesh.triangles
-                .push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
-            mesh.triangles
-                .push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+            mesh.positions.push([r * a.cos(), r * a.sin(), 0.3 * b.sin()]);
+            mesh.triangles.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
+            mesh.triangles.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
         }
     }
     mesh
@@ -102,15 +87,13 @@ pub(crate) fn mobius_strip(n: u32) -> TriangleMesh {
         let a = f64::from(i) * TAU / f64::from(n);
         for side in [-0.3, 0.3] {
             let r = 1.0 + side * (a / 2.0).cos();
-            mesh.positions
-                .push([r * a.cos(), r * a.sin(), side * (a / 2.0).sin()]);
+            mesh.positions.push([r * a.cos(), r * a.sin(), side * (a / 2.0).sin()]);
         }
         let (mut c, mut d) = (2 * ((i + 1) % n), 2 * ((i + 1) % n) + 1);
         if i + 1 == n {
             std::mem::swap(&mut c, &mut d);
         }
-        mesh.triangles
-            .extend([[2 * i, c, 2 * i + 1], [2 * i + 1, c, d]]);
+        mesh.triangles.extend([[2 * i, c, 2 * i + 1], [2 * i + 1, c, d]]);
     }
     mesh
 }

@@ -196,9 +196,8 @@ fn bring_back_lost(mesh: &Separated<'_>, components: &[u32], triangles: &mut Vec
     let count = components.iter().max().map_or(0, |&most| most as usize + 1);
     let before = measure(mesh, &mesh.triangles, count);
     let after = measure(mesh, triangles, count);
-    let lost: Vec<bool> = (0..count)
-        .map(|component| is_lost(before[component], after[component]))
-        .collect();
+    let lost: Vec<bool> =
+        (0..count).map(|component| is_lost(before[component], after[component])).collect();
     if !lost.contains(&true) {
         return;
     }
@@ -249,10 +248,7 @@ fn simplify_alone(positions: &[Vector], part: Vec<[u32; 3]>, before: Measure) ->
     while target < part.len() {
         let (mut coarse, _) = collapse_edges(&own_positions, &own_part, target);
         coarse.retain(|&triangle| !is_degenerate(&own_positions, triangle));
-        let area = coarse
-            .iter()
-            .map(|&t| doubled_area(&own_positions, t))
-            .sum();
+        let area = coarse.iter().map(|&t| doubled_area(&own_positions, t)).sum();
         if !is_lost(before, (coarse.len(), area)) {
             return coarse
                 .iter()
@@ -372,9 +368,7 @@ mod tests {
         let mut source = TriangleMesh::default();
         for i in 0..100_u32 {
             let x = f64::from(i) * 0.005 - 0.25;
-            source
-                .positions
-                .extend([[x, 0.0, 0.0], [x + 0.004, 0.0, 0.0], [x, 0.004, 0.0]]);
+            source.positions.extend([[x, 0.0, 0.0], [x + 0.004, 0.0, 0.0], [x, 0.004, 0.0]]);
             source.triangles.push([3 * i, 3 * i + 1, 3 * i + 2]);
         }
         let components: Vec<u32> = (0..100).collect();
@@ -397,15 +391,12 @@ mod tests {
         let number = |v: u32| if v == south { 0 } else { v + offset };
         let moved = other.triangles.iter().map(|t| t.map(number));
         source.triangles.extend(moved);
-        let components: Vec<u32> = (0..source.triangles.len())
-            .map(|t| u32::from(t >= half))
-            .collect();
+        let components: Vec<u32> =
+            (0..source.triangles.len()).map(|t| u32::from(t >= half)).collect();
         let simplified = simplify(&source, &components, 60);
         for (triangle, &component) in simplified.mesh.triangles.iter().zip(&simplified.components) {
-            let height = triangle
-                .iter()
-                .map(|&v| simplified.mesh.positions[v as usize][2])
-                .sum::<f64>();
+            let height =
+                triangle.iter().map(|&v| simplified.mesh.positions[v as usize][2]).sum::<f64>();
             assert_eq!(component, u32::from(height > 0.3));
         }
     }

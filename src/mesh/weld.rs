@@ -26,9 +26,7 @@ const NONE: u32 = u32::MAX;
 ///
 /// Positions are normalised. Linear time, unless more vertices than usual lie in one cell.
 pub(crate) fn weld(positions: &[Vector], used: &[bool]) -> Vec<u32> {
-    let slots = (positions.len() * SLOTS_PER_VERTEX)
-        .next_power_of_two()
-        .max(2);
+    let slots = (positions.len() * SLOTS_PER_VERTEX).next_power_of_two().max(2);
     let shift = 64 - slots.trailing_zeros();
     let mut heads = vec![NONE; slots];
     let mut next = vec![NONE; positions.len()];
@@ -123,11 +121,7 @@ mod tests {
                 for k in 0..9 {
                     let step = 7.3 * WELD_TOLERANCE;
                     let jitter = f64::from((i * 31 + j * 17 + k * 7) % 5) * 0.35 * WELD_TOLERANCE;
-                    let point = [
-                        f64::from(i) * step,
-                        f64::from(j) * step,
-                        f64::from(k) * step,
-                    ];
+                    let point = [f64::from(i) * step, f64::from(j) * step, f64::from(k) * step];
                     positions.push(point);
                     positions.push([point[0] + jitter, point[1] - jitter, point[2]]);
                 }
