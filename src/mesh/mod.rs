@@ -9,7 +9,9 @@ use crate::Repairs;
 use crate::vector::{Vector, add, length, maximum, minimum, scale, subtract};
 
 pub(crate) mod adjacency;
+mod caps;
 mod components;
+mod degenerate;
 mod edges;
 mod orientation;
 pub(crate) mod repair;
@@ -69,7 +71,7 @@ pub(crate) struct PreparedMesh {
     /// Welded, oriented, and normalised.
     pub mesh: TriangleMesh,
     pub normalization: Normalization,
-    /// For each triangle its index in the input.
+    /// For each triangle its index in the input, ascending. Twice where a triangle was split.
     pub source_triangles: Vec<u32>,
     /// For each vertex its index in the input; of welded ones the first.
     pub source_vertices: Vec<u32>,
@@ -98,4 +100,80 @@ fn compact(triangles: &mut [[u32; 3]], vertices: usize) -> Vec<u32> {
         *vertex = new_numbers[*vertex as usize];
     }
     old_numbers
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::adjacency::{Adjacency, NO_NEIGHBOUR};
+    use super::degenerate::is_degenerate;
+    use super::repair::prepare;
+    use super::simplify::simplify;
+    use super::*;
+    use crate::{Control, Error};
+
+    /// Triangles of few points on a coarse grid: full of everything that is wrong with meshes.
+    fn soup() -> impl Strategy<Value = TriangleMesh> {
+        let point = prop::array::uniform3((0..4_i32).prop_map(f64::from));
+        let points = prop::collection::vec(point, 3..20);
+        points.prop_flat_map(|positions| {
+            let index = 0..positions.len() as u32;
+            let triangles = prop::collection::vec(prop::array::uniform3(index), 1..120);
+            triangles
+                .prop_map(move |triangles| TriangleMesh { positions: positions.clone(), triangles })
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn any_soup_is_repaired_or_refused(soup in soup()) {
+            let result = prepare(&soup.positions, &soup.triangles, &Control::new());
+            let prepared = match result {
+                Ok(prepared) => prepared,
+                Err(error) => {
+                    let is_expected = matches!(error, Error::NothingUsable { .. });
+                    prop_assert!(is_expected);
+                    return Ok(());
+                }
+            };
+            let PreparedMesh { mesh, components, closed, repairs, .. } = prepared;
+            prop_assert!(!mesh.triangles.iter().any(|&t| is_degenerate(&mesh.positions, t)));
+            prop_assert!(prepared.source_triangles.is_sorted());
+            prop_assert_eq!(mesh.positions.len(), prepared.source_vertices.len());
+
+            let adjacency = Adjacency::new(&mesh);
+            for (entry, &other) in adjacency.neighbours.iter().enumerate() {
+                let own = entry as u32 / 3;
+                if other == NO_NEIGHBOUR {
+                    prop_assert!(!closed[components[own as usize] as usize]);
+                } else {
+                    prop_assert!(adjacency.triangle_neighbours(other).contains(&own));
+                    prop_assert_eq!(components[own as usize], components[other as usize]);
+                }
+            }
+            if closed.iter().all(|&closed| closed) {
+                prop_assert_eq!(repairs.open_edges + repairs.non_manifold_edges, 0);
+            }
+
+            let simplified = simplify(&mesh, &components, mesh.triangles.len() / 3);
+            for component in 0..closed.len() as u32 {
+                prop_assert!(simplified.components.contains(&component));
+            }
+        }
+
+        #[test]
+        fn repairing_again_changes_nothing(soup in soup()) {
+            let repair = |mesh: &TriangleMesh| {
+                prepare(&mesh.positions, &mesh.triangles, &Control::new())
+            };
+            if let Ok(once) = repair(&soup) {
+                let twice = repair(&once.mesh).expect("usable once, usable twice");
+                prop_assert_eq!(&twice.mesh.triangles, &once.mesh.triangles);
+                prop_assert_eq!(&twice.components, &once.components);
+                prop_assert_eq!(&twice.closed, &once.closed);
+                prop_assert_eq!(twice.repairs.flipped_triangles, 0);
+            }
+        }
+    }
 }

@@ -16,6 +16,11 @@ use crate::vector::{Vector, add, area_normal, dot, length, maximum, minimum, sca
 /// does not: which of its sides is meant, its author knows better.
 const NEARLY_CLOSED: f64 = 0.1;
 
+/// A patch whose volume is below this share of area times extent is flat, and volumes whose sum is
+/// below this share of their sizes cancel, as do areas: the sign of what is left is rounding. The thinnest box
+/// that welding leaves has 1e-6.
+const FLAT: f64 = 1e-9;
+
 /// Turns triangles around as the module's head says. Returns for each whether it was.
 ///
 /// Linear time, and for cavities that times the logarithm of their number.
@@ -26,7 +31,9 @@ pub(crate) fn orient(
 ) -> Vec<bool> {
     let mut turned = make_consistent(positions, triangles, connectivity);
     let mut solids = Solids::measure(positions, triangles, connectivity, &turned);
-    if solids.volumes.iter().sum::<f64>() < 0.0 {
+    let sum: f64 = solids.volumes.iter().sum();
+    let sum_of_sizes: f64 = solids.volumes.iter().map(|volume| volume.abs()).sum();
+    if sum < -FLAT * sum_of_sizes {
         turned.iter_mut().for_each(|turned| *turned = !*turned);
         solids.volumes.iter_mut().for_each(|volume| *volume = -*volume);
     }
@@ -56,19 +63,20 @@ fn make_consistent(
     if !reversed.contains(&true) {
         return vec![false; triangles.len()];
     }
-    // Area of what agrees with the first triangle of the patch, less the area of the rest.
-    let mut majority = vec![0.0; connectivity.kinds.len()];
+    // Area of what agrees with the first triangle of the patch, and of what does not.
+    let mut areas = vec![[0.0; 2]; connectivity.kinds.len()];
     for (t, &triangle) in triangles.iter().enumerate() {
         let [a, b, c] = corners(positions, triangle);
         let area = length(area_normal(a, b, c));
-        majority[connectivity.patches[t] as usize] += if reversed[t] { -area } else { area };
+        areas[connectivity.patches[t] as usize][usize::from(reversed[t])] += area;
     }
     connectivity
         .patches
         .iter()
         .zip(reversed)
         .map(|(&patch, &reversed)| {
-            let agrees_with_majority = reversed == (majority[patch as usize] < 0.0);
+            let [agrees, reverse] = areas[patch as usize];
+            let agrees_with_majority = reversed == (reverse > agrees * (1.0 + FLAT));
             connectivity.kinds[patch as usize] != PatchKind::Twisted && !agrees_with_majority
         })
         .collect()
@@ -100,6 +108,7 @@ impl Solids {
         }
         let mut volumes = vec![0.0; count];
         let mut vector_areas = vec![[0.0; 3]; count];
+        let mut areas = vec![0.0; count];
         for (t, &triangle) in triangles.iter().enumerate() {
             let patch = connectivity.patches[t] as usize;
             let [low, high] = boxes[patch];
@@ -109,14 +118,16 @@ impl Solids {
             let normal = scale(area_normal(a, b, c), sign);
             volumes[patch] += dot(normal, subtract(a, centre));
             vector_areas[patch] = add(vector_areas[patch], normal);
+            areas[patch] += length(normal);
         }
         for patch in 0..count {
             let [low, high] = boxes[patch];
             let half = scale(subtract(high, low), 0.5);
             let uncertain = dot(vector_areas[patch].map(f64::abs), half);
+            let has_volume = volumes[patch].abs() > FLAT * areas[patch] * length(half);
             let solid = match connectivity.kinds[patch] {
-                PatchKind::Closed => true,
-                PatchKind::Open => uncertain < NEARLY_CLOSED * volumes[patch].abs(),
+                PatchKind::Closed => has_volume,
+                PatchKind::Open => has_volume && uncertain < NEARLY_CLOSED * volumes[patch].abs(),
                 PatchKind::Twisted => false,
             };
             if !solid {
@@ -345,6 +356,20 @@ mod tests {
         open.triangles.truncate(10);
         assert_eq!(oriented(&open).1, 0);
         assert_eq!(oriented(&turn(open)).1, 0);
+    }
+
+    #[test]
+    fn a_flat_closed_patch_stays() {
+        // A square seen from both sides, with different diagonals: the sign of its volume is
+        // rounding, and once turned it would be turned again.
+        let flat = TriangleMesh {
+            positions: [[0.1, 0.2], [0.7, 0.3], [0.6, 0.9], [0.2, 0.7]]
+                .map(|[x, y]| [x, y, 0.3 * x + 0.7 * y])
+                .to_vec(),
+            triangles: vec![[0, 1, 2], [0, 2, 3], [1, 0, 3], [3, 2, 1]],
+        };
+        assert_eq!(oriented(&flat).1, 0);
+        assert_eq!(oriented(&turn(flat)).1, 0);
     }
 
     #[test]

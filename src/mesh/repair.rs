@@ -1,22 +1,18 @@
 //! Repair: any triangle soup becomes the clean mesh that the other stages work on.
 //!
 //! Triangles with a coordinate that is not finite go, the rest is moved to the origin and scaled,
-//! vertices are welded, degenerate and duplicate triangles go, winding is made consistent and
-//! outward, and connected components are found. Holes, non-manifold edges and intersections stay:
-//! they are normal input.
+//! vertices are welded, degenerate and duplicate triangles go without tearing what is around
+//! them, winding is made consistent and outward, and connected components are found. Holes,
+//! non-manifold edges and intersections stay: they are normal input.
 
 use super::components::Connectivity;
+use super::degenerate::{drop_degenerate, drop_duplicates};
 use super::orientation::orient;
 use super::weld::weld;
 use super::{Normalization, PreparedMesh, TriangleMesh, compact};
 use crate::decompose::Coordinate;
-use crate::vector::{Vector, area_normal, length_squared, subtract};
+use crate::vector::Vector;
 use crate::{Control, Error, Repairs};
-
-/// A triangle that is less high than this over its longest side, in diagonals of the bounding
-/// box, has no area. It is below the rounding of coordinates in single precision, where the
-/// normal of such a triangle means nothing.
-const LEAST_HEIGHT: f64 = 1e-8;
 
 /// Coordinates beyond this count as not finite: sums and diagonals have to stay finite.
 const LARGEST_COORDINATE: f64 = 1e300;
@@ -61,17 +57,12 @@ pub(crate) fn prepare<C: Coordinate>(
         .count();
     control.check()?;
 
-    let mut source_triangles = survey.candidates;
-    let mut kept = Vec::with_capacity(source_triangles.len());
-    source_triangles.retain(|&source| {
-        let triangle = triangles[source as usize].map(|vertex| representatives[vertex as usize]);
-        let keep = !is_degenerate(&normalized, triangle);
-        if keep {
-            kept.push(triangle);
-        }
-        keep
-    });
-    repairs.degenerate_triangles = triangles.len() - repairs.non_finite_triangles - kept.len();
+    let candidates = survey.candidates.len();
+    let corners = |t: u32| triangles[t as usize].map(|vertex| representatives[vertex as usize]);
+    let (mut kept, mut source_triangles, degenerate) =
+        drop_degenerate(&normalized, survey.candidates, corners);
+    repairs.degenerate_triangles =
+        triangles.len() - repairs.non_finite_triangles - candidates + degenerate;
     if kept.is_empty() {
         return Err(nothing_usable(triangles.len(), repairs.non_finite_triangles));
     }
@@ -172,70 +163,11 @@ impl Survey {
     }
 }
 
-/// Whether a triangle of the normalised mesh is, within rounding, no triangle.
-pub(super) fn is_degenerate(positions: &[Vector], triangle: [u32; 3]) -> bool {
-    let [i, j, k] = triangle;
-    if i == j || j == k || k == i {
-        return true;
-    }
-    let [a, b, c] = triangle.map(|vertex| positions[vertex as usize]);
-    let longest_squared = length_squared(subtract(b, a))
-        .max(length_squared(subtract(c, b)))
-        .max(length_squared(subtract(a, c)));
-    length_squared(area_normal(a, b, c)) < LEAST_HEIGHT * LEAST_HEIGHT * longest_squared
-}
-
-/// Drops triangles whose vertices an earlier one has too, in whatever order. Returns how many.
-///
-/// Triangles are sorted by their least vertex by counting, then by the others in short runs.
-pub(super) fn drop_duplicates(
-    triangles: &mut Vec<[u32; 3]>,
-    source_triangles: &mut Vec<u32>,
-    vertices: usize,
-) -> usize {
-    let mut offsets = vec![0_u32; vertices + 1];
-    for [a, b, c] in triangles.iter() {
-        offsets[*a.min(b).min(c) as usize] += 1;
-    }
-    let mut sum = 0;
-    for offset in &mut offsets {
-        sum += *offset;
-        *offset = sum;
-    }
-    let mut entries = vec![[0_u32; 3]; triangles.len()];
-    for (t, &triangle) in (0_u32..).zip(triangles.iter()) {
-        let mut sorted = triangle;
-        sorted.sort_unstable();
-        let offset = &mut offsets[sorted[0] as usize];
-        *offset -= 1;
-        entries[*offset as usize] = [sorted[1], sorted[2], t];
-    }
-    let mut is_duplicate = vec![false; triangles.len()];
-    let mut duplicates = 0;
-    for range in offsets.windows(2) {
-        let bucket = &mut entries[range[0] as usize..range[1] as usize];
-        bucket.sort_unstable();
-        for pair in bucket.windows(2) {
-            if pair[0][..2] == pair[1][..2] {
-                is_duplicate[pair[1][2] as usize] = true;
-                duplicates += 1;
-            }
-        }
-    }
-    if duplicates > 0 {
-        let mut keep = is_duplicate.iter().map(|&is_duplicate| !is_duplicate);
-        triangles.retain(|_| keep.next().unwrap_or(true));
-        let mut keep = is_duplicate.iter().map(|&is_duplicate| !is_duplicate);
-        source_triangles.retain(|_| keep.next().unwrap_or(true));
-    }
-    duplicates
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::mesh::shapes::{cuboid, join, mobius_strip, torus, turn};
-    use crate::vector::{cross, dot};
+    use crate::vector::{cross, dot, length_squared, subtract};
 
     fn repaired(mesh: &TriangleMesh) -> PreparedMesh {
         prepare(&mesh.positions, &mesh.triangles, &Control::new()).expect("usable")
@@ -449,6 +381,24 @@ mod tests {
         assert_eq!(prepared.repairs.unused_vertices, 1);
         assert_eq!(prepared.source_triangles, Vec::from_iter(1..13));
         assert_eq!(prepared.closed, [true]);
+    }
+
+    #[test]
+    fn a_box_with_a_cap_in_its_edge_stays_closed() {
+        // The edge from 0 to 1 has a middle vertex on one side, and a cap that hides it.
+        let mut mesh = cube();
+        mesh.positions.push([0.5, 0.0, 0.0]);
+        let bottom = mesh.triangles.iter().position(|t| *t == [0, 3, 1]).expect("bottom");
+        mesh.triangles[bottom] = [0, 3, 8];
+        mesh.triangles.extend([[8, 3, 1], [0, 8, 1]]);
+        let prepared = repaired(&mesh);
+        assert_eq!(prepared.repairs.degenerate_triangles, 1);
+        assert_eq!(prepared.repairs.open_edges, 0);
+        assert_eq!(prepared.closed, [true]);
+        assert_eq!(prepared.mesh.triangles.len(), 14);
+        assert!(prepared.source_triangles.is_sorted());
+        assert_eq!(prepared.source_triangles.iter().filter(|&&t| t == 2).count(), 2);
+        assert!((volume(&prepared.mesh) - volume(&repaired(&cube()).mesh)).abs() < 1e-12);
     }
 
     #[test]

@@ -1,0 +1,99 @@
+//! Triangles that carry no surface: those without area, and those that are there already.
+
+use super::caps::split_beyond_caps;
+use crate::vector::{Vector, area_normal, length_squared, subtract};
+
+/// A triangle that is less high than this over its longest side, in diagonals of the bounding
+/// box, has no area. It is below the rounding of coordinates in single precision, where the
+/// normal of such a triangle means nothing.
+const LEAST_HEIGHT: f64 = 1e-8;
+
+/// Whether a triangle of the normalised mesh is, within rounding, no triangle.
+pub(super) fn is_degenerate(positions: &[Vector], triangle: [u32; 3]) -> bool {
+    let [i, j, k] = triangle;
+    if i == j || j == k || k == i {
+        return true;
+    }
+    let [a, b, c] = triangle.map(|vertex| positions[vertex as usize]);
+    let longest_squared = length_squared(subtract(b, a))
+        .max(length_squared(subtract(c, b)))
+        .max(length_squared(subtract(a, c)));
+    length_squared(area_normal(a, b, c)) < LEAST_HEIGHT * LEAST_HEIGHT * longest_squared
+}
+
+/// The candidates that have an area, ascending, each with its number in the input; and how many
+/// have none. Where one that has none would leave a gap, what is beyond it is split.
+pub(super) fn drop_degenerate(
+    positions: &[Vector],
+    mut candidates: Vec<u32>,
+    corners: impl Fn(u32) -> [u32; 3],
+) -> (Vec<[u32; 3]>, Vec<u32>, usize) {
+    let mut degenerate = 0;
+    let mut has_caps = false;
+    let mut kept = Vec::with_capacity(candidates.len());
+    candidates.retain(|&source| {
+        let triangle @ [a, b, c] = corners(source);
+        let is_cap = is_degenerate(positions, triangle);
+        degenerate += usize::from(is_cap);
+        let keep = a != b && b != c && c != a;
+        if keep {
+            has_caps |= is_cap;
+            kept.push(triangle);
+        }
+        keep
+    });
+    if has_caps {
+        split_beyond_caps(positions, &mut kept, &mut candidates);
+        let mut paired: Vec<(u32, [u32; 3])> = candidates.into_iter().zip(kept).collect();
+        paired.retain(|&(_, triangle)| !is_degenerate(positions, triangle));
+        paired.sort_by_key(|&(source, _)| source);
+        (candidates, kept) = paired.into_iter().unzip();
+    }
+    (kept, candidates, degenerate)
+}
+
+/// Drops triangles whose vertices an earlier one has too, in whatever order. Returns how many.
+///
+/// Triangles are sorted by their least vertex by counting, then by the others in short runs.
+pub(super) fn drop_duplicates(
+    triangles: &mut Vec<[u32; 3]>,
+    source_triangles: &mut Vec<u32>,
+    vertices: usize,
+) -> usize {
+    let mut offsets = vec![0_u32; vertices + 1];
+    for [a, b, c] in triangles.iter() {
+        offsets[*a.min(b).min(c) as usize] += 1;
+    }
+    let mut sum = 0;
+    for offset in &mut offsets {
+        sum += *offset;
+        *offset = sum;
+    }
+    let mut entries = vec![[0_u32; 3]; triangles.len()];
+    for (t, &triangle) in (0_u32..).zip(triangles.iter()) {
+        let mut sorted = triangle;
+        sorted.sort_unstable();
+        let offset = &mut offsets[sorted[0] as usize];
+        *offset -= 1;
+        entries[*offset as usize] = [sorted[1], sorted[2], t];
+    }
+    let mut is_duplicate = vec![false; triangles.len()];
+    let mut duplicates = 0;
+    for range in offsets.windows(2) {
+        let bucket = &mut entries[range[0] as usize..range[1] as usize];
+        bucket.sort_unstable();
+        for pair in bucket.windows(2) {
+            if pair[0][..2] == pair[1][..2] {
+                is_duplicate[pair[1][2] as usize] = true;
+                duplicates += 1;
+            }
+        }
+    }
+    if duplicates > 0 {
+        let mut keep = is_duplicate.iter().map(|&is_duplicate| !is_duplicate);
+        triangles.retain(|_| keep.next().unwrap_or(true));
+        let mut keep = is_duplicate.iter().map(|&is_duplicate| !is_duplicate);
+        source_triangles.retain(|_| keep.next().unwrap_or(true));
+    }
+    duplicates
+}
