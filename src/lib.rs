@@ -38,6 +38,8 @@ mod decompose;
 mod decomposition;
 mod error;
 pub mod hull;
+#[cfg(feature = "io")]
+pub mod io;
 mod mesh;
 mod parameters;
 mod vector;

@@ -1,0 +1,248 @@
+//! glTF 2.0 and GLB: the triangles of the scene.
+//!
+//! The crate `gltf` (1.4) splits the GLB and reads the JSON. Its typed document and accessor
+//! readers are not used: they panic on what its validation does not look at (a GLB length under
+//! 12, accessors beyond their buffer, short strides), and the validation refuses files over
+//! materials or missing bounds that don't matter here. The JSON's structures are walked instead,
+//! each index checked. Nodes must form trees; a node that is reached twice is an error, which
+//! also stops cycles.
+//!
+//! Extensions that a file requires are refused unless they leave geometry alone, or are
+//! `KHR_mesh_quantization`.
+
+use std::path::Path;
+
+use gltf::json::accessor::Accessor;
+use gltf::json::mesh::{Mesh, Mode, Primitive, Semantic};
+use gltf::json::scene::Node;
+use gltf::json::validation::Checked;
+use gltf::json::{Index, Root};
+
+use super::accessor::Accessors;
+use super::buffers::Buffers;
+use super::text::quote;
+use super::transform::Transform;
+use super::{MeshFile, next_index};
+
+/// Most vertices and most triangles of a scene. A small file can place a mesh any number of
+/// times; this is over a hundred times what a game's collider is made from.
+const LARGEST_SCENE: usize = 1 << 25;
+
+/// A GLB begins with a magic number, its version and its length, each of four bytes.
+const GLB_HEADER: usize = 12;
+
+/// Required extensions that don't change where vertices are, by the beginning of their name.
+const HARMLESS_EXTENSIONS: [&str; 8] = [
+    "KHR_mesh_quantization",
+    "KHR_materials_",
+    "KHR_texture_",
+    "KHR_lights_",
+    "KHR_xmp",
+    "EXT_texture_",
+    "EXT_lights_",
+    "MSFT_texture_",
+];
+
+pub(super) fn read(bytes: &[u8], directory: Option<&Path>) -> Result<MeshFile, String> {
+    let (json, chunk) = if bytes.starts_with(b"glTF") { split_glb(bytes)? } else { (bytes, None) };
+    let root = Root::from_slice(json).map_err(|error| format!("JSON: {error}"))?;
+    for extension in &root.extensions_required {
+        if !HARMLESS_EXTENSIONS.iter().any(|harmless| extension.starts_with(harmless)) {
+            let extension = quote(extension.as_bytes());
+            return Err(format!("it requires the extension {extension}, which can't be read"));
+        }
+    }
+    let buffers = Buffers::new(&root, chunk, directory);
+    let mut scene = Scene {
+        root: &root,
+        accessors: Accessors::new(&root, buffers, bytes.len()),
+        file: MeshFile::default(),
+    };
+    scene.read()?;
+    Ok(scene.file)
+}
+
+/// The JSON of a GLB, and the chunk of binary data if there is one.
+fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
+    let length = bytes.get(8..GLB_HEADER).and_then(|length| length.first_chunk::<4>());
+    let length = length.map_or(0, |length| u32::from_le_bytes(*length) as usize);
+    if length < GLB_HEADER || length > bytes.len() {
+        return Err(format!("its header announces {length} bytes, but it has {}", bytes.len()));
+    }
+    let glb = gltf::Glb::from_slice(&bytes[..length]).map_err(|error| format!("GLB: {error}"))?;
+    match (glb.json, glb.bin) {
+        (std::borrow::Cow::Borrowed(json), None) => Ok((json, None)),
+        (std::borrow::Cow::Borrowed(json), Some(std::borrow::Cow::Borrowed(chunk))) => {
+            Ok((json, Some(chunk)))
+        }
+        _ => Err("GLB: its chunks could not be told apart".into()),
+    }
+}
+
+struct Scene<'a> {
+    root: &'a Root,
+    accessors: Accessors<'a>,
+    file: MeshFile,
+}
+
+impl Scene<'_> {
+    /// All meshes, in the order of the node trees.
+    fn read(&mut self) -> Result<(), String> {
+        let nodes = &self.root.nodes;
+        if nodes.is_empty() {
+            for index in 0..self.root.meshes.len() {
+                self.add_mesh(Index::new(index as u32), None, &Transform::IDENTITY)?;
+            }
+            return Ok(());
+        }
+        let mut is_reached = vec![false; nodes.len()];
+        for tree in self.trees()? {
+            if is_reached.get(tree.value()) == Some(&true) {
+                // Scenes may share trees, and a scene may name one twice.
+                continue;
+            }
+            let mut open = vec![(tree, Transform::IDENTITY)];
+            while let Some((index, parent)) = open.pop() {
+                let node =
+                    nodes.get(index.value()).ok_or_else(|| format!("there is no node {index}"))?;
+                if std::mem::replace(&mut is_reached[index.value()], true) {
+                    return Err(format!("node {index} has two parents or is inside of itself"));
+                }
+                let transform = parent.after(&transform(node));
+                if let Some(mesh) = node.mesh {
+                    self.add_mesh(mesh, node.name.as_deref(), &transform)?;
+                }
+                let children = node.children.iter().flatten();
+                open.extend(children.rev().map(|child| (*child, transform)));
+            }
+        }
+        Ok(())
+    }
+
+    /// The roots of the default scene, or else of all scenes, or else of all nodes.
+    fn trees(&self) -> Result<Vec<Index<Node>>, String> {
+        let Root { nodes, scenes, scene, .. } = self.root;
+        if let Some(scene) = scene {
+            let found = self.root.get(*scene);
+            return Ok(found.ok_or_else(|| format!("there is no scene {scene}"))?.nodes.clone());
+        }
+        if !scenes.is_empty() {
+            return Ok(scenes.iter().flat_map(|scene| scene.nodes.clone()).collect());
+        }
+        let mut is_child = vec![false; nodes.len()];
+        for child in nodes.iter().flat_map(|node| node.children.iter().flatten()) {
+            if let Some(is_child) = is_child.get_mut(child.value()) {
+                *is_child = true;
+            }
+        }
+        let roots = is_child.iter().enumerate().filter(|(_, is_child)| !**is_child);
+        Ok(roots.map(|(index, _)| Index::new(index as u32)).collect())
+    }
+
+    fn add_mesh(
+        &mut self,
+        index: Index<Mesh>,
+        node_name: Option<&str>,
+        transform: &Transform,
+    ) -> Result<(), String> {
+        let root = self.root;
+        let mesh = root.get(index).ok_or_else(|| format!("there is no mesh {index}"))?;
+        let start = self.file.triangles.len();
+        // Primitives often share their vertices, each with a material of its own.
+        let mut placed: Vec<(Index<Accessor>, u32, usize)> = Vec::new();
+        for (number, primitive) in mesh.primitives.iter().enumerate() {
+            self.add_primitive(primitive, transform, &mut placed)
+                .map_err(|reason| format!("mesh {index}, primitive {number}: {reason}"))?;
+        }
+        let name = node_name.or(mesh.name.as_deref()).unwrap_or_default();
+        self.file.close_object(name, start);
+        Ok(())
+    }
+
+    fn add_primitive(
+        &mut self,
+        primitive: &Primitive,
+        transform: &Transform,
+        placed: &mut Vec<(Index<Accessor>, u32, usize)>,
+    ) -> Result<(), String> {
+        let Checked::Valid(mode) = primitive.mode else {
+            return Err("its mode is unknown".into());
+        };
+        if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
+            return Ok(());
+        }
+        let Some(accessor) = primitive.attributes.get(&Checked::Valid(Semantic::Positions)) else {
+            return Ok(());
+        };
+        let known = placed.iter().find(|(known, ..)| known == accessor);
+        let (first, count) = match known {
+            Some((_, first, count)) => (*first, *count),
+            None => {
+                let positions = self.accessors.positions(*accessor)?;
+                let first = next_index(&self.file.positions)?;
+                self.file.positions.extend(positions.iter().map(|point| transform.apply(*point)));
+                placed.push((*accessor, first, positions.len()));
+                (first, positions.len())
+            }
+        };
+        let indices = match primitive.indices {
+            Some(accessor) => self.accessors.indices(accessor)?,
+            None => (0..count as u32).collect(),
+        };
+        if let Some(index) = indices.iter().find(|index| **index as usize >= count) {
+            return Err(format!("index {index} is beyond its {count} vertices"));
+        }
+        self.check_size(indices.len())?;
+        let triangles = triangles(mode, &indices)?;
+        let is_mirrored = transform.is_mirroring();
+        self.file.triangles.extend(triangles.map(|triangle| {
+            let [a, b, c] = triangle.map(|index| first + index);
+            if is_mirrored { [a, c, b] } else { [a, b, c] }
+        }));
+        Ok(())
+    }
+
+    /// Strips and fans have about as many triangles as indices.
+    fn check_size(&self, more_indices: usize) -> Result<(), String> {
+        let triangles = self.file.triangles.len() + more_indices;
+        if self.file.positions.len() > LARGEST_SCENE || triangles > LARGEST_SCENE {
+            return Err(format!("the scene grows over {LARGEST_SCENE} vertices or triangles here"));
+        }
+        Ok(())
+    }
+}
+
+fn transform(node: &Node) -> Transform {
+    match node.matrix {
+        Some(matrix) => Transform::from_matrix(matrix),
+        None => Transform::from_parts(
+            node.translation.unwrap_or_default(),
+            node.rotation.unwrap_or_default().0,
+            node.scale.unwrap_or([1.0; 3]),
+        ),
+    }
+}
+
+/// The triangles of a list, strip or fan of indices.
+fn triangles(
+    mode: Mode,
+    indices: &[u32],
+) -> Result<Box<dyn Iterator<Item = [u32; 3]> + '_>, String> {
+    let (whole, rest) = indices.as_chunks::<3>();
+    Ok(match (mode, indices) {
+        (Mode::TriangleFan, [centre, rim @ ..]) => {
+            Box::new(rim.windows(2).map(|pair| [*centre, pair[0], pair[1]]))
+        }
+        (Mode::TriangleStrip, _) => {
+            // Every other triangle of a strip is wound the other way.
+            Box::new(indices.windows(3).enumerate().map(|(number, corners)| {
+                let (second, third) = if number % 2 == 0 { (1, 2) } else { (2, 1) };
+                [corners[0], corners[second], corners[third]]
+            }))
+        }
+        _ if rest.is_empty() => Box::new(whole.iter().copied()),
+        _ => {
+            return Err(format!("{} indices don't make whole triangles", indices.len()));
+        }
+    })
+}

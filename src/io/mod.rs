@@ -1,0 +1,217 @@
+//! Readers and writers of mesh files (feature `io`).
+//!
+//! | format | read by | why |
+//! |---|---|---|
+//! | glTF, GLB | crate `gltf` (container and JSON), `base64`, `percent-encoding` | buffers, accessors and the scene are walked here, see [`gltf`](self::gltf) |
+//! | PLY | crate `ply-rs-bw` (header, binary elements) | text elements are read here, see [`ply`] |
+//! | OBJ | this module | see [`obj`] for what spoke against `tobj` |
+//! | OFF | this module | see [`off`] for what spoke against `off-rs` |
+//! | STL | this module | see [`stl`] for what spoke against `stl_io` |
+//!
+//! All readers keep three promises on any input: no panic, no allocation that a count in the file
+//! asks for and the file's size does not justify, and errors that say what is wrong and where.
+//! Coordinates that are written as text keep their full `f64` precision, and `nan` and `inf` are
+//! let through, since repair counts and drops them. Points and lines are left out. Polygons are
+//! triangulated, see [`polygon`].
+
+mod accessor;
+mod buffers;
+mod gltf;
+mod obj;
+mod off;
+pub mod palette;
+mod ply;
+mod polygon;
+mod stl;
+mod text;
+mod transform;
+mod write;
+mod write_glb;
+mod write_obj;
+
+use std::ops::Range;
+use std::path::Path;
+
+pub use write::{HullSurface, check_output, glb_from_hulls, obj_from_hulls, write_hulls};
+
+use crate::Error;
+
+/// A format of mesh files.
+#[non_exhaustive]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Format {
+    /// Wavefront OBJ.
+    Obj,
+    /// Object File Format, also with colours or normals (COFF, NOFF, STOFF).
+    Off,
+    /// Polygon File Format, text or binary of either byte order.
+    Ply,
+    /// Stereolithography, text or binary.
+    Stl,
+    /// glTF 2.0 as JSON, or as GLB: the content tells.
+    Gltf,
+}
+
+impl Format {
+    /// The format that a file name's suffix stands for, in upper or lower case.
+    pub fn from_path(path: impl AsRef<Path>) -> Option<Self> {
+        let suffix = path.as_ref().extension()?.to_str()?.to_ascii_lowercase();
+        match suffix.as_str() {
+            "obj" => Some(Self::Obj),
+            "off" => Some(Self::Off),
+            "ply" => Some(Self::Ply),
+            "stl" => Some(Self::Stl),
+            "gltf" | "glb" => Some(Self::Gltf),
+            _ => None,
+        }
+    }
+
+    /// The format's name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Obj => "OBJ",
+            Self::Off => "OFF",
+            Self::Ply => "PLY",
+            Self::Stl => "STL",
+            Self::Gltf => "glTF",
+        }
+    }
+}
+
+/// A named part of a mesh file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Object {
+    /// Its name in the file; empty where it has none.
+    pub name: String,
+    /// Its part of [`MeshFile::triangles`]; not empty.
+    pub triangles: Range<usize>,
+}
+
+/// What a mesh file holds, in its own units, neither welded nor repaired.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct MeshFile {
+    /// All vertices. A coordinate may be infinite or not a number if the file says so.
+    pub positions: Vec<[f64; 3]>,
+    /// All triangles; each index is below the number of positions.
+    pub triangles: Vec<[u32; 3]>,
+    /// The parts that hold triangles, in the file's order, which together hold all triangles: the
+    /// objects of an OBJ (its groups, where it has no object), the solids of an STL, the nodes
+    /// with a mesh of a glTF scene. A file of another format is a single part.
+    pub objects: Vec<Object>,
+}
+
+impl MeshFile {
+    /// Ends an object whose triangles began at `start`; one without triangles is left out.
+    fn close_object(&mut self, name: impl Into<String>, start: usize) {
+        let triangles = start..self.triangles.len();
+        if !triangles.is_empty() {
+            let name = name.into();
+            self.objects.push(Object { name, triangles });
+        }
+    }
+}
+
+/// A hull of a hull set, in the file's units.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HullMesh {
+    /// Its name in the file; empty where it has none.
+    pub name: String,
+    /// Vertices; each is used by a triangle.
+    pub positions: Vec<[f64; 3]>,
+    /// Triangles as the file winds them.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// Reads a mesh file; its suffix names the format.
+///
+/// Of a glTF file all meshes of the default scene are read (of all scenes where none is the
+/// default, of all nodes where there is no scene) with the nodes' transforms applied. Skins and
+/// morph targets are not: a mesh stands as it was modelled.
+///
+/// A file may be fine and hold no triangles, such as a point cloud.
+///
+/// # Errors
+/// [`Error::File`] if the suffix is none of `obj`, `off`, `ply`, `stl`, `gltf` and `glb`, if the
+/// file can't be read, or if it does not hold what it should.
+pub fn read_mesh(path: impl AsRef<Path>) -> Result<MeshFile, Error> {
+    let path = path.as_ref();
+    read_mesh_file(path).map_err(|reason| file_error(path, reason))
+}
+
+fn read_mesh_file(path: &Path) -> Result<MeshFile, String> {
+    let Some(format) = Format::from_path(path) else {
+        return Err("its suffix is none of obj, off, ply, stl, gltf and glb".into());
+    };
+    let bytes = std::fs::read(path).map_err(|error| error.to_string())?;
+    parse(format, &bytes, path.parent())
+}
+
+/// Reads a mesh file that is already in memory.
+///
+/// # Errors
+/// As [`read_mesh`]; a glTF file that names buffers in other files is an error too.
+pub fn read_mesh_from_bytes(format: Format, bytes: &[u8]) -> Result<MeshFile, Error> {
+    parse(format, bytes, None)
+        .map_err(|reason| Error::File { path: format!("{} in memory", format.name()), reason })
+}
+
+fn parse(format: Format, bytes: &[u8], directory: Option<&Path>) -> Result<MeshFile, String> {
+    match format {
+        Format::Obj => obj::read(bytes),
+        Format::Off => off::read(bytes),
+        Format::Ply => ply::read(bytes),
+        Format::Stl => stl::read(bytes),
+        Format::Gltf => gltf::read(bytes, directory),
+    }
+}
+
+/// Reads a set of hulls: each object of the file is one, see [`MeshFile::objects`].
+///
+/// # Errors
+/// As [`read_mesh`], and if there is no triangle in the file.
+pub fn read_hulls(path: impl AsRef<Path>) -> Result<Vec<HullMesh>, Error> {
+    let path = path.as_ref();
+    let file = read_mesh(path)?;
+    if file.objects.is_empty() {
+        return Err(file_error(path, "it holds no triangles, so no hulls".into()));
+    }
+    Ok(split_objects(&file))
+}
+
+/// Gives each object its own vertices, in the order in which its triangles use them.
+fn split_objects(file: &MeshFile) -> Vec<HullMesh> {
+    const UNSEEN: u32 = u32::MAX;
+    let mut new_index = vec![UNSEEN; file.positions.len()];
+    let mut hulls = Vec::with_capacity(file.objects.len());
+    for object in &file.objects {
+        let source = &file.triangles[object.triangles.clone()];
+        let mut positions = Vec::new();
+        let triangles = source
+            .iter()
+            .map(|triangle| {
+                triangle.map(|vertex| {
+                    let index = &mut new_index[vertex as usize];
+                    if *index == UNSEEN {
+                        *index = positions.len() as u32;
+                        positions.push(file.positions[vertex as usize]);
+                    }
+                    *index
+                })
+            })
+            .collect();
+        for vertex in source.iter().flatten() {
+            new_index[*vertex as usize] = UNSEEN;
+        }
+        hulls.push(HullMesh { name: object.name.clone(), positions, triangles });
+    }
+    hulls
+}
+
+fn file_error(path: &Path, reason: String) -> Error {
+    Error::File { path: path.display().to_string(), reason }
+}
+
+/// The number of vertices as an index that the next vertex gets.
+fn next_index(positions: &[[f64; 3]]) -> Result<u32, String> {
+    u32::try_from(positions.len()).map_err(|_| format!("it has more than {} vertices", u32::MAX))
+}

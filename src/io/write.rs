@@ -1,0 +1,117 @@
+//! Writes hull sets, all or nothing: a file is written under another name beside its place and
+//! then renamed.
+
+use std::fs::{File, OpenOptions};
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use super::{Format, HullMesh, file_error};
+use crate::{Error, Hull};
+
+pub use super::write_glb::glb_from_hulls;
+pub use super::write_obj::obj_from_hulls;
+
+/// The surface of a hull that is to be written.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HullSurface<'a> {
+    /// Vertices.
+    pub points: &'a [[f64; 3]],
+    /// Triangles; each index is below the number of points.
+    pub triangles: &'a [[u32; 3]],
+}
+
+impl<'a> From<&'a Hull> for HullSurface<'a> {
+    fn from(hull: &'a Hull) -> Self {
+        Self { points: &hull.points, triangles: &hull.triangles }
+    }
+}
+
+impl<'a> From<&'a HullMesh> for HullSurface<'a> {
+    fn from(hull: &'a HullMesh) -> Self {
+        Self { points: &hull.positions, triangles: &hull.triangles }
+    }
+}
+
+/// Writes hulls to a file whose suffix is `obj` (see [`obj_from_hulls`]) or `glb` (see
+/// [`glb_from_hulls`]), for example `write_hulls(path, &decomposition.hulls)`. A file that is
+/// already there is replaced; if anything goes wrong it stays as it was.
+///
+/// # Errors
+/// [`Error::File`] if the suffix is another, if the directory does not exist, or if writing
+/// fails.
+pub fn write_hulls<'a, H: Into<HullSurface<'a>>>(
+    path: impl AsRef<Path>,
+    hulls: impl IntoIterator<Item = H>,
+) -> Result<(), Error> {
+    let path = path.as_ref();
+    let bytes = match output_format(path)? {
+        Output::Obj => obj_from_hulls(hulls).into_bytes(),
+        Output::Glb => glb_from_hulls(hulls).map_err(|reason| file_error(path, reason))?,
+    };
+    write_file(path, &bytes).map_err(|error| file_error(path, error.to_string()))
+}
+
+/// Checks what [`write_hulls`] would complain about before there is anything to write.
+///
+/// # Errors
+/// [`Error::File`] if the suffix is neither `obj` nor `glb` or if the directory does not exist.
+pub fn check_output(path: impl AsRef<Path>) -> Result<(), Error> {
+    let path = path.as_ref();
+    output_format(path)?;
+    let directory = directory(path);
+    if directory.is_dir() {
+        Ok(())
+    } else {
+        let reason = format!("the directory `{}` does not exist", directory.display());
+        Err(file_error(path, reason))
+    }
+}
+
+enum Output {
+    Obj,
+    Glb,
+}
+
+fn output_format(path: &Path) -> Result<Output, Error> {
+    let is_glb = path.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case("glb"));
+    match Format::from_path(path) {
+        Some(Format::Obj) => Ok(Output::Obj),
+        Some(Format::Gltf) if is_glb => Ok(Output::Glb),
+        _ => Err(file_error(path, "hulls can be written as .obj or .glb".into())),
+    }
+}
+
+fn directory(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
+}
+
+fn write_file(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let (mut file, temporary) = create_beside(path)?;
+    let written = file
+        .write_all(bytes)
+        .and_then(|()| file.sync_all())
+        .and_then(|()| std::fs::rename(&temporary, path));
+    if written.is_err() {
+        // The first error is the one to report.
+        let _ = std::fs::remove_file(&temporary);
+    }
+    written
+}
+
+/// Creates a file in the same directory, since only there a rename replaces at once.
+fn create_beside(path: &Path) -> std::io::Result<(File, PathBuf)> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let process = std::process::id();
+    let mut attempt = 0;
+    loop {
+        let temporary = directory(path).join(format!(".{name}.{process}-{attempt}.tmp"));
+        match OpenOptions::new().write(true).create_new(true).open(&temporary) {
+            Ok(file) => return Ok((file, temporary)),
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => attempt += 1,
+            Err(error) => return Err(error),
+        }
+    }
+}

@@ -1,0 +1,26 @@
+//! Hulls as Wavefront OBJ.
+
+use std::fmt::Write;
+
+use super::HullSurface;
+
+/// Hulls as Wavefront OBJ: objects `hull_0`, `hull_1` and so on, each with its own vertices, whose
+/// coordinates have as many digits as it takes to read back the same `f64`.
+pub fn obj_from_hulls<'a, H: Into<HullSurface<'a>>>(hulls: impl IntoIterator<Item = H>) -> String {
+    let mut text = String::new();
+    let mut first_vertex = 1;
+    for (index, hull) in hulls.into_iter().enumerate() {
+        let hull = hull.into();
+        // Writing to a string can't fail.
+        let _ = writeln!(text, "o hull_{index}");
+        for [x, y, z] in hull.points {
+            let _ = writeln!(text, "v {x:?} {y:?} {z:?}");
+        }
+        for triangle in hull.triangles {
+            let [a, b, c] = triangle.map(|vertex| first_vertex + vertex as usize);
+            let _ = writeln!(text, "f {a} {b} {c}");
+        }
+        first_vertex += hull.points.len();
+    }
+    text
+}
