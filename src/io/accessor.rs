@@ -22,14 +22,18 @@ struct Layout {
 pub(super) struct Accessors<'a> {
     root: &'a Root,
     buffers: Buffers<'a>,
-    /// Bytes of the file and of the buffers behind it. No accessor without a buffer view, which
-    /// means zeros, may have more elements.
+    /// No accessor without a buffer view, which means zeros, may have more elements than this.
     file_length: usize,
 }
 
 impl<'a> Accessors<'a> {
     pub(super) fn new(root: &'a Root, buffers: Buffers<'a>, file_length: usize) -> Self {
         Self { root, buffers, file_length }
+    }
+
+    /// Bytes of the file and of the buffers that were loaded so far.
+    pub(super) fn bytes_read(&self) -> usize {
+        self.file_length + self.buffers.bytes_loaded()
     }
 
     /// The positions that an accessor holds: floating-point, or integers as the extension

@@ -29,6 +29,10 @@ impl<'a> Buffers<'a> {
         Self { root, chunk, directory, loaded: vec![None; root.buffers.len()] }
     }
 
+    pub(super) fn bytes_loaded(&self) -> usize {
+        self.loaded.iter().flatten().map(|bytes| bytes.len()).sum()
+    }
+
     /// The bytes of a buffer, as many as the document says.
     pub(super) fn get(&mut self, index: usize) -> Result<&[u8], String> {
         let missing = || format!("there is no buffer {index}");

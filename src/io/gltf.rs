@@ -24,9 +24,10 @@ use super::text::quote;
 use super::transform::Transform;
 use super::{MeshFile, next_index};
 
-/// Most vertices and most triangles of a scene. A small file can place a mesh any number of
-/// times; this is over a hundred times what a game's collider is made from.
-const LARGEST_SCENE: usize = 1 << 25;
+/// A small file can place a mesh any number of times. A scene may have this many vertices and
+/// this many triangles, and one more for each byte that was read, so that what a file holds can
+/// always be placed at least once.
+const PLACED_FOR_FREE: usize = 1 << 22;
 
 /// A GLB begins with a magic number, its version and its length, each of four bytes.
 const GLB_HEADER: usize = 12;
@@ -179,6 +180,7 @@ impl Scene<'_> {
             Some((_, first, count)) => (*first, *count),
             None => {
                 let positions = self.accessors.positions(*accessor)?;
+                self.check_growth("vertices", self.file.positions.len(), positions.len())?;
                 let first = next_index(&self.file.positions)?;
                 self.file.positions.extend(positions.iter().map(|point| transform.apply(*point)));
                 placed.push((*accessor, first, positions.len()));
@@ -192,7 +194,8 @@ impl Scene<'_> {
         if let Some(index) = indices.iter().find(|index| **index as usize >= count) {
             return Err(format!("index {index} is beyond its {count} vertices"));
         }
-        self.check_size(indices.len())?;
+        // Strips and fans have about as many triangles as indices.
+        self.check_growth("triangles", self.file.triangles.len(), indices.len())?;
         let triangles = triangles(mode, &indices)?;
         let is_mirrored = transform.is_mirroring();
         self.file.triangles.extend(triangles.map(|triangle| {
@@ -202,11 +205,11 @@ impl Scene<'_> {
         Ok(())
     }
 
-    /// Strips and fans have about as many triangles as indices.
-    fn check_size(&self, more_indices: usize) -> Result<(), String> {
-        let triangles = self.file.triangles.len() + more_indices;
-        if self.file.positions.len() > LARGEST_SCENE || triangles > LARGEST_SCENE {
-            return Err(format!("the scene grows over {LARGEST_SCENE} vertices or triangles here"));
+    /// Refuses to let an array of the scene grow too long.
+    fn check_growth(&self, what: &str, present: usize, more: usize) -> Result<(), String> {
+        let most = PLACED_FOR_FREE + self.accessors.bytes_read();
+        if present + more > most {
+            return Err(format!("placed here once more, the scene has over {most} {what}"));
         }
         Ok(())
     }

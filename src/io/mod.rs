@@ -32,7 +32,7 @@ mod write_obj;
 use std::ops::Range;
 use std::path::Path;
 
-pub use write::{HullSurface, check_output, glb_from_hulls, obj_from_hulls, write_hulls};
+pub use write::{HullFormat, HullSurface, check_output, write_hulls};
 
 use crate::Error;
 

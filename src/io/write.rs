@@ -5,11 +5,33 @@ use std::fs::{File, OpenOptions};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-use super::{Format, HullMesh, file_error};
+use super::{HullMesh, file_error};
 use crate::{Error, Hull};
 
-pub use super::write_glb::glb_from_hulls;
-pub use super::write_obj::obj_from_hulls;
+use super::write_glb::glb_from_hulls;
+use super::write_obj::obj_from_hulls;
+
+/// A format that hulls can be written in.
+#[non_exhaustive]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum HullFormat {
+    /// Wavefront OBJ.
+    Obj,
+    /// Binary glTF 2.0.
+    Glb,
+}
+
+impl HullFormat {
+    /// The format that a file name's suffix stands for, in upper or lower case.
+    pub fn from_path(path: impl AsRef<Path>) -> Option<Self> {
+        let suffix = path.as_ref().extension()?.to_str()?.to_ascii_lowercase();
+        match suffix.as_str() {
+            "obj" => Some(Self::Obj),
+            "glb" => Some(Self::Glb),
+            _ => None,
+        }
+    }
+}
 
 /// The surface of a hull that is to be written.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,9 +54,16 @@ impl<'a> From<&'a HullMesh> for HullSurface<'a> {
     }
 }
 
-/// Writes hulls to a file whose suffix is `obj` (see [`obj_from_hulls`]) or `glb` (see
-/// [`glb_from_hulls`]), for example `write_hulls(path, &decomposition.hulls)`. A file that is
+/// Writes hulls to a file, for example `write_hulls(path, &decomposition.hulls)`. A file that is
 /// already there is replaced; if anything goes wrong it stays as it was.
+///
+/// The suffix `obj` gives a Wavefront OBJ with the objects `hull_0`, `hull_1` and so on, and as
+/// many digits as it takes to read back the same `f64`.
+///
+/// The suffix `glb` gives a binary glTF 2.0 with one node, mesh and colour (see
+/// [`palette`](super::palette)) per hull, named in the same way. Its coordinates are `f32`,
+/// relative to the centre of all hulls, so that hulls far from the origin keep their shape; a
+/// node `hulls` above the others moves them there.
 ///
 /// # Errors
 /// [`Error::File`] if the suffix is another, if the directory does not exist, or if writing
@@ -45,8 +74,8 @@ pub fn write_hulls<'a, H: Into<HullSurface<'a>>>(
 ) -> Result<(), Error> {
     let path = path.as_ref();
     let bytes = match output_format(path)? {
-        Output::Obj => obj_from_hulls(hulls).into_bytes(),
-        Output::Glb => glb_from_hulls(hulls).map_err(|reason| file_error(path, reason))?,
+        HullFormat::Obj => obj_from_hulls(hulls).into_bytes(),
+        HullFormat::Glb => glb_from_hulls(hulls).map_err(|reason| file_error(path, reason))?,
     };
     write_file(path, &bytes).map_err(|error| file_error(path, error.to_string()))
 }
@@ -67,18 +96,9 @@ pub fn check_output(path: impl AsRef<Path>) -> Result<(), Error> {
     }
 }
 
-enum Output {
-    Obj,
-    Glb,
-}
-
-fn output_format(path: &Path) -> Result<Output, Error> {
-    let is_glb = path.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case("glb"));
-    match Format::from_path(path) {
-        Some(Format::Obj) => Ok(Output::Obj),
-        Some(Format::Gltf) if is_glb => Ok(Output::Glb),
-        _ => Err(file_error(path, "hulls can be written as .obj or .glb".into())),
-    }
+fn output_format(path: &Path) -> Result<HullFormat, Error> {
+    HullFormat::from_path(path)
+        .ok_or_else(|| file_error(path, "hulls can be written as .obj or .glb".into()))
 }
 
 fn directory(path: &Path) -> &Path {

@@ -21,17 +21,10 @@ const ROUGHNESS: f64 = 0.6;
 /// The greatest 16-bit integer may not be used as an index.
 const MOST_SHORT_INDICES: usize = 65_535;
 
-/// Hulls as GLB: a node `hulls`, and in it a node, a mesh and a material of its own colour (see
-/// [`palette`]) per hull, named `hull_0`, `hull_1` and so on. There are no normals, so viewers
-/// shade the faces flat.
-///
-/// glTF has `f32` coordinates. So that hulls far from the origin keep their shape, vertices are
-/// relative to the centre of all hulls, where the node `hulls` stands.
-///
-/// # Errors
-/// A reason in words if the file would have more than 4 GiB, or if a coordinate is too large for
-/// `f32`.
-pub fn glb_from_hulls<'a, H: Into<HullSurface<'a>>>(
+/// Hulls as [`write_hulls`](super::write_hulls) describes. There are no normals, so that viewers
+/// shade the faces flat. The error, in words, is a file of more than 4 GiB or a coordinate that
+/// is too large for `f32`.
+pub(super) fn glb_from_hulls<'a, H: Into<HullSurface<'a>>>(
     hulls: impl IntoIterator<Item = H>,
 ) -> Result<Vec<u8>, String> {
     let hulls: Vec<HullSurface> = hulls.into_iter().map(Into::into).collect();

@@ -4,9 +4,10 @@ use std::fmt::Write;
 
 use super::HullSurface;
 
-/// Hulls as Wavefront OBJ: objects `hull_0`, `hull_1` and so on, each with its own vertices, whose
-/// coordinates have as many digits as it takes to read back the same `f64`.
-pub fn obj_from_hulls<'a, H: Into<HullSurface<'a>>>(hulls: impl IntoIterator<Item = H>) -> String {
+/// Hulls as [`write_hulls`](super::write_hulls) describes.
+pub(super) fn obj_from_hulls<'a, H: Into<HullSurface<'a>>>(
+    hulls: impl IntoIterator<Item = H>,
+) -> String {
     let mut text = String::new();
     let mut first_vertex = 1;
     for (index, hull) in hulls.into_iter().enumerate() {

@@ -1,0 +1,168 @@
+//! The parameters of a decomposition as command line arguments.
+
+use hullwright::{Method, Parameters, Unit};
+
+#[derive(clap::Args)]
+#[command(next_help_heading = "Parameters (default: the paper's, and at most 64 vertices)")]
+pub struct ParameterArguments {
+    /// Start from exactly the paper's values, that is with no cap on vertices
+    #[arg(long)]
+    paper: bool,
+
+    /// The method: surface
+    #[arg(long, value_name = "NAME", value_parser = parse_method)]
+    method: Option<Method>,
+
+    /// Q: the simplification target is the triangle count times Q, until it is at most r
+    #[arg(long, value_name = "Q", allow_negative_numbers = true)]
+    simplification_quality: Option<f64>,
+
+    /// R: maximum resolutions in triangles, separated by commas
+    #[arg(long, value_name = "R", value_delimiter = ',')]
+    maximum_resolutions: Option<Vec<usize>>,
+
+    /// p: planar thresholds in units, separated by commas
+    #[arg(long, value_name = "P", value_delimiter = ',', allow_negative_numbers = true)]
+    planar_thresholds: Option<Vec<f64>>,
+
+    /// a: angular threshold in units
+    #[arg(long, value_name = "A", allow_negative_numbers = true)]
+    angular_threshold: Option<f64>,
+
+    /// ε: concavity cost that is good enough, as a share of a group's diagonal
+    #[arg(long, value_name = "EPSILON", allow_negative_numbers = true)]
+    concavity_cost_threshold: Option<f64>,
+
+    /// μ: with fewer pieces than this, higher resolutions are skipped; 0 never skips
+    #[arg(long, value_name = "MU")]
+    resolution_cut_off: Option<usize>,
+
+    /// The length that counts as 1 for p and a: diagonals of the mesh (0.446d), or the mesh's units
+    /// (1.5)
+    #[arg(long, value_name = "LENGTH", value_parser = parse_unit, allow_negative_numbers = true)]
+    unit: Option<Unit>,
+
+    /// Groups of one or two polygons are merged if smaller than this share of the diagonal
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
+    significant_diagonal: Option<f64>,
+
+    /// Most vertices of a hull, at least 8, or none for no cap
+    #[arg(long, value_name = "N", value_parser = parse_cap)]
+    max_vertices: Option<Cap>,
+}
+
+/// A cap on vertices: `None` where there is none. (A plain `Option` would mean to clap that the
+/// argument may be missing.)
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Cap(Option<usize>);
+
+impl ParameterArguments {
+    pub fn parameters(&self) -> Parameters {
+        let mut parameters = if self.paper { Parameters::paper() } else { Parameters::default() };
+        set(&mut parameters.method, &self.method);
+        set(&mut parameters.max_vertices, &self.max_vertices.map(|Cap(cap)| cap));
+        let surface = &mut parameters.surface;
+        set(&mut surface.simplification_quality, &self.simplification_quality);
+        set(&mut surface.maximum_resolutions, &self.maximum_resolutions);
+        set(&mut surface.planar_thresholds, &self.planar_thresholds);
+        set(&mut surface.angular_threshold, &self.angular_threshold);
+        set(&mut surface.concavity_cost_threshold, &self.concavity_cost_threshold);
+        set(&mut surface.resolution_cut_off, &self.resolution_cut_off);
+        set(&mut surface.unit, &self.unit);
+        set(&mut surface.significant_diagonal, &self.significant_diagonal);
+        parameters
+    }
+}
+
+fn set<T: Clone>(field: &mut T, argument: &Option<T>) {
+    if let Some(value) = argument {
+        field.clone_from(value);
+    }
+}
+
+fn parse_method(text: &str) -> Result<Method, String> {
+    [Method::Surface]
+        .into_iter()
+        .find(|method| method.name() == text)
+        .ok_or_else(|| "the only method is `surface`".into())
+}
+
+fn parse_unit(text: &str) -> Result<Unit, String> {
+    let (number, unit): (&str, fn(f64) -> Unit) = match text.strip_suffix('d') {
+        Some(number) => (number, Unit::Diagonals),
+        None => (text, Unit::Absolute),
+    };
+    let length =
+        number.parse().map_err(|_| "a number is expected, with or without `d` after it")?;
+    Ok(unit(length))
+}
+
+fn parse_cap(text: &str) -> Result<Cap, String> {
+    if text == "none" {
+        return Ok(Cap(None));
+    }
+    let cap = text.parse().map_err(|_| "a whole number or `none` is expected")?;
+    Ok(Cap(Some(cap)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[derive(Parser)]
+    struct Only {
+        #[command(flatten)]
+        arguments: ParameterArguments,
+    }
+
+    fn parse(line: &str) -> Result<Parameters, String> {
+        Only::try_parse_from(std::iter::once("test").chain(line.split_whitespace()))
+            .map(|only| only.arguments.parameters())
+            .map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn without_arguments_the_defaults_hold() {
+        assert_eq!(parse(""), Ok(Parameters::default()));
+        assert_eq!(parse("--paper"), Ok(Parameters::paper()));
+    }
+
+    #[test]
+    fn every_parameter_can_be_set() {
+        let parameters = parse(
+            "--method surface --simplification-quality 0.5 --maximum-resolutions 100,200 \
+             --planar-thresholds 0.1,0.3 --angular-threshold 0.02 \
+             --concavity-cost-threshold 0.1 --resolution-cut-off 7 --unit 0.446d \
+             --significant-diagonal 0.2 --max-vertices none",
+        )
+        .unwrap();
+        let mut expected = Parameters::paper();
+        expected.surface.simplification_quality = 0.5;
+        expected.surface.maximum_resolutions = vec![100, 200];
+        expected.surface.planar_thresholds = vec![0.1, 0.3];
+        expected.surface.angular_threshold = 0.02;
+        expected.surface.concavity_cost_threshold = 0.1;
+        expected.surface.resolution_cut_off = 7;
+        expected.surface.unit = Unit::Diagonals(0.446);
+        expected.surface.significant_diagonal = 0.2;
+        assert_eq!(parameters, expected);
+        assert_eq!(parse("--unit 1.5").unwrap().surface.unit, Unit::Absolute(1.5));
+        assert_eq!(parse("--paper --max-vertices 32").unwrap().max_vertices, Some(32));
+    }
+
+    #[test]
+    fn what_is_no_value_is_refused() {
+        for line in
+            ["--method volume", "--unit d", "--max-vertices many", "--planar-thresholds 1,x"]
+        {
+            assert!(parse(line).is_err(), "{line}");
+        }
+    }
+
+    #[test]
+    fn values_out_of_range_reach_the_library_which_names_them() {
+        let parameters = parse("--angular-threshold -1").unwrap();
+        assert!(parameters.validate().unwrap_err().to_string().contains("angular_threshold"));
+    }
+}

@@ -1,0 +1,129 @@
+//! `hullwright decompose`: a mesh into convex hulls.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use hullwright::io::{HullFormat, check_output, read_mesh, write_hulls};
+use hullwright::{Decomposition, Error, Parameters};
+
+use crate::arguments::ParameterArguments;
+use crate::output::{count, print};
+use crate::progress::LateBar;
+use crate::{Failure, json, tables};
+
+/// Decompose a mesh into convex hulls
+///
+/// Prints a row like those of the paper's Table 1: pieces, their average number over all
+/// resolutions (k), time, cost, planar threshold (p), maximum resolution (r), and polygon counts
+/// after and before simplification.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// The mesh: obj, off, ply, stl, gltf or glb
+    mesh: PathBuf,
+
+    /// Write the hulls to this file: .obj (one object per hull) or .glb (one colour per hull)
+    #[arg(short, long, value_name = "OUT", value_parser = parse_output)]
+    output: Option<PathBuf>,
+
+    /// Print one line of JSON instead of a table
+    #[arg(long)]
+    json: bool,
+
+    /// Show the whole search: every resolution and threshold, and what became of it
+    #[arg(long)]
+    search: bool,
+
+    /// Number of threads; 1 does everything one after the other. Default: all processors
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_THREADS))]
+    threads: Option<u16>,
+
+    #[command(flatten)]
+    parameters: ParameterArguments,
+}
+
+/// More threads than any machine has, and few enough to be started.
+const MOST_THREADS: i64 = 1024;
+
+fn parse_output(text: &str) -> Result<PathBuf, String> {
+    match HullFormat::from_path(text) {
+        Some(_) => Ok(PathBuf::from(text)),
+        None => Err("hulls are written as .obj or .glb".into()),
+    }
+}
+
+/// What the outputs are made from.
+pub struct Outcome<'a> {
+    pub arguments: &'a Arguments,
+    pub decomposition: &'a Decomposition,
+    /// Wall-clock time of the decomposition, without reading and writing.
+    pub seconds: f64,
+}
+
+impl Outcome<'_> {
+    pub fn mesh(&self) -> String {
+        self.arguments.mesh.display().to_string()
+    }
+
+    pub fn shows_search(&self) -> bool {
+        self.arguments.search
+    }
+
+    pub fn vertices(&self) -> usize {
+        self.decomposition.hulls.iter().map(|hull| hull.points.len()).sum()
+    }
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let mut parameters = arguments.parameters.parameters();
+    parameters.validate().map_err(|error| Failure::Usage(error.to_string()))?;
+    parameters.parallel = arguments.threads != Some(1);
+    if let Some(output) = &arguments.output {
+        check_output(output).map_err(|error| Failure::Work(error.to_string()))?;
+    }
+    let (decomposition, seconds) = decompose(arguments, &parameters)?;
+    if let Some(output) = &arguments.output {
+        write_hulls(output, &decomposition.hulls)
+            .map_err(|error| Failure::Work(error.to_string()))?;
+    }
+
+    let outcome = Outcome { arguments, decomposition: &decomposition, seconds };
+    if arguments.json {
+        return print(&json::line(&outcome));
+    }
+    if arguments.search {
+        print(&tables::search(&outcome))?;
+    }
+    print(&tables::summary(&outcome))?;
+    if let Some(output) = &arguments.output {
+        let hulls = count(decomposition.hulls.len(), "hull", "hulls");
+        let vertices = count(outcome.vertices(), "vertex", "vertices");
+        print(&format!("wrote {}: {hulls}, {vertices}", output.display()))?;
+    }
+    Ok(())
+}
+
+fn decompose(
+    arguments: &Arguments,
+    parameters: &Parameters,
+) -> Result<(Decomposition, f64), Failure> {
+    let file = read_mesh(&arguments.mesh).map_err(|error| Failure::Work(error.to_string()))?;
+    let mut pool = rayon::ThreadPoolBuilder::new();
+    if let Some(threads) = arguments.threads {
+        pool = pool.num_threads(usize::from(threads));
+    }
+    let pool = pool
+        .build()
+        .map_err(|error| Failure::Work(format!("the threads can't be started: {error}")))?;
+
+    let bar = LateBar::start();
+    let control = bar.control();
+    let start = Instant::now();
+    let result = pool
+        .install(|| hullwright::decompose(&file.positions, &file.triangles, parameters, &control));
+    let seconds = start.elapsed().as_secs_f64();
+    bar.finish();
+
+    let decomposition = result
+        .map_err(|error: Error| Failure::Work(format!("{}: {error}", arguments.mesh.display())))?;
+    Ok((decomposition, seconds))
+}

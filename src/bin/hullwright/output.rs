@@ -1,0 +1,46 @@
+//! Text for standard output and standard error, either of which may be closed at any time.
+
+use std::io::{ErrorKind, Write};
+
+use crate::Failure;
+
+/// Prints lines to standard output. A reader that has gone away, such as `head`, is no error.
+pub fn print(text: &str) -> Result<(), Failure> {
+    let mut stdout = std::io::stdout().lock();
+    match writeln!(stdout, "{text}").and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(Failure::Work(format!("can't print: {error}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Prints one line to standard error, whatever the reason holds.
+pub fn print_error(reason: &str) {
+    let line: Vec<&str> = reason.lines().map(str::trim).collect();
+    // There is nobody left to tell.
+    let _ = writeln!(std::io::stderr(), "error: {}", line.join(" "));
+}
+
+/// A length of time in few digits.
+pub fn time(seconds: f64) -> String {
+    if seconds < 1.0 { format!("{:.1} ms", seconds * 1000.0) } else { format!("{seconds:.2} s") }
+}
+
+/// A count with its noun, such as "1 hull" or "2 hulls".
+pub fn count(number: usize, singular: &str, plural: &str) -> String {
+    format!("{number} {}", if number == 1 { singular } else { plural })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_and_counts_read_well() {
+        assert_eq!(time(0.0213), "21.3 ms");
+        assert_eq!(time(1.5), "1.50 s");
+        assert_eq!(count(1, "hull", "hulls"), "1 hull");
+        assert_eq!(count(0, "hull", "hulls"), "0 hulls");
+    }
+}

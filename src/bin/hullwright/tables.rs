@@ -1,0 +1,172 @@
+//! A decomposition for people: a row like those of the paper's Table 1, and the search tree.
+
+use comfy_table::{CellAlignment, Table, presets};
+use hullwright::{Repairs, ResolutionOutcome, SurfaceReport, ThresholdOutcome};
+
+use crate::decompose::Outcome;
+use crate::output::{count, time};
+
+/// The columns of the paper's Table 1.
+const SUMMARY_HEADER: [&str; 8] =
+    ["pieces", "average pieces", "time", "cost", "p", "r", "final polygons", "initial polygons"];
+
+const SEARCH_HEADER: [&str; 7] =
+    ["r", "target", "polygons", "p", "pieces", "cost", "what became of it"];
+
+/// Stands where there is no number.
+const NOTHING: &str = "–";
+
+/// A table with one row, and a line about repairs if there were any.
+pub fn summary(outcome: &Outcome) -> String {
+    let report = &outcome.decomposition.report;
+    let pieces = outcome.decomposition.hulls.len().to_string();
+    let seconds = time(outcome.seconds);
+    let row = match &report.surface {
+        Some(surface) => [
+            pieces,
+            format!("{:.1}", surface.average_pieces),
+            seconds,
+            cost(surface.cost),
+            surface.planar_threshold.to_string(),
+            surface.resolution.to_string(),
+            surface.polygons.to_string(),
+            surface.initial_polygons.to_string(),
+        ],
+        None => {
+            let mut row = [NOTHING; 8].map(String::from);
+            [row[0], row[2], row[7]] = [pieces, seconds, report.source_triangles.to_string()];
+            row
+        }
+    };
+    let mut text = right_aligned(&SUMMARY_HEADER, [row]).trim_fmt();
+    let repairs = repairs(&report.repairs);
+    if !repairs.is_empty() {
+        text += &format!("\nrepaired: {}", repairs.join(", "));
+    }
+    if report.deadline_reached {
+        text += "\nthe deadline cut the search short";
+    }
+    text
+}
+
+/// What was changed in the input. Open and non-manifold edges stay, so they are no repair.
+pub fn repairs(repairs: &Repairs) -> Vec<String> {
+    [
+        (repairs.welded_vertices, "vertex welded", "vertices welded"),
+        (repairs.unused_vertices, "unused vertex dropped", "unused vertices dropped"),
+        (
+            repairs.non_finite_triangles,
+            "triangle that is not finite dropped",
+            "triangles that are not finite dropped",
+        ),
+        (
+            repairs.degenerate_triangles,
+            "triangle without area dropped",
+            "triangles without area dropped",
+        ),
+        (repairs.duplicate_triangles, "duplicate triangle dropped", "duplicate triangles dropped"),
+        (repairs.flipped_triangles, "triangle turned around", "triangles turned around"),
+    ]
+    .into_iter()
+    .filter(|(number, ..)| *number > 0)
+    .map(|(number, singular, plural)| count(number, singular, plural))
+    .collect()
+}
+
+/// Every resolution, and below it its thresholds.
+pub fn search(outcome: &Outcome) -> String {
+    match &outcome.decomposition.report.surface {
+        Some(surface) => search_table(surface).trim_fmt() + "\n",
+        None => "this method does not search\n".into(),
+    }
+}
+
+fn search_table(surface: &SurfaceReport) -> Table {
+    let mut rows = Vec::new();
+    for resolution in &surface.resolutions {
+        let [_, words] = resolution_outcome(resolution.outcome);
+        let mut row = [""; 7].map(String::from);
+        row[0] = resolution.resolution.to_string();
+        row[1] = resolution.target.to_string();
+        row[2] = resolution.polygons.to_string();
+        row[6] = words.into();
+        rows.push(row);
+        for threshold in &resolution.thresholds {
+            let [_, words] = threshold_outcome(threshold.outcome);
+            let mut row = [""; 7].map(String::from);
+            row[3] = threshold.planar_threshold.to_string();
+            if threshold.outcome != ThresholdOutcome::NotTried {
+                row[4] = threshold.pieces.to_string();
+                row[5] = cost(threshold.cost);
+            }
+            row[6] = words.into();
+            rows.push(row);
+        }
+    }
+    let mut table = right_aligned(&SEARCH_HEADER, rows);
+    if let Some(words) = table.column_mut(SEARCH_HEADER.len() - 1) {
+        words.set_cell_alignment(CellAlignment::Left);
+    }
+    table
+}
+
+fn right_aligned<const N: usize>(
+    header: &[&str; N],
+    rows: impl IntoIterator<Item = [String; N]>,
+) -> Table {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING).set_header(*header).add_rows(rows);
+    for column in table.column_iter_mut() {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table
+}
+
+fn cost(cost: f64) -> String {
+    format!("{cost:.4}")
+}
+
+/// A name for machines and words for people.
+pub fn resolution_outcome(outcome: ResolutionOutcome) -> [&'static str; 2] {
+    match outcome {
+        ResolutionOutcome::Selected => ["selected", "selected: least cost of those left"],
+        ResolutionOutcome::CostlierThanSelected => {
+            ["costlier_than_selected", "dropped: another costs less"]
+        }
+        ResolutionOutcome::TooManyPieces => {
+            ["too_many_pieces", "dropped: more than 1.5 times the average pieces"]
+        }
+        ResolutionOutcome::CutOff => {
+            ["cut_off", "skipped: an earlier one has fewer pieces than the cut-off"]
+        }
+        ResolutionOutcome::SameAsBefore => {
+            ["same_as_before", "skipped: the same mesh as the one before"]
+        }
+        ResolutionOutcome::DeadlineReached => ["deadline_reached", "skipped: deadline"],
+        _ => ["other", "other"],
+    }
+}
+
+/// A name for machines and words for people.
+pub fn threshold_outcome(outcome: ThresholdOutcome) -> [&'static str; 2] {
+    match outcome {
+        ThresholdOutcome::Candidate => ["candidate", "candidate: fewest pieces under ε"],
+        ThresholdOutcome::CandidateAtOnce => {
+            ["candidate_at_once", "candidate: next to no cost, taken at once"]
+        }
+        ThresholdOutcome::CandidateByFailSafe => {
+            ["candidate_by_fail_safe", "candidate: least cost, since none is under ε"]
+        }
+        ThresholdOutcome::MorePieces => ["more_pieces", "under ε, but another has fewer pieces"],
+        ThresholdOutcome::TooCostly => ["too_costly", "not under ε"],
+        ThresholdOutcome::AbortedAboveThreshold => {
+            ["aborted_above_threshold", "given up: average above 3 ε"]
+        }
+        ThresholdOutcome::AbortedAboveLeast => {
+            ["aborted_above_least", "given up: average above 3 times the least"]
+        }
+        ThresholdOutcome::SingleGroup => ["single_group", "a single group: ends this search"],
+        ThresholdOutcome::NotTried => ["not_tried", "not tried"],
+        _ => ["other", "other"],
+    }
+}
