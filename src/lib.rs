@@ -31,6 +31,7 @@
 //! | `hull` | convex hulls of the groups, thickness of flat ones, vertex cap | 3.6 |
 //! | `field` | distance to the surface, generalized winding number | – |
 //! | `measure` | judges any set of hulls against a mesh | – |
+//! | `inspect` | what a mesh holds, without decomposing it | – |
 //! | `io` (feature) | readers and writers of mesh files | – |
 
 mod control;
@@ -38,6 +39,7 @@ mod decompose;
 mod decomposition;
 mod error;
 pub mod hull;
+mod inspect;
 #[cfg(feature = "io")]
 pub mod io;
 mod mesh;
@@ -51,6 +53,7 @@ pub use decomposition::{
     StageTime, SurfaceReport, ThresholdOutcome, ThresholdReport,
 };
 pub use error::Error;
+pub use inspect::{Inspection, inspect};
 pub use parameters::{Method, Parameters, SurfaceParameters, Unit};
 
 /// Changes whenever the same input and parameters may give another result.

@@ -4,6 +4,7 @@
 
 mod arguments;
 mod decompose;
+mod inspect;
 mod json;
 mod output;
 mod progress;
@@ -24,6 +25,7 @@ struct CommandLine {
 #[derive(Subcommand)]
 enum Command {
     Decompose(decompose::Arguments),
+    Inspect(inspect::Arguments),
 }
 
 /// Why the program ends with an error.
@@ -38,6 +40,7 @@ fn main() -> ExitCode {
     let CommandLine { command } = CommandLine::parse();
     let result = match command {
         Command::Decompose(arguments) => decompose::run(&arguments),
+        Command::Inspect(arguments) => inspect::run(&arguments),
     };
     let (reason, code) = match result {
         Ok(()) => return ExitCode::SUCCESS,

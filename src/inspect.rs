@@ -1,0 +1,156 @@
+//! A look at a mesh without decomposing it: what it holds, and what repair would do to it.
+
+use crate::decompose::Coordinate;
+use crate::mesh::PreparedMesh;
+use crate::mesh::repair::prepare;
+use crate::vector::{area_normal, cross, dot, length, maximum, minimum};
+use crate::{Bounds, Control, Error, Repairs};
+
+/// What [`inspect`] found.
+#[non_exhaustive]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Inspection {
+    /// Vertices given.
+    pub source_vertices: usize,
+    /// Triangles given.
+    pub source_triangles: usize,
+    /// Vertices left after repair.
+    pub vertices: usize,
+    /// Triangles left after repair.
+    pub triangles: usize,
+    /// Bounding box of the vertices left after repair, in the input's units.
+    pub bounds: Bounds,
+    /// Length of the diagonal of `bounds`. Relative lengths are divided by it.
+    pub diagonal: f64,
+    /// Connected components (over shared edges).
+    pub components: usize,
+    /// Components whose every edge has exactly two triangles, in opposite directions.
+    pub closed_components: usize,
+    /// What repair does, and the edges that it leaves open or non-manifold.
+    pub repairs: Repairs,
+    /// Area of all triangles left after repair, in squared units.
+    pub area: f64,
+    /// Volume that the closed components enclose, in cubed units. Cavities are taken off; where
+    /// components overlap, their volumes are added.
+    pub volume: f64,
+}
+
+impl Inspection {
+    /// Whether all components are closed, so that the mesh has an inside.
+    pub fn is_closed(&self) -> bool {
+        self.closed_components == self.components
+    }
+}
+
+/// Looks at a mesh as [`decompose`](crate::decompose) would see it. Almost linear time.
+///
+/// # Errors
+/// As [`decompose`](crate::decompose) for a mesh that is empty, too large or without any usable
+/// triangle, or has an index out of range.
+pub fn inspect<C: Coordinate>(
+    positions: &[[C; 3]],
+    triangles: &[[u32; 3]],
+) -> Result<Inspection, Error> {
+    let prepared = prepare(positions, triangles, &Control::new())?;
+    let diagonal = prepared.normalization.diagonal;
+    let (area, volume) = measure(&prepared);
+    Ok(Inspection {
+        source_vertices: positions.len(),
+        source_triangles: triangles.len(),
+        vertices: prepared.mesh.positions.len(),
+        triangles: prepared.mesh.triangles.len(),
+        bounds: bounds(prepared.source_vertices.iter().map(|vertex| positions[*vertex as usize])),
+        diagonal,
+        components: prepared.closed.len(),
+        closed_components: prepared.closed.iter().filter(|closed| **closed).count(),
+        repairs: prepared.repairs,
+        area: area * diagonal.powi(2),
+        volume: volume * diagonal.powi(3),
+    })
+}
+
+fn bounds<C: Coordinate>(points: impl Iterator<Item = [C; 3]>) -> Bounds {
+    let everywhere = Bounds { min: [f64::INFINITY; 3], max: [f64::NEG_INFINITY; 3] };
+    points.map(|point| point.map(Coordinate::to_f64)).fold(everywhere, |bounds, point| Bounds {
+        min: minimum(bounds.min, point),
+        max: maximum(bounds.max, point),
+    })
+}
+
+/// Area and enclosed volume of the normalised mesh.
+fn measure(prepared: &PreparedMesh) -> (f64, f64) {
+    let (mut twice_area, mut six_volumes) = (0.0, 0.0);
+    for (triangle, component) in prepared.mesh.triangles.iter().zip(&prepared.components) {
+        let [a, b, c] = triangle.map(|vertex| prepared.mesh.positions[vertex as usize]);
+        twice_area += length(area_normal(a, b, c));
+        if prepared.closed[*component as usize] {
+            six_volumes += dot(a, cross(b, c));
+        }
+    }
+    (twice_area / 2.0, six_volumes / 6.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::TriangleMesh;
+    use crate::mesh::shapes::{cuboid, hemisphere, join, turn};
+
+    fn inspect_mesh(mesh: &TriangleMesh) -> Inspection {
+        inspect(&mesh.positions, &mesh.triangles).unwrap()
+    }
+
+    fn assert_close(found: f64, expected: f64) {
+        assert!((found - expected).abs() < 1e-9 * expected.abs().max(1.0), "{found}, {expected}");
+    }
+
+    #[test]
+    fn a_box_has_the_measures_of_a_box() {
+        let found = inspect_mesh(&cuboid([10.0, 10.0, 10.0], [11.0, 12.0, 13.0]));
+        assert_eq!(found.bounds, Bounds { min: [10.0; 3], max: [11.0, 12.0, 13.0] });
+        assert_close(found.diagonal, 14_f64.sqrt());
+        assert_close(found.area, 22.0);
+        assert_close(found.volume, 6.0);
+        assert!(found.is_closed());
+        assert_eq!((found.components, found.triangles), (1, 12));
+    }
+
+    #[test]
+    fn a_cavity_is_taken_off_and_an_open_sheet_has_no_volume() {
+        let hollow = join(&[cuboid([0.0; 3], [4.0; 3]), turn(cuboid([1.0; 3], [2.0; 3]))]);
+        assert_close(inspect_mesh(&hollow).volume, 63.0);
+
+        let mut with_sheet = hollow;
+        let first = with_sheet.positions.len() as u32;
+        with_sheet.positions.extend([[9.0; 3], [9.0, 8.0, 9.0], [8.0, 9.0, 9.0]]);
+        with_sheet.triangles.push([first, first + 1, first + 2]);
+        let found = inspect_mesh(&with_sheet);
+        assert_close(found.volume, 63.0);
+        assert_eq!((found.components, found.closed_components), (3, 2));
+        assert!(!found.is_closed());
+        assert_eq!(found.repairs.open_edges, 3);
+        assert_eq!(inspect_mesh(&hemisphere(8)).volume, 0.0);
+    }
+
+    #[test]
+    fn repairs_are_counted_against_what_was_given() {
+        let mut mesh = cuboid([0.0; 3], [1.0; 3]);
+        mesh.positions.push([5.0; 3]);
+        mesh.triangles.push(mesh.triangles[0]);
+        mesh.triangles.push([0, 0, 1]);
+        let found = inspect_mesh(&mesh);
+        assert_eq!((found.source_triangles, found.triangles), (14, 12));
+        assert_eq!((found.source_vertices, found.vertices), (9, 8));
+        assert_eq!(found.bounds.max, [1.0; 3]);
+        assert_eq!(found.repairs.unused_vertices, 1);
+        assert_eq!(found.repairs.duplicate_triangles, 1);
+        assert_eq!(found.repairs.degenerate_triangles, 1);
+    }
+
+    #[test]
+    fn what_can_not_be_decomposed_can_not_be_inspected() {
+        assert!(matches!(inspect::<f32>(&[], &[]), Err(Error::EmptyMesh { .. })));
+        let out_of_range = inspect(&[[0.0_f32; 3]], &[[0, 0, 1]]);
+        assert!(matches!(out_of_range, Err(Error::IndexOutOfRange { index: 1, .. })));
+    }
+}
