@@ -13,27 +13,27 @@ pub struct ParameterArguments {
     #[arg(long, value_name = "NAME", value_parser = parse_method)]
     method: Option<Method>,
 
-    /// Q: the simplification target is the triangle count times Q, until it is at most r
+    /// Q: the simplification target is the triangle count times Q, until it is at most r. Paper: 0.8
     #[arg(long, value_name = "Q", allow_negative_numbers = true)]
     simplification_quality: Option<f64>,
 
-    /// R: maximum resolutions in triangles, separated by commas
+    /// R: maximum resolutions in triangles, separated by commas. Paper: 250,500,1000,2000,3000
     #[arg(long, value_name = "R", value_delimiter = ',')]
     maximum_resolutions: Option<Vec<usize>>,
 
-    /// p: planar thresholds in units, separated by commas
+    /// p: planar thresholds in units, separated by commas. Paper: 0.01,0.2,0.4,0.6,0.8,1
     #[arg(long, value_name = "P", value_delimiter = ',', allow_negative_numbers = true)]
     planar_thresholds: Option<Vec<f64>>,
 
-    /// a: angular threshold in units
+    /// a: angular threshold in units. Paper: 0.01
     #[arg(long, value_name = "A", allow_negative_numbers = true)]
     angular_threshold: Option<f64>,
 
-    /// ε: concavity cost that is good enough, as a share of a group's diagonal
+    /// ε: concavity cost that is good enough, as a share of a group's diagonal. Paper: 0.05
     #[arg(long, value_name = "EPSILON", allow_negative_numbers = true)]
     concavity_cost_threshold: Option<f64>,
 
-    /// μ: with fewer pieces than this, higher resolutions are skipped; 0 never skips
+    /// μ: with fewer pieces than this, higher resolutions are skipped; 0 never skips. Paper: 5
     #[arg(long, value_name = "MU")]
     resolution_cut_off: Option<usize>,
 

@@ -8,7 +8,7 @@ use hullwright::io::read_mesh;
 
 use crate::Failure;
 use crate::output::print;
-use crate::tables::repairs;
+use crate::tables::{PADDING, repairs};
 
 /// Show counts, bounds, components, open and non-manifold edges, and what would be repaired
 #[derive(clap::Args)]
@@ -60,6 +60,7 @@ fn table(found: &Inspection, objects: usize) -> Table {
         table.add_row([name.to_owned(), value]);
     }
     for column in table.column_iter_mut() {
+        column.set_padding(PADDING);
         column.set_cell_alignment(CellAlignment::Left);
     }
     table

@@ -13,6 +13,9 @@ const SUMMARY_HEADER: [&str; 8] =
 const SEARCH_HEADER: [&str; 7] =
     ["r", "target", "polygons", "p", "pieces", "cost", "what became of it"];
 
+/// Spaces before and after each column.
+pub const PADDING: (u16, u16) = (0, 2);
+
 /// Stands where there is no number.
 const NOTHING: &str = "–";
 
@@ -117,6 +120,7 @@ fn right_aligned<const N: usize>(
     let mut table = Table::new();
     table.load_style(presets::NOTHING).set_header(*header).add_rows(rows);
     for column in table.column_iter_mut() {
+        column.set_padding(PADDING);
         column.set_cell_alignment(CellAlignment::Right);
     }
     table
