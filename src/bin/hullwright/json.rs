@@ -1,6 +1,6 @@
 //! A decomposition for programs: one line of JSON.
 
-use hullwright::{Repairs, Report, ResolutionReport, SurfaceReport};
+use hullwright::{Repairs, Report, ResolutionReport, SurfaceReport, ThresholdOutcome};
 use serde_json::{Map, Value, json};
 
 use crate::decompose::Outcome;
@@ -70,10 +70,11 @@ fn search(surface: &SurfaceReport) -> Value {
 
 fn resolution(report: &ResolutionReport) -> Value {
     let thresholds = report.thresholds.iter().map(|threshold| {
+        let is_tried = threshold.outcome != ThresholdOutcome::NotTried;
         json!({
             "planar_threshold": threshold.planar_threshold,
-            "pieces": threshold.pieces,
-            "cost": threshold.cost,
+            "pieces": is_tried.then_some(threshold.pieces),
+            "cost": is_tried.then_some(threshold.cost),
             "outcome": threshold_outcome(threshold.outcome)[0],
         })
     });

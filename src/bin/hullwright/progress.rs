@@ -2,6 +2,7 @@
 
 use std::io::IsTerminal;
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::thread::JoinHandle;
 use std::time::Duration;
 
 use hullwright::Control;
@@ -17,34 +18,41 @@ const TEMPLATE: &str = "{bar:32} {percent:>3} %  {msg}";
 
 /// A bar that appears late, and never where standard error is no terminal.
 pub struct LateBar {
-    bar: Option<(ProgressBar, Sender<()>)>,
+    waiting: Option<Waiting>,
+}
+
+struct Waiting {
+    bar: ProgressBar,
+    /// Dropped when the work is done.
+    finished: Sender<()>,
+    timer: JoinHandle<()>,
 }
 
 impl LateBar {
     pub fn start() -> Self {
         if !std::io::stderr().is_terminal() {
-            return Self { bar: None };
+            return Self { waiting: None };
         }
         let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::hidden());
         if let Ok(style) = ProgressStyle::with_template(TEMPLATE) {
             bar.set_style(style);
         }
         let (finished, is_finished) = channel();
-        let waiting = bar.clone();
-        std::thread::spawn(move || {
+        let late = bar.clone();
+        let timer = std::thread::spawn(move || {
             if is_finished.recv_timeout(PATIENCE) == Err(RecvTimeoutError::Timeout) {
-                waiting.set_draw_target(ProgressDrawTarget::stderr());
-                waiting.tick();
+                late.set_draw_target(ProgressDrawTarget::stderr());
+                late.tick();
             }
         });
-        Self { bar: Some((bar, finished)) }
+        Self { waiting: Some(Waiting { bar, finished, timer }) }
     }
 
     /// A control that moves the bar.
     pub fn control(&self) -> Control {
-        match &self.bar {
+        match &self.waiting {
             None => Control::new(),
-            Some((bar, _)) => {
+            Some(Waiting { bar, .. }) => {
                 let bar = bar.clone();
                 Control::new().with_progress(move |progress| {
                     bar.set_message(progress.stage.name());
@@ -56,8 +64,10 @@ impl LateBar {
 
     /// Takes the bar away.
     pub fn finish(self) {
-        if let Some((bar, finished)) = self.bar {
+        if let Some(Waiting { bar, finished, timer }) = self.waiting {
             drop(finished);
+            // Else it might show the bar after it was taken away. Without it there is no bar.
+            let _ = timer.join();
             bar.finish_and_clear();
         }
     }
