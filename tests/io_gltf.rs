@@ -265,6 +265,17 @@ fn extensions_that_hide_geometry_are_refused_and_others_ignored() {
 }
 
 #[test]
+fn extra_data_of_any_kind_is_skipped() {
+    for extras in [json!({ "a": [1] }), json!([1, "b"]), json!("text"), json!(5), json!(null)] {
+        let mut document = document();
+        document["extras"] = extras.clone();
+        document["nodes"][0]["extras"] = extras.clone();
+        document["meshes"][0]["primitives"][0]["extras"] = extras;
+        assert_eq!(read(&document).unwrap().triangles.len(), 1);
+    }
+}
+
+#[test]
 fn glb_headers_that_lie_are_errors() {
     let whole = glb(&document(), &buffer());
     let broken = |at: usize, value: u32| {
