@@ -190,11 +190,8 @@ fn glb_with_other_numbers() {
         let mut bytes = whole.clone();
         for _ in 0..=random.below(2) {
             let start = numbers[random.below(numbers.len())];
-            for at in start..json_end {
-                if !bytes[at].is_ascii_digit() {
-                    break;
-                }
-                bytes[at] = b"0123456789"[random.below(10)];
+            for byte in bytes[start..json_end].iter_mut().take_while(|byte| byte.is_ascii_digit()) {
+                *byte = b"0123456789"[random.below(10)];
             }
             // A number may not begin with a zero.
             bytes[start] = bytes[start].max(b'1');

@@ -181,7 +181,7 @@ impl Scene<'_> {
             None => {
                 let positions = self.accessors.positions(*accessor)?;
                 self.check_growth("vertices", self.file.positions.len(), positions.len())?;
-                let first = next_index(&self.file.positions)?;
+                let first = next_index(&self.file.positions, positions.len())?;
                 self.file.positions.extend(positions.iter().map(|point| transform.apply(*point)));
                 placed.push((*accessor, first, positions.len()));
                 (first, positions.len())

@@ -1,18 +1,19 @@
 //! Readers and writers of mesh files (feature `io`).
 //!
-//! | format | read by | why |
-//! |---|---|---|
-//! | glTF, GLB | crate `gltf` (container and JSON), `base64`, `percent-encoding` | buffers, accessors and the scene are walked here, see [`gltf`](self::gltf) |
-//! | PLY | crate `ply-rs-bw` (header, binary elements) | text elements are read here, see [`ply`] |
-//! | OBJ | this module | see [`obj`] for what spoke against `tobj` |
-//! | OFF | this module | see [`off`] for what spoke against `off-rs` |
-//! | STL | this module | see [`stl`] for what spoke against `stl_io` |
+//! | format | read by |
+//! |---|---|
+//! | glTF, GLB | crate `gltf` for the container and the JSON; buffers, accessors and nodes are walked here, since its own readers panic on hostile files |
+//! | PLY | crate `ply-rs-bw` for the header and binary elements; text elements here, since it refuses numbers such as `.5` and `nan` |
+//! | OBJ | this module: `tobj` refuses sound files, makes faces of polylines and says no line in its errors |
+//! | OFF | this module: `off-rs` holds `f32` and knows one form of header |
+//! | STL | this module: `stl_io` holds `f32`, drops all solids but the first, and goes by the first word alone |
 //!
 //! All readers keep three promises on any input: no panic, no allocation that a count in the file
 //! asks for and the file's size does not justify, and errors that say what is wrong and where.
 //! Coordinates that are written as text keep their full `f64` precision, and `nan` and `inf` are
-//! let through, since repair counts and drops them. Points and lines are left out. Polygons are
-//! triangulated, see [`polygon`].
+//! let through, since repair counts and drops them. Points and lines are left out. Polygons,
+//! concave ones too, are triangulated by ear clipping and Delaunay refinement (crate `earcut`);
+//! those without an inside become fans.
 
 mod accessor;
 mod buffers;
@@ -211,7 +212,10 @@ fn file_error(path: &Path, reason: String) -> Error {
     Error::File { path: path.display().to_string(), reason }
 }
 
-/// The number of vertices as an index that the next vertex gets.
-fn next_index(positions: &[[f64; 3]]) -> Result<u32, String> {
-    u32::try_from(positions.len()).map_err(|_| format!("it has more than {} vertices", u32::MAX))
+/// The index of the first of `more` new vertices, if all of them can have an index.
+fn next_index(positions: &[[f64; 3]], more: usize) -> Result<u32, String> {
+    match u32::try_from(positions.len().saturating_add(more)) {
+        Ok(_) => Ok(positions.len() as u32),
+        Err(_) => Err(format!("it has more than {} vertices", u32::MAX)),
+    }
 }

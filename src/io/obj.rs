@@ -57,7 +57,7 @@ fn read_vertices(bytes: &[u8]) -> Result<Vec<[f64; 3]>, String> {
         // Any text is an OBJ file without vertices.
         return Err("it holds no vertices".into());
     }
-    next_index(&positions)?;
+    next_index(&positions, 0)?;
     Ok(positions)
 }
 

@@ -35,7 +35,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<MeshFile, String> {
         let position = coordinates(words(text)).map_err(at_line(line))?;
         file.positions.push(position);
     }
-    next_index(&file.positions)?;
+    next_index(&file.positions, 0)?;
 
     let mut triangulator = Triangulator::new();
     let mut corners = Vec::new();

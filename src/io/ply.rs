@@ -270,7 +270,7 @@ impl MeshBuilder {
     }
 
     fn finish(mut self) -> Result<MeshFile, String> {
-        next_index(&self.file.positions)?;
+        next_index(&self.file.positions, 0)?;
         for corners in std::mem::take(&mut self.early_faces) {
             self.triangulate(&corners);
         }

@@ -63,7 +63,7 @@ fn read_binary(records: &[u8]) -> Result<MeshFile, String> {
     file.positions.reserve_exact(records.len() * 3);
     file.triangles.reserve_exact(records.len());
     for record in records {
-        let first = next_index(&file.positions)?;
+        let first = next_index(&file.positions, 3)?;
         let (numbers, _) = record[NORMAL..].as_chunks::<4>();
         let (vertices, _) = numbers.as_chunks::<3>();
         let position =
@@ -71,7 +71,6 @@ fn read_binary(records: &[u8]) -> Result<MeshFile, String> {
         file.positions.extend(vertices.iter().map(position));
         file.triangles.push([first, first + 1, first + 2]);
     }
-    next_index(&file.positions)?;
     file.close_object("", 0);
     Ok(file)
 }
@@ -99,7 +98,7 @@ fn read_text(bytes: &[u8]) -> Result<MeshFile, String> {
                 corners.clear();
             }
             b"vertex" if is_in_facet => {
-                corners.push(next_index(&file.positions)?);
+                corners.push(next_index(&file.positions, 1)?);
                 file.positions.push(coordinates(words).map_err(at_line(line))?);
             }
             b"outer" | b"endloop" if is_in_facet => {}
