@@ -45,12 +45,15 @@ pub(super) fn read(bytes: &[u8]) -> Result<MeshFile, String> {
 fn in_one_line(error: ParseError) -> String {
     let message = error.to_string();
     let mut lines = message.lines();
-    let mut reason = lines.next().unwrap_or_default();
-    if let Some(text) = lines.next().and_then(|text| text.trim().strip_prefix("String: ")) {
-        reason = reason.trim_end_matches('.');
-        return format!("{reason}: {}", quote(text.as_bytes()));
+    let first = lines.next().unwrap_or_default().trim_end_matches('.');
+    let reason = match first.split_once("Line ") {
+        Some(("", reason)) => format!("line {reason}"),
+        _ => name(first.as_bytes()),
+    };
+    match lines.next().and_then(|text| text.trim().strip_prefix("String: ")) {
+        Some(text) => format!("{reason}: {}", quote(text.trim_matches('\'').as_bytes())),
+        None => reason,
     }
-    name(reason.as_bytes())
 }
 
 /// Refuses what can't be a mesh, and counts that the rest of the file is too short for.
@@ -400,6 +403,7 @@ mod tests {
     #[test]
     fn errors_stay_on_one_line() {
         let error = read(b"ply\nformat ascii 1.0\nelement vertex\0\n").unwrap_err();
+        assert!(error.starts_with("line 3: Couldn't parse line: `element"), "{error}");
         assert!(!error.contains('\n') && error.len() < 200, "{error}");
         assert!(read(b"").is_err());
         assert!(read(b"ply\n").is_err());
