@@ -33,6 +33,7 @@
 //! | `measure` | judges any set of hulls against a mesh | – |
 //! | `inspect` | what a mesh holds, without decomposing it | – |
 //! | `io` (feature) | readers and writers of mesh files | – |
+//! | `picture` (feature `io`) | draws meshes and hulls into a PNG, without a GPU | – |
 
 mod control;
 mod decompose;
@@ -44,6 +45,8 @@ mod inspect;
 pub mod io;
 mod mesh;
 mod parameters;
+#[cfg(feature = "io")]
+pub mod picture;
 mod vector;
 
 pub use control::{Control, Progress, Stage};
