@@ -39,10 +39,13 @@ mod control;
 mod decompose;
 mod decomposition;
 mod error;
+mod field;
 pub mod hull;
 mod inspect;
 #[cfg(feature = "io")]
 pub mod io;
+
+pub mod measure;
 mod mesh;
 mod parameters;
 #[cfg(feature = "io")]

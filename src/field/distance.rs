@@ -1,0 +1,295 @@
+//! Distance from a point to the nearest triangle, by branch and bound over the tree.
+//!
+//! Bounds are in single precision, for four boxes or four triangles at once. Only a triangle that
+//! may be the nearest is asked in double precision, so that the answer is the same as from asking
+//! every triangle, to the last bit.
+
+use super::tree::{
+    BOUND_SLACK, Block, Child, EMPTY, Node, STACK, Tree, WIDTH, child, larger, smaller,
+};
+use crate::vector::{Vector, add, cross, dot, length_squared, scale, subtract};
+
+/// The point of the mesh that is nearest to another.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Closest {
+    pub distance: f64,
+    /// The nearest triangle; of several the one with the lowest index.
+    pub triangle: u32,
+    pub point: Vector,
+}
+
+/// The best triangle so far.
+#[derive(Clone, Copy)]
+pub(super) struct Best {
+    pub squared: f64,
+    pub triangle: u32,
+    /// Place of its corners in the tree.
+    place: usize,
+}
+
+impl Best {
+    pub(super) fn none(limit: f64) -> Self {
+        Self { squared: if limit < 0.0 { -1.0 } else { limit * limit }, triangle: EMPTY, place: 0 }
+    }
+}
+
+/// Squared length of each child's gap to the point, a lower bound up to [`BOUND_SLACK`].
+#[inline(always)]
+fn squared_gaps(node: &Node, point: [f32; 3]) -> [f32; WIDTH] {
+    let mut squared = [0.0; WIDTH];
+    for place in 0..WIDTH {
+        let gap = |axis: usize| {
+            let below = node.min[axis][place] - point[axis];
+            let above = point[axis] - node.max[axis][place];
+            larger(larger(below, above), 0.0)
+        };
+        let (x, y, z) = (gap(0), gap(1), gap(2));
+        squared[place] = x * x + y * y + z * z;
+    }
+    squared
+}
+
+/// The same for the triangles of a block. Whatever point p of a triangle the weights lead to, the
+/// triangle lies beyond the plane across p through its lowest corner: so rounding of the weights,
+/// also those of a sliver, makes the bound worse but not wrong.
+#[inline(always)]
+fn squared_bounds(block: &Block, point: [f32; 3], margin: f32) -> [f32; WIDTH] {
+    let mut squared = [0.0; WIDTH];
+    for lane in 0..WIDTH {
+        let arm = |corner: usize| {
+            let [x, y, z] = &block.corners[corner];
+            [x[lane] - point[0], y[lane] - point[1], z[lane] - point[2]]
+        };
+        let (a, b, c) = (arm(0), arm(1), arm(2));
+        let ab = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
+        let ac = [c[0] - a[0], c[1] - a[1], c[2] - a[2]];
+        let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let (v, w) = weights_in_single_precision(a, ab, ac);
+        let p = [
+            a[0] + v * ab[0] + w * ac[0],
+            a[1] + v * ab[1] + w * ac[1],
+            a[2] + v * ab[2] + w * ac[2],
+        ];
+        let height = smaller(smaller(dot(p, a), dot(p, b)), dot(p, c)) / dot(p, p).sqrt();
+        // False for a height that is not a number, too.
+        let height = if height > margin { height - margin } else { 0.0 };
+        squared[lane] = height * height;
+    }
+    squared
+}
+
+/// The greatest squared gap of a box that may hold something as near as `squared`.
+#[inline(always)]
+fn reach(squared: f64) -> f32 {
+    (squared * BOUND_SLACK) as f32
+}
+
+/// Weights of the second and the third corner in the triangle's point nearest to the origin, for
+/// a triangle `a, a + ab, a + ac` (Ericson, Real-Time Collision Detection, 5.1.5, without its
+/// branches). Wrong for slivers.
+macro_rules! weights {
+    ($name:ident, $real:ty) => {
+        #[inline(always)]
+        fn $name(a: [$real; 3], ab: [$real; 3], ac: [$real; 3]) -> ($real, $real) {
+            let dot = |a: [$real; 3], b: [$real; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+            let (abab, abac, acac) = (dot(ab, ab), dot(ab, ac), dot(ac, ac));
+            let (d1, d2) = (-dot(ab, a), -dot(ac, a));
+            let (d3, d4) = (d1 - abab, d2 - abac);
+            let (d5, d6) = (d1 - abac, d2 - acac);
+            let va = d3 * d6 - d5 * d4;
+            let vb = d5 * d2 - d1 * d6;
+            let vc = d1 * d4 - d3 * d2;
+            let (bc1, bc2) = (d4 - d3, d5 - d6);
+
+            let (mut v, mut w, mut sum) = (vb, vc, va + vb + vc);
+            let mut region = |inside: bool, new_v: $real, new_w: $real, new_sum: $real| {
+                v = if inside { new_v } else { v };
+                w = if inside { new_w } else { w };
+                sum = if inside { new_sum } else { sum };
+            };
+            // Where regions touch the later line wins, and each is right there.
+            region((va <= 0.0) & (bc1 >= 0.0) & (bc2 >= 0.0), bc2, bc1, bc1 + bc2);
+            region((vb <= 0.0) & (d2 >= 0.0) & (d6 <= 0.0), 0.0, d2, d2 - d6);
+            region((d6 >= 0.0) & (d5 <= d6), 0.0, 1.0, 1.0);
+            region((vc <= 0.0) & (d1 >= 0.0) & (d3 <= 0.0), d1, 0.0, d1 - d3);
+            region((d3 >= 0.0) & (d4 <= d3), 1.0, 0.0, 1.0);
+            region((d1 <= 0.0) & (d2 <= 0.0), 0.0, 0.0, 1.0);
+            let inverse = 1.0 / sum;
+            (v * inverse, w * inverse)
+        }
+    };
+}
+
+weights!(weights, f64);
+weights!(weights_in_single_precision, f32);
+
+/// A triangle whose squared sine at the first corner is below this is a sliver. There the weights
+/// would be off by more than 1e-8.
+const SLIVER: f64 = 1e-8;
+
+/// The point of a sliver nearest to the origin: on an edge, unless its normal still means
+/// something and the point is inside.
+#[cold]
+fn nearest_of_sliver(a: Vector, ab: Vector, ac: Vector) -> Vector {
+    /// Below this squared sine the normal is lost in rounding, and so is the triangle's width.
+    const NEEDLE: f64 = 1e-20;
+
+    let (b, c) = (add(a, ab), add(a, ac));
+    let mut nearest = a;
+    for (from, to) in [(a, b), (b, c), (c, a)] {
+        let along = subtract(to, from);
+        let squared = length_squared(along);
+        let share = (-dot(from, along) / squared).clamp(0.0, 1.0);
+        // A point-like edge has no share, and its end is another edge's.
+        let point = add(from, scale(along, share));
+        if length_squared(point) < length_squared(nearest) {
+            nearest = point;
+        }
+    }
+    let normal = cross(ab, ac);
+    let squared = length_squared(normal);
+    if squared > NEEDLE * length_squared(ab) * length_squared(ac) {
+        let inside = [(a, b), (b, c), (c, a)]
+            .iter()
+            .all(|&(from, to)| dot(cross(normal, subtract(to, from)), from) <= 0.0);
+        let foot = scale(normal, dot(normal, a) / squared);
+        if inside && length_squared(foot) < length_squared(nearest) {
+            nearest = foot;
+        }
+    }
+    nearest
+}
+
+/// The point of the triangle nearest to the origin.
+pub(super) fn nearest_of_triangle(a: Vector, b: Vector, c: Vector) -> Vector {
+    let (ab, ac) = (subtract(b, a), subtract(c, a));
+    let sides = length_squared(ab) * length_squared(ac);
+    let cosine = dot(ab, ac);
+    if sides - cosine * cosine <= SLIVER * sides {
+        nearest_of_sliver(a, ab, ac)
+    } else {
+        let (v, w) = weights(a, ab, ac);
+        add(a, add(scale(ab, v), scale(ac, w)))
+    }
+}
+
+#[inline(always)]
+fn sort_descending(entries: &mut [u64; WIDTH]) {
+    let mut order = |low: usize, high: usize| {
+        let (a, b) = (entries[low], entries[high]);
+        entries[low] = a.max(b);
+        entries[high] = a.min(b);
+    };
+    order(0, 2);
+    order(1, 3);
+    order(0, 1);
+    order(2, 3);
+    order(1, 2);
+}
+
+impl Tree {
+    #[inline(always)]
+    fn relative(&self, point: Vector) -> [f32; 3] {
+        subtract(point, self.centre).map(|x| x as f32)
+    }
+
+    /// The point of a triangle that is nearest to `point`, relative to it.
+    #[inline(always)]
+    fn nearest(&self, place: usize, point: Vector) -> Vector {
+        let [a, b, c] = self.corners[place];
+        nearest_of_triangle(subtract(a, point), subtract(b, point), subtract(c, point))
+    }
+
+    #[inline(always)]
+    fn improve(&self, block: usize, point: Vector, bounds: &[f32; WIDTH], best: &mut Best) {
+        let triangles = &self.blocks[block];
+        for lane in 0..WIDTH {
+            let triangle = triangles.triangles[lane];
+            if bounds[lane] > reach(best.squared) || triangle == EMPTY {
+                continue;
+            }
+            let place = block * WIDTH + lane;
+            let squared = length_squared(self.nearest(place, point));
+            if squared < best.squared || (squared == best.squared && triangle < best.triangle) {
+                *best = Best { squared, triangle, place };
+            }
+        }
+    }
+
+    /// Improves on `best`; stops at the first triangle within its limit if `any`.
+    #[inline(always)]
+    fn search(&self, point: Vector, best: &mut Best, any: bool) -> bool {
+        let relative = self.relative(point);
+        // A squared gap's bits above a child's reference: gaps are not negative, so these numbers
+        // are in the order of gaps.
+        let mut stack = [0_u64; STACK + WIDTH];
+        let mut height = 1;
+        let mut reach = reach(best.squared);
+        while height > 0 {
+            height -= 1;
+            let entry = stack[height];
+            if f32::from_bits((entry >> 32) as u32) > reach {
+                continue;
+            }
+            match child(entry as u32) {
+                Child::Empty => {}
+                Child::Block(block) => {
+                    let bounds = squared_bounds(&self.blocks[block], relative, self.margin);
+                    let least =
+                        smaller(smaller(bounds[0], bounds[1]), smaller(bounds[2], bounds[3]));
+                    if least <= reach {
+                        self.improve(block, point, &bounds, best);
+                        if any && best.triangle != EMPTY {
+                            return true;
+                        }
+                        reach = self::reach(best.squared);
+                    }
+                }
+                Child::Node(node) => {
+                    let node = &self.nodes[node];
+                    let gaps = squared_gaps(node, relative);
+                    let mut entries = [0; WIDTH];
+                    for (place, &reference) in node.children().iter().enumerate() {
+                        let hit = (gaps[place] <= reach) & (reference != EMPTY);
+                        let entry = u64::from(gaps[place].to_bits()) << 32 | u64::from(reference);
+                        // No child is the root, so no hit is 0.
+                        entries[place] = if hit { entry } else { 0 };
+                        height += usize::from(hit);
+                    }
+                    // Hits end up below `height` with the nearest on top, the zeros of all others
+                    // above it.
+                    let hits = entries.iter().filter(|&&entry| entry != 0).count();
+                    sort_descending(&mut entries);
+                    stack[height - hits..][..WIDTH].copy_from_slice(&entries);
+                }
+            }
+        }
+        best.triangle != EMPTY
+    }
+
+    /// The nearest point of the mesh that is at most `limit` away.
+    pub(super) fn closest(&self, point: Vector, mut best: Best) -> Option<Closest> {
+        if !self.search(point, &mut best, false) {
+            return None;
+        }
+        Some(Closest {
+            distance: best.squared.sqrt(),
+            triangle: best.triangle,
+            point: add(point, self.nearest(best.place, point)),
+        })
+    }
+
+    /// A start for `closest` from a triangle that is thought to be near.
+    pub(super) fn guess(&self, point: Vector, place: usize, best: &mut Best) {
+        let block = &self.blocks[place / WIDTH];
+        let squared = length_squared(self.nearest(place, point));
+        if squared <= best.squared {
+            *best = Best { squared, triangle: block.triangles[place % WIDTH], place };
+        }
+    }
+
+    pub(super) fn any_within(&self, point: Vector, limit: f64) -> bool {
+        let mut best = Best::none(limit);
+        self.search(point, &mut best, true)
+    }
+}

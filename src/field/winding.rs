@@ -1,0 +1,346 @@
+//! The generalized winding number by a multipole expansion over the tree (Barill, Dickson,
+//! Schmidt, Levin and Jacobson, "Fast Winding Numbers for Soups and Clouds", 2018).
+//!
+//! Seen from afar a cluster of triangles acts like a dipole at its centre. Three terms of the
+//! expansion are kept, each reduced to its harmonic part (3, 5 and 7 numbers), for four children
+//! at once. Near triangles count with their exact solid angle (Van Oosterom and Strackee, 1983).
+
+use std::f64::consts::TAU;
+
+use super::tree::{Block, Child, EMPTY, STACK, Tree, WIDTH, child};
+use crate::vector::{Vector, add, cross, distance, length, length_squared, scale, subtract};
+
+/// β: a cluster is far away, and its expansion good enough, from β times its radius on. The error
+/// falls with the fourth power.
+const ACCURACY: f64 = 1.5;
+
+/// A solid angle whose sine and cosine have lost all digits to single precision: about this share
+/// of an edge away from it.
+const NOISE: f32 = 1e-6;
+
+/// Where children that don't exist are put: far from anything, with no moments.
+const NOWHERE: f32 = 1e6;
+
+/// Expansions of up to four children, relative to the tree's centre.
+#[derive(Debug, Clone)]
+#[repr(align(64))]
+pub(super) struct Moments {
+    centre: [[f32; WIDTH]; 3],
+    /// Squared distance from which on the expansion is used.
+    reach: [f32; WIDTH],
+    dipole: [[f32; WIDTH]; 3],
+    /// Coefficients of xx - zz, yy - zz, xy, xz, yz.
+    quadrupole: [[f32; WIDTH]; 5],
+    /// Coefficients of xxx - 3xzz, xyy - xzz, yyy - 3yzz, xxy - yzz, 3xxz - zzz, 3yyz - zzz, xyz.
+    octupole: [[f32; WIDTH]; 7],
+}
+
+/// A cluster's area vectors n dA and their moments about its centre.
+#[derive(Clone, Copy)]
+struct Cluster {
+    centre: Vector,
+    area: f64,
+    /// No triangle reaches farther from the centre.
+    radius: f64,
+    /// ∫ n
+    vector: Vector,
+    /// ∫ n ⊗ x
+    first: [Vector; 3],
+    /// ∫ n ⊗ x ⊗ x: for each component of n the products xx, yy, zz, xy, xz, yz.
+    second: [[f64; 6]; 3],
+}
+
+/// The pairs of axes of [`Cluster::second`].
+const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
+
+impl Cluster {
+    const NOTHING: Self = Self {
+        centre: [0.0; 3],
+        area: 0.0,
+        radius: 0.0,
+        vector: [0.0; 3],
+        first: [[0.0; 3]; 3],
+        second: [[0.0; 6]; 3],
+    };
+
+    fn triangle([a, b, c]: [Vector; 3]) -> Self {
+        let centre = scale(add(add(a, b), c), 1.0 / 3.0);
+        let vector = scale(cross(subtract(b, a), subtract(c, a)), 0.5);
+        let (a, b, c) = (subtract(a, centre), subtract(b, centre), subtract(c, centre));
+        let mut second = [[0.0; 6]; 3];
+        for (pair, (j, k)) in PAIRS.into_iter().enumerate() {
+            let product = (a[j] * a[k] + b[j] * b[k] + c[j] * c[k]) / 12.0;
+            for i in 0..3 {
+                second[i][pair] = vector[i] * product;
+            }
+        }
+        let squared = length_squared(a).max(length_squared(b)).max(length_squared(c));
+        Self {
+            centre,
+            area: length(vector),
+            radius: squared.sqrt(),
+            vector,
+            first: [[0.0; 3]; 3],
+            second,
+        }
+    }
+
+    /// The union of clusters, about the centre of their area.
+    fn union(parts: &[Self]) -> Self {
+        let mut union = Self::NOTHING;
+        for part in parts {
+            union.area += part.area;
+            union.centre = add(union.centre, scale(part.centre, part.area));
+        }
+        union.centre = if union.area > 0.0 {
+            scale(union.centre, 1.0 / union.area)
+        } else {
+            parts.first().map_or([0.0; 3], |part| part.centre)
+        };
+        for part in parts {
+            let arm = subtract(part.centre, union.centre);
+            union.radius = union.radius.max(part.radius + length(arm));
+            union.vector = add(union.vector, part.vector);
+            for i in 0..3 {
+                let (vector, first) = (part.vector[i], part.first[i]);
+                for (pair, (j, k)) in PAIRS.into_iter().enumerate() {
+                    union.second[i][pair] += part.second[i][pair]
+                        + first[j] * arm[k]
+                        + first[k] * arm[j]
+                        + vector * (arm[j] * arm[k]);
+                }
+                union.first[i] = add(union.first[i], add(first, scale(arm, vector)));
+            }
+        }
+        union
+    }
+
+    /// Writes the harmonic part of the expansion. With d from the point to the centre, u = d/|d|:
+    /// 4π w = v·u / |d|² - 3 uᵀF u / |d|³ + 15/2 S(u,u,u) / |d|⁴, F and S without their traces.
+    fn write(&self, moments: &mut Moments, place: usize, tree_centre: Vector) {
+        let per_solid_angle = 1.0 / (2.0 * TAU);
+        let reach = ACCURACY * self.radius;
+        moments.reach[place] = (reach * reach) as f32;
+        let centre = subtract(self.centre, tree_centre);
+        for axis in 0..3 {
+            moments.centre[axis][place] = centre[axis] as f32;
+            moments.dipole[axis][place] = (self.vector[axis] * per_solid_angle) as f32;
+        }
+
+        let f = &self.first;
+        let third = (f[0][0] + f[1][1] + f[2][2]) / 3.0;
+        let quadrupole = [
+            f[0][0] - third,
+            f[1][1] - third,
+            f[0][1] + f[1][0],
+            f[0][2] + f[2][0],
+            f[1][2] + f[2][1],
+        ];
+        for (coefficient, value) in moments.quadrupole.iter_mut().zip(quadrupole) {
+            coefficient[place] = (-3.0 * per_solid_angle * value) as f32;
+        }
+
+        // The symmetric part of the third moment, in the names of its axes.
+        let [
+            [x_xx, x_yy, x_zz, x_xy, x_xz, x_yz],
+            [y_xx, y_yy, y_zz, y_xy, y_xz, y_yz],
+            [z_xx, z_yy, z_zz, z_xy, z_xz, z_yz],
+        ] = self.second;
+        let xxy = (2.0 * x_xy + y_xx) / 3.0;
+        let xxz = (2.0 * x_xz + z_xx) / 3.0;
+        let xyy = (2.0 * y_xy + x_yy) / 3.0;
+        let yyz = (2.0 * y_yz + z_yy) / 3.0;
+        let xzz = (2.0 * z_xz + x_zz) / 3.0;
+        let yzz = (2.0 * z_yz + y_zz) / 3.0;
+        let x = (x_xx + xyy + xzz) / 5.0;
+        let y = (y_yy + xxy + yzz) / 5.0;
+        let z = (z_zz + xxz + yyz) / 5.0;
+        let octupole = [
+            x_xx - 3.0 * x,
+            3.0 * (xyy - x),
+            y_yy - 3.0 * y,
+            3.0 * (xxy - y),
+            xxz - z,
+            yyz - z,
+            2.0 * (x_yz + y_xz + z_xy),
+        ];
+        for (coefficient, value) in moments.octupole.iter_mut().zip(octupole) {
+            coefficient[place] = (7.5 * per_solid_angle * value) as f32;
+        }
+    }
+}
+
+impl Moments {
+    fn new() -> Self {
+        Self {
+            centre: [[NOWHERE; WIDTH]; 3],
+            reach: [0.0; WIDTH],
+            dipole: [[0.0; WIDTH]; 3],
+            quadrupole: [[0.0; WIDTH]; 5],
+            octupole: [[0.0; WIDTH]; 7],
+        }
+    }
+
+    /// Adds the far children's winding numbers to `sums`; says which are far.
+    #[inline(always)]
+    fn add_far(&self, point: [f32; 3], sums: &mut [f32; WIDTH]) -> [bool; WIDTH] {
+        let mut far = [false; WIDTH];
+        let [dipole, quadrupole, octupole] = [&self.dipole[..], &self.quadrupole, &self.octupole];
+        for place in 0..WIDTH {
+            let x = self.centre[0][place] - point[0];
+            let y = self.centre[1][place] - point[1];
+            let z = self.centre[2][place] - point[2];
+            let squared = x * x + y * y + z * z;
+            let inverse = 1.0 / squared.sqrt();
+            let (x, y, z) = (x * inverse, y * inverse, z * inverse);
+            let (xx, yy, zz) = (x * x, y * y, z * z);
+            let d = |i: usize| dipole[i][place];
+            let q = |i: usize| quadrupole[i][place];
+            let o = |i: usize| octupole[i][place];
+            let first = d(0) * x + d(1) * y + d(2) * z;
+            let second = q(0) * (xx - zz)
+                + q(1) * (yy - zz)
+                + q(2) * (x * y)
+                + q(3) * (x * z)
+                + q(4) * (y * z);
+            let third = x * (o(0) * (xx - 3.0 * zz) + o(1) * (yy - zz))
+                + y * (o(2) * (yy - 3.0 * zz) + o(3) * (xx - zz))
+                + z * (o(4) * (3.0 * xx - zz) + o(5) * (3.0 * yy - zz) + o(6) * (x * y));
+            let sum = inverse * inverse * (first + inverse * (second + inverse * third));
+            far[place] = squared > self.reach[place];
+            sums[place] += if far[place] { sum } else { 0.0 };
+        }
+        far
+    }
+}
+
+/// A sum of angles as the direction of a product of complex numbers, so that one arc tangent
+/// serves for all.
+#[derive(Clone, Copy)]
+struct Turns {
+    real: f64,
+    imaginary: f64,
+    /// Whole turns that the product's direction doesn't show.
+    whole: i32,
+}
+
+impl Turns {
+    #[inline(always)]
+    fn add(&mut self, real: f64, imaginary: f64) {
+        let before = self.imaginary;
+        let next_real = self.real * real - before * imaginary;
+        let next = self.real * imaginary + before * real;
+        self.whole += i32::from((before >= 0.0) & (imaginary >= 0.0) & (next < 0.0));
+        self.whole -= i32::from((before < 0.0) & (imaginary < 0.0) & (next >= 0.0));
+        (self.real, self.imaginary) = (next_real, next);
+    }
+
+    fn total(self) -> f64 {
+        self.imaginary.atan2(self.real) / TAU + f64::from(self.whole)
+    }
+}
+
+impl Block {
+    /// Adds half of each triangle's solid angle.
+    #[inline(always)]
+    fn add_solid_angles(&self, point: [f32; 3], turns: &mut Turns) {
+        let mut real = [0.0_f32; WIDTH];
+        let mut imaginary = [0.0_f32; WIDTH];
+        let mut noise = [0.0_f32; WIDTH];
+        for lane in 0..WIDTH {
+            let arm = |corner: usize| {
+                let [x, y, z] = &self.corners[corner];
+                [x[lane] - point[0], y[lane] - point[1], z[lane] - point[2]]
+            };
+            let (a, b, c) = (arm(0), arm(1), arm(2));
+            let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+            let (of_a, of_b, of_c) = (dot(a, a).sqrt(), dot(b, b).sqrt(), dot(c, c).sqrt());
+            let cross =
+                [b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]];
+            let product = of_a * of_b * of_c;
+            imaginary[lane] = dot(a, cross);
+            real[lane] = product + dot(a, b) * of_c + dot(b, c) * of_a + dot(c, a) * of_b;
+            noise[lane] = NOISE * product;
+        }
+        for lane in 0..WIDTH {
+            let (real, imaginary) = (real[lane], imaginary[lane]);
+            // On a corner or an edge the angle is undefined.
+            if self.triangles[lane] != EMPTY && real.abs() + imaginary.abs() > noise[lane] {
+                turns.add(f64::from(real), f64::from(imaginary));
+            }
+        }
+        let size = turns.real.abs() + turns.imaginary.abs();
+        turns.real /= size;
+        turns.imaginary /= size;
+    }
+}
+
+/// The expansion of every node's children, parallel to [`Tree::nodes`]. O(n).
+pub(super) fn moments(tree: &Tree) -> Vec<Moments> {
+    let mut moments = vec![Moments::new(); tree.nodes.len()];
+    let mut clusters = vec![Cluster::NOTHING; tree.nodes.len()];
+    // Children come after their parents.
+    for (index, node) in tree.nodes.iter().enumerate().rev() {
+        let mut parts = [Cluster::NOTHING; WIDTH];
+        let mut count = 0;
+        for (place, reference) in node.children().into_iter().enumerate() {
+            let mut cluster = match child(reference) {
+                Child::Empty => continue,
+                Child::Node(node) => clusters[node],
+                Child::Block(block) => cluster_of_block(tree, block),
+            };
+            let farthest = [0, 1, 2].map(|axis| {
+                let centre = cluster.centre[axis] - tree.centre[axis];
+                let below = centre - f64::from(node.min[axis][place]);
+                below.max(f64::from(node.max[axis][place]) - centre)
+            });
+            cluster.radius = cluster.radius.min(length(farthest));
+            cluster.write(&mut moments[index], place, tree.centre);
+            parts[count] = cluster;
+            count += 1;
+        }
+        clusters[index] = Cluster::union(&parts[..count]);
+    }
+    moments
+}
+
+fn cluster_of_block(tree: &Tree, block: usize) -> Cluster {
+    let triangles = &tree.blocks[block].triangles;
+    let count = triangles.iter().filter(|&&triangle| triangle != EMPTY).count();
+    let corners = &tree.corners[block * WIDTH..][..count];
+    let mut parts = [Cluster::NOTHING; WIDTH];
+    for (part, &corners) in parts.iter_mut().zip(corners) {
+        *part = Cluster::triangle(corners);
+    }
+    let mut cluster = Cluster::union(&parts[..count]);
+    let corners = corners.iter().flatten();
+    cluster.radius = corners.map(|&corner| distance(corner, cluster.centre)).fold(0.0, f64::max);
+    cluster
+}
+
+/// The winding number of the mesh about a point; undefined on the surface itself.
+pub(super) fn winding_number(tree: &Tree, moments: &[Moments], point: Vector) -> f64 {
+    let relative = subtract(point, tree.centre).map(|x| x as f32);
+    let mut sums = [0.0_f32; WIDTH];
+    let mut turns = Turns { real: 1.0, imaginary: 0.0, whole: 0 };
+    let mut stack = [0_u32; STACK];
+    let mut height = 1;
+    while height > 0 {
+        height -= 1;
+        match child(stack[height]) {
+            Child::Empty => {}
+            Child::Block(block) => tree.blocks[block].add_solid_angles(relative, &mut turns),
+            Child::Node(node) => {
+                let far = moments[node].add_far(relative, &mut sums);
+                for (place, reference) in tree.nodes[node].children().into_iter().enumerate() {
+                    if !far[place] {
+                        stack[height] = reference;
+                        height += 1;
+                    }
+                }
+            }
+        }
+    }
+    let far = sums.iter().map(|&sum| f64::from(sum)).sum::<f64>();
+    turns.total() + far
+}
