@@ -1,0 +1,409 @@
+//! Judges any set of hulls, ours or another tool's, against the mesh that they stand for.
+//!
+//! [`measure`] says how far the hulls stand out of the solid (*phantom*: things stop before they
+//! touch), how far the mesh's surface lies outside the hulls (*exposed*: things sink in), and how
+//! much of the solid no hull holds (*hollow*). All lengths are relative to the diagonal of the
+//! bounding box of the vertices that the mesh's triangles use.
+//!
+//! # What counts as what
+//!
+//! - The **solid** is where the generalized winding number of the mesh is above 0.5, the mesh
+//!   turned around first if it encloses a negative volume. So holes, open sheets, self-intersections
+//!   and cavities are no obstacle.
+//! - A **hull** is the convex hull of its points: that is what a physics engine collides with,
+//!   whatever its triangles say. What they say is checked on its own: see [`HullCheck`].
+//! - A point is **in** a hull up to a tolerance of 1e-6, and **inside** it beyond the same
+//!   tolerance. So hulls that touch leave no gap, and do not swallow each other's faces.
+//! - The **boundary** of the hulls is the surface of all hulls without what is inside another.
+//!
+//! # Sampling
+//!
+//! Points are the same on every run, on any number of threads: evenly spread sequences, not random
+//! numbers. A maximum is that of the sampled points; the true one may be higher, by more the
+//! sharper the spike. [`MeasureOptions`] has the numbers of points, [`Measurement::samples`] says
+//! what became of them.
+
+mod check;
+mod edges;
+mod parallel;
+mod sampling;
+mod solid;
+
+use crate::field::Field;
+use crate::mesh::Normalization;
+use crate::vector::{Vector, add, cross, dot, maximum, minimum};
+use crate::{Error, Hull};
+
+pub use check::HullCheck;
+use parallel::map;
+use sampling::{Surface, in_unit_cube};
+use solid::{Part, Union};
+
+/// A hull to be judged: points and triangles over them, in the mesh's units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HullShape<'a> {
+    /// Vertices.
+    pub points: &'a [[f64; 3]],
+    /// Triangles.
+    pub triangles: &'a [[u32; 3]],
+}
+
+impl<'a> From<&'a Hull> for HullShape<'a> {
+    fn from(hull: &'a Hull) -> Self {
+        Self { points: &hull.points, triangles: &hull.triangles }
+    }
+}
+
+#[cfg(feature = "io")]
+impl<'a> From<&'a crate::io::HullMesh> for HullShape<'a> {
+    fn from(hull: &'a crate::io::HullMesh) -> Self {
+        Self { points: &hull.positions, triangles: &hull.triangles }
+    }
+}
+
+/// How closely [`measure`] looks.
+///
+/// Start from [`MeasureOptions::default`] and set fields.
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasureOptions {
+    /// Points on the surface of all hulls, at least one. Default 50,000.
+    pub hull_samples: usize,
+    /// Points on the mesh, at least one. Default 50,000.
+    pub mesh_samples: usize,
+    /// Points in the bounding box of mesh and hulls. Default 200,000.
+    pub volume_samples: usize,
+    /// Farthest that a vertex of a convex hull may lie in front of a face of it, as a share of the
+    /// mesh's diagonal. Default 1e-6: what rounding to `f32` does.
+    pub convexity_tolerance: f64,
+    /// Whether the work runs on rayon's current pool (feature `parallel`). The result does not
+    /// depend on it. Default true.
+    pub parallel: bool,
+}
+
+impl Default for MeasureOptions {
+    fn default() -> Self {
+        Self {
+            hull_samples: 50_000,
+            mesh_samples: 50_000,
+            volume_samples: 200_000,
+            convexity_tolerance: 1e-6,
+            parallel: true,
+        }
+    }
+}
+
+impl MeasureOptions {
+    fn validate(&self) -> Result<(), Error> {
+        for (name, count) in
+            [("hull_samples", self.hull_samples), ("mesh_samples", self.mesh_samples)]
+        {
+            if count == 0 {
+                return Err(Error::InvalidParameter { name, reason: "must not be 0".into() });
+            }
+        }
+        let tolerance = self.convexity_tolerance;
+        if tolerance.is_finite() && tolerance >= 0.0 {
+            return Ok(());
+        }
+        let reason = format!("must be at least 0, not {tolerance}");
+        Err(Error::InvalidParameter { name: "convexity_tolerance", reason })
+    }
+}
+
+/// Distances of sampled points, as shares of the mesh's diagonal.
+#[non_exhaustive]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Distances {
+    /// Their average.
+    pub mean: f64,
+    /// The distance that 1 % of the points exceed.
+    pub p99: f64,
+    /// The greatest.
+    pub max: f64,
+}
+
+impl Distances {
+    fn of(mut values: Vec<f64>) -> Self {
+        const HUNDREDTHS: usize = 99;
+
+        values.sort_unstable_by(f64::total_cmp);
+        let Some(&max) = values.last() else {
+            return Self::default();
+        };
+        let p99 = values[(values.len() - 1) * HUNDREDTHS / 100];
+        Self { mean: values.iter().sum::<f64>() / values.len() as f64, p99, max }
+    }
+}
+
+/// What became of the sampled points.
+#[non_exhaustive]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct SampleCounts {
+    /// Points on the surface of all hulls.
+    pub hull: usize,
+    /// Those of them that are not inside another hull: they give [`Measurement::phantom`].
+    pub boundary: usize,
+    /// Points on the mesh: they give [`Measurement::exposed`].
+    pub mesh: usize,
+    /// Points in the bounding box of mesh and hulls.
+    pub volume: usize,
+    /// Those of them in the solid: they give [`Measurement::hollow`].
+    pub solid: usize,
+    /// Those of them in a hull: they give [`Measurement::overlap`].
+    pub in_hulls: usize,
+    /// Those of them in the solid or in a hull: they give [`Measurement::iou`].
+    pub union: usize,
+}
+
+/// How well hulls stand for a mesh. Lengths are shares of [`diagonal`](Self::diagonal).
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measurement {
+    /// Hulls that can be judged.
+    pub hulls: usize,
+    /// Hulls that can't, and are left out: without triangles, with an index out of range, or with
+    /// a coordinate that is not finite or more than 1e9 diagonals away.
+    pub unusable_hulls: usize,
+    /// Vertices of all hulls.
+    pub vertices: usize,
+    /// Hulls with a vertex in front of one of their own faces by more than
+    /// [`MeasureOptions::convexity_tolerance`].
+    pub non_convex_hulls: usize,
+    /// The farthest that any vertex lies in front of a face of its own hull.
+    pub worst_concavity: f64,
+    /// Hulls whose triangles do not close up, or are not wound the same way all over.
+    pub open_hulls: usize,
+    /// Hulls that enclose no or, being wound inward, a negative volume.
+    pub non_positive_volumes: usize,
+    /// How far the boundary of the hulls lies outside the solid.
+    pub phantom: Distances,
+    /// How far the mesh lies outside all hulls.
+    pub exposed: Distances,
+    /// The larger of the two maxima.
+    pub hausdorff: f64,
+    /// Share of the solid that no hull holds. `None` where more than 0.5 % of the mesh's edges
+    /// are open, or no point is in the solid.
+    pub hollow: Option<f64>,
+    /// Volume that solid and hulls share, over the volume of both together. `None` where more
+    /// than 0.5 % of the mesh's edges are open, or no point is in either.
+    pub iou: Option<f64>,
+    /// Sum of the hulls' volumes over the volume of their union. `None` where no point is in a
+    /// hull.
+    pub overlap: Option<f64>,
+    /// Share of the mesh's edges that only one triangle uses, its vertices welded by position.
+    pub open_edges: f64,
+    /// Diagonal of the bounding box of the vertices that triangles use, in the mesh's units.
+    pub diagonal: f64,
+    /// What became of the sampled points.
+    pub samples: SampleCounts,
+    /// Every hull on its own, in the order given; `None` for those that can't be judged.
+    pub checks: Vec<Option<HullCheck>>,
+}
+
+/// A mesh with a larger share of open edges has no volume to speak of.
+const MOST_OPEN_EDGES: f64 = 0.005;
+
+/// Judges hulls against a mesh. Duplicate, degenerate, and badly oriented triangles of the mesh are
+/// taken as they are; those with a coordinate that is not finite are left out.
+///
+/// O((n + s) log n) for n triangles and s samples, times the number of hulls whose bounding boxes
+/// overlap.
+///
+/// # Errors
+/// - [`Error::EmptyMesh`], [`Error::IndexOutOfRange`] or [`Error::NothingUsable`] for the mesh.
+/// - [`Error::NoHull`] if there is no hull, or none that can be judged.
+/// - [`Error::InvalidParameter`] for options that mean nothing.
+pub fn measure(
+    positions: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+    hulls: &[HullShape<'_>],
+    options: &MeasureOptions,
+) -> Result<Measurement, Error> {
+    options.validate()?;
+    let (mesh, normalization) = Mesh::new(positions, triangles)?;
+    let parts: Vec<Option<Part>> =
+        map(hulls.len(), options.parallel, |index| Part::new(&hulls[index], &normalization));
+    let checks: Vec<Option<HullCheck>> =
+        parts.iter().map(|part| part.as_ref().map(|part| part.check)).collect();
+    let parts: Vec<Part> = parts.into_iter().flatten().collect();
+    if parts.is_empty() {
+        let reason = match hulls.len() {
+            0 => "there are no hulls to measure",
+            _ => "no hull has triangles, indices within range, and finite coordinates",
+        };
+        return Err(Error::NoHull { reason });
+    }
+
+    let count = |is: &dyn Fn(&HullCheck) -> bool| checks.iter().flatten().filter(|c| is(c)).count();
+    let union = Union::new(parts);
+    let field = Field::new(&mesh.positions, &mesh.triangles);
+    let mut samples = SampleCounts::default();
+    let phantom = phantom(&union, &field, options, &mut samples);
+    let exposed = exposed(&mesh, &union, options, &mut samples);
+    let volumes = volumes(&mesh, &union, &field, options, &mut samples);
+    let open_edges = edges::open_share(&mesh.positions, &mesh.triangles);
+    let share = |part: usize, of: usize| (of > 0).then(|| part as f64 / of as f64);
+    let share_of_closed =
+        |part, of| if open_edges > MOST_OPEN_EDGES { None } else { share(part, of) };
+    Ok(Measurement {
+        hulls: union.parts().len(),
+        unusable_hulls: hulls.len() - union.parts().len(),
+        vertices: checks.iter().flatten().map(|check| check.vertices).sum(),
+        non_convex_hulls: count(&|check| check.concavity > options.convexity_tolerance),
+        worst_concavity: checks.iter().flatten().map(|check| check.concavity).fold(0.0, f64::max),
+        open_hulls: count(&|check| !check.is_closed),
+        non_positive_volumes: count(&|check| check.is_flat || check.volume <= 0.0),
+        phantom,
+        exposed,
+        hausdorff: phantom.max.max(exposed.max),
+        hollow: share_of_closed(samples.solid - volumes.shared, samples.solid),
+        iou: share_of_closed(volumes.shared, samples.union),
+        overlap: share(volumes.with_multiplicity, samples.in_hulls),
+        open_edges,
+        diagonal: normalization.diagonal,
+        samples,
+        checks,
+    })
+}
+
+/// The mesh's usable triangles in normalised coordinates, turned around if inside out.
+struct Mesh {
+    positions: Vec<Vector>,
+    triangles: Vec<[u32; 3]>,
+    min: Vector,
+    max: Vector,
+}
+
+impl Mesh {
+    fn new(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<(Self, Normalization), Error> {
+        let vertices = positions.len();
+        if positions.is_empty() || triangles.is_empty() {
+            return Err(Error::EmptyMesh { vertices, triangles: triangles.len() });
+        }
+        for (triangle, corners) in triangles.iter().enumerate() {
+            if let Some(&index) = corners.iter().find(|&&index| index as usize >= vertices) {
+                return Err(Error::IndexOutOfRange { triangle, index, vertices });
+            }
+        }
+        let is_finite = |&index: &u32| positions[index as usize].iter().all(|x| x.is_finite());
+        let mut usable: Vec<[u32; 3]> =
+            triangles.iter().filter(|triangle| triangle.iter().all(is_finite)).copied().collect();
+        let corners = || usable.iter().flatten().map(|&index| positions[index as usize]);
+        let normalization = Normalization::of(corners());
+        let (min, max) = corners()
+            .map(|corner| normalization.normalize(corner))
+            .fold(([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]), |(min, max), corner| {
+                (minimum(min, corner), maximum(max, corner))
+            });
+        let positions: Vec<Vector> =
+            positions.iter().map(|&point| normalization.normalize(point)).collect();
+        let diagonal = normalization.diagonal;
+        if !(diagonal > 0.0 && diagonal.is_finite())
+            || Surface::new(&positions, &usable).area() == 0.0
+        {
+            return Err(Error::NothingUsable {
+                triangles: triangles.len(),
+                degenerate: usable.len(),
+                non_finite: triangles.len() - usable.len(),
+            });
+        }
+        let six_volumes = usable.iter().map(|triangle| {
+            let [a, b, c] = triangle.map(|index| positions[index as usize]);
+            dot(a, cross(b, c))
+        });
+        if six_volumes.sum::<f64>() < 0.0 {
+            for triangle in &mut usable {
+                triangle.swap(0, 1);
+            }
+        }
+        Ok((Self { positions, triangles: usable, min, max }, normalization))
+    }
+}
+
+/// How far the hulls' boundary lies outside the solid.
+fn phantom(
+    union: &Union,
+    field: &Field,
+    options: &MeasureOptions,
+    samples: &mut SampleCounts,
+) -> Distances {
+    let (positions, triangles) = union.surface();
+    let surface = Surface::new(positions, triangles);
+    let count = options.hull_samples;
+    let distances = map(count, options.parallel, |index| {
+        let (point, triangle) = surface.point(index, count);
+        if union.is_inside_another(point, triangle) {
+            return None;
+        }
+        if field.is_inside(point) {
+            return Some(0.0);
+        }
+        Some(distance(field, point))
+    });
+    let distances: Vec<f64> = distances.into_iter().flatten().collect();
+    samples.hull = count;
+    samples.boundary = distances.len();
+    Distances::of(distances)
+}
+
+/// How far the mesh lies outside all hulls.
+fn exposed(
+    mesh: &Mesh,
+    union: &Union,
+    options: &MeasureOptions,
+    samples: &mut SampleCounts,
+) -> Distances {
+    let surface = Surface::new(&mesh.positions, &mesh.triangles);
+    let (positions, triangles) = union.surface();
+    let field = Field::new(positions, triangles);
+    let count = options.mesh_samples;
+    samples.mesh = count;
+    Distances::of(map(count, options.parallel, |index| {
+        let (point, _) = surface.point(index, count);
+        if union.multiplicity(point) > 0 { 0.0 } else { distance(&field, point) }
+    }))
+}
+
+/// Distance to a mesh that has triangles, so that there always is one.
+fn distance(field: &Field, point: Vector) -> f64 {
+    field.distance(point, f64::INFINITY).map_or(0.0, |closest| closest.distance)
+}
+
+/// Numbers of points in the joint bounding box.
+struct Volumes {
+    /// In the solid and in a hull.
+    shared: usize,
+    /// In hulls, counted once for each.
+    with_multiplicity: usize,
+}
+
+fn volumes(
+    mesh: &Mesh,
+    union: &Union,
+    field: &Field,
+    options: &MeasureOptions,
+    samples: &mut SampleCounts,
+) -> Volumes {
+    let (mut min, mut max) = (mesh.min, mesh.max);
+    for part in union.parts() {
+        (min, max) = (minimum(min, part.min), maximum(max, part.max));
+    }
+    let answers = map(options.volume_samples, options.parallel, |index| {
+        let share = in_unit_cube(index);
+        let offset = [0, 1, 2].map(|axis| share[axis] * (max[axis] - min[axis]));
+        let point = add(min, offset);
+        (union.multiplicity(point), field.is_inside(point))
+    });
+    let mut volumes = Volumes { shared: 0, with_multiplicity: 0 };
+    samples.volume = answers.len();
+    for (multiplicity, is_in_solid) in answers {
+        let is_in_hulls = multiplicity > 0;
+        samples.solid += usize::from(is_in_solid);
+        samples.in_hulls += usize::from(is_in_hulls);
+        samples.union += usize::from(is_in_solid || is_in_hulls);
+        volumes.shared += usize::from(is_in_solid && is_in_hulls);
+        volumes.with_multiplicity += multiplicity;
+    }
+    volumes
+}

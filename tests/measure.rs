@@ -1,0 +1,404 @@
+//! What `measure` promises: known answers, and that no hull set makes it panic.
+
+use hullwright::Error;
+use hullwright::measure::{HullShape, MeasureOptions, Measurement, measure};
+
+type Mesh = (Vec<[f64; 3]>, Vec<[u32; 3]>);
+
+/// An axis-aligned box, wound outward.
+fn cuboid(min: [f64; 3], max: [f64; 3]) -> Mesh {
+    let corner =
+        |index: u32, axis: usize| if index >> axis & 1 == 1 { max[axis] } else { min[axis] };
+    let positions = (0..8).map(|index| [0, 1, 2].map(|axis| corner(index, axis))).collect();
+    let quads =
+        [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    (positions, triangles)
+}
+
+fn unit_cube() -> Mesh {
+    cuboid([0.0; 3], [1.0; 3])
+}
+
+/// A prism over a polygon in the xy plane, counter-clockwise, with caps from the triangles given.
+fn prism(polygon: &[[f64; 2]], caps: &[[u32; 3]], depth: f64) -> Mesh {
+    let n = polygon.len() as u32;
+    let level = |z: f64| polygon.iter().map(move |&[x, y]| [x, y, z]);
+    let positions = level(0.0).chain(level(depth)).collect();
+    let mut triangles = Vec::new();
+    for i in 0..n {
+        let j = (i + 1) % n;
+        triangles.extend([[i, j, n + j], [i, n + j, n + i]]);
+    }
+    for &[a, b, c] in caps {
+        triangles.extend([[a, c, b], [n + a, n + b, n + c]]);
+    }
+    (positions, triangles)
+}
+
+fn join(mut mesh: Mesh, other: &Mesh) -> Mesh {
+    let first = mesh.0.len() as u32;
+    mesh.0.extend(&other.0);
+    mesh.1.extend(other.1.iter().map(|triangle| triangle.map(|index| first + index)));
+    mesh
+}
+
+fn flipped(mut mesh: Mesh) -> Mesh {
+    mesh.1.iter_mut().for_each(|triangle| triangle.swap(0, 1));
+    mesh
+}
+
+fn shapes(hulls: &[Mesh]) -> Vec<HullShape<'_>> {
+    hulls.iter().map(|(points, triangles)| HullShape { points, triangles }).collect()
+}
+
+fn judged(mesh: &Mesh, hulls: &[Mesh]) -> Measurement {
+    measure(&mesh.0, &mesh.1, &shapes(hulls), &MeasureOptions::default()).unwrap()
+}
+
+#[track_caller]
+fn assert_near(found: f64, expected: f64, tolerance: f64) {
+    assert!((found - expected).abs() <= tolerance, "{found} is not {expected} ± {tolerance}");
+}
+
+const ROUNDING: f64 = 1e-9;
+
+/// Error of a share of 200,000 evenly spread points.
+const COUNTING: f64 = 2e-3;
+
+#[test]
+fn a_box_and_its_own_hull_agree_in_everything() {
+    let found = judged(&unit_cube(), &[unit_cube()]);
+    assert_eq!((found.hulls, found.vertices, found.unusable_hulls), (1, 8, 0));
+    assert_eq!((found.non_convex_hulls, found.open_hulls, found.non_positive_volumes), (0, 0, 0));
+    assert_near(found.phantom.max, 0.0, ROUNDING);
+    assert_eq!(found.exposed.max, 0.0);
+    assert_near(found.hausdorff, 0.0, ROUNDING);
+    assert_eq!((found.iou, found.hollow, found.overlap), (Some(1.0), Some(0.0), Some(1.0)));
+    assert_eq!(found.open_edges, 0.0);
+    assert_near(found.diagonal, 3_f64.sqrt(), 1e-15);
+    assert_near(found.checks[0].unwrap().volume, 1.0, 1e-12);
+    assert!(found.checks[0].unwrap().is_closed);
+}
+
+#[test]
+fn a_hull_grown_on_one_side_is_phantom_by_that_much() {
+    let found = judged(&unit_cube(), &[cuboid([0.0; 3], [1.25, 1.0, 1.0])]);
+    assert_near(found.phantom.max, 0.25 / 3_f64.sqrt(), ROUNDING);
+    assert_near(found.phantom.p99, 0.25 / 3_f64.sqrt(), ROUNDING);
+    // The far face has 1 of 7 areas at 0.25, the four sides 0.25 each at 0.125 on average; of the
+    // latter's points those under the old face don't count.
+    let mean = (1.0 * 0.25 + 4.0 * 0.25 * 0.125) / 7.0;
+    assert_near(found.phantom.mean, mean / 3_f64.sqrt(), 1e-4);
+    assert_eq!(found.exposed.max, 0.0);
+    assert_eq!(found.hausdorff, found.phantom.max);
+    assert_near(found.iou.unwrap(), 0.8, COUNTING);
+    assert_eq!(found.hollow, Some(0.0));
+}
+
+#[test]
+fn a_missing_half_is_exposed_and_hollow() {
+    let found = judged(&unit_cube(), &[cuboid([0.0; 3], [0.5, 1.0, 1.0])]);
+    assert_near(found.exposed.max, 0.5 / 3_f64.sqrt(), ROUNDING);
+    assert_near(found.exposed.mean, (0.5 + 4.0 * 0.5 * 0.25) / 6.0 / 3_f64.sqrt(), 1e-4);
+    assert_near(found.phantom.max, 0.0, ROUNDING);
+    assert_eq!(found.hausdorff, found.exposed.max);
+    assert_near(found.hollow.unwrap(), 0.5, COUNTING);
+    assert_near(found.iou.unwrap(), 0.5, COUNTING);
+}
+
+#[test]
+fn duplicate_hulls_overlap_twice_and_change_nothing_else() {
+    let once = judged(&unit_cube(), &[unit_cube()]);
+    let twice = judged(&unit_cube(), &[unit_cube(), unit_cube()]);
+    assert_eq!(twice.overlap, Some(2.0));
+    assert_eq!((twice.iou, twice.hollow), (once.iou, once.hollow));
+    assert_near(twice.hausdorff, 0.0, ROUNDING);
+}
+
+#[test]
+fn hulls_that_share_a_face_leave_no_gap() {
+    let thirds = [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0];
+    let slabs: Vec<Mesh> = thirds
+        .windows(2)
+        // Rounded as in files with coordinates in single precision.
+        .map(|x| cuboid([f64::from(x[0] as f32), 0.0, 0.0], [f64::from(x[1] as f32), 1.0, 1.0]))
+        .collect();
+    let found = judged(&unit_cube(), &slabs);
+    assert_eq!(found.exposed.max, 0.0);
+    assert_eq!(found.hollow, Some(0.0));
+    assert_near(found.phantom.max, 0.0, ROUNDING);
+    assert_near(found.overlap.unwrap(), 1.0, 1e-4);
+}
+
+#[test]
+fn what_is_inside_another_hull_is_no_boundary() {
+    // A small box inside of a larger hull that fills the mesh's gap.
+    let (left, right) = (cuboid([0.0; 3], [1.0; 3]), cuboid([3.0, 0.0, 0.0], [4.0, 1.0, 1.0]));
+    let all = cuboid([0.0; 3], [4.0, 1.0, 1.0]);
+    let within = cuboid([1.6, 0.4, 0.4], [2.4, 0.6, 0.6]);
+    let mesh = join(left, &right);
+    let alone = judged(&mesh, std::slice::from_ref(&all));
+    let both = judged(&mesh, &[all, within]);
+    assert!(both.samples.boundary < both.samples.hull);
+    assert_near(both.phantom.mean, alone.phantom.mean, 1e-3);
+    assert_near(both.phantom.max, alone.phantom.max, 1e-3);
+}
+
+#[test]
+fn the_hull_of_a_u_fills_its_gap() {
+    // Legs of width 1 and height 3 on a base of height 1, gap of width 2 and height 3.
+    let polygon = [
+        [0.0, 0.0],
+        [4.0, 0.0],
+        [4.0, 4.0],
+        [3.0, 4.0],
+        [3.0, 1.0],
+        [1.0, 1.0],
+        [1.0, 4.0],
+        [0.0, 4.0],
+    ];
+    let caps = [[0, 1, 4], [0, 4, 5], [1, 2, 3], [1, 3, 4], [0, 5, 6], [0, 6, 7]];
+    let found = judged(&prism(&polygon, &caps, 5.0), &[cuboid([0.0; 3], [4.0, 4.0, 5.0])]);
+    // Farthest is the middle of the mouth, half a gap from both legs.
+    let diagonal = (16.0_f64 + 16.0 + 25.0).sqrt();
+    assert_near(found.phantom.max, 1.0 / diagonal, 1e-3);
+    assert_eq!(found.exposed.max, 0.0);
+    assert_near(found.iou.unwrap(), 10.0 / 16.0, COUNTING);
+    assert_eq!(found.hollow, Some(0.0));
+}
+
+#[test]
+fn a_cavity_is_not_solid() {
+    let outer = cuboid([0.0; 3], [1.0; 3]);
+    let hollow = join(outer.clone(), &flipped(cuboid([0.25; 3], [0.75; 3])));
+    let found = judged(&hollow, &[outer]);
+    assert_near(found.iou.unwrap(), 7.0 / 8.0, COUNTING);
+    assert_near(found.phantom.max, 0.0, ROUNDING);
+    let inner = judged(&hollow, &[cuboid([0.25; 3], [0.75; 3])]);
+    assert_eq!(inner.iou, Some(0.0));
+    assert_eq!(inner.hollow, Some(1.0));
+}
+
+#[test]
+fn an_open_sheet_has_distances_but_no_volume() {
+    let sheet: Mesh = (
+        vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]],
+        vec![[0, 1, 2], [0, 2, 3]],
+    );
+    let found = judged(&sheet, &[cuboid([0.0, 0.0, -0.1], [1.0, 1.0, 0.2])]);
+    assert_near(found.phantom.max, 0.2 / 2_f64.sqrt(), ROUNDING);
+    assert_eq!(found.exposed.max, 0.0);
+    assert_eq!((found.iou, found.hollow), (None, None));
+    assert_eq!(found.open_edges, 0.8);
+    assert_eq!(found.overlap, Some(1.0));
+}
+
+#[test]
+fn a_hole_does_not_turn_the_solid_inside_out() {
+    let (positions, triangles) = unit_cube();
+    let open: Mesh = (positions, triangles[1..].to_vec());
+    let found = judged(&open, &[cuboid([0.1; 3], [0.9; 3])]);
+    assert_near(found.phantom.max, 0.0, ROUNDING);
+    assert_eq!(found.iou, None);
+}
+
+#[test]
+fn a_mesh_inside_out_is_turned_around() {
+    let hulls = [cuboid([0.1; 3], [1.2; 3])];
+    let (outward, inward) = (judged(&unit_cube(), &hulls), judged(&flipped(unit_cube()), &hulls));
+    assert_eq!(inward.iou, outward.iou);
+    assert_near(inward.phantom.mean, outward.phantom.mean, 1e-9);
+}
+
+#[test]
+fn an_l_is_not_convex() {
+    let polygon = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
+    let caps = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]];
+    let l = prism(&polygon, &caps, 1.0);
+    let found = judged(&l, &[l.clone(), unit_cube()]);
+    assert_eq!((found.hulls, found.non_convex_hulls, found.open_hulls), (2, 1, 0));
+    // The end of one leg lies a whole leg in front of the other's inner face.
+    assert_near(found.worst_concavity, 1.0 / 3.0, 1e-12);
+    assert_eq!(found.checks[1].unwrap().concavity, 0.0);
+    // It is judged as what an engine makes of it: its convex hull.
+    assert_near(found.iou.unwrap(), 3.0 / 3.5, COUNTING);
+}
+
+#[test]
+fn a_hull_wound_inward_or_anyhow_is_flagged_and_judged_by_its_points() {
+    let expected = judged(&unit_cube(), &[cuboid([0.1; 3], [1.2; 3])]);
+    let inward = flipped(cuboid([0.1; 3], [1.2; 3]));
+    let mut mixed = cuboid([0.1; 3], [1.2; 3]);
+    mixed.1[3].swap(0, 1);
+    let mut torn = cuboid([0.1; 3], [1.2; 3]);
+    torn.1.truncate(9);
+    for (hull, flags) in [(inward, (0, 1)), (mixed, (1, 0)), (torn, (1, 0))] {
+        let found = judged(&unit_cube(), &[hull]);
+        assert_eq!((found.open_hulls, found.non_positive_volumes), flags);
+        assert_eq!((found.phantom, found.exposed), (expected.phantom, expected.exposed));
+        assert_eq!((found.iou, found.non_convex_hulls), (expected.iou, 0));
+    }
+}
+
+#[test]
+fn a_flat_hull_holds_nothing_but_is_a_surface() {
+    let square: Mesh = (
+        vec![[0.0, 0.0, 0.5], [1.0, 0.0, 0.5], [1.0, 1.0, 0.5], [0.0, 1.0, 0.5]],
+        vec![[0, 1, 2], [0, 2, 3]],
+    );
+    let found = judged(&unit_cube(), &[square]);
+    assert_eq!((found.hulls, found.non_positive_volumes, found.open_hulls), (1, 1, 1));
+    assert!(found.checks[0].unwrap().is_flat);
+    assert_eq!((found.hollow, found.iou, found.overlap), (Some(1.0), Some(0.0), None));
+    assert_near(found.exposed.max, 0.5 / 3_f64.sqrt(), ROUNDING);
+    assert_near(found.phantom.max, 0.0, ROUNDING);
+}
+
+#[test]
+fn garbage_among_hulls_is_counted_and_left_out() {
+    let expected = judged(&unit_cube(), &[unit_cube()]);
+    let (points, triangles) = unit_cube();
+    let mut not_finite = points.clone();
+    not_finite[3][1] = f64::NAN;
+    let mut far = points.clone();
+    far[3][1] = 1e300;
+    let garbage: [Mesh; 6] = [
+        (vec![], vec![]),
+        (points.clone(), vec![]),
+        (vec![], triangles.clone()),
+        (points[..7].to_vec(), triangles.clone()),
+        (not_finite, triangles.clone()),
+        (far, triangles.clone()),
+    ];
+    let mut hulls = garbage.to_vec();
+    hulls.insert(2, (points, triangles));
+    let found = judged(&unit_cube(), &hulls);
+    assert_eq!((found.hulls, found.unusable_hulls), (1, 6));
+    assert_eq!((found.phantom, found.exposed), (expected.phantom, expected.exposed));
+    let judged: Vec<bool> = found.checks.iter().map(Option::is_some).collect();
+    assert_eq!(judged, [false, false, true, false, false, false, false]);
+
+    let options = MeasureOptions::default();
+    let (positions, triangles) = unit_cube();
+    for hulls in [&garbage[..], &[]] {
+        let found = measure(&positions, &triangles, &shapes(hulls), &options);
+        assert!(matches!(found, Err(Error::NoHull { .. })));
+    }
+}
+
+#[test]
+fn hulls_without_extent_do_not_panic() {
+    let spot: Mesh = (vec![[0.5; 3]; 3], vec![[0, 1, 2]]);
+    let line: Mesh = (vec![[0.0; 3], [0.5; 3], [1.0; 3]], vec![[0, 1, 2], [2, 1, 0]]);
+    for hulls in [vec![spot.clone()], vec![line.clone()], vec![spot, line, unit_cube()]] {
+        let found = judged(&unit_cube(), &hulls);
+        assert!(found.phantom.max.is_finite() && found.exposed.mean.is_finite());
+        assert!(found.non_positive_volumes >= 1);
+    }
+}
+
+#[test]
+fn a_mesh_that_can_not_be_judged_is_an_error() {
+    let (positions, triangles) = unit_cube();
+    let cube = [unit_cube()];
+    let run = |positions: &[[f64; 3]], triangles: &[[u32; 3]]| {
+        measure(positions, triangles, &shapes(&cube), &MeasureOptions::default()).map(|_| ())
+    };
+    assert_eq!(run(&[], &triangles), Err(Error::EmptyMesh { vertices: 0, triangles: 12 }));
+    assert_eq!(run(&positions, &[]), Err(Error::EmptyMesh { vertices: 8, triangles: 0 }));
+    assert_eq!(
+        run(&positions, &[[0, 1, 2], [1, 2, 8]]),
+        Err(Error::IndexOutOfRange { triangle: 1, index: 8, vertices: 8 })
+    );
+    assert_eq!(
+        run(&[[f64::NAN; 3], [1.0; 3]], &[[0, 1, 1], [1, 1, 1]]),
+        Err(Error::NothingUsable { triangles: 2, degenerate: 1, non_finite: 1 })
+    );
+}
+
+#[test]
+fn triangles_of_the_mesh_that_are_not_finite_are_left_out() {
+    let (mut positions, mut triangles) = unit_cube();
+    positions.push([f64::INFINITY, 0.0, 0.0]);
+    triangles.push([0, 1, 8]);
+    let found = judged(&(positions, triangles), &[unit_cube()]);
+    assert_eq!(found, judged(&unit_cube(), &[unit_cube()]));
+}
+
+#[test]
+fn vertices_that_no_triangle_uses_do_not_count_for_the_diagonal() {
+    let (mut positions, triangles) = unit_cube();
+    positions.push([100.0; 3]);
+    assert_near(judged(&(positions, triangles), &[unit_cube()]).diagonal, 3_f64.sqrt(), 1e-15);
+}
+
+#[test]
+fn options_that_mean_nothing_are_errors() {
+    let (positions, triangles) = unit_cube();
+    let cube = [unit_cube()];
+    let name = |change: fn(&mut MeasureOptions)| {
+        let mut options = MeasureOptions::default();
+        change(&mut options);
+        match measure(&positions, &triangles, &shapes(&cube), &options) {
+            Err(Error::InvalidParameter { name, .. }) => name,
+            other => panic!("{other:?}"),
+        }
+    };
+    assert_eq!(name(|options| options.hull_samples = 0), "hull_samples");
+    assert_eq!(name(|options| options.mesh_samples = 0), "mesh_samples");
+    assert_eq!(name(|options| options.convexity_tolerance = f64::NAN), "convexity_tolerance");
+}
+
+#[test]
+fn size_and_place_do_not_matter() {
+    let mesh = join(unit_cube(), &cuboid([2.0, 0.0, 0.0], [3.0, 0.5, 0.7]));
+    let hulls = [cuboid([-0.1; 3], [1.1; 3]), cuboid([1.9, 0.1, 0.1], [3.0, 0.7, 0.7])];
+    let expected = judged(&mesh, &hulls);
+    for (factor, shift) in [(1e-6, 0.0), (1e6, 0.0), (1.0, 3000.0)] {
+        let moved = |(positions, triangles): &Mesh| -> Mesh {
+            let place = |point: &[f64; 3]| point.map(|x| factor * (x + shift));
+            (positions.iter().map(place).collect(), triangles.clone())
+        };
+        let found = judged(&moved(&mesh), &hulls.each_ref().map(moved));
+        assert_near(found.phantom.max, expected.phantom.max, 1e-6);
+        assert_near(found.phantom.mean, expected.phantom.mean, 1e-4);
+        assert_near(found.exposed.max, expected.exposed.max, 1e-6);
+        assert_near(found.iou.unwrap(), expected.iou.unwrap(), 1e-4);
+        assert_near(found.diagonal, factor * expected.diagonal, 1e-9 * factor);
+    }
+}
+
+#[test]
+fn threads_do_not_matter() {
+    let hulls = [cuboid([-0.1; 3], [0.6, 1.1, 1.0]), cuboid([0.5, 0.1, 0.0], [1.0, 1.0, 1.2])];
+    let (positions, triangles) = unit_cube();
+    let mut options = MeasureOptions::default();
+    let one = measure(&positions, &triangles, &shapes(&hulls), &options).unwrap();
+    options.parallel = false;
+    let other = measure(&positions, &triangles, &shapes(&hulls), &options).unwrap();
+    assert_eq!(one, other);
+}
+
+#[test]
+fn the_counts_of_samples_are_stated() {
+    let mut options = MeasureOptions::default();
+    (options.hull_samples, options.mesh_samples, options.volume_samples) = (1000, 500, 2000);
+    let (positions, triangles) = unit_cube();
+    let hulls = [unit_cube(), cuboid([2.0, 0.0, 0.0], [3.0, 1.0, 1.0])];
+    let samples = measure(&positions, &triangles, &shapes(&hulls), &options).unwrap().samples;
+    assert_eq!((samples.hull, samples.boundary), (1000, 1000));
+    assert_eq!((samples.mesh, samples.volume), (500, 2000));
+    assert_near(samples.solid as f64 / 2000.0, 1.0 / 3.0, 0.01);
+    assert_near(samples.union as f64 / 2000.0, 2.0 / 3.0, 0.01);
+    assert_eq!(samples.in_hulls, samples.union);
+}
+
+#[test]
+fn without_samples_in_space_there_are_no_volumes() {
+    let mut options = MeasureOptions::default();
+    options.volume_samples = 0;
+    let (positions, triangles) = unit_cube();
+    let found = measure(&positions, &triangles, &shapes(&[unit_cube()]), &options).unwrap();
+    assert_eq!((found.iou, found.hollow, found.overlap), (None, None, None));
+}
