@@ -1,4 +1,5 @@
-//! The command line `hullwright`: decomposes meshes into convex hulls and looks at meshes.
+//! The command line `hullwright`: decomposes meshes into convex hulls, looks at
+//! meshes, and measures hulls.
 //!
 //! Exit code 0 is success, 1 an error in the input or the work, 2 wrong usage.
 
@@ -6,6 +7,7 @@ mod arguments;
 mod decompose;
 mod inspect;
 mod json;
+mod measure;
 mod output;
 mod progress;
 mod tables;
@@ -26,6 +28,7 @@ struct CommandLine {
 enum Command {
     Decompose(decompose::Arguments),
     Inspect(inspect::Arguments),
+    Measure(measure::Arguments),
 }
 
 /// Why the program ends with an error.
@@ -41,6 +44,7 @@ fn main() -> ExitCode {
     let result = match command {
         Command::Decompose(arguments) => decompose::run(&arguments),
         Command::Inspect(arguments) => inspect::run(&arguments),
+        Command::Measure(arguments) => measure::run(&arguments),
     };
     let (reason, code) = match result {
         Ok(()) => return ExitCode::SUCCESS,
