@@ -1,6 +1,16 @@
 //! The way in: `decompose`, and `Decomposer` which does the same in slices.
 
-use crate::{Control, Decomposition, Error, Parameters};
+use std::time::Instant;
+
+use crate::mesh::PreparedMesh;
+use crate::mesh::repair::prepare;
+use crate::surface::group_merging::merge_groups;
+use crate::surface::pieces::{assign_source_triangles, hulls};
+use crate::surface::resolution_selection::{Level, levels, select};
+use crate::{
+    Control, Decomposition, Error, GroupedMesh, Parameters, Report, Stage, StageTime,
+    SurfaceParameters, SurfaceReport, Unit,
+};
 
 mod sealed {
     pub trait Sealed {}
@@ -44,14 +54,43 @@ pub fn decompose<C: Coordinate>(
     }
 }
 
-/// The same work as [`decompose`], in slices.
-pub struct Decomposer {}
+/// The same work as [`decompose`], in slices, for where a background task is still the main
+/// thread. A slice is a stage, or one threshold of the search.
+pub struct Decomposer {
+    positions: Vec<[f64; 3]>,
+    triangles: Vec<[u32; 3]>,
+    parameters: Parameters,
+    state: State,
+    times: Vec<StageTime>,
+    deadline_reached: bool,
+}
+
+enum State {
+    Repair,
+    Simplify(Box<PreparedMesh>),
+    Search(Box<Search>),
+    Pieces(Box<Search>),
+    Done,
+}
+
+struct Search {
+    prepared: PreparedMesh,
+    levels: Vec<Level>,
+    /// The length that counts as 1 for the thresholds, in diagonals.
+    unit: f64,
+}
+
+/// Shares of the whole work after which a stage begins, by their usual times.
+const SIMPLIFY_AT: f32 = 0.1;
+const SEARCH_AT: f32 = 0.4;
+const PIECES_AT: f32 = 0.85;
 
 impl Decomposer {
     /// Checks the input and the parameters and takes a copy of them.
     ///
     /// # Errors
-    /// See [`Error`].
+    /// [`Error::InvalidParameter`] and [`Error::EmptyMesh`]; the rest of the input is judged in
+    /// the first [`step`](Self::step).
     pub fn new<C: Coordinate>(
         positions: &[[C; 3]],
         triangles: &[[u32; 3]],
@@ -61,15 +100,192 @@ impl Decomposer {
         if positions.is_empty() || triangles.is_empty() {
             return Err(Error::EmptyMesh { vertices: positions.len(), triangles: triangles.len() });
         }
-        Ok(Self {})
+        Ok(Self {
+            positions: positions.iter().map(|p| p.map(Coordinate::to_f64)).collect(),
+            triangles: triangles.to_vec(),
+            parameters: parameters.clone(),
+            state: State::Repair,
+            times: Vec::new(),
+            deadline_reached: false,
+        })
     }
 
-    /// Does the next slice of work. `None` while there is more to do.
+    /// Does the next slice of work. `None` while there is more to do; after the result or an
+    /// error it has nothing more to give.
     ///
     /// # Errors
-    /// See [`Error`].
+    /// [`Error::IndexOutOfRange`], [`Error::NothingUsable`] or [`Error::TooLarge`] for input that
+    /// can't be used, [`Error::Cancelled`] and [`Error::DeadlineExceeded`].
     pub fn step(&mut self, control: &Control) -> Result<Option<Decomposition>, Error> {
         control.check()?;
-        Err(Error::NoHull { reason: "the method is not connected yet" })
+        let start = Instant::now();
+        let (stage, fraction) = match &self.state {
+            State::Repair => (Stage::Repair, 0.0),
+            State::Simplify(_) => (Stage::Simplify, SIMPLIFY_AT),
+            State::Search(search) => {
+                let share = search.share_done(&self.parameters.surface);
+                (Stage::Search, SEARCH_AT + (PIECES_AT - SEARCH_AT) * share)
+            }
+            State::Pieces(_) => (Stage::Hulls, PIECES_AT),
+            State::Done => return Err(Error::Finished),
+        };
+        control.report(stage, fraction);
+        let surface = &self.parameters.surface;
+        self.state = match std::mem::replace(&mut self.state, State::Done) {
+            State::Repair => {
+                let prepared = prepare(&self.positions, &self.triangles, control)?;
+                State::Simplify(Box::new(prepared))
+            }
+            State::Simplify(prepared) => {
+                let levels = levels(&prepared, surface, control)?;
+                let unit = match surface.unit {
+                    Unit::Diagonals(unit) => unit,
+                    Unit::Absolute(unit) => unit / prepared.normalization.diagonal,
+                };
+                State::Search(Box::new(Search { prepared: *prepared, levels, unit }))
+            }
+            State::Search(mut search) => {
+                let is_done = search.advance(&self.parameters, control)?;
+                self.deadline_reached = control.is_past_deadline() && !is_done;
+                if is_done || (self.deadline_reached && search.has_candidate()) {
+                    State::Pieces(search)
+                } else if self.deadline_reached {
+                    return Err(Error::DeadlineExceeded);
+                } else {
+                    State::Search(search)
+                }
+            }
+            State::Pieces(search) => {
+                let decomposition = self.pieces(*search, control, start)?;
+                control.report(Stage::Assign, 1.0);
+                return Ok(Some(decomposition));
+            }
+            State::Done => State::Done,
+        };
+        add_time(&mut self.times, stage, start);
+        Ok(None)
+    }
+
+    /// Selection, group merging, hulls, and what each hull stands for.
+    fn pieces(
+        &mut self,
+        search: Search,
+        control: &Control,
+        start: Instant,
+    ) -> Result<Decomposition, Error> {
+        let Search { prepared, levels, unit } = search;
+        let surface = &self.parameters.surface;
+        let cut_off = surface.resolution_cut_off;
+        let selection = select(&levels, cut_off).ok_or(Error::DeadlineExceeded)?;
+        let Some(level) = levels.get(selection.level) else {
+            return Err(Error::DeadlineExceeded);
+        };
+        let significant = surface.significant_diagonal;
+        let found = &selection.candidate;
+        let grouping = merge_groups(&level.mesh, &level.adjacency, &found.grouping, significant);
+        add_time(&mut self.times, Stage::Merge, start);
+
+        let start = Instant::now();
+        let normalization = &prepared.normalization;
+        let mut hulls = hulls(
+            &level.mesh,
+            &level.components,
+            &grouping,
+            normalization,
+            self.parameters.max_vertices,
+            control,
+        )?;
+        add_time(&mut self.times, Stage::Hulls, start);
+
+        let start = Instant::now();
+        assign_source_triangles(&prepared, &level.mesh, &grouping, &mut hulls, control)?;
+        add_time(&mut self.times, Stage::Assign, start);
+
+        let surface = SurfaceReport {
+            pieces: grouping.count,
+            pieces_before_merging: found.grouping.count,
+            average_pieces: selection.average_pieces,
+            cost: found.cost,
+            planar_threshold: found.planar_threshold,
+            resolution: level.resolution,
+            polygons: level.mesh.triangles.len(),
+            initial_polygons: prepared.mesh.triangles.len(),
+            unit: unit * normalization.diagonal,
+            resolutions: selection.reports,
+        };
+        let positions = level.mesh.positions.iter();
+        Ok(Decomposition {
+            hulls,
+            grouped: GroupedMesh {
+                positions: positions.map(|&point| normalization.restore(point)).collect(),
+                triangles: level.mesh.triangles.clone(),
+                groups: grouping.labels,
+            },
+            report: Report {
+                algorithm_version: crate::ALGORITHM_VERSION,
+                method: self.parameters.method,
+                source_vertices: self.positions.len(),
+                source_triangles: self.triangles.len(),
+                triangles: prepared.mesh.triangles.len(),
+                diagonal: normalization.diagonal,
+                components: prepared.closed.len(),
+                closed_components: prepared.closed.iter().filter(|&&closed| closed).count(),
+                repairs: prepared.repairs,
+                surface: Some(surface),
+                deadline_reached: self.deadline_reached,
+                times: std::mem::take(&mut self.times),
+            },
+        })
+    }
+}
+
+impl Search {
+    /// Tries the next threshold, or all that are left in parallel. Whether all is done.
+    fn advance(&mut self, parameters: &Parameters, control: &Control) -> Result<bool, Error> {
+        let surface = &parameters.surface;
+        #[cfg(feature = "parallel")]
+        if parameters.parallel && rayon::current_num_threads() > 1 {
+            use rayon::prelude::*;
+            let unit = self.unit;
+            let past = || control.is_past_deadline();
+            self.levels.par_iter_mut().try_for_each(|level| {
+                while !level.is_finished() && !past() {
+                    level.advance(surface, unit, control)?;
+                }
+                Ok(())
+            })?;
+            return Ok(self.levels.iter().all(Level::is_finished));
+        }
+        // A level that is cut off has no more to do, nor have those above it.
+        let cut_off = self
+            .levels
+            .iter()
+            .position(|level| level.cuts_off(surface.resolution_cut_off))
+            .map_or(self.levels.len(), |index| index + 1);
+        match self.levels[..cut_off].iter_mut().find(|level| !level.is_finished()) {
+            Some(level) => {
+                level.advance(surface, self.unit, control)?;
+                Ok(false)
+            }
+            None => Ok(true),
+        }
+    }
+
+    fn has_candidate(&self) -> bool {
+        self.levels.iter().any(|level| level.search.candidate().is_some())
+    }
+
+    fn share_done(&self, surface: &SurfaceParameters) -> f32 {
+        let all = self.levels.len() * surface.planar_thresholds.len();
+        let done: usize = self.levels.iter().map(|level| level.search.reports.len()).sum();
+        done as f32 / all.max(1) as f32
+    }
+}
+
+fn add_time(times: &mut Vec<StageTime>, stage: Stage, start: Instant) {
+    let seconds = start.elapsed().as_secs_f64();
+    match times.iter_mut().find(|time| time.stage == stage) {
+        Some(time) => time.seconds += seconds,
+        None => times.push(StageTime { stage, seconds }),
     }
 }

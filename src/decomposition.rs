@@ -1,6 +1,7 @@
 //! The result: hulls, the groups that they come from, and the report.
 
 use crate::Method;
+use crate::hull::{HullBuilder, SinglePrecisionHull, single_precision};
 
 /// An axis-aligned box, in the input's units.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -218,4 +219,15 @@ pub enum ThresholdOutcome {
     SingleGroup,
     /// Not tried, since an earlier threshold ended the search of this resolution.
     NotTried,
+}
+
+impl Hull {
+    /// Vertices and triangles in single precision, as physics engines want them: the hull of the
+    /// rounded vertices, so that it is convex and has volume as it stands. O(n log n).
+    ///
+    /// # Errors
+    /// [`Error::NoHull`](crate::Error::NoHull) if a coordinate is beyond the range of `f32`.
+    pub fn to_single_precision(&self) -> Result<SinglePrecisionHull, crate::Error> {
+        single_precision(&self.points, &mut HullBuilder::new())
+    }
 }

@@ -65,6 +65,9 @@ pub enum Error {
     /// The deadline passed before there was any valid result.
     #[error("the deadline passed before there was any result")]
     DeadlineExceeded,
+    /// [`Decomposer::step`](crate::Decomposer::step) was called after the result or an error.
+    #[error("the work is already finished")]
+    Finished,
     /// A file could not be read or written, or does not hold what its suffix says.
     #[error("{path}: {reason}")]
     File {

@@ -50,6 +50,7 @@ mod mesh;
 mod parameters;
 #[cfg(feature = "io")]
 pub mod picture;
+mod surface;
 mod vector;
 
 pub use control::{Control, Progress, Stage};

@@ -55,7 +55,6 @@ impl Field {
     }
 
     /// The same as [`distance`](Self::distance), faster if the triangle `guess` is near.
-    #[cfg_attr(not(test), expect(dead_code, reason = "fit tests of later stages ask for it"))]
     pub(crate) fn distance_near(&self, point: Vector, limit: f64, guess: u32) -> Option<Closest> {
         let mut best = Best::none(limit);
         if let Some(&place) = self.places.get(guess as usize)

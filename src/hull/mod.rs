@@ -15,4 +15,6 @@ mod thickness;
 pub use builder::{DEFAULT_TOLERANCE, HullBuilder};
 pub use convex_hull::{ConvexHull, convex_hull};
 pub use simplex::Shape;
+pub use single_precision::SinglePrecisionHull;
+pub(crate) use single_precision::single_precision;
 pub use thickness::{MINIMUM_THICKNESS, solid_hull};

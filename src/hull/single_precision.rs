@@ -4,7 +4,7 @@
 //! slivers, and flatten what lies far from the origin. So the rounded points get a hull of their
 //! own: what is returned is convex as it stands, and has volume.
 
-use super::{ConvexHull, HullBuilder, Shape, solid_hull};
+use super::{HullBuilder, Shape, solid_hull};
 use crate::Error;
 
 /// A hull far from the origin keeps at least this many units in the last place of its largest
@@ -22,11 +22,11 @@ pub type SinglePrecisionHull = (Vec<[f32; 3]>, Vec<[u32; 3]>);
 ///
 /// # Errors
 /// [`Error::NoHull`] if a coordinate is beyond the range of `f32`, or nothing is left.
-pub(crate) fn to_single_precision(
-    hull: &ConvexHull,
+pub(crate) fn single_precision(
+    points: &[[f64; 3]],
     builder: &mut HullBuilder,
 ) -> Result<SinglePrecisionHull, Error> {
-    let mut points = rounded(&hull.points)?;
+    let mut points = rounded(points)?;
     let largest = points.iter().flatten().fold(0.0f64, |largest, x| largest.max(x.abs()));
     let mut least_thickness = LEAST_ULPS * f64::from(f32::EPSILON) * largest;
     for _ in 0..ATTEMPTS {

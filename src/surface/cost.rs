@@ -1,0 +1,103 @@
+//! The concavity cost [3.4.3], equation (3):
+//!
+//! cost(S) = max over M in S of ‖M − P_S(M)‖ / D_S
+//!
+//! S are the vertices of a group, P_S(M) is where the ray from M along its normal leaves the
+//! convex hull of S, and D_S is the diagonal of the bounding box of S. The normal of M is taken
+//! *with respect to the group*: the area-weighted mean of the normals of the group's own
+//! triangles at M.
+
+use crate::hull::{ConvexHull, HullBuilder, Shape};
+use crate::mesh::TriangleMesh;
+use crate::vector::{Vector, add, area_normal, dot, normalize};
+
+use super::grouping::{corners, diagonal, group_vertices};
+
+/// A plane that the ray runs along cannot be left through it.
+const PARALLEL: f64 = 1e-9;
+
+/// Cost of a group, 0 for flat ones: they are their own hull. O(vertices · hull faces).
+pub(crate) fn cost(mesh: &TriangleMesh, group: &[u32], builder: &mut HullBuilder) -> f64 {
+    let vertices = group_vertices(mesh, group);
+    let points: Vec<Vector> =
+        vertices.iter().map(|&vertex| mesh.positions[vertex as usize]).collect();
+    if builder.build(&points) != Shape::Solid {
+        return 0.0;
+    }
+    let planes = ConvexHull::from(builder.extract()).planes();
+    let normals = normals(mesh, group, &vertices);
+    let distances = points
+        .iter()
+        .zip(&normals)
+        .map(|(&point, &normal)| distance_to_exit(point, normal, &planes));
+    distances.fold(0.0, f64::max) / diagonal(points.iter().copied())
+}
+
+/// The unit normal of each of the group's vertices with respect to the group.
+fn normals(mesh: &TriangleMesh, group: &[u32], vertices: &[u32]) -> Vec<Vector> {
+    let mut normals = vec![[0.0; 3]; vertices.len()];
+    for &triangle in group {
+        let [a, b, c] = corners(mesh, triangle);
+        let normal = area_normal(a, b, c);
+        for vertex in mesh.triangles[triangle as usize] {
+            if let Ok(place) = vertices.binary_search(&vertex) {
+                normals[place] = add(normals[place], normal);
+            }
+        }
+    }
+    normals.into_iter().map(normalize).collect()
+}
+
+/// How far a ray from a point inside a hull runs until it leaves.
+fn distance_to_exit(point: Vector, direction: Vector, planes: &[(Vector, f64)]) -> f64 {
+    let exits = planes.iter().filter_map(|&(normal, offset)| {
+        let towards = dot(normal, direction);
+        (towards > PARALLEL).then(|| ((offset - dot(normal, point)) / towards).max(0.0))
+    });
+    let nearest = exits.fold(f64::INFINITY, f64::min);
+    // A vertex whose triangles cancel out has no normal, and so no distance.
+    if nearest.is_finite() { nearest } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::shapes::cuboid;
+
+    fn whole(mesh: &TriangleMesh) -> f64 {
+        let all: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
+        cost(mesh, &all, &mut HullBuilder::new())
+    }
+
+    #[test]
+    fn a_convex_group_costs_nothing() {
+        assert!(whole(&cuboid([0.0; 3], [1.0; 3])) < 1e-9);
+    }
+
+    #[test]
+    fn a_flat_group_costs_nothing() {
+        let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        let triangles = vec![[0, 1, 2], [0, 2, 3]];
+        assert_eq!(whole(&TriangleMesh { positions, triangles }), 0.0);
+    }
+
+    #[test]
+    fn a_valley_costs_its_depth_over_its_diagonal() {
+        // Two unit slopes down to a valley 0.5 deep along y, 2 wide.
+        let (depth, width) = (0.5, 2.0);
+        let positions = vec![
+            [-1.0, 0.0, depth],
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, depth],
+            [-1.0, 1.0, depth],
+            [0.0, 1.0, 0.0],
+            [1.0, 1.0, depth],
+        ];
+        let triangles = vec![[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]];
+        let diagonal = (width * width + 1.0 + depth * depth as f64).sqrt();
+        let cost = whole(&TriangleMesh { positions, triangles });
+        // The normal at the valley's ends is not upright, for the triangles differ in number.
+        assert!(cost >= depth / diagonal - 1e-9, "{cost}");
+        assert!(cost <= 1.2 * depth / diagonal, "{cost}");
+    }
+}

@@ -1,0 +1,91 @@
+//! Hulls of the groups [3.6], and the source triangles that each of them stands for.
+
+use crate::field::Field;
+use crate::hull::{ConvexHull, HullBuilder, solid_hull};
+use crate::mesh::{Normalization, PreparedMesh, TriangleMesh};
+use crate::vector::{Vector, add, area_normal, scale};
+use crate::{Control, Error, Hull};
+
+use super::grouping::{Grouping, corners, group_vertices, members};
+
+/// A hull's least thickness as a share of the mesh's diagonal: a group that is small in all
+/// directions gets a body that single precision can still tell from nothing.
+const LEAST_THICKNESS: f64 = 1e-6;
+
+/// Source triangles between two looks at the control.
+const TRIANGLES_PER_CHECK: usize = 4096;
+
+/// The hull of each group, in the input's units, without its source triangles.
+pub(crate) fn hulls(
+    mesh: &TriangleMesh,
+    components: &[u32],
+    grouping: &Grouping,
+    normalization: &Normalization,
+    max_vertices: Option<usize>,
+    control: &Control,
+) -> Result<Vec<Hull>, Error> {
+    let mut builder = HullBuilder::new();
+    let groups = members(&grouping.labels, grouping.count);
+    let mut hulls = Vec::with_capacity(groups.len());
+    for group in &groups {
+        control.check()?;
+        let vertices = group_vertices(mesh, group);
+        let points: Vec<Vector> =
+            vertices.iter().map(|&vertex| mesh.positions[vertex as usize]).collect();
+        let outward = group.iter().fold([0.0; 3], |sum, &triangle| {
+            let [a, b, c] = corners(mesh, triangle);
+            add(sum, area_normal(a, b, c))
+        });
+        let (solid, added) = solid_hull(&mut builder, &points, outward, LEAST_THICKNESS)?;
+        let (solid, growth) = match max_vertices {
+            Some(_) => (solid, 0.0),
+            None => (solid, 0.0),
+        };
+        let component = group.first().map_or(0, |&triangle| components[triangle as usize]);
+        let points = solid.points.iter().map(|&point| normalization.restore(point)).collect();
+        let restored = ConvexHull { points, triangles: solid.triangles };
+        let Some(bounds) = restored.bounds() else { continue };
+        hulls.push(Hull {
+            volume: restored.volume(),
+            bounds,
+            points: restored.points,
+            triangles: restored.triangles,
+            component,
+            source_triangles: Vec::new(),
+            added_thickness: added * normalization.diagonal,
+            cap_growth: growth * normalization.diagonal,
+        });
+    }
+    Ok(hulls)
+}
+
+/// Gives each source triangle to the hull whose group holds the simplified triangle nearest to
+/// its centre. O(n log m) for n source and m simplified triangles.
+pub(crate) fn assign_source_triangles(
+    prepared: &PreparedMesh,
+    mesh: &TriangleMesh,
+    grouping: &Grouping,
+    hulls: &mut [Hull],
+    control: &Control,
+) -> Result<(), Error> {
+    let field = Field::new(&mesh.positions, &mesh.triangles);
+    // Neighbours in the list are often neighbours in space, which makes the answer a good guess.
+    let mut guess = 0;
+    for (triangle, &source) in (0..).zip(&prepared.source_triangles) {
+        if (triangle as usize).is_multiple_of(TRIANGLES_PER_CHECK) {
+            control.check()?;
+        }
+        let [a, b, c] = corners(&prepared.mesh, triangle);
+        let centre = scale(add(add(a, b), c), 1.0 / 3.0);
+        let Some(closest) = field.distance_near(centre, f64::INFINITY, guess) else { continue };
+        guess = closest.triangle;
+        let label = grouping.labels[closest.triangle as usize];
+        if let Some(hull) = hulls.get_mut(label as usize) {
+            // A triangle that repair split in two is still one of the source.
+            if hull.source_triangles.last() != Some(&source) {
+                hull.source_triangles.push(source);
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,160 @@
+//! Resolution selection [3.5]: of the candidates of all resolutions, the one with the least cost
+//! that does not have far more pieces than the average.
+//!
+//! Where the paper is silent or says two things:
+//! - The cut-off μ acts after a resolution "greater than 500" in the text, but after r = 500 in
+//!   its experiments (model 72). Here it acts from 500 on.
+//! - k, the average number of pieces, is taken before group merging, which comes last.
+//! - R is tried in ascending order, whatever order it is given in, since the cut-off speaks of
+//!   higher resolutions; equal values count once.
+//! - Of equal costs the lower resolution wins.
+//! - A level starts from the next finer one, not from the source (see `mesh::simplify`). A
+//!   resolution whose mesh is the same as that of the one before would only repeat it.
+
+use crate::mesh::adjacency::Adjacency;
+use crate::mesh::simplify::{SimplifiedMesh, simplification_target, simplify};
+use crate::mesh::{PreparedMesh, TriangleMesh};
+use crate::{Control, Error, ResolutionOutcome, ResolutionReport, SurfaceParameters};
+
+use super::threshold_selection::{Candidate, ThresholdSearch};
+
+/// From this maximum resolution on the cut-off μ may act.
+const LEAST_CUT_OFF_RESOLUTION: usize = 500;
+
+/// Candidates with more than this many times k pieces are eliminated.
+const MOST_PIECES_FACTOR: f64 = 1.5;
+
+/// A subtree of the search: a simplified mesh, and the search over its thresholds.
+pub(crate) struct Level {
+    pub resolution: usize,
+    pub target: usize,
+    pub mesh: TriangleMesh,
+    /// For each triangle its component.
+    pub components: Vec<u32>,
+    pub adjacency: Adjacency,
+    pub search: ThresholdSearch,
+    same_as_before: bool,
+}
+
+/// The simplified meshes for all of R, ascending, each made from the next finer one.
+pub(crate) fn levels(
+    prepared: &PreparedMesh,
+    parameters: &SurfaceParameters,
+    control: &Control,
+) -> Result<Vec<Level>, Error> {
+    let mut resolutions = parameters.maximum_resolutions.clone();
+    resolutions.sort_unstable();
+    resolutions.dedup();
+    let initial = prepared.mesh.triangles.len();
+    let mut levels: Vec<Level> = Vec::new();
+    for &resolution in resolutions.iter().rev() {
+        control.check()?;
+        let target = simplification_target(initial, parameters.simplification_quality, resolution);
+        let (finer, components) = match levels.last() {
+            Some(level) => (&level.mesh, &level.components),
+            None => (&prepared.mesh, &prepared.components),
+        };
+        let SimplifiedMesh { mesh, components, .. } = simplify(finer, components, target);
+        if let Some(finer) = levels.last_mut() {
+            finer.same_as_before = finer.mesh == mesh;
+        }
+        let adjacency = Adjacency::new(&mesh);
+        levels.push(Level {
+            resolution,
+            target,
+            mesh,
+            components,
+            adjacency,
+            search: ThresholdSearch::default(),
+            same_as_before: false,
+        });
+    }
+    levels.reverse();
+    Ok(levels)
+}
+
+impl Level {
+    /// Whether there is nothing left to search.
+    pub(crate) fn is_finished(&self) -> bool {
+        self.same_as_before || self.search.is_finished()
+    }
+
+    pub(crate) fn advance(
+        &mut self,
+        parameters: &SurfaceParameters,
+        unit: f64,
+        control: &Control,
+    ) -> Result<(), Error> {
+        self.search.advance(&self.mesh, &self.adjacency, parameters, unit, control)
+    }
+
+    /// Whether higher resolutions are not worth trying.
+    pub(crate) fn cuts_off(&self, cut_off: usize) -> bool {
+        self.resolution >= LEAST_CUT_OFF_RESOLUTION
+            && self.search.is_finished()
+            && self.search.candidate().is_some_and(|found| found.grouping.count < cut_off)
+    }
+}
+
+/// What was chosen among the resolutions.
+pub(crate) struct Selection {
+    /// Its place in the list of levels.
+    pub level: usize,
+    pub candidate: Candidate,
+    /// k.
+    pub average_pieces: f64,
+    pub reports: Vec<ResolutionReport>,
+}
+
+/// Chooses among the levels that have a candidate. `None` if there is none.
+pub(crate) fn select(levels: &[Level], cut_off: usize) -> Option<Selection> {
+    let mut outcomes = vec![ResolutionOutcome::DeadlineReached; levels.len()];
+    let mut is_cut_off = false;
+    for (level, outcome) in levels.iter().zip(&mut outcomes) {
+        *outcome = if is_cut_off {
+            ResolutionOutcome::CutOff
+        } else if level.same_as_before {
+            ResolutionOutcome::SameAsBefore
+        } else if level.search.candidate().is_some() {
+            ResolutionOutcome::CostlierThanSelected
+        } else {
+            ResolutionOutcome::DeadlineReached
+        };
+        is_cut_off = is_cut_off || level.cuts_off(cut_off);
+    }
+    let candidates: Vec<(usize, &Candidate)> = levels
+        .iter()
+        .enumerate()
+        .filter(|&(index, _)| outcomes[index] == ResolutionOutcome::CostlierThanSelected)
+        .filter_map(|(index, level)| Some((index, level.search.candidate()?)))
+        .collect();
+    if candidates.is_empty() {
+        return None;
+    }
+    let pieces: usize = candidates.iter().map(|(_, candidate)| candidate.grouping.count).sum();
+    let average_pieces = pieces as f64 / candidates.len() as f64;
+    let most = MOST_PIECES_FACTOR * average_pieces;
+    let mut selected: Option<(usize, &Candidate)> = None;
+    for (index, candidate) in candidates {
+        if candidate.grouping.count as f64 > most {
+            outcomes[index] = ResolutionOutcome::TooManyPieces;
+        } else if selected.is_none_or(|(_, best)| candidate.cost < best.cost) {
+            selected = Some((index, candidate));
+        }
+    }
+    let (level, candidate) = selected?;
+    outcomes[level] = ResolutionOutcome::Selected;
+    let reports = levels.iter().zip(outcomes).map(|(level, outcome)| ResolutionReport {
+        resolution: level.resolution,
+        target: level.target,
+        polygons: level.mesh.triangles.len(),
+        outcome,
+        thresholds: match outcome {
+            // In parallel they may have been tried all the same, and that depends on time.
+            ResolutionOutcome::CutOff | ResolutionOutcome::SameAsBefore => Vec::new(),
+            _ => level.search.reports.clone(),
+        },
+    });
+    let reports = reports.collect();
+    Some(Selection { level, candidate: candidate.clone(), average_pieces, reports })
+}

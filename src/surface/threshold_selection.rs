@@ -1,0 +1,241 @@
+//! Threshold selection [3.4.2]: of the groupings for all planar thresholds of one resolution, the
+//! one with the fewest pieces whose average concavity cost is below ε.
+//!
+//! Where the paper is silent:
+//! - If all groups have one or two polygons the average is 0/0. It counts as 0: two polygons
+//!   that share a side are convex or nearly so.
+//! - A single group ends the search of the resolution. It may still be the candidate if its cost
+//!   is below ε: a convex mesh needs it.
+//! - Aborted thresholds have no average, so they can't enter the fail-safe, unless all were
+//!   aborted; then the one with the least running average is taken.
+//! - Pieces are counted before group merging, and of equal counts the earlier threshold stays,
+//!   as "fewer than" says.
+
+use crate::hull::HullBuilder;
+use crate::mesh::TriangleMesh;
+use crate::mesh::adjacency::Adjacency;
+use crate::{Control, Error, SurfaceParameters, ThresholdOutcome, ThresholdReport};
+
+use super::cost::cost;
+use super::grouping::{Grouping, group, members};
+
+/// Groups of at most this many polygons are left out of the average.
+const TOO_SMALL_TO_COUNT: usize = 2;
+
+/// A running average above this many times ε, or times the least average so far, is given up.
+const ABORT_FACTOR: f64 = 3.0;
+
+/// Below this average cost a threshold is taken at once.
+const SUFFICIENTLY_CONVEX: f64 = 1e-6;
+
+/// A resolution's best grouping so far.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Candidate {
+    pub grouping: Grouping,
+    pub cost: f64,
+    pub planar_threshold: f64,
+    /// Its place in the list of thresholds.
+    index: usize,
+}
+
+/// The search over the thresholds of one resolution, one threshold per call of `advance`.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct ThresholdSearch {
+    next: usize,
+    finished: bool,
+    candidate: Option<Candidate>,
+    /// Least average of the thresholds that were not aborted.
+    cheapest: Option<Candidate>,
+    /// Least running average of those that were.
+    cheapest_aborted: Option<Candidate>,
+    builder: HullBuilder,
+    pub reports: Vec<ThresholdReport>,
+}
+
+/// How far the average cost of a grouping was computed.
+enum Average {
+    Complete(f64),
+    AboveThreshold(f64),
+    AboveLeast(f64),
+}
+
+impl ThresholdSearch {
+    pub(crate) fn is_finished(&self) -> bool {
+        self.finished
+    }
+
+    /// Tries the next threshold. `unit` is the length that counts as 1, in the mesh's space.
+    pub(crate) fn advance(
+        &mut self,
+        mesh: &TriangleMesh,
+        adjacency: &Adjacency,
+        parameters: &SurfaceParameters,
+        unit: f64,
+        control: &Control,
+    ) -> Result<(), Error> {
+        let index = self.next;
+        let Some(&planar_threshold) = parameters.planar_thresholds.get(index) else {
+            self.finish(parameters);
+            return Ok(());
+        };
+        self.next += 1;
+        let grouping = group(
+            mesh,
+            adjacency,
+            planar_threshold * unit,
+            parameters.angular_threshold * unit,
+            control,
+        )?;
+        let pieces = grouping.count;
+        let epsilon = parameters.concavity_cost_threshold;
+        let average = self.average_cost(mesh, &grouping, epsilon, control)?;
+        let (Average::Complete(cost) | Average::AboveThreshold(cost) | Average::AboveLeast(cost)) =
+            average;
+        let tried = Candidate { grouping, cost, planar_threshold, index };
+        let outcome = match average {
+            Average::AboveThreshold(_) => ThresholdOutcome::AbortedAboveThreshold,
+            Average::AboveLeast(_) => ThresholdOutcome::AbortedAboveLeast,
+            Average::Complete(_) if cost < SUFFICIENTLY_CONVEX => ThresholdOutcome::CandidateAtOnce,
+            Average::Complete(_) if cost >= epsilon => ThresholdOutcome::TooCostly,
+            Average::Complete(_) => ThresholdOutcome::MorePieces,
+        };
+        self.reports.push(ThresholdReport { planar_threshold, pieces, cost, outcome });
+        let is_aborted = matches!(average, Average::AboveThreshold(_) | Average::AboveLeast(_));
+        if is_aborted {
+            keep_cheaper(&mut self.cheapest_aborted, tried);
+        } else {
+            let fewer = self.candidate.as_ref().is_none_or(|best| pieces < best.grouping.count);
+            if outcome == ThresholdOutcome::CandidateAtOnce || (cost < epsilon && fewer) {
+                self.candidate = Some(tried.clone());
+            }
+            keep_cheaper(&mut self.cheapest, tried);
+        }
+        if pieces == 1 {
+            if outcome != ThresholdOutcome::CandidateAtOnce
+                && let Some(report) = self.reports.last_mut()
+            {
+                report.outcome = ThresholdOutcome::SingleGroup;
+            }
+            self.finish(parameters);
+        } else if outcome == ThresholdOutcome::CandidateAtOnce
+            || self.next == parameters.planar_thresholds.len()
+        {
+            self.finish(parameters);
+        }
+        Ok(())
+    }
+
+    /// The candidate, once finished; before, the best so far.
+    pub(crate) fn candidate(&self) -> Option<&Candidate> {
+        self.candidate.as_ref().or(self.cheapest.as_ref()).or(self.cheapest_aborted.as_ref())
+    }
+
+    fn finish(&mut self, parameters: &SurfaceParameters) {
+        self.finished = true;
+        let by_fail_safe = self.candidate.is_none();
+        let chosen = self.candidate().map(|candidate| candidate.index);
+        if let Some(report) = chosen.and_then(|index| self.reports.get_mut(index)) {
+            report.outcome = match report.outcome {
+                ThresholdOutcome::CandidateAtOnce => ThresholdOutcome::CandidateAtOnce,
+                _ if by_fail_safe => ThresholdOutcome::CandidateByFailSafe,
+                _ => ThresholdOutcome::Candidate,
+            };
+        }
+        for &planar_threshold in parameters.planar_thresholds.iter().skip(self.reports.len()) {
+            let outcome = ThresholdOutcome::NotTried;
+            self.reports.push(ThresholdReport { planar_threshold, pieces: 0, cost: 0.0, outcome });
+        }
+    }
+
+    /// The average cost over groups of more than two polygons, given up as soon as the running
+    /// average is too high.
+    fn average_cost(
+        &mut self,
+        mesh: &TriangleMesh,
+        grouping: &Grouping,
+        epsilon: f64,
+        control: &Control,
+    ) -> Result<Average, Error> {
+        let least = self.cheapest.as_ref().map_or(f64::INFINITY, |cheapest| cheapest.cost);
+        let (mut sum, mut average, mut counted) = (0.0, 0.0, 0);
+        for group in members(&grouping.labels, grouping.count) {
+            if group.len() <= TOO_SMALL_TO_COUNT {
+                continue;
+            }
+            control.check()?;
+            sum += cost(mesh, &group, &mut self.builder);
+            counted += 1;
+            average = sum / f64::from(counted);
+            if average > ABORT_FACTOR * epsilon {
+                return Ok(Average::AboveThreshold(average));
+            }
+            if average > ABORT_FACTOR * least {
+                return Ok(Average::AboveLeast(average));
+            }
+        }
+        Ok(Average::Complete(average))
+    }
+}
+
+fn keep_cheaper(best: &mut Option<Candidate>, tried: Candidate) {
+    if best.as_ref().is_none_or(|best| tried.cost < best.cost) {
+        *best = Some(tried);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::shapes::{cuboid, torus};
+
+    fn search(mesh: &TriangleMesh, parameters: &SurfaceParameters) -> ThresholdSearch {
+        let adjacency = Adjacency::new(mesh);
+        let mut search = ThresholdSearch::default();
+        while !search.is_finished() {
+            search.advance(mesh, &adjacency, parameters, 0.4, &Control::new()).unwrap();
+        }
+        search
+    }
+
+    #[test]
+    fn a_cube_is_taken_at_once_as_a_single_group() {
+        let found = search(&cuboid([0.0; 3], [1.0; 3]), &SurfaceParameters::paper());
+        assert_eq!(found.candidate().unwrap().grouping.count, 1);
+        assert_eq!(found.reports[0].outcome, ThresholdOutcome::CandidateAtOnce);
+        assert!(found.reports[1..].iter().all(|r| r.outcome == ThresholdOutcome::NotTried));
+        assert_eq!(found.reports.len(), 6);
+    }
+
+    #[test]
+    fn the_fewest_pieces_under_epsilon_win() {
+        let found = search(&torus(24, 12), &SurfaceParameters::paper());
+        let candidate = found.candidate().unwrap();
+        let under = found.reports.iter().filter(|report| {
+            matches!(report.outcome, ThresholdOutcome::Candidate | ThresholdOutcome::MorePieces)
+        });
+        assert!(candidate.cost < 0.05);
+        assert_eq!(candidate.grouping.count, under.map(|report| report.pieces).min().unwrap());
+    }
+
+    #[test]
+    fn if_nothing_is_under_epsilon_the_cheapest_wins() {
+        let mut parameters = SurfaceParameters::paper();
+        parameters.concavity_cost_threshold = 1e-5;
+        let found = search(&torus(24, 12), &parameters);
+        let by_fail_safe =
+            found.reports.iter().filter(|r| r.outcome == ThresholdOutcome::CandidateByFailSafe);
+        assert_eq!(by_fail_safe.count(), 1);
+    }
+
+    #[test]
+    fn a_running_average_above_three_epsilon_is_given_up() {
+        let mut parameters = SurfaceParameters::paper();
+        parameters.concavity_cost_threshold = 1e-5;
+        parameters.planar_thresholds = vec![0.2];
+        let mut search = ThresholdSearch::default();
+        let mesh = torus(24, 12);
+        search.advance(&mesh, &Adjacency::new(&mesh), &parameters, 0.4, &Control::new()).unwrap();
+        assert!(search.cheapest.is_none());
+        assert!(search.cheapest_aborted.is_some());
+    }
+}
