@@ -44,7 +44,6 @@ pub mod hull;
 mod inspect;
 #[cfg(feature = "io")]
 pub mod io;
-
 pub mod measure;
 mod mesh;
 mod parameters;
