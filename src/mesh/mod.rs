@@ -1,10 +1,5 @@
 //! The input as the pipeline works on it: repaired, normalised, simplified.
 
-#![expect(
-    dead_code,
-    reason = "the stages that use this module are connected once all of them exist"
-)]
-
 use crate::Repairs;
 use crate::vector::{Vector, add, length, maximum, minimum, scale, subtract};
 

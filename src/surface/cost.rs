@@ -9,6 +9,7 @@
 
 use crate::hull::{ConvexHull, HullBuilder, Shape};
 use crate::mesh::TriangleMesh;
+use crate::mesh::adjacency::Adjacency;
 use crate::vector::{Vector, add, area_normal, dot, normalize};
 
 use super::grouping::{corners, diagonal, group_vertices};
@@ -17,7 +18,14 @@ use super::grouping::{corners, diagonal, group_vertices};
 const PARALLEL: f64 = 1e-9;
 
 /// Cost of a group, 0 for flat ones: they are their own hull. O(vertices · hull faces).
-pub(crate) fn cost(mesh: &TriangleMesh, group: &[u32], builder: &mut HullBuilder) -> f64 {
+pub(crate) fn cost(
+    mesh: &TriangleMesh,
+    adjacency: &Adjacency,
+    labels: &[u32],
+    group: &[u32],
+    builder: &mut HullBuilder,
+) -> f64 {
+    let Some(label) = group.first().map(|&triangle| labels[triangle as usize]) else { return 0.0 };
     let vertices = group_vertices(mesh, group);
     let points: Vec<Vector> =
         vertices.iter().map(|&vertex| mesh.positions[vertex as usize]).collect();
@@ -25,27 +33,27 @@ pub(crate) fn cost(mesh: &TriangleMesh, group: &[u32], builder: &mut HullBuilder
         return 0.0;
     }
     let planes = ConvexHull::from(builder.extract()).planes();
-    let normals = normals(mesh, group, &vertices);
-    let distances = points
-        .iter()
-        .zip(&normals)
-        .map(|(&point, &normal)| distance_to_exit(point, normal, &planes));
+    let distances = vertices.iter().zip(&points).map(|(&vertex, &point)| {
+        let normal = normal(mesh, adjacency, labels, label, vertex);
+        distance_to_exit(point, normal, &planes)
+    });
     distances.fold(0.0, f64::max) / diagonal(points.iter().copied())
 }
 
-/// The unit normal of each of the group's vertices with respect to the group.
-fn normals(mesh: &TriangleMesh, group: &[u32], vertices: &[u32]) -> Vec<Vector> {
-    let mut normals = vec![[0.0; 3]; vertices.len()];
-    for &triangle in group {
+/// The unit normal of a vertex with respect to the group with the given label.
+fn normal(
+    mesh: &TriangleMesh,
+    adjacency: &Adjacency,
+    labels: &[u32],
+    label: u32,
+    vertex: u32,
+) -> Vector {
+    let incident = adjacency.vertex_triangles(vertex).iter();
+    let own = incident.filter(|&&triangle| labels[triangle as usize] == label);
+    normalize(own.fold([0.0; 3], |sum, &triangle| {
         let [a, b, c] = corners(mesh, triangle);
-        let normal = area_normal(a, b, c);
-        for vertex in mesh.triangles[triangle as usize] {
-            if let Ok(place) = vertices.binary_search(&vertex) {
-                normals[place] = add(normals[place], normal);
-            }
-        }
-    }
-    normals.into_iter().map(normalize).collect()
+        add(sum, area_normal(a, b, c))
+    }))
 }
 
 /// How far a ray from a point inside a hull runs until it leaves.
@@ -66,7 +74,8 @@ mod tests {
 
     fn whole(mesh: &TriangleMesh) -> f64 {
         let all: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
-        cost(mesh, &all, &mut HullBuilder::new())
+        let labels = vec![0; all.len()];
+        cost(mesh, &Adjacency::new(mesh), &labels, &all, &mut HullBuilder::new())
     }
 
     #[test]
@@ -84,7 +93,7 @@ mod tests {
     #[test]
     fn a_valley_costs_its_depth_over_its_diagonal() {
         // Two unit slopes down to a valley 0.5 deep along y, 2 wide.
-        let (depth, width) = (0.5, 2.0);
+        let (depth, width): (f64, f64) = (0.5, 2.0);
         let positions = vec![
             [-1.0, 0.0, depth],
             [0.0, 0.0, 0.0],
@@ -94,7 +103,7 @@ mod tests {
             [1.0, 1.0, depth],
         ];
         let triangles = vec![[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]];
-        let diagonal = (width * width + 1.0 + depth * depth as f64).sqrt();
+        let diagonal = (width * width + 1.0 + depth * depth).sqrt();
         let cost = whole(&TriangleMesh { positions, triangles });
         // The normal at the valley's ends is not upright, for the triangles differ in number.
         assert!(cost >= depth / diagonal - 1e-9, "{cost}");

@@ -88,7 +88,7 @@ impl ThresholdSearch {
         )?;
         let pieces = grouping.count;
         let epsilon = parameters.concavity_cost_threshold;
-        let average = self.average_cost(mesh, &grouping, epsilon, control)?;
+        let average = self.average_cost(mesh, adjacency, &grouping, epsilon, control)?;
         let (Average::Complete(cost) | Average::AboveThreshold(cost) | Average::AboveLeast(cost)) =
             average;
         let tried = Candidate { grouping, cost, planar_threshold, index };
@@ -152,6 +152,7 @@ impl ThresholdSearch {
     fn average_cost(
         &mut self,
         mesh: &TriangleMesh,
+        adjacency: &Adjacency,
         grouping: &Grouping,
         epsilon: f64,
         control: &Control,
@@ -163,7 +164,7 @@ impl ThresholdSearch {
                 continue;
             }
             control.check()?;
-            sum += cost(mesh, &group, &mut self.builder);
+            sum += cost(mesh, adjacency, &grouping.labels, &group, &mut self.builder);
             counted += 1;
             average = sum / f64::from(counted);
             if average > ABORT_FACTOR * epsilon {
