@@ -128,7 +128,8 @@ fn text(found: &Measurement) -> String {
         "{}\n\nlengths are shares of the mesh's diagonal, {}\n\
          points: {} on hulls ({} of them on the boundary of all), {} on the mesh, {} in space",
         table.trim_fmt(),
-        found.diagonal,
+        // Seven digits will do for people.
+        found.diagonal as f32,
         samples.hull,
         samples.boundary,
         samples.mesh,
