@@ -1,0 +1,297 @@
+//! Promises of `decompose`, with the paper's method.
+
+use std::sync::{Arc, Mutex};
+use std::time::Instant;
+
+use hullwright::{
+    Control, Decomposer, Decomposition, Error, Parameters, ResolutionOutcome, Unit, decompose,
+};
+
+type Mesh = (Vec<[f64; 3]>, Vec<[u32; 3]>);
+
+/// A prism over a polygon in the plane, given with the triangles that fill it.
+fn prism(outline: &[[f64; 2]], fill: &[[u32; 3]], height: f64) -> Mesh {
+    let count = outline.len() as u32;
+    let at = |z: f64| outline.iter().map(move |&[x, y]| [x, y, z]);
+    let positions = at(0.0).chain(at(height)).collect();
+    let top = fill.iter().map(|t| t.map(|v| v + count));
+    let bottom = fill.iter().map(|&[a, b, c]| [a, c, b]);
+    let walls = (0..count).flat_map(|a| {
+        let b = (a + 1) % count;
+        [[a, b, b + count], [a, b + count, a + count]]
+    });
+    (positions, top.chain(bottom).chain(walls).collect())
+}
+
+fn cube(low: [f64; 3], size: f64) -> Mesh {
+    let (mut mesh, fill) = (Vec::new(), [[0, 1, 2], [0, 2, 3]]);
+    mesh.extend([[0.0, 0.0], [size, 0.0], [size, size], [0.0, size]]);
+    let (positions, triangles) = prism(&mesh, &fill, size);
+    let moved = positions.iter().map(|p| [0, 1, 2].map(|axis| p[axis] + low[axis])).collect();
+    (moved, triangles)
+}
+
+fn l_prism() -> Mesh {
+    let outline = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
+    prism(&outline, &[[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]], 1.0)
+}
+
+fn torus(n: u32, m: u32) -> Mesh {
+    let angle = |i: u32, of: u32| f64::from(i) * std::f64::consts::TAU / f64::from(of);
+    let mut positions = Vec::new();
+    let mut triangles = Vec::new();
+    for i in 0..n {
+        for j in 0..m {
+            let (u, v) = (angle(i, n), angle(j, m));
+            let ring = 1.0 + 0.3 * v.cos();
+            positions.push([ring * u.cos(), ring * u.sin(), 0.3 * v.sin()]);
+            let at = |i: u32, j: u32| (i % n) * m + j % m;
+            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    (positions, triangles)
+}
+
+fn join(a: &Mesh, b: &Mesh) -> Mesh {
+    let offset = a.0.len() as u32;
+    let triangles = b.1.iter().map(|t| t.map(|v| v + offset));
+    (a.0.iter().chain(&b.0).copied().collect(), a.1.iter().copied().chain(triangles).collect())
+}
+
+fn run((positions, triangles): &Mesh) -> Decomposition {
+    decompose(positions, triangles, &Parameters::default(), &Control::new()).unwrap()
+}
+
+#[test]
+fn a_cube_is_one_hull_of_its_volume() {
+    let result = run(&cube([0.0; 3], 2.0));
+    assert_eq!(result.hulls.len(), 1);
+    assert!((result.hulls[0].volume - 8.0).abs() < 1e-12);
+    assert_eq!(result.hulls[0].source_triangles, (0..12).collect::<Vec<u32>>());
+}
+
+#[test]
+fn a_tetrahedron_is_one_hull() {
+    let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let triangles = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    assert_eq!(run(&(positions, triangles)).hulls.len(), 1);
+}
+
+#[test]
+fn disjoint_boxes_are_two_hulls_of_two_components() {
+    let result = run(&join(&cube([0.0; 3], 1.0), &cube([3.0, 0.0, 0.0], 1.0)));
+    assert_eq!(result.hulls.len(), 2);
+    assert_eq!(result.hulls.iter().map(|hull| hull.component).collect::<Vec<_>>(), [0, 1]);
+    assert_eq!(result.report.components, 2);
+}
+
+#[test]
+fn an_l_prism_is_two_groups() {
+    assert_eq!(run(&l_prism()).report.surface.unwrap().pieces, 2);
+}
+
+#[test]
+fn each_source_triangle_belongs_to_exactly_one_hull() {
+    let mesh = torus(64, 32);
+    let result = run(&mesh);
+    let mut all: Vec<u32> =
+        result.hulls.iter().flat_map(|hull| hull.source_triangles.iter().copied()).collect();
+    all.sort_unstable();
+    assert_eq!(all, (0..mesh.1.len() as u32).collect::<Vec<_>>());
+}
+
+#[test]
+fn labels_name_hulls_and_each_hull_has_volume() {
+    let result = run(&torus(48, 24));
+    assert_eq!(result.grouped.groups.len(), result.grouped.triangles.len());
+    for index in 0..result.hulls.len() as u32 {
+        assert!(result.grouped.groups.contains(&index));
+    }
+    assert!(result.grouped.groups.iter().all(|&label| (label as usize) < result.hulls.len()));
+    assert!(result.hulls.iter().all(|hull| hull.volume > 0.0));
+}
+
+#[test]
+fn left_handed_input_gives_the_same_hulls() {
+    let (positions, triangles) = torus(32, 16);
+    let flipped: Vec<[u32; 3]> = triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
+    let result = run(&(positions, flipped));
+    assert_eq!(result.report.repairs.flipped_triangles, triangles.len());
+    assert!(result.hulls.iter().all(|hull| hull.volume > 0.0));
+}
+
+/// The same groups, whatever the vertices' and triangles' places.
+fn labels(mesh: &Mesh) -> Vec<u32> {
+    run(mesh).grouped.groups
+}
+
+#[test]
+fn scale_and_place_change_nothing() {
+    let (positions, triangles) = torus(40, 20);
+    let expected = labels(&(positions.clone(), triangles.clone()));
+    for scale in [1e-6, 1e6] {
+        let scaled = positions.iter().map(|p| p.map(|x| x * scale)).collect();
+        assert_eq!(labels(&(scaled, triangles.clone())), expected, "scale {scale}");
+    }
+    let moved = positions.iter().map(|p| p.map(|x| x + 2000.0)).collect();
+    assert_eq!(labels(&(moved, triangles.clone())), expected, "moved");
+}
+
+#[test]
+fn single_precision_input_works_and_hulls_come_in_single_precision() {
+    let (positions, triangles) = l_prism();
+    let single: Vec<[f32; 3]> = positions.iter().map(|p| p.map(|x| x as f32)).collect();
+    let result = decompose(&single, &triangles, &Parameters::default(), &Control::new()).unwrap();
+    for hull in &result.hulls {
+        let (points, triangles) = hull.to_single_precision().unwrap();
+        assert!(points.len() >= 4 && triangles.len() >= 4);
+    }
+}
+
+#[test]
+fn threads_change_nothing() {
+    let (positions, triangles) = torus(64, 32);
+    let mut parameters = Parameters::default();
+    parameters.parallel = false;
+    let serial = decompose(&positions, &triangles, &parameters, &Control::new()).unwrap();
+    parameters.parallel = true;
+    let mut parallel = decompose(&positions, &triangles, &parameters, &Control::new()).unwrap();
+    parallel.report.times = serial.report.times.clone();
+    assert_eq!(serial, parallel);
+}
+
+#[test]
+fn resolutions_come_back_in_ascending_order_and_one_is_selected() {
+    let (positions, triangles) = torus(64, 32);
+    let mut parameters = Parameters::default();
+    parameters.surface.maximum_resolutions = vec![1000, 250, 500, 250];
+    let report = decompose(&positions, &triangles, &parameters, &Control::new()).unwrap().report;
+    let resolutions = report.surface.unwrap().resolutions;
+    assert_eq!(resolutions.iter().map(|r| r.resolution).collect::<Vec<_>>(), [250, 500, 1000]);
+    let selected = resolutions.iter().filter(|r| r.outcome == ResolutionOutcome::Selected);
+    assert_eq!(selected.count(), 1);
+}
+
+#[test]
+fn simple_shapes_skip_higher_resolutions() {
+    // A dense slab: one group at each resolution, so μ = 5 ends the search after r = 500.
+    let mut mesh = (Vec::new(), Vec::new());
+    const SIDE: u32 = 41;
+    for x in 0..SIDE {
+        for y in 0..SIDE {
+            let (u, v) = (f64::from(x) - 20.0, f64::from(y) - 20.0);
+            mesh.0.push([u, v, -0.01 * (u * u + v * v)]);
+        }
+    }
+    for x in 0..SIDE - 1 {
+        for y in 0..SIDE - 1 {
+            let [a, b] = [x * SIDE + y, (x + 1) * SIDE + y];
+            mesh.1.extend([[a, b, b + 1], [a, b + 1, a + 1]]);
+        }
+    }
+    let report = run(&mesh).report.surface.unwrap();
+    let outcomes: Vec<_> = report.resolutions.iter().map(|r| r.outcome).collect();
+    assert!(report.pieces < 5, "{}", report.pieces);
+    assert_eq!(outcomes[2..], [ResolutionOutcome::CutOff; 3]);
+    assert!(!outcomes[..2].contains(&ResolutionOutcome::CutOff));
+}
+
+#[test]
+fn the_unit_may_be_absolute() {
+    let (positions, triangles) = torus(32, 16);
+    let mut parameters = Parameters::default();
+    parameters.surface.unit = Unit::Absolute(1.5);
+    let report = decompose(&positions, &triangles, &parameters, &Control::new()).unwrap().report;
+    assert!((report.surface.unwrap().unit - 1.5).abs() < 1e-12);
+}
+
+#[test]
+fn values_that_mean_nothing_are_errors() {
+    let (positions, triangles) = cube([0.0; 3], 1.0);
+    let rejected = |change: fn(&mut Parameters)| {
+        let mut parameters = Parameters::default();
+        change(&mut parameters);
+        let result = decompose(&positions, &triangles, &parameters, &Control::new());
+        matches!(result, Err(Error::InvalidParameter { .. }))
+    };
+    assert!(rejected(|p| p.surface.simplification_quality = 0.0));
+    assert!(rejected(|p| p.surface.simplification_quality = f64::NAN));
+    assert!(rejected(|p| p.surface.maximum_resolutions.clear()));
+    assert!(rejected(|p| p.surface.maximum_resolutions.push(0)));
+    assert!(rejected(|p| p.surface.planar_thresholds.clear()));
+    assert!(rejected(|p| p.surface.planar_thresholds.push(-1.0)));
+    assert!(rejected(|p| p.surface.angular_threshold = f64::INFINITY));
+    assert!(rejected(|p| p.surface.concavity_cost_threshold = 0.0));
+    assert!(rejected(|p| p.surface.unit = Unit::Diagonals(0.0)));
+    assert!(rejected(|p| p.max_vertices = Some(3)));
+}
+
+#[test]
+fn unusable_input_is_a_typed_error() {
+    let control = Control::new();
+    let parameters = Parameters::default();
+    let of = |positions: &[[f64; 3]], triangles: &[[u32; 3]]| {
+        decompose(positions, triangles, &parameters, &control).unwrap_err()
+    };
+    let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    assert_eq!(of(&[], &[]), Error::EmptyMesh { vertices: 0, triangles: 0 });
+    let out_of_range = Error::IndexOutOfRange { triangle: 0, index: 3, vertices: 3 };
+    assert_eq!(of(&corners, &[[0, 1, 3]]), out_of_range);
+    assert!(matches!(of(&[[0.0; 3]; 3], &[[0, 1, 2]]), Error::NothingUsable { .. }));
+    assert!(matches!(of(&[[f64::NAN; 3]; 3], &[[0, 1, 2]]), Error::NothingUsable { .. }));
+}
+
+#[test]
+fn a_single_triangle_is_a_thin_body() {
+    let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let result = run(&(corners, vec![[0, 1, 2]]));
+    assert_eq!(result.hulls.len(), 1);
+    assert!(result.hulls[0].added_thickness > 0.0 && result.hulls[0].volume > 0.0);
+}
+
+#[test]
+fn cancelling_and_a_past_deadline_stop_with_a_typed_error() {
+    let (positions, triangles) = torus(32, 16);
+    let control = Control::new();
+    control.cancel();
+    let parameters = Parameters::default();
+    assert_eq!(decompose(&positions, &triangles, &parameters, &control), Err(Error::Cancelled));
+}
+
+#[test]
+fn after_the_deadline_the_best_so_far_is_returned() {
+    let (positions, triangles) = torus(64, 32);
+    let mut parameters = Parameters::default();
+    parameters.parallel = false;
+    let control = Control::new().with_deadline(Instant::now());
+    let result = decompose(&positions, &triangles, &parameters, &control).unwrap();
+    assert!(result.report.deadline_reached);
+    assert!(!result.hulls.is_empty());
+}
+
+#[test]
+fn slices_give_the_same_and_progress_never_falls() {
+    let (positions, triangles) = torus(32, 16);
+    let seen = Arc::new(Mutex::new(Vec::new()));
+    let listener = Arc::clone(&seen);
+    let control = Control::new()
+        .with_progress(move |progress| listener.lock().unwrap().push(progress.fraction));
+    let mut parameters = Parameters::default();
+    parameters.parallel = false;
+    let mut decomposer = Decomposer::new(&positions, &triangles, &parameters).unwrap();
+    let mut slices = 0;
+    let sliced = loop {
+        slices += 1;
+        if let Some(result) = decomposer.step(&control).unwrap() {
+            break result;
+        }
+    };
+    assert!(slices > 5);
+    assert_eq!(decomposer.step(&control), Err(Error::Finished));
+    let whole = decompose(&positions, &triangles, &parameters, &Control::new()).unwrap();
+    assert_eq!(sliced.hulls, whole.hulls);
+    let fractions = seen.lock().unwrap();
+    assert!(fractions.windows(2).all(|pair| pair[0] <= pair[1]));
+    assert_eq!(fractions.last(), Some(&1.0));
+}
