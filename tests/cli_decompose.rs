@@ -1,0 +1,133 @@
+//! What the command line promises about `decompose`.
+#![cfg(feature = "cli")]
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use hullwright::io::read_hulls;
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// A prism over an L: two convex pieces.
+const L_PRISM: &str = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\n\
+                       v 0 0 1\nv 2 0 1\nv 2 1 1\nv 1 1 1\nv 1 2 1\nv 0 2 1\n\
+                       f 6 5 4 3 2 1\nf 7 8 9 10 11 12\nf 1 2 8 7\nf 2 3 9 8\nf 3 4 10 9\n\
+                       f 4 5 11 10\nf 5 6 12 11\nf 6 1 7 12\n";
+
+struct Place(TempDir);
+
+impl Place {
+    fn new() -> Self {
+        let directory = tempfile::tempdir().unwrap();
+        std::fs::write(directory.path().join("l.obj"), L_PRISM).unwrap();
+        Self(directory)
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    /// What decomposing the prism prints to standard output.
+    fn decompose(&self, arguments: &[&str]) -> String {
+        let output = Command::new(env!("CARGO_BIN_EXE_hullwright"))
+            .current_dir(self.0.path())
+            .args(["decompose", "l.obj"])
+            .args(arguments)
+            .output()
+            .unwrap();
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(0), "{error}");
+        // There is no terminal, so no progress either.
+        assert_eq!(error, "");
+        String::from_utf8(output.stdout).unwrap()
+    }
+
+    fn json(&self, arguments: &[&str]) -> Value {
+        let line = self.decompose(&[&["--json"], arguments].concat());
+        assert_eq!(line.lines().count(), 1);
+        serde_json::from_str(&line).unwrap()
+    }
+}
+
+#[test]
+fn the_table_has_the_columns_of_the_papers_table_1() {
+    let place = Place::new();
+    let shown = place.decompose(&[]);
+    let header = shown.lines().next().unwrap();
+    for column in
+        ["pieces", "average pieces", "time", "cost", "p", "r", "final polygons", "initial polygons"]
+    {
+        assert!(header.contains(column), "{header}");
+    }
+    assert!(shown.lines().nth(1).unwrap().trim_start().starts_with("2 "), "{shown}");
+}
+
+#[test]
+fn json_is_one_line_with_all_fields() {
+    let place = Place::new();
+    let line = place.json(&[]);
+    assert_eq!(line["mesh"], "l.obj");
+    assert_eq!(line["method"], "surface");
+    assert_eq!(line["triangles"], 20);
+    assert_eq!(line["hulls"], 2);
+    assert_eq!(line["algorithm_version"], hullwright::ALGORITHM_VERSION);
+    assert_eq!(line["repairs"]["open_edges"], 0);
+    for number in ["vertices", "seconds", "cost", "planar_threshold", "resolution", "volume_sum"] {
+        assert!(line[number].is_number(), "{number}: {}", line[number]);
+    }
+    assert!(line.get("search").is_none());
+    let search = &place.json(&["--search"])["search"];
+    assert_eq!(search.as_array().map(Vec::len), Some(5));
+    assert!(search[0]["thresholds"][0]["outcome"].is_string());
+}
+
+#[test]
+fn search_shows_every_resolution_and_what_became_of_it() {
+    let place = Place::new();
+    let shown = place.decompose(&["--search", "--maximum-resolutions", "250,777"]);
+    assert!(shown.lines().any(|line| line.trim_start().starts_with("250 ")), "{shown}");
+    assert!(shown.lines().any(|line| line.trim_start().starts_with("777 ")), "{shown}");
+    assert!(shown.contains("selected") && shown.contains("candidate"), "{shown}");
+}
+
+#[test]
+fn hulls_are_written_and_announced() {
+    let place = Place::new();
+    for name in ["hulls.obj", "hulls.glb"] {
+        let shown = place.decompose(&["-o", name]);
+        assert!(shown.contains(&format!("wrote {name}: 2 hulls, ")), "{shown}");
+        assert_eq!(read_hulls(place.path(name)).unwrap().len(), 2);
+    }
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let place = Place::new();
+    place.decompose(&["--output", "one.obj", "--threads", "1"]);
+    place.decompose(&["--output", "four.obj", "--threads", "4"]);
+    place.decompose(&["--output", "all.obj"]);
+    let read = |name| std::fs::read(place.path(name)).unwrap();
+    assert!(read("one.obj") == read("four.obj"));
+    assert!(read("one.obj") == read("all.obj"));
+}
+
+#[test]
+fn parameters_reach_the_method() {
+    let place = Place::new();
+    let coarse = place.json(&["--planar-thresholds", "1", "--unit", "100d"]);
+    assert_eq!(coarse["planar_threshold"], 1.0);
+    assert_eq!(place.json(&["--paper"])["hulls"], 2);
+}
+
+#[test]
+fn a_mesh_of_nothing_but_a_line_is_exit_code_1() {
+    let place = Place::new();
+    std::fs::write(place.path("line.obj"), "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n").unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_hullwright"))
+        .args(["decompose", place.path("line.obj").to_str().unwrap()])
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert!(error.contains("line.obj: no usable triangle"), "{error}");
+}
