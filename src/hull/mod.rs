@@ -5,6 +5,7 @@
 //! ([`MINIMUM_THICKNESS`]), so that every hull has volume.
 
 mod builder;
+mod cap;
 mod convex_hull;
 mod face;
 mod redundant;
@@ -13,6 +14,7 @@ mod single_precision;
 mod thickness;
 
 pub use builder::{DEFAULT_TOLERANCE, HullBuilder};
+pub use cap::cap_vertices;
 pub use convex_hull::{ConvexHull, convex_hull};
 pub use simplex::Shape;
 pub use single_precision::SinglePrecisionHull;

@@ -1,7 +1,7 @@
 //! Hulls of the groups [3.6], and the source triangles that each of them stands for.
 
 use crate::field::Field;
-use crate::hull::{ConvexHull, HullBuilder, solid_hull};
+use crate::hull::{ConvexHull, HullBuilder, cap_vertices, solid_hull};
 use crate::mesh::{Normalization, PreparedMesh, TriangleMesh};
 use crate::vector::{Vector, add, area_normal, scale};
 use crate::{Control, Error, Hull};
@@ -38,7 +38,7 @@ pub(crate) fn hulls(
         });
         let (solid, added) = solid_hull(&mut builder, &points, outward, LEAST_THICKNESS)?;
         let (solid, growth) = match max_vertices {
-            Some(_) => (solid, 0.0),
+            Some(cap) => cap_vertices(&mut builder, solid, cap),
             None => (solid, 0.0),
         };
         let component = group.first().map_or(0, |&triangle| components[triangle as usize]);
