@@ -1,0 +1,112 @@
+//! Decomposes every mesh below a folder and prints what came of it, as a table:
+//! `cargo run --release --example corpus --features io -- FOLDER`.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+use hullwright::io::{Format, read_mesh};
+use hullwright::measure::{HullShape, MeasureOptions, measure};
+use hullwright::{Control, Error, Parameters, decompose};
+
+/// What came of a folder's meshes.
+#[derive(Default)]
+struct Summary {
+    done: usize,
+    refused: usize,
+    panicked: usize,
+    not_convex: usize,
+    without_volume: usize,
+    seconds: Vec<f64>,
+}
+
+/// What came of one mesh.
+struct Row {
+    triangles: usize,
+    hulls: usize,
+    not_convex: usize,
+    without_volume: usize,
+    seconds: f64,
+}
+
+fn main() -> ExitCode {
+    let Some(folder) = std::env::args().nth(1).map(PathBuf::from).filter(|path| path.is_dir())
+    else {
+        eprintln!("usage: corpus FOLDER, a folder that holds meshes");
+        return ExitCode::FAILURE;
+    };
+    let mut files = Vec::new();
+    collect(&folder, &mut files);
+    files.sort();
+    let mut summaries: BTreeMap<String, Summary> = BTreeMap::new();
+    for file in &files {
+        let name = file.strip_prefix(&folder).unwrap_or(file).display().to_string();
+        let group = Path::new(&name).parent().map(|p| p.display().to_string()).unwrap_or_default();
+        let summary = summaries.entry(group).or_default();
+        let path = file.clone();
+        // In a thread of its own, so that a panic is a row and not the end.
+        match std::thread::spawn(move || run(&path)).join() {
+            Ok(Ok(row)) => {
+                summary.done += 1;
+                summary.not_convex += row.not_convex;
+                summary.without_volume += row.without_volume;
+                summary.seconds.push(row.seconds);
+                let Row { triangles, hulls, seconds, .. } = row;
+                println!("{name:<60} {triangles:>8} triangles {hulls:>4} hulls {seconds:>8.4} s");
+            }
+            Ok(Err(error)) => {
+                summary.refused += 1;
+                println!("{name:<60} {error}");
+            }
+            Err(_) => {
+                summary.panicked += 1;
+                println!("{name:<60} PANIC");
+            }
+        }
+    }
+    println!(
+        "\n{:<12} {:>5} {:>8} {:>7} {:>11} {:>10} {:>9} {:>9}",
+        "folder", "done", "refused", "panics", "not convex", "no volume", "median s", "worst s"
+    );
+    for (folder, summary) in &mut summaries {
+        summary.seconds.sort_by(f64::total_cmp);
+        let at = |place: usize| summary.seconds.get(place).copied().unwrap_or_default();
+        let (median, worst) = (at(summary.seconds.len() / 2), at(summary.seconds.len().max(1) - 1));
+        let Summary { done, refused, panicked, not_convex, without_volume, .. } = summary;
+        println!(
+            "{folder:<12} {done:>5} {refused:>8} {panicked:>7} {not_convex:>11} \
+             {without_volume:>10} {median:>9.4} {worst:>9.4}"
+        );
+    }
+    ExitCode::SUCCESS
+}
+
+fn run(path: &Path) -> Result<Row, Error> {
+    let file = read_mesh(path)?;
+    let mut parameters = Parameters::default();
+    parameters.parallel = false;
+    let start = Instant::now();
+    let result = decompose(&file.positions, &file.triangles, &parameters, &Control::new())?;
+    let seconds = start.elapsed().as_secs_f64();
+    let shapes: Vec<HullShape> = result.hulls.iter().map(HullShape::from).collect();
+    let judged = measure(&file.positions, &file.triangles, &shapes, &MeasureOptions::default())?;
+    Ok(Row {
+        triangles: file.triangles.len(),
+        hulls: result.hulls.len(),
+        not_convex: judged.non_convex_hulls,
+        without_volume: judged.non_positive_volumes,
+        seconds,
+    })
+}
+
+fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
+    let Ok(entries) = std::fs::read_dir(folder) else { return };
+    for path in entries.filter_map(|entry| Some(entry.ok()?.path())) {
+        if path.is_dir() {
+            collect(&path, files);
+        } else if Format::from_path(&path).is_some() {
+            files.push(path);
+        }
+    }
+}
