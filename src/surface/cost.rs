@@ -33,11 +33,12 @@ pub(crate) fn cost(
         return 0.0;
     }
     let planes = ConvexHull::from(builder.extract()).planes();
-    let distances = vertices.iter().zip(&points).map(|(&vertex, &point)| {
+    let mut greatest: f64 = 0.0;
+    for (&vertex, &point) in vertices.iter().zip(&points) {
         let normal = normal(mesh, adjacency, labels, label, vertex);
-        distance_to_exit(point, normal, &planes)
-    });
-    distances.fold(0.0, f64::max) / diagonal(points.iter().copied())
+        greatest = greatest.max(distance_to_exit(point, normal, &planes, greatest));
+    }
+    greatest / diagonal(points.iter().copied())
 }
 
 /// The unit normal of a vertex with respect to the group with the given label.
@@ -56,13 +57,24 @@ fn normal(
     }))
 }
 
-/// How far a ray from a point inside a hull runs until it leaves.
-fn distance_to_exit(point: Vector, direction: Vector, planes: &[(Vector, f64)]) -> f64 {
-    let exits = planes.iter().filter_map(|&(normal, offset)| {
+/// How far a ray from a point inside a hull runs until it leaves. Where that is at most `enough`
+/// an upper bound that is at most `enough` may be returned, since only the greatest distance counts.
+fn distance_to_exit(
+    point: Vector,
+    direction: Vector,
+    planes: &[(Vector, f64)],
+    enough: f64,
+) -> f64 {
+    let mut nearest = f64::INFINITY;
+    for &(normal, offset) in planes {
         let towards = dot(normal, direction);
-        (towards > PARALLEL).then(|| ((offset - dot(normal, point)) / towards).max(0.0))
-    });
-    let nearest = exits.fold(f64::INFINITY, f64::min);
+        if towards > PARALLEL {
+            nearest = nearest.min(((offset - dot(normal, point)) / towards).max(0.0));
+            if nearest <= enough {
+                return nearest;
+            }
+        }
+    }
     // A vertex whose triangles cancel out has no normal, and so no distance.
     if nearest.is_finite() { nearest } else { 0.0 }
 }
