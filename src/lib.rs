@@ -35,6 +35,7 @@
 //! | `io` (feature) | readers and writers of mesh files | – |
 //! | `picture` (feature `io`) | draws meshes and hulls into a PNG, without a GPU | – |
 
+pub mod bounded;
 mod control;
 mod decompose;
 mod decomposition;
