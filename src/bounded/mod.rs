@@ -27,10 +27,12 @@ pub(crate) fn run(prepared: &PreparedMesh, bound: f64, control: &Control) -> Res
         times.push((name, start.elapsed().as_secs_f64()));
         start = std::time::Instant::now();
     };
-    let solid = solid::Solid {
-        field: crate::field::Field::new(&prepared.mesh.positions, &prepared.mesh.triangles),
-        is_closed: prepared.closed.iter().all(|&c| c),
-    };
+    let solid = solid::Solid::new(
+        &prepared.mesh.positions,
+        &prepared.mesh.triangles,
+        prepared.closed.iter().all(|&c| c),
+        bound,
+    );
     lap("field", &mut times);
     let search_bound = bound * env("SHARE", 0.97);
     let working = seeds::working_mesh(prepared);

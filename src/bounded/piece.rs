@@ -22,6 +22,7 @@ pub(crate) struct Workshop<'a> {
     pub solid: &'a Solid,
     pub bound: f64,
     pub builder: HullBuilder,
+    pub reducer: HullBuilder,
     pub stack: Vec<[Vector; 3]>,
     pub scratch: Vec<Vector>,
     pub built: usize,
@@ -42,7 +43,15 @@ pub(crate) fn volume_of(points: &[Vector], triangles: &[[u32; 3]]) -> f64 {
 
 impl<'a> Workshop<'a> {
     pub fn new(solid: &'a Solid, bound: f64) -> Self {
-        Self { solid, bound, builder: HullBuilder::new(), stack: Vec::new(), scratch: Vec::new(), built: 0, tested: 0 }
+        Self { solid, bound, builder: HullBuilder::new().with_least_tolerance(1e-5), reducer: HullBuilder::new().with_least_tolerance(super::env("REDUCE", 0.0005)), stack: Vec::new(), scratch: Vec::new(), built: 0, tested: 0 }
+    }
+
+    /// A hull of fewer points that leaves out none by more than the reduction.
+    pub fn reduced(&mut self, points: &[Vector], outward: Vector, area: f64) -> Piece {
+        std::mem::swap(&mut self.builder, &mut self.reducer);
+        let piece = self.hull(points, outward, area);
+        std::mem::swap(&mut self.builder, &mut self.reducer);
+        piece
     }
 
     /// The hull of points, whether it fits or not.

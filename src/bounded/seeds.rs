@@ -181,7 +181,7 @@ fn piece_of(
         outward = add(outward, n);
         area += 0.5 * length(n);
     }
-    shop.hull(&points, outward, area)
+    shop.reduced(&points, outward, area)
 }
 
 /// Two halves along the longest principal direction.

@@ -8,7 +8,7 @@
 use super::face::{Face, NONE, RETIRED, edge_of, face_of, half_edge};
 use super::redundant::mark_necessary_vertices;
 use super::simplex::{Shape, first_simplex};
-use crate::vector::{Vector, distance, maximum, minimum, scale, subtract};
+use crate::vector::{Vector, cross, distance, dot, maximum, minimum, scale, subtract};
 
 /// A point is left out if it is closer to the hull than this share of the extent of the points.
 /// Positions that come from `f32` are uncertain by about 6e-8 of their size, so a finer tolerance
@@ -23,9 +23,13 @@ const CERTAINLY_BEHIND: f64 = 1e-12;
 ///
 /// `build` starts a hull, `insert` adds points to it. Building takes O(n log n) expected time for
 /// n points, an insertion of m points into a hull of f faces O(m f) with a small constant.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Default)]
 pub struct HullBuilder {
     tolerance: Option<f64>,
+    /// Tolerance in the units of the points, where that is more.
+    least_tolerance: f64,
+    /// Number of insertions since `build`, so that the faces of the last can be told apart.
+    generation: u32,
     /// Centre that is subtracted from the points, and a power of two that they are multiplied by.
     centre: Vector,
     factor: f64,
@@ -64,6 +68,34 @@ struct Horizon {
     outside: u32,
 }
 
+impl Clone for HullBuilder {
+    fn clone(&self) -> Self {
+        let mut clone = Self::default();
+        clone.clone_from(self);
+        clone
+    }
+
+    /// Copies the hull into memory that is there already. Scratch memory is not copied.
+    fn clone_from(&mut self, other: &Self) {
+        self.tolerance = other.tolerance;
+        self.least_tolerance = other.least_tolerance;
+        self.generation = other.generation;
+        self.centre = other.centre;
+        self.factor = other.factor;
+        self.points.clone_from(&other.points);
+        self.originals.clone_from(&other.originals);
+        self.faces.clone_from(&other.faces);
+        self.next_waiting.clone_from(&other.next_waiting);
+        self.reach = other.reach;
+        self.threshold = other.threshold;
+        self.stamp = other.stamp;
+        self.only_marked = other.only_marked;
+        self.simplex_height = other.simplex_height;
+        self.work.clear();
+        self.free.clear();
+    }
+}
+
 impl HullBuilder {
     /// A builder with the default tolerance.
     pub fn new() -> Self {
@@ -75,6 +107,13 @@ impl HullBuilder {
     #[must_use]
     pub fn with_tolerance(mut self, tolerance: f64) -> Self {
         self.tolerance = Some(if tolerance.is_finite() { tolerance.max(0.0) } else { 0.0 });
+        self
+    }
+
+    /// Points closer to the hull than `tolerance`, in their own units, are left out too.
+    #[must_use]
+    pub fn with_least_tolerance(mut self, tolerance: f64) -> Self {
+        self.least_tolerance = if tolerance.is_finite() { tolerance.max(0.0) } else { 0.0 };
         self
     }
 
@@ -156,11 +195,84 @@ impl HullBuilder {
         if self.faces.is_empty() {
             return;
         }
+        self.generation += 1;
         let first = self.points.len() as u32;
+        let reach = self.reach;
         self.append(points);
-        self.refresh_error_bounds();
+        if self.reach > reach {
+            self.refresh_error_bounds();
+        }
         self.assign_to_any(first..self.points.len() as u32, &[]);
         self.grow();
+    }
+
+    /// The same, for points of which many lie in the hull: those are not kept.
+    pub(crate) fn insert_outside(&mut self, points: &[[f64; 3]]) {
+        if self.faces.is_empty() {
+            return;
+        }
+        self.generation += 1;
+        let first = self.points.len();
+        let reach = self.reach;
+        for &point in points {
+            let scaled = scale(subtract(point, self.centre), self.factor);
+            if self.faces.iter().any(|face| face.distance(scaled) > self.threshold) {
+                self.reach = scaled.iter().fold(self.reach, |reach, x| reach.max(x.abs()));
+                self.points.push(scaled);
+                self.originals.push(point);
+            }
+        }
+        if self.points.len() == first {
+            return;
+        }
+        self.next_waiting.resize(self.points.len(), NONE);
+        if self.reach > reach {
+            self.refresh_error_bounds();
+        }
+        self.assign_to_any(first as u32..self.points.len() as u32, &[]);
+        self.grow();
+    }
+
+    /// The farthest that one of the points lies in front of a face, in their units; negative if
+    /// all are inside.
+    pub(crate) fn farthest_outside(&self, points: &[[f64; 3]]) -> f64 {
+        let mut farthest = f64::NEG_INFINITY;
+        for &point in points {
+            let scaled = scale(subtract(point, self.centre), self.factor);
+            for face in &self.faces {
+                farthest = face.distance(scaled).max(farthest);
+            }
+        }
+        farthest / self.factor
+    }
+
+    /// The corners of the faces that the last insertion made; of all faces after `build`.
+    pub(crate) fn new_faces(&self) -> impl Iterator<Item = [Vector; 3]> + '_ {
+        let newest = self.faces.iter().filter(|face| face.generation == self.generation);
+        newest.map(|face| face.vertices.map(|vertex| self.originals[vertex as usize]))
+    }
+
+    /// Corners of all faces.
+    pub(crate) fn all_faces(&self) -> impl Iterator<Item = [Vector; 3]> + '_ {
+        self.faces.iter().map(|face| face.vertices.map(|vertex| self.originals[vertex as usize]))
+    }
+
+    /// Enclosed volume, in cubed units of the points.
+    pub(crate) fn volume(&self) -> f64 {
+        let Some(apex) = self.faces.first().map(|face| self.points[face.vertices[0] as usize])
+        else {
+            return 0.0;
+        };
+        let six: f64 = self
+            .faces
+            .iter()
+            .map(|face| {
+                let [a, b, c] =
+                    face.vertices.map(|vertex| subtract(self.points[vertex as usize], apex));
+                dot(a, cross(b, c))
+            })
+            .sum();
+        six / (6.0 * self.factor.powi(3))
     }
 
     /// Number of triangles of the hull; 0 if there is none.
@@ -213,6 +325,7 @@ impl HullBuilder {
         self.work.clear();
         self.free.clear();
         self.stamp = 0;
+        self.generation = 0;
         self.reach = 0.0;
         self.factor = 1.0;
     }
@@ -235,7 +348,7 @@ impl HullBuilder {
         let scaled_extent = distance(scale(low, self.factor), scale(high, self.factor));
         let tolerance = self.tolerance.unwrap_or(DEFAULT_TOLERANCE);
         let scaled_extent = if scaled_extent.is_finite() { scaled_extent } else { 0.0 };
-        self.threshold = tolerance * scaled_extent;
+        self.threshold = (tolerance * scaled_extent).max(self.least_tolerance * self.factor);
     }
 
     fn append(&mut self, points: &[[f64; 3]]) {
@@ -443,6 +556,7 @@ impl HullBuilder {
             let mut face = Face::new([start, end, point], &self.points, self.reach);
             face.twins = [outside, half_edge(after, 2), half_edge(before, 1)];
             face.stamp = self.stamp;
+            face.generation = self.generation;
             self.faces[face_of(outside) as usize].twins[edge_of(outside)] = half_edge(place, 0);
             self.faces[place as usize] = face;
         }

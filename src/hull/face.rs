@@ -42,6 +42,8 @@ pub(super) struct Face {
     pub twins: [u32; 3],
     /// The last insertion that saw this face.
     pub stamp: u32,
+    /// The insertion that made this face.
+    pub generation: u32,
 }
 
 #[inline]
@@ -70,6 +72,7 @@ pub(super) const RETIRED: Face = Face {
     vertices: [NONE; 3],
     twins: [NONE; 3],
     stamp: 0,
+    generation: 0,
 };
 
 impl Face {
@@ -102,6 +105,7 @@ impl Face {
             vertices,
             twins: [NONE; 3],
             stamp: 0,
+            generation: 0,
         }
     }
 
