@@ -1,7 +1,8 @@
 //! The bounded method.
-pub(crate) mod dissolve;
+pub(crate) mod cover;
 pub(crate) mod merge;
 pub(crate) mod piece;
+pub(crate) mod seed_set;
 pub(crate) mod seeds;
 pub(crate) mod solid;
 
@@ -40,16 +41,16 @@ pub(crate) fn run(prepared: &PreparedMesh, bound: f64, control: &Control) -> Res
     let mut shop = Workshop::new(&solid, search_bound);
     let seeds = seeds::seeds(prepared, &working, &mut shop, control)?;
     lap("seeds", &mut times);
-    counts.push(("seeds", seeds.pieces.len()));
-    let built = shop.built;
-    let pieces = merge::merge(seeds.pieces.clone(), &seeds.neighbours, &mut shop, control)?;
+    counts.push(("seeds", seeds.count()));
+    let tried = shop.tried;
+    let pieces = merge::merge(&seeds, &mut shop, control)?;
     lap("merge", &mut times);
     counts.push(("merged", pieces.len()));
-    counts.push(("mbuilt", shop.built - built));
-    let built = shop.built;
-    let pieces = dissolve::dissolve(&seeds, pieces, &mut shop, control)?;
-    lap("dissolve", &mut times);
-    counts.push(("dbuilt", shop.built - built));
+    counts.push(("mtried", shop.tried - tried));
+    let tried = shop.tried;
+    let pieces = cover::cover(&seeds, pieces, &mut shop, control, &mut counts)?;
+    lap("cover", &mut times);
+    counts.push(("ctried", shop.tried - tried));
     counts.push(("final", pieces.len()));
     Ok(Result_ { pieces, times, counts })
 }
@@ -64,8 +65,8 @@ pub fn research(positions: &[[f64; 3]], triangles: &[[u32; 3]], bound: f64) -> (
     let mut times = vec![("repair", repair)];
     times.extend(result.times);
     let mut builder = crate::hull::HullBuilder::new();
-    let hulls = result.pieces.iter().filter_map(|piece| {
-        let (h, _) = crate::hull::solid_hull(&mut builder, &piece.points, piece.outward, 1e-6).ok()?;
+    let hulls = result.pieces.into_iter().filter_map(|mut piece| {
+        let (h, _) = crate::hull::solid_hull(&mut builder, &piece.hull.vertices(), piece.hull.outward, 1e-6).ok()?;
         Some(crate::hull::ConvexHull { points: h.points.iter().map(|&p| prepared.normalization.restore(p)).collect(), triangles: h.triangles })
     }).collect();
     (hulls, times, result.counts)

@@ -1,115 +1,176 @@
-//! Pieces.
+//! A piece: the seeds that it stands for and their hull, which can go on growing.
+
+use super::seed_set::SeedSet;
+use super::seeds::Seed;
 use super::solid::Solid;
 use crate::hull::{HullBuilder, Shape, solid_hull};
-use crate::vector::{Vector, add, area_normal, cross, dot, length_squared, maximum, minimum, scale, subtract};
+use crate::vector::{Vector, add, area_normal, length_squared, maximum, minimum};
 
-#[derive(Debug, Clone, Default)]
+/// Seeds and their hull.
+#[derive(Debug, Clone)]
 pub(crate) struct Piece {
-    /// Vertices of the hull of what the piece covers.
-    pub points: Vec<Vector>,
-    /// Faces over `points`; empty if they have no volume.
-    pub triangles: Vec<[u32; 3]>,
-    pub volume: f64,
-    pub min: Vector,
-    pub max: Vector,
-    /// Sum of area normals of its surface.
-    pub outward: Vector,
-    pub area: f64,
-    pub seeds: Vec<u32>,
+    pub seeds: SeedSet,
+    pub hull: Hull,
 }
 
+/// The hull of some seeds' points.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Hull {
+    /// Holds the hull if `is_solid`.
+    pub builder: HullBuilder,
+    pub is_solid: bool,
+    /// All points, unless `is_solid`.
+    pub points: Vec<Vector>,
+    pub outward: Vector,
+    pub min: Vector,
+    pub max: Vector,
+    pub volume: f64,
+}
+
+impl Hull {
+    fn copy_from(&mut self, other: &Self) {
+        self.builder.clone_from(&other.builder);
+        self.is_solid = other.is_solid;
+        self.points.clone_from(&other.points);
+        self.outward = other.outward;
+        self.min = other.min;
+        self.max = other.max;
+        self.volume = other.volume;
+    }
+
+    /// Vertices and faces; none of these without volume.
+    pub fn extract(&mut self) -> (Vec<Vector>, Vec<[u32; 3]>) {
+        if self.is_solid { self.builder.extract() } else { (self.points.clone(), Vec::new()) }
+    }
+
+    /// The vertices, or all points where there is no volume.
+    pub fn vertices(&mut self) -> Vec<Vector> {
+        self.extract().0
+    }
+
+    /// The hull of the union with other points. Whether it had volume before, so that only its
+    /// new faces differ.
+    pub fn insert(&mut self, points: &[Vector], outward: Vector) -> bool {
+        for &point in points {
+            self.min = minimum(self.min, point);
+            self.max = maximum(self.max, point);
+        }
+        self.outward = add(self.outward, outward);
+        if self.is_solid {
+            self.builder.insert_outside(points);
+            return true;
+        }
+        self.points.extend_from_slice(points);
+        self.is_solid = self.builder.build(&self.points) == Shape::Solid;
+        false
+    }
+
+    pub fn of(points: &[Vector], outward: Vector) -> Self {
+        let mut hull = Self {
+            builder: HullBuilder::new().with_least_tolerance(SEARCH_TOLERANCE),
+            min: [f64::INFINITY; 3],
+            max: [f64::NEG_INFINITY; 3],
+            ..Self::default()
+        };
+        hull.insert(points, outward);
+        hull.volume = hull.current_volume();
+        hull
+    }
+
+    pub fn current_volume(&self) -> f64 {
+        if self.is_solid { self.builder.volume() } else { 0.0 }
+    }
+}
+
+/// Points nearer to a hull than this, in diagonals, don't change it during the search.
+pub(crate) const SEARCH_TOLERANCE: f64 = 1e-5;
+
+/// Thickness of flat pieces while they are tested, in diagonals.
+const THICKNESS: f64 = 1e-6;
+
+/// Memory for trying things out.
 pub(crate) struct Workshop<'a> {
     pub solid: &'a Solid,
     pub bound: f64,
-    pub builder: HullBuilder,
-    pub reducer: HullBuilder,
-    pub stack: Vec<[Vector; 3]>,
-    pub scratch: Vec<Vector>,
-    pub built: usize,
-    pub tested: usize,
-}
-
-pub(crate) fn volume_of(points: &[Vector], triangles: &[[u32; 3]]) -> f64 {
-    let Some(&apex) = points.first() else { return 0.0 };
-    triangles
-        .iter()
-        .map(|t| {
-            let [a, b, c] = t.map(|i| subtract(points[i as usize], apex));
-            dot(a, cross(b, c))
-        })
-        .sum::<f64>()
-        / 6.0
+    pub trial: Hull,
+    scratch: HullBuilder,
+    faces: Vec<(f64, [Vector; 3])>,
+    stack: Vec<[Vector; 3]>,
+    pub tried: usize,
 }
 
 impl<'a> Workshop<'a> {
     pub fn new(solid: &'a Solid, bound: f64) -> Self {
-        Self { solid, bound, builder: HullBuilder::new().with_least_tolerance(1e-5), reducer: HullBuilder::new().with_least_tolerance(super::env("REDUCE", 0.0005)), stack: Vec::new(), scratch: Vec::new(), built: 0, tested: 0 }
+        Self {
+            solid,
+            bound,
+            trial: Hull::of(&[], [0.0; 3]),
+            scratch: HullBuilder::new(),
+            faces: Vec::new(),
+            stack: Vec::new(),
+            tried: 0,
+        }
     }
 
-    /// A hull of fewer points that leaves out none by more than the reduction.
-    pub fn reduced(&mut self, points: &[Vector], outward: Vector, area: f64) -> Piece {
-        std::mem::swap(&mut self.builder, &mut self.reducer);
-        let piece = self.hull(points, outward, area);
-        std::mem::swap(&mut self.builder, &mut self.reducer);
-        piece
+    /// Makes `trial` the joint hull of a hull and points. Returns whether only its new faces can
+    /// stand out.
+    pub fn join(&mut self, hull: &Hull, points: &[Vector], outward: Vector) -> bool {
+        self.tried += 1;
+        self.trial.copy_from(hull);
+        self.trial.insert(points, outward)
     }
 
-    /// The hull of points, whether it fits or not.
-    pub fn hull(&mut self, points: &[Vector], outward: Vector, area: f64) -> Piece {
-        self.built += 1;
-        let (points, triangles) = match self.builder.build(points) {
-            Shape::Solid => self.builder.extract(),
-            _ => (points.to_vec(), Vec::new()),
+    /// Whether `trial` fits, of which only the new faces are asked if `only_new`.
+    pub fn trial_fits(&mut self, only_new: bool) -> bool {
+        let trial = std::mem::take(&mut self.trial);
+        let fits = self.fits(&trial, only_new);
+        self.trial = trial;
+        fits
+    }
+
+    pub fn fits(&mut self, hull: &Hull, only_new: bool) -> bool {
+        let mut faces = std::mem::take(&mut self.faces);
+        faces.clear();
+        let sized = |face: [Vector; 3]| {
+            let [a, b, c] = face;
+            (length_squared(area_normal(a, b, c)), face)
         };
-        let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-        for &p in &points {
-            min = minimum(min, p);
-            max = maximum(max, p);
-        }
-        let volume = volume_of(&points, &triangles);
-        Piece { points, triangles, volume, min, max, outward, area, seeds: Vec::new() }
-    }
-
-    pub fn fits(&mut self, piece: &Piece) -> bool {
-        self.tested += 1;
-        if piece.triangles.is_empty() {
-            let Ok((hull, _)) = solid_hull(&mut self.builder, &piece.points, piece.outward, 1e-6) else {
-                return true;
-            };
-            return self.faces_fit(&hull.points, &hull.triangles);
-        }
-        self.faces_fit(&piece.points, &piece.triangles)
-    }
-
-    fn faces_fit(&mut self, points: &[Vector], triangles: &[[u32; 3]]) -> bool {
-        let mut order: Vec<(f64, [Vector; 3])> = triangles
-            .iter()
-            .map(|t| {
-                let f = t.map(|i| points[i as usize]);
-                (length_squared(area_normal(f[0], f[1], f[2])), f)
-            })
-            .collect();
-        order.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
-        // A quick refusal by the centres of the largest faces.
-        for (_, f) in order.iter().take(6) {
-            let centre = scale(add(add(f[0], f[1]), f[2]), 1.0 / 3.0);
-            if !self.solid.holds(centre, self.bound) {
-                return false;
+        if hull.is_solid {
+            if only_new {
+                faces.extend(hull.builder.new_faces().map(sized));
+            } else {
+                faces.extend(hull.builder.all_faces().map(sized));
             }
+        } else if let Ok((flat, _)) =
+            solid_hull(&mut self.scratch, &hull.points, hull.outward, THICKNESS)
+        {
+            faces.extend(flat.corners().map(sized));
         }
-        order.iter().all(|(_, f)| self.solid.face_fits(*f, self.bound, &mut self.stack))
+        let fits = self.faces_fit(&mut faces);
+        self.faces = faces;
+        fits
     }
 
-    /// The joint hull, if it fits.
-    pub fn joint(&mut self, a: &Piece, b: &Piece) -> Piece {
-        let mut points = std::mem::take(&mut self.scratch);
-        points.clear();
-        points.extend_from_slice(&a.points);
-        points.extend_from_slice(&b.points);
-        let mut piece = self.hull(&points, add(a.outward, b.outward), a.area + b.area);
-        self.scratch = points;
-        piece.seeds.extend_from_slice(&a.seeds);
-        piece.seeds.extend_from_slice(&b.seeds);
-        piece
+    fn faces_fit(&mut self, faces: &mut [(f64, [Vector; 3])]) -> bool {
+        // Large faces are the likeliest to stand out.
+        faces.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+        let (solid, bound) = (self.solid, self.bound);
+        faces.iter().all(|&(_, face)| solid.centre_fits(face, bound))
+            && faces.iter().all(|&(_, face)| solid.face_fits(face, bound, &mut self.stack))
+    }
+
+    /// Takes `trial` as the new hull.
+    pub fn take_trial(&mut self, hull: &mut Hull) {
+        std::mem::swap(hull, &mut self.trial);
+    }
+
+    /// Lets a hull take a seed if the joint hull fits.
+    pub fn try_take(&mut self, hull: &mut Hull, seed: &Seed) -> bool {
+        let only_new = self.join(hull, &seed.points, seed.outward);
+        let fits = self.trial_fits(only_new);
+        if fits {
+            self.take_trial(hull);
+        }
+        fits
     }
 }

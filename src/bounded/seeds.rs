@@ -1,12 +1,14 @@
 //! Seeds.
 use super::env;
-use super::piece::{Piece, Workshop};
+use super::piece::{Hull, Workshop};
+use super::seed_set::SeedSet;
+use crate::hull::{HullBuilder, Shape};
 use crate::field::Field;
 use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
 use crate::mesh::simplify::simplify;
 use crate::mesh::{PreparedMesh, TriangleMesh};
 use crate::surface::grouping::{group, members};
-use crate::vector::{Vector, add, area_normal, distance, dot, length, scale, subtract};
+use crate::vector::{Vector, add, area_normal, distance, dot, length, maximum, minimum, scale, subtract};
 use crate::{Control, Error};
 use std::collections::HashMap;
 
@@ -15,11 +17,6 @@ pub(crate) struct Working {
     pub components: Vec<u32>,
 }
 
-pub(crate) struct Seeds {
-    pub pieces: Vec<Piece>,
-    /// Pairs of seeds that share an edge.
-    pub neighbours: Vec<(u32, u32)>,
-}
 
 pub(crate) fn working_mesh(prepared: &PreparedMesh) -> Working {
     let target = env("TARGET", 1600.0) as usize;
@@ -104,6 +101,35 @@ fn longest_edge(mesh: &TriangleMesh, t: [u32; 3]) -> (usize, f64) {
     (k, l[k])
 }
 
+/// A patch of the surface that is not divided any further.
+#[derive(Debug, Clone)]
+pub(crate) struct Seed {
+    /// Vertices of its hull, but for those that stand out less than the reduction; all its points
+    /// where it is flat.
+    pub points: Vec<Vector>,
+    /// A few of `points`, spread out.
+    pub representatives: Vec<Vector>,
+    pub outward: Vector,
+    pub area: f64,
+    pub min: Vector,
+    pub max: Vector,
+}
+
+/// Seeds and who is next to whom.
+pub(crate) struct Seeds {
+    pub seeds: Vec<Seed>,
+    /// Pairs of seeds that share an edge.
+    pub neighbours: Vec<(u32, u32)>,
+    /// For each seed those that no hull can hold together with it.
+    pub conflicts: Vec<SeedSet>,
+}
+
+impl Seeds {
+    pub fn count(&self) -> usize {
+        self.seeds.len()
+    }
+}
+
 pub(crate) fn seeds(
     prepared: &PreparedMesh,
     working: &Working,
@@ -124,25 +150,28 @@ pub(crate) fn seeds(
             owned[c.triangle as usize].push(v as u32);
         }
     }
-    let mut pieces = Vec::new();
+    let mut seeds: Vec<Seed> = Vec::new();
     let mut label = vec![u32::MAX; mesh.triangles.len()];
     let mut stack: Vec<Vec<u32>> = members(&grouping.labels, grouping.count);
     stack.reverse();
+    let mut reducer = HullBuilder::new().with_least_tolerance(env("REDUCE", 0.0007));
     let largest = env("LARGEST", 10.0);
     while let Some(triangles) = stack.pop() {
-        let piece = piece_of(prepared, mesh, &owned, &triangles, shop);
-        let size = distance(piece.min, piece.max);
-        if triangles.len() > 1 && (size > largest || !shop.fits(&piece)) {
+        control.check()?;
+        let seed = seed_of(prepared, mesh, &owned, &triangles, &mut reducer);
+        let size = distance(seed.min, seed.max);
+        let hull = Hull::of(&seed.points, seed.outward);
+        if triangles.len() > 1 && (size > largest || !shop.fits(&hull, false)) {
             let (a, b) = halves(mesh, &triangles);
             stack.push(b);
             stack.push(a);
             continue;
         }
-        let index = pieces.len() as u32;
+        let index = seeds.len() as u32;
         for &t in &triangles {
             label[t as usize] = index;
         }
-        pieces.push(Piece { seeds: vec![index], ..piece });
+        seeds.push(seed);
     }
     let mut neighbours = Vec::new();
     for t in 0..mesh.triangles.len() as u32 {
@@ -157,16 +186,52 @@ pub(crate) fn seeds(
     }
     neighbours.sort_unstable();
     neighbours.dedup();
-    Ok(Seeds { pieces, neighbours })
+    let conflicts = conflicts(&seeds, shop);
+    Ok(Seeds { seeds, neighbours, conflicts })
 }
 
-fn piece_of(
+/// For each seed those that it can't be together with: some point between them is outside.
+fn conflicts(seeds: &[Seed], shop: &Workshop<'_>) -> Vec<SeedSet> {
+    let mut conflicts = vec![SeedSet::none(seeds.len()); seeds.len()];
+    for (i, a) in seeds.iter().enumerate() {
+        for (j, b) in seeds.iter().enumerate().skip(i + 1) {
+            let separated = a.representatives.iter().any(|&p| {
+                b.representatives.iter().any(|&q| shop.solid.separates(p, q, shop.bound))
+            });
+            if separated {
+                conflicts[i].insert(j as u32);
+                conflicts[j].insert(i as u32);
+            }
+        }
+    }
+    conflicts
+}
+
+/// A few points, spread out: each the farthest from those before.
+fn representatives(points: &[Vector], count: usize) -> Vec<Vector> {
+    let Some(&first) = points.first() else { return Vec::new() };
+    let farthest = |from: &[Vector]| {
+        points
+            .iter()
+            .map(|&p| (from.iter().map(|&q| distance(p, q)).fold(f64::INFINITY, f64::min), p))
+            .max_by(|a, b| a.0.total_cmp(&b.0))
+            .map(|(_, p)| p)
+    };
+    let mut chosen: Vec<Vector> = farthest(&[first]).into_iter().collect();
+    while chosen.len() < count.min(points.len()) {
+        let Some(next) = farthest(&chosen) else { break };
+        chosen.push(next);
+    }
+    chosen
+}
+
+fn seed_of(
     prepared: &PreparedMesh,
     mesh: &TriangleMesh,
     owned: &[Vec<u32>],
     triangles: &[u32],
-    shop: &mut Workshop<'_>,
-) -> Piece {
+    reducer: &mut HullBuilder,
+) -> Seed {
     let mut vertices: Vec<u32> =
         triangles.iter().flat_map(|&t| mesh.triangles[t as usize]).collect();
     vertices.sort_unstable();
@@ -181,7 +246,16 @@ fn piece_of(
         outward = add(outward, n);
         area += 0.5 * length(n);
     }
-    shop.reduced(&points, outward, area)
+    if reducer.build(&points) == Shape::Solid {
+        points = reducer.extract().0;
+    }
+    let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for &p in &points {
+        min = minimum(min, p);
+        max = maximum(max, p);
+    }
+    let representatives = representatives(&points, env("REPS", 4.0) as usize);
+    Seed { points, representatives, outward, area, min, max }
 }
 
 /// Two halves along the longest principal direction.

@@ -117,6 +117,17 @@ impl Solid {
         self.field.is_within(point, bound) || self.field.is_inside(point)
     }
 
+    /// Whether the centre of a face is in the solid or at most `bound` away from it.
+    pub fn centre_fits(&self, [a, b, c]: [Vector; 3], bound: f64) -> bool {
+        self.holds(scale(add(add(a, b), c), 1.0 / 3.0), bound)
+    }
+
+    /// Whether some points between two of the solid are farther than `bound` from it.
+    pub fn separates(&self, a: Vector, b: Vector, bound: f64) -> bool {
+        let at = |share: f64| add(scale(a, 1.0 - share), scale(b, share));
+        [0.5, 0.25, 0.75].into_iter().any(|share| !self.holds(at(share), bound))
+    }
+
     /// Whether no point of the triangle is farther than `bound` from the solid.
     pub fn face_fits(&self, face: [Vector; 3], bound: f64, stack: &mut Vec<[Vector; 3]>) -> bool {
         stack.clear();

@@ -1,0 +1,256 @@
+//! Fewer pieces: each grows over all seeds that it can take, few of them are chosen that cover
+//! all seeds, and of those one after the other is dissolved into the rest where that works.
+
+use super::env;
+use super::piece::{Hull, Piece, Workshop};
+use super::seed_set::SeedSet;
+use super::seeds::{Seed, Seeds};
+use crate::vector::{add, distance, scale};
+use crate::{Control, Error};
+
+/// Lets a hull take seeds in order of nearness, those of `wanted` alone, until none fits.
+fn grow(seeds: &Seeds, piece: &mut Piece, wanted: &SeedSet, shop: &mut Workshop<'_>) {
+    let mut open = wanted.clone();
+    open.subtract(&piece.seeds);
+    for seed in piece.seeds.iter() {
+        open.subtract(&seeds.conflicts[seed as usize]);
+    }
+    let tolerance = env("TOL", 0.0003);
+    while !open.is_empty() {
+        let mut order: Vec<(f64, u32)> = Vec::new();
+        let candidates: Vec<u32> = open.iter().collect();
+        for index in candidates {
+            let seed = &seeds.seeds[index as usize];
+            let out = reach(&piece.hull, seed);
+            if out <= tolerance && covers(&piece.hull, seed, tolerance) {
+                piece.seeds.insert(index);
+                open.remove(index);
+                open.subtract(&seeds.conflicts[index as usize]);
+            } else {
+                order.push((out, index));
+            }
+        }
+        order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut grown = false;
+        for (_, index) in order {
+            if !open.contains(index) {
+                continue;
+            }
+            let seed = &seeds.seeds[index as usize];
+            open.remove(index);
+            if shop.try_take(&mut piece.hull, seed) {
+                piece.seeds.insert(index);
+                open.subtract(&seeds.conflicts[index as usize]);
+                grown = true;
+                break;
+            }
+        }
+        if !grown {
+            break;
+        }
+    }
+}
+
+/// How far a seed is outside of a hull, by its representatives.
+fn reach(hull: &Hull, seed: &Seed) -> f64 {
+    if hull.is_solid {
+        hull.builder.farthest_outside(&seed.representatives)
+    } else {
+        distance(scale(add(hull.min, hull.max), 0.5), scale(add(seed.min, seed.max), 0.5))
+    }
+}
+
+fn covers(hull: &Hull, seed: &Seed, tolerance: f64) -> bool {
+    hull.is_solid
+        && (0..3).all(|k| seed.min[k] >= hull.min[k] - tolerance && seed.max[k] <= hull.max[k] + tolerance)
+        && hull.builder.farthest_outside(&seed.points) <= tolerance
+}
+
+/// The hull of some seeds.
+fn hull_of(seeds: &Seeds, set: &SeedSet) -> Piece {
+    let mut points = Vec::new();
+    let mut outward = [0.0; 3];
+    for seed in set.iter() {
+        let seed = &seeds.seeds[seed as usize];
+        points.extend_from_slice(&seed.points);
+        outward = add(outward, seed.outward);
+    }
+    Piece { seeds: set.clone(), hull: Hull::of(&points, outward) }
+}
+
+/// Seeds that only piece `k` of those that are `alive` covers.
+fn own(pieces: &[Piece], alive: &[bool], k: usize) -> SeedSet {
+    let mut own = pieces[k].seeds.clone();
+    for (j, piece) in pieces.iter().enumerate() {
+        if j != k && alive[j] {
+            own.subtract(&piece.seeds);
+        }
+    }
+    own
+}
+
+fn area(seeds: &Seeds, set: &SeedSet) -> f64 {
+    set.iter().map(|s| seeds.seeds[s as usize].area).sum()
+}
+
+/// Drops pieces all of whose seeds others cover, smallest first.
+fn drop_redundant(seeds: &Seeds, pieces: &mut Vec<Piece>) {
+    pieces.sort_by(|a, b| area(seeds, &a.seeds).total_cmp(&area(seeds, &b.seeds)));
+    let mut alive = vec![true; pieces.len()];
+    for k in 0..pieces.len() {
+        if own(pieces, &alive, k).is_empty() {
+            alive[k] = false;
+        }
+    }
+    let mut index = 0;
+    pieces.retain(|_| {
+        index += 1;
+        alive[index - 1]
+    });
+}
+
+/// Tries to hand what only piece `k` covers to the others, which may let go of what is covered
+/// elsewhere.
+fn dissolve_one(
+    seeds: &Seeds,
+    pieces: &mut Vec<Piece>,
+    k: usize,
+    shop: &mut Workshop<'_>,
+) -> bool {
+    let mut alive = vec![true; pieces.len()];
+    let mut left = own(pieces, &alive, k);
+    alive[k] = false;
+    // The cheapest refusal first: a seed that conflicts with what each other piece must keep.
+    let cores: Vec<SeedSet> = (0..pieces.len())
+        .map(|j| if j == k { SeedSet::none(seeds.count()) } else {
+            let mut core = own(pieces, &alive, j);
+            core.subtract(&left);
+            core
+        })
+        .collect();
+    let compatible = |seed: u32, core: &SeedSet| !seeds.conflicts[seed as usize].intersects(core);
+    if left.iter().any(|seed| !(0..pieces.len()).any(|j| j != k && compatible(seed, &cores[j]))) {
+        return false;
+    }
+    let mut changed: Vec<(usize, Piece)> = Vec::new();
+    let mut sets: Vec<SeedSet> = pieces.iter().map(|piece| piece.seeds.clone()).collect();
+    // Those that can take most go first.
+    let mut order: Vec<(usize, usize)> = (0..pieces.len())
+        .filter(|&j| j != k)
+        .map(|j| (left.iter().filter(|&seed| compatible(seed, &cores[j])).count(), j))
+        .filter(|&(count, _)| count > 0)
+        .collect();
+    order.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.cmp(&b.1)));
+    for (_, j) in order {
+        // What only j covers now, the others being as they have become.
+        let mut core = sets[j].clone();
+        for (i, set) in sets.iter().enumerate() {
+            if i != j && i != k {
+                core.subtract(set);
+            }
+        }
+        let mut piece = hull_of(seeds, &core);
+        grow(seeds, &mut piece, &left, shop);
+        let mut taken = piece.seeds.clone();
+        taken.subtract(&core);
+        if taken.is_empty() {
+            continue;
+        }
+        left.subtract(&piece.seeds);
+        sets[j] = piece.seeds.clone();
+        changed.push((j, piece));
+        if left.is_empty() {
+            break;
+        }
+    }
+    if !left.is_empty() {
+        return false;
+    }
+    let all = SeedSet::of(seeds.count(), 0..seeds.count() as u32);
+    for (j, mut piece) in changed {
+        grow(seeds, &mut piece, &all, shop);
+        pieces[j] = piece;
+    }
+    pieces.remove(k);
+    true
+}
+
+pub(crate) fn cover(
+    seeds: &Seeds,
+    mut pieces: Vec<Piece>,
+    shop: &mut Workshop<'_>,
+    control: &Control,
+    counts: &mut Vec<(&'static str, usize)>,
+) -> Result<Vec<Piece>, Error> {
+    let all = SeedSet::of(seeds.count(), 0..seeds.count() as u32);
+    if env("GROW", 1.0) > 0.0 {
+        for piece in &mut pieces {
+            control.check()?;
+            grow(seeds, piece, &all, shop);
+        }
+        drop_redundant(seeds, &mut pieces);
+    }
+    counts.push(("grown", pieces.len()));
+    if env("ELIM", 1.0) > 0.0 {
+        loop {
+            let alive = vec![true; pieces.len()];
+            let mut order: Vec<(f64, usize)> =
+                (0..pieces.len()).map(|k| (area(seeds, &own(&pieces, &alive, k)), k)).collect();
+            order.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let mut removed = false;
+            for (_, k) in order {
+                control.check()?;
+                if dissolve_one(seeds, &mut pieces, k, shop) {
+                    removed = true;
+                    drop_redundant(seeds, &mut pieces);
+                    break;
+                }
+            }
+            if !removed {
+                break;
+            }
+        }
+    }
+    counts.push(("dissolved", pieces.len()));
+    if env("SHRINK", 1.0) > 0.0 {
+        pieces = shrink(seeds, pieces);
+    }
+    Ok(pieces)
+}
+
+/// Each seed stays with one piece, and pieces shrink to what they own.
+fn shrink(seeds: &Seeds, mut pieces: Vec<Piece>) -> Vec<Piece> {
+    let alive = vec![true; pieces.len()];
+    let mut owned: Vec<Piece> =
+        (0..pieces.len()).map(|k| hull_of(seeds, &own(&pieces, &alive, k))).collect();
+    let mut shared = SeedSet::of(seeds.count(), 0..seeds.count() as u32);
+    for piece in &owned {
+        shared.subtract(&piece.seeds);
+    }
+    let mut order: Vec<u32> = shared.iter().collect();
+    order.sort_by(|&a, &b| seeds.seeds[b as usize].area.total_cmp(&seeds.seeds[a as usize].area));
+    for index in order {
+        let seed = &seeds.seeds[index as usize];
+        let mut best: Option<(f64, usize)> = None;
+        for (k, piece) in pieces.iter().enumerate() {
+            if !piece.seeds.contains(index) {
+                continue;
+            }
+            let mut hull = owned[k].hull.clone();
+            hull.insert(&seed.points, seed.outward);
+            let growth = hull.current_volume() - owned[k].hull.volume;
+            if best.is_none_or(|b| growth < b.0) {
+                best = Some((growth, k));
+            }
+        }
+        if let Some((_, k)) = best {
+            let owner = &mut owned[k];
+            owner.seeds.insert(index);
+            owner.hull.insert(&seed.points, seed.outward);
+            owner.hull.volume = owner.hull.current_volume();
+        }
+    }
+    pieces.clear();
+    owned.retain(|piece| !piece.seeds.is_empty());
+    owned
+}
