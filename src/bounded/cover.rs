@@ -17,39 +17,31 @@ fn grow(seeds: &Seeds, piece: &mut Piece, wanted: &SeedSet, shop: &mut Workshop<
     }
     let tolerance = env("TOL", 0.0003);
     while !open.is_empty() {
-        let mut order: Vec<(f64, u32)> = Vec::new();
-        let candidates: Vec<u32> = open.iter().collect();
-        for index in candidates {
-            let seed = &seeds.seeds[index as usize];
-            let out = reach(&piece.hull, seed);
-            if out <= tolerance && covers(&piece.hull, seed, tolerance) {
-                piece.seeds.insert(index);
-                open.remove(index);
-                open.subtract(&seeds.conflicts[index as usize]);
-            } else {
-                order.push((out, index));
-            }
-        }
+        let mut order: Vec<(f64, u32)> =
+            open.iter().map(|index| (reach(&piece.hull, &seeds.seeds[index as usize]), index)).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut grown = false;
+        let ordered_at = piece.hull.current_volume();
         for (_, index) in order {
             if !open.contains(index) {
                 continue;
             }
             let seed = &seeds.seeds[index as usize];
             open.remove(index);
-            if shop.try_take(&mut piece.hull, seed) {
+            let is_covered = covers(&piece.hull, seed, tolerance);
+            if is_covered || shop.try_take(&mut piece.hull, seed) {
                 piece.seeds.insert(index);
                 open.subtract(&seeds.conflicts[index as usize]);
-                grown = true;
-                break;
+                // The order of nearness has changed.
+                if !is_covered && piece.hull.current_volume() > REORDER * ordered_at {
+                    break;
+                }
             }
-        }
-        if !grown {
-            break;
         }
     }
 }
+
+/// A hull that has grown by this factor asks anew which seeds are near.
+const REORDER: f64 = 1.15;
 
 /// How far a seed is outside of a hull, by its representatives.
 fn reach(hull: &Hull, seed: &Seed) -> f64 {
@@ -175,6 +167,32 @@ fn dissolve_one(
     true
 }
 
+fn eliminate(
+    seeds: &Seeds,
+    pieces: &mut Vec<Piece>,
+    shop: &mut Workshop<'_>,
+    control: &Control,
+) -> Result<(), Error> {
+    loop {
+        let alive = vec![true; pieces.len()];
+        let mut order: Vec<(f64, usize)> =
+            (0..pieces.len()).map(|k| (area(seeds, &own(pieces, &alive, k)), k)).collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut removed = false;
+        for (_, k) in order {
+            control.check()?;
+            if dissolve_one(seeds, pieces, k, shop) {
+                removed = true;
+                drop_redundant(seeds, pieces);
+                break;
+            }
+        }
+        if !removed {
+            return Ok(());
+        }
+    }
+}
+
 pub(crate) fn cover(
     seeds: &Seeds,
     mut pieces: Vec<Piece>,
@@ -192,22 +210,32 @@ pub(crate) fn cover(
     }
     counts.push(("grown", pieces.len()));
     if env("ELIM", 1.0) > 0.0 {
-        loop {
-            let alive = vec![true; pieces.len()];
-            let mut order: Vec<(f64, usize)> =
-                (0..pieces.len()).map(|k| (area(seeds, &own(&pieces, &alive, k)), k)).collect();
-            order.sort_by(|a, b| a.0.total_cmp(&b.0));
-            let mut removed = false;
-            for (_, k) in order {
-                control.check()?;
-                if dissolve_one(seeds, &mut pieces, k, shop) {
-                    removed = true;
-                    drop_redundant(seeds, &mut pieces);
-                    break;
-                }
-            }
-            if !removed {
+        eliminate(seeds, &mut pieces, shop, control)?;
+        let mut random: u64 = 0x9E37_79B9_7F4A_7C15;
+        let mut next = move || {
+            random ^= random << 13;
+            random ^= random >> 7;
+            random ^= random << 17;
+            random >> 33
+        };
+        for _ in 0..env("ROUNDS", 0.0) as usize {
+            if pieces.len() < 3 {
                 break;
+            }
+            let mut sets = vec![SeedSet::none(seeds.count()); pieces.len()];
+            for seed in 0..seeds.count() as u32 {
+                let owners: Vec<usize> =
+                    (0..pieces.len()).filter(|&k| pieces[k].seeds.contains(seed)).collect();
+                sets[owners[next() as usize % owners.len()]].insert(seed);
+            }
+            let mut other: Vec<Piece> = sets.iter().filter(|s| !s.is_empty()).map(|set| hull_of(seeds, set)).collect();
+            for piece in &mut other {
+                grow(seeds, piece, &all, shop);
+            }
+            drop_redundant(seeds, &mut other);
+            eliminate(seeds, &mut other, shop, control)?;
+            if other.len() <= pieces.len() {
+                pieces = other;
             }
         }
     }

@@ -155,7 +155,16 @@ pub(crate) fn seeds(
     let mut stack: Vec<Vec<u32>> = members(&grouping.labels, grouping.count);
     stack.reverse();
     let mut reducer = HullBuilder::new().with_least_tolerance(env("REDUCE", 0.0007));
-    let largest = env("LARGEST", 10.0);
+    let total: f64 = mesh
+        .triangles
+        .iter()
+        .map(|t| {
+            let [a, b, c] = t.map(|v| mesh.positions[v as usize]);
+            0.5 * length(area_normal(a, b, c))
+        })
+        .sum();
+    let largest = env("LARGEST", 0.0).max(env("SIZE", 0.0) * total.sqrt());
+    let largest = if largest > 0.0 { largest } else { 10.0 };
     while let Some(triangles) = stack.pop() {
         control.check()?;
         let seed = seed_of(prepared, mesh, &owned, &triangles, &mut reducer);
