@@ -1,5 +1,6 @@
 //! The bounded method.
 pub(crate) mod cover;
+mod grid;
 pub(crate) mod merge;
 pub(crate) mod piece;
 pub(crate) mod seed_set;

@@ -1,0 +1,347 @@
+//! A grid over the mesh whose cells know the nearest point of the surface, and on which side of
+//! it they lie: most questions of a fit test are answered here, without a look at the mesh.
+//!
+//! The nearest triangle is handed on from cell to cell, nearest cells first, starting from those
+//! that the surface passes through: each cell asks one triangle (a vector distance transform,
+//! Danielsson 1980, with triangles for points). So distances may come out too large by a small
+//! share of a cell, never too small. Cells farther than a band from the surface only know that.
+//! Sides are flooded through cells that the surface does not touch, one winding number for each
+//! connected region; where the mesh is open, each cell that is asked for has its own.
+
+use std::sync::atomic::{AtomicU8, Ordering};
+
+use crate::field::Field;
+use crate::vector::{Vector, maximum, minimum};
+
+/// Most cells. A few hundred thousand fit into a processor's cache.
+const MOST_CELLS: f64 = 200_000.0;
+
+/// Width of the band around the surface where distances are known, in bounds.
+const BAND: f64 = 2.5;
+
+/// Distances are handed on in this many steps of growing distance.
+const STEPS: usize = 48;
+
+/// A cell farther than this from the surface, in cells, is not cut off from its neighbours by it:
+/// half a cell, and room for distances that are too large.
+const FREE: f32 = 0.8;
+
+const UNKNOWN: u8 = 0;
+const INSIDE: u8 = 1;
+const OUTSIDE: u8 = 2;
+
+/// What a cell knows of its centre.
+#[derive(Debug, Clone, Copy)]
+struct Cell {
+    /// Nearest point of the surface, from the grid's origin.
+    nearest: [f32; 3],
+    /// Distance to it; the band's width where it is beyond.
+    distance: f32,
+}
+
+/// The grid. See the module.
+pub(super) struct Grid {
+    origin: Vector,
+    size: f32,
+    inverse: f32,
+    dimensions: [usize; 3],
+    cells: Vec<Cell>,
+    sides: Vec<AtomicU8>,
+    band: f32,
+}
+
+/// What is known about a point.
+pub(super) struct Probe {
+    /// At least the distance to the surface; infinite where it is only known to be far.
+    pub upper: f64,
+    /// At most the distance to the surface (up to the handing-on); negative if nothing is known.
+    pub lower: f64,
+    index: usize,
+}
+
+impl Grid {
+    pub(super) fn new(
+        positions: &[Vector],
+        triangles: &[[u32; 3]],
+        is_closed: bool,
+        bound: f64,
+        field: &Field,
+    ) -> Self {
+        let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for &p in positions {
+            min = minimum(min, p);
+            max = maximum(max, p);
+        }
+        let extent = [0, 1, 2].map(|k| (max[k] - min[k]).max(1e-6));
+        // Half the diagonal of a cell is half the bound.
+        let mut size = bound / 3f64.sqrt();
+        let count = |size: f64| extent.iter().map(|e| (e / size).ceil() + 3.0).product::<f64>();
+        while count(size) > MOST_CELLS {
+            size *= 1.05;
+        }
+        let dimensions = extent.map(|e| (e / size).ceil() as usize + 3);
+        let origin =
+            [0, 1, 2].map(|k| 0.5 * (min[k] + max[k]) - 0.5 * size * dimensions[k] as f64);
+        let total = dimensions.iter().product();
+        let band = (BAND * bound).max(2.0 * size) as f32;
+        let mut grid = Self {
+            origin,
+            size: size as f32,
+            inverse: (1.0 / size) as f32,
+            dimensions,
+            cells: vec![Cell { nearest: [f32::NAN; 3], distance: band }; total],
+            sides: Vec::new(),
+            band,
+        };
+        grid.spread(positions, triangles);
+        grid.sides.resize_with(total, || AtomicU8::new(UNKNOWN));
+        if is_closed {
+            grid.flood(field);
+        }
+        grid
+    }
+
+    #[inline]
+    fn relative(&self, point: Vector) -> [f32; 3] {
+        [0, 1, 2].map(|k| (point[k] - self.origin[k]) as f32)
+    }
+
+    #[inline]
+    fn place(&self, relative: [f32; 3]) -> [usize; 3] {
+        [0, 1, 2].map(|k| {
+            let x = (relative[k] * self.inverse).max(0.0) as usize;
+            x.min(self.dimensions[k] - 1)
+        })
+    }
+
+    #[inline]
+    fn index(&self, place: [usize; 3]) -> usize {
+        (place[2] * self.dimensions[1] + place[1]) * self.dimensions[0] + place[0]
+    }
+
+    fn place_of(&self, index: usize) -> [usize; 3] {
+        let [x, y, _] = self.dimensions;
+        [index % x, index / x % y, index / (x * y)]
+    }
+
+    #[inline]
+    fn centre(&self, place: [usize; 3]) -> [f32; 3] {
+        place.map(|x| (x as f32 + 0.5) * self.size)
+    }
+
+    fn centre_in_space(&self, index: usize) -> Vector {
+        let centre = self.centre(self.place_of(index));
+        [0, 1, 2].map(|k| self.origin[k] + f64::from(centre[k]))
+    }
+
+    /// Hands nearest triangles on from cell to cell.
+    fn spread(&mut self, positions: &[Vector], triangles: &[[u32; 3]]) {
+        let relative: Vec<[f32; 3]> = positions.iter().map(|&p| self.relative(p)).collect();
+        let corners = |t: u32| triangles[t as usize].map(|v| relative[v as usize]);
+        let mut owner = vec![u32::MAX; self.cells.len()];
+        let mut steps: Vec<Vec<u32>> = vec![Vec::new(); STEPS];
+        let step = |d: f32, band: f32| ((d / band * STEPS as f32) as usize).min(STEPS - 1);
+        for t in 0..triangles.len() as u32 {
+            let [a, b, c] = corners(t);
+            let (u, v) = (sub(b, a), sub(c, a));
+            let longest = length(u).max(length(v)).max(length(sub(c, b)));
+            let cuts = (longest * self.inverse).ceil().max(1.0) as usize;
+            let mut last = usize::MAX;
+            for i in 0..=cuts {
+                for j in 0..=cuts - i {
+                    let (x, y) = (i as f32 / cuts as f32, j as f32 / cuts as f32);
+                    let point = [0, 1, 2].map(|k| a[k] + x * u[k] + y * v[k]);
+                    let place = self.place(point);
+                    let index = self.index(place);
+                    if index == last {
+                        continue;
+                    }
+                    last = index;
+                    let (nearest, d) = nearest_of_triangle(self.centre(place), a, b, c);
+                    let cell = &mut self.cells[index];
+                    if d < cell.distance {
+                        *cell = Cell { nearest, distance: d };
+                        owner[index] = t;
+                        steps[step(d, self.band)].push(index as u32);
+                    }
+                }
+            }
+        }
+        let [width, height, depth] = self.dimensions;
+        let strides = [1, width, width * height];
+        let mut done = vec![false; self.cells.len()];
+        for current in 0..STEPS {
+            let mut next = 0;
+            while let Some(&index) = steps[current].get(next) {
+                next += 1;
+                let index = index as usize;
+                if done[index] {
+                    continue;
+                }
+                done[index] = true;
+                let place = self.place_of(index);
+                let triangle = owner[index];
+                let [a, b, c] = corners(triangle);
+                let (nearest, d) = nearest_of_triangle(self.centre(place), a, b, c);
+                self.cells[index] = Cell { nearest, distance: d };
+                for axis in 0..3 {
+                    for forward in [false, true] {
+                        let at_end = if forward {
+                            place[axis] + 1 >= [width, height, depth][axis]
+                        } else {
+                            place[axis] == 0
+                        };
+                        if at_end {
+                            continue;
+                        }
+                        let neighbour =
+                            if forward { index + strides[axis] } else { index - strides[axis] };
+                        if done[neighbour] {
+                            continue;
+                        }
+                        let mut other = place;
+                        other[axis] = if forward { other[axis] + 1 } else { other[axis] - 1 };
+                        let d = length(sub(self.centre(other), nearest));
+                        if d < self.cells[neighbour].distance {
+                            self.cells[neighbour] = Cell { nearest, distance: d };
+                            owner[neighbour] = triangle;
+                            let step = step(d, self.band).max(current);
+                            steps[step].push(neighbour as u32);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Gives each connected region of cells that the surface does not touch its side.
+    fn flood(&mut self, field: &Field) {
+        let [width, height, depth] = self.dimensions;
+        let strides = [1, width, width * height];
+        let is_free = |cells: &[Cell], index: usize| cells[index].distance > FREE * self.size;
+        let mut stack: Vec<u32> = Vec::new();
+        for start in 0..self.cells.len() {
+            if *self.sides[start].get_mut() != UNKNOWN || !is_free(&self.cells, start) {
+                continue;
+            }
+            let inside = field.is_inside(self.centre_in_space(start));
+            let side = if inside { INSIDE } else { OUTSIDE };
+            *self.sides[start].get_mut() = side;
+            stack.push(start as u32);
+            while let Some(index) = stack.pop() {
+                let index = index as usize;
+                let place = self.place_of(index);
+                for axis in 0..3 {
+                    let mut go = |neighbour: usize| {
+                        let known = self.sides[neighbour].get_mut();
+                        if *known == UNKNOWN && is_free(&self.cells, neighbour) {
+                            *known = side;
+                            stack.push(neighbour as u32);
+                        }
+                    };
+                    if place[axis] > 0 {
+                        go(index - strides[axis]);
+                    }
+                    if place[axis] + 1 < [width, height, depth][axis] {
+                        go(index + strides[axis]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// What the grid knows about a point.
+    #[inline]
+    pub(super) fn probe(&self, point: Vector) -> Probe {
+        let relative = self.relative(point);
+        let place = self.place(relative);
+        let index = self.index(place);
+        let cell = &self.cells[index];
+        let away = length(sub(relative, self.centre(place)));
+        let upper = length(sub(relative, cell.nearest));
+        Probe {
+            upper: if upper.is_nan() { f64::INFINITY } else { f64::from(upper) },
+            lower: f64::from(cell.distance - away),
+            index,
+        }
+    }
+
+    /// Whether the probe's point is inside; `None` if it may be on the other side than its cell.
+    #[inline]
+    pub(super) fn is_inside(&self, probe: &Probe, field: &Field) -> Option<bool> {
+        if probe.lower <= 0.0 {
+            return None;
+        }
+        match self.sides[probe.index].load(Ordering::Relaxed) {
+            INSIDE => Some(true),
+            OUTSIDE => Some(false),
+            _ => self.ask_side(probe.index, field),
+        }
+    }
+
+    #[cold]
+    fn ask_side(&self, index: usize, field: &Field) -> Option<bool> {
+        let inside = field.is_inside(self.centre_in_space(index));
+        self.sides[index].store(if inside { INSIDE } else { OUTSIDE }, Ordering::Relaxed);
+        Some(inside)
+    }
+}
+
+#[inline]
+fn sub(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+#[inline]
+fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline]
+fn length(a: [f32; 3]) -> f32 {
+    dot(a, a).sqrt()
+}
+
+/// The nearest point of a triangle, and how far it is (Ericson, Real-Time Collision Detection,
+/// 5.1.5).
+fn nearest_of_triangle(p: [f32; 3], a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> ([f32; 3], f32) {
+    let (ab, ac, ap) = (sub(b, a), sub(c, a), sub(p, a));
+    let along = |from: [f32; 3], edge: [f32; 3], share: f32| {
+        [0, 1, 2].map(|k| from[k] + share * edge[k])
+    };
+    let (d1, d2) = (dot(ab, ap), dot(ac, ap));
+    let nearest = 'found: {
+        if d1 <= 0.0 && d2 <= 0.0 {
+            break 'found a;
+        }
+        let bp = sub(p, b);
+        let (d3, d4) = (dot(ab, bp), dot(ac, bp));
+        if d3 >= 0.0 && d4 <= d3 {
+            break 'found b;
+        }
+        let vc = d1 * d4 - d3 * d2;
+        if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+            break 'found along(a, ab, d1 / (d1 - d3));
+        }
+        let cp = sub(p, c);
+        let (d5, d6) = (dot(ab, cp), dot(ac, cp));
+        if d6 >= 0.0 && d5 <= d6 {
+            break 'found c;
+        }
+        let vb = d5 * d2 - d1 * d6;
+        if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+            break 'found along(a, ac, d2 / (d2 - d6));
+        }
+        let va = d3 * d6 - d5 * d4;
+        if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
+            let share = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+            break 'found along(b, sub(c, b), share);
+        }
+        let inverse = 1.0 / (va + vb + vc);
+        let (v, w) = (vb * inverse, vc * inverse);
+        [0, 1, 2].map(|k| a[k] + v * ab[k] + w * ac[k])
+    };
+    // A needle may give nonsense, for which one of its corners is a safe answer.
+    let d = length(sub(p, nearest));
+    if d.is_finite() { (nearest, d) } else { (a, length(ap)) }
+}
