@@ -26,9 +26,17 @@ fn main() {
         let path = if flat.exists() { flat } else { shared.join("meshes").join(&name) };
         let file = read_mesh(&path).unwrap();
         let bound = if mode == "coacd" { haus } else if mode == "default" { 0.02 } else { mode.parse().unwrap() };
+        let mut parameters = hullwright::Parameters::default();
+        parameters.bounded.max_error = hullwright::Unit::Diagonals(bound);
+        if let Ok(preset) = std::env::var("PRESET") { parameters.bounded.preset = match preset.as_str() { "fast" => hullwright::Preset::Fast, "fine" => hullwright::Preset::Fine, _ => hullwright::Preset::Balanced }; }
+        parameters.parallel = std::env::var("SERIAL").is_err();
         let start = std::time::Instant::now();
-        let (hulls, times, counts) = hullwright::bounded::research(&file.positions, &file.triangles, bound);
+        let result = hullwright::decompose(&file.positions, &file.triangles, &parameters, &hullwright::Control::new()).unwrap();
         let seconds = start.elapsed().as_secs_f64();
+        let hulls = result.hulls;
+        let report = result.report.bounded.unwrap();
+        let times: Vec<(&str, f64)> = result.report.times.iter().map(|t| (t.stage.name(), t.seconds)).collect();
+        let counts = vec![("seeds", report.seeds), ("claimed-out", (report.phantom_max / result.report.diagonal * 1e5) as usize), ("claimed-in", (report.exposed_max / result.report.diagonal * 1e5) as usize)];
         let shapes: Vec<HullShape> = hulls.iter().map(|h| HullShape { points: &h.points, triangles: &h.triangles }).collect();
         let mut options = MeasureOptions::default();
         options.hull_samples = 20_000; options.mesh_samples = 10_000; options.volume_samples = 30_000;
@@ -40,7 +48,7 @@ fn main() {
         }
         for (n, t) in times { stage.entry(n).or_default().push(t * 1e3); }
         for (n, t) in counts { counts_all.entry(n).or_default().push(t as f64); }
-        let v = [m.hulls as f64, m.hausdorff, m.phantom.max, m.exposed.max, m.hollow.unwrap_or(f64::NAN), m.iou.unwrap_or(f64::NAN), vph, seconds * 1e3, m.hulls as f64 / coacd as f64, f64::from(m.hulls <= coacd), f64::from(m.phantom.max.max(m.exposed.max) > bound * 1.0001)];
+        let v = [m.hulls as f64, m.hausdorff, m.phantom.max, m.exposed.max, m.hollow.unwrap_or(f64::NAN), m.iou.unwrap_or(f64::NAN), vph, seconds * 1e3, m.hulls as f64 / coacd as f64, f64::from(m.hulls <= coacd), f64::from(m.phantom.max * result.report.diagonal > report.phantom_max * 1.0001 || m.exposed.max * result.report.diagonal > report.exposed_max * 1.0001 + 1e-5 * result.report.diagonal || report.phantom_max > report.bound)];
         for (s, v) in sums.iter_mut().zip(v) { if v.is_finite() { s.push(v); } }
     }
     let mean = |v: &Vec<f64>| v.iter().sum::<f64>() / v.len() as f64;

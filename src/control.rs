@@ -17,8 +17,12 @@ pub enum Stage {
     Simplify,
     /// Search over resolutions and planar thresholds (sections 3.4 and 3.5).
     Search,
-    /// Group merging (section 3.6).
+    /// Seeds of the bounded method.
+    Seeds,
+    /// Group merging (section 3.6), or merging under the bound.
     Merge,
+    /// Pieces grow and are dissolved into each other.
+    Dissolve,
     /// Convex hulls of the groups.
     Hulls,
     /// Source triangles are assigned to hulls.
@@ -32,7 +36,9 @@ impl Stage {
             Self::Repair => "repair",
             Self::Simplify => "simplify",
             Self::Search => "search",
+            Self::Seeds => "seeds",
             Self::Merge => "merge",
+            Self::Dissolve => "dissolve",
             Self::Hulls => "hulls",
             Self::Assign => "assign",
         }

@@ -7,8 +7,9 @@ use crate::mesh::repair::prepare;
 use crate::surface::group_merging::merge_groups;
 use crate::surface::pieces::{assign_source_triangles, hulls};
 use crate::surface::resolution_selection::{Level, levels, select};
+use crate::bounded::{self, Run};
 use crate::{
-    Control, Decomposition, Error, GroupedMesh, Parameters, Report, Stage, StageTime,
+    BoundedReport, Control, Decomposition, Error, GroupedMesh, Method, Parameters, Report, Stage, StageTime,
     SurfaceParameters, SurfaceReport, Unit,
 };
 
@@ -67,6 +68,7 @@ pub struct Decomposer {
 
 enum State {
     Repair,
+    Bounded(Box<Run>),
     Simplify(Box<PreparedMesh>),
     Search(Box<Search>),
     Pieces(Box<Search>),
@@ -121,6 +123,7 @@ impl Decomposer {
         let start = Instant::now();
         let (stage, fraction) = match &self.state {
             State::Repair => (Stage::Repair, 0.0),
+            State::Bounded(run) => run.stage(),
             State::Simplify(_) => (Stage::Simplify, SIMPLIFY_AT),
             State::Search(search) => {
                 let share = search.share_done(&self.parameters.surface);
@@ -134,7 +137,24 @@ impl Decomposer {
         self.state = match std::mem::replace(&mut self.state, State::Done) {
             State::Repair => {
                 let prepared = prepare(&self.positions, &self.triangles, control)?;
-                State::Simplify(Box::new(prepared))
+                match self.parameters.method {
+                    Method::Bounded => {
+                        State::Bounded(Box::new(Run::new(prepared, &self.parameters)))
+                    }
+                    Method::Surface => State::Simplify(Box::new(prepared)),
+                }
+            }
+            State::Bounded(mut run) => {
+                let outcome = run.step(self.parameters.parallel, control)?;
+                self.deadline_reached |= control.is_past_deadline();
+                if let Some(outcome) = outcome {
+                    add_time(&mut self.times, stage, start);
+                    let bounded::Outcome { prepared, hulls, grouped, report } = outcome;
+                    let report = self.report(&prepared, Some(report), None);
+                    control.report(stage, 1.0);
+                    return Ok(Some(Decomposition { hulls, grouped, report }));
+                }
+                State::Bounded(run)
             }
             State::Simplify(prepared) => {
                 let levels = levels(&prepared, surface, control)?;
@@ -221,21 +241,31 @@ impl Decomposer {
                 triangles: level.mesh.triangles.clone(),
                 groups: grouping.labels,
             },
-            report: Report {
-                algorithm_version: crate::ALGORITHM_VERSION,
-                method: self.parameters.method,
-                source_vertices: self.positions.len(),
-                source_triangles: self.triangles.len(),
-                triangles: prepared.mesh.triangles.len(),
-                diagonal: normalization.diagonal,
-                components: prepared.closed.len(),
-                closed_components: prepared.closed.iter().filter(|&&closed| closed).count(),
-                repairs: prepared.repairs,
-                surface: Some(surface),
-                deadline_reached: self.deadline_reached,
-                times: std::mem::take(&mut self.times),
-            },
+            report: self.report(&prepared, None, Some(surface)),
         })
+    }
+
+    fn report(
+        &mut self,
+        prepared: &PreparedMesh,
+        bounded: Option<BoundedReport>,
+        surface: Option<SurfaceReport>,
+    ) -> Report {
+        Report {
+            algorithm_version: crate::ALGORITHM_VERSION,
+            method: self.parameters.method,
+            source_vertices: self.positions.len(),
+            source_triangles: self.triangles.len(),
+            triangles: prepared.mesh.triangles.len(),
+            diagonal: prepared.normalization.diagonal,
+            components: prepared.closed.len(),
+            closed_components: prepared.closed.iter().filter(|&&closed| closed).count(),
+            repairs: prepared.repairs,
+            bounded,
+            surface,
+            deadline_reached: self.deadline_reached,
+            times: std::mem::take(&mut self.times),
+        }
     }
 }
 

@@ -34,6 +34,9 @@ pub struct Hull {
     /// How far the cap on vertices made the hull grow: no point of it is farther than this from
     /// the hull without a cap. In units.
     pub cap_growth: f64,
+    /// No point of the hull's surface is farther than this outside the solid: verified against the
+    /// source, up to 2 % of the bound. In units. `None` for methods that verify nothing.
+    pub phantom_max: Option<f64>,
 }
 
 /// The simplified mesh that was grouped, in the input's units.
@@ -115,12 +118,32 @@ pub struct Report {
     pub closed_components: usize,
     /// What was repaired.
     pub repairs: Repairs,
+    /// What the bounded method promised and verified.
+    pub bounded: Option<BoundedReport>,
     /// The search of the paper's method.
     pub surface: Option<SurfaceReport>,
     /// Whether the deadline cut the work short.
     pub deadline_reached: bool,
     /// Wall-clock time by stage; the only part of a result that differs between runs.
     pub times: Vec<StageTime>,
+}
+
+/// What the bounded method promised, and what it verified against the source. Lengths are in the
+/// input's units.
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq)]
+pub struct BoundedReport {
+    /// The bound that was asked for.
+    pub bound: f64,
+    /// No point of a hull's surface is farther than this outside the solid, up to 2 % of the
+    /// bound.
+    pub phantom_max: f64,
+    /// No point of the input's surface is farther than this outside every hull.
+    pub exposed_max: f64,
+    /// Patches of the surface that the search started from.
+    pub seeds: usize,
+    /// Triangles of the simplified or refined mesh that was grouped.
+    pub polygons: usize,
 }
 
 /// The paper's search tree and what it chose: a row of its Table 1.

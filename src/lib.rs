@@ -35,7 +35,7 @@
 //! | `io` (feature) | readers and writers of mesh files | – |
 //! | `picture` (feature `io`) | draws meshes and hulls into a PNG, without a GPU | – |
 
-pub mod bounded;
+mod bounded;
 mod control;
 mod decompose;
 mod decomposition;
@@ -56,12 +56,12 @@ mod vector;
 pub use control::{Control, Progress, Stage};
 pub use decompose::{Coordinate, Decomposer, decompose};
 pub use decomposition::{
-    Bounds, Decomposition, GroupedMesh, Hull, Repairs, Report, ResolutionOutcome, ResolutionReport,
+    BoundedReport, Bounds, Decomposition, GroupedMesh, Hull, Repairs, Report, ResolutionOutcome, ResolutionReport,
     StageTime, SurfaceReport, ThresholdOutcome, ThresholdReport,
 };
 pub use error::Error;
 pub use inspect::{Inspection, inspect};
-pub use parameters::{Method, Parameters, SurfaceParameters, Unit};
+pub use parameters::{BoundedParameters, Method, Parameters, Preset, SurfaceParameters, Unit};
 
 /// Changes whenever the same input and parameters may give another result.
-pub const ALGORITHM_VERSION: u32 = 1;
+pub const ALGORITHM_VERSION: u32 = 2;

@@ -6,9 +6,12 @@ use crate::Error;
 #[non_exhaustive]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Method {
+    /// Hullwright's own: the paper's groups, merged, grown and dissolved into few hulls under a
+    /// bound on the error that is verified against the source.
+    #[default]
+    Bounded,
     /// The paper's surface-based method: groups of the simplified surface, chosen by concavity
     /// cost over all thresholds and resolutions.
-    #[default]
     Surface,
 }
 
@@ -16,12 +19,13 @@ impl Method {
     /// The method's name on the command line.
     pub fn name(self) -> &'static str {
         match self {
+            Self::Bounded => "bounded",
             Self::Surface => "surface",
         }
     }
 }
 
-/// The length that counts as 1 for the paper's thresholds p and a, which are absolute lengths.
+/// A length: relative to the mesh, or in its own units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Unit {
     /// This many bounding-box diagonals.
@@ -127,6 +131,63 @@ impl Default for SurfaceParameters {
     }
 }
 
+/// How much work the bounded method puts into few hulls. All keep the bound.
+#[non_exhaustive]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Preset {
+    /// Coarser seeds and no dissolving: about a fifth more hulls in about a third of the time.
+    Fast,
+    /// Few hulls in tens of milliseconds.
+    #[default]
+    Balanced,
+    /// Finer seeds and a longer search: some hulls fewer, in several times the time.
+    Fine,
+}
+
+impl Preset {
+    /// The preset's name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fast => "fast",
+            Self::Balanced => "balanced",
+            Self::Fine => "fine",
+        }
+    }
+}
+
+/// Parameters of the bounded method.
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq)]
+pub struct BoundedParameters {
+    /// The bound: no point on the boundary of the hulls' union is farther than this outside the
+    /// solid, and no point of the surface farther than this outside every hull. The solid is
+    /// where the generalized winding number is above one half, and the surface itself. Positive.
+    /// Default 2 % of the diagonal.
+    pub max_error: Unit,
+    /// How much work is put into few hulls.
+    pub preset: Preset,
+}
+
+/// What things may stand apart or sink in before a player sees it.
+const DEFAULT_MAX_ERROR: Unit = Unit::Diagonals(0.02);
+
+impl BoundedParameters {
+    fn validate(&self) -> Result<(), Error> {
+        let (Unit::Diagonals(error) | Unit::Absolute(error)) = self.max_error;
+        if error.is_finite() && error > 0.0 {
+            return Ok(());
+        }
+        let reason = format!("must be positive, not {error}");
+        Err(Error::InvalidParameter { name: "max_error", reason })
+    }
+}
+
+impl Default for BoundedParameters {
+    fn default() -> Self {
+        Self { max_error: DEFAULT_MAX_ERROR, preset: Preset::Balanced }
+    }
+}
+
 /// What [`decompose`](crate::decompose) is asked to do.
 ///
 /// Start from [`Parameters::default`] or [`Parameters::paper`] and set fields:
@@ -140,6 +201,8 @@ impl Default for SurfaceParameters {
 pub struct Parameters {
     /// The method.
     pub method: Method,
+    /// Parameters of [`Method::Bounded`].
+    pub bounded: BoundedParameters,
     /// Parameters of [`Method::Surface`].
     pub surface: SurfaceParameters,
     /// Most vertices that a hull may have, at least 8; `None` for no cap. A hull over the cap is
@@ -162,6 +225,7 @@ impl Parameters {
     pub fn paper() -> Self {
         Self {
             method: Method::Surface,
+            bounded: BoundedParameters::default(),
             surface: SurfaceParameters::paper(),
             max_vertices: None,
             parallel: true,
@@ -181,12 +245,17 @@ impl Parameters {
                 reason: format!("must be at least {LEAST_MAX_VERTICES}, not {cap}"),
             });
         }
+        self.bounded.validate()?;
         self.surface.validate()
     }
 }
 
 impl Default for Parameters {
     fn default() -> Self {
-        Self { max_vertices: Some(DEFAULT_MAX_VERTICES), ..Self::paper() }
+        Self {
+            method: Method::Bounded,
+            max_vertices: Some(DEFAULT_MAX_VERTICES),
+            ..Self::paper()
+        }
     }
 }

@@ -1,10 +1,11 @@
 //! Fewer pieces: each grows over all seeds that it can take, few of them are chosen that cover
 //! all seeds, and of those one after the other is dissolved into the rest where that works.
 
-use super::env;
+use super::Tuning;
 use super::piece::{Hull, Piece, Workshop};
 use super::seed_set::SeedSet;
 use super::seeds::{Seed, Seeds};
+use super::solid::Solid;
 use crate::vector::{add, distance, scale};
 use crate::{Control, Error};
 
@@ -15,7 +16,7 @@ fn grow(seeds: &Seeds, piece: &mut Piece, wanted: &SeedSet, shop: &mut Workshop<
     for seed in piece.seeds.iter() {
         open.subtract(&seeds.conflicts[seed as usize]);
     }
-    let tolerance = env("TOL", 0.0003);
+    let tolerance = COVER_TOLERANCE;
     while !open.is_empty() {
         let mut order: Vec<(f64, u32)> =
             open.iter().map(|index| (reach(&piece.hull, &seeds.seeds[index as usize]), index)).collect();
@@ -40,6 +41,9 @@ fn grow(seeds: &Seeds, piece: &mut Piece, wanted: &SeedSet, shop: &mut Workshop<
     }
 }
 
+/// A seed that stands out of a hull by less than this, in diagonals, counts as covered.
+const COVER_TOLERANCE: f64 = 3e-4;
+
 /// A hull that has grown by this factor asks anew which seeds are near.
 const REORDER: f64 = 1.15;
 
@@ -59,7 +63,7 @@ fn covers(hull: &Hull, seed: &Seed, tolerance: f64) -> bool {
 }
 
 /// The hull of some seeds.
-fn hull_of(seeds: &Seeds, set: &SeedSet) -> Piece {
+pub(crate) fn hull_of(seeds: &Seeds, set: &SeedSet) -> Piece {
     let mut points = Vec::new();
     let mut outward = [0.0; 3];
     for seed in set.iter() {
@@ -158,7 +162,7 @@ fn dissolve_one(
     if !left.is_empty() {
         return false;
     }
-    let all = SeedSet::of(seeds.count(), 0..seeds.count() as u32);
+    let all = seeds.all();
     for (j, mut piece) in changed {
         grow(seeds, &mut piece, &all, shop);
         pieces[j] = piece;
@@ -167,20 +171,27 @@ fn dissolve_one(
     true
 }
 
-fn eliminate(
+/// Dissolves pieces, those with least area of their own first, until none can go or too much has
+/// been tried.
+fn dissolve(
     seeds: &Seeds,
     pieces: &mut Vec<Piece>,
     shop: &mut Workshop<'_>,
+    most_tries: usize,
     control: &Control,
 ) -> Result<(), Error> {
+    let limit = shop.tried + most_tries;
     loop {
         let alive = vec![true; pieces.len()];
         let mut order: Vec<(f64, usize)> =
             (0..pieces.len()).map(|k| (area(seeds, &own(pieces, &alive, k)), k)).collect();
-        order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let mut removed = false;
         for (_, k) in order {
             control.check()?;
+            if shop.tried > limit || control.is_past_deadline() {
+                return Ok(());
+            }
             if dissolve_one(seeds, pieces, k, shop) {
                 removed = true;
                 drop_redundant(seeds, pieces);
@@ -193,57 +204,32 @@ fn eliminate(
     }
 }
 
+/// Fewer pieces that cover the same seeds.
 pub(crate) fn cover(
     seeds: &Seeds,
-    mut pieces: Vec<Piece>,
-    shop: &mut Workshop<'_>,
+    pieces: Vec<Piece>,
+    solid: &Solid,
+    tuning: &Tuning,
     control: &Control,
-    counts: &mut Vec<(&'static str, usize)>,
 ) -> Result<Vec<Piece>, Error> {
-    let all = SeedSet::of(seeds.count(), 0..seeds.count() as u32);
-    if env("GROW", 1.0) > 0.0 {
-        for piece in &mut pieces {
-            control.check()?;
-            grow(seeds, piece, &all, shop);
+    if pieces.len() < 2 {
+        return Ok(pieces);
+    }
+    let all = seeds.all();
+    let grown = super::parallel::map(&pieces, |piece| {
+        control.check()?;
+        let mut piece = piece.clone();
+        if !control.is_past_deadline() {
+            let mut shop = Workshop::new(solid, tuning.search_bound);
+            grow(seeds, &mut piece, &all, &mut shop);
         }
-        drop_redundant(seeds, &mut pieces);
-    }
-    counts.push(("grown", pieces.len()));
-    if env("ELIM", 1.0) > 0.0 {
-        eliminate(seeds, &mut pieces, shop, control)?;
-        let mut random: u64 = 0x9E37_79B9_7F4A_7C15;
-        let mut next = move || {
-            random ^= random << 13;
-            random ^= random >> 7;
-            random ^= random << 17;
-            random >> 33
-        };
-        for _ in 0..env("ROUNDS", 0.0) as usize {
-            if pieces.len() < 3 {
-                break;
-            }
-            let mut sets = vec![SeedSet::none(seeds.count()); pieces.len()];
-            for seed in 0..seeds.count() as u32 {
-                let owners: Vec<usize> =
-                    (0..pieces.len()).filter(|&k| pieces[k].seeds.contains(seed)).collect();
-                sets[owners[next() as usize % owners.len()]].insert(seed);
-            }
-            let mut other: Vec<Piece> = sets.iter().filter(|s| !s.is_empty()).map(|set| hull_of(seeds, set)).collect();
-            for piece in &mut other {
-                grow(seeds, piece, &all, shop);
-            }
-            drop_redundant(seeds, &mut other);
-            eliminate(seeds, &mut other, shop, control)?;
-            if other.len() <= pieces.len() {
-                pieces = other;
-            }
-        }
-    }
-    counts.push(("dissolved", pieces.len()));
-    if env("SHRINK", 1.0) > 0.0 {
-        pieces = shrink(seeds, pieces);
-    }
-    Ok(pieces)
+        Ok(piece)
+    });
+    let mut pieces = grown.into_iter().collect::<Result<Vec<Piece>, Error>>()?;
+    drop_redundant(seeds, &mut pieces);
+    let mut shop = Workshop::new(solid, tuning.search_bound);
+    dissolve(seeds, &mut pieces, &mut shop, tuning.dissolving_tries, control)?;
+    Ok(shrink(seeds, pieces))
 }
 
 /// Each seed stays with one piece, and pieces shrink to what they own.

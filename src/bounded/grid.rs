@@ -63,9 +63,7 @@ impl Grid {
     pub(super) fn new(
         positions: &[Vector],
         triangles: &[[u32; 3]],
-        is_closed: bool,
         bound: f64,
-        field: &Field,
     ) -> Self {
         let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for &p in positions {
@@ -95,9 +93,6 @@ impl Grid {
         };
         grid.spread(positions, triangles);
         grid.sides.resize_with(total, || AtomicU8::new(UNKNOWN));
-        if is_closed {
-            grid.flood(field);
-        }
         grid
     }
 
@@ -215,7 +210,7 @@ impl Grid {
     }
 
     /// Gives each connected region of cells that the surface does not touch its side.
-    fn flood(&mut self, field: &Field) {
+    pub(super) fn flood(&mut self, field: &Field) {
         let [width, height, depth] = self.dimensions;
         let strides = [1, width, width * height];
         let is_free = |cells: &[Cell], index: usize| cells[index].distance > FREE * self.size;

@@ -78,6 +78,9 @@ impl Merging<'_, '_> {
     fn run(&mut self, control: &Control) -> Result<(), Error> {
         while let Some(Candidate { pair, .. }) = self.heap.pop() {
             control.check()?;
+            if control.is_past_deadline() {
+                break;
+            }
             let (a, b) = pair;
             let Some(only_new) = self.join(a, b) else { continue };
             if !self.shop.trial_fits(only_new) {

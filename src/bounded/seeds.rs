@@ -1,105 +1,24 @@
-//! Seeds.
-use super::env;
+//! Seeds: the paper's groups of a simplified or refined mesh, halved until each one's hull fits.
+//!
+//! A seed takes all of the source's surface that is nearest to its triangles, so that hulls of
+//! seeds cover the source and not only what simplification left of it.
+
 use super::piece::{Hull, Workshop};
+use super::refine::refine;
 use super::seed_set::SeedSet;
-use crate::hull::{HullBuilder, Shape};
+use super::solid::Solid;
+use super::Tuning;
 use crate::field::Field;
+use crate::hull::{HullBuilder, Shape};
 use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
 use crate::mesh::simplify::simplify;
 use crate::mesh::{PreparedMesh, TriangleMesh};
 use crate::surface::grouping::{group, members};
-use crate::vector::{Vector, add, area_normal, distance, dot, length, maximum, minimum, scale, subtract};
+use crate::vector::{Vector, add, area_normal, distance, length, maximum, minimum, scale, subtract, dot};
 use crate::{Control, Error};
-use std::collections::HashMap;
 
-pub(crate) struct Working {
-    pub mesh: TriangleMesh,
-    pub components: Vec<u32>,
-}
-
-
-pub(crate) fn working_mesh(prepared: &PreparedMesh) -> Working {
-    let target = env("TARGET", 1600.0) as usize;
-    let simplified = simplify(&prepared.mesh, &prepared.components, target);
-    let mut mesh = simplified.mesh;
-    let mut components = simplified.components;
-    refine(&mut mesh, &mut components, env("EDGE", 0.08), env("MOST", 4000.0) as usize);
-    Working { mesh, components }
-}
-
-/// Halves the longest edges.
-fn refine(mesh: &mut TriangleMesh, components: &mut Vec<u32>, longest: f64, most: usize) {
-    loop {
-        // All edges longer than the limit, marked; split each triangle at its longest marked edge.
-        let mut middles: HashMap<(u32, u32), u32> = HashMap::new();
-        let mut next = Vec::with_capacity(mesh.triangles.len());
-        let mut next_components = Vec::with_capacity(mesh.triangles.len());
-        let mut split = false;
-        let count = mesh.triangles.len();
-        // longest edges of triangles that are too long
-        let key = |a: u32, b: u32| if a < b { (a, b) } else { (b, a) };
-        if count < most {
-            for t in 0..count {
-                let t = mesh.triangles[t];
-                let (k, l) = longest_edge(mesh, t);
-                if l > longest {
-                    let e = key(t[k], t[(k + 1) % 3]);
-                    if !middles.contains_key(&e) {
-                        let m = scale(
-                            add(mesh.positions[e.0 as usize], mesh.positions[e.1 as usize]),
-                            0.5,
-                        );
-                        middles.insert(e, mesh.positions.len() as u32);
-                        mesh.positions.push(m);
-                    }
-                }
-            }
-        }
-        for t in 0..count {
-            let tri = mesh.triangles[t];
-            // Split at marked edges, longest first, recursively.
-            let mut stack = vec![tri];
-            while let Some(tri) = stack.pop() {
-                let mut best: Option<(f64, usize, u32)> = None;
-                for k in 0..3 {
-                    if let Some(&m) = middles.get(&key(tri[k], tri[(k + 1) % 3])) {
-                        let l = distance(
-                            mesh.positions[tri[k] as usize],
-                            mesh.positions[tri[(k + 1) % 3] as usize],
-                        );
-                        if best.is_none_or(|b| l > b.0) {
-                            best = Some((l, k, m));
-                        }
-                    }
-                }
-                match best {
-                    Some((_, k, m)) => {
-                        split = true;
-                        let (a, b, c) = (tri[k], tri[(k + 1) % 3], tri[(k + 2) % 3]);
-                        stack.push([a, m, c]);
-                        stack.push([m, b, c]);
-                    }
-                    None => {
-                        next.push(tri);
-                        next_components.push(components[t]);
-                    }
-                }
-            }
-        }
-        mesh.triangles = next;
-        *components = next_components;
-        if !split {
-            return;
-        }
-    }
-}
-
-fn longest_edge(mesh: &TriangleMesh, t: [u32; 3]) -> (usize, f64) {
-    let p = t.map(|v| mesh.positions[v as usize]);
-    let l = [distance(p[0], p[1]), distance(p[1], p[2]), distance(p[2], p[0])];
-    let k = if l[0] >= l[1] && l[0] >= l[2] { 0 } else if l[1] >= l[2] { 1 } else { 2 };
-    (k, l[k])
-}
+/// Seeds between two looks at the control.
+const SEEDS_PER_CHECK: usize = 8;
 
 /// A patch of the surface that is not divided any further.
 #[derive(Debug, Clone)]
@@ -109,10 +28,14 @@ pub(crate) struct Seed {
     pub points: Vec<Vector>,
     /// A few of `points`, spread out.
     pub representatives: Vec<Vector>,
+    /// Sum of its triangles' normals, each twice as long as the triangle's area.
     pub outward: Vector,
     pub area: f64,
     pub min: Vector,
     pub max: Vector,
+    /// The triangles of [`Seeds::surface`] that it stands for.
+    pub triangles: Vec<u32>,
+    pub component: u32,
 }
 
 /// Seeds and who is next to whom.
@@ -122,71 +45,130 @@ pub(crate) struct Seeds {
     pub neighbours: Vec<(u32, u32)>,
     /// For each seed those that no hull can hold together with it.
     pub conflicts: Vec<SeedSet>,
+    /// The source, its long triangles halved.
+    pub surface: TriangleMesh,
+    /// For each triangle of `surface` the prepared mesh's triangle that it is a part of.
+    pub parents: Vec<u32>,
+    /// The mesh that was grouped, and for each of its triangles its seed.
+    pub grouped: TriangleMesh,
+    pub labels: Vec<u32>,
 }
 
 impl Seeds {
     pub fn count(&self) -> usize {
         self.seeds.len()
     }
+
+    /// The set of all seeds.
+    pub fn all(&self) -> SeedSet {
+        SeedSet::of(self.count(), 0..self.count() as u32)
+    }
 }
 
-pub(crate) fn seeds(
+/// The mesh that is grouped, with the surface that its triangles stand for.
+pub(crate) struct Working {
+    mesh: TriangleMesh,
+    components: Vec<u32>,
+    surface: TriangleMesh,
+    parents: Vec<u32>,
+    /// For each triangle of `mesh` those of `surface`.
+    owned: Vec<Vec<u32>>,
+}
+
+/// Simplifies a dense mesh and refines a coarse one.
+pub(crate) fn working_mesh(
     prepared: &PreparedMesh,
-    working: &Working,
-    shop: &mut Workshop<'_>,
+    tuning: &Tuning,
     control: &Control,
-) -> Result<Seeds, Error> {
-    let mesh = &working.mesh;
-    let adjacency = Adjacency::new(mesh);
-    let p = env("P", 0.002);
-    let grouping = group(mesh, &adjacency, p, p, control)?;
-    // Each source vertex goes to the nearest working triangle.
+) -> Result<Working, Error> {
+    let mut surface = prepared.mesh.clone();
+    let parents = refine(&mut surface, tuning.longest_edge);
+    let components_of = |parents: &[u32], components: &[u32]| {
+        parents.iter().map(|&parent| components[parent as usize]).collect::<Vec<u32>>()
+    };
+    control.check()?;
+    if prepared.mesh.triangles.len() <= tuning.triangles {
+        return Ok(Working {
+            mesh: surface.clone(),
+            components: components_of(&parents, &prepared.components),
+            owned: (0..surface.triangles.len() as u32).map(|triangle| vec![triangle]).collect(),
+            surface,
+            parents,
+        });
+    }
+    let simplified = simplify(&prepared.mesh, &prepared.components, tuning.triangles);
+    control.check()?;
+    let mut mesh = simplified.mesh;
+    let origins = refine(&mut mesh, tuning.longest_edge);
+    let components = components_of(&origins, &simplified.components);
     let field = Field::new(&mesh.positions, &mesh.triangles);
     let mut owned: Vec<Vec<u32>> = vec![Vec::new(); mesh.triangles.len()];
-    let mut guess = u32::MAX;
-    for (v, &p) in prepared.mesh.positions.iter().enumerate() {
-        if let Some(c) = field.distance_near(p, f64::INFINITY, guess) {
-            guess = c.triangle;
-            owned[c.triangle as usize].push(v as u32);
+    for (triangle, nearest) in nearest_triangles(&surface, &field, control)?.into_iter().enumerate()
+    {
+        if let Some(list) = owned.get_mut(nearest as usize) {
+            list.push(triangle as u32);
         }
     }
-    let mut seeds: Vec<Seed> = Vec::new();
-    let mut label = vec![u32::MAX; mesh.triangles.len()];
-    let mut stack: Vec<Vec<u32>> = members(&grouping.labels, grouping.count);
-    stack.reverse();
-    let mut reducer = HullBuilder::new().with_least_tolerance(env("REDUCE", 0.0007));
-    let total: f64 = mesh
-        .triangles
-        .iter()
-        .map(|t| {
-            let [a, b, c] = t.map(|v| mesh.positions[v as usize]);
-            0.5 * length(area_normal(a, b, c))
-        })
-        .sum();
-    let largest = env("LARGEST", 0.0).max(env("SIZE", 0.0) * total.sqrt());
-    let largest = if largest > 0.0 { largest } else { 10.0 };
-    while let Some(triangles) = stack.pop() {
+    Ok(Working { mesh, components, surface, parents, owned })
+}
+
+/// For each triangle of a mesh the triangle of the field nearest to its centre.
+fn nearest_triangles(
+    mesh: &TriangleMesh,
+    field: &Field,
+    control: &Control,
+) -> Result<Vec<u32>, Error> {
+    const PER_TASK: usize = 2048;
+    let task = |triangles: &[[u32; 3]]| {
         control.check()?;
-        let seed = seed_of(prepared, mesh, &owned, &triangles, &mut reducer);
-        let size = distance(seed.min, seed.max);
-        let hull = Hull::of(&seed.points, seed.outward);
-        if triangles.len() > 1 && (size > largest || !shop.fits(&hull, false)) {
-            let (a, b) = halves(mesh, &triangles);
-            stack.push(b);
-            stack.push(a);
-            continue;
+        let mut guess = u32::MAX;
+        let nearest = triangles.iter().map(|triangle| {
+            let [a, b, c] = triangle.map(|vertex| mesh.positions[vertex as usize]);
+            let centre = scale(add(add(a, b), c), 1.0 / 3.0);
+            let closest = field.distance_near(centre, f64::INFINITY, guess);
+            guess = closest.map_or(u32::MAX, |closest| closest.triangle);
+            guess
+        });
+        Ok(nearest.collect::<Vec<u32>>())
+    };
+    let chunks: Vec<&[[u32; 3]]> = mesh.triangles.chunks(PER_TASK).collect();
+    let parts = super::parallel::map(&chunks, |chunk| task(chunk));
+    let parts: Result<Vec<Vec<u32>>, Error> = parts.into_iter().collect();
+    Ok(parts?.concat())
+}
+
+/// Groups, halves, and finds out who conflicts with whom.
+pub(crate) fn seeds(
+    working: Working,
+    solid: &Solid,
+    tuning: &Tuning,
+    control: &Control,
+) -> Result<Seeds, Error> {
+    let Working { mesh, components, surface, parents, owned } = working;
+    let adjacency = Adjacency::new(&mesh);
+    let threshold = tuning.grouping_threshold;
+    let grouping = group(&mesh, &adjacency, threshold, threshold, control)?;
+    let area: f64 = mesh.triangles.iter().map(|&triangle| 0.5 * length(normal(&mesh, triangle))).sum();
+    let largest = tuning.seed_size * area.sqrt();
+    let groups = members(&grouping.labels, grouping.count);
+    let parts = super::parallel::map(&groups, |group| {
+        divide(&mesh, &surface, &owned, &components, group, solid, largest, tuning, control)
+    });
+    let mut seeds = Vec::new();
+    let mut labels = vec![0_u32; mesh.triangles.len()];
+    for part in parts {
+        for (seed, triangles) in part? {
+            for triangle in triangles {
+                labels[triangle as usize] = seeds.len() as u32;
+            }
+            seeds.push(seed);
         }
-        let index = seeds.len() as u32;
-        for &t in &triangles {
-            label[t as usize] = index;
-        }
-        seeds.push(seed);
     }
     let mut neighbours = Vec::new();
-    for t in 0..mesh.triangles.len() as u32 {
-        for n in adjacency.triangle_neighbours(t) {
-            if n != NO_NEIGHBOUR {
-                let (a, b) = (label[t as usize], label[n as usize]);
+    for triangle in 0..mesh.triangles.len() as u32 {
+        for other in adjacency.triangle_neighbours(triangle) {
+            if other != NO_NEIGHBOUR {
+                let (a, b) = (labels[triangle as usize], labels[other as usize]);
                 if a < b {
                     neighbours.push((a, b));
                 }
@@ -195,111 +177,178 @@ pub(crate) fn seeds(
     }
     neighbours.sort_unstable();
     neighbours.dedup();
-    let conflicts = conflicts(&seeds, shop);
-    Ok(Seeds { seeds, neighbours, conflicts })
+    let conflicts = conflicts(&seeds, solid, tuning.search_bound, control)?;
+    Ok(Seeds { seeds, neighbours, conflicts, surface, parents, grouped: mesh, labels })
 }
 
-/// For each seed those that it can't be together with: some point between them is outside.
-fn conflicts(seeds: &[Seed], shop: &Workshop<'_>) -> Vec<SeedSet> {
-    let mut conflicts = vec![SeedSet::none(seeds.len()); seeds.len()];
-    for (i, a) in seeds.iter().enumerate() {
-        for (j, b) in seeds.iter().enumerate().skip(i + 1) {
-            let separated = a.representatives.iter().any(|&p| {
-                b.representatives.iter().any(|&q| shop.solid.separates(p, q, shop.bound))
-            });
-            if separated {
-                conflicts[i].insert(j as u32);
-                conflicts[j].insert(i as u32);
-            }
+fn normal(mesh: &TriangleMesh, triangle: [u32; 3]) -> Vector {
+    let [a, b, c] = triangle.map(|vertex| mesh.positions[vertex as usize]);
+    area_normal(a, b, c)
+}
+
+/// Halves a group until each part's hull fits and is no larger than `largest`.
+#[expect(clippy::too_many_arguments, reason = "what a group is made from")]
+fn divide(
+    mesh: &TriangleMesh,
+    surface: &TriangleMesh,
+    owned: &[Vec<u32>],
+    components: &[u32],
+    group: &[u32],
+    solid: &Solid,
+    largest: f64,
+    tuning: &Tuning,
+    control: &Control,
+) -> Result<Vec<(Seed, Vec<u32>)>, Error> {
+    let mut shop = Workshop::new(solid, tuning.search_bound);
+    let mut reducer = HullBuilder::new().with_least_tolerance(tuning.reduction);
+    let mut stack = vec![group.to_vec()];
+    let mut seeds = Vec::new();
+    while let Some(triangles) = stack.pop() {
+        if seeds.len() % SEEDS_PER_CHECK == 0 {
+            control.check()?;
         }
+        if triangles.len() > 1 && extent(mesh, &triangles) > largest {
+            let (first, second) = halves(mesh, &triangles);
+            stack.extend([second, first]);
+            continue;
+        }
+        let seed = seed_of(mesh, surface, owned, components, &triangles, &mut reducer);
+        let hull = Hull::of(&seed.points, seed.outward);
+        if triangles.len() > 1 && !shop.fits(&hull, false) {
+            let (first, second) = halves(mesh, &triangles);
+            stack.extend([second, first]);
+            continue;
+        }
+        seeds.push((seed, triangles));
     }
-    conflicts
+    Ok(seeds)
 }
 
-/// A few points, spread out: each the farthest from those before.
-fn representatives(points: &[Vector], count: usize) -> Vec<Vector> {
-    let Some(&first) = points.first() else { return Vec::new() };
-    let farthest = |from: &[Vector]| {
-        points
-            .iter()
-            .map(|&p| (from.iter().map(|&q| distance(p, q)).fold(f64::INFINITY, f64::min), p))
-            .max_by(|a, b| a.0.total_cmp(&b.0))
-            .map(|(_, p)| p)
-    };
-    let mut chosen: Vec<Vector> = farthest(&[first]).into_iter().collect();
-    while chosen.len() < count.min(points.len()) {
-        let Some(next) = farthest(&chosen) else { break };
-        chosen.push(next);
-    }
-    chosen
+/// Diagonal of the bounding box of triangles.
+fn extent(mesh: &TriangleMesh, triangles: &[u32]) -> f64 {
+    let vertices = triangles.iter().flat_map(|&triangle| mesh.triangles[triangle as usize]);
+    crate::surface::grouping::diagonal(vertices.map(|vertex| mesh.positions[vertex as usize]))
 }
 
 fn seed_of(
-    prepared: &PreparedMesh,
     mesh: &TriangleMesh,
+    surface: &TriangleMesh,
     owned: &[Vec<u32>],
+    components: &[u32],
     triangles: &[u32],
     reducer: &mut HullBuilder,
 ) -> Seed {
     let mut vertices: Vec<u32> =
-        triangles.iter().flat_map(|&t| mesh.triangles[t as usize]).collect();
+        triangles.iter().flat_map(|&triangle| mesh.triangles[triangle as usize]).collect();
     vertices.sort_unstable();
     vertices.dedup();
     let mut points: Vec<Vector> = vertices.iter().map(|&v| mesh.positions[v as usize]).collect();
+    let own: Vec<u32> =
+        triangles.iter().flat_map(|&triangle| &owned[triangle as usize]).copied().collect();
+    vertices.clear();
+    vertices.extend(own.iter().flat_map(|&triangle| surface.triangles[triangle as usize]));
+    vertices.sort_unstable();
+    vertices.dedup();
+    points.extend(vertices.iter().map(|&vertex| surface.positions[vertex as usize]));
     let mut outward = [0.0; 3];
     let mut area = 0.0;
-    for &t in triangles {
-        points.extend(owned[t as usize].iter().map(|&v| prepared.mesh.positions[v as usize]));
-        let [a, b, c] = mesh.triangles[t as usize].map(|v| mesh.positions[v as usize]);
-        let n = area_normal(a, b, c);
-        outward = add(outward, n);
-        area += 0.5 * length(n);
+    for &triangle in triangles {
+        let normal = normal(mesh, mesh.triangles[triangle as usize]);
+        outward = add(outward, normal);
+        area += 0.5 * length(normal);
     }
     if reducer.build(&points) == Shape::Solid {
         points = reducer.extract().0;
     }
     let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for &p in &points {
-        min = minimum(min, p);
-        max = maximum(max, p);
+    for &point in &points {
+        min = minimum(min, point);
+        max = maximum(max, point);
     }
-    let representatives = representatives(&points, env("REPS", 4.0) as usize);
-    Seed { points, representatives, outward, area, min, max }
+    let component = triangles.first().map_or(0, |&triangle| components[triangle as usize]);
+    let representatives = far_pair(&points);
+    Seed { points, representatives, outward, area, min, max, triangles: own, component }
 }
 
-/// Two halves along the longest principal direction.
-fn halves(mesh: &TriangleMesh, triangles: &[u32]) -> (Vec<u32>, Vec<u32>) {
-    let centre = |t: u32| {
-        let [a, b, c] = mesh.triangles[t as usize].map(|v| mesh.positions[v as usize]);
-        scale(add(add(a, b), c), 1.0 / 3.0)
+/// Two points that are far apart.
+fn far_pair(points: &[Vector]) -> Vec<Vector> {
+    let farthest = |from: Vector| {
+        points.iter().copied().max_by(|&a, &b| distance(a, from).total_cmp(&distance(b, from)))
     };
-    let n = triangles.len() as f64;
-    let mean = scale(triangles.iter().fold([0.0; 3], |s, &t| add(s, centre(t))), 1.0 / n);
-    let mut m = [[0.0; 3]; 3];
-    for &t in triangles {
-        let d = subtract(centre(t), mean);
-        for i in 0..3 {
-            for j in 0..3 {
-                m[i][j] += d[i] * d[j];
+    let first = points.first().and_then(|&point| farthest(point));
+    let second = first.and_then(farthest);
+    first.into_iter().chain(second).collect()
+}
+
+/// For each seed those that it can't be together with: some point between them is outside.
+fn conflicts(
+    seeds: &[Seed],
+    solid: &Solid,
+    bound: f64,
+    control: &Control,
+) -> Result<Vec<SeedSet>, Error> {
+    let indices: Vec<usize> = (0..seeds.len()).collect();
+    let rows = super::parallel::map(&indices, |&index| {
+        control.check()?;
+        let mut row = SeedSet::none(seeds.len());
+        let first = &seeds[index];
+        for (other, second) in seeds.iter().enumerate().skip(index + 1) {
+            let separated = first.representatives.iter().any(|&p| {
+                second.representatives.iter().any(|&q| solid.separates(p, q, bound))
+            });
+            if separated {
+                row.insert(other as u32);
+            }
+        }
+        Ok(row)
+    });
+    let mut conflicts: Vec<SeedSet> = rows.into_iter().collect::<Result<_, Error>>()?;
+    for index in 0..seeds.len() {
+        let row: Vec<u32> = conflicts[index].iter().filter(|&o| o as usize > index).collect();
+        for other in row {
+            conflicts[other as usize].insert(index as u32);
+        }
+    }
+    Ok(conflicts)
+}
+
+/// Steps of the power iteration for the longest principal direction: it need not be exact.
+const POWER_STEPS: usize = 30;
+
+/// Two halves along the longest principal direction. Neither is empty for two triangles or more.
+fn halves(mesh: &TriangleMesh, triangles: &[u32]) -> (Vec<u32>, Vec<u32>) {
+    let centre = |triangle: u32| {
+        let corners = mesh.triangles[triangle as usize].map(|vertex| mesh.positions[vertex as usize]);
+        scale(corners.into_iter().fold([0.0; 3], add), 1.0 / 3.0)
+    };
+    let sum = triangles.iter().fold([0.0; 3], |sum, &triangle| add(sum, centre(triangle)));
+    let mean = scale(sum, 1.0 / triangles.len() as f64);
+    let mut covariance = [[0.0; 3]; 3];
+    for &triangle in triangles {
+        let away = subtract(centre(triangle), mean);
+        for (row, &x) in covariance.iter_mut().zip(&away) {
+            for (entry, &y) in row.iter_mut().zip(&away) {
+                *entry += x * y;
             }
         }
     }
     let mut axis: Vector = [1.0, 0.7, 0.4];
-    for _ in 0..30 {
-        let next = [0, 1, 2].map(|i| dot(m[i], axis));
-        let l = length(next);
-        if l <= 0.0 {
+    for _ in 0..POWER_STEPS {
+        let next = covariance.map(|row| dot(row, axis));
+        let length = length(next);
+        if length <= 0.0 {
             break;
         }
-        axis = scale(next, 1.0 / l);
+        axis = scale(next, 1.0 / length);
     }
     let mut order: Vec<(f64, u32)> =
         triangles.iter().map(|&t| (dot(axis, subtract(centre(t), mean)), t)).collect();
-    order.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let half = order.iter().position(|o| o.0 >= 0.0).unwrap_or(order.len() / 2).clamp(1, order.len() - 1);
-    let mut a: Vec<u32> = order[..half].iter().map(|o| o.1).collect();
-    let mut b: Vec<u32> = order[half..].iter().map(|o| o.1).collect();
-    a.sort_unstable();
-    b.sort_unstable();
-    (a, b)
+    order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let half = order.partition_point(|entry| entry.0 < 0.0).clamp(1, order.len().max(2) - 1);
+    let part = |entries: &[(f64, u32)]| {
+        let mut part: Vec<u32> = entries.iter().map(|entry| entry.1).collect();
+        part.sort_unstable();
+        part
+    };
+    (part(&order[..half]), part(&order[half..]))
 }

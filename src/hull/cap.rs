@@ -19,18 +19,35 @@ pub fn cap_vertices(builder: &mut HullBuilder, hull: ConvexHull, cap: usize) -> 
     if hull.points.len() <= cap {
         return (hull, 0.0);
     }
-    let Some(kept) = most_prominent(builder, &hull.points, cap) else { return (hull, 0.0) };
+    match cap_vertices_within(builder, &hull, cap, 0.0) {
+        Some(capped) => capped,
+        None => (hull, 0.0),
+    }
+}
+
+/// The same, but vertices may stay outside by up to `slack` in front of a face, in the points'
+/// units: less growth, and none where the most prominent vertices leave no more than that.
+pub(crate) fn cap_vertices_within(
+    builder: &mut HullBuilder,
+    hull: &ConvexHull,
+    cap: usize,
+    slack: f64,
+) -> Option<(ConvexHull, f64)> {
+    let kept = most_prominent(builder, &hull.points, cap, slack)?;
     let sum = kept.points.iter().fold([0.0; 3], |sum, &point| add(sum, point));
     let centre = scale(sum, 1.0 / kept.points.len() as f64);
     let mut factor: f64 = 1.0;
     for (normal, offset) in kept.planes() {
         let own = offset - dot(normal, centre);
-        let wanted = reach(&hull.points, normal, centre);
+        let wanted = reach(&hull.points, normal, centre) - slack;
         if own > 0.0 {
             factor = factor.max(wanted / own);
         } else if normal != [0.0; 3] {
-            return (hull, 0.0);
+            return None;
         }
+    }
+    if factor == 1.0 && slack > 0.0 {
+        return Some((kept, 0.0));
     }
     let factor = factor * (1.0 + ROUNDING);
     let moved = |&point: &Vector| add(centre, scale(subtract(point, centre), factor));
@@ -38,7 +55,7 @@ pub fn cap_vertices(builder: &mut HullBuilder, hull: ConvexHull, cap: usize) -> 
     // Each moved vertex comes from one of the old hull, which is at least as near.
     let growth = points.iter().zip(&kept.points).map(|(&new, &old)| distance(new, old));
     let growth = growth.fold(0.0, f64::max);
-    (ConvexHull { points, triangles: kept.triangles }, growth)
+    Some((ConvexHull { points, triangles: kept.triangles }, growth))
 }
 
 /// How far points reach along a direction, seen from `centre`.
@@ -47,8 +64,14 @@ fn reach(points: &[Vector], direction: Vector, centre: Vector) -> f64 {
     along.fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// The hull of `cap` points, each chosen for being farthest outside the hull of those before.
-fn most_prominent(builder: &mut HullBuilder, points: &[Vector], cap: usize) -> Option<ConvexHull> {
+/// The hull of up to `cap` points, each chosen for being farthest outside the hull of those
+/// before, until none is farther out than `slack`.
+fn most_prominent(
+    builder: &mut HullBuilder,
+    points: &[Vector],
+    cap: usize,
+    slack: f64,
+) -> Option<ConvexHull> {
     let mut chosen = first_points(points);
     if builder.build(&chosen) != Shape::Solid || chosen.len() > cap {
         return None;
@@ -63,7 +86,7 @@ fn most_prominent(builder: &mut HullBuilder, points: &[Vector], cap: usize) -> O
             .iter()
             .map(|&point| (outside(point), point))
             .max_by(|a, b| a.0.total_cmp(&b.0))?;
-        if farthest.0 <= 0.0 {
+        if farthest.0 <= slack {
             break;
         }
         chosen.push(farthest.1);

@@ -24,7 +24,7 @@ pub(crate) struct TriangleMesh {
 
 /// The map between the input's units and the space that the pipeline works in, where the bounding
 /// box is centred at the origin and its diagonal is 1.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Normalization {
     pub centre: Vector,
     pub diagonal: f64,
@@ -61,7 +61,7 @@ impl Normalization {
 }
 
 /// What repair hands to the stages after it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct PreparedMesh {
     /// Welded, oriented, and normalised.
     pub mesh: TriangleMesh,

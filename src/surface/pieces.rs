@@ -54,6 +54,7 @@ pub(crate) fn hulls(
             source_triangles: Vec::new(),
             added_thickness: added * normalization.diagonal,
             cap_growth: growth * normalization.diagonal,
+            phantom_max: None,
         });
     }
     Ok(hulls)

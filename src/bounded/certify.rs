@@ -1,0 +1,155 @@
+//! Verification against the source: how far a hull stands out of the solid, and how far the
+//! surface lies outside the hulls. Upper bounds, not samples.
+//!
+//! The same rules as in the fit test decide a face, but every distance is exact: the grid only
+//! serves where it gives an upper bound, which is one whatever cell it comes from.
+
+use super::solid::Solid;
+use crate::field::Field;
+use crate::hull::ConvexHull;
+use crate::mesh::TriangleMesh;
+use crate::vector::{Vector, add, distance, dot, length_squared, scale, subtract};
+
+/// A maximum is bounded up to this share of the bound.
+const RESOLUTION: f64 = 0.02;
+
+/// Faces are not halved more often than this; needles would otherwise go on for ever.
+const MOST_PARTS: usize = 200_000;
+
+/// No point of the faces is farther than this from the solid, in diagonals. Once it is known to
+/// be more than `limit`, any value above `limit` may be returned.
+pub(super) fn phantom(hull: &ConvexHull, solid: &Solid, bound: f64, limit: f64) -> f64 {
+    let slack = RESOLUTION * bound;
+    // Below a quarter of the bound nobody asks for the exact figure.
+    let mut known: f64 = 0.25 * bound;
+    let mut stack: Vec<[Vector; 3]> = hull.corners().collect();
+    let mut parts = 0;
+    let mut guess = u32::MAX;
+    while let Some([a, b, c]) = stack.pop() {
+        parts += 1;
+        let centre = scale(add(add(a, b), c), 1.0 / 3.0);
+        let radius = distance(centre, a).max(distance(centre, b)).max(distance(centre, c));
+        let enough = known + slack;
+        if solid.upper_distance(centre) + radius <= enough {
+            continue;
+        }
+        let Some(closest) = solid.field.distance_near(centre, f64::INFINITY, guess) else {
+            continue;
+        };
+        guess = closest.triangle;
+        if closest.distance + radius <= enough {
+            continue;
+        }
+        let is_inside = solid.field.is_inside(centre);
+        if is_inside && solid.is_closed && radius - closest.distance <= enough {
+            continue;
+        }
+        if !is_inside {
+            known = known.max(closest.distance);
+            if known > limit || parts > MOST_PARTS {
+                return known + radius;
+            }
+        }
+        if radius <= slack {
+            continue;
+        }
+        let (ab, bc, ca) = (square(a, b), square(b, c), square(c, a));
+        let halves = if ab >= bc && ab >= ca {
+            let middle = scale(add(a, b), 0.5);
+            [[a, middle, c], [middle, b, c]]
+        } else if bc >= ca {
+            let middle = scale(add(b, c), 0.5);
+            [[a, b, middle], [a, middle, c]]
+        } else {
+            let middle = scale(add(c, a), 0.5);
+            [[a, b, middle], [middle, b, c]]
+        };
+        stack.extend(halves);
+    }
+    known + slack
+}
+
+fn square(a: Vector, b: Vector) -> f64 {
+    length_squared(subtract(a, b))
+}
+
+/// A hull that can be asked how far a point is outside of it.
+pub(super) struct Outside {
+    planes: Vec<(Vector, f64)>,
+    field: Field,
+}
+
+impl Outside {
+    pub(super) fn new(hull: &ConvexHull) -> Self {
+        Self { planes: hull.planes(), field: Field::new(&hull.points, &hull.triangles) }
+    }
+
+    /// 0 for a point in the hull.
+    fn distance(&self, point: Vector) -> f64 {
+        let beyond = self
+            .planes
+            .iter()
+            .map(|&(normal, offset)| dot(normal, point) - offset)
+            .fold(f64::NEG_INFINITY, f64::max);
+        if beyond <= 0.0 {
+            return 0.0;
+        }
+        self.field.distance(point, f64::INFINITY).map_or(beyond, |closest| closest.distance)
+    }
+}
+
+/// Halvings of a triangle whose corners are in different hulls.
+const MOST_HALVINGS: u32 = 6;
+
+/// No point of the surface is farther than this outside all hulls. `owners` names for each
+/// triangle the hull that should hold it.
+pub(super) fn exposed(surface: &TriangleMesh, owners: &[u32], hulls: &[Outside]) -> f64 {
+    // Distance to a convex set is a convex function: on a triangle it is largest at a corner.
+    let mut known: Vec<Vec<(u32, f64)>> = vec![Vec::new(); surface.positions.len()];
+    let mut worst: f64 = 0.0;
+    for (triangle, &owner) in surface.triangles.iter().zip(owners) {
+        let Some(hull) = hulls.get(owner as usize) else { continue };
+        let mut outside: f64 = 0.0;
+        for &vertex in triangle {
+            let known = &mut known[vertex as usize];
+            let value = match known.iter().find(|entry| entry.0 == owner) {
+                Some(entry) => entry.1,
+                None => {
+                    let value = hull.distance(surface.positions[vertex as usize]);
+                    known.push((owner, value));
+                    value
+                }
+            };
+            outside = outside.max(value);
+        }
+        if outside > worst {
+            let corners = triangle.map(|vertex| surface.positions[vertex as usize]);
+            worst = worst.max(outside_all(corners, hulls, worst, outside, MOST_HALVINGS));
+        }
+    }
+    worst
+}
+
+/// The same for a triangle that its owner does not hold: other hulls may hold parts of it.
+fn outside_all(
+    corners: [Vector; 3],
+    hulls: &[Outside],
+    worst: f64,
+    known: f64,
+    halvings: u32,
+) -> f64 {
+    let least = hulls
+        .iter()
+        .map(|hull| corners.iter().map(|&corner| hull.distance(corner)).fold(0.0, f64::max))
+        .fold(known, f64::min);
+    if least <= worst || halvings == 0 {
+        return least;
+    }
+    let [a, b, c] = corners;
+    let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(p, q)| scale(add(p, q), 0.5));
+    [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+        .into_iter()
+        .fold(0.0, |most: f64, part| {
+            most.max(outside_all(part, hulls, worst.max(most), least, halvings - 1))
+        })
+}
