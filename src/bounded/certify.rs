@@ -13,6 +13,10 @@ use crate::vector::{Vector, add, distance, dot, length_squared, scale, subtract}
 /// A maximum is bounded up to this share of the bound.
 const RESOLUTION: f64 = 0.02;
 
+/// Where the surface is open, the inside ends without it, and only sampling can tell where: parts
+/// smaller than this share of the bound are where their centre is.
+const OPEN: f64 = 0.25;
+
 /// Faces are not halved more often than this; needles would otherwise go on for ever.
 const MOST_PARTS: usize = 200_000;
 
@@ -23,6 +27,17 @@ pub(super) fn phantom(hull: &ConvexHull, solid: &Solid, bound: f64, limit: f64) 
     // Below a quarter of the bound nobody asks for the exact figure.
     let mut known: f64 = 0.25 * bound;
     let mut stack: Vec<[Vector; 3]> = hull.corners().collect();
+    // A face on which a hull stands out far makes the rest quick.
+    for &[a, b, c] in &stack {
+        let centre = scale(add(add(a, b), c), 1.0 / 3.0);
+        if solid.upper_distance(centre) > known
+            && let Some(closest) = solid.field.distance(centre, f64::INFINITY)
+            && closest.distance > known
+            && !solid.field.is_inside(centre)
+        {
+            known = closest.distance;
+        }
+    }
     let mut parts = 0;
     let mut guess = u32::MAX;
     while let Some([a, b, c]) = stack.pop() {
@@ -50,7 +65,7 @@ pub(super) fn phantom(hull: &ConvexHull, solid: &Solid, bound: f64, limit: f64) 
                 return known + radius;
             }
         }
-        if radius <= slack {
+        if radius <= slack || (is_inside && !solid.is_closed && radius <= OPEN * bound) {
             continue;
         }
         let (ab, bc, ca) = (square(a, b), square(b, c), square(c, a));

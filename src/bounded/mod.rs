@@ -127,7 +127,8 @@ impl Run {
         self.state = match std::mem::replace(&mut self.state, State::Done) {
             State::Start => {
                 let mesh = &self.prepared.mesh;
-                let is_closed = self.prepared.closed.iter().all(|&closed| closed);
+                let is_closed = self.prepared.closed.iter().all(|&closed| closed)
+                    || is_balanced(&mesh.triangles);
                 let (solid, working) = parallel::join(
                     || Solid::new(&mesh.positions, &mesh.triangles, is_closed, tuning.bound),
                     || seeds::working_mesh(&self.prepared, tuning, control),
@@ -191,6 +192,20 @@ impl Run {
             .collect();
         Outcome { prepared, hulls, grouped, report }
     }
+}
+
+/// Whether triangles run along each edge as often one way as the other. Then the winding number
+/// changes only across the surface, also where more than two triangles meet.
+fn is_balanced(triangles: &[[u32; 3]]) -> bool {
+    let mut edges: Vec<(u32, u32, bool)> = triangles
+        .iter()
+        .flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)])
+        .map(|(a, b)| (a.min(b), a.max(b), a < b))
+        .collect();
+    edges.sort_unstable();
+    edges
+        .chunk_by(|first, second| (first.0, first.1) == (second.0, second.1))
+        .all(|edge| 2 * edge.iter().filter(|half| half.2).count() == edge.len())
 }
 
 /// A hull in the input's units.

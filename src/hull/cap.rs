@@ -1,14 +1,21 @@
 //! A cap on the vertices of a hull: a certified step that only lets it grow.
 //!
-//! The vertices that stand out most are kept, one after the other, and their hull is scaled about
-//! its centre until it holds all the others again. The scale is exact: the largest, over the kept
-//! hull's planes, of the reach of the old hull over the reach of the new one.
+//! The vertices that stand out most are kept, one after the other. Then each face of their hull
+//! that others still lie in front of takes its corners outward until it holds them; what little
+//! is left after some rounds is made up for by scaling about the centre, whose factor is exact:
+//! the largest, over the kept hull's planes, of the reach of the old hull over that of the new one.
 
 use super::{ConvexHull, HullBuilder, Shape};
 use crate::vector::{Vector, add, distance, dot, scale, subtract};
 
 /// Rounding when the vertices are moved must not let an old vertex out again.
 const ROUNDING: f64 = 1e-12;
+
+/// Rounds of moving corners outward. After three, next to nothing is left to do.
+const ROUNDS: usize = 4;
+
+/// Steps in which a corner is moved beyond all of its faces.
+const PROJECTIONS: usize = 4;
 
 /// A hull of at most `cap` vertices that holds all of `hull`, and how far it grew: no point of it
 /// is farther than that from the old one, in the points' units. A hull within the cap is returned
@@ -33,7 +40,15 @@ pub(crate) fn cap_vertices_within(
     cap: usize,
     slack: f64,
 ) -> Option<(ConvexHull, f64)> {
-    let kept = most_prominent(builder, &hull.points, cap, slack)?;
+    let mut kept = most_prominent(builder, &hull.points, cap, slack)?;
+    let inner = kept.points.clone();
+    for _ in 0..ROUNDS {
+        let Some(moved) = moved_outward(&kept, &hull.points, slack) else { break };
+        if builder.build(&moved) != Shape::Solid {
+            return None;
+        }
+        kept = builder.extract().into();
+    }
     let sum = kept.points.iter().fold([0.0; 3], |sum, &point| add(sum, point));
     let centre = scale(sum, 1.0 / kept.points.len() as f64);
     let mut factor: f64 = 1.0;
@@ -46,16 +61,48 @@ pub(crate) fn cap_vertices_within(
             return None;
         }
     }
-    if factor == 1.0 && slack > 0.0 {
-        return Some((kept, 0.0));
+    if factor > 1.0 {
+        let factor = factor * (1.0 + ROUNDING);
+        for point in &mut kept.points {
+            *point = add(centre, scale(subtract(*point, centre), factor));
+        }
     }
-    let factor = factor * (1.0 + ROUNDING);
-    let moved = |&point: &Vector| add(centre, scale(subtract(point, centre), factor));
-    let points: Vec<Vector> = kept.points.iter().map(moved).collect();
-    // Each moved vertex comes from one of the old hull, which is at least as near.
-    let growth = points.iter().zip(&kept.points).map(|(&new, &old)| distance(new, old));
-    let growth = growth.fold(0.0, f64::max);
-    Some((ConvexHull { points, triangles: kept.triangles }, growth))
+    // Each new vertex comes from one of the old hull, the nearest of which is at least as near.
+    let from_old = |&point: &Vector| {
+        inner.iter().map(|&old| distance(point, old)).fold(f64::INFINITY, f64::min)
+    };
+    let growth = kept.points.iter().map(from_old).fold(0.0, f64::max);
+    Some((kept, growth))
+}
+
+/// The vertices, moved so that no point is more than `slack` in front of a face as it was. `None`
+/// if none is anyway.
+fn moved_outward(kept: &ConvexHull, points: &[Vector], slack: f64) -> Option<Vec<Vector>> {
+    let planes = kept.planes();
+    let mut wishes: Vec<Vec<(Vector, f64)>> = vec![Vec::new(); kept.points.len()];
+    let mut is_any = false;
+    for (&(normal, offset), triangle) in planes.iter().zip(&kept.triangles) {
+        let missing = reach(points, normal, [0.0; 3]) - offset - slack;
+        if missing > ROUNDING && normal != [0.0; 3] {
+            is_any = true;
+            for &vertex in triangle {
+                wishes[vertex as usize].push((normal, missing));
+            }
+        }
+    }
+    let moved = kept.points.iter().zip(&wishes).map(|(&point, wishes)| {
+        let mut by = [0.0; 3];
+        for _ in 0..PROJECTIONS {
+            for &(normal, missing) in wishes {
+                let left = missing - dot(normal, by);
+                if left > 0.0 {
+                    by = add(by, scale(normal, left));
+                }
+            }
+        }
+        add(point, by)
+    });
+    is_any.then(|| moved.collect())
 }
 
 /// How far points reach along a direction, seen from `centre`.
