@@ -33,7 +33,7 @@ pub(super) fn phantom(hull: &ConvexHull, solid: &Solid, bound: f64, limit: f64) 
         if solid.upper_distance(centre) > known
             && let Some(closest) = solid.field.distance(centre, f64::INFINITY)
             && closest.distance > known
-            && !solid.field.is_inside(centre)
+            && !solid.is_inside(centre, closest.distance)
         {
             known = closest.distance;
         }
@@ -55,17 +55,22 @@ pub(super) fn phantom(hull: &ConvexHull, solid: &Solid, bound: f64, limit: f64) 
         if closest.distance + radius <= enough {
             continue;
         }
-        let is_inside = solid.field.is_inside(centre);
-        if is_inside && solid.is_closed && radius - closest.distance <= enough {
-            continue;
-        }
-        if !is_inside {
-            known = known.max(closest.distance);
-            if known > limit || parts > MOST_PARTS {
-                return known + radius;
+        // The side is dear, and only asked for where it decides.
+        let is_small = radius <= if solid.is_closed { slack } else { OPEN * bound };
+        let may_be_enough = solid.is_closed && radius - closest.distance <= enough;
+        if closest.distance > known || may_be_enough || is_small {
+            if solid.is_inside(centre, closest.distance) {
+                if may_be_enough || is_small {
+                    continue;
+                }
+            } else {
+                known = known.max(closest.distance);
+                if known > limit || parts > MOST_PARTS {
+                    return known + radius;
+                }
             }
         }
-        if radius <= slack || (is_inside && !solid.is_closed && radius <= OPEN * bound) {
+        if radius <= slack {
             continue;
         }
         let (ab, bc, ca) = (square(a, b), square(b, c), square(c, a));

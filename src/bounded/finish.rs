@@ -7,7 +7,7 @@ use super::piece::Piece;
 use super::seed_set::SeedSet;
 use super::seeds::Seeds;
 use super::solid::Solid;
-use crate::hull::{ConvexHull, HullBuilder, cap_vertices_within, solid_hull};
+use crate::hull::{ConvexHull, HullBuilder, cap_vertices_within, inner_hull, solid_hull};
 use crate::{Control, Error};
 
 /// A hull's least thickness as a share of the mesh's diagonal: what is small in all directions
@@ -18,7 +18,10 @@ const LEAST_THICKNESS: f64 = 1e-6;
 const VERTEX_STEPS: [usize; 6] = [16, 24, 32, 40, 52, 64];
 
 /// To save vertices a hull may grow by this share of the bound.
-const GROWTH: f64 = 0.12; // tuned on the shared meshes
+const GROWTH: f64 = 0.12;
+
+/// Where a hull at the cap may not grow, this much of what stands out may be left out, in bounds.
+const SLACKS: [f64; 3] = [0.025, 0.05, 0.1];
 
 /// A hull that is returned, in diagonals.
 pub(crate) struct Finished {
@@ -126,13 +129,18 @@ fn finished(
         return Ok(make(full, 0.0, phantom));
     }
     // The cap has to hold: growing if the bound allows it, else leaving out what stands out least.
-    for slack in [slack, 0.25 * tuning.bound, 0.5 * tuning.bound, f64::INFINITY] {
-        if let Some((hull, growth)) = cap_vertices_within(builder, &full, most, slack) {
-            let phantom = phantom(&hull, solid, tuning.bound, f64::INFINITY);
-            if phantom <= tuning.bound || slack.is_infinite() {
+    for share in SLACKS {
+        let capped = cap_vertices_within(builder, &full, most, share * tuning.bound);
+        if let Some((hull, growth)) = capped {
+            let phantom = phantom(&hull, solid, tuning.bound, tuning.bound);
+            if phantom <= tuning.bound {
                 return Ok(make(hull, growth, phantom));
             }
         }
+    }
+    if let Some((hull, _)) = inner_hull(builder, &full, most) {
+        let phantom = phantom(&hull, solid, tuning.bound, f64::INFINITY);
+        return Ok(make(hull, 0.0, phantom));
     }
     let phantom = phantom(&full, solid, tuning.bound, f64::INFINITY);
     Ok(make(full, 0.0, phantom))

@@ -48,6 +48,7 @@ pub(super) struct Grid {
     cells: Vec<Cell>,
     sides: Vec<AtomicU8>,
     band: f32,
+    is_flooded: bool,
 }
 
 /// What is known about a point.
@@ -90,6 +91,7 @@ impl Grid {
             cells: vec![Cell { nearest: [f32::NAN; 3], distance: band }; total],
             sides: Vec::new(),
             band,
+            is_flooded: false,
         };
         grid.spread(positions, triangles);
         grid.sides.resize_with(total, || AtomicU8::new(UNKNOWN));
@@ -211,6 +213,7 @@ impl Grid {
 
     /// Gives each connected region of cells that the surface does not touch its side.
     pub(super) fn flood(&mut self, field: &Field) {
+        self.is_flooded = true;
         let [width, height, depth] = self.dimensions;
         let strides = [1, width, width * height];
         let is_free = |cells: &[Cell], index: usize| cells[index].distance > FREE * self.size;
@@ -271,6 +274,22 @@ impl Grid {
             INSIDE => Some(true),
             OUTSIDE => Some(false),
             _ => self.ask_side(probe.index, field),
+        }
+    }
+
+    /// Whether a point is inside that is `distance` from the surface, if its cell tells. Only for
+    /// closed surfaces: where one is open, being inside may end without it.
+    #[inline]
+    pub(super) fn side(&self, point: Vector, distance: f64) -> Option<bool> {
+        let relative = self.relative(point);
+        let place = self.place(relative);
+        if f64::from(length(sub(relative, self.centre(place)))) >= distance || !self.is_flooded {
+            return None;
+        }
+        match self.sides[self.index(place)].load(Ordering::Relaxed) {
+            INSIDE => Some(true),
+            OUTSIDE => Some(false),
+            _ => None,
         }
     }
 

@@ -28,6 +28,10 @@ use piece::{Piece, Workshop};
 use seeds::{Seeds, Working};
 use solid::Solid;
 
+/// The search leaves this much of the bound unused: room for a cap on vertices, and for what the
+/// search overlooks.
+const SEARCH_SHARE: f64 = 0.95;
+
 /// What the stages go by, in diagonals.
 pub(crate) struct Tuning {
     /// The bound that is promised.
@@ -65,7 +69,7 @@ impl Tuning {
         };
         Self {
             bound,
-            search_bound: 0.97 * bound,
+            search_bound: SEARCH_SHARE * bound,
             triangles,
             longest_edge: (4.0 * bound).clamp(0.04, 0.16),
             grouping_threshold: 0.1 * bound,

@@ -50,6 +50,15 @@ impl Solid {
         self.grid.probe(point).upper + SINGLE_PRECISION
     }
 
+    /// Whether a point is inside that is this far from the surface: as the centre of its cell is,
+    /// if that is nearer than the surface.
+    pub fn is_inside(&self, point: Vector, distance: f64) -> bool {
+        match self.grid.side(point, distance) {
+            Some(inside) => inside,
+            None => self.field.is_inside(point),
+        }
+    }
+
     /// Whether the point is in the solid or at most `bound` away from it.
     #[inline]
     pub fn holds(&self, point: Vector, bound: f64) -> bool {

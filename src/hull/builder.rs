@@ -508,7 +508,8 @@ impl HullBuilder {
                 }
                 neighbour.stamp = self.stamp;
                 let distance = neighbour.distance(position);
-                if distance > self.threshold {
+                // A sliver's plane may lie: only the exact answer makes progress certain.
+                if distance > self.threshold && neighbour.sees(position, &self.points) {
                     return Some(face_of(twin));
                 }
                 if distance > CERTAINLY_BEHIND {

@@ -75,6 +75,22 @@ pub(crate) fn cap_vertices_within(
     Some((kept, growth))
 }
 
+/// The hull of the `cap` most prominent vertices, which does not grow, and how far in front of
+/// its faces the others lie.
+pub(crate) fn inner_hull(
+    builder: &mut HullBuilder,
+    hull: &ConvexHull,
+    cap: usize,
+) -> Option<(ConvexHull, f64)> {
+    let kept = most_prominent(builder, &hull.points, cap, 0.0)?;
+    let beyond = kept
+        .planes()
+        .iter()
+        .map(|&(normal, offset)| reach(&hull.points, normal, [0.0; 3]) - offset)
+        .fold(0.0, f64::max);
+    Some((kept, beyond))
+}
+
 /// The vertices, moved so that no point is more than `slack` in front of a face as it was. `None`
 /// if none is anyway.
 fn moved_outward(kept: &ConvexHull, points: &[Vector], slack: f64) -> Option<Vec<Vector>> {
