@@ -1,5 +1,7 @@
 //! A surface of HACD: what a node of the dual graph stands for, and what equation (4) asks of it.
 
+use std::collections::HashMap;
+
 use crate::hull::{ConvexHull, HullBuilder, Shape};
 use crate::mesh::TriangleMesh;
 use crate::vector::{
@@ -8,6 +10,12 @@ use crate::vector::{
 
 /// A plane that the ray runs along cannot be left through it.
 const PARALLEL: f64 = 1e-9;
+
+/// Depths below this are noise: a hundredth of the hull's tolerance.
+const NEGLIGIBLE: f64 = 1e-9;
+
+/// How much a hull may lack of another within it, by its tolerance, in a mesh of diagonal 1.
+const HULL_SLACK: f64 = 1e-6;
 
 /// A set of adjacent triangles.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -19,8 +27,8 @@ pub(super) struct Surface {
     /// Vertices of the convex hull: all that a larger hull needs of this one. All vertices while
     /// the surface is flat.
     pub hull_points: Vec<Vector>,
-    /// The vertex that lay deepest when the surface was last judged: it likely still does.
-    pub deepest: u32,
+    /// Its deepest vertex, which likely is that of a larger surface too.
+    pub deepest: Depth,
     /// ρ(S): length of the border.
     pub perimeter: f64,
     /// σ(S).
@@ -40,7 +48,7 @@ impl Surface {
             triangles: vec![triangle],
             vertices,
             hull_points: vec![a, b, c],
-            deepest: corners[0],
+            deepest: Depth { depth: 0.0, vertex: corners[0] },
             perimeter: distance(a, b) + distance(b, c) + distance(c, a),
             area: length(normal) / 2.0,
             low: minimum(minimum(a, b), c),
@@ -60,27 +68,47 @@ impl Surface {
         perimeter * perimeter / (4.0 * std::f64::consts::PI * (self.area + other.area))
     }
 
-    /// Takes in another surface. `joint` is the hull of both, or nothing where both are flat.
+    /// The depth that a union with another surface has at least: a larger hull is farther to
+    /// leave, unless the other surface changes the normal.
+    pub(super) fn least_joint_depth(&self, other: &Self) -> Depth {
+        let [first, second] = [(self, other), (other, self)].map(|(surface, other)| {
+            if other.contains(surface.deepest.vertex) { Depth::NONE } else { surface.deepest }
+        });
+        first.greater(second)
+    }
+
+    pub(super) fn contains(&self, vertex: u32) -> bool {
+        self.place(vertex).is_some()
+    }
+
+    fn place(&self, vertex: u32) -> Option<usize> {
+        self.vertices.binary_search_by_key(&vertex, |&(vertex, _)| vertex).ok()
+    }
+
+    /// The sum of area normals at a vertex; none where it is not the surface's.
+    fn normal_at(&self, vertex: u32) -> Vector {
+        self.place(vertex).map_or([0.0; 3], |place| self.vertices[place].1)
+    }
+
+    /// Takes in another surface. `hull` is that of both, or nothing where both are flat.
     pub(super) fn absorb(
         &mut self,
         other: Self,
         shared: f64,
-        hull_points: Option<Vec<Vector>>,
-        deepest: u32,
+        hull: Option<ConvexHull>,
+        deepest: Depth,
     ) {
         self.vertices = union(&self.vertices, &other.vertices).collect();
-        self.hull_points = match hull_points {
-            Some(points) => points,
+        self.hull_points = match hull {
+            Some(hull) => hull.points,
             None => {
                 let mut points = std::mem::take(&mut self.hull_points);
                 points.extend(other.hull_points);
-                points.sort_unstable_by(|a, b| {
-                    a.iter()
-                        .zip(b)
-                        .map(|(a, b)| a.total_cmp(b))
-                        .find(|o| o.is_ne())
-                        .unwrap_or(std::cmp::Ordering::Equal)
-                });
+                let order = |a: &Vector, b: &Vector| {
+                    let by_axis = |axis: usize| a[axis].total_cmp(&b[axis]);
+                    by_axis(0).then_with(|| by_axis(1)).then_with(|| by_axis(2))
+                };
+                points.sort_unstable_by(order);
                 points.dedup();
                 points
             }
@@ -112,65 +140,152 @@ fn union<'a>(
     })
 }
 
-/// The depth of a union: the greatest distance of a vertex to its projection on the hull.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// How far a vertex is from its projection on the hull.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Depth {
     pub depth: f64,
-    pub deepest: u32,
+    pub vertex: u32,
 }
 
-/// argmax over M in S of ‖M − P_S(M)‖ for the union S of two surfaces, or `None` as soon as it is
-/// known to be at least `limit`. 0 where the union is flat. O(vertices · hull faces).
-pub(super) fn joint_depth(
-    mesh: &TriangleMesh,
-    first: &Surface,
-    second: &Surface,
-    limit: f64,
-    builder: &mut HullBuilder,
-    scratch: &mut Vec<Vector>,
-) -> Option<Depth> {
-    let mut found = Depth { depth: 0.0, deepest: first.deepest };
-    let Some(hull) = joint_hull(first, second, builder, scratch) else {
-        return (limit > 0.0).then_some(found);
-    };
-    let planes = hull.planes();
-    let mut judge = |vertex: u32, normal: Vector| {
-        let point = mesh.positions[vertex as usize];
-        let depth = distance_to_exit(point, normalize(normal), &planes, found.depth);
-        if depth > found.depth {
-            found = Depth { depth, deepest: vertex };
+impl Depth {
+    /// Of no vertex, and so no bound for anything.
+    pub(super) const NONE: Self = Self { depth: 0.0, vertex: u32::MAX };
+
+    pub(super) fn greater(self, other: Self) -> Self {
+        if other.depth > self.depth { other } else { self }
+    }
+
+    /// What is left of it in a larger hull, which may lack a little of a smaller one.
+    pub(super) fn in_larger_hull(self) -> f64 {
+        (self.depth - HULL_SLACK).max(0.0)
+    }
+}
+
+/// What judges unions: memory that is reused, and the mesh.
+pub(super) struct Judge<'a> {
+    mesh: &'a TriangleMesh,
+    /// The vertex at a position, by the position's bits.
+    vertex_at: HashMap<[u64; 3], u32>,
+    builder: HullBuilder,
+    points: Vec<Vector>,
+    /// For each vertex of the mesh its place in the hull, or [`NOWHERE`]. All are [`NOWHERE`]
+    /// between calls.
+    places: Vec<u32>,
+    /// For each vertex of the hull the end of its faces in `incident`.
+    ends: Vec<u32>,
+    incident: Vec<u32>,
+}
+
+/// Not a vertex of the hull.
+const NOWHERE: u32 = u32::MAX;
+
+impl<'a> Judge<'a> {
+    pub(super) fn new(mesh: &'a TriangleMesh) -> Self {
+        let vertices = (0..).zip(&mesh.positions);
+        Self {
+            mesh,
+            vertex_at: vertices.map(|(vertex, &position)| (bits(position), vertex)).collect(),
+            builder: HullBuilder::new(),
+            points: Vec::new(),
+            places: vec![NOWHERE; mesh.positions.len()],
+            ends: Vec::new(),
+            incident: Vec::new(),
         }
-        found.depth < limit
-    };
-    // The deepest so far come first: the deeper the start, the less is left to do for the others.
-    for &vertex in &[first.deepest, second.deepest] {
-        let of = |surface: &Surface| {
-            let place = surface.vertices.binary_search_by_key(&vertex, |&(vertex, _)| vertex);
-            place.map_or([0.0; 3], |place| surface.vertices[place].1)
+    }
+
+    /// The hull of two surfaces, from the vertices of their hulls. `None` where they are flat.
+    pub(super) fn joint_hull(&mut self, first: &Surface, second: &Surface) -> Option<ConvexHull> {
+        self.points.clear();
+        self.points.extend(&first.hull_points);
+        self.points.extend(&second.hull_points);
+        let shape = self.builder.build(&self.points);
+        (shape == Shape::Solid).then(|| self.builder.extract().into())
+    }
+
+    /// argmax over M in S of ‖M − P_S(M)‖ for the union S of two surfaces and its hull, or any
+    /// vertex that lies at least `limit` deep. 0 where the union is flat, and so has no hull.
+    /// O(hull faces · vertices that are not the hull's).
+    pub(super) fn joint_depth(
+        &mut self,
+        first: &Surface,
+        second: &Surface,
+        hull: Option<&ConvexHull>,
+        limit: f64,
+    ) -> Depth {
+        let mut found = Depth { depth: 0.0, vertex: first.deepest.vertex };
+        let Some(hull) = hull else { return found };
+        let planes = hull.planes();
+        self.index_faces(hull);
+        let mut judge = |vertex: u32, normal: Vector| {
+            let direction = normalize(normal);
+            let depth = if self.leaves_at_once(vertex, direction, &planes) {
+                0.0
+            } else {
+                let point = self.mesh.positions[vertex as usize];
+                distance_to_exit(point, direction, &planes, found.depth.max(NEGLIGIBLE))
+            };
+            if depth > found.depth {
+                found = Depth { depth, vertex };
+            }
+            found.depth < limit
         };
-        if !judge(vertex, add(of(first), of(second))) {
-            return None;
+        // The deepest so far come first: the deeper the start, the less is left for the others.
+        let _ = [first.deepest, second.deepest].into_iter().all(|Depth { vertex, .. }| {
+            let normal = add(first.normal_at(vertex), second.normal_at(vertex));
+            judge(vertex, normal)
+        }) && union(&first.vertices, &second.vertices)
+            .all(|(vertex, normal)| judge(vertex, normal));
+        for &point in &hull.points {
+            if let Some(&vertex) = self.vertex_at.get(&bits(point)) {
+                self.places[vertex as usize] = NOWHERE;
+            }
+        }
+        found
+    }
+
+    /// Finds each vertex of the hull in the mesh, and its faces.
+    fn index_faces(&mut self, hull: &ConvexHull) {
+        for (place, &point) in (0..).zip(&hull.points) {
+            if let Some(&vertex) = self.vertex_at.get(&bits(point)) {
+                self.places[vertex as usize] = place;
+            }
+        }
+        self.ends.clear();
+        self.ends.resize(hull.points.len() + 1, 0);
+        for &vertex in hull.triangles.as_flattened() {
+            self.ends[vertex as usize] += 1;
+        }
+        let mut sum = 0;
+        for end in &mut self.ends {
+            sum += *end;
+            *end = sum;
+        }
+        self.incident.clear();
+        self.incident.resize(3 * hull.triangles.len(), 0);
+        // From its end each list is filled towards its start, which then stands in `ends`.
+        for (face, triangle) in (0..).zip(&hull.triangles) {
+            for &vertex in triangle {
+                let end = &mut self.ends[vertex as usize];
+                *end -= 1;
+                self.incident[*end as usize] = face;
+            }
         }
     }
-    for (vertex, normal) in union(&first.vertices, &second.vertices) {
-        if !judge(vertex, normal) {
-            return None;
+
+    /// Whether a ray from a vertex of the hull leaves through one of that vertex's own faces.
+    fn leaves_at_once(&self, vertex: u32, direction: Vector, planes: &[(Vector, f64)]) -> bool {
+        let place = self.places[vertex as usize];
+        if place == NOWHERE {
+            return false;
         }
+        let range = self.ends[place as usize] as usize..self.ends[place as usize + 1] as usize;
+        let mut faces = self.incident[range].iter();
+        faces.any(|&face| dot(planes[face as usize].0, direction) > PARALLEL)
     }
-    Some(found)
 }
 
-/// The hull of two surfaces, from the vertices of their hulls. `None` where they are flat.
-pub(super) fn joint_hull(
-    first: &Surface,
-    second: &Surface,
-    builder: &mut HullBuilder,
-    scratch: &mut Vec<Vector>,
-) -> Option<ConvexHull> {
-    scratch.clear();
-    scratch.extend(&first.hull_points);
-    scratch.extend(&second.hull_points);
-    (builder.build(scratch) == Shape::Solid).then(|| builder.extract().into())
+fn bits(point: Vector) -> [u64; 3] {
+    point.map(f64::to_bits)
 }
 
 /// How far a ray from a point inside a hull runs until it leaves, or anything up to `enough`

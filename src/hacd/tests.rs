@@ -2,7 +2,7 @@
 
 use super::collapse::{Threshold, collapse};
 use super::selection::mean_triangle_diagonal;
-use super::surface::{Surface, joint_depth, joint_hull};
+use super::surface::{Depth, Judge, Surface};
 use super::*;
 use crate::hull::HullBuilder;
 use crate::mesh::TriangleMesh;
@@ -48,10 +48,11 @@ fn surfaces(mesh: &TriangleMesh) -> Vec<Surface> {
 }
 
 /// Joins two surfaces as a collapse does.
-fn joined(first: &Surface, second: &Surface, shared: f64) -> Surface {
-    let hull = joint_hull(first, second, &mut HullBuilder::new(), &mut Vec::new());
+fn joined(judge: &mut Judge, first: &Surface, second: &Surface, shared: f64) -> Surface {
+    let hull = judge.joint_hull(first, second);
+    let depth = judge.joint_depth(first, second, hull.as_ref(), f64::INFINITY);
     let mut joint = first.clone();
-    joint.absorb(second.clone(), shared, hull.map(|hull| hull.points), first.deepest);
+    joint.absorb(second.clone(), shared, hull, depth);
     joint
 }
 
@@ -79,14 +80,18 @@ fn the_depth_of_an_l_is_that_of_its_corner_along_its_own_normal() {
     let mesh = wall_and_floor();
     let [a, b, c, d] = [0, 1, 2, 3].map(|t| Surface::triangle(&mesh, t));
     let diagonal = f64::sqrt(2.0);
-    let (wall, floor) = (joined(&a, &b, diagonal), joined(&c, &d, diagonal));
-    let mut builder = HullBuilder::new();
-    let mut depth = |a, b, limit| joint_depth(&mesh, a, b, limit, &mut builder, &mut Vec::new());
-    let found = depth(&wall, &floor, f64::INFINITY).unwrap();
+    let mut judge = Judge::new(&mesh);
+    let wall = joined(&mut judge, &a, &b, diagonal);
+    let floor = joined(&mut judge, &c, &d, diagonal);
+    let mut depth = |a, b, limit| {
+        let hull = judge.joint_hull(a, b);
+        judge.joint_depth(a, b, hull.as_ref(), limit)
+    };
+    let found = depth(&wall, &floor, f64::INFINITY);
     assert!((found.depth - CORNER_DEPTH).abs() < 1e-9, "{found:?}");
-    assert!([1, 4].contains(&found.deepest));
-    assert_eq!(depth(&wall, &floor, 0.7), None, "known to be too deep");
-    assert_eq!(depth(&a, &b, 0.1).unwrap().depth, 0.0);
+    assert!([1, 4].contains(&found.vertex));
+    assert!(depth(&wall, &floor, 0.7).depth >= 0.7);
+    assert_eq!(depth(&a, &b, 0.1), Depth { depth: 0.0, vertex: 0 });
 }
 
 #[test]
@@ -125,6 +130,7 @@ fn a_cube_is_one_surface_without_border() {
     let all = surfaces(&mesh);
     let mut whole = all[0].clone();
     let adjacency = Adjacency::new(&mesh);
+    let mut judge = Judge::new(&mesh);
     let mut inside = vec![0_u32];
     while inside.len() < 12 {
         // The next triangle with a neighbour inside, and the length of what they share.
@@ -138,7 +144,7 @@ fn a_cube_is_one_surface_without_border() {
         let shared = (0..3).filter(|&side| inside.contains(&sides[side]));
         let length =
             shared.map(|s| crate::vector::distance(corners[s], corners[(s + 1) % 3])).sum();
-        whole = joined(&whole, &all[next as usize], length);
+        whole = joined(&mut judge, &whole, &all[next as usize], length);
         inside.push(next);
     }
     assert!(whole.perimeter.abs() < 1e-9);
@@ -212,4 +218,64 @@ fn a_deadline_in_the_past_is_an_error() {
     let control = Control::new().with_deadline(Instant::now());
     let result = decompose(&mesh.positions, &mesh.triangles, &HacdParameters::default(), &control);
     assert_eq!(result.unwrap_err(), Error::DeadlineExceeded);
+}
+
+/// Judges every pair before every collapse, as slowly as it can be said.
+fn grouped_slowly(mesh: &TriangleMesh, threshold: Threshold) -> Vec<Vec<u32>> {
+    let adjacency = Adjacency::new(mesh);
+    let mut judge = Judge::new(mesh);
+    let mut all: Vec<Surface> = surfaces(mesh);
+    loop {
+        let mut best: Option<(f64, usize, usize, f64)> = None;
+        for (i, j) in (0..all.len()).flat_map(|i| (i + 1..all.len()).map(move |j| (i, j))) {
+            let shared = border(mesh, &adjacency, &all[i], &all[j]);
+            if shared == 0.0 {
+                continue;
+            }
+            let (diagonal, shape) = threshold.shape_cost(&all[i], &all[j], shared);
+            let hull = judge.joint_hull(&all[i], &all[j]);
+            let depth = judge.joint_depth(&all[i], &all[j], hull.as_ref(), f64::INFINITY);
+            let cost = depth.depth / diagonal + shape;
+            if cost < threshold.concavity && best.is_none_or(|best| cost < best.0) {
+                best = Some((cost, i, j, shared));
+            }
+        }
+        let Some((_, i, j, shared)) = best else { break };
+        let second = all.remove(j);
+        all[i] = joined(&mut judge, &all[i], &second, shared);
+    }
+    let mut groups: Vec<Vec<u32>> = all.into_iter().map(|surface| surface.triangles).collect();
+    groups.iter_mut().for_each(|group| group.sort_unstable());
+    groups.sort();
+    groups
+}
+
+/// Length of the sides that two surfaces share.
+fn border(mesh: &TriangleMesh, adjacency: &Adjacency, first: &Surface, second: &Surface) -> f64 {
+    let sides = first.triangles.iter().flat_map(|&triangle| {
+        let corners = mesh.triangles[triangle as usize].map(|v| mesh.positions[v as usize]);
+        (0..3).map(move |side| (triangle, side, corners))
+    });
+    let shared = sides.filter(|&(triangle, side, _)| {
+        second.triangles.contains(&adjacency.triangle_neighbours(triangle)[side])
+    });
+    shared.map(|(_, side, c)| crate::vector::distance(c[side], c[(side + 1) % 3])).sum()
+}
+
+#[test]
+fn the_queue_gives_what_judging_every_pair_each_time_would() {
+    // Without symmetry, so that no two costs are equal.
+    let mut mesh = torus(9, 5);
+    for (i, point) in (0..).zip(&mut mesh.positions) {
+        let sway = |k: f64| 0.05 * (f64::from(i) * k).sin();
+        *point = [point[0] + sway(1.3), point[1] + sway(2.7), 1.4 * point[2] + sway(3.1)];
+    }
+    for concavity in [0.02, 0.05, 0.1] {
+        let threshold = Threshold { concavity, length: mean_triangle_diagonal(&mesh) };
+        let found = collapse(&mesh, &Adjacency::new(&mesh), threshold, &Control::new()).unwrap();
+        let mut groups = crate::surface::grouping::members(&found.labels, found.count);
+        groups.sort();
+        assert!(found.count > 1);
+        assert_eq!(groups, grouped_slowly(&mesh, threshold), "{concavity}");
+    }
 }
