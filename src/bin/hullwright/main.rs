@@ -4,6 +4,8 @@
 //! Exit code 0 is success, 1 an error in the input or the work, 2 wrong usage.
 
 mod arguments;
+#[cfg(feature = "bench")]
+mod bench;
 mod decompose;
 mod inspect;
 mod json;
@@ -29,6 +31,11 @@ enum Command {
     Decompose(decompose::Arguments),
     Inspect(inspect::Arguments),
     Measure(measure::Arguments),
+    #[cfg(feature = "bench")]
+    Bench(bench::Arguments),
+    #[cfg(feature = "bench")]
+    #[command(hide = true)]
+    BenchRun(bench::worker::Arguments),
 }
 
 /// Why the program ends with an error.
@@ -45,6 +52,10 @@ fn main() -> ExitCode {
         Command::Decompose(arguments) => decompose::run(&arguments),
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Measure(arguments) => measure::run(&arguments),
+        #[cfg(feature = "bench")]
+        Command::Bench(arguments) => bench::run(&arguments),
+        #[cfg(feature = "bench")]
+        Command::BenchRun(arguments) => bench::worker::run(&arguments),
     };
     let (reason, code) = match result {
         Ok(()) => return ExitCode::SUCCESS,

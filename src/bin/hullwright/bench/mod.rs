@@ -1,0 +1,191 @@
+//! `hullwright bench`: every mesh × every method × a sweep of each method's own knob, every run in
+//! a process of its own, one at a time; then tables, curves and pictures.
+
+mod caps;
+mod machine;
+mod methods;
+mod peers;
+mod plan;
+mod record;
+mod vhacd;
+pub mod worker;
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use caps::Caps;
+use methods::Run;
+use peers::Peers;
+use plan::Mesh;
+use record::{Journal, Row, Status, Worked};
+use worker::Line;
+
+use crate::Failure;
+use crate::output::print;
+
+/// Compare methods on every mesh below folders: time against error
+///
+/// Runs are kept in REPORT/runs.jsonl as they end; a run that is there is not repeated, so that a
+/// benchmark that was stopped goes on where it was. Then the report is written anew.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Folders with meshes: obj, off, ply, stl, gltf or glb
+    #[arg(required = true, value_name = "DIR")]
+    folders: Vec<PathBuf>,
+
+    /// The folder that the report goes to
+    #[arg(short, long, value_name = "REPORT")]
+    output: PathBuf,
+
+    /// A few meshes of each folder, and of the methods surface, bounded and V-HACD
+    #[arg(long)]
+    quick: bool,
+
+    /// Only these methods, by name, separated by commas
+    #[arg(long, value_name = "METHODS", value_delimiter = ',')]
+    only: Vec<String>,
+
+    /// A folder with tools/peers.py and peers/results.tsv, for CoACD and V-HACD 4
+    #[arg(long, value_name = "DIR")]
+    peers: Option<PathBuf>,
+
+    /// The Python that has the packages coacd, vhacdx and trimesh
+    #[arg(long, value_name = "PROGRAM", default_value = "python3")]
+    python: String,
+
+    /// Longest time of a run, in seconds
+    #[arg(long, value_name = "SECONDS", default_value_t = 300.0)]
+    time_cap: f64,
+
+    /// Most memory of a run, in megabytes
+    #[arg(long, value_name = "MB", default_value_t = 4096)]
+    memory_cap: u64,
+
+    /// Run nothing, only write the report of what is there
+    #[arg(long)]
+    report_only: bool,
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let time = Duration::try_from_secs_f64(arguments.time_cap)
+        .map_err(|_| Failure::Usage("the time cap must be a time".into()))?;
+    let caps = Caps { time, memory: arguments.memory_cap.saturating_mul(1 << 20) };
+    let output = &arguments.output;
+    std::fs::create_dir_all(output)
+        .map_err(|error| Failure::Work(format!("{}: {error}", output.display())))?;
+    let mut journal = Journal::open(&output.join("runs.jsonl")).map_err(Failure::Work)?;
+    if !arguments.report_only {
+        let mut meshes = plan::meshes(&arguments.folders).map_err(Failure::Work)?;
+        if arguments.quick {
+            meshes = plan::spread(meshes, plan::QUICK_MESHES);
+        }
+        let peers = arguments.peers.as_ref().map(|folder| Peers::new(folder, &arguments.python));
+        work(arguments, &meshes, peers.as_ref(), caps, &mut journal)?;
+    }
+    Ok(())
+}
+
+/// Runs what is not in the journal yet.
+fn work(
+    arguments: &Arguments,
+    meshes: &[Mesh],
+    peers: Option<&Peers>,
+    caps: Caps,
+    journal: &mut Journal,
+) -> Result<(), Failure> {
+    let versions = peers.map_or_else(Default::default, |peers| peers.versions.clone());
+    for (number, mesh) in meshes.iter().enumerate() {
+        let runs = plan::runs(mesh, arguments.quick, peers, &arguments.only);
+        for run in runs {
+            let mut row = blank_row(mesh, &run, run.version(&versions));
+            if journal.has(&row.key()) {
+                continue;
+            }
+            execute(&run, mesh, peers, caps, arguments, &mut row).map_err(Failure::Work)?;
+            print(&progress(number + 1, meshes.len(), &row))?;
+            journal.add(row).map_err(Failure::Work)?;
+        }
+    }
+    Ok(())
+}
+
+fn blank_row(mesh: &Mesh, run: &Run, version: String) -> Row {
+    Row {
+        mesh: mesh.name.clone(),
+        mesh_bytes: mesh.bytes,
+        mesh_hash: mesh.hash.clone(),
+        method: run.method().into(),
+        setting: run.setting(),
+        version,
+        status: Status::Done,
+        reason: String::new(),
+        taken_elsewhere: false,
+        worked: None,
+        judged: None,
+    }
+}
+
+/// Does one run, and writes into the row what came of it.
+fn execute(
+    run: &Run,
+    mesh: &Mesh,
+    peers: Option<&Peers>,
+    caps: Caps,
+    arguments: &Arguments,
+    row: &mut Row,
+) -> Result<(), String> {
+    let scratch = arguments.output.join("peer-hulls.obj");
+    let hulls = match (run, peers) {
+        (Run::CoacdFiles, Some(peers)) => {
+            let seconds = peers.seconds_elsewhere(&mesh.name).unwrap_or(0.0);
+            row.worked = Some(Worked { seconds, repeats: 1, ..Worked::default() });
+            row.taken_elsewhere = true;
+            Some(peers.hulls_of(&mesh.name))
+        }
+        (Run::Coacd { .. } | Run::Vhacd4 { .. }, Some(peers)) => {
+            match peers.run(run, &mesh.name, &mesh.path, &scratch, caps)? {
+                Ok(worked) => row.worked = Some(worked),
+                Err((status, reason)) => {
+                    (row.status, row.reason) = (status, reason);
+                    return Ok(());
+                }
+            }
+            Some(scratch.clone())
+        }
+        _ => None,
+    };
+    let ended = caps::run(worker::command(&mesh.path, run, hulls.as_deref())?, caps)?;
+    (row.status, row.reason) = (ended.status, ended.reason);
+    for line in &ended.lines {
+        match serde_json::from_str(line).map_err(|error| format!("a worker said: {error}"))? {
+            Line::Worked(worked) => row.worked = Some(worked),
+            Line::Judged(judged) => row.judged = Some(*judged),
+            Line::AllThreads { seconds, same } => {
+                if let Some(worked) = &mut row.worked {
+                    worked.seconds_all_threads = Some(seconds);
+                    worked.same_with_all_threads = Some(same);
+                }
+            }
+        }
+    }
+    if row.status == Status::Done && row.judged.is_none() {
+        (row.status, row.reason) = (Status::Error, "it ended without a result".into());
+    }
+    // What it left behind is of no use to anybody.
+    let _ = std::fs::remove_file(&scratch);
+    Ok(())
+}
+
+fn progress(number: usize, of: usize, row: &Row) -> String {
+    let Row { mesh, method, setting, .. } = row;
+    let what = match row.done() {
+        Some((worked, judged)) => format!(
+            "{:>4} hulls  error {:.4}  {}",
+            judged.hulls,
+            judged.hausdorff,
+            crate::output::time(worked.seconds)
+        ),
+        None => format!("{}: {}", row.status.name(), row.reason),
+    };
+    format!("{number:>3}/{of}  {mesh:<40} {method:<8} {setting:<32} {what}")
+}
