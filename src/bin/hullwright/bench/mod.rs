@@ -2,22 +2,33 @@
 //! a process of its own, one at a time; then tables, curves and pictures.
 
 mod caps;
+mod curves;
+mod export;
 mod machine;
 mod methods;
+mod page;
 mod peers;
 mod plan;
+mod plots;
 mod record;
+mod summary;
+mod table;
 mod vhacd;
 pub mod worker;
 
-use std::path::PathBuf;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
 use std::time::Duration;
+
+use serde_json::{Value, json};
 
 use caps::Caps;
 use methods::Run;
+use page::Report;
 use peers::Peers;
 use plan::Mesh;
 use record::{Journal, Row, Status, Worked};
+use summary::Results;
 use worker::Line;
 
 use crate::Failure;
@@ -81,8 +92,47 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
         let peers = arguments.peers.as_ref().map(|folder| Peers::new(folder, &arguments.python));
         work(arguments, &meshes, peers.as_ref(), caps, &mut journal)?;
+        let machine = serde_json::to_string_pretty(&machine::describe(caps)).unwrap_or_default();
+        page::write(&output.join("machine.json"), &machine).map_err(Failure::Work)?;
     }
-    Ok(())
+    report(output, journal.rows()).map_err(Failure::Work)
+}
+
+/// Writes the report of what the journal holds.
+fn report(output: &Path, rows: &[Row]) -> Result<(), String> {
+    let results = Results::new(rows);
+    if results.rows.is_empty() {
+        return Err("there is nothing to report".into());
+    }
+    let machine = std::fs::read_to_string(output.join("machine.json")).unwrap_or_default();
+    let mut machine: BTreeMap<String, Value> = serde_json::from_str(&machine).unwrap_or_default();
+    let versions: BTreeSet<&str> = results.rows.iter().map(|row| row.version.as_str()).collect();
+    machine.insert("versions".into(), json!(Vec::from_iter(versions).join("; ")));
+    let meshes: BTreeSet<&str> = results.rows.iter().map(|row| row.mesh.as_str()).collect();
+    let folders: BTreeSet<&str> =
+        meshes.iter().map(|mesh| mesh.rsplit_once('/').map_or("", |(folder, _)| folder)).collect();
+    let words = vec![
+        format!(
+            "{} runs on {} meshes ({}), each in a process of its own, one at a time, with caps on \
+             time and memory. All hulls are judged by the same `measure`. Lengths are shares of \
+             the mesh's bounding-box diagonal; Hausdorff is the error that curves are drawn by.",
+            results.rows.len(),
+            meshes.len(),
+            Vec::from_iter(folders).join(", ")
+        ),
+        "Seconds are the median of up to three repeats on one thread, reading and writing left \
+         out. CoACD and V-HACD 4 choose their threads themselves. Rows `coacd-files` are hull \
+         files that were computed on another machine, and so are their times. The memory is the \
+         peak of the process while it decomposes, mesh included. The cost is the paper's, for \
+         methods that group a surface."
+            .into(),
+    ];
+    let pictures = plots::pictures(&results)?;
+    let tables = results.tables();
+    page::write(&output.join("runs.csv"), &export::csv(&results))?;
+    let title = "Time against error";
+    let report = Report { title, words, machine: &machine, pictures: &pictures, tables: &tables };
+    report.write(output, "benchmark")
 }
 
 /// Runs what is not in the journal yet.
