@@ -12,6 +12,8 @@ mod json;
 mod measure;
 mod output;
 mod progress;
+#[cfg(feature = "bench")]
+mod stability;
 mod tables;
 
 use std::process::ExitCode;
@@ -36,6 +38,11 @@ enum Command {
     #[cfg(feature = "bench")]
     #[command(hide = true)]
     BenchRun(bench::worker::Arguments),
+    #[cfg(feature = "bench")]
+    Stability(stability::Arguments),
+    #[cfg(feature = "bench")]
+    #[command(hide = true)]
+    StabilityRun(stability::worker::Arguments),
 }
 
 /// Why the program ends with an error.
@@ -56,6 +63,10 @@ fn main() -> ExitCode {
         Command::Bench(arguments) => bench::run(&arguments),
         #[cfg(feature = "bench")]
         Command::BenchRun(arguments) => bench::worker::run(&arguments),
+        #[cfg(feature = "bench")]
+        Command::Stability(arguments) => stability::run(&arguments),
+        #[cfg(feature = "bench")]
+        Command::StabilityRun(arguments) => stability::worker::run(&arguments),
     };
     let (reason, code) = match result {
         Ok(()) => return ExitCode::SUCCESS,

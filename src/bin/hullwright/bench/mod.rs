@@ -1,18 +1,18 @@
 //! `hullwright bench`: every mesh × every method × a sweep of each method's own knob, every run in
 //! a process of its own, one at a time; then tables, curves and pictures.
 
-mod caps;
+pub mod caps;
 mod curves;
 mod export;
-mod machine;
-mod methods;
-mod page;
+pub mod machine;
+pub mod methods;
+pub mod page;
 mod peers;
-mod plan;
+pub mod plan;
 mod plots;
-mod record;
+pub mod record;
 mod summary;
-mod table;
+pub mod table;
 mod vhacd;
 pub mod worker;
 
@@ -27,7 +27,7 @@ use methods::Run;
 use page::Report;
 use peers::Peers;
 use plan::Mesh;
-use record::{Journal, Row, Status, Worked};
+use record::{Entry, Journal, Row, Status, Worked};
 use summary::Results;
 use worker::Line;
 
@@ -141,7 +141,7 @@ fn work(
     meshes: &[Mesh],
     peers: Option<&Peers>,
     caps: Caps,
-    journal: &mut Journal,
+    journal: &mut Journal<Row>,
 ) -> Result<(), Failure> {
     let versions = peers.map_or_else(Default::default, |peers| peers.versions.clone());
     for (number, mesh) in meshes.iter().enumerate() {

@@ -60,7 +60,8 @@ pub fn pictures(results: &Results<'_>) -> std::result::Result<Vec<Picture>, Stri
     let all = || -> Result<Vec<Picture>> {
         let picture =
             |file, title, note: &str, svg| Picture { file, title, note: note.into(), svg };
-        let means = "Lines join geometric means over the meshes that all settings shown have done.";
+        let means = "Large dots are geometric means over the meshes that all settings shown have \
+                     done; lines join those that no other setting of the method beats.";
         let mut pictures = vec![
             picture(
                 "error-time.svg",
@@ -81,6 +82,16 @@ pub fn pictures(results: &Results<'_>) -> std::result::Result<Vec<Picture>, Stri
             let note = "Mean seconds of each method's default setting, one thread.";
             let svg = draw(LARGE, &|area| stages(area, results))?;
             pictures.push(picture("stages.svg", "Time by stage", note, svg));
+        }
+        if let Some(shared) = results.shared_with_files() {
+            let note =
+                &format!("On the {} meshes of `coacd-files`. {means}", shared.meshes().len());
+            let svg = draw(LARGE, &|area| error_time(area, &shared, false))?;
+            let title = "Error against time where CoACD ran";
+            pictures.push(picture("error-time-coacd.svg", title, note, svg));
+            let svg = draw(LARGE, &|area| hulls_error(area, &shared))?;
+            let title = "Hulls against error where CoACD ran";
+            pictures.push(picture("hulls-error-coacd.svg", title, note, svg));
         }
         pictures.push(picture(
             "error-time-small.svg",
@@ -106,24 +117,18 @@ struct Mean {
     hulls: f64,
 }
 
-/// For each method its settings' means, by error, over the meshes that are done by all settings
-/// of all methods that have done most.
+/// For each method its settings' means, by error, over the meshes that all of these settings have
+/// done. Methods that ran on few meshes are left out: their means would be those of other meshes.
 fn means<'a>(results: &Results<'a>) -> Vec<(&'a str, Vec<Mean>)> {
-    let variants = results.variants();
     let done = |rows: &[&'a Row]| -> BTreeMap<&'a str, &'a Row> {
-        rows.iter()
-            .filter(|row| row.done().is_some())
-            .map(|row| (row.mesh.as_str(), *row))
-            .collect()
+        let done = rows.iter().filter(|row| row.done().is_some());
+        done.map(|row| (row.mesh.as_str(), *row)).collect()
     };
-    let done: Vec<_> = variants.iter().map(|(name, rows)| (*name, done(rows))).collect();
-    // A method that ran on few meshes would leave no mesh for the others: it is drawn on what it
-    // has in common with them, and the others on what most have.
+    let mut done: Vec<_> =
+        results.variants().iter().map(|(name, rows)| (*name, done(rows))).collect();
     let most = done.iter().map(|(_, rows)| rows.len()).max().unwrap_or(0);
-    let is_broad = |rows: &BTreeMap<&str, &Row>| 2 * rows.len() > most;
-    let common = |mesh: &&str| {
-        done.iter().filter(|(_, rows)| is_broad(rows)).all(|(_, rows)| rows.contains_key(mesh))
-    };
+    done.retain(|(_, rows)| 2 * rows.len() > most);
+    let common = |mesh: &&str| done.iter().all(|(_, rows)| rows.contains_key(mesh));
     let mut means: Vec<(&str, Vec<Mean>)> = Vec::new();
     for ((method, _), rows) in &done {
         let rows: Vec<_> = rows.iter().filter(|(mesh, _)| common(mesh)).collect();
@@ -167,7 +172,13 @@ fn room(values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
     let (low, high) = values
         .filter(|value| value.is_finite() && *value > 0.0)
         .fold((f64::INFINITY, 0.0_f64), |(low, high), value| (low.min(value), high.max(value)));
-    if low > high { 0.1..10.0 } else { low / 1.3..high * 1.3 }
+    if low > high {
+        return 0.1..10.0;
+    }
+    // Less than this would leave an axis with a single label.
+    const LEAST_SPAN: f64 = 20.0;
+    let factor = (LEAST_SPAN / (high / low)).sqrt().max(1.3);
+    low / factor..high * factor
 }
 
 fn label(value: &f64) -> String {
@@ -342,14 +353,16 @@ fn stage_seconds<'a>(results: &Results<'a>) -> Vec<(&'a str, Vec<(String, f64)>)
             continue;
         }
         let done: Vec<_> = rows.iter().filter_map(|row| row.done()).collect();
-        let mut sums: BTreeMap<String, f64> = BTreeMap::new();
-        for (worked, _) in &done {
-            for (stage, seconds) in &worked.stages {
-                *sums.entry(stage.clone()).or_default() += seconds / done.len() as f64;
+        let mut sums: Vec<(String, f64)> = Vec::new();
+        for (name, seconds) in done.iter().flat_map(|(worked, _)| &worked.stages) {
+            let share = seconds / done.len() as f64;
+            match sums.iter_mut().find(|(other, _)| other == name) {
+                Some((_, sum)) => *sum += share,
+                None => sums.push((name.clone(), share)),
             }
         }
         if !sums.is_empty() {
-            found.push((method, sums.into_iter().collect()));
+            found.push((method, sums));
         }
     }
     found
@@ -370,15 +383,12 @@ fn stages(area: &Area<'_>, results: &Results<'_>) -> Result<()> {
         RGBColor(60, 60, 60),
     ];
     let bars = stage_seconds(results);
-    let names: Vec<String> = {
-        let mut names: Vec<String> = bars
-            .iter()
-            .flat_map(|(_, stages)| stages.iter().map(|(name, _)| name.clone()))
-            .collect();
-        names.sort();
-        names.dedup();
-        names
-    };
+    let mut names: Vec<String> = Vec::new();
+    for (name, _) in bars.iter().flat_map(|(_, stages)| stages) {
+        if !names.contains(name) {
+            names.push(name.clone());
+        }
+    }
     let total = |stages: &[(String, f64)]| stages.iter().map(|(_, seconds)| seconds).sum::<f64>();
     let longest = bars.iter().map(|(_, stages)| total(stages)).fold(0.0, f64::max);
     let mut chart = ChartBuilder::on(area)

@@ -6,6 +6,7 @@ use std::io::{BufRead, BufReader, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use hullwright::measure::Measurement;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 /// How a run ended.
@@ -98,8 +99,8 @@ pub struct Worked {
     pub seconds_all_threads: Option<f64>,
     /// Whether the hulls were the same with all processors.
     pub same_with_all_threads: Option<bool>,
-    /// Seconds by stage, of the first repeat.
-    pub stages: BTreeMap<String, f64>,
+    /// Seconds by stage in the order of the work, of the first repeat.
+    pub stages: Vec<(String, f64)>,
     /// Highest memory in use while decomposing, mesh included, in bytes.
     pub peak_memory: Option<u64>,
     /// The paper's cost, where the method groups a surface.
@@ -128,14 +129,21 @@ pub struct Row {
 }
 
 /// What makes a run the same run.
-pub type Key = (String, String, String, String, String);
+pub type Key = [String; 5];
+
+/// What a journal keeps.
+pub trait Entry: Serialize + DeserializeOwned {
+    fn key(&self) -> Key;
+}
+
+impl Entry for Row {
+    fn key(&self) -> Key {
+        let Self { mesh, mesh_hash, method, setting, version, .. } = self;
+        [mesh, mesh_hash, method, setting, version].map(String::clone)
+    }
+}
 
 impl Row {
-    pub fn key(&self) -> Key {
-        let Self { mesh, mesh_hash, method, setting, version, .. } = self;
-        (mesh.clone(), mesh_hash.clone(), method.clone(), setting.clone(), version.clone())
-    }
-
     /// Hulls and their measurement, of a run that has both.
     pub fn done(&self) -> Option<(&Worked, &Judged)> {
         if self.status == Status::Done {
@@ -147,13 +155,13 @@ impl Row {
 }
 
 /// A file of rows that only grows, so that whatever happens, what is done stays done.
-pub struct Journal {
+pub struct Journal<T> {
     file: File,
-    rows: Vec<Row>,
+    rows: Vec<T>,
     keys: HashSet<Key>,
 }
 
-impl Journal {
+impl<T: Entry> Journal<T> {
     /// Opens a journal and reads what it holds. A last line that was cut off is dropped; a broken
     /// line elsewhere is an error.
     pub fn open(path: &Path) -> Result<Self, String> {
@@ -174,7 +182,7 @@ impl Journal {
             if !line.ends_with('\n') {
                 break;
             }
-            let row: Row = serde_json::from_str(&line)
+            let row: T = serde_json::from_str(&line)
                 .map_err(|error| say(&format!("line {number}: {error}")))?;
             whole += length as u64;
             if keys.insert(row.key()) {
@@ -190,7 +198,7 @@ impl Journal {
         self.keys.contains(key)
     }
 
-    pub fn add(&mut self, row: Row) -> Result<(), String> {
+    pub fn add(&mut self, row: T) -> Result<(), String> {
         let mut line = serde_json::to_string(&row).map_err(|error| error.to_string())?;
         line.push('\n');
         let write = self.file.write_all(line.as_bytes()).and_then(|()| self.file.flush());
@@ -200,7 +208,7 @@ impl Journal {
         Ok(())
     }
 
-    pub fn rows(&self) -> &[Row] {
+    pub fn rows(&self) -> &[T] {
         &self.rows
     }
 }
@@ -253,7 +261,8 @@ mod tests {
         assert_eq!(journal.rows(), [row("a", "1")]);
         journal.add(row("a", "3")).unwrap();
         drop(journal);
-        assert_eq!(Journal::open(&path).unwrap().rows(), [row("a", "1"), row("a", "3")]);
+        let journal = Journal::open(&path).unwrap();
+        assert_eq!(journal.rows(), [row("a", "1"), row("a", "3")]);
     }
 
     #[test]
@@ -261,6 +270,6 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("runs.jsonl");
         std::fs::write(&path, "nonsense\n{}\n").unwrap();
-        assert!(Journal::open(&path).err().unwrap().contains("line 1"));
+        assert!(Journal::<Row>::open(&path).err().unwrap().contains("line 1"));
     }
 }

@@ -31,6 +31,22 @@ impl<'a> Results<'a> {
         Self { rows: latest.into_values().collect() }
     }
 
+    pub fn meshes(&self) -> BTreeSet<&'a str> {
+        self.rows.iter().map(|row| row.mesh.as_str()).collect()
+    }
+
+    /// What there is on the meshes that CoACD's hull files are for, if not on all.
+    pub fn shared_with_files(&self) -> Option<Self> {
+        let is_file = |row: &&&Row| row.method == "coacd-files" && row.done().is_some();
+        let meshes: BTreeSet<&str> =
+            self.rows.iter().filter(is_file).map(|row| row.mesh.as_str()).collect();
+        if meshes.is_empty() || meshes == self.meshes() {
+            return None;
+        }
+        let rows = self.rows.iter().filter(|row| meshes.contains(row.mesh.as_str()));
+        Some(Self { rows: rows.copied().collect() })
+    }
+
     pub fn methods(&self) -> Vec<&'a str> {
         let used: BTreeSet<&str> = self.rows.iter().map(|row| row.method.as_str()).collect();
         METHODS.into_iter().filter(|method| used.contains(method)).collect()
@@ -72,6 +88,13 @@ impl<'a> Results<'a> {
 
     pub fn tables(&self) -> Vec<Table> {
         let mut tables = vec![self.medians(), self.means(), self.against(), self.success()];
+        if let Some(shared) = self.shared_with_files() {
+            let count = shared.meshes().len();
+            let mut table = shared.medians();
+            table.title = "Medians where CoACD ran".into();
+            table.note = format!("Over the {count} meshes of `coacd-files`, as far as done.");
+            tables.push(table);
+        }
         tables.extend(self.folders());
         tables.extend(self.where_others_win());
         tables

@@ -49,7 +49,7 @@ const ENOUGH_SECONDS: f64 = 0.5;
 #[derive(Default)]
 struct Output {
     hulls: Vec<HullMesh>,
-    stages: BTreeMap<String, f64>,
+    stages: Vec<(String, f64)>,
     cost: Option<f64>,
     details: BTreeMap<String, Value>,
 }
