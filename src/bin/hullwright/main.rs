@@ -11,6 +11,8 @@ mod inspect;
 mod json;
 mod measure;
 mod output;
+#[cfg(feature = "bench")]
+mod paper;
 mod progress;
 #[cfg(feature = "bench")]
 mod stability;
@@ -39,6 +41,8 @@ enum Command {
     #[command(hide = true)]
     BenchRun(bench::worker::Arguments),
     #[cfg(feature = "bench")]
+    Paper(paper::Arguments),
+    #[cfg(feature = "bench")]
     Stability(stability::Arguments),
     #[cfg(feature = "bench")]
     #[command(hide = true)]
@@ -63,6 +67,8 @@ fn main() -> ExitCode {
         Command::Bench(arguments) => bench::run(&arguments),
         #[cfg(feature = "bench")]
         Command::BenchRun(arguments) => bench::worker::run(&arguments),
+        #[cfg(feature = "bench")]
+        Command::Paper(arguments) => paper::run(&arguments),
         #[cfg(feature = "bench")]
         Command::Stability(arguments) => stability::run(&arguments),
         #[cfg(feature = "bench")]

@@ -14,6 +14,9 @@ pub enum Run {
     Hacd { threshold: f64 },
     /// Parry's, as Rapier calls it.
     Vhacd { concavity: f64, resolution: u32 },
+    /// Parry's, asked for at most so many hulls, however concave they are. It turns the number
+    /// into a depth of cuts, so that it counts as the next power of two.
+    VhacdHulls { hulls: u32 },
     /// V-HACD 4 from its own library, through `peers.py`.
     Vhacd4 { hulls: u32 },
     /// CoACD, through `peers.py`.
@@ -87,6 +90,7 @@ impl Run {
             Self::Hacd { threshold } | Self::Coacd { threshold } => threshold == 0.05,
             Self::Vhacd { .. } => *self == Self::VHACD_DEFAULT,
             Self::Vhacd4 { hulls } => hulls == 64,
+            Self::VhacdHulls { .. } => false,
         }
     }
 
@@ -96,6 +100,7 @@ impl Run {
             Self::Bounded { .. } => "bounded",
             Self::Hacd { .. } => "hacd",
             Self::Vhacd { .. } => "vhacd",
+            Self::VhacdHulls { .. } => "vhacd-hulls",
             Self::Vhacd4 { .. } => "vhacd4",
             Self::Coacd { .. } => "coacd",
             Self::CoacdFiles => "coacd-files",
@@ -110,6 +115,7 @@ impl Run {
             Self::Vhacd { concavity, resolution } => {
                 format!("concavity {concavity}, resolution {resolution}")
             }
+            Self::VhacdHulls { hulls } => format!("at most {hulls} hulls"),
             Self::Vhacd4 { hulls } => format!("hulls {hulls}, flood fill"),
             Self::Coacd { threshold } => format!("threshold {threshold}"),
             Self::CoacdFiles => "threshold 0.05, from files".into(),
@@ -126,6 +132,7 @@ impl Run {
             "bounded" => Self::Bounded { error: number? },
             "hacd" => Self::Hacd { threshold: number? },
             "vhacd" => Self::Vhacd { concavity: number?, resolution: *numbers.get(1)? as u32 },
+            "vhacd-hulls" => Self::VhacdHulls { hulls: number? as u32 },
             "vhacd4" => Self::Vhacd4 { hulls: number? as u32 },
             "coacd" => Self::Coacd { threshold: number? },
             "coacd-files" => Self::CoacdFiles,
@@ -140,7 +147,7 @@ impl Run {
             Self::Surface | Self::Bounded { .. } | Self::Hacd { .. } => {
                 format!("hullwright {ours}, algorithm {}", hullwright::ALGORITHM_VERSION)
             }
-            Self::Vhacd { .. } => format!("parry3d {}", parry_version()),
+            Self::Vhacd { .. } | Self::VhacdHulls { .. } => format!("parry3d {}", parry_version()),
             Self::Vhacd4 { .. } => format!("vhacdx {}", peers[1]),
             Self::Coacd { .. } => format!("coacd {}", peers[0]),
             Self::CoacdFiles => "coacd 1.0.14".into(),
@@ -188,7 +195,7 @@ mod tests {
     #[test]
     fn a_run_is_what_its_name_says() {
         let mut all = Run::own();
-        all.extend([Run::Bounded { error: 0.0075 }, Run::CoacdFiles]);
+        all.extend([Run::Bounded { error: 0.0075 }, Run::VhacdHulls { hulls: 7 }, Run::CoacdFiles]);
         all.extend(Run::vhacd4());
         all.extend(Run::coacd());
         for run in all {

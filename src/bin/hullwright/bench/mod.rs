@@ -2,12 +2,12 @@
 //! a process of its own, one at a time; then tables, curves and pictures.
 
 pub mod caps;
-mod curves;
+pub mod curves;
 mod export;
 pub mod machine;
 pub mod methods;
 pub mod page;
-mod peers;
+pub mod peers;
 pub mod plan;
 mod plots;
 pub mod record;
@@ -151,7 +151,8 @@ fn work(
             if journal.has(&row.key()) {
                 continue;
             }
-            execute(&run, mesh, peers, caps, arguments, &mut row).map_err(Failure::Work)?;
+            let scratch = arguments.output.join("peer-hulls.obj");
+            execute(&run, mesh, peers, caps, &scratch, &mut row).map_err(Failure::Work)?;
             print(&progress(number + 1, meshes.len(), &row))?;
             journal.add(row).map_err(Failure::Work)?;
         }
@@ -159,7 +160,7 @@ fn work(
     Ok(())
 }
 
-fn blank_row(mesh: &Mesh, run: &Run, version: String) -> Row {
+pub fn blank_row(mesh: &Mesh, run: &Run, version: String) -> Row {
     Row {
         mesh: mesh.name.clone(),
         mesh_bytes: mesh.bytes,
@@ -175,16 +176,15 @@ fn blank_row(mesh: &Mesh, run: &Run, version: String) -> Row {
     }
 }
 
-/// Does one run, and writes into the row what came of it.
-fn execute(
+/// Does one run, and writes into the row what came of it. `scratch` is a file that it may use.
+pub fn execute(
     run: &Run,
     mesh: &Mesh,
     peers: Option<&Peers>,
     caps: Caps,
-    arguments: &Arguments,
+    scratch: &Path,
     row: &mut Row,
 ) -> Result<(), String> {
-    let scratch = arguments.output.join("peer-hulls.obj");
     let hulls = match (run, peers) {
         (Run::CoacdFiles, Some(peers)) => {
             let seconds = peers.seconds_elsewhere(&mesh.name).unwrap_or(0.0);
@@ -193,14 +193,14 @@ fn execute(
             Some(peers.hulls_of(&mesh.name))
         }
         (Run::Coacd { .. } | Run::Vhacd4 { .. }, Some(peers)) => {
-            match peers.run(run, &mesh.name, &mesh.path, &scratch, caps)? {
+            match peers.run(run, &mesh.name, &mesh.path, scratch, caps)? {
                 Ok(worked) => row.worked = Some(worked),
                 Err((status, reason)) => {
                     (row.status, row.reason) = (status, reason);
                     return Ok(());
                 }
             }
-            Some(scratch.clone())
+            Some(scratch.to_owned())
         }
         _ => None,
     };
@@ -222,7 +222,7 @@ fn execute(
         (row.status, row.reason) = (Status::Error, "it ended without a result".into());
     }
     // What it left behind is of no use to anybody.
-    let _ = std::fs::remove_file(&scratch);
+    let _ = std::fs::remove_file(scratch);
     Ok(())
 }
 

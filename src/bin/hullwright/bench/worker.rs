@@ -93,7 +93,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     say(&Line::Judged(Box::new(judge(&mesh, &hulls).map_err(work)?)))?;
 
     // Parry has no such mode (its `parallel` feature is for something else).
-    if matches!(run, Run::Vhacd { .. }) {
+    if vhacd::parameters(&run).is_some() {
         return Ok(());
     }
     let together = pool(0)?;
@@ -126,8 +126,8 @@ fn judge(mesh: &MeshFile, hulls: &[HullMesh]) -> Result<Judged, Error> {
 fn decompose(run: &Run, mesh: &MeshFile, parallel: bool) -> Result<Output, Error> {
     let MeshFile { positions, triangles, .. } = mesh;
     let control = Control::new();
-    if let Run::Vhacd { concavity, resolution } = *run {
-        let hulls = vhacd::decompose(positions, triangles, concavity, resolution);
+    if let Some(parameters) = vhacd::parameters(run) {
+        let hulls = vhacd::decompose(positions, triangles, &parameters);
         return Ok(Output { hulls, ..Output::default() });
     }
     if let Some(mut parameters) = run.hacd_parameters() {
