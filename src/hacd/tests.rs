@@ -206,8 +206,7 @@ fn threads_and_scale_change_nothing() {
 #[test]
 fn values_that_mean_nothing_are_refused() {
     let mesh = square();
-    let mut parameters = HacdParameters::default();
-    parameters.concavity_threshold = 0.0;
+    let parameters = HacdParameters { concavity_threshold: 0.0, ..HacdParameters::default() };
     let refused = decompose(&mesh.positions, &mesh.triangles, &parameters, &Control::new());
     assert!(matches!(refused, Err(Error::InvalidParameter { name: "concavity_threshold", .. })));
 }

@@ -72,6 +72,10 @@ pub struct Arguments {
     #[arg(long, value_name = "MB", default_value_t = 4096)]
     memory_cap: u64,
 
+    /// Repeat runs that ended in an error, a crash or at a cap
+    #[arg(long)]
+    retry: bool,
+
     /// Run nothing, only write the report of what is there
     #[arg(long)]
     report_only: bool,
@@ -148,7 +152,8 @@ fn work(
         let runs = plan::runs(mesh, arguments.quick, peers, &arguments.only);
         for run in runs {
             let mut row = blank_row(mesh, &run, run.version(&versions));
-            if journal.has(&row.key()) {
+            let before = journal.get(&row.key());
+            if before.is_some_and(|row| row.status == Status::Done || !arguments.retry) {
                 continue;
             }
             let scratch = arguments.output.join("peer-hulls.obj");

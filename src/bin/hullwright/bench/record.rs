@@ -1,6 +1,6 @@
 //! What became of a run: one row, one line of JSON in a file that only grows.
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::{BTreeMap, HashMap};
 use std::fs::{File, OpenOptions};
 use std::io::{BufRead, BufReader, Seek, SeekFrom, Write};
 use std::path::Path;
@@ -154,11 +154,12 @@ impl Row {
     }
 }
 
-/// A file of rows that only grows, so that whatever happens, what is done stays done.
+/// A file of rows that only grows, so that whatever happens, what is done stays done. Of several
+/// rows with the same key the last counts.
 pub struct Journal<T> {
     file: File,
     rows: Vec<T>,
-    keys: HashSet<Key>,
+    places: HashMap<Key, usize>,
 }
 
 impl<T: Entry> Journal<T> {
@@ -173,7 +174,8 @@ impl<T: Entry> Journal<T> {
             .write(true)
             .open(path)
             .map_err(|error| say(&error))?;
-        let (mut rows, mut keys, mut whole) = (Vec::new(), HashSet::new(), 0);
+        let mut whole = 0;
+        let mut rows = Vec::new();
         let mut reader = BufReader::new(&file);
         let mut line = String::new();
         for number in 1.. {
@@ -185,17 +187,27 @@ impl<T: Entry> Journal<T> {
             let row: T = serde_json::from_str(&line)
                 .map_err(|error| say(&format!("line {number}: {error}")))?;
             whole += length as u64;
-            if keys.insert(row.key()) {
-                rows.push(row);
-            }
+            rows.push(row);
         }
         file.set_len(whole).map_err(|error| say(&error))?;
         file.seek(SeekFrom::End(0)).map_err(|error| say(&error))?;
-        Ok(Self { file, rows, keys })
+        let mut journal = Self { file, rows: Vec::new(), places: HashMap::new() };
+        rows.into_iter().for_each(|row| journal.keep(row));
+        Ok(journal)
     }
 
-    pub fn has(&self, key: &Key) -> bool {
-        self.keys.contains(key)
+    fn keep(&mut self, row: T) {
+        match self.places.get(&row.key()) {
+            Some(&place) => self.rows[place] = row,
+            None => {
+                self.places.insert(row.key(), self.rows.len());
+                self.rows.push(row);
+            }
+        }
+    }
+
+    pub fn get(&self, key: &Key) -> Option<&T> {
+        self.places.get(key).map(|&place| &self.rows[place])
     }
 
     pub fn add(&mut self, row: T) -> Result<(), String> {
@@ -203,8 +215,7 @@ impl<T: Entry> Journal<T> {
         line.push('\n');
         let write = self.file.write_all(line.as_bytes()).and_then(|()| self.file.flush());
         write.map_err(|error| format!("the journal: {error}"))?;
-        self.keys.insert(row.key());
-        self.rows.push(row);
+        self.keep(row);
         Ok(())
     }
 
@@ -241,10 +252,24 @@ mod tests {
         journal.add(row("a", "1")).unwrap();
         journal.add(row("a", "2")).unwrap();
         drop(journal);
-        let journal = Journal::open(&path).unwrap();
+        let journal = Journal::<Row>::open(&path).unwrap();
         assert_eq!(journal.rows(), [row("a", "1"), row("a", "2")]);
-        assert!(journal.has(&row("a", "2").key()));
-        assert!(!journal.has(&row("b", "2").key()));
+        assert!(journal.get(&row("a", "2").key()).is_some());
+        assert!(journal.get(&row("b", "2").key()).is_none());
+    }
+
+    #[test]
+    fn of_a_run_that_was_repeated_the_last_row_counts() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("runs.jsonl");
+        let mut journal = Journal::open(&path).unwrap();
+        let again = Row { status: Status::Done, ..row("a", "1") };
+        journal.add(row("a", "1")).unwrap();
+        journal.add(row("a", "2")).unwrap();
+        journal.add(again.clone()).unwrap();
+        assert_eq!(journal.rows(), [again.clone(), row("a", "2")]);
+        drop(journal);
+        assert_eq!(Journal::<Row>::open(&path).unwrap().rows(), [again, row("a", "2")]);
     }
 
     #[test]
@@ -261,7 +286,7 @@ mod tests {
         assert_eq!(journal.rows(), [row("a", "1")]);
         journal.add(row("a", "3")).unwrap();
         drop(journal);
-        let journal = Journal::open(&path).unwrap();
+        let journal = Journal::<Row>::open(&path).unwrap();
         assert_eq!(journal.rows(), [row("a", "1"), row("a", "3")]);
     }
 

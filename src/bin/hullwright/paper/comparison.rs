@@ -110,14 +110,15 @@ pub fn vhacd(shared: &Shared) -> Result<Vec<Table>, String> {
         let ours = surface(&file, &SurfaceParameters::paper())?;
         let judged = Judged::from(&judge(&file, &ours.hulls)?);
         table.rows.push(row(&name, "surface", NOTHING.into(), &judged, ours.seconds));
-        let mut methods: Vec<(&str, fn(u32) -> Run)> =
-            vec![("V-HACD in Parry", |hulls| Run::VhacdHulls { hulls })];
-        if has_library {
-            methods.push(("V-HACD 4", |hulls| Run::Vhacd4 { hulls }));
-        }
-        for (method, run) in methods {
+        for (method, is_parry) in [("V-HACD in Parry", true), ("V-HACD 4", false)] {
+            if !is_parry && !has_library {
+                continue;
+            }
             let pieces = ours.pieces as u32;
-            let run_with = |hulls| shared.apart(&run(hulls), &paper_row.mesh);
+            let run_with = |hulls| {
+                let run = if is_parry { Run::VhacdHulls { hulls } } else { Run::Vhacd4 { hulls } };
+                shared.apart(&run, &paper_row.mesh)
+            };
             if let Some((worked, equal)) = run_with(pieces)? {
                 table.rows.push(row(&name, method, pieces.to_string(), &equal, worked.seconds));
             }

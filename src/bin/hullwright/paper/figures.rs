@@ -52,7 +52,8 @@ pub fn table1(shared: &Shared) -> Result<Vec<Table>, String> {
     let note = format!("The paper's method on {} Princeton meshes.", all.len());
     let header = ["what", "least", "median", "mean", "most"];
     let mut table = Table::new("Table 1 over all Princeton meshes", &note, &header);
-    let figures: [(&str, fn(&Found) -> f64); 4] = [
+    type Figure = fn(&Found) -> f64;
+    let figures: [(&str, Figure); 4] = [
         ("pieces", |found| found.pieces as f64),
         ("average pieces", |found| found.average_pieces),
         ("seconds", |found| found.seconds),

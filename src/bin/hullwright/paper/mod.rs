@@ -46,6 +46,8 @@ pub struct Arguments {
     time_cap: u64,
 }
 
+type Experiment = fn(&Shared) -> Result<Vec<Table>, String>;
+
 /// Most memory of a run of V-HACD, in bytes.
 const MEMORY_CAP: u64 = 4 << 30;
 
@@ -66,7 +68,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         scratch: output.join("peer-hulls.obj"),
         caps,
     };
-    let experiments: [(&str, fn(&Shared) -> Result<Vec<Table>, String>); 10] = [
+    let experiments: [(&str, Experiment); 10] = [
         ("Table 1", figures::table1),
         ("comparison with HACD", comparison::hacd),
         ("comparison with V-HACD", comparison::vhacd),

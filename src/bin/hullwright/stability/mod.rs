@@ -103,7 +103,8 @@ fn vary(mesh: &Mesh, run: &Run, journal: &mut Journal<Row>) -> Result<(), String
     let (method, setting) = (run.method(), run.setting());
     loop {
         let is_done = |place: &usize| {
-            journal.has(&key(&mesh.name, &mesh.hash, (method, &setting), &version, *place))
+            let run = (method, &setting[..]);
+            journal.get(&key(&mesh.name, &mesh.hash, run, &version, *place)).is_some()
         };
         let Some(from) = (0..all.len()).find(|place| !is_done(place)) else { return Ok(()) };
         let ended = caps::run(
