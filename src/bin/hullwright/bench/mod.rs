@@ -18,7 +18,7 @@ pub mod worker;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
@@ -95,11 +95,26 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             meshes = plan::spread(meshes, plan::QUICK_MESHES);
         }
         let peers = arguments.peers.as_ref().map(|folder| Peers::new(folder, &arguments.python));
+        let start = Instant::now();
         work(arguments, &meshes, peers.as_ref(), caps, &mut journal)?;
-        let machine = serde_json::to_string_pretty(&machine::describe(caps)).unwrap_or_default();
-        page::write(&output.join("machine.json"), &machine).map_err(Failure::Work)?;
+        let mut machine = machine::describe(caps);
+        // Of this and of the sessions before, where it was stopped and went on.
+        let before = recorded_machine(output).get(SECONDS).and_then(Value::as_f64).unwrap_or(0.0);
+        machine.insert(SECONDS.into(), json!((before + start.elapsed().as_secs_f64()).round()));
+        let text = serde_json::to_string_pretty(&machine).unwrap_or_default();
+        page::write(&output.join(MACHINE), &text).map_err(Failure::Work)?;
     }
     report(output, journal.rows()).map_err(Failure::Work)
+}
+
+/// The file that says on what machine the runs were done, and how long they all took.
+const MACHINE: &str = "machine.json";
+const SECONDS: &str = "seconds_of_the_whole_benchmark";
+
+/// What is known of the sessions before; nothing at the first.
+fn recorded_machine(output: &Path) -> BTreeMap<String, Value> {
+    let text = std::fs::read_to_string(output.join(MACHINE)).unwrap_or_default();
+    serde_json::from_str(&text).unwrap_or_default()
 }
 
 /// Writes the report of what the journal holds.
@@ -108,8 +123,7 @@ fn report(output: &Path, rows: &[Row]) -> Result<(), String> {
     if results.rows.is_empty() {
         return Err("there is nothing to report".into());
     }
-    let machine = std::fs::read_to_string(output.join("machine.json")).unwrap_or_default();
-    let mut machine: BTreeMap<String, Value> = serde_json::from_str(&machine).unwrap_or_default();
+    let mut machine = recorded_machine(output);
     let versions: BTreeSet<&str> = results.rows.iter().map(|row| row.version.as_str()).collect();
     machine.insert("versions".into(), json!(Vec::from_iter(versions).join("; ")));
     let meshes: BTreeSet<&str> = results.rows.iter().map(|row| row.mesh.as_str()).collect();
