@@ -28,6 +28,7 @@
 //! | `surface::cost` | concavity cost, equation (3) | 3.4.3 |
 //! | `surface::resolution_selection` | the search over maximum resolutions R | 3.5 |
 //! | `surface::group_merging` | small groups join their neighbours | 3.6 |
+//! | `hacd` (feature `bench`) | HACD, which the paper compares itself with | 4.2 |
 //! | `hull` | convex hulls of the groups, thickness of flat ones, vertex cap | 3.6 |
 //! | `field` | distance to the surface, generalized winding number | – |
 //! | `measure` | judges any set of hulls against a mesh | – |
@@ -41,6 +42,8 @@ mod decompose;
 mod decomposition;
 mod error;
 mod field;
+#[cfg(feature = "bench")]
+pub mod hacd;
 pub mod hull;
 mod inspect;
 #[cfg(feature = "io")]

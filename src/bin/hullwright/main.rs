@@ -4,12 +4,18 @@
 //! Exit code 0 is success, 1 an error in the input or the work, 2 wrong usage.
 
 mod arguments;
+#[cfg(feature = "bench")]
+mod bench;
 mod decompose;
 mod inspect;
 mod json;
 mod measure;
 mod output;
+#[cfg(feature = "bench")]
+mod paper;
 mod progress;
+#[cfg(feature = "bench")]
+mod stability;
 mod tables;
 
 use std::process::ExitCode;
@@ -29,6 +35,18 @@ enum Command {
     Decompose(decompose::Arguments),
     Inspect(inspect::Arguments),
     Measure(measure::Arguments),
+    #[cfg(feature = "bench")]
+    Bench(bench::Arguments),
+    #[cfg(feature = "bench")]
+    #[command(hide = true)]
+    BenchRun(bench::worker::Arguments),
+    #[cfg(feature = "bench")]
+    Paper(paper::Arguments),
+    #[cfg(feature = "bench")]
+    Stability(stability::Arguments),
+    #[cfg(feature = "bench")]
+    #[command(hide = true)]
+    StabilityRun(stability::worker::Arguments),
 }
 
 /// Why the program ends with an error.
@@ -45,6 +63,16 @@ fn main() -> ExitCode {
         Command::Decompose(arguments) => decompose::run(&arguments),
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Measure(arguments) => measure::run(&arguments),
+        #[cfg(feature = "bench")]
+        Command::Bench(arguments) => bench::run(&arguments),
+        #[cfg(feature = "bench")]
+        Command::BenchRun(arguments) => bench::worker::run(&arguments),
+        #[cfg(feature = "bench")]
+        Command::Paper(arguments) => paper::run(&arguments),
+        #[cfg(feature = "bench")]
+        Command::Stability(arguments) => stability::run(&arguments),
+        #[cfg(feature = "bench")]
+        Command::StabilityRun(arguments) => stability::worker::run(&arguments),
     };
     let (reason, code) = match result {
         Ok(()) => return ExitCode::SUCCESS,

@@ -1,0 +1,260 @@
+//! `hullwright bench`: every mesh × every method × a sweep of each method's own knob, every run in
+//! a process of its own, one at a time; then tables, curves and pictures.
+
+pub mod caps;
+pub mod curves;
+mod export;
+pub mod machine;
+pub mod methods;
+pub mod page;
+pub mod peers;
+pub mod plan;
+mod plots;
+pub mod record;
+mod summary;
+pub mod table;
+mod vhacd;
+pub mod worker;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+
+use caps::Caps;
+use methods::Run;
+use page::Report;
+use peers::Peers;
+use plan::Mesh;
+use record::{Entry, Journal, Row, Status, Worked};
+use summary::Results;
+use worker::Line;
+
+use crate::Failure;
+use crate::output::print;
+
+/// Compare methods on every mesh below folders: time against error
+///
+/// Runs are kept in REPORT/runs.jsonl as they end; a run that is there is not repeated, so that a
+/// benchmark that was stopped goes on where it was. Then the report is written anew.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Folders with meshes: obj, off, ply, stl, gltf or glb
+    #[arg(required = true, value_name = "DIR")]
+    folders: Vec<PathBuf>,
+
+    /// The folder that the report goes to
+    #[arg(short, long, value_name = "REPORT")]
+    output: PathBuf,
+
+    /// A few meshes of each folder, and of the methods surface, bounded and V-HACD
+    #[arg(long)]
+    quick: bool,
+
+    /// Only these methods, by name, separated by commas
+    #[arg(long, value_name = "METHODS", value_delimiter = ',')]
+    only: Vec<String>,
+
+    /// A folder with tools/peers.py and peers/results.tsv, for CoACD and V-HACD 4
+    #[arg(long, value_name = "DIR")]
+    peers: Option<PathBuf>,
+
+    /// The Python that has the packages coacd, vhacdx and trimesh
+    #[arg(long, value_name = "PROGRAM", default_value = "python3")]
+    python: String,
+
+    /// Longest time of a run, in seconds
+    #[arg(long, value_name = "SECONDS", default_value_t = 300.0)]
+    time_cap: f64,
+
+    /// Most memory of a run, in megabytes
+    #[arg(long, value_name = "MB", default_value_t = 4096)]
+    memory_cap: u64,
+
+    /// Repeat runs that ended in an error, a crash or at a cap
+    #[arg(long)]
+    retry: bool,
+
+    /// Run nothing, only write the report of what is there
+    #[arg(long)]
+    report_only: bool,
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let time = Duration::try_from_secs_f64(arguments.time_cap)
+        .map_err(|_| Failure::Usage("the time cap must be a time".into()))?;
+    let caps = Caps { time, memory: arguments.memory_cap.saturating_mul(1 << 20) };
+    let output = &arguments.output;
+    std::fs::create_dir_all(output)
+        .map_err(|error| Failure::Work(format!("{}: {error}", output.display())))?;
+    let mut journal = Journal::open(&output.join("runs.jsonl")).map_err(Failure::Work)?;
+    if !arguments.report_only {
+        let mut meshes = plan::meshes(&arguments.folders).map_err(Failure::Work)?;
+        if arguments.quick {
+            meshes = plan::spread(meshes, plan::QUICK_MESHES);
+        }
+        let peers = arguments.peers.as_ref().map(|folder| Peers::new(folder, &arguments.python));
+        let start = Instant::now();
+        work(arguments, &meshes, peers.as_ref(), caps, &mut journal)?;
+        let mut machine = machine::describe(caps);
+        // Of this and of the sessions before, where it was stopped and went on.
+        let before = recorded_machine(output).get(SECONDS).and_then(Value::as_f64).unwrap_or(0.0);
+        machine.insert(SECONDS.into(), json!((before + start.elapsed().as_secs_f64()).round()));
+        let text = serde_json::to_string_pretty(&machine).unwrap_or_default();
+        page::write(&output.join(MACHINE), &text).map_err(Failure::Work)?;
+    }
+    report(output, journal.rows()).map_err(Failure::Work)
+}
+
+/// The file that says on what machine the runs were done, and how long they all took.
+const MACHINE: &str = "machine.json";
+const SECONDS: &str = "seconds_of_the_whole_benchmark";
+
+/// What is known of the sessions before; nothing at the first.
+fn recorded_machine(output: &Path) -> BTreeMap<String, Value> {
+    let text = std::fs::read_to_string(output.join(MACHINE)).unwrap_or_default();
+    serde_json::from_str(&text).unwrap_or_default()
+}
+
+/// Writes the report of what the journal holds.
+fn report(output: &Path, rows: &[Row]) -> Result<(), String> {
+    let results = Results::new(rows);
+    if results.rows.is_empty() {
+        return Err("there is nothing to report".into());
+    }
+    let mut machine = recorded_machine(output);
+    let versions: BTreeSet<&str> = results.rows.iter().map(|row| row.version.as_str()).collect();
+    machine.insert("versions".into(), json!(Vec::from_iter(versions).join("; ")));
+    let meshes: BTreeSet<&str> = results.rows.iter().map(|row| row.mesh.as_str()).collect();
+    let folders: BTreeSet<&str> =
+        meshes.iter().map(|mesh| mesh.rsplit_once('/').map_or("", |(folder, _)| folder)).collect();
+    let words = vec![
+        format!(
+            "{} runs on {} meshes ({}), each in a process of its own, one at a time, with caps on \
+             time and memory. All hulls are judged by the same `measure`. Lengths are shares of \
+             the mesh's bounding-box diagonal; Hausdorff is the error that curves are drawn by.",
+            results.rows.len(),
+            meshes.len(),
+            Vec::from_iter(folders).join(", ")
+        ),
+        "Seconds are the median of up to three repeats on one thread, reading and writing left \
+         out. CoACD and V-HACD 4 choose their threads themselves. Rows `coacd-files` are hull \
+         files that were computed on another machine, and so are their times. The memory is the \
+         peak of the process while it decomposes, mesh included. The cost is the paper's, for \
+         methods that group a surface."
+            .into(),
+    ];
+    let pictures = plots::pictures(&results)?;
+    let tables = results.tables();
+    page::write(&output.join("runs.csv"), &export::csv(&results))?;
+    let title = "Time against error";
+    let report = Report { title, words, machine: &machine, pictures: &pictures, tables: &tables };
+    report.write(output, "benchmark")
+}
+
+/// Runs what is not in the journal yet.
+fn work(
+    arguments: &Arguments,
+    meshes: &[Mesh],
+    peers: Option<&Peers>,
+    caps: Caps,
+    journal: &mut Journal<Row>,
+) -> Result<(), Failure> {
+    let versions = peers.map_or_else(Default::default, |peers| peers.versions.clone());
+    for (number, mesh) in meshes.iter().enumerate() {
+        let runs = plan::runs(mesh, arguments.quick, peers, &arguments.only);
+        for run in runs {
+            let mut row = blank_row(mesh, &run, run.version(&versions));
+            let before = journal.get(&row.key());
+            if before.is_some_and(|row| row.status == Status::Done || !arguments.retry) {
+                continue;
+            }
+            let scratch = arguments.output.join("peer-hulls.obj");
+            execute(&run, mesh, peers, caps, &scratch, &mut row).map_err(Failure::Work)?;
+            print(&progress(number + 1, meshes.len(), &row))?;
+            journal.add(row).map_err(Failure::Work)?;
+        }
+    }
+    Ok(())
+}
+
+pub fn blank_row(mesh: &Mesh, run: &Run, version: String) -> Row {
+    Row {
+        mesh: mesh.name.clone(),
+        mesh_bytes: mesh.bytes,
+        mesh_hash: mesh.hash.clone(),
+        method: run.method().into(),
+        setting: run.setting(),
+        version,
+        status: Status::Done,
+        reason: String::new(),
+        taken_elsewhere: false,
+        worked: None,
+        judged: None,
+    }
+}
+
+/// Does one run, and writes into the row what came of it. `scratch` is a file that it may use.
+pub fn execute(
+    run: &Run,
+    mesh: &Mesh,
+    peers: Option<&Peers>,
+    caps: Caps,
+    scratch: &Path,
+    row: &mut Row,
+) -> Result<(), String> {
+    let hulls = match (run, peers) {
+        (Run::CoacdFiles, Some(peers)) => {
+            let seconds = peers.seconds_elsewhere(&mesh.name).unwrap_or(0.0);
+            row.worked = Some(Worked { seconds, repeats: 1, ..Worked::default() });
+            row.taken_elsewhere = true;
+            Some(peers.hulls_of(&mesh.name))
+        }
+        (Run::Coacd { .. } | Run::Vhacd4 { .. }, Some(peers)) => {
+            match peers.run(run, &mesh.name, &mesh.path, scratch, caps)? {
+                Ok(worked) => row.worked = Some(worked),
+                Err((status, reason)) => {
+                    (row.status, row.reason) = (status, reason);
+                    return Ok(());
+                }
+            }
+            Some(scratch.to_owned())
+        }
+        _ => None,
+    };
+    let ended = caps::run(worker::command(&mesh.path, run, hulls.as_deref())?, caps)?;
+    (row.status, row.reason) = (ended.status, ended.reason);
+    for line in &ended.lines {
+        match serde_json::from_str(line).map_err(|error| format!("a worker said: {error}"))? {
+            Line::Worked(worked) => row.worked = Some(worked),
+            Line::Judged(judged) => row.judged = Some(*judged),
+            Line::AllThreads { seconds, same } => {
+                if let Some(worked) = &mut row.worked {
+                    worked.seconds_all_threads = Some(seconds);
+                    worked.same_with_all_threads = Some(same);
+                }
+            }
+        }
+    }
+    if row.status == Status::Done && row.judged.is_none() {
+        (row.status, row.reason) = (Status::Error, "it ended without a result".into());
+    }
+    // What it left behind is of no use to anybody.
+    let _ = std::fs::remove_file(scratch);
+    Ok(())
+}
+
+fn progress(number: usize, of: usize, row: &Row) -> String {
+    let Row { mesh, method, setting, .. } = row;
+    let what = match row.done() {
+        Some((worked, judged)) => format!(
+            "{:>4} hulls  error {:.4}  {}",
+            judged.hulls,
+            judged.hausdorff,
+            crate::output::time(worked.seconds)
+        ),
+        None => format!("{}: {}", row.status.name(), row.reason),
+    };
+    format!("{number:>3}/{of}  {mesh:<40} {method:<8} {setting:<32} {what}")
+}

@@ -1,0 +1,97 @@
+//! `hullwright paper`: the paper's own experiments (its section 4), on the meshes that can be told.
+//!
+//! The paper numbers its models within a set of its own; only those of its Table 1 can be told by
+//! their triangle counts. Figures that show other models are done on the meshes of their kind.
+
+mod ablation;
+mod comparison;
+mod figures;
+mod work;
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use crate::Failure;
+use crate::bench::caps::Caps;
+use crate::bench::machine;
+use crate::bench::page::Report;
+use crate::bench::peers::Peers;
+use crate::bench::plan;
+use crate::bench::table::Table;
+use crate::output::print;
+use work::Shared;
+
+/// Repeat the experiments of the paper that the surface method comes from
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// A folder with paper/table1.tsv, meshes/princeton, meshes/SOURCES.tsv and
+    /// meshes/common/spot.obj
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+
+    /// The folder that the report goes to
+    #[arg(short, long, value_name = "REPORT")]
+    output: PathBuf,
+
+    /// The Python that has the packages vhacdx and trimesh
+    #[arg(long, value_name = "PROGRAM", default_value = "python3")]
+    python: String,
+
+    /// Take only every so manyth of the Princeton meshes
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    every: usize,
+
+    /// Longest time of one run of HACD or V-HACD, in seconds
+    #[arg(long, value_name = "SECONDS", default_value_t = 300)]
+    time_cap: u64,
+}
+
+type Experiment = fn(&Shared) -> Result<Vec<Table>, String>;
+
+/// Most memory of a run of V-HACD, in bytes.
+const MEMORY_CAP: u64 = 4 << 30;
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let output = &arguments.output;
+    std::fs::create_dir_all(output)
+        .map_err(|error| Failure::Work(format!("{}: {error}", output.display())))?;
+    let caps = Caps { time: Duration::from_secs(arguments.time_cap), memory: MEMORY_CAP };
+    let princeton = arguments.folder.join("meshes/princeton");
+    let mut meshes = plan::meshes(&[princeton]).map_err(Failure::Work)?;
+    let count = meshes.len() / arguments.every.max(1);
+    meshes = plan::spread(meshes, count.max(1));
+    let shared = Shared {
+        folder: arguments.folder.clone(),
+        table1: work::table1(&arguments.folder).map_err(Failure::Work)?,
+        princeton: meshes,
+        peers: Peers::new(&arguments.folder, &arguments.python),
+        scratch: output.join("peer-hulls.obj"),
+        caps,
+    };
+    let experiments: [(&str, Experiment); 10] = [
+        ("Table 1", figures::table1),
+        ("comparison with HACD", comparison::hacd),
+        ("comparison with V-HACD", comparison::vhacd),
+        ("hollow shapes", comparison::hollow),
+        ("ablation of p", ablation::planar_threshold),
+        ("ablation of r", ablation::resolution),
+        ("a", ablation::angular_threshold),
+        ("O(N / k)", ablation::complexity),
+        ("Q, epsilon and mu", ablation::sensitivity),
+        ("Figure 5", figures::spot),
+    ];
+    let mut tables = Vec::new();
+    for (name, experiment) in experiments {
+        print(name)?;
+        tables.extend(experiment(&shared).map_err(Failure::Work)?);
+    }
+    let words = vec![
+        "Times are of one thread, in seconds, without reading files. Costs are averages of the \
+         paper's equation (3)."
+            .into(),
+    ];
+    let machine = machine::describe(caps);
+    let title = "The paper's experiments";
+    let report = Report { title, words, machine: &machine, pictures: &[], tables: &tables };
+    report.write(output, "paper-experiments").map_err(Failure::Work)
+}

@@ -1,0 +1,179 @@
+//! `hullwright stability`: the same meshes in other words, and how much the result varies.
+
+mod summary;
+mod variations;
+pub mod worker;
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+
+use crate::Failure;
+use crate::bench::caps::{self, Caps};
+use crate::bench::machine;
+use crate::bench::methods::Run;
+use crate::bench::page::Report;
+use crate::bench::plan::{self, Mesh};
+use crate::bench::record::{Entry, Journal, Key};
+use crate::output::print;
+use variations::Variation;
+use worker::Outcome;
+
+/// Decompose meshes that are turned, scaled, moved, jittered, shuffled, flipped or doubled, and
+/// report how much the result varies
+///
+/// Takes meshes evenly from those below the folders. Can be stopped and goes on where it was.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Folders with meshes
+    #[arg(required = true, value_name = "DIR")]
+    folders: Vec<PathBuf>,
+
+    /// The folder that the report goes to
+    #[arg(short, long, value_name = "REPORT")]
+    output: PathBuf,
+
+    /// How many meshes
+    #[arg(long, value_name = "N", default_value_t = 60)]
+    meshes: usize,
+
+    /// Only these methods, by name, separated by commas
+    #[arg(long, value_name = "METHODS", value_delimiter = ',')]
+    only: Vec<String>,
+}
+
+/// No variation may take longer,
+const TIME_CAP: Duration = Duration::from_secs(120);
+/// or more memory, in bytes.
+const MEMORY_CAP: u64 = 4 << 30;
+
+/// A mesh, a method, a variation, and what came of it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    pub mesh: String,
+    pub mesh_hash: String,
+    pub method: String,
+    pub setting: String,
+    pub version: String,
+    /// Of the variation in the list of all.
+    pub place: usize,
+    pub variation: Variation,
+    pub outcome: Outcome,
+}
+
+impl Entry for Row {
+    fn key(&self) -> Key {
+        key(&self.mesh, &self.mesh_hash, (&self.method, &self.setting), &self.version, self.place)
+    }
+}
+
+fn key(mesh: &str, hash: &str, run: (&str, &str), version: &str, place: usize) -> Key {
+    let run = format!("{} {}", run.0, run.1);
+    [mesh.into(), hash.into(), run, version.into(), place.to_string()]
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let output = &arguments.output;
+    std::fs::create_dir_all(output)
+        .map_err(|error| Failure::Work(format!("{}: {error}", output.display())))?;
+    let mut journal = Journal::open(&output.join("runs.jsonl")).map_err(Failure::Work)?;
+    let meshes = plan::meshes(&arguments.folders).map_err(Failure::Work)?;
+    let meshes = plan::spread(meshes, arguments.meshes);
+    let mut runs: Vec<Run> = Run::own();
+    runs.retain(|run| run.parameters().is_some() && run.is_default());
+    runs.retain(|run| {
+        arguments.only.is_empty() || arguments.only.iter().any(|name| name == run.method())
+    });
+    for (number, mesh) in meshes.iter().enumerate() {
+        for run in &runs {
+            vary(mesh, run, &mut journal).map_err(Failure::Work)?;
+        }
+        print(&format!("{:>3}/{}  {}", number + 1, meshes.len(), mesh.name))?;
+    }
+    report(output, journal.rows(), meshes.len()).map_err(Failure::Work)
+}
+
+/// All variations of a mesh that are not in the journal yet. Where one ends its process, it is a
+/// failure, and another process goes on after it.
+fn vary(mesh: &Mesh, run: &Run, journal: &mut Journal<Row>) -> Result<(), String> {
+    let all = Variation::all();
+    let version = run.version(&Default::default());
+    let (method, setting) = (run.method(), run.setting());
+    loop {
+        let is_done = |place: &usize| {
+            let run = (method, &setting[..]);
+            journal.get(&key(&mesh.name, &mesh.hash, run, &version, *place)).is_some()
+        };
+        let Some(from) = (0..all.len()).find(|place| !is_done(place)) else { return Ok(()) };
+        let ended = caps::run(
+            command(&mesh.path, run, from)?,
+            Caps { time: TIME_CAP, memory: MEMORY_CAP },
+        )?;
+        let mut outcomes: Vec<Outcome> = Vec::new();
+        for line in &ended.lines {
+            outcomes.push(serde_json::from_str(line).map_err(|e| format!("a worker said: {e}"))?);
+        }
+        if from + outcomes.len() < all.len() {
+            let failure = format!("{}: {}", ended.status.name(), ended.reason);
+            outcomes.push(Outcome {
+                hulls: 0,
+                error: 0.0,
+                non_convex_hulls: 0,
+                non_positive_volumes: 0,
+                failure,
+            });
+        }
+        for (place, outcome) in (from..).zip(outcomes) {
+            let Some(&variation) = all.get(place) else { break };
+            journal.add(Row {
+                mesh: mesh.name.clone(),
+                mesh_hash: mesh.hash.clone(),
+                method: method.into(),
+                setting: setting.clone(),
+                version: version.clone(),
+                place,
+                variation,
+                outcome,
+            })?;
+        }
+    }
+}
+
+fn command(mesh: &Path, run: &Run, from: usize) -> Result<Command, String> {
+    let program = std::env::current_exe().map_err(|error| format!("this program: {error}"))?;
+    let mut command = Command::new(program);
+    command.arg("stability-run").arg(mesh);
+    command.args(["--method", run.method(), "--setting", &run.setting()]);
+    command.args(["--from", &from.to_string()]);
+    Ok(command)
+}
+
+fn report(output: &Path, rows: &[Row], meshes: usize) -> Result<(), String> {
+    let tables = summary::tables(rows);
+    let failures = rows.iter().filter(|row| !row.outcome.failure.is_empty()).count();
+    let broken = rows
+        .iter()
+        .filter(|row| row.outcome.failure.is_empty() && summary::breaks_promise(row))
+        .count();
+    let words = vec![
+        format!(
+            "{} runs: {meshes} meshes, taken evenly from the list of all, in {} variations each. \
+             Failures: {failures}. Broken promises: {broken}.",
+            rows.len(),
+            Variation::all().len(),
+        ),
+        "The hulls of a mesh that was shuffled, flipped or doubled are measured against the mesh \
+         as it is; those of one that was turned, scaled, moved or jittered against that."
+            .into(),
+    ];
+    let mut machine = machine::describe(Caps { time: TIME_CAP, memory: MEMORY_CAP });
+    for points in ["points_on_hulls", "points_on_mesh"] {
+        machine.insert(points.into(), worker::SURFACE_POINTS.into());
+    }
+    machine.insert("points_in_space".into(), 0.into());
+    let title = "Numerical stability";
+    let report = Report { title, words, machine: &machine, pictures: &[], tables: &tables };
+    report.write(output, "stability")
+}

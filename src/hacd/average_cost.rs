@@ -1,0 +1,46 @@
+//! The paper's figure of merit for any grouped mesh: the average concavity cost [3.4.2, 3.4.3].
+
+use crate::GroupedMesh;
+use crate::hull::HullBuilder;
+use crate::mesh::TriangleMesh;
+use crate::mesh::adjacency::Adjacency;
+use crate::surface::cost::cost;
+use crate::surface::grouping::members;
+
+/// Groups of at most this many polygons are left out of the average [3.4.2].
+const TOO_SMALL_TO_COUNT: usize = 2;
+
+/// Average of equation (3) over the groups of more than two triangles; 0 if there are none.
+///
+/// This is what the paper's Table 1 calls cost. O(vertices · hull faces) per group.
+pub fn average_cost(grouped: &GroupedMesh) -> f64 {
+    let vertices = grouped.positions.len();
+    let in_range = |triangle: &[u32; 3]| triangle.iter().all(|&v| (v as usize) < vertices);
+    let count = grouped.groups.iter().max().map_or(0, |&label| label as usize + 1);
+    if grouped.groups.len() != grouped.triangles.len()
+        || count > grouped.triangles.len()
+        || !grouped.triangles.iter().all(in_range)
+    {
+        return 0.0;
+    }
+    let mesh =
+        TriangleMesh { positions: grouped.positions.clone(), triangles: grouped.triangles.clone() };
+    average(&mesh, &Adjacency::new(&mesh), &grouped.groups, count, &mut HullBuilder::new())
+}
+
+/// The same for a mesh of the pipeline.
+pub(super) fn average(
+    mesh: &TriangleMesh,
+    adjacency: &Adjacency,
+    labels: &[u32],
+    count: usize,
+    builder: &mut HullBuilder,
+) -> f64 {
+    let groups = members(labels, count);
+    let counted: Vec<f64> = groups
+        .iter()
+        .filter(|group| group.len() > TOO_SMALL_TO_COUNT)
+        .map(|group| cost(mesh, adjacency, labels, group, builder))
+        .collect();
+    if counted.is_empty() { 0.0 } else { counted.iter().sum::<f64>() / counted.len() as f64 }
+}
