@@ -2,15 +2,15 @@
 
 use std::time::Instant;
 
+use crate::bounded::{self, Run};
 use crate::mesh::PreparedMesh;
 use crate::mesh::repair::prepare;
 use crate::surface::group_merging::merge_groups;
 use crate::surface::pieces::{assign_source_triangles, hulls};
 use crate::surface::resolution_selection::{Level, levels, select};
-use crate::bounded::{self, Run};
 use crate::{
-    BoundedReport, Control, Decomposition, Error, GroupedMesh, Method, Parameters, Report, Stage, StageTime,
-    SurfaceParameters, SurfaceReport, Unit,
+    BoundedReport, Control, Decomposition, Error, GroupedMesh, Method, Parameters, Report, Stage,
+    StageTime, SurfaceParameters, SurfaceReport, Unit,
 };
 
 mod sealed {

@@ -29,6 +29,8 @@
 //! | `surface::resolution_selection` | the search over maximum resolutions R | 3.5 |
 //! | `surface::group_merging` | small groups join their neighbours | 3.6 |
 //! | `hacd` (feature `bench`) | HACD, which the paper compares itself with | 4.2 |
+//! | `bounded` | the default method: seeds, merging, growing, dissolving, verification | – |
+//! | `merge_tree` | fewer hulls afterwards, without a new run | – |
 //! | `hull` | convex hulls of the groups, thickness of flat ones, vertex cap | 3.6 |
 //! | `field` | distance to the surface, generalized winding number | – |
 //! | `measure` | judges any set of hulls against a mesh | – |
@@ -49,6 +51,7 @@ mod inspect;
 #[cfg(feature = "io")]
 pub mod io;
 pub mod measure;
+mod merge_tree;
 mod mesh;
 mod parameters;
 #[cfg(feature = "io")]
@@ -59,11 +62,12 @@ mod vector;
 pub use control::{Control, Progress, Stage};
 pub use decompose::{Coordinate, Decomposer, decompose};
 pub use decomposition::{
-    BoundedReport, Bounds, Decomposition, GroupedMesh, Hull, Repairs, Report, ResolutionOutcome, ResolutionReport,
-    StageTime, SurfaceReport, ThresholdOutcome, ThresholdReport,
+    BoundedReport, Bounds, Decomposition, GroupedMesh, Hull, Repairs, Report, ResolutionOutcome,
+    ResolutionReport, StageTime, SurfaceReport, ThresholdOutcome, ThresholdReport,
 };
 pub use error::Error;
 pub use inspect::{Inspection, inspect};
+pub use merge_tree::{CurvePoint, MergeTree};
 pub use parameters::{BoundedParameters, Method, Parameters, Preset, SurfaceParameters, Unit};
 
 /// Changes whenever the same input and parameters may give another result.

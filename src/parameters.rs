@@ -166,6 +166,10 @@ pub struct BoundedParameters {
     pub max_error: Unit,
     /// How much work is put into few hulls.
     pub preset: Preset,
+    /// Most hulls, at least 1; `None` for no cap. A cap, not a budget: where it forces hulls to
+    /// join beyond the bound, those that stand out least do, and
+    /// [`BoundedReport::phantom_max`](crate::BoundedReport::phantom_max) says how far.
+    pub max_hulls: Option<usize>,
 }
 
 /// What things may stand apart or sink in before a player sees it.
@@ -173,6 +177,10 @@ const DEFAULT_MAX_ERROR: Unit = Unit::Diagonals(0.02);
 
 impl BoundedParameters {
     fn validate(&self) -> Result<(), Error> {
+        if self.max_hulls == Some(0) {
+            let reason = "must be at least 1".into();
+            return Err(Error::InvalidParameter { name: "max_hulls", reason });
+        }
         let (Unit::Diagonals(error) | Unit::Absolute(error)) = self.max_error;
         if error.is_finite() && error > 0.0 {
             return Ok(());
@@ -184,7 +192,7 @@ impl BoundedParameters {
 
 impl Default for BoundedParameters {
     fn default() -> Self {
-        Self { max_error: DEFAULT_MAX_ERROR, preset: Preset::Balanced }
+        Self { max_error: DEFAULT_MAX_ERROR, preset: Preset::Balanced, max_hulls: None }
     }
 }
 
@@ -252,10 +260,6 @@ impl Parameters {
 
 impl Default for Parameters {
     fn default() -> Self {
-        Self {
-            method: Method::Bounded,
-            max_vertices: Some(DEFAULT_MAX_VERTICES),
-            ..Self::paper()
-        }
+        Self { method: Method::Bounded, max_vertices: Some(DEFAULT_MAX_VERTICES), ..Self::paper() }
     }
 }

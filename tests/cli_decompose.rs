@@ -52,7 +52,7 @@ impl Place {
 #[test]
 fn the_table_has_the_columns_of_the_papers_table_1() {
     let place = Place::new();
-    let shown = place.decompose(&[]);
+    let shown = place.decompose(&["--method", "surface"]);
     let header = shown.lines().next().unwrap();
     for column in
         ["pieces", "average pieces", "time", "cost", "p", "r", "final polygons", "initial polygons"]
@@ -65,7 +65,7 @@ fn the_table_has_the_columns_of_the_papers_table_1() {
 #[test]
 fn json_is_one_line_with_all_fields() {
     let place = Place::new();
-    let line = place.json(&[]);
+    let line = place.json(&["--method", "surface"]);
     assert_eq!(line["mesh"], "l.obj");
     assert_eq!(line["method"], "surface");
     assert_eq!(line["triangles"], 20);
@@ -76,15 +76,41 @@ fn json_is_one_line_with_all_fields() {
         assert!(line[number].is_number(), "{number}: {}", line[number]);
     }
     assert!(line.get("search").is_none());
-    let search = &place.json(&["--search"])["search"];
+    let search = &place.json(&["--search", "--method", "surface"])["search"];
     assert_eq!(search.as_array().map(Vec::len), Some(5));
     assert!(search[0]["thresholds"][0]["outcome"].is_string());
 }
 
 #[test]
+fn the_default_is_the_bounded_method_with_what_it_verified() {
+    let place = Place::new();
+    let shown = place.decompose(&[]);
+    let header = shown.lines().next().unwrap();
+    for column in ["hulls", "vertices", "bound", "stands out at most", "sinks in at most"] {
+        assert!(header.contains(column), "{header}");
+    }
+    let line = place.json(&["--max-error", "5%"]);
+    assert_eq!(line["method"], "bounded");
+    assert_eq!(line["hulls"], 2);
+    let number = |name: &str| line[name].as_f64().unwrap();
+    assert!((number("bound") / number("diagonal") - 0.05).abs() < 1e-12);
+    assert!(number("phantom_max") <= number("bound"));
+    assert!(number("exposed_max") <= number("bound"));
+    assert!(line["stage_seconds"]["merge"].is_number());
+}
+
+#[test]
+fn the_cap_on_hulls_holds_and_says_what_it_costs() {
+    let place = Place::new();
+    let line = place.json(&["--max-hulls", "1"]);
+    assert_eq!(line["hulls"], 1);
+    assert!(line["phantom_max"].as_f64() > line["bound"].as_f64());
+}
+
+#[test]
 fn search_shows_every_resolution_and_what_became_of_it() {
     let place = Place::new();
-    let shown = place.decompose(&["--search", "--maximum-resolutions", "250,777"]);
+    let shown = place.decompose(&["--paper", "--search", "--maximum-resolutions", "250,777"]);
     assert!(shown.lines().any(|line| line.trim_start().starts_with("250 ")), "{shown}");
     assert!(shown.lines().any(|line| line.trim_start().starts_with("777 ")), "{shown}");
     assert!(shown.contains("selected") && shown.contains("candidate"), "{shown}");
@@ -114,7 +140,7 @@ fn the_number_of_threads_changes_nothing() {
 #[test]
 fn parameters_reach_the_method() {
     let place = Place::new();
-    let coarse = place.json(&["--planar-thresholds", "1", "--unit", "100d"]);
+    let coarse = place.json(&["--paper", "--planar-thresholds", "1", "--unit", "100d"]);
     assert_eq!(coarse["planar_threshold"], 1.0);
     assert_eq!(place.json(&["--paper"])["hulls"], 2);
 }

@@ -1,10 +1,11 @@
-//! Promises of `decompose`, with the paper's method.
+//! Promises of `decompose`, whatever the method; those of the paper's method among them.
 
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 use hullwright::{
-    Control, Decomposer, Decomposition, Error, Parameters, ResolutionOutcome, Unit, decompose,
+    Control, Decomposer, Decomposition, Error, Method, Parameters, ResolutionOutcome, Unit,
+    decompose,
 };
 
 type Mesh = (Vec<[f64; 3]>, Vec<[u32; 3]>);
@@ -63,6 +64,17 @@ fn run((positions, triangles): &Mesh) -> Decomposition {
     decompose(positions, triangles, &Parameters::default(), &Control::new()).unwrap()
 }
 
+/// With the paper's method.
+fn surface() -> Parameters {
+    let mut parameters = Parameters::default();
+    parameters.method = Method::Surface;
+    parameters
+}
+
+fn run_surface((positions, triangles): &Mesh) -> Decomposition {
+    decompose(positions, triangles, &surface(), &Control::new()).unwrap()
+}
+
 #[test]
 fn a_cube_is_one_hull_of_its_volume() {
     let result = run(&cube([0.0; 3], 2.0));
@@ -88,7 +100,7 @@ fn disjoint_boxes_are_two_hulls_of_two_components() {
 
 #[test]
 fn an_l_prism_is_two_groups() {
-    assert_eq!(run(&l_prism()).report.surface.unwrap().pieces, 2);
+    assert_eq!(run_surface(&l_prism()).report.surface.unwrap().pieces, 2);
 }
 
 #[test]
@@ -122,20 +134,25 @@ fn left_handed_input_gives_the_same_hulls() {
 }
 
 /// The same groups, whatever the vertices' and triangles' places.
-fn labels(mesh: &Mesh) -> Vec<u32> {
-    run(mesh).grouped.groups
+fn labels((positions, triangles): &Mesh, method: Method) -> Vec<u32> {
+    let mut parameters = Parameters::default();
+    parameters.method = method;
+    decompose(positions, triangles, &parameters, &Control::new()).unwrap().grouped.groups
 }
 
 #[test]
 fn scale_and_place_change_nothing() {
     let (positions, triangles) = torus(40, 20);
-    let expected = labels(&(positions.clone(), triangles.clone()));
-    for scale in [1e-6, 1e6] {
-        let scaled = positions.iter().map(|p| p.map(|x| x * scale)).collect();
-        assert_eq!(labels(&(scaled, triangles.clone())), expected, "scale {scale}");
+    for method in [Method::Surface, Method::Bounded] {
+        let expected = labels(&(positions.clone(), triangles.clone()), method);
+        for scale in [1e-6, 1e6] {
+            let scaled = positions.iter().map(|p| p.map(|x| x * scale)).collect();
+            let labels = labels(&(scaled, triangles.clone()), method);
+            assert_eq!(labels, expected, "{method:?}, scale {scale}");
+        }
+        let moved = positions.iter().map(|p| p.map(|x| x + 2000.0)).collect();
+        assert_eq!(labels(&(moved, triangles.clone()), method), expected, "{method:?}, moved");
     }
-    let moved = positions.iter().map(|p| p.map(|x| x + 2000.0)).collect();
-    assert_eq!(labels(&(moved, triangles.clone())), expected, "moved");
 }
 
 #[test]
@@ -164,7 +181,7 @@ fn threads_change_nothing() {
 #[test]
 fn resolutions_come_back_in_ascending_order_and_one_is_selected() {
     let (positions, triangles) = torus(64, 32);
-    let mut parameters = Parameters::default();
+    let mut parameters = surface();
     parameters.surface.maximum_resolutions = vec![1000, 250, 500, 250];
     let report = decompose(&positions, &triangles, &parameters, &Control::new()).unwrap().report;
     let resolutions = report.surface.unwrap().resolutions;
@@ -190,7 +207,7 @@ fn simple_shapes_skip_higher_resolutions() {
             mesh.1.extend([[a, b, b + 1], [a, b + 1, a + 1]]);
         }
     }
-    let report = run(&mesh).report.surface.unwrap();
+    let report = run_surface(&mesh).report.surface.unwrap();
     let outcomes: Vec<_> = report.resolutions.iter().map(|r| r.outcome).collect();
     assert!(report.pieces < 5, "{}", report.pieces);
     assert_eq!(outcomes[2..], [ResolutionOutcome::CutOff; 3]);
@@ -200,7 +217,7 @@ fn simple_shapes_skip_higher_resolutions() {
 #[test]
 fn the_unit_may_be_absolute() {
     let (positions, triangles) = torus(32, 16);
-    let mut parameters = Parameters::default();
+    let mut parameters = surface();
     parameters.surface.unit = Unit::Absolute(1.5);
     let report = decompose(&positions, &triangles, &parameters, &Control::new()).unwrap().report;
     assert!((report.surface.unwrap().unit - 1.5).abs() < 1e-12);
@@ -224,6 +241,9 @@ fn values_that_mean_nothing_are_errors() {
     assert!(rejected(|p| p.surface.angular_threshold = f64::INFINITY));
     assert!(rejected(|p| p.surface.concavity_cost_threshold = 0.0));
     assert!(rejected(|p| p.surface.unit = Unit::Diagonals(0.0)));
+    assert!(rejected(|p| p.bounded.max_error = Unit::Diagonals(0.0)));
+    assert!(rejected(|p| p.bounded.max_error = Unit::Absolute(f64::NAN)));
+    assert!(rejected(|p| p.bounded.max_hulls = Some(0)));
     assert!(rejected(|p| p.max_vertices = Some(3)));
 }
 
@@ -277,7 +297,7 @@ fn slices_give_the_same_and_progress_never_falls() {
     let listener = Arc::clone(&seen);
     let control = Control::new()
         .with_progress(move |progress| listener.lock().unwrap().push(progress.fraction));
-    let mut parameters = Parameters::default();
+    let mut parameters = surface();
     parameters.parallel = false;
     let mut decomposer = Decomposer::new(&positions, &triangles, &parameters).unwrap();
     let mut slices = 0;

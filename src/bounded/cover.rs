@@ -18,8 +18,10 @@ fn grow(seeds: &Seeds, piece: &mut Piece, wanted: &SeedSet, shop: &mut Workshop<
     }
     let tolerance = COVER_TOLERANCE;
     while !open.is_empty() {
-        let mut order: Vec<(f64, u32)> =
-            open.iter().map(|index| (reach(&piece.hull, &seeds.seeds[index as usize]), index)).collect();
+        let mut order: Vec<(f64, u32)> = open
+            .iter()
+            .map(|index| (reach(&piece.hull, &seeds.seeds[index as usize]), index))
+            .collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
         let ordered_at = piece.hull.current_volume();
         for (_, index) in order {
@@ -58,7 +60,9 @@ fn reach(hull: &Hull, seed: &Seed) -> f64 {
 
 fn covers(hull: &Hull, seed: &Seed, tolerance: f64) -> bool {
     hull.is_solid
-        && (0..3).all(|k| seed.min[k] >= hull.min[k] - tolerance && seed.max[k] <= hull.max[k] + tolerance)
+        && (0..3).all(|k| {
+            seed.min[k] >= hull.min[k] - tolerance && seed.max[k] <= hull.max[k] + tolerance
+        })
         && hull.builder.farthest_outside(&seed.points) <= tolerance
 }
 
@@ -107,21 +111,20 @@ fn drop_redundant(seeds: &Seeds, pieces: &mut Vec<Piece>) {
 
 /// Tries to hand what only piece `k` covers to the others, which may let go of what is covered
 /// elsewhere.
-fn dissolve_one(
-    seeds: &Seeds,
-    pieces: &mut Vec<Piece>,
-    k: usize,
-    shop: &mut Workshop<'_>,
-) -> bool {
+fn dissolve_one(seeds: &Seeds, pieces: &mut Vec<Piece>, k: usize, shop: &mut Workshop<'_>) -> bool {
     let mut alive = vec![true; pieces.len()];
     let mut left = own(pieces, &alive, k);
     alive[k] = false;
     // The cheapest refusal first: a seed that conflicts with what each other piece must keep.
     let cores: Vec<SeedSet> = (0..pieces.len())
-        .map(|j| if j == k { SeedSet::none(seeds.count()) } else {
-            let mut core = own(pieces, &alive, j);
-            core.subtract(&left);
-            core
+        .map(|j| {
+            if j == k {
+                SeedSet::none(seeds.count())
+            } else {
+                let mut core = own(pieces, &alive, j);
+                core.subtract(&left);
+                core
+            }
         })
         .collect();
     let compatible = |seed: u32, core: &SeedSet| !seeds.conflicts[seed as usize].intersects(core);

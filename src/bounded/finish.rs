@@ -23,6 +23,9 @@ const GROWTH: f64 = 0.12;
 /// Where a hull at the cap may not grow, this much of what stands out may be left out, in bounds.
 const SLACKS: [f64; 3] = [0.025, 0.05, 0.1];
 
+/// A cap on vertices that would leave out more than this, in bounds, divides the hull instead.
+const MOST_LEFT_OUT: f64 = 0.5;
+
 /// A hull that is returned, in diagonals.
 pub(crate) struct Finished {
     pub hull: ConvexHull,
@@ -31,6 +34,8 @@ pub(crate) struct Finished {
     pub cap_growth: f64,
     /// No point of its surface is farther than this from the solid.
     pub phantom: f64,
+    /// How far in front of its faces lies what the cap on vertices left out.
+    pub left_out: f64,
     pub component: u32,
 }
 
@@ -48,7 +53,8 @@ pub(crate) fn finish(
     tuning: &Tuning,
     control: &Control,
 ) -> Result<Outcome, Error> {
-    let parts = super::parallel::map(&pieces, |piece| finish_one(seeds, piece, solid, tuning, control));
+    let parts =
+        super::parallel::map(&pieces, |piece| finish_one(seeds, piece, solid, tuning, control));
     let mut hulls = Vec::new();
     for part in parts {
         hulls.extend(part?);
@@ -81,7 +87,9 @@ fn finish_one(
         control.check()?;
         let finished = finished(seeds, set, solid, tuning, &mut builder)?;
         let members: Vec<u32> = finished.seeds.iter().collect();
-        if finished.phantom <= tuning.bound || members.len() < 2 {
+        let keeps_bound =
+            finished.phantom <= tuning.bound && finished.left_out <= MOST_LEFT_OUT * tuning.bound;
+        if keeps_bound || members.len() < 2 {
             done.push(finished);
             continue;
         }
@@ -101,14 +109,16 @@ fn finished(
 ) -> Result<Finished, Error> {
     let mut piece = hull_of(seeds, &set);
     let points = piece.hull.vertices();
-    let (full, added_thickness) = solid_hull(builder, &points, piece.hull.outward, LEAST_THICKNESS)?;
+    let (full, added_thickness) =
+        solid_hull(builder, &points, piece.hull.outward, LEAST_THICKNESS)?;
     let component = set.iter().next().map_or(0, |seed| seeds.seeds[seed as usize].component);
-    let make = |hull: ConvexHull, cap_growth: f64, phantom: f64| Finished {
+    let make = |hull: ConvexHull, cap_growth: f64, phantom: f64, left_out: f64| Finished {
         hull,
         seeds: set.clone(),
         added_thickness,
         cap_growth,
         phantom,
+        left_out,
         component,
     };
     let most = tuning.max_vertices.unwrap_or(usize::MAX);
@@ -121,12 +131,12 @@ fn finished(
         }
         let phantom = phantom(&hull, solid, tuning.bound, tuning.bound);
         if phantom <= tuning.bound {
-            return Ok(make(hull, growth, phantom));
+            return Ok(make(hull, growth, phantom, slack));
         }
     }
     if full.points.len() <= most {
         let phantom = phantom(&full, solid, tuning.bound, f64::INFINITY);
-        return Ok(make(full, 0.0, phantom));
+        return Ok(make(full, 0.0, phantom, 0.0));
     }
     // The cap has to hold: growing if the bound allows it, else leaving out what stands out least.
     for share in SLACKS {
@@ -134,14 +144,14 @@ fn finished(
         if let Some((hull, growth)) = capped {
             let phantom = phantom(&hull, solid, tuning.bound, tuning.bound);
             if phantom <= tuning.bound {
-                return Ok(make(hull, growth, phantom));
+                return Ok(make(hull, growth, phantom, share * tuning.bound));
             }
         }
     }
-    if let Some((hull, _)) = inner_hull(builder, &full, most) {
+    if let Some((hull, left_out)) = inner_hull(builder, &full, most) {
         let phantom = phantom(&hull, solid, tuning.bound, f64::INFINITY);
-        return Ok(make(hull, 0.0, phantom));
+        return Ok(make(hull, 0.0, phantom, left_out));
     }
     let phantom = phantom(&full, solid, tuning.bound, f64::INFINITY);
-    Ok(make(full, 0.0, phantom))
+    Ok(make(full, 0.0, phantom, 0.0))
 }

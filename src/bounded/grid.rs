@@ -61,11 +61,7 @@ pub(super) struct Probe {
 }
 
 impl Grid {
-    pub(super) fn new(
-        positions: &[Vector],
-        triangles: &[[u32; 3]],
-        bound: f64,
-    ) -> Self {
+    pub(super) fn new(positions: &[Vector], triangles: &[[u32; 3]], bound: f64) -> Self {
         let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for &p in positions {
             min = minimum(min, p);
@@ -79,8 +75,7 @@ impl Grid {
             size *= 1.05;
         }
         let dimensions = extent.map(|e| (e / size).ceil() as usize + 3);
-        let origin =
-            [0, 1, 2].map(|k| 0.5 * (min[k] + max[k]) - 0.5 * size * dimensions[k] as f64);
+        let origin = [0, 1, 2].map(|k| 0.5 * (min[k] + max[k]) - 0.5 * size * dimensions[k] as f64);
         let total = dimensions.iter().product();
         let band = (BAND * bound).max(2.0 * size) as f32;
         let mut grid = Self {
@@ -320,9 +315,8 @@ fn length(a: [f32; 3]) -> f32 {
 /// 5.1.5).
 fn nearest_of_triangle(p: [f32; 3], a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> ([f32; 3], f32) {
     let (ab, ac, ap) = (sub(b, a), sub(c, a), sub(p, a));
-    let along = |from: [f32; 3], edge: [f32; 3], share: f32| {
-        [0, 1, 2].map(|k| from[k] + share * edge[k])
-    };
+    let along =
+        |from: [f32; 3], edge: [f32; 3], share: f32| [0, 1, 2].map(|k| from[k] + share * edge[k]);
     let (d1, d2) = (dot(ab, ap), dot(ac, ap));
     let nearest = 'found: {
         if d1 <= 0.0 && d2 <= 0.0 {

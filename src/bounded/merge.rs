@@ -108,7 +108,9 @@ impl Merging<'_, '_> {
                 .filter(|&link| self.pieces[link as usize].is_some())
                 .collect();
             for &link in &joined {
-                if self.refused.contains(&ordered(a, link)) || self.refused.contains(&ordered(b, link)) {
+                if self.refused.contains(&ordered(a, link))
+                    || self.refused.contains(&ordered(b, link))
+                {
                     self.refused.insert((link, new));
                 }
                 self.links[link as usize].insert(new);

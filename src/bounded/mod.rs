@@ -8,6 +8,7 @@
 //! | `merge` | pieces join best-first |
 //! | `cover` | each piece grows over all seeds that it can take; pieces are dissolved into the rest; each seed stays with one |
 //! | `finish` | thickness, few vertices; `certify` verifies the result |
+//! | `tree` | on demand: joins down to one hull |
 
 mod certify;
 mod cover;
@@ -20,13 +21,18 @@ mod refine;
 mod seed_set;
 mod seeds;
 mod solid;
+mod tree;
 
-use crate::mesh::PreparedMesh;
-use crate::{BoundedParameters, BoundedReport, Control, Error, GroupedMesh, Hull, Parameters, Preset, Stage, Unit};
+use crate::mesh::{Normalization, PreparedMesh};
+use crate::{
+    BoundedParameters, BoundedReport, Control, Error, GroupedMesh, Hull, Parameters, Preset, Stage,
+    Unit,
+};
 use finish::Finished;
 use piece::{Piece, Workshop};
 use seeds::{Seeds, Working};
 use solid::Solid;
+use tree::Tree;
 
 /// The search leaves this much of the bound unused: room for a cap on vertices, and for what the
 /// search overlooks.
@@ -51,6 +57,7 @@ pub(crate) struct Tuning {
     /// Joint hulls that dissolving may try.
     pub dissolving_tries: usize,
     pub max_vertices: Option<usize>,
+    pub max_hulls: Option<usize>,
 }
 
 impl Tuning {
@@ -77,6 +84,7 @@ impl Tuning {
             reduction: 0.025 * bound,
             dissolving_tries,
             max_vertices: parameters.max_vertices,
+            max_hulls: parameters.bounded.max_hulls,
         }
     }
 }
@@ -122,7 +130,11 @@ impl Run {
         }
     }
 
-    pub(crate) fn step(&mut self, parallel: bool, control: &Control) -> Result<Option<Outcome>, Error> {
+    pub(crate) fn step(
+        &mut self,
+        parallel: bool,
+        control: &Control,
+    ) -> Result<Option<Outcome>, Error> {
         parallel::with(parallel, || self.next(control))
     }
 
@@ -131,8 +143,7 @@ impl Run {
         self.state = match std::mem::replace(&mut self.state, State::Done) {
             State::Start => {
                 let mesh = &self.prepared.mesh;
-                let is_closed = self.prepared.closed.iter().all(|&closed| closed)
-                    || is_balanced(&mesh.triangles);
+                let is_closed = is_closed(&self.prepared);
                 let (solid, working) = parallel::join(
                     || Solid::new(&mesh.positions, &mesh.triangles, is_closed, tuning.bound),
                     || seeds::working_mesh(&self.prepared, tuning, control),
@@ -158,7 +169,12 @@ impl Run {
             }
             State::Covered(state) => {
                 let (solid, seeds, pieces) = *state;
-                let finished = finish::finish(&seeds, pieces, &solid, tuning, control)?;
+                let mut finished = finish::finish(&seeds, pieces, &solid, tuning, control)?;
+                if let Some(most) = tuning.max_hulls
+                    && finished.hulls.len() > most
+                {
+                    finished.hulls = fewer(finished.hulls, most, &solid, tuning, control)?;
+                }
                 return Ok(Some(self.outcome(&seeds, finished)));
             }
             State::Done => return Err(Error::Finished),
@@ -196,6 +212,146 @@ impl Run {
             .collect();
         Outcome { prepared, hulls, grouped, report }
     }
+}
+
+/// Joins hulls until no more than `most` are left.
+fn fewer(
+    mut hulls: Vec<Finished>,
+    most: usize,
+    solid: &Solid,
+    tuning: &Tuning,
+    control: &Control,
+) -> Result<Vec<Finished>, Error> {
+    let leaves = hulls.iter().map(|hull| (hull.hull.clone(), hull.phantom)).collect();
+    let tree = Tree::new(leaves, most, solid, tuning, control)?;
+    let mut fewer = Vec::new();
+    for index in tree.state(tree.joins()) {
+        let members = tree.leaves_of(index);
+        let node = &tree.nodes[index];
+        let Some(&first) = members.first() else { continue };
+        let mut seeds = std::mem::take(&mut hulls[first].seeds);
+        let mut added_thickness = hulls[first].added_thickness;
+        for &member in &members[1..] {
+            seeds.unite(&hulls[member].seeds);
+            added_thickness = added_thickness.max(hulls[member].added_thickness);
+        }
+        fewer.push(Finished {
+            hull: node.hull.clone(),
+            seeds,
+            added_thickness,
+            cap_growth: node.growth.max(hulls[first].cap_growth),
+            phantom: node.phantom,
+            left_out: hulls[first].left_out,
+            component: hulls[first].component,
+        });
+    }
+    Ok(fewer)
+}
+
+/// The tree of joins of hulls that were returned, in the input's units.
+#[derive(Debug, Clone)]
+pub(crate) struct Merging {
+    tree: Tree,
+    normalization: Normalization,
+    surface: crate::mesh::TriangleMesh,
+}
+
+impl Merging {
+    pub(crate) fn new(
+        positions: &[[f64; 3]],
+        triangles: &[[u32; 3]],
+        hulls: &[Hull],
+        parameters: &Parameters,
+        control: &Control,
+    ) -> Result<Self, Error> {
+        let prepared = crate::mesh::repair::prepare(positions, triangles, control)?;
+        let tuning = Tuning::new(parameters, prepared.normalization.diagonal);
+        let normalization = prepared.normalization;
+        let tree = parallel::with(parameters.parallel, || {
+            let mesh = &prepared.mesh;
+            let solid =
+                Solid::new(&mesh.positions, &mesh.triangles, is_closed(&prepared), tuning.bound);
+            let leaves = hulls
+                .iter()
+                .map(|hull| {
+                    let points = hull.points.iter().map(|&p| normalization.normalize(p)).collect();
+                    let convex =
+                        crate::hull::ConvexHull { points, triangles: hull.triangles.clone() };
+                    let phantom = match hull.phantom_max {
+                        Some(phantom) => phantom / normalization.diagonal,
+                        None => certify::phantom(&convex, &solid, tuning.bound, f64::INFINITY),
+                    };
+                    (convex, phantom)
+                })
+                .collect();
+            Tree::new(leaves, 1, &solid, &tuning, control)
+        })?;
+        Ok(Self { tree, normalization, surface: prepared.mesh })
+    }
+
+    pub(crate) fn joins(&self) -> usize {
+        self.tree.joins()
+    }
+
+    /// The farthest that a hull stands out after some joins, in the input's units.
+    pub(crate) fn phantom(&self, joins: usize) -> f64 {
+        let state = self.tree.state(joins);
+        let phantoms = state.iter().map(|&index| self.tree.nodes[index].phantom);
+        phantoms.fold(0.0, f64::max) * self.normalization.diagonal
+    }
+
+    /// How far the surface lies outside all hulls, in the input's units.
+    pub(crate) fn exposed(&self, hulls: &[Hull]) -> f64 {
+        let outsides: Vec<certify::Outside> = self.tree.nodes[..self.tree.leaves.min(hulls.len())]
+            .iter()
+            .map(|node| certify::Outside::new(&node.hull))
+            .collect();
+        let owners = vec![0; self.surface.triangles.len()];
+        certify::exposed(&self.surface, &owners, &outsides) * self.normalization.diagonal
+    }
+
+    /// The hulls after some joins, in the input's units.
+    pub(crate) fn hulls(&self, joins: usize, leaves: &[Hull]) -> Vec<Hull> {
+        let state = self.tree.state(joins);
+        let hulls = state.into_iter().filter_map(|index| {
+            let members = self.tree.leaves_of(index);
+            let first = leaves.get(*members.first()?)?;
+            let node = &self.tree.nodes[index];
+            if node.children.is_none() {
+                return Some(first.clone());
+            }
+            let points =
+                node.hull.points.iter().map(|&point| self.normalization.restore(point)).collect();
+            let hull = crate::hull::ConvexHull { points, triangles: node.hull.triangles.clone() };
+            let of = |value: fn(&Hull) -> f64| {
+                members.iter().filter_map(|&m| leaves.get(m)).map(value).fold(0.0, f64::max)
+            };
+            let mut source_triangles: Vec<u32> = members
+                .iter()
+                .filter_map(|&member| leaves.get(member))
+                .flat_map(|leaf| leaf.source_triangles.iter().copied())
+                .collect();
+            source_triangles.sort_unstable();
+            source_triangles.dedup();
+            Some(Hull {
+                volume: hull.volume(),
+                bounds: hull.bounds()?,
+                points: hull.points,
+                triangles: hull.triangles,
+                component: first.component,
+                source_triangles,
+                added_thickness: of(|hull| hull.added_thickness),
+                cap_growth: (node.growth * self.normalization.diagonal)
+                    .max(of(|hull| hull.cap_growth)),
+                phantom_max: Some(node.phantom * self.normalization.diagonal),
+            })
+        });
+        hulls.collect()
+    }
+}
+
+fn is_closed(prepared: &PreparedMesh) -> bool {
+    prepared.closed.iter().all(|&closed| closed) || is_balanced(&prepared.mesh.triangles)
 }
 
 /// Whether triangles run along each edge as often one way as the other. Then the winding number

@@ -2,11 +2,14 @@
 //! Results come in the order of the items, so they do not depend on threads.
 
 /// Applies `function` to every item.
-pub(super) fn map<T: Sync, R: Send>(items: &[T], function: impl Fn(&T) -> R + Sync + Send) -> Vec<R> {
+pub(super) fn map<T: Sync, R: Send>(
+    items: &[T],
+    function: impl Fn(&T) -> R + Sync + Send,
+) -> Vec<R> {
     #[cfg(feature = "parallel")]
     if items.len() > 1 && rayon::current_num_threads() > 1 && IS_PARALLEL.get() {
         use rayon::prelude::*;
-        return items.par_iter().map(|item| function(item)).collect();
+        return items.par_iter().map(function).collect();
     }
     items.iter().map(function).collect()
 }

@@ -74,9 +74,8 @@ fn ordered(a: u32, b: u32) -> (u32, u32) {
 
 fn longest_edge(positions: &[Vector], triangle: [u32; 3]) -> ((u32, u32), f64) {
     let [a, b, c] = triangle;
-    let squared = |a: u32, b: u32| {
-        length_squared(subtract(positions[a as usize], positions[b as usize]))
-    };
+    let squared =
+        |a: u32, b: u32| length_squared(subtract(positions[a as usize], positions[b as usize]));
     let mut longest = (ordered(a, b), squared(a, b));
     for (from, to) in [(b, c), (c, a)] {
         let candidate = (ordered(from, to), squared(from, to));

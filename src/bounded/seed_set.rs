@@ -43,10 +43,6 @@ impl SeedSet {
         self.words.iter().all(|&word| word == 0)
     }
 
-    pub(crate) fn len(&self) -> usize {
-        self.words.iter().map(|word| word.count_ones() as usize).sum()
-    }
-
     pub(crate) fn intersects(&self, other: &Self) -> bool {
         self.words.iter().zip(&other.words).any(|(a, b)| a & b != 0)
     }
@@ -63,10 +59,6 @@ impl SeedSet {
         }
     }
 
-    pub(crate) fn is_subset(&self, other: &Self) -> bool {
-        self.words.iter().zip(&other.words).all(|(a, b)| a & !b == 0)
-    }
-
     /// Its members, ascending.
     pub(crate) fn iter(&self) -> impl Iterator<Item = u32> + '_ {
         (0_u32..).zip(&self.words).flat_map(|(index, &word)| {
@@ -80,5 +72,29 @@ impl SeedSet {
                 Some(64 * index + bit)
             })
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_set_holds_what_was_put_in() {
+        let mut set = SeedSet::of(200, [3, 64, 199]);
+        assert_eq!(set.iter().collect::<Vec<_>>(), [3, 64, 199]);
+        assert!(set.contains(64) && !set.contains(65));
+        set.remove(64);
+        assert!(!set.contains(64) && !set.is_empty());
+    }
+
+    #[test]
+    fn sets_unite_and_subtract() {
+        let mut set = SeedSet::of(100, [1, 2, 70]);
+        set.unite(&SeedSet::of(100, [5]));
+        assert!(set.intersects(&SeedSet::of(100, [5, 6])));
+        set.subtract(&SeedSet::of(100, [1, 5]));
+        assert_eq!(set, SeedSet::of(100, [2, 70]));
+        assert!(!set.intersects(&SeedSet::of(100, [1, 5])));
     }
 }

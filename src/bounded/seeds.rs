@@ -3,18 +3,20 @@
 //! A seed takes all of the source's surface that is nearest to its triangles, so that hulls of
 //! seeds cover the source and not only what simplification left of it.
 
+use super::Tuning;
 use super::piece::{Hull, Workshop};
 use super::refine::refine;
 use super::seed_set::SeedSet;
 use super::solid::Solid;
-use super::Tuning;
 use crate::field::Field;
 use crate::hull::{HullBuilder, Shape};
 use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
 use crate::mesh::simplify::simplify;
 use crate::mesh::{PreparedMesh, TriangleMesh};
 use crate::surface::grouping::{group, members};
-use crate::vector::{Vector, add, area_normal, distance, length, maximum, minimum, scale, subtract, dot};
+use crate::vector::{
+    Vector, add, area_normal, distance, dot, length, maximum, minimum, scale, subtract,
+};
 use crate::{Control, Error};
 
 /// Seeds between two looks at the control.
@@ -148,7 +150,8 @@ pub(crate) fn seeds(
     let adjacency = Adjacency::new(&mesh);
     let threshold = tuning.grouping_threshold;
     let grouping = group(&mesh, &adjacency, threshold, threshold, control)?;
-    let area: f64 = mesh.triangles.iter().map(|&triangle| 0.5 * length(normal(&mesh, triangle))).sum();
+    let area: f64 =
+        mesh.triangles.iter().map(|&triangle| 0.5 * length(normal(&mesh, triangle))).sum();
     let largest = tuning.seed_size * area.sqrt();
     let groups = members(&grouping.labels, grouping.count);
     let parts = super::parallel::map(&groups, |group| {
@@ -293,9 +296,10 @@ fn conflicts(
         let mut row = SeedSet::none(seeds.len());
         let first = &seeds[index];
         for (other, second) in seeds.iter().enumerate().skip(index + 1) {
-            let separated = first.representatives.iter().any(|&p| {
-                second.representatives.iter().any(|&q| solid.separates(p, q, bound))
-            });
+            let separated = first
+                .representatives
+                .iter()
+                .any(|&p| second.representatives.iter().any(|&q| solid.separates(p, q, bound)));
             if separated {
                 row.insert(other as u32);
             }
@@ -318,7 +322,8 @@ const POWER_STEPS: usize = 30;
 /// Two halves along the longest principal direction. Neither is empty for two triangles or more.
 fn halves(mesh: &TriangleMesh, triangles: &[u32]) -> (Vec<u32>, Vec<u32>) {
     let centre = |triangle: u32| {
-        let corners = mesh.triangles[triangle as usize].map(|vertex| mesh.positions[vertex as usize]);
+        let corners =
+            mesh.triangles[triangle as usize].map(|vertex| mesh.positions[vertex as usize]);
         scale(corners.into_iter().fold([0.0; 3], add), 1.0 / 3.0)
     };
     let sum = triangles.iter().fold([0.0; 3], |sum, &triangle| add(sum, centre(triangle)));

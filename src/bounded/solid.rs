@@ -68,8 +68,7 @@ impl Solid {
         }
         match self.grid.is_inside(&probe, &self.field) {
             Some(inside) => {
-                inside
-                    || probe.upper <= DOUBT * bound && self.field.is_within(point, bound)
+                inside || probe.upper <= DOUBT * bound && self.field.is_within(point, bound)
             }
             None => self.field.is_within(point, bound) || self.field.is_inside(point),
         }

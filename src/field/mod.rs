@@ -66,7 +66,6 @@ impl Field {
     }
 
     /// Whether the mesh comes within `limit` of `point`: faster than asking for the distance.
-    #[cfg_attr(not(test), expect(dead_code, reason = "fit tests of later stages ask for it"))]
     pub(crate) fn is_within(&self, point: Vector, limit: f64) -> bool {
         self.tree.any_within(point, limit)
     }

@@ -1,17 +1,30 @@
 //! The parameters of a decomposition as command line arguments.
 
-use hullwright::{Method, Parameters, Unit};
+use hullwright::{Method, Parameters, Preset, Unit};
 
 #[derive(clap::Args)]
-#[command(next_help_heading = "Parameters (default: the paper's, and at most 64 vertices)")]
+#[command(next_help_heading = "Parameters")]
 pub struct ParameterArguments {
-    /// Start from exactly the paper's values, that is with no cap on vertices
+    /// Start from exactly the paper: its method and values, and no cap on vertices
     #[arg(long)]
     paper: bool,
 
-    /// The method: surface
+    /// The method: bounded (default), or surface, which is the paper's
     #[arg(long, value_name = "NAME", value_parser = parse_method)]
     method: Option<Method>,
+
+    /// Bounded: how far hulls may be off, as a share of the mesh's diagonal (2%) or in its units
+    /// (0.02m). Default: 2%
+    #[arg(long, value_name = "ERROR", value_parser = parse_error, allow_negative_numbers = true)]
+    max_error: Option<Unit>,
+
+    /// Bounded: most hulls. Where this forces hulls beyond the error, it says how far
+    #[arg(long, value_name = "N")]
+    max_hulls: Option<usize>,
+
+    /// Bounded: fast, balanced (default) or fine
+    #[arg(long, value_name = "NAME", value_parser = parse_preset)]
+    preset: Option<Preset>,
 
     /// Q: the simplification target is the triangle count times Q, until it is at most r. Paper: 0.8
     #[arg(long, value_name = "Q", allow_negative_numbers = true)]
@@ -61,6 +74,10 @@ impl ParameterArguments {
         let mut parameters = if self.paper { Parameters::paper() } else { Parameters::default() };
         set(&mut parameters.method, &self.method);
         set(&mut parameters.max_vertices, &self.max_vertices.map(|Cap(cap)| cap));
+        let bounded = &mut parameters.bounded;
+        set(&mut bounded.max_error, &self.max_error);
+        set(&mut bounded.max_hulls, &self.max_hulls.map(Some));
+        set(&mut bounded.preset, &self.preset);
         let surface = &mut parameters.surface;
         set(&mut surface.simplification_quality, &self.simplification_quality);
         set(&mut surface.maximum_resolutions, &self.maximum_resolutions);
@@ -81,10 +98,28 @@ fn set<T: Clone>(field: &mut T, argument: &Option<T>) {
 }
 
 fn parse_method(text: &str) -> Result<Method, String> {
-    [Method::Surface]
+    [Method::Bounded, Method::Surface]
         .into_iter()
         .find(|method| method.name() == text)
-        .ok_or_else(|| "the only method is `surface`".into())
+        .ok_or_else(|| "the methods are `bounded` and `surface`".into())
+}
+
+fn parse_preset(text: &str) -> Result<Preset, String> {
+    [Preset::Fast, Preset::Balanced, Preset::Fine]
+        .into_iter()
+        .find(|preset| preset.name() == text)
+        .ok_or_else(|| "the presets are `fast`, `balanced` and `fine`".into())
+}
+
+fn parse_error(text: &str) -> Result<Unit, String> {
+    let wrong =
+        || "a share of the diagonal (2%) or a length in the mesh's units (0.02m) is expected";
+    if let Some(percent) = text.strip_suffix('%') {
+        let percent: f64 = percent.trim().parse().map_err(|_| wrong())?;
+        return Ok(Unit::Diagonals(percent / 100.0));
+    }
+    let length = text.strip_suffix('m').ok_or_else(wrong)?;
+    Ok(Unit::Absolute(length.trim().parse().map_err(|_| wrong())?))
 }
 
 fn parse_unit(text: &str) -> Result<Unit, String> {
@@ -131,13 +166,16 @@ mod tests {
     #[test]
     fn every_parameter_can_be_set() {
         let parameters = parse(
-            "--method surface --simplification-quality 0.5 --maximum-resolutions 100,200 \
+            "--method surface --max-error 5% --max-hulls 3 --preset fine --simplification-quality 0.5 --maximum-resolutions 100,200 \
              --planar-thresholds 0.1,0.3 --angular-threshold 0.02 \
              --concavity-cost-threshold 0.1 --resolution-cut-off 7 --unit 0.446d \
              --significant-diagonal 0.2 --max-vertices none",
         )
         .unwrap();
         let mut expected = Parameters::paper();
+        expected.bounded.max_error = Unit::Diagonals(0.05);
+        expected.bounded.max_hulls = Some(3);
+        expected.bounded.preset = Preset::Fine;
         expected.surface.simplification_quality = 0.5;
         expected.surface.maximum_resolutions = vec![100, 200];
         expected.surface.planar_thresholds = vec![0.1, 0.3];
@@ -147,15 +185,22 @@ mod tests {
         expected.surface.unit = Unit::Diagonals(0.446);
         expected.surface.significant_diagonal = 0.2;
         assert_eq!(parameters, expected);
+        assert_eq!(parse("--max-error 0.02m").unwrap().bounded.max_error, Unit::Absolute(0.02));
         assert_eq!(parse("--unit 1.5").unwrap().surface.unit, Unit::Absolute(1.5));
         assert_eq!(parse("--paper --max-vertices 32").unwrap().max_vertices, Some(32));
     }
 
     #[test]
     fn what_is_no_value_is_refused() {
-        for line in
-            ["--method volume", "--unit d", "--max-vertices many", "--planar-thresholds 1,x"]
-        {
+        for line in [
+            "--method volume",
+            "--preset best",
+            "--max-error 2",
+            "--max-error x%",
+            "--unit d",
+            "--max-vertices many",
+            "--planar-thresholds 1,x",
+        ] {
             assert!(parse(line).is_err(), "{line}");
         }
     }

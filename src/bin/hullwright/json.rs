@@ -10,6 +10,7 @@ pub fn line(outcome: &Outcome) -> String {
     let hulls = &outcome.decomposition.hulls;
     let report = &outcome.decomposition.report;
     let surface = report.surface.as_ref();
+    let bounded = report.bounded.as_ref();
     let mut line = json!({
         "mesh": outcome.mesh(),
         "method": report.method.name(),
@@ -17,6 +18,10 @@ pub fn line(outcome: &Outcome) -> String {
         "hulls": hulls.len(),
         "vertices": outcome.vertices(),
         "seconds": outcome.seconds,
+        "bound": bounded.map(|bounded| bounded.bound),
+        "phantom_max": bounded.map(|bounded| bounded.phantom_max),
+        "exposed_max": bounded.map(|bounded| bounded.exposed_max),
+        "seeds": bounded.map(|bounded| bounded.seeds),
         "cost": surface.map(|surface| surface.cost),
         "planar_threshold": surface.map(|surface| surface.planar_threshold),
         "resolution": surface.map(|surface| surface.resolution),
@@ -25,7 +30,7 @@ pub fn line(outcome: &Outcome) -> String {
         "version": env!("CARGO_PKG_VERSION"),
         "average_pieces": surface.map(|surface| surface.average_pieces),
         "pieces_before_merging": surface.map(|surface| surface.pieces_before_merging),
-        "polygons": surface.map(|surface| surface.polygons),
+        "polygons": surface.map(|surface| surface.polygons).or(bounded.map(|bounded| bounded.polygons)),
         "initial_polygons": surface.map(|surface| surface.initial_polygons),
         "unit": surface.map(|surface| surface.unit),
         "source_vertices": report.source_vertices,

@@ -1,7 +1,7 @@
 //! A decomposition for people: a row like those of the paper's Table 1, and the search tree.
 
 use comfy_table::{CellAlignment, Table, presets};
-use hullwright::{Repairs, ResolutionOutcome, SurfaceReport, ThresholdOutcome};
+use hullwright::{BoundedReport, Repairs, ResolutionOutcome, SurfaceReport, ThresholdOutcome};
 
 use crate::decompose::Outcome;
 use crate::output::{count, time};
@@ -9,6 +9,10 @@ use crate::output::{count, time};
 /// The columns of the paper's Table 1.
 const SUMMARY_HEADER: [&str; 8] =
     ["pieces", "average pieces", "time", "cost", "p", "r", "final polygons", "initial polygons"];
+
+/// Lengths are shares of the mesh's diagonal. What is called at most is verified, not sampled.
+const BOUNDED_HEADER: [&str; 7] =
+    ["hulls", "vertices", "time", "bound", "stands out at most", "sinks in at most", "triangles"];
 
 const SEARCH_HEADER: [&str; 7] =
     ["r", "target", "polygons", "p", "pieces", "cost", "what became of it"];
@@ -24,24 +28,37 @@ pub fn summary(outcome: &Outcome) -> String {
     let report = &outcome.decomposition.report;
     let pieces = outcome.decomposition.hulls.len().to_string();
     let seconds = time(outcome.seconds);
-    let row = match &report.surface {
-        Some(surface) => [
-            pieces,
-            format!("{:.1}", surface.average_pieces),
-            seconds,
-            cost(surface.cost),
-            surface.planar_threshold.to_string(),
-            surface.resolution.to_string(),
-            surface.polygons.to_string(),
-            surface.initial_polygons.to_string(),
-        ],
-        None => {
-            let mut row = [NOTHING; 8].map(String::from);
-            [row[0], row[2], row[7]] = [pieces, seconds, report.source_triangles.to_string()];
-            row
+    let mut text = match (&report.surface, &report.bounded) {
+        (Some(surface), _) => {
+            let row = [
+                pieces,
+                format!("{:.1}", surface.average_pieces),
+                seconds,
+                cost(surface.cost),
+                surface.planar_threshold.to_string(),
+                surface.resolution.to_string(),
+                surface.polygons.to_string(),
+                surface.initial_polygons.to_string(),
+            ];
+            right_aligned(&SUMMARY_HEADER, [row]).trim_fmt()
+        }
+        (None, bounded) => {
+            let percent = |length: fn(&BoundedReport) -> f64| match bounded {
+                Some(bounded) => format!("{:.3} %", 100.0 * length(bounded) / report.diagonal),
+                None => NOTHING.into(),
+            };
+            let row = [
+                pieces,
+                outcome.vertices().to_string(),
+                seconds,
+                percent(|bounded| bounded.bound),
+                percent(|bounded| bounded.phantom_max),
+                percent(|bounded| bounded.exposed_max),
+                report.source_triangles.to_string(),
+            ];
+            right_aligned(&BOUNDED_HEADER, [row]).trim_fmt()
         }
     };
-    let mut text = right_aligned(&SUMMARY_HEADER, [row]).trim_fmt();
     let repairs = repairs(&report.repairs);
     if !repairs.is_empty() {
         text += &format!("\nrepaired: {}", repairs.join(", "));

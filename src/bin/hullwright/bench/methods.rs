@@ -184,8 +184,8 @@ fn bounded(error: f64) -> Option<Parameters> {
 }
 
 /// The one place that names the bound.
-fn set_error(_parameters: &mut Parameters, _error: f64) {
-    // parameters.bounded.max_error = hullwright::Unit::Diagonals(error);
+fn set_error(parameters: &mut Parameters, error: f64) {
+    parameters.bounded.max_error = hullwright::Unit::Diagonals(error);
 }
 
 #[cfg(test)]

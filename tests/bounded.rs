@@ -1,0 +1,406 @@
+//! Promises of the bounded method, each checked by means of its own.
+
+use std::time::{Duration, Instant};
+
+use hullwright::measure::{HullShape, MeasureOptions, Measurement, measure};
+use hullwright::{
+    Control, Decomposition, Error, Hull, MergeTree, Parameters, Preset, Unit, decompose,
+};
+
+type Mesh = (Vec<[f64; 3]>, Vec<[u32; 3]>);
+
+/// A prism of height 1 over a polygon, given with the triangles that fill it.
+fn prism(outline: &[[f64; 2]], fill: &[[u32; 3]]) -> Mesh {
+    let count = outline.len() as u32;
+    let at = |z: f64| outline.iter().map(move |&[x, y]| [x, y, z]);
+    let positions = at(0.0).chain(at(1.0)).collect();
+    let top = fill.iter().map(|t| t.map(|v| v + count));
+    let bottom = fill.iter().map(|&[a, b, c]| [a, c, b]);
+    let walls = (0..count).flat_map(|a| {
+        let b = (a + 1) % count;
+        [[a, b, b + count], [a, b + count, a + count]]
+    });
+    (positions, top.chain(bottom).chain(walls).collect())
+}
+
+fn cuboid(low: [f64; 3], high: [f64; 3]) -> Mesh {
+    let (mut positions, triangles) =
+        prism(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], &[[0, 1, 2], [0, 2, 3]]);
+    for point in &mut positions {
+        *point = [0, 1, 2].map(|k| low[k] + point[k] * (high[k] - low[k]));
+    }
+    (positions, triangles)
+}
+
+fn l_prism() -> Mesh {
+    let outline = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
+    prism(&outline, &[[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]])
+}
+
+fn u_prism() -> Mesh {
+    let outline = [
+        [0.0, 0.0],
+        [3.0, 0.0],
+        [3.0, 2.0],
+        [2.0, 2.0],
+        [2.0, 1.0],
+        [1.0, 1.0],
+        [1.0, 2.0],
+        [0.0, 2.0],
+    ];
+    prism(&outline, &[[0, 5, 6], [0, 6, 7], [0, 1, 4], [0, 4, 5], [1, 2, 3], [1, 3, 4]])
+}
+
+fn plus_prism() -> Mesh {
+    let outline = [
+        [1.0, 0.0],
+        [2.0, 0.0],
+        [2.0, 1.0],
+        [3.0, 1.0],
+        [3.0, 2.0],
+        [2.0, 2.0],
+        [2.0, 3.0],
+        [1.0, 3.0],
+        [1.0, 2.0],
+        [0.0, 2.0],
+        [0.0, 1.0],
+        [1.0, 1.0],
+    ];
+    let fill = [
+        [0, 1, 2],
+        [0, 2, 11],
+        [2, 3, 4],
+        [2, 4, 5],
+        [5, 6, 7],
+        [5, 7, 8],
+        [8, 9, 10],
+        [8, 10, 11],
+        [11, 2, 5],
+        [11, 5, 8],
+    ];
+    prism(&outline, &fill)
+}
+
+/// Rotates a closed polygon in the half-plane (radius, height) about the z axis.
+fn lathe(profile: &[[f64; 2]], sides: u32) -> Mesh {
+    let count = profile.len() as u32;
+    let mut positions = Vec::new();
+    let mut triangles = Vec::new();
+    for side in 0..sides {
+        let angle = f64::from(side) * std::f64::consts::TAU / f64::from(sides);
+        positions.extend(profile.iter().map(|&[r, z]| [r * angle.cos(), r * angle.sin(), z]));
+        for k in 0..count {
+            let at = |side: u32, k: u32| (side % sides) * count + k % count;
+            let [a, b] = [at(side, k), at(side + 1, k)];
+            let [c, d] = [at(side + 1, k + 1), at(side, k + 1)];
+            triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    (positions, triangles)
+}
+
+fn torus() -> Mesh {
+    let ring = (0..16).map(|i| {
+        let angle = f64::from(i) * std::f64::consts::TAU / 16.0;
+        [1.0 + 0.3 * angle.cos(), 0.3 * angle.sin()]
+    });
+    lathe(&ring.collect::<Vec<_>>(), 32)
+}
+
+/// A cup whose wall is 0.1 thick. (A hole as wide as a needle in the middle of its floor keeps it
+/// a lathed ring.)
+fn cup() -> Mesh {
+    lathe(&[[0.005, 0.0], [1.0, 0.0], [1.0, 2.0], [0.9, 2.0], [0.9, 0.15], [0.005, 0.15]], 40)
+}
+
+fn join(parts: &[Mesh]) -> Mesh {
+    let mut all: Mesh = Default::default();
+    for (positions, triangles) in parts {
+        let offset = all.0.len() as u32;
+        all.0.extend(positions);
+        all.1.extend(triangles.iter().map(|t| t.map(|v| v + offset)));
+    }
+    all
+}
+
+fn run_with((positions, triangles): &Mesh, parameters: &Parameters) -> Decomposition {
+    decompose(positions, triangles, parameters, &Control::new()).unwrap()
+}
+
+fn run(mesh: &Mesh) -> Decomposition {
+    run_with(mesh, &Parameters::default())
+}
+
+fn judge((positions, triangles): &Mesh, hulls: &[Hull]) -> Measurement {
+    let shapes: Vec<HullShape<'_>> = hulls.iter().map(HullShape::from).collect();
+    let mut options = MeasureOptions::default();
+    options.volume_samples = 50_000;
+    measure(positions, triangles, &shapes, &options).unwrap()
+}
+
+/// What was promised and verified, against dense samples.
+fn assert_promise(name: &str, mesh: &Mesh, result: &Decomposition) {
+    let report = result.report.bounded.as_ref().unwrap();
+    let measured = judge(mesh, &result.hulls);
+    let diagonal = measured.diagonal;
+    let rounding = 1e-6 * diagonal;
+    assert!(report.phantom_max <= report.bound + rounding, "{name}: {report:?}");
+    assert!(report.exposed_max <= report.bound + rounding, "{name}: {report:?}");
+    let (phantom, exposed) = (measured.phantom.max * diagonal, measured.exposed.max * diagonal);
+    assert!(phantom <= report.phantom_max + rounding, "{name}: {phantom} {report:?}");
+    assert!(exposed <= report.exposed_max + rounding, "{name}: {exposed} {report:?}");
+    assert_eq!(measured.non_convex_hulls, 0, "{name}");
+    assert_eq!(measured.non_positive_volumes, 0, "{name}");
+}
+
+#[test]
+fn an_l_prism_is_two_boxes() {
+    let mesh = l_prism();
+    let result = run(&mesh);
+    assert_eq!(result.hulls.len(), 2);
+    assert_promise("L", &mesh, &result);
+    assert!(judge(&mesh, &result.hulls).iou.unwrap() > 0.97);
+}
+
+#[test]
+fn a_u_prism_is_three_boxes() {
+    let mesh = u_prism();
+    let result = run(&mesh);
+    assert_eq!(result.hulls.len(), 3);
+    assert_promise("U", &mesh, &result);
+}
+
+#[test]
+fn a_plus_sign_is_at_most_three_hulls() {
+    let mesh = plus_prism();
+    let result = run(&mesh);
+    assert!(result.hulls.len() <= 3, "{}", result.hulls.len());
+    assert_promise("plus", &mesh, &result);
+}
+
+#[test]
+fn a_torus_is_at_most_twelve_hulls() {
+    let mesh = torus();
+    let result = run(&mesh);
+    assert!(result.hulls.len() <= 12, "{}", result.hulls.len());
+    assert_promise("torus", &mesh, &result);
+}
+
+#[test]
+fn a_thin_walled_cup_stays_hollow() {
+    let mesh = cup();
+    let result = run(&mesh);
+    assert_promise("cup", &mesh, &result);
+    // A marble in the cup touches nothing above the floor.
+    for z in [0.5, 1.0, 1.9] {
+        for hull in &result.hulls {
+            assert!(!holds(hull, [0.0, 0.0, z]), "{z}");
+        }
+    }
+}
+
+fn holds(hull: &Hull, [x, y, z]: [f64; 3]) -> bool {
+    hull.triangles.iter().all(|triangle| {
+        let [a, b, c] = triangle.map(|index| hull.points[index as usize]);
+        let [u, v] =
+            [[b[0] - a[0], b[1] - a[1], b[2] - a[2]], [c[0] - a[0], c[1] - a[1], c[2] - a[2]]];
+        let normal =
+            [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+        normal[0] * (x - a[0]) + normal[1] * (y - a[1]) + normal[2] * (z - a[2]) <= 0.0
+    })
+}
+
+#[test]
+fn parts_that_do_not_touch_stay_apart() {
+    let near = cuboid([0.0; 3], [1.0; 3]);
+    let far = cuboid([3.0, 0.0, 0.0], [4.0, 1.0, 1.0]);
+    let result = run(&join(&[near, far]));
+    assert_eq!(result.hulls.len(), 2);
+    assert_eq!(result.hulls.iter().map(|hull| hull.component).collect::<Vec<_>>(), [0, 1]);
+}
+
+#[test]
+fn a_solid_has_no_void() {
+    for (name, mesh) in [("L", l_prism()), ("torus", torus()), ("plus", plus_prism())] {
+        let hollow = judge(&mesh, &run(&mesh).hulls).hollow.unwrap();
+        assert!(hollow <= 0.01, "{name}: {hollow}");
+    }
+}
+
+#[test]
+fn the_promise_holds_for_every_bound() {
+    for percent in [0.5, 1.0, 4.0, 8.0] {
+        let mut parameters = Parameters::default();
+        parameters.bounded.max_error = Unit::Diagonals(percent / 100.0);
+        let mesh = torus();
+        assert_promise(&format!("{percent} %"), &mesh, &run_with(&mesh, &parameters));
+    }
+}
+
+#[test]
+fn every_preset_keeps_the_promise() {
+    for preset in [Preset::Fast, Preset::Balanced, Preset::Fine] {
+        let mut parameters = Parameters::default();
+        parameters.bounded.preset = preset;
+        assert_promise(preset.name(), &cup(), &run_with(&cup(), &parameters));
+    }
+}
+
+#[test]
+fn a_bound_in_units_is_that_of_as_many_diagonals() {
+    let mesh = u_prism();
+    let diagonal = run(&mesh).report.diagonal;
+    let mut parameters = Parameters::default();
+    parameters.bounded.max_error = Unit::Absolute(0.02 * diagonal);
+    let absolute = run_with(&mesh, &parameters);
+    assert!((absolute.report.bounded.unwrap().bound - 0.02 * diagonal).abs() < 1e-12);
+    assert_eq!(absolute.hulls.len(), 3);
+}
+
+#[cfg(feature = "io")]
+#[test]
+fn the_promise_holds_on_all_bundled_models() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/assets");
+    let mut seen = 0;
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|extension| extension != "glb") {
+            continue;
+        }
+        let file = hullwright::io::read_mesh(&path).unwrap();
+        let mesh = (file.positions, file.triangles);
+        assert_promise(&path.display().to_string(), &mesh, &run(&mesh));
+        seen += 1;
+    }
+    assert!(seen >= 14, "{seen}");
+}
+
+#[test]
+fn hulls_keep_the_cap_on_vertices() {
+    let mut parameters = Parameters::default();
+    parameters.max_vertices = Some(12);
+    let mesh = torus();
+    let result = run_with(&mesh, &parameters);
+    assert!(result.hulls.iter().all(|hull| hull.points.len() <= 12));
+    assert_promise("capped", &mesh, &result);
+}
+
+#[test]
+fn one_two_and_four_threads_give_the_same() {
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| run(&cup()).hulls)
+    };
+    let one = on(1);
+    assert_eq!(one, on(2));
+    assert_eq!(one, on(4));
+}
+
+#[test]
+fn slices_give_the_same_and_progress_never_falls() {
+    let mesh = torus();
+    let seen = std::sync::Arc::new(std::sync::Mutex::new(Vec::new()));
+    let listener = std::sync::Arc::clone(&seen);
+    let control = Control::new()
+        .with_progress(move |progress| listener.lock().unwrap().push(progress.fraction));
+    let mut decomposer =
+        hullwright::Decomposer::new(&mesh.0, &mesh.1, &Parameters::default()).unwrap();
+    let mut slices = 1;
+    let sliced = loop {
+        if let Some(result) = decomposer.step(&control).unwrap() {
+            break result;
+        }
+        slices += 1;
+    };
+    assert!(slices >= 5);
+    assert_eq!(sliced.hulls, run(&mesh).hulls);
+    let fractions = seen.lock().unwrap();
+    assert!(fractions.windows(2).all(|pair| pair[0] <= pair[1]));
+    assert_eq!(fractions.last(), Some(&1.0));
+}
+
+#[test]
+fn cancelling_is_a_typed_error() {
+    let control = Control::new();
+    control.cancel();
+    let (positions, triangles) = torus();
+    let result = decompose(&positions, &triangles, &Parameters::default(), &control);
+    assert_eq!(result, Err(Error::Cancelled));
+}
+
+#[test]
+fn after_the_deadline_the_best_so_far_is_returned_and_keeps_the_promise() {
+    let mesh = torus();
+    let past = Instant::now() - Duration::from_secs(1);
+    let control = Control::new().with_deadline(past);
+    let result = decompose(&mesh.0, &mesh.1, &Parameters::default(), &control).unwrap();
+    assert!(result.report.deadline_reached);
+    assert_promise("deadline", &mesh, &result);
+}
+
+fn tree_of(mesh: &Mesh) -> (Decomposition, MergeTree) {
+    let result = run(mesh);
+    let (parameters, control) = (Parameters::default(), Control::new());
+    let tree = MergeTree::new(&mesh.0, &mesh.1, &result, &parameters, &control).unwrap();
+    (result, tree)
+}
+
+#[test]
+fn the_curve_goes_down_to_one_hull_and_its_error_never_falls() {
+    let (result, tree) = tree_of(&torus());
+    let curve = tree.curve();
+    assert_eq!(curve.first().unwrap().hulls, result.hulls.len());
+    assert_eq!(curve.last().unwrap().hulls, 1);
+    assert!(curve.windows(2).all(|pair| pair[1].hulls + 1 == pair[0].hulls));
+    assert!(curve.windows(2).all(|pair| pair[0].error <= pair[1].error));
+}
+
+#[test]
+fn every_state_of_the_tree_is_valid_and_off_by_no_more_than_it_says() {
+    let mesh = u_prism();
+    let (_, tree) = tree_of(&mesh);
+    for point in tree.curve() {
+        let hulls = tree.at_hulls(point.hulls);
+        assert_eq!(hulls.len(), point.hulls);
+        let measured = judge(&mesh, &hulls);
+        let rounding = 1e-6 * measured.diagonal;
+        assert!(measured.hausdorff * measured.diagonal <= point.error + rounding);
+        assert_eq!(measured.non_convex_hulls, 0);
+        let same = tree.at_error(point.error);
+        assert!(same.len() <= point.hulls);
+    }
+    assert_eq!(tree.at_hulls(1).len(), 1);
+    assert_eq!(tree.at_hulls(0).len(), 1);
+    assert_eq!(tree.at_hulls(99).len(), 3);
+    assert_eq!(tree.at_error(0.0).len(), 3);
+}
+
+#[test]
+fn the_cap_on_hulls_is_kept_and_the_report_says_what_it_costs() {
+    let mut parameters = Parameters::default();
+    parameters.bounded.max_hulls = Some(2);
+    let mesh = u_prism();
+    let result = run_with(&mesh, &parameters);
+    assert_eq!(result.hulls.len(), 2);
+    let report = result.report.bounded.unwrap();
+    assert!(report.phantom_max > report.bound);
+    let measured = judge(&mesh, &result.hulls);
+    assert!(measured.phantom.max * measured.diagonal <= report.phantom_max + 1e-6);
+}
+
+#[test]
+fn an_open_sheet_is_covered_by_thin_hulls() {
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    for i in 0..=20_u32 {
+        let angle = f64::from(i) * 0.15;
+        positions.extend([0.0, 1.0].map(|y| [angle.cos(), y, angle.sin()]));
+        if i > 0 {
+            let [a, b] = [2 * i - 2, 2 * i];
+            triangles.extend([[a, b, b + 1], [a, b + 1, a + 1]]);
+        }
+    }
+    let mesh = (positions, triangles);
+    let result = run(&mesh);
+    assert!(result.hulls.len() > 1);
+    assert_promise("sheet", &mesh, &result);
+}
