@@ -89,6 +89,10 @@ impl Tuning {
     }
 }
 
+/// Coordinates are rounded to 2^-38 diagonals, so that a mesh in other units, which differs in its
+/// last bits, does not break ties of symmetric shapes another way.
+const SNAP: f64 = (1_u64 << 38) as f64;
+
 /// The method at work, stage by stage.
 pub(crate) struct Run {
     prepared: PreparedMesh,
@@ -114,7 +118,10 @@ pub(crate) struct Outcome {
 }
 
 impl Run {
-    pub(crate) fn new(prepared: PreparedMesh, parameters: &Parameters) -> Self {
+    pub(crate) fn new(mut prepared: PreparedMesh, parameters: &Parameters) -> Self {
+        for coordinate in prepared.mesh.positions.as_flattened_mut() {
+            *coordinate = (*coordinate * SNAP).round() / SNAP;
+        }
         let tuning = Tuning::new(parameters, prepared.normalization.diagonal);
         Self { prepared, tuning, state: State::Start }
     }
