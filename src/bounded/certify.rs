@@ -11,7 +11,10 @@ use crate::mesh::TriangleMesh;
 use crate::vector::{Vector, add, distance, dot, length_squared, scale, subtract};
 
 /// A maximum is bounded up to this share of the bound.
-const RESOLUTION: f64 = 0.02;
+const RESOLUTION: f64 = 0.04;
+
+/// The same for what is hardly below the bound.
+const FINE_RESOLUTION: f64 = 0.005;
 
 /// Where the surface is open, the inside ends without it, and only sampling can tell where: parts
 /// smaller than this share of the bound are where their centre is.
@@ -23,7 +26,7 @@ const MOST_PARTS: usize = 200_000;
 /// No point of the faces is farther than this from the solid, in diagonals. Once it is known to
 /// be more than `limit`, any value above `limit` may be returned.
 pub(super) fn phantom(hull: &ConvexHull, solid: &Solid, bound: f64, limit: f64) -> f64 {
-    let slack = RESOLUTION * bound;
+    let slack = FINE_RESOLUTION * bound;
     // Below a quarter of the bound nobody asks for the exact figure.
     let mut known: f64 = 0.25 * bound;
     let mut stack: Vec<[Vector; 3]> = hull.corners().collect();
@@ -44,8 +47,11 @@ pub(super) fn phantom(hull: &ConvexHull, solid: &Solid, bound: f64, limit: f64) 
         parts += 1;
         let centre = scale(add(add(a, b), c), 1.0 / 3.0);
         let radius = distance(centre, a).max(distance(centre, b)).max(distance(centre, c));
-        let enough = known + slack;
-        if solid.upper_distance(centre) + radius <= enough {
+        let enough = enough(known, bound);
+        if solid.upper_distance(centre) + radius <= enough
+            || (solid.is_closed
+                && solid.depth(centre).is_some_and(|depth| radius - depth <= enough))
+        {
             continue;
         }
         let Some(closest) = solid.field.distance_near(centre, f64::INFINITY, guess) else {
@@ -56,7 +62,7 @@ pub(super) fn phantom(hull: &ConvexHull, solid: &Solid, bound: f64, limit: f64) 
             continue;
         }
         // The side is dear, and only asked for where it decides.
-        let is_small = radius <= if solid.is_closed { slack } else { OPEN * bound };
+        let is_small = radius <= if solid.is_closed { 2.0 * slack } else { OPEN * bound };
         let may_be_enough = solid.is_closed && radius - closest.distance <= enough;
         if closest.distance > known || may_be_enough || is_small {
             if solid.is_inside(centre, closest.distance) {
@@ -86,7 +92,17 @@ pub(super) fn phantom(hull: &ConvexHull, solid: &Solid, bound: f64, limit: f64) 
         };
         stack.extend(halves);
     }
-    known + slack
+    enough(known, bound)
+}
+
+/// What a maximum that is at least `known` is bounded by: near the bound as finely as it takes to
+/// tell whether it is kept.
+fn enough(known: f64, bound: f64) -> f64 {
+    if known + RESOLUTION * bound <= bound {
+        known + RESOLUTION * bound
+    } else {
+        bound.max(known + FINE_RESOLUTION * bound)
+    }
 }
 
 fn square(a: Vector, b: Vector) -> f64 {

@@ -75,7 +75,7 @@ pub(crate) fn hull_of(seeds: &Seeds, set: &SeedSet) -> Piece {
         points.extend_from_slice(&seed.points);
         outward = add(outward, seed.outward);
     }
-    Piece { seeds: set.clone(), hull: Hull::of(&points, outward) }
+    Piece { seeds: set.clone(), hull: Hull::of(&points, outward), vertices: Vec::new() }
 }
 
 /// Seeds that only piece `k` of those that are `alive` covers.
@@ -111,7 +111,12 @@ fn drop_redundant(seeds: &Seeds, pieces: &mut Vec<Piece>) {
 
 /// Tries to hand what only piece `k` covers to the others, which may let go of what is covered
 /// elsewhere.
-fn dissolve_one(seeds: &Seeds, pieces: &mut Vec<Piece>, k: usize, shop: &mut Workshop<'_>) -> bool {
+fn dissolve_one(
+    seeds: &Seeds,
+    pieces: &[Piece],
+    k: usize,
+    shop: &mut Workshop<'_>,
+) -> Option<Vec<Piece>> {
     let mut alive = vec![true; pieces.len()];
     let mut left = own(pieces, &alive, k);
     alive[k] = false;
@@ -129,7 +134,7 @@ fn dissolve_one(seeds: &Seeds, pieces: &mut Vec<Piece>, k: usize, shop: &mut Wor
         .collect();
     let compatible = |seed: u32, core: &SeedSet| !seeds.conflicts[seed as usize].intersects(core);
     if left.iter().any(|seed| !(0..pieces.len()).any(|j| j != k && compatible(seed, &cores[j]))) {
-        return false;
+        return None;
     }
     let mut changed: Vec<(usize, Piece)> = Vec::new();
     let mut sets: Vec<SeedSet> = pieces.iter().map(|piece| piece.seeds.clone()).collect();
@@ -163,15 +168,16 @@ fn dissolve_one(seeds: &Seeds, pieces: &mut Vec<Piece>, k: usize, shop: &mut Wor
         }
     }
     if !left.is_empty() {
-        return false;
+        return None;
     }
+    let mut pieces = pieces.to_vec();
     let all = seeds.all();
     for (j, mut piece) in changed {
         grow(seeds, &mut piece, &all, shop);
         pieces[j] = piece;
     }
     pieces.remove(k);
-    true
+    Some(pieces)
 }
 
 /// Dissolves pieces, those with least area of their own first, until none can go or too much has
@@ -179,33 +185,41 @@ fn dissolve_one(seeds: &Seeds, pieces: &mut Vec<Piece>, k: usize, shop: &mut Wor
 fn dissolve(
     seeds: &Seeds,
     pieces: &mut Vec<Piece>,
-    shop: &mut Workshop<'_>,
-    most_tries: usize,
+    solid: &Solid,
+    tuning: &Tuning,
     control: &Control,
 ) -> Result<(), Error> {
-    let limit = shop.tried + most_tries;
-    loop {
+    let mut tried = 0;
+    'again: loop {
         let alive = vec![true; pieces.len()];
         let mut order: Vec<(f64, usize)> =
             (0..pieces.len()).map(|k| (area(seeds, &own(pieces, &alive, k)), k)).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let mut removed = false;
-        for (_, k) in order {
+        for some in order.chunks(AT_ONCE) {
             control.check()?;
-            if shop.tried > limit || control.is_past_deadline() {
+            if tried > tuning.dissolving_tries || control.is_past_deadline() {
                 return Ok(());
             }
-            if dissolve_one(seeds, pieces, k, shop) {
-                removed = true;
-                drop_redundant(seeds, pieces);
-                break;
+            let attempts = super::parallel::map(some, |&(_, k)| {
+                let mut shop = Workshop::new(solid, tuning.search_bound);
+                let dissolved = dissolve_one(seeds, pieces, k, &mut shop);
+                (dissolved, shop.tried)
+            });
+            for (dissolved, tries) in attempts {
+                tried += tries;
+                if let Some(fewer) = dissolved {
+                    *pieces = fewer;
+                    drop_redundant(seeds, pieces);
+                    continue 'again;
+                }
             }
         }
-        if !removed {
-            return Ok(());
-        }
+        return Ok(());
     }
 }
+
+/// Pieces whose dissolving is tried at the same time. The first that succeeds counts.
+const AT_ONCE: usize = 4;
 
 /// Fewer pieces that cover the same seeds.
 pub(crate) fn cover(
@@ -230,8 +244,7 @@ pub(crate) fn cover(
     });
     let mut pieces = grown.into_iter().collect::<Result<Vec<Piece>, Error>>()?;
     drop_redundant(seeds, &mut pieces);
-    let mut shop = Workshop::new(solid, tuning.search_bound);
-    dissolve(seeds, &mut pieces, &mut shop, tuning.dissolving_tries, control)?;
+    dissolve(seeds, &mut pieces, solid, tuning, control)?;
     Ok(shrink(seeds, pieces))
 }
 

@@ -10,8 +10,8 @@
 
 use std::sync::atomic::{AtomicU8, Ordering};
 
-use crate::field::Field;
-use crate::vector::{Vector, maximum, minimum};
+use crate::field::{Field, nearest_of_triangle};
+use crate::vector::{Vector, add, maximum, minimum, subtract};
 
 /// Most cells. A few hundred thousand fit into a processor's cache.
 const MOST_CELLS: f64 = 200_000.0;
@@ -25,6 +25,10 @@ const STEPS: usize = 48;
 /// A cell farther than this from the surface, in cells, is not cut off from its neighbours by it:
 /// half a cell, and room for distances that are too large.
 const FREE: f32 = 0.8;
+
+/// Distances are too large by less than this, in cells: where two sheets pass through the same
+/// cells, those beyond may have heard of the farther one only.
+const SURPLUS: f64 = 1.25;
 
 const UNKNOWN: u8 = 0;
 const INSIDE: u8 = 1;
@@ -128,13 +132,15 @@ impl Grid {
 
     /// Hands nearest triangles on from cell to cell.
     fn spread(&mut self, positions: &[Vector], triangles: &[[u32; 3]]) {
-        let relative: Vec<[f32; 3]> = positions.iter().map(|&p| self.relative(p)).collect();
+        let relative: Vec<Vector> =
+            positions.iter().map(|&point| subtract(point, self.origin)).collect();
         let corners = |t: u32| triangles[t as usize].map(|v| relative[v as usize]);
         let mut owner = vec![u32::MAX; self.cells.len()];
         let mut steps: Vec<Vec<u32>> = vec![Vec::new(); STEPS];
         let step = |d: f32, band: f32| ((d / band * STEPS as f32) as usize).min(STEPS - 1);
         for t in 0..triangles.len() as u32 {
-            let [a, b, c] = corners(t);
+            let triangle = corners(t);
+            let [a, b, c] = triangle.map(|corner| corner.map(|x| x as f32));
             let (u, v) = (sub(b, a), sub(c, a));
             let longest = length(u).max(length(v)).max(length(sub(c, b)));
             let cuts = (longest * self.inverse).ceil().max(1.0) as usize;
@@ -149,7 +155,7 @@ impl Grid {
                         continue;
                     }
                     last = index;
-                    let (nearest, d) = nearest_of_triangle(self.centre(place), a, b, c);
+                    let (nearest, d) = nearest_of(self.centre(place), triangle);
                     let cell = &mut self.cells[index];
                     if d < cell.distance {
                         *cell = Cell { nearest, distance: d };
@@ -173,8 +179,7 @@ impl Grid {
                 done[index] = true;
                 let place = self.place_of(index);
                 let triangle = owner[index];
-                let [a, b, c] = corners(triangle);
-                let (nearest, d) = nearest_of_triangle(self.centre(place), a, b, c);
+                let (nearest, d) = nearest_of(self.centre(place), corners(triangle));
                 self.cells[index] = Cell { nearest, distance: d };
                 for axis in 0..3 {
                     for forward in [false, true] {
@@ -272,6 +277,17 @@ impl Grid {
         }
     }
 
+    /// A lower bound on the depth of a point inside; `None` if it may be outside. Only for closed surfaces.
+    #[inline]
+    pub(super) fn depth(&self, point: Vector) -> Option<f64> {
+        let probe = self.probe(point);
+        let depth = probe.lower - SURPLUS * f64::from(self.size);
+        let is_inside = depth > 0.0
+            && self.is_flooded
+            && self.sides[probe.index].load(Ordering::Relaxed) == INSIDE;
+        is_inside.then_some(depth)
+    }
+
     /// Whether a point is inside that is `distance` from the surface, if its cell tells. Only for
     /// closed surfaces: where one is open, being inside may end without it.
     #[inline]
@@ -311,45 +327,11 @@ fn length(a: [f32; 3]) -> f32 {
     dot(a, a).sqrt()
 }
 
-/// The nearest point of a triangle, and how far it is (Ericson, Real-Time Collision Detection,
-/// 5.1.5).
-fn nearest_of_triangle(p: [f32; 3], a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> ([f32; 3], f32) {
-    let (ab, ac, ap) = (sub(b, a), sub(c, a), sub(p, a));
-    let along =
-        |from: [f32; 3], edge: [f32; 3], share: f32| [0, 1, 2].map(|k| from[k] + share * edge[k]);
-    let (d1, d2) = (dot(ab, ap), dot(ac, ap));
-    let nearest = 'found: {
-        if d1 <= 0.0 && d2 <= 0.0 {
-            break 'found a;
-        }
-        let bp = sub(p, b);
-        let (d3, d4) = (dot(ab, bp), dot(ac, bp));
-        if d3 >= 0.0 && d4 <= d3 {
-            break 'found b;
-        }
-        let vc = d1 * d4 - d3 * d2;
-        if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-            break 'found along(a, ab, d1 / (d1 - d3));
-        }
-        let cp = sub(p, c);
-        let (d5, d6) = (dot(ab, cp), dot(ac, cp));
-        if d6 >= 0.0 && d5 <= d6 {
-            break 'found c;
-        }
-        let vb = d5 * d2 - d1 * d6;
-        if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-            break 'found along(a, ac, d2 / (d2 - d6));
-        }
-        let va = d3 * d6 - d5 * d4;
-        if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
-            let share = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-            break 'found along(b, sub(c, b), share);
-        }
-        let inverse = 1.0 / (va + vb + vc);
-        let (v, w) = (vb * inverse, vc * inverse);
-        [0, 1, 2].map(|k| a[k] + v * ab[k] + w * ac[k])
-    };
-    // A needle may give nonsense, for which one of its corners is a safe answer.
-    let d = length(sub(p, nearest));
-    if d.is_finite() { (nearest, d) } else { (a, length(ap)) }
+/// The nearest point of a triangle, and how far it is. In double precision, for needles.
+#[inline]
+fn nearest_of(p: [f32; 3], [a, b, c]: [Vector; 3]) -> ([f32; 3], f32) {
+    let point = p.map(f64::from);
+    let [a, b, c] = [a, b, c].map(|corner| subtract(corner, point));
+    let nearest = nearest_of_triangle(a, b, c);
+    (add(point, nearest).map(|x| x as f32), crate::vector::length(nearest) as f32)
 }

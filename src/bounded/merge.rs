@@ -53,26 +53,32 @@ impl Merging<'_, '_> {
         };
         // The smaller one joins the larger one.
         let (large, small) = if a.hull.volume >= b.hull.volume { (a, b) } else { (b, a) };
-        let mut small_hull = small.hull.clone();
-        let points = small_hull.vertices();
-        Some(self.shop.join(&large.hull, &points, small.hull.outward))
+        Some(self.shop.join(&large.hull, &small.vertices, small.hull.outward))
     }
 
-    fn consider(&mut self, a: u32, b: u32) {
-        let pair = ordered(a, b);
-        let (Some(pa), Some(pb)) = (&self.pieces[a as usize], &self.pieces[b as usize]) else {
-            return;
+    /// Adds those pairs that may join to the heap.
+    fn consider(&mut self, pairs: &[(u32, u32)]) {
+        let cost = |&(a, b): &(u32, u32)| {
+            let pair = ordered(a, b);
+            let (Some(a), Some(b)) =
+                (self.pieces[pair.0 as usize].as_ref(), self.pieces[pair.1 as usize].as_ref())
+            else {
+                return None;
+            };
+            let may_join = !self.refused.contains(&pair)
+                && !self.conflicts[pair.0 as usize].intersects(&b.seeds);
+            if !may_join {
+                return None;
+            }
+            let (large, small) = if a.hull.volume >= b.hull.volume { (a, b) } else { (b, a) };
+            let mut joint = large.hull.clone();
+            joint.insert(&small.vertices, small.hull.outward);
+            let volume = joint.current_volume();
+            let added = volume - a.hull.volume - b.hull.volume;
+            Some(Candidate { cost: if volume > 0.0 { added / volume } else { 0.0 }, pair })
         };
-        if self.refused.contains(&pair) || self.conflicts[a as usize].intersects(&pb.seeds) {
-            return;
-        }
-        let volumes = pa.hull.volume + pb.hull.volume;
-        if self.join(a, b).is_none() {
-            return;
-        }
-        let volume = self.shop.trial.current_volume();
-        let cost = if volume > 0.0 { (volume - volumes) / volume } else { 0.0 };
-        self.heap.push(Candidate { cost, pair });
+        let candidates = super::parallel::map(pairs, cost);
+        self.heap.extend(candidates.into_iter().flatten());
     }
 
     fn run(&mut self, control: &Control) -> Result<(), Error> {
@@ -97,8 +103,9 @@ impl Merging<'_, '_> {
             let mut hull = pa.hull;
             self.shop.take_trial(&mut hull);
             hull.volume = hull.current_volume();
+            let vertices = hull.vertices();
             let new = self.pieces.len() as u32;
-            self.pieces.push(Some(Piece { seeds, hull }));
+            self.pieces.push(Some(Piece { seeds, hull, vertices }));
             let mut conflicts = std::mem::take(&mut self.conflicts[a as usize]);
             conflicts.unite(&self.conflicts[b as usize]);
             self.conflicts.push(conflicts);
@@ -116,9 +123,8 @@ impl Merging<'_, '_> {
                 self.links[link as usize].insert(new);
             }
             self.links.push(joined.clone());
-            for link in joined {
-                self.consider(link, new);
-            }
+            let pairs: Vec<(u32, u32)> = joined.into_iter().map(|link| (link, new)).collect();
+            self.consider(&pairs);
         }
         Ok(())
     }
@@ -136,10 +142,9 @@ pub(crate) fn merge(
 ) -> Result<Vec<Piece>, Error> {
     let count = seeds.count();
     let pieces = seeds.seeds.iter().enumerate().map(|(index, seed)| {
-        Some(Piece {
-            seeds: SeedSet::of(count, [index as u32]),
-            hull: Hull::of(&seed.points, seed.outward),
-        })
+        let mut hull = Hull::of(&seed.points, seed.outward);
+        let vertices = hull.vertices();
+        Some(Piece { seeds: SeedSet::of(count, [index as u32]), hull, vertices })
     });
     let mut links = vec![BTreeSet::new(); count];
     for &(a, b) in &seeds.neighbours {
@@ -154,13 +159,12 @@ pub(crate) fn merge(
         heap: BinaryHeap::new(),
         shop,
     };
-    for &(a, b) in &seeds.neighbours {
-        merging.consider(a, b);
-    }
+    merging.consider(&seeds.neighbours);
     merging.run(control)?;
     let alive: Vec<u32> = (0..merging.pieces.len() as u32)
         .filter(|&index| merging.pieces[index as usize].is_some())
         .collect();
+    let mut pairs = Vec::new();
     for (index, &a) in alive.iter().enumerate() {
         for &b in &alive[index + 1..] {
             if let (Some(pa), Some(pb)) = (&merging.pieces[a as usize], &merging.pieces[b as usize])
@@ -168,10 +172,11 @@ pub(crate) fn merge(
             {
                 merging.links[a as usize].insert(b);
                 merging.links[b as usize].insert(a);
-                merging.consider(a, b);
+                pairs.push((a, b));
             }
         }
     }
+    merging.consider(&pairs);
     merging.run(control)?;
     Ok(merging.pieces.into_iter().flatten().collect())
 }

@@ -11,6 +11,8 @@ use crate::vector::{Vector, add, area_normal, length_squared, maximum, minimum};
 pub(crate) struct Piece {
     pub seeds: SeedSet,
     pub hull: Hull,
+    /// Vertices of the hull, for those that join it; empty where nobody asks.
+    pub vertices: Vec<Vector>,
 }
 
 /// The hull of some seeds' points.

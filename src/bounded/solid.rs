@@ -50,6 +50,12 @@ impl Solid {
         self.grid.probe(point).upper + SINGLE_PRECISION
     }
 
+    /// At most the distance to the surface of a point inside; `None` if it may be outside.
+    #[inline]
+    pub fn depth(&self, point: Vector) -> Option<f64> {
+        self.grid.depth(point)
+    }
+
     /// Whether a point is inside that is this far from the surface: as the centre of its cell is,
     /// if that is nearer than the surface.
     pub fn is_inside(&self, point: Vector, distance: f64) -> bool {

@@ -161,7 +161,7 @@ fn nearest_of_sliver(a: Vector, ab: Vector, ac: Vector) -> Vector {
 }
 
 /// The point of the triangle nearest to the origin.
-pub(super) fn nearest_of_triangle(a: Vector, b: Vector, c: Vector) -> Vector {
+pub(crate) fn nearest_of_triangle(a: Vector, b: Vector, c: Vector) -> Vector {
     let (ab, ac) = (subtract(b, a), subtract(c, a));
     let sides = length_squared(ab) * length_squared(ac);
     let cosine = dot(ab, ac);

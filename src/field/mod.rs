@@ -13,7 +13,7 @@ mod distance;
 mod tree;
 mod winding;
 
-pub(crate) use distance::Closest;
+pub(crate) use distance::{Closest, nearest_of_triangle};
 
 use crate::vector::Vector;
 use distance::Best;
