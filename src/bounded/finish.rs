@@ -7,18 +7,18 @@ use super::piece::Piece;
 use super::seed_set::SeedSet;
 use super::seeds::Seeds;
 use super::solid::Solid;
-use crate::hull::{ConvexHull, HullBuilder, cap_vertices_within, inner_hull, solid_hull};
+use crate::hull::{
+    ConvexHull, HullBuilder, cap_vertices_within, fewer_vertices, inner_hull, solid_hull,
+};
 use crate::{Control, Error};
 
 /// A hull's least thickness as a share of the mesh's diagonal: what is small in all directions
 /// gets a body that single precision can still tell from nothing.
 const LEAST_THICKNESS: f64 = 1e-6;
 
-/// Numbers of vertices that are tried, fewest first: engines pay for each.
-const VERTEX_STEPS: [usize; 6] = [16, 24, 32, 40, 52, 64];
-
-/// To save vertices a hull may grow by this share of the bound.
-const GROWTH: f64 = 0.12;
+/// Vertices that stand out of the others by less than this, in bounds, may be saved, since engines
+/// pay for each. The hull grows by about as much, so that less is tried where that is too much.
+const TOLERANCES: [f64; 4] = [0.15, 0.1, 0.06, 0.03];
 
 /// Where a hull at the cap may not grow, this much of what stands out may be left out, in bounds.
 const SLACKS: [f64; 3] = [0.025, 0.05, 0.1];
@@ -123,10 +123,11 @@ fn finished(
     };
     let most = tuning.max_vertices.unwrap_or(usize::MAX);
     let slack = tuning.reduction;
-    for step in VERTEX_STEPS.into_iter().filter(|&step| step <= most && step < full.points.len()) {
-        let capped = cap_vertices_within(builder, &full, step, slack);
-        let Some((hull, growth)) = capped else { continue };
-        if growth > GROWTH * tuning.bound {
+    for tolerance in TOLERANCES.map(|share| share * tuning.bound) {
+        let Some((hull, growth)) = fewer_vertices(builder, &full, tolerance, slack) else {
+            continue;
+        };
+        if hull.points.len() >= full.points.len() || hull.points.len() > most {
             continue;
         }
         let phantom = phantom(&hull, solid, tuning.bound, tuning.bound);

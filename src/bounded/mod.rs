@@ -36,7 +36,7 @@ use tree::Tree;
 
 /// The search leaves this much of the bound unused: room for a cap on vertices, and for what the
 /// search overlooks.
-const SEARCH_SHARE: f64 = 0.95;
+const SEARCH_SHARE: f64 = 0.91;
 
 /// What the stages go by, in diagonals.
 pub(crate) struct Tuning {

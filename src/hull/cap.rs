@@ -40,7 +40,34 @@ pub(crate) fn cap_vertices_within(
     cap: usize,
     slack: f64,
 ) -> Option<(ConvexHull, f64)> {
-    let mut kept = most_prominent(builder, &hull.points, cap, slack)?;
+    let kept = most_prominent(builder, &hull.points, cap, slack)?;
+    grown_over(builder, kept, hull, slack)
+}
+
+/// A hull of fewer vertices: those that stand out of the rest by more than `tolerance`, moved
+/// outward until no other is more than `slack` in front of a face. How far it grew comes with it.
+/// O(n log n) expected for n vertices.
+pub(crate) fn fewer_vertices(
+    builder: &mut HullBuilder,
+    hull: &ConvexHull,
+    tolerance: f64,
+    slack: f64,
+) -> Option<(ConvexHull, f64)> {
+    let mut coarse = HullBuilder::new().with_least_tolerance(tolerance);
+    if coarse.build(&hull.points) != Shape::Solid {
+        return None;
+    }
+    grown_over(builder, coarse.extract().into(), hull, slack)
+}
+
+/// Moves the vertices of `kept` outward until no vertex of `hull` is more than `slack` in front
+/// of a face.
+fn grown_over(
+    builder: &mut HullBuilder,
+    mut kept: ConvexHull,
+    hull: &ConvexHull,
+    slack: f64,
+) -> Option<(ConvexHull, f64)> {
     let inner = kept.points.clone();
     for _ in 0..ROUNDS {
         let Some(moved) = moved_outward(&kept, &hull.points, slack) else { break };

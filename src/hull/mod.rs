@@ -15,7 +15,7 @@ mod thickness;
 
 pub use builder::{DEFAULT_TOLERANCE, HullBuilder};
 pub use cap::cap_vertices;
-pub(crate) use cap::{cap_vertices_within, inner_hull};
+pub(crate) use cap::{cap_vertices_within, fewer_vertices, inner_hull};
 pub use convex_hull::{ConvexHull, convex_hull};
 pub use simplex::Shape;
 pub use single_precision::SinglePrecisionHull;
