@@ -26,7 +26,6 @@ const MOST_PARTS: usize = 200_000;
 /// No point of the faces is farther than this from the solid, in diagonals. Once it is known to
 /// be more than `limit`, any value above `limit` may be returned.
 pub(super) fn phantom(hull: &ConvexHull, solid: &Solid, bound: f64, limit: f64) -> f64 {
-    let slack = FINE_RESOLUTION * bound;
     // Below a quarter of the bound nobody asks for the exact figure.
     let mut known: f64 = 0.25 * bound;
     let mut stack: Vec<[Vector; 3]> = hull.corners().collect();
@@ -61,6 +60,7 @@ pub(super) fn phantom(hull: &ConvexHull, solid: &Solid, bound: f64, limit: f64) 
         if closest.distance + radius <= enough {
             continue;
         }
+        let slack = if known > bound { RESOLUTION * known } else { FINE_RESOLUTION * bound };
         // The side is dear, and only asked for where it decides.
         let is_small = radius <= if solid.is_closed { 2.0 * slack } else { OPEN * bound };
         let may_be_enough = solid.is_closed && radius - closest.distance <= enough;
@@ -98,7 +98,9 @@ pub(super) fn phantom(hull: &ConvexHull, solid: &Solid, bound: f64, limit: f64) 
 /// What a maximum that is at least `known` is bounded by: near the bound as finely as it takes to
 /// tell whether it is kept.
 fn enough(known: f64, bound: f64) -> f64 {
-    if known + RESOLUTION * bound <= bound {
+    if known > bound {
+        known * (1.0 + RESOLUTION)
+    } else if known + RESOLUTION * bound <= bound {
         known + RESOLUTION * bound
     } else {
         bound.max(known + FINE_RESOLUTION * bound)

@@ -6,6 +6,7 @@
 mod arguments;
 #[cfg(feature = "bench")]
 mod bench;
+mod curve;
 mod decompose;
 mod inspect;
 mod json;
@@ -33,6 +34,7 @@ struct CommandLine {
 #[derive(Subcommand)]
 enum Command {
     Decompose(decompose::Arguments),
+    Curve(curve::Arguments),
     Inspect(inspect::Arguments),
     Measure(measure::Arguments),
     #[cfg(feature = "bench")]
@@ -61,6 +63,7 @@ fn main() -> ExitCode {
     let CommandLine { command } = CommandLine::parse();
     let result = match command {
         Command::Decompose(arguments) => decompose::run(&arguments),
+        Command::Curve(arguments) => curve::run(&arguments),
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Measure(arguments) => measure::run(&arguments),
         #[cfg(feature = "bench")]

@@ -1,7 +1,9 @@
 //! A decomposition for people: a row like those of the paper's Table 1, and the search tree.
 
 use comfy_table::{CellAlignment, Table, presets};
-use hullwright::{BoundedReport, Repairs, ResolutionOutcome, SurfaceReport, ThresholdOutcome};
+use hullwright::{
+    BoundedReport, CurvePoint, Repairs, ResolutionOutcome, SurfaceReport, ThresholdOutcome,
+};
 
 use crate::decompose::Outcome;
 use crate::output::{count, time};
@@ -67,6 +69,21 @@ pub fn summary(outcome: &Outcome) -> String {
         text += "\nthe deadline cut the search short";
     }
     text
+}
+
+/// Hulls against error. Lengths are shares of the diagonal.
+pub fn curve(curve: &[CurvePoint], diagonal: f64) -> String {
+    let percent = |length: f64| format!("{:.3} %", 100.0 * length / diagonal);
+    let rows = curve.iter().map(|point| {
+        [
+            point.hulls.to_string(),
+            percent(point.error),
+            percent(point.phantom_max),
+            percent(point.exposed_max),
+        ]
+    });
+    let header = ["hulls", "error", "stands out at most", "sinks in at most"];
+    right_aligned(&header, rows).trim_fmt()
 }
 
 /// What was changed in the input. Open and non-manifold edges stay, so they are no repair.
