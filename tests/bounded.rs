@@ -163,6 +163,16 @@ fn an_l_prism_is_two_boxes() {
 }
 
 #[test]
+fn convex_input_is_one_hull_at_once() {
+    let profile = [[0.005, 0.0], [1.0, 0.0], [1.0, 3.0], [0.005, 3.0]];
+    let mesh = lathe(&profile, 96);
+    let result = run(&mesh);
+    assert_eq!(result.hulls.len(), 1);
+    assert_eq!(result.report.bounded.as_ref().unwrap().seeds, 1);
+    assert_promise("cylinder", &mesh, &result);
+}
+
+#[test]
 fn a_u_prism_is_three_boxes() {
     let mesh = u_prism();
     let result = run(&mesh);

@@ -153,12 +153,15 @@ pub(crate) fn seeds(
     let area: f64 =
         mesh.triangles.iter().map(|&triangle| 0.5 * length(normal(&mesh, triangle))).sum();
     let largest = tuning.seed_size * area.sqrt();
-    let groups = members(&grouping.labels, grouping.count);
+    let mut groups = members(&grouping.labels, grouping.count);
+    let (whole, mut seeds, mut labels) =
+        whole_components(&mesh, &surface, &owned, &components, solid, tuning, control)?;
+    groups.retain(|group| {
+        group.first().is_none_or(|&triangle| !whole[components[triangle as usize] as usize])
+    });
     let parts = super::parallel::map(&groups, |group| {
         divide(&mesh, &surface, &owned, &components, group, solid, largest, tuning, control)
     });
-    let mut seeds = Vec::new();
-    let mut labels = vec![0_u32; mesh.triangles.len()];
     for part in parts {
         for (seed, triangles) in part? {
             for triangle in triangles {
@@ -182,6 +185,56 @@ pub(crate) fn seeds(
     neighbours.dedup();
     let conflicts = conflicts(&seeds, solid, tuning.search_bound, control)?;
     Ok(Seeds { seeds, neighbours, conflicts, surface, parents, grouped: mesh, labels })
+}
+
+/// Components whose hull fits are one seed each: convex ones above all. For each component whether
+/// it is one, the seeds, and the seed of each triangle so far.
+fn whole_components(
+    mesh: &TriangleMesh,
+    surface: &TriangleMesh,
+    owned: &[Vec<u32>],
+    components: &[u32],
+    solid: &Solid,
+    tuning: &Tuning,
+    control: &Control,
+) -> Result<(Vec<bool>, Vec<Seed>, Vec<u32>), Error> {
+    let count = components.iter().max().map_or(0, |&last| last as usize + 1);
+    let parts = members(components, count);
+    let mut reducer = HullBuilder::new().with_least_tolerance(tuning.reduction);
+    let mut shop = Workshop::new(solid, tuning.search_bound);
+    let mut whole = vec![false; count];
+    let mut seeds = Vec::new();
+    let mut labels = vec![0_u32; mesh.triangles.len()];
+    for (component, triangles) in parts.iter().enumerate() {
+        control.check()?;
+        // A few far points tell most of those that are not.
+        let mut vertices: Vec<Vector> = triangles
+            .iter()
+            .flat_map(|&triangle| mesh.triangles[triangle as usize])
+            .map(|vertex| mesh.positions[vertex as usize])
+            .collect();
+        vertices.dedup();
+        let pair = far_pair(&vertices);
+        if triangles.is_empty()
+            || pair.windows(2).any(|pair| solid.separates(pair[0], pair[1], tuning.search_bound))
+        {
+            continue;
+        }
+        let coarse = Hull::of(&vertices, [0.0; 3]);
+        if coarse.is_solid && !shop.fits(&coarse, false) {
+            continue;
+        }
+        let seed = seed_of(mesh, surface, owned, components, triangles, &mut reducer);
+        if !shop.fits(&Hull::of(&seed.points, seed.outward), false) {
+            continue;
+        }
+        whole[component] = true;
+        for &triangle in triangles {
+            labels[triangle as usize] = seeds.len() as u32;
+        }
+        seeds.push(seed);
+    }
+    Ok((whole, seeds, labels))
 }
 
 fn normal(mesh: &TriangleMesh, triangle: [u32; 3]) -> Vector {

@@ -124,8 +124,9 @@ impl Solid {
             if radius <= SMALL * bound {
                 continue;
             }
-            if self.is_closed
-                && probe.lower > 0.0
+            // Where the surface is open, large faces might overlook where the inside ends.
+            if probe.lower > 0.0
+                && (self.is_closed || radius <= bound)
                 && reach - probe.lower <= bound
                 && self.grid.is_inside(&probe, &self.field) == Some(true)
             {
