@@ -34,6 +34,7 @@
 //! | `hull` | convex hulls of the groups, thickness of flat ones, vertex cap | 3.6 |
 //! | `field` | distance to the surface, generalized winding number | – |
 //! | `measure` | judges any set of hulls against a mesh | – |
+//! | `mass` | mass, centre and inertia of the source mesh | – |
 //! | `inspect` | what a mesh holds, without decomposing it | – |
 //! | `io` (feature) | readers and writers of mesh files | – |
 //! | `picture` (feature `io`) | draws meshes and hulls into a PNG, without a GPU | – |
@@ -50,6 +51,7 @@ pub mod hull;
 mod inspect;
 #[cfg(feature = "io")]
 pub mod io;
+mod mass;
 pub mod measure;
 mod merge_tree;
 mod mesh;
@@ -67,6 +69,9 @@ pub use decomposition::{
 };
 pub use error::Error;
 pub use inspect::{Inspection, inspect};
+#[cfg(feature = "nalgebra")]
+pub use mass::PrincipalInertia;
+pub use mass::{MassProperties, MassSource, mass_properties};
 pub use merge_tree::{CurvePoint, MergeTree};
 pub use parameters::{BoundedParameters, Method, Parameters, Preset, SurfaceParameters, Unit};
 
