@@ -37,9 +37,13 @@
 //! | `mass` | mass, centre and inertia of the source mesh | – |
 //! | `inspect` | what a mesh holds, without decomposing it | – |
 //! | `io` (feature) | readers and writers of mesh files | – |
+//! | `collider` (features `rapier`, `bevy`) | hulls checked and made ready for a physics engine | – |
+//! | `rapier` (feature) | colliders and mass properties for rapier3d 0.36 | – |
 //! | `picture` (feature `io`) | draws meshes and hulls into a PNG, without a GPU | – |
 
 mod bounded;
+#[cfg(feature = "nalgebra")]
+mod collider;
 mod control;
 mod decompose;
 mod decomposition;
@@ -58,9 +62,13 @@ mod mesh;
 mod parameters;
 #[cfg(feature = "io")]
 pub mod picture;
+#[cfg(feature = "rapier")]
+pub mod rapier;
 mod surface;
 mod vector;
 
+#[cfg(feature = "nalgebra")]
+pub use collider::ColliderError;
 pub use control::{Control, Progress, Stage};
 pub use decompose::{Coordinate, Decomposer, decompose};
 pub use decomposition::{

@@ -21,13 +21,10 @@ fn assert_close(found: f64, expected: f64, tolerance: f64) {
 /// Mass and inertia within `share`, everything off the diagonal next to 0.
 fn assert_properties(found: &MassProperties, volume: f64, inertia: [f64; 3], share: f64) {
     assert_close(found.mass, DENSITY * volume, share * DENSITY * volume);
-    for i in 0..3 {
-        let expected = DENSITY * inertia[i];
-        assert_close(found.inertia[i][i], expected, share * expected);
-        for j in 0..3 {
-            if i != j {
-                assert_close(found.inertia[i][j], 0.0, share * expected);
-            }
+    for (i, row) in found.inertia.into_iter().enumerate() {
+        let size = DENSITY * inertia[i];
+        for (j, found) in row.into_iter().enumerate() {
+            assert_close(found, if i == j { size } else { 0.0 }, share * size);
         }
     }
 }
