@@ -142,7 +142,9 @@ mod tests {
         let points: Vec<[f64; 3]> = points.iter().map(|p| p.map(f64::from)).collect();
         let hull = crate::hull::ConvexHull { points, triangles: triangles.clone() };
         assert!((hull.volume() - 6.0).abs() < 1e-6);
-        assert_eq!(hull.bounds().unwrap().min, [-2.0, 0.0, 0.0]);
+        for (found, expected) in hull.bounds().unwrap().min.into_iter().zip([-2.0, 0.0, 0.0]) {
+            assert!((found - expected).abs() < 1e-6);
+        }
     }
 
     #[test]
