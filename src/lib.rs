@@ -35,6 +35,7 @@
 //! | `field` | distance to the surface, generalized winding number | – |
 //! | `measure` | judges any set of hulls against a mesh | – |
 //! | `mass` | mass, centre and inertia of the source mesh | – |
+//! | `hulls_file` | `.hulls`: a decomposition in a file | – |
 //! | `inspect` | what a mesh holds, without decomposing it | – |
 //! | `io` (feature) | readers and writers of mesh files | – |
 //! | `collider` (features `rapier`, `bevy`) | hulls checked and made ready for a physics engine | – |
@@ -52,6 +53,7 @@ mod field;
 #[cfg(feature = "bench")]
 pub mod hacd;
 pub mod hull;
+pub mod hulls_file;
 mod inspect;
 #[cfg(feature = "io")]
 pub mod io;
@@ -66,6 +68,7 @@ pub mod picture;
 pub mod rapier;
 mod surface;
 mod vector;
+mod whole_file;
 
 #[cfg(feature = "nalgebra")]
 pub use collider::ColliderError;
