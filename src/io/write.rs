@@ -77,13 +77,17 @@ pub fn write_hulls<'a, H: Into<HullSurface<'a>>>(
     whole_file::write(path, &bytes).map_err(|error| file_error(path, error.to_string()))
 }
 
-/// Checks what [`write_hulls`] would complain about before there is anything to write.
+/// Checks what [`write_hulls`] or [`HullsFile::write`](crate::hulls_file::HullsFile::write) would
+/// complain about before there is anything to write.
 ///
 /// # Errors
-/// [`Error::File`] if the suffix is neither `obj` nor `glb` or if the directory does not exist.
+/// [`Error::File`] if the suffix is none of `obj`, `glb` and `hulls` or if the directory does not
+/// exist.
 pub fn check_output(path: impl AsRef<Path>) -> Result<(), Error> {
     let path = path.as_ref();
-    output_format(path)?;
+    if !super::is_hulls_file(path) {
+        output_format(path)?;
+    }
     let directory = whole_file::directory(path);
     if directory.is_dir() {
         Ok(())

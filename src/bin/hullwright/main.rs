@@ -4,6 +4,7 @@
 //! Exit code 0 is success, 1 an error in the input or the work, 2 wrong usage.
 
 mod arguments;
+mod bake;
 #[cfg(feature = "bench")]
 mod bench;
 mod decompose;
@@ -33,6 +34,7 @@ struct CommandLine {
 #[derive(Subcommand)]
 enum Command {
     Decompose(decompose::Arguments),
+    Bake(bake::Arguments),
     Inspect(inspect::Arguments),
     Measure(measure::Arguments),
     #[cfg(feature = "bench")]
@@ -61,6 +63,7 @@ fn main() -> ExitCode {
     let CommandLine { command } = CommandLine::parse();
     let result = match command {
         Command::Decompose(arguments) => decompose::run(&arguments),
+        Command::Bake(arguments) => bake::run(&arguments),
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Measure(arguments) => measure::run(&arguments),
         #[cfg(feature = "bench")]
