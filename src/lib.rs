@@ -34,11 +34,17 @@
 //! | `hull` | convex hulls of the groups, thickness of flat ones, vertex cap | 3.6 |
 //! | `field` | distance to the surface, generalized winding number | – |
 //! | `measure` | judges any set of hulls against a mesh | – |
+//! | `mass` | mass, centre and inertia of the source mesh | – |
+//! | `hulls_file` | `.hulls`: a decomposition in a file | – |
 //! | `inspect` | what a mesh holds, without decomposing it | – |
 //! | `io` (feature) | readers and writers of mesh files | – |
+//! | `collider` (features `rapier`, `bevy`) | hulls checked and made ready for a physics engine | – |
+//! | `rapier` (feature) | colliders and mass properties for rapier3d 0.36 | – |
 //! | `picture` (feature `io`) | draws meshes and hulls into a PNG, without a GPU | – |
 
 mod bounded;
+#[cfg(feature = "nalgebra")]
+mod collider;
 mod control;
 mod decompose;
 mod decomposition;
@@ -47,18 +53,25 @@ mod field;
 #[cfg(feature = "bench")]
 pub mod hacd;
 pub mod hull;
+pub mod hulls_file;
 mod inspect;
 #[cfg(feature = "io")]
 pub mod io;
+mod mass;
 pub mod measure;
 mod merge_tree;
 mod mesh;
 mod parameters;
 #[cfg(feature = "io")]
 pub mod picture;
+#[cfg(feature = "rapier")]
+pub mod rapier;
 mod surface;
 mod vector;
+mod whole_file;
 
+#[cfg(feature = "nalgebra")]
+pub use collider::ColliderError;
 pub use control::{Control, Progress, Stage};
 pub use decompose::{Coordinate, Decomposer, decompose};
 pub use decomposition::{
@@ -67,6 +80,9 @@ pub use decomposition::{
 };
 pub use error::Error;
 pub use inspect::{Inspection, inspect};
+#[cfg(feature = "nalgebra")]
+pub use mass::PrincipalInertia;
+pub use mass::{MassProperties, MassSource, mass_properties};
 pub use merge_tree::{CurvePoint, MergeTree};
 pub use parameters::{BoundedParameters, Method, Parameters, Preset, SurfaceParameters, Unit};
 

@@ -154,10 +154,10 @@ pub(crate) fn seeds(
         mesh.triangles.iter().map(|&triangle| 0.5 * length(normal(&mesh, triangle))).sum();
     let largest = tuning.seed_size * area.sqrt();
     let mut groups = members(&grouping.labels, grouping.count);
-    let (whole, mut seeds, mut labels) =
+    let Whole { is_whole, mut seeds, mut labels } =
         whole_components(&mesh, &surface, &owned, &components, solid, tuning, control)?;
     groups.retain(|group| {
-        group.first().is_none_or(|&triangle| !whole[components[triangle as usize] as usize])
+        group.first().is_none_or(|&triangle| !is_whole[components[triangle as usize] as usize])
     });
     let parts = super::parallel::map(&groups, |group| {
         divide(&mesh, &surface, &owned, &components, group, solid, largest, tuning, control)
@@ -187,8 +187,16 @@ pub(crate) fn seeds(
     Ok(Seeds { seeds, neighbours, conflicts, surface, parents, grouped: mesh, labels })
 }
 
-/// Components whose hull fits are one seed each: convex ones above all. For each component whether
-/// it is one, the seeds, and the seed of each triangle so far.
+/// Components that are one seed each.
+struct Whole {
+    /// For each component.
+    is_whole: Vec<bool>,
+    seeds: Vec<Seed>,
+    /// For each triangle its seed, if it has one already.
+    labels: Vec<u32>,
+}
+
+/// Components whose hull fits are one seed each: convex ones above all.
 fn whole_components(
     mesh: &TriangleMesh,
     surface: &TriangleMesh,
@@ -197,12 +205,12 @@ fn whole_components(
     solid: &Solid,
     tuning: &Tuning,
     control: &Control,
-) -> Result<(Vec<bool>, Vec<Seed>, Vec<u32>), Error> {
+) -> Result<Whole, Error> {
     let count = components.iter().max().map_or(0, |&last| last as usize + 1);
     let parts = members(components, count);
     let mut reducer = HullBuilder::new().with_least_tolerance(tuning.reduction);
     let mut shop = Workshop::new(solid, tuning.search_bound);
-    let mut whole = vec![false; count];
+    let mut is_whole = vec![false; count];
     let mut seeds = Vec::new();
     let mut labels = vec![0_u32; mesh.triangles.len()];
     for (component, triangles) in parts.iter().enumerate() {
@@ -228,13 +236,13 @@ fn whole_components(
         if !shop.fits(&Hull::of(&seed.points, seed.outward), false) {
             continue;
         }
-        whole[component] = true;
+        is_whole[component] = true;
         for &triangle in triangles {
             labels[triangle as usize] = seeds.len() as u32;
         }
         seeds.push(seed);
     }
-    Ok((whole, seeds, labels))
+    Ok(Whole { is_whole, seeds, labels })
 }
 
 fn normal(mesh: &TriangleMesh, triangle: [u32; 3]) -> Vector {

@@ -44,7 +44,21 @@ const HARMLESS_EXTENSIONS: [&str; 8] = [
     "MSFT_texture_",
 ];
 
+/// All meshes of the scene, each node's transform applied.
 pub(super) fn read(bytes: &[u8], directory: Option<&Path>) -> Result<MeshFile, String> {
+    read_with(bytes, directory, |scene| scene.read())
+}
+
+/// Each mesh of the document once, in its own space, whether a scene shows it or not.
+pub(super) fn read_own_space(bytes: &[u8], directory: Option<&Path>) -> Result<MeshFile, String> {
+    read_with(bytes, directory, |scene| scene.read_own_space())
+}
+
+fn read_with(
+    bytes: &[u8],
+    directory: Option<&Path>,
+    read: fn(&mut Scene<'_>) -> Result<(), String>,
+) -> Result<MeshFile, String> {
     let (json, chunk) = if bytes.starts_with(b"glTF") { split_glb(bytes)? } else { (bytes, None) };
     let root = Root::from_slice(json).map_err(|error| format!("JSON: {error}"))?;
     for extension in &root.extensions_required {
@@ -59,7 +73,7 @@ pub(super) fn read(bytes: &[u8], directory: Option<&Path>) -> Result<MeshFile, S
         accessors: Accessors::new(&root, buffers, bytes.len()),
         file: MeshFile::default(),
     };
-    scene.read()?;
+    read(&mut scene)?;
     Ok(scene.file)
 }
 
@@ -116,6 +130,15 @@ impl Scene<'_> {
                 let children = node.children.iter().flatten();
                 open.extend(children.rev().map(|child| (*child, transform)));
             }
+        }
+        Ok(())
+    }
+
+    fn read_own_space(&mut self) -> Result<(), String> {
+        for (index, mesh) in self.root.meshes.iter().enumerate() {
+            let number = format!("mesh_{index}");
+            let name = mesh.name.as_deref().filter(|name| !name.is_empty()).unwrap_or(&number);
+            self.add_mesh(Index::new(index as u32), Some(name), &Transform::IDENTITY)?;
         }
         Ok(())
     }

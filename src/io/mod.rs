@@ -36,6 +36,7 @@ use std::path::Path;
 pub use write::{HullFormat, HullSurface, check_output, write_hulls};
 
 use crate::Error;
+use crate::hulls_file::HullsFile;
 
 /// A format of mesh files.
 #[non_exhaustive]
@@ -112,7 +113,7 @@ impl MeshFile {
     }
 }
 
-/// A hull of a hull set, in the file's units.
+/// A mesh, or a hull of a hull set, by itself, in the file's units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HullMesh {
     /// Its name in the file; empty where it has none.
@@ -156,6 +157,28 @@ pub fn read_mesh_from_bytes(format: Format, bytes: &[u8]) -> Result<MeshFile, Er
         .map_err(|reason| Error::File { path: format!("{} in memory", format.name()), reason })
 }
 
+/// Reads the meshes of a file one by one, each in the space that it was modelled in: what a game
+/// places any number of times and decomposes once.
+///
+/// Of a glTF file, each mesh that holds triangles, whether a scene shows it or not, without the
+/// nodes' transforms, all its primitives together; one without a name is called `mesh_` and its
+/// index. A file of another format is one mesh, named after the file.
+///
+/// # Errors
+/// As [`read_mesh`].
+pub fn read_own_meshes(path: impl AsRef<Path>) -> Result<Vec<HullMesh>, Error> {
+    let path = path.as_ref();
+    if Format::from_path(path) == Some(Format::Gltf) {
+        let bytes = std::fs::read(path).map_err(|error| file_error(path, error.to_string()))?;
+        let file = gltf::read_own_space(&bytes, path.parent())
+            .map_err(|reason| file_error(path, reason))?;
+        return Ok(split_objects(&file));
+    }
+    let MeshFile { positions, triangles, .. } = read_mesh(path)?;
+    let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    Ok(vec![HullMesh { name, positions, triangles }])
+}
+
 fn parse(format: Format, bytes: &[u8], directory: Option<&Path>) -> Result<MeshFile, String> {
     match format {
         Format::Obj => obj::read(bytes),
@@ -166,17 +189,41 @@ fn parse(format: Format, bytes: &[u8], directory: Option<&Path>) -> Result<MeshF
     }
 }
 
-/// Reads a set of hulls: each object of the file is one, see [`MeshFile::objects`].
+/// Reads a set of hulls: each object of a mesh file is one, see [`MeshFile::objects`]; a
+/// [`.hulls`](crate::hulls_file) file holds just them.
 ///
 /// # Errors
 /// As [`read_mesh`], and if there is no triangle in the file.
 pub fn read_hulls(path: impl AsRef<Path>) -> Result<Vec<HullMesh>, Error> {
     let path = path.as_ref();
+    if is_hulls_file(path) {
+        return read_hulls_file(path);
+    }
     let file = read_mesh(path)?;
     if file.objects.is_empty() {
         return Err(file_error(path, "it holds no triangles, so no hulls".into()));
     }
     Ok(split_objects(&file))
+}
+
+/// Whether a file name's suffix is `hulls`, in upper or lower case.
+pub fn is_hulls_file(path: impl AsRef<Path>) -> bool {
+    path.as_ref().extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case("hulls"))
+}
+
+fn read_hulls_file(path: &Path) -> Result<Vec<HullMesh>, Error> {
+    let bytes = std::fs::read(path).map_err(|error| file_error(path, error.to_string()))?;
+    let file =
+        HullsFile::from_bytes(&bytes).map_err(|error| file_error(path, error.to_string()))?;
+    if file.hulls.is_empty() {
+        return Err(file_error(path, "it holds no hulls".into()));
+    }
+    let hulls = file.hulls.into_iter().enumerate().map(|(index, hull)| HullMesh {
+        name: format!("hull_{index}"),
+        positions: hull.points,
+        triangles: hull.triangles,
+    });
+    Ok(hulls.collect())
 }
 
 /// Gives each object its own vertices, in the order in which its triangles use them.

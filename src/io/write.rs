@@ -1,12 +1,9 @@
-//! Writes hull sets, all or nothing: a file is written under another name beside its place and
-//! then renamed.
+//! Writes hull sets, all or nothing.
 
-use std::fs::{File, OpenOptions};
-use std::io::{ErrorKind, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::{HullMesh, file_error};
-use crate::{Error, Hull};
+use crate::{Error, Hull, whole_file};
 
 use super::write_glb::glb_from_hulls;
 use super::write_obj::obj_from_hulls;
@@ -77,17 +74,21 @@ pub fn write_hulls<'a, H: Into<HullSurface<'a>>>(
         HullFormat::Obj => obj_from_hulls(hulls).into_bytes(),
         HullFormat::Glb => glb_from_hulls(hulls).map_err(|reason| file_error(path, reason))?,
     };
-    write_file(path, &bytes).map_err(|error| file_error(path, error.to_string()))
+    whole_file::write(path, &bytes).map_err(|error| file_error(path, error.to_string()))
 }
 
-/// Checks what [`write_hulls`] would complain about before there is anything to write.
+/// Checks what [`write_hulls`] or [`HullsFile::write`](crate::hulls_file::HullsFile::write) would
+/// complain about before there is anything to write.
 ///
 /// # Errors
-/// [`Error::File`] if the suffix is neither `obj` nor `glb` or if the directory does not exist.
+/// [`Error::File`] if the suffix is none of `obj`, `glb` and `hulls` or if the directory does not
+/// exist.
 pub fn check_output(path: impl AsRef<Path>) -> Result<(), Error> {
     let path = path.as_ref();
-    output_format(path)?;
-    let directory = directory(path);
+    if !super::is_hulls_file(path) {
+        output_format(path)?;
+    }
+    let directory = whole_file::directory(path);
     if directory.is_dir() {
         Ok(())
     } else {
@@ -99,39 +100,4 @@ pub fn check_output(path: impl AsRef<Path>) -> Result<(), Error> {
 fn output_format(path: &Path) -> Result<HullFormat, Error> {
     HullFormat::from_path(path)
         .ok_or_else(|| file_error(path, "hulls can be written as .obj or .glb".into()))
-}
-
-fn directory(path: &Path) -> &Path {
-    match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    }
-}
-
-fn write_file(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    let (mut file, temporary) = create_beside(path)?;
-    let written = file
-        .write_all(bytes)
-        .and_then(|()| file.sync_all())
-        .and_then(|()| std::fs::rename(&temporary, path));
-    if written.is_err() {
-        // The first error is the one to report.
-        let _ = std::fs::remove_file(&temporary);
-    }
-    written
-}
-
-/// Creates a file in the same directory, since only there a rename replaces at once.
-fn create_beside(path: &Path) -> std::io::Result<(File, PathBuf)> {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let process = std::process::id();
-    let mut attempt = 0;
-    loop {
-        let temporary = directory(path).join(format!(".{name}.{process}-{attempt}.tmp"));
-        match OpenOptions::new().write(true).create_new(true).open(&temporary) {
-            Ok(file) => return Ok((file, temporary)),
-            Err(error) if error.kind() == ErrorKind::AlreadyExists => attempt += 1,
-            Err(error) => return Err(error),
-        }
-    }
 }

@@ -1,12 +1,13 @@
 //! `hullwright decompose`: a mesh into convex hulls.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use hullwright::io::{HullFormat, check_output, read_mesh, write_hulls};
+use hullwright::io::{HullFormat, MeshFile, check_output, is_hulls_file, read_mesh, write_hulls};
 use hullwright::{Decomposition, Error, Parameters};
 
 use crate::arguments::ParameterArguments;
+use crate::bake::{DEFAULT_DENSITY, baked};
 use crate::output::{count, print};
 use crate::progress::LateBar;
 use crate::{Failure, json, tables};
@@ -21,7 +22,8 @@ pub struct Arguments {
     /// The mesh: obj, off, ply, stl, gltf or glb
     mesh: PathBuf,
 
-    /// Write the hulls to this file: .obj (one object per hull) or .glb (one colour per hull)
+    /// Write the hulls to this file: .obj (one object per hull), .glb (one colour per hull) or
+    /// .hulls (for a game, see `bake`)
     #[arg(short, long, value_name = "OUT", value_parser = parse_output)]
     output: Option<PathBuf>,
 
@@ -42,12 +44,13 @@ pub struct Arguments {
 }
 
 /// More threads than any machine has, and few enough to be started.
-const MOST_THREADS: i64 = 1024;
+pub const MOST_THREADS: i64 = 1024;
 
 fn parse_output(text: &str) -> Result<PathBuf, String> {
-    match HullFormat::from_path(text) {
-        Some(_) => Ok(PathBuf::from(text)),
-        None => Err("hulls are written as .obj or .glb".into()),
+    if HullFormat::from_path(text).is_some() || is_hulls_file(text) {
+        Ok(PathBuf::from(text))
+    } else {
+        Err("hulls are written as .obj, .glb or .hulls".into())
     }
 }
 
@@ -80,10 +83,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(output) = &arguments.output {
         check_output(output).map_err(|error| Failure::Work(error.to_string()))?;
     }
-    let (decomposition, seconds) = decompose(arguments, &parameters)?;
+    let file = read_mesh(&arguments.mesh).map_err(|error| Failure::Work(error.to_string()))?;
+    let (decomposition, seconds) = decompose(arguments, &file, &parameters)?;
     if let Some(output) = &arguments.output {
-        write_hulls(output, &decomposition.hulls)
-            .map_err(|error| Failure::Work(error.to_string()))?;
+        write(output, arguments, &file, &decomposition)?;
     }
 
     let outcome = Outcome { arguments, decomposition: &decomposition, seconds };
@@ -102,19 +105,38 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-fn decompose(
+fn write(
+    output: &Path,
     arguments: &Arguments,
-    parameters: &Parameters,
-) -> Result<(Decomposition, f64), Failure> {
-    let file = read_mesh(&arguments.mesh).map_err(|error| Failure::Work(error.to_string()))?;
+    file: &MeshFile,
+    decomposition: &Decomposition,
+) -> Result<(), Failure> {
+    if !is_hulls_file(output) {
+        return write_hulls(output, &decomposition.hulls)
+            .map_err(|error| Failure::Work(error.to_string()));
+    }
+    let name = arguments.mesh.file_stem().unwrap_or_default().to_string_lossy();
+    let MeshFile { positions, triangles, .. } = file;
+    baked(name, positions, triangles, decomposition, DEFAULT_DENSITY)
+        .and_then(|baked| baked.write(output).map_err(|error| error.to_string()))
+        .map_err(Failure::Work)
+}
+
+/// A pool of a number of threads, or of as many as there are processors.
+pub fn pool(threads: Option<u16>) -> Result<rayon::ThreadPool, Failure> {
     let mut pool = rayon::ThreadPoolBuilder::new();
-    if let Some(threads) = arguments.threads {
+    if let Some(threads) = threads {
         pool = pool.num_threads(usize::from(threads));
     }
-    let pool = pool
-        .build()
-        .map_err(|error| Failure::Work(format!("the threads can't be started: {error}")))?;
+    pool.build().map_err(|error| Failure::Work(format!("the threads can't be started: {error}")))
+}
 
+fn decompose(
+    arguments: &Arguments,
+    file: &MeshFile,
+    parameters: &Parameters,
+) -> Result<(Decomposition, f64), Failure> {
+    let pool = pool(arguments.threads)?;
     let bar = LateBar::start();
     let control = bar.control();
     let start = Instant::now();

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use comfy_table::{CellAlignment, Table, presets};
 use hullwright::Inspection;
-use hullwright::io::read_mesh;
+use hullwright::hulls_file::HullsFile;
+use hullwright::io::{is_hulls_file, read_mesh};
 
 use crate::Failure;
 use crate::output::print;
@@ -13,11 +14,16 @@ use crate::tables::{PADDING, repairs};
 /// Show counts, bounds, components, open and non-manifold edges, and what would be repaired
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// The mesh: obj, off, ply, stl, gltf or glb
+    /// The mesh: obj, off, ply, stl, gltf or glb; or a .hulls file
     mesh: PathBuf,
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if is_hulls_file(&arguments.mesh) {
+        let file =
+            HullsFile::read(&arguments.mesh).map_err(|error| Failure::Work(error.to_string()))?;
+        return print(&left_aligned(baked_rows(&file)).trim_fmt());
+    }
     let file = read_mesh(&arguments.mesh).map_err(|error| Failure::Work(error.to_string()))?;
     let found = hullwright::inspect(&file.positions, &file.triangles)
         .map_err(|error| Failure::Work(format!("{}: {error}", arguments.mesh.display())))?;
@@ -40,9 +46,7 @@ fn table(found: &Inspection, objects: usize) -> Table {
     let repairs = repairs(&found.repairs);
     let repairs = if repairs.is_empty() { "none needed".into() } else { repairs.join(", ") };
 
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING);
-    for (name, value) in [
+    left_aligned([
         ("objects", objects.to_string()),
         ("vertices", counts(found.source_vertices, found.vertices)),
         ("triangles", counts(found.source_triangles, found.triangles)),
@@ -56,7 +60,45 @@ fn table(found: &Inspection, objects: usize) -> Table {
         ("closed", closed),
         ("volume", volume),
         ("repairs", repairs),
-    ] {
+    ])
+}
+
+/// What a `.hulls` file says.
+fn baked_rows(file: &HullsFile) -> Vec<(&'static str, String)> {
+    let vertices: usize = file.hulls.iter().map(|hull| hull.points.len()).sum();
+    let length = |value: f64| match file.diagonal {
+        0.0 => number(value),
+        diagonal => format!("{}, {:.2} % of the diagonal", number(value), 100.0 * value / diagonal),
+    };
+    let algorithm = match file.is_current() {
+        true => file.algorithm_version.to_string(),
+        false => format!("{}, another than this program's", file.algorithm_version),
+    };
+    let mut rows = vec![
+        ("mesh", file.name.clone()),
+        ("hulls", file.hulls.len().to_string()),
+        ("vertices", vertices.to_string()),
+        ("source triangles", file.source_triangles.to_string()),
+        ("diagonal", number(file.diagonal)),
+        ("method", file.method.clone()),
+        ("algorithm version", algorithm),
+    ];
+    rows.extend(file.bound.map(|bound| ("bound", length(bound))));
+    if let Some(verified) = file.verified {
+        rows.push(("phantom", format!("at most {}", length(verified.phantom_max))));
+        rows.push(("exposed", format!("at most {}", length(verified.exposed_max))));
+    }
+    if let Some(properties) = file.mass_properties {
+        rows.push(("mass", number(properties.mass)));
+        rows.push(("centre of mass", point(properties.centre)));
+    }
+    rows
+}
+
+fn left_aligned(rows: impl IntoIterator<Item = (&'static str, String)>) -> Table {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    for (name, value) in rows {
         table.add_row([name.to_owned(), value]);
     }
     for column in table.column_iter_mut() {

@@ -4,6 +4,7 @@
 //! Exit code 0 is success, 1 an error in the input or the work, 2 wrong usage.
 
 mod arguments;
+mod bake;
 #[cfg(feature = "bench")]
 mod bench;
 mod curve;
@@ -35,6 +36,7 @@ struct CommandLine {
 enum Command {
     Decompose(decompose::Arguments),
     Curve(curve::Arguments),
+    Bake(bake::Arguments),
     Inspect(inspect::Arguments),
     Measure(measure::Arguments),
     #[cfg(feature = "bench")]
@@ -64,6 +66,7 @@ fn main() -> ExitCode {
     let result = match command {
         Command::Decompose(arguments) => decompose::run(&arguments),
         Command::Curve(arguments) => curve::run(&arguments),
+        Command::Bake(arguments) => bake::run(&arguments),
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Measure(arguments) => measure::run(&arguments),
         #[cfg(feature = "bench")]

@@ -21,7 +21,7 @@ pub struct Arguments {
     /// The mesh: obj, off, ply, stl, gltf or glb
     mesh: PathBuf,
 
-    /// The hulls, one per object of the file: obj, stl, gltf or glb
+    /// The hulls: a .hulls file, or one per object of the file: obj, stl, gltf or glb
     hulls: PathBuf,
 
     /// Print one line of JSON instead of a table

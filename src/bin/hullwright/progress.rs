@@ -50,13 +50,19 @@ impl LateBar {
 
     /// A control that moves the bar.
     pub fn control(&self) -> Control {
+        self.control_of_part(0, 1)
+    }
+
+    /// A control that moves the bar through one of several parts of the work.
+    pub fn control_of_part(&self, part: usize, parts: usize) -> Control {
         match &self.waiting {
             None => Control::new(),
             Some(Waiting { bar, .. }) => {
                 let bar = bar.clone();
                 Control::new().with_progress(move |progress| {
                     bar.set_message(progress.stage.name());
-                    bar.set_position((f64::from(progress.fraction) * STEPS as f64) as u64);
+                    let done = (part as f64 + f64::from(progress.fraction)) / parts as f64;
+                    bar.set_position((done * STEPS as f64) as u64);
                 })
             }
         }

@@ -1,0 +1,191 @@
+//! `hullwright bake`: meshes into `.hulls` files, which a game loads instead of decomposing.
+
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+
+use hullwright::hulls_file::HullsFile;
+use hullwright::io::{HullMesh, read_own_meshes};
+use hullwright::{Control, Decomposition, Parameters};
+
+use crate::Failure;
+use crate::arguments::ParameterArguments;
+use crate::decompose::{MOST_THREADS, pool};
+use crate::output::{count, print, print_error};
+use crate::progress::LateBar;
+
+/// Bake meshes into .hulls files: hulls, error bound and mass properties, ready to load
+///
+/// Each mesh of a glTF or GLB file gets a file of its own, named after the mesh and in the space
+/// that it was modelled in (no node's transform is applied), all its primitives together. A file of
+/// another format is one mesh, named after the file.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// The meshes: obj, off, ply, stl, gltf or glb
+    #[arg(required = true, value_name = "MESH")]
+    meshes: Vec<PathBuf>,
+
+    /// The directory that gets the .hulls files; it is made if it does not exist
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+
+    /// Mass per cubed unit
+    #[arg(long, value_name = "DENSITY", default_value_t = DEFAULT_DENSITY, allow_negative_numbers = true)]
+    density: f64,
+
+    /// Number of threads; 1 does everything one after the other. Default: all processors
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_THREADS))]
+    threads: Option<u16>,
+
+    #[command(flatten)]
+    parameters: ParameterArguments,
+}
+
+/// So that the mass is the volume, which any density can be multiplied with.
+pub const DEFAULT_DENSITY: f64 = 1.0;
+
+/// A file name longer than this is refused by some file systems, suffix and number included.
+const LONGEST_NAME: usize = 200;
+
+struct Job<'a> {
+    source: &'a Path,
+    mesh: HullMesh,
+    output: PathBuf,
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let mut parameters = arguments.parameters.parameters();
+    parameters.validate().map_err(|error| Failure::Usage(error.to_string()))?;
+    parameters.parallel = arguments.threads != Some(1);
+    if !(arguments.density.is_finite() && arguments.density > 0.0) {
+        let reason = format!("the density must be positive, not {}", arguments.density);
+        return Err(Failure::Usage(reason));
+    }
+    let pool = pool(arguments.threads)?;
+    let jobs = jobs(arguments)?;
+    std::fs::create_dir_all(&arguments.output)
+        .map_err(|error| Failure::Work(format!("{}: {error}", arguments.output.display())))?;
+
+    let bar = LateBar::start();
+    let mut lines = Vec::new();
+    let mut failures = Vec::new();
+    for (index, job) in jobs.iter().enumerate() {
+        let control = bar.control_of_part(index, jobs.len());
+        match pool.install(|| bake(job, arguments.density, &parameters, &control)) {
+            Ok(line) => lines.push(line),
+            Err(reason) => {
+                let Job { source, mesh, .. } = job;
+                failures.push(format!("{}, mesh `{}`: {reason}", source.display(), mesh.name));
+            }
+        }
+    }
+    bar.finish();
+    if !lines.is_empty() {
+        print(&lines.join("\n"))?;
+    }
+    // All but the last here, the last as the program's own error.
+    let last = failures.pop();
+    failures.iter().for_each(|reason| print_error(reason));
+    last.map_or(Ok(()), |reason| Err(Failure::Work(reason)))
+}
+
+/// Reads all files, so that a misspelt name ends the work before it begins.
+fn jobs(arguments: &Arguments) -> Result<Vec<Job<'_>>, Failure> {
+    let mut names = HashSet::new();
+    let mut jobs = Vec::new();
+    for source in &arguments.meshes {
+        let meshes = read_own_meshes(source).map_err(|error| Failure::Work(error.to_string()))?;
+        if meshes.is_empty() {
+            return Err(Failure::Work(format!("{}: it holds no triangles", source.display())));
+        }
+        for mesh in meshes {
+            let name = unique(&file_name(&mesh.name), &mut names);
+            let output = arguments.output.join(format!("{name}.hulls"));
+            jobs.push(Job { source, mesh, output });
+        }
+    }
+    Ok(jobs)
+}
+
+fn bake(
+    job: &Job<'_>,
+    density: f64,
+    parameters: &Parameters,
+    control: &Control,
+) -> Result<String, String> {
+    let HullMesh { name, positions, triangles } = &job.mesh;
+    let decomposition = hullwright::decompose(positions, triangles, parameters, control)
+        .map_err(|error| error.to_string())?;
+    let file = baked(name.as_str(), positions, triangles, &decomposition, density)?;
+    file.write(&job.output).map_err(|error| error.to_string())?;
+    let hulls = count(file.hulls.len(), "hull", "hulls");
+    let vertices = file.hulls.iter().map(|hull| hull.points.len()).sum();
+    let vertices = count(vertices, "vertex", "vertices");
+    Ok(format!("wrote {}: {hulls}, {vertices}", job.output.display()))
+}
+
+/// What a file holds of a mesh.
+pub fn baked(
+    name: impl Into<String>,
+    positions: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+    decomposition: &Decomposition,
+    density: f64,
+) -> Result<HullsFile, String> {
+    let Decomposition { hulls, .. } = decomposition;
+    let properties = hullwright::mass_properties(positions, triangles, hulls, density)
+        .map_err(|error| error.to_string())?;
+    Ok(HullsFile::new(name, decomposition).with_mass_properties(properties))
+}
+
+/// The name with what any file system may object to replaced.
+fn file_name(name: &str) -> String {
+    let is_harmless = |c: char| c.is_alphanumeric() || "-_. ()+".contains(c);
+    let mut harmless = String::new();
+    for c in name.chars() {
+        let c = if is_harmless(c) { c } else { '_' };
+        if harmless.len() + c.len_utf8() > LONGEST_NAME {
+            break;
+        }
+        harmless.push(c);
+    }
+    let harmless = harmless.trim_matches([' ', '.']);
+    if harmless.is_empty() { "mesh".into() } else { harmless.into() }
+}
+
+/// The name, with a number after it if it is taken. Upper and lower case are one to some file
+/// systems.
+fn unique(name: &str, taken: &mut HashSet<String>) -> String {
+    let mut candidate = name.to_owned();
+    let mut number = 1;
+    while !taken.insert(candidate.to_lowercase()) {
+        number += 1;
+        candidate = format!("{name}_{number}");
+    }
+    candidate
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn file_names_are_harmless() {
+        for (name, expected) in [
+            ("Mug.001", "Mug.001"),
+            ("../up/and\\away", "_up_and_away"),
+            ("", "mesh"),
+            ("..", "mesh"),
+            ("Стул: 3?", "Стул_ 3_"),
+        ] {
+            assert_eq!(file_name(name), expected);
+        }
+        assert!(file_name(&"x".repeat(1000)).len() <= LONGEST_NAME);
+    }
+
+    #[test]
+    fn names_are_used_once() {
+        let mut taken = HashSet::new();
+        let names = ["Cube", "cube", "Cube_2", "Cube"].map(|name| unique(name, &mut taken));
+        assert_eq!(names, ["Cube", "cube_2", "Cube_2_2", "Cube_3"]);
+    }
+}

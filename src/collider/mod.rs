@@ -1,0 +1,183 @@
+//! Hulls made ready for Rapier, whatever its version.
+//!
+//! Rapier takes convex polyhedra as points and triangles in `f32`. Parry, its collision library,
+//! checks little of them, and what it does not check ends in a panic or in wrong contacts later.
+//! So hulls are scaled, rounded and built anew here, and everything that Parry relies on is
+//! checked before it is called. The call itself is a macro (`convert`), since each version of
+//! Rapier has types of its own.
+
+mod check;
+#[macro_use]
+mod convert;
+
+pub(crate) use check::is_closed;
+pub(crate) use convert::colliders;
+
+use crate::hull::{HullBuilder, SinglePrecisionHull, single_precision};
+use crate::{Error, Hull, MassProperties};
+
+/// Why there is no collider.
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ColliderError {
+    /// There is nothing to make a shape of.
+    #[error("there are no hulls")]
+    NoHulls,
+    /// A factor is zero or not finite, or takes coordinates beyond the range of `f32`.
+    #[error("the scale {scale:?} leaves no body")]
+    InvalidScale {
+        /// The scale given.
+        scale: [f32; 3],
+    },
+    /// A hull has no counterpart in single precision.
+    #[error("hull {hull}: {reason}")]
+    UnusableHull {
+        /// Its number.
+        hull: usize,
+        /// Why not.
+        reason: Error,
+    },
+    /// Mass, centre or inertia is not finite in single precision, or the mass is not positive.
+    #[error("the mass properties can't be held in f32: mass {mass:e}")]
+    UnusableMass {
+        /// The mass, after scaling.
+        mass: f64,
+    },
+    /// The mesh could not be decomposed or weighed.
+    #[error(transparent)]
+    Mesh(#[from] Error),
+}
+
+/// The hulls with their points multiplied by `scale`, in single precision: convex and closed, with
+/// volume, wound outward. A negative factor mirrors. O(n log n) in the vertices.
+///
+/// # Errors
+/// [`ColliderError::NoHulls`], [`ColliderError::InvalidScale`], [`ColliderError::UnusableHull`].
+pub(crate) fn scaled_hulls(
+    hulls: &[Hull],
+    scale: [f32; 3],
+) -> Result<Vec<SinglePrecisionHull>, ColliderError> {
+    check_scale(scale)?;
+    if hulls.is_empty() {
+        return Err(ColliderError::NoHulls);
+    }
+    let mut builder = HullBuilder::new();
+    let factors = scale.map(f64::from);
+    hulls
+        .iter()
+        .enumerate()
+        .map(|(hull, Hull { points, .. })| {
+            let scaled: Vec<_> = points
+                .iter()
+                .map(|p| [p[0] * factors[0], p[1] * factors[1], p[2] * factors[2]])
+                .collect();
+            single_precision(&scaled, &mut builder)
+                .map_err(|reason| ColliderError::UnusableHull { hull, reason })
+        })
+        .collect()
+}
+
+/// Mass properties as a rigid body of an engine holds them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct RigidMass {
+    pub mass: f32,
+    pub centre: [f32; 3],
+    /// About the principal axes.
+    pub moments: [f32; 3],
+    /// The frame of the principal axes, as a quaternion (x, y, z, w).
+    pub rotation: [f32; 4],
+}
+
+impl RigidMass {
+    /// # Errors
+    /// [`ColliderError::InvalidScale`], [`ColliderError::UnusableMass`].
+    pub(crate) fn new(properties: &MassProperties, scale: [f32; 3]) -> Result<Self, ColliderError> {
+        check_scale(scale)?;
+        let properties = properties.scaled(scale.map(f64::from));
+        let principal = properties.principal_inertia();
+        let body = Self {
+            mass: properties.mass as f32,
+            centre: properties.centre.map(|x| x as f32),
+            moments: principal.moments.map(|x| x as f32),
+            rotation: principal.rotation.map(|x| x as f32),
+        };
+        // Engines keep inverses, in which a subnormal number becomes infinite.
+        let is_usable = body.mass.is_normal()
+            && body.mass > 0.0
+            && body.centre.iter().chain(&body.rotation).all(|x| x.is_finite())
+            && body.moments.iter().all(|x| x.is_normal());
+        if is_usable {
+            Ok(body)
+        } else {
+            Err(ColliderError::UnusableMass { mass: properties.mass })
+        }
+    }
+}
+
+fn check_scale(scale: [f32; 3]) -> Result<(), ColliderError> {
+    if scale.iter().all(|factor| factor.is_normal()) {
+        Ok(())
+    } else {
+        Err(ColliderError::InvalidScale { scale })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::TriangleMesh as Mesh;
+    use crate::mesh::shapes::cuboid;
+    use crate::{Control, Parameters, decompose};
+
+    fn cube() -> Vec<Hull> {
+        let mesh = cuboid([0.0; 3], [1.0; 3]);
+        let parameters = Parameters::default();
+        decompose(&mesh.positions, &mesh.triangles, &parameters, &Control::new()).unwrap().hulls
+    }
+
+    #[test]
+    fn a_mirrored_hull_is_still_wound_outward() {
+        let scaled = scaled_hulls(&cube(), [-2.0, 1.0, 3.0]).unwrap();
+        let (points, triangles) = &scaled[0];
+        let points: Vec<[f64; 3]> = points.iter().map(|p| p.map(f64::from)).collect();
+        let hull = crate::hull::ConvexHull { points, triangles: triangles.clone() };
+        assert!((hull.volume() - 6.0).abs() < 1e-6);
+        for (found, expected) in hull.bounds().unwrap().min.into_iter().zip([-2.0, 0.0, 0.0]) {
+            assert!((found - expected).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn what_leaves_no_body_is_an_error() {
+        for scale in [[0.0, 1.0, 1.0], [1.0, f32::NAN, 1.0], [1.0, 1.0, f32::INFINITY]] {
+            assert!(matches!(
+                scaled_hulls(&cube(), scale),
+                Err(ColliderError::InvalidScale { .. })
+            ));
+        }
+        assert_eq!(scaled_hulls(&[], [1.0; 3]), Err(ColliderError::NoHulls));
+        let huge: Vec<Hull> = cube()
+            .into_iter()
+            .map(|mut hull| {
+                hull.points.iter_mut().flatten().for_each(|x| *x *= 1e38);
+                hull
+            })
+            .collect();
+        let result = scaled_hulls(&huge, [10.0; 3]);
+        assert!(matches!(result, Err(ColliderError::UnusableHull { hull: 0, .. })));
+    }
+
+    #[test]
+    fn a_mass_that_single_precision_can_not_hold_is_an_error() {
+        let mesh = cuboid([0.0; 3], [1.0; 3]);
+        let of = |density| {
+            let Mesh { positions, triangles } = &mesh;
+            crate::mass_properties(positions, triangles, &[], density).unwrap()
+        };
+        assert!(RigidMass::new(&of(1.0), [1.0; 3]).is_ok());
+        for density in [1e-40, 1e60] {
+            let result = RigidMass::new(&of(density), [1.0; 3]);
+            assert!(matches!(result, Err(ColliderError::UnusableMass { .. })));
+        }
+    }
+}

@@ -1,0 +1,48 @@
+//! Colliders and mass properties for rapier3d 0.36 (feature `rapier`, no Bevy).
+//!
+//! The Bevy plugin has a Rapier of its own, 0.35, whose types are other types: use the plugin's
+//! components there.
+//!
+//! ```
+//! use hullwright::{Control, Parameters};
+//! use rapier3d::prelude::*;
+//!
+//! # fn main() -> Result<(), hullwright::ColliderError> {
+//! # let positions = [[0.0_f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+//! # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+//! let density = 1000.0;
+//! let parameters = Parameters::default();
+//! let collider =
+//!     hullwright::rapier::collider_from_mesh(&positions, &triangles, density, &parameters)?;
+//!
+//! let mut bodies = RigidBodySet::new();
+//! let mut colliders = ColliderSet::new();
+//! let body = bodies.insert(RigidBodyBuilder::dynamic());
+//! colliders.insert_with_parent(collider, body, &mut bodies);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! Whoever keeps the decomposition, or has it from a `.hulls` file, calls [`collider`] or
+//! [`shape`] with its hulls. A `SharedShape` may be shared by any number of colliders.
+
+use crate::{ColliderError, Control, Coordinate, Parameters};
+
+crate::collider::colliders!(rapier3d);
+
+/// Decomposes a mesh and makes a collider of it, with the mass properties of the mesh at a
+/// `density` (mass per cubed unit).
+///
+/// # Errors
+/// [`ColliderError::Mesh`] as [`decompose`](crate::decompose) and
+/// [`mass_properties`](crate::mass_properties()), else as [`collider`].
+pub fn collider_from_mesh<C: Coordinate>(
+    positions: &[[C; 3]],
+    triangles: &[[u32; 3]],
+    density: f64,
+    parameters: &Parameters,
+) -> Result<ColliderBuilder, ColliderError> {
+    let hulls = crate::decompose(positions, triangles, parameters, &Control::new())?.hulls;
+    let properties = crate::mass_properties(positions, triangles, &hulls, density)?;
+    collider(&hulls, &properties, [1.0; 3])
+}

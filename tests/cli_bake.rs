@@ -1,0 +1,184 @@
+//! What the command line promises about `bake`, and about `.hulls` files in other commands.
+#![cfg(feature = "cli")]
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use hullwright::hulls_file::HullsFile;
+use hullwright::io::read_own_meshes;
+
+const ASSETS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets");
+
+const TETRAHEDRON: &str =
+    "v 0 0 0\nv 6 0 0\nv 0 6 0\nv 0 0 6\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+
+/// Two nodes that place and stretch one mesh, whose two primitives are a tetrahedron's halves, and
+/// another mesh without a name that no node shows.
+const GLTF: &str = r#"{
+    "asset": { "version": "2.0" },
+    "scene": 0,
+    "scenes": [{ "nodes": [0, 1] }],
+    "nodes": [
+        { "name": "left", "mesh": 0, "translation": [-50, 0, 0], "scale": [2, 3, 4] },
+        { "name": "right", "mesh": 0, "translation": [50, 0, 0] }
+    ],
+    "meshes": [
+        { "name": "Cube/1", "primitives": [
+            { "attributes": { "POSITION": 0 }, "indices": 1 },
+            { "attributes": { "POSITION": 0 }, "indices": 2 }
+        ] },
+        { "primitives": [{ "attributes": { "POSITION": 0 }, "indices": 3 }] }
+    ],
+    "accessors": [
+        { "bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3",
+          "min": [0, 0, 0], "max": [6, 6, 6] },
+        { "bufferView": 1, "componentType": 5121, "count": 6, "type": "SCALAR" },
+        { "bufferView": 1, "byteOffset": 6, "componentType": 5121, "count": 6, "type": "SCALAR" },
+        { "bufferView": 1, "componentType": 5121, "count": 12, "type": "SCALAR" }
+    ],
+    "bufferViews": [
+        { "buffer": 0, "byteLength": 48 },
+        { "buffer": 0, "byteOffset": 48, "byteLength": 12 }
+    ],
+    "buffers": [{ "uri": "two.bin", "byteLength": 60 }]
+}"#;
+
+struct Place(tempfile::TempDir);
+
+impl Place {
+    fn new() -> Self {
+        let place = Self(tempfile::tempdir().unwrap());
+        std::fs::write(place.path("tetrahedron.obj"), TETRAHEDRON).unwrap();
+        std::fs::write(place.path("two.gltf"), GLTF).unwrap();
+        let corners = [[0.0_f32; 3], [6.0, 0.0, 0.0], [0.0, 6.0, 0.0], [0.0, 0.0, 6.0]];
+        let mut buffer: Vec<u8> = corners.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+        buffer.extend([0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3]);
+        std::fs::write(place.path("two.bin"), buffer).unwrap();
+        place
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn run(&self, arguments: &[&str]) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_hullwright"))
+            .current_dir(self.0.path())
+            .args(arguments)
+            .output()
+            .unwrap()
+    }
+
+    fn succeed(&self, arguments: &[&str]) -> String {
+        let output = self.run(arguments);
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!((output.status.code(), error.as_str()), (Some(0), ""));
+        String::from_utf8(output.stdout).unwrap()
+    }
+
+    fn fail(&self, arguments: &[&str], code: i32) -> String {
+        let output = self.run(arguments);
+        assert_eq!(output.status.code(), Some(code));
+        String::from_utf8(output.stderr).unwrap()
+    }
+}
+
+fn names(directory: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(directory).unwrap();
+    let mut names: Vec<_> =
+        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn each_gltf_mesh_gets_a_file_in_its_own_space() {
+    let place = Place::new();
+    let shown = place.succeed(&["bake", "two.gltf", "-o", "new/baked"]);
+    assert_eq!(shown.lines().count(), 2);
+    assert!(shown.contains("1 hull, 4 vertices"), "{shown}");
+    assert_eq!(names(&place.path("new/baked")), ["Cube_1.hulls", "mesh_1.hulls"]);
+
+    let file = HullsFile::read(place.path("new/baked/Cube_1.hulls")).unwrap();
+    assert_eq!(file.name, "Cube/1");
+    assert!(file.is_current());
+    // Both primitives, neither moved nor stretched.
+    assert_eq!((file.hulls.len(), file.source_triangles), (1, 4));
+    let hull = &file.hulls[0];
+    assert!((hull.volume - 36.0).abs() < 1e-6);
+    assert!((hull.bounds.max[0] - 6.0).abs() < 1e-6);
+    assert!((file.mass_properties.unwrap().mass - 36.0).abs() < 1e-6);
+}
+
+#[test]
+fn other_formats_are_one_mesh_and_names_stay_unique() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("more")).unwrap();
+    std::fs::copy(place.path("tetrahedron.obj"), place.path("more/Tetrahedron.obj")).unwrap();
+    let meshes = ["tetrahedron.obj", "more/Tetrahedron.obj"];
+    place.succeed(&[&["bake", "-o", "baked", "--density", "2"], &meshes[..]].concat());
+    assert_eq!(names(&place.path("baked")), ["Tetrahedron_2.hulls", "tetrahedron.hulls"]);
+    let file = HullsFile::read(place.path("baked/tetrahedron.hulls")).unwrap();
+    assert!((file.mass_properties.unwrap().mass - 72.0).abs() < 1e-6);
+
+    // Again: the same files, not more.
+    place.succeed(&[&["bake", "-o", "baked"], &meshes[..]].concat());
+    assert_eq!(names(&place.path("baked")).len(), 2);
+}
+
+#[test]
+fn the_same_bytes_for_any_number_of_threads() {
+    let place = Place::new();
+    let mug = format!("{ASSETS}/mug.glb");
+    place.succeed(&["bake", &mug, "-o", "one", "--threads", "1"]);
+    place.succeed(&["bake", &mug, "-o", "two", "--threads", "2"]);
+    let names = names(&place.path("one"));
+    assert_eq!(names.len(), read_own_meshes(&mug).unwrap().len());
+    for name in names {
+        let read = |directory: &str| std::fs::read(place.path(directory).join(&name)).unwrap();
+        assert_eq!(read("one"), read("two"));
+    }
+}
+
+#[test]
+fn what_can_not_be_baked_is_named_and_the_rest_is_baked() {
+    let place = Place::new();
+    std::fs::write(place.path("flat.obj"), "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n").unwrap();
+    let error = place.fail(&["bake", "flat.obj", "tetrahedron.obj", "-o", "baked"], 1);
+    assert!(error.contains("flat.obj") && error.contains("no usable triangle"), "{error}");
+    assert_eq!(error.lines().count(), 1);
+    assert_eq!(names(&place.path("baked")), ["tetrahedron.hulls"]);
+
+    let error = place.fail(&["bake", "missing.obj", "-o", "nothing"], 1);
+    assert!(error.contains("missing.obj"), "{error}");
+    assert!(!place.path("nothing").exists());
+    place.fail(&["bake", "-o", "baked"], 2);
+    place.fail(&["bake", "tetrahedron.obj"], 2);
+    let error = place.fail(&["bake", "tetrahedron.obj", "-o", "baked", "--density", "-1"], 2);
+    assert!(error.contains("density"), "{error}");
+}
+
+#[test]
+fn decompose_writes_a_hulls_file_which_measure_and_inspect_read() {
+    let place = Place::new();
+    let shown = place.succeed(&["decompose", "tetrahedron.obj", "-o", "t.hulls"]);
+    assert!(shown.contains("wrote t.hulls: 1 hull, 4 vertices"), "{shown}");
+    assert_eq!(HullsFile::read(place.path("t.hulls")).unwrap().name, "tetrahedron");
+
+    let line = place.succeed(&["measure", "tetrahedron.obj", "t.hulls", "--json"]);
+    let measured: serde_json::Value = serde_json::from_str(&line).unwrap();
+    assert_eq!(measured["hulls"], 1);
+
+    let shown = place.succeed(&["inspect", "t.hulls"]);
+    for part in ["tetrahedron", "hulls", "mass", "36"] {
+        assert!(shown.contains(part), "{part} in {shown}");
+    }
+
+    let mut bytes = std::fs::read(place.path("t.hulls")).unwrap();
+    bytes.truncate(100);
+    std::fs::write(place.path("t.hulls"), bytes).unwrap();
+    for command in [&["inspect", "t.hulls"][..], &["measure", "tetrahedron.obj", "t.hulls"]] {
+        let error = place.fail(command, 1);
+        assert!(error.contains("t.hulls") && error.contains("100 bytes"), "{error}");
+    }
+}

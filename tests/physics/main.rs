@@ -1,0 +1,9 @@
+//! What a body made of hulls does in Rapier: it falls, rolls, hooks and rests as its shape says.
+//!
+//! All of it is deterministic: the same hulls, the same steps, one thread. Bodies are the bundled
+//! models and meshes made here; lengths are metres.
+
+mod bodies;
+mod resting;
+mod shapes;
+mod world;

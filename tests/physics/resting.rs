@@ -1,0 +1,149 @@
+//! Bodies come to rest where their shape says.
+
+use rapier3d::prelude::*;
+
+use crate::world::{Prop, World};
+
+#[test]
+fn a_chair_stands_on_its_legs_and_leaves_room_below() {
+    let chair = Prop::model("chair");
+    let mut world = World::with_floor(1.0);
+    let stands = world.dynamic_at([0.0, 0.02, 0.0], chair.collider());
+    // Between the legs, which a hull of the whole chair would fill.
+    let cat = world.dynamic_at([0.0, 0.1, 0.0], ColliderBuilder::cuboid(0.1, 0.1, 0.1));
+    world.run(4.0);
+    assert!(world.tilt(stands, Vector::Y) < 0.5);
+    assert!(world.place(stands).length() < 0.01, "{}", world.place(stands));
+    assert!(world.is_at_rest(stands));
+    assert!((world.place(cat) - Vector::new(0.0, 0.1, 0.0)).length() < 0.005);
+}
+
+#[test]
+fn nothing_falls_through_the_ground_in_half_a_minute() {
+    let names = [
+        "mug", "chair", "table", "teapot", "lamp", "bowl", "dog", "leaf", "torus", "gear",
+        "spring", "l_prism", "u_prism", "plus",
+    ];
+    let mut world = World::new(0.5);
+    // A ground of hulls too: a shallow dish, so that round things don't roll away.
+    world.fixed(Prop::mesh(dish()).collider());
+    let bodies: Vec<_> = names
+        .iter()
+        .enumerate()
+        .map(|(index, name)| {
+            let angle = index as f32 * 2.4;
+            let radius = 0.45 * (index as f32).sqrt();
+            let at = [radius * angle.cos(), 1.0 + 0.2 * index as f32, radius * angle.sin()];
+            let tilt = Vector::new(0.5 * angle.sin(), 0.3, 0.8 * angle.cos());
+            let body = RigidBodyBuilder::dynamic().translation(Vector::from(at)).rotation(tilt);
+            world.dynamic(body, Prop::model(name).collider())
+        })
+        .collect();
+    world.run(30.0);
+    for (body, name) in bodies.iter().zip(names) {
+        let place = world.place(*body);
+        let low = world.body(*body).center_of_mass().y;
+        assert!(place.is_finite() && low > -0.05, "{name} is at {place}");
+        assert!(place.length() < 5.0, "{name} flew to {place}");
+        assert!(world.body(*body).linvel().length() < 0.5, "{name} does not come to rest");
+    }
+}
+
+#[test]
+fn a_gear_stands_on_its_teeth_or_lies_on_its_hub() {
+    let bound = 0.005;
+    let gear = Prop::model_bounded("gear", bound);
+    let tolerance = bound as f32 * 0.17 + 0.0005;
+    let centre = Vector::from(gear.mass_properties().centre.map(|x| x as f32));
+
+    // Standing: on one tooth's tip, or on the two beside a gap. Both are sides of the polygon
+    // around the teeth, whose corners are at these shares of a tooth's angle.
+    let tooth = std::f32::consts::TAU / 14.0;
+    for (turned, half_side) in [(0.0, 0.37), (0.5, 0.13)] {
+        let mut world = World::with_floor(0.1);
+        // Stops keep it from falling over.
+        for side in [-1.0, 1.0] {
+            let stop = ColliderBuilder::cuboid(1.0, 1.0, 0.01).friction(0.0);
+            world.fixed(stop.translation(Vector::new(0.0, 0.0, side * 0.0225)));
+        }
+        let angle = (turned + 0.1) * tooth;
+        let turn = Rotation::from_rotation_z(angle);
+        let lifted = Vector::new(0.0, 0.061, 0.0) - turn * centre;
+        let pose = Pose::from_parts(lifted, turn);
+        let body = RigidBodyBuilder::dynamic().pose(pose).angular_damping(1.0);
+        let stands = world.dynamic(body, gear.collider());
+        world.run(5.0);
+        assert!(world.is_at_rest(stands));
+        let height = world.body(stands).center_of_mass().y;
+        let expected = 0.06 * (half_side * tooth).cos();
+        assert!((height - expected).abs() < tolerance, "{turned}: {height}, not {expected}");
+        let lowest = gear.lowest(world.body(stands).position(), [1.0; 3]);
+        assert!(lowest.abs() < tolerance, "{lowest}");
+    }
+
+    let mut world = World::with_floor(0.1);
+    let lies = Rotation::from_rotation_x(std::f32::consts::FRAC_PI_2 + 0.2);
+    let pose = Pose::from_parts(Vector::new(0.0, 0.05, 0.0) - lies * centre, lies);
+    let lying = world.dynamic(RigidBodyBuilder::dynamic().pose(pose), gear.collider());
+    world.run(4.0);
+    assert!(world.is_at_rest(lying));
+    let axle = world.body(lying).rotation() * Vector::Z;
+    assert!(axle.y.abs() > 0.995, "{axle}");
+    let height = world.body(lying).center_of_mass().y;
+    assert!((height - 0.012).abs() < tolerance, "{height}");
+}
+
+#[test]
+fn mirrored_and_stretched_bodies_rest_where_they_should() {
+    for name in ["l_prism", "chair"] {
+        let prop = Prop::model(name);
+        for scale in [[-1.0, 1.0, 1.0], [0.5, 1.5, 2.0], [-2.0, 0.75, -0.5]] {
+            let mut world = World::with_floor(1.0);
+            let body = world.dynamic_at([3.0, 0.05, -2.0], prop.scaled_collider(scale));
+            world.run(4.0);
+            let place = world.place(body);
+            assert!(world.is_at_rest(body), "{name} {scale:?}");
+            assert!(world.tilt(body, Vector::Y) < 0.5, "{name} {scale:?}");
+            assert!(
+                (place - Vector::new(3.0, 0.0, -2.0)).length() < 0.02,
+                "{name} {scale:?}: {place}"
+            );
+            let lowest = prop.lowest(world.body(body).position(), scale);
+            assert!(lowest.abs() < 0.01, "{name} {scale:?}: {lowest}");
+
+            // What it is made of lies where the scaled mesh lies.
+            let collider = &world.0.colliders[world.body(body).colliders()[0]];
+            let bounds = collider.shape().compute_local_aabb();
+            for axis in 0..3 {
+                let ends = |p: &[f64; 3]| p[axis] as f32 * scale[axis];
+                let least = prop.positions.iter().map(ends).fold(f32::INFINITY, f32::min);
+                let most = prop.positions.iter().map(ends).fold(f32::NEG_INFINITY, f32::max);
+                assert!((bounds.mins[axis] - least).abs() < 0.03 * scale[axis].abs());
+                assert!((bounds.maxs[axis] - most).abs() < 0.03 * scale[axis].abs());
+            }
+        }
+    }
+}
+
+/// A round dish, 10 m wide, its middle at height 0 and its rim at 0.6 m, on a flat bottom.
+fn dish() -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+    const SIDES: u32 = 16;
+    // Radius and height, from the middle of the top over the rim to the middle of the bottom.
+    let profile = [[2.0, 0.0], [4.0, 0.2], [5.0, 0.6], [5.5, 0.6], [5.5, -0.5]];
+    let mut positions = vec![[0.0, 0.0, 0.0], [0.0, -0.5, 0.0]];
+    for side in 0..SIDES {
+        let (sine, cosine) = (std::f64::consts::TAU * f64::from(side) / f64::from(SIDES)).sin_cos();
+        positions.extend(profile.map(|[radius, height]| [radius * cosine, height, radius * sine]));
+    }
+    let rings = profile.len() as u32;
+    let mut triangles = Vec::new();
+    for side in 0..SIDES {
+        let [a, b] = [2 + rings * side, 2 + rings * ((side + 1) % SIDES)];
+        triangles.extend([[0, b, a], [1, a + rings - 1, b + rings - 1]]);
+        for ring in 0..rings - 1 {
+            let [a, b] = [a + ring, b + ring];
+            triangles.extend([[a, b, b + 1], [a, b + 1, a + 1]]);
+        }
+    }
+    (positions, triangles)
+}

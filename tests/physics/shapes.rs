@@ -1,0 +1,196 @@
+//! Concave things do what only concave things can.
+
+use rapier3d::prelude::*;
+
+use crate::world::{Prop, World};
+
+#[test]
+fn a_ball_falls_through_a_torus_but_not_a_larger_one_and_none_through_its_ring() {
+    // The hole is 0.44 m wide, the ring 0.26 m thick.
+    let torus = Prop::model("torus");
+    for (radius, falls) in [(0.19, true), (0.25, false)] {
+        let mut world = World::new(1.0);
+        world.fixed(torus.collider());
+        let ball = world.dynamic_at([0.005, 0.6, 0.0], ColliderBuilder::ball(radius));
+        world.run(3.0);
+        assert_eq!(world.place(ball).y < -2.0, falls, "a ball of {radius} m");
+    }
+
+    let mut world = World::new(1.0);
+    world.fixed(torus.collider());
+    let radius = 0.05;
+    let balls: Vec<_> = (0..8_u8)
+        .map(|index| {
+            let angle = f32::from(index) * std::f32::consts::FRAC_PI_4;
+            let at = [0.34 * angle.cos(), 0.6, 0.34 * angle.sin()];
+            world.dynamic_at(at, ColliderBuilder::ball(radius))
+        })
+        .collect();
+    let mut nearest = f32::INFINITY;
+    world.run_with(3.0, |world| {
+        for ball in &balls {
+            let place = world.place(*ball);
+            let to_ring = place.x.hypot(place.z) - 0.35;
+            nearest = nearest.min(to_ring.hypot(place.y - 0.13));
+        }
+    });
+    // Rapier lets balls sink in by a millimetre or two when they land.
+    assert!(nearest > 0.13 + radius - 0.01, "{nearest}");
+    assert!(nearest < 0.13 + radius + 0.03, "never touched: {nearest}");
+}
+
+#[test]
+fn a_mug_hangs_by_its_handle_on_a_hook() {
+    let mug = Prop::model("mug");
+    // Where the handle's opening is, in the space of the model without its move to the ground.
+    let centre = mug.positions.iter().map(|p| p[0]).fold(f64::NEG_INFINITY, f64::max) as f32;
+    let hook = Vector::new(centre - 0.012, 0.066, 0.0);
+    let mut world = World::new(0.1);
+    world.fixed(ColliderBuilder::capsule_z(0.05, 0.003).translation(hook));
+    for end in [-1.0, 1.0] {
+        let stop = Vector::new(hook.x, hook.y, 0.06 * end);
+        world.fixed(ColliderBuilder::ball(0.02).translation(stop));
+    }
+    let body = RigidBodyBuilder::dynamic().angular_damping(2.0);
+    let hung = world.dynamic(body, mug.collider());
+    world.run(6.0);
+
+    let body = world.body(hung);
+    let in_mug = body.position().inverse_transform_point(hook);
+    assert!(in_mug.x > 0.0 && in_mug.x < centre, "the hook is no longer in the handle: {in_mug}");
+    assert!((0.01..0.09).contains(&in_mug.y), "{in_mug}");
+    assert!(world.place(hung).y > -0.2, "it fell");
+    assert!(world.is_at_rest(hung));
+    // It hangs with its weight below the hook.
+    let weight = body.center_of_mass();
+    assert!(weight.y < hook.y - 0.02, "{weight}");
+    assert!((weight.x - hook.x).abs() < 0.01, "{weight}");
+}
+
+#[test]
+fn a_marble_stays_in_a_bowl() {
+    let bowl = Prop::model("bowl");
+    let mut world = World::with_floor(0.1);
+    let bowl_body = world.dynamic_at([0.0, 0.001, 0.0], bowl.collider());
+    let radius = 0.008;
+    let marble = world.dynamic_at(
+        [0.05, 0.09, 0.01],
+        ColliderBuilder::ball(radius).density(2500.0).friction(0.3),
+    );
+    world.run(5.0);
+    let (in_bowl, bowl_at) = (world.place(marble), world.place(bowl_body));
+    let off = in_bowl - bowl_at;
+    assert!(off.x.hypot(off.z) < 0.045, "{off}");
+    // The inside is 10 to 12 mm above the ground there.
+    assert!((0.008..0.018).contains(&(off.y - radius)), "{off}");
+    assert!(world.tilt(bowl_body, Vector::Y) < 2.0);
+}
+
+#[test]
+fn a_box_slides_over_the_seams_of_a_decomposed_floor() {
+    let floor = Prop::mesh(comb(9, 1.0, 0.5));
+    assert!(floor.decomposition.hulls.len() >= 5, "a floor with seams");
+    let slide = |collider: ColliderBuilder| {
+        let mut world = World::new(1.0);
+        world.fixed(collider.friction(0.3));
+        let body = RigidBodyBuilder::dynamic()
+            .translation(Vector::new(1.0, 0.25, 0.5))
+            .linvel(Vector::new(5.0, 0.0, 0.0));
+        let cube = ColliderBuilder::cuboid(0.25, 0.25, 0.25).friction(0.3).density(1000.0);
+        let cube = world.dynamic(body, cube);
+        let (mut highest, mut spin) = (0.0_f32, 0.0_f32);
+        world.run_with(2.5, |world| {
+            highest = highest.max(world.place(cube).y);
+            spin = spin.max(world.body(cube).angvel().length());
+        });
+        (world.place(cube), highest, spin)
+    };
+    let plain = ColliderBuilder::cuboid(10.0, 0.5, 10.0).translation(Vector::new(0.0, -0.5, 0.0));
+    let (expected, ..) = slide(plain);
+    let (found, highest, spin) = slide(floor.collider());
+    assert!(expected.x > 4.0);
+    assert!((found - expected).length() < 0.1, "{found}, not {expected}");
+    assert!(highest < 0.26, "it hopped to {highest}");
+    assert!(spin < 0.2, "it stumbled: {spin}");
+}
+
+#[test]
+fn a_fast_ball_does_not_end_inside_a_solid() {
+    let dog = Prop::model("dog");
+    let mut world = World::new(1.0);
+    world.0.gravity = Vector::ZERO;
+    let target = world.fixed(dog.collider());
+    let middle = world.0.colliders[target].compute_aabb().center();
+    let balls: Vec<_> = (0..24_u8)
+        .map(|index| {
+            let angle = f32::from(index) * std::f32::consts::TAU / 24.0;
+            let out = Vector::new(angle.cos(), (3.0 * angle).sin() / 2.0, angle.sin());
+            let body = RigidBodyBuilder::dynamic()
+                .translation(middle + 3.0 * out)
+                .linvel(-300.0 * out)
+                .ccd_enabled(true);
+            // Balls pass through each other.
+            let groups = InteractionGroups::new(
+                Group::GROUP_1,
+                Group::ALL ^ Group::GROUP_1,
+                InteractionTestMode::And,
+            );
+            world.dynamic(body, ColliderBuilder::ball(0.02).collision_groups(groups))
+        })
+        .collect();
+    let mut hits = 0;
+    world.run_with(0.5, |world| {
+        let solid = &world.0.colliders[target];
+        for ball in &balls {
+            let place = world.place(*ball);
+            assert!(!solid.shape().contains_point(solid.position(), place), "{place}");
+        }
+    });
+    for ball in &balls {
+        // Who missed is 300 m/s away by now.
+        hits += usize::from(world.place(*ball).length() < 100.0);
+    }
+    assert!(hits >= 12, "{hits} hits");
+}
+
+/// A plate with its top at height 0 and square notches of `size` along one side, `count` of them:
+/// no two of its tines fit into one hull.
+fn comb(count: u32, size: f64, thickness: f64) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+    let at = |x: u32, y: u32, z: u32| {
+        [f64::from(x) * size, -f64::from(y) * thickness, f64::from(z) * size]
+    };
+    let mut positions = Vec::new();
+    let mut triangles: Vec<[u32; 3]> = Vec::new();
+    let mut quad = |corners: [[f64; 3]; 4]| {
+        let first = positions.len() as u32;
+        positions.extend(corners);
+        triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+    };
+    let width = 2 * count + 1;
+    let is_solid = |x: i64, z: i64| {
+        let inside = (0..i64::from(width)).contains(&x) && (0..3).contains(&z);
+        // One row of cells is whole, of the others every second cell.
+        inside && (z == 0 || x % 2 == 0)
+    };
+    for (x, z) in (0..width).flat_map(|x| (0..3).map(move |z| (x, z))) {
+        let (column, row) = (i64::from(x), i64::from(z));
+        if !is_solid(column, row) {
+            continue;
+        }
+        quad([at(x, 0, z), at(x, 0, z + 1), at(x + 1, 0, z + 1), at(x + 1, 0, z)]);
+        quad([at(x, 1, z), at(x + 1, 1, z), at(x + 1, 1, z + 1), at(x, 1, z + 1)]);
+        if !is_solid(column, row - 1) {
+            quad([at(x, 0, z), at(x + 1, 0, z), at(x + 1, 1, z), at(x, 1, z)]);
+        }
+        if !is_solid(column, row + 1) {
+            quad([at(x + 1, 0, z + 1), at(x, 0, z + 1), at(x, 1, z + 1), at(x + 1, 1, z + 1)]);
+        }
+        if !is_solid(column - 1, row) {
+            quad([at(x, 0, z + 1), at(x, 0, z), at(x, 1, z), at(x, 1, z + 1)]);
+        }
+        if !is_solid(column + 1, row) {
+            quad([at(x + 1, 0, z), at(x + 1, 0, z + 1), at(x + 1, 1, z + 1), at(x + 1, 1, z)]);
+        }
+    }
+    (positions, triangles)
+}

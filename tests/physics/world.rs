@@ -1,0 +1,135 @@
+//! Meshes, their decompositions, and a world to drop them into.
+
+use hullwright::io::read_mesh;
+use hullwright::{
+    Control, Decomposition, MassProperties, Parameters, Unit, decompose, mass_properties, rapier,
+};
+use rapier3d::prelude::*;
+
+/// Water, near enough: the mass of no body here matters but for its distribution.
+pub const DENSITY: f64 = 1000.0;
+
+/// A mesh and its decomposition.
+pub struct Prop {
+    pub positions: Vec<[f64; 3]>,
+    pub triangles: Vec<[u32; 3]>,
+    pub decomposition: Decomposition,
+}
+
+impl Prop {
+    /// One of the bundled models.
+    pub fn model(name: &str) -> Self {
+        Self::model_within(name, &Parameters::default())
+    }
+
+    /// One of the bundled models, with a bound as a share of its diagonal.
+    pub fn model_bounded(name: &str, share: f64) -> Self {
+        let mut parameters = Parameters::default();
+        parameters.bounded.max_error = Unit::Diagonals(share);
+        Self::model_within(name, &parameters)
+    }
+
+    fn model_within(name: &str, parameters: &Parameters) -> Self {
+        let path = format!("{}/assets/{name}.glb", env!("CARGO_MANIFEST_DIR"));
+        let file = read_mesh(path).unwrap();
+        Self::new(file.positions, file.triangles, parameters)
+    }
+
+    pub fn mesh((positions, triangles): (Vec<[f64; 3]>, Vec<[u32; 3]>)) -> Self {
+        Self::new(positions, triangles, &Parameters::default())
+    }
+
+    fn new(positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>, parameters: &Parameters) -> Self {
+        let decomposition = decompose(&positions, &triangles, parameters, &Control::new()).unwrap();
+        Self { positions, triangles, decomposition }
+    }
+
+    pub fn mass_properties(&self) -> MassProperties {
+        let hulls = &self.decomposition.hulls;
+        mass_properties(&self.positions, &self.triangles, hulls, DENSITY).unwrap()
+    }
+
+    pub fn collider(&self) -> ColliderBuilder {
+        self.scaled_collider([1.0; 3])
+    }
+
+    pub fn scaled_collider(&self, scale: [f32; 3]) -> ColliderBuilder {
+        let hulls = &self.decomposition.hulls;
+        rapier::collider(hulls, &self.mass_properties(), scale).unwrap()
+    }
+
+    /// The least height of the mesh's own vertices once a body has a pose.
+    pub fn lowest(&self, pose: &Pose, scale: [f32; 3]) -> f32 {
+        let place = |p: &[f64; 3]| {
+            pose.transform_point(Vector::from(p.map(|x| x as f32)) * Vector::from(scale)).y
+        };
+        self.positions.iter().map(place).fold(f32::INFINITY, f32::min)
+    }
+}
+
+/// Rapier's world, in which bodies of a given size are simulated as well as those of a metre.
+pub struct World(pub PhysicsWorld);
+
+impl World {
+    pub fn new(size: f32) -> Self {
+        let mut world = PhysicsWorld::new();
+        world.integration_parameters.length_unit = size;
+        Self(world)
+    }
+
+    /// With a floor whose top is at height 0.
+    pub fn with_floor(size: f32) -> Self {
+        let mut world = Self::new(size);
+        let floor = ColliderBuilder::cuboid(100.0 * size, size, 100.0 * size);
+        world.fixed(floor.translation(Vector::new(0.0, -size, 0.0)));
+        world
+    }
+
+    pub fn fixed(&mut self, collider: impl Into<Collider>) -> ColliderHandle {
+        self.0.insert_collider(collider, None)
+    }
+
+    pub fn dynamic(
+        &mut self,
+        body: RigidBodyBuilder,
+        collider: impl Into<Collider>,
+    ) -> RigidBodyHandle {
+        self.0.insert(body, collider).0
+    }
+
+    pub fn dynamic_at(&mut self, at: [f32; 3], collider: impl Into<Collider>) -> RigidBodyHandle {
+        self.dynamic(RigidBodyBuilder::dynamic().translation(Vector::from(at)), collider)
+    }
+
+    pub fn run(&mut self, seconds: f32) {
+        self.run_with(seconds, |_| {});
+    }
+
+    /// Calls back after each step.
+    pub fn run_with(&mut self, seconds: f32, mut after: impl FnMut(&Self)) {
+        let steps = (seconds / self.0.integration_parameters.dt).round() as usize;
+        for _ in 0..steps {
+            self.0.step();
+            after(self);
+        }
+    }
+
+    pub fn body(&self, handle: RigidBodyHandle) -> &RigidBody {
+        &self.0.bodies[handle]
+    }
+
+    pub fn place(&self, handle: RigidBodyHandle) -> Vector {
+        self.body(handle).translation()
+    }
+
+    /// How far a direction of the body's own has turned away from where it pointed, in degrees.
+    pub fn tilt(&self, handle: RigidBodyHandle, direction: Vector) -> f32 {
+        (self.body(handle).rotation() * direction).angle_between(direction).to_degrees()
+    }
+
+    pub fn is_at_rest(&self, handle: RigidBodyHandle) -> bool {
+        let body = self.body(handle);
+        let size = self.0.integration_parameters.length_unit;
+        body.linvel().length() < 0.02 * size && body.angvel().length() < 0.05
+    }
+}
