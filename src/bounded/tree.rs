@@ -120,7 +120,10 @@ fn joint(
         Some(most) => cap_vertices(&mut builder, hull, most),
         None => (hull, 0.0),
     };
-    let phantom = phantom(&hull, solid, tuning.bound, f64::INFINITY);
+    // It holds both, so it stands out at least as far, whatever the upper bounds say.
+    let phantom = phantom(&hull, solid, tuning.bound, f64::INFINITY)
+        .max(nodes[first].phantom)
+        .max(nodes[second].phantom);
     let growth = growth.max(nodes[first].growth).max(nodes[second].growth);
     Ok(Node { hull, phantom, growth, children: Some((first, second)) })
 }
