@@ -74,6 +74,8 @@ impl World {
     pub fn new(size: f32) -> Self {
         let mut world = PhysicsWorld::new();
         world.integration_parameters.length_unit = size;
+        // Small things fall through their own size sooner.
+        world.integration_parameters.dt *= size.sqrt();
         Self(world)
     }
 
