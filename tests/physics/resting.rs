@@ -51,7 +51,7 @@ fn nothing_falls_through_the_ground_in_half_a_minute() {
 
 #[test]
 fn a_gear_stands_on_its_teeth_or_lies_on_its_hub() {
-    let bound = 0.005;
+    let bound = 0.01;
     let gear = Prop::model_bounded("gear", bound);
     let tolerance = bound as f32 * 0.17 + 0.0005;
     let centre = Vector::from(gear.mass_properties().centre.map(|x| x as f32));
