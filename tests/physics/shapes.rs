@@ -42,29 +42,31 @@ fn a_ball_falls_through_a_torus_but_not_a_larger_one_and_none_through_its_ring()
 #[test]
 fn a_mug_hangs_by_its_handle_on_a_hook() {
     let mug = Prop::model("mug");
-    // Where the handle's opening is, in the space of the model without its move to the ground.
-    let centre = mug.positions.iter().map(|p| p[0]).fold(f64::NEG_INFINITY, f64::max) as f32;
-    let hook = Vector::new(centre - 0.012, 0.066, 0.0);
+    // The handle's opening ends 7 mm before its outside.
+    let outside = mug.positions.iter().map(|p| p[0]).fold(f64::NEG_INFINITY, f64::max) as f32;
+    let hook = Vector::new(outside - 0.012, 0.066, 0.0);
     let mut world = World::new(0.1);
     world.fixed(ColliderBuilder::capsule_z(0.05, 0.003).translation(hook));
     for end in [-1.0, 1.0] {
         let stop = Vector::new(hook.x, hook.y, 0.06 * end);
         world.fixed(ColliderBuilder::ball(0.02).translation(stop));
     }
-    let body = RigidBodyBuilder::dynamic().angular_damping(2.0);
+    let body = RigidBodyBuilder::dynamic().angular_damping(4.0).linear_damping(1.0);
     let hung = world.dynamic(body, mug.collider());
-    world.run(6.0);
-
-    let body = world.body(hung);
-    let in_mug = body.position().inverse_transform_point(hook);
-    assert!(in_mug.x > 0.0 && in_mug.x < centre, "the hook is no longer in the handle: {in_mug}");
-    assert!((0.01..0.09).contains(&in_mug.y), "{in_mug}");
-    assert!(world.place(hung).y > -0.2, "it fell");
-    assert!(world.is_at_rest(hung));
+    world.run(4.0);
+    let (mut off, mut steps) = (Vector::ZERO, 0.0);
+    world.run_with(2.0, |world| {
+        let body = world.body(hung);
+        let in_mug = body.position().inverse_transform_point(hook);
+        assert!((0.0..outside).contains(&in_mug.x), "the hook left the handle: {in_mug}");
+        assert!((0.01..0.09).contains(&in_mug.y), "the hook left the handle: {in_mug}");
+        off += body.center_of_mass() - hook;
+        steps += 1.0;
+    });
     // It hangs with its weight below the hook.
-    let weight = body.center_of_mass();
-    assert!(weight.y < hook.y - 0.02, "{weight}");
-    assert!((weight.x - hook.x).abs() < 0.01, "{weight}");
+    let off = off / steps;
+    assert!(off.y < -0.02, "{off}");
+    assert!(off.x.abs() < 0.01, "{off}");
 }
 
 #[test]

@@ -1,5 +1,8 @@
 //! Meshes, their decompositions, and a world to drop them into.
 
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex};
+
 use hullwright::io::read_mesh;
 use hullwright::{
     Control, Decomposition, MassProperties, Parameters, Unit, decompose, mass_properties, rapier,
@@ -17,9 +20,15 @@ pub struct Prop {
 }
 
 impl Prop {
-    /// One of the bundled models.
-    pub fn model(name: &str) -> Self {
-        Self::model_within(name, &Parameters::default())
+    /// One of the bundled models, decomposed once for all tests.
+    pub fn model(name: &str) -> Arc<Self> {
+        static MODELS: Mutex<BTreeMap<String, Arc<Prop>>> = Mutex::new(BTreeMap::new());
+        let known = MODELS.lock().unwrap().get(name).cloned();
+        known.unwrap_or_else(|| {
+            let prop = Arc::new(Self::model_within(name, &Parameters::default()));
+            MODELS.lock().unwrap().insert(name.into(), prop.clone());
+            prop
+        })
     }
 
     /// One of the bundled models, with a bound as a share of its diagonal.
@@ -74,6 +83,8 @@ impl World {
     pub fn new(size: f32) -> Self {
         let mut world = PhysicsWorld::new();
         world.integration_parameters.length_unit = size;
+        // Small things fall through their own size sooner.
+        world.integration_parameters.dt *= size.sqrt();
         Self(world)
     }
 
