@@ -41,9 +41,12 @@ pub(super) fn phantom(hull: &ConvexHull, solid: &Solid, bound: f64, limit: f64) 
         }
     }
     let mut parts = 0;
-    let mut guess = u32::MAX;
     while let Some([a, b, c]) = stack.pop() {
         parts += 1;
+        if parts > MOST_PARTS {
+            stack.push([a, b, c]);
+            return stack.iter().map(|&part| at_most(part, solid)).fold(enough(known, bound), f64::max);
+        }
         let centre = scale(add(add(a, b), c), 1.0 / 3.0);
         let radius = distance(centre, a).max(distance(centre, b)).max(distance(centre, c));
         let enough = enough(known, bound);
@@ -53,14 +56,23 @@ pub(super) fn phantom(hull: &ConvexHull, solid: &Solid, bound: f64, limit: f64) 
         {
             continue;
         }
-        let Some(closest) = solid.field.distance_near(centre, f64::INFINITY, guess) else {
-            continue;
-        };
-        guess = closest.triangle;
-        if closest.distance + radius <= enough {
+        let (close, near) = solid.close_distance(centre);
+        if close + radius <= enough {
             continue;
         }
         let slack = if known > bound { RESOLUTION * known } else { FINE_RESOLUTION * bound };
+        let may_divide = radius > slack;
+        // A distance that can't raise what is known only decides where it is known to be small.
+        if may_divide && close <= known {
+            stack.extend(halves([a, b, c]));
+            continue;
+        }
+        let Some(closest) = solid.field.distance_near(centre, f64::INFINITY, near) else {
+            continue;
+        };
+        if closest.distance + radius <= enough {
+            continue;
+        }
         // The side is dear, and only asked for where it decides.
         let is_small = radius <= if solid.is_closed { 2.0 * slack } else { OPEN * bound };
         let may_be_enough = solid.is_closed && radius - closest.distance <= enough;
@@ -71,28 +83,39 @@ pub(super) fn phantom(hull: &ConvexHull, solid: &Solid, bound: f64, limit: f64) 
                 }
             } else {
                 known = known.max(closest.distance);
-                if known > limit || parts > MOST_PARTS {
+                if known > limit {
                     return known + radius;
                 }
             }
         }
-        if radius <= slack {
-            continue;
+        if may_divide {
+            stack.extend(halves([a, b, c]));
         }
-        let (ab, bc, ca) = (square(a, b), square(b, c), square(c, a));
-        let halves = if ab >= bc && ab >= ca {
-            let middle = scale(add(a, b), 0.5);
-            [[a, middle, c], [middle, b, c]]
-        } else if bc >= ca {
-            let middle = scale(add(b, c), 0.5);
-            [[a, b, middle], [a, middle, c]]
-        } else {
-            let middle = scale(add(c, a), 0.5);
-            [[a, b, middle], [middle, b, c]]
-        };
-        stack.extend(halves);
     }
     enough(known, bound)
+}
+
+/// No point of a triangle is farther than this from the surface.
+fn at_most([a, b, c]: [Vector; 3], solid: &Solid) -> f64 {
+    let centre = scale(add(add(a, b), c), 1.0 / 3.0);
+    let radius = distance(centre, a).max(distance(centre, b)).max(distance(centre, c));
+    let closest = solid.field.distance(centre, f64::INFINITY);
+    closest.map_or(f64::INFINITY, |closest| closest.distance + radius)
+}
+
+/// The halves of a triangle across its longest side.
+fn halves([a, b, c]: [Vector; 3]) -> [[Vector; 3]; 2] {
+    let (ab, bc, ca) = (square(a, b), square(b, c), square(c, a));
+    if ab >= bc && ab >= ca {
+        let middle = scale(add(a, b), 0.5);
+        [[a, middle, c], [middle, b, c]]
+    } else if bc >= ca {
+        let middle = scale(add(b, c), 0.5);
+        [[a, b, middle], [a, middle, c]]
+    } else {
+        let middle = scale(add(c, a), 0.5);
+        [[a, b, middle], [middle, b, c]]
+    }
 }
 
 /// What a maximum that is at least `known` is bounded by: near the bound as finely as it takes to

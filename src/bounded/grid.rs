@@ -50,6 +50,8 @@ pub(super) struct Grid {
     inverse: f32,
     dimensions: [usize; 3],
     cells: Vec<Cell>,
+    /// The triangle that holds the nearest point; `u32::MAX` beyond the band.
+    owners: Vec<u32>,
     sides: Vec<AtomicU8>,
     band: f32,
     is_flooded: bool,
@@ -88,6 +90,7 @@ impl Grid {
             inverse: (1.0 / size) as f32,
             dimensions,
             cells: vec![Cell { nearest: [f32::NAN; 3], distance: band }; total],
+            owners: vec![u32::MAX; total],
             sides: Vec::new(),
             band,
             is_flooded: false,
@@ -135,7 +138,6 @@ impl Grid {
         let relative: Vec<Vector> =
             positions.iter().map(|&point| subtract(point, self.origin)).collect();
         let corners = |t: u32| triangles[t as usize].map(|v| relative[v as usize]);
-        let mut owner = vec![u32::MAX; self.cells.len()];
         let mut steps: Vec<Vec<u32>> = vec![Vec::new(); STEPS];
         let step = |d: f32, band: f32| ((d / band * STEPS as f32) as usize).min(STEPS - 1);
         for t in 0..triangles.len() as u32 {
@@ -159,7 +161,7 @@ impl Grid {
                     let cell = &mut self.cells[index];
                     if d < cell.distance {
                         *cell = Cell { nearest, distance: d };
-                        owner[index] = t;
+                        self.owners[index] = t;
                         steps[step(d, self.band)].push(index as u32);
                     }
                 }
@@ -178,7 +180,7 @@ impl Grid {
                 }
                 done[index] = true;
                 let place = self.place_of(index);
-                let triangle = owner[index];
+                let triangle = self.owners[index];
                 let (nearest, d) = nearest_of(self.centre(place), corners(triangle));
                 self.cells[index] = Cell { nearest, distance: d };
                 for axis in 0..3 {
@@ -201,7 +203,7 @@ impl Grid {
                         let d = length(sub(self.centre(other), nearest));
                         if d < self.cells[neighbour].distance {
                             self.cells[neighbour] = Cell { nearest, distance: d };
-                            owner[neighbour] = triangle;
+                            self.owners[neighbour] = triangle;
                             let step = step(d, self.band).max(current);
                             steps[step].push(neighbour as u32);
                         }
@@ -262,6 +264,12 @@ impl Grid {
             lower: f64::from(cell.distance - away),
             index,
         }
+    }
+
+    /// The triangle nearest to the centre of a point's cell; `u32::MAX` if that is far away.
+    #[inline]
+    pub(super) fn owner(&self, point: Vector) -> u32 {
+        self.owners[self.index(self.place(self.relative(point)))]
     }
 
     /// Whether the probe's point is inside; `None` if it may be on the other side than its cell.

@@ -50,6 +50,14 @@ impl Solid {
         self.grid.probe(point).upper + SINGLE_PRECISION
     }
 
+    /// The distance to the triangle that is nearest to the middle of the point's cell: hardly more
+    /// than the distance to the surface. Comes with the triangle, if there is one near.
+    #[inline]
+    pub fn close_distance(&self, point: Vector) -> (f64, u32) {
+        let triangle = self.grid.owner(point);
+        (self.field.distance_to(point, triangle), triangle)
+    }
+
     /// At most the distance to the surface of a point inside; `None` if it may be outside.
     #[inline]
     pub fn depth(&self, point: Vector) -> Option<f64> {

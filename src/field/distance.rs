@@ -288,6 +288,11 @@ impl Tree {
         }
     }
 
+    /// The distance to the triangle at a place.
+    pub(super) fn distance_to(&self, point: Vector, place: usize) -> f64 {
+        length_squared(self.nearest(place, point)).sqrt()
+    }
+
     pub(super) fn any_within(&self, point: Vector, limit: f64) -> bool {
         let mut best = Best::none(limit);
         self.search(point, &mut best, true)

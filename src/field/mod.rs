@@ -65,6 +65,14 @@ impl Field {
         self.tree.closest(point, best)
     }
 
+    /// The distance to one triangle; infinite if it does not exist.
+    pub(crate) fn distance_to(&self, point: Vector, triangle: u32) -> f64 {
+        match self.places.get(triangle as usize) {
+            Some(&place) if place != EMPTY => self.tree.distance_to(point, place as usize),
+            _ => f64::INFINITY,
+        }
+    }
+
     /// Whether the mesh comes within `limit` of `point`: faster than asking for the distance.
     pub(crate) fn is_within(&self, point: Vector, limit: f64) -> bool {
         self.tree.any_within(point, limit)
