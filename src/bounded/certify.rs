@@ -50,16 +50,13 @@ pub(super) fn phantom(hull: &ConvexHull, solid: &Solid, bound: f64, limit: f64) 
         let centre = scale(add(add(a, b), c), 1.0 / 3.0);
         let radius = distance(centre, a).max(distance(centre, b)).max(distance(centre, c));
         let enough = enough(known, bound);
-        if solid.upper_distance(centre) + radius <= enough
+        if solid.upper_distance_of([a, b, c], centre, enough) <= enough
             || (solid.is_closed
                 && solid.depth(centre).is_some_and(|depth| radius - depth <= enough))
         {
             continue;
         }
         let (close, near) = solid.close_distance(centre);
-        if close + radius <= enough {
-            continue;
-        }
         let slack = if known > bound { RESOLUTION * known } else { FINE_RESOLUTION * bound };
         let may_divide = radius > slack;
         // A distance that can't raise what is known only decides where it is known to be small.
@@ -163,11 +160,16 @@ impl Outside {
 const MOST_HALVINGS: u32 = 6;
 
 /// No point of the surface is farther than this outside all hulls. `owners` names for each
-/// triangle the hull that should hold it.
-pub(super) fn exposed(surface: &TriangleMesh, owners: &[u32], hulls: &[Outside]) -> f64 {
+/// triangle the hull that should hold it. Less than `enough` is not told apart from it.
+pub(super) fn exposed(
+    surface: &TriangleMesh,
+    owners: &[u32],
+    hulls: &[Outside],
+    enough: f64,
+) -> f64 {
     // Distance to a convex set is a convex function: on a triangle it is largest at a corner.
     let mut known: Vec<Vec<(u32, f64)>> = vec![Vec::new(); surface.positions.len()];
-    let mut worst: f64 = 0.0;
+    let mut worst = enough;
     for (triangle, &owner) in surface.triangles.iter().zip(owners) {
         let Some(hull) = hulls.get(owner as usize) else { continue };
         let mut outside: f64 = 0.0;

@@ -10,13 +10,17 @@ use crate::vector::{add, distance, scale};
 use crate::{Control, Error};
 
 /// Lets a hull take seeds in order of nearness, those of `wanted` alone, until none fits.
+///
+/// As long as all goes well, more and more seeds are taken at once: faces that would only have
+/// been there between one seed and the next are never tested.
 fn grow(seeds: &Seeds, piece: &mut Piece, wanted: &SeedSet, shop: &mut Workshop<'_>) {
     let mut open = wanted.clone();
     open.subtract(&piece.seeds);
     for seed in piece.seeds.iter() {
         open.subtract(&seeds.conflicts[seed as usize]);
     }
-    let tolerance = COVER_TOLERANCE;
+    let mut at_once = 1;
+    let mut batch: Vec<u32> = Vec::new();
     while !open.is_empty() {
         let mut order: Vec<(f64, u32)> = open
             .iter()
@@ -24,24 +28,67 @@ fn grow(seeds: &Seeds, piece: &mut Piece, wanted: &SeedSet, shop: &mut Workshop<
             .collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
         let ordered_at = piece.hull.current_volume();
-        for (_, index) in order {
-            if !open.contains(index) {
-                continue;
-            }
-            let seed = &seeds.seeds[index as usize];
-            open.remove(index);
-            let is_covered = covers(&piece.hull, seed, tolerance);
-            if is_covered || shop.try_take(&mut piece.hull, seed) {
-                piece.seeds.insert(index);
-                open.subtract(&seeds.conflicts[index as usize]);
-                // The order of nearness has changed.
-                if !is_covered && piece.hull.current_volume() > REORDER * ordered_at {
+        let mut order = order.into_iter();
+        // The order of nearness changes as the hull grows.
+        while piece.hull.current_volume() <= REORDER * ordered_at {
+            batch.clear();
+            for (_, index) in order.by_ref() {
+                let is_free = open.contains(index)
+                    && !batch.iter().any(|&b| seeds.conflicts[b as usize].contains(index));
+                if !is_free {
+                    continue;
+                }
+                if covers(&piece.hull, &seeds.seeds[index as usize], COVER_TOLERANCE) {
+                    piece.seeds.insert(index);
+                    open.remove(index);
+                    open.subtract(&seeds.conflicts[index as usize]);
+                    continue;
+                }
+                batch.push(index);
+                if batch.len() == at_once {
                     break;
                 }
             }
+            if batch.is_empty() {
+                break;
+            }
+            let fits = take(seeds, piece, &batch, &mut open, shop);
+            at_once = if fits { (2 * at_once).min(MOST_AT_ONCE) } else { 1 };
         }
     }
 }
+
+/// Lets a hull take those of some seeds that fit, all at once if possible. Whether it was.
+fn take(
+    seeds: &Seeds,
+    piece: &mut Piece,
+    batch: &[u32],
+    open: &mut SeedSet,
+    shop: &mut Workshop<'_>,
+) -> bool {
+    if shop.try_take(&mut piece.hull, batch.iter().map(|&index| &seeds.seeds[index as usize])) {
+        for &index in batch {
+            piece.seeds.insert(index);
+            open.remove(index);
+            open.subtract(&seeds.conflicts[index as usize]);
+        }
+        return true;
+    }
+    if let &[index] = batch {
+        open.remove(index);
+        return false;
+    }
+    let (first, second) = batch.split_at(batch.len() / 2);
+    take(seeds, piece, first, open, shop);
+    let second: Vec<u32> = second.iter().copied().filter(|&index| open.contains(index)).collect();
+    if !second.is_empty() {
+        take(seeds, piece, &second, open, shop);
+    }
+    false
+}
+
+/// Most seeds that are tried at once.
+const MOST_AT_ONCE: usize = 16;
 
 /// A seed that stands out of a hull by less than this, in diagonals, counts as covered.
 const COVER_TOLERANCE: f64 = 3e-4;

@@ -69,7 +69,7 @@ pub(crate) fn finish(
     }
     control.check()?;
     let outsides = super::parallel::map(&hulls, |hull: &Finished| Outside::new(&hull.hull));
-    let exposed = exposed(&seeds.surface, &owners, &outsides);
+    let exposed = exposed(&seeds.surface, &owners, &outsides, tuning.reduction);
     Ok(Outcome { hulls, exposed })
 }
 

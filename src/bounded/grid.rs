@@ -266,6 +266,14 @@ impl Grid {
         }
     }
 
+    /// The point of the surface nearest to the centre of a point's cell, if that is near.
+    #[inline]
+    pub(super) fn nearest(&self, point: Vector) -> Option<Vector> {
+        let index = self.index(self.place(self.relative(point)));
+        let nearest = self.cells[index].nearest;
+        (!nearest[0].is_nan()).then(|| [0, 1, 2].map(|k| self.origin[k] + f64::from(nearest[k])))
+    }
+
     /// The triangle nearest to the centre of a point's cell; `u32::MAX` if that is far away.
     #[inline]
     pub(super) fn owner(&self, point: Vector) -> u32 {

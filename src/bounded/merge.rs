@@ -1,17 +1,29 @@
 //! Merging: pieces join best-first, as long as the joint hull fits.
 
 use std::cmp::Ordering;
-use std::collections::{BTreeSet, BinaryHeap};
+use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
 use super::piece::{Hull, Piece, Workshop};
 use super::seed_set::SeedSet;
 use super::seeds::Seeds;
 use crate::{Control, Error};
 
+/// Candidates that are evaluated at the same time, whether there are threads for it or not.
+const AT_ONCE: usize = 8;
+
 /// Two pieces that may join.
 struct Candidate {
+    /// Volume that the joint hull adds, as a share of its own; a guess as long as there is no
+    /// joint hull.
     cost: f64,
     pair: (u32, u32),
+    joint: Option<Joint>,
+}
+
+/// A joint hull, and whether only its new faces can stand out.
+struct Joint {
+    hull: Hull,
+    only_new: bool,
 }
 
 impl PartialEq for Candidate {
@@ -37,7 +49,8 @@ struct Merging<'a, 'b> {
     pieces: Vec<Option<Piece>>,
     /// For each piece those that it must not join.
     conflicts: Vec<SeedSet>,
-    links: Vec<BTreeSet<u32>>,
+    /// For each piece those next to it, with the last known cost of joining them.
+    links: Vec<BTreeMap<u32, f64>>,
     refused: BTreeSet<(u32, u32)>,
     heap: BinaryHeap<Candidate>,
 }
@@ -47,86 +60,107 @@ fn ordered(a: u32, b: u32) -> (u32, u32) {
 }
 
 impl Merging<'_, '_> {
-    fn join(&mut self, a: u32, b: u32) -> Option<bool> {
-        let (Some(a), Some(b)) = (&self.pieces[a as usize], &self.pieces[b as usize]) else {
-            return None;
-        };
+    /// Adds a pair to the heap if it may join.
+    fn consider(&mut self, a: u32, b: u32, cost: f64) {
+        let pair = ordered(a, b);
+        let Some(other) = &self.pieces[pair.1 as usize] else { return };
+        if !self.refused.contains(&pair)
+            && !self.conflicts[pair.0 as usize].intersects(&other.seeds)
+        {
+            self.heap.push(Candidate { cost, pair, joint: None });
+        }
+    }
+
+    /// The candidate with its joint hull; `None` if one of the two is gone.
+    fn evaluated(&self, pair: (u32, u32)) -> Option<Candidate> {
+        let (a, b) =
+            (self.pieces[pair.0 as usize].as_ref()?, self.pieces[pair.1 as usize].as_ref()?);
         // The smaller one joins the larger one.
         let (large, small) = if a.hull.volume >= b.hull.volume { (a, b) } else { (b, a) };
-        Some(self.shop.join(&large.hull, &small.vertices, small.hull.outward))
+        let mut hull = large.hull.clone();
+        let only_new = hull.insert(&small.vertices, small.hull.outward);
+        hull.volume = hull.current_volume();
+        let added = hull.volume - a.hull.volume - b.hull.volume;
+        let cost = if hull.volume > 0.0 { added / hull.volume } else { 0.0 };
+        Some(Candidate { cost, pair, joint: Some(Joint { hull, only_new }) })
     }
 
-    /// Adds those pairs that may join to the heap.
-    fn consider(&mut self, pairs: &[(u32, u32)]) {
-        let cost = |&(a, b): &(u32, u32)| {
-            let pair = ordered(a, b);
-            let (Some(a), Some(b)) =
-                (self.pieces[pair.0 as usize].as_ref(), self.pieces[pair.1 as usize].as_ref())
-            else {
-                return None;
-            };
-            let may_join = !self.refused.contains(&pair)
-                && !self.conflicts[pair.0 as usize].intersects(&b.seeds);
-            if !may_join {
-                return None;
-            }
-            let (large, small) = if a.hull.volume >= b.hull.volume { (a, b) } else { (b, a) };
-            let mut joint = large.hull.clone();
-            joint.insert(&small.vertices, small.hull.outward);
-            let volume = joint.current_volume();
-            let added = volume - a.hull.volume - b.hull.volume;
-            Some(Candidate { cost: if volume > 0.0 { added / volume } else { 0.0 }, pair })
-        };
-        let candidates = super::parallel::map(pairs, cost);
-        self.heap.extend(candidates.into_iter().flatten());
+    fn is_alive(&self, (a, b): (u32, u32)) -> bool {
+        self.pieces[a as usize].is_some() && self.pieces[b as usize].is_some()
     }
 
+    /// Joins the cheapest pairs first. A cost is only a guess until its pair is among the
+    /// cheapest: most pairs never are before one of the two has joined another piece.
     fn run(&mut self, control: &Control) -> Result<(), Error> {
-        while let Some(Candidate { pair, .. }) = self.heap.pop() {
-            control.check()?;
+        while let Some(Candidate { pair, joint, .. }) = self.heap.pop() {
+            if !self.is_alive(pair) {
+                continue;
+            }
+            let Some(joint) = joint else {
+                control.check()?;
+                let mut pairs = vec![pair];
+                while pairs.len() < AT_ONCE
+                    && let Some(next) = self.heap.peek()
+                    && (next.joint.is_none() || !self.is_alive(next.pair))
+                {
+                    if self.is_alive(next.pair) {
+                        pairs.push(next.pair);
+                    }
+                    self.heap.pop();
+                }
+                let evaluated = super::parallel::map(&pairs, |&pair| self.evaluated(pair));
+                for candidate in evaluated.into_iter().flatten() {
+                    let (a, b) = candidate.pair;
+                    self.links[a as usize].insert(b, candidate.cost);
+                    self.links[b as usize].insert(a, candidate.cost);
+                    self.heap.push(candidate);
+                }
+                continue;
+            };
             if control.is_past_deadline() {
                 break;
             }
-            let (a, b) = pair;
-            let Some(only_new) = self.join(a, b) else { continue };
-            if !self.shop.trial_fits(only_new) {
+            if self.shop.fits(&joint.hull, joint.only_new) {
+                self.take(pair, joint.hull);
+            } else {
                 self.refused.insert(pair);
-                continue;
             }
-            let (Some(pa), Some(pb)) =
-                (self.pieces[a as usize].take(), self.pieces[b as usize].take())
-            else {
-                continue;
-            };
-            let mut seeds = pa.seeds;
-            seeds.unite(&pb.seeds);
-            let mut hull = pa.hull;
-            self.shop.take_trial(&mut hull);
-            hull.volume = hull.current_volume();
-            let vertices = hull.vertices();
-            let new = self.pieces.len() as u32;
-            self.pieces.push(Some(Piece { seeds, hull, vertices }));
-            let mut conflicts = std::mem::take(&mut self.conflicts[a as usize]);
-            conflicts.unite(&self.conflicts[b as usize]);
-            self.conflicts.push(conflicts);
-            let joined: BTreeSet<u32> = self.links[a as usize]
-                .union(&self.links[b as usize])
-                .copied()
-                .filter(|&link| self.pieces[link as usize].is_some())
-                .collect();
-            for &link in &joined {
-                if self.refused.contains(&ordered(a, link))
-                    || self.refused.contains(&ordered(b, link))
-                {
-                    self.refused.insert((link, new));
-                }
-                self.links[link as usize].insert(new);
-            }
-            self.links.push(joined.clone());
-            let pairs: Vec<(u32, u32)> = joined.into_iter().map(|link| (link, new)).collect();
-            self.consider(&pairs);
         }
         Ok(())
+    }
+
+    /// Two pieces become one.
+    fn take(&mut self, (a, b): (u32, u32), mut hull: Hull) {
+        let (Some(first), Some(second)) =
+            (self.pieces[a as usize].take(), self.pieces[b as usize].take())
+        else {
+            return;
+        };
+        let mut seeds = first.seeds;
+        seeds.unite(&second.seeds);
+        let vertices = hull.vertices();
+        let new = self.pieces.len() as u32;
+        self.pieces.push(Some(Piece { seeds, hull, vertices }));
+        let mut conflicts = std::mem::take(&mut self.conflicts[a as usize]);
+        conflicts.unite(&self.conflicts[b as usize]);
+        self.conflicts.push(conflicts);
+        let mut joined = std::mem::take(&mut self.links[a as usize]);
+        for (link, cost) in std::mem::take(&mut self.links[b as usize]) {
+            let known = joined.entry(link).or_insert(cost);
+            *known = known.min(cost);
+        }
+        joined.retain(|&link, _| self.pieces[link as usize].is_some());
+        for (&link, &cost) in &joined {
+            if self.refused.contains(&ordered(a, link)) || self.refused.contains(&ordered(b, link))
+            {
+                self.refused.insert((link, new));
+            }
+            self.links[link as usize].insert(new, cost);
+        }
+        self.links.push(joined.clone());
+        for (link, cost) in joined {
+            self.consider(link, new, cost);
+        }
     }
 }
 
@@ -146,10 +180,10 @@ pub(crate) fn merge(
         let vertices = hull.vertices();
         Some(Piece { seeds: SeedSet::of(count, [index as u32]), hull, vertices })
     });
-    let mut links = vec![BTreeSet::new(); count];
+    let mut links = vec![BTreeMap::new(); count];
     for &(a, b) in &seeds.neighbours {
-        links[a as usize].insert(b);
-        links[b as usize].insert(a);
+        links[a as usize].insert(b, 0.0);
+        links[b as usize].insert(a, 0.0);
     }
     let mut merging = Merging {
         pieces: pieces.collect(),
@@ -159,7 +193,9 @@ pub(crate) fn merge(
         heap: BinaryHeap::new(),
         shop,
     };
-    merging.consider(&seeds.neighbours);
+    for &(a, b) in &seeds.neighbours {
+        merging.consider(a, b, f64::NEG_INFINITY);
+    }
     merging.run(control)?;
     let alive: Vec<u32> = (0..merging.pieces.len() as u32)
         .filter(|&index| merging.pieces[index as usize].is_some())
@@ -170,13 +206,15 @@ pub(crate) fn merge(
             if let (Some(pa), Some(pb)) = (&merging.pieces[a as usize], &merging.pieces[b as usize])
                 && near(&pa.hull, &pb.hull, merging.shop.bound)
             {
-                merging.links[a as usize].insert(b);
-                merging.links[b as usize].insert(a);
                 pairs.push((a, b));
             }
         }
     }
-    merging.consider(&pairs);
+    for (a, b) in pairs {
+        merging.links[a as usize].insert(b, f64::NEG_INFINITY);
+        merging.links[b as usize].insert(a, f64::NEG_INFINITY);
+        merging.consider(a, b, f64::NEG_INFINITY);
+    }
     merging.run(control)?;
     Ok(merging.pieces.into_iter().flatten().collect())
 }

@@ -3,7 +3,7 @@
 //!
 //! | file | stage |
 //! |---|---|
-//! | `solid` | the fit test: whether a hull stands out of the solid; `grid` answers most of it |
+//! | `solid` | the fit test: whether a hull stands out of the solid; `grid` answers most of it, `verdicts` remembers |
 //! | `refine`, `seeds` | a simplified or refined mesh, the paper's groups (3.4.1), halved until each fits; who conflicts with whom |
 //! | `merge` | pieces join best-first |
 //! | `cover` | each piece grows over all seeds that it can take; pieces are dissolved into the rest; each seed stays with one |
@@ -22,6 +22,7 @@ mod seed_set;
 mod seeds;
 mod solid;
 mod tree;
+mod verdicts;
 
 use crate::mesh::{Normalization, PreparedMesh};
 use crate::{
@@ -261,6 +262,8 @@ pub(crate) struct Merging {
     tree: Tree,
     normalization: Normalization,
     surface: crate::mesh::TriangleMesh,
+    /// Surface less far outside, in diagonals, does not matter.
+    enough: f64,
 }
 
 impl Merging {
@@ -293,7 +296,7 @@ impl Merging {
                 .collect();
             Tree::new(leaves, 1, &solid, &tuning, control)
         })?;
-        Ok(Self { tree, normalization, surface: prepared.mesh })
+        Ok(Self { tree, normalization, surface: prepared.mesh, enough: tuning.reduction })
     }
 
     pub(crate) fn joins(&self) -> usize {
@@ -314,7 +317,7 @@ impl Merging {
             .map(|node| certify::Outside::new(&node.hull))
             .collect();
         let owners = vec![0; self.surface.triangles.len()];
-        certify::exposed(&self.surface, &owners, &outsides) * self.normalization.diagonal
+        certify::exposed(&self.surface, &owners, &outsides, self.enough) * self.normalization.diagonal
     }
 
     /// The hulls after some joins, in the input's units.

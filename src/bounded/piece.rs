@@ -3,6 +3,7 @@
 use super::seed_set::SeedSet;
 use super::seeds::Seed;
 use super::solid::Solid;
+use super::verdicts::{Key, Verdicts};
 use crate::hull::{HullBuilder, Shape, solid_hull};
 use crate::vector::{Vector, add, area_normal, length_squared, maximum, minimum};
 
@@ -90,14 +91,22 @@ pub(crate) const SEARCH_TOLERANCE: f64 = 1e-5;
 /// Thickness of flat pieces while they are tested, in diagonals.
 const THICKNESS: f64 = 1e-6;
 
+/// A face that has not been tested.
+struct Unknown {
+    size: f64,
+    key: Key,
+    face: [Vector; 3],
+}
+
 /// Memory for trying things out.
 pub(crate) struct Workshop<'a> {
     pub solid: &'a Solid,
     pub bound: f64,
     pub trial: Hull,
     scratch: HullBuilder,
-    faces: Vec<(f64, [Vector; 3])>,
+    faces: Vec<Unknown>,
     stack: Vec<[Vector; 3]>,
+    points: Vec<Vector>,
     pub tried: usize,
 }
 
@@ -110,6 +119,7 @@ impl<'a> Workshop<'a> {
             scratch: HullBuilder::new(),
             faces: Vec::new(),
             stack: Vec::new(),
+            points: Vec::new(),
             tried: 0,
         }
     }
@@ -133,32 +143,58 @@ impl<'a> Workshop<'a> {
     pub fn fits(&mut self, hull: &Hull, only_new: bool) -> bool {
         let mut faces = std::mem::take(&mut self.faces);
         faces.clear();
-        let sized = |face: [Vector; 3]| {
-            let [a, b, c] = face;
-            (length_squared(area_normal(a, b, c)), face)
+        let verdicts = &self.solid.verdicts;
+        let mut is_refused = false;
+        // A face that is known not to fit saves all the others.
+        let mut unknown = |face: [Vector; 3]| {
+            let key = Verdicts::key(face);
+            match verdicts.get(key) {
+                Some(true) => {}
+                Some(false) => is_refused = true,
+                None => {
+                    let [a, b, c] = face;
+                    let size = length_squared(area_normal(a, b, c));
+                    faces.push(Unknown { size, key, face });
+                }
+            }
+            !is_refused
         };
         if hull.is_solid {
             if only_new {
-                faces.extend(hull.builder.new_faces().map(sized));
+                hull.builder.new_faces().all(&mut unknown);
             } else {
-                faces.extend(hull.builder.all_faces().map(sized));
+                hull.builder.all_faces().all(&mut unknown);
             }
         } else if let Ok((flat, _)) =
             solid_hull(&mut self.scratch, &hull.points, hull.outward, THICKNESS)
         {
-            faces.extend(flat.corners().map(sized));
+            flat.corners().all(&mut unknown);
         }
-        let fits = self.faces_fit(&mut faces);
+        let fits = !is_refused && self.faces_fit(&mut faces);
         self.faces = faces;
         fits
     }
 
-    fn faces_fit(&mut self, faces: &mut [(f64, [Vector; 3])]) -> bool {
+    fn faces_fit(&mut self, faces: &mut [Unknown]) -> bool {
         // Large faces are the likeliest to stand out.
-        faces.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+        faces.sort_unstable_by(|a, b| b.size.total_cmp(&a.size));
         let (solid, bound) = (self.solid, self.bound);
-        faces.iter().all(|&(_, face)| solid.centre_fits(face, bound))
-            && faces.iter().all(|&(_, face)| solid.face_fits(face, bound, &mut self.stack))
+        let fits = |unknown: &Unknown, test: &mut dyn FnMut([Vector; 3]) -> bool| {
+            let fits = test(unknown.face);
+            if !fits {
+                solid.verdicts.set(unknown.key, false);
+            }
+            fits
+        };
+        let stack = &mut self.stack;
+        faces.iter().all(|face| fits(face, &mut |face| solid.centre_fits(face, bound)))
+            && faces.iter().all(|face| {
+                let whole = fits(face, &mut |face| solid.face_fits(face, bound, stack));
+                if whole {
+                    solid.verdicts.set(face.key, true);
+                }
+                whole
+            })
     }
 
     /// Takes `trial` as the new hull.
@@ -166,9 +202,21 @@ impl<'a> Workshop<'a> {
         std::mem::swap(hull, &mut self.trial);
     }
 
-    /// Lets a hull take a seed if the joint hull fits.
-    pub fn try_take(&mut self, hull: &mut Hull, seed: &Seed) -> bool {
-        let only_new = self.join(hull, &seed.points, seed.outward);
+    /// Lets a hull take seeds if the joint hull fits.
+    pub fn try_take<'s>(
+        &mut self,
+        hull: &mut Hull,
+        seeds: impl Iterator<Item = &'s Seed>,
+    ) -> bool {
+        let mut points = std::mem::take(&mut self.points);
+        points.clear();
+        let mut outward = [0.0; 3];
+        for seed in seeds {
+            points.extend_from_slice(&seed.points);
+            outward = add(outward, seed.outward);
+        }
+        let only_new = self.join(hull, &points, outward);
+        self.points = points;
         let fits = self.trial_fits(only_new);
         if fits {
             self.take_trial(hull);

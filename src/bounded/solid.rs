@@ -7,6 +7,7 @@
 //! come out. Otherwise the face is halved.
 
 use super::grid::Grid;
+use super::verdicts::Verdicts;
 use crate::field::Field;
 use crate::vector::{Vector, add, length_squared, scale, subtract};
 
@@ -29,6 +30,8 @@ pub(crate) struct Solid {
     /// Whether the surface encloses the inside: only then does being inside say anything.
     pub is_closed: bool,
     grid: Grid,
+    /// Of faces during the search.
+    pub verdicts: Verdicts,
 }
 
 impl Solid {
@@ -41,7 +44,7 @@ impl Solid {
         if is_closed {
             grid.flood(&field);
         }
-        Self { field, is_closed, grid }
+        Self { field, is_closed, grid, verdicts: Verdicts::new() }
     }
 
     /// At least the distance to the surface.
@@ -50,8 +53,24 @@ impl Solid {
         self.grid.probe(point).upper + SINGLE_PRECISION
     }
 
-    /// The distance to the triangle that is nearest to the middle of the point's cell: hardly more
-    /// than the distance to the surface. Comes with the triangle, if there is one near.
+    /// At least the distance to the surface from any point of a triangle with this centre.
+    ///
+    /// The distance to one point of the surface, and to one of its triangles, is a convex
+    /// function, so that it is largest at a corner. Those near the middle of the centre's cell are
+    /// asked.
+    #[inline]
+    pub fn upper_distance_of(&self, face: [Vector; 3], centre: Vector, enough: f64) -> f64 {
+        let Some(nearest) = self.grid.nearest(centre) else { return f64::INFINITY };
+        let of_point = largest(face.map(|corner| length_squared(subtract(corner, nearest))));
+        let of_point = of_point.sqrt() + SINGLE_PRECISION;
+        if of_point <= enough {
+            return of_point;
+        }
+        let triangle = self.grid.owner(centre);
+        largest(face.map(|corner| self.field.distance_to(corner, triangle))).min(of_point)
+    }
+
+    /// The triangle nearest to the middle of the point's cell, if that is near, and how far it is.
     #[inline]
     pub fn close_distance(&self, point: Vector) -> (f64, u32) {
         let triangle = self.grid.owner(point);
@@ -111,10 +130,11 @@ impl Solid {
                 .sqrt();
             let probe = self.grid.probe(centre);
             let reach = LENIENCE * radius;
-            if probe.upper + reach <= bound {
-                continue;
-            }
-            if probe.upper > bound {
+            if probe.upper <= bound {
+                if probe.upper + reach <= bound {
+                    continue;
+                }
+            } else {
                 match self.grid.is_inside(&probe, &self.field) {
                     Some(true) => {}
                     Some(false) => {
@@ -157,6 +177,11 @@ impl Solid {
         }
         true
     }
+}
+
+#[inline]
+fn largest([a, b, c]: [f64; 3]) -> f64 {
+    a.max(b).max(c)
 }
 
 #[inline]
