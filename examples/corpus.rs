@@ -1,4 +1,5 @@
-//! Decomposes every mesh below a folder and prints what came of it, as a table:
+//! Decomposes every mesh below a folder and prints what came of it, as a table. A promise is broken
+//! where more was verified than was asked for, or more is sampled than was verified:
 //! `cargo run --release --example corpus --features io -- FOLDER`.
 
 use std::collections::BTreeMap;
@@ -10,12 +11,16 @@ use hullwright::io::{Format, read_mesh};
 use hullwright::measure::{HullShape, MeasureOptions, measure};
 use hullwright::{Control, Error, Parameters, decompose};
 
+/// Rounding of what was verified and of what is sampled, in bounds.
+const ROUNDING: f64 = 1e-3;
+
 /// What came of a folder's meshes.
 #[derive(Default)]
 struct Summary {
     done: usize,
     refused: usize,
     panicked: usize,
+    broken: usize,
     not_convex: usize,
     without_volume: usize,
     seconds: Vec<f64>,
@@ -25,6 +30,9 @@ struct Summary {
 struct Row {
     triangles: usize,
     hulls: usize,
+    /// Largest of what was verified and what was sampled, over the bound.
+    error: f64,
+    is_broken: bool,
     not_convex: usize,
     without_volume: usize,
     seconds: f64,
@@ -52,8 +60,13 @@ fn main() -> ExitCode {
                 summary.not_convex += row.not_convex;
                 summary.without_volume += row.without_volume;
                 summary.seconds.push(row.seconds);
-                let Row { triangles, hulls, seconds, .. } = row;
-                println!("{name:<60} {triangles:>8} triangles {hulls:>4} hulls {seconds:>8.4} s");
+                summary.broken += usize::from(row.is_broken);
+                let Row { triangles, hulls, error, is_broken, seconds, .. } = row;
+                println!(
+                    "{name:<60} {triangles:>8} triangles {hulls:>4} hulls {error:>6.3} of the \
+                     bound {seconds:>8.4} s{}",
+                    if is_broken { "  BROKEN" } else { "" }
+                );
             }
             Ok(Err(error)) => {
                 summary.refused += 1;
@@ -66,16 +79,24 @@ fn main() -> ExitCode {
         }
     }
     println!(
-        "\n{:<12} {:>5} {:>8} {:>7} {:>11} {:>10} {:>9} {:>9}",
-        "folder", "done", "refused", "panics", "not convex", "no volume", "median s", "worst s"
+        "\n{:<12} {:>5} {:>8} {:>7} {:>7} {:>11} {:>10} {:>9} {:>9}",
+        "folder",
+        "done",
+        "refused",
+        "panics",
+        "broken",
+        "not convex",
+        "no volume",
+        "median s",
+        "worst s"
     );
     for (folder, summary) in &mut summaries {
         summary.seconds.sort_by(f64::total_cmp);
         let at = |place: usize| summary.seconds.get(place).copied().unwrap_or_default();
         let (median, worst) = (at(summary.seconds.len() / 2), at(summary.seconds.len().max(1) - 1));
-        let Summary { done, refused, panicked, not_convex, without_volume, .. } = summary;
+        let Summary { done, refused, panicked, broken, not_convex, without_volume, .. } = summary;
         println!(
-            "{folder:<12} {done:>5} {refused:>8} {panicked:>7} {not_convex:>11} \
+            "{folder:<12} {done:>5} {refused:>8} {panicked:>7} {broken:>7} {not_convex:>11} \
              {without_volume:>10} {median:>9.4} {worst:>9.4}"
         );
     }
@@ -91,7 +112,23 @@ fn run(path: &Path) -> Result<Row, Error> {
     let seconds = start.elapsed().as_secs_f64();
     let shapes: Vec<HullShape> = result.hulls.iter().map(HullShape::from).collect();
     let judged = measure(&file.positions, &file.triangles, &shapes, &MeasureOptions::default())?;
+    let (error, is_broken) = match &result.report.bounded {
+        Some(report) => {
+            let sampled = result.report.diagonal * judged.phantom.max;
+            let exposed = result.report.diagonal * judged.exposed.max;
+            let most = |bounds: [f64; 2]| bounds[0] > bounds[1] + ROUNDING * report.bound;
+            let is_broken = most([report.phantom_max, report.bound])
+                || most([report.exposed_max, report.bound])
+                || most([sampled, report.phantom_max])
+                || most([exposed, report.exposed_max]);
+            let values = [report.phantom_max, report.exposed_max, sampled, exposed];
+            (values.into_iter().fold(0.0, f64::max) / report.bound, is_broken)
+        }
+        None => (0.0, false),
+    };
     Ok(Row {
+        error,
+        is_broken,
         triangles: file.triangles.len(),
         hulls: result.hulls.len(),
         not_convex: judged.non_convex_hulls,

@@ -170,6 +170,10 @@ pub struct BoundedParameters {
     /// join beyond the bound, those that stand out least do, and
     /// [`BoundedReport::phantom_max`](crate::BoundedReport::phantom_max) says how far.
     pub max_hulls: Option<usize>,
+    /// Whether cavities stay empty that can only be reached through mouths narrower than the
+    /// bound, or not at all. Otherwise a hull may swallow them, since nothing from outside can
+    /// tell. Those nowhere deeper than the bound always may fill. Default false.
+    pub keep_cavities: bool,
 }
 
 /// What things may stand apart or sink in before a player sees it.
@@ -192,7 +196,12 @@ impl BoundedParameters {
 
 impl Default for BoundedParameters {
     fn default() -> Self {
-        Self { max_error: DEFAULT_MAX_ERROR, preset: Preset::Balanced, max_hulls: None }
+        Self {
+            max_error: DEFAULT_MAX_ERROR,
+            preset: Preset::Balanced,
+            max_hulls: None,
+            keep_cavities: false,
+        }
     }
 }
 

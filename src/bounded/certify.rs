@@ -28,6 +28,18 @@ const MOST_PARTS: usize = 200_000;
 pub(super) fn phantom(hull: &ConvexHull, solid: &Solid, bound: f64, limit: f64) -> f64 {
     // Below a quarter of the bound nobody asks for the exact figure.
     let mut known: f64 = 0.25 * bound;
+    if !solid.cavities.is_empty() {
+        let planes = hull.planes();
+        let holds = |point| planes.iter().all(|&(normal, offset)| dot(normal, point) <= offset);
+        for &(point, depth) in &solid.cavities {
+            if depth > known && holds(point) {
+                known = depth;
+            }
+        }
+        if known > limit {
+            return known;
+        }
+    }
     let mut stack: Vec<[Vector; 3]> = hull.corners().collect();
     // A face on which a hull stands out far makes the rest quick.
     for &[a, b, c] in &stack {
@@ -45,7 +57,10 @@ pub(super) fn phantom(hull: &ConvexHull, solid: &Solid, bound: f64, limit: f64) 
         parts += 1;
         if parts > MOST_PARTS {
             stack.push([a, b, c]);
-            return stack.iter().map(|&part| at_most(part, solid)).fold(enough(known, bound), f64::max);
+            return stack
+                .iter()
+                .map(|&part| at_most(part, solid))
+                .fold(enough(known, bound), f64::max);
         }
         let centre = scale(add(add(a, b), c), 1.0 / 3.0);
         let radius = distance(centre, a).max(distance(centre, b)).max(distance(centre, c));

@@ -3,13 +3,14 @@
 use super::Tuning;
 use super::certify::{Outside, exposed, phantom};
 use super::cover::hull_of;
-use super::piece::Piece;
+use super::piece::{Hull, Piece};
 use super::seed_set::SeedSet;
-use super::seeds::Seeds;
+use super::seeds::{Seed, Seeds};
 use super::solid::Solid;
 use crate::hull::{
     ConvexHull, HullBuilder, cap_vertices_within, fewer_vertices, inner_hull, solid_hull,
 };
+use crate::vector::{Vector, add, area_normal, maximum, minimum, scale};
 use crate::{Control, Error};
 
 /// A hull's least thickness as a share of the mesh's diagonal: what is small in all directions
@@ -30,6 +31,8 @@ const MOST_LEFT_OUT: f64 = 0.5;
 pub(crate) struct Finished {
     pub hull: ConvexHull,
     pub seeds: SeedSet,
+    /// Where it holds a part of a single seed only: that part's triangles of the surface.
+    pub part: Option<Vec<u32>>,
     pub added_thickness: f64,
     pub cap_growth: f64,
     /// No point of its surface is farther than this from the solid.
@@ -37,6 +40,16 @@ pub(crate) struct Finished {
     /// How far in front of its faces lies what the cap on vertices left out.
     pub left_out: f64,
     pub component: u32,
+}
+
+impl Finished {
+    /// The triangles of [`Seeds::surface`] that it stands for.
+    pub fn triangles<'a>(&'a self, seeds: &'a Seeds) -> impl Iterator<Item = u32> + 'a {
+        let of_seeds = self.part.is_none().then(|| {
+            self.seeds.iter().flat_map(|seed| &seeds.seeds[seed as usize].triangles).copied()
+        });
+        of_seeds.into_iter().flatten().chain(self.part.iter().flatten().copied())
+    }
 }
 
 /// Everything that is returned.
@@ -61,10 +74,8 @@ pub(crate) fn finish(
     }
     let mut owners = vec![u32::MAX; seeds.surface.triangles.len()];
     for (index, hull) in hulls.iter().enumerate() {
-        for seed in hull.seeds.iter() {
-            for &triangle in &seeds.seeds[seed as usize].triangles {
-                owners[triangle as usize] = index as u32;
-            }
+        for triangle in hull.triangles(seeds) {
+            owners[triangle as usize] = index as u32;
         }
     }
     control.check()?;
@@ -81,40 +92,88 @@ fn finish_one(
     control: &Control,
 ) -> Result<Vec<Finished>, Error> {
     let mut done = Vec::new();
-    let mut open = vec![piece.seeds.clone()];
+    let mut open = vec![(piece.seeds.clone(), None)];
     let mut builder = HullBuilder::new();
-    while let Some(set) = open.pop() {
+    while let Some((set, part)) = open.pop() {
         control.check()?;
-        let finished = finished(seeds, set, solid, tuning, &mut builder)?;
-        let members: Vec<u32> = finished.seeds.iter().collect();
+        let finished = finished(seeds, set, part, solid, tuning, &mut builder)?;
         let keeps_bound =
             finished.phantom <= tuning.bound && finished.left_out <= MOST_LEFT_OUT * tuning.bound;
-        if keeps_bound || members.len() < 2 {
+        if keeps_bound {
             done.push(finished);
             continue;
         }
-        let (first, second) = members.split_at(members.len() / 2);
-        open.push(SeedSet::of(seeds.count(), second.iter().copied()));
-        open.push(SeedSet::of(seeds.count(), first.iter().copied()));
+        let mut members: Vec<u32> = finished.seeds.iter().collect();
+        if members.len() > 1 {
+            let centre = |&seed: &u32| {
+                let Seed { min, max, .. } = seeds.seeds[seed as usize];
+                scale(add(min, max), 0.5)
+            };
+            let (first, second) = halves(&mut members, centre);
+            for half in [second, first] {
+                open.push((SeedSet::of(seeds.count(), half.iter().copied()), None));
+            }
+            continue;
+        }
+        // Triangles of the source fit, at the latest each on its own.
+        let mut triangles: Vec<u32> = finished.triangles(seeds).collect();
+        if triangles.len() < 2 {
+            done.push(finished);
+            continue;
+        }
+        let centre = |&triangle: &u32| {
+            let corners = seeds.surface.triangles[triangle as usize];
+            let [a, b, c] = corners.map(|vertex| seeds.surface.positions[vertex as usize]);
+            scale(add(add(a, b), c), 1.0 / 3.0)
+        };
+        let (first, second) = halves(&mut triangles, centre);
+        for half in [second, first] {
+            open.push((finished.seeds.clone(), Some(half.to_vec())));
+        }
     }
     Ok(done)
+}
+
+/// Two halves along the axis on which the items are spread most.
+fn halves(items: &mut [u32], centre: impl Fn(&u32) -> Vector) -> (&[u32], &[u32]) {
+    let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for item in items.iter() {
+        min = minimum(min, centre(item));
+        max = maximum(max, centre(item));
+    }
+    let extent = |axis: &usize| max[*axis] - min[*axis];
+    let axis = (0..3).max_by(|a, b| extent(a).total_cmp(&extent(b))).unwrap_or(0);
+    items.sort_by(|a, b| centre(a)[axis].total_cmp(&centre(b)[axis]).then(a.cmp(b)));
+    items.split_at(items.len() / 2)
 }
 
 fn finished(
     seeds: &Seeds,
     set: SeedSet,
+    part: Option<Vec<u32>>,
     solid: &Solid,
     tuning: &Tuning,
     builder: &mut HullBuilder,
 ) -> Result<Finished, Error> {
-    let mut piece = hull_of(seeds, &set);
-    let points = piece.hull.vertices();
-    let (full, added_thickness) =
-        solid_hull(builder, &points, piece.hull.outward, LEAST_THICKNESS)?;
+    let mut hull = match &part {
+        None => hull_of(seeds, &set).hull,
+        Some(triangles) => {
+            let corners = |&triangle: &u32| {
+                seeds.surface.triangles[triangle as usize]
+                    .map(|vertex| seeds.surface.positions[vertex as usize])
+            };
+            let points: Vec<Vector> = triangles.iter().flat_map(corners).collect();
+            let normals = triangles.iter().map(corners).map(|[a, b, c]| area_normal(a, b, c));
+            Hull::of(&points, normals.fold([0.0; 3], add))
+        }
+    };
+    let points = hull.vertices();
+    let (full, added_thickness) = solid_hull(builder, &points, hull.outward, LEAST_THICKNESS)?;
     let component = set.iter().next().map_or(0, |seed| seeds.seeds[seed as usize].component);
     let make = |hull: ConvexHull, cap_growth: f64, phantom: f64, left_out: f64| Finished {
         hull,
         seeds: set.clone(),
+        part: part.clone(),
         added_thickness,
         cap_growth,
         phantom,

@@ -128,7 +128,7 @@ impl Grid {
         place.map(|x| (x as f32 + 0.5) * self.size)
     }
 
-    fn centre_in_space(&self, index: usize) -> Vector {
+    pub(super) fn centre_in_space(&self, index: usize) -> Vector {
         let centre = self.centre(self.place_of(index));
         [0, 1, 2].map(|k| self.origin[k] + f64::from(centre[k]))
     }
@@ -216,8 +216,6 @@ impl Grid {
     /// Gives each connected region of cells that the surface does not touch its side.
     pub(super) fn flood(&mut self, field: &Field) {
         self.is_flooded = true;
-        let [width, height, depth] = self.dimensions;
-        let strides = [1, width, width * height];
         let is_free = |cells: &[Cell], index: usize| cells[index].distance > FREE * self.size;
         let mut stack: Vec<u32> = Vec::new();
         for start in 0..self.cells.len() {
@@ -229,25 +227,34 @@ impl Grid {
             *self.sides[start].get_mut() = side;
             stack.push(start as u32);
             while let Some(index) = stack.pop() {
-                let index = index as usize;
-                let place = self.place_of(index);
-                for axis in 0..3 {
-                    let mut go = |neighbour: usize| {
-                        let known = self.sides[neighbour].get_mut();
-                        if *known == UNKNOWN && is_free(&self.cells, neighbour) {
-                            *known = side;
-                            stack.push(neighbour as u32);
-                        }
-                    };
-                    if place[axis] > 0 {
-                        go(index - strides[axis]);
-                    }
-                    if place[axis] + 1 < [width, height, depth][axis] {
-                        go(index + strides[axis]);
+                for neighbour in neighbours(self.dimensions, index as usize).into_iter().flatten() {
+                    let known = self.sides[neighbour].get_mut();
+                    if *known == UNKNOWN && is_free(&self.cells, neighbour) {
+                        *known = side;
+                        stack.push(neighbour as u32);
                     }
                 }
             }
         }
+    }
+
+    pub(super) fn count(&self) -> usize {
+        self.cells.len()
+    }
+
+    /// How far the centre of a cell is from the surface, up to the band.
+    pub(super) fn distance(&self, index: usize) -> f32 {
+        self.cells[index].distance
+    }
+
+    /// Whether a cell is so far from the surface that ways through such cells don't cross it.
+    pub(super) fn is_free(&self, index: usize, bound: f64) -> bool {
+        self.cells[index].distance > (bound as f32).max(FREE * self.size)
+    }
+
+    /// The cells that share a side with a cell; `None` at the border of the grid.
+    pub(super) fn neighbours(&self, index: usize) -> [Option<usize>; 6] {
+        neighbours(self.dimensions, index)
     }
 
     /// What the grid knows about a point.
@@ -326,6 +333,19 @@ impl Grid {
         self.sides[index].store(if inside { INSIDE } else { OUTSIDE }, Ordering::Relaxed);
         Some(inside)
     }
+}
+
+fn neighbours([width, height, depth]: [usize; 3], index: usize) -> [Option<usize>; 6] {
+    let [x, y, z] = [index % width, index / width % height, index / (width * height)];
+    let layer = width * height;
+    [
+        (x > 0).then(|| index - 1),
+        (x + 1 < width).then_some(index + 1),
+        (y > 0).then(|| index - width),
+        (y + 1 < height).then_some(index + width),
+        (z > 0).then(|| index - layer),
+        (z + 1 < depth).then_some(index + layer),
+    ]
 }
 
 #[inline]

@@ -3,13 +3,14 @@
 //!
 //! | file | stage |
 //! |---|---|
-//! | `solid` | the fit test: whether a hull stands out of the solid; `grid` answers most of it, `verdicts` remembers |
+//! | `solid` | the fit test: whether a hull stands out of the solid; `grid` answers most of it, `verdicts` remembers, `cavities` finds what hulls may not swallow |
 //! | `refine`, `seeds` | a simplified or refined mesh, the paper's groups (3.4.1), halved until each fits; who conflicts with whom |
 //! | `merge` | pieces join best-first |
 //! | `cover` | each piece grows over all seeds that it can take; pieces are dissolved into the rest; each seed stays with one |
 //! | `finish` | thickness, few vertices; `certify` verifies the result |
 //! | `tree` | on demand: joins down to one hull |
 
+mod cavities;
 mod certify;
 mod cover;
 mod finish;
@@ -59,6 +60,7 @@ pub(crate) struct Tuning {
     pub dissolving_tries: usize,
     pub max_vertices: Option<usize>,
     pub max_hulls: Option<usize>,
+    pub keep_cavities: bool,
 }
 
 impl Tuning {
@@ -86,6 +88,7 @@ impl Tuning {
             dissolving_tries,
             max_vertices: parameters.max_vertices,
             max_hulls: parameters.bounded.max_hulls,
+            keep_cavities: parameters.bounded.keep_cavities,
         }
     }
 }
@@ -153,7 +156,7 @@ impl Run {
                 let mesh = &self.prepared.mesh;
                 let is_closed = is_closed(&self.prepared);
                 let (solid, working) = parallel::join(
-                    || Solid::new(&mesh.positions, &mesh.triangles, is_closed, tuning.bound),
+                    || solid(mesh, is_closed, tuning),
                     || seeds::working_mesh(&self.prepared, tuning, control),
                 );
                 State::Working(Box::new((solid, working?)))
@@ -246,6 +249,7 @@ fn fewer(
         fewer.push(Finished {
             hull: node.hull.clone(),
             seeds,
+            part: None,
             added_thickness,
             cap_growth: node.growth.max(hulls[first].cap_growth),
             phantom: node.phantom,
@@ -279,8 +283,7 @@ impl Merging {
         let normalization = prepared.normalization;
         let tree = parallel::with(parameters.parallel, || {
             let mesh = &prepared.mesh;
-            let solid =
-                Solid::new(&mesh.positions, &mesh.triangles, is_closed(&prepared), tuning.bound);
+            let solid = solid(mesh, is_closed(&prepared), &tuning);
             let leaves = hulls
                 .iter()
                 .map(|hull| {
@@ -317,7 +320,8 @@ impl Merging {
             .map(|node| certify::Outside::new(&node.hull))
             .collect();
         let owners = vec![0; self.surface.triangles.len()];
-        certify::exposed(&self.surface, &owners, &outsides, self.enough) * self.normalization.diagonal
+        certify::exposed(&self.surface, &owners, &outsides, self.enough)
+            * self.normalization.diagonal
     }
 
     /// The hulls after some joins, in the input's units.
@@ -360,6 +364,14 @@ impl Merging {
     }
 }
 
+fn solid(mesh: &crate::mesh::TriangleMesh, is_closed: bool, tuning: &Tuning) -> Solid {
+    let mut solid = Solid::new(&mesh.positions, &mesh.triangles, is_closed, tuning.bound);
+    if tuning.keep_cavities {
+        solid.keep_cavities(tuning.bound);
+    }
+    solid
+}
+
 fn is_closed(prepared: &PreparedMesh) -> bool {
     prepared.closed.iter().all(|&closed| closed) || is_balanced(&prepared.mesh.triangles)
 }
@@ -383,15 +395,13 @@ fn restored(prepared: &PreparedMesh, seeds: &Seeds, finished: Finished) -> Hull 
     let normalization = &prepared.normalization;
     let points: Vec<[f64; 3]> =
         finished.hull.points.iter().map(|&point| normalization.restore(point)).collect();
-    let hull = crate::hull::ConvexHull { points, triangles: finished.hull.triangles };
     let mut source_triangles: Vec<u32> = finished
-        .seeds
-        .iter()
-        .flat_map(|seed| &seeds.seeds[seed as usize].triangles)
-        .map(|&triangle| prepared.source_triangles[seeds.parents[triangle as usize] as usize])
+        .triangles(seeds)
+        .map(|triangle| prepared.source_triangles[seeds.parents[triangle as usize] as usize])
         .collect();
     source_triangles.sort_unstable();
     source_triangles.dedup();
+    let hull = crate::hull::ConvexHull { points, triangles: finished.hull.triangles };
     let zero = crate::Bounds { min: [0.0; 3], max: [0.0; 3] };
     Hull {
         volume: hull.volume(),

@@ -170,6 +170,8 @@ impl<'a> Workshop<'a> {
         {
             flat.corners().all(&mut unknown);
         }
+        let holds = |&(point, _): &(Vector, f64)| hull.builder.farthest_outside(&[point]) <= 0.0;
+        is_refused |= hull.is_solid && self.solid.cavities.iter().any(holds);
         let fits = !is_refused && self.faces_fit(&mut faces);
         self.faces = faces;
         fits
@@ -203,11 +205,7 @@ impl<'a> Workshop<'a> {
     }
 
     /// Lets a hull take seeds if the joint hull fits.
-    pub fn try_take<'s>(
-        &mut self,
-        hull: &mut Hull,
-        seeds: impl Iterator<Item = &'s Seed>,
-    ) -> bool {
+    pub fn try_take<'s>(&mut self, hull: &mut Hull, seeds: impl Iterator<Item = &'s Seed>) -> bool {
         let mut points = std::mem::take(&mut self.points);
         points.clear();
         let mut outward = [0.0; 3];

@@ -6,6 +6,7 @@
 //! solid `d > ε` rejects; inside of it `r - d ≤ ε` accepts, since the surface must be crossed to
 //! come out. Otherwise the face is halved.
 
+use super::cavities::cavities;
 use super::grid::Grid;
 use super::verdicts::Verdicts;
 use crate::field::Field;
@@ -30,6 +31,8 @@ pub(crate) struct Solid {
     /// Whether the surface encloses the inside: only then does being inside say anything.
     pub is_closed: bool,
     grid: Grid,
+    /// A point of each cavity that no hull may hold, with its distance to the surface.
+    pub cavities: Vec<(Vector, f64)>,
     /// Of faces during the search.
     pub verdicts: Verdicts,
 }
@@ -44,7 +47,14 @@ impl Solid {
         if is_closed {
             grid.flood(&field);
         }
-        Self { field, is_closed, grid, verdicts: Verdicts::new() }
+        Self { field, is_closed, grid, cavities: Vec::new(), verdicts: Verdicts::new() }
+    }
+
+    /// From now on no hull may hold cavities deeper than `bound` (see `cavities`).
+    pub fn keep_cavities(&mut self, bound: f64) {
+        let points = cavities(&self.grid, &self.field, bound).into_iter();
+        let depth = |point| self.field.distance(point, f64::INFINITY).map(|found| found.distance);
+        self.cavities = points.filter_map(|point| Some((point, depth(point)?))).collect();
     }
 
     /// At least the distance to the surface.

@@ -33,9 +33,8 @@ impl Verdicts {
     /// The same for a face from whichever corner it begins. Two faces share a key with a
     /// probability of 2⁻⁶³.
     pub(super) fn key(face: [Vector; 3]) -> Key {
-        let hashes = face.map(|corner| {
-            corner.into_iter().fold(SEED, |hash, x| mixed(hash ^ x.to_bits()))
-        });
+        let hashes =
+            face.map(|corner| corner.into_iter().fold(SEED, |hash, x| mixed(hash ^ x.to_bits())));
         let sum = hashes.into_iter().fold(0_u64, u64::wrapping_add);
         Key(mixed(sum) & !FITS)
     }

@@ -22,6 +22,10 @@ pub struct ParameterArguments {
     #[arg(long, value_name = "N")]
     max_hulls: Option<usize>,
 
+    /// Bounded: cavities with mouths narrower than the error, or with none, stay empty
+    #[arg(long)]
+    keep_cavities: bool,
+
     /// Bounded: fast, balanced (default) or fine
     #[arg(long, value_name = "NAME", value_parser = parse_preset)]
     preset: Option<Preset>,
@@ -77,6 +81,7 @@ impl ParameterArguments {
         let bounded = &mut parameters.bounded;
         set(&mut bounded.max_error, &self.max_error);
         set(&mut bounded.max_hulls, &self.max_hulls.map(Some));
+        bounded.keep_cavities |= self.keep_cavities;
         set(&mut bounded.preset, &self.preset);
         let surface = &mut parameters.surface;
         set(&mut surface.simplification_quality, &self.simplification_quality);
