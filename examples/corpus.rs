@@ -121,6 +121,15 @@ fn run(path: &Path) -> Result<Row, Error> {
                 || most([report.exposed_max, report.bound])
                 || most([sampled, report.phantom_max])
                 || most([exposed, report.exposed_max]);
+            if std::env::var_os("DEBUG").is_some() {
+                eprintln!(
+                    "verified {:.4} {:.4} sampled {:.4} {:.4}",
+                    report.phantom_max / report.bound,
+                    report.exposed_max / report.bound,
+                    sampled / report.bound,
+                    exposed / report.bound
+                );
+            }
             let values = [report.phantom_max, report.exposed_max, sampled, exposed];
             (values.into_iter().fold(0.0, f64::max) / report.bound, is_broken)
         }

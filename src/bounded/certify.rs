@@ -4,7 +4,7 @@
 //! The same rules as in the fit test decide a face, but every distance is exact: the grid only
 //! serves where it gives an upper bound, which is one whatever cell it comes from.
 
-use super::solid::Solid;
+use super::solid::{OPEN_INSIDE, Solid};
 use crate::field::Field;
 use crate::hull::ConvexHull;
 use crate::mesh::TriangleMesh;
@@ -16,9 +16,12 @@ const RESOLUTION: f64 = 0.04;
 /// The same for what is hardly below the bound.
 const FINE_RESOLUTION: f64 = 0.005;
 
-/// Where the surface is open, the inside ends without it, and only sampling can tell where: parts
-/// smaller than this share of the bound are where their centre is.
-const OPEN: f64 = 0.25;
+/// Where the surface is open, the inside ends without it: a part as far from the surface as it is
+/// large is inside if the winding number at its centre is this much above one half.
+const STEEPEST: f64 = 0.5;
+
+/// There parts smaller than this share of the bound are where their centre is.
+const OPEN: f64 = 0.1;
 
 /// Faces are not halved more often than this; needles would otherwise go on for ever.
 const MOST_PARTS: usize = 200_000;
@@ -86,11 +89,21 @@ pub(super) fn phantom(hull: &ConvexHull, solid: &Solid, bound: f64, limit: f64) 
             continue;
         }
         // The side is dear, and only asked for where it decides.
-        let is_small = radius <= if solid.is_closed { 2.0 * slack } else { OPEN * bound };
         let may_be_enough = solid.is_closed && radius - closest.distance <= enough;
-        if closest.distance > known || may_be_enough || is_small {
-            if solid.is_inside(centre, closest.distance) {
-                if may_be_enough || is_small {
+        if closest.distance > known || may_be_enough || !may_divide || !solid.is_closed {
+            let is_inside = if solid.is_closed {
+                solid.is_inside(centre, closest.distance)
+            } else {
+                // The side may change without a surface in between, but not on a sudden.
+                let steepest = STEEPEST * (radius / closest.distance).min(1.0);
+                let winding = solid.field.winding_number(centre) - OPEN_INSIDE;
+                if winding > if radius <= OPEN * bound { 0.0 } else { steepest } {
+                    continue;
+                }
+                winding > 0.0
+            };
+            if is_inside {
+                if may_be_enough || !may_divide {
                     continue;
                 }
             } else {
@@ -170,6 +183,30 @@ impl Outside {
         self.field.distance(point, f64::INFINITY).map_or(beyond, |closest| closest.distance)
     }
 }
+
+/// How far the farthest of some points is outside of a hull. Once that is known to be more than
+/// `limit`, any value above `limit` may be returned.
+pub(super) fn left_out(hull: &ConvexHull, points: &[Vector], limit: f64) -> f64 {
+    let planes = hull.planes();
+    let mut field = None;
+    let mut farthest: f64 = 0.0;
+    for &point in points {
+        let beyond = planes.iter().map(|&(normal, offset)| dot(normal, point) - offset);
+        let beyond = beyond.fold(f64::NEG_INFINITY, f64::max);
+        if beyond > limit {
+            return beyond;
+        }
+        if beyond > ROUNDING {
+            let field = field.get_or_insert_with(|| Field::new(&hull.points, &hull.triangles));
+            let closest = field.distance(point, f64::INFINITY);
+            farthest = farthest.max(closest.map_or(beyond, |closest| closest.distance));
+        }
+    }
+    farthest
+}
+
+/// A point that is less in front of all faces, in diagonals, is in a hull.
+const ROUNDING: f64 = 1e-9;
 
 /// Halvings of a triangle whose corners are in different hulls.
 const MOST_HALVINGS: u32 = 6;

@@ -1,7 +1,7 @@
 //! What is returned: hulls with thickness and few vertices, each verified against the source.
 
 use super::Tuning;
-use super::certify::{Outside, exposed, phantom};
+use super::certify::{self, Outside, left_out, phantom};
 use super::cover::hull_of;
 use super::piece::{Hull, Piece};
 use super::seed_set::SeedSet;
@@ -21,6 +21,9 @@ const LEAST_THICKNESS: f64 = 1e-6;
 /// pay for each. The hull grows by about as much, so that less is tried where that is too much.
 const TOLERANCES: [f64; 4] = [0.15, 0.1, 0.06, 0.03];
 
+/// The surface may lie this far outside of a hull that leaves out vertices, in bounds.
+const LEFT_OUT: f64 = 0.05;
+
 /// Where a hull at the cap may not grow, this much of what stands out may be left out, in bounds.
 const SLACKS: [f64; 3] = [0.025, 0.05, 0.1];
 
@@ -37,7 +40,7 @@ pub(crate) struct Finished {
     pub cap_growth: f64,
     /// No point of its surface is farther than this from the solid.
     pub phantom: f64,
-    /// How far in front of its faces lies what the cap on vertices left out.
+    /// No point of the surface that it stands for is farther than this outside of it.
     pub left_out: f64,
     pub component: u32,
 }
@@ -79,8 +82,12 @@ pub(crate) fn finish(
         }
     }
     control.check()?;
-    let outsides = super::parallel::map(&hulls, |hull: &Finished| Outside::new(&hull.hull));
-    let exposed = exposed(&seeds.surface, &owners, &outsides, tuning.reduction);
+    let mut exposed = hulls.iter().map(|hull| hull.left_out).fold(0.0, f64::max);
+    if exposed > LEFT_OUT * tuning.bound {
+        // Other hulls may hold what one has left out.
+        let outsides = super::parallel::map(&hulls, |hull: &Finished| Outside::new(&hull.hull));
+        exposed = certify::exposed(&seeds.surface, &owners, &outsides, tuning.reduction);
+    }
     Ok(Outcome { hulls, exposed })
 }
 
@@ -167,8 +174,17 @@ fn finished(
             Hull::of(&points, normals.fold([0.0; 3], add))
         }
     };
+    let own = own_points(seeds, &set, part.as_deref());
     let points = hull.vertices();
-    let (full, added_thickness) = solid_hull(builder, &points, hull.outward, LEAST_THICKNESS)?;
+    let (mut full, mut added_thickness) =
+        solid_hull(builder, &points, hull.outward, LEAST_THICKNESS)?;
+    let allowed = LEFT_OUT * tuning.bound;
+    let mut full_left_out = left_out(&full, &own, allowed);
+    if full_left_out > allowed {
+        // Beyond a sharp edge a point can be far away that is hardly in front of any face.
+        (full, added_thickness) = solid_hull(builder, &own, hull.outward, LEAST_THICKNESS)?;
+        full_left_out = left_out(&full, &own, f64::INFINITY);
+    }
     let component = set.iter().next().map_or(0, |seed| seeds.seeds[seed as usize].component);
     let make = |hull: ConvexHull, cap_growth: f64, phantom: f64, left_out: f64| Finished {
         hull,
@@ -181,37 +197,57 @@ fn finished(
         component,
     };
     let most = tuning.max_vertices.unwrap_or(usize::MAX);
-    let slack = tuning.reduction;
     for tolerance in TOLERANCES.map(|share| share * tuning.bound) {
-        let Some((hull, growth)) = fewer_vertices(builder, &full, tolerance, slack) else {
+        let Some((hull, growth)) = fewer_vertices(builder, &full, tolerance, tuning.reduction)
+        else {
             continue;
         };
         if hull.points.len() >= full.points.len() || hull.points.len() > most {
             continue;
         }
+        let left_out = left_out(&hull, &own, allowed);
+        if left_out > allowed {
+            continue;
+        }
         let phantom = phantom(&hull, solid, tuning.bound, tuning.bound);
         if phantom <= tuning.bound {
-            return Ok(make(hull, growth, phantom, slack));
+            return Ok(make(hull, growth, phantom, left_out));
         }
     }
     if full.points.len() <= most {
         let phantom = phantom(&full, solid, tuning.bound, f64::INFINITY);
-        return Ok(make(full, 0.0, phantom, 0.0));
+        return Ok(make(full, 0.0, phantom, full_left_out));
     }
     // The cap has to hold: growing if the bound allows it, else leaving out what stands out least.
     for share in SLACKS {
         let capped = cap_vertices_within(builder, &full, most, share * tuning.bound);
         if let Some((hull, growth)) = capped {
             let phantom = phantom(&hull, solid, tuning.bound, tuning.bound);
-            if phantom <= tuning.bound {
-                return Ok(make(hull, growth, phantom, share * tuning.bound));
+            let left_out = left_out(&hull, &own, f64::INFINITY);
+            if phantom <= tuning.bound && left_out <= MOST_LEFT_OUT * tuning.bound {
+                return Ok(make(hull, growth, phantom, left_out));
             }
         }
     }
-    if let Some((hull, left_out)) = inner_hull(builder, &full, most) {
+    if let Some((hull, _)) = inner_hull(builder, &full, most) {
         let phantom = phantom(&hull, solid, tuning.bound, f64::INFINITY);
+        let left_out = left_out(&hull, &own, f64::INFINITY);
         return Ok(make(hull, 0.0, phantom, left_out));
     }
     let phantom = phantom(&full, solid, tuning.bound, f64::INFINITY);
-    Ok(make(full, 0.0, phantom, 0.0))
+    Ok(make(full, 0.0, phantom, full_left_out))
+}
+
+/// The surface's vertices that a hull must hold.
+fn own_points(seeds: &Seeds, set: &SeedSet, part: Option<&[u32]>) -> Vec<Vector> {
+    let corners = |&triangle: &u32| seeds.surface.triangles[triangle as usize];
+    let mut vertices: Vec<u32> = match part {
+        Some(triangles) => triangles.iter().flat_map(corners).collect(),
+        None => {
+            set.iter().flat_map(|s| &seeds.seeds[s as usize].triangles).flat_map(corners).collect()
+        }
+    };
+    vertices.sort_unstable();
+    vertices.dedup();
+    vertices.iter().map(|&vertex| seeds.surface.positions[vertex as usize]).collect()
 }

@@ -10,6 +10,7 @@
 
 use std::sync::atomic::{AtomicU8, Ordering};
 
+use super::solid::is_inside;
 use crate::field::{Field, nearest_of_triangle};
 use crate::vector::{Vector, add, maximum, minimum, subtract};
 
@@ -329,7 +330,7 @@ impl Grid {
 
     #[cold]
     fn ask_side(&self, index: usize, field: &Field) -> Option<bool> {
-        let inside = field.is_inside(self.centre_in_space(index));
+        let inside = is_inside(field, self.centre_in_space(index), self.is_flooded);
         self.sides[index].store(if inside { INSIDE } else { OUTSIDE }, Ordering::Relaxed);
         Some(inside)
     }

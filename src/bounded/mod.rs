@@ -26,6 +26,7 @@ mod tree;
 mod verdicts;
 
 use crate::mesh::{Normalization, PreparedMesh};
+use crate::vector::{cross, dot};
 use crate::{
     BoundedParameters, BoundedReport, Control, Error, GroupedMesh, Hull, Parameters, Preset, Stage,
     Unit,
@@ -153,10 +154,9 @@ impl Run {
         let tuning = &self.tuning;
         self.state = match std::mem::replace(&mut self.state, State::Done) {
             State::Start => {
-                let mesh = &self.prepared.mesh;
                 let is_closed = is_closed(&self.prepared);
                 let (solid, working) = parallel::join(
-                    || solid(mesh, is_closed, tuning),
+                    || solid(&self.prepared, is_closed, tuning),
                     || seeds::working_mesh(&self.prepared, tuning, control),
                 );
                 State::Working(Box::new((solid, working?)))
@@ -282,8 +282,7 @@ impl Merging {
         let tuning = Tuning::new(parameters, prepared.normalization.diagonal);
         let normalization = prepared.normalization;
         let tree = parallel::with(parameters.parallel, || {
-            let mesh = &prepared.mesh;
-            let solid = solid(mesh, is_closed(&prepared), &tuning);
+            let solid = solid(&prepared, is_closed(&prepared), &tuning);
             let leaves = hulls
                 .iter()
                 .map(|hull| {
@@ -364,12 +363,43 @@ impl Merging {
     }
 }
 
-fn solid(mesh: &crate::mesh::TriangleMesh, is_closed: bool, tuning: &Tuning) -> Solid {
-    let mut solid = Solid::new(&mesh.positions, &mesh.triangles, is_closed, tuning.bound);
+fn solid(prepared: &PreparedMesh, is_closed: bool, tuning: &Tuning) -> Solid {
+    let mesh = &prepared.mesh;
+    let is_inside_out = encloses_nothing(mesh);
+    let is_sheet = |triangle: usize| {
+        prepared.is_both_ways[triangle]
+            || is_inside_out && !prepared.closed[prepared.components[triangle] as usize]
+    };
+    // What is wound both ways encloses nothing: the winding numbers of its two sides cancel.
+    let turned: Vec<[u32; 3]> = mesh
+        .triangles
+        .iter()
+        .enumerate()
+        .filter(|&(triangle, _)| is_sheet(triangle))
+        .map(|(_, &[a, b, c])| [b, a, c])
+        .collect();
+    let mut solid = if turned.is_empty() {
+        Solid::new(&mesh.positions, &mesh.triangles, is_closed, tuning.bound)
+    } else {
+        let triangles = [mesh.triangles.as_slice(), &turned].concat();
+        let is_closed = is_closed || is_balanced(&triangles);
+        Solid::new(&mesh.positions, &triangles, is_closed, tuning.bound)
+    };
     if tuning.keep_cavities {
         solid.keep_cavities(tuning.bound);
     }
     solid
+}
+
+/// Whether the signed volume under the surface, seen from the middle of its box, is not positive.
+/// Where that comes from open parts it is not clear which of their sides is the inside, and they
+/// are taken for sheets.
+fn encloses_nothing(mesh: &crate::mesh::TriangleMesh) -> bool {
+    let six_volumes = mesh.triangles.iter().map(|triangle| {
+        let [a, b, c] = triangle.map(|vertex| mesh.positions[vertex as usize]);
+        dot(a, cross(b, c))
+    });
+    six_volumes.sum::<f64>() <= 0.0
 }
 
 fn is_closed(prepared: &PreparedMesh) -> bool {

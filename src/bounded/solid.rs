@@ -22,6 +22,10 @@ const DOUBT: f64 = 1.5;
 /// rest is found when the result is verified.
 const LENIENCE: f64 = 0.4;
 
+/// Where the surface is open, a winding number above this is inside: along a flat sheet it is one
+/// half on both sides, and its approximation would toss a coin.
+pub(super) const OPEN_INSIDE: f64 = 0.52;
+
 /// More than the rounding of the grid's distances, in diagonals.
 const SINGLE_PRECISION: f64 = 1e-6;
 
@@ -98,7 +102,7 @@ impl Solid {
     pub fn is_inside(&self, point: Vector, distance: f64) -> bool {
         match self.grid.side(point, distance) {
             Some(inside) => inside,
-            None => self.field.is_inside(point),
+            None => is_inside(&self.field, point, self.is_closed),
         }
     }
 
@@ -113,7 +117,9 @@ impl Solid {
             Some(inside) => {
                 inside || probe.upper <= DOUBT * bound && self.field.is_within(point, bound)
             }
-            None => self.field.is_within(point, bound) || self.field.is_inside(point),
+            None => {
+                self.field.is_within(point, bound) || is_inside(&self.field, point, self.is_closed)
+            }
         }
     }
 
@@ -153,7 +159,9 @@ impl Solid {
                         }
                     }
                     None => {
-                        if !(self.field.is_within(centre, bound) || self.field.is_inside(centre)) {
+                        if !(self.field.is_within(centre, bound)
+                            || is_inside(&self.field, centre, self.is_closed))
+                        {
                             return false;
                         }
                     }
@@ -187,6 +195,12 @@ impl Solid {
         }
         true
     }
+}
+
+/// Whether a point is inside of a surface.
+#[inline]
+pub(super) fn is_inside(field: &Field, point: Vector, is_closed: bool) -> bool {
+    if is_closed { field.is_inside(point) } else { field.winding_number(point) > OPEN_INSIDE }
 }
 
 #[inline]

@@ -52,14 +52,16 @@ pub(super) fn drop_degenerate(
     (kept, candidates, degenerate)
 }
 
-/// Drops triangles whose vertices an earlier one has too, in whatever order. Returns how many.
+/// Drops triangles whose vertices an earlier one has too, in whatever order. Returns how many, and
+/// for each triangle that is left whether there were as many of it one way round as the other:
+/// then it is a sheet without an inside.
 ///
 /// Triangles are sorted by their least vertex by counting, then by the others in short runs.
 pub(super) fn drop_duplicates(
     triangles: &mut Vec<[u32; 3]>,
     source_triangles: &mut Vec<u32>,
     vertices: usize,
-) -> usize {
+) -> (usize, Vec<bool>) {
     let mut offsets = vec![0_u32; vertices + 1];
     for [a, b, c] in triangles.iter() {
         offsets[*a.min(b).min(c) as usize] += 1;
@@ -78,22 +80,32 @@ pub(super) fn drop_duplicates(
         entries[*offset as usize] = [sorted[1], sorted[2], t];
     }
     let mut is_duplicate = vec![false; triangles.len()];
+    let mut is_both_ways = vec![false; triangles.len()];
     let mut duplicates = 0;
     for range in offsets.windows(2) {
         let bucket = &mut entries[range[0] as usize..range[1] as usize];
         bucket.sort_unstable();
-        for pair in bucket.windows(2) {
-            if pair[0][..2] == pair[1][..2] {
-                is_duplicate[pair[1][2] as usize] = true;
-                duplicates += 1;
+        for copies in bucket.chunk_by(|first, second| first[..2] == second[..2]) {
+            duplicates += copies.len() - 1;
+            for copy in &copies[1..] {
+                is_duplicate[copy[2] as usize] = true;
             }
+            let ascending = copies.iter().filter(|copy| is_ascending(triangles[copy[2] as usize]));
+            is_both_ways[copies[0][2] as usize] = 2 * ascending.count() == copies.len();
         }
     }
     if duplicates > 0 {
+        let mut keep = is_duplicate.iter().map(|&is_duplicate| !is_duplicate);
+        is_both_ways.retain(|_| keep.next().unwrap_or(true));
         let mut keep = is_duplicate.iter().map(|&is_duplicate| !is_duplicate);
         triangles.retain(|_| keep.next().unwrap_or(true));
         let mut keep = is_duplicate.iter().map(|&is_duplicate| !is_duplicate);
         source_triangles.retain(|_| keep.next().unwrap_or(true));
     }
-    duplicates
+    (duplicates, is_both_ways)
+}
+
+/// Whether the corners follow each other in the order of their numbers, from the least on.
+fn is_ascending([a, b, c]: [u32; 3]) -> bool {
+    (a < b && b < c) || (b < c && c < a) || (c < a && a < b)
 }

@@ -70,6 +70,8 @@ pub(crate) struct PreparedMesh {
     pub source_triangles: Vec<u32>,
     /// For each vertex its index in the input; of welded ones the first.
     pub source_vertices: Vec<u32>,
+    /// For each triangle whether the input has it as often one way round as the other.
+    pub is_both_ways: Vec<bool>,
     /// For each triangle its connected component (over shared edges).
     pub components: Vec<u32>,
     /// For each component whether each of its edges has exactly two triangles, which run along

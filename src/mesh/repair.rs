@@ -66,8 +66,9 @@ pub(crate) fn prepare<C: Coordinate>(
     if kept.is_empty() {
         return Err(nothing_usable(triangles.len(), repairs.non_finite_triangles));
     }
-    repairs.duplicate_triangles =
+    let (duplicates, is_both_ways) =
         drop_duplicates(&mut kept, &mut source_triangles, positions.len());
+    repairs.duplicate_triangles = duplicates;
     control.check()?;
 
     let source_vertices = compact(&mut kept, positions.len());
@@ -96,6 +97,7 @@ pub(crate) fn prepare<C: Coordinate>(
         normalization,
         source_triangles,
         source_vertices,
+        is_both_ways,
         components: connectivity.components,
         closed: connectivity.closed,
         repairs,
@@ -412,6 +414,19 @@ mod tests {
         assert_eq!(prepared.source_triangles, Vec::from_iter(0..12));
         assert_eq!(prepared.closed, [true]);
         assert_eq!(prepared.repairs.flipped_triangles, 0);
+        assert_eq!(prepared.is_both_ways, [false; 12]);
+    }
+
+    #[test]
+    fn what_is_wound_both_ways_is_told_apart_from_what_is_there_twice() {
+        let mut mesh = cube();
+        let [a, b, c] = mesh.triangles[4];
+        mesh.triangles.push([b, a, c]);
+        mesh.triangles.push(mesh.triangles[7]);
+        let prepared = repaired(&mesh);
+        assert_eq!(prepared.repairs.duplicate_triangles, 2);
+        let expected: Vec<bool> = (0..12).map(|triangle| triangle == 4).collect();
+        assert_eq!(prepared.is_both_ways, expected);
     }
 
     #[test]
