@@ -125,7 +125,13 @@ fn finish_one(
         // Triangles of the source fit, at the latest each on its own.
         let mut triangles: Vec<u32> = finished.triangles(seeds).collect();
         if triangles.len() < 2 {
-            done.push(finished);
+            // The simplified mesh's triangle may stand out where the source's does not, and if it
+            // stands for none, nobody misses it.
+            if finished.part.is_some() {
+                done.push(finished);
+            } else if !triangles.is_empty() {
+                open.push((finished.seeds.clone(), Some(triangles)));
+            }
             continue;
         }
         let centre = |&triangle: &u32| {
