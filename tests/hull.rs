@@ -51,9 +51,12 @@ fn worst_outside(hull: &ConvexHull, points: &[Point]) -> f64 {
     worst
 }
 
-/// Everything that a hull promises, whatever its points.
-fn check(hull: &ConvexHull, points: &[Point]) {
-    let size = diagonal(points);
+fn area([a, b, c]: [Point; 3]) -> f64 {
+    0.5 * length(cross(subtract(b, a), subtract(c, a)))
+}
+
+/// A hull is one closed surface with volume and no unused vertex.
+fn check_closed(hull: &ConvexHull) {
     assert!(hull.volume() > 0.0, "volume {}", hull.volume());
     // Each half-edge has exactly one partner, and the surface is one sphere.
     let mut edges: Vec<[u32; 2]> =
@@ -70,6 +73,12 @@ fn check(hull: &ConvexHull, points: &[Point]) {
     used.sort_unstable();
     used.dedup();
     assert_eq!(used.len(), hull.points.len(), "a vertex is unused");
+}
+
+/// Everything that a hull promises, whatever its points.
+fn check(hull: &ConvexHull, points: &[Point]) {
+    let size = diagonal(points);
+    check_closed(hull);
     let own = worst_outside(hull, &hull.points);
     assert!(own <= 1e-9 * size, "not convex by {}", own / size);
     let outside = worst_outside(hull, points);
@@ -244,6 +253,17 @@ fn awkward_coordinate() -> impl Strategy<Value = f64> {
     ]
 }
 
+/// Points of a body, or of one that is hardly thicker than the tolerance in one direction or two.
+fn thin_set() -> impl Strategy<Value = Vec<Point>> {
+    let thickness = || prop_oneof![Just(1.0), Just(1e-3), Just(1e-5), Just(1e-6), Just(3e-7)];
+    let points = prop::collection::vec(prop::array::uniform3(awkward_coordinate()), 8..60);
+    (points, thickness(), thickness(), 0.0..3.0).prop_map(|(points, thin, thinner, angle)| {
+        let (sin, cos) = f64::sin_cos(angle);
+        let turned = |[x, y, z]: Point| [cos * x - sin * y, sin * x + cos * y, z + 0.3 * x];
+        points.iter().map(|&[x, y, z]| turned([x, thin * y, thinner * z])).collect()
+    })
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 
@@ -266,6 +286,36 @@ proptest! {
         if builder.build(&points[..first]) == Shape::Solid {
             builder.insert(&points[first..]);
             check(&builder.extract().into(), &points);
+        }
+    }
+
+    /// A hull that grew point by point once looked for the same point for ever: a sliver's plane
+    /// said that it was outside, the exact answer that it was not.
+    #[test]
+    fn a_hull_that_grows_in_small_steps_ends_and_holds_what_one_built_anew_holds(
+        points in thin_set(),
+        first in 4usize..20,
+        step in 1usize..6,
+    ) {
+        let mut builder = HullBuilder::new();
+        let first = first.min(points.len());
+        if builder.build(&points[..first]) == Shape::Solid {
+            for chunk in points[first..].chunks(step) {
+                builder.insert(chunk);
+            }
+            let grown = ConvexHull::from(builder.extract());
+            check_closed(&grown);
+            let size = diagonal(&points);
+            let own = worst_outside(&grown, &grown.points);
+            prop_assert!(own <= 1e-9 * size, "not convex by {}", own / size);
+            // The tolerance is that of the first points, whose extent is at most the whole.
+            let outside = worst_outside(&grown, &points);
+            prop_assert!(outside <= DEFAULT_TOLERANCE * size * 1.01, "outside by {}", outside / size);
+            if let Ok(anew) = convex_hull(&points) {
+                let area: f64 = anew.corners().map(area).sum();
+                let difference = (anew.volume() - grown.volume()).abs();
+                prop_assert!(difference <= 2.0 * DEFAULT_TOLERANCE * size * area, "{difference}");
+            }
         }
     }
 

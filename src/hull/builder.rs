@@ -7,11 +7,11 @@
 //!
 //! The steps are in `grow.rs`, questions about the hull in `query.rs`.
 
-use super::face::{Face, NONE, Waiting, height_error};
+use super::face::{Face, Heights, NONE, Plane, Waiting};
 use super::grow::Horizon;
 use super::redundant::mark_necessary_vertices;
 use super::simplex::{Shape, first_simplex};
-use crate::vector::{Vector, distance, scale, subtract};
+use crate::vector::{Vector, area_normal, distance, dot, normalize, scale, subtract};
 
 /// A point is left out if it is closer to the hull than this share of the extent of the points.
 /// Positions that come from `f32` are uncertain by about 6e-8 of their size, so a finer tolerance
@@ -41,12 +41,9 @@ pub struct HullBuilder {
     pub(super) waiting: Vec<Waiting>,
     /// For each point the next one that waits in front of the same face.
     pub(super) next_waiting: Vec<u32>,
-    /// Largest coordinate of a point, for the bounds on rounding errors.
-    pub(super) reach: f64,
-    /// Bound on the rounding error of any point's height over any face.
-    pub(super) certainty: f64,
     /// Tolerance in the scaled space.
     pub(super) threshold: f64,
+    pub(super) heights: Heights,
     pub(super) stamp: u32,
     /// Faces where a point may wait that is to be added.
     pub(super) work: Vec<u32>,
@@ -54,9 +51,13 @@ pub struct HullBuilder {
     pub(super) visible: Vec<u32>,
     /// Places in `faces` that are not used.
     pub(super) free: Vec<u32>,
+    /// The planes of those.
+    pub(super) planes: Vec<Plane>,
     pub(super) path: Vec<u32>,
     pub(super) horizon: Vec<Horizon>,
-    pub(super) orphans: Vec<u32>,
+    /// First points of lists of waiting points that look for a new face.
+    pub(super) lines: Vec<u32>,
+    pub(super) inverses: Vec<f64>,
     pub(super) marks: Vec<u32>,
     /// While set, only points with a mark may become vertices.
     pub(super) only_marked: bool,
@@ -88,9 +89,8 @@ impl Clone for HullBuilder {
         self.faces.clone_from(&other.faces);
         self.waiting.clone_from(&other.waiting);
         self.next_waiting.clone_from(&other.next_waiting);
-        self.reach = other.reach;
-        self.certainty = other.certainty;
         self.threshold = other.threshold;
+        self.heights = other.heights;
         self.stamp = other.stamp;
         self.only_marked = other.only_marked;
         self.has_close_points = other.has_close_points;
@@ -132,8 +132,8 @@ impl HullBuilder {
         if shape != Shape::Solid {
             return shape;
         }
-        let apex = self.points[simplex[3] as usize];
-        self.simplex_height = self.base_distance(simplex, apex) / self.factor;
+        self.simplex_height =
+            height_of(simplex.map(|corner| self.points[corner as usize])) / self.factor;
         self.grow_from(simplex);
         if self.has_flat_places {
             self.leave_out_redundant_vertices();
@@ -147,22 +147,7 @@ impl HullBuilder {
         self.waiting.clear();
         self.work.clear();
         self.start(simplex);
-        self.orphans.clear();
-        self.orphans.extend(0..self.points.len() as u32);
-        // In descending order, so that no place changes before its turn.
-        let mut corners = simplex;
-        corners.sort_unstable();
-        for &corner in corners.iter().rev() {
-            self.orphans.remove(corner as usize);
-        }
-        self.visible.clear();
-        self.visible.extend(0..self.faces.len() as u32);
-        self.share_out();
         self.grow();
-    }
-
-    fn base_distance(&self, [a, b, c, _]: [u32; 4], point: Vector) -> f64 {
-        Face::new([a, b, c], &self.points).distance(point).abs()
     }
 
     /// The furthest point of a flat side may be any point of it. Where vertices turned out to lie
@@ -194,17 +179,15 @@ impl HullBuilder {
             return;
         }
         self.generation += 1;
-        let first = self.points.len() as u32;
+        let first = self.points.len();
         for &point in points.iter().filter(|point| is_finite(point)) {
             let scaled = self.inward(point);
             self.points.push(scaled);
             self.originals.push(point);
         }
         self.next_waiting.resize(self.points.len(), NONE);
-        self.bound_errors(first as usize);
-        for point in first..self.points.len() as u32 {
-            self.assign_to_any(point);
-        }
+        self.bound_errors(first);
+        self.assign_to_any(first);
         self.grow();
     }
 
@@ -218,12 +201,12 @@ impl HullBuilder {
         let first = self.points.len();
         for &point in points {
             let scaled = self.inward(point);
-            if let Some((face, distance)) = self.first_face_in_front(scaled) {
+            if let Some(found) = self.first_face_beyond(scaled) {
                 let index = self.points.len() as u32;
                 self.points.push(scaled);
                 self.originals.push(point);
                 self.next_waiting.push(NONE);
-                self.attach(index, face, distance);
+                self.attach(index, found);
             }
         }
         if self.points.len() == first {
@@ -254,7 +237,7 @@ impl HullBuilder {
         self.free.clear();
         self.stamp = 0;
         self.generation = 0;
-        self.reach = 0.0;
+        self.heights = Heights::default();
         self.factor = 1.0;
         self.has_flat_places = false;
         self.has_close_points = false;
@@ -296,10 +279,11 @@ impl HullBuilder {
     }
 
     fn bound_errors_by(&mut self, points: &[Vector]) {
+        let mut reach = self.heights.reach;
         for &x in points.as_flattened() {
-            self.reach = self.reach.max(x.abs());
+            reach = reach.max(x.abs());
         }
-        self.certainty = height_error(self.reach);
+        self.heights = Heights::new(reach, self.threshold);
     }
 }
 
@@ -313,6 +297,11 @@ fn one_over_power_of_two(number: f64) -> f64 {
     const MOST: i64 = 1000;
     let exponent = (number.to_bits() >> MANTISSA) as i64 - BIAS;
     f64::from_bits(((BIAS - exponent.clamp(-MOST, MOST)) as u64) << MANTISSA)
+}
+
+/// Height of a tetrahedron over the first three of its corners.
+fn height_of([a, b, c, d]: [Vector; 4]) -> f64 {
+    dot(normalize(area_normal(a, b, c)), subtract(d, a)).abs()
 }
 
 /// Bounds of points; inside out without any.

@@ -7,7 +7,7 @@
 
 use robust::{Coord3D, orient3d};
 
-use crate::vector::{Vector, cross, dot, length, length_squared, subtract};
+use crate::vector::{Vector, cross, dot, length_squared, subtract};
 
 /// No point, face or half-edge.
 pub(super) const NONE: u32 = u32::MAX;
@@ -21,15 +21,26 @@ const HEIGHT_ERROR: f64 = 32.0;
 /// The square of the longest edge between points whose coordinates are at most 1.
 const LONGEST_SQUARED: f64 = 12.0;
 
+/// A point this far behind a face, as a share of the extent, is certainly not in front of it.
+/// Closer ones are kept until all faces are known.
+pub(super) const CERTAINLY_BEHIND: f64 = 1e-12;
+
+/// The plane of a face.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Plane {
+    /// Points outward; as long as twice the area of the face.
+    pub normal: Vector,
+    /// The plane's points have this scalar product with the normal.
+    pub offset: f64,
+}
+
 /// One triangle of the hull, its plane and its neighbours. It fills a line of the cache.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
 pub(super) struct Face {
-    /// Points outward; as long as twice the area.
-    pub normal: Vector,
-    /// The plane's points have this scalar product with the normal.
-    pub offset: f64,
-    /// One over the length of the normal, 0 for a face without area.
+    pub plane: Plane,
+    /// One over the length of the normal, 0 for a face without area. Not known before the hull
+    /// has stopped growing.
     pub inverse: f64,
     /// Counter-clockwise seen from outside.
     pub vertices: [u32; 3],
@@ -37,12 +48,12 @@ pub(super) struct Face {
     pub twins: [u32; 3],
 }
 
-/// What goes on at a face: kept apart, so that looking for faces reads less memory.
+/// What goes on at a face while a hull grows: kept apart, so that questions read less memory.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Waiting {
-    /// Greatest distance of a waiting point.
-    pub distance: f64,
-    /// The waiting point at that distance.
+    /// Height of the point `furthest`.
+    pub height: f64,
+    /// The highest of the waiting points that are farther out than the tolerance.
     pub furthest: u32,
     /// First of the linked list of waiting points.
     pub first: u32,
@@ -56,7 +67,54 @@ impl Waiting {
     /// Nobody waits.
     #[inline]
     pub(super) fn none(stamp: u32, generation: u32) -> Self {
-        Self { distance: 0.0, furthest: NONE, first: NONE, stamp, generation }
+        Self { height: 0.0, furthest: NONE, first: NONE, stamp, generation }
+    }
+}
+
+/// Bounds on heights that spare most questions about the distance, which takes a root.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Heights {
+    /// Largest coordinate of a point.
+    pub reach: f64,
+    /// Square of the tolerance.
+    squared_tolerance: f64,
+    /// Bound on the rounding error of any height.
+    pub error: f64,
+    /// Who is higher over any face is certainly in front of it by more than the tolerance.
+    pub high: f64,
+    /// Who is lower over any face is certainly behind it.
+    pub low: f64,
+}
+
+impl Heights {
+    /// For points whose coordinates are at most `reach` in size.
+    pub(super) fn new(reach: f64, tolerance: f64) -> Self {
+        let longest_normal = LONGEST_SQUARED * reach * reach;
+        let error = f64::EPSILON * HEIGHT_ERROR * reach * longest_normal;
+        Self {
+            reach,
+            squared_tolerance: tolerance * tolerance,
+            error,
+            high: error.max(tolerance * longest_normal),
+            low: -error.max(CERTAINLY_BEHIND * longest_normal),
+        }
+    }
+
+    /// Whether a height over a face is a distance of more than the tolerance.
+    #[inline]
+    pub(super) fn is_beyond(&self, height: f64, plane: &Plane) -> bool {
+        height > self.high || self.is_farther(height, plane, self.squared_tolerance)
+    }
+
+    /// Whether a height over a face is a distance of more than what can be told from none.
+    #[inline]
+    pub(super) fn is_in_front(&self, height: f64, plane: &Plane) -> bool {
+        self.is_farther(height, plane, CERTAINLY_BEHIND * CERTAINLY_BEHIND)
+    }
+
+    #[inline]
+    fn is_farther(&self, height: f64, plane: &Plane, squared_distance: f64) -> bool {
+        height * height.abs() > squared_distance * length_squared(plane.normal)
     }
 }
 
@@ -89,18 +147,21 @@ pub(super) fn before(edge: usize) -> usize {
 
 /// A place where there is no face: nothing lies in front of it.
 pub(super) const RETIRED: Face = Face {
-    normal: [0.0; 3],
-    offset: f64::INFINITY,
-    inverse: 1.0,
+    plane: Plane { normal: [0.0; 3], offset: f64::INFINITY },
+    inverse: 0.0,
     vertices: [NONE; 3],
     twins: [NONE; 3],
 };
 
-/// A bound on the rounding error of the height of any point over any face, if no coordinate is
-/// larger than `reach`.
-#[inline]
-pub(super) fn height_error(reach: f64) -> f64 {
-    f64::EPSILON * HEIGHT_ERROR * reach * (LONGEST_SQUARED * reach * reach)
+impl Plane {
+    /// Six times the volume of the tetrahedron between the face and a point: positive in front of
+    /// the plane, and the distance to it times the doubled area.
+    #[inline]
+    pub(super) fn height(&self, point: Vector) -> f64 {
+        let [x, y, z] = self.normal;
+        // In pairs as they were written: a processor waits for what it has not yet written.
+        (x * point[0] + y * point[1]) + (z * point[2] - self.offset)
+    }
 }
 
 impl Face {
@@ -114,27 +175,15 @@ impl Face {
     #[inline]
     pub(super) fn spanned(vertices: [u32; 3], a: Vector, b: Vector, last: Vector) -> Self {
         let normal = cross(a, b);
-        let doubled_area = length(normal);
-        Self {
-            normal,
-            offset: dot(normal, last),
-            inverse: if doubled_area > 0.0 { 1.0 / doubled_area } else { 0.0 },
-            vertices,
-            twins: [NONE; 3],
-        }
+        let plane = Plane { normal, offset: dot(normal, last) };
+        Self { plane, inverse: 0.0, vertices, twins: [NONE; 3] }
     }
 
-    /// Six times the volume of the tetrahedron between the face and a point: positive in front of
-    /// the plane, and the distance to it times the doubled area.
-    #[inline]
-    pub(super) fn height(&self, point: Vector) -> f64 {
-        dot(self.normal, point) - self.offset
-    }
-
-    /// Distance of a point in front of the plane; negative behind it.
+    /// Distance of a point in front of the plane, negative behind it, once the hull has stopped
+    /// growing.
     #[inline]
     pub(super) fn distance(&self, point: Vector) -> f64 {
-        self.height(point) * self.inverse
+        self.plane.height(point) * self.inverse
     }
 
     /// Whether the point lies strictly in front of the plane, decided exactly. No coordinate is
@@ -145,7 +194,7 @@ impl Face {
         // The product of the edges' lengths is bounded by the mean of the squares, without roots.
         let edges = 0.5 * (length_squared(subtract(a, c)) + length_squared(subtract(b, c)));
         let error = f64::EPSILON * HEIGHT_ERROR * reach * edges;
-        let height = self.height(point);
+        let height = self.plane.height(point);
         if height > error {
             true
         } else if height < -error {

@@ -1,7 +1,7 @@
 //! What can be asked of a hull that has been built: its faces, its volume, what lies outside.
 
 use super::HullBuilder;
-use super::face::{Face, NONE};
+use super::face::{Face, NONE, Plane};
 use crate::vector::Vector;
 
 /// Points that are compared with a face at once.
@@ -33,7 +33,7 @@ impl HullBuilder {
         let [x, y, z] = [0, 1, 2].map(|axis| points.map(|point| point[axis]));
         let mut farthest = [f64::NEG_INFINITY; N];
         for face in &self.faces {
-            let Face { normal, offset, inverse, .. } = *face;
+            let Face { plane: Plane { normal, offset }, inverse, .. } = *face;
             for lane in 0..N {
                 let height = normal[0] * x[lane] + normal[1] * y[lane] + normal[2] * z[lane];
                 let distance = (height - offset) * inverse;
@@ -58,7 +58,7 @@ impl HullBuilder {
     /// Enclosed volume, in cubed units of the points.
     pub(crate) fn volume(&self) -> f64 {
         // Six times the tetrahedron between a face and the centre is the height of the centre.
-        let six: f64 = self.faces.iter().map(|face| face.offset).sum();
+        let six: f64 = self.faces.iter().map(|face| face.plane.offset).sum();
         six / (6.0 * self.factor.powi(3))
     }
 
@@ -74,14 +74,18 @@ impl HullBuilder {
         let mut vertices = Vec::with_capacity(self.faces.len() / 2 + 2);
         let mut triangles = Vec::with_capacity(self.faces.len());
         for face in &self.faces {
-            triangles.push(face.vertices.map(|vertex| {
-                let mark = &mut self.marks[vertex as usize];
-                if *mark == NONE {
-                    *mark = vertices.len() as u32;
-                    vertices.push(self.originals[vertex as usize]);
+            let mut triangle = face.vertices;
+            for corner in &mut triangle {
+                let vertex = *corner as usize;
+                let mut mark = self.marks[vertex];
+                if mark == NONE {
+                    mark = vertices.len() as u32;
+                    self.marks[vertex] = mark;
+                    vertices.push(self.originals[vertex]);
                 }
-                *mark
-            }));
+                *corner = mark;
+            }
+            triangles.push(triangle);
         }
         (vertices, triangles)
     }
@@ -95,11 +99,10 @@ impl HullBuilder {
         let depth = |face: &Face| {
             used.iter().map(|&v| -face.distance(self.points[v as usize])).fold(0.0, f64::max)
         };
-        let widths = self
-            .faces
-            .iter()
-            .filter(|face| face.inverse > 0.0)
-            .map(|face| (depth(face) / self.factor, face.normal.map(|x| x * face.inverse)));
+        let widths =
+            self.faces.iter().filter(|face| face.inverse > 0.0).map(|face| {
+                (depth(face) / self.factor, face.plane.normal.map(|x| x * face.inverse))
+            });
         widths.min_by(|a, b| a.0.total_cmp(&b.0))
     }
 }
