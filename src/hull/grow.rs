@@ -93,10 +93,14 @@ impl HullBuilder {
     /// The first face that a point is farther in front of than the tolerance, in a hull that has
     /// stopped growing.
     pub(super) fn first_face_beyond(&self, position: Vector) -> Option<InFront> {
-        let is_beyond = |face: &Face| face.distance(position) > self.threshold;
-        let index = self.faces.iter().position(is_beyond)?;
-        let height = self.faces[index].plane.height(position);
-        Some(InFront { face: index as u32, height, is_beyond: true })
+        let threshold = self.threshold;
+        for (index, face) in (0..).zip(&self.faces) {
+            let height = face.plane.height(position);
+            if height > 0.0 && height * face.inverse > threshold {
+                return Some(InFront { face: index, height, is_beyond: true });
+            }
+        }
+        None
     }
 
     /// Lets the points from the given index on wait in front of faces, if they are in front of any.

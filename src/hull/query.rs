@@ -43,6 +43,17 @@ impl HullBuilder {
         farthest.into_iter().fold(f64::NEG_INFINITY, f64::max)
     }
 
+    /// Whether no point lies farther than `tolerance`, in the points' units, in front of a face.
+    /// False if there is no hull. O(faces) for a point inside, far less for most others.
+    pub fn contains_all(&self, points: &[[f64; 3]], tolerance: f64) -> bool {
+        let limit = tolerance * self.factor;
+        !self.faces.is_empty()
+            && points.iter().all(|&point| {
+                let point = self.inward(point);
+                self.faces.iter().all(|face| face.distance(point) <= limit)
+            })
+    }
+
     /// The corners of the faces that the last insertion made; of all faces after `build`.
     pub(crate) fn new_faces(&self) -> impl Iterator<Item = [Vector; 3]> + '_ {
         let faces = self.faces.iter().zip(&self.waiting);
