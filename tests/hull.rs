@@ -51,9 +51,12 @@ fn worst_outside(hull: &ConvexHull, points: &[Point]) -> f64 {
     worst
 }
 
-/// Everything that a hull promises, whatever its points.
-fn check(hull: &ConvexHull, points: &[Point]) {
-    let size = diagonal(points);
+fn area([a, b, c]: [Point; 3]) -> f64 {
+    0.5 * length(cross(subtract(b, a), subtract(c, a)))
+}
+
+/// A hull is one closed surface with volume and no unused vertex.
+fn check_closed(hull: &ConvexHull) {
     assert!(hull.volume() > 0.0, "volume {}", hull.volume());
     // Each half-edge has exactly one partner, and the surface is one sphere.
     let mut edges: Vec<[u32; 2]> =
@@ -70,6 +73,12 @@ fn check(hull: &ConvexHull, points: &[Point]) {
     used.sort_unstable();
     used.dedup();
     assert_eq!(used.len(), hull.points.len(), "a vertex is unused");
+}
+
+/// Everything that a hull promises, whatever its points.
+fn check(hull: &ConvexHull, points: &[Point]) {
+    let size = diagonal(points);
+    check_closed(hull);
     let own = worst_outside(hull, &hull.points);
     assert!(own <= 1e-9 * size, "not convex by {}", own / size);
     let outside = worst_outside(hull, points);
@@ -213,6 +222,21 @@ fn an_inserted_point_gives_the_same_volume_as_building_anew() {
 }
 
 #[test]
+fn a_copy_grows_on_its_own() {
+    let all = random_points(11, 120);
+    let mut builder = HullBuilder::new();
+    builder.build(&all[..80]);
+    let before = builder.extract();
+    let mut copy = builder.clone();
+    copy.insert(&all[80..]);
+    check(&copy.extract().into(), &all);
+    assert_eq!(builder.extract(), before);
+    assert!(builder.contains_all(&all[..80], 1e-6));
+    assert!(!builder.contains_all(&all, 1e-6));
+    assert!(copy.contains_all(&all, 1e-6));
+}
+
+#[test]
 fn far_from_the_origin_and_at_any_scale_the_triangles_are_the_same() {
     let points = random_points(3, 80);
     let hull = convex_hull(&points).unwrap();
@@ -244,6 +268,60 @@ fn awkward_coordinate() -> impl Strategy<Value = f64> {
     ]
 }
 
+/// Sets that once made a hull look for the same point for ever: with a tolerance as fine as
+/// rounding errors, the plane of a sliver said that the point was outside, and the exact answer
+/// that it was not.
+const ENDLESS: [[Point; 6]; 3] = [
+    [
+        [-0.7308802922959753, -0.6825056764110838, -0.3000008999999997],
+        [-2.923520382890093, -2.730023547668987, -1.199999835308424],
+        [-2.7292917317706603e-6, 2.9242033518359147e-6, -8.996999999999999e-7],
+        [2.192641262288677, 2.047516176959344, 0.8999996100000003],
+        [-2.7292919365223714e-6, 2.924203571099994e-6, -8.997000899999999e-7],
+        [0.5095999552097397, 0.4758753140602916, 0.209172968771384],
+    ],
+    [
+        [0.4522368037228474, 1.9481996502860128, 0.600040000297],
+        [-0.1306348980705735, -0.5627873973146597, -0.17332046970840143],
+        [0.9044660076517317, 3.896400754671252, 1.1999799100000101],
+        [0.45223680372284647, 1.948199650286013, 0.5999923113121488],
+        [0.22612028211398222, 0.9740990801929664, 0.299999909997],
+        [-0.45222907852945193, -1.948201750473624, -0.60004008999999],
+    ],
+    [
+        [9.34456062656199e-7, 3.9008706549903796e-6, -8.169045114517211e-7],
+        [1.9743725241090617, -0.3191462612334696, -0.59999709],
+        [3.9487438166191846, -0.6382963753051987, -1.1999999997],
+        [3.9487430971110875, -0.6383008326939609, -1.199995999999999],
+        [-0.6731179547394143, 0.10881118098343202, 0.20455881085556546],
+        [0.8176667431917344, -0.13216887591188362, -0.24848433596473932],
+    ],
+];
+
+#[test]
+fn needles_with_a_tolerance_like_rounding_errors_end() {
+    for points in ENDLESS {
+        for first in 4..=points.len() {
+            let mut builder = HullBuilder::new().with_tolerance(1e-14);
+            if builder.build(&points[..first]) == Shape::Solid {
+                builder.insert(&points[first..]);
+                check_closed(&builder.extract().into());
+            }
+        }
+    }
+}
+
+/// Points of a body, or of one that is hardly thicker than the tolerance in one direction or two.
+fn thin_set() -> impl Strategy<Value = Vec<Point>> {
+    let thickness = || prop_oneof![Just(1.0), Just(1e-3), Just(1e-5), Just(1e-6), Just(3e-7)];
+    let points = prop::collection::vec(prop::array::uniform3(awkward_coordinate()), 8..60);
+    (points, thickness(), thickness(), 0.0..3.0).prop_map(|(points, thin, thinner, angle)| {
+        let (sin, cos) = f64::sin_cos(angle);
+        let turned = |[x, y, z]: Point| [cos * x - sin * y, sin * x + cos * y, z + 0.3 * x];
+        points.iter().map(|&[x, y, z]| turned([x, thin * y, thinner * z])).collect()
+    })
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 
@@ -266,6 +344,36 @@ proptest! {
         if builder.build(&points[..first]) == Shape::Solid {
             builder.insert(&points[first..]);
             check(&builder.extract().into(), &points);
+        }
+    }
+
+    /// With tolerances down to rounding errors too, where it once didn't end.
+    #[test]
+    fn a_hull_that_grows_in_small_steps_ends_and_holds_what_one_built_anew_holds(
+        points in thin_set(),
+        first in 4usize..20,
+        step in 1usize..6,
+        tolerance in prop_oneof![Just(DEFAULT_TOLERANCE), Just(1e-10), Just(1e-14)],
+    ) {
+        let mut builder = HullBuilder::new().with_tolerance(tolerance);
+        let first = first.min(points.len());
+        if builder.build(&points[..first]) == Shape::Solid {
+            for chunk in points[first..].chunks(step) {
+                builder.insert(chunk);
+            }
+            let grown = ConvexHull::from(builder.extract());
+            check_closed(&grown);
+            let size = diagonal(&points);
+            let own = worst_outside(&grown, &grown.points);
+            prop_assert!(own <= 1e-9 * size, "not convex by {}", own / size);
+            // The tolerance is that of the first points, whose extent is at most the whole.
+            let outside = worst_outside(&grown, &points);
+            prop_assert!(outside <= DEFAULT_TOLERANCE * size * 1.01, "outside by {}", outside / size);
+            if let Ok(anew) = convex_hull(&points) {
+                let area: f64 = anew.corners().map(area).sum();
+                let difference = (anew.volume() - grown.volume()).abs();
+                prop_assert!(difference <= 2.0 * DEFAULT_TOLERANCE * size * area, "{difference}");
+            }
         }
     }
 

@@ -1,49 +1,121 @@
 //! A triangle of a growing hull, and the side of its plane on which a point lies.
 //!
-//! The side is decided by the floating-point distance where that is certain, and by Shewchuk's
+//! The side is decided by the floating-point determinant where that is certain, and by Shewchuk's
 //! adaptive predicate ("Adaptive precision floating-point arithmetic and fast robust geometric
 //! predicates", 1997) where it is not. So a hull can never tear or fold, however nearly coplanar
 //! its points are.
 
 use robust::{Coord3D, orient3d};
 
-use crate::vector::{Vector, area_normal, dot, length, subtract};
+use crate::vector::{Vector, cross, dot, length_squared, subtract};
 
 /// No point, face or half-edge.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// Rounding errors of a plane's normal, in units of `f64::EPSILON` times the product of the
-/// lengths of its edges. The cross product of rounded differences is off by less than 8; the
-/// rest is margin.
-const NORMAL_ERROR: f64 = 16.0;
+/// Rounding errors of a face's height, in units of `f64::EPSILON` times the largest coordinate
+/// times the product of the lengths of the two edges that the normal is made of. The normal
+/// contributes less than 12, the two scalar products and their difference less than 7; the rest
+/// is margin.
+const HEIGHT_ERROR: f64 = 32.0;
 
-/// Rounding errors of a point's distance to a given plane, in units of `f64::EPSILON` times the
-/// largest coordinate. Three products and three sums are off by less than 6; the rest is margin.
-const DISTANCE_ERROR: f64 = 16.0;
+/// The square of the longest edge between points whose coordinates are at most 1.
+const LONGEST_SQUARED: f64 = 12.0;
 
-/// One triangle of the hull, its plane, its neighbours, and the points that wait in front of it.
+/// A point this far behind a face, as a share of the extent, is certainly not in front of it.
+/// Closer ones are kept until all faces are known.
+pub(super) const CERTAINLY_BEHIND: f64 = 1e-12;
+
+/// The plane of a face.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Face {
-    /// Unit normal, pointing outward.
+pub(super) struct Plane {
+    /// Points outward; as long as twice the area of the face.
     pub normal: Vector,
-    /// Distance of the plane from the origin along the normal.
+    /// The plane's points have this scalar product with the normal.
     pub offset: f64,
-    /// Below this the sign of a distance is not certain.
-    pub error: f64,
-    /// Greatest distance of a waiting point.
-    pub furthest_distance: f64,
-    /// The waiting point at that distance.
-    pub furthest: u32,
-    /// First of the linked list of waiting points.
-    pub waiting: u32,
+}
+
+/// One triangle of the hull, its plane and its neighbours. It fills a line of the cache.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
+pub(super) struct Face {
+    pub plane: Plane,
+    /// One over the length of the normal, 0 for a face without area. Not known before the hull
+    /// has stopped growing.
+    pub inverse: f64,
     /// Counter-clockwise seen from outside.
     pub vertices: [u32; 3],
     /// The same edge in the neighbour: `4 * face + edge`. Edge k runs from vertex k to k + 1.
     pub twins: [u32; 3],
-    /// The last insertion that saw this face.
+}
+
+/// What goes on at a face while a hull grows: kept apart, so that questions read less memory.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Waiting {
+    /// Height of the point `furthest`.
+    pub height: f64,
+    /// The highest of the waiting points that are farther out than the tolerance.
+    pub furthest: u32,
+    /// First of the linked list of waiting points.
+    pub first: u32,
+    /// The last search that met this face.
     pub stamp: u32,
     /// The insertion that made this face.
     pub generation: u32,
+}
+
+impl Waiting {
+    /// Nobody waits.
+    #[inline]
+    pub(super) fn none(stamp: u32, generation: u32) -> Self {
+        Self { height: 0.0, furthest: NONE, first: NONE, stamp, generation }
+    }
+}
+
+/// Bounds on heights that spare most questions about the distance, which takes a root.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Heights {
+    /// Largest coordinate of a point.
+    pub reach: f64,
+    /// Square of the tolerance.
+    squared_tolerance: f64,
+    /// Bound on the rounding error of any height.
+    pub error: f64,
+    /// Who is higher over any face is certainly in front of it by more than the tolerance.
+    pub high: f64,
+    /// Who is lower over any face is certainly behind it.
+    pub low: f64,
+}
+
+impl Heights {
+    /// For points whose coordinates are at most `reach` in size.
+    pub(super) fn new(reach: f64, tolerance: f64) -> Self {
+        let longest_normal = LONGEST_SQUARED * reach * reach;
+        let error = f64::EPSILON * HEIGHT_ERROR * reach * longest_normal;
+        Self {
+            reach,
+            squared_tolerance: tolerance * tolerance,
+            error,
+            high: error.max(tolerance * longest_normal),
+            low: -error.max(CERTAINLY_BEHIND * longest_normal),
+        }
+    }
+
+    /// Whether a height over a face is a distance of more than the tolerance.
+    #[inline]
+    pub(super) fn is_beyond(&self, height: f64, plane: &Plane) -> bool {
+        height > self.high || self.is_farther(height, plane, self.squared_tolerance)
+    }
+
+    /// Whether a height over a face is a distance of more than what can be told from none.
+    #[inline]
+    pub(super) fn is_in_front(&self, height: f64, plane: &Plane) -> bool {
+        self.is_farther(height, plane, CERTAINLY_BEHIND * CERTAINLY_BEHIND)
+    }
+
+    #[inline]
+    fn is_farther(&self, height: f64, plane: &Plane, squared_distance: f64) -> bool {
+        height * height.abs() > squared_distance * length_squared(plane.normal)
+    }
 }
 
 #[inline]
@@ -61,70 +133,74 @@ pub(super) fn edge_of(half_edge: u32) -> usize {
     (half_edge % 4) as usize
 }
 
+/// The edge after one in the same face.
+#[inline]
+pub(super) fn after(edge: usize) -> usize {
+    if edge >= 2 { 0 } else { edge + 1 }
+}
+
+/// The edge before one in the same face.
+#[inline]
+pub(super) fn before(edge: usize) -> usize {
+    if edge == 0 { 2 } else { edge - 1 }
+}
+
 /// A place where there is no face: nothing lies in front of it.
 pub(super) const RETIRED: Face = Face {
-    normal: [0.0; 3],
-    offset: f64::INFINITY,
-    error: 0.0,
-    furthest_distance: 0.0,
-    furthest: NONE,
-    waiting: NONE,
+    plane: Plane { normal: [0.0; 3], offset: f64::INFINITY },
+    inverse: 0.0,
     vertices: [NONE; 3],
     twins: [NONE; 3],
-    stamp: 0,
-    generation: 0,
 };
 
-impl Face {
-    /// Makes it nothing.
-    pub(super) fn retire(&mut self) {
-        *self = RETIRED;
-    }
-
-    /// A face over three points of `points`, whose coordinates are at most `reach` in size.
+impl Plane {
+    /// Six times the volume of the tetrahedron between the face and a point: positive in front of
+    /// the plane, and the distance to it times the doubled area.
     #[inline]
-    pub(super) fn new(vertices: [u32; 3], points: &[Vector], reach: f64) -> Self {
+    pub(super) fn height(&self, point: Vector) -> f64 {
+        let [x, y, z] = self.normal;
+        // In pairs as they were written: a processor waits for what it has not yet written.
+        (x * point[0] + y * point[1]) + (z * point[2] - self.offset)
+    }
+}
+
+impl Face {
+    /// A face over three points of `points`, without neighbours.
+    pub(super) fn new(vertices: [u32; 3], points: &[Vector]) -> Self {
         let [a, b, c] = vertices.map(|vertex| points[vertex as usize]);
-        let ab = subtract(b, a);
-        let ac = subtract(c, a);
-        let normal = area_normal(a, b, c);
-        let doubled_area = length(normal);
-        let inverse = if doubled_area > 0.0 { 1.0 / doubled_area } else { 0.0 };
-        let normal = [normal[0] * inverse, normal[1] * inverse, normal[2] * inverse];
-        // |ab| |ac| is bounded by the mean of the squares, which saves two roots.
-        let edges = 0.5 * (dot(ab, ab) + dot(ac, ac));
-        let error = f64::EPSILON * reach * (NORMAL_ERROR * edges * inverse + DISTANCE_ERROR);
-        Self {
-            normal,
-            offset: dot(normal, a),
-            // Without area there is no plane, and only the exact predicate may speak.
-            error: if doubled_area > 0.0 { error } else { f64::INFINITY },
-            furthest_distance: 0.0,
-            furthest: NONE,
-            waiting: NONE,
-            vertices,
-            twins: [NONE; 3],
-            stamp: 0,
-            generation: 0,
-        }
+        Self::spanned(vertices, subtract(a, c), subtract(b, c), c)
     }
 
-    /// Distance of a point in front of the plane; negative behind it.
+    /// The same, from the edges that lead from the last vertex to the first and the second.
+    #[inline]
+    pub(super) fn spanned(vertices: [u32; 3], a: Vector, b: Vector, last: Vector) -> Self {
+        let normal = cross(a, b);
+        let plane = Plane { normal, offset: dot(normal, last) };
+        Self { plane, inverse: 0.0, vertices, twins: [NONE; 3] }
+    }
+
+    /// Distance of a point in front of the plane, negative behind it, once the hull has stopped
+    /// growing.
     #[inline]
     pub(super) fn distance(&self, point: Vector) -> f64 {
-        dot(self.normal, point) - self.offset
+        self.plane.height(point) * self.inverse
     }
 
-    /// Whether the point lies strictly in front of the plane, decided exactly.
-    #[inline]
-    pub(super) fn sees(&self, point: Vector, points: &[Vector]) -> bool {
-        let distance = self.distance(point);
-        if distance > self.error {
+    /// Whether the point lies strictly in front of the plane, decided exactly. No coordinate is
+    /// larger than `reach`.
+    pub(super) fn sees(&self, point: Vector, points: &[Vector], reach: f64) -> bool {
+        let corners = self.vertices.map(|vertex| points[vertex as usize]);
+        let [a, b, c] = corners;
+        // The product of the edges' lengths is bounded by the mean of the squares, without roots.
+        let edges = 0.5 * (length_squared(subtract(a, c)) + length_squared(subtract(b, c)));
+        let error = f64::EPSILON * HEIGHT_ERROR * reach * edges;
+        let height = self.plane.height(point);
+        if height > error {
             true
-        } else if distance < -self.error {
+        } else if height < -error {
             false
         } else {
-            is_in_front(self.vertices.map(|vertex| points[vertex as usize]), point)
+            is_in_front(corners, point)
         }
     }
 }

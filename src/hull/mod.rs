@@ -8,6 +8,8 @@ mod builder;
 mod cap;
 mod convex_hull;
 mod face;
+mod grow;
+mod query;
 mod redundant;
 mod simplex;
 mod single_precision;

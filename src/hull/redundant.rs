@@ -1,6 +1,6 @@
 //! Vertices that a hull doesn't need, because they lie inside a flat side or a straight edge.
 
-use super::face::{Face, NONE, edge_of, face_of};
+use super::face::{Face, NONE, after, before, edge_of, face_of};
 use crate::vector::{Vector, distance, dot, length, scale, subtract};
 
 /// Gives each vertex that is a true corner a mark (any value but `NONE`) and all other points
@@ -11,6 +11,9 @@ pub(super) fn mark_necessary_vertices(
     tolerance: f64,
     marks: &mut Vec<u32>,
 ) -> bool {
+    if !has_flat_edge(faces, points, tolerance) {
+        return false;
+    }
     marks.clear();
     marks.resize(points.len(), NONE);
     // For now: number of edges at a vertex that bend, with NONE for "not a vertex".
@@ -44,13 +47,23 @@ pub(super) fn mark_necessary_vertices(
     redundant
 }
 
+/// Whether the hull is flat anywhere. Mostly it isn't, and there is nothing to look for.
+fn has_flat_edge(faces: &[Face], points: &[Vector], tolerance: f64) -> bool {
+    (0..).zip(faces).any(|(index, face)| {
+        // Each edge is looked at from one of its faces.
+        (0..3).any(|edge| {
+            face_of(face.twins[edge]) > index && !bends(face, edge, faces, points, tolerance)
+        })
+    })
+}
+
 /// Whether the far vertex of one of an edge's faces is clearly behind the other face.
 #[inline]
 fn bends(face: &Face, edge: usize, faces: &[Face], points: &[Vector], tolerance: f64) -> bool {
     let twin = face.twins[edge];
     let other = &faces[face_of(twin) as usize];
-    let far_of_other = other.vertices[(edge_of(twin) + 2) % 3];
-    let far = face.vertices[(edge + 2) % 3];
+    let far_of_other = other.vertices[before(edge_of(twin))];
+    let far = face.vertices[before(edge)];
     face.distance(points[far_of_other as usize]) < -tolerance
         && other.distance(points[far as usize]) < -tolerance
 }
@@ -71,11 +84,11 @@ fn is_on_straight_edge(
     loop {
         if bends(current, at, faces, points, tolerance) {
             if let Some(end) = ends.get_mut(count) {
-                *end = current.vertices[(at + 1) % 3];
+                *end = current.vertices[after(at)];
             }
             count += 1;
         }
-        let twin = current.twins[(at + 2) % 3];
+        let twin = current.twins[before(at)];
         (current, at) = (&faces[face_of(twin) as usize], edge_of(twin));
         if std::ptr::eq(current, face) {
             break;

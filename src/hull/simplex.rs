@@ -41,18 +41,7 @@ pub(super) fn first_simplex(points: &[Vector], threshold: f64) -> (Shape, [u32; 
 
 /// Of the six points that reach farthest along the axes the two that are farthest apart.
 fn farthest_extremes(points: &[Vector]) -> [u32; 2] {
-    let mut extremes = [0u32; 6];
-    for (index, point) in points.iter().enumerate() {
-        for axis in 0..3 {
-            let at = |extreme: u32| points[extreme as usize][axis];
-            if point[axis] < at(extremes[2 * axis]) {
-                extremes[2 * axis] = index as u32;
-            }
-            if point[axis] > at(extremes[2 * axis + 1]) {
-                extremes[2 * axis + 1] = index as u32;
-            }
-        }
-    }
+    let extremes = extremes(points);
     let mut best = (0.0, [0, 0]);
     for (place, &first) in extremes.iter().enumerate() {
         for &second in &extremes[place + 1..] {
@@ -66,6 +55,25 @@ fn farthest_extremes(points: &[Vector]) -> [u32; 2] {
         }
     }
     best.1
+}
+
+/// The points that reach farthest along the axes: the least and the greatest x, then y, then z.
+fn extremes(points: &[Vector]) -> [u32; 6] {
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    let mut extremes = [0; 6];
+    for (index, point) in (0..).zip(points) {
+        for axis in 0..3 {
+            if point[axis] < low[axis] {
+                low[axis] = point[axis];
+                extremes[2 * axis] = index;
+            }
+            if point[axis] > high[axis] {
+                high[axis] = point[axis];
+                extremes[2 * axis + 1] = index;
+            }
+        }
+    }
+    extremes
 }
 
 /// The first point for which `measure` is greatest.

@@ -1,0 +1,455 @@
+//! The steps of quickhull: points wait in front of faces, the furthest is added, the faces that
+//! it sees make way for a cone.
+//!
+//! All of them are small, so that what counts is the number of instructions: no roots, no
+//! divisions, few questions asked twice.
+
+use super::HullBuilder;
+use super::face::{
+    CERTAINLY_BEHIND, Face, Heights, NONE, Plane, RETIRED, Waiting, after, before, edge_of,
+    face_of, half_edge, is_in_front,
+};
+use crate::vector::{Vector, length_squared, subtract};
+
+/// An edge between a face that a new point sees and one that it does not.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Horizon {
+    start: u32,
+    end: u32,
+    /// The edge in the face that stays.
+    outside: u32,
+}
+
+/// A face that a point is in front of.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct InFront {
+    face: u32,
+    height: f64,
+    /// Whether the distance is more than the tolerance.
+    is_beyond: bool,
+}
+
+/// The first of some planes that a point is farther in front of than the tolerance; if there is
+/// none, the one that it is nearest to being in front of.
+#[inline]
+fn in_front_of(point: Vector, planes: &[Plane], heights: Heights) -> Option<InFront> {
+    let mut best = None;
+    let mut least = -CERTAINLY_BEHIND;
+    for (face, plane) in (0..).zip(planes) {
+        let height = plane.height(point);
+        if height < heights.low {
+            continue;
+        }
+        if heights.is_beyond(height, plane) {
+            return Some(InFront { face, height, is_beyond: true });
+        }
+        let distance = height * inverse_root(length_squared(plane.normal));
+        if distance > least {
+            least = distance;
+            best = Some(InFront { face, height, is_beyond: false });
+        }
+    }
+    best
+}
+
+impl HullBuilder {
+    /// The tetrahedron over four points in general position.
+    pub(super) fn start(&mut self, [a, b, c, d]: [u32; 4]) {
+        let corner = |vertex: u32| self.points[vertex as usize];
+        let base = [corner(a), corner(b), corner(c)];
+        // Turned so that d lies behind the base.
+        let (b, c) = if is_in_front(base, corner(d)) { (c, b) } else { (b, c) };
+        let triangles = [[a, b, c], [a, c, d], [c, b, d], [b, a, d]];
+        // Edge k of each face and the same edge of its neighbour.
+        let twins = [
+            [(3, 0), (2, 0), (1, 0)],
+            [(0, 2), (2, 2), (3, 1)],
+            [(0, 1), (3, 2), (1, 1)],
+            [(0, 0), (1, 2), (2, 1)],
+        ];
+        self.visible.clear();
+        for ((vertices, twins), place) in triangles.into_iter().zip(twins).zip(0..) {
+            let mut face = Face::new(vertices, &self.points);
+            face.twins = twins.map(|(other, edge)| half_edge(other, edge));
+            self.faces.push(face);
+            self.waiting.push(Waiting::none(0, 0));
+            self.visible.push(place);
+        }
+        self.planes.clear();
+        self.planes.extend(self.faces.iter().map(|face| face.plane));
+        // All other points are in one line.
+        let mut last = NONE;
+        for (point, next) in self.next_waiting.iter_mut().enumerate().rev() {
+            if ![a, b, c, d].contains(&(point as u32)) {
+                *next = last;
+                last = point as u32;
+            }
+        }
+        self.lines.clear();
+        self.lines.push(last);
+        self.share_out(NONE);
+    }
+
+    /// The first face that a point is farther in front of than the tolerance, in a hull that has
+    /// stopped growing.
+    pub(super) fn first_face_beyond(&self, position: Vector) -> Option<InFront> {
+        let threshold = self.threshold;
+        for (index, face) in (0..).zip(&self.faces) {
+            let height = face.plane.height(position);
+            if height > 0.0 && height * face.inverse > threshold {
+                return Some(InFront { face: index, height, is_beyond: true });
+            }
+        }
+        None
+    }
+
+    /// Lets the points from the given index on wait in front of faces, if they are in front of any.
+    pub(super) fn assign_to_any(&mut self, first: usize) {
+        let planes: Vec<Plane> = self.faces.iter().map(|face| face.plane).collect();
+        for point in first..self.points.len() {
+            if let Some(found) = in_front_of(self.points[point], &planes, self.heights) {
+                self.attach(point as u32, found);
+            }
+        }
+    }
+
+    /// Lets a point wait in front of a face.
+    #[inline]
+    pub(super) fn attach(&mut self, point: u32, InFront { face, height, is_beyond }: InFront) {
+        let waiting = &mut self.waiting[face as usize];
+        self.next_waiting[point as usize] = waiting.first;
+        waiting.first = point;
+        if !is_beyond {
+            self.has_close_points = true;
+        } else if height > waiting.height
+            && !(self.only_marked && self.marks[point as usize] == NONE)
+        {
+            if waiting.furthest == NONE {
+                self.work.push(face);
+            }
+            waiting.height = height;
+            waiting.furthest = point;
+        }
+    }
+
+    /// Lets the points in `lines`, but for one, wait in front of the faces `visible` instead, whose
+    /// planes are `planes`.
+    fn share_out(&mut self, except: u32) {
+        // Borrowed one by one, so that the compiler need not look them up again and again.
+        let (points, next_waiting) = (self.points.as_slice(), self.next_waiting.as_mut_slice());
+        let (waiting, marks) = (self.waiting.as_mut_slice(), self.marks.as_slice());
+        let (places, planes) = (self.visible.as_slice(), self.planes.as_slice());
+        let (heights, only_marked) = (self.heights, self.only_marked);
+        for &head in &self.lines {
+            let mut next = head;
+            while next != NONE {
+                let point = next;
+                next = next_waiting[point as usize];
+                if point == except {
+                    continue;
+                }
+                let Some(found) = in_front_of(points[point as usize], planes, heights) else {
+                    continue;
+                };
+                let place = places[found.face as usize];
+                let waiting = &mut waiting[place as usize];
+                next_waiting[point as usize] = waiting.first;
+                waiting.first = point;
+                if !found.is_beyond {
+                    self.has_close_points = true;
+                } else if found.height > waiting.height
+                    && !(only_marked && marks[point as usize] == NONE)
+                {
+                    if waiting.furthest == NONE {
+                        self.work.push(place);
+                    }
+                    waiting.height = found.height;
+                    waiting.furthest = point;
+                }
+            }
+        }
+    }
+
+    /// Lets each waiting point count, marked or not.
+    pub(super) fn consider_all_waiting(&mut self) {
+        for (index, face) in (0..).zip(&self.faces) {
+            let waiting = &mut self.waiting[index as usize];
+            let mut point = waiting.first;
+            while point != NONE {
+                let height = face.plane.height(self.points[point as usize]);
+                if height > waiting.height && self.heights.is_beyond(height, &face.plane) {
+                    waiting.height = height;
+                    waiting.furthest = point;
+                }
+                point = self.next_waiting[point as usize];
+            }
+            if waiting.furthest != NONE {
+                self.work.push(index);
+            }
+        }
+    }
+
+    /// Adds waiting points until none is farther out than the tolerance.
+    pub(super) fn grow(&mut self) {
+        loop {
+            while let Some(face) = self.work.pop() {
+                let Some(&Waiting { furthest, height, .. }) = self.waiting.get(face as usize)
+                else {
+                    continue;
+                };
+                if furthest != NONE {
+                    if height > self.heights.error
+                        || self.is_seen(face, self.points[furthest as usize])
+                    {
+                        self.add(furthest, face);
+                    } else {
+                        self.send_elsewhere(furthest, face);
+                    }
+                }
+            }
+            if self.only_marked
+                || !self.has_close_points
+                || !self.add_a_point_that_other_faces_see()
+            {
+                self.close_gaps();
+                self.measure_new_faces();
+                return;
+            }
+        }
+    }
+
+    /// Whether a point is farther in front of a face than the tolerance.
+    fn is_beyond(&self, face: u32, position: Vector) -> bool {
+        let face = &self.faces[face as usize];
+        self.heights.is_beyond(face.plane.height(position), &face.plane)
+    }
+
+    /// Whether a point lies strictly in front of a face, exactly.
+    fn is_seen(&self, face: u32, position: Vector) -> bool {
+        self.faces[face as usize].sees(position, &self.points, self.heights.reach)
+    }
+
+    /// A sliver's plane is so uncertain that a point may wait there in vain.
+    #[cold]
+    fn send_elsewhere(&mut self, point: u32, face: u32) {
+        let unwanted = &mut self.waiting[face as usize];
+        let mut next = unwanted.first;
+        *unwanted = Waiting::none(unwanted.stamp, unwanted.generation);
+        while next != NONE {
+            let current = next;
+            next = self.next_waiting[current as usize];
+            if current != point {
+                let plane = self.faces[face as usize].plane;
+                let position = self.points[current as usize];
+                if let Some(found) = in_front_of(position, &[plane], self.heights) {
+                    self.attach(current, InFront { face, ..found });
+                }
+            }
+        }
+        let position = self.points[point as usize];
+        let seen = (0..self.faces.len() as u32)
+            .filter(|&other| other != face)
+            .find(|&other| self.is_beyond(other, position) && self.is_seen(other, position));
+        if let Some(other) = seen {
+            self.add(point, other);
+        }
+    }
+
+    /// A point within the tolerance of the face that it waits at may yet be farther from another
+    /// one that it sees. Adds the first such point.
+    fn add_a_point_that_other_faces_see(&mut self) -> bool {
+        for face in 0..self.faces.len() as u32 {
+            let mut point = self.waiting[face as usize].first;
+            while point != NONE {
+                if let Some(other) = self.farther_face_in_sight(point, face) {
+                    self.add(point, other);
+                    return true;
+                }
+                point = self.next_waiting[point as usize];
+            }
+        }
+        false
+    }
+
+    fn farther_face_in_sight(&mut self, point: u32, start: u32) -> Option<u32> {
+        let position = self.points[point as usize];
+        self.stamp += 1;
+        self.visible.clear();
+        self.visible.push(start);
+        self.waiting[start as usize].stamp = self.stamp;
+        while let Some(face) = self.visible.pop() {
+            for twin in self.faces[face as usize].twins {
+                let neighbour = face_of(twin);
+                let waiting = &mut self.waiting[neighbour as usize];
+                if waiting.stamp == self.stamp {
+                    continue;
+                }
+                waiting.stamp = self.stamp;
+                // A sliver's plane may lie: only the exact answer makes progress certain.
+                if self.is_beyond(neighbour, position) && self.is_seen(neighbour, position) {
+                    return Some(neighbour);
+                }
+                let face = &self.faces[neighbour as usize];
+                if self.heights.is_in_front(face.plane.height(position), &face.plane) {
+                    self.visible.push(neighbour);
+                }
+            }
+        }
+        None
+    }
+
+    /// Replaces the faces that a point sees by faces between their outline and the point.
+    fn add(&mut self, point: u32, seen_from: u32) {
+        let position = self.points[point as usize];
+        self.find_horizon(position, seen_from);
+        // New faces take the places of those that vanish; `visible` becomes the list of places.
+        let edges = self.horizon.len();
+        while self.visible.len() > edges {
+            if let Some(unused) = self.visible.pop() {
+                self.faces[unused as usize] = RETIRED;
+                self.waiting[unused as usize] = Waiting::none(0, 0);
+                self.free.push(unused);
+            }
+        }
+        while self.visible.len() < edges {
+            let place = self.free.pop().unwrap_or(self.faces.len() as u32);
+            if place as usize == self.faces.len() {
+                self.faces.push(RETIRED);
+                self.waiting.push(Waiting::none(0, 0));
+            }
+            self.visible.push(place);
+        }
+        self.raise_cone(point, position);
+        self.share_out(point);
+    }
+
+    /// Collects the faces that a point sees, the points that wait there, and the outline in order.
+    fn find_horizon(&mut self, position: Vector, seen_from: u32) {
+        self.stamp += 1;
+        let (stamp, heights) = (self.stamp, self.heights);
+        // Borrowed one by one, so that the compiler need not look them up again and again.
+        let (faces, points) = (self.faces.as_slice(), self.points.as_slice());
+        let waiting = self.waiting.as_mut_slice();
+        let (visible, path) = (&mut self.visible, &mut self.path);
+        let (horizon, lines) = (&mut self.horizon, &mut self.lines);
+        let mut is_flat = false;
+        visible.clear();
+        horizon.clear();
+        path.clear();
+        lines.clear();
+        let state = &mut waiting[seen_from as usize];
+        state.stamp = stamp;
+        lines.push(state.first);
+        visible.push(seen_from);
+        let [first, second, third] = faces[seen_from as usize].twins;
+        path.extend([third, second, first]);
+        while let Some(twin) = path.pop() {
+            let other = face_of(twin);
+            let state = &mut waiting[other as usize];
+            if state.stamp == stamp {
+                continue;
+            }
+            let neighbour = &faces[other as usize];
+            let height = neighbour.plane.height(position);
+            let is_seen = if height > heights.high {
+                true
+            } else if height < -heights.high {
+                false
+            } else {
+                is_flat |= !heights.is_beyond(height.abs(), &neighbour.plane);
+                if height.abs() > heights.error {
+                    height > 0.0
+                } else {
+                    neighbour.sees(position, points, heights.reach)
+                }
+            };
+            let at = edge_of(twin);
+            if is_seen {
+                state.stamp = stamp;
+                lines.push(state.first);
+                visible.push(other);
+                path.push(neighbour.twins[before(at)]);
+                path.push(neighbour.twins[after(at)]);
+            } else {
+                let [start, end] = [neighbour.vertices[after(at)], neighbour.vertices[at]];
+                horizon.push(Horizon { start, end, outside: twin });
+            }
+        }
+        self.has_flat_places |= is_flat;
+    }
+
+    /// Puts a face between each edge of the horizon and the point.
+    fn raise_cone(&mut self, point: u32, position: Vector) {
+        let (stamp, generation) = (self.stamp, self.generation);
+        self.planes.clear();
+        let (faces, waiting) = (self.faces.as_mut_slice(), self.waiting.as_mut_slice());
+        let (points, visible) = (self.points.as_slice(), self.visible.as_slice());
+        let (Some(&first), Some(&last)) = (visible.first(), visible.last()) else { return };
+        let Some(&Horizon { start, .. }) = self.horizon.first() else { return };
+        // The horizon is in order: each edge ends where the next one starts.
+        let mut edge = subtract(points[start as usize], position);
+        let mut place = first;
+        let mut previous = last;
+        for (index, &Horizon { start, end, outside }) in self.horizon.iter().enumerate() {
+            let next = visible.get(index + 1).copied().unwrap_or(first);
+            let next_edge = subtract(points[end as usize], position);
+            let mut face = Face::spanned([start, end, point], edge, next_edge, position);
+            face.twins = [outside, half_edge(next, 2), half_edge(previous, 1)];
+            faces[face_of(outside) as usize].twins[edge_of(outside)] = half_edge(place, 0);
+            waiting[place as usize] = Waiting::none(stamp, generation);
+            faces[place as usize] = face;
+            self.planes.push(face.plane);
+            (previous, place, edge) = (place, next, next_edge);
+        }
+    }
+
+    /// Closes the gaps that retired faces have left.
+    fn close_gaps(&mut self) {
+        self.free.sort_unstable();
+        while let Some(gap) = self.free.pop() {
+            self.faces.swap_remove(gap as usize);
+            self.waiting.swap_remove(gap as usize);
+            if let Some(moved) = self.faces.get(gap as usize).copied() {
+                for (edge, twin) in (0..).zip(moved.twins) {
+                    let neighbour = &mut self.faces[face_of(twin) as usize];
+                    neighbour.twins[edge_of(twin)] = half_edge(gap, edge);
+                }
+            }
+        }
+    }
+
+    /// Inverse lengths of normals, for the faces that have come to stay.
+    fn measure_new_faces(&mut self) {
+        let generation = self.generation;
+        let is_new = |waiting: &Waiting| waiting.generation == generation;
+        let faces = self.faces.iter().zip(&self.waiting);
+        let new = faces.filter(|(_, waiting)| is_new(waiting)).map(|(face, _)| face);
+        self.inverses.clear();
+        self.inverses.extend(new.map(|face| length_squared(face.plane.normal)));
+        for square in &mut self.inverses {
+            *square = inverse_root(*square);
+        }
+        let faces = self.faces.iter_mut().zip(&self.waiting);
+        let new = faces.filter(|(_, waiting)| is_new(waiting)).map(|(face, _)| face);
+        for (face, &inverse) in new.zip(&self.inverses) {
+            face.inverse = inverse;
+        }
+    }
+}
+
+/// One over the root of a number that is not negative; 0 for next to nothing.
+///
+/// Newton's method from a guess that halves and negates the exponent (Lomont, "Fast inverse square
+/// root", 2003): several such run at once, while a processor takes roots and divides one by one.
+#[inline]
+fn inverse_root(number: f64) -> f64 {
+    /// Lomont's constant for double precision.
+    const GUESS: u64 = 0x5FE6_EC85_E7DE_30DA;
+    /// The guess is good to 4 bits and more, and each step doubles that.
+    const STEPS: usize = 4;
+    let mut root = f64::from_bits(GUESS.wrapping_sub(number.to_bits() >> 1));
+    for _ in 0..STEPS {
+        root *= 1.5 - 0.5 * number * root * root;
+    }
+    if number > f64::MIN_POSITIVE { root } else { 0.0 }
+}
