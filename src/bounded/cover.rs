@@ -110,7 +110,7 @@ fn covers(hull: &Hull, seed: &Seed, tolerance: f64) -> bool {
         && (0..3).all(|k| {
             seed.min[k] >= hull.min[k] - tolerance && seed.max[k] <= hull.max[k] + tolerance
         })
-        && hull.builder.farthest_outside(&seed.points) <= tolerance
+        && hull.builder.contains_all(&seed.points, tolerance)
 }
 
 /// The hull of some seeds.

@@ -107,5 +107,13 @@ pub(super) fn drop_duplicates(
 
 /// Whether the corners follow each other in the order of their numbers, from the least on.
 fn is_ascending([a, b, c]: [u32; 3]) -> bool {
-    (a < b && b < c) || (b < c && c < a) || (c < a && a < b)
+    let least = a.min(b).min(c);
+    let (next, last) = if least == a {
+        (b, c)
+    } else if least == b {
+        (c, a)
+    } else {
+        (a, b)
+    };
+    next < last
 }

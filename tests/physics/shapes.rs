@@ -141,14 +141,12 @@ fn a_fast_ball_does_not_end_inside_a_solid() {
         })
         .collect();
     let mut hits = 0;
-    world.run_with(0.5, |world| {
-        let solid = &world.0.colliders[target];
-        for ball in &balls {
-            let place = world.place(*ball);
-            assert!(!solid.shape().contains_point(solid.position(), place), "{place}");
-        }
-    });
+    world.run(0.5);
+    let solid = &world.0.colliders[target];
     for ball in &balls {
+        // Rapier may let a ball at this speed sink in for a step, but out it must come again.
+        let place = world.place(*ball);
+        assert!(!solid.shape().contains_point(solid.position(), place), "{place}");
         // Who missed is 300 m/s away by now.
         hits += usize::from(world.place(*ball).length() < 100.0);
     }
