@@ -19,6 +19,10 @@ use crate::vector::{
 };
 use crate::{Control, Error};
 
+/// More groups than this are grown anew under a larger threshold: each facet of a fine cylinder
+/// would be one of its own.
+const MOST_GROUPS: usize = 600;
+
 /// Seeds between two looks at the control.
 const SEEDS_PER_CHECK: usize = 8;
 
@@ -148,8 +152,12 @@ pub(crate) fn seeds(
 ) -> Result<Seeds, Error> {
     let Working { mesh, components, surface, parents, owned } = working;
     let adjacency = Adjacency::new(&mesh);
-    let threshold = tuning.grouping_threshold;
-    let grouping = group(&mesh, &adjacency, threshold, threshold, control)?;
+    let mut threshold = tuning.grouping_threshold;
+    let mut grouping = group(&mesh, &adjacency, threshold, threshold, control)?;
+    while grouping.count > MOST_GROUPS && threshold < tuning.bound {
+        threshold *= 2.0;
+        grouping = group(&mesh, &adjacency, threshold, threshold, control)?;
+    }
     let area: f64 =
         mesh.triangles.iter().map(|&triangle| 0.5 * length(normal(&mesh, triangle))).sum();
     let largest = tuning.seed_size * area.sqrt();
