@@ -15,13 +15,15 @@
 //! - Pieces are counted before group merging, and of equal counts the earlier threshold stays,
 //!   as "fewer than" says.
 
+use std::collections::HashMap;
+
 use crate::hull::HullBuilder;
 use crate::mesh::TriangleMesh;
 use crate::mesh::adjacency::Adjacency;
 use crate::{Control, Error, SurfaceParameters, ThresholdOutcome, ThresholdReport};
 
 use super::cost::cost;
-use super::grouping::{Grouping, group, members};
+use super::grouping::{Grouping, Grown, grow, members};
 
 /// Groups of at most this many polygons are left out of the average.
 const TOO_SMALL_TO_COUNT: usize = 2;
@@ -51,6 +53,10 @@ pub(crate) struct ThresholdSearch {
     /// Least average of the thresholds that were not aborted.
     cheapest: Option<Candidate>,
     builder: HullBuilder,
+    /// The grouping tried last, and its planar threshold in the mesh's space.
+    last: Option<(f64, Grown)>,
+    /// The cost of each group so far, by its polygons: other thresholds often find it again.
+    costs: HashMap<Vec<u32>, f64>,
     pub reports: Vec<ThresholdReport>,
 }
 
@@ -81,13 +87,16 @@ impl ThresholdSearch {
             return Ok(());
         };
         self.next += 1;
-        let grouping = group(
-            mesh,
-            adjacency,
-            planar_threshold * unit,
-            parameters.angular_threshold * unit,
-            control,
-        )?;
+        let length = planar_threshold * unit;
+        let (grown_at, grown) = match self.last.take() {
+            Some((at, grown)) if at <= length && length < grown.same_below => (at, grown),
+            _ => {
+                let a = parameters.angular_threshold * unit;
+                (length, grow(mesh, adjacency, length, a, control)?)
+            }
+        };
+        let grouping = grown.grouping.clone();
+        self.last = Some((grown_at, grown));
         let pieces = grouping.count;
         let epsilon = parameters.concavity_cost_threshold;
         let average = self.average_cost(mesh, adjacency, &grouping, epsilon, control)?;
@@ -165,8 +174,14 @@ impl ThresholdSearch {
             if group.len() <= TOO_SMALL_TO_COUNT {
                 continue;
             }
-            control.check()?;
-            sum += cost(mesh, adjacency, &grouping.labels, &group, &mut self.builder);
+            sum += match self.costs.get(&group) {
+                Some(known) => *known,
+                None => {
+                    control.check()?;
+                    let cost = cost(mesh, adjacency, &grouping.labels, &group, &mut self.builder);
+                    *self.costs.entry(group).or_insert(cost)
+                }
+            };
             counted += 1;
             average = sum / f64::from(counted);
             if average > ABORT_FACTOR * epsilon.max(least) {
