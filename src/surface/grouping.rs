@@ -12,7 +12,7 @@
 
 use crate::mesh::TriangleMesh;
 use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
-use crate::vector::{Vector, dot, subtract};
+use crate::vector::{Vector, add, dot, length_squared, scale, subtract};
 use crate::{Control, Error};
 
 /// No group yet.
@@ -78,7 +78,8 @@ pub(crate) fn grow(
             }
             labels[current as usize] = groups;
             let plane = plane(mesh, adjacency, current);
-            planes.push(plane);
+            let [corner, ..] = corners(mesh, current);
+            planes.push(plane, corner);
             grouped += 1;
             if grouped.is_multiple_of(POLYGONS_PER_CHECK) {
                 control.check()?;
@@ -141,6 +142,8 @@ struct Planes {
     /// In blocks: normals by coordinate, then offsets. The rest of the last block is behind
     /// everything.
     blocks: Vec<[[f64; BLOCK]; 4]>,
+    /// For each full block what may spare a look into it.
+    bounds: Vec<Bound>,
     count: usize,
     /// The block that refused last will often refuse again.
     refusing: usize,
@@ -160,6 +163,7 @@ impl Planes {
         Self {
             threshold,
             blocks: Vec::new(),
+            bounds: Vec::new(),
             count: 0,
             refusing: 0,
             group: UNGROUPED,
@@ -168,14 +172,17 @@ impl Planes {
         }
     }
 
+    /// Forgets the planes of the group before.
     fn start_group(&mut self, group: u32) {
         self.group = group;
         self.blocks.clear();
+        self.bounds.clear();
         self.count = 0;
         self.refusing = 0;
     }
 
-    fn push(&mut self, Plane { normal: [x, y, z], offset }: Plane) {
+    /// Adds a plane, and a point of it.
+    fn push(&mut self, Plane { normal: [x, y, z], offset }: Plane, point: Vector) {
         let place = self.count % BLOCK;
         if place == 0 {
             let none = [0.0; BLOCK];
@@ -184,6 +191,9 @@ impl Planes {
         if let Some(block) = self.blocks.last_mut() {
             for (row, value) in block.iter_mut().zip([x, y, z, offset]) {
                 row[place] = value;
+            }
+            if place + 1 == BLOCK {
+                self.bounds.push(Bound::new(block, point));
             }
         }
         self.count += 1;
@@ -199,18 +209,66 @@ impl Planes {
             return false;
         }
         let start = *known as usize;
-        let likely = (self.refusing >= start).then_some(self.refusing);
-        for place in likely.into_iter().chain(start..self.blocks.len()) {
-            let farthest = farthest(&self.blocks[place], position);
-            if farthest > self.threshold {
-                self.refusing = place;
-                self.least_refusal = self.least_refusal.min(farthest);
-                *known = REFUSED;
-                return false;
+        let may_refuse = |place: usize| {
+            let block = &self.blocks[place];
+            let bound = self.bounds.get(place);
+            if bound.is_some_and(|bound| bound.is_below(position, self.threshold)) {
+                return None;
             }
+            let farthest = farthest(block, position);
+            (farthest > self.threshold).then_some((place, farthest))
+        };
+        let likely = if self.refusing >= start { may_refuse(self.refusing) } else { None };
+        if let Some((place, farthest)) =
+            likely.or_else(|| (start..self.blocks.len()).find_map(may_refuse))
+        {
+            self.refusing = place;
+            self.least_refusal = self.least_refusal.min(farthest);
+            *known = REFUSED;
+            return false;
         }
         *known = (self.count / BLOCK) as u32;
         true
+    }
+}
+
+/// Distances from the planes of a block are bounded by that from a plane between them.
+///
+/// With a mean normal m and a point c, n · x − o = m · (x − c) + (n − m) · (x − c) + (n · c − o),
+/// where the second term is at most the spread of the normals times ‖x − c‖.
+struct Bound {
+    normal: Vector,
+    centre: Vector,
+    /// Greatest squared ‖n − m‖.
+    squared_spread: f64,
+    /// Greatest n · c − o, and what rounding may add.
+    height: f64,
+}
+
+/// Far above the rounding errors of coordinates of the order of 1, far below any threshold.
+const ROUNDING: f64 = 1e-12;
+
+impl Bound {
+    fn new([x, y, z, offset]: &[[f64; BLOCK]; 4], centre: Vector) -> Self {
+        let normals: [Vector; BLOCK] = std::array::from_fn(|lane| [x[lane], y[lane], z[lane]]);
+        let sum = normals.iter().fold([0.0; 3], |sum, &normal| add(sum, normal));
+        let normal = scale(sum, 1.0 / BLOCK as f64);
+        let spread = |&other: &Vector| length_squared(subtract(other, normal));
+        let height = normals.iter().zip(offset).map(|(&n, o)| dot(n, centre) - o);
+        Self {
+            normal,
+            centre,
+            squared_spread: normals.iter().map(spread).fold(0.0, f64::max) + ROUNDING,
+            height: height.fold(f64::NEG_INFINITY, f64::max) + ROUNDING,
+        }
+    }
+
+    /// Whether no distance can be above the threshold.
+    #[inline]
+    fn is_below(&self, point: Vector, threshold: f64) -> bool {
+        let arm = subtract(point, self.centre);
+        let room = threshold - self.height - dot(self.normal, arm);
+        room >= 0.0 && self.squared_spread * length_squared(arm) <= room * room
     }
 }
 
@@ -219,9 +277,14 @@ impl Planes {
 fn farthest([x, y, z, offset]: &[[f64; BLOCK]; 4], point: Vector) -> f64 {
     let mut distances = [0.0; BLOCK];
     for lane in 0..BLOCK {
-        distances[lane] = dot([x[lane], y[lane], z[lane]], point) - offset[lane];
+        distances[lane] =
+            x[lane] * point[0] + y[lane] * point[1] + z[lane] * point[2] - offset[lane];
     }
-    distances.into_iter().fold(f64::NEG_INFINITY, |most, d| if d > most { d } else { most })
+    // Halves, not one after the other: a chain of comparisons would not use wide registers.
+    let larger = |a: f64, b: f64| if a > b { a } else { b };
+    let [a, b, c, d, e, f, g, h] = distances;
+    let quarters = [larger(a, e), larger(b, f), larger(c, g), larger(d, h)];
+    larger(larger(quarters[0], quarters[2]), larger(quarters[1], quarters[3]))
 }
 
 /// The polygons of each group, in ascending order: offsets and a list.
