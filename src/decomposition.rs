@@ -234,9 +234,9 @@ pub enum ThresholdOutcome {
     MorePieces,
     /// Its cost is not under ε.
     TooCostly,
-    /// Given up while its running average was above 3 ε.
+    /// Given up as its running average was above 3 ε; an earlier one had an average below ε.
     AbortedAboveThreshold,
-    /// Given up while its running average was above three times the least so far.
+    /// Given up as its running average was above three times the least so far, itself above ε.
     AbortedAboveLeast,
     /// A single group: the search of this resolution ends here.
     SingleGroup,

@@ -35,10 +35,22 @@ pub enum Unit {
 }
 
 /// The unit in which the paper's thresholds fit its own meshes: Princeton's segmentation
-/// benchmark has bounding-box diagonals of 1.0 to 3.0 with a median of 2.24.
+/// benchmark has bounding-box diagonals of 1.0 to 3.0 with a median of 2.24. At the paper's own p
+/// and r this gives its numbers of pieces best (`docs/paper.md`, Calibration).
 pub(crate) const PAPER_UNIT: Unit = Unit::Diagonals(1.0 / 2.24);
 
-/// Parameters of the paper's surface-based method.
+/// Parameters of the paper's surface-based method, *A surface-based approach for 3D approximate
+/// convex decomposition*, by its symbols.
+///
+/// The search takes time in proportion to the sum of R times the number of p times the size of
+/// groups; simplification O(n log n) in the n triangles of the input.
+///
+/// ```
+/// let mut parameters = hullwright::Parameters::paper();
+/// parameters.surface.maximum_resolutions = vec![500];
+/// parameters.surface.unit = hullwright::Unit::Absolute(1.0);
+/// assert!(parameters.validate().is_ok());
+/// ```
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq)]
 pub struct SurfaceParameters {
@@ -57,18 +69,21 @@ pub struct SurfaceParameters {
     /// diagonal. Positive. Paper: 0.05 (section 3.4.2).
     pub concavity_cost_threshold: f64,
     /// μ: once a resolution of at least 500 gives fewer pieces than this, higher ones are
-    /// skipped. 0 never skips. Paper: 5 (section 3.5).
+    /// skipped. 0 never skips. Paper: 5 (sections 3.5 and 4.3).
     pub resolution_cut_off: usize,
-    /// The length that counts as 1 for p and a.
+    /// The length that counts as 1 for p and a. Positive. The paper has none: its thresholds are
+    /// in the meshes' own units, which is `Unit::Absolute(1.0)`. Default 1 / 2.24 of the mesh's
+    /// diagonal, the same on the median of the paper's meshes, and the same result for a mesh
+    /// in any scale.
     pub unit: Unit,
     /// A group of one or two polygons is merged only if its bounding-box diagonal is smaller
-    /// than this share of the mesh's diagonal. The paper names the rule but no number
-    /// (section 3.6).
+    /// than this share of the mesh's diagonal. Not negative. The paper names the rule but no
+    /// number (section 3.6). Default 0.1.
     pub significant_diagonal: f64,
 }
 
 impl SurfaceParameters {
-    /// The paper's values.
+    /// The paper's values, and the defaults where it names none.
     pub fn paper() -> Self {
         Self {
             simplification_quality: 0.8,

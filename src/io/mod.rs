@@ -20,7 +20,6 @@ mod buffers;
 mod gltf;
 mod obj;
 mod off;
-pub mod palette;
 mod ply;
 mod polygon;
 mod stl;

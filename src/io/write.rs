@@ -58,7 +58,7 @@ impl<'a> From<&'a HullMesh> for HullSurface<'a> {
 /// many digits as it takes to read back the same `f64`.
 ///
 /// The suffix `glb` gives a binary glTF 2.0 with one node, mesh and colour (see
-/// [`palette`](super::palette)) per hull, named in the same way. Its coordinates are `f32`,
+/// [`palette`](crate::picture::palette)) per hull, named in the same way. Its coordinates are `f32`,
 /// relative to the centre of all hulls, so that hulls far from the origin keep their shape; a
 /// node `hulls` above the others moves them there.
 ///

@@ -5,7 +5,8 @@ use std::borrow::Cow;
 use gltf::binary::{Glb, Header};
 use serde_json::{Value, json};
 
-use super::{HullSurface, palette};
+use super::HullSurface;
+use crate::picture::palette::{colour, linear};
 use crate::vector::{Vector, add, maximum, minimum, scale, subtract};
 
 /// glTF's codes for component types and for what a buffer view is for.
@@ -66,7 +67,7 @@ impl Parts {
         let name = format!("hull_{index}");
         let positions = self.add_positions(hull, centre.map(f64::from))?;
         let indices = self.add_indices(hull);
-        let [red, green, blue] = palette::linear_rgb(index);
+        let [red, green, blue] = linear(colour(index));
         self.materials.push(json!({
             "name": name,
             "pbrMetallicRoughness": {

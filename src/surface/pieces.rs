@@ -15,6 +15,9 @@ const LEAST_THICKNESS: f64 = 1e-6;
 /// Source triangles between two looks at the control.
 const TRIANGLES_PER_CHECK: usize = 4096;
 
+/// No triangle at a vertex has an answer yet.
+const NO_ANSWER: u32 = u32::MAX;
+
 /// The hull of each group, in the input's units, without its source triangles.
 pub(crate) fn hulls(
     mesh: &TriangleMesh,
@@ -70,16 +73,23 @@ pub(crate) fn assign_source_triangles(
     control: &Control,
 ) -> Result<(), Error> {
     let field = Field::new(&mesh.positions, &mesh.triangles);
-    // Neighbours in the list are often neighbours in space, which makes the answer a good guess.
-    let mut guess = 0;
+    // For each vertex the answer for the last triangle at it: a good guess for the next one.
+    let mut answers = vec![NO_ANSWER; prepared.mesh.positions.len()];
+    let mut last = 0;
     for (triangle, &source) in (0..).zip(&prepared.source_triangles) {
         if (triangle as usize).is_multiple_of(TRIANGLES_PER_CHECK) {
             control.check()?;
         }
         let [a, b, c] = corners(&prepared.mesh, triangle);
         let centre = scale(add(add(a, b), c), 1.0 / 3.0);
+        let vertices = prepared.mesh.triangles[triangle as usize].map(|vertex| vertex as usize);
+        let mut known = vertices.into_iter().map(|vertex| answers[vertex]);
+        let guess = known.find(|&answer| answer != NO_ANSWER).unwrap_or(last);
         let Some(closest) = field.distance_near(centre, f64::INFINITY, guess) else { continue };
-        guess = closest.triangle;
+        last = closest.triangle;
+        for vertex in vertices {
+            answers[vertex] = last;
+        }
         let label = grouping.labels[closest.triangle as usize];
         if let Some(hull) = hulls.get_mut(label as usize) {
             // A triangle that repair split in two is still one of the source.
