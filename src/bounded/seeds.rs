@@ -279,7 +279,7 @@ fn divide(
         if seeds.len() % SEEDS_PER_CHECK == 0 {
             control.check()?;
         }
-        if triangles.len() > 1 && extent(mesh, &triangles) > largest {
+        if triangles.len() > 1 && is_large(mesh, &triangles, largest) {
             let (first, second) = halves(mesh, &triangles);
             stack.extend([second, first]);
             continue;
@@ -295,6 +295,16 @@ fn divide(
     }
     Ok(seeds)
 }
+
+/// Whether triangles reach farther than `largest`, and not because one of them does.
+fn is_large(mesh: &TriangleMesh, triangles: &[u32], largest: f64) -> bool {
+    let extent_of_all = extent(mesh, triangles);
+    extent_of_all > largest
+        && triangles.iter().all(|&triangle| extent_of_all > LONGER * extent(mesh, &[triangle]))
+}
+
+/// Triangles that reach this much farther than the longest of them can be divided by size.
+const LONGER: f64 = 1.5;
 
 /// Diagonal of the bounding box of triangles.
 fn extent(mesh: &TriangleMesh, triangles: &[u32]) -> f64 {
