@@ -64,20 +64,43 @@ pub(crate) struct Tuning {
     pub keep_cavities: bool,
 }
 
+/// How finely a preset divides the surface, and how long it searches.
+struct Fineness {
+    seed_size: f64,
+    dissolving_tries: usize,
+    triangles: usize,
+}
+
+const FAST: Fineness = Fineness { seed_size: 0.35, dissolving_tries: 0, triangles: 1000 };
+const BALANCED: Fineness = Fineness { seed_size: 0.12, dissolving_tries: 20_000, triangles: 2400 };
+
+/// No division suits every mesh: of these the one that ends with the fewest hulls counts.
+const FINE: [Fineness; 3] = [
+    BALANCED,
+    Fineness { seed_size: 0.09, dissolving_tries: 60_000, triangles: 3000 },
+    Fineness { seed_size: 0.15, dissolving_tries: 60_000, triangles: 1600 },
+];
+
 impl Tuning {
-    fn new(parameters: &Parameters, diagonal: f64) -> Self {
-        let BoundedParameters { max_error, preset, .. } = parameters.bounded;
+    /// One for each division of the surface that the preset tries.
+    fn all(parameters: &Parameters, diagonal: f64) -> Vec<Self> {
+        let finenesses: &[Fineness] = match parameters.bounded.preset {
+            Preset::Fast => &[FAST],
+            Preset::Balanced => &[BALANCED],
+            Preset::Fine => &FINE,
+        };
+        finenesses.iter().map(|fineness| Self::new(parameters, diagonal, fineness)).collect()
+    }
+
+    fn new(parameters: &Parameters, diagonal: f64, fineness: &Fineness) -> Self {
+        let BoundedParameters { max_error, .. } = parameters.bounded;
+        let &Fineness { seed_size, dissolving_tries, triangles } = fineness;
         let bound = match max_error {
             Unit::Diagonals(share) => share,
             Unit::Absolute(length) => length / diagonal,
         };
         // Half a diagonal is more than any hull of the mesh can stand out.
         let bound = bound.min(0.5);
-        let (seed_size, dissolving_tries, triangles) = match preset {
-            Preset::Fast => (0.35, 0, 1000),
-            Preset::Balanced => (0.15, 6000, 1600),
-            Preset::Fine => (0.11, 60_000, 3000),
-        };
         Self {
             bound,
             search_bound: SEARCH_SHARE * bound,
@@ -102,6 +125,12 @@ const SNAP: f64 = (1_u64 << 38) as f64;
 pub(crate) struct Run {
     prepared: PreparedMesh,
     tuning: Tuning,
+    /// What is left to be tried after this.
+    others: std::vec::IntoIter<Tuning>,
+    /// Number of tunings before this one, and of all.
+    place: [usize; 2],
+    /// The fewest hulls so far.
+    best: Option<Box<(Seeds, finish::Outcome)>>,
     state: State,
 }
 
@@ -127,19 +156,26 @@ impl Run {
         for coordinate in prepared.mesh.positions.as_flattened_mut() {
             *coordinate = (*coordinate * SNAP).round() / SNAP;
         }
-        let tuning = Tuning::new(parameters, prepared.normalization.diagonal);
-        Self { prepared, tuning, state: State::Start }
+        let mut others = Tuning::all(parameters, prepared.normalization.diagonal).into_iter();
+        let count = others.len();
+        let tuning = others
+            .next()
+            .unwrap_or_else(|| Tuning::new(parameters, prepared.normalization.diagonal, &BALANCED));
+        let (best, place, state) = (None, [0, count.max(1)], State::Start);
+        Self { prepared, tuning, others, place, best, state }
     }
 
     /// The stage that the next step belongs to, and the share of the work before it.
     pub(crate) fn stage(&self) -> (Stage, f32) {
-        match self.state {
+        let (stage, share) = match self.state {
             State::Start => (Stage::Simplify, 0.1),
             State::Working(_) => (Stage::Seeds, 0.3),
             State::Seeds(_) => (Stage::Merge, 0.45),
             State::Merged(_) => (Stage::Dissolve, 0.6),
             State::Covered(_) | State::Done => (Stage::Hulls, 0.9),
-        }
+        };
+        let [before, all] = self.place;
+        (stage, (before as f32 + share) / all as f32)
     }
 
     pub(crate) fn step(
@@ -180,11 +216,26 @@ impl Run {
             }
             State::Covered(state) => {
                 let (solid, seeds, pieces) = *state;
-                let mut finished = finish::finish(&seeds, pieces, &solid, tuning, control)?;
-                if let Some(most) = tuning.max_hulls
+                let finished = finish::finish(&seeds, pieces, &solid, tuning, control)?;
+                let is_better =
+                    self.best.as_ref().is_none_or(|best| finished.hulls.len() < best.1.hulls.len());
+                if is_better {
+                    self.best = Some(Box::new((seeds, finished)));
+                }
+                if let Some(tuning) = self.others.next()
+                    && !control.is_past_deadline()
+                {
+                    self.tuning = tuning;
+                    self.place[0] += 1;
+                    self.state = State::Start;
+                    return Ok(None);
+                }
+                let Some(best) = self.best.take() else { return Err(Error::Finished) };
+                let (seeds, mut finished) = *best;
+                if let Some(most) = self.tuning.max_hulls
                     && finished.hulls.len() > most
                 {
-                    finished.hulls = fewer(finished.hulls, most, &solid, tuning, control)?;
+                    finished.hulls = fewer(finished.hulls, most, &solid, &self.tuning, control)?;
                 }
                 return Ok(Some(self.outcome(&seeds, finished)));
             }
@@ -279,7 +330,7 @@ impl Merging {
         control: &Control,
     ) -> Result<Self, Error> {
         let prepared = crate::mesh::repair::prepare(positions, triangles, control)?;
-        let tuning = Tuning::new(parameters, prepared.normalization.diagonal);
+        let tuning = Tuning::new(parameters, prepared.normalization.diagonal, &BALANCED);
         let normalization = prepared.normalization;
         let tree = parallel::with(parameters.parallel, || {
             let solid = solid(&prepared, is_closed(&prepared), &tuning);

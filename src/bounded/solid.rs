@@ -26,6 +26,9 @@ const LENIENCE: f64 = 0.4;
 /// half on both sides, and its approximation would toss a coin.
 pub(super) const OPEN_INSIDE: f64 = 0.52;
 
+/// A face larger than this, in bounds, may lie along a single triangle of the source.
+const LARGE: f64 = 3.0;
+
 /// More than the rounding of the grid's distances, in diagonals.
 const SINGLE_PRECISION: f64 = 1e-6;
 
@@ -144,6 +147,9 @@ impl Solid {
                 .max(length_squared(subtract(centre, b)))
                 .max(length_squared(subtract(centre, c)))
                 .sqrt();
+            if radius > LARGE * bound && self.upper_distance_of([a, b, c], centre, bound) <= bound {
+                continue;
+            }
             let probe = self.grid.probe(centre);
             let reach = LENIENCE * radius;
             if probe.upper <= bound {
@@ -158,13 +164,20 @@ impl Solid {
                             return false;
                         }
                     }
-                    None => {
-                        if !(self.field.is_within(centre, bound)
-                            || is_inside(&self.field, centre, self.is_closed))
-                        {
-                            return false;
+                    // The grid is too coarse for such a bound.
+                    None => match self.field.distance(centre, f64::INFINITY) {
+                        Some(closest) if closest.distance <= bound => {
+                            if closest.distance + reach <= bound {
+                                continue;
+                            }
                         }
-                    }
+                        Some(closest) if is_inside(&self.field, centre, self.is_closed) => {
+                            if self.is_closed && reach - closest.distance <= bound {
+                                continue;
+                            }
+                        }
+                        _ => return false,
+                    },
                 }
             }
             if radius <= SMALL * bound {
