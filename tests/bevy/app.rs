@@ -15,7 +15,7 @@ pub const DENSITY: f32 = 1000.0;
 const FRAME: Duration = Duration::from_micros(16_667);
 
 /// No job of these tests takes anywhere near this long; then something hangs.
-const PATIENCE: Duration = Duration::from_secs(120);
+const PATIENCE: Duration = Duration::from_secs(60);
 
 pub fn app() -> App {
     app_with(HullwrightSettings::default())
@@ -126,7 +126,13 @@ pub fn assert_near(found: Vec3, expected: impl Into<Vec3>, tolerance: f32) {
 pub fn update_until(app: &mut App, mut holds: impl FnMut(&App) -> bool) {
     let start = Instant::now();
     while !holds(app) {
-        assert!(start.elapsed() < PATIENCE, "it never came true");
+        assert!(
+            start.elapsed() < PATIENCE,
+            "it never came true; ready {:?}, failed {:?}, {:?}",
+            app.world().resource::<Seen>().ready,
+            app.world().resource::<Seen>().failed,
+            counters(app)
+        );
         app.update();
         std::thread::sleep(Duration::from_micros(200));
     }
