@@ -17,7 +17,7 @@ use super::baked::BakedDecomposition;
 use super::library::Material;
 use super::meanwhile::StandIn;
 use super::placement::{Placements, Stretch, map_mass};
-use super::work::{Budget, Delivery, SourceId, Work};
+use super::work::{Delivery, SourceId, Work};
 use super::{
     ConvexDecomposition, DecompositionCounters, DecompositionFailed, DecompositionFailure,
     DecompositionReady, DecompositionStatus, HullwrightSettings, Origin, Skip, colliders,
@@ -41,20 +41,18 @@ pub(super) struct Attached {
 /// What is looked at when a collider is attached.
 #[derive(SystemParam)]
 pub(super) struct Targets<'w, 's> {
-    targets: Query<
-        'w,
-        's,
-        (
-            Option<&'static ConvexDecomposition>,
-            Option<&'static BakedDecomposition>,
-            Option<&'static Attached>,
-            Option<&'static StandIn>,
-            Has<ColliderMassProperties>,
-        ),
-    >,
+    targets: Query<'w, 's, TargetComponents>,
     surfaces: Query<'w, 's, SurfaceComponents>,
     placements: Placements<'w, 's>,
 }
+
+type TargetComponents = (
+    Option<&'static ConvexDecomposition>,
+    Option<&'static BakedDecomposition>,
+    Option<&'static Attached>,
+    Option<&'static StandIn>,
+    Has<ColliderMassProperties>,
+);
 
 type SurfaceComponents = (
     Option<&'static Friction>,
@@ -74,7 +72,7 @@ pub(super) fn attach(
     mut sleepers: Sleepers,
     mut statuses: Query<&mut DecompositionStatus>,
 ) {
-    let mut budget = Budget::new(settings.frame_budget);
+    let mut budget = work.budget(&settings);
     for _ in 0..settings.max_attached_per_frame.max(1) {
         if work.deliveries.is_empty() || !budget.allows_one() {
             break;

@@ -82,27 +82,24 @@ pub(super) struct Nodes<'w, 's> {
     names: Query<'w, 's, &'static Name>,
     parents: Query<'w, 's, &'static ChildOf>,
     children: Query<'w, 's, &'static Children>,
-    own_tags: Query<
-        'w,
-        's,
-        (),
-        (
-            Or<(With<ConvexDecomposition>, With<BakedDecomposition>, With<NoConvexDecomposition>)>,
-            Without<TaggedByHierarchy>,
-        ),
-    >,
+    own_tags: Query<'w, 's, (), OwnTag>,
     tagged: Query<'w, 's, (), With<TaggedByHierarchy>>,
     #[cfg(feature = "bevy_gltf")]
-    extras: Query<
-        'w,
-        's,
-        (
-            Option<&'static bevy::gltf::GltfExtras>,
-            Option<&'static bevy::gltf::GltfMeshExtras>,
-            Option<&'static bevy::gltf::GltfMeshName>,
-        ),
-    >,
+    extras: Query<'w, 's, Extras>,
 }
+
+/// Tagged by somebody else.
+type OwnTag = (
+    Or<(With<ConvexDecomposition>, With<BakedDecomposition>, With<NoConvexDecomposition>)>,
+    Without<TaggedByHierarchy>,
+);
+
+#[cfg(feature = "bevy_gltf")]
+type Extras = (
+    Option<&'static bevy::gltf::GltfExtras>,
+    Option<&'static bevy::gltf::GltfMeshExtras>,
+    Option<&'static bevy::gltf::GltfMeshName>,
+);
 
 type NewMesh = (With<Mesh3d>, Or<(Added<Mesh3d>, Changed<ChildOf>)>);
 

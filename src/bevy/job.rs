@@ -53,7 +53,7 @@ pub(super) struct Machine {
 }
 
 enum State {
-    Start(Task),
+    Start(Box<Task>),
     Decompose(Box<Decomposing>),
     Done,
 }
@@ -73,7 +73,7 @@ impl Machine {
         cache_bytes: usize,
         disk_cache: Option<PathBuf>,
     ) -> Self {
-        Self { state: State::Start(task), map, library, cache_bytes, disk_cache }
+        Self { state: State::Start(Box::new(task)), map, library, cache_bytes, disk_cache }
     }
 
     /// Does all the work.
@@ -91,10 +91,12 @@ impl Machine {
         control: &Control,
     ) -> Result<Option<Outcome>, DecompositionFailure> {
         match std::mem::replace(&mut self.state, State::Done) {
-            State::Start(Task::Shape { content, material, origin }) => {
-                self.finish(content, material, origin).map(Some)
-            }
-            State::Start(Task::Mesh { data, parameters }) => self.start(data, parameters.as_ref()),
+            State::Start(task) => match *task {
+                Task::Shape { content, material, origin } => {
+                    self.finish(content, material, origin).map(Some)
+                }
+                Task::Mesh { data, parameters } => self.start(data, parameters.as_ref()),
+            },
             State::Decompose(mut work) => match work.decomposer.step(control)? {
                 None => {
                     self.state = State::Decompose(work);
@@ -108,7 +110,7 @@ impl Machine {
                     if let Some(directory) = &self.disk_cache {
                         write_to_disk(directory, content, &file);
                     }
-                    let material = Arc::new(Material::Hulls(file));
+                    let material = Arc::new(Material::Hulls(Box::new(file)));
                     let outcome = self.finish(content, material, Origin::Decomposed);
                     drop(claim);
                     outcome.map(Some)
@@ -136,7 +138,7 @@ impl Machine {
         };
         let from_disk = self.disk_cache.as_ref().and_then(|path| read_from_disk(path, content));
         if let Some(file) = from_disk {
-            let material = Arc::new(Material::Hulls(file));
+            let material = Arc::new(Material::Hulls(Box::new(file)));
             return self.finish(content, material, Origin::Disk).map(Some);
         }
         // Jobs are serial: several run at once, and the game needs threads too.

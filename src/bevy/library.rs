@@ -20,7 +20,7 @@ use super::placement::MapKey;
 #[derive(Debug)]
 pub(super) enum Material {
     /// Hulls, with mass properties at a density of 1.
-    Hulls(HullsFile),
+    Hulls(Box<HullsFile>),
     /// The mesh itself.
     Triangles(MeshData),
 }

@@ -11,7 +11,7 @@ use crate::hull::{HullBuilder, solid_hull};
 
 use super::mesh_data::{MeshData, read_parts};
 use super::run::pool;
-use super::work::{Budget, StandInJob, Work};
+use super::work::{StandInJob, Work};
 use super::{
     ConvexDecomposition, DecompositionStatus, Execution, HullwrightSettings, Meanwhile, colliders,
 };
@@ -44,7 +44,7 @@ pub(super) fn stand_in(
             commands.try_insert(ColliderMassProperties::Density(tag.density));
         }
     };
-    let mut budget = Budget::new(settings.frame_budget);
+    let mut budget = work.budget(&settings);
     while !work.to_fill.is_empty() && budget.allows_one() {
         let Some(entity) = work.to_fill.pop_front() else { break };
         let (Ok((tag, ..)), Some(request)) = (tags.get(entity), work.requests.get(&entity)) else {
@@ -79,6 +79,7 @@ pub(super) fn stand_in(
         }
         false
     });
+    work.spend(&budget);
 }
 
 /// Takes stand-ins off where nothing follows.

@@ -26,19 +26,20 @@ pub(super) fn notice_tags(
     parents: Query<&ChildOf>,
     mut statuses: Query<&mut DecompositionStatus>,
 ) {
-    let mut restart = |entity| {
+    let mut restart = |work: &mut Work, entity| {
         work.restart(entity);
         if let Ok(mut status) = statuses.get_mut(entity) {
             status.set_if_neq(DecompositionStatus::Waiting(Wait::ForMesh));
         }
     };
     for entity in &changed_tags {
-        restart(entity);
+        restart(&mut work, entity);
     }
     for mesh in &changed_meshes {
         let tag = std::iter::once(mesh).chain(parents.iter_ancestors(mesh));
-        if let Some(entity) = tag.into_iter().find(|entity| tagged.contains(*entity)) {
-            restart(entity);
+        let entity = tag.into_iter().find(|entity| tagged.contains(*entity));
+        if let Some(entity) = entity.filter(|entity| !work.is_to_be_resolved(*entity)) {
+            restart(&mut work, entity);
         }
     }
 }

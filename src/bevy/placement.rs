@@ -58,7 +58,7 @@ impl Stretch {
         let sizes = [x, y, z, (x * y).sqrt(), (x * z).sqrt(), (y * z).sqrt()];
         self.is_mirrored != other.is_mirrored
             || (self.products.iter().zip(other.products).zip(sizes))
-                .any(|((a, b), size)| !((a - b).abs() <= 2.0 * TOLERANCE * size))
+                .any(|((a, b), size)| (a - b).abs() > 2.0 * TOLERANCE * size)
     }
 }
 

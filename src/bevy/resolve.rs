@@ -18,7 +18,7 @@ use super::library::{Content, Library, Material, parameters_text};
 use super::meanwhile::StandIn;
 use super::mesh_data::Part;
 use super::placement::{MapKey, Placements};
-use super::work::{Ask, Budget, Delivery, SourceId, Work};
+use super::work::{Ask, Delivery, SourceId, Work};
 use super::{
     ConvexDecomposition, DecompositionCounters, DecompositionFailure, DecompositionStatus,
     HullwrightSettings, Meanwhile, NoConvexDecomposition, Origin, Skip, Wait,
@@ -27,27 +27,8 @@ use super::{
 /// What is looked at to know what an entity wants.
 #[derive(SystemParam)]
 pub(super) struct Scene<'w, 's> {
-    tags: Query<
-        'w,
-        's,
-        (
-            Option<&'static ConvexDecomposition>,
-            Option<&'static BakedDecomposition>,
-            Has<Collider>,
-            Has<Attached>,
-            Has<StandIn>,
-        ),
-    >,
-    below: Query<
-        'w,
-        's,
-        (
-            Has<ConvexDecomposition>,
-            Has<BakedDecomposition>,
-            Has<RigidBody>,
-            Has<NoConvexDecomposition>,
-        ),
-    >,
+    tags: Query<'w, 's, TagComponents>,
+    below: Query<'w, 's, InputEnds>,
     meshes_on: Query<'w, 's, &'static Mesh3d>,
     children: Query<'w, 's, &'static Children>,
     placements: Placements<'w, 's>,
@@ -55,6 +36,18 @@ pub(super) struct Scene<'w, 's> {
     baked: Res<'w, Assets<BakedHulls>>,
     server: Option<Res<'w, AssetServer>>,
 }
+
+type TagComponents = (
+    Option<&'static ConvexDecomposition>,
+    Option<&'static BakedDecomposition>,
+    Has<Collider>,
+    Has<Attached>,
+    Has<StandIn>,
+);
+
+/// What ends an input: an entity with any of these belongs to itself.
+type InputEnds =
+    (Has<ConvexDecomposition>, Has<BakedDecomposition>, Has<RigidBody>, Has<NoConvexDecomposition>);
 
 /// What is to become of an entity.
 enum Resolution {
@@ -64,7 +57,7 @@ enum Resolution {
     Later,
     HasCollider,
     Failed(DecompositionFailure),
-    Ask(Ask),
+    Ask(Box<Ask>),
 }
 
 /// Looks at entities whose meshes are not known yet, each at most once per frame.
@@ -76,7 +69,7 @@ pub(super) fn resolve(
     scene: Scene,
     mut statuses: Query<&mut DecompositionStatus>,
 ) {
-    let mut budget = Budget::new(settings.frame_budget);
+    let mut budget = work.budget(&settings);
     for _ in 0..work.to_resolve.len() {
         if !budget.allows_one() {
             break;
@@ -99,7 +92,7 @@ pub(super) fn resolve(
             }
             Resolution::Failed(failure) => work.failures.push((entity, failure)),
             Resolution::Ask(ask) => {
-                let ask = Arc::new(ask);
+                let ask: Arc<Ask> = Arc::from(ask);
                 match known(&work, &library, &ask) {
                     Some(Ok(made)) => {
                         let ask = ask.clone();
@@ -120,6 +113,7 @@ pub(super) fn resolve(
             }
         }
     }
+    work.spend(&budget);
 }
 
 /// A result that is there without any work.
@@ -157,14 +151,14 @@ impl Scene<'_, '_> {
             return self.not_there(id.untyped());
         }
         let placement = self.placements.placement(entity);
-        Resolution::Ask(Ask {
+        Resolution::Ask(Box::new(Ask {
             source: Arc::new(SourceId::Baked(id)),
             parts: Vec::new(),
             parameters: None,
             before: Affine3A::IDENTITY,
             map: placement.map,
             stretch: placement.stretch,
-        })
+        }))
     }
 
     fn mesh(
@@ -195,17 +189,17 @@ impl Scene<'_, '_> {
         };
         let source = SourceId::Mesh {
             parts: parts.iter().map(|part| (part.mesh, MapKey::new(&part.to_input))).collect(),
-            recipe: parameters_text(parameters.as_ref()),
+            recipe: *blake3::hash(parameters_text(parameters.as_ref()).as_bytes()).as_bytes(),
             before: MapKey::new(&before),
         };
-        Resolution::Ask(Ask {
+        Resolution::Ask(Box::new(Ask {
             source: Arc::new(source),
             parts,
             parameters,
             before,
             map,
             stretch: placement.stretch,
-        })
+        }))
     }
 
     /// The meshes on an entity and below it, in the order of the children.
@@ -244,7 +238,7 @@ impl Scene<'_, '_> {
     /// The hulls of a baked asset.
     pub(super) fn baked_material(&self, id: AssetId<BakedHulls>) -> Option<Arc<Material>> {
         let BakedHulls(file) = self.baked.get(id)?;
-        Some(Arc::new(Material::Hulls(file.clone())))
+        Some(Arc::new(Material::Hulls(Box::new(file.clone()))))
     }
 
     pub(super) fn meshes(&self) -> &Assets<Mesh> {

@@ -1,9 +1,11 @@
 //! Jobs begin, go on and end here. Nothing waits for them.
 
 use std::cmp::Ordering;
+use std::time::Duration;
 
 use bevy::asset::AssetId;
 use bevy::ecs::entity::EntityHashSet;
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, TaskPool, block_on, poll_once};
 
@@ -28,8 +30,9 @@ pub(super) fn finish_jobs(
     settings: Res<HullwrightSettings>,
     mut statuses: Query<&mut DecompositionStatus>,
 ) {
-    let mut budget = Budget::new(settings.frame_budget);
     let work = &mut *work;
+    work.spent = Duration::ZERO;
+    let mut budget = work.budget(&settings);
     let mut index = 0;
     while let Some(job) = work.jobs.get_mut(index) {
         if let Some(result) = result_of(job, &mut budget) {
@@ -40,13 +43,17 @@ pub(super) fn finish_jobs(
             index += 1;
         }
     }
+    work.spend(&budget);
 }
 
 fn result_of(job: &mut Job, budget: &mut Budget) -> Option<Result<Outcome, DecompositionFailure>> {
     match &mut job.worker {
         Worker::Thread(task) => {
-            // A panic in the task would be thrown on here; there is none that we know of.
-            if task.is_finished() { block_on(poll_once(task)) } else { None }
+            if task.is_finished() {
+                block_on(poll_once(task))
+            } else {
+                None
+            }
         }
         Worker::Slices(machine) => {
             while budget.allows_one() {
@@ -143,17 +150,16 @@ pub(super) fn start_jobs(
     settings: Res<HullwrightSettings>,
     library: Res<Library>,
     scene: Scene,
-    focuses: Query<Entity, With<DecompositionFocus>>,
-    places: TransformHelper,
+    near: Near,
     mut statuses: Query<&mut DecompositionStatus>,
 ) {
     let work = &mut *work;
+    let mut budget = work.budget(&settings);
     let most = most_jobs(&settings);
     if !work.queue.is_empty() {
         if work.jobs.len() < most {
-            sort_by_distance(&mut work.queue, &focuses, &places);
+            near.sort(&mut work.queue);
         }
-        let mut budget = Budget::new(settings.frame_budget);
         let mut begun = EntityHashSet::default();
         for index in 0..work.queue.len() {
             let entity = work.queue[index];
@@ -194,6 +200,7 @@ pub(super) fn start_jobs(
         }
         work.queue.retain(|entity| !begun.contains(entity));
     }
+    work.spend(&budget);
     if !work.is_idle() || counters.running + counters.queued + counters.waiting_for_mesh > 0 {
         counters.running = work.jobs.len();
         counters.queued = work.queue.len();
@@ -288,7 +295,12 @@ fn begin(
         Execution::Slices => Worker::Slices(Box::new(machine)),
         Execution::Background => {
             let control = control.clone();
-            Worker::Thread(pool().spawn(async move { machine.run(&control) }))
+            // A defect of ours shall cost a collider, not the game.
+            let run = move || machine.run(&control);
+            Worker::Thread(pool().spawn(async move {
+                std::panic::catch_unwind(std::panic::AssertUnwindSafe(run))
+                    .unwrap_or(Err(DecompositionFailure::Lost))
+            }))
         }
     };
     work.jobs.push(Job {
@@ -302,24 +314,27 @@ fn begin(
     });
 }
 
-/// Stable, so that without a focus those that came first go first. What has no place goes last.
-fn sort_by_distance(
-    queue: &mut [Entity],
-    focuses: &Query<Entity, With<DecompositionFocus>>,
-    places: &TransformHelper,
-) {
-    // Also in the frame in which they are spawned, when `GlobalTransform` is not known yet.
-    let place = |entity| Some(places.compute_global_transform(entity).ok()?.translation());
-    let focuses: Vec<Vec3> = focuses.iter().filter_map(place).collect();
-    if focuses.is_empty() {
-        return;
-    }
-    queue.sort_by_cached_key(|entity| {
+/// What the queue is sorted by.
+#[derive(SystemParam)]
+pub(super) struct Near<'w, 's> {
+    focuses: Query<'w, 's, Entity, With<DecompositionFocus>>,
+    places: TransformHelper<'w, 's>,
+}
+
+impl Near<'_, '_> {
+    /// Stable, so that without a focus those that came first go first. What has no place goes last.
+    fn sort(&self, queue: &mut [Entity]) {
+        // Also in the frame in which they are spawned, when `GlobalTransform` is not known yet.
+        let place = |entity| Some(self.places.compute_global_transform(entity).ok()?.translation());
+        let focuses: Vec<Vec3> = self.focuses.iter().filter_map(place).collect();
+        if focuses.is_empty() {
+            return;
+        }
         let distance = |place: Vec3| {
             focuses.iter().map(|focus| focus.distance_squared(place)).fold(f32::INFINITY, f32::min)
         };
-        Nearness(place(*entity).map_or(f32::INFINITY, distance))
-    });
+        queue.sort_by_cached_key(|entity| Nearness(place(*entity).map_or(f32::INFINITY, distance)));
+    }
 }
 
 #[derive(PartialEq)]

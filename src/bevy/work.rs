@@ -14,20 +14,20 @@ use bevy_rapier3d::rapier::geometry::SharedShape;
 
 use crate::{Control, Parameters};
 
-use super::DecompositionFailure;
 use super::baked::BakedHulls;
 use super::job::{Machine, Made, Outcome, ProgressCell};
 use super::library::Content;
 use super::mesh_data::Part;
 use super::placement::{MapKey, Stretch};
+use super::{DecompositionFailure, HullwrightSettings};
 
 /// Names what a collider is made from without looking into it.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(super) enum SourceId {
     Mesh {
         parts: Vec<(AssetId<Mesh>, MapKey)>,
-        /// What to make of it, as a text.
-        recipe: String,
+        /// Hash of what to make of it.
+        recipe: [u8; 32],
         /// Applied before the work.
         before: MapKey,
     },
@@ -116,6 +116,8 @@ pub(super) struct Work {
     /// Who wants a stand-in.
     pub to_fill: VecDeque<Entity>,
     pub stand_ins: Vec<StandInJob>,
+    /// Time that the systems have taken in this frame.
+    pub spent: Duration,
     /// Whose scale changed, to what, and when it last did.
     pub rescaling: EntityHashMap<(Stretch, Instant)>,
 }
@@ -153,6 +155,22 @@ impl Work {
         true
     }
 
+    /// Whether an entity is to be looked at anyway.
+    pub(super) fn is_to_be_resolved(&self, entity: Entity) -> bool {
+        self.requests.get(&entity).is_some_and(|request| request.ask.is_none())
+    }
+
+    /// The time that a system may take: what the others have left of the frame's budget.
+    pub(super) fn budget(&self, settings: &HullwrightSettings) -> Budget {
+        let length = settings.frame_budget.saturating_sub(self.spent);
+        Budget { start: Instant::now(), length, has_begun: false }
+    }
+
+    /// Says what a system has taken.
+    pub(super) fn spend(&mut self, budget: &Budget) {
+        self.spent += budget.start.elapsed();
+    }
+
     /// Forgets what was made from a mesh.
     pub(super) fn forget_mesh(&mut self, id: AssetId<Mesh>) {
         self.known.retain(|source, _| !source.uses_mesh(id));
@@ -163,7 +181,7 @@ impl Work {
     }
 }
 
-/// The time that the systems may still take in this frame.
+/// The time that a system may take in this frame.
 pub(super) struct Budget {
     start: Instant,
     length: Duration,
@@ -171,10 +189,6 @@ pub(super) struct Budget {
 }
 
 impl Budget {
-    pub(super) fn new(length: Duration) -> Self {
-        Self { start: Instant::now(), length, has_begun: false }
-    }
-
     /// Whether there is time for another piece of work; for the first there always is.
     pub(super) fn allows_one(&mut self) -> bool {
         let allows = !self.has_begun || self.start.elapsed() < self.length;
