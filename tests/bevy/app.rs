@@ -25,8 +25,17 @@ pub fn app_with(settings: HullwrightSettings) -> App {
     app_with_assets(settings, assets())
 }
 
+/// With more plugins.
+pub fn app_with_plugins(settings: HullwrightSettings, add: impl FnOnce(&mut App)) -> App {
+    start(new_app(settings, assets(), add))
+}
+
 /// With a directory to load assets from.
 pub fn app_with_assets(settings: HullwrightSettings, file_path: String) -> App {
+    start(new_app(settings, file_path, |_| {}))
+}
+
+fn new_app(settings: HullwrightSettings, file_path: String, add: impl FnOnce(&mut App)) -> App {
     let mut app = App::new();
     app.add_plugins((
         MinimalPlugins,
@@ -43,6 +52,11 @@ pub fn app_with_assets(settings: HullwrightSettings, file_path: String) -> App {
     app.add_observer(|event: On<DecompositionFailed>, mut seen: ResMut<Seen>| {
         seen.failed.push((event.entity, event.failure.to_string()));
     });
+    add(&mut app);
+    app
+}
+
+fn start(mut app: App) -> App {
     app.finish();
     app.cleanup();
     // Rapier makes its context in the first frame.

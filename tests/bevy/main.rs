@@ -3,6 +3,8 @@
 mod app;
 mod baked;
 mod falling;
+#[cfg(feature = "bevy_gltf")]
+mod gltf;
 mod meanwhile;
 mod meshes;
 mod order;
