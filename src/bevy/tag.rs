@@ -92,3 +92,24 @@ pub struct NoConvexDecomposition;
 #[derive(Component, Reflect, Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct DecompositionFocus;
+
+#[cfg(all(test, feature = "serde", feature = "io"))]
+mod tests {
+    use super::*;
+    use crate::Unit;
+
+    #[test]
+    fn a_tag_is_written_and_read() {
+        let mut tag = ConvexDecomposition::from(Preset::Fine).with_density(3.0);
+        tag.parameters.bounded.max_error = Unit::Absolute(0.02);
+        tag.parameters.bounded.max_hulls = Some(7);
+        let text = serde_json::to_string(&tag).unwrap();
+        assert_eq!(serde_json::from_str::<ConvexDecomposition>(&text).unwrap(), tag);
+    }
+
+    #[test]
+    fn what_is_left_out_has_its_default() {
+        let tag: ConvexDecomposition = serde_json::from_str(r#"{"density": 2.0}"#).unwrap();
+        assert_eq!(tag, ConvexDecomposition::default().with_density(2.0));
+    }
+}
