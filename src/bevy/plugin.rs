@@ -16,8 +16,8 @@ use super::{
 
 /// Gives entities with [`ConvexDecomposition`] their colliders.
 ///
-/// Needs `AssetPlugin`; `MinimalPlugins` are enough otherwise. Rapier's own plugin may be added
-/// before or after, or not at all.
+/// Needs Bevy's `AssetPlugin`; `MinimalPlugins` are enough otherwise. The order of plugins does not
+/// matter.
 #[derive(Debug, Clone, Default)]
 pub struct HullwrightPlugin {
     /// The settings to begin with.
@@ -38,10 +38,10 @@ pub enum HullwrightSystems {
 
 impl Plugin for HullwrightPlugin {
     fn build(&self, app: &mut App) {
-        app.init_asset::<Mesh>()
-            .init_asset::<BakedHulls>()
-            .register_asset_loader(HullsLoader)
-            .insert_resource(self.settings.clone())
+        if has_asset_server(app) {
+            set_up_assets(app);
+        }
+        app.insert_resource(self.settings.clone())
             .init_resource::<Work>()
             .init_resource::<Library>()
             .init_resource::<DecompositionCounters>()
@@ -89,6 +89,26 @@ impl Plugin for HullwrightPlugin {
             ),
         );
     }
+
+    fn finish(&self, app: &mut App) {
+        // Where Bevy's plugin for assets came after ours.
+        if has_asset_server(app) && !app.world().contains_resource::<Assets<BakedHulls>>() {
+            set_up_assets(app);
+        }
+    }
+}
+
+fn has_asset_server(app: &App) -> bool {
+    app.world().contains_resource::<AssetServer>()
+}
+
+/// Meshes are Bevy's own; without its plugin for them, as on a server, they are set up here. Doing
+/// so twice would throw away what is there.
+fn set_up_assets(app: &mut App) {
+    if !app.world().contains_resource::<Assets<Mesh>>() {
+        app.init_asset::<Mesh>();
+    }
+    app.init_asset::<BakedHulls>().register_asset_loader(HullsLoader);
 }
 
 fn is_busy(work: Res<Work>, counters: Res<DecompositionCounters>) -> bool {

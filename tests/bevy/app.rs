@@ -143,8 +143,8 @@ pub fn update_until(app: &mut App, mut holds: impl FnMut(&App) -> bool) {
         assert!(
             start.elapsed() < PATIENCE,
             "it never came true; ready {:?}, failed {:?}, {:?}",
-            app.world().resource::<Seen>().ready,
-            app.world().resource::<Seen>().failed,
+            app.world().get_resource::<Seen>().map(|seen| &seen.ready),
+            app.world().get_resource::<Seen>().map(|seen| &seen.failed),
             counters(app)
         );
         app.update();

@@ -46,6 +46,29 @@ fn it_works_without_rapiers_plugin() {
 }
 
 #[test]
+fn the_order_of_plugins_does_not_matter() {
+    for is_first in [true, false] {
+        let mut app = App::new();
+        let others = (MinimalPlugins, bevy::asset::AssetPlugin::default(), bevy::mesh::MeshPlugin);
+        if is_first {
+            app.add_plugins(HullwrightPlugin::default()).add_plugins(others);
+        } else {
+            app.add_plugins(others);
+            let before = add(&mut app, model("u_prism"));
+            app.add_plugins(HullwrightPlugin::default());
+            // What was there is not thrown away.
+            assert!(app.world().resource::<Assets<Mesh>>().contains(&before));
+        }
+        app.finish();
+        app.cleanup();
+        let mesh = add(&mut app, model("u_prism"));
+        let entity = spawn(&mut app, &mesh);
+        update_until_finished(&mut app, &[entity]);
+        assert!(matches!(status(&app, entity), DecompositionStatus::Ready(_)));
+    }
+}
+
+#[test]
 fn tags_and_settings_are_reflected() {
     let app = app();
     let registry = app.world().resource::<AppTypeRegistry>().read();
