@@ -34,6 +34,8 @@ pub(super) struct Attached {
         expect(dead_code, reason = "drawn with the feature `debug`")
     )]
     pub map: Affine3A,
+    /// Whether it is the triangle mesh.
+    pub is_exact: bool,
     /// Whether we set the mass properties, or found them set.
     owns_mass: bool,
 }
@@ -190,6 +192,7 @@ impl Targets<'_, '_> {
                 source: ask.source.clone(),
                 stretch: ask.stretch,
                 map: ask.map * ask.before,
+                is_exact: ask.is_exact(),
                 owns_mass,
             },
         ));

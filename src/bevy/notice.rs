@@ -4,6 +4,7 @@
 use bevy::asset::AssetEvent;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
+use bevy_rapier3d::prelude::RigidBody;
 
 use super::attach::Attached;
 use super::baked::{BakedDecomposition, BakedHulls};
@@ -40,6 +41,31 @@ pub(super) fn notice_tags(
         let entity = tag.into_iter().find(|entity| tagged.contains(*entity));
         if let Some(entity) = entity.filter(|entity| !work.is_to_be_resolved(*entity)) {
             restart(&mut work, entity);
+        }
+    }
+}
+
+/// Bodies that became fixed or are no longer: one wants the triangles, the other hulls.
+pub(super) fn notice_bodies(
+    mut work: ResMut<Work>,
+    settings: Res<HullwrightSettings>,
+    changed: Query<(Entity, &RigidBody), Changed<RigidBody>>,
+    children: Query<&Children>,
+    attached: Query<&Attached>,
+) {
+    if !settings.exact_fixed_bodies {
+        return;
+    }
+    for (body, kind) in &changed {
+        let is_fixed = *kind == RigidBody::Fixed;
+        for entity in std::iter::once(body).chain(children.iter_descendants(body)) {
+            let ask = work.requests.get(&entity).and_then(|request| request.ask.as_ref());
+            let is_exact = ask
+                .map(|ask| ask.is_exact())
+                .or_else(|| attached.get(entity).ok().map(|attached| attached.is_exact));
+            if is_exact.is_some_and(|is_exact| is_exact != is_fixed) {
+                work.restart(entity);
+            }
         }
     }
 }

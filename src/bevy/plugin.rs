@@ -69,6 +69,7 @@ impl Plugin for HullwrightPlugin {
                 (
                     hierarchy::tag_hierarchies,
                     notice::notice_tags,
+                    notice::notice_bodies,
                     notice::notice_assets,
                     notice::notice_scales,
                 )

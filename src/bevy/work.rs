@@ -57,6 +57,11 @@ pub(super) struct Ask {
 }
 
 impl Ask {
+    /// Whether it is for the triangles as they are.
+    pub(super) fn is_exact(&self) -> bool {
+        self.parameters.is_none() && matches!(*self.source, SourceId::Mesh { .. })
+    }
+
     pub(super) fn map_key(&self) -> MapKey {
         MapKey::new(&self.map)
     }

@@ -39,6 +39,21 @@ fn a_fixed_body_gets_hulls_if_the_settings_say_so() {
 }
 
 #[test]
+fn a_body_that_is_no_longer_fixed_gets_hulls_and_back() {
+    let mut app = app();
+    let mesh = add(&mut app, model("u_prism"));
+    let body = app.world_mut().spawn((RigidBody::Fixed, Transform::default())).id();
+    let child = app.world_mut().spawn((Mesh3d(mesh), tag(), ChildOf(body))).id();
+    update_until_finished(&mut app, &[child]);
+    assert!(collider(&app, child).as_trimesh().is_some());
+    app.world_mut().entity_mut(body).insert(RigidBody::Dynamic);
+    update_until(&mut app, |app| collider(app, child).as_compound().is_some());
+    assert!(app.world().get::<ColliderMassProperties>(child).is_some());
+    app.world_mut().entity_mut(body).insert(RigidBody::Fixed);
+    update_until(&mut app, |app| collider(app, child).as_trimesh().is_some());
+}
+
+#[test]
 fn entities_with_the_same_mesh_share_one_job_while_it_is_in_flight() {
     let mut app = app();
     let mesh = add(&mut app, model("gear"));

@@ -112,6 +112,22 @@ fn app_at_work() -> (App, Entity) {
 }
 
 #[test]
+fn progress_rises_and_never_falls() {
+    let (mut app, entity) = app_at_work();
+    let mut all: Vec<f32> = Vec::new();
+    update_until(&mut app, |app| {
+        if let DecompositionStatus::Running { progress } = status(app, entity) {
+            assert!((0.0..=1.0).contains(&progress));
+            assert!(all.last().is_none_or(|last| progress >= *last));
+            all.push(progress);
+        }
+        status(app, entity).is_finished()
+    });
+    all.dedup();
+    assert!(all.len() > 3, "only {all:?} was seen");
+}
+
+#[test]
 fn removing_the_tag_cancels_the_work() {
     let (mut app, entity) = app_at_work();
     app.world_mut().entity_mut(entity).remove::<ConvexDecomposition>();
