@@ -179,6 +179,11 @@ pub(super) fn start_jobs(
                     begun.insert(entity);
                     continue;
                 }
+                Place::Failed(failure) => {
+                    work.failures.push((entity, failure));
+                    begun.insert(entity);
+                    continue;
+                }
                 Place::New if work.jobs.len() >= most || !budget.allows_one() => false,
                 Place::New => {
                     match task_for(work, &library, &ask, &scene) {
@@ -225,6 +230,8 @@ pub(super) fn pool() -> &'static AsyncComputeTaskPool {
 enum Place {
     Join(usize),
     Ready(Made),
+    /// Others that wanted the same failed.
+    Failed(DecompositionFailure),
     New,
     /// Another job is at work on the same input.
     Later,
@@ -237,6 +244,7 @@ fn place_for(work: &Work, library: &Library, ask: &Ask) -> Place {
         return Place::Join(job);
     }
     match work.known.get(&ask.source) {
+        Some(Err(failure)) => Place::Failed(failure.clone()),
         Some(Ok(content)) => {
             if let Some((material, shape)) = library.shape(*content, map) {
                 let origin = Origin::Shared;

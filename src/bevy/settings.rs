@@ -36,7 +36,8 @@ pub struct HullwrightSettings {
     pub scale_delay: Duration,
     /// Size of the cache in memory, in bytes; 0 for none. Default 64 MiB.
     pub cache_bytes: usize,
-    /// Directory of a cache on disk, made if need be; `None` for none. Default `None`.
+    /// Directory of a cache on disk, made if need be; `None` for none. It grows: nothing is ever
+    /// removed from it. Default `None`.
     pub disk_cache: Option<PathBuf>,
 }
 
