@@ -26,6 +26,7 @@ pub fn app_with(settings: HullwrightSettings) -> App {
 }
 
 /// With more plugins.
+#[cfg(feature = "bevy_gltf")]
 pub fn app_with_plugins(settings: HullwrightSettings, add: impl FnOnce(&mut App)) -> App {
     start(new_app(settings, assets(), add))
 }
