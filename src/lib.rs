@@ -40,8 +40,11 @@
 //! | `io` (feature) | readers and writers of mesh files | – |
 //! | `collider` (features `rapier`, `bevy`) | hulls checked and made ready for a physics engine | – |
 //! | `rapier` (feature) | colliders and mass properties for rapier3d 0.36 | – |
+//! | `bevy` (feature) | the plugin for Bevy 0.19 with bevy_rapier3d 0.36 | – |
 //! | `picture` (feature `io`) | draws meshes and hulls into a PNG, without a GPU | – |
 
+#[cfg(feature = "bevy")]
+pub mod bevy;
 mod bounded;
 #[cfg(feature = "nalgebra")]
 mod collider;

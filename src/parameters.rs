@@ -5,6 +5,8 @@ use crate::Error;
 /// Which method decomposes the mesh.
 #[non_exhaustive]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Method {
     /// Hullwright's own: the paper's groups, merged, grown and dissolved into few hulls under a
     /// bound on the error that is verified against the source.
@@ -27,6 +29,8 @@ impl Method {
 
 /// A length: relative to the mesh, or in its own units.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Unit {
     /// This many bounding-box diagonals.
     Diagonals(f64),
@@ -53,6 +57,8 @@ pub(crate) const PAPER_UNIT: Unit = Unit::Diagonals(1.0 / 2.24);
 /// ```
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct SurfaceParameters {
     /// Q: the simplification target is the triangle count times Q, repeated until it is at most
     /// r. In (0, 1]; 1 means no simplification. Paper: 0.8 (section 3.2).
@@ -149,6 +155,8 @@ impl Default for SurfaceParameters {
 /// How much work the bounded method puts into few hulls. All keep the bound.
 #[non_exhaustive]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Preset {
     /// Coarser seeds and no dissolving: about a fifth more hulls in less than half of the time.
     Fast,
@@ -174,6 +182,8 @@ impl Preset {
 /// Parameters of the bounded method.
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct BoundedParameters {
     /// The bound: no point on the boundary of the hulls' union is farther than this outside the
     /// solid, and no point of the surface farther than this outside every hull. The solid is
@@ -231,6 +241,8 @@ impl Default for BoundedParameters {
 /// ```
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct Parameters {
     /// The method.
     pub method: Method,

@@ -1,0 +1,223 @@
+//! What the Bevy plugin costs the main thread: `cargo bench --bench plugin --features io,bevy`.
+//!
+//! Measured is what lies between the first and the last of the plugin's systems, with the commands
+//! that they issue and the observers that they run.
+
+use std::time::{Duration, Instant};
+
+use bevy::asset::{AssetEventSystems, AssetPlugin, RenderAssetUsages};
+use bevy::ecs::schedule::SingleThreadedExecutor;
+use bevy::mesh::{Indices, PrimitiveTopology};
+use bevy::prelude::*;
+use bevy_rapier3d::prelude::Collider;
+use hullwright::bevy::prelude::*;
+use hullwright::io::read_mesh;
+
+const MODELS: [&str; 10] =
+    ["mug", "table", "chair", "lamp", "bowl", "plus", "torus", "gear", "l_prism", "u_prism"];
+
+/// Entities that are finished.
+const IDLE_ENTITIES: usize = 1000;
+
+const IDLE_FRAMES: usize = 2000;
+
+/// Meshes that are tagged in one frame.
+const MESHES: usize = 200;
+
+/// A frame of a game, about.
+const PAUSE: Duration = Duration::from_millis(4);
+
+/// When the plugin's systems began, and how long they took.
+#[derive(Resource)]
+struct Watch {
+    start: Instant,
+    taken: Duration,
+    /// The same by the processor's clock, which stands still while another program runs; where
+    /// Linux says so and somebody asks.
+    asks_processor: bool,
+    processor_start: Duration,
+    processor_taken: Duration,
+}
+
+/// Time that the processor has given to this thread.
+fn processor_time() -> Duration {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
+    let first = text.split_whitespace().next().and_then(|word| word.parse().ok());
+    Duration::from_nanos(first.unwrap_or_default())
+}
+
+impl Watch {
+    fn begin(mut watch: ResMut<Self>) {
+        if watch.asks_processor {
+            watch.processor_start = processor_time();
+        }
+        watch.start = Instant::now();
+    }
+
+    fn end(mut watch: ResMut<Self>) {
+        watch.taken = watch.start.elapsed();
+        if watch.asks_processor {
+            watch.processor_taken = processor_time() - watch.processor_start;
+        }
+    }
+}
+
+fn main() {
+    idle();
+    known_mesh();
+    many_meshes();
+}
+
+fn app() -> App {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, AssetPlugin::default(), HullwrightPlugin::default()));
+    app.insert_resource(Watch {
+        start: Instant::now(),
+        taken: Duration::ZERO,
+        asks_processor: false,
+        processor_start: Duration::ZERO,
+        processor_taken: Duration::ZERO,
+    });
+    // One after the other, so that nothing else runs between the two that look at the clock.
+    app.edit_schedule(PostUpdate, |schedule| {
+        schedule.set_executor(SingleThreadedExecutor::new());
+    });
+    app.add_systems(
+        PostUpdate,
+        (
+            Watch::begin.after(AssetEventSystems).before(HullwrightSystems::Notice),
+            Watch::end.after(HullwrightSystems::Attach),
+        ),
+    );
+    app.finish();
+    app.cleanup();
+    app
+}
+
+fn taken(app: &App) -> Duration {
+    app.world().resource::<Watch>().taken
+}
+
+fn microseconds(duration: Duration) -> f64 {
+    1e6 * duration.as_secs_f64()
+}
+
+/// A model, stretched so that it is another for each number.
+fn mesh(number: usize) -> Mesh {
+    let name = MODELS[number % MODELS.len()];
+    let file = read_mesh(format!("{}/assets/{name}.glb", env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let stretch = 1.0 + 0.02 * (number / MODELS.len()) as f64;
+    let positions: Vec<[f32; 3]> =
+        file.positions.iter().map(|p| [p[0] * stretch, p[1], p[2]].map(|x| x as f32)).collect();
+    let indices = file.triangles.iter().flatten().copied().collect();
+    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
+        .with_inserted_indices(Indices::U32(indices))
+}
+
+fn add(app: &mut App, mesh: Mesh) -> Handle<Mesh> {
+    app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh)
+}
+
+fn spawn(app: &mut App, mesh: &Handle<Mesh>) {
+    app.world_mut().spawn((Mesh3d(mesh.clone()), ConvexDecomposition::default()));
+}
+
+fn is_finished(app: &mut App) -> bool {
+    let world = app.world_mut();
+    world.query::<&DecompositionStatus>().iter(world).all(DecompositionStatus::is_finished)
+}
+
+fn update_until_finished(app: &mut App) {
+    while !is_finished(app) {
+        app.update();
+        std::thread::sleep(PAUSE);
+    }
+}
+
+fn median(times: &mut [Duration]) -> Duration {
+    times.sort_unstable();
+    times[times.len() / 2]
+}
+
+fn idle() {
+    let mut app = app();
+    let handle = add(&mut app, mesh(9));
+    (0..IDLE_ENTITIES).for_each(|_| spawn(&mut app, &handle));
+    update_until_finished(&mut app);
+    let mut times: Vec<Duration> = (0..IDLE_FRAMES)
+        .map(|_| {
+            app.update();
+            taken(&app)
+        })
+        .collect();
+    let median = microseconds(median(&mut times));
+    println!("idle: {IDLE_ENTITIES} finished entities cost {median:.1} µs per frame (target 20)");
+}
+
+fn known_mesh() {
+    let mut app = app();
+    let handle = add(&mut app, mesh(7));
+    spawn(&mut app, &handle);
+    update_until_finished(&mut app);
+    let mut times: Vec<Duration> = (0..IDLE_ENTITIES)
+        .map(|_| {
+            spawn(&mut app, &handle);
+            app.update();
+            assert!(is_finished(&mut app), "not in the next frame");
+            taken(&app)
+        })
+        .collect();
+    let median = microseconds(median(&mut times));
+    println!("known mesh: its collider is there in the next frame, in {median:.1} µs (target 50)");
+}
+
+fn many_meshes() {
+    let meshes: Vec<Mesh> = (0..MESHES).map(mesh).collect();
+    let start = Instant::now();
+    for mesh in meshes.iter().take(MODELS.len()) {
+        let (positions, triangles) = parts(mesh);
+        std::hint::black_box(Collider::convex_decomposition(&positions, &triangles));
+    }
+    // The stretched ones take as long as the first of their kind.
+    let rapiers = start.elapsed().as_secs_f64() * (MESHES / MODELS.len()) as f64;
+
+    let mut app = app();
+    for mesh in meshes {
+        let handle = add(&mut app, mesh);
+        spawn(&mut app, &handle);
+    }
+    app.world_mut().resource_mut::<Watch>().asks_processor = true;
+    let mut processor_times = Vec::new();
+    let start = Instant::now();
+    let mut times = Vec::new();
+    while !is_finished(&mut app) {
+        app.update();
+        times.push(taken(&app));
+        processor_times.push(app.world().resource::<Watch>().processor_taken);
+        std::thread::sleep(PAUSE);
+    }
+    let seconds = start.elapsed().as_secs_f64();
+    let frames = times.len();
+    let median = microseconds(median(&mut times)) / 1e3;
+    let longest = microseconds(times.pop().unwrap_or_default()) / 1e3;
+    let slowest = (processor_times.iter().enumerate()).max_by_key(|(_, time)| **time);
+    let (frame, worked) = slowest.map_or((0, 0.0), |(i, time)| (i, microseconds(*time) / 1e3));
+    println!(
+        "{MESHES} meshes tagged in one frame: ready after {seconds:.1} s and {frames} frames; the \
+         plugin's systems take {median:.3} ms in the median frame, {longest:.3} ms in the longest \
+         (target 2), {worked:.3} ms by the processor's clock, in frame {frame}"
+    );
+    println!(
+        "bevy_rapier's AsyncCollider with ConvexDecomposition does the same in its system: the \
+         main thread stands still for {rapiers:.1} s (its decomposition timed on {} of them)",
+        MODELS.len()
+    );
+}
+
+fn parts(mesh: &Mesh) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let positions = mesh.attribute(Mesh::ATTRIBUTE_POSITION).and_then(|p| p.as_float3()).unwrap();
+    let indices: Vec<u32> = mesh.indices().unwrap().iter().map(|i| i as u32).collect();
+    let triangles = indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
+    (positions.iter().map(|p| Vec3::from(*p)).collect(), triangles)
+}

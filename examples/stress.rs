@@ -1,0 +1,123 @@
+//! Hundreds of props of ten kinds rain into a Bevy app without a window, first unknown to the
+//! plugin, then known; prints how long frames took:
+//! `cargo run --release --example stress --features io,bevy [PROPS]`.
+
+use std::time::{Duration, Instant};
+
+use bevy::asset::RenderAssetUsages;
+use bevy::mesh::{Indices, PrimitiveTopology};
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use bevy_rapier3d::prelude::*;
+use hullwright::bevy::prelude::*;
+use hullwright::io::read_mesh;
+
+const MODELS: [&str; 10] =
+    ["mug", "table", "chair", "lamp", "bowl", "plus", "torus", "gear", "teapot", "dog"];
+
+const PROPS: usize = 300;
+
+/// Of the box that they fall into, in metres.
+const WIDTH: usize = 10;
+
+const FRAME: Duration = Duration::from_micros(16_667);
+
+/// After all colliders are there.
+const FRAMES_AFTER: usize = 300;
+
+/// Upper ends of the histogram's bars, in milliseconds: 16.7 is a frame at 60 Hz.
+const BARS: [f64; 7] = [1.0, 2.0, 4.0, 8.0, 16.7, 33.3, f64::INFINITY];
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let props = std::env::args().nth(1).map_or(Ok(PROPS), |text| text.parse())?;
+    let mut app = App::new();
+    app.add_plugins((
+        MinimalPlugins,
+        AssetPlugin::default(),
+        TransformPlugin,
+        RapierPhysicsPlugin::<NoUserData>::default(),
+        HullwrightPlugin::default(),
+    ))
+    .insert_resource(TimeUpdateStrategy::ManualDuration(FRAME));
+    app.finish();
+    app.cleanup();
+    walls(&mut app);
+    let meshes = MODELS.iter().map(|name| load(&mut app, name)).collect::<Result<Vec<_>, _>>()?;
+    for (round, title) in ["unknown meshes", "known meshes"].into_iter().enumerate() {
+        for index in 0..props {
+            let (mesh, size) = &meshes[index % meshes.len()];
+            let (x, z) = (index % WIDTH, index / WIDTH % WIDTH);
+            let y = 1.0 + (index / (WIDTH * WIDTH) + 5 * round) as f32;
+            let at = Vec3::new(x as f32 - 4.5, y, z as f32 - 4.5);
+            app.world_mut().spawn((
+                Mesh3d(mesh.clone()),
+                RigidBody::Dynamic,
+                ConvexDecomposition::default(),
+                Transform::from_translation(at).with_scale(Vec3::splat(0.7 / size)),
+            ));
+        }
+        let mut waiting = Vec::new();
+        while !is_finished(&mut app) {
+            waiting.push(timed_frame(&mut app));
+            // The rest of a frame, in which the game would draw.
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        let after = (0..FRAMES_AFTER).map(|_| timed_frame(&mut app)).collect();
+        histogram(&format!("{props} props of {title}, until all are ready"), waiting);
+        histogram("then", after);
+    }
+    let counters = app.world().resource::<DecompositionCounters>();
+    println!("\n{} decompositions, {} shared", counters.decomposed, counters.shared);
+    Ok(())
+}
+
+fn walls(app: &mut App) {
+    let half = WIDTH as f32 / 2.0;
+    let wall = |x: f32, y: f32, z: f32, size: [f32; 3]| {
+        (Transform::from_xyz(x, y, z), Collider::cuboid(size[0], size[1], size[2]))
+    };
+    app.world_mut().spawn(wall(0.0, -1.0, 0.0, [2.0 * half, 1.0, 2.0 * half]));
+    for side in [-1.0, 1.0] {
+        app.world_mut().spawn(wall(side * (half + 1.0), 10.0, 0.0, [1.0, 10.0, half]));
+        app.world_mut().spawn(wall(0.0, 10.0, side * (half + 1.0), [half, 10.0, 1.0]));
+    }
+}
+
+/// A bundled model and its diagonal.
+fn load(app: &mut App, name: &str) -> Result<(Handle<Mesh>, f32), hullwright::Error> {
+    let file = read_mesh(format!("{}/assets/{name}.glb", env!("CARGO_MANIFEST_DIR")))?;
+    let positions: Vec<Vec3> =
+        file.positions.iter().map(|point| Vec3::from(point.map(|x| x as f32))).collect();
+    let low = positions.iter().copied().fold(Vec3::INFINITY, Vec3::min);
+    let high = positions.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
+    let indices = file.triangles.iter().flatten().copied().collect();
+    let mesh = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
+        .with_inserted_indices(Indices::U32(indices));
+    Ok((app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh), low.distance(high)))
+}
+
+fn is_finished(app: &mut App) -> bool {
+    let world = app.world_mut();
+    world.query::<&DecompositionStatus>().iter(world).all(DecompositionStatus::is_finished)
+}
+
+/// In milliseconds.
+fn timed_frame(app: &mut App) -> f64 {
+    let start = Instant::now();
+    app.update();
+    1e3 * start.elapsed().as_secs_f64()
+}
+
+fn histogram(title: &str, mut times: Vec<f64>) {
+    times.sort_by(f64::total_cmp);
+    let longest = times.last().copied().unwrap_or_default();
+    println!("\n{title}: {} frames, physics included, the longest {longest:.1} ms", times.len());
+    let mut begin = 0;
+    for bar in BARS {
+        let end = times.partition_point(|time| *time <= bar);
+        let stars = "*".repeat((60 * (end - begin)).div_ceil(times.len().max(1)));
+        println!("{:>9} ms {:>6} {stars}", format!("≤ {bar}"), end - begin);
+        begin = end;
+    }
+}

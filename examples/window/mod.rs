@@ -1,0 +1,87 @@
+//! What the examples with a window share: a floor, a light, a camera, and `--screenshot FILE`,
+//! which writes a picture once all bodies have come to rest, and ends.
+
+use bevy::core_pipeline::tonemapping::Tonemapping;
+use bevy::prelude::*;
+use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured, save_to_disk};
+use bevy_rapier3d::prelude::*;
+use hullwright::bevy::prelude::*;
+use hullwright::bevy::{HullwrightDebug, HullwrightDebugPlugin};
+
+/// Frames from the last collider to the picture: two seconds of falling.
+const FRAMES_TO_REST: usize = 120;
+
+/// How large a scene is, in metres.
+#[derive(Resource, Clone, Copy)]
+struct SceneSize(f32);
+
+/// Where the picture goes, and frames since all was ready.
+#[derive(Resource)]
+struct Picture {
+    path: String,
+    frames: usize,
+}
+
+pub struct Stage {
+    /// Width of what is to be seen, in metres.
+    pub size: f32,
+}
+
+impl Plugin for Stage {
+    fn build(&self, app: &mut App) {
+        app.add_plugins(HullwrightDebugPlugin)
+            .insert_resource(SceneSize(self.size))
+            .add_systems(Startup, set_up)
+            .add_systems(Update, (toggle_hulls, take_picture.run_if(resource_exists::<Picture>)));
+        let mut arguments = std::env::args().skip_while(|argument| argument != "--screenshot");
+        if let Some(path) = arguments.nth(1) {
+            app.insert_resource(Picture { path, frames: 0 });
+        }
+    }
+}
+
+fn set_up(
+    mut commands: Commands,
+    size: Res<SceneSize>,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+) {
+    let size = size.0;
+    commands.spawn((
+        Camera3d::default(),
+        // The others need textures that Bevy bundles behind a feature.
+        Tonemapping::AcesFitted,
+        Transform::from_xyz(0.0, 0.6 * size, 1.2 * size).looking_at(Vec3::Y * 0.15 * size, Vec3::Y),
+    ));
+    let sun = Transform::from_xyz(1.0, 3.0, 2.0).looking_at(Vec3::ZERO, Vec3::Y);
+    commands.spawn((DirectionalLight { shadow_maps_enabled: true, ..default() }, sun));
+    commands.spawn((
+        Mesh3d(meshes.add(Plane3d::default().mesh().size(10.0 * size, 10.0 * size))),
+        MeshMaterial3d(materials.add(Color::srgb(0.3, 0.32, 0.35))),
+        Collider::halfspace(Vec3::Y).expect("up is a direction"),
+    ));
+}
+
+/// Space shows and hides the hulls.
+fn toggle_hulls(keys: Res<ButtonInput<KeyCode>>, mut debug: ResMut<HullwrightDebug>) {
+    if keys.just_pressed(KeyCode::Space) {
+        debug.is_drawn = !debug.is_drawn;
+    }
+}
+
+fn take_picture(
+    mut commands: Commands,
+    mut picture: ResMut<Picture>,
+    statuses: Query<&DecompositionStatus>,
+) {
+    let are_ready = !statuses.is_empty() && statuses.iter().all(DecompositionStatus::is_finished);
+    picture.frames += usize::from(are_ready);
+    if picture.frames == FRAMES_TO_REST {
+        commands
+            .spawn(Screenshot::primary_window())
+            .observe(save_to_disk(picture.path.clone()))
+            .observe(|_: On<ScreenshotCaptured>, mut exit: MessageWriter<AppExit>| {
+                exit.write(AppExit::Success);
+            });
+    }
+}

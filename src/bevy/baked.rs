@@ -1,0 +1,73 @@
+//! Baked hulls: `.hulls` files as assets, and the component that gives an entity a collider of
+//! them.
+
+use bevy::asset::io::Reader;
+use bevy::asset::{AssetLoader, LoadContext};
+use bevy::prelude::*;
+
+use crate::hulls_file::{HullsFile, HullsFileError};
+
+use super::DecompositionStatus;
+
+/// A decomposition that was made before, as `hullwright bake` does: the content of a `.hulls` file.
+#[derive(Asset, TypePath, Debug, Clone)]
+pub struct BakedHulls(pub HullsFile);
+
+/// Gives the entity a collider of baked hulls. They are in the mesh's own space, so it belongs
+/// where the mesh is, on the entity that has the `Mesh3d` or on the glTF node.
+///
+/// Its scale is baked into the points as for
+/// [`ConvexDecomposition`](super::ConvexDecomposition).
+#[derive(Component, Reflect, Debug, Clone, PartialEq, Default)]
+#[reflect(Component, Default, Clone, PartialEq)]
+#[require(DecompositionStatus)]
+pub struct BakedDecomposition {
+    /// The hulls.
+    pub hulls: Handle<BakedHulls>,
+    /// The mass before scale, instead of the one in the file.
+    pub mass: Option<f32>,
+}
+
+impl BakedDecomposition {
+    /// With the mass in the file.
+    pub fn new(hulls: Handle<BakedHulls>) -> Self {
+        Self { hulls, mass: None }
+    }
+}
+
+/// Loads `.hulls` files. What is corrupt, cut off or too new is a load error.
+#[derive(TypePath, Debug, Clone, Copy, Default)]
+pub struct HullsLoader;
+
+impl AssetLoader for HullsLoader {
+    type Asset = BakedHulls;
+    type Settings = ();
+    type Error = LoadHullsError;
+
+    async fn load(
+        &self,
+        reader: &mut dyn Reader,
+        _settings: &(),
+        _context: &mut LoadContext<'_>,
+    ) -> Result<BakedHulls, LoadHullsError> {
+        let mut bytes = Vec::new();
+        reader.read_to_end(&mut bytes).await?;
+        Ok(BakedHulls(HullsFile::from_bytes(&bytes)?))
+    }
+
+    fn extensions(&self) -> &[&str] {
+        &["hulls"]
+    }
+}
+
+/// Why a `.hulls` asset could not be loaded.
+#[non_exhaustive]
+#[derive(Debug, thiserror::Error)]
+pub enum LoadHullsError {
+    /// It could not be read.
+    #[error(transparent)]
+    Read(#[from] std::io::Error),
+    /// It does not hold what it should.
+    #[error(transparent)]
+    Content(#[from] HullsFileError),
+}

@@ -1,0 +1,256 @@
+//! A whole scene tagged at once: which of its meshes, by a default, by names, by what the artist
+//! said.
+
+use bevy::ecs::entity::EntityHashSet;
+use bevy::ecs::system::SystemParam;
+use bevy::platform::collections::{HashMap, HashSet};
+use bevy::prelude::*;
+
+use crate::Parameters;
+
+use super::baked::BakedDecomposition;
+use super::names::{NameTag, name_tag, without_copy_number};
+use super::{ConvexDecomposition, NoConvexDecomposition};
+
+/// Tags the meshes below this entity, such as all of a glTF scene, also those that come later.
+///
+/// One glTF mesh is one input: children without a transform of their own below one parent, which
+/// is how Bevy spawns the primitives of a mesh, are tagged by their parent. Entities with a tag of
+/// their own keep it.
+///
+/// What applies to a mesh, the first that says anything: [`by_name`](Self::by_name), the artist's
+/// names and extras (if [`follows_artists`](Self::follows_artists)), then
+/// [`default`](Self::default_tag).
+#[derive(Component, Reflect, Debug, Clone, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct ConvexDecompositionHierarchy {
+    /// For meshes of which nothing else is said; `None` to leave them alone.
+    pub default_tag: Option<ConvexDecomposition>,
+    /// By the name of the node or the mesh; `None` to leave it out.
+    pub by_name: HashMap<String, Option<ConvexDecomposition>>,
+    /// Whether names with `-convcol` and glTF extras with `{"collider": "convex_decomposition"}`
+    /// are tagged, those with `{"collider": "none"}` are not, and meshes called `UCX_chair` or
+    /// `UCX_chair_01` become convex pieces of the collider of `chair`, which is then not
+    /// decomposed. Extras are read with the feature `bevy_gltf`. Default true.
+    pub follows_artists: bool,
+}
+
+impl Default for ConvexDecompositionHierarchy {
+    fn default() -> Self {
+        Self {
+            default_tag: Some(ConvexDecomposition::default()),
+            by_name: HashMap::default(),
+            follows_artists: true,
+        }
+    }
+}
+
+impl ConvexDecompositionHierarchy {
+    /// All meshes with this tag.
+    pub fn new(default_tag: ConvexDecomposition) -> Self {
+        Self { default_tag: Some(default_tag), ..Self::default() }
+    }
+
+    /// Only what is named here or by the artist.
+    pub fn tagged_only() -> Self {
+        Self { default_tag: None, ..Self::default() }
+    }
+
+    /// The same with another tag for a node or mesh of this name.
+    #[must_use]
+    pub fn with(mut self, name: impl Into<String>, tag: ConvexDecomposition) -> Self {
+        self.by_name.insert(name.into(), Some(tag));
+        self
+    }
+
+    /// The same without the node or mesh of this name.
+    #[must_use]
+    pub fn without(mut self, name: impl Into<String>) -> Self {
+        self.by_name.insert(name.into(), None);
+        self
+    }
+}
+
+/// Set on what a hierarchy tagged, so that another setting can take it back.
+#[derive(Component, Debug, Clone, Copy)]
+pub(super) struct TaggedByHierarchy;
+
+/// What is looked at to know what to tag.
+#[derive(SystemParam)]
+pub(super) struct Nodes<'w, 's> {
+    meshes: Query<'w, 's, (Entity, Option<&'static Transform>), With<Mesh3d>>,
+    names: Query<'w, 's, &'static Name>,
+    parents: Query<'w, 's, &'static ChildOf>,
+    children: Query<'w, 's, &'static Children>,
+    own_tags: Query<'w, 's, (), OwnTag>,
+    tagged: Query<'w, 's, (), With<TaggedByHierarchy>>,
+    #[cfg(feature = "bevy_gltf")]
+    extras: Query<'w, 's, Extras>,
+}
+
+/// Tagged by somebody else.
+type OwnTag = (
+    Or<(With<ConvexDecomposition>, With<BakedDecomposition>, With<NoConvexDecomposition>)>,
+    Without<TaggedByHierarchy>,
+);
+
+#[cfg(feature = "bevy_gltf")]
+type Extras = (
+    Option<&'static bevy::gltf::GltfExtras>,
+    Option<&'static bevy::gltf::GltfMeshExtras>,
+    Option<&'static bevy::gltf::GltfMeshName>,
+);
+
+type NewMesh = (With<Mesh3d>, Or<(Added<Mesh3d>, Changed<ChildOf>)>);
+
+/// Tags what is new below a hierarchy, and all below one that is new or changed.
+pub(super) fn tag_hierarchies(
+    mut commands: Commands,
+    hierarchies: Query<&ConvexDecompositionHierarchy>,
+    changed: Query<Entity, Changed<ConvexDecompositionHierarchy>>,
+    new_meshes: Query<Entity, NewMesh>,
+    nodes: Nodes,
+) {
+    if hierarchies.is_empty() {
+        return;
+    }
+    let mut roots: EntityHashSet = changed.iter().collect();
+    for mesh in &new_meshes {
+        let above = std::iter::once(mesh).chain(nodes.parents.iter_ancestors(mesh));
+        roots.extend(above.into_iter().find(|entity| hierarchies.contains(*entity)));
+    }
+    for root in roots {
+        if let Ok(hierarchy) = hierarchies.get(root) {
+            nodes.tag(&mut commands, root, hierarchy);
+        }
+    }
+}
+
+impl Nodes<'_, '_> {
+    fn tag(&self, commands: &mut Commands, root: Entity, hierarchy: &ConvexDecompositionHierarchy) {
+        let nodes = self.nodes_with_meshes(root);
+        // Meshes that have pieces made by the artist.
+        let mut with_pieces: HashSet<&str> = HashSet::default();
+        if hierarchy.follows_artists {
+            for node in &nodes {
+                for name in self.names_of(*node) {
+                    if let Some(NameTag::PieceOf(whole)) = name_tag(name) {
+                        with_pieces.insert(whole);
+                    }
+                }
+            }
+        }
+        for node in nodes {
+            if self.own_tags.contains(node) {
+                continue;
+            }
+            let mut node_commands = commands.entity(node);
+            match self.tag_of(node, hierarchy, &with_pieces) {
+                Some(tag) => {
+                    node_commands.try_remove::<NoConvexDecomposition>();
+                    node_commands.try_insert((tag, TaggedByHierarchy));
+                }
+                None => {
+                    if self.tagged.contains(node) {
+                        node_commands.try_remove::<ConvexDecomposition>();
+                    }
+                    // Else it would be part of the input of a node above it.
+                    node_commands.try_insert((NoConvexDecomposition, TaggedByHierarchy));
+                }
+            }
+        }
+    }
+
+    /// The entities that stand for one mesh each: those with a `Mesh3d`, or the parents of
+    /// primitives.
+    fn nodes_with_meshes(&self, root: Entity) -> Vec<Entity> {
+        let mut seen = EntityHashSet::default();
+        let below = std::iter::once(root).chain(self.children.iter_descendants(root));
+        let meshes = below.filter_map(|entity| self.meshes.get(entity).ok());
+        meshes
+            .map(|(entity, transform)| match self.parents.get(entity) {
+                Ok(parent)
+                    if entity != root
+                        && parent.parent() != root
+                        && transform.is_none_or(|transform| *transform == Transform::IDENTITY) =>
+                {
+                    parent.parent()
+                }
+                _ => entity,
+            })
+            .filter(|node| seen.insert(*node))
+            .collect()
+    }
+
+    /// The node's own name, and those that its primitives have of their mesh.
+    fn names_of(&self, node: Entity) -> impl Iterator<Item = &str> {
+        let own = self.names.get(node).ok().map(Name::as_str);
+        #[cfg(feature = "bevy_gltf")]
+        let of_mesh = {
+            let on = |entity| self.extras.get(entity).ok()?.2.map(|name| name.0.as_str());
+            on(node).or_else(|| self.children.get(node).ok()?.iter().find_map(on))
+        };
+        #[cfg(not(feature = "bevy_gltf"))]
+        let of_mesh = None;
+        own.into_iter().chain(of_mesh)
+    }
+
+    #[cfg(feature = "bevy_gltf")]
+    fn extras_of(&self, node: Entity) -> Option<bool> {
+        let on = |entity| {
+            let (extras, mesh_extras, _) = self.extras.get(entity).ok()?;
+            let tag = |text: &String| super::names::extras_tag(text);
+            extras
+                .and_then(|extras| tag(&extras.value))
+                .or_else(|| mesh_extras.and_then(|extras| tag(&extras.value)))
+        };
+        on(node).or_else(|| {
+            let children = self.children.get(node).ok()?;
+            children.iter().filter(|child| self.meshes.contains(*child)).find_map(on)
+        })
+    }
+
+    #[cfg(not(feature = "bevy_gltf"))]
+    fn extras_of(&self, _node: Entity) -> Option<bool> {
+        None
+    }
+
+    fn tag_of(
+        &self,
+        node: Entity,
+        hierarchy: &ConvexDecompositionHierarchy,
+        with_pieces: &HashSet<&str>,
+    ) -> Option<ConvexDecomposition> {
+        let by_name = |name: &str| hierarchy.by_name.get(name);
+        if let Some(tag) = self.names_of(node).find_map(by_name) {
+            return tag.clone();
+        }
+        if hierarchy.follows_artists {
+            let asked = || hierarchy.default_tag.clone().unwrap_or_default();
+            match self.extras_of(node) {
+                Some(true) => return Some(asked()),
+                Some(false) => return None,
+                None => {}
+            }
+            match self.names_of(node).find_map(name_tag) {
+                Some(NameTag::Decompose) => return Some(asked()),
+                Some(NameTag::PieceOf(_)) => return Some(one_hull(asked())),
+                None => {}
+            }
+            let has_pieces = |name: &str| {
+                with_pieces.contains(name) || with_pieces.contains(without_copy_number(name))
+            };
+            if self.names_of(node).any(has_pieces) {
+                return None;
+            }
+        }
+        hierarchy.default_tag.clone()
+    }
+}
+
+/// The artist's pieces are convex, near enough.
+fn one_hull(mut tag: ConvexDecomposition) -> ConvexDecomposition {
+    tag.parameters = Parameters::default();
+    tag.parameters.bounded.max_hulls = Some(1);
+    tag
+}

@@ -1,0 +1,80 @@
+//! What all entities have in common.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use bevy::prelude::*;
+
+use super::Meanwhile;
+
+/// The plugin's settings; may be changed at any time.
+#[derive(Resource, Reflect, Debug, Clone, PartialEq)]
+#[reflect(Resource, Default, Clone, PartialEq)]
+pub struct HullwrightSettings {
+    /// What stands in for a collider until it is ready, unless the tag says otherwise. Default:
+    /// nothing.
+    pub meanwhile: Meanwhile,
+    /// Whether a dynamic body is held still until its colliders are ready, so that it does not
+    /// fall through the floor. Its `LockedAxes` and `Velocity` are put aside for the time.
+    /// Default true.
+    pub hold_still: bool,
+    /// Whether fixed bodies get their exact triangle mesh instead of hulls: nothing is gained by
+    /// hulls where nothing moves. Default true.
+    pub exact_fixed_bodies: bool,
+    /// Most jobs at once; 0 for as many as Bevy's pool for background work has threads, of which
+    /// one is left to others where there are more. Default 0.
+    pub max_jobs: usize,
+    /// Time per frame that the plugin's systems may spend on reading meshes and attaching
+    /// colliders. One of each goes through even if it takes longer. Default 1 ms.
+    pub frame_budget: Duration,
+    /// Most colliders attached per frame: what Bevy and Rapier do with them comes on top of the
+    /// budget. Default 64.
+    pub max_attached_per_frame: usize,
+    /// Where the work is done. Default: in the background where there are threads.
+    pub execution: Execution,
+    /// A changed scale is baked once it has not changed for this long. Default 0.1 s.
+    pub scale_delay: Duration,
+    /// Size of the cache in memory, in bytes; 0 for none. Default 64 MiB.
+    pub cache_bytes: usize,
+    /// Directory of a cache on disk, made if need be; `None` for none. It grows: nothing is ever
+    /// removed from it. Default `None`.
+    pub disk_cache: Option<PathBuf>,
+}
+
+/// Where work is done.
+#[derive(Reflect, Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Execution {
+    /// On Bevy's `AsyncComputeTaskPool`.
+    Background,
+    /// On the main thread in slices, which end when the frame's budget is spent. A slice is a stage
+    /// of the decomposition, so a frame may take longer than its budget.
+    Slices,
+}
+
+const DEFAULT_CACHE_BYTES: usize = 64 << 20;
+
+const DEFAULT_FRAME_BUDGET: Duration = Duration::from_millis(1);
+
+/// With a few microseconds each, about as long as the budget.
+const DEFAULT_MAX_ATTACHED: usize = 64;
+
+/// Longer than the pause between two frames of an animated scale, shorter than one notices.
+const DEFAULT_SCALE_DELAY: Duration = Duration::from_millis(100);
+
+impl Default for HullwrightSettings {
+    fn default() -> Self {
+        let has_threads = !cfg!(target_arch = "wasm32");
+        Self {
+            meanwhile: Meanwhile::Nothing,
+            hold_still: true,
+            exact_fixed_bodies: true,
+            max_jobs: 0,
+            frame_budget: DEFAULT_FRAME_BUDGET,
+            max_attached_per_frame: DEFAULT_MAX_ATTACHED,
+            execution: if has_threads { Execution::Background } else { Execution::Slices },
+            scale_delay: DEFAULT_SCALE_DELAY,
+            cache_bytes: DEFAULT_CACHE_BYTES,
+            disk_cache: None,
+        }
+    }
+}

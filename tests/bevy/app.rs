@@ -1,0 +1,162 @@
+//! An app without a window, and meshes to put into it.
+
+use std::time::{Duration, Instant};
+
+use bevy::asset::{AssetPlugin, RenderAssetUsages};
+use bevy::mesh::{Indices, Mesh, PrimitiveTopology};
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use bevy_rapier3d::prelude::*;
+use hullwright::bevy::prelude::*;
+use hullwright::io::read_mesh;
+
+pub const DENSITY: f32 = 1000.0;
+
+const FRAME: Duration = Duration::from_micros(16_667);
+
+/// No job of these tests takes anywhere near this long; then something hangs.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+pub fn app() -> App {
+    app_with(HullwrightSettings::default())
+}
+
+pub fn app_with(settings: HullwrightSettings) -> App {
+    app_with_assets(settings, assets())
+}
+
+/// With more plugins.
+#[cfg(feature = "bevy_gltf")]
+pub fn app_with_plugins(settings: HullwrightSettings, add: impl FnOnce(&mut App)) -> App {
+    start(new_app(settings, assets(), add))
+}
+
+/// With a directory to load assets from.
+pub fn app_with_assets(settings: HullwrightSettings, file_path: String) -> App {
+    start(new_app(settings, file_path, |_| {}))
+}
+
+fn new_app(settings: HullwrightSettings, file_path: String, add: impl FnOnce(&mut App)) -> App {
+    let mut app = App::new();
+    app.add_plugins((
+        MinimalPlugins,
+        AssetPlugin { file_path, ..default() },
+        TransformPlugin,
+        RapierPhysicsPlugin::<NoUserData>::default(),
+        HullwrightPlugin { settings },
+    ));
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(FRAME));
+    app.init_resource::<Seen>();
+    app.add_observer(|event: On<DecompositionReady>, mut seen: ResMut<Seen>| {
+        seen.ready.push((event.entity, event.hulls));
+    });
+    app.add_observer(|event: On<DecompositionFailed>, mut seen: ResMut<Seen>| {
+        seen.failed.push((event.entity, event.failure.to_string()));
+    });
+    add(&mut app);
+    app
+}
+
+fn start(mut app: App) -> App {
+    app.finish();
+    app.cleanup();
+    // Rapier makes its context in the first frame.
+    app.update();
+    app
+}
+
+fn assets() -> String {
+    concat!(env!("CARGO_MANIFEST_DIR"), "/assets").into()
+}
+
+/// The events so far.
+#[derive(Resource, Default)]
+pub struct Seen {
+    pub ready: Vec<(Entity, usize)>,
+    pub failed: Vec<(Entity, String)>,
+}
+
+/// One of the bundled models.
+pub fn model(name: &str) -> Mesh {
+    let file = read_mesh(format!("{}/{name}.glb", assets())).unwrap();
+    let positions: Vec<[f32; 3]> =
+        file.positions.iter().map(|point| point.map(|x| x as f32)).collect();
+    mesh(positions, file.triangles.iter().flatten().copied().collect())
+}
+
+pub fn mesh(positions: Vec<[f32; 3]>, indices: Vec<u32>) -> Mesh {
+    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
+        .with_inserted_indices(Indices::U32(indices))
+}
+
+/// A box from `low` to `high`.
+pub fn cuboid(low: [f32; 3], high: [f32; 3]) -> Mesh {
+    let at = |index: usize, bit: usize, axis: usize| {
+        if index >> bit & 1 == 1 { high[axis] } else { low[axis] }
+    };
+    let corner = |index: usize| [at(index, 0, 0), at(index, 1, 1), at(index, 2, 2)];
+    let quads =
+        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let indices = quads.iter().flat_map(|[a, b, c, d]| [*a, *b, *c, *a, *c, *d]).collect();
+    mesh((0..8).map(corner).collect(), indices)
+}
+
+pub fn add(app: &mut App, mesh: Mesh) -> Handle<Mesh> {
+    app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh)
+}
+
+pub fn tag() -> ConvexDecomposition {
+    ConvexDecomposition::default().with_density(DENSITY)
+}
+
+pub fn spawn(app: &mut App, mesh: &Handle<Mesh>) -> Entity {
+    app.world_mut().spawn((Mesh3d(mesh.clone()), tag())).id()
+}
+
+pub fn status(app: &App, entity: Entity) -> DecompositionStatus {
+    app.world().get::<DecompositionStatus>(entity).unwrap().clone()
+}
+
+pub fn counters(app: &App) -> DecompositionCounters {
+    app.world().resource::<DecompositionCounters>().clone()
+}
+
+pub fn collider(app: &App, entity: Entity) -> &Collider {
+    app.world().get::<Collider>(entity).expect("a collider")
+}
+
+/// The corners of a collider's bounding box.
+pub fn bounds(app: &App, entity: Entity) -> (Vec3, Vec3) {
+    let bounds = collider(app, entity).raw.compute_local_aabb();
+    (bounds.mins, bounds.maxs)
+}
+
+pub fn assert_near(found: Vec3, expected: impl Into<Vec3>, tolerance: f32) {
+    let expected = expected.into();
+    assert!(found.distance(expected) <= tolerance, "{found} is not {expected}");
+}
+
+/// Updates until something holds.
+pub fn update_until(app: &mut App, mut holds: impl FnMut(&App) -> bool) {
+    let start = Instant::now();
+    while !holds(app) {
+        assert!(
+            start.elapsed() < PATIENCE,
+            "it never came true; ready {:?}, failed {:?}, {:?}",
+            app.world().get_resource::<Seen>().map(|seen| &seen.ready),
+            app.world().get_resource::<Seen>().map(|seen| &seen.failed),
+            counters(app)
+        );
+        app.update();
+        std::thread::sleep(Duration::from_micros(200));
+    }
+}
+
+pub fn update_until_finished(app: &mut App, entities: &[Entity]) {
+    update_until(app, |app| entities.iter().all(|entity| status(app, *entity).is_finished()));
+}
+
+pub fn update_times(app: &mut App, times: usize) {
+    (0..times).for_each(|_| app.update());
+}

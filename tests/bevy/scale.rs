@@ -1,0 +1,221 @@
+//! Scale is baked into the points, once, however it comes about.
+
+use std::time::Duration;
+
+use bevy::prelude::*;
+use bevy_rapier3d::prelude::*;
+use hullwright::bevy::Origin;
+use hullwright::bevy::prelude::*;
+use hullwright::{Parameters, Unit};
+
+use crate::app::*;
+
+fn at_once() -> HullwrightSettings {
+    HullwrightSettings { scale_delay: Duration::ZERO, ..default() }
+}
+
+fn mass(app: &App, entity: Entity) -> MassProperties {
+    match app.world().get::<ColliderMassProperties>(entity) {
+        Some(ColliderMassProperties::MassProperties(properties)) => *properties,
+        _ => panic!("no mass properties"),
+    }
+}
+
+#[test]
+fn a_scaled_entity_has_scaled_points_and_mass_and_is_not_scaled_again() {
+    let mut app = app();
+    let mesh = add(&mut app, cuboid([0.0; 3], [1.0; 3]));
+    let transform = Transform::from_scale(Vec3::new(2.0, 3.0, 4.0))
+        .with_rotation(Quat::from_euler(EulerRot::XYZ, 0.3, 1.1, -0.7));
+    let entity = app.world_mut().spawn((Mesh3d(mesh), tag(), RigidBody::Dynamic, transform)).id();
+    update_until_finished(&mut app, &[entity]);
+    update_times(&mut app, 3);
+    let (low, high) = bounds(&app, entity);
+    assert_near(low, [0.0; 3], 1e-3);
+    assert_near(high, [2.0, 3.0, 4.0], 4e-3);
+    assert_eq!(app.world().get::<ColliderScale>(entity), Some(&ColliderScale::Absolute(Vec3::ONE)));
+    let mass = mass(&app, entity);
+    assert!((mass.mass / (24.0 * DENSITY) - 1.0).abs() < 2e-3);
+    assert_near(mass.local_center_of_mass, [1.0, 1.5, 2.0], 5e-3);
+    // About its centre a box of these sides has a twelfth of mass times the other sides' squares.
+    let mut moments = (mass.principal_inertia / (24.0 * DENSITY / 12.0)).to_array();
+    moments.sort_by(f32::total_cmp);
+    assert_near(moments.into(), [13.0, 20.0, 25.0], 0.1);
+}
+
+#[test]
+fn a_mirrored_entity_has_mirrored_points() {
+    let mut app = app();
+    let mesh = add(&mut app, cuboid([0.0; 3], [1.0, 2.0, 3.0]));
+    for scale in [[-1.0, 1.0, 1.0], [1.0, -1.0, 1.0], [-1.0, -1.0, -1.0], [-1.0, 1.0, -2.0]] {
+        let transform =
+            Transform::from_scale(scale.into()).with_rotation(Quat::from_rotation_y(1.0));
+        let entity = app.world_mut().spawn((Mesh3d(mesh.clone()), tag(), transform)).id();
+        update_until_finished(&mut app, &[entity]);
+        app.update();
+        // Where Rapier puts the collider, its points lie where the mesh is drawn.
+        let pose = app.world().get::<GlobalTransform>(entity).unwrap().compute_transform();
+        let drawn = [Vec3::ZERO, Vec3::new(1.0, 2.0, 3.0)].map(|p| transform.transform_point(p));
+        let (low, high) = bounds(&app, entity);
+        let centre = pose.rotation * ((low + high) / 2.0) + pose.translation;
+        assert_near(centre, (drawn[0] + drawn[1]) / 2.0, 1e-2);
+        assert_near(high - low, Vec3::new(1.0, 2.0, 3.0) * Vec3::from(scale).abs(), 1e-2);
+    }
+}
+
+#[test]
+fn a_turned_child_below_a_stretched_body_lies_where_it_is_drawn() {
+    let mut app = app();
+    let mesh = add(&mut app, cuboid([0.0; 3], [1.0; 3]));
+    let of_body = Transform::from_xyz(1.0, 2.0, 3.0)
+        .with_rotation(Quat::from_rotation_x(0.4))
+        .with_scale(Vec3::new(3.0, 1.0, 1.0));
+    let of_child = Transform::from_xyz(0.5, 0.0, 0.0).with_rotation(Quat::from_rotation_z(0.7));
+    let body = app.world_mut().spawn((RigidBody::Fixed, of_body)).id();
+    let child = app.world_mut().spawn((Mesh3d(mesh), tag(), of_child, ChildOf(body))).id();
+    app.world_mut().resource_mut::<HullwrightSettings>().exact_fixed_bodies = false;
+    update_until_finished(&mut app, &[child]);
+    update_times(&mut app, 2);
+
+    let drawn = app.world().get::<GlobalTransform>(child).unwrap().affine();
+    let corners: Vec<Vec3> = (0..8)
+        .map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2 & 1) as f32))
+        .map(|corner| drawn.transform_point3(corner))
+        .collect();
+    let handle = app.world().get::<RapierColliderHandle>(child).unwrap().0;
+    let world = app.world_mut();
+    let colliders = world.query::<&RapierContextColliders>().single(world).unwrap();
+    let collider = &colliders.colliders[handle];
+    let hull = collider.shape().as_convex_polyhedron().expect("one hull");
+    assert_eq!(hull.points().len(), 8);
+    for point in hull.points() {
+        let found = collider.position().transform_point(*point);
+        let nearest = corners.iter().map(|corner| corner.distance(found)).fold(9.0, f32::min);
+        assert!(nearest < 5e-3, "{found} is no corner: {nearest} away");
+    }
+}
+
+#[test]
+fn a_changed_scale_bakes_the_points_anew_without_a_new_decomposition() {
+    let mut app = app_with(at_once());
+    let mesh = add(&mut app, model("u_prism"));
+    let entity = spawn(&mut app, &mesh);
+    update_until_finished(&mut app, &[entity]);
+    let (low, high) = bounds(&app, entity);
+    let scale = Vec3::new(2.0, 1.0, 0.5);
+    app.world_mut().get_mut::<Transform>(entity).unwrap().scale = scale;
+    update_until(&mut app, |app| app.world().resource::<Seen>().ready.len() == 2);
+    let (new_low, new_high) = bounds(&app, entity);
+    assert_near(new_low, low * scale, 1e-2);
+    assert_near(new_high, high * scale, 1e-2);
+    assert_eq!(counters(&app).decomposed, 1);
+}
+
+#[test]
+fn a_scale_that_keeps_changing_is_baked_once_it_rests() {
+    let mut app =
+        app_with(HullwrightSettings { scale_delay: Duration::from_millis(40), ..default() });
+    let mesh = add(&mut app, cuboid([0.0; 3], [1.0; 3]));
+    let entity = spawn(&mut app, &mesh);
+    update_until_finished(&mut app, &[entity]);
+    for step in 0..10 {
+        app.world_mut().get_mut::<Transform>(entity).unwrap().scale =
+            Vec3::splat(1.0 + step as f32);
+        app.update();
+    }
+    update_until(&mut app, |app| (bounds(app, entity).1 - Vec3::splat(10.0)).length() < 0.05);
+    assert!(app.world().resource::<Seen>().ready.len() <= 4);
+}
+
+#[test]
+fn a_moved_and_turned_entity_keeps_its_collider() {
+    let mut app = app_with(at_once());
+    let mesh = add(&mut app, cuboid([0.0; 3], [1.0; 3]));
+    let transform = Transform::from_scale(Vec3::new(0.3, 7.0, 1.7));
+    let entity = app.world_mut().spawn((Mesh3d(mesh), tag(), transform)).id();
+    update_until_finished(&mut app, &[entity]);
+    for step in 0..50 {
+        let mut transform = app.world_mut().get_mut::<Transform>(entity).unwrap();
+        transform.rotate_local_x(0.37);
+        transform.rotate_y(0.11);
+        transform.translation = Vec3::splat(100.0 * step as f32);
+        app.update();
+    }
+    update_times(&mut app, 3);
+    assert_eq!(app.world().resource::<Seen>().ready.len(), 1);
+}
+
+/// Deeper than the notch of the bundled U, but not of one eight times the size.
+const BOUND: f64 = 1.5;
+
+#[test]
+fn a_bound_in_metres_is_kept_in_metres() {
+    let mut app = app_with(at_once());
+    let mesh = add(&mut app, model("u_prism"));
+    let mut parameters = Parameters::default();
+    // A bound so large that one hull keeps it, until the body grows.
+    parameters.bounded.max_error = Unit::Absolute(BOUND);
+    let tag = ConvexDecomposition::new(parameters);
+    let small = app.world_mut().spawn((Mesh3d(mesh), tag)).id();
+    update_until_finished(&mut app, &[small]);
+    let hulls = |app: &App| app.world().resource::<Seen>().ready.last().unwrap().1;
+    assert_eq!(hulls(&app), 1);
+    app.world_mut().get_mut::<Transform>(small).unwrap().scale = Vec3::splat(8.0);
+    update_until(&mut app, |app| app.world().resource::<Seen>().ready.len() == 2);
+    assert_eq!(counters(&app).decomposed, 2);
+    assert!(hulls(&app) > 1);
+}
+
+#[test]
+fn a_scale_of_zero_fails_and_recovers() {
+    let mut app = app_with(at_once());
+    let mesh = add(&mut app, cuboid([0.0; 3], [1.0; 3]));
+    let flat = Transform::from_scale(Vec3::new(1.0, 0.0, 1.0));
+    let entity = app.world_mut().spawn((Mesh3d(mesh.clone()), tag(), flat)).id();
+    update_until_finished(&mut app, &[entity]);
+    assert!(matches!(status(&app, entity), DecompositionStatus::Failed(_)));
+    let other = spawn(&mut app, &mesh);
+    update_until_finished(&mut app, &[other]);
+    assert!(matches!(status(&app, other), DecompositionStatus::Ready(_)));
+}
+
+#[test]
+fn a_modified_mesh_is_decomposed_anew() {
+    let mut app = app();
+    let handle = add(&mut app, cuboid([0.0; 3], [1.0; 3]));
+    let entity = spawn(&mut app, &handle);
+    update_until_finished(&mut app, &[entity]);
+    let positions: Vec<[f32; 3]> =
+        (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2 & 1].map(|x| 3.0 * x as f32)).collect();
+    app.world_mut()
+        .resource_mut::<Assets<Mesh>>()
+        .get_mut(&handle)
+        .unwrap()
+        .insert_attribute(Mesh::ATTRIBUTE_POSITION, positions);
+    update_until(&mut app, |app| app.world().resource::<Seen>().ready.len() == 2);
+    assert_near(bounds(&app, entity).1, [3.0; 3], 1e-2);
+    assert_eq!(counters(&app).decomposed, 2);
+}
+
+#[test]
+fn another_mesh_in_its_place_is_decomposed() {
+    let mut app = app();
+    let small = add(&mut app, cuboid([0.0; 3], [1.0; 3]));
+    let large = add(&mut app, cuboid([0.0; 3], [5.0; 3]));
+    let entity = spawn(&mut app, &small);
+    update_until_finished(&mut app, &[entity]);
+    app.world_mut().entity_mut(entity).insert(Mesh3d(large));
+    update_until(&mut app, |app| app.world().resource::<Seen>().ready.len() == 2);
+    assert_near(bounds(&app, entity).1, [5.0; 3], 1e-2);
+}
+
+#[test]
+fn mass_properties_that_were_there_stay() {
+    let mut app = app();
+    let mesh = add(&mut app, cuboid([0.0; 3], [1.0; 3]));
+    let own = ColliderMassProperties::Mass(7.0);
+    let entity = app.world_mut().spawn((Mesh3d(mesh), tag(), own)).id();
+    update_until_finished(&mut app, &[entity]);
+    assert_eq!(app.world().get::<ColliderMassProperties>(entity), Some(&own));
+    assert_eq!(status(&app, entity), DecompositionStatus::Ready(Origin::Decomposed));
+}

@@ -1,0 +1,185 @@
+//! Whole scenes: a default, names, exclusions, and what artists say.
+
+use bevy::prelude::*;
+use bevy_rapier3d::prelude::*;
+use hullwright::bevy::prelude::*;
+
+use crate::app::*;
+
+/// A node as Bevy's glTF loader spawns it: named, with its primitives as children.
+fn node(app: &mut App, parent: Entity, name: &str, meshes: &[&Handle<Mesh>]) -> Entity {
+    let node = app
+        .world_mut()
+        .spawn((Name::new(name.to_owned()), Transform::default(), ChildOf(parent)))
+        .id();
+    for mesh in meshes {
+        app.world_mut().spawn((Mesh3d((*mesh).clone()), ChildOf(node)));
+    }
+    node
+}
+
+fn root(app: &mut App, hierarchy: ConvexDecompositionHierarchy) -> Entity {
+    app.world_mut().spawn((Transform::default(), hierarchy)).id()
+}
+
+fn is_tagged(app: &App, entity: Entity) -> bool {
+    app.world().get::<ConvexDecomposition>(entity).is_some()
+}
+
+fn cube(app: &mut App) -> Handle<Mesh> {
+    add(app, cuboid([0.0; 3], [1.0; 3]))
+}
+
+#[test]
+fn every_mesh_of_a_scene_gets_a_collider_of_its_own() {
+    let mut app = app();
+    let (cube, other) = (cube(&mut app), add(&mut app, cuboid([2.0; 3], [3.0; 3])));
+    let root = root(&mut app, ConvexDecompositionHierarchy::new(tag()));
+    let chair = node(&mut app, root, "chair", &[&cube, &other]);
+    let table = node(&mut app, chair, "table", &[&cube]);
+    update_times(&mut app, 2);
+    update_until_finished(&mut app, &[chair, table]);
+    // Both primitives of the chair, without the table below it.
+    assert_eq!(collider(&app, chair).as_compound().unwrap().shapes().count(), 2);
+    assert!(collider(&app, table).as_convex_polyhedron().is_some());
+    assert_eq!(app.world().resource::<Seen>().ready.len(), 2);
+}
+
+#[test]
+fn names_override_and_exclude() {
+    let mut app = app();
+    let cube = cube(&mut app);
+    let other = tag().with_density(3.0);
+    let hierarchy =
+        ConvexDecompositionHierarchy::new(tag()).with("table", other.clone()).without("lamp");
+    let root = root(&mut app, hierarchy);
+    let [chair, table, lamp] =
+        ["chair", "table", "lamp"].map(|name| node(&mut app, root, name, &[&cube]));
+    update_times(&mut app, 2);
+    assert_eq!(app.world().get::<ConvexDecomposition>(chair), Some(&tag()));
+    assert_eq!(app.world().get::<ConvexDecomposition>(table), Some(&other));
+    assert!(!is_tagged(&app, lamp));
+}
+
+#[test]
+fn an_excluded_mesh_is_no_part_of_the_mesh_above_it() {
+    let mut app = app();
+    let cube = cube(&mut app);
+    let aside = add(&mut app, cuboid([5.0; 3], [6.0; 3]));
+    let hierarchy = ConvexDecompositionHierarchy::default().without("lamp");
+    let root = root(&mut app, hierarchy);
+    let table = node(&mut app, root, "table", &[&cube]);
+    node(&mut app, table, "lamp", &[&aside]);
+    update_times(&mut app, 2);
+    update_until_finished(&mut app, &[table]);
+    assert_near(bounds(&app, table).1, [1.0; 3], 1e-3);
+}
+
+#[test]
+fn only_what_is_tagged_by_name_or_artist_if_there_is_no_default() {
+    let mut app = app();
+    let cube = cube(&mut app);
+    let hierarchy = ConvexDecompositionHierarchy::tagged_only().with("table", tag());
+    let root = root(&mut app, hierarchy);
+    let [chair, table, lamp, copy] = ["chair", "table", "lamp-convcol", "lamp-convcol.001"]
+        .map(|name| node(&mut app, root, name, &[&cube]));
+    update_times(&mut app, 2);
+    let tagged = [chair, table, lamp, copy].map(|entity| is_tagged(&app, entity));
+    assert_eq!(tagged, [false, true, true, true]);
+}
+
+#[test]
+fn pieces_made_by_the_artist_stand_for_the_mesh_that_they_name() {
+    let mut app = app();
+    let mesh = add(&mut app, model("u_prism"));
+    let root = root(&mut app, ConvexDecompositionHierarchy::default());
+    let whole = node(&mut app, root, "chair", &[&mesh]);
+    let piece = node(&mut app, root, "UCX_chair_01", &[&mesh]);
+    update_times(&mut app, 2);
+    assert!(!is_tagged(&app, whole));
+    update_until_finished(&mut app, &[piece]);
+    assert!(collider(&app, piece).as_convex_polyhedron().is_some());
+}
+
+#[test]
+fn what_comes_later_is_tagged_too_and_own_tags_stay() {
+    let mut app = app();
+    let cube = cube(&mut app);
+    let root = root(&mut app, ConvexDecompositionHierarchy::new(tag()));
+    update_times(&mut app, 3);
+    let late = node(&mut app, root, "late", &[&cube]);
+    let own = node(&mut app, root, "own", &[&cube]);
+    let own_tag = tag().with_density(5.0);
+    app.world_mut().entity_mut(own).insert(own_tag.clone());
+    update_times(&mut app, 2);
+    assert!(is_tagged(&app, late));
+    assert_eq!(app.world().get::<ConvexDecomposition>(own), Some(&own_tag));
+}
+
+#[test]
+fn colliders_below_a_body_move_with_it_and_feel_like_it() {
+    let mut app = app();
+    let cube = cube(&mut app);
+    let groups = CollisionGroups::new(Group::GROUP_2, Group::GROUP_3);
+    let body = app
+        .world_mut()
+        .spawn((
+            Transform::from_xyz(0.0, 5.0, 0.0),
+            RigidBody::Dynamic,
+            Friction::coefficient(0.9),
+            Restitution::coefficient(0.4),
+            groups,
+            SolverGroups::new(Group::GROUP_4, Group::GROUP_5),
+            Sensor,
+            ConvexDecompositionHierarchy::new(tag()),
+        ))
+        .id();
+    let left = node(&mut app, body, "left", &[&cube]);
+    let right = node(&mut app, body, "right", &[&cube]);
+    let own = Friction::coefficient(0.1);
+    app.world_mut().entity_mut(right).insert((Transform::from_xyz(3.0, 0.0, 0.0), own));
+    update_times(&mut app, 2);
+    update_until_finished(&mut app, &[left, right]);
+    app.update();
+    let world = app.world_mut();
+    for (entity, friction) in [(left, Friction::coefficient(0.9)), (right, own)] {
+        assert_eq!(world.get::<Friction>(entity), Some(&friction));
+        assert_eq!(world.get::<Restitution>(entity), Some(&Restitution::coefficient(0.4)));
+        assert_eq!(world.get::<CollisionGroups>(entity), Some(&groups));
+        assert!(world.get::<SolverGroups>(entity).is_some());
+        assert!(world.get::<Sensor>(entity).is_some());
+    }
+    let handles = [left, right].map(|e| world.get::<RapierColliderHandle>(e).unwrap().0);
+    let handle = world.get::<RapierRigidBodyHandle>(body).unwrap().0;
+    let (bodies, colliders) =
+        world.query::<(&RapierRigidBodySet, &RapierContextColliders)>().single(world).unwrap();
+    for collider in handles {
+        assert_eq!(colliders.colliders[collider].parent(), Some(handle));
+    }
+    let rapier_body = &bodies.bodies[handle];
+    assert!((rapier_body.mass() / (2.0 * DENSITY) - 1.0).abs() < 1e-2);
+    assert_near(rapier_body.mass_properties().local_mprops.local_com, [2.0, 0.5, 0.5], 1e-2);
+    let before = world.get::<Transform>(body).unwrap().translation.y;
+    update_times(&mut app, 30);
+    assert!(app.world().get::<Transform>(body).unwrap().translation.y < before - 0.5);
+    assert_near(app.world().get::<Transform>(right).unwrap().translation, [3.0, 0.0, 0.0], 1e-5);
+}
+
+#[cfg(feature = "bevy_gltf")]
+#[test]
+fn extras_tag_nodes_and_meshes() {
+    use bevy::gltf::{GltfExtras, GltfMeshExtras};
+    let mut app = app();
+    let cube = cube(&mut app);
+    let root = root(&mut app, ConvexDecompositionHierarchy::tagged_only());
+    let yes = || r#"{"collider": "convex_decomposition"}"#.to_owned();
+    let [by_node, by_mesh, neither] =
+        ["a", "b", "c"].map(|name| node(&mut app, root, name, &[&cube]));
+    app.world_mut().entity_mut(by_node).insert(GltfExtras { value: yes() });
+    let primitive = app.world().get::<Children>(by_mesh).unwrap()[0];
+    app.world_mut().entity_mut(primitive).insert(GltfMeshExtras { value: yes() });
+    app.world_mut().entity_mut(neither).insert(GltfExtras { value: "{".into() });
+    update_times(&mut app, 2);
+    let tagged = [by_node, by_mesh, neither].map(|entity| is_tagged(&app, entity));
+    assert_eq!(tagged, [true, true, false]);
+}

@@ -1,0 +1,312 @@
+//! What a scene does not need is not done.
+
+use std::sync::Mutex;
+
+use bevy::prelude::*;
+use bevy_rapier3d::prelude::*;
+use hullwright::bevy::prelude::*;
+use hullwright::bevy::{Execution, Origin, Skip};
+
+use crate::app::*;
+
+#[test]
+fn an_entity_that_has_a_collider_keeps_it() {
+    let mut app = app();
+    let mesh = add(&mut app, model("u_prism"));
+    let entity = app.world_mut().spawn((Mesh3d(mesh), tag(), Collider::ball(0.5))).id();
+    update_until_finished(&mut app, &[entity]);
+    assert_eq!(status(&app, entity), DecompositionStatus::Skipped(Skip::HasCollider));
+    assert!(collider(&app, entity).as_ball().is_some());
+    assert_eq!(counters(&app).had_collider, 1);
+}
+
+#[test]
+fn a_fixed_body_gets_the_triangles() {
+    let mut app = app();
+    let mesh = add(&mut app, model("u_prism"));
+    let entity = app.world_mut().spawn((Mesh3d(mesh), tag(), RigidBody::Fixed)).id();
+    update_until_finished(&mut app, &[entity]);
+    assert_eq!(status(&app, entity), DecompositionStatus::Skipped(Skip::FixedBody));
+    assert!(collider(&app, entity).as_trimesh().is_some());
+    assert_eq!((counters(&app).triangle_meshes, counters(&app).decomposed), (1, 0));
+}
+
+#[test]
+fn a_fixed_body_gets_hulls_if_the_settings_say_so() {
+    let mut app = app_with(HullwrightSettings { exact_fixed_bodies: false, ..default() });
+    let mesh = add(&mut app, model("u_prism"));
+    let entity = app.world_mut().spawn((Mesh3d(mesh), tag(), RigidBody::Fixed)).id();
+    update_until_finished(&mut app, &[entity]);
+    assert!(collider(&app, entity).as_compound().is_some());
+}
+
+#[test]
+fn a_body_that_is_no_longer_fixed_gets_hulls_and_back() {
+    let mut app = app();
+    let mesh = add(&mut app, model("u_prism"));
+    let body = app.world_mut().spawn((RigidBody::Fixed, Transform::default())).id();
+    let child = app.world_mut().spawn((Mesh3d(mesh), tag(), ChildOf(body))).id();
+    update_until_finished(&mut app, &[child]);
+    assert!(collider(&app, child).as_trimesh().is_some());
+    app.world_mut().entity_mut(body).insert(RigidBody::Dynamic);
+    update_until(&mut app, |app| collider(app, child).as_compound().is_some());
+    assert!(app.world().get::<ColliderMassProperties>(child).is_some());
+    app.world_mut().entity_mut(body).insert(RigidBody::Fixed);
+    update_until(&mut app, |app| collider(app, child).as_trimesh().is_some());
+}
+
+#[test]
+fn entities_with_the_same_mesh_share_one_job_while_it_is_in_flight() {
+    let mut app = app();
+    let mesh = add(&mut app, model("gear"));
+    let entities: Vec<Entity> = (0..10).map(|_| spawn(&mut app, &mesh)).collect();
+    update_until_finished(&mut app, &entities);
+    let counters = counters(&app);
+    assert_eq!((counters.decomposed, counters.shared), (1, 9));
+    assert_eq!(status(&app, entities[0]), DecompositionStatus::Ready(Origin::Decomposed));
+    assert_eq!(status(&app, entities[9]), DecompositionStatus::Ready(Origin::Shared));
+    assert_eq!(app.world().resource::<Seen>().ready.len(), 10);
+}
+
+#[test]
+fn meshes_with_the_same_content_share_one_decomposition() {
+    for max_jobs in [1, 4] {
+        let mut app = app_with(HullwrightSettings { max_jobs, ..default() });
+        let entities: Vec<Entity> = (0..4)
+            .map(|_| {
+                let mesh = add(&mut app, model("gear"));
+                spawn(&mut app, &mesh)
+            })
+            .collect();
+        update_until_finished(&mut app, &entities);
+        let counters = counters(&app);
+        assert_eq!((counters.decomposed, counters.shared), (1, 3));
+    }
+}
+
+#[test]
+fn entities_of_several_scales_share_one_decomposition() {
+    let mut app = app_with(HullwrightSettings { max_jobs: 4, ..default() });
+    let mesh = add(&mut app, model("gear"));
+    let entities: Vec<Entity> = (1..5)
+        .map(|scale| {
+            let transform = Transform::from_scale(Vec3::splat(scale as f32));
+            app.world_mut().spawn((Mesh3d(mesh.clone()), tag(), transform)).id()
+        })
+        .collect();
+    update_until_finished(&mut app, &entities);
+    assert_eq!(counters(&app).decomposed, 1);
+}
+
+#[test]
+fn other_parameters_are_another_decomposition() {
+    let mut app = app();
+    let mesh = add(&mut app, model("u_prism"));
+    let first = spawn(&mut app, &mesh);
+    let fast = ConvexDecomposition::from(hullwright::Preset::Fast);
+    let second = app.world_mut().spawn((Mesh3d(mesh), fast)).id();
+    update_until_finished(&mut app, &[first, second]);
+    assert_eq!(counters(&app).decomposed, 2);
+}
+
+#[test]
+fn a_known_mesh_has_its_collider_after_one_frame() {
+    let mut app = app();
+    let mesh = add(&mut app, model("gear"));
+    let first = spawn(&mut app, &mesh);
+    update_until_finished(&mut app, &[first]);
+    let second = spawn(&mut app, &mesh);
+    app.update();
+    assert_eq!(status(&app, second), DecompositionStatus::Ready(Origin::Shared));
+    // One shape for both.
+    let raw = |entity| std::sync::Arc::as_ptr(&collider(&app, entity).raw.0).cast::<u8>();
+    assert_eq!(raw(first), raw(second));
+}
+
+#[test]
+fn a_cache_without_room_keeps_nothing() {
+    let mut app = app_with(HullwrightSettings { cache_bytes: 0, ..default() });
+    let mesh = add(&mut app, model("u_prism"));
+    for _ in 0..2 {
+        let entity = spawn(&mut app, &mesh);
+        update_until_finished(&mut app, &[entity]);
+        assert!(app.world().get::<Collider>(entity).is_some());
+    }
+    let counters = counters(&app);
+    assert_eq!((counters.decomposed, counters.cached, counters.cached_bytes), (2, 0, 0));
+}
+
+#[test]
+fn a_small_cache_drops_what_was_not_used_for_longest() {
+    let mut app = app();
+    let mesh = add(&mut app, model("u_prism"));
+    let entity = spawn(&mut app, &mesh);
+    update_until_finished(&mut app, &[entity]);
+    let one = counters(&app).cached_bytes;
+    assert!(one > 0);
+    app.world_mut().resource_mut::<HullwrightSettings>().cache_bytes = one + one / 2;
+    let other = add(&mut app, cuboid([0.0; 3], [1.0; 3]));
+    let entity = spawn(&mut app, &other);
+    update_until_finished(&mut app, &[entity]);
+    let after = counters(&app);
+    assert!(after.cached_bytes <= one + one / 2);
+    assert!(after.cached >= 1);
+}
+
+#[test]
+fn the_cache_on_disk_spares_the_next_start_the_work() {
+    let directory = tempfile::tempdir().unwrap();
+    let settings =
+        HullwrightSettings { disk_cache: Some(directory.path().join("cache")), ..default() };
+    let mut hulls = Vec::new();
+    for expected in [Origin::Decomposed, Origin::Disk] {
+        let mut app = app_with(settings.clone());
+        let mesh = add(&mut app, model("u_prism"));
+        let entity = spawn(&mut app, &mesh);
+        update_until_finished(&mut app, &[entity]);
+        assert_eq!(status(&app, entity), DecompositionStatus::Ready(expected));
+        hulls.push(bounds(&app, entity));
+    }
+    assert_eq!(hulls[0], hulls[1]);
+}
+
+#[test]
+fn a_damaged_cache_on_disk_is_as_good_as_none() {
+    let directory = tempfile::tempdir().unwrap();
+    let settings = HullwrightSettings { disk_cache: Some(directory.path().into()), ..default() };
+    for _ in 0..2 {
+        let mut app = app_with(settings.clone());
+        let mesh = add(&mut app, model("u_prism"));
+        let entity = spawn(&mut app, &mesh);
+        update_until_finished(&mut app, &[entity]);
+        assert_eq!(status(&app, entity), DecompositionStatus::Ready(Origin::Decomposed));
+        for file in std::fs::read_dir(directory.path()).unwrap() {
+            std::fs::write(file.unwrap().path(), b"no hulls").unwrap();
+        }
+    }
+}
+
+#[test]
+fn no_more_jobs_run_than_allowed() {
+    let mut app = app_with(HullwrightSettings { max_jobs: 2, ..default() });
+    let entities: Vec<Entity> = (1..12)
+        .map(|size| {
+            let mesh = add(&mut app, cuboid([0.0; 3], [size as f32; 3]));
+            spawn(&mut app, &mesh)
+        })
+        .collect();
+    update_until(&mut app, |app| {
+        assert!(counters(app).running <= 2);
+        entities.iter().all(|entity| status(app, *entity).is_finished())
+    });
+    assert_eq!(counters(&app).decomposed, 11);
+}
+
+#[test]
+fn the_nearest_to_a_focus_goes_first() {
+    let mut app = app_with(HullwrightSettings { max_jobs: 1, ..default() });
+    let at = |x: f32| Transform::from_xyz(x, 0.0, 0.0);
+    app.world_mut().spawn((at(10.0), DecompositionFocus));
+    let entities: Vec<Entity> = [0.0, 30.0, 12.0, 9.0]
+        .into_iter()
+        .map(|x| {
+            let mesh = add(&mut app, cuboid([0.0; 3], [1.0 + x; 3]));
+            app.world_mut().spawn((Mesh3d(mesh), at(x), tag())).id()
+        })
+        .collect();
+    update_until_finished(&mut app, &entities);
+    let ready: Vec<Entity> =
+        app.world().resource::<Seen>().ready.iter().map(|(entity, _)| *entity).collect();
+    let [first, second, third, fourth] = entities[..] else { unreachable!() };
+    assert_eq!(ready, [fourth, third, first, second]);
+}
+
+#[test]
+fn no_more_colliders_are_attached_per_frame_than_allowed() {
+    let mut app = app_with(HullwrightSettings { max_attached_per_frame: 3, ..default() });
+    let mesh = add(&mut app, model("u_prism"));
+    let first = spawn(&mut app, &mesh);
+    update_until_finished(&mut app, &[first]);
+    let entities: Vec<Entity> = (0..7).map(|_| spawn(&mut app, &mesh)).collect();
+    let finished = |app: &App| entities.iter().filter(|e| status(app, **e).is_finished()).count();
+    let mut before = 0;
+    while before < entities.len() {
+        app.update();
+        let now = finished(&app);
+        assert!(now > before && now - before <= 3);
+        before = now;
+    }
+}
+
+#[test]
+fn without_threads_the_work_goes_on_in_slices() {
+    let mut app = app_with(HullwrightSettings {
+        execution: Execution::Slices,
+        frame_budget: std::time::Duration::ZERO,
+        ..default()
+    });
+    let mesh = add(&mut app, model("u_prism"));
+    let entity = spawn(&mut app, &mesh);
+    let mut frames = 0;
+    update_until(&mut app, |app| {
+        frames += 1;
+        status(app, entity).is_finished()
+    });
+    assert_eq!(status(&app, entity), DecompositionStatus::Ready(Origin::Decomposed));
+    assert!(frames > 4, "one slice did all");
+}
+
+#[test]
+fn all_that_share_a_bad_mesh_fail_and_one_line_is_logged() {
+    Log::install();
+    let mut app = app();
+    // No other test has a mesh of two vertices, and all share the log.
+    let bad = add(&mut app, mesh(vec![[0.0; 3]; 2], Vec::new()));
+    let entities: Vec<Entity> = (0..5).map(|_| spawn(&mut app, &bad)).collect();
+    update_until_finished(&mut app, &entities);
+    assert_eq!((counters(&app).failed, counters(&app).running), (5, 0));
+    assert_eq!(app.world().resource::<Seen>().failed.len(), 5);
+    update_times(&mut app, 20);
+    let lines = Log::lines_with("2 vertices");
+    assert_eq!(lines.len(), 1, "{lines:?}");
+    assert!(!lines[0].contains('\n'));
+}
+
+/// Keeps what is logged.
+struct Log;
+
+static LINES: Mutex<Vec<String>> = Mutex::new(Vec::new());
+
+impl Log {
+    fn install() {
+        // Only the first succeeds, and one is enough.
+        let _ = log::set_logger(&Self).map(|()| log::set_max_level(log::LevelFilter::Warn));
+    }
+
+    fn lines_with(text: &str) -> Vec<String> {
+        LINES.lock().unwrap().iter().filter(|line| line.contains(text)).cloned().collect()
+    }
+}
+
+impl log::Log for Log {
+    fn enabled(&self, _: &log::Metadata<'_>) -> bool {
+        true
+    }
+
+    fn log(&self, record: &log::Record<'_>) {
+        LINES.lock().unwrap().push(record.args().to_string());
+    }
+
+    fn flush(&self) {}
+}
+
+#[test]
+fn a_mesh_that_failed_fails_again_at_once() {
+    let mut app = app();
+    let mesh = add(&mut app, mesh(vec![[1.0; 3]; 3], vec![0, 1, 2]));
+    let first = spawn(&mut app, &mesh);
+    update_until_finished(&mut app, &[first]);
+    let second = spawn(&mut app, &mesh);
+    app.update();
+    assert_eq!(status(&app, second), status(&app, first));
+}

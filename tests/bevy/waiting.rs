@@ -1,0 +1,173 @@
+//! A tag may come before the mesh, sit above it, and go away again.
+
+use bevy::prelude::*;
+use bevy_rapier3d::prelude::*;
+use hullwright::bevy::Wait;
+use hullwright::bevy::prelude::*;
+
+use crate::app::*;
+
+#[test]
+fn a_tag_before_the_mesh_is_loaded_waits_for_it() {
+    let mut app = app();
+    let handle = app.world().resource::<Assets<Mesh>>().reserve_handle();
+    let entity = spawn(&mut app, &handle);
+    update_times(&mut app, 5);
+    assert_eq!(status(&app, entity), DecompositionStatus::Waiting(Wait::ForMesh));
+    app.world_mut().resource_mut::<Assets<Mesh>>().insert(handle.id(), model("u_prism")).unwrap();
+    update_until_finished(&mut app, &[entity]);
+    assert!(app.world().get::<Collider>(entity).is_some());
+}
+
+#[test]
+fn a_tag_before_there_is_any_mesh_waits_for_it() {
+    let mut app = app();
+    let entity = app.world_mut().spawn((Transform::default(), tag())).id();
+    update_times(&mut app, 5);
+    assert_eq!(status(&app, entity), DecompositionStatus::Waiting(Wait::ForMesh));
+    let mesh = add(&mut app, model("u_prism"));
+    app.world_mut().entity_mut(entity).insert(Mesh3d(mesh));
+    update_until_finished(&mut app, &[entity]);
+    assert!(app.world().get::<Collider>(entity).is_some());
+}
+
+#[test]
+fn all_meshes_below_a_tag_are_one_input() {
+    let mut app = app();
+    // The two halves of a box, each an open fragment, one of them moved into its place.
+    let lower = mesh(
+        vec![
+            [0., 0., 0.],
+            [1., 0., 0.],
+            [1., 0., 1.],
+            [0., 0., 1.],
+            [0., 1., 0.],
+            [1., 1., 0.],
+            [1., 1., 1.],
+            [0., 1., 1.],
+        ],
+        vec![0, 1, 2, 0, 2, 3, 0, 4, 5, 0, 5, 1, 1, 5, 6, 1, 6, 2],
+    );
+    let upper = mesh(
+        vec![
+            [0., -1., 0.],
+            [1., -1., 0.],
+            [1., -1., 1.],
+            [0., -1., 1.],
+            [0., 0., 0.],
+            [1., 0., 0.],
+            [1., 0., 1.],
+            [0., 0., 1.],
+        ],
+        vec![2, 6, 7, 2, 7, 3, 3, 7, 4, 3, 4, 0, 4, 7, 6, 4, 6, 5],
+    );
+    let (lower, upper) = (add(&mut app, lower), add(&mut app, upper));
+    let parent = app.world_mut().spawn((Transform::default(), tag(), RigidBody::Dynamic)).id();
+    app.world_mut().spawn((Mesh3d(lower), ChildOf(parent)));
+    app.world_mut().spawn((Mesh3d(upper), Transform::from_xyz(0., 1., 0.), ChildOf(parent)));
+    update_until_finished(&mut app, &[parent]);
+    assert!(collider(&app, parent).as_convex_polyhedron().is_some());
+    let Some(ColliderMassProperties::MassProperties(properties)) =
+        app.world().get::<ColliderMassProperties>(parent)
+    else {
+        panic!("no mass properties");
+    };
+    // Known to be closed only together.
+    assert!((properties.mass / DENSITY - 1.0).abs() < 1e-3);
+}
+
+#[test]
+fn what_has_a_tag_or_a_body_of_its_own_or_is_left_out_is_not_part_of_the_input() {
+    let mut app = app();
+    let cube = add(&mut app, cuboid([0.0; 3], [1.0; 3]));
+    let parent = app.world_mut().spawn((Mesh3d(cube.clone()), tag())).id();
+    let aside = |x| Transform::from_xyz(x, 0.0, 0.0);
+    let own = app.world_mut().spawn((Mesh3d(cube.clone()), aside(5.), tag(), ChildOf(parent))).id();
+    app.world_mut().spawn((Mesh3d(cube.clone()), aside(7.), RigidBody::Dynamic, ChildOf(parent)));
+    app.world_mut().spawn((Mesh3d(cube), aside(9.), NoConvexDecomposition, ChildOf(parent)));
+    update_until_finished(&mut app, &[parent, own]);
+    for entity in [parent, own] {
+        let (low, high) = bounds(&app, entity);
+        assert_near(low, [0.0; 3], 1e-3);
+        assert_near(high, [1.0; 3], 1e-3);
+    }
+}
+
+#[test]
+fn an_asset_that_can_not_be_loaded_fails() {
+    let mut app = app();
+    let handle = app.world().resource::<AssetServer>().load("nowhere.hulls");
+    let entity = app.world_mut().spawn(BakedDecomposition::new(handle)).id();
+    update_until_finished(&mut app, &[entity]);
+    assert!(matches!(status(&app, entity), DecompositionStatus::Failed(_)));
+}
+
+/// An app in which a job is at work on an entity.
+fn app_at_work() -> (App, Entity) {
+    let mut app = app();
+    let mesh = add(&mut app, model("dog"));
+    let entity = spawn(&mut app, &mesh);
+    update_until(&mut app, |app| counters(app).running == 1);
+    (app, entity)
+}
+
+#[test]
+fn progress_rises_and_never_falls() {
+    let (mut app, entity) = app_at_work();
+    let mut all: Vec<f32> = Vec::new();
+    update_until(&mut app, |app| {
+        if let DecompositionStatus::Running { progress } = status(app, entity) {
+            assert!((0.0..=1.0).contains(&progress));
+            assert!(all.last().is_none_or(|last| progress >= *last));
+            all.push(progress);
+        }
+        status(app, entity).is_finished()
+    });
+    all.dedup();
+    assert!(all.len() > 3, "only {all:?} was seen");
+}
+
+#[test]
+fn removing_the_tag_cancels_the_work() {
+    let (mut app, entity) = app_at_work();
+    app.world_mut().entity_mut(entity).remove::<ConvexDecomposition>();
+    assert_eq!(status(&app, entity), DecompositionStatus::Cancelled);
+    app.update();
+    let counters = counters(&app);
+    assert_eq!((counters.cancelled, counters.running), (1, 0));
+    update_times(&mut app, 20);
+    assert!(app.world().get::<Collider>(entity).is_none());
+}
+
+#[test]
+fn despawning_cancels_the_work() {
+    let (mut app, entity) = app_at_work();
+    app.world_mut().despawn(entity);
+    app.update();
+    let counters = counters(&app);
+    assert_eq!((counters.cancelled, counters.running), (1, 0));
+}
+
+#[test]
+fn changing_the_tag_begins_anew() {
+    let (mut app, entity) = app_at_work();
+    let mut parameters = hullwright::Parameters::default();
+    parameters.bounded.max_hulls = Some(1);
+    app.world_mut().entity_mut(entity).insert(ConvexDecomposition::new(parameters));
+    update_until_finished(&mut app, &[entity]);
+    assert!(collider(&app, entity).as_convex_polyhedron().is_some());
+    assert_eq!(app.world().resource::<Seen>().ready, [(entity, 1)]);
+}
+
+#[test]
+fn the_collider_stays_when_the_tag_is_removed_later() {
+    let mut app = app();
+    let mesh = add(&mut app, cuboid([0.0; 3], [1.0; 3]));
+    let entity = spawn(&mut app, &mesh);
+    update_until_finished(&mut app, &[entity]);
+    let before = status(&app, entity);
+    app.world_mut().entity_mut(entity).remove::<ConvexDecomposition>();
+    update_times(&mut app, 3);
+    assert!(app.world().get::<Collider>(entity).is_some());
+    assert_eq!(status(&app, entity), before);
+}
