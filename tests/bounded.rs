@@ -414,3 +414,87 @@ fn an_open_sheet_is_covered_by_thin_hulls() {
     assert!(result.hulls.len() > 1);
     assert_promise("sheet", &mesh, &result);
 }
+
+fn turned((positions, triangles): &Mesh) -> Mesh {
+    (positions.clone(), triangles.iter().map(|&[a, b, c]| [b, a, c]).collect())
+}
+
+#[test]
+fn a_box_that_is_wound_both_ways_is_a_sheet_and_stays_hollow() {
+    // Its winding number is 0 everywhere: found in models whose every side is drawn from both
+    // sides, where hulls that filled the inside stood out of the surface by 8 bounds.
+    let (positions, mut triangles) = cuboid([0.0; 3], [1.0, 1.2, 1.4]);
+    triangles.extend(turned(&(positions.clone(), triangles.clone())).1);
+    let mesh = (positions, triangles);
+    let result = run(&mesh);
+    assert_promise("double box", &mesh, &result);
+    assert!(result.hulls.iter().all(|hull| !holds(hull, [0.5, 0.6, 0.7])));
+}
+
+#[test]
+fn triangles_that_are_there_twice_change_nothing() {
+    let (positions, mut triangles) = l_prism();
+    triangles.extend(triangles.clone());
+    assert_eq!(run(&(positions, triangles)).hulls.len(), 2);
+}
+
+#[test]
+fn a_box_without_a_floor_keeps_the_promise() {
+    // Its inside ends where there is no surface.
+    let (positions, mut triangles) = cuboid([0.0; 3], [1.0, 1.0, 0.6]);
+    triangles.retain(|triangle| triangle.iter().any(|&vertex| vertex >= 4));
+    let mesh = (positions, triangles);
+    assert_promise("open box", &mesh, &run(&mesh));
+}
+
+#[test]
+fn a_cavity_fills_unless_it_is_to_be_kept() {
+    let hollow = join(&[l_prism(), turned(&cuboid([0.4; 3], [0.6; 3]))]);
+    let result = run(&hollow);
+    assert_promise("filled", &hollow, &result);
+    assert!(result.hulls.iter().any(|hull| holds(hull, [0.5; 3])));
+    let mut parameters = Parameters::default();
+    parameters.bounded.keep_cavities = true;
+    let result = run_with(&hollow, &parameters);
+    assert_promise("kept", &hollow, &result);
+    assert!(result.hulls.iter().all(|hull| !holds(hull, [0.5; 3])));
+    // Who keeps cavities has the same hulls where there are none.
+    assert_eq!(run_with(&l_prism(), &parameters).hulls, run(&l_prism()).hulls);
+}
+
+#[test]
+fn the_tips_of_sharp_plates_are_covered() {
+    // Beyond an edge as sharp as this a point is far away that is hardly in front of any face.
+    let rim: Vec<[f64; 2]> = vec![[0.0, 0.001], [0.7, 0.0003], [1.0, 0.0], [0.7, -0.0003]];
+    let lens = lathe(&[&rim[..], &[[0.0, -0.001]]].concat(), 24);
+    let plates = join(&[lens.clone(), {
+        let (positions, triangles) = lens;
+        (
+            positions.iter().map(|&[x, y, z]| [x, z, y + 1.2]).collect(),
+            turned(&(vec![], triangles)).1,
+        )
+    }]);
+    let result = run(&plates);
+    assert_promise("plates", &plates, &result);
+    let judged = judge(&plates, &result.hulls);
+    assert!(judged.exposed.max < 0.002, "{}", judged.exposed.max);
+}
+
+#[test]
+fn the_fine_preset_has_no_more_hulls() {
+    let mut fine = Parameters::default();
+    fine.bounded.preset = Preset::Fine;
+    for mesh in [torus(), cup(), plus_prism()] {
+        assert!(run_with(&mesh, &fine).hulls.len() <= run(&mesh).hulls.len());
+    }
+}
+
+#[test]
+fn long_needles_are_no_reason_to_divide() {
+    // A tube of 300 facets once became 5,000 seeds.
+    let tube = lathe(&[[0.2, -0.5], [0.22, -0.5], [0.22, 0.5], [0.2, 0.5]], 300);
+    let result = run(&tube);
+    let seeds = result.report.bounded.as_ref().unwrap().seeds;
+    assert!(seeds < 1500, "{seeds}");
+    assert_promise("tube", &tube, &result);
+}
