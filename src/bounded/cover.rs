@@ -13,7 +13,13 @@ use crate::{Control, Error};
 ///
 /// As long as all goes well, more and more seeds are taken at once: faces that would only have
 /// been there between one seed and the next are never tested.
-fn grow(seeds: &Seeds, piece: &mut Piece, wanted: &SeedSet, shop: &mut Workshop<'_>) {
+fn grow(
+    seeds: &Seeds,
+    piece: &mut Piece,
+    wanted: &SeedSet,
+    shop: &mut Workshop<'_>,
+    control: &Control,
+) -> Result<(), Error> {
     let mut open = wanted.clone();
     open.subtract(&piece.seeds);
     for seed in piece.seeds.iter() {
@@ -52,10 +58,11 @@ fn grow(seeds: &Seeds, piece: &mut Piece, wanted: &SeedSet, shop: &mut Workshop<
             if batch.is_empty() {
                 break;
             }
-            let fits = take(seeds, piece, &batch, &mut open, shop);
+            let fits = take(seeds, piece, &batch, &mut open, shop, control)?;
             at_once = if fits { (2 * at_once).min(MOST_AT_ONCE) } else { 1 };
         }
     }
+    Ok(())
 }
 
 /// Lets a hull take those of some seeds that fit, all at once if possible. Whether it was.
@@ -65,26 +72,28 @@ fn take(
     batch: &[u32],
     open: &mut SeedSet,
     shop: &mut Workshop<'_>,
-) -> bool {
+    control: &Control,
+) -> Result<bool, Error> {
+    control.check()?;
     if shop.try_take(&mut piece.hull, batch.iter().map(|&index| &seeds.seeds[index as usize])) {
         for &index in batch {
             piece.seeds.insert(index);
             open.remove(index);
             open.subtract(&seeds.conflicts[index as usize]);
         }
-        return true;
+        return Ok(true);
     }
     if let &[index] = batch {
         open.remove(index);
-        return false;
+        return Ok(false);
     }
     let (first, second) = batch.split_at(batch.len() / 2);
-    take(seeds, piece, first, open, shop);
+    take(seeds, piece, first, open, shop, control)?;
     let second: Vec<u32> = second.iter().copied().filter(|&index| open.contains(index)).collect();
     if !second.is_empty() {
-        take(seeds, piece, &second, open, shop);
+        take(seeds, piece, &second, open, shop, control)?;
     }
-    false
+    Ok(false)
 }
 
 /// Most seeds that are tried at once.
@@ -163,7 +172,8 @@ fn dissolve_one(
     pieces: &[Piece],
     k: usize,
     shop: &mut Workshop<'_>,
-) -> Option<Vec<Piece>> {
+    control: &Control,
+) -> Result<Option<Vec<Piece>>, Error> {
     let mut alive = vec![true; pieces.len()];
     let mut left = own(pieces, &alive, k);
     alive[k] = false;
@@ -181,7 +191,7 @@ fn dissolve_one(
         .collect();
     let compatible = |seed: u32, core: &SeedSet| !seeds.conflicts[seed as usize].intersects(core);
     if left.iter().any(|seed| !(0..pieces.len()).any(|j| j != k && compatible(seed, &cores[j]))) {
-        return None;
+        return Ok(None);
     }
     let mut changed: Vec<(usize, Piece)> = Vec::new();
     let mut sets: Vec<SeedSet> = pieces.iter().map(|piece| piece.seeds.clone()).collect();
@@ -201,7 +211,7 @@ fn dissolve_one(
             }
         }
         let mut piece = hull_of(seeds, &core);
-        grow(seeds, &mut piece, &left, shop);
+        grow(seeds, &mut piece, &left, shop, control)?;
         let mut taken = piece.seeds.clone();
         taken.subtract(&core);
         if taken.is_empty() {
@@ -215,16 +225,16 @@ fn dissolve_one(
         }
     }
     if !left.is_empty() {
-        return None;
+        return Ok(None);
     }
     let mut pieces = pieces.to_vec();
     let all = seeds.all();
     for (j, mut piece) in changed {
-        grow(seeds, &mut piece, &all, shop);
+        grow(seeds, &mut piece, &all, shop, control)?;
         pieces[j] = piece;
     }
     pieces.remove(k);
-    Some(pieces)
+    Ok(Some(pieces))
 }
 
 /// Dissolves pieces, those with least area of their own first, until none can go or too much has
@@ -249,12 +259,12 @@ fn dissolve(
             }
             let attempts = super::parallel::map(some, |&(_, k)| {
                 let mut shop = Workshop::new(solid, tuning.search_bound);
-                let dissolved = dissolve_one(seeds, pieces, k, &mut shop);
+                let dissolved = dissolve_one(seeds, pieces, k, &mut shop, control);
                 (dissolved, shop.tried)
             });
             for (dissolved, tries) in attempts {
                 tried += tries;
-                if let Some(fewer) = dissolved {
+                if let Some(fewer) = dissolved? {
                     *pieces = fewer;
                     drop_redundant(seeds, pieces);
                     continue 'again;
@@ -285,18 +295,18 @@ pub(crate) fn cover(
         let mut piece = piece.clone();
         if !control.is_past_deadline() {
             let mut shop = Workshop::new(solid, tuning.search_bound);
-            grow(seeds, &mut piece, &all, &mut shop);
+            grow(seeds, &mut piece, &all, &mut shop, control)?;
         }
         Ok(piece)
     });
     let mut pieces = grown.into_iter().collect::<Result<Vec<Piece>, Error>>()?;
     drop_redundant(seeds, &mut pieces);
     dissolve(seeds, &mut pieces, solid, tuning, control)?;
-    Ok(shrink(seeds, pieces))
+    shrink(seeds, pieces, control)
 }
 
 /// Each seed stays with one piece, and pieces shrink to what they own.
-fn shrink(seeds: &Seeds, mut pieces: Vec<Piece>) -> Vec<Piece> {
+fn shrink(seeds: &Seeds, mut pieces: Vec<Piece>, control: &Control) -> Result<Vec<Piece>, Error> {
     let alive = vec![true; pieces.len()];
     let mut owned: Vec<Piece> =
         (0..pieces.len()).map(|k| hull_of(seeds, &own(&pieces, &alive, k))).collect();
@@ -307,6 +317,7 @@ fn shrink(seeds: &Seeds, mut pieces: Vec<Piece>) -> Vec<Piece> {
     let mut order: Vec<u32> = shared.iter().collect();
     order.sort_by(|&a, &b| seeds.seeds[b as usize].area.total_cmp(&seeds.seeds[a as usize].area));
     for index in order {
+        control.check()?;
         let seed = &seeds.seeds[index as usize];
         let mut best: Option<(f64, usize)> = None;
         for (k, piece) in pieces.iter().enumerate() {
@@ -329,5 +340,5 @@ fn shrink(seeds: &Seeds, mut pieces: Vec<Piece>) -> Vec<Piece> {
     }
     pieces.clear();
     owned.retain(|piece| !piece.seeds.is_empty());
-    owned
+    Ok(owned)
 }

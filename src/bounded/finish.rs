@@ -8,7 +8,7 @@ use super::seed_set::SeedSet;
 use super::seeds::{Seed, Seeds};
 use super::solid::Solid;
 use crate::hull::{
-    ConvexHull, HullBuilder, cap_vertices_within, fewer_vertices, inner_hull, solid_hull,
+    ConvexHull, HullBuilder, Shape, cap_vertices_within, fewer_vertices, inner_hull, solid_hull,
 };
 use crate::vector::{Vector, add, area_normal, maximum, minimum, scale};
 use crate::{Control, Error};
@@ -103,7 +103,7 @@ fn finish_one(
     let mut builder = HullBuilder::new();
     while let Some((set, part)) = open.pop() {
         control.check()?;
-        let finished = finished(seeds, set, part, solid, tuning, &mut builder)?;
+        let finished = finished(seeds, set, part, solid, tuning, &mut builder, control)?;
         let keeps_bound =
             finished.phantom <= tuning.bound && finished.left_out <= MOST_LEFT_OUT * tuning.bound;
         if keeps_bound {
@@ -167,6 +167,7 @@ fn finished(
     solid: &Solid,
     tuning: &Tuning,
     builder: &mut HullBuilder,
+    control: &Control,
 ) -> Result<Finished, Error> {
     let mut hull = match &part {
         None => hull_of(seeds, &set).hull,
@@ -180,7 +181,7 @@ fn finished(
             Hull::of(&points, normals.fold([0.0; 3], add))
         }
     };
-    let own = own_points(seeds, &set, part.as_deref());
+    let own = extreme(builder, own_points(seeds, &set, part.as_deref()));
     let points = hull.vertices();
     let (mut full, mut added_thickness) =
         solid_hull(builder, &points, hull.outward, LEAST_THICKNESS)?;
@@ -204,6 +205,7 @@ fn finished(
     };
     let most = tuning.max_vertices.unwrap_or(usize::MAX);
     for tolerance in TOLERANCES.map(|share| share * tuning.bound) {
+        control.check()?;
         let Some((hull, growth)) = fewer_vertices(builder, &full, tolerance, tuning.reduction)
         else {
             continue;
@@ -243,6 +245,18 @@ fn finished(
     let phantom = phantom(&full, solid, tuning.bound, f64::INFINITY);
     Ok(make(full, 0.0, phantom, full_left_out))
 }
+
+/// Those of some points that tell how far all of them are outside of a hull: the distance to a
+/// convex set is a convex function, so the vertices of the points' own hull do.
+fn extreme(builder: &mut HullBuilder, points: Vec<Vector>) -> Vec<Vector> {
+    if points.len() < FEW || builder.build(&points) != Shape::Solid {
+        return points;
+    }
+    builder.extract().0
+}
+
+/// So few points are asked as quickly as their hull is built.
+const FEW: usize = 64;
 
 /// The surface's vertices that a hull must hold.
 fn own_points(seeds: &Seeds, set: &SeedSet, part: Option<&[u32]>) -> Vec<Vector> {

@@ -192,10 +192,10 @@ impl Run {
             State::Start => {
                 let is_closed = is_closed(&self.prepared);
                 let (solid, working) = parallel::join(
-                    || solid(&self.prepared, is_closed, tuning),
+                    || solid(&self.prepared, is_closed, tuning, control),
                     || seeds::working_mesh(&self.prepared, tuning, control),
                 );
-                State::Working(Box::new((solid, working?)))
+                State::Working(Box::new((solid?, working?)))
             }
             State::Working(state) => {
                 let (solid, working) = *state;
@@ -333,7 +333,7 @@ impl Merging {
         let tuning = Tuning::new(parameters, prepared.normalization.diagonal, &BALANCED);
         let normalization = prepared.normalization;
         let tree = parallel::with(parameters.parallel, || {
-            let solid = solid(&prepared, is_closed(&prepared), &tuning);
+            let solid = solid(&prepared, is_closed(&prepared), &tuning, control)?;
             let leaves = hulls
                 .iter()
                 .map(|hull| {
@@ -414,7 +414,12 @@ impl Merging {
     }
 }
 
-fn solid(prepared: &PreparedMesh, is_closed: bool, tuning: &Tuning) -> Solid {
+fn solid(
+    prepared: &PreparedMesh,
+    is_closed: bool,
+    tuning: &Tuning,
+    control: &Control,
+) -> Result<Solid, Error> {
     let mesh = &prepared.mesh;
     let is_inside_out = encloses_nothing(mesh);
     let is_sheet = |triangle: usize| {
@@ -430,16 +435,16 @@ fn solid(prepared: &PreparedMesh, is_closed: bool, tuning: &Tuning) -> Solid {
         .map(|(_, &[a, b, c])| [b, a, c])
         .collect();
     let mut solid = if turned.is_empty() {
-        Solid::new(&mesh.positions, &mesh.triangles, is_closed, tuning.bound)
+        Solid::new(&mesh.positions, &mesh.triangles, is_closed, tuning.bound, control)?
     } else {
         let triangles = [mesh.triangles.as_slice(), &turned].concat();
         let is_closed = is_closed || is_balanced(&triangles);
-        Solid::new(&mesh.positions, &triangles, is_closed, tuning.bound)
+        Solid::new(&mesh.positions, &triangles, is_closed, tuning.bound, control)?
     };
     if tuning.keep_cavities {
         solid.keep_cavities(tuning.bound);
     }
-    solid
+    Ok(solid)
 }
 
 /// Whether the signed volume under the surface, seen from the middle of its box, is not positive.

@@ -11,6 +11,7 @@ use super::grid::Grid;
 use super::verdicts::Verdicts;
 use crate::field::Field;
 use crate::vector::{Vector, add, length_squared, scale, subtract};
+use crate::{Control, Error};
 
 /// A face smaller than this share of the bound is decided by its centre.
 const SMALL: f64 = 0.125;
@@ -46,15 +47,26 @@ pub(crate) struct Solid {
 
 impl Solid {
     /// O(n log n) for n triangles, and a grid of at most 200,000 cells.
-    pub fn new(positions: &[Vector], triangles: &[[u32; 3]], is_closed: bool, bound: f64) -> Self {
-        let (field, mut grid) = super::parallel::join(
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
+    pub fn new(
+        positions: &[Vector],
+        triangles: &[[u32; 3]],
+        is_closed: bool,
+        bound: f64,
+        control: &Control,
+    ) -> Result<Self, Error> {
+        let (field, grid) = super::parallel::join(
             || Field::new(positions, triangles),
-            || Grid::new(positions, triangles, bound),
+            || control.check().map(|()| Grid::new(positions, triangles, bound)),
         );
+        let mut grid = grid?;
+        control.check()?;
         if is_closed {
             grid.flood(&field);
         }
-        Self { field, is_closed, grid, cavities: Vec::new(), verdicts: Verdicts::new() }
+        Ok(Self { field, is_closed, grid, cavities: Vec::new(), verdicts: Verdicts::new() })
     }
 
     /// From now on no hull may hold cavities deeper than `bound` (see `cavities`).
