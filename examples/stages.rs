@@ -9,7 +9,7 @@ use hullwright::io::read_mesh;
 use hullwright::{Control, Parameters, decompose};
 
 /// Runs of which the quickest counts, stage by stage.
-const RUNS: usize = 1;
+const RUNS: usize = 3;
 
 fn main() -> ExitCode {
     match run() {

@@ -31,11 +31,12 @@ pub struct Hull {
     /// Thickness that was given to a flat, linear or point-like group so that the hull has
     /// volume; 0 for all others. In units.
     pub added_thickness: f64,
-    /// How far the cap on vertices made the hull grow: no point of it is farther than this from
-    /// the hull without a cap. In units.
+    /// How far saving vertices, or the cap on them, made the hull grow: no point of it is farther
+    /// than this from the hull before. In units.
     pub cap_growth: f64,
     /// No point of the hull's surface is farther than this outside the solid: verified against the
-    /// source, up to 2 % of the bound. In units. `None` for methods that verify nothing.
+    /// source. An upper bound, too large by at most 4 % of the bound, and never below 0.29 of it. In
+    /// units. `None` for methods that verify nothing.
     pub phantom_max: Option<f64>,
 }
 
@@ -133,10 +134,10 @@ pub struct Report {
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq)]
 pub struct BoundedReport {
-    /// The bound that was asked for.
+    /// The bound that was asked for, at least 0.00001 and at most half of the diagonal.
     pub bound: f64,
-    /// No point of a hull's surface is farther than this outside the solid, up to 2 % of the
-    /// bound.
+    /// No point of a hull's surface is farther than this outside the solid. An upper bound, too
+    /// large by at most 4 % of the bound, and never below 0.29 of it.
     pub phantom_max: f64,
     /// No point of the input's surface is farther than this outside every hull.
     pub exposed_max: f64,

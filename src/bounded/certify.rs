@@ -83,7 +83,7 @@ pub(super) fn phantom(hull: &ConvexHull, solid: &Solid, bound: f64, limit: f64) 
             continue;
         }
         let Some(closest) = solid.field.distance_near(centre, f64::INFINITY, near) else {
-            continue;
+            return f64::INFINITY;
         };
         if closest.distance + radius <= enough {
             continue;

@@ -254,7 +254,7 @@ fn dissolve(
         order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         for some in order.chunks(AT_ONCE) {
             control.check()?;
-            if tried > tuning.dissolving_tries || control.is_past_deadline() {
+            if tried >= tuning.dissolving_tries || control.is_past_deadline() {
                 return Ok(());
             }
             let attempts = super::parallel::map(some, |&(_, k)| {

@@ -93,6 +93,9 @@ impl Merging<'_, '_> {
     /// cheapest: most pairs never are before one of the two has joined another piece.
     fn run(&mut self, control: &Control) -> Result<(), Error> {
         while let Some(Candidate { pair, joint, .. }) = self.heap.pop() {
+            if control.is_past_deadline() {
+                break;
+            }
             if !self.is_alive(pair) {
                 continue;
             }
@@ -117,9 +120,6 @@ impl Merging<'_, '_> {
                 }
                 continue;
             };
-            if control.is_past_deadline() {
-                break;
-            }
             if self.shop.fits(&joint.hull, joint.only_new) {
                 self.take(pair, joint.hull);
             } else {

@@ -81,6 +81,10 @@ const FINE: [Fineness; 3] = [
     Fineness { seed_size: 0.15, dissolving_tries: 60_000, triangles: 1600 },
 ];
 
+/// A finer bound than this, in diagonals, is below what single precision and hulls' least thickness
+/// leave of a shape.
+const LEAST_BOUND: f64 = 1e-5;
+
 impl Tuning {
     /// One for each division of the surface that the preset tries.
     fn all(parameters: &Parameters, diagonal: f64) -> Vec<Self> {
@@ -100,7 +104,7 @@ impl Tuning {
             Unit::Absolute(length) => length / diagonal,
         };
         // Half a diagonal is more than any hull of the mesh can stand out.
-        let bound = bound.min(0.5);
+        let bound = bound.clamp(LEAST_BOUND, 0.5);
         Self {
             bound,
             search_bound: SEARCH_SHARE * bound,

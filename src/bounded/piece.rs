@@ -146,7 +146,11 @@ impl<'a> Workshop<'a> {
         let verdicts = &self.solid.verdicts;
         let mut is_refused = false;
         // A face that is known not to fit saves all the others.
-        let mut unknown = |face: [Vector; 3]| {
+        let mut unknown = |mut face: [Vector; 3]| {
+            // The same face is tested from the same corner on, whichever hull it belongs to.
+            face.sort_unstable_by(|a, b| {
+                a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2]))
+            });
             let key = Verdicts::key(face);
             match verdicts.get(key) {
                 Some(true) => {}

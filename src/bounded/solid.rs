@@ -46,7 +46,7 @@ pub(crate) struct Solid {
 }
 
 impl Solid {
-    /// O(n log n) for n triangles, and a grid of at most 200,000 cells.
+    /// O(n log n) for n triangles, and a grid of at most 1.5 million cells.
     ///
     /// # Errors
     /// [`Error::Cancelled`].

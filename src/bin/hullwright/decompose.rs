@@ -14,9 +14,10 @@ use crate::{Failure, json, tables};
 
 /// Decompose a mesh into convex hulls
 ///
-/// Prints a row like those of the paper's Table 1: pieces, their average number over all
-/// resolutions (k), time, cost, planar threshold (p), maximum resolution (r), and polygon counts
-/// after and before simplification.
+/// Prints hulls, vertices, time, the bound, and how far hulls stand out and the surface sinks in at
+/// most. With --method surface, a row like those of the paper's Table 1: pieces, their average number
+/// over all resolutions (k), time, cost, planar threshold (p), maximum resolution (r), and polygon
+/// counts after and before simplification.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// The mesh: obj, off, ply, stl, gltf or glb
