@@ -218,7 +218,9 @@ impl Decomposer {
         add_time(&mut self.times, Stage::Hulls, start);
 
         let start = Instant::now();
-        assign_source_triangles(&prepared, &level.mesh, &grouping, &mut hulls, control)?;
+        crate::parallel::with(self.parameters.parallel, || {
+            assign_source_triangles(&prepared, &level.mesh, &grouping, &mut hulls, control)
+        })?;
         add_time(&mut self.times, Stage::Assign, start);
 
         let surface = SurfaceReport {

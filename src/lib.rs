@@ -64,6 +64,7 @@ mod mass;
 pub mod measure;
 mod merge_tree;
 mod mesh;
+mod parallel;
 mod parameters;
 #[cfg(feature = "io")]
 pub mod picture;

@@ -1,14 +1,17 @@
 //! Verification against the source: how far a hull stands out of the solid, and how far the
 //! surface lies outside the hulls. Upper bounds, not samples.
 //!
-//! The same rules as in the fit test decide a face, but every distance is exact: the grid only
-//! serves where it gives an upper bound, which is one whatever cell it comes from.
+//! The same rules as in the fit test decide a face, without its leniences: no part of a face is
+//! left undecided because it is small. The grid serves where it bounds a distance from above, and
+//! tells the side of points that are nearer to the middle of their cell than the surface is.
 
-use super::solid::{OPEN_INSIDE, Solid};
+use std::sync::OnceLock;
+
+use super::solid::{OPEN_INSIDE, Solid, halves};
 use crate::field::Field;
 use crate::hull::ConvexHull;
 use crate::mesh::TriangleMesh;
-use crate::vector::{Vector, add, distance, dot, length_squared, scale, subtract};
+use crate::vector::{Vector, add, distance, dot, scale};
 
 /// A maximum is bounded up to this share of the bound.
 const RESOLUTION: f64 = 0.04;
@@ -128,21 +131,6 @@ fn at_most([a, b, c]: [Vector; 3], solid: &Solid) -> f64 {
     closest.map_or(f64::INFINITY, |closest| closest.distance + radius)
 }
 
-/// The halves of a triangle across its longest side.
-fn halves([a, b, c]: [Vector; 3]) -> [[Vector; 3]; 2] {
-    let (ab, bc, ca) = (square(a, b), square(b, c), square(c, a));
-    if ab >= bc && ab >= ca {
-        let middle = scale(add(a, b), 0.5);
-        [[a, middle, c], [middle, b, c]]
-    } else if bc >= ca {
-        let middle = scale(add(b, c), 0.5);
-        [[a, b, middle], [a, middle, c]]
-    } else {
-        let middle = scale(add(c, a), 0.5);
-        [[a, b, middle], [middle, b, c]]
-    }
-}
-
 /// What a maximum that is at least `known` is bounded by: near the bound as finely as it takes to
 /// tell whether it is kept.
 fn enough(known: f64, bound: f64) -> f64 {
@@ -155,58 +143,54 @@ fn enough(known: f64, bound: f64) -> f64 {
     }
 }
 
-fn square(a: Vector, b: Vector) -> f64 {
-    length_squared(subtract(a, b))
-}
+/// A point that is less in front of all faces, in diagonals, is in a hull.
+const ROUNDING: f64 = 1e-9;
 
 /// A hull that can be asked how far a point is outside of it.
-pub(super) struct Outside {
+pub(super) struct Outside<'a> {
+    hull: &'a ConvexHull,
     planes: Vec<(Vector, f64)>,
-    field: Field,
+    /// Most hulls never need it.
+    field: OnceLock<Field>,
 }
 
-impl Outside {
-    pub(super) fn new(hull: &ConvexHull) -> Self {
-        Self { planes: hull.planes(), field: Field::new(&hull.points, &hull.triangles) }
+impl<'a> Outside<'a> {
+    pub(super) fn new(hull: &'a ConvexHull) -> Self {
+        Self { hull, planes: hull.planes(), field: OnceLock::new() }
     }
 
-    /// 0 for a point in the hull.
-    fn distance(&self, point: Vector) -> f64 {
+    /// 0 for a point in the hull. Once that is known to be more than `limit`, any value above
+    /// `limit` may be returned.
+    fn distance(&self, point: Vector, limit: f64) -> f64 {
         let beyond = self
             .planes
             .iter()
             .map(|&(normal, offset)| dot(normal, point) - offset)
             .fold(f64::NEG_INFINITY, f64::max);
-        if beyond <= 0.0 {
+        if beyond > limit {
+            return beyond;
+        }
+        if beyond <= ROUNDING {
             return 0.0;
         }
-        self.field.distance(point, f64::INFINITY).map_or(beyond, |closest| closest.distance)
+        let field = self.field.get_or_init(|| Field::new(&self.hull.points, &self.hull.triangles));
+        field.distance(point, f64::INFINITY).map_or(beyond, |closest| closest.distance)
     }
 }
 
 /// How far the farthest of some points is outside of a hull. Once that is known to be more than
 /// `limit`, any value above `limit` may be returned.
 pub(super) fn left_out(hull: &ConvexHull, points: &[Vector], limit: f64) -> f64 {
-    let planes = hull.planes();
-    let mut field = None;
+    let outside = Outside::new(hull);
     let mut farthest: f64 = 0.0;
     for &point in points {
-        let beyond = planes.iter().map(|&(normal, offset)| dot(normal, point) - offset);
-        let beyond = beyond.fold(f64::NEG_INFINITY, f64::max);
-        if beyond > limit {
-            return beyond;
-        }
-        if beyond > ROUNDING {
-            let field = field.get_or_insert_with(|| Field::new(&hull.points, &hull.triangles));
-            let closest = field.distance(point, f64::INFINITY);
-            farthest = farthest.max(closest.map_or(beyond, |closest| closest.distance));
+        farthest = farthest.max(outside.distance(point, limit));
+        if farthest > limit {
+            break;
         }
     }
     farthest
 }
-
-/// A point that is less in front of all faces, in diagonals, is in a hull.
-const ROUNDING: f64 = 1e-9;
 
 /// Halvings of a triangle whose corners are in different hulls.
 const MOST_HALVINGS: u32 = 6;
@@ -216,7 +200,7 @@ const MOST_HALVINGS: u32 = 6;
 pub(super) fn exposed(
     surface: &TriangleMesh,
     owners: &[u32],
-    hulls: &[Outside],
+    hulls: &[Outside<'_>],
     enough: f64,
 ) -> f64 {
     // Distance to a convex set is a convex function: on a triangle it is largest at a corner.
@@ -230,7 +214,7 @@ pub(super) fn exposed(
             let value = match known.iter().find(|entry| entry.0 == owner) {
                 Some(entry) => entry.1,
                 None => {
-                    let value = hull.distance(surface.positions[vertex as usize]);
+                    let value = hull.distance(surface.positions[vertex as usize], f64::INFINITY);
                     known.push((owner, value));
                     value
                 }
@@ -248,14 +232,16 @@ pub(super) fn exposed(
 /// The same for a triangle that its owner does not hold: other hulls may hold parts of it.
 fn outside_all(
     corners: [Vector; 3],
-    hulls: &[Outside],
+    hulls: &[Outside<'_>],
     worst: f64,
     known: f64,
     halvings: u32,
 ) -> f64 {
     let least = hulls
         .iter()
-        .map(|hull| corners.iter().map(|&corner| hull.distance(corner)).fold(0.0, f64::max))
+        .map(|hull| {
+            corners.iter().map(|&corner| hull.distance(corner, f64::INFINITY)).fold(0.0, f64::max)
+        })
         .fold(known, f64::min);
     if least <= worst || halvings == 0 {
         return least;

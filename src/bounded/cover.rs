@@ -257,11 +257,15 @@ fn dissolve(
             if tried >= tuning.dissolving_tries || control.is_past_deadline() {
                 return Ok(());
             }
-            let attempts = super::parallel::map(some, |&(_, k)| {
+            let attempt = |&(_, k): &(f64, usize)| {
                 let mut shop = Workshop::new(solid, tuning.search_bound);
                 let dissolved = dissolve_one(seeds, pieces, k, &mut shop, control);
                 (dissolved, shop.tried)
-            });
+            };
+            let succeeds = |(dissolved, _): &(Result<Option<Vec<Piece>>, Error>, usize)| {
+                !matches!(dissolved, Ok(None))
+            };
+            let attempts = crate::parallel::map_until(some, attempt, succeeds);
             for (dissolved, tries) in attempts {
                 tried += tries;
                 if let Some(fewer) = dissolved? {
@@ -275,7 +279,7 @@ fn dissolve(
     }
 }
 
-/// Pieces whose dissolving is tried at the same time. The first that succeeds counts.
+/// Pieces whose dissolving is tried between two looks at how much has been tried.
 const AT_ONCE: usize = 4;
 
 /// Fewer pieces that cover the same seeds.
@@ -290,7 +294,7 @@ pub(crate) fn cover(
         return Ok(pieces);
     }
     let all = seeds.all();
-    let grown = super::parallel::map(&pieces, |piece| {
+    let grown = crate::parallel::map(&pieces, |piece| {
         control.check()?;
         let mut piece = piece.clone();
         if !control.is_past_deadline() {

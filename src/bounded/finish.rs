@@ -8,14 +8,11 @@ use super::seed_set::SeedSet;
 use super::seeds::{Seed, Seeds};
 use super::solid::Solid;
 use crate::hull::{
-    ConvexHull, HullBuilder, Shape, cap_vertices_within, fewer_vertices, inner_hull, solid_hull,
+    ConvexHull, HullBuilder, LEAST_THICKNESS, Shape, cap_vertices_within, fewer_vertices,
+    inner_hull, solid_hull,
 };
 use crate::vector::{Vector, add, area_normal, maximum, minimum, scale};
 use crate::{Control, Error};
-
-/// A hull's least thickness as a share of the mesh's diagonal: what is small in all directions
-/// gets a body that single precision can still tell from nothing.
-const LEAST_THICKNESS: f64 = 1e-6;
 
 /// Vertices that stand out of the others by less than this, in bounds, may be saved, since engines
 /// pay for each. The hull grows by about as much, so that less is tried where that is too much.
@@ -70,7 +67,7 @@ pub(crate) fn finish(
     control: &Control,
 ) -> Result<Outcome, Error> {
     let parts =
-        super::parallel::map(&pieces, |piece| finish_one(seeds, piece, solid, tuning, control));
+        crate::parallel::map(&pieces, |piece| finish_one(seeds, piece, solid, tuning, control));
     let mut hulls = Vec::new();
     for part in parts {
         hulls.extend(part?);
@@ -85,7 +82,7 @@ pub(crate) fn finish(
     let mut exposed = hulls.iter().map(|hull| hull.left_out).fold(0.0, f64::max);
     if exposed > LEFT_OUT * tuning.bound {
         // Other hulls may hold what one has left out.
-        let outsides = super::parallel::map(&hulls, |hull: &Finished| Outside::new(&hull.hull));
+        let outsides: Vec<Outside> = hulls.iter().map(|hull| Outside::new(&hull.hull)).collect();
         exposed = certify::exposed(&seeds.surface, &owners, &outsides, tuning.reduction);
     }
     Ok(Outcome { hulls, exposed })

@@ -111,7 +111,7 @@ impl Merging<'_, '_> {
                     }
                     self.heap.pop();
                 }
-                let evaluated = super::parallel::map(&pairs, |&pair| self.evaluated(pair));
+                let evaluated = crate::parallel::map(&pairs, |&pair| self.evaluated(pair));
                 for candidate in evaluated.into_iter().flatten() {
                     let (a, b) = candidate.pair;
                     self.links[a as usize].insert(b, candidate.cost);
@@ -200,20 +200,17 @@ pub(crate) fn merge(
     let alive: Vec<u32> = (0..merging.pieces.len() as u32)
         .filter(|&index| merging.pieces[index as usize].is_some())
         .collect();
-    let mut pairs = Vec::new();
     for (index, &a) in alive.iter().enumerate() {
         for &b in &alive[index + 1..] {
-            if let (Some(pa), Some(pb)) = (&merging.pieces[a as usize], &merging.pieces[b as usize])
-                && near(&pa.hull, &pb.hull, merging.shop.bound)
+            if let (Some(first), Some(second)) =
+                (&merging.pieces[a as usize], &merging.pieces[b as usize])
+                && near(&first.hull, &second.hull, merging.shop.bound)
             {
-                pairs.push((a, b));
+                merging.links[a as usize].insert(b, f64::NEG_INFINITY);
+                merging.links[b as usize].insert(a, f64::NEG_INFINITY);
+                merging.consider(a, b, f64::NEG_INFINITY);
             }
         }
-    }
-    for (a, b) in pairs {
-        merging.links[a as usize].insert(b, f64::NEG_INFINITY);
-        merging.links[b as usize].insert(a, f64::NEG_INFINITY);
-        merging.consider(a, b, f64::NEG_INFINITY);
     }
     merging.run(control)?;
     Ok(merging.pieces.into_iter().flatten().collect())

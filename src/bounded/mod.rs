@@ -16,7 +16,6 @@ mod cover;
 mod finish;
 mod grid;
 mod merge;
-mod parallel;
 mod piece;
 mod refine;
 mod seed_set;
@@ -26,6 +25,7 @@ mod tree;
 mod verdicts;
 
 use crate::mesh::{Normalization, PreparedMesh};
+use crate::parallel;
 use crate::vector::{cross, dot};
 use crate::{
     BoundedParameters, BoundedReport, Control, Error, GroupedMesh, Hull, Parameters, Preset, Stage,
@@ -128,18 +128,17 @@ const SNAP: f64 = (1_u64 << 38) as f64;
 /// The method at work, stage by stage.
 pub(crate) struct Run {
     prepared: PreparedMesh,
-    tuning: Tuning,
-    /// What is left to be tried after this.
-    others: std::vec::IntoIter<Tuning>,
-    /// Number of tunings before this one, and of all.
-    place: [usize; 2],
+    tunings: Vec<Tuning>,
+    /// The tuning at work.
+    place: usize,
     /// The fewest hulls so far.
     best: Option<Box<(Seeds, finish::Outcome)>>,
     state: State,
 }
 
 enum State {
-    Start,
+    /// With the solid, if an earlier division has needed it.
+    Start(Option<Box<Solid>>),
     Working(Box<(Solid, Working)>),
     Seeds(Box<(Solid, Seeds)>),
     Merged(Box<(Solid, Seeds, Vec<Piece>)>),
@@ -160,26 +159,20 @@ impl Run {
         for coordinate in prepared.mesh.positions.as_flattened_mut() {
             *coordinate = (*coordinate * SNAP).round() / SNAP;
         }
-        let mut others = Tuning::all(parameters, prepared.normalization.diagonal).into_iter();
-        let count = others.len();
-        let tuning = others
-            .next()
-            .unwrap_or_else(|| Tuning::new(parameters, prepared.normalization.diagonal, &BALANCED));
-        let (best, place, state) = (None, [0, count.max(1)], State::Start);
-        Self { prepared, tuning, others, place, best, state }
+        let tunings = Tuning::all(parameters, prepared.normalization.diagonal);
+        Self { prepared, tunings, place: 0, best: None, state: State::Start(None) }
     }
 
     /// The stage that the next step belongs to, and the share of the work before it.
     pub(crate) fn stage(&self) -> (Stage, f32) {
         let (stage, share) = match self.state {
-            State::Start => (Stage::Simplify, 0.1),
+            State::Start(_) => (Stage::Simplify, 0.1),
             State::Working(_) => (Stage::Seeds, 0.3),
             State::Seeds(_) => (Stage::Merge, 0.45),
             State::Merged(_) => (Stage::Dissolve, 0.6),
             State::Covered(_) | State::Done => (Stage::Hulls, 0.9),
         };
-        let [before, all] = self.place;
-        (stage, (before as f32 + share) / all as f32)
+        (stage, (self.place as f32 + share) / self.tunings.len() as f32)
     }
 
     pub(crate) fn step(
@@ -191,12 +184,14 @@ impl Run {
     }
 
     fn next(&mut self, control: &Control) -> Result<Option<Outcome>, Error> {
-        let tuning = &self.tuning;
+        let Some(tuning) = self.tunings.get(self.place) else { return Err(Error::Finished) };
         self.state = match std::mem::replace(&mut self.state, State::Done) {
-            State::Start => {
-                let is_closed = is_closed(&self.prepared);
+            State::Start(known) => {
                 let (solid, working) = parallel::join(
-                    || solid(&self.prepared, is_closed, tuning, control),
+                    || match known {
+                        Some(solid) => Ok(*solid),
+                        None => solid(&self.prepared, is_closed(&self.prepared), tuning, control),
+                    },
                     || seeds::working_mesh(&self.prepared, tuning, control),
                 );
                 State::Working(Box::new((solid?, working?)))
@@ -226,29 +221,27 @@ impl Run {
                 if is_better {
                     self.best = Some(Box::new((seeds, finished)));
                 }
-                if let Some(tuning) = self.others.next()
-                    && !control.is_past_deadline()
-                {
-                    self.tuning = tuning;
-                    self.place[0] += 1;
-                    self.state = State::Start;
+                if self.place + 1 < self.tunings.len() && !control.is_past_deadline() {
+                    self.place += 1;
+                    self.state = State::Start(Some(Box::new(solid)));
                     return Ok(None);
                 }
                 let Some(best) = self.best.take() else { return Err(Error::Finished) };
                 let (seeds, mut finished) = *best;
-                if let Some(most) = self.tuning.max_hulls
+                if let Some(most) = tuning.max_hulls
                     && finished.hulls.len() > most
                 {
-                    finished.hulls = fewer(finished.hulls, most, &solid, &self.tuning, control)?;
+                    finished.hulls = fewer(finished.hulls, most, &solid, tuning, control)?;
                 }
-                return Ok(Some(self.outcome(&seeds, finished)));
+                let bound = tuning.bound;
+                return Ok(Some(self.outcome(&seeds, finished, bound)));
             }
             State::Done => return Err(Error::Finished),
         };
         Ok(None)
     }
 
-    fn outcome(&mut self, seeds: &Seeds, finished: finish::Outcome) -> Outcome {
+    fn outcome(&mut self, seeds: &Seeds, finished: finish::Outcome, bound: f64) -> Outcome {
         let prepared = std::mem::take(&mut self.prepared);
         let normalization = prepared.normalization;
         let diagonal = normalization.diagonal;
@@ -260,7 +253,7 @@ impl Run {
         }
         let phantom = finished.hulls.iter().map(|hull| hull.phantom).fold(0.0, f64::max);
         let report = BoundedReport {
-            bound: self.tuning.bound * diagonal,
+            bound: bound * diagonal,
             phantom_max: phantom * diagonal,
             exposed_max: finished.exposed * diagonal,
             seeds: seeds.count(),
@@ -369,7 +362,8 @@ impl Merging {
 
     /// How far the surface lies outside all hulls, in the input's units.
     pub(crate) fn exposed(&self, hulls: &[Hull]) -> f64 {
-        let outsides: Vec<certify::Outside> = self.tree.nodes[..self.tree.leaves.min(hulls.len())]
+        let outsides: Vec<certify::Outside<'_>> = self.tree.nodes
+            [..self.tree.leaves.min(hulls.len())]
             .iter()
             .map(|node| certify::Outside::new(&node.hull))
             .collect();

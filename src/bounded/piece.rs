@@ -41,14 +41,9 @@ impl Hull {
         self.volume = other.volume;
     }
 
-    /// Vertices and faces; none of these without volume.
-    pub fn extract(&mut self) -> (Vec<Vector>, Vec<[u32; 3]>) {
-        if self.is_solid { self.builder.extract() } else { (self.points.clone(), Vec::new()) }
-    }
-
     /// The vertices, or all points where there is no volume.
     pub fn vertices(&mut self) -> Vec<Vector> {
-        self.extract().0
+        if self.is_solid { self.builder.extract().0 } else { self.points.clone() }
     }
 
     /// The hull of the union with other points. Whether it had volume before, so that only its
@@ -86,7 +81,7 @@ impl Hull {
 }
 
 /// Points nearer to a hull than this, in diagonals, don't change it during the search.
-pub(crate) const SEARCH_TOLERANCE: f64 = 1e-5;
+const SEARCH_TOLERANCE: f64 = 1e-5;
 
 /// Thickness of flat pieces while they are tested, in diagonals.
 const THICKNESS: f64 = 1e-6;
@@ -102,7 +97,8 @@ struct Unknown {
 pub(crate) struct Workshop<'a> {
     pub solid: &'a Solid,
     pub bound: f64,
-    pub trial: Hull,
+    /// A hull with something added, or the memory of one.
+    trial: Hull,
     scratch: HullBuilder,
     faces: Vec<Unknown>,
     stack: Vec<[Vector; 3]>,
@@ -124,22 +120,7 @@ impl<'a> Workshop<'a> {
         }
     }
 
-    /// Makes `trial` the joint hull of a hull and points. Returns whether only its new faces can
-    /// stand out.
-    pub fn join(&mut self, hull: &Hull, points: &[Vector], outward: Vector) -> bool {
-        self.tried += 1;
-        self.trial.copy_from(hull);
-        self.trial.insert(points, outward)
-    }
-
-    /// Whether `trial` fits, of which only the new faces are asked if `only_new`.
-    pub fn trial_fits(&mut self, only_new: bool) -> bool {
-        let trial = std::mem::take(&mut self.trial);
-        let fits = self.fits(&trial, only_new);
-        self.trial = trial;
-        fits
-    }
-
+    /// Whether a hull fits, of which only the new faces are asked if `only_new`.
     pub fn fits(&mut self, hull: &Hull, only_new: bool) -> bool {
         let mut faces = std::mem::take(&mut self.faces);
         faces.clear();
@@ -203,11 +184,6 @@ impl<'a> Workshop<'a> {
             })
     }
 
-    /// Takes `trial` as the new hull.
-    pub fn take_trial(&mut self, hull: &mut Hull) {
-        std::mem::swap(hull, &mut self.trial);
-    }
-
     /// Lets a hull take seeds if the joint hull fits.
     pub fn try_take<'s>(&mut self, hull: &mut Hull, seeds: impl Iterator<Item = &'s Seed>) -> bool {
         let mut points = std::mem::take(&mut self.points);
@@ -217,12 +193,16 @@ impl<'a> Workshop<'a> {
             points.extend_from_slice(&seed.points);
             outward = add(outward, seed.outward);
         }
-        let only_new = self.join(hull, &points, outward);
-        self.points = points;
-        let fits = self.trial_fits(only_new);
+        self.tried += 1;
+        let mut trial = std::mem::take(&mut self.trial);
+        trial.copy_from(hull);
+        let only_new = trial.insert(&points, outward);
+        let fits = self.fits(&trial, only_new);
         if fits {
-            self.take_trial(hull);
+            std::mem::swap(hull, &mut trial);
         }
+        self.trial = trial;
+        self.points = points;
         fits
     }
 }

@@ -8,7 +8,7 @@ use super::piece::{Hull, Workshop};
 use super::refine::refine;
 use super::seed_set::SeedSet;
 use super::solid::Solid;
-use crate::field::Field;
+use crate::field::{Field, nearest_triangles};
 use crate::hull::{HullBuilder, Shape};
 use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
 use crate::mesh::simplify::simplify;
@@ -118,31 +118,6 @@ pub(crate) fn working_mesh(
     Ok(Working { mesh, components, surface, parents, owned })
 }
 
-/// For each triangle of a mesh the triangle of the field nearest to its centre.
-fn nearest_triangles(
-    mesh: &TriangleMesh,
-    field: &Field,
-    control: &Control,
-) -> Result<Vec<u32>, Error> {
-    const PER_TASK: usize = 2048;
-    let task = |triangles: &[[u32; 3]]| {
-        control.check()?;
-        let mut guess = u32::MAX;
-        let nearest = triangles.iter().map(|triangle| {
-            let [a, b, c] = triangle.map(|vertex| mesh.positions[vertex as usize]);
-            let centre = scale(add(add(a, b), c), 1.0 / 3.0);
-            let closest = field.distance_near(centre, f64::INFINITY, guess);
-            guess = closest.map_or(u32::MAX, |closest| closest.triangle);
-            guess
-        });
-        Ok(nearest.collect::<Vec<u32>>())
-    };
-    let chunks: Vec<&[[u32; 3]]> = mesh.triangles.chunks(PER_TASK).collect();
-    let parts = super::parallel::map(&chunks, |chunk| task(chunk));
-    let parts: Result<Vec<Vec<u32>>, Error> = parts.into_iter().collect();
-    Ok(parts?.concat())
-}
-
 /// Groups, halves, and finds out who conflicts with whom.
 pub(crate) fn seeds(
     working: Working,
@@ -167,7 +142,7 @@ pub(crate) fn seeds(
     groups.retain(|group| {
         group.first().is_none_or(|&triangle| !is_whole[components[triangle as usize] as usize])
     });
-    let parts = super::parallel::map(&groups, |group| {
+    let parts = crate::parallel::map(&groups, |group| {
         divide(&mesh, &surface, &owned, &components, group, solid, largest, tuning, control)
     });
     for part in parts {
@@ -370,7 +345,7 @@ fn conflicts(
     control: &Control,
 ) -> Result<Vec<SeedSet>, Error> {
     let indices: Vec<usize> = (0..seeds.len()).collect();
-    let rows = super::parallel::map(&indices, |&index| {
+    let rows = crate::parallel::map(&indices, |&index| {
         control.check()?;
         let mut row = SeedSet::none(seeds.len());
         let first = &seeds[index];

@@ -57,7 +57,7 @@ impl Solid {
         bound: f64,
         control: &Control,
     ) -> Result<Self, Error> {
-        let (field, grid) = super::parallel::join(
+        let (field, grid) = crate::parallel::join(
             || Field::new(positions, triangles),
             || control.check().map(|()| Grid::new(positions, triangles, bound)),
         );
@@ -203,20 +203,7 @@ impl Solid {
             {
                 continue;
             }
-            let (ab, bc, ca) = (square(a, b), square(b, c), square(c, a));
-            if ab >= bc && ab >= ca {
-                let m = scale(add(a, b), 0.5);
-                stack.push([a, m, c]);
-                stack.push([m, b, c]);
-            } else if bc >= ca {
-                let m = scale(add(b, c), 0.5);
-                stack.push([a, b, m]);
-                stack.push([a, m, c]);
-            } else {
-                let m = scale(add(c, a), 0.5);
-                stack.push([a, b, m]);
-                stack.push([m, b, c]);
-            }
+            stack.extend(halves([a, b, c]));
         }
         true
     }
@@ -231,6 +218,22 @@ pub(super) fn is_inside(field: &Field, point: Vector, is_closed: bool) -> bool {
 #[inline]
 fn largest([a, b, c]: [f64; 3]) -> f64 {
     a.max(b).max(c)
+}
+
+/// The halves of a triangle across its longest side.
+#[inline]
+pub(super) fn halves([a, b, c]: [Vector; 3]) -> [[Vector; 3]; 2] {
+    let (ab, bc, ca) = (square(a, b), square(b, c), square(c, a));
+    if ab >= bc && ab >= ca {
+        let middle = scale(add(a, b), 0.5);
+        [[a, middle, c], [middle, b, c]]
+    } else if bc >= ca {
+        let middle = scale(add(b, c), 0.5);
+        [[a, b, middle], [a, middle, c]]
+    } else {
+        let middle = scale(add(c, a), 0.5);
+        [[a, b, middle], [middle, b, c]]
+    }
 }
 
 #[inline]

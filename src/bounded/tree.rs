@@ -50,7 +50,7 @@ impl Tree {
         }
         while alive.len() > until.max(1) {
             let nodes = &tree.nodes;
-            let joints = super::parallel::map(&pairs, |&(first, second)| {
+            let joints = crate::parallel::map(&pairs, |&(first, second)| {
                 control.check()?;
                 joint(nodes, first, second, solid, tuning)
             });

@@ -10,10 +10,12 @@
 #![expect(clippy::needless_range_loop, reason = "an index is a lane or an axis of several arrays")]
 
 mod distance;
+mod nearest;
 mod tree;
 mod winding;
 
 pub(crate) use distance::{Closest, nearest_of_triangle};
+pub(crate) use nearest::nearest_triangles;
 
 use crate::vector::Vector;
 use distance::Best;

@@ -97,7 +97,9 @@ pub fn decompose<C: Coordinate>(
     let cap = parameters.max_vertices;
     let mut hulls = hulls(mesh, components, &grouping, normalization, cap, control)?;
     lap(Stage::Hulls);
-    assign_source_triangles(&prepared, mesh, &grouping, &mut hulls, control)?;
+    crate::parallel::with(parameters.parallel, || {
+        assign_source_triangles(&prepared, mesh, &grouping, &mut hulls, control)
+    })?;
     lap(Stage::Assign);
 
     let restored = mesh.positions.iter().map(|&point| normalization.restore(point));

@@ -22,4 +22,5 @@ pub use convex_hull::{ConvexHull, convex_hull};
 pub use simplex::Shape;
 pub use single_precision::SinglePrecisionHull;
 pub(crate) use single_precision::single_precision;
+pub(crate) use thickness::LEAST_THICKNESS;
 pub use thickness::{MINIMUM_THICKNESS, solid_hull};

@@ -12,6 +12,10 @@ use crate::vector::{Vector, add, cross, distance, dot, normalize, scale, subtrac
 /// plates thinner than about 6e-4 of their diagonal; this leaves room for rounding to `f32`.
 pub const MINIMUM_THICKNESS: f64 = 1e-3;
 
+/// A hull's least thickness as a share of the mesh's diagonal: what is small in all directions
+/// gets a body that single precision can still tell from nothing.
+pub(crate) const LEAST_THICKNESS: f64 = 1e-6;
+
 /// A width below the minimum by less than this share of it is left alone, so that a hull that was
 /// thickened once is not thickened again.
 const SLACK: f64 = 1e-3;

@@ -25,17 +25,16 @@
 
 mod check;
 mod edges;
-mod parallel;
 mod sampling;
 mod solid;
 
 use crate::field::Field;
 use crate::mesh::Normalization;
+use crate::parallel::{self, map_indices};
 use crate::vector::{Vector, add, cross, dot, maximum, minimum};
 use crate::{Error, Hull};
 
 pub use check::HullCheck;
-use parallel::map;
 use sampling::{Surface, in_unit_cube};
 use solid::{Part, Union};
 
@@ -221,9 +220,18 @@ pub fn measure(
     options: &MeasureOptions,
 ) -> Result<Measurement, Error> {
     options.validate()?;
+    parallel::with(options.parallel, || judge(positions, triangles, hulls, options))
+}
+
+fn judge(
+    positions: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+    hulls: &[HullShape<'_>],
+    options: &MeasureOptions,
+) -> Result<Measurement, Error> {
     let (mesh, normalization) = Mesh::new(positions, triangles)?;
     let parts: Vec<Option<Part>> =
-        map(hulls.len(), options.parallel, |index| Part::new(&hulls[index], &normalization));
+        map_indices(hulls.len(), |index| Part::new(&hulls[index], &normalization));
     let checks: Vec<Option<HullCheck>> =
         parts.iter().map(|part| part.as_ref().map(|part| part.check)).collect();
     let parts: Vec<Part> = parts.into_iter().flatten().collect();
@@ -331,7 +339,7 @@ fn phantom(
     let (positions, triangles) = union.surface();
     let surface = Surface::new(positions, triangles);
     let count = options.hull_samples;
-    let distances = map(count, options.parallel, |index| {
+    let distances = map_indices(count, |index| {
         let (point, triangle) = surface.point(index, count);
         if union.is_inside_another(point, triangle) {
             return None;
@@ -359,7 +367,7 @@ fn exposed(
     let field = Field::new(positions, triangles);
     let count = options.mesh_samples;
     samples.mesh = count;
-    Distances::of(map(count, options.parallel, |index| {
+    Distances::of(map_indices(count, |index| {
         let (point, _) = surface.point(index, count);
         if union.multiplicity(point) > 0 { 0.0 } else { distance(&field, point) }
     }))
@@ -389,7 +397,7 @@ fn volumes(
     for part in union.parts() {
         (min, max) = (minimum(min, part.min), maximum(max, part.max));
     }
-    let answers = map(options.volume_samples, options.parallel, |index| {
+    let answers = map_indices(options.volume_samples, |index| {
         let share = in_unit_cube(index);
         let offset = [0, 1, 2].map(|axis| share[axis] * (max[axis] - min[axis]));
         let point = add(min, offset);

@@ -1,22 +1,12 @@
 //! Hulls of the groups [3.6], and the source triangles that each of them stands for.
 
-use crate::field::Field;
-use crate::hull::{ConvexHull, HullBuilder, cap_vertices, solid_hull};
+use crate::field::{Field, nearest_triangles};
+use crate::hull::{ConvexHull, HullBuilder, LEAST_THICKNESS, cap_vertices, solid_hull};
 use crate::mesh::{Normalization, PreparedMesh, TriangleMesh};
-use crate::vector::{Vector, add, area_normal, scale};
+use crate::vector::{Vector, add, area_normal};
 use crate::{Control, Error, Hull};
 
 use super::grouping::{Grouping, corners, group_vertices, members};
-
-/// A hull's least thickness as a share of the mesh's diagonal: a group that is small in all
-/// directions gets a body that single precision can still tell from nothing.
-const LEAST_THICKNESS: f64 = 1e-6;
-
-/// Source triangles between two looks at the control.
-const TRIANGLES_PER_CHECK: usize = 4096;
-
-/// No triangle at a vertex has an answer yet.
-const NO_ANSWER: u32 = u32::MAX;
 
 /// The hull of each group, in the input's units, without its source triangles.
 pub(crate) fn hulls(
@@ -73,25 +63,10 @@ pub(crate) fn assign_source_triangles(
     control: &Control,
 ) -> Result<(), Error> {
     let field = Field::new(&mesh.positions, &mesh.triangles);
-    // For each vertex the answer for the last triangle at it: a good guess for the next one.
-    let mut answers = vec![NO_ANSWER; prepared.mesh.positions.len()];
-    let mut last = 0;
-    for (triangle, &source) in (0..).zip(&prepared.source_triangles) {
-        if (triangle as usize).is_multiple_of(TRIANGLES_PER_CHECK) {
-            control.check()?;
-        }
-        let [a, b, c] = corners(&prepared.mesh, triangle);
-        let centre = scale(add(add(a, b), c), 1.0 / 3.0);
-        let vertices = prepared.mesh.triangles[triangle as usize].map(|vertex| vertex as usize);
-        let mut known = vertices.into_iter().map(|vertex| answers[vertex]);
-        let guess = known.find(|&answer| answer != NO_ANSWER).unwrap_or(last);
-        let Some(closest) = field.distance_near(centre, f64::INFINITY, guess) else { continue };
-        last = closest.triangle;
-        for vertex in vertices {
-            answers[vertex] = last;
-        }
-        let label = grouping.labels[closest.triangle as usize];
-        if let Some(hull) = hulls.get_mut(label as usize) {
+    let nearest = nearest_triangles(&prepared.mesh, &field, control)?;
+    for (nearest, &source) in nearest.into_iter().zip(&prepared.source_triangles) {
+        let label = grouping.labels.get(nearest as usize);
+        if let Some(hull) = label.and_then(|&label| hulls.get_mut(label as usize)) {
             // A triangle that repair split in two is still one of the source.
             if hull.source_triangles.last() != Some(&source) {
                 hull.source_triangles.push(source);

@@ -1,0 +1,85 @@
+//! The same function over all items of a list, on rayon's current pool if there is one to be used.
+//! Results come in the order of the items, so they do not depend on threads.
+
+/// Applies `function` to every item.
+pub(crate) fn map<T: Sync, R: Send>(
+    items: &[T],
+    function: impl Fn(&T) -> R + Sync + Send,
+) -> Vec<R> {
+    map_indices(items.len(), |index| function(&items[index]))
+}
+
+/// Applies `function` to the indices `0..count`.
+pub(crate) fn map_indices<R: Send>(
+    count: usize,
+    function: impl Fn(usize) -> R + Sync + Send,
+) -> Vec<R> {
+    #[cfg(feature = "parallel")]
+    if count > 1 && threads() > 1 {
+        use rayon::prelude::*;
+        return (0..count).into_par_iter().map(function).collect();
+    }
+    (0..count).map(function).collect()
+}
+
+/// Applies `function` to items in order, up to the first result that `ends` it. A few items after
+/// that one may be computed in vain.
+pub(crate) fn map_until<T: Sync, R: Send>(
+    items: &[T],
+    function: impl Fn(&T) -> R + Sync + Send,
+    ends: impl Fn(&R) -> bool,
+) -> Vec<R> {
+    let mut results = Vec::new();
+    for some in items.chunks(threads()) {
+        for result in map(some, &function) {
+            let is_last = ends(&result);
+            results.push(result);
+            if is_last {
+                return results;
+            }
+        }
+    }
+    results
+}
+
+/// Runs two functions, at the same time if there are threads for it.
+pub(crate) fn join<A: Send, B: Send>(
+    first: impl FnOnce() -> A + Send,
+    second: impl FnOnce() -> B + Send,
+) -> (A, B) {
+    #[cfg(feature = "parallel")]
+    if threads() > 1 {
+        return rayon::join(first, second);
+    }
+    (first(), second())
+}
+
+#[cfg(feature = "parallel")]
+thread_local! {
+    static IS_PARALLEL: std::cell::Cell<bool> = const { std::cell::Cell::new(true) };
+}
+
+/// Threads that may work.
+fn threads() -> usize {
+    #[cfg(feature = "parallel")]
+    if IS_PARALLEL.get() {
+        return rayon::current_num_threads().max(1);
+    }
+    1
+}
+
+/// Runs `work` with or without other threads.
+pub(crate) fn with<R>(parallel: bool, work: impl FnOnce() -> R) -> R {
+    #[cfg(feature = "parallel")]
+    {
+        let before = IS_PARALLEL.replace(parallel);
+        let result = work();
+        IS_PARALLEL.set(before);
+        result
+    }
+    #[cfg(not(feature = "parallel"))]
+    {
+        let _ = parallel;
+        work()
+    }
+}
