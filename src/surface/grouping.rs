@@ -136,17 +136,20 @@ fn farther_vertex(mesh: &TriangleMesh, current: u32, neighbour: u32) -> u32 {
 /// Planes that are compared in one go, so that the compiler can use wide registers.
 const BLOCK: usize = 8;
 
+/// Blocks whose bounds are looked at in one go.
+const ROW: usize = 4;
+
 /// The planes of the forming group, and what is known of vertices held against them.
 struct Planes {
     threshold: f64,
     /// In blocks: normals by coordinate, then offsets. The rest of the last block is behind
     /// everything.
     blocks: Vec<[[f64; BLOCK]; 4]>,
-    /// For each full block what may spare a look into it.
-    bounds: Vec<Bound>,
+    /// What mostly suffices to tell that nothing is in the way.
+    rows: Vec<Row>,
     count: usize,
     /// The block that refused last will often refuse again.
-    refusing: usize,
+    refusing: Option<usize>,
     group: u32,
     /// For each vertex the last group that it was held against, and with how many blocks, all of
     /// them full, it got on.
@@ -163,9 +166,9 @@ impl Planes {
         Self {
             threshold,
             blocks: Vec::new(),
-            bounds: Vec::new(),
+            rows: Vec::new(),
             count: 0,
-            refusing: 0,
+            refusing: None,
             group: UNGROUPED,
             known: vec![(UNGROUPED, 0); vertices],
             least_refusal: f64::INFINITY,
@@ -176,24 +179,30 @@ impl Planes {
     fn start_group(&mut self, group: u32) {
         self.group = group;
         self.blocks.clear();
-        self.bounds.clear();
+        self.rows.clear();
         self.count = 0;
-        self.refusing = 0;
+        self.refusing = None;
     }
 
     /// Adds a plane, and a point of it.
     fn push(&mut self, Plane { normal: [x, y, z], offset }: Plane, point: Vector) {
         let place = self.count % BLOCK;
+        let lane = self.count / BLOCK % ROW;
         if place == 0 {
             let none = [0.0; BLOCK];
             self.blocks.push([none, none, none, [f64::INFINITY; BLOCK]]);
-        }
-        if let Some(block) = self.blocks.last_mut() {
-            for (row, value) in block.iter_mut().zip([x, y, z, offset]) {
-                row[place] = value;
+            if lane == 0 {
+                self.rows.push(Row::EMPTY);
             }
+        }
+        if let (Some(block), Some(row)) = (self.blocks.last_mut(), self.rows.last_mut()) {
+            for (axis, value) in [x, y, z, offset].into_iter().enumerate() {
+                block[axis][place] = value;
+                row.blocks[lane][axis][place] = value as f32;
+            }
+            row.bounds.height[lane] = f32::INFINITY;
             if place + 1 == BLOCK {
-                self.bounds.push(Bound::new(block, point));
+                row.bounds.set(lane, block, point);
             }
         }
         self.count += 1;
@@ -209,66 +218,121 @@ impl Planes {
             return false;
         }
         let start = *known as usize;
-        let may_refuse = |place: usize| {
-            let block = &self.blocks[place];
-            let bound = self.bounds.get(place);
-            if bound.is_some_and(|bound| bound.is_below(position, self.threshold)) {
-                return None;
-            }
-            let farthest = farthest(block, position);
-            (farthest > self.threshold).then_some((place, farthest))
-        };
-        let likely = if self.refusing >= start { may_refuse(self.refusing) } else { None };
-        if let Some((place, farthest)) =
-            likely.or_else(|| (start..self.blocks.len()).find_map(may_refuse))
-        {
-            self.refusing = place;
+        let likely = self.refusing.filter(|&place| place >= start);
+        let refusal = likely
+            .and_then(|place| Some((place, self.refusal(place, position)?)))
+            .or_else(|| self.first_refusal(start, position));
+        if let Some((place, farthest)) = refusal {
+            self.refusing = Some(place);
             self.least_refusal = self.least_refusal.min(farthest);
-            *known = REFUSED;
+            self.known[vertex as usize].1 = REFUSED;
             return false;
         }
-        *known = (self.count / BLOCK) as u32;
+        self.known[vertex as usize].1 = (self.count / BLOCK) as u32;
         true
+    }
+
+    /// How far the point is in front of a plane of a block, if that is too far.
+    #[inline]
+    fn refusal(&self, place: usize, position: Vector) -> Option<f64> {
+        let farthest = farthest(&self.blocks[place], position);
+        (farthest > self.threshold).then_some(farthest)
+    }
+
+    /// The first block from `start` on with a plane that has the point too far in front of it, and
+    /// how far.
+    fn first_refusal(&self, start: usize, position: Vector) -> Option<(usize, f64)> {
+        let point = position.map(|x| x as f32);
+        let threshold = (self.threshold - ROUNDING) as f32;
+        for (index, row) in self.rows.iter().enumerate().skip(start / ROW) {
+            let excess = row.bounds.excess(point, threshold);
+            if largest(excess) <= 0.0 {
+                continue;
+            }
+            for lane in 0..ROW {
+                let place = index * ROW + lane;
+                if excess[lane] > 0.0
+                    && place >= start
+                    && is_any_above(&row.blocks[lane], point, threshold)
+                    && let Some(farthest) = self.refusal(place, position)
+                {
+                    return Some((place, farthest));
+                }
+            }
+        }
+        None
     }
 }
 
-/// Distances from the planes of a block are bounded by that from a plane between them.
+/// A few blocks in single precision.
+struct Row {
+    bounds: Bounds,
+    blocks: [[[f32; BLOCK]; 4]; ROW],
+}
+
+impl Row {
+    const EMPTY: Self = {
+        let none = [0.0; BLOCK];
+        Self { bounds: Bounds::EMPTY, blocks: [[none, none, none, [f32::INFINITY; BLOCK]]; ROW] }
+    };
+}
+
+/// Distances from the planes of a block are bounded by that from a plane between them; here for
+/// a few blocks side by side, in single precision and with room for its rounding.
 ///
 /// With a mean normal m and a point c, n · x − o = m · (x − c) + (n − m) · (x − c) + (n · c − o),
 /// where the second term is at most the spread of the normals times ‖x − c‖.
-struct Bound {
-    normal: Vector,
-    centre: Vector,
+struct Bounds {
+    /// Mean normals by coordinate.
+    normal: [[f32; ROW]; 3],
+    centre: [[f32; ROW]; 3],
     /// Greatest squared ‖n − m‖.
-    squared_spread: f64,
-    /// Greatest n · c − o, and what rounding may add.
-    height: f64,
+    squared_spread: [f32; ROW],
+    /// Greatest n · c − o. Infinite where a block is not full, and less than anything where there is
+    /// none.
+    height: [f32; ROW],
 }
 
-/// Far above the rounding errors of coordinates of the order of 1, far below any threshold.
-const ROUNDING: f64 = 1e-12;
+/// What a threshold is lowered by in single precision: far above the rounding errors of coordinates
+/// of the order of 1, far below any usual threshold.
+const ROUNDING: f64 = 1e-5;
 
-impl Bound {
-    fn new([x, y, z, offset]: &[[f64; BLOCK]; 4], centre: Vector) -> Self {
+impl Bounds {
+    const EMPTY: Self = Self {
+        normal: [[0.0; ROW]; 3],
+        centre: [[0.0; ROW]; 3],
+        squared_spread: [0.0; ROW],
+        height: [f32::NEG_INFINITY; ROW],
+    };
+
+    /// Sets the bound of a block that is full. The centre should be near its planes.
+    fn set(&mut self, lane: usize, [x, y, z, offset]: &[[f64; BLOCK]; 4], centre: Vector) {
         let normals: [Vector; BLOCK] = std::array::from_fn(|lane| [x[lane], y[lane], z[lane]]);
         let sum = normals.iter().fold([0.0; 3], |sum, &normal| add(sum, normal));
         let normal = scale(sum, 1.0 / BLOCK as f64);
         let spread = |&other: &Vector| length_squared(subtract(other, normal));
         let height = normals.iter().zip(offset).map(|(&n, o)| dot(n, centre) - o);
-        Self {
-            normal,
-            centre,
-            squared_spread: normals.iter().map(spread).fold(0.0, f64::max) + ROUNDING,
-            height: height.fold(f64::NEG_INFINITY, f64::max) + ROUNDING,
+        for axis in 0..3 {
+            self.normal[axis][lane] = normal[axis] as f32;
+            self.centre[axis][lane] = centre[axis] as f32;
         }
+        self.squared_spread[lane] = normals.iter().map(spread).fold(0.0, f64::max) as f32;
+        self.height[lane] = height.fold(f64::NEG_INFINITY, f64::max) as f32;
     }
 
-    /// Whether no distance can be above the threshold.
+    /// For each block a number that is positive unless no distance can be above the threshold.
     #[inline]
-    fn is_below(&self, point: Vector, threshold: f64) -> bool {
-        let arm = subtract(point, self.centre);
-        let room = threshold - self.height - dot(self.normal, arm);
-        room >= 0.0 && self.squared_spread * length_squared(arm) <= room * room
+    fn excess(&self, [x, y, z]: [f32; 3], threshold: f32) -> [f32; ROW] {
+        std::array::from_fn(|lane| {
+            let arm =
+                [x - self.centre[0][lane], y - self.centre[1][lane], z - self.centre[2][lane]];
+            let along = self.normal[0][lane] * arm[0]
+                + self.normal[1][lane] * arm[1]
+                + self.normal[2][lane] * arm[2];
+            let squared = arm[0] * arm[0] + arm[1] * arm[1] + arm[2] * arm[2];
+            let room = threshold - self.height[lane] - along;
+            self.squared_spread[lane] * squared - room * room.abs()
+        })
     }
 }
 
@@ -281,10 +345,32 @@ fn farthest([x, y, z, offset]: &[[f64; BLOCK]; 4], point: Vector) -> f64 {
             x[lane] * point[0] + y[lane] * point[1] + z[lane] * point[2] - offset[lane];
     }
     // Halves, not one after the other: a chain of comparisons would not use wide registers.
-    let larger = |a: f64, b: f64| if a > b { a } else { b };
     let [a, b, c, d, e, f, g, h] = distances;
+    let larger = |a: f64, b: f64| if a > b { a } else { b };
     let quarters = [larger(a, e), larger(b, f), larger(c, g), larger(d, h)];
     larger(larger(quarters[0], quarters[2]), larger(quarters[1], quarters[3]))
+}
+
+/// Whether a distance of a point from the planes of a block is above the threshold.
+#[inline]
+fn is_any_above([x, y, z, offset]: &[[f32; BLOCK]; 4], point: [f32; 3], threshold: f32) -> bool {
+    let mut any = false;
+    for lane in 0..BLOCK {
+        let distance = x[lane] * point[0] + y[lane] * point[1] + z[lane] * point[2] - offset[lane];
+        // Not a choice between ways, which would be taken lane by lane.
+        any |= distance > threshold;
+    }
+    any
+}
+
+#[inline]
+fn largest([a, b, c, d]: [f32; 4]) -> f32 {
+    larger(larger(a, c), larger(b, d))
+}
+
+#[inline]
+fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
 }
 
 /// The polygons of each group, in ascending order: offsets and a list.
@@ -305,10 +391,26 @@ pub(crate) fn corners(mesh: &TriangleMesh, triangle: u32) -> [Vector; 3] {
 
 /// The vertices of a group, ascending, each once.
 pub(crate) fn group_vertices(mesh: &TriangleMesh, group: &[u32]) -> Vec<u32> {
-    let mut vertices: Vec<u32> =
-        group.iter().flat_map(|&triangle| mesh.triangles[triangle as usize]).collect();
-    vertices.sort_unstable();
-    vertices.dedup();
+    let corners = group.iter().flat_map(|&triangle| mesh.triangles[triangle as usize]);
+    let words = mesh.positions.len().div_ceil(u64::BITS as usize);
+    if group.len() < words {
+        let mut vertices: Vec<u32> = corners.collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        return vertices;
+    }
+    // A bit for each vertex of the mesh: no more words than the group has polygons.
+    let mut used = vec![0_u64; words];
+    for vertex in corners {
+        used[(vertex / u64::BITS) as usize] |= 1 << (vertex % u64::BITS);
+    }
+    let mut vertices = Vec::with_capacity(group.len());
+    for (first, mut word) in (0..).step_by(u64::BITS as usize).zip(used) {
+        while word != 0 {
+            vertices.push(first + word.trailing_zeros());
+            word &= word - 1;
+        }
+    }
     vertices
 }
 
