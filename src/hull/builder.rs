@@ -324,11 +324,11 @@ fn bounds(points: &[Vector]) -> (Vector, Vector, bool) {
     let mut take = |lane: usize, x: f64| {
         low[lane] = smaller(x, low[lane]);
         high[lane] = larger(x, high[lane]);
-        strange[lane] += x - x;
+        strange[lane] += 0.0 * x;
     };
     for pair in pairs {
-        for lane in 0..PAIR {
-            take(lane, pair[lane]);
+        for (lane, &x) in pair.iter().enumerate() {
+            take(lane, x);
         }
     }
     for (lane, &x) in rest.iter().enumerate() {
