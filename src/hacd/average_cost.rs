@@ -1,10 +1,8 @@
 //! The paper's figure of merit for any grouped mesh: the average concavity cost [3.4.2, 3.4.3].
 
 use crate::GroupedMesh;
-use crate::hull::HullBuilder;
 use crate::mesh::TriangleMesh;
-use crate::mesh::adjacency::Adjacency;
-use crate::surface::cost::cost;
+use crate::surface::cost::{CostScratch, cost};
 use crate::surface::grouping::members;
 
 /// Groups of at most this many polygons are left out of the average [3.4.2].
@@ -25,22 +23,17 @@ pub fn average_cost(grouped: &GroupedMesh) -> f64 {
     }
     let mesh =
         TriangleMesh { positions: grouped.positions.clone(), triangles: grouped.triangles.clone() };
-    average(&mesh, &Adjacency::new(&mesh), &grouped.groups, count, &mut HullBuilder::new())
+    average(&mesh, &grouped.groups, count)
 }
 
 /// The same for a mesh of the pipeline.
-pub(super) fn average(
-    mesh: &TriangleMesh,
-    adjacency: &Adjacency,
-    labels: &[u32],
-    count: usize,
-    builder: &mut HullBuilder,
-) -> f64 {
+pub(super) fn average(mesh: &TriangleMesh, labels: &[u32], count: usize) -> f64 {
     let groups = members(labels, count);
+    let mut scratch = CostScratch::default();
     let counted: Vec<f64> = groups
         .iter()
         .filter(|group| group.len() > TOO_SMALL_TO_COUNT)
-        .map(|group| cost(mesh, adjacency, labels, group, builder))
+        .map(|group| cost(mesh, group, &mut scratch))
         .collect();
     if counted.is_empty() { 0.0 } else { counted.iter().sum::<f64>() / counted.len() as f64 }
 }

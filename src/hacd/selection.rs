@@ -2,7 +2,6 @@
 //! own method.
 
 use super::average_cost::average;
-use crate::hull::HullBuilder;
 use crate::mesh::TriangleMesh;
 use crate::surface::grouping::{Grouping, corners, diagonal};
 use crate::surface::resolution_selection::Level;
@@ -24,9 +23,8 @@ pub(super) struct Candidate {
 
 impl Candidate {
     pub(super) fn new(level: &Level, grouping: Grouping) -> Self {
-        let Level { mesh, adjacency, resolution, .. } = level;
-        let builder = &mut HullBuilder::new();
-        let cost = average(mesh, adjacency, &grouping.labels, grouping.count, builder);
+        let Level { mesh, resolution, .. } = level;
+        let cost = average(mesh, &grouping.labels, grouping.count);
         Self { resolution: *resolution, grouping, cost }
     }
 

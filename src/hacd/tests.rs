@@ -4,10 +4,10 @@ use super::collapse::{Threshold, collapse};
 use super::selection::mean_triangle_diagonal;
 use super::surface::{Depth, Judge, Surface};
 use super::*;
-use crate::hull::HullBuilder;
 use crate::mesh::TriangleMesh;
 use crate::mesh::adjacency::Adjacency;
 use crate::mesh::shapes::{cuboid, join, torus, turn};
+use crate::surface::cost::{CostScratch, cost};
 use crate::surface::grouping::Grouping;
 
 /// Two right triangles that make a square of side 1.
@@ -169,10 +169,9 @@ fn no_surface_costs_beta_or_more() {
     let mesh = torus(24, 12);
     let beta = 0.05;
     let Grouping { labels, count } = grouped(&mesh, beta);
-    let adjacency = Adjacency::new(&mesh);
-    let mut builder = HullBuilder::new();
+    let mut scratch = CostScratch::default();
     for group in crate::surface::grouping::members(&labels, count) {
-        let cost = crate::surface::cost::cost(&mesh, &adjacency, &labels, &group, &mut builder);
+        let cost = cost(&mesh, &group, &mut scratch);
         assert!(cost < beta, "{cost}");
     }
 }

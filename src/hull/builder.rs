@@ -7,6 +7,7 @@
 //!
 //! The steps are in `grow.rs`, questions about the hull in `query.rs`.
 
+use super::columns::{Columns, larger, smaller};
 use super::face::{Face, Heights, NONE, Plane, Waiting};
 use super::grow::Horizon;
 use super::redundant::mark_necessary_vertices;
@@ -34,6 +35,8 @@ pub struct HullBuilder {
     pub(super) factor: f64,
     /// All points given since `build`, moved and scaled.
     pub(super) points: Vec<Vector>,
+    /// The points that `build` was given, moved and scaled, by coordinate.
+    pub(super) columns: Columns,
     /// All points given since `build`, as given.
     pub(super) originals: Vec<Vector>,
     pub(super) faces: Vec<Face>,
@@ -128,7 +131,7 @@ impl HullBuilder {
     pub fn build(&mut self, points: &[[f64; 3]]) -> Shape {
         self.clear();
         self.take_points(points);
-        let (shape, simplex) = first_simplex(&self.points, self.threshold);
+        let (shape, simplex) = first_simplex(&self.points, &self.columns, self.threshold);
         if shape != Shape::Solid {
             return shape;
         }
@@ -161,7 +164,8 @@ impl HullBuilder {
                 (0..self.points.len() as u32).filter(|&p| self.marks[p as usize] != NONE).collect();
             let positions: Vec<Vector> =
                 corners.iter().map(|&corner| self.points[corner as usize]).collect();
-            if let (Shape::Solid, simplex) = first_simplex(&positions, self.threshold) {
+            let columns = Columns::new(&positions);
+            if let (Shape::Solid, simplex) = first_simplex(&positions, &columns, self.threshold) {
                 self.only_marked = true;
                 self.grow_from(simplex.map(|index| corners[index as usize]));
                 self.only_marked = false;
@@ -245,12 +249,15 @@ impl HullBuilder {
 
     /// Takes points, centred and brought near 1 by a power of two, which rounds nothing.
     fn take_points(&mut self, points: &[[f64; 3]]) {
-        if points.iter().all(is_finite) {
+        let (low, high, all_finite) = bounds(points);
+        let (low, high) = if all_finite {
             self.originals.extend_from_slice(points);
+            (low, high)
         } else {
             self.originals.extend(points.iter().filter(|point| is_finite(point)));
-        }
-        let (low, high) = bounds(&self.originals);
+            let (low, high, _) = bounds(&self.originals);
+            (low, high)
+        };
         self.centre = [0, 1, 2].map(|axis| 0.5 * low[axis] + 0.5 * high[axis]);
         if !is_finite(&self.centre) {
             self.centre = [0.0; 3];
@@ -266,6 +273,7 @@ impl HullBuilder {
         let (centre, factor) = (self.centre, self.factor);
         self.points
             .extend(self.originals.iter().map(|&point| scale(subtract(point, centre), factor)));
+        self.columns.fill(&self.points);
         self.next_waiting.resize(self.points.len(), NONE);
         let corners = [self.inward(low), self.inward(high)];
         self.bound_errors_by(&corners);
@@ -304,16 +312,33 @@ fn height_of([a, b, c, d]: [Vector; 4]) -> f64 {
     dot(normalize(area_normal(a, b, c)), subtract(d, a)).abs()
 }
 
-/// Bounds of points; inside out without any.
-fn bounds(points: &[Vector]) -> (Vector, Vector) {
-    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for point in points {
-        for axis in 0..3 {
-            low[axis] = if point[axis] < low[axis] { point[axis] } else { low[axis] };
-            high[axis] = if point[axis] > high[axis] { point[axis] } else { high[axis] };
+/// Bounds of points, inside out without any, and whether all are finite; if not, the bounds don't
+/// count.
+fn bounds(points: &[Vector]) -> (Vector, Vector, bool) {
+    /// Coordinates of two points, so that wide registers are used.
+    const PAIR: usize = 6;
+    let (mut low, mut high) = ([f64::INFINITY; PAIR], [f64::NEG_INFINITY; PAIR]);
+    // Zero, or not a number where a coordinate is infinite or none.
+    let mut strange = [0.0; PAIR];
+    let (pairs, rest) = points.as_flattened().as_chunks::<PAIR>();
+    let mut take = |lane: usize, x: f64| {
+        low[lane] = smaller(x, low[lane]);
+        high[lane] = larger(x, high[lane]);
+        strange[lane] += 0.0 * x;
+    };
+    for pair in pairs {
+        for (lane, &x) in pair.iter().enumerate() {
+            take(lane, x);
         }
     }
-    (low, high)
+    for (lane, &x) in rest.iter().enumerate() {
+        take(lane, x);
+    }
+    (
+        [0, 1, 2].map(|axis| smaller(low[axis], low[axis + 3])),
+        [0, 1, 2].map(|axis| larger(high[axis], high[axis + 3])),
+        strange.iter().all(|&sum| sum == 0.0),
+    )
 }
 
 fn is_finite(point: &Vector) -> bool {

@@ -5,6 +5,8 @@
 //! is left after some rounds is made up for by scaling about the centre, whose factor is exact:
 //! the largest, over the kept hull's planes, of the reach of the old hull over that of the new one.
 
+use super::columns::Columns;
+use super::simplex::first_simplex;
 use super::{ConvexHull, HullBuilder, Shape};
 use crate::vector::{Vector, add, distance, dot, scale, subtract};
 
@@ -188,7 +190,7 @@ fn most_prominent(
 /// Four points that span a tetrahedron: two far apart, one far from their line, one far from
 /// their plane.
 fn first_points(points: &[Vector]) -> Vec<Vector> {
-    let (_, simplex) = super::simplex::first_simplex(points, 0.0);
+    let (_, simplex) = first_simplex(points, &Columns::new(points), 0.0);
     simplex.iter().filter_map(|&index| points.get(index as usize).copied()).collect()
 }
 

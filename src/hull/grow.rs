@@ -5,6 +5,7 @@
 //! divisions, few questions asked twice.
 
 use super::HullBuilder;
+use super::columns::{Block, LANES};
 use super::face::{
     CERTAINLY_BEHIND, Face, Heights, NONE, Plane, RETIRED, Waiting, after, before, edge_of,
     face_of, half_edge, is_in_front,
@@ -67,27 +68,53 @@ impl HullBuilder {
             [(0, 1), (3, 2), (1, 1)],
             [(0, 0), (1, 2), (2, 1)],
         ];
-        self.visible.clear();
-        for ((vertices, twins), place) in triangles.into_iter().zip(twins).zip(0..) {
+        self.planes.clear();
+        let mut planes = [RETIRED.plane; 4];
+        for ((vertices, twins), plane) in triangles.into_iter().zip(twins).zip(&mut planes) {
             let mut face = Face::new(vertices, &self.points);
             face.twins = twins.map(|(other, edge)| half_edge(other, edge));
+            *plane = face.plane;
+            self.planes.push(face.plane);
             self.faces.push(face);
             self.waiting.push(Waiting::none(0, 0));
-            self.visible.push(place);
         }
-        self.planes.clear();
-        self.planes.extend(self.faces.iter().map(|face| face.plane));
-        // All other points are in one line.
-        let mut last = NONE;
-        for (point, next) in self.next_waiting.iter_mut().enumerate().rev() {
-            if ![a, b, c, d].contains(&(point as u32)) {
-                *next = last;
-                last = point as u32;
+        let columns = std::mem::take(&mut self.columns);
+        for (first, block) in (0..).step_by(LANES).zip(&columns.blocks) {
+            self.share_out_block(first, block, &planes, [a, b, c, d]);
+        }
+        self.columns = columns;
+    }
+
+    /// Lets a few points that follow each other wait in front of the faces of the tetrahedron.
+    #[inline]
+    fn share_out_block(
+        &mut self,
+        first: u32,
+        [x, y, z]: &Block,
+        planes: &[Plane; 4],
+        corners: [u32; 4],
+    ) {
+        let heights: [[f64; LANES]; 4] = std::array::from_fn(|face| {
+            std::array::from_fn(|lane| planes[face].height([x[lane], y[lane], z[lane]]))
+        });
+        // The rest of the last block stands for no points.
+        for (lane, point) in (0..LANES).zip(first..self.points.len() as u32) {
+            let height = |face: usize| heights[face][lane];
+            let Some(face) = (0..4).find(|&face| height(face) >= self.heights.low) else {
+                continue;
+            };
+            // A corner is not that high over any face.
+            let found = if height(face) > self.heights.high {
+                Some(InFront { face: face as u32, height: height(face), is_beyond: true })
+            } else if corners.contains(&point) {
+                None
+            } else {
+                in_front_of([x[lane], y[lane], z[lane]], planes, self.heights)
+            };
+            if let Some(found) = found {
+                self.attach(point, found);
             }
         }
-        self.lines.clear();
-        self.lines.push(last);
-        self.share_out(NONE);
     }
 
     /// The first face that a point is farther in front of than the tolerance, in a hull that has
@@ -105,9 +132,12 @@ impl HullBuilder {
 
     /// Lets the points from the given index on wait in front of faces, if they are in front of any.
     pub(super) fn assign_to_any(&mut self, first: usize) {
-        let planes: Vec<Plane> = self.faces.iter().map(|face| face.plane).collect();
+        self.planes.clear();
+        for face in &self.faces {
+            self.planes.push(face.plane);
+        }
         for point in first..self.points.len() {
-            if let Some(found) = in_front_of(self.points[point], &planes, self.heights) {
+            if let Some(found) = in_front_of(self.points[point], &self.planes, self.heights) {
                 self.attach(point as u32, found);
             }
         }
@@ -239,9 +269,10 @@ impl HullBuilder {
             let current = next;
             next = self.next_waiting[current as usize];
             if current != point {
-                let plane = self.faces[face as usize].plane;
+                self.planes.clear();
+                self.planes.push(self.faces[face as usize].plane);
                 let position = self.points[current as usize];
-                if let Some(found) = in_front_of(position, &[plane], self.heights) {
+                if let Some(found) = in_front_of(position, &self.planes, self.heights) {
                     self.attach(current, InFront { face, ..found });
                 }
             }
@@ -342,11 +373,14 @@ impl HullBuilder {
         lines.push(state.first);
         visible.push(seen_from);
         let [first, second, third] = faces[seen_from as usize].twins;
-        path.extend([third, second, first]);
-        while let Some(twin) = path.pop() {
+        path.extend([third, second]);
+        // The way that is taken next need not go through the list of those that are left.
+        let mut ahead = Some(first);
+        while let Some(twin) = ahead {
             let other = face_of(twin);
             let state = &mut waiting[other as usize];
             if state.stamp == stamp {
+                ahead = path.pop();
                 continue;
             }
             let neighbour = &faces[other as usize];
@@ -366,13 +400,16 @@ impl HullBuilder {
             let at = edge_of(twin);
             if is_seen {
                 state.stamp = stamp;
-                lines.push(state.first);
+                if state.first != NONE {
+                    lines.push(state.first);
+                }
                 visible.push(other);
                 path.push(neighbour.twins[before(at)]);
-                path.push(neighbour.twins[after(at)]);
+                ahead = Some(neighbour.twins[after(at)]);
             } else {
                 let [start, end] = [neighbour.vertices[after(at)], neighbour.vertices[at]];
                 horizon.push(Horizon { start, end, outside: twin });
+                ahead = path.pop();
             }
         }
         self.has_flat_places |= is_flat;

@@ -6,6 +6,7 @@
 
 mod builder;
 mod cap;
+mod columns;
 mod convex_hull;
 mod face;
 mod grow;

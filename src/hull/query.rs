@@ -101,6 +101,17 @@ impl HullBuilder {
         (vertices, triangles)
     }
 
+    /// For each of the points, if all were finite, a triangle of `extract` that it is a corner of.
+    pub(crate) fn faces_of_points(&self, faces: &mut Vec<Option<u32>>) {
+        faces.clear();
+        faces.resize(self.points.len(), None);
+        for (index, face) in (0..).zip(&self.faces) {
+            for vertex in face.vertices {
+                faces[vertex as usize] = Some(index);
+            }
+        }
+    }
+
     /// The smallest distance between a face and the vertex farthest behind it, with that face's
     /// outward normal: the width of the hull, in the units of the points.
     pub(super) fn width(&self) -> Option<(f64, Vector)> {

@@ -1,5 +1,6 @@
 //! The first tetrahedron of a hull, or the reason why there is none.
 
+use super::columns::Columns;
 use crate::vector::{
     Vector, area_normal, cross, distance, dot, length_squared, normalize, subtract,
 };
@@ -18,21 +19,25 @@ pub enum Shape {
 }
 
 /// Four points, far apart, that span a tetrahedron. For a lesser shape as many of them as it has
-/// are meaningful. O(n).
-pub(super) fn first_simplex(points: &[Vector], threshold: f64) -> (Shape, [u32; 4]) {
-    let [a, b] = farthest_extremes(points);
+/// are meaningful. `columns` holds the same points. O(n).
+pub(super) fn first_simplex(
+    points: &[Vector],
+    columns: &Columns,
+    threshold: f64,
+) -> (Shape, [u32; 4]) {
+    let [a, b] = farthest_extremes(points, columns);
     let corner = |index: u32| points[index as usize];
     if points.is_empty() || distance(corner(a), corner(b)) <= threshold {
         return (Shape::Point, [a; 4]);
     }
     let direction = normalize(subtract(corner(b), corner(a)));
     let (c, from_line) =
-        farthest(points, |point| length_squared(cross(direction, subtract(point, corner(a)))));
+        columns.farthest(|point| length_squared(cross(direction, subtract(point, corner(a)))));
     if from_line.sqrt() <= threshold {
         return (Shape::Linear, [a, b, a, a]);
     }
     let normal = normalize(area_normal(corner(a), corner(b), corner(c)));
-    let (d, from_plane) = farthest(points, |point| dot(normal, subtract(point, corner(a))).abs());
+    let (d, from_plane) = columns.farthest(|point| dot(normal, subtract(point, corner(a))).abs());
     if from_plane <= threshold {
         return (Shape::Flat, [a, b, c, a]);
     }
@@ -40,8 +45,8 @@ pub(super) fn first_simplex(points: &[Vector], threshold: f64) -> (Shape, [u32; 
 }
 
 /// Of the six points that reach farthest along the axes the two that are farthest apart.
-fn farthest_extremes(points: &[Vector]) -> [u32; 2] {
-    let extremes = extremes(points);
+fn farthest_extremes(points: &[Vector], columns: &Columns) -> [u32; 2] {
+    let extremes = columns.extremes();
     let mut best = (0.0, [0, 0]);
     for (place, &first) in extremes.iter().enumerate() {
         for &second in &extremes[place + 1..] {
@@ -55,35 +60,4 @@ fn farthest_extremes(points: &[Vector]) -> [u32; 2] {
         }
     }
     best.1
-}
-
-/// The points that reach farthest along the axes: the least and the greatest x, then y, then z.
-fn extremes(points: &[Vector]) -> [u32; 6] {
-    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    let mut extremes = [0; 6];
-    for (index, point) in (0..).zip(points) {
-        for axis in 0..3 {
-            if point[axis] < low[axis] {
-                low[axis] = point[axis];
-                extremes[2 * axis] = index;
-            }
-            if point[axis] > high[axis] {
-                high[axis] = point[axis];
-                extremes[2 * axis + 1] = index;
-            }
-        }
-    }
-    extremes
-}
-
-/// The first point for which `measure` is greatest.
-fn farthest(points: &[Vector], measure: impl Fn(Vector) -> f64) -> (u32, f64) {
-    let mut best = (0, f64::NEG_INFINITY);
-    for (index, &point) in points.iter().enumerate() {
-        let value = measure(point);
-        if value > best.1 {
-            best = (index as u32, value);
-        }
-    }
-    best
 }

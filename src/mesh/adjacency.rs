@@ -1,5 +1,6 @@
-//! The paper's data structures [3.3]: triangles with normals, vertices with incident triangles,
-//! and the list of 3n neighbours.
+//! The paper's data structures [3.3]: triangles with normals and the list of 3n neighbours. Its
+//! lists of the triangles at each vertex are not needed: what would be gathered from them is summed
+//! up over the triangles of a group instead.
 //!
 //! The paper gives every triangle three neighbours. Real meshes have open edges, which have no
 //! neighbour here, and edges with more than two triangles. There the surface that a triangle
@@ -27,8 +28,6 @@ pub(crate) struct Adjacency {
     /// For each triangle `t` the triangles across its edges: entry `3 t + k` is across the edge
     /// from its vertex `k` to the next, or [`NO_NEIGHBOUR`]. Symmetric.
     pub neighbours: Vec<u32>,
-    offsets: Vec<u32>,
-    incident: Vec<u32>,
 }
 
 impl Adjacency {
@@ -42,17 +41,8 @@ impl Adjacency {
                 normalize(area_normal(a, b, c))
             })
             .collect();
-        let (offsets, incident) = incident_triangles(triangles, mesh.positions.len());
         let neighbours = neighbours(triangles, mesh.positions.len(), &normals);
-        Self { normals, neighbours, offsets, incident }
-    }
-
-    /// The triangles that use a vertex, ascending.
-    #[inline]
-    pub(crate) fn vertex_triangles(&self, vertex: u32) -> &[u32] {
-        let start = self.offsets[vertex as usize] as usize;
-        let end = self.offsets[vertex as usize + 1] as usize;
-        &self.incident[start..end]
+        Self { normals, neighbours }
     }
 
     /// The triangles across the three edges of a triangle, or [`NO_NEIGHBOUR`].
@@ -61,27 +51,6 @@ impl Adjacency {
         let start = 3 * triangle as usize;
         [self.neighbours[start], self.neighbours[start + 1], self.neighbours[start + 2]]
     }
-}
-
-fn incident_triangles(triangles: &[[u32; 3]], vertices: usize) -> (Vec<u32>, Vec<u32>) {
-    let mut offsets = vec![0_u32; vertices + 1];
-    for vertex in triangles.as_flattened() {
-        offsets[*vertex as usize] += 1;
-    }
-    let mut sum = 0;
-    for offset in &mut offsets {
-        sum += *offset;
-        *offset = sum;
-    }
-    let mut incident = vec![0_u32; 3 * triangles.len()];
-    for (t, triangle) in triangles.iter().enumerate().rev() {
-        for vertex in triangle {
-            let offset = &mut offsets[*vertex as usize];
-            *offset -= 1;
-            incident[*offset as usize] = t as u32;
-        }
-    }
-    (offsets, incident)
 }
 
 fn neighbours(triangles: &[[u32; 3]], vertices: usize, normals: &[Vector]) -> Vec<u32> {
@@ -158,8 +127,6 @@ mod tests {
             [3, 2, 1, 0, 2, 3, 0, 3, 1, 0, 1, 2],
             "across (v0, v1), (v1, v2), (v2, v0)"
         );
-        assert_eq!(adjacency.vertex_triangles(0), [0, 1, 3]);
-        assert_eq!(adjacency.vertex_triangles(3), [1, 2, 3]);
         assert_eq!(adjacency.normals[0], [0.0, 0.0, -1.0]);
         assert_eq!(adjacency.normals[1], [0.0, -1.0, 0.0]);
         assert_symmetric(&adjacency);

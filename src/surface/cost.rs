@@ -9,52 +9,70 @@
 
 use crate::hull::{ConvexHull, HullBuilder, Shape};
 use crate::mesh::TriangleMesh;
-use crate::mesh::adjacency::Adjacency;
 use crate::vector::{Vector, add, area_normal, dot, normalize};
 
-use super::grouping::{corners, diagonal, group_vertices};
+use super::grouping::{diagonal, group_vertices};
 
 /// A plane that the ray runs along cannot be left through it.
 const PARALLEL: f64 = 1e-9;
 
+/// What is reused from one group to the next.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct CostScratch {
+    builder: HullBuilder,
+    /// For each vertex of the mesh that is in the group its place there.
+    places: Vec<u32>,
+    /// For each vertex of the group the sum of the normals of the group's triangles at it.
+    normals: Vec<Vector>,
+    /// For each vertex of the group a face of the hull that it is a corner of.
+    faces: Vec<Option<u32>>,
+}
+
 /// Cost of a group, 0 for flat ones: they are their own hull. O(vertices · hull faces).
-pub(crate) fn cost(
-    mesh: &TriangleMesh,
-    adjacency: &Adjacency,
-    labels: &[u32],
-    group: &[u32],
-    builder: &mut HullBuilder,
-) -> f64 {
-    let Some(label) = group.first().map(|&triangle| labels[triangle as usize]) else { return 0.0 };
+pub(crate) fn cost(mesh: &TriangleMesh, group: &[u32], scratch: &mut CostScratch) -> f64 {
     let vertices = group_vertices(mesh, group);
     let points: Vec<Vector> =
         vertices.iter().map(|&vertex| mesh.positions[vertex as usize]).collect();
-    if builder.build(&points) != Shape::Solid {
+    if scratch.builder.build(&points) != Shape::Solid {
         return 0.0;
     }
-    let planes = ConvexHull::from(builder.extract()).planes();
+    let planes = ConvexHull::from(scratch.builder.extract()).planes();
+    scratch.add_normals(mesh, group, &vertices);
+    scratch.builder.faces_of_points(&mut scratch.faces);
     let mut greatest: f64 = 0.0;
-    for (&vertex, &point) in vertices.iter().zip(&points) {
-        let normal = normal(mesh, adjacency, labels, label, vertex);
-        greatest = greatest.max(distance_to_exit(point, normal, &planes, greatest));
+    for ((&normal, &point), &face) in scratch.normals.iter().zip(&points).zip(&scratch.faces) {
+        let normal = normalize(normal);
+        // A vertex of the hull is on its face, and leaves there at once if the face is ahead.
+        let own = face.and_then(|face| planes.get(face as usize));
+        let exit = own.map_or(f64::INFINITY, |&plane| exit_through(point, normal, plane));
+        if exit > greatest {
+            greatest = greatest.max(distance_to_exit(point, normal, &planes, greatest));
+        }
     }
     greatest / diagonal(points.iter().copied())
 }
 
-/// The unit normal of a vertex with respect to the group with the given label.
-fn normal(
-    mesh: &TriangleMesh,
-    adjacency: &Adjacency,
-    labels: &[u32],
-    label: u32,
-    vertex: u32,
-) -> Vector {
-    let incident = adjacency.vertex_triangles(vertex).iter();
-    let own = incident.filter(|&&triangle| labels[triangle as usize] == label);
-    normalize(own.fold([0.0; 3], |sum, &triangle| {
-        let [a, b, c] = corners(mesh, triangle);
-        add(sum, area_normal(a, b, c))
-    }))
+impl CostScratch {
+    /// Sums up the normals of the vertices with respect to the group.
+    fn add_normals(&mut self, mesh: &TriangleMesh, group: &[u32], vertices: &[u32]) {
+        if self.places.len() < mesh.positions.len() {
+            self.places.resize(mesh.positions.len(), 0);
+        }
+        for (place, &vertex) in (0..).zip(vertices) {
+            self.places[vertex as usize] = place;
+        }
+        self.normals.clear();
+        self.normals.resize(vertices.len(), [0.0; 3]);
+        for &triangle in group {
+            let corners = mesh.triangles[triangle as usize];
+            let [a, b, c] = corners.map(|vertex| mesh.positions[vertex as usize]);
+            let normal = area_normal(a, b, c);
+            for vertex in corners {
+                let sum = &mut self.normals[self.places[vertex as usize] as usize];
+                *sum = add(*sum, normal);
+            }
+        }
+    }
 }
 
 /// How far a ray from a point inside a hull runs until it leaves. Where that is at most `enough`
@@ -66,17 +84,25 @@ fn distance_to_exit(
     enough: f64,
 ) -> f64 {
     let mut nearest = f64::INFINITY;
-    for &(normal, offset) in planes {
-        let towards = dot(normal, direction);
-        if towards > PARALLEL {
-            nearest = nearest.min(((offset - dot(normal, point)) / towards).max(0.0));
-            if nearest <= enough {
-                return nearest;
-            }
+    for &plane in planes {
+        nearest = nearest.min(exit_through(point, direction, plane));
+        if nearest <= enough {
+            return nearest;
         }
     }
     // A vertex whose triangles cancel out has no normal, and so no distance.
     if nearest.is_finite() { nearest } else { 0.0 }
+}
+
+/// How far a ray runs until it passes a plane; infinite if it never does.
+#[inline]
+fn exit_through(point: Vector, direction: Vector, (normal, offset): (Vector, f64)) -> f64 {
+    let towards = dot(normal, direction);
+    if towards > PARALLEL {
+        ((offset - dot(normal, point)) / towards).max(0.0)
+    } else {
+        f64::INFINITY
+    }
 }
 
 #[cfg(test)]
@@ -86,8 +112,7 @@ mod tests {
 
     fn whole(mesh: &TriangleMesh) -> f64 {
         let all: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
-        let labels = vec![0; all.len()];
-        cost(mesh, &Adjacency::new(mesh), &labels, &all, &mut HullBuilder::new())
+        cost(mesh, &all, &mut CostScratch::default())
     }
 
     #[test]

@@ -4,16 +4,13 @@
 //! As the paper has it, the test looks one way only: the new vertex against the planes of the
 //! group, at the moment when the neighbour is considered. A polygon that waits in the queue is
 //! not tested again when its turn comes.
-//!
-//! Nearly all the time goes into comparing vertices with the planes of a group, and most of that
-//! is spared without changing an answer: planes only ever join a group, so a vertex that was
-//! refused stays refused, and one that was behind all planes need only be held against those that
-//! came since.
 
 use crate::mesh::TriangleMesh;
 use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
-use crate::vector::{Vector, add, dot, length_squared, scale, subtract};
+use crate::vector::{Vector, dot, subtract};
 use crate::{Control, Error};
+
+use super::group_planes::{Plane, Planes};
 
 /// No group yet.
 const UNGROUPED: u32 = u32::MAX;
@@ -98,20 +95,7 @@ pub(crate) fn grow(
         groups += 1;
     }
     let grouping = Grouping { labels, count: groups as usize };
-    Ok(Grown { grouping, same_below: planes.least_refusal })
-}
-
-#[derive(Debug, Clone, Copy)]
-struct Plane {
-    normal: Vector,
-    offset: f64,
-}
-
-impl Plane {
-    #[inline]
-    fn distance(&self, point: Vector) -> f64 {
-        dot(self.normal, point) - self.offset
-    }
+    Ok(Grown { grouping, same_below: planes.least_refusal() })
 }
 
 fn plane(mesh: &TriangleMesh, adjacency: &Adjacency, triangle: u32) -> Plane {
@@ -133,163 +117,15 @@ fn farther_vertex(mesh: &TriangleMesh, current: u32, neighbour: u32) -> u32 {
     }
 }
 
-/// Planes that are compared in one go, so that the compiler can use wide registers.
-const BLOCK: usize = 8;
-
-/// The planes of the forming group, and what is known of vertices held against them.
-struct Planes {
-    threshold: f64,
-    /// In blocks: normals by coordinate, then offsets. The rest of the last block is behind
-    /// everything.
-    blocks: Vec<[[f64; BLOCK]; 4]>,
-    /// For each full block what may spare a look into it.
-    bounds: Vec<Bound>,
-    count: usize,
-    /// The block that refused last will often refuse again.
-    refusing: usize,
-    group: u32,
-    /// For each vertex the last group that it was held against, and with how many blocks, all of
-    /// them full, it got on.
-    known: Vec<(u32, u32)>,
-    /// The least distance of all that were too large.
-    least_refusal: f64,
-}
-
-/// In place of a number of blocks: the group has refused the vertex.
-const REFUSED: u32 = u32::MAX;
-
-impl Planes {
-    fn new(threshold: f64, vertices: usize) -> Self {
-        Self {
-            threshold,
-            blocks: Vec::new(),
-            bounds: Vec::new(),
-            count: 0,
-            refusing: 0,
-            group: UNGROUPED,
-            known: vec![(UNGROUPED, 0); vertices],
-            least_refusal: f64::INFINITY,
-        }
-    }
-
-    /// Forgets the planes of the group before.
-    fn start_group(&mut self, group: u32) {
-        self.group = group;
-        self.blocks.clear();
-        self.bounds.clear();
-        self.count = 0;
-        self.refusing = 0;
-    }
-
-    /// Adds a plane, and a point of it.
-    fn push(&mut self, Plane { normal: [x, y, z], offset }: Plane, point: Vector) {
-        let place = self.count % BLOCK;
-        if place == 0 {
-            let none = [0.0; BLOCK];
-            self.blocks.push([none, none, none, [f64::INFINITY; BLOCK]]);
-        }
-        if let Some(block) = self.blocks.last_mut() {
-            for (row, value) in block.iter_mut().zip([x, y, z, offset]) {
-                row[place] = value;
-            }
-            if place + 1 == BLOCK {
-                self.bounds.push(Bound::new(block, point));
-            }
-        }
-        self.count += 1;
-    }
-
-    /// Whether no plane has the vertex farther than the threshold in front of it.
-    fn allow(&mut self, vertex: u32, position: Vector) -> bool {
-        let (group, known) = &mut self.known[vertex as usize];
-        if *group != self.group {
-            (*group, *known) = (self.group, 0);
-        }
-        if *known == REFUSED {
-            return false;
-        }
-        let start = *known as usize;
-        let may_refuse = |place: usize| {
-            let block = &self.blocks[place];
-            let bound = self.bounds.get(place);
-            if bound.is_some_and(|bound| bound.is_below(position, self.threshold)) {
-                return None;
-            }
-            let farthest = farthest(block, position);
-            (farthest > self.threshold).then_some((place, farthest))
-        };
-        let likely = if self.refusing >= start { may_refuse(self.refusing) } else { None };
-        if let Some((place, farthest)) =
-            likely.or_else(|| (start..self.blocks.len()).find_map(may_refuse))
-        {
-            self.refusing = place;
-            self.least_refusal = self.least_refusal.min(farthest);
-            *known = REFUSED;
-            return false;
-        }
-        *known = (self.count / BLOCK) as u32;
-        true
-    }
-}
-
-/// Distances from the planes of a block are bounded by that from a plane between them.
-///
-/// With a mean normal m and a point c, n · x − o = m · (x − c) + (n − m) · (x − c) + (n · c − o),
-/// where the second term is at most the spread of the normals times ‖x − c‖.
-struct Bound {
-    normal: Vector,
-    centre: Vector,
-    /// Greatest squared ‖n − m‖.
-    squared_spread: f64,
-    /// Greatest n · c − o, and what rounding may add.
-    height: f64,
-}
-
-/// Far above the rounding errors of coordinates of the order of 1, far below any threshold.
-const ROUNDING: f64 = 1e-12;
-
-impl Bound {
-    fn new([x, y, z, offset]: &[[f64; BLOCK]; 4], centre: Vector) -> Self {
-        let normals: [Vector; BLOCK] = std::array::from_fn(|lane| [x[lane], y[lane], z[lane]]);
-        let sum = normals.iter().fold([0.0; 3], |sum, &normal| add(sum, normal));
-        let normal = scale(sum, 1.0 / BLOCK as f64);
-        let spread = |&other: &Vector| length_squared(subtract(other, normal));
-        let height = normals.iter().zip(offset).map(|(&n, o)| dot(n, centre) - o);
-        Self {
-            normal,
-            centre,
-            squared_spread: normals.iter().map(spread).fold(0.0, f64::max) + ROUNDING,
-            height: height.fold(f64::NEG_INFINITY, f64::max) + ROUNDING,
-        }
-    }
-
-    /// Whether no distance can be above the threshold.
-    #[inline]
-    fn is_below(&self, point: Vector, threshold: f64) -> bool {
-        let arm = subtract(point, self.centre);
-        let room = threshold - self.height - dot(self.normal, arm);
-        room >= 0.0 && self.squared_spread * length_squared(arm) <= room * room
-    }
-}
-
-/// The distance of a point from the plane of a block that it is farthest in front of.
-#[inline]
-fn farthest([x, y, z, offset]: &[[f64; BLOCK]; 4], point: Vector) -> f64 {
-    let mut distances = [0.0; BLOCK];
-    for lane in 0..BLOCK {
-        distances[lane] =
-            x[lane] * point[0] + y[lane] * point[1] + z[lane] * point[2] - offset[lane];
-    }
-    // Halves, not one after the other: a chain of comparisons would not use wide registers.
-    let larger = |a: f64, b: f64| if a > b { a } else { b };
-    let [a, b, c, d, e, f, g, h] = distances;
-    let quarters = [larger(a, e), larger(b, f), larger(c, g), larger(d, h)];
-    larger(larger(quarters[0], quarters[2]), larger(quarters[1], quarters[3]))
-}
-
-/// The polygons of each group, in ascending order: offsets and a list.
+/// The polygons of each group, in ascending order.
 pub(crate) fn members(labels: &[u32], count: usize) -> Vec<Vec<u32>> {
-    let mut members = vec![Vec::new(); count];
+    let mut sizes = vec![0; count];
+    for &label in labels {
+        if let Some(size) = sizes.get_mut(label as usize) {
+            *size += 1;
+        }
+    }
+    let mut members: Vec<Vec<u32>> = sizes.into_iter().map(Vec::with_capacity).collect();
     for (triangle, &label) in (0..).zip(labels) {
         if let Some(group) = members.get_mut(label as usize) {
             group.push(triangle);
@@ -305,10 +141,26 @@ pub(crate) fn corners(mesh: &TriangleMesh, triangle: u32) -> [Vector; 3] {
 
 /// The vertices of a group, ascending, each once.
 pub(crate) fn group_vertices(mesh: &TriangleMesh, group: &[u32]) -> Vec<u32> {
-    let mut vertices: Vec<u32> =
-        group.iter().flat_map(|&triangle| mesh.triangles[triangle as usize]).collect();
-    vertices.sort_unstable();
-    vertices.dedup();
+    let corners = group.iter().flat_map(|&triangle| mesh.triangles[triangle as usize]);
+    let words = mesh.positions.len().div_ceil(u64::BITS as usize);
+    if group.len() < words {
+        let mut vertices: Vec<u32> = corners.collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        return vertices;
+    }
+    // A bit for each vertex of the mesh: no more words than the group has polygons.
+    let mut used = vec![0_u64; words];
+    for vertex in corners {
+        used[(vertex / u64::BITS) as usize] |= 1 << (vertex % u64::BITS);
+    }
+    let mut vertices = Vec::with_capacity(group.len());
+    for (first, mut word) in (0..).step_by(u64::BITS as usize).zip(used) {
+        while word != 0 {
+            vertices.push(first + word.trailing_zeros());
+            word &= word - 1;
+        }
+    }
     vertices
 }
 

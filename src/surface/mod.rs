@@ -2,6 +2,7 @@
 
 pub(crate) mod cost;
 pub(crate) mod group_merging;
+mod group_planes;
 pub(crate) mod grouping;
 pub(crate) mod pieces;
 pub(crate) mod resolution_selection;

@@ -17,12 +17,11 @@
 
 use std::collections::HashMap;
 
-use crate::hull::HullBuilder;
 use crate::mesh::TriangleMesh;
 use crate::mesh::adjacency::Adjacency;
 use crate::{Control, Error, SurfaceParameters, ThresholdOutcome, ThresholdReport};
 
-use super::cost::cost;
+use super::cost::{CostScratch, cost};
 use super::grouping::{Grouping, Grown, grow, members};
 
 /// Groups of at most this many polygons are left out of the average.
@@ -52,7 +51,7 @@ pub(crate) struct ThresholdSearch {
     candidate: Option<Candidate>,
     /// Least average of the thresholds that were not aborted.
     cheapest: Option<Candidate>,
-    builder: HullBuilder,
+    scratch: CostScratch,
     /// The grouping tried last, and its planar threshold in the mesh's space.
     last: Option<(f64, Grown)>,
     /// The cost of each group so far, by its polygons: other thresholds often find it again.
@@ -99,7 +98,7 @@ impl ThresholdSearch {
         self.last = Some((grown_at, grown));
         let pieces = grouping.count;
         let epsilon = parameters.concavity_cost_threshold;
-        let average = self.average_cost(mesh, adjacency, &grouping, epsilon, control)?;
+        let average = self.average_cost(mesh, &grouping, epsilon, control)?;
         let (Average::Complete(cost) | Average::AboveThreshold(cost) | Average::AboveLeast(cost)) =
             average;
         let tried = Candidate { grouping, cost, planar_threshold, index };
@@ -163,7 +162,6 @@ impl ThresholdSearch {
     fn average_cost(
         &mut self,
         mesh: &TriangleMesh,
-        adjacency: &Adjacency,
         grouping: &Grouping,
         epsilon: f64,
         control: &Control,
@@ -178,7 +176,7 @@ impl ThresholdSearch {
                 Some(known) => *known,
                 None => {
                     control.check()?;
-                    let cost = cost(mesh, adjacency, &grouping.labels, &group, &mut self.builder);
+                    let cost = cost(mesh, &group, &mut self.scratch);
                     *self.costs.entry(group).or_insert(cost)
                 }
             };
