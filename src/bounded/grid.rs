@@ -275,6 +275,18 @@ impl Grid {
         }
     }
 
+    /// The distance to the surface, if that is a plane near the point; infinite where nothing is
+    /// near.
+    #[inline]
+    pub(super) fn estimate(&self, point: Vector) -> f64 {
+        let relative = self.relative(point);
+        let place = self.place(relative);
+        let nearest = self.cells[self.index(place)].nearest;
+        let normal = sub(self.centre(place), nearest);
+        let height = dot(sub(relative, nearest), normal) / length(normal);
+        if height.is_nan() { f64::INFINITY } else { f64::from(height) }
+    }
+
     /// The point of the surface nearest to the centre of a point's cell, if that is near.
     #[inline]
     pub(super) fn nearest(&self, point: Vector) -> Option<Vector> {

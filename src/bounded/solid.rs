@@ -14,10 +14,14 @@ use crate::vector::{Vector, add, length_squared, scale, subtract};
 use crate::{Control, Error};
 
 /// A face smaller than this share of the bound is decided by its centre.
-const SMALL: f64 = 0.125;
+const SMALL: f64 = 0.25;
 
 /// Where the grid gives a distance above the bound by less than this share, the field is asked.
 const DOUBT: f64 = 1.5;
+
+/// Where the surface is flat around the nearest point, the distance to it along its normal is
+/// right. During the search the tree is asked only where that is above the bound by this factor.
+const CERTAIN: f64 = 1.03;
 
 /// During the search a face counts as if it were smaller by this factor: a notch narrower than the
 /// rest is found when the result is verified.
@@ -159,20 +163,27 @@ impl Solid {
                 .max(length_squared(subtract(centre, b)))
                 .max(length_squared(subtract(centre, c)))
                 .sqrt();
-            if radius > LARGE * bound && self.upper_distance_of([a, b, c], centre, bound) <= bound {
-                continue;
-            }
             let probe = self.grid.probe(centre);
             let reach = LENIENCE * radius;
-            if probe.upper <= bound {
-                if probe.upper + reach <= bound {
-                    continue;
-                }
-            } else {
+            if probe.upper + reach <= bound
+                || (radius > LARGE * bound
+                    && self.upper_distance_of([a, b, c], centre, bound) <= bound)
+            {
+                continue;
+            }
+            if probe.upper > bound {
                 match self.grid.is_inside(&probe, &self.field) {
                     Some(true) => {}
+                    Some(false) if probe.upper > DOUBT * bound => return false,
                     Some(false) => {
-                        if !(probe.upper <= DOUBT * bound && self.field.is_within(centre, bound)) {
+                        let known = self.field.distance_to(centre, self.grid.owner(centre));
+                        if known + reach <= bound {
+                            continue;
+                        }
+                        if known > bound
+                            && self.grid.estimate(centre) > CERTAIN * bound
+                            && !self.field.is_within(centre, bound)
+                        {
                             return false;
                         }
                     }

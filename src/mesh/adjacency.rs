@@ -1,6 +1,6 @@
 //! The paper's data structures [3.3]: triangles with normals and the list of 3n neighbours. Its
-//! lists of the triangles at each vertex are not needed: what would be gathered from them is summed
-//! up over the triangles of a group instead.
+//! lists of the triangles at each vertex are there to find neighbours, which half-edges sorted by
+//! vertex do ([`SortedHalfEdges`]).
 //!
 //! The paper gives every triangle three neighbours. Real meshes have open edges, which have no
 //! neighbour here, and edges with more than two triangles. There the surface that a triangle

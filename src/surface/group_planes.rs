@@ -148,9 +148,10 @@ impl Planes {
             if largest(excess) <= 0.0 {
                 continue;
             }
-            for (lane, excess) in excess.into_iter().enumerate() {
+            #[expect(clippy::needless_range_loop, reason = "by value the whole loop is slower")]
+            for lane in 0..ROW {
                 let place = index * ROW + lane;
-                if excess > 0.0
+                if excess[lane] > 0.0
                     && place >= start
                     && is_any_above(&row.blocks[lane], point, threshold)
                     && let Some(farthest) = self.refusal(place, position)
