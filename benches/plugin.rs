@@ -1,7 +1,9 @@
 //! What the Bevy plugin costs the main thread: `cargo bench --bench plugin --features io,bevy`.
 //!
 //! Measured is what lies between the first and the last of the plugin's systems, with the commands
-//! that they issue and the observers that they run.
+//! that they issue and the observers that they run. Beside it, for the same 200 meshes, the frame in
+//! which bevy_rapier's `AsyncCollider` decomposes: with the feature `window` that component itself,
+//! since bevy_rapier ties it to Bevy's renderer, and always its call of Parry in a system of ours.
 
 use std::time::{Duration, Instant};
 
@@ -9,7 +11,8 @@ use bevy::asset::{AssetEventSystems, AssetPlugin, RenderAssetUsages};
 use bevy::ecs::schedule::SingleThreadedExecutor;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
-use bevy_rapier3d::prelude::Collider;
+use bevy_rapier3d::geometry::VHACDParameters;
+use bevy_rapier3d::prelude::*;
 use hullwright::bevy::prelude::*;
 use hullwright::io::read_mesh;
 
@@ -66,6 +69,7 @@ fn main() {
     idle();
     known_mesh();
     many_meshes();
+    rapiers_own();
 }
 
 fn app() -> App {
@@ -174,14 +178,6 @@ fn known_mesh() {
 
 fn many_meshes() {
     let meshes: Vec<Mesh> = (0..MESHES).map(mesh).collect();
-    let start = Instant::now();
-    for mesh in meshes.iter().take(MODELS.len()) {
-        let (positions, triangles) = parts(mesh);
-        std::hint::black_box(Collider::convex_decomposition(&positions, &triangles));
-    }
-    // The stretched ones take as long as the first of their kind.
-    let rapiers = start.elapsed().as_secs_f64() * (MESHES / MODELS.len()) as f64;
-
     let mut app = app();
     for mesh in meshes {
         let handle = add(&mut app, mesh);
@@ -208,11 +204,73 @@ fn many_meshes() {
          plugin's systems take {median:.3} ms in the median frame, {longest:.3} ms in the longest \
          (target 2), {worked:.3} ms by the processor's clock, in frame {frame}"
     );
+}
+
+/// Frames until each of the meshes has a collider, with Rapier's plugin and without ours.
+fn stand_still(
+    what: &str,
+    set_up: impl FnOnce(&mut App),
+    meshes: &[Mesh],
+    tag: impl Bundle + Clone,
+) {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, AssetPlugin::default(), TransformPlugin));
+    app.init_asset::<Mesh>().add_plugins(RapierPhysicsPlugin::<NoUserData>::default());
+    set_up(&mut app);
+    app.finish();
+    app.cleanup();
+    // Rapier makes its context in the first frame.
+    app.update();
+    for mesh in meshes {
+        let mesh = Mesh3d(add(&mut app, mesh.clone()));
+        app.world_mut().spawn((mesh, tag.clone()));
+    }
+    let mut longest = Duration::ZERO;
+    let mut frames = 0;
+    loop {
+        let start = Instant::now();
+        app.update();
+        longest = longest.max(start.elapsed());
+        frames += 1;
+        let world = app.world_mut();
+        let mut missing = world.query_filtered::<(), (With<Mesh3d>, Without<Collider>)>();
+        if missing.iter(world).next().is_none() {
+            break;
+        }
+    }
+    let (seconds, count) = (longest.as_secs_f64(), meshes.len());
     println!(
-        "bevy_rapier's AsyncCollider with ConvexDecomposition does the same in its system: the \
-         main thread stands still for {rapiers:.1} s (its decomposition timed on {} of them)",
-        MODELS.len()
+        "{what}: {count} meshes in {frames} frames, in the longest the main thread stands still for {seconds:.1} s"
     );
+}
+
+/// What `Collider::from_bevy_mesh` does.
+fn decompose_in_a_system(
+    mut commands: Commands,
+    meshes: Res<Assets<Mesh>>,
+    tagged: Query<(Entity, &Mesh3d), Without<Collider>>,
+) {
+    for (entity, mesh) in &tagged {
+        let Some(mesh) = meshes.get(mesh) else { continue };
+        let (positions, triangles) = parts(mesh);
+        let parameters = VHACDParameters::default();
+        let collider =
+            Collider::convex_decomposition_with_params(&positions, &triangles, &parameters);
+        commands.entity(entity).insert(collider);
+    }
+}
+
+fn rapiers_own() {
+    let meshes: Vec<Mesh> = (0..MESHES).map(mesh).collect();
+    let add_system = |app: &mut App| {
+        app.add_systems(Update, decompose_in_a_system);
+    };
+    stand_still("Parry's V-HACD in a system", add_system, &meshes, ());
+    #[cfg(feature = "window")]
+    {
+        let shape = ComputedColliderShape::ConvexDecomposition(VHACDParameters::default());
+        stand_still("AsyncCollider", |_| {}, &meshes, AsyncCollider(shape));
+    }
 }
 
 fn parts(mesh: &Mesh) -> (Vec<Vec3>, Vec<[u32; 3]>) {

@@ -2,7 +2,6 @@
 //! time. `cargo run --release --features io --example cancel -- MESH…`
 
 use std::error::Error;
-use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use hullwright::io::read_mesh;
@@ -11,17 +10,7 @@ use hullwright::{Control, Parameters, decompose};
 /// Moments at which each mesh is cancelled, spread evenly over the time that it takes.
 const MOMENTS: u32 = 40;
 
-fn main() -> ExitCode {
-    match run() {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
-}
-
-fn run() -> Result<(), Box<dyn Error>> {
+fn main() -> Result<(), Box<dyn Error>> {
     let parameters = Parameters::default();
     let mut all = Vec::new();
     for path in std::env::args().skip(1) {

@@ -1,6 +1,6 @@
-//! Whole glTF scenes become bodies: a chair of ten nodes, a lamp of four materials, a teapot of
-//! four parts: `cargo run --release --example gltf_scene --features window`. Space shows and hides
-//! the hulls.
+//! A scene as an artist hands it over: `props.glb` says itself what becomes a collider, by the name
+//! `mug-convcol`, by `UCX_table_…`, by an extra on the lamp; the leaf has no tag and no collider:
+//! `cargo run --release --example gltf_scene --features window`. Space shows and hides the hulls.
 
 mod window;
 
@@ -8,16 +8,13 @@ use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
 use hullwright::bevy::prelude::*;
 
-/// File, scale, and where it starts.
-const PROPS: [(&str, f32, [f32; 3]); 5] = [
-    ("chair.glb", 1.0, [-0.9, 0.6, 0.0]),
-    ("chair.glb", 1.0, [-0.7, 1.7, 0.1]),
-    ("lamp.glb", 1.5, [0.1, 0.4, 0.0]),
-    ("teapot.glb", 2.0, [0.8, 0.4, 0.2]),
-    ("dog.glb", 0.7, [0.4, 1.2, -0.3]),
-];
+/// How high each copy of the scene starts, and how far it is tipped over, in radians.
+const COPIES: [(f32, f32); 2] = [(0.3, 0.0), (1.4, 0.6)];
 
-fn main() {
+/// Convex pieces made by an artist; they are colliders and not to be seen.
+const PIECE: &str = "UCX_";
+
+fn main() -> AppExit {
     App::new()
         .add_plugins((
             DefaultPlugins,
@@ -26,20 +23,35 @@ fn main() {
             window::Stage { size: 3.0 },
         ))
         .add_systems(Startup, setup)
+        .add_systems(Update, make_bodies)
         .add_observer(on_ready)
         .add_observer(on_failed)
-        .run();
+        .run()
 }
 
 fn setup(mut commands: Commands, server: Res<AssetServer>) {
-    for (file, scale, at) in PROPS {
+    for (height, tip) in COPIES {
         commands.spawn((
-            WorldAssetRoot(server.load(GltfAssetLabel::Scene(0).from_asset(file))),
-            Transform::from_translation(at.into()).with_scale(Vec3::splat(scale)),
-            RigidBody::Dynamic,
-            // Each mesh below becomes a collider of this one body.
-            ConvexDecompositionHierarchy::new(ConvexDecomposition::default()),
+            WorldAssetRoot(server.load(GltfAssetLabel::Scene(0).from_asset("props.glb"))),
+            Transform::from_xyz(0.0, height, 0.0).with_rotation(Quat::from_rotation_z(tip)),
+            // What the file does not tag is left alone.
+            ConvexDecompositionHierarchy::tagged_only(),
         ));
+    }
+}
+
+/// Each tagged node is a body, and a node with pieces below it is one with all of them.
+fn make_bodies(
+    mut commands: Commands,
+    tagged: Query<(Entity, &Name, &ChildOf), Added<ConvexDecomposition>>,
+) {
+    for (entity, name, parent) in &tagged {
+        let is_piece = name.starts_with(PIECE);
+        if is_piece {
+            commands.entity(entity).insert(Visibility::Hidden);
+        }
+        let body = if is_piece { parent.parent() } else { entity };
+        commands.entity(body).insert(RigidBody::Dynamic);
     }
 }
 

@@ -2,16 +2,16 @@
 //! them fall, prints a table:
 //! `cargo run --release --example headless_bevy --features io,bevy [MESH…]`.
 
+mod headless;
+
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use bevy::asset::RenderAssetUsages;
-use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
-use bevy::time::TimeUpdateStrategy;
 use bevy_rapier3d::prelude::*;
 use hullwright::bevy::prelude::*;
-use hullwright::io::read_mesh;
+
+use headless::{bundled, is_finished, load};
 
 const MODELS: [&str; 8] = ["mug", "chair", "teapot", "lamp", "bowl", "dog", "torus", "gear"];
 
@@ -20,8 +20,6 @@ const SIZE: f32 = 1.0;
 
 /// kg per m³.
 const DENSITY: f32 = 500.0;
-
-const FRAME: Duration = Duration::from_micros(16_667);
 
 const SECONDS: usize = 6;
 
@@ -38,27 +36,13 @@ struct Row {
 struct Frames(usize);
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let mut app = App::new();
-    app.add_plugins((
-        MinimalPlugins,
-        AssetPlugin::default(),
-        TransformPlugin,
-        RapierPhysicsPlugin::<NoUserData>::default(),
-        HullwrightPlugin::default(),
-    ))
-    .insert_resource(TimeUpdateStrategy::ManualDuration(FRAME))
-    .init_resource::<Frames>()
-    .add_observer(on_ready)
-    .add_observer(on_failed);
-    app.finish();
-    app.cleanup();
+    let mut app = headless::app();
+    app.init_resource::<Frames>().add_observer(on_ready).add_observer(on_failed);
 
     let floor = (Transform::from_xyz(0.0, -1.0, 0.0), Collider::cuboid(100.0, 1.0, 100.0));
     app.world_mut().spawn(floor);
     let given: Vec<String> = std::env::args().skip(1).collect();
-    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
-    let bundled = MODELS.iter().map(|name| format!("{}/{name}.glb", assets.display()));
-    let paths: Vec<String> = if given.is_empty() { bundled.collect() } else { given };
+    let paths = if given.is_empty() { MODELS.map(bundled).to_vec() } else { given };
     for (index, path) in paths.iter().enumerate() {
         let at = Vec3::new(2.0 * SIZE * index as f32, 1.5 * SIZE, 0.0);
         spawn(&mut app, path, at)?;
@@ -89,25 +73,16 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 fn spawn(app: &mut App, path: &str, at: Vec3) -> Result<(), Box<dyn std::error::Error>> {
-    let file = read_mesh(path)?;
-    let positions: Vec<Vec3> =
-        file.positions.iter().map(|point| Vec3::from(point.map(|x| x as f32))).collect();
-    let low = positions.iter().copied().fold(Vec3::INFINITY, Vec3::min);
-    let high = positions.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
-    let indices = file.triangles.iter().flatten().copied().collect();
-    let mesh = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
-        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
-        .with_inserted_indices(Indices::U32(indices));
-    let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh);
+    let model = load(app, path)?;
     let name = Path::new(path).file_stem().unwrap_or_default().to_string_lossy().into_owned();
     app.world_mut().spawn((
         Name::new(name),
-        Mesh3d(mesh),
+        Mesh3d(model.mesh),
         RigidBody::Dynamic,
         ConvexDecomposition::default().with_density(DENSITY),
-        Transform::from_translation(at).with_scale(Vec3::splat(SIZE / low.distance(high))),
+        Transform::from_translation(at).with_scale(Vec3::splat(SIZE / model.diagonal)),
         ReadMassProperties::default(),
-        Row { triangles: file.triangles.len(), frame: 0, hulls: 0 },
+        Row { triangles: model.triangles, frame: 0, hulls: 0 },
     ));
     Ok(())
 }
@@ -121,11 +96,6 @@ fn on_ready(event: On<DecompositionReady>, frames: Res<Frames>, mut rows: Query<
 fn on_failed(event: On<DecompositionFailed>, names: Query<&Name>) {
     let name = names.get(event.entity).map_or("a mesh", Name::as_str);
     println!("{name} has no collider: {}", event.failure);
-}
-
-fn is_finished(app: &mut App) -> bool {
-    let world = app.world_mut();
-    world.query::<&DecompositionStatus>().iter(world).all(DecompositionStatus::is_finished)
 }
 
 fn print_table(app: &mut App) {

@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
 use hullwright::bevy::prelude::*;
 
-fn main() {
+fn main() -> AppExit {
     App::new()
         .add_plugins((
             DefaultPlugins,
@@ -16,7 +16,7 @@ fn main() {
             window::Stage { size: 3.0 },
         ))
         .add_systems(Startup, setup)
-        .run();
+        .run()
 }
 
 fn setup(

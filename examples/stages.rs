@@ -3,7 +3,6 @@
 //! `cargo run --release --features io --example stages -- MESH…`
 
 use std::error::Error;
-use std::process::ExitCode;
 
 use hullwright::io::read_mesh;
 use hullwright::{Control, Parameters, decompose};
@@ -11,17 +10,7 @@ use hullwright::{Control, Parameters, decompose};
 /// Runs of which the quickest counts, stage by stage.
 const RUNS: usize = 3;
 
-fn main() -> ExitCode {
-    match run() {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
-}
-
-fn run() -> Result<(), Box<dyn Error>> {
+fn main() -> Result<(), Box<dyn Error>> {
     let mut parameters = Parameters::default();
     parameters.parallel = false;
     let mut totals: Vec<f64> = Vec::new();

@@ -2,15 +2,15 @@
 //! plugin, then known; prints how long frames took:
 //! `cargo run --release --example stress --features io,bevy [PROPS]`.
 
+mod headless;
+
 use std::time::{Duration, Instant};
 
-use bevy::asset::RenderAssetUsages;
-use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
-use bevy::time::TimeUpdateStrategy;
 use bevy_rapier3d::prelude::*;
 use hullwright::bevy::prelude::*;
-use hullwright::io::read_mesh;
+
+use headless::{Model, bundled, is_finished, load};
 
 const MODELS: [&str; 10] =
     ["mug", "table", "chair", "lamp", "bowl", "plus", "torus", "gear", "teapot", "dog"];
@@ -20,8 +20,6 @@ const PROPS: usize = 300;
 /// Of the box that they fall into, in metres.
 const WIDTH: usize = 10;
 
-const FRAME: Duration = Duration::from_micros(16_667);
-
 /// After all colliders are there.
 const FRAMES_AFTER: usize = 300;
 
@@ -30,22 +28,15 @@ const BARS: [f64; 7] = [1.0, 2.0, 4.0, 8.0, 16.7, 33.3, f64::INFINITY];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let props = std::env::args().nth(1).map_or(Ok(PROPS), |text| text.parse())?;
-    let mut app = App::new();
-    app.add_plugins((
-        MinimalPlugins,
-        AssetPlugin::default(),
-        TransformPlugin,
-        RapierPhysicsPlugin::<NoUserData>::default(),
-        HullwrightPlugin::default(),
-    ))
-    .insert_resource(TimeUpdateStrategy::ManualDuration(FRAME));
-    app.finish();
-    app.cleanup();
+    let mut app = headless::app();
     walls(&mut app);
-    let meshes = MODELS.iter().map(|name| load(&mut app, name)).collect::<Result<Vec<_>, _>>()?;
+    let models = MODELS.map(|name| load(&mut app, bundled(name)));
+    let models: Vec<Model> = models.into_iter().collect::<Result<_, _>>()?;
+    let triangles: usize = models.iter().map(|model| model.triangles).sum();
+    println!("{} kinds of props, {triangles} triangles", models.len());
     for (round, title) in ["unknown meshes", "known meshes"].into_iter().enumerate() {
         for index in 0..props {
-            let (mesh, size) = &meshes[index % meshes.len()];
+            let Model { mesh, diagonal, .. } = &models[index % models.len()];
             let (x, z) = (index % WIDTH, index / WIDTH % WIDTH);
             let y = 1.0 + (index / (WIDTH * WIDTH) + 5 * round) as f32;
             let at = Vec3::new(x as f32 - 4.5, y, z as f32 - 4.5);
@@ -53,7 +44,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 Mesh3d(mesh.clone()),
                 RigidBody::Dynamic,
                 ConvexDecomposition::default(),
-                Transform::from_translation(at).with_scale(Vec3::splat(0.7 / size)),
+                Transform::from_translation(at).with_scale(Vec3::splat(0.7 / diagonal)),
             ));
         }
         let mut waiting = Vec::new();
@@ -81,25 +72,6 @@ fn walls(app: &mut App) {
         app.world_mut().spawn(wall(side * (half + 1.0), 10.0, 0.0, [1.0, 10.0, half]));
         app.world_mut().spawn(wall(0.0, 10.0, side * (half + 1.0), [half, 10.0, 1.0]));
     }
-}
-
-/// A bundled model and its diagonal.
-fn load(app: &mut App, name: &str) -> Result<(Handle<Mesh>, f32), hullwright::Error> {
-    let file = read_mesh(format!("{}/assets/{name}.glb", env!("CARGO_MANIFEST_DIR")))?;
-    let positions: Vec<Vec3> =
-        file.positions.iter().map(|point| Vec3::from(point.map(|x| x as f32))).collect();
-    let low = positions.iter().copied().fold(Vec3::INFINITY, Vec3::min);
-    let high = positions.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
-    let indices = file.triangles.iter().flatten().copied().collect();
-    let mesh = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
-        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
-        .with_inserted_indices(Indices::U32(indices));
-    Ok((app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh), low.distance(high)))
-}
-
-fn is_finished(app: &mut App) -> bool {
-    let world = app.world_mut();
-    world.query::<&DecompositionStatus>().iter(world).all(DecompositionStatus::is_finished)
 }
 
 /// In milliseconds.

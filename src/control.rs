@@ -3,9 +3,9 @@
 use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
 
 use crate::Error;
+use crate::clock::Instant;
 
 /// What the decomposition is busy with.
 #[non_exhaustive]
@@ -96,6 +96,9 @@ impl Control {
 
     /// After `deadline` the best valid result so far is returned, or
     /// [`Error::DeadlineExceeded`] where there is none yet.
+    ///
+    /// In a browser, where [`std::time::Instant`] panics, it is an `Instant` of the crate
+    /// `web-time` 1, which is also that of `bevy::platform::time`.
     #[must_use]
     pub fn with_deadline(mut self, deadline: Instant) -> Self {
         self.deadline = Some(deadline);

@@ -1,8 +1,7 @@
 //! The way in: `decompose`, and `Decomposer` which does the same in slices.
 
-use std::time::Instant;
-
 use crate::bounded::{self, Run};
+use crate::clock::Instant;
 use crate::mesh::PreparedMesh;
 use crate::mesh::repair::prepare;
 use crate::surface::group_merging::merge_groups;

@@ -46,6 +46,7 @@
 #[cfg(feature = "bevy")]
 pub mod bevy;
 mod bounded;
+mod clock;
 #[cfg(feature = "nalgebra")]
 mod collider;
 mod control;

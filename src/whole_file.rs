@@ -26,13 +26,13 @@ pub(crate) fn write(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     written
 }
 
-/// Creates a file in the same directory, since only there a rename replaces at once.
+/// Creates a file in the same directory, since only there a rename replaces at once. Another
+/// process that does the same at the same time finds the name taken.
 fn create_beside(path: &Path) -> std::io::Result<(File, PathBuf)> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let process = std::process::id();
     let mut attempt = 0;
     loop {
-        let temporary = directory(path).join(format!(".{name}.{process}-{attempt}.tmp"));
+        let temporary = directory(path).join(format!(".{name}.{attempt}.tmp"));
         match OpenOptions::new().write(true).create_new(true).open(&temporary) {
             Ok(file) => return Ok((file, temporary)),
             Err(error) if error.kind() == ErrorKind::AlreadyExists => attempt += 1,

@@ -1,5 +1,7 @@
 //! Promises of the bounded method, each checked by means of its own.
 
+mod common;
+
 use std::time::{Duration, Instant};
 
 use hullwright::measure::{HullShape, MeasureOptions, Measurement, measure};
@@ -7,34 +9,15 @@ use hullwright::{
     Control, Decomposition, Error, Hull, MergeTree, Parameters, Preset, Unit, decompose,
 };
 
-type Mesh = (Vec<[f64; 3]>, Vec<[u32; 3]>);
-
-/// A prism of height 1 over a polygon, given with the triangles that fill it.
-fn prism(outline: &[[f64; 2]], fill: &[[u32; 3]]) -> Mesh {
-    let count = outline.len() as u32;
-    let at = |z: f64| outline.iter().map(move |&[x, y]| [x, y, z]);
-    let positions = at(0.0).chain(at(1.0)).collect();
-    let top = fill.iter().map(|t| t.map(|v| v + count));
-    let bottom = fill.iter().map(|&[a, b, c]| [a, c, b]);
-    let walls = (0..count).flat_map(|a| {
-        let b = (a + 1) % count;
-        [[a, b, b + count], [a, b + count, a + count]]
-    });
-    (positions, top.chain(bottom).chain(walls).collect())
-}
+use common::{Mesh, l_prism, prism};
 
 fn cuboid(low: [f64; 3], high: [f64; 3]) -> Mesh {
     let (mut positions, triangles) =
-        prism(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], &[[0, 1, 2], [0, 2, 3]]);
+        prism(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], &[[0, 1, 2], [0, 2, 3]], 1.0);
     for point in &mut positions {
         *point = [0, 1, 2].map(|k| low[k] + point[k] * (high[k] - low[k]));
     }
     (positions, triangles)
-}
-
-fn l_prism() -> Mesh {
-    let outline = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
-    prism(&outline, &[[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]])
 }
 
 fn u_prism() -> Mesh {
@@ -48,7 +31,7 @@ fn u_prism() -> Mesh {
         [1.0, 2.0],
         [0.0, 2.0],
     ];
-    prism(&outline, &[[0, 5, 6], [0, 6, 7], [0, 1, 4], [0, 4, 5], [1, 2, 3], [1, 3, 4]])
+    prism(&outline, &[[0, 5, 6], [0, 6, 7], [0, 1, 4], [0, 4, 5], [1, 2, 3], [1, 3, 4]], 1.0)
 }
 
 fn plus_prism() -> Mesh {
@@ -78,7 +61,7 @@ fn plus_prism() -> Mesh {
         [11, 2, 5],
         [11, 5, 8],
     ];
-    prism(&outline, &fill)
+    prism(&outline, &fill, 1.0)
 }
 
 /// Rotates a closed polygon in the half-plane (radius, height) about the z axis.

@@ -1,5 +1,7 @@
 //! Promises of `decompose`, whatever the method; those of the paper's method among them.
 
+mod common;
+
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
@@ -8,21 +10,7 @@ use hullwright::{
     decompose,
 };
 
-type Mesh = (Vec<[f64; 3]>, Vec<[u32; 3]>);
-
-/// A prism over a polygon in the plane, given with the triangles that fill it.
-fn prism(outline: &[[f64; 2]], fill: &[[u32; 3]], height: f64) -> Mesh {
-    let count = outline.len() as u32;
-    let at = |z: f64| outline.iter().map(move |&[x, y]| [x, y, z]);
-    let positions = at(0.0).chain(at(height)).collect();
-    let top = fill.iter().map(|t| t.map(|v| v + count));
-    let bottom = fill.iter().map(|&[a, b, c]| [a, c, b]);
-    let walls = (0..count).flat_map(|a| {
-        let b = (a + 1) % count;
-        [[a, b, b + count], [a, b + count, a + count]]
-    });
-    (positions, top.chain(bottom).chain(walls).collect())
-}
+use common::{Mesh, l_prism, prism};
 
 fn cube(low: [f64; 3], size: f64) -> Mesh {
     let (mut mesh, fill) = (Vec::new(), [[0, 1, 2], [0, 2, 3]]);
@@ -30,11 +18,6 @@ fn cube(low: [f64; 3], size: f64) -> Mesh {
     let (positions, triangles) = prism(&mesh, &fill, size);
     let moved = positions.iter().map(|p| [0, 1, 2].map(|axis| p[axis] + low[axis])).collect();
     (moved, triangles)
-}
-
-fn l_prism() -> Mesh {
-    let outline = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
-    prism(&outline, &[[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]], 1.0)
 }
 
 fn torus(n: u32, m: u32) -> Mesh {

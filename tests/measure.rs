@@ -1,9 +1,11 @@
 //! What `measure` promises: known answers, and that no hull set makes it panic.
 
+mod common;
+
 use hullwright::Error;
 use hullwright::measure::{HullShape, MeasureOptions, Measurement, measure};
 
-type Mesh = (Vec<[f64; 3]>, Vec<[u32; 3]>);
+use common::{Mesh, l_prism, prism};
 
 /// An axis-aligned box, wound outward.
 fn cuboid(min: [f64; 3], max: [f64; 3]) -> Mesh {
@@ -18,22 +20,6 @@ fn cuboid(min: [f64; 3], max: [f64; 3]) -> Mesh {
 
 fn unit_cube() -> Mesh {
     cuboid([0.0; 3], [1.0; 3])
-}
-
-/// A prism over a polygon in the xy plane, counter-clockwise, with caps from the triangles given.
-fn prism(polygon: &[[f64; 2]], caps: &[[u32; 3]], depth: f64) -> Mesh {
-    let n = polygon.len() as u32;
-    let level = |z: f64| polygon.iter().map(move |&[x, y]| [x, y, z]);
-    let positions = level(0.0).chain(level(depth)).collect();
-    let mut triangles = Vec::new();
-    for i in 0..n {
-        let j = (i + 1) % n;
-        triangles.extend([[i, j, n + j], [i, n + j, n + i]]);
-    }
-    for &[a, b, c] in caps {
-        triangles.extend([[a, c, b], [n + a, n + b, n + c]]);
-    }
-    (positions, triangles)
 }
 
 fn join(mut mesh: Mesh, other: &Mesh) -> Mesh {
@@ -213,9 +199,7 @@ fn a_mesh_inside_out_is_turned_around() {
 
 #[test]
 fn an_l_is_not_convex() {
-    let polygon = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
-    let caps = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]];
-    let l = prism(&polygon, &caps, 1.0);
+    let l = l_prism();
     let found = judged(&l, &[l.clone(), unit_cube()]);
     assert_eq!((found.hulls, found.non_convex_hulls, found.open_hulls), (2, 1, 0));
     // The end of one leg lies a whole leg in front of the other's inner face.

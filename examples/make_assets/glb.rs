@@ -120,6 +120,9 @@ fn nodes(model: &Model) -> Vec<Value> {
         if let Some(mesh) = node.mesh {
             value["mesh"] = json!(mesh);
         }
+        if let Some((key, text)) = node.extras {
+            value["extras"] = json!({key: text});
+        }
         if node.scale != [1.0; 3] {
             value["scale"] = json!(node.scale);
         }
@@ -146,12 +149,12 @@ fn nodes(model: &Model) -> Vec<Value> {
 pub fn glb(model: &Model) -> Vec<u8> {
     let mut buffer = Buffer::default();
     let mut meshes = Vec::new();
-    for shape in &model.meshes {
+    for (shape, name) in model.meshes.iter().zip(&model.mesh_names) {
         let normals = corner_normals(shape);
         let used = (0..model.materials.len()).filter(|material| shape.materials.contains(material));
         let primitives: Vec<Value> =
             used.map(|material| primitive(&mut buffer, shape, &normals, material)).collect();
-        meshes.push(json!({"name": model.name, "primitives": primitives}));
+        meshes.push(json!({"name": name, "primitives": primitives}));
     }
     let material = |material: &crate::model::Material| {
         let [r, g, b] = linear(material.colour).map(|light| (f64::from(light) * 1e4).round() / 1e4);

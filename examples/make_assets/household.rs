@@ -224,6 +224,7 @@ pub fn chair() -> Model {
         closed: true,
         materials: vec![DARK_WOOD],
         meshes: vec![cube],
+        mesh_names: vec!["chair"],
         nodes,
     }
 }

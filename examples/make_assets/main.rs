@@ -9,6 +9,7 @@ mod glb;
 mod household;
 mod model;
 mod nature;
+mod scene;
 mod shape;
 mod simple;
 #[cfg(test)]
@@ -41,6 +42,7 @@ fn models() -> Vec<Model> {
         simple::l_prism(),
         simple::u_prism(),
         simple::plus(),
+        scene::props(),
     ]
 }
 

@@ -31,6 +31,8 @@ pub struct Node {
     /// Degrees about the x axis.
     pub tilt: f64,
     pub translation: Point,
+    /// A custom property, as Blender calls it.
+    pub extras: Option<(&'static str, &'static str)>,
 }
 
 impl Node {
@@ -42,6 +44,7 @@ impl Node {
             scale: [1.0; 3],
             tilt: 0.0,
             translation: [0.0; 3],
+            extras: None,
         }
     }
 
@@ -61,6 +64,8 @@ pub struct Model {
     pub closed: bool,
     pub materials: Vec<Material>,
     pub meshes: Vec<Shape>,
+    /// One for each mesh.
+    pub mesh_names: Vec<&'static str>,
     pub nodes: Vec<Node>,
 }
 
@@ -78,8 +83,21 @@ impl Model {
             closed: true,
             materials,
             meshes: vec![shape],
+            mesh_names: vec![name],
             nodes: vec![Node::new(name, Some(0))],
         }
+    }
+
+    /// Takes over the mesh of a model of one mesh, and its materials. Returns the mesh's number.
+    pub fn add_mesh(&mut self, model: Self) -> usize {
+        let first = self.materials.len();
+        self.materials.extend(model.materials);
+        for mut shape in model.meshes {
+            shape.materials.iter_mut().for_each(|material| *material += first);
+            self.meshes.push(shape);
+        }
+        self.mesh_names.extend(model.mesh_names);
+        self.meshes.len() - 1
     }
 
     /// All meshes of the scene, node transforms applied.

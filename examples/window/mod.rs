@@ -1,5 +1,8 @@
 //! What the examples with a window share: a floor, a light, a camera, and `--screenshot FILE`,
-//! which writes a picture once all bodies have come to rest, and ends.
+//! which writes a picture once all bodies have come to rest, and ends; with an error if there is
+//! nothing to be seen.
+
+use std::collections::HashSet;
 
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
@@ -10,6 +13,12 @@ use hullwright::bevy::{HullwrightDebug, HullwrightDebugPlugin};
 
 /// Frames from the last collider to the picture: two seconds of falling.
 const FRAMES_TO_REST: usize = 120;
+
+/// Light and shadow on the emptiest floor give some hundreds.
+const FEWEST_COLOURS: usize = 50;
+
+/// Bytes of a pixel of a screenshot.
+const PIXEL: usize = 4;
 
 /// How large a scene is, in metres.
 #[derive(Resource, Clone, Copy)]
@@ -80,8 +89,15 @@ fn take_picture(
         commands
             .spawn(Screenshot::primary_window())
             .observe(save_to_disk(picture.path.clone()))
-            .observe(|_: On<ScreenshotCaptured>, mut exit: MessageWriter<AppExit>| {
-                exit.write(AppExit::Success);
+            .observe(|picture: On<ScreenshotCaptured>, mut exit: MessageWriter<AppExit>| {
+                exit.write(verdict(&picture.image));
             });
     }
+}
+
+fn verdict(picture: &Image) -> AppExit {
+    let pixels = picture.data.iter().flat_map(|data| data.chunks_exact(PIXEL));
+    let colours = pixels.collect::<HashSet<_>>().len();
+    println!("{} × {} pixels of {colours} colours", picture.width(), picture.height());
+    if colours < FEWEST_COLOURS { AppExit::error() } else { AppExit::Success }
 }

@@ -16,8 +16,8 @@ use super::{
 
 /// Gives entities with [`ConvexDecomposition`] their colliders.
 ///
-/// Needs Bevy's `AssetPlugin`; `MinimalPlugins` are enough otherwise. The order of plugins does not
-/// matter.
+/// Needs Bevy's `AssetPlugin`, and Rapier's plugin needs `TransformPlugin`; `MinimalPlugins` are
+/// enough otherwise. The order of plugins does not matter.
 #[derive(Debug, Clone, Default)]
 pub struct HullwrightPlugin {
     /// The settings to begin with.

@@ -24,8 +24,7 @@ mod parameters;
 mod selection;
 mod surface;
 
-use std::time::Instant;
-
+use crate::clock::Instant;
 use crate::mesh::repair::prepare;
 use crate::surface::group_merging::merge_groups;
 use crate::surface::pieces::{assign_source_triangles, hulls};

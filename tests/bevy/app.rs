@@ -25,10 +25,10 @@ pub fn app_with(settings: HullwrightSettings) -> App {
     app_with_assets(settings, assets())
 }
 
-/// With more plugins.
+/// With a directory to load assets from, and more plugins.
 #[cfg(feature = "bevy_gltf")]
-pub fn app_with_plugins(settings: HullwrightSettings, add: impl FnOnce(&mut App)) -> App {
-    start(new_app(settings, assets(), add))
+pub fn app_with_plugins(file_path: String, add: impl FnOnce(&mut App)) -> App {
+    start(new_app(default(), file_path, add))
 }
 
 /// With a directory to load assets from.
@@ -65,7 +65,7 @@ fn start(mut app: App) -> App {
     app
 }
 
-fn assets() -> String {
+pub fn assets() -> String {
     concat!(env!("CARGO_MANIFEST_DIR"), "/assets").into()
 }
 

@@ -161,3 +161,22 @@ fn a_skinned_mesh_is_taken_in_its_rest_pose() {
         .with_inserted_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, vec![[1.0_f32, 0., 0., 0.]; 8]);
     assert_is_unit_cube(mesh);
 }
+
+#[cfg(feature = "bevy_gltf")]
+#[test]
+fn a_mesh_with_morph_targets_is_taken_without_them() {
+    let mut mesh = cube();
+    let moved = bevy::mesh::morph::MorphAttributes { position: Vec3::splat(5.0), ..default() };
+    mesh.set_morph_targets(vec![moved; 8]);
+    assert_is_unit_cube(mesh);
+}
+
+#[cfg(feature = "bevy_gltf")]
+#[test]
+fn a_mesh_with_morph_targets_that_is_on_the_gpu_only_fails() {
+    let mut mesh = cube();
+    mesh.set_morph_targets(vec![bevy::mesh::morph::MorphAttributes::default(); 8]);
+    mesh.asset_usage = RenderAssetUsages::RENDER_WORLD;
+    mesh.take_gpu_data().unwrap();
+    assert_eq!(failure_of(mesh), DecompositionFailure::RenderWorldOnly);
+}

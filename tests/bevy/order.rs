@@ -1,6 +1,8 @@
 //! The plugin's place among the others' systems.
 
+use bevy::asset::AssetPlugin;
 use bevy::ecs::schedule::{LogLevel, ScheduleBuildSettings};
+use bevy::mesh::MeshPlugin;
 use bevy::prelude::*;
 use hullwright::bevy::prelude::*;
 
@@ -29,14 +31,8 @@ fn no_system_of_ours_is_ambiguous() {
     assert!(ours.is_empty(), "{ours:#?}");
 }
 
-#[test]
-fn it_works_without_rapiers_plugin() {
-    let mut app = App::new();
-    app.add_plugins((
-        MinimalPlugins,
-        bevy::asset::AssetPlugin::default(),
-        HullwrightPlugin::default(),
-    ));
+/// Decomposes a mesh in an app that is not started yet.
+fn assert_it_works(mut app: App) {
     app.finish();
     app.cleanup();
     let mesh = add(&mut app, model("u_prism"));
@@ -46,26 +42,28 @@ fn it_works_without_rapiers_plugin() {
 }
 
 #[test]
-fn the_order_of_plugins_does_not_matter() {
-    for is_first in [true, false] {
-        let mut app = App::new();
-        let others = (MinimalPlugins, bevy::asset::AssetPlugin::default(), bevy::mesh::MeshPlugin);
-        if is_first {
-            app.add_plugins(HullwrightPlugin::default()).add_plugins(others);
-        } else {
-            app.add_plugins(others);
-            let before = add(&mut app, model("u_prism"));
-            app.add_plugins(HullwrightPlugin::default());
-            // What was there is not thrown away.
-            assert!(app.world().resource::<Assets<Mesh>>().contains(&before));
-        }
-        app.finish();
-        app.cleanup();
-        let mesh = add(&mut app, model("u_prism"));
-        let entity = spawn(&mut app, &mesh);
-        update_until_finished(&mut app, &[entity]);
-        assert!(matches!(status(&app, entity), DecompositionStatus::Ready(_)));
-    }
+fn it_works_without_rapiers_plugin() {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, AssetPlugin::default(), HullwrightPlugin::default()));
+    assert_it_works(app);
+}
+
+#[test]
+fn it_works_before_bevys_mesh_plugin() {
+    let mut app = App::new();
+    app.add_plugins(HullwrightPlugin::default());
+    app.add_plugins((MinimalPlugins, AssetPlugin::default(), MeshPlugin));
+    assert_it_works(app);
+}
+
+#[test]
+fn it_works_after_bevys_mesh_plugin_and_throws_no_mesh_away() {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, AssetPlugin::default(), MeshPlugin));
+    let before = add(&mut app, model("u_prism"));
+    app.add_plugins(HullwrightPlugin::default());
+    assert!(app.world().resource::<Assets<Mesh>>().contains(&before));
+    assert_it_works(app);
 }
 
 #[test]
