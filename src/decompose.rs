@@ -145,7 +145,8 @@ impl Decomposer {
             }
             State::Bounded(mut run) => {
                 let outcome = run.step(self.parameters.parallel, control)?;
-                self.deadline_reached |= control.is_past_deadline();
+                // The last step is done whole, however late it is.
+                self.deadline_reached |= outcome.is_none() && control.is_past_deadline();
                 if let Some(outcome) = outcome {
                     add_time(&mut self.times, stage, start);
                     let bounded::Outcome { prepared, hulls, grouped, report } = outcome;

@@ -51,7 +51,7 @@ impl MergeTree {
     ///
     /// # Errors
     /// Those of [`decompose`](crate::decompose); [`Error::NoHull`] for a decomposition without
-    /// hulls.
+    /// hulls, or with one whose triangles name points that it does not have.
     pub fn new<C: Coordinate>(
         positions: &[[C; 3]],
         triangles: &[[u32; 3]],
@@ -69,7 +69,7 @@ impl MergeTree {
             Merging::new(&positions, triangles, &decomposition.hulls, parameters, control)?;
         let exposed = match &decomposition.report.bounded {
             Some(report) => report.exposed_max,
-            None => merging.exposed(&decomposition.hulls),
+            None => merging.exposed(&decomposition.hulls, control)?,
         };
         Ok(Self { merging, leaves: decomposition.hulls.clone(), exposed })
     }

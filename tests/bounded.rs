@@ -145,6 +145,33 @@ fn an_l_prism_is_two_boxes() {
     assert!(judge(&mesh, &result.hulls).iou.unwrap() > 0.97);
 }
 
+/// Thin sheets nearer to each other than a cell of any grid: they once cost minutes, and ended in
+/// hundreds of hulls.
+#[test]
+fn thin_sheets_close_together_are_told_apart_under_a_small_bound() {
+    let sheet = |low: f64, high: f64| cuboid([0.0, 0.0, low], [1.0, 1.0, high]);
+    let body = cuboid([0.0, 0.0, 0.05], [0.5, 1.0, 0.5]);
+    let mesh = join(&[sheet(0.0, 0.002), sheet(0.004, 0.006), body]);
+    for (bound, hulls) in [(0.002, 2), (0.0005, 3)] {
+        let mut parameters = Parameters::default();
+        parameters.bounded.max_error = Unit::Diagonals(bound);
+        let result = run_with(&mesh, &parameters);
+        assert_eq!(result.hulls.len(), hulls, "{bound}");
+        assert_promise("sheets", &mesh, &result);
+    }
+}
+
+/// Hulls are public, and may have been edited before they are joined.
+#[test]
+fn a_merge_tree_of_edited_hulls_is_a_typed_error() {
+    let mesh = l_prism();
+    let mut edited = run(&mesh);
+    edited.hulls[0].triangles[0][0] = 1_000_000;
+    let (parameters, control) = (Parameters::default(), Control::new());
+    let tree = MergeTree::new(&mesh.0, &mesh.1, &edited, &parameters, &control);
+    assert!(matches!(tree, Err(Error::NoHull { .. })));
+}
+
 #[test]
 fn convex_input_is_one_hull_at_once() {
     let profile = [[0.005, 0.0], [1.0, 0.0], [1.0, 3.0], [0.005, 3.0]];

@@ -12,6 +12,7 @@ use crate::field::Field;
 use crate::hull::ConvexHull;
 use crate::mesh::TriangleMesh;
 use crate::vector::{Vector, add, distance, dot, scale};
+use crate::{Control, Error};
 
 /// A maximum is bounded up to this share of the bound.
 const RESOLUTION: f64 = 0.04;
@@ -29,9 +30,28 @@ const OPEN: f64 = 0.1;
 /// Faces are not halved more often than this; needles would otherwise go on for ever.
 const MOST_PARTS: usize = 200_000;
 
+/// Where the distance is largest all along a line, as halfway between two sheets, finding out how
+/// large takes parts without end. After so many it is only asked whether the bound is kept.
+const MANY_PARTS: usize = 20_000;
+
+/// Parts of faces between two looks at the control.
+const PARTS_PER_CHECK: usize = 1024;
+
+/// Triangles of the surface between two looks at the control.
+const TRIANGLES_PER_CHECK: usize = 256;
+
 /// No point of the faces is farther than this from the solid, in diagonals. Once it is known to
 /// be more than `limit`, any value above `limit` may be returned.
-pub(super) fn phantom(hull: &ConvexHull, solid: &Solid, bound: f64, limit: f64) -> f64 {
+///
+/// # Errors
+/// [`Error::Cancelled`].
+pub(super) fn phantom(
+    hull: &ConvexHull,
+    solid: &Solid,
+    bound: f64,
+    limit: f64,
+    control: &Control,
+) -> Result<f64, Error> {
     // Below a quarter of the bound nobody asks for the exact figure.
     let mut known: f64 = 0.25 * bound;
     if !solid.cavities.is_empty() {
@@ -43,7 +63,7 @@ pub(super) fn phantom(hull: &ConvexHull, solid: &Solid, bound: f64, limit: f64) 
             }
         }
         if known > limit {
-            return known;
+            return Ok(known);
         }
     }
     let mut stack: Vec<[Vector; 3]> = hull.corners().collect();
@@ -61,12 +81,16 @@ pub(super) fn phantom(hull: &ConvexHull, solid: &Solid, bound: f64, limit: f64) 
     let mut parts = 0;
     while let Some([a, b, c]) = stack.pop() {
         parts += 1;
+        if parts % PARTS_PER_CHECK == 0 {
+            control.check()?;
+        }
+        if parts == MANY_PARTS && limit >= bound {
+            known = known.max((1.0 - FINE_RESOLUTION) * bound);
+        }
         if parts > MOST_PARTS {
             stack.push([a, b, c]);
-            return stack
-                .iter()
-                .map(|&part| at_most(part, solid))
-                .fold(enough(known, bound), f64::max);
+            let rest = stack.iter().map(|&part| at_most(part, solid));
+            return Ok(rest.fold(enough(known, bound), f64::max));
         }
         let centre = scale(add(add(a, b), c), 1.0 / 3.0);
         let radius = distance(centre, a).max(distance(centre, b)).max(distance(centre, c));
@@ -86,9 +110,11 @@ pub(super) fn phantom(hull: &ConvexHull, solid: &Solid, bound: f64, limit: f64) 
             continue;
         }
         let Some(closest) = solid.field.distance_near(centre, f64::INFINITY, near) else {
-            return f64::INFINITY;
+            return Ok(f64::INFINITY);
         };
-        if closest.distance + radius <= enough {
+        if closest.distance + radius <= enough
+            || solid.farthest_corner([a, b, c], closest.triangle) <= enough
+        {
             continue;
         }
         // The side is dear, and only asked for where it decides.
@@ -112,7 +138,7 @@ pub(super) fn phantom(hull: &ConvexHull, solid: &Solid, bound: f64, limit: f64) 
             } else {
                 known = known.max(closest.distance);
                 if known > limit {
-                    return known + radius;
+                    return Ok(known + radius);
                 }
             }
         }
@@ -120,7 +146,7 @@ pub(super) fn phantom(hull: &ConvexHull, solid: &Solid, bound: f64, limit: f64) 
             stack.extend(halves([a, b, c]));
         }
     }
-    enough(known, bound)
+    Ok(enough(known, bound))
 }
 
 /// No point of a triangle is farther than this from the surface.
@@ -202,11 +228,15 @@ pub(super) fn exposed(
     owners: &[u32],
     hulls: &[Outside<'_>],
     enough: f64,
-) -> f64 {
+    control: &Control,
+) -> Result<f64, Error> {
     // Distance to a convex set is a convex function: on a triangle it is largest at a corner.
     let mut known: Vec<Vec<(u32, f64)>> = vec![Vec::new(); surface.positions.len()];
     let mut worst = enough;
-    for (triangle, &owner) in surface.triangles.iter().zip(owners) {
+    for (index, (triangle, &owner)) in surface.triangles.iter().zip(owners).enumerate() {
+        if index.is_multiple_of(TRIANGLES_PER_CHECK) {
+            control.check()?;
+        }
         let Some(hull) = hulls.get(owner as usize) else { continue };
         let mut outside: f64 = 0.0;
         for &vertex in triangle {
@@ -226,7 +256,7 @@ pub(super) fn exposed(
             worst = worst.max(outside_all(corners, hulls, worst, outside, MOST_HALVINGS));
         }
     }
-    worst
+    Ok(worst)
 }
 
 /// The same for a triangle that its owner does not hold: other hulls may hold parts of it.

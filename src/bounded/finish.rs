@@ -83,7 +83,7 @@ pub(crate) fn finish(
     if exposed > LEFT_OUT * tuning.bound {
         // Other hulls may hold what one has left out.
         let outsides: Vec<Outside> = hulls.iter().map(|hull| Outside::new(&hull.hull)).collect();
-        exposed = certify::exposed(&seeds.surface, &owners, &outsides, tuning.reduction);
+        exposed = certify::exposed(&seeds.surface, &owners, &outsides, tuning.reduction, control)?;
     }
     Ok(Outcome { hulls, exposed })
 }
@@ -214,20 +214,20 @@ fn finished(
         if left_out > allowed {
             continue;
         }
-        let phantom = phantom(&hull, solid, tuning.bound, tuning.bound);
+        let phantom = phantom(&hull, solid, tuning.bound, tuning.bound, control)?;
         if phantom <= tuning.bound {
             return Ok(make(hull, growth, phantom, left_out));
         }
     }
     if full.points.len() <= most {
-        let phantom = phantom(&full, solid, tuning.bound, f64::INFINITY);
+        let phantom = phantom(&full, solid, tuning.bound, f64::INFINITY, control)?;
         return Ok(make(full, 0.0, phantom, full_left_out));
     }
     // The cap has to hold: growing if the bound allows it, else leaving out what stands out least.
     for share in SLACKS {
         let capped = cap_vertices_within(builder, &full, most, share * tuning.bound);
         if let Some((hull, growth)) = capped {
-            let phantom = phantom(&hull, solid, tuning.bound, tuning.bound);
+            let phantom = phantom(&hull, solid, tuning.bound, tuning.bound, control)?;
             let left_out = left_out(&hull, &own, f64::INFINITY);
             if phantom <= tuning.bound && left_out <= MOST_LEFT_OUT * tuning.bound {
                 return Ok(make(hull, growth, phantom, left_out));
@@ -235,11 +235,11 @@ fn finished(
         }
     }
     if let Some((hull, _)) = inner_hull(builder, &full, most) {
-        let phantom = phantom(&hull, solid, tuning.bound, f64::INFINITY);
+        let phantom = phantom(&hull, solid, tuning.bound, f64::INFINITY, control)?;
         let left_out = left_out(&hull, &own, f64::INFINITY);
         return Ok(make(hull, 0.0, phantom, left_out));
     }
-    let phantom = phantom(&full, solid, tuning.bound, f64::INFINITY);
+    let phantom = phantom(&full, solid, tuning.bound, f64::INFINITY, control)?;
     Ok(make(full, 0.0, phantom, full_left_out))
 }
 

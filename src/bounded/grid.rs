@@ -13,6 +13,7 @@ use std::sync::atomic::{AtomicU8, Ordering};
 use super::solid::is_inside;
 use crate::field::{Field, nearest_of_triangle};
 use crate::vector::{Vector, add, maximum, minimum, subtract};
+use crate::{Control, Error};
 
 /// Most cells. At a bound of 2 % a hundred thousand are enough; at 0.5 % a coarser grid than this
 /// leaves so much to the tree that the search takes three times as long and ends with more hulls.
@@ -31,6 +32,12 @@ const FREE: f32 = 0.8;
 /// Distances are too large by less than this, in cells: where two sheets pass through the same
 /// cells, those beyond may have heard of the farther one only.
 const SURPLUS: f64 = 1.25;
+
+/// Triangles between two looks at the control.
+const TRIANGLES_PER_CHECK: u32 = 1024;
+
+/// Cells between two looks at the control.
+const CELLS_PER_CHECK: usize = 16_384;
 
 const UNKNOWN: u8 = 0;
 const INSIDE: u8 = 1;
@@ -69,7 +76,14 @@ pub(super) struct Probe {
 }
 
 impl Grid {
-    pub(super) fn new(positions: &[Vector], triangles: &[[u32; 3]], bound: f64) -> Self {
+    /// # Errors
+    /// [`Error::Cancelled`].
+    pub(super) fn new(
+        positions: &[Vector],
+        triangles: &[[u32; 3]],
+        bound: f64,
+        control: &Control,
+    ) -> Result<Self, Error> {
         let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for &p in positions {
             min = minimum(min, p);
@@ -97,9 +111,9 @@ impl Grid {
             band,
             is_flooded: false,
         };
-        grid.spread(positions, triangles);
+        grid.spread(positions, triangles, control)?;
         grid.sides.resize_with(total, || AtomicU8::new(UNKNOWN));
-        grid
+        Ok(grid)
     }
 
     #[inline]
@@ -136,13 +150,21 @@ impl Grid {
     }
 
     /// Hands nearest triangles on from cell to cell.
-    fn spread(&mut self, positions: &[Vector], triangles: &[[u32; 3]]) {
+    fn spread(
+        &mut self,
+        positions: &[Vector],
+        triangles: &[[u32; 3]],
+        control: &Control,
+    ) -> Result<(), Error> {
         let relative: Vec<Vector> =
             positions.iter().map(|&point| subtract(point, self.origin)).collect();
         let corners = |t: u32| triangles[t as usize].map(|v| relative[v as usize]);
         let mut steps: Vec<Vec<u32>> = vec![Vec::new(); STEPS];
         let step = |d: f32, band: f32| ((d / band * STEPS as f32) as usize).min(STEPS - 1);
         for t in 0..triangles.len() as u32 {
+            if t.is_multiple_of(TRIANGLES_PER_CHECK) {
+                control.check()?;
+            }
             let triangle = corners(t);
             let [a, b, c] = triangle.map(|corner| corner.map(|x| x as f32));
             let (u, v) = (sub(b, a), sub(c, a));
@@ -175,6 +197,9 @@ impl Grid {
         for current in 0..STEPS {
             let mut next = 0;
             while let Some(&index) = steps[current].get(next) {
+                if next.is_multiple_of(CELLS_PER_CHECK) {
+                    control.check()?;
+                }
                 next += 1;
                 let index = index as usize;
                 if done[index] {
@@ -213,13 +238,18 @@ impl Grid {
                 }
             }
         }
+        Ok(())
     }
 
     /// Gives each connected region of cells that the surface does not touch its side.
-    pub(super) fn flood(&mut self, field: &Field) {
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
+    pub(super) fn flood(&mut self, field: &Field, control: &Control) -> Result<(), Error> {
         self.is_flooded = true;
         let is_free = |cells: &[Cell], index: usize| cells[index].distance > FREE * self.size;
         let mut stack: Vec<u32> = Vec::new();
+        let mut flooded = 0_usize;
         for start in 0..self.cells.len() {
             if *self.sides[start].get_mut() != UNKNOWN || !is_free(&self.cells, start) {
                 continue;
@@ -228,7 +258,12 @@ impl Grid {
             let side = if inside { INSIDE } else { OUTSIDE };
             *self.sides[start].get_mut() = side;
             stack.push(start as u32);
+            control.check()?;
             while let Some(index) = stack.pop() {
+                flooded += 1;
+                if flooded % CELLS_PER_CHECK == 0 {
+                    control.check()?;
+                }
                 for neighbour in neighbours(self.dimensions, index as usize).into_iter().flatten() {
                     let known = self.sides[neighbour].get_mut();
                     if *known == UNKNOWN && is_free(&self.cells, neighbour) {
@@ -238,6 +273,7 @@ impl Grid {
                 }
             }
         }
+        Ok(())
     }
 
     pub(super) fn count(&self) -> usize {

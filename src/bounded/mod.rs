@@ -24,6 +24,7 @@ mod solid;
 mod tree;
 mod verdicts;
 
+use crate::hull::ConvexHull;
 use crate::mesh::{Normalization, PreparedMesh};
 use crate::parallel;
 use crate::vector::{cross, dot};
@@ -33,6 +34,7 @@ use crate::{
 };
 use finish::Finished;
 use piece::{Piece, Workshop};
+use seed_set::SeedSet;
 use seeds::{Seeds, Working};
 use solid::Solid;
 use tree::Tree;
@@ -231,7 +233,7 @@ impl Run {
                 if let Some(most) = tuning.max_hulls
                     && finished.hulls.len() > most
                 {
-                    finished.hulls = fewer(finished.hulls, most, &solid, tuning, control)?;
+                    finished.hulls = fewer(&finished.hulls, most, &seeds, &solid, tuning, control)?;
                 }
                 let bound = tuning.bound;
                 return Ok(Some(self.outcome(&seeds, finished, bound)));
@@ -275,8 +277,9 @@ impl Run {
 
 /// Joins hulls until no more than `most` are left.
 fn fewer(
-    mut hulls: Vec<Finished>,
+    hulls: &[Finished],
     most: usize,
+    seeds: &Seeds,
     solid: &Solid,
     tuning: &Tuning,
     control: &Control,
@@ -285,24 +288,28 @@ fn fewer(
     let tree = Tree::new(leaves, most, solid, tuning, control)?;
     let mut fewer = Vec::new();
     for index in tree.state(tree.joins()) {
-        let members = tree.leaves_of(index);
+        let leaves = tree.leaves_of(index);
+        let members: Vec<&Finished> = leaves.iter().filter_map(|&leaf| hulls.get(leaf)).collect();
+        let Some(first) = members.first() else { continue };
         let node = &tree.nodes[index];
-        let Some(&first) = members.first() else { continue };
-        let mut seeds = std::mem::take(&mut hulls[first].seeds);
-        let mut added_thickness = hulls[first].added_thickness;
-        for &member in &members[1..] {
-            seeds.unite(&hulls[member].seeds);
-            added_thickness = added_thickness.max(hulls[member].added_thickness);
-        }
+        let largest = |value: fn(&Finished) -> f64| {
+            members.iter().map(|&hull| value(hull)).fold(0.0, f64::max)
+        };
+        let mut set = SeedSet::none(seeds.count());
+        members.iter().for_each(|hull| set.unite(&hull.seeds));
+        // Of a divided seed another hull may stand for the rest.
+        let has_parts = members.iter().any(|hull| hull.part.is_some());
+        let part =
+            has_parts.then(|| members.iter().flat_map(|hull| hull.triangles(seeds)).collect());
         fewer.push(Finished {
             hull: node.hull.clone(),
-            seeds,
-            part: None,
-            added_thickness,
-            cap_growth: node.growth.max(hulls[first].cap_growth),
+            seeds: set,
+            part,
+            added_thickness: largest(|hull| hull.added_thickness),
+            cap_growth: node.growth.max(largest(|hull| hull.cap_growth)),
             phantom: node.phantom,
-            left_out: hulls[first].left_out,
-            component: hulls[first].component,
+            left_out: largest(|hull| hull.left_out),
+            component: first.component,
         });
     }
     Ok(fewer)
@@ -331,19 +338,23 @@ impl Merging {
         let normalization = prepared.normalization;
         let tree = parallel::with(parameters.parallel, || {
             let solid = solid(&prepared, is_closed(&prepared), &tuning, control)?;
-            let leaves = hulls
-                .iter()
-                .map(|hull| {
-                    let points = hull.points.iter().map(|&p| normalization.normalize(p)).collect();
-                    let convex =
-                        crate::hull::ConvexHull { points, triangles: hull.triangles.clone() };
-                    let phantom = match hull.phantom_max {
-                        Some(phantom) => phantom / normalization.diagonal,
-                        None => certify::phantom(&convex, &solid, tuning.bound, f64::INFINITY),
-                    };
-                    (convex, phantom)
-                })
-                .collect();
+            let mut leaves = Vec::with_capacity(hulls.len());
+            for hull in hulls {
+                let points: Vec<[f64; 3]> =
+                    hull.points.iter().map(|&point| normalization.normalize(point)).collect();
+                if hull.triangles.as_flattened().iter().any(|&v| v as usize >= points.len()) {
+                    let reason = "a triangle of a hull names a point that the hull does not have";
+                    return Err(Error::NoHull { reason });
+                }
+                let convex = ConvexHull { points, triangles: hull.triangles.clone() };
+                let phantom = match hull.phantom_max {
+                    Some(phantom) => phantom / normalization.diagonal,
+                    None => {
+                        certify::phantom(&convex, &solid, tuning.bound, f64::INFINITY, control)?
+                    }
+                };
+                leaves.push((convex, phantom));
+            }
             Tree::new(leaves, 1, &solid, &tuning, control)
         })?;
         Ok(Self { tree, normalization, surface: prepared.mesh, enough: tuning.reduction })
@@ -361,15 +372,15 @@ impl Merging {
     }
 
     /// How far the surface lies outside all hulls, in the input's units.
-    pub(crate) fn exposed(&self, hulls: &[Hull]) -> f64 {
+    pub(crate) fn exposed(&self, hulls: &[Hull], control: &Control) -> Result<f64, Error> {
         let outsides: Vec<certify::Outside<'_>> = self.tree.nodes
             [..self.tree.leaves.min(hulls.len())]
             .iter()
             .map(|node| certify::Outside::new(&node.hull))
             .collect();
         let owners = vec![0; self.surface.triangles.len()];
-        certify::exposed(&self.surface, &owners, &outsides, self.enough)
-            * self.normalization.diagonal
+        let exposed = certify::exposed(&self.surface, &owners, &outsides, self.enough, control)?;
+        Ok(exposed * self.normalization.diagonal)
     }
 
     /// The hulls after some joins, in the input's units.
@@ -384,7 +395,7 @@ impl Merging {
             }
             let points =
                 node.hull.points.iter().map(|&point| self.normalization.restore(point)).collect();
-            let hull = crate::hull::ConvexHull { points, triangles: node.hull.triangles.clone() };
+            let hull = ConvexHull { points, triangles: node.hull.triangles.clone() };
             let of = |value: fn(&Hull) -> f64| {
                 members.iter().filter_map(|&m| leaves.get(m)).map(value).fold(0.0, f64::max)
             };
@@ -485,7 +496,7 @@ fn restored(prepared: &PreparedMesh, seeds: &Seeds, finished: Finished) -> Hull 
         .collect();
     source_triangles.sort_unstable();
     source_triangles.dedup();
-    let hull = crate::hull::ConvexHull { points, triangles: finished.hull.triangles };
+    let hull = ConvexHull { points, triangles: finished.hull.triangles };
     let zero = crate::Bounds { min: [0.0; 3], max: [0.0; 3] };
     Hull {
         volume: hull.volume(),

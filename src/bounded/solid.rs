@@ -62,13 +62,12 @@ impl Solid {
         control: &Control,
     ) -> Result<Self, Error> {
         let (field, grid) = crate::parallel::join(
-            || Field::new(positions, triangles),
-            || control.check().map(|()| Grid::new(positions, triangles, bound)),
+            || Field::with_control(positions, triangles, control),
+            || Grid::new(positions, triangles, bound, control),
         );
-        let mut grid = grid?;
-        control.check()?;
+        let (field, mut grid) = (field?, grid?);
         if is_closed {
-            grid.flood(&field);
+            grid.flood(&field, control)?;
         }
         Ok(Self { field, is_closed, grid, cavities: Vec::new(), verdicts: Verdicts::new() })
     }
@@ -99,8 +98,14 @@ impl Solid {
         if of_point <= enough {
             return of_point;
         }
-        let triangle = self.grid.owner(centre);
-        largest(face.map(|corner| self.field.distance_to(corner, triangle))).min(of_point)
+        self.farthest_corner(face, self.grid.owner(centre)).min(of_point)
+    }
+
+    /// At least the distance to the surface from any point of a face, as far as one triangle of the
+    /// source tells.
+    #[inline]
+    pub fn farthest_corner(&self, face: [Vector; 3], triangle: u32) -> f64 {
+        largest(face.map(|corner| self.field.distance_to(corner, triangle)))
     }
 
     /// The triangle nearest to the middle of the point's cell, if that is near, and how far it is.
@@ -190,7 +195,9 @@ impl Solid {
                     // The grid is too coarse for such a bound.
                     None => match self.field.distance(centre, f64::INFINITY) {
                         Some(closest) if closest.distance <= bound => {
-                            if closest.distance + reach <= bound {
+                            if closest.distance + reach <= bound
+                                || self.farthest_corner([a, b, c], closest.triangle) <= bound
+                            {
                                 continue;
                             }
                         }

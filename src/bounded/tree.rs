@@ -52,7 +52,7 @@ impl Tree {
             let nodes = &tree.nodes;
             let joints = crate::parallel::map(&pairs, |&(first, second)| {
                 control.check()?;
-                joint(nodes, first, second, solid, tuning)
+                joint(nodes, first, second, solid, tuning, control)
             });
             candidates.extend(joints.into_iter().collect::<Result<Vec<Node>, Error>>()?);
             let least = candidates.iter().enumerate().min_by(|a, b| {
@@ -111,6 +111,7 @@ fn joint(
     second: usize,
     solid: &Solid,
     tuning: &Tuning,
+    control: &Control,
 ) -> Result<Node, Error> {
     let mut builder = HullBuilder::new();
     let points: Vec<[f64; 3]> =
@@ -121,7 +122,7 @@ fn joint(
         None => (hull, 0.0),
     };
     // It holds both, so it stands out at least as far, whatever the upper bounds say.
-    let phantom = phantom(&hull, solid, tuning.bound, f64::INFINITY)
+    let phantom = phantom(&hull, solid, tuning.bound, f64::INFINITY, control)?
         .max(nodes[first].phantom)
         .max(nodes[second].phantom);
     let growth = growth.max(nodes[first].growth).max(nodes[second].growth);

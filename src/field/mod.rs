@@ -18,6 +18,7 @@ pub(crate) use distance::{Closest, nearest_of_triangle};
 pub(crate) use nearest::nearest_triangles;
 
 use crate::vector::Vector;
+use crate::{Control, Error};
 use distance::Best;
 use tree::{EMPTY, Tree};
 
@@ -37,7 +38,25 @@ impl Field {
     /// Builds the field in O(n log n). Triangles with a corner that does not exist or is not
     /// finite are left out.
     pub(crate) fn new(positions: &[Vector], triangles: &[[u32; 3]]) -> Self {
-        let tree = Tree::new(positions, triangles);
+        Self::until(positions, triangles, &|| false)
+    }
+
+    /// The same, unless somebody cancels.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
+    pub(crate) fn with_control(
+        positions: &[Vector],
+        triangles: &[[u32; 3]],
+        control: &Control,
+    ) -> Result<Self, Error> {
+        let field = Self::until(positions, triangles, &|| control.is_cancelled());
+        control.check().map(|()| field)
+    }
+
+    /// Once `is_stopped` what is returned is unfinished, and to be dropped.
+    fn until(positions: &[Vector], triangles: &[[u32; 3]], is_stopped: &dyn Fn() -> bool) -> Self {
+        let tree = Tree::new(positions, triangles, is_stopped);
         let moments = winding::moments(&tree);
         let mut places = vec![EMPTY; triangles.len()];
         for (block, content) in tree.blocks.iter().enumerate() {

@@ -16,6 +16,9 @@ const LEAF: u32 = 1 << 31;
 /// A child, or a triangle of a block, that does not exist.
 pub(super) const EMPTY: u32 = u32::MAX;
 
+/// Nodes with more triangles than this ask whether to stop.
+const LARGE: usize = 4096;
+
 /// Deepest level of the tree. Halving 2^32 triangles down to blocks of four takes 30, and splits
 /// are forced to the middle where the surface area heuristic would need more.
 const MAX_LEVELS: u32 = 30;
@@ -162,8 +165,12 @@ pub(super) fn larger(a: f32, b: f32) -> f32 {
 
 impl Tree {
     /// Builds the tree in O(n log n). Triangles with a corner that does not exist or is not
-    /// finite are left out.
-    pub(super) fn new(positions: &[Vector], triangles: &[[u32; 3]]) -> Self {
+    /// finite are left out. Once `is_stopped` large parts are left out as well.
+    pub(super) fn new(
+        positions: &[Vector],
+        triangles: &[[u32; 3]],
+        is_stopped: &dyn Fn() -> bool,
+    ) -> Self {
         let corners = |index: usize| corners_of(positions, triangles, index);
         let mut min = [f64::INFINITY; 3];
         let mut max = [f64::NEG_INFINITY; 3];
@@ -205,7 +212,7 @@ impl Tree {
         tree.nodes.reserve(primitives.len() / 6 + 1);
         tree.blocks.reserve(primitives.len() * 2 / 7 + 1);
         tree.corners.reserve(primitives.len() * 8 / 7 + 1);
-        tree.build(&mut primitives, bounds, MAX_LEVELS, &corners);
+        tree.build(&mut primitives, bounds, MAX_LEVELS, &corners, is_stopped);
         tree
     }
 
@@ -216,9 +223,13 @@ impl Tree {
         bounds: Box3,
         levels: u32,
         corners: &impl Fn(usize) -> Option<[Vector; 3]>,
+        is_stopped: &dyn Fn() -> bool,
     ) -> u32 {
         let index = self.nodes.len() as u32;
         self.nodes.push(Node::new());
+        if primitives.len() > LARGE && is_stopped() {
+            return index;
+        }
         let mut ranges = [(0, primitives.len(), bounds); WIDTH];
         let mut count = 1;
         // Without this the heuristic could build a chain.
@@ -249,7 +260,7 @@ impl Tree {
             let reference = if part.len() <= WIDTH {
                 self.append_block(part, corners)
             } else {
-                self.build(part, bounds, levels.saturating_sub(1), corners)
+                self.build(part, bounds, levels.saturating_sub(1), corners, is_stopped)
             };
             let node = &mut self.nodes[index as usize];
             node.children[place] = reference;

@@ -39,7 +39,7 @@ pub fn line(outcome: &Outcome) -> String {
         "closed_components": report.closed_components,
         "volume_sum": hulls.iter().map(|hull| hull.volume).sum::<f64>(),
         "thickened_hulls": hulls.iter().filter(|hull| hull.added_thickness > 0.0).count(),
-        "capped_hulls": hulls.iter().filter(|hull| hull.cap_growth > 0.0).count(),
+        "grown_hulls": hulls.iter().filter(|hull| hull.cap_growth > 0.0).count(),
         "deadline_reached": report.deadline_reached,
         "stage_seconds": stage_seconds(report),
     });
