@@ -124,9 +124,11 @@ pub(super) fn phantom(
                 solid.is_inside(centre, closest.distance)
             } else {
                 // The side may change without a surface in between, but not on a sudden.
-                let steepest = STEEPEST * (radius / closest.distance).min(1.0);
                 let winding = solid.field.winding_number(centre) - OPEN_INSIDE;
-                if winding > if radius <= OPEN * bound { 0.0 } else { steepest } {
+                let is_small = radius <= OPEN * bound;
+                let steepest = STEEPEST * radius / closest.distance;
+                if winding > 0.0 && (is_small || (radius <= closest.distance && winding > steepest))
+                {
                     continue;
                 }
                 winding > 0.0

@@ -261,7 +261,7 @@ impl Grid {
             control.check()?;
             while let Some(index) = stack.pop() {
                 flooded += 1;
-                if flooded % CELLS_PER_CHECK == 0 {
+                if flooded.is_multiple_of(CELLS_PER_CHECK) {
                     control.check()?;
                 }
                 for neighbour in neighbours(self.dimensions, index as usize).into_iter().flatten() {
