@@ -9,10 +9,12 @@
 use robust::{Coord, orient2d};
 
 use super::components::{Connectivity, PatchKind};
+use super::edges::SortedHalfEdges;
 use crate::vector::{Vector, add, area_normal, dot, length, maximum, minimum, scale, subtract};
 
 /// A patch with holes counts as solid if its volume differs by less than this share of itself
-/// wherever in its bounding box the holes' lids meet. Small holes pass. A box without a lid (0.2)
+/// wherever in its bounding box the holes' lids meet, and however large lids on so long a border
+/// can be. Small holes pass. A box without a lid (0.2)
 /// does not: which of its sides is meant, its author knows better.
 const NEARLY_CLOSED: f64 = 0.1;
 
@@ -82,6 +84,22 @@ fn make_consistent(
         .collect()
 }
 
+/// For each patch the length of its open edges.
+fn borders(positions: &[Vector], triangles: &[[u32; 3]], connectivity: &Connectivity) -> Vec<f64> {
+    let mut borders = vec![0.0; connectivity.kinds.len()];
+    if connectivity.open_edges == 0 {
+        return borders;
+    }
+    SortedHalfEdges::new(triangles, positions.len()).for_each_edge(|edge| {
+        if edge.len() == 1 {
+            let (triangle, k) = (edge.half_edge(0) as usize / 3, edge.half_edge(0) as usize % 3);
+            let [a, b] = [k, (k + 1) % 3].map(|k| positions[triangles[triangle][k] as usize]);
+            borders[connectivity.patches[triangle] as usize] += length(subtract(a, b));
+        }
+    });
+    borders
+}
+
 /// What the patches enclose.
 struct Solids {
     /// For each patch six times its signed volume, or 0 where it encloses none.
@@ -120,10 +138,15 @@ impl Solids {
             vector_areas[patch] = add(vector_areas[patch], normal);
             areas[patch] += length(normal);
         }
+        let borders = borders(positions, triangles, connectivity);
         for patch in 0..count {
             let [low, high] = boxes[patch];
             let half = scale(subtract(high, low), 0.5);
-            let uncertain = dot(vector_areas[patch].map(f64::abs), half);
+            // The lids of a tube cancel, so the length of its border counts too: no lids on it are
+            // larger than a circle.
+            let largest_lid = 2.0 * borders[patch] * borders[patch] / (4.0 * std::f64::consts::PI);
+            let uncertain =
+                dot(vector_areas[patch].map(f64::abs), half).max(largest_lid * length(half));
             let has_volume = volumes[patch].abs() > FLAT * areas[patch] * length(half);
             let solid = match connectivity.kinds[patch] {
                 PatchKind::Closed => has_volume,
@@ -387,6 +410,23 @@ mod tests {
         let (mesh, turned) = oriented(&turn(sphere.clone()));
         assert_eq!(turned, sphere.triangles.len());
         assert!(volume(&mesh) > 0.0);
+    }
+
+    /// The bore of a barrel whose rim has cracks: both ends' lids cancel, and it was taken for a
+    /// solid that is inside out.
+    #[test]
+    fn a_tube_open_at_both_ends_keeps_its_sides() {
+        let sides = 16;
+        let mut tube = TriangleMesh::default();
+        for side in 0..sides {
+            let angle = f64::from(side) * std::f64::consts::TAU / f64::from(sides);
+            tube.positions.extend([0.0, 4.0].map(|z| [angle.cos(), angle.sin(), z]));
+            let [a, b] = [2 * side, 2 * ((side + 1) % sides)];
+            tube.triangles.extend([[a, b, b + 1], [a, b + 1, a + 1]]);
+        }
+        assert_eq!(oriented(&tube).1, 0);
+        let bore = join(&[cube(8.0), turn(tube)]);
+        assert_eq!(oriented(&bore).1, 0);
     }
 
     #[test]
