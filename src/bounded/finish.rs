@@ -1,5 +1,7 @@
 //! What is returned: hulls with thickness and few vertices, each verified against the source.
 
+use std::iter::once;
+
 use super::Tuning;
 use super::certify::{self, Outside, left_out, phantom};
 use super::cover::hull_of;
@@ -8,21 +10,25 @@ use super::seed_set::SeedSet;
 use super::seeds::{Seed, Seeds};
 use super::solid::Solid;
 use crate::hull::{
-    ConvexHull, HullBuilder, LEAST_THICKNESS, Shape, cap_vertices_within, fewer_vertices,
-    inner_hull, solid_hull,
+    ConvexHull, HullBuilder, LEAST_THICKNESS, Shape, coarser, collapse_edges, most_prominent,
+    solid_hull,
 };
 use crate::vector::{Vector, add, area_normal, maximum, minimum, scale};
 use crate::{Control, Error};
 
-/// Vertices that stand out of the others by less than this, in bounds, may be saved, since engines
-/// pay for each. The hull grows by about as much, so that less is tried where that is too much.
-const TOLERANCES: [f64; 4] = [0.15, 0.1, 0.06, 0.03];
+/// An edge may collapse if that adds at most this share of the mean volume of all hulls: engines pay
+/// for each vertex.
+const VOLUME_PER_VERTEX: f64 = 1.2e-3;
+
+/// New faces may stand out by this share of the bound, so that the few hulls whose error is
+/// largest do not come to stand out farther.
+const FACES: f64 = 0.95;
 
 /// The surface may lie this far outside of a hull that leaves out vertices, in bounds.
 const LEFT_OUT: f64 = 0.05;
 
-/// Where a hull at the cap may not grow, this much of what stands out may be left out, in bounds.
-const SLACKS: [f64; 3] = [0.025, 0.05, 0.1];
+/// Where the cap on vertices can't be kept otherwise, this much may be left out, in bounds.
+const MORE_LEFT_OUT: [f64; 2] = [0.1, 0.2];
 
 /// A cap on vertices that would leave out more than this, in bounds, divides the hull instead.
 const MOST_LEFT_OUT: f64 = 0.5;
@@ -58,6 +64,16 @@ pub(crate) struct Outcome {
     pub exposed: f64,
 }
 
+/// What hulls are made from.
+struct Material<'a> {
+    seeds: &'a Seeds,
+    solid: &'a Solid,
+    tuning: &'a Tuning,
+    /// A vertex may be saved if that adds at most this volume, in cubed diagonals.
+    volume_per_vertex: f64,
+    control: &'a Control,
+}
+
 /// Makes hulls of pieces. One that does not keep the bound in the end is divided again.
 pub(crate) fn finish(
     seeds: &Seeds,
@@ -66,8 +82,11 @@ pub(crate) fn finish(
     tuning: &Tuning,
     control: &Control,
 ) -> Result<Outcome, Error> {
-    let parts =
-        crate::parallel::map(&pieces, |piece| finish_one(seeds, piece, solid, tuning, control));
+    let volume =
+        pieces.iter().map(|piece| piece.hull.volume).sum::<f64>() / pieces.len().max(1) as f64;
+    let volume_per_vertex = VOLUME_PER_VERTEX * volume;
+    let material = Material { seeds, solid, tuning, volume_per_vertex, control };
+    let parts = crate::parallel::map(&pieces, |piece| finish_one(&material, piece));
     let mut hulls = Vec::new();
     for part in parts {
         hulls.extend(part?);
@@ -88,19 +107,14 @@ pub(crate) fn finish(
     Ok(Outcome { hulls, exposed })
 }
 
-fn finish_one(
-    seeds: &Seeds,
-    piece: &Piece,
-    solid: &Solid,
-    tuning: &Tuning,
-    control: &Control,
-) -> Result<Vec<Finished>, Error> {
+fn finish_one(material: &Material<'_>, piece: &Piece) -> Result<Vec<Finished>, Error> {
+    let &Material { seeds, tuning, control, .. } = material;
     let mut done = Vec::new();
     let mut open = vec![(piece.seeds.clone(), None)];
     let mut builder = HullBuilder::new();
     while let Some((set, part)) = open.pop() {
         control.check()?;
-        let finished = finished(seeds, set, part, solid, tuning, &mut builder, control)?;
+        let finished = finished(material, set, part, &mut builder)?;
         let keeps_bound =
             finished.phantom <= tuning.bound && finished.left_out <= MOST_LEFT_OUT * tuning.bound;
         if keeps_bound {
@@ -158,14 +172,12 @@ fn halves(items: &mut [u32], centre: impl Fn(&u32) -> Vector) -> (&[u32], &[u32]
 }
 
 fn finished(
-    seeds: &Seeds,
+    material: &Material<'_>,
     set: SeedSet,
     part: Option<Vec<u32>>,
-    solid: &Solid,
-    tuning: &Tuning,
     builder: &mut HullBuilder,
-    control: &Control,
 ) -> Result<Finished, Error> {
+    let &Material { seeds, solid, tuning, volume_per_vertex, control } = material;
     let mut hull = match &part {
         None => hull_of(seeds, &set).hull,
         Some(triangles) => {
@@ -201,43 +213,40 @@ fn finished(
         component,
     };
     let most = tuning.max_vertices.unwrap_or(usize::MAX);
-    for tolerance in TOLERANCES.map(|share| share * tuning.bound) {
-        control.check()?;
-        let Some((hull, growth)) = fewer_vertices(builder, &full, tolerance, tuning.reduction)
-        else {
-            continue;
-        };
-        if hull.points.len() >= full.points.len() || hull.points.len() > most {
-            continue;
-        }
-        let left_out = left_out(&hull, &own, allowed);
-        if left_out > allowed {
-            continue;
-        }
-        let phantom = phantom(&hull, solid, tuning.bound, tuning.bound, control)?;
-        if phantom <= tuning.bound {
-            return Ok(make(hull, growth, phantom, left_out));
-        }
-    }
-    if full.points.len() <= most {
-        let phantom = phantom(&full, solid, tuning.bound, f64::INFINITY, control)?;
-        return Ok(make(full, 0.0, phantom, full_left_out));
-    }
-    // The cap has to hold: growing if the bound allows it, else leaving out what stands out least.
-    for share in SLACKS {
-        let capped = cap_vertices_within(builder, &full, most, share * tuning.bound);
-        if let Some((hull, growth)) = capped {
-            let phantom = phantom(&hull, solid, tuning.bound, tuning.bound, control)?;
-            let left_out = left_out(&hull, &own, f64::INFINITY);
-            if phantom <= tuning.bound && left_out <= MOST_LEFT_OUT * tuning.bound {
-                return Ok(make(hull, growth, phantom, left_out));
+    let mut stack = Vec::new();
+    let mut fits = |face| {
+        let bound = FACES * tuning.bound;
+        solid.centre_fits(face, bound) && solid.face_fits(face, bound, &mut stack)
+    };
+    for share in once(LEFT_OUT).chain(MORE_LEFT_OUT) {
+        let allowed = if share > LEFT_OUT { MOST_LEFT_OUT * tuning.bound } else { allowed };
+        let coarse = coarser(&full, share * tuning.bound);
+        let collapsed = coarse
+            .as_ref()
+            .and_then(|coarse| collapse_edges(coarse, volume_per_vertex, most, &mut fits));
+        for (few, growth) in collapsed.into_iter().chain(coarse.map(|coarse| (coarse, 0.0))) {
+            control.check()?;
+            if few.points.len() > most {
+                continue;
+            }
+            let left_out = left_out(&few, &own, allowed);
+            if left_out > allowed {
+                continue;
+            }
+            let phantom = phantom(&few, solid, tuning.bound, tuning.bound, control)?;
+            if phantom <= tuning.bound {
+                return Ok(make(few, growth, phantom, left_out));
             }
         }
+        if full.points.len() <= most {
+            let phantom = phantom(&full, solid, tuning.bound, f64::INFINITY, control)?;
+            return Ok(make(full, 0.0, phantom, full_left_out));
+        }
     }
-    if let Some((hull, _)) = inner_hull(builder, &full, most) {
-        let phantom = phantom(&hull, solid, tuning.bound, f64::INFINITY, control)?;
-        let left_out = left_out(&hull, &own, f64::INFINITY);
-        return Ok(make(hull, 0.0, phantom, left_out));
+    if let Some(inner) = most_prominent(builder, &full.points, most) {
+        let phantom = phantom(&inner, solid, tuning.bound, f64::INFINITY, control)?;
+        let left_out = left_out(&inner, &own, f64::INFINITY);
+        return Ok(make(inner, 0.0, phantom, left_out));
     }
     let phantom = phantom(&full, solid, tuning.bound, f64::INFINITY, control)?;
     Ok(make(full, 0.0, phantom, full_left_out))

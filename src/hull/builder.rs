@@ -12,7 +12,7 @@ use super::face::{Face, Heights, NONE, Plane, Waiting};
 use super::grow::Horizon;
 use super::redundant::mark_necessary_vertices;
 use super::simplex::{Shape, first_simplex};
-use crate::vector::{Vector, area_normal, distance, dot, normalize, scale, subtract};
+use crate::vector::{Vector, add, area_normal, distance, dot, normalize, scale, subtract};
 
 /// A point is left out if it is closer to the hull than this share of the extent of the points.
 /// Positions that come from `f32` are uncertain by about 6e-8 of their size, so a finer tolerance
@@ -224,6 +224,11 @@ impl HullBuilder {
     #[inline]
     pub(super) fn inward(&self, point: Vector) -> Vector {
         scale(subtract(point, self.centre), self.factor)
+    }
+
+    /// A point of the scaled space, in the points' units.
+    pub(super) fn outward(&self, point: Vector) -> Vector {
+        add(scale(point, 1.0 / self.factor), self.centre)
     }
 
     /// Height of the first tetrahedron; the width is at least an eighth of it.

@@ -1,10 +1,9 @@
 //! A cap on the vertices of a hull: a certified step that only lets it grow.
 //!
-//! The vertices that stand out most are kept, one after the other. Then each face of their hull
-//! that others still lie in front of takes its corners outward until it holds them; what little
-//! is left after some rounds is made up for by scaling about the centre, whose factor is exact:
-//! the largest, over the kept hull's planes, of the reach of the old hull over that of the new one.
+//! Edges collapse outward until few enough are left (see `collapse`). What has very many vertices
+//! first leaves out those that hardly stand out, and makes up for it by growing about its centre.
 
+use super::collapse::{collapse_edges, growth};
 use super::columns::Columns;
 use super::simplex::first_simplex;
 use super::{ConvexHull, HullBuilder, Shape};
@@ -13,77 +12,74 @@ use crate::vector::{Vector, add, distance, dot, scale, subtract};
 /// Rounding when the vertices are moved must not let an old vertex out again.
 const ROUNDING: f64 = 1e-12;
 
-/// Rounds of moving corners outward. After three, next to nothing is left to do.
-const ROUNDS: usize = 4;
+/// More vertices than this are thinned out before edges collapse, which takes time like their
+/// square.
+const MANY_VERTICES: usize = 512;
 
-/// Steps in which a corner is moved beyond all of its faces.
-const PROJECTIONS: usize = 4;
+/// The first tolerance of thinning out, as a share of the hull's extent, and what it is multiplied
+/// by as long as it is too fine.
+const THINNING: (f64, f64) = (1e-4, 2.0);
 
 /// A hull of at most `cap` vertices that holds all of `hull`, and how far it grew: no point of it
 /// is farther than that from the old one, in the points' units. A hull within the cap is returned
 /// as it is. With a cap below 4 the hull stays as it is too.
 ///
-/// O(cap · vertices · faces of the new hull).
+/// O(n log n) for n vertices.
 pub fn cap_vertices(builder: &mut HullBuilder, hull: ConvexHull, cap: usize) -> (ConvexHull, f64) {
     if hull.points.len() <= cap {
         return (hull, 0.0);
     }
-    match cap_vertices_within(builder, &hull, cap, 0.0) {
-        Some(capped) => capped,
+    let thin = if hull.points.len() > MANY_VERTICES { thinned(&hull) } else { None };
+    let collapsed = collapse_edges(thin.as_ref().unwrap_or(&hull), 0.0, cap, &mut |_| true)
+        .filter(|(collapsed, _)| collapsed.points.len() <= cap);
+    let capped = match collapsed {
+        Some(collapsed) if thin.is_none() => return collapsed,
+        Some((collapsed, _)) => Some(collapsed),
+        None => most_prominent(builder, &hull.points, cap),
+    };
+    match capped.and_then(|capped| grown_over(capped, &hull)) {
+        Some(grown) => {
+            let growth = growth(&grown, &hull);
+            (grown, growth)
+        }
         None => (hull, 0.0),
     }
 }
 
-/// The same, but vertices may stay outside by up to `slack` in front of a face, in the points'
-/// units: less growth, and none where the most prominent vertices leave no more than that.
-pub(crate) fn cap_vertices_within(
-    builder: &mut HullBuilder,
-    hull: &ConvexHull,
-    cap: usize,
-    slack: f64,
-) -> Option<(ConvexHull, f64)> {
-    let kept = most_prominent(builder, &hull.points, cap, slack)?;
-    grown_over(builder, kept, hull, slack)
-}
-
-/// A hull of fewer vertices: those that stand out of the rest by more than `tolerance`, moved
-/// outward until no other is more than `slack` in front of a face. How far it grew comes with it.
-/// O(n log n) expected for n vertices.
-pub(crate) fn fewer_vertices(
-    builder: &mut HullBuilder,
-    hull: &ConvexHull,
-    tolerance: f64,
-    slack: f64,
-) -> Option<(ConvexHull, f64)> {
-    let mut coarse = HullBuilder::new().with_least_tolerance(tolerance);
-    if coarse.build(&hull.points) != Shape::Solid {
-        return None;
-    }
-    grown_over(builder, coarse.extract().into(), hull, slack)
-}
-
-/// Moves the vertices of `kept` outward until no vertex of `hull` is more than `slack` in front
-/// of a face.
-fn grown_over(
-    builder: &mut HullBuilder,
-    mut kept: ConvexHull,
-    hull: &ConvexHull,
-    slack: f64,
-) -> Option<(ConvexHull, f64)> {
-    let inner = kept.points.clone();
-    for _ in 0..ROUNDS {
-        let Some(moved) = moved_outward(&kept, &hull.points, slack) else { break };
-        if builder.build(&moved) != Shape::Solid {
-            return None;
+/// A hull of the vertices that stand out of the rest by more than a tolerance: the least that
+/// leaves few enough.
+fn thinned(hull: &ConvexHull) -> Option<ConvexHull> {
+    let (mut tolerance, factor) = THINNING;
+    loop {
+        let thin = coarser(hull, tolerance * extent(hull)?)?;
+        if thin.points.len() <= MANY_VERTICES {
+            return Some(thin);
         }
-        kept = builder.extract().into();
+        tolerance *= factor;
     }
+}
+
+/// Diagonal of the bounding box; `None` without points.
+fn extent(hull: &ConvexHull) -> Option<f64> {
+    hull.bounds().map(|bounds| distance(bounds.min, bounds.max))
+}
+
+/// The hull of the vertices that stand out of each other by more than `tolerance`, in the points'
+/// units: the others are at most that far in front of a face. `None` if none is left.
+pub(crate) fn coarser(hull: &ConvexHull, tolerance: f64) -> Option<ConvexHull> {
+    let mut builder = HullBuilder::new().with_least_tolerance(tolerance);
+    (builder.build(&hull.points) == Shape::Solid).then(|| builder.extract().into())
+}
+
+/// Lets `kept` grow about its centre until it holds `hull`. The factor is exact: the largest, over
+/// the kept hull's planes, of the reach of the old hull over that of the new one.
+fn grown_over(mut kept: ConvexHull, hull: &ConvexHull) -> Option<ConvexHull> {
     let sum = kept.points.iter().fold([0.0; 3], |sum, &point| add(sum, point));
     let centre = scale(sum, 1.0 / kept.points.len() as f64);
     let mut factor: f64 = 1.0;
     for (normal, offset) in kept.planes() {
         let own = offset - dot(normal, centre);
-        let wanted = reach(&hull.points, normal, centre) - slack;
+        let wanted = reach(&hull.points, normal, centre);
         if own > 0.0 {
             factor = factor.max(wanted / own);
         } else if normal != [0.0; 3] {
@@ -96,58 +92,7 @@ fn grown_over(
             *point = add(centre, scale(subtract(*point, centre), factor));
         }
     }
-    // Each new vertex comes from one of the old hull, the nearest of which is at least as near.
-    let from_old = |&point: &Vector| {
-        inner.iter().map(|&old| distance(point, old)).fold(f64::INFINITY, f64::min)
-    };
-    let growth = kept.points.iter().map(from_old).fold(0.0, f64::max);
-    Some((kept, growth))
-}
-
-/// The hull of the `cap` most prominent vertices, which does not grow, and how far in front of
-/// its faces the others lie.
-pub(crate) fn inner_hull(
-    builder: &mut HullBuilder,
-    hull: &ConvexHull,
-    cap: usize,
-) -> Option<(ConvexHull, f64)> {
-    let kept = most_prominent(builder, &hull.points, cap, 0.0)?;
-    let beyond = kept
-        .planes()
-        .iter()
-        .map(|&(normal, offset)| reach(&hull.points, normal, [0.0; 3]) - offset)
-        .fold(0.0, f64::max);
-    Some((kept, beyond))
-}
-
-/// The vertices, moved so that no point is more than `slack` in front of a face as it was. `None`
-/// if none is anyway.
-fn moved_outward(kept: &ConvexHull, points: &[Vector], slack: f64) -> Option<Vec<Vector>> {
-    let planes = kept.planes();
-    let mut wishes: Vec<Vec<(Vector, f64)>> = vec![Vec::new(); kept.points.len()];
-    let mut is_any = false;
-    for (&(normal, offset), triangle) in planes.iter().zip(&kept.triangles) {
-        let missing = reach(points, normal, [0.0; 3]) - offset - slack;
-        if missing > ROUNDING && normal != [0.0; 3] {
-            is_any = true;
-            for &vertex in triangle {
-                wishes[vertex as usize].push((normal, missing));
-            }
-        }
-    }
-    let moved = kept.points.iter().zip(&wishes).map(|(&point, wishes)| {
-        let mut by = [0.0; 3];
-        for _ in 0..PROJECTIONS {
-            for &(normal, missing) in wishes {
-                let left = missing - dot(normal, by);
-                if left > 0.0 {
-                    by = add(by, scale(normal, left));
-                }
-            }
-        }
-        add(point, by)
-    });
-    is_any.then(|| moved.collect())
+    Some(kept)
 }
 
 /// How far points reach along a direction, seen from `centre`.
@@ -157,12 +102,11 @@ fn reach(points: &[Vector], direction: Vector, centre: Vector) -> f64 {
 }
 
 /// The hull of up to `cap` points, each chosen for being farthest outside the hull of those
-/// before, until none is farther out than `slack`.
-fn most_prominent(
+/// before.
+pub(crate) fn most_prominent(
     builder: &mut HullBuilder,
     points: &[Vector],
     cap: usize,
-    slack: f64,
 ) -> Option<ConvexHull> {
     let mut chosen = first_points(points);
     if builder.build(&chosen) != Shape::Solid || chosen.len() > cap {
@@ -178,7 +122,7 @@ fn most_prominent(
             .iter()
             .map(|&point| (outside(point), point))
             .max_by(|a, b| a.0.total_cmp(&b.0))?;
-        if farthest.0 <= slack {
+        if farthest.0 <= 0.0 {
             break;
         }
         chosen.push(farthest.1);
@@ -221,7 +165,7 @@ mod tests {
     #[test]
     fn a_capped_hull_holds_the_old_one_and_says_how_far_it_grew() {
         let full = sphere(300);
-        for (cap, most) in [(64, 0.15), (32, 0.3), (8, 1.5)] {
+        for (cap, most) in [(64, 0.12), (32, 0.25), (8, 1.5)] {
             let (capped, growth) = cap_vertices(&mut HullBuilder::new(), full.clone(), cap);
             assert!(capped.points.len() <= cap);
             assert!(holds(&capped, &full), "{cap}");

@@ -6,6 +6,7 @@
 
 mod builder;
 mod cap;
+mod collapse;
 mod columns;
 mod convex_hull;
 mod face;
@@ -18,7 +19,8 @@ mod thickness;
 
 pub use builder::{DEFAULT_TOLERANCE, HullBuilder};
 pub use cap::cap_vertices;
-pub(crate) use cap::{cap_vertices_within, fewer_vertices, inner_hull};
+pub(crate) use cap::{coarser, most_prominent};
+pub(crate) use collapse::collapse_edges;
 pub use convex_hull::{ConvexHull, convex_hull};
 pub use simplex::Shape;
 pub use single_precision::SinglePrecisionHull;

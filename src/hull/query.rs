@@ -61,6 +61,13 @@ impl HullBuilder {
         newest.map(|(face, _)| face.vertices.map(|vertex| self.originals[vertex as usize]))
     }
 
+    /// The vertices of those faces, each as often as it is one.
+    pub(super) fn newest_vertices(&self) -> impl Iterator<Item = u32> + '_ {
+        let faces = self.faces.iter().zip(&self.waiting);
+        let newest = faces.filter(|(_, waiting)| waiting.generation == self.generation);
+        newest.flat_map(|(face, _)| face.vertices)
+    }
+
     /// Corners of all faces.
     pub(crate) fn all_faces(&self) -> impl Iterator<Item = [Vector; 3]> + '_ {
         self.faces.iter().map(|face| face.vertices.map(|vertex| self.originals[vertex as usize]))

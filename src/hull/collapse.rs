@@ -1,0 +1,296 @@
+//! Fewer vertices for as little volume as possible: edges collapse outward (progressive hulls, in
+//! Sander, Gu, Gortler, Hoppe, Snyder, "Silhouette clipping", 2000).
+//!
+//! An edge makes way for a point near it that lies in front of all faces at its two ends. The hull
+//! of the old one and that point has lost both ends, and holds all that it held.
+
+use std::collections::BTreeMap;
+
+use super::face::after;
+use super::{ConvexHull, HullBuilder, Shape};
+use crate::field::nearest_of_triangle;
+use crate::vector::{Vector, add, dot, length, scale, subtract};
+
+/// A new vertex lies this far in front of the faces that it replaces, as a share of the extent of
+/// the hull: more than the tolerance, so that they vanish.
+const CLEARANCE: f64 = 2e-6;
+
+/// Sweeps of the projection onto the space in front of all faces. What they leave undone is made
+/// up for by moving outward.
+const SWEEPS: usize = 24;
+
+/// The points of an edge that the new point should be near to, as shares of the way along it; the
+/// one that leads to the least volume counts.
+const STARTS: [f64; 3] = [0.5, 0.0, 1.0];
+
+/// Fewest vertices of a hull.
+const LEAST_VERTICES: usize = 4;
+
+/// What an edge may make way for, in the builder's scaled space.
+#[derive(Debug, Clone, Copy)]
+struct Collapse {
+    /// Added volume.
+    volume: f64,
+    point: Vector,
+    state: State,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum State {
+    Known,
+    /// Faces at its ends have changed since. Mostly it has become dearer.
+    Stale,
+    Refused,
+}
+
+/// A face at an end of an edge.
+struct Constraint {
+    normal: Vector,
+    offset: f64,
+    area: f64,
+}
+
+/// A hull of fewer vertices that holds `hull`, and how far it grew: no point of it is farther than
+/// that from the old one, in the points' units. `None` if no vertex was saved.
+///
+/// Cheapest edges go first, each only if all new faces are as `fits` wants them: as long as one
+/// adds at most `most_volume`, in cubed units, and beyond that while there are more than `cap`
+/// vertices. O(n²) for n vertices, with a small constant.
+pub(crate) fn collapse_edges(
+    hull: &ConvexHull,
+    most_volume: f64,
+    cap: usize,
+    fits: &mut impl FnMut([Vector; 3]) -> bool,
+) -> Option<(ConvexHull, f64)> {
+    let mut builder = HullBuilder::new();
+    if builder.build(&hull.points) != Shape::Solid {
+        return None;
+    }
+    let most_volume = most_volume * builder.factor.powi(3);
+    let mut trial = HullBuilder::new();
+    let mut faces: Vec<Vec<u32>> = Vec::new();
+    let mut collapses: BTreeMap<(u32, u32), Collapse> = BTreeMap::new();
+    let mut constraints = Vec::new();
+    let mut vertices = usize::MAX;
+    loop {
+        let left = faces_of_vertices(&builder, &mut faces);
+        // Each collapse saves a vertex at least, or rounding has come in between.
+        if left <= LEAST_VERTICES || left >= vertices {
+            break;
+        }
+        vertices = left;
+        collapses.retain(|&(a, b), _| [a, b].iter().all(|&v| !faces[v as usize].is_empty()));
+        for pair in edges(&builder) {
+            collapses
+                .entry(pair)
+                .or_insert_with(|| collapse(&builder, &faces, pair, &mut constraints));
+        }
+        let taken = loop {
+            let cheapest = collapses
+                .iter_mut()
+                .filter(|(_, collapse)| collapse.state != State::Refused)
+                .min_by(|a, b| a.1.volume.total_cmp(&b.1.volume));
+            let Some((&pair, cheapest)) = cheapest else { break false };
+            if cheapest.volume > most_volume && vertices <= cap {
+                break false;
+            }
+            if cheapest.state == State::Stale {
+                *cheapest = collapse(&builder, &faces, pair, &mut constraints);
+                continue;
+            }
+            trial.clone_from(&builder);
+            trial.insert(&[builder.outward(cheapest.point)]);
+            if trial.new_faces().all(&mut *fits) {
+                break true;
+            }
+            cheapest.state = State::Refused;
+        };
+        if !taken {
+            break;
+        }
+        std::mem::swap(&mut builder, &mut trial);
+        let mut changed: Vec<u32> = builder.newest_vertices().collect();
+        changed.sort_unstable();
+        changed.dedup();
+        for (&(a, b), collapse) in &mut collapses {
+            if [a, b].iter().any(|vertex| changed.binary_search(vertex).is_ok()) {
+                collapse.state = State::Stale;
+            }
+        }
+    }
+    let fewer = ConvexHull::from(builder.extract());
+    if fewer.points.len() >= hull.points.len() {
+        return None;
+    }
+    let growth = growth(&fewer, hull);
+    Some((fewer, growth))
+}
+
+/// How far the farthest point of a hull is from another one. O(vertices · triangles).
+pub(super) fn growth(hull: &ConvexHull, old: &ConvexHull) -> f64 {
+    let planes = old.planes();
+    // The distance to a convex set is a convex function, and so largest at a vertex. What is
+    // nearest to a point outside is on a face that it is in front of.
+    let away = |&point: &Vector| {
+        let in_front =
+            old.corners().zip(&planes).filter(|(_, plane)| dot(plane.0, point) > plane.1).map(
+                |(corners, _)| {
+                    let [a, b, c] = corners.map(|corner| subtract(corner, point));
+                    length(nearest_of_triangle(a, b, c))
+                },
+            );
+        in_front.min_by(f64::total_cmp).unwrap_or(0.0)
+    };
+    hull.points.iter().map(away).fold(0.0, f64::max)
+}
+
+/// The edges of a hull, the vertex of the lower number first.
+fn edges(builder: &HullBuilder) -> impl Iterator<Item = (u32, u32)> + '_ {
+    builder
+        .faces
+        .iter()
+        .flat_map(|face| [0, 1, 2].map(|edge| (face.vertices[edge], face.vertices[after(edge)])))
+        // Each is met from both its faces.
+        .filter(|(a, b)| a < b)
+}
+
+/// Lists the faces at each point. Returns how many points have some.
+fn faces_of_vertices(builder: &HullBuilder, faces: &mut Vec<Vec<u32>>) -> usize {
+    faces.iter_mut().for_each(Vec::clear);
+    faces.resize(builder.points.len(), Vec::new());
+    for (index, face) in (0..).zip(&builder.faces) {
+        for vertex in face.vertices {
+            faces[vertex as usize].push(index);
+        }
+    }
+    faces.iter().filter(|faces| !faces.is_empty()).count()
+}
+
+/// What an edge may make way for; refused if no direction leads out of all its faces.
+fn collapse(
+    builder: &HullBuilder,
+    faces: &[Vec<u32>],
+    (a, b): (u32, u32),
+    constraints: &mut Vec<Constraint>,
+) -> Collapse {
+    constraints.clear();
+    let mut outward = [0.0; 3];
+    let of_both = faces[a as usize].iter().chain(&faces[b as usize]);
+    for (place, &face) in of_both.enumerate() {
+        let face = &builder.faces[face as usize];
+        let is_known = place >= faces[a as usize].len() && face.vertices.contains(&a);
+        if is_known || face.inverse <= 0.0 {
+            continue;
+        }
+        let normal = scale(face.plane.normal, face.inverse);
+        outward = add(outward, normal);
+        constraints.push(Constraint {
+            normal,
+            offset: face.plane.offset * face.inverse + CLEARANCE,
+            area: 0.5 / face.inverse,
+        });
+    }
+    let [a, b] = [a, b].map(|vertex| builder.points[vertex as usize]);
+    let ways = STARTS.iter().filter_map(|&share| {
+        let start = add(scale(a, 1.0 - share), scale(b, share));
+        let point = projected(start, constraints, outward)?;
+        let volume = added_volume(point, constraints);
+        Some(Collapse { volume, point, state: State::Known })
+    });
+    let nowhere = Collapse { volume: f64::INFINITY, point: a, state: State::Refused };
+    ways.min_by(|a, b| a.volume.total_cmp(&b.volume)).unwrap_or(nowhere)
+}
+
+/// Volume between faces and a point in front of all of them.
+fn added_volume(point: Vector, constraints: &[Constraint]) -> f64 {
+    let volumes = constraints
+        .iter()
+        .map(|constraint| constraint.area * (dot(constraint.normal, point) - constraint.offset));
+    volumes.sum::<f64>() / 3.0
+}
+
+/// The point nearest to another one in front of all faces (Hildreth, "A quadratic programming
+/// procedure", 1957), moved outward as far as is missing in the end.
+fn projected(from: Vector, constraints: &[Constraint], outward: Vector) -> Option<Vector> {
+    let mut point = from;
+    let mut multipliers = vec![0.0_f64; constraints.len()];
+    for _ in 0..SWEEPS {
+        let mut is_done = true;
+        for (constraint, multiplier) in constraints.iter().zip(&mut multipliers) {
+            let missing = constraint.offset - dot(constraint.normal, point);
+            let next = (*multiplier + missing).max(0.0);
+            if next != *multiplier {
+                is_done &= (next - *multiplier).abs() < CLEARANCE;
+                point = add(point, scale(constraint.normal, next - *multiplier));
+                *multiplier = next;
+            }
+        }
+        if is_done {
+            break;
+        }
+    }
+    let by = constraints.iter().map(|constraint| {
+        let missing = constraint.offset - dot(constraint.normal, point);
+        if missing > 0.0 { missing / dot(constraint.normal, outward) } else { 0.0 }
+    });
+    let by = by.fold(0.0, f64::max);
+    let point = add(point, scale(outward, by));
+    // Faces that look away from the others are not reached that way, or left behind.
+    let is_in_front = |constraint: &Constraint| {
+        dot(constraint.normal, point) >= constraint.offset - 0.5 * CLEARANCE
+    };
+    constraints.iter().all(is_in_front).then_some(point)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hull::convex_hull;
+
+    /// A prism over a regular polygon.
+    fn prism(corners: u32) -> ConvexHull {
+        let points = (0..corners).flat_map(|i| {
+            let angle = f64::from(i) * std::f64::consts::TAU / f64::from(corners);
+            [-0.5, 0.5].map(|z| [angle.cos(), angle.sin(), z])
+        });
+        convex_hull(&points.collect::<Vec<_>>()).unwrap()
+    }
+
+    fn holds(outer: &ConvexHull, inner: &ConvexHull) -> bool {
+        outer.planes().iter().all(|&(normal, offset)| {
+            inner.points.iter().all(|&point| dot(normal, point) - offset <= 1e-9)
+        })
+    }
+
+    #[test]
+    fn a_prism_with_fewer_sides_holds_the_old_one_and_little_more() {
+        let full = prism(40);
+        let (fewer, growth) = collapse_edges(&full, 1e-3, usize::MAX, &mut |_| true).unwrap();
+        assert!(holds(&fewer, &full));
+        assert!(fewer.points.len() <= 48, "{}", fewer.points.len());
+        assert!(fewer.volume() < 1.1 * full.volume());
+        assert!(growth > 0.0 && growth < 0.2, "{growth}");
+    }
+
+    #[test]
+    fn nothing_is_saved_at_no_cost_in_volume() {
+        assert!(collapse_edges(&prism(40), 0.0, usize::MAX, &mut |_| true).is_none());
+    }
+
+    #[test]
+    fn faces_that_do_not_fit_stay_away() {
+        let full = prism(40);
+        let is_old = |&[x, y, _]: &Vector| x < 0.0 || x.hypot(y) < 1.0 + 1e-5;
+        let mut on_the_left = |face: [Vector; 3]| face.iter().all(is_old);
+        let (fewer, _) = collapse_edges(&full, 1e-3, usize::MAX, &mut on_the_left).unwrap();
+        assert!(fewer.points.len() < full.points.len());
+        assert!(fewer.points.iter().all(is_old));
+    }
+
+    #[test]
+    fn a_tetrahedron_stays() {
+        let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let hull = convex_hull(&corners).unwrap();
+        assert!(collapse_edges(&hull, 1.0, 0, &mut |_| true).is_none());
+    }
+}
