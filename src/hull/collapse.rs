@@ -17,7 +17,7 @@ const CLEARANCE: f64 = 2e-6;
 
 /// Sweeps of the projection onto the space in front of all faces. What they leave undone is made
 /// up for by moving outward.
-const SWEEPS: usize = 24;
+const SWEEPS: usize = 6;
 
 /// The points of an edge that the new point should be near to, as shares of the way along it; the
 /// one that leads to the least volume counts.
