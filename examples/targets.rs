@@ -1,5 +1,5 @@
 //! Holds the bounded method against CoACD and Parry's V-HACD, mesh by mesh:
-//! `cargo run --release --features io --example targets -- SHARED [MODE] [FILTER]`.
+//! `cargo run --release --features io --example targets -- SHARED [MODE] [FILTER] [fast|fine]`.
 //!
 //! `SHARED` is a folder with `peers/results.tsv`, which names the meshes and what the peers
 //! returned, and the meshes in `meshes` (those of glTF scenes flattened in `peers/src`). `MODE` is
@@ -16,7 +16,7 @@ use std::time::Instant;
 
 use hullwright::io::read_mesh;
 use hullwright::measure::{HullShape, MeasureOptions, measure};
-use hullwright::{Control, Parameters, Unit, decompose};
+use hullwright::{Control, Parameters, Preset, Unit, decompose};
 use parry3d::math::Vec3;
 use parry3d::transformation::vhacd::{VHACD, VHACDParameters};
 
@@ -49,14 +49,22 @@ struct Row {
 }
 
 fn main() -> ExitCode {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let mut arguments: Vec<String> = std::env::args().skip(1).collect();
+    let preset = match arguments.last().map(String::as_str) {
+        Some("fast") => Some(Preset::Fast),
+        Some("fine") => Some(Preset::Fine),
+        _ => None,
+    };
+    if preset.is_some() {
+        arguments.pop();
+    }
     let Some(shared) = arguments.first() else {
-        eprintln!("usage: targets SHARED [default|coacd|SHARE] [FILTER]");
+        eprintln!("usage: targets SHARED [default|coacd|SHARE] [FILTER] [fast|fine]");
         return ExitCode::from(2);
     };
     let mode = arguments.get(1).map_or("default", String::as_str);
     let filter = arguments.get(2).map_or("", String::as_str);
-    match run(Path::new(shared), mode, filter) {
+    match run(Path::new(shared), mode, filter, preset.unwrap_or_default()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error}");
@@ -65,7 +73,7 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(shared: &Path, mode: &str, filter: &str) -> Result<(), Box<dyn Error>> {
+fn run(shared: &Path, mode: &str, filter: &str, preset: Preset) -> Result<(), Box<dyn Error>> {
     let mut rows = Vec::new();
     println!(
         "{:<46} {:>6} {:>6} {:>5} {:>7} {:>7} {:>6} {:>6} {:>5} {:>8} {:>8} {:>8}",
@@ -88,7 +96,7 @@ fn run(shared: &Path, mode: &str, filter: &str) -> Result<(), Box<dyn Error>> {
             "coacd" => peer.hausdorff,
             share => share.parse()?,
         };
-        let row = compare(&path(shared, &peer.mesh), &peer, bound)?;
+        let row = compare(&path(shared, &peer.mesh), &peer, bound, preset)?;
         let share = |value: Option<f64>| value.map_or("–".into(), |value| format!("{value:.3}"));
         println!(
             "{:<46} {:>6} {:>6} {:>5.1} {:>7.4} {:>7.4} {:>6} {:>6} {:>5} {:>8.1} {:>8.1} {:>8.1}",
@@ -128,10 +136,11 @@ fn path(shared: &Path, mesh: &str) -> PathBuf {
     if flat.exists() { flat } else { shared.join("meshes").join(mesh) }
 }
 
-fn compare(path: &Path, peer: &Peer, bound: f64) -> Result<Row, Box<dyn Error>> {
+fn compare(path: &Path, peer: &Peer, bound: f64, preset: Preset) -> Result<Row, Box<dyn Error>> {
     let file = read_mesh(path)?;
     let mut parameters = Parameters::default();
     parameters.bounded.max_error = Unit::Diagonals(bound);
+    parameters.bounded.preset = preset;
     let start = Instant::now();
     let result = decompose(&file.positions, &file.triangles, &parameters, &Control::new())?;
     let seconds = start.elapsed().as_secs_f64();

@@ -20,10 +20,6 @@ use crate::{Control, Error};
 /// for each vertex.
 const VOLUME_PER_VERTEX: f64 = 1.2e-3;
 
-/// New faces may stand out by this share of the bound, so that the few hulls whose error is
-/// largest do not come to stand out farther.
-const FACES: f64 = 0.95;
-
 /// The surface may lie this far outside of a hull that leaves out vertices, in bounds.
 const LEFT_OUT: f64 = 0.05;
 
@@ -215,7 +211,7 @@ fn finished(
     let most = tuning.max_vertices.unwrap_or(usize::MAX);
     let mut stack = Vec::new();
     let mut fits = |face| {
-        let bound = FACES * tuning.bound;
+        let bound = tuning.search_bound;
         solid.centre_fits(face, bound) && solid.face_fits(face, bound, &mut stack)
     };
     for share in once(LEFT_OUT).chain(MORE_LEFT_OUT) {

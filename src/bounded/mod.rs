@@ -41,7 +41,7 @@ use tree::Tree;
 
 /// The search leaves this much of the bound unused: room for a cap on vertices, and for what the
 /// search overlooks.
-const SEARCH_SHARE: f64 = 0.91;
+const SEARCH_SHARE: f64 = 0.92;
 
 /// What the stages go by, in diagonals.
 pub(crate) struct Tuning {

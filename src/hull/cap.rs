@@ -1,7 +1,8 @@
 //! A cap on the vertices of a hull: a certified step that only lets it grow.
 //!
-//! Edges collapse outward until few enough are left (see `collapse`). What has very many vertices
-//! first leaves out those that hardly stand out, and makes up for it by growing about its centre.
+//! Edges collapse outward until few enough are left (see `collapse`); or the vertices that stand
+//! out most are kept, and their hull grows about its centre: what grows less counts. What has very
+//! many vertices first leaves out those that hardly stand out.
 
 use super::collapse::{collapse_edges, growth};
 use super::columns::Columns;
@@ -31,19 +32,16 @@ pub fn cap_vertices(builder: &mut HullBuilder, hull: ConvexHull, cap: usize) -> 
     }
     let thin = if hull.points.len() > MANY_VERTICES { thinned(&hull) } else { None };
     let collapsed = collapse_edges(thin.as_ref().unwrap_or(&hull), 0.0, cap, &mut |_| true)
-        .filter(|(collapsed, _)| collapsed.points.len() <= cap);
-    let capped = match collapsed {
-        Some(collapsed) if thin.is_none() => return collapsed,
-        Some((collapsed, _)) => Some(collapsed),
-        None => most_prominent(builder, &hull.points, cap),
-    };
-    match capped.and_then(|capped| grown_over(capped, &hull)) {
-        Some(grown) => {
-            let growth = growth(&grown, &hull);
-            (grown, growth)
-        }
-        None => (hull, 0.0),
-    }
+        .map(|(collapsed, _)| collapsed)
+        .filter(|collapsed| collapsed.points.len() <= cap);
+    // For a handful of vertices the shortest way there is not the best.
+    let prominent = most_prominent(builder, &hull.points, cap);
+    let capped = collapsed.into_iter().chain(prominent).filter_map(|capped| {
+        let grown = grown_over(capped, &hull)?;
+        let growth = growth(&grown, &hull);
+        Some((grown, growth))
+    });
+    capped.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((hull, 0.0))
 }
 
 /// A hull of the vertices that stand out of the rest by more than a tolerance: the least that
