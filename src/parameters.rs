@@ -251,8 +251,8 @@ pub struct Parameters {
     /// Parameters of [`Method::Surface`].
     pub surface: SurfaceParameters,
     /// Most vertices that a hull may have, at least 8; `None` for no cap. A hull over the cap is
-    /// replaced by one that contains it, grown as little as possible, or, where the bounded
-    /// method's bound forbids that, by one that leaves out what stands out least;
+    /// replaced by one that contains it and little more or, where the bounded method's bound
+    /// forbids that, by one that leaves out what stands out least;
     /// [`Hull::cap_growth`](crate::Hull::cap_growth) says by how much it grew. Default 64; `None`
     /// in [`Parameters::paper`].
     pub max_vertices: Option<usize>,

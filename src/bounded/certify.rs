@@ -24,6 +24,9 @@ const FINE_RESOLUTION: f64 = 0.005;
 /// large is inside if the winding number at its centre is this much above one half.
 const STEEPEST: f64 = 0.5;
 
+/// The winding number close below an open sheet.
+const BELOW_A_SHEET: f64 = 0.5;
+
 /// There parts smaller than this share of the bound are where their centre is.
 const OPEN: f64 = 0.1;
 
@@ -124,9 +127,12 @@ pub(super) fn phantom(
                 solid.is_inside(centre, closest.distance)
             } else {
                 // The side may change without a surface in between, but not on a sudden.
-                let winding = solid.field.winding_number(centre) - OPEN_INSIDE;
+                let number = solid.field.winding_number(centre);
+                let winding = number - OPEN_INSIDE;
                 let is_small = radius <= OPEN * bound;
-                let steepest = STEEPEST * radius / closest.distance;
+                // Each sheet that it is below makes it the steeper.
+                let sheets = (number / BELOW_A_SHEET).max(1.0);
+                let steepest = sheets * STEEPEST * radius / closest.distance;
                 if winding > 0.0 && (is_small || (radius <= closest.distance && winding > steepest))
                 {
                     continue;
@@ -285,4 +291,54 @@ fn outside_all(
         .fold(0.0, |most: f64, part| {
             most.max(outside_all(part, hulls, worst.max(most), least, halvings - 1))
         })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hull::convex_hull;
+
+    #[test]
+    fn below_a_stack_of_open_sheets_a_large_face_is_not_inside_as_a_whole() {
+        // Six unit squares, one close above the other: right below them the winding number is 3,
+        // but at a depth of 0.9 less than one half.
+        let mut positions = Vec::new();
+        let mut triangles = Vec::new();
+        for sheet in 0..6_u32 {
+            let z = 1e-3 * f64::from(sheet);
+            positions.extend([[0.0, 0.0, z], [1.0, 0.0, z], [1.0, 1.0, z], [0.0, 1.0, z]]);
+            triangles.extend([[0, 1, 2], [0, 2, 3]].map(|corners| corners.map(|v| v + 4 * sheet)));
+        }
+        let control = Control::new();
+        let bound = 0.01;
+        let solid = Solid::new(&positions, &triangles, false, bound, &control).unwrap();
+        let depth = 0.9;
+        let corners = [[0.5, 0.0, 0.0], [0.5, 1.0, 0.0], [0.5, 0.5, -depth], [0.6, 0.5, -0.1]];
+        let hull = convex_hull(&corners).unwrap();
+        assert!(!is_inside(&solid, corners[2]));
+        assert!(is_inside(&solid, [0.5, 0.5, -0.3]));
+        let found = phantom(&hull, &solid, bound, f64::INFINITY, &control).unwrap();
+        assert!(found >= depth, "{found}");
+    }
+
+    fn is_inside(solid: &Solid, point: Vector) -> bool {
+        solid.field.winding_number(point) > OPEN_INSIDE
+    }
+
+    #[test]
+    fn a_hull_beside_its_solid_stands_out_by_their_distance() {
+        let cube = |low: f64| {
+            let corners = (0..8).map(|i| [0, 1, 2].map(|k| low + f64::from(i >> k & 1)));
+            convex_hull(&corners.collect::<Vec<_>>()).unwrap()
+        };
+        let (inner, outer) = (cube(0.0), cube(0.25));
+        let control = Control::new();
+        let bound = 0.02;
+        let solid = Solid::new(&inner.points, &inner.triangles, true, bound, &control).unwrap();
+        let of = |hull| phantom(hull, &solid, bound, f64::INFINITY, &control).unwrap();
+        assert!(of(&inner) <= bound);
+        // The farthest corner is a quarter away along each axis.
+        let farthest = 0.25 * 3f64.sqrt();
+        assert!((farthest..1.05 * farthest).contains(&of(&outer)), "{}", of(&outer));
+    }
 }

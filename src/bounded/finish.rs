@@ -23,10 +23,12 @@ const VOLUME_PER_VERTEX: f64 = 1.2e-3;
 /// The surface may lie this far outside of a hull that leaves out vertices, in bounds.
 const LEFT_OUT: f64 = 0.05;
 
-/// Where the cap on vertices can't be kept otherwise, this much may be left out, in bounds.
-const MORE_LEFT_OUT: [f64; 2] = [0.1, 0.2];
+/// Where the cap on vertices can't be kept otherwise, vertices that stand out by this much, in bounds,
+/// are left out too.
+const COARSER: [f64; 2] = [0.1, 0.2];
 
-/// A cap on vertices that would leave out more than this, in bounds, divides the hull instead.
+/// A cap on vertices that would let the surface lie farther outside than this, in bounds, divides the
+/// hull instead.
 const MOST_LEFT_OUT: f64 = 0.5;
 
 /// A hull that is returned, in diagonals.
@@ -211,27 +213,35 @@ fn finished(
     let most = tuning.max_vertices.unwrap_or(usize::MAX);
     let mut stack = Vec::new();
     let mut fits = |face| {
+        control.check()?;
         let bound = tuning.search_bound;
-        solid.centre_fits(face, bound) && solid.face_fits(face, bound, &mut stack)
+        Ok(solid.centre_fits(face, bound) && solid.face_fits(face, bound, &mut stack))
     };
-    for share in once(LEFT_OUT).chain(MORE_LEFT_OUT) {
-        let allowed = if share > LEFT_OUT { MOST_LEFT_OUT * tuning.bound } else { allowed };
-        let coarse = coarser(&full, share * tuning.bound);
-        let collapsed = coarse
-            .as_ref()
-            .and_then(|coarse| collapse_edges(coarse, volume_per_vertex, most, &mut fits));
-        for (few, growth) in collapsed.into_iter().chain(coarse.map(|coarse| (coarse, 0.0))) {
-            control.check()?;
-            if few.points.len() > most {
-                continue;
+    for share in once(LEFT_OUT).chain(COARSER) {
+        let is_first = share == LEFT_OUT;
+        let allowed = if is_first { allowed } else { MOST_LEFT_OUT * tuning.bound };
+        let coarse = match coarser(&full, share * tuning.bound) {
+            Some(coarse) => {
+                let solid = solid_hull(builder, &coarse.points, hull.outward, LEAST_THICKNESS)?;
+                (solid.1 == 0.0).then_some(coarse)
             }
-            let left_out = left_out(&few, &own, allowed);
-            if left_out > allowed {
-                continue;
-            }
-            let phantom = phantom(&few, solid, tuning.bound, tuning.bound, control)?;
-            if phantom <= tuning.bound {
-                return Ok(make(few, growth, phantom, left_out));
+            None => None,
+        };
+        // What has no thickness to spare, and what would leave out too much, collapses as it is.
+        for from in coarse.into_iter().chain(is_first.then(|| full.clone())) {
+            let collapsed = collapse_edges(&from, volume_per_vertex, most, &mut fits)?;
+            for (few, growth) in collapsed.into_iter().chain(once((from, 0.0))) {
+                if few.points.len() > most {
+                    continue;
+                }
+                let left_out = left_out(&few, &own, allowed.max(full_left_out));
+                if left_out > allowed.max(full_left_out) {
+                    continue;
+                }
+                let phantom = phantom(&few, solid, tuning.bound, tuning.bound, control)?;
+                if phantom <= tuning.bound {
+                    return Ok(make(few, growth, phantom, left_out));
+                }
             }
         }
         if full.points.len() <= most {

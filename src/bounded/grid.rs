@@ -46,16 +46,15 @@ const OUTSIDE: u8 = 2;
 /// Half the diagonal of a cell, in cells.
 const HALF_DIAGONAL: f64 = 0.8660254037844387;
 
-/// Where all points of a cell are, seen from the solid. One byte each, so that they stay in the
-/// processor's cache.
+/// What holds for all points of a cell. One byte each, so that they stay in the processor's cache.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Place {
-    /// In it or at most the distance `near` away.
+pub(super) enum Verdict {
+    /// In the solid, or near it.
     Near,
-    /// Outside, and farther than the distance `far` away.
+    /// Outside, and, as far as the grid knows, far from it.
     Far,
-    /// Some here, some there, or it is not known.
-    Between,
+    /// Some are here, some there, or it is not known.
+    Mixed,
 }
 
 /// What a cell knows of its centre.
@@ -77,7 +76,7 @@ pub(super) struct Grid {
     /// The triangle that holds the nearest point; `u32::MAX` beyond the band.
     owners: Vec<u32>,
     sides: Vec<AtomicU8>,
-    places: Vec<Place>,
+    verdicts: Vec<Verdict>,
     band: f32,
     is_flooded: bool,
 }
@@ -124,7 +123,7 @@ impl Grid {
             cells: vec![Cell { nearest: [f32::NAN; 3], distance: band }; total],
             owners: vec![u32::MAX; total],
             sides: Vec::new(),
-            places: Vec::new(),
+            verdicts: Vec::new(),
             band,
             is_flooded: false,
         };
@@ -293,26 +292,27 @@ impl Grid {
         Ok(())
     }
 
-    /// Finds out which cells are near or far as a whole, once the sides are flooded.
-    pub(super) fn place_cells(&mut self, near: f64, far: f64) {
+    /// Finds out which cells are near as a whole, at most the distance `near` away, and which far, by
+    /// more than `far`, once the sides are flooded.
+    pub(super) fn judge_cells(&mut self, near: f64, far: f64) {
         let half = HALF_DIAGONAL * f64::from(self.size);
         let is_flooded = self.is_flooded;
-        let place = |(cell, side): (&Cell, &mut AtomicU8)| {
+        let verdict = |(cell, side): (&Cell, &mut AtomicU8)| {
             let distance = f64::from(cell.distance);
             match *side.get_mut() {
-                _ if distance + half <= near => Place::Near,
-                INSIDE if is_flooded && distance > half => Place::Near,
-                OUTSIDE if is_flooded && distance - half > far => Place::Far,
-                _ => Place::Between,
+                _ if distance + half <= near => Verdict::Near,
+                INSIDE if is_flooded && distance > half => Verdict::Near,
+                OUTSIDE if is_flooded && distance - half > far => Verdict::Far,
+                _ => Verdict::Mixed,
             }
         };
-        self.places = self.cells.iter().zip(&mut self.sides).map(place).collect();
+        self.verdicts = self.cells.iter().zip(&mut self.sides).map(verdict).collect();
     }
 
-    /// Where a point is, as far as its cell tells.
+    /// What the cell says about all of its points.
     #[inline]
-    pub(super) fn place_of_point(&self, point: Vector) -> Place {
-        self.places[self.index(self.place(self.relative(point)))]
+    pub(super) fn verdict(&self, point: Vector) -> Verdict {
+        self.verdicts[self.index(self.place(self.relative(point)))]
     }
 
     pub(super) fn count(&self) -> usize {

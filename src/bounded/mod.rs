@@ -39,9 +39,9 @@ use seeds::{Seeds, Working};
 use solid::Solid;
 use tree::Tree;
 
-/// The search leaves this much of the bound unused: room for a cap on vertices, and for what the
-/// search overlooks.
+/// The search goes by this share of the bound, so that there is room for what it overlooks.
 const SEARCH_SHARE: f64 = 0.92;
+const _: () = assert!(SEARCH_SHARE >= solid::LEAST_SEARCH_SHARE);
 
 /// What the stages go by, in diagonals.
 pub(crate) struct Tuning {

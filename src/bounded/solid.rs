@@ -7,7 +7,7 @@
 //! come out. Otherwise the face is halved.
 
 use super::cavities::cavities;
-use super::grid::{Grid, Place};
+use super::grid::{Grid, Verdict};
 use super::verdicts::Verdicts;
 use crate::field::Field;
 use crate::vector::{Vector, add, length_squared, scale, subtract};
@@ -16,8 +16,8 @@ use crate::{Control, Error};
 /// A face smaller than this share of the bound is decided by its centre.
 const SMALL: f64 = 0.25;
 
-/// The search never asks for less than this share of the bound.
-const LEAST_BOUND: f64 = 0.9;
+/// The search never asks for less than this share of the solid's bound.
+pub(super) const LEAST_SEARCH_SHARE: f64 = 0.9;
 
 /// Where the grid gives a distance above the bound by less than this share, the field is asked.
 const DOUBT: f64 = 1.5;
@@ -72,7 +72,7 @@ impl Solid {
         if is_closed {
             grid.flood(&field, control)?;
         }
-        grid.place_cells(LEAST_BOUND * bound, DOUBT * bound);
+        grid.judge_cells(LEAST_SEARCH_SHARE * bound, DOUBT * bound);
         Ok(Self { field, is_closed, grid, cavities: Vec::new(), verdicts: Verdicts::new() })
     }
 
@@ -134,13 +134,14 @@ impl Solid {
         }
     }
 
-    /// Whether the point is in the solid or at most `bound` away from it.
+    /// Whether the point is in the solid or at most `bound` away from it: between
+    /// [`LEAST_SEARCH_SHARE`] of the solid's bound and all of it.
     #[inline]
     pub fn holds(&self, point: Vector, bound: f64) -> bool {
-        match self.grid.place_of_point(point) {
-            Place::Near => return true,
-            Place::Far => return false,
-            Place::Between => {}
+        match self.grid.verdict(point) {
+            Verdict::Near => return true,
+            Verdict::Far => return false,
+            Verdict::Mixed => {}
         }
         let probe = self.grid.probe(point);
         if probe.upper <= bound {

@@ -8,7 +8,7 @@ use super::collapse::{collapse_edges, growth};
 use super::columns::Columns;
 use super::simplex::first_simplex;
 use super::{ConvexHull, HullBuilder, Shape};
-use crate::vector::{Vector, add, distance, dot, scale, subtract};
+use crate::vector::{Vector, add, dot, scale, subtract};
 
 /// Rounding when the vertices are moved must not let an old vertex out again.
 const ROUNDING: f64 = 1e-12;
@@ -17,26 +17,26 @@ const ROUNDING: f64 = 1e-12;
 /// square.
 const MANY_VERTICES: usize = 512;
 
-/// The first tolerance of thinning out, as a share of the hull's extent, and what it is multiplied
-/// by as long as it is too fine.
-const THINNING: (f64, f64) = (1e-4, 2.0);
+/// The first tolerance of thinning out, as a share of the hull's extent; it is doubled as long as it
+/// is too fine.
+const THINNING: f64 = 1e-4;
 
 /// A hull of at most `cap` vertices that holds all of `hull`, and how far it grew: no point of it
 /// is farther than that from the old one, in the points' units. A hull within the cap is returned
 /// as it is. With a cap below 4 the hull stays as it is too.
 ///
-/// O(n log n) for n vertices.
+/// O(n log n + cap² n) for n vertices.
 pub fn cap_vertices(builder: &mut HullBuilder, hull: ConvexHull, cap: usize) -> (ConvexHull, f64) {
     if hull.points.len() <= cap {
         return (hull, 0.0);
     }
-    let thin = if hull.points.len() > MANY_VERTICES { thinned(&hull) } else { None };
-    let collapsed = collapse_edges(thin.as_ref().unwrap_or(&hull), 0.0, cap, &mut |_| true)
-        .map(|(collapsed, _)| collapsed)
-        .filter(|collapsed| collapsed.points.len() <= cap);
+    let thin = if hull.points.len() > MANY_VERTICES { thinned(builder, &hull) } else { None };
+    let collapsed = collapse_edges(thin.as_ref().unwrap_or(&hull), 0.0, cap, &mut |_| Ok(true));
+    let collapsed = collapsed.ok().flatten().map(|(collapsed, _)| collapsed);
     // For a handful of vertices the shortest way there is not the best.
     let prominent = most_prominent(builder, &hull.points, cap);
-    let capped = collapsed.into_iter().chain(prominent).filter_map(|capped| {
+    let capped = [thin, collapsed, prominent].into_iter().flatten();
+    let capped = capped.filter(|capped| capped.points.len() <= cap).filter_map(|capped| {
         let grown = grown_over(capped, &hull)?;
         let growth = growth(&grown, &hull);
         Some((grown, growth))
@@ -44,22 +44,22 @@ pub fn cap_vertices(builder: &mut HullBuilder, hull: ConvexHull, cap: usize) -> 
     capped.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((hull, 0.0))
 }
 
-/// A hull of the vertices that stand out of the rest by more than a tolerance: the least that
+/// A hull of the vertices that stand out of the rest by more than a tolerance: about the least that
 /// leaves few enough.
-fn thinned(hull: &ConvexHull) -> Option<ConvexHull> {
-    let (mut tolerance, factor) = THINNING;
-    loop {
-        let thin = coarser(hull, tolerance * extent(hull)?)?;
-        if thin.points.len() <= MANY_VERTICES {
-            return Some(thin);
+fn thinned(builder: &mut HullBuilder, hull: &ConvexHull) -> Option<ConvexHull> {
+    let mut share = THINNING;
+    while share < 1.0 {
+        let mut coarse = HullBuilder::new().with_tolerance(share);
+        if coarse.build(&hull.points) != Shape::Solid {
+            break;
         }
-        tolerance *= factor;
+        let (points, triangles) = coarse.extract();
+        if points.len() <= MANY_VERTICES {
+            return Some((points, triangles).into());
+        }
+        share *= 2.0;
     }
-}
-
-/// Diagonal of the bounding box; `None` without points.
-fn extent(hull: &ConvexHull) -> Option<f64> {
-    hull.bounds().map(|bounds| distance(bounds.min, bounds.max))
+    most_prominent(builder, &hull.points, MANY_VERTICES)
 }
 
 /// The hull of the vertices that stand out of each other by more than `tolerance`, in the points'
@@ -125,6 +125,10 @@ pub(crate) fn most_prominent(
         }
         chosen.push(farthest.1);
         builder.insert(&[farthest.1]);
+        if builder.new_faces().next().is_none() {
+            // It is nearer to the hull than the tolerance, and so are all others.
+            break;
+        }
     }
     Some(builder.extract().into())
 }
@@ -140,6 +144,7 @@ fn first_points(points: &[Vector]) -> Vec<Vector> {
 mod tests {
     use super::*;
     use crate::hull::convex_hull;
+    use crate::vector::distance;
 
     fn sphere(count: u32) -> ConvexHull {
         // Fibonacci's lattice.
@@ -172,6 +177,22 @@ mod tests {
             assert!(farthest - 1.0 <= growth + 1e-9);
             assert!(growth < most, "{cap}: {growth}");
         }
+    }
+
+    #[test]
+    fn very_many_vertices_and_very_large_units_are_capped_too() {
+        for factor in [1.0, 1e200, 1e-170] {
+            let mut full = sphere(1500);
+            full.points.iter_mut().for_each(|point| *point = scale(*point, factor));
+            for cap in [64, 600] {
+                let (capped, _) = cap_vertices(&mut HullBuilder::new(), full.clone(), cap);
+                assert!(capped.points.len() <= cap, "{factor:e}");
+            }
+        }
+        let full = sphere(1500);
+        let (capped, growth) = cap_vertices(&mut HullBuilder::new(), full.clone(), 600);
+        assert!(holds(&capped, &full));
+        assert!(growth < 0.02, "{growth}");
     }
 
     #[test]

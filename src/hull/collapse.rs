@@ -8,11 +8,12 @@ use std::collections::BTreeMap;
 
 use super::face::after;
 use super::{ConvexHull, HullBuilder, Shape};
+use crate::Error;
 use crate::field::nearest_of_triangle;
 use crate::vector::{Vector, add, dot, length, scale, subtract};
 
-/// A new vertex lies this far in front of the faces that it replaces, as a share of the extent of
-/// the hull: more than the tolerance, so that they vanish.
+/// A new vertex lies this far in front of the faces that it replaces, in the builder's scaled space
+/// (where a hull's extent is between 1 and 2): more than the tolerance, so that they vanish.
 const CLEARANCE: f64 = 2e-6;
 
 /// Sweeps of the projection onto the space in front of all faces. What they leave undone is made
@@ -25,6 +26,10 @@ const STARTS: [f64; 3] = [0.5, 0.0, 1.0];
 
 /// Fewest vertices of a hull.
 const LEAST_VERTICES: usize = 4;
+
+/// Collapsing takes time like the square of the number of vertices: nothing is done beyond this
+/// many.
+const MOST_VERTICES: usize = 4096;
 
 /// What an edge may make way for, in the builder's scaled space.
 #[derive(Debug, Clone, Copy)]
@@ -51,34 +56,35 @@ struct Constraint {
 }
 
 /// A hull of fewer vertices that holds `hull`, and how far it grew: no point of it is farther than
-/// that from the old one, in the points' units. `None` if no vertex was saved.
+/// that from the old one, in the points' units. `None` if no vertex was saved, as for a hull of very
+/// many.
 ///
 /// Cheapest edges go first, each only if all new faces are as `fits` wants them: as long as one
 /// adds at most `most_volume`, in cubed units, and beyond that while there are more than `cap`
 /// vertices. O(n²) for n vertices, with a small constant.
+///
+/// # Errors
+/// Those of `fits`.
 pub(crate) fn collapse_edges(
     hull: &ConvexHull,
     most_volume: f64,
     cap: usize,
-    fits: &mut impl FnMut([Vector; 3]) -> bool,
-) -> Option<(ConvexHull, f64)> {
+    fits: &mut impl FnMut([Vector; 3]) -> Result<bool, Error>,
+) -> Result<Option<(ConvexHull, f64)>, Error> {
     let mut builder = HullBuilder::new();
-    if builder.build(&hull.points) != Shape::Solid {
-        return None;
+    if hull.points.len() > MOST_VERTICES || builder.build(&hull.points) != Shape::Solid {
+        return Ok(None);
     }
-    let most_volume = most_volume * builder.factor.powi(3);
+    let most_volume = if most_volume > 0.0 { most_volume * builder.factor.powi(3) } else { 0.0 };
     let mut trial = HullBuilder::new();
     let mut faces: Vec<Vec<u32>> = Vec::new();
     let mut collapses: BTreeMap<(u32, u32), Collapse> = BTreeMap::new();
     let mut constraints = Vec::new();
-    let mut vertices = usize::MAX;
     loop {
-        let left = faces_of_vertices(&builder, &mut faces);
-        // Each collapse saves a vertex at least, or rounding has come in between.
-        if left <= LEAST_VERTICES || left >= vertices {
+        let vertices = faces_of_vertices(&builder, &mut faces);
+        if vertices <= LEAST_VERTICES {
             break;
         }
-        vertices = left;
         collapses.retain(|&(a, b), _| [a, b].iter().all(|&v| !faces[v as usize].is_empty()));
         for pair in edges(&builder) {
             collapses
@@ -100,7 +106,9 @@ pub(crate) fn collapse_edges(
             }
             trial.clone_from(&builder);
             trial.insert(&[builder.outward(cheapest.point)]);
-            if trial.new_faces().all(&mut *fits) {
+            // Each collapse saves a vertex, unless rounding comes in between.
+            let is_smaller = trial.triangle_count() < builder.triangle_count();
+            if is_smaller && all_fit(&trial, fits)? {
                 break true;
             }
             cheapest.state = State::Refused;
@@ -120,10 +128,22 @@ pub(crate) fn collapse_edges(
     }
     let fewer = ConvexHull::from(builder.extract());
     if fewer.points.len() >= hull.points.len() {
-        return None;
+        return Ok(None);
     }
     let growth = growth(&fewer, hull);
-    Some((fewer, growth))
+    Ok(Some((fewer, growth)))
+}
+
+fn all_fit(
+    builder: &HullBuilder,
+    fits: &mut impl FnMut([Vector; 3]) -> Result<bool, Error>,
+) -> Result<bool, Error> {
+    for face in builder.new_faces() {
+        if !fits(face)? {
+            return Ok(false);
+        }
+    }
+    Ok(true)
 }
 
 /// How far the farthest point of a hull is from another one. O(vertices · triangles).
@@ -166,7 +186,8 @@ fn faces_of_vertices(builder: &HullBuilder, faces: &mut Vec<Vec<u32>>) -> usize 
     faces.iter().filter(|faces| !faces.is_empty()).count()
 }
 
-/// What an edge may make way for; refused if no direction leads out of all its faces.
+/// What an edge may make way for; refused if no direction leads out of all its faces, or if it is
+/// no edge any more.
 fn collapse(
     builder: &HullBuilder,
     faces: &[Vec<u32>],
@@ -190,14 +211,19 @@ fn collapse(
             area: 0.5 / face.inverse,
         });
     }
+    let is_edge =
+        faces[a as usize].iter().any(|&face| builder.faces[face as usize].vertices.contains(&b));
     let [a, b] = [a, b].map(|vertex| builder.points[vertex as usize]);
+    let nowhere = Collapse { volume: f64::INFINITY, point: a, state: State::Refused };
+    if !is_edge {
+        return nowhere;
+    }
     let ways = STARTS.iter().filter_map(|&share| {
         let start = add(scale(a, 1.0 - share), scale(b, share));
         let point = projected(start, constraints, outward)?;
         let volume = added_volume(point, constraints);
         Some(Collapse { volume, point, state: State::Known })
     });
-    let nowhere = Collapse { volume: f64::INFINITY, point: a, state: State::Refused };
     ways.min_by(|a, b| a.volume.total_cmp(&b.volume)).unwrap_or(nowhere)
 }
 
@@ -265,7 +291,8 @@ mod tests {
     #[test]
     fn a_prism_with_fewer_sides_holds_the_old_one_and_little_more() {
         let full = prism(40);
-        let (fewer, growth) = collapse_edges(&full, 1e-3, usize::MAX, &mut |_| true).unwrap();
+        let (fewer, growth) =
+            collapse_edges(&full, 1e-3, usize::MAX, &mut |_| Ok(true)).unwrap().unwrap();
         assert!(holds(&fewer, &full));
         assert!(fewer.points.len() <= 48, "{}", fewer.points.len());
         assert!(fewer.volume() < 1.1 * full.volume());
@@ -274,23 +301,36 @@ mod tests {
 
     #[test]
     fn nothing_is_saved_at_no_cost_in_volume() {
-        assert!(collapse_edges(&prism(40), 0.0, usize::MAX, &mut |_| true).is_none());
+        assert!(collapse_edges(&prism(40), 0.0, usize::MAX, &mut |_| Ok(true)).unwrap().is_none());
     }
 
     #[test]
     fn faces_that_do_not_fit_stay_away() {
         let full = prism(40);
         let is_old = |&[x, y, _]: &Vector| x < 0.0 || x.hypot(y) < 1.0 + 1e-5;
-        let mut on_the_left = |face: [Vector; 3]| face.iter().all(is_old);
-        let (fewer, _) = collapse_edges(&full, 1e-3, usize::MAX, &mut on_the_left).unwrap();
+        let mut on_the_left = |face: [Vector; 3]| Ok(face.iter().all(is_old));
+        let (fewer, _) =
+            collapse_edges(&full, 1e-3, usize::MAX, &mut on_the_left).unwrap().unwrap();
         assert!(fewer.points.len() < full.points.len());
         assert!(fewer.points.iter().all(is_old));
     }
 
     #[test]
-    fn a_tetrahedron_stays() {
-        let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let hull = convex_hull(&corners).unwrap();
-        assert!(collapse_edges(&hull, 1.0, 0, &mut |_| true).is_none());
+    fn growth_is_the_distance_of_the_farthest_corner() {
+        let cube: Vec<Vector> =
+            (0..8).map(|i| [0, 1, 2].map(|axis| f64::from(i >> axis & 1))).collect();
+        let mut grown = cube.clone();
+        grown.push([1.3, 1.4, 0.5]);
+        let [cube, grown] = [cube, grown].map(|points| convex_hull(&points).unwrap());
+        // From the middle of an edge by 0.3 and 0.4.
+        assert!((growth(&grown, &cube) - 0.5).abs() < 1e-12);
+        assert_eq!(growth(&cube, &grown), 0.0);
+    }
+
+    #[test]
+    fn an_error_ends_it() {
+        let mut cancelled = |_| Err(Error::Cancelled);
+        let result = collapse_edges(&prism(40), 1e-3, usize::MAX, &mut cancelled);
+        assert!(matches!(result, Err(Error::Cancelled)));
     }
 }

@@ -61,7 +61,7 @@ impl HullBuilder {
         newest.map(|(face, _)| face.vertices.map(|vertex| self.originals[vertex as usize]))
     }
 
-    /// The vertices of those faces, each as often as it is one.
+    /// The vertices of those faces, with repetitions.
     pub(super) fn newest_vertices(&self) -> impl Iterator<Item = u32> + '_ {
         let faces = self.faces.iter().zip(&self.waiting);
         let newest = faces.filter(|(_, waiting)| waiting.generation == self.generation);
