@@ -295,6 +295,7 @@ fn outside_all(
 
 #[cfg(test)]
 mod tests {
+    use super::super::solid::is_inside;
     use super::*;
     use crate::hull::convex_hull;
 
@@ -315,14 +316,10 @@ mod tests {
         let depth = 0.9;
         let corners = [[0.5, 0.0, 0.0], [0.5, 1.0, 0.0], [0.5, 0.5, -depth], [0.6, 0.5, -0.1]];
         let hull = convex_hull(&corners).unwrap();
-        assert!(!is_inside(&solid, corners[2]));
-        assert!(is_inside(&solid, [0.5, 0.5, -0.3]));
+        assert!(!is_inside(&solid.field, corners[2], solid.is_closed));
+        assert!(is_inside(&solid.field, [0.5, 0.5, -0.3], solid.is_closed));
         let found = phantom(&hull, &solid, bound, f64::INFINITY, &control).unwrap();
         assert!(found >= depth, "{found}");
-    }
-
-    fn is_inside(solid: &Solid, point: Vector) -> bool {
-        solid.field.winding_number(point) > OPEN_INSIDE
     }
 
     #[test]

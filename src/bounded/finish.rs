@@ -227,15 +227,18 @@ fn finished(
             }
             None => None,
         };
-        // What has no thickness to spare, and what would leave out too much, collapses as it is.
-        for from in coarse.into_iter().chain(is_first.then(|| full.clone())) {
-            let collapsed = collapse_edges(&from, volume_per_vertex, most, &mut fits)?;
-            for (few, growth) in collapsed.into_iter().chain(once((from, 0.0))) {
+        // What has no thickness to spare, and what would leave out too much, collapses as it is;
+        // where that does not fit either, it stays as it is below.
+        let coarse = coarse.as_ref().map(|coarse| (coarse, Some((coarse.clone(), 0.0))));
+        for (from, unchanged) in coarse.into_iter().chain(is_first.then_some((&full, None))) {
+            let collapsed = collapse_edges(from, volume_per_vertex, most, &mut fits)?;
+            for (few, growth) in collapsed.into_iter().chain(unchanged) {
                 if few.points.len() > most {
                     continue;
                 }
-                let left_out = left_out(&few, &own, allowed.max(full_left_out));
-                if left_out > allowed.max(full_left_out) {
+                let allowed = allowed.max(full_left_out);
+                let left_out = left_out(&few, &own, allowed);
+                if left_out > allowed {
                     continue;
                 }
                 let phantom = phantom(&few, solid, tuning.bound, tuning.bound, control)?;

@@ -159,20 +159,14 @@ mod tests {
         convex_hull(&points).unwrap()
     }
 
-    fn holds(outer: &ConvexHull, inner: &ConvexHull) -> bool {
-        outer.planes().iter().all(|&(normal, offset)| {
-            inner.points.iter().all(|&point| dot(normal, point) - offset <= 1e-9)
-        })
-    }
-
     #[test]
     fn a_capped_hull_holds_the_old_one_and_says_how_far_it_grew() {
         let full = sphere(300);
         for (cap, most) in [(64, 0.12), (32, 0.25), (8, 1.5)] {
             let (capped, growth) = cap_vertices(&mut HullBuilder::new(), full.clone(), cap);
             assert!(capped.points.len() <= cap);
-            assert!(holds(&capped, &full), "{cap}");
-            assert!(holds(&capped, &capped), "{cap} is convex");
+            assert!(capped.holds(&full), "{cap}");
+            assert!(capped.holds(&capped), "{cap} is convex");
             let farthest = capped.points.iter().map(|&p| distance(p, [0.0; 3])).fold(0.0, f64::max);
             assert!(farthest - 1.0 <= growth + 1e-9);
             assert!(growth < most, "{cap}: {growth}");
@@ -191,7 +185,7 @@ mod tests {
         }
         let full = sphere(1500);
         let (capped, growth) = cap_vertices(&mut HullBuilder::new(), full.clone(), 600);
-        assert!(holds(&capped, &full));
+        assert!(capped.holds(&full));
         assert!(growth < 0.02, "{growth}");
     }
 
@@ -210,7 +204,7 @@ mod tests {
         let plate = convex_hull(&rim.collect::<Vec<_>>()).unwrap();
         let (capped, _) = cap_vertices(&mut HullBuilder::new(), plate.clone(), 64);
         let bounds = capped.bounds().unwrap();
-        assert!(holds(&capped, &plate));
+        assert!(capped.holds(&plate));
         assert!(bounds.max[2] - bounds.min[2] < 0.03, "{bounds:?}");
     }
 }

@@ -84,4 +84,12 @@ impl ConvexHull {
         };
         self.corners().map(plane).collect()
     }
+
+    /// Whether no vertex of another hull is in front of a face, up to the rounding of tests.
+    #[cfg(test)]
+    pub(super) fn holds(&self, other: &Self) -> bool {
+        self.planes().iter().all(|&(normal, offset)| {
+            other.points.iter().all(|&point| dot(normal, point) - offset <= 1e-9)
+        })
+    }
 }

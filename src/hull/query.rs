@@ -54,18 +54,20 @@ impl HullBuilder {
             })
     }
 
+    /// The faces that the last insertion made; all faces after `build`.
+    fn newest(&self) -> impl Iterator<Item = &Face> + '_ {
+        let faces = self.faces.iter().zip(&self.waiting);
+        faces.filter(|(_, waiting)| waiting.generation == self.generation).map(|(face, _)| face)
+    }
+
     /// The corners of the faces that the last insertion made; of all faces after `build`.
     pub(crate) fn new_faces(&self) -> impl Iterator<Item = [Vector; 3]> + '_ {
-        let faces = self.faces.iter().zip(&self.waiting);
-        let newest = faces.filter(|(_, waiting)| waiting.generation == self.generation);
-        newest.map(|(face, _)| face.vertices.map(|vertex| self.originals[vertex as usize]))
+        self.newest().map(|face| face.vertices.map(|vertex| self.originals[vertex as usize]))
     }
 
     /// The vertices of those faces, with repetitions.
     pub(super) fn newest_vertices(&self) -> impl Iterator<Item = u32> + '_ {
-        let faces = self.faces.iter().zip(&self.waiting);
-        let newest = faces.filter(|(_, waiting)| waiting.generation == self.generation);
-        newest.flat_map(|(face, _)| face.vertices)
+        self.newest().flat_map(|face| face.vertices)
     }
 
     /// Corners of all faces.
