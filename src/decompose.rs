@@ -6,7 +6,7 @@ use crate::mesh::PreparedMesh;
 use crate::mesh::repair::prepare;
 use crate::surface::group_merging::merge_groups;
 use crate::surface::pieces::{assign_source_triangles, hulls};
-use crate::surface::resolution_selection::{Level, levels, select};
+use crate::surface::resolution_selection::{Level, first_cut_off, levels, select};
 use crate::{
     BoundedReport, Control, Decomposition, Error, GroupedMesh, Method, Parameters, Report, Stage,
     StageTime, SurfaceParameters, SurfaceReport, Unit,
@@ -289,10 +289,7 @@ impl Search {
             return Ok(self.levels.iter().all(Level::is_finished));
         }
         // A level that is cut off has no more to do, nor have those above it.
-        let cut_off = self
-            .levels
-            .iter()
-            .position(|level| level.cuts_off(surface.resolution_cut_off))
+        let cut_off = first_cut_off(&self.levels, surface.resolution_cut_off)
             .map_or(self.levels.len(), |index| index + 1);
         match self.levels[..cut_off].iter_mut().find(|level| !level.is_finished()) {
             Some(level) => {

@@ -89,6 +89,17 @@ fn obj() {
 }
 
 #[test]
+fn a_mark_before_the_text_hides_no_line() {
+    let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\n";
+    let off = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    for (format, text) in [(Format::Obj, obj), (Format::Off, off)] {
+        let marked = [b"\xEF\xBB\xBF", text.as_bytes()].concat();
+        let expected = read_mesh_from_bytes(format, text.as_bytes()).unwrap();
+        assert_eq!(read_mesh_from_bytes(format, &marked).unwrap(), expected);
+    }
+}
+
+#[test]
 fn off() {
     let text = "COFF\n# five corners\n5 3 0\n0 0 0 255 0 0\n1 0 0\n1.0 1 0\n0 1e0 0\n0.5 .5 1\n\
                 4 0 1 2 3\n3 0 1 4 0.5 0.5 0.5\n5 4 3 2 1 0\n";

@@ -14,8 +14,9 @@ macro_rules! colliders {
         /// or a compound of them. O(n log n) in the vertices.
         ///
         /// Scale is baked into the points, since Parry's own scaling of polyhedra is wrong where
-        /// its factors differ; a negative factor mirrors. Should Parry refuse a hull, its bounding
-        /// box stands in for it.
+        /// its factors differ; a negative factor mirrors. Should Parry refuse a hull, one without
+        /// what stands out by less than 1e-3 of its extent stands in for it, at the last its
+        /// bounding box.
         ///
         /// # Errors
         /// [`ColliderError`](crate::ColliderError) says which hull or factor can't be used. It
@@ -26,17 +27,25 @@ macro_rules! colliders {
         ) -> Result<SharedShape, $crate::ColliderError> {
             let hulls = $crate::collider::scaled_hulls(hulls, scale)?;
             if let [(points, triangles)] = hulls.as_slice()
-                && let Some(shape) = polyhedron(points, triangles)
+                && let Some(shape) = part(points, triangles)
             {
                 return Ok(shape);
             }
             let parts = hulls.iter().map(|(points, triangles)| {
-                match polyhedron(points, triangles) {
+                match part(points, triangles) {
                     Some(shape) => (Pose::IDENTITY, shape),
                     None => bounding_box(points),
                 }
             });
             Ok(SharedShape::compound(parts.collect()))
+        }
+
+        /// The hull, or if Parry refuses it a slightly simpler one.
+        fn part(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Option<SharedShape> {
+            polyhedron(points, triangles).or_else(|| {
+                $crate::collider::coarser(points)
+                    .find_map(|(points, triangles)| polyhedron(&points, &triangles))
+            })
         }
 
         /// A collider of all hulls with the mass properties of the source mesh, both scaled: see

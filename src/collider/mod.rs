@@ -77,6 +77,18 @@ pub(crate) fn scaled_hulls(
         .collect()
 }
 
+/// A hull that Parry refuses is tried again without what stands out by less than this share of its
+/// extent: it is slivers that Parry's faces are lost by.
+const COARSER: [f64; 3] = [1e-5, 1e-4, 1e-3];
+
+/// The same hull with fewer and fewer slivers, for those that Parry refuses.
+pub(crate) fn coarser(points: &[[f32; 3]]) -> impl Iterator<Item = SinglePrecisionHull> {
+    let points: Vec<_> = points.iter().map(|point| point.map(f64::from)).collect();
+    COARSER.into_iter().filter_map(move |tolerance| {
+        single_precision(&points, &mut HullBuilder::new().with_tolerance(tolerance)).ok()
+    })
+}
+
 /// Mass properties as a rigid body of an engine holds them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct RigidMass {

@@ -209,6 +209,10 @@ impl Tree {
                 continue;
             }
             let place = block * WIDTH + lane;
+            // The best so far is often met again: a guess mostly is.
+            if triangle == best.triangle {
+                continue;
+            }
             let squared = length_squared(self.nearest(place, point));
             if squared < best.squared || (squared == best.squared && triangle < best.triangle) {
                 *best = Best { squared, triangle, place };
@@ -277,6 +281,11 @@ impl Tree {
             triangle: best.triangle,
             point: add(point, self.nearest(best.place, point)),
         })
+    }
+
+    /// The triangle that `closest` finds.
+    pub(super) fn closest_triangle(&self, point: Vector, mut best: Best) -> Option<u32> {
+        self.search(point, &mut best, false).then_some(best.triangle)
     }
 
     /// A start for `closest` from a triangle that is thought to be near.

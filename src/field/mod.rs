@@ -77,13 +77,22 @@ impl Field {
 
     /// The same as [`distance`](Self::distance), faster if the triangle `guess` is near.
     pub(crate) fn distance_near(&self, point: Vector, limit: f64, guess: u32) -> Option<Closest> {
+        self.tree.closest(point, self.guessed(point, limit, guess))
+    }
+
+    /// The triangle that [`distance_near`](Self::distance_near) finds without a limit.
+    fn triangle_near(&self, point: Vector, guess: u32) -> Option<u32> {
+        self.tree.closest_triangle(point, self.guessed(point, f64::INFINITY, guess))
+    }
+
+    fn guessed(&self, point: Vector, limit: f64, guess: u32) -> Best {
         let mut best = Best::none(limit);
         if let Some(&place) = self.places.get(guess as usize)
             && place != EMPTY
         {
             self.tree.guess(point, place as usize, &mut best);
         }
-        self.tree.closest(point, best)
+        best
     }
 
     /// The distance to one triangle; infinite if it does not exist.

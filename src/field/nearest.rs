@@ -24,8 +24,7 @@ pub(crate) fn nearest_triangles(
         let nearest = triangles.iter().map(|triangle| {
             let [a, b, c] = triangle.map(|vertex| mesh.positions[vertex as usize]);
             let centre = scale(add(add(a, b), c), 1.0 / 3.0);
-            let closest = field.distance_near(centre, f64::INFINITY, guess);
-            guess = closest.map_or(u32::MAX, |closest| closest.triangle);
+            guess = field.triangle_near(centre, guess).unwrap_or(u32::MAX);
             guess
         });
         Ok(nearest.collect::<Vec<u32>>())

@@ -31,7 +31,7 @@ use crate::surface::pieces::{assign_source_triangles, hulls};
 use crate::surface::resolution_selection::{Level, levels};
 use crate::{Control, Coordinate, Error, GroupedMesh, Hull, Stage, Unit};
 use collapse::{Threshold, collapse};
-use selection::{Candidate, select};
+use selection::{Candidate, LEAST_CUT_OFF_RESOLUTION, select};
 
 pub use average_cost::average_cost;
 pub use parameters::{HacdParameters, ShapeLength};
@@ -126,7 +126,7 @@ fn candidates(
     diagonal: f64,
     control: &Control,
 ) -> Result<Vec<Option<Candidate>>, Error> {
-    let candidate = |level: &Level| -> Result<Option<Candidate>, Error> {
+    let candidate_of = |level: &Level| -> Result<Option<Candidate>, Error> {
         // Nothing was searched here, so only a repeated mesh is finished.
         if level.is_finished() {
             return Ok(None);
@@ -140,17 +140,22 @@ fn candidates(
         let grouping = collapse(&level.mesh, &level.adjacency, threshold, control)?;
         Ok(Some(Candidate::new(level, grouping)))
     };
-    if parameters.parallel && rayon::current_num_threads() > 1 {
-        use rayon::prelude::*;
-        return levels.par_iter().map(candidate).collect();
-    }
+    // As long as μ may cut off all that is dearer, one after the other.
     let mut found = Vec::with_capacity(levels.len());
-    for level in levels {
-        let candidate = candidate(level)?;
+    for (index, level) in levels.iter().enumerate() {
+        let candidate = candidate_of(level)?;
         let cuts_off =
             candidate.as_ref().is_some_and(|c| c.cuts_off(parameters.surface.resolution_cut_off));
+        let did_not_cut_off = !cuts_off && level.resolution >= LEAST_CUT_OFF_RESOLUTION;
         found.push(candidate);
         if cuts_off {
+            break;
+        }
+        if did_not_cut_off && parameters.parallel && rayon::current_num_threads() > 1 {
+            use rayon::prelude::*;
+            let rest: Result<Vec<_>, Error> =
+                levels[index + 1..].par_iter().map(&candidate_of).collect();
+            found.extend(rest?);
             break;
         }
     }

@@ -7,7 +7,7 @@ use crate::surface::grouping::{Grouping, corners, diagonal};
 use crate::surface::resolution_selection::Level;
 
 /// From this maximum resolution on the cut-off μ may act.
-const LEAST_CUT_OFF_RESOLUTION: usize = 500;
+pub(super) const LEAST_CUT_OFF_RESOLUTION: usize = 500;
 
 /// Candidates with more than this many times k pieces are eliminated.
 const MOST_PIECES_FACTOR: f64 = 1.5;

@@ -222,7 +222,11 @@ impl HullBuilder {
     /// Adds waiting points until none is farther out than the tolerance.
     pub(super) fn grow(&mut self) {
         loop {
-            while let Some(face) = self.work.pop() {
+            // In turn, so that the hull grows on all sides: the latest first would make more faces
+            // that don't stay.
+            let mut next = 0;
+            while let Some(&face) = self.work.get(next) {
+                next += 1;
                 let Some(&Waiting { furthest, height, .. }) = self.waiting.get(face as usize)
                 else {
                     continue;
@@ -237,6 +241,7 @@ impl HullBuilder {
                     }
                 }
             }
+            self.work.clear();
             if self.only_marked
                 || !self.has_close_points
                 || !self.add_a_point_that_other_faces_see()

@@ -169,7 +169,7 @@ pub fn read_own_meshes(path: impl AsRef<Path>) -> Result<Vec<HullMesh>, Error> {
     let path = path.as_ref();
     if Format::from_path(path) == Some(Format::Gltf) {
         let bytes = std::fs::read(path).map_err(|error| file_error(path, error.to_string()))?;
-        let file = gltf::read_own_space(&bytes, path.parent())
+        let file = gltf::read_own_space(unmarked(&bytes), path.parent())
             .map_err(|reason| file_error(path, reason))?;
         return Ok(split_objects(&file));
     }
@@ -178,7 +178,13 @@ pub fn read_own_meshes(path: impl AsRef<Path>) -> Result<Vec<HullMesh>, Error> {
     Ok(vec![HullMesh { name, positions, triangles }])
 }
 
+/// Without the mark that some editors put before UTF-8 text, which would hide the first line.
+fn unmarked(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes)
+}
+
 fn parse(format: Format, bytes: &[u8], directory: Option<&Path>) -> Result<MeshFile, String> {
+    let bytes = unmarked(bytes);
     match format {
         Format::Obj => obj::read(bytes),
         Format::Off => off::read(bytes),

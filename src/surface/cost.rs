@@ -9,12 +9,19 @@
 
 use crate::hull::{ConvexHull, HullBuilder, Shape};
 use crate::mesh::TriangleMesh;
-use crate::vector::{Vector, add, area_normal, dot, normalize};
+use crate::vector::{Vector, add, area_normal, dot, length, normalize};
 
 use super::grouping::{diagonal, group_vertices};
 
 /// A plane that the ray runs along cannot be left through it.
 const PARALLEL: f64 = 1e-9;
+
+/// Normals whose sum is shorter than this share of their lengths cancel out: what is left is rounding,
+/// and points anywhere.
+const CANCELLED: f64 = 1e-9;
+
+/// Far more than a division and a product are rounded by.
+const ROUNDING: f64 = 1e-12;
 
 /// What is reused from one group to the next.
 #[derive(Debug, Clone, Default)]
@@ -22,8 +29,9 @@ pub(crate) struct CostScratch {
     builder: HullBuilder,
     /// For each vertex of the mesh that is in the group its place there.
     places: Vec<u32>,
-    /// For each vertex of the group the sum of the normals of the group's triangles at it.
-    normals: Vec<Vector>,
+    /// For each vertex of the group the sum of the normals of the group's triangles at it, and of
+    /// their lengths.
+    normals: Vec<(Vector, f64)>,
     /// For each vertex of the group a face of the hull that it is a corner of.
     faces: Vec<Option<u32>>,
 }
@@ -40,7 +48,13 @@ pub(crate) fn cost(mesh: &TriangleMesh, group: &[u32], scratch: &mut CostScratch
     scratch.add_normals(mesh, group, &vertices);
     scratch.builder.faces_of_points(&mut scratch.faces);
     let mut greatest: f64 = 0.0;
-    for ((&normal, &point), &face) in scratch.normals.iter().zip(&points).zip(&scratch.faces) {
+    for ((&(normal, areas), &point), &face) in
+        scratch.normals.iter().zip(&points).zip(&scratch.faces)
+    {
+        // A vertex whose triangles cancel out has no normal, and so no distance.
+        if length(normal) <= CANCELLED * areas {
+            continue;
+        }
         let normal = normalize(normal);
         // A vertex of the hull is on its face, and leaves there at once if the face is ahead.
         let own = face.and_then(|face| planes.get(face as usize));
@@ -62,14 +76,16 @@ impl CostScratch {
             self.places[vertex as usize] = place;
         }
         self.normals.clear();
-        self.normals.resize(vertices.len(), [0.0; 3]);
+        self.normals.resize(vertices.len(), ([0.0; 3], 0.0));
         for &triangle in group {
             let corners = mesh.triangles[triangle as usize];
             let [a, b, c] = corners.map(|vertex| mesh.positions[vertex as usize]);
             let normal = area_normal(a, b, c);
+            let area = length(normal);
             for vertex in corners {
-                let sum = &mut self.normals[self.places[vertex as usize] as usize];
+                let (sum, areas) = &mut self.normals[self.places[vertex as usize] as usize];
                 *sum = add(*sum, normal);
+                *areas += area;
             }
         }
     }
@@ -84,13 +100,20 @@ fn distance_to_exit(
     enough: f64,
 ) -> f64 {
     let mut nearest = f64::INFINITY;
+    // Most planes are left later than the nearest so far, which needs no division to tell.
+    let mut beyond = f64::INFINITY;
     for &plane in planes {
+        let (normal, offset) = plane;
+        if offset - dot(normal, point) > beyond * dot(normal, direction).max(0.0) {
+            continue;
+        }
         nearest = nearest.min(exit_through(point, direction, plane));
         if nearest <= enough {
             return nearest;
         }
+        beyond = nearest * (1.0 + ROUNDING);
     }
-    // A vertex whose triangles cancel out has no normal, and so no distance.
+    // Past no plane at all: the ray runs along all faces.
     if nearest.is_finite() { nearest } else { 0.0 }
 }
 
@@ -109,6 +132,7 @@ fn exit_through(point: Vector, direction: Vector, (normal, offset): (Vector, f64
 mod tests {
     use super::*;
     use crate::mesh::shapes::cuboid;
+    use crate::vector::scale;
 
     fn whole(mesh: &TriangleMesh) -> f64 {
         let all: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
@@ -125,6 +149,21 @@ mod tests {
         let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
         let triangles = vec![[0, 1, 2], [0, 2, 3]];
         assert_eq!(whole(&TriangleMesh { positions, triangles }), 0.0);
+    }
+
+    #[test]
+    fn a_vertex_between_triangles_back_to_back_has_no_distance_whatever_the_rounding() {
+        // A tetrahedron around the end of a fin, both of whose sides are there.
+        let tip = [0.31, 0.27, 0.17];
+        let positions =
+            vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], tip, [0.4, 0.2, 0.3]];
+        let mut triangles = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+        triangles.extend([[0, 4, 5], [4, 0, 5]]);
+        for factor in [1.0, 1e-6, 0.3, 7e5] {
+            let positions = positions.iter().map(|&point| scale(point, factor)).collect();
+            let found = whole(&TriangleMesh { positions, triangles: triangles.clone() });
+            assert!(found < 1e-9, "{factor}: {found}");
+        }
     }
 
     #[test]

@@ -87,13 +87,19 @@ impl Level {
     ) -> Result<(), Error> {
         self.search.advance(&self.mesh, &self.adjacency, parameters, unit, control)
     }
+}
 
-    /// Whether higher resolutions are not worth trying.
-    pub(crate) fn cuts_off(&self, cut_off: usize) -> bool {
-        self.resolution >= LEAST_CUT_OFF_RESOLUTION
-            && self.search.is_finished()
-            && self.search.candidate().is_some_and(|found| found.grouping.count < cut_off)
-    }
+/// The first level after which higher resolutions are not worth trying, as far as levels are
+/// searched. A level that repeats the one before has its candidate.
+pub(crate) fn first_cut_off(levels: &[Level], cut_off: usize) -> Option<usize> {
+    let mut pieces = None;
+    levels.iter().position(|level| {
+        if !level.same_as_before {
+            let candidate = level.search.candidate().filter(|_| level.search.is_finished());
+            pieces = candidate.map(|candidate| candidate.grouping.count);
+        }
+        level.resolution >= LEAST_CUT_OFF_RESOLUTION && pieces.is_some_and(|count| count < cut_off)
+    })
 }
 
 /// What was chosen among the resolutions.
@@ -109,9 +115,9 @@ pub(crate) struct Selection {
 /// Chooses among the levels that have a candidate. `None` if there is none.
 pub(crate) fn select(levels: &[Level], cut_off: usize) -> Option<Selection> {
     let mut outcomes = vec![ResolutionOutcome::DeadlineReached; levels.len()];
-    let mut is_cut_off = false;
-    for (level, outcome) in levels.iter().zip(&mut outcomes) {
-        *outcome = if is_cut_off {
+    let last = first_cut_off(levels, cut_off).unwrap_or(levels.len());
+    for (index, (level, outcome)) in levels.iter().zip(&mut outcomes).enumerate() {
+        *outcome = if index > last {
             ResolutionOutcome::CutOff
         } else if level.same_as_before {
             ResolutionOutcome::SameAsBefore
@@ -120,7 +126,6 @@ pub(crate) fn select(levels: &[Level], cut_off: usize) -> Option<Selection> {
         } else {
             ResolutionOutcome::DeadlineReached
         };
-        is_cut_off = is_cut_off || level.cuts_off(cut_off);
     }
     let candidates: Vec<(usize, &Candidate)> = levels
         .iter()
@@ -157,4 +162,62 @@ pub(crate) fn select(levels: &[Level], cut_off: usize) -> Option<Selection> {
     });
     let reports = reports.collect();
     Some(Selection { level, candidate: candidate.clone(), average_pieces, reports })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::shapes::torus;
+    use crate::surface::grouping::Grouping;
+
+    /// Levels with a finished search each: resolution, pieces and cost of its candidate.
+    fn searched(candidates: &[(usize, usize, f64)]) -> Vec<Level> {
+        let mesh = torus(8, 6);
+        let level = |&(resolution, count, cost): &(usize, usize, f64)| Level {
+            resolution,
+            target: resolution,
+            mesh: mesh.clone(),
+            components: Vec::new(),
+            adjacency: Adjacency::new(&mesh),
+            search: ThresholdSearch::found(Grouping { labels: Vec::new(), count }, cost),
+            same_as_before: false,
+        };
+        candidates.iter().map(level).collect()
+    }
+
+    fn outcomes(levels: &[Level]) -> Vec<ResolutionOutcome> {
+        select(levels, 5).unwrap().reports.iter().map(|report| report.outcome).collect()
+    }
+
+    use ResolutionOutcome::{CostlierThanSelected, CutOff, SameAsBefore, Selected, TooManyPieces};
+
+    #[test]
+    fn the_least_cost_wins_and_of_equals_the_lower_resolution() {
+        let levels = searched(&[(250, 9, 0.03), (500, 9, 0.02), (1000, 9, 0.02)]);
+        assert_eq!(outcomes(&levels), [CostlierThanSelected, Selected, CostlierThanSelected]);
+    }
+
+    #[test]
+    fn more_pieces_than_one_and_a_half_times_the_average_are_too_many() {
+        // k = 12: 18 pieces are just not too many, 19 would be.
+        let levels = searched(&[(250, 9, 0.03), (500, 9, 0.03), (1000, 18, 0.01)]);
+        assert_eq!(outcomes(&levels)[2], Selected);
+        let levels = searched(&[(250, 9, 0.03), (500, 9, 0.03), (1000, 20, 0.01)]);
+        assert_eq!(outcomes(&levels), [Selected, CostlierThanSelected, TooManyPieces]);
+    }
+
+    #[test]
+    fn fewer_pieces_than_the_cut_off_end_the_search_from_500_on() {
+        let levels = searched(&[(250, 4, 0.03), (500, 4, 0.02), (1000, 4, 0.01)]);
+        assert_eq!(outcomes(&levels), [CostlierThanSelected, Selected, CutOff]);
+        assert_eq!(first_cut_off(&levels, 5), Some(1));
+        assert_eq!(first_cut_off(&searched(&[(250, 4, 0.03), (500, 5, 0.02)]), 5), None);
+    }
+
+    #[test]
+    fn a_level_that_repeats_the_one_before_cuts_off_as_that_would() {
+        let mut levels = searched(&[(495, 4, 0.03), (500, 9, 0.02), (1000, 9, 0.01)]);
+        levels[1].same_as_before = true;
+        assert_eq!(outcomes(&levels), [Selected, SameAsBefore, CutOff]);
+    }
 }

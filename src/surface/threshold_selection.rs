@@ -140,6 +140,13 @@ impl ThresholdSearch {
         self.candidate.as_ref().or(self.cheapest.as_ref())
     }
 
+    /// A search that has ended with this.
+    #[cfg(test)]
+    pub(super) fn found(grouping: Grouping, cost: f64) -> Self {
+        let candidate = Some(Candidate { grouping, cost, planar_threshold: 0.2, index: 0 });
+        Self { finished: true, candidate, ..Self::default() }
+    }
+
     fn finish(&mut self, parameters: &SurfaceParameters) {
         self.finished = true;
         let by_fail_safe = self.candidate.is_none();
@@ -226,6 +233,17 @@ mod tests {
         });
         assert!(candidate.cost < 0.05);
         assert_eq!(candidate.grouping.count, under.map(|report| report.pieces).min().unwrap());
+    }
+
+    #[test]
+    fn a_single_group_ends_the_search_whatever_it_costs() {
+        let mut parameters = SurfaceParameters::paper();
+        // The second refuses nothing; a torus is far from convex.
+        parameters.planar_thresholds = vec![0.05, 50.0, 60.0];
+        parameters.angular_threshold = 50.0;
+        let found = search(&torus(24, 12), &parameters);
+        assert_eq!(found.reports[1].outcome, ThresholdOutcome::SingleGroup);
+        assert_eq!(found.reports[2].outcome, ThresholdOutcome::NotTried);
     }
 
     #[test]

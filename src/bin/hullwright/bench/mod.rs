@@ -48,7 +48,7 @@ pub struct Arguments {
     #[arg(short, long, value_name = "REPORT")]
     output: PathBuf,
 
-    /// A few meshes of each folder, and of the methods surface, bounded and V-HACD
+    /// Twelve meshes, at least one of each folder, and the methods surface, bounded and V-HACD
     #[arg(long)]
     quick: bool,
 
@@ -92,17 +92,19 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if !arguments.report_only {
         let mut meshes = plan::meshes(&arguments.folders).map_err(Failure::Work)?;
         if arguments.quick {
-            meshes = plan::spread(meshes, plan::QUICK_MESHES);
+            meshes = plan::spread_over_folders(meshes, plan::QUICK_MESHES);
         }
         let peers = arguments.peers.as_ref().map(|folder| Peers::new(folder, &arguments.python));
+        for missing in peers.iter().flat_map(Peers::missing) {
+            eprintln!("{missing}: its runs are left out");
+        }
         let start = Instant::now();
+        let before = recorded_machine(output);
+        // Before the work too: it may be stopped.
+        record(output, &before, arguments, caps, 0.0).map_err(Failure::Work)?;
         work(arguments, &meshes, peers.as_ref(), caps, &mut journal)?;
-        let mut machine = machine::describe(caps);
-        // Of this and of the sessions before, where it was stopped and went on.
-        let before = recorded_machine(output).get(SECONDS).and_then(Value::as_f64).unwrap_or(0.0);
-        machine.insert(SECONDS.into(), json!((before + start.elapsed().as_secs_f64()).round()));
-        let text = serde_json::to_string_pretty(&machine).unwrap_or_default();
-        page::write(&output.join(MACHINE), &text).map_err(Failure::Work)?;
+        let seconds = start.elapsed().as_secs_f64();
+        record(output, &before, arguments, caps, seconds).map_err(Failure::Work)?;
     }
     report(output, journal.rows()).map_err(Failure::Work)
 }
@@ -110,6 +112,34 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 /// The file that says on what machine the runs were done, and how long they all took.
 const MACHINE: &str = "machine.json";
 const SECONDS: &str = "seconds_of_the_whole_benchmark";
+/// What each session ran, in words: methods, caps, version and time may differ between them.
+const SESSIONS: &str = "sessions";
+
+/// Writes what is known of this machine and session, and of the sessions `before`, where the
+/// benchmark was stopped and went on.
+fn record(
+    output: &Path,
+    before: &BTreeMap<String, Value>,
+    arguments: &Arguments,
+    caps: Caps,
+    seconds: f64,
+) -> Result<(), String> {
+    let mut machine = machine::describe(caps);
+    let earlier = before.get(SECONDS).and_then(Value::as_f64).unwrap_or(0.0);
+    machine.insert(SECONDS.into(), json!((earlier + seconds).round()));
+    let mut sessions: Vec<String> =
+        before.get(SESSIONS).and_then(Value::as_str).map(str::to_owned).into_iter().collect();
+    let methods =
+        if arguments.only.is_empty() { "all".to_owned() } else { arguments.only.join(", ") };
+    sessions.push(format!(
+        "{methods}: algorithm version {}, cap of {} s, {seconds:.0} s",
+        hullwright::ALGORITHM_VERSION,
+        caps.time.as_secs_f64(),
+    ));
+    machine.insert(SESSIONS.into(), json!(sessions.join("; ")));
+    let text = serde_json::to_string_pretty(&machine).unwrap_or_default();
+    page::write(&output.join(MACHINE), &text)
+}
 
 /// What is known of the sessions before; nothing at the first.
 fn recorded_machine(output: &Path) -> BTreeMap<String, Value> {
@@ -148,6 +178,7 @@ fn report(output: &Path, rows: &[Row]) -> Result<(), String> {
     let pictures = plots::pictures(&results)?;
     let tables = results.tables();
     page::write(&output.join("runs.csv"), &export::csv(&results))?;
+    page::write(&output.join("versus.csv"), &results.versus_csv())?;
     let title = "Time against error";
     let report = Report { title, words, machine: &machine, pictures: &pictures, tables: &tables };
     report.write(output, "benchmark")

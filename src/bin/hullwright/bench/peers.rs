@@ -41,6 +41,19 @@ impl Peers {
         }
     }
 
+    /// What is not there, in words.
+    pub fn missing(&self) -> Vec<String> {
+        let versions = PACKAGES.iter().zip(&self.versions);
+        let mut missing: Vec<String> = versions
+            .filter(|(_, version)| version.is_empty())
+            .map(|(package, _)| format!("{} has no package {package}, or no script", self.python))
+            .collect();
+        if self.elsewhere.is_empty() {
+            missing.push(format!("{}: no table of CoACD's runs", self.folder.display()));
+        }
+        missing
+    }
+
     /// What can be run on a mesh: CoACD only on those that the table names, for it is slow.
     pub fn runs(&self, mesh: &str) -> Vec<Run> {
         let mut runs = Vec::new();

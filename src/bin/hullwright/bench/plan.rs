@@ -18,8 +18,8 @@ pub struct Mesh {
     pub hash: String,
 }
 
-/// How many meshes `--quick` takes: with about a second for each of its runs it stays below two
-/// minutes.
+/// How many meshes `--quick` takes, at least one of each folder: with about a second for each of its
+/// runs it stays below two minutes.
 pub const QUICK_MESHES: usize = 12;
 
 /// All meshes below the folders, by name. A file may be given too.
@@ -45,7 +45,24 @@ pub fn meshes(folders: &[PathBuf]) -> Result<Vec<Mesh>, String> {
     if meshes.is_empty() { Err("there is no mesh below the folders".into()) } else { Ok(meshes) }
 }
 
-/// So many meshes, evenly spread over the list, so that every folder is represented.
+/// So many meshes: one of each folder, the one in its middle, and the others evenly spread over the
+/// list. More, if there are more folders.
+pub fn spread_over_folders(meshes: Vec<Mesh>, count: usize) -> Vec<Mesh> {
+    let folder = |mesh: &Mesh| mesh.name.rsplit_once('/').map(|(folder, _)| folder.to_owned());
+    let (mut taken, mut rest) = (Vec::new(), Vec::new());
+    for group in meshes.chunk_by(|a, b| folder(a) == folder(b)) {
+        for (index, mesh) in group.iter().enumerate() {
+            let list = if index == group.len() / 2 { &mut taken } else { &mut rest };
+            list.push(mesh.clone());
+        }
+    }
+    let others = count.saturating_sub(taken.len());
+    taken.extend(spread(rest, others));
+    taken.sort();
+    taken
+}
+
+/// So many meshes, evenly spread over the list.
 pub fn spread(meshes: Vec<Mesh>, count: usize) -> Vec<Mesh> {
     let all = meshes.len();
     if all <= count {
@@ -125,6 +142,19 @@ mod tests {
         assert_eq!(names(folder.clone()), expected);
         assert_eq!(names(folder.join("3.off")), ["princeton/3.off"]);
         assert!(meshes(&[root.path().join("nothing")]).is_err());
+    }
+
+    #[test]
+    fn a_spread_over_folders_leaves_none_out() {
+        let mesh =
+            |name: String| Mesh { name, path: PathBuf::new(), bytes: 0, hash: String::new() };
+        let mut all: Vec<Mesh> = (0..90).map(|i| mesh(format!("large/{i:03}"))).collect();
+        all.extend((0..3).map(|i| mesh(format!("small/{i}"))));
+        let few = spread_over_folders(all.clone(), 4);
+        let names: Vec<&str> = few.iter().map(|mesh| mesh.name.as_str()).collect();
+        assert!(names.iter().any(|name| name.starts_with("small/")), "{names:?}");
+        assert_eq!(names.len(), 4);
+        assert_eq!(spread_over_folders(all, 1).len(), 2);
     }
 
     #[test]

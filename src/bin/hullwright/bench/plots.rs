@@ -86,7 +86,7 @@ pub fn pictures(results: &Results<'_>) -> std::result::Result<Vec<Picture>, Stri
         if let Some(shared) = results.shared_with_files() {
             let note =
                 &format!("On the {} meshes of `coacd-files`. {means}", shared.meshes().len());
-            let svg = draw(LARGE, &|area| error_time(area, &shared, false))?;
+            let svg = draw(LARGE, &|area| error_time(area, &shared, true))?;
             let title = "Error against time where CoACD ran";
             pictures.push(picture("error-time-coacd.svg", title, note, svg));
             let svg = draw(LARGE, &|area| hulls_error(area, &shared))?;
@@ -109,6 +109,9 @@ pub fn pictures(results: &Results<'_>) -> std::result::Result<Vec<Picture>, Stri
     };
     all().map_err(|error| format!("a picture: {error}"))
 }
+
+/// What the axes of time say.
+const SECONDS: &str = "seconds, one thread (CoACD and V-HACD 4: as many as they choose)";
 
 /// A setting's geometric means over meshes.
 struct Mean {
@@ -240,11 +243,20 @@ fn error_time(area: &Area<'_>, results: &Results<'_>, with_runs: bool) -> Result
     } else {
         (decades(all.clone().map(|m| m.seconds)), room(all.map(|m| m.error)))
     };
-    let mut chart = log_chart!(area, x, y, "seconds, one thread", "Hausdorff error / diagonal");
+    let mut chart = log_chart!(area, x, y, SECONDS, "Hausdorff error / diagonal");
     if with_runs {
+        let mut unnamed: Vec<&str> = Vec::new();
         for &(method, seconds, error) in &runs {
-            let style = colour(method).mix(0.25).filled();
-            chart.draw_series([Circle::new((seconds, error), 2, style)])?;
+            let colour = colour(method);
+            let drawn =
+                chart.draw_series([Circle::new((seconds, error), 2, colour.mix(0.25).filled())])?;
+            // What ran on few meshes has no means, and would have no name else.
+            if !unnamed.contains(&method) && !means.iter().any(|(other, _)| *other == method) {
+                unnamed.push(method);
+                drawn
+                    .label(method)
+                    .legend(move |(x, y)| Circle::new((x + 8, y), 2, colour.filled()));
+            }
         }
     }
     for (method, list) in &means {
@@ -319,7 +331,7 @@ fn time_triangles(results: &Results<'_>) -> Result<(String, String)> {
     {
         let area = SVGBackend::with_string(&mut svg, LARGE).into_drawing_area();
         area.fill(&WHITE)?;
-        let mut chart = log_chart!(&area, x.clone(), y, "triangles", "seconds, one thread");
+        let mut chart = log_chart!(&area, x.clone(), y, "triangles", SECONDS);
         for (method, cloud) in &clouds {
             let colour = colour(method);
             let dots = cloud.iter().map(|&p| Circle::new(p, 3, colour.mix(0.5).filled()));

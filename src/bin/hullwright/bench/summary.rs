@@ -239,6 +239,25 @@ impl<'a> Results<'a> {
         tables
     }
 
+    /// Wins and losses mesh by mesh: our hulls over another method's at equal error, our error over
+    /// its at equal hulls; empty where the curves don't meet.
+    pub fn versus_csv(&self) -> String {
+        let curves = self.curves();
+        let name = if curves.contains_key("bounded") { "bounded" } else { "surface" };
+        let mut text =
+            format!("mesh,other method,{name} hulls over theirs,{name} error over theirs\n");
+        let Some(own) = curves.get(name) else { return text };
+        let cell = |ratio: Option<f64>| ratio.map_or_else(String::new, |ratio| ratio.to_string());
+        for (other, meshes) in curves.iter().filter(|(method, _)| **method != name) {
+            for (mesh, theirs) in meshes {
+                let Some(own) = own.get(mesh) else { continue };
+                let found = versus(own, theirs);
+                text += &format!("{mesh},{other},{},{}\n", cell(found.hulls), cell(found.error));
+            }
+        }
+        text
+    }
+
     /// Meshes on which another method needs fewer hulls than ours at equal error.
     fn where_others_win(&self) -> Option<Table> {
         let curves = self.curves();
@@ -271,7 +290,7 @@ impl<'a> Results<'a> {
     }
 }
 
-/// Rows of the table of losses; all of them are in the files.
+/// Rows of the table of losses; all of them are in `versus.csv`.
 const MOST_LOSSES: usize = 40;
 
 type Figure = fn(&Worked, &Judged) -> Option<f64>;

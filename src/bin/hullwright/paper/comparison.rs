@@ -119,8 +119,18 @@ pub fn vhacd(shared: &Shared) -> Result<Vec<Table>, String> {
                 let run = if is_parry { Run::VhacdHulls { hulls } } else { Run::Vhacd4 { hulls } };
                 shared.apart(&run, &paper_row.mesh)
             };
-            if let Some((worked, equal)) = run_with(pieces)? {
-                table.rows.push(row(&name, method, pieces.to_string(), &equal, worked.seconds));
+            match run_with(pieces)? {
+                Some((worked, equal)) => {
+                    table.rows.push(row(&name, method, pieces.to_string(), &equal, worked.seconds));
+                }
+                None => {
+                    let mut cells = vec![NOTHING.to_owned(); header.len()];
+                    cells.splice(..3, [name.clone(), method.into(), pieces.to_string()]);
+                    if let Some(last) = cells.last_mut() {
+                        *last = "not within the caps".into();
+                    }
+                    table.rows.push(cells);
+                }
             }
             let mut last: Option<(u32, Worked, Judged)> = None;
             for hulls in HULLS {

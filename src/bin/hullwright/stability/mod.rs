@@ -92,7 +92,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
         print(&format!("{:>3}/{}  {}", number + 1, meshes.len(), mesh.name))?;
     }
-    report(output, journal.rows(), meshes.len()).map_err(Failure::Work)
+    // The journal may hold what another version did, or another list of meshes.
+    let version = Run::own().first().map(|run| run.version(&Default::default()));
+    let names: Vec<&str> = meshes.iter().map(|mesh| mesh.name.as_str()).collect();
+    let is_meant = |row: &&Row| {
+        names.contains(&row.mesh.as_str()) && version.as_ref().is_none_or(|v| *v == row.version)
+    };
+    let rows: Vec<Row> = journal.rows().iter().filter(is_meant).cloned().collect();
+    report(output, &rows, &names).map_err(Failure::Work)
 }
 
 /// All variations of a mesh that are not in the journal yet. Where one ends its process, it is a
@@ -150,7 +157,7 @@ fn command(mesh: &Path, run: &Run, from: usize) -> Result<Command, String> {
     Ok(command)
 }
 
-fn report(output: &Path, rows: &[Row], meshes: usize) -> Result<(), String> {
+fn report(output: &Path, rows: &[Row], meshes: &[&str]) -> Result<(), String> {
     let tables = summary::tables(rows);
     let failures = rows.iter().filter(|row| !row.outcome.failure.is_empty()).count();
     let broken = rows
@@ -159,11 +166,13 @@ fn report(output: &Path, rows: &[Row], meshes: usize) -> Result<(), String> {
         .count();
     let words = vec![
         format!(
-            "{} runs: {meshes} meshes, taken evenly from the list of all, in {} variations each. \
+            "{} runs: {} meshes, taken evenly from the list of all, in {} variations each. \
              Failures: {failures}. Broken promises: {broken}.",
             rows.len(),
+            meshes.len(),
             Variation::all().len(),
         ),
+        format!("The meshes: {}.", meshes.join(", ")),
         "The hulls of a mesh that was shuffled, flipped or doubled are measured against the mesh \
          as it is; those of one that was turned, scaled, moved or jittered against that."
             .into(),
