@@ -25,7 +25,14 @@ const CORNER_LISTS: [&str; 2] = ["vertex_indices", "vertex_index"];
 
 pub(super) fn read(bytes: &[u8]) -> Result<MeshFile, String> {
     let mut reader = Reader::new(bytes);
-    let header = Parser::<Element>::new().read_header(&mut reader).map_err(in_one_line)?;
+    if !bytes.starts_with(b"ply") {
+        return Err("line 1: it does not begin with `ply`".into());
+    }
+    let header = Parser::<Element>::new().read_header(&mut reader);
+    let header = header.map_err(|error| match in_one_line(error) {
+        reason if reason.starts_with("line ") => reason,
+        reason => format!("line {}: {reason}", reader.line()),
+    })?;
     let header_lines = reader.line().saturating_sub(1);
     let payload = reader.into_inner();
     check_header(&header, payload.len())?;

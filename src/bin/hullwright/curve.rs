@@ -10,7 +10,7 @@ use serde_json::json;
 use crate::Failure;
 use crate::arguments::ParameterArguments;
 use crate::output::print;
-use crate::progress::LateBar;
+use crate::progress::{LateBar, waiting};
 use crate::tables;
 
 /// Show hulls against error, from the decomposition down to one hull
@@ -45,7 +45,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     parameters.validate().map_err(|error| Failure::Usage(error.to_string()))?;
     let name = arguments.mesh.display().to_string();
     let work = |error: hullwright::Error| Failure::Work(format!("{name}: {error}"));
-    let file = read_mesh(&arguments.mesh).map_err(|error| Failure::Work(error.to_string()))?;
+    let file = waiting("reading", || read_mesh(&arguments.mesh))
+        .map_err(|error| Failure::Work(error.to_string()))?;
     let bar = LateBar::start();
     let control = bar.control();
     let curve = hullwright::decompose(&file.positions, &file.triangles, &parameters, &control)

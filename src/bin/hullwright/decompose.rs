@@ -9,7 +9,7 @@ use hullwright::{Decomposition, Error, Parameters};
 use crate::arguments::ParameterArguments;
 use crate::bake::{DEFAULT_DENSITY, baked};
 use crate::output::{count, print};
-use crate::progress::LateBar;
+use crate::progress::{LateBar, waiting};
 use crate::{Failure, json, tables};
 
 /// Decompose a mesh into convex hulls
@@ -84,7 +84,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(output) = &arguments.output {
         check_output(output).map_err(|error| Failure::Work(error.to_string()))?;
     }
-    let file = read_mesh(&arguments.mesh).map_err(|error| Failure::Work(error.to_string()))?;
+    let file = waiting("reading", || read_mesh(&arguments.mesh))
+        .map_err(|error| Failure::Work(error.to_string()))?;
     let (decomposition, seconds) = decompose(arguments, &file, &parameters)?;
     if let Some(output) = &arguments.output {
         write(output, arguments, &file, &decomposition)?;
@@ -113,7 +114,7 @@ fn write(
     decomposition: &Decomposition,
 ) -> Result<(), Failure> {
     if !is_hulls_file(output) {
-        return write_hulls(output, &decomposition.hulls)
+        return waiting("writing", || write_hulls(output, &decomposition.hulls))
             .map_err(|error| Failure::Work(error.to_string()));
     }
     let name = arguments.mesh.file_stem().unwrap_or_default().to_string_lossy();

@@ -9,6 +9,7 @@ use hullwright::io::{is_hulls_file, read_mesh};
 
 use crate::Failure;
 use crate::output::print;
+use crate::progress::waiting;
 use crate::tables::{PADDING, repairs};
 
 /// Show counts, bounds, components, open and non-manifold edges, and what would be repaired
@@ -24,8 +25,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             HullsFile::read(&arguments.mesh).map_err(|error| Failure::Work(error.to_string()))?;
         return print(&left_aligned(baked_rows(&file)).trim_fmt());
     }
-    let file = read_mesh(&arguments.mesh).map_err(|error| Failure::Work(error.to_string()))?;
-    let found = hullwright::inspect(&file.positions, &file.triangles)
+    let file = waiting("reading", || read_mesh(&arguments.mesh))
+        .map_err(|error| Failure::Work(error.to_string()))?;
+    let found = waiting("looking", || hullwright::inspect(&file.positions, &file.triangles))
         .map_err(|error| Failure::Work(format!("{}: {error}", arguments.mesh.display())))?;
     print(&table(&found, file.objects.len()).trim_fmt())
 }

@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 
 use crate::Failure;
 use crate::output::print;
+use crate::progress::waiting;
 use crate::tables::PADDING;
 
 /// Judge a set of hulls, of any tool, against the mesh that they stand for
@@ -31,11 +32,13 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let work = |error: hullwright::Error| Failure::Work(error.to_string());
-    let mesh = read_mesh(&arguments.mesh).map_err(work)?;
-    let hulls = read_hulls(&arguments.hulls).map_err(work)?;
+    let mesh = waiting("reading", || read_mesh(&arguments.mesh)).map_err(work)?;
+    let hulls = waiting("reading", || read_hulls(&arguments.hulls)).map_err(work)?;
     let shapes: Vec<HullShape<'_>> = hulls.iter().map(HullShape::from).collect();
     let options = MeasureOptions::default();
-    let found = measure(&mesh.positions, &mesh.triangles, &shapes, &options).map_err(|error| {
+    let judged =
+        waiting("measuring", || measure(&mesh.positions, &mesh.triangles, &shapes, &options));
+    let found = judged.map_err(|error| {
         let path = match error {
             hullwright::Error::NoHull { .. } => &arguments.hulls,
             _ => &arguments.mesh,

@@ -16,6 +16,23 @@ const STEPS: u64 = 1000;
 
 const TEMPLATE: &str = "{bar:32} {percent:>3} %  {msg}";
 
+/// Where nobody knows how much is left.
+const SPINNER: &str = "{spinner} {msg}, {elapsed}";
+
+/// Between two looks of a spinner.
+const TICK: Duration = Duration::from_millis(100);
+
+/// Does work that tells nothing of how far it is; a person who waits sees what is going on.
+pub fn waiting<T>(message: &'static str, work: impl FnOnce() -> T) -> T {
+    let bar = LateBar::new(SPINNER, Some(TICK));
+    if let Some(Waiting { bar, .. }) = &bar.waiting {
+        bar.set_message(message);
+    }
+    let result = work();
+    bar.finish();
+    result
+}
+
 /// A bar that appears late, and never where standard error is no terminal.
 pub struct LateBar {
     waiting: Option<Waiting>,
@@ -30,11 +47,15 @@ struct Waiting {
 
 impl LateBar {
     pub fn start() -> Self {
+        Self::new(TEMPLATE, None)
+    }
+
+    fn new(template: &str, tick: Option<Duration>) -> Self {
         if !std::io::stderr().is_terminal() {
             return Self { waiting: None };
         }
         let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::hidden());
-        if let Ok(style) = ProgressStyle::with_template(TEMPLATE) {
+        if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style);
         }
         let (finished, is_finished) = channel();
@@ -42,7 +63,10 @@ impl LateBar {
         let timer = std::thread::spawn(move || {
             if is_finished.recv_timeout(PATIENCE) == Err(RecvTimeoutError::Timeout) {
                 late.set_draw_target(ProgressDrawTarget::stderr());
-                late.tick();
+                match tick {
+                    Some(tick) => late.enable_steady_tick(tick),
+                    None => late.tick(),
+                }
             }
         });
         Self { waiting: Some(Waiting { bar, finished, timer }) }
