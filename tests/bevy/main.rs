@@ -2,9 +2,11 @@
 
 mod app;
 mod baked;
+mod failures;
 mod falling;
 #[cfg(feature = "bevy_gltf")]
 mod gltf;
+mod log;
 mod meanwhile;
 mod meshes;
 mod order;
