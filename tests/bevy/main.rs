@@ -2,6 +2,7 @@
 
 mod app;
 mod baked;
+mod colliders;
 mod failures;
 mod falling;
 #[cfg(feature = "bevy_gltf")]
