@@ -90,7 +90,7 @@ pub(super) fn attach(
                 if let Some((body, _)) = targets.placements.body(entity) {
                     sleepers.wake(body);
                 }
-                let status = count(&mut counters, &delivery);
+                let status = count(&mut counters, &delivery, hulls);
                 if let Ok(mut old) = statuses.get_mut(entity) {
                     *old = status;
                 }
@@ -127,11 +127,18 @@ impl Sleepers<'_, '_> {
     }
 }
 
-fn count(counters: &mut DecompositionCounters, delivery: &Delivery) -> DecompositionStatus {
+fn count(
+    counters: &mut DecompositionCounters,
+    delivery: &Delivery,
+    hulls: usize,
+) -> DecompositionStatus {
     let made = &delivery.made;
     if let Material::Triangles(_) = *made.material {
         counters.triangle_meshes += 1;
         return DecompositionStatus::Skipped(Skip::FixedBody);
+    }
+    if hulls == 1 {
+        counters.convex += 1;
     }
     match made.origin {
         Origin::Decomposed => {}

@@ -35,6 +35,10 @@ pub enum HullwrightSystems {
     Work,
     /// Colliders are attached and events sent.
     Attach,
+    /// Hulls are drawn and counters become diagnostics, by `HullwrightDebugPlugin`; after Bevy
+    /// propagates transforms.
+    #[cfg(feature = "debug")]
+    Debug,
 }
 
 impl Plugin for HullwrightPlugin {

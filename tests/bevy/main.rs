@@ -3,6 +3,8 @@
 mod app;
 mod baked;
 mod colliders;
+#[cfg(feature = "debug")]
+mod debug;
 mod failures;
 mod falling;
 #[cfg(feature = "bevy_gltf")]

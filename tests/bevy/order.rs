@@ -6,16 +6,31 @@ use bevy::asset::AssetPlugin;
 use bevy::ecs::schedule::{LogLevel, ScheduleBuildSettings};
 use bevy::mesh::MeshPlugin;
 use bevy::prelude::*;
+use bevy_rapier3d::prelude::*;
 use hullwright::bevy::prelude::*;
 
 use crate::app::*;
 
+/// An app with all that has to do with us: Bevy's systems for meshes, Rapier's, ours.
+fn full_app() -> App {
+    let mut app = App::new();
+    app.add_plugins((
+        MinimalPlugins,
+        AssetPlugin::default(),
+        MeshPlugin,
+        TransformPlugin,
+        RapierPhysicsPlugin::<NoUserData>::default(),
+        HullwrightPlugin::default(),
+    ));
+    #[cfg(feature = "debug")]
+    app.add_plugins((bevy::gizmos::GizmoPlugin, hullwright::bevy::HullwrightDebugPlugin));
+    app.finish();
+    app.cleanup();
+    app
+}
+
 /// The pairs of systems that may run in any order and touch the same, one of them ours.
 fn ambiguities(mut app: App) -> Vec<String> {
-    // Systems of it touch meshes; with some features Rapier's plugin brings it.
-    if !app.is_plugin_added::<MeshPlugin>() {
-        app.add_plugins(MeshPlugin);
-    }
     app.edit_schedule(PostUpdate, |schedule| {
         schedule.set_build_settings(ScheduleBuildSettings {
             ambiguity_detection: LogLevel::Ignore,
@@ -25,7 +40,13 @@ fn ambiguities(mut app: App) -> Vec<String> {
     app.update();
     let schedules = app.world().resource::<Schedules>();
     let schedule = schedules.get(PostUpdate).unwrap();
-    let sets = [HullwrightSystems::Notice, HullwrightSystems::Work, HullwrightSystems::Attach];
+    let sets = [
+        HullwrightSystems::Notice,
+        HullwrightSystems::Work,
+        HullwrightSystems::Attach,
+        #[cfg(feature = "debug")]
+        HullwrightSystems::Debug,
+    ];
     let mut ours = HashSet::new();
     for set in sets {
         let systems = schedule.graph().systems_in_set(set.intern()).unwrap();
@@ -39,14 +60,13 @@ fn ambiguities(mut app: App) -> Vec<String> {
 
 #[test]
 fn no_system_of_ours_is_ambiguous() {
-    let app = app();
-    let found = ambiguities(app);
+    let found = ambiguities(full_app());
     assert!(found.is_empty(), "{found:#?}");
 }
 
 #[test]
 fn a_system_that_is_ambiguous_with_ours_would_be_seen() {
-    let mut app = app();
+    let mut app = full_app();
     app.add_systems(PostUpdate, |mut counters: ResMut<DecompositionCounters>| {
         counters.decomposed += 1;
     });
