@@ -1,7 +1,8 @@
 //! What the Bevy plugin costs the main thread: `cargo bench --bench plugin --features io,bevy`.
 //!
 //! Measured is what lies between the first and the last of the plugin's systems, with the commands
-//! that they issue and the observers that they run. Beside it, for the same 200 meshes, the frame in
+//! that they issue and the observers that they run; Rapier's own systems come after them. All
+//! entities are dynamic bodies, so that they are held still and let go. Beside it, for the same 200 meshes, the frame in
 //! which bevy_rapier's `AsyncCollider` decomposes: with the feature `window` that component itself,
 //! since bevy_rapier ties it to Bevy's renderer, and always its call of Parry in a system of ours.
 
@@ -74,7 +75,13 @@ fn main() {
 
 fn app() -> App {
     let mut app = App::new();
-    app.add_plugins((MinimalPlugins, AssetPlugin::default(), HullwrightPlugin::default()));
+    app.add_plugins((
+        MinimalPlugins,
+        AssetPlugin::default(),
+        TransformPlugin,
+        RapierPhysicsPlugin::<NoUserData>::default(),
+        HullwrightPlugin::default(),
+    ));
     app.insert_resource(Watch {
         start: Instant::now(),
         taken: Duration::ZERO,
@@ -90,11 +97,13 @@ fn app() -> App {
         PostUpdate,
         (
             Watch::begin.after(AssetEventSystems).before(HullwrightSystems::Notice),
-            Watch::end.after(HullwrightSystems::Attach),
+            Watch::end.after(HullwrightSystems::Attach).before(PhysicsSet::SyncBackend),
         ),
     );
     app.finish();
     app.cleanup();
+    // Rapier makes its context in the first frame.
+    app.update();
     app
 }
 
@@ -124,7 +133,8 @@ fn add(app: &mut App, mesh: Mesh) -> Handle<Mesh> {
 }
 
 fn spawn(app: &mut App, mesh: &Handle<Mesh>) {
-    app.world_mut().spawn((Mesh3d(mesh.clone()), ConvexDecomposition::default()));
+    let tag = ConvexDecomposition::default();
+    app.world_mut().spawn((Mesh3d(mesh.clone()), RigidBody::Dynamic, tag));
 }
 
 fn is_finished(app: &mut App) -> bool {
