@@ -32,6 +32,7 @@ pub(super) struct Scene<'w, 's> {
     below: Query<'w, 's, InputEnds>,
     meshes_on: Query<'w, 's, &'static Mesh3d>,
     children: Query<'w, 's, &'static Children>,
+    rejected: Query<'w, 's, (), With<Rejected>>,
     placements: Placements<'w, 's>,
     meshes: Res<'w, Assets<Mesh>>,
     baked: Res<'w, Assets<BakedHulls>>,
@@ -75,7 +76,6 @@ pub(super) fn resolve(
     settings: Res<HullwrightSettings>,
     library: Res<Library>,
     scene: Scene,
-    rejected: Query<(), With<Rejected>>,
     mut statuses: Query<&mut DecompositionStatus>,
 ) {
     let mut budget = work.budget(&settings);
@@ -95,7 +95,7 @@ pub(super) fn resolve(
             }
         };
         let resolution = scene.resolution(entity, &settings);
-        if rejected.contains(entity) && !matches!(resolution, Resolution::Later) {
+        if scene.rejected.contains(entity) && !matches!(resolution, Resolution::Later) {
             commands.entity(entity).try_remove::<Rejected>();
         }
         match resolution {
