@@ -1,9 +1,10 @@
 //! What the Bevy plugin costs the main thread: `cargo bench --bench plugin --features io,bevy`.
 //!
 //! Measured is what lies between the first and the last of the plugin's systems, with the commands
-//! that they issue and the observers that they run. Beside it, for the same 200 meshes, the frame in
-//! which bevy_rapier's `AsyncCollider` decomposes: with the feature `window` that component itself,
-//! since bevy_rapier ties it to Bevy's renderer, and always its call of Parry in a system of ours.
+//! that they issue and the observers that they run; Rapier's own come after them. Beside it, for the
+//! same 200 meshes, the frame in which bevy_rapier's `AsyncCollider` decomposes: with the feature
+//! `window` that component itself, since bevy_rapier ties it to Bevy's renderer, and always its call
+//! of Parry in a system of ours.
 
 use std::time::{Duration, Instant};
 
@@ -23,6 +24,9 @@ const MODELS: [&str; 10] =
 const IDLE_ENTITIES: usize = 1000;
 
 const IDLE_FRAMES: usize = 2000;
+
+/// Fewer, since Rapier's step is a part of them.
+const FALLING_FRAMES: usize = 300;
 
 /// Meshes that are tagged in one frame.
 const MESHES: usize = 200;
@@ -67,14 +71,30 @@ impl Watch {
 
 fn main() {
     idle();
+    falling();
     known_mesh();
     many_meshes();
     rapiers_own();
 }
 
 fn app() -> App {
+    app_with(|_| {})
+}
+
+/// As in a game: with Rapier's plugin, so that there are bodies that are held still and fall.
+fn app_with_bodies() -> App {
+    let mut app = app_with(|app| {
+        app.add_plugins((TransformPlugin, RapierPhysicsPlugin::<NoUserData>::default()));
+    });
+    // Rapier makes its context in the first frame.
+    app.update();
+    app
+}
+
+fn app_with(add: impl FnOnce(&mut App)) -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, AssetPlugin::default(), HullwrightPlugin::default()));
+    add(&mut app);
     app.insert_resource(Watch {
         start: Instant::now(),
         taken: Duration::ZERO,
@@ -90,7 +110,7 @@ fn app() -> App {
         PostUpdate,
         (
             Watch::begin.after(AssetEventSystems).before(HullwrightSystems::Notice),
-            Watch::end.after(HullwrightSystems::Attach),
+            Watch::end.after(HullwrightSystems::Attach).before(PhysicsSet::SyncBackend),
         ),
     );
     app.finish();
@@ -127,6 +147,13 @@ fn spawn(app: &mut App, mesh: &Handle<Mesh>) {
     app.world_mut().spawn((Mesh3d(mesh.clone()), ConvexDecomposition::default()));
 }
 
+/// Far enough from the others that they never touch.
+fn spawn_body(app: &mut App, mesh: &Handle<Mesh>, number: usize) {
+    let place = Transform::from_xyz(10.0 * number as f32, 0.0, 0.0);
+    let tag = ConvexDecomposition::default();
+    app.world_mut().spawn((Mesh3d(mesh.clone()), RigidBody::Dynamic, place, tag));
+}
+
 fn is_finished(app: &mut App) -> bool {
     let world = app.world_mut();
     world.query::<&DecompositionStatus>().iter(world).all(DecompositionStatus::is_finished)
@@ -149,14 +176,29 @@ fn idle() {
     let handle = add(&mut app, mesh(9));
     (0..IDLE_ENTITIES).for_each(|_| spawn(&mut app, &handle));
     update_until_finished(&mut app);
-    let mut times: Vec<Duration> = (0..IDLE_FRAMES)
+    let cost = cost_per_frame(&mut app, IDLE_FRAMES);
+    println!("idle: {IDLE_ENTITIES} finished entities cost {cost:.1} µs per frame (target 20)");
+}
+
+/// Every one has a new transform in every frame, whose scale is looked at.
+fn falling() {
+    let mut app = app_with_bodies();
+    let handle = add(&mut app, mesh(9));
+    (0..IDLE_ENTITIES).for_each(|number| spawn_body(&mut app, &handle, number));
+    update_until_finished(&mut app);
+    let cost = cost_per_frame(&mut app, FALLING_FRAMES);
+    println!("falling: {IDLE_ENTITIES} finished bodies cost {cost:.1} µs per frame");
+}
+
+/// In microseconds, the median.
+fn cost_per_frame(app: &mut App, frames: usize) -> f64 {
+    let mut times: Vec<Duration> = (0..frames)
         .map(|_| {
             app.update();
-            taken(&app)
+            taken(app)
         })
         .collect();
-    let median = microseconds(median(&mut times));
-    println!("idle: {IDLE_ENTITIES} finished entities cost {median:.1} µs per frame (target 20)");
+    microseconds(median(&mut times))
 }
 
 fn known_mesh() {
@@ -178,10 +220,10 @@ fn known_mesh() {
 
 fn many_meshes() {
     let meshes: Vec<Mesh> = (0..MESHES).map(mesh).collect();
-    let mut app = app();
-    for mesh in meshes {
+    let mut app = app_with_bodies();
+    for (number, mesh) in meshes.into_iter().enumerate() {
         let handle = add(&mut app, mesh);
-        spawn(&mut app, &handle);
+        spawn_body(&mut app, &handle, number);
     }
     app.world_mut().resource_mut::<Watch>().asks_processor = true;
     let mut processor_times = Vec::new();

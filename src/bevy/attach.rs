@@ -14,13 +14,14 @@ use bevy_rapier3d::prelude::{
 use crate::ColliderError;
 
 use super::baked::BakedDecomposition;
+use super::failing::Failure;
 use super::library::Material;
 use super::meanwhile::StandIn;
 use super::placement::{Placements, Stretch, map_mass};
 use super::work::{Delivery, SourceId, Work};
 use super::{
-    ConvexDecomposition, DecompositionCounters, DecompositionFailed, DecompositionFailure,
-    DecompositionReady, DecompositionStatus, HullwrightSettings, Origin, Skip, colliders,
+    ConvexDecomposition, DecompositionCounters, DecompositionFailure, DecompositionReady,
+    DecompositionStatus, HullwrightSettings, Origin, Skip, colliders,
 };
 
 /// On entities whose collider is ours: what it was made from.
@@ -84,30 +85,19 @@ pub(super) fn attach(
         match targets.attach(&mut commands, &delivery) {
             Ok(hulls) => {
                 work.requests.remove(&entity);
+                let present = targets.placements.stretch(entity);
+                work.notice_missed_scale(entity, &delivery.ask.stretch, present);
                 if let Some((body, _)) = targets.placements.body(entity) {
                     sleepers.wake(body);
                 }
-                let status = count(&mut counters, &delivery);
+                let status = count(&mut counters, &delivery, hulls);
                 if let Ok(mut old) = statuses.get_mut(entity) {
                     *old = status;
                 }
                 commands.trigger(DecompositionReady { entity, hulls });
             }
-            Err(failure) => {
-                log::warn!("no convex decomposition: {failure}");
-                work.failures.push((entity, failure));
-            }
+            Err(why) => work.failures.push(Failure { entity, why, is_known: false }),
         }
-    }
-    for (entity, failure) in std::mem::take(&mut work.failures) {
-        if work.requests.remove(&entity).is_none() {
-            continue;
-        }
-        counters.failed += 1;
-        if let Ok(mut status) = statuses.get_mut(entity) {
-            *status = DecompositionStatus::Failed(failure.clone());
-        }
-        commands.trigger(DecompositionFailed { entity, failure });
     }
 }
 
@@ -137,11 +127,18 @@ impl Sleepers<'_, '_> {
     }
 }
 
-fn count(counters: &mut DecompositionCounters, delivery: &Delivery) -> DecompositionStatus {
+fn count(
+    counters: &mut DecompositionCounters,
+    delivery: &Delivery,
+    hulls: usize,
+) -> DecompositionStatus {
     let made = &delivery.made;
     if let Material::Triangles(_) = *made.material {
         counters.triangle_meshes += 1;
         return DecompositionStatus::Skipped(Skip::FixedBody);
+    }
+    if hulls == 1 {
+        counters.convex += 1;
     }
     match made.origin {
         Origin::Decomposed => {}

@@ -2,7 +2,7 @@
 
 use bevy::color::{Color, Hsla};
 use bevy::diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnostic};
-use bevy::gizmos::AppGizmoBuilder;
+use bevy::gizmos::{AppGizmoBuilder, GizmoPlugin};
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::Collider;
@@ -15,8 +15,9 @@ use super::{DecompositionCounters, HullwrightSystems};
 
 /// Draws the hulls of all colliders that the plugin made, and keeps its diagnostics.
 ///
-/// Beside [`HullwrightPlugin`](super::HullwrightPlugin). Lines are drawn where Bevy's
-/// `GizmoRenderPlugin` is, as in `DefaultPlugins`; without it they cost nothing to speak of.
+/// Beside [`HullwrightPlugin`](super::HullwrightPlugin). Lines are drawn where Bevy's `GizmoPlugin`
+/// and `GizmoRenderPlugin` are, as in `DefaultPlugins`; on a server without them there are the
+/// diagnostics alone.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct HullwrightDebugPlugin;
 
@@ -45,8 +46,25 @@ impl HullwrightDebugPlugin {
     pub const WAITING: DiagnosticPath = DiagnosticPath::const_new("hullwright/waiting");
     /// Decompositions made so far.
     pub const DECOMPOSED: DiagnosticPath = DiagnosticPath::const_new("hullwright/decomposed");
+    /// Colliders whose hulls were made for another entity.
+    pub const SHARED: DiagnosticPath = DiagnosticPath::const_new("hullwright/shared");
+    /// Colliders whose hulls came from the cache on disk.
+    pub const FROM_DISK: DiagnosticPath = DiagnosticPath::const_new("hullwright/from_disk");
+    /// Colliders of baked hulls.
+    pub const BAKED: DiagnosticPath = DiagnosticPath::const_new("hullwright/baked");
+    /// Colliders that are a single hull.
+    pub const CONVEX: DiagnosticPath = DiagnosticPath::const_new("hullwright/convex");
+    /// Triangle meshes for fixed bodies.
+    pub const TRIANGLE_MESHES: DiagnosticPath =
+        DiagnosticPath::const_new("hullwright/triangle_meshes");
+    /// Entities skipped because they had a collider.
+    pub const HAD_COLLIDER: DiagnosticPath = DiagnosticPath::const_new("hullwright/had_collider");
     /// Entities that failed.
     pub const FAILED: DiagnosticPath = DiagnosticPath::const_new("hullwright/failed");
+    /// Entities whose work was cancelled.
+    pub const CANCELLED: DiagnosticPath = DiagnosticPath::const_new("hullwright/cancelled");
+    /// Decompositions in the cache in memory.
+    pub const CACHED_COUNT: DiagnosticPath = DiagnosticPath::const_new("hullwright/cached_count");
     /// Size of the cache in memory, in MiB.
     pub const CACHED: DiagnosticPath = DiagnosticPath::const_new("hullwright/cached");
     /// The bound of the decomposition that was made last, in percent of its mesh's diagonal.
@@ -57,25 +75,33 @@ impl HullwrightDebugPlugin {
 
 impl Plugin for HullwrightDebugPlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<HullwrightDebug>()
-            .register_type::<HullwrightDebug>()
-            .init_gizmo_group::<HullGizmos>()
-            .register_diagnostic(Diagnostic::new(Self::RUNNING))
-            .register_diagnostic(Diagnostic::new(Self::WAITING))
-            .register_diagnostic(Diagnostic::new(Self::DECOMPOSED))
-            .register_diagnostic(Diagnostic::new(Self::FAILED))
-            .register_diagnostic(Diagnostic::new(Self::CACHED).with_suffix(" MiB"))
-            .register_diagnostic(Diagnostic::new(Self::BOUND).with_suffix(" %"))
-            .register_diagnostic(Diagnostic::new(Self::PHANTOM).with_suffix(" %"))
-            .add_systems(
+        app.init_resource::<HullwrightDebug>().register_type::<HullwrightDebug>();
+        for measure in MEASURES {
+            app.register_diagnostic(Diagnostic::new(measure.path).with_suffix(measure.suffix));
+        }
+        app.configure_sets(
+            PostUpdate,
+            HullwrightSystems::Debug
+                .after(HullwrightSystems::Attach)
+                .after(TransformSystems::Propagate),
+        )
+        .add_systems(
+            PostUpdate,
+            measure
+                .in_set(HullwrightSystems::Debug)
+                .run_if(resource_exists_and_changed::<DecompositionCounters>),
+        );
+    }
+
+    fn finish(&self, app: &mut App) {
+        // Its systems panic without the assets that Bevy's plugin brings; that may come after ours.
+        if app.is_plugin_added::<GizmoPlugin>() {
+            app.init_gizmo_group::<HullGizmos>().add_systems(
                 PostUpdate,
-                (
-                    draw.run_if(|debug: Res<HullwrightDebug>| debug.is_drawn),
-                    measure.run_if(resource_changed::<DecompositionCounters>),
-                )
-                    .after(HullwrightSystems::Attach)
-                    .after(TransformSystems::Propagate),
+                draw.in_set(HullwrightSystems::Debug)
+                    .run_if(|debug: Res<HullwrightDebug>| debug.is_drawn),
             );
+        }
     }
 }
 
@@ -157,21 +183,61 @@ fn draw_edges(
     }
 }
 
+/// What a counter is called among the diagnostics.
+struct Measure {
+    path: DiagnosticPath,
+    suffix: &'static str,
+    value: fn(&DecompositionCounters) -> Option<f64>,
+}
+
+impl Measure {
+    const fn count(path: DiagnosticPath, value: fn(&DecompositionCounters) -> Option<f64>) -> Self {
+        Self { path, suffix: "", value }
+    }
+}
+
 const MEBIBYTE: f64 = 1024.0 * 1024.0;
 
+const MEASURES: [Measure; 15] = [
+    Measure::count(HullwrightDebugPlugin::RUNNING, |of| Some(of.running as f64)),
+    Measure::count(HullwrightDebugPlugin::WAITING, |of| {
+        Some((of.queued + of.waiting_for_mesh) as f64)
+    }),
+    Measure::count(HullwrightDebugPlugin::DECOMPOSED, |of| Some(of.decomposed as f64)),
+    Measure::count(HullwrightDebugPlugin::SHARED, |of| Some(of.shared as f64)),
+    Measure::count(HullwrightDebugPlugin::FROM_DISK, |of| Some(of.from_disk as f64)),
+    Measure::count(HullwrightDebugPlugin::BAKED, |of| Some(of.baked as f64)),
+    Measure::count(HullwrightDebugPlugin::CONVEX, |of| Some(of.convex as f64)),
+    Measure::count(HullwrightDebugPlugin::TRIANGLE_MESHES, |of| Some(of.triangle_meshes as f64)),
+    Measure::count(HullwrightDebugPlugin::HAD_COLLIDER, |of| Some(of.had_collider as f64)),
+    Measure::count(HullwrightDebugPlugin::FAILED, |of| Some(of.failed as f64)),
+    Measure::count(HullwrightDebugPlugin::CANCELLED, |of| Some(of.cancelled as f64)),
+    Measure::count(HullwrightDebugPlugin::CACHED_COUNT, |of| Some(of.cached as f64)),
+    Measure {
+        path: HullwrightDebugPlugin::CACHED,
+        suffix: " MiB",
+        value: |of| Some(of.cached_bytes as f64 / MEBIBYTE),
+    },
+    Measure {
+        path: HullwrightDebugPlugin::BOUND,
+        suffix: " %",
+        value: |of| of.last_bound.map(percent),
+    },
+    Measure {
+        path: HullwrightDebugPlugin::PHANTOM,
+        suffix: " %",
+        value: |of| of.last_phantom.map(percent),
+    },
+];
+
+fn percent(share: f32) -> f64 {
+    100.0 * f64::from(share)
+}
+
 fn measure(mut diagnostics: Diagnostics, counters: Res<DecompositionCounters>) {
-    let waiting = counters.queued + counters.waiting_for_mesh;
-    diagnostics.add_measurement(&HullwrightDebugPlugin::RUNNING, || counters.running as f64);
-    diagnostics.add_measurement(&HullwrightDebugPlugin::WAITING, || waiting as f64);
-    diagnostics.add_measurement(&HullwrightDebugPlugin::DECOMPOSED, || counters.decomposed as f64);
-    diagnostics.add_measurement(&HullwrightDebugPlugin::FAILED, || counters.failed as f64);
-    let cached = counters.cached_bytes as f64 / MEBIBYTE;
-    diagnostics.add_measurement(&HullwrightDebugPlugin::CACHED, || cached);
-    let percent = |share: f32| 100.0 * f64::from(share);
-    if let Some(bound) = counters.last_bound {
-        diagnostics.add_measurement(&HullwrightDebugPlugin::BOUND, || percent(bound));
-    }
-    if let Some(phantom) = counters.last_phantom {
-        diagnostics.add_measurement(&HullwrightDebugPlugin::PHANTOM, || percent(phantom));
+    for measure in MEASURES {
+        if let Some(value) = (measure.value)(&counters) {
+            diagnostics.add_measurement(&measure.path, || value);
+        }
     }
 }

@@ -23,10 +23,12 @@ use super::{ConvexDecomposition, NoConvexDecomposition};
 /// [`default`](Self::default_tag).
 #[derive(Component, Reflect, Debug, Clone, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct ConvexDecompositionHierarchy {
     /// For meshes of which nothing else is said; `None` to leave them alone.
     pub default_tag: Option<ConvexDecomposition>,
     /// By the name of the node or the mesh; `None` to leave it out.
+    #[cfg_attr(feature = "serde", serde(with = "by_name"))]
     pub by_name: HashMap<String, Option<ConvexDecomposition>>,
     /// Whether names with `-convcol` and glTF extras with `{"collider": "convex_decomposition"}`
     /// are tagged, those with `{"collider": "none"}` are not, and meshes called `UCX_chair` or
@@ -68,6 +70,29 @@ impl ConvexDecompositionHierarchy {
     pub fn without(mut self, name: impl Into<String>) -> Self {
         self.by_name.insert(name.into(), None);
         self
+    }
+}
+
+/// Bevy's maps have serde of their own only behind a feature of Bevy's. Sorted, so that equal maps
+/// are equal texts.
+#[cfg(feature = "serde")]
+mod by_name {
+    use std::collections::BTreeMap;
+
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    use super::{ConvexDecomposition, HashMap};
+
+    type Tags = HashMap<String, Option<ConvexDecomposition>>;
+
+    pub(super) fn serialize<S: Serializer>(tags: &Tags, serializer: S) -> Result<S::Ok, S::Error> {
+        tags.iter().collect::<BTreeMap<_, _>>().serialize(serializer)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Tags, D::Error> {
+        Ok(BTreeMap::deserialize(deserializer)?.into_iter().collect())
     }
 }
 
@@ -165,13 +190,14 @@ impl Nodes<'_, '_> {
     /// primitives.
     fn nodes_with_meshes(&self, root: Entity) -> Vec<Entity> {
         let mut seen = EntityHashSet::default();
+        let is_root_node = self.is_gltf_node(root);
         let below = std::iter::once(root).chain(self.children.iter_descendants(root));
         let meshes = below.filter_map(|entity| self.meshes.get(entity).ok());
         meshes
             .map(|(entity, transform)| match self.parents.get(entity) {
                 Ok(parent)
                     if entity != root
-                        && parent.parent() != root
+                        && (parent.parent() != root || is_root_node)
                         && transform.is_none_or(|transform| *transform == Transform::IDENTITY) =>
                 {
                     parent.parent()
@@ -180,6 +206,22 @@ impl Nodes<'_, '_> {
             })
             .filter(|node| seen.insert(*node))
             .collect()
+    }
+
+    /// Whether the meshes right below are the primitives of one glTF mesh, whose name they have then,
+    /// and not meshes of their own that somebody put there.
+    #[cfg(feature = "bevy_gltf")]
+    fn is_gltf_node(&self, entity: Entity) -> bool {
+        let Ok(children) = self.children.get(entity) else { return false };
+        let meshes = children.iter().filter(|child| self.meshes.contains(*child));
+        let mut names = meshes.map(|mesh| Some(self.extras.get(mesh).ok()?.2?.0.as_str()));
+        let Some(Some(first)) = names.next() else { return false };
+        names.all(|name| name == Some(first))
+    }
+
+    #[cfg(not(feature = "bevy_gltf"))]
+    fn is_gltf_node(&self, _entity: Entity) -> bool {
+        false
     }
 
     /// The node's own name, and those that its primitives have of their mesh.
@@ -253,4 +295,25 @@ fn one_hull(mut tag: ConvexDecomposition) -> ConvexDecomposition {
     tag.parameters = Parameters::default();
     tag.parameters.bounded.max_hulls = Some(1);
     tag
+}
+
+#[cfg(all(test, feature = "serde", feature = "io"))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hierarchy_is_written_and_read() {
+        let hierarchy = ConvexDecompositionHierarchy::tagged_only()
+            .with("table", ConvexDecomposition::default().with_density(3.0))
+            .without("lamp");
+        let text = serde_json::to_string(&hierarchy).unwrap();
+        let read: ConvexDecompositionHierarchy = serde_json::from_str(&text).unwrap();
+        assert_eq!(read, hierarchy);
+    }
+
+    #[test]
+    fn what_is_left_out_of_a_hierarchy_has_its_default() {
+        let read: ConvexDecompositionHierarchy = serde_json::from_str("{}").unwrap();
+        assert_eq!(read, ConvexDecompositionHierarchy::default());
+    }
 }

@@ -24,7 +24,7 @@
 //! | `resolve`, `mesh_data`, `placement` | which meshes, their triangles, what scale is baked |
 //! | `work`, `run`, `job`, `library` | the queue, the jobs, what is known already |
 //! | `meanwhile`, `hold` | stand-ins, and bodies that wait |
-//! | `attach` | results reach their entities |
+//! | `attach`, `failing` | results reach their entities, and what went wrong does |
 //! | `debug` (feature) | hulls drawn, and numbers among the diagnostics |
 //! | `colliders` | shapes for those who hold hulls themselves |
 
@@ -33,6 +33,7 @@ mod baked;
 pub mod colliders;
 #[cfg(feature = "debug")]
 mod debug;
+mod failing;
 mod hierarchy;
 mod hold;
 mod job;

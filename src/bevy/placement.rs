@@ -113,6 +113,11 @@ impl Placements<'_, '_> {
         Placement { map, stretch }
     }
 
+    /// The scale that an entity has now, also before Bevy propagates it.
+    pub(super) fn stretch(&self, entity: Entity) -> Stretch {
+        Stretch::of(&self.global_transform(entity))
+    }
+
     fn global_transform(&self, entity: Entity) -> GlobalTransform {
         self.global.compute_global_transform(entity).unwrap_or_default()
     }

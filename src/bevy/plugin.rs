@@ -1,6 +1,7 @@
 //! The plugin: what it adds to an app, and in which order its systems run.
 
 use bevy::asset::AssetEventSystems;
+use bevy::mesh::mark_3d_meshes_as_changed_if_their_assets_changed;
 use bevy::prelude::*;
 use bevy_rapier3d::plugin::PhysicsSet;
 
@@ -10,8 +11,8 @@ use super::library::Library;
 use super::work::Work;
 use super::{
     ConvexDecomposition, DecompositionCounters, DecompositionFocus, DecompositionStatus,
-    HullwrightSettings, NoConvexDecomposition, attach, hierarchy, hold, meanwhile, notice, resolve,
-    run,
+    HullwrightSettings, NoConvexDecomposition, attach, failing, hierarchy, hold, meanwhile, notice,
+    resolve, run,
 };
 
 /// Gives entities with [`ConvexDecomposition`] their colliders.
@@ -34,6 +35,10 @@ pub enum HullwrightSystems {
     Work,
     /// Colliders are attached and events sent.
     Attach,
+    /// Hulls are drawn and counters become diagnostics, by `HullwrightDebugPlugin`; after Bevy
+    /// propagates transforms.
+    #[cfg(feature = "debug")]
+    Debug,
 }
 
 impl Plugin for HullwrightPlugin {
@@ -60,6 +65,8 @@ impl Plugin for HullwrightPlugin {
             (HullwrightSystems::Notice, HullwrightSystems::Work, HullwrightSystems::Attach)
                 .chain()
                 .after(AssetEventSystems)
+                // It marks entities whose mesh changed, which `notice` then sees in the same frame.
+                .after(mark_3d_meshes_as_changed_if_their_assets_changed)
                 .before(TransformSystems::Propagate)
                 .before(PhysicsSet::SyncBackend),
         );
@@ -80,8 +87,7 @@ impl Plugin for HullwrightPlugin {
                     .in_set(HullwrightSystems::Work)
                     .run_if(is_busy),
                 (
-                    attach::attach.run_if(is_busy),
-                    hold::hold.run_if(is_busy),
+                    (attach::attach, failing::report_failures, hold::hold).chain().run_if(is_busy),
                     hold::release.run_if(any_with_component::<hold::Held>),
                     meanwhile::remove_stand_ins.run_if(any_with_component::<meanwhile::StandIn>),
                 )

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use bevy::asset::{AssetId, LoadState};
+use bevy::asset::{AssetId, LoadState, UntypedAssetId};
 use bevy::ecs::system::SystemParam;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
@@ -13,6 +13,7 @@ use crate::{Parameters, Unit};
 
 use super::attach::Attached;
 use super::baked::{BakedDecomposition, BakedHulls};
+use super::failing::{Failure, Rejected};
 use super::job::Made;
 use super::library::{Content, Library, Material, parameters_text};
 use super::meanwhile::StandIn;
@@ -31,6 +32,7 @@ pub(super) struct Scene<'w, 's> {
     below: Query<'w, 's, InputEnds>,
     meshes_on: Query<'w, 's, &'static Mesh3d>,
     children: Query<'w, 's, &'static Children>,
+    rejected: Query<'w, 's, (), With<Rejected>>,
     placements: Placements<'w, 's>,
     meshes: Res<'w, Assets<Mesh>>,
     baked: Res<'w, Assets<BakedHulls>>,
@@ -56,12 +58,19 @@ enum Resolution {
     /// Its meshes are not there yet.
     Later,
     HasCollider,
-    Failed(DecompositionFailure),
+    Failed(Box<Ask>, DecompositionFailure),
     Ask(Box<Ask>),
+}
+
+impl Resolution {
+    fn not_loaded(ask: Box<Ask>) -> Self {
+        Self::Failed(ask, DecompositionFailure::NotLoaded)
+    }
 }
 
 /// Looks at entities whose meshes are not known yet, each at most once per frame.
 pub(super) fn resolve(
+    mut commands: Commands,
     mut work: ResMut<Work>,
     mut counters: ResMut<DecompositionCounters>,
     settings: Res<HullwrightSettings>,
@@ -80,7 +89,16 @@ pub(super) fn resolve(
                 status.set_if_neq(new);
             }
         };
-        match scene.resolution(entity, &settings) {
+        let set_ask = |work: &mut Work, ask| {
+            if let Some(request) = work.requests.get_mut(&entity) {
+                request.ask = Some(ask);
+            }
+        };
+        let resolution = scene.resolution(entity, &settings);
+        if scene.rejected.contains(entity) && !matches!(resolution, Resolution::Later) {
+            commands.entity(entity).try_remove::<Rejected>();
+        }
+        match resolution {
             Resolution::Gone => {
                 work.requests.remove(&entity);
             }
@@ -90,7 +108,10 @@ pub(super) fn resolve(
                 counters.had_collider += 1;
                 set_status(DecompositionStatus::Skipped(Skip::HasCollider));
             }
-            Resolution::Failed(failure) => work.failures.push((entity, failure)),
+            Resolution::Failed(ask, why) => {
+                work.failures.push(Failure { entity, why, is_known: false });
+                set_ask(&mut work, ask.into());
+            }
             Resolution::Ask(ask) => {
                 let ask: Arc<Ask> = Arc::from(ask);
                 match known(&work, &library, &ask) {
@@ -98,7 +119,9 @@ pub(super) fn resolve(
                         let ask = ask.clone();
                         work.deliveries.push_back(Delivery { entity, ask, made });
                     }
-                    Some(Err(failure)) => work.failures.push((entity, failure)),
+                    Some(Err(why)) => {
+                        work.failures.push(Failure { entity, why, is_known: true });
+                    }
                     None => {
                         work.queue.push(entity);
                         if scene.wants_stand_in(entity, &settings) {
@@ -107,9 +130,7 @@ pub(super) fn resolve(
                         set_status(DecompositionStatus::Waiting(Wait::InQueue));
                     }
                 }
-                if let Some(request) = work.requests.get_mut(&entity) {
-                    request.ask = Some(ask);
-                }
+                set_ask(&mut work, ask);
             }
         }
     }
@@ -147,18 +168,20 @@ impl Scene<'_, '_> {
 
     fn baked(&self, entity: Entity, baked: &BakedDecomposition) -> Resolution {
         let id = baked.hulls.id();
-        if !self.baked.contains(id) {
-            return self.not_there(id.untyped());
+        let is_missing = !self.baked.contains(id);
+        if is_missing && !self.is_lost(id.untyped()) {
+            return Resolution::Later;
         }
         let placement = self.placements.placement(entity);
-        Resolution::Ask(Box::new(Ask {
+        let ask = Box::new(Ask {
             source: Arc::new(SourceId::Baked(id)),
             parts: Vec::new(),
             parameters: None,
             before: Affine3A::IDENTITY,
             map: placement.map,
             stretch: placement.stretch,
-        }))
+        });
+        if is_missing { Resolution::not_loaded(ask) } else { Resolution::Ask(ask) }
     }
 
     fn mesh(
@@ -172,10 +195,9 @@ impl Scene<'_, '_> {
         if parts.is_empty() {
             return Resolution::Later;
         }
-        for part in &parts {
-            if !self.meshes.contains(part.mesh) {
-                return self.not_there(part.mesh.untyped());
-            }
+        let missing = parts.iter().map(|part| part.mesh).find(|mesh| !self.meshes.contains(*mesh));
+        if missing.is_some_and(|mesh| !self.is_lost(mesh.untyped())) {
+            return Resolution::Later;
         }
         let placement = self.placements.placement(entity);
         let is_fixed = matches!(self.placements.body(entity), Some((_, RigidBody::Fixed)));
@@ -192,14 +214,15 @@ impl Scene<'_, '_> {
             recipe: *blake3::hash(parameters_text(parameters.as_ref()).as_bytes()).as_bytes(),
             before: MapKey::new(&before),
         };
-        Resolution::Ask(Box::new(Ask {
+        let ask = Box::new(Ask {
             source: Arc::new(source),
             parts,
             parameters,
             before,
             map,
             stretch: placement.stretch,
-        }))
+        });
+        if missing.is_some() { Resolution::not_loaded(ask) } else { Resolution::Ask(ask) }
     }
 
     /// The meshes on an entity and below it, in the order of the children.
@@ -221,12 +244,10 @@ impl Scene<'_, '_> {
         }
     }
 
-    fn not_there(&self, id: bevy::asset::UntypedAssetId) -> Resolution {
+    /// Whether an asset that is not there will not come.
+    fn is_lost(&self, id: UntypedAssetId) -> bool {
         let state = self.server.as_ref().and_then(|server| server.get_load_state(id));
-        match state {
-            Some(LoadState::Failed(_)) => Resolution::Failed(DecompositionFailure::NotLoaded),
-            _ => Resolution::Later,
-        }
+        matches!(state, Some(LoadState::Failed(_)))
     }
 
     /// Whether something stands in for the first collider of an entity.
@@ -246,7 +267,8 @@ impl Scene<'_, '_> {
     }
 }
 
-fn has_absolute_unit(parameters: &Parameters) -> bool {
+/// Whether the result depends on how large the mesh is in the world.
+pub(super) fn has_absolute_unit(parameters: &Parameters) -> bool {
     matches!(parameters.bounded.max_error, Unit::Absolute(_))
         || matches!(parameters.surface.unit, Unit::Absolute(_))
 }

@@ -10,6 +10,7 @@ use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, TaskPool, block_on, poll_once};
 
 use super::baked::BakedHulls;
+use super::failing::Failure;
 use super::job::{Machine, Made, Outcome, ProgressCell, Task};
 use super::library::{Content, Library, Material};
 use super::mesh_data::read_parts;
@@ -130,16 +131,12 @@ fn fail(
     entities: &[Entity],
     failure: DecompositionFailure,
 ) {
-    match entities {
-        [] => {}
-        [_] => log::warn!("no convex decomposition: {failure}"),
-        all => log::warn!("no convex decomposition for {} entities: {failure}", all.len()),
-    }
-    // A scale that flattens is no fault of the mesh.
-    if !matches!(failure, DecompositionFailure::Collider(_)) {
+    // A scale that flattens is no fault of the mesh, and what is not there may yet come.
+    if !matches!(failure, DecompositionFailure::Collider(_) | DecompositionFailure::NotLoaded) {
         work.known.insert(source.clone(), Err(failure.clone()));
     }
-    work.failures.extend(entities.iter().map(|entity| (*entity, failure.clone())));
+    let of = |entity: &Entity| Failure { entity: *entity, why: failure.clone(), is_known: false };
+    work.failures.extend(entities.iter().map(of));
 }
 
 /// Begins jobs for those in the queue, the nearest to a focus first, as far as jobs and time
@@ -179,8 +176,8 @@ pub(super) fn start_jobs(
                     begun.insert(entity);
                     continue;
                 }
-                Place::Failed(failure) => {
-                    work.failures.push((entity, failure));
+                Place::Failed(why) => {
+                    work.failures.push(Failure { entity, why, is_known: true });
                     begun.insert(entity);
                     continue;
                 }
@@ -303,12 +300,8 @@ fn begin(
         Execution::Slices => Worker::Slices(Box::new(machine)),
         Execution::Background => {
             let control = control.clone();
-            // A defect of ours shall cost a collider, not the game.
             let run = move || machine.run(&control);
-            Worker::Thread(pool().spawn(async move {
-                std::panic::catch_unwind(std::panic::AssertUnwindSafe(run))
-                    .unwrap_or(Err(DecompositionFailure::Lost))
-            }))
+            Worker::Thread(pool().spawn(async move { catch_defects(run) }))
         }
     };
     work.jobs.push(Job {
@@ -320,6 +313,14 @@ fn begin(
         shown_progress: 0.0,
         worker,
     });
+}
+
+/// A defect of ours shall cost a collider, not the game.
+fn catch_defects(
+    run: impl FnOnce() -> Result<Outcome, DecompositionFailure>,
+) -> Result<Outcome, DecompositionFailure> {
+    std::panic::catch_unwind(std::panic::AssertUnwindSafe(run))
+        .unwrap_or(Err(DecompositionFailure::Lost))
 }
 
 /// What the queue is sorted by.
@@ -359,5 +360,23 @@ impl PartialOrd for Nearness {
 impl Ord for Nearness {
     fn cmp(&self, other: &Self) -> Ordering {
         self.0.total_cmp(&other.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_job_that_panics_is_lost_and_says_so() {
+        let result = catch_defects(|| panic!("on purpose, in a test"));
+        assert!(matches!(result, Err(DecompositionFailure::Lost)));
+        assert!(DecompositionFailure::Lost.to_string().contains("without a result"));
+    }
+
+    #[test]
+    fn a_job_that_fails_says_why() {
+        let result = catch_defects(|| Err(DecompositionFailure::NoPositions));
+        assert!(matches!(result, Err(DecompositionFailure::NoPositions)));
     }
 }

@@ -156,6 +156,8 @@ pub struct DecompositionCounters {
     pub from_disk: usize,
     /// Colliders of baked hulls.
     pub baked: usize,
+    /// Colliders that are a single hull, as those of convex meshes are.
+    pub convex: usize,
     /// Triangle meshes for fixed bodies.
     pub triangle_meshes: usize,
     /// Entities skipped because they had a collider.

@@ -86,11 +86,13 @@ pub enum Meanwhile {
 /// Keeps the entity and all below it out of every decomposition.
 #[derive(Component, Reflect, Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[reflect(Component, Default, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct NoConvexDecomposition;
 
 /// Where the player is: when more wait than run, those nearest to such an entity go first.
 #[derive(Component, Reflect, Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[reflect(Component, Default, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct DecompositionFocus;
 
 #[cfg(all(test, feature = "serde", feature = "io"))]
@@ -105,6 +107,14 @@ mod tests {
         tag.parameters.bounded.max_hulls = Some(7);
         let text = serde_json::to_string(&tag).unwrap();
         assert_eq!(serde_json::from_str::<ConvexDecomposition>(&text).unwrap(), tag);
+    }
+
+    #[test]
+    fn tags_without_fields_are_written_and_read() {
+        let text = serde_json::to_string(&NoConvexDecomposition).unwrap();
+        assert!(serde_json::from_str::<NoConvexDecomposition>(&text).is_ok());
+        let text = serde_json::to_string(&DecompositionFocus).unwrap();
+        assert!(serde_json::from_str::<DecompositionFocus>(&text).is_ok());
     }
 
     #[test]

@@ -15,6 +15,7 @@ use bevy_rapier3d::rapier::geometry::SharedShape;
 use crate::{Control, Parameters};
 
 use super::baked::BakedHulls;
+use super::failing::Failure;
 use super::job::{Machine, Made, Outcome, ProgressCell};
 use super::library::Content;
 use super::mesh_data::Part;
@@ -115,7 +116,7 @@ pub(super) struct Work {
     pub queue: Vec<Entity>,
     pub jobs: Vec<Job>,
     pub deliveries: VecDeque<Delivery>,
-    pub failures: Vec<(Entity, DecompositionFailure)>,
+    pub failures: Vec<Failure>,
     /// What is known of sources without looking into them.
     pub known: HashMap<Arc<SourceId>, Result<Content, DecompositionFailure>>,
     /// Who wants a stand-in.
@@ -158,6 +159,19 @@ impl Work {
             });
         }
         true
+    }
+
+    /// Has a scale baked anew that changed while the work went on: that change came before there
+    /// was anything to compare it with.
+    pub(super) fn notice_missed_scale(
+        &mut self,
+        entity: Entity,
+        baked: &Stretch,
+        present: Stretch,
+    ) {
+        if present.differs(baked) {
+            self.rescaling.insert(entity, (present, Instant::now()));
+        }
     }
 
     /// Whether an entity is to be looked at anyway.

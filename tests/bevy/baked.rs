@@ -10,7 +10,7 @@ use hullwright::{Control, Parameters, decompose, mass_properties};
 
 use crate::app::*;
 
-fn baked() -> HullsFile {
+pub fn baked() -> HullsFile {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/u_prism.glb");
     let mesh = read_mesh(path).unwrap();
     let (positions, triangles) = (&mesh.positions, &mesh.triangles);

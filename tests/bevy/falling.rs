@@ -24,6 +24,7 @@ fn a_tagged_mesh_gets_a_collider_and_falls_onto_the_floor() {
     let hulls = collider(&app, body).as_compound().expect("a compound").shapes().count();
     assert_eq!(hulls, 3);
     assert_eq!(app.world().resource::<Seen>().ready, [(body, 3)]);
+    assert_eq!(counters(&app).convex, 0);
 
     update_times(&mut app, 300);
     let place = app.world().get::<Transform>(body).unwrap().translation;
@@ -54,6 +55,8 @@ fn a_convex_mesh_is_one_hull() {
     let body = spawn(&mut app, &mesh);
     update_until_finished(&mut app, &[body]);
     assert!(collider(&app, body).as_convex_polyhedron().is_some());
+    assert_eq!(app.world().resource::<Seen>().ready, [(body, 1)]);
+    assert_eq!(counters(&app).convex, 1);
     let (low, high) = bounds(&app, body);
     assert_near(low, [-1.0; 3], 1e-3);
     assert_near(high, [1.0; 3], 1e-3);

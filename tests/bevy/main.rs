@@ -2,9 +2,14 @@
 
 mod app;
 mod baked;
+mod colliders;
+#[cfg(feature = "debug")]
+mod debug;
+mod failures;
 mod falling;
 #[cfg(feature = "bevy_gltf")]
 mod gltf;
+mod log;
 mod meanwhile;
 mod meshes;
 mod order;

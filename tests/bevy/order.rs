@@ -1,16 +1,36 @@
 //! The plugin's place among the others' systems.
 
+use std::collections::HashSet;
+
 use bevy::asset::AssetPlugin;
 use bevy::ecs::schedule::{LogLevel, ScheduleBuildSettings};
 use bevy::mesh::MeshPlugin;
 use bevy::prelude::*;
+use bevy_rapier3d::prelude::*;
 use hullwright::bevy::prelude::*;
 
 use crate::app::*;
 
-#[test]
-fn no_system_of_ours_is_ambiguous() {
-    let mut app = app();
+/// An app with all that has to do with us: Bevy's systems for meshes, Rapier's, ours.
+fn full_app() -> App {
+    let mut app = App::new();
+    app.add_plugins((
+        MinimalPlugins,
+        AssetPlugin::default(),
+        MeshPlugin,
+        TransformPlugin,
+        RapierPhysicsPlugin::<NoUserData>::default(),
+        HullwrightPlugin::default(),
+    ));
+    #[cfg(feature = "debug")]
+    app.add_plugins((bevy::gizmos::GizmoPlugin, hullwright::bevy::HullwrightDebugPlugin));
+    app.finish();
+    app.cleanup();
+    app
+}
+
+/// The pairs of systems that may run in any order and touch the same, one of them ours.
+fn ambiguities(mut app: App) -> Vec<String> {
     app.edit_schedule(PostUpdate, |schedule| {
         schedule.set_build_settings(ScheduleBuildSettings {
             ambiguity_detection: LogLevel::Ignore,
@@ -20,15 +40,37 @@ fn no_system_of_ours_is_ambiguous() {
     app.update();
     let schedules = app.world().resource::<Schedules>();
     let schedule = schedules.get(PostUpdate).unwrap();
-    let name = |key| format!("{:?}", schedule.graph().systems.get(key).map(|s| s.name()));
-    let ours: Vec<String> = schedule
-        .graph()
-        .conflicting_systems()
-        .iter()
-        .map(|(a, b, _)| format!("{} and {}", name(*a), name(*b)))
-        .filter(|names| names.contains("hullwright"))
-        .collect();
-    assert!(ours.is_empty(), "{ours:#?}");
+    let sets = [
+        HullwrightSystems::Notice,
+        HullwrightSystems::Work,
+        HullwrightSystems::Attach,
+        #[cfg(feature = "debug")]
+        HullwrightSystems::Debug,
+    ];
+    let mut ours = HashSet::new();
+    for set in sets {
+        let systems = schedule.graph().systems_in_set(set.intern()).unwrap();
+        assert!(!systems.is_empty(), "nothing in {set:?}");
+        ours.extend(systems.iter().copied());
+    }
+    let conflicts = schedule.graph().conflicting_systems();
+    let with_ours = conflicts.iter().filter(|(a, b, _)| ours.contains(a) || ours.contains(b));
+    with_ours.map(|conflict| format!("{conflict:?}")).collect()
+}
+
+#[test]
+fn no_system_of_ours_is_ambiguous() {
+    let found = ambiguities(full_app());
+    assert!(found.is_empty(), "{found:#?}");
+}
+
+#[test]
+fn a_system_that_is_ambiguous_with_ours_would_be_seen() {
+    let mut app = full_app();
+    app.add_systems(PostUpdate, |mut counters: ResMut<DecompositionCounters>| {
+        counters.decomposed += 1;
+    });
+    assert!(!ambiguities(app).is_empty());
 }
 
 /// Decomposes a mesh in an app that is not started yet.

@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
-use hullwright::bevy::Origin;
 use hullwright::bevy::prelude::*;
+use hullwright::bevy::{Execution, Origin, Wait};
 use hullwright::{Parameters, Unit};
 
 use crate::app::*;
@@ -167,16 +167,84 @@ fn a_bound_in_metres_is_kept_in_metres() {
 }
 
 #[test]
+fn a_scale_that_changes_while_the_job_is_at_work_is_baked_in_the_end() {
+    // One stage per frame, so that the job is at work for several.
+    let mut app = app_with(HullwrightSettings {
+        execution: Execution::Slices,
+        frame_budget: Duration::ZERO,
+        ..at_once()
+    });
+    let mesh = add(&mut app, cuboid([0.0; 3], [1.0; 3]));
+    let [running, queued] = [1.0, 3.0].map(|scale| {
+        let transform = Transform::from_scale(Vec3::splat(scale));
+        app.world_mut().spawn((Mesh3d(mesh.clone()), tag(), transform)).id()
+    });
+    update_times(&mut app, 2);
+    assert!(matches!(status(&app, running), DecompositionStatus::Running { .. }));
+    assert_eq!(status(&app, queued), DecompositionStatus::Waiting(Wait::InQueue));
+    for entity in [running, queued] {
+        app.world_mut().get_mut::<Transform>(entity).unwrap().scale = Vec3::splat(2.0);
+    }
+    update_times(&mut app, 200);
+    for entity in [running, queued] {
+        assert!(matches!(status(&app, entity), DecompositionStatus::Ready(_)));
+        assert_near(bounds(&app, entity).1, [2.0; 3], 1e-2);
+    }
+    assert_eq!(counters(&app).decomposed, 1);
+}
+
+#[test]
 fn a_scale_of_zero_fails_and_recovers() {
     let mut app = app_with(at_once());
     let mesh = add(&mut app, cuboid([0.0; 3], [1.0; 3]));
+    let flat = Vec3::new(1.0, 0.0, 1.0);
+    let of_scale = |scale| (Mesh3d(mesh.clone()), tag(), Transform::from_scale(scale));
+    let flat_first = app.world_mut().spawn(of_scale(flat)).id();
+    let flat_later = app.world_mut().spawn(of_scale(Vec3::ONE)).id();
+    update_until_finished(&mut app, &[flat_first, flat_later]);
+    assert!(matches!(status(&app, flat_first), DecompositionStatus::Failed(_)));
+    assert!(matches!(status(&app, flat_later), DecompositionStatus::Ready(_)));
+
+    app.world_mut().get_mut::<Transform>(flat_first).unwrap().scale = Vec3::splat(2.0);
+    app.world_mut().get_mut::<Transform>(flat_later).unwrap().scale = flat;
+    update_until(&mut app, |app| {
+        matches!(status(app, flat_first), DecompositionStatus::Ready(_))
+            && matches!(status(app, flat_later), DecompositionStatus::Failed(_))
+    });
+    assert_near(bounds(&app, flat_first).1, [2.0; 3], 1e-2);
+
+    app.world_mut().get_mut::<Transform>(flat_later).unwrap().scale = Vec3::ONE;
+    update_until(&mut app, |app| matches!(status(app, flat_later), DecompositionStatus::Ready(_)));
+    assert_near(bounds(&app, flat_later).1, [1.0; 3], 1e-2);
+}
+
+#[test]
+fn a_scale_that_grows_while_a_flat_job_is_at_work_recovers() {
+    let mut app = app_with(HullwrightSettings {
+        execution: Execution::Slices,
+        frame_budget: Duration::ZERO,
+        ..at_once()
+    });
+    let mesh = add(&mut app, cuboid([0.0; 3], [1.0; 3]));
     let flat = Transform::from_scale(Vec3::new(1.0, 0.0, 1.0));
-    let entity = app.world_mut().spawn((Mesh3d(mesh.clone()), tag(), flat)).id();
+    let entity = app.world_mut().spawn((Mesh3d(mesh), tag(), flat)).id();
+    update_times(&mut app, 2);
+    assert!(matches!(status(&app, entity), DecompositionStatus::Running { .. }));
+    app.world_mut().get_mut::<Transform>(entity).unwrap().scale = Vec3::ONE;
+    update_times(&mut app, 200);
+    assert!(matches!(status(&app, entity), DecompositionStatus::Ready(_)));
+}
+
+#[test]
+fn a_changed_scale_does_not_try_a_bad_mesh_again() {
+    let mut app = app_with(at_once());
+    let bad = add(&mut app, mesh(vec![[1.0; 3]; 3], vec![0, 1, 2]));
+    let entity = spawn(&mut app, &bad);
     update_until_finished(&mut app, &[entity]);
-    assert!(matches!(status(&app, entity), DecompositionStatus::Failed(_)));
-    let other = spawn(&mut app, &mesh);
-    update_until_finished(&mut app, &[other]);
-    assert!(matches!(status(&app, other), DecompositionStatus::Ready(_)));
+    app.world_mut().get_mut::<Transform>(entity).unwrap().scale = Vec3::splat(2.0);
+    update_times(&mut app, 5);
+    assert_eq!(app.world().resource::<Seen>().failed.len(), 1);
+    assert_eq!(counters(&app).failed, 1);
 }
 
 #[test]

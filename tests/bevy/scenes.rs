@@ -183,3 +183,34 @@ fn extras_tag_nodes_and_meshes() {
     let tagged = [by_node, by_mesh, neither].map(|entity| is_tagged(&app, entity));
     assert_eq!(tagged, [true, true, false]);
 }
+
+#[cfg(feature = "bevy_gltf")]
+#[test]
+fn a_hierarchy_on_the_node_itself_takes_its_primitives_as_one_input() {
+    use bevy::gltf::GltfMeshName;
+    let mut app = app();
+    let (cube, other) = (cube(&mut app), add(&mut app, cuboid([2.0; 3], [3.0; 3])));
+    let gltf_node = root(&mut app, ConvexDecompositionHierarchy::new(tag()));
+    for mesh in [&cube, &other] {
+        let name = GltfMeshName("chair".into());
+        app.world_mut().spawn((Mesh3d(mesh.clone()), name, ChildOf(gltf_node)));
+    }
+    update_times(&mut app, 2);
+    assert!(is_tagged(&app, gltf_node));
+    update_until_finished(&mut app, &[gltf_node]);
+    assert_eq!(collider(&app, gltf_node).as_compound().unwrap().shapes().count(), 2);
+    assert_eq!(app.world().resource::<Seen>().ready.len(), 1);
+}
+
+#[test]
+fn meshes_right_below_the_root_that_are_no_primitives_are_inputs_of_their_own() {
+    let mut app = app();
+    let (cube, other) = (cube(&mut app), add(&mut app, cuboid([2.0; 3], [3.0; 3])));
+    let root = root(&mut app, ConvexDecompositionHierarchy::new(tag()));
+    let children = [&cube, &other]
+        .map(|mesh| app.world_mut().spawn((Mesh3d(mesh.clone()), ChildOf(root))).id());
+    update_times(&mut app, 2);
+    assert!(!is_tagged(&app, root));
+    update_until_finished(&mut app, &children);
+    assert_eq!(app.world().resource::<Seen>().ready.len(), 2);
+}

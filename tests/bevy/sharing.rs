@@ -1,7 +1,5 @@
 //! What a scene does not need is not done.
 
-use std::sync::Mutex;
-
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
 use hullwright::bevy::prelude::*;
@@ -254,59 +252,4 @@ fn without_threads_the_work_goes_on_in_slices() {
     });
     assert_eq!(status(&app, entity), DecompositionStatus::Ready(Origin::Decomposed));
     assert!(frames > 4, "one slice did all");
-}
-
-#[test]
-fn all_that_share_a_bad_mesh_fail_and_one_line_is_logged() {
-    Log::install();
-    let mut app = app();
-    // No other test has a mesh of two vertices, and all share the log.
-    let bad = add(&mut app, mesh(vec![[0.0; 3]; 2], Vec::new()));
-    let entities: Vec<Entity> = (0..5).map(|_| spawn(&mut app, &bad)).collect();
-    update_until_finished(&mut app, &entities);
-    assert_eq!((counters(&app).failed, counters(&app).running), (5, 0));
-    assert_eq!(app.world().resource::<Seen>().failed.len(), 5);
-    update_times(&mut app, 20);
-    let lines = Log::lines_with("2 vertices");
-    assert_eq!(lines.len(), 1, "{lines:?}");
-    assert!(!lines[0].contains('\n'));
-}
-
-/// Keeps what is logged.
-struct Log;
-
-static LINES: Mutex<Vec<String>> = Mutex::new(Vec::new());
-
-impl Log {
-    fn install() {
-        // Only the first succeeds, and one is enough.
-        let _ = log::set_logger(&Self).map(|()| log::set_max_level(log::LevelFilter::Warn));
-    }
-
-    fn lines_with(text: &str) -> Vec<String> {
-        LINES.lock().unwrap().iter().filter(|line| line.contains(text)).cloned().collect()
-    }
-}
-
-impl log::Log for Log {
-    fn enabled(&self, _: &log::Metadata<'_>) -> bool {
-        true
-    }
-
-    fn log(&self, record: &log::Record<'_>) {
-        LINES.lock().unwrap().push(record.args().to_string());
-    }
-
-    fn flush(&self) {}
-}
-
-#[test]
-fn a_mesh_that_failed_fails_again_at_once() {
-    let mut app = app();
-    let mesh = add(&mut app, mesh(vec![[1.0; 3]; 3], vec![0, 1, 2]));
-    let first = spawn(&mut app, &mesh);
-    update_until_finished(&mut app, &[first]);
-    let second = spawn(&mut app, &mesh);
-    app.update();
-    assert_eq!(status(&app, second), status(&app, first));
 }

@@ -2,8 +2,8 @@
 
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
-use hullwright::bevy::Wait;
 use hullwright::bevy::prelude::*;
+use hullwright::bevy::{Execution, Wait};
 
 use crate::app::*;
 
@@ -94,12 +94,20 @@ fn what_has_a_tag_or_a_body_of_its_own_or_is_left_out_is_not_part_of_the_input()
 }
 
 #[test]
-fn an_asset_that_can_not_be_loaded_fails() {
-    let mut app = app();
-    let handle = app.world().resource::<AssetServer>().load("nowhere.hulls");
-    let entity = app.world_mut().spawn(BakedDecomposition::new(handle)).id();
-    update_until_finished(&mut app, &[entity]);
-    assert!(matches!(status(&app, entity), DecompositionStatus::Failed(_)));
+fn the_status_says_that_others_go_first() {
+    let mut app = app_with(HullwrightSettings {
+        execution: Execution::Slices,
+        frame_budget: std::time::Duration::ZERO,
+        ..default()
+    });
+    let meshes = ["u_prism", "l_prism"].map(|name| add(&mut app, model(name)));
+    let [first, second] = [&meshes[0], &meshes[1]].map(|mesh| spawn(&mut app, mesh));
+    update_times(&mut app, 3);
+    assert!(matches!(status(&app, first), DecompositionStatus::Running { .. }));
+    assert_eq!(status(&app, second), DecompositionStatus::Waiting(Wait::InQueue));
+    assert_eq!((counters(&app).running, counters(&app).queued), (1, 1));
+    update_until_finished(&mut app, &[first, second]);
+    assert!(matches!(status(&app, second), DecompositionStatus::Ready(_)));
 }
 
 /// An app in which a job is at work on an entity.
