@@ -156,7 +156,7 @@ mod tests {
         // A tetrahedron around the end of a fin, both of whose sides are there.
         let tip = [0.31, 0.27, 0.17];
         let positions =
-            vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], tip, [0.4, 0.2, 0.3]];
+            [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], tip, [0.4, 0.2, 0.3]];
         let mut triangles = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
         triangles.extend([[0, 4, 5], [4, 0, 5]]);
         for factor in [1.0, 1e-6, 0.3, 7e5] {
