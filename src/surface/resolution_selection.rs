@@ -7,7 +7,7 @@
 //! - k, the average number of pieces, is taken before group merging, which comes last.
 //! - R is tried in ascending order, whatever order it is given in, since the cut-off speaks of
 //!   higher resolutions; equal values count once.
-//! - Of equal costs the lower resolution wins.
+//! - Of equal costs the lower resolution wins; costs are equal where only rounding tells them apart.
 //! - A level starts from the next finer one, not from the source (see `mesh::simplify`). A
 //!   resolution whose mesh is the same as that of the one before would only repeat it.
 
@@ -20,6 +20,10 @@ use super::threshold_selection::{Candidate, ThresholdSearch};
 
 /// From this maximum resolution on the cut-off μ may act.
 const LEAST_CUT_OFF_RESOLUTION: usize = 500;
+
+/// Costs that differ by less, in diagonals of groups, are equal: that is rounding. The costs of convex
+/// groups are nothing else.
+const EQUAL_COSTS: f64 = 1e-9;
 
 /// Candidates with more than this many times k pieces are eliminated.
 const MOST_PIECES_FACTOR: f64 = 1.5;
@@ -143,7 +147,7 @@ pub(crate) fn select(levels: &[Level], cut_off: usize) -> Option<Selection> {
     for (index, candidate) in candidates {
         if candidate.grouping.count as f64 > most {
             outcomes[index] = ResolutionOutcome::TooManyPieces;
-        } else if selected.is_none_or(|(_, best)| candidate.cost < best.cost) {
+        } else if selected.is_none_or(|(_, best)| candidate.cost < best.cost - EQUAL_COSTS) {
             selected = Some((index, candidate));
         }
     }
@@ -193,7 +197,7 @@ mod tests {
 
     #[test]
     fn the_least_cost_wins_and_of_equals_the_lower_resolution() {
-        let levels = searched(&[(250, 9, 0.03), (500, 9, 0.02), (1000, 9, 0.02)]);
+        let levels = searched(&[(250, 9, 0.03), (500, 9, 0.02), (1000, 9, 0.02 - 1e-16)]);
         assert_eq!(outcomes(&levels), [CostlierThanSelected, Selected, CostlierThanSelected]);
     }
 

@@ -16,7 +16,7 @@ pub fn hacd(shared: &Shared) -> Result<Vec<Table>, String> {
     let paper = SurfaceParameters::paper();
     let mut pairs: Vec<Vec<(Found, Found)>> = THRESHOLDS.map(|_| Vec::new()).into();
     let mut capped = [0; THRESHOLDS.len()];
-    for mesh in &shared.princeton {
+    for mesh in &shared.some_of_princeton {
         let file = shared.read(&mesh.name)?;
         for (place, threshold) in THRESHOLDS.into_iter().enumerate() {
             match shared.hacd(&file, threshold, &paper)? {

@@ -37,7 +37,7 @@ pub struct Arguments {
     #[arg(long, value_name = "PROGRAM", default_value = "python3")]
     python: String,
 
-    /// Take only every so manyth of the Princeton meshes
+    /// Run HACD only on every so manyth of the Princeton meshes
     #[arg(long, value_name = "N", default_value_t = 1)]
     every: usize,
 
@@ -57,12 +57,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         .map_err(|error| Failure::Work(format!("{}: {error}", output.display())))?;
     let caps = Caps { time: Duration::from_secs(arguments.time_cap), memory: MEMORY_CAP };
     let princeton = arguments.folder.join("meshes/princeton");
-    let mut meshes = plan::meshes(&[princeton]).map_err(Failure::Work)?;
+    let meshes = plan::meshes(&[princeton]).map_err(Failure::Work)?;
     let count = meshes.len() / arguments.every.max(1);
-    meshes = plan::spread(meshes, count.max(1));
     let shared = Shared {
         folder: arguments.folder.clone(),
         table1: work::table1(&arguments.folder).map_err(Failure::Work)?,
+        some_of_princeton: plan::spread(meshes.clone(), count.max(1)),
         princeton: meshes,
         peers: Peers::new(&arguments.folder, &arguments.python),
         scratch: output.join("peer-hulls.obj"),

@@ -21,6 +21,8 @@ pub struct Shared {
     pub folder: PathBuf,
     pub table1: Vec<PaperRow>,
     pub princeton: Vec<Mesh>,
+    /// Some of them, for what takes long.
+    pub some_of_princeton: Vec<Mesh>,
     pub peers: Peers,
     pub scratch: PathBuf,
     pub caps: Caps,
