@@ -28,10 +28,10 @@ use crate::clock::Instant;
 use crate::mesh::repair::prepare;
 use crate::surface::group_merging::merge_groups;
 use crate::surface::pieces::{assign_source_triangles, hulls};
-use crate::surface::resolution_selection::{Level, levels};
+use crate::surface::resolution_selection::{LEAST_CUT_OFF_RESOLUTION, Level, levels};
 use crate::{Control, Coordinate, Error, GroupedMesh, Hull, Stage, Unit};
 use collapse::{Threshold, collapse};
-use selection::{Candidate, LEAST_CUT_OFF_RESOLUTION, select};
+use selection::{Candidate, select};
 
 pub use average_cost::average_cost;
 pub use parameters::{HacdParameters, ShapeLength};

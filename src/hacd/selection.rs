@@ -4,13 +4,7 @@
 use super::average_cost::average;
 use crate::mesh::TriangleMesh;
 use crate::surface::grouping::{Grouping, corners, diagonal};
-use crate::surface::resolution_selection::Level;
-
-/// From this maximum resolution on the cut-off μ may act.
-pub(super) const LEAST_CUT_OFF_RESOLUTION: usize = 500;
-
-/// Candidates with more than this many times k pieces are eliminated.
-const MOST_PIECES_FACTOR: f64 = 1.5;
+use crate::surface::resolution_selection::{LEAST_CUT_OFF_RESOLUTION, Level, MOST_PIECES_FACTOR};
 
 /// The grouping of one resolution.
 #[derive(Debug, Clone, PartialEq)]

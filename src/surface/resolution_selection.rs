@@ -19,14 +19,14 @@ use crate::{Control, Error, ResolutionOutcome, ResolutionReport, SurfaceParamete
 use super::threshold_selection::{Candidate, ThresholdSearch};
 
 /// From this maximum resolution on the cut-off μ may act.
-const LEAST_CUT_OFF_RESOLUTION: usize = 500;
+pub(crate) const LEAST_CUT_OFF_RESOLUTION: usize = 500;
 
 /// Costs that differ by less, in diagonals of groups, are equal: that is rounding. The costs of convex
 /// groups are nothing else.
 const EQUAL_COSTS: f64 = 1e-9;
 
 /// Candidates with more than this many times k pieces are eliminated.
-const MOST_PIECES_FACTOR: f64 = 1.5;
+pub(crate) const MOST_PIECES_FACTOR: f64 = 1.5;
 
 /// A subtree of the search: a simplified mesh, and the search over its thresholds.
 pub(crate) struct Level {

@@ -157,8 +157,7 @@ fn report(output: &Path, rows: &[Row]) -> Result<(), String> {
     let versions: BTreeSet<&str> = results.rows.iter().map(|row| row.version.as_str()).collect();
     machine.insert("versions".into(), json!(Vec::from_iter(versions).join("; ")));
     let meshes: BTreeSet<&str> = results.rows.iter().map(|row| row.mesh.as_str()).collect();
-    let folders: BTreeSet<&str> =
-        meshes.iter().map(|mesh| mesh.rsplit_once('/').map_or("", |(folder, _)| folder)).collect();
+    let folders: BTreeSet<&str> = meshes.iter().map(|mesh| plan::folder(mesh)).collect();
     let words = vec![
         format!(
             "{} runs on {} meshes ({}), each in a process of its own, one at a time, with caps on \

@@ -45,12 +45,16 @@ pub fn meshes(folders: &[PathBuf]) -> Result<Vec<Mesh>, String> {
     if meshes.is_empty() { Err("there is no mesh below the folders".into()) } else { Ok(meshes) }
 }
 
+/// The folder in a mesh's name; nothing where there is none.
+pub fn folder(name: &str) -> &str {
+    name.rsplit_once('/').map_or("", |(folder, _)| folder)
+}
+
 /// So many meshes: one of each folder, the one in its middle, and the others evenly spread over the
 /// list. More, if there are more folders.
 pub fn spread_over_folders(meshes: Vec<Mesh>, count: usize) -> Vec<Mesh> {
-    let folder = |mesh: &Mesh| mesh.name.rsplit_once('/').map(|(folder, _)| folder.to_owned());
     let (mut taken, mut rest) = (Vec::new(), Vec::new());
-    for group in meshes.chunk_by(|a, b| folder(a) == folder(b)) {
+    for group in meshes.chunk_by(|a, b| folder(&a.name) == folder(&b.name)) {
         for (index, mesh) in group.iter().enumerate() {
             let list = if index == group.len() / 2 { &mut taken } else { &mut rest };
             list.push(mesh.clone());

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::curves::{Curve, Point, Versus, geometric_mean, versus};
 use super::methods::Run;
+use super::plan;
 use super::record::{Judged, Row, Status, Worked};
 use super::table::{NOTHING, Table, number, number_or_nothing};
 use super::worker::median;
@@ -211,8 +212,7 @@ impl<'a> Results<'a> {
 
     /// Each method's default setting, folder by folder.
     fn folders(&self) -> Vec<Table> {
-        let folder =
-            |row: &Row| row.mesh.rsplit_once('/').map_or("", |(folder, _)| folder).to_owned();
+        let folder = |row: &Row| plan::folder(&row.mesh).to_owned();
         let folders: BTreeSet<String> = self.rows.iter().map(|row| folder(row)).collect();
         let mut tables = Vec::new();
         for name in folders {
