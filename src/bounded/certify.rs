@@ -11,7 +11,7 @@ use super::solid::{OPEN_INSIDE, Solid, halves};
 use crate::field::Field;
 use crate::hull::ConvexHull;
 use crate::mesh::TriangleMesh;
-use crate::vector::{Vector, add, distance, dot, scale};
+use crate::vector::{Vector, add, distance, dot, maximum, minimum, scale, subtract};
 use crate::{Control, Error};
 
 /// A maximum is bounded up to this share of the bound.
@@ -196,8 +196,12 @@ impl<'a> Outside<'a> {
     /// 0 for a point in the hull. Once that is known to be more than `limit`, any value above
     /// `limit` may be returned.
     fn distance(&self, point: Vector, limit: f64) -> f64 {
-        let beyond = self
-            .planes
+        self.distance_from(&self.planes, point, limit)
+    }
+
+    /// The same, if the point is behind all planes but some.
+    fn distance_from(&self, planes: &[(Vector, f64)], point: Vector, limit: f64) -> f64 {
+        let beyond = planes
             .iter()
             .map(|&(normal, offset)| dot(normal, point) - offset)
             .fold(f64::NEG_INFINITY, f64::max);
@@ -217,14 +221,48 @@ impl<'a> Outside<'a> {
 pub(super) fn left_out(hull: &ConvexHull, points: &[Vector], limit: f64) -> f64 {
     let outside = Outside::new(hull);
     let mut farthest: f64 = 0.0;
-    for &point in points {
-        farthest = farthest.max(outside.distance(point, limit));
-        if farthest > limit {
-            break;
+    let mut planes = Vec::new();
+    for cluster in clusters(points).chunk_by(|a, b| a.0 == b.0) {
+        // Most planes have none of the cluster's points in front of them.
+        let centre = cluster[0].1;
+        let radius = cluster.iter().map(|&(_, point)| distance(centre, point)).fold(0.0, f64::max);
+        let may_matter =
+            |&&(normal, offset): &&(Vector, f64)| dot(normal, centre) - offset + radius > -ROUNDING;
+        planes.clear();
+        planes.extend(outside.planes.iter().filter(may_matter));
+        for &(_, point) in cluster {
+            farthest = farthest.max(outside.distance_from(&planes, point, limit));
+            if farthest > limit {
+                return farthest;
+            }
         }
     }
     farthest
 }
+
+/// Points with the number of their cell in a coarse grid, ascending.
+fn clusters(points: &[Vector]) -> Vec<(u32, Vector)> {
+    let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for &point in points {
+        min = minimum(min, point);
+        max = maximum(max, point);
+    }
+    let extent = subtract(max, min).into_iter().fold(0.0, f64::max);
+    // A dozen points in each cell of a surface.
+    let cells = (points.len() as f64 / 64.0).sqrt().clamp(1.0, MOST_CELLS).floor();
+    let place = |x: f64| (x / extent * cells).clamp(0.0, cells - 1.0) as u32;
+    let number = |point: Vector| {
+        let away = subtract(point, min);
+        away.into_iter().fold(0, |number, x| number * cells as u32 + place(x))
+    };
+    let mut clusters: Vec<(u32, Vector)> =
+        points.iter().map(|&point| (number(point), point)).collect();
+    clusters.sort_by_key(|&(number, _)| number);
+    clusters
+}
+
+/// Cells of that grid along an axis.
+const MOST_CELLS: f64 = 32.0;
 
 /// Halvings of a triangle whose corners are in different hulls.
 const MOST_HALVINGS: u32 = 6;

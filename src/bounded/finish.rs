@@ -1,7 +1,5 @@
 //! What is returned: hulls with thickness and few vertices, each verified against the source.
 
-use std::iter::once;
-
 use super::Tuning;
 use super::certify::{self, Outside, left_out, phantom};
 use super::cover::hull_of;
@@ -10,10 +8,10 @@ use super::seed_set::SeedSet;
 use super::seeds::{Seed, Seeds};
 use super::solid::Solid;
 use crate::hull::{
-    ConvexHull, HullBuilder, LEAST_THICKNESS, Shape, coarser, collapse_edges, most_prominent,
-    solid_hull,
+    ConvexHull, HullBuilder, LEAST_THICKNESS, Shape, cap_vertices, coarser, collapse_edges,
+    most_prominent, solid_hull,
 };
-use crate::vector::{Vector, add, area_normal, maximum, minimum, scale};
+use crate::vector::{Vector, add, area_normal, distance, maximum, minimum, scale, subtract};
 use crate::{Control, Error};
 
 /// An edge may collapse if that adds at most this share of the mean volume of all hulls: engines pay
@@ -30,6 +28,14 @@ const COARSER: [f64; 2] = [0.1, 0.2];
 /// A cap on vertices that would let the surface lie farther outside than this, in bounds, divides the
 /// hull instead.
 const MOST_LEFT_OUT: f64 = 0.5;
+
+/// Where that does not fit either, a hull that the cap lets grow shrinks again by these shares of the
+/// bound.
+const SHRUNK: [f64; 2] = [0.2, 0.4];
+
+/// From more vertices than this a cap is not kept by collapsing edges of the whole hull: that takes
+/// long, and a coarser one has failed.
+const MANY_VERTICES: usize = 256;
 
 /// A hull that is returned, in diagonals.
 pub(crate) struct Finished {
@@ -175,7 +181,7 @@ fn finished(
     part: Option<Vec<u32>>,
     builder: &mut HullBuilder,
 ) -> Result<Finished, Error> {
-    let &Material { seeds, solid, tuning, volume_per_vertex, control } = material;
+    let &Material { seeds, tuning, .. } = material;
     let mut hull = match &part {
         None => hull_of(seeds, &set).hull,
         Some(triangles) => {
@@ -200,16 +206,45 @@ fn finished(
         full_left_out = left_out(&full, &own, f64::INFINITY);
     }
     let component = set.iter().next().map_or(0, |seed| seeds.seeds[seed as usize].component);
-    let make = |hull: ConvexHull, cap_growth: f64, phantom: f64, left_out: f64| Finished {
+    let whole = Whole { hull: full, left_out: full_left_out, own, outward: hull.outward };
+    let Few { hull, growth, phantom, left_out } = few_vertices(material, whole, builder)?;
+    Ok(Finished {
         hull,
-        seeds: set.clone(),
-        part: part.clone(),
+        seeds: set,
+        part,
         added_thickness,
-        cap_growth,
+        cap_growth: growth,
         phantom,
         left_out,
         component,
-    };
+    })
+}
+
+/// A hull before vertices are saved.
+struct Whole {
+    hull: ConvexHull,
+    left_out: f64,
+    /// What it must hold.
+    own: Vec<Vector>,
+    outward: Vector,
+}
+
+/// A hull as it may be returned.
+struct Few {
+    hull: ConvexHull,
+    growth: f64,
+    phantom: f64,
+    left_out: f64,
+}
+
+/// Saves vertices: as many as the volume that they cost allows, and as many as the cap wants.
+fn few_vertices(
+    material: &Material<'_>,
+    whole: Whole,
+    builder: &mut HullBuilder,
+) -> Result<Few, Error> {
+    let &Material { solid, tuning, volume_per_vertex, control, .. } = material;
+    let bound = tuning.bound;
     let most = tuning.max_vertices.unwrap_or(usize::MAX);
     let mut stack = Vec::new();
     let mut fits = |face| {
@@ -217,61 +252,102 @@ fn finished(
         let bound = tuning.search_bound;
         Ok(solid.centre_fits(face, bound) && solid.face_fits(face, bound, &mut stack))
     };
-    for share in once(LEFT_OUT).chain(COARSER) {
-        let is_first = share == LEFT_OUT;
-        let allowed = if is_first { allowed } else { MOST_LEFT_OUT * tuning.bound };
-        let coarse = match coarser(&full, share * tuning.bound) {
-            Some(coarse) => {
-                let solid = solid_hull(builder, &coarse.points, hull.outward, LEAST_THICKNESS)?;
-                (solid.1 == 0.0).then_some(coarse)
-            }
-            None => None,
-        };
-        // What has no thickness to spare, and what would leave out too much, collapses as it is;
-        // where that does not fit either, it stays as it is below.
-        let coarse = coarse.as_ref().map(|coarse| (coarse, Some((coarse.clone(), 0.0))));
-        for (from, unchanged) in coarse.into_iter().chain(is_first.then_some((&full, None))) {
-            let collapsed = collapse_edges(from, volume_per_vertex, most, &mut fits)?;
-            for (few, growth) in collapsed.into_iter().chain(unchanged) {
-                if few.points.len() > most {
-                    continue;
-                }
-                let allowed = allowed.max(full_left_out);
-                let left_out = left_out(&few, &own, allowed);
-                if left_out > allowed {
-                    continue;
-                }
-                let phantom = phantom(&few, solid, tuning.bound, tuning.bound, control)?;
-                if phantom <= tuning.bound {
-                    return Ok(make(few, growth, phantom, left_out));
-                }
-            }
+    let accepted = |hull: ConvexHull, growth: f64, allowed: f64| -> Result<Option<Few>, Error> {
+        if hull.points.len() > most {
+            return Ok(None);
         }
-        if full.points.len() <= most {
-            let phantom = phantom(&full, solid, tuning.bound, f64::INFINITY, control)?;
-            return Ok(make(full, 0.0, phantom, full_left_out));
+        let left_out = left_out(&hull, &whole.own, allowed);
+        if left_out > allowed {
+            return Ok(None);
+        }
+        let phantom = phantom(&hull, solid, bound, bound, control)?;
+        Ok((phantom <= bound).then_some(Few { hull, growth, phantom, left_out }))
+    };
+    let mut collapsed = |from: &ConvexHull, allowed: f64| -> Result<Option<Few>, Error> {
+        match collapse_edges(from, volume_per_vertex, most, &mut fits)? {
+            Some((few, growth)) => accepted(few, growth, allowed),
+            None => Ok(None),
+        }
+    };
+    let mut coarse = |share: f64| -> Result<Option<ConvexHull>, Error> {
+        let Some(coarse) = coarser(&whole.hull, share * bound) else { return Ok(None) };
+        let solid = solid_hull(builder, &coarse.points, whole.outward, LEAST_THICKNESS)?;
+        // Some have no thickness to spare.
+        Ok((solid.1 == 0.0).then_some(coarse))
+    };
+
+    let allowed = (LEFT_OUT * bound).max(whole.left_out);
+    if let Some(coarse) = coarse(LEFT_OUT)? {
+        if let Some(few) = collapsed(&coarse, allowed)? {
+            return Ok(few);
+        }
+        if let Some(few) = accepted(coarse, 0.0, allowed)? {
+            return Ok(few);
         }
     }
-    if let Some(inner) = most_prominent(builder, &full.points, most) {
-        let phantom = phantom(&inner, solid, tuning.bound, f64::INFINITY, control)?;
-        let left_out = left_out(&inner, &own, f64::INFINITY);
-        return Ok(make(inner, 0.0, phantom, left_out));
+    let has_many = whole.hull.points.len() > most;
+    if !(has_many && whole.hull.points.len() > MANY_VERTICES)
+        && let Some(few) = collapsed(&whole.hull, allowed)?
+    {
+        return Ok(few);
     }
-    let phantom = phantom(&full, solid, tuning.bound, f64::INFINITY, control)?;
-    Ok(make(full, 0.0, phantom, full_left_out))
+    let Whole { hull, left_out: whole_left_out, .. } = &whole;
+    if !has_many {
+        let phantom = phantom(hull, solid, bound, f64::INFINITY, control)?;
+        let left_out = *whole_left_out;
+        return Ok(Few { hull: hull.clone(), growth: 0.0, phantom, left_out });
+    }
+
+    // From here on it is the cap that makes trouble.
+    let (capped, growth) = cap_vertices(&mut HullBuilder::new(), hull.clone(), most);
+    let enlarged = accepted(capped.clone(), growth, allowed)?;
+    if let Some(few) = enlarged {
+        return Ok(few);
+    }
+    let allowed = (MOST_LEFT_OUT * bound).max(whole.left_out);
+    for share in COARSER {
+        let Some(coarse) = coarse(share)? else { continue };
+        if let Some(few) = collapsed(&coarse, allowed)? {
+            return Ok(few);
+        }
+        if let Some(few) = accepted(coarse, 0.0, allowed)? {
+            return Ok(few);
+        }
+    }
+    for share in SHRUNK {
+        if let Some(few) = accepted(shrunk(&capped, share * bound), growth, allowed)? {
+            return Ok(few);
+        }
+    }
+    let inner = most_prominent(builder, &hull.points, most);
+    let hull = inner.unwrap_or_else(|| hull.clone());
+    let phantom = phantom(&hull, solid, bound, f64::INFINITY, control)?;
+    let left_out = left_out(&hull, &whole.own, f64::INFINITY);
+    Ok(Few { hull, growth: 0.0, phantom, left_out })
+}
+
+/// A hull whose vertices are drawn to its centre, the farthest by `by`.
+fn shrunk(hull: &ConvexHull, by: f64) -> ConvexHull {
+    let sum = hull.points.iter().fold([0.0; 3], |sum, &point| add(sum, point));
+    let centre = scale(sum, 1.0 / hull.points.len().max(1) as f64);
+    let farthest = hull.points.iter().map(|&point| distance(point, centre)).fold(by, f64::max);
+    let factor = if farthest > 0.0 { 1.0 - by / farthest } else { 1.0 };
+    let points =
+        hull.points.iter().map(|&point| add(centre, scale(subtract(point, centre), factor)));
+    ConvexHull { points: points.collect(), triangles: hull.triangles.clone() }
 }
 
 /// Those of some points that tell how far all of them are outside of a hull: the distance to a
 /// convex set is a convex function, so the vertices of the points' own hull do.
 fn extreme(builder: &mut HullBuilder, points: Vec<Vector>) -> Vec<Vector> {
-    if points.len() < FEW || builder.build(&points) != Shape::Solid {
+    if !WORTH_A_HULL.contains(&points.len()) || builder.build(&points) != Shape::Solid {
         return points;
     }
     builder.extract().0
 }
 
-/// So few points are asked as quickly as their hull is built.
-const FEW: usize = 64;
+/// Fewer points are asked as quickly as their hull is built, more in less time.
+const WORTH_A_HULL: std::ops::Range<usize> = 64..8192;
 
 /// The surface's vertices that a hull must hold.
 fn own_points(seeds: &Seeds, set: &SeedSet, part: Option<&[u32]>) -> Vec<Vector> {

@@ -4,9 +4,10 @@
 //! An edge makes way for a point near it that lies in front of all faces at its two ends. The hull
 //! of the old one and that point has lost both ends, and holds all that it held.
 
-use std::collections::BTreeMap;
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
 
-use super::face::after;
+use super::face::{Face, after};
 use super::{ConvexHull, HullBuilder, Shape};
 use crate::Error;
 use crate::field::nearest_of_triangle;
@@ -34,18 +35,72 @@ const MOST_VERTICES: usize = 4096;
 /// What an edge may make way for, in the builder's scaled space.
 #[derive(Debug, Clone, Copy)]
 struct Collapse {
-    /// Added volume.
+    pair: (u32, u32),
+    /// Added volume; infinite if no direction leads out of all faces.
     volume: f64,
     point: Vector,
-    state: State,
+    /// The round that it was found in.
+    round: u32,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum State {
-    Known,
-    /// Faces at its ends have changed since. Mostly it has become dearer.
-    Stale,
-    Refused,
+impl PartialEq for Collapse {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+impl Eq for Collapse {}
+impl PartialOrd for Collapse {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+impl Ord for Collapse {
+    /// The cheapest is the greatest, as a heap wants it.
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.volume.total_cmp(&self.volume).then_with(|| other.pair.cmp(&self.pair))
+    }
+}
+
+/// Collapses that may come next, cheapest first.
+///
+/// Where faces at the ends of an edge have changed, what is known of it is out of date. Mostly it has
+/// become dearer, so that it is looked at again only when its turn comes.
+#[derive(Default)]
+struct Queue {
+    heap: BinaryHeap<Collapse>,
+    /// For each vertex the last round in which its faces changed.
+    changed: Vec<u32>,
+    /// For each vertex what was refused at it; a change there gives it another chance.
+    refused: Vec<Vec<Collapse>>,
+    round: u32,
+}
+
+impl Queue {
+    fn is_out_of_date(&self, collapse: &Collapse) -> bool {
+        let (a, b) = collapse.pair;
+        [a, b].iter().any(|&vertex| self.changed[vertex as usize] > collapse.round)
+    }
+
+    fn refuse(&mut self, collapse: Collapse) {
+        let (a, b) = collapse.pair;
+        self.refused[a as usize].push(collapse);
+        self.refused[b as usize].push(collapse);
+    }
+
+    /// Faces at these vertices have changed.
+    fn change(&mut self, vertices: impl Iterator<Item = u32>) {
+        self.round += 1;
+        for vertex in vertices {
+            self.changed[vertex as usize] = self.round;
+            let refused = std::mem::take(&mut self.refused[vertex as usize]);
+            for collapse in refused {
+                let (a, b) = collapse.pair;
+                let other = &mut self.refused[(if a == vertex { b } else { a }) as usize];
+                other.retain(|known| known.pair != collapse.pair);
+                self.heap.push(collapse);
+            }
+        }
+    }
 }
 
 /// A face at an end of an edge.
@@ -80,30 +135,40 @@ pub(crate) fn collapse_edges(
     let most_volume = if most_volume > 0.0 { most_volume * builder.factor.powi(3) } else { 0.0 };
     let mut trial = HullBuilder::new();
     let mut faces: Vec<Vec<u32>> = Vec::new();
-    let mut collapses: BTreeMap<(u32, u32), Collapse> = BTreeMap::new();
     let mut constraints = Vec::new();
+    let mut queue = Queue::default();
+    let mut new: Vec<(u32, u32)> = edges(builder.faces.iter()).collect();
     loop {
         let vertices = faces_of_vertices(&builder, &mut faces);
         if vertices <= LEAST_VERTICES {
             break;
         }
-        collapses.retain(|&(a, b), _| [a, b].iter().all(|&v| !faces[v as usize].is_empty()));
-        for pair in edges(&builder) {
-            collapses
-                .entry(pair)
-                .or_insert_with(|| collapse(&builder, &faces, pair, &mut constraints));
-        }
-        let taken = loop {
-            let cheapest = collapses
-                .iter_mut()
-                .filter(|(_, collapse)| collapse.state != State::Refused)
-                .min_by(|a, b| a.1.volume.total_cmp(&b.1.volume));
-            let Some((&pair, cheapest)) = cheapest else { break false };
-            if cheapest.volume > most_volume && vertices <= cap {
-                break false;
+        queue.changed.resize(builder.points.len(), 0);
+        queue.refused.resize_with(builder.points.len(), Vec::new);
+        for pair in new.drain(..) {
+            let collapse = collapse(&builder, &faces, pair, queue.round, &mut constraints);
+            if collapse.volume.is_finite() {
+                queue.heap.push(collapse);
+            } else {
+                queue.refuse(collapse);
             }
-            if cheapest.state == State::Stale {
-                *cheapest = collapse(&builder, &faces, pair, &mut constraints);
+        }
+        let mut is_taken = false;
+        while let Some(cheapest) = queue.heap.pop() {
+            let (a, b) = cheapest.pair;
+            if [a, b].iter().any(|&vertex| faces[vertex as usize].is_empty()) {
+                continue;
+            }
+            if cheapest.volume > most_volume && vertices <= cap {
+                break;
+            }
+            if queue.is_out_of_date(&cheapest) {
+                let again = collapse(&builder, &faces, (a, b), queue.round, &mut constraints);
+                if again.volume.is_finite() {
+                    queue.heap.push(again);
+                } else {
+                    queue.refuse(again);
+                }
                 continue;
             }
             trial.clone_from(&builder);
@@ -111,22 +176,18 @@ pub(crate) fn collapse_edges(
             // Each collapse saves a vertex, unless rounding comes in between.
             let is_smaller = trial.triangle_count() < builder.triangle_count();
             if is_smaller && all_fit(&trial, fits)? {
-                break true;
+                is_taken = true;
+                break;
             }
-            cheapest.state = State::Refused;
-        };
-        if !taken {
+            queue.refuse(cheapest);
+        }
+        if !is_taken {
             break;
         }
+        let before = builder.points.len() as u32;
         std::mem::swap(&mut builder, &mut trial);
-        let mut changed: Vec<u32> = builder.newest_vertices().collect();
-        changed.sort_unstable();
-        changed.dedup();
-        for (&(a, b), collapse) in &mut collapses {
-            if [a, b].iter().any(|vertex| changed.binary_search(vertex).is_ok()) {
-                collapse.state = State::Stale;
-            }
-        }
+        queue.change(builder.newest_vertices().filter(|&vertex| vertex < before));
+        new.extend(edges(builder.newest()).filter(|&(_, second)| second >= before));
     }
     let fewer = ConvexHull::from(builder.extract());
     if fewer.points.len() >= hull.points.len() {
@@ -166,11 +227,9 @@ pub(super) fn growth(hull: &ConvexHull, old: &ConvexHull) -> f64 {
     hull.points.iter().map(away).fold(0.0, f64::max)
 }
 
-/// The edges of a hull, the vertex of the lower number first.
-fn edges(builder: &HullBuilder) -> impl Iterator<Item = (u32, u32)> + '_ {
-    builder
-        .faces
-        .iter()
+/// The edges of some faces, the vertex of the lower number first.
+fn edges<'a>(faces: impl Iterator<Item = &'a Face>) -> impl Iterator<Item = (u32, u32)> {
+    faces
         .flat_map(|face| [0, 1, 2].map(|edge| (face.vertices[edge], face.vertices[after(edge)])))
         // Each is met from both its faces.
         .filter(|(a, b)| a < b)
@@ -188,14 +247,15 @@ fn faces_of_vertices(builder: &HullBuilder, faces: &mut Vec<Vec<u32>>) -> usize 
     faces.iter().filter(|faces| !faces.is_empty()).count()
 }
 
-/// What an edge may make way for; refused if no direction leads out of all its faces, or if it is
-/// no edge any more.
+/// What an edge may make way for, if it is still one.
 fn collapse(
     builder: &HullBuilder,
     faces: &[Vec<u32>],
-    (a, b): (u32, u32),
+    pair: (u32, u32),
+    round: u32,
     constraints: &mut Vec<Constraint>,
 ) -> Collapse {
+    let (a, b) = pair;
     constraints.clear();
     let mut outward = [0.0; 3];
     let of_both = faces[a as usize].iter().chain(&faces[b as usize]);
@@ -217,7 +277,7 @@ fn collapse(
     let is_edge =
         faces[a as usize].iter().any(|&face| builder.faces[face as usize].vertices.contains(&b));
     let [a, b] = [a, b].map(|vertex| builder.points[vertex as usize]);
-    let nowhere = Collapse { volume: f64::INFINITY, point: a, state: State::Refused };
+    let nowhere = Collapse { pair, volume: f64::INFINITY, point: a, round };
     if !is_edge {
         return nowhere;
     }
@@ -225,7 +285,7 @@ fn collapse(
         let start = add(scale(a, 1.0 - share), scale(b, share));
         let point = projected(start, constraints, outward)?;
         let volume = added_volume(point, constraints);
-        Some(Collapse { volume, point, state: State::Known })
+        Some(Collapse { pair, volume, point, round })
     });
     ways.min_by(|a, b| a.volume.total_cmp(&b.volume)).unwrap_or(nowhere)
 }

@@ -55,7 +55,7 @@ impl HullBuilder {
     }
 
     /// The faces that the last insertion made; all faces after `build`.
-    fn newest(&self) -> impl Iterator<Item = &Face> + '_ {
+    pub(super) fn newest(&self) -> impl Iterator<Item = &Face> + '_ {
         let faces = self.faces.iter().zip(&self.waiting);
         faces.filter(|(_, waiting)| waiting.generation == self.generation).map(|(face, _)| face)
     }

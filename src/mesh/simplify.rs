@@ -30,6 +30,11 @@ use crate::vector::{Vector, area_normal, length};
 /// Far above any error that a mesh of diagonal 1 can have: only the target stops simplification.
 const ANY_ERROR: f32 = 10.0;
 
+/// The simplifier sees coordinates rounded to a multiple of one over this, in diagonals. Single
+/// precision would keep more digits than a mesh has that was moved by a thousand of its sizes, and
+/// edges that cost the same would collapse in another order.
+const GRID: f64 = (1_u32 << 20) as f64;
+
 /// The number of triangles to aim for: `triangles` times Q, rounded down, again and again until
 /// it is at most `maximum`, the paper's r. A step takes away at least one triangle. With Q = 1
 /// there is no simplification.
@@ -107,7 +112,8 @@ fn collapse_edges(
     triangles: &[[u32; 3]],
     target: usize,
 ) -> (Vec<[u32; 3]>, f64) {
-    let positions: Vec<[f32; 3]> = positions.iter().map(|p| p.map(|x| x as f32)).collect();
+    let rounded = |x: f64| ((x * GRID).round() / GRID) as f32;
+    let positions: Vec<[f32; 3]> = positions.iter().map(|p| p.map(rounded)).collect();
     let mut error = 0.0;
     let indices = simplify_decoder(
         triangles.as_flattened(),
