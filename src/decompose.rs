@@ -6,7 +6,7 @@ use crate::mesh::PreparedMesh;
 use crate::mesh::repair::prepare;
 use crate::surface::group_merging::merge_groups;
 use crate::surface::pieces::{assign_source_triangles, hulls};
-use crate::surface::resolution_selection::{Level, first_cut_off, levels, select};
+use crate::surface::resolution_selection::{Level, Levels, first_cut_off, select};
 use crate::{
     BoundedReport, Control, Decomposition, Error, GroupedMesh, Method, Parameters, Report, Stage,
     StageTime, SurfaceParameters, SurfaceReport, Unit,
@@ -68,7 +68,7 @@ pub struct Decomposer {
 enum State {
     Repair,
     Bounded(Box<Run>),
-    Simplify(Box<PreparedMesh>),
+    Simplify(Box<(PreparedMesh, Levels)>),
     Search(Box<Search>),
     Pieces(Box<Search>),
     Done,
@@ -123,7 +123,10 @@ impl Decomposer {
         let (stage, fraction) = match &self.state {
             State::Repair => (Stage::Repair, 0.0),
             State::Bounded(run) => run.stage(),
-            State::Simplify(_) => (Stage::Simplify, SIMPLIFY_AT),
+            State::Simplify(state) => {
+                let share = state.1.share_done();
+                (Stage::Simplify, SIMPLIFY_AT + (SEARCH_AT - SIMPLIFY_AT) * share)
+            }
             State::Search(search) => {
                 let share = search.share_done(&self.parameters.surface);
                 (Stage::Search, SEARCH_AT + (PIECES_AT - SEARCH_AT) * share)
@@ -140,7 +143,7 @@ impl Decomposer {
                     Method::Bounded => {
                         State::Bounded(Box::new(Run::new(prepared, &self.parameters)))
                     }
-                    Method::Surface => State::Simplify(Box::new(prepared)),
+                    Method::Surface => State::Simplify(Box::new((prepared, Levels::new(surface)))),
                 }
             }
             State::Bounded(mut run) => {
@@ -156,13 +159,18 @@ impl Decomposer {
                 }
                 State::Bounded(run)
             }
-            State::Simplify(prepared) => {
-                let levels = levels(&prepared, surface, control)?;
-                let unit = match surface.unit {
-                    Unit::Diagonals(unit) => unit,
-                    Unit::Absolute(unit) => unit / prepared.normalization.diagonal,
-                };
-                State::Search(Box::new(Search { prepared: *prepared, levels, unit }))
+            State::Simplify(mut state) => {
+                if state.1.make_next(&state.0, surface, control)? {
+                    State::Simplify(state)
+                } else {
+                    let (prepared, levels) = *state;
+                    let unit = match surface.unit {
+                        Unit::Diagonals(unit) => unit,
+                        Unit::Absolute(unit) => unit / prepared.normalization.diagonal,
+                    };
+                    let levels = levels.finish();
+                    State::Search(Box::new(Search { prepared, levels, unit }))
+                }
             }
             State::Search(mut search) => {
                 let is_done = search.advance(&self.parameters, control)?;

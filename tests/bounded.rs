@@ -183,6 +183,20 @@ fn convex_input_is_one_hull_at_once() {
 }
 
 #[test]
+fn a_round_solid_of_many_more_vertices_than_a_hull_may_have_is_one_hull() {
+    // A hull of 64 vertices needs nearly all of the bound.
+    let arc = (0..=40).map(|i| {
+        let angle = std::f64::consts::PI * (f64::from(i) / 40.0 - 0.5);
+        [angle.cos().max(0.002), angle.sin()]
+    });
+    let ball = lathe(&arc.collect::<Vec<_>>(), 80);
+    let result = run(&ball);
+    assert_eq!(result.hulls.len(), 1);
+    assert!(result.hulls[0].points.len() <= 64);
+    assert_promise("ball", &ball, &result);
+}
+
+#[test]
 fn a_u_prism_is_three_boxes() {
     let mesh = u_prism();
     let result = run(&mesh);

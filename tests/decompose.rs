@@ -134,9 +134,22 @@ fn scale_and_place_change_nothing() {
             assert_eq!(labels, expected, "{method:?}, scale {scale}");
         }
     }
+}
+
+#[test]
+fn far_from_the_origin_the_groups_are_the_same() {
+    let (mut positions, triangles) = torus(160, 80);
+    for [x, y, z] in &mut positions {
+        let dent = 1.0 + 0.05 * (5.0 * *x).sin() * (7.0 * *y).cos();
+        [*x, *y, *z] = [*x * dent, *y * dent, *z * dent];
+    }
     let expected = labels(&(positions.clone(), triangles.clone()), Method::Surface);
-    let moved = positions.iter().map(|p| p.map(|x| x + 2000.0)).collect();
-    assert_eq!(labels(&(moved, triangles.clone()), Method::Surface), expected, "moved");
+    // A thousand times the torus's diagonal and more.
+    for place in 0..4 {
+        let by = [1.7, 2.9, 4.3].map(|turn| 4000.0 * (turn * f64::from(place)).sin());
+        let moved = positions.iter().map(|p| [0, 1, 2].map(|axis| p[axis] + by[axis])).collect();
+        assert_eq!(labels(&(moved, triangles.clone()), Method::Surface), expected, "{by:?}");
+    }
 }
 
 #[test]
@@ -291,7 +304,8 @@ fn slices_give_the_same_and_progress_never_falls() {
             break result;
         }
     };
-    assert!(slices > 5);
+    // Reading, five resolutions, a threshold or more of one of them, hulls.
+    assert!(slices > 7);
     assert_eq!(decomposer.step(&control), Err(Error::Finished));
     let whole = decompose(&positions, &triangles, &parameters, &Control::new()).unwrap();
     assert_eq!(sliced.hulls, whole.hulls);

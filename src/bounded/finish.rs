@@ -1,17 +1,16 @@
-//! What is returned: hulls with thickness and few vertices, each verified against the source.
+//! What is returned: hulls with thickness and few vertices (see `few_vertices`), each verified against
+//! the source.
 
 use super::Tuning;
-use super::certify::{self, Outside, left_out, phantom};
+use super::certify::{self, Outside, left_out};
 use super::cover::hull_of;
+use super::few_vertices::{Few, Whole, few_vertices};
 use super::piece::{Hull, Piece};
 use super::seed_set::SeedSet;
 use super::seeds::{Seed, Seeds};
 use super::solid::Solid;
-use crate::hull::{
-    ConvexHull, HullBuilder, LEAST_THICKNESS, Shape, cap_vertices, coarser, collapse_edges,
-    most_prominent, solid_hull,
-};
-use crate::vector::{Vector, add, area_normal, distance, maximum, minimum, scale, subtract};
+use crate::hull::{ConvexHull, HullBuilder, LEAST_THICKNESS, Shape, solid_hull};
+use crate::vector::{Vector, add, area_normal, maximum, minimum, scale};
 use crate::{Control, Error};
 
 /// An edge may collapse if that adds at most this share of the mean volume of all hulls: engines pay
@@ -19,23 +18,11 @@ use crate::{Control, Error};
 const VOLUME_PER_VERTEX: f64 = 1.2e-3;
 
 /// The surface may lie this far outside of a hull that leaves out vertices, in bounds.
-const LEFT_OUT: f64 = 0.05;
-
-/// Where the cap on vertices can't be kept otherwise, vertices that stand out by this much, in bounds,
-/// are left out too.
-const COARSER: [f64; 2] = [0.1, 0.2];
+pub(super) const LEFT_OUT: f64 = 0.05;
 
 /// A cap on vertices that would let the surface lie farther outside than this, in bounds, divides the
 /// hull instead.
-const MOST_LEFT_OUT: f64 = 0.5;
-
-/// Where that does not fit either, a hull that the cap lets grow shrinks again by these shares of the
-/// bound.
-const SHRUNK: [f64; 2] = [0.2, 0.4];
-
-/// From more vertices than this a cap is not kept by collapsing edges of the whole hull: that takes
-/// long, and a coarser one has failed.
-const MANY_VERTICES: usize = 256;
+pub(super) const MOST_LEFT_OUT: f64 = 0.5;
 
 /// A hull that is returned, in diagonals.
 pub(crate) struct Finished {
@@ -69,13 +56,13 @@ pub(crate) struct Outcome {
 }
 
 /// What hulls are made from.
-struct Material<'a> {
+pub(super) struct Material<'a> {
     seeds: &'a Seeds,
-    solid: &'a Solid,
-    tuning: &'a Tuning,
+    pub solid: &'a Solid,
+    pub tuning: &'a Tuning,
     /// A vertex may be saved if that adds at most this volume, in cubed diagonals.
-    volume_per_vertex: f64,
-    control: &'a Control,
+    pub volume_per_vertex: f64,
+    pub control: &'a Control,
 }
 
 /// Makes hulls of pieces. One that does not keep the bound in the end is divided again.
@@ -218,123 +205,6 @@ fn finished(
         left_out,
         component,
     })
-}
-
-/// A hull before vertices are saved.
-struct Whole {
-    hull: ConvexHull,
-    left_out: f64,
-    /// What it must hold.
-    own: Vec<Vector>,
-    outward: Vector,
-}
-
-/// A hull as it may be returned.
-struct Few {
-    hull: ConvexHull,
-    growth: f64,
-    phantom: f64,
-    left_out: f64,
-}
-
-/// Saves vertices: as many as the volume that they cost allows, and as many as the cap wants.
-fn few_vertices(
-    material: &Material<'_>,
-    whole: Whole,
-    builder: &mut HullBuilder,
-) -> Result<Few, Error> {
-    let &Material { solid, tuning, volume_per_vertex, control, .. } = material;
-    let bound = tuning.bound;
-    let most = tuning.max_vertices.unwrap_or(usize::MAX);
-    let mut stack = Vec::new();
-    let mut fits = |face| {
-        control.check()?;
-        let bound = tuning.search_bound;
-        Ok(solid.centre_fits(face, bound) && solid.face_fits(face, bound, &mut stack))
-    };
-    let accepted = |hull: ConvexHull, growth: f64, allowed: f64| -> Result<Option<Few>, Error> {
-        if hull.points.len() > most {
-            return Ok(None);
-        }
-        let left_out = left_out(&hull, &whole.own, allowed);
-        if left_out > allowed {
-            return Ok(None);
-        }
-        let phantom = phantom(&hull, solid, bound, bound, control)?;
-        Ok((phantom <= bound).then_some(Few { hull, growth, phantom, left_out }))
-    };
-    let mut collapsed = |from: &ConvexHull, allowed: f64| -> Result<Option<Few>, Error> {
-        match collapse_edges(from, volume_per_vertex, most, &mut fits)? {
-            Some((few, growth)) => accepted(few, growth, allowed),
-            None => Ok(None),
-        }
-    };
-    let mut coarse = |share: f64| -> Result<Option<ConvexHull>, Error> {
-        let Some(coarse) = coarser(&whole.hull, share * bound) else { return Ok(None) };
-        let solid = solid_hull(builder, &coarse.points, whole.outward, LEAST_THICKNESS)?;
-        // Some have no thickness to spare.
-        Ok((solid.1 == 0.0).then_some(coarse))
-    };
-
-    let allowed = (LEFT_OUT * bound).max(whole.left_out);
-    if let Some(coarse) = coarse(LEFT_OUT)? {
-        if let Some(few) = collapsed(&coarse, allowed)? {
-            return Ok(few);
-        }
-        if let Some(few) = accepted(coarse, 0.0, allowed)? {
-            return Ok(few);
-        }
-    }
-    let has_many = whole.hull.points.len() > most;
-    if !(has_many && whole.hull.points.len() > MANY_VERTICES)
-        && let Some(few) = collapsed(&whole.hull, allowed)?
-    {
-        return Ok(few);
-    }
-    let Whole { hull, left_out: whole_left_out, .. } = &whole;
-    if !has_many {
-        let phantom = phantom(hull, solid, bound, f64::INFINITY, control)?;
-        let left_out = *whole_left_out;
-        return Ok(Few { hull: hull.clone(), growth: 0.0, phantom, left_out });
-    }
-
-    // From here on it is the cap that makes trouble.
-    let (capped, growth) = cap_vertices(&mut HullBuilder::new(), hull.clone(), most);
-    let enlarged = accepted(capped.clone(), growth, allowed)?;
-    if let Some(few) = enlarged {
-        return Ok(few);
-    }
-    let allowed = (MOST_LEFT_OUT * bound).max(whole.left_out);
-    for share in COARSER {
-        let Some(coarse) = coarse(share)? else { continue };
-        if let Some(few) = collapsed(&coarse, allowed)? {
-            return Ok(few);
-        }
-        if let Some(few) = accepted(coarse, 0.0, allowed)? {
-            return Ok(few);
-        }
-    }
-    for share in SHRUNK {
-        if let Some(few) = accepted(shrunk(&capped, share * bound), growth, allowed)? {
-            return Ok(few);
-        }
-    }
-    let inner = most_prominent(builder, &hull.points, most);
-    let hull = inner.unwrap_or_else(|| hull.clone());
-    let phantom = phantom(&hull, solid, bound, f64::INFINITY, control)?;
-    let left_out = left_out(&hull, &whole.own, f64::INFINITY);
-    Ok(Few { hull, growth: 0.0, phantom, left_out })
-}
-
-/// A hull whose vertices are drawn to its centre, the farthest by `by`.
-fn shrunk(hull: &ConvexHull, by: f64) -> ConvexHull {
-    let sum = hull.points.iter().fold([0.0; 3], |sum, &point| add(sum, point));
-    let centre = scale(sum, 1.0 / hull.points.len().max(1) as f64);
-    let farthest = hull.points.iter().map(|&point| distance(point, centre)).fold(by, f64::max);
-    let factor = if farthest > 0.0 { 1.0 - by / farthest } else { 1.0 };
-    let points =
-        hull.points.iter().map(|&point| add(centre, scale(subtract(point, centre), factor)));
-    ConvexHull { points: points.collect(), triangles: hull.triangles.clone() }
 }
 
 /// Those of some points that tell how far all of them are outside of a hull: the distance to a

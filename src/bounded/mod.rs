@@ -7,12 +7,13 @@
 //! | `refine`, `seeds` | a simplified or refined mesh, the paper's groups (3.4.1), halved until each fits; who conflicts with whom |
 //! | `merge` | pieces join best-first |
 //! | `cover` | each piece grows over all seeds that it can take; pieces are dissolved into the rest; each seed stays with one |
-//! | `finish` | thickness, few vertices; `certify` verifies the result |
+//! | `finish` | thickness; `few_vertices` saves vertices, `certify` verifies the result |
 //! | `tree` | on demand: joins down to one hull |
 
 mod cavities;
 mod certify;
 mod cover;
+mod few_vertices;
 mod finish;
 mod grid;
 mod merge;

@@ -28,7 +28,7 @@ use crate::clock::Instant;
 use crate::mesh::repair::prepare;
 use crate::surface::group_merging::merge_groups;
 use crate::surface::pieces::{assign_source_triangles, hulls};
-use crate::surface::resolution_selection::{LEAST_CUT_OFF_RESOLUTION, Level, levels};
+use crate::surface::resolution_selection::{LEAST_CUT_OFF_RESOLUTION, Level, Levels};
 use crate::{Control, Coordinate, Error, GroupedMesh, Hull, Stage, Unit};
 use collapse::{Threshold, collapse};
 use selection::{Candidate, select};
@@ -79,7 +79,9 @@ pub fn decompose<C: Coordinate>(
 
     let prepared = prepare(positions, triangles, control)?;
     lap(Stage::Repair);
-    let levels = levels(&prepared, surface, control)?;
+    let mut levels = Levels::new(surface);
+    while levels.make_next(&prepared, surface, control)? {}
+    let levels = levels.finish();
     lap(Stage::Simplify);
     let diagonal = prepared.normalization.diagonal;
     let found = candidates(&levels, parameters, diagonal, control)?;

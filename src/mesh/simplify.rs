@@ -33,7 +33,7 @@ const ANY_ERROR: f32 = 10.0;
 /// The simplifier sees coordinates rounded to a multiple of one over this, in diagonals. Single
 /// precision would keep more digits than a mesh has that was moved by a thousand of its sizes, and
 /// edges that cost the same would collapse in another order.
-const GRID: f64 = (1_u32 << 20) as f64;
+const GRID: f64 = (1_u32 << 22) as f64;
 
 /// The number of triangles to aim for: `triangles` times Q, rounded down, again and again until
 /// it is at most `maximum`, the paper's r. A step takes away at least one triangle. With Q = 1

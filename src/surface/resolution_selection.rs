@@ -41,29 +41,50 @@ pub(crate) struct Level {
 }
 
 /// The simplified meshes for all of R, ascending, each made from the next finer one.
-pub(crate) fn levels(
-    prepared: &PreparedMesh,
-    parameters: &SurfaceParameters,
-    control: &Control,
-) -> Result<Vec<Level>, Error> {
-    let mut resolutions = parameters.maximum_resolutions.clone();
-    resolutions.sort_unstable();
-    resolutions.dedup();
-    let initial = prepared.mesh.triangles.len();
-    let mut levels: Vec<Level> = Vec::new();
-    for &resolution in resolutions.iter().rev() {
+pub(crate) struct Levels {
+    /// R, ascending, without repetitions; those whose mesh is made are gone.
+    open: Vec<usize>,
+    /// Descending.
+    made: Vec<Level>,
+}
+
+impl Levels {
+    pub(crate) fn new(parameters: &SurfaceParameters) -> Self {
+        let mut open = parameters.maximum_resolutions.clone();
+        open.sort_unstable();
+        open.dedup();
+        Self { made: Vec::with_capacity(open.len()), open }
+    }
+
+    /// Which share of them is made.
+    pub(crate) fn share_done(&self) -> f32 {
+        self.made.len() as f32 / (self.made.len() + self.open.len()).max(1) as f32
+    }
+
+    /// Makes the finest that is missing. Whether there was one.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
+    pub(crate) fn make_next(
+        &mut self,
+        prepared: &PreparedMesh,
+        parameters: &SurfaceParameters,
+        control: &Control,
+    ) -> Result<bool, Error> {
         control.check()?;
+        let Some(resolution) = self.open.pop() else { return Ok(false) };
+        let initial = prepared.mesh.triangles.len();
         let target = simplification_target(initial, parameters.simplification_quality, resolution);
-        let (finer, components) = match levels.last() {
+        let (finer, components) = match self.made.last() {
             Some(level) => (&level.mesh, &level.components),
             None => (&prepared.mesh, &prepared.components),
         };
         let SimplifiedMesh { mesh, components, .. } = simplify(finer, components, target);
-        if let Some(finer) = levels.last_mut() {
+        if let Some(finer) = self.made.last_mut() {
             finer.same_as_before = finer.mesh == mesh;
         }
         let adjacency = Adjacency::new(&mesh);
-        levels.push(Level {
+        self.made.push(Level {
             resolution,
             target,
             mesh,
@@ -72,9 +93,14 @@ pub(crate) fn levels(
             search: ThresholdSearch::default(),
             same_as_before: false,
         });
+        Ok(true)
     }
-    levels.reverse();
-    Ok(levels)
+
+    /// Those that are made, ascending.
+    pub(crate) fn finish(mut self) -> Vec<Level> {
+        self.made.reverse();
+        self.made
+    }
 }
 
 impl Level {
