@@ -7,9 +7,9 @@
 //!
 //! # What counts as what
 //!
-//! - The **solid** is where the generalized winding number of the mesh is above 0.5, the mesh
-//!   turned around first if it encloses a negative volume. So holes, open sheets, self-intersections
-//!   and cavities are no obstacle.
+//! - The **solid** is where the generalized winding number of the mesh is above 0.5, its triangles
+//!   turned first as [`decompose`](crate::decompose) turns them: so that neighbours agree, and
+//!   outward. So holes, open sheets, self-intersections and cavities are no obstacle.
 //! - A **hull** is the convex hull of its points: that is what a physics engine collides with,
 //!   whatever its triangles say. What they say is checked on its own: see [`HullCheck`].
 //! - A point is **in** a hull up to a tolerance of 1e-6, and **inside** it beyond the same
@@ -29,10 +29,11 @@ mod sampling;
 mod solid;
 
 use crate::field::Field;
-use crate::mesh::Normalization;
+use crate::mesh::repair::prepare;
+use crate::mesh::{Normalization, TriangleMesh};
 use crate::parallel::{self, map_indices};
-use crate::vector::{Vector, add, cross, dot, maximum, minimum};
-use crate::{Error, Hull};
+use crate::vector::{Vector, add, maximum, minimum};
+use crate::{Control, Error, Hull};
 
 pub use check::HullCheck;
 use sampling::{Surface, in_unit_cube};
@@ -203,8 +204,8 @@ pub struct Measurement {
 /// A mesh with a larger share of open edges has no volume to speak of.
 const MOST_OPEN_EDGES: f64 = 0.005;
 
-/// Judges hulls against a mesh. Duplicate, degenerate, and badly oriented triangles of the mesh are
-/// taken as they are; those with a coordinate that is not finite are left out.
+/// Judges hulls against a mesh. Triangles with a coordinate that is not finite are left out; of
+/// duplicate and degenerate triangles the solid has no need.
 ///
 /// O((n + s) log n) for n triangles and s samples, times the number of hulls whose bounding boxes
 /// overlap.
@@ -245,7 +246,7 @@ fn judge(
 
     let count = |is: &dyn Fn(&HullCheck) -> bool| checks.iter().flatten().filter(|c| is(c)).count();
     let union = Union::new(parts);
-    let field = Field::new(&mesh.positions, &mesh.triangles);
+    let field = Field::new(&mesh.solid.positions, &mesh.solid.triangles);
     let mut samples = SampleCounts::default();
     let phantom = phantom(&union, &field, options, &mut samples);
     let exposed = exposed(&mesh, &union, options, &mut samples);
@@ -275,10 +276,12 @@ fn judge(
     })
 }
 
-/// The mesh's usable triangles in normalised coordinates, turned around if inside out.
+/// The mesh's usable triangles in normalised coordinates.
 struct Mesh {
     positions: Vec<Vector>,
     triangles: Vec<[u32; 3]>,
+    /// The same surface, repaired.
+    solid: TriangleMesh,
     min: Vector,
     max: Vector,
 }
@@ -295,7 +298,7 @@ impl Mesh {
             }
         }
         let is_finite = |&index: &u32| positions[index as usize].iter().all(|x| x.is_finite());
-        let mut usable: Vec<[u32; 3]> =
+        let usable: Vec<[u32; 3]> =
             triangles.iter().filter(|triangle| triangle.iter().all(is_finite)).copied().collect();
         let corners = || usable.iter().flatten().map(|&index| positions[index as usize]);
         let normalization = Normalization::of(corners());
@@ -304,11 +307,11 @@ impl Mesh {
             .fold(([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]), |(min, max), corner| {
                 (minimum(min, corner), maximum(max, corner))
             });
-        let positions: Vec<Vector> =
+        let normalized: Vec<Vector> =
             positions.iter().map(|&point| normalization.normalize(point)).collect();
         let diagonal = normalization.diagonal;
         if !(diagonal > 0.0 && diagonal.is_finite())
-            || Surface::new(&positions, &usable).area() == 0.0
+            || Surface::new(&normalized, &usable).area() == 0.0
         {
             return Err(Error::NothingUsable {
                 triangles: triangles.len(),
@@ -316,16 +319,17 @@ impl Mesh {
                 non_finite: triangles.len() - usable.len(),
             });
         }
-        let six_volumes = usable.iter().map(|triangle| {
-            let [a, b, c] = triangle.map(|index| positions[index as usize]);
-            dot(a, cross(b, c))
-        });
-        if six_volumes.sum::<f64>() < 0.0 {
-            for triangle in &mut usable {
-                triangle.swap(0, 1);
-            }
+        let prepared = prepare(positions, triangles, &Control::new())?;
+        let mut solid = prepared.mesh;
+        // What is wound both ways encloses nothing.
+        let sheets = solid.triangles.iter().zip(&prepared.is_both_ways);
+        let turned: Vec<[u32; 3]> =
+            sheets.filter(|&(_, &both)| both).map(|(&[a, b, c], _)| [b, a, c]).collect();
+        solid.triangles.extend(turned);
+        for point in &mut solid.positions {
+            *point = normalization.normalize(prepared.normalization.restore(*point));
         }
-        Ok((Self { positions, triangles: usable, min, max }, normalization))
+        Ok((Self { positions: normalized, triangles: usable, solid, min, max }, normalization))
     }
 }
 
