@@ -3,6 +3,7 @@
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
+use super::cover::hull_of;
 use super::piece::{Hull, Piece, Workshop};
 use super::seed_set::SeedSet;
 use super::seeds::Seeds;
@@ -175,25 +176,42 @@ pub(crate) fn merge(
     control: &Control,
 ) -> Result<Vec<Piece>, Error> {
     let count = seeds.count();
-    let pieces = seeds.seeds.iter().enumerate().map(|(index, seed)| {
-        let mut hull = Hull::of(&seed.points, seed.outward);
-        let vertices = hull.vertices();
-        Some(Piece { seeds: SeedSet::of(count, [index as u32]), hull, vertices })
+    let mut blocks = vec![0; count];
+    for (block, members) in (0..).zip(&seeds.blocks) {
+        members.iter().for_each(|&seed| blocks[seed as usize] = block);
+    }
+    let pieces = seeds.blocks.iter().map(|members| {
+        let mut piece = hull_of(seeds, &SeedSet::of(count, members.iter().copied()));
+        piece.vertices = piece.hull.vertices();
+        Some(piece)
     });
-    let mut links = vec![BTreeMap::new(); count];
-    for &(a, b) in &seeds.neighbours {
+    let conflicts = seeds.blocks.iter().map(|members| {
+        let mut conflicts = SeedSet::none(count);
+        members.iter().for_each(|&seed| conflicts.unite(&seeds.conflicts[seed as usize]));
+        conflicts
+    });
+    let mut links = vec![BTreeMap::new(); seeds.blocks.len()];
+    let mut neighbours: Vec<(u32, u32)> = seeds
+        .neighbours
+        .iter()
+        .map(|&(a, b)| ordered(blocks[a as usize], blocks[b as usize]))
+        .collect();
+    neighbours.sort_unstable();
+    neighbours.dedup();
+    neighbours.retain(|&(a, b)| a != b);
+    for &(a, b) in &neighbours {
         links[a as usize].insert(b, 0.0);
         links[b as usize].insert(a, 0.0);
     }
     let mut merging = Merging {
         pieces: pieces.collect(),
-        conflicts: seeds.conflicts.clone(),
+        conflicts: conflicts.collect(),
         links,
         refused: BTreeSet::new(),
         heap: BinaryHeap::new(),
         shop,
     };
-    for &(a, b) in &seeds.neighbours {
+    for &(a, b) in &neighbours {
         merging.consider(a, b, f64::NEG_INFINITY);
     }
     merging.run(control)?;

@@ -49,6 +49,9 @@ pub(crate) struct Seeds {
     pub seeds: Vec<Seed>,
     /// Pairs of seeds that share an edge.
     pub neighbours: Vec<(u32, u32)>,
+    /// Seeds that merging takes together from the start: parts of the same part of a group whose
+    /// hull fits, and no two of which conflict. Each seed is in one.
+    pub blocks: Vec<Vec<u32>>,
     /// For each seed those that no hull can hold together with it.
     pub conflicts: Vec<SeedSet>,
     /// The source, its long triangles halved.
@@ -145,10 +148,18 @@ pub(crate) fn seeds(
     let parts = crate::parallel::map(&groups, |group| {
         divide(&mesh, &surface, &owned, &components, group, solid, largest, tuning, control)
     });
+    let mut blocks: Vec<Vec<u32>> = (0..seeds.len() as u32).map(|seed| vec![seed]).collect();
     for part in parts {
-        for (seed, triangles) in part? {
+        let mut block = None;
+        for Half { seed, triangles, block: own } in part? {
+            let index = seeds.len() as u32;
+            match blocks.last_mut() {
+                Some(last) if own.is_some() && own == block => last.push(index),
+                _ => blocks.push(vec![index]),
+            }
+            block = own;
             for triangle in triangles {
-                labels[triangle as usize] = seeds.len() as u32;
+                labels[triangle as usize] = index;
             }
             seeds.push(seed);
         }
@@ -167,7 +178,14 @@ pub(crate) fn seeds(
     neighbours.sort_unstable();
     neighbours.dedup();
     let conflicts = conflicts(&seeds, solid, tuning.search_bound, control)?;
-    Ok(Seeds { seeds, neighbours, conflicts, surface, parents, grouped: mesh, labels })
+    // A hull whose faces all lie on the surface can still swallow what is empty.
+    let agrees = |block: &Vec<u32>| {
+        let all = SeedSet::of(seeds.len(), block.iter().copied());
+        !block.iter().any(|&seed| conflicts[seed as usize].intersects(&all))
+    };
+    let (mut blocks, torn): (Vec<_>, Vec<_>) = blocks.into_iter().partition(agrees);
+    blocks.extend(torn.into_iter().flatten().map(|seed| vec![seed]));
+    Ok(Seeds { seeds, neighbours, blocks, conflicts, surface, parents, grouped: mesh, labels })
 }
 
 /// Components that are one seed each.
@@ -233,6 +251,14 @@ fn normal(mesh: &TriangleMesh, triangle: [u32; 3]) -> Vector {
     area_normal(a, b, c)
 }
 
+/// A part of a group that is not halved any further.
+struct Half {
+    seed: Seed,
+    triangles: Vec<u32>,
+    /// The block that it belongs to, if any. Those of a block follow each other.
+    block: Option<usize>,
+}
+
 /// Halves a group until each part's hull fits and is no larger than `largest`.
 #[expect(clippy::too_many_arguments, reason = "what a group is made from")]
 fn divide(
@@ -245,28 +271,39 @@ fn divide(
     largest: f64,
     tuning: &Tuning,
     control: &Control,
-) -> Result<Vec<(Seed, Vec<u32>)>, Error> {
+) -> Result<Vec<Half>, Error> {
     let mut shop = Workshop::new(solid, tuning.search_bound);
     let mut reducer = HullBuilder::new().with_least_tolerance(tuning.reduction);
-    let mut stack = vec![group.to_vec()];
-    let mut seeds = Vec::new();
-    while let Some(triangles) = stack.pop() {
+    let mut stack = vec![(group.to_vec(), None)];
+    let mut seeds: Vec<Half> = Vec::new();
+    let mut blocks = 0;
+    while let Some((triangles, mut block)) = stack.pop() {
         if seeds.len() % SEEDS_PER_CHECK == 0 {
             control.check()?;
         }
         if triangles.len() > 1 && is_large(mesh, &triangles, largest) {
+            if block.is_none() {
+                let seed = seed_of(mesh, surface, owned, components, &triangles, &mut reducer);
+                if shop.fits(&Hull::of(&seed.points, seed.outward), false) {
+                    block = Some(blocks);
+                    blocks += 1;
+                }
+            }
             let (first, second) = halves(mesh, &triangles);
-            stack.extend([second, first]);
+            stack.extend([(second, block), (first, block)]);
             continue;
         }
         let seed = seed_of(mesh, surface, owned, components, &triangles, &mut reducer);
-        let hull = Hull::of(&seed.points, seed.outward);
-        if triangles.len() > 1 && !shop.fits(&hull, false) {
+        // What a hull that fits holds, fits as well but for what verification will find.
+        if block.is_none()
+            && triangles.len() > 1
+            && !shop.fits(&Hull::of(&seed.points, seed.outward), false)
+        {
             let (first, second) = halves(mesh, &triangles);
-            stack.extend([second, first]);
+            stack.extend([(second, block), (first, block)]);
             continue;
         }
-        seeds.push((seed, triangles));
+        seeds.push(Half { seed, triangles, block });
     }
     Ok(seeds)
 }
