@@ -108,7 +108,7 @@ pub(super) fn few_vertices(
     }
 
     // From here on it is the cap that makes trouble.
-    let (capped, growth) = cap_vertices(&mut HullBuilder::new(), hull.clone(), most);
+    let (capped, growth) = cap_vertices(&mut HullBuilder::new(), hull.clone(), most, control)?;
     let enlarged = accepted(capped.clone(), growth, allowed)?;
     if let Some(few) = enlarged {
         return Ok(few);

@@ -118,7 +118,7 @@ fn joint(
         nodes[first].hull.points.iter().chain(&nodes[second].hull.points).copied().collect();
     let (hull, _) = solid_hull(&mut builder, &points, [0.0; 3], 0.0)?;
     let (hull, growth) = match tuning.max_vertices {
-        Some(most) => cap_vertices(&mut builder, hull, most),
+        Some(most) => cap_vertices(&mut builder, hull, most, control)?,
         None => (hull, 0.0),
     };
     // It holds both, so it stands out at least as far, whatever the upper bounds say.

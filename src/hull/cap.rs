@@ -9,6 +9,7 @@ use super::columns::Columns;
 use super::simplex::first_simplex;
 use super::{ConvexHull, HullBuilder, Shape};
 use crate::vector::{Vector, add, dot, scale, subtract};
+use crate::{Control, Error};
 
 /// Rounding when the vertices are moved must not let an old vertex out again.
 const ROUNDING: f64 = 1e-12;
@@ -26,13 +27,22 @@ const THINNING: f64 = 1e-4;
 /// as it is. With a cap below 4 the hull stays as it is too.
 ///
 /// O(n log n + cap² n) for n vertices.
-pub fn cap_vertices(builder: &mut HullBuilder, hull: ConvexHull, cap: usize) -> (ConvexHull, f64) {
+///
+/// # Errors
+/// [`Error::Cancelled`].
+pub(crate) fn cap_vertices(
+    builder: &mut HullBuilder,
+    hull: ConvexHull,
+    cap: usize,
+    control: &Control,
+) -> Result<(ConvexHull, f64), Error> {
     if hull.points.len() <= cap {
-        return (hull, 0.0);
+        return Ok((hull, 0.0));
     }
     let thin = if hull.points.len() > MANY_VERTICES { thinned(builder, &hull) } else { None };
-    let collapsed = collapse_edges(thin.as_ref().unwrap_or(&hull), 0.0, cap, &mut |_| Ok(true));
-    let collapsed = collapsed.ok().flatten().map(|(collapsed, _)| collapsed);
+    let mut fits = |_| control.check().map(|()| true);
+    let collapsed = collapse_edges(thin.as_ref().unwrap_or(&hull), 0.0, cap, &mut fits)?;
+    let collapsed = collapsed.map(|(collapsed, _)| collapsed);
     // For a handful of vertices the shortest way there is not the best.
     let prominent = most_prominent(builder, &hull.points, cap);
     let capped = [thin, collapsed, prominent].into_iter().flatten();
@@ -41,7 +51,7 @@ pub fn cap_vertices(builder: &mut HullBuilder, hull: ConvexHull, cap: usize) -> 
         let growth = growth(&grown, &hull);
         Some((grown, growth))
     });
-    capped.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((hull, 0.0))
+    Ok(capped.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((hull, 0.0)))
 }
 
 /// A hull of the vertices that stand out of the rest by more than a tolerance: about the least that
@@ -159,11 +169,23 @@ mod tests {
         convex_hull(&points).unwrap()
     }
 
+    fn capped(hull: &ConvexHull, cap: usize) -> (ConvexHull, f64) {
+        cap_vertices(&mut HullBuilder::new(), hull.clone(), cap, &Control::new()).unwrap()
+    }
+
+    #[test]
+    fn a_cancelled_cap_is_an_error() {
+        let control = Control::new();
+        control.cancel();
+        let result = cap_vertices(&mut HullBuilder::new(), sphere(300), 64, &control);
+        assert_eq!(result, Err(Error::Cancelled));
+    }
+
     #[test]
     fn a_capped_hull_holds_the_old_one_and_says_how_far_it_grew() {
         let full = sphere(300);
         for (cap, most) in [(64, 0.12), (32, 0.25), (8, 1.5)] {
-            let (capped, growth) = cap_vertices(&mut HullBuilder::new(), full.clone(), cap);
+            let (capped, growth) = capped(&full, cap);
             assert!(capped.points.len() <= cap);
             assert!(capped.holds(&full), "{cap}");
             assert!(capped.holds(&capped), "{cap} is convex");
@@ -179,12 +201,12 @@ mod tests {
             let mut full = sphere(1500);
             full.points.iter_mut().for_each(|point| *point = scale(*point, factor));
             for cap in [64, 600] {
-                let (capped, _) = cap_vertices(&mut HullBuilder::new(), full.clone(), cap);
+                let (capped, _) = capped(&full, cap);
                 assert!(capped.points.len() <= cap, "{factor:e}");
             }
         }
         let full = sphere(1500);
-        let (capped, growth) = cap_vertices(&mut HullBuilder::new(), full.clone(), 600);
+        let (capped, growth) = capped(&full, 600);
         assert!(capped.holds(&full));
         assert!(growth < 0.02, "{growth}");
     }
@@ -192,7 +214,7 @@ mod tests {
     #[test]
     fn a_hull_within_the_cap_is_left_alone() {
         let full = sphere(30);
-        assert_eq!(cap_vertices(&mut HullBuilder::new(), full.clone(), 30), (full, 0.0));
+        assert_eq!(capped(&full, 30), (full, 0.0));
     }
 
     #[test]
@@ -202,7 +224,7 @@ mod tests {
             [0.0, 0.02].map(|z| [angle.cos(), angle.sin(), z])
         });
         let plate = convex_hull(&rim.collect::<Vec<_>>()).unwrap();
-        let (capped, _) = cap_vertices(&mut HullBuilder::new(), plate.clone(), 64);
+        let (capped, _) = capped(&plate, 64);
         let bounds = capped.bounds().unwrap();
         assert!(capped.holds(&plate));
         assert!(bounds.max[2] - bounds.min[2] < 0.03, "{bounds:?}");

@@ -31,7 +31,7 @@ pub(crate) fn hulls(
         });
         let (solid, added) = solid_hull(&mut builder, &points, outward, LEAST_THICKNESS)?;
         let (solid, growth) = match max_vertices {
-            Some(cap) => cap_vertices(&mut builder, solid, cap),
+            Some(cap) => cap_vertices(&mut builder, solid, cap, control)?,
             None => (solid, 0.0),
         };
         let component = group.first().map_or(0, |&triangle| components[triangle as usize]);
