@@ -55,7 +55,7 @@ pub fn decompose<C: Coordinate>(
 }
 
 /// The same work as [`decompose`], in slices, for where a background task is still the main
-/// thread. A slice is a stage, or one threshold of the search.
+/// thread. A slice is a stage, or one resolution or one threshold of the paper's method.
 pub struct Decomposer {
     positions: Vec<[f64; 3]>,
     triangles: Vec<[u32; 3]>,
@@ -160,7 +160,8 @@ impl Decomposer {
                 State::Bounded(run)
             }
             State::Simplify(mut state) => {
-                if state.1.make_next(&state.0, surface, control)? {
+                state.1.make_next(&state.0, surface, control)?;
+                if !state.1.is_complete() {
                     State::Simplify(state)
                 } else {
                     let (prepared, levels) = *state;

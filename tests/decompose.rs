@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 use hullwright::{
-    Control, Decomposer, Decomposition, Error, Method, Parameters, ResolutionOutcome, Unit,
+    Control, Decomposer, Decomposition, Error, Method, Parameters, ResolutionOutcome, Stage, Unit,
     decompose,
 };
 
@@ -124,7 +124,7 @@ fn labels((positions, triangles): &Mesh, method: Method) -> Vec<u32> {
 }
 
 #[test]
-fn scale_and_place_change_nothing() {
+fn scale_changes_nothing() {
     let (positions, triangles) = torus(40, 20);
     for method in [Method::Surface, Method::Bounded] {
         let expected = labels(&(positions.clone(), triangles.clone()), method);
@@ -145,7 +145,7 @@ fn far_from_the_origin_the_groups_are_the_same() {
     }
     let expected = labels(&(positions.clone(), triangles.clone()), Method::Surface);
     // A thousand times the torus's diagonal and more.
-    for place in 0..4 {
+    for place in 1..5 {
         let by = [1.7, 2.9, 4.3].map(|turn| 4000.0 * (turn * f64::from(place)).sin());
         let moved = positions.iter().map(|p| [0, 1, 2].map(|axis| p[axis] + by[axis])).collect();
         assert_eq!(labels(&(moved, triangles.clone()), Method::Surface), expected, "{by:?}");
@@ -292,8 +292,9 @@ fn slices_give_the_same_and_progress_never_falls() {
     let (positions, triangles) = torus(32, 16);
     let seen = Arc::new(Mutex::new(Vec::new()));
     let listener = Arc::clone(&seen);
-    let control = Control::new()
-        .with_progress(move |progress| listener.lock().unwrap().push(progress.fraction));
+    let control = Control::new().with_progress(move |progress| {
+        listener.lock().unwrap().push((progress.stage, progress.fraction));
+    });
     let mut parameters = surface();
     parameters.parallel = false;
     let mut decomposer = Decomposer::new(&positions, &triangles, &parameters).unwrap();
@@ -304,12 +305,13 @@ fn slices_give_the_same_and_progress_never_falls() {
             break result;
         }
     };
-    // Reading, five resolutions, a threshold or more of one of them, hulls.
     assert!(slices > 7);
     assert_eq!(decomposer.step(&control), Err(Error::Finished));
     let whole = decompose(&positions, &triangles, &parameters, &Control::new()).unwrap();
     assert_eq!(sliced.hulls, whole.hulls);
-    let fractions = seen.lock().unwrap();
-    assert!(fractions.windows(2).all(|pair| pair[0] <= pair[1]));
-    assert_eq!(fractions.last(), Some(&1.0));
+    let seen = seen.lock().unwrap();
+    assert!(seen.windows(2).all(|pair| pair[0].1 <= pair[1].1));
+    assert_eq!(seen.last().map(|last| last.1), Some(1.0));
+    let simplifying = seen.iter().filter(|progress| progress.0 == Stage::Simplify).count();
+    assert_eq!(simplifying, parameters.surface.maximum_resolutions.len());
 }

@@ -47,7 +47,8 @@ pub enum Execution {
     /// On Bevy's `AsyncComputeTaskPool`.
     Background,
     /// On the main thread in slices, which end when the frame's budget is spent. A slice is a stage
-    /// of the decomposition, so a frame may take longer than its budget.
+    /// of the decomposition, or one resolution or threshold of the paper's method, so a frame may take longer
+    /// than its budget.
     Slices,
 }
 

@@ -218,11 +218,11 @@ impl<'a> Outside<'a> {
 
 /// How far the farthest of some points is outside of a hull. Once that is known to be more than
 /// `limit`, any value above `limit` may be returned.
-pub(super) fn left_out(hull: &ConvexHull, points: &[Vector], limit: f64) -> f64 {
+pub(super) fn left_out(hull: &ConvexHull, points: &Clusters, limit: f64) -> f64 {
     let outside = Outside::new(hull);
     let mut farthest: f64 = 0.0;
     let mut planes = Vec::new();
-    for cluster in clusters(points).chunk_by(|a, b| a.0 == b.0) {
+    for cluster in points.0.chunk_by(|a, b| a.0 == b.0) {
         // Most planes have none of the cluster's points in front of them.
         let centre = cluster[0].1;
         let radius = cluster.iter().map(|&(_, point)| distance(centre, point)).fold(0.0, f64::max);
@@ -240,29 +240,38 @@ pub(super) fn left_out(hull: &ConvexHull, points: &[Vector], limit: f64) -> f64 
     farthest
 }
 
-/// Points with the number of their cell in a coarse grid, ascending.
-fn clusters(points: &[Vector]) -> Vec<(u32, Vector)> {
-    let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for &point in points {
-        min = minimum(min, point);
-        max = maximum(max, point);
-    }
-    let extent = subtract(max, min).into_iter().fold(0.0, f64::max);
-    // A dozen points in each cell of a surface.
-    let cells = (points.len() as f64 / 64.0).sqrt().clamp(1.0, MOST_CELLS).floor();
-    let place = |x: f64| (x / extent * cells).clamp(0.0, cells - 1.0) as u32;
-    let number = |point: Vector| {
-        let away = subtract(point, min);
-        away.into_iter().fold(0, |number, x| number * cells as u32 + place(x))
-    };
-    let mut clusters: Vec<(u32, Vector)> =
-        points.iter().map(|&point| (number(point), point)).collect();
-    clusters.sort_by_key(|&(number, _)| number);
-    clusters
-}
+/// Points that are asked together where they are close together: each with the number of its cell in a
+/// coarse grid, ascending.
+pub(super) struct Clusters(Vec<(u32, Vector)>);
 
-/// Cells of that grid along an axis.
+/// A grid of n² cells on each side of a box has about a dozen points of a surface in each cell if it has
+/// this many n² points.
+const POINTS_PER_SQUARE: f64 = 64.0;
+
+/// Cells of the grid along an axis.
 const MOST_CELLS: f64 = 32.0;
+
+impl Clusters {
+    /// O(n log n).
+    pub(super) fn new(points: &[Vector]) -> Self {
+        let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for &point in points {
+            min = minimum(min, point);
+            max = maximum(max, point);
+        }
+        let extent = subtract(max, min).into_iter().fold(0.0, f64::max);
+        let cells = (points.len() as f64 / POINTS_PER_SQUARE).sqrt().clamp(1.0, MOST_CELLS).floor();
+        let place = |x: f64| (x / extent * cells).clamp(0.0, cells - 1.0) as u32;
+        let number = |point: Vector| {
+            let away = subtract(point, min);
+            away.into_iter().fold(0, |number, x| number * cells as u32 + place(x))
+        };
+        let mut clusters: Vec<(u32, Vector)> =
+            points.iter().map(|&point| (number(point), point)).collect();
+        clusters.sort_by_key(|&(number, _)| number);
+        Self(clusters)
+    }
+}
 
 /// Halvings of a triangle whose corners are in different hulls.
 const MOST_HALVINGS: u32 = 6;
@@ -358,6 +367,30 @@ mod tests {
         assert!(is_inside(&solid.field, [0.5, 0.5, -0.3], solid.is_closed));
         let found = phantom(&hull, &solid, bound, f64::INFINITY, &control).unwrap();
         assert!(found >= depth, "{found}");
+    }
+
+    #[test]
+    fn points_in_clusters_are_as_far_outside_as_one_by_one() {
+        // Points on a sphere around a cube, whose corners reach through it.
+        let corners = (0..8).map(|i| [0, 1, 2].map(|k| f64::from(i >> k & 1) - 0.5));
+        let cube = convex_hull(&corners.collect::<Vec<_>>()).unwrap();
+        let points: Vec<Vector> = (0..3000)
+            .map(|i| {
+                let z = 1.0 - (2.0 * f64::from(i) + 1.0) / 3000.0;
+                let angle = f64::from(i) * 2.4;
+                let ring = (1.0 - z * z).sqrt();
+                scale([ring * angle.cos(), ring * angle.sin(), z], 0.8)
+            })
+            .collect();
+        let outside = Outside::new(&cube);
+        let expected = |points: &[Vector]| {
+            points.iter().map(|&p| outside.distance(p, f64::INFINITY)).fold(0.0, f64::max)
+        };
+        for points in [&points[..], &points[..50], &points[1400..1600], &[]] {
+            let found = left_out(&cube, &Clusters::new(points), f64::INFINITY);
+            assert_eq!(found, expected(points));
+        }
+        assert!((expected(&points) - 0.3).abs() < 1e-3);
     }
 
     #[test]

@@ -4,9 +4,10 @@
 //! What is tried, the first that keeps the bound counts: a hull without the vertices that hardly stand
 //! out, its edges collapsed outward, or as it is; edges collapsed, of all vertices; all vertices. Where it
 //! is the cap that makes trouble: the capped hull; hulls that leave out more; the capped hull, a little
-//! smaller.
+//! smaller. What is left then, the vertices that stand out most, may keep no bound: `finish` divides
+//! it.
 
-use super::certify::{left_out, phantom};
+use super::certify::{Clusters, left_out, phantom};
 use super::finish::{LEFT_OUT, MOST_LEFT_OUT, Material};
 use crate::Error;
 use crate::hull::{
@@ -20,12 +21,12 @@ use crate::vector::{Vector, add, distance, scale, subtract};
 const COARSER: [f64; 2] = [0.1, 0.2];
 
 /// Where that does not fit either, a hull that the cap lets grow shrinks again by these shares of the
-/// bound.
+/// bound: less than [`MOST_LEFT_OUT`], which it may leave out.
 const SHRUNK: [f64; 2] = [0.2, 0.4];
 
-/// From more vertices than this a cap is not kept by collapsing edges of the whole hull: that takes
-/// long, and a coarser one has failed.
-const MANY_VERTICES: usize = 256;
+/// A hull of more vertices than this does not collapse as a whole to keep a cap, once a coarser one has
+/// failed: that would take long, and hardly end better.
+const TOO_MANY: usize = 256;
 
 /// A hull before vertices are saved.
 pub(super) struct Whole {
@@ -33,7 +34,7 @@ pub(super) struct Whole {
     /// How far outside of it what it must hold lies.
     pub left_out: f64,
     /// What it must hold.
-    pub own: Vec<Vector>,
+    pub own: Clusters,
     pub outward: Vector,
 }
 
@@ -78,15 +79,17 @@ pub(super) fn few_vertices(
             None => Ok(None),
         }
     };
-    let mut coarse = |share: f64| -> Result<Option<ConvexHull>, Error> {
+    let mut without_least = |share: f64| -> Result<Option<ConvexHull>, Error> {
         let Some(coarse) = coarser(&whole.hull, share * bound) else { return Ok(None) };
-        let solid = solid_hull(builder, &coarse.points, whole.outward, LEAST_THICKNESS)?;
+        let (_, added) = solid_hull(builder, &coarse.points, whole.outward, LEAST_THICKNESS)?;
         // Some have no thickness to spare.
-        Ok((solid.1 == 0.0).then_some(coarse))
+        Ok((added == 0.0).then_some(coarse))
     };
 
     let allowed = (LEFT_OUT * bound).max(whole.left_out);
-    if let Some(coarse) = coarse(LEFT_OUT)? {
+    let coarse = without_least(LEFT_OUT)?;
+    let has_coarse = coarse.is_some();
+    if let Some(coarse) = coarse {
         if let Some(few) = collapsed(&coarse, allowed)? {
             return Ok(few);
         }
@@ -95,9 +98,8 @@ pub(super) fn few_vertices(
         }
     }
     let has_many = whole.hull.points.len() > most;
-    if !(has_many && whole.hull.points.len() > MANY_VERTICES)
-        && let Some(few) = collapsed(&whole.hull, allowed)?
-    {
+    let is_hopeless = has_coarse && has_many && whole.hull.points.len() > TOO_MANY;
+    if !is_hopeless && let Some(few) = collapsed(&whole.hull, allowed)? {
         return Ok(few);
     }
     let Whole { hull, left_out: whole_left_out, .. } = &whole;
@@ -109,13 +111,12 @@ pub(super) fn few_vertices(
 
     // From here on it is the cap that makes trouble.
     let (capped, growth) = cap_vertices(&mut HullBuilder::new(), hull.clone(), most, control)?;
-    let enlarged = accepted(capped.clone(), growth, allowed)?;
-    if let Some(few) = enlarged {
+    if let Some(few) = accepted(capped.clone(), growth, allowed)? {
         return Ok(few);
     }
     let allowed = (MOST_LEFT_OUT * bound).max(whole.left_out);
     for share in COARSER {
-        let Some(coarse) = coarse(share)? else { continue };
+        let Some(coarse) = without_least(share)? else { continue };
         if let Some(few) = collapsed(&coarse, allowed)? {
             return Ok(few);
         }
@@ -124,24 +125,28 @@ pub(super) fn few_vertices(
         }
     }
     for share in SHRUNK {
-        if let Some(few) = accepted(shrunk(&capped, share * bound), growth, allowed)? {
+        let Some(smaller) = shrunk(&capped, share * bound) else { break };
+        if let Some(few) = accepted(smaller, growth, allowed)? {
             return Ok(few);
         }
     }
-    let inner = most_prominent(builder, &hull.points, most);
+    let inner = most_prominent(builder, &hull.points, most, control)?;
     let hull = inner.unwrap_or_else(|| hull.clone());
     let phantom = phantom(&hull, solid, bound, f64::INFINITY, control)?;
     let left_out = left_out(&hull, &whole.own, f64::INFINITY);
     Ok(Few { hull, growth: 0.0, phantom, left_out })
 }
 
-/// A hull whose vertices are drawn to its centre, the farthest by `by`.
-fn shrunk(hull: &ConvexHull, by: f64) -> ConvexHull {
+/// A hull whose vertices are drawn to its centre, the farthest by `by`; `None` if nothing would be left
+/// of it.
+fn shrunk(hull: &ConvexHull, by: f64) -> Option<ConvexHull> {
     let sum = hull.points.iter().fold([0.0; 3], |sum, &point| add(sum, point));
-    let centre = scale(sum, 1.0 / hull.points.len().max(1) as f64);
-    let farthest = hull.points.iter().map(|&point| distance(point, centre)).fold(by, f64::max);
-    let factor = if farthest > 0.0 { 1.0 - by / farthest } else { 1.0 };
-    let points =
-        hull.points.iter().map(|&point| add(centre, scale(subtract(point, centre), factor)));
-    ConvexHull { points: points.collect(), triangles: hull.triangles.clone() }
+    let centre = scale(sum, 1.0 / hull.points.len() as f64);
+    let farthest = hull.points.iter().map(|&point| distance(point, centre)).fold(0.0, f64::max);
+    let factor = 1.0 - by / farthest;
+    let moved = |&point: &Vector| add(centre, scale(subtract(point, centre), factor));
+    (farthest > by).then(|| ConvexHull {
+        points: hull.points.iter().map(moved).collect(),
+        triangles: hull.triangles.clone(),
+    })
 }

@@ -2,7 +2,7 @@
 //! the source.
 
 use super::Tuning;
-use super::certify::{self, Outside, left_out};
+use super::certify::{self, Clusters, Outside, left_out};
 use super::cover::hull_of;
 use super::few_vertices::{Few, Whole, few_vertices};
 use super::piece::{Hull, Piece};
@@ -182,18 +182,19 @@ fn finished(
         }
     };
     let own = extreme(builder, own_points(seeds, &set, part.as_deref()));
+    let clusters = Clusters::new(&own);
     let points = hull.vertices();
     let (mut full, mut added_thickness) =
         solid_hull(builder, &points, hull.outward, LEAST_THICKNESS)?;
     let allowed = LEFT_OUT * tuning.bound;
-    let mut full_left_out = left_out(&full, &own, allowed);
+    let mut full_left_out = left_out(&full, &clusters, allowed);
     if full_left_out > allowed {
         // Beyond a sharp edge a point can be far away that is hardly in front of any face.
         (full, added_thickness) = solid_hull(builder, &own, hull.outward, LEAST_THICKNESS)?;
-        full_left_out = left_out(&full, &own, f64::INFINITY);
+        full_left_out = left_out(&full, &clusters, f64::INFINITY);
     }
     let component = set.iter().next().map_or(0, |seed| seeds.seeds[seed as usize].component);
-    let whole = Whole { hull: full, left_out: full_left_out, own, outward: hull.outward };
+    let whole = Whole { hull: full, left_out: full_left_out, own: clusters, outward: hull.outward };
     let Few { hull, growth, phantom, left_out } = few_vertices(material, whole, builder)?;
     Ok(Finished {
         hull,

@@ -4,7 +4,7 @@
 //! | file | stage |
 //! |---|---|
 //! | `solid` | the fit test: whether a hull stands out of the solid; `grid` answers most of it, `verdicts` remembers, `cavities` finds what hulls may not swallow |
-//! | `refine`, `seeds` | a simplified or refined mesh, the paper's groups (3.4.1), halved until each fits; who conflicts with whom |
+//! | `refine`, `seeds` | a simplified or refined mesh, the paper's groups (3.4.1), halved until they fit; who conflicts with whom |
 //! | `merge` | pieces join best-first |
 //! | `cover` | each piece grows over all seeds that it can take; pieces are dissolved into the rest; each seed stays with one |
 //! | `finish` | thickness; `few_vertices` saves vertices, `certify` verifies the result |
@@ -28,7 +28,6 @@ mod verdicts;
 use crate::hull::ConvexHull;
 use crate::mesh::{Normalization, PreparedMesh};
 use crate::parallel;
-use crate::vector::{cross, dot};
 use crate::{
     BoundedParameters, BoundedReport, Control, Error, GroupedMesh, Hull, Parameters, Preset, Stage,
     Unit,
@@ -431,41 +430,13 @@ fn solid(
     control: &Control,
 ) -> Result<Solid, Error> {
     let mesh = &prepared.mesh;
-    let is_inside_out = encloses_nothing(mesh);
-    let is_sheet = |triangle: usize| {
-        prepared.is_both_ways[triangle]
-            || is_inside_out && !prepared.closed[prepared.components[triangle] as usize]
-    };
-    // What is wound both ways encloses nothing: the winding numbers of its two sides cancel.
-    let turned: Vec<[u32; 3]> = mesh
-        .triangles
-        .iter()
-        .enumerate()
-        .filter(|&(triangle, _)| is_sheet(triangle))
-        .map(|(_, &[a, b, c])| [b, a, c])
-        .collect();
-    let mut solid = if turned.is_empty() {
-        Solid::new(&mesh.positions, &mesh.triangles, is_closed, tuning.bound, control)?
-    } else {
-        let triangles = [mesh.triangles.as_slice(), &turned].concat();
-        let is_closed = is_closed || is_balanced(&triangles);
-        Solid::new(&mesh.positions, &triangles, is_closed, tuning.bound, control)?
-    };
+    let triangles = prepared.triangles_of_solid();
+    let is_closed = is_closed || triangles.len() > mesh.triangles.len() && is_balanced(&triangles);
+    let mut solid = Solid::new(&mesh.positions, &triangles, is_closed, tuning.bound, control)?;
     if tuning.keep_cavities {
         solid.keep_cavities(tuning.bound);
     }
     Ok(solid)
-}
-
-/// Whether the signed volume under the surface, seen from the middle of its box, is not positive.
-/// Where that comes from open parts it is not clear which of their sides is the inside, and they
-/// are taken for sheets.
-fn encloses_nothing(mesh: &crate::mesh::TriangleMesh) -> bool {
-    let six_volumes = mesh.triangles.iter().map(|triangle| {
-        let [a, b, c] = triangle.map(|vertex| mesh.positions[vertex as usize]);
-        dot(a, cross(b, c))
-    });
-    six_volumes.sum::<f64>() <= 0.0
 }
 
 fn is_closed(prepared: &PreparedMesh) -> bool {

@@ -1,4 +1,5 @@
-//! Seeds: the paper's groups of a simplified or refined mesh, halved until each one's hull fits.
+//! Seeds: the paper's groups of a simplified or refined mesh, halved until the hull of each, or of a part
+//! that it belongs to, fits.
 //!
 //! A seed takes all of the source's surface that is nearest to its triangles, so that hulls of
 //! seeds cover the source and not only what simplification left of it.
@@ -259,7 +260,8 @@ struct Half {
     block: Option<usize>,
 }
 
-/// Halves a group until each part's hull fits and is no larger than `largest`.
+/// Halves a group until no part is larger than `largest`, and the hull of each, or of what it was halved
+/// from, fits.
 #[expect(clippy::too_many_arguments, reason = "what a group is made from")]
 fn divide(
     mesh: &TriangleMesh,
@@ -294,7 +296,8 @@ fn divide(
             continue;
         }
         let seed = seed_of(mesh, surface, owned, components, &triangles, &mut reducer);
-        // What a hull that fits holds, fits as well but for what verification will find.
+        // What a hull that fits holds, fits as well but for hulls that swallow what is empty, and those are
+        // found when the result is verified.
         if block.is_none()
             && triangles.len() > 1
             && !shop.fits(&Hull::of(&seed.points, seed.outward), false)

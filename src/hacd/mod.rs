@@ -80,7 +80,9 @@ pub fn decompose<C: Coordinate>(
     let prepared = prepare(positions, triangles, control)?;
     lap(Stage::Repair);
     let mut levels = Levels::new(surface);
-    while levels.make_next(&prepared, surface, control)? {}
+    while !levels.is_complete() {
+        levels.make_next(&prepared, surface, control)?;
+    }
     let levels = levels.finish();
     lap(Stage::Simplify);
     let diagonal = prepared.normalization.diagonal;

@@ -39,12 +39,15 @@ pub(crate) fn cap_vertices(
     if hull.points.len() <= cap {
         return Ok((hull, 0.0));
     }
-    let thin = if hull.points.len() > MANY_VERTICES { thinned(builder, &hull) } else { None };
+    let thin = match hull.points.len() {
+        ..=MANY_VERTICES => None,
+        _ => thinned(builder, &hull, control)?,
+    };
     let mut fits = |_| control.check().map(|()| true);
     let collapsed = collapse_edges(thin.as_ref().unwrap_or(&hull), 0.0, cap, &mut fits)?;
     let collapsed = collapsed.map(|(collapsed, _)| collapsed);
     // For a handful of vertices the shortest way there is not the best.
-    let prominent = most_prominent(builder, &hull.points, cap);
+    let prominent = most_prominent(builder, &hull.points, cap, control)?;
     let capped = [thin, collapsed, prominent].into_iter().flatten();
     let capped = capped.filter(|capped| capped.points.len() <= cap).filter_map(|capped| {
         let grown = grown_over(capped, &hull)?;
@@ -56,7 +59,11 @@ pub(crate) fn cap_vertices(
 
 /// A hull of the vertices that stand out of the rest by more than a tolerance: about the least that
 /// leaves few enough.
-fn thinned(builder: &mut HullBuilder, hull: &ConvexHull) -> Option<ConvexHull> {
+fn thinned(
+    builder: &mut HullBuilder,
+    hull: &ConvexHull,
+    control: &Control,
+) -> Result<Option<ConvexHull>, Error> {
     let mut share = THINNING;
     while share < 1.0 {
         let mut coarse = HullBuilder::new().with_tolerance(share);
@@ -65,11 +72,12 @@ fn thinned(builder: &mut HullBuilder, hull: &ConvexHull) -> Option<ConvexHull> {
         }
         let (points, triangles) = coarse.extract();
         if points.len() <= MANY_VERTICES {
-            return Some((points, triangles).into());
+            return Ok(Some((points, triangles).into()));
         }
+        control.check()?;
         share *= 2.0;
     }
-    most_prominent(builder, &hull.points, MANY_VERTICES)
+    most_prominent(builder, &hull.points, MANY_VERTICES, control)
 }
 
 /// The hull of the vertices that stand out of each other by more than `tolerance`, in the points'
@@ -115,24 +123,22 @@ pub(crate) fn most_prominent(
     builder: &mut HullBuilder,
     points: &[Vector],
     cap: usize,
-) -> Option<ConvexHull> {
+    control: &Control,
+) -> Result<Option<ConvexHull>, Error> {
     let mut chosen = first_points(points);
     if builder.build(&chosen) != Shape::Solid || chosen.len() > cap {
-        return None;
+        return Ok(None);
     }
     while chosen.len() < cap {
+        control.check()?;
         let planes = ConvexHull::from(builder.extract()).planes();
         let outside = |point: Vector| {
             let distances = planes.iter().map(|&(normal, offset)| dot(normal, point) - offset);
             distances.fold(f64::NEG_INFINITY, f64::max)
         };
-        let farthest = points
-            .iter()
-            .map(|&point| (outside(point), point))
-            .max_by(|a, b| a.0.total_cmp(&b.0))?;
-        if farthest.0 <= 0.0 {
-            break;
-        }
+        let farthest =
+            points.iter().map(|&point| (outside(point), point)).max_by(|a, b| a.0.total_cmp(&b.0));
+        let Some(farthest) = farthest.filter(|farthest| farthest.0 > 0.0) else { break };
         chosen.push(farthest.1);
         builder.insert(&[farthest.1]);
         if builder.new_faces().next().is_none() {
@@ -140,7 +146,7 @@ pub(crate) fn most_prominent(
             break;
         }
     }
-    Some(builder.extract().into())
+    Ok(Some(builder.extract().into()))
 }
 
 /// Four points that span a tetrahedron: two far apart, one far from their line, one far from

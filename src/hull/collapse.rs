@@ -36,7 +36,7 @@ const MOST_VERTICES: usize = 4096;
 #[derive(Debug, Clone, Copy)]
 struct Collapse {
     pair: (u32, u32),
-    /// Added volume; infinite if no direction leads out of all faces.
+    /// Added volume; infinite if no direction leads out of all faces, or if it is no edge any more.
     volume: f64,
     point: Vector,
     /// The round that it was found in.
@@ -70,7 +70,7 @@ struct Queue {
     heap: BinaryHeap<Collapse>,
     /// For each vertex the last round in which its faces changed.
     changed: Vec<u32>,
-    /// For each vertex what was refused at it; a change there gives it another chance.
+    /// For each vertex what was refused at it. A change there gives it another chance, at its turn.
     refused: Vec<Vec<Collapse>>,
     round: u32,
 }
@@ -79,6 +79,14 @@ impl Queue {
     fn is_out_of_date(&self, collapse: &Collapse) -> bool {
         let (a, b) = collapse.pair;
         [a, b].iter().any(|&vertex| self.changed[vertex as usize] > collapse.round)
+    }
+
+    fn add(&mut self, collapse: Collapse) {
+        if collapse.volume.is_finite() {
+            self.heap.push(collapse);
+        } else {
+            self.refuse(collapse);
+        }
     }
 
     fn refuse(&mut self, collapse: Collapse) {
@@ -146,12 +154,7 @@ pub(crate) fn collapse_edges(
         queue.changed.resize(builder.points.len(), 0);
         queue.refused.resize_with(builder.points.len(), Vec::new);
         for pair in new.drain(..) {
-            let collapse = collapse(&builder, &faces, pair, queue.round, &mut constraints);
-            if collapse.volume.is_finite() {
-                queue.heap.push(collapse);
-            } else {
-                queue.refuse(collapse);
-            }
+            queue.add(collapse(&builder, &faces, pair, queue.round, &mut constraints));
         }
         let mut is_taken = false;
         while let Some(cheapest) = queue.heap.pop() {
@@ -163,12 +166,7 @@ pub(crate) fn collapse_edges(
                 break;
             }
             if queue.is_out_of_date(&cheapest) {
-                let again = collapse(&builder, &faces, (a, b), queue.round, &mut constraints);
-                if again.volume.is_finite() {
-                    queue.heap.push(again);
-                } else {
-                    queue.refuse(again);
-                }
+                queue.add(collapse(&builder, &faces, (a, b), queue.round, &mut constraints));
                 continue;
             }
             trial.clone_from(&builder);
@@ -187,7 +185,9 @@ pub(crate) fn collapse_edges(
         let before = builder.points.len() as u32;
         std::mem::swap(&mut builder, &mut trial);
         queue.change(builder.newest_vertices().filter(|&vertex| vertex < before));
-        new.extend(edges(builder.newest()).filter(|&(_, second)| second >= before));
+        // The new vertex, and what waited within the tolerance of the old faces.
+        let is_new = |vertex: u32| faces.get(vertex as usize).is_none_or(Vec::is_empty);
+        new.extend(edges(builder.newest()).filter(|&(a, b)| is_new(a) || is_new(b)));
     }
     let fewer = ConvexHull::from(builder.extract());
     if fewer.points.len() >= hull.points.len() {

@@ -18,8 +18,7 @@ mod single_precision;
 mod thickness;
 
 pub use builder::{DEFAULT_TOLERANCE, HullBuilder};
-pub(crate) use cap::cap_vertices;
-pub(crate) use cap::{coarser, most_prominent};
+pub(crate) use cap::{cap_vertices, coarser, most_prominent};
 pub(crate) use collapse::collapse_edges;
 pub use convex_hull::{ConvexHull, convex_hull};
 pub use simplex::Shape;

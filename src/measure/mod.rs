@@ -7,9 +7,10 @@
 //!
 //! # What counts as what
 //!
-//! - The **solid** is where the generalized winding number of the mesh is above 0.5, its triangles
-//!   turned first as [`decompose`](crate::decompose) turns them: so that neighbours agree, and
-//!   outward. So holes, open sheets, self-intersections and cavities are no obstacle.
+//! - The **solid** is that of [`decompose`](crate::decompose): where the generalized winding number of
+//!   the repaired mesh is above 0.5. Neighbours are turned so that they agree, and closed parts outward;
+//!   what is there both ways round, and open parts of a mesh that is inside out as a whole, enclose
+//!   nothing. So holes, open sheets, self-intersections and cavities are no obstacle.
 //! - A **hull** is the convex hull of its points: that is what a physics engine collides with,
 //!   whatever its triangles say. What they say is checked on its own: see [`HullCheck`].
 //! - A point is **in** a hull up to a tolerance of 1e-6, and **inside** it beyond the same
@@ -211,7 +212,8 @@ const MOST_OPEN_EDGES: f64 = 0.005;
 /// overlap.
 ///
 /// # Errors
-/// - [`Error::EmptyMesh`], [`Error::IndexOutOfRange`] or [`Error::NothingUsable`] for the mesh.
+/// - [`Error::EmptyMesh`], [`Error::IndexOutOfRange`], [`Error::NothingUsable`] or [`Error::TooLarge`]
+///   for the mesh.
 /// - [`Error::NoHull`] if there is no hull, or none that can be judged.
 /// - [`Error::InvalidParameter`] for options that mean nothing.
 pub fn measure(
@@ -320,15 +322,12 @@ impl Mesh {
             });
         }
         let prepared = prepare(positions, triangles, &Control::new())?;
-        let mut solid = prepared.mesh;
-        // What is wound both ways encloses nothing.
-        let sheets = solid.triangles.iter().zip(&prepared.is_both_ways);
-        let turned: Vec<[u32; 3]> =
-            sheets.filter(|&(_, &both)| both).map(|(&[a, b, c], _)| [b, a, c]).collect();
-        solid.triangles.extend(turned);
-        for point in &mut solid.positions {
-            *point = normalization.normalize(prepared.normalization.restore(*point));
-        }
+        let place =
+            |&point: &Vector| normalization.normalize(prepared.normalization.restore(point));
+        let solid = TriangleMesh {
+            positions: prepared.mesh.positions.iter().map(place).collect(),
+            triangles: prepared.triangles_of_solid().into_owned(),
+        };
         Ok((Self { positions: normalized, triangles: usable, solid, min, max }, normalization))
     }
 }

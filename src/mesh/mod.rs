@@ -1,7 +1,9 @@
 //! The input as the pipeline works on it: repaired, normalised, simplified.
 
+use std::borrow::Cow;
+
 use crate::Repairs;
-use crate::vector::{Vector, add, length, maximum, minimum, scale, subtract};
+use crate::vector::{Vector, add, cross, dot, length, maximum, minimum, scale, subtract};
 
 pub(crate) mod adjacency;
 mod caps;
@@ -78,6 +80,42 @@ pub(crate) struct PreparedMesh {
     /// it in opposite directions.
     pub closed: Vec<bool>,
     pub repairs: Repairs,
+}
+
+impl PreparedMesh {
+    /// The triangles by whose winding number a point is inside: sheets are there both ways round, so that
+    /// their winding numbers cancel. Sheets are triangles that the input has both ways, and the open
+    /// parts of a mesh that is inside out as a whole: which of their sides is the inside is not clear.
+    pub(crate) fn triangles_of_solid(&self) -> Cow<'_, [[u32; 3]]> {
+        let triangles = &self.mesh.triangles;
+        let is_inside_out = self.mesh.encloses_nothing();
+        let is_sheet = |triangle: usize| {
+            self.is_both_ways[triangle]
+                || is_inside_out && !self.closed[self.components[triangle] as usize]
+        };
+        let turned: Vec<[u32; 3]> = triangles
+            .iter()
+            .enumerate()
+            .filter(|&(triangle, _)| is_sheet(triangle))
+            .map(|(_, &[a, b, c])| [b, a, c])
+            .collect();
+        if turned.is_empty() {
+            Cow::Borrowed(triangles)
+        } else {
+            Cow::Owned([triangles.as_slice(), &turned].concat())
+        }
+    }
+}
+
+impl TriangleMesh {
+    /// Whether the signed volume under the surface, seen from the origin, is not positive.
+    fn encloses_nothing(&self) -> bool {
+        let six_volumes = self.triangles.iter().map(|triangle| {
+            let [a, b, c] = triangle.map(|vertex| self.positions[vertex as usize]);
+            dot(a, cross(b, c))
+        });
+        six_volumes.sum::<f64>() <= 0.0
+    }
 }
 
 /// Renumbers the vertices that triangles use, in their order. Returns for each its old number.

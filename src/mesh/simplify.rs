@@ -24,16 +24,21 @@ use std::borrow::Cow;
 use meshopt::{SimplifyOptions, simplify_decoder};
 
 use super::degenerate::is_degenerate;
+use super::weld::WELD_TOLERANCE;
 use super::{TriangleMesh, compact};
 use crate::vector::{Vector, area_normal, length};
 
 /// Far above any error that a mesh of diagonal 1 can have: only the target stops simplification.
 const ANY_ERROR: f32 = 10.0;
 
-/// The simplifier sees coordinates rounded to a multiple of one over this, in diagonals. Single
-/// precision would keep more digits than a mesh has that was moved by a thousand of its sizes, and
-/// edges that cost the same would collapse in another order.
+/// The simplifier sees coordinates rounded to a multiple of one over this, in diagonals. Of a mesh in double
+/// precision that was moved by a thousand of its sizes fewer digits are left than single precision keeps
+/// of the one that was not, and edges that cost the same would collapse in another order. (A coordinate
+/// between two multiples can still fall either way, but hardly one does.)
 const GRID: f64 = (1_u32 << 22) as f64;
+// Vertices that welding leaves apart must not meet: the simplifier would take them for a seam. A cell's
+// diagonal is less than twice its side.
+const _: () = assert!(2.0 / GRID < WELD_TOLERANCE);
 
 /// The number of triangles to aim for: `triangles` times Q, rounded down, again and again until
 /// it is at most `maximum`, the paper's r. A step takes away at least one triangle. With Q = 1

@@ -61,7 +61,11 @@ impl Levels {
         self.made.len() as f32 / (self.made.len() + self.open.len()).max(1) as f32
     }
 
-    /// Makes the finest that is missing. Whether there was one.
+    pub(crate) fn is_complete(&self) -> bool {
+        self.open.is_empty()
+    }
+
+    /// Makes the finest that is missing, if there is one.
     ///
     /// # Errors
     /// [`Error::Cancelled`].
@@ -70,9 +74,9 @@ impl Levels {
         prepared: &PreparedMesh,
         parameters: &SurfaceParameters,
         control: &Control,
-    ) -> Result<bool, Error> {
+    ) -> Result<(), Error> {
         control.check()?;
-        let Some(resolution) = self.open.pop() else { return Ok(false) };
+        let Some(resolution) = self.open.pop() else { return Ok(()) };
         let initial = prepared.mesh.triangles.len();
         let target = simplification_target(initial, parameters.simplification_quality, resolution);
         let (finer, components) = match self.made.last() {
@@ -93,7 +97,7 @@ impl Levels {
             search: ThresholdSearch::default(),
             same_as_before: false,
         });
-        Ok(true)
+        Ok(())
     }
 
     /// Those that are made, ascending.
