@@ -394,7 +394,8 @@ fn triangles_wound_at_random_have_the_same_inside() {
         triangle.swap(0, 1);
     }
     let half = cuboid([0.0; 3], [1.0, 1.0, 0.5]);
-    let [expected, found] = [unit_cube(), mesh].map(|mesh| judged(&mesh, &[half.clone()]));
+    let [expected, found] =
+        [unit_cube(), mesh].map(|mesh| judged(&mesh, std::slice::from_ref(&half)));
     assert_near(found.phantom.max, expected.phantom.max, ROUNDING);
     assert_near(expected.phantom.max, 0.0, ROUNDING);
     assert_near(found.hollow.unwrap(), 0.5, COUNTING);
@@ -406,7 +407,7 @@ fn an_open_box_wound_inward_is_a_sheet_without_an_inside() {
     // Without its lid.
     open.1.truncate(10);
     let inside = cuboid([0.25; 3], [0.75; 3]);
-    let wound_outward = judged(&open, &[inside.clone()]);
+    let wound_outward = judged(&open, std::slice::from_ref(&inside));
     let wound_inward = judged(&flipped(open), &[inside]);
     assert_near(wound_outward.phantom.max, 0.0, ROUNDING);
     assert!(wound_inward.phantom.max > 0.1);

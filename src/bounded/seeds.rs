@@ -280,7 +280,7 @@ fn divide(
     let mut seeds: Vec<Half> = Vec::new();
     let mut blocks = 0;
     while let Some((triangles, mut block)) = stack.pop() {
-        if seeds.len() % SEEDS_PER_CHECK == 0 {
+        if seeds.len().is_multiple_of(SEEDS_PER_CHECK) {
             control.check()?;
         }
         if triangles.len() > 1 && is_large(mesh, &triangles, largest) {
