@@ -3,7 +3,7 @@
 //!
 //! What is tried, the first that keeps the bound counts: a hull without the vertices that hardly stand
 //! out, its edges collapsed outward, or as it is; edges collapsed, of all vertices; all vertices. Where it
-//! is the cap that makes trouble: the capped hull; hulls that leave out more; the capped hull, a little
+//! is the cap that makes trouble: hulls that leave out more; the capped hull; the capped hull, a little
 //! smaller. What is left then, the vertices that stand out most, may keep no bound: `finish` divides
 //! it.
 
@@ -110,23 +110,23 @@ pub(super) fn few_vertices(
     }
 
     // From here on it is the cap that makes trouble.
+    let most_allowed = (MOST_LEFT_OUT * bound).max(whole.left_out);
+    for share in COARSER {
+        let Some(coarse) = without_least(share)? else { continue };
+        if let Some(few) = collapsed(&coarse, most_allowed)? {
+            return Ok(few);
+        }
+        if let Some(few) = accepted(coarse, 0.0, most_allowed)? {
+            return Ok(few);
+        }
+    }
     let (capped, growth) = cap_vertices(&mut HullBuilder::new(), hull.clone(), most, control)?;
     if let Some(few) = accepted(capped.clone(), growth, allowed)? {
         return Ok(few);
     }
-    let allowed = (MOST_LEFT_OUT * bound).max(whole.left_out);
-    for share in COARSER {
-        let Some(coarse) = without_least(share)? else { continue };
-        if let Some(few) = collapsed(&coarse, allowed)? {
-            return Ok(few);
-        }
-        if let Some(few) = accepted(coarse, 0.0, allowed)? {
-            return Ok(few);
-        }
-    }
     for share in SHRUNK {
         let Some(smaller) = shrunk(&capped, share * bound) else { break };
-        if let Some(few) = accepted(smaller, growth, allowed)? {
+        if let Some(few) = accepted(smaller, growth, most_allowed)? {
             return Ok(few);
         }
     }
