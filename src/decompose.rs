@@ -161,9 +161,7 @@ impl Decomposer {
             }
             State::Simplify(mut state) => {
                 state.1.make_next(&state.0, surface, control)?;
-                if !state.1.is_complete() {
-                    State::Simplify(state)
-                } else {
+                if state.1.is_complete() {
                     let (prepared, levels) = *state;
                     let unit = match surface.unit {
                         Unit::Diagonals(unit) => unit,
@@ -171,6 +169,8 @@ impl Decomposer {
                     };
                     let levels = levels.finish();
                     State::Search(Box::new(Search { prepared, levels, unit }))
+                } else {
+                    State::Simplify(state)
                 }
             }
             State::Search(mut search) => {

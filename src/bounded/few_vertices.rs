@@ -102,11 +102,10 @@ pub(super) fn few_vertices(
     if !is_hopeless && let Some(few) = collapsed(&whole.hull, allowed)? {
         return Ok(few);
     }
-    let Whole { hull, left_out: whole_left_out, .. } = &whole;
     if !has_many {
-        let phantom = phantom(hull, solid, bound, f64::INFINITY, control)?;
-        let left_out = *whole_left_out;
-        return Ok(Few { hull: hull.clone(), growth: 0.0, phantom, left_out });
+        let phantom = phantom(&whole.hull, solid, bound, f64::INFINITY, control)?;
+        let Whole { hull, left_out, .. } = whole;
+        return Ok(Few { hull, growth: 0.0, phantom, left_out });
     }
 
     // From here on it is the cap that makes trouble.
@@ -120,7 +119,7 @@ pub(super) fn few_vertices(
             return Ok(few);
         }
     }
-    let (capped, growth) = cap_vertices(&mut HullBuilder::new(), hull.clone(), most, control)?;
+    let (capped, growth) = cap_vertices(builder, whole.hull.clone(), most, control)?;
     if let Some(few) = accepted(capped.clone(), growth, allowed)? {
         return Ok(few);
     }
@@ -130,8 +129,8 @@ pub(super) fn few_vertices(
             return Ok(few);
         }
     }
-    let inner = most_prominent(builder, &hull.points, most, control)?;
-    let hull = inner.unwrap_or_else(|| hull.clone());
+    let inner = most_prominent(builder, &whole.hull.points, most, control)?;
+    let hull = inner.unwrap_or_else(|| whole.hull.clone());
     let phantom = phantom(&hull, solid, bound, f64::INFINITY, control)?;
     let left_out = left_out(&hull, &whole.own, f64::INFINITY);
     Ok(Few { hull, growth: 0.0, phantom, left_out })

@@ -176,9 +176,9 @@ pub(crate) fn merge(
     control: &Control,
 ) -> Result<Vec<Piece>, Error> {
     let count = seeds.count();
-    let mut blocks = vec![0; count];
+    let mut block_of = vec![0; count];
     for (block, members) in (0..).zip(&seeds.blocks) {
-        members.iter().for_each(|&seed| blocks[seed as usize] = block);
+        members.iter().for_each(|&seed| block_of[seed as usize] = block);
     }
     let pieces = seeds.blocks.iter().map(|members| {
         let mut piece = hull_of(seeds, &SeedSet::of(count, members.iter().copied()));
@@ -194,7 +194,7 @@ pub(crate) fn merge(
     let mut neighbours: Vec<(u32, u32)> = seeds
         .neighbours
         .iter()
-        .map(|&(a, b)| ordered(blocks[a as usize], blocks[b as usize]))
+        .map(|&(a, b)| ordered(block_of[a as usize], block_of[b as usize]))
         .collect();
     neighbours.sort_unstable();
     neighbours.dedup();

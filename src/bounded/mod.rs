@@ -192,7 +192,7 @@ impl Run {
                 let (solid, working) = parallel::join(
                     || match known {
                         Some(solid) => Ok(*solid),
-                        None => solid(&self.prepared, is_closed(&self.prepared), tuning, control),
+                        None => solid(&self.prepared, tuning, control),
                     },
                     || seeds::working_mesh(&self.prepared, tuning, control),
                 );
@@ -337,7 +337,7 @@ impl Merging {
         let tuning = Tuning::new(parameters, prepared.normalization.diagonal, &BALANCED);
         let normalization = prepared.normalization;
         let tree = parallel::with(parameters.parallel, || {
-            let solid = solid(&prepared, is_closed(&prepared), &tuning, control)?;
+            let solid = solid(&prepared, &tuning, control)?;
             let mut leaves = Vec::with_capacity(hulls.len());
             for hull in hulls {
                 let points: Vec<[f64; 3]> =
@@ -423,24 +423,18 @@ impl Merging {
     }
 }
 
-fn solid(
-    prepared: &PreparedMesh,
-    is_closed: bool,
-    tuning: &Tuning,
-    control: &Control,
-) -> Result<Solid, Error> {
+fn solid(prepared: &PreparedMesh, tuning: &Tuning, control: &Control) -> Result<Solid, Error> {
     let mesh = &prepared.mesh;
     let triangles = prepared.triangles_of_solid();
-    let is_closed = is_closed || triangles.len() > mesh.triangles.len() && is_balanced(&triangles);
+    // Sheets that are there both ways can close what was open.
+    let is_closed = prepared.closed.iter().all(|&closed| closed)
+        || is_balanced(&mesh.triangles)
+        || triangles.len() > mesh.triangles.len() && is_balanced(&triangles);
     let mut solid = Solid::new(&mesh.positions, &triangles, is_closed, tuning.bound, control)?;
     if tuning.keep_cavities {
         solid.keep_cavities(tuning.bound);
     }
     Ok(solid)
-}
-
-fn is_closed(prepared: &PreparedMesh) -> bool {
-    prepared.closed.iter().all(|&closed| closed) || is_balanced(&prepared.mesh.triangles)
 }
 
 /// Whether triangles run along each edge as often one way as the other. Then the winding number

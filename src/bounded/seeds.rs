@@ -151,18 +151,15 @@ pub(crate) fn seeds(
     });
     let mut blocks: Vec<Vec<u32>> = (0..seeds.len() as u32).map(|seed| vec![seed]).collect();
     for part in parts {
-        let mut block = None;
-        for Half { seed, triangles, block: own } in part? {
-            let index = seeds.len() as u32;
-            match blocks.last_mut() {
-                Some(last) if own.is_some() && own == block => last.push(index),
-                _ => blocks.push(vec![index]),
+        for block in part? {
+            let first = seeds.len() as u32;
+            for (seed, triangles) in block {
+                for triangle in triangles {
+                    labels[triangle as usize] = seeds.len() as u32;
+                }
+                seeds.push(seed);
             }
-            block = own;
-            for triangle in triangles {
-                labels[triangle as usize] = index;
-            }
-            seeds.push(seed);
+            blocks.push((first..seeds.len() as u32).collect());
         }
     }
     let mut neighbours = Vec::new();
@@ -252,16 +249,11 @@ fn normal(mesh: &TriangleMesh, triangle: [u32; 3]) -> Vector {
     area_normal(a, b, c)
 }
 
-/// A part of a group that is not halved any further.
-struct Half {
-    seed: Seed,
-    triangles: Vec<u32>,
-    /// The block that it belongs to, if any. Those of a block follow each other.
-    block: Option<usize>,
-}
+/// Parts of a group that are not halved any further, with their triangles.
+type Block = Vec<(Seed, Vec<u32>)>;
 
 /// Halves a group until no part is larger than `largest`, and the hull of each, or of what it was halved
-/// from, fits.
+/// from, fits. Parts of the same fitting hull come as one block, all others alone.
 #[expect(clippy::too_many_arguments, reason = "what a group is made from")]
 fn divide(
     mesh: &TriangleMesh,
@@ -273,42 +265,41 @@ fn divide(
     largest: f64,
     tuning: &Tuning,
     control: &Control,
-) -> Result<Vec<Half>, Error> {
+) -> Result<Vec<Block>, Error> {
     let mut shop = Workshop::new(solid, tuning.search_bound);
     let mut reducer = HullBuilder::new().with_least_tolerance(tuning.reduction);
-    let mut stack = vec![(group.to_vec(), None)];
-    let mut seeds: Vec<Half> = Vec::new();
-    let mut blocks = 0;
-    while let Some((triangles, mut block)) = stack.pop() {
-        if seeds.len().is_multiple_of(SEEDS_PER_CHECK) {
+    let mut stack = vec![(group.to_vec(), false)];
+    let mut blocks: Vec<Block> = Vec::new();
+    let mut seeds = 0_usize;
+    while let Some((triangles, mut is_in_block)) = stack.pop() {
+        if seeds.is_multiple_of(SEEDS_PER_CHECK) {
             control.check()?;
         }
+        let mut make = || seed_of(mesh, surface, owned, components, &triangles, &mut reducer);
+        let mut fits = |seed: &Seed| shop.fits(&Hull::of(&seed.points, seed.outward), false);
         if triangles.len() > 1 && is_large(mesh, &triangles, largest) {
-            if block.is_none() {
-                let seed = seed_of(mesh, surface, owned, components, &triangles, &mut reducer);
-                if shop.fits(&Hull::of(&seed.points, seed.outward), false) {
-                    block = Some(blocks);
-                    blocks += 1;
-                }
+            if !is_in_block && fits(&make()) {
+                is_in_block = true;
+                // Its parts are next on the stack.
+                blocks.push(Vec::new());
             }
-            let (first, second) = halves(mesh, &triangles);
-            stack.extend([(second, block), (first, block)]);
-            continue;
+        } else {
+            let seed = make();
+            // What a hull that fits holds, fits as well but for hulls that swallow what is empty, and
+            // those are found when the result is verified.
+            if is_in_block || triangles.len() == 1 || fits(&seed) {
+                seeds += 1;
+                match blocks.last_mut() {
+                    Some(block) if is_in_block => block.push((seed, triangles)),
+                    _ => blocks.push(vec![(seed, triangles)]),
+                }
+                continue;
+            }
         }
-        let seed = seed_of(mesh, surface, owned, components, &triangles, &mut reducer);
-        // What a hull that fits holds, fits as well but for hulls that swallow what is empty, and those are
-        // found when the result is verified.
-        if block.is_none()
-            && triangles.len() > 1
-            && !shop.fits(&Hull::of(&seed.points, seed.outward), false)
-        {
-            let (first, second) = halves(mesh, &triangles);
-            stack.extend([(second, block), (first, block)]);
-            continue;
-        }
-        seeds.push(Half { seed, triangles, block });
+        let (first, second) = halves(mesh, &triangles);
+        stack.extend([(second, is_in_block), (first, is_in_block)]);
     }
-    Ok(seeds)
+    Ok(blocks)
 }
 
 /// Whether triangles reach farther than `largest`, and not because one of them does.

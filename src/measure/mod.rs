@@ -290,15 +290,7 @@ struct Mesh {
 
 impl Mesh {
     fn new(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<(Self, Normalization), Error> {
-        let vertices = positions.len();
-        if positions.is_empty() || triangles.is_empty() {
-            return Err(Error::EmptyMesh { vertices, triangles: triangles.len() });
-        }
-        for (triangle, corners) in triangles.iter().enumerate() {
-            if let Some(&index) = corners.iter().find(|&&index| index as usize >= vertices) {
-                return Err(Error::IndexOutOfRange { triangle, index, vertices });
-            }
-        }
+        let prepared = prepare(positions, triangles, &Control::new())?;
         let is_finite = |&index: &u32| positions[index as usize].iter().all(|x| x.is_finite());
         let usable: Vec<[u32; 3]> =
             triangles.iter().filter(|triangle| triangle.iter().all(is_finite)).copied().collect();
@@ -309,26 +301,14 @@ impl Mesh {
             .fold(([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]), |(min, max), corner| {
                 (minimum(min, corner), maximum(max, corner))
             });
-        let normalized: Vec<Vector> =
-            positions.iter().map(|&point| normalization.normalize(point)).collect();
-        let diagonal = normalization.diagonal;
-        if !(diagonal > 0.0 && diagonal.is_finite())
-            || Surface::new(&normalized, &usable).area() == 0.0
-        {
-            return Err(Error::NothingUsable {
-                triangles: triangles.len(),
-                degenerate: usable.len(),
-                non_finite: triangles.len() - usable.len(),
-            });
-        }
-        let prepared = prepare(positions, triangles, &Control::new())?;
+        let positions = positions.iter().map(|&point| normalization.normalize(point)).collect();
         let place =
             |&point: &Vector| normalization.normalize(prepared.normalization.restore(point));
         let solid = TriangleMesh {
             positions: prepared.mesh.positions.iter().map(place).collect(),
             triangles: prepared.triangles_of_solid().into_owned(),
         };
-        Ok((Self { positions: normalized, triangles: usable, solid, min, max }, normalization))
+        Ok((Self { positions, triangles: usable, solid, min, max }, normalization))
     }
 }
 

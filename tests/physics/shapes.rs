@@ -69,26 +69,35 @@ fn a_mug_hangs_by_its_handle_on_a_hook() {
     assert!(off.x.abs() < 0.01, "{off}");
 }
 
-/// A large bowl: Parry's tolerances are lengths, and in front of hulls that are some centimetres long and
-/// millimetres thick it takes points that are outside for points inside, and pulls a ball in.
-#[test]
-fn a_ball_stays_in_a_bowl() {
-    const SCALE: f32 = 4.0;
+/// Drops a ball into the bundled bowl, both as many times as large, and sees where it ends.
+fn assert_a_ball_stays_in_a_bowl(scale: f32, seconds: f32) {
     let bowl = Prop::model("bowl");
     let mut world = World::with_floor(0.1);
-    let bowl_body = world.dynamic_at([0.0, 0.001, 0.0], bowl.scaled_collider([SCALE; 3]));
-    let radius = 0.008 * SCALE;
+    let bowl_body = world.dynamic_at([0.0, 0.001, 0.0], bowl.scaled_collider([scale; 3]));
+    let radius = 0.008;
     let ball = world.dynamic_at(
-        [0.05, 0.09, 0.01].map(|x: f32| SCALE * x),
-        ColliderBuilder::ball(radius).density(2500.0).friction(0.3),
+        [0.05, 0.09, 0.01].map(|x: f32| scale * x),
+        ColliderBuilder::ball(scale * radius).density(2500.0).friction(0.3),
     );
-    world.run(10.0);
+    world.run(seconds);
     let (in_bowl, bowl_at) = (world.place(ball), world.place(bowl_body));
-    let off = (in_bowl - bowl_at) / SCALE;
+    let off = (in_bowl - bowl_at) / scale;
     assert!(off.x.hypot(off.z) < 0.045, "{off}");
-    // The inside is 10 to 12 mm above the ground there, as the model is.
-    assert!((0.008..0.018).contains(&(off.y - radius / SCALE)), "{off}");
+    // The inside is 10 to 12 mm above the ground there.
+    assert!((0.008..0.018).contains(&(off.y - radius)), "{off}");
     assert!(world.tilt(bowl_body, Vector::Y) < 2.0);
+}
+
+#[test]
+#[ignore = "fails since algorithm version 8: Parry takes points before small hulls for points inside"]
+fn a_marble_stays_in_a_bowl() {
+    assert_a_ball_stays_in_a_bowl(1.0, 5.0);
+}
+
+/// Parry's tolerances are lengths: with hulls some centimetres long and millimetres thick a ball sinks in.
+#[test]
+fn a_ball_stays_in_a_large_bowl() {
+    assert_a_ball_stays_in_a_bowl(4.0, 10.0);
 }
 
 #[test]
