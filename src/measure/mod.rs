@@ -20,7 +20,7 @@
 //! # Sampling
 //!
 //! Points are the same on every run, on any number of threads: evenly spread sequences, not random
-//! numbers. A maximum is that of the sampled points; the true one may be higher, by more the
+//! numbers, unless [`MeasureOptions::random_seed`] asks for some. A maximum is that of the sampled points; the true one may be higher, by more the
 //! sharper the spike. [`MeasureOptions`] has the numbers of points, [`Measurement::samples`] says
 //! what became of them.
 
@@ -77,6 +77,9 @@ pub struct MeasureOptions {
     /// Farthest that a vertex of a convex hull may lie in front of a face of it, as a share of the
     /// mesh's diagonal. Default 1e-6: what rounding to `f32` does.
     pub convexity_tolerance: f64,
+    /// Where it is given, points are independent random ones with this seed. That shows how far
+    /// figures of other tools scatter, which mostly sample so. Default `None`: evenly spread.
+    pub random_seed: Option<u64>,
     /// Whether the work runs on rayon's current pool (feature `parallel`). The result does not
     /// depend on it. Default true.
     pub parallel: bool,
@@ -89,6 +92,7 @@ impl Default for MeasureOptions {
             mesh_samples: 50_000,
             volume_samples: 200_000,
             convexity_tolerance: 1e-6,
+            random_seed: None,
             parallel: true,
         }
     }
@@ -323,7 +327,7 @@ fn phantom(
     let surface = Surface::new(positions, triangles);
     let count = options.hull_samples;
     let distances = map_indices(count, |index| {
-        let (point, triangle) = surface.point(index, count);
+        let (point, triangle) = surface.point(index, count, options.random_seed);
         if union.is_inside_another(point, triangle) {
             return None;
         }
@@ -351,7 +355,7 @@ fn exposed(
     let count = options.mesh_samples;
     samples.mesh = count;
     Distances::of(map_indices(count, |index| {
-        let (point, _) = surface.point(index, count);
+        let (point, _) = surface.point(index, count, options.random_seed);
         if union.multiplicity(point) > 0 { 0.0 } else { distance(&field, point) }
     }))
 }
@@ -381,7 +385,7 @@ fn volumes(
         (min, max) = (minimum(min, part.min), maximum(max, part.max));
     }
     let answers = map_indices(options.volume_samples, |index| {
-        let share = in_unit_cube(index);
+        let share = in_unit_cube(index, options.random_seed);
         let offset = [0, 1, 2].map(|axis| share[axis] * (max[axis] - min[axis]));
         let point = add(min, offset);
         (union.multiplicity(point), field.is_inside(point))

@@ -3,6 +3,8 @@
 //! Both are Kronecker sequences: multiples of irrational numbers, of which only the fraction is
 //! kept. They fill space more evenly than random points, so that averages converge faster, and
 //! each point follows from its index alone, so that points can be computed in any order.
+//!
+//! With a seed, points are independent random ones instead, by index too.
 
 use crate::vector::{Vector, add, area_normal, length, scale, subtract};
 
@@ -18,9 +20,27 @@ fn fraction(index: usize, step: f64) -> f64 {
     (0.5 + index as f64 * step).fract()
 }
 
+/// Point `index` of the random ones: SplitMix64 (Steele, Lea, Flood 2014), three numbers each.
+fn random(seed: u64, index: usize) -> Vector {
+    const INCREMENT: u64 = 0x9e37_79b9_7f4a_7c15;
+    const MANTISSA_BITS: u32 = 53;
+
+    [1, 2, 3].map(|number| {
+        let count = (index as u64).wrapping_mul(3).wrapping_add(number);
+        let mut bits = seed.wrapping_add(count.wrapping_mul(INCREMENT));
+        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        bits ^= bits >> 31;
+        (bits >> (u64::BITS - MANTISSA_BITS)) as f64 / (1_u64 << MANTISSA_BITS) as f64
+    })
+}
+
 /// A point of the unit cube.
-pub(super) fn in_unit_cube(index: usize) -> Vector {
-    SPACE_STEPS.map(|step| fraction(index, step))
+pub(super) fn in_unit_cube(index: usize, seed: Option<u64>) -> Vector {
+    match seed {
+        Some(seed) => random(seed, index),
+        None => SPACE_STEPS.map(|step| fraction(index, step)),
+    }
 }
 
 /// A triangle surface that can be sampled by area.
@@ -50,14 +70,20 @@ impl<'a> Surface<'a> {
         self.cumulative_area.last().copied().unwrap_or(0.0)
     }
 
-    /// The point `index` of `count` on the surface, and its triangle. Each share of the area of
-    /// 1 / `count`, in the order of the triangles, has one point. O(log n).
-    pub(super) fn point(&self, index: usize, count: usize) -> (Vector, usize) {
-        let area = self.area() * (index as f64 + 0.5) / count as f64;
+    /// The point `index` of `count` on the surface, and its triangle. Without a seed, each share of
+    /// the area of 1 / `count`, in the order of the triangles, has one point. O(log n).
+    pub(super) fn point(&self, index: usize, count: usize, seed: Option<u64>) -> (Vector, usize) {
+        let [mut u, mut v, share] = match seed {
+            Some(seed) => random(seed, index),
+            None => {
+                let [u, v] = PLANE_STEPS.map(|step| fraction(index, step));
+                [u, v, (index as f64 + 0.5) / count as f64]
+            }
+        };
+        let area = self.area() * share;
         let triangle =
             self.cumulative_area.partition_point(|&upto| upto < area).min(self.triangles.len() - 1);
         let [a, b, c] = self.triangles[triangle].map(|index| self.positions[index as usize]);
-        let [mut u, mut v] = PLANE_STEPS.map(|step| fraction(index, step));
         if u + v > 1.0 {
             (u, v) = (1.0 - u, 1.0 - v);
         }
@@ -82,7 +108,7 @@ mod tests {
         assert_eq!(surface.area(), 2.0);
         let mut counts = [0; 3];
         for index in 0..1000 {
-            let (point, triangle) = surface.point(index, 1000);
+            let (point, triangle) = surface.point(index, 1000, None);
             counts[triangle] += 1;
             match triangle {
                 0 => assert!(point[2] == 0.0 && point[0] + point[1] <= 1.0),
@@ -96,7 +122,7 @@ mod tests {
     #[test]
     fn points_of_a_triangle_average_to_its_centre() {
         let surface = Surface::new(&POSITIONS, &TRIANGLES[..1]);
-        let sum = (0..999).fold([0.0; 3], |sum, index| add(sum, surface.point(index, 999).0));
+        let sum = (0..999).fold([0.0; 3], |sum, index| add(sum, surface.point(index, 999, None).0));
         for coordinate in [sum[0], sum[1]] {
             assert!((coordinate / 999.0 - 1.0 / 3.0).abs() < 3e-3);
         }
@@ -105,12 +131,27 @@ mod tests {
     #[test]
     fn without_area_there_still_is_a_point() {
         let surface = Surface::new(&POSITIONS, &[[1, 1, 1]]);
-        assert_eq!(surface.point(5, 10), ([1.0, 0.0, 0.0], 0));
+        assert_eq!(surface.point(5, 10, None), ([1.0, 0.0, 0.0], 0));
+    }
+
+    #[test]
+    fn random_points_are_the_same_for_a_seed_and_spread_by_area() {
+        let surface = Surface::new(&POSITIONS, &TRIANGLES);
+        let mut in_first = 0;
+        for index in 0..10_000 {
+            let (point, triangle) = surface.point(index, 10_000, Some(7));
+            assert_eq!(surface.point(index, 20, Some(7)), (point, triangle));
+            assert!(point.iter().all(|&x| x >= 0.0));
+            in_first += usize::from(triangle == 0);
+        }
+        // 2,500 are expected; five standard deviations of chance are 217.
+        assert!((2283..=2717).contains(&in_first), "{in_first}");
+        assert_ne!(surface.point(0, 10, Some(7)), surface.point(0, 10, Some(8)));
     }
 
     #[test]
     fn the_unit_cube_is_filled_evenly() {
-        let points: Vec<Vector> = (0..4096).map(in_unit_cube).collect();
+        let points: Vec<Vector> = (0..4096).map(|index| in_unit_cube(index, None)).collect();
         let min = points.iter().copied().fold([1.0; 3], minimum);
         let max = points.iter().copied().fold([0.0; 3], maximum);
         assert!(min.iter().all(|&x| (0.0..0.001).contains(&x)));
