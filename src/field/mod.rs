@@ -15,7 +15,7 @@ mod tree;
 mod winding;
 
 pub(crate) use distance::{Closest, nearest_of_triangle};
-pub(crate) use nearest::nearest_triangles;
+pub(crate) use nearest::{nearest_labels, nearest_triangles};
 
 use crate::vector::Vector;
 use crate::{Control, Error};

@@ -1,6 +1,8 @@
 //! Hulls of the groups [3.6], and the source triangles that each of them stands for.
 
-use crate::field::{Field, nearest_triangles};
+use std::borrow::Cow;
+
+use crate::field::{Field, nearest_labels};
 use crate::hull::{ConvexHull, HullBuilder, LEAST_THICKNESS, cap_vertices, solid_hull};
 use crate::mesh::{Normalization, PreparedMesh, TriangleMesh};
 use crate::vector::{Vector, add, area_normal};
@@ -54,7 +56,8 @@ pub(crate) fn hulls(
 }
 
 /// Gives each source triangle to the hull whose group holds the simplified triangle nearest to
-/// its centre. O(n log m) for n source and m simplified triangles.
+/// its centre, up to what [`nearest_labels`] does not ask. O(n log m) for n source and m simplified
+/// triangles.
 pub(crate) fn assign_source_triangles(
     prepared: &PreparedMesh,
     mesh: &TriangleMesh,
@@ -62,11 +65,14 @@ pub(crate) fn assign_source_triangles(
     hulls: &mut [Hull],
     control: &Control,
 ) -> Result<(), Error> {
-    let field = Field::new(&mesh.positions, &mesh.triangles);
-    let nearest = nearest_triangles(&prepared.mesh, &field, control)?;
-    for (nearest, &source) in nearest.into_iter().zip(&prepared.source_triangles) {
-        let label = grouping.labels.get(nearest as usize);
-        if let Some(hull) = label.and_then(|&label| hulls.get_mut(label as usize)) {
+    let labels = if mesh.triangles == prepared.mesh.triangles {
+        Cow::Borrowed(&grouping.labels)
+    } else {
+        let field = Field::new(&mesh.positions, &mesh.triangles);
+        Cow::Owned(nearest_labels(&prepared.mesh, &field, &grouping.labels, control)?)
+    };
+    for (&label, &source) in labels.iter().zip(&prepared.source_triangles) {
+        if let Some(hull) = hulls.get_mut(label as usize) {
             // A triangle that repair split in two is still one of the source.
             if hull.source_triangles.last() != Some(&source) {
                 hull.source_triangles.push(source);
