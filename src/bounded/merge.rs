@@ -9,9 +9,6 @@ use super::seed_set::SeedSet;
 use super::seeds::Seeds;
 use crate::{Control, Error};
 
-/// Candidates that are evaluated at the same time, whether there are threads for it or not.
-const AT_ONCE: usize = 8;
-
 /// Two pieces that may join.
 struct Candidate {
     /// Volume that the joint hull adds, as a share of its own; a guess as long as there is no
@@ -90,8 +87,9 @@ impl Merging<'_, '_> {
         self.pieces[a as usize].is_some() && self.pieces[b as usize].is_some()
     }
 
-    /// Joins the cheapest pairs first. A cost is only a guess until its pair is among the
-    /// cheapest: most pairs never are before one of the two has joined another piece.
+    /// Joins the cheapest pairs first. A cost is only a guess until its pair is the cheapest: most
+    /// pairs never are before one of the two has joined another piece. (Evaluating several at once, on
+    /// all threads, takes as long: waking a thread costs what it saves.)
     fn run(&mut self, control: &Control) -> Result<(), Error> {
         while let Some(Candidate { pair, joint, .. }) = self.heap.pop() {
             if control.is_past_deadline() {
@@ -102,19 +100,8 @@ impl Merging<'_, '_> {
             }
             let Some(joint) = joint else {
                 control.check()?;
-                let mut pairs = vec![pair];
-                while pairs.len() < AT_ONCE
-                    && let Some(next) = self.heap.peek()
-                    && (next.joint.is_none() || !self.is_alive(next.pair))
-                {
-                    if self.is_alive(next.pair) {
-                        pairs.push(next.pair);
-                    }
-                    self.heap.pop();
-                }
-                let evaluated = crate::parallel::map(&pairs, |&pair| self.evaluated(pair));
-                for candidate in evaluated.into_iter().flatten() {
-                    let (a, b) = candidate.pair;
+                if let Some(candidate) = self.evaluated(pair) {
+                    let (a, b) = pair;
                     self.links[a as usize].insert(b, candidate.cost);
                     self.links[b as usize].insert(a, candidate.cost);
                     self.heap.push(candidate);

@@ -114,7 +114,7 @@ impl Tuning {
             longest_edge: (4.0 * bound).clamp(0.04, 0.16),
             grouping_threshold: 0.1 * bound,
             seed_size,
-            reduction: 0.025 * bound,
+            reduction: finish::LEFT_OUT * bound,
             dissolving_tries,
             max_vertices: parameters.max_vertices,
             max_hulls: parameters.bounded.max_hulls,

@@ -60,6 +60,10 @@ impl Hull {
         }
         self.points.extend_from_slice(points);
         self.is_solid = self.builder.build(&self.points) == Shape::Solid;
+        if self.is_solid {
+            self.builder.forget_inner_points();
+            self.points.clear();
+        }
         false
     }
 

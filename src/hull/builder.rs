@@ -220,6 +220,38 @@ impl HullBuilder {
         self.grow();
     }
 
+    /// Lets go of all points that are not vertices, those within the tolerance of the hull too: what is
+    /// copied and grown again and again need not carry them along.
+    pub(crate) fn forget_inner_points(&mut self) {
+        self.marks.clear();
+        self.marks.resize(self.points.len(), NONE);
+        for face in &self.faces {
+            for vertex in face.vertices {
+                self.marks[vertex as usize] = 0;
+            }
+        }
+        let mut kept = 0;
+        for point in 0..self.points.len() {
+            if self.marks[point] != NONE {
+                self.marks[point] = kept as u32;
+                self.points[kept] = self.points[point];
+                self.originals[kept] = self.originals[point];
+                kept += 1;
+            }
+        }
+        self.points.truncate(kept);
+        self.originals.truncate(kept);
+        for face in &mut self.faces {
+            face.vertices = face.vertices.map(|vertex| self.marks[vertex as usize]);
+        }
+        for waiting in &mut self.waiting {
+            *waiting = Waiting::none(waiting.stamp, waiting.generation);
+        }
+        self.next_waiting.clear();
+        self.next_waiting.resize(kept, NONE);
+        self.has_close_points = false;
+    }
+
     /// A point in the scaled space.
     #[inline]
     pub(super) fn inward(&self, point: Vector) -> Vector {
@@ -348,4 +380,37 @@ fn bounds(points: &[Vector]) -> (Vector, Vector, bool) {
 
 fn is_finite(point: &Vector) -> bool {
     point.iter().all(|x| x.is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Points inside a ball, and points around it.
+    fn ball() -> (Vec<Vector>, Vec<Vector>) {
+        let point = |index: u32, radius: f64| {
+            let (height, turn) = (f64::from(index) / 50.0 - 1.0, 2.4 * f64::from(index));
+            let across = radius * (1.0 - height * height).max(0.0).sqrt();
+            [across * turn.cos(), across * turn.sin(), radius * height]
+        };
+        let inside = (0..100).flat_map(|index| [point(index, 0.5), point(index, 1.0)]);
+        (inside.collect(), (0..100).step_by(9).map(|index| point(index, 1.3)).collect())
+    }
+
+    #[test]
+    fn without_its_inner_points_a_hull_is_the_same_and_goes_on_growing_the_same_way() {
+        let (points, far) = ball();
+        let mut whole = HullBuilder::new();
+        assert_eq!(whole.build(&points), Shape::Solid);
+        let mut forgetful = whole.clone();
+        forgetful.forget_inner_points();
+        assert_eq!(forgetful.points.len(), forgetful.extract().0.len());
+        assert!(forgetful.points.len() < whole.points.len());
+        assert_eq!(forgetful.extract(), whole.extract());
+        whole.insert_outside(&far);
+        forgetful.insert_outside(&far);
+        assert_eq!(forgetful.extract(), whole.extract());
+        let faces = |builder: &HullBuilder| builder.new_faces().collect::<Vec<_>>();
+        assert_eq!(faces(&forgetful), faces(&whole));
+    }
 }
