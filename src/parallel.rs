@@ -9,6 +9,11 @@ pub(crate) fn map<T: Sync, R: Send>(
     map_indices(items.len(), |index| function(&items[index]))
 }
 
+/// Tasks that many items are divided into, at least: left to itself, rayon leaves a few items together, and
+/// a thread that has the larger ones keeps the others waiting.
+#[cfg(feature = "parallel")]
+const TASKS: usize = 64;
+
 /// Applies `function` to the indices `0..count`.
 pub(crate) fn map_indices<R: Send>(
     count: usize,
@@ -17,7 +22,8 @@ pub(crate) fn map_indices<R: Send>(
     #[cfg(feature = "parallel")]
     if count > 1 && threads() > 1 {
         use rayon::prelude::*;
-        return (0..count).into_par_iter().map(function).collect();
+        let most = (count / TASKS).max(1);
+        return (0..count).into_par_iter().with_max_len(most).map(function).collect();
     }
     (0..count).map(function).collect()
 }

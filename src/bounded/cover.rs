@@ -237,13 +237,14 @@ fn dissolve_one(
     Ok(Some(pieces))
 }
 
-/// Dissolves pieces, those with least area of their own first, until none can go or too much has
-/// been tried.
+/// Dissolves pieces under a bound, those with least area of their own first, until none can go or too
+/// much has been tried.
 fn dissolve(
     seeds: &Seeds,
     pieces: &mut Vec<Piece>,
     solid: &Solid,
-    tuning: &Tuning,
+    bound: f64,
+    most_tries: usize,
     control: &Control,
 ) -> Result<(), Error> {
     let mut tried = 0;
@@ -254,11 +255,11 @@ fn dissolve(
         order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         for some in order.chunks(AT_ONCE) {
             control.check()?;
-            if tried >= tuning.dissolving_tries || control.is_past_deadline() {
+            if tried >= most_tries || control.is_past_deadline() {
                 return Ok(());
             }
             let attempt = |&(_, k): &(f64, usize)| {
-                let mut shop = Workshop::new(solid, tuning.search_bound);
+                let mut shop = Workshop::new(solid, bound);
                 let dissolved = dissolve_one(seeds, pieces, k, &mut shop, control);
                 (dissolved, shop.tried)
             };
@@ -305,7 +306,9 @@ pub(crate) fn cover(
     });
     let mut pieces = grown.into_iter().collect::<Result<Vec<Piece>, Error>>()?;
     drop_redundant(seeds, &mut pieces);
-    dissolve(seeds, &mut pieces, solid, tuning, control)?;
+    for bound in [tuning.search_bound, tuning.last_bound] {
+        dissolve(seeds, &mut pieces, solid, bound, tuning.dissolving_tries, control)?;
+    }
     shrink(seeds, pieces, control)
 }
 

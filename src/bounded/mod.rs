@@ -6,7 +6,7 @@
 //! | `solid` | the fit test: whether a hull stands out of the solid; `grid` answers most of it, `verdicts` remembers, `cavities` finds what hulls may not swallow |
 //! | `refine`, `seeds` | a simplified or refined mesh, the paper's groups (3.4.1), halved until they fit; who conflicts with whom |
 //! | `merge` | pieces join best-first |
-//! | `cover` | each piece grows over all seeds that it can take; pieces are dissolved into the rest; each seed stays with one |
+//! | `cover` | each piece grows over all seeds that it can take; pieces are dissolved into the rest, at last by nearly all of the bound; each seed stays with one |
 //! | `finish` | thickness; `few_vertices` saves vertices, `certify` verifies the result |
 //! | `tree` | on demand: joins down to one hull |
 
@@ -39,9 +39,14 @@ use seeds::{Seeds, Working};
 use solid::Solid;
 use tree::Tree;
 
-/// The search goes by this share of the bound, so that there is room for what it overlooks.
-const SEARCH_SHARE: f64 = 0.92;
+/// The search goes by this share of the bound: the rest is room for what it overlooks, and is spent only
+/// where that saves a hull.
+const SEARCH_SHARE: f64 = 0.9;
 const _: () = assert!(SEARCH_SHARE >= solid::LEAST_SEARCH_SHARE);
+
+/// At last pieces may be dissolved by this share of the bound. With more, so many hulls stand out when they
+/// are verified, and are divided, that nothing is gained.
+const LAST_SHARE: f64 = 0.985;
 
 /// What the stages go by, in diagonals.
 pub(crate) struct Tuning {
@@ -49,6 +54,8 @@ pub(crate) struct Tuning {
     pub bound: f64,
     /// What the search goes by, so that verification has room.
     pub search_bound: f64,
+    /// What the last of it goes by.
+    pub last_bound: f64,
     /// Triangles of the mesh that is grouped.
     pub triangles: usize,
     /// Longest edge of that mesh.
@@ -110,6 +117,7 @@ impl Tuning {
         Self {
             bound,
             search_bound: SEARCH_SHARE * bound,
+            last_bound: LAST_SHARE * bound,
             triangles,
             longest_edge: (4.0 * bound).clamp(0.04, 0.16),
             grouping_threshold: 0.1 * bound,

@@ -128,7 +128,7 @@ impl<'a> Workshop<'a> {
     pub fn fits(&mut self, hull: &Hull, only_new: bool) -> bool {
         let mut faces = std::mem::take(&mut self.faces);
         faces.clear();
-        let verdicts = &self.solid.verdicts;
+        let (verdicts, bound) = (&self.solid.verdicts, self.bound);
         let mut is_refused = false;
         // A face that is known not to fit saves all the others.
         let mut unknown = |mut face: [Vector; 3]| {
@@ -136,7 +136,7 @@ impl<'a> Workshop<'a> {
             face.sort_unstable_by(|a, b| {
                 a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2]))
             });
-            let key = Verdicts::key(face);
+            let key = Verdicts::key(face, bound);
             match verdicts.get(key) {
                 Some(true) => {}
                 Some(false) => is_refused = true,

@@ -1,4 +1,4 @@
-//! Remembers which faces fit. Hulls that are grown again and again from almost the same seeds
+//! Remembers which faces fit under which bound. Hulls that are grown again and again from almost the same seeds
 //! share most of their faces.
 //!
 //! A table of fixed size, shared by all threads without locks. What it says is what the fit test
@@ -30,13 +30,13 @@ impl Verdicts {
         Self { entries }
     }
 
-    /// The same for a face from whichever corner it begins. Two faces share a key with a
+    /// The key of a face under a bound, the same from whichever corner it begins. Two share one with a
     /// probability of 2⁻⁶³.
-    pub(super) fn key(face: [Vector; 3]) -> Key {
+    pub(super) fn key(face: [Vector; 3], bound: f64) -> Key {
         let hashes =
             face.map(|corner| corner.into_iter().fold(SEED, |hash, x| mixed(hash ^ x.to_bits())));
         let sum = hashes.into_iter().fold(0_u64, u64::wrapping_add);
-        Key(mixed(sum) & !FITS)
+        Key(mixed(sum ^ bound.to_bits()) & !FITS)
     }
 
     /// Whether the face fits, if that is known.
@@ -73,14 +73,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_face_is_known_from_each_of_its_corners_and_others_are_not() {
+    fn a_face_is_known_from_each_of_its_corners_and_others_and_other_bounds_are_not() {
         let verdicts = Verdicts::new();
+        let key = |face| Verdicts::key(face, 0.02);
         let [a, b, c] = [[0.0, 1.0, 2.0], [0.5, -1.0, 2.0], [3.0, 0.25, 0.125]];
-        assert_eq!(verdicts.get(Verdicts::key([a, b, c])), None);
-        verdicts.set(Verdicts::key([a, b, c]), true);
-        assert_eq!(verdicts.get(Verdicts::key([b, c, a])), Some(true));
-        assert_eq!(verdicts.get(Verdicts::key([b, c, [3.0, 0.25, 0.126]])), None);
-        verdicts.set(Verdicts::key([b, c, a]), false);
-        assert_eq!(verdicts.get(Verdicts::key([a, b, c])), Some(false));
+        assert_eq!(verdicts.get(key([a, b, c])), None);
+        verdicts.set(key([a, b, c]), true);
+        assert_eq!(verdicts.get(key([b, c, a])), Some(true));
+        assert_eq!(verdicts.get(key([b, c, [3.0, 0.25, 0.126]])), None);
+        assert_eq!(verdicts.get(Verdicts::key([a, b, c], 0.01)), None);
+        verdicts.set(key([b, c, a]), false);
+        assert_eq!(verdicts.get(key([a, b, c])), Some(false));
     }
 }
