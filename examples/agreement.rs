@@ -204,6 +204,7 @@ fn is_scatter(
         let measurements = (0..REPEATS).map(|repeat| {
             let mut options = MeasureOptions::default();
             options.hull_samples = THEIR_SURFACE_POINTS;
+            options.mesh_samples = THEIR_SURFACE_POINTS;
             options.random_seed = Some(repeat);
             options.volume_samples = 0;
             judge(&options)

@@ -302,6 +302,33 @@ fn a_mesh_that_can_not_be_judged_is_an_error() {
 }
 
 #[test]
+fn far_corners_of_triangles_without_area_are_not_of_the_mesh() {
+    let far = [[1e30, 0.0, 0.0], [1e308, -1e308, 0.0]];
+    for corner in far {
+        let (mut positions, mut triangles) = unit_cube();
+        positions.push(corner);
+        triangles.push([8, 8, 0]);
+        let found = judged(&(positions, triangles), &[unit_cube()]);
+        assert_eq!(found, judged(&unit_cube(), &[unit_cube()]));
+    }
+}
+
+#[test]
+fn random_points_are_the_same_for_a_seed_on_any_number_of_threads_and_others_for_another() {
+    let wide: Mesh =
+        (unit_cube().0.iter().map(|&[x, y, z]| [1.2 * x, y, z]).collect(), unit_cube().1);
+    let of = |seed: u64, parallel: bool| {
+        let mut options = MeasureOptions::default();
+        (options.random_seed, options.parallel) = (Some(seed), parallel);
+        measure(&unit_cube().0, &unit_cube().1, &shapes(&[wide.clone()]), &options).unwrap()
+    };
+    assert_eq!(of(1, true), of(1, false));
+    assert_ne!(of(1, true), of(2, true));
+    let even = judged(&unit_cube(), &[wide.clone()]);
+    assert!((of(1, true).phantom.mean - even.phantom.mean).abs() < 0.02 * even.phantom.mean);
+}
+
+#[test]
 fn triangles_of_the_mesh_that_are_not_finite_are_left_out() {
     let (mut positions, mut triangles) = unit_cube();
     positions.push([f64::INFINITY, 0.0, 0.0]);

@@ -268,7 +268,7 @@ fn dissolve(
             };
             let attempts = crate::parallel::map_until(some, attempt, succeeds);
             for (dissolved, tries) in attempts {
-                tried += tries;
+                tried += tries + pieces.len() / PIECES_PER_TRY;
                 if let Some(fewer) = dissolved? {
                     *pieces = fewer;
                     drop_redundant(seeds, pieces);
@@ -283,16 +283,30 @@ fn dissolve(
 /// Pieces whose dissolving is tried between two looks at how much has been tried.
 const AT_ONCE: usize = 4;
 
+/// Looking through this many pieces takes about as long as trying a joint hull.
+const PIECES_PER_TRY: usize = 16;
+
+/// The last round of dissolving, by nearly all of the bound, may try this share of what the first one may:
+/// a tenth is more than nearly all meshes need.
+const LAST_TRIES: f64 = 0.1;
+
 /// Fewer pieces that cover the same seeds.
+pub(crate) struct Covered {
+    pub pieces: Vec<Piece>,
+    /// Those before the last round of dissolving, if it took any away.
+    pub before: Option<Vec<Piece>>,
+}
+
+/// Covers all seeds with fewer pieces.
 pub(crate) fn cover(
     seeds: &Seeds,
     pieces: Vec<Piece>,
     solid: &Solid,
     tuning: &Tuning,
     control: &Control,
-) -> Result<Vec<Piece>, Error> {
+) -> Result<Covered, Error> {
     if pieces.len() < 2 {
-        return Ok(pieces);
+        return Ok(Covered { pieces, before: None });
     }
     let all = seeds.all();
     let grown = crate::parallel::map(&pieces, |piece| {
@@ -306,10 +320,13 @@ pub(crate) fn cover(
     });
     let mut pieces = grown.into_iter().collect::<Result<Vec<Piece>, Error>>()?;
     drop_redundant(seeds, &mut pieces);
-    for bound in [tuning.search_bound, tuning.last_bound] {
-        dissolve(seeds, &mut pieces, solid, bound, tuning.dissolving_tries, control)?;
-    }
-    shrink(seeds, pieces, control)
+    dissolve(seeds, &mut pieces, solid, tuning.search_bound, tuning.dissolving_tries, control)?;
+    let before = pieces.clone();
+    let last_tries = (LAST_TRIES * tuning.dissolving_tries as f64) as usize;
+    dissolve(seeds, &mut pieces, solid, tuning.last_bound, last_tries, control)?;
+    let has_fewer = pieces.len() < before.len();
+    let before = if has_fewer { Some(shrink(seeds, before, control)?) } else { None };
+    Ok(Covered { pieces: shrink(seeds, pieces, control)?, before })
 }
 
 /// Each seed stays with one piece, and pieces shrink to what they own.

@@ -93,7 +93,7 @@ pub(crate) fn finish(
     if exposed > LEFT_OUT * tuning.bound {
         // Other hulls may hold what one has left out.
         let outsides: Vec<Outside> = hulls.iter().map(|hull| Outside::new(&hull.hull)).collect();
-        exposed = certify::exposed(&seeds.surface, &owners, &outsides, tuning.reduction, control)?;
+        exposed = certify::exposed(&seeds.surface, &owners, &outsides, tuning.enough, control)?;
     }
     Ok(Outcome { hulls, exposed })
 }

@@ -32,6 +32,7 @@ use crate::{
     BoundedParameters, BoundedReport, Control, Error, GroupedMesh, Hull, Parameters, Preset, Stage,
     Unit,
 };
+use cover::Covered;
 use finish::Finished;
 use piece::{Piece, Workshop};
 use seed_set::SeedSet;
@@ -42,11 +43,14 @@ use tree::Tree;
 /// The search goes by this share of the bound: the rest is room for what it overlooks, and is spent only
 /// where that saves a hull.
 const SEARCH_SHARE: f64 = 0.9;
-const _: () = assert!(SEARCH_SHARE >= solid::LEAST_SEARCH_SHARE);
+
+/// The same where pieces are not dissolved, so that nothing will be spent.
+const ONLY_SHARE: f64 = 0.92;
 
 /// At last pieces may be dissolved by this share of the bound. With more, so many hulls stand out when they
 /// are verified, and are divided, that nothing is gained.
 const LAST_SHARE: f64 = 0.985;
+const _: () = assert!(solid::LEAST_SEARCH_SHARE <= SEARCH_SHARE && LAST_SHARE <= 1.0);
 
 /// What the stages go by, in diagonals.
 pub(crate) struct Tuning {
@@ -66,7 +70,9 @@ pub(crate) struct Tuning {
     pub seed_size: f64,
     /// Points of a seed that stand out of its hull less than this are left out.
     pub reduction: f64,
-    /// Joint hulls that dissolving may try.
+    /// Surface that lies less far outside of all hulls is not told apart.
+    pub enough: f64,
+    /// Joint hulls that dissolving may try, and looks at other pieces by their cost.
     pub dissolving_tries: usize,
     pub max_vertices: Option<usize>,
     pub max_hulls: Option<usize>,
@@ -114,15 +120,17 @@ impl Tuning {
         };
         // Half a diagonal is more than any hull of the mesh can stand out.
         let bound = bound.clamp(LEAST_BOUND, 0.5);
+        let share = if dissolving_tries > 0 { SEARCH_SHARE } else { ONLY_SHARE };
         Self {
             bound,
-            search_bound: SEARCH_SHARE * bound,
+            search_bound: share * bound,
             last_bound: LAST_SHARE * bound,
             triangles,
             longest_edge: (4.0 * bound).clamp(0.04, 0.16),
             grouping_threshold: 0.1 * bound,
             seed_size,
             reduction: finish::LEFT_OUT * bound,
+            enough: 0.025 * bound,
             dissolving_tries,
             max_vertices: parameters.max_vertices,
             max_hulls: parameters.bounded.max_hulls,
@@ -152,7 +160,7 @@ enum State {
     Working(Box<(Solid, Working)>),
     Seeds(Box<(Solid, Seeds)>),
     Merged(Box<(Solid, Seeds, Vec<Piece>)>),
-    Covered(Box<(Solid, Seeds, Vec<Piece>)>),
+    Covered(Box<(Solid, Seeds, Covered)>),
     Done,
 }
 
@@ -220,12 +228,23 @@ impl Run {
             }
             State::Merged(state) => {
                 let (solid, seeds, pieces) = *state;
-                let pieces = cover::cover(&seeds, pieces, &solid, tuning, control)?;
-                State::Covered(Box::new((solid, seeds, pieces)))
+                let covered = cover::cover(&seeds, pieces, &solid, tuning, control)?;
+                State::Covered(Box::new((solid, seeds, covered)))
             }
             State::Covered(state) => {
-                let (solid, seeds, pieces) = *state;
-                let finished = finish::finish(&seeds, pieces, &solid, tuning, control)?;
+                let (solid, seeds, Covered { pieces, before }) = *state;
+                let count = pieces.len();
+                let mut finished = finish::finish(&seeds, pieces, &solid, tuning, control)?;
+                // What was won by nearly all of the bound may be lost again when it is verified.
+                if let Some(before) = before
+                    && finished.hulls.len() > count
+                    && !control.is_past_deadline()
+                {
+                    let other = finish::finish(&seeds, before, &solid, tuning, control)?;
+                    if other.hulls.len() <= finished.hulls.len() {
+                        finished = other;
+                    }
+                }
                 let is_better =
                     self.best.as_ref().is_none_or(|best| finished.hulls.len() < best.1.hulls.len());
                 if is_better {
@@ -365,7 +384,7 @@ impl Merging {
             }
             Tree::new(leaves, 1, &solid, &tuning, control)
         })?;
-        Ok(Self { tree, normalization, surface: prepared.mesh, enough: tuning.reduction })
+        Ok(Self { tree, normalization, surface: prepared.mesh, enough: tuning.enough })
     }
 
     pub(crate) fn joins(&self) -> usize {

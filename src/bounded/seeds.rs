@@ -53,7 +53,7 @@ pub(crate) struct Seeds {
     /// Seeds that merging takes together from the start: parts of the same part of a group whose
     /// hull fits, and no two of which conflict. Each seed is in one.
     pub blocks: Vec<Vec<u32>>,
-    /// For each seed those that no hull can hold together with it.
+    /// For each seed those that no hull can hold together with it, by the bound of the search.
     pub conflicts: Vec<SeedSet>,
     /// The source, its long triangles halved.
     pub surface: TriangleMesh,

@@ -20,9 +20,9 @@
 //! # Sampling
 //!
 //! Points are the same on every run, on any number of threads: evenly spread sequences, not random
-//! numbers, unless [`MeasureOptions::random_seed`] asks for some. A maximum is that of the sampled points; the true one may be higher, by more the
-//! sharper the spike. [`MeasureOptions`] has the numbers of points, [`Measurement::samples`] says
-//! what became of them.
+//! numbers, unless [`MeasureOptions::random_seed`] asks for some. A maximum is that of the sampled
+//! points; the true one may be higher, by more the sharper the spike. [`MeasureOptions`] has the numbers
+//! of points, [`Measurement::samples`] says what became of them.
 
 mod check;
 mod edges;
@@ -30,7 +30,7 @@ mod sampling;
 mod solid;
 
 use crate::field::Field;
-use crate::mesh::repair::prepare;
+use crate::mesh::repair::{LARGEST_COORDINATE, prepare};
 use crate::mesh::{Normalization, TriangleMesh};
 use crate::parallel::{self, map_indices};
 use crate::vector::{Vector, add, maximum, minimum};
@@ -295,9 +295,13 @@ struct Mesh {
 impl Mesh {
     fn new(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<(Self, Normalization), Error> {
         let prepared = prepare(positions, triangles, &Control::new())?;
-        let is_finite = |&index: &u32| positions[index as usize].iter().all(|x| x.is_finite());
-        let usable: Vec<[u32; 3]> =
-            triangles.iter().filter(|triangle| triangle.iter().all(is_finite)).copied().collect();
+        // As repair sees it: nothing else may decide what the diagonal is.
+        let has_area = |corners: &&[u32; 3]| {
+            let [a, b, c] = corners.map(|index| positions[index as usize]);
+            let is_usable = |point: Vector| point.iter().all(|x| x.abs() <= LARGEST_COORDINATE);
+            [a, b, c].into_iter().all(is_usable) && a != b && b != c && c != a
+        };
+        let usable: Vec<[u32; 3]> = triangles.iter().filter(has_area).copied().collect();
         let corners = || usable.iter().flatten().map(|&index| positions[index as usize]);
         let normalization = Normalization::of(corners());
         let (min, max) = corners()

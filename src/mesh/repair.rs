@@ -15,7 +15,7 @@ use crate::vector::Vector;
 use crate::{Control, Error, Repairs};
 
 /// Coordinates beyond this count as not finite: sums and diagonals have to stay finite.
-const LARGEST_COORDINATE: f64 = 1e300;
+pub(crate) const LARGEST_COORDINATE: f64 = 1e300;
 
 /// Half-edges (three per triangle) are numbered in 32 bits.
 const MOST_TRIANGLES: usize = u32::MAX as usize / 3;
