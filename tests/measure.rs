@@ -320,11 +320,12 @@ fn random_points_are_the_same_for_a_seed_on_any_number_of_threads_and_others_for
     let of = |seed: u64, parallel: bool| {
         let mut options = MeasureOptions::default();
         (options.random_seed, options.parallel) = (Some(seed), parallel);
-        measure(&unit_cube().0, &unit_cube().1, &shapes(&[wide.clone()]), &options).unwrap()
+        measure(&unit_cube().0, &unit_cube().1, &shapes(std::slice::from_ref(&wide)), &options)
+            .unwrap()
     };
     assert_eq!(of(1, true), of(1, false));
     assert_ne!(of(1, true), of(2, true));
-    let even = judged(&unit_cube(), &[wide.clone()]);
+    let even = judged(&unit_cube(), std::slice::from_ref(&wide));
     assert!((of(1, true).phantom.mean - even.phantom.mean).abs() < 0.02 * even.phantom.mean);
 }
 
