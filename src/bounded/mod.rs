@@ -129,7 +129,7 @@ impl Tuning {
             longest_edge: (4.0 * bound).clamp(0.04, 0.16),
             grouping_threshold: 0.1 * bound,
             seed_size,
-            reduction: finish::LEFT_OUT * bound,
+            reduction: 0.025 * bound,
             enough: 0.025 * bound,
             dissolving_tries,
             max_vertices: parameters.max_vertices,
@@ -235,13 +235,17 @@ impl Run {
                 let (solid, seeds, Covered { pieces, before }) = *state;
                 let count = pieces.len();
                 let mut finished = finish::finish(&seeds, pieces, &solid, tuning, control)?;
-                // What was won by nearly all of the bound may be lost again when it is verified.
+                // What was won by nearly all of the bound may be lost again when it is verified, or leave
+                // surface outside, which counts more than hulls.
+                let is_exposed = finished.exposed > finish::LEFT_OUT * tuning.bound;
                 if let Some(before) = before
-                    && finished.hulls.len() > count
+                    && (is_exposed || finished.hulls.len() > count)
                     && !control.is_past_deadline()
                 {
                     let other = finish::finish(&seeds, before, &solid, tuning, control)?;
-                    if other.hulls.len() <= finished.hulls.len() {
+                    if other.hulls.len() <= finished.hulls.len()
+                        || is_exposed && other.exposed < finished.exposed
+                    {
                         finished = other;
                     }
                 }
