@@ -293,7 +293,7 @@ const LAST_TRIES: f64 = 0.1;
 /// Fewer pieces that cover the same seeds.
 pub(crate) struct Covered {
     pub pieces: Vec<Piece>,
-    /// Those before the last round of dissolving, if it took any away.
+    /// Those before the last round of dissolving, if it took any away, before they [`shrink`].
     pub before: Option<Vec<Piece>>,
 }
 
@@ -324,13 +324,16 @@ pub(crate) fn cover(
     let before = pieces.clone();
     let last_tries = (LAST_TRIES * tuning.dissolving_tries as f64) as usize;
     dissolve(seeds, &mut pieces, solid, tuning.last_bound, last_tries, control)?;
-    let has_fewer = pieces.len() < before.len();
-    let before = if has_fewer { Some(shrink(seeds, before, control)?) } else { None };
+    let before = (pieces.len() < before.len()).then_some(before);
     Ok(Covered { pieces: shrink(seeds, pieces, control)?, before })
 }
 
 /// Each seed stays with one piece, and pieces shrink to what they own.
-fn shrink(seeds: &Seeds, mut pieces: Vec<Piece>, control: &Control) -> Result<Vec<Piece>, Error> {
+pub(crate) fn shrink(
+    seeds: &Seeds,
+    mut pieces: Vec<Piece>,
+    control: &Control,
+) -> Result<Vec<Piece>, Error> {
     let alive = vec![true; pieces.len()];
     let mut owned: Vec<Piece> =
         (0..pieces.len()).map(|k| hull_of(seeds, &own(&pieces, &alive, k))).collect();

@@ -3,7 +3,7 @@
 
 use super::Tuning;
 use super::certify::{self, Clusters, Outside, left_out};
-use super::cover::hull_of;
+use super::cover::{self, Covered, hull_of};
 use super::few_vertices::{Few, Whole, few_vertices};
 use super::piece::{Hull, Piece};
 use super::seed_set::SeedSet;
@@ -63,6 +63,31 @@ pub(super) struct Material<'a> {
     /// A vertex may be saved if that adds at most this volume, in cubed diagonals.
     pub volume_per_vertex: f64,
     pub control: &'a Control,
+}
+
+/// Makes hulls of pieces; of those before the last round of dissolving where that serves better: what was
+/// won by nearly all of the bound may be lost again when it is verified, or leave surface outside, which
+/// counts more than hulls.
+pub(crate) fn finish_covered(
+    seeds: &Seeds,
+    Covered { pieces, before }: Covered,
+    solid: &Solid,
+    tuning: &Tuning,
+    control: &Control,
+) -> Result<Outcome, Error> {
+    let count = pieces.len();
+    let finished = finish(seeds, pieces, solid, tuning, control)?;
+    let is_exposed = finished.exposed > LEFT_OUT * tuning.bound;
+    let is_divided = finished.hulls.len() > count;
+    let Some(before) = before else { return Ok(finished) };
+    if !(is_exposed || is_divided) || control.is_past_deadline() {
+        return Ok(finished);
+    }
+    let before = cover::shrink(seeds, before, control)?;
+    let other = finish(seeds, before, solid, tuning, control)?;
+    let serves_better =
+        other.hulls.len() <= finished.hulls.len() || is_exposed && other.exposed < finished.exposed;
+    Ok(if serves_better { other } else { finished })
 }
 
 /// Makes hulls of pieces. One that does not keep the bound in the end is divided again.

@@ -232,23 +232,8 @@ impl Run {
                 State::Covered(Box::new((solid, seeds, covered)))
             }
             State::Covered(state) => {
-                let (solid, seeds, Covered { pieces, before }) = *state;
-                let count = pieces.len();
-                let mut finished = finish::finish(&seeds, pieces, &solid, tuning, control)?;
-                // What was won by nearly all of the bound may be lost again when it is verified, or leave
-                // surface outside, which counts more than hulls.
-                let is_exposed = finished.exposed > finish::LEFT_OUT * tuning.bound;
-                if let Some(before) = before
-                    && (is_exposed || finished.hulls.len() > count)
-                    && !control.is_past_deadline()
-                {
-                    let other = finish::finish(&seeds, before, &solid, tuning, control)?;
-                    if other.hulls.len() <= finished.hulls.len()
-                        || is_exposed && other.exposed < finished.exposed
-                    {
-                        finished = other;
-                    }
-                }
+                let (solid, seeds, covered) = *state;
+                let finished = finish::finish_covered(&seeds, covered, &solid, tuning, control)?;
                 let is_better =
                     self.best.as_ref().is_none_or(|best| finished.hulls.len() < best.1.hulls.len());
                 if is_better {

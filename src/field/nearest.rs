@@ -21,8 +21,9 @@ pub(crate) fn nearest_triangles(
     let task = |triangles: &[[u32; 3]]| {
         control.check()?;
         let mut guess = u32::MAX;
-        let nearest = triangles.iter().map(|&triangle| {
-            guess = field.triangle_near(centre(mesh, triangle), guess).unwrap_or(u32::MAX);
+        let nearest = triangles.iter().map(|triangle| {
+            let corners = triangle.map(|vertex| mesh.positions[vertex as usize]);
+            guess = field.triangle_near(centre(corners), guess).unwrap_or(u32::MAX);
             guess
         });
         Ok(nearest.collect::<Vec<u32>>())
@@ -71,7 +72,8 @@ pub(crate) fn nearest_labels(
                 control.check()?;
             }
             let known = triangle.map(|vertex| around[vertex as usize]);
-            let [a, b, c] = triangle.map(|vertex| mesh.positions[vertex as usize]);
+            let corners = triangle.map(|vertex| mesh.positions[vertex as usize]);
+            let [a, b, c] = corners;
             let normal = area_normal(a, b, c);
             if let [Some(a), Some(b), Some(c)] = known
                 && a.label != MIXED
@@ -83,7 +85,7 @@ pub(crate) fn nearest_labels(
                 continue;
             }
             let guess = known.into_iter().flatten().next().map_or(previous, |known| known.nearest);
-            let nearest = field.triangle_near(centre(mesh, *triangle), guess).unwrap_or(u32::MAX);
+            let nearest = field.triangle_near(centre(corners), guess).unwrap_or(u32::MAX);
             previous = nearest;
             let label = label_of(nearest);
             for &vertex in triangle {
@@ -108,8 +110,7 @@ fn is_same_way(a: Vector, b: Vector) -> bool {
     cosine > 0.0 && 4.0 * cosine * cosine > length_squared(a) * length_squared(b)
 }
 
-fn centre(mesh: &TriangleMesh, triangle: [u32; 3]) -> Vector {
-    let [a, b, c] = triangle.map(|vertex| mesh.positions[vertex as usize]);
+fn centre([a, b, c]: [Vector; 3]) -> Vector {
     scale(add(add(a, b), c), 1.0 / 3.0)
 }
 
@@ -120,7 +121,7 @@ mod tests {
 
     /// Eight sectors around the torus.
     fn sector(mesh: &TriangleMesh, triangle: [u32; 3]) -> u32 {
-        let [x, y, _] = centre(mesh, triangle);
+        let [x, y, _] = centre(triangle.map(|vertex| mesh.positions[vertex as usize]));
         u32::from(x > 0.0) + 2 * u32::from(y > 0.0) + 4 * u32::from(x.abs() > y.abs())
     }
 
@@ -142,12 +143,11 @@ mod tests {
     fn a_side_beyond_sharp_edges_is_asked_though_its_corners_are_known() {
         let mut cube = crate::mesh::shapes::cuboid([0.0; 3], [1.0; 3]);
         // The top comes last.
-        let is_top = |triangle: &[u32; 3]| centre(&cube, *triangle)[2] == 1.0;
-        let mut triangles = cube.triangles.clone();
-        triangles.sort_by_key(is_top);
-        cube.triangles = triangles;
-        let labels: Vec<u32> =
-            cube.triangles.iter().map(|&t| u32::from(centre(&cube, t)[2] == 1.0)).collect();
+        let is_top = |triangle: &[u32; 3]| {
+            triangle.iter().all(|&vertex| cube.positions[vertex as usize][2] == 1.0)
+        };
+        cube.triangles.sort_by_key(is_top);
+        let labels: Vec<u32> = cube.triangles.iter().map(|t| u32::from(is_top(t))).collect();
         assert_eq!(labels.iter().sum::<u32>(), 2);
         let field = Field::new(&cube.positions, &cube.triangles);
         assert_eq!(nearest_labels(&cube, &field, &labels, &Control::new()).unwrap(), labels);

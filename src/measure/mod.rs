@@ -30,7 +30,7 @@ mod sampling;
 mod solid;
 
 use crate::field::Field;
-use crate::mesh::repair::{LARGEST_COORDINATE, prepare};
+use crate::mesh::repair::{Survey, prepare};
 use crate::mesh::{Normalization, TriangleMesh};
 use crate::parallel::{self, map_indices};
 use crate::vector::{Vector, add, maximum, minimum};
@@ -296,14 +296,10 @@ impl Mesh {
     fn new(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<(Self, Normalization), Error> {
         let prepared = prepare(positions, triangles, &Control::new())?;
         // As repair sees it: nothing else may decide what the diagonal is.
-        let has_area = |corners: &&[u32; 3]| {
-            let [a, b, c] = corners.map(|index| positions[index as usize]);
-            let is_usable = |point: Vector| point.iter().all(|x| x.abs() <= LARGEST_COORDINATE);
-            [a, b, c].into_iter().all(is_usable) && a != b && b != c && c != a
-        };
-        let usable: Vec<[u32; 3]> = triangles.iter().filter(has_area).copied().collect();
+        let Survey { candidates, normalization, .. } =
+            Survey::new(positions.len(), triangles, |vertex| positions[vertex as usize]);
+        let usable: Vec<[u32; 3]> = candidates.iter().map(|&t| triangles[t as usize]).collect();
         let corners = || usable.iter().flatten().map(|&index| positions[index as usize]);
-        let normalization = Normalization::of(corners());
         let (min, max) = corners()
             .map(|corner| normalization.normalize(corner))
             .fold(([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]), |(min, max), corner| {

@@ -15,7 +15,7 @@ use crate::vector::Vector;
 use crate::{Control, Error, Repairs};
 
 /// Coordinates beyond this count as not finite: sums and diagonals have to stay finite.
-pub(crate) const LARGEST_COORDINATE: f64 = 1e300;
+const LARGEST_COORDINATE: f64 = 1e300;
 
 /// Half-edges (three per triangle) are numbered in 32 bits.
 const MOST_TRIANGLES: usize = u32::MAX as usize / 3;
@@ -128,17 +128,22 @@ fn validate(vertices: usize, triangles: &[[u32; 3]]) -> Result<(), Error> {
 }
 
 /// Which triangles are worth a closer look, and where they are.
-struct Survey {
+pub(crate) struct Survey {
     /// Triangles of three finite corners at three places, ascending.
-    candidates: Vec<u32>,
+    pub candidates: Vec<u32>,
     /// For each vertex whether a candidate uses it.
     used: Vec<bool>,
     non_finite_triangles: usize,
-    normalization: Normalization,
+    pub normalization: Normalization,
 }
 
 impl Survey {
-    fn new(vertices: usize, triangles: &[[u32; 3]], position: impl Fn(u32) -> Vector) -> Self {
+    /// All indices must exist.
+    pub(crate) fn new(
+        vertices: usize,
+        triangles: &[[u32; 3]],
+        position: impl Fn(u32) -> Vector,
+    ) -> Self {
         let mut candidates = Vec::with_capacity(triangles.len());
         let mut used = vec![false; vertices];
         let mut non_finite_triangles = 0;
