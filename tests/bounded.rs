@@ -96,6 +96,34 @@ fn cup() -> Mesh {
     lathe(&[[0.005, 0.0], [1.0, 0.0], [1.0, 2.0], [0.9, 2.0], [0.9, 0.15], [0.005, 0.15]], 40)
 }
 
+/// A cup of more triangles than are searched one by one, its rim wavy, and beside it a ribbon narrower than
+/// a tenth of the bound.
+fn fine_cup() -> Mesh {
+    let corners = [
+        [0.005, 0.0],
+        [1.0, 0.0],
+        [1.0, 2.0],
+        [0.9, 2.0],
+        [0.9, 0.15],
+        [0.005, 0.15],
+        [0.005, 0.0],
+    ];
+    let between = |pair: &[[f64; 2]]| {
+        let [[r, z], [to_r, to_z]] = [pair[0], pair[1]];
+        (0..40)
+            .map(f64::from)
+            .map(move |i| i / 40.0)
+            .map(move |share| [r + share * (to_r - r), z + share * (to_z - z)])
+            .collect::<Vec<_>>()
+    };
+    let profile: Vec<[f64; 2]> = corners.windows(2).flat_map(between).collect();
+    let mut cup = lathe(&profile, 240);
+    for [x, y, z] in &mut cup.0 {
+        *z += 0.02 * *z * (7.0 * y.atan2(*x)).sin();
+    }
+    join(&[cup, cuboid([1.3, -0.5, 0.0], [1.305, 0.5, 0.002])])
+}
+
 fn join(parts: &[Mesh]) -> Mesh {
     let mut all: Mesh = Default::default();
     for (positions, triangles) in parts {
@@ -502,6 +530,25 @@ fn the_tips_of_sharp_plates_are_covered() {
     assert_promise("plates", &plates, &result);
     let judged = judge(&plates, &result.hulls);
     assert!(judged.exposed.max < 0.002, "{}", judged.exposed.max);
+}
+
+#[test]
+fn of_very_many_triangles_none_is_lost_and_the_promise_holds() {
+    let mesh = fine_cup();
+    let result = run(&mesh);
+    let report = result.report.bounded.as_ref().unwrap();
+    assert!(mesh.1.len() > 100_000 && report.polygons < 10_000);
+    assert_promise("fine cup", &mesh, &result);
+    assert!(report.exposed_max <= 0.1 * report.bound, "{report:?}");
+    assert!(result.hulls.len() <= run(&cup()).hulls.len() + 3, "{}", result.hulls.len());
+    assert!(!result.hulls.iter().any(|hull| holds(hull, [0.3, 0.0, 1.0])), "the cup is filled");
+    let mut is_held = vec![false; mesh.1.len()];
+    for &triangle in result.hulls.iter().flat_map(|hull| &hull.source_triangles) {
+        is_held[triangle as usize] = true;
+    }
+    assert_eq!(is_held.iter().position(|&held| !held), None);
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    assert_eq!(one.install(|| run(&mesh).hulls), result.hulls);
 }
 
 #[test]

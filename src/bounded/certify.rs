@@ -5,14 +5,18 @@
 //! left undecided because it is small. The grid serves where it bounds a distance from above, and
 //! tells the side of points that are nearer to the middle of their cell than the surface is.
 
+use std::ops::Range;
 use std::sync::OnceLock;
 
 use super::solid::{OPEN_INSIDE, Solid, halves};
-use crate::field::Field;
+use crate::field::{Field, nearest_of_triangle};
 use crate::hull::ConvexHull;
 use crate::mesh::TriangleMesh;
-use crate::vector::{Vector, add, distance, dot, maximum, minimum, scale, subtract};
+use crate::vector::{Vector, add, distance, dot, length, maximum, minimum, scale, subtract};
 use crate::{Control, Error};
+
+/// No triangle that might be near is known.
+const NO_GUESS: u32 = u32::MAX;
 
 /// A maximum is bounded up to this share of the bound.
 const RESOLUTION: f64 = 0.04;
@@ -56,7 +60,8 @@ pub(super) fn phantom(
     control: &Control,
 ) -> Result<f64, Error> {
     // Below a quarter of the bound nobody asks for the exact figure.
-    let mut known: f64 = 0.25 * bound;
+    let reach = solid.reach();
+    let mut known: f64 = (0.25 * bound).max(reach);
     if !solid.cavities.is_empty() {
         let planes = hull.planes();
         let holds = |point| planes.iter().all(|&(normal, offset)| dot(normal, point) <= offset);
@@ -73,12 +78,12 @@ pub(super) fn phantom(
     // A face on which a hull stands out far makes the rest quick.
     for &[a, b, c] in &stack {
         let centre = scale(add(add(a, b), c), 1.0 / 3.0);
-        if solid.upper_distance(centre) > known
-            && let Some(closest) = solid.field.distance(centre, f64::INFINITY)
-            && closest.distance > known
-            && !solid.is_inside(centre, closest.distance)
+        if solid.upper_distance(centre) + reach > known
+            && let Some(near) = solid.near(centre, NO_GUESS)
+            && near.upper > known
+            && !solid.holds_inside(centre, &near)
         {
-            known = closest.distance;
+            known = near.upper;
         }
     }
     let mut parts = 0;
@@ -98,33 +103,29 @@ pub(super) fn phantom(
         let centre = scale(add(add(a, b), c), 1.0 / 3.0);
         let radius = distance(centre, a).max(distance(centre, b)).max(distance(centre, c));
         let enough = enough(known, bound);
-        if solid.upper_distance_of([a, b, c], centre, enough) <= enough
+        if solid.upper_distance_of([a, b, c], centre, enough - reach) <= enough - reach
             || (solid.is_closed
-                && solid.depth(centre).is_some_and(|depth| radius - depth <= enough))
+                && solid.depth(centre).is_some_and(|depth| radius - depth <= enough - reach))
         {
             continue;
         }
-        let (close, near) = solid.close_distance(centre);
+        let (close, guess) = solid.close_distance(centre);
         let slack = if known > bound { RESOLUTION * known } else { FINE_RESOLUTION * bound };
         let may_divide = radius > slack;
         // A distance that can't raise what is known only decides where it is known to be small.
-        if may_divide && close <= known {
+        if may_divide && close <= known && reach == 0.0 {
             stack.extend(halves([a, b, c]));
             continue;
         }
-        let Some(closest) = solid.field.distance_near(centre, f64::INFINITY, near) else {
-            return Ok(f64::INFINITY);
-        };
-        if closest.distance + radius <= enough
-            || solid.farthest_corner([a, b, c], closest.triangle) <= enough
-        {
+        let Some(near) = solid.near(centre, guess) else { return Ok(f64::INFINITY) };
+        if near.upper + radius <= enough || solid.farthest_corner_from([a, b, c], &near) <= enough {
             continue;
         }
         // The side is dear, and only asked for where it decides.
-        let may_be_enough = solid.is_closed && radius - closest.distance <= enough;
-        if closest.distance > known || may_be_enough || !may_divide || !solid.is_closed {
+        let may_be_enough = solid.is_closed && radius - near.lower <= enough;
+        if near.upper > known || may_be_enough || !may_divide || !solid.is_closed {
             let is_inside = if solid.is_closed {
-                solid.is_inside(centre, closest.distance)
+                solid.holds_inside(centre, &near)
             } else {
                 // The side may change without a surface in between, but not on a sudden.
                 let number = solid.field.winding_number(centre);
@@ -132,9 +133,8 @@ pub(super) fn phantom(
                 let is_small = radius <= OPEN * bound;
                 // Each sheet that it is below makes it the steeper.
                 let sheets = (number / BELOW_A_SHEET).max(1.0);
-                let steepest = sheets * STEEPEST * radius / closest.distance;
-                if winding > 0.0 && (is_small || (radius <= closest.distance && winding > steepest))
-                {
+                let steepest = sheets * STEEPEST * radius / near.lower;
+                if winding > 0.0 && (is_small || (radius <= near.lower && winding > steepest)) {
                     continue;
                 }
                 winding > 0.0
@@ -144,7 +144,7 @@ pub(super) fn phantom(
                     continue;
                 }
             } else {
-                known = known.max(closest.distance);
+                known = known.max(near.upper);
                 if known > limit {
                     return Ok(known + radius);
                 }
@@ -161,8 +161,7 @@ pub(super) fn phantom(
 fn at_most([a, b, c]: [Vector; 3], solid: &Solid) -> f64 {
     let centre = scale(add(add(a, b), c), 1.0 / 3.0);
     let radius = distance(centre, a).max(distance(centre, b)).max(distance(centre, c));
-    let closest = solid.field.distance(centre, f64::INFINITY);
-    closest.map_or(f64::INFINITY, |closest| closest.distance + radius)
+    solid.near(centre, NO_GUESS).map_or(f64::INFINITY, |near| near.upper + radius)
 }
 
 /// What a maximum that is at least `known` is bounded by: near the bound as finely as it takes to
@@ -180,17 +179,34 @@ fn enough(known: f64, bound: f64) -> f64 {
 /// A point that is less in front of all faces, in diagonals, is in a hull.
 const ROUNDING: f64 = 1e-9;
 
+/// The plane of a face.
+#[derive(Clone, Copy)]
+struct Plane {
+    normal: Vector,
+    offset: f64,
+    face: u32,
+}
+
+impl Plane {
+    #[inline]
+    fn height(&self, point: Vector) -> f64 {
+        dot(self.normal, point) - self.offset
+    }
+}
+
 /// A hull that can be asked how far a point is outside of it.
 pub(super) struct Outside<'a> {
     hull: &'a ConvexHull,
-    planes: Vec<(Vector, f64)>,
+    planes: Vec<Plane>,
     /// Most hulls never need it.
     field: OnceLock<Field>,
 }
 
 impl<'a> Outside<'a> {
     pub(super) fn new(hull: &'a ConvexHull) -> Self {
-        Self { hull, planes: hull.planes(), field: OnceLock::new() }
+        let planes = (0..).zip(hull.planes());
+        let planes = planes.map(|(face, (normal, offset))| Plane { normal, offset, face });
+        Self { hull, planes: planes.collect(), field: OnceLock::new() }
     }
 
     /// 0 for a point in the hull. Once that is known to be more than `limit`, any value above
@@ -200,16 +216,26 @@ impl<'a> Outside<'a> {
     }
 
     /// The same, if the point is behind all planes but some.
-    fn distance_from(&self, planes: &[(Vector, f64)], point: Vector, limit: f64) -> f64 {
-        let beyond = planes
-            .iter()
-            .map(|&(normal, offset)| dot(normal, point) - offset)
-            .fold(f64::NEG_INFINITY, f64::max);
+    fn distance_from(&self, planes: &[Plane], point: Vector, limit: f64) -> f64 {
+        let (mut beyond, mut face) = (f64::NEG_INFINITY, 0);
+        for plane in planes {
+            let height = plane.height(point);
+            if height > beyond {
+                (beyond, face) = (height, plane.face);
+            }
+        }
         if beyond > limit {
             return beyond;
         }
         if beyond <= ROUNDING {
             return 0.0;
+        }
+        // Above a face and not beyond its edges no other part of the hull is nearer.
+        let corners = self.hull.triangles[face as usize];
+        let [a, b, c] = corners.map(|corner| subtract(self.hull.points[corner as usize], point));
+        let to_face = length(nearest_of_triangle(a, b, c));
+        if to_face <= beyond + ROUNDING {
+            return to_face;
         }
         let field = self.field.get_or_init(|| Field::new(&self.hull.points, &self.hull.triangles));
         field.distance(point, f64::INFINITY).map_or(beyond, |closest| closest.distance)
@@ -221,35 +247,68 @@ impl<'a> Outside<'a> {
 pub(super) fn left_out(hull: &ConvexHull, points: &Clusters, limit: f64) -> f64 {
     let outside = Outside::new(hull);
     let mut farthest: f64 = 0.0;
-    let mut planes = Vec::new();
-    for cluster in points.0.chunk_by(|a, b| a.0 == b.0) {
-        // Most planes have none of the cluster's points in front of them.
-        let centre = cluster[0].1;
-        let radius = cluster.iter().map(|&(_, point)| distance(centre, point)).fold(0.0, f64::max);
-        let may_matter =
-            |&&(normal, offset): &&(Vector, f64)| dot(normal, centre) - offset + radius > -ROUNDING;
-        planes.clear();
-        planes.extend(outside.planes.iter().filter(may_matter));
-        for &(_, point) in cluster {
-            farthest = farthest.max(outside.distance_from(&planes, point, limit));
-            if farthest > limit {
-                return farthest;
+    let (mut of_many, mut of_few) = (Vec::new(), Vec::new());
+    for (many, clusters) in points.many.iter().zip(points.few.chunks(MANY / FEW)) {
+        many.planes_in_reach(&outside.planes, &mut of_many);
+        if of_many.is_empty() {
+            continue;
+        }
+        for few in clusters {
+            few.planes_in_reach(&of_many, &mut of_few);
+            if of_few.is_empty() {
+                continue;
+            }
+            for &point in &points.points[few.range.clone()] {
+                farthest = farthest.max(outside.distance_from(&of_few, point, limit));
+                if farthest > limit {
+                    return farthest;
+                }
             }
         }
     }
     farthest
 }
 
-/// Points that are asked together where they are close together: each with the number of its cell in a
-/// coarse grid, ascending.
-pub(super) struct Clusters(Vec<(u32, Vector)>);
+/// Points that are asked together where they are close together: most planes of a hull have none of them
+/// in front.
+pub(super) struct Clusters {
+    /// Along a space-filling curve.
+    points: Vec<Vector>,
+    /// Each of [`MANY`] points, and of [`FEW`].
+    many: Vec<Cluster>,
+    few: Vec<Cluster>,
+}
 
-/// A grid of n² cells on each side of a box has about a dozen points of a surface in each cell if it has
-/// this many n² points.
-const POINTS_PER_SQUARE: f64 = 64.0;
+/// Points that follow each other, and a ball around them.
+struct Cluster {
+    range: Range<usize>,
+    centre: Vector,
+    radius: f64,
+}
 
-/// Cells of the grid along an axis.
-const MOST_CELLS: f64 = 32.0;
+/// Points of a cluster, and of one within it.
+const MANY: usize = 128;
+const FEW: usize = 8;
+
+impl Cluster {
+    fn all(points: &[Vector], size: usize) -> Vec<Self> {
+        let starts = (0..points.len()).step_by(size);
+        let clusters = starts.zip(points.chunks(size)).map(|(start, points)| {
+            let sum = points.iter().fold([0.0; 3], |sum, &point| add(sum, point));
+            let centre = scale(sum, 1.0 / points.len() as f64);
+            let radius = points.iter().map(|&point| distance(centre, point)).fold(0.0, f64::max);
+            Self { range: start..start + points.len(), centre, radius }
+        });
+        clusters.collect()
+    }
+
+    /// Those of some planes that a point of the cluster may be in front of.
+    fn planes_in_reach(&self, planes: &[Plane], in_reach: &mut Vec<Plane>) {
+        let may_matter = |plane: &&Plane| plane.height(self.centre) + self.radius > -ROUNDING;
+        in_reach.clear();
+        in_reach.extend(planes.iter().filter(may_matter).copied());
+    }
+}
 
 impl Clusters {
     /// O(n log n).
@@ -260,24 +319,32 @@ impl Clusters {
             max = maximum(max, point);
         }
         let extent = subtract(max, min).into_iter().fold(0.0, f64::max);
-        let cells = (points.len() as f64 / POINTS_PER_SQUARE).sqrt().clamp(1.0, MOST_CELLS).floor();
+        let cells = f64::from(1_u32 << BITS);
         let place = |x: f64| (x / extent * cells).clamp(0.0, cells - 1.0) as u32;
         let number = |point: Vector| {
-            let away = subtract(point, min);
-            away.into_iter().fold(0, |number, x| number * cells as u32 + place(x))
+            let [x, y, z] = subtract(point, min).map(place);
+            (0..BITS).rev().fold(0, |number, bit| {
+                number << 3 | (x >> bit & 1) << 2 | (y >> bit & 1) << 1 | (z >> bit & 1)
+            })
         };
-        let mut clusters: Vec<(u32, Vector)> =
+        let mut numbered: Vec<(u32, Vector)> =
             points.iter().map(|&point| (number(point), point)).collect();
-        clusters.sort_by_key(|&(number, _)| number);
-        Self(clusters)
+        numbered.sort_by_key(|&(number, _)| number);
+        let points: Vec<Vector> = numbered.into_iter().map(|(_, point)| point).collect();
+        let (many, few) = (Cluster::all(&points, MANY), Cluster::all(&points, FEW));
+        Self { points, many, few }
     }
 }
+
+/// The curve goes through a grid of 2 to this many cells along each axis.
+const BITS: u32 = 8;
 
 /// Halvings of a triangle whose corners are in different hulls.
 const MOST_HALVINGS: u32 = 6;
 
 /// No point of the surface is farther than this outside all hulls. `owners` names for each
-/// triangle the hull that should hold it. Less than `enough` is not told apart from it.
+/// triangle the hull that should hold it, if it has to be looked at. Less than `enough` is not told apart
+/// from it.
 pub(super) fn exposed(
     surface: &TriangleMesh,
     owners: &[u32],
@@ -322,12 +389,10 @@ fn outside_all(
     known: f64,
     halvings: u32,
 ) -> f64 {
-    let least = hulls
-        .iter()
-        .map(|hull| {
-            corners.iter().map(|&corner| hull.distance(corner, f64::INFINITY)).fold(0.0, f64::max)
-        })
-        .fold(known, f64::min);
+    let least = hulls.iter().fold(known, |least: f64, hull| {
+        let outside = corners.iter().map(|&corner| hull.distance(corner, least));
+        least.min(outside.fold(0.0, f64::max))
+    });
     if least <= worst || halvings == 0 {
         return least;
     }

@@ -107,20 +107,41 @@ pub(crate) fn finish(
     for part in parts {
         hulls.extend(part?);
     }
-    let mut owners = vec![u32::MAX; seeds.surface.triangles.len()];
-    for (index, hull) in hulls.iter().enumerate() {
-        for triangle in hull.triangles(seeds) {
-            owners[triangle as usize] = index as u32;
-        }
+    let exposed = exposed(&material, &hulls)?;
+    Ok(Outcome { hulls, exposed })
+}
+
+/// No point of the surface is farther than this outside all hulls.
+fn exposed(material: &Material<'_>, hulls: &[Finished]) -> Result<f64, Error> {
+    let &Material { seeds, tuning, control, .. } = material;
+    let allowed = LEFT_OUT * tuning.bound;
+    let (settled, open): (Vec<_>, Vec<_>) =
+        (0..).zip(hulls).partition(|(_, hull)| hull.left_out <= allowed);
+    let mut exposed = settled.iter().map(|(_, hull)| hull.left_out).fold(0.0, f64::max);
+    if open.is_empty() {
+        return Ok(exposed);
     }
     control.check()?;
-    let mut exposed = hulls.iter().map(|hull| hull.left_out).fold(0.0, f64::max);
-    if exposed > LEFT_OUT * tuning.bound {
-        // Other hulls may hold what one has left out.
-        let outsides: Vec<Outside> = hulls.iter().map(|hull| Outside::new(&hull.hull)).collect();
-        exposed = certify::exposed(&seeds.surface, &owners, &outsides, tuning.enough, control)?;
+    // Other hulls may hold what one has left out.
+    let mut owners = vec![u32::MAX; seeds.surface.triangles.len()];
+    for (index, hull) in open {
+        if hull.part.is_some() {
+            hull.triangles(seeds).for_each(|triangle| owners[triangle as usize] = index);
+            continue;
+        }
+        for seed in hull.seeds.iter().map(|seed| &seeds.seeds[seed as usize]) {
+            let own = seeds.surface.positions_of(seed.triangles.iter().copied());
+            let left_out = left_out(&hull.hull, &Clusters::new(&own), f64::INFINITY);
+            if left_out <= allowed {
+                exposed = exposed.max(left_out);
+            } else {
+                seed.triangles.iter().for_each(|&triangle| owners[triangle as usize] = index);
+            }
+        }
     }
-    Ok(Outcome { hulls, exposed })
+    let outsides: Vec<Outside> = hulls.iter().map(|hull| Outside::new(&hull.hull)).collect();
+    let enough = exposed.max(tuning.enough);
+    certify::exposed(&seeds.surface, &owners, &outsides, enough, control)
 }
 
 fn finish_one(material: &Material<'_>, piece: &Piece) -> Result<Vec<Finished>, Error> {
@@ -213,6 +234,15 @@ fn finished(
         solid_hull(builder, &points, hull.outward, LEAST_THICKNESS)?;
     let allowed = LEFT_OUT * tuning.bound;
     let mut full_left_out = left_out(&full, &clusters, allowed);
+    if full_left_out > allowed && own.len() > WORTH_A_HULL.end {
+        // The hull of very many points has thousands of vertices that don't matter.
+        let mut reducer = HullBuilder::new().with_least_tolerance(OF_MANY * allowed);
+        if reducer.build(&own) == Shape::Solid {
+            let points = reducer.extract().0;
+            (full, added_thickness) = solid_hull(builder, &points, hull.outward, LEAST_THICKNESS)?;
+            full_left_out = left_out(&full, &clusters, allowed);
+        }
+    }
     if full_left_out > allowed {
         // Beyond a sharp edge a point can be far away that is hardly in front of any face.
         (full, added_thickness) = solid_hull(builder, &own, hull.outward, LEAST_THICKNESS)?;
@@ -233,6 +263,21 @@ fn finished(
     })
 }
 
+/// The surface's vertices that a hull must hold.
+fn own_points(seeds: &Seeds, set: &SeedSet, part: Option<&[u32]>) -> Vec<Vector> {
+    match part {
+        Some(triangles) => seeds.surface.positions_of(triangles.iter().copied()),
+        None => {
+            let of = |seed: u32| &seeds.seeds[seed as usize];
+            if set.iter().any(|seed| !of(seed).own.is_empty()) {
+                return set.iter().flat_map(|seed| &of(seed).own).copied().collect();
+            }
+            let triangles = set.iter().flat_map(|seed| &of(seed).triangles);
+            seeds.surface.positions_of(triangles.copied())
+        }
+    }
+}
+
 /// Those of some points that tell how far all of them are outside of a hull: the distance to a
 /// convex set is a convex function, so the vertices of the points' own hull do.
 fn extreme(builder: &mut HullBuilder, points: Vec<Vector>) -> Vec<Vector> {
@@ -242,19 +287,9 @@ fn extreme(builder: &mut HullBuilder, points: Vec<Vector>) -> Vec<Vector> {
     builder.extract().0
 }
 
+/// Of very many points those are left out of a hull that stand out less than this share of what may be left
+/// out.
+const OF_MANY: f64 = 0.25;
+
 /// Fewer points are asked as quickly as their hull is built, more in less time.
 const WORTH_A_HULL: std::ops::Range<usize> = 64..8192;
-
-/// The surface's vertices that a hull must hold.
-fn own_points(seeds: &Seeds, set: &SeedSet, part: Option<&[u32]>) -> Vec<Vector> {
-    let corners = |&triangle: &u32| seeds.surface.triangles[triangle as usize];
-    let mut vertices: Vec<u32> = match part {
-        Some(triangles) => triangles.iter().flat_map(corners).collect(),
-        None => {
-            set.iter().flat_map(|s| &seeds.seeds[s as usize].triangles).flat_map(corners).collect()
-        }
-    };
-    vertices.sort_unstable();
-    vertices.dedup();
-    vertices.iter().map(|&vertex| seeds.surface.positions[vertex as usize]).collect()
-}

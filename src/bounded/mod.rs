@@ -3,17 +3,20 @@
 //!
 //! | file | stage |
 //! |---|---|
+//! | `cluster` | of very many triangles fewer, for all but verification |
 //! | `solid` | the fit test: whether a hull stands out of the solid; `grid` answers most of it, `verdicts` remembers, `cavities` finds what hulls may not swallow |
 //! | `refine`, `seeds` | a simplified or refined mesh, the paper's groups (3.4.1), halved until they fit; who conflicts with whom |
 //! | `merge` | pieces join best-first |
 //! | `cover` | each piece grows over all seeds that it can take; pieces are dissolved into the rest, at last by nearly all of the bound; each seed stays with one |
 //! | `finish` | thickness; `few_vertices` saves vertices, `certify` verifies the result |
-//! | `tree` | on demand: joins down to one hull |
+//! | `fewer`, `tree` | a cap on hulls; on demand: joins down to one hull |
 
 mod cavities;
 mod certify;
+mod cluster;
 mod cover;
 mod few_vertices;
+mod fewer;
 mod finish;
 mod grid;
 mod merge;
@@ -25,20 +28,23 @@ mod solid;
 mod tree;
 mod verdicts;
 
+use std::sync::Arc;
+
+pub(crate) use fewer::Merging;
+
 use crate::hull::ConvexHull;
-use crate::mesh::{Normalization, PreparedMesh};
+use crate::mesh::PreparedMesh;
 use crate::parallel;
 use crate::{
     BoundedParameters, BoundedReport, Control, Error, GroupedMesh, Hull, Parameters, Preset, Stage,
     Unit,
 };
+use cluster::Clustered;
 use cover::Covered;
 use finish::Finished;
 use piece::{Piece, Workshop};
-use seed_set::SeedSet;
 use seeds::{Seeds, Working};
 use solid::Solid;
-use tree::Tree;
 
 /// The search goes by this share of the bound: the rest is room for what it overlooks, and is spent only
 /// where that saves a hull.
@@ -205,12 +211,17 @@ impl Run {
         let Some(tuning) = self.tunings.get(self.place) else { return Err(Error::Finished) };
         self.state = match std::mem::replace(&mut self.state, State::Done) {
             State::Start(known) => {
+                let clustered = match &known {
+                    Some(solid) => solid.clustered.clone(),
+                    None => clustered(&self.prepared, tuning, control)?,
+                };
+                let mesh = clustered.as_ref().map_or(&self.prepared, |clustered| &clustered.mesh);
                 let (solid, working) = parallel::join(
                     || match known {
                         Some(solid) => Ok(*solid),
-                        None => solid(&self.prepared, tuning, control),
+                        None => solid(&self.prepared, clustered.clone(), tuning, control),
                     },
-                    || seeds::working_mesh(&self.prepared, tuning, control),
+                    || seeds::working_mesh(mesh, tuning, control),
                 );
                 State::Working(Box::new((solid?, working?)))
             }
@@ -249,7 +260,8 @@ impl Run {
                 if let Some(most) = tuning.max_hulls
                     && finished.hulls.len() > most
                 {
-                    finished.hulls = fewer(&finished.hulls, most, &seeds, &solid, tuning, control)?;
+                    finished.hulls =
+                        fewer::fewer(&finished.hulls, most, &seeds, &solid, tuning, control)?;
                 }
                 let bound = tuning.bound;
                 return Ok(Some(self.outcome(&seeds, finished, bound)));
@@ -282,164 +294,38 @@ impl Run {
             triangles: seeds.grouped.triangles.clone(),
             groups: seeds.labels.iter().map(|&seed| groups[seed as usize]).collect(),
         };
-        let hulls = finished
-            .hulls
-            .into_iter()
-            .map(|finished| restored(&prepared, seeds, finished))
-            .collect();
+        let hulls = parallel::map(&finished.hulls, |finished| restored(&prepared, seeds, finished));
         Outcome { prepared, hulls, grouped, report }
     }
 }
 
-/// Joins hulls until no more than `most` are left.
-fn fewer(
-    hulls: &[Finished],
-    most: usize,
-    seeds: &Seeds,
-    solid: &Solid,
+/// A mesh of fewer triangles, where there are very many and they are closed.
+fn clustered(
+    prepared: &PreparedMesh,
     tuning: &Tuning,
     control: &Control,
-) -> Result<Vec<Finished>, Error> {
-    let leaves = hulls.iter().map(|hull| (hull.hull.clone(), hull.phantom)).collect();
-    let tree = Tree::new(leaves, most, solid, tuning, control)?;
-    let mut fewer = Vec::new();
-    for index in tree.state(tree.joins()) {
-        let leaves = tree.leaves_of(index);
-        let members: Vec<&Finished> = leaves.iter().filter_map(|&leaf| hulls.get(leaf)).collect();
-        let Some(first) = members.first() else { continue };
-        let node = &tree.nodes[index];
-        let largest = |value: fn(&Finished) -> f64| {
-            members.iter().map(|&hull| value(hull)).fold(0.0, f64::max)
-        };
-        let mut set = SeedSet::none(seeds.count());
-        members.iter().for_each(|hull| set.unite(&hull.seeds));
-        // Of a divided seed another hull may stand for the rest.
-        let has_parts = members.iter().any(|hull| hull.part.is_some());
-        let part =
-            has_parts.then(|| members.iter().flat_map(|hull| hull.triangles(seeds)).collect());
-        fewer.push(Finished {
-            hull: node.hull.clone(),
-            seeds: set,
-            part,
-            added_thickness: largest(|hull| hull.added_thickness),
-            cap_growth: node.growth.max(largest(|hull| hull.cap_growth)),
-            phantom: node.phantom,
-            left_out: largest(|hull| hull.left_out),
-            component: first.component,
-        });
+) -> Result<Option<Arc<Clustered>>, Error> {
+    // Of what is open the inside is not as certain, and a narrow cavity may close.
+    if tuning.keep_cavities || !prepared.closed.iter().all(|&closed| closed) {
+        return Ok(None);
     }
-    Ok(fewer)
+    let clustered = Clustered::new(prepared, tuning.bound, tuning.longest_edge, control)?;
+    Ok(clustered.map(Arc::new))
 }
 
-/// The tree of joins of hulls that were returned, in the input's units.
-#[derive(Debug, Clone)]
-pub(crate) struct Merging {
-    tree: Tree,
-    normalization: Normalization,
-    surface: crate::mesh::TriangleMesh,
-    /// Surface less far outside, in diagonals, does not matter.
-    enough: f64,
-}
-
-impl Merging {
-    pub(crate) fn new(
-        positions: &[[f64; 3]],
-        triangles: &[[u32; 3]],
-        hulls: &[Hull],
-        parameters: &Parameters,
-        control: &Control,
-    ) -> Result<Self, Error> {
-        let prepared = crate::mesh::repair::prepare(positions, triangles, control)?;
-        let tuning = Tuning::new(parameters, prepared.normalization.diagonal, &BALANCED);
-        let normalization = prepared.normalization;
-        let tree = parallel::with(parameters.parallel, || {
-            let solid = solid(&prepared, &tuning, control)?;
-            let mut leaves = Vec::with_capacity(hulls.len());
-            for hull in hulls {
-                let points: Vec<[f64; 3]> =
-                    hull.points.iter().map(|&point| normalization.normalize(point)).collect();
-                if hull.triangles.as_flattened().iter().any(|&v| v as usize >= points.len()) {
-                    let reason = "a triangle of a hull names a point that the hull does not have";
-                    return Err(Error::NoHull { reason });
-                }
-                let convex = ConvexHull { points, triangles: hull.triangles.clone() };
-                let phantom = match hull.phantom_max {
-                    Some(phantom) => phantom / normalization.diagonal,
-                    None => {
-                        certify::phantom(&convex, &solid, tuning.bound, f64::INFINITY, control)?
-                    }
-                };
-                leaves.push((convex, phantom));
-            }
-            Tree::new(leaves, 1, &solid, &tuning, control)
-        })?;
-        Ok(Self { tree, normalization, surface: prepared.mesh, enough: tuning.enough })
+fn solid(
+    prepared: &PreparedMesh,
+    clustered: Option<Arc<Clustered>>,
+    tuning: &Tuning,
+    control: &Control,
+) -> Result<Solid, Error> {
+    if let Some(clustered) = clustered {
+        let mesh = &clustered.mesh;
+        let triangles = mesh.triangles_of_solid();
+        let mut solid = Solid::new(&mesh.mesh.positions, &triangles, true, tuning.bound, control)?;
+        solid.stand_for(clustered.clone(), &triangles);
+        return Ok(solid);
     }
-
-    pub(crate) fn joins(&self) -> usize {
-        self.tree.joins()
-    }
-
-    /// The farthest that a hull stands out after some joins, in the input's units.
-    pub(crate) fn phantom(&self, joins: usize) -> f64 {
-        let state = self.tree.state(joins);
-        let phantoms = state.iter().map(|&index| self.tree.nodes[index].phantom);
-        phantoms.fold(0.0, f64::max) * self.normalization.diagonal
-    }
-
-    /// How far the surface lies outside all hulls, in the input's units.
-    pub(crate) fn exposed(&self, hulls: &[Hull], control: &Control) -> Result<f64, Error> {
-        let outsides: Vec<certify::Outside<'_>> = self.tree.nodes
-            [..self.tree.leaves.min(hulls.len())]
-            .iter()
-            .map(|node| certify::Outside::new(&node.hull))
-            .collect();
-        let owners = vec![0; self.surface.triangles.len()];
-        let exposed = certify::exposed(&self.surface, &owners, &outsides, self.enough, control)?;
-        Ok(exposed * self.normalization.diagonal)
-    }
-
-    /// The hulls after some joins, in the input's units.
-    pub(crate) fn hulls(&self, joins: usize, leaves: &[Hull]) -> Vec<Hull> {
-        let state = self.tree.state(joins);
-        let hulls = state.into_iter().filter_map(|index| {
-            let members = self.tree.leaves_of(index);
-            let first = leaves.get(*members.first()?)?;
-            let node = &self.tree.nodes[index];
-            if node.children.is_none() {
-                return Some(first.clone());
-            }
-            let points =
-                node.hull.points.iter().map(|&point| self.normalization.restore(point)).collect();
-            let hull = ConvexHull { points, triangles: node.hull.triangles.clone() };
-            let of = |value: fn(&Hull) -> f64| {
-                members.iter().filter_map(|&m| leaves.get(m)).map(value).fold(0.0, f64::max)
-            };
-            let mut source_triangles: Vec<u32> = members
-                .iter()
-                .filter_map(|&member| leaves.get(member))
-                .flat_map(|leaf| leaf.source_triangles.iter().copied())
-                .collect();
-            source_triangles.sort_unstable();
-            source_triangles.dedup();
-            Some(Hull {
-                volume: hull.volume(),
-                bounds: hull.bounds()?,
-                points: hull.points,
-                triangles: hull.triangles,
-                component: first.component,
-                source_triangles,
-                added_thickness: of(|hull| hull.added_thickness),
-                cap_growth: (node.growth * self.normalization.diagonal)
-                    .max(of(|hull| hull.cap_growth)),
-                phantom_max: Some(node.phantom * self.normalization.diagonal),
-            })
-        });
-        hulls.collect()
-    }
-}
-
-fn solid(prepared: &PreparedMesh, tuning: &Tuning, control: &Control) -> Result<Solid, Error> {
     let mesh = &prepared.mesh;
     let triangles = prepared.triangles_of_solid();
     // Sheets that are there both ways can close what was open.
@@ -468,7 +354,7 @@ fn is_balanced(triangles: &[[u32; 3]]) -> bool {
 }
 
 /// A hull in the input's units.
-fn restored(prepared: &PreparedMesh, seeds: &Seeds, finished: Finished) -> Hull {
+fn restored(prepared: &PreparedMesh, seeds: &Seeds, finished: &Finished) -> Hull {
     let normalization = &prepared.normalization;
     let points: Vec<[f64; 3]> =
         finished.hull.points.iter().map(|&point| normalization.restore(point)).collect();
@@ -478,7 +364,7 @@ fn restored(prepared: &PreparedMesh, seeds: &Seeds, finished: Finished) -> Hull 
         .collect();
     source_triangles.sort_unstable();
     source_triangles.dedup();
-    let hull = ConvexHull { points, triangles: finished.hull.triangles };
+    let hull = ConvexHull { points, triangles: finished.hull.triangles.clone() };
     let zero = crate::Bounds { min: [0.0; 3], max: [0.0; 3] };
     Hull {
         volume: hull.volume(),

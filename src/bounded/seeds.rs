@@ -4,7 +4,10 @@
 //! A seed takes all of the source's surface that is nearest to its triangles, so that hulls of
 //! seeds cover the source and not only what simplification left of it.
 
+use std::sync::Arc;
+
 use super::Tuning;
+use super::cluster::Clustered;
 use super::piece::{Hull, Workshop};
 use super::refine::refine;
 use super::seed_set::SeedSet;
@@ -28,7 +31,7 @@ const MOST_GROUPS: usize = 600;
 const SEEDS_PER_CHECK: usize = 8;
 
 /// A patch of the surface that is not divided any further.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Seed {
     /// Vertices of its hull, but for those that stand out less than the reduction; all its points
     /// where it is flat.
@@ -42,7 +45,21 @@ pub(crate) struct Seed {
     pub max: Vector,
     /// The triangles of [`Seeds::surface`] that it stands for.
     pub triangles: Vec<u32>,
+    /// Their vertices, where there are so many that looking for them again would take long.
+    pub own: Vec<Vector>,
     pub component: u32,
+}
+
+impl Seed {
+    fn set_points(&mut self, points: Vec<Vector>) {
+        (self.min, self.max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for &point in &points {
+            self.min = minimum(self.min, point);
+            self.max = maximum(self.max, point);
+        }
+        self.representatives = far_pair(&points);
+        self.points = points;
+    }
 }
 
 /// Seeds and who is next to whom.
@@ -56,9 +73,9 @@ pub(crate) struct Seeds {
     /// For each seed those that no hull can hold together with it, by the bound of the search.
     pub conflicts: Vec<SeedSet>,
     /// The source, its long triangles halved.
-    pub surface: TriangleMesh,
+    pub surface: Arc<TriangleMesh>,
     /// For each triangle of `surface` the prepared mesh's triangle that it is a part of.
-    pub parents: Vec<u32>,
+    pub parents: Arc<Vec<u32>>,
     /// The mesh that was grouped, and for each of its triangles its seed.
     pub grouped: TriangleMesh,
     pub labels: Vec<u32>,
@@ -85,7 +102,7 @@ pub(crate) struct Working {
     owned: Vec<Vec<u32>>,
 }
 
-/// Simplifies a dense mesh and refines a coarse one.
+/// Simplifies a dense mesh and refines a coarse one. One that was clustered has been refined.
 pub(crate) fn working_mesh(
     prepared: &PreparedMesh,
     tuning: &Tuning,
@@ -175,6 +192,11 @@ pub(crate) fn seeds(
     }
     neighbours.sort_unstable();
     neighbours.dedup();
+    let (mut surface, mut parents) = (Arc::new(surface), Arc::new(parents));
+    if let Some(clustered) = solid.clustered.as_deref() {
+        (surface, parents) = (clustered.surface.clone(), clustered.parents.clone());
+        take_clusters(&mut seeds, clustered, tuning);
+    }
     let conflicts = conflicts(&seeds, solid, tuning.search_bound, control)?;
     // A hull whose faces all lie on the surface can still swallow what is empty.
     let agrees = |block: &Vec<u32>| {
@@ -184,6 +206,36 @@ pub(crate) fn seeds(
     let (mut blocks, torn): (Vec<_>, Vec<_>) = blocks.into_iter().partition(agrees);
     blocks.extend(torn.into_iter().flatten().map(|seed| vec![seed]));
     Ok(Seeds { seeds, neighbours, blocks, conflicts, surface, parents, grouped: mesh, labels })
+}
+
+/// Seeds take the surface that their triangles stand for.
+fn take_clusters(seeds: &mut [Seed], clustered: &Clustered, tuning: &Tuning) {
+    let mut owners = vec![u32::MAX; clustered.mesh.mesh.triangles.len()];
+    for (index, seed) in (0..).zip(&mut *seeds) {
+        seed.triangles.drain(..).for_each(|triangle| owners[triangle as usize] = index);
+    }
+    for (triangle, &stands) in (0..).zip(&clustered.stands) {
+        if let Some(&owner) = owners.get(stands as usize)
+            && let Some(seed) = seeds.get_mut(owner as usize)
+        {
+            seed.triangles.push(triangle);
+        }
+    }
+    let points = crate::parallel::map(seeds, |seed: &Seed| {
+        let own = clustered.surface.positions_of(seed.triangles.iter().copied());
+        let mut reducer = HullBuilder::new().with_least_tolerance(tuning.reduction);
+        let points = match reducer.build(&own) {
+            Shape::Solid => reducer.extract().0,
+            _ => own.clone(),
+        };
+        (own, points)
+    });
+    for (seed, (own, points)) in seeds.iter_mut().zip(points) {
+        if !points.is_empty() {
+            seed.set_points(points);
+        }
+        seed.own = own;
+    }
 }
 
 /// Components that are one seed each.
@@ -348,14 +400,10 @@ fn seed_of(
     if reducer.build(&points) == Shape::Solid {
         points = reducer.extract().0;
     }
-    let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for &point in &points {
-        min = minimum(min, point);
-        max = maximum(max, point);
-    }
     let component = triangles.first().map_or(0, |&triangle| components[triangle as usize]);
-    let representatives = far_pair(&points);
-    Seed { points, representatives, outward, area, min, max, triangles: own, component }
+    let mut seed = Seed { outward, area, triangles: own, component, ..Seed::default() };
+    seed.set_points(points);
+    seed
 }
 
 /// Two points that are far apart.

@@ -6,10 +6,13 @@
 //! solid `d > ε` rejects; inside of it `r - d ≤ ε` accepts, since the surface must be crossed to
 //! come out. Otherwise the face is halved.
 
+use std::sync::Arc;
+
 use super::cavities::cavities;
+use super::cluster::Clustered;
 use super::grid::{Grid, Verdict};
 use super::verdicts::Verdicts;
-use crate::field::Field;
+use crate::field::{Closest, Field};
 use crate::vector::{Vector, add, length_squared, scale, subtract};
 use crate::{Control, Error};
 
@@ -50,6 +53,22 @@ pub(crate) struct Solid {
     pub cavities: Vec<(Vector, f64)>,
     /// Of faces during the search.
     pub verdicts: Verdicts,
+    /// Where the solid is that of fewer triangles than the source has: what they stand for.
+    pub clustered: Option<Arc<Clustered>>,
+    /// The triangles, where there are fewer than in the source.
+    triangles: Vec<[u32; 3]>,
+}
+
+/// How far a point is from the source.
+pub(super) struct Near {
+    /// At least the distance.
+    pub upper: f64,
+    /// At most the distance.
+    pub lower: f64,
+    /// The distance to the solid's own surface.
+    own: f64,
+    /// A triangle of the source that is at most `upper` away.
+    triangle: u32,
 }
 
 impl Solid {
@@ -73,7 +92,57 @@ impl Solid {
             grid.flood(&field, control)?;
         }
         grid.judge_cells(LEAST_SEARCH_SHARE * bound, DOUBT * bound);
-        Ok(Self { field, is_closed, grid, cavities: Vec::new(), verdicts: Verdicts::new() })
+        Ok(Self {
+            field,
+            is_closed,
+            grid,
+            cavities: Vec::new(),
+            verdicts: Verdicts::new(),
+            clustered: None,
+            triangles: Vec::new(),
+        })
+    }
+
+    /// From now on the source is what `clustered`, of which these are the triangles, stands for. Its surface
+    /// has to be closed.
+    pub fn stand_for(&mut self, clustered: Arc<Clustered>, triangles: &[[u32; 3]]) {
+        self.clustered = Some(clustered);
+        self.triangles = triangles.to_vec();
+    }
+
+    /// The source is at most this far from the solid's own surface, and the other way round. What is inside
+    /// of the one is inside of the other, or not farther from it than this.
+    pub fn reach(&self) -> f64 {
+        self.clustered.as_ref().map_or(0.0, |clustered| clustered.reach)
+    }
+
+    /// How far a point is from the source, and where the source is near, if it is.
+    pub fn near(&self, point: Vector, guess: u32) -> Option<Near> {
+        let Closest { distance, triangle, .. } =
+            self.field.distance_near(point, f64::INFINITY, guess)?;
+        let Some(clustered) = &self.clustered else {
+            return Some(Near { upper: distance, lower: distance, own: distance, triangle });
+        };
+        let (upper, nearest) =
+            clustered.closest_around(self.triangles[triangle as usize], point, distance);
+        let lower = distance - clustered.reach;
+        Some(Near { upper, lower, own: distance, triangle: nearest })
+    }
+
+    /// Whether a point is inside, or not farther outside than [`reach`](Self::reach).
+    pub fn holds_inside(&self, point: Vector, near: &Near) -> bool {
+        self.is_inside(point, near.own)
+    }
+
+    /// At least the distance to the source from any point of a face, as far as one triangle of it tells.
+    pub fn farthest_corner_from(&self, face: [Vector; 3], near: &Near) -> f64 {
+        match &self.clustered {
+            None => self.farthest_corner(face, near.triangle),
+            Some(clustered) => {
+                largest(face.map(|corner| clustered.squared_distance_to(corner, near.triangle)))
+                    .sqrt()
+            }
+        }
     }
 
     /// From now on no hull may hold cavities deeper than `bound` (see `cavities`).
@@ -127,7 +196,7 @@ impl Solid {
 
     /// Whether a point is inside that is this far from the surface: as the centre of its cell is,
     /// if that is nearer than the surface.
-    pub fn is_inside(&self, point: Vector, distance: f64) -> bool {
+    fn is_inside(&self, point: Vector, distance: f64) -> bool {
         match self.grid.side(point, distance) {
             Some(inside) => inside,
             None => is_inside(&self.field, point, self.is_closed),

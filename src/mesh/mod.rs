@@ -108,6 +108,15 @@ impl PreparedMesh {
 }
 
 impl TriangleMesh {
+    /// Where the vertices of some triangles are, each once, in their order.
+    pub(crate) fn positions_of(&self, triangles: impl Iterator<Item = u32>) -> Vec<Vector> {
+        let corners = |triangle: u32| self.triangles[triangle as usize];
+        let mut vertices: Vec<u32> = triangles.flat_map(corners).collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        vertices.iter().map(|&vertex| self.positions[vertex as usize]).collect()
+    }
+
     /// Whether the signed volume under the surface, seen from the origin, is not positive.
     fn encloses_nothing(&self) -> bool {
         let six_volumes = self.triangles.iter().map(|triangle| {

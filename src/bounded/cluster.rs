@@ -1,0 +1,469 @@
+//! Vertex clustering: a mesh of very many triangles is searched by one of fewer, so that only welding and
+//! verification look at all of them (Rossignac and Borrel, "Multi-resolution 3D approximations for
+//! rendering complex scenes", 1993).
+//!
+//! Vertices in the same cell of a grid whose normals point into the same octant become one of them: that
+//! with the least quadric error (Lindstrom, "Out-of-core simplification of large polygonal models", 2000),
+//! so that edges stay sharp. No point moves farther than [`Clustered::reach`], and the winding number about
+//! a point that is farther away than that from either surface is the same.
+
+use std::sync::Arc;
+
+use super::refine::refine;
+use crate::field::nearest_of_triangle;
+use crate::mesh::{PreparedMesh, TriangleMesh};
+use crate::vector::{
+    Vector, add, area_normal, distance, dot, length, length_squared, maximum, minimum, scale,
+    subtract,
+};
+use crate::{Control, Error};
+
+/// Meshes of fewer triangles are quick enough without.
+const MANY_TRIANGLES: usize = 100_000;
+
+/// Side of a cell, in bounds: vertices move by about as much along the surface, and by far less away
+/// from it.
+const CELL: f64 = 0.4;
+
+/// Clustering has to leave less than this share of the triangles to be worth it.
+const WORTH_IT: f64 = 0.5;
+
+/// Keys of cells and octants have 32 bits.
+const MOST_CELLS: f64 = (1_u64 << 29) as f64;
+
+/// Among vertices that fit their planes equally well, one in the middle is best. This share of the squared
+/// distance to the middle counts as error.
+const TO_THE_MIDDLE: f64 = 1e-3;
+
+/// Octants are told apart along these axes: flat sides along the usual ones are common, and noise would
+/// divide each of them.
+const AXES: [Vector; 3] = [[0.51, 0.71, 0.48], [-0.83, 0.27, 0.49], [0.22, -0.65, 0.73]];
+
+/// The triangles at the nearest vertex tell the distance, unless they are farther away than expected by
+/// this factor.
+const EXPECTED: f64 = 1.01;
+
+/// Triangles between two looks at the control.
+const TRIANGLES_PER_CHECK: usize = 16_384;
+
+/// A mesh of fewer triangles, and what they stand for.
+pub(crate) struct Clustered {
+    /// The source, its long triangles halved.
+    pub surface: Arc<TriangleMesh>,
+    /// For each triangle of `surface` the prepared mesh's triangle that it is a part of.
+    pub parents: Arc<Vec<u32>>,
+    /// The mesh of fewer triangles. It says nothing about where in the input they come from.
+    pub mesh: PreparedMesh,
+    /// For each triangle of `surface` the one of `mesh` that stands for it.
+    pub stands: Vec<u32>,
+    /// For each vertex of `mesh` those of `surface` that became it.
+    vertices: Lists,
+    /// For each vertex of `mesh` the triangles of `surface` around those.
+    around: Lists,
+    /// No point of `surface` has moved farther than this, in diagonals.
+    pub reach: f64,
+}
+
+impl Clustered {
+    /// `None` where the mesh has few triangles, or would keep most of them. O(n log n) for n vertices.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
+    pub(crate) fn new(
+        prepared: &PreparedMesh,
+        bound: f64,
+        longest_edge: f64,
+        control: &Control,
+    ) -> Result<Option<Self>, Error> {
+        if prepared.mesh.triangles.len() < MANY_TRIANGLES {
+            return Ok(None);
+        }
+        let mut surface = prepared.mesh.clone();
+        let parents = refine(&mut surface, longest_edge);
+        control.check()?;
+        let Some(mut clusters) = Clusters::new(&surface, CELL * bound) else { return Ok(None) };
+        control.check()?;
+        clusters.free_lost(&surface);
+        let Clusters { of, count } = &clusters;
+        let kept = surface.triangles.iter().filter(|&triangle| is_kept(of, triangle)).count();
+        if kept as f64 > WORTH_IT * surface.triangles.len() as f64 {
+            return Ok(None);
+        }
+        let of_vertices = || (0..).zip(of).map(|(vertex, &cluster)| (cluster, vertex));
+        let of_triangles = || {
+            (0..).zip(&surface.triangles).flat_map(|(index, triangle)| {
+                let [a, b, c] = triangle.map(|vertex| of[vertex as usize]);
+                let second = (b != a).then_some(b);
+                let third = (c != a && c != b).then_some(c);
+                [Some(a), second, third].into_iter().flatten().map(move |corner| (corner, index))
+            })
+        };
+        let (chosen, (vertices, around)) = crate::parallel::join(
+            || chosen(&surface, &clusters, control),
+            || (Lists::new(*count, of_vertices), Lists::new(*count, of_triangles)),
+        );
+        let chosen = chosen?;
+        let position = |vertex: u32| surface.positions[vertex as usize];
+        let positions: Vec<Vector> = chosen.iter().map(|&vertex| position(vertex)).collect();
+        let moved = |(vertex, &cluster): (usize, &u32)| {
+            distance(surface.positions[vertex], positions[cluster as usize])
+        };
+        let reach = of.iter().enumerate().map(moved).fold(0.0, f64::max);
+
+        let mut triangles = Vec::with_capacity(kept);
+        let (mut components, mut is_both_ways) = (Vec::new(), Vec::new());
+        // For each cluster any triangle that is left there.
+        let mut left = vec![u32::MAX; *count];
+        let mut stands = vec![u32::MAX; surface.triangles.len()];
+        for (index, triangle) in surface.triangles.iter().enumerate() {
+            if is_kept(of, triangle) {
+                let corners = triangle.map(|vertex| of[vertex as usize]);
+                let new = triangles.len() as u32;
+                stands[index] = new;
+                corners.iter().for_each(|&corner| left[corner as usize] = new);
+                triangles.push(corners);
+                components.push(prepared.components[parents[index] as usize]);
+                is_both_ways.push(prepared.is_both_ways[parents[index] as usize]);
+            }
+        }
+        control.check()?;
+        for (stands, corners) in stands.iter_mut().zip(&surface.triangles) {
+            if *stands == u32::MAX {
+                let left = corners.map(|corner| left[of[corner as usize] as usize]);
+                *stands = left.into_iter().min().unwrap_or(u32::MAX);
+            }
+        }
+        let mesh = PreparedMesh {
+            mesh: TriangleMesh { positions, triangles },
+            normalization: prepared.normalization,
+            components,
+            is_both_ways,
+            closed: prepared.closed.clone(),
+            ..PreparedMesh::default()
+        };
+        let (surface, parents) = (Arc::new(surface), Arc::new(parents));
+        Ok(Some(Self { surface, parents, mesh, stands, vertices, around, reach }))
+    }
+
+    /// The distance to the surface from a point near three vertices of the mesh, or more, and the surface's
+    /// triangle that is as near. The distance should be little more than `expected`.
+    pub(crate) fn closest_around(
+        &self,
+        vertices: [u32; 3],
+        point: Vector,
+        expected: f64,
+    ) -> (f64, u32) {
+        let mut nearest = (f64::INFINITY, u32::MAX, u32::MAX);
+        for cluster in vertices {
+            for &vertex in self.vertices.of(cluster) {
+                let away = subtract(self.surface.positions[vertex as usize], point);
+                let squared = length_squared(away);
+                if squared < nearest.0 {
+                    nearest = (squared, vertex, cluster);
+                }
+            }
+        }
+        // Where triangles are small, the nearest one is at the nearest vertex.
+        let (_, vertex, cluster) = nearest;
+        let has_vertex =
+            |&&triangle: &&u32| self.surface.triangles[triangle as usize].contains(&vertex);
+        let at_vertex = self.around.of(cluster).iter().filter(has_vertex);
+        let found = self.closest_of(at_vertex, point);
+        if found.0 <= EXPECTED * expected {
+            return found;
+        }
+        self.closest_of(vertices.iter().flat_map(|&cluster| self.around.of(cluster)), point)
+    }
+
+    fn closest_of<'a>(
+        &self,
+        triangles: impl Iterator<Item = &'a u32>,
+        point: Vector,
+    ) -> (f64, u32) {
+        let mut nearest = (f64::INFINITY, u32::MAX);
+        for &triangle in triangles {
+            let squared = self.squared_distance_to(point, triangle);
+            if squared < nearest.0 {
+                nearest = (squared, triangle);
+            }
+        }
+        (nearest.0.sqrt(), nearest.1)
+    }
+
+    /// The distance to a triangle of the surface, squared.
+    pub(crate) fn squared_distance_to(&self, point: Vector, triangle: u32) -> f64 {
+        let corners = self.surface.triangles[triangle as usize];
+        let [a, b, c] =
+            corners.map(|vertex| subtract(self.surface.positions[vertex as usize], point));
+        length_squared(nearest_of_triangle(a, b, c))
+    }
+}
+
+/// Which vertices become one.
+struct Clusters {
+    /// For each vertex its cluster.
+    of: Vec<u32>,
+    count: usize,
+}
+
+impl Clusters {
+    /// By cells of a size, and octants of normals; `None` if there are too many cells.
+    fn new(surface: &TriangleMesh, size: f64) -> Option<Self> {
+        let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for &position in &surface.positions {
+            min = minimum(min, position);
+            max = maximum(max, position);
+        }
+        let counts = subtract(max, min).map(|extent| (extent / size).floor() + 1.0);
+        if counts.iter().product::<f64>() > MOST_CELLS {
+            return None;
+        }
+        let [width, height, _] = counts.map(|count| count as u64);
+        let mut normals = vec![[0.0; 3]; surface.positions.len()];
+        for triangle in &surface.triangles {
+            let [a, b, c] = triangle.map(|vertex| surface.positions[vertex as usize]);
+            let normal = area_normal(a, b, c);
+            for &vertex in triangle {
+                normals[vertex as usize] = add(normals[vertex as usize], normal);
+            }
+        }
+        let vertices = (0_u64..).zip(surface.positions.iter().zip(&normals));
+        let mut keys: Vec<u64> = vertices
+            .map(|(vertex, (&position, &normal))| {
+                let [x, y, z] = subtract(position, min).map(|x| (x / size) as u64);
+                let cell = (z * height + y) * width + x;
+                let octant = AXES
+                    .iter()
+                    .fold(0, |octant, &axis| 2 * octant + u64::from(dot(axis, normal) > 0.0));
+                (cell * 8 + octant) << 32 | vertex
+            })
+            .collect();
+        keys.sort_unstable();
+        let mut of = vec![0; keys.len()];
+        let mut count = 0;
+        for cluster in keys.chunk_by(|a, b| a >> 32 == b >> 32) {
+            for &key in cluster {
+                of[(key & u64::from(u32::MAX)) as usize] = count;
+            }
+            count += 1;
+        }
+        Some(Self { of, count: count as usize })
+    }
+
+    /// Where no triangle would be left, as of a narrow ribbon, vertices stay single.
+    fn free_lost(&mut self, surface: &TriangleMesh) {
+        let mut has_triangle = vec![false; self.count];
+        for triangle in surface.triangles.iter().filter(|&triangle| is_kept(&self.of, triangle)) {
+            triangle.iter().for_each(|&v| has_triangle[self.of[v as usize] as usize] = true);
+        }
+        let mut is_taken = vec![false; self.count];
+        for cluster in &mut self.of {
+            if !has_triangle[*cluster as usize] {
+                if is_taken[*cluster as usize] {
+                    *cluster = self.count as u32;
+                    self.count += 1;
+                } else {
+                    is_taken[*cluster as usize] = true;
+                }
+            }
+        }
+    }
+}
+
+fn is_kept(of: &[u32], triangle: &[u32; 3]) -> bool {
+    let [a, b, c] = triangle.map(|vertex| of[vertex as usize]);
+    a != b && b != c && c != a
+}
+
+/// The sum of squared distances to planes, by a polynomial around an origin.
+#[derive(Clone, Default)]
+struct Quadric {
+    /// xx, yy, zz, xy, yz, zx; x, y, z; 1.
+    coefficients: [f64; 10],
+    weight: f64,
+    middle: Vector,
+    origin: Option<Vector>,
+}
+
+impl Quadric {
+    fn add_plane(&mut self, normal: Vector, point: Vector) {
+        let area = length(normal);
+        if area <= 0.0 {
+            return;
+        }
+        let origin = *self.origin.get_or_insert(point);
+        let [x, y, z] = scale(normal, 1.0 / area);
+        let offset = -dot([x, y, z], subtract(point, origin));
+        let terms = [
+            x * x,
+            y * y,
+            z * z,
+            x * y,
+            y * z,
+            z * x,
+            x * offset,
+            y * offset,
+            z * offset,
+            offset * offset,
+        ];
+        for (coefficient, term) in self.coefficients.iter_mut().zip(terms) {
+            *coefficient += area * term;
+        }
+        self.weight += area;
+        self.middle = add(self.middle, scale(subtract(point, origin), area));
+    }
+
+    fn error(&self, point: Vector) -> f64 {
+        let Some(origin) = self.origin else { return 0.0 };
+        let [x, y, z] = subtract(point, origin);
+        let [xx, yy, zz, xy, yz, zx, ox, oy, oz, one] = self.coefficients;
+        let squares = xx * x * x + yy * y * y + zz * z * z;
+        let products = xy * x * y + yz * y * z + zx * z * x;
+        let away = subtract([x, y, z], scale(self.middle, 1.0 / self.weight));
+        let to_the_middle = TO_THE_MIDDLE * self.weight * length_squared(away);
+        squares + 2.0 * (products + ox * x + oy * y + oz * z) + one + to_the_middle
+    }
+}
+
+/// For each cluster the vertex that all its vertices become.
+fn chosen(
+    surface: &TriangleMesh,
+    clusters: &Clusters,
+    control: &Control,
+) -> Result<Vec<u32>, Error> {
+    let mut quadrics = vec![Quadric::default(); clusters.count];
+    for (index, triangle) in surface.triangles.iter().enumerate() {
+        if index.is_multiple_of(TRIANGLES_PER_CHECK) {
+            control.check()?;
+        }
+        let [a, b, c] = triangle.map(|vertex| surface.positions[vertex as usize]);
+        let normal = area_normal(a, b, c);
+        let [first, second, third] = triangle.map(|vertex| clusters.of[vertex as usize]);
+        quadrics[first as usize].add_plane(normal, a);
+        if second != first {
+            quadrics[second as usize].add_plane(normal, b);
+        }
+        if third != first && third != second {
+            quadrics[third as usize].add_plane(normal, c);
+        }
+    }
+    let mut chosen = vec![(f64::INFINITY, 0_u32); clusters.count];
+    for ((vertex, &position), &cluster) in (0..).zip(&surface.positions).zip(&clusters.of) {
+        let error = quadrics[cluster as usize].error(position);
+        let best = &mut chosen[cluster as usize];
+        if error < best.0 {
+            *best = (error, vertex);
+        }
+    }
+    Ok(chosen.into_iter().map(|(_, vertex)| vertex).collect())
+}
+
+/// A list for each of some numbers.
+struct Lists {
+    /// Where each starts, and where the last one ends.
+    starts: Vec<u32>,
+    entries: Vec<u32>,
+}
+
+impl Lists {
+    /// Of pairs of a number below `count` and an entry.
+    fn new<I: Iterator<Item = (u32, u32)>>(count: usize, pairs: impl Fn() -> I) -> Self {
+        let mut starts = vec![0_u32; count + 1];
+        pairs().for_each(|(number, _)| starts[number as usize + 1] += 1);
+        let mut total = 0;
+        for start in &mut starts {
+            total += *start;
+            *start = total;
+        }
+        let mut next = starts.clone();
+        let mut entries = vec![0; total as usize];
+        for (number, entry) in pairs() {
+            entries[next[number as usize] as usize] = entry;
+            next[number as usize] += 1;
+        }
+        Self { starts, entries }
+    }
+
+    fn of(&self, number: u32) -> &[u32] {
+        let [start, end] = [number, number + 1].map(|number| self.starts[number as usize] as usize);
+        &self.entries[start..end]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::Field;
+    use crate::mesh::repair::prepare;
+    use crate::mesh::shapes::{cuboid, join, torus};
+
+    const BOUND: f64 = 0.02;
+
+    fn clustered(mesh: &TriangleMesh) -> Option<Clustered> {
+        let control = Control::new();
+        let prepared = prepare(&mesh.positions, &mesh.triangles, &control).unwrap();
+        Clustered::new(&prepared, BOUND, 0.08, &control).unwrap()
+    }
+
+    #[test]
+    fn few_triangles_are_left_alone() {
+        assert!(clustered(&torus(100, 40)).is_none());
+    }
+
+    #[test]
+    fn fewer_triangles_are_as_closed_as_all_and_stand_for_them() {
+        let clustered = clustered(&torus(400, 160)).unwrap();
+        let (mesh, surface) = (&clustered.mesh.mesh, &clustered.surface);
+        assert!(3 * mesh.triangles.len() < surface.triangles.len());
+        assert!(clustered.reach > 0.0 && clustered.reach < BOUND);
+        let mut edges = std::collections::BTreeMap::new();
+        for [a, b, c] in &mesh.triangles {
+            for (from, to) in [(a, b), (b, c), (c, a)] {
+                *edges.entry((from.min(to), from.max(to))).or_insert(0) +=
+                    if from < to { 1 } else { -1 };
+            }
+        }
+        assert!(edges.values().all(|&count| count == 0));
+        for (triangle, &stands) in surface.triangles.iter().zip(&clustered.stands) {
+            let corners = mesh.triangles[stands as usize].map(|v| mesh.positions[v as usize]);
+            let corner = surface.positions[triangle[0] as usize];
+            let nearest = corners.map(|other| distance(corner, other)).into_iter();
+            assert!(nearest.fold(f64::INFINITY, f64::min) <= 2.0 * clustered.reach);
+        }
+    }
+
+    #[test]
+    fn the_source_is_as_near_as_it_is_or_hardly_farther() {
+        let clustered = clustered(&torus(400, 160)).unwrap();
+        let (mesh, surface) = (&clustered.mesh.mesh, &clustered.surface);
+        let own = Field::new(&mesh.positions, &mesh.triangles);
+        let source = Field::new(&surface.positions, &surface.triangles);
+        for i in 0..2000 {
+            // Points all around the surface, at most a bound away from it.
+            let from = surface.positions[37 * i % surface.positions.len()];
+            let away = [0, 1, 2].map(|k| ((i * (k + 3)) as f64).sin());
+            let point = add(from, scale(away, 0.5 * BOUND));
+            let near = own.distance(point, f64::INFINITY).unwrap();
+            let corners = mesh.triangles[near.triangle as usize];
+            let (found, triangle) = clustered.closest_around(corners, point, near.distance);
+            let exact = source.distance(point, f64::INFINITY).unwrap().distance;
+            assert!((near.distance - exact).abs() <= clustered.reach);
+            assert!(found >= exact - 1e-9 && found <= exact + 0.01 * BOUND, "{found} {exact}");
+            assert_eq!(clustered.squared_distance_to(point, triangle).sqrt(), found);
+        }
+    }
+
+    #[test]
+    fn a_ribbon_narrower_than_a_cell_stays() {
+        let ribbon = cuboid([2.0, -1.0, 0.0], [2.001, 1.0, 0.001]);
+        let clustered = clustered(&join(&[torus(400, 160), ribbon])).unwrap();
+        let mesh = &clustered.mesh;
+        let triangles = mesh.mesh.triangles.iter().zip(&mesh.components);
+        let of_ribbon = triangles.filter(|(_, component)| **component == 1);
+        let ends = of_ribbon.flat_map(|(triangle, _)| triangle);
+        let along = ends.map(|&vertex| mesh.mesh.positions[vertex as usize][1]);
+        let (low, high) =
+            along.fold((0.0, 0.0), |(low, high): (f64, f64), y| (low.min(y), high.max(y)));
+        assert!((high - low) * mesh.normalization.diagonal > 1.98);
+    }
+}
