@@ -1,6 +1,8 @@
 //! The same function over all items of a list, on rayon's current pool if there is one to be used.
 //! Results come in the order of the items, so they do not depend on threads.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 /// Applies `function` to every item.
 pub(crate) fn map<T: Sync, R: Send>(
     items: &[T],
@@ -26,6 +28,32 @@ pub(crate) fn map_indices<R: Send>(
         return (0..count).into_par_iter().with_max_len(most).map(function).collect();
     }
     (0..count).map(function).collect()
+}
+
+/// Applies `function` to every item, those of the greatest `size` first: of few and unequal items one large
+/// one that comes last would keep all other threads waiting.
+pub(crate) fn map_largest_first<T: Sync, R: Send>(
+    items: &[T],
+    size: impl Fn(&T) -> usize,
+    function: impl Fn(&T) -> R + Sync + Send,
+) -> Vec<R> {
+    let threads = threads().min(items.len());
+    if threads < 2 {
+        return items.iter().map(function).collect();
+    }
+    let mut order: Vec<usize> = (0..items.len()).collect();
+    order.sort_by_key(|&index| std::cmp::Reverse(size(&items[index])));
+    let next = AtomicUsize::new(0);
+    let on_each_thread = map_indices(threads, |_| {
+        let mut results = Vec::new();
+        while let Some(&index) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
+            results.push((index, function(&items[index])));
+        }
+        results
+    });
+    let mut results: Vec<(usize, R)> = on_each_thread.into_iter().flatten().collect();
+    results.sort_by_key(|&(index, _)| index);
+    results.into_iter().map(|(_, result)| result).collect()
 }
 
 /// Applies `function` to items in order, up to the first result that `ends` it. A few items after

@@ -81,9 +81,12 @@ impl Clustered {
         let mut surface = prepared.mesh.clone();
         let parents = refine(&mut surface, longest_edge);
         control.check()?;
-        let Some(mut clusters) = Clusters::new(&surface, CELL * bound) else { return Ok(None) };
+        let Some(mut clusters) = Clusters::new(&surface, CELL * bound, control)? else {
+            return Ok(None);
+        };
         control.check()?;
         clusters.free_lost(&surface);
+        control.check()?;
         let Clusters { of, count } = &clusters;
         let kept = surface.triangles.iter().filter(|&triangle| is_kept(of, triangle)).count();
         if kept as f64 > WORTH_IT * surface.triangles.len() as f64 {
@@ -103,6 +106,7 @@ impl Clustered {
             || (Lists::new(*count, of_vertices), Lists::new(*count, of_triangles)),
         );
         let chosen = chosen?;
+        control.check()?;
         let position = |vertex: u32| surface.positions[vertex as usize];
         let positions: Vec<Vector> = chosen.iter().map(|&vertex| position(vertex)).collect();
         let moved = |(vertex, &cluster): (usize, &u32)| {
@@ -208,7 +212,7 @@ struct Clusters {
 
 impl Clusters {
     /// By cells of a size, and octants of normals; `None` if there are too many cells.
-    fn new(surface: &TriangleMesh, size: f64) -> Option<Self> {
+    fn new(surface: &TriangleMesh, size: f64, control: &Control) -> Result<Option<Self>, Error> {
         let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for &position in &surface.positions {
             min = minimum(min, position);
@@ -216,7 +220,7 @@ impl Clusters {
         }
         let counts = subtract(max, min).map(|extent| (extent / size).floor() + 1.0);
         if counts.iter().product::<f64>() > MOST_CELLS {
-            return None;
+            return Ok(None);
         }
         let [width, height, _] = counts.map(|count| count as u64);
         let mut normals = vec![[0.0; 3]; surface.positions.len()];
@@ -227,6 +231,7 @@ impl Clusters {
                 normals[vertex as usize] = add(normals[vertex as usize], normal);
             }
         }
+        control.check()?;
         let vertices = (0_u64..).zip(surface.positions.iter().zip(&normals));
         let mut keys: Vec<u64> = vertices
             .map(|(vertex, (&position, &normal))| {
@@ -238,7 +243,9 @@ impl Clusters {
                 (cell * 8 + octant) << 32 | vertex
             })
             .collect();
+        control.check()?;
         keys.sort_unstable();
+        control.check()?;
         let mut of = vec![0; keys.len()];
         let mut count = 0;
         for cluster in keys.chunk_by(|a, b| a >> 32 == b >> 32) {
@@ -247,7 +254,7 @@ impl Clusters {
             }
             count += 1;
         }
-        Some(Self { of, count: count as usize })
+        Ok(Some(Self { of, count: count as usize }))
     }
 
     /// Where no triangle would be left, as of a narrow ribbon, vertices stay single.

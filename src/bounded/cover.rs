@@ -309,7 +309,8 @@ pub(crate) fn cover(
         return Ok(Covered { pieces, before: None });
     }
     let all = seeds.all();
-    let grown = crate::parallel::map(&pieces, |piece| {
+    let size = |piece: &Piece| piece.seeds.iter().count();
+    let grown = crate::parallel::map_largest_first(&pieces, size, |piece| {
         control.check()?;
         let mut piece = piece.clone();
         if !control.is_past_deadline() {

@@ -102,7 +102,9 @@ pub(crate) fn finish(
         pieces.iter().map(|piece| piece.hull.volume).sum::<f64>() / pieces.len().max(1) as f64;
     let volume_per_vertex = VOLUME_PER_VERTEX * volume;
     let material = Material { seeds, solid, tuning, volume_per_vertex, control };
-    let parts = crate::parallel::map(&pieces, |piece| finish_one(&material, piece));
+    let size = |piece: &Piece| piece.seeds.iter().count();
+    let parts =
+        crate::parallel::map_largest_first(&pieces, size, |piece| finish_one(&material, piece));
     let mut hulls = Vec::new();
     for part in parts {
         hulls.extend(part?);

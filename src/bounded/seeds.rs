@@ -163,7 +163,7 @@ pub(crate) fn seeds(
     groups.retain(|group| {
         group.first().is_none_or(|&triangle| !is_whole[components[triangle as usize] as usize])
     });
-    let parts = crate::parallel::map(&groups, |group| {
+    let parts = crate::parallel::map_largest_first(&groups, Vec::len, |group| {
         divide(&mesh, &surface, &owned, &components, group, solid, largest, tuning, control)
     });
     let mut blocks: Vec<Vec<u32>> = (0..seeds.len() as u32).map(|seed| vec![seed]).collect();
@@ -195,7 +195,7 @@ pub(crate) fn seeds(
     let (mut surface, mut parents) = (Arc::new(surface), Arc::new(parents));
     if let Some(clustered) = solid.clustered.as_deref() {
         (surface, parents) = (clustered.surface.clone(), clustered.parents.clone());
-        take_clusters(&mut seeds, clustered, tuning);
+        take_clusters(&mut seeds, clustered, tuning, control)?;
     }
     let conflicts = conflicts(&seeds, solid, tuning.search_bound, control)?;
     // A hull whose faces all lie on the surface can still swallow what is empty.
@@ -209,7 +209,12 @@ pub(crate) fn seeds(
 }
 
 /// Seeds take the surface that their triangles stand for.
-fn take_clusters(seeds: &mut [Seed], clustered: &Clustered, tuning: &Tuning) {
+fn take_clusters(
+    seeds: &mut [Seed],
+    clustered: &Clustered,
+    tuning: &Tuning,
+    control: &Control,
+) -> Result<(), Error> {
     let mut owners = vec![u32::MAX; clustered.mesh.mesh.triangles.len()];
     for (index, seed) in (0..).zip(&mut *seeds) {
         seed.triangles.drain(..).for_each(|triangle| owners[triangle as usize] = index);
@@ -221,21 +226,25 @@ fn take_clusters(seeds: &mut [Seed], clustered: &Clustered, tuning: &Tuning) {
             seed.triangles.push(triangle);
         }
     }
+    control.check()?;
     let points = crate::parallel::map(seeds, |seed: &Seed| {
+        control.check()?;
         let own = clustered.surface.positions_of(seed.triangles.iter().copied());
         let mut reducer = HullBuilder::new().with_least_tolerance(tuning.reduction);
         let points = match reducer.build(&own) {
             Shape::Solid => reducer.extract().0,
             _ => own.clone(),
         };
-        (own, points)
+        Ok((own, points))
     });
-    for (seed, (own, points)) in seeds.iter_mut().zip(points) {
+    for (seed, result) in seeds.iter_mut().zip(points) {
+        let (own, points) = result?;
         if !points.is_empty() {
             seed.set_points(points);
         }
         seed.own = own;
     }
+    Ok(())
 }
 
 /// Components that are one seed each.
