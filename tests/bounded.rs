@@ -552,6 +552,35 @@ fn of_very_many_triangles_none_is_lost_and_the_promise_holds() {
 }
 
 #[test]
+fn of_very_many_long_triangles_none_is_lost() {
+    // A drum of thin staves, which refinement leaves long, and beside it, flush with its top, a dense brick.
+    let drum = lathe(&[[0.0, -1.0], [1.0, -1.0], [1.0, 1.0], [0.0, 1.0]], 13_000);
+    let side = |from: [f64; 2], to: [f64; 2]| {
+        (0..200).map(f64::from).map(move |i| {
+            [from[0] + i / 200.0 * (to[0] - from[0]), from[1] + i / 200.0 * (to[1] - from[1])]
+        })
+    };
+    let profile: Vec<[f64; 2]> = side([0.001, 0.6], [0.3, 0.6])
+        .chain(side([0.3, 0.6], [0.3, 1.0]))
+        .chain(side([0.3, 1.0], [0.001, 1.0]))
+        .chain(side([0.001, 1.0], [0.001, 0.6]))
+        .collect();
+    let mut brick = lathe(&profile, 64);
+    brick.0.iter_mut().for_each(|point| point[0] += 1.305);
+    let mesh = join(&[brick, drum]);
+    let result = run(&mesh);
+    assert_promise("drum and brick", &mesh, &result);
+    let mut is_held = vec![false; mesh.1.len()];
+    for &triangle in result.hulls.iter().flat_map(|hull| &hull.source_triangles) {
+        is_held[triangle as usize] = true;
+    }
+    let positions = |triangle: usize| mesh.1[triangle].map(|vertex| mesh.0[vertex as usize]);
+    let has_area = |[a, b, c]: [[f64; 3]; 3]| a != b && b != c && c != a;
+    let lost = (0..mesh.1.len()).find(|&t| !is_held[t] && has_area(positions(t)));
+    assert_eq!(lost, None);
+}
+
+#[test]
 fn the_fine_preset_has_no_more_hulls() {
     let mut fine = Parameters::default();
     fine.bounded.preset = Preset::Fine;

@@ -3,7 +3,9 @@
 //!
 //! The same rules as in the fit test decide a face, without its leniences: no part of a face is
 //! left undecided because it is small. The grid serves where it bounds a distance from above, and
-//! tells the side of points that are nearer to the middle of their cell than the surface is.
+//! tells the side of points that are nearer to the middle of their cell than the surface is. Where the solid
+//! is that of a clustered mesh, distances are those to the source (see `Solid::near`), and what is inside may be
+//! as far outside of the source as vertices have moved: no less is ever told.
 
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -59,8 +61,8 @@ pub(super) fn phantom(
     limit: f64,
     control: &Control,
 ) -> Result<f64, Error> {
-    // Below a quarter of the bound nobody asks for the exact figure.
     let reach = solid.reach();
+    // Below a quarter of the bound nobody asks for the exact figure, and below the reach nobody knows it.
     let mut known: f64 = (0.25 * bound).max(reach);
     if !solid.cavities.is_empty() {
         let planes = hull.planes();
@@ -77,6 +79,7 @@ pub(super) fn phantom(
     let mut stack: Vec<[Vector; 3]> = hull.corners().collect();
     // A face on which a hull stands out far makes the rest quick.
     for &[a, b, c] in &stack {
+        control.check()?;
         let centre = scale(add(add(a, b), c), 1.0 / 3.0);
         if solid.upper_distance(centre) + reach > known
             && let Some(near) = solid.near(centre, NO_GUESS)
@@ -89,7 +92,8 @@ pub(super) fn phantom(
     let mut parts = 0;
     while let Some([a, b, c]) = stack.pop() {
         parts += 1;
-        if parts % PARTS_PER_CHECK == 0 {
+        // Where the mesh was clustered a part may take long.
+        if parts % PARTS_PER_CHECK == 0 || reach > 0.0 {
             control.check()?;
         }
         if parts == MANY_PARTS && limit >= bound {
@@ -244,22 +248,22 @@ impl<'a> Outside<'a> {
 
 /// How far the farthest of some points is outside of a hull. Once that is known to be more than
 /// `limit`, any value above `limit` may be returned.
-pub(super) fn left_out(hull: &ConvexHull, points: &Clusters, limit: f64) -> f64 {
+pub(super) fn left_out(hull: &ConvexHull, points: &PointGroups, limit: f64) -> f64 {
     let outside = Outside::new(hull);
     let mut farthest: f64 = 0.0;
-    let (mut of_many, mut of_few) = (Vec::new(), Vec::new());
-    for (many, clusters) in points.many.iter().zip(points.few.chunks(MANY / FEW)) {
-        many.planes_in_reach(&outside.planes, &mut of_many);
-        if of_many.is_empty() {
+    let (mut of_coarse, mut of_fine) = (Vec::new(), Vec::new());
+    for (coarse, groups) in points.coarse.iter().zip(points.fine.chunks(MANY / FEW)) {
+        coarse.planes_in_reach(&outside.planes, &mut of_coarse);
+        if of_coarse.is_empty() {
             continue;
         }
-        for few in clusters {
-            few.planes_in_reach(&of_many, &mut of_few);
-            if of_few.is_empty() {
+        for fine in groups {
+            fine.planes_in_reach(&of_coarse, &mut of_fine);
+            if of_fine.is_empty() {
                 continue;
             }
-            for &point in &points.points[few.range.clone()] {
-                farthest = farthest.max(outside.distance_from(&of_few, point, limit));
+            for &point in &points.points[fine.range.clone()] {
+                farthest = farthest.max(outside.distance_from(&of_fine, point, limit));
                 if farthest > limit {
                     return farthest;
                 }
@@ -271,38 +275,38 @@ pub(super) fn left_out(hull: &ConvexHull, points: &Clusters, limit: f64) -> f64 
 
 /// Points that are asked together where they are close together: most planes of a hull have none of them
 /// in front.
-pub(super) struct Clusters {
+pub(super) struct PointGroups {
     /// Along a space-filling curve.
     points: Vec<Vector>,
     /// Each of [`MANY`] points, and of [`FEW`].
-    many: Vec<Cluster>,
-    few: Vec<Cluster>,
+    coarse: Vec<PointGroup>,
+    fine: Vec<PointGroup>,
 }
 
 /// Points that follow each other, and a ball around them.
-struct Cluster {
+struct PointGroup {
     range: Range<usize>,
     centre: Vector,
     radius: f64,
 }
 
-/// Points of a cluster, and of one within it.
+/// Points of a group, and of one within it.
 const MANY: usize = 128;
 const FEW: usize = 8;
 
-impl Cluster {
+impl PointGroup {
     fn all(points: &[Vector], size: usize) -> Vec<Self> {
         let starts = (0..points.len()).step_by(size);
-        let clusters = starts.zip(points.chunks(size)).map(|(start, points)| {
+        let groups = starts.zip(points.chunks(size)).map(|(start, points)| {
             let sum = points.iter().fold([0.0; 3], |sum, &point| add(sum, point));
             let centre = scale(sum, 1.0 / points.len() as f64);
             let radius = points.iter().map(|&point| distance(centre, point)).fold(0.0, f64::max);
             Self { range: start..start + points.len(), centre, radius }
         });
-        clusters.collect()
+        groups.collect()
     }
 
-    /// Those of some planes that a point of the cluster may be in front of.
+    /// Those of some planes that a point of the group may be in front of.
     fn planes_in_reach(&self, planes: &[Plane], in_reach: &mut Vec<Plane>) {
         let may_matter = |plane: &&Plane| plane.height(self.centre) + self.radius > -ROUNDING;
         in_reach.clear();
@@ -310,7 +314,7 @@ impl Cluster {
     }
 }
 
-impl Clusters {
+impl PointGroups {
     /// O(n log n).
     pub(super) fn new(points: &[Vector]) -> Self {
         let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
@@ -331,8 +335,8 @@ impl Clusters {
             points.iter().map(|&point| (number(point), point)).collect();
         numbered.sort_by_key(|&(number, _)| number);
         let points: Vec<Vector> = numbered.into_iter().map(|(_, point)| point).collect();
-        let (many, few) = (Cluster::all(&points, MANY), Cluster::all(&points, FEW));
-        Self { points, many, few }
+        let (coarse, fine) = (PointGroup::all(&points, MANY), PointGroup::all(&points, FEW));
+        Self { points, coarse, fine }
     }
 }
 
@@ -452,7 +456,7 @@ mod tests {
             points.iter().map(|&p| outside.distance(p, f64::INFINITY)).fold(0.0, f64::max)
         };
         for points in [&points[..], &points[..50], &points[1400..1600], &[]] {
-            let found = left_out(&cube, &Clusters::new(points), f64::INFINITY);
+            let found = left_out(&cube, &PointGroups::new(points), f64::INFINITY);
             assert_eq!(found, expected(points));
         }
         assert!((expected(&points) - 0.3).abs() < 1e-3);

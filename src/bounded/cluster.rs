@@ -1,11 +1,13 @@
-//! Vertex clustering: a mesh of very many triangles is searched by one of fewer, so that only welding and
-//! verification look at all of them (Rossignac and Borrel, "Multi-resolution 3D approximations for
+//! Vertex clustering: a closed mesh of very many triangles is searched by one of fewer, and only repair, the
+//! hulls of seeds and verification look at all of them (Rossignac and Borrel, "Multi-resolution 3D approximations for
 //! rendering complex scenes", 1993).
 //!
 //! Vertices in the same cell of a grid whose normals point into the same octant become one of them: that
 //! with the least quadric error (Lindstrom, "Out-of-core simplification of large polygonal models", 2000),
-//! so that edges stay sharp. No point moves farther than [`Clustered::reach`], and the winding number about
-//! a point that is farther away than that from either surface is the same.
+//! so that edges stay sharp. No point moves farther than [`Clustered::reach`]: the surface of fewer triangles is
+//! that close to the source everywhere, and what is inside of it is inside of the source, or that close to it,
+//! since the winding number about a point changes only when the surface moves across it. (The other way round
+//! holds but for spikes and ribbons that are shorter and narrower than cells, and vanish.)
 
 use std::sync::Arc;
 
@@ -35,6 +37,12 @@ const MOST_CELLS: f64 = (1_u64 << 29) as f64;
 /// distance to the middle counts as error.
 const TO_THE_MIDDLE: f64 = 1e-3;
 
+/// A triangle with a side longer than this, in cells, is kept as it is.
+const LONG: f64 = 2.0;
+
+/// All that became one vertex is looked through for distances: of a detail in a large scene that is too much.
+const MOST_IN_A_CLUSTER: usize = 4096;
+
 /// Octants are told apart along these axes: flat sides along the usual ones are common, and noise would
 /// divide each of them.
 const AXES: [Vector; 3] = [[0.51, 0.71, 0.48], [-0.83, 0.27, 0.49], [0.22, -0.65, 0.73]];
@@ -54,8 +62,8 @@ pub(crate) struct Clustered {
     pub parents: Arc<Vec<u32>>,
     /// The mesh of fewer triangles. It says nothing about where in the input they come from.
     pub mesh: PreparedMesh,
-    /// For each triangle of `surface` the one of `mesh` that stands for it.
-    pub stands: Vec<u32>,
+    /// For each triangle of `surface` the one of `mesh` that stands in for it.
+    pub stand_in: Vec<u32>,
     /// For each vertex of `mesh` those of `surface` that became it.
     vertices: Lists,
     /// For each vertex of `mesh` the triangles of `surface` around those.
@@ -65,7 +73,8 @@ pub(crate) struct Clustered {
 }
 
 impl Clustered {
-    /// `None` where the mesh has few triangles, or would keep most of them. O(n log n) for n vertices.
+    /// `None` where the mesh has few triangles, would keep most of them, is not closed, or has sheets that are
+    /// there both ways. O(n log n) for n vertices.
     ///
     /// # Errors
     /// [`Error::Cancelled`].
@@ -75,19 +84,26 @@ impl Clustered {
         longest_edge: f64,
         control: &Control,
     ) -> Result<Option<Self>, Error> {
-        if prepared.mesh.triangles.len() < MANY_TRIANGLES {
+        // Where the surface ends, the winding number changes without it.
+        let is_closed = prepared.closed.iter().all(|&closed| closed);
+        if prepared.mesh.triangles.len() < MANY_TRIANGLES
+            || !is_closed
+            || prepared.is_both_ways.contains(&true)
+        {
             return Ok(None);
         }
         let mut surface = prepared.mesh.clone();
         let parents = refine(&mut surface, longest_edge);
         control.check()?;
-        let Some(mut clusters) = Clusters::new(&surface, CELL * bound, control)? else {
+        let size = CELL * bound;
+        let Some(mut clusters) = VertexClusters::new(&surface, size, control)? else {
             return Ok(None);
         };
         control.check()?;
-        clusters.free_lost(&surface);
+        clusters.free_long(&surface, LONG * size);
+        clusters.free_lost(&surface, control)?;
         control.check()?;
-        let Clusters { of, count } = &clusters;
+        let VertexClusters { of, count } = &clusters;
         let kept = surface.triangles.iter().filter(|&triangle| is_kept(of, triangle)).count();
         if kept as f64 > WORTH_IT * surface.triangles.len() as f64 {
             return Ok(None);
@@ -107,6 +123,9 @@ impl Clustered {
         );
         let chosen = chosen?;
         control.check()?;
+        if vertices.longest().max(around.longest()) > MOST_IN_A_CLUSTER {
+            return Ok(None);
+        }
         let position = |vertex: u32| surface.positions[vertex as usize];
         let positions: Vec<Vector> = chosen.iter().map(|&vertex| position(vertex)).collect();
         let moved = |(vertex, &cluster): (usize, &u32)| {
@@ -118,12 +137,12 @@ impl Clustered {
         let (mut components, mut is_both_ways) = (Vec::new(), Vec::new());
         // For each cluster any triangle that is left there.
         let mut left = vec![u32::MAX; *count];
-        let mut stands = vec![u32::MAX; surface.triangles.len()];
+        let mut stand_in = vec![u32::MAX; surface.triangles.len()];
         for (index, triangle) in surface.triangles.iter().enumerate() {
             if is_kept(of, triangle) {
                 let corners = triangle.map(|vertex| of[vertex as usize]);
                 let new = triangles.len() as u32;
-                stands[index] = new;
+                stand_in[index] = new;
                 corners.iter().for_each(|&corner| left[corner as usize] = new);
                 triangles.push(corners);
                 components.push(prepared.components[parents[index] as usize]);
@@ -131,10 +150,10 @@ impl Clustered {
             }
         }
         control.check()?;
-        for (stands, corners) in stands.iter_mut().zip(&surface.triangles) {
-            if *stands == u32::MAX {
+        for (stand_in, corners) in stand_in.iter_mut().zip(&surface.triangles) {
+            if *stand_in == u32::MAX {
                 let left = corners.map(|corner| left[of[corner as usize] as usize]);
-                *stands = left.into_iter().min().unwrap_or(u32::MAX);
+                *stand_in = left.into_iter().min().unwrap_or(u32::MAX);
             }
         }
         let mesh = PreparedMesh {
@@ -146,7 +165,7 @@ impl Clustered {
             ..PreparedMesh::default()
         };
         let (surface, parents) = (Arc::new(surface), Arc::new(parents));
-        Ok(Some(Self { surface, parents, mesh, stands, vertices, around, reach }))
+        Ok(Some(Self { surface, parents, mesh, stand_in, vertices, around, reach }))
     }
 
     /// The distance to the surface from a point near three vertices of the mesh, or more, and the surface's
@@ -204,13 +223,13 @@ impl Clustered {
 }
 
 /// Which vertices become one.
-struct Clusters {
+struct VertexClusters {
     /// For each vertex its cluster.
     of: Vec<u32>,
     count: usize,
 }
 
-impl Clusters {
+impl VertexClusters {
     /// By cells of a size, and octants of normals; `None` if there are too many cells.
     fn new(surface: &TriangleMesh, size: f64, control: &Control) -> Result<Option<Self>, Error> {
         let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
@@ -257,23 +276,67 @@ impl Clusters {
         Ok(Some(Self { of, count: count as usize }))
     }
 
-    /// Where no triangle would be left, as of a narrow ribbon, vertices stay single.
-    fn free_lost(&mut self, surface: &TriangleMesh) {
-        let mut has_triangle = vec![false; self.count];
-        for triangle in surface.triangles.iter().filter(|&triangle| is_kept(&self.of, triangle)) {
-            triangle.iter().for_each(|&v| has_triangle[self.of[v as usize] as usize] = true);
-        }
-        let mut is_taken = vec![false; self.count];
-        for cluster in &mut self.of {
-            if !has_triangle[*cluster as usize] {
-                if is_taken[*cluster as usize] {
-                    *cluster = self.count as u32;
-                    self.count += 1;
-                } else {
-                    is_taken[*cluster as usize] = true;
-                }
+    /// The corners of triangles that would vanish, though a side of them is longer than `longest`, stay
+    /// single: the tip of a needle, say.
+    fn free_long(&mut self, surface: &TriangleMesh, longest: f64) {
+        let is_long = |&[a, b, c]: &[u32; 3]| {
+            let squared = |from: u32, to: u32| {
+                let [from, to] = [from, to].map(|vertex| surface.positions[vertex as usize]);
+                length_squared(subtract(to, from))
+            };
+            squared(a, b).max(squared(b, c)).max(squared(c, a)) > longest * longest
+        };
+        let mut is_free = vec![false; self.of.len()];
+        for triangle in surface.triangles.iter().filter(|&triangle| !is_kept(&self.of, triangle)) {
+            if is_long(triangle) {
+                triangle.iter().for_each(|&vertex| is_free[vertex as usize] = true);
             }
         }
+        for (cluster, _) in self.of.iter_mut().zip(is_free).filter(|(_, is_free)| *is_free) {
+            *cluster = self.count as u32;
+            self.count += 1;
+        }
+        self.renumber();
+    }
+
+    /// Where no triangle would be left, as of a narrow ribbon, vertices stay single.
+    fn free_lost(&mut self, surface: &TriangleMesh, control: &Control) -> Result<(), Error> {
+        loop {
+            control.check()?;
+            let mut has_triangle = vec![false; self.count];
+            for triangle in surface.triangles.iter().filter(|&triangle| is_kept(&self.of, triangle))
+            {
+                triangle.iter().for_each(|&v| has_triangle[self.of[v as usize] as usize] = true);
+            }
+            let before = self.count;
+            let mut is_taken = vec![false; before];
+            for cluster in &mut self.of {
+                if !has_triangle[*cluster as usize] {
+                    if is_taken[*cluster as usize] {
+                        *cluster = self.count as u32;
+                        self.count += 1;
+                    } else {
+                        is_taken[*cluster as usize] = true;
+                    }
+                }
+            }
+            if self.count == before {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Numbers without gaps, in the order of the clusters.
+    fn renumber(&mut self) {
+        let mut numbers = vec![0_u32; self.count];
+        self.of.iter().for_each(|&cluster| numbers[cluster as usize] = 1);
+        let mut count = 0;
+        for number in numbers.iter_mut().filter(|number| **number == 1) {
+            *number = count;
+            count += 1;
+        }
+        self.of.iter_mut().for_each(|cluster| *cluster = numbers[*cluster as usize]);
+        self.count = count as usize;
     }
 }
 
@@ -289,7 +352,6 @@ struct Quadric {
     coefficients: [f64; 10],
     weight: f64,
     middle: Vector,
-    origin: Option<Vector>,
 }
 
 impl Quadric {
@@ -298,31 +360,27 @@ impl Quadric {
         if area <= 0.0 {
             return;
         }
-        let origin = *self.origin.get_or_insert(point);
         let [x, y, z] = scale(normal, 1.0 / area);
-        let offset = -dot([x, y, z], subtract(point, origin));
-        let terms = [
-            x * x,
-            y * y,
-            z * z,
-            x * y,
-            y * z,
-            z * x,
-            x * offset,
-            y * offset,
-            z * offset,
-            offset * offset,
-        ];
+        let offset = -dot([x, y, z], point);
+        let squares = [x * x, y * y, z * z, x * y, y * z, z * x];
+        let others = [x * offset, y * offset, z * offset, offset * offset];
+        let terms = squares.into_iter().chain(others);
         for (coefficient, term) in self.coefficients.iter_mut().zip(terms) {
             *coefficient += area * term;
         }
         self.weight += area;
-        self.middle = add(self.middle, scale(subtract(point, origin), area));
+        self.middle = add(self.middle, scale(point, area));
     }
 
-    fn error(&self, point: Vector) -> f64 {
-        let Some(origin) = self.origin else { return 0.0 };
-        let [x, y, z] = subtract(point, origin);
+    fn add_all(&mut self, other: &Self) {
+        for (coefficient, term) in self.coefficients.iter_mut().zip(other.coefficients) {
+            *coefficient += term;
+        }
+        self.weight += other.weight;
+        self.middle = add(self.middle, other.middle);
+    }
+
+    fn error(&self, [x, y, z]: Vector) -> f64 {
         let [xx, yy, zz, xy, yz, zx, ox, oy, oz, one] = self.coefficients;
         let squares = xx * x * x + yy * y * y + zz * z * z;
         let products = xy * x * y + yz * y * z + zx * z * x;
@@ -335,28 +393,51 @@ impl Quadric {
 /// For each cluster the vertex that all its vertices become.
 fn chosen(
     surface: &TriangleMesh,
-    clusters: &Clusters,
+    clusters: &VertexClusters,
     control: &Control,
 ) -> Result<Vec<u32>, Error> {
-    let mut quadrics = vec![Quadric::default(); clusters.count];
-    for (index, triangle) in surface.triangles.iter().enumerate() {
-        if index.is_multiple_of(TRIANGLES_PER_CHECK) {
-            control.check()?;
-        }
-        let [a, b, c] = triangle.map(|vertex| surface.positions[vertex as usize]);
-        let normal = area_normal(a, b, c);
-        let [first, second, third] = triangle.map(|vertex| clusters.of[vertex as usize]);
-        quadrics[first as usize].add_plane(normal, a);
-        if second != first {
-            quadrics[second as usize].add_plane(normal, b);
-        }
-        if third != first && third != second {
-            quadrics[third as usize].add_plane(normal, c);
-        }
+    // Backwards, so that the first vertex of each cluster stays.
+    let mut first = vec![0_u32; clusters.count];
+    for (vertex, &cluster) in (0..clusters.of.len() as u32).zip(&clusters.of).rev() {
+        first[cluster as usize] = vertex;
     }
-    let mut chosen = vec![(f64::INFINITY, 0_u32); clusters.count];
+    let origins: Vec<Vector> =
+        first.iter().map(|&vertex| surface.positions[vertex as usize]).collect();
+    let quadrics = |triangles: &[[u32; 3]]| {
+        let mut quadrics = vec![Quadric::default(); clusters.count];
+        for (index, triangle) in triangles.iter().enumerate() {
+            if index.is_multiple_of(TRIANGLES_PER_CHECK) {
+                control.check()?;
+            }
+            let [a, b, c] = triangle.map(|vertex| surface.positions[vertex as usize]);
+            let normal = area_normal(a, b, c);
+            let [first, second, third] = triangle.map(|vertex| clusters.of[vertex as usize]);
+            let mut add = |cluster: u32, corner: Vector| {
+                let point = subtract(corner, origins[cluster as usize]);
+                quadrics[cluster as usize].add_plane(normal, point);
+            };
+            add(first, a);
+            if second != first {
+                add(second, b);
+            }
+            if third != first && third != second {
+                add(third, c);
+            }
+        }
+        Ok::<_, Error>(quadrics)
+    };
+    // Always the same two halves: sums must not depend on threads.
+    let (one, other) = surface.triangles.split_at(surface.triangles.len() / 2);
+    let (one, other) = crate::parallel::join(|| quadrics(one), || quadrics(other));
+    let mut quadrics = one?;
+    for (quadric, other) in quadrics.iter_mut().zip(&other?) {
+        quadric.add_all(other);
+    }
+    let mut chosen: Vec<(f64, u32)> =
+        first.into_iter().map(|vertex| (f64::INFINITY, vertex)).collect();
     for ((vertex, &position), &cluster) in (0..).zip(&surface.positions).zip(&clusters.of) {
-        let error = quadrics[cluster as usize].error(position);
+        let away = subtract(position, origins[cluster as usize]);
+        let error = quadrics[cluster as usize].error(away);
         let best = &mut chosen[cluster as usize];
         if error < best.0 {
             *best = (error, vertex);
@@ -389,6 +470,10 @@ impl Lists {
             next[number as usize] += 1;
         }
         Self { starts, entries }
+    }
+
+    fn longest(&self) -> usize {
+        self.starts.windows(2).map(|pair| (pair[1] - pair[0]) as usize).max().unwrap_or(0)
     }
 
     fn of(&self, number: u32) -> &[u32] {
@@ -431,8 +516,8 @@ mod tests {
             }
         }
         assert!(edges.values().all(|&count| count == 0));
-        for (triangle, &stands) in surface.triangles.iter().zip(&clustered.stands) {
-            let corners = mesh.triangles[stands as usize].map(|v| mesh.positions[v as usize]);
+        for (triangle, &stand_in) in surface.triangles.iter().zip(&clustered.stand_in) {
+            let corners = mesh.triangles[stand_in as usize].map(|v| mesh.positions[v as usize]);
             let corner = surface.positions[triangle[0] as usize];
             let nearest = corners.map(|other| distance(corner, other)).into_iter();
             assert!(nearest.fold(f64::INFINITY, f64::min) <= 2.0 * clustered.reach);

@@ -7,7 +7,7 @@
 //! smaller. What is left then, the vertices that stand out most, may keep no bound: `finish` divides
 //! it.
 
-use super::certify::{Clusters, left_out, phantom};
+use super::certify::{PointGroups, left_out, phantom};
 use super::finish::{LEFT_OUT, MOST_LEFT_OUT, Material};
 use crate::Error;
 use crate::hull::{
@@ -34,7 +34,7 @@ pub(super) struct Whole {
     /// How far outside of it what it must hold lies.
     pub left_out: f64,
     /// What it must hold.
-    pub own: Clusters,
+    pub own: PointGroups,
     pub outward: Vector,
 }
 

@@ -2,7 +2,7 @@
 //! the source.
 
 use super::Tuning;
-use super::certify::{self, Clusters, Outside, left_out};
+use super::certify::{self, Outside, PointGroups, left_out};
 use super::cover::{self, Covered, hull_of};
 use super::few_vertices::{Few, Whole, few_vertices};
 use super::piece::{Hull, Piece};
@@ -131,9 +131,11 @@ fn exposed(material: &Material<'_>, hulls: &[Finished]) -> Result<f64, Error> {
             hull.triangles(seeds).for_each(|triangle| owners[triangle as usize] = index);
             continue;
         }
-        for seed in hull.seeds.iter().map(|seed| &seeds.seeds[seed as usize]) {
-            let own = seeds.surface.positions_of(seed.triangles.iter().copied());
-            let left_out = left_out(&hull.hull, &Clusters::new(&own), f64::INFINITY);
+        for seed in hull.seeds.iter() {
+            control.check()?;
+            let own = own_points(seeds, &SeedSet::of(seeds.count(), [seed]), None);
+            let seed = &seeds.seeds[seed as usize];
+            let left_out = left_out(&hull.hull, &PointGroups::new(&own), f64::INFINITY);
             if left_out <= allowed {
                 exposed = exposed.max(left_out);
             } else {
@@ -230,28 +232,28 @@ fn finished(
         }
     };
     let own = extreme(builder, own_points(seeds, &set, part.as_deref()));
-    let clusters = Clusters::new(&own);
+    let groups = PointGroups::new(&own);
     let points = hull.vertices();
     let (mut full, mut added_thickness) =
         solid_hull(builder, &points, hull.outward, LEAST_THICKNESS)?;
     let allowed = LEFT_OUT * tuning.bound;
-    let mut full_left_out = left_out(&full, &clusters, allowed);
+    let mut full_left_out = left_out(&full, &groups, allowed);
     if full_left_out > allowed && own.len() > WORTH_A_HULL.end {
         // The hull of very many points has thousands of vertices that don't matter.
         let mut reducer = HullBuilder::new().with_least_tolerance(OF_MANY * allowed);
         if reducer.build(&own) == Shape::Solid {
             let points = reducer.extract().0;
             (full, added_thickness) = solid_hull(builder, &points, hull.outward, LEAST_THICKNESS)?;
-            full_left_out = left_out(&full, &clusters, allowed);
+            full_left_out = left_out(&full, &groups, allowed);
         }
     }
     if full_left_out > allowed {
         // Beyond a sharp edge a point can be far away that is hardly in front of any face.
         (full, added_thickness) = solid_hull(builder, &own, hull.outward, LEAST_THICKNESS)?;
-        full_left_out = left_out(&full, &clusters, f64::INFINITY);
+        full_left_out = left_out(&full, &groups, f64::INFINITY);
     }
     let component = set.iter().next().map_or(0, |seed| seeds.seeds[seed as usize].component);
-    let whole = Whole { hull: full, left_out: full_left_out, own: clusters, outward: hull.outward };
+    let whole = Whole { hull: full, left_out: full_left_out, own: groups, outward: hull.outward };
     let Few { hull, growth, phantom, left_out } = few_vertices(material, whole, builder)?;
     Ok(Finished {
         hull,

@@ -25,6 +25,10 @@ const BAND: f64 = 2.5;
 /// Distances are handed on in this many steps of growing distance.
 const STEPS: usize = 48;
 
+/// A triangle with one side this short and another this long, in cells, is a needle.
+const NEEDLE_WIDTH: f32 = 2.0;
+const NEEDLE_LENGTH: f32 = 8.0;
+
 /// A cell farther than this from the surface, in cells, is not cut off from its neighbours by it:
 /// half a cell, and room for distances that are too large.
 const FREE: f32 = 0.8;
@@ -182,14 +186,25 @@ impl Grid {
                 control.check()?;
             }
             let triangle = corners(t);
-            let [a, b, c] = triangle.map(|corner| corner.map(|x| x as f32));
+            let [mut a, mut b, mut c] = triangle.map(|corner| corner.map(|x| x as f32));
+            let side = |from: [f32; 3], to: [f32; 3]| length(sub(to, from)) * self.inverse;
+            let longest = side(a, b).max(side(b, c)).max(side(c, a));
+            let cuts = longest.ceil().max(1.0) as usize;
+            // Across a needle a few rows are enough: along its shortest side.
+            let shortest = side(a, b).min(side(b, c)).min(side(c, a));
+            let is_needle = shortest <= NEEDLE_WIDTH && longest > NEEDLE_LENGTH;
+            while is_needle && side(a, b) > shortest {
+                (a, b, c) = (b, c, a);
+            }
+            let rows = if is_needle { shortest.ceil().max(1.0) as usize } else { cuts };
             let (u, v) = (sub(b, a), sub(c, a));
-            let longest = length(u).max(length(v)).max(length(sub(c, b)));
-            let cuts = (longest * self.inverse).ceil().max(1.0) as usize;
             let mut last = usize::MAX;
-            for i in 0..=cuts {
-                for j in 0..=cuts - i {
-                    let (x, y) = (i as f32 / cuts as f32, j as f32 / cuts as f32);
+            for i in 0..=rows {
+                let x = i as f32 / rows as f32;
+                let most = if is_needle { cuts } else { cuts - i };
+                for j in 0..=most {
+                    let share = if is_needle { 1.0 - x } else { 1.0 };
+                    let y = share * (j as f32 / cuts as f32);
                     let point = [0, 1, 2].map(|k| a[k] + x * u[k] + y * v[k]);
                     let place = self.place(point);
                     let index = self.index(place);

@@ -3,7 +3,7 @@
 //!
 //! | file | stage |
 //! |---|---|
-//! | `cluster` | of very many triangles fewer, for all but verification |
+//! | `cluster` | of very many triangles fewer, for the search |
 //! | `solid` | the fit test: whether a hull stands out of the solid; `grid` answers most of it, `verdicts` remembers, `cavities` finds what hulls may not swallow |
 //! | `refine`, `seeds` | a simplified or refined mesh, the paper's groups (3.4.1), halved until they fit; who conflicts with whom |
 //! | `merge` | pieces join best-first |
@@ -221,7 +221,7 @@ impl Run {
                         Some(solid) => Ok(*solid),
                         None => solid(&self.prepared, clustered.clone(), tuning, control),
                     },
-                    || seeds::working_mesh(mesh, tuning, control),
+                    || seeds::working_mesh(mesh, clustered.is_some(), tuning, control),
                 );
                 State::Working(Box::new((solid?, working?)))
             }
@@ -299,14 +299,14 @@ impl Run {
     }
 }
 
-/// A mesh of fewer triangles, where there are very many and they are closed.
+/// A mesh of fewer triangles, where there are very many.
 fn clustered(
     prepared: &PreparedMesh,
     tuning: &Tuning,
     control: &Control,
 ) -> Result<Option<Arc<Clustered>>, Error> {
-    // Of what is open the inside is not as certain, and a narrow cavity may close.
-    if tuning.keep_cavities || !prepared.closed.iter().all(|&closed| closed) {
+    // A narrow cavity may close.
+    if tuning.keep_cavities {
         return Ok(None);
     }
     let clustered = Clustered::new(prepared, tuning.bound, tuning.longest_edge, control)?;

@@ -45,7 +45,7 @@ pub(crate) struct Seed {
     pub max: Vector,
     /// The triangles of [`Seeds::surface`] that it stands for.
     pub triangles: Vec<u32>,
-    /// Their vertices, where there are so many that looking for them again would take long.
+    /// Their vertices, where the mesh was clustered: there are many, and to look for them again takes long.
     pub own: Vec<Vector>,
     pub component: u32,
 }
@@ -102,26 +102,42 @@ pub(crate) struct Working {
     owned: Vec<Vec<u32>>,
 }
 
-/// Simplifies a dense mesh and refines a coarse one. One that was clustered has been refined.
+/// Simplifies a dense mesh and refines a coarse one. The surface of one that was clustered stays as it is:
+/// what its triangles stand in for has been refined.
 pub(crate) fn working_mesh(
     prepared: &PreparedMesh,
+    is_clustered: bool,
     tuning: &Tuning,
     control: &Control,
 ) -> Result<Working, Error> {
     let mut surface = prepared.mesh.clone();
-    let parents = refine(&mut surface, tuning.longest_edge);
+    let parents = if is_clustered {
+        (0..surface.triangles.len() as u32).collect()
+    } else {
+        refine(&mut surface, tuning.longest_edge)
+    };
     let components_of = |parents: &[u32], components: &[u32]| {
         parents.iter().map(|&parent| components[parent as usize]).collect::<Vec<u32>>()
     };
     control.check()?;
     if prepared.mesh.triangles.len() <= tuning.triangles {
-        return Ok(Working {
-            mesh: surface.clone(),
-            components: components_of(&parents, &prepared.components),
-            owned: (0..surface.triangles.len() as u32).map(|triangle| vec![triangle]).collect(),
-            surface,
-            parents,
+        let mut mesh = surface.clone();
+        let origins = if is_clustered {
+            refine(&mut mesh, tuning.longest_edge)
+        } else {
+            (0..mesh.triangles.len() as u32).collect()
+        };
+        // The first part of a triangle stands for all of it.
+        let mut last = u32::MAX;
+        let owned = origins.iter().map(|&origin| {
+            let is_first = std::mem::replace(&mut last, origin) != origin;
+            if is_first { vec![origin] } else { Vec::new() }
         });
+        let owned = owned.collect();
+        let parents_of_parts: Vec<u32> =
+            origins.iter().map(|&origin| parents[origin as usize]).collect();
+        let components = components_of(&parents_of_parts, &prepared.components);
+        return Ok(Working { mesh, components, surface, parents, owned });
     }
     let simplified = simplify(&prepared.mesh, &prepared.components, tuning.triangles);
     control.check()?;
@@ -160,9 +176,11 @@ pub(crate) fn seeds(
     let mut groups = members(&grouping.labels, grouping.count);
     let Whole { is_whole, mut seeds, mut labels } =
         whole_components(&mesh, &surface, &owned, &components, solid, tuning, control)?;
-    groups.retain(|group| {
-        group.first().is_none_or(|&triangle| !is_whole[components[triangle as usize] as usize])
-    });
+    // Of clustered meshes a group may reach across components.
+    for group in &mut groups {
+        group.retain(|&triangle| !is_whole[components[triangle as usize] as usize]);
+    }
+    groups.retain(|group| !group.is_empty());
     let parts = crate::parallel::map_largest_first(&groups, Vec::len, |group| {
         divide(&mesh, &surface, &owned, &components, group, solid, largest, tuning, control)
     });
@@ -219,8 +237,8 @@ fn take_clusters(
     for (index, seed) in (0..).zip(&mut *seeds) {
         seed.triangles.drain(..).for_each(|triangle| owners[triangle as usize] = index);
     }
-    for (triangle, &stands) in (0..).zip(&clustered.stands) {
-        if let Some(&owner) = owners.get(stands as usize)
+    for (triangle, &stand_in) in (0..).zip(&clustered.stand_in) {
+        if let Some(&owner) = owners.get(stand_in as usize)
             && let Some(seed) = seeds.get_mut(owner as usize)
         {
             seed.triangles.push(triangle);

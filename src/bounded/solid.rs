@@ -43,7 +43,7 @@ const LARGE: f64 = 3.0;
 /// More than the rounding of the grid's distances, in diagonals.
 const SINGLE_PRECISION: f64 = 1e-6;
 
-/// The source mesh as a solid.
+/// The source mesh as a solid, or one of fewer triangles that stands for it.
 pub(crate) struct Solid {
     pub field: Field,
     /// Whether the surface encloses the inside: only then does being inside say anything.
@@ -63,7 +63,7 @@ pub(crate) struct Solid {
 pub(super) struct Near {
     /// At least the distance.
     pub upper: f64,
-    /// At most the distance.
+    /// At most how deep it is inside of the source, or of what is that near to it, if it is inside.
     pub lower: f64,
     /// The distance to the solid's own surface.
     own: f64,
@@ -110,8 +110,8 @@ impl Solid {
         self.triangles = triangles.to_vec();
     }
 
-    /// The source is at most this far from the solid's own surface, and the other way round. What is inside
-    /// of the one is inside of the other, or not farther from it than this.
+    /// The solid's own surface is at most this far from the source, and what is inside of the one is inside of
+    /// the other, or that near to it.
     pub fn reach(&self) -> f64 {
         self.clustered.as_ref().map_or(0.0, |clustered| clustered.reach)
     }
@@ -174,8 +174,8 @@ impl Solid {
         self.farthest_corner(face, self.grid.owner(centre)).min(of_point)
     }
 
-    /// At least the distance to the surface from any point of a face, as far as one triangle of the
-    /// source tells.
+    /// At least the distance to the solid's own surface from any point of a face, as far as one triangle of it
+    /// tells.
     #[inline]
     pub fn farthest_corner(&self, face: [Vector; 3], triangle: u32) -> f64 {
         largest(face.map(|corner| self.field.distance_to(corner, triangle)))

@@ -40,8 +40,8 @@ pub(crate) fn weld(positions: &[Vector], used: &[bool]) -> Vec<u32> {
         if !used[vertex] {
             continue;
         }
-        let low = position.map(|x| ((x - WELD_TOLERANCE) / cell_size).floor() as i64);
-        let high = position.map(|x| ((x + WELD_TOLERANCE) / cell_size).floor() as i64);
+        let low = position.map(|x| floor((x - WELD_TOLERANCE) / cell_size));
+        let high = position.map(|x| floor((x + WELD_TOLERANCE) / cell_size));
         let mut found = NONE;
         for x in low[0]..=high[0] {
             for y in low[1]..=high[1] {
@@ -58,7 +58,7 @@ pub(crate) fn weld(positions: &[Vector], used: &[bool]) -> Vec<u32> {
             }
         }
         if found == NONE {
-            let slot = slot_of(position.map(|x| (x / cell_size).floor() as i64));
+            let slot = slot_of(position.map(|x| floor(x / cell_size)));
             next[vertex] = heads[slot];
             heads[slot] = vertex as u32;
         } else {
@@ -66,6 +66,13 @@ pub(crate) fn weld(positions: &[Vector], used: &[bool]) -> Vec<u32> {
         }
     }
     representatives
+}
+
+/// Rounds down: without newer processors' instructions a call for each number takes a third of the time.
+#[inline]
+fn floor(x: f64) -> i64 {
+    let towards_zero = x as i64;
+    towards_zero - i64::from(towards_zero as f64 > x)
 }
 
 /// Multiplies each coordinate by a large odd number: neighbouring cells end up far apart in the
