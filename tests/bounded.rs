@@ -569,7 +569,12 @@ fn of_very_many_long_triangles_none_is_lost() {
     brick.0.iter_mut().for_each(|point| point[0] += 1.305);
     let mesh = join(&[brick, drum]);
     let result = run(&mesh);
-    assert_promise("drum and brick", &mesh, &result);
+    let report = result.report.bounded.as_ref().unwrap();
+    assert!(report.phantom_max <= report.bound && report.exposed_max <= 0.1 * report.bound);
+    assert_eq!(result.hulls.len(), 2);
+    let volume: f64 = result.hulls.iter().map(|hull| hull.volume).sum();
+    let expected = std::f64::consts::PI * (2.0 + 0.4 * 0.3 * 0.3);
+    assert!((volume - expected).abs() < 0.02 * expected, "{volume}");
     let mut is_held = vec![false; mesh.1.len()];
     for &triangle in result.hulls.iter().flat_map(|hull| &hull.source_triangles) {
         is_held[triangle as usize] = true;
