@@ -38,9 +38,13 @@ pub(crate) enum PatchKind {
 }
 
 impl Connectivity {
-    /// Almost linear time.
+    #[cfg(test)]
     pub(crate) fn new(triangles: &[[u32; 3]], vertices: usize) -> Self {
-        let half_edges = SortedHalfEdges::new(triangles, vertices);
+        Self::of(triangles, &SortedHalfEdges::new(triangles, vertices))
+    }
+
+    /// Almost linear time.
+    pub(crate) fn of(triangles: &[[u32; 3]], half_edges: &SortedHalfEdges) -> Self {
         let mut forest = ParityForest::new(triangles.len());
         let mut on_open_edge = Vec::new();
         let mut on_twisted_edge = Vec::new();

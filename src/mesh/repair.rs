@@ -7,6 +7,7 @@
 
 use super::components::Connectivity;
 use super::degenerate::{drop_degenerate, drop_duplicates};
+use super::edges::SortedHalfEdges;
 use super::orientation::orient;
 use super::weld::weld;
 use super::{Normalization, PreparedMesh, TriangleMesh, compact};
@@ -50,7 +51,7 @@ pub(crate) fn prepare<C: Coordinate>(
         .collect();
     control.check()?;
 
-    let representatives = weld(&normalized, &survey.used);
+    let representatives = weld(&normalized, &survey.used, control)?;
     repairs.welded_vertices = (0..)
         .zip(&representatives)
         .filter(|&(vertex, &representative)| vertex != representative)
@@ -84,7 +85,9 @@ pub(crate) fn prepare<C: Coordinate>(
         triangles: kept,
     };
 
-    let connectivity = Connectivity::new(&mesh.triangles, mesh.positions.len());
+    let half_edges = SortedHalfEdges::new(&mesh.triangles, mesh.positions.len());
+    control.check()?;
+    let connectivity = Connectivity::of(&mesh.triangles, &half_edges);
     repairs.open_edges = connectivity.open_edges;
     repairs.non_manifold_edges = connectivity.non_manifold_edges;
     control.check()?;

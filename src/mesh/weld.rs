@@ -4,6 +4,7 @@
 //! own cell alone, and only one whose tolerance ball touches another cell looks there too.
 
 use crate::vector::{Vector, length_squared, subtract};
+use crate::{Control, Error};
 
 /// Vertices that are no farther apart are one, in diagonals of the bounding box. Coordinates in
 /// single precision are rounded by up to 3e-8 of a box that is centred at the origin, a rotated or
@@ -18,6 +19,9 @@ const CELL_SIDE: f64 = 32.0;
 /// Slots of the hash table per vertex.
 const SLOTS_PER_VERTEX: usize = 2;
 
+/// Vertices between two looks at the control.
+const VERTICES_PER_CHECK: usize = 16_384;
+
 const NONE: u32 = u32::MAX;
 
 /// For each vertex the vertex that stands for it: itself, or an earlier one within
@@ -25,7 +29,14 @@ const NONE: u32 = u32::MAX;
 /// `used` does not hold stand for themselves and for no other.
 ///
 /// Positions are normalised. Linear time, unless more vertices than usual lie in one cell.
-pub(crate) fn weld(positions: &[Vector], used: &[bool]) -> Vec<u32> {
+///
+/// # Errors
+/// [`Error::Cancelled`].
+pub(crate) fn weld(
+    positions: &[Vector],
+    used: &[bool],
+    control: &Control,
+) -> Result<Vec<u32>, Error> {
     let slots = (positions.len() * SLOTS_PER_VERTEX).next_power_of_two().max(2);
     let shift = 64 - slots.trailing_zeros();
     let mut heads = vec![NONE; slots];
@@ -37,6 +48,9 @@ pub(crate) fn weld(positions: &[Vector], used: &[bool]) -> Vec<u32> {
     let slot_of = |cell: [i64; 3]| (hash(cell) >> shift) as usize;
 
     for (vertex, &position) in positions.iter().enumerate() {
+        if vertex.is_multiple_of(VERTICES_PER_CHECK) {
+            control.check()?;
+        }
         if !used[vertex] {
             continue;
         }
@@ -65,7 +79,7 @@ pub(crate) fn weld(positions: &[Vector], used: &[bool]) -> Vec<u32> {
             representatives[vertex] = found;
         }
     }
-    representatives
+    Ok(representatives)
 }
 
 /// Rounds down: without newer processors' instructions a call for each number takes a third of the time.
@@ -89,7 +103,7 @@ mod tests {
     use super::*;
 
     fn weld_all(positions: &[Vector]) -> Vec<u32> {
-        weld(positions, &vec![true; positions.len()])
+        weld(positions, &vec![true; positions.len()], &Control::new()).unwrap()
     }
 
     #[test]
@@ -116,7 +130,8 @@ mod tests {
     fn unused_vertices_are_left_out() {
         let nan = [f64::NAN; 3];
         let positions = [[0.0; 3], [0.0; 3], nan, [0.0; 3]];
-        assert_eq!(weld(&positions, &[false, true, false, true]), [0, 1, 2, 1]);
+        let used = [false, true, false, true];
+        assert_eq!(weld(&positions, &used, &Control::new()), Ok(vec![0, 1, 2, 1]));
     }
 
     #[test]
