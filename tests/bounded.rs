@@ -556,8 +556,8 @@ fn of_very_many_long_triangles_none_is_lost() {
     // A drum of thin staves, which refinement leaves long, and beside it, flush with its top, a dense brick.
     let drum = lathe(&[[0.0, -1.0], [1.0, -1.0], [1.0, 1.0], [0.0, 1.0]], 13_000);
     let side = |from: [f64; 2], to: [f64; 2]| {
-        (0..200).map(f64::from).map(move |i| {
-            [from[0] + i / 200.0 * (to[0] - from[0]), from[1] + i / 200.0 * (to[1] - from[1])]
+        (0..400).map(f64::from).map(move |i| {
+            [from[0] + i / 400.0 * (to[0] - from[0]), from[1] + i / 400.0 * (to[1] - from[1])]
         })
     };
     let profile: Vec<[f64; 2]> = side([0.001, 0.6], [0.3, 0.6])
@@ -565,7 +565,7 @@ fn of_very_many_long_triangles_none_is_lost() {
         .chain(side([0.3, 1.0], [0.001, 1.0]))
         .chain(side([0.001, 1.0], [0.001, 0.6]))
         .collect();
-    let mut brick = lathe(&profile, 64);
+    let mut brick = lathe(&profile, 120);
     brick.0.iter_mut().for_each(|point| point[0] += 1.305);
     let mesh = join(&[brick, drum]);
     let result = run(&mesh);

@@ -503,6 +503,33 @@ mod tests {
     }
 
     #[test]
+    fn a_surface_with_a_hole_is_left_alone() {
+        let mut mesh = torus(400, 160);
+        mesh.triangles.pop();
+        assert!(clustered(&mesh).is_none());
+    }
+
+    #[test]
+    fn the_tip_of_a_needle_stays() {
+        // From a torus of diagonal 2.6 or so, out of one of its triangles, four cells long.
+        let mut mesh = torus(400, 160);
+        let [a, b, c] = mesh.triangles.swap_remove(0);
+        let at = mesh.positions[a as usize];
+        let out = [at[0], at[1], 0.0];
+        let tip = add(at, scale(out, 0.1 / length(out)));
+        let new = mesh.positions.len() as u32;
+        mesh.positions.push(tip);
+        mesh.triangles.extend([[a, b, new], [b, c, new], [c, a, new]]);
+        let clustered = clustered(&mesh).unwrap();
+        let normalization = clustered.mesh.normalization;
+        let is_tip = |&vertex: &u32| {
+            let position = clustered.mesh.mesh.positions[vertex as usize];
+            distance(normalization.restore(position), tip) < 1e-6
+        };
+        assert!(clustered.mesh.mesh.triangles.as_flattened().iter().any(is_tip));
+    }
+
+    #[test]
     fn fewer_triangles_are_as_closed_as_all_and_stand_for_them() {
         let clustered = clustered(&torus(400, 160)).unwrap();
         let (mesh, surface) = (&clustered.mesh.mesh, &clustered.surface);
