@@ -1,0 +1,101 @@
+use super::*;
+use crate::field::Field;
+use crate::mesh::repair::prepare;
+use crate::mesh::shapes::{cuboid, join, torus};
+
+const BOUND: f64 = 0.02;
+
+fn clustered(mesh: &TriangleMesh) -> Option<Clustered> {
+    let control = Control::new();
+    let prepared = prepare(&mesh.positions, &mesh.triangles, &control).unwrap();
+    Clustered::new(&prepared, BOUND, 0.08, &control).unwrap()
+}
+
+#[test]
+fn few_triangles_are_left_alone() {
+    assert!(clustered(&torus(100, 40)).is_none());
+}
+
+#[test]
+fn a_surface_with_a_hole_is_left_alone() {
+    let mut mesh = torus(400, 160);
+    mesh.triangles.pop();
+    assert!(clustered(&mesh).is_none());
+}
+
+#[test]
+fn the_tip_of_a_needle_stays() {
+    // From a torus of diagonal 2.6 or so, out of one of its triangles, four cells long.
+    let mut mesh = torus(400, 160);
+    let [a, b, c] = mesh.triangles.swap_remove(0);
+    let at = mesh.positions[a as usize];
+    let out = [at[0], at[1], 0.0];
+    let tip = add(at, scale(out, 0.1 / length(out)));
+    let new = mesh.positions.len() as u32;
+    mesh.positions.push(tip);
+    mesh.triangles.extend([[a, b, new], [b, c, new], [c, a, new]]);
+    let clustered = clustered(&mesh).unwrap();
+    let normalization = clustered.mesh.normalization;
+    let is_tip = |&vertex: &u32| {
+        let position = clustered.mesh.mesh.positions[vertex as usize];
+        distance(normalization.restore(position), tip) < 1e-6
+    };
+    assert!(clustered.mesh.mesh.triangles.as_flattened().iter().any(is_tip));
+}
+
+#[test]
+fn fewer_triangles_are_as_closed_as_all_and_stand_for_them() {
+    let clustered = clustered(&torus(400, 160)).unwrap();
+    let (mesh, surface) = (&clustered.mesh.mesh, &clustered.surface);
+    assert!(3 * mesh.triangles.len() < surface.triangles.len());
+    assert!(clustered.reach > 0.0 && clustered.reach < BOUND);
+    let mut edges = std::collections::BTreeMap::new();
+    for [a, b, c] in &mesh.triangles {
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            *edges.entry((from.min(to), from.max(to))).or_insert(0) +=
+                if from < to { 1 } else { -1 };
+        }
+    }
+    assert!(edges.values().all(|&count| count == 0));
+    for (triangle, &stand_in) in surface.triangles.iter().zip(&clustered.stand_in) {
+        let corners = mesh.triangles[stand_in as usize].map(|v| mesh.positions[v as usize]);
+        let corner = surface.positions[triangle[0] as usize];
+        let nearest = corners.map(|other| distance(corner, other)).into_iter();
+        assert!(nearest.fold(f64::INFINITY, f64::min) <= 2.0 * clustered.reach);
+    }
+}
+
+#[test]
+fn the_source_is_as_near_as_it_is_or_hardly_farther() {
+    let clustered = clustered(&torus(400, 160)).unwrap();
+    let (mesh, surface) = (&clustered.mesh.mesh, &clustered.surface);
+    let own = Field::new(&mesh.positions, &mesh.triangles);
+    let source = Field::new(&surface.positions, &surface.triangles);
+    for i in 0..2000 {
+        // Points all around the surface, at most a bound away from it.
+        let from = surface.positions[37 * i % surface.positions.len()];
+        let away = [0, 1, 2].map(|k| ((i * (k + 3)) as f64).sin());
+        let point = add(from, scale(away, 0.5 * BOUND));
+        let near = own.distance(point, f64::INFINITY).unwrap();
+        let corners = mesh.triangles[near.triangle as usize];
+        let (found, triangle) = clustered.closest_around(corners, point, near.distance);
+        let exact = source.distance(point, f64::INFINITY).unwrap().distance;
+        assert!((near.distance - exact).abs() <= clustered.reach);
+        assert!(found >= exact - 1e-9 && found <= exact + 0.01 * BOUND, "{found} {exact}");
+        assert_eq!(clustered.squared_distance_to(point, triangle).sqrt(), found);
+    }
+}
+
+#[test]
+fn a_ribbon_narrower_than_a_cell_stays() {
+    let ribbon = cuboid([2.0, -1.0, 0.0], [2.001, 1.0, 0.001]);
+    let clustered = clustered(&join(&[torus(400, 160), ribbon])).unwrap();
+    let mesh = &clustered.mesh;
+    let triangles = mesh.mesh.triangles.iter().zip(&mesh.components);
+    let of_ribbon = triangles.filter(|(_, component)| **component == 1);
+    let ends = of_ribbon.flat_map(|(triangle, _)| triangle);
+    let along = ends.map(|&vertex| mesh.mesh.positions[vertex as usize][1]);
+    let (low, high) =
+        along.fold((0.0, 0.0), |(low, high): (f64, f64), y| (low.min(y), high.max(y)));
+    assert!((high - low) * mesh.normalization.diagonal > 1.98);
+}
