@@ -92,4 +92,4 @@ pub use merge_tree::{CurvePoint, MergeTree};
 pub use parameters::{BoundedParameters, Method, Parameters, Preset, SurfaceParameters, Unit};
 
 /// Changes whenever the same input and parameters may give another result.
-pub const ALGORITHM_VERSION: u32 = 10;
+pub const ALGORITHM_VERSION: u32 = 11;

@@ -8,7 +8,7 @@
 //! The steps are in `grow.rs`, questions about the hull in `query.rs`.
 
 use super::columns::{Columns, larger, smaller};
-use super::face::{Face, Heights, NONE, Plane, Waiting};
+use super::face::{Face, Given, Heights, NONE, Plane, Waiting};
 use super::grow::Horizon;
 use super::redundant::mark_necessary_vertices;
 use super::simplex::{Shape, first_simplex};
@@ -135,6 +135,10 @@ impl HullBuilder {
         if shape != Shape::Solid {
             return shape;
         }
+        // With a tolerance finer than rounding errors what looked solid may yet be flat.
+        if !self.given().span_a_volume(simplex) {
+            return Shape::Flat;
+        }
         self.simplex_height =
             height_of(simplex.map(|corner| self.points[corner as usize])) / self.factor;
         self.grow_from(simplex);
@@ -165,9 +169,11 @@ impl HullBuilder {
             let positions: Vec<Vector> =
                 corners.iter().map(|&corner| self.points[corner as usize]).collect();
             let columns = Columns::new(&positions);
-            if let (Shape::Solid, simplex) = first_simplex(&positions, &columns, self.threshold) {
+            let (shape, simplex) = first_simplex(&positions, &columns, self.threshold);
+            let simplex = simplex.map(|index| corners[index as usize]);
+            if shape == Shape::Solid && self.given().span_a_volume(simplex) {
                 self.only_marked = true;
-                self.grow_from(simplex.map(|index| corners[index as usize]));
+                self.grow_from(simplex);
                 self.only_marked = false;
                 self.consider_all_waiting();
                 self.grow();
@@ -250,6 +256,10 @@ impl HullBuilder {
         self.next_waiting.clear();
         self.next_waiting.resize(kept, NONE);
         self.has_close_points = false;
+    }
+
+    pub(super) fn given(&self) -> Given<'_> {
+        Given { points: &self.originals, factor: self.factor }
     }
 
     /// A point in the scaled space.

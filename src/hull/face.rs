@@ -7,15 +7,15 @@
 
 use robust::{Coord3D, orient3d};
 
-use crate::vector::{Vector, cross, dot, length_squared, subtract};
+use crate::vector::{Vector, cross, dot, length_squared, scale, subtract};
 
 /// No point, face or half-edge.
 pub(super) const NONE: u32 = u32::MAX;
 
 /// Rounding errors of a face's height, in units of `f64::EPSILON` times the largest coordinate
 /// times the product of the lengths of the two edges that the normal is made of. The normal
-/// contributes less than 12, the two scalar products and their difference less than 7; the rest
-/// is margin.
+/// contributes less than 12, the two scalar products and their difference less than 7, moving the
+/// face's corner and the point to the centre less than 2; the rest is margin.
 const HEIGHT_ERROR: f64 = 32.0;
 
 /// The square of the longest edge between points whose coordinates are at most 1.
@@ -165,15 +165,10 @@ impl Plane {
 }
 
 impl Face {
-    /// A face over three points of `points`, without neighbours.
-    pub(super) fn new(vertices: [u32; 3], points: &[Vector]) -> Self {
-        let [a, b, c] = vertices.map(|vertex| points[vertex as usize]);
-        Self::spanned(vertices, subtract(a, c), subtract(b, c), c)
-    }
-
-    /// The same, from the edges that lead from the last vertex to the first and the second.
+    /// A face, without neighbours, from the edges that lead from its last vertex to the first and
+    /// the second.
     #[inline]
-    pub(super) fn spanned(vertices: [u32; 3], a: Vector, b: Vector, last: Vector) -> Self {
+    pub(super) fn spanned(vertices: [u32; 3], [a, b]: [Vector; 2], last: Vector) -> Self {
         let normal = cross(a, b);
         let plane = Plane { normal, offset: dot(normal, last) };
         Self { plane, inverse: 0.0, vertices, twins: [NONE; 3] }
@@ -186,29 +181,64 @@ impl Face {
         self.plane.height(point) * self.inverse
     }
 
-    /// Whether the point lies strictly in front of the plane, decided exactly. No coordinate is
-    /// larger than `reach`.
-    pub(super) fn sees(&self, point: Vector, points: &[Vector], reach: f64) -> bool {
-        let corners = self.vertices.map(|vertex| points[vertex as usize]);
-        let [a, b, c] = corners;
+    /// Whether a point, with its height over the plane, lies strictly in front of it, decided
+    /// exactly for the points as they were given.
+    pub(super) fn sees(&self, point: u32, height: f64, given: Given, heights: Heights) -> bool {
+        let [a, b, c] = self.vertices;
         // The product of the edges' lengths is bounded by the mean of the squares, without roots.
-        let edges = 0.5 * (length_squared(subtract(a, c)) + length_squared(subtract(b, c)));
-        let error = f64::EPSILON * HEIGHT_ERROR * reach * edges;
-        let height = self.plane.height(point);
+        let [first, second] = [a, b].map(|end| length_squared(given.edge(c, end)));
+        let error = f64::EPSILON * HEIGHT_ERROR * heights.reach * 0.5 * (first + second);
         if height > error {
             true
         } else if height < -error {
             false
         } else {
-            is_in_front(corners, point)
+            given.is_in_front(self.vertices, point)
         }
     }
 }
 
-/// Whether a point lies strictly on the outer side of a counter-clockwise triangle, exactly.
-#[cold]
-pub(super) fn is_in_front([a, b, c]: [Vector; 3], point: Vector) -> bool {
-    let coordinates = |[x, y, z]: Vector| Coord3D { x, y, z };
-    // Shewchuk's sign is positive for points below.
-    orient3d(coordinates(a), coordinates(b), coordinates(c), coordinates(point)) < 0.0
+/// The points as they were given, with the power of two that brings them near 1.
+///
+/// Moving them to their centre too rounds them, by next to nothing, but that is more than a
+/// triangle that is a billion times smaller than the hull can bear: what a face's direction and
+/// the exact answers depend on is taken from here.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Given<'a> {
+    pub points: &'a [Vector],
+    pub factor: f64,
+}
+
+impl Given<'_> {
+    /// From one point to another, in the scaled space.
+    #[inline]
+    pub(super) fn edge(&self, start: u32, end: u32) -> Vector {
+        subtract(self.scaled(end), self.scaled(start))
+    }
+
+    /// A point in the scaled space, but for the move to the centre: rounded by nothing.
+    #[inline]
+    fn scaled(&self, point: u32) -> Vector {
+        scale(self.points[point as usize], self.factor)
+    }
+
+    /// Whether a point lies strictly on the outer side of a counter-clockwise triangle, exactly.
+    #[cold]
+    pub(super) fn is_in_front(&self, triangle: [u32; 3], point: u32) -> bool {
+        self.orientation(triangle, point) < 0.0
+    }
+
+    /// Whether four points don't lie in a plane, exactly.
+    pub(super) fn span_a_volume(&self, [a, b, c, d]: [u32; 4]) -> bool {
+        self.orientation([a, b, c], d) != 0.0
+    }
+
+    /// Negative for a point in front of a counter-clockwise triangle, 0 in its plane, exactly.
+    fn orientation(&self, [a, b, c]: [u32; 3], point: u32) -> f64 {
+        let corner = |index: u32| {
+            let [x, y, z] = self.scaled(index);
+            Coord3D { x, y, z }
+        };
+        orient3d(corner(a), corner(b), corner(c), corner(point))
+    }
 }

@@ -7,10 +7,10 @@
 use super::HullBuilder;
 use super::columns::{Block, LANES};
 use super::face::{
-    CERTAINLY_BEHIND, Face, Heights, NONE, Plane, RETIRED, Waiting, after, before, edge_of,
-    face_of, half_edge, is_in_front,
+    CERTAINLY_BEHIND, Face, Given, Heights, NONE, Plane, RETIRED, Waiting, after, before, edge_of,
+    face_of, half_edge,
 };
-use crate::vector::{Vector, length_squared, subtract};
+use crate::vector::{Vector, length_squared};
 
 /// An edge between a face that a new point sees and one that it does not.
 #[derive(Debug, Clone, Copy)]
@@ -56,10 +56,9 @@ fn in_front_of(point: Vector, planes: &[Plane], heights: Heights) -> Option<InFr
 impl HullBuilder {
     /// The tetrahedron over four points in general position.
     pub(super) fn start(&mut self, [a, b, c, d]: [u32; 4]) {
-        let corner = |vertex: u32| self.points[vertex as usize];
-        let base = [corner(a), corner(b), corner(c)];
+        let given = Given { points: &self.originals, factor: self.factor };
         // Turned so that d lies behind the base.
-        let (b, c) = if is_in_front(base, corner(d)) { (c, b) } else { (b, c) };
+        let (b, c) = if given.is_in_front([a, b, c], d) { (c, b) } else { (b, c) };
         let triangles = [[a, b, c], [a, c, d], [c, b, d], [b, a, d]];
         // Edge k of each face and the same edge of its neighbour.
         let twins = [
@@ -71,7 +70,9 @@ impl HullBuilder {
         self.planes.clear();
         let mut planes = [RETIRED.plane; 4];
         for ((vertices, twins), plane) in triangles.into_iter().zip(twins).zip(&mut planes) {
-            let mut face = Face::new(vertices, &self.points);
+            let [first, second, last] = vertices;
+            let edges = [first, second].map(|end| given.edge(last, end));
+            let mut face = Face::spanned(vertices, edges, self.points[last as usize]);
             face.twins = twins.map(|(other, edge)| half_edge(other, edge));
             *plane = face.plane;
             self.planes.push(face.plane);
@@ -232,9 +233,7 @@ impl HullBuilder {
                     continue;
                 };
                 if furthest != NONE {
-                    if height > self.heights.error
-                        || self.is_seen(face, self.points[furthest as usize])
-                    {
+                    if height > self.heights.error || self.is_seen(face, furthest) {
                         self.add(furthest, face);
                     } else {
                         self.send_elsewhere(furthest, face);
@@ -260,8 +259,11 @@ impl HullBuilder {
     }
 
     /// Whether a point lies strictly in front of a face, exactly.
-    fn is_seen(&self, face: u32, position: Vector) -> bool {
-        self.faces[face as usize].sees(position, &self.points, self.heights.reach)
+    fn is_seen(&self, face: u32, point: u32) -> bool {
+        let given = self.given();
+        let face = &self.faces[face as usize];
+        let height = face.plane.height(self.points[point as usize]);
+        face.sees(point, height, given, self.heights)
     }
 
     /// A sliver's plane is so uncertain that a point may wait there in vain.
@@ -285,7 +287,7 @@ impl HullBuilder {
         let position = self.points[point as usize];
         let seen = (0..self.faces.len() as u32)
             .filter(|&other| other != face)
-            .find(|&other| self.is_beyond(other, position) && self.is_seen(other, position));
+            .find(|&other| self.is_beyond(other, position) && self.is_seen(other, point));
         if let Some(other) = seen {
             self.add(point, other);
         }
@@ -322,7 +324,7 @@ impl HullBuilder {
                 }
                 waiting.stamp = self.stamp;
                 // A sliver's plane may lie: only the exact answer makes progress certain.
-                if self.is_beyond(neighbour, position) && self.is_seen(neighbour, position) {
+                if self.is_beyond(neighbour, position) && self.is_seen(neighbour, point) {
                     return Some(neighbour);
                 }
                 let face = &self.faces[neighbour as usize];
@@ -336,8 +338,7 @@ impl HullBuilder {
 
     /// Replaces the faces that a point sees by faces between their outline and the point.
     fn add(&mut self, point: u32, seen_from: u32) {
-        let position = self.points[point as usize];
-        self.find_horizon(position, seen_from);
+        self.find_horizon(point, seen_from);
         // New faces take the places of those that vanish; `visible` becomes the list of places.
         let edges = self.horizon.len();
         while self.visible.len() > edges {
@@ -355,16 +356,18 @@ impl HullBuilder {
             }
             self.visible.push(place);
         }
-        self.raise_cone(point, position);
+        self.raise_cone(point);
         self.share_out(point);
     }
 
     /// Collects the faces that a point sees, the points that wait there, and the outline in order.
-    fn find_horizon(&mut self, position: Vector, seen_from: u32) {
+    fn find_horizon(&mut self, point: u32, seen_from: u32) {
+        let position = self.points[point as usize];
         self.stamp += 1;
         let (stamp, heights) = (self.stamp, self.heights);
         // Borrowed one by one, so that the compiler need not look them up again and again.
-        let (faces, points) = (self.faces.as_slice(), self.points.as_slice());
+        let faces = self.faces.as_slice();
+        let given = Given { points: &self.originals, factor: self.factor };
         let waiting = self.waiting.as_mut_slice();
         let (visible, path) = (&mut self.visible, &mut self.path);
         let (horizon, lines) = (&mut self.horizon, &mut self.lines);
@@ -399,7 +402,7 @@ impl HullBuilder {
                 if height.abs() > heights.error {
                     height > 0.0
                 } else {
-                    neighbour.sees(position, points, heights.reach)
+                    neighbour.sees(point, height, given, heights)
                 }
             };
             let at = edge_of(twin);
@@ -421,21 +424,23 @@ impl HullBuilder {
     }
 
     /// Puts a face between each edge of the horizon and the point.
-    fn raise_cone(&mut self, point: u32, position: Vector) {
+    fn raise_cone(&mut self, point: u32) {
+        let position = self.points[point as usize];
         let (stamp, generation) = (self.stamp, self.generation);
         self.planes.clear();
         let (faces, waiting) = (self.faces.as_mut_slice(), self.waiting.as_mut_slice());
-        let (points, visible) = (self.points.as_slice(), self.visible.as_slice());
+        let given = Given { points: &self.originals, factor: self.factor };
+        let visible = self.visible.as_slice();
         let (Some(&first), Some(&last)) = (visible.first(), visible.last()) else { return };
         let Some(&Horizon { start, .. }) = self.horizon.first() else { return };
         // The horizon is in order: each edge ends where the next one starts.
-        let mut edge = subtract(points[start as usize], position);
+        let mut edge = given.edge(point, start);
         let mut place = first;
         let mut previous = last;
         for (index, &Horizon { start, end, outside }) in self.horizon.iter().enumerate() {
             let next = visible.get(index + 1).copied().unwrap_or(first);
-            let next_edge = subtract(points[end as usize], position);
-            let mut face = Face::spanned([start, end, point], edge, next_edge, position);
+            let next_edge = given.edge(point, end);
+            let mut face = Face::spanned([start, end, point], [edge, next_edge], position);
             face.twins = [outside, half_edge(next, 2), half_edge(previous, 1)];
             faces[face_of(outside) as usize].twins[edge_of(outside)] = half_edge(place, 0);
             waiting[place as usize] = Waiting::none(stamp, generation);
