@@ -60,6 +60,21 @@ pub(crate) fn maximum(a: Vector, b: Vector) -> Vector {
     [a[0].max(b[0]), a[1].max(b[1]), a[2].max(b[2])]
 }
 
+/// The least and the greatest corner of points' bounding box; inside out without any.
+#[inline]
+pub(crate) fn bounds(points: impl IntoIterator<Item = Vector>) -> (Vector, Vector) {
+    let nothing = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    let with = |(min, max), point| (minimum(min, point), maximum(max, point));
+    points.into_iter().fold(nothing, with)
+}
+
+/// Diagonal of points' bounding box; 0 where that is not finite.
+pub(crate) fn diagonal(points: impl IntoIterator<Item = Vector>) -> f64 {
+    let (min, max) = bounds(points);
+    let diagonal = distance(min, max);
+    if diagonal.is_finite() { diagonal } else { 0.0 }
+}
+
 /// Twice the area of a triangle times its unit normal.
 #[inline]
 pub(crate) fn area_normal(a: Vector, b: Vector, c: Vector) -> Vector {

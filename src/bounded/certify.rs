@@ -7,14 +7,13 @@
 //! is that of a clustered mesh, distances are those to the source (see `Solid::near`), and what is inside may be
 //! as far outside of the source as vertices have moved: no less is ever told.
 
-use std::ops::Range;
 use std::sync::OnceLock;
 
 use super::solid::{OPEN_INSIDE, Solid, halves};
 use crate::field::{Field, nearest_of_triangle};
 use crate::hull::ConvexHull;
 use crate::mesh::TriangleMesh;
-use crate::vector::{Vector, add, distance, dot, length, maximum, minimum, scale, subtract};
+use crate::vector::{Vector, add, bounds, distance, dot, length, scale, subtract};
 use crate::{Control, Error};
 
 /// No triangle that might be near is known.
@@ -252,17 +251,18 @@ pub(super) fn left_out(hull: &ConvexHull, points: &PointGroups, limit: f64) -> f
     let outside = Outside::new(hull);
     let mut farthest: f64 = 0.0;
     let (mut of_coarse, mut of_fine) = (Vec::new(), Vec::new());
-    for (coarse, groups) in points.coarse.iter().zip(points.fine.chunks(MANY / FEW)) {
+    let fine = points.fine.chunks(MANY / FEW).zip(points.points.chunks(MANY));
+    for (coarse, (groups, points)) in points.coarse.iter().zip(fine) {
         coarse.planes_in_reach(&outside.planes, &mut of_coarse);
         if of_coarse.is_empty() {
             continue;
         }
-        for fine in groups {
+        for (fine, points) in groups.iter().zip(points.chunks(FEW)) {
             fine.planes_in_reach(&of_coarse, &mut of_fine);
             if of_fine.is_empty() {
                 continue;
             }
-            for &point in &points.points[fine.range.clone()] {
+            for &point in points {
                 farthest = farthest.max(outside.distance_from(&of_fine, point, limit));
                 if farthest > limit {
                     return farthest;
@@ -283,9 +283,8 @@ pub(super) struct PointGroups {
     fine: Vec<PointGroup>,
 }
 
-/// Points that follow each other, and a ball around them.
+/// A ball around points that follow each other.
 struct PointGroup {
-    range: Range<usize>,
     centre: Vector,
     radius: f64,
 }
@@ -296,12 +295,11 @@ const FEW: usize = 8;
 
 impl PointGroup {
     fn all(points: &[Vector], size: usize) -> Vec<Self> {
-        let starts = (0..points.len()).step_by(size);
-        let groups = starts.zip(points.chunks(size)).map(|(start, points)| {
+        let groups = points.chunks(size).map(|points| {
             let sum = points.iter().fold([0.0; 3], |sum, &point| add(sum, point));
             let centre = scale(sum, 1.0 / points.len() as f64);
             let radius = points.iter().map(|&point| distance(centre, point)).fold(0.0, f64::max);
-            Self { range: start..start + points.len(), centre, radius }
+            Self { centre, radius }
         });
         groups.collect()
     }
@@ -317,11 +315,7 @@ impl PointGroup {
 impl PointGroups {
     /// O(n log n).
     pub(super) fn new(points: &[Vector]) -> Self {
-        let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-        for &point in points {
-            min = minimum(min, point);
-            max = maximum(max, point);
-        }
+        let (min, max) = bounds(points.iter().copied());
         let extent = subtract(max, min).into_iter().fold(0.0, f64::max);
         let cells = f64::from(1_u32 << BITS);
         let place = |x: f64| (x / extent * cells).clamp(0.0, cells - 1.0) as u32;

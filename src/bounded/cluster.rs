@@ -15,8 +15,7 @@ use super::refine::refine;
 use crate::field::nearest_of_triangle;
 use crate::mesh::{PreparedMesh, TriangleMesh};
 use crate::vector::{
-    Vector, add, area_normal, distance, dot, length, length_squared, maximum, minimum, scale,
-    subtract,
+    Vector, add, area_normal, bounds, distance, dot, length, length_squared, scale, subtract,
 };
 use crate::{Control, Error};
 
@@ -60,8 +59,10 @@ pub(crate) struct Clustered {
     pub surface: Arc<TriangleMesh>,
     /// For each triangle of `surface` the prepared mesh's triangle that it is a part of.
     pub parents: Arc<Vec<u32>>,
-    /// The mesh of fewer triangles. It says nothing about where in the input they come from.
-    pub mesh: PreparedMesh,
+    /// The mesh of fewer triangles.
+    pub mesh: TriangleMesh,
+    /// For each triangle of `mesh` the source's component.
+    pub components: Vec<u32>,
     /// For each triangle of `surface` the one of `mesh` that stands in for it.
     pub stand_in: Vec<u32>,
     /// For each vertex of `mesh` those of `surface` that became it.
@@ -134,7 +135,7 @@ impl Clustered {
         let reach = of.iter().enumerate().map(moved).fold(0.0, f64::max);
 
         let mut triangles = Vec::with_capacity(kept);
-        let (mut components, mut is_both_ways) = (Vec::new(), Vec::new());
+        let mut components = Vec::with_capacity(kept);
         // For each cluster any triangle that is left there.
         let mut left = vec![u32::MAX; *count];
         let mut stand_in = vec![u32::MAX; surface.triangles.len()];
@@ -146,7 +147,6 @@ impl Clustered {
                 corners.iter().for_each(|&corner| left[corner as usize] = new);
                 triangles.push(corners);
                 components.push(prepared.components[parents[index] as usize]);
-                is_both_ways.push(prepared.is_both_ways[parents[index] as usize]);
             }
         }
         control.check()?;
@@ -156,16 +156,9 @@ impl Clustered {
                 *stand_in = left.into_iter().min().unwrap_or(u32::MAX);
             }
         }
-        let mesh = PreparedMesh {
-            mesh: TriangleMesh { positions, triangles },
-            normalization: prepared.normalization,
-            components,
-            is_both_ways,
-            closed: prepared.closed.clone(),
-            ..PreparedMesh::default()
-        };
+        let mesh = TriangleMesh { positions, triangles };
         let (surface, parents) = (Arc::new(surface), Arc::new(parents));
-        Ok(Some(Self { surface, parents, mesh, stand_in, vertices, around, reach }))
+        Ok(Some(Self { surface, parents, mesh, components, stand_in, vertices, around, reach }))
     }
 
     /// The distance to the surface from a point near three vertices of the mesh, or more, and the surface's
@@ -232,11 +225,7 @@ struct VertexClusters {
 impl VertexClusters {
     /// By cells of a size, and octants of normals; `None` if there are too many cells.
     fn new(surface: &TriangleMesh, size: f64, control: &Control) -> Result<Option<Self>, Error> {
-        let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-        for &position in &surface.positions {
-            min = minimum(min, position);
-            max = maximum(max, position);
-        }
+        let (min, max) = bounds(surface.positions.iter().copied());
         let counts = subtract(max, min).map(|extent| (extent / size).floor() + 1.0);
         if counts.iter().product::<f64>() > MOST_CELLS {
             return Ok(None);

@@ -309,7 +309,7 @@ pub(crate) fn cover(
         return Ok(Covered { pieces, before: None });
     }
     let all = seeds.all();
-    let size = |piece: &Piece| piece.seeds.iter().count();
+    let size = |piece: &Piece| piece.seeds.count();
     let grown = crate::parallel::map_largest_first(&pieces, size, |piece| {
         control.check()?;
         let mut piece = piece.clone();

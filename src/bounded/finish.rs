@@ -9,8 +9,8 @@ use super::piece::{Hull, Piece};
 use super::seed_set::SeedSet;
 use super::seeds::{Seed, Seeds};
 use super::solid::Solid;
-use crate::hull::{ConvexHull, HullBuilder, LEAST_THICKNESS, Shape, solid_hull};
-use crate::vector::{Vector, add, area_normal, maximum, minimum, scale};
+use crate::hull::{ConvexHull, HullBuilder, LEAST_THICKNESS, solid_hull};
+use crate::vector::{Vector, add, area_normal, bounds, scale};
 use crate::{Control, Error};
 
 /// An edge may collapse if that adds at most this share of the mean volume of all hulls: engines pay
@@ -102,7 +102,7 @@ pub(crate) fn finish(
         pieces.iter().map(|piece| piece.hull.volume).sum::<f64>() / pieces.len().max(1) as f64;
     let volume_per_vertex = VOLUME_PER_VERTEX * volume;
     let material = Material { seeds, solid, tuning, volume_per_vertex, control };
-    let size = |piece: &Piece| piece.seeds.iter().count();
+    let size = |piece: &Piece| piece.seeds.count();
     let parts =
         crate::parallel::map_largest_first(&pieces, size, |piece| finish_one(&material, piece));
     let mut hulls = Vec::new();
@@ -201,11 +201,7 @@ fn finish_one(material: &Material<'_>, piece: &Piece) -> Result<Vec<Finished>, E
 
 /// Two halves along the axis on which the items are spread most.
 fn halves(items: &mut [u32], centre: impl Fn(&u32) -> Vector) -> (&[u32], &[u32]) {
-    let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for item in items.iter() {
-        min = minimum(min, centre(item));
-        max = maximum(max, centre(item));
-    }
+    let (min, max) = bounds(items.iter().map(&centre));
     let extent = |axis: &usize| max[*axis] - min[*axis];
     let axis = (0..3).max_by(|a, b| extent(a).total_cmp(&extent(b))).unwrap_or(0);
     items.sort_by(|a, b| centre(a)[axis].total_cmp(&centre(b)[axis]).then(a.cmp(b)));
@@ -241,8 +237,7 @@ fn finished(
     if full_left_out > allowed && own.len() > WORTH_A_HULL.end {
         // The hull of very many points has thousands of vertices that don't matter.
         let mut reducer = HullBuilder::new().with_least_tolerance(OF_MANY * allowed);
-        if reducer.build(&own) == Shape::Solid {
-            let points = reducer.extract().0;
+        if let Some(points) = reducer.vertices_of(&own) {
             (full, added_thickness) = solid_hull(builder, &points, hull.outward, LEAST_THICKNESS)?;
             full_left_out = left_out(&full, &groups, allowed);
         }
@@ -285,10 +280,8 @@ fn own_points(seeds: &Seeds, set: &SeedSet, part: Option<&[u32]>) -> Vec<Vector>
 /// Those of some points that tell how far all of them are outside of a hull: the distance to a
 /// convex set is a convex function, so the vertices of the points' own hull do.
 fn extreme(builder: &mut HullBuilder, points: Vec<Vector>) -> Vec<Vector> {
-    if !WORTH_A_HULL.contains(&points.len()) || builder.build(&points) != Shape::Solid {
-        return points;
-    }
-    builder.extract().0
+    let vertices = WORTH_A_HULL.contains(&points.len()).then(|| builder.vertices_of(&points));
+    vertices.flatten().unwrap_or(points)
 }
 
 /// Of very many points those are left out of a hull that stand out less than this share of what may be left

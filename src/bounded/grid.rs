@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicU8, Ordering};
 
 use super::solid::is_inside;
 use crate::field::{Field, nearest_of_triangle};
-use crate::vector::{Vector, add, maximum, minimum, subtract};
+use crate::vector::{Vector, add, bounds, subtract};
 use crate::{Control, Error};
 
 /// Most cells. At a bound of 2 % a hundred thousand are enough; at 0.5 % a coarser grid than this
@@ -103,11 +103,7 @@ impl Grid {
         bound: f64,
         control: &Control,
     ) -> Result<Self, Error> {
-        let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-        for &p in positions {
-            min = minimum(min, p);
-            max = maximum(max, p);
-        }
+        let (min, max) = bounds(positions.iter().copied());
         let extent = [0, 1, 2].map(|k| (max[k] - min[k]).max(1e-6));
         // Half the diagonal of a cell is half the bound.
         let mut size = bound / 3f64.sqrt();
@@ -201,9 +197,8 @@ impl Grid {
             let mut last = usize::MAX;
             for i in 0..=rows {
                 let x = i as f32 / rows as f32;
-                let most = if is_needle { cuts } else { cuts - i };
+                let (most, share) = if is_needle { (cuts, 1.0 - x) } else { (cuts - i, 1.0) };
                 for j in 0..=most {
-                    let share = if is_needle { 1.0 - x } else { 1.0 };
                     let y = share * (j as f32 / cuts as f32);
                     let point = [0, 1, 2].map(|k| a[k] + x * u[k] + y * v[k]);
                     let place = self.place(point);

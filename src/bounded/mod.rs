@@ -215,13 +215,12 @@ impl Run {
                     Some(solid) => solid.clustered.clone(),
                     None => clustered(&self.prepared, tuning, control)?,
                 };
-                let mesh = clustered.as_ref().map_or(&self.prepared, |clustered| &clustered.mesh);
                 let (solid, working) = parallel::join(
                     || match known {
                         Some(solid) => Ok(*solid),
                         None => solid(&self.prepared, clustered.clone(), tuning, control),
                     },
-                    || seeds::working_mesh(mesh, clustered.is_some(), tuning, control),
+                    || seeds::working_mesh(&self.prepared, clustered.as_deref(), tuning, control),
                 );
                 State::Working(Box::new((solid?, working?)))
             }
@@ -320,11 +319,7 @@ fn solid(
     control: &Control,
 ) -> Result<Solid, Error> {
     if let Some(clustered) = clustered {
-        let mesh = &clustered.mesh;
-        let triangles = mesh.triangles_of_solid();
-        let mut solid = Solid::new(&mesh.mesh.positions, &triangles, true, tuning.bound, control)?;
-        solid.stand_for(clustered.clone(), &triangles);
-        return Ok(solid);
+        return Solid::of_clustered(clustered, tuning.bound, control);
     }
     let mesh = &prepared.mesh;
     let triangles = prepared.triangles_of_solid();

@@ -13,13 +13,13 @@ use super::refine::refine;
 use super::seed_set::SeedSet;
 use super::solid::Solid;
 use crate::field::{Field, nearest_triangles};
-use crate::hull::{HullBuilder, Shape};
+use crate::hull::HullBuilder;
 use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
 use crate::mesh::simplify::simplify;
 use crate::mesh::{PreparedMesh, TriangleMesh};
 use crate::surface::grouping::{group, members};
 use crate::vector::{
-    Vector, add, area_normal, distance, dot, length, maximum, minimum, scale, subtract,
+    Vector, add, area_normal, bounds, diagonal, distance, dot, length, scale, subtract,
 };
 use crate::{Control, Error};
 
@@ -52,11 +52,7 @@ pub(crate) struct Seed {
 
 impl Seed {
     fn set_points(&mut self, points: Vec<Vector>) {
-        (self.min, self.max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-        for &point in &points {
-            self.min = minimum(self.min, point);
-            self.max = maximum(self.max, point);
-        }
+        (self.min, self.max) = bounds(points.iter().copied());
         self.representatives = far_pair(&points);
         self.points = points;
     }
@@ -106,26 +102,28 @@ pub(crate) struct Working {
 /// what its triangles stand in for has been refined.
 pub(crate) fn working_mesh(
     prepared: &PreparedMesh,
-    is_clustered: bool,
+    clustered: Option<&Clustered>,
     tuning: &Tuning,
     control: &Control,
 ) -> Result<Working, Error> {
-    let mut surface = prepared.mesh.clone();
-    let parents = if is_clustered {
-        (0..surface.triangles.len() as u32).collect()
-    } else {
-        refine(&mut surface, tuning.longest_edge)
+    let (source, source_components) = match clustered {
+        Some(clustered) => (&clustered.mesh, &clustered.components),
+        None => (&prepared.mesh, &prepared.components),
+    };
+    let mut surface = source.clone();
+    let parents = match clustered {
+        Some(_) => (0..surface.triangles.len() as u32).collect(),
+        None => refine(&mut surface, tuning.longest_edge),
     };
     let components_of = |parents: &[u32], components: &[u32]| {
         parents.iter().map(|&parent| components[parent as usize]).collect::<Vec<u32>>()
     };
     control.check()?;
-    if prepared.mesh.triangles.len() <= tuning.triangles {
+    if source.triangles.len() <= tuning.triangles {
         let mut mesh = surface.clone();
-        let origins = if is_clustered {
-            refine(&mut mesh, tuning.longest_edge)
-        } else {
-            (0..mesh.triangles.len() as u32).collect()
+        let origins = match clustered {
+            Some(_) => refine(&mut mesh, tuning.longest_edge),
+            None => (0..mesh.triangles.len() as u32).collect(),
         };
         // The first part of a triangle stands for all of it.
         let mut last = u32::MAX;
@@ -136,10 +134,10 @@ pub(crate) fn working_mesh(
         let owned = owned.collect();
         let parents_of_parts: Vec<u32> =
             origins.iter().map(|&origin| parents[origin as usize]).collect();
-        let components = components_of(&parents_of_parts, &prepared.components);
+        let components = components_of(&parents_of_parts, source_components);
         return Ok(Working { mesh, components, surface, parents, owned });
     }
-    let simplified = simplify(&prepared.mesh, &prepared.components, tuning.triangles);
+    let simplified = simplify(source, source_components, tuning.triangles);
     control.check()?;
     let mut mesh = simplified.mesh;
     let origins = refine(&mut mesh, tuning.longest_edge);
@@ -162,27 +160,27 @@ pub(crate) fn seeds(
     tuning: &Tuning,
     control: &Control,
 ) -> Result<Seeds, Error> {
-    let Working { mesh, components, surface, parents, owned } = working;
-    let adjacency = Adjacency::new(&mesh);
+    let mesh = &working.mesh;
+    let adjacency = Adjacency::new(mesh);
     let mut threshold = tuning.grouping_threshold;
-    let mut grouping = group(&mesh, &adjacency, threshold, threshold, control)?;
+    let mut grouping = group(mesh, &adjacency, threshold, threshold, control)?;
     while grouping.count > MOST_GROUPS && threshold < tuning.bound {
         threshold *= 2.0;
-        grouping = group(&mesh, &adjacency, threshold, threshold, control)?;
+        grouping = group(mesh, &adjacency, threshold, threshold, control)?;
     }
     let area: f64 =
-        mesh.triangles.iter().map(|&triangle| 0.5 * length(normal(&mesh, triangle))).sum();
+        mesh.triangles.iter().map(|&triangle| 0.5 * length(normal(mesh, triangle))).sum();
     let largest = tuning.seed_size * area.sqrt();
     let mut groups = members(&grouping.labels, grouping.count);
     let Whole { is_whole, mut seeds, mut labels } =
-        whole_components(&mesh, &surface, &owned, &components, solid, tuning, control)?;
+        whole_components(&working, solid, tuning, control)?;
     // Of clustered meshes a group may reach across components.
     for group in &mut groups {
-        group.retain(|&triangle| !is_whole[components[triangle as usize] as usize]);
+        group.retain(|&triangle| !is_whole[working.components[triangle as usize] as usize]);
     }
     groups.retain(|group| !group.is_empty());
     let parts = crate::parallel::map_largest_first(&groups, Vec::len, |group| {
-        divide(&mesh, &surface, &owned, &components, group, solid, largest, tuning, control)
+        divide(&working, group, solid, largest, tuning, control)
     });
     let mut blocks: Vec<Vec<u32>> = (0..seeds.len() as u32).map(|seed| vec![seed]).collect();
     for part in parts {
@@ -210,6 +208,7 @@ pub(crate) fn seeds(
     }
     neighbours.sort_unstable();
     neighbours.dedup();
+    let Working { mesh, surface, parents, .. } = working;
     let (mut surface, mut parents) = (Arc::new(surface), Arc::new(parents));
     if let Some(clustered) = solid.clustered.as_deref() {
         (surface, parents) = (clustered.surface.clone(), clustered.parents.clone());
@@ -233,7 +232,7 @@ fn take_clusters(
     tuning: &Tuning,
     control: &Control,
 ) -> Result<(), Error> {
-    let mut owners = vec![u32::MAX; clustered.mesh.mesh.triangles.len()];
+    let mut owners = vec![u32::MAX; clustered.mesh.triangles.len()];
     for (index, seed) in (0..).zip(&mut *seeds) {
         seed.triangles.drain(..).for_each(|triangle| owners[triangle as usize] = index);
     }
@@ -249,10 +248,7 @@ fn take_clusters(
         control.check()?;
         let own = clustered.surface.positions_of(seed.triangles.iter().copied());
         let mut reducer = HullBuilder::new().with_least_tolerance(tuning.reduction);
-        let points = match reducer.build(&own) {
-            Shape::Solid => reducer.extract().0,
-            _ => own.clone(),
-        };
+        let points = reducer.vertices_of(&own).unwrap_or_else(|| own.clone());
         Ok((own, points))
     });
     for (seed, result) in seeds.iter_mut().zip(points) {
@@ -276,14 +272,12 @@ struct Whole {
 
 /// Components whose hull fits are one seed each: convex ones above all.
 fn whole_components(
-    mesh: &TriangleMesh,
-    surface: &TriangleMesh,
-    owned: &[Vec<u32>],
-    components: &[u32],
+    working: &Working,
     solid: &Solid,
     tuning: &Tuning,
     control: &Control,
 ) -> Result<Whole, Error> {
+    let Working { mesh, components, .. } = working;
     let count = components.iter().max().map_or(0, |&last| last as usize + 1);
     let parts = members(components, count);
     let mut reducer = HullBuilder::new().with_least_tolerance(tuning.reduction);
@@ -310,7 +304,7 @@ fn whole_components(
         if coarse.is_solid && !shop.fits(&coarse, false) {
             continue;
         }
-        let seed = seed_of(mesh, surface, owned, components, triangles, &mut reducer);
+        let seed = seed_of(working, triangles, &mut reducer);
         if !shop.fits(&Hull::of(&seed.points, seed.outward), false) {
             continue;
         }
@@ -333,18 +327,15 @@ type Block = Vec<(Seed, Vec<u32>)>;
 
 /// Halves a group until no part is larger than `largest`, and the hull of each, or of what it was halved
 /// from, fits. Parts of the same fitting hull come as one block, all others alone.
-#[expect(clippy::too_many_arguments, reason = "what a group is made from")]
 fn divide(
-    mesh: &TriangleMesh,
-    surface: &TriangleMesh,
-    owned: &[Vec<u32>],
-    components: &[u32],
+    working: &Working,
     group: &[u32],
     solid: &Solid,
     largest: f64,
     tuning: &Tuning,
     control: &Control,
 ) -> Result<Vec<Block>, Error> {
+    let mesh = &working.mesh;
     let mut shop = Workshop::new(solid, tuning.search_bound);
     let mut reducer = HullBuilder::new().with_least_tolerance(tuning.reduction);
     let mut stack = vec![(group.to_vec(), false)];
@@ -354,7 +345,7 @@ fn divide(
         if seeds.is_multiple_of(SEEDS_PER_CHECK) {
             control.check()?;
         }
-        let mut make = || seed_of(mesh, surface, owned, components, &triangles, &mut reducer);
+        let mut make = || seed_of(working, &triangles, &mut reducer);
         let mut fits = |seed: &Seed| shop.fits(&Hull::of(&seed.points, seed.outward), false);
         if triangles.len() > 1 && is_large(mesh, &triangles, largest) {
             if !is_in_block && fits(&make()) {
@@ -394,17 +385,11 @@ const LONGER: f64 = 1.5;
 /// Diagonal of the bounding box of triangles.
 fn extent(mesh: &TriangleMesh, triangles: &[u32]) -> f64 {
     let vertices = triangles.iter().flat_map(|&triangle| mesh.triangles[triangle as usize]);
-    crate::surface::grouping::diagonal(vertices.map(|vertex| mesh.positions[vertex as usize]))
+    diagonal(vertices.map(|vertex| mesh.positions[vertex as usize]))
 }
 
-fn seed_of(
-    mesh: &TriangleMesh,
-    surface: &TriangleMesh,
-    owned: &[Vec<u32>],
-    components: &[u32],
-    triangles: &[u32],
-    reducer: &mut HullBuilder,
-) -> Seed {
+fn seed_of(working: &Working, triangles: &[u32], reducer: &mut HullBuilder) -> Seed {
+    let Working { mesh, components, surface, owned, .. } = working;
     let mut vertices: Vec<u32> =
         triangles.iter().flat_map(|&triangle| mesh.triangles[triangle as usize]).collect();
     vertices.sort_unstable();
@@ -424,9 +409,7 @@ fn seed_of(
         outward = add(outward, normal);
         area += 0.5 * length(normal);
     }
-    if reducer.build(&points) == Shape::Solid {
-        points = reducer.extract().0;
-    }
+    points = reducer.vertices_of(&points).unwrap_or(points);
     let component = triangles.first().map_or(0, |&triangle| components[triangle as usize]);
     let mut seed = Seed { outward, area, triangles: own, component, ..Seed::default() };
     seed.set_points(points);

@@ -13,6 +13,7 @@ use super::cluster::Clustered;
 use super::grid::{Grid, Verdict};
 use super::verdicts::Verdicts;
 use crate::field::{Closest, Field};
+use crate::mesh::TriangleMesh;
 use crate::vector::{Vector, add, length_squared, scale, subtract};
 use crate::{Control, Error};
 
@@ -55,8 +56,6 @@ pub(crate) struct Solid {
     pub verdicts: Verdicts,
     /// Where the solid is that of fewer triangles than the source has: what they stand for.
     pub clustered: Option<Arc<Clustered>>,
-    /// The triangles, where there are fewer than in the source.
-    triangles: Vec<[u32; 3]>,
 }
 
 /// How far a point is from the source.
@@ -99,15 +98,21 @@ impl Solid {
             cavities: Vec::new(),
             verdicts: Verdicts::new(),
             clustered: None,
-            triangles: Vec::new(),
         })
     }
 
-    /// From now on the source is what `clustered`, of which these are the triangles, stands for. Its surface
-    /// has to be closed.
-    pub fn stand_for(&mut self, clustered: Arc<Clustered>, triangles: &[[u32; 3]]) {
-        self.clustered = Some(clustered);
-        self.triangles = triangles.to_vec();
+    /// The solid of a clustered mesh, for which the source is what that stands for.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
+    pub fn of_clustered(
+        clustered: Arc<Clustered>,
+        bound: f64,
+        control: &Control,
+    ) -> Result<Self, Error> {
+        let TriangleMesh { positions, triangles } = &clustered.mesh;
+        let solid = Self::new(positions, triangles, true, bound, control)?;
+        Ok(Self { clustered: Some(clustered), ..solid })
     }
 
     /// The solid's own surface is at most this far from the source, and what is inside of the one is inside of
@@ -124,14 +129,18 @@ impl Solid {
             return Some(Near { upper: distance, lower: distance, own: distance, triangle });
         };
         let (upper, nearest) =
-            clustered.closest_around(self.triangles[triangle as usize], point, distance);
+            clustered.closest_around(clustered.mesh.triangles[triangle as usize], point, distance);
         let lower = distance - clustered.reach;
         Some(Near { upper, lower, own: distance, triangle: nearest })
     }
 
-    /// Whether a point is inside, or not farther outside than [`reach`](Self::reach).
+    /// Whether a point is inside, or not farther outside than [`reach`](Self::reach): as the centre of its
+    /// cell is, if that is nearer than the surface.
     pub fn holds_inside(&self, point: Vector, near: &Near) -> bool {
-        self.is_inside(point, near.own)
+        match self.grid.side(point, near.own) {
+            Some(inside) => inside,
+            None => is_inside(&self.field, point, self.is_closed),
+        }
     }
 
     /// At least the distance to the source from any point of a face, as far as one triangle of it tells.
@@ -192,15 +201,6 @@ impl Solid {
     #[inline]
     pub fn depth(&self, point: Vector) -> Option<f64> {
         self.grid.depth(point)
-    }
-
-    /// Whether a point is inside that is this far from the surface: as the centre of its cell is,
-    /// if that is nearer than the surface.
-    fn is_inside(&self, point: Vector, distance: f64) -> bool {
-        match self.grid.side(point, distance) {
-            Some(inside) => inside,
-            None => is_inside(&self.field, point, self.is_closed),
-        }
     }
 
     /// Whether the point is in the solid or at most `bound` away from it: between

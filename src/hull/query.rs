@@ -1,6 +1,7 @@
 //! What can be asked of a hull that has been built: its faces, its volume, what lies outside.
 
 use super::HullBuilder;
+use super::Shape;
 use super::face::{Face, NONE, Plane};
 use crate::vector::Vector;
 
@@ -108,6 +109,11 @@ impl HullBuilder {
             triangles.push(triangle);
         }
         (vertices, triangles)
+    }
+
+    /// Builds the hull of points, for its vertices alone; `None` if there is no hull.
+    pub(crate) fn vertices_of(&mut self, points: &[[f64; 3]]) -> Option<Vec<[f64; 3]>> {
+        (self.build(points) == Shape::Solid).then(|| self.extract().0)
     }
 
     /// For each of the points, if all were finite, a triangle of `extract` that it is a corner of.

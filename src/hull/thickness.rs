@@ -150,11 +150,5 @@ fn far_pair(points: &[Vector]) -> (Vector, Vector) {
 }
 
 fn diagonal(points: &[[f64; 3]]) -> f64 {
-    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for &point in points.iter().filter(|p| p.iter().all(|x| x.is_finite())) {
-        low = crate::vector::minimum(low, point);
-        high = crate::vector::maximum(high, point);
-    }
-    let diagonal = distance(low, high);
-    if diagonal.is_finite() { diagonal } else { 0.0 }
+    crate::vector::diagonal(points.iter().copied().filter(|p| p.iter().all(|x| x.is_finite())))
 }

@@ -10,7 +10,7 @@
 use robust::{Coord, orient2d};
 
 use super::moments::Moments;
-use crate::vector::{Vector, cross, maximum, minimum, subtract};
+use crate::vector::{Vector, bounds, cross, maximum, minimum, subtract};
 
 /// A line meets a surface: in which column, at which x, and whether it enters (1) or leaves (-1).
 #[derive(Clone, Copy)]
@@ -23,12 +23,7 @@ struct Crossing {
 /// Moments of where the winding number of outward-oriented triangles is positive, by
 /// `resolution²` columns. O(triangles + columns that they cover).
 pub(super) fn moments_of_union(triangles: &[[Vector; 3]], resolution: usize) -> Moments {
-    let mut low = [f64::INFINITY; 3];
-    let mut high = [f64::NEG_INFINITY; 3];
-    for &corner in triangles.as_flattened() {
-        low = minimum(low, corner);
-        high = maximum(high, corner);
-    }
+    let (low, high) = bounds(triangles.as_flattened().iter().copied());
     let grid = Grid { low, cell: subtract(high, low).map(|x| x / resolution as f64), resolution };
     if !(grid.cell[1] > 0.0 && grid.cell[2] > 0.0) {
         return Moments::default();

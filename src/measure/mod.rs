@@ -33,7 +33,7 @@ use crate::field::Field;
 use crate::mesh::repair::{Survey, prepare};
 use crate::mesh::{Normalization, TriangleMesh};
 use crate::parallel::{self, map_indices};
-use crate::vector::{Vector, add, maximum, minimum};
+use crate::vector::{Vector, add, bounds, maximum, minimum};
 use crate::{Control, Error, Hull};
 
 pub use check::HullCheck;
@@ -299,12 +299,8 @@ impl Mesh {
         let Survey { candidates, normalization, .. } =
             Survey::new(positions.len(), triangles, |vertex| positions[vertex as usize]);
         let usable: Vec<[u32; 3]> = candidates.iter().map(|&t| triangles[t as usize]).collect();
-        let corners = || usable.iter().flatten().map(|&index| positions[index as usize]);
-        let (min, max) = corners()
-            .map(|corner| normalization.normalize(corner))
-            .fold(([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]), |(min, max), corner| {
-                (minimum(min, corner), maximum(max, corner))
-            });
+        let corners = usable.iter().flatten().map(|&index| positions[index as usize]);
+        let (min, max) = bounds(corners.map(|corner| normalization.normalize(corner)));
         let positions = positions.iter().map(|&point| normalization.normalize(point)).collect();
         let place =
             |&point: &Vector| normalization.normalize(prepared.normalization.restore(point));

@@ -4,7 +4,7 @@ use super::HullShape;
 use super::check::{HullCheck, check};
 use crate::hull::convex_hull;
 use crate::mesh::Normalization;
-use crate::vector::{Vector, area_normal, distance, dot, length, maximum, minimum, scale};
+use crate::vector::{Vector, area_normal, bounds, distance, dot, length, scale};
 
 /// Points this far outside count as in a hull, and only points farther inside than this as
 /// inside it: hulls that share a face do so only up to rounding, to `f32` in many files.
@@ -41,8 +41,7 @@ impl Part {
         if !is_usable {
             return None;
         }
-        let min = points.iter().copied().fold([f64::INFINITY; 3], minimum);
-        let max = points.iter().copied().fold([f64::NEG_INFINITY; 3], maximum);
+        let (min, max) = bounds(points.iter().copied());
         let convex = convex_hull(&points).ok();
         let check = check(
             &points,

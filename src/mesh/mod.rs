@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use crate::Repairs;
-use crate::vector::{Vector, add, cross, dot, length, maximum, minimum, scale, subtract};
+use crate::vector::{Vector, add, bounds, cross, dot, length, scale, subtract};
 
 pub(crate) mod adjacency;
 mod caps;
@@ -36,12 +36,7 @@ impl Normalization {
     /// Without overflow for coordinates up to half the largest number. The diagonal is 0 where its
     /// inverse would not be finite, as for a single point.
     pub(crate) fn of(points: impl Iterator<Item = Vector>) -> Self {
-        let mut low = [f64::INFINITY; 3];
-        let mut high = [f64::NEG_INFINITY; 3];
-        for point in points {
-            low = minimum(low, point);
-            high = maximum(high, point);
-        }
+        let (low, high) = bounds(points);
         let extent = subtract(high, low);
         let longest = extent[0].max(extent[1]).max(extent[2]);
         if longest < f64::MIN_POSITIVE {

@@ -1,9 +1,7 @@
 //! Where the viewer stands, and how what is seen is fitted into a panel.
 
 use super::{UpAxis, View};
-use crate::vector::{
-    Vector, add, cross, distance, dot, maximum, minimum, normalize, scale, subtract,
-};
+use crate::vector::{Vector, add, bounds, cross, distance, dot, normalize, scale, subtract};
 
 /// Share of a panel that stays free on each side.
 const MARGIN: f64 = 0.08;
@@ -32,11 +30,7 @@ pub(super) struct Camera {
 impl Camera {
     /// A camera that sees all `points`.
     pub(super) fn facing(points: impl Iterator<Item = Vector> + Clone, view: &View) -> Self {
-        let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-        for point in points.clone() {
-            min = minimum(min, point);
-            max = maximum(max, point);
-        }
+        let (min, max) = bounds(points.clone());
         let (mut centre, mut radius) = ([0.0; 3], 0.0);
         if min[0] <= max[0] {
             centre = scale(add(min, max), 0.5);

@@ -9,9 +9,9 @@
 
 use crate::hull::{ConvexHull, HullBuilder, Shape};
 use crate::mesh::TriangleMesh;
-use crate::vector::{Vector, add, area_normal, dot, length, normalize};
+use crate::vector::{Vector, add, area_normal, diagonal, dot, length, normalize};
 
-use super::grouping::{diagonal, group_vertices};
+use super::grouping::group_vertices;
 
 /// A plane that the ray runs along cannot be left through it.
 const PARALLEL: f64 = 1e-9;

@@ -9,8 +9,9 @@
 
 use crate::mesh::TriangleMesh;
 use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
+use crate::vector::diagonal;
 
-use super::grouping::{Grouping, corners, diagonal, members};
+use super::grouping::{Grouping, corners, members};
 
 /// Groups of at most this many polygons may be merged away.
 const SMALL: usize = 2;

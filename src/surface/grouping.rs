@@ -7,7 +7,7 @@
 
 use crate::mesh::TriangleMesh;
 use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
-use crate::vector::{Vector, dot, subtract};
+use crate::vector::{Vector, dot};
 use crate::{Control, Error};
 
 use super::group_planes::{Plane, Planes};
@@ -162,17 +162,6 @@ pub(crate) fn group_vertices(mesh: &TriangleMesh, group: &[u32]) -> Vec<u32> {
         }
     }
     vertices
-}
-
-/// Diagonal of the bounding box of a group.
-pub(crate) fn diagonal(positions: impl Iterator<Item = Vector>) -> f64 {
-    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for position in positions {
-        low = crate::vector::minimum(low, position);
-        high = crate::vector::maximum(high, position);
-    }
-    let diagonal = crate::vector::length(subtract(high, low));
-    if diagonal.is_finite() { diagonal } else { 0.0 }
 }
 
 #[cfg(test)]

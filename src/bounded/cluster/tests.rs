@@ -1,5 +1,6 @@
 use super::*;
 use crate::field::Field;
+use crate::mesh::Normalization;
 use crate::mesh::repair::prepare;
 use crate::mesh::shapes::{cuboid, join, torus};
 
@@ -35,18 +36,18 @@ fn the_tip_of_a_needle_stays() {
     mesh.positions.push(tip);
     mesh.triangles.extend([[a, b, new], [b, c, new], [c, a, new]]);
     let clustered = clustered(&mesh).unwrap();
-    let normalization = clustered.mesh.normalization;
+    let normalization = Normalization::of(mesh.positions.iter().copied());
     let is_tip = |&vertex: &u32| {
-        let position = clustered.mesh.mesh.positions[vertex as usize];
+        let position = clustered.mesh.positions[vertex as usize];
         distance(normalization.restore(position), tip) < 1e-6
     };
-    assert!(clustered.mesh.mesh.triangles.as_flattened().iter().any(is_tip));
+    assert!(clustered.mesh.triangles.as_flattened().iter().any(is_tip));
 }
 
 #[test]
 fn fewer_triangles_are_as_closed_as_all_and_stand_for_them() {
     let clustered = clustered(&torus(400, 160)).unwrap();
-    let (mesh, surface) = (&clustered.mesh.mesh, &clustered.surface);
+    let (mesh, surface) = (&clustered.mesh, &clustered.surface);
     assert!(3 * mesh.triangles.len() < surface.triangles.len());
     assert!(clustered.reach > 0.0 && clustered.reach < BOUND);
     let mut edges = std::collections::BTreeMap::new();
@@ -68,7 +69,7 @@ fn fewer_triangles_are_as_closed_as_all_and_stand_for_them() {
 #[test]
 fn the_source_is_as_near_as_it_is_or_hardly_farther() {
     let clustered = clustered(&torus(400, 160)).unwrap();
-    let (mesh, surface) = (&clustered.mesh.mesh, &clustered.surface);
+    let (mesh, surface) = (&clustered.mesh, &clustered.surface);
     let own = Field::new(&mesh.positions, &mesh.triangles);
     let source = Field::new(&surface.positions, &surface.triangles);
     for i in 0..2000 {
@@ -89,13 +90,14 @@ fn the_source_is_as_near_as_it_is_or_hardly_farther() {
 #[test]
 fn a_ribbon_narrower_than_a_cell_stays() {
     let ribbon = cuboid([2.0, -1.0, 0.0], [2.001, 1.0, 0.001]);
-    let clustered = clustered(&join(&[torus(400, 160), ribbon])).unwrap();
-    let mesh = &clustered.mesh;
-    let triangles = mesh.mesh.triangles.iter().zip(&mesh.components);
+    let mesh = join(&[torus(400, 160), ribbon]);
+    let normalization = Normalization::of(mesh.positions.iter().copied());
+    let clustered = clustered(&mesh).unwrap();
+    let triangles = clustered.mesh.triangles.iter().zip(&clustered.components);
     let of_ribbon = triangles.filter(|(_, component)| **component == 1);
     let ends = of_ribbon.flat_map(|(triangle, _)| triangle);
-    let along = ends.map(|&vertex| mesh.mesh.positions[vertex as usize][1]);
+    let along = ends.map(|&vertex| clustered.mesh.positions[vertex as usize][1]);
     let (low, high) =
         along.fold((0.0, 0.0), |(low, high): (f64, f64), y| (low.min(y), high.max(y)));
-    assert!((high - low) * mesh.normalization.diagonal > 1.98);
+    assert!((high - low) * normalization.diagonal > 1.98);
 }
