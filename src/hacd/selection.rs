@@ -57,6 +57,6 @@ pub(super) fn select(
 /// Average diagonal of the triangles' bounding boxes.
 pub(super) fn mean_triangle_diagonal(mesh: &TriangleMesh) -> f64 {
     let count = mesh.triangles.len() as u32;
-    let sum: f64 = (0..count).map(|t| diagonal(corners(mesh, t).into_iter())).sum();
+    let sum: f64 = (0..count).map(|t| diagonal(corners(mesh, t))).sum();
     sum / f64::from(count.max(1))
 }
