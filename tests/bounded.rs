@@ -90,34 +90,31 @@ fn torus() -> Mesh {
     lathe(&ring.collect::<Vec<_>>(), 32)
 }
 
-/// A cup whose wall is 0.1 thick. (A hole as wide as a needle in the middle of its floor keeps it
+/// Of a cup whose wall is 0.1 thick. (A hole as wide as a needle in the middle of its floor keeps it
 /// a lathed ring.)
+const CUP_PROFILE: [[f64; 2]; 6] =
+    [[0.005, 0.0], [1.0, 0.0], [1.0, 2.0], [0.9, 2.0], [0.9, 0.15], [0.005, 0.15]];
+
 fn cup() -> Mesh {
-    lathe(&[[0.005, 0.0], [1.0, 0.0], [1.0, 2.0], [0.9, 2.0], [0.9, 0.15], [0.005, 0.15]], 40)
+    lathe(&CUP_PROFILE, 40)
+}
+
+/// A closed profile whose sides are divided into as many parts each.
+fn finely(profile: &[[f64; 2]], parts: u32) -> Vec<[f64; 2]> {
+    let ends = profile.iter().zip(profile.iter().cycle().skip(1));
+    ends.flat_map(|(from, to)| {
+        (0..parts).map(move |part| {
+            let share = f64::from(part) / f64::from(parts);
+            [0, 1].map(|axis| from[axis] + share * (to[axis] - from[axis]))
+        })
+    })
+    .collect()
 }
 
 /// A cup of more triangles than are searched one by one, its rim wavy, and beside it a ribbon narrower than
 /// a tenth of the bound.
 fn fine_cup() -> Mesh {
-    let corners = [
-        [0.005, 0.0],
-        [1.0, 0.0],
-        [1.0, 2.0],
-        [0.9, 2.0],
-        [0.9, 0.15],
-        [0.005, 0.15],
-        [0.005, 0.0],
-    ];
-    let between = |pair: &[[f64; 2]]| {
-        let [[r, z], [to_r, to_z]] = [pair[0], pair[1]];
-        (0..40)
-            .map(f64::from)
-            .map(move |i| i / 40.0)
-            .map(move |share| [r + share * (to_r - r), z + share * (to_z - z)])
-            .collect::<Vec<_>>()
-    };
-    let profile: Vec<[f64; 2]> = corners.windows(2).flat_map(between).collect();
-    let mut cup = lathe(&profile, 240);
+    let mut cup = lathe(&finely(&CUP_PROFILE, 40), 240);
     for [x, y, z] in &mut cup.0 {
         *z += 0.02 * *z * (7.0 * y.atan2(*x)).sin();
     }
@@ -532,6 +529,19 @@ fn the_tips_of_sharp_plates_are_covered() {
     assert!(judged.exposed.max < 0.002, "{}", judged.exposed.max);
 }
 
+/// A triangle, not shrunk to a line, that no hull stands for.
+fn lost((positions, triangles): &Mesh, result: &Decomposition) -> Option<usize> {
+    let mut is_held = vec![false; triangles.len()];
+    for &triangle in result.hulls.iter().flat_map(|hull| &hull.source_triangles) {
+        is_held[triangle as usize] = true;
+    }
+    let has_area = |triangle: usize| {
+        let [a, b, c] = triangles[triangle].map(|vertex| positions[vertex as usize]);
+        a != b && b != c && c != a
+    };
+    (0..triangles.len()).find(|&triangle| !is_held[triangle] && has_area(triangle))
+}
+
 #[test]
 fn of_very_many_triangles_none_is_lost_and_the_promise_holds() {
     let mesh = fine_cup();
@@ -542,11 +552,7 @@ fn of_very_many_triangles_none_is_lost_and_the_promise_holds() {
     assert!(report.exposed_max <= 0.1 * report.bound, "{report:?}");
     assert!(result.hulls.len() <= run(&cup()).hulls.len() + 3, "{}", result.hulls.len());
     assert!(!result.hulls.iter().any(|hull| holds(hull, [0.3, 0.0, 1.0])), "the cup is filled");
-    let mut is_held = vec![false; mesh.1.len()];
-    for &triangle in result.hulls.iter().flat_map(|hull| &hull.source_triangles) {
-        is_held[triangle as usize] = true;
-    }
-    assert_eq!(is_held.iter().position(|&held| !held), None);
+    assert_eq!(lost(&mesh, &result), None);
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     assert_eq!(one.install(|| run(&mesh).hulls), result.hulls);
 }
@@ -555,17 +561,8 @@ fn of_very_many_triangles_none_is_lost_and_the_promise_holds() {
 fn of_very_many_long_triangles_none_is_lost() {
     // A drum of thin staves, which refinement leaves long, and beside it, flush with its top, a dense brick.
     let drum = lathe(&[[0.0, -1.0], [1.0, -1.0], [1.0, 1.0], [0.0, 1.0]], 13_000);
-    let side = |from: [f64; 2], to: [f64; 2]| {
-        (0..400).map(f64::from).map(move |i| {
-            [from[0] + i / 400.0 * (to[0] - from[0]), from[1] + i / 400.0 * (to[1] - from[1])]
-        })
-    };
-    let profile: Vec<[f64; 2]> = side([0.001, 0.6], [0.3, 0.6])
-        .chain(side([0.3, 0.6], [0.3, 1.0]))
-        .chain(side([0.3, 1.0], [0.001, 1.0]))
-        .chain(side([0.001, 1.0], [0.001, 0.6]))
-        .collect();
-    let mut brick = lathe(&profile, 120);
+    let profile = [[0.001, 0.6], [0.3, 0.6], [0.3, 1.0], [0.001, 1.0]];
+    let mut brick = lathe(&finely(&profile, 400), 120);
     brick.0.iter_mut().for_each(|point| point[0] += 1.305);
     let mesh = join(&[brick, drum]);
     let result = run(&mesh);
@@ -575,14 +572,7 @@ fn of_very_many_long_triangles_none_is_lost() {
     let volume: f64 = result.hulls.iter().map(|hull| hull.volume).sum();
     let expected = std::f64::consts::PI * (2.0 + 0.4 * 0.3 * 0.3);
     assert!((volume - expected).abs() < 0.02 * expected, "{volume}");
-    let mut is_held = vec![false; mesh.1.len()];
-    for &triangle in result.hulls.iter().flat_map(|hull| &hull.source_triangles) {
-        is_held[triangle as usize] = true;
-    }
-    let positions = |triangle: usize| mesh.1[triangle].map(|vertex| mesh.0[vertex as usize]);
-    let has_area = |[a, b, c]: [[f64; 3]; 3]| a != b && b != c && c != a;
-    let lost = (0..mesh.1.len()).find(|&t| !is_held[t] && has_area(positions(t)));
-    assert_eq!(lost, None);
+    assert_eq!(lost(&mesh, &result), None);
 }
 
 #[test]

@@ -28,6 +28,7 @@ mod solid;
 mod tree;
 mod verdicts;
 
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 pub(crate) use fewer::Merging;
@@ -106,6 +107,23 @@ const FINE: [Fineness; 3] = [
 /// leave of a shape.
 const LEAST_BOUND: f64 = 1e-5;
 
+/// Half a diagonal is more than any hull of the mesh can stand out.
+const MOST_BOUND: f64 = 0.5;
+
+/// Longest edge of the mesh that is grouped, in bounds: longer ones would spoil the division.
+const LONGEST_EDGE: f64 = 4.0;
+
+/// The same in diagonals: under small bounds that many more triangles would only take time, and under large
+/// ones shapes are not larger.
+const LONGEST_EDGES: RangeInclusive<f64> = 0.04..=0.16;
+
+/// Threshold of the grouping, in bounds: what is a group should fit a hull with room to spare.
+const GROUPING_THRESHOLD: f64 = 0.1;
+
+/// What seeds may leave out, and what of the surface is not told apart, in bounds: half of what a hull may
+/// leave out in the end.
+const SLACK: f64 = 0.5 * finish::LEFT_OUT;
+
 impl Tuning {
     /// One for each division of the surface that the preset tries.
     fn all(parameters: &Parameters, diagonal: f64) -> Vec<Self> {
@@ -124,19 +142,19 @@ impl Tuning {
             Unit::Diagonals(share) => share,
             Unit::Absolute(length) => length / diagonal,
         };
-        // Half a diagonal is more than any hull of the mesh can stand out.
-        let bound = bound.clamp(LEAST_BOUND, 0.5);
+        let bound = bound.clamp(LEAST_BOUND, MOST_BOUND);
         let share = if dissolving_tries > 0 { SEARCH_SHARE } else { ONLY_SHARE };
         Self {
             bound,
             search_bound: share * bound,
             last_bound: LAST_SHARE * bound,
             triangles,
-            longest_edge: (4.0 * bound).clamp(0.04, 0.16),
-            grouping_threshold: 0.1 * bound,
+            longest_edge: (LONGEST_EDGE * bound)
+                .clamp(*LONGEST_EDGES.start(), *LONGEST_EDGES.end()),
+            grouping_threshold: GROUPING_THRESHOLD * bound,
             seed_size,
-            reduction: 0.025 * bound,
-            enough: 0.025 * bound,
+            reduction: SLACK * bound,
+            enough: SLACK * bound,
             dissolving_tries,
             max_vertices: parameters.max_vertices,
             max_hulls: parameters.bounded.max_hulls,
