@@ -35,7 +35,8 @@ pub struct Hull {
     /// than this from the hull before. In units.
     pub cap_growth: f64,
     /// No point of the hull's surface is farther than this outside the solid: verified against the
-    /// source. An upper bound, too large by at most 4 % of the bound, and never below 0.29 of it. In
+    /// source. An upper bound, never below 0.29 of the bound that was asked for, and too large by at most
+    /// 4 % of it, but where finding out more would take long: there it may be as large as the bound. In
     /// units. `None` for methods that verify nothing.
     pub phantom_max: Option<f64>,
 }

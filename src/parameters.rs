@@ -158,13 +158,14 @@ impl Default for SurfaceParameters {
 #[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Preset {
-    /// Coarser seeds and no dissolving: about a fifth more hulls in less than half of the time.
+    /// Coarser seeds and no dissolving: about a fifth more hulls in two thirds of the time. More of a solid
+    /// may stay empty inside.
     Fast,
     /// Few hulls, in a tenth of a second for most meshes.
     #[default]
     Balanced,
     /// Three divisions of the surface are tried, and the one with the fewest hulls is taken: some
-    /// hulls fewer, in about four times the time.
+    /// hulls fewer, in about three times the time.
     Fine,
 }
 
@@ -187,8 +188,9 @@ impl Preset {
 pub struct BoundedParameters {
     /// The bound: no point on the boundary of the hulls' union is farther than this outside the
     /// solid, and no point of the surface farther than this outside every hull. The solid is
-    /// where the generalized winding number is above one half, and the surface itself. Positive.
-    /// Default 2 % of the diagonal.
+    /// where the generalized winding number is above one half, and the surface itself. Triangles without
+    /// area are no surface. Positive; less than 0.001 % of the diagonal counts as that, more than half as
+    /// half. Below 0.1 % it may take seconds. Default 2 % of the diagonal.
     pub max_error: Unit,
     /// How much work is put into few hulls.
     pub preset: Preset,
@@ -252,7 +254,7 @@ pub struct Parameters {
     pub surface: SurfaceParameters,
     /// Most vertices that a hull may have, at least 8; `None` for no cap. A hull over the cap is
     /// replaced by one that contains it and little more or, where the bounded method's bound
-    /// forbids that, by one that leaves out what stands out least;
+    /// forbids that, by one that leaves out what stands out least, or by several;
     /// [`Hull::cap_growth`](crate::Hull::cap_growth) says by how much it grew. Default 64; `None`
     /// in [`Parameters::paper`].
     pub max_vertices: Option<usize>,

@@ -576,6 +576,48 @@ fn of_very_many_long_triangles_none_is_lost() {
 }
 
 #[test]
+fn plates_and_rods_far_thinner_than_the_bound_stay_what_they_are() {
+    // All but four corners hardly stand out of the others' hull: once that was a tetrahedron, and two thirds of
+    // the plate were empty.
+    for extent in [[1.0, 1.0, 0.001], [1.0, 1.0, 0.0003], [1.0, 0.001, 0.001]] {
+        let plate = cuboid([0.0; 3], extent);
+        let result = run(&plate);
+        assert_eq!(result.hulls.len(), 1);
+        let volume: f64 = extent.iter().product();
+        assert!(result.hulls[0].volume > 0.95 * volume, "{extent:?}: {}", result.hulls[0].volume);
+    }
+}
+
+#[test]
+fn a_cap_that_divides_a_ball_leaves_its_middle_filled() {
+    let rim = (0..=24).map(|i| {
+        let angle = f64::from(i) * std::f64::consts::PI / 24.0;
+        [angle.sin().max(0.001), -angle.cos()]
+    });
+    let ball = lathe(&rim.collect::<Vec<_>>(), 48);
+    let mut parameters = Parameters::default();
+    parameters.max_vertices = Some(12);
+    let result = run_with(&ball, &parameters);
+    assert!(result.hulls.len() > 1);
+    assert!(result.hulls.iter().all(|hull| hull.points.len() <= 12));
+    assert_promise("ball", &ball, &result);
+    // Hulls of the surface alone left half of it empty.
+    let hollow = judge(&ball, &result.hulls).hollow;
+    assert!(hollow.is_some_and(|hollow| hollow < 0.01), "{hollow:?}");
+}
+
+#[test]
+fn hulls_that_verification_divided_join_again() {
+    // Once a cube drawn from both sides became 244 shreds.
+    let (positions, mut triangles) = cuboid([0.0; 3], [1.0; 3]);
+    triangles.extend(turned(&(positions.clone(), triangles.clone())).1);
+    let mesh = (positions, triangles);
+    let result = run(&mesh);
+    assert_promise("double cube", &mesh, &result);
+    assert!(result.hulls.len() <= 40, "{}", result.hulls.len());
+}
+
+#[test]
 fn the_fine_preset_has_no_more_hulls() {
     let mut fine = Parameters::default();
     fine.bounded.preset = Preset::Fine;

@@ -16,6 +16,10 @@ use crate::hull::{
 };
 use crate::vector::{Vector, add, distance, scale, subtract};
 
+/// A hull without vertices that hardly stand out has at least this share of its volume left: of a thin plate
+/// hardly anything stands out.
+const LEAST_VOLUME: f64 = 0.95;
+
 /// Where the cap on vertices can't be kept otherwise, vertices that stand out by this much, in bounds,
 /// are left out too.
 const COARSER: [f64; 2] = [0.1, 0.2];
@@ -79,11 +83,12 @@ pub(super) fn few_vertices(
             None => Ok(None),
         }
     };
+    let least_volume = LEAST_VOLUME * whole.hull.volume();
     let mut without_least = |share: f64| -> Result<Option<ConvexHull>, Error> {
         let Some(coarse) = coarser(&whole.hull, share * bound) else { return Ok(None) };
         let (_, added) = solid_hull(builder, &coarse.points, whole.outward, LEAST_THICKNESS)?;
         // Some have no thickness to spare.
-        Ok((added == 0.0).then_some(coarse))
+        Ok((added == 0.0 && coarse.volume() >= least_volume).then_some(coarse))
     };
 
     let allowed = (LEFT_OUT * bound).max(whole.left_out);

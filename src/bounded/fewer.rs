@@ -43,6 +43,7 @@ pub(super) fn fewer(
             hull: node.hull.clone(),
             seeds: set,
             part,
+            inner: Vec::new(),
             added_thickness: largest(|hull| hull.added_thickness),
             cap_growth: node.growth.max(largest(|hull| hull.cap_growth)),
             phantom: node.phantom,

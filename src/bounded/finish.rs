@@ -2,10 +2,11 @@
 //! the source.
 
 use super::Tuning;
-use super::certify::{self, Outside, PointGroups, left_out};
+use super::certify::{self, Outside, PointGroups, left_out, phantom};
 use super::cover::{self, Covered, hull_of};
 use super::few_vertices::{Few, Whole, few_vertices};
 use super::piece::{Hull, Piece};
+use super::rejoin::rejoin;
 use super::seed_set::SeedSet;
 use super::seeds::{Seed, Seeds};
 use super::solid::Solid;
@@ -28,8 +29,10 @@ pub(super) const MOST_LEFT_OUT: f64 = 0.5;
 pub(crate) struct Finished {
     pub hull: ConvexHull,
     pub seeds: SeedSet,
-    /// Where it holds a part of a single seed only: that part's triangles of the surface.
+    /// Where it holds a part of its seeds only: that part's triangles of the surface.
     pub part: Option<Vec<u32>>,
+    /// Points inside that it holds too, so that nothing between it and others of its kind stays empty.
+    pub inner: Vec<Vector>,
     pub added_thickness: f64,
     pub cap_growth: f64,
     /// No point of its surface is farther than this from the solid.
@@ -57,7 +60,7 @@ pub(crate) struct Outcome {
 
 /// What hulls are made from.
 pub(super) struct Material<'a> {
-    seeds: &'a Seeds,
+    pub seeds: &'a Seeds,
     pub solid: &'a Solid,
     pub tuning: &'a Tuning,
     /// A vertex may be saved if that adds at most this volume, in cubed diagonals.
@@ -105,9 +108,11 @@ pub(crate) fn finish(
     let size = |piece: &Piece| piece.seeds.count();
     let parts =
         crate::parallel::map_largest_first(&pieces, size, |piece| finish_one(&material, piece));
-    let mut hulls = Vec::new();
-    for part in parts {
-        hulls.extend(part?);
+    let parts = parts.into_iter().collect::<Result<Vec<Vec<Finished>>, Error>>()?;
+    let is_divided = parts.iter().any(|part| part.len() > 1);
+    let mut hulls: Vec<Finished> = parts.into_iter().flatten().collect();
+    if is_divided {
+        hulls = rejoin(&material, hulls)?;
     }
     let exposed = exposed(&material, &hulls)?;
     Ok(Outcome { hulls, exposed })
@@ -151,16 +156,27 @@ fn exposed(material: &Material<'_>, hulls: &[Finished]) -> Result<f64, Error> {
 fn finish_one(material: &Material<'_>, piece: &Piece) -> Result<Vec<Finished>, Error> {
     let &Material { seeds, tuning, control, .. } = material;
     let mut done = Vec::new();
-    let mut open = vec![(piece.seeds.clone(), None)];
+    // With points inside that parts hold too; without, once they have turned out to lie in a cavity.
+    let mut open = vec![(piece.seeds.clone(), None, Some(Vec::new()))];
     let mut builder = HullBuilder::new();
-    while let Some((set, part)) = open.pop() {
+    while let Some((set, part, inner)) = open.pop() {
         control.check()?;
-        let finished = finished(material, set, part, &mut builder)?;
-        let keeps_bound =
-            finished.phantom <= tuning.bound && finished.left_out <= MOST_LEFT_OUT * tuning.bound;
-        if keeps_bound {
+        let is_filling = inner.as_ref().is_some_and(|inner| !inner.is_empty());
+        let may_fill = inner.is_some();
+        let finished = finished(material, set, part, inner.unwrap_or_default(), &mut builder)?;
+        if keeps_bound(&finished, tuning) {
             done.push(finished);
             continue;
+        }
+        if is_filling && finished.phantom > tuning.bound {
+            open.push((finished.seeds, finished.part, None));
+            continue;
+        }
+        let mut inner = may_fill.then(|| finished.inner.clone());
+        if let Some(inner) = &mut inner
+            && inner.is_empty()
+        {
+            inner.extend(middle(material, &finished, &mut builder)?);
         }
         let mut members: Vec<u32> = finished.seeds.iter().collect();
         if members.len() > 1 {
@@ -170,7 +186,7 @@ fn finish_one(material: &Material<'_>, piece: &Piece) -> Result<Vec<Finished>, E
             };
             let (first, second) = halves(&mut members, centre);
             for half in [second, first] {
-                open.push((SeedSet::of(seeds.count(), half.iter().copied()), None));
+                open.push((SeedSet::of(seeds.count(), half.iter().copied()), None, inner.clone()));
             }
             continue;
         }
@@ -182,7 +198,7 @@ fn finish_one(material: &Material<'_>, piece: &Piece) -> Result<Vec<Finished>, E
             if finished.part.is_some() {
                 done.push(finished);
             } else if !triangles.is_empty() {
-                open.push((finished.seeds.clone(), Some(triangles)));
+                open.push((finished.seeds.clone(), Some(triangles), inner));
             }
             continue;
         }
@@ -193,10 +209,38 @@ fn finish_one(material: &Material<'_>, piece: &Piece) -> Result<Vec<Finished>, E
         };
         let (first, second) = halves(&mut triangles, centre);
         for half in [second, first] {
-            open.push((finished.seeds.clone(), Some(half.to_vec())));
+            open.push((finished.seeds.clone(), Some(half.to_vec()), inner.clone()));
         }
     }
     Ok(done)
+}
+
+pub(super) fn keeps_bound(finished: &Finished, tuning: &Tuning) -> bool {
+    finished.phantom <= tuning.bound && finished.left_out <= MOST_LEFT_OUT * tuning.bound
+}
+
+/// The middle of a hull that would keep the bound but for its cap on vertices: its parts, each of which is a hull
+/// of some of the surface, fill it if all of them reach there.
+fn middle(
+    material: &Material<'_>,
+    finished: &Finished,
+    builder: &mut HullBuilder,
+) -> Result<Option<Vector>, Error> {
+    let &Material { seeds, solid, tuning, control, .. } = material;
+    let Some(most) = tuning.max_vertices else { return Ok(None) };
+    let own = own_points(seeds, &finished.seeds, finished.part.as_deref());
+    // A seed may stand for nothing of the surface.
+    if !solid.is_closed || own.len() <= most {
+        return Ok(None);
+    }
+    let (whole, _) = solid_hull(builder, &own, [0.0; 3], LEAST_THICKNESS)?;
+    let count = whole.points.len();
+    if count <= most || phantom(&whole, solid, tuning.bound, tuning.bound, control)? > tuning.bound
+    {
+        return Ok(None);
+    }
+    let sum = whole.points.iter().fold([0.0; 3], |sum, &point| add(sum, point));
+    Ok(Some(scale(sum, 1.0 / count as f64)))
 }
 
 /// Two halves along the axis on which the items are spread most.
@@ -208,10 +252,12 @@ fn halves(items: &mut [u32], centre: impl Fn(&u32) -> Vector) -> (&[u32], &[u32]
     items.split_at(items.len() / 2)
 }
 
-fn finished(
+/// A hull of seeds, or of a part of one, as it may be returned; it need not keep the bound.
+pub(super) fn finished(
     material: &Material<'_>,
     set: SeedSet,
     part: Option<Vec<u32>>,
+    inner: Vec<Vector>,
     builder: &mut HullBuilder,
 ) -> Result<Finished, Error> {
     let &Material { seeds, tuning, .. } = material;
@@ -227,7 +273,10 @@ fn finished(
             Hull::of(&points, normals.fold([0.0; 3], add))
         }
     };
-    let own = extreme(builder, own_points(seeds, &set, part.as_deref()));
+    hull.insert(&inner, [0.0; 3]);
+    let mut own = own_points(seeds, &set, part.as_deref());
+    own.extend_from_slice(&inner);
+    let own = extreme(builder, own);
     let groups = PointGroups::new(&own);
     let points = hull.vertices();
     let (mut full, mut added_thickness) =
@@ -254,6 +303,7 @@ fn finished(
         hull,
         seeds: set,
         part,
+        inner,
         added_thickness,
         cap_growth: growth,
         phantom,

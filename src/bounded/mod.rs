@@ -8,7 +8,7 @@
 //! | `refine`, `seeds` | a simplified or refined mesh, the paper's groups (3.4.1), halved until they fit; who conflicts with whom |
 //! | `merge` | pieces join best-first |
 //! | `cover` | each piece grows over all seeds that it can take; pieces are dissolved into the rest, at last by nearly all of the bound; each seed stays with one |
-//! | `finish` | thickness; `few_vertices` saves vertices, `certify` verifies the result |
+//! | `finish` | thickness; `few_vertices` saves vertices, `certify` verifies the result, `rejoin` joins what it divided |
 //! | `fewer`, `tree` | a cap on hulls; on demand: joins down to one hull |
 
 mod cavities;
@@ -22,6 +22,7 @@ mod grid;
 mod merge;
 mod piece;
 mod refine;
+mod rejoin;
 mod seed_set;
 mod seeds;
 mod solid;

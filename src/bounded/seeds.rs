@@ -19,7 +19,8 @@ use crate::mesh::simplify::simplify;
 use crate::mesh::{PreparedMesh, TriangleMesh};
 use crate::surface::grouping::{group, members};
 use crate::vector::{
-    Vector, add, area_normal, bounds, diagonal, distance, dot, length, scale, subtract,
+    Vector, add, area_normal, bounds, diagonal, distance, dot, length, length_squared, scale,
+    subtract,
 };
 use crate::{Control, Error};
 
@@ -270,6 +271,9 @@ struct Whole {
     labels: Vec<u32>,
 }
 
+/// Points of a whole component that stand out of its hull less than this share of its thickness are left out.
+const REDUCTION_OF_THICKNESS: f64 = 0.02;
+
 /// Components whose hull fits are one seed each: convex ones above all.
 fn whole_components(
     working: &Working,
@@ -280,7 +284,6 @@ fn whole_components(
     let Working { mesh, components, .. } = working;
     let count = components.iter().max().map_or(0, |&last| last as usize + 1);
     let parts = members(components, count);
-    let mut reducer = HullBuilder::new().with_least_tolerance(tuning.reduction);
     let mut shop = Workshop::new(solid, tuning.search_bound);
     let mut is_whole = vec![false; count];
     let mut seeds = Vec::new();
@@ -304,6 +307,13 @@ fn whole_components(
         if coarse.is_solid && !shop.fits(&coarse, false) {
             continue;
         }
+        // What may be left out of a body is little of its thickness too.
+        let thickness = coarse.volume / length_squared(subtract(coarse.max, coarse.min));
+        let reduction = match coarse.is_solid {
+            true => tuning.reduction.min(REDUCTION_OF_THICKNESS * thickness),
+            false => tuning.reduction,
+        };
+        let mut reducer = HullBuilder::new().with_least_tolerance(reduction);
         let seed = seed_of(working, triangles, &mut reducer);
         if !shop.fits(&Hull::of(&seed.points, seed.outward), false) {
             continue;

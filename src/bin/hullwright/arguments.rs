@@ -19,14 +19,15 @@ pub struct ParameterArguments {
     max_error: Option<Unit>,
 
     /// Bounded: most hulls. Where this forces hulls beyond the error, it says how far
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = parse_count)]
     max_hulls: Option<usize>,
 
     /// Bounded: cavities with mouths narrower than the error, or with none, stay empty
     #[arg(long)]
     keep_cavities: bool,
 
-    /// Bounded: fast, balanced (default) or fine
+    /// Bounded: balanced (default); fast has a fifth more hulls in two thirds of the time, fine some
+    /// fewer in three times the time
     #[arg(long, value_name = "NAME", value_parser = parse_preset)]
     preset: Option<Preset>,
 
@@ -135,6 +136,10 @@ fn parse_unit(text: &str) -> Result<Unit, String> {
     let length =
         number.parse().map_err(|_| "a number is expected, with or without `d` after it")?;
     Ok(unit(length))
+}
+
+fn parse_count(text: &str) -> Result<usize, String> {
+    text.parse().map_err(|_| "a whole number is expected".into())
 }
 
 fn parse_cap(text: &str) -> Result<Cap, String> {
