@@ -5,8 +5,10 @@
 //! that the surface passes through: each cell asks one triangle (a vector distance transform,
 //! Danielsson 1980, with triangles for points). So distances may come out too large by a small
 //! share of a cell, never too small. Cells farther than a band from the surface only know that.
-//! Sides are flooded through cells that the surface does not touch, one winding number for each
+//! Sides are flooded through cells that the surface does not touch (see `flood`), one winding number for each
 //! connected region; where the mesh is open, each cell that is asked for has its own.
+
+mod flood;
 
 use std::sync::atomic::{AtomicU8, Ordering};
 
@@ -14,6 +16,7 @@ use super::solid::is_inside;
 use crate::field::{Field, nearest_of_triangle};
 use crate::vector::{Vector, add, bounds, subtract};
 use crate::{Control, Error};
+use flood::{FREE, neighbours};
 
 /// Most cells. At a bound of 2 % a hundred thousand are enough; at 0.5 % a coarser grid than this
 /// leaves so much to the tree that the search takes three times as long and ends with more hulls.
@@ -28,10 +31,6 @@ const STEPS: usize = 48;
 /// A triangle with one side this short and another this long, in cells, is a needle.
 const NEEDLE_WIDTH: f32 = 2.0;
 const NEEDLE_LENGTH: f32 = 8.0;
-
-/// A cell farther than this from the surface, in cells, is not cut off from its neighbours by it:
-/// half a cell, and room for distances that are too large.
-const FREE: f32 = 0.8;
 
 /// Distances are too large by less than this, in cells: where two sheets pass through the same
 /// cells, those beyond may have heard of the farther one only.
@@ -267,41 +266,6 @@ impl Grid {
         Ok(())
     }
 
-    /// Gives each connected region of cells that the surface does not touch its side.
-    ///
-    /// # Errors
-    /// [`Error::Cancelled`].
-    pub(super) fn flood(&mut self, field: &Field, control: &Control) -> Result<(), Error> {
-        self.is_flooded = true;
-        let is_free = |cells: &[Cell], index: usize| cells[index].distance > FREE * self.size;
-        let mut stack: Vec<u32> = Vec::new();
-        let mut flooded = 0_usize;
-        for start in 0..self.cells.len() {
-            if *self.sides[start].get_mut() != UNKNOWN || !is_free(&self.cells, start) {
-                continue;
-            }
-            let inside = field.is_inside(self.centre_in_space(start));
-            let side = if inside { INSIDE } else { OUTSIDE };
-            *self.sides[start].get_mut() = side;
-            stack.push(start as u32);
-            control.check()?;
-            while let Some(index) = stack.pop() {
-                flooded += 1;
-                if flooded.is_multiple_of(CELLS_PER_CHECK) {
-                    control.check()?;
-                }
-                for neighbour in neighbours(self.dimensions, index as usize).into_iter().flatten() {
-                    let known = self.sides[neighbour].get_mut();
-                    if *known == UNKNOWN && is_free(&self.cells, neighbour) {
-                        *known = side;
-                        stack.push(neighbour as u32);
-                    }
-                }
-            }
-        }
-        Ok(())
-    }
-
     /// Finds out which cells are near as a whole, at most the distance `near` away, and which far, by
     /// more than `far`, once the sides are flooded.
     pub(super) fn judge_cells(&mut self, near: f64, far: f64) {
@@ -432,19 +396,6 @@ impl Grid {
         self.sides[index].store(if inside { INSIDE } else { OUTSIDE }, Ordering::Relaxed);
         Some(inside)
     }
-}
-
-fn neighbours([width, height, depth]: [usize; 3], index: usize) -> [Option<usize>; 6] {
-    let [x, y, z] = [index % width, index / width % height, index / (width * height)];
-    let layer = width * height;
-    [
-        (x > 0).then(|| index - 1),
-        (x + 1 < width).then_some(index + 1),
-        (y > 0).then(|| index - width),
-        (y + 1 < height).then_some(index + width),
-        (z > 0).then(|| index - layer),
-        (z + 1 < depth).then_some(index + layer),
-    ]
 }
 
 #[inline]

@@ -88,7 +88,7 @@ impl Solid {
         );
         let (field, mut grid) = (field?, grid?);
         if is_closed {
-            grid.flood(&field, control)?;
+            grid.flood(&field, (positions, triangles), control)?;
         }
         grid.judge_cells(LEAST_SEARCH_SHARE * bound, DOUBT * bound);
         Ok(Self {
