@@ -9,6 +9,7 @@
 //!
 //! A promise is broken where more is sampled than was verified, or verified than was asked for.
 
+use meshoptimizer_rs::{Positions, SimplifyOptions, SimplifySettings, Workspace};
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -184,14 +185,16 @@ fn vhacd(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> f64 {
 fn meshopt_time(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> f64 {
     let points: Vec<[f32; 3]> = positions.iter().map(|p| p.map(|x| x as f32)).collect();
     let start = Instant::now();
-    std::hint::black_box(meshopt::simplify_decoder(
-        triangles.as_flattened(),
-        &points,
-        3 * SIMPLIFIED.min(triangles.len()),
-        f32::MAX,
-        meshopt::SimplifyOptions::None,
-        None,
-    ));
+    let settings = SimplifySettings {
+        target_index_count: 3 * SIMPLIFIED.min(triangles.len()),
+        target_error: f32::MAX,
+        options: SimplifyOptions::EMPTY,
+    };
+    let positions = Positions::from_packed(&points);
+    let mut workspace = Workspace::default();
+    let simplified =
+        meshoptimizer_rs::simplify(triangles.as_flattened(), positions, settings, &mut workspace);
+    std::hint::black_box(simplified.ok());
     start.elapsed().as_secs_f64()
 }
 

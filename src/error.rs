@@ -59,6 +59,13 @@ pub enum Error {
         /// Why not.
         reason: &'static str,
     },
+    /// A dense mesh could not be simplified: it would take more memory or work than meshes of its
+    /// size need, or memory is short.
+    #[error("the mesh could not be simplified: {reason}")]
+    Simplification {
+        /// What the simplifier says.
+        reason: String,
+    },
     /// [`Control::cancel`](crate::Control::cancel) was called.
     #[error("cancelled")]
     Cancelled,

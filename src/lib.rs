@@ -38,17 +38,14 @@
 //! | `hulls_file` | `.hulls`: a decomposition in a file | – |
 //! | `inspect` | what a mesh holds, without decomposing it | – |
 //! | `io` (feature) | readers and writers of mesh files | – |
-//! | `collider` (features `rapier`, `bevy`) | hulls checked and made ready for a physics engine | – |
 //! | `rapier` (feature) | colliders and mass properties for rapier3d 0.36 | – |
-//! | `bevy` (feature) | the plugin for Bevy 0.19 with bevy_rapier3d 0.36 | – |
+//! | `bevy` (feature) | the plugin for Bevy 0.20 with bevy_rapier3d 0.37 | – |
 //! | `picture` (feature `io`) | draws meshes and hulls into a PNG, without a GPU | – |
 
 #[cfg(feature = "bevy")]
 pub mod bevy;
 mod bounded;
 mod clock;
-#[cfg(feature = "nalgebra")]
-mod collider;
 mod control;
 mod decompose;
 mod decomposition;
@@ -75,8 +72,6 @@ mod surface;
 mod vector;
 mod whole_file;
 
-#[cfg(feature = "nalgebra")]
-pub use collider::ColliderError;
 pub use control::{Control, Progress, Stage};
 pub use decompose::{Coordinate, Decomposer, decompose};
 pub use decomposition::{
@@ -90,6 +85,8 @@ pub use mass::PrincipalInertia;
 pub use mass::{MassProperties, MassSource, mass_properties};
 pub use merge_tree::{CurvePoint, MergeTree};
 pub use parameters::{BoundedParameters, Method, Parameters, Preset, SurfaceParameters, Unit};
+#[cfg(feature = "rapier")]
+pub use rapier::ColliderError;
 
 /// Changes whenever the same input and parameters may give another result.
 pub const ALGORITHM_VERSION: u32 = 11;

@@ -1,4 +1,4 @@
-//! Results reach their entities: as colliders, as statuses, as events.
+//! Results reach their entities: as as statuses, as events.
 
 use std::sync::Arc;
 
@@ -21,7 +21,7 @@ use super::placement::{Placements, Stretch, map_mass};
 use super::work::{Delivery, SourceId, Work};
 use super::{
     ConvexDecomposition, DecompositionCounters, DecompositionFailure, DecompositionReady,
-    DecompositionStatus, HullwrightSettings, Origin, Skip, colliders,
+    DecompositionStatus, HullwrightSettings, Origin, Skip,
 };
 
 /// On entities whose collider is ours: what it was made from.
@@ -234,6 +234,6 @@ impl Targets<'_, '_> {
 fn rapier_mass(
     properties: &crate::MassProperties,
 ) -> Result<ColliderMassProperties, ColliderError> {
-    let properties = colliders::mass_properties(properties, [1.0; 3])?;
+    let properties = crate::rapier::mass_properties(properties, [1.0; 3])?;
     Ok(ColliderMassProperties::MassProperties(MassProperties::from_rapier(properties)))
 }

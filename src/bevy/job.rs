@@ -17,7 +17,7 @@ use super::library::{
 };
 use super::mesh_data::MeshData;
 use super::placement::{MapKey, map_hulls};
-use super::{DecompositionFailure, Origin, colliders};
+use super::{DecompositionFailure, Origin};
 
 /// What there is to be done.
 pub(super) enum Task {
@@ -165,7 +165,7 @@ fn shape_of(material: &Material, map: &Affine3A) -> Result<SharedShape, Decompos
     match material {
         Material::Hulls(file) => {
             let hulls = map_hulls(&file.hulls, map)?;
-            Ok(colliders::shape(&hulls, [1.0; 3])?)
+            Ok(crate::rapier::shape(&hulls, [1.0; 3])?)
         }
         Material::Triangles(data) => triangle_mesh(data, map),
     }

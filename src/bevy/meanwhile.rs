@@ -12,9 +12,7 @@ use crate::hull::{HullBuilder, solid_hull};
 use super::mesh_data::{MeshData, read_parts};
 use super::run::pool;
 use super::work::{StandInJob, Work};
-use super::{
-    ConvexDecomposition, DecompositionStatus, Execution, HullwrightSettings, Meanwhile, colliders,
-};
+use super::{ConvexDecomposition, DecompositionStatus, Execution, HullwrightSettings, Meanwhile};
 
 /// On entities whose collider is a stand-in of ours.
 #[derive(Component, Debug, Clone, Copy)]
@@ -134,5 +132,5 @@ fn convex_hull(data: &MeshData) -> Option<SharedShape> {
         cap_growth: 0.0,
         phantom_max: None,
     };
-    colliders::shape(&[hull], [1.0; 3]).ok()
+    crate::rapier::shape(&[hull], [1.0; 3]).ok()
 }

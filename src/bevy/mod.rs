@@ -1,4 +1,4 @@
-//! The plugin for Bevy 0.19 with bevy_rapier3d 0.36 (feature `bevy`): tag a mesh, get a moving
+//! The plugin for Bevy 0.20 with bevy_rapier3d 0.37 (feature `bevy`): tag a mesh, get a moving
 //! concave body.
 //!
 //! ```no_run
@@ -26,11 +26,9 @@
 //! | `meanwhile`, `hold` | stand-ins, and bodies that wait |
 //! | `attach`, `failing` | results reach their entities, and what went wrong does |
 //! | `debug` (feature) | hulls drawn, and numbers among the diagnostics |
-//! | `colliders` | shapes for those who hold hulls themselves |
 
 mod attach;
 mod baked;
-pub mod colliders;
 #[cfg(feature = "debug")]
 mod debug;
 mod failing;

@@ -186,7 +186,7 @@ pub(super) fn notice_scales(
 
 /// A tag that is gone cancels its work, also when the entity is despawned.
 pub(super) fn on_untag<T: Component>(
-    removed: On<Remove, T>,
+    removed: On<Remove<T>>,
     mut commands: Commands,
     mut work: ResMut<Work>,
     mut counters: ResMut<DecompositionCounters>,

@@ -138,7 +138,7 @@ pub(crate) fn working_mesh(
         let components = components_of(&parents_of_parts, source_components);
         return Ok(Working { mesh, components, surface, parents, owned });
     }
-    let simplified = simplify(source, source_components, tuning.triangles);
+    let simplified = simplify(source, source_components, tuning.triangles)?;
     control.check()?;
     let mut mesh = simplified.mesh;
     let origins = refine(&mut mesh, tuning.longest_edge);

@@ -2,7 +2,6 @@
 
 mod app;
 mod baked;
-mod colliders;
 #[cfg(feature = "debug")]
 mod debug;
 mod failures;

@@ -4,6 +4,7 @@
 //! models and meshes made here; lengths are metres.
 
 mod bodies;
+mod colliders;
 mod resting;
 mod shapes;
 mod world;

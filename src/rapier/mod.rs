@@ -1,7 +1,6 @@
 //! Colliders and mass properties for rapier3d 0.36 (feature `rapier`, no Bevy).
 //!
-//! The Bevy plugin has a Rapier of its own, 0.35, whose types are other types: use the plugin's
-//! components there.
+//! bevy_rapier3d 0.37 re-exports the same Rapier: what is made here fits there.
 //!
 //! ```
 //! use hullwright::{Control, Parameters};
@@ -26,9 +25,16 @@
 //! Whoever keeps the decomposition, or has it from a `.hulls` file, calls [`collider`] or
 //! [`shape`] with its hulls. A `SharedShape` may be shared by any number of colliders.
 
-use crate::{ColliderError, Control, Coordinate, Parameters};
+mod check;
+mod prepare;
+mod shape;
 
-crate::collider::colliders!(rapier3d);
+use rapier3d::geometry::ColliderBuilder;
+
+pub use prepare::ColliderError;
+pub use shape::{collider, mass_properties, shape};
+
+use crate::{Control, Coordinate, Parameters};
 
 /// Decomposes a mesh and makes a collider of it, with the mass properties of the mesh at a
 /// `density` (mass per cubed unit).

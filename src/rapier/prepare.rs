@@ -1,17 +1,9 @@
-//! Hulls made ready for Rapier, whatever its version.
+//! Hulls made ready for Rapier.
 //!
 //! Rapier takes convex polyhedra as points and triangles in `f32`. Parry, its collision library,
 //! checks little of them, and what it does not check ends in a panic or in wrong contacts later.
 //! So hulls are scaled, rounded and built anew here, and everything that Parry relies on is
-//! checked before it is called. The call itself is a macro (`convert`), since each version of
-//! Rapier has types of its own.
-
-mod check;
-#[macro_use]
-mod convert;
-
-pub(crate) use check::is_closed;
-pub(crate) use convert::colliders;
+//! checked before it is called.
 
 use crate::hull::{HullBuilder, SinglePrecisionHull, single_precision};
 use crate::{Error, Hull, MassProperties};
@@ -53,7 +45,7 @@ pub enum ColliderError {
 ///
 /// # Errors
 /// [`ColliderError::NoHulls`], [`ColliderError::InvalidScale`], [`ColliderError::UnusableHull`].
-pub(crate) fn scaled_hulls(
+pub(super) fn scaled_hulls(
     hulls: &[Hull],
     scale: [f32; 3],
 ) -> Result<Vec<SinglePrecisionHull>, ColliderError> {
@@ -82,7 +74,7 @@ pub(crate) fn scaled_hulls(
 const COARSER: [f64; 3] = [1e-5, 1e-4, 1e-3];
 
 /// The same hull with fewer and fewer slivers, for those that Parry refuses.
-pub(crate) fn coarser(points: &[[f32; 3]]) -> impl Iterator<Item = SinglePrecisionHull> {
+pub(super) fn coarser(points: &[[f32; 3]]) -> impl Iterator<Item = SinglePrecisionHull> {
     let points: Vec<_> = points.iter().map(|point| point.map(f64::from)).collect();
     COARSER.into_iter().filter_map(move |tolerance| {
         single_precision(&points, &mut HullBuilder::new().with_tolerance(tolerance)).ok()
@@ -91,7 +83,7 @@ pub(crate) fn coarser(points: &[[f32; 3]]) -> impl Iterator<Item = SinglePrecisi
 
 /// Mass properties as a rigid body of an engine holds them.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct RigidMass {
+pub(super) struct RigidMass {
     pub mass: f32,
     pub centre: [f32; 3],
     /// About the principal axes.
@@ -103,7 +95,7 @@ pub(crate) struct RigidMass {
 impl RigidMass {
     /// # Errors
     /// [`ColliderError::InvalidScale`], [`ColliderError::UnusableMass`].
-    pub(crate) fn new(properties: &MassProperties, scale: [f32; 3]) -> Result<Self, ColliderError> {
+    pub(super) fn new(properties: &MassProperties, scale: [f32; 3]) -> Result<Self, ColliderError> {
         check_scale(scale)?;
         let properties = properties.scaled(scale.map(f64::from));
         let principal = properties.principal_inertia();

@@ -7,7 +7,7 @@ use std::collections::HashSet;
 /// Whether triangles over `points` points close up: each edge has exactly two triangles, which
 /// run along it in opposite directions, and no triangle names a vertex twice or one that is not
 /// there.
-pub(crate) fn is_closed(points: usize, triangles: &[[u32; 3]]) -> bool {
+pub(super) fn is_closed(points: usize, triangles: &[[u32; 3]]) -> bool {
     let mut edges = HashSet::with_capacity(3 * triangles.len());
     for &[a, b, c] in triangles {
         for (from, to) in [(a, b), (b, c), (c, a)] {

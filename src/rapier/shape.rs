@@ -1,0 +1,109 @@
+//! From hulls and mass properties to Rapier's types.
+
+use rapier3d::dynamics::MassProperties as RapierMassProperties;
+use rapier3d::geometry::{ColliderBuilder, SharedShape};
+use rapier3d::parry::math::{Pose, Rotation, Vector};
+use rapier3d::parry::shape::ConvexPolyhedron;
+
+use super::check::is_closed;
+use super::prepare::{RigidMass, coarser, scaled_hulls};
+use crate::{ColliderError, Hull, MassProperties};
+
+/// One shape of all hulls, their points multiplied by `scale`: a single convex polyhedron,
+/// or a compound of them. O(n log n) in the vertices.
+///
+/// Scale is baked into the points, since Parry's own scaling of polyhedra is wrong where
+/// its factors differ; a negative factor mirrors. Should Parry refuse a hull, one without
+/// what stands out by less than 1e-3 of its extent stands in for it, at the last its
+/// bounding box.
+///
+/// # Errors
+/// [`ColliderError`](crate::ColliderError) says which hull or factor can't be used. It
+/// never panics.
+pub fn shape(hulls: &[Hull], scale: [f32; 3]) -> Result<SharedShape, ColliderError> {
+    let hulls = scaled_hulls(hulls, scale)?;
+    if let [(points, triangles)] = hulls.as_slice()
+        && let Some(shape) = part(points, triangles)
+    {
+        return Ok(shape);
+    }
+    let parts = hulls.iter().map(|(points, triangles)| match part(points, triangles) {
+        Some(shape) => (Pose::IDENTITY, shape),
+        None => bounding_box(points),
+    });
+    Ok(SharedShape::compound(parts.collect()))
+}
+
+/// The hull, or if Parry refuses it a slightly simpler one.
+fn part(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Option<SharedShape> {
+    polyhedron(points, triangles)
+        .or_else(|| coarser(points).find_map(|(points, triangles)| polyhedron(&points, &triangles)))
+}
+
+/// A collider of all hulls with the mass properties of the source mesh, both scaled: see
+/// [`shape`] and [`mass_properties`].
+///
+/// # Errors
+/// As [`shape`] and [`mass_properties`].
+pub fn collider(
+    hulls: &[Hull],
+    properties: &MassProperties,
+    scale: [f32; 3],
+) -> Result<ColliderBuilder, ColliderError> {
+    let properties = mass_properties(properties, scale)?;
+    Ok(ColliderBuilder::new(shape(hulls, scale)?).mass_properties(properties))
+}
+
+/// The mass properties in Rapier's type, after the body's coordinates are multiplied by
+/// `scale` at the same density.
+///
+/// # Errors
+/// [`ColliderError::InvalidScale`](ColliderError::InvalidScale), and
+/// [`ColliderError::UnusableMass`](ColliderError::UnusableMass) where a value is
+/// beyond the range of `f32`.
+pub fn mass_properties(
+    properties: &MassProperties,
+    scale: [f32; 3],
+) -> Result<RapierMassProperties, ColliderError> {
+    let body = RigidMass::new(properties, scale)?;
+    Ok(RapierMassProperties::with_principal_inertia_frame(
+        Vector::from(body.centre),
+        body.mass,
+        Vector::from(body.moments),
+        Rotation::from_array(body.rotation),
+    ))
+}
+
+/// Nothing where Parry has nothing, or nothing that is safe to use.
+fn polyhedron(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Option<SharedShape> {
+    if !is_closed(points.len(), triangles) {
+        return None;
+    }
+    let points = points.iter().map(|point| Vector::from(*point)).collect();
+    let polyhedron = ConvexPolyhedron::from_convex_mesh(points, triangles)?;
+    is_sound(&polyhedron).then(|| SharedShape::new(polyhedron))
+}
+
+/// Whether the faces that Parry made can be asked for contacts. They are built from
+/// normals in `f32`, by which slivers may be lost and leave edges without a face.
+fn is_sound(polyhedron: &ConvexPolyhedron) -> bool {
+    let faces = polyhedron.faces();
+    let edges = polyhedron.edges();
+    let has_faces = |edge: &u32| {
+        edges
+            .get(*edge as usize)
+            .is_some_and(|edge| edge.faces.iter().all(|face| (*face as usize) < faces.len()))
+    };
+    !faces.is_empty()
+        && faces.iter().any(|face| face.normal != Vector::ZERO)
+        && faces.iter().all(|face| face.normal.is_finite())
+        && polyhedron.edges_adj_to_face().iter().all(has_faces)
+}
+
+fn bounding_box(points: &[[f32; 3]]) -> (Pose, SharedShape) {
+    let points = || points.iter().map(|point| Vector::from(*point));
+    let low = points().fold(Vector::INFINITY, Vector::min);
+    let high = points().fold(Vector::NEG_INFINITY, Vector::max);
+    let [x, y, z] = ((high - low) / 2.0).to_array();
+    (Pose::from_translation((low + high) / 2.0), SharedShape::cuboid(x, y, z))
+}
