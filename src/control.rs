@@ -4,8 +4,8 @@ use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::Error;
 use crate::clock::Instant;
+use crate::error::Error;
 
 /// What the decomposition is busy with.
 #[non_exhaustive]

@@ -2,39 +2,18 @@
 
 use crate::bounded::{self, Run};
 use crate::clock::Instant;
+use crate::control::{Control, Stage};
+use crate::decomposition::{
+    BoundedReport, Decomposition, GroupedMesh, Report, StageTime, SurfaceReport,
+};
+use crate::error::Error;
+use crate::geometry::Coordinate;
 use crate::mesh::PreparedMesh;
 use crate::mesh::repair::prepare;
+use crate::parameters::{Method, Parameters, SurfaceParameters, Unit};
 use crate::surface::group_merging::merge_groups;
 use crate::surface::pieces::{assign_source_triangles, hulls};
 use crate::surface::resolution_selection::{Level, Levels, first_cut_off, select};
-use crate::{
-    BoundedReport, Control, Decomposition, Error, GroupedMesh, Method, Parameters, Report, Stage,
-    StageTime, SurfaceParameters, SurfaceReport, Unit,
-};
-
-mod sealed {
-    pub trait Sealed {}
-    impl Sealed for f32 {}
-    impl Sealed for f64 {}
-}
-
-/// A coordinate: `f32` or `f64`.
-pub trait Coordinate: Copy + sealed::Sealed {
-    /// The same number in double precision.
-    fn to_f64(self) -> f64;
-}
-
-impl Coordinate for f32 {
-    fn to_f64(self) -> f64 {
-        f64::from(self)
-    }
-}
-
-impl Coordinate for f64 {
-    fn to_f64(self) -> f64 {
-        self
-    }
-}
 
 /// Decomposes a triangle mesh into convex hulls.
 ///

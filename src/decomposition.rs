@@ -1,16 +1,11 @@
 //! The result: hulls, the groups that they come from, and the report.
 
-use crate::Method;
+use crate::geometry::Bounds;
 use crate::hull::{HullBuilder, SinglePrecisionHull, single_precision};
+use crate::parameters::Method;
 
-/// An axis-aligned box, in the input's units.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bounds {
-    /// The least coordinates.
-    pub min: [f64; 3],
-    /// The greatest coordinates.
-    pub max: [f64; 3],
-}
+/// Changes whenever the same input and parameters may give another result.
+pub const ALGORITHM_VERSION: u32 = 11;
 
 /// One convex piece, in the input's units.
 #[non_exhaustive]
@@ -92,7 +87,7 @@ pub struct Repairs {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StageTime {
     /// The stage.
-    pub stage: crate::Stage,
+    pub stage: crate::control::Stage,
     /// Seconds that it took.
     pub seconds: f64,
 }
@@ -252,7 +247,7 @@ impl Hull {
     ///
     /// # Errors
     /// [`Error::NoHull`](crate::Error::NoHull) if a coordinate is beyond the range of `f32`.
-    pub fn to_single_precision(&self) -> Result<SinglePrecisionHull, crate::Error> {
+    pub fn to_single_precision(&self) -> Result<SinglePrecisionHull, crate::error::Error> {
         single_precision(&self.points, &mut HullBuilder::new())
     }
 }

@@ -1,10 +1,13 @@
 //! A look at a mesh without decomposing it: what it holds, and what repair would do to it.
 
-use crate::decompose::Coordinate;
+use crate::control::Control;
+use crate::decomposition::Repairs;
+use crate::error::Error;
+use crate::geometry::Bounds;
+use crate::geometry::Coordinate;
+use crate::geometry::vector::{area_normal, cross, dot, length, maximum, minimum};
 use crate::mesh::PreparedMesh;
 use crate::mesh::repair::prepare;
-use crate::vector::{area_normal, cross, dot, length, maximum, minimum};
-use crate::{Bounds, Control, Error, Repairs};
 
 /// What [`inspect`] found.
 #[non_exhaustive]

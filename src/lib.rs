@@ -35,26 +35,28 @@
 //! | `field` | distance to the surface, generalized winding number | – |
 //! | `measure` | judges any set of hulls against a mesh | – |
 //! | `mass` | mass, centre and inertia of the source mesh | – |
-//! | `hulls_file` | `.hulls`: a decomposition in a file | – |
+//! | `hulls_format` | `.hulls`: a decomposition in a file | – |
 //! | `inspect` | what a mesh holds, without decomposing it | – |
 //! | `io` (feature) | readers and writers of mesh files | – |
 //! | `rapier` (feature) | colliders and mass properties for rapier3d 0.36 | – |
 //! | `bevy` (feature) | the plugin for Bevy 0.20 with bevy_rapier3d 0.37 | – |
 //! | `picture` (feature `io`) | draws meshes and hulls into a PNG, without a GPU | – |
 
+mod atomic_write;
 #[cfg(feature = "bevy")]
 pub mod bevy;
 mod bounded;
+mod bvh;
 mod clock;
 mod control;
 mod decompose;
 mod decomposition;
 mod error;
-mod field;
+mod geometry;
 #[cfg(feature = "bench")]
 pub mod hacd;
 pub mod hull;
-pub mod hulls_file;
+pub mod hulls_format;
 mod inspect;
 #[cfg(feature = "io")]
 pub mod io;
@@ -64,21 +66,21 @@ mod merge_tree;
 mod mesh;
 mod parallel;
 mod parameters;
-#[cfg(feature = "io")]
-pub mod picture;
 #[cfg(feature = "rapier")]
 pub mod rapier;
+#[cfg(feature = "io")]
+pub mod render;
 mod surface;
-mod vector;
-mod whole_file;
 
 pub use control::{Control, Progress, Stage};
-pub use decompose::{Coordinate, Decomposer, decompose};
+pub use decompose::{Decomposer, decompose};
 pub use decomposition::{
-    BoundedReport, Bounds, Decomposition, GroupedMesh, Hull, Repairs, Report, ResolutionOutcome,
-    ResolutionReport, StageTime, SurfaceReport, ThresholdOutcome, ThresholdReport,
+    ALGORITHM_VERSION, BoundedReport, Decomposition, GroupedMesh, Hull, Repairs, Report,
+    ResolutionOutcome, ResolutionReport, StageTime, SurfaceReport, ThresholdOutcome,
+    ThresholdReport,
 };
 pub use error::Error;
+pub use geometry::{Bounds, Coordinate};
 pub use inspect::{Inspection, inspect};
 #[cfg(feature = "nalgebra")]
 pub use mass::PrincipalInertia;
@@ -87,6 +89,3 @@ pub use merge_tree::{CurvePoint, MergeTree};
 pub use parameters::{BoundedParameters, Method, Parameters, Preset, SurfaceParameters, Unit};
 #[cfg(feature = "rapier")]
 pub use rapier::ColliderError;
-
-/// Changes whenever the same input and parameters may give another result.
-pub const ALGORITHM_VERSION: u32 = 11;

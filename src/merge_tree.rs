@@ -1,7 +1,11 @@
 //! Fewer hulls afterwards: from a finished decomposition on down to one hull, without a new run.
 
 use crate::bounded::Merging;
-use crate::{Control, Coordinate, Decomposition, Error, Hull, Parameters};
+use crate::control::Control;
+use crate::decomposition::{Decomposition, Hull};
+use crate::error::Error;
+use crate::geometry::Coordinate;
+use crate::parameters::Parameters;
 
 /// The hulls of a decomposition and all that they can be joined to, one join after the other: the
 /// pair whose joint hull stands out least goes first.

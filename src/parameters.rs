@@ -1,6 +1,6 @@
 //! Every knob, with the paper's symbol and default, and its checks.
 
-use crate::Error;
+use crate::error::Error;
 
 /// Which method decomposes the mesh.
 #[non_exhaustive]

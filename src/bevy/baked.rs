@@ -5,7 +5,7 @@ use bevy::asset::io::Reader;
 use bevy::asset::{AssetLoader, LoadContext};
 use bevy::prelude::*;
 
-use crate::hulls_file::{HullsFile, HullsFileError};
+use crate::hulls_format::{HullsFile, HullsFileError};
 
 use super::DecompositionStatus;
 

@@ -9,7 +9,7 @@ use bevy::math::Affine3A;
 use bevy_rapier3d::rapier::geometry::{SharedShape, TriMeshFlags};
 use bevy_rapier3d::rapier::math::Vector;
 
-use crate::hulls_file::HullsFile;
+use crate::hulls_format::HullsFile;
 use crate::{Control, Decomposer, Parameters, mass_properties};
 
 use super::library::{

@@ -9,7 +9,7 @@ use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
 use bevy_rapier3d::rapier::geometry::SharedShape;
 
-use crate::hulls_file::HullsFile;
+use crate::hulls_format::HullsFile;
 use crate::{ALGORITHM_VERSION, Parameters};
 
 use super::baked::BakedHulls;

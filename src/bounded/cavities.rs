@@ -5,13 +5,13 @@
 //! refused there. But it can swallow the space whole. One point of each cavity tells.
 
 use super::grid::Grid;
-use crate::field::Field;
-use crate::vector::Vector;
+use crate::bvh::Bvh;
+use crate::geometry::vector::Vector;
 
 /// One point of each cavity, where it is deepest: outside the solid, farther than `bound` from
 /// the surface, and without a way to infinity through points of that kind, as far as the grid
 /// tells. O(cells).
-pub(super) fn cavities(grid: &Grid, field: &Field, bound: f64) -> Vec<Vector> {
+pub(super) fn cavities(grid: &Grid, bvh: &Bvh, bound: f64) -> Vec<Vector> {
     let mut is_reached: Vec<bool> =
         (0..grid.count()).map(|cell| !grid.is_free(cell, bound)).collect();
     // The grid's border is outside, wherever the surface leaves room.
@@ -30,7 +30,7 @@ pub(super) fn cavities(grid: &Grid, field: &Field, bound: f64) -> Vec<Vector> {
             .into_iter()
             .max_by(|&a, &b| grid.distance(a).total_cmp(&grid.distance(b)).then(b.cmp(&a)));
         let point = grid.centre_in_space(deepest.unwrap_or(cell));
-        if !field.is_inside(point) {
+        if !bvh.is_inside(point) {
             cavities.push(point);
         }
     }

@@ -10,11 +10,12 @@
 use std::sync::OnceLock;
 
 use super::solid::{OPEN_INSIDE, Solid, halves};
-use crate::field::{Field, nearest_of_triangle};
+use crate::bvh::{Bvh, nearest_of_triangle};
+use crate::control::Control;
+use crate::error::Error;
+use crate::geometry::vector::{Vector, add, bounds, distance, dot, length, scale, subtract};
 use crate::hull::ConvexHull;
 use crate::mesh::TriangleMesh;
-use crate::vector::{Vector, add, bounds, distance, dot, length, scale, subtract};
-use crate::{Control, Error};
 
 /// No triangle that might be near is known.
 const NO_GUESS: u32 = u32::MAX;
@@ -131,7 +132,7 @@ pub(super) fn phantom(
                 solid.holds_inside(centre, &near)
             } else {
                 // The side may change without a surface in between, but not on a sudden.
-                let number = solid.field.winding_number(centre);
+                let number = solid.bvh.winding_number(centre);
                 let winding = number - OPEN_INSIDE;
                 let is_small = radius <= OPEN * bound;
                 // Each sheet that it is below makes it the steeper.
@@ -202,14 +203,14 @@ pub(super) struct Outside<'a> {
     hull: &'a ConvexHull,
     planes: Vec<Plane>,
     /// Most hulls never need it.
-    field: OnceLock<Field>,
+    bvh: OnceLock<Bvh>,
 }
 
 impl<'a> Outside<'a> {
     pub(super) fn new(hull: &'a ConvexHull) -> Self {
         let planes = (0..).zip(hull.planes());
         let planes = planes.map(|(face, (normal, offset))| Plane { normal, offset, face });
-        Self { hull, planes: planes.collect(), field: OnceLock::new() }
+        Self { hull, planes: planes.collect(), bvh: OnceLock::new() }
     }
 
     /// 0 for a point in the hull. Once that is known to be more than `limit`, any value above
@@ -240,8 +241,8 @@ impl<'a> Outside<'a> {
         if to_face <= beyond + ROUNDING {
             return to_face;
         }
-        let field = self.field.get_or_init(|| Field::new(&self.hull.points, &self.hull.triangles));
-        field.distance(point, f64::INFINITY).map_or(beyond, |closest| closest.distance)
+        let bvh = self.bvh.get_or_init(|| Bvh::new(&self.hull.points, &self.hull.triangles));
+        bvh.distance(point, f64::INFINITY).map_or(beyond, |closest| closest.distance)
     }
 }
 
@@ -426,8 +427,8 @@ mod tests {
         let depth = 0.9;
         let corners = [[0.5, 0.0, 0.0], [0.5, 1.0, 0.0], [0.5, 0.5, -depth], [0.6, 0.5, -0.1]];
         let hull = convex_hull(&corners).unwrap();
-        assert!(!is_inside(&solid.field, corners[2], solid.is_closed));
-        assert!(is_inside(&solid.field, [0.5, 0.5, -0.3], solid.is_closed));
+        assert!(!is_inside(&solid.bvh, corners[2], solid.is_closed));
+        assert!(is_inside(&solid.bvh, [0.5, 0.5, -0.3], solid.is_closed));
         let found = phantom(&hull, &solid, bound, f64::INFINITY, &control).unwrap();
         assert!(found >= depth, "{found}");
     }

@@ -12,12 +12,13 @@
 use std::sync::Arc;
 
 use super::refine::refine;
-use crate::field::nearest_of_triangle;
-use crate::mesh::{PreparedMesh, TriangleMesh};
-use crate::vector::{
+use crate::bvh::nearest_of_triangle;
+use crate::control::Control;
+use crate::error::Error;
+use crate::geometry::vector::{
     Vector, add, area_normal, bounds, distance, dot, length, length_squared, scale, subtract,
 };
-use crate::{Control, Error};
+use crate::mesh::{PreparedMesh, TriangleMesh};
 
 /// Meshes of fewer triangles are quick enough without.
 const MANY_TRIANGLES: usize = 100_000;

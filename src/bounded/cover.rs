@@ -6,8 +6,9 @@ use super::piece::{Hull, Piece, Workshop};
 use super::seed_set::SeedSet;
 use super::seeds::{Seed, Seeds};
 use super::solid::Solid;
-use crate::vector::{add, distance, scale};
-use crate::{Control, Error};
+use crate::control::Control;
+use crate::error::Error;
+use crate::geometry::vector::{add, distance, scale};
 
 /// Lets a hull take seeds in order of nearness, those of `wanted` alone, until none fits.
 ///

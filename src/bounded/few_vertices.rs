@@ -9,12 +9,12 @@
 
 use super::certify::{PointGroups, left_out, phantom};
 use super::finish::{LEFT_OUT, MOST_LEFT_OUT, Material};
-use crate::Error;
+use crate::error::Error;
+use crate::geometry::vector::{Vector, add, distance, scale, subtract};
 use crate::hull::{
     ConvexHull, HullBuilder, LEAST_THICKNESS, cap_vertices, coarser, collapse_edges,
     most_prominent, solid_hull,
 };
-use crate::vector::{Vector, add, distance, scale, subtract};
 
 /// A hull without vertices that hardly stand out has at least this share of its volume left: of a thin plate
 /// hardly anything stands out.

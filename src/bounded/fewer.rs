@@ -8,10 +8,13 @@ use super::seeds::Seeds;
 use super::solid::Solid;
 use super::tree::Tree;
 use super::{BALANCED, Tuning, clustered, solid};
+use crate::control::Control;
+use crate::decomposition::Hull;
+use crate::error::Error;
 use crate::hull::ConvexHull;
 use crate::mesh::Normalization;
 use crate::parallel;
-use crate::{Control, Error, Hull, Parameters};
+use crate::parameters::Parameters;
 
 /// Joins hulls until no more than `most` are left.
 pub(super) fn fewer(

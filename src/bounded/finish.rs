@@ -10,9 +10,10 @@ use super::rejoin::rejoin;
 use super::seed_set::SeedSet;
 use super::seeds::{Seed, Seeds};
 use super::solid::Solid;
+use crate::control::Control;
+use crate::error::Error;
+use crate::geometry::vector::{Vector, add, area_normal, bounds, scale};
 use crate::hull::{ConvexHull, HullBuilder, LEAST_THICKNESS, solid_hull};
-use crate::vector::{Vector, add, area_normal, bounds, scale};
-use crate::{Control, Error};
 
 /// An edge may collapse if that adds at most this share of the mean volume of all hulls: engines pay
 /// for each vertex.

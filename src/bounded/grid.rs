@@ -13,9 +13,10 @@ mod flood;
 use std::sync::atomic::{AtomicU8, Ordering};
 
 use super::solid::is_inside;
-use crate::field::{Field, nearest_of_triangle};
-use crate::vector::{Vector, add, bounds, subtract};
-use crate::{Control, Error};
+use crate::bvh::{Bvh, nearest_of_triangle};
+use crate::control::Control;
+use crate::error::Error;
+use crate::geometry::vector::{Vector, add, bounds, subtract};
 use flood::{FREE, neighbours};
 
 /// Most cells. At a bound of 2 % a hundred thousand are enough; at 0.5 % a coarser grid than this
@@ -352,14 +353,14 @@ impl Grid {
 
     /// Whether the probe's point is inside; `None` if it may be on the other side than its cell.
     #[inline]
-    pub(super) fn is_inside(&self, probe: &Probe, field: &Field) -> Option<bool> {
+    pub(super) fn is_inside(&self, probe: &Probe, bvh: &Bvh) -> Option<bool> {
         if probe.lower <= 0.0 {
             return None;
         }
         match self.sides[probe.index].load(Ordering::Relaxed) {
             INSIDE => Some(true),
             OUTSIDE => Some(false),
-            _ => self.ask_side(probe.index, field),
+            _ => self.ask_side(probe.index, bvh),
         }
     }
 
@@ -391,8 +392,8 @@ impl Grid {
     }
 
     #[cold]
-    fn ask_side(&self, index: usize, field: &Field) -> Option<bool> {
-        let inside = is_inside(field, self.centre_in_space(index), self.is_flooded);
+    fn ask_side(&self, index: usize, bvh: &Bvh) -> Option<bool> {
+        let inside = is_inside(bvh, self.centre_in_space(index), self.is_flooded);
         self.sides[index].store(if inside { INSIDE } else { OUTSIDE }, Ordering::Relaxed);
         Some(inside)
     }
@@ -419,5 +420,5 @@ fn nearest_of(p: [f32; 3], [a, b, c]: [Vector; 3]) -> ([f32; 3], f32) {
     let point = p.map(f64::from);
     let [a, b, c] = [a, b, c].map(|corner| subtract(corner, point));
     let nearest = nearest_of_triangle(a, b, c);
-    (add(point, nearest).map(|x| x as f32), crate::vector::length(nearest) as f32)
+    (add(point, nearest).map(|x| x as f32), crate::geometry::vector::length(nearest) as f32)
 }

@@ -7,7 +7,8 @@ use super::cover::hull_of;
 use super::piece::{Hull, Piece, Workshop};
 use super::seed_set::SeedSet;
 use super::seeds::Seeds;
-use crate::{Control, Error};
+use crate::control::Control;
+use crate::error::Error;
 
 /// Two pieces that may join.
 struct Candidate {

@@ -34,13 +34,13 @@ use std::sync::Arc;
 
 pub(crate) use fewer::Merging;
 
+use crate::control::{Control, Stage};
+use crate::decomposition::{BoundedReport, GroupedMesh, Hull};
+use crate::error::Error;
 use crate::hull::ConvexHull;
 use crate::mesh::PreparedMesh;
 use crate::parallel;
-use crate::{
-    BoundedParameters, BoundedReport, Control, Error, GroupedMesh, Hull, Parameters, Preset, Stage,
-    Unit,
-};
+use crate::parameters::{BoundedParameters, Parameters, Preset, Unit};
 use cluster::Clustered;
 use cover::Covered;
 use finish::Finished;

@@ -4,8 +4,8 @@ use super::seed_set::SeedSet;
 use super::seeds::Seed;
 use super::solid::Solid;
 use super::verdicts::{Key, Verdicts};
+use crate::geometry::vector::{Vector, add, area_normal, length_squared, maximum, minimum};
 use crate::hull::{HullBuilder, Shape, solid_hull};
-use crate::vector::{Vector, add, area_normal, length_squared, maximum, minimum};
 
 /// Seeds and their hull.
 #[derive(Debug, Clone)]

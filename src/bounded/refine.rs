@@ -3,8 +3,8 @@
 
 use std::collections::BTreeMap;
 
+use crate::geometry::vector::{Vector, add, length_squared, scale, subtract};
 use crate::mesh::TriangleMesh;
-use crate::vector::{Vector, add, length_squared, scale, subtract};
 
 /// Refinement adds at most this many triangles: enough for a coarse mesh, and no burden.
 const MOST_ADDED: usize = 4000;

@@ -4,9 +4,9 @@
 
 use super::certify::phantom;
 use super::finish::{Finished, Material, finished, keeps_bound};
-use crate::Error;
+use crate::error::Error;
+use crate::geometry::vector::{Vector, bounds};
 use crate::hull::{HullBuilder, solid_hull};
-use crate::vector::{Vector, bounds};
 
 /// A hull, or the place of one that has joined another.
 struct Place {

@@ -12,17 +12,18 @@ use super::piece::{Hull, Workshop};
 use super::refine::refine;
 use super::seed_set::SeedSet;
 use super::solid::Solid;
-use crate::field::{Field, nearest_triangles};
+use crate::bvh::{Bvh, nearest_triangles};
+use crate::control::Control;
+use crate::error::Error;
+use crate::geometry::vector::{
+    Vector, add, area_normal, bounds, diagonal, distance, dot, length, length_squared, scale,
+    subtract,
+};
 use crate::hull::HullBuilder;
 use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
 use crate::mesh::simplify::simplify;
 use crate::mesh::{PreparedMesh, TriangleMesh};
 use crate::surface::grouping::{group, members};
-use crate::vector::{
-    Vector, add, area_normal, bounds, diagonal, distance, dot, length, length_squared, scale,
-    subtract,
-};
-use crate::{Control, Error};
 
 /// More groups than this are grown anew under a larger threshold: each facet of a fine cylinder
 /// would be one of its own.
@@ -143,10 +144,9 @@ pub(crate) fn working_mesh(
     let mut mesh = simplified.mesh;
     let origins = refine(&mut mesh, tuning.longest_edge);
     let components = components_of(&origins, &simplified.components);
-    let field = Field::new(&mesh.positions, &mesh.triangles);
+    let bvh = Bvh::new(&mesh.positions, &mesh.triangles);
     let mut owned: Vec<Vec<u32>> = vec![Vec::new(); mesh.triangles.len()];
-    for (triangle, nearest) in nearest_triangles(&surface, &field, control)?.into_iter().enumerate()
-    {
+    for (triangle, nearest) in nearest_triangles(&surface, &bvh, control)?.into_iter().enumerate() {
         if let Some(list) = owned.get_mut(nearest as usize) {
             list.push(triangle as u32);
         }

@@ -12,10 +12,11 @@ use super::cavities::cavities;
 use super::cluster::Clustered;
 use super::grid::{Grid, Verdict};
 use super::verdicts::Verdicts;
-use crate::field::{Closest, Field};
+use crate::bvh::{Bvh, Closest};
+use crate::control::Control;
+use crate::error::Error;
+use crate::geometry::vector::{Vector, add, length_squared, scale, subtract};
 use crate::mesh::TriangleMesh;
-use crate::vector::{Vector, add, length_squared, scale, subtract};
-use crate::{Control, Error};
 
 /// A face smaller than this share of the bound is decided by its centre.
 const SMALL: f64 = 0.25;
@@ -46,7 +47,7 @@ const SINGLE_PRECISION: f64 = 1e-6;
 
 /// The source mesh as a solid, or one of fewer triangles that stands for it.
 pub(crate) struct Solid {
-    pub field: Field,
+    pub bvh: Bvh,
     /// Whether the surface encloses the inside: only then does being inside say anything.
     pub is_closed: bool,
     grid: Grid,
@@ -82,17 +83,17 @@ impl Solid {
         bound: f64,
         control: &Control,
     ) -> Result<Self, Error> {
-        let (field, grid) = crate::parallel::join(
-            || Field::with_control(positions, triangles, control),
+        let (bvh, grid) = crate::parallel::join(
+            || Bvh::with_control(positions, triangles, control),
             || Grid::new(positions, triangles, bound, control),
         );
-        let (field, mut grid) = (field?, grid?);
+        let (bvh, mut grid) = (bvh?, grid?);
         if is_closed {
-            grid.flood(&field, (positions, triangles), control)?;
+            grid.flood(&bvh, (positions, triangles), control)?;
         }
         grid.judge_cells(LEAST_SEARCH_SHARE * bound, DOUBT * bound);
         Ok(Self {
-            field,
+            bvh,
             is_closed,
             grid,
             cavities: Vec::new(),
@@ -124,7 +125,7 @@ impl Solid {
     /// How far a point is from the source, and where the source is near, if it is.
     pub fn near(&self, point: Vector, guess: u32) -> Option<Near> {
         let Closest { distance, triangle, .. } =
-            self.field.distance_near(point, f64::INFINITY, guess)?;
+            self.bvh.distance_near(point, f64::INFINITY, guess)?;
         let Some(clustered) = &self.clustered else {
             return Some(Near { upper: distance, lower: distance, own: distance, triangle });
         };
@@ -139,7 +140,7 @@ impl Solid {
     pub fn holds_inside(&self, point: Vector, near: &Near) -> bool {
         match self.grid.side(point, near.own) {
             Some(inside) => inside,
-            None => is_inside(&self.field, point, self.is_closed),
+            None => is_inside(&self.bvh, point, self.is_closed),
         }
     }
 
@@ -156,8 +157,8 @@ impl Solid {
 
     /// From now on no hull may hold cavities deeper than `bound` (see `cavities`).
     pub fn keep_cavities(&mut self, bound: f64) {
-        let points = cavities(&self.grid, &self.field, bound).into_iter();
-        let depth = |point| self.field.distance(point, f64::INFINITY).map(|found| found.distance);
+        let points = cavities(&self.grid, &self.bvh, bound).into_iter();
+        let depth = |point| self.bvh.distance(point, f64::INFINITY).map(|found| found.distance);
         self.cavities = points.filter_map(|point| Some((point, depth(point)?))).collect();
     }
 
@@ -187,14 +188,14 @@ impl Solid {
     /// tells.
     #[inline]
     pub fn farthest_corner(&self, face: [Vector; 3], triangle: u32) -> f64 {
-        largest(face.map(|corner| self.field.distance_to(corner, triangle)))
+        largest(face.map(|corner| self.bvh.distance_to(corner, triangle)))
     }
 
     /// The triangle nearest to the middle of the point's cell, if that is near, and how far it is.
     #[inline]
     pub fn close_distance(&self, point: Vector) -> (f64, u32) {
         let triangle = self.grid.owner(point);
-        (self.field.distance_to(point, triangle), triangle)
+        (self.bvh.distance_to(point, triangle), triangle)
     }
 
     /// At most the distance to the surface of a point inside; `None` if it may be outside.
@@ -216,13 +217,11 @@ impl Solid {
         if probe.upper <= bound {
             return true;
         }
-        match self.grid.is_inside(&probe, &self.field) {
+        match self.grid.is_inside(&probe, &self.bvh) {
             Some(inside) => {
-                inside || probe.upper <= DOUBT * bound && self.field.is_within(point, bound)
+                inside || probe.upper <= DOUBT * bound && self.bvh.is_within(point, bound)
             }
-            None => {
-                self.field.is_within(point, bound) || is_inside(&self.field, point, self.is_closed)
-            }
+            None => self.bvh.is_within(point, bound) || is_inside(&self.bvh, point, self.is_closed),
         }
     }
 
@@ -256,23 +255,23 @@ impl Solid {
                 continue;
             }
             if probe.upper > bound {
-                match self.grid.is_inside(&probe, &self.field) {
+                match self.grid.is_inside(&probe, &self.bvh) {
                     Some(true) => {}
                     Some(false) if probe.upper > DOUBT * bound => return false,
                     Some(false) => {
-                        let known = self.field.distance_to(centre, self.grid.owner(centre));
+                        let known = self.bvh.distance_to(centre, self.grid.owner(centre));
                         if known + reach <= bound {
                             continue;
                         }
                         if known > bound
                             && self.grid.estimate(centre) > CERTAIN * bound
-                            && !self.field.is_within(centre, bound)
+                            && !self.bvh.is_within(centre, bound)
                         {
                             return false;
                         }
                     }
                     // The grid is too coarse for such a bound.
-                    None => match self.field.distance(centre, f64::INFINITY) {
+                    None => match self.bvh.distance(centre, f64::INFINITY) {
                         Some(closest) if closest.distance <= bound => {
                             if closest.distance + reach <= bound
                                 || self.farthest_corner([a, b, c], closest.triangle) <= bound
@@ -280,7 +279,7 @@ impl Solid {
                                 continue;
                             }
                         }
-                        Some(closest) if is_inside(&self.field, centre, self.is_closed) => {
+                        Some(closest) if is_inside(&self.bvh, centre, self.is_closed) => {
                             if self.is_closed && reach - closest.distance <= bound {
                                 continue;
                             }
@@ -296,7 +295,7 @@ impl Solid {
             if probe.lower > 0.0
                 && (self.is_closed || radius <= bound)
                 && reach - probe.lower <= bound
-                && self.grid.is_inside(&probe, &self.field) == Some(true)
+                && self.grid.is_inside(&probe, &self.bvh) == Some(true)
             {
                 continue;
             }
@@ -308,8 +307,8 @@ impl Solid {
 
 /// Whether a point is inside of a surface.
 #[inline]
-pub(super) fn is_inside(field: &Field, point: Vector, is_closed: bool) -> bool {
-    if is_closed { field.is_inside(point) } else { field.winding_number(point) > OPEN_INSIDE }
+pub(super) fn is_inside(bvh: &Bvh, point: Vector, is_closed: bool) -> bool {
+    if is_closed { bvh.is_inside(point) } else { bvh.winding_number(point) > OPEN_INSIDE }
 }
 
 #[inline]

@@ -4,8 +4,9 @@
 use super::Tuning;
 use super::certify::phantom;
 use super::solid::Solid;
+use crate::control::Control;
+use crate::error::Error;
 use crate::hull::{ConvexHull, HullBuilder, cap_vertices, solid_hull};
-use crate::{Control, Error};
 
 /// A hull of the tree, in diagonals: a final one, or a joint one.
 #[derive(Debug, Clone)]

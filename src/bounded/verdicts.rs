@@ -6,7 +6,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use crate::vector::Vector;
+use crate::geometry::vector::Vector;
 
 /// Entries; a power of two. Half a megabyte holds the faces that a mesh's search comes back to.
 const ENTRIES: usize = 1 << 16;

@@ -1,6 +1,6 @@
 //! The paper's figure of merit for any grouped mesh: the average concavity cost [3.4.2, 3.4.3].
 
-use crate::GroupedMesh;
+use crate::decomposition::GroupedMesh;
 use crate::mesh::TriangleMesh;
 use crate::surface::cost::{CostScratch, cost};
 use crate::surface::grouping::members;

@@ -19,12 +19,13 @@ use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
 use super::surface::{Depth, Judge, Surface};
+use crate::control::Control;
+use crate::error::Error;
+use crate::geometry::vector::distance;
 use crate::hull::ConvexHull;
 use crate::mesh::TriangleMesh;
 use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
 use crate::surface::grouping::Grouping;
-use crate::vector::distance;
-use crate::{Control, Error};
 
 /// The share of β that the shape factor of a disc of diameter ℓ has, as in equation (4).
 const SHAPE_SHARE: f64 = 0.1;

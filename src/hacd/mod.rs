@@ -25,11 +25,15 @@ mod selection;
 mod surface;
 
 use crate::clock::Instant;
+use crate::control::{Control, Stage};
+use crate::decomposition::{GroupedMesh, Hull};
+use crate::error::Error;
+use crate::geometry::Coordinate;
 use crate::mesh::repair::prepare;
+use crate::parameters::Unit;
 use crate::surface::group_merging::merge_groups;
 use crate::surface::pieces::{assign_source_triangles, hulls};
 use crate::surface::resolution_selection::{LEAST_CUT_OFF_RESOLUTION, Level, Levels};
-use crate::{Control, Coordinate, Error, GroupedMesh, Hull, Stage, Unit};
 use collapse::{Threshold, collapse};
 use selection::{Candidate, select};
 

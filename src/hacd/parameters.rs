@@ -1,6 +1,7 @@
 //! The knobs of HACD, and its checks.
 
-use crate::{Error, SurfaceParameters, Unit};
+use crate::error::Error;
+use crate::parameters::{SurfaceParameters, Unit};
 
 /// The length ℓ that counts as 1 in α, where the paper gives none.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,7 +64,7 @@ impl HacdParameters {
         {
             check("shape_length", length)?;
         }
-        let mut shared = crate::Parameters::paper();
+        let mut shared = crate::parameters::Parameters::paper();
         shared.surface = self.surface.clone();
         shared.max_vertices = self.max_vertices;
         shared.validate()

@@ -2,10 +2,10 @@
 //! own method.
 
 use super::average_cost::average;
+use crate::geometry::vector::diagonal;
 use crate::mesh::TriangleMesh;
 use crate::surface::grouping::{Grouping, corners};
 use crate::surface::resolution_selection::{LEAST_CUT_OFF_RESOLUTION, Level, MOST_PIECES_FACTOR};
-use crate::vector::diagonal;
 
 /// The grouping of one resolution.
 #[derive(Debug, Clone, PartialEq)]

@@ -142,8 +142,9 @@ fn a_cube_is_one_surface_without_border() {
         let corners = mesh.triangles[next as usize].map(|v| mesh.positions[v as usize]);
         let sides = adjacency.triangle_neighbours(next);
         let shared = (0..3).filter(|&side| inside.contains(&sides[side]));
-        let length =
-            shared.map(|s| crate::vector::distance(corners[s], corners[(s + 1) % 3])).sum();
+        let length = shared
+            .map(|s| crate::geometry::vector::distance(corners[s], corners[(s + 1) % 3]))
+            .sum();
         whole = joined(&mut judge, &whole, &all[next as usize], length);
         inside.push(next);
     }
@@ -257,7 +258,7 @@ fn border(mesh: &TriangleMesh, adjacency: &Adjacency, first: &Surface, second: &
     let shared = sides.filter(|&(triangle, side, _)| {
         second.triangles.contains(&adjacency.triangle_neighbours(triangle)[side])
     });
-    shared.map(|(_, side, c)| crate::vector::distance(c[side], c[(side + 1) % 3])).sum()
+    shared.map(|(_, side, c)| crate::geometry::vector::distance(c[side], c[(side + 1) % 3])).sum()
 }
 
 #[test]

@@ -12,7 +12,9 @@ use super::face::{Face, Given, Heights, NONE, Plane, Waiting};
 use super::grow::Horizon;
 use super::redundant::mark_necessary_vertices;
 use super::simplex::{Shape, first_simplex};
-use crate::vector::{Vector, add, area_normal, distance, dot, normalize, scale, subtract};
+use crate::geometry::vector::{
+    Vector, add, area_normal, distance, dot, normalize, scale, subtract,
+};
 
 /// A point is left out if it is closer to the hull than this share of the extent of the points.
 /// Positions that come from `f32` are uncertain by about 6e-8 of their size, so a finer tolerance

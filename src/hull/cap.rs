@@ -8,8 +8,9 @@ use super::collapse::{collapse_edges, growth};
 use super::columns::Columns;
 use super::simplex::first_simplex;
 use super::{ConvexHull, HullBuilder, Shape};
-use crate::vector::{Vector, add, dot, scale, subtract};
-use crate::{Control, Error};
+use crate::control::Control;
+use crate::error::Error;
+use crate::geometry::vector::{Vector, add, dot, scale, subtract};
 
 /// Rounding when the vertices are moved must not let an old vertex out again.
 const ROUNDING: f64 = 1e-12;
@@ -159,8 +160,8 @@ fn first_points(points: &[Vector]) -> Vec<Vector> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::vector::distance;
     use crate::hull::convex_hull;
-    use crate::vector::distance;
 
     fn sphere(count: u32) -> ConvexHull {
         // Fibonacci's lattice.

@@ -9,9 +9,9 @@ use std::collections::BinaryHeap;
 
 use super::face::{Face, after};
 use super::{ConvexHull, HullBuilder, Shape};
-use crate::Error;
-use crate::field::nearest_of_triangle;
-use crate::vector::{Vector, add, dot, length, scale, subtract};
+use crate::bvh::nearest_of_triangle;
+use crate::error::Error;
+use crate::geometry::vector::{Vector, add, dot, length, scale, subtract};
 
 /// A new vertex lies this far in front of the faces that it replaces, in the builder's scaled space
 /// (where a hull's extent is between 1 and 2): more than the tolerance, so that they vanish.

@@ -1,6 +1,6 @@
 //! Points by coordinate, a few side by side, so that a question to all of them uses wide registers.
 
-use crate::vector::Vector;
+use crate::geometry::vector::Vector;
 
 /// Points that are looked at in one go.
 pub(super) const LANES: usize = 4;

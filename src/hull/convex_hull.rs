@@ -1,7 +1,10 @@
 //! A convex polyhedron, and what can be asked of it.
 
-use crate::vector::{Vector, area_normal, cross, dot, length, maximum, minimum, scale, subtract};
-use crate::{Bounds, Error};
+use crate::error::Error;
+use crate::geometry::Bounds;
+use crate::geometry::vector::{
+    Vector, area_normal, cross, dot, length, maximum, minimum, scale, subtract,
+};
 
 use super::{HullBuilder, Shape};
 

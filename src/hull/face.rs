@@ -7,7 +7,7 @@
 
 use robust::{Coord3D, orient3d};
 
-use crate::vector::{Vector, cross, dot, length_squared, scale, subtract};
+use crate::geometry::vector::{Vector, cross, dot, length_squared, scale, subtract};
 
 /// No point, face or half-edge.
 pub(super) const NONE: u32 = u32::MAX;

@@ -10,7 +10,7 @@ use super::face::{
     CERTAINLY_BEHIND, Face, Given, Heights, NONE, Plane, RETIRED, Waiting, after, before, edge_of,
     face_of, half_edge,
 };
-use crate::vector::{Vector, length_squared};
+use crate::geometry::vector::{Vector, length_squared};
 
 /// An edge between a face that a new point sees and one that it does not.
 #[derive(Debug, Clone, Copy)]

@@ -3,7 +3,7 @@
 use super::HullBuilder;
 use super::Shape;
 use super::face::{Face, NONE, Plane};
-use crate::vector::Vector;
+use crate::geometry::vector::Vector;
 
 /// Points that are compared with a face at once.
 const LANES: usize = 4;

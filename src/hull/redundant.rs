@@ -1,7 +1,7 @@
 //! Vertices that a hull doesn't need, because they lie inside a flat side or a straight edge.
 
 use super::face::{Face, NONE, after, before, edge_of, face_of};
-use crate::vector::{Vector, distance, dot, length, scale, subtract};
+use crate::geometry::vector::{Vector, distance, dot, length, scale, subtract};
 
 /// Gives each vertex that is a true corner a mark (any value but `NONE`) and all other points
 /// none. Returns whether some vertex is no corner. O(faces + points).

@@ -1,7 +1,7 @@
 //! The first tetrahedron of a hull, or the reason why there is none.
 
 use super::columns::Columns;
-use crate::vector::{
+use crate::geometry::vector::{
     Vector, area_normal, cross, distance, dot, length_squared, normalize, subtract,
 };
 

@@ -5,7 +5,7 @@
 //! own: what is returned is convex as it stands, and has volume.
 
 use super::{HullBuilder, Shape, solid_hull};
-use crate::Error;
+use crate::error::Error;
 
 /// A hull far from the origin keeps at least this many units in the last place of its largest
 /// coordinate as thickness, so that its volume survives the next rounding too.

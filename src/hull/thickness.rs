@@ -5,8 +5,8 @@
 //! it is the surface of, until it is [`MINIMUM_THICKNESS`] thick: its outer side stays in place.
 
 use super::{ConvexHull, HullBuilder, Shape};
-use crate::Error;
-use crate::vector::{Vector, add, cross, distance, dot, normalize, scale, subtract};
+use crate::error::Error;
+use crate::geometry::vector::{Vector, add, cross, distance, dot, normalize, scale, subtract};
 
 /// The least width of a hull, as a share of the diagonal of its own bounding box. Parry flattens
 /// plates thinner than about 6e-4 of their diagonal; this leaves room for rounding to `f32`.
@@ -150,5 +150,7 @@ fn far_pair(points: &[Vector]) -> (Vector, Vector) {
 }
 
 fn diagonal(points: &[[f64; 3]]) -> f64 {
-    crate::vector::diagonal(points.iter().copied().filter(|p| p.iter().all(|x| x.is_finite())))
+    crate::geometry::vector::diagonal(
+        points.iter().copied().filter(|p| p.iter().all(|x| x.is_finite())),
+    )
 }

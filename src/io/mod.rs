@@ -34,8 +34,8 @@ use std::path::Path;
 
 pub use write::{HullFormat, HullSurface, check_output, write_hulls};
 
-use crate::Error;
-use crate::hulls_file::HullsFile;
+use crate::error::Error;
+use crate::hulls_format::HullsFile;
 
 /// A format of mesh files.
 #[non_exhaustive]
@@ -195,14 +195,14 @@ fn parse(format: Format, bytes: &[u8], directory: Option<&Path>) -> Result<MeshF
 }
 
 /// Reads a set of hulls: each object of a mesh file is one, see [`MeshFile::objects`]; a
-/// [`.hulls`](crate::hulls_file) file holds just them.
+/// [`.hulls`](crate::hulls_format) file holds just them.
 ///
 /// # Errors
 /// As [`read_mesh`], and if there is no triangle in the file.
 pub fn read_hulls(path: impl AsRef<Path>) -> Result<Vec<HullMesh>, Error> {
     let path = path.as_ref();
-    if is_hulls_file(path) {
-        return read_hulls_file(path);
+    if is_hulls_format(path) {
+        return read_hulls_format(path);
     }
     let file = read_mesh(path)?;
     if file.objects.is_empty() {
@@ -212,11 +212,11 @@ pub fn read_hulls(path: impl AsRef<Path>) -> Result<Vec<HullMesh>, Error> {
 }
 
 /// Whether a file name's suffix is `hulls`, in upper or lower case.
-pub fn is_hulls_file(path: impl AsRef<Path>) -> bool {
+pub fn is_hulls_format(path: impl AsRef<Path>) -> bool {
     path.as_ref().extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case("hulls"))
 }
 
-fn read_hulls_file(path: &Path) -> Result<Vec<HullMesh>, Error> {
+fn read_hulls_format(path: &Path) -> Result<Vec<HullMesh>, Error> {
     let bytes = std::fs::read(path).map_err(|error| file_error(path, error.to_string()))?;
     let file =
         HullsFile::from_bytes(&bytes).map_err(|error| file_error(path, error.to_string()))?;

@@ -9,7 +9,7 @@
 
 use earcut::{Earcut, Refiner};
 
-use crate::vector::{Vector, add, area_normal, cross, dot, subtract};
+use crate::geometry::vector::{Vector, add, area_normal, cross, dot, subtract};
 
 /// Ear clipping may take the square of the number of vertices on polygons made to that end.
 const LARGEST_CLIPPED: usize = 10_000;
@@ -128,7 +128,7 @@ fn cut_quadrilateral(positions: &[Vector], corners: [u32; 4]) -> [[u32; 3]; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vector::length;
+    use crate::geometry::vector::length;
 
     fn triangulate(positions: &[Vector]) -> Vec<[u32; 3]> {
         let corners: Vec<u32> = (0..positions.len() as u32).collect();

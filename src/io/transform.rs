@@ -1,6 +1,6 @@
 //! Affine transforms of glTF nodes.
 
-use crate::vector::{Vector, add, cross, dot, scale};
+use crate::geometry::vector::{Vector, add, cross, dot, scale};
 
 /// A 3×3 matrix, by columns, and a translation.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,7 +71,7 @@ impl Transform {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vector::distance;
+    use crate::geometry::vector::distance;
 
     #[test]
     fn scale_comes_before_rotation_and_translation() {

@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use super::{HullMesh, file_error};
-use crate::{Error, Hull, whole_file};
+use crate::atomic_write;
+use crate::decomposition::Hull;
+use crate::error::Error;
 
 use super::write_glb::glb_from_hulls;
 use super::write_obj::obj_from_hulls;
@@ -58,7 +60,7 @@ impl<'a> From<&'a HullMesh> for HullSurface<'a> {
 /// many digits as it takes to read back the same `f64`.
 ///
 /// The suffix `glb` gives a binary glTF 2.0 with one node, mesh and colour (see
-/// [`palette`](crate::picture::palette)) per hull, named in the same way. Its coordinates are `f32`,
+/// [`palette`](crate::render::palette)) per hull, named in the same way. Its coordinates are `f32`,
 /// relative to the centre of all hulls, so that hulls far from the origin keep their shape; a
 /// node `hulls` above the others moves them there.
 ///
@@ -74,10 +76,10 @@ pub fn write_hulls<'a, H: Into<HullSurface<'a>>>(
         HullFormat::Obj => obj_from_hulls(hulls).into_bytes(),
         HullFormat::Glb => glb_from_hulls(hulls).map_err(|reason| file_error(path, reason))?,
     };
-    whole_file::write(path, &bytes).map_err(|error| file_error(path, error.to_string()))
+    atomic_write::write(path, &bytes).map_err(|error| file_error(path, error.to_string()))
 }
 
-/// Checks what [`write_hulls`] or [`HullsFile::write`](crate::hulls_file::HullsFile::write) would
+/// Checks what [`write_hulls`] or [`HullsFile::write`](crate::hulls_format::HullsFile::write) would
 /// complain about before there is anything to write.
 ///
 /// # Errors
@@ -85,10 +87,10 @@ pub fn write_hulls<'a, H: Into<HullSurface<'a>>>(
 /// exist.
 pub fn check_output(path: impl AsRef<Path>) -> Result<(), Error> {
     let path = path.as_ref();
-    if !super::is_hulls_file(path) {
+    if !super::is_hulls_format(path) {
         output_format(path)?;
     }
-    let directory = whole_file::directory(path);
+    let directory = atomic_write::directory(path);
     if directory.is_dir() {
         Ok(())
     } else {

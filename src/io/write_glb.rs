@@ -6,8 +6,8 @@ use gltf::binary::{Glb, Header};
 use serde_json::{Value, json};
 
 use super::HullSurface;
-use crate::picture::palette::{colour, linear};
-use crate::vector::{Vector, add, maximum, minimum, scale, subtract};
+use crate::geometry::vector::{Vector, add, maximum, minimum, scale, subtract};
+use crate::render::palette::{colour, linear};
 
 /// glTF's codes for component types and for what a buffer view is for.
 const UNSIGNED_SHORT: u32 = 5123;

@@ -10,7 +10,7 @@
 use robust::{Coord, orient2d};
 
 use super::moments::Moments;
-use crate::vector::{Vector, bounds, cross, maximum, minimum, subtract};
+use crate::geometry::vector::{Vector, bounds, cross, maximum, minimum, subtract};
 
 /// A line meets a surface: in which column, at which x, and whether it enters (1) or leaves (-1).
 #[derive(Clone, Copy)]

@@ -21,12 +21,14 @@ use moments::{Moments, inertia_of, second_of};
 #[cfg(feature = "nalgebra")]
 pub use principal::PrincipalInertia;
 
-use crate::decompose::Coordinate;
+use crate::control::Control;
+use crate::decomposition::Hull;
+use crate::error::Error;
+use crate::geometry::Coordinate;
+use crate::geometry::vector::Vector;
 use crate::hull::{HullBuilder, solid_hull};
 use crate::mesh::repair::prepare;
 use crate::mesh::{Normalization, PreparedMesh};
-use crate::vector::Vector;
-use crate::{Control, Error, Hull};
 
 /// What mass properties were computed from.
 #[non_exhaustive]

@@ -1,7 +1,7 @@
 //! Volume, first and second moments of solids, and the mass properties that follow from them.
 
 use super::{MassProperties, MassSource};
-use crate::vector::{Vector, add, cross, dot, scale};
+use crate::geometry::vector::{Vector, add, cross, dot, scale};
 
 /// Integrals over a solid of 1, of x, and of the products of two coordinates.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

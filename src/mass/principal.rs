@@ -3,7 +3,7 @@
 
 use nalgebra::{Matrix3, Rotation3, SymmetricEigen, UnitQuaternion};
 
-use crate::vector::Vector;
+use crate::geometry::vector::Vector;
 
 /// Principal moments of inertia, and the frame of their axes.
 #[non_exhaustive]

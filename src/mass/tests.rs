@@ -3,9 +3,10 @@
 use std::f64::consts::{PI, TAU};
 
 use super::*;
+use crate::decompose::decompose;
 use crate::mesh::TriangleMesh;
 use crate::mesh::shapes::{cuboid, hemisphere, join, torus, turn, uv_sphere};
-use crate::{Parameters, decompose};
+use crate::parameters::Parameters;
 
 /// A density that is not 1, so that a forgotten one shows.
 const DENSITY: f64 = 3.0;

@@ -1,7 +1,7 @@
 //! What a hull's triangles say about it: are they those of a convex body?
 
 use super::edges;
-use crate::vector::{
+use crate::geometry::vector::{
     Vector, add, area_normal, cross, dot, length, length_squared, scale, subtract,
 };
 

@@ -1,6 +1,6 @@
 //! Which edges of a triangle set are open, its vertices welded where they have the same position.
 
-use crate::vector::Vector;
+use crate::geometry::vector::Vector;
 
 /// An index for each position, the same for the same position.
 fn weld(positions: &[Vector]) -> Vec<u32> {

@@ -29,12 +29,14 @@ mod edges;
 mod sampling;
 mod solid;
 
-use crate::field::Field;
+use crate::bvh::Bvh;
+use crate::control::Control;
+use crate::decomposition::Hull;
+use crate::error::Error;
+use crate::geometry::vector::{Vector, add, bounds, maximum, minimum};
 use crate::mesh::repair::{Survey, prepare};
 use crate::mesh::{Normalization, TriangleMesh};
 use crate::parallel::{self, map_indices};
-use crate::vector::{Vector, add, bounds, maximum, minimum};
-use crate::{Control, Error, Hull};
 
 pub use check::HullCheck;
 use sampling::{Surface, in_unit_cube};
@@ -252,11 +254,11 @@ fn judge(
 
     let count = |is: &dyn Fn(&HullCheck) -> bool| checks.iter().flatten().filter(|c| is(c)).count();
     let union = Union::new(parts);
-    let field = Field::new(&mesh.solid.positions, &mesh.solid.triangles);
+    let bvh = Bvh::new(&mesh.solid.positions, &mesh.solid.triangles);
     let mut samples = SampleCounts::default();
-    let phantom = phantom(&union, &field, options, &mut samples);
+    let phantom = phantom(&union, &bvh, options, &mut samples);
     let exposed = exposed(&mesh, &union, options, &mut samples);
-    let volumes = volumes(&mesh, &union, &field, options, &mut samples);
+    let volumes = volumes(&mesh, &union, &bvh, options, &mut samples);
     let open_edges = edges::open_share(&mesh.positions, &mesh.triangles);
     let share = |part: usize, of: usize| (of > 0).then(|| part as f64 / of as f64);
     let share_of_closed =
@@ -315,7 +317,7 @@ impl Mesh {
 /// How far the hulls' boundary lies outside the solid.
 fn phantom(
     union: &Union,
-    field: &Field,
+    bvh: &Bvh,
     options: &MeasureOptions,
     samples: &mut SampleCounts,
 ) -> Distances {
@@ -327,10 +329,10 @@ fn phantom(
         if union.is_inside_another(point, triangle) {
             return None;
         }
-        if field.is_inside(point) {
+        if bvh.is_inside(point) {
             return Some(0.0);
         }
-        Some(distance(field, point))
+        Some(distance(bvh, point))
     });
     let distances: Vec<f64> = distances.into_iter().flatten().collect();
     samples.hull = count;
@@ -347,18 +349,18 @@ fn exposed(
 ) -> Distances {
     let surface = Surface::new(&mesh.positions, &mesh.triangles);
     let (positions, triangles) = union.surface();
-    let field = Field::new(positions, triangles);
+    let bvh = Bvh::new(positions, triangles);
     let count = options.mesh_samples;
     samples.mesh = count;
     Distances::of(map_indices(count, |index| {
         let (point, _) = surface.point(index, count, options.random_seed);
-        if union.multiplicity(point) > 0 { 0.0 } else { distance(&field, point) }
+        if union.multiplicity(point) > 0 { 0.0 } else { distance(&bvh, point) }
     }))
 }
 
 /// Distance to a mesh that has triangles, so that there always is one.
-fn distance(field: &Field, point: Vector) -> f64 {
-    field.distance(point, f64::INFINITY).map_or(0.0, |closest| closest.distance)
+fn distance(bvh: &Bvh, point: Vector) -> f64 {
+    bvh.distance(point, f64::INFINITY).map_or(0.0, |closest| closest.distance)
 }
 
 /// Numbers of points in the joint bounding box.
@@ -372,7 +374,7 @@ struct Volumes {
 fn volumes(
     mesh: &Mesh,
     union: &Union,
-    field: &Field,
+    bvh: &Bvh,
     options: &MeasureOptions,
     samples: &mut SampleCounts,
 ) -> Volumes {
@@ -384,7 +386,7 @@ fn volumes(
         let share = in_unit_cube(index, options.random_seed);
         let offset = [0, 1, 2].map(|axis| share[axis] * (max[axis] - min[axis]));
         let point = add(min, offset);
-        (union.multiplicity(point), field.is_inside(point))
+        (union.multiplicity(point), bvh.is_inside(point))
     });
     let mut volumes = Volumes { shared: 0, with_multiplicity: 0 };
     samples.volume = answers.len();

@@ -6,7 +6,7 @@
 //!
 //! With a seed, points are independent random ones instead, by index too.
 
-use crate::vector::{Vector, add, area_normal, length, scale, subtract};
+use crate::geometry::vector::{Vector, add, area_normal, length, scale, subtract};
 
 /// 1/φ and 1/φ² for the root φ of x³ = x + 1, the best known choice in two dimensions
 /// (M. Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018).
@@ -95,7 +95,7 @@ impl<'a> Surface<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vector::{dot, maximum, minimum};
+    use crate::geometry::vector::{dot, maximum, minimum};
 
     /// Areas 0.5, 0, and 1.5, in different planes.
     const POSITIONS: [Vector; 5] =

@@ -2,9 +2,9 @@
 
 use super::HullShape;
 use super::check::{HullCheck, check};
+use crate::geometry::vector::{Vector, area_normal, bounds, distance, dot, length, scale};
 use crate::hull::convex_hull;
 use crate::mesh::Normalization;
-use crate::vector::{Vector, area_normal, bounds, distance, dot, length, scale};
 
 /// Points this far outside count as in a hull, and only points farther inside than this as
 /// inside it: hulls that share a face do so only up to rounding, to `f32` in many files.

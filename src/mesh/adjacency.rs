@@ -11,7 +11,7 @@
 
 use super::TriangleMesh;
 use super::edges::{Edge, SortedHalfEdges, ascends};
-use crate::vector::{Vector, area_normal, dot, normalize};
+use crate::geometry::vector::{Vector, area_normal, dot, normalize};
 
 /// Stands in the neighbour list where an edge has no other triangle.
 pub(crate) const NO_NEIGHBOUR: u32 = u32::MAX;

@@ -7,7 +7,7 @@
 
 use super::degenerate::is_degenerate;
 use super::edges::SortedHalfEdges;
-use crate::vector::{Vector, length_squared, subtract};
+use crate::geometry::vector::{Vector, length_squared, subtract};
 
 /// Caps may lie on caps, and each pass mends one layer. A polygon's edge rarely has more vertices.
 const MOST_PASSES: usize = 16;

@@ -1,7 +1,7 @@
 //! Triangles that carry no surface: those without area, and those that are there already.
 
 use super::caps::split_beyond_caps;
-use crate::vector::{Vector, area_normal, length_squared, subtract};
+use crate::geometry::vector::{Vector, area_normal, length_squared, subtract};
 
 /// A triangle that is less high than this over its longest side, in diagonals of the bounding
 /// box, has no area. It is below the rounding of coordinates in single precision, where the

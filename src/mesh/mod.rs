@@ -2,8 +2,8 @@
 
 use std::borrow::Cow;
 
-use crate::Repairs;
-use crate::vector::{Vector, add, bounds, cross, dot, length, scale, subtract};
+use crate::decomposition::Repairs;
+use crate::geometry::vector::{Vector, add, bounds, cross, dot, length, scale, subtract};
 
 pub(crate) mod adjacency;
 mod caps;
@@ -151,7 +151,8 @@ mod tests {
     use super::repair::prepare;
     use super::simplify::simplify;
     use super::*;
-    use crate::{Control, Error};
+    use crate::control::Control;
+    use crate::error::Error;
 
     /// Triangles of few points on a coarse grid: full of everything that is wrong with meshes.
     fn soup() -> impl Strategy<Value = TriangleMesh> {

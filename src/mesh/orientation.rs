@@ -10,7 +10,9 @@ use robust::{Coord, orient2d};
 
 use super::components::{Connectivity, PatchKind};
 use super::edges::SortedHalfEdges;
-use crate::vector::{Vector, add, area_normal, dot, length, maximum, minimum, scale, subtract};
+use crate::geometry::vector::{
+    Vector, add, area_normal, dot, length, maximum, minimum, scale, subtract,
+};
 
 /// A patch with holes counts as solid if its volume differs by less than this share of itself
 /// wherever in its bounding box the holes' lids meet, and however large lids on so long a border
@@ -277,9 +279,9 @@ fn side_of(from: Vector, to: Vector, point: Vector) -> i32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::vector::cross;
     use crate::mesh::TriangleMesh;
     use crate::mesh::shapes::{cuboid, hemisphere, join, mobius_strip, torus, turn, uv_sphere};
-    use crate::vector::cross;
 
     fn oriented(mesh: &TriangleMesh) -> (TriangleMesh, usize) {
         let mut mesh = mesh.clone();

@@ -11,9 +11,11 @@ use super::edges::SortedHalfEdges;
 use super::orientation::orient;
 use super::weld::weld;
 use super::{Normalization, PreparedMesh, TriangleMesh, compact};
-use crate::decompose::Coordinate;
-use crate::vector::Vector;
-use crate::{Control, Error, Repairs};
+use crate::control::Control;
+use crate::decomposition::Repairs;
+use crate::error::Error;
+use crate::geometry::Coordinate;
+use crate::geometry::vector::Vector;
 
 /// Coordinates beyond this count as not finite: sums and diagonals have to stay finite.
 const LARGEST_COORDINATE: f64 = 1e300;
@@ -176,8 +178,8 @@ impl Survey {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::vector::{cross, dot, length_squared, subtract};
     use crate::mesh::shapes::{cuboid, join, mobius_strip, torus, turn};
-    use crate::vector::{cross, dot, length_squared, subtract};
 
     fn repaired(mesh: &TriangleMesh) -> PreparedMesh {
         prepare(&mesh.positions, &mesh.triangles, &Control::new()).expect("usable")

@@ -26,8 +26,8 @@ use meshoptimizer_rs::{Limits, Positions, SimplifyOptions, SimplifySettings, Wor
 use super::degenerate::is_degenerate;
 use super::weld::WELD_TOLERANCE;
 use super::{TriangleMesh, compact};
-use crate::Error;
-use crate::vector::{Vector, area_normal, length};
+use crate::error::Error;
+use crate::geometry::vector::{Vector, area_normal, length};
 
 /// Far above any error that a mesh of diagonal 1 can have: only the target stops simplification.
 const ANY_ERROR: f32 = 10.0;

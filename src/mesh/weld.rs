@@ -3,8 +3,9 @@
 //! A hash grid whose cells are much larger than the tolerance: nearly every vertex looks into its
 //! own cell alone, and only one whose tolerance ball touches another cell looks there too.
 
-use crate::vector::{Vector, length_squared, subtract};
-use crate::{Control, Error};
+use crate::control::Control;
+use crate::error::Error;
+use crate::geometry::vector::{Vector, length_squared, subtract};
 
 /// Vertices that are no farther apart are one, in diagonals of the bounding box. Coordinates in
 /// single precision are rounded by up to 3e-8 of a box that is centred at the origin, a rotated or

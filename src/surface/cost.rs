@@ -7,9 +7,9 @@
 //! *with respect to the group*: the area-weighted mean of the normals of the group's own
 //! triangles at M.
 
+use crate::geometry::vector::{Vector, add, area_normal, diagonal, dot, length, normalize};
 use crate::hull::{ConvexHull, HullBuilder, Shape};
 use crate::mesh::TriangleMesh;
-use crate::vector::{Vector, add, area_normal, diagonal, dot, length, normalize};
 
 use super::grouping::group_vertices;
 
@@ -131,8 +131,8 @@ fn exit_through(point: Vector, direction: Vector, (normal, offset): (Vector, f64
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::vector::scale;
     use crate::mesh::shapes::cuboid;
-    use crate::vector::scale;
 
     fn whole(mesh: &TriangleMesh) -> f64 {
         let all: Vec<u32> = (0..mesh.triangles.len() as u32).collect();

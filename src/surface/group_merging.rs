@@ -7,9 +7,9 @@
 //! that gives, and the bounding box that guards is that of the small group, against a share of
 //! the diagonal of the mesh.
 
+use crate::geometry::vector::diagonal;
 use crate::mesh::TriangleMesh;
 use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
-use crate::vector::diagonal;
 
 use super::grouping::{Grouping, corners, members};
 

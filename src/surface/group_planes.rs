@@ -6,7 +6,7 @@
 //! in three steps, each for what the one before leaves in doubt: bounds for several planes,
 //! single precision with room for its rounding, double precision.
 
-use crate::vector::{Vector, add, dot, length_squared, scale, subtract};
+use crate::geometry::vector::{Vector, add, dot, length_squared, scale, subtract};
 
 /// The plane of a polygon: its points have this scalar product with the unit normal.
 #[derive(Debug, Clone, Copy)]

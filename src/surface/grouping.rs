@@ -5,10 +5,11 @@
 //! group, at the moment when the neighbour is considered. A polygon that waits in the queue is
 //! not tested again when its turn comes.
 
+use crate::control::Control;
+use crate::error::Error;
+use crate::geometry::vector::{Vector, dot};
 use crate::mesh::TriangleMesh;
 use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
-use crate::vector::{Vector, dot};
-use crate::{Control, Error};
 
 use super::group_planes::{Plane, Planes};
 

@@ -2,11 +2,13 @@
 
 use std::borrow::Cow;
 
-use crate::field::{Field, nearest_labels};
+use crate::bvh::{Bvh, nearest_labels};
+use crate::control::Control;
+use crate::decomposition::Hull;
+use crate::error::Error;
+use crate::geometry::vector::{Vector, add, area_normal};
 use crate::hull::{ConvexHull, HullBuilder, LEAST_THICKNESS, cap_vertices, solid_hull};
 use crate::mesh::{Normalization, PreparedMesh, TriangleMesh};
-use crate::vector::{Vector, add, area_normal};
-use crate::{Control, Error, Hull};
 
 use super::grouping::{Grouping, corners, group_vertices, members};
 
@@ -68,8 +70,8 @@ pub(crate) fn assign_source_triangles(
     let labels = if mesh.triangles == prepared.mesh.triangles {
         Cow::Borrowed(&grouping.labels)
     } else {
-        let field = Field::new(&mesh.positions, &mesh.triangles);
-        Cow::Owned(nearest_labels(&prepared.mesh, &field, &grouping.labels, control)?)
+        let bvh = Bvh::new(&mesh.positions, &mesh.triangles);
+        Cow::Owned(nearest_labels(&prepared.mesh, &bvh, &grouping.labels, control)?)
     };
     for (&label, &source) in labels.iter().zip(&prepared.source_triangles) {
         if let Some(hull) = hulls.get_mut(label as usize) {

@@ -11,10 +11,13 @@
 //! - A level starts from the next finer one, not from the source (see `mesh::simplify`). A
 //!   resolution whose mesh is the same as that of the one before would only repeat it.
 
+use crate::control::Control;
+use crate::decomposition::{ResolutionOutcome, ResolutionReport};
+use crate::error::Error;
 use crate::mesh::adjacency::Adjacency;
 use crate::mesh::simplify::{SimplifiedMesh, simplification_target, simplify};
 use crate::mesh::{PreparedMesh, TriangleMesh};
-use crate::{Control, Error, ResolutionOutcome, ResolutionReport, SurfaceParameters};
+use crate::parameters::SurfaceParameters;
 
 use super::threshold_selection::{Candidate, ThresholdSearch};
 

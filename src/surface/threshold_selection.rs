@@ -17,9 +17,12 @@
 
 use std::collections::HashMap;
 
+use crate::control::Control;
+use crate::decomposition::{ThresholdOutcome, ThresholdReport};
+use crate::error::Error;
 use crate::mesh::TriangleMesh;
 use crate::mesh::adjacency::Adjacency;
-use crate::{Control, Error, SurfaceParameters, ThresholdOutcome, ThresholdReport};
+use crate::parameters::SurfaceParameters;
 
 use super::cost::{CostScratch, cost};
 use super::grouping::{Grouping, Grown, grow, members};

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use hullwright::hulls_file::HullsFile;
+use hullwright::hulls_format::HullsFile;
 use hullwright::io::{HullMesh, read_own_meshes};
 use hullwright::{Control, Decomposition, Parameters};
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use hullwright::io::{HullFormat, MeshFile, check_output, is_hulls_file, read_mesh, write_hulls};
+use hullwright::io::{HullFormat, MeshFile, check_output, is_hulls_format, read_mesh, write_hulls};
 use hullwright::{Decomposition, Error, Parameters};
 
 use crate::arguments::ParameterArguments;
@@ -48,7 +48,7 @@ pub struct Arguments {
 pub const MOST_THREADS: i64 = 1024;
 
 fn parse_output(text: &str) -> Result<PathBuf, String> {
-    if HullFormat::from_path(text).is_some() || is_hulls_file(text) {
+    if HullFormat::from_path(text).is_some() || is_hulls_format(text) {
         Ok(PathBuf::from(text))
     } else {
         Err("hulls are written as .obj, .glb or .hulls".into())
@@ -113,7 +113,7 @@ fn write(
     file: &MeshFile,
     decomposition: &Decomposition,
 ) -> Result<(), Failure> {
-    if !is_hulls_file(output) {
+    if !is_hulls_format(output) {
         return waiting("writing", || write_hulls(output, &decomposition.hulls))
             .map_err(|error| Failure::Work(error.to_string()));
     }

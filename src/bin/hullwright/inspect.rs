@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use comfy_table::{CellAlignment, Table, presets};
 use hullwright::Inspection;
-use hullwright::hulls_file::HullsFile;
-use hullwright::io::{is_hulls_file, read_mesh};
+use hullwright::hulls_format::HullsFile;
+use hullwright::io::{is_hulls_format, read_mesh};
 
 use crate::Failure;
 use crate::output::print;
@@ -20,7 +20,7 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    if is_hulls_file(&arguments.mesh) {
+    if is_hulls_format(&arguments.mesh) {
         let file =
             HullsFile::read(&arguments.mesh).map_err(|error| Failure::Work(error.to_string()))?;
         return print(&left_aligned(baked_rows(&file)).trim_fmt());

@@ -57,7 +57,7 @@ fn json_line(arguments: &Arguments, found: &Measurement) -> String {
     };
     json!({
         "mesh": arguments.mesh.display().to_string(),
-        "hulls_file": arguments.hulls.display().to_string(),
+        "hulls_format": arguments.hulls.display().to_string(),
         "hulls": found.hulls,
         "vertices": found.vertices,
         "unusable_hulls": found.unusable_hulls,

@@ -1,5 +1,5 @@
 use super::*;
-use crate::field::Field;
+use crate::bvh::Bvh;
 use crate::mesh::Normalization;
 use crate::mesh::repair::prepare;
 use crate::mesh::shapes::{cuboid, join, torus};
@@ -70,8 +70,8 @@ fn fewer_triangles_are_as_closed_as_all_and_stand_for_them() {
 fn the_source_is_as_near_as_it_is_or_hardly_farther() {
     let clustered = clustered(&torus(400, 160)).unwrap();
     let (mesh, surface) = (&clustered.mesh, &clustered.surface);
-    let own = Field::new(&mesh.positions, &mesh.triangles);
-    let source = Field::new(&surface.positions, &surface.triangles);
+    let own = Bvh::new(&mesh.positions, &mesh.triangles);
+    let source = Bvh::new(&surface.positions, &surface.triangles);
     for i in 0..2000 {
         // Points all around the surface, at most a bound away from it.
         let from = surface.positions[37 * i % surface.positions.len()];

@@ -2,9 +2,10 @@
 //! cell that is asked.
 
 use super::{CELLS_PER_CHECK, Cell, Grid, INSIDE, OUTSIDE, SURPLUS, UNKNOWN};
-use crate::field::Field;
-use crate::vector::{Vector, area_normal, dot, length_squared, subtract};
-use crate::{Control, Error};
+use crate::bvh::Bvh;
+use crate::control::Control;
+use crate::error::Error;
+use crate::geometry::vector::{Vector, area_normal, dot, length_squared, subtract};
 
 /// A cell farther than this from the surface, in cells, is not cut off from its neighbours by it:
 /// half a cell, and room for distances that are too large.
@@ -28,15 +29,15 @@ impl Grid {
     /// [`Error::Cancelled`].
     pub(in super::super) fn flood(
         &mut self,
-        field: &Field,
+        bvh: &Bvh,
         mesh: (&[Vector], &[[u32; 3]]),
         control: &Control,
     ) -> Result<(), Error> {
         self.is_flooded = true;
         // Where distances are too large, a region may leak through the surface.
-        if !self.flood_free(FREE, field, mesh, control)? {
+        if !self.flood_free(FREE, bvh, mesh, control)? {
             self.sides.iter_mut().for_each(|side| *side.get_mut() = UNKNOWN);
-            self.flood_free(CERTAINLY_FREE, field, mesh, control)?;
+            self.flood_free(CERTAINLY_FREE, bvh, mesh, control)?;
         }
         Ok(())
     }
@@ -46,7 +47,7 @@ impl Grid {
     fn flood_free(
         &mut self,
         free: f32,
-        field: &Field,
+        bvh: &Bvh,
         mesh: (&[Vector], &[[u32; 3]]),
         control: &Control,
     ) -> Result<bool, Error> {
@@ -57,7 +58,7 @@ impl Grid {
             if *self.sides[start].get_mut() != UNKNOWN || !is_free(&self.cells, start) {
                 continue;
             }
-            let inside = field.is_inside(self.centre_in_space(start));
+            let inside = bvh.is_inside(self.centre_in_space(start));
             let side = if inside { INSIDE } else { OUTSIDE };
             *self.sides[start].get_mut() = side;
             stack.push(start as u32);
@@ -74,7 +75,7 @@ impl Grid {
                     && self.is_behind(index as usize, mesh) == Some(!inside)
                 {
                     doubts += 1;
-                    if field.is_inside(self.centre_in_space(index as usize)) != inside {
+                    if bvh.is_inside(self.centre_in_space(index as usize)) != inside {
                         return Ok(false);
                     }
                 }
@@ -148,11 +149,11 @@ mod tests {
         for turn in 15..25 {
             let mesh = knife(0.1 * f64::from(turn));
             let control = Control::new();
-            let field = Field::new(&mesh.positions, &mesh.triangles);
+            let bvh = Bvh::new(&mesh.positions, &mesh.triangles);
             for bound in [0.01, 0.02] {
                 let mut grid =
                     Grid::new(&mesh.positions, &mesh.triangles, bound, &control).unwrap();
-                grid.flood(&field, (&mesh.positions, &mesh.triangles), &control).unwrap();
+                grid.flood(&bvh, (&mesh.positions, &mesh.triangles), &control).unwrap();
                 let mut wrong = 0;
                 for index in 0..grid.count() {
                     // Leaks begin near the surface.
@@ -160,7 +161,7 @@ mod tests {
                         continue;
                     }
                     let side = *grid.sides[index].get_mut();
-                    let inside = field.is_inside(grid.centre_in_space(index));
+                    let inside = bvh.is_inside(grid.centre_in_space(index));
                     wrong += usize::from(side != UNKNOWN && (side == INSIDE) != inside);
                 }
                 assert_eq!(wrong, 0, "turn {turn}, bound {bound}");

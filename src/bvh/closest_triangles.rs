@@ -1,9 +1,10 @@
 //! Which triangle of one mesh each triangle of another is nearest to, and which label.
 
-use super::Field;
+use super::Bvh;
+use crate::control::Control;
+use crate::error::Error;
+use crate::geometry::vector::{Vector, add, area_normal, dot, length_squared, scale};
 use crate::mesh::TriangleMesh;
-use crate::vector::{Vector, add, area_normal, dot, length_squared, scale};
-use crate::{Control, Error};
 
 /// Triangles between two looks at the control, and of a task.
 const PER_TASK: usize = 2048;
@@ -15,7 +16,7 @@ const PER_TASK: usize = 2048;
 /// [`Error::Cancelled`].
 pub(crate) fn nearest_triangles(
     mesh: &TriangleMesh,
-    field: &Field,
+    bvh: &Bvh,
     control: &Control,
 ) -> Result<Vec<u32>, Error> {
     let task = |triangles: &[[u32; 3]]| {
@@ -23,7 +24,7 @@ pub(crate) fn nearest_triangles(
         let mut guess = u32::MAX;
         let nearest = triangles.iter().map(|triangle| {
             let corners = triangle.map(|vertex| mesh.positions[vertex as usize]);
-            guess = field.triangle_near(centre(corners), guess).unwrap_or(u32::MAX);
+            guess = bvh.triangle_near(centre(corners), guess).unwrap_or(u32::MAX);
             guess
         });
         Ok(nearest.collect::<Vec<u32>>())
@@ -58,7 +59,7 @@ const MIXED: u32 = u32::MAX;
 /// [`Error::Cancelled`].
 pub(crate) fn nearest_labels(
     mesh: &TriangleMesh,
-    field: &Field,
+    bvh: &Bvh,
     labels: &[u32],
     control: &Control,
 ) -> Result<Vec<u32>, Error> {
@@ -85,7 +86,7 @@ pub(crate) fn nearest_labels(
                 continue;
             }
             let guess = known.into_iter().flatten().next().map_or(previous, |known| known.nearest);
-            let nearest = field.triangle_near(centre(corners), guess).unwrap_or(u32::MAX);
+            let nearest = bvh.triangle_near(centre(corners), guess).unwrap_or(u32::MAX);
             previous = nearest;
             let label = label_of(nearest);
             for &vertex in triangle {
@@ -129,10 +130,10 @@ mod tests {
     fn what_is_not_asked_hardly_ever_differs_from_what_the_field_would_say() {
         let (coarse, fine) = (torus(48, 16), torus(200, 70));
         let labels: Vec<u32> = coarse.triangles.iter().map(|&t| sector(&coarse, t)).collect();
-        let field = Field::new(&coarse.positions, &coarse.triangles);
+        let bvh = Bvh::new(&coarse.positions, &coarse.triangles);
         let control = Control::new();
-        let found = nearest_labels(&fine, &field, &labels, &control).unwrap();
-        let asked = nearest_triangles(&fine, &field, &control).unwrap();
+        let found = nearest_labels(&fine, &bvh, &labels, &control).unwrap();
+        let asked = nearest_triangles(&fine, &bvh, &control).unwrap();
         let otherwise =
             found.iter().zip(asked).filter(|&(&label, t)| label != labels[t as usize]).count();
         assert_eq!(found.len(), fine.triangles.len());
@@ -149,14 +150,14 @@ mod tests {
         cube.triangles.sort_by_key(is_top);
         let labels: Vec<u32> = cube.triangles.iter().map(|t| u32::from(is_top(t))).collect();
         assert_eq!(labels.iter().sum::<u32>(), 2);
-        let field = Field::new(&cube.positions, &cube.triangles);
-        assert_eq!(nearest_labels(&cube, &field, &labels, &Control::new()).unwrap(), labels);
+        let bvh = Bvh::new(&cube.positions, &cube.triangles);
+        assert_eq!(nearest_labels(&cube, &bvh, &labels, &Control::new()).unwrap(), labels);
     }
 
     #[test]
     fn an_empty_field_has_no_labels() {
-        let field = Field::new(&[], &[]);
-        let found = nearest_labels(&torus(8, 4), &field, &[], &Control::new()).unwrap();
+        let bvh = Bvh::new(&[], &[]);
+        let found = nearest_labels(&torus(8, 4), &bvh, &[], &Control::new()).unwrap();
         assert!(found.iter().all(|&label| label == u32::MAX));
     }
 }

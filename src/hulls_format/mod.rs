@@ -35,7 +35,8 @@ mod write;
 
 use std::path::Path;
 
-use crate::{Decomposition, Hull, MassProperties};
+use crate::decomposition::{Decomposition, Hull};
+use crate::mass::MassProperties;
 
 /// Version of the format that is written, and the newest that is read.
 pub const FORMAT_VERSION: u32 = 1;
@@ -189,7 +190,7 @@ impl HullsFile {
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), HullsFileError> {
         let path = path.as_ref();
         let bytes = self.to_bytes().map_err(|error| error.at(path))?;
-        crate::whole_file::write(path, &bytes).map_err(|error| file_error(path, &error))
+        crate::atomic_write::write(path, &bytes).map_err(|error| file_error(path, &error))
     }
 
     /// Reads a file.

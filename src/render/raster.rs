@@ -3,7 +3,9 @@
 use std::ops::Range;
 
 use super::camera::Projection;
-use crate::vector::{Vector, area_normal, dot, maximum, minimum, normalize, scale, subtract};
+use crate::geometry::vector::{
+    Vector, area_normal, dot, maximum, minimum, normalize, scale, subtract,
+};
 
 /// The triangle of a sample that shows only background.
 pub(super) const NOTHING: u32 = u32::MAX;

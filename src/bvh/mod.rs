@@ -9,17 +9,18 @@
 
 #![expect(clippy::needless_range_loop, reason = "an index is a lane or an axis of several arrays")]
 
-mod distance;
-mod nearest;
+mod closest_point;
+mod closest_triangles;
 mod tree;
-mod winding;
+mod winding_number;
 
-pub(crate) use distance::{Closest, nearest_of_triangle};
-pub(crate) use nearest::{nearest_labels, nearest_triangles};
+pub(crate) use closest_point::{Closest, nearest_of_triangle};
+pub(crate) use closest_triangles::{nearest_labels, nearest_triangles};
 
-use crate::vector::Vector;
-use crate::{Control, Error};
-use distance::Best;
+use crate::control::Control;
+use crate::error::Error;
+use crate::geometry::vector::Vector;
+use closest_point::Best;
 use tree::{EMPTY, Tree};
 
 /// A winding number above this is inside.
@@ -27,14 +28,14 @@ const INSIDE: f64 = 0.5;
 
 /// The field. See the module.
 #[derive(Debug, Clone)]
-pub(crate) struct Field {
+pub(crate) struct Bvh {
     tree: Tree,
-    moments: Vec<winding::Moments>,
+    moments: Vec<winding_number::Moments>,
     /// For each triangle four times its block plus its place there.
     places: Vec<u32>,
 }
 
-impl Field {
+impl Bvh {
     /// Builds the field in O(n log n). Triangles with a corner that does not exist or is not
     /// finite are left out.
     pub(crate) fn new(positions: &[Vector], triangles: &[[u32; 3]]) -> Self {
@@ -50,14 +51,14 @@ impl Field {
         triangles: &[[u32; 3]],
         control: &Control,
     ) -> Result<Self, Error> {
-        let field = Self::until(positions, triangles, &|| control.is_cancelled());
-        control.check().map(|()| field)
+        let bvh = Self::until(positions, triangles, &|| control.is_cancelled());
+        control.check().map(|()| bvh)
     }
 
     /// Once `is_stopped` what is returned is unfinished, and to be dropped.
     fn until(positions: &[Vector], triangles: &[[u32; 3]], is_stopped: &dyn Fn() -> bool) -> Self {
         let tree = Tree::new(positions, triangles, is_stopped);
-        let moments = winding::moments(&tree);
+        let moments = winding_number::moments(&tree);
         let mut places = vec![EMPTY; triangles.len()];
         for (block, content) in tree.blocks.iter().enumerate() {
             for (lane, &triangle) in content.triangles.iter().enumerate() {
@@ -111,7 +112,7 @@ impl Field {
     /// The generalized winding number about `point`: 1 inside of a closed, outward-oriented mesh
     /// and 0 outside, with something between near holes. The error is 0.001 in the median and rarely above 0.01.
     pub(crate) fn winding_number(&self, point: Vector) -> f64 {
-        winding::winding_number(&self.tree, &self.moments, point)
+        winding_number::winding_number(&self.tree, &self.moments, point)
     }
 
     /// Whether `point` is inside.

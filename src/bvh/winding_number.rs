@@ -8,7 +8,9 @@
 use std::f64::consts::TAU;
 
 use super::tree::{Block, Child, EMPTY, STACK, Tree, WIDTH, child};
-use crate::vector::{Vector, add, cross, distance, length, length_squared, scale, subtract};
+use crate::geometry::vector::{
+    Vector, add, cross, distance, length, length_squared, scale, subtract,
+};
 
 /// β: a cluster is far away, and its expansion good enough, from β times its radius on. The error
 /// falls with the fourth power.

@@ -6,9 +6,12 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
 use super::*;
+use crate::control::Control;
+use crate::decompose::decompose;
+use crate::mass::mass_properties;
 use crate::mesh::TriangleMesh;
 use crate::mesh::shapes::{cuboid, join};
-use crate::{Control, Parameters, decompose, mass_properties};
+use crate::parameters::Parameters;
 
 fn bars() -> TriangleMesh {
     join(&[cuboid([0.0; 3], [3.0, 1.0, 1.0]), cuboid([5.0, 0.0, 0.0], [6.0, 2.0, 0.5])])
@@ -122,7 +125,7 @@ fn a_newer_file_says_so_whatever_else_it_holds() {
 }
 
 #[test]
-fn a_text_file_is_no_hulls_file() {
+fn a_text_file_is_no_hulls_format() {
     for bytes in [&b""[..], b"o hull_0\nv 0 0 0\n", &[0x89]] {
         assert_eq!(HullsFile::from_bytes(bytes), Err(HullsFileError::NotHulls));
     }

@@ -5,7 +5,7 @@
 //! once. The boxes are rounded outward; what they say is a lower bound for distances in double
 //! precision too.
 
-use crate::vector::{Vector, add, length, maximum, minimum, scale, subtract};
+use crate::geometry::vector::{Vector, add, length, maximum, minimum, scale, subtract};
 
 /// Children of a node, and triangles of a block: what fits a 128-bit register.
 pub(super) const WIDTH: usize = 4;

@@ -3,7 +3,7 @@
 use super::camera::Projection;
 use super::palette::{Colour, encode, linear};
 use super::raster::{NOTHING, Samples, SeenTriangle};
-use crate::vector::{Vector, dot, length_squared, normalize, subtract};
+use crate::geometry::vector::{Vector, dot, length_squared, normalize, subtract};
 
 /// Samples per pixel along each axis.
 pub(super) const SUPERSAMPLING: usize = 3;

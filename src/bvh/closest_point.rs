@@ -7,7 +7,7 @@
 use super::tree::{
     BOUND_SLACK, Block, Child, EMPTY, Node, STACK, Tree, WIDTH, child, larger, smaller,
 };
-use crate::vector::{Vector, add, cross, dot, length_squared, scale, subtract};
+use crate::geometry::vector::{Vector, add, cross, dot, length_squared, scale, subtract};
 
 /// The point of the mesh that is nearest to another.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,8 +1,9 @@
 //! Reads the bytes of a `.hulls` file, and believes nothing.
 
 use super::{CHECKSUM, FORMAT_VERSION, HEADER, HullsFile, HullsFileError, MAGIC, VerifiedErrors};
+use crate::decomposition::Hull;
 use crate::hull::ConvexHull;
-use crate::{Hull, MassProperties, MassSource};
+use crate::mass::{MassProperties, MassSource};
 
 /// The bytes of a hull without points: a component, three numbers, no error, two counts.
 const LEAST_HULL: usize = 4 + 3 * 8 + 1 + 2 * 4;

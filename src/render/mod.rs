@@ -35,8 +35,9 @@ use std::path::Path;
 #[cfg(feature = "parallel")]
 use rayon::prelude::*;
 
-use crate::vector::{Vector, add, maximum, minimum, scale, subtract};
-use crate::{Error, Hull};
+use crate::decomposition::Hull;
+use crate::error::Error;
+use crate::geometry::vector::{Vector, add, maximum, minimum, scale, subtract};
 use camera::{Camera, Projection};
 pub use palette::Colour;
 use raster::{SeenTriangle, rasterize};

@@ -1,6 +1,6 @@
-use super::distance::nearest_of_triangle;
+use super::closest_point::nearest_of_triangle;
 use super::*;
-use crate::vector::{add, cross, dot, length, length_squared, scale, subtract};
+use crate::geometry::vector::{add, cross, dot, length, length_squared, scale, subtract};
 use std::f64::consts::TAU;
 
 type Mesh = (Vec<Vector>, Vec<[u32; 3]>);
@@ -81,8 +81,8 @@ fn flipped(mut mesh: Mesh) -> Mesh {
     mesh
 }
 
-fn field((positions, triangles): &Mesh) -> Field {
-    Field::new(positions, triangles)
+fn bvh((positions, triangles): &Mesh) -> Bvh {
+    Bvh::new(positions, triangles)
 }
 
 fn corners((positions, _): &Mesh, triangle: [u32; 3], origin: Vector) -> [Vector; 3] {
@@ -170,10 +170,10 @@ fn the_nearest_point_of_a_sliver_is_as_good_as_its_edges() {
 #[test]
 fn distance_is_exactly_that_of_asking_every_triangle() {
     for mesh in [soup(400, 1), soup(3, 2), torus(20), cube(0.3), join(torus(9), &torus(9))] {
-        let field = field(&mesh);
+        let bvh = bvh(&mesh);
         for point in questions(&mesh, 400) {
             let (squared, triangle) = nearest_of_all(&mesh, point);
-            let closest = field.distance(point, f64::INFINITY).unwrap();
+            let closest = bvh.distance(point, f64::INFINITY).unwrap();
             assert_eq!((closest.distance, closest.triangle), (squared.sqrt(), triangle));
             let away = length(subtract(closest.point, point));
             assert!((away - closest.distance).abs() <= 1e-14 * (1.0 + length(point)));
@@ -186,10 +186,10 @@ fn distance_is_exact_far_from_the_origin_too() {
     let shift = [3000.0, -500.0, 20.0];
     let mut mesh = soup(200, 3);
     mesh.0.iter_mut().for_each(|position| *position = add(*position, shift));
-    let field = field(&mesh);
+    let bvh = bvh(&mesh);
     for point in questions(&mesh, 200) {
         let (squared, triangle) = nearest_of_all(&mesh, point);
-        let closest = field.distance(point, f64::INFINITY).unwrap();
+        let closest = bvh.distance(point, f64::INFINITY).unwrap();
         assert_eq!((closest.distance, closest.triangle), (squared.sqrt(), triangle));
     }
 }
@@ -197,42 +197,42 @@ fn distance_is_exact_far_from_the_origin_too() {
 #[test]
 fn of_equally_near_triangles_the_first_is_nearest() {
     let mesh = cube(0.5);
-    let closest = field(&mesh).distance([0.0; 3], f64::INFINITY).unwrap();
+    let closest = bvh(&mesh).distance([0.0; 3], f64::INFINITY).unwrap();
     assert_eq!((closest.distance, closest.triangle), (0.5, 0));
     let twice = join(mesh.clone(), &mesh);
-    let corner = field(&twice).distance([1.0, 1.0, 1.0], f64::INFINITY).unwrap();
+    let corner = bvh(&twice).distance([1.0, 1.0, 1.0], f64::INFINITY).unwrap();
     assert_eq!(corner.triangle, 2);
     assert_eq!(corner.point, [0.5; 3]);
 }
 
 #[test]
 fn a_limit_is_inclusive_and_hides_all_beyond() {
-    let field = field(&cube(0.5));
+    let bvh = bvh(&cube(0.5));
     let point = [0.75, 0.0, 0.0];
-    assert_eq!(field.distance(point, 0.25).map(|closest| closest.distance), Some(0.25));
-    assert_eq!(field.distance(point, 0.2499), None);
-    assert_eq!(field.distance(point, -1.0), None);
-    assert!(field.is_within(point, 0.25));
-    assert!(!field.is_within(point, 0.2499));
-    assert!(!field.is_within(point, -1.0));
-    assert!(field.is_within([0.5, 0.1, 0.1], 0.0));
+    assert_eq!(bvh.distance(point, 0.25).map(|closest| closest.distance), Some(0.25));
+    assert_eq!(bvh.distance(point, 0.2499), None);
+    assert_eq!(bvh.distance(point, -1.0), None);
+    assert!(bvh.is_within(point, 0.25));
+    assert!(!bvh.is_within(point, 0.2499));
+    assert!(!bvh.is_within(point, -1.0));
+    assert!(bvh.is_within([0.5, 0.1, 0.1], 0.0));
 }
 
 #[test]
 fn limits_and_guesses_change_nothing_but_speed() {
     let mesh = soup(300, 4);
-    let field = field(&mesh);
+    let bvh = bvh(&mesh);
     for (index, point) in questions(&mesh, 300).into_iter().enumerate() {
-        let closest = field.distance(point, f64::INFINITY);
+        let closest = bvh.distance(point, f64::INFINITY);
         for guess in [index as u32, 0, 299, 1_000_000] {
-            assert_eq!(field.distance_near(point, f64::INFINITY, guess), closest);
+            assert_eq!(bvh.distance_near(point, f64::INFINITY, guess), closest);
         }
         let distance = closest.unwrap().distance;
-        assert_eq!(field.distance(point, 1.01 * distance), closest);
-        assert!(field.is_within(point, 1.01 * distance));
-        assert_eq!(field.is_within(point, 0.99 * distance), distance == 0.0);
+        assert_eq!(bvh.distance(point, 1.01 * distance), closest);
+        assert!(bvh.is_within(point, 1.01 * distance));
+        assert_eq!(bvh.is_within(point, 0.99 * distance), distance == 0.0);
         assert_eq!(
-            field.distance_near(point, 0.99 * distance, index as u32).is_some(),
+            bvh.distance_near(point, 0.99 * distance, index as u32).is_some(),
             distance == 0.0
         );
     }
@@ -249,10 +249,10 @@ fn thousands_of_triangles_in_one_place_or_in_shrinking_steps_make_a_tree() {
         shrinking.1.push([first, first + 1, first + 2]);
     }
     for mesh in [one_place, shrinking] {
-        let field = field(&mesh);
+        let bvh = bvh(&mesh);
         for point in [[0.1, 0.1, 0.3], [2.0, 0.0, 0.0], [1e-9, 1e-9, 0.0]] {
             let (squared, triangle) = nearest_of_all(&mesh, point);
-            let closest = field.distance(point, f64::INFINITY).unwrap();
+            let closest = bvh.distance(point, f64::INFINITY).unwrap();
             assert_eq!((closest.distance, closest.triangle), (squared.sqrt(), triangle));
         }
     }
@@ -263,37 +263,37 @@ fn triangles_that_can_not_be_used_are_left_out() {
     let (mut positions, mut triangles) = cube(0.5);
     positions.push([f64::NAN, 0.0, 0.0]);
     triangles.splice(0..0, [[0, 1, 8], [0, 1, 99]]);
-    let field = Field::new(&positions, &triangles);
-    let closest = field.distance([0.6, 0.0, 0.0], f64::INFINITY).unwrap();
+    let bvh = Bvh::new(&positions, &triangles);
+    let closest = bvh.distance([0.6, 0.0, 0.0], f64::INFINITY).unwrap();
     assert!((closest.distance - 0.1).abs() < 1e-15);
     assert_eq!(closest.triangle, 4);
-    assert!((field.winding_number([0.0; 3]) - 1.0).abs() < 1e-6);
-    assert_eq!(field.distance_near([0.6, 0.0, 0.0], f64::INFINITY, 0), Some(closest));
+    assert!((bvh.winding_number([0.0; 3]) - 1.0).abs() < 1e-6);
+    assert_eq!(bvh.distance_near([0.6, 0.0, 0.0], f64::INFINITY, 0), Some(closest));
 }
 
 #[test]
 fn a_field_over_nothing_is_nowhere_near_and_has_no_inside() {
-    let field = Field::new(&[], &[]);
-    assert_eq!(field.distance([0.0; 3], f64::INFINITY), None);
-    assert!(!field.is_within([0.0; 3], f64::INFINITY));
-    assert_eq!(field.winding_number([0.0; 3]), 0.0);
+    let bvh = Bvh::new(&[], &[]);
+    assert_eq!(bvh.distance([0.0; 3], f64::INFINITY), None);
+    assert!(!bvh.is_within([0.0; 3], f64::INFINITY));
+    assert_eq!(bvh.winding_number([0.0; 3]), 0.0);
 }
 
 #[test]
 fn points_that_are_not_finite_get_some_answer() {
-    let field = field(&torus(8));
+    let bvh = bvh(&torus(8));
     for x in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX] {
-        let _ = field.distance([x, 0.0, 0.0], f64::INFINITY);
-        let _ = field.distance([0.0; 3], x);
-        let _ = field.is_within([x, 0.0, 0.0], 1.0);
-        let _ = field.is_inside([0.0, x, 0.0]);
+        let _ = bvh.distance([x, 0.0, 0.0], f64::INFINITY);
+        let _ = bvh.distance([0.0; 3], x);
+        let _ = bvh.is_within([x, 0.0, 0.0], 1.0);
+        let _ = bvh.is_inside([0.0, x, 0.0]);
     }
 }
 
 #[test]
 fn the_winding_number_of_a_cube_is_one_inside_and_zero_outside() {
     let mesh = cube(0.3);
-    let (outward, inward) = (field(&mesh), field(&flipped(mesh)));
+    let (outward, inward) = (bvh(&mesh), bvh(&flipped(mesh)));
     for inside in [[0.0; 3], [0.29, 0.29, 0.29], [-0.2999, 0.1, 0.0]] {
         assert!((outward.winding_number(inside) - 1.0).abs() < 1e-4);
         assert!((inward.winding_number(inside) + 1.0).abs() < 1e-4);
@@ -308,18 +308,18 @@ fn the_winding_number_of_a_cube_is_one_inside_and_zero_outside() {
 #[test]
 fn a_missing_face_takes_its_solid_angle_away() {
     let (positions, triangles) = cube(0.3);
-    let field = Field::new(&positions, &triangles[2..]);
-    assert!((field.winding_number([0.0; 3]) - 5.0 / 6.0).abs() < 1e-5);
-    assert!(field.is_inside([0.1, 0.0, 0.0]));
-    assert!(!field.is_inside([-0.31, 0.0, 0.0]));
+    let bvh = Bvh::new(&positions, &triangles[2..]);
+    assert!((bvh.winding_number([0.0; 3]) - 5.0 / 6.0).abs() < 1e-5);
+    assert!(bvh.is_inside([0.1, 0.0, 0.0]));
+    assert!(!bvh.is_inside([-0.31, 0.0, 0.0]));
 }
 
 #[test]
 fn a_cavity_is_outside_and_an_overlap_inside_twice() {
-    let with_cavity = field(&join(cube(0.5), &flipped(cube(0.2))));
+    let with_cavity = bvh(&join(cube(0.5), &flipped(cube(0.2))));
     assert!(!with_cavity.is_inside([0.0; 3]));
     assert!(with_cavity.is_inside([0.35, 0.0, 0.0]));
-    let doubled = field(&join(cube(0.5), &cube(0.2)));
+    let doubled = bvh(&join(cube(0.5), &cube(0.2)));
     assert!((doubled.winding_number([0.0; 3]) - 2.0).abs() < 1e-2);
 }
 
@@ -329,10 +329,10 @@ fn the_hierarchy_agrees_with_the_sum_of_all_solid_angles() {
     let mut half = torus(48);
     half.1.truncate(48 * 48);
     for mesh in [torus(48), half, soup(2000, 5), join(torus(30), &cube(0.2))] {
-        let field = field(&mesh);
+        let bvh = bvh(&mesh);
         for point in questions(&mesh, 400).into_iter().enumerate().filter(|(i, _)| i % 4 != 3) {
             let expected = winding_number_of_all(&mesh, point.1);
-            let found = field.winding_number(point.1);
+            let found = bvh.winding_number(point.1);
             assert!((found - expected).abs() < 0.02, "{found} {expected}");
         }
     }
@@ -341,11 +341,11 @@ fn the_hierarchy_agrees_with_the_sum_of_all_solid_angles() {
 #[test]
 fn on_the_surface_the_winding_number_is_finite() {
     let mesh = cube(0.25);
-    let field = field(&mesh);
+    let bvh = bvh(&mesh);
     let middle_of_edge = scale(add(mesh.0[0], mesh.0[1]), 0.5);
     for point in mesh.0.iter().copied().chain([middle_of_edge, [0.25, 0.0, 0.0], [0.25, 0.1, 0.2]])
     {
-        let winding_number = field.winding_number(point);
+        let winding_number = bvh.winding_number(point);
         assert!((-0.01..=1.01).contains(&winding_number), "{winding_number}");
     }
 }
@@ -353,7 +353,7 @@ fn on_the_surface_the_winding_number_is_finite() {
 #[test]
 fn the_same_mesh_gives_the_same_bits() {
     let mesh = torus(30);
-    let (one, other) = (field(&mesh), field(&mesh.clone()));
+    let (one, other) = (bvh(&mesh), bvh(&mesh.clone()));
     for point in questions(&mesh, 200) {
         assert_eq!(one.winding_number(point).to_bits(), other.winding_number(point).to_bits());
         assert_eq!(one.distance(point, 1.0), other.distance(point, 1.0));

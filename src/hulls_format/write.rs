@@ -1,7 +1,8 @@
 //! Writes the bytes of a `.hulls` file.
 
 use super::{CHECKSUM, FORMAT_VERSION, HEADER, HullsFile, HullsFileError, MAGIC};
-use crate::{Hull, MassProperties, MassSource};
+use crate::decomposition::Hull;
+use crate::mass::{MassProperties, MassSource};
 
 pub(super) fn to_bytes(file: &HullsFile) -> Result<Vec<u8>, HullsFileError> {
     let mut bytes = Vec::with_capacity(HEADER + CHECKSUM);

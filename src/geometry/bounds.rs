@@ -1,0 +1,10 @@
+//! Axis-aligned boxes.
+
+/// An axis-aligned box, in the input's units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bounds {
+    /// The least coordinates.
+    pub min: [f64; 3],
+    /// The greatest coordinates.
+    pub max: [f64; 3],
+}

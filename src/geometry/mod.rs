@@ -1,0 +1,8 @@
+//! The ground floor: vectors, boxes, coordinates.
+
+pub(crate) mod bounds;
+mod coordinate;
+pub(crate) mod vector;
+
+pub use bounds::Bounds;
+pub use coordinate::Coordinate;
