@@ -4,7 +4,7 @@
 use std::error::Error;
 
 use hullwright::io::read_mesh;
-use hullwright::picture::{Panel, render};
+use hullwright::render::{Panel, render};
 use hullwright::{Control, Parameters, decompose};
 
 /// Size of the picture in pixels: three square panels.

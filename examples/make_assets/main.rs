@@ -19,7 +19,7 @@ use std::borrow::Cow;
 use std::error::Error;
 use std::path::PathBuf;
 
-use hullwright::picture::{Layout, Panel, Part, render_with};
+use hullwright::render::{Layout, Panel, Part, render_with};
 use model::Model;
 
 /// Panels per row and pixels per panel of the picture.
@@ -62,7 +62,7 @@ fn table_row(model: &Model) -> String {
     )
 }
 
-fn draw(models: &[Model]) -> Result<hullwright::picture::Picture, hullwright::Error> {
+fn draw(models: &[Model]) -> Result<hullwright::render::Picture, hullwright::Error> {
     let shapes: Vec<shape::Shape> = models.iter().map(Model::flattened).collect();
     let panel = |(model, shape): (&Model, _)| {
         let shape: &shape::Shape = shape;
