@@ -7,7 +7,7 @@ use std::time::Instant;
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
 use hullwright::bevy::prelude::*;
-use hullwright::hulls_file::HullsFile;
+use hullwright::hulls_format::HullsFile;
 use hullwright::io::read_mesh;
 use hullwright::{Control, Parameters, decompose, mass_properties};
 

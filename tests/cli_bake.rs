@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use hullwright::hulls_file::HullsFile;
+use hullwright::hulls_format::HullsFile;
 use hullwright::io::read_own_meshes;
 
 const ASSETS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets");

@@ -2,7 +2,7 @@
 #![cfg(feature = "io")]
 
 use hullwright::io::{HullMesh, check_output, read_hulls, read_mesh, write_hulls};
-use hullwright::picture::palette::{colour, linear};
+use hullwright::render::palette::{colour, linear};
 
 fn tetrahedron(corner: [f64; 3], size: f64) -> HullMesh {
     let [x, y, z] = corner;

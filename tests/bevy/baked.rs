@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
 use hullwright::bevy::prelude::*;
 use hullwright::bevy::{BakedHulls, Origin};
-use hullwright::hulls_file::HullsFile;
+use hullwright::hulls_format::HullsFile;
 use hullwright::io::read_mesh;
 use hullwright::{Control, Parameters, decompose, mass_properties};
 
