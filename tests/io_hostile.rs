@@ -191,14 +191,20 @@ fn glb_bytes() {
 /// so that what comes after the syntax is reached.
 #[test]
 fn glb_with_other_numbers() {
-    let whole = glb();
+    with_other_numbers(&glb());
+    for file in COMPRESSED {
+        with_other_numbers(&compressed(file));
+    }
+}
+
+fn with_other_numbers(whole: &[u8]) {
     let json_end = 20 + u32::from_le_bytes(whole[12..16].try_into().unwrap()) as usize;
     let numbers: Vec<usize> = (20..json_end)
         .filter(|at| whole[*at].is_ascii_digit() && !whole[at - 1].is_ascii_digit())
         .collect();
     let mut random = Random(0x2545_f491_4f6c_dd1d);
     for _ in 0..ATTEMPTS {
-        let mut bytes = whole.clone();
+        let mut bytes = whole.to_vec();
         for _ in 0..=random.below(2) {
             let start = numbers[random.below(numbers.len())];
             for byte in bytes[start..json_end].iter_mut().take_while(|byte| byte.is_ascii_digit()) {
@@ -210,6 +216,53 @@ fn glb_with_other_numbers() {
         if let Ok(file) = read_mesh_from_bytes(Format::Gltf, &bytes) {
             assert_indices_name_vertices(&file);
         }
+    }
+}
+
+/// What other programs compressed.
+const COMPRESSED: [&str; 6] = [
+    "leaf_draco_sequential.glb",
+    "mug_draco.glb",
+    "mug_draco_quantized.glb",
+    "mug_draco_valence.glb",
+    "mug_meshopt_ext.glb",
+    "mug_meshopt_khr.glb",
+];
+
+fn compressed(file: &str) -> Vec<u8> {
+    let directory = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data");
+    std::fs::read(directory.join(file)).unwrap()
+}
+
+/// Only the streams are damaged, so that what decodes them is reached each time.
+#[test]
+fn compressed_streams() {
+    for file in COMPRESSED {
+        let whole = compressed(file);
+        let json_end = 20 + u32::from_le_bytes(whole[12..16].try_into().unwrap()) as usize;
+        let chunk = json_end + 8;
+        let mut random = Random(0x2545_f491_4f6c_dd1d);
+        let mut refused = 0;
+        for _ in 0..ATTEMPTS {
+            let mut bytes = whole.clone();
+            let mut stream = damage(&whole[chunk..], &mut random);
+            // The description stays true to the length.
+            stream.resize(whole.len() - chunk, 0);
+            bytes[chunk..].copy_from_slice(&stream);
+            match read_mesh_from_bytes(Format::Gltf, &bytes) {
+                Ok(file) => assert_indices_name_vertices(&file),
+                Err(Error::File { .. }) => refused += 1,
+                Err(error) => panic!("unexpected kind of error: {error}"),
+            }
+        }
+        assert!(refused > ATTEMPTS / 10, "{file}: only {refused} damaged streams were refused");
+    }
+}
+
+#[test]
+fn compressed_bytes() {
+    for file in COMPRESSED {
+        torture(Format::Gltf, &compressed(file));
     }
 }
 

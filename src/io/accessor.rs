@@ -9,31 +9,28 @@ use gltf::json::accessor::{
 use gltf::json::validation::Checked;
 use gltf::json::{Index, Root, buffer};
 
-use super::buffers::Buffers;
+use super::views::{Views, size};
 
 /// Elements of one kind that lie in a buffer one after the other.
 #[derive(Clone, Copy)]
-struct Layout {
-    component: ComponentType,
-    components: usize,
-    is_normalized: bool,
+pub(super) struct Layout {
+    pub(super) component: ComponentType,
+    pub(super) components: usize,
+    pub(super) is_normalized: bool,
 }
 
 pub(super) struct Accessors<'a> {
     root: &'a Root,
-    buffers: Buffers<'a>,
-    /// No accessor without a buffer view, which means zeros, may have more elements than this.
-    file_length: usize,
+    views: Views<'a>,
 }
 
 impl<'a> Accessors<'a> {
-    pub(super) fn new(root: &'a Root, buffers: Buffers<'a>, file_length: usize) -> Self {
-        Self { root, buffers, file_length }
+    pub(super) fn new(root: &'a Root, views: Views<'a>) -> Self {
+        Self { root, views }
     }
 
-    /// Bytes of the file and of the buffers that were loaded so far.
-    pub(super) fn bytes_read(&self) -> usize {
-        self.file_length + self.buffers.bytes_loaded()
+    pub(super) fn views(&mut self) -> &mut Views<'a> {
+        &mut self.views
     }
 
     /// The positions that an accessor holds: floating-point, or integers as the extension
@@ -93,10 +90,11 @@ impl<'a> Accessors<'a> {
                 let offset = size(accessor.byte_offset.unwrap_or_default().0)?;
                 self.strided(view, offset, count, layout)?.map(&decode).collect()
             }
-            None if count > self.file_length => {
+            // Zeros, which the file need not hold.
+            None if count > self.views.file_length() => {
                 return Err(format!(
                     "it announces {count} elements, but the file has only {} bytes",
-                    self.file_length
+                    self.views.file_length()
                 ));
             }
             None => vec![decode(&[]); count],
@@ -132,33 +130,26 @@ impl<'a> Accessors<'a> {
         count: usize,
         layout: Layout,
     ) -> Result<impl Iterator<Item = &[u8]>, String> {
-        let at_view = |reason: String| format!("buffer view {view}: {reason}");
-        let found = self.root.get(view).ok_or_else(|| at_view("it does not exist".into()))?;
         let element_length = layout.component.size() * layout.components;
-        let stride = match found.byte_stride {
-            None | Some(buffer::Stride(0)) => element_length,
-            Some(buffer::Stride(stride)) if stride < element_length => {
-                return Err(at_view(format!(
-                    "a stride of {stride} bytes is too short for elements of {element_length}"
-                )));
+        let stride = match self.views.stride(view)? {
+            None | Some(0) => element_length,
+            Some(stride) if stride < element_length => {
+                return Err(format!(
+                    "buffer view {view}: a stride of {stride} bytes is too short for elements of \
+                     {element_length}"
+                ));
             }
-            Some(buffer::Stride(stride)) => stride,
+            Some(stride) => stride,
         };
-        let length = size(found.byte_length.0)?;
-        let start = size(found.byte_offset.unwrap_or_default().0)?;
-        let buffer = self.buffers.get(found.buffer.value())?;
-        let bytes =
-            start.checked_add(length).and_then(|end| buffer.get(start..end)).ok_or_else(|| {
-                let buffer_length = buffer.len();
-                at_view(format!("it reaches beyond the {buffer_length} bytes of its buffer"))
-            })?;
+        let bytes = self.views.get(view)?;
+        let length = bytes.len();
         let needed = match count.checked_sub(1) {
             None => Some(offset),
             Some(others) => others
                 .checked_mul(stride)
                 .and_then(|length| length.checked_add(element_length)?.checked_add(offset)),
         };
-        if needed.is_none_or(|needed| needed > bytes.len()) {
+        if needed.is_none_or(|needed| needed > length) {
             return Err(format!(
                 "its {count} elements reach beyond the {length} bytes of buffer view {view}"
             ));
@@ -175,12 +166,8 @@ fn is_index(component: ComponentType) -> bool {
     matches!(component, ComponentType::U8 | ComponentType::U16 | ComponentType::U32)
 }
 
-fn size(number: u64) -> Result<usize, String> {
-    usize::try_from(number).map_err(|_| format!("{number} bytes are too many"))
-}
-
 /// A component of an element. What is not there is 0, as in an accessor without a buffer view.
-fn number(element: &[u8], index: usize, layout: Layout) -> f64 {
+pub(super) fn number(element: &[u8], index: usize, layout: Layout) -> f64 {
     let at = index * layout.component.size();
     let bytes = element.get(at..).unwrap_or_default();
     let mut four = [0; 4];

@@ -9,6 +9,7 @@ use base64::Engine;
 use gltf::json::Root;
 use percent_encoding::percent_decode_str;
 
+use super::meshopt::is_placeholder;
 use super::text::quote;
 
 /// Buffers are loaded when geometry first asks for them, so that a missing file with nothing but
@@ -34,7 +35,7 @@ impl<'a> Buffers<'a> {
     }
 
     /// The bytes of a buffer, as many as the document says.
-    pub(super) fn get(&mut self, index: usize) -> Result<&[u8], String> {
+    fn get(&mut self, index: usize) -> Result<&[u8], String> {
         let missing = || format!("there is no buffer {index}");
         let Some(slot) = self.loaded.get_mut(index) else {
             return Err(missing());
@@ -43,6 +44,11 @@ impl<'a> Buffers<'a> {
             Some(loaded) => loaded,
             None => {
                 let buffer = self.root.buffers.get(index).ok_or_else(missing)?;
+                if buffer.uri.is_none() && is_placeholder(buffer) {
+                    return Err(format!(
+                        "buffer {index}: it is a placeholder for compressed data and holds none"
+                    ));
+                }
                 let length = buffer.byte_length.0;
                 let bytes = load(buffer.uri.as_deref(), length, self.chunk, self.directory)
                     .map_err(|reason| format!("buffer {index}: {reason}"))?;
@@ -50,6 +56,20 @@ impl<'a> Buffers<'a> {
             }
         };
         Ok(loaded)
+    }
+
+    /// A part of a buffer.
+    pub(super) fn slice(
+        &mut self,
+        index: usize,
+        offset: usize,
+        length: usize,
+    ) -> Result<&[u8], String> {
+        let buffer = self.get(index)?;
+        let end = offset.checked_add(length);
+        end.and_then(|end| buffer.get(offset..end)).ok_or_else(|| {
+            format!("it reaches beyond the {} bytes of its buffer {index}", buffer.len())
+        })
     }
 }
 

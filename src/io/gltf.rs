@@ -7,10 +7,14 @@
 //! each index checked. Nodes must form trees; a node that is reached twice is an error, which
 //! also stops cycles.
 //!
-//! Extensions that a file requires are refused unless they leave geometry alone, or are
-//! `KHR_mesh_quantization`.
+//! Extensions that a file requires are refused unless they leave geometry alone or are read here:
+//! `KHR_mesh_quantization`, `KHR_draco_mesh_compression`, `EXT_meshopt_compression` and
+//! `KHR_meshopt_compression`. Compressed data is preferred to an uncompressed copy beside it.
 
+use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::path::Path;
+use std::rc::Rc;
 
 use gltf::json::accessor::Accessor;
 use gltf::json::mesh::{Mesh, Mode, Primitive, Semantic};
@@ -20,21 +24,26 @@ use gltf::json::{Index, Root};
 
 use super::accessor::Accessors;
 use super::buffers::Buffers;
+use super::draco::{self, Geometry, Reference};
+use super::meshopt;
 use super::text::quote;
 use super::transform::Transform;
+use super::views::Views;
 use super::{MeshFile, next_index};
 
 /// A small file can place a mesh any number of times. A scene may have this many vertices and
-/// this many triangles, and one more for each byte that was read, so that what a file holds can
-/// always be placed at least once.
+/// this many triangles, and one more for each byte that was read and for each element that was
+/// decompressed, so that what a file holds can always be placed at least once.
 const PLACED_FOR_FREE: usize = 1 << 22;
 
 /// A GLB begins with a magic number, its version and its length, each of four bytes.
 const GLB_HEADER: usize = 12;
 
+/// Required extensions that are read, besides meshoptimizer's.
+const KNOWN_EXTENSIONS: [&str; 2] = ["KHR_mesh_quantization", draco::EXTENSION];
+
 /// Required extensions that don't change where vertices are, by the beginning of their name.
-const HARMLESS_EXTENSIONS: [&str; 8] = [
-    "KHR_mesh_quantization",
+const HARMLESS_EXTENSIONS: [&str; 7] = [
     "KHR_materials_",
     "KHR_texture_",
     "KHR_lights_",
@@ -62,19 +71,26 @@ fn read_with(
     let (json, chunk) = if bytes.starts_with(b"glTF") { split_glb(bytes)? } else { (bytes, None) };
     let root = Root::from_slice(json).map_err(|error| format!("JSON: {error}"))?;
     for extension in &root.extensions_required {
-        if !HARMLESS_EXTENSIONS.iter().any(|harmless| extension.starts_with(harmless)) {
+        if !is_read_or_harmless(extension) {
             let extension = quote(extension.as_bytes());
             return Err(format!("it requires the extension {extension}, which can't be read"));
         }
     }
-    let buffers = Buffers::new(&root, chunk, directory);
+    let views = Views::new(&root, Buffers::new(&root, chunk, directory), bytes.len());
     let mut scene = Scene {
         root: &root,
-        accessors: Accessors::new(&root, buffers, bytes.len()),
+        accessors: Accessors::new(&root, views),
+        decompressed: BTreeMap::new(),
         file: MeshFile::default(),
     };
     read(&mut scene)?;
     Ok(scene.file)
+}
+
+fn is_read_or_harmless(extension: &str) -> bool {
+    KNOWN_EXTENSIONS.contains(&extension)
+        || meshopt::EXTENSIONS.contains(&extension)
+        || HARMLESS_EXTENSIONS.iter().any(|harmless| extension.starts_with(harmless))
 }
 
 /// The JSON of a GLB, and the chunk of binary data if there is one.
@@ -97,7 +113,23 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
 struct Scene<'a> {
     root: &'a Root,
     accessors: Accessors<'a>,
+    /// A mesh may be placed many times, and a Draco stream may be used by many primitives.
+    decompressed: BTreeMap<Reference, Rc<Geometry>>,
     file: MeshFile,
+}
+
+/// Where vertices come from.
+#[derive(Clone, Copy, PartialEq)]
+enum Source {
+    Accessor(Index<Accessor>),
+    Draco(Reference),
+}
+
+/// The vertices of a mesh that are in the scene already.
+struct Placed {
+    source: Source,
+    first: u32,
+    count: usize,
 }
 
 impl Scene<'_> {
@@ -173,7 +205,7 @@ impl Scene<'_> {
         let mesh = root.get(index).ok_or_else(|| format!("there is no mesh {index}"))?;
         let start = self.file.triangles.len();
         // Primitives often share their vertices, each with a material of its own.
-        let mut placed: Vec<(Index<Accessor>, u32, usize)> = Vec::new();
+        let mut placed = Vec::new();
         for (number, primitive) in mesh.primitives.iter().enumerate() {
             self.add_primitive(primitive, transform, &mut placed)
                 .map_err(|reason| format!("mesh {index}, primitive {number}: {reason}"))?;
@@ -187,7 +219,7 @@ impl Scene<'_> {
         &mut self,
         primitive: &Primitive,
         transform: &Transform,
-        placed: &mut Vec<(Index<Accessor>, u32, usize)>,
+        placed: &mut Vec<Placed>,
     ) -> Result<(), String> {
         let Checked::Valid(mode) = primitive.mode else {
             return Err("its mode is unknown".into());
@@ -198,27 +230,40 @@ impl Scene<'_> {
         let Some(accessor) = primitive.attributes.get(&Checked::Valid(Semantic::Positions)) else {
             return Ok(());
         };
-        let known = placed.iter().find(|(known, ..)| known == accessor);
+        let is_normalized = self.root.get(*accessor).is_some_and(|accessor| accessor.normalized);
+        let reference = Reference::of(primitive, is_normalized)?;
+        let geometry = reference.map(|reference| self.decompressed(reference)).transpose()?;
+        let source = reference.map_or(Source::Accessor(*accessor), Source::Draco);
+        let known = placed.iter().find(|known| known.source == source);
         let (first, count) = match known {
-            Some((_, first, count)) => (*first, *count),
+            Some(known) => (known.first, known.count),
             None => {
-                let positions = self.accessors.positions(*accessor)?;
-                self.check_growth("vertices", self.file.positions.len(), positions.len())?;
-                let first = next_index(&self.file.positions, positions.len())?;
+                let positions = match &geometry {
+                    Some(geometry) => Cow::Borrowed(&geometry.positions),
+                    None => Cow::Owned(self.accessors.positions(*accessor)?),
+                };
+                let count = positions.len();
+                self.check_growth("vertices", self.file.positions.len(), count)?;
+                let first = next_index(&self.file.positions, count)?;
                 self.file.positions.extend(positions.iter().map(|point| transform.apply(*point)));
-                placed.push((*accessor, first, positions.len()));
-                (first, positions.len())
+                placed.push(Placed { source, first, count });
+                (first, count)
             }
         };
-        let indices = match primitive.indices {
-            Some(accessor) => self.accessors.indices(accessor)?,
-            None => (0..count as u32).collect(),
+        // Draco holds triangles one by one, in whatever mode the primitive announces them.
+        let mode = if geometry.is_some() { Mode::Triangles } else { mode };
+        let indices = match (&geometry, primitive.indices) {
+            (Some(geometry), _) => Cow::Borrowed(&geometry.indices),
+            (None, Some(accessor)) => Cow::Owned(self.accessors.indices(accessor)?),
+            (None, None) => Cow::Owned((0..count as u32).collect()),
         };
         if let Some(index) = indices.iter().find(|index| **index as usize >= count) {
             return Err(format!("index {index} is beyond its {count} vertices"));
         }
         // Strips and fans have about as many triangles as indices.
-        self.check_growth("triangles", self.file.triangles.len(), indices.len())?;
+        let corners = if mode == Mode::Triangles { 3 } else { 1 };
+        let more = indices.len() / corners;
+        self.check_growth("triangles", self.file.triangles.len(), more)?;
         let triangles = triangles(mode, &indices)?;
         let is_mirrored = transform.is_mirroring();
         self.file.triangles.extend(triangles.map(|triangle| {
@@ -228,9 +273,18 @@ impl Scene<'_> {
         Ok(())
     }
 
+    fn decompressed(&mut self, reference: Reference) -> Result<Rc<Geometry>, String> {
+        if let Some(geometry) = self.decompressed.get(&reference) {
+            return Ok(Rc::clone(geometry));
+        }
+        let geometry = Rc::new(draco::decode(reference, self.accessors.views())?);
+        self.decompressed.insert(reference, Rc::clone(&geometry));
+        Ok(geometry)
+    }
+
     /// Refuses to let an array of the scene grow too long.
-    fn check_growth(&self, what: &str, present: usize, more: usize) -> Result<(), String> {
-        let most = PLACED_FOR_FREE + self.accessors.bytes_read();
+    fn check_growth(&mut self, what: &str, present: usize, more: usize) -> Result<(), String> {
+        let most = PLACED_FOR_FREE + self.accessors.views().elements_read();
         if present + more > most {
             return Err(format!("placed here once more, the scene has over {most} {what}"));
         }

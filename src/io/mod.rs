@@ -3,6 +3,8 @@
 //! | format | read by |
 //! |---|---|
 //! | glTF, GLB | crate `gltf` for the container and the JSON; buffers, accessors and nodes are walked here, since its own readers panic on hostile files |
+//! | Draco in glTF | crate `draco-core`, the decoder alone |
+//! | meshopt in glTF | crate `meshoptimizer-rs`, its codecs and filters |
 //! | PLY | crate `ply-rs-bw` for the header and binary elements; text elements here, since it refuses numbers such as `.5` and `nan` |
 //! | OBJ | this module: `tobj` refuses sound files, makes faces of polylines and says no line in its errors |
 //! | OFF | this module: `off-rs` holds `f32` and knows one form of header |
@@ -17,7 +19,10 @@
 
 mod accessor;
 mod buffers;
+mod draco;
+mod extension;
 mod gltf;
+mod meshopt;
 mod obj;
 mod off;
 mod ply;
@@ -25,6 +30,7 @@ mod polygon;
 mod stl;
 mod text;
 mod transform;
+mod views;
 mod write;
 mod write_glb;
 mod write_obj;
@@ -127,7 +133,9 @@ pub struct HullMesh {
 ///
 /// Of a glTF file all meshes of the default scene are read (of all scenes where none is the
 /// default, of all nodes where there is no scene) with the nodes' transforms applied. Skins and
-/// morph targets are not: a mesh stands as it was modelled.
+/// morph targets are not: a mesh stands as it was modelled. Geometry may be quantised
+/// (`KHR_mesh_quantization`) and compressed (`KHR_draco_mesh_compression`,
+/// `EXT_meshopt_compression`, `KHR_meshopt_compression`).
 ///
 /// A file may be fine and hold no triangles, such as a point cloud.
 ///
