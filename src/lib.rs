@@ -28,7 +28,6 @@
 //! | `surface::cost` | concavity cost, equation (3) | 3.4.3 |
 //! | `surface::resolution_selection` | the search over maximum resolutions R | 3.5 |
 //! | `surface::group_merging` | small groups join their neighbours | 3.6 |
-//! | `hacd` (feature `bench`) | HACD, which the paper compares itself with | 4.2 |
 //! | `bounded` | the default method: seeds, merging, growing, dissolving, verification | – |
 //! | `merge_tree` | fewer hulls afterwards, without a new run | – |
 //! | `hull` | convex hulls of the groups, thickness of flat ones, vertex cap | 3.6 |
@@ -53,11 +52,11 @@ mod decompose;
 mod decomposition;
 mod error;
 mod geometry;
-#[cfg(feature = "bench")]
-pub mod hacd;
 pub mod hull;
 pub mod hulls_format;
 mod inspect;
+#[doc(hidden)]
+pub mod internals;
 #[cfg(feature = "io")]
 pub mod io;
 mod mass;

@@ -2,7 +2,7 @@
 
 pub(crate) mod bounds;
 mod coordinate;
-pub(crate) mod vector;
+pub mod vector;
 
 pub use bounds::Bounds;
 pub use coordinate::Coordinate;

@@ -32,7 +32,7 @@ const MOST_VERTICES: usize = u32::MAX as usize - 1;
 /// # Errors
 /// [`Error::EmptyMesh`], [`Error::TooLarge`], [`Error::IndexOutOfRange`],
 /// [`Error::NothingUsable`], [`Error::Cancelled`].
-pub(crate) fn prepare<C: Coordinate>(
+pub fn prepare<C: Coordinate>(
     positions: &[[C; 3]],
     triangles: &[[u32; 3]],
     control: &Control,

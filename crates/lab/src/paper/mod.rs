@@ -11,14 +11,13 @@ mod work;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use crate::Failure;
 use crate::bench::caps::Caps;
 use crate::bench::machine;
 use crate::bench::page::Report;
 use crate::bench::peers::Peers;
 use crate::bench::plan;
 use crate::bench::table::Table;
-use crate::output::print;
+use crate::output::{Failure, print};
 use work::Shared;
 
 /// Repeat the experiments of the paper that the surface method comes from
@@ -57,11 +56,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         .map_err(|error| Failure::Work(format!("{}: {error}", output.display())))?;
     let caps = Caps { time: Duration::from_secs(arguments.time_cap), memory: MEMORY_CAP };
     let princeton = arguments.folder.join("meshes/princeton");
-    let meshes = plan::meshes(&[princeton]).map_err(Failure::Work)?;
+    let meshes = plan::meshes(&[princeton])?;
     let count = meshes.len() / arguments.every.max(1);
     let shared = Shared {
         folder: arguments.folder.clone(),
-        table1: work::table1(&arguments.folder).map_err(Failure::Work)?,
+        table1: work::table1(&arguments.folder)?,
         some_of_princeton: plan::spread(meshes.clone(), count.max(1)),
         princeton: meshes,
         peers: Peers::new(&arguments.folder, &arguments.python),
@@ -83,7 +82,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut tables = Vec::new();
     for (name, experiment) in experiments {
         print(name)?;
-        tables.extend(experiment(&shared).map_err(Failure::Work)?);
+        tables.extend(experiment(&shared)?);
     }
     let words = vec![
         "Times are of one thread, in seconds, without reading files. Costs are averages of the \

@@ -31,8 +31,7 @@ use record::{Entry, Journal, Row, Status, Worked};
 use summary::Results;
 use worker::Line;
 
-use crate::Failure;
-use crate::output::print;
+use crate::output::{Failure, print};
 
 /// Compare methods on every mesh below folders: time against error
 ///
@@ -88,9 +87,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let output = &arguments.output;
     std::fs::create_dir_all(output)
         .map_err(|error| Failure::Work(format!("{}: {error}", output.display())))?;
-    let mut journal = Journal::open(&output.join("runs.jsonl")).map_err(Failure::Work)?;
+    let mut journal = Journal::open(&output.join("runs.jsonl"))?;
     if !arguments.report_only {
-        let mut meshes = plan::meshes(&arguments.folders).map_err(Failure::Work)?;
+        let mut meshes = plan::meshes(&arguments.folders)?;
         if arguments.quick {
             meshes = plan::spread_over_folders(meshes, plan::QUICK_MESHES);
         }
@@ -101,10 +100,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let start = Instant::now();
         let before = recorded_machine(output);
         // Before the work too: it may be stopped.
-        record(output, &before, arguments, caps, 0.0).map_err(Failure::Work)?;
+        record(output, &before, arguments, caps, 0.0)?;
         work(arguments, &meshes, peers.as_ref(), caps, &mut journal)?;
         let seconds = start.elapsed().as_secs_f64();
-        record(output, &before, arguments, caps, seconds).map_err(Failure::Work)?;
+        record(output, &before, arguments, caps, seconds)?;
     }
     report(output, journal.rows()).map_err(Failure::Work)
 }
@@ -201,9 +200,9 @@ fn work(
                 continue;
             }
             let scratch = arguments.output.join("peer-hulls.obj");
-            execute(&run, mesh, peers, caps, &scratch, &mut row).map_err(Failure::Work)?;
+            execute(&run, mesh, peers, caps, &scratch, &mut row)?;
             print(&progress(number + 1, meshes.len(), &row))?;
-            journal.add(row).map_err(Failure::Work)?;
+            journal.add(row)?;
         }
     }
     Ok(())

@@ -1,22 +1,30 @@
-//! Where the time goes: milliseconds of each stage, the least of several runs on one thread.
-//!
-//! `cargo run --release --features io --example stages -- MESH…`
+//! `cargo lab stages`: where the time goes.
 
-use std::error::Error;
+use std::path::PathBuf;
 
 use hullwright::io::read_mesh;
 use hullwright::{Control, Parameters, decompose};
 
+use crate::output::Failure;
+
+/// Show the milliseconds of each stage: of several runs on one thread the least
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// The meshes: obj, off, ply, stl, gltf or glb
+    #[arg(required = true, value_name = "MESH")]
+    meshes: Vec<PathBuf>,
+}
+
 /// Runs of which the quickest counts, stage by stage.
 const RUNS: usize = 3;
 
-fn main() -> Result<(), Box<dyn Error>> {
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut parameters = Parameters::default();
     parameters.parallel = false;
     let mut totals: Vec<f64> = Vec::new();
     let mut columns: Vec<Vec<f64>> = Vec::new();
-    for path in std::env::args().skip(1) {
-        let file = read_mesh(std::path::Path::new(&path))?;
+    for path in &arguments.meshes {
+        let file = read_mesh(path)?;
         let mut best: Vec<(String, f64)> = Vec::new();
         let mut hulls = 0;
         for _ in 0..RUNS {
@@ -39,7 +47,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             }
             columns[index].push(*time);
         }
-        println!("  {path}");
+        println!("  {}", path.display());
         totals.push(total);
     }
     let median = |values: &mut Vec<f64>| {

@@ -78,8 +78,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let output = &arguments.output;
     std::fs::create_dir_all(output)
         .map_err(|error| Failure::Work(format!("{}: {error}", output.display())))?;
-    let mut journal = Journal::open(&output.join("runs.jsonl")).map_err(Failure::Work)?;
-    let meshes = plan::meshes(&arguments.folders).map_err(Failure::Work)?;
+    let mut journal = Journal::open(&output.join("runs.jsonl"))?;
+    let meshes = plan::meshes(&arguments.folders)?;
     let meshes = plan::spread(meshes, arguments.meshes);
     let mut runs: Vec<Run> = Run::own();
     runs.retain(|run| run.parameters().is_some() && run.is_default());
@@ -88,7 +88,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     });
     for (number, mesh) in meshes.iter().enumerate() {
         for run in &runs {
-            vary(mesh, run, &mut journal).map_err(Failure::Work)?;
+            vary(mesh, run, &mut journal)?;
         }
         print(&format!("{:>3}/{}  {}", number + 1, meshes.len(), mesh.name))?;
     }

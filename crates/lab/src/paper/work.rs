@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use hullwright::hacd::{self, HacdParameters};
 use hullwright::io::{MeshFile, read_mesh};
 use hullwright::measure::{HullShape, MeasureOptions, Measurement, measure};
 use hullwright::{Control, Hull, Parameters, Stage, SurfaceParameters};
@@ -15,6 +14,7 @@ use crate::bench::plan::{self, Mesh};
 use crate::bench::record::{Judged, Worked};
 use crate::bench::worker::median;
 use crate::bench::{blank_row, execute};
+use crate::hacd::{self, HacdParameters};
 
 /// What every experiment may use.
 pub struct Shared {
@@ -135,7 +135,7 @@ impl Shared {
             cost: found.cost,
             planar_threshold: None,
             resolution: found.resolution,
-            polygons: found.grouped.triangles.len(),
+            polygons: found.groups.len(),
             initial_polygons: found.initial_polygons,
             seconds: start.elapsed().as_secs_f64(),
             search_seconds: search.map(|(_, seconds)| seconds).sum(),

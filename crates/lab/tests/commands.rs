@@ -1,11 +1,10 @@
-//! Promises of `hullwright bench` and `hullwright stability`, by running the program.
-#![cfg(feature = "bench")]
+//! Promises of `cargo lab bench` and `cargo lab stability`, by running the program.
 
 use std::path::Path;
 use std::process::{Command, Output};
 
-fn hullwright(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_hullwright")).args(arguments).output().expect("it starts")
+fn lab(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_hullwright_lab")).args(arguments).output().expect("it starts")
 }
 
 fn text(output: &Output) -> String {
@@ -38,7 +37,7 @@ fn a_benchmark_is_written_and_does_nothing_twice() {
     let meshes = folder_with_a_mesh(root.path());
     let report = root.path().join("report");
     let arguments = ["bench", &meshes, "-o", report.to_str().unwrap(), "--only", "surface,hacd"];
-    let first = hullwright(&arguments);
+    let first = lab(&arguments);
     assert!(first.status.success(), "{}", String::from_utf8_lossy(&first.stderr));
     assert!(text(&first).contains("props/l.obj"));
     let journal = std::fs::read_to_string(report.join("runs.jsonl")).unwrap();
@@ -48,7 +47,7 @@ fn a_benchmark_is_written_and_does_nothing_twice() {
         assert!(report.join(file).is_file(), "{file}");
     }
 
-    let second = hullwright(&arguments);
+    let second = lab(&arguments);
     assert!(second.status.success());
     assert_eq!(text(&second), "", "nothing was left to do");
     assert_eq!(std::fs::read_to_string(report.join("runs.jsonl")).unwrap(), journal);
@@ -56,7 +55,7 @@ fn a_benchmark_is_written_and_does_nothing_twice() {
     // A run that is missing is done, and only that.
     let lines: Vec<&str> = journal.lines().collect();
     std::fs::write(report.join("runs.jsonl"), lines[1..].join("\n") + "\n").unwrap();
-    let third = hullwright(&arguments);
+    let third = lab(&arguments);
     assert_eq!(text(&third).lines().count(), 1);
 }
 
@@ -66,8 +65,7 @@ fn a_cap_is_a_row_and_not_the_end() {
     let meshes = folder_with_a_mesh(root.path());
     let report = root.path().join("report");
     let folder = report.to_str().unwrap();
-    let output =
-        hullwright(&["bench", &meshes, "-o", folder, "--only", "surface", "--time-cap", "0"]);
+    let output = lab(&["bench", &meshes, "-o", folder, "--only", "surface", "--time-cap", "0"]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let journal = std::fs::read_to_string(report.join("runs.jsonl")).unwrap();
     assert!(journal.contains("\"status\":\"time_out\""), "{journal}");
@@ -79,8 +77,7 @@ fn what_is_no_mesh_is_a_row_with_its_reason() {
     let meshes = folder_with_a_mesh(root.path());
     std::fs::write(Path::new(&meshes).join("broken.off"), "OFF\n3 1 0\n0 0 0\n").unwrap();
     let report = root.path().join("report");
-    let output =
-        hullwright(&["bench", &meshes, "-o", report.to_str().unwrap(), "--only", "surface"]);
+    let output = lab(&["bench", &meshes, "-o", report.to_str().unwrap(), "--only", "surface"]);
     assert!(output.status.success());
     let table = std::fs::read_to_string(report.join("runs.csv")).unwrap();
     let broken = table.lines().find(|line| line.starts_with("props/broken.off")).unwrap();
@@ -93,7 +90,7 @@ fn a_folder_without_meshes_is_an_error() {
     let root = tempfile::tempdir().unwrap();
     let empty = root.path().display().to_string();
     let report = root.path().join("report");
-    let output = hullwright(&["bench", &empty, "-o", report.to_str().unwrap()]);
+    let output = lab(&["bench", &empty, "-o", report.to_str().unwrap()]);
     assert_eq!(output.status.code(), Some(1));
 }
 
@@ -103,7 +100,7 @@ fn stability_says_that_nothing_failed_on_an_l_prism() {
     let meshes = folder_with_a_mesh(root.path());
     let report = root.path().join("report");
     let folder = report.to_str().unwrap();
-    let output = hullwright(&["stability", &meshes, "-o", folder, "--only", "surface"]);
+    let output = lab(&["stability", &meshes, "-o", folder, "--only", "surface"]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let words = std::fs::read_to_string(report.join("stability.md")).unwrap();
     assert!(words.contains("Failures: 0. Broken promises: 0."), "{words}");

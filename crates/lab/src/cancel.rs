@@ -1,20 +1,31 @@
-//! How long a stop takes: each mesh is decomposed many times and cancelled at another moment each
-//! time. `cargo run --release --features io --example cancel -- MESH…`
+//! `cargo lab cancel`: how long a stop takes.
 
-use std::error::Error;
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use hullwright::io::read_mesh;
 use hullwright::{Control, Parameters, decompose};
 
+use crate::output::Failure;
+
+/// Show how long a stop takes
+///
+/// Each mesh is decomposed many times and cancelled at another moment each time.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// The meshes: obj, off, ply, stl, gltf or glb
+    #[arg(required = true, value_name = "MESH")]
+    meshes: Vec<PathBuf>,
+}
+
 /// Moments at which each mesh is cancelled, spread evenly over the time that it takes.
 const MOMENTS: u32 = 40;
 
-fn main() -> Result<(), Box<dyn Error>> {
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let parameters = Parameters::default();
     let mut all = Vec::new();
-    for path in std::env::args().skip(1) {
-        let file = read_mesh(std::path::Path::new(&path))?;
+    for path in &arguments.meshes {
+        let file = read_mesh(path)?;
         let start = Instant::now();
         decompose(&file.positions, &file.triangles, &parameters, &Control::new())?;
         let whole = start.elapsed();
@@ -39,7 +50,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         waits.sort();
         let longest = waits.last().copied().unwrap_or_default();
         let median = waits.get(waits.len() / 2).copied().unwrap_or_default();
-        println!("{whole:>10.1?} whole, stops within {median:.1?} (median), {longest:.1?}  {path}");
+        println!(
+            "{whole:>10.1?} whole, stops within {median:.1?} (median), {longest:.1?}  {}",
+            path.display()
+        );
         all.extend(waits);
     }
     all.sort();

@@ -2,11 +2,11 @@
 
 use std::collections::HashMap;
 
-use crate::geometry::vector::{
+use hullwright::hull::{ConvexHull, HullBuilder, Shape};
+use hullwright::internals::TriangleMesh;
+use hullwright::internals::vector::{
     Vector, add, area_normal, distance, dot, length, maximum, minimum, normalize, subtract,
 };
-use crate::hull::{ConvexHull, HullBuilder, Shape};
-use crate::mesh::TriangleMesh;
 
 /// A plane that the ray runs along cannot be left through it.
 const PARALLEL: f64 = 1e-9;

@@ -1,8 +1,4 @@
-//! Compares `hullwright::measure` with another evaluator, figure by figure, on hull files of other
-//! tools: `cargo run --release --features io --example agreement -- SHARED`.
-//!
-//! `SHARED` is a folder with `peers/results.tsv`, the hulls in `peers/coacd` and
-//! `peers/vhacd_parry`, and the meshes in `meshes` (those of glTF scenes flattened in `peers/src`).
+//! `cargo lab agreement`: `hullwright::measure` against another evaluator.
 //!
 //! The other evaluator samples at random, 20,000 points on surfaces and 60,000 in space, so that
 //! its figures have an error of their own. Where one is farther from ours than agreed:
@@ -13,12 +9,22 @@
 
 use std::collections::HashMap;
 use std::error::Error;
-use std::path::Path;
-use std::process::ExitCode;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use hullwright::io::{read_hulls, read_mesh};
 use hullwright::measure::{HullShape, MeasureOptions, Measurement, measure};
+
+use crate::output::Failure;
+
+/// Compare `measure` with another evaluator, figure by figure, on hull files of other tools
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// A folder with peers/results.tsv, the hulls in peers/coacd and peers/vhacd_parry, and the
+    /// meshes in meshes (those of glTF scenes flattened in peers/src)
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+}
 
 /// Agreed deviation of lengths, relative to the other evaluator's.
 const RELATIVE: f64 = 0.05;
@@ -71,27 +77,16 @@ struct Tally {
     deviations: f64,
 }
 
-fn main() -> ExitCode {
-    let Some(shared) = std::env::args().nth(1) else {
-        eprintln!("usage: agreement SHARED, where SHARED holds peers/results.tsv");
-        return ExitCode::from(2);
-    };
-    let shared = Path::new(&shared);
-    if !shared.join("peers/results.tsv").is_file() {
-        eprintln!("{}: there is no peers/results.tsv, nothing to compare with", shared.display());
-        return ExitCode::FAILURE;
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let folder = &arguments.folder;
+    if !folder.join("peers/results.tsv").is_file() {
+        return Err(format!("{}: there is no peers/results.tsv", folder.display()).into());
     }
-    match compare(shared) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    Ok(compare(folder)?)
 }
 
-fn compare(shared: &Path) -> Result<(), Box<dyn Error>> {
-    let table = std::fs::read_to_string(shared.join("peers/results.tsv"))?;
+fn compare(folder: &Path) -> Result<(), Box<dyn Error>> {
+    let table = std::fs::read_to_string(folder.join("peers/results.tsv"))?;
     let mut lines = table.lines();
     let header: Vec<&str> = lines.next().unwrap_or_default().split('\t').collect();
     let columns: Vec<String> =
@@ -102,7 +97,7 @@ fn compare(shared: &Path) -> Result<(), Box<dyn Error>> {
     for line in lines {
         let row: HashMap<&str, &str> = header.iter().copied().zip(line.split('\t')).collect();
         let cell = |name: &str| row.get(name).copied().unwrap_or_default();
-        let (positions, triangles, hulls) = read(shared, cell("mesh"), cell("method"))?;
+        let (positions, triangles, hulls) = read(folder, cell("mesh"), cell("method"))?;
         let hulls: Vec<HullShape<'_>> = hulls.iter().map(HullShape::from).collect();
         let judge = |options: &MeasureOptions| measure(&positions, &triangles, &hulls, options);
         let start = Instant::now();
@@ -170,14 +165,14 @@ fn compare(shared: &Path) -> Result<(), Box<dyn Error>> {
 
 type Case = (Vec<[f64; 3]>, Vec<[u32; 3]>, Vec<hullwright::io::HullMesh>);
 
-fn read(shared: &Path, mesh: &str, method: &str) -> Result<Case, Box<dyn Error>> {
+fn read(folder: &Path, mesh: &str, method: &str) -> Result<Case, Box<dyn Error>> {
     let name = mesh.replace('/', "_");
     let object = format!("{}.obj", name.rsplit_once('.').map_or(&name[..], |(stem, _)| stem));
-    let flattened = shared.join("peers/src").join(&object);
-    let source = if flattened.is_file() { flattened } else { shared.join("meshes").join(mesh) };
-    let folder = if method.starts_with("vhacd") { "vhacd_parry" } else { "coacd" };
+    let flattened = folder.join("peers/src").join(&object);
+    let source = if flattened.is_file() { flattened } else { folder.join("meshes").join(mesh) };
+    let tool = if method.starts_with("vhacd") { "vhacd_parry" } else { "coacd" };
     let file = read_mesh(source)?;
-    let hulls = read_hulls(shared.join("peers").join(folder).join(object))?;
+    let hulls = read_hulls(folder.join("peers").join(tool).join(object))?;
     Ok((file.positions, file.triangles, hulls))
 }
 

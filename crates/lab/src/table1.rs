@@ -1,8 +1,6 @@
-//! The paper's Table 1, ours beside its own, and how far apart they are:
-//! `cargo run --release --example table1 --features io -- SHARED`.
+//! `cargo lab table1`: the paper's Table 1, ours beside its own, and how far apart they are.
 //!
-//! `SHARED` is a folder with `paper/table1.tsv`, which names the ten meshes, and the meshes in
-//! `meshes`. The first table has the thresholds in the meshes' own units, as the paper must have
+//! The first table has the thresholds in the meshes' own units, as the paper must have
 //! had them, the second in the default unit, which is relative to the diagonal; a sweep over
 //! other units follows, with the score and with the pieces at the paper's own p and r, which no
 //! rule of the search can disturb.
@@ -14,11 +12,20 @@
 use std::error::Error;
 use std::fmt;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::time::Instant;
 
 use hullwright::io::read_mesh;
 use hullwright::{Control, Parameters, SurfaceParameters, Unit, decompose};
+
+use crate::output::Failure;
+
+/// Compare the surface method with the paper's Table 1, over units of the thresholds
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// A folder with paper/table1.tsv, which names the ten meshes, and the meshes in meshes
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+}
 
 /// Weight of a step between two p or two r, in factors of two of the pieces.
 const STEP: f64 = 0.5;
@@ -46,22 +53,8 @@ struct Mesh {
     paper: Row,
 }
 
-fn main() -> ExitCode {
-    let Some(shared) = std::env::args().nth(1).map(PathBuf::from) else {
-        eprintln!("usage: table1 SHARED, a folder that holds paper/table1.tsv and meshes");
-        return ExitCode::from(2);
-    };
-    match run(&shared) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("table1: {error}");
-            ExitCode::FAILURE
-        }
-    }
-}
-
-fn run(shared: &Path) -> Result<(), Box<dyn Error>> {
-    let meshes = read(shared)?;
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let meshes = read(&arguments.folder)?;
     let default = SurfaceParameters::paper().unit;
     for (title, unit) in
         [("1 unit of the mesh", Unit::Absolute(1.0)), ("the default unit", default)]
@@ -169,8 +162,8 @@ fn steps(a: Option<usize>, b: Option<usize>) -> f64 {
 }
 
 /// The ten meshes and the paper's rows.
-fn read(shared: &Path) -> Result<Vec<Mesh>, Box<dyn Error>> {
-    let path = shared.join("paper/table1.tsv");
+fn read(folder: &Path) -> Result<Vec<Mesh>, Box<dyn Error>> {
+    let path = folder.join("paper/table1.tsv");
     let table = std::fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
     let mut meshes = Vec::new();
     for line in table.lines().skip(1) {
@@ -178,7 +171,7 @@ fn read(shared: &Path) -> Result<Vec<Mesh>, Box<dyn Error>> {
         let [model, mesh, _, pieces, average, seconds, cost, p, r, polygons, _] = fields[..] else {
             return Err(format!("{}: {} columns, not 11", path.display(), fields.len()).into());
         };
-        let input = read_mesh(shared.join("meshes").join(mesh))?;
+        let input = read_mesh(folder.join("meshes").join(mesh))?;
         meshes.push(Mesh {
             model: model.into(),
             name: mesh.into(),

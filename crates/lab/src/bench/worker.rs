@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use hullwright::io::{HullMesh, MeshFile, read_hulls, read_mesh};
 use hullwright::measure::{HullShape, MeasureOptions, measure};
-use hullwright::{Control, Error, Hull, hacd};
+use hullwright::{Control, Error, Hull};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -15,8 +15,8 @@ use super::caps::{forget_peak, memory};
 use super::methods::Run;
 use super::record::{Judged, Worked};
 use super::vhacd;
-use crate::Failure;
-use crate::output::print;
+use crate::hacd;
+use crate::output::{Failure, print};
 
 /// One run of the benchmark, for its own use
 #[derive(clap::Args)]
@@ -55,11 +55,10 @@ struct Output {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let work = |error: Error| Failure::Work(error.to_string());
-    let mesh = read_mesh(&arguments.mesh).map_err(work)?;
+    let mesh = read_mesh(&arguments.mesh)?;
     if let Some(hulls) = &arguments.hulls {
-        let hulls = read_hulls(hulls).map_err(work)?;
-        say(&Line::Judged(Box::new(judge(&mesh, &hulls).map_err(work)?)))?;
+        let hulls = read_hulls(hulls)?;
+        say(&Line::Judged(Box::new(judge(&mesh, &hulls)?)))?;
         return Ok(());
     }
     let run = Run::parse(&arguments.method, &arguments.setting)
@@ -72,7 +71,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut peak_memory = None;
     while times.len() < MOST_REPEATS && times.iter().sum::<f64>() < ENOUGH_SECONDS {
         let start = Instant::now();
-        let output = alone.install(|| decompose(&run, &mesh, false)).map_err(work)?;
+        let output = alone.install(|| decompose(&run, &mesh, false))?;
         times.push(start.elapsed().as_secs_f64());
         peak_memory = peak_memory.or_else(|| memory(std::process::id()).map(|[_, peak]| peak));
         first.get_or_insert(output);
@@ -90,7 +89,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         cost,
         details,
     }))?;
-    say(&Line::Judged(Box::new(judge(&mesh, &hulls).map_err(work)?)))?;
+    say(&Line::Judged(Box::new(judge(&mesh, &hulls)?)))?;
 
     // Parry has no such mode (its `parallel` feature is for something else).
     if vhacd::parameters(&run).is_some() {
@@ -101,7 +100,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut same = true;
     while times.len() < repeats {
         let start = Instant::now();
-        let output = together.install(|| decompose(&run, &mesh, true)).map_err(work)?;
+        let output = together.install(|| decompose(&run, &mesh, true))?;
         times.push(start.elapsed().as_secs_f64());
         same &= output.hulls == hulls;
     }
@@ -137,7 +136,7 @@ fn decompose(run: &Run, mesh: &MeshFile, parallel: bool) -> Result<Output, Error
         let details = [
             ("resolution", json!(found.resolution)),
             ("average_pieces", json!(found.average_pieces)),
-            ("polygons", json!(found.grouped.triangles.len())),
+            ("polygons", json!(found.groups.len())),
         ];
         return Ok(Output {
             stages: times.collect(),

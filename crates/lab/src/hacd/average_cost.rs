@@ -1,9 +1,7 @@
 //! The paper's figure of merit for any grouped mesh: the average concavity cost [3.4.2, 3.4.3].
 
-use crate::decomposition::GroupedMesh;
-use crate::mesh::TriangleMesh;
-use crate::surface::cost::{CostScratch, cost};
-use crate::surface::grouping::members;
+use hullwright::GroupedMesh;
+use hullwright::internals::{CostScratch, TriangleMesh, cost, members};
 
 /// Groups of at most this many polygons are left out of the average [3.4.2].
 const TOO_SMALL_TO_COUNT: usize = 2;
@@ -12,15 +10,7 @@ const TOO_SMALL_TO_COUNT: usize = 2;
 ///
 /// This is what the paper's Table 1 calls cost. O(vertices · hull faces) per group.
 pub fn average_cost(grouped: &GroupedMesh) -> f64 {
-    let vertices = grouped.positions.len();
-    let in_range = |triangle: &[u32; 3]| triangle.iter().all(|&v| (v as usize) < vertices);
     let count = grouped.groups.iter().max().map_or(0, |&label| label as usize + 1);
-    if grouped.groups.len() != grouped.triangles.len()
-        || count > grouped.triangles.len()
-        || !grouped.triangles.iter().all(in_range)
-    {
-        return 0.0;
-    }
     let mesh =
         TriangleMesh { positions: grouped.positions.clone(), triangles: grouped.triangles.clone() };
     average(&mesh, &grouped.groups, count)

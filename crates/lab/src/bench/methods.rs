@@ -1,7 +1,8 @@
 //! The methods, and the sweep of each one's own knob.
 
-use hullwright::hacd::HacdParameters;
 use hullwright::{Method, Parameters};
+
+use crate::hacd::HacdParameters;
 
 /// A method with its setting.
 #[derive(Debug, Clone, PartialEq)]

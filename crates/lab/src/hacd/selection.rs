@@ -1,11 +1,12 @@
 //! Resolution selection [3.5] for one candidate per resolution: the same rules as in the paper's
 //! own method.
 
+use hullwright::internals::vector::diagonal;
+use hullwright::internals::{
+    Grouping, LEAST_CUT_OFF_RESOLUTION, Level, MOST_PIECES_FACTOR, TriangleMesh, corners,
+};
+
 use super::average_cost::average;
-use crate::geometry::vector::diagonal;
-use crate::mesh::TriangleMesh;
-use crate::surface::grouping::{Grouping, corners};
-use crate::surface::resolution_selection::{LEAST_CUT_OFF_RESOLUTION, Level, MOST_PIECES_FACTOR};
 
 /// The grouping of one resolution.
 #[derive(Debug, Clone, PartialEq)]

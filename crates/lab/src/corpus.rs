@@ -1,15 +1,25 @@
-//! Decomposes every mesh below a folder and prints what came of it, as a table. A promise is broken
-//! where more was verified than was asked for, or more is sampled than was verified:
-//! `cargo run --release --example corpus --features io -- FOLDER`.
+//! `cargo lab corpus`: every mesh below a folder, and whether the promises hold.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::time::Instant;
 
 use hullwright::io::{Format, read_mesh};
 use hullwright::measure::{HullShape, MeasureOptions, measure};
 use hullwright::{Control, Error, Parameters, decompose};
+
+use crate::output::Failure;
+
+/// Decompose every mesh below a folder and count broken promises
+///
+/// A promise is broken where more was verified than was asked for, or more is sampled than was
+/// verified.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// A folder that holds meshes
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+}
 
 /// Rounding of what was verified and of what is sampled, in bounds.
 const ROUNDING: f64 = 1e-3;
@@ -38,23 +48,22 @@ struct Row {
     seconds: f64,
 }
 
-fn main() -> ExitCode {
-    let Some(folder) = std::env::args().nth(1).map(PathBuf::from).filter(|path| path.is_dir())
-    else {
-        eprintln!("usage: corpus FOLDER, a folder that holds meshes");
-        return ExitCode::FAILURE;
-    };
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let folder = &arguments.folder;
+    if !folder.is_dir() {
+        return Err(format!("{}: there is no such folder", folder.display()).into());
+    }
     let mut files = Vec::new();
-    collect(&folder, &mut files);
+    collect(folder, &mut files);
     files.sort();
     let mut summaries: BTreeMap<String, Summary> = BTreeMap::new();
     for file in &files {
-        let name = file.strip_prefix(&folder).unwrap_or(file).display().to_string();
+        let name = file.strip_prefix(folder).unwrap_or(file).display().to_string();
         let group = Path::new(&name).parent().map(|p| p.display().to_string()).unwrap_or_default();
         let summary = summaries.entry(group).or_default();
         let path = file.clone();
         // In a thread of its own, so that a panic is a row and not the end.
-        match std::thread::spawn(move || run(&path)).join() {
+        match std::thread::spawn(move || judge(&path)).join() {
             Ok(Ok(row)) => {
                 summary.done += 1;
                 summary.not_convex += row.not_convex;
@@ -100,10 +109,10 @@ fn main() -> ExitCode {
              {without_volume:>10} {median:>9.4} {worst:>9.4}"
         );
     }
-    ExitCode::SUCCESS
+    Ok(())
 }
 
-fn run(path: &Path) -> Result<Row, Error> {
+fn judge(path: &Path) -> Result<Row, Error> {
     let file = read_mesh(path)?;
     let mut parameters = Parameters::default();
     parameters.parallel = false;
@@ -121,15 +130,6 @@ fn run(path: &Path) -> Result<Row, Error> {
                 || most([report.exposed_max, report.bound])
                 || most([sampled, report.phantom_max])
                 || most([exposed, report.exposed_max]);
-            if std::env::var_os("DEBUG").is_some() {
-                eprintln!(
-                    "verified {:.4} {:.4} sampled {:.4} {:.4}",
-                    report.phantom_max / report.bound,
-                    report.exposed_max / report.bound,
-                    sampled / report.bound,
-                    exposed / report.bound
-                );
-            }
             let values = [report.phantom_max, report.exposed_max, sampled, exposed];
             (values.into_iter().fold(0.0, f64::max) / report.bound, is_broken)
         }

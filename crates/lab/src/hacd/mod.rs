@@ -9,12 +9,10 @@
 //! Where the paper is silent:
 //! - **β** isn't given; the benchmark sweeps it.
 //! - **α** = β / (10 D_S) is one over a length, added to a share of a length. Here it is
-//!   β ℓ / (10 D_S) with a length ℓ ([`ShapeLength`]). With the mesh's diagonal for ℓ hardly any
-//!   two triangles of a fine mesh could be joined: a pair that is a twentieth of the mesh wide has
-//!   α E_shape > 2 β, whatever β (a human, princeton/15, keeps 921 of 966 triangles apart). That
-//!   the paper's HACD does join them says that its ℓ was smaller. The default is the average
-//!   diagonal of the simplified mesh's triangles: then α starts at about β / 10, as in the first
-//!   publication of HACD, and falls while surfaces grow, as the paper says.
+//!   β ℓ / (10 D_S) with ℓ the average diagonal of the simplified mesh's triangles: α starts at
+//!   about β / 10, as in the first publication of HACD, and falls while surfaces grow, as the paper
+//!   says. The mesh's diagonal can't be meant: with it hardly any two triangles of a fine mesh could
+//!   be joined, since a pair that is a twentieth of the mesh wide has α E_shape > 2 β, whatever β.
 //! - The node with more triangles remains; of equal costs the pair with the lower numbers goes
 //!   first.
 
@@ -24,32 +22,27 @@ mod parameters;
 mod selection;
 mod surface;
 
-use crate::clock::Instant;
-use crate::control::{Control, Stage};
-use crate::decomposition::{GroupedMesh, Hull};
-use crate::error::Error;
-use crate::geometry::Coordinate;
-use crate::mesh::repair::prepare;
-use crate::parameters::Unit;
-use crate::surface::group_merging::merge_groups;
-use crate::surface::pieces::{assign_source_triangles, hulls};
-use crate::surface::resolution_selection::{LEAST_CUT_OFF_RESOLUTION, Level, Levels};
+use std::time::Instant;
+
+use hullwright::internals::{
+    LEAST_CUT_OFF_RESOLUTION, Level, Levels, assign_source_triangles, hulls, merge_groups, prepare,
+    with_parallelism,
+};
+use hullwright::{Control, Coordinate, Error, Hull, Stage};
+
 use collapse::{Threshold, collapse};
 use selection::{Candidate, select};
 
 pub use average_cost::average_cost;
-pub use parameters::{HacdParameters, ShapeLength};
+pub use parameters::HacdParameters;
 
 /// Convex hulls, and the row that they would have in the paper's Table 1.
-#[non_exhaustive]
 #[derive(Debug, Clone, PartialEq)]
 pub struct HacdDecomposition {
     /// The convex pieces.
     pub hulls: Vec<Hull>,
-    /// The simplified mesh with a group label per triangle.
-    pub grouped: GroupedMesh,
-    /// Pieces of the chosen candidate before group merging.
-    pub pieces_before_merging: usize,
+    /// The group of each triangle of the simplified mesh.
+    pub groups: Vec<u32>,
     /// k: average number of pieces over the candidates of all resolutions.
     pub average_pieces: f64,
     /// Average concavity cost of the chosen candidate, equation (3).
@@ -65,7 +58,7 @@ pub struct HacdDecomposition {
 /// Decomposes a triangle mesh.
 ///
 /// # Errors
-/// As [`crate::decompose`]; [`Error::DeadlineExceeded`] as soon as the deadline has passed.
+/// As [`hullwright::decompose`]; [`Error::DeadlineExceeded`] as soon as the deadline has passed.
 pub fn decompose<C: Coordinate>(
     positions: &[[C; 3]],
     triangles: &[[u32; 3]],
@@ -89,8 +82,7 @@ pub fn decompose<C: Coordinate>(
     }
     let levels = levels.finish();
     lap(Stage::Simplify);
-    let diagonal = prepared.normalization.diagonal;
-    let found = candidates(&levels, parameters, diagonal, control)?;
+    let found = candidates(&levels, parameters, control)?;
     let (index, candidate, average_pieces) =
         select(&found, surface.resolution_cut_off).ok_or(Error::DeadlineExceeded)?;
     lap(Stage::Search);
@@ -104,20 +96,14 @@ pub fn decompose<C: Coordinate>(
     let cap = parameters.max_vertices;
     let mut hulls = hulls(mesh, components, &grouping, normalization, cap, control)?;
     lap(Stage::Hulls);
-    crate::parallel::with(parameters.parallel, || {
+    with_parallelism(parameters.parallel, || {
         assign_source_triangles(&prepared, mesh, &grouping, &mut hulls, control)
     })?;
     lap(Stage::Assign);
 
-    let restored = mesh.positions.iter().map(|&point| normalization.restore(point));
     Ok(HacdDecomposition {
         hulls,
-        grouped: GroupedMesh {
-            positions: restored.collect(),
-            triangles: mesh.triangles.clone(),
-            groups: grouping.labels,
-        },
-        pieces_before_merging: candidate.grouping.count,
+        groups: grouping.labels,
         average_pieces,
         cost: candidate.cost,
         resolution: level.resolution,
@@ -131,7 +117,6 @@ pub fn decompose<C: Coordinate>(
 fn candidates(
     levels: &[Level],
     parameters: &HacdParameters,
-    diagonal: f64,
     control: &Control,
 ) -> Result<Vec<Option<Candidate>>, Error> {
     let candidate_of = |level: &Level| -> Result<Option<Candidate>, Error> {
@@ -139,11 +124,7 @@ fn candidates(
         if level.is_finished() {
             return Ok(None);
         }
-        let length = match parameters.shape_length {
-            ShapeLength::TriangleDiagonal => selection::mean_triangle_diagonal(&level.mesh),
-            ShapeLength::Fixed(Unit::Diagonals(length)) => length,
-            ShapeLength::Fixed(Unit::Absolute(length)) => length / diagonal,
-        };
+        let length = selection::mean_triangle_diagonal(&level.mesh);
         let threshold = Threshold { concavity: parameters.concavity_threshold, length };
         let grouping = collapse(&level.mesh, &level.adjacency, threshold, control)?;
         Ok(Some(Candidate::new(level, grouping)))

@@ -1,25 +1,66 @@
-//! Holds the bounded method against CoACD and Parry's V-HACD, mesh by mesh:
-//! `cargo run --release --features io --example targets -- SHARED [MODE] [FILTER] [fast|fine]`.
-//!
-//! `SHARED` is a folder with `peers/results.tsv`, which names the meshes and what the peers
-//! returned, and the meshes in `meshes` (those of glTF scenes flattened in `peers/src`). `MODE` is
-//! `default` (a bound of 2 %), `coacd` (CoACD's own Hausdorff distance, mesh by mesh), or a share
-//! of the diagonal such as 0.05. `FILTER` keeps meshes whose name holds it. V-HACD's and
-//! meshoptimizer's times are taken in the same run.
-//!
-//! A promise is broken where more is sampled than was verified, or verified than was asked for.
+//! `cargo lab targets`: the bounded method against CoACD and Parry's V-HACD, mesh by mesh.
 
-use meshoptimizer_rs::{Positions, SimplifyOptions, SimplifySettings, Workspace};
 use std::error::Error;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::time::Instant;
 
 use hullwright::io::read_mesh;
 use hullwright::measure::{HullShape, MeasureOptions, measure};
 use hullwright::{Control, Parameters, Preset, Unit, decompose};
+use meshoptimizer_rs::{Positions, SimplifyOptions, SimplifySettings, Workspace};
 use parry3d::math::Vec3;
 use parry3d::transformation::vhacd::{VHACD, VHACDParameters};
+
+use crate::output::Failure;
+
+/// Compare the bounded method with CoACD and Parry's V-HACD, mesh by mesh
+///
+/// V-HACD's and meshoptimizer's times are taken in the same run. A promise is broken where more is
+/// sampled than was verified, or verified than was asked for.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// A folder with peers/results.tsv, which names the meshes and what CoACD returned, and the
+    /// meshes in meshes (those of glTF scenes flattened in peers/src)
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+
+    /// The bound: a share of the diagonal, or `coacd` for CoACD's own Hausdorff distance on each
+    /// mesh
+    #[arg(long, value_name = "SHARE", default_value = "0.02", value_parser = parse_bound)]
+    bound: Bound,
+
+    /// Only meshes whose name holds this
+    #[arg(long, value_name = "TEXT", default_value = "")]
+    filter: String,
+
+    /// fast, balanced or fine
+    #[arg(long, value_name = "NAME", default_value = "balanced", value_parser = parse_preset)]
+    preset: Preset,
+}
+
+/// What the bounded method is asked for.
+#[derive(Debug, Clone, Copy)]
+enum Bound {
+    /// This share of the diagonal.
+    Share(f64),
+    /// CoACD's own Hausdorff distance.
+    Coacd,
+}
+
+fn parse_bound(text: &str) -> Result<Bound, String> {
+    if text == "coacd" {
+        return Ok(Bound::Coacd);
+    }
+    let share = text.parse().map_err(|_| "a share of the diagonal or `coacd` is expected")?;
+    Ok(Bound::Share(share))
+}
+
+fn parse_preset(text: &str) -> Result<Preset, String> {
+    [Preset::Fast, Preset::Balanced, Preset::Fine]
+        .into_iter()
+        .find(|preset| preset.name() == text)
+        .ok_or_else(|| "the presets are `fast`, `balanced` and `fine`".into())
+}
 
 /// Triangles that meshoptimizer is asked for, to compare times.
 const SIMPLIFIED: usize = 1000;
@@ -49,32 +90,8 @@ struct Row {
     meshopt_seconds: f64,
 }
 
-fn main() -> ExitCode {
-    let mut arguments: Vec<String> = std::env::args().skip(1).collect();
-    let preset = match arguments.last().map(String::as_str) {
-        Some("fast") => Some(Preset::Fast),
-        Some("fine") => Some(Preset::Fine),
-        _ => None,
-    };
-    if preset.is_some() {
-        arguments.pop();
-    }
-    let Some(shared) = arguments.first() else {
-        eprintln!("usage: targets SHARED [default|coacd|SHARE] [FILTER] [fast|fine]");
-        return ExitCode::from(2);
-    };
-    let mode = arguments.get(1).map_or("default", String::as_str);
-    let filter = arguments.get(2).map_or("", String::as_str);
-    match run(Path::new(shared), mode, filter, preset.unwrap_or_default()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
-}
-
-fn run(shared: &Path, mode: &str, filter: &str, preset: Preset) -> Result<(), Box<dyn Error>> {
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let Arguments { folder, bound, filter, preset } = arguments;
     let mut rows = Vec::new();
     println!(
         "{:<46} {:>6} {:>6} {:>5} {:>7} {:>7} {:>6} {:>6} {:>5} {:>8} {:>8} {:>8}",
@@ -91,13 +108,12 @@ fn run(shared: &Path, mode: &str, filter: &str, preset: Preset) -> Result<(), Bo
         "V-HACD",
         "meshopt"
     );
-    for peer in peers(shared)?.into_iter().filter(|peer| peer.mesh.contains(filter)) {
-        let bound = match mode {
-            "default" => 0.02,
-            "coacd" => peer.hausdorff,
-            share => share.parse()?,
+    for peer in peers(folder)?.into_iter().filter(|peer| peer.mesh.contains(filter.as_str())) {
+        let bound = match *bound {
+            Bound::Share(share) => share,
+            Bound::Coacd => peer.hausdorff,
         };
-        let row = compare(&path(shared, &peer.mesh), &peer, bound, preset)?;
+        let row = compare(&path(folder, &peer.mesh), &peer, bound, *preset)?;
         let share = |value: Option<f64>| value.map_or("–".into(), |value| format!("{value:.3}"));
         println!(
             "{:<46} {:>6} {:>6} {:>5.1} {:>7.4} {:>7.4} {:>6} {:>6} {:>5} {:>8.1} {:>8.1} {:>8.1}",
@@ -120,8 +136,8 @@ fn run(shared: &Path, mode: &str, filter: &str, preset: Preset) -> Result<(), Bo
     Ok(())
 }
 
-fn peers(shared: &Path) -> Result<Vec<Peer>, Box<dyn Error>> {
-    let table = std::fs::read_to_string(shared.join("peers/results.tsv"))?;
+fn peers(folder: &Path) -> Result<Vec<Peer>, Box<dyn Error>> {
+    let table = std::fs::read_to_string(folder.join("peers/results.tsv"))?;
     let rows = table.lines().skip(1).map(|line| line.split('\t').collect::<Vec<_>>());
     let coacd = rows.filter(|row| row.get(1).is_some_and(|method| method.starts_with("coacd")));
     coacd
@@ -131,10 +147,10 @@ fn peers(shared: &Path) -> Result<Vec<Peer>, Box<dyn Error>> {
         .collect()
 }
 
-fn path(shared: &Path, mesh: &str) -> PathBuf {
+fn path(folder: &Path, mesh: &str) -> PathBuf {
     let flat = Path::new(&mesh.replace('/', "_")).with_extension("obj");
-    let flat = shared.join("peers/src").join(flat);
-    if flat.exists() { flat } else { shared.join("meshes").join(mesh) }
+    let flat = folder.join("peers/src").join(flat);
+    if flat.exists() { flat } else { folder.join("meshes").join(mesh) }
 }
 
 fn compare(path: &Path, peer: &Peer, bound: f64, preset: Preset) -> Result<Row, Box<dyn Error>> {

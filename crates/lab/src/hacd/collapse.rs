@@ -18,14 +18,12 @@
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
+use hullwright::hull::ConvexHull;
+use hullwright::internals::vector::distance;
+use hullwright::internals::{Adjacency, Grouping, NO_NEIGHBOUR, TriangleMesh};
+use hullwright::{Control, Error};
+
 use super::surface::{Depth, Judge, Surface};
-use crate::control::Control;
-use crate::error::Error;
-use crate::geometry::vector::distance;
-use crate::hull::ConvexHull;
-use crate::mesh::TriangleMesh;
-use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
-use crate::surface::grouping::Grouping;
 
 /// The share of β that the shape factor of a disc of diameter ℓ has, as in equation (4).
 const SHAPE_SHARE: f64 = 0.1;
@@ -106,7 +104,9 @@ pub(super) fn collapse(
         graph.collapse(edge, depth);
         collapses += 1;
         if collapses.is_multiple_of(COLLAPSES_PER_CHECK) {
-            control.check()?;
+            if control.is_cancelled() {
+                return Err(Error::Cancelled);
+            }
             if control.is_past_deadline() {
                 return Err(Error::DeadlineExceeded);
             }
