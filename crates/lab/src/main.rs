@@ -3,22 +3,22 @@
 //!
 //! Exit code 0 is success, 1 an error in the input or the work, 2 wrong usage.
 
-mod agreement;
 mod bench;
-mod cancel;
-mod corpus;
+mod experiments;
 mod hacd;
 mod output;
 mod paper;
+mod report;
+mod runs;
 mod stability;
-mod stages;
-mod table1;
-mod targets;
+mod statistics;
 
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use experiments::{agreement, cancel, corpus, stages, table1, targets};
 use output::Failure;
+use runs::worker;
 
 /// Experiments with Hullwright: benchmarks, stability, and the paper's comparisons
 #[derive(Parser)]
@@ -32,7 +32,7 @@ struct CommandLine {
 enum Command {
     Bench(bench::Arguments),
     #[command(hide = true)]
-    BenchRun(bench::worker::Arguments),
+    BenchRun(worker::Arguments),
     Stability(stability::Arguments),
     #[command(hide = true)]
     StabilityRun(stability::worker::Arguments),
@@ -49,7 +49,7 @@ fn main() -> ExitCode {
     let CommandLine { command } = CommandLine::parse();
     let result = match command {
         Command::Bench(arguments) => bench::run(&arguments),
-        Command::BenchRun(arguments) => bench::worker::run(&arguments),
+        Command::BenchRun(arguments) => worker::run(&arguments),
         Command::Stability(arguments) => stability::run(&arguments),
         Command::StabilityRun(arguments) => stability::worker::run(&arguments),
         Command::Paper(arguments) => paper::run(&arguments),

@@ -1,4 +1,4 @@
-//! Promises of `cargo lab bench` and `cargo lab stability`, by running the program.
+//! Promises of `cargo lab`, by running the program.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -60,12 +60,12 @@ fn a_benchmark_is_written_and_does_nothing_twice() {
 }
 
 #[test]
-fn a_cap_is_a_row_and_not_the_end() {
+fn a_run_at_its_limit_is_a_row_and_not_the_end() {
     let root = tempfile::tempdir().unwrap();
     let meshes = folder_with_a_mesh(root.path());
     let report = root.path().join("report");
     let folder = report.to_str().unwrap();
-    let output = lab(&["bench", &meshes, "-o", folder, "--only", "surface", "--time-cap", "0"]);
+    let output = lab(&["bench", &meshes, "-o", folder, "--only", "surface", "--time-limit", "0"]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let journal = std::fs::read_to_string(report.join("runs.jsonl")).unwrap();
     assert!(journal.contains("\"status\":\"time_out\""), "{journal}");
@@ -106,4 +106,66 @@ fn stability_says_that_nothing_failed_on_an_l_prism() {
     assert!(words.contains("Failures: 0. Broken promises: 0."), "{words}");
     let journal = std::fs::read_to_string(report.join("runs.jsonl")).unwrap();
     assert_eq!(journal.lines().count(), 41);
+}
+
+#[test]
+fn what_is_measured_stands_under_the_names_of_the_manual() {
+    let root = tempfile::tempdir().unwrap();
+    let meshes = folder_with_a_mesh(root.path());
+    let report = root.path().join("report");
+    let folder = report.to_str().unwrap();
+    let arguments = ["bench", &meshes, "-o", folder, "--only", "bounded,surface"];
+    assert!(lab(&arguments).status.success());
+    let table = std::fs::read_to_string(report.join("runs.csv")).unwrap();
+    let header: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+    for column in ["protrusion_max", "uncovered_max", "uncovered_volume", "samples_space"] {
+        assert!(header.contains(&column), "{header:?}");
+    }
+    let summary = std::fs::read_to_string(report.join("summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    let row = &summary["tables"][0]["rows"][0];
+    assert_eq!(row["method"], "bounded");
+    for column in ["protrusion, mean", "uncovered, max", "uncovered volume", "seconds"] {
+        assert!(row[column].is_number(), "{column}: {row}");
+    }
+    let versus = std::fs::read_to_string(report.join("versus.csv")).unwrap();
+    assert!(versus.lines().any(|line| line.starts_with("props/l.obj,surface,")), "{versus}");
+}
+
+#[test]
+fn the_other_experiments_print_a_line_for_each_mesh() {
+    let root = tempfile::tempdir().unwrap();
+    let folder = folder_with_a_mesh(root.path());
+    let mesh = format!("{folder}/l.obj");
+    for (arguments, expected) in [
+        (["stages", &mesh], "20 triangles"),
+        (["cancel", &mesh], "whole, stops within"),
+        (["corpus", &folder], "of the bound"),
+    ] {
+        let output = lab(&arguments);
+        assert!(output.status.success(), "{arguments:?}");
+        let shown = text(&output);
+        let line = shown.lines().find(|line| line.contains("l.obj")).expect(&shown);
+        assert!(line.contains(expected), "{line}");
+    }
+    let shown = text(&lab(&["corpus", &folder]));
+    assert!(!shown.contains("BROKEN"), "{shown}");
+}
+
+#[test]
+fn a_folder_without_the_tables_is_one_line_on_standard_error() {
+    let root = tempfile::tempdir().unwrap();
+    let folder = root.path().to_str().unwrap();
+    for (command, table) in [
+        ("table1", "paper/table1.tsv"),
+        ("targets", "peers/results.tsv"),
+        ("agreement", "peers/results.tsv"),
+    ] {
+        let output = lab(&[command, folder]);
+        assert_eq!(output.status.code(), Some(1));
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(error.lines().count(), 1, "{error}");
+        assert!(error.starts_with("error: ") && error.contains(table), "{error}");
+    }
+    assert_eq!(lab(&["no-such-command"]).status.code(), Some(2));
 }

@@ -1,5 +1,7 @@
 //! Curves of hulls against error, and what they say at equal error and at equal hulls.
 
+use crate::statistics::geometric_mean;
+
 /// What one setting gave on one mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
@@ -82,44 +84,17 @@ fn between(x: f64, (x0, y0): (f64, f64), (x1, y1): (f64, f64)) -> f64 {
 /// How one method stands against another on one mesh: geometric means over the other's settings
 /// that it can be compared at. Below 1 is better.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Versus {
+pub struct Comparison {
     /// Hulls over theirs, at their errors.
     pub hulls: Option<f64>,
     /// Error over theirs, at their numbers of hulls.
     pub error: Option<f64>,
 }
 
-pub fn versus(ours: &Curve, theirs: &Curve) -> Versus {
+pub fn versus(ours: &Curve, theirs: &Curve) -> Comparison {
     let hulls = theirs.points.iter().filter_map(|p| Some(ours.hulls_at(p.error)? / p.hulls));
     let error = theirs.points.iter().filter_map(|p| Some(ours.error_at(p.hulls)? / p.error));
-    Versus { hulls: geometric_mean(hulls), error: geometric_mean(error) }
-}
-
-/// `None` of nothing. Values must be positive.
-pub fn geometric_mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
-    let (mut sum, mut count) = (0.0, 0);
-    for value in values {
-        sum += value.ln();
-        count += 1;
-    }
-    (count > 0).then(|| (sum / f64::from(count)).exp())
-}
-
-/// Slope and value at 1 of the straight line through points in logarithms, by least squares:
-/// y = value · x^slope.
-pub fn power_law(points: &[(f64, f64)]) -> Option<(f64, f64)> {
-    let logs: Vec<(f64, f64)> = points
-        .iter()
-        .filter(|(x, y)| *x > 0.0 && *y > 0.0)
-        .map(|(x, y)| (x.ln(), y.ln()))
-        .collect();
-    let count = logs.len() as f64;
-    let mean = |of: fn(&(f64, f64)) -> f64| logs.iter().map(of).sum::<f64>() / count;
-    let (mean_x, mean_y) = (mean(|p| p.0), mean(|p| p.1));
-    let variance: f64 = logs.iter().map(|(x, _)| (x - mean_x).powi(2)).sum();
-    let covariance: f64 = logs.iter().map(|(x, y)| (x - mean_x) * (y - mean_y)).sum();
-    let slope = covariance / variance;
-    slope.is_finite().then(|| (slope, (mean_y - slope * mean_x).exp()))
+    Comparison { hulls: geometric_mean(hulls), error: geometric_mean(error) }
 }
 
 #[cfg(test)]
@@ -166,7 +141,7 @@ mod tests {
     #[test]
     fn no_error_at_all_is_an_error_that_can_be_compared() {
         let exact = curve(&[(1.0, 0.0)]);
-        assert_eq!(versus(&exact, &exact), Versus { hulls: Some(1.0), error: Some(1.0) });
+        assert_eq!(versus(&exact, &exact), Comparison { hulls: Some(1.0), error: Some(1.0) });
     }
 
     #[test]
@@ -177,14 +152,5 @@ mod tests {
         assert!((found.hulls.unwrap() - 0.5).abs() < 1e-12);
         // At 8 hulls 0.04 against 0.08, at 32 the least, 0.02 against 0.02.
         assert!((found.error.unwrap() - 0.5_f64.sqrt()).abs() < 1e-12);
-    }
-
-    #[test]
-    fn a_power_law_is_found() {
-        let points: Vec<(f64, f64)> =
-            [1.0, 10.0, 1000.0].map(|x: f64| (x, 3.0 * x.powf(1.5))).to_vec();
-        let (slope, value) = power_law(&points).unwrap();
-        assert!((slope - 1.5).abs() < 1e-12 && (value - 3.0).abs() < 1e-9);
-        assert_eq!(power_law(&[(1.0, 1.0)]), None);
     }
 }

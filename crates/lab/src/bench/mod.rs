@@ -1,20 +1,11 @@
-//! `hullwright bench`: every mesh × every method × a sweep of each method's own knob, every run in
-//! a process of its own, one at a time; then tables, curves and pictures.
+//! `cargo lab bench`: every mesh × every method × a sweep of each method's own setting, every run in
+//! a process of its own, one at a time; then tables, curves and plots.
 
-pub mod caps;
-pub mod curves;
+mod curves;
 mod export;
-pub mod machine;
-pub mod methods;
-pub mod page;
-pub mod peers;
-pub mod plan;
+mod plan;
 mod plots;
-pub mod record;
 mod summary;
-pub mod table;
-mod vhacd;
-pub mod worker;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -22,16 +13,18 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-use caps::Caps;
-use methods::Run;
-use page::Report;
-use peers::Peers;
-use plan::Mesh;
-use record::{Entry, Journal, Row, Status, Worked};
 use summary::Results;
-use worker::Line;
 
-use crate::output::{Failure, print};
+use crate::output::{Failure, print, time};
+use crate::report::html_report::{self, Report};
+use crate::runs::data_folder::DataFolder;
+use crate::runs::execute::{blank_row, execute};
+use crate::runs::external_tools::ExternalTools;
+use crate::runs::journal::{Entry, Journal};
+use crate::runs::limits::Limits;
+use crate::runs::machine;
+use crate::runs::meshes::{self, Mesh};
+use crate::runs::record::{Row, Status};
 
 /// Compare methods on every mesh below folders: time against error
 ///
@@ -57,7 +50,7 @@ pub struct Arguments {
 
     /// A folder with tools/peers.py and peers/results.tsv, for CoACD and V-HACD 4
     #[arg(long, value_name = "DIR")]
-    peers: Option<PathBuf>,
+    external_tools: Option<PathBuf>,
 
     /// The Python that has the packages coacd, vhacdx and trimesh
     #[arg(long, value_name = "PROGRAM", default_value = "python3")]
@@ -65,13 +58,13 @@ pub struct Arguments {
 
     /// Longest time of a run, in seconds
     #[arg(long, value_name = "SECONDS", default_value_t = 300.0)]
-    time_cap: f64,
+    time_limit: f64,
 
     /// Most memory of a run, in megabytes
     #[arg(long, value_name = "MB", default_value_t = 4096)]
-    memory_cap: u64,
+    memory_limit: u64,
 
-    /// Repeat runs that ended in an error, a crash or at a cap
+    /// Repeat runs that ended in an error, a crash or at a limit
     #[arg(long)]
     retry: bool,
 
@@ -81,37 +74,37 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let time = Duration::try_from_secs_f64(arguments.time_cap)
-        .map_err(|_| Failure::Usage("the time cap must be a time".into()))?;
-    let caps = Caps { time, memory: arguments.memory_cap.saturating_mul(1 << 20) };
+    let time = Duration::try_from_secs_f64(arguments.time_limit)
+        .map_err(|_| Failure::Usage("the time limit must be a time".into()))?;
+    let limits = Limits { time, memory: arguments.memory_limit.saturating_mul(1 << 20) };
     let output = &arguments.output;
-    std::fs::create_dir_all(output)
-        .map_err(|error| Failure::Work(format!("{}: {error}", output.display())))?;
+    html_report::create_folder(output)?;
     let mut journal = Journal::open(&output.join("runs.jsonl"))?;
     if !arguments.report_only {
-        let mut meshes = plan::meshes(&arguments.folders)?;
+        let mut meshes = meshes::find(&arguments.folders)?;
         if arguments.quick {
-            meshes = plan::spread_over_folders(meshes, plan::QUICK_MESHES);
+            meshes = meshes::spread_over_folders(meshes, plan::QUICK_MESHES);
         }
-        let peers = arguments.peers.as_ref().map(|folder| Peers::new(folder, &arguments.python));
-        for missing in peers.iter().flat_map(Peers::missing) {
+        let folder = arguments.external_tools.clone().map(DataFolder);
+        let tools = folder.map(|folder| ExternalTools::new(folder, &arguments.python));
+        for missing in tools.iter().flat_map(ExternalTools::missing) {
             eprintln!("{missing}: its runs are left out");
         }
         let start = Instant::now();
         let before = recorded_machine(output);
         // Before the work too: it may be stopped.
-        record(output, &before, arguments, caps, 0.0)?;
-        work(arguments, &meshes, peers.as_ref(), caps, &mut journal)?;
+        record(output, &before, arguments, limits, 0.0)?;
+        work(arguments, &meshes, tools.as_ref(), limits, &mut journal)?;
         let seconds = start.elapsed().as_secs_f64();
-        record(output, &before, arguments, caps, seconds)?;
+        record(output, &before, arguments, limits, seconds)?;
     }
-    report(output, journal.rows()).map_err(Failure::Work)
+    Ok(report(output, journal.rows())?)
 }
 
 /// The file that says on what machine the runs were done, and how long they all took.
 const MACHINE: &str = "machine.json";
 const SECONDS: &str = "seconds_of_the_whole_benchmark";
-/// What each session ran, in words: methods, caps, version and time may differ between them.
+/// What each session ran, in words: methods, limits, version and time may differ between them.
 const SESSIONS: &str = "sessions";
 
 /// Writes what is known of this machine and session, and of the sessions `before`, where the
@@ -120,10 +113,10 @@ fn record(
     output: &Path,
     before: &BTreeMap<String, Value>,
     arguments: &Arguments,
-    caps: Caps,
+    limits: Limits,
     seconds: f64,
 ) -> Result<(), String> {
-    let mut machine = machine::describe(caps);
+    let mut machine = machine::describe(limits);
     let earlier = before.get(SECONDS).and_then(Value::as_f64).unwrap_or(0.0);
     machine.insert(SECONDS.into(), json!((earlier + seconds).round()));
     let mut sessions: Vec<String> =
@@ -131,13 +124,13 @@ fn record(
     let methods =
         if arguments.only.is_empty() { "all".to_owned() } else { arguments.only.join(", ") };
     sessions.push(format!(
-        "{methods}: algorithm version {}, cap of {} s, {seconds:.0} s",
+        "{methods}: algorithm version {}, limit of {} s, {seconds:.0} s",
         hullwright::ALGORITHM_VERSION,
-        caps.time.as_secs_f64(),
+        limits.time.as_secs_f64(),
     ));
     machine.insert(SESSIONS.into(), json!(sessions.join("; ")));
     let text = serde_json::to_string_pretty(&machine).unwrap_or_default();
-    page::write(&output.join(MACHINE), &text)
+    html_report::write(&output.join(MACHINE), &text)
 }
 
 /// What is known of the sessions before; nothing at the first.
@@ -156,10 +149,10 @@ fn report(output: &Path, rows: &[Row]) -> Result<(), String> {
     let versions: BTreeSet<&str> = results.rows.iter().map(|row| row.version.as_str()).collect();
     machine.insert("versions".into(), json!(Vec::from_iter(versions).join("; ")));
     let meshes: BTreeSet<&str> = results.rows.iter().map(|row| row.mesh.as_str()).collect();
-    let folders: BTreeSet<&str> = meshes.iter().map(|mesh| plan::folder(mesh)).collect();
+    let folders: BTreeSet<&str> = meshes.iter().map(|mesh| meshes::folder(mesh)).collect();
     let words = vec![
         format!(
-            "{} runs on {} meshes ({}), each in a process of its own, one at a time, with caps on \
+            "{} runs on {} meshes ({}), each in a process of its own, one at a time, with limits on \
              time and memory. All hulls are judged by the same `measure`. Lengths are shares of \
              the mesh's bounding-box diagonal; Hausdorff is the error that curves are drawn by.",
             results.rows.len(),
@@ -173,12 +166,12 @@ fn report(output: &Path, rows: &[Row]) -> Result<(), String> {
          methods that group a surface."
             .into(),
     ];
-    let pictures = plots::pictures(&results)?;
+    let plots = plots::plots(&results)?;
     let tables = results.tables();
-    page::write(&output.join("runs.csv"), &export::csv(&results))?;
-    page::write(&output.join("versus.csv"), &results.versus_csv())?;
+    html_report::write(&output.join("runs.csv"), &export::csv(&results)?)?;
+    html_report::write(&output.join("versus.csv"), &results.versus_csv()?)?;
     let title = "Time against error";
-    let report = Report { title, words, machine: &machine, pictures: &pictures, tables: &tables };
+    let report = Report { title, words, machine: &machine, plots: &plots, tables: &tables };
     report.write(output, "benchmark")
 }
 
@@ -186,91 +179,25 @@ fn report(output: &Path, rows: &[Row]) -> Result<(), String> {
 fn work(
     arguments: &Arguments,
     meshes: &[Mesh],
-    peers: Option<&Peers>,
-    caps: Caps,
+    tools: Option<&ExternalTools>,
+    limits: Limits,
     journal: &mut Journal<Row>,
 ) -> Result<(), Failure> {
-    let versions = peers.map_or_else(Default::default, |peers| peers.versions.clone());
+    let versions = tools.map_or_else(Default::default, |tools| tools.versions.clone());
     for (number, mesh) in meshes.iter().enumerate() {
-        let runs = plan::runs(mesh, arguments.quick, peers, &arguments.only);
+        let runs = plan::runs(mesh, arguments.quick, tools, &arguments.only);
         for run in runs {
             let mut row = blank_row(mesh, &run, run.version(&versions));
             let before = journal.get(&row.key());
             if before.is_some_and(|row| row.status == Status::Done || !arguments.retry) {
                 continue;
             }
-            let scratch = arguments.output.join("peer-hulls.obj");
-            execute(&run, mesh, peers, caps, &scratch, &mut row)?;
+            let scratch = arguments.output.join("external-hulls.obj");
+            execute(&run, mesh, tools, limits, &scratch, &mut row)?;
             print(&progress(number + 1, meshes.len(), &row))?;
             journal.add(row)?;
         }
     }
-    Ok(())
-}
-
-pub fn blank_row(mesh: &Mesh, run: &Run, version: String) -> Row {
-    Row {
-        mesh: mesh.name.clone(),
-        mesh_bytes: mesh.bytes,
-        mesh_hash: mesh.hash.clone(),
-        method: run.method().into(),
-        setting: run.setting(),
-        version,
-        status: Status::Done,
-        reason: String::new(),
-        taken_elsewhere: false,
-        worked: None,
-        judged: None,
-    }
-}
-
-/// Does one run, and writes into the row what came of it. `scratch` is a file that it may use.
-pub fn execute(
-    run: &Run,
-    mesh: &Mesh,
-    peers: Option<&Peers>,
-    caps: Caps,
-    scratch: &Path,
-    row: &mut Row,
-) -> Result<(), String> {
-    let hulls = match (run, peers) {
-        (Run::CoacdFiles, Some(peers)) => {
-            let seconds = peers.seconds_elsewhere(&mesh.name).unwrap_or(0.0);
-            row.worked = Some(Worked { seconds, repeats: 1, ..Worked::default() });
-            row.taken_elsewhere = true;
-            Some(peers.hulls_of(&mesh.name))
-        }
-        (Run::Coacd { .. } | Run::Vhacd4 { .. }, Some(peers)) => {
-            match peers.run(run, &mesh.name, &mesh.path, scratch, caps)? {
-                Ok(worked) => row.worked = Some(worked),
-                Err((status, reason)) => {
-                    (row.status, row.reason) = (status, reason);
-                    return Ok(());
-                }
-            }
-            Some(scratch.to_owned())
-        }
-        _ => None,
-    };
-    let ended = caps::run(worker::command(&mesh.path, run, hulls.as_deref())?, caps)?;
-    (row.status, row.reason) = (ended.status, ended.reason);
-    for line in &ended.lines {
-        match serde_json::from_str(line).map_err(|error| format!("a worker said: {error}"))? {
-            Line::Worked(worked) => row.worked = Some(worked),
-            Line::Judged(judged) => row.judged = Some(*judged),
-            Line::AllThreads { seconds, same } => {
-                if let Some(worked) = &mut row.worked {
-                    worked.seconds_all_threads = Some(seconds);
-                    worked.same_with_all_threads = Some(same);
-                }
-            }
-        }
-    }
-    if row.status == Status::Done && row.judged.is_none() {
-        (row.status, row.reason) = (Status::Error, "it ended without a result".into());
-    }
-    // What it left behind is of no use to anybody.
-    let _ = std::fs::remove_file(scratch);
     Ok(())
 }
 
@@ -281,7 +208,7 @@ fn progress(number: usize, of: usize, row: &Row) -> String {
             "{:>4} hulls  error {:.4}  {}",
             judged.hulls,
             judged.hausdorff,
-            crate::output::time(worked.seconds)
+            time(worked.seconds)
         ),
         None => format!("{}: {}", row.status.name(), row.reason),
     };

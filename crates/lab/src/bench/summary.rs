@@ -2,22 +2,24 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::curves::{Curve, Point, Versus, geometric_mean, versus};
-use super::methods::Run;
-use super::plan;
-use super::record::{Judged, Row, Status, Worked};
-use super::table::{NOTHING, Table, number, number_or_nothing};
-use super::worker::median;
+use super::curves::{Comparison, Curve, Point, versus};
+use super::export::records;
+use crate::report::table::{NOTHING, Table, number, number_or_nothing};
+use crate::runs::judge::Judged;
+use crate::runs::meshes;
+use crate::runs::methods::Run;
+use crate::runs::record::{Row, Status, Worked};
+use crate::statistics::{geometric_mean, mean, median};
 
 /// Rows by method and setting, methods in the order of the plan.
 pub struct Results<'a> {
     pub rows: Vec<&'a Row>,
 }
 
-/// Ratios closer to 1 than this count as equal.
+/// Ratios closer to 1 than this count as equal: the three digits of the tables would not show them.
 const EQUAL: f64 = 0.005;
 
-/// The order of methods in tables and pictures.
+/// The order of methods in tables and plots.
 pub const METHODS: [&str; 7] =
     ["bounded", "surface", "hacd", "vhacd", "vhacd4", "coacd", "coacd-files"];
 
@@ -108,9 +110,7 @@ impl<'a> Results<'a> {
     }
 
     fn means(&self) -> Table {
-        self.figures("Means", "Over all meshes that a setting has done.", |values| {
-            values.iter().sum::<f64>() / values.len() as f64
-        })
+        self.figures("Means", "Over all meshes that a setting has done.", mean)
     }
 
     fn figures(&self, title: &str, note: &str, of: fn(&[f64]) -> f64) -> Table {
@@ -155,7 +155,7 @@ impl<'a> Results<'a> {
         let curves = self.curves();
         for (ours, theirs) in self.pairs() {
             let (Some(own), Some(other)) = (curves.get(ours), curves.get(theirs)) else { continue };
-            let both: Vec<Versus> = other
+            let both: Vec<Comparison> = other
                 .iter()
                 .filter_map(|(mesh, other)| Some(versus(own.get(mesh)?, other)))
                 .collect();
@@ -163,7 +163,7 @@ impl<'a> Results<'a> {
                 continue;
             }
             let mut cells = vec![ours.to_owned(), theirs.to_owned(), both.len().to_string()];
-            for of in [|v: &Versus| v.hulls, |v: &Versus| v.error] {
+            for of in [|v: &Comparison| v.hulls, |v: &Comparison| v.error] {
                 let ratios: Vec<f64> = both.iter().filter_map(of).collect();
                 let count = |is: &dyn Fn(f64) -> bool| ratios.iter().filter(|r| is(**r)).count();
                 cells.push(number_or_nothing(geometric_mean(ratios.iter().copied())));
@@ -212,7 +212,7 @@ impl<'a> Results<'a> {
 
     /// Each method's default setting, folder by folder.
     fn folders(&self) -> Vec<Table> {
-        let folder = |row: &Row| plan::folder(&row.mesh).to_owned();
+        let folder = |row: &Row| meshes::folder(&row.mesh).to_owned();
         let folders: BTreeSet<String> = self.rows.iter().map(|row| folder(row)).collect();
         let mut tables = Vec::new();
         for name in folders {
@@ -241,21 +241,23 @@ impl<'a> Results<'a> {
 
     /// Wins and losses mesh by mesh: our hulls over another method's at equal error, our error over
     /// its at equal hulls; empty where the curves don't meet.
-    pub fn versus_csv(&self) -> String {
+    pub fn versus_csv(&self) -> Result<String, String> {
         let curves = self.curves();
         let name = if curves.contains_key("bounded") { "bounded" } else { "surface" };
-        let mut text =
-            format!("mesh,other method,{name} hulls over theirs,{name} error over theirs\n");
-        let Some(own) = curves.get(name) else { return text };
+        let header = ["mesh", "other method"].map(String::from).into_iter();
+        let ratios = ["hulls", "error"].map(|what| format!("{name} {what} over theirs"));
+        let mut rows = vec![header.chain(ratios).collect::<Vec<_>>()];
         let cell = |ratio: Option<f64>| ratio.map_or_else(String::new, |ratio| ratio.to_string());
+        let own = curves.get(name);
         for (other, meshes) in curves.iter().filter(|(method, _)| **method != name) {
             for (mesh, theirs) in meshes {
-                let Some(own) = own.get(mesh) else { continue };
+                let Some(own) = own.and_then(|own| own.get(mesh)) else { continue };
                 let found = versus(own, theirs);
-                text += &format!("{mesh},{other},{},{}\n", cell(found.hulls), cell(found.error));
+                let names = [*mesh, *other].map(String::from).into_iter();
+                rows.push(names.chain([found.hulls, found.error].map(cell)).collect());
             }
         }
-        text
+        records(rows)
     }
 
     /// Meshes on which another method needs fewer hulls than ours at equal error.
@@ -290,7 +292,7 @@ impl<'a> Results<'a> {
     }
 }
 
-/// Rows of the table of losses; all of them are in `versus.csv`.
+/// Rows of the table of losses, as many as fit a page; all of them are in `versus.csv`.
 const MOST_LOSSES: usize = 40;
 
 type Figure = fn(&Worked, &Judged) -> Option<f64>;
@@ -303,11 +305,11 @@ pub const FIGURES: [(&str, Figure); 14] = [
     ("seconds, all threads", |worked, _| worked.seconds_all_threads),
     ("MB", |worked, _| worked.peak_memory.map(|bytes| bytes as f64 / f64::from(1 << 20))),
     ("Hausdorff", |_, judged| Some(judged.hausdorff)),
-    ("phantom, mean", |_, judged| Some(judged.phantom_mean)),
-    ("phantom, p99", |_, judged| Some(judged.phantom_p99)),
-    ("exposed, mean", |_, judged| Some(judged.exposed_mean)),
-    ("exposed, max", |_, judged| Some(judged.exposed_max)),
-    ("hollow", |_, judged| judged.hollow),
+    ("protrusion, mean", |_, judged| Some(judged.protrusion_mean)),
+    ("protrusion, p99", |_, judged| Some(judged.protrusion_p99)),
+    ("uncovered, mean", |_, judged| Some(judged.uncovered_mean)),
+    ("uncovered, max", |_, judged| Some(judged.uncovered_max)),
+    ("uncovered volume", |_, judged| judged.uncovered_volume),
     ("IoU", |_, judged| judged.iou),
     ("overlap", |_, judged| judged.overlap),
     ("cost", |worked, _| worked.cost),

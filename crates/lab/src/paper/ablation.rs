@@ -2,9 +2,9 @@
 
 use hullwright::SurfaceParameters;
 
-use super::work::{Found, Shared, judge, surface};
-use crate::bench::table::{NOTHING, Table, number};
-use crate::bench::worker::median;
+use super::work::{Found, Shared, judge_default, surface};
+use crate::report::table::{NOTHING, Table, number};
+use crate::statistics::{median, plane};
 
 /// High enough that no threshold is given up before its cost is known.
 const NEVER_ABORTS: f64 = 1e6;
@@ -188,7 +188,7 @@ pub fn sensitivity(shared: &Shared) -> Result<Vec<Table>, String> {
         let (mut found, mut errors) = (Vec::new(), Vec::new());
         for (_, mesh) in &ten {
             let one = surface(mesh, &parameters)?;
-            errors.push(judge(mesh, &one.hulls)?.hausdorff);
+            errors.push(judge_default(mesh, &one.hulls)?.hausdorff);
             found.push(one);
         }
         let of = |figure: fn(&Found) -> f64| number(median(found.iter().map(figure).collect()));
@@ -209,37 +209,4 @@ fn single(r: usize, p: f64) -> SurfaceParameters {
     parameters.maximum_resolutions = vec![r];
     parameters.planar_thresholds = vec![p];
     parameters
-}
-
-/// Slopes of the plane z = c + a x + b y by least squares, and the share of z's variance that it
-/// explains.
-fn plane(samples: &[[f64; 3]]) -> (f64, f64, f64) {
-    let count = samples.len() as f64;
-    let mean = [0, 1, 2].map(|axis| samples.iter().map(|s| s[axis]).sum::<f64>() / count);
-    let covariance = |i: usize, j: usize| {
-        samples.iter().map(|s| (s[i] - mean[i]) * (s[j] - mean[j])).sum::<f64>()
-    };
-    let (xx, xy, yy) = (covariance(0, 0), covariance(0, 1), covariance(1, 1));
-    let (xz, yz, zz) = (covariance(0, 2), covariance(1, 2), covariance(2, 2));
-    let determinant = xx * yy - xy * xy;
-    let a = (xz * yy - yz * xy) / determinant;
-    let b = (yz * xx - xz * xy) / determinant;
-    (a, b, (a * xz + b * yz) / zz)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_plane_is_found() {
-        let samples: Vec<[f64; 3]> = (0..20)
-            .map(|i| {
-                let (x, y) = (f64::from(i % 5), f64::from(i * i % 7));
-                [x, y, 4.0 + 1.5 * x - 0.5 * y]
-            })
-            .collect();
-        let (a, b, share) = plane(&samples);
-        assert!((a - 1.5).abs() < 1e-9 && (b + 0.5).abs() < 1e-9 && (share - 1.0).abs() < 1e-9);
-    }
 }

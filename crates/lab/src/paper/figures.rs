@@ -2,9 +2,10 @@
 
 use hullwright::SurfaceParameters;
 
-use super::work::{Found, Shared, judge, surface};
-use crate::bench::table::{NOTHING, Table, number};
-use crate::bench::worker::median;
+use super::work::{Found, Shared, judge_default, surface};
+use crate::report::table::{NOTHING, Table, number};
+use crate::runs::data_folder::PaperRow;
+use crate::statistics::{mean, median, range};
 
 const COLUMNS: [&str; 10] = [
     "model",
@@ -32,6 +33,19 @@ fn cells(found: &Found) -> Vec<String> {
     ]
 }
 
+fn paper_cells(row: &PaperRow) -> [String; 8] {
+    [
+        row.pieces.to_string(),
+        row.average_pieces.to_string(),
+        row.seconds.to_string(),
+        row.cost.to_string(),
+        row.p.to_string(),
+        row.r.to_string(),
+        row.polygons.to_string(),
+        row.initial_polygons.to_string(),
+    ]
+}
+
 /// Table 1 on its own ten meshes, and the method over all Princeton meshes.
 pub fn table1(shared: &Shared) -> Result<Vec<Table>, String> {
     let paper = SurfaceParameters::paper();
@@ -39,7 +53,7 @@ pub fn table1(shared: &Shared) -> Result<Vec<Table>, String> {
     let mut ten = Table::new("Table 1", note, &COLUMNS);
     for row in &shared.table1 {
         let mut theirs = vec![row.name(), "paper".into()];
-        theirs.extend(row.figures.iter().cloned());
+        theirs.extend(paper_cells(row));
         ten.rows.push(theirs);
         let mut ours = vec![row.name(), "here".into()];
         ours.extend(cells(&surface(&shared.read(&row.mesh)?, &paper)?));
@@ -61,10 +75,8 @@ pub fn table1(shared: &Shared) -> Result<Vec<Table>, String> {
     ];
     for (name, figure) in figures {
         let values: Vec<f64> = all.iter().map(figure).collect();
-        let mean = values.iter().sum::<f64>() / values.len() as f64;
-        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let most = values.iter().copied().fold(0.0, f64::max);
-        let row = [least, median(values), mean, most].map(number);
+        let (least, most) = range(values.iter().copied());
+        let row = [least, median(values.clone()), mean(&values), most].map(number);
         table.rows.push([name.to_owned()].into_iter().chain(row).collect());
     }
     for p in paper.planar_thresholds {
@@ -91,8 +103,8 @@ pub fn spot(shared: &Shared) -> Result<Vec<Table>, String> {
         ["method", "resolution", "paper's seconds", "seconds", "pieces", "cost", "Hausdorff"];
     let note = format!(
         "Figure 5: spot.obj without simplification, and with r = 900. HACD with β = {THRESHOLD}, \
-         for the paper gives none, capped at {} s; a capped time is a lower bound.",
-        shared.caps.time.as_secs()
+         for the paper gives none, limited to {} s; a time at the limit is a lower bound.",
+        shared.limits.time.as_secs()
     );
     let mut table = Table::new("Figure 5", &note, &header);
     let mut add = |method: &str, resolution: &str, theirs: &str, found: Option<Found>| {
@@ -101,11 +113,11 @@ pub fn spot(shared: &Shared) -> Result<Vec<Table>, String> {
                 number(found.seconds),
                 found.pieces.to_string(),
                 number(found.cost),
-                number(judge(&mesh, &found.hulls)?.hausdorff),
+                number(judge_default(&mesh, &found.hulls)?.hausdorff),
             ],
             None => {
-                let capped = format!("over {}", shared.caps.time.as_secs());
-                vec![capped, NOTHING.into(), NOTHING.into(), NOTHING.into()]
+                let limit = format!("over {}", shared.limits.time.as_secs());
+                vec![limit, NOTHING.into(), NOTHING.into(), NOTHING.into()]
             }
         };
         let names = [method, resolution, theirs].map(String::from);

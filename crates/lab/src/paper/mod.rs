@@ -1,4 +1,4 @@
-//! `hullwright paper`: the paper's own experiments (its section 4), on the meshes that can be told.
+//! `cargo lab paper`: the paper's own experiments (its section 4), on the meshes that can be told.
 //!
 //! The paper numbers its models within a set of its own; only those of its Table 1 can be told by
 //! their triangle counts. Figures that show other models are done on the meshes of their kind.
@@ -11,14 +11,15 @@ mod work;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use crate::bench::caps::Caps;
-use crate::bench::machine;
-use crate::bench::page::Report;
-use crate::bench::peers::Peers;
-use crate::bench::plan;
-use crate::bench::table::Table;
-use crate::output::{Failure, print};
 use work::Shared;
+
+use crate::output::{Failure, print};
+use crate::report::html_report::{Report, create_folder};
+use crate::report::table::Table;
+use crate::runs::data_folder::DataFolder;
+use crate::runs::external_tools::ExternalTools;
+use crate::runs::limits::Limits;
+use crate::runs::{machine, meshes};
 
 /// Repeat the experiments of the paper that the surface method comes from
 #[derive(clap::Args)]
@@ -42,36 +43,35 @@ pub struct Arguments {
 
     /// Longest time of one run of HACD or V-HACD, in seconds
     #[arg(long, value_name = "SECONDS", default_value_t = 300)]
-    time_cap: u64,
+    time_limit: u64,
 }
 
 type Experiment = fn(&Shared) -> Result<Vec<Table>, String>;
 
-/// Most memory of a run of V-HACD, in bytes.
-const MEMORY_CAP: u64 = 4 << 30;
+/// Most memory of a run of V-HACD, in bytes: as in the benchmark.
+const MEMORY_LIMIT: u64 = 4 << 30;
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let output = &arguments.output;
-    std::fs::create_dir_all(output)
-        .map_err(|error| Failure::Work(format!("{}: {error}", output.display())))?;
-    let caps = Caps { time: Duration::from_secs(arguments.time_cap), memory: MEMORY_CAP };
-    let princeton = arguments.folder.join("meshes/princeton");
-    let meshes = plan::meshes(&[princeton])?;
+    create_folder(output)?;
+    let limits = Limits { time: Duration::from_secs(arguments.time_limit), memory: MEMORY_LIMIT };
+    let folder = DataFolder(arguments.folder.clone());
+    let meshes = meshes::find(&[folder.mesh("princeton")])?;
     let count = meshes.len() / arguments.every.max(1);
     let shared = Shared {
-        folder: arguments.folder.clone(),
-        table1: work::table1(&arguments.folder)?,
-        some_of_princeton: plan::spread(meshes.clone(), count.max(1)),
+        table1: folder.table1()?,
+        some_of_princeton: meshes::spread(meshes.clone(), count.max(1)),
         princeton: meshes,
-        peers: Peers::new(&arguments.folder, &arguments.python),
-        scratch: output.join("peer-hulls.obj"),
-        caps,
+        tools: ExternalTools::new(folder.clone(), &arguments.python),
+        folder,
+        scratch: output.join("external-hulls.obj"),
+        limits,
     };
     let experiments: [(&str, Experiment); 10] = [
         ("Table 1", figures::table1),
         ("comparison with HACD", comparison::hacd),
         ("comparison with V-HACD", comparison::vhacd),
-        ("hollow shapes", comparison::hollow),
+        ("hollow shapes", comparison::hollow_shapes),
         ("ablation of p", ablation::planar_threshold),
         ("ablation of r", ablation::resolution),
         ("a", ablation::angular_threshold),
@@ -89,8 +89,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
          paper's equation (3)."
             .into(),
     ];
-    let machine = machine::describe(caps);
+    let machine = machine::describe(limits);
     let title = "The paper's experiments";
-    let report = Report { title, words, machine: &machine, pictures: &[], tables: &tables };
-    report.write(output, "paper-experiments").map_err(Failure::Work)
+    let report = Report { title, words, machine: &machine, plots: &[], tables: &tables };
+    Ok(report.write(output, "paper-experiments")?)
 }

@@ -1,45 +1,33 @@
 //! What the experiments are made of: single runs, and the lists of meshes.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 use hullwright::io::{MeshFile, read_mesh};
-use hullwright::measure::{HullShape, MeasureOptions, Measurement, measure};
+use hullwright::measure::MeasureOptions;
 use hullwright::{Control, Hull, Parameters, Stage, SurfaceParameters};
 
-use crate::bench::caps::Caps;
-use crate::bench::methods::Run;
-use crate::bench::peers::Peers;
-use crate::bench::plan::{self, Mesh};
-use crate::bench::record::{Judged, Worked};
-use crate::bench::worker::median;
-use crate::bench::{blank_row, execute};
 use crate::hacd::{self, HacdParameters};
+use crate::runs::data_folder::{DataFolder, PaperRow};
+use crate::runs::execute::{blank_row, execute};
+use crate::runs::external_tools::ExternalTools;
+use crate::runs::judge::{Judged, judge};
+use crate::runs::limits::Limits;
+use crate::runs::meshes::{self, Mesh};
+use crate::runs::methods::Run;
+use crate::runs::record::Worked;
+use crate::statistics::median;
 
 /// What every experiment may use.
 pub struct Shared {
-    pub folder: PathBuf,
+    pub folder: DataFolder,
     pub table1: Vec<PaperRow>,
     pub princeton: Vec<Mesh>,
     /// Some of them, for what takes long.
     pub some_of_princeton: Vec<Mesh>,
-    pub peers: Peers,
+    pub tools: ExternalTools,
     pub scratch: PathBuf,
-    pub caps: Caps,
-}
-
-/// A row of the paper's Table 1.
-pub struct PaperRow {
-    pub model: String,
-    pub mesh: String,
-    /// Pieces, average pieces, seconds, cost, p, r, polygons, initial polygons.
-    pub figures: [String; 8],
-}
-
-impl PaperRow {
-    pub fn name(&self) -> String {
-        format!("{} ({})", self.model, self.mesh)
-    }
+    pub limits: Limits,
 }
 
 /// What a run of the paper's method or of HACD gave.
@@ -63,25 +51,9 @@ const REPEATS: usize = 3;
 /// Runs longer than this are not repeated, in seconds.
 const LONG: f64 = 2.0;
 
-/// The rows of Table 1, with the meshes that they must be.
-pub fn table1(folder: &Path) -> Result<Vec<PaperRow>, String> {
-    let path = folder.join("paper/table1.tsv");
-    let text =
-        std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
-    let row = |line: &str| {
-        let cells: Vec<String> = line.split('\t').map(str::to_owned).collect();
-        let figures = <[String; 8]>::try_from(cells.get(3..11)?.to_vec()).ok()?;
-        Some(PaperRow { model: cells[0].clone(), mesh: cells[1].clone(), figures })
-    };
-    text.lines()
-        .skip(1)
-        .map(|line| row(line).ok_or_else(|| format!("{}: a broken row", path.display())))
-        .collect()
-}
-
 impl Shared {
     pub fn read(&self, mesh: &str) -> Result<MeshFile, String> {
-        read_mesh(self.folder.join("meshes").join(mesh)).map_err(|error| error.to_string())
+        read_mesh(self.folder.mesh(mesh)).map_err(|error| error.to_string())
     }
 
     /// The ten meshes of Table 1.
@@ -89,24 +61,13 @@ impl Shared {
         self.table1.iter().map(|row| Ok((row.name(), self.read(&row.mesh)?))).collect()
     }
 
-    /// The meshes of a kind, by the list of sources.
-    pub fn of_kind(&self, kind: &str) -> Result<Vec<String>, String> {
-        let path = self.folder.join("meshes/SOURCES.tsv");
-        let text = std::fs::read_to_string(&path)
-            .map_err(|error| format!("{}: {error}", path.display()))?;
-        let rows = text.lines().filter_map(|line| line.split_once('\t'));
-        let rows = rows.filter(|(_, origin)| origin.split(';').next() == Some(kind));
-        Ok(rows.map(|(mesh, _)| mesh.to_owned()).collect())
-    }
-
     /// A run in a process of its own.
     pub fn apart(&self, run: &Run, mesh: &str) -> Result<Option<(Worked, Judged)>, String> {
-        let path = self.folder.join("meshes").join(mesh);
-        let mut mesh_list = plan::meshes(&[path])?;
-        let Some(mut mesh_file) = mesh_list.pop() else { return Ok(None) };
+        let mut found = meshes::find(&[self.folder.mesh(mesh)])?;
+        let Some(mut mesh_file) = found.pop() else { return Ok(None) };
         mesh_file.name = mesh.to_owned();
         let mut row = blank_row(&mesh_file, run, String::new());
-        execute(run, &mesh_file, Some(&self.peers), self.caps, &self.scratch, &mut row)?;
+        execute(run, &mesh_file, Some(&self.tools), self.limits, &self.scratch, &mut row)?;
         Ok(row.done().map(|(worked, judged)| (worked.clone(), judged.clone())))
     }
 
@@ -117,11 +78,13 @@ impl Shared {
         threshold: f64,
         surface: &SurfaceParameters,
     ) -> Result<Option<Found>, String> {
-        let mut parameters = HacdParameters::default();
-        parameters.concavity_threshold = threshold;
-        parameters.surface = surface.clone();
-        parameters.parallel = false;
-        let control = Control::new().with_deadline(Instant::now() + self.caps.time);
+        let parameters = HacdParameters {
+            concavity_threshold: threshold,
+            surface: surface.clone(),
+            parallel: false,
+            ..HacdParameters::default()
+        };
+        let control = Control::new().with_deadline(Instant::now() + self.limits.time);
         let start = Instant::now();
         let found = hacd::decompose(&mesh.positions, &mesh.triangles, &parameters, &control);
         let found = match found {
@@ -179,8 +142,7 @@ pub fn surface(mesh: &MeshFile, surface: &SurfaceParameters) -> Result<Found, St
 }
 
 /// Judges hulls as the benchmark does.
-pub fn judge(mesh: &MeshFile, hulls: &[Hull]) -> Result<Measurement, String> {
-    let shapes: Vec<HullShape<'_>> = hulls.iter().map(HullShape::from).collect();
-    measure(&mesh.positions, &mesh.triangles, &shapes, &MeasureOptions::default())
+pub fn judge_default(mesh: &MeshFile, hulls: &[Hull]) -> Result<Judged, String> {
+    judge(&mesh.positions, &mesh.triangles, hulls, &MeasureOptions::default())
         .map_err(|error| error.to_string())
 }

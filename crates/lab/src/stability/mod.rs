@@ -1,4 +1,4 @@
-//! `hullwright stability`: the same meshes in other words, and how much the result varies.
+//! `cargo lab stability`: the same meshes in other words, and how much the result varies.
 
 mod summary;
 mod variations;
@@ -10,16 +10,16 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use crate::Failure;
-use crate::bench::caps::{self, Caps};
-use crate::bench::machine;
-use crate::bench::methods::Run;
-use crate::bench::page::Report;
-use crate::bench::plan::{self, Mesh};
-use crate::bench::record::{Entry, Journal, Key};
-use crate::output::print;
 use variations::Variation;
-use worker::Outcome;
+use worker::VariationResult;
+
+use crate::output::{Failure, print};
+use crate::report::html_report::{Report, create_folder};
+use crate::runs::journal::{Entry, Journal, Key};
+use crate::runs::limits::{self, Limits};
+use crate::runs::machine;
+use crate::runs::meshes::{self, Mesh};
+use crate::runs::methods::Run;
 
 /// Decompose meshes that are turned, scaled, moved, jittered, shuffled, flipped or doubled, and
 /// report how much the result varies
@@ -44,10 +44,10 @@ pub struct Arguments {
     only: Vec<String>,
 }
 
-/// No variation may take longer,
-const TIME_CAP: Duration = Duration::from_secs(120);
-/// or more memory, in bytes.
-const MEMORY_CAP: u64 = 4 << 30;
+/// Longest time of a variation: several times that of the slowest mesh.
+const TIME_LIMIT: Duration = Duration::from_secs(120);
+/// Most memory of a variation, in bytes: as in the benchmark.
+const MEMORY_LIMIT: u64 = 4 << 30;
 
 /// A mesh, a method, a variation, and what came of it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -60,7 +60,7 @@ pub struct Row {
     /// Of the variation in the list of all.
     pub place: usize,
     pub variation: Variation,
-    pub outcome: Outcome,
+    pub result: VariationResult,
 }
 
 impl Entry for Row {
@@ -76,11 +76,10 @@ fn key(mesh: &str, hash: &str, run: (&str, &str), version: &str, place: usize) -
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let output = &arguments.output;
-    std::fs::create_dir_all(output)
-        .map_err(|error| Failure::Work(format!("{}: {error}", output.display())))?;
+    create_folder(output)?;
     let mut journal = Journal::open(&output.join("runs.jsonl"))?;
-    let meshes = plan::meshes(&arguments.folders)?;
-    let meshes = plan::spread(meshes, arguments.meshes);
+    let meshes = meshes::find(&arguments.folders)?;
+    let meshes = meshes::spread(meshes, arguments.meshes);
     let mut runs: Vec<Run> = Run::own();
     runs.retain(|run| run.parameters().is_some() && run.is_default());
     runs.retain(|run| {
@@ -99,7 +98,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         names.contains(&row.mesh.as_str()) && version.as_ref().is_none_or(|v| *v == row.version)
     };
     let rows: Vec<Row> = journal.rows().iter().filter(is_meant).cloned().collect();
-    report(output, &rows, &names).map_err(Failure::Work)
+    Ok(report(output, &rows, &names)?)
 }
 
 /// All variations of a mesh that are not in the journal yet. Where one ends its process, it is a
@@ -114,25 +113,19 @@ fn vary(mesh: &Mesh, run: &Run, journal: &mut Journal<Row>) -> Result<(), String
             journal.get(&key(&mesh.name, &mesh.hash, run, &version, *place)).is_some()
         };
         let Some(from) = (0..all.len()).find(|place| !is_done(place)) else { return Ok(()) };
-        let ended = caps::run(
+        let ended = limits::run(
             command(&mesh.path, run, from)?,
-            Caps { time: TIME_CAP, memory: MEMORY_CAP },
+            Limits { time: TIME_LIMIT, memory: MEMORY_LIMIT },
         )?;
-        let mut outcomes: Vec<Outcome> = Vec::new();
+        let mut results: Vec<VariationResult> = Vec::new();
         for line in &ended.lines {
-            outcomes.push(serde_json::from_str(line).map_err(|e| format!("a worker said: {e}"))?);
+            results.push(serde_json::from_str(line).map_err(|e| format!("a worker said: {e}"))?);
         }
-        if from + outcomes.len() < all.len() {
+        if from + results.len() < all.len() {
             let failure = format!("{}: {}", ended.status.name(), ended.reason);
-            outcomes.push(Outcome {
-                hulls: 0,
-                error: 0.0,
-                non_convex_hulls: 0,
-                non_positive_volumes: 0,
-                failure,
-            });
+            results.push(VariationResult { failure, ..VariationResult::default() });
         }
-        for (place, outcome) in (from..).zip(outcomes) {
+        for (place, result) in (from..).zip(results) {
             let Some(&variation) = all.get(place) else { break };
             journal.add(Row {
                 mesh: mesh.name.clone(),
@@ -142,7 +135,7 @@ fn vary(mesh: &Mesh, run: &Run, journal: &mut Journal<Row>) -> Result<(), String
                 version: version.clone(),
                 place,
                 variation,
-                outcome,
+                result,
             })?;
         }
     }
@@ -159,10 +152,10 @@ fn command(mesh: &Path, run: &Run, from: usize) -> Result<Command, String> {
 
 fn report(output: &Path, rows: &[Row], meshes: &[&str]) -> Result<(), String> {
     let tables = summary::tables(rows);
-    let failures = rows.iter().filter(|row| !row.outcome.failure.is_empty()).count();
+    let failures = rows.iter().filter(|row| !row.result.failure.is_empty()).count();
     let broken = rows
         .iter()
-        .filter(|row| row.outcome.failure.is_empty() && summary::breaks_promise(row))
+        .filter(|row| row.result.failure.is_empty() && summary::breaks_promise(row))
         .count();
     let words = vec![
         format!(
@@ -177,12 +170,12 @@ fn report(output: &Path, rows: &[Row], meshes: &[&str]) -> Result<(), String> {
          as it is; those of one that was turned, scaled, moved or jittered against that."
             .into(),
     ];
-    let mut machine = machine::describe(Caps { time: TIME_CAP, memory: MEMORY_CAP });
+    let mut machine = machine::describe(Limits { time: TIME_LIMIT, memory: MEMORY_LIMIT });
     for points in ["points_on_hulls", "points_on_mesh"] {
         machine.insert(points.into(), worker::SURFACE_POINTS.into());
     }
     machine.insert("points_in_space".into(), 0.into());
     let title = "Numerical stability";
-    let report = Report { title, words, machine: &machine, pictures: &[], tables: &tables };
+    let report = Report { title, words, machine: &machine, plots: &[], tables: &tables };
     report.write(output, "stability")
 }

@@ -1,16 +1,16 @@
-//! `hullwright stability-run`: one mesh and method under all variations, one line each.
+//! `stability-run`: one mesh and method under all variations, one line each.
 
 use std::path::PathBuf;
 
 use hullwright::io::read_mesh;
-use hullwright::measure::{HullShape, MeasureOptions, measure};
+use hullwright::measure::MeasureOptions;
 use hullwright::{Control, Error};
 use serde::{Deserialize, Serialize};
 
 use super::variations::{Mesh, Variation};
-use crate::Failure;
-use crate::bench::methods::Run;
-use crate::output::print;
+use crate::output::{Failure, print};
+use crate::runs::judge::judge;
+use crate::runs::methods::Run;
 
 /// One mesh of the stability report, for its own use
 #[derive(clap::Args)]
@@ -26,8 +26,8 @@ pub struct Arguments {
 }
 
 /// What a variation gave, or what went wrong.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Outcome {
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct VariationResult {
     pub hulls: usize,
     /// Hausdorff, as a share of the diagonal.
     pub error: f64,
@@ -41,26 +41,22 @@ pub struct Outcome {
 pub const SURFACE_POINTS: usize = 20_000;
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let file = read_mesh(&arguments.mesh).map_err(|error| Failure::Work(error.to_string()))?;
+    let file = read_mesh(&arguments.mesh)?;
     let run = Run::parse(&arguments.method, &arguments.setting)
         .ok_or_else(|| Failure::Usage("no such method or setting".into()))?;
     let mesh = Mesh { positions: file.positions, triangles: file.triangles };
     for variation in Variation::all().into_iter().skip(arguments.from) {
-        let outcome = vary(&run, &mesh, variation).unwrap_or_else(|error| Outcome {
-            hulls: 0,
-            error: 0.0,
-            non_convex_hulls: 0,
-            non_positive_volumes: 0,
+        let result = vary(&run, &mesh, variation).unwrap_or_else(|error| VariationResult {
             failure: error.to_string(),
+            ..VariationResult::default()
         });
-        let line =
-            serde_json::to_string(&outcome).map_err(|error| Failure::Work(error.to_string()))?;
+        let line = serde_json::to_string(&result).map_err(|error| error.to_string())?;
         print(&line)?;
     }
     Ok(())
 }
 
-fn vary(run: &Run, mesh: &Mesh, variation: Variation) -> Result<Outcome, Error> {
+fn vary(run: &Run, mesh: &Mesh, variation: Variation) -> Result<VariationResult, Error> {
     let Some(parameters) = run.parameters() else {
         let reason = "it has no stability report".into();
         return Err(Error::InvalidParameter { name: "method", reason });
@@ -68,13 +64,12 @@ fn vary(run: &Run, mesh: &Mesh, variation: Variation) -> Result<Outcome, Error> 
     let (given, sound) = variation.apply(mesh);
     let control = Control::new();
     let found = hullwright::decompose(&given.positions, &given.triangles, &parameters, &control)?;
-    let shapes: Vec<HullShape<'_>> = found.hulls.iter().map(HullShape::from).collect();
     let mut options = MeasureOptions::default();
     options.hull_samples = SURFACE_POINTS;
     options.mesh_samples = SURFACE_POINTS;
     options.volume_samples = 0;
-    let judged = measure(&sound.positions, &sound.triangles, &shapes, &options)?;
-    Ok(Outcome {
+    let judged = judge(&sound.positions, &sound.triangles, &found.hulls, &options)?;
+    Ok(VariationResult {
         hulls: judged.hulls,
         error: judged.hausdorff,
         non_convex_hulls: judged.non_convex_hulls,

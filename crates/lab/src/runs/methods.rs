@@ -1,6 +1,6 @@
-//! The methods, and the sweep of each one's own knob.
+//! The methods, and the values that each one's own setting takes.
 
-use hullwright::{Method, Parameters};
+use hullwright::{Method, Parameters, Unit};
 
 use crate::hacd::HacdParameters;
 
@@ -18,9 +18,9 @@ pub enum Run {
     /// Parry's, asked for at most so many hulls, however concave they are. It turns the number
     /// into a depth of cuts, so that it counts as the next power of two.
     VhacdHulls { hulls: u32 },
-    /// V-HACD 4 from its own library, through `peers.py`.
+    /// V-HACD 4 from its own library, through the script of [`external_tools`](super::external_tools).
     Vhacd4 { hulls: u32 },
-    /// CoACD, through `peers.py`.
+    /// CoACD, through the script of [`external_tools`](super::external_tools).
     Coacd { threshold: f64 },
     /// CoACD's hulls as somebody else computed them, with its default threshold.
     CoacdFiles,
@@ -36,20 +36,24 @@ fn parry_version() -> String {
 
 /// Steps of two: curves are interpolated in logarithms.
 const BOUNDED_ERRORS: [f64; 5] = [0.005, 0.01, 0.02, 0.04, 0.08];
+/// The middle of those, around the default.
+const QUICK_BOUNDED_ERRORS: [f64; 3] = [0.01, 0.02, 0.04];
+/// Around ε of the paper's own method, for want of a value of its own; 0.4 for hulls as few as
+/// those of the others.
 const HACD_THRESHOLDS: [f64; 4] = [0.02, 0.05, 0.1, 0.4];
 /// Concavities of Parry's V-HACD at its default resolution, and at twice that. (Four times that
 /// takes 3 s a mesh, for a tenth less error.)
 const VHACD: [(u32, &[f64]); 2] = [(64, &[0.0025, 0.01, 0.04]), (128, &[0.0025, 0.01])];
+/// Its default number of hulls, and a quarter of it.
 const VHACD4_HULLS: [u32; 2] = [16, 64];
+/// Around its default, 0.05.
 const COACD_THRESHOLDS: [f64; 4] = [0.02, 0.05, 0.1, 0.2];
 
 impl Run {
     /// Everything that this program can run itself, each method's default setting first.
     pub fn own() -> Vec<Self> {
         let mut runs = vec![Self::Surface];
-        if bounded_method().is_some() {
-            runs.extend(BOUNDED_ERRORS.map(|error| Self::Bounded { error }));
-        }
+        runs.extend(BOUNDED_ERRORS.map(|error| Self::Bounded { error }));
         runs.extend(HACD_THRESHOLDS.map(|threshold| Self::Hacd { threshold }));
         for (resolution, concavities) in VHACD {
             let run = |&concavity: &f64| Self::Vhacd { concavity, resolution };
@@ -61,9 +65,7 @@ impl Run {
     /// What `bench --quick` runs.
     pub fn quick() -> Vec<Self> {
         let mut runs = vec![Self::Surface];
-        if bounded_method().is_some() {
-            runs.extend([0.01, 0.02, 0.04].map(|error| Self::Bounded { error }));
-        }
+        runs.extend(QUICK_BOUNDED_ERRORS.map(|error| Self::Bounded { error }));
         runs.push(Self::VHACD_DEFAULT);
         runs
     }
@@ -139,16 +141,16 @@ impl Run {
         })
     }
 
-    /// Version of what runs. `peers` are the versions that Python has, as `coacd` and `vhacd`.
-    pub fn version(&self, peers: &[String; 2]) -> String {
+    /// Version of what runs. `packages` are the versions that Python has of `coacd` and `vhacdx`.
+    pub fn version(&self, packages: &[String; 2]) -> String {
         let ours = env!("CARGO_PKG_VERSION");
         match self {
             Self::Surface | Self::Bounded { .. } | Self::Hacd { .. } => {
                 format!("hullwright {ours}, algorithm {}", hullwright::ALGORITHM_VERSION)
             }
             Self::Vhacd { .. } | Self::VhacdHulls { .. } => format!("parry3d {}", parry_version()),
-            Self::Vhacd4 { .. } => format!("vhacdx {}", peers[1]),
-            Self::Coacd { .. } => format!("coacd {}", peers[0]),
+            Self::Vhacd4 { .. } => format!("vhacdx {}", packages[1]),
+            Self::Coacd { .. } => format!("coacd {}", packages[0]),
             Self::CoacdFiles => "coacd 1.0.14".into(),
         }
     }
@@ -157,34 +159,23 @@ impl Run {
     pub fn parameters(&self) -> Option<Parameters> {
         match *self {
             Self::Surface => Some(Parameters::paper()),
-            Self::Bounded { error } => bounded(error),
+            Self::Bounded { error } => Some(bounded(error)),
             _ => None,
         }
     }
 
     pub fn hacd_parameters(&self) -> Option<HacdParameters> {
         let Self::Hacd { threshold } = *self else { return None };
-        let mut parameters = HacdParameters::default();
-        parameters.concavity_threshold = threshold;
-        Some(parameters)
+        Some(HacdParameters { concavity_threshold: threshold, ..HacdParameters::default() })
     }
 }
 
-/// The method that bounds its error, by name, as long as the library has it.
-fn bounded_method() -> Option<Method> {
-    [Method::default()].into_iter().find(|method| method.name() == "bounded")
-}
-
-fn bounded(error: f64) -> Option<Parameters> {
+/// The bounded method with its defaults, but for the error.
+pub fn bounded(error: f64) -> Parameters {
     let mut parameters = Parameters::default();
-    parameters.method = bounded_method()?;
-    set_error(&mut parameters, error);
-    Some(parameters)
-}
-
-/// The one place that names the bound.
-fn set_error(parameters: &mut Parameters, error: f64) {
-    parameters.bounded.max_error = hullwright::Unit::Diagonals(error);
+    parameters.method = Method::Bounded;
+    parameters.bounded.max_error = Unit::Diagonals(error);
+    parameters
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! `hullwright bench-run`: one run, in a process of its own. It prints a line of JSON after
+//! `bench-run`: one run, in a process of its own. It prints a line of JSON after
 //! decomposing, one after measuring, and one after decomposing again with all processors.
 
 use std::collections::BTreeMap;
@@ -6,17 +6,19 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use hullwright::io::{HullMesh, MeshFile, read_hulls, read_mesh};
-use hullwright::measure::{HullShape, MeasureOptions, measure};
-use hullwright::{Control, Error, Hull};
+use hullwright::measure::MeasureOptions;
+use hullwright::{Control, Error, Hull, Parameters};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::caps::{forget_peak, memory};
+use super::judge::{Judged, judge};
+use super::limits::{peak_memory, reset_peak_memory};
 use super::methods::Run;
-use super::record::{Judged, Worked};
+use super::record::Worked;
 use super::vhacd;
-use crate::hacd;
+use crate::hacd::{self, HacdParameters};
 use crate::output::{Failure, print};
+use crate::statistics::median;
 
 /// One run of the benchmark, for its own use
 #[derive(clap::Args)]
@@ -40,9 +42,9 @@ pub enum Line {
     AllThreads { seconds: f64, same: bool },
 }
 
-/// Short runs are repeated up to this often,
+/// Short runs are repeated up to this often, enough for a median.
 const MOST_REPEATS: usize = 3;
-/// until they took this long together.
+/// Runs that took this long together are not repeated: their times scatter by little.
 const ENOUGH_SECONDS: f64 = 0.5;
 
 /// What a method returned.
@@ -58,22 +60,22 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mesh = read_mesh(&arguments.mesh)?;
     if let Some(hulls) = &arguments.hulls {
         let hulls = read_hulls(hulls)?;
-        say(&Line::Judged(Box::new(judge(&mesh, &hulls)?)))?;
+        say(&Line::Judged(Box::new(judge_default(&mesh, &hulls)?)))?;
         return Ok(());
     }
     let run = Run::parse(&arguments.method, &arguments.setting)
         .ok_or_else(|| Failure::Usage("no such method or setting".into()))?;
 
-    forget_peak();
+    reset_peak_memory();
     let alone = pool(1)?;
     let mut times = Vec::new();
     let mut first = None;
-    let mut peak_memory = None;
+    let mut peak = None;
     while times.len() < MOST_REPEATS && times.iter().sum::<f64>() < ENOUGH_SECONDS {
         let start = Instant::now();
         let output = alone.install(|| decompose(&run, &mesh, false))?;
         times.push(start.elapsed().as_secs_f64());
-        peak_memory = peak_memory.or_else(|| memory(std::process::id()).map(|[_, peak]| peak));
+        peak = peak.or_else(|| peak_memory(std::process::id()));
         first.get_or_insert(output);
     }
     let repeats = times.len();
@@ -85,11 +87,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         seconds_all_threads: None,
         same_with_all_threads: None,
         stages,
-        peak_memory,
+        peak_memory: peak,
         cost,
         details,
     }))?;
-    say(&Line::Judged(Box::new(judge(&mesh, &hulls)?)))?;
+    say(&Line::Judged(Box::new(judge_default(&mesh, &hulls)?)))?;
 
     // Parry has no such mode (its `parallel` feature is for something else).
     if vhacd::parameters(&run).is_some() {
@@ -108,49 +110,55 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 fn say(line: &Line) -> Result<(), Failure> {
-    print(&serde_json::to_string(line).map_err(|error| Failure::Work(error.to_string()))?)
+    print(&serde_json::to_string(line).map_err(|error| error.to_string())?)
 }
 
 fn pool(threads: usize) -> Result<rayon::ThreadPool, Failure> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    pool.map_err(|error| Failure::Work(format!("the threads can't be started: {error}")))
+    Ok(pool.map_err(|error| format!("the threads can't be started: {error}"))?)
 }
 
-fn judge(mesh: &MeshFile, hulls: &[HullMesh]) -> Result<Judged, Error> {
-    let shapes: Vec<HullShape<'_>> = hulls.iter().map(HullShape::from).collect();
-    let options = MeasureOptions::default();
-    Ok(Judged::from(&measure(&mesh.positions, &mesh.triangles, &shapes, &options)?))
+fn judge_default(mesh: &MeshFile, hulls: &[HullMesh]) -> Result<Judged, Error> {
+    judge(&mesh.positions, &mesh.triangles, hulls, &MeasureOptions::default())
 }
 
 fn decompose(run: &Run, mesh: &MeshFile, parallel: bool) -> Result<Output, Error> {
-    let MeshFile { positions, triangles, .. } = mesh;
-    let control = Control::new();
     if let Some(parameters) = vhacd::parameters(run) {
-        let hulls = vhacd::decompose(positions, triangles, &parameters);
+        let hulls = vhacd::decompose(&mesh.positions, &mesh.triangles, &parameters);
         return Ok(Output { hulls, ..Output::default() });
     }
     if let Some(mut parameters) = run.hacd_parameters() {
         parameters.parallel = parallel;
-        let found = hacd::decompose(positions, triangles, &parameters, &control)?;
-        let times = found.times.iter().map(|(stage, seconds)| (stage.name().into(), *seconds));
-        let details = [
-            ("resolution", json!(found.resolution)),
-            ("average_pieces", json!(found.average_pieces)),
-            ("polygons", json!(found.groups.len())),
-        ];
-        return Ok(Output {
-            stages: times.collect(),
-            cost: Some(found.cost),
-            details: details.map(|(name, value)| (name.to_owned(), value)).into(),
-            hulls: found.hulls.into_iter().map(hull_mesh).collect(),
-        });
+        return decompose_with_hacd(mesh, &parameters);
     }
     let Some(mut parameters) = run.parameters() else {
         let reason = "it does not run in this process".into();
         return Err(Error::InvalidParameter { name: "method", reason });
     };
     parameters.parallel = parallel;
-    let found = hullwright::decompose(positions, triangles, &parameters, &control)?;
+    decompose_with_ours(mesh, &parameters)
+}
+
+fn decompose_with_hacd(mesh: &MeshFile, parameters: &HacdParameters) -> Result<Output, Error> {
+    let control = Control::new();
+    let found = hacd::decompose(&mesh.positions, &mesh.triangles, parameters, &control)?;
+    let times = found.times.iter().map(|(stage, seconds)| (stage.name().into(), *seconds));
+    let details = [
+        ("resolution", json!(found.resolution)),
+        ("average_pieces", json!(found.average_pieces)),
+        ("polygons", json!(found.groups.len())),
+    ];
+    Ok(Output {
+        stages: times.collect(),
+        cost: Some(found.cost),
+        details: details.map(|(name, value)| (name.to_owned(), value)).into(),
+        hulls: found.hulls.into_iter().map(hull_mesh).collect(),
+    })
+}
+
+fn decompose_with_ours(mesh: &MeshFile, parameters: &Parameters) -> Result<Output, Error> {
+    let control = Control::new();
+    let found = hullwright::decompose(&mesh.positions, &mesh.triangles, parameters, &control)?;
     let times = &found.report.times;
     let mut details = BTreeMap::new();
     let mut cost = None;
@@ -176,17 +184,6 @@ fn hull_mesh(hull: Hull) -> HullMesh {
     HullMesh { name: String::new(), positions: hull.points, triangles: hull.triangles }
 }
 
-/// The middle value, or the mean of the two in the middle; 0 of none.
-pub fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let middle = values.len() / 2;
-    match (values.get(middle), values.len() % 2) {
-        (Some(&upper), 0) => f64::midpoint(values[middle - 1], upper),
-        (Some(&value), _) => value,
-        (None, _) => 0.0,
-    }
-}
-
 /// The command that runs this worker.
 pub fn command(
     mesh: &Path,
@@ -201,16 +198,4 @@ pub fn command(
         command.arg("--hulls").arg(hulls);
     }
     Ok(command)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn medians() {
-        assert_eq!(median(vec![3.0, 1.0, 2.0]), 2.0);
-        assert_eq!(median(vec![4.0, 1.0, 2.0, 3.0]), 2.5);
-        assert_eq!(median(vec![]), 0.0);
-    }
 }

@@ -1,11 +1,10 @@
-//! The report: one page that holds everything, and the same as files.
+//! A report: one page that holds everything, and the same as files.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::plots::Picture;
 use super::table::{Table, escape};
 
 /// What a report says, whatever it is about.
@@ -14,8 +13,19 @@ pub struct Report<'a> {
     /// Paragraphs before everything else.
     pub words: Vec<String>,
     pub machine: &'a BTreeMap<String, Value>,
-    pub pictures: &'a [Picture],
+    pub plots: &'a [Plot],
     pub tables: &'a [Table],
+}
+
+/// A plot, and the name of its file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plot {
+    pub file: &'static str,
+    pub title: &'static str,
+    pub note: String,
+    pub svg: String,
+    /// Whether it repeats another one for other pages, and so is left out of the report's own.
+    pub is_extra: bool,
 }
 
 const STYLE: &str = "body{font-family:sans-serif;margin:2em auto;max-width:1200px;color:#222}\
@@ -26,7 +36,7 @@ tbody tr:hover{background:#f3f6fa}figure{margin:1em 0}svg{max-width:100%;height:
 figcaption,p{color:#555;max-width:70em}";
 
 impl Report<'_> {
-    /// Writes `index.html`, `NAME.md`, `summary.json` and the pictures.
+    /// Writes `index.html`, `NAME.md`, `summary.json` and the plots.
     pub fn write(&self, folder: &Path, name: &str) -> Result<(), String> {
         write(&folder.join("index.html"), &self.to_html())?;
         write(&folder.join(format!("{name}.md")), &self.to_markdown())?;
@@ -36,8 +46,8 @@ impl Report<'_> {
             "tables": self.tables.iter().map(Table::to_json).collect::<Vec<_>>(),
         });
         write(&folder.join("summary.json"), &format!("{summary:#}\n"))?;
-        for picture in self.pictures {
-            write(&folder.join(picture.file), &picture.svg)?;
+        for plot in self.plots {
+            write(&folder.join(plot.file), &plot.svg)?;
         }
         Ok(())
     }
@@ -52,19 +62,17 @@ impl Report<'_> {
     }
 
     fn to_html(&self) -> String {
-        let figure = |picture: &Picture| {
+        let figure = |plot: &Plot| {
             format!(
                 "<figure>\n<h3>{}</h3>\n{}\n<figcaption>{}</figcaption>\n</figure>\n",
-                escape(picture.title),
-                picture.svg,
-                escape(&picture.note)
+                escape(plot.title),
+                plot.svg,
+                escape(&plot.note)
             )
         };
         let words: String =
             self.words.iter().map(|words| format!("<p>{}</p>\n", escape(words))).collect();
-        // The small pictures show the same for other pages.
-        let figures: String =
-            self.pictures.iter().filter(|p| !p.file.contains("-small")).map(figure).collect();
+        let figures: String = self.plots.iter().filter(|plot| !plot.is_extra).map(figure).collect();
         let tables: String = self.tables.iter().map(Table::to_html).collect();
         format!(
             "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
@@ -78,14 +86,18 @@ impl Report<'_> {
     fn to_markdown(&self) -> String {
         let mut text = format!("# {}\n\n", self.title);
         self.words.iter().for_each(|words| text += &format!("{words}\n\n"));
-        for picture in self.pictures.iter().filter(|p| !p.file.contains("-small")) {
-            text += &format!("## {}\n\n", picture.title);
-            text += &format!("![{}]({})\n\n{}\n\n", picture.title, picture.file, picture.note);
+        for Plot { title, file, note, .. } in self.plots.iter().filter(|plot| !plot.is_extra) {
+            text += &format!("## {title}\n\n![{title}]({file})\n\n{note}\n\n");
         }
         text += "## Tables\n\n";
         self.tables.iter().for_each(|table| text += &table.to_markdown());
         text + &self.machine_table().to_markdown()
     }
+}
+
+/// Makes the folder of a report, if it is not there.
+pub fn create_folder(path: &Path) -> Result<(), String> {
+    std::fs::create_dir_all(path).map_err(|error| format!("{}: {error}", path.display()))
 }
 
 /// Writes a text file.
@@ -98,19 +110,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_page_holds_its_pictures_and_loads_nothing() {
-        let picture = Picture {
+    fn the_page_holds_its_plots_and_loads_nothing() {
+        let plot = Plot {
             file: "a.svg",
             title: "A",
             note: "note".into(),
             svg: "<svg><text>inside</text></svg>".into(),
+            is_extra: false,
         };
         let machine = BTreeMap::from([("processor".to_owned(), json!("fast"))]);
         let report = Report {
             title: "T & T",
             words: vec!["Word.".into()],
             machine: &machine,
-            pictures: &[picture],
+            plots: &[plot],
             tables: &[Table::new("Tab", "", &["x"])],
         };
         let page = report.to_html();

@@ -1,15 +1,17 @@
-//! A process with caps on time and memory: whatever a method does, it ends, and only itself.
+//! A process with limits on time and memory: whatever a method does, it ends, and only itself.
 
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
+use sysinfo::{Pid, ProcessRefreshKind, ProcessesToUpdate, System};
+
 use super::record::Status;
 
 /// How long and how large a process may be.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Caps {
+pub struct Limits {
     /// Longest time until the first line of output, and from each line to the next or the end.
     pub time: Duration,
     /// Largest resident memory, in bytes.
@@ -28,19 +30,19 @@ pub struct Ended {
     pub peak_memory: Option<u64>,
 }
 
-/// Between two looks at the memory: short enough that little can be had in it, and long enough
-/// that looking costs the process nothing.
+/// Between two looks at the memory: short enough that a process takes little more in between, long
+/// enough that looking costs it nothing.
 const LOOK_EVERY: Duration = Duration::from_millis(20);
 
-/// What is kept of standard error.
+/// What is kept of standard error: far more than a message of an error or a panic.
 const MOST_ERROR_BYTES: u64 = 1 << 20;
 
 /// Exit code of a Rust program that panicked.
 const PANICKED: i32 = 101;
 
-/// Runs a command under caps. Exit code 1 is an error that the program reports in its last line of
+/// Runs a command under limits. Exit code 1 is an error that the program reports in its last line of
 /// standard error; any other end but success is a crash.
-pub fn run(mut command: Command, caps: Caps) -> Result<Ended, String> {
+pub fn run(mut command: Command, limits: Limits) -> Result<Ended, String> {
     let program = command.get_program().to_string_lossy().into_owned();
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut child = command.spawn().map_err(|error| format!("{program}: {error}"))?;
@@ -56,7 +58,7 @@ pub fn run(mut command: Command, caps: Caps) -> Result<Ended, String> {
 
     let mut ended =
         Ended { status: Status::Done, lines: Vec::new(), reason: String::new(), peak_memory: None };
-    let stopped = watch(&mut child, &lines, caps, &mut ended);
+    let stopped = watch(&mut child, &lines, limits, &mut ended);
     if stopped.is_some() {
         let _ = child.kill();
     }
@@ -71,8 +73,8 @@ pub fn run(mut command: Command, caps: Caps) -> Result<Ended, String> {
         (Some(status), _) => {
             ended.status = status;
             ended.reason = match status {
-                Status::OutOfMemory => format!("over {} MB", caps.memory >> 20),
-                _ => format!("over {} s", caps.time.as_secs_f64()),
+                Status::OutOfMemory => format!("over {} MB", limits.memory >> 20),
+                _ => format!("over {} s", limits.time.as_secs_f64()),
             };
         }
         (None, Some(0)) => ended.reason.clear(),
@@ -107,9 +109,11 @@ fn lines_of(child: &mut Child) -> Receiver<String> {
 fn watch(
     child: &mut Child,
     lines: &Receiver<String>,
-    caps: Caps,
+    limits: Limits,
     ended: &mut Ended,
 ) -> Option<Status> {
+    // Where the system does not tell, memory has no limit.
+    let mut system = System::new().ok();
     let mut start = Instant::now();
     loop {
         match lines.recv_timeout(LOOK_EVERY) {
@@ -126,32 +130,37 @@ fn watch(
                 std::thread::sleep(LOOK_EVERY);
             }
         }
-        if let Some([now, peak]) = memory(child.id()) {
-            ended.peak_memory = Some(peak.max(ended.peak_memory.unwrap_or(0)));
-            if now > caps.memory {
-                return Some(Status::OutOfMemory);
-            }
+        ended.peak_memory = ended.peak_memory.max(peak_memory(child.id()));
+        let memory = system.as_mut().and_then(|system| resident_memory(system, child.id()));
+        if memory.is_some_and(|bytes| bytes > limits.memory) {
+            return Some(Status::OutOfMemory);
         }
-        if start.elapsed() > caps.time {
+        if start.elapsed() > limits.time {
             return Some(Status::TimeOut);
         }
     }
 }
 
-/// Resident memory of a process now and at its peak, in bytes. Only Linux tells.
-pub fn memory(process: u32) -> Option<[u64; 2]> {
-    let status = std::fs::read_to_string(format!("/proc/{process}/status")).ok()?;
-    let field = |name: &str| {
-        let line = status.lines().find_map(|line| line.strip_prefix(name))?;
-        let kilobytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-        Some(kilobytes << 10)
-    };
-    Some([field("VmRSS:")?, field("VmHWM:")?])
+/// Resident memory of a process now, in bytes.
+fn resident_memory(system: &mut System, process: u32) -> Option<u64> {
+    let process = Pid::from_u32(process);
+    let memory_only = ProcessRefreshKind::nothing().with_memory();
+    system.refresh_processes_specifics(ProcessesToUpdate::Some(&[process]), true, memory_only);
+    system.process(process).map(sysinfo::Process::memory)
 }
 
-/// Forgets the peak of this process, so that the next is of what comes now.
-pub fn forget_peak() {
-    // Where it can't be forgotten, the peak is that of the whole process.
+/// The most resident memory that a process has had, in bytes. Only Linux tells; samples of the
+/// memory now would miss the peak of a short run.
+pub fn peak_memory(process: u32) -> Option<u64> {
+    let status = std::fs::read_to_string(format!("/proc/{process}/status")).ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kilobytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kilobytes << 10)
+}
+
+/// Resets the peak of this process to its memory now.
+pub fn reset_peak_memory() {
+    // Where that is refused, the peak is that of the whole process.
     let _ = std::fs::write("/proc/self/clear_refs", "5");
 }
 
@@ -176,11 +185,11 @@ mod tests {
     fn shell(script: &str, seconds: f64, megabytes: u64) -> Ended {
         let mut command = Command::new("sh");
         command.args(["-c", script]);
-        let caps = Caps { time: Duration::from_secs_f64(seconds), memory: megabytes << 20 };
-        run(command, caps).unwrap()
+        let limits = Limits { time: Duration::from_secs_f64(seconds), memory: megabytes << 20 };
+        run(command, limits).unwrap()
     }
 
-    /// Plenty for anything that is not meant to reach a cap.
+    /// Plenty for anything that is not meant to reach a limit.
     const PLENTY: (f64, u64) = (60.0, 1 << 20);
 
     #[test]
@@ -233,7 +242,7 @@ mod tests {
 
     #[test]
     fn a_program_that_is_not_there_is_an_error_of_ours() {
-        let caps = Caps { time: Duration::from_secs(1), memory: 1 << 30 };
-        assert!(run(Command::new("/nowhere/at-all"), caps).is_err());
+        let limits = Limits { time: Duration::from_secs(1), memory: 1 << 30 };
+        assert!(run(Command::new("/nowhere/at-all"), limits).is_err());
     }
 }

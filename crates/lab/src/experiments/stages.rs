@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use hullwright::io::read_mesh;
 use hullwright::{Control, Parameters, decompose};
 
-use crate::output::Failure;
+use crate::output::{Failure, print};
+use crate::statistics::median;
 
 /// Show the milliseconds of each stage: of several runs on one thread the least
 #[derive(clap::Args)]
@@ -15,7 +16,7 @@ pub struct Arguments {
     meshes: Vec<PathBuf>,
 }
 
-/// Runs of which the quickest counts, stage by stage.
+/// Runs of which the quickest counts, stage by stage: noise only ever adds.
 const RUNS: usize = 3;
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -25,39 +26,31 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut columns: Vec<Vec<f64>> = Vec::new();
     for path in &arguments.meshes {
         let file = read_mesh(path)?;
-        let mut best: Vec<(String, f64)> = Vec::new();
+        let mut best: Vec<(&str, f64)> = Vec::new();
         let mut hulls = 0;
         for _ in 0..RUNS {
             let result = decompose(&file.positions, &file.triangles, &parameters, &Control::new())?;
             hulls = result.hulls.len();
-            for (index, stage) in result.report.times.iter().enumerate() {
-                let time = 1e3 * stage.seconds;
+            for (index, time) in result.report.times.iter().enumerate() {
+                let milliseconds = 1e3 * time.seconds;
                 match best.get_mut(index) {
-                    Some(entry) => entry.1 = entry.1.min(time),
-                    None => best.push((format!("{:?}", stage.stage).to_lowercase(), time)),
+                    Some(entry) => entry.1 = entry.1.min(milliseconds),
+                    None => best.push((time.stage.name(), milliseconds)),
                 }
             }
         }
         let total: f64 = best.iter().map(|entry| entry.1).sum();
-        print!("{total:9.1} ms {hulls:4} hulls {:8} triangles ", file.triangles.len());
-        for (index, (stage, time)) in best.iter().enumerate() {
-            print!(" {stage} {time:.1}");
-            if columns.len() <= index {
-                columns.push(Vec::new());
-            }
-            columns[index].push(*time);
+        let mut line =
+            format!("{total:9.1} ms {hulls:4} hulls {:8} triangles ", file.triangles.len());
+        columns.resize(columns.len().max(best.len()), Vec::new());
+        for ((stage, time), column) in best.iter().zip(&mut columns) {
+            line += &format!(" {stage} {time:.1}");
+            column.push(*time);
         }
-        println!("  {}", path.display());
+        print(&format!("{line}  {}", path.display()))?;
         totals.push(total);
     }
-    let median = |values: &mut Vec<f64>| {
-        values.sort_by(f64::total_cmp);
-        values.get(values.len() / 2).copied().unwrap_or(0.0)
-    };
-    print!("{:9.1} ms, median; stages", median(&mut totals));
-    for column in &mut columns {
-        print!(" {:.1}", median(column));
-    }
-    println!();
-    Ok(())
+    let stages: String =
+        columns.into_iter().map(|column| format!(" {:.1}", median(column))).collect();
+    print(&format!("{:9.1} ms, median; stages{stages}", median(totals)))
 }

@@ -3,7 +3,8 @@
 use super::methods::Run;
 use hullwright::io::HullMesh;
 use parry3d::math::Vector;
-use parry3d::transformation::vhacd::{VHACD, VHACDParameters};
+use parry3d::transformation::vhacd::VHACD;
+pub use parry3d::transformation::vhacd::VHACDParameters;
 
 /// What a run asks of V-HACD; `None` for other methods.
 pub fn parameters(run: &Run) -> Option<VHACDParameters> {
