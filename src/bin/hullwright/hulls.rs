@@ -1,0 +1,35 @@
+//! What several commands do with hulls.
+
+use std::path::Path;
+
+use hullwright::hulls_format::HullsFile;
+use hullwright::{Decomposition, Error, Hull};
+
+use crate::output::count;
+
+/// Mass per cubed unit. With 1 the mass is the volume, which any density can be multiplied with.
+pub const DEFAULT_DENSITY: f64 = 1.0;
+
+/// Vertices of all hulls.
+pub fn vertices(hulls: &[Hull]) -> usize {
+    hulls.iter().map(|hull| hull.points.len()).sum()
+}
+
+/// What a `.hulls` file holds of a mesh.
+pub fn hulls_file(
+    name: impl Into<String>,
+    positions: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+    decomposition: &Decomposition,
+    density: f64,
+) -> Result<HullsFile, Error> {
+    let hulls = &decomposition.hulls;
+    let properties = hullwright::mass_properties(positions, triangles, hulls, density)?;
+    Ok(HullsFile::new(name, decomposition).with_mass_properties(properties))
+}
+
+/// Says that hulls were written to a file.
+pub fn wrote(output: &Path, hulls: &[Hull]) -> String {
+    let vertices = count(vertices(hulls), "vertex", "vertices");
+    format!("wrote {}: {}, {vertices}", output.display(), count(hulls.len(), "hull", "hulls"))
+}
