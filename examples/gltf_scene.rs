@@ -62,5 +62,5 @@ fn on_ready(event: On<DecompositionReady>, names: Query<&Name>) {
 
 fn on_failed(event: On<DecompositionFailed>, names: Query<&Name>) {
     let name = names.get(event.entity).map_or("a node", Name::as_str);
-    println!("{name} has no collider: {}", event.failure);
+    println!("{name} has no collider: {}", event.error);
 }

@@ -1,82 +1,83 @@
-//! Bodies are held still until their colliders are ready: without one they would fall through the
+//! Bodies are frozen until their colliders are ready: without one they would fall through the
 //! floor.
 
 use bevy::ecs::entity::EntityHashSet;
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::{LockedAxes, RigidBody, Velocity};
 
-use super::HullwrightSettings;
-use super::attach::Attached;
 use super::placement::Placements;
-use super::work::Work;
+use super::queue::WorkQueue;
+use super::request::AttachedCollider;
+use super::settings::HullwrightSettings;
 
-/// On a body that is held: for whom, and what to give back.
+/// On a body that is frozen: for whom, and what to restore.
 #[derive(Component, Debug)]
-pub(super) struct Held {
-    by: EntityHashSet,
+pub(super) struct Frozen {
+    for_entities: EntityHashSet,
     locked: Option<LockedAxes>,
     velocity: Option<Velocity>,
 }
 
-/// Holds the bodies of entities that wait for their first collider.
-pub(super) fn hold(
+/// Freezes the bodies of entities that wait for their first collider.
+pub(super) fn freeze(
     mut commands: Commands,
-    work: Res<Work>,
+    queue: Res<WorkQueue>,
     settings: Res<HullwrightSettings>,
     placements: Placements,
-    attached: Query<(), With<Attached>>,
-    mut held: Query<&mut Held>,
+    attached: Query<(), With<AttachedCollider>>,
+    mut frozen: Query<&mut Frozen>,
     bodies: Query<(Option<&LockedAxes>, Option<&Velocity>)>,
 ) {
-    if !settings.hold_still {
+    if !settings.freeze_until_ready {
         return;
     }
-    let mut new: Vec<(Entity, Held)> = Vec::new();
-    for &entity in work.requests.keys() {
+    let mut new: Vec<(Entity, Frozen)> = Vec::new();
+    for &entity in queue.unfinished.keys() {
         let Some((body, RigidBody::Dynamic)) = placements.body(entity) else { continue };
         if attached.contains(entity) {
             continue;
         }
-        if let Ok(mut held) = held.get_mut(body) {
-            if !held.by.contains(&entity) {
-                held.by.insert(entity);
+        if let Ok(mut frozen) = frozen.get_mut(body) {
+            if !frozen.for_entities.contains(&entity) {
+                frozen.for_entities.insert(entity);
             }
-        } else if let Some((_, held)) = new.iter_mut().find(|(other, _)| *other == body) {
-            held.by.insert(entity);
+        } else if let Some((_, frozen)) = new.iter_mut().find(|(other, _)| *other == body) {
+            frozen.for_entities.insert(entity);
         } else {
             let (locked, velocity) = bodies.get(body).unwrap_or_default();
-            let by = EntityHashSet::from_iter([entity]);
-            new.push((body, Held { by, locked: locked.copied(), velocity: velocity.copied() }));
+            let (locked, velocity) = (locked.copied(), velocity.copied());
+            let for_entities = EntityHashSet::from_iter([entity]);
+            new.push((body, Frozen { for_entities, locked, velocity }));
         }
     }
-    for (body, held) in new {
-        let has_velocity = held.velocity.is_some();
+    for (body, frozen) in new {
+        let has_velocity = frozen.velocity.is_some();
         let mut body = commands.entity(body);
-        body.try_insert((held, LockedAxes::all()));
+        body.try_insert((frozen, LockedAxes::all()));
         if has_velocity {
             body.try_insert(Velocity::zero());
         }
     }
 }
 
-/// Lets go of bodies for which nobody waits any more.
+/// Releases bodies that nobody waits for any more.
 pub(super) fn release(
     mut commands: Commands,
-    work: Res<Work>,
-    mut held: Query<(Entity, &mut Held, Option<&LockedAxes>)>,
+    queue: Res<WorkQueue>,
+    mut frozen: Query<(Entity, &mut Frozen, Option<&LockedAxes>)>,
 ) {
-    for (body, mut held, locked) in &mut held {
-        held.by.retain(|entity| work.requests.contains_key(entity));
-        if !held.by.is_empty() {
+    for (body, mut frozen, locked) in &mut frozen {
+        frozen.for_entities.retain(|entity| queue.unfinished.contains_key(entity));
+        if !frozen.for_entities.is_empty() {
             continue;
         }
         let mut commands = commands.entity(body);
-        commands.try_remove::<Held>();
-        // Whoever locked other axes in the meantime means it.
+        commands.try_remove::<Frozen>();
+        // Axes that somebody else has locked in the meantime stay locked.
         if locked == Some(&LockedAxes::all()) {
-            commands.try_insert(held.locked.unwrap_or(LockedAxes::empty()));
+            commands.try_insert(frozen.locked.unwrap_or(LockedAxes::empty()));
         }
-        if let Some(velocity) = held.velocity {
+        if let Some(velocity) = frozen.velocity {
             commands.try_insert(velocity);
         }
     }

@@ -1,4 +1,4 @@
-//! What artists say by names and extras: Godot's `-convcol`, Unreal's `UCX_`, and
+//! Names and extras by which artists ask for colliders: Godot's `-convcol`, Unreal's `UCX_`, and
 //! `{"collider": "convex_decomposition"}` in glTF extras (custom properties in Blender).
 
 /// What a name asks for.
@@ -10,10 +10,11 @@ pub(super) enum NameTag<'a> {
     PieceOf(&'a str),
 }
 
-/// As in Godot: `-convcolonly` differs from `-convcol` in what is drawn, which is not our matter.
+/// Godot's import suffixes. There `-convcolonly` also removes the drawn mesh; here both only ask for
+/// a collider.
 const SUFFIXES: [&str; 2] = ["-convcol", "-convcolonly"];
 
-/// As in Unreal: `UCX_Chair`, or `UCX_Chair_01` where there are several.
+/// Unreal's prefix: `UCX_Chair`, or `UCX_Chair_01` where there are several.
 const PREFIX: &str = "UCX_";
 
 pub(super) fn name_tag(name: &str) -> Option<NameTag<'_>> {

@@ -1,151 +1,110 @@
-//! Who waits for what: the requests of entities, the queue, the jobs.
+//! The state of all work: requests of entities, the queue, jobs, results.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
-use std::time::Duration;
 
 use bevy::asset::AssetId;
 use bevy::ecs::entity::EntityHashMap;
-use bevy::math::Affine3A;
 use bevy::platform::collections::HashMap;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
+use bevy::tasks::Task;
 use bevy_rapier3d::rapier::geometry::SharedShape;
 
-use crate::{Control, Parameters};
+use crate::Control;
 
-use super::baked::BakedHulls;
-use super::failing::Failure;
-use super::job::{Machine, Made, Outcome, ProgressCell};
-use super::library::Content;
-use super::mesh_data::Part;
+use super::budget::FrameTime;
+use super::content::ContentKey;
+use super::error::DecompositionError;
 use super::placement::{MapKey, Stretch};
-use super::{DecompositionFailure, HullwrightSettings};
-
-/// Names what a collider is made from without looking into it.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub(super) enum SourceId {
-    Mesh {
-        parts: Vec<(AssetId<Mesh>, MapKey)>,
-        /// Hash of what to make of it.
-        recipe: [u8; 32],
-        /// Applied before the work.
-        before: MapKey,
-    },
-    Baked(AssetId<BakedHulls>),
-}
-
-impl SourceId {
-    pub(super) fn uses_mesh(&self, id: AssetId<Mesh>) -> bool {
-        match self {
-            Self::Mesh { parts, .. } => parts.iter().any(|(mesh, _)| *mesh == id),
-            Self::Baked(_) => false,
-        }
-    }
-}
-
-/// What an entity wants.
-#[derive(Debug)]
-pub(super) struct Ask {
-    pub source: Arc<SourceId>,
-    pub parts: Vec<Part>,
-    /// `None` for the triangles as they are.
-    pub parameters: Option<Parameters>,
-    /// Baked before the work, and after it.
-    pub before: Affine3A,
-    pub map: Affine3A,
-    pub stretch: Stretch,
-}
-
-impl Ask {
-    /// Whether it is for the triangles as they are.
-    pub(super) fn is_exact(&self) -> bool {
-        self.parameters.is_none() && matches!(*self.source, SourceId::Mesh { .. })
-    }
-
-    pub(super) fn map_key(&self) -> MapKey {
-        MapKey::new(&self.map)
-    }
-}
+use super::request::{ColliderRequest, InputId};
+use super::task::{BuiltCollider, DecompositionTask, SharedProgress, TaskOutput};
 
 /// An entity that is not finished.
-#[derive(Debug)]
-pub(super) struct Request {
+#[derive(Debug, Default)]
+pub(super) struct UnfinishedEntity {
     /// `None` until its meshes are known.
-    pub ask: Option<Arc<Ask>>,
-    /// Whether it has its turn in a job.
+    pub request: Option<Arc<ColliderRequest>>,
+    /// Whether a job is at work on it.
     pub is_running: bool,
 }
 
-/// Work for one or several entities that want the same.
+/// Work for one or several entities that ask for the same.
 pub(super) struct Job {
-    pub source: Arc<SourceId>,
+    pub input: Arc<InputId>,
     pub map: MapKey,
     pub entities: Vec<Entity>,
     pub control: Control,
-    pub progress: ProgressCell,
+    pub progress: SharedProgress,
     pub shown_progress: f32,
     pub worker: Worker,
 }
 
 pub(super) enum Worker {
-    Thread(bevy::tasks::Task<Result<Outcome, DecompositionFailure>>),
-    Slices(Box<Machine>),
+    Background(Task<Result<TaskOutput, DecompositionError>>),
+    Slices(Box<DecompositionTask>),
 }
 
 /// A result on its way to its entity.
-pub(super) struct Delivery {
+pub(super) struct Completed {
     pub entity: Entity,
-    pub ask: Arc<Ask>,
-    pub made: Made,
+    pub request: Arc<ColliderRequest>,
+    pub built: BuiltCollider,
 }
 
-/// A stand-in in the making.
-pub(super) struct StandInJob {
+/// An error on its way to its entity.
+#[derive(Debug)]
+pub(super) struct Failed {
     pub entity: Entity,
-    pub task: bevy::tasks::Task<Option<SharedShape>>,
+    pub error: DecompositionError,
+    /// Whether the same input failed before, which was logged then.
+    pub is_known: bool,
 }
 
-/// All that is going on.
+/// Fallback colliders to be made.
+#[derive(Default)]
+pub(super) struct FallbackQueue {
+    pub waiting: VecDeque<Entity>,
+    pub jobs: Vec<(Entity, Task<Option<SharedShape>>)>,
+}
+
+/// The state of all work.
 #[derive(Resource, Default)]
-pub(super) struct Work {
-    pub requests: EntityHashMap<Request>,
-    /// Whose meshes are not known yet.
+pub(super) struct WorkQueue {
+    pub unfinished: EntityHashMap<UnfinishedEntity>,
+    /// Entities whose meshes are not known yet.
     pub to_resolve: VecDeque<Entity>,
-    /// Who waits for a job.
-    pub queue: Vec<Entity>,
+    /// Entities that wait for a job.
+    pub to_start: Vec<Entity>,
     pub jobs: Vec<Job>,
-    pub deliveries: VecDeque<Delivery>,
-    pub failures: Vec<Failure>,
-    /// What is known of sources without looking into them.
-    pub known: HashMap<Arc<SourceId>, Result<Content, DecompositionFailure>>,
-    /// Who wants a stand-in.
-    pub to_fill: VecDeque<Entity>,
-    pub stand_ins: Vec<StandInJob>,
-    /// Time that the systems have taken in this frame.
-    pub spent: Duration,
-    /// Whose scale changed, to what, and when it last did.
+    pub completed: VecDeque<Completed>,
+    pub failed: Vec<Failed>,
+    /// Results of inputs that need no look into them.
+    pub known: HashMap<Arc<InputId>, Result<ContentKey, DecompositionError>>,
+    pub fallbacks: FallbackQueue,
+    pub frame_time: FrameTime,
+    /// Entities whose scale changed, to what, and when it last did.
     pub rescaling: EntityHashMap<(Stretch, Instant)>,
 }
 
-impl Work {
-    /// Begins anew with an entity.
+impl WorkQueue {
+    /// Restarts an entity from its tag.
     pub(super) fn restart(&mut self, entity: Entity) {
         self.forget(entity);
-        self.requests.insert(entity, Request { ask: None, is_running: false });
+        self.unfinished.insert(entity, UnfinishedEntity::default());
         self.to_resolve.push_back(entity);
     }
 
-    /// Stops all work that is only done for this entity. Whether there was any request of it.
+    /// Stops all work that is only done for this entity. Whether it was unfinished.
     pub(super) fn forget(&mut self, entity: Entity) -> bool {
         self.rescaling.remove(&entity);
-        self.stand_ins.retain(|job| job.entity != entity);
-        self.to_fill.retain(|other| *other != entity);
-        let Some(request) = self.requests.remove(&entity) else { return false };
+        self.fallbacks.jobs.retain(|(other, _)| *other != entity);
+        self.fallbacks.waiting.retain(|other| *other != entity);
+        let Some(unfinished) = self.unfinished.remove(&entity) else { return false };
         self.to_resolve.retain(|other| *other != entity);
-        self.queue.retain(|other| *other != entity);
-        self.deliveries.retain(|delivery| delivery.entity != entity);
-        if request.is_running {
+        self.to_start.retain(|other| *other != entity);
+        self.completed.retain(|completed| completed.entity != entity);
+        if unfinished.is_running {
             for job in &mut self.jobs {
                 job.entities.retain(|other| *other != entity);
             }
@@ -161,9 +120,19 @@ impl Work {
         true
     }
 
-    /// Has a scale baked anew that changed while the work went on: that change came before there
-    /// was anything to compare it with.
-    pub(super) fn notice_missed_scale(
+    /// The request of an entity that is not finished, once its meshes are known.
+    pub(super) fn request(&self, entity: Entity) -> Option<&Arc<ColliderRequest>> {
+        self.unfinished.get(&entity)?.request.as_ref()
+    }
+
+    /// Whether an entity is to be resolved anyway.
+    pub(super) fn is_to_be_resolved(&self, entity: Entity) -> bool {
+        self.unfinished.get(&entity).is_some_and(|unfinished| unfinished.request.is_none())
+    }
+
+    /// Schedules a scale that changed while the work went on, before there was a baked one to
+    /// compare it with.
+    pub(super) fn detect_missed_scale(
         &mut self,
         entity: Entity,
         baked: &Stretch,
@@ -174,44 +143,28 @@ impl Work {
         }
     }
 
-    /// Whether an entity is to be looked at anyway.
-    pub(super) fn is_to_be_resolved(&self, entity: Entity) -> bool {
-        self.requests.get(&entity).is_some_and(|request| request.ask.is_none())
-    }
-
-    /// The time that a system may take: what the others have left of the frame's budget.
-    pub(super) fn budget(&self, settings: &HullwrightSettings) -> Budget {
-        let length = settings.frame_budget.saturating_sub(self.spent);
-        Budget { start: Instant::now(), length, has_begun: false }
-    }
-
-    /// Says what a system has taken.
-    pub(super) fn spend(&mut self, budget: &Budget) {
-        self.spent += budget.start.elapsed();
+    /// Lets an input and the entities that asked for it fail.
+    pub(super) fn fail(
+        &mut self,
+        input: &Arc<InputId>,
+        entities: &[Entity],
+        error: DecompositionError,
+    ) {
+        // Another scale may succeed, and a missing asset may be loaded later.
+        if !matches!(error, DecompositionError::Collider(_) | DecompositionError::NotLoaded) {
+            self.known.insert(input.clone(), Err(error.clone()));
+        }
+        let of =
+            |entity: &Entity| Failed { entity: *entity, error: error.clone(), is_known: false };
+        self.failed.extend(entities.iter().map(of));
     }
 
     /// Forgets what was made from a mesh.
     pub(super) fn forget_mesh(&mut self, id: AssetId<Mesh>) {
-        self.known.retain(|source, _| !source.uses_mesh(id));
+        self.known.retain(|input, _| !input.uses_mesh(id));
     }
 
     pub(super) fn is_idle(&self) -> bool {
-        self.requests.is_empty() && self.failures.is_empty() && self.rescaling.is_empty()
-    }
-}
-
-/// The time that a system may take in this frame.
-pub(super) struct Budget {
-    start: Instant,
-    length: Duration,
-    has_begun: bool,
-}
-
-impl Budget {
-    /// Whether there is time for another piece of work; for the first there always is.
-    pub(super) fn allows_one(&mut self) -> bool {
-        let allows = !self.has_begun || self.start.elapsed() < self.length;
-        self.has_begun = true;
-        allows
+        self.unfinished.is_empty() && self.failed.is_empty() && self.rescaling.is_empty()
     }
 }

@@ -1,5 +1,5 @@
-//! The work on one input, from its triangles to a shape: on a thread in the background, or step by
-//! step.
+//! One decomposition, from its triangles to a shape, in steps: on a thread in the background, or
+//! step by step on the main thread.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -10,113 +10,104 @@ use bevy_rapier3d::rapier::geometry::{SharedShape, TriMeshFlags};
 use bevy_rapier3d::rapier::math::Vector;
 
 use crate::hulls_format::HullsFile;
-use crate::{Control, Decomposer, Parameters, mass_properties};
+use crate::{Control, Decomposer, Error, Parameters, mass_properties};
 
-use super::library::{
-    Claim, Content, Library, Material, content_of, read_from_disk, write_to_disk,
-};
+use super::cache::{ColliderGeometry, GeometryCache, WorkClaim};
+use super::content::ContentKey;
+use super::disk_cache::{read_from_disk, write_to_disk};
+use super::error::DecompositionError;
 use super::mesh_data::MeshData;
+use super::parameters::serial;
 use super::placement::{MapKey, map_hulls};
-use super::{DecompositionFailure, Origin};
+use super::settings::HullwrightSettings;
+use super::status::HullSource;
 
-/// What there is to be done.
-pub(super) enum Task {
-    /// From a mesh: hulls within the parameters, or without parameters the mesh as it is.
+/// What a task starts from.
+pub(super) enum TaskInput {
+    /// A mesh: hulls by the parameters or, without parameters, the triangles as they are.
     Mesh { data: MeshData, parameters: Option<Parameters> },
-    /// Another shape of what is known.
-    Shape { content: Content, material: Arc<Material>, origin: Origin },
+    /// Known geometry, of which another shape is wanted.
+    Geometry { key: ContentKey, geometry: Arc<ColliderGeometry>, source: HullSource },
 }
 
-/// What came of it.
+/// What a task ends with.
 #[derive(Debug)]
-pub(super) enum Outcome {
-    Made(Made),
+pub(super) enum TaskOutput {
+    Built(BuiltCollider),
     /// Another job is at work on the same content.
-    InWork(Content),
+    InProgress(ContentKey),
 }
 
+/// A shape that is ready, with what it was made of.
 #[derive(Debug, Clone)]
-pub(super) struct Made {
-    pub content: Content,
-    pub material: Arc<Material>,
+pub(super) struct BuiltCollider {
+    pub key: ContentKey,
+    pub geometry: Arc<ColliderGeometry>,
     pub shape: SharedShape,
-    pub origin: Origin,
+    pub source: HullSource,
 }
 
-/// A job that can be interrupted between its steps.
-pub(super) struct Machine {
-    state: State,
+/// Work that can be interrupted between its steps.
+pub(super) struct DecompositionTask {
+    state: TaskState,
     map: Affine3A,
-    library: Library,
+    cache: GeometryCache,
     cache_bytes: usize,
     disk_cache: Option<PathBuf>,
 }
 
-enum State {
-    Start(Box<Task>),
-    Decompose(Box<Decomposing>),
+enum TaskState {
+    Start(Box<TaskInput>),
+    Decompose(Box<MeshInProgress>),
     Done,
 }
 
-struct Decomposing {
+struct MeshInProgress {
     decomposer: Decomposer,
     data: MeshData,
-    content: Content,
-    claim: Claim,
+    key: ContentKey,
+    claim: WorkClaim,
 }
 
-impl Machine {
+impl DecompositionTask {
     pub(super) fn new(
-        task: Task,
+        input: TaskInput,
         map: Affine3A,
-        library: Library,
-        cache_bytes: usize,
-        disk_cache: Option<PathBuf>,
+        cache: GeometryCache,
+        settings: &HullwrightSettings,
     ) -> Self {
-        Self { state: State::Start(Box::new(task)), map, library, cache_bytes, disk_cache }
+        Self {
+            state: TaskState::Start(Box::new(input)),
+            map,
+            cache,
+            cache_bytes: settings.cache_bytes,
+            disk_cache: settings.disk_cache.clone(),
+        }
     }
 
-    /// Does all the work.
-    pub(super) fn run(mut self, control: &Control) -> Result<Outcome, DecompositionFailure> {
+    /// Runs to the end.
+    pub(super) fn run(mut self, control: &Control) -> Result<TaskOutput, DecompositionError> {
         loop {
-            if let Some(outcome) = self.step(control)? {
-                return Ok(outcome);
+            if let Some(output) = self.step(control)? {
+                return Ok(output);
             }
         }
     }
 
-    /// Does a part of the work.
+    /// Runs one step; `None` if there are more.
     pub(super) fn step(
         &mut self,
         control: &Control,
-    ) -> Result<Option<Outcome>, DecompositionFailure> {
-        match std::mem::replace(&mut self.state, State::Done) {
-            State::Start(task) => match *task {
-                Task::Shape { content, material, origin } => {
-                    self.finish(content, material, origin).map(Some)
+    ) -> Result<Option<TaskOutput>, DecompositionError> {
+        match std::mem::replace(&mut self.state, TaskState::Done) {
+            TaskState::Start(input) => match *input {
+                TaskInput::Geometry { key, geometry, source } => {
+                    self.build(key, geometry, source).map(Some)
                 }
-                Task::Mesh { data, parameters } => self.start(data, parameters.as_ref()),
+                TaskInput::Mesh { data, parameters } => self.start(data, parameters.as_ref()),
             },
-            State::Decompose(mut work) => match work.decomposer.step(control)? {
-                None => {
-                    self.state = State::Decompose(work);
-                    Ok(None)
-                }
-                Some(decomposition) => {
-                    let Decomposing { data, content, claim, .. } = *work;
-                    let MeshData { positions, triangles } = &data;
-                    let mass = mass_properties(positions, triangles, &decomposition.hulls, 1.0)?;
-                    let file = HullsFile::new("", &decomposition).with_mass_properties(mass);
-                    if let Some(directory) = &self.disk_cache {
-                        write_to_disk(directory, content, &file);
-                    }
-                    let material = Arc::new(Material::Hulls(Box::new(file)));
-                    let outcome = self.finish(content, material, Origin::Decomposed);
-                    drop(claim);
-                    outcome.map(Some)
-                }
-            },
-            State::Done => Err(crate::Error::Finished.into()),
+            TaskState::Decompose(work) => self.decompose(work, control),
+            TaskState::Done => Err(Error::Finished.into()),
         }
     }
 
@@ -124,77 +115,107 @@ impl Machine {
         &mut self,
         data: MeshData,
         parameters: Option<&Parameters>,
-    ) -> Result<Option<Outcome>, DecompositionFailure> {
-        let content = content_of(&data, parameters);
-        if let Some(material) = self.library.material(content) {
-            return self.finish(content, material, Origin::Shared).map(Some);
+    ) -> Result<Option<TaskOutput>, DecompositionError> {
+        let key = ContentKey::of_mesh(&data, parameters);
+        if let Some(geometry) = self.cache.geometry(key) {
+            return self.build(key, geometry, HullSource::Shared).map(Some);
         }
-        let Some(claim) = self.library.claim(content) else {
-            return Ok(Some(Outcome::InWork(content)));
+        let Some(claim) = self.cache.claim(key) else {
+            return Ok(Some(TaskOutput::InProgress(key)));
         };
         let Some(parameters) = parameters else {
-            let material = Arc::new(Material::Triangles(data));
-            return self.finish(content, material, Origin::Decomposed).map(Some);
+            let geometry = Arc::new(ColliderGeometry::Triangles(data));
+            return self.build(key, geometry, HullSource::Decomposed).map(Some);
         };
-        let from_disk = self.disk_cache.as_ref().and_then(|path| read_from_disk(path, content));
+        let from_disk = self.disk_cache.as_ref().and_then(|path| read_from_disk(path, key));
         if let Some(file) = from_disk {
-            let material = Arc::new(Material::Hulls(Box::new(file)));
-            return self.finish(content, material, Origin::Disk).map(Some);
+            let geometry = Arc::new(ColliderGeometry::Hulls(Box::new(file)));
+            return self.build(key, geometry, HullSource::Disk).map(Some);
         }
-        // Jobs are serial: several run at once, and the game needs threads too.
-        let parameters = Parameters { parallel: false, ..parameters.clone() };
-        let decomposer = Decomposer::new(&data.positions, &data.triangles, &parameters)?;
-        self.state = State::Decompose(Box::new(Decomposing { decomposer, data, content, claim }));
+        let decomposer = Decomposer::new(&data.positions, &data.triangles, &serial(parameters))?;
+        let work = MeshInProgress { decomposer, data, key, claim };
+        self.state = TaskState::Decompose(Box::new(work));
         Ok(None)
     }
 
-    fn finish(
+    fn decompose(
+        &mut self,
+        mut work: Box<MeshInProgress>,
+        control: &Control,
+    ) -> Result<Option<TaskOutput>, DecompositionError> {
+        let Some(decomposition) = work.decomposer.step(control)? else {
+            self.state = TaskState::Decompose(work);
+            return Ok(None);
+        };
+        let MeshInProgress { data, key, claim, .. } = *work;
+        let MeshData { positions, triangles } = &data;
+        let mass = mass_properties(positions, triangles, &decomposition.hulls, 1.0)?;
+        let file = HullsFile::new("", &decomposition).with_mass_properties(mass);
+        if let Some(directory) = &self.disk_cache {
+            write_to_disk(directory, key, &file);
+        }
+        let geometry = Arc::new(ColliderGeometry::Hulls(Box::new(file)));
+        let output = self.build(key, geometry, HullSource::Decomposed);
+        // Only now that the cache has the result: whoever waits for the claim looks there.
+        drop(claim);
+        output.map(Some)
+    }
+
+    fn build(
         &self,
-        content: Content,
-        material: Arc<Material>,
-        origin: Origin,
-    ) -> Result<Outcome, DecompositionFailure> {
-        let shape = shape_of(&material, &self.map)?;
+        key: ContentKey,
+        geometry: Arc<ColliderGeometry>,
+        source: HullSource,
+    ) -> Result<TaskOutput, DecompositionError> {
+        let shape = shape_of(&geometry, &self.map)?;
         let map = MapKey::new(&self.map);
-        self.library.insert(content, &material, map, &shape, self.cache_bytes);
-        Ok(Outcome::Made(Made { content, material, shape, origin }))
+        self.cache.insert(key, &geometry, map, &shape, self.cache_bytes);
+        Ok(TaskOutput::Built(BuiltCollider { key, geometry, shape, source }))
     }
 }
 
-fn shape_of(material: &Material, map: &Affine3A) -> Result<SharedShape, DecompositionFailure> {
-    match material {
-        Material::Hulls(file) => {
+fn shape_of(
+    geometry: &ColliderGeometry,
+    map: &Affine3A,
+) -> Result<SharedShape, DecompositionError> {
+    match geometry {
+        ColliderGeometry::Hulls(file) => {
             let hulls = map_hulls(&file.hulls, map)?;
-            Ok(crate::rapier::shape(&hulls, [1.0; 3])?)
+            Ok(crate::rapier::shape_from_points(&hulls, [1.0; 3])?)
         }
-        Material::Triangles(data) => triangle_mesh(data, map),
+        ColliderGeometry::Triangles(data) => triangle_mesh(data, map),
     }
 }
 
 /// Rapier's triangle mesh. Triangles with a corner that is not finite would spoil its tree.
-fn triangle_mesh(data: &MeshData, map: &Affine3A) -> Result<SharedShape, DecompositionFailure> {
+fn triangle_mesh(data: &MeshData, map: &Affine3A) -> Result<SharedShape, DecompositionError> {
     let place = |point: &[f32; 3]| map.transform_point3((*point).into());
     let points: Vec<Vector> = data.positions.iter().map(place).collect();
-    let is_usable = |triangle: &&[u32; 3]| triangle.iter().all(|v| points[*v as usize].is_finite());
+    let is_finite = |vertex: &u32| points.get(*vertex as usize).is_some_and(|p| p.is_finite());
+    let is_usable = |triangle: &&[u32; 3]| triangle.iter().all(is_finite);
     let triangles: Vec<[u32; 3]> = data.triangles.iter().filter(is_usable).copied().collect();
     if triangles.is_empty() {
-        return Err(crate::Error::NothingUsable {
-            triangles: data.triangles.len(),
-            degenerate: 0,
-            non_finite: data.triangles.len(),
-        }
-        .into());
+        let all = data.triangles.len();
+        return Err(Error::NothingUsable { triangles: all, degenerate: 0, non_finite: all }.into());
     }
     let points = points.into_iter().map(|p| if p.is_finite() { p } else { Vector::ZERO }).collect();
     SharedShape::trimesh_with_flags(points, triangles, TriMeshFlags::MERGE_DUPLICATE_VERTICES)
-        .map_err(|error| DecompositionFailure::TriangleMesh(error.to_string()))
+        .map_err(|error| DecompositionError::TriangleMesh(error.to_string()))
+}
+
+/// Contains a panic to one job: it costs a collider, not the game.
+pub(super) fn contain_panics(
+    run: impl FnOnce() -> Result<TaskOutput, DecompositionError>,
+) -> Result<TaskOutput, DecompositionError> {
+    std::panic::catch_unwind(std::panic::AssertUnwindSafe(run))
+        .unwrap_or(Err(DecompositionError::Panicked))
 }
 
 /// A share of the work that another thread can read.
 #[derive(Debug, Clone, Default)]
-pub(super) struct ProgressCell(Arc<AtomicU32>);
+pub(super) struct SharedProgress(Arc<AtomicU32>);
 
-impl ProgressCell {
+impl SharedProgress {
     /// A control that reports here.
     pub(super) fn control(&self) -> Control {
         let cell = self.0.clone();
@@ -205,5 +226,23 @@ impl ProgressCell {
 
     pub(super) fn get(&self) -> f32 {
         f32::from_bits(self.0.load(Ordering::Relaxed))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_is_an_error_that_says_so() {
+        let result = contain_panics(|| panic!("on purpose, in a test"));
+        assert!(matches!(result, Err(DecompositionError::Panicked)));
+        assert!(DecompositionError::Panicked.to_string().contains("panicked"));
+    }
+
+    #[test]
+    fn an_error_stays_what_it_is() {
+        let result = contain_panics(|| Err(DecompositionError::NoPositions));
+        assert!(matches!(result, Err(DecompositionError::NoPositions)));
     }
 }

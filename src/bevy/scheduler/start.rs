@@ -1,213 +1,70 @@
-//! Jobs begin, go on and end here. Nothing waits for them.
+//! Starts jobs for entities in the queue.
 
-use std::cmp::Ordering;
-use std::time::Duration;
+use std::sync::Arc;
 
 use bevy::asset::AssetId;
 use bevy::ecs::entity::EntityHashSet;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
-use bevy::tasks::{AsyncComputeTaskPool, TaskPool, block_on, poll_once};
 
-use super::baked::BakedHulls;
-use super::failing::Failure;
-use super::job::{Machine, Made, Outcome, ProgressCell, Task};
-use super::library::{Content, Library, Material};
-use super::mesh_data::read_parts;
-use super::resolve::Scene;
-use super::work::{Ask, Budget, Delivery, Job, SourceId, Work, Worker};
-use super::{
-    DecompositionCounters, DecompositionFailure, DecompositionFocus, DecompositionStatus,
-    Execution, HullwrightSettings, Origin, Wait,
+use super::priority::Priority;
+use crate::bevy::baked::BakedHulls;
+use crate::bevy::budget::Budget;
+use crate::bevy::cache::{ColliderGeometry, GeometryCache};
+use crate::bevy::content::ContentKey;
+use crate::bevy::error::DecompositionError;
+use crate::bevy::mesh_data::read_parts;
+use crate::bevy::pool::pool;
+use crate::bevy::queue::{Completed, Failed, Job, WorkQueue, Worker};
+use crate::bevy::request::{ColliderRequest, InputId};
+use crate::bevy::settings::{Execution, HullwrightSettings};
+use crate::bevy::status::{DecompositionCounters, DecompositionStatus, HullSource};
+use crate::bevy::task::{
+    BuiltCollider, DecompositionTask, SharedProgress, TaskInput, contain_panics,
 };
 
-/// Steps of progress that a status shows: smaller ones are not worth a change.
-const PROGRESS_STEP: f32 = 0.01;
-
-/// Takes the results of finished jobs, and shows the progress of the others.
-pub(super) fn finish_jobs(
-    mut work: ResMut<Work>,
-    mut counters: ResMut<DecompositionCounters>,
-    settings: Res<HullwrightSettings>,
-    mut statuses: Query<&mut DecompositionStatus>,
-) {
-    let work = &mut *work;
-    work.spent = Duration::ZERO;
-    let mut budget = work.budget(&settings);
-    let mut index = 0;
-    while let Some(job) = work.jobs.get_mut(index) {
-        if let Some(result) = result_of(job, &mut budget) {
-            let job = work.jobs.remove(index);
-            take_result(work, &mut counters, job, result, &mut statuses);
-        } else {
-            show_progress(job, &mut statuses);
-            index += 1;
-        }
-    }
-    work.spend(&budget);
-}
-
-fn result_of(job: &mut Job, budget: &mut Budget) -> Option<Result<Outcome, DecompositionFailure>> {
-    match &mut job.worker {
-        Worker::Thread(task) => {
-            if task.is_finished() {
-                block_on(poll_once(task))
-            } else {
-                None
-            }
-        }
-        Worker::Slices(machine) => {
-            while budget.allows_one() {
-                let result = machine.step(&job.control).transpose();
-                if result.is_some() {
-                    return result;
-                }
-            }
-            None
-        }
-    }
-}
-
-fn show_progress(job: &mut Job, statuses: &mut Query<&mut DecompositionStatus>) {
-    let progress = job.progress.get();
-    if progress < job.shown_progress + PROGRESS_STEP {
-        return;
-    }
-    job.shown_progress = progress;
-    for entity in &job.entities {
-        if let Ok(mut status) = statuses.get_mut(*entity) {
-            *status = DecompositionStatus::Running { progress };
-        }
-    }
-}
-
-fn take_result(
-    work: &mut Work,
-    counters: &mut DecompositionCounters,
-    job: Job,
-    result: Result<Outcome, DecompositionFailure>,
-    statuses: &mut Query<&mut DecompositionStatus>,
-) {
-    match result {
-        Ok(Outcome::Made(made)) => {
-            if let (Origin::Decomposed, Material::Hulls(file)) = (made.origin, &*made.material) {
-                counters.decomposed += 1;
-                let share = |length: f64| (length / file.diagonal) as f32;
-                counters.last_bound = file.bound.map(share);
-                counters.last_phantom = file.verified.map(|errors| share(errors.phantom_max));
-            }
-            work.known.insert(job.source.clone(), Ok(made.content));
-            for (place, entity) in job.entities.into_iter().enumerate() {
-                let ask = work.requests.get(&entity).and_then(|request| request.ask.clone());
-                let Some(ask) = ask else { continue };
-                let is_other = place > 0 && made.origin == Origin::Decomposed;
-                let origin = if is_other { Origin::Shared } else { made.origin };
-                work.deliveries.push_back(Delivery {
-                    entity,
-                    ask,
-                    made: Made { origin, ..made.clone() },
-                });
-            }
-        }
-        Ok(Outcome::InWork(content)) => {
-            work.known.insert(job.source.clone(), Ok(content));
-            for entity in job.entities {
-                if let Some(request) = work.requests.get_mut(&entity) {
-                    request.is_running = false;
-                    work.queue.push(entity);
-                }
-                if let Ok(mut status) = statuses.get_mut(entity) {
-                    *status = DecompositionStatus::Waiting(Wait::InQueue);
-                }
-            }
-        }
-        Err(failure) => fail(work, &job.source, &job.entities, failure),
-    }
-}
-
-fn fail(
-    work: &mut Work,
-    source: &std::sync::Arc<SourceId>,
-    entities: &[Entity],
-    failure: DecompositionFailure,
-) {
-    // A scale that flattens is no fault of the mesh, and what is not there may yet come.
-    if !matches!(failure, DecompositionFailure::Collider(_) | DecompositionFailure::NotLoaded) {
-        work.known.insert(source.clone(), Err(failure.clone()));
-    }
-    let of = |entity: &Entity| Failure { entity: *entity, why: failure.clone(), is_known: false };
-    work.failures.extend(entities.iter().map(of));
-}
-
-/// Begins jobs for those in the queue, the nearest to a focus first, as far as jobs and time
+/// Starts jobs for those in the queue, the nearest to a focus first, as far as jobs and time
 /// allow.
-pub(super) fn start_jobs(
-    mut work: ResMut<Work>,
+pub fn start_jobs(
+    mut queue: ResMut<WorkQueue>,
     mut counters: ResMut<DecompositionCounters>,
     settings: Res<HullwrightSettings>,
-    library: Res<Library>,
-    scene: Scene,
-    near: Near,
+    sources: Sources,
+    priority: Priority,
     mut statuses: Query<&mut DecompositionStatus>,
 ) {
-    let work = &mut *work;
-    let mut budget = work.budget(&settings);
+    let queue = &mut *queue;
+    let mut budget = queue.frame_time.budget(&settings);
     let most = most_jobs(&settings);
-    if !work.queue.is_empty() {
-        if work.jobs.len() < most {
-            near.sort(&mut work.queue);
-        }
-        let mut begun = EntityHashSet::default();
-        for index in 0..work.queue.len() {
-            let entity = work.queue[index];
-            let ask = work.requests.get(&entity).and_then(|request| request.ask.clone());
-            let Some(ask) = ask else {
-                begun.insert(entity);
-                continue;
-            };
-            let is_begun = match place_for(work, &library, &ask) {
-                Place::Later => false,
-                Place::Join(job) => {
-                    work.jobs[job].entities.push(entity);
-                    true
-                }
-                Place::Ready(made) => {
-                    work.deliveries.push_back(Delivery { entity, ask, made });
-                    begun.insert(entity);
-                    continue;
-                }
-                Place::Failed(why) => {
-                    work.failures.push(Failure { entity, why, is_known: true });
-                    begun.insert(entity);
-                    continue;
-                }
-                Place::New if work.jobs.len() >= most || !budget.allows_one() => false,
-                Place::New => {
-                    match task_for(work, &library, &ask, &scene) {
-                        Ok(task) => begin(work, &settings, &library, entity, &ask, task),
-                        Err(failure) => fail(work, &ask.source, &[entity], failure),
-                    }
-                    true
-                }
-            };
-            if is_begun {
-                begun.insert(entity);
-                if let Some(request) = work.requests.get_mut(&entity) {
-                    request.is_running = true;
+    if queue.jobs.len() < most {
+        priority.sort(&mut queue.to_start);
+    }
+    let mut left = EntityHashSet::default();
+    for index in 0..queue.to_start.len() {
+        let Some(&entity) = queue.to_start.get(index) else { break };
+        match start(queue, &settings, &sources, entity, most, &mut budget) {
+            Started::Waits => {}
+            Started::Ended => {
+                left.insert(entity);
+            }
+            Started::Runs => {
+                left.insert(entity);
+                if let Some(unfinished) = queue.unfinished.get_mut(&entity) {
+                    unfinished.is_running = true;
                 }
                 if let Ok(mut status) = statuses.get_mut(entity) {
                     *status = DecompositionStatus::Running { progress: 0.0 };
                 }
             }
         }
-        work.queue.retain(|entity| !begun.contains(entity));
     }
-    work.spend(&budget);
-    if !work.is_idle() || counters.running + counters.queued + counters.waiting_for_mesh > 0 {
-        counters.running = work.jobs.len();
-        counters.queued = work.queue.len();
-        counters.waiting_for_mesh = work.to_resolve.len();
-        (counters.cached, counters.cached_bytes) = library.size();
+    queue.to_start.retain(|entity| !left.contains(entity));
+    queue.frame_time.spend(&budget);
+    if !queue.is_idle() || !counters.show_idle() {
+        counters.running = queue.jobs.len();
+        counters.queued = queue.to_start.len();
+        counters.waiting_for_mesh = queue.to_resolve.len();
+        (counters.cached, counters.cached_bytes) = sources.cache.size();
     }
 }
 
@@ -219,164 +76,150 @@ fn most_jobs(settings: &HullwrightSettings) -> usize {
     }
 }
 
-/// Bevy's task pool plugin makes it; without that plugin it is made here.
-pub(super) fn pool() -> &'static AsyncComputeTaskPool {
-    AsyncComputeTaskPool::get_or_init(TaskPool::default)
+/// What became of an entity in the queue.
+enum Started {
+    /// It stays in the queue.
+    Waits,
+    /// A job is at work on it.
+    Runs,
+    /// It has a result or an error, or nothing to wait for.
+    Ended,
 }
 
-enum Place {
-    Join(usize),
-    Ready(Made),
-    /// Others that wanted the same failed.
-    Failed(DecompositionFailure),
-    New,
-    /// Another job is at work on the same input.
-    Later,
-}
-
-fn place_for(work: &Work, library: &Library, ask: &Ask) -> Place {
-    let map = ask.map_key();
-    let same_source = |job: &Job| job.source == ask.source;
-    if let Some(job) = work.jobs.iter().position(|job| same_source(job) && job.map == map) {
-        return Place::Join(job);
-    }
-    match work.known.get(&ask.source) {
-        Some(Err(failure)) => Place::Failed(failure.clone()),
-        Some(Ok(content)) => {
-            if let Some((material, shape)) = library.shape(*content, map) {
-                let origin = Origin::Shared;
-                return Place::Ready(Made { content: *content, material, shape, origin });
-            }
-            let is_there = library.material(*content).is_some();
-            if !is_there && library.is_claimed(*content) { Place::Later } else { Place::New }
-        }
-        _ if work.jobs.iter().any(same_source) => Place::Later,
-        _ => Place::New,
-    }
-}
-
-fn task_for(
-    work: &Work,
-    library: &Library,
-    ask: &Ask,
-    scene: &Scene,
-) -> Result<Task, DecompositionFailure> {
-    if let SourceId::Baked(id) = *ask.source {
-        return baked_task(id, library, scene);
-    }
-    if let Some(Ok(content)) = work.known.get(&ask.source)
-        && let Some(material) = library.material(*content)
-    {
-        return Ok(Task::Shape { content: *content, material, origin: Origin::Shared });
-    }
-    let data = read_parts(&ask.parts, &ask.before, scene.meshes())?;
-    Ok(Task::Mesh { data, parameters: ask.parameters.clone() })
-}
-
-fn baked_task(
-    id: AssetId<BakedHulls>,
-    library: &Library,
-    scene: &Scene,
-) -> Result<Task, DecompositionFailure> {
-    let content = Content::Baked(id);
-    let material = library.material(content).or_else(|| scene.baked_material(id));
-    let material = material.ok_or(DecompositionFailure::NotLoaded)?;
-    Ok(Task::Shape { content, material, origin: Origin::Baked })
-}
-
-fn begin(
-    work: &mut Work,
+fn start(
+    queue: &mut WorkQueue,
     settings: &HullwrightSettings,
-    library: &Library,
+    sources: &Sources,
     entity: Entity,
-    ask: &Ask,
-    task: Task,
-) {
-    let progress = ProgressCell::default();
+    most: usize,
+    budget: &mut Budget,
+) -> Started {
+    let Some(request) = queue.request(entity).cloned() else { return Started::Ended };
+    match next_step(queue, &sources.cache, &request) {
+        NextStep::Wait => Started::Waits,
+        NextStep::Join(job) => {
+            if let Some(job) = queue.jobs.get_mut(job) {
+                job.entities.push(entity);
+            }
+            Started::Runs
+        }
+        NextStep::Complete(built) => {
+            queue.completed.push_back(Completed { entity, request, built });
+            Started::Ended
+        }
+        NextStep::Fail(error) => {
+            queue.failed.push(Failed { entity, error, is_known: true });
+            Started::Ended
+        }
+        NextStep::StartJob if queue.jobs.len() >= most || !budget.allows_one() => Started::Waits,
+        NextStep::StartJob => {
+            match sources.task_input(queue, &request) {
+                Ok(input) => {
+                    let job = job(settings, &sources.cache, entity, &request, input);
+                    queue.jobs.push(job);
+                }
+                Err(error) => queue.fail(&request.input, &[entity], error),
+            }
+            Started::Runs
+        }
+    }
+}
+
+enum NextStep {
+    /// A job with this number makes the same.
+    Join(usize),
+    Complete(BuiltCollider),
+    /// The same input failed before.
+    Fail(DecompositionError),
+    StartJob,
+    /// Another job is at work on the same input.
+    Wait,
+}
+
+fn next_step(queue: &WorkQueue, cache: &GeometryCache, request: &ColliderRequest) -> NextStep {
+    let map = request.map_key();
+    let has_same_input = |job: &Job| job.input == request.input;
+    if let Some(job) = queue.jobs.iter().position(|job| has_same_input(job) && job.map == map) {
+        return NextStep::Join(job);
+    }
+    match queue.known.get(&request.input) {
+        Some(Err(error)) => NextStep::Fail(error.clone()),
+        Some(Ok(key)) => {
+            if let Some((geometry, shape)) = cache.shape(*key, map) {
+                let source = HullSource::Shared;
+                return NextStep::Complete(BuiltCollider { key: *key, geometry, shape, source });
+            }
+            let is_there = cache.geometry(*key).is_some();
+            if !is_there && cache.is_claimed(*key) { NextStep::Wait } else { NextStep::StartJob }
+        }
+        None if queue.jobs.iter().any(has_same_input) => NextStep::Wait,
+        None => NextStep::StartJob,
+    }
+}
+
+fn job(
+    settings: &HullwrightSettings,
+    cache: &GeometryCache,
+    entity: Entity,
+    request: &ColliderRequest,
+    input: TaskInput,
+) -> Job {
+    let progress = SharedProgress::default();
     let control = progress.control();
-    let cache = settings.disk_cache.clone();
-    let machine = Machine::new(task, ask.map, library.clone(), settings.cache_bytes, cache);
+    let task = DecompositionTask::new(input, request.map, cache.clone(), settings);
     let worker = match settings.execution {
-        Execution::Slices => Worker::Slices(Box::new(machine)),
+        Execution::Slices => Worker::Slices(Box::new(task)),
         Execution::Background => {
             let control = control.clone();
-            let run = move || machine.run(&control);
-            Worker::Thread(pool().spawn(async move { catch_defects(run) }))
+            let run = move || task.run(&control);
+            Worker::Background(pool().spawn(async move { contain_panics(run) }))
         }
     };
-    work.jobs.push(Job {
-        source: ask.source.clone(),
-        map: ask.map_key(),
+    Job {
+        input: request.input.clone(),
+        map: request.map_key(),
         entities: vec![entity],
         control,
         progress,
         shown_progress: 0.0,
         worker,
-    });
+    }
 }
 
-/// A defect of ours shall cost a collider, not the game.
-fn catch_defects(
-    run: impl FnOnce() -> Result<Outcome, DecompositionFailure>,
-) -> Result<Outcome, DecompositionFailure> {
-    std::panic::catch_unwind(std::panic::AssertUnwindSafe(run))
-        .unwrap_or(Err(DecompositionFailure::Lost))
-}
-
-/// What the queue is sorted by.
+/// What jobs are made from.
 #[derive(SystemParam)]
-pub(super) struct Near<'w, 's> {
-    focuses: Query<'w, 's, Entity, With<DecompositionFocus>>,
-    places: TransformHelper<'w, 's>,
+pub struct Sources<'w> {
+    cache: Res<'w, GeometryCache>,
+    meshes: Res<'w, Assets<Mesh>>,
+    baked: Res<'w, Assets<BakedHulls>>,
 }
 
-impl Near<'_, '_> {
-    /// Stable, so that without a focus those that came first go first. What has no place goes last.
-    fn sort(&self, queue: &mut [Entity]) {
-        // Also in the frame in which they are spawned, when `GlobalTransform` is not known yet.
-        let place = |entity| Some(self.places.compute_global_transform(entity).ok()?.translation());
-        let focuses: Vec<Vec3> = self.focuses.iter().filter_map(place).collect();
-        if focuses.is_empty() {
-            return;
+impl Sources<'_> {
+    fn task_input(
+        &self,
+        queue: &WorkQueue,
+        request: &ColliderRequest,
+    ) -> Result<TaskInput, DecompositionError> {
+        if let InputId::Baked(id) = *request.input {
+            return self.baked_input(id);
         }
-        let distance = |place: Vec3| {
-            focuses.iter().map(|focus| focus.distance_squared(place)).fold(f32::INFINITY, f32::min)
+        if let Some(Ok(key)) = queue.known.get(&request.input)
+            && let Some(geometry) = self.cache.geometry(*key)
+        {
+            return Ok(TaskInput::Geometry { key: *key, geometry, source: HullSource::Shared });
+        }
+        let data = read_parts(&request.parts, &request.map_before, &self.meshes)?;
+        Ok(TaskInput::Mesh { data, parameters: request.parameters.clone() })
+    }
+
+    fn baked_input(&self, id: AssetId<BakedHulls>) -> Result<TaskInput, DecompositionError> {
+        let key = ContentKey::Baked(id);
+        let of_asset = || {
+            let BakedHulls(file) = self.baked.get(id)?;
+            Some(Arc::new(ColliderGeometry::Hulls(Box::new(file.clone()))))
         };
-        queue.sort_by_cached_key(|entity| Nearness(place(*entity).map_or(f32::INFINITY, distance)));
-    }
-}
-
-#[derive(PartialEq)]
-struct Nearness(f32);
-
-impl Eq for Nearness {}
-
-impl PartialOrd for Nearness {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Nearness {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.0.total_cmp(&other.0)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_job_that_panics_is_lost_and_says_so() {
-        let result = catch_defects(|| panic!("on purpose, in a test"));
-        assert!(matches!(result, Err(DecompositionFailure::Lost)));
-        assert!(DecompositionFailure::Lost.to_string().contains("without a result"));
-    }
-
-    #[test]
-    fn a_job_that_fails_says_why() {
-        let result = catch_defects(|| Err(DecompositionFailure::NoPositions));
-        assert!(matches!(result, Err(DecompositionFailure::NoPositions)));
+        let geometry = self.cache.geometry(key).or_else(of_asset);
+        let geometry = geometry.ok_or(DecompositionError::NotLoaded)?;
+        Ok(TaskInput::Geometry { key, geometry, source: HullSource::Baked })
     }
 }
