@@ -1,20 +1,13 @@
-//! A mug falls, and is a mug: `cargo run --release --example minimal --features window`.
-//! Space shows and hides the hulls.
-
-mod window;
+//! A mug falls, and is a mug: `cargo window minimal`.
 
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
 use hullwright::bevy::prelude::*;
+use hullwright_demos::Stage;
 
 fn main() -> AppExit {
     App::new()
-        .add_plugins((
-            DefaultPlugins,
-            RapierPhysicsPlugin::<NoUserData>::default(),
-            HullwrightPlugin::default(),
-            window::Stage { size: 3.0 },
-        ))
+        .add_plugins((hullwright_demos::plugins(), Stage { size: 3.0 }))
         .add_systems(Startup, setup)
         .run()
 }

@@ -1,9 +1,10 @@
-//! What the examples with a window share: a floor, a light, a camera, and `--screenshot FILE`,
-//! which writes a picture once all bodies have come to rest, and ends; with an error if there is
-//! nothing to be seen.
+//! The stage that the demos share: plugins, a floor, a light, a camera, and `--screenshot FILE`,
+//! which writes a picture once all bodies have come to rest, and ends; with an error if the picture
+//! is empty. Space shows and hides the hulls.
 
 use std::collections::HashSet;
 
+use bevy::app::PluginGroupBuilder;
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured, save_to_disk};
@@ -14,7 +15,7 @@ use hullwright::bevy::{HullwrightDebug, HullwrightDebugPlugin};
 /// Frames from the last collider to the picture: two seconds of falling.
 const FRAMES_TO_REST: usize = 120;
 
-/// Light and shadow on the emptiest floor give some hundreds.
+/// A picture of nothing has one colour; light and shadow on an empty floor give some hundreds.
 const FEWEST_COLOURS: usize = 50;
 
 /// Bytes of a pixel of a screenshot.
@@ -31,15 +32,35 @@ struct Picture {
     frames: usize,
 }
 
+/// The bundled models, wherever the demo is started.
+const ASSETS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets");
+
+/// Bevy with a window and the bundled models, Rapier and Hullwright.
+pub fn plugins() -> impl PluginGroup {
+    DemoPlugins
+}
+
+struct DemoPlugins;
+
+impl PluginGroup for DemoPlugins {
+    fn build(self) -> PluginGroupBuilder {
+        DefaultPlugins
+            .set(AssetPlugin { file_path: ASSETS.into(), ..default() })
+            .add(RapierPhysicsPlugin::<NoUserData>::default())
+            .add(HullwrightPlugin::default())
+            .add(HullwrightDebugPlugin)
+    }
+}
+
+/// The floor, the light, the camera and the keys.
 pub struct Stage {
-    /// Width of what is to be seen, in metres.
+    /// Width of the scene, in metres.
     pub size: f32,
 }
 
 impl Plugin for Stage {
     fn build(&self, app: &mut App) {
-        app.add_plugins(HullwrightDebugPlugin)
-            .insert_resource(SceneSize(self.size))
+        app.insert_resource(SceneSize(self.size))
             .add_systems(Startup, set_up)
             .add_systems(Update, (toggle_hulls, take_picture.run_if(resource_exists::<Picture>)));
         let mut arguments = std::env::args().skip_while(|argument| argument != "--screenshot");
@@ -90,12 +111,12 @@ fn take_picture(
             .spawn(Screenshot::primary_window())
             .observe(save_to_disk(picture.path.clone()))
             .observe(|picture: On<ScreenshotCaptured>, mut exit: MessageWriter<AppExit>| {
-                exit.write(verdict(&picture.image));
+                exit.write(judge(&picture.image));
             });
     }
 }
 
-fn verdict(picture: &Image) -> AppExit {
+fn judge(picture: &Image) -> AppExit {
     let pixels = picture.data.iter().flat_map(|data| data.chunks_exact(PIXEL));
     let colours = pixels.collect::<HashSet<_>>().len();
     println!("{} × {} pixels of {colours} colours", picture.width(), picture.height());

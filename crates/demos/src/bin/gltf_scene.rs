@@ -1,12 +1,11 @@
-//! A scene as an artist hands it over: `props.glb` says itself what becomes a collider, by the name
-//! `mug-convcol`, by `UCX_table_…`, by an extra on the lamp; the leaf has no tag and no collider:
-//! `cargo run --release --example gltf_scene --features window`. Space shows and hides the hulls.
-
-mod window;
+//! A scene with an artist's tags: in `props.glb` the name `mug-convcol`, the pieces `UCX_table_…` and
+//! an extra on the lamp ask for colliders; the leaf has no tag and no collider:
+//! `cargo window gltf_scene`.
 
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
 use hullwright::bevy::prelude::*;
+use hullwright_demos::Stage;
 
 /// How high each copy of the scene starts, and how far it is tipped over, in radians.
 const COPIES: [(f32, f32); 2] = [(0.3, 0.0), (1.4, 0.6)];
@@ -16,12 +15,7 @@ const PIECE: &str = "UCX_";
 
 fn main() -> AppExit {
     App::new()
-        .add_plugins((
-            DefaultPlugins,
-            RapierPhysicsPlugin::<NoUserData>::default(),
-            HullwrightPlugin::default(),
-            window::Stage { size: 3.0 },
-        ))
+        .add_plugins((hullwright_demos::plugins(), Stage { size: 3.0 }))
         .add_systems(Startup, setup)
         .add_systems(Update, make_bodies)
         .add_observer(on_ready)
