@@ -42,6 +42,7 @@
 //! | `bevy` (feature) | the plugin for Bevy 0.20 with bevy_rapier3d 0.37 | – |
 //! | `picture` (feature `io`) | draws meshes and hulls into a PNG, without a GPU | – |
 
+#[cfg(feature = "fs")]
 mod atomic_write;
 #[cfg(feature = "bevy")]
 pub mod bevy;
@@ -75,17 +76,21 @@ mod surface;
 pub use control::{Control, Progress, Stage};
 pub use decompose::{Decomposer, decompose};
 pub use decomposition::{
-    ALGORITHM_VERSION, BoundedReport, Decomposition, GroupedMesh, Hull, Repairs, Report,
-    ResolutionOutcome, ResolutionReport, StageTime, SurfaceReport, ThresholdOutcome,
+    ALGORITHM_VERSION, BoundedReport, Decomposition, GroupedMesh, Hull, HullErrors, Provenance,
+    Report, ResolutionOutcome, ResolutionReport, StageTime, SurfaceReport, ThresholdOutcome,
     ThresholdReport,
 };
-pub use error::Error;
-pub use geometry::{Bounds, Coordinate};
+pub use error::{Error, FileError};
+pub use geometry::{Bounds, Coordinate, MeshView, Sidedness, TriangleMesh};
+pub use hull::{ConvexHull, SinglePrecisionHull, convex_hull};
 pub use inspect::{Inspection, inspect};
 #[cfg(feature = "nalgebra")]
 pub use mass::PrincipalInertia;
 pub use mass::{MassProperties, MassSource, mass_properties};
 pub use merge_tree::{CurvePoint, MergeTree};
-pub use parameters::{BoundedParameters, Method, Parameters, Preset, SurfaceParameters, Unit};
+pub use mesh::repair::Repairs;
+pub use parameters::{
+    BoundedParameters, Length, Method, Parameters, ParseError, Preset, SurfaceParameters,
+};
 #[cfg(feature = "rapier")]
 pub use rapier::ColliderError;

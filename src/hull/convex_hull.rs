@@ -1,12 +1,12 @@
 //! A convex polyhedron, and what can be asked of it.
 
 use crate::error::Error;
-use crate::geometry::Bounds;
 use crate::geometry::vector::{
     Vector, area_normal, cross, dot, length, maximum, minimum, scale, subtract,
 };
+use crate::geometry::{Bounds, MeshView};
 
-use super::{HullBuilder, Shape};
+use super::{HullBuilder, Shape, SinglePrecisionHull, single_precision};
 
 /// A closed convex polyhedron of triangles, wound counter-clockwise seen from outside.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -42,7 +42,37 @@ impl From<(Vec<[f64; 3]>, Vec<[u32; 3]>)> for ConvexHull {
     }
 }
 
+impl<'a> From<&'a ConvexHull> for MeshView<'a> {
+    fn from(hull: &'a ConvexHull) -> Self {
+        Self::new(&hull.points, &hull.triangles)
+    }
+}
+
 impl ConvexHull {
+    /// The vertices as any type of point that is made from an array, such as those of glam, mint
+    /// and nalgebra, in single precision: rounded, and so convex only up to rounding.
+    ///
+    /// ```
+    /// # fn main() -> Result<(), hullwright::Error> {
+    /// let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    /// let corners: Vec<glam::Vec3> = hullwright::convex_hull(&points)?.points_as().collect();
+    /// assert!(corners.contains(&glam::Vec3::X));
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn points_as<P: From<[f32; 3]>>(&self) -> impl ExactSizeIterator<Item = P> + '_ {
+        self.points.iter().map(|point| P::from(point.map(|x| x as f32)))
+    }
+
+    /// Vertices and triangles in single precision, as physics engines want them: the hull of the
+    /// rounded vertices, so that it is convex and has volume as it stands. O(n log n).
+    ///
+    /// # Errors
+    /// [`Error::NoHull`] if a coordinate is beyond the range of `f32`.
+    pub fn to_single_precision(&self) -> Result<SinglePrecisionHull, Error> {
+        single_precision(&self.points, &mut HullBuilder::new())
+    }
+
     /// The corners of each triangle. Triangles with an index out of range are left out.
     pub fn corners(&self) -> impl Iterator<Item = [[f64; 3]; 3]> + '_ {
         self.triangles.iter().filter_map(|triangle| {

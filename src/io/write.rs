@@ -2,10 +2,9 @@
 
 use std::path::Path;
 
-use super::{HullMesh, file_error};
 use crate::atomic_write;
-use crate::decomposition::Hull;
 use crate::error::Error;
+use crate::geometry::MeshView;
 
 use super::write_glb::glb_from_hulls;
 use super::write_obj::obj_from_hulls;
@@ -32,27 +31,6 @@ impl HullFormat {
     }
 }
 
-/// The surface of a hull that is to be written.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct HullSurface<'a> {
-    /// Vertices.
-    pub points: &'a [[f64; 3]],
-    /// Triangles; each index is below the number of points.
-    pub triangles: &'a [[u32; 3]],
-}
-
-impl<'a> From<&'a Hull> for HullSurface<'a> {
-    fn from(hull: &'a Hull) -> Self {
-        Self { points: &hull.points, triangles: &hull.triangles }
-    }
-}
-
-impl<'a> From<&'a HullMesh> for HullSurface<'a> {
-    fn from(hull: &'a HullMesh) -> Self {
-        Self { points: &hull.positions, triangles: &hull.triangles }
-    }
-}
-
 /// Writes hulls to a file, for example `write_hulls(path, &decomposition.hulls)`. A file that is
 /// already there is replaced; if anything goes wrong it stays as it was.
 ///
@@ -67,16 +45,16 @@ impl<'a> From<&'a HullMesh> for HullSurface<'a> {
 /// # Errors
 /// [`Error::File`] if the suffix is another, if the directory does not exist, or if writing
 /// fails.
-pub fn write_hulls<'a, H: Into<HullSurface<'a>>>(
+pub fn write_hulls<'a, H: Into<MeshView<'a>>>(
     path: impl AsRef<Path>,
     hulls: impl IntoIterator<Item = H>,
 ) -> Result<(), Error> {
     let path = path.as_ref();
     let bytes = match output_format(path)? {
         HullFormat::Obj => obj_from_hulls(hulls).into_bytes(),
-        HullFormat::Glb => glb_from_hulls(hulls).map_err(|reason| file_error(path, reason))?,
+        HullFormat::Glb => glb_from_hulls(hulls).map_err(|reason| Error::file(path, reason))?,
     };
-    atomic_write::write(path, &bytes).map_err(|error| file_error(path, error.to_string()))
+    atomic_write::write(path, &bytes).map_err(|error| Error::file(path, error))
 }
 
 /// Checks what [`write_hulls`] or [`HullsFile::write`](crate::hulls_format::HullsFile::write) would
@@ -87,7 +65,7 @@ pub fn write_hulls<'a, H: Into<HullSurface<'a>>>(
 /// exist.
 pub fn check_output(path: impl AsRef<Path>) -> Result<(), Error> {
     let path = path.as_ref();
-    if !super::is_hulls_format(path) {
+    if !super::is_hulls_file(path) {
         output_format(path)?;
     }
     let directory = atomic_write::directory(path);
@@ -95,11 +73,11 @@ pub fn check_output(path: impl AsRef<Path>) -> Result<(), Error> {
         Ok(())
     } else {
         let reason = format!("the directory `{}` does not exist", directory.display());
-        Err(file_error(path, reason))
+        Err(Error::file(path, reason))
     }
 }
 
 fn output_format(path: &Path) -> Result<HullFormat, Error> {
     HullFormat::from_path(path)
-        .ok_or_else(|| file_error(path, "hulls can be written as .obj or .glb".into()))
+        .ok_or_else(|| Error::file(path, "hulls can be written as .obj or .glb".to_owned()))
 }

@@ -24,7 +24,7 @@ pub use principal::PrincipalInertia;
 use crate::control::Control;
 use crate::decomposition::Hull;
 use crate::error::Error;
-use crate::geometry::Coordinate;
+use crate::geometry::MeshView;
 use crate::geometry::vector::Vector;
 use crate::hull::{HullBuilder, solid_hull};
 use crate::mesh::repair::prepare;
@@ -33,6 +33,7 @@ use crate::mesh::{Normalization, PreparedMesh};
 /// What mass properties were computed from.
 #[non_exhaustive]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum MassSource {
     /// The closed mesh, exactly.
     Mesh,
@@ -47,6 +48,7 @@ pub enum MassSource {
 /// How a rigid body resists being pushed and turned, for a uniform density.
 #[non_exhaustive]
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MassProperties {
     /// Density times volume; positive.
     pub mass: f64,
@@ -79,14 +81,13 @@ const LEAST_VOLUME: f64 = 1e-9;
 /// # Errors
 /// As [`decompose`](crate::decompose) for a mesh without any usable triangle, and
 /// [`Error::InvalidParameter`] for a density that is not positive.
-pub fn mass_properties<C: Coordinate>(
-    positions: &[[C; 3]],
-    triangles: &[[u32; 3]],
+pub fn mass_properties<'a>(
+    mesh: impl Into<MeshView<'a>>,
     hulls: &[Hull],
     density: f64,
 ) -> Result<MassProperties, Error> {
     check_density(density)?;
-    let prepared = prepare(positions, triangles, &Control::new())?;
+    let prepared = prepare(mesh.into(), &Control::new())?;
     of_prepared(&prepared, hulls, density)
 }
 
@@ -118,10 +119,11 @@ fn of_prepared(
         }
     }
     let of_hull = |hull: &Hull| {
-        let points: Vec<Vector> = hull.points.iter().map(|&p| normalization.normalize(p)).collect();
+        let points: Vec<Vector> =
+            hull.shape.points.iter().map(|&p| normalization.normalize(p)).collect();
         let corner = |vertex: u32| points.get(vertex as usize).copied();
         let corners = |[a, b, c]: [u32; 3]| Some([corner(a)?, corner(b)?, corner(c)?]);
-        hull.triangles.iter().filter_map(|&t| corners(t)).collect::<Vec<_>>()
+        hull.shape.triangles.iter().filter_map(|&t| corners(t)).collect::<Vec<_>>()
     };
     let of_hulls =
         moments_of_union(&hulls.iter().flat_map(of_hull).collect::<Vec<_>>(), RESOLUTION);
