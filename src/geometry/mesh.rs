@@ -85,6 +85,11 @@ impl<'a> MeshView<'a> {
         self.sidedness.get(triangle as usize).copied()
     }
 
+    /// For how many triangles it is known which sides are drawn.
+    pub(crate) fn sidedness_count(&self) -> usize {
+        self.sidedness.len()
+    }
+
     /// A copy that owns what it holds. O(size).
     pub fn to_owned(&self) -> TriangleMesh {
         TriangleMesh {

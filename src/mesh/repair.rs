@@ -56,7 +56,7 @@ pub struct Repairs {
 /// [`Error::NothingUsable`], [`Error::Cancelled`].
 pub(crate) fn prepare(source: MeshView<'_>, control: &Control) -> Result<PreparedMesh, Error> {
     let (vertices, triangles) = (source.vertex_count(), source.triangles());
-    validate(vertices, triangles)?;
+    validate(source)?;
     control.check()?;
     let mut repairs = Repairs::default();
 
@@ -124,7 +124,8 @@ fn nothing_usable(triangles: usize, non_finite: usize) -> Error {
     Error::NothingUsable { triangles, degenerate: triangles - non_finite, non_finite }
 }
 
-fn validate(vertices: usize, triangles: &[[u32; 3]]) -> Result<(), Error> {
+fn validate(source: MeshView<'_>) -> Result<(), Error> {
+    let (vertices, triangles) = (source.vertex_count(), source.triangles());
     if vertices == 0 || triangles.is_empty() {
         return Err(Error::EmptyMesh { vertices, triangles: triangles.len() });
     }
@@ -134,6 +135,10 @@ fn validate(vertices: usize, triangles: &[[u32; 3]]) -> Result<(), Error> {
         if count > limit {
             return Err(Error::TooLarge { what, count, limit });
         }
+    }
+    let sidedness = source.sidedness_count();
+    if sidedness != 0 && sidedness != triangles.len() {
+        return Err(Error::SidednessCount { sidedness, triangles: triangles.len() });
     }
     for (t, triangle) in triangles.iter().enumerate() {
         if let Some(&index) = triangle.iter().find(|&&index| index as usize >= vertices) {
@@ -266,6 +271,19 @@ mod tests {
             refused(&[[0.0; 3]], &[]).to_string(),
             "the mesh is empty: 1 vertices, 0 triangles"
         );
+    }
+
+    #[test]
+    fn a_sidedness_is_given_for_all_triangles_or_for_none() {
+        let cube = cube();
+        let of = |count| vec![crate::geometry::Sidedness::Two; count];
+        let refused = |sidedness: &[_]| {
+            prepare(cube.view().with_sidedness(sidedness), &Control::new()).expect_err("too few")
+        };
+        assert_eq!(refused(&of(3)), Error::SidednessCount { sidedness: 3, triangles: 12 });
+        let all = of(12);
+        let known = prepare(cube.view().with_sidedness(&all), &Control::new());
+        assert_eq!(known, Ok(repaired(&cube)));
     }
 
     #[test]
