@@ -102,6 +102,13 @@ impl Control {
 
     /// Calls `listener` whenever the work has come further. It may be called from any thread of
     /// the pool, and should return at once.
+    ///
+    /// ```
+    /// let control = hullwright::Control::new().with_progress(|progress| {
+    ///     assert!((0.0..=1.0).contains(&progress.fraction));
+    /// });
+    /// # drop(control);
+    /// ```
     #[must_use]
     pub fn with_progress(mut self, listener: impl Fn(Progress) + Send + Sync + 'static) -> Self {
         self.listener = Some(Arc::new(listener));
@@ -113,6 +120,13 @@ impl Control {
     ///
     /// In a browser, where [`std::time::Instant`] panics, it is an `Instant` of the crate
     /// `web-time` 1, which is also that of `bevy::platform::time`.
+    ///
+    /// ```
+    /// use std::time::{Duration, Instant};
+    ///
+    /// let control = hullwright::Control::new().with_deadline(Instant::now() + Duration::from_secs(60));
+    /// assert!(!control.is_past_deadline());
+    /// ```
     #[must_use]
     pub fn with_deadline(mut self, deadline: Instant) -> Self {
         self.deadline = Some(deadline);
@@ -138,6 +152,12 @@ impl Control {
     }
 
     /// Asks the work to stop. It returns [`Error::Cancelled`] soon after. Works on every clone.
+    ///
+    /// ```
+    /// let control = hullwright::Control::new();
+    /// control.clone().cancel();
+    /// assert!(control.is_cancelled());
+    /// ```
     pub fn cancel(&self) {
         self.cancelled.store(true, Ordering::Relaxed);
     }

@@ -55,6 +55,25 @@ pub fn decompose<'a>(
 
 /// The same work as [`decompose`], in slices, for where a background task is still the main
 /// thread. A slice is a stage, or one resolution or one threshold of the paper's method.
+///
+/// ```
+/// # let mesh = hullwright::TriangleMesh::new(
+/// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+/// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+/// # );
+/// use hullwright::{Control, Decomposer, Parameters};
+///
+/// let control = Control::new();
+/// let mut decomposer = Decomposer::new(&mesh, &Parameters::default())?;
+/// let decomposition = loop {
+///     // Here a frame may be drawn.
+///     if let Some(decomposition) = decomposer.step(&control)? {
+///         break decomposition;
+///     }
+/// };
+/// assert_eq!(decomposition.hulls.len(), 1);
+/// # Ok::<(), hullwright::Error>(())
+/// ```
 pub struct Decomposer {
     source: TriangleMesh,
     parameters: Parameters,

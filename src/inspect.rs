@@ -49,6 +49,17 @@ impl Inspection {
 /// # Errors
 /// As [`decompose`](crate::decompose) for a mesh that is empty, too large or without any usable
 /// triangle, or has an index out of range.
+///
+/// ```
+/// # let mesh = hullwright::TriangleMesh::new(
+/// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+/// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+/// # );
+/// let found = hullwright::inspect(&mesh)?;
+/// assert!(found.is_closed());
+/// assert_eq!((found.triangles, found.components), (4, 1));
+/// # Ok::<(), hullwright::Error>(())
+/// ```
 pub fn inspect<'a>(mesh: impl Into<MeshView<'a>>) -> Result<Inspection, Error> {
     let source = mesh.into();
     let prepared = prepare(source, &Control::new())?;

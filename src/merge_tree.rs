@@ -117,12 +117,36 @@ impl MergeTree {
 
     /// All states, from the decomposition's hulls down to one. The number of hulls falls from one
     /// to the next, the error never does.
+    ///
+    /// ```
+    /// # let mesh = hullwright::TriangleMesh::new(
+    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+    /// # );
+    /// # let (parameters, control) = (hullwright::Parameters::default(), hullwright::Control::new());
+    /// # let decomposition = hullwright::decompose(&mesh, &parameters, &control)?;
+    /// let tree = hullwright::MergeTree::new(&mesh, &decomposition, &parameters, &control)?;
+    /// assert_eq!(tree.curve()[0].hulls, decomposition.hulls.len());
+    /// # Ok::<(), hullwright::Error>(())
+    /// ```
     pub fn curve(&self) -> Vec<CurvePoint> {
         (0..=self.merging.joins()).map(|joins| self.point(joins)).collect()
     }
 
     /// The hulls of the state with at most `most` hulls: `most`, or all there are, or one if
     /// `most` is 0.
+    ///
+    /// ```
+    /// # let mesh = hullwright::TriangleMesh::new(
+    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+    /// # );
+    /// # let (parameters, control) = (hullwright::Parameters::default(), hullwright::Control::new());
+    /// # let decomposition = hullwright::decompose(&mesh, &parameters, &control)?;
+    /// let tree = hullwright::MergeTree::new(&mesh, &decomposition, &parameters, &control)?;
+    /// assert_eq!(tree.at_hulls(1).len(), 1);
+    /// # Ok::<(), hullwright::Error>(())
+    /// ```
     pub fn at_hulls(&self, most: usize) -> Vec<Hull> {
         let joins = self.leaves.len().saturating_sub(most.max(1));
         self.merging.hulls(joins, &self.leaves)
@@ -130,6 +154,18 @@ impl MergeTree {
 
     /// The fewest hulls whose error, in units, is at most `error`; the decomposition's own hulls
     /// if theirs is larger already.
+    ///
+    /// ```
+    /// # let mesh = hullwright::TriangleMesh::new(
+    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+    /// # );
+    /// # let (parameters, control) = (hullwright::Parameters::default(), hullwright::Control::new());
+    /// # let decomposition = hullwright::decompose(&mesh, &parameters, &control)?;
+    /// let tree = hullwright::MergeTree::new(&mesh, &decomposition, &parameters, &control)?;
+    /// assert_eq!(tree.at_error(1.0).len(), 1);
+    /// # Ok::<(), hullwright::Error>(())
+    /// ```
     pub fn at_error(&self, error: f64) -> Vec<Hull> {
         let joins = (0..=self.merging.joins())
             .rev()

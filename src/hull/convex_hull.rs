@@ -25,6 +25,13 @@ pub struct ConvexHull {
 /// # Errors
 /// [`Error::NoHull`] if the points lie in a plane, on a line or on a spot up to the tolerance;
 /// [`solid_hull`](super::solid_hull) gives such points a thickness instead.
+///
+/// ```
+/// let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.1; 3]];
+/// let hull = hullwright::convex_hull(&points)?;
+/// assert_eq!((hull.points.len(), hull.triangles.len()), (4, 4));
+/// # Ok::<(), hullwright::Error>(())
+/// ```
 pub fn convex_hull(points: &[[f64; 3]]) -> Result<ConvexHull, Error> {
     let mut builder = HullBuilder::new();
     let reason = match builder.build(points) {
@@ -69,6 +76,13 @@ impl ConvexHull {
     ///
     /// # Errors
     /// [`Error::NoHull`] if a coordinate is beyond the range of `f32`.
+    ///
+    /// ```
+    /// # let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.1; 3]];
+    /// let (points, triangles) = hullwright::convex_hull(&points)?.to_single_precision()?;
+    /// assert_eq!((points.len(), triangles.len()), (4, 4));
+    /// # Ok::<(), hullwright::Error>(())
+    /// ```
     pub fn to_single_precision(&self) -> Result<SinglePrecisionHull, Error> {
         single_precision(&self.points, &mut HullBuilder::new())
     }
@@ -82,6 +96,13 @@ impl ConvexHull {
     }
 
     /// Enclosed volume, in cubed units. O(triangles).
+    ///
+    /// ```
+    /// # let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.1; 3]];
+    /// let volume = hullwright::convex_hull(&points)?.volume();
+    /// assert!((volume - 1.0 / 6.0).abs() < 1e-12);
+    /// # Ok::<(), hullwright::Error>(())
+    /// ```
     pub fn volume(&self) -> f64 {
         // Seen from a vertex, so that far from the origin no digits are lost.
         let Some(&apex) = self.points.first() else {
@@ -94,6 +115,13 @@ impl ConvexHull {
     }
 
     /// Axis-aligned bounding box; `None` without points. O(points).
+    ///
+    /// ```
+    /// # let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.1; 3]];
+    /// let bounds = hullwright::convex_hull(&points)?.bounds().expect("it has points");
+    /// assert_eq!(bounds.max, [1.0; 3]);
+    /// # Ok::<(), hullwright::Error>(())
+    /// ```
     pub fn bounds(&self) -> Option<Bounds> {
         let first = *self.points.first()?;
         let (min, max) = self

@@ -21,6 +21,12 @@ pub enum HullFormat {
 
 impl HullFormat {
     /// The format that a file name's suffix stands for, in upper or lower case.
+    ///
+    /// ```
+    /// use hullwright::io::HullFormat;
+    ///
+    /// assert_eq!(HullFormat::from_path("hulls.GLB"), Some(HullFormat::Glb));
+    /// ```
     pub fn from_path(path: impl AsRef<Path>) -> Option<Self> {
         let suffix = path.as_ref().extension()?.to_str()?.to_ascii_lowercase();
         match suffix.as_str() {
@@ -45,6 +51,19 @@ impl HullFormat {
 /// # Errors
 /// [`Error::File`] if the suffix is another, if the directory does not exist, or if writing
 /// fails.
+///
+/// ```
+/// # let mesh = hullwright::TriangleMesh::new(
+/// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+/// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+/// # );
+/// # let (parameters, control) = (hullwright::Parameters::default(), hullwright::Control::new());
+/// # let decomposition = hullwright::decompose(&mesh, &parameters, &control)?;
+/// # let directory = tempfile::tempdir().expect("a temporary directory");
+/// # let path = directory.path().join("hulls.glb");
+/// hullwright::io::write_hulls(&path, &decomposition.hulls)?;
+/// # Ok::<(), hullwright::Error>(())
+/// ```
 pub fn write_hulls<'a, H: Into<MeshView<'a>>>(
     path: impl AsRef<Path>,
     hulls: impl IntoIterator<Item = H>,
@@ -63,6 +82,11 @@ pub fn write_hulls<'a, H: Into<MeshView<'a>>>(
 /// # Errors
 /// [`Error::File`] if the suffix is none of `obj`, `glb` and `hulls` or if the directory does not
 /// exist.
+///
+/// ```
+/// assert!(hullwright::io::check_output("hulls.glb").is_ok());
+/// assert!(hullwright::io::check_output("hulls.fbx").is_err());
+/// ```
 pub fn check_output(path: impl AsRef<Path>) -> Result<(), Error> {
     let path = path.as_ref();
     if !super::is_hulls_file(path) {

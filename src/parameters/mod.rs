@@ -106,6 +106,12 @@ const LEAST_MAX_VERTICES: usize = 8;
 
 impl Parameters {
     /// Exactly the paper: its method, its values, hulls as they are.
+    ///
+    /// ```
+    /// use hullwright::{Method, Parameters};
+    ///
+    /// assert_eq!(Parameters::paper().method, Method::Surface);
+    /// ```
     pub fn paper() -> Self {
         Self {
             method: Method::Surface,
@@ -161,6 +167,12 @@ impl Parameters {
     ///
     /// # Errors
     /// [`Error::InvalidParameter`] names the first field whose value means nothing.
+    ///
+    /// ```
+    /// use hullwright::{Length, Parameters};
+    ///
+    /// assert!(Parameters::default().max_error(Length::share(-1.0)).validate().is_err());
+    /// ```
     pub fn validate(&self) -> Result<(), Error> {
         if let Some(cap) = self.max_vertices
             && cap < LEAST_MAX_VERTICES

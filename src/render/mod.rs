@@ -100,6 +100,15 @@ impl Panel {
     /// A mesh in as many colours as there are labels: one label per triangle, such as
     /// [`GroupedMesh::groups`](crate::GroupedMesh::groups). Label n has the colour of hull n.
     /// Triangles without a label are left out.
+    ///
+    /// ```
+    /// # let mesh = hullwright::TriangleMesh::new(
+    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+    /// # );
+    /// let panel = hullwright::render::Panel::labelled(&mesh, &[0, 0, 1, 1]);
+    /// assert_eq!(panel.parts.len(), 2);
+    /// ```
     pub fn labelled<'a>(mesh: impl Into<MeshView<'a>>, labels: &[u32]) -> Self {
         let mesh = mesh.into();
         let mut labelled: Vec<(u32, [u32; 3])> =
@@ -241,6 +250,16 @@ impl Picture {
     ///
     /// # Errors
     /// [`Error::File`], without a path, if the encoder refuses.
+    ///
+    /// ```
+    /// # let mesh = hullwright::TriangleMesh::new(
+    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+    /// # );
+    /// let picture = hullwright::render::render(&[hullwright::render::Panel::mesh(&mesh)], 32, 32)?;
+    /// assert!(picture.to_png()?.starts_with(b"\x89PNG"));
+    /// # Ok::<(), hullwright::Error>(())
+    /// ```
     pub fn to_png(&self) -> Result<Vec<u8>, Error> {
         let refused = |reason: String| Error::file(Path::new("PNG"), reason);
         let mut bytes = Vec::new();
@@ -274,6 +293,16 @@ impl Picture {
 ///
 /// # Errors
 /// [`Error::InvalidParameter`] unless both sides are 1 to 4096 pixels.
+///
+/// ```
+/// # let mesh = hullwright::TriangleMesh::new(
+/// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+/// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+/// # );
+/// let picture = hullwright::render::render(&[hullwright::render::Panel::mesh(&mesh)], 32, 16)?;
+/// assert_eq!(picture.pixels().len(), 32 * 16);
+/// # Ok::<(), hullwright::Error>(())
+/// ```
 pub fn render(panels: &[Panel], width: usize, height: usize) -> Result<Picture, Error> {
     render_with(panels, width, height, &Layout::default())
 }
@@ -282,6 +311,20 @@ pub fn render(panels: &[Panel], width: usize, height: usize) -> Result<Picture, 
 ///
 /// # Errors
 /// [`Error::InvalidParameter`] unless both sides are 1 to 4096 pixels.
+///
+/// ```
+/// # let mesh = hullwright::TriangleMesh::new(
+/// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+/// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+/// # );
+/// use hullwright::render::{Layout, Panel, UpAxis, render_with};
+///
+/// let mut layout = Layout::default();
+/// layout.view.up = UpAxis::Z;
+/// let picture = render_with(&[Panel::mesh(&mesh)], 32, 16, &layout)?;
+/// assert_eq!((picture.width(), picture.height()), (32, 16));
+/// # Ok::<(), hullwright::Error>(())
+/// ```
 pub fn render_with(
     panels: &[Panel],
     width: usize,
