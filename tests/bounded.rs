@@ -191,7 +191,7 @@ fn thin_sheets_close_together_are_told_apart_under_a_small_bound() {
 fn a_merge_tree_of_edited_hulls_is_a_typed_error() {
     let mesh = l_prism();
     let mut edited = run(&mesh);
-    edited.hulls[0].triangles[0][0] = 1_000_000;
+    edited.hulls[0].shape.triangles[0][0] = 1_000_000;
     let (parameters, control) = (Parameters::default(), Control::new());
     let tree = MergeTree::new(&mesh.0, &mesh.1, &edited, &parameters, &control);
     assert!(matches!(tree, Err(Error::NoHull { .. })));
@@ -217,7 +217,7 @@ fn a_round_solid_of_many_more_vertices_than_a_hull_may_have_is_one_hull() {
     let ball = lathe(&arc.collect::<Vec<_>>(), 80);
     let result = run(&ball);
     assert_eq!(result.hulls.len(), 1);
-    assert!(result.hulls[0].points.len() <= 64);
+    assert!(result.hulls[0].shape.points.len() <= 64);
     assert_promise("ball", &ball, &result);
 }
 
@@ -259,8 +259,8 @@ fn a_thin_walled_cup_stays_hollow() {
 }
 
 fn holds(hull: &Hull, [x, y, z]: [f64; 3]) -> bool {
-    hull.triangles.iter().all(|triangle| {
-        let [a, b, c] = triangle.map(|index| hull.points[index as usize]);
+    hull.shape.triangles.iter().all(|triangle| {
+        let [a, b, c] = triangle.map(|index| hull.shape.points[index as usize]);
         let [u, v] =
             [[b[0] - a[0], b[1] - a[1], b[2] - a[2]], [c[0] - a[0], c[1] - a[1], c[2] - a[2]]];
         let normal =
@@ -275,7 +275,10 @@ fn parts_that_do_not_touch_stay_apart() {
     let far = cuboid([3.0, 0.0, 0.0], [4.0, 1.0, 1.0]);
     let result = run(&join(&[near, far]));
     assert_eq!(result.hulls.len(), 2);
-    assert_eq!(result.hulls.iter().map(|hull| hull.component).collect::<Vec<_>>(), [0, 1]);
+    assert_eq!(
+        result.hulls.iter().map(|hull| hull.provenance.component).collect::<Vec<_>>(),
+        [0, 1]
+    );
 }
 
 #[test]
@@ -327,7 +330,7 @@ fn the_promise_holds_on_all_bundled_models() {
             continue;
         }
         let file = hullwright::io::read_mesh(&path).unwrap();
-        let mesh = (file.positions, file.triangles);
+        let mesh = (file.mesh.positions, file.mesh.triangles);
         assert_promise(&path.display().to_string(), &mesh, &run(&mesh));
         seen += 1;
     }
@@ -340,7 +343,7 @@ fn hulls_keep_the_cap_on_vertices() {
     parameters.max_vertices = Some(12);
     let mesh = torus();
     let result = run_with(&mesh, &parameters);
-    assert!(result.hulls.iter().all(|hull| hull.points.len() <= 12));
+    assert!(result.hulls.iter().all(|hull| hull.shape.points.len() <= 12));
     assert_promise("capped", &mesh, &result);
 }
 
@@ -532,7 +535,7 @@ fn the_tips_of_sharp_plates_are_covered() {
 /// A triangle, not shrunk to a line, that no hull stands for.
 fn lost((positions, triangles): &Mesh, result: &Decomposition) -> Option<usize> {
     let mut is_held = vec![false; triangles.len()];
-    for &triangle in result.hulls.iter().flat_map(|hull| &hull.source_triangles) {
+    for &triangle in result.hulls.iter().flat_map(|hull| &hull.provenance.source_triangles) {
         is_held[triangle as usize] = true;
     }
     let has_area = |triangle: usize| {
@@ -599,7 +602,7 @@ fn a_cap_that_divides_a_ball_leaves_its_middle_filled() {
     parameters.max_vertices = Some(12);
     let result = run_with(&ball, &parameters);
     assert!(result.hulls.len() > 1);
-    assert!(result.hulls.iter().all(|hull| hull.points.len() <= 12));
+    assert!(result.hulls.iter().all(|hull| hull.shape.points.len() <= 12));
     assert_promise("ball", &ball, &result);
     // Hulls of the surface alone left half of it empty.
     let hollow = judge(&ball, &result.hulls).hollow;

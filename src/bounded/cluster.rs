@@ -157,7 +157,7 @@ impl Clustered {
                 *stand_in = left.into_iter().min().unwrap_or(u32::MAX);
             }
         }
-        let mesh = TriangleMesh { positions, triangles };
+        let mesh = TriangleMesh::new(positions, triangles);
         let (surface, parents) = (Arc::new(surface), Arc::new(parents));
         Ok(Some(Self { surface, parents, mesh, components, stand_in, vertices, around, reach }))
     }

@@ -9,8 +9,9 @@ use super::solid::Solid;
 use super::tree::Tree;
 use super::{BALANCED, Tuning, clustered, solid};
 use crate::control::Control;
-use crate::decomposition::Hull;
+use crate::decomposition::{Hull, HullErrors, Provenance};
 use crate::error::Error;
+use crate::geometry::MeshView;
 use crate::hull::ConvexHull;
 use crate::mesh::Normalization;
 use crate::parallel;
@@ -69,28 +70,27 @@ pub(crate) struct Merging {
 
 impl Merging {
     pub(crate) fn new(
-        positions: &[[f64; 3]],
-        triangles: &[[u32; 3]],
+        mesh: MeshView<'_>,
         hulls: &[Hull],
         parameters: &Parameters,
         control: &Control,
     ) -> Result<Self, Error> {
-        let prepared = crate::mesh::repair::prepare(positions, triangles, control)?;
+        let prepared = crate::mesh::repair::prepare(mesh, control)?;
         let tuning = Tuning::new(parameters, prepared.normalization.diagonal, &BALANCED);
         let normalization = prepared.normalization;
-        let tree = parallel::with(parameters.parallel, || {
+        let tree = parallel::with(control.is_parallel(), || {
             let clustered = clustered(&prepared, &tuning, control)?;
             let solid = solid(&prepared, clustered, &tuning, control)?;
             let mut leaves = Vec::with_capacity(hulls.len());
-            for hull in hulls {
+            for (index, Hull { shape: hull, errors, .. }) in hulls.iter().enumerate() {
                 let points: Vec<[f64; 3]> =
                     hull.points.iter().map(|&point| normalization.normalize(point)).collect();
                 if hull.triangles.as_flattened().iter().any(|&v| v as usize >= points.len()) {
-                    let reason = "a triangle of a hull names a point that the hull does not have";
-                    return Err(Error::NoHull { reason });
+                    let reason = "a triangle names a point that it does not have";
+                    return Err(Error::UnusableHull { hull: index, reason });
                 }
                 let convex = ConvexHull { points, triangles: hull.triangles.clone() };
-                let phantom = match hull.phantom_max {
+                let phantom = match errors.protrusion_max {
                     Some(phantom) => phantom / normalization.diagonal,
                     None => {
                         certify::phantom(&convex, &solid, tuning.bound, f64::INFINITY, control)?
@@ -138,28 +138,25 @@ impl Merging {
             }
             let points =
                 node.hull.points.iter().map(|&point| self.normalization.restore(point)).collect();
-            let hull = ConvexHull { points, triangles: node.hull.triangles.clone() };
             let of = |value: fn(&Hull) -> f64| {
                 members.iter().filter_map(|&m| leaves.get(m)).map(value).fold(0.0, f64::max)
             };
             let mut source_triangles: Vec<u32> = members
                 .iter()
                 .filter_map(|&member| leaves.get(member))
-                .flat_map(|leaf| leaf.source_triangles.iter().copied())
+                .flat_map(|leaf| leaf.provenance.source_triangles.iter().copied())
                 .collect();
             source_triangles.sort_unstable();
             source_triangles.dedup();
             Some(Hull {
-                volume: hull.volume(),
-                bounds: hull.bounds()?,
-                points: hull.points,
-                triangles: hull.triangles,
-                component: first.component,
-                source_triangles,
-                added_thickness: of(|hull| hull.added_thickness),
-                cap_growth: (node.growth * self.normalization.diagonal)
-                    .max(of(|hull| hull.cap_growth)),
-                phantom_max: Some(node.phantom * self.normalization.diagonal),
+                shape: ConvexHull { points, triangles: node.hull.triangles.clone() },
+                provenance: Provenance { component: first.provenance.component, source_triangles },
+                errors: HullErrors {
+                    added_thickness: of(|hull| hull.errors.added_thickness),
+                    simplification_growth: (node.growth * self.normalization.diagonal)
+                        .max(of(|hull| hull.errors.simplification_growth)),
+                    protrusion_max: Some(node.phantom * self.normalization.diagonal),
+                },
             })
         });
         hulls.collect()

@@ -35,12 +35,12 @@ use std::sync::Arc;
 pub(crate) use fewer::Merging;
 
 use crate::control::{Control, Stage};
-use crate::decomposition::{BoundedReport, GroupedMesh, Hull};
+use crate::decomposition::{BoundedReport, GroupedMesh, Hull, HullErrors, Provenance};
 use crate::error::Error;
 use crate::hull::ConvexHull;
 use crate::mesh::PreparedMesh;
 use crate::parallel;
-use crate::parameters::{BoundedParameters, Parameters, Preset, Unit};
+use crate::parameters::{BoundedParameters, Length, Parameters, Preset};
 use cluster::Clustered;
 use cover::Covered;
 use finish::Finished;
@@ -140,8 +140,8 @@ impl Tuning {
         let BoundedParameters { max_error, .. } = parameters.bounded;
         let &Fineness { seed_size, dissolving_tries, triangles } = fineness;
         let bound = match max_error {
-            Unit::Diagonals(share) => share,
-            Unit::Absolute(length) => length / diagonal,
+            Length::Share(share) => share,
+            Length::Units(length) => length / diagonal,
         };
         let bound = bound.clamp(LEAST_BOUND, MOST_BOUND);
         let share = if dissolving_tries > 0 { SEARCH_SHARE } else { ONLY_SHARE };
@@ -210,20 +210,16 @@ impl Run {
     pub(crate) fn stage(&self) -> (Stage, f32) {
         let (stage, share) = match self.state {
             State::Start(_) => (Stage::Simplify, 0.1),
-            State::Working(_) => (Stage::Seeds, 0.3),
+            State::Working(_) => (Stage::Patches, 0.3),
             State::Seeds(_) => (Stage::Merge, 0.45),
-            State::Merged(_) => (Stage::Dissolve, 0.6),
+            State::Merged(_) => (Stage::SetCover, 0.6),
             State::Covered(_) | State::Done => (Stage::Hulls, 0.9),
         };
         (stage, (self.place as f32 + share) / self.tunings.len() as f32)
     }
 
-    pub(crate) fn step(
-        &mut self,
-        parallel: bool,
-        control: &Control,
-    ) -> Result<Option<Outcome>, Error> {
-        parallel::with(parallel, || self.next(control))
+    pub(crate) fn step(&mut self, control: &Control) -> Result<Option<Outcome>, Error> {
+        parallel::with(control.is_parallel(), || self.next(control))
     }
 
     fn next(&mut self, control: &Control) -> Result<Option<Outcome>, Error> {
@@ -302,9 +298,9 @@ impl Run {
         let phantom = finished.hulls.iter().map(|hull| hull.phantom).fold(0.0, f64::max);
         let report = BoundedReport {
             bound: bound * diagonal,
-            phantom_max: phantom * diagonal,
-            exposed_max: finished.exposed * diagonal,
-            seeds: seeds.count(),
+            protrusion_max: phantom * diagonal,
+            uncovered_max: finished.exposed * diagonal,
+            patches: seeds.count(),
             polygons: seeds.grouped.triangles.len(),
         };
         let grouped = GroupedMesh {
@@ -378,17 +374,13 @@ fn restored(prepared: &PreparedMesh, seeds: &Seeds, finished: &Finished) -> Hull
         .collect();
     source_triangles.sort_unstable();
     source_triangles.dedup();
-    let hull = ConvexHull { points, triangles: finished.hull.triangles.clone() };
-    let zero = crate::Bounds { min: [0.0; 3], max: [0.0; 3] };
     Hull {
-        volume: hull.volume(),
-        bounds: hull.bounds().unwrap_or(zero),
-        points: hull.points,
-        triangles: hull.triangles,
-        component: finished.component,
-        source_triangles,
-        added_thickness: finished.added_thickness * normalization.diagonal,
-        cap_growth: finished.cap_growth * normalization.diagonal,
-        phantom_max: Some(finished.phantom * normalization.diagonal),
+        shape: ConvexHull { points, triangles: finished.hull.triangles.clone() },
+        provenance: Provenance { component: finished.component, source_triangles },
+        errors: HullErrors {
+            added_thickness: finished.added_thickness * normalization.diagonal,
+            simplification_growth: finished.cap_growth * normalization.diagonal,
+            protrusion_max: Some(finished.phantom * normalization.diagonal),
+        },
     }
 }

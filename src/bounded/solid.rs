@@ -111,7 +111,7 @@ impl Solid {
         bound: f64,
         control: &Control,
     ) -> Result<Self, Error> {
-        let TriangleMesh { positions, triangles } = &clustered.mesh;
+        let TriangleMesh { positions, triangles, .. } = &clustered.mesh;
         let solid = Self::new(positions, triangles, true, bound, control)?;
         Ok(Self { clustered: Some(clustered), ..solid })
     }

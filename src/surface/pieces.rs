@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use crate::bvh::{Bvh, nearest_labels};
 use crate::control::Control;
-use crate::decomposition::Hull;
+use crate::decomposition::{Hull, HullErrors, Provenance};
 use crate::error::Error;
 use crate::geometry::vector::{Vector, add, area_normal};
 use crate::hull::{ConvexHull, HullBuilder, LEAST_THICKNESS, cap_vertices, solid_hull};
@@ -40,18 +40,14 @@ pub(crate) fn hulls(
         };
         let component = group.first().map_or(0, |&triangle| components[triangle as usize]);
         let points = solid.points.iter().map(|&point| normalization.restore(point)).collect();
-        let restored = ConvexHull { points, triangles: solid.triangles };
-        let Some(bounds) = restored.bounds() else { continue };
         hulls.push(Hull {
-            volume: restored.volume(),
-            bounds,
-            points: restored.points,
-            triangles: restored.triangles,
-            component,
-            source_triangles: Vec::new(),
-            added_thickness: added * normalization.diagonal,
-            cap_growth: growth * normalization.diagonal,
-            phantom_max: None,
+            shape: ConvexHull { points, triangles: solid.triangles },
+            provenance: Provenance { component, source_triangles: Vec::new() },
+            errors: HullErrors {
+                added_thickness: added * normalization.diagonal,
+                simplification_growth: growth * normalization.diagonal,
+                protrusion_max: None,
+            },
         });
     }
     Ok(hulls)
@@ -76,8 +72,8 @@ pub(crate) fn assign_source_triangles(
     for (&label, &source) in labels.iter().zip(&prepared.source_triangles) {
         if let Some(hull) = hulls.get_mut(label as usize) {
             // A triangle that repair split in two is still one of the source.
-            if hull.source_triangles.last() != Some(&source) {
-                hull.source_triangles.push(source);
+            if hull.provenance.source_triangles.last() != Some(&source) {
+                hull.provenance.source_triangles.push(source);
             }
         }
     }

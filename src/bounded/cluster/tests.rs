@@ -8,7 +8,7 @@ const BOUND: f64 = 0.02;
 
 fn clustered(mesh: &TriangleMesh) -> Option<Clustered> {
     let control = Control::new();
-    let prepared = prepare(&mesh.positions, &mesh.triangles, &control).unwrap();
+    let prepared = prepare(mesh.view(), &control).unwrap();
     Clustered::new(&prepared, BOUND, 0.08, &control).unwrap()
 }
 
