@@ -13,7 +13,7 @@ use crate::mesh::{Normalization, PreparedMesh, TriangleMesh};
 use super::grouping::{Grouping, corners, group_vertices, members};
 
 /// The hull of each group, in the input's units, without its source triangles.
-pub(crate) fn hulls(
+pub fn hulls(
     mesh: &TriangleMesh,
     components: &[u32],
     grouping: &Grouping,
@@ -56,7 +56,7 @@ pub(crate) fn hulls(
 /// Gives each source triangle to the hull whose group holds the simplified triangle nearest to
 /// its centre, up to what [`nearest_labels`] does not ask. O(n log m) for n source and m simplified
 /// triangles.
-pub(crate) fn assign_source_triangles(
+pub fn assign_source_triangles(
     prepared: &PreparedMesh,
     mesh: &TriangleMesh,
     grouping: &Grouping,
