@@ -10,7 +10,8 @@
 use std::sync::OnceLock;
 
 use super::solid::{OPEN_INSIDE, Solid, halves};
-use crate::bvh::{Bvh, nearest_of_triangle};
+use crate::bvh::Bvh;
+use crate::bvh::closest_point::closest_point_on_triangle;
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, add, bounds, distance, dot, length, scale, subtract};
@@ -237,12 +238,12 @@ impl<'a> Outside<'a> {
         // Above a face and not beyond its edges no other part of the hull is nearer.
         let corners = self.hull.triangles[face as usize];
         let [a, b, c] = corners.map(|corner| subtract(self.hull.points[corner as usize], point));
-        let to_face = length(nearest_of_triangle(a, b, c));
+        let to_face = length(closest_point_on_triangle(a, b, c));
         if to_face <= beyond + ROUNDING {
             return to_face;
         }
         let bvh = self.bvh.get_or_init(|| Bvh::new(&self.hull.points, &self.hull.triangles));
-        bvh.distance(point, f64::INFINITY).map_or(beyond, |closest| closest.distance)
+        bvh.closest_point(point, f64::INFINITY).map_or(beyond, |closest| closest.distance)
     }
 }
 

@@ -12,7 +12,7 @@
 use std::sync::Arc;
 
 use super::refine::refine;
-use crate::bvh::nearest_of_triangle;
+use crate::bvh::closest_point::closest_point_on_triangle;
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{
@@ -212,7 +212,7 @@ impl Clustered {
         let corners = self.surface.triangles[triangle as usize];
         let [a, b, c] =
             corners.map(|vertex| subtract(self.surface.positions[vertex as usize], point));
-        length_squared(nearest_of_triangle(a, b, c))
+        length_squared(closest_point_on_triangle(a, b, c))
     }
 }
 

@@ -13,7 +13,8 @@ mod flood;
 use std::sync::atomic::{AtomicU8, Ordering};
 
 use super::solid::is_inside;
-use crate::bvh::{Bvh, nearest_of_triangle};
+use crate::bvh::Bvh;
+use crate::bvh::closest_point::closest_point_on_triangle;
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, add, bounds, subtract};
@@ -419,6 +420,6 @@ fn length(a: [f32; 3]) -> f32 {
 fn nearest_of(p: [f32; 3], [a, b, c]: [Vector; 3]) -> ([f32; 3], f32) {
     let point = p.map(f64::from);
     let [a, b, c] = [a, b, c].map(|corner| subtract(corner, point));
-    let nearest = nearest_of_triangle(a, b, c);
+    let nearest = closest_point_on_triangle(a, b, c);
     (add(point, nearest).map(|x| x as f32), crate::geometry::vector::length(nearest) as f32)
 }

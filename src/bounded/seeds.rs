@@ -12,7 +12,8 @@ use super::piece::{Hull, Workshop};
 use super::refine::refine;
 use super::seed_set::SeedSet;
 use super::solid::Solid;
-use crate::bvh::{Bvh, nearest_triangles};
+use crate::bvh::Bvh;
+use crate::bvh::closest_triangles::closest_triangles;
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{
@@ -146,7 +147,11 @@ pub(crate) fn working_mesh(
     let components = components_of(&origins, &simplified.components);
     let bvh = Bvh::new(&mesh.positions, &mesh.triangles);
     let mut owned: Vec<Vec<u32>> = vec![Vec::new(); mesh.triangles.len()];
-    for (triangle, nearest) in nearest_triangles(&surface, &bvh, control)?.into_iter().enumerate() {
+    for (triangle, nearest) in
+        closest_triangles(&surface.positions, &surface.triangles, &bvh, control)?
+            .into_iter()
+            .enumerate()
+    {
         if let Some(list) = owned.get_mut(nearest as usize) {
             list.push(triangle as u32);
         }

@@ -12,7 +12,8 @@ use super::cavities::cavities;
 use super::cluster::Clustered;
 use super::grid::{Grid, Verdict};
 use super::verdicts::Verdicts;
-use crate::bvh::{Bvh, Closest};
+use crate::bvh::Bvh;
+use crate::bvh::closest_point::ClosestPoint;
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, add, length_squared, scale, subtract};
@@ -124,8 +125,8 @@ impl Solid {
 
     /// How far a point is from the source, and where the source is near, if it is.
     pub fn near(&self, point: Vector, guess: u32) -> Option<Near> {
-        let Closest { distance, triangle, .. } =
-            self.bvh.distance_near(point, f64::INFINITY, guess)?;
+        let ClosestPoint { distance, triangle, .. } =
+            self.bvh.closest_point_near(point, f64::INFINITY, guess)?;
         let Some(clustered) = &self.clustered else {
             return Some(Near { upper: distance, lower: distance, own: distance, triangle });
         };
@@ -158,7 +159,8 @@ impl Solid {
     /// From now on no hull may hold cavities deeper than `bound` (see `cavities`).
     pub fn keep_cavities(&mut self, bound: f64) {
         let points = cavities(&self.grid, &self.bvh, bound).into_iter();
-        let depth = |point| self.bvh.distance(point, f64::INFINITY).map(|found| found.distance);
+        let depth =
+            |point| self.bvh.closest_point(point, f64::INFINITY).map(|found| found.distance);
         self.cavities = points.filter_map(|point| Some((point, depth(point)?))).collect();
     }
 
@@ -188,14 +190,14 @@ impl Solid {
     /// tells.
     #[inline]
     pub fn farthest_corner(&self, face: [Vector; 3], triangle: u32) -> f64 {
-        largest(face.map(|corner| self.bvh.distance_to(corner, triangle)))
+        largest(face.map(|corner| self.bvh.distance_to_triangle(corner, triangle)))
     }
 
     /// The triangle nearest to the middle of the point's cell, if that is near, and how far it is.
     #[inline]
     pub fn close_distance(&self, point: Vector) -> (f64, u32) {
         let triangle = self.grid.owner(point);
-        (self.bvh.distance_to(point, triangle), triangle)
+        (self.bvh.distance_to_triangle(point, triangle), triangle)
     }
 
     /// At most the distance to the surface of a point inside; `None` if it may be outside.
@@ -259,7 +261,7 @@ impl Solid {
                     Some(true) => {}
                     Some(false) if probe.upper > DOUBT * bound => return false,
                     Some(false) => {
-                        let known = self.bvh.distance_to(centre, self.grid.owner(centre));
+                        let known = self.bvh.distance_to_triangle(centre, self.grid.owner(centre));
                         if known + reach <= bound {
                             continue;
                         }
@@ -271,7 +273,7 @@ impl Solid {
                         }
                     }
                     // The grid is too coarse for such a bound.
-                    None => match self.bvh.distance(centre, f64::INFINITY) {
+                    None => match self.bvh.closest_point(centre, f64::INFINITY) {
                         Some(closest) if closest.distance <= bound => {
                             if closest.distance + reach <= bound
                                 || self.farthest_corner([a, b, c], closest.triangle) <= bound

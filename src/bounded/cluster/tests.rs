@@ -77,10 +77,10 @@ fn the_source_is_as_near_as_it_is_or_hardly_farther() {
         let from = surface.positions[37 * i % surface.positions.len()];
         let away = [0, 1, 2].map(|k| ((i * (k + 3)) as f64).sin());
         let point = add(from, scale(away, 0.5 * BOUND));
-        let near = own.distance(point, f64::INFINITY).unwrap();
+        let near = own.closest_point(point, f64::INFINITY).unwrap();
         let corners = mesh.triangles[near.triangle as usize];
         let (found, triangle) = clustered.closest_around(corners, point, near.distance);
-        let exact = source.distance(point, f64::INFINITY).unwrap().distance;
+        let exact = source.closest_point(point, f64::INFINITY).unwrap().distance;
         assert!((near.distance - exact).abs() <= clustered.reach);
         assert!(found >= exact - 1e-9 && found <= exact + 0.01 * BOUND, "{found} {exact}");
         assert_eq!(clustered.squared_distance_to(point, triangle).sqrt(), found);
