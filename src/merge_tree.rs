@@ -1,10 +1,12 @@
 //! Fewer hulls afterwards: from a finished decomposition on down to one hull, without a new run.
 
-use crate::bounded::Merging;
+use crate::bounded::decomposition_hierarchy::DecompositionHierarchy;
 use crate::control::Control;
 use crate::decomposition::{Decomposition, Hull};
 use crate::error::Error;
 use crate::geometry::Coordinate;
+use crate::mesh::repair::prepare;
+use crate::parallel;
 use crate::parameters::Parameters;
 
 /// The hulls of a decomposition and all that they can be joined to, one join after the other: the
@@ -29,7 +31,7 @@ use crate::parameters::Parameters;
 /// ```
 #[derive(Debug, Clone)]
 pub struct MergeTree {
-    merging: Merging,
+    hierarchy: DecompositionHierarchy,
     leaves: Vec<Hull>,
     exposed: f64,
 }
@@ -69,40 +71,42 @@ impl MergeTree {
         }
         let positions: Vec<[f64; 3]> =
             positions.iter().map(|point| point.map(Coordinate::to_f64)).collect();
-        let merging =
-            Merging::new(&positions, triangles, &decomposition.hulls, parameters, control)?;
+        let prepared = prepare(&positions, triangles, control)?;
+        let hierarchy = parallel::with(parameters.parallel, || {
+            DecompositionHierarchy::new(prepared, &decomposition.hulls, parameters, control)
+        })?;
         let exposed = match &decomposition.report.bounded {
             Some(report) => report.exposed_max,
-            None => merging.exposed(&decomposition.hulls, control)?,
+            None => hierarchy.uncovered(control)?,
         };
-        Ok(Self { merging, leaves: decomposition.hulls.clone(), exposed })
+        Ok(Self { hierarchy, leaves: decomposition.hulls.clone(), exposed })
     }
 
     /// All states, from the decomposition's hulls down to one. The number of hulls falls from one
     /// to the next, the error never does.
     pub fn curve(&self) -> Vec<CurvePoint> {
-        (0..=self.merging.joins()).map(|joins| self.point(joins)).collect()
+        (0..=self.hierarchy.joins()).map(|joins| self.point(joins)).collect()
     }
 
     /// The hulls of the state with at most `most` hulls: `most`, or all there are, or one if
     /// `most` is 0.
     pub fn at_hulls(&self, most: usize) -> Vec<Hull> {
         let joins = self.leaves.len().saturating_sub(most.max(1));
-        self.merging.hulls(joins, &self.leaves)
+        self.hierarchy.hulls(joins, &self.leaves)
     }
 
     /// The fewest hulls whose error, in units, is at most `error`; the decomposition's own hulls
     /// if theirs is larger already.
     pub fn at_error(&self, error: f64) -> Vec<Hull> {
-        let joins = (0..=self.merging.joins())
+        let joins = (0..=self.hierarchy.joins())
             .rev()
             .find(|&joins| self.point(joins).error <= error)
             .unwrap_or(0);
-        self.merging.hulls(joins, &self.leaves)
+        self.hierarchy.hulls(joins, &self.leaves)
     }
 
     fn point(&self, joins: usize) -> CurvePoint {
-        let phantom_max = self.merging.phantom(joins);
+        let phantom_max = self.hierarchy.protrusion(joins);
         CurvePoint {
             hulls: self.leaves.len() - joins,
             error: phantom_max.max(self.exposed),

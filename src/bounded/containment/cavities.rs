@@ -1,23 +1,22 @@
-//! Cavities: empty space that is cut off from the outside, or joined to it only by mouths narrower
-//! than the bound.
+//! Cavities: empty space that is cut off from the outside, or connected to it only through mouths
+//! narrower than the bound.
 //!
-//! A hull's surface can't pass through such a space without standing out of the solid, and is
-//! refused there. But it can swallow the space whole. One point of each cavity tells.
+//! A hull whose surface passes through a cavity protrudes from the solid and is refused. But a hull
+//! may swallow a cavity whole. One point of each cavity is enough to detect that.
 
-use super::grid::Grid;
+use super::distance_grid::DistanceGrid;
 use crate::bvh::Bvh;
 use crate::geometry::vector::Vector;
 
-/// One point of each cavity, where it is deepest: outside the solid, farther than `bound` from
-/// the surface, and without a way to infinity through points of that kind, as far as the grid
-/// tells. O(cells).
-pub(super) fn cavities(grid: &Grid, bvh: &Bvh, bound: f64) -> Vec<Vector> {
+/// The deepest point of each cavity: outside the solid, farther than `bound` from the surface, and
+/// without a path to infinity through such points, at the grid's resolution. O(cells).
+pub(super) fn cavities(grid: &DistanceGrid, bvh: &Bvh, bound: f64) -> Vec<Vector> {
     let mut is_reached: Vec<bool> =
         (0..grid.count()).map(|cell| !grid.is_free(cell, bound)).collect();
-    // The grid's border is outside, wherever the surface leaves room.
+    // The grid's border is outside the mesh.
     for cell in 0..grid.count() {
         if grid.neighbours(cell).contains(&None) {
-            reach(grid, cell, &mut is_reached);
+            flood(grid, cell, &mut is_reached);
         }
     }
     let mut cavities = Vec::new();
@@ -25,11 +24,11 @@ pub(super) fn cavities(grid: &Grid, bvh: &Bvh, bound: f64) -> Vec<Vector> {
         if is_reached[cell] {
             continue;
         }
-        let parts = reach(grid, cell, &mut is_reached);
-        let deepest = parts
+        let cells = flood(grid, cell, &mut is_reached);
+        let deepest = cells
             .into_iter()
             .max_by(|&a, &b| grid.distance(a).total_cmp(&grid.distance(b)).then(b.cmp(&a)));
-        let point = grid.centre_in_space(deepest.unwrap_or(cell));
+        let point = grid.centre(deepest.unwrap_or(cell));
         if !bvh.is_inside(point) {
             cavities.push(point);
         }
@@ -37,8 +36,8 @@ pub(super) fn cavities(grid: &Grid, bvh: &Bvh, bound: f64) -> Vec<Vector> {
     cavities
 }
 
-/// All cells that can be reached from one, itself included.
-fn reach(grid: &Grid, start: usize, is_reached: &mut [bool]) -> Vec<usize> {
+/// All cells that can be reached from one, including itself.
+fn flood(grid: &DistanceGrid, start: usize, is_reached: &mut [bool]) -> Vec<usize> {
     let mut reached = Vec::new();
     if !std::mem::replace(&mut is_reached[start], true) {
         reached.push(start);

@@ -1,5 +1,6 @@
 use super::*;
 use crate::bvh::Bvh;
+use crate::geometry::vector::{add, length, scale};
 use crate::mesh::Normalization;
 use crate::mesh::repair::prepare;
 use crate::mesh::shapes::{cuboid, join, torus};
@@ -13,12 +14,12 @@ fn clustered(mesh: &TriangleMesh) -> Option<Clustered> {
 }
 
 #[test]
-fn few_triangles_are_left_alone() {
+fn a_mesh_of_few_triangles_is_not_clustered() {
     assert!(clustered(&torus(100, 40)).is_none());
 }
 
 #[test]
-fn a_surface_with_a_hole_is_left_alone() {
+fn a_surface_with_a_hole_is_not_clustered() {
     let mut mesh = torus(400, 160);
     mesh.triangles.pop();
     assert!(clustered(&mesh).is_none());
@@ -26,7 +27,7 @@ fn a_surface_with_a_hole_is_left_alone() {
 
 #[test]
 fn the_tip_of_a_needle_stays() {
-    // From a torus of diagonal 2.6 or so, out of one of its triangles, four cells long.
+    // Four cells long, on one triangle of a torus with a diagonal of about 2.6.
     let mut mesh = torus(400, 160);
     let [a, b, c] = mesh.triangles.swap_remove(0);
     let at = mesh.positions[a as usize];
@@ -45,11 +46,11 @@ fn the_tip_of_a_needle_stays() {
 }
 
 #[test]
-fn fewer_triangles_are_as_closed_as_all_and_stand_for_them() {
+fn the_reduced_mesh_is_closed_and_represents_every_triangle() {
     let clustered = clustered(&torus(400, 160)).unwrap();
     let (mesh, surface) = (&clustered.mesh, &clustered.surface);
     assert!(3 * mesh.triangles.len() < surface.triangles.len());
-    assert!(clustered.reach > 0.0 && clustered.reach < BOUND);
+    assert!(clustered.displacement > 0.0 && clustered.displacement < BOUND);
     let mut edges = std::collections::BTreeMap::new();
     for [a, b, c] in &mesh.triangles {
         for (from, to) in [(a, b), (b, c), (c, a)] {
@@ -58,16 +59,16 @@ fn fewer_triangles_are_as_closed_as_all_and_stand_for_them() {
         }
     }
     assert!(edges.values().all(|&count| count == 0));
-    for (triangle, &stand_in) in surface.triangles.iter().zip(&clustered.stand_in) {
-        let corners = mesh.triangles[stand_in as usize].map(|v| mesh.positions[v as usize]);
+    for (triangle, &representative) in surface.triangles.iter().zip(&clustered.representatives) {
+        let corners = mesh.triangles[representative as usize].map(|v| mesh.positions[v as usize]);
         let corner = surface.positions[triangle[0] as usize];
         let nearest = corners.map(|other| distance(corner, other)).into_iter();
-        assert!(nearest.fold(f64::INFINITY, f64::min) <= 2.0 * clustered.reach);
+        assert!(nearest.fold(f64::INFINITY, f64::min) <= 2.0 * clustered.displacement);
     }
 }
 
 #[test]
-fn the_source_is_as_near_as_it_is_or_hardly_farther() {
+fn distances_to_the_source_are_exact_or_hardly_too_large() {
     let clustered = clustered(&torus(400, 160)).unwrap();
     let (mesh, surface) = (&clustered.mesh, &clustered.surface);
     let own = Bvh::new(&mesh.positions, &mesh.triangles);
@@ -81,7 +82,7 @@ fn the_source_is_as_near_as_it_is_or_hardly_farther() {
         let corners = mesh.triangles[near.triangle as usize];
         let (found, triangle) = clustered.closest_around(corners, point, near.distance);
         let exact = source.closest_point(point, f64::INFINITY).unwrap().distance;
-        assert!((near.distance - exact).abs() <= clustered.reach);
+        assert!((near.distance - exact).abs() <= clustered.displacement);
         assert!(found >= exact - 1e-9 && found <= exact + 0.01 * BOUND, "{found} {exact}");
         assert_eq!(clustered.squared_distance_to(point, triangle).sqrt(), found);
     }
