@@ -14,7 +14,9 @@ use super::*;
 fn square() -> TriangleMesh {
     TriangleMesh {
         positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]],
-        triangles: vec![[0, 1, 2], [0, 2, 3]], ..TriangleMesh::default() }
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..TriangleMesh::default()
+    }
 }
 
 /// An L of two unit squares along the y axis, seen from within: a wall that looks along x and a
@@ -29,7 +31,9 @@ fn wall_and_floor() -> TriangleMesh {
             [0.0, 1.0, 0.0],
             [1.0, 1.0, 0.0],
         ],
-        triangles: vec![[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]], ..TriangleMesh::default() }
+        triangles: vec![[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]],
+        ..TriangleMesh::default()
+    }
 }
 
 /// Depth of the L's corner: its normal is (1, 0, 2) / √5, since the floor has two triangles there,
