@@ -190,16 +190,16 @@ fn separate_cubes_stay_separate() {
 #[test]
 fn threads_and_scale_change_nothing() {
     let mesh = torus(40, 20);
-    let mut parameters = HacdParameters::default();
-    let run = |parameters: &HacdParameters, scale: f64| {
+    let parameters = HacdParameters::default();
+    let run = |is_parallel: bool, scale: f64| {
         let positions: Vec<[f64; 3]> =
             mesh.positions.iter().map(|p| p.map(|x| x * scale)).collect();
-        decompose(MeshView::new(&positions, &mesh.triangles), parameters, &Control::new()).unwrap()
+        let control = Control::new().with_parallel(is_parallel);
+        decompose(MeshView::new(&positions, &mesh.triangles), &parameters, &control).unwrap()
     };
-    let first = run(&parameters, 1.0);
-    parameters.parallel = false;
-    assert_eq!(run(&parameters, 1.0).hulls, first.hulls);
-    assert_eq!(run(&parameters, 1024.0).groups, first.groups);
+    let first = run(true, 1.0);
+    assert_eq!(run(false, 1.0).hulls, first.hulls);
+    assert_eq!(run(true, 1024.0).groups, first.groups);
 }
 
 #[test]
