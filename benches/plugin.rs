@@ -109,7 +109,7 @@ fn app_with(add: impl FnOnce(&mut App)) -> App {
     app.add_systems(
         PostUpdate,
         (
-            Watch::begin.after(AssetEventSystems).before(HullwrightSystems::Notice),
+            Watch::begin.after(AssetEventSystems).before(HullwrightSystems::DetectChanges),
             Watch::end.after(HullwrightSystems::Attach).before(PhysicsSet::SyncBackend),
         ),
     );

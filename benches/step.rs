@@ -12,8 +12,8 @@
 use std::time::Instant;
 
 use hullwright::io::read_mesh;
-use hullwright::measure::{HullShape, MeasureOptions, measure};
-use hullwright::{Control, Parameters, Unit, decompose, mass_properties, rapier};
+use hullwright::measure::{MeasureOptions, measure};
+use hullwright::{Control, Length, MeshView, Parameters, decompose, mass_properties, rapier};
 use rapier3d::parry::transformation::vhacd::{VHACD, VHACDParameters};
 use rapier3d::prelude::*;
 
@@ -54,8 +54,7 @@ fn main() {
     let models: Vec<Model> = MODELS.iter().map(|name| load(name)).collect();
     let peers = VHACD_RESOLUTIONS.map(|resolution| vhacd(&models, resolution));
     let default = [Parameters::default().bounded.max_error; MODELS.len()];
-    let at_errors: Vec<Unit> =
-        peers[0].errors.iter().map(|&error| Unit::Diagonals(error)).collect();
+    let at_errors: Vec<Unit> = peers[0].errors.iter().map(|&error| Length::Share(error)).collect();
     let mut kinds =
         vec![ours("ours", &models, &default), ours("ours, its error", &models, &at_errors)];
     let reference = kinds.len();
@@ -100,11 +99,11 @@ fn spread(mut figures: Vec<f64>) -> [f64; 3] {
 fn load(name: &'static str) -> Model {
     let path = format!("{}/assets/{name}.glb", env!("CARGO_MANIFEST_DIR"));
     let file = read_mesh(path).expect("a bundled model");
-    let found = hullwright::inspect(&file.positions, &file.triangles).expect("a sound mesh");
+    let found = hullwright::inspect(&file).expect("a sound mesh");
     let factor = SIZE / found.diagonal;
     let positions: Vec<_> = file.positions.iter().map(|p| p.map(|x| x * factor)).collect();
-    let properties =
-        mass_properties(&positions, &file.triangles, &[], 500.0).expect("a sound mesh");
+    let properties = mass_properties(MeshView::new(&positions, &file.triangles), &[], 500.0)
+        .expect("a sound mesh");
     Model { name, positions, triangles: file.triangles, properties }
 }
 
@@ -114,10 +113,10 @@ fn ours(name: &str, models: &[Model], max_errors: &[Unit]) -> Kind {
         let mut parameters = Parameters::default();
         parameters.bounded.max_error = max_error;
         let Model { positions, triangles, .. } = model;
-        let hulls = decompose(positions, triangles, &parameters, &Control::new())
+        let hulls = decompose(MeshView::new(positions, triangles), &parameters, &Control::new())
             .expect("a sound mesh")
             .hulls;
-        let shapes: Vec<_> = hulls.iter().map(HullShape::from).collect();
+        let shapes: Vec<_> = hulls.iter().map(MeshView::from).collect();
         let shape = rapier::shape(&hulls, [1.0; 3]).expect("sound hulls");
         kind.add(model, shape, &shapes);
     }
@@ -144,7 +143,7 @@ fn vhacd(models: &[Model], resolution: u32) -> Kind {
         });
         let shape = SharedShape::compound(parts.collect());
         let shapes: Vec<_> =
-            hulls.iter().map(|(points, triangles)| HullShape { points, triangles }).collect();
+            hulls.iter().map(|(points, triangles)| MeshView { points, triangles }).collect();
         kind.add(model, shape, &shapes);
     }
     kind
@@ -170,11 +169,11 @@ impl Kind {
         Self { name: name.into(), shapes: Vec::new(), parts: 0, errors: Vec::new() }
     }
 
-    fn add(&mut self, model: &Model, shape: SharedShape, hulls: &[HullShape<'_>]) {
+    fn add(&mut self, model: &Model, shape: SharedShape, hulls: &[MeshView<'_>]) {
         let options = MeasureOptions::default();
-        let found = measure(&model.positions, &model.triangles, hulls, &options)
+        let found = measure(&model, hulls, &options)
             .unwrap_or_else(|error| panic!("{}: {error}", model.name));
-        let error = found.phantom.max.max(found.exposed.max);
+        let error = found.protrusion.max.max(found.uncovered.max);
         self.shapes.push(shape);
         self.parts += hulls.len();
         self.errors.push(error);

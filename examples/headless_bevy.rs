@@ -95,7 +95,7 @@ fn on_ready(event: On<DecompositionReady>, frames: Res<Frames>, mut rows: Query<
 
 fn on_failed(event: On<DecompositionFailed>, names: Query<&Name>) {
     let name = names.get(event.entity).map_or("a mesh", Name::as_str);
-    println!("{name} has no collider: {}", event.failure);
+    println!("{name} has no collider: {}", event.error);
 }
 
 fn print_table(app: &mut App) {

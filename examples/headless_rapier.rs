@@ -21,14 +21,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let start = Instant::now();
     let parameters = Parameters::default();
-    let decomposition = decompose(&mesh.positions, &mesh.triangles, &parameters, &Control::new())?;
+    let decomposition = decompose(&mesh, &parameters, &Control::new())?;
     let hulls = &decomposition.hulls;
-    let properties = mass_properties(&mesh.positions, &mesh.triangles, hulls, DENSITY)?;
+    let properties = mass_properties(&mesh, hulls, DENSITY)?;
     let seconds = start.elapsed().as_secs_f64();
     println!("{path}: {} triangles, {} hulls, {seconds:.2} s", mesh.triangles.len(), hulls.len());
     if let Some(bounded) = &decomposition.report.bounded {
         let share = |length: f64| 100.0 * length / decomposition.report.diagonal;
-        let (out, inside) = (share(bounded.phantom_max), share(bounded.exposed_max));
+        let (out, inside) = (share(bounded.protrusion_max), share(bounded.uncovered_max));
         println!("stands out at most {out:.2} %, sinks in at most {inside:.2} % of the diagonal");
     }
     println!("mass {:.3} kg, from {:?}", properties.mass, properties.source);

@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let file = read_mesh(&mesh)?;
     let parameters = Parameters::default();
-    let result = decompose(&file.positions, &file.triangles, &parameters, &Control::new())?;
+    let result = decompose(&file, &parameters, &Control::new())?;
     let panels = [
         Panel::mesh(&file.positions, &file.triangles),
         Panel::hulls(&result.hulls),

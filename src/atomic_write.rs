@@ -1,8 +1,7 @@
-//! Writes files all or nothing: under another name beside their place, and then renamed.
+//! Writes files all or nothing: to a temporary file beside the place, which then replaces it.
 
-use std::fs::{File, OpenOptions};
-use std::io::{ErrorKind, Write};
-use std::path::{Path, PathBuf};
+use std::io::Write;
+use std::path::Path;
 
 /// The directory that a file is in.
 pub(crate) fn directory(path: &Path) -> &Path {
@@ -12,31 +11,15 @@ pub(crate) fn directory(path: &Path) -> &Path {
     }
 }
 
-/// Writes a file. One that is already there is replaced at once, or stays as it was.
+/// Writes a file. One that is already there is replaced in one step, or stays as it was.
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    let (mut file, temporary) = create_beside(path)?;
-    let written = file
-        .write_all(bytes)
-        .and_then(|()| file.sync_all())
-        .and_then(|()| std::fs::rename(&temporary, path));
-    if written.is_err() {
-        // The first error is the one to report.
-        let _ = std::fs::remove_file(&temporary);
-    }
-    written
-}
-
-/// Creates a file in the same directory, since only there a rename replaces at once. Another
-/// process that does the same at the same time finds the name taken.
-fn create_beside(path: &Path) -> std::io::Result<(File, PathBuf)> {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let mut attempt = 0;
-    loop {
-        let temporary = directory(path).join(format!(".{name}.{attempt}.tmp"));
-        match OpenOptions::new().write(true).create_new(true).open(&temporary) {
-            Ok(file) => return Ok((file, temporary)),
-            Err(error) if error.kind() == ErrorKind::AlreadyExists => attempt += 1,
-            Err(error) => return Err(error),
-        }
-    }
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".hullwright-");
+    // Temporary files are private by default; this one becomes the file that was asked for.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let mut file = builder.tempfile_in(directory(path))?;
+    file.write_all(bytes)?;
+    file.as_file().sync_all()?;
+    file.persist(path).map(drop).map_err(|error| error.error)
 }

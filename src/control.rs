@@ -10,6 +10,8 @@ use crate::error::Error;
 /// What the decomposition is busy with.
 #[non_exhaustive]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Stage {
     /// Welding, repair, components.
     Repair,
@@ -17,12 +19,12 @@ pub enum Stage {
     Simplify,
     /// Search over resolutions and planar thresholds (sections 3.4 and 3.5).
     Search,
-    /// Seeds of the bounded method.
-    Seeds,
+    /// Patches of the bounded method.
+    Patches,
     /// Group merging (section 3.6), or merging under the bound.
     Merge,
-    /// Pieces grow and are dissolved into each other.
-    Dissolve,
+    /// Few pieces are chosen that cover all patches.
+    SetCover,
     /// Convex hulls of the groups.
     Hulls,
     /// Source triangles are assigned to hulls.
@@ -36,9 +38,9 @@ impl Stage {
             Self::Repair => "repair",
             Self::Simplify => "simplify",
             Self::Search => "search",
-            Self::Seeds => "seeds",
+            Self::Patches => "patches",
             Self::Merge => "merge",
-            Self::Dissolve => "dissolve",
+            Self::SetCover => "set cover",
             Self::Hulls => "hulls",
             Self::Assign => "assign",
         }
@@ -69,13 +71,25 @@ impl Progress {
 
 type Listener = Arc<dyn Fn(Progress) + Send + Sync>;
 
-/// Hands on progress and takes back "stop": clone it, keep one copy, give the other to
-/// [`decompose`](crate::decompose).
+/// How work is executed: who hears of its progress, what stops it, and whether it runs in parallel.
+/// Clone it, keep one copy to cancel with, give the other to [`decompose`](crate::decompose).
 ///
-/// `Control::default()` reports to nobody and never stops.
+/// `Control::default()` reports to nobody, never stops, and runs in parallel.
+///
+/// ```
+/// use std::time::{Duration, Instant};
+///
+/// let control = hullwright::Control::new()
+///     .with_progress(|progress| println!("{}: {:.0} %", progress.stage, 100.0 * progress.fraction))
+///     .with_deadline(Instant::now() + Duration::from_secs(2));
+/// let other = control.clone();
+/// other.cancel();
+/// assert!(control.is_cancelled());
+/// ```
 #[derive(Clone, Default)]
 pub struct Control {
     cancelled: Arc<AtomicBool>,
+    is_serial: bool,
     deadline: Option<Instant>,
     listener: Option<Listener>,
 }
@@ -88,6 +102,13 @@ impl Control {
 
     /// Calls `listener` whenever the work has come further. It may be called from any thread of
     /// the pool, and should return at once.
+    ///
+    /// ```
+    /// let control = hullwright::Control::new().with_progress(|progress| {
+    ///     assert!((0.0..=1.0).contains(&progress.fraction));
+    /// });
+    /// # drop(control);
+    /// ```
     #[must_use]
     pub fn with_progress(mut self, listener: impl Fn(Progress) + Send + Sync + 'static) -> Self {
         self.listener = Some(Arc::new(listener));
@@ -99,13 +120,44 @@ impl Control {
     ///
     /// In a browser, where [`std::time::Instant`] panics, it is an `Instant` of the crate
     /// `web-time` 1, which is also that of `bevy::platform::time`.
+    ///
+    /// ```
+    /// use std::time::{Duration, Instant};
+    ///
+    /// let control = hullwright::Control::new().with_deadline(Instant::now() + Duration::from_secs(60));
+    /// assert!(!control.is_past_deadline());
+    /// ```
     #[must_use]
     pub fn with_deadline(mut self, deadline: Instant) -> Self {
         self.deadline = Some(deadline);
         self
     }
 
+    /// Whether independent parts of the work run on rayon's current pool (feature `parallel`), as
+    /// they do by default. The result does not depend on it.
+    ///
+    /// ```
+    /// let control = hullwright::Control::new().with_parallel(false);
+    /// assert!(!control.is_parallel());
+    /// ```
+    #[must_use]
+    pub fn with_parallel(mut self, is_parallel: bool) -> Self {
+        self.is_serial = !is_parallel;
+        self
+    }
+
+    /// Whether independent parts of the work run on rayon's current pool.
+    pub fn is_parallel(&self) -> bool {
+        !self.is_serial
+    }
+
     /// Asks the work to stop. It returns [`Error::Cancelled`] soon after. Works on every clone.
+    ///
+    /// ```
+    /// let control = hullwright::Control::new();
+    /// control.clone().cancel();
+    /// assert!(control.is_cancelled());
+    /// ```
     pub fn cancel(&self) {
         self.cancelled.store(true, Ordering::Relaxed);
     }
@@ -138,6 +190,7 @@ impl fmt::Debug for Control {
             .debug_struct("Control")
             .field("cancelled", &self.is_cancelled())
             .field("deadline", &self.deadline)
+            .field("parallel", &self.is_parallel())
             .field("progress", &self.listener.is_some())
             .finish()
     }

@@ -1,31 +1,52 @@
 //! The way in: `decompose`, and `Decomposer` which does the same in slices.
 
-use crate::bounded::{self, Run};
+use crate::bounded::Run;
+use crate::bounded::output::BoundedResult;
 use crate::clock::Instant;
 use crate::control::{Control, Stage};
 use crate::decomposition::{
     BoundedReport, Decomposition, GroupedMesh, Report, StageTime, SurfaceReport,
 };
 use crate::error::Error;
-use crate::geometry::Coordinate;
+use crate::geometry::{MeshView, TriangleMesh};
 use crate::mesh::PreparedMesh;
 use crate::mesh::repair::prepare;
-use crate::parameters::{Method, Parameters, SurfaceParameters, Unit};
+use crate::parameters::{Length, Method, Parameters, SurfaceParameters};
 use crate::surface::group_merging::merge_groups;
 use crate::surface::pieces::{assign_source_triangles, hulls};
 use crate::surface::resolution_selection::{Level, Levels, first_cut_off, select};
 
 /// Decomposes a triangle mesh into convex hulls.
 ///
+/// `mesh` is in any unit; so are the hulls. Time is almost linear in the number of triangles, and
+/// grows as the bound gets smaller. It never panics.
+///
 /// # Errors
-/// See [`Error`]. It never panics.
-pub fn decompose<C: Coordinate>(
-    positions: &[[C; 3]],
-    triangles: &[[u32; 3]],
+/// - [`Error::EmptyMesh`], [`Error::IndexOutOfRange`], [`Error::NothingUsable`], [`Error::TooLarge`] and
+///   [`Error::SidednessCount`] for meshes that can't be used.
+/// - [`Error::InvalidParameter`] for a parameter out of its range.
+/// - [`Error::Cancelled`] and [`Error::DeadlineExceeded`] as `control` says.
+/// - [`Error::Simplification`] where memory is short.
+///
+/// ```
+/// use hullwright::{Control, Length, MeshView, Parameters, decompose};
+///
+/// # fn main() -> Result<(), hullwright::Error> {
+/// let positions = [[0.0_f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+/// let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+/// let mesh = MeshView::new(&positions, &triangles);
+/// let parameters = Parameters::default().max_error(Length::share(0.01)).max_hulls(32);
+/// let result = decompose(mesh, &parameters, &Control::new())?;
+/// assert_eq!(result.hulls.len(), 1);
+/// # Ok(())
+/// # }
+/// ```
+pub fn decompose<'a>(
+    mesh: impl Into<MeshView<'a>>,
     parameters: &Parameters,
     control: &Control,
 ) -> Result<Decomposition, Error> {
-    let mut decomposer = Decomposer::new(positions, triangles, parameters)?;
+    let mut decomposer = Decomposer::new(mesh, parameters)?;
     loop {
         if let Some(decomposition) = decomposer.step(control)? {
             return Ok(decomposition);
@@ -35,9 +56,27 @@ pub fn decompose<C: Coordinate>(
 
 /// The same work as [`decompose`], in slices, for where a background task is still the main
 /// thread. A slice is a stage, or one resolution or one threshold of the paper's method.
+///
+/// ```
+/// # let mesh = hullwright::TriangleMesh::new(
+/// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+/// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+/// # );
+/// use hullwright::{Control, Decomposer, Parameters};
+///
+/// let control = Control::new();
+/// let mut decomposer = Decomposer::new(&mesh, &Parameters::default())?;
+/// let decomposition = loop {
+///     // Here a frame may be drawn.
+///     if let Some(decomposition) = decomposer.step(&control)? {
+///         break decomposition;
+///     }
+/// };
+/// assert_eq!(decomposition.hulls.len(), 1);
+/// # Ok::<(), hullwright::Error>(())
+/// ```
 pub struct Decomposer {
-    positions: Vec<[f64; 3]>,
-    triangles: Vec<[u32; 3]>,
+    source: TriangleMesh,
     parameters: Parameters,
     state: State,
     times: Vec<StageTime>,
@@ -71,18 +110,15 @@ impl Decomposer {
     /// # Errors
     /// [`Error::InvalidParameter`] and [`Error::EmptyMesh`]; the rest of the input is judged in
     /// the first [`step`](Self::step).
-    pub fn new<C: Coordinate>(
-        positions: &[[C; 3]],
-        triangles: &[[u32; 3]],
-        parameters: &Parameters,
-    ) -> Result<Self, Error> {
+    pub fn new<'a>(mesh: impl Into<MeshView<'a>>, parameters: &Parameters) -> Result<Self, Error> {
         parameters.validate()?;
-        if positions.is_empty() || triangles.is_empty() {
-            return Err(Error::EmptyMesh { vertices: positions.len(), triangles: triangles.len() });
+        let mesh = mesh.into();
+        let (vertices, triangles) = (mesh.vertex_count(), mesh.triangles().len());
+        if vertices == 0 || triangles == 0 {
+            return Err(Error::EmptyMesh { vertices, triangles });
         }
         Ok(Self {
-            positions: positions.iter().map(|p| p.map(Coordinate::to_f64)).collect(),
-            triangles: triangles.to_vec(),
+            source: mesh.to_owned(),
             parameters: parameters.clone(),
             state: State::Repair,
             times: Vec::new(),
@@ -117,7 +153,7 @@ impl Decomposer {
         let surface = &self.parameters.surface;
         self.state = match std::mem::replace(&mut self.state, State::Done) {
             State::Repair => {
-                let prepared = prepare(&self.positions, &self.triangles, control)?;
+                let prepared = prepare(self.source.view(), control)?;
                 match self.parameters.method {
                     Method::Bounded => {
                         State::Bounded(Box::new(Run::new(prepared, &self.parameters)))
@@ -126,12 +162,12 @@ impl Decomposer {
                 }
             }
             State::Bounded(mut run) => {
-                let outcome = run.step(self.parameters.parallel, control)?;
+                let result = run.step(control)?;
                 // The last step is done whole, however late it is.
-                self.deadline_reached |= outcome.is_none() && control.is_past_deadline();
-                if let Some(outcome) = outcome {
+                self.deadline_reached |= result.is_none() && control.is_past_deadline();
+                if let Some(result) = result {
                     add_time(&mut self.times, stage, start);
-                    let bounded::Outcome { prepared, hulls, grouped, report } = outcome;
+                    let BoundedResult { prepared, hulls, grouped, report } = result;
                     let report = self.report(&prepared, Some(report), None);
                     control.report(stage, 1.0);
                     return Ok(Some(Decomposition { hulls, grouped, report }));
@@ -143,8 +179,8 @@ impl Decomposer {
                 if state.1.is_complete() {
                     let (prepared, levels) = *state;
                     let unit = match surface.unit {
-                        Unit::Diagonals(unit) => unit,
-                        Unit::Absolute(unit) => unit / prepared.normalization.diagonal,
+                        Length::Share(unit) => unit,
+                        Length::Units(unit) => unit / prepared.normalization.diagonal,
                     };
                     let levels = levels.finish();
                     State::Search(Box::new(Search { prepared, levels, unit }))
@@ -206,7 +242,7 @@ impl Decomposer {
         add_time(&mut self.times, Stage::Hulls, start);
 
         let start = Instant::now();
-        crate::parallel::with(self.parameters.parallel, || {
+        crate::parallel::with(control.is_parallel(), || {
             assign_source_triangles(&prepared, &level.mesh, &grouping, &mut hulls, control)
         })?;
         add_time(&mut self.times, Stage::Assign, start);
@@ -244,8 +280,8 @@ impl Decomposer {
         Report {
             algorithm_version: crate::ALGORITHM_VERSION,
             method: self.parameters.method,
-            source_vertices: self.positions.len(),
-            source_triangles: self.triangles.len(),
+            source_vertices: self.source.positions.len(),
+            source_triangles: self.source.triangles.len(),
             triangles: prepared.mesh.triangles.len(),
             diagonal: prepared.normalization.diagonal,
             components: prepared.closed.len(),
@@ -264,7 +300,7 @@ impl Search {
     fn advance(&mut self, parameters: &Parameters, control: &Control) -> Result<bool, Error> {
         let surface = &parameters.surface;
         #[cfg(feature = "parallel")]
-        if parameters.parallel && rayon::current_num_threads() > 1 {
+        if control.is_parallel() && rayon::current_num_threads() > 1 {
             use rayon::prelude::*;
             let unit = self.unit;
             let past = || control.is_past_deadline();

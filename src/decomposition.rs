@@ -1,39 +1,77 @@
 //! The result: hulls, the groups that they come from, and the report.
 
-use crate::geometry::Bounds;
-use crate::hull::{HullBuilder, SinglePrecisionHull, single_precision};
+use crate::geometry::MeshView;
+use crate::hull::ConvexHull;
+use crate::mesh::repair::Repairs;
 use crate::parameters::Method;
 
 /// Changes whenever the same input and parameters may give another result.
 pub const ALGORITHM_VERSION: u32 = 11;
 
-/// One convex piece, in the input's units.
+/// One convex piece: its shape, where it comes from, and how far it is from the mesh.
+///
+/// A hull of any tool becomes one with `Hull::from`; it has no provenance, and no errors are known.
+///
+/// ```
+/// use hullwright::{Hull, convex_hull};
+///
+/// # fn main() -> Result<(), hullwright::Error> {
+/// let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+/// let hull = Hull::from(convex_hull(&points)?);
+/// assert_eq!(hull.shape.points.len(), 4);
+/// assert_eq!(hull.errors.protrusion_max, None);
+/// # Ok(())
+/// # }
+/// ```
 #[non_exhaustive]
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Hull {
-    /// Vertices; each is used by a triangle.
-    pub points: Vec<[f64; 3]>,
-    /// Triangles of the closed, outward-oriented surface.
-    pub triangles: Vec<[u32; 3]>,
-    /// Enclosed volume, in cubed units; positive.
-    pub volume: f64,
-    /// Bounding box of `points`.
-    pub bounds: Bounds,
+    /// Vertices and triangles, in the input's units.
+    pub shape: ConvexHull,
+    /// What of the mesh it stands for.
+    pub provenance: Provenance,
+    /// How far it is from what it stands for.
+    pub errors: HullErrors,
+}
+
+/// What of the source mesh a hull stands for.
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Provenance {
     /// The connected component of the input that the hull belongs to.
     pub component: u32,
-    /// The input's triangles that the hull stands for, ascending.
+    /// The input's triangles that the hull stands for, ascending; empty where that is not known.
     pub source_triangles: Vec<u32>,
+}
+
+/// How far a hull is from what it stands for. Lengths are in the input's units.
+#[non_exhaustive]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct HullErrors {
     /// Thickness that was given to a flat, linear or point-like group so that the hull has
-    /// volume; 0 for all others. In units.
+    /// volume; 0 for all others.
     pub added_thickness: f64,
-    /// How far saving vertices, or the cap on them, made the hull grow: no point of it is farther
-    /// than this from the hull before. In units.
-    pub cap_growth: f64,
-    /// No point of the hull's surface is farther than this outside the solid: verified against the
-    /// source. An upper bound, never below 0.29 of the bound that was asked for, and too large by at most
-    /// 4 % of it, but where finding out more would take long: there it may be as large as the bound. In
-    /// units. `None` for methods that verify nothing.
-    pub phantom_max: Option<f64>,
+    /// How far hull simplification, or the cap on vertices, made the hull grow: no point of it is
+    /// farther than this from the hull before.
+    pub simplification_growth: f64,
+    /// Protrusion: no point of the hull's surface is farther than this outside the solid. It is
+    /// verified against the source. An upper bound, never below 0.29 of the bound that was asked for,
+    /// and too large by at most 4 % of it, except where a closer look would take long: there it may be
+    /// as large as the bound. `None` for methods that verify nothing.
+    pub protrusion_max: Option<f64>,
+}
+
+impl From<ConvexHull> for Hull {
+    fn from(shape: ConvexHull) -> Self {
+        Self { shape, ..Self::default() }
+    }
+}
+
+impl<'a> From<&'a Hull> for MeshView<'a> {
+    fn from(hull: &'a Hull) -> Self {
+        (&hull.shape).into()
+    }
 }
 
 /// The simplified mesh that was grouped, in the input's units.
@@ -60,31 +98,10 @@ pub struct Decomposition {
     pub report: Report,
 }
 
-/// What was repaired in the input, as counts.
-#[non_exhaustive]
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Repairs {
-    /// Vertices that were welded to another.
-    pub welded_vertices: usize,
-    /// Vertices that no triangle uses.
-    pub unused_vertices: usize,
-    /// Triangles dropped because they use a coordinate that is not finite.
-    pub non_finite_triangles: usize,
-    /// Triangles dropped because they have no area.
-    pub degenerate_triangles: usize,
-    /// Triangles dropped because another has the same vertices.
-    pub duplicate_triangles: usize,
-    /// Triangles that were turned around.
-    pub flipped_triangles: usize,
-    /// Edges with more than two triangles, which stay.
-    pub non_manifold_edges: usize,
-    /// Edges with one triangle, which stay open.
-    pub open_edges: usize,
-}
-
 /// Wall-clock time of a stage.
 #[non_exhaustive]
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StageTime {
     /// The stage.
     pub stage: crate::control::Stage,
@@ -95,6 +112,7 @@ pub struct StageTime {
 /// What was done, and how well it went.
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Report {
     /// [`ALGORITHM_VERSION`](crate::ALGORITHM_VERSION) of the library that did it.
     pub algorithm_version: u32,
@@ -129,16 +147,17 @@ pub struct Report {
 /// input's units.
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BoundedReport {
     /// The bound that was asked for, at least 0.00001 and at most half of the diagonal.
     pub bound: f64,
-    /// No point of a hull's surface is farther than this outside the solid. An upper bound, too
-    /// large by at most 4 % of the bound, and never below 0.29 of it.
-    pub phantom_max: f64,
-    /// No point of the input's surface is farther than this outside every hull.
-    pub exposed_max: f64,
+    /// Protrusion: no point of a hull's surface is farther than this outside the solid. An upper
+    /// bound, too large by at most 4 % of the bound, and never below 0.29 of it.
+    pub protrusion_max: f64,
+    /// Uncovered distance: no point of the input's surface is farther than this outside every hull.
+    pub uncovered_max: f64,
     /// Patches of the surface that the search started from.
-    pub seeds: usize,
+    pub patches: usize,
     /// Triangles of the simplified or refined mesh that was grouped.
     pub polygons: usize,
 }
@@ -146,6 +165,7 @@ pub struct BoundedReport {
 /// The paper's search tree and what it chose: a row of its Table 1.
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SurfaceReport {
     /// Pieces, after group merging.
     pub pieces: usize,
@@ -172,6 +192,7 @@ pub struct SurfaceReport {
 /// One subtree of the search: a maximum resolution.
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ResolutionReport {
     /// r.
     pub resolution: usize,
@@ -188,6 +209,7 @@ pub struct ResolutionReport {
 /// What became of a resolution (section 3.5).
 #[non_exhaustive]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum ResolutionOutcome {
     /// Least cost of all that were left.
     Selected,
@@ -206,6 +228,7 @@ pub enum ResolutionOutcome {
 /// One leaf of the search: a planar threshold.
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ThresholdReport {
     /// p.
     pub planar_threshold: f64,
@@ -220,6 +243,7 @@ pub struct ThresholdReport {
 /// What became of a threshold (section 3.4.2).
 #[non_exhaustive]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum ThresholdOutcome {
     /// The resolution's candidate: fewest pieces under ε.
     Candidate,
@@ -239,15 +263,4 @@ pub enum ThresholdOutcome {
     SingleGroup,
     /// Not tried, since an earlier threshold ended the search of this resolution.
     NotTried,
-}
-
-impl Hull {
-    /// Vertices and triangles in single precision, as physics engines want them: the hull of the
-    /// rounded vertices, so that it is convex and has volume as it stands. O(n log n).
-    ///
-    /// # Errors
-    /// [`Error::NoHull`](crate::Error::NoHull) if a coordinate is beyond the range of `f32`.
-    pub fn to_single_precision(&self) -> Result<SinglePrecisionHull, crate::error::Error> {
-        single_precision(&self.points, &mut HullBuilder::new())
-    }
 }

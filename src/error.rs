@@ -1,4 +1,4 @@
-//! What can go wrong, in words that say what and where.
+//! The error type.
 
 /// Every way in which the library refuses input or stops early. It never panics instead.
 #[non_exhaustive]
@@ -53,10 +53,30 @@ pub enum Error {
         /// What is wrong with its value.
         reason: String,
     },
-    /// The points have no convex hull: there are none, or none is finite.
+    /// A mesh names the sidedness of some of its triangles only, or of more than it has.
+    #[error("the sidedness of {sidedness} triangles is given, but there are {triangles}")]
+    SidednessCount {
+        /// How many there are of it.
+        sidedness: usize,
+        /// Number of triangles given.
+        triangles: usize,
+    },
+    /// The points have no convex hull: none is finite, or they have no volume.
     #[error("no convex hull: {reason}")]
     NoHull {
         /// Why not.
+        reason: &'static str,
+    },
+    /// There are no hulls to measure or to join.
+    #[error("there are no hulls")]
+    NoHulls,
+    /// A hull can't be used: it has no triangles, names a point that it does not have, or has a
+    /// coordinate that is not finite.
+    #[error("hull {hull} can't be used: {reason}")]
+    UnusableHull {
+        /// Its number.
+        hull: usize,
+        /// What is wrong.
         reason: &'static str,
     },
     /// A dense mesh could not be simplified: it would take more memory or work than meshes of its
@@ -76,11 +96,48 @@ pub enum Error {
     #[error("the work is already finished")]
     Finished,
     /// A file could not be read or written, or does not hold what its suffix says.
-    #[error("{path}: {reason}")]
+    #[error("{path}: {source}")]
     File {
         /// The file's path, as given.
         path: String,
         /// What is wrong, and where in the file if that is known.
-        reason: String,
+        source: FileError,
     },
+}
+
+/// What is wrong with a file.
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum FileError {
+    /// The file system refused.
+    #[error("{message}")]
+    System {
+        /// The kind of [`std::io::Error`].
+        kind: std::io::ErrorKind,
+        /// What it says.
+        message: String,
+    },
+    /// The content, or the name, is not what it should be.
+    #[error("{0}")]
+    Content(String),
+}
+
+impl From<std::io::Error> for FileError {
+    fn from(error: std::io::Error) -> Self {
+        Self::System { kind: error.kind(), message: error.to_string() }
+    }
+}
+
+impl From<String> for FileError {
+    fn from(reason: String) -> Self {
+        Self::Content(reason)
+    }
+}
+
+impl Error {
+    /// A file that could not be read or written.
+    #[cfg(feature = "io")]
+    pub(crate) fn file(path: &std::path::Path, source: impl Into<FileError>) -> Self {
+        Self::File { path: path.display().to_string(), source: source.into() }
+    }
 }

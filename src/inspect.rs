@@ -1,17 +1,16 @@
 //! A look at a mesh without decomposing it: what it holds, and what repair would do to it.
 
 use crate::control::Control;
-use crate::decomposition::Repairs;
 use crate::error::Error;
-use crate::geometry::Bounds;
-use crate::geometry::Coordinate;
 use crate::geometry::vector::{area_normal, cross, dot, length, maximum, minimum};
+use crate::geometry::{Bounds, MeshView};
 use crate::mesh::PreparedMesh;
-use crate::mesh::repair::prepare;
+use crate::mesh::repair::{Repairs, prepare};
 
 /// What [`inspect`] found.
 #[non_exhaustive]
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Inspection {
     /// Vertices given.
     pub source_vertices: usize,
@@ -50,19 +49,28 @@ impl Inspection {
 /// # Errors
 /// As [`decompose`](crate::decompose) for a mesh that is empty, too large or without any usable
 /// triangle, or has an index out of range.
-pub fn inspect<C: Coordinate>(
-    positions: &[[C; 3]],
-    triangles: &[[u32; 3]],
-) -> Result<Inspection, Error> {
-    let prepared = prepare(positions, triangles, &Control::new())?;
+///
+/// ```
+/// # let mesh = hullwright::TriangleMesh::new(
+/// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+/// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+/// # );
+/// let found = hullwright::inspect(&mesh)?;
+/// assert!(found.is_closed());
+/// assert_eq!((found.triangles, found.components), (4, 1));
+/// # Ok::<(), hullwright::Error>(())
+/// ```
+pub fn inspect<'a>(mesh: impl Into<MeshView<'a>>) -> Result<Inspection, Error> {
+    let source = mesh.into();
+    let prepared = prepare(source, &Control::new())?;
     let diagonal = prepared.normalization.diagonal;
     let (area, volume) = measure(&prepared);
     Ok(Inspection {
-        source_vertices: positions.len(),
-        source_triangles: triangles.len(),
+        source_vertices: source.vertex_count(),
+        source_triangles: source.triangles().len(),
         vertices: prepared.mesh.positions.len(),
         triangles: prepared.mesh.triangles.len(),
-        bounds: bounds(prepared.source_vertices.iter().map(|vertex| positions[*vertex as usize])),
+        bounds: bounds(prepared.source_vertices.iter().map(|&vertex| source.at(vertex))),
         diagonal,
         components: prepared.closed.len(),
         closed_components: prepared.closed.iter().filter(|closed| **closed).count(),
@@ -72,9 +80,9 @@ pub fn inspect<C: Coordinate>(
     })
 }
 
-fn bounds<C: Coordinate>(points: impl Iterator<Item = [C; 3]>) -> Bounds {
+fn bounds(points: impl Iterator<Item = [f64; 3]>) -> Bounds {
     let everywhere = Bounds { min: [f64::INFINITY; 3], max: [f64::NEG_INFINITY; 3] };
-    points.map(|point| point.map(Coordinate::to_f64)).fold(everywhere, |bounds, point| Bounds {
+    points.fold(everywhere, |bounds, point| Bounds {
         min: minimum(bounds.min, point),
         max: maximum(bounds.max, point),
     })
@@ -100,7 +108,7 @@ mod tests {
     use crate::mesh::shapes::{cuboid, hemisphere, join, turn};
 
     fn inspect_mesh(mesh: &TriangleMesh) -> Inspection {
-        inspect(&mesh.positions, &mesh.triangles).unwrap()
+        inspect(mesh).unwrap()
     }
 
     fn assert_close(found: f64, expected: f64) {
@@ -152,8 +160,8 @@ mod tests {
 
     #[test]
     fn what_can_not_be_decomposed_can_not_be_inspected() {
-        assert!(matches!(inspect::<f32>(&[], &[]), Err(Error::EmptyMesh { .. })));
-        let out_of_range = inspect(&[[0.0_f32; 3]], &[[0, 0, 1]]);
+        assert!(matches!(inspect(&TriangleMesh::default()), Err(Error::EmptyMesh { .. })));
+        let out_of_range = inspect(MeshView::new(&[[0.0_f32; 3]], &[[0, 0, 1]]));
         assert!(matches!(out_of_range, Err(Error::IndexOutOfRange { index: 1, .. })));
     }
 }

@@ -1,46 +1,111 @@
-//! Concave triangle meshes into few convex hulls, fast and with a measured error.
+//! Approximate convex decomposition of triangle meshes, with a measured and bounded error.
 //!
-//! Game physics can't move a concave body: the engine wants convex pieces.
-//! [`decompose`] takes positions and triangles and returns convex hulls with an honest
-//! [`Report`].
+//! A physics engine moves convex bodies. A concave mesh becomes a moving body as a compound of convex
+//! hulls. [`decompose`] makes few such hulls, and a [`Report`] that says how far they are from the mesh:
+//! the default method keeps a bound that you choose, and verifies it against the mesh.
+//!
+//! ```
+//! use hullwright::{Control, Length, MeshView, Parameters, decompose};
+//!
+//! # fn main() -> Result<(), hullwright::Error> {
+//! // An L: two boxes.
+//! let outline = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0_f32]];
+//! let positions: Vec<[f32; 3]> =
+//!     [0.0, 1.0].iter().flat_map(|&z| outline.map(|[x, y]| [x, y, z])).collect();
+//! let mut triangles = vec![[0, 2, 1], [0, 3, 2], [0, 4, 3], [0, 5, 4]];
+//! triangles.extend([[6, 7, 8], [6, 8, 9], [6, 9, 10], [6, 10, 11]]);
+//! triangles.extend((0..6).flat_map(|a| [[a, (a + 1) % 6, (a + 1) % 6 + 6], [a, (a + 1) % 6 + 6, a + 6]]));
+//!
+//! let mesh = MeshView::new(&positions, &triangles);
+//! let parameters = Parameters::default().max_error(Length::share(0.02));
+//! let result = decompose(mesh, &parameters, &Control::new())?;
+//! assert_eq!(result.hulls.len(), 2);
+//!
+//! let bounded = result.report.bounded.expect("the default method reports its bound");
+//! assert!(bounded.protrusion_max <= bounded.bound && bounded.uncovered_max <= bounded.bound);
+//! for hull in &result.hulls {
+//!     let (points, triangles) = hull.shape.to_single_precision()?;
+//!     println!("{} vertices, {} triangles", points.len(), triangles.len());
+//! }
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Where to start
+//!
+//! | you have | you want | use |
+//! |---|---|---|
+//! | positions and triangles | convex hulls | [`decompose`] |
+//! | the same, on a thread that may not block | convex hulls, in slices | [`Decomposer`] |
+//! | a decomposition, or hulls of any tool | fewer hulls, a curve of hulls against error | [`MergeTree`] |
+//! | a mesh and hulls of any tool | protrusion, uncovered distance, intersection over union | [`measure::measure`] |
+//! | a mesh | mass, centre and inertia | [`mass_properties()`] |
+//! | a mesh | what repair finds in it | [`inspect()`] |
+//! | points | their convex hull | [`convex_hull()`] |
+//! | a mesh file | any of these | `io` (feature `io`) |
+//! | hulls | a file that games load | [`hulls_format`] |
+//! | a mesh, Rapier | a compound collider with the mesh's mass | `rapier` (feature `rapier`) |
+//! | a mesh, Bevy | the same in the background | `bevy` (feature `bevy`) |
+//! | a mesh and hulls | a picture of them | `render` (feature `io`) |
+//!
+//! # Methods
+//!
+//! - [`Method::Bounded`], the default: patches of the surface merge, under a bound on the error, into few
+//!   hulls that cover the surface. The bound is verified against the source.
+//! - [`Method::Surface`]: the surface-based method of the paper *A surface-based approach for 3D approximate
+//!   convex decomposition*, with the paper's parameters ([`SurfaceParameters`]). It promises no bound.
+//!
+//! # Two distances
+//!
+//! - **Protrusion**: how far a hull is outside of the solid. Things stop before they touch.
+//! - **Uncovered distance**: how far the mesh's surface is outside of every hull. Things sink in.
+//!
+//! Both are at most [`BoundedParameters::max_error`]. *Uncovered volume* is the share of the solid that no
+//! hull holds. [`measure`] samples all three, for hulls of any tool.
 //!
 //! # Conventions
 //!
-//! - **Units** are the input's. Lengths that are *relative* say so: they are divided by the
-//!   diagonal of the bounding box of the vertices that triangles use.
-//! - **Winding**: right- and left-handed input both work, since a closed mesh that encloses a
-//!   negative volume is turned around. Triangles of the output are wound counter-clockwise seen
-//!   from outside (in a right-handed frame), so that normals point outward.
-//! - **Precision**: everything is computed in `f64` on a copy that is moved to the origin and
-//!   scaled to a diagonal of 1; results are returned in the input's units.
-//! - **Determinism**: the same input and parameters give the same result, for any number of
-//!   threads. Only a deadline ([`Control::with_deadline`]) may make a result depend on time.
+//! - **Units** are the input's. A [`Length`] is a share of the diagonal of the bounding box of the vertices
+//!   that triangles use, or a number of the input's units.
+//! - **Winding**: right- and left-handed input both work. A closed mesh that encloses a negative volume is
+//!   turned around. Triangles of hulls run counter-clockwise seen from outside, in a right-handed frame.
+//! - **Precision**: everything is computed in `f64` on a copy that is moved to the origin and scaled to a
+//!   diagonal of 1.
+//! - **Determinism**: the same input and parameters give the same result, for any number of threads. Only a
+//!   deadline ([`Control::with_deadline`]) makes a result depend on time.
+//! - **Panics**: none, whatever the input. Every function that can fail returns an [`Error`].
 //!
-//! # Module map
+//! # Features
 //!
-//! | module | stage | paper |
+//! | feature | what it adds |
+//! |---|---|
+//! | `parallel` (default) | independent parts of the work run on rayon's pool; the result stays the same |
+//! | `io` | readers of OBJ, OFF, PLY, STL, glTF and GLB; writers of OBJ and GLB; pictures |
+//! | `serde` | parameters, reports and measurements can be written and read |
+//! | `rapier` | colliders and mass properties for rapier3d 0.36 |
+//! | `bevy`, `bevy_gltf`, `debug` | the plugin for Bevy 0.20 with bevy_rapier3d 0.37; tags in glTF extras; hulls drawn as gizmos |
+//! | `cli` | the command `hullwright` |
+//!
+//! # Inside
+//!
+//! Imports go down this list only.
+//!
+//! | module | what it does | section of the paper |
 //! |---|---|---|
-//! | `mesh::repair` | weld, drop, orient, split into components | – |
-//! | `mesh::adjacency` | triangles, vertices, the 3n adjacency list | 3.3 |
-//! | `mesh::simplify` | simplification quality Q and maximum resolution r | 3.2 |
-//! | `surface::grouping` | convex polygon grouping | 3.4.1 |
-//! | `surface::threshold_selection` | the search over planar thresholds p | 3.4.2 |
-//! | `surface::cost` | concavity cost, equation (3) | 3.4.3 |
-//! | `surface::resolution_selection` | the search over maximum resolutions R | 3.5 |
-//! | `surface::group_merging` | small groups join their neighbours | 3.6 |
-//! | `bounded` | the default method: seeds, merging, growing, dissolving, verification | – |
-//! | `merge_tree` | fewer hulls afterwards, without a new run | – |
-//! | `hull` | convex hulls of the groups, thickness of flat ones, vertex cap | 3.6 |
-//! | `field` | distance to the surface, generalized winding number | – |
-//! | `measure` | judges any set of hulls against a mesh | – |
-//! | `mass` | mass, centre and inertia of the source mesh | – |
-//! | `hulls_format` | `.hulls`: a decomposition in a file | – |
-//! | `inspect` | what a mesh holds, without decomposing it | – |
-//! | `io` (feature) | readers and writers of mesh files | – |
-//! | `rapier` (feature) | colliders and mass properties for rapier3d 0.36 | – |
-//! | `bevy` (feature) | the plugin for Bevy 0.20 with bevy_rapier3d 0.37 | – |
-//! | `picture` (feature `io`) | draws meshes and hulls into a PNG, without a GPU | – |
+//! | `bevy`, `rapier`, the command | use the public items alone | |
+//! | `decompose`, `merge_tree`, `measure`, `mass`, `inspect` | the functions above | |
+//! | `io`, `render`, `hulls_format` | files and pictures | |
+//! | `bounded` | the default method, one stage per file | |
+//! | `surface` | the paper's method, one stage per file | 3.4 to 3.6 |
+//! | `decomposition` | results and reports | |
+//! | `bvh` | closest point and generalized winding number | |
+//! | `hull` | quickhull in double precision, least thickness, hull simplification | 3.6 |
+//! | `mesh` | weld, orient, components, adjacency, simplify | 3.2, 3.3 |
+//! | `parameters`, `control`, `error`, `parallel`, `geometry` | the ground floor | |
 
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
+#[cfg(feature = "fs")]
 mod atomic_write;
 #[cfg(feature = "bevy")]
 pub mod bevy;
@@ -74,17 +139,21 @@ mod surface;
 pub use control::{Control, Progress, Stage};
 pub use decompose::{Decomposer, decompose};
 pub use decomposition::{
-    ALGORITHM_VERSION, BoundedReport, Decomposition, GroupedMesh, Hull, Repairs, Report,
-    ResolutionOutcome, ResolutionReport, StageTime, SurfaceReport, ThresholdOutcome,
+    ALGORITHM_VERSION, BoundedReport, Decomposition, GroupedMesh, Hull, HullErrors, Provenance,
+    Report, ResolutionOutcome, ResolutionReport, StageTime, SurfaceReport, ThresholdOutcome,
     ThresholdReport,
 };
-pub use error::Error;
-pub use geometry::{Bounds, Coordinate};
+pub use error::{Error, FileError};
+pub use geometry::{Bounds, Coordinate, MeshView, Sidedness, TriangleMesh};
+pub use hull::{ConvexHull, SinglePrecisionHull, convex_hull};
 pub use inspect::{Inspection, inspect};
 #[cfg(feature = "nalgebra")]
 pub use mass::PrincipalInertia;
 pub use mass::{MassProperties, MassSource, mass_properties};
 pub use merge_tree::{CurvePoint, MergeTree};
-pub use parameters::{BoundedParameters, Method, Parameters, Preset, SurfaceParameters, Unit};
+pub use mesh::repair::Repairs;
+pub use parameters::{
+    BoundedParameters, Length, Method, Parameters, ParseError, Preset, SurfaceParameters,
+};
 #[cfg(feature = "rapier")]
 pub use rapier::ColliderError;

@@ -1,10 +1,12 @@
 //! Fewer hulls afterwards: from a finished decomposition on down to one hull, without a new run.
 
-use crate::bounded::Merging;
+use crate::bounded::decomposition_hierarchy::DecompositionHierarchy;
 use crate::control::Control;
 use crate::decomposition::{Decomposition, Hull};
 use crate::error::Error;
-use crate::geometry::Coordinate;
+use crate::geometry::MeshView;
+use crate::mesh::repair::prepare;
+use crate::parallel;
 use crate::parameters::Parameters;
 
 /// The hulls of a decomposition and all that they can be joined to, one join after the other: the
@@ -14,11 +16,12 @@ use crate::parameters::Parameters;
 /// # fn main() -> Result<(), hullwright::Error> {
 /// # let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 /// # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
+/// # let mesh = hullwright::MeshView::new(&positions, &triangles);
 /// use hullwright::{Control, MergeTree, Parameters, decompose};
 ///
 /// let (parameters, control) = (Parameters::default(), Control::new());
-/// let decomposition = decompose(&positions, &triangles, &parameters, &control)?;
-/// let tree = MergeTree::new(&positions, &triangles, &decomposition, &parameters, &control)?;
+/// let decomposition = decompose(mesh, &parameters, &control)?;
+/// let tree = MergeTree::new(mesh, &decomposition, &parameters, &control)?;
 /// for point in tree.curve() {
 ///     println!("{} hulls: at most {} off", point.hulls, point.error);
 /// }
@@ -29,23 +32,24 @@ use crate::parameters::Parameters;
 /// ```
 #[derive(Debug, Clone)]
 pub struct MergeTree {
-    merging: Merging,
+    hierarchy: DecompositionHierarchy,
     leaves: Vec<Hull>,
-    exposed: f64,
+    uncovered: f64,
 }
 
 /// A state of a [`MergeTree`].
 #[non_exhaustive]
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CurvePoint {
     /// Number of hulls.
     pub hulls: usize,
     /// The larger of the two errors below: the bound that this state keeps.
     pub error: f64,
     /// No point of a hull's surface is farther than this outside the solid. In units.
-    pub phantom_max: f64,
+    pub protrusion_max: f64,
     /// No point of the surface is farther than this outside every hull. In units.
-    pub exposed_max: f64,
+    pub uncovered_max: f64,
 }
 
 impl MergeTree {
@@ -54,60 +58,134 @@ impl MergeTree {
     /// O(k²) joint hulls for k hulls, each of which is verified against the mesh.
     ///
     /// # Errors
-    /// Those of [`decompose`](crate::decompose); [`Error::NoHull`] for a decomposition without
-    /// hulls, or with one whose triangles name points that it does not have.
-    pub fn new<C: Coordinate>(
-        positions: &[[C; 3]],
-        triangles: &[[u32; 3]],
+    /// Those of [`decompose`](crate::decompose); [`Error::NoHulls`] without hulls.
+    pub fn new<'a>(
+        mesh: impl Into<MeshView<'a>>,
         decomposition: &Decomposition,
         parameters: &Parameters,
         control: &Control,
     ) -> Result<Self, Error> {
+        let known = decomposition.report.bounded.as_ref().map(|report| report.uncovered_max);
+        Self::build(mesh.into(), &decomposition.hulls, known, parameters, control)
+    }
+
+    /// Joins hulls of any tool. Those whose errors are not known are verified first.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), and [`Error::UnusableHull`] for a hull whose triangles name points that
+    /// it does not have.
+    ///
+    /// ```
+    /// # fn main() -> Result<(), hullwright::Error> {
+    /// use hullwright::{Control, Hull, MergeTree, Parameters, TriangleMesh, convex_hull};
+    ///
+    /// let mesh = TriangleMesh::new(
+    ///     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    ///     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+    /// );
+    /// let hulls = [Hull::from(convex_hull(&mesh.positions)?)];
+    /// let tree = MergeTree::from_hulls(&mesh, &hulls, &Parameters::default(), &Control::new())?;
+    /// assert_eq!(tree.curve().len(), 1);
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn from_hulls<'a>(
+        mesh: impl Into<MeshView<'a>>,
+        hulls: &[Hull],
+        parameters: &Parameters,
+        control: &Control,
+    ) -> Result<Self, Error> {
+        Self::build(mesh.into(), hulls, None, parameters, control)
+    }
+
+    fn build(
+        mesh: MeshView<'_>,
+        hulls: &[Hull],
+        uncovered: Option<f64>,
+        parameters: &Parameters,
+        control: &Control,
+    ) -> Result<Self, Error> {
         parameters.validate()?;
-        if decomposition.hulls.is_empty() {
-            return Err(Error::NoHull { reason: "there are no hulls to join" });
+        if hulls.is_empty() {
+            return Err(Error::NoHulls);
         }
-        let positions: Vec<[f64; 3]> =
-            positions.iter().map(|point| point.map(Coordinate::to_f64)).collect();
-        let merging =
-            Merging::new(&positions, triangles, &decomposition.hulls, parameters, control)?;
-        let exposed = match &decomposition.report.bounded {
-            Some(report) => report.exposed_max,
-            None => merging.exposed(&decomposition.hulls, control)?,
+        let prepared = prepare(mesh, control)?;
+        let hierarchy = parallel::with(control.is_parallel(), || {
+            DecompositionHierarchy::new(prepared, hulls, parameters, control)
+        })?;
+        let uncovered = match uncovered {
+            Some(uncovered) => uncovered,
+            None => hierarchy.uncovered(control)?,
         };
-        Ok(Self { merging, leaves: decomposition.hulls.clone(), exposed })
+        Ok(Self { hierarchy, leaves: hulls.to_vec(), uncovered })
     }
 
     /// All states, from the decomposition's hulls down to one. The number of hulls falls from one
     /// to the next, the error never does.
+    ///
+    /// ```
+    /// # let mesh = hullwright::TriangleMesh::new(
+    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+    /// # );
+    /// # let (parameters, control) = (hullwright::Parameters::default(), hullwright::Control::new());
+    /// # let decomposition = hullwright::decompose(&mesh, &parameters, &control)?;
+    /// let tree = hullwright::MergeTree::new(&mesh, &decomposition, &parameters, &control)?;
+    /// assert_eq!(tree.curve()[0].hulls, decomposition.hulls.len());
+    /// # Ok::<(), hullwright::Error>(())
+    /// ```
     pub fn curve(&self) -> Vec<CurvePoint> {
-        (0..=self.merging.joins()).map(|joins| self.point(joins)).collect()
+        (0..=self.hierarchy.joins()).map(|joins| self.point(joins)).collect()
     }
 
     /// The hulls of the state with at most `most` hulls: `most`, or all there are, or one if
     /// `most` is 0.
+    ///
+    /// ```
+    /// # let mesh = hullwright::TriangleMesh::new(
+    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+    /// # );
+    /// # let (parameters, control) = (hullwright::Parameters::default(), hullwright::Control::new());
+    /// # let decomposition = hullwright::decompose(&mesh, &parameters, &control)?;
+    /// let tree = hullwright::MergeTree::new(&mesh, &decomposition, &parameters, &control)?;
+    /// assert_eq!(tree.at_hulls(1).len(), 1);
+    /// # Ok::<(), hullwright::Error>(())
+    /// ```
     pub fn at_hulls(&self, most: usize) -> Vec<Hull> {
         let joins = self.leaves.len().saturating_sub(most.max(1));
-        self.merging.hulls(joins, &self.leaves)
+        self.hierarchy.hulls(joins, &self.leaves)
     }
 
     /// The fewest hulls whose error, in units, is at most `error`; the decomposition's own hulls
     /// if theirs is larger already.
+    ///
+    /// ```
+    /// # let mesh = hullwright::TriangleMesh::new(
+    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+    /// # );
+    /// # let (parameters, control) = (hullwright::Parameters::default(), hullwright::Control::new());
+    /// # let decomposition = hullwright::decompose(&mesh, &parameters, &control)?;
+    /// let tree = hullwright::MergeTree::new(&mesh, &decomposition, &parameters, &control)?;
+    /// assert_eq!(tree.at_error(1.0).len(), 1);
+    /// # Ok::<(), hullwright::Error>(())
+    /// ```
     pub fn at_error(&self, error: f64) -> Vec<Hull> {
-        let joins = (0..=self.merging.joins())
+        let joins = (0..=self.hierarchy.joins())
             .rev()
             .find(|&joins| self.point(joins).error <= error)
             .unwrap_or(0);
-        self.merging.hulls(joins, &self.leaves)
+        self.hierarchy.hulls(joins, &self.leaves)
     }
 
     fn point(&self, joins: usize) -> CurvePoint {
-        let phantom_max = self.merging.phantom(joins);
+        let protrusion_max = self.hierarchy.protrusion(joins);
         CurvePoint {
             hulls: self.leaves.len() - joins,
-            error: phantom_max.max(self.exposed),
-            phantom_max,
-            exposed_max: self.exposed,
+            error: protrusion_max.max(self.uncovered),
+            protrusion_max,
+            uncovered_max: self.uncovered,
         }
     }
 }

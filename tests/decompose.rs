@@ -6,8 +6,8 @@ use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 use hullwright::{
-    Control, Decomposer, Decomposition, Error, Method, Parameters, ResolutionOutcome, Stage, Unit,
-    decompose,
+    Control, Decomposer, Decomposition, Error, Length, MeshView, Method, Parameters,
+    ResolutionOutcome, Stage, decompose,
 };
 
 use common::{Mesh, l_prism, prism};
@@ -44,7 +44,7 @@ fn join(a: &Mesh, b: &Mesh) -> Mesh {
 }
 
 fn run((positions, triangles): &Mesh) -> Decomposition {
-    decompose(positions, triangles, &Parameters::default(), &Control::new()).unwrap()
+    decompose(MeshView::new(positions, triangles), &Parameters::default(), &Control::new()).unwrap()
 }
 
 /// With the paper's method.
@@ -55,15 +55,15 @@ fn surface() -> Parameters {
 }
 
 fn run_surface((positions, triangles): &Mesh) -> Decomposition {
-    decompose(positions, triangles, &surface(), &Control::new()).unwrap()
+    decompose(MeshView::new(positions, triangles), &surface(), &Control::new()).unwrap()
 }
 
 #[test]
 fn a_cube_is_one_hull_of_its_volume() {
     let result = run(&cube([0.0; 3], 2.0));
     assert_eq!(result.hulls.len(), 1);
-    assert!((result.hulls[0].volume - 8.0).abs() < 1e-9);
-    assert_eq!(result.hulls[0].source_triangles, (0..12).collect::<Vec<u32>>());
+    assert!((result.hulls[0].shape.volume() - 8.0).abs() < 1e-9);
+    assert_eq!(result.hulls[0].provenance.source_triangles, (0..12).collect::<Vec<u32>>());
 }
 
 #[test]
@@ -77,7 +77,10 @@ fn a_tetrahedron_is_one_hull() {
 fn disjoint_boxes_are_two_hulls_of_two_components() {
     let result = run(&join(&cube([0.0; 3], 1.0), &cube([3.0, 0.0, 0.0], 1.0)));
     assert_eq!(result.hulls.len(), 2);
-    assert_eq!(result.hulls.iter().map(|hull| hull.component).collect::<Vec<_>>(), [0, 1]);
+    assert_eq!(
+        result.hulls.iter().map(|hull| hull.provenance.component).collect::<Vec<_>>(),
+        [0, 1]
+    );
     assert_eq!(result.report.components, 2);
 }
 
@@ -90,8 +93,11 @@ fn an_l_prism_is_two_groups() {
 fn each_source_triangle_belongs_to_exactly_one_hull() {
     let mesh = torus(64, 32);
     let result = run(&mesh);
-    let mut all: Vec<u32> =
-        result.hulls.iter().flat_map(|hull| hull.source_triangles.iter().copied()).collect();
+    let mut all: Vec<u32> = result
+        .hulls
+        .iter()
+        .flat_map(|hull| hull.provenance.source_triangles.iter().copied())
+        .collect();
     all.sort_unstable();
     assert_eq!(all, (0..mesh.1.len() as u32).collect::<Vec<_>>());
 }
@@ -104,7 +110,7 @@ fn labels_name_hulls_and_each_hull_has_volume() {
         assert!(result.grouped.groups.contains(&index));
     }
     assert!(result.grouped.groups.iter().all(|&label| (label as usize) < result.hulls.len()));
-    assert!(result.hulls.iter().all(|hull| hull.volume > 0.0));
+    assert!(result.hulls.iter().all(|hull| hull.shape.volume() > 0.0));
 }
 
 #[test]
@@ -114,11 +120,11 @@ fn left_handed_input_gives_the_same_hulls() {
     let expected = run(&(positions.clone(), triangles.clone()));
     let result = run(&(positions, flipped));
     assert_eq!(result.report.repairs.flipped_triangles, triangles.len());
-    assert!(result.hulls.iter().all(|hull| hull.volume > 0.0));
+    assert!(result.hulls.iter().all(|hull| hull.shape.volume() > 0.0));
     assert_eq!(result.hulls.len(), expected.hulls.len());
     for (hull, expected) in result.hulls.iter().zip(&expected.hulls) {
-        assert_eq!(hull.source_triangles, expected.source_triangles);
-        assert_eq!(hull.points, expected.points);
+        assert_eq!(hull.provenance.source_triangles, expected.provenance.source_triangles);
+        assert_eq!(hull.shape.points, expected.shape.points);
     }
 }
 
@@ -126,7 +132,10 @@ fn left_handed_input_gives_the_same_hulls() {
 fn labels((positions, triangles): &Mesh, method: Method) -> Vec<u32> {
     let mut parameters = Parameters::default();
     parameters.method = method;
-    decompose(positions, triangles, &parameters, &Control::new()).unwrap().grouped.groups
+    decompose(MeshView::new(positions, triangles), &parameters, &Control::new())
+        .unwrap()
+        .grouped
+        .groups
 }
 
 #[test]
@@ -162,9 +171,11 @@ fn far_from_the_origin_the_groups_are_the_same() {
 fn single_precision_input_works_and_hulls_come_in_single_precision() {
     let (positions, triangles) = l_prism();
     let single: Vec<[f32; 3]> = positions.iter().map(|p| p.map(|x| x as f32)).collect();
-    let result = decompose(&single, &triangles, &Parameters::default(), &Control::new()).unwrap();
+    let result =
+        decompose(MeshView::new(&single, &triangles), &Parameters::default(), &Control::new())
+            .unwrap();
     for hull in &result.hulls {
-        let (points, triangles) = hull.to_single_precision().unwrap();
+        let (points, triangles) = hull.shape.to_single_precision().unwrap();
         assert!(points.len() >= 4 && triangles.len() >= 4);
     }
 }
@@ -172,11 +183,12 @@ fn single_precision_input_works_and_hulls_come_in_single_precision() {
 #[test]
 fn threads_change_nothing() {
     let (positions, triangles) = torus(64, 32);
-    let mut parameters = Parameters::default();
-    parameters.parallel = false;
-    let serial = decompose(&positions, &triangles, &parameters, &Control::new()).unwrap();
-    parameters.parallel = true;
-    let mut parallel = decompose(&positions, &triangles, &parameters, &Control::new()).unwrap();
+    let parameters = Parameters::default();
+    let control = |is_parallel| Control::new().with_parallel(is_parallel);
+    let serial =
+        decompose(MeshView::new(&positions, &triangles), &parameters, &control(false)).unwrap();
+    let mut parallel =
+        decompose(MeshView::new(&positions, &triangles), &parameters, &control(true)).unwrap();
     parallel.report.times = serial.report.times.clone();
     assert_eq!(serial, parallel);
 }
@@ -186,7 +198,9 @@ fn resolutions_come_back_in_ascending_order_and_one_is_selected() {
     let (positions, triangles) = torus(64, 32);
     let mut parameters = surface();
     parameters.surface.maximum_resolutions = vec![1000, 250, 500, 250];
-    let report = decompose(&positions, &triangles, &parameters, &Control::new()).unwrap().report;
+    let report = decompose(MeshView::new(&positions, &triangles), &parameters, &Control::new())
+        .unwrap()
+        .report;
     let resolutions = report.surface.unwrap().resolutions;
     assert_eq!(resolutions.iter().map(|r| r.resolution).collect::<Vec<_>>(), [250, 500, 1000]);
     let selected = resolutions.iter().filter(|r| r.outcome == ResolutionOutcome::Selected);
@@ -221,8 +235,10 @@ fn simple_shapes_skip_higher_resolutions() {
 fn the_unit_may_be_absolute() {
     let (positions, triangles) = torus(32, 16);
     let mut parameters = surface();
-    parameters.surface.unit = Unit::Absolute(1.5);
-    let report = decompose(&positions, &triangles, &parameters, &Control::new()).unwrap().report;
+    parameters.surface.unit = Length::Units(1.5);
+    let report = decompose(MeshView::new(&positions, &triangles), &parameters, &Control::new())
+        .unwrap()
+        .report;
     assert!((report.surface.unwrap().unit - 1.5).abs() < 1e-12);
 }
 
@@ -232,7 +248,7 @@ fn values_that_mean_nothing_are_errors() {
     let rejected = |change: fn(&mut Parameters)| {
         let mut parameters = Parameters::default();
         change(&mut parameters);
-        let result = decompose(&positions, &triangles, &parameters, &Control::new());
+        let result = decompose(MeshView::new(&positions, &triangles), &parameters, &Control::new());
         matches!(result, Err(Error::InvalidParameter { .. }))
     };
     assert!(rejected(|p| p.surface.simplification_quality = 0.0));
@@ -243,9 +259,9 @@ fn values_that_mean_nothing_are_errors() {
     assert!(rejected(|p| p.surface.planar_thresholds.push(-1.0)));
     assert!(rejected(|p| p.surface.angular_threshold = f64::INFINITY));
     assert!(rejected(|p| p.surface.concavity_cost_threshold = 0.0));
-    assert!(rejected(|p| p.surface.unit = Unit::Diagonals(0.0)));
-    assert!(rejected(|p| p.bounded.max_error = Unit::Diagonals(0.0)));
-    assert!(rejected(|p| p.bounded.max_error = Unit::Absolute(f64::NAN)));
+    assert!(rejected(|p| p.surface.unit = Length::Share(0.0)));
+    assert!(rejected(|p| p.bounded.max_error = Length::Share(0.0)));
+    assert!(rejected(|p| p.bounded.max_error = Length::Units(f64::NAN)));
     assert!(rejected(|p| p.bounded.max_hulls = Some(0)));
     assert!(rejected(|p| p.max_vertices = Some(3)));
 }
@@ -255,7 +271,7 @@ fn unusable_input_is_a_typed_error() {
     let control = Control::new();
     let parameters = Parameters::default();
     let of = |positions: &[[f64; 3]], triangles: &[[u32; 3]]| {
-        decompose(positions, triangles, &parameters, &control).unwrap_err()
+        decompose(MeshView::new(positions, triangles), &parameters, &control).unwrap_err()
     };
     let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     assert_eq!(of(&[], &[]), Error::EmptyMesh { vertices: 0, triangles: 0 });
@@ -270,7 +286,7 @@ fn a_single_triangle_is_a_thin_body() {
     let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let result = run(&(corners, vec![[0, 1, 2]]));
     assert_eq!(result.hulls.len(), 1);
-    assert!(result.hulls[0].added_thickness > 0.0 && result.hulls[0].volume > 0.0);
+    assert!(result.hulls[0].errors.added_thickness > 0.0 && result.hulls[0].shape.volume() > 0.0);
 }
 
 #[test]
@@ -279,17 +295,18 @@ fn cancelling_stops_with_a_typed_error() {
     let control = Control::new();
     control.cancel();
     for parameters in [Parameters::default(), surface()] {
-        assert_eq!(decompose(&positions, &triangles, &parameters, &control), Err(Error::Cancelled));
+        let result = decompose(MeshView::new(&positions, &triangles), &parameters, &control);
+        assert_eq!(result, Err(Error::Cancelled));
     }
 }
 
 #[test]
 fn after_the_deadline_the_best_so_far_is_returned() {
     let (positions, triangles) = torus(64, 32);
-    for mut parameters in [Parameters::default(), surface()] {
-        parameters.parallel = false;
-        let control = Control::new().with_deadline(Instant::now());
-        let result = decompose(&positions, &triangles, &parameters, &control).unwrap();
+    for parameters in [Parameters::default(), surface()] {
+        let control = Control::new().with_parallel(false).with_deadline(Instant::now());
+        let mesh = MeshView::new(&positions, &triangles);
+        let result = decompose(mesh, &parameters, &control).unwrap();
         assert!(result.report.deadline_reached);
         assert!(!result.hulls.is_empty());
     }
@@ -303,9 +320,10 @@ fn slices_give_the_same_and_progress_never_falls() {
     let control = Control::new().with_progress(move |progress| {
         listener.lock().unwrap().push((progress.stage, progress.fraction));
     });
-    let mut parameters = surface();
-    parameters.parallel = false;
-    let mut decomposer = Decomposer::new(&positions, &triangles, &parameters).unwrap();
+    let control = control.with_parallel(false);
+    let parameters = surface();
+    let mut decomposer =
+        Decomposer::new(MeshView::new(&positions, &triangles), &parameters).unwrap();
     let mut slices = 0;
     let sliced = loop {
         slices += 1;
@@ -315,7 +333,8 @@ fn slices_give_the_same_and_progress_never_falls() {
     };
     assert!(slices > 7);
     assert_eq!(decomposer.step(&control), Err(Error::Finished));
-    let whole = decompose(&positions, &triangles, &parameters, &Control::new()).unwrap();
+    let whole =
+        decompose(MeshView::new(&positions, &triangles), &parameters, &Control::new()).unwrap();
     assert_eq!(sliced.hulls, whole.hulls);
     let seen = seen.lock().unwrap();
     assert!(seen.windows(2).all(|pair| pair[0].1 <= pair[1].1));

@@ -30,12 +30,12 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
 /// Six times the volume inside of a closed surface.
 fn volume(file: &MeshFile) -> f64 {
     let determinant = |triangle: &[u32; 3]| {
-        let [a, b, c] = triangle.map(|vertex| file.positions[vertex as usize]);
+        let [a, b, c] = triangle.map(|vertex| file.mesh.positions[vertex as usize]);
         a[0] * (b[1] * c[2] - b[2] * c[1])
             + a[1] * (b[2] * c[0] - b[0] * c[2])
             + a[2] * (b[0] * c[1] - b[1] * c[0])
     };
-    file.triangles.iter().map(determinant).sum()
+    file.mesh.triangles.iter().map(determinant).sum()
 }
 
 #[test]
@@ -50,11 +50,11 @@ fn files_of_other_programs_hold_the_surface_that_was_compressed() {
     ] {
         let expected = read_mesh(path("assets").join(source)).unwrap();
         let found = read_mesh(path("tests/data").join(file)).unwrap();
-        assert_eq!(found.triangles.len(), expected.triangles.len(), "{file}");
+        assert_eq!(found.mesh.triangles.len(), expected.mesh.triangles.len(), "{file}");
         // Of 14 bits over 14 cm, rounded in each of three axes.
         let tolerance = 1e-5;
-        for place in &expected.positions {
-            let nearest = found.positions.iter().map(|other| distance(*place, *other));
+        for place in &expected.mesh.positions {
+            let nearest = found.mesh.positions.iter().map(|other| distance(*place, *other));
             assert!(nearest.fold(f64::INFINITY, f64::min) < tolerance, "{file}: {place:?}");
         }
         if source == "mug.glb" {
@@ -167,15 +167,15 @@ fn compressed(mut document: Value, views: &[View], extension: &str) -> (Value, V
 /// A mesh with positions of 16 bits, as `KHR_mesh_quantization` has them.
 fn quantised(version: u8) -> (Value, [View; 2]) {
     let mesh = read_mesh(path("assets/mug.glb")).unwrap();
-    let numbers = mesh.positions.iter().flatten();
+    let numbers = mesh.mesh.positions.iter().flatten();
     let greatest = numbers.fold(0.0_f64, |greatest, number| greatest.max(number.abs()));
     let mut bytes = Vec::new();
-    for place in &mesh.positions {
+    for place in &mesh.mesh.positions {
         let whole = place.map(|number| (number / greatest * 32767.0).round() as i16);
         bytes.extend(whole.iter().flat_map(|number| number.to_le_bytes()));
         bytes.extend([0; 2]);
     }
-    let indices: Vec<u32> = mesh.triangles.iter().flatten().copied().collect();
+    let indices: Vec<u32> = mesh.mesh.triangles.iter().flatten().copied().collect();
     let views = [attributes(bytes, 8, version), triangles(&indices)];
     let position = json!({ "componentType": 5122, "normalized": true });
     let mut document = document(&views, &position, 5125);
@@ -197,11 +197,8 @@ fn a_compressed_quantised_mesh_has_the_hulls_of_its_plain_twin() {
         assert!(small.len() < twin.len() * 2 / 3, "{} for {}", small.len(), twin.len());
         let files = [read(&twin), read(&small)];
         assert_eq!(files[0], files[1]);
-        let [expected, found] = files.map(|file| {
-            decompose(&file.positions, &file.triangles, &Parameters::default(), &Control::new())
-                .unwrap()
-                .hulls
-        });
+        let [expected, found] = files
+            .map(|file| decompose(&file, &Parameters::default(), &Control::new()).unwrap().hulls);
         assert!(expected.len() > 1);
         assert_eq!(found, expected);
     }
@@ -225,8 +222,8 @@ fn filtered_positions_and_index_sequences_are_read() {
         let (mut document, chunk) = compressed(document.clone(), &views, extension);
         document["meshes"][0]["primitives"][0]["mode"] = json!(5);
         let file = read(&glb(&document, &chunk));
-        assert_eq!(file.positions[1..], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]]);
-        assert_eq!(file.triangles, [[0, 1, 2], [1, 3, 2]]);
+        assert_eq!(file.mesh.positions[1..], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]]);
+        assert_eq!(file.mesh.triangles, [[0, 1, 2], [1, 3, 2]]);
     }
 }
 
@@ -236,7 +233,7 @@ fn streams_that_are_not_needed_do_no_harm() {
     views[0].stream[0] = 0xff;
     let (mut document, chunk) = compressed(document, &views, EXT);
     document["nodes"][0] = json!({ "name": "shows nothing" });
-    assert!(read(&glb(&document, &chunk)).triangles.is_empty());
+    assert!(read(&glb(&document, &chunk)).mesh.triangles.is_empty());
 }
 
 fn reason(document: &Value, chunk: &[u8]) -> String {
@@ -290,7 +287,7 @@ fn streams_that_grow_without_end_are_an_error() {
     let views = [zeros, sequence(&[0, 0, 0])];
     let document = document(&views, &json!({ "componentType": 5126 }), 5123);
     let (mut document, chunk) = compressed(document, &views, EXT);
-    assert_eq!(read(&glb(&document, &chunk)).positions.len(), count);
+    assert_eq!(read(&glb(&document, &chunk)).mesh.positions.len(), count);
     for copy in 2..100 {
         let view = document["bufferViews"][0].clone();
         document["bufferViews"].as_array_mut().unwrap().push(view);
@@ -348,6 +345,6 @@ fn a_draco_stream_is_placed_as_often_as_nodes_ask() {
     document["meshes"][0]["primitives"].as_array_mut().unwrap().push(primitive);
     let file = read(&glb(&document, &chunk));
     let once = read_own_meshes(path("tests/data/mug_draco.glb")).unwrap();
-    assert_eq!(file.positions.len(), 2 * once[0].positions.len());
-    assert_eq!(file.triangles.len(), 4 * once[0].triangles.len());
+    assert_eq!(file.mesh.positions.len(), 2 * once[0].mesh.positions.len());
+    assert_eq!(file.mesh.triangles.len(), 4 * once[0].mesh.triangles.len());
 }

@@ -54,8 +54,8 @@ fn reason(document: &Value) -> String {
 /// Twice the vector area of all triangles.
 fn area_normal(file: &MeshFile) -> [f64; 3] {
     let mut sum = [0.0; 3];
-    for triangle in &file.triangles {
-        let [a, b, c] = triangle.map(|vertex| file.positions[vertex as usize]);
+    for triangle in &file.mesh.triangles {
+        let [a, b, c] = triangle.map(|vertex| file.mesh.positions[vertex as usize]);
         let [u, v] = [b, c].map(|p| [p[0] - a[0], p[1] - a[1], p[2] - a[2]]);
         sum[0] += u[1] * v[2] - u[2] * v[1];
         sum[1] += u[2] * v[0] - u[0] * v[2];
@@ -69,12 +69,12 @@ fn indices_of_every_size_or_none_are_read() {
     for accessor in 1..4 {
         let mut document = document();
         document["meshes"][0]["primitives"][0]["indices"] = json!(accessor);
-        assert_eq!(read(&document).unwrap().triangles, [[0, 1, 2]]);
+        assert_eq!(read(&document).unwrap().mesh.triangles, [[0, 1, 2]]);
     }
     let mut document = document();
     document["meshes"][0]["primitives"][0] = json!({ "attributes": { "POSITION": 0 } });
     document["accessors"][0]["count"] = json!(3);
-    assert_eq!(read(&document).unwrap().triangles, [[0, 1, 2]]);
+    assert_eq!(read(&document).unwrap().mesh.triangles, [[0, 1, 2]]);
 }
 
 #[test]
@@ -83,13 +83,13 @@ fn strips_and_fans_become_triangles_of_one_winding() {
     document["accessors"][1]["count"] = json!(4);
     document["meshes"][0]["primitives"][0]["mode"] = json!(5);
     let strip = read(&document).unwrap();
-    assert_eq!(strip.triangles, [[0, 1, 2], [1, 3, 2]]);
+    assert_eq!(strip.mesh.triangles, [[0, 1, 2], [1, 3, 2]]);
     assert_eq!(area_normal(&strip), [0.0, 0.0, 2.0]);
     document["meshes"][0]["primitives"][0]["mode"] = json!(6);
-    assert_eq!(read(&document).unwrap().triangles, [[0, 1, 2], [0, 2, 3]]);
+    assert_eq!(read(&document).unwrap().mesh.triangles, [[0, 1, 2], [0, 2, 3]]);
     for lines in 0..4 {
         document["meshes"][0]["primitives"][0]["mode"] = json!(lines);
-        assert!(read(&document).unwrap().triangles.is_empty());
+        assert!(read(&document).unwrap().mesh.triangles.is_empty());
     }
     document["meshes"][0]["primitives"][0]["mode"] = json!(4);
     assert!(reason(&document).contains("4 indices don't make whole triangles"));
@@ -105,7 +105,7 @@ fn a_mirrored_node_keeps_outside_outside() {
     document["nodes"][0]["scale"] = json!([-1.0, 1.0, -1.0]);
     let twice_mirrored = read(&document).unwrap();
     assert_eq!(area_normal(&twice_mirrored), [plain[0], plain[1], -plain[2]]);
-    assert_eq!(twice_mirrored.triangles, [[0, 1, 2]]);
+    assert_eq!(twice_mirrored.mesh.triangles, [[0, 1, 2]]);
 }
 
 #[test]
@@ -117,8 +117,8 @@ fn transforms_of_nested_nodes_are_applied_from_the_inside_out() {
         { "mesh": 0, "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 5, 6, 7, 1] },
     ]);
     let file = read(&document).unwrap();
-    assert_eq!(file.positions[0], [0.0, -6.0, 7.0]);
-    assert_eq!(file.positions[1], [-2.0, -6.0, 7.0]);
+    assert_eq!(file.mesh.positions[0], [0.0, -6.0, 7.0]);
+    assert_eq!(file.mesh.positions[1], [-2.0, -6.0, 7.0]);
 }
 
 #[test]
@@ -152,7 +152,7 @@ fn nodes_that_are_no_trees_are_an_error_not_an_endless_walk() {
     let deep: Vec<Value> = (1..100_000).map(|child| json!({ "children": [child] })).collect();
     document["nodes"] = Value::Array(deep);
     document["nodes"].as_array_mut().unwrap().push(json!({ "mesh": 0 }));
-    assert_eq!(read(&document).unwrap().triangles.len(), 1);
+    assert_eq!(read(&document).unwrap().mesh.triangles.len(), 1);
 }
 
 #[test]
@@ -161,8 +161,8 @@ fn primitives_that_share_vertices_stay_joined_and_are_one_object() {
     let primitive = json!({ "attributes": { "POSITION": 0 }, "indices": 2 });
     document["meshes"][0]["primitives"].as_array_mut().unwrap().push(primitive);
     let file = read(&document).unwrap();
-    assert_eq!(file.positions.len(), 4);
-    assert_eq!(file.triangles, [[0, 1, 2], [0, 1, 2]]);
+    assert_eq!(file.mesh.positions.len(), 4);
+    assert_eq!(file.mesh.triangles, [[0, 1, 2], [0, 1, 2]]);
     assert_eq!(file.objects.len(), 1);
     assert_eq!(file.objects[0].name, "thing");
 }
@@ -176,7 +176,7 @@ fn quantised_positions_are_read() {
     let bytes: Vec<u8> = vec![0, 0, 0, 0, 255, 0, 0, 0, 0, 51, 0, 0, 0, 0, 0, 0];
     let chunk = [bytes, buffer()[16..].to_vec()].concat();
     let file = read_mesh_from_bytes(Format::Gltf, &glb(&document, &chunk)).unwrap();
-    assert_eq!(file.positions[..3], [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 0.2, 0.0]]);
+    assert_eq!(file.mesh.positions[..3], [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 0.2, 0.0]]);
 }
 
 #[test]
@@ -187,10 +187,10 @@ fn sparse_accessors_change_single_elements() {
         "indices": { "bufferView": 1, "byteOffset": 2, "componentType": 5121 },
         "values": { "bufferView": 0, "byteOffset": 12 },
     });
-    assert_eq!(read(&document).unwrap().positions[2], [1.0, 0.0, 0.0]);
+    assert_eq!(read(&document).unwrap().mesh.positions[2], [1.0, 0.0, 0.0]);
     document["accessors"][0].as_object_mut().unwrap().remove("bufferView");
     let over_zeros = read(&document).unwrap();
-    assert_eq!(over_zeros.positions, [[0.0; 3], [0.0; 3], [1.0, 0.0, 0.0], [0.0; 3]]);
+    assert_eq!(over_zeros.mesh.positions, [[0.0; 3], [0.0; 3], [1.0, 0.0, 0.0], [0.0; 3]]);
     document["accessors"][0]["count"] = json!(2);
     assert!(reason(&document).contains("changes number 2"));
 }
@@ -263,7 +263,7 @@ fn extra_data_of_any_kind_is_skipped() {
         document["extras"] = extras.clone();
         document["nodes"][0]["extras"] = extras.clone();
         document["meshes"][0]["primitives"][0]["extras"] = extras;
-        assert_eq!(read(&document).unwrap().triangles.len(), 1);
+        assert_eq!(read(&document).unwrap().mesh.triangles.len(), 1);
     }
 }
 
@@ -299,16 +299,16 @@ fn buffers_in_data_uris_and_files_beside_are_read() {
     let mut document = document();
     std::fs::write(directory.path().join("with space.bin"), buffer()).unwrap();
     document["buffers"][0]["uri"] = json!("with%20space.bin");
-    assert_eq!(write(&document).unwrap().triangles, [[0, 1, 2]]);
+    assert_eq!(write(&document).unwrap().mesh.triangles, [[0, 1, 2]]);
     assert!(reason(&document).contains("it is in another file, `with space.bin`"));
 
     let hex: String = buffer().iter().map(|byte| format!("%{byte:02x}")).collect();
     document["buffers"][0]["uri"] = json!(format!("data:application/octet-stream,{hex}"));
-    assert_eq!(write(&document).unwrap().triangles, [[0, 1, 2]]);
+    assert_eq!(write(&document).unwrap().mesh.triangles, [[0, 1, 2]]);
     let base64 = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAACAPwAAgD8AAAAA\
                   AAECAwAAAQACAAMAAAAAAAEAAAACAAAAAwAAAA==";
     document["buffers"][0]["uri"] = json!(format!("data:;base64,{base64}"));
-    assert_eq!(write(&document).unwrap().triangles, [[0, 1, 2]]);
+    assert_eq!(write(&document).unwrap().mesh.triangles, [[0, 1, 2]]);
 
     for (uri, expected) in [
         ("missing.bin", "`missing.bin`"),
@@ -344,6 +344,6 @@ fn each_node_with_a_mesh_is_a_hull_of_a_hull_set() {
     std::fs::write(&path, glb(&document, &buffer())).unwrap();
     let hulls = read_hulls(path).unwrap();
     assert_eq!(hulls.len(), 2);
-    assert_eq!(hulls[1].positions, [[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]]);
-    assert_eq!(hulls[1].triangles, [[0, 1, 2]]);
+    assert_eq!(hulls[1].mesh.positions, [[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]]);
+    assert_eq!(hulls[1].mesh.triangles, [[0, 1, 2]]);
 }

@@ -3,7 +3,7 @@
 #![cfg(feature = "io")]
 
 use hullwright::Error;
-use hullwright::io::{Format, HullMesh, MeshFile, read_mesh, read_mesh_from_bytes, write_hulls};
+use hullwright::io::{Format, MeshFile, NamedMesh, read_mesh, read_mesh_from_bytes, write_hulls};
 
 /// Damaged files per valid file.
 const ATTEMPTS: u64 = 4_000;
@@ -52,29 +52,29 @@ fn damage(valid: &[u8], random: &mut Random) -> Vec<u8> {
 }
 
 fn assert_indices_name_vertices(file: &MeshFile) {
-    let vertices = file.positions.len();
-    assert!(file.triangles.iter().flatten().all(|vertex| (*vertex as usize) < vertices));
+    let vertices = file.mesh.positions.len();
+    assert!(file.mesh.triangles.iter().flatten().all(|vertex| (*vertex as usize) < vertices));
     let mut end = 0;
     for object in &file.objects {
         assert_eq!(object.triangles.start, end);
         assert!(object.triangles.end > end);
         end = object.triangles.end;
     }
-    assert_eq!(end, file.triangles.len());
+    assert_eq!(end, file.mesh.triangles.len());
 }
 
 fn torture(format: Format, valid: &[u8]) {
     let file = read_mesh_from_bytes(format, valid).expect("the file is valid before it is damaged");
-    assert!(!file.triangles.is_empty());
+    assert!(!file.mesh.triangles.is_empty());
     let mut random = Random(0x9e37_79b9_7f4a_7c15);
     for _ in 0..ATTEMPTS {
         match read_mesh_from_bytes(format, &damage(valid, &mut random)) {
             Ok(file) => assert_indices_name_vertices(&file),
             Err(error) => {
-                let Error::File { reason, .. } = error else {
+                let Error::File { source, .. } = error else {
                     panic!("unexpected kind of error: {error}");
                 };
-                assert!(!reason.is_empty());
+                assert!(!source.to_string().is_empty());
             }
         }
     }
@@ -167,11 +167,13 @@ fn stl_binary() {
     torture(Format::Stl, &bytes);
 }
 
-fn a_tetrahedron() -> HullMesh {
-    HullMesh {
+fn a_tetrahedron() -> NamedMesh {
+    NamedMesh {
         name: String::new(),
-        positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-        triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
+        mesh: hullwright::TriangleMesh::new(
+            vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
+        ),
     }
 }
 

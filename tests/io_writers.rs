@@ -1,19 +1,22 @@
 //! What the writers of hull sets promise.
 #![cfg(feature = "io")]
 
-use hullwright::io::{HullMesh, check_output, read_hulls, read_mesh, write_hulls};
+use hullwright::TriangleMesh;
+use hullwright::io::{NamedMesh, check_output, read_hulls, read_mesh, write_hulls};
 use hullwright::render::palette::{colour, linear};
 
-fn tetrahedron(corner: [f64; 3], size: f64) -> HullMesh {
+fn tetrahedron(corner: [f64; 3], size: f64) -> NamedMesh {
     let [x, y, z] = corner;
-    HullMesh {
+    NamedMesh {
         name: String::new(),
-        positions: vec![corner, [x + size, y, z], [x, y + size, z], [x, y, z + size]],
-        triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
+        mesh: TriangleMesh::new(
+            vec![corner, [x + size, y, z], [x, y + size, z], [x, y, z + size]],
+            vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
+        ),
     }
 }
 
-fn two_hulls() -> Vec<HullMesh> {
+fn two_hulls() -> Vec<NamedMesh> {
     vec![tetrahedron([0.1, -0.2, 1.0 / 3.0], 0.7), tetrahedron([1e-9, 2e5, 3.0], 1e3)]
 }
 
@@ -27,8 +30,8 @@ fn obj_reads_back_bit_for_bit() {
     assert_eq!(back.len(), 2);
     for (index, (hull, back)) in hulls.iter().zip(&back).enumerate() {
         assert_eq!(back.name, format!("hull_{index}"));
-        let corners = |hull: &HullMesh| -> Vec<[f64; 3]> {
-            hull.triangles.iter().flatten().map(|v| hull.positions[*v as usize]).collect()
+        let corners = |hull: &NamedMesh| -> Vec<[f64; 3]> {
+            hull.mesh.triangles.iter().flatten().map(|v| hull.mesh.positions[*v as usize]).collect()
         };
         assert_eq!(corners(hull), corners(back));
     }
@@ -43,8 +46,10 @@ fn glb_reads_back_with_names_winding_and_places() {
     let file = read_mesh(&path).unwrap();
     let names: Vec<&str> = file.objects.iter().map(|object| object.name.as_str()).collect();
     assert_eq!(names, ["hull_0", "hull_1"]);
-    assert_eq!(file.triangles[..4], hulls[0].triangles);
-    for (written, read) in hulls.iter().flat_map(|hull| &hull.positions).zip(&file.positions) {
+    assert_eq!(file.mesh.triangles[..4], hulls[0].mesh.triangles);
+    for (written, read) in
+        hulls.iter().flat_map(|hull| &hull.mesh.positions).zip(&file.mesh.positions)
+    {
         for axis in 0..3 {
             assert!((written[axis] - read[axis]).abs() < 0.01, "{written:?} {read:?}");
         }
@@ -58,8 +63,8 @@ fn glb_keeps_the_shape_of_hulls_far_from_the_origin() {
     let far = tetrahedron([1e7, -2e7, 3e7], 1.0);
     write_hulls(&path, [&far]).unwrap();
     let back = &read_hulls(&path).unwrap()[0];
-    let corner = back.positions[0];
-    for position in &back.positions {
+    let corner = back.mesh.positions[0];
+    for position in &back.mesh.positions {
         for axis in 0..3 {
             let side = (position[axis] - corner[axis]).abs();
             assert!(side < 1e-6 || (side - 1.0).abs() < 1e-6, "{side}");
@@ -94,8 +99,8 @@ fn glb_states_bounds_and_one_colour_per_hull() {
 fn a_set_of_no_hulls_is_a_valid_file_without_triangles() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("none.glb");
-    write_hulls(&path, &Vec::<HullMesh>::new()).unwrap();
-    assert!(read_mesh(&path).unwrap().triangles.is_empty());
+    write_hulls(&path, &Vec::<NamedMesh>::new()).unwrap();
+    assert!(read_mesh(&path).unwrap().mesh.triangles.is_empty());
     assert!(read_hulls(&path).unwrap_err().to_string().contains("no hulls"));
 }
 

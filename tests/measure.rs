@@ -2,8 +2,8 @@
 
 mod common;
 
-use hullwright::Error;
-use hullwright::measure::{HullShape, MeasureOptions, Measurement, measure};
+use hullwright::measure::{MeasureOptions, Measurement, measure};
+use hullwright::{Control, Error, MeshView};
 
 use common::{Mesh, l_prism, prism};
 
@@ -34,12 +34,18 @@ fn flipped(mut mesh: Mesh) -> Mesh {
     mesh
 }
 
-fn shapes(hulls: &[Mesh]) -> Vec<HullShape<'_>> {
-    hulls.iter().map(|(points, triangles)| HullShape { points, triangles }).collect()
+fn shapes(hulls: &[Mesh]) -> Vec<MeshView<'_>> {
+    hulls.iter().map(|(points, triangles)| MeshView::new(points, triangles)).collect()
 }
 
 fn judged(mesh: &Mesh, hulls: &[Mesh]) -> Measurement {
-    measure(&mesh.0, &mesh.1, &shapes(hulls), &MeasureOptions::default()).unwrap()
+    measure(
+        MeshView::new(&mesh.0, &mesh.1),
+        &shapes(hulls),
+        &MeasureOptions::default(),
+        &Control::new(),
+    )
+    .unwrap()
 }
 
 #[track_caller]
@@ -57,10 +63,13 @@ fn a_box_and_its_own_hull_agree_in_everything() {
     let found = judged(&unit_cube(), &[unit_cube()]);
     assert_eq!((found.hulls, found.vertices, found.unusable_hulls), (1, 8, 0));
     assert_eq!((found.non_convex_hulls, found.open_hulls, found.non_positive_volumes), (0, 0, 0));
-    assert_near(found.phantom.max, 0.0, ROUNDING);
-    assert_eq!(found.exposed.max, 0.0);
+    assert_near(found.protrusion.max, 0.0, ROUNDING);
+    assert_eq!(found.uncovered.max, 0.0);
     assert_near(found.hausdorff, 0.0, ROUNDING);
-    assert_eq!((found.iou, found.hollow, found.overlap), (Some(1.0), Some(0.0), Some(1.0)));
+    assert_eq!(
+        (found.iou, found.uncovered_volume, found.overlap),
+        (Some(1.0), Some(0.0), Some(1.0))
+    );
     assert_eq!(found.open_edges, 0.0);
     assert_near(found.diagonal, 3_f64.sqrt(), 1e-15);
     assert_near(found.checks[0].unwrap().volume, 1.0, 1e-12);
@@ -70,26 +79,26 @@ fn a_box_and_its_own_hull_agree_in_everything() {
 #[test]
 fn a_hull_grown_on_one_side_is_phantom_by_that_much() {
     let found = judged(&unit_cube(), &[cuboid([0.0; 3], [1.25, 1.0, 1.0])]);
-    assert_near(found.phantom.max, 0.25 / 3_f64.sqrt(), ROUNDING);
-    assert_near(found.phantom.p99, 0.25 / 3_f64.sqrt(), ROUNDING);
+    assert_near(found.protrusion.max, 0.25 / 3_f64.sqrt(), ROUNDING);
+    assert_near(found.protrusion.p99, 0.25 / 3_f64.sqrt(), ROUNDING);
     // The far face has 1 of 7 areas at 0.25, the four sides 0.25 each at 0.125 on average; of the
     // latter's points those under the old face don't count.
     let mean = (1.0 * 0.25 + 4.0 * 0.25 * 0.125) / 7.0;
-    assert_near(found.phantom.mean, mean / 3_f64.sqrt(), 1e-4);
-    assert_eq!(found.exposed.max, 0.0);
-    assert_eq!(found.hausdorff, found.phantom.max);
+    assert_near(found.protrusion.mean, mean / 3_f64.sqrt(), 1e-4);
+    assert_eq!(found.uncovered.max, 0.0);
+    assert_eq!(found.hausdorff, found.protrusion.max);
     assert_near(found.iou.unwrap(), 0.8, COUNTING);
-    assert_eq!(found.hollow, Some(0.0));
+    assert_eq!(found.uncovered_volume, Some(0.0));
 }
 
 #[test]
 fn a_missing_half_is_exposed_and_hollow() {
     let found = judged(&unit_cube(), &[cuboid([0.0; 3], [0.5, 1.0, 1.0])]);
-    assert_near(found.exposed.max, 0.5 / 3_f64.sqrt(), ROUNDING);
-    assert_near(found.exposed.mean, (0.5 + 4.0 * 0.5 * 0.25) / 6.0 / 3_f64.sqrt(), 1e-4);
-    assert_near(found.phantom.max, 0.0, ROUNDING);
-    assert_eq!(found.hausdorff, found.exposed.max);
-    assert_near(found.hollow.unwrap(), 0.5, COUNTING);
+    assert_near(found.uncovered.max, 0.5 / 3_f64.sqrt(), ROUNDING);
+    assert_near(found.uncovered.mean, (0.5 + 4.0 * 0.5 * 0.25) / 6.0 / 3_f64.sqrt(), 1e-4);
+    assert_near(found.protrusion.max, 0.0, ROUNDING);
+    assert_eq!(found.hausdorff, found.uncovered.max);
+    assert_near(found.uncovered_volume.unwrap(), 0.5, COUNTING);
     assert_near(found.iou.unwrap(), 0.5, COUNTING);
 }
 
@@ -98,7 +107,7 @@ fn duplicate_hulls_overlap_twice_and_change_nothing_else() {
     let once = judged(&unit_cube(), &[unit_cube()]);
     let twice = judged(&unit_cube(), &[unit_cube(), unit_cube()]);
     assert_eq!(twice.overlap, Some(2.0));
-    assert_eq!((twice.iou, twice.hollow), (once.iou, once.hollow));
+    assert_eq!((twice.iou, twice.uncovered_volume), (once.iou, once.uncovered_volume));
     assert_near(twice.hausdorff, 0.0, ROUNDING);
 }
 
@@ -111,9 +120,9 @@ fn hulls_that_share_a_face_leave_no_gap() {
         .map(|x| cuboid([f64::from(x[0] as f32), 0.0, 0.0], [f64::from(x[1] as f32), 1.0, 1.0]))
         .collect();
     let found = judged(&unit_cube(), &slabs);
-    assert_eq!(found.exposed.max, 0.0);
-    assert_eq!(found.hollow, Some(0.0));
-    assert_near(found.phantom.max, 0.0, ROUNDING);
+    assert_eq!(found.uncovered.max, 0.0);
+    assert_eq!(found.uncovered_volume, Some(0.0));
+    assert_near(found.protrusion.max, 0.0, ROUNDING);
     assert_near(found.overlap.unwrap(), 1.0, 1e-4);
 }
 
@@ -127,8 +136,8 @@ fn what_is_inside_another_hull_is_no_boundary() {
     let alone = judged(&mesh, std::slice::from_ref(&all));
     let both = judged(&mesh, &[all, within]);
     assert!(both.samples.boundary < both.samples.hull);
-    assert_near(both.phantom.mean, alone.phantom.mean, 1e-3);
-    assert_near(both.phantom.max, alone.phantom.max, 1e-3);
+    assert_near(both.protrusion.mean, alone.protrusion.mean, 1e-3);
+    assert_near(both.protrusion.max, alone.protrusion.max, 1e-3);
 }
 
 #[test]
@@ -148,10 +157,10 @@ fn the_hull_of_a_u_fills_its_gap() {
     let found = judged(&prism(&polygon, &caps, 5.0), &[cuboid([0.0; 3], [4.0, 4.0, 5.0])]);
     // Farthest is the middle of the mouth, half a gap from both legs.
     let diagonal = (16.0_f64 + 16.0 + 25.0).sqrt();
-    assert_near(found.phantom.max, 1.0 / diagonal, 1e-3);
-    assert_eq!(found.exposed.max, 0.0);
+    assert_near(found.protrusion.max, 1.0 / diagonal, 1e-3);
+    assert_eq!(found.uncovered.max, 0.0);
     assert_near(found.iou.unwrap(), 10.0 / 16.0, COUNTING);
-    assert_eq!(found.hollow, Some(0.0));
+    assert_eq!(found.uncovered_volume, Some(0.0));
 }
 
 #[test]
@@ -160,10 +169,10 @@ fn a_cavity_is_not_solid() {
     let hollow = join(outer.clone(), &flipped(cuboid([0.25; 3], [0.75; 3])));
     let found = judged(&hollow, &[outer]);
     assert_near(found.iou.unwrap(), 7.0 / 8.0, COUNTING);
-    assert_near(found.phantom.max, 0.0, ROUNDING);
+    assert_near(found.protrusion.max, 0.0, ROUNDING);
     let inner = judged(&hollow, &[cuboid([0.25; 3], [0.75; 3])]);
     assert_eq!(inner.iou, Some(0.0));
-    assert_eq!(inner.hollow, Some(1.0));
+    assert_eq!(inner.uncovered_volume, Some(1.0));
 }
 
 #[test]
@@ -173,9 +182,9 @@ fn an_open_sheet_has_distances_but_no_volume() {
         vec![[0, 1, 2], [0, 2, 3]],
     );
     let found = judged(&sheet, &[cuboid([0.0, 0.0, -0.1], [1.0, 1.0, 0.2])]);
-    assert_near(found.phantom.max, 0.2 / 2_f64.sqrt(), ROUNDING);
-    assert_eq!(found.exposed.max, 0.0);
-    assert_eq!((found.iou, found.hollow), (None, None));
+    assert_near(found.protrusion.max, 0.2 / 2_f64.sqrt(), ROUNDING);
+    assert_eq!(found.uncovered.max, 0.0);
+    assert_eq!((found.iou, found.uncovered_volume), (None, None));
     assert_eq!(found.open_edges, 0.8);
     assert_eq!(found.overlap, Some(1.0));
 }
@@ -185,7 +194,7 @@ fn a_hole_does_not_turn_the_solid_inside_out() {
     let (positions, triangles) = unit_cube();
     let open: Mesh = (positions, triangles[1..].to_vec());
     let found = judged(&open, &[cuboid([0.1; 3], [0.9; 3])]);
-    assert_near(found.phantom.max, 0.0, ROUNDING);
+    assert_near(found.protrusion.max, 0.0, ROUNDING);
     assert_eq!(found.iou, None);
 }
 
@@ -194,7 +203,7 @@ fn a_mesh_inside_out_is_turned_around() {
     let hulls = [cuboid([0.1; 3], [1.2; 3])];
     let (outward, inward) = (judged(&unit_cube(), &hulls), judged(&flipped(unit_cube()), &hulls));
     assert_eq!(inward.iou, outward.iou);
-    assert_near(inward.phantom.mean, outward.phantom.mean, 1e-9);
+    assert_near(inward.protrusion.mean, outward.protrusion.mean, 1e-9);
 }
 
 #[test]
@@ -220,7 +229,7 @@ fn a_hull_wound_inward_or_anyhow_is_flagged_and_judged_by_its_points() {
     for (hull, flags) in [(inward, (0, 1)), (mixed, (1, 0)), (torn, (1, 0))] {
         let found = judged(&unit_cube(), &[hull]);
         assert_eq!((found.open_hulls, found.non_positive_volumes), flags);
-        assert_eq!((found.phantom, found.exposed), (expected.phantom, expected.exposed));
+        assert_eq!((found.protrusion, found.uncovered), (expected.protrusion, expected.uncovered));
         assert_eq!((found.iou, found.non_convex_hulls), (expected.iou, 0));
     }
 }
@@ -234,9 +243,9 @@ fn a_flat_hull_holds_nothing_but_is_a_surface() {
     let found = judged(&unit_cube(), &[square]);
     assert_eq!((found.hulls, found.non_positive_volumes, found.open_hulls), (1, 1, 1));
     assert!(found.checks[0].unwrap().is_flat);
-    assert_eq!((found.hollow, found.iou, found.overlap), (Some(1.0), Some(0.0), None));
-    assert_near(found.exposed.max, 0.5 / 3_f64.sqrt(), ROUNDING);
-    assert_near(found.phantom.max, 0.0, ROUNDING);
+    assert_eq!((found.uncovered_volume, found.iou, found.overlap), (Some(1.0), Some(0.0), None));
+    assert_near(found.uncovered.max, 0.5 / 3_f64.sqrt(), ROUNDING);
+    assert_near(found.protrusion.max, 0.0, ROUNDING);
 }
 
 #[test]
@@ -259,14 +268,19 @@ fn garbage_among_hulls_is_counted_and_left_out() {
     hulls.insert(2, (points, triangles));
     let found = judged(&unit_cube(), &hulls);
     assert_eq!((found.hulls, found.unusable_hulls), (1, 6));
-    assert_eq!((found.phantom, found.exposed), (expected.phantom, expected.exposed));
+    assert_eq!((found.protrusion, found.uncovered), (expected.protrusion, expected.uncovered));
     let judged: Vec<bool> = found.checks.iter().map(Option::is_some).collect();
     assert_eq!(judged, [false, false, true, false, false, false, false]);
 
     let options = MeasureOptions::default();
     let (positions, triangles) = unit_cube();
     for hulls in [&garbage[..], &[]] {
-        let found = measure(&positions, &triangles, &shapes(hulls), &options);
+        let found = measure(
+            MeshView::new(&positions, &triangles),
+            &shapes(hulls),
+            &options,
+            &Control::new(),
+        );
         assert!(matches!(found, Err(Error::NoHull { .. })));
     }
 }
@@ -277,7 +291,7 @@ fn hulls_without_extent_do_not_panic() {
     let line: Mesh = (vec![[0.0; 3], [0.5; 3], [1.0; 3]], vec![[0, 1, 2], [2, 1, 0]]);
     for hulls in [vec![spot.clone()], vec![line.clone()], vec![spot, line, unit_cube()]] {
         let found = judged(&unit_cube(), &hulls);
-        assert!(found.phantom.max.is_finite() && found.exposed.mean.is_finite());
+        assert!(found.protrusion.max.is_finite() && found.uncovered.mean.is_finite());
         assert!(found.non_positive_volumes >= 1);
     }
 }
@@ -287,7 +301,13 @@ fn a_mesh_that_can_not_be_judged_is_an_error() {
     let (positions, triangles) = unit_cube();
     let cube = [unit_cube()];
     let run = |positions: &[[f64; 3]], triangles: &[[u32; 3]]| {
-        measure(positions, triangles, &shapes(&cube), &MeasureOptions::default()).map(|_| ())
+        measure(
+            MeshView::new(positions, triangles),
+            &shapes(&cube),
+            &MeasureOptions::default(),
+            &Control::new(),
+        )
+        .map(|_| ())
     };
     assert_eq!(run(&[], &triangles), Err(Error::EmptyMesh { vertices: 0, triangles: 12 }));
     assert_eq!(run(&positions, &[]), Err(Error::EmptyMesh { vertices: 8, triangles: 0 }));
@@ -319,14 +339,18 @@ fn random_points_are_the_same_for_a_seed_on_any_number_of_threads_and_others_for
         (unit_cube().0.iter().map(|&[x, y, z]| [1.2 * x, y, z]).collect(), unit_cube().1);
     let of = |seed: u64, parallel: bool| {
         let mut options = MeasureOptions::default();
-        (options.random_seed, options.parallel) = (Some(seed), parallel);
-        measure(&unit_cube().0, &unit_cube().1, &shapes(std::slice::from_ref(&wide)), &options)
-            .unwrap()
+        options.random_seed = Some(seed);
+        let (positions, triangles) = unit_cube();
+        let hulls = shapes(std::slice::from_ref(&wide));
+        let control = Control::new().with_parallel(parallel);
+        measure(MeshView::new(&positions, &triangles), &hulls, &options, &control).unwrap()
     };
     assert_eq!(of(1, true), of(1, false));
     assert_ne!(of(1, true), of(2, true));
     let even = judged(&unit_cube(), std::slice::from_ref(&wide));
-    assert!((of(1, true).phantom.mean - even.phantom.mean).abs() < 0.02 * even.phantom.mean);
+    assert!(
+        (of(1, true).protrusion.mean - even.protrusion.mean).abs() < 0.02 * even.protrusion.mean
+    );
 }
 
 #[test]
@@ -352,7 +376,12 @@ fn options_that_mean_nothing_are_errors() {
     let name = |change: fn(&mut MeasureOptions)| {
         let mut options = MeasureOptions::default();
         change(&mut options);
-        match measure(&positions, &triangles, &shapes(&cube), &options) {
+        match measure(
+            MeshView::new(&positions, &triangles),
+            &shapes(&cube),
+            &options,
+            &Control::new(),
+        ) {
             Err(Error::InvalidParameter { name, .. }) => name,
             other => panic!("{other:?}"),
         }
@@ -373,9 +402,9 @@ fn size_and_place_do_not_matter() {
             (positions.iter().map(place).collect(), triangles.clone())
         };
         let found = judged(&moved(&mesh), &hulls.each_ref().map(moved));
-        assert_near(found.phantom.max, expected.phantom.max, 1e-6);
-        assert_near(found.phantom.mean, expected.phantom.mean, 1e-4);
-        assert_near(found.exposed.max, expected.exposed.max, 1e-6);
+        assert_near(found.protrusion.max, expected.protrusion.max, 1e-6);
+        assert_near(found.protrusion.mean, expected.protrusion.mean, 1e-4);
+        assert_near(found.uncovered.max, expected.uncovered.max, 1e-6);
         assert_near(found.iou.unwrap(), expected.iou.unwrap(), 1e-4);
         assert_near(found.diagonal, factor * expected.diagonal, 1e-9 * factor);
     }
@@ -385,11 +414,12 @@ fn size_and_place_do_not_matter() {
 fn threads_do_not_matter() {
     let hulls = [cuboid([-0.1; 3], [0.6, 1.1, 1.0]), cuboid([0.5, 0.1, 0.0], [1.0, 1.0, 1.2])];
     let (positions, triangles) = unit_cube();
-    let mut options = MeasureOptions::default();
-    let one = measure(&positions, &triangles, &shapes(&hulls), &options).unwrap();
-    options.parallel = false;
-    let other = measure(&positions, &triangles, &shapes(&hulls), &options).unwrap();
-    assert_eq!(one, other);
+    let of = |is_parallel| {
+        let control = Control::new().with_parallel(is_parallel);
+        let mesh = MeshView::new(&positions, &triangles);
+        measure(mesh, &shapes(&hulls), &MeasureOptions::default(), &control).unwrap()
+    };
+    assert_eq!(of(true), of(false));
 }
 
 #[test]
@@ -398,7 +428,10 @@ fn the_counts_of_samples_are_stated() {
     (options.hull_samples, options.mesh_samples, options.volume_samples) = (1000, 500, 2000);
     let (positions, triangles) = unit_cube();
     let hulls = [unit_cube(), cuboid([2.0, 0.0, 0.0], [3.0, 1.0, 1.0])];
-    let samples = measure(&positions, &triangles, &shapes(&hulls), &options).unwrap().samples;
+    let samples =
+        measure(MeshView::new(&positions, &triangles), &shapes(&hulls), &options, &Control::new())
+            .unwrap()
+            .samples;
     assert_eq!((samples.hull, samples.boundary), (1000, 1000));
     assert_eq!((samples.mesh, samples.volume), (500, 2000));
     assert_near(samples.solid as f64 / 2000.0, 1.0 / 3.0, 0.01);
@@ -411,8 +444,14 @@ fn without_samples_in_space_there_are_no_volumes() {
     let mut options = MeasureOptions::default();
     options.volume_samples = 0;
     let (positions, triangles) = unit_cube();
-    let found = measure(&positions, &triangles, &shapes(&[unit_cube()]), &options).unwrap();
-    assert_eq!((found.iou, found.hollow, found.overlap), (None, None, None));
+    let found = measure(
+        MeshView::new(&positions, &triangles),
+        &shapes(&[unit_cube()]),
+        &options,
+        &Control::new(),
+    )
+    .unwrap();
+    assert_eq!((found.iou, found.uncovered_volume, found.overlap), (None, None, None));
 }
 
 #[test]
@@ -424,9 +463,9 @@ fn triangles_wound_at_random_have_the_same_inside() {
     let half = cuboid([0.0; 3], [1.0, 1.0, 0.5]);
     let [expected, found] =
         [unit_cube(), mesh].map(|mesh| judged(&mesh, std::slice::from_ref(&half)));
-    assert_near(found.phantom.max, expected.phantom.max, ROUNDING);
-    assert_near(expected.phantom.max, 0.0, ROUNDING);
-    assert_near(found.hollow.unwrap(), 0.5, COUNTING);
+    assert_near(found.protrusion.max, expected.protrusion.max, ROUNDING);
+    assert_near(expected.protrusion.max, 0.0, ROUNDING);
+    assert_near(found.uncovered_volume.unwrap(), 0.5, COUNTING);
 }
 
 #[test]
@@ -437,6 +476,6 @@ fn an_open_box_wound_inward_is_a_sheet_without_an_inside() {
     let inside = cuboid([0.25; 3], [0.75; 3]);
     let wound_outward = judged(&open, std::slice::from_ref(&inside));
     let wound_inward = judged(&flipped(open), &[inside]);
-    assert_near(wound_outward.phantom.max, 0.0, ROUNDING);
-    assert!(wound_inward.phantom.max > 0.1);
+    assert_near(wound_outward.protrusion.max, 0.0, ROUNDING);
+    assert!(wound_inward.protrusion.max > 0.1);
 }

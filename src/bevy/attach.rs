@@ -1,9 +1,6 @@
-//! Results reach their entities: as as statuses, as events.
-
-use std::sync::Arc;
+//! Results reach their entities: as colliders, as statuses, as events.
 
 use bevy::ecs::system::SystemParam;
-use bevy::math::Affine3A;
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::{
     Collider, ColliderMassProperties, ColliderScale, CollisionGroups, Friction, MassProperties,
@@ -14,34 +11,17 @@ use bevy_rapier3d::prelude::{
 use crate::ColliderError;
 
 use super::baked::BakedDecomposition;
-use super::failing::Failure;
-use super::library::Material;
-use super::meanwhile::StandIn;
-use super::placement::{Placements, Stretch, map_mass};
-use super::work::{Delivery, SourceId, Work};
-use super::{
-    ConvexDecomposition, DecompositionCounters, DecompositionFailure, DecompositionReady,
-    DecompositionStatus, HullwrightSettings, Origin, Skip,
-};
+use super::cache::ColliderGeometry;
+use super::error::DecompositionError;
+use super::events::DecompositionReady;
+use super::placement::{Placements, map_mass};
+use super::queue::{Completed, Failed, WorkQueue};
+use super::request::{AttachedCollider, AttachedFallback};
+use super::settings::HullwrightSettings;
+use super::status::{DecompositionCounters, DecompositionStatus, HullSource, SkipReason};
+use super::tag::{ConvexDecomposition, DEFAULT_DENSITY};
 
-/// On entities whose collider is ours: what it was made from.
-#[derive(Component, Debug, Clone)]
-pub(super) struct Attached {
-    pub source: Arc<SourceId>,
-    pub stretch: Stretch,
-    /// From the entity's space to the collider's.
-    #[cfg_attr(
-        not(feature = "debug"),
-        expect(dead_code, reason = "drawn with the feature `debug`")
-    )]
-    pub map: Affine3A,
-    /// Whether it is the triangle mesh.
-    pub is_exact: bool,
-    /// Whether we set the mass properties, or found them set.
-    owns_mass: bool,
-}
-
-/// What is looked at when a collider is attached.
+/// The entities that colliders are attached to.
 #[derive(SystemParam)]
 pub(super) struct Targets<'w, 's> {
     targets: Query<'w, 's, TargetComponents>,
@@ -52,8 +32,8 @@ pub(super) struct Targets<'w, 's> {
 type TargetComponents = (
     Option<&'static ConvexDecomposition>,
     Option<&'static BakedDecomposition>,
-    Option<&'static Attached>,
-    Option<&'static StandIn>,
+    Option<&'static AttachedCollider>,
+    Option<&'static AttachedFallback>,
     Has<ColliderMassProperties>,
 );
 
@@ -65,38 +45,38 @@ type SurfaceComponents = (
     Option<&'static Sensor>,
 );
 
-/// Attaches what is ready, within the frame's budget.
+/// Attaches colliders that are ready, within the frame's budget.
 pub(super) fn attach(
     mut commands: Commands,
-    mut work: ResMut<Work>,
+    mut queue: ResMut<WorkQueue>,
     mut counters: ResMut<DecompositionCounters>,
     settings: Res<HullwrightSettings>,
     targets: Targets,
     mut sleepers: Sleepers,
     mut statuses: Query<&mut DecompositionStatus>,
 ) {
-    let mut budget = work.budget(&settings);
+    let mut budget = queue.frame_time.budget(&settings);
     for _ in 0..settings.max_attached_per_frame.max(1) {
-        if work.deliveries.is_empty() || !budget.allows_one() {
+        if queue.completed.is_empty() || !budget.allows_one() {
             break;
         }
-        let Some(delivery) = work.deliveries.pop_front() else { break };
-        let entity = delivery.entity;
-        match targets.attach(&mut commands, &delivery) {
+        let Some(completed) = queue.completed.pop_front() else { break };
+        let entity = completed.entity;
+        match targets.attach(&mut commands, &completed) {
             Ok(hulls) => {
-                work.requests.remove(&entity);
+                queue.unfinished.remove(&entity);
                 let present = targets.placements.stretch(entity);
-                work.notice_missed_scale(entity, &delivery.ask.stretch, present);
+                queue.detect_missed_scale(entity, &completed.request.stretch, present);
                 if let Some((body, _)) = targets.placements.body(entity) {
                     sleepers.wake(body);
                 }
-                let status = count(&mut counters, &delivery, hulls);
+                let status = count(&mut counters, &completed, hulls);
                 if let Ok(mut old) = statuses.get_mut(entity) {
                     *old = status;
                 }
                 commands.trigger(DecompositionReady { entity, hulls });
             }
-            Err(why) => work.failures.push(Failure { entity, why, is_known: false }),
+            Err(error) => queue.failed.push(Failed { entity, error, is_known: false }),
         }
     }
 }
@@ -129,24 +109,24 @@ impl Sleepers<'_, '_> {
 
 fn count(
     counters: &mut DecompositionCounters,
-    delivery: &Delivery,
+    completed: &Completed,
     hulls: usize,
 ) -> DecompositionStatus {
-    let made = &delivery.made;
-    if let Material::Triangles(_) = *made.material {
+    let built = &completed.built;
+    if let ColliderGeometry::Triangles(_) = *built.geometry {
         counters.triangle_meshes += 1;
-        return DecompositionStatus::Skipped(Skip::FixedBody);
+        return DecompositionStatus::Skipped(SkipReason::FixedBody);
     }
     if hulls == 1 {
         counters.convex += 1;
     }
-    match made.origin {
-        Origin::Decomposed => {}
-        Origin::Shared => counters.shared += 1,
-        Origin::Disk => counters.from_disk += 1,
-        Origin::Baked => counters.baked += 1,
+    match built.source {
+        HullSource::Decomposed => {}
+        HullSource::Shared => counters.shared += 1,
+        HullSource::Disk => counters.from_disk += 1,
+        HullSource::Baked => counters.baked += 1,
     }
-    DecompositionStatus::Ready(made.origin)
+    DecompositionStatus::Ready(built.source)
 }
 
 impl Targets<'_, '_> {
@@ -154,25 +134,25 @@ impl Targets<'_, '_> {
     fn attach(
         &self,
         commands: &mut Commands,
-        delivery: &Delivery,
-    ) -> Result<usize, DecompositionFailure> {
-        let Delivery { entity, ask, made } = delivery;
-        let Ok((tag, baked, attached, stand_in, has_mass)) = self.targets.get(*entity) else {
+        completed: &Completed,
+    ) -> Result<usize, DecompositionError> {
+        let Completed { entity, request, built } = completed;
+        let Ok((tag, baked, attached, fallback, has_mass)) = self.targets.get(*entity) else {
             return Ok(0);
         };
         let owned = attached.map(|attached| attached.owns_mass);
-        let owned = owned.or_else(|| stand_in.map(|stand_in| stand_in.owns_mass));
+        let owned = owned.or_else(|| fallback.map(|fallback| fallback.owns_mass));
         let owns_mass = owned.unwrap_or(!has_mass);
-        let (mass, hulls) = match &*made.material {
-            Material::Triangles(_) => (None, 0),
-            Material::Hulls(file) => {
-                let density = tag.map_or(1.0, |tag| f64::from(tag.density));
+        let (mass, hulls) = match &*built.geometry {
+            ColliderGeometry::Triangles(_) => (None, 0),
+            ColliderGeometry::Hulls(file) => {
+                let density = f64::from(tag.map_or(DEFAULT_DENSITY, |tag| tag.density));
                 let mass = file.mass_properties.map(|properties| {
                     let mass = match baked {
                         Some(baked) => baked.mass.map_or(properties.mass, f64::from),
                         None => properties.mass * density,
                     };
-                    map_mass(&properties.with_mass(mass), &ask.map)
+                    map_mass(&properties.with_mass(mass), &request.map)
                 });
                 (mass, file.hulls.len())
             }
@@ -183,18 +163,18 @@ impl Targets<'_, '_> {
         };
         // The scale is in the points; bevy_rapier must not apply it again.
         commands.entity(*entity).try_insert((
-            Collider::from(made.shape.clone()),
+            Collider::from(built.shape.clone()),
             ColliderScale::Absolute(Vec3::ONE),
-            Attached {
-                source: ask.source.clone(),
-                stretch: ask.stretch,
-                map: ask.map * ask.before,
-                is_exact: ask.is_exact(),
+            AttachedCollider {
+                input: request.input.clone(),
+                stretch: request.stretch,
+                map: request.map * request.map_before,
+                is_exact: request.is_exact(),
                 owns_mass,
             },
         ));
-        if stand_in.is_some() {
-            commands.entity(*entity).try_remove::<StandIn>();
+        if fallback.is_some() {
+            commands.entity(*entity).try_remove::<AttachedFallback>();
         }
         if let Some(mass) = mass {
             commands.entity(*entity).try_insert(mass);
@@ -203,7 +183,7 @@ impl Targets<'_, '_> {
         Ok(hulls)
     }
 
-    /// A collider below a body feels as the body says, unless it says otherwise itself.
+    /// A collider below a body inherits the components of its surface that it does not have itself.
     fn inherit_surface(&self, commands: &mut Commands, entity: Entity) {
         let Some((body, _)) = self.placements.body(entity) else { return };
         if body == entity {

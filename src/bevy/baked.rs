@@ -7,19 +7,21 @@ use bevy::prelude::*;
 
 use crate::hulls_format::{HullsFile, HullsFileError};
 
-use super::DecompositionStatus;
+use super::status::DecompositionStatus;
 
 /// A decomposition that was made before, as `hullwright bake` does: the content of a `.hulls` file.
 #[derive(Asset, TypePath, Debug, Clone)]
+#[type_path = "hullwright"]
 pub struct BakedHulls(pub HullsFile);
 
 /// Gives the entity a collider of baked hulls. They are in the mesh's own space, so it belongs
 /// where the mesh is, on the entity that has the `Mesh3d` or on the glTF node.
 ///
 /// Its scale is baked into the points as for
-/// [`ConvexDecomposition`](super::ConvexDecomposition).
+/// [`ConvexDecomposition`](crate::bevy::ConvexDecomposition).
 #[derive(Component, Reflect, Debug, Clone, PartialEq, Default)]
 #[reflect(Component, Default, Clone, PartialEq)]
+#[type_path = "hullwright"]
 #[require(DecompositionStatus)]
 pub struct BakedDecomposition {
     /// The hulls.
@@ -35,8 +37,9 @@ impl BakedDecomposition {
     }
 }
 
-/// Loads `.hulls` files. What is corrupt, cut off or too new is a load error.
+/// Loads `.hulls` files. A corrupt, truncated or newer file is a load error.
 #[derive(TypePath, Debug, Clone, Copy, Default)]
+#[type_path = "hullwright"]
 pub struct HullsLoader;
 
 impl AssetLoader for HullsLoader {

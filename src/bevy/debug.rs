@@ -1,4 +1,4 @@
-//! See it: every hull in its own colour, and numbers among Bevy's diagnostics (feature `debug`).
+//! Every hull drawn in its own colour, and numbers among Bevy's diagnostics (feature `debug`).
 
 use bevy::color::{Color, Hsla};
 use bevy::diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnostic};
@@ -10,12 +10,13 @@ use bevy_rapier3d::rapier::geometry::SharedShape;
 use bevy_rapier3d::rapier::math::Pose;
 use bevy_rapier3d::rapier::parry::shape::TypedShape;
 
-use super::attach::Attached;
-use super::{DecompositionCounters, HullwrightSystems};
+use super::plugin::HullwrightSystems;
+use super::request::AttachedCollider;
+use super::status::DecompositionCounters;
 
 /// Draws the hulls of all colliders that the plugin made, and keeps its diagnostics.
 ///
-/// Beside [`HullwrightPlugin`](super::HullwrightPlugin). Lines are drawn where Bevy's `GizmoPlugin`
+/// Beside [`HullwrightPlugin`](crate::bevy::HullwrightPlugin). Lines are drawn where Bevy's `GizmoPlugin`
 /// and `GizmoRenderPlugin` are, as in `DefaultPlugins`; on a server without them there are the
 /// diagnostics alone.
 #[derive(Debug, Clone, Copy, Default)]
@@ -24,6 +25,7 @@ pub struct HullwrightDebugPlugin;
 /// Whether hulls are drawn; may be changed at any time.
 #[derive(Resource, Reflect, Debug, Clone, Copy, PartialEq, Eq)]
 #[reflect(Resource, Default, Clone, PartialEq)]
+#[type_path = "hullwright"]
 pub struct HullwrightDebug {
     /// Default true.
     pub is_drawn: bool,
@@ -37,6 +39,7 @@ impl Default for HullwrightDebug {
 
 /// The lines' group, for their width and depth in Bevy's `GizmoConfigStore`.
 #[derive(Default, Reflect, GizmoConfigGroup)]
+#[type_path = "hullwright"]
 pub struct HullGizmos;
 
 impl HullwrightDebugPlugin {
@@ -69,8 +72,8 @@ impl HullwrightDebugPlugin {
     pub const CACHED: DiagnosticPath = DiagnosticPath::const_new("hullwright/cached");
     /// The bound of the decomposition that was made last, in percent of its mesh's diagonal.
     pub const BOUND: DiagnosticPath = DiagnosticPath::const_new("hullwright/bound");
-    /// How far its hulls stand out at most, verified, in percent of its mesh's diagonal.
-    pub const PHANTOM: DiagnosticPath = DiagnosticPath::const_new("hullwright/stands_out");
+    /// The verified protrusion of its hulls, in percent of its mesh's diagonal.
+    pub const PROTRUSION: DiagnosticPath = DiagnosticPath::const_new("hullwright/protrusion");
 }
 
 impl Plugin for HullwrightDebugPlugin {
@@ -105,13 +108,13 @@ impl Plugin for HullwrightDebugPlugin {
     }
 }
 
-/// Turns of the colour wheel from one hull to the next: the golden ratio, by which neighbours
-/// differ and none comes again soon.
+/// Turns of the colour wheel from one hull to the next: by the golden ratio neighbours differ and no
+/// colour repeats soon.
 const HUE_STEP: f32 = 0.618_034;
 
 fn draw(
     mut gizmos: Gizmos<HullGizmos>,
-    colliders: Query<(&Collider, &Attached, &GlobalTransform)>,
+    colliders: Query<(&Collider, &AttachedCollider, &GlobalTransform)>,
 ) {
     for (collider, attached, transform) in &colliders {
         let to_world = transform.affine() * attached.map.inverse();
@@ -224,9 +227,9 @@ const MEASURES: [Measure; 15] = [
         value: |of| of.last_bound.map(percent),
     },
     Measure {
-        path: HullwrightDebugPlugin::PHANTOM,
+        path: HullwrightDebugPlugin::PROTRUSION,
         suffix: " %",
-        value: |of| of.last_phantom.map(percent),
+        value: |of| of.last_protrusion.map(percent),
     },
 ];
 

@@ -1,16 +1,13 @@
-//! A whole scene tagged at once: which of its meshes, by a default, by names, by what the artist
-//! said.
+//! A whole scene tagged at once: which of its meshes, by a default, by names, by extras.
 
 use bevy::ecs::entity::EntityHashSet;
 use bevy::ecs::system::SystemParam;
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
 
-use crate::Parameters;
-
 use super::baked::BakedDecomposition;
-use super::names::{NameTag, name_tag, without_copy_number};
-use super::{ConvexDecomposition, NoConvexDecomposition};
+use super::naming_conventions::{NameTag, name_tag, without_copy_number};
+use super::tag::{ConvexDecomposition, NoConvexDecomposition};
 
 /// Tags the meshes below this entity, such as all of a glTF scene, also those that come later.
 ///
@@ -23,6 +20,7 @@ use super::{ConvexDecomposition, NoConvexDecomposition};
 /// [`default`](Self::default_tag).
 #[derive(Component, Reflect, Debug, Clone, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
+#[type_path = "hullwright"]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct ConvexDecompositionHierarchy {
     /// For meshes of which nothing else is said; `None` to leave them alone.
@@ -241,7 +239,7 @@ impl Nodes<'_, '_> {
     fn extras_of(&self, node: Entity) -> Option<bool> {
         let on = |entity| {
             let (extras, mesh_extras, _) = self.extras.get(entity).ok()?;
-            let tag = |text: &String| super::names::extras_tag(text);
+            let tag = |text: &String| super::naming_conventions::extras_tag(text);
             extras
                 .and_then(|extras| tag(&extras.value))
                 .or_else(|| mesh_extras.and_then(|extras| tag(&extras.value)))
@@ -290,11 +288,12 @@ impl Nodes<'_, '_> {
     }
 }
 
-/// The artist's pieces are convex, near enough.
-fn one_hull(mut tag: ConvexDecomposition) -> ConvexDecomposition {
-    tag.parameters = Parameters::default();
-    tag.parameters.bounded.max_hulls = Some(1);
-    tag
+/// A piece made by an artist is convex up to modelling errors: one hull, with the tag's density and
+/// fallback.
+fn one_hull(tag: ConvexDecomposition) -> ConvexDecomposition {
+    let ConvexDecomposition { density, fallback_collider, .. } = tag;
+    let one = ConvexDecomposition::default().with_max_hulls(1);
+    ConvexDecomposition { density, fallback_collider, ..one }
 }
 
 #[cfg(all(test, feature = "serde", feature = "io"))]

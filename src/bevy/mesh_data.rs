@@ -1,15 +1,15 @@
-//! Triangles out of Bevy's meshes, without trusting them.
+//! Triangles of Bevy's meshes, checked.
 
 use bevy::asset::AssetId;
 use bevy::math::Affine3A;
 use bevy::mesh::{Indices, Mesh, MeshAccessError, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
 
-use super::DecompositionFailure;
+use super::error::DecompositionError;
 
 /// One of the meshes that make up an input, and where it sits in it.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Part {
+pub(super) struct MeshPart {
     pub mesh: AssetId<Mesh>,
     pub to_input: Affine3A,
 }
@@ -23,13 +23,13 @@ pub(super) struct MeshData {
 
 /// All parts as one mesh, moved by `map`. O(size).
 pub(super) fn read_parts(
-    parts: &[Part],
+    parts: &[MeshPart],
     map: &Affine3A,
     meshes: &Assets<Mesh>,
-) -> Result<MeshData, DecompositionFailure> {
+) -> Result<MeshData, DecompositionError> {
     let mut data = MeshData::default();
     for part in parts {
-        let mesh = meshes.get(part.mesh).ok_or(DecompositionFailure::NotLoaded)?;
+        let mesh = meshes.get(part.mesh).ok_or(DecompositionError::NotLoaded)?;
         append(&mut data, mesh, &(*map * part.to_input))?;
     }
     if data.triangles.is_empty() {
@@ -39,21 +39,21 @@ pub(super) fn read_parts(
     Ok(data)
 }
 
-fn append(data: &mut MeshData, mesh: &Mesh, map: &Affine3A) -> Result<(), DecompositionFailure> {
+fn append(data: &mut MeshData, mesh: &Mesh, map: &Affine3A) -> Result<(), DecompositionError> {
     let positions = match mesh.try_attribute(Mesh::ATTRIBUTE_POSITION) {
         Ok(VertexAttributeValues::Float32x3(positions)) => positions,
-        Ok(_) | Err(MeshAccessError::NotFound) => return Err(DecompositionFailure::NoPositions),
+        Ok(_) | Err(MeshAccessError::NotFound) => return Err(DecompositionError::NoPositions),
         Err(MeshAccessError::ExtractedToRenderWorld) => {
-            return Err(DecompositionFailure::RenderWorldOnly);
+            return Err(DecompositionError::RenderWorldOnly);
         }
     };
-    let indices = mesh.try_indices_option().map_err(|_| DecompositionFailure::RenderWorldOnly)?;
+    let indices = mesh.try_indices_option().map_err(|_| DecompositionError::RenderWorldOnly)?;
     let is_strip = match mesh.primitive_topology() {
         PrimitiveTopology::TriangleList => false,
         PrimitiveTopology::TriangleStrip => true,
-        PrimitiveTopology::PointList => return Err(DecompositionFailure::NotTriangles("points")),
+        PrimitiveTopology::PointList => return Err(DecompositionError::NotTriangles("points")),
         PrimitiveTopology::LineList | PrimitiveTopology::LineStrip => {
-            return Err(DecompositionFailure::NotTriangles("lines"));
+            return Err(DecompositionError::NotTriangles("lines"));
         }
     };
     let too_large =

@@ -7,68 +7,88 @@
 //! use hullwright::bevy::prelude::*;
 //!
 //! # fn setup(mut commands: Commands, mesh: Handle<Mesh>) {
-//! commands.spawn((Mesh3d(mesh), RigidBody::Dynamic, ConvexDecomposition::default()));
+//! commands.spawn((
+//!     Mesh3d(mesh),
+//!     RigidBody::Dynamic,
+//!     // At most 1 % of the mesh's diagonal between hulls and mesh; 2 % without it.
+//!     ConvexDecomposition::default().with_max_error(0.01),
+//! ));
 //! # }
 //! ```
 //!
 //! Work runs on Bevy's `AsyncComputeTaskPool`; no frame waits for it. [`DecompositionStatus`] and
-//! the events [`DecompositionReady`] and [`DecompositionFailed`] say how it goes.
+//! the events [`DecompositionReady`] and [`DecompositionFailed`] report it.
+//!
+//! Modules, by layers; each uses those above it and the public API of the rest of the crate only:
 //!
 //! | module | what |
 //! |---|---|
-//! | `plugin`, `settings` | the plugin, its systems' order, its settings |
+//! | `error`, `status`, `events`, `settings` | what users read, and what all entities share |
 //! | `tag`, `baked` | components that ask for a collider |
-//! | `hierarchy`, `names` | whole scenes, what artists say |
-//! | `status` | statuses, events, counters |
-//! | `notice` | what makes a collider out of date |
-//! | `resolve`, `mesh_data`, `placement` | which meshes, their triangles, what scale is baked |
-//! | `work`, `run`, `job`, `library` | the queue, the jobs, what is known already |
-//! | `meanwhile`, `hold` | stand-ins, and bodies that wait |
-//! | `attach`, `failing` | results reach their entities, and what went wrong does |
+//! | `parameters` | from the tag's flat settings to the library's parameters |
+//! | `naming_conventions`, `hierarchy` | whole scenes, tagged by names and extras |
+//! | `mesh_data`, `placement` | triangles of meshes, and the scale that is baked |
+//! | `content`, `cache`, `disk_cache` | known results by content |
+//! | `task` | one decomposition, in steps |
+//! | `request`, `budget`, `queue` | what entities ask for, and the state of all work |
+//! | `change_detection` | what makes a collider out of date |
+//! | `resolve` | from tags to requests |
+//! | `pool`, `scheduler` | jobs start and finish |
+//! | `fallback_collider`, `freeze` | colliders and bodies that wait |
+//! | `attach`, `failures` | results and errors reach their entities |
 //! | `debug` (feature) | hulls drawn, and numbers among the diagnostics |
+//! | `plugin` | the systems and their order |
 
 mod attach;
 mod baked;
+mod budget;
+mod cache;
+mod change_detection;
+mod content;
 #[cfg(feature = "debug")]
 mod debug;
-mod failing;
+mod disk_cache;
+mod error;
+mod events;
+mod failures;
+mod fallback_collider;
+mod freeze;
 mod hierarchy;
-mod hold;
-mod job;
-mod library;
-mod meanwhile;
 mod mesh_data;
-mod names;
-mod notice;
+mod naming_conventions;
+mod parameters;
 mod placement;
 mod plugin;
+mod pool;
+mod queue;
+mod request;
 mod resolve;
-mod run;
+mod scheduler;
 mod settings;
 mod status;
 mod tag;
-mod work;
+mod task;
 
 pub use baked::{BakedDecomposition, BakedHulls, HullsLoader, LoadHullsError};
 #[cfg(feature = "debug")]
 pub use debug::{HullGizmos, HullwrightDebug, HullwrightDebugPlugin};
+pub use error::DecompositionError;
+pub use events::{DecompositionFailed, DecompositionReady};
 pub use hierarchy::ConvexDecompositionHierarchy;
 pub use plugin::{HullwrightPlugin, HullwrightSystems};
-pub use settings::{Execution, HullwrightSettings};
-pub use status::{
-    DecompositionCounters, DecompositionFailed, DecompositionFailure, DecompositionReady,
-    DecompositionStatus, Origin, Skip, Wait,
-};
+pub use settings::{Execution, FallbackCollider, HullwrightSettings};
+pub use status::{DecompositionCounters, DecompositionStatus, HullSource, SkipReason, WaitReason};
 pub use tag::{
-    ConvexDecomposition, DEFAULT_DENSITY, DecompositionFocus, Meanwhile, NoConvexDecomposition,
+    ConvexDecomposition, DEFAULT_DENSITY, DecompositionFocus, DecompositionPreset, MaxError,
+    NoConvexDecomposition,
 };
 
 /// What most users need.
 pub mod prelude {
     pub use super::{
         BakedDecomposition, ConvexDecomposition, ConvexDecompositionHierarchy,
-        DecompositionCounters, DecompositionFailed, DecompositionFocus, DecompositionReady,
-        DecompositionStatus, HullwrightPlugin, HullwrightSettings, HullwrightSystems, Meanwhile,
-        NoConvexDecomposition,
+        DecompositionCounters, DecompositionFailed, DecompositionFocus, DecompositionPreset,
+        DecompositionReady, DecompositionStatus, FallbackCollider, HullwrightPlugin,
+        HullwrightSettings, HullwrightSystems, MaxError, NoConvexDecomposition,
     };
 }

@@ -5,7 +5,7 @@
 //! into the points, so that the collider lies where the mesh is drawn.
 
 use bevy::ecs::system::SystemParam;
-use bevy::math::{Affine3A, Mat3A, Vec3A};
+use bevy::math::{Affine3A, DMat3, DVec3, Mat3A, Vec3A};
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::RigidBody;
 
@@ -35,7 +35,7 @@ pub(super) struct MapKey([u32; 12]);
 /// Smaller changes are rounding errors of turned transforms. bevy_rapier draws the line there too.
 const TOLERANCE: f32 = 1e-4;
 
-/// Bits of a number's mantissa that a map keeps: steps of 1.2e-4.
+/// Bits of a number's mantissa that a map keeps: steps of 1.2e-4, as [`TOLERANCE`].
 const KEPT_BITS: u32 = 13;
 
 /// Bits of the mantissa of an `f32`.
@@ -147,7 +147,7 @@ fn without_rotation(transform: &GlobalTransform) -> Mat3A {
     Mat3A::from_quat(rotation.inverse()) * transform.affine().matrix3
 }
 
-/// Takes rounding errors off, so that equal scales are equal.
+/// Removes rounding errors, so that equal scales have equal maps.
 fn snap(map: Affine3A) -> Affine3A {
     snap_near(map, Vec3A::ZERO)
 }
@@ -175,30 +175,28 @@ fn round_mantissa(x: f32) -> f32 {
     if x.is_finite() { f32::from_bits((bits + step / 2) & !(step - 1)) } else { x }
 }
 
-/// Hulls with their points moved by a map. Their triangles don't matter any more.
-pub(super) fn map_hulls(hulls: &[Hull], map: &Affine3A) -> Result<Vec<Hull>, ColliderError> {
+/// The points of hulls, moved by a map.
+pub(super) fn map_hulls(
+    hulls: &[Hull],
+    map: &Affine3A,
+) -> Result<Vec<Vec<[f64; 3]>>, ColliderError> {
     check(map)?;
     let place = map_point(map);
-    let mapped = |hull: &Hull| {
-        let mut hull = hull.clone();
-        hull.points.iter_mut().for_each(|point| *point = place(*point));
-        hull
-    };
-    Ok(hulls.iter().map(mapped).collect())
+    Ok(hulls.iter().map(|hull| hull.points.iter().map(|point| place(*point)).collect()).collect())
 }
 
 /// Mass properties of a body of the same density after it is moved by a map.
 pub(super) fn map_mass(properties: &MassProperties, map: &Affine3A) -> MassProperties {
     let linear = map.matrix3.as_dmat3();
     let volume = linear.determinant().abs();
-    let inertia = bevy::math::DMat3::from_cols_array_2d(&properties.inertia);
+    let inertia = DMat3::from_cols_array_2d(&properties.inertia);
     // Inertia is the trace of the second moments minus the second moments; these map as a
     // quadratic form.
     let trace = inertia.x_axis.x + inertia.y_axis.y + inertia.z_axis.z;
-    let second = bevy::math::DMat3::from_diagonal(bevy::math::DVec3::splat(trace / 2.0)) - inertia;
+    let second = DMat3::from_diagonal(DVec3::splat(trace / 2.0)) - inertia;
     let second = linear * second * linear.transpose() * volume;
     let trace = second.x_axis.x + second.y_axis.y + second.z_axis.z;
-    let inertia = bevy::math::DMat3::from_diagonal(bevy::math::DVec3::splat(trace)) - second;
+    let inertia = DMat3::from_diagonal(DVec3::splat(trace)) - second;
     let mut mapped = *properties;
     mapped.mass *= volume;
     mapped.centre = map_point(map)(properties.centre);
@@ -218,5 +216,5 @@ fn check(map: &Affine3A) -> Result<(), ColliderError> {
 
 fn map_point(map: &Affine3A) -> impl Fn([f64; 3]) -> [f64; 3] + use<> {
     let (linear, offset) = (map.matrix3.as_dmat3(), map.translation.as_dvec3());
-    move |point| (linear * bevy::math::DVec3::from(point) + offset).to_array()
+    move |point| (linear * DVec3::from(point) + offset).to_array()
 }

@@ -5,15 +5,21 @@ use bevy::mesh::mark_3d_meshes_as_changed_if_their_assets_changed;
 use bevy::prelude::*;
 use bevy_rapier3d::plugin::PhysicsSet;
 
+use super::attach::attach;
 use super::baked::{BakedDecomposition, BakedHulls, HullsLoader};
-use super::hierarchy::ConvexDecompositionHierarchy;
-use super::library::Library;
-use super::work::Work;
-use super::{
-    ConvexDecomposition, DecompositionCounters, DecompositionFocus, DecompositionStatus,
-    HullwrightSettings, NoConvexDecomposition, attach, failing, hierarchy, hold, meanwhile, notice,
-    resolve, run,
-};
+use super::cache::GeometryCache;
+use super::change_detection::{detect_assets, detect_bodies, detect_scales, detect_tags, on_untag};
+use super::failures::report_failures;
+use super::fallback_collider::{attach_fallbacks, remove_fallbacks};
+use super::freeze::{Frozen, freeze, release};
+use super::hierarchy::{ConvexDecompositionHierarchy, tag_hierarchies};
+use super::queue::WorkQueue;
+use super::request::AttachedFallback;
+use super::resolve::resolve;
+use super::scheduler::{finish_jobs, start_jobs};
+use super::settings::HullwrightSettings;
+use super::status::{DecompositionCounters, DecompositionStatus};
+use super::tag::{ConvexDecomposition, DecompositionFocus, NoConvexDecomposition};
 
 /// Gives entities with [`ConvexDecomposition`] their colliders.
 ///
@@ -21,7 +27,7 @@ use super::{
 /// enough otherwise. The order of plugins does not matter.
 #[derive(Debug, Clone, Default)]
 pub struct HullwrightPlugin {
-    /// The settings to begin with.
+    /// The initial settings.
     pub settings: HullwrightSettings,
 }
 
@@ -29,10 +35,10 @@ pub struct HullwrightPlugin {
 /// [`PhysicsSet::SyncBackend`].
 #[derive(SystemSet, Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum HullwrightSystems {
-    /// What is new and what has changed is noticed.
-    Notice,
-    /// Jobs end and begin.
-    Work,
+    /// New and changed tags, meshes and scales are detected.
+    DetectChanges,
+    /// Jobs finish and start.
+    RunJobs,
     /// Colliders are attached and events sent.
     Attach,
     /// Hulls are drawn and counters become diagnostics, by `HullwrightDebugPlugin`; after Bevy
@@ -47,8 +53,8 @@ impl Plugin for HullwrightPlugin {
             set_up_assets(app);
         }
         app.insert_resource(self.settings.clone())
-            .init_resource::<Work>()
-            .init_resource::<Library>()
+            .init_resource::<WorkQueue>()
+            .init_resource::<GeometryCache>()
             .init_resource::<DecompositionCounters>()
             .register_type::<ConvexDecomposition>()
             .register_type::<BakedDecomposition>()
@@ -58,14 +64,18 @@ impl Plugin for HullwrightPlugin {
             .register_type::<DecompositionStatus>()
             .register_type::<DecompositionCounters>()
             .register_type::<HullwrightSettings>()
-            .add_observer(notice::on_untag::<ConvexDecomposition>)
-            .add_observer(notice::on_untag::<BakedDecomposition>);
+            .add_observer(on_untag::<ConvexDecomposition>)
+            .add_observer(on_untag::<BakedDecomposition>);
         app.configure_sets(
             PostUpdate,
-            (HullwrightSystems::Notice, HullwrightSystems::Work, HullwrightSystems::Attach)
+            (
+                HullwrightSystems::DetectChanges,
+                HullwrightSystems::RunJobs,
+                HullwrightSystems::Attach,
+            )
                 .chain()
                 .after(AssetEventSystems)
-                // It marks entities whose mesh changed, which `notice` then sees in the same frame.
+                // It marks entities whose mesh changed, which `detect_tags` then sees in the same frame.
                 .after(mark_3d_meshes_as_changed_if_their_assets_changed)
                 .before(TransformSystems::Propagate)
                 .before(PhysicsSet::SyncBackend),
@@ -73,23 +83,17 @@ impl Plugin for HullwrightPlugin {
         app.add_systems(
             PostUpdate,
             (
-                (
-                    hierarchy::tag_hierarchies,
-                    notice::notice_tags,
-                    notice::notice_bodies,
-                    notice::notice_assets,
-                    notice::notice_scales,
-                )
+                (tag_hierarchies, detect_tags, detect_bodies, detect_assets, detect_scales)
                     .chain()
-                    .in_set(HullwrightSystems::Notice),
-                (run::finish_jobs, resolve::resolve, run::start_jobs, meanwhile::stand_in)
+                    .in_set(HullwrightSystems::DetectChanges),
+                (finish_jobs, resolve, start_jobs, attach_fallbacks)
                     .chain()
-                    .in_set(HullwrightSystems::Work)
+                    .in_set(HullwrightSystems::RunJobs)
                     .run_if(is_busy),
                 (
-                    (attach::attach, failing::report_failures, hold::hold).chain().run_if(is_busy),
-                    hold::release.run_if(any_with_component::<hold::Held>),
-                    meanwhile::remove_stand_ins.run_if(any_with_component::<meanwhile::StandIn>),
+                    (attach, report_failures, freeze).chain().run_if(is_busy),
+                    release.run_if(any_with_component::<Frozen>),
+                    remove_fallbacks.run_if(any_with_component::<AttachedFallback>),
                 )
                     .chain()
                     .in_set(HullwrightSystems::Attach),
@@ -109,8 +113,8 @@ fn has_asset_server(app: &App) -> bool {
     app.world().contains_resource::<AssetServer>()
 }
 
-/// Meshes are Bevy's own; without its plugin for them, as on a server, they are set up here. Doing
-/// so twice would throw away what is there.
+/// Meshes are Bevy's own; without its plugin for them, as on a server, they are set up here. A second
+/// time would drop all meshes.
 fn set_up_assets(app: &mut App) {
     if !app.world().contains_resource::<Assets<Mesh>>() {
         app.init_asset::<Mesh>();
@@ -118,7 +122,6 @@ fn set_up_assets(app: &mut App) {
     app.init_asset::<BakedHulls>().register_asset_loader(HullsLoader);
 }
 
-fn is_busy(work: Res<Work>, counters: Res<DecompositionCounters>) -> bool {
-    let is_shown_idle = counters.running + counters.queued + counters.waiting_for_mesh == 0;
-    !work.is_idle() || !is_shown_idle
+fn is_busy(queue: Res<WorkQueue>, counters: Res<DecompositionCounters>) -> bool {
+    !queue.is_idle() || !counters.show_idle()
 }

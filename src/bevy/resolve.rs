@@ -1,38 +1,38 @@
-//! From a tag to an ask: which meshes, which scale, which kind of collider, and whether there is
+//! From a tag to a request: which meshes, which scale, which kind of collider, and whether there is
 //! anything to do at all.
 
 use std::sync::Arc;
 
-use bevy::asset::{AssetId, LoadState, UntypedAssetId};
+use bevy::asset::{LoadState, UntypedAssetId};
 use bevy::ecs::system::SystemParam;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::{Collider, RigidBody};
 
-use crate::{Parameters, Unit};
-
-use super::attach::Attached;
 use super::baked::{BakedDecomposition, BakedHulls};
-use super::failing::{Failure, Rejected};
-use super::job::Made;
-use super::library::{Content, Library, Material, parameters_text};
-use super::meanwhile::StandIn;
-use super::mesh_data::Part;
+use super::cache::GeometryCache;
+use super::content::{ContentKey, goal_hash};
+use super::error::DecompositionError;
+use super::mesh_data::MeshPart;
+use super::parameters::has_absolute_length;
 use super::placement::{MapKey, Placements};
-use super::work::{Ask, Delivery, SourceId, Work};
-use super::{
-    ConvexDecomposition, DecompositionCounters, DecompositionFailure, DecompositionStatus,
-    HullwrightSettings, Meanwhile, NoConvexDecomposition, Origin, Skip, Wait,
+use super::queue::{Completed, Failed, WorkQueue};
+use super::request::{AttachedCollider, AttachedFallback, ColliderRequest, FailedRequest, InputId};
+use super::settings::{FallbackCollider, HullwrightSettings};
+use super::status::{
+    DecompositionCounters, DecompositionStatus, HullSource, SkipReason, WaitReason,
 };
+use super::tag::{ConvexDecomposition, NoConvexDecomposition};
+use super::task::BuiltCollider;
 
-/// What is looked at to know what an entity wants.
+/// Everything from which requests follow.
 #[derive(SystemParam)]
 pub(super) struct Scene<'w, 's> {
     tags: Query<'w, 's, TagComponents>,
-    below: Query<'w, 's, InputEnds>,
+    below: Query<'w, 's, InputBoundary>,
     meshes_on: Query<'w, 's, &'static Mesh3d>,
     children: Query<'w, 's, &'static Children>,
-    rejected: Query<'w, 's, (), With<Rejected>>,
+    failed: Query<'w, 's, (), With<FailedRequest>>,
     placements: Placements<'w, 's>,
     meshes: Res<'w, Assets<Mesh>>,
     baked: Res<'w, Assets<BakedHulls>>,
@@ -43,12 +43,12 @@ type TagComponents = (
     Option<&'static ConvexDecomposition>,
     Option<&'static BakedDecomposition>,
     Has<Collider>,
-    Has<Attached>,
-    Has<StandIn>,
+    Has<AttachedCollider>,
+    Has<AttachedFallback>,
 );
 
-/// What ends an input: an entity with any of these belongs to itself.
-type InputEnds =
+/// An entity with any of these is not part of the input above it.
+type InputBoundary =
     (Has<ConvexDecomposition>, Has<BakedDecomposition>, Has<RigidBody>, Has<NoConvexDecomposition>);
 
 /// What is to become of an entity.
@@ -58,133 +58,137 @@ enum Resolution {
     /// Its meshes are not there yet.
     Later,
     HasCollider,
-    Failed(Box<Ask>, DecompositionFailure),
-    Ask(Box<Ask>),
+    Failed(Box<ColliderRequest>, DecompositionError),
+    Request(Box<ColliderRequest>),
 }
 
 impl Resolution {
-    fn not_loaded(ask: Box<Ask>) -> Self {
-        Self::Failed(ask, DecompositionFailure::NotLoaded)
+    fn not_loaded(request: Box<ColliderRequest>) -> Self {
+        Self::Failed(request, DecompositionError::NotLoaded)
     }
 }
 
-/// Looks at entities whose meshes are not known yet, each at most once per frame.
+/// Resolves entities whose meshes are not known yet, each at most once per frame.
 pub(super) fn resolve(
     mut commands: Commands,
-    mut work: ResMut<Work>,
+    mut queue: ResMut<WorkQueue>,
     mut counters: ResMut<DecompositionCounters>,
     settings: Res<HullwrightSettings>,
-    library: Res<Library>,
+    cache: Res<GeometryCache>,
     scene: Scene,
     mut statuses: Query<&mut DecompositionStatus>,
 ) {
-    let mut budget = work.budget(&settings);
-    for _ in 0..work.to_resolve.len() {
+    let mut budget = queue.frame_time.budget(&settings);
+    for _ in 0..queue.to_resolve.len() {
         if !budget.allows_one() {
             break;
         }
-        let Some(entity) = work.to_resolve.pop_front() else { break };
+        let Some(entity) = queue.to_resolve.pop_front() else { break };
         let mut set_status = |new| {
             if let Ok(mut status) = statuses.get_mut(entity) {
                 status.set_if_neq(new);
             }
         };
-        let set_ask = |work: &mut Work, ask| {
-            if let Some(request) = work.requests.get_mut(&entity) {
-                request.ask = Some(ask);
-            }
-        };
         let resolution = scene.resolution(entity, &settings);
-        if scene.rejected.contains(entity) && !matches!(resolution, Resolution::Later) {
-            commands.entity(entity).try_remove::<Rejected>();
+        if scene.failed.contains(entity) && !matches!(resolution, Resolution::Later) {
+            commands.entity(entity).try_remove::<FailedRequest>();
         }
         match resolution {
             Resolution::Gone => {
-                work.requests.remove(&entity);
+                queue.unfinished.remove(&entity);
             }
-            Resolution::Later => work.to_resolve.push_back(entity),
+            Resolution::Later => queue.to_resolve.push_back(entity),
             Resolution::HasCollider => {
-                work.requests.remove(&entity);
+                queue.unfinished.remove(&entity);
                 counters.had_collider += 1;
-                set_status(DecompositionStatus::Skipped(Skip::HasCollider));
+                set_status(DecompositionStatus::Skipped(SkipReason::HasCollider));
             }
-            Resolution::Failed(ask, why) => {
-                work.failures.push(Failure { entity, why, is_known: false });
-                set_ask(&mut work, ask.into());
+            Resolution::Failed(request, error) => {
+                queue.failed.push(Failed { entity, error, is_known: false });
+                set_request(&mut queue, entity, request.into());
             }
-            Resolution::Ask(ask) => {
-                let ask: Arc<Ask> = Arc::from(ask);
-                match known(&work, &library, &ask) {
-                    Some(Ok(made)) => {
-                        let ask = ask.clone();
-                        work.deliveries.push_back(Delivery { entity, ask, made });
+            Resolution::Request(request) => {
+                let request: Arc<ColliderRequest> = Arc::from(request);
+                set_request(&mut queue, entity, request.clone());
+                match known_result(&queue, &cache, &request) {
+                    Some(Ok(built)) => {
+                        queue.completed.push_back(Completed { entity, request, built });
                     }
-                    Some(Err(why)) => {
-                        work.failures.push(Failure { entity, why, is_known: true });
+                    Some(Err(error)) => {
+                        queue.failed.push(Failed { entity, error, is_known: true });
                     }
                     None => {
-                        work.queue.push(entity);
-                        if scene.wants_stand_in(entity, &settings) {
-                            work.to_fill.push_back(entity);
+                        queue.to_start.push(entity);
+                        if scene.wants_fallback(entity, &settings) {
+                            queue.fallbacks.waiting.push_back(entity);
                         }
-                        set_status(DecompositionStatus::Waiting(Wait::InQueue));
+                        set_status(DecompositionStatus::Waiting(WaitReason::InQueue));
                     }
                 }
-                set_ask(&mut work, ask);
             }
         }
     }
-    work.spend(&budget);
+    queue.frame_time.spend(&budget);
+}
+
+fn set_request(queue: &mut WorkQueue, entity: Entity, request: Arc<ColliderRequest>) {
+    if let Some(unfinished) = queue.unfinished.get_mut(&entity) {
+        unfinished.request = Some(request);
+    }
 }
 
 /// A result that is there without any work.
-fn known(work: &Work, library: &Library, ask: &Ask) -> Option<Result<Made, DecompositionFailure>> {
-    let content = match work.known.get(&ask.source)? {
-        Ok(content) => *content,
-        Err(failure) => return Some(Err(failure.clone())),
+fn known_result(
+    queue: &WorkQueue,
+    cache: &GeometryCache,
+    request: &ColliderRequest,
+) -> Option<Result<BuiltCollider, DecompositionError>> {
+    let key = match queue.known.get(&request.input)? {
+        Ok(key) => *key,
+        Err(error) => return Some(Err(error.clone())),
     };
-    let (material, shape) = library.shape(content, ask.map_key())?;
-    let origin = match content {
-        Content::Mesh(_) => Origin::Shared,
-        Content::Baked(_) => Origin::Baked,
+    let (geometry, shape) = cache.shape(key, request.map_key())?;
+    let source = match key {
+        ContentKey::Mesh(_) => HullSource::Shared,
+        ContentKey::Baked(_) => HullSource::Baked,
     };
-    Some(Ok(Made { content, material, shape, origin }))
+    Some(Ok(BuiltCollider { key, geometry, shape, source }))
 }
 
 impl Scene<'_, '_> {
     fn resolution(&self, entity: Entity, settings: &HullwrightSettings) -> Resolution {
-        let Ok((tag, baked, has_collider, is_attached, is_stand_in)) = self.tags.get(entity) else {
+        let Ok((tag, baked, has_collider, is_attached, is_fallback)) = self.tags.get(entity) else {
             return Resolution::Gone;
         };
-        if has_collider && !is_attached && !is_stand_in {
+        if has_collider && !is_attached && !is_fallback {
             return Resolution::HasCollider;
         }
         match (baked, tag) {
-            (Some(baked), _) => self.baked(entity, baked),
-            (None, Some(tag)) => self.mesh(entity, tag, settings),
+            (Some(baked), _) => self.baked_request(entity, baked),
+            (None, Some(tag)) => self.mesh_request(entity, tag, settings),
             (None, None) => Resolution::Gone,
         }
     }
 
-    fn baked(&self, entity: Entity, baked: &BakedDecomposition) -> Resolution {
+    fn baked_request(&self, entity: Entity, baked: &BakedDecomposition) -> Resolution {
         let id = baked.hulls.id();
         let is_missing = !self.baked.contains(id);
-        if is_missing && !self.is_lost(id.untyped()) {
+        if is_missing && !self.failed_to_load(id.untyped()) {
             return Resolution::Later;
         }
         let placement = self.placements.placement(entity);
-        let ask = Box::new(Ask {
-            source: Arc::new(SourceId::Baked(id)),
+        let request = Box::new(ColliderRequest {
+            input: Arc::new(InputId::Baked(id)),
             parts: Vec::new(),
             parameters: None,
-            before: Affine3A::IDENTITY,
+            map_before: Affine3A::IDENTITY,
             map: placement.map,
             stretch: placement.stretch,
         });
-        if is_missing { Resolution::not_loaded(ask) } else { Resolution::Ask(ask) }
+        if is_missing { Resolution::not_loaded(request) } else { Resolution::Request(request) }
     }
 
-    fn mesh(
+    fn mesh_request(
         &self,
         entity: Entity,
         tag: &ConvexDecomposition,
@@ -196,46 +200,48 @@ impl Scene<'_, '_> {
             return Resolution::Later;
         }
         let missing = parts.iter().map(|part| part.mesh).find(|mesh| !self.meshes.contains(*mesh));
-        if missing.is_some_and(|mesh| !self.is_lost(mesh.untyped())) {
+        if missing.is_some_and(|mesh| !self.failed_to_load(mesh.untyped())) {
             return Resolution::Later;
         }
         let placement = self.placements.placement(entity);
         let is_fixed = matches!(self.placements.body(entity), Some((_, RigidBody::Fixed)));
-        let parameters =
-            (!is_fixed || !settings.exact_fixed_bodies).then(|| tag.parameters.clone());
+        let parameters = (!is_fixed || !settings.exact_fixed_bodies).then(|| tag.to_parameters());
         // A bound in metres means metres of the world, so the mesh is scaled first.
-        let is_scaled_first = parameters.as_ref().is_some_and(has_absolute_unit);
-        let (before, map) = match is_scaled_first {
+        let (map_before, map) = match parameters.as_ref().is_some_and(has_absolute_length) {
             true => (placement.map, Affine3A::IDENTITY),
             false => (Affine3A::IDENTITY, placement.map),
         };
-        let source = SourceId::Mesh {
+        let input = InputId::Meshes {
             parts: parts.iter().map(|part| (part.mesh, MapKey::new(&part.to_input))).collect(),
-            recipe: *blake3::hash(parameters_text(parameters.as_ref()).as_bytes()).as_bytes(),
-            before: MapKey::new(&before),
+            goal: goal_hash(parameters.as_ref()),
+            map_before: MapKey::new(&map_before),
         };
-        let ask = Box::new(Ask {
-            source: Arc::new(source),
+        let request = Box::new(ColliderRequest {
+            input: Arc::new(input),
             parts,
             parameters,
-            before,
+            map_before,
             map,
             stretch: placement.stretch,
         });
-        if missing.is_some() { Resolution::not_loaded(ask) } else { Resolution::Ask(ask) }
+        if missing.is_some() {
+            Resolution::not_loaded(request)
+        } else {
+            Resolution::Request(request)
+        }
     }
 
     /// The meshes on an entity and below it, in the order of the children.
-    fn collect(&self, top: Entity, entity: Entity, parts: &mut Vec<Part>) {
+    fn collect(&self, top: Entity, entity: Entity, parts: &mut Vec<MeshPart>) {
         if entity != top {
-            let is_left_out = |(tag, baked, body, excluded)| tag || baked || body || excluded;
-            if self.below.get(entity).is_ok_and(is_left_out) {
+            let is_boundary = |(tag, baked, body, excluded)| tag || baked || body || excluded;
+            if self.below.get(entity).is_ok_and(is_boundary) {
                 return;
             }
         }
         if let Ok(mesh) = self.meshes_on.get(entity) {
             let to_input = self.placements.relative(entity, top);
-            parts.push(Part { mesh: mesh.id(), to_input });
+            parts.push(MeshPart { mesh: mesh.id(), to_input });
         }
         if let Ok(children) = self.children.get(entity) {
             for child in children {
@@ -245,30 +251,14 @@ impl Scene<'_, '_> {
     }
 
     /// Whether an asset that is not there will not come.
-    fn is_lost(&self, id: UntypedAssetId) -> bool {
+    fn failed_to_load(&self, id: UntypedAssetId) -> bool {
         let state = self.server.as_ref().and_then(|server| server.get_load_state(id));
         matches!(state, Some(LoadState::Failed(_)))
     }
 
-    /// Whether something stands in for the first collider of an entity.
-    fn wants_stand_in(&self, entity: Entity, settings: &HullwrightSettings) -> bool {
+    /// Whether an entity gets a fallback before its first collider.
+    fn wants_fallback(&self, entity: Entity, settings: &HullwrightSettings) -> bool {
         let Ok((Some(tag), None, false, ..)) = self.tags.get(entity) else { return false };
-        tag.meanwhile.unwrap_or(settings.meanwhile) != Meanwhile::Nothing
+        tag.fallback_collider.unwrap_or(settings.fallback_collider) != FallbackCollider::None
     }
-
-    /// The hulls of a baked asset.
-    pub(super) fn baked_material(&self, id: AssetId<BakedHulls>) -> Option<Arc<Material>> {
-        let BakedHulls(file) = self.baked.get(id)?;
-        Some(Arc::new(Material::Hulls(Box::new(file.clone()))))
-    }
-
-    pub(super) fn meshes(&self) -> &Assets<Mesh> {
-        &self.meshes
-    }
-}
-
-/// Whether the result depends on how large the mesh is in the world.
-pub(super) fn has_absolute_unit(parameters: &Parameters) -> bool {
-    matches!(parameters.bounded.max_error, Unit::Absolute(_))
-        || matches!(parameters.surface.unit, Unit::Absolute(_))
 }

@@ -5,19 +5,17 @@ use std::time::Duration;
 
 use bevy::prelude::*;
 
-use super::Meanwhile;
-
 /// The plugin's settings; may be changed at any time.
 #[derive(Resource, Reflect, Debug, Clone, PartialEq)]
 #[reflect(Resource, Default, Clone, PartialEq)]
+#[type_path = "hullwright"]
 pub struct HullwrightSettings {
-    /// What stands in for a collider until it is ready, unless the tag says otherwise. Default:
-    /// nothing.
-    pub meanwhile: Meanwhile,
-    /// Whether a dynamic body is held still until its colliders are ready, so that it does not
-    /// fall through the floor. Its `LockedAxes` and `Velocity` are put aside for the time.
-    /// Default true.
-    pub hold_still: bool,
+    /// The collider that an entity has until its own is ready, unless the tag says otherwise.
+    /// Default: none.
+    pub fallback_collider: FallbackCollider,
+    /// Whether a dynamic body is frozen until its colliders are ready, so that it does not fall
+    /// through the floor. Its `LockedAxes` and `Velocity` are restored afterwards. Default true.
+    pub freeze_until_ready: bool,
     /// Whether fixed bodies get their exact triangle mesh instead of hulls: nothing is gained by
     /// hulls where nothing moves. Default true.
     pub exact_fixed_bodies: bool,
@@ -41,19 +39,37 @@ pub struct HullwrightSettings {
     pub disk_cache: Option<PathBuf>,
 }
 
+/// The collider that an entity has until its own is ready.
+#[derive(Reflect, Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[reflect(Default, Clone, PartialEq)]
+#[type_path = "hullwright"]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum FallbackCollider {
+    /// None.
+    #[default]
+    None,
+    /// The convex hull of the mesh, made in the background too, but soon.
+    ConvexHull,
+    /// The box along the mesh's axes.
+    BoundingBox,
+}
+
 /// Where work is done.
 #[derive(Reflect, Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[type_path = "hullwright"]
 pub enum Execution {
     /// On Bevy's `AsyncComputeTaskPool`.
     Background,
     /// On the main thread in slices, which end when the frame's budget is spent. A slice is a stage
-    /// of the decomposition, or one resolution or threshold of the paper's method, so a frame may take longer
-    /// than its budget.
+    /// of the decomposition, or one resolution or threshold of the paper's method, so a frame may
+    /// take longer than its budget.
     Slices,
 }
 
+/// Room for some 1,700 meshes of ten hulls: a hull of 24 vertices takes about 4 kB with its shape.
 const DEFAULT_CACHE_BYTES: usize = 64 << 20;
 
+/// A sixteenth of a frame at 60 Hz.
 const DEFAULT_FRAME_BUDGET: Duration = Duration::from_millis(1);
 
 /// With a few microseconds each, about as long as the budget.
@@ -66,8 +82,8 @@ impl Default for HullwrightSettings {
     fn default() -> Self {
         let has_threads = !cfg!(target_arch = "wasm32");
         Self {
-            meanwhile: Meanwhile::Nothing,
-            hold_still: true,
+            fallback_collider: FallbackCollider::None,
+            freeze_until_ready: true,
             exact_fixed_bodies: true,
             max_jobs: 0,
             frame_budget: DEFAULT_FRAME_BUDGET,

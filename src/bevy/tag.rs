@@ -2,9 +2,10 @@
 
 use bevy::prelude::*;
 
-use crate::{BoundedParameters, Parameters, Preset};
+use crate::Parameters;
 
-use super::DecompositionStatus;
+use super::settings::FallbackCollider;
+use super::status::DecompositionStatus;
 
 /// Gives the entity a collider of convex hulls, made in the background from the meshes on it and
 /// below it, all as one input.
@@ -16,35 +17,144 @@ use super::DecompositionStatus;
 ///
 /// An entity that has a `Collider` already is skipped. The tag may be removed once the collider is
 /// there; the collider stays.
+///
+/// ```
+/// use hullwright::bevy::prelude::*;
+///
+/// let mug = ConvexDecomposition::default().with_max_error(0.01).with_max_hulls(16);
+/// let house = ConvexDecomposition::default().with_max_error(MaxError::Metres(0.1));
+/// # assert_eq!(mug.max_error, MaxError::Share(0.01));
+/// # assert_eq!(house.max_hulls, None);
+/// ```
 #[derive(Component, Reflect, Debug, Clone, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
+#[type_path = "hullwright"]
 #[require(DecompositionStatus)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct ConvexDecomposition {
-    /// What the decomposition is asked to do. `Unit::Diagonals` is in diagonals of the mesh before
-    /// the entity's scale, `Unit::Absolute` in units of the world.
-    pub parameters: Parameters,
-    /// Mass per cubed unit of the world; positive.
+    /// The bound: no point of the hulls is farther than this outside the solid, and no point of the
+    /// surface farther outside every hull. Verified. Default 2 % of the mesh's diagonal.
+    pub max_error: MaxError,
+    /// How much work is put into few hulls.
+    pub preset: DecompositionPreset,
+    /// Most hulls, at least 1; `None` for no cap. Where it forces hulls to join beyond the bound,
+    /// those that protrude least do. Default `None`.
+    pub max_hulls: Option<u32>,
+    /// Most vertices of a hull, at least 8; `None` for no cap. Default 64.
+    pub max_vertices: Option<u32>,
+    /// Whether cavities that nothing from outside can enter stay empty. Default false.
+    pub keep_cavities: bool,
+    /// Mass per cubed unit of the world; positive. Default 1.
     pub density: f32,
-    /// What stands in for the collider until it is ready; `None` for what
-    /// [`HullwrightSettings`](super::HullwrightSettings) says.
-    pub meanwhile: Option<Meanwhile>,
+    /// The collider until the entity's own is ready; `None` for what
+    /// [`HullwrightSettings`](crate::bevy::HullwrightSettings) says.
+    pub fallback_collider: Option<FallbackCollider>,
+    /// The library's own parameters, instead of all settings above but density and fallback: the
+    /// paper's method, for example. Not in scenes, since they are not reflected. Default `None`.
+    #[reflect(ignore)]
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub parameters: Option<Parameters>,
 }
 
-/// bevy_rapier's own default, so that a body with our collider beside one of Rapier's shapes
-/// weighs as expected.
+/// How far hulls and mesh may be apart.
+#[derive(Reflect, Debug, Clone, Copy, PartialEq)]
+#[reflect(Default, Clone, PartialEq)]
+#[type_path = "hullwright"]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum MaxError {
+    /// This share of the mesh's bounding-box diagonal, before the entity's scale.
+    Share(f32),
+    /// This many units of the world, whatever the scale. A changed scale is a new decomposition.
+    Metres(f32),
+}
+
+/// What props may be off before a player sees it.
+const DEFAULT_MAX_ERROR: MaxError = MaxError::Share(0.02);
+
+impl Default for MaxError {
+    fn default() -> Self {
+        DEFAULT_MAX_ERROR
+    }
+}
+
+/// A number is a share: 0.02 is 2 %.
+impl From<f32> for MaxError {
+    fn from(share: f32) -> Self {
+        Self::Share(share)
+    }
+}
+
+/// How much work is put into few hulls. All keep the bound.
+#[derive(Reflect, Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[reflect(Default, Clone, PartialEq)]
+#[type_path = "hullwright"]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum DecompositionPreset {
+    /// About a fifth more hulls in two thirds of the time.
+    Fast,
+    /// Few hulls, in a tenth of a second for most meshes.
+    #[default]
+    Balanced,
+    /// Some hulls fewer, in about three times the time.
+    Fine,
+}
+
+/// bevy_rapier's own default, so that a body with a decomposed collider beside one of Rapier's
+/// shapes weighs as expected.
 pub const DEFAULT_DENSITY: f32 = 1.0;
+
+/// A physics engine's cost grows with the vertices of a hull, and 64 still follow a round shape.
+const DEFAULT_MAX_VERTICES: u32 = 64;
 
 impl Default for ConvexDecomposition {
     fn default() -> Self {
-        Self { parameters: Parameters::default(), density: DEFAULT_DENSITY, meanwhile: None }
+        Self {
+            max_error: DEFAULT_MAX_ERROR,
+            preset: DecompositionPreset::Balanced,
+            max_hulls: None,
+            max_vertices: Some(DEFAULT_MAX_VERTICES),
+            keep_cavities: false,
+            density: DEFAULT_DENSITY,
+            fallback_collider: None,
+            parameters: None,
+        }
     }
 }
 
 impl ConvexDecomposition {
-    /// With the parameters given.
-    pub fn new(parameters: Parameters) -> Self {
-        Self { parameters, ..Self::default() }
+    /// The same within another bound. A number is a share of the mesh's diagonal.
+    #[must_use]
+    pub fn with_max_error(mut self, max_error: impl Into<MaxError>) -> Self {
+        self.max_error = max_error.into();
+        self
+    }
+
+    /// The same with more or less work.
+    #[must_use]
+    pub fn with_preset(mut self, preset: DecompositionPreset) -> Self {
+        self.preset = preset;
+        self
+    }
+
+    /// The same with a cap on hulls; `None` for no cap.
+    #[must_use]
+    pub fn with_max_hulls(mut self, max_hulls: impl Into<Option<u32>>) -> Self {
+        self.max_hulls = max_hulls.into();
+        self
+    }
+
+    /// The same with a cap on the vertices of a hull; `None` for no cap.
+    #[must_use]
+    pub fn with_max_vertices(mut self, max_vertices: impl Into<Option<u32>>) -> Self {
+        self.max_vertices = max_vertices.into();
+        self
+    }
+
+    /// The same with cavities that stay empty, or not.
+    #[must_use]
+    pub fn with_keep_cavities(mut self, keep_cavities: bool) -> Self {
+        self.keep_cavities = keep_cavities;
+        self
     }
 
     /// The same with a density.
@@ -54,67 +164,75 @@ impl ConvexDecomposition {
         self
     }
 
-    /// The same with something in its place until it is ready.
+    /// The same with another collider until its own is ready.
     #[must_use]
-    pub fn with_meanwhile(mut self, meanwhile: Meanwhile) -> Self {
-        self.meanwhile = Some(meanwhile);
+    pub fn with_fallback_collider(mut self, fallback_collider: FallbackCollider) -> Self {
+        self.fallback_collider = Some(fallback_collider);
+        self
+    }
+
+    /// The same with the library's own parameters, which replace all settings of the decomposition:
+    ///
+    /// ```
+    /// use hullwright::bevy::prelude::*;
+    ///
+    /// let by_the_paper =
+    ///     ConvexDecomposition::default().with_parameters(hullwright::Parameters::paper());
+    /// assert_eq!(by_the_paper.to_parameters(), hullwright::Parameters::paper());
+    /// ```
+    #[must_use]
+    pub fn with_parameters(mut self, parameters: Parameters) -> Self {
+        self.parameters = Some(parameters);
         self
     }
 }
 
-impl From<Preset> for ConvexDecomposition {
-    fn from(preset: Preset) -> Self {
-        let bounded = BoundedParameters { preset, ..BoundedParameters::default() };
-        Self::new(Parameters { bounded, ..Parameters::default() })
+impl From<DecompositionPreset> for ConvexDecomposition {
+    fn from(preset: DecompositionPreset) -> Self {
+        Self::default().with_preset(preset)
     }
-}
-
-/// What stands in for a collider until it is ready.
-#[derive(Reflect, Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-#[reflect(Default, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Meanwhile {
-    /// Nothing.
-    #[default]
-    Nothing,
-    /// The convex hull of the mesh, made in the background too, but soon.
-    ConvexHull,
-    /// The box along the mesh's axes.
-    BoundingBox,
 }
 
 /// Keeps the entity and all below it out of every decomposition.
 #[derive(Component, Reflect, Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[reflect(Component, Default, Clone, PartialEq)]
+#[type_path = "hullwright"]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct NoConvexDecomposition;
 
 /// Where the player is: when more wait than run, those nearest to such an entity go first.
 #[derive(Component, Reflect, Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[reflect(Component, Default, Clone, PartialEq)]
+#[type_path = "hullwright"]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct DecompositionFocus;
 
 #[cfg(all(test, feature = "serde", feature = "io"))]
 mod tests {
     use super::*;
-    use crate::Unit;
+
+    fn written_and_read<T: serde::Serialize + serde::de::DeserializeOwned>(value: &T) -> T {
+        serde_json::from_str(&serde_json::to_string(value).unwrap()).unwrap()
+    }
 
     #[test]
     fn a_tag_is_written_and_read() {
-        let mut tag = ConvexDecomposition::from(Preset::Fine).with_density(3.0);
-        tag.parameters.bounded.max_error = Unit::Absolute(0.02);
-        tag.parameters.bounded.max_hulls = Some(7);
-        let text = serde_json::to_string(&tag).unwrap();
-        assert_eq!(serde_json::from_str::<ConvexDecomposition>(&text).unwrap(), tag);
+        let tag = ConvexDecomposition::from(DecompositionPreset::Fine)
+            .with_density(3.0)
+            .with_max_error(MaxError::Metres(0.02))
+            .with_max_hulls(7)
+            .with_max_vertices(None)
+            .with_keep_cavities(true)
+            .with_fallback_collider(FallbackCollider::ConvexHull);
+        assert_eq!(written_and_read(&tag), tag);
+        let by_the_paper = tag.with_parameters(Parameters::paper());
+        assert_eq!(written_and_read(&by_the_paper), by_the_paper);
     }
 
     #[test]
     fn tags_without_fields_are_written_and_read() {
-        let text = serde_json::to_string(&NoConvexDecomposition).unwrap();
-        assert!(serde_json::from_str::<NoConvexDecomposition>(&text).is_ok());
-        let text = serde_json::to_string(&DecompositionFocus).unwrap();
-        assert!(serde_json::from_str::<DecompositionFocus>(&text).is_ok());
+        assert_eq!(written_and_read(&NoConvexDecomposition), NoConvexDecomposition);
+        assert_eq!(written_and_read(&DecompositionFocus), DecompositionFocus);
     }
 
     #[test]

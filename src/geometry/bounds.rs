@@ -2,6 +2,7 @@
 
 /// An axis-aligned box, in the input's units.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Bounds {
     /// The least coordinates.
     pub min: [f64; 3],

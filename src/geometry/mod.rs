@@ -1,8 +1,10 @@
-//! The ground floor: vectors, boxes, coordinates.
+//! The ground floor: vectors, boxes, coordinates, meshes.
 
-pub(crate) mod bounds;
+mod bounds;
 mod coordinate;
+mod mesh;
 pub mod vector;
 
 pub use bounds::Bounds;
 pub use coordinate::Coordinate;
+pub use mesh::{MeshView, Sidedness, TriangleMesh};

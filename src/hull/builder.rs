@@ -130,6 +130,14 @@ impl HullBuilder {
     ///
     /// Unless the answer is [`Shape::Solid`] there is no hull: the points lie within the
     /// tolerance of a plane, a line or a point.
+    ///
+    /// ```
+    /// use hullwright::hull::{HullBuilder, Shape};
+    ///
+    /// let mut builder = HullBuilder::new();
+    /// let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    /// assert_eq!(builder.build(&square), Shape::Flat);
+    /// ```
     pub fn build(&mut self, points: &[[f64; 3]]) -> Shape {
         self.clear();
         self.take_points(points);
@@ -186,6 +194,15 @@ impl HullBuilder {
     }
 
     /// Grows the hull over more points. Does nothing unless there is a hull.
+    ///
+    /// ```
+    /// use hullwright::hull::HullBuilder;
+    ///
+    /// let mut builder = HullBuilder::new();
+    /// builder.build(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+    /// builder.insert(&[[1.0, 1.0, 1.0], [0.1, 0.1, 0.1]]);
+    /// assert_eq!(builder.extract().0.len(), 5);
+    /// ```
     pub fn insert(&mut self, points: &[[f64; 3]]) {
         if self.faces.is_empty() {
             return;

@@ -1,12 +1,12 @@
 //! A convex polyhedron, and what can be asked of it.
 
 use crate::error::Error;
-use crate::geometry::Bounds;
 use crate::geometry::vector::{
     Vector, area_normal, cross, dot, length, maximum, minimum, scale, subtract,
 };
+use crate::geometry::{Bounds, MeshView};
 
-use super::{HullBuilder, Shape};
+use super::{HullBuilder, Shape, SinglePrecisionHull, single_precision};
 
 /// A closed convex polyhedron of triangles, wound counter-clockwise seen from outside.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -25,6 +25,13 @@ pub struct ConvexHull {
 /// # Errors
 /// [`Error::NoHull`] if the points lie in a plane, on a line or on a spot up to the tolerance;
 /// [`solid_hull`](super::solid_hull) gives such points a thickness instead.
+///
+/// ```
+/// let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.1; 3]];
+/// let hull = hullwright::convex_hull(&points)?;
+/// assert_eq!((hull.points.len(), hull.triangles.len()), (4, 4));
+/// # Ok::<(), hullwright::Error>(())
+/// ```
 pub fn convex_hull(points: &[[f64; 3]]) -> Result<ConvexHull, Error> {
     let mut builder = HullBuilder::new();
     let reason = match builder.build(points) {
@@ -42,7 +49,44 @@ impl From<(Vec<[f64; 3]>, Vec<[u32; 3]>)> for ConvexHull {
     }
 }
 
+impl<'a> From<&'a ConvexHull> for MeshView<'a> {
+    fn from(hull: &'a ConvexHull) -> Self {
+        Self::new(&hull.points, &hull.triangles)
+    }
+}
+
 impl ConvexHull {
+    /// The vertices as any type of point that is made from an array, such as those of glam, mint
+    /// and nalgebra, in single precision: rounded, and so convex only up to rounding.
+    ///
+    /// ```
+    /// # fn main() -> Result<(), hullwright::Error> {
+    /// let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    /// let corners: Vec<glam::Vec3> = hullwright::convex_hull(&points)?.points_as().collect();
+    /// assert!(corners.contains(&glam::Vec3::X));
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn points_as<P: From<[f32; 3]>>(&self) -> impl ExactSizeIterator<Item = P> + '_ {
+        self.points.iter().map(|point| P::from(point.map(|x| x as f32)))
+    }
+
+    /// Vertices and triangles in single precision, as physics engines want them: the hull of the
+    /// rounded vertices, so that it is convex and has volume as it stands. O(n log n).
+    ///
+    /// # Errors
+    /// [`Error::NoHull`] if a coordinate is beyond the range of `f32`.
+    ///
+    /// ```
+    /// # let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.1; 3]];
+    /// let (points, triangles) = hullwright::convex_hull(&points)?.to_single_precision()?;
+    /// assert_eq!((points.len(), triangles.len()), (4, 4));
+    /// # Ok::<(), hullwright::Error>(())
+    /// ```
+    pub fn to_single_precision(&self) -> Result<SinglePrecisionHull, Error> {
+        single_precision(&self.points, &mut HullBuilder::new())
+    }
+
     /// The corners of each triangle. Triangles with an index out of range are left out.
     pub fn corners(&self) -> impl Iterator<Item = [[f64; 3]; 3]> + '_ {
         self.triangles.iter().filter_map(|triangle| {
@@ -52,6 +96,13 @@ impl ConvexHull {
     }
 
     /// Enclosed volume, in cubed units. O(triangles).
+    ///
+    /// ```
+    /// # let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.1; 3]];
+    /// let volume = hullwright::convex_hull(&points)?.volume();
+    /// assert!((volume - 1.0 / 6.0).abs() < 1e-12);
+    /// # Ok::<(), hullwright::Error>(())
+    /// ```
     pub fn volume(&self) -> f64 {
         // Seen from a vertex, so that far from the origin no digits are lost.
         let Some(&apex) = self.points.first() else {
@@ -64,6 +115,13 @@ impl ConvexHull {
     }
 
     /// Axis-aligned bounding box; `None` without points. O(points).
+    ///
+    /// ```
+    /// # let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.1; 3]];
+    /// let bounds = hullwright::convex_hull(&points)?.bounds().expect("it has points");
+    /// assert_eq!(bounds.max, [1.0; 3]);
+    /// # Ok::<(), hullwright::Error>(())
+    /// ```
     pub fn bounds(&self) -> Option<Bounds> {
         let first = *self.points.first()?;
         let (min, max) = self

@@ -22,7 +22,6 @@ pub(crate) use cap::{cap_vertices, coarser, most_prominent};
 pub(crate) use collapse::collapse_edges;
 pub use convex_hull::{ConvexHull, convex_hull};
 pub use simplex::Shape;
-pub use single_precision::SinglePrecisionHull;
-pub(crate) use single_precision::single_precision;
+pub use single_precision::{SinglePrecisionHull, single_precision};
 pub(crate) use thickness::LEAST_THICKNESS;
 pub use thickness::{MINIMUM_THICKNESS, solid_hull};

@@ -46,6 +46,13 @@ impl HullBuilder {
 
     /// Whether no point lies farther than `tolerance`, in the points' units, in front of a face.
     /// False if there is no hull. O(faces) for a point inside, far less for most others.
+    ///
+    /// ```
+    /// let mut builder = hullwright::hull::HullBuilder::new();
+    /// builder.build(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+    /// assert!(builder.contains_all(&[[0.1; 3]], 0.0));
+    /// assert!(!builder.contains_all(&[[1.0; 3]], 0.1));
+    /// ```
     pub fn contains_all(&self, points: &[[f64; 3]], tolerance: f64) -> bool {
         let limit = tolerance * self.factor;
         !self.faces.is_empty()
@@ -89,6 +96,13 @@ impl HullBuilder {
     }
 
     /// The hull's vertices, as given, and its triangles; both empty if there is no hull.
+    ///
+    /// ```
+    /// let mut builder = hullwright::hull::HullBuilder::new();
+    /// builder.build(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+    /// let (points, triangles) = builder.extract();
+    /// assert_eq!((points.len(), triangles.len()), (4, builder.triangle_count()));
+    /// ```
     pub fn extract(&mut self) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
         self.marks.clear();
         self.marks.resize(self.points.len(), NONE);

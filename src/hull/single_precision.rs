@@ -17,12 +17,24 @@ const ATTEMPTS: usize = 4;
 /// Vertices and triangles in `f32`.
 pub type SinglePrecisionHull = (Vec<[f32; 3]>, Vec<[u32; 3]>);
 
-/// The hull of the points rounded to `f32`. Convex up to the tolerance of [`HullBuilder`], which
-/// is less than 1e-6 of the diagonal.
+/// The hull of the points rounded to `f32`, with volume and wound outward. Convex up to the
+/// tolerance of [`HullBuilder`], which is less than 1e-6 of the diagonal. O(n log n).
+///
+/// ```
+/// use hullwright::hull::{HullBuilder, single_precision};
+///
+/// # fn main() -> Result<(), hullwright::Error> {
+/// let tetrahedron = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.1]];
+/// let (points, triangles) = single_precision(&tetrahedron, &mut HullBuilder::new())?;
+/// assert_eq!((points.len(), triangles.len()), (4, 4));
+/// assert!(points.contains(&[0.0, 0.0, 0.1_f32]));
+/// # Ok(())
+/// # }
+/// ```
 ///
 /// # Errors
 /// [`Error::NoHull`] if a coordinate is beyond the range of `f32`, or nothing is left.
-pub(crate) fn single_precision(
+pub fn single_precision(
     points: &[[f64; 3]],
     builder: &mut HullBuilder,
 ) -> Result<SinglePrecisionHull, Error> {

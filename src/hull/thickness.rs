@@ -37,6 +37,15 @@ const DIMENSIONS: usize = 3;
 ///
 /// # Errors
 /// [`Error::NoHull`] if no point is finite, or if all are one spot and `least_thickness` is 0.
+///
+/// ```
+/// use hullwright::hull::{HullBuilder, solid_hull};
+///
+/// let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+/// let (hull, added) = solid_hull(&mut HullBuilder::new(), &square, [0.0, 0.0, 1.0], 0.01)?;
+/// assert!(hull.volume() > 0.0 && added >= 0.01);
+/// # Ok::<(), hullwright::Error>(())
+/// ```
 pub fn solid_hull(
     builder: &mut HullBuilder,
     points: &[[f64; 3]],

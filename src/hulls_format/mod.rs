@@ -20,10 +20,10 @@
 //! | vertices and triangles of the mesh | `u64` each |
 //! | diagonal of the mesh | `f64` |
 //! | bound that was asked for | optional `f64` |
-//! | verified errors: phantom, exposed | optional, `f64` each |
+//! | verified errors: protrusion, uncovered distance | optional, `f64` each |
 //! | mass properties: what from (byte), mass, centre, inertia (xx, yy, zz, xy, xz, yz) | optional, `f64` each |
 //! | number of hulls | `u32` |
-//! | per hull: component `u32`; volume, added thickness, cap growth `f64`; verified phantom, optional `f64`; number of points, number of triangles `u32`; points; triangles | |
+//! | per hull: component `u32`; volume, added thickness, simplification growth `f64`; verified protrusion, optional `f64`; number of points, number of triangles `u32`; points; triangles | |
 //!
 //! Reading promises: no panic on any bytes, no allocation that the file's size does not justify,
 //! and nothing out of range in what is returned: indices name points, numbers are finite.
@@ -35,7 +35,7 @@ mod write;
 
 use std::path::Path;
 
-use crate::decomposition::{Decomposition, Hull};
+use crate::decomposition::{Decomposition, Hull, Provenance};
 use crate::mass::MassProperties;
 
 /// Version of the format that is written, and the newest that is read.
@@ -71,7 +71,7 @@ pub struct HullsFile {
     /// Mass properties of the mesh.
     pub mass_properties: Option<MassProperties>,
     /// The hulls. Which triangles of the mesh they stand for is not kept:
-    /// [`source_triangles`](Hull::source_triangles) is empty.
+    /// [`source_triangles`](crate::Provenance::source_triangles) is empty.
     pub hulls: Vec<Hull>,
 }
 
@@ -80,9 +80,9 @@ pub struct HullsFile {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VerifiedErrors {
     /// No point of a hull's surface is farther outside the solid.
-    pub phantom_max: f64,
+    pub protrusion_max: f64,
     /// No point of the mesh's surface is farther outside every hull.
-    pub exposed_max: f64,
+    pub uncovered_max: f64,
 }
 
 /// Why a `.hulls` file can't be read or written.
@@ -126,6 +126,7 @@ pub enum HullsFileError {
         /// The path, as given.
         path: String,
         /// What is wrong.
+        #[source]
         error: Box<HullsFileError>,
     },
 }
@@ -144,18 +145,39 @@ impl HullsFile {
             diagonal: report.diagonal,
             bound: bounded.map(|bounded| bounded.bound),
             verified: bounded.map(|bounded| VerifiedErrors {
-                phantom_max: bounded.phantom_max,
-                exposed_max: bounded.exposed_max,
+                protrusion_max: bounded.protrusion_max,
+                uncovered_max: bounded.uncovered_max,
             }),
             mass_properties: None,
             hulls: hulls
                 .iter()
-                .map(|hull| Hull { source_triangles: Vec::new(), ..hull.clone() })
+                .map(|hull| Hull {
+                    provenance: Provenance {
+                        component: hull.provenance.component,
+                        source_triangles: Vec::new(),
+                    },
+                    ..hull.clone()
+                })
                 .collect(),
         }
     }
 
     /// The same with mass properties of the mesh.
+    ///
+    /// ```
+    /// # let mesh = hullwright::TriangleMesh::new(
+    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+    /// # );
+    /// # let (parameters, control) = (hullwright::Parameters::default(), hullwright::Control::new());
+    /// # let decomposition = hullwright::decompose(&mesh, &parameters, &control)?;
+    /// use hullwright::hulls_format::HullsFile;
+    ///
+    /// let properties = hullwright::mass_properties(&mesh, &decomposition.hulls, 1.0)?;
+    /// let file = HullsFile::new("tetrahedron", &decomposition).with_mass_properties(properties);
+    /// assert!(file.is_current() && file.mass_properties.is_some());
+    /// # Ok::<(), hullwright::Error>(())
+    /// ```
     #[must_use]
     pub fn with_mass_properties(mut self, properties: MassProperties) -> Self {
         self.mass_properties = Some(properties);
@@ -171,6 +193,20 @@ impl HullsFile {
     ///
     /// # Errors
     /// [`HullsFileError::Invalid`] if a hull, a text or a list has more parts than 32 bits count.
+    ///
+    /// ```
+    /// # let mesh = hullwright::TriangleMesh::new(
+    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+    /// # );
+    /// # let (parameters, control) = (hullwright::Parameters::default(), hullwright::Control::new());
+    /// # let decomposition = hullwright::decompose(&mesh, &parameters, &control)?;
+    /// use hullwright::hulls_format::HullsFile;
+    ///
+    /// let file = HullsFile::new("tetrahedron", &decomposition);
+    /// assert_eq!(HullsFile::from_bytes(&file.to_bytes()?)?, file);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn to_bytes(&self) -> Result<Vec<u8>, HullsFileError> {
         write::to_bytes(self)
     }
@@ -179,6 +215,12 @@ impl HullsFile {
     ///
     /// # Errors
     /// [`HullsFileError`] says what is wrong with them.
+    ///
+    /// ```
+    /// use hullwright::hulls_format::{HullsFile, HullsFileError};
+    ///
+    /// assert_eq!(HullsFile::from_bytes(b"no hulls"), Err(HullsFileError::NotHulls));
+    /// ```
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, HullsFileError> {
         read::from_bytes(bytes)
     }
@@ -187,6 +229,7 @@ impl HullsFile {
     ///
     /// # Errors
     /// As [`to_bytes`](Self::to_bytes), and [`HullsFileError::File`] if writing fails.
+    #[cfg(feature = "fs")]
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), HullsFileError> {
         let path = path.as_ref();
         let bytes = self.to_bytes().map_err(|error| error.at(path))?;
@@ -198,6 +241,13 @@ impl HullsFile {
     /// # Errors
     /// [`HullsFileError::File`] if it can't be read, [`HullsFileError::At`] if it does not hold
     /// what it should.
+    ///
+    /// ```
+    /// use hullwright::hulls_format::HullsFile;
+    ///
+    /// let error = HullsFile::read("missing.hulls").expect_err("there is no such file");
+    /// assert!(error.to_string().starts_with("missing.hulls: "));
+    /// ```
     pub fn read(path: impl AsRef<Path>) -> Result<Self, HullsFileError> {
         let path = path.as_ref();
         let bytes = std::fs::read(path).map_err(|error| file_error(path, &error))?;

@@ -1,7 +1,7 @@
 //! Reads the bytes of a `.hulls` file, and believes nothing.
 
 use super::{CHECKSUM, FORMAT_VERSION, HEADER, HullsFile, HullsFileError, MAGIC, VerifiedErrors};
-use crate::decomposition::Hull;
+use crate::decomposition::{Hull, HullErrors, Provenance};
 use crate::hull::ConvexHull;
 use crate::mass::{MassProperties, MassSource};
 
@@ -66,8 +66,8 @@ impl<'a> Reader<'a> {
         let bound = self.optional(Self::at_least_zero)?;
         let verified = self.optional(|reader| {
             Ok(VerifiedErrors {
-                phantom_max: reader.at_least_zero()?,
-                exposed_max: reader.at_least_zero()?,
+                protrusion_max: reader.at_least_zero()?,
+                uncovered_max: reader.at_least_zero()?,
             })
         })?;
         let mass_properties = self.optional(Self::mass)?;
@@ -91,8 +91,8 @@ impl<'a> Reader<'a> {
         let component = self.u32()?;
         let volume = self.at_least_zero()?;
         let added_thickness = self.at_least_zero()?;
-        let cap_growth = self.at_least_zero()?;
-        let phantom_max = self.optional(Self::at_least_zero)?;
+        let simplification_growth = self.at_least_zero()?;
+        let protrusion_max = self.optional(Self::at_least_zero)?;
         // Both before what they count: each is checked against all that is left.
         let points = self.count(POINT)?;
         let triangles = self.count(TRIANGLE)?;
@@ -109,19 +109,10 @@ impl<'a> Reader<'a> {
         if triangles.as_flattened().iter().any(|index| *index as usize >= points.len()) {
             return Err(HullsFileError::Invalid("a triangle names a point that is not there"));
         }
-        let shape = ConvexHull { points, triangles };
-        let bounds = shape.bounds().ok_or(HullsFileError::Invalid("a hull has no points"))?;
-        let ConvexHull { points, triangles } = shape;
         Ok(Hull {
-            points,
-            triangles,
-            volume,
-            bounds,
-            component,
-            source_triangles: Vec::new(),
-            added_thickness,
-            cap_growth,
-            phantom_max,
+            shape: ConvexHull { points, triangles },
+            provenance: Provenance { component, source_triangles: Vec::new() },
+            errors: HullErrors { added_thickness, simplification_growth, protrusion_max },
         })
     }
 

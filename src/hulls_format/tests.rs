@@ -8,6 +8,7 @@ use proptest::test_runner::RngSeed;
 use super::*;
 use crate::control::Control;
 use crate::decompose::decompose;
+use crate::geometry::MeshView;
 use crate::mass::mass_properties;
 use crate::mesh::TriangleMesh;
 use crate::mesh::shapes::{cuboid, join};
@@ -18,9 +19,11 @@ fn bars() -> TriangleMesh {
 }
 
 fn file(parameters: &Parameters) -> HullsFile {
-    let TriangleMesh { positions, triangles } = bars();
-    let decomposition = decompose(&positions, &triangles, parameters, &Control::new()).unwrap();
-    let properties = mass_properties(&positions, &triangles, &decomposition.hulls, 2.0).unwrap();
+    let TriangleMesh { positions, triangles, .. } = bars();
+    let decomposition =
+        decompose(MeshView::new(&positions, &triangles), parameters, &Control::new()).unwrap();
+    let properties =
+        mass_properties(MeshView::new(&positions, &triangles), &decomposition.hulls, 2.0).unwrap();
     HullsFile::new("bars", &decomposition).with_mass_properties(properties)
 }
 
@@ -28,7 +31,7 @@ fn full() -> HullsFile {
     static FULL: LazyLock<HullsFile> = LazyLock::new(|| file(&Parameters::default()));
     let mut file = FULL.clone();
     file.bound = Some(0.25);
-    file.verified = Some(VerifiedErrors { phantom_max: 0.125, exposed_max: 0.0 });
+    file.verified = Some(VerifiedErrors { protrusion_max: 0.125, uncovered_max: 0.0 });
     file
 }
 
@@ -200,9 +203,9 @@ proptest! {
         }
         if let Ok(file) = HullsFile::from_bytes(&sealed(bytes)) {
             for hull in &file.hulls {
-                prop_assert!(hull.points.iter().flatten().all(|x| x.is_finite()));
-                let count = hull.points.len() as u32;
-                prop_assert!(hull.triangles.iter().flatten().all(|index| *index < count));
+                prop_assert!(hull.shape.points.iter().flatten().all(|x| x.is_finite()));
+                let count = hull.shape.points.len() as u32;
+                prop_assert!(hull.shape.triangles.iter().flatten().all(|index| *index < count));
             }
             let again = HullsFile::from_bytes(&file.to_bytes().unwrap());
             prop_assert_eq!(again, Ok(file));

@@ -19,8 +19,8 @@ pub(super) fn to_bytes(file: &HullsFile) -> Result<Vec<u8>, HullsFileError> {
     optional(&mut bytes, file.bound);
     bytes.push(file.verified.is_some().into());
     if let Some(verified) = file.verified {
-        number(&mut bytes, verified.phantom_max);
-        number(&mut bytes, verified.exposed_max);
+        number(&mut bytes, verified.protrusion_max);
+        number(&mut bytes, verified.uncovered_max);
     }
     bytes.push(file.mass_properties.is_some().into());
     if let Some(properties) = &file.mass_properties {
@@ -39,15 +39,16 @@ pub(super) fn to_bytes(file: &HullsFile) -> Result<Vec<u8>, HullsFileError> {
 }
 
 fn write_hull(bytes: &mut Vec<u8>, hull: &Hull) -> Result<(), HullsFileError> {
-    bytes.extend(hull.component.to_le_bytes());
-    for value in [hull.volume, hull.added_thickness, hull.cap_growth] {
+    let Hull { shape, provenance, errors } = hull;
+    bytes.extend(provenance.component.to_le_bytes());
+    for value in [shape.volume(), errors.added_thickness, errors.simplification_growth] {
         number(bytes, value);
     }
-    optional(bytes, hull.phantom_max);
-    count(bytes, hull.points.len())?;
-    count(bytes, hull.triangles.len())?;
-    hull.points.iter().flatten().for_each(|x| number(bytes, *x));
-    bytes.extend(hull.triangles.iter().flatten().flat_map(|index| index.to_le_bytes()));
+    optional(bytes, errors.protrusion_max);
+    count(bytes, shape.points.len())?;
+    count(bytes, shape.triangles.len())?;
+    shape.points.iter().flatten().for_each(|x| number(bytes, *x));
+    bytes.extend(shape.triangles.iter().flatten().flat_map(|index| index.to_le_bytes()));
     Ok(())
 }
 

@@ -203,7 +203,7 @@ impl Scene<'_> {
     ) -> Result<(), String> {
         let root = self.root;
         let mesh = root.get(index).ok_or_else(|| format!("there is no mesh {index}"))?;
-        let start = self.file.triangles.len();
+        let start = self.file.mesh.triangles.len();
         // Primitives often share their vertices, each with a material of its own.
         let mut placed = Vec::new();
         for (number, primitive) in mesh.primitives.iter().enumerate() {
@@ -243,9 +243,12 @@ impl Scene<'_> {
                     None => Cow::Owned(self.accessors.positions(*accessor)?),
                 };
                 let count = positions.len();
-                self.check_growth("vertices", self.file.positions.len(), count)?;
-                let first = next_index(&self.file.positions, count)?;
-                self.file.positions.extend(positions.iter().map(|point| transform.apply(*point)));
+                self.check_growth("vertices", self.file.mesh.positions.len(), count)?;
+                let first = next_index(&self.file.mesh.positions, count)?;
+                self.file
+                    .mesh
+                    .positions
+                    .extend(positions.iter().map(|point| transform.apply(*point)));
                 placed.push(Placed { source, first, count });
                 (first, count)
             }
@@ -263,10 +266,10 @@ impl Scene<'_> {
         // Strips and fans have about as many triangles as indices.
         let corners = if mode == Mode::Triangles { 3 } else { 1 };
         let more = indices.len() / corners;
-        self.check_growth("triangles", self.file.triangles.len(), more)?;
+        self.check_growth("triangles", self.file.mesh.triangles.len(), more)?;
         let triangles = triangles(mode, &indices)?;
         let is_mirrored = transform.is_mirroring();
-        self.file.triangles.extend(triangles.map(|triangle| {
+        self.file.mesh.triangles.extend(triangles.map(|triangle| {
             let [a, b, c] = triangle.map(|index| first + index);
             if is_mirrored { [a, c, b] } else { [a, b, c] }
         }));

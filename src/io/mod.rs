@@ -38,9 +38,10 @@ mod write_obj;
 use std::ops::Range;
 use std::path::Path;
 
-pub use write::{HullFormat, HullSurface, check_output, write_hulls};
+pub use write::{HullFormat, check_output, write_hulls};
 
-use crate::error::Error;
+use crate::error::{Error, FileError};
+use crate::geometry::{MeshView, TriangleMesh};
 use crate::hulls_format::HullsFile;
 
 /// A format of mesh files.
@@ -61,6 +62,12 @@ pub enum Format {
 
 impl Format {
     /// The format that a file name's suffix stands for, in upper or lower case.
+    ///
+    /// ```
+    /// use hullwright::io::Format;
+    ///
+    /// assert_eq!(Format::from_path("scene.gltf"), Some(Format::Gltf));
+    /// ```
     pub fn from_path(path: impl AsRef<Path>) -> Option<Self> {
         let suffix = path.as_ref().extension()?.to_str()?.to_ascii_lowercase();
         match suffix.as_str() {
@@ -90,27 +97,32 @@ impl Format {
 pub struct Object {
     /// Its name in the file; empty where it has none.
     pub name: String,
-    /// Its part of [`MeshFile::triangles`]; not empty.
+    /// Its part of the triangles of [`MeshFile::mesh`]; not empty.
     pub triangles: Range<usize>,
 }
 
 /// What a mesh file holds, in its own units, neither welded nor repaired.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct MeshFile {
-    /// All vertices. A coordinate may be infinite or not a number if the file says so.
-    pub positions: Vec<[f64; 3]>,
-    /// All triangles; each index is below the number of positions.
-    pub triangles: Vec<[u32; 3]>,
+    /// All vertices and triangles. A coordinate may be infinite or not a number if the file says so;
+    /// each index is below the number of positions.
+    pub mesh: TriangleMesh,
     /// The parts that hold triangles, in the file's order, which together hold all triangles: the
     /// objects of an OBJ (its groups, where it has no object), the solids of an STL, the nodes
     /// with a mesh of a glTF scene. A file of another format is a single part.
     pub objects: Vec<Object>,
 }
 
+impl<'a> From<&'a MeshFile> for MeshView<'a> {
+    fn from(file: &'a MeshFile) -> Self {
+        file.mesh.view()
+    }
+}
+
 impl MeshFile {
     /// Ends an object whose triangles began at `start`; one without triangles is left out.
     fn close_object(&mut self, name: impl Into<String>, start: usize) {
-        let triangles = start..self.triangles.len();
+        let triangles = start..self.mesh.triangles.len();
         if !triangles.is_empty() {
             let name = name.into();
             self.objects.push(Object { name, triangles });
@@ -120,13 +132,17 @@ impl MeshFile {
 
 /// A mesh, or a hull of a hull set, by itself, in the file's units.
 #[derive(Debug, Clone, PartialEq)]
-pub struct HullMesh {
+pub struct NamedMesh {
     /// Its name in the file; empty where it has none.
     pub name: String,
-    /// Vertices; each is used by a triangle.
-    pub positions: Vec<[f64; 3]>,
-    /// Triangles as the file winds them.
-    pub triangles: Vec<[u32; 3]>,
+    /// Vertices, each of which is used by a triangle, and triangles as the file winds them.
+    pub mesh: TriangleMesh,
+}
+
+impl<'a> From<&'a NamedMesh> for MeshView<'a> {
+    fn from(named: &'a NamedMesh) -> Self {
+        named.mesh.view()
+    }
 }
 
 /// Reads a mesh file; its suffix names the format.
@@ -142,26 +158,40 @@ pub struct HullMesh {
 /// # Errors
 /// [`Error::File`] if the suffix is none of `obj`, `off`, `ply`, `stl`, `gltf` and `glb`, if the
 /// file can't be read, or if it does not hold what it should.
+///
+/// ```
+/// let file = hullwright::io::read_mesh("assets/mug.glb")?;
+/// assert_eq!(file.mesh.triangles.len(), 1020);
+/// # Ok::<(), hullwright::Error>(())
+/// ```
 pub fn read_mesh(path: impl AsRef<Path>) -> Result<MeshFile, Error> {
     let path = path.as_ref();
-    read_mesh_file(path).map_err(|reason| file_error(path, reason))
+    read_mesh_file(path).map_err(|source| Error::file(path, source))
 }
 
-fn read_mesh_file(path: &Path) -> Result<MeshFile, String> {
+fn read_mesh_file(path: &Path) -> Result<MeshFile, FileError> {
     let Some(format) = Format::from_path(path) else {
-        return Err("its suffix is none of obj, off, ply, stl, gltf and glb".into());
+        return Err("its suffix is none of obj, off, ply, stl, gltf and glb".to_owned().into());
     };
-    let bytes = std::fs::read(path).map_err(|error| error.to_string())?;
-    parse(format, &bytes, path.parent())
+    let bytes = std::fs::read(path)?;
+    Ok(parse(format, &bytes, path.parent())?)
 }
 
 /// Reads a mesh file that is already in memory.
 ///
 /// # Errors
 /// As [`read_mesh`]; a glTF file that names buffers in other files is an error too.
+///
+/// ```
+/// use hullwright::io::{Format, read_mesh_from_bytes};
+///
+/// let file = read_mesh_from_bytes(Format::Obj, b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")?;
+/// assert_eq!(file.mesh.triangles, [[0, 1, 2]]);
+/// # Ok::<(), hullwright::Error>(())
+/// ```
 pub fn read_mesh_from_bytes(format: Format, bytes: &[u8]) -> Result<MeshFile, Error> {
     parse(format, bytes, None)
-        .map_err(|reason| Error::File { path: format!("{} in memory", format.name()), reason })
+        .map_err(|reason| Error::file(Path::new(&format!("{} in memory", format.name())), reason))
 }
 
 /// Reads the meshes of a file one by one, each in the space that it was modelled in: what a game
@@ -173,17 +203,23 @@ pub fn read_mesh_from_bytes(format: Format, bytes: &[u8]) -> Result<MeshFile, Er
 ///
 /// # Errors
 /// As [`read_mesh`].
-pub fn read_own_meshes(path: impl AsRef<Path>) -> Result<Vec<HullMesh>, Error> {
+///
+/// ```
+/// let meshes = hullwright::io::read_own_meshes("assets/props.glb")?;
+/// assert!(meshes.iter().all(|named| !named.mesh.triangles.is_empty()));
+/// # Ok::<(), hullwright::Error>(())
+/// ```
+pub fn read_own_meshes(path: impl AsRef<Path>) -> Result<Vec<NamedMesh>, Error> {
     let path = path.as_ref();
     if Format::from_path(path) == Some(Format::Gltf) {
-        let bytes = std::fs::read(path).map_err(|error| file_error(path, error.to_string()))?;
+        let bytes = std::fs::read(path).map_err(|error| Error::file(path, error))?;
         let file = gltf::read_own_space(unmarked(&bytes), path.parent())
-            .map_err(|reason| file_error(path, reason))?;
+            .map_err(|reason| Error::file(path, reason))?;
         return Ok(split_objects(&file));
     }
-    let MeshFile { positions, triangles, .. } = read_mesh(path)?;
+    let MeshFile { mesh, .. } = read_mesh(path)?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    Ok(vec![HullMesh { name, positions, triangles }])
+    Ok(vec![NamedMesh { name, mesh }])
 }
 
 /// Without the mark that some editors put before UTF-8 text, which would hide the first line.
@@ -207,45 +243,60 @@ fn parse(format: Format, bytes: &[u8], directory: Option<&Path>) -> Result<MeshF
 ///
 /// # Errors
 /// As [`read_mesh`], and if there is no triangle in the file.
-pub fn read_hulls(path: impl AsRef<Path>) -> Result<Vec<HullMesh>, Error> {
+///
+/// ```
+/// # let mesh = hullwright::TriangleMesh::new(
+/// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+/// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+/// # );
+/// # let directory = tempfile::tempdir().expect("a temporary directory");
+/// let path = directory.path().join("hulls.obj");
+/// hullwright::io::write_hulls(&path, [&mesh])?;
+/// assert_eq!(hullwright::io::read_hulls(&path)?[0].name, "hull_0");
+/// # Ok::<(), hullwright::Error>(())
+/// ```
+pub fn read_hulls(path: impl AsRef<Path>) -> Result<Vec<NamedMesh>, Error> {
     let path = path.as_ref();
-    if is_hulls_format(path) {
-        return read_hulls_format(path);
+    if is_hulls_file(path) {
+        return read_hulls_file(path);
     }
     let file = read_mesh(path)?;
     if file.objects.is_empty() {
-        return Err(file_error(path, "it holds no triangles, so no hulls".into()));
+        return Err(Error::file(path, "it holds no triangles, so no hulls".to_owned()));
     }
     Ok(split_objects(&file))
 }
 
 /// Whether a file name's suffix is `hulls`, in upper or lower case.
-pub fn is_hulls_format(path: impl AsRef<Path>) -> bool {
+///
+/// ```
+/// assert!(hullwright::io::is_hulls_file("mug.HULLS"));
+/// ```
+pub fn is_hulls_file(path: impl AsRef<Path>) -> bool {
     path.as_ref().extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case("hulls"))
 }
 
-fn read_hulls_format(path: &Path) -> Result<Vec<HullMesh>, Error> {
-    let bytes = std::fs::read(path).map_err(|error| file_error(path, error.to_string()))?;
+fn read_hulls_file(path: &Path) -> Result<Vec<NamedMesh>, Error> {
+    let bytes = std::fs::read(path).map_err(|error| Error::file(path, error))?;
     let file =
-        HullsFile::from_bytes(&bytes).map_err(|error| file_error(path, error.to_string()))?;
+        HullsFile::from_bytes(&bytes).map_err(|error| Error::file(path, error.to_string()))?;
     if file.hulls.is_empty() {
-        return Err(file_error(path, "it holds no hulls".into()));
+        return Err(Error::file(path, "it holds no hulls".to_owned()));
     }
-    let hulls = file.hulls.into_iter().enumerate().map(|(index, hull)| HullMesh {
+    let hulls = file.hulls.into_iter().enumerate().map(|(index, hull)| NamedMesh {
         name: format!("hull_{index}"),
-        positions: hull.points,
-        triangles: hull.triangles,
+        mesh: TriangleMesh::new(hull.shape.points, hull.shape.triangles),
     });
     Ok(hulls.collect())
 }
 
 /// Gives each object its own vertices, in the order in which its triangles use them.
-fn split_objects(file: &MeshFile) -> Vec<HullMesh> {
+fn split_objects(file: &MeshFile) -> Vec<NamedMesh> {
     const UNSEEN: u32 = u32::MAX;
-    let mut new_index = vec![UNSEEN; file.positions.len()];
+    let mut new_index = vec![UNSEEN; file.mesh.positions.len()];
     let mut hulls = Vec::with_capacity(file.objects.len());
     for object in &file.objects {
-        let source = &file.triangles[object.triangles.clone()];
+        let source = &file.mesh.triangles[object.triangles.clone()];
         let mut positions = Vec::new();
         let triangles = source
             .iter()
@@ -254,7 +305,7 @@ fn split_objects(file: &MeshFile) -> Vec<HullMesh> {
                     let index = &mut new_index[vertex as usize];
                     if *index == UNSEEN {
                         *index = positions.len() as u32;
-                        positions.push(file.positions[vertex as usize]);
+                        positions.push(file.mesh.positions[vertex as usize]);
                     }
                     *index
                 })
@@ -263,13 +314,10 @@ fn split_objects(file: &MeshFile) -> Vec<HullMesh> {
         for vertex in source.iter().flatten() {
             new_index[*vertex as usize] = UNSEEN;
         }
-        hulls.push(HullMesh { name: object.name.clone(), positions, triangles });
+        let mesh = TriangleMesh::new(positions, triangles);
+        hulls.push(NamedMesh { name: object.name.clone(), mesh });
     }
     hulls
-}
-
-fn file_error(path: &Path, reason: String) -> Error {
-    Error::File { path: path.display().to_string(), reason }
 }
 
 /// The index of the first of `more` new vertices, if all of them can have an index.

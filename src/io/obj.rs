@@ -17,7 +17,8 @@ use super::text::{Lines, at_line, coordinates, lines, name, number, words};
 use super::{MeshFile, next_index};
 
 pub(super) fn read(bytes: &[u8]) -> Result<MeshFile, String> {
-    let mut file = MeshFile { positions: read_vertices(bytes)?, ..MeshFile::default() };
+    let mut file = MeshFile::default();
+    file.mesh.positions = read_vertices(bytes)?;
     let mut triangulator = Triangulator::new();
     let mut vertices_so_far = 0;
     let mut corners = Vec::new();
@@ -30,13 +31,13 @@ pub(super) fn read(bytes: &[u8]) -> Result<MeshFile, String> {
             Some(b"f") => {
                 corners.clear();
                 for word in words {
-                    let corner = corner(word, vertices_so_far, file.positions.len());
+                    let corner = corner(word, vertices_so_far, file.mesh.positions.len());
                     corners.push(corner.map_err(at_line(line))?);
                 }
-                triangulator.append(&file.positions, &corners, &mut file.triangles);
+                triangulator.append(&file.mesh.positions, &corners, &mut file.mesh.triangles);
             }
-            Some(b"o") => objects.push((text_after_keyword(&text), file.triangles.len())),
-            Some(b"g") => groups.push((text_after_keyword(&text), file.triangles.len())),
+            Some(b"o") => objects.push((text_after_keyword(&text), file.mesh.triangles.len())),
+            Some(b"g") => groups.push((text_after_keyword(&text), file.mesh.triangles.len())),
             _ => {}
         }
     }
@@ -85,7 +86,7 @@ fn text_after_keyword(text: &[u8]) -> String {
 fn divide(file: &mut MeshFile, parts: Vec<(String, usize)>) {
     let mut start = 0;
     let mut current = String::new();
-    let end = (String::new(), file.triangles.len());
+    let end = (String::new(), file.mesh.triangles.len());
     for (name, next_start) in parts.into_iter().chain([end]) {
         let triangles = start..next_start;
         let name = std::mem::replace(&mut current, name);
@@ -129,7 +130,7 @@ mod tests {
     const FOUR_VERTICES: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
 
     fn read_faces(faces: &str) -> Result<Vec<[u32; 3]>, String> {
-        read(format!("{FOUR_VERTICES}{faces}").as_bytes()).map(|file| file.triangles)
+        read(format!("{FOUR_VERTICES}{faces}").as_bytes()).map(|file| file.mesh.triangles)
     }
 
     #[test]
@@ -162,8 +163,8 @@ mod tests {
         let text = b"# C:\\models\\\nmtllib caf\xe9.mtl\nv 0 0 \\\n0\r\nv 1 0 0 0.5 0.5 0.5\n\
                      v 0 1 0 1.0\nf 1 \\\n 2 \\\n3 \\";
         let file = read(text).unwrap();
-        assert_eq!(file.positions, [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
-        assert_eq!(file.triangles, [[0, 1, 2]]);
+        assert_eq!(file.mesh.positions, [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+        assert_eq!(file.mesh.triangles, [[0, 1, 2]]);
     }
 
     #[test]
@@ -188,7 +189,7 @@ mod tests {
     #[test]
     fn faces_may_come_before_their_vertices() {
         let file = read(b"f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0").unwrap();
-        assert_eq!(file.triangles, [[0, 1, 2]]);
+        assert_eq!(file.mesh.triangles, [[0, 1, 2]]);
     }
 
     #[test]

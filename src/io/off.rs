@@ -28,14 +28,14 @@ pub(super) fn read(bytes: &[u8]) -> Result<MeshFile, String> {
     let [vertices, faces] = read_counts(counts, bytes.len()).map_err(at_line(line))?;
 
     let mut file = MeshFile::default();
-    file.positions.reserve_exact(vertices);
+    file.mesh.positions.reserve_exact(vertices);
     for vertex in 0..vertices {
         let (line, text) =
             lines.next().ok_or_else(|| format!("it ends after {vertex} of {vertices} vertices"))?;
         let position = coordinates(words(text)).map_err(at_line(line))?;
-        file.positions.push(position);
+        file.mesh.positions.push(position);
     }
-    next_index(&file.positions, 0)?;
+    next_index(&file.mesh.positions, 0)?;
 
     let mut triangulator = Triangulator::new();
     let mut corners = Vec::new();
@@ -43,7 +43,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<MeshFile, String> {
         let (line, text) =
             lines.next().ok_or_else(|| format!("it ends after {face} of {faces} faces"))?;
         read_face(text, vertices, &mut corners).map_err(at_line(line))?;
-        triangulator.append(&file.positions, &corners, &mut file.triangles);
+        triangulator.append(&file.mesh.positions, &corners, &mut file.mesh.triangles);
     }
     file.close_object("", 0);
     Ok(file)
@@ -122,7 +122,7 @@ mod tests {
             ["OFF\n3 1 0\n", "OFF 3 1 0\n", "OFF3 1\n", "3 1 0\n", "# x\nOFF # y\n\n3 1\n"]
         {
             let file = read(format!("{header}{BODY}").as_bytes()).expect(header);
-            assert_eq!(file.triangles, [[0, 1, 2]], "{header}");
+            assert_eq!(file.mesh.triangles, [[0, 1, 2]], "{header}");
         }
     }
 
@@ -131,8 +131,8 @@ mod tests {
         let text = b"CNOFF\n3 2 0\n0 0 0 0 0 1 255 0 0 255\n1 0 0 0 0 1 1 1 1 1 # red\n\
                      0 1 0 0 0 1 0 0 0 0\n3 0 1 2 0.5 0.5 0.5\n2 0 1 7\n";
         let file = read(text).unwrap();
-        assert_eq!(file.positions[1], [1.0, 0.0, 0.0]);
-        assert_eq!(file.triangles, [[0, 1, 2]]);
+        assert_eq!(file.mesh.positions[1], [1.0, 0.0, 0.0]);
+        assert_eq!(file.mesh.triangles, [[0, 1, 2]]);
     }
 
     #[test]

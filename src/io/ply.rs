@@ -19,6 +19,7 @@ use ply_rs_bw::ply::{
 use super::polygon::Triangulator;
 use super::text::{at_line, lines, name, number, quote, words};
 use super::{MeshFile, next_index};
+use crate::geometry::TriangleMesh;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 const CORNER_LISTS: [&str; 2] = ["vertex_indices", "vertex_index"];
@@ -253,7 +254,7 @@ impl MeshBuilder {
 
     fn add(&mut self, kind: &str, element: Element) -> Result<(), String> {
         match kind {
-            "vertex" => self.file.positions.push(element.position),
+            "vertex" => self.file.mesh.positions.push(element.position),
             "face" => {
                 let corners =
                     element.corners.ok_or("the corners of a face must be whole numbers from 0")?;
@@ -263,7 +264,7 @@ impl MeshBuilder {
                         self.vertices
                     ));
                 }
-                if self.file.positions.len() == self.vertices {
+                if self.file.mesh.positions.len() == self.vertices {
                     self.triangulate(&corners);
                 } else {
                     self.early_faces.push(corners);
@@ -275,12 +276,12 @@ impl MeshBuilder {
     }
 
     fn triangulate(&mut self, corners: &[u32]) {
-        let MeshFile { positions, triangles, .. } = &mut self.file;
+        let TriangleMesh { positions, triangles, .. } = &mut self.file.mesh;
         self.triangulator.append(positions, corners, triangles);
     }
 
     fn finish(mut self) -> Result<MeshFile, String> {
-        next_index(&self.file.positions, 0)?;
+        next_index(&self.file.mesh.positions, 0)?;
         for corners in std::mem::take(&mut self.early_faces) {
             self.triangulate(&corners);
         }
@@ -331,8 +332,8 @@ mod tests {
         for is_big_endian in [false, true] {
             let file = read(&binary(is_big_endian, 3, &[0, 1, 2])).unwrap();
             let third = [0.0, f64::from(0.1_f32), -3.0];
-            assert_eq!(file.positions, [[0.0; 3], [f64::from(0.1_f32), 0.0, 0.0], third]);
-            assert_eq!(file.triangles, [[0, 1, 2]]);
+            assert_eq!(file.mesh.positions, [[0.0; 3], [f64::from(0.1_f32), 0.0, 0.0], third]);
+            assert_eq!(file.mesh.triangles, [[0, 1, 2]]);
         }
     }
 
@@ -342,9 +343,9 @@ mod tests {
             + "0.1 9 -.5 1\n\n 1. 9 nan 2\r\n1e3 9 -inf 3\n0 0 0 0\n\
                                             5 4 0 1 2 3";
         let file = read(text.as_bytes()).unwrap();
-        assert_eq!(file.positions[0], [0.1, -0.5, 1.0]);
-        assert!(file.positions[1][1].is_nan() && file.positions[2][1].is_infinite());
-        assert_eq!(file.triangles.len(), 2);
+        assert_eq!(file.mesh.positions[0], [0.1, -0.5, 1.0]);
+        assert!(file.mesh.positions[1][1].is_nan() && file.mesh.positions[2][1].is_infinite());
+        assert_eq!(file.mesh.triangles.len(), 2);
     }
 
     #[test]
@@ -390,7 +391,7 @@ mod tests {
         let cloud = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n\
                      property float y\nproperty float z\nend_header\n1 2 3\n";
         let file = read(cloud.as_bytes()).unwrap();
-        assert_eq!((file.positions.len(), file.objects.len()), (1, 0));
+        assert_eq!((file.mesh.positions.len(), file.objects.len()), (1, 0));
         let strips = cloud.replace(
             "end_header",
             "element tristrips 1\nproperty list int int vertex_indices\nend_header",
@@ -404,7 +405,7 @@ mod tests {
         let text = "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_index\n\
                     element vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
                     end_header\n3 0 1 2\n0 0 0\n1 0 0\n0 1 0\n";
-        assert_eq!(read(text.as_bytes()).unwrap().triangles, [[0, 1, 2]]);
+        assert_eq!(read(text.as_bytes()).unwrap().mesh.triangles, [[0, 1, 2]]);
     }
 
     #[test]

@@ -60,16 +60,16 @@ fn looks_like_text(bytes: &[u8]) -> bool {
 fn read_binary(records: &[u8]) -> Result<MeshFile, String> {
     let (records, _) = records.as_chunks::<TRIANGLE>();
     let mut file = MeshFile::default();
-    file.positions.reserve_exact(records.len() * 3);
-    file.triangles.reserve_exact(records.len());
+    file.mesh.positions.reserve_exact(records.len() * 3);
+    file.mesh.triangles.reserve_exact(records.len());
     for record in records {
-        let first = next_index(&file.positions, 3)?;
+        let first = next_index(&file.mesh.positions, 3)?;
         let (numbers, _) = record[NORMAL..].as_chunks::<4>();
         let (vertices, _) = numbers.as_chunks::<3>();
         let position =
             |vertex: &[[u8; 4]; 3]| vertex.map(|bytes| f64::from(f32::from_le_bytes(bytes)));
-        file.positions.extend(vertices.iter().map(position));
-        file.triangles.push([first, first + 1, first + 2]);
+        file.mesh.positions.extend(vertices.iter().map(position));
+        file.mesh.triangles.push([first, first + 1, first + 2]);
     }
     file.close_object("", 0);
     Ok(file)
@@ -91,15 +91,15 @@ fn read_text(bytes: &[u8]) -> Result<MeshFile, String> {
         match keyword.to_ascii_lowercase().as_slice() {
             b"solid" if solid.is_none() => {
                 let solid_name = &text.trim_ascii_start()[keyword.len()..];
-                solid = Some((name(solid_name), file.triangles.len()));
+                solid = Some((name(solid_name), file.mesh.triangles.len()));
             }
             b"facet" if solid.is_some() && !is_in_facet => {
                 is_in_facet = true;
                 corners.clear();
             }
             b"vertex" if is_in_facet => {
-                corners.push(next_index(&file.positions, 1)?);
-                file.positions.push(coordinates(words).map_err(at_line(line))?);
+                corners.push(next_index(&file.mesh.positions, 1)?);
+                file.mesh.positions.push(coordinates(words).map_err(at_line(line))?);
             }
             b"outer" | b"endloop" if is_in_facet => {}
             b"endfacet" if is_in_facet => {
@@ -107,7 +107,7 @@ fn read_text(bytes: &[u8]) -> Result<MeshFile, String> {
                     let reason = format!("the facet has only {} vertices", corners.len());
                     return Err(at_line(line)(reason));
                 }
-                triangulator.append(&file.positions, &corners, &mut file.triangles);
+                triangulator.append(&file.mesh.positions, &corners, &mut file.mesh.triangles);
                 is_in_facet = false;
             }
             b"endsolid" if !is_in_facet => match solid.take() {
@@ -121,7 +121,7 @@ fn read_text(bytes: &[u8]) -> Result<MeshFile, String> {
         Some((name, _)) => Err(format!(
             "it ends inside of solid {}, after {} triangles",
             quote(name.as_bytes()),
-            file.triangles.len()
+            file.mesh.triangles.len()
         )),
         None => Ok(file),
     }
@@ -152,12 +152,12 @@ mod tests {
     fn a_binary_file_that_begins_with_solid_is_binary() {
         for comment in [&b"exported"[..], b"solid part", b"solid facet endsolid", b""] {
             let file = read(&binary(comment, 2, 2)).unwrap();
-            assert_eq!(file.triangles, [[0, 1, 2], [3, 4, 5]]);
-            assert_eq!(file.positions[5], [0.0, 0.5, 0.0]);
+            assert_eq!(file.mesh.triangles, [[0, 1, 2], [3, 4, 5]]);
+            assert_eq!(file.mesh.positions[5], [0.0, 0.5, 0.0]);
         }
         let mut followed_by_more = binary(b"solid part", 1, 1);
         followed_by_more.extend(b"more");
-        assert_eq!(read(&followed_by_more).unwrap().triangles.len(), 1);
+        assert_eq!(read(&followed_by_more).unwrap().mesh.triangles.len(), 1);
     }
 
     #[test]
@@ -174,7 +174,7 @@ mod tests {
             let text =
                 format!("{start}{FACET}endsolid a\nsolid\nendsolid\nsolid b\n{FACET}endsolid");
             let file = read(text.as_bytes()).unwrap();
-            assert_eq!(file.positions[1], [0.1, 0.0, 0.0]);
+            assert_eq!(file.mesh.positions[1], [0.1, 0.0, 0.0]);
             let names: Vec<_> = file.objects.iter().map(|object| object.name.as_str()).collect();
             assert_eq!(names, ["a", "b"]);
         }

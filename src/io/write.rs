@@ -2,10 +2,9 @@
 
 use std::path::Path;
 
-use super::{HullMesh, file_error};
 use crate::atomic_write;
-use crate::decomposition::Hull;
 use crate::error::Error;
+use crate::geometry::MeshView;
 
 use super::write_glb::glb_from_hulls;
 use super::write_obj::obj_from_hulls;
@@ -22,6 +21,12 @@ pub enum HullFormat {
 
 impl HullFormat {
     /// The format that a file name's suffix stands for, in upper or lower case.
+    ///
+    /// ```
+    /// use hullwright::io::HullFormat;
+    ///
+    /// assert_eq!(HullFormat::from_path("hulls.GLB"), Some(HullFormat::Glb));
+    /// ```
     pub fn from_path(path: impl AsRef<Path>) -> Option<Self> {
         let suffix = path.as_ref().extension()?.to_str()?.to_ascii_lowercase();
         match suffix.as_str() {
@@ -29,27 +34,6 @@ impl HullFormat {
             "glb" => Some(Self::Glb),
             _ => None,
         }
-    }
-}
-
-/// The surface of a hull that is to be written.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct HullSurface<'a> {
-    /// Vertices.
-    pub points: &'a [[f64; 3]],
-    /// Triangles; each index is below the number of points.
-    pub triangles: &'a [[u32; 3]],
-}
-
-impl<'a> From<&'a Hull> for HullSurface<'a> {
-    fn from(hull: &'a Hull) -> Self {
-        Self { points: &hull.points, triangles: &hull.triangles }
-    }
-}
-
-impl<'a> From<&'a HullMesh> for HullSurface<'a> {
-    fn from(hull: &'a HullMesh) -> Self {
-        Self { points: &hull.positions, triangles: &hull.triangles }
     }
 }
 
@@ -67,16 +51,29 @@ impl<'a> From<&'a HullMesh> for HullSurface<'a> {
 /// # Errors
 /// [`Error::File`] if the suffix is another, if the directory does not exist, or if writing
 /// fails.
-pub fn write_hulls<'a, H: Into<HullSurface<'a>>>(
+///
+/// ```
+/// # let mesh = hullwright::TriangleMesh::new(
+/// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+/// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+/// # );
+/// # let (parameters, control) = (hullwright::Parameters::default(), hullwright::Control::new());
+/// # let decomposition = hullwright::decompose(&mesh, &parameters, &control)?;
+/// # let directory = tempfile::tempdir().expect("a temporary directory");
+/// # let path = directory.path().join("hulls.glb");
+/// hullwright::io::write_hulls(&path, &decomposition.hulls)?;
+/// # Ok::<(), hullwright::Error>(())
+/// ```
+pub fn write_hulls<'a, H: Into<MeshView<'a>>>(
     path: impl AsRef<Path>,
     hulls: impl IntoIterator<Item = H>,
 ) -> Result<(), Error> {
     let path = path.as_ref();
     let bytes = match output_format(path)? {
         HullFormat::Obj => obj_from_hulls(hulls).into_bytes(),
-        HullFormat::Glb => glb_from_hulls(hulls).map_err(|reason| file_error(path, reason))?,
+        HullFormat::Glb => glb_from_hulls(hulls).map_err(|reason| Error::file(path, reason))?,
     };
-    atomic_write::write(path, &bytes).map_err(|error| file_error(path, error.to_string()))
+    atomic_write::write(path, &bytes).map_err(|error| Error::file(path, error))
 }
 
 /// Checks what [`write_hulls`] or [`HullsFile::write`](crate::hulls_format::HullsFile::write) would
@@ -85,9 +82,14 @@ pub fn write_hulls<'a, H: Into<HullSurface<'a>>>(
 /// # Errors
 /// [`Error::File`] if the suffix is none of `obj`, `glb` and `hulls` or if the directory does not
 /// exist.
+///
+/// ```
+/// assert!(hullwright::io::check_output("hulls.glb").is_ok());
+/// assert!(hullwright::io::check_output("hulls.fbx").is_err());
+/// ```
 pub fn check_output(path: impl AsRef<Path>) -> Result<(), Error> {
     let path = path.as_ref();
-    if !super::is_hulls_format(path) {
+    if !super::is_hulls_file(path) {
         output_format(path)?;
     }
     let directory = atomic_write::directory(path);
@@ -95,11 +97,11 @@ pub fn check_output(path: impl AsRef<Path>) -> Result<(), Error> {
         Ok(())
     } else {
         let reason = format!("the directory `{}` does not exist", directory.display());
-        Err(file_error(path, reason))
+        Err(Error::file(path, reason))
     }
 }
 
 fn output_format(path: &Path) -> Result<HullFormat, Error> {
     HullFormat::from_path(path)
-        .ok_or_else(|| file_error(path, "hulls can be written as .obj or .glb".into()))
+        .ok_or_else(|| Error::file(path, "hulls can be written as .obj or .glb".to_owned()))
 }

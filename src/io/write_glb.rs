@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use gltf::binary::{Glb, Header};
 use serde_json::{Value, json};
 
-use super::HullSurface;
+use crate::geometry::MeshView;
 use crate::geometry::vector::{Vector, add, maximum, minimum, scale, subtract};
 use crate::render::palette::{colour, linear};
 
@@ -25,10 +25,10 @@ const MOST_SHORT_INDICES: usize = 65_535;
 /// Hulls as [`write_hulls`](super::write_hulls) describes. There are no normals, so that viewers
 /// shade the faces flat. The error, in words, is a file of more than 4 GiB or a coordinate that
 /// is too large for `f32`.
-pub(super) fn glb_from_hulls<'a, H: Into<HullSurface<'a>>>(
+pub(super) fn glb_from_hulls<'a, H: Into<MeshView<'a>>>(
     hulls: impl IntoIterator<Item = H>,
 ) -> Result<Vec<u8>, String> {
-    let hulls: Vec<HullSurface> = hulls.into_iter().map(Into::into).collect();
+    let hulls: Vec<MeshView> = hulls.into_iter().map(Into::into).collect();
     // Rounded first, since what is taken off each vertex must be what the node adds.
     let centre = centre(&hulls).map(|part| part as f32);
     let mut parts = Parts::default();
@@ -39,13 +39,13 @@ pub(super) fn glb_from_hulls<'a, H: Into<HullSurface<'a>>>(
     assemble(json, parts.bytes)
 }
 
-fn centre(hulls: &[HullSurface]) -> Vector {
-    let mut points = hulls.iter().flat_map(|hull| hull.points);
+fn centre(hulls: &[MeshView]) -> Vector {
+    let mut points = hulls.iter().flat_map(|hull| hull.positions());
     let Some(first) = points.next() else {
         return [0.0; 3];
     };
-    let (least, greatest) = points.fold((*first, *first), |(least, greatest), point| {
-        (minimum(least, *point), maximum(greatest, *point))
+    let (least, greatest) = points.fold((first, first), |(least, greatest), point| {
+        (minimum(least, point), maximum(greatest, point))
     });
     add(scale(least, 0.5), scale(greatest, 0.5))
 }
@@ -62,7 +62,7 @@ struct Parts {
 }
 
 impl Parts {
-    fn add(&mut self, hull: &HullSurface, centre: [f32; 3]) -> Result<(), String> {
+    fn add(&mut self, hull: &MeshView, centre: [f32; 3]) -> Result<(), String> {
         let index = self.meshes.len();
         let name = format!("hull_{index}");
         let positions = self.add_positions(hull, centre.map(f64::from))?;
@@ -89,9 +89,9 @@ impl Parts {
     }
 
     /// The index of the accessor.
-    fn add_positions(&mut self, hull: &HullSurface, centre: Vector) -> Result<usize, String> {
+    fn add_positions(&mut self, hull: &MeshView, centre: Vector) -> Result<usize, String> {
         let positions =
-            hull.points.iter().map(|point| subtract(*point, centre).map(|part| part as f32));
+            hull.positions().map(|point| subtract(point, centre).map(|part| part as f32));
         let mut least = [f32::INFINITY; 3];
         let mut greatest = [f32::NEG_INFINITY; 3];
         let start = self.bytes.len();
@@ -109,7 +109,7 @@ impl Parts {
         self.accessors.push(json!({
             "bufferView": view,
             "componentType": FLOAT,
-            "count": hull.points.len(),
+            "count": hull.vertex_count(),
             "type": "VEC3",
             "min": least,
             "max": greatest,
@@ -118,10 +118,10 @@ impl Parts {
     }
 
     /// The index of the accessor.
-    fn add_indices(&mut self, hull: &HullSurface) -> usize {
-        let is_short = hull.points.len() <= MOST_SHORT_INDICES;
+    fn add_indices(&mut self, hull: &MeshView) -> usize {
+        let is_short = hull.vertex_count() <= MOST_SHORT_INDICES;
         let start = self.bytes.len();
-        for index in hull.triangles.iter().flatten() {
+        for index in hull.triangles().iter().flatten() {
             if is_short {
                 self.bytes.extend((*index as u16).to_le_bytes());
             } else {
@@ -132,7 +132,7 @@ impl Parts {
         self.accessors.push(json!({
             "bufferView": view,
             "componentType": if is_short { UNSIGNED_SHORT } else { UNSIGNED_INT },
-            "count": hull.triangles.len() * 3,
+            "count": hull.triangles().len() * 3,
             "type": "SCALAR",
         }));
         self.accessors.len() - 1

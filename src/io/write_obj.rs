@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-use super::HullSurface;
+use crate::geometry::MeshView;
 
 /// Hulls as [`write_hulls`](super::write_hulls) describes.
-pub(super) fn obj_from_hulls<'a, H: Into<HullSurface<'a>>>(
+pub(super) fn obj_from_hulls<'a, H: Into<MeshView<'a>>>(
     hulls: impl IntoIterator<Item = H>,
 ) -> String {
     let mut text = String::new();
@@ -14,14 +14,14 @@ pub(super) fn obj_from_hulls<'a, H: Into<HullSurface<'a>>>(
         let hull = hull.into();
         // Writing to a string can't fail.
         let _ = writeln!(text, "o hull_{index}");
-        for [x, y, z] in hull.points {
+        for [x, y, z] in hull.positions() {
             let _ = writeln!(text, "v {x:?} {y:?} {z:?}");
         }
-        for triangle in hull.triangles {
+        for triangle in hull.triangles() {
             let [a, b, c] = triangle.map(|vertex| first_vertex + vertex as usize);
             let _ = writeln!(text, "f {a} {b} {c}");
         }
-        first_vertex += hull.points.len();
+        first_vertex += hull.vertex_count();
     }
     text
 }

@@ -24,7 +24,7 @@ pub use principal::PrincipalInertia;
 use crate::control::Control;
 use crate::decomposition::Hull;
 use crate::error::Error;
-use crate::geometry::Coordinate;
+use crate::geometry::MeshView;
 use crate::geometry::vector::Vector;
 use crate::hull::{HullBuilder, solid_hull};
 use crate::mesh::repair::prepare;
@@ -33,6 +33,7 @@ use crate::mesh::{Normalization, PreparedMesh};
 /// What mass properties were computed from.
 #[non_exhaustive]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum MassSource {
     /// The closed mesh, exactly.
     Mesh,
@@ -47,6 +48,7 @@ pub enum MassSource {
 /// How a rigid body resists being pushed and turned, for a uniform density.
 #[non_exhaustive]
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MassProperties {
     /// Density times volume; positive.
     pub mass: f64,
@@ -79,14 +81,24 @@ const LEAST_VOLUME: f64 = 1e-9;
 /// # Errors
 /// As [`decompose`](crate::decompose) for a mesh without any usable triangle, and
 /// [`Error::InvalidParameter`] for a density that is not positive.
-pub fn mass_properties<C: Coordinate>(
-    positions: &[[C; 3]],
-    triangles: &[[u32; 3]],
+///
+/// ```
+/// # let mesh = hullwright::TriangleMesh::new(
+/// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+/// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+/// # );
+/// let properties = hullwright::mass_properties(&mesh, &[], 600.0)?;
+/// assert!((properties.mass - 100.0).abs() < 1e-9);
+/// assert!((properties.centre[0] - 0.25).abs() < 1e-9);
+/// # Ok::<(), hullwright::Error>(())
+/// ```
+pub fn mass_properties<'a>(
+    mesh: impl Into<MeshView<'a>>,
     hulls: &[Hull],
     density: f64,
 ) -> Result<MassProperties, Error> {
     check_density(density)?;
-    let prepared = prepare(positions, triangles, &Control::new())?;
+    let prepared = prepare(mesh.into(), &Control::new())?;
     of_prepared(&prepared, hulls, density)
 }
 
@@ -118,10 +130,11 @@ fn of_prepared(
         }
     }
     let of_hull = |hull: &Hull| {
-        let points: Vec<Vector> = hull.points.iter().map(|&p| normalization.normalize(p)).collect();
+        let points: Vec<Vector> =
+            hull.shape.points.iter().map(|&p| normalization.normalize(p)).collect();
         let corner = |vertex: u32| points.get(vertex as usize).copied();
         let corners = |[a, b, c]: [u32; 3]| Some([corner(a)?, corner(b)?, corner(c)?]);
-        hull.triangles.iter().filter_map(|&t| corners(t)).collect::<Vec<_>>()
+        hull.shape.triangles.iter().filter_map(|&t| corners(t)).collect::<Vec<_>>()
     };
     let of_hulls =
         moments_of_union(&hulls.iter().flat_map(of_hull).collect::<Vec<_>>(), RESOLUTION);
@@ -142,6 +155,16 @@ fn check_density(density: f64) -> Result<(), Error> {
 
 impl MassProperties {
     /// The same body of another mass.
+    ///
+    /// ```
+    /// # let mesh = hullwright::TriangleMesh::new(
+    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+    /// # );
+    /// let properties = hullwright::mass_properties(&mesh, &[], 1.0)?.with_mass(5.0);
+    /// assert_eq!(properties.mass, 5.0);
+    /// # Ok::<(), hullwright::Error>(())
+    /// ```
     #[must_use]
     pub fn with_mass(mut self, mass: f64) -> Self {
         let factor = mass / self.mass;
@@ -152,6 +175,16 @@ impl MassProperties {
 
     /// The body after its coordinates are multiplied by `scale`, at the same density. A negative
     /// factor mirrors it.
+    ///
+    /// ```
+    /// # let mesh = hullwright::TriangleMesh::new(
+    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+    /// # );
+    /// let properties = hullwright::mass_properties(&mesh, &[], 6.0)?.scaled([2.0, 1.0, 1.0]);
+    /// assert!((properties.mass - 2.0).abs() < 1e-9);
+    /// # Ok::<(), hullwright::Error>(())
+    /// ```
     #[must_use]
     pub fn scaled(mut self, scale: [f64; 3]) -> Self {
         let volume = (scale[0] * scale[1] * scale[2]).abs();
@@ -168,6 +201,16 @@ impl MassProperties {
     }
 
     /// Principal moments of inertia and their axes.
+    ///
+    /// ```
+    /// # let mesh = hullwright::TriangleMesh::new(
+    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+    /// # );
+    /// let principal = hullwright::mass_properties(&mesh, &[], 1.0)?.principal_inertia();
+    /// assert!(principal.moments[0] <= principal.moments[2]);
+    /// # Ok::<(), hullwright::Error>(())
+    /// ```
     #[cfg(feature = "nalgebra")]
     pub fn principal_inertia(&self) -> PrincipalInertia {
         principal::principal_inertia(self.inertia)

@@ -8,6 +8,7 @@ use crate::geometry::vector::Vector;
 /// Principal moments of inertia, and the frame of their axes.
 #[non_exhaustive]
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PrincipalInertia {
     /// Moments about the principal axes, ascending; none negative.
     pub moments: [f64; 3],

@@ -12,7 +12,7 @@ use crate::parameters::Parameters;
 const DENSITY: f64 = 3.0;
 
 fn of(mesh: &TriangleMesh) -> MassProperties {
-    mass_properties(&mesh.positions, &mesh.triangles, &[], DENSITY).unwrap()
+    mass_properties(mesh, &[], DENSITY).unwrap()
 }
 
 fn assert_close(found: f64, expected: f64, tolerance: f64) {
@@ -40,6 +40,7 @@ fn cylinder(sides: u32, radius: f64, height: f64) -> TriangleMesh {
     let mut mesh = TriangleMesh {
         positions: vec![[0.0, 0.0, -height / 2.0], [0.0, 0.0, height / 2.0]],
         triangles: Vec::new(),
+        ..TriangleMesh::default()
     };
     for side in 0..sides {
         let (sine, cosine) = (TAU * f64::from(side) / f64::from(sides)).sin_cos();
@@ -131,10 +132,10 @@ fn an_open_mesh_takes_the_union_of_its_hulls_or_its_own() {
     let hull = |low, high| {
         let mesh = cuboid(low, high);
         let parameters = Parameters::default();
-        decompose(&mesh.positions, &mesh.triangles, &parameters, &Control::new()).unwrap().hulls
+        decompose(&mesh, &parameters, &Control::new()).unwrap().hulls
     };
     let hulls = [hull([0.0; 3], [1.5, 1.0, 1.0]), hull([0.5, 0.0, 0.0], [2.0, 1.0, 1.0])].concat();
-    let found = mass_properties(&bar.positions, &bar.triangles, &hulls, DENSITY).unwrap();
+    let found = mass_properties(&bar, &hulls, DENSITY).unwrap();
     assert_eq!(found.source, MassSource::HullUnion);
     assert_properties(&found, 2.0, box_inertia([2.0, 1.0, 1.0]), 0.01);
 
@@ -165,7 +166,7 @@ fn scaling_the_properties_is_scaling_the_mesh() {
 fn a_density_of_nothing_is_an_error() {
     let mesh = cuboid([0.0; 3], [1.0; 3]);
     for density in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let result = mass_properties(&mesh.positions, &mesh.triangles, &[], density);
+        let result = mass_properties(&mesh, &[], density);
         assert!(matches!(result, Err(Error::InvalidParameter { name: "density", .. })));
     }
 }

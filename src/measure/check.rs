@@ -8,6 +8,7 @@ use crate::geometry::vector::{
 /// A hull on its own.
 #[non_exhaustive]
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HullCheck {
     /// Its points.
     pub vertices: usize,

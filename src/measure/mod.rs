@@ -1,8 +1,8 @@
 //! Judges any set of hulls, ours or another tool's, against the mesh that they stand for.
 //!
-//! [`measure`] says how far the hulls stand out of the solid (*phantom*: things stop before they
-//! touch), how far the mesh's surface lies outside the hulls (*exposed*: things sink in), and how
-//! much of the solid no hull holds (*hollow*). All lengths are relative to the diagonal of the
+//! [`measure`] says how far the hulls are outside of the solid (*protrusion*: things stop before they
+//! touch), how far the mesh's surface lies outside the hulls (*uncovered distance*: things sink in), and
+//! how much of the solid no hull holds (*uncovered volume*). All lengths are relative to the diagonal of the
 //! bounding box of the vertices that the mesh's triangles use.
 //!
 //! # What counts as what
@@ -31,8 +31,8 @@ mod solid;
 
 use crate::bvh::Bvh;
 use crate::control::Control;
-use crate::decomposition::Hull;
 use crate::error::Error;
+use crate::geometry::MeshView;
 use crate::geometry::vector::{Vector, add, bounds, maximum, minimum};
 use crate::mesh::repair::{Survey, prepare};
 use crate::mesh::{Normalization, TriangleMesh};
@@ -41,28 +41,6 @@ use crate::parallel::{self, map_indices};
 pub use check::HullCheck;
 use sampling::{Surface, in_unit_cube};
 use solid::{Part, Union};
-
-/// A hull to be judged: points and triangles over them, in the mesh's units.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct HullShape<'a> {
-    /// Vertices.
-    pub points: &'a [[f64; 3]],
-    /// Triangles.
-    pub triangles: &'a [[u32; 3]],
-}
-
-impl<'a> From<&'a Hull> for HullShape<'a> {
-    fn from(hull: &'a Hull) -> Self {
-        Self { points: &hull.points, triangles: &hull.triangles }
-    }
-}
-
-#[cfg(feature = "io")]
-impl<'a> From<&'a crate::io::HullMesh> for HullShape<'a> {
-    fn from(hull: &'a crate::io::HullMesh) -> Self {
-        Self { points: &hull.positions, triangles: &hull.triangles }
-    }
-}
 
 /// How closely [`measure`] looks.
 ///
@@ -82,9 +60,6 @@ pub struct MeasureOptions {
     /// Where it is given, points are independent random ones with this seed. That shows how far
     /// figures of other tools scatter, which mostly sample so. Default `None`: evenly spread.
     pub random_seed: Option<u64>,
-    /// Whether the work runs on rayon's current pool (feature `parallel`). The result does not
-    /// depend on it. Default true.
-    pub parallel: bool,
 }
 
 impl Default for MeasureOptions {
@@ -95,7 +70,6 @@ impl Default for MeasureOptions {
             volume_samples: 200_000,
             convexity_tolerance: 1e-6,
             random_seed: None,
-            parallel: true,
         }
     }
 }
@@ -121,6 +95,7 @@ impl MeasureOptions {
 /// Distances of sampled points, as shares of the mesh's diagonal.
 #[non_exhaustive]
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Distances {
     /// Their average.
     pub mean: f64,
@@ -146,16 +121,17 @@ impl Distances {
 /// What became of the sampled points.
 #[non_exhaustive]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SampleCounts {
     /// Points on the surface of all hulls.
     pub hull: usize,
-    /// Those of them that are not inside another hull: they give [`Measurement::phantom`].
+    /// Those of them that are not inside another hull: they give [`Measurement::protrusion`].
     pub boundary: usize,
-    /// Points on the mesh: they give [`Measurement::exposed`].
+    /// Points on the mesh: they give [`Measurement::uncovered`].
     pub mesh: usize,
     /// Points in the bounding box of mesh and hulls.
     pub volume: usize,
-    /// Those of them in the solid: they give [`Measurement::hollow`].
+    /// Those of them in the solid: they give [`Measurement::uncovered_volume`].
     pub solid: usize,
     /// Those of them in a hull: they give [`Measurement::overlap`].
     pub in_hulls: usize,
@@ -166,6 +142,7 @@ pub struct SampleCounts {
 /// How well hulls stand for a mesh. Lengths are shares of [`diagonal`](Self::diagonal).
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Measurement {
     /// Hulls that can be judged.
     pub hulls: usize,
@@ -184,14 +161,14 @@ pub struct Measurement {
     /// Hulls that enclose no or, being wound inward, a negative volume.
     pub non_positive_volumes: usize,
     /// How far the boundary of the hulls lies outside the solid.
-    pub phantom: Distances,
+    pub protrusion: Distances,
     /// How far the mesh lies outside all hulls.
-    pub exposed: Distances,
+    pub uncovered: Distances,
     /// The larger of the two maxima.
     pub hausdorff: f64,
     /// Share of the solid that no hull holds. `None` where more than 0.5 % of the mesh's edges
     /// are open, or no point is in the solid.
-    pub hollow: Option<f64>,
+    pub uncovered_volume: Option<f64>,
     /// Volume that solid and hulls share, over the volume of both together. `None` where more
     /// than 0.5 % of the mesh's edges are open, or no point is in either.
     pub iou: Option<f64>,
@@ -220,49 +197,76 @@ const MOST_OPEN_EDGES: f64 = 0.005;
 /// # Errors
 /// - [`Error::EmptyMesh`], [`Error::IndexOutOfRange`], [`Error::NothingUsable`] or [`Error::TooLarge`]
 ///   for the mesh.
-/// - [`Error::NoHull`] if there is no hull, or none that can be judged.
-/// - [`Error::InvalidParameter`] for options that mean nothing.
-pub fn measure(
-    positions: &[[f64; 3]],
-    triangles: &[[u32; 3]],
-    hulls: &[HullShape<'_>],
+/// - [`Error::NoHulls`] if there is no hull, [`Error::UnusableHull`] if none can be judged.
+/// - [`Error::InvalidParameter`] for options out of their range.
+/// - [`Error::Cancelled`] as `control` says.
+///
+/// ```
+/// use hullwright::measure::{MeasureOptions, measure};
+/// use hullwright::{Control, Parameters, TriangleMesh, decompose};
+///
+/// # fn main() -> Result<(), hullwright::Error> {
+/// let mesh = TriangleMesh::new(
+///     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+///     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+/// );
+/// let control = Control::new();
+/// let hulls = decompose(&mesh, &Parameters::default(), &control)?.hulls;
+/// let found = measure(&mesh, &hulls, &MeasureOptions::default(), &control)?;
+/// assert!(found.protrusion.max < 1e-6 && found.uncovered.max < 1e-6);
+/// # Ok(())
+/// # }
+/// ```
+pub fn measure<'a, 'h, H>(
+    mesh: impl Into<MeshView<'a>>,
+    hulls: &'h [H],
     options: &MeasureOptions,
-) -> Result<Measurement, Error> {
+    control: &Control,
+) -> Result<Measurement, Error>
+where
+    &'h H: Into<MeshView<'h>>,
+{
     options.validate()?;
-    parallel::with(options.parallel, || judge(positions, triangles, hulls, options))
+    let mesh = mesh.into();
+    let hulls: Vec<MeshView<'_>> = hulls.iter().map(Into::into).collect();
+    parallel::with(control.is_parallel(), || judge(mesh, &hulls, options, control))
 }
 
 fn judge(
-    positions: &[[f64; 3]],
-    triangles: &[[u32; 3]],
-    hulls: &[HullShape<'_>],
+    source: MeshView<'_>,
+    hulls: &[MeshView<'_>],
     options: &MeasureOptions,
+    control: &Control,
 ) -> Result<Measurement, Error> {
-    let (mesh, normalization) = Mesh::new(positions, triangles)?;
+    let (mesh, normalization) = Mesh::new(source, control)?;
+    if hulls.is_empty() {
+        return Err(Error::NoHulls);
+    }
     let parts: Vec<Option<Part>> =
         map_indices(hulls.len(), |index| Part::new(&hulls[index], &normalization));
     let checks: Vec<Option<HullCheck>> =
         parts.iter().map(|part| part.as_ref().map(|part| part.check)).collect();
     let parts: Vec<Part> = parts.into_iter().flatten().collect();
     if parts.is_empty() {
-        let reason = match hulls.len() {
-            0 => "there are no hulls to measure",
-            _ => "no hull has triangles, indices within range, and finite coordinates",
-        };
-        return Err(Error::NoHull { reason });
+        let reason = "like all others, it has no triangles, an index out of range, or a coordinate \
+                      that is not finite";
+        return Err(Error::UnusableHull { hull: 0, reason });
     }
 
-    let count = |is: &dyn Fn(&HullCheck) -> bool| checks.iter().flatten().filter(|c| is(c)).count();
     let union = Union::new(parts);
     let bvh = Bvh::new(&mesh.solid.positions, &mesh.solid.triangles);
     let mut samples = SampleCounts::default();
-    let phantom = phantom(&union, &bvh, options, &mut samples);
-    let exposed = exposed(&mesh, &union, options, &mut samples);
+    control.check()?;
+    let protrusion = protrusion(&union, &bvh, options, &mut samples);
+    control.check()?;
+    let uncovered = uncovered(&mesh, &union, options, &mut samples);
+    control.check()?;
     let volumes = volumes(&mesh, &union, &bvh, options, &mut samples);
     let open_edges = edges::open_share(&mesh.positions, &mesh.triangles);
     let share = |part: usize, of: usize| (of > 0).then(|| part as f64 / of as f64);
     let share_of_closed =
         |part, of| if open_edges > MOST_OPEN_EDGES { None } else { share(part, of) };
+    let count = |is: &dyn Fn(&HullCheck) -> bool| checks.iter().flatten().filter(|c| is(c)).count();
     Ok(Measurement {
         hulls: union.parts().len(),
         unusable_hulls: hulls.len() - union.parts().len(),
@@ -271,10 +275,10 @@ fn judge(
         worst_concavity: checks.iter().flatten().map(|check| check.concavity).fold(0.0, f64::max),
         open_hulls: count(&|check| !check.is_closed),
         non_positive_volumes: count(&|check| check.is_flat || check.volume <= 0.0),
-        phantom,
-        exposed,
-        hausdorff: phantom.max.max(exposed.max),
-        hollow: share_of_closed(samples.solid - volumes.shared, samples.solid),
+        protrusion,
+        uncovered,
+        hausdorff: protrusion.max.max(uncovered.max),
+        uncovered_volume: share_of_closed(samples.solid - volumes.shared, samples.solid),
         iou: share_of_closed(volumes.shared, samples.union),
         overlap: share(volumes.with_multiplicity, samples.in_hulls),
         open_edges,
@@ -295,27 +299,28 @@ struct Mesh {
 }
 
 impl Mesh {
-    fn new(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<(Self, Normalization), Error> {
-        let prepared = prepare(positions, triangles, &Control::new())?;
+    fn new(source: MeshView<'_>, control: &Control) -> Result<(Self, Normalization), Error> {
+        let prepared = prepare(source, control)?;
         // As repair sees it: nothing else may decide what the diagonal is.
-        let Survey { candidates, normalization, .. } =
-            Survey::new(positions.len(), triangles, |vertex| positions[vertex as usize]);
+        let Survey { candidates, normalization, .. } = Survey::new(source);
+        let triangles = source.triangles();
         let usable: Vec<[u32; 3]> = candidates.iter().map(|&t| triangles[t as usize]).collect();
-        let corners = usable.iter().flatten().map(|&index| positions[index as usize]);
+        let corners = usable.iter().flatten().map(|&index| source.at(index));
         let (min, max) = bounds(corners.map(|corner| normalization.normalize(corner)));
-        let positions = positions.iter().map(|&point| normalization.normalize(point)).collect();
+        let positions = source.positions().map(|point| normalization.normalize(point)).collect();
         let place =
             |&point: &Vector| normalization.normalize(prepared.normalization.restore(point));
         let solid = TriangleMesh {
             positions: prepared.mesh.positions.iter().map(place).collect(),
             triangles: prepared.triangles_of_solid().into_owned(),
+            ..TriangleMesh::default()
         };
         Ok((Self { positions, triangles: usable, solid, min, max }, normalization))
     }
 }
 
 /// How far the hulls' boundary lies outside the solid.
-fn phantom(
+fn protrusion(
     union: &Union,
     bvh: &Bvh,
     options: &MeasureOptions,
@@ -341,7 +346,7 @@ fn phantom(
 }
 
 /// How far the mesh lies outside all hulls.
-fn exposed(
+fn uncovered(
     mesh: &Mesh,
     union: &Union,
     options: &MeasureOptions,
@@ -360,7 +365,7 @@ fn exposed(
 
 /// Distance to a mesh that has triangles, so that there always is one.
 fn distance(bvh: &Bvh, point: Vector) -> f64 {
-    bvh.distance(point, f64::INFINITY).map_or(0.0, |closest| closest.distance)
+    bvh.closest_point(point, f64::INFINITY).map_or(0.0, |closest| closest.distance)
 }
 
 /// Numbers of points in the joint bounding box.

@@ -1,7 +1,7 @@
 //! Hulls as convex solids, and their union.
 
-use super::HullShape;
 use super::check::{HullCheck, check};
+use crate::geometry::MeshView;
 use crate::geometry::vector::{Vector, area_normal, bounds, distance, dot, length, scale};
 use crate::hull::convex_hull;
 use crate::mesh::Normalization;
@@ -31,12 +31,12 @@ pub(super) struct Part {
 
 impl Part {
     /// `None` if there are no triangles, or if an index or a coordinate can't be used.
-    pub(super) fn new(hull: &HullShape<'_>, normalization: &Normalization) -> Option<Self> {
+    pub(super) fn new(hull: &MeshView<'_>, normalization: &Normalization) -> Option<Self> {
         let points: Vec<Vector> =
-            hull.points.iter().map(|&point| normalization.normalize(point)).collect();
+            hull.positions().map(|point| normalization.normalize(point)).collect();
         let exists = |&index: &u32| (index as usize) < points.len();
-        let is_usable = !hull.triangles.is_empty()
-            && hull.triangles.iter().flatten().all(exists)
+        let is_usable = !hull.triangles().is_empty()
+            && hull.triangles().iter().flatten().all(exists)
             && points.iter().flatten().all(|x| x.abs() < FARTHEST);
         if !is_usable {
             return None;
@@ -45,13 +45,13 @@ impl Part {
         let convex = convex_hull(&points).ok();
         let check = check(
             &points,
-            hull.triangles,
+            hull.triangles(),
             convex.as_ref().map(|convex| (&convex.points[..], &convex.triangles[..])),
             distance(min, max),
             normalization.diagonal,
         );
         let Some(convex) = convex else {
-            let (triangles, planes) = (hull.triangles.to_vec(), Vec::new());
+            let (triangles, planes) = (hull.triangles().to_vec(), Vec::new());
             return Some(Self { check, min, max, points, triangles, planes });
         };
         let planes = convex.corners().filter_map(plane).collect();

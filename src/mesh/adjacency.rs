@@ -103,7 +103,11 @@ mod tests {
     use super::*;
 
     fn mesh(positions: &[Vector], triangles: &[[u32; 3]]) -> TriangleMesh {
-        TriangleMesh { positions: positions.to_vec(), triangles: triangles.to_vec() }
+        TriangleMesh {
+            positions: positions.to_vec(),
+            triangles: triangles.to_vec(),
+            ..TriangleMesh::default()
+        }
     }
 
     fn assert_symmetric(adjacency: &Adjacency) {

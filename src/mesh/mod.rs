@@ -2,8 +2,8 @@
 
 use std::borrow::Cow;
 
-use crate::decomposition::Repairs;
-use crate::geometry::vector::{Vector, add, bounds, cross, dot, length, scale, subtract};
+pub use crate::geometry::TriangleMesh;
+use crate::geometry::vector::{Vector, add, bounds, length, scale, subtract};
 
 pub(crate) mod adjacency;
 mod caps;
@@ -16,14 +16,7 @@ pub mod shapes;
 pub(crate) mod simplify;
 mod weld;
 
-/// Vertices and triangles that index them.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct TriangleMesh {
-    /// One per vertex.
-    pub positions: Vec<Vector>,
-    /// Vertices of each triangle.
-    pub triangles: Vec<[u32; 3]>,
-}
+use repair::Repairs;
 
 /// The map between the input's units and the space that the pipeline works in, where the bounding
 /// box is centred at the origin and its diagonal is 1.
@@ -108,26 +101,6 @@ impl PreparedMesh {
     }
 }
 
-impl TriangleMesh {
-    /// Where the vertices of some triangles are, each once, in their order.
-    pub(crate) fn positions_of(&self, triangles: impl Iterator<Item = u32>) -> Vec<Vector> {
-        let corners = |triangle: u32| self.triangles[triangle as usize];
-        let mut vertices: Vec<u32> = triangles.flat_map(corners).collect();
-        vertices.sort_unstable();
-        vertices.dedup();
-        vertices.iter().map(|&vertex| self.positions[vertex as usize]).collect()
-    }
-
-    /// Whether the signed volume under the surface, seen from the origin, is not positive.
-    fn encloses_nothing(&self) -> bool {
-        let six_volumes = self.triangles.iter().map(|triangle| {
-            let [a, b, c] = triangle.map(|vertex| self.positions[vertex as usize]);
-            dot(a, cross(b, c))
-        });
-        six_volumes.sum::<f64>() <= 0.0
-    }
-}
-
 /// Renumbers the vertices that triangles use, in their order. Returns for each its old number.
 fn compact(triangles: &mut [[u32; 3]], vertices: usize) -> Vec<u32> {
     let mut new_numbers = vec![0_u32; vertices];
@@ -167,8 +140,7 @@ mod tests {
         points.prop_flat_map(|positions| {
             let index = 0..positions.len() as u32;
             let triangles = prop::collection::vec(prop::array::uniform3(index), 1..120);
-            triangles
-                .prop_map(move |triangles| TriangleMesh { positions: positions.clone(), triangles })
+            triangles.prop_map(move |triangles| TriangleMesh::new(positions.clone(), triangles))
         })
     }
 
@@ -177,7 +149,7 @@ mod tests {
 
         #[test]
         fn any_soup_is_repaired_or_refused(soup in soup()) {
-            let result = prepare(&soup.positions, &soup.triangles, &Control::new());
+            let result = prepare(soup.view(), &Control::new());
             let prepared = match result {
                 Ok(prepared) => prepared,
                 Err(error) => {
@@ -214,7 +186,7 @@ mod tests {
         #[test]
         fn repairing_again_changes_nothing(soup in soup()) {
             let repair = |mesh: &TriangleMesh| {
-                prepare(&mesh.positions, &mesh.triangles, &Control::new())
+                prepare(mesh.view(), &Control::new())
             };
             if let Ok(once) = repair(&soup) {
                 let twice = repair(&once.mesh).expect("usable once, usable twice");

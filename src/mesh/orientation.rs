@@ -392,6 +392,7 @@ mod tests {
                 .map(|[x, y]| [x, y, 0.3 * x + 0.7 * y])
                 .to_vec(),
             triangles: vec![[0, 1, 2], [0, 2, 3], [1, 0, 3], [3, 2, 1]],
+            ..TriangleMesh::default()
         };
         assert_eq!(oriented(&flat).1, 0);
         assert_eq!(oriented(&turn(flat)).1, 0);

@@ -12,9 +12,8 @@ use super::orientation::orient;
 use super::weld::weld;
 use super::{Normalization, PreparedMesh, TriangleMesh, compact};
 use crate::control::Control;
-use crate::decomposition::Repairs;
 use crate::error::Error;
-use crate::geometry::Coordinate;
+use crate::geometry::MeshView;
 use crate::geometry::vector::Vector;
 
 /// Coordinates beyond this count as not finite: sums and diagonals have to stay finite.
@@ -26,31 +25,48 @@ const MOST_TRIANGLES: usize = u32::MAX as usize / 3;
 /// One number is kept for "none".
 const MOST_VERTICES: usize = u32::MAX as usize - 1;
 
+/// What was repaired in the input, as counts.
+#[non_exhaustive]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Repairs {
+    /// Vertices that were welded to another.
+    pub welded_vertices: usize,
+    /// Vertices that no triangle uses.
+    pub unused_vertices: usize,
+    /// Triangles dropped because they use a coordinate that is not finite.
+    pub non_finite_triangles: usize,
+    /// Triangles dropped because they have no area.
+    pub degenerate_triangles: usize,
+    /// Triangles dropped because another has the same vertices.
+    pub duplicate_triangles: usize,
+    /// Triangles that were turned around.
+    pub flipped_triangles: usize,
+    /// Edges with more than two triangles, which stay.
+    pub non_manifold_edges: usize,
+    /// Edges with one triangle, which stay open.
+    pub open_edges: usize,
+}
+
 /// Repairs and normalises a mesh. See the module's head for what is done; the counts of it are in
 /// the result. Almost linear time.
 ///
 /// # Errors
 /// [`Error::EmptyMesh`], [`Error::TooLarge`], [`Error::IndexOutOfRange`],
 /// [`Error::NothingUsable`], [`Error::Cancelled`].
-pub fn prepare<C: Coordinate>(
-    positions: &[[C; 3]],
-    triangles: &[[u32; 3]],
-    control: &Control,
-) -> Result<PreparedMesh, Error> {
-    validate(positions.len(), triangles)?;
+pub fn prepare(source: MeshView<'_>, control: &Control) -> Result<PreparedMesh, Error> {
+    let (vertices, triangles) = (source.vertex_count(), source.triangles());
+    validate(source)?;
     control.check()?;
     let mut repairs = Repairs::default();
 
-    let position = |vertex: u32| positions[vertex as usize].map(Coordinate::to_f64);
-    let survey = Survey::new(positions.len(), triangles, position);
+    let survey = Survey::new(source);
     repairs.non_finite_triangles = survey.non_finite_triangles;
     if survey.candidates.is_empty() || survey.normalization.diagonal == 0.0 {
         return Err(nothing_usable(triangles.len(), repairs.non_finite_triangles));
     }
-    let normalized: Vec<Vector> = positions
-        .iter()
-        .map(|p| survey.normalization.normalize(p.map(Coordinate::to_f64)))
-        .collect();
+    let normalized: Vec<Vector> =
+        source.positions().map(|point| survey.normalization.normalize(point)).collect();
     control.check()?;
 
     let representatives = weld(&normalized, &survey.used, control)?;
@@ -69,23 +85,18 @@ pub fn prepare<C: Coordinate>(
     if kept.is_empty() {
         return Err(nothing_usable(triangles.len(), repairs.non_finite_triangles));
     }
-    let (duplicates, is_both_ways) =
-        drop_duplicates(&mut kept, &mut source_triangles, positions.len());
+    let (duplicates, is_both_ways) = drop_duplicates(&mut kept, &mut source_triangles, vertices);
     repairs.duplicate_triangles = duplicates;
     control.check()?;
 
-    let source_vertices = compact(&mut kept, positions.len());
-    repairs.unused_vertices = positions.len() - source_vertices.len() - repairs.welded_vertices;
+    let source_vertices = compact(&mut kept, vertices);
+    repairs.unused_vertices = vertices - source_vertices.len() - repairs.welded_vertices;
     drop(normalized);
     drop(representatives);
-    let normalization = Normalization::of(source_vertices.iter().map(|&v| position(v)));
-    let mut mesh = TriangleMesh {
-        positions: source_vertices
-            .iter()
-            .map(|&vertex| normalization.normalize(position(vertex)))
-            .collect(),
-        triangles: kept,
-    };
+    let normalization = Normalization::of(source_vertices.iter().map(|&v| source.at(v)));
+    let positions =
+        source_vertices.iter().map(|&vertex| normalization.normalize(source.at(vertex))).collect();
+    let mut mesh = TriangleMesh::new(positions, kept);
 
     let half_edges = SortedHalfEdges::new(&mesh.triangles, mesh.positions.len());
     control.check()?;
@@ -113,7 +124,8 @@ fn nothing_usable(triangles: usize, non_finite: usize) -> Error {
     Error::NothingUsable { triangles, degenerate: triangles - non_finite, non_finite }
 }
 
-fn validate(vertices: usize, triangles: &[[u32; 3]]) -> Result<(), Error> {
+fn validate(source: MeshView<'_>) -> Result<(), Error> {
+    let (vertices, triangles) = (source.vertex_count(), source.triangles());
     if vertices == 0 || triangles.is_empty() {
         return Err(Error::EmptyMesh { vertices, triangles: triangles.len() });
     }
@@ -123,6 +135,10 @@ fn validate(vertices: usize, triangles: &[[u32; 3]]) -> Result<(), Error> {
         if count > limit {
             return Err(Error::TooLarge { what, count, limit });
         }
+    }
+    let sidedness = source.sidedness_count();
+    if sidedness != 0 && sidedness != triangles.len() {
+        return Err(Error::SidednessCount { sidedness, triangles: triangles.len() });
     }
     for (t, triangle) in triangles.iter().enumerate() {
         if let Some(&index) = triangle.iter().find(|&&index| index as usize >= vertices) {
@@ -144,16 +160,13 @@ pub(crate) struct Survey {
 
 impl Survey {
     /// All indices must exist.
-    pub(crate) fn new(
-        vertices: usize,
-        triangles: &[[u32; 3]],
-        position: impl Fn(u32) -> Vector,
-    ) -> Self {
+    pub(crate) fn new(source: MeshView<'_>) -> Self {
+        let triangles = source.triangles();
         let mut candidates = Vec::with_capacity(triangles.len());
-        let mut used = vec![false; vertices];
+        let mut used = vec![false; source.vertex_count()];
         let mut non_finite_triangles = 0;
         for (t, triangle) in (0_u32..).zip(triangles) {
-            let [a, b, c] = triangle.map(&position);
+            let [a, b, c] = triangle.map(|vertex| source.at(vertex));
             let is_finite = |x: f64| x.abs() <= LARGEST_COORDINATE;
             if ![a, b, c].as_flattened().iter().all(|&x| is_finite(x)) {
                 non_finite_triangles += 1;
@@ -165,7 +178,7 @@ impl Survey {
             }
         }
         let used_positions =
-            (0_u32..).zip(&used).filter(|(_, used)| **used).map(|(vertex, _)| position(vertex));
+            (0_u32..).zip(&used).filter(|(_, used)| **used).map(|(vertex, _)| source.at(vertex));
         Self {
             normalization: Normalization::of(used_positions),
             candidates,
@@ -182,11 +195,11 @@ mod tests {
     use crate::mesh::shapes::{cuboid, join, mobius_strip, torus, turn};
 
     fn repaired(mesh: &TriangleMesh) -> PreparedMesh {
-        prepare(&mesh.positions, &mesh.triangles, &Control::new()).expect("usable")
+        prepare(mesh.view(), &Control::new()).expect("usable")
     }
 
     fn refused(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Error {
-        prepare(positions, triangles, &Control::new()).expect_err("unusable")
+        prepare(MeshView::new(positions, triangles), &Control::new()).expect_err("unusable")
     }
 
     fn cube() -> TriangleMesh {
@@ -205,6 +218,7 @@ mod tests {
             triangles: (0..mesh.triangles.len() as u32)
                 .map(|t| [3 * t, 3 * t + 1, 3 * t + 2])
                 .collect(),
+            ..TriangleMesh::default()
         }
     }
 
@@ -212,6 +226,7 @@ mod tests {
         TriangleMesh {
             positions: mesh.positions.iter().map(|p| p.map(|x| x * factor + offset)).collect(),
             triangles: mesh.triangles.clone(),
+            ..TriangleMesh::default()
         }
     }
 
@@ -241,7 +256,7 @@ mod tests {
     fn single_precision_gives_the_same() {
         let positions: Vec<[f32; 3]> =
             cube().positions.iter().map(|p| p.map(|x| x as f32)).collect();
-        let prepared = prepare(&positions, &cube().triangles, &Control::new());
+        let prepared = prepare(MeshView::new(&positions, &cube().triangles), &Control::new());
         assert_eq!(prepared, Ok(repaired(&cube())));
     }
 
@@ -256,6 +271,19 @@ mod tests {
             refused(&[[0.0; 3]], &[]).to_string(),
             "the mesh is empty: 1 vertices, 0 triangles"
         );
+    }
+
+    #[test]
+    fn a_sidedness_is_given_for_all_triangles_or_for_none() {
+        let cube = cube();
+        let of = |count| vec![crate::geometry::Sidedness::Two; count];
+        let refused = |sidedness: &[_]| {
+            prepare(cube.view().with_sidedness(sidedness), &Control::new()).expect_err("too few")
+        };
+        assert_eq!(refused(&of(3)), Error::SidednessCount { sidedness: 3, triangles: 12 });
+        let all = of(12);
+        let known = prepare(cube.view().with_sidedness(&all), &Control::new());
+        assert_eq!(known, Ok(repaired(&cube)));
     }
 
     #[test]
@@ -285,6 +313,7 @@ mod tests {
         let triangle = TriangleMesh {
             positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
             triangles: vec![[0, 1, 2]],
+            ..TriangleMesh::default()
         };
         let prepared = repaired(&triangle);
         assert_eq!(prepared.repairs.open_edges, 3);
@@ -551,7 +580,7 @@ mod tests {
         let control = Control::new();
         control.cancel();
         let mesh = cube();
-        let result = prepare(&mesh.positions, &mesh.triangles, &control);
+        let result = prepare(mesh.view(), &control);
         assert_eq!(result, Err(Error::Cancelled));
     }
 }

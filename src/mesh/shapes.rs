@@ -25,6 +25,7 @@ pub fn cuboid(low: Vector, high: Vector) -> TriangleMesh {
             [4, 5, 7],
             [4, 7, 6],
         ],
+        ..TriangleMesh::default()
     }
 }
 

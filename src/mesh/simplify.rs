@@ -123,6 +123,7 @@ pub(crate) fn simplify(
                 .map(|&vertex| mesh.positions[vertex as usize])
                 .collect(),
             triangles,
+            ..TriangleMesh::default()
         },
         source_vertices,
         components,

@@ -22,8 +22,11 @@
 //! # }
 //! ```
 //!
-//! Whoever keeps the decomposition, or has it from a `.hulls` file, calls [`collider`] or
-//! [`shape`] with its hulls. A `SharedShape` may be shared by any number of colliders.
+//! For a decomposition that is kept, or read from a `.hulls` file, there are [`collider`] and
+//! [`shape`]; for hulls of another tool, [`shape_from_points`]. A `SharedShape` may be shared by any
+//! number of colliders.
+//!
+//! This module uses the public API of the rest of the crate only.
 
 mod check;
 mod prepare;
@@ -32,7 +35,7 @@ mod shape;
 use rapier3d::geometry::ColliderBuilder;
 
 pub use prepare::ColliderError;
-pub use shape::{collider, mass_properties, shape};
+pub use shape::{collider, mass_properties, shape, shape_from_points};
 
 use crate::{Control, Coordinate, Parameters};
 

@@ -6,7 +6,7 @@
 //! checked before it is called.
 
 use crate::hull::{HullBuilder, SinglePrecisionHull, single_precision};
-use crate::{Error, Hull, MassProperties};
+use crate::{Error, MassProperties};
 
 /// Why there is no collider.
 #[non_exhaustive]
@@ -40,13 +40,13 @@ pub enum ColliderError {
     Mesh(#[from] Error),
 }
 
-/// The hulls with their points multiplied by `scale`, in single precision: convex and closed, with
-/// volume, wound outward. A negative factor mirrors. O(n log n) in the vertices.
+/// The hulls of sets of points multiplied by `scale`, in single precision: convex and closed, with
+/// volume, wound outward. A negative factor mirrors. O(n log n) in the points.
 ///
 /// # Errors
 /// [`ColliderError::NoHulls`], [`ColliderError::InvalidScale`], [`ColliderError::UnusableHull`].
-pub(super) fn scaled_hulls(
-    hulls: &[Hull],
+pub(super) fn scaled_hulls<P: AsRef<[[f64; 3]]>>(
+    hulls: &[P],
     scale: [f32; 3],
 ) -> Result<Vec<SinglePrecisionHull>, ColliderError> {
     check_scale(scale)?;
@@ -54,23 +54,21 @@ pub(super) fn scaled_hulls(
         return Err(ColliderError::NoHulls);
     }
     let mut builder = HullBuilder::new();
-    let factors = scale.map(f64::from);
+    let [x, y, z] = scale.map(f64::from);
     hulls
         .iter()
         .enumerate()
-        .map(|(hull, Hull { points, .. })| {
-            let scaled: Vec<_> = points
-                .iter()
-                .map(|p| [p[0] * factors[0], p[1] * factors[1], p[2] * factors[2]])
-                .collect();
+        .map(|(hull, points)| {
+            let points = points.as_ref().iter();
+            let scaled: Vec<_> = points.map(|p| [p[0] * x, p[1] * y, p[2] * z]).collect();
             single_precision(&scaled, &mut builder)
                 .map_err(|reason| ColliderError::UnusableHull { hull, reason })
         })
         .collect()
 }
 
-/// A hull that Parry refuses is tried again without what stands out by less than this share of its
-/// extent: it is slivers that Parry's faces are lost by.
+/// A hull that Parry refuses is tried again with these tolerances, as shares of its extent: Parry
+/// loses faces to slivers. From 50 times the usual tolerance to what shows on a hull a metre wide.
 const COARSER: [f64; 3] = [1e-5, 1e-4, 1e-3];
 
 /// The same hull with fewer and fewer slivers, for those that Parry refuses.
@@ -129,22 +127,19 @@ fn check_scale(scale: [f32; 3]) -> Result<(), ColliderError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::TriangleMesh as Mesh;
-    use crate::mesh::shapes::cuboid;
-    use crate::{Control, Parameters, decompose};
+    use crate::MassSource;
+    use crate::hull::ConvexHull;
 
-    fn cube() -> Vec<Hull> {
-        let mesh = cuboid([0.0; 3], [1.0; 3]);
-        let parameters = Parameters::default();
-        decompose(&mesh.positions, &mesh.triangles, &parameters, &Control::new()).unwrap().hulls
+    fn unit_cube() -> [Vec<[f64; 3]>; 1] {
+        [(0..8_u8).map(|corner| [0, 1, 2].map(|axis| f64::from(corner >> axis & 1))).collect()]
     }
 
     #[test]
     fn a_mirrored_hull_is_still_wound_outward() {
-        let scaled = scaled_hulls(&cube(), [-2.0, 1.0, 3.0]).unwrap();
+        let scaled = scaled_hulls(&unit_cube(), [-2.0, 1.0, 3.0]).unwrap();
         let (points, triangles) = &scaled[0];
         let points: Vec<[f64; 3]> = points.iter().map(|p| p.map(f64::from)).collect();
-        let hull = crate::hull::ConvexHull { points, triangles: triangles.clone() };
+        let hull = ConvexHull { points, triangles: triangles.clone() };
         assert!((hull.volume() - 6.0).abs() < 1e-6);
         for (found, expected) in hull.bounds().unwrap().min.into_iter().zip([-2.0, 0.0, 0.0]) {
             assert!((found - expected).abs() < 1e-6);
@@ -155,29 +150,24 @@ mod tests {
     fn what_leaves_no_body_is_an_error() {
         for scale in [[0.0, 1.0, 1.0], [1.0, f32::NAN, 1.0], [1.0, 1.0, f32::INFINITY]] {
             assert!(matches!(
-                scaled_hulls(&cube(), scale),
+                scaled_hulls(&unit_cube(), scale),
                 Err(ColliderError::InvalidScale { .. })
             ));
         }
-        assert_eq!(scaled_hulls(&[], [1.0; 3]), Err(ColliderError::NoHulls));
-        let huge: Vec<Hull> = cube()
-            .into_iter()
-            .map(|mut hull| {
-                hull.points.iter_mut().flatten().for_each(|x| *x *= 1e38);
-                hull
-            })
-            .collect();
+        let nothing: [&[[f64; 3]]; 0] = [];
+        assert_eq!(scaled_hulls(&nothing, [1.0; 3]), Err(ColliderError::NoHulls));
+        let mut huge = unit_cube();
+        huge.iter_mut().flatten().flatten().for_each(|x| *x *= 1e38);
         let result = scaled_hulls(&huge, [10.0; 3]);
         assert!(matches!(result, Err(ColliderError::UnusableHull { hull: 0, .. })));
     }
 
     #[test]
     fn a_mass_that_single_precision_can_not_hold_is_an_error() {
-        let mesh = cuboid([0.0; 3], [1.0; 3]);
-        let of = |density| {
-            let Mesh { positions, triangles } = &mesh;
-            crate::mass_properties(positions, triangles, &[], density).unwrap()
-        };
+        let cube = crate::hull::convex_hull(&unit_cube()[0]).unwrap();
+        let of =
+            |density| crate::mass_properties(&cube.points, &cube.triangles, &[], density).unwrap();
+        assert_eq!(of(1.0).source, MassSource::Mesh);
         assert!(RigidMass::new(&of(1.0), [1.0; 3]).is_ok());
         for density in [1e-40, 1e60] {
             let result = RigidMass::new(&of(density), [1.0; 3]);

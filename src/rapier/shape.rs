@@ -6,21 +6,41 @@ use rapier3d::parry::math::{Pose, Rotation, Vector};
 use rapier3d::parry::shape::ConvexPolyhedron;
 
 use super::check::is_closed;
-use super::prepare::{RigidMass, coarser, scaled_hulls};
-use crate::{ColliderError, Hull, MassProperties};
+use super::prepare::{ColliderError, RigidMass, coarser, scaled_hulls};
+use crate::{Hull, MassProperties};
 
 /// One shape of all hulls, their points multiplied by `scale`: a single convex polyhedron,
 /// or a compound of them. O(n log n) in the vertices.
 ///
 /// Scale is baked into the points, since Parry's own scaling of polyhedra is wrong where
-/// its factors differ; a negative factor mirrors. Should Parry refuse a hull, one without
-/// what stands out by less than 1e-3 of its extent stands in for it, at the last its
-/// bounding box.
+/// its factors differ; a negative factor mirrors. If Parry refuses a hull, a hull simplified by at
+/// most 1e-3 of its extent replaces it, and if Parry refuses that too, its bounding box.
 ///
 /// # Errors
 /// [`ColliderError`](crate::ColliderError) says which hull or factor can't be used. It
 /// never panics.
 pub fn shape(hulls: &[Hull], scale: [f32; 3]) -> Result<SharedShape, ColliderError> {
+    let points: Vec<_> = hulls.iter().map(|hull| hull.points.as_slice()).collect();
+    shape_from_points(&points, scale)
+}
+
+/// The same as [`shape`] of bare points: one convex part per set, its convex hull.
+///
+/// ```
+/// # fn main() -> Result<(), hullwright::ColliderError> {
+/// let tetrahedron = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+/// let shape = hullwright::rapier::shape_from_points(&[tetrahedron], [2.0, 1.0, 1.0])?;
+/// assert!(shape.as_convex_polyhedron().is_some());
+/// # Ok(())
+/// # }
+/// ```
+///
+/// # Errors
+/// As [`shape`].
+pub fn shape_from_points<P: AsRef<[[f64; 3]]>>(
+    hulls: &[P],
+    scale: [f32; 3],
+) -> Result<SharedShape, ColliderError> {
     let hulls = scaled_hulls(hulls, scale)?;
     if let [(points, triangles)] = hulls.as_slice()
         && let Some(shape) = part(points, triangles)

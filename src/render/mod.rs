@@ -5,14 +5,14 @@
 //!
 //! ```no_run
 //! # fn main() -> Result<(), hullwright::Error> {
-//! # let (positions, triangles) = (vec![[0.0; 3]], vec![[0u32; 3]]);
-//! use hullwright::picture::{Panel, render};
+//! # let mesh = hullwright::MeshView::new(&[[0.0; 3]], &[[0, 0, 0]]);
+//! use hullwright::render::{Panel, render};
 //!
 //! let hulls = hullwright::decompose(
-//!     &positions, &triangles, &Default::default(), &Default::default(),
+//!     mesh, &Default::default(), &Default::default(),
 //! )?.hulls;
 //! let panels = [
-//!     Panel::mesh(&positions, &triangles),
+//!     Panel::mesh(mesh),
 //!     Panel::hulls(&hulls),
 //!     Panel::hulls(&hulls).exploded(0.5),
 //! ];
@@ -29,15 +29,14 @@ pub mod palette;
 mod raster;
 mod shade;
 
-use std::borrow::Cow;
 use std::path::Path;
 
 #[cfg(feature = "parallel")]
 use rayon::prelude::*;
 
-use crate::decomposition::Hull;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, add, maximum, minimum, scale, subtract};
+use crate::geometry::{MeshView, TriangleMesh};
 use camera::{Camera, Projection};
 pub use palette::Colour;
 use raster::{SeenTriangle, rasterize};
@@ -51,23 +50,22 @@ const LARGEST_SIDE: usize = 4096;
 const LARGEST_COORDINATE: f64 = 1e100;
 
 /// Triangles of one colour that move together when a panel is exploded.
-#[derive(Debug, Clone)]
-pub struct Part<'a> {
-    /// Vertices. Triangles with a coordinate that is not finite, or beyond 1e100, are left out.
-    pub positions: &'a [[f64; 3]],
-    /// Triangles; those with an index out of range are left out. Winding does not matter.
-    pub triangles: Cow<'a, [[u32; 3]]>,
+#[derive(Debug, Clone, Default)]
+pub struct Part {
+    /// What is drawn. Triangles with an index out of range, or with a coordinate that is not finite or
+    /// beyond 1e100, are left out. Winding does not matter.
+    pub mesh: TriangleMesh,
     /// Its colour in full light.
     pub colour: Colour,
 }
 
-impl Part<'_> {
+impl Part {
     /// The corners of the triangles that can be drawn.
     fn corners(&self) -> impl Iterator<Item = [Vector; 3]> + Clone {
-        self.triangles.iter().filter_map(|triangle| {
+        self.mesh.triangles.iter().filter_map(|triangle| {
             let mut corners = [[0.0; 3]; 3];
             for (corner, index) in corners.iter_mut().zip(triangle) {
-                let position = *self.positions.get(*index as usize)?;
+                let position = *self.mesh.positions.get(*index as usize)?;
                 if !position.iter().all(|value| value.abs() <= LARGEST_COORDINATE) {
                     return None;
                 }
@@ -84,49 +82,59 @@ impl Part<'_> {
 
 /// What is seen together.
 #[derive(Debug, Clone, Default)]
-pub struct Panel<'a> {
+pub struct Panel {
     /// What is drawn.
-    pub parts: Vec<Part<'a>>,
+    pub parts: Vec<Part>,
     /// How far parts are moved apart: the middle of each goes away from the middle of all by this
     /// many times their distance. 0 leaves them where they are.
     pub explosion: f64,
 }
 
-impl<'a> Panel<'a> {
+impl Panel {
     /// A mesh in [`palette::CLAY`].
-    pub fn mesh(positions: &'a [[f64; 3]], triangles: &'a [[u32; 3]]) -> Self {
-        Self {
-            parts: vec![Part {
-                positions,
-                triangles: Cow::Borrowed(triangles),
-                colour: palette::CLAY,
-            }],
-            explosion: 0.0,
-        }
+    pub fn mesh<'a>(mesh: impl Into<MeshView<'a>>) -> Self {
+        let mesh = mesh.into().to_owned();
+        Self { parts: vec![Part { mesh, colour: palette::CLAY }], explosion: 0.0 }
     }
 
     /// A mesh in as many colours as there are labels: one label per triangle, such as
     /// [`GroupedMesh::groups`](crate::GroupedMesh::groups). Label n has the colour of hull n.
     /// Triangles without a label are left out.
-    pub fn labelled(positions: &'a [[f64; 3]], triangles: &'a [[u32; 3]], labels: &[u32]) -> Self {
+    ///
+    /// ```
+    /// # let mesh = hullwright::TriangleMesh::new(
+    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+    /// # );
+    /// let panel = hullwright::render::Panel::labelled(&mesh, &[0, 0, 1, 1]);
+    /// assert_eq!(panel.parts.len(), 2);
+    /// ```
+    pub fn labelled<'a>(mesh: impl Into<MeshView<'a>>, labels: &[u32]) -> Self {
+        let mesh = mesh.into();
         let mut labelled: Vec<(u32, [u32; 3])> =
-            labels.iter().copied().zip(triangles.iter().copied()).collect();
+            labels.iter().copied().zip(mesh.triangles().iter().copied()).collect();
         labelled.sort_by_key(|(label, _)| *label);
-        let part = |chunk: &[(u32, [u32; 3])]| Part {
-            positions,
-            triangles: chunk.iter().map(|(_, triangle)| *triangle).collect(),
-            colour: chunk
-                .first()
-                .map_or(palette::CLAY, |(label, _)| palette::colour(*label as usize)),
+        let nowhere = [f64::NAN; 3];
+        let part = |chunk: &[(u32, [u32; 3])]| {
+            let corners = chunk.iter().flat_map(|(_, triangle)| triangle);
+            let label = chunk.first().map_or(0, |(label, _)| *label);
+            let triangles = (0..chunk.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]);
+            let positions = corners.map(|&vertex| mesh.position(vertex).unwrap_or(nowhere));
+            Part {
+                mesh: TriangleMesh::new(positions.collect(), triangles.collect()),
+                colour: palette::colour(label as usize),
+            }
         };
         Self { parts: labelled.chunk_by(|a, b| a.0 == b.0).map(part).collect(), explosion: 0.0 }
     }
 
     /// Hulls in the colours of the palette, in order.
-    pub fn hulls(hulls: &'a [Hull]) -> Self {
-        let part = |(index, hull): (usize, &'a Hull)| Part {
-            positions: &hull.points,
-            triangles: Cow::Borrowed(&hull.triangles),
+    pub fn hulls<'h, H>(hulls: &'h [H]) -> Self
+    where
+        &'h H: Into<MeshView<'h>>,
+    {
+        let part = |(index, hull): (usize, &'h H)| Part {
+            mesh: hull.into().to_owned(),
             colour: palette::colour(index),
         };
         Self { parts: hulls.iter().enumerate().map(part).collect(), explosion: 0.0 }
@@ -141,7 +149,7 @@ impl<'a> Panel<'a> {
     }
 
     /// Each part with the way that it is moved.
-    fn moved_parts(&self) -> Vec<(&Part<'a>, Vector)> {
+    fn moved_parts(&self) -> Vec<(&Part, Vector)> {
         let all = self.parts.iter().flat_map(|part| part.corners().flatten());
         let Some(middle_of_all) = middle(all) else {
             return Vec::new();
@@ -242,8 +250,18 @@ impl Picture {
     ///
     /// # Errors
     /// [`Error::File`], without a path, if the encoder refuses.
+    ///
+    /// ```
+    /// # let mesh = hullwright::TriangleMesh::new(
+    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+    /// # );
+    /// let picture = hullwright::render::render(&[hullwright::render::Panel::mesh(&mesh)], 32, 32)?;
+    /// assert!(picture.to_png()?.starts_with(b"\x89PNG"));
+    /// # Ok::<(), hullwright::Error>(())
+    /// ```
     pub fn to_png(&self) -> Result<Vec<u8>, Error> {
-        let refused = |reason: String| Error::File { path: "PNG".into(), reason };
+        let refused = |reason: String| Error::file(Path::new("PNG"), reason);
         let mut bytes = Vec::new();
         // Sides are at most `LARGEST_SIDE`.
         let mut encoder = png::Encoder::new(&mut bytes, self.width as u32, self.height as u32);
@@ -265,10 +283,8 @@ impl Picture {
     /// [`Error::File`] says what is wrong with the path.
     pub fn write_png(&self, path: impl AsRef<Path>) -> Result<(), Error> {
         let path = path.as_ref();
-        std::fs::write(path, self.to_png()?).map_err(|error| Error::File {
-            path: path.display().to_string(),
-            reason: error.to_string(),
-        })
+        let bytes = self.to_png()?;
+        crate::atomic_write::write(path, &bytes).map_err(|error| Error::file(path, error))
     }
 }
 
@@ -277,6 +293,16 @@ impl Picture {
 ///
 /// # Errors
 /// [`Error::InvalidParameter`] unless both sides are 1 to 4096 pixels.
+///
+/// ```
+/// # let mesh = hullwright::TriangleMesh::new(
+/// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+/// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+/// # );
+/// let picture = hullwright::render::render(&[hullwright::render::Panel::mesh(&mesh)], 32, 16)?;
+/// assert_eq!(picture.pixels().len(), 32 * 16);
+/// # Ok::<(), hullwright::Error>(())
+/// ```
 pub fn render(panels: &[Panel], width: usize, height: usize) -> Result<Picture, Error> {
     render_with(panels, width, height, &Layout::default())
 }
@@ -285,6 +311,20 @@ pub fn render(panels: &[Panel], width: usize, height: usize) -> Result<Picture, 
 ///
 /// # Errors
 /// [`Error::InvalidParameter`] unless both sides are 1 to 4096 pixels.
+///
+/// ```
+/// # let mesh = hullwright::TriangleMesh::new(
+/// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+/// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+/// # );
+/// use hullwright::render::{Layout, Panel, UpAxis, render_with};
+///
+/// let mut layout = Layout::default();
+/// layout.view.up = UpAxis::Z;
+/// let picture = render_with(&[Panel::mesh(&mesh)], 32, 16, &layout)?;
+/// assert_eq!((picture.width(), picture.height()), (32, 16));
+/// # Ok::<(), hullwright::Error>(())
+/// ```
 pub fn render_with(
     panels: &[Panel],
     width: usize,

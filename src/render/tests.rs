@@ -13,8 +13,8 @@ fn box_mesh(size: [f64; 3]) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     (positions, triangles.collect())
 }
 
-fn panel<'a>(mesh: &'a (Vec<[f64; 3]>, Vec<[u32; 3]>), colour: Colour) -> Panel<'a> {
-    let mut panel = Panel::mesh(&mesh.0, &mesh.1);
+fn panel(mesh: &(Vec<[f64; 3]>, Vec<[u32; 3]>), colour: Colour) -> Panel {
+    let mut panel = Panel::mesh(MeshView::new(&mesh.0, &mesh.1));
     panel.parts[0].colour = colour;
     panel
 }
@@ -29,7 +29,8 @@ fn is_background(picture: &Picture, columns: std::ops::Range<usize>) -> bool {
 fn nothing_is_drawn_as_background() {
     let picture = render(&[], 40, 30).unwrap();
     assert!(is_background(&picture, 0..40));
-    let picture = render(&[Panel::default(), Panel::mesh(&[], &[])], 40, 30).unwrap();
+    let picture =
+        render(&[Panel::default(), Panel::mesh(&TriangleMesh::default())], 40, 30).unwrap();
     assert!(is_background(&picture, 0..40));
 }
 
@@ -112,7 +113,7 @@ fn an_exploded_panel_moves_its_parts_apart() {
     let all: Vec<[f64; 3]> = positions.into_iter().chain(moved).collect();
     triangles.extend(triangles.clone().iter().map(|t| t.map(|index| index + offset)));
     let labels: Vec<u32> = (0..24).map(|triangle| triangle / 12).collect();
-    let panel = Panel::labelled(&all, &triangles, &labels);
+    let panel = Panel::labelled(MeshView::new(&all, &triangles), &labels);
     let front = Layout {
         view: View { azimuth: 0.0, elevation: 0.0, ..View::default() },
         ..Layout::default()
@@ -129,7 +130,7 @@ fn an_exploded_panel_moves_its_parts_apart() {
 fn labels_and_hulls_have_the_same_colours() {
     let (positions, triangles) = box_mesh([1.0; 3]);
     let labels = [3; 12];
-    let panel = Panel::labelled(&positions, &triangles, &labels);
+    let panel = Panel::labelled(MeshView::new(&positions, &triangles), &labels);
     assert_eq!(panel.parts.len(), 1);
     assert_eq!(panel.parts[0].colour, palette::colour(3));
 }
@@ -141,8 +142,8 @@ fn bad_triangles_are_left_out_and_do_not_spoil_the_frame() {
     let clean_triangles = triangles.clone();
     positions.extend([[f64::NAN; 3], [f64::INFINITY; 3], [1e300; 3], [1e9; 3]]);
     triangles.extend([[0, 1, 8], [0, 1, 9], [0, 1, 10], [0, 1, 99], [u32::MAX; 3]]);
-    let picture = render(&[Panel::mesh(&positions, &triangles)], 60, 60).unwrap();
-    let expected = render(&[Panel::mesh(&clean, &clean_triangles)], 60, 60).unwrap();
+    let picture = render(&[Panel::mesh(MeshView::new(&positions, &triangles))], 60, 60).unwrap();
+    let expected = render(&[Panel::mesh(MeshView::new(&clean, &clean_triangles))], 60, 60).unwrap();
     assert_eq!(picture, expected);
 }
 

@@ -148,7 +148,7 @@ mod tests {
     fn a_flat_group_costs_nothing() {
         let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
         let triangles = vec![[0, 1, 2], [0, 2, 3]];
-        assert_eq!(whole(&TriangleMesh { positions, triangles }), 0.0);
+        assert_eq!(whole(&TriangleMesh::new(positions, triangles)), 0.0);
     }
 
     #[test]
@@ -161,7 +161,11 @@ mod tests {
         triangles.extend([[0, 4, 5], [4, 0, 5]]);
         for factor in [1.0, 1e-6, 0.3, 7e5] {
             let positions = positions.iter().map(|&point| scale(point, factor)).collect();
-            let found = whole(&TriangleMesh { positions, triangles: triangles.clone() });
+            let found = whole(&TriangleMesh {
+                positions,
+                triangles: triangles.clone(),
+                ..TriangleMesh::default()
+            });
             assert!(found < 1e-9, "{factor}: {found}");
         }
     }
@@ -180,7 +184,7 @@ mod tests {
         ];
         let triangles = vec![[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]];
         let diagonal = (width * width + 1.0 + depth * depth).sqrt();
-        let cost = whole(&TriangleMesh { positions, triangles });
+        let cost = whole(&TriangleMesh::new(positions, triangles));
         // The normal at the valley's ends is not upright, for the triangles differ in number.
         assert!(cost >= depth / diagonal - 1e-9, "{cost}");
         assert!(cost <= 1.2 * depth / diagonal, "{cost}");

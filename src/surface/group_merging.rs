@@ -99,7 +99,7 @@ mod tests {
         });
         let positions = std::iter::once([0.0; 3]).chain(rim).collect();
         let triangles = (0..count).map(|i| [0, 1 + i, 1 + (i + 1) % count]).collect();
-        TriangleMesh { positions, triangles }
+        TriangleMesh::new(positions, triangles)
     }
 
     fn merged(labels: &[u32], significant: f64) -> Grouping {

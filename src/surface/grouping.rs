@@ -186,7 +186,11 @@ mod tests {
             [1.0, 1.0, 0.0],
             [2.0, 1.0, rise],
         ];
-        TriangleMesh { positions, triangles: vec![[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]] }
+        TriangleMesh {
+            positions,
+            triangles: vec![[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]],
+            ..TriangleMesh::default()
+        }
     }
 
     #[test]

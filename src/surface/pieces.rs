@@ -2,9 +2,10 @@
 
 use std::borrow::Cow;
 
-use crate::bvh::{Bvh, nearest_labels};
+use crate::bvh::Bvh;
+use crate::bvh::closest_triangles::closest_labels;
 use crate::control::Control;
-use crate::decomposition::Hull;
+use crate::decomposition::{Hull, HullErrors, Provenance};
 use crate::error::Error;
 use crate::geometry::vector::{Vector, add, area_normal};
 use crate::hull::{ConvexHull, HullBuilder, LEAST_THICKNESS, cap_vertices, solid_hull};
@@ -40,25 +41,21 @@ pub fn hulls(
         };
         let component = group.first().map_or(0, |&triangle| components[triangle as usize]);
         let points = solid.points.iter().map(|&point| normalization.restore(point)).collect();
-        let restored = ConvexHull { points, triangles: solid.triangles };
-        let Some(bounds) = restored.bounds() else { continue };
         hulls.push(Hull {
-            volume: restored.volume(),
-            bounds,
-            points: restored.points,
-            triangles: restored.triangles,
-            component,
-            source_triangles: Vec::new(),
-            added_thickness: added * normalization.diagonal,
-            cap_growth: growth * normalization.diagonal,
-            phantom_max: None,
+            shape: ConvexHull { points, triangles: solid.triangles },
+            provenance: Provenance { component, source_triangles: Vec::new() },
+            errors: HullErrors {
+                added_thickness: added * normalization.diagonal,
+                simplification_growth: growth * normalization.diagonal,
+                protrusion_max: None,
+            },
         });
     }
     Ok(hulls)
 }
 
 /// Gives each source triangle to the hull whose group holds the simplified triangle nearest to
-/// its centre, up to what [`nearest_labels`] does not ask. O(n log m) for n source and m simplified
+/// its centre, up to what [`closest_labels`] does not ask. O(n log m) for n source and m simplified
 /// triangles.
 pub fn assign_source_triangles(
     prepared: &PreparedMesh,
@@ -71,13 +68,14 @@ pub fn assign_source_triangles(
         Cow::Borrowed(&grouping.labels)
     } else {
         let bvh = Bvh::new(&mesh.positions, &mesh.triangles);
-        Cow::Owned(nearest_labels(&prepared.mesh, &bvh, &grouping.labels, control)?)
+        let TriangleMesh { positions, triangles, .. } = &prepared.mesh;
+        Cow::Owned(closest_labels(positions, triangles, &bvh, &grouping.labels, control)?)
     };
     for (&label, &source) in labels.iter().zip(&prepared.source_triangles) {
         if let Some(hull) = hulls.get_mut(label as usize) {
             // A triangle that repair split in two is still one of the source.
-            if hull.source_triangles.last() != Some(&source) {
-                hull.source_triangles.push(source);
+            if hull.provenance.source_triangles.last() != Some(&source) {
+                hull.provenance.source_triangles.push(source);
             }
         }
     }

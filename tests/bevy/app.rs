@@ -7,6 +7,8 @@ use bevy::mesh::{Indices, Mesh, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_rapier3d::prelude::*;
+use bevy_rapier3d::rapier::geometry::SharedShape;
+use hullwright::bevy::Execution;
 use hullwright::bevy::prelude::*;
 use hullwright::io::read_mesh;
 
@@ -51,7 +53,7 @@ fn new_app(settings: HullwrightSettings, file_path: String, add: impl FnOnce(&mu
         seen.ready.push((event.entity, event.hulls));
     });
     app.add_observer(|event: On<DecompositionFailed>, mut seen: ResMut<Seen>| {
-        seen.failed.push((event.entity, event.failure.to_string()));
+        seen.failed.push((event.entity, event.error.to_string()));
     });
     add(&mut app);
     app
@@ -102,6 +104,16 @@ pub fn cuboid(low: [f32; 3], high: [f32; 3]) -> Mesh {
     mesh((0..8).map(corner).collect(), indices)
 }
 
+pub fn unit_cube() -> Mesh {
+    cuboid([0.0; 3], [1.0; 3])
+}
+
+pub fn assert_is_unit_cube(app: &App, entity: Entity) {
+    let (low, high) = bounds(app, entity);
+    assert_near(low, [0.0; 3], 1e-3);
+    assert_near(high, [1.0; 3], 1e-3);
+}
+
 pub fn add(app: &mut App, mesh: Mesh) -> Handle<Mesh> {
     app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh)
 }
@@ -111,11 +123,40 @@ pub fn tag() -> ConvexDecomposition {
 }
 
 pub fn spawn(app: &mut App, mesh: &Handle<Mesh>) -> Entity {
-    app.world_mut().spawn((Mesh3d(mesh.clone()), tag())).id()
+    spawn_with(app, mesh, ())
+}
+
+/// A tagged mesh with more components; a tag among them takes the place of the usual one.
+pub fn spawn_with(app: &mut App, mesh: &Handle<Mesh>, more: impl Bundle) -> Entity {
+    app.world_mut().spawn((Mesh3d(mesh.clone()), tag())).insert(more).id()
+}
+
+/// One step of one job per frame on the main thread, so that each frame has one possible outcome.
+pub fn sliced() -> HullwrightSettings {
+    HullwrightSettings {
+        execution: Execution::Slices,
+        frame_budget: Duration::ZERO,
+        scale_delay: Duration::ZERO,
+        ..default()
+    }
 }
 
 pub fn status(app: &App, entity: Entity) -> DecompositionStatus {
     app.world().get::<DecompositionStatus>(entity).unwrap().clone()
+}
+
+pub fn is_ready(app: &App, entity: Entity) -> bool {
+    matches!(status(app, entity), DecompositionStatus::Ready(_))
+}
+
+/// Entities that became ready so far, and how many hulls they got.
+pub fn ready(app: &App) -> &[(Entity, usize)] {
+    &app.world().resource::<Seen>().ready
+}
+
+/// Entities that failed so far, and why.
+pub fn failed(app: &App) -> &[(Entity, String)] {
+    &app.world().resource::<Seen>().failed
 }
 
 pub fn counters(app: &App) -> DecompositionCounters {
@@ -124,6 +165,33 @@ pub fn counters(app: &App) -> DecompositionCounters {
 
 pub fn collider(app: &App, entity: Entity) -> &Collider {
     app.world().get::<Collider>(entity).expect("a collider")
+}
+
+pub fn has_collider(app: &App, entity: Entity) -> bool {
+    app.world().get::<Collider>(entity).is_some()
+}
+
+/// The points of each hull of a collider.
+pub fn hulls(app: &App, entity: Entity) -> Vec<Vec<Vec3>> {
+    let shape = &collider(app, entity).raw;
+    let points =
+        |shape: &SharedShape| shape.as_convex_polyhedron().expect("a hull").points().to_vec();
+    match shape.as_compound() {
+        Some(compound) => compound.shapes().iter().map(|(_, part)| points(part)).collect(),
+        None => vec![points(shape)],
+    }
+}
+
+/// The mass properties of an entity's collider, which come from its mesh.
+pub fn mass(app: &App, entity: Entity) -> MassProperties {
+    match app.world().get::<ColliderMassProperties>(entity) {
+        Some(ColliderMassProperties::MassProperties(properties)) => *properties,
+        other => panic!("no mass properties: {other:?}"),
+    }
+}
+
+pub fn translation(app: &App, entity: Entity) -> Vec3 {
+    app.world().get::<Transform>(entity).expect("a transform").translation
 }
 
 /// The corners of a collider's bounding box.
@@ -155,6 +223,10 @@ pub fn update_until(app: &mut App, mut holds: impl FnMut(&App) -> bool) {
 
 pub fn update_until_finished(app: &mut App, entities: &[Entity]) {
     update_until(app, |app| entities.iter().all(|entity| status(app, *entity).is_finished()));
+}
+
+pub fn update_until_ready_times(app: &mut App, times: usize) {
+    update_until(app, |app| ready(app).len() == times);
 }
 
 pub fn update_times(app: &mut App, times: usize) {

@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
 use hullwright::bevy::prelude::*;
-use hullwright::bevy::{BakedHulls, Origin};
+use hullwright::bevy::{BakedHulls, HullSource};
 use hullwright::hulls_format::HullsFile;
 use hullwright::io::read_mesh;
 use hullwright::{Control, Parameters, decompose, mass_properties};
@@ -36,13 +36,9 @@ fn a_baked_file_becomes_a_collider_with_its_mass() {
     let entity =
         app.world_mut().spawn((BakedDecomposition::new(handle), RigidBody::Dynamic, scale)).id();
     update_until_finished(&mut app, &[entity]);
-    assert_eq!(status(&app, entity), DecompositionStatus::Ready(Origin::Baked));
+    assert_eq!(status(&app, entity), DecompositionStatus::Ready(HullSource::Baked));
     assert_eq!(collider(&app, entity).as_compound().unwrap().shapes().count(), 3);
-    let Some(ColliderMassProperties::MassProperties(properties)) =
-        app.world().get::<ColliderMassProperties>(entity)
-    else {
-        panic!("no mass properties");
-    };
+    let properties = mass(&app, entity);
     let expected = 8.0 * baked().mass_properties.unwrap().mass as f32;
     assert!((properties.mass / expected - 1.0).abs() < 1e-2);
     assert_eq!((counters(&app).baked, counters(&app).decomposed), (1, 0));
@@ -61,7 +57,7 @@ fn corrupt_cut_off_and_newer_files_fail() {
         let entity = app.world_mut().spawn(BakedDecomposition::new(handle)).id();
         update_until_finished(&mut app, &[entity]);
         assert!(matches!(status(&app, entity), DecompositionStatus::Failed(_)));
-        assert!(app.world().get::<Collider>(entity).is_none());
+        assert!(!has_collider(&app, entity));
     }
 }
 
@@ -72,10 +68,6 @@ fn the_mass_of_a_baked_body_may_be_set() {
     let baked = BakedDecomposition { mass: Some(5.0), ..BakedDecomposition::new(handle) };
     let entity = app.world_mut().spawn(baked).id();
     update_until_finished(&mut app, &[entity]);
-    let Some(ColliderMassProperties::MassProperties(properties)) =
-        app.world().get::<ColliderMassProperties>(entity)
-    else {
-        panic!("no mass properties");
-    };
+    let properties = mass(&app, entity);
     assert!((properties.mass - 5.0).abs() < 1e-4);
 }

@@ -28,7 +28,7 @@ fn measured(app: &App, path: &DiagnosticPath) -> Option<f64> {
 #[test]
 fn a_server_without_gizmos_has_the_counters_among_its_diagnostics() {
     let mut app = debug_app(|_| {});
-    let cube = add(&mut app, cuboid([0.0; 3], [1.0; 3]));
+    let cube = add(&mut app, unit_cube());
     let entities = [spawn(&mut app, &cube), spawn(&mut app, &cube)];
     update_until_finished(&mut app, &entities);
     update_times(&mut app, 3);
@@ -59,7 +59,7 @@ fn hulls_are_drawn_until_they_are_switched_off_and_again_when_on() {
     let mut app = debug_app(|app| {
         app.add_plugins((MeshPlugin, GizmoPlugin));
     });
-    let cube = add(&mut app, cuboid([0.0; 3], [1.0; 3]));
+    let cube = add(&mut app, unit_cube());
     let entity = spawn(&mut app, &cube);
     update_until_finished(&mut app, &[entity]);
     let lines = |app: &mut App, is_drawn| {

@@ -8,13 +8,13 @@ use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
 use hullwright::Error;
 use hullwright::bevy::prelude::*;
-use hullwright::bevy::{BakedHulls, DecompositionFailure, Origin};
+use hullwright::bevy::{BakedHulls, DecompositionError, HullSource};
 
 use crate::app::*;
 use crate::baked::baked;
 use crate::log::Log;
 
-fn failure(app: &App, entity: Entity) -> DecompositionFailure {
+fn failure(app: &App, entity: Entity) -> DecompositionError {
     match status(app, entity) {
         DecompositionStatus::Failed(failure) => failure,
         other => panic!("it did not fail: {other:?}"),
@@ -59,7 +59,7 @@ fn a_mesh_that_is_repaired_is_decomposed() {
     let entities = [spawn(&mut app, &handle), spawn(&mut app, &handle)];
     update_until_finished(&mut app, &entities);
     for entity in entities {
-        assert!(matches!(failure(&app, entity), DecompositionFailure::Mesh(_)));
+        assert!(matches!(failure(&app, entity), DecompositionError::Mesh(_)));
     }
     repair(&mut app, &handle);
     update_until(&mut app, |app| {
@@ -79,20 +79,20 @@ fn what_failed_without_a_tag_is_left_alone() {
     app.world_mut().entity_mut(entity).remove::<ConvexDecomposition>();
     repair(&mut app, &handle);
     update_times(&mut app, 5);
-    assert!(matches!(failure(&app, entity), DecompositionFailure::Mesh(_)));
-    assert!(app.world().get::<Collider>(entity).is_none());
+    assert!(matches!(failure(&app, entity), DecompositionError::Mesh(_)));
+    assert!(!has_collider(&app, entity));
 }
 
 #[test]
 fn a_body_without_mass_gets_its_triangles_when_it_becomes_fixed() {
     let mut app = app();
-    let handle = add(&mut app, cuboid([0.0; 3], [1.0; 3]));
+    let handle = add(&mut app, unit_cube());
     let tag = tag().with_density(0.0);
     let entity = app.world_mut().spawn((Mesh3d(handle), tag, RigidBody::Dynamic)).id();
     update_until_finished(&mut app, &[entity]);
-    assert!(matches!(failure(&app, entity), DecompositionFailure::Collider(_)));
+    assert!(matches!(failure(&app, entity), DecompositionError::Collider(_)));
     app.world_mut().entity_mut(entity).insert(RigidBody::Fixed);
-    update_until(&mut app, |app| app.world().get::<Collider>(entity).is_some());
+    update_until(&mut app, |app| has_collider(app, entity));
     assert!(collider(&app, entity).as_trimesh().is_some());
 }
 
@@ -102,11 +102,11 @@ fn a_mesh_that_can_not_be_loaded_fails_and_recovers_when_it_is_there() {
     let handle: Handle<Mesh> = app.world().resource::<AssetServer>().load("nowhere.mesh");
     let entity = spawn(&mut app, &handle);
     update_until_finished(&mut app, &[entity]);
-    assert_eq!(failure(&app, entity), DecompositionFailure::NotLoaded);
+    assert_eq!(failure(&app, entity), DecompositionError::NotLoaded);
     let cube = cuboid([0.0; 3], [1.0; 3]);
     app.world_mut().resource_mut::<Assets<Mesh>>().insert(handle.id(), cube).unwrap();
     update_until(&mut app, |app| {
-        status(app, entity) == DecompositionStatus::Ready(Origin::Decomposed)
+        status(app, entity) == DecompositionStatus::Ready(HullSource::Decomposed)
     });
 }
 
@@ -116,10 +116,12 @@ fn baked_hulls_that_can_not_be_loaded_fail_and_recover_when_they_are_there() {
     let handle = app.world().resource::<AssetServer>().load("nowhere.hulls");
     let entity = app.world_mut().spawn(BakedDecomposition::new(handle.clone())).id();
     update_until_finished(&mut app, &[entity]);
-    assert_eq!(failure(&app, entity), DecompositionFailure::NotLoaded);
+    assert_eq!(failure(&app, entity), DecompositionError::NotLoaded);
     let mut all = app.world_mut().resource_mut::<Assets<BakedHulls>>();
     all.insert(handle.id(), BakedHulls(baked())).unwrap();
-    update_until(&mut app, |app| status(app, entity) == DecompositionStatus::Ready(Origin::Baked));
+    update_until(&mut app, |app| {
+        status(app, entity) == DecompositionStatus::Ready(HullSource::Baked)
+    });
 }
 
 #[test]
@@ -131,22 +133,22 @@ fn a_fixed_body_fails_as_clearly_as_others() {
     };
     for (mesh, is_expected) in [
         (broken_cube(), |failure| {
-            matches!(failure, DecompositionFailure::Mesh(Error::IndexOutOfRange { .. }))
+            matches!(failure, DecompositionError::Mesh(Error::IndexOutOfRange { .. }))
         }),
         (nothing_finite(), |failure| {
-            matches!(failure, DecompositionFailure::Mesh(Error::NothingUsable { .. }))
+            matches!(failure, DecompositionError::Mesh(Error::NothingUsable { .. }))
         }),
-        (lines(), |failure| matches!(failure, DecompositionFailure::NotTriangles("lines"))),
-    ] as [(Mesh, fn(DecompositionFailure) -> bool); 3]
+        (lines(), |failure| matches!(failure, DecompositionError::NotTriangles("lines"))),
+    ] as [(Mesh, fn(DecompositionError) -> bool); 3]
     {
         let mut app = app();
         let handle = add(&mut app, mesh);
-        let entity = app.world_mut().spawn((Mesh3d(handle), tag(), RigidBody::Fixed)).id();
+        let entity = spawn_with(&mut app, &handle, RigidBody::Fixed);
         update_until_finished(&mut app, &[entity]);
         let failure = failure(&app, entity);
         assert!(is_expected(failure.clone()), "{failure:?}");
-        assert!(app.world().get::<Collider>(entity).is_none());
-        assert_eq!(app.world().resource::<Seen>().failed.len(), 1);
+        assert!(!has_collider(&app, entity));
+        assert_eq!(failed(&app).len(), 1);
         assert_eq!((counters(&app).failed, counters(&app).triangle_meshes), (1, 0));
     }
 }
@@ -160,7 +162,7 @@ fn all_that_share_a_bad_mesh_fail_and_one_line_is_logged() {
     let entities: Vec<Entity> = (0..5).map(|_| spawn(&mut app, &bad)).collect();
     update_until_finished(&mut app, &entities);
     assert_eq!((counters(&app).failed, counters(&app).running), (5, 0));
-    assert_eq!(app.world().resource::<Seen>().failed.len(), 5);
+    assert_eq!(failed(&app).len(), 5);
     update_times(&mut app, 20);
     let lines = Log::lines_with("2 vertices");
     assert_eq!(lines.len(), 1, "{lines:?}");
@@ -171,7 +173,7 @@ fn all_that_share_a_bad_mesh_fail_and_one_line_is_logged() {
 fn all_with_a_bad_density_fail_and_one_line_is_logged() {
     Log::install();
     let mut app = app_with(unhurried());
-    let mesh = add(&mut app, cuboid([0.0; 3], [1.0; 3]));
+    let mesh = add(&mut app, unit_cube());
     let first = spawn(&mut app, &mesh);
     update_until_finished(&mut app, &[first]);
     // No other test has this density: the text says the mass.
@@ -194,7 +196,7 @@ fn all_whose_mesh_can_not_be_loaded_fail_and_one_line_is_logged() {
     // No other test has as many.
     let entities: Vec<Entity> = (0..23).map(|_| spawn(&mut app, &handle)).collect();
     update_until_finished(&mut app, &entities);
-    let lines = Log::lines_with(&DecompositionFailure::NotLoaded.to_string());
+    let lines = Log::lines_with(&DecompositionError::NotLoaded.to_string());
     let lines: Vec<_> = lines.iter().filter(|line| line.contains("23 entities")).collect();
     assert_eq!(lines.len(), 1, "{lines:?}");
 }

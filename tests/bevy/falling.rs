@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
-use hullwright::bevy::{DecompositionStatus, Origin};
+use hullwright::bevy::{DecompositionStatus, HullSource};
 
 use crate::app::*;
 
@@ -20,10 +20,10 @@ fn a_tagged_mesh_gets_a_collider_and_falls_onto_the_floor() {
         .spawn((Mesh3d(u), tag(), RigidBody::Dynamic, Transform::from_xyz(0.0, 3.0, 0.0)))
         .id();
     update_until_finished(&mut app, &[body]);
-    assert_eq!(status(&app, body), DecompositionStatus::Ready(Origin::Decomposed));
+    assert_eq!(status(&app, body), DecompositionStatus::Ready(HullSource::Decomposed));
     let hulls = collider(&app, body).as_compound().expect("a compound").shapes().count();
     assert_eq!(hulls, 3);
-    assert_eq!(app.world().resource::<Seen>().ready, [(body, 3)]);
+    assert_eq!(ready(&app), [(body, 3)]);
     assert_eq!(counters(&app).convex, 0);
 
     update_times(&mut app, 300);
@@ -37,13 +37,9 @@ fn a_tagged_mesh_gets_a_collider_and_falls_onto_the_floor() {
 fn mass_is_that_of_the_mesh_at_the_density_given() {
     let mut app = app();
     let mesh = add(&mut app, cuboid([0.0; 3], [1.0, 2.0, 3.0]));
-    let body = app.world_mut().spawn((Mesh3d(mesh), tag(), RigidBody::Dynamic)).id();
+    let body = spawn_with(&mut app, &mesh, RigidBody::Dynamic);
     update_until_finished(&mut app, &[body]);
-    let Some(ColliderMassProperties::MassProperties(properties)) =
-        app.world().get::<ColliderMassProperties>(body)
-    else {
-        panic!("no mass properties");
-    };
+    let properties = mass(&app, body);
     assert!((properties.mass / (6.0 * DENSITY) - 1.0).abs() < 1e-3);
     assert_near(properties.local_center_of_mass, [0.5, 1.0, 1.5], 1e-3);
 }
@@ -55,7 +51,7 @@ fn a_convex_mesh_is_one_hull() {
     let body = spawn(&mut app, &mesh);
     update_until_finished(&mut app, &[body]);
     assert!(collider(&app, body).as_convex_polyhedron().is_some());
-    assert_eq!(app.world().resource::<Seen>().ready, [(body, 1)]);
+    assert_eq!(ready(&app), [(body, 1)]);
     assert_eq!(counters(&app).convex, 1);
     let (low, high) = bounds(&app, body);
     assert_near(low, [-1.0; 3], 1e-3);

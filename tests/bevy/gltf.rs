@@ -1,7 +1,7 @@
 //! Scenes as Bevy's own glTF loader spawns them.
 
 use bevy::camera::primitives::Aabb;
-use bevy::camera::visibility::VisibilityClass;
+use bevy::camera::visibility::{DynamicSkinnedMeshBounds, VisibilityClass};
 use bevy::gltf::{
     GltfAssetLabel, GltfExtras, GltfMaterialName, GltfMeshExtras, GltfMeshName, GltfPlugin,
     GltfSceneName,
@@ -51,6 +51,7 @@ fn app_with_scene_in(
             .register_type::<InheritedVisibility>()
             .register_type::<ViewVisibility>()
             .register_type::<VisibilityClass>()
+            .register_type::<DynamicSkinnedMeshBounds>()
             .register_type::<GltfExtras>()
             .register_type::<GltfMaterialName>()
             .register_type::<GltfMeshExtras>()
@@ -93,7 +94,7 @@ fn update_until_ready(app: &mut App) {
 fn a_lamp_of_four_materials_is_one_input() {
     let (mut app, body) = app_with_scene("lamp.glb");
     update_until_ready(&mut app);
-    let ready = &app.world().resource::<Seen>().ready;
+    let ready = ready(&app);
     assert_eq!(ready.len(), 1);
     let (lamp, hulls) = ready[0];
     assert!(hulls > 1);
@@ -107,7 +108,7 @@ fn a_lamp_of_four_materials_is_one_input() {
 fn a_chair_of_ten_nodes_is_one_body() {
     let (mut app, body) = app_with_scene("chair.glb");
     update_until_ready(&mut app);
-    let ready = app.world().resource::<Seen>().ready.clone();
+    let ready = ready(&app).to_vec();
     assert_eq!(ready.len(), 10);
     // The ten nodes stretch one cube: one decomposition.
     assert_eq!(counters(&app).decomposed, 1);
@@ -138,7 +139,7 @@ fn an_artists_tags_are_followed_and_nothing_else_is_decomposed() {
 
     // The pieces are one hull each, of one cube; the mug and the lamp are concave.
     assert_eq!(counters(&app).decomposed, 3);
-    let ready = app.world().resource::<Seen>().ready.clone();
+    let ready = ready(&app).to_vec();
     for (entity, hulls) in ready {
         let name = app.world().get::<Name>(entity).unwrap().to_string();
         assert_eq!(hulls == 1, pieces.contains(&name), "{name}: {hulls} hulls");
@@ -163,7 +164,7 @@ fn morph_targets_and_skins_of_a_file_are_taken_in_their_rest_pose() {
     assert!(is_skinned && is_morphed);
     assert!(app.world().resource::<Assets<Mesh>>().get(&mesh.0).unwrap().has_morph_targets());
 
-    let ready = app.world().resource::<Seen>().ready.clone();
+    let ready = ready(&app).to_vec();
     let (entity, hulls) = ready[0];
     assert_eq!((ready.len(), hulls), (1, 1));
     let (low, high) = bounds(&app, entity);

@@ -5,14 +5,16 @@ mod baked;
 #[cfg(feature = "debug")]
 mod debug;
 mod failures;
+mod fallback;
 mod falling;
+mod freeze;
 #[cfg(feature = "bevy_gltf")]
 mod gltf;
 mod log;
-mod meanwhile;
 mod meshes;
 mod order;
 mod scale;
 mod scenes;
 mod sharing;
+mod tags;
 mod waiting;

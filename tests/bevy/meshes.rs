@@ -4,11 +4,11 @@ use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, Mesh, PrimitiveTopology};
 use bevy::prelude::*;
 use hullwright::Error;
-use hullwright::bevy::{DecompositionFailure, DecompositionStatus};
+use hullwright::bevy::{DecompositionError, DecompositionStatus};
 
 use crate::app::*;
 
-fn failure_of(mesh: Mesh) -> DecompositionFailure {
+fn failure_of(mesh: Mesh) -> DecompositionError {
     let mut app = app();
     let mesh = add(&mut app, mesh);
     let entity = spawn(&mut app, &mesh);
@@ -16,46 +16,36 @@ fn failure_of(mesh: Mesh) -> DecompositionFailure {
     let DecompositionStatus::Failed(failure) = status(&app, entity) else {
         panic!("it did not fail");
     };
-    let seen = app.world().resource::<Seen>();
-    assert_eq!(seen.failed, [(entity, failure.to_string())]);
-    assert!(seen.ready.is_empty());
+    assert_eq!(failed(&app), [(entity, failure.to_string())]);
+    assert!(ready(&app).is_empty());
     assert_eq!(counters(&app).failed, 1);
     failure
 }
 
-fn assert_is_unit_cube(mesh: Mesh) {
+fn assert_is_read_as_unit_cube(mesh: Mesh) {
     let mut app = app();
     let mesh = add(&mut app, mesh);
     let entity = spawn(&mut app, &mesh);
     update_until_finished(&mut app, &[entity]);
-    let (low, high) = bounds(&app, entity);
-    assert_near(low, [0.0; 3], 1e-3);
-    assert_near(high, [1.0; 3], 1e-3);
+    assert_is_unit_cube(&app, entity);
 }
 
 fn empty(topology: PrimitiveTopology) -> Mesh {
     Mesh::new(topology, RenderAssetUsages::default())
 }
 
-fn cube() -> Mesh {
-    cuboid([0.0; 3], [1.0; 3])
-}
-
 #[test]
 fn a_mesh_that_is_on_the_gpu_only_fails() {
-    let mut mesh = cube();
+    let mut mesh = unit_cube();
     mesh.asset_usage = RenderAssetUsages::RENDER_WORLD;
     // What Bevy's renderer does with such a mesh.
     mesh.take_gpu_data().unwrap();
-    assert_eq!(failure_of(mesh), DecompositionFailure::RenderWorldOnly);
+    assert_eq!(failure_of(mesh), DecompositionError::RenderWorldOnly);
 }
 
 #[test]
 fn a_mesh_without_positions_fails() {
-    assert_eq!(
-        failure_of(empty(PrimitiveTopology::TriangleList)),
-        DecompositionFailure::NoPositions
-    );
+    assert_eq!(failure_of(empty(PrimitiveTopology::TriangleList)), DecompositionError::NoPositions);
 }
 
 #[test]
@@ -63,7 +53,7 @@ fn positions_that_are_not_three_floats_fail() {
     // Bevy panics itself on positions of another format, so they come under another name.
     let mesh = empty(PrimitiveTopology::TriangleList)
         .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0_f32; 3]; 3]);
-    assert_eq!(failure_of(mesh), DecompositionFailure::NoPositions);
+    assert_eq!(failure_of(mesh), DecompositionError::NoPositions);
 }
 
 #[test]
@@ -73,38 +63,38 @@ fn lines_and_points_fail() {
     {
         let mesh = empty(topology)
             .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, vec![[0.0_f32; 3]; 6]);
-        assert!(matches!(failure_of(mesh), DecompositionFailure::NotTriangles(_)));
+        assert!(matches!(failure_of(mesh), DecompositionError::NotTriangles(_)));
     }
 }
 
 #[test]
 fn a_mesh_without_triangles_fails() {
     let failure = failure_of(mesh(vec![[0.0; 3]; 3], Vec::new()));
-    assert!(matches!(failure, DecompositionFailure::Mesh(Error::EmptyMesh { .. })));
+    assert!(matches!(failure, DecompositionError::Mesh(Error::EmptyMesh { .. })));
 }
 
 #[test]
 fn a_mesh_of_one_spot_fails() {
     let failure = failure_of(mesh(vec![[1.0; 3]; 3], vec![0, 1, 2]));
-    assert!(matches!(failure, DecompositionFailure::Mesh(Error::NothingUsable { .. })));
+    assert!(matches!(failure, DecompositionError::Mesh(Error::NothingUsable { .. })));
 }
 
 #[test]
 fn a_mesh_of_nothing_finite_fails() {
     let failure = failure_of(mesh(vec![[f32::NAN; 3]; 3], vec![0, 1, 2]));
-    assert!(matches!(failure, DecompositionFailure::Mesh(Error::NothingUsable { .. })));
+    assert!(matches!(failure, DecompositionError::Mesh(Error::NothingUsable { .. })));
 }
 
 #[test]
 fn an_index_out_of_range_fails() {
     let failure = failure_of(mesh(vec![[0.0; 3]; 3], vec![0, 1, 7]));
-    assert!(matches!(failure, DecompositionFailure::Mesh(Error::IndexOutOfRange { index: 7, .. })));
+    assert!(matches!(failure, DecompositionError::Mesh(Error::IndexOutOfRange { index: 7, .. })));
 }
 
 #[test]
 fn a_density_that_means_nothing_fails() {
     let mut app = app();
-    let mesh = add(&mut app, cube());
+    let mesh = add(&mut app, unit_cube());
     let entity = app.world_mut().spawn((Mesh3d(mesh), tag().with_density(0.0))).id();
     update_until_finished(&mut app, &[entity]);
     assert!(matches!(status(&app, entity), DecompositionStatus::Failed(_)));
@@ -113,15 +103,15 @@ fn a_density_that_means_nothing_fails() {
 
 #[test]
 fn sixteen_bit_indices_are_read() {
-    let mut mesh = cube();
+    let mut mesh = unit_cube();
     let Some(Indices::U32(indices)) = mesh.indices().cloned() else { unreachable!() };
     mesh.insert_indices(Indices::U16(indices.into_iter().map(|i| i as u16).collect()));
-    assert_is_unit_cube(mesh);
+    assert_is_read_as_unit_cube(mesh);
 }
 
 #[test]
 fn a_mesh_without_indices_is_read() {
-    assert_is_unit_cube(cube().with_duplicated_vertices());
+    assert_is_read_as_unit_cube(unit_cube().with_duplicated_vertices());
 }
 
 #[test]
@@ -147,36 +137,36 @@ fn a_strip_is_read() {
     let count = positions.len() as u16;
     let plain = empty(PrimitiveTopology::TriangleStrip)
         .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions);
-    assert_is_unit_cube(plain.clone());
-    assert_is_unit_cube(plain.with_inserted_indices(Indices::U16((0..count).collect())));
+    assert_is_read_as_unit_cube(plain.clone());
+    assert_is_read_as_unit_cube(plain.with_inserted_indices(Indices::U16((0..count).collect())));
 }
 
 #[test]
 fn a_skinned_mesh_is_taken_in_its_rest_pose() {
-    let mesh = cube()
+    let mesh = unit_cube()
         .with_inserted_attribute(
             Mesh::ATTRIBUTE_JOINT_INDEX,
             bevy::mesh::VertexAttributeValues::Uint16x4(vec![[0; 4]; 8]),
         )
         .with_inserted_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, vec![[1.0_f32, 0., 0., 0.]; 8]);
-    assert_is_unit_cube(mesh);
+    assert_is_read_as_unit_cube(mesh);
 }
 
 #[cfg(feature = "bevy_gltf")]
 #[test]
 fn a_mesh_with_morph_targets_is_taken_without_them() {
-    let mut mesh = cube();
+    let mut mesh = unit_cube();
     let moved = bevy::mesh::morph::MorphAttributes { position: Vec3::splat(5.0), ..default() };
     mesh.set_morph_targets(vec![moved; 8]);
-    assert_is_unit_cube(mesh);
+    assert_is_read_as_unit_cube(mesh);
 }
 
 #[cfg(feature = "bevy_gltf")]
 #[test]
 fn a_mesh_with_morph_targets_that_is_on_the_gpu_only_fails() {
-    let mut mesh = cube();
+    let mut mesh = unit_cube();
     mesh.set_morph_targets(vec![bevy::mesh::morph::MorphAttributes::default(); 8]);
     mesh.asset_usage = RenderAssetUsages::RENDER_WORLD;
     mesh.take_gpu_data().unwrap();
-    assert_eq!(failure_of(mesh), DecompositionFailure::RenderWorldOnly);
+    assert_eq!(failure_of(mesh), DecompositionError::RenderWorldOnly);
 }

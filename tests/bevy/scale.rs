@@ -5,8 +5,7 @@ use std::time::Duration;
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
 use hullwright::bevy::prelude::*;
-use hullwright::bevy::{Execution, Origin, Wait};
-use hullwright::{Parameters, Unit};
+use hullwright::bevy::{HullSource, WaitReason};
 
 use crate::app::*;
 
@@ -14,20 +13,13 @@ fn at_once() -> HullwrightSettings {
     HullwrightSettings { scale_delay: Duration::ZERO, ..default() }
 }
 
-fn mass(app: &App, entity: Entity) -> MassProperties {
-    match app.world().get::<ColliderMassProperties>(entity) {
-        Some(ColliderMassProperties::MassProperties(properties)) => *properties,
-        _ => panic!("no mass properties"),
-    }
-}
-
 #[test]
 fn a_scaled_entity_has_scaled_points_and_mass_and_is_not_scaled_again() {
     let mut app = app();
-    let mesh = add(&mut app, cuboid([0.0; 3], [1.0; 3]));
+    let mesh = add(&mut app, unit_cube());
     let transform = Transform::from_scale(Vec3::new(2.0, 3.0, 4.0))
         .with_rotation(Quat::from_euler(EulerRot::XYZ, 0.3, 1.1, -0.7));
-    let entity = app.world_mut().spawn((Mesh3d(mesh), tag(), RigidBody::Dynamic, transform)).id();
+    let entity = spawn_with(&mut app, &mesh, (RigidBody::Dynamic, transform));
     update_until_finished(&mut app, &[entity]);
     update_times(&mut app, 3);
     let (low, high) = bounds(&app, entity);
@@ -50,7 +42,7 @@ fn a_mirrored_entity_has_mirrored_points() {
     for scale in [[-1.0, 1.0, 1.0], [1.0, -1.0, 1.0], [-1.0, -1.0, -1.0], [-1.0, 1.0, -2.0]] {
         let transform =
             Transform::from_scale(scale.into()).with_rotation(Quat::from_rotation_y(1.0));
-        let entity = app.world_mut().spawn((Mesh3d(mesh.clone()), tag(), transform)).id();
+        let entity = spawn_with(&mut app, &mesh, transform);
         update_until_finished(&mut app, &[entity]);
         app.update();
         // Where Rapier puts the collider, its points lie where the mesh is drawn.
@@ -66,13 +58,13 @@ fn a_mirrored_entity_has_mirrored_points() {
 #[test]
 fn a_turned_child_below_a_stretched_body_lies_where_it_is_drawn() {
     let mut app = app();
-    let mesh = add(&mut app, cuboid([0.0; 3], [1.0; 3]));
+    let mesh = add(&mut app, unit_cube());
     let of_body = Transform::from_xyz(1.0, 2.0, 3.0)
         .with_rotation(Quat::from_rotation_x(0.4))
         .with_scale(Vec3::new(3.0, 1.0, 1.0));
     let of_child = Transform::from_xyz(0.5, 0.0, 0.0).with_rotation(Quat::from_rotation_z(0.7));
     let body = app.world_mut().spawn((RigidBody::Fixed, of_body)).id();
-    let child = app.world_mut().spawn((Mesh3d(mesh), tag(), of_child, ChildOf(body))).id();
+    let child = spawn_with(&mut app, &mesh, (of_child, ChildOf(body)));
     app.world_mut().resource_mut::<HullwrightSettings>().exact_fixed_bodies = false;
     update_until_finished(&mut app, &[child]);
     update_times(&mut app, 2);
@@ -104,7 +96,7 @@ fn a_changed_scale_bakes_the_points_anew_without_a_new_decomposition() {
     let (low, high) = bounds(&app, entity);
     let scale = Vec3::new(2.0, 1.0, 0.5);
     app.world_mut().get_mut::<Transform>(entity).unwrap().scale = scale;
-    update_until(&mut app, |app| app.world().resource::<Seen>().ready.len() == 2);
+    update_until_ready_times(&mut app, 2);
     let (new_low, new_high) = bounds(&app, entity);
     assert_near(new_low, low * scale, 1e-2);
     assert_near(new_high, high * scale, 1e-2);
@@ -115,7 +107,7 @@ fn a_changed_scale_bakes_the_points_anew_without_a_new_decomposition() {
 fn a_scale_that_keeps_changing_is_baked_once_it_rests() {
     let mut app =
         app_with(HullwrightSettings { scale_delay: Duration::from_millis(40), ..default() });
-    let mesh = add(&mut app, cuboid([0.0; 3], [1.0; 3]));
+    let mesh = add(&mut app, unit_cube());
     let entity = spawn(&mut app, &mesh);
     update_until_finished(&mut app, &[entity]);
     for step in 0..10 {
@@ -124,15 +116,15 @@ fn a_scale_that_keeps_changing_is_baked_once_it_rests() {
         app.update();
     }
     update_until(&mut app, |app| (bounds(app, entity).1 - Vec3::splat(10.0)).length() < 0.05);
-    assert!(app.world().resource::<Seen>().ready.len() <= 4);
+    assert!(ready(&app).len() <= 4);
 }
 
 #[test]
 fn a_moved_and_turned_entity_keeps_its_collider() {
     let mut app = app_with(at_once());
-    let mesh = add(&mut app, cuboid([0.0; 3], [1.0; 3]));
+    let mesh = add(&mut app, unit_cube());
     let transform = Transform::from_scale(Vec3::new(0.3, 7.0, 1.7));
-    let entity = app.world_mut().spawn((Mesh3d(mesh), tag(), transform)).id();
+    let entity = spawn_with(&mut app, &mesh, transform);
     update_until_finished(&mut app, &[entity]);
     for step in 0..50 {
         let mut transform = app.world_mut().get_mut::<Transform>(entity).unwrap();
@@ -142,52 +134,45 @@ fn a_moved_and_turned_entity_keeps_its_collider() {
         app.update();
     }
     update_times(&mut app, 3);
-    assert_eq!(app.world().resource::<Seen>().ready.len(), 1);
+    assert_eq!(ready(&app).len(), 1);
 }
 
 /// Deeper than the notch of the bundled U, but not of one eight times the size.
-const BOUND: f64 = 1.5;
+const BOUND: f32 = 1.5;
 
 #[test]
 fn a_bound_in_metres_is_kept_in_metres() {
     let mut app = app_with(at_once());
     let mesh = add(&mut app, model("u_prism"));
-    let mut parameters = Parameters::default();
     // A bound so large that one hull keeps it, until the body grows.
-    parameters.bounded.max_error = Unit::Absolute(BOUND);
-    let tag = ConvexDecomposition::new(parameters);
-    let small = app.world_mut().spawn((Mesh3d(mesh), tag)).id();
+    let tag = tag().with_max_error(MaxError::Metres(BOUND));
+    let small = spawn_with(&mut app, &mesh, tag);
     update_until_finished(&mut app, &[small]);
-    let hulls = |app: &App| app.world().resource::<Seen>().ready.last().unwrap().1;
+    let hulls = |app: &App| ready(app).last().unwrap().1;
     assert_eq!(hulls(&app), 1);
     app.world_mut().get_mut::<Transform>(small).unwrap().scale = Vec3::splat(8.0);
-    update_until(&mut app, |app| app.world().resource::<Seen>().ready.len() == 2);
+    update_until_ready_times(&mut app, 2);
     assert_eq!(counters(&app).decomposed, 2);
     assert!(hulls(&app) > 1);
 }
 
 #[test]
 fn a_scale_that_changes_while_the_job_is_at_work_is_baked_in_the_end() {
-    // One stage per frame, so that the job is at work for several.
-    let mut app = app_with(HullwrightSettings {
-        execution: Execution::Slices,
-        frame_budget: Duration::ZERO,
-        ..at_once()
-    });
-    let mesh = add(&mut app, cuboid([0.0; 3], [1.0; 3]));
+    let mut app = app_with(sliced());
+    let mesh = add(&mut app, unit_cube());
     let [running, queued] = [1.0, 3.0].map(|scale| {
         let transform = Transform::from_scale(Vec3::splat(scale));
-        app.world_mut().spawn((Mesh3d(mesh.clone()), tag(), transform)).id()
+        spawn_with(&mut app, &mesh, transform)
     });
     update_times(&mut app, 2);
     assert!(matches!(status(&app, running), DecompositionStatus::Running { .. }));
-    assert_eq!(status(&app, queued), DecompositionStatus::Waiting(Wait::InQueue));
+    assert_eq!(status(&app, queued), DecompositionStatus::Waiting(WaitReason::InQueue));
     for entity in [running, queued] {
         app.world_mut().get_mut::<Transform>(entity).unwrap().scale = Vec3::splat(2.0);
     }
     update_times(&mut app, 200);
     for entity in [running, queued] {
-        assert!(matches!(status(&app, entity), DecompositionStatus::Ready(_)));
+        assert!(is_ready(&app, entity));
         assert_near(bounds(&app, entity).1, [2.0; 3], 1e-2);
     }
     assert_eq!(counters(&app).decomposed, 1);
@@ -196,43 +181,39 @@ fn a_scale_that_changes_while_the_job_is_at_work_is_baked_in_the_end() {
 #[test]
 fn a_scale_of_zero_fails_and_recovers() {
     let mut app = app_with(at_once());
-    let mesh = add(&mut app, cuboid([0.0; 3], [1.0; 3]));
+    let mesh = add(&mut app, unit_cube());
     let flat = Vec3::new(1.0, 0.0, 1.0);
     let of_scale = |scale| (Mesh3d(mesh.clone()), tag(), Transform::from_scale(scale));
     let flat_first = app.world_mut().spawn(of_scale(flat)).id();
     let flat_later = app.world_mut().spawn(of_scale(Vec3::ONE)).id();
     update_until_finished(&mut app, &[flat_first, flat_later]);
     assert!(matches!(status(&app, flat_first), DecompositionStatus::Failed(_)));
-    assert!(matches!(status(&app, flat_later), DecompositionStatus::Ready(_)));
+    assert!(is_ready(&app, flat_later));
 
     app.world_mut().get_mut::<Transform>(flat_first).unwrap().scale = Vec3::splat(2.0);
     app.world_mut().get_mut::<Transform>(flat_later).unwrap().scale = flat;
     update_until(&mut app, |app| {
-        matches!(status(app, flat_first), DecompositionStatus::Ready(_))
+        is_ready(app, flat_first)
             && matches!(status(app, flat_later), DecompositionStatus::Failed(_))
     });
     assert_near(bounds(&app, flat_first).1, [2.0; 3], 1e-2);
 
     app.world_mut().get_mut::<Transform>(flat_later).unwrap().scale = Vec3::ONE;
-    update_until(&mut app, |app| matches!(status(app, flat_later), DecompositionStatus::Ready(_)));
+    update_until(&mut app, |app| is_ready(app, flat_later));
     assert_near(bounds(&app, flat_later).1, [1.0; 3], 1e-2);
 }
 
 #[test]
 fn a_scale_that_grows_while_a_flat_job_is_at_work_recovers() {
-    let mut app = app_with(HullwrightSettings {
-        execution: Execution::Slices,
-        frame_budget: Duration::ZERO,
-        ..at_once()
-    });
-    let mesh = add(&mut app, cuboid([0.0; 3], [1.0; 3]));
+    let mut app = app_with(sliced());
+    let mesh = add(&mut app, unit_cube());
     let flat = Transform::from_scale(Vec3::new(1.0, 0.0, 1.0));
-    let entity = app.world_mut().spawn((Mesh3d(mesh), tag(), flat)).id();
+    let entity = spawn_with(&mut app, &mesh, flat);
     update_times(&mut app, 2);
     assert!(matches!(status(&app, entity), DecompositionStatus::Running { .. }));
     app.world_mut().get_mut::<Transform>(entity).unwrap().scale = Vec3::ONE;
     update_times(&mut app, 200);
-    assert!(matches!(status(&app, entity), DecompositionStatus::Ready(_)));
+    assert!(is_ready(&app, entity));
 }
 
 #[test]
@@ -243,14 +224,14 @@ fn a_changed_scale_does_not_try_a_bad_mesh_again() {
     update_until_finished(&mut app, &[entity]);
     app.world_mut().get_mut::<Transform>(entity).unwrap().scale = Vec3::splat(2.0);
     update_times(&mut app, 5);
-    assert_eq!(app.world().resource::<Seen>().failed.len(), 1);
+    assert_eq!(failed(&app).len(), 1);
     assert_eq!(counters(&app).failed, 1);
 }
 
 #[test]
 fn a_modified_mesh_is_decomposed_anew() {
     let mut app = app();
-    let handle = add(&mut app, cuboid([0.0; 3], [1.0; 3]));
+    let handle = add(&mut app, unit_cube());
     let entity = spawn(&mut app, &handle);
     update_until_finished(&mut app, &[entity]);
     let positions: Vec<[f32; 3]> =
@@ -260,7 +241,7 @@ fn a_modified_mesh_is_decomposed_anew() {
         .get_mut(&handle)
         .unwrap()
         .insert_attribute(Mesh::ATTRIBUTE_POSITION, positions);
-    update_until(&mut app, |app| app.world().resource::<Seen>().ready.len() == 2);
+    update_until_ready_times(&mut app, 2);
     assert_near(bounds(&app, entity).1, [3.0; 3], 1e-2);
     assert_eq!(counters(&app).decomposed, 2);
 }
@@ -268,22 +249,22 @@ fn a_modified_mesh_is_decomposed_anew() {
 #[test]
 fn another_mesh_in_its_place_is_decomposed() {
     let mut app = app();
-    let small = add(&mut app, cuboid([0.0; 3], [1.0; 3]));
+    let small = add(&mut app, unit_cube());
     let large = add(&mut app, cuboid([0.0; 3], [5.0; 3]));
     let entity = spawn(&mut app, &small);
     update_until_finished(&mut app, &[entity]);
     app.world_mut().entity_mut(entity).insert(Mesh3d(large));
-    update_until(&mut app, |app| app.world().resource::<Seen>().ready.len() == 2);
+    update_until_ready_times(&mut app, 2);
     assert_near(bounds(&app, entity).1, [5.0; 3], 1e-2);
 }
 
 #[test]
 fn mass_properties_that_were_there_stay() {
     let mut app = app();
-    let mesh = add(&mut app, cuboid([0.0; 3], [1.0; 3]));
+    let mesh = add(&mut app, unit_cube());
     let own = ColliderMassProperties::Mass(7.0);
-    let entity = app.world_mut().spawn((Mesh3d(mesh), tag(), own)).id();
+    let entity = spawn_with(&mut app, &mesh, own);
     update_until_finished(&mut app, &[entity]);
     assert_eq!(app.world().get::<ColliderMassProperties>(entity), Some(&own));
-    assert_eq!(status(&app, entity), DecompositionStatus::Ready(Origin::Decomposed));
+    assert_eq!(status(&app, entity), DecompositionStatus::Ready(HullSource::Decomposed));
 }

@@ -42,7 +42,7 @@ fn every_mesh_of_a_scene_gets_a_collider_of_its_own() {
     // Both primitives of the chair, without the table below it.
     assert_eq!(collider(&app, chair).as_compound().unwrap().shapes().count(), 2);
     assert!(collider(&app, table).as_convex_polyhedron().is_some());
-    assert_eq!(app.world().resource::<Seen>().ready.len(), 2);
+    assert_eq!(ready(&app).len(), 2);
 }
 
 #[test]
@@ -199,7 +199,7 @@ fn a_hierarchy_on_the_node_itself_takes_its_primitives_as_one_input() {
     assert!(is_tagged(&app, gltf_node));
     update_until_finished(&mut app, &[gltf_node]);
     assert_eq!(collider(&app, gltf_node).as_compound().unwrap().shapes().count(), 2);
-    assert_eq!(app.world().resource::<Seen>().ready.len(), 1);
+    assert_eq!(ready(&app).len(), 1);
 }
 
 #[test]
@@ -212,5 +212,5 @@ fn meshes_right_below_the_root_that_are_no_primitives_are_inputs_of_their_own() 
     update_times(&mut app, 2);
     assert!(!is_tagged(&app, root));
     update_until_finished(&mut app, &children);
-    assert_eq!(app.world().resource::<Seen>().ready.len(), 2);
+    assert_eq!(ready(&app).len(), 2);
 }

@@ -2,8 +2,8 @@
 
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
+use hullwright::bevy::WaitReason;
 use hullwright::bevy::prelude::*;
-use hullwright::bevy::{Execution, Wait};
 
 use crate::app::*;
 
@@ -13,10 +13,10 @@ fn a_tag_before_the_mesh_is_loaded_waits_for_it() {
     let handle = app.world().resource::<Assets<Mesh>>().reserve_handle();
     let entity = spawn(&mut app, &handle);
     update_times(&mut app, 5);
-    assert_eq!(status(&app, entity), DecompositionStatus::Waiting(Wait::ForMesh));
+    assert_eq!(status(&app, entity), DecompositionStatus::Waiting(WaitReason::ForMesh));
     app.world_mut().resource_mut::<Assets<Mesh>>().insert(handle.id(), model("u_prism")).unwrap();
     update_until_finished(&mut app, &[entity]);
-    assert!(app.world().get::<Collider>(entity).is_some());
+    assert!(has_collider(&app, entity));
 }
 
 #[test]
@@ -24,11 +24,11 @@ fn a_tag_before_there_is_any_mesh_waits_for_it() {
     let mut app = app();
     let entity = app.world_mut().spawn((Transform::default(), tag())).id();
     update_times(&mut app, 5);
-    assert_eq!(status(&app, entity), DecompositionStatus::Waiting(Wait::ForMesh));
+    assert_eq!(status(&app, entity), DecompositionStatus::Waiting(WaitReason::ForMesh));
     let mesh = add(&mut app, model("u_prism"));
     app.world_mut().entity_mut(entity).insert(Mesh3d(mesh));
     update_until_finished(&mut app, &[entity]);
-    assert!(app.world().get::<Collider>(entity).is_some());
+    assert!(has_collider(&app, entity));
 }
 
 #[test]
@@ -67,11 +67,7 @@ fn all_meshes_below_a_tag_are_one_input() {
     app.world_mut().spawn((Mesh3d(upper), Transform::from_xyz(0., 1., 0.), ChildOf(parent)));
     update_until_finished(&mut app, &[parent]);
     assert!(collider(&app, parent).as_convex_polyhedron().is_some());
-    let Some(ColliderMassProperties::MassProperties(properties)) =
-        app.world().get::<ColliderMassProperties>(parent)
-    else {
-        panic!("no mass properties");
-    };
+    let properties = mass(&app, parent);
     // Known to be closed only together.
     assert!((properties.mass / DENSITY - 1.0).abs() < 1e-3);
 }
@@ -79,7 +75,7 @@ fn all_meshes_below_a_tag_are_one_input() {
 #[test]
 fn what_has_a_tag_or_a_body_of_its_own_or_is_left_out_is_not_part_of_the_input() {
     let mut app = app();
-    let cube = add(&mut app, cuboid([0.0; 3], [1.0; 3]));
+    let cube = add(&mut app, unit_cube());
     let parent = app.world_mut().spawn((Mesh3d(cube.clone()), tag())).id();
     let aside = |x| Transform::from_xyz(x, 0.0, 0.0);
     let own = app.world_mut().spawn((Mesh3d(cube.clone()), aside(5.), tag(), ChildOf(parent))).id();
@@ -87,27 +83,21 @@ fn what_has_a_tag_or_a_body_of_its_own_or_is_left_out_is_not_part_of_the_input()
     app.world_mut().spawn((Mesh3d(cube), aside(9.), NoConvexDecomposition, ChildOf(parent)));
     update_until_finished(&mut app, &[parent, own]);
     for entity in [parent, own] {
-        let (low, high) = bounds(&app, entity);
-        assert_near(low, [0.0; 3], 1e-3);
-        assert_near(high, [1.0; 3], 1e-3);
+        assert_is_unit_cube(&app, entity);
     }
 }
 
 #[test]
 fn the_status_says_that_others_go_first() {
-    let mut app = app_with(HullwrightSettings {
-        execution: Execution::Slices,
-        frame_budget: std::time::Duration::ZERO,
-        ..default()
-    });
+    let mut app = app_with(sliced());
     let meshes = ["u_prism", "l_prism"].map(|name| add(&mut app, model(name)));
     let [first, second] = [&meshes[0], &meshes[1]].map(|mesh| spawn(&mut app, mesh));
     update_times(&mut app, 3);
     assert!(matches!(status(&app, first), DecompositionStatus::Running { .. }));
-    assert_eq!(status(&app, second), DecompositionStatus::Waiting(Wait::InQueue));
+    assert_eq!(status(&app, second), DecompositionStatus::Waiting(WaitReason::InQueue));
     assert_eq!((counters(&app).running, counters(&app).queued), (1, 1));
     update_until_finished(&mut app, &[first, second]);
-    assert!(matches!(status(&app, second), DecompositionStatus::Ready(_)));
+    assert!(is_ready(&app, second));
 }
 
 /// An app in which a job is at work on an entity.
@@ -144,7 +134,7 @@ fn removing_the_tag_cancels_the_work() {
     let counters = counters(&app);
     assert_eq!((counters.cancelled, counters.running), (1, 0));
     update_times(&mut app, 20);
-    assert!(app.world().get::<Collider>(entity).is_none());
+    assert!(!has_collider(&app, entity));
 }
 
 #[test]
@@ -159,23 +149,21 @@ fn despawning_cancels_the_work() {
 #[test]
 fn changing_the_tag_begins_anew() {
     let (mut app, entity) = app_at_work();
-    let mut parameters = hullwright::Parameters::default();
-    parameters.bounded.max_hulls = Some(1);
-    app.world_mut().entity_mut(entity).insert(ConvexDecomposition::new(parameters));
+    app.world_mut().entity_mut(entity).insert(tag().with_max_hulls(1));
     update_until_finished(&mut app, &[entity]);
     assert!(collider(&app, entity).as_convex_polyhedron().is_some());
-    assert_eq!(app.world().resource::<Seen>().ready, [(entity, 1)]);
+    assert_eq!(ready(&app), [(entity, 1)]);
 }
 
 #[test]
 fn the_collider_stays_when_the_tag_is_removed_later() {
     let mut app = app();
-    let mesh = add(&mut app, cuboid([0.0; 3], [1.0; 3]));
+    let mesh = add(&mut app, unit_cube());
     let entity = spawn(&mut app, &mesh);
     update_until_finished(&mut app, &[entity]);
     let before = status(&app, entity);
     app.world_mut().entity_mut(entity).remove::<ConvexDecomposition>();
     update_times(&mut app, 3);
-    assert!(app.world().get::<Collider>(entity).is_some());
+    assert!(has_collider(&app, entity));
     assert_eq!(status(&app, entity), before);
 }

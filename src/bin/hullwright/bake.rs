@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use hullwright::io::{HullMesh, read_own_meshes};
+use hullwright::io::{NamedMesh, read_own_meshes};
 use hullwright::{Control, Parameters};
 
 use crate::arguments::{ParameterArguments, ThreadArguments};
@@ -42,13 +42,12 @@ const LONGEST_NAME: usize = 200;
 
 struct Job<'a> {
     source: &'a Path,
-    mesh: HullMesh,
+    mesh: NamedMesh,
     output: PathBuf,
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let mut parameters = arguments.parameters.checked()?;
-    parameters.parallel = arguments.threads.is_parallel();
+    let parameters = arguments.parameters.checked()?;
     if !(arguments.density.is_finite() && arguments.density > 0.0) {
         let reason = format!("the density must be positive, not {}", arguments.density);
         return Err(Failure::Usage(reason));
@@ -63,6 +62,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut failures = Vec::new();
     for (index, job) in jobs.iter().enumerate() {
         let control = bar.control_of_part(index, jobs.len());
+        let control = control.with_parallel(arguments.threads.is_parallel());
         match pool.install(|| bake(job, arguments.density, &parameters, &control)) {
             Ok(line) => lines.push(line),
             Err(reason) => {
@@ -105,10 +105,10 @@ fn bake(
     parameters: &Parameters,
     control: &Control,
 ) -> Result<String, String> {
-    let HullMesh { name, positions, triangles } = &job.mesh;
-    let decomposition = hullwright::decompose(positions, triangles, parameters, control)
-        .map_err(|error| error.to_string())?;
-    let file = hulls_file(name.as_str(), positions, triangles, &decomposition, density)
+    let NamedMesh { name, mesh } = &job.mesh;
+    let decomposition =
+        hullwright::decompose(mesh, parameters, control).map_err(|error| error.to_string())?;
+    let file = hulls_file(name.as_str(), mesh.view(), &decomposition, density)
         .map_err(|error| error.to_string())?;
     file.write(&job.output).map_err(|error| error.to_string())?;
     Ok(wrote(&job.output, &file.hulls))

@@ -45,11 +45,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let file = waiting("reading", || read_mesh(&arguments.mesh))?;
     let bar = LateBar::start();
     let control = bar.control();
-    let curve = hullwright::decompose(&file.positions, &file.triangles, &parameters, &control)
-        .and_then(|result| {
-            MergeTree::new(&file.positions, &file.triangles, &result, &parameters, &control)
-                .map(|tree| (tree.curve(), result.report.diagonal))
-        });
+    let curve = hullwright::decompose(&file, &parameters, &control).and_then(|result| {
+        MergeTree::new(&file, &result, &parameters, &control)
+            .map(|tree| (tree.curve(), result.report.diagonal))
+    });
     bar.finish();
     let (curve, diagonal) = curve.map_err(|error| format!("{name}: {error}"))?;
     if let Some(output) = &arguments.output {
@@ -84,8 +83,8 @@ impl From<&CurvePoint> for PointLine {
         Self {
             hulls: point.hulls,
             error: point.error,
-            protrusion_max: point.phantom_max,
-            uncovered_max: point.exposed_max,
+            protrusion_max: point.protrusion_max,
+            uncovered_max: point.uncovered_max,
         }
     }
 }

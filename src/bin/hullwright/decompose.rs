@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use hullwright::io::{HullFormat, MeshFile, check_output, is_hulls_format, read_mesh, write_hulls};
+use hullwright::io::{HullFormat, MeshFile, check_output, is_hulls_file, read_mesh, write_hulls};
 use hullwright::{Decomposition, Parameters};
 
 use crate::arguments::{ParameterArguments, ThreadArguments};
@@ -45,7 +45,7 @@ pub struct Arguments {
 }
 
 fn parse_output(text: &str) -> Result<PathBuf, String> {
-    if HullFormat::from_path(text).is_some() || is_hulls_format(text) {
+    if HullFormat::from_path(text).is_some() || is_hulls_file(text) {
         Ok(PathBuf::from(text))
     } else {
         Err("hulls are written as .obj, .glb or .hulls".into())
@@ -53,8 +53,7 @@ fn parse_output(text: &str) -> Result<PathBuf, String> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let mut parameters = arguments.parameters.checked()?;
-    parameters.parallel = arguments.threads.is_parallel();
+    let parameters = arguments.parameters.checked()?;
     if let Some(output) = &arguments.output {
         check_output(output)?;
     }
@@ -85,10 +84,9 @@ fn decompose(
 ) -> Result<(Decomposition, f64), Failure> {
     let pool = arguments.threads.pool()?;
     let bar = LateBar::start();
-    let control = bar.control();
+    let control = bar.control().with_parallel(arguments.threads.is_parallel());
     let start = Instant::now();
-    let result = pool
-        .install(|| hullwright::decompose(&file.positions, &file.triangles, parameters, &control));
+    let result = pool.install(|| hullwright::decompose(file, parameters, &control));
     let seconds = start.elapsed().as_secs_f64();
     bar.finish();
     let decomposition = result.map_err(|error| format!("{}: {error}", arguments.mesh.display()))?;
@@ -101,11 +99,10 @@ fn write(
     file: &MeshFile,
     decomposition: &Decomposition,
 ) -> Result<(), Failure> {
-    if !is_hulls_format(output) {
+    if !is_hulls_file(output) {
         return Ok(waiting("writing", || write_hulls(output, &decomposition.hulls))?);
     }
     let name = arguments.mesh.file_stem().unwrap_or_default().to_string_lossy();
-    let MeshFile { positions, triangles, .. } = file;
-    let file = hulls_file(name, positions, triangles, decomposition, DEFAULT_DENSITY)?;
+    let file = hulls_file(name, file.into(), decomposition, DEFAULT_DENSITY)?;
     Ok(file.write(output)?)
 }

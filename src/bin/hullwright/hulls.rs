@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use hullwright::hulls_format::HullsFile;
-use hullwright::{Decomposition, Error, Hull};
+use hullwright::{Decomposition, Error, Hull, MeshView};
 
 use crate::output::count;
 
@@ -12,19 +12,18 @@ pub const DEFAULT_DENSITY: f64 = 1.0;
 
 /// Vertices of all hulls.
 pub fn vertices(hulls: &[Hull]) -> usize {
-    hulls.iter().map(|hull| hull.points.len()).sum()
+    hulls.iter().map(|hull| hull.shape.points.len()).sum()
 }
 
 /// What a `.hulls` file holds of a mesh.
 pub fn hulls_file(
     name: impl Into<String>,
-    positions: &[[f64; 3]],
-    triangles: &[[u32; 3]],
+    mesh: MeshView<'_>,
     decomposition: &Decomposition,
     density: f64,
 ) -> Result<HullsFile, Error> {
     let hulls = &decomposition.hulls;
-    let properties = hullwright::mass_properties(positions, triangles, hulls, density)?;
+    let properties = hullwright::mass_properties(mesh, hulls, density)?;
     Ok(HullsFile::new(name, decomposition).with_mass_properties(properties))
 }
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use hullwright::Inspection;
 use hullwright::hulls_format::HullsFile;
-use hullwright::io::{is_hulls_format, read_mesh};
+use hullwright::io::{is_hulls_file, read_mesh};
 
 use crate::hulls::vertices;
 use crate::output::{Failure, print};
@@ -19,11 +19,11 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    if is_hulls_format(&arguments.mesh) {
+    if is_hulls_file(&arguments.mesh) {
         return print(&pairs(hulls_file_rows(&HullsFile::read(&arguments.mesh)?)));
     }
     let file = waiting("reading", || read_mesh(&arguments.mesh))?;
-    let found = waiting("inspecting", || hullwright::inspect(&file.positions, &file.triangles))
+    let found = waiting("inspecting", || hullwright::inspect(&file))
         .map_err(|error| format!("{}: {error}", arguments.mesh.display()))?;
     print(&pairs(rows(&found, file.objects.len())))
 }
@@ -82,8 +82,8 @@ fn hulls_file_rows(file: &HullsFile) -> Vec<(&'static str, String)> {
     ];
     rows.extend(file.bound.map(|bound| ("bound", length(bound))));
     if let Some(verified) = file.verified {
-        rows.push(("protrusion", format!("at most {}", length(verified.phantom_max))));
-        rows.push(("uncovered", format!("at most {}", length(verified.exposed_max))));
+        rows.push(("protrusion", format!("at most {}", length(verified.protrusion_max))));
+        rows.push(("uncovered", format!("at most {}", length(verified.uncovered_max))));
     }
     if let Some(properties) = file.mass_properties {
         rows.push(("mass", number(properties.mass)));

@@ -99,9 +99,9 @@ impl DecompositionLine {
             vertices: vertices(hulls),
             seconds,
             bound: of_bounded(|bounded| bounded.bound),
-            protrusion_max: of_bounded(|bounded| bounded.phantom_max),
-            uncovered_max: of_bounded(|bounded| bounded.exposed_max),
-            patches: bounded.map(|bounded| bounded.seeds),
+            protrusion_max: of_bounded(|bounded| bounded.protrusion_max),
+            uncovered_max: of_bounded(|bounded| bounded.uncovered_max),
+            patches: bounded.map(|bounded| bounded.patches),
             cost: of_surface(|surface| surface.cost),
             planar_threshold: of_surface(|surface| surface.planar_threshold),
             resolution: surface.map(|surface| surface.resolution),
@@ -117,9 +117,12 @@ impl DecompositionLine {
             diagonal: report.diagonal,
             components: report.components,
             closed_components: report.closed_components,
-            volume_sum: hulls.iter().map(|hull| hull.volume).sum(),
-            thickened_hulls: hulls.iter().filter(|hull| hull.added_thickness > 0.0).count(),
-            grown_hulls: hulls.iter().filter(|hull| hull.cap_growth > 0.0).count(),
+            volume_sum: hulls.iter().map(|hull| hull.shape.volume()).sum(),
+            thickened_hulls: hulls.iter().filter(|hull| hull.errors.added_thickness > 0.0).count(),
+            grown_hulls: hulls
+                .iter()
+                .filter(|hull| hull.errors.simplification_growth > 0.0)
+                .count(),
             deadline_reached: report.deadline_reached,
             stage_seconds: stage_seconds(report),
             search: surface

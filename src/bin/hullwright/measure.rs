@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
+use hullwright::Control;
 use hullwright::io::{read_hulls, read_mesh};
-use hullwright::measure::{Distances, HullShape, MeasureOptions, Measurement, measure};
+use hullwright::measure::{Distances, MeasureOptions, Measurement, measure};
 use serde::Serialize;
 
 use crate::output::{Failure, print, print_json};
@@ -31,13 +32,11 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mesh = waiting("reading", || read_mesh(&arguments.mesh))?;
     let hulls = waiting("reading", || read_hulls(&arguments.hulls))?;
-    let shapes: Vec<HullShape<'_>> = hulls.iter().map(HullShape::from).collect();
     let options = MeasureOptions::default();
-    let judged =
-        waiting("measuring", || measure(&mesh.positions, &mesh.triangles, &shapes, &options));
+    let judged = waiting("measuring", || measure(&mesh, &hulls, &options, &Control::new()));
     let found = judged.map_err(|error| {
         let path = match error {
-            hullwright::Error::NoHull { .. } => &arguments.hulls,
+            hullwright::Error::NoHulls | hullwright::Error::UnusableHull { .. } => &arguments.hulls,
             _ => &arguments.mesh,
         };
         format!("{}: {error}", path.display())
@@ -105,10 +104,10 @@ impl MeasurementLine {
             worst_concavity: found.worst_concavity,
             open_hulls: found.open_hulls,
             non_positive_volumes: found.non_positive_volumes,
-            protrusion: distances(found.phantom),
-            uncovered: distances(found.exposed),
+            protrusion: distances(found.protrusion),
+            uncovered: distances(found.uncovered),
             hausdorff: found.hausdorff,
-            uncovered_volume: found.hollow,
+            uncovered_volume: found.uncovered_volume,
             iou: found.iou,
             overlap: found.overlap,
             open_edges: found.open_edges,
@@ -150,10 +149,10 @@ fn text(found: &Measurement) -> String {
         rows.push(("left out as unusable", found.unusable_hulls.to_string()));
     }
     rows.extend([
-        ("protrusion", distances(found.phantom)),
-        ("uncovered", distances(found.exposed)),
+        ("protrusion", distances(found.protrusion)),
+        ("uncovered", distances(found.uncovered)),
         ("Hausdorff", length(found.hausdorff)),
-        ("uncovered volume", share(found.hollow)),
+        ("uncovered volume", share(found.uncovered_volume)),
         ("volume IoU", share(found.iou)),
         (
             "overlap",

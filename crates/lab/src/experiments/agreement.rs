@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use hullwright::Error;
-use hullwright::io::{HullMesh, MeshFile, read_hulls, read_mesh};
+use hullwright::io::{MeshFile, NamedMesh, read_hulls, read_mesh};
 use hullwright::measure::MeasureOptions;
 
 use crate::output::{Failure, print};
@@ -126,7 +126,7 @@ struct Tally {
 /// Hulls of another tool, their mesh, and our measurement of them.
 struct Case {
     mesh: MeshFile,
-    hulls: Vec<HullMesh>,
+    hulls: Vec<NamedMesh>,
     ours: Judged,
     /// Made when first needed.
     repeats: Option<Vec<Judged>>,
@@ -171,7 +171,7 @@ impl Case {
             folder.coacd_hulls(&result.mesh)
         })?;
         let options = MeasureOptions::default();
-        let ours = judge(&mesh.positions, &mesh.triangles, &hulls, &options)?;
+        let ours = judge(mesh.mesh.view(), &hulls, &options)?;
         Ok(Self { mesh, hulls, ours, repeats: None })
     }
 
@@ -226,7 +226,7 @@ impl Case {
                 options.mesh_samples = THEIR_SURFACE_POINTS;
                 options.random_seed = Some(repeat);
                 options.volume_samples = 0;
-                judge(&mesh.positions, &mesh.triangles, hulls, &options)
+                judge(mesh.mesh.view(), hulls, &options)
             });
             self.repeats = Some(repeats.collect::<Result<_, _>>()?);
         }

@@ -26,7 +26,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     for path in &arguments.meshes {
         let file = read_mesh(path)?;
         let start = Instant::now();
-        decompose(&file.positions, &file.triangles, &Parameters::default(), &Control::new())?;
+        decompose(&file, &Parameters::default(), &Control::new())?;
         let whole = start.elapsed();
         let moments = (1..=MOMENTS).map(|moment| whole * moment / (MOMENTS + 1));
         let mut waits: Vec<Duration> =
@@ -51,7 +51,7 @@ fn stop_after(file: &MeshFile, moment: Duration) -> Option<Duration> {
     std::thread::scope(|scope| {
         let work = scope.spawn(|| {
             let parameters = Parameters::default();
-            decompose(&file.positions, &file.triangles, &parameters, &control)
+            decompose(file, &parameters, &control)
         });
         std::thread::sleep(moment);
         let stop = Instant::now();

@@ -125,13 +125,13 @@ impl Summary {
 
 fn decompose_and_judge(path: &Path) -> Result<Row, Error> {
     let file = read_mesh(path)?;
-    let mut parameters = Parameters::default();
-    parameters.parallel = false;
+    let parameters = Parameters::default();
+    let control = Control::new().with_parallel(false);
     let start = Instant::now();
-    let result = decompose(&file.positions, &file.triangles, &parameters, &Control::new())?;
+    let result = decompose(&file, &parameters, &control)?;
     let seconds = start.elapsed().as_secs_f64();
     let options = MeasureOptions::default();
-    let judged = judge(&file.positions, &file.triangles, &result.hulls, &options)?;
+    let judged = judge(file.mesh.view(), &result.hulls, &options)?;
     let (error, is_broken) = match Verified::of(&result.report) {
         Some(verified) => {
             let Verified { bound, protrusion_max, uncovered_max } = verified;
@@ -145,7 +145,7 @@ fn decompose_and_judge(path: &Path) -> Result<Row, Error> {
     Ok(Row {
         error,
         is_broken,
-        triangles: file.triangles.len(),
+        triangles: file.mesh.triangles.len(),
         hulls: result.hulls.len(),
         not_convex: judged.non_convex_hulls,
         without_volume: judged.non_positive_volumes,

@@ -20,8 +20,8 @@ pub struct Arguments {
 const RUNS: usize = 3;
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let mut parameters = Parameters::default();
-    parameters.parallel = false;
+    let parameters = Parameters::default();
+    let control = Control::new().with_parallel(false);
     let mut totals: Vec<f64> = Vec::new();
     let mut columns: Vec<Vec<f64>> = Vec::new();
     for path in &arguments.meshes {
@@ -29,7 +29,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let mut best: Vec<(&str, f64)> = Vec::new();
         let mut hulls = 0;
         for _ in 0..RUNS {
-            let result = decompose(&file.positions, &file.triangles, &parameters, &Control::new())?;
+            let result = decompose(&file, &parameters, &control)?;
             hulls = result.hulls.len();
             for (index, time) in result.report.times.iter().enumerate() {
                 let milliseconds = 1e3 * time.seconds;
@@ -41,7 +41,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
         let total: f64 = best.iter().map(|entry| entry.1).sum();
         let mut line =
-            format!("{total:9.1} ms {hulls:4} hulls {:8} triangles ", file.triangles.len());
+            format!("{total:9.1} ms {hulls:4} hulls {:8} triangles ", file.mesh.triangles.len());
         columns.resize(columns.len().max(best.len()), Vec::new());
         for ((stage, time), column) in best.iter().zip(&mut columns) {
             line += &format!(" {stage} {time:.1}");

@@ -13,7 +13,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use hullwright::io::{MeshFile, read_mesh};
-use hullwright::{Control, Parameters, SurfaceParameters, SurfaceReport, Unit, decompose};
+use hullwright::{Control, Length, Parameters, SurfaceParameters, SurfaceReport, decompose};
 
 use crate::output::{Failure, print};
 use crate::report::table::Table;
@@ -53,16 +53,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         cases.push(Case { file: read_mesh(folder.mesh(&paper.mesh))?, paper });
     }
     let default = SurfaceParameters::paper().unit;
-    for (title, unit) in
-        [("1 unit of the mesh", Unit::Absolute(1.0)), ("the default unit", default)]
+    for (title, unit) in [("1 unit of the mesh", Length::Units(1.0)), ("the default unit", default)]
     {
         let rows = rows(&cases, unit)?;
         print(&table(title, &cases, &rows).to_markdown())?;
     }
     let header = ["unit", "score", "pieces at the paper's p and r: mean log2", "mean of its size"];
     let mut sweep = Table::new("Units", "", &header);
-    let diagonals = DIAGONALS.map(|unit| (format!("{unit} diagonals"), Unit::Diagonals(unit)));
-    let own = MESH_UNITS.map(|unit| (format!("{unit} units of the mesh"), Unit::Absolute(unit)));
+    let diagonals = DIAGONALS.map(|unit| (format!("{unit} diagonals"), Length::Share(unit)));
+    let own = MESH_UNITS.map(|unit| (format!("{unit} units of the mesh"), Length::Units(unit)));
     for (name, unit) in diagonals.into_iter().chain(own) {
         let score = score(&cases, &rows(&cases, unit)?);
         let (mean, size) = pieces_at_their_thresholds(&cases, unit)?;
@@ -95,14 +94,13 @@ fn table(unit: &str, cases: &[Case], rows: &[Ours]) -> Table {
 }
 
 fn surface(file: &MeshFile, parameters: &Parameters) -> Result<SurfaceReport, Failure> {
-    let found = decompose(&file.positions, &file.triangles, parameters, &Control::new())?;
+    let found = decompose(file, parameters, &Control::new().with_parallel(false))?;
     Ok(found.report.surface.ok_or("the surface method reported nothing")?)
 }
 
-fn rows(cases: &[Case], unit: Unit) -> Result<Vec<Ours>, Failure> {
+fn rows(cases: &[Case], unit: Length) -> Result<Vec<Ours>, Failure> {
     let mut parameters = Parameters::paper();
     parameters.surface.unit = unit;
-    parameters.parallel = false;
     let mut rows = Vec::with_capacity(cases.len());
     for case in cases {
         let start = Instant::now();
@@ -114,7 +112,7 @@ fn rows(cases: &[Case], unit: Unit) -> Result<Vec<Ours>, Failure> {
 
 /// log2 of the ratio of our pieces to the paper's, where p and r are given: its mean, and the mean
 /// of its size.
-fn pieces_at_their_thresholds(cases: &[Case], unit: Unit) -> Result<(f64, f64), Failure> {
+fn pieces_at_their_thresholds(cases: &[Case], unit: Length) -> Result<(f64, f64), Failure> {
     let (mut sum, mut sizes) = (0.0, 0.0);
     for Case { file, paper } in cases {
         let mut parameters = Parameters::paper();

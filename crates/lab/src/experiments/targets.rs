@@ -158,17 +158,17 @@ fn compare(path: &Path, coacd_hulls: f64, bound: f64, preset: Preset) -> Result<
     let mut parameters = bounded(bound);
     parameters.bounded.preset = preset;
     let start = Instant::now();
-    let result = decompose(&file.positions, &file.triangles, &parameters, &Control::new())?;
+    let result = decompose(&file, &parameters, &Control::new())?;
     let seconds = start.elapsed().as_secs_f64();
     let verified = Verified::of(&result.report).ok_or("the bounded method verified nothing")?;
     let mut options = MeasureOptions::default();
     options.hull_samples = SURFACE_SAMPLES;
     options.mesh_samples = SURFACE_SAMPLES;
     options.volume_samples = VOLUME_SAMPLES;
-    let judged = judge(&file.positions, &file.triangles, &result.hulls, &options)?;
+    let judged = judge(file.mesh.view(), &result.hulls, &options)?;
     let start = Instant::now();
     let default = vhacd::VHACDParameters::default();
-    std::hint::black_box(vhacd::decompose(&file.positions, &file.triangles, &default));
+    std::hint::black_box(vhacd::decompose((&file).into(), &default));
     let vhacd_seconds = start.elapsed().as_secs_f64();
     Ok(Row {
         is_broken: verified.is_broken(&judged, ROUNDING),
@@ -176,7 +176,7 @@ fn compare(path: &Path, coacd_hulls: f64, bound: f64, preset: Preset) -> Result<
         coacd_hulls,
         seconds,
         vhacd_seconds,
-        meshopt_seconds: meshopt_seconds(&file.positions, &file.triangles),
+        meshopt_seconds: meshopt_seconds(&file.mesh.positions, &file.mesh.triangles),
     })
 }
 

@@ -11,8 +11,7 @@ const TOO_SMALL_TO_COUNT: usize = 2;
 /// This is what the paper's Table 1 calls cost. O(vertices · hull faces) per group.
 pub fn average_cost(grouped: &GroupedMesh) -> f64 {
     let count = grouped.groups.iter().max().map_or(0, |&label| label as usize + 1);
-    let mesh =
-        TriangleMesh { positions: grouped.positions.clone(), triangles: grouped.triangles.clone() };
+    let mesh = TriangleMesh::new(grouped.positions.clone(), grouped.triangles.clone());
     average(&mesh, &grouped.groups, count)
 }
 

@@ -28,7 +28,7 @@ use hullwright::internals::{
     LEAST_CUT_OFF_RESOLUTION, Level, Levels, assign_source_triangles, hulls, merge_groups, prepare,
     with_parallelism,
 };
-use hullwright::{Control, Coordinate, Error, Hull, Stage};
+use hullwright::{Control, Error, Hull, MeshView, Stage};
 
 use collapse::{Threshold, collapse};
 use selection::{Candidate, select};
@@ -59,9 +59,8 @@ pub struct HacdDecomposition {
 ///
 /// # Errors
 /// As [`hullwright::decompose`]; [`Error::DeadlineExceeded`] as soon as the deadline has passed.
-pub fn decompose<C: Coordinate>(
-    positions: &[[C; 3]],
-    triangles: &[[u32; 3]],
+pub fn decompose<'a>(
+    mesh: impl Into<MeshView<'a>>,
     parameters: &HacdParameters,
     control: &Control,
 ) -> Result<HacdDecomposition, Error> {
@@ -74,7 +73,7 @@ pub fn decompose<C: Coordinate>(
         start = Instant::now();
     };
 
-    let prepared = prepare(positions, triangles, control)?;
+    let prepared = prepare(mesh.into(), control)?;
     lap(Stage::Repair);
     let mut levels = Levels::new(surface);
     while !levels.is_complete() {
@@ -96,7 +95,7 @@ pub fn decompose<C: Coordinate>(
     let cap = parameters.max_vertices;
     let mut hulls = hulls(mesh, components, &grouping, normalization, cap, control)?;
     lap(Stage::Hulls);
-    with_parallelism(parameters.parallel, || {
+    with_parallelism(control.is_parallel(), || {
         assign_source_triangles(&prepared, mesh, &grouping, &mut hulls, control)
     })?;
     lap(Stage::Assign);
@@ -140,7 +139,7 @@ fn candidates(
         if cuts_off {
             break;
         }
-        if did_not_cut_off && parameters.parallel && rayon::current_num_threads() > 1 {
+        if did_not_cut_off && control.is_parallel() && rayon::current_num_threads() > 1 {
             use rayon::prelude::*;
             let rest: Result<Vec<_>, Error> =
                 levels[index + 1..].par_iter().map(&candidate_of).collect();

@@ -14,8 +14,6 @@ pub struct HacdParameters {
     /// Most vertices that a hull may have, as in
     /// [`Parameters::max_vertices`].
     pub max_vertices: Option<usize>,
-    /// Whether resolutions run on rayon's current pool. The result does not depend on it.
-    pub parallel: bool,
 }
 
 /// ε of the paper's own method, for want of another value.
@@ -27,7 +25,6 @@ impl Default for HacdParameters {
             concavity_threshold: DEFAULT_CONCAVITY_THRESHOLD,
             surface: SurfaceParameters::paper(),
             max_vertices: None,
-            parallel: true,
         }
     }
 }

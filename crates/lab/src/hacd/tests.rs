@@ -1,5 +1,6 @@
 //! Costs and collapses that can be worked out by hand.
 
+use hullwright::MeshView;
 use hullwright::internals::shapes::{cuboid, join, torus, turn};
 use hullwright::internals::vector::distance;
 use hullwright::internals::{Adjacency, CostScratch, Grouping, TriangleMesh, cost, members};
@@ -14,6 +15,7 @@ fn square() -> TriangleMesh {
     TriangleMesh {
         positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]],
         triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..TriangleMesh::default()
     }
 }
 
@@ -30,6 +32,7 @@ fn wall_and_floor() -> TriangleMesh {
             [1.0, 1.0, 0.0],
         ],
         triangles: vec![[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]],
+        ..TriangleMesh::default()
     }
 }
 
@@ -177,34 +180,33 @@ fn no_surface_costs_beta_or_more() {
 #[test]
 fn separate_cubes_stay_separate() {
     let mesh = join(&[cuboid([0.0; 3], [1.0; 3]), cuboid([3.0, 0.0, 0.0], [4.0, 1.0, 1.0])]);
-    let found =
-        decompose(&mesh.positions, &mesh.triangles, &HacdParameters::default(), &Control::new());
+    let found = decompose(&mesh, &HacdParameters::default(), &Control::new());
     let found = found.unwrap();
     assert_eq!(found.hulls.len(), 2);
-    assert!(found.hulls.iter().all(|hull| (hull.volume - 1.0).abs() < 1e-9));
+    assert!(found.hulls.iter().all(|hull| (hull.shape.volume() - 1.0).abs() < 1e-9));
     assert!(found.cost < 1e-9);
 }
 
 #[test]
 fn threads_and_scale_change_nothing() {
     let mesh = torus(40, 20);
-    let mut parameters = HacdParameters::default();
-    let run = |parameters: &HacdParameters, scale: f64| {
+    let parameters = HacdParameters::default();
+    let run = |is_parallel: bool, scale: f64| {
         let positions: Vec<[f64; 3]> =
             mesh.positions.iter().map(|p| p.map(|x| x * scale)).collect();
-        decompose(&positions, &mesh.triangles, parameters, &Control::new()).unwrap()
+        let control = Control::new().with_parallel(is_parallel);
+        decompose(MeshView::new(&positions, &mesh.triangles), &parameters, &control).unwrap()
     };
-    let first = run(&parameters, 1.0);
-    parameters.parallel = false;
-    assert_eq!(run(&parameters, 1.0).hulls, first.hulls);
-    assert_eq!(run(&parameters, 1024.0).groups, first.groups);
+    let first = run(true, 1.0);
+    assert_eq!(run(false, 1.0).hulls, first.hulls);
+    assert_eq!(run(true, 1024.0).groups, first.groups);
 }
 
 #[test]
 fn values_that_mean_nothing_are_refused() {
     let mesh = square();
     let parameters = HacdParameters { concavity_threshold: 0.0, ..HacdParameters::default() };
-    let refused = decompose(&mesh.positions, &mesh.triangles, &parameters, &Control::new());
+    let refused = decompose(&mesh, &parameters, &Control::new());
     assert!(matches!(refused, Err(Error::InvalidParameter { name: "concavity_threshold", .. })));
 }
 
@@ -212,7 +214,7 @@ fn values_that_mean_nothing_are_refused() {
 fn a_deadline_in_the_past_is_an_error() {
     let mesh = torus(40, 20);
     let control = Control::new().with_deadline(Instant::now());
-    let result = decompose(&mesh.positions, &mesh.triangles, &HacdParameters::default(), &control);
+    let result = decompose(&mesh, &HacdParameters::default(), &control);
     assert_eq!(result.unwrap_err(), Error::DeadlineExceeded);
 }
 

@@ -95,7 +95,7 @@ pub fn spot(shared: &Shared) -> Result<Vec<Table>, String> {
     let mesh = shared.read("common/spot.obj")?;
     let mut whole = SurfaceParameters::paper();
     whole.simplification_quality = 1.0;
-    whole.maximum_resolutions = vec![mesh.triangles.len()];
+    whole.maximum_resolutions = vec![mesh.mesh.triangles.len()];
     let mut simplified = SurfaceParameters::paper();
     simplified.maximum_resolutions = vec![900];
 

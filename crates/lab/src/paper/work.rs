@@ -81,12 +81,12 @@ impl Shared {
         let parameters = HacdParameters {
             concavity_threshold: threshold,
             surface: surface.clone(),
-            parallel: false,
             ..HacdParameters::default()
         };
-        let control = Control::new().with_deadline(Instant::now() + self.limits.time);
+        let control =
+            Control::new().with_parallel(false).with_deadline(Instant::now() + self.limits.time);
         let start = Instant::now();
-        let found = hacd::decompose(&mesh.positions, &mesh.triangles, &parameters, &control);
+        let found = hacd::decompose(mesh, &parameters, &control);
         let found = match found {
             Err(hullwright::Error::DeadlineExceeded) => return Ok(None),
             other => other.map_err(|error| error.to_string())?,
@@ -112,13 +112,12 @@ pub fn surface(mesh: &MeshFile, surface: &SurfaceParameters) -> Result<Found, St
     let mut parameters = Parameters::paper();
     parameters.method = hullwright::Method::Surface;
     parameters.surface = surface.clone();
-    parameters.parallel = false;
+    let serial = Control::new().with_parallel(false);
     let (mut seconds, mut search) = (Vec::new(), Vec::new());
     loop {
         let start = Instant::now();
         let found =
-            hullwright::decompose(&mesh.positions, &mesh.triangles, &parameters, &Control::new())
-                .map_err(|error| error.to_string())?;
+            hullwright::decompose(mesh, &parameters, &serial).map_err(|error| error.to_string())?;
         seconds.push(start.elapsed().as_secs_f64());
         let times = found.report.times.iter().filter(|time| time.stage == Stage::Search);
         search.push(times.map(|time| time.seconds).sum());
@@ -143,6 +142,5 @@ pub fn surface(mesh: &MeshFile, surface: &SurfaceParameters) -> Result<Found, St
 
 /// Judges hulls as the benchmark does.
 pub fn judge_default(mesh: &MeshFile, hulls: &[Hull]) -> Result<Judged, String> {
-    judge(&mesh.positions, &mesh.triangles, hulls, &MeasureOptions::default())
-        .map_err(|error| error.to_string())
+    judge(mesh.mesh.view(), hulls, &MeasureOptions::default()).map_err(|error| error.to_string())
 }

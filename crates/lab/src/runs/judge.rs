@@ -1,8 +1,8 @@
 //! Judges hulls against their mesh: the one place that names the figures of `hullwright::measure`
 //! and what the bounded method reports.
 
-use hullwright::measure::{HullShape, MeasureOptions, Measurement, measure};
-use hullwright::{Error, Report};
+use hullwright::measure::{MeasureOptions, Measurement, measure};
+use hullwright::{Control, Error, MeshView, Report};
 use serde::{Deserialize, Serialize};
 
 /// What `measure` says. Lengths are shares of the mesh's diagonal.
@@ -52,14 +52,14 @@ impl From<&Measurement> for Judged {
             non_convex_hulls: found.non_convex_hulls,
             non_positive_volumes: found.non_positive_volumes,
             worst_concavity: found.worst_concavity,
-            protrusion_mean: found.phantom.mean,
-            protrusion_p99: found.phantom.p99,
-            protrusion_max: found.phantom.max,
-            uncovered_mean: found.exposed.mean,
-            uncovered_p99: found.exposed.p99,
-            uncovered_max: found.exposed.max,
+            protrusion_mean: found.protrusion.mean,
+            protrusion_p99: found.protrusion.p99,
+            protrusion_max: found.protrusion.max,
+            uncovered_mean: found.uncovered.mean,
+            uncovered_p99: found.uncovered.p99,
+            uncovered_max: found.uncovered.max,
             hausdorff: found.hausdorff,
-            uncovered_volume: found.hollow,
+            uncovered_volume: found.uncovered_volume,
             iou: found.iou,
             overlap: found.overlap,
             samples: Samples {
@@ -75,16 +75,14 @@ impl From<&Measurement> for Judged {
 
 /// Judges hulls of any kind.
 pub fn judge<'a, H>(
-    positions: &[[f64; 3]],
-    triangles: &[[u32; 3]],
+    mesh: MeshView<'_>,
     hulls: &'a [H],
     options: &MeasureOptions,
 ) -> Result<Judged, Error>
 where
-    HullShape<'a>: From<&'a H>,
+    &'a H: Into<MeshView<'a>>,
 {
-    let shapes: Vec<HullShape<'a>> = hulls.iter().map(HullShape::from).collect();
-    Ok(Judged::from(&measure(positions, triangles, &shapes, options)?))
+    Ok(Judged::from(&measure(mesh, hulls, options, &Control::new())?))
 }
 
 /// What the bounded method was asked for and has verified, in shares of the mesh's diagonal.
@@ -102,8 +100,8 @@ impl Verified {
         let relative = |length: f64| length / report.diagonal;
         Some(Self {
             bound: relative(bounded.bound),
-            protrusion_max: relative(bounded.phantom_max),
-            uncovered_max: relative(bounded.exposed_max),
+            protrusion_max: relative(bounded.protrusion_max),
+            uncovered_max: relative(bounded.uncovered_max),
         })
     }
 

@@ -1,6 +1,6 @@
 //! The methods, and the values that each one's own setting takes.
 
-use hullwright::{Method, Parameters, Unit};
+use hullwright::{Length, Method, Parameters};
 
 use crate::hacd::HacdParameters;
 
@@ -174,7 +174,7 @@ impl Run {
 pub fn bounded(error: f64) -> Parameters {
     let mut parameters = Parameters::default();
     parameters.method = Method::Bounded;
-    parameters.bounded.max_error = Unit::Diagonals(error);
+    parameters.bounded.max_error = Length::Share(error);
     parameters
 }
 

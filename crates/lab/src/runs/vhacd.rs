@@ -1,7 +1,8 @@
 //! V-HACD as Parry has it and Rapier calls it: exact convex hulls of the parts.
 
 use super::methods::Run;
-use hullwright::io::HullMesh;
+use hullwright::io::NamedMesh;
+use hullwright::{MeshView, TriangleMesh};
 use parry3d::math::Vector;
 use parry3d::transformation::vhacd::VHACD;
 pub use parry3d::transformation::vhacd::VHACDParameters;
@@ -21,19 +22,17 @@ pub fn parameters(run: &Run) -> Option<VHACDParameters> {
 }
 
 /// Hulls in the mesh's units, in single precision as Parry computes.
-pub fn decompose(
-    positions: &[[f64; 3]],
-    triangles: &[[u32; 3]],
-    parameters: &VHACDParameters,
-) -> Vec<HullMesh> {
+pub fn decompose(mesh: MeshView<'_>, parameters: &VHACDParameters) -> Vec<NamedMesh> {
     let points: Vec<Vector> =
-        positions.iter().map(|&[x, y, z]| Vector::new(x as f32, y as f32, z as f32)).collect();
-    let parts = VHACD::decompose(parameters, &points, triangles, true);
-    let hulls = parts.compute_exact_convex_hulls(&points, triangles).into_iter();
-    let read = |(index, (points, triangles)): (usize, (Vec<Vector>, Vec<[u32; 3]>))| HullMesh {
+        mesh.positions().map(|[x, y, z]| Vector::new(x as f32, y as f32, z as f32)).collect();
+    let parts = VHACD::decompose(parameters, &points, mesh.triangles(), true);
+    let hulls = parts.compute_exact_convex_hulls(&points, mesh.triangles()).into_iter();
+    let read = |(index, (points, triangles)): (usize, (Vec<Vector>, Vec<[u32; 3]>))| NamedMesh {
         name: format!("hull_{index}"),
-        positions: points.iter().map(|p| [p.x, p.y, p.z].map(f64::from)).collect(),
-        triangles,
+        mesh: TriangleMesh::from_points::<f32, _>(
+            points.iter().map(|p| [p.x, p.y, p.z]),
+            triangles,
+        ),
     };
     hulls.enumerate().map(read).collect()
 }

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use hullwright::io::{HullMesh, MeshFile, read_hulls, read_mesh};
+use hullwright::io::{MeshFile, NamedMesh, read_hulls, read_mesh};
 use hullwright::measure::MeasureOptions;
-use hullwright::{Control, Error, Hull, Parameters};
+use hullwright::{Control, Error, Hull, Parameters, TriangleMesh};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -50,7 +50,7 @@ const ENOUGH_SECONDS: f64 = 0.5;
 /// What a method returned.
 #[derive(Default)]
 struct Output {
-    hulls: Vec<HullMesh>,
+    hulls: Vec<NamedMesh>,
     stages: Vec<(String, f64)>,
     cost: Option<f64>,
     details: BTreeMap<String, Value>,
@@ -81,7 +81,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let repeats = times.len();
     let Output { hulls, stages, cost, details } = first.unwrap_or_default();
     say(&Line::Worked(Worked {
-        triangles: mesh.triangles.len(),
+        triangles: mesh.mesh.triangles.len(),
         seconds: median(times),
         repeats,
         seconds_all_threads: None,
@@ -118,30 +118,32 @@ fn pool(threads: usize) -> Result<rayon::ThreadPool, Failure> {
     Ok(pool.map_err(|error| format!("the threads can't be started: {error}"))?)
 }
 
-fn judge_default(mesh: &MeshFile, hulls: &[HullMesh]) -> Result<Judged, Error> {
-    judge(&mesh.positions, &mesh.triangles, hulls, &MeasureOptions::default())
+fn judge_default(mesh: &MeshFile, hulls: &[NamedMesh]) -> Result<Judged, Error> {
+    judge(mesh.mesh.view(), hulls, &MeasureOptions::default())
 }
 
 fn decompose(run: &Run, mesh: &MeshFile, parallel: bool) -> Result<Output, Error> {
     if let Some(parameters) = vhacd::parameters(run) {
-        let hulls = vhacd::decompose(&mesh.positions, &mesh.triangles, &parameters);
+        let hulls = vhacd::decompose(mesh.into(), &parameters);
         return Ok(Output { hulls, ..Output::default() });
     }
-    if let Some(mut parameters) = run.hacd_parameters() {
-        parameters.parallel = parallel;
-        return decompose_with_hacd(mesh, &parameters);
+    let control = Control::new().with_parallel(parallel);
+    if let Some(parameters) = run.hacd_parameters() {
+        return decompose_with_hacd(mesh, &parameters, &control);
     }
-    let Some(mut parameters) = run.parameters() else {
+    let Some(parameters) = run.parameters() else {
         let reason = "it does not run in this process".into();
         return Err(Error::InvalidParameter { name: "method", reason });
     };
-    parameters.parallel = parallel;
-    decompose_with_ours(mesh, &parameters)
+    decompose_with_ours(mesh, &parameters, &control)
 }
 
-fn decompose_with_hacd(mesh: &MeshFile, parameters: &HacdParameters) -> Result<Output, Error> {
-    let control = Control::new();
-    let found = hacd::decompose(&mesh.positions, &mesh.triangles, parameters, &control)?;
+fn decompose_with_hacd(
+    mesh: &MeshFile,
+    parameters: &HacdParameters,
+    control: &Control,
+) -> Result<Output, Error> {
+    let found = hacd::decompose(mesh, parameters, control)?;
     let times = found.times.iter().map(|(stage, seconds)| (stage.name().into(), *seconds));
     let details = [
         ("resolution", json!(found.resolution)),
@@ -156,9 +158,12 @@ fn decompose_with_hacd(mesh: &MeshFile, parameters: &HacdParameters) -> Result<O
     })
 }
 
-fn decompose_with_ours(mesh: &MeshFile, parameters: &Parameters) -> Result<Output, Error> {
-    let control = Control::new();
-    let found = hullwright::decompose(&mesh.positions, &mesh.triangles, parameters, &control)?;
+fn decompose_with_ours(
+    mesh: &MeshFile,
+    parameters: &Parameters,
+    control: &Control,
+) -> Result<Output, Error> {
+    let found = hullwright::decompose(mesh, parameters, control)?;
     let times = &found.report.times;
     let mut details = BTreeMap::new();
     let mut cost = None;
@@ -180,8 +185,11 @@ fn decompose_with_ours(mesh: &MeshFile, parameters: &Parameters) -> Result<Outpu
     })
 }
 
-fn hull_mesh(hull: Hull) -> HullMesh {
-    HullMesh { name: String::new(), positions: hull.points, triangles: hull.triangles }
+fn hull_mesh(hull: Hull) -> NamedMesh {
+    NamedMesh {
+        name: String::new(),
+        mesh: TriangleMesh::new(hull.shape.points, hull.shape.triangles),
+    }
 }
 
 /// The command that runs this worker.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use hullwright::io::read_mesh;
 use hullwright::measure::MeasureOptions;
-use hullwright::{Control, Error};
+use hullwright::{Control, Error, MeshView};
 use serde::{Deserialize, Serialize};
 
 use super::variations::{Mesh, Variation};
@@ -44,7 +44,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let file = read_mesh(&arguments.mesh)?;
     let run = Run::parse(&arguments.method, &arguments.setting)
         .ok_or_else(|| Failure::Usage("no such method or setting".into()))?;
-    let mesh = Mesh { positions: file.positions, triangles: file.triangles };
+    let mesh = Mesh { positions: file.mesh.positions, triangles: file.mesh.triangles };
     for variation in Variation::all().into_iter().skip(arguments.from) {
         let result = vary(&run, &mesh, variation).unwrap_or_else(|error| VariationResult {
             failure: error.to_string(),
@@ -63,12 +63,16 @@ fn vary(run: &Run, mesh: &Mesh, variation: Variation) -> Result<VariationResult,
     };
     let (given, sound) = variation.apply(mesh);
     let control = Control::new();
-    let found = hullwright::decompose(&given.positions, &given.triangles, &parameters, &control)?;
+    let found = hullwright::decompose(
+        MeshView::new(&given.positions, &given.triangles),
+        &parameters,
+        &control,
+    )?;
     let mut options = MeasureOptions::default();
     options.hull_samples = SURFACE_POINTS;
     options.mesh_samples = SURFACE_POINTS;
     options.volume_samples = 0;
-    let judged = judge(&sound.positions, &sound.triangles, &found.hulls, &options)?;
+    let judged = judge(MeshView::new(&sound.positions, &sound.triangles), &found.hulls, &options)?;
     Ok(VariationResult {
         hulls: judged.hulls,
         error: judged.hausdorff,

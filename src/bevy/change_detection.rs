@@ -1,0 +1,207 @@
+//! What makes an entity's collider out of date: a new tag, a changed mesh, a changed scale. All of
+//! it by Bevy's change detection, so that finished entities cost next to nothing.
+
+use bevy::asset::AssetEvent;
+use bevy::ecs::system::SystemParam;
+use bevy::platform::time::Instant;
+use bevy::prelude::*;
+use bevy_rapier3d::prelude::RigidBody;
+
+use super::baked::{BakedDecomposition, BakedHulls};
+use super::cache::GeometryCache;
+use super::content::ContentKey;
+use super::placement::Stretch;
+use super::queue::WorkQueue;
+use super::request::{AttachedCollider, ColliderRequest, FailedRequest, InputId};
+use super::settings::HullwrightSettings;
+use super::status::{DecompositionCounters, DecompositionStatus, WaitReason};
+use super::tag::ConvexDecomposition;
+
+type ChangedTag = Or<(Changed<ConvexDecomposition>, Changed<BakedDecomposition>)>;
+type Tagged = Or<(With<ConvexDecomposition>, With<BakedDecomposition>)>;
+
+/// Tags that are new or changed, and meshes that replaced another.
+pub(super) fn detect_tags(
+    mut queue: ResMut<WorkQueue>,
+    changed_tags: Query<Entity, ChangedTag>,
+    changed_meshes: Query<Entity, Changed<Mesh3d>>,
+    tagged: Query<(), Tagged>,
+    parents: Query<&ChildOf>,
+    mut statuses: Query<&mut DecompositionStatus>,
+) {
+    let mut restart = |queue: &mut WorkQueue, entity| {
+        queue.restart(entity);
+        if let Ok(mut status) = statuses.get_mut(entity) {
+            status.set_if_neq(DecompositionStatus::Waiting(WaitReason::ForMesh));
+        }
+    };
+    for entity in &changed_tags {
+        restart(&mut queue, entity);
+    }
+    for mesh in &changed_meshes {
+        let mut on_and_above = std::iter::once(mesh).chain(parents.iter_ancestors(mesh));
+        let entity = on_and_above.find(|entity| tagged.contains(*entity));
+        if let Some(entity) = entity.filter(|entity| !queue.is_to_be_resolved(*entity)) {
+            restart(&mut queue, entity);
+        }
+    }
+}
+
+/// Bodies that became fixed or are no longer: fixed ones get triangles, others hulls.
+pub(super) fn detect_bodies(
+    mut queue: ResMut<WorkQueue>,
+    settings: Res<HullwrightSettings>,
+    changed: Query<(Entity, &RigidBody), Changed<RigidBody>>,
+    children: Query<&Children>,
+    attached: Query<&AttachedCollider>,
+    failed: Query<&FailedRequest>,
+) {
+    if !settings.exact_fixed_bodies {
+        return;
+    }
+    for (body, kind) in &changed {
+        let is_fixed = *kind == RigidBody::Fixed;
+        for entity in std::iter::once(body).chain(children.iter_descendants(body)) {
+            let request = queue.request(entity);
+            let is_exact = request
+                .or_else(|| failed.get(entity).ok().map(|failed| &failed.request))
+                .map(|request| request.is_exact())
+                .or_else(|| attached.get(entity).ok().map(|attached| attached.is_exact));
+            if is_exact.is_some_and(|is_exact| is_exact != is_fixed) {
+                queue.restart(entity);
+            }
+        }
+    }
+}
+
+/// Meshes and baked hulls whose content changed.
+pub(super) fn detect_assets(
+    mut queue: ResMut<WorkQueue>,
+    cache: Res<GeometryCache>,
+    mut mesh_events: MessageReader<AssetEvent<Mesh>>,
+    mut baked_events: MessageReader<AssetEvent<BakedHulls>>,
+    users: InputUsers,
+) {
+    for event in mesh_events.read() {
+        match event {
+            AssetEvent::Modified { id } => {
+                queue.forget_mesh(*id);
+                users.restart(&mut queue, |input| input.uses_mesh(*id));
+            }
+            AssetEvent::Added { id } => {
+                users.restart_if_asset_was_missing(&mut queue, |input| input.uses_mesh(*id));
+            }
+            AssetEvent::Removed { id } => queue.forget_mesh(*id),
+            _ => {}
+        }
+    }
+    let forget_baked = |queue: &mut WorkQueue, id| {
+        cache.remove(ContentKey::Baked(id));
+        queue.known.remove(&InputId::Baked(id));
+    };
+    for event in baked_events.read() {
+        match event {
+            AssetEvent::Modified { id } => {
+                forget_baked(&mut queue, *id);
+                users.restart(&mut queue, |input| *input == InputId::Baked(*id));
+            }
+            AssetEvent::Added { id } => {
+                users.restart_if_asset_was_missing(&mut queue, |input| {
+                    *input == InputId::Baked(*id)
+                });
+            }
+            AssetEvent::Removed { id } => forget_baked(&mut queue, *id),
+            _ => {}
+        }
+    }
+}
+
+/// Entities by the input of their collider, whether it is attached, failed or not finished.
+#[derive(SystemParam)]
+pub(super) struct InputUsers<'w, 's> {
+    /// What failed has at most the collider of an earlier input.
+    attached: Query<'w, 's, (Entity, &'static AttachedCollider), Without<FailedRequest>>,
+    failed: Query<'w, 's, (Entity, &'static FailedRequest)>,
+}
+
+impl InputUsers<'_, '_> {
+    /// Restarts all that use an input, the unfinished too.
+    fn restart(&self, queue: &mut WorkQueue, uses: impl Fn(&InputId) -> bool) {
+        let asks = |request: &ColliderRequest| uses(&request.input);
+        let unfinished: Vec<Entity> = (queue.unfinished.iter())
+            .filter(|(_, unfinished)| unfinished.request.as_ref().is_some_and(|r| asks(r)))
+            .map(|(entity, _)| *entity)
+            .collect();
+        let attached = self.attached.iter().filter(|(_, attached)| uses(&attached.input));
+        let failed = self.failed.iter().filter(|(_, failed)| asks(&failed.request));
+        let finished = attached.map(|(entity, _)| entity).chain(failed.map(|(entity, _)| entity));
+        for entity in unfinished.into_iter().chain(finished) {
+            queue.restart(entity);
+        }
+    }
+
+    /// Restarts those that failed because an asset was missing.
+    fn restart_if_asset_was_missing(&self, queue: &mut WorkQueue, uses: impl Fn(&InputId) -> bool) {
+        for (entity, failed) in &self.failed {
+            if failed.lacks_asset() && uses(&failed.request.input) {
+                queue.restart(entity);
+            }
+        }
+    }
+}
+
+type AttachedOrFailed = AnyOf<(&'static AttachedCollider, &'static FailedRequest)>;
+
+/// Scales that changed, once they have not changed for a while.
+pub(super) fn detect_scales(
+    mut queue: ResMut<WorkQueue>,
+    settings: Res<HullwrightSettings>,
+    moved: Query<(Entity, &GlobalTransform, AttachedOrFailed), Changed<GlobalTransform>>,
+) {
+    let now = Instant::now();
+    for (entity, transform, (attached, failed)) in &moved {
+        let baked = match failed {
+            Some(failed) => failed.depends_on_scale().then_some(&failed.request.stretch),
+            None => attached.map(|attached| &attached.stretch),
+        };
+        let Some(baked) = baked else { continue };
+        let stretch = Stretch::of(transform);
+        let pending = queue.rescaling.get(&entity);
+        let last = pending.map_or(baked, |(stretch, _)| stretch);
+        if stretch.differs(last) {
+            queue.rescaling.insert(entity, (stretch, now));
+        }
+    }
+    if queue.rescaling.is_empty() {
+        return;
+    }
+    let is_due = |since: Instant| now.duration_since(since) >= settings.scale_delay;
+    let due: Vec<Entity> = (queue.rescaling.iter())
+        .filter(|(_, (_, since))| is_due(*since))
+        .map(|(entity, _)| *entity)
+        .collect();
+    for entity in due {
+        queue.restart(entity);
+    }
+}
+
+/// A removed tag cancels its work, also when the entity is despawned.
+pub(super) fn on_untag<T: Component>(
+    removed: On<Remove<T>>,
+    mut commands: Commands,
+    mut queue: ResMut<WorkQueue>,
+    mut counters: ResMut<DecompositionCounters>,
+    failed: Query<(), With<FailedRequest>>,
+    mut statuses: Query<&mut DecompositionStatus>,
+) {
+    let entity = removed.entity;
+    if failed.contains(entity) {
+        commands.entity(entity).try_remove::<FailedRequest>();
+    }
+    if queue.forget(entity) {
+        counters.cancelled += 1;
+        if let Ok(mut status) = statuses.get_mut(entity) {
+            *status = DecompositionStatus::Cancelled;
+        }
+    }
+}

@@ -1,0 +1,202 @@
+//! From the tag's flat settings to the library's parameters, and what the plugin needs to know of
+//! these: the only file that looks into them.
+
+use crate::{BoundedParameters, Method, Parameters, Preset, SurfaceParameters, Unit};
+
+use super::tag::{ConvexDecomposition, DecompositionPreset, MaxError};
+
+impl ConvexDecomposition {
+    /// What the library is asked to do: [`parameters`](Self::parameters) if they are given, else
+    /// the tag's own settings.
+    pub fn to_parameters(&self) -> Parameters {
+        if let Some(parameters) = &self.parameters {
+            return parameters.clone();
+        }
+        let defaults = Parameters::default();
+        Parameters {
+            method: Method::Bounded,
+            bounded: BoundedParameters {
+                max_error: self.max_error.into(),
+                preset: self.preset.into(),
+                max_hulls: self.max_hulls.map(|cap| cap as usize),
+                keep_cavities: self.keep_cavities,
+            },
+            max_vertices: self.max_vertices.map(|cap| cap as usize),
+            ..defaults
+        }
+    }
+}
+
+impl From<MaxError> for Unit {
+    fn from(max_error: MaxError) -> Self {
+        match max_error {
+            MaxError::Share(share) => Self::Diagonals(as_written(share)),
+            MaxError::Metres(metres) => Self::Absolute(as_written(metres)),
+        }
+    }
+}
+
+/// The shortest decimal that rounds to a number: 0.02 and not 0.0199999996, so that hulls are those
+/// that the library and the command line make with the bound that the user wrote.
+fn as_written(x: f32) -> f64 {
+    x.to_string().parse().unwrap_or(f64::from(x))
+}
+
+impl From<DecompositionPreset> for Preset {
+    fn from(preset: DecompositionPreset) -> Self {
+        match preset {
+            DecompositionPreset::Fast => Self::Fast,
+            DecompositionPreset::Balanced => Self::Balanced,
+            DecompositionPreset::Fine => Self::Fine,
+        }
+    }
+}
+
+/// Whether the result depends on how large the mesh is in the world.
+pub(super) fn has_absolute_length(parameters: &Parameters) -> bool {
+    matches!(parameters.bounded.max_error, Unit::Absolute(_))
+        || matches!(parameters.surface.unit, Unit::Absolute(_))
+}
+
+/// The same for a job on one thread: several run at once, and the game needs threads too.
+pub(super) fn serial(parameters: &Parameters) -> Parameters {
+    Parameters { parallel: false, ..parameters.clone() }
+}
+
+/// Hashes every parameter that a result may depend on. Field by field, so that the keys of caches on
+/// disk change with no text or layout; a new field does not compile until it is hashed here.
+pub(super) fn hash_parameters(parameters: &Parameters, hasher: &mut blake3::Hasher) {
+    let Parameters { method, bounded, surface, max_vertices, parallel: _ } = parameters;
+    let BoundedParameters { max_error, preset, max_hulls, keep_cavities } = bounded;
+    let SurfaceParameters {
+        simplification_quality,
+        maximum_resolutions,
+        planar_thresholds,
+        angular_threshold,
+        concavity_cost_threshold,
+        resolution_cut_off,
+        unit,
+        significant_diagonal,
+    } = surface;
+    let mut hash = FieldHasher(hasher);
+    hash.text(method.name());
+    hash.length(max_error);
+    hash.text(preset.name());
+    hash.cap(*max_hulls);
+    hash.number(u64::from(*keep_cavities));
+    hash.real(*simplification_quality);
+    hash.number(maximum_resolutions.len() as u64);
+    maximum_resolutions.iter().for_each(|resolution| hash.number(*resolution as u64));
+    hash.number(planar_thresholds.len() as u64);
+    planar_thresholds.iter().for_each(|threshold| hash.real(*threshold));
+    hash.real(*angular_threshold);
+    hash.real(*concavity_cost_threshold);
+    hash.number(*resolution_cut_off as u64);
+    hash.length(unit);
+    hash.real(*significant_diagonal);
+    hash.cap(*max_vertices);
+}
+
+/// Fields as bytes, none of which can be taken for two others.
+struct FieldHasher<'a>(&'a mut blake3::Hasher);
+
+impl FieldHasher<'_> {
+    fn number(&mut self, number: u64) {
+        self.0.update(&number.to_le_bytes());
+    }
+
+    fn real(&mut self, real: f64) {
+        self.number(real.to_bits());
+    }
+
+    fn text(&mut self, text: &str) {
+        self.number(text.len() as u64);
+        self.0.update(text.as_bytes());
+    }
+
+    fn cap(&mut self, cap: Option<usize>) {
+        self.number(u64::from(cap.is_some()));
+        self.number(cap.unwrap_or_default() as u64);
+    }
+
+    fn length(&mut self, length: &Unit) {
+        let (kind, value) = match length {
+            Unit::Diagonals(value) => (0, value),
+            Unit::Absolute(value) => (1, value),
+        };
+        self.number(kind);
+        self.real(*value);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_default_tag_asks_for_the_librarys_default() {
+        assert_eq!(ConvexDecomposition::default().to_parameters(), Parameters::default());
+    }
+
+    #[test]
+    fn every_setting_of_the_tag_is_a_parameter() {
+        let tag = ConvexDecomposition::default()
+            .with_max_error(0.013)
+            .with_preset(DecompositionPreset::Fine)
+            .with_max_hulls(7)
+            .with_max_vertices(20)
+            .with_keep_cavities(true);
+        let mut expected = Parameters::default();
+        expected.bounded.max_error = Unit::Diagonals(0.013);
+        expected.bounded.preset = Preset::Fine;
+        expected.bounded.max_hulls = Some(7);
+        expected.bounded.keep_cavities = true;
+        expected.max_vertices = Some(20);
+        assert_eq!(tag.to_parameters(), expected);
+        let metres = tag.with_max_error(MaxError::Metres(0.1)).to_parameters();
+        assert_eq!(metres.bounded.max_error, Unit::Absolute(0.1));
+    }
+
+    #[test]
+    fn a_bound_that_is_no_number_stays_none_and_is_refused() {
+        for share in [f32::NAN, f32::INFINITY, -0.5, 0.0] {
+            let tag = ConvexDecomposition::default().with_max_error(share);
+            assert!(tag.to_parameters().validate().is_err(), "{share}");
+        }
+    }
+
+    #[test]
+    fn other_parameters_have_another_hash_but_not_for_threads() {
+        let hash = |change: fn(&mut Parameters)| {
+            let mut parameters = Parameters::default();
+            change(&mut parameters);
+            let mut hasher = blake3::Hasher::new();
+            hash_parameters(&parameters, &mut hasher);
+            *hasher.finalize().as_bytes()
+        };
+        let same = hash(|_| {});
+        assert_eq!(same, hash(|parameters| parameters.parallel = !parameters.parallel));
+        let changes: [fn(&mut Parameters); 15] = [
+            |p| p.method = Method::Surface,
+            |p| p.bounded.max_error = Unit::Diagonals(0.03),
+            |p| p.bounded.max_error = Unit::Absolute(0.02),
+            |p| p.bounded.preset = Preset::Fast,
+            |p| p.bounded.max_hulls = Some(0),
+            |p| p.bounded.keep_cavities = true,
+            |p| p.surface.simplification_quality = 0.7,
+            |p| p.surface.maximum_resolutions.push(1),
+            |p| p.surface.planar_thresholds.push(1.0),
+            |p| p.surface.angular_threshold = 0.5,
+            |p| p.surface.concavity_cost_threshold = 0.5,
+            |p| p.surface.resolution_cut_off = 4,
+            |p| p.surface.unit = Unit::Absolute(1.0),
+            |p| p.surface.significant_diagonal = 0.5,
+            |p| p.max_vertices = None,
+        ];
+        let mut hashes: Vec<[u8; 32]> = changes.map(hash).to_vec();
+        hashes.push(same);
+        hashes.sort_unstable();
+        hashes.dedup();
+        assert_eq!(hashes.len(), changes.len() + 1);
+    }
+}

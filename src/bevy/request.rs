@@ -1,0 +1,109 @@
+//! What an entity asks for, and the components that say what it got.
+
+use std::sync::Arc;
+
+use bevy::asset::AssetId;
+use bevy::math::Affine3A;
+use bevy::prelude::*;
+
+use crate::Parameters;
+
+use super::baked::BakedHulls;
+use super::error::DecompositionError;
+use super::mesh_data::MeshPart;
+use super::parameters::has_absolute_length;
+use super::placement::{MapKey, Stretch};
+
+/// Names what a collider is made from without looking into it.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(super) enum InputId {
+    Meshes {
+        parts: Vec<(AssetId<Mesh>, MapKey)>,
+        /// Hash of what to make of them.
+        goal: [u8; 32],
+        /// Applied before the work.
+        map_before: MapKey,
+    },
+    Baked(AssetId<BakedHulls>),
+}
+
+impl InputId {
+    pub(super) fn uses_mesh(&self, id: AssetId<Mesh>) -> bool {
+        match self {
+            Self::Meshes { parts, .. } => parts.iter().any(|(mesh, _)| *mesh == id),
+            Self::Baked(_) => false,
+        }
+    }
+}
+
+/// The collider that an entity asks for.
+#[derive(Debug)]
+pub(super) struct ColliderRequest {
+    pub input: Arc<InputId>,
+    pub parts: Vec<MeshPart>,
+    /// `None` for the triangles as they are.
+    pub parameters: Option<Parameters>,
+    /// Baked into the mesh before the work.
+    pub map_before: Affine3A,
+    /// Baked into the result.
+    pub map: Affine3A,
+    pub stretch: Stretch,
+}
+
+impl ColliderRequest {
+    /// Whether it is for the triangles as they are.
+    pub(super) fn is_exact(&self) -> bool {
+        self.parameters.is_none() && matches!(*self.input, InputId::Meshes { .. })
+    }
+
+    pub(super) fn map_key(&self) -> MapKey {
+        MapKey::new(&self.map)
+    }
+}
+
+/// On entities with a collider of the plugin's: what it was made from.
+#[derive(Component, Debug, Clone)]
+pub(super) struct AttachedCollider {
+    pub input: Arc<InputId>,
+    pub stretch: Stretch,
+    /// From the entity's space to the collider's.
+    #[cfg_attr(
+        not(feature = "debug"),
+        expect(dead_code, reason = "drawn with the feature `debug`")
+    )]
+    pub map: Affine3A,
+    /// Whether it is the triangle mesh.
+    pub is_exact: bool,
+    /// Whether the plugin set the mass properties, or found them set.
+    pub owns_mass: bool,
+}
+
+/// On entities that have their fallback collider.
+#[derive(Component, Debug, Clone, Copy)]
+pub(super) struct AttachedFallback {
+    /// Whether the plugin set the mass properties, or found them set.
+    pub owns_mass: bool,
+}
+
+/// On entities that failed: what they asked for, to detect when another attempt may succeed.
+#[derive(Component, Debug, Clone)]
+pub(super) struct FailedRequest {
+    pub request: Arc<ColliderRequest>,
+    pub error: DecompositionError,
+}
+
+impl FailedRequest {
+    /// Whether it may succeed when an asset is there.
+    pub(super) fn lacks_asset(&self) -> bool {
+        self.error == DecompositionError::NotLoaded
+    }
+
+    /// Whether it may succeed at another scale. A mesh that is bad in itself stays so.
+    pub(super) fn depends_on_scale(&self) -> bool {
+        let is_of_shape = matches!(
+            self.error,
+            DecompositionError::Collider(_) | DecompositionError::TriangleMesh(_)
+        );
+        is_of_shape || self.request.parameters.as_ref().is_some_and(has_absolute_length)
+    }
+}

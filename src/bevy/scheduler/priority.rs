@@ -1,0 +1,52 @@
+//! Which entities go first.
+
+use std::cmp::Ordering;
+
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+
+use crate::bevy::tag::DecompositionFocus;
+
+/// Sorts entities by their distance to the nearest focus.
+#[derive(SystemParam)]
+pub struct Priority<'w, 's> {
+    focuses: Query<'w, 's, Entity, With<DecompositionFocus>>,
+    transforms: TransformHelper<'w, 's>,
+}
+
+impl Priority<'_, '_> {
+    /// Stable, so that without a focus those that came first go first. Entities without a
+    /// transform go last.
+    pub fn sort(&self, entities: &mut [Entity]) {
+        // Also in the frame in which they are spawned, when `GlobalTransform` is not known yet.
+        let place =
+            |entity| Some(self.transforms.compute_global_transform(entity).ok()?.translation());
+        let focuses: Vec<Vec3> = self.focuses.iter().filter_map(place).collect();
+        if focuses.is_empty() {
+            return;
+        }
+        let distance = |place: Vec3| {
+            focuses.iter().map(|focus| focus.distance_squared(place)).fold(f32::INFINITY, f32::min)
+        };
+        entities.sort_by_cached_key(|entity| {
+            SquaredDistance(place(*entity).map_or(f32::INFINITY, distance))
+        });
+    }
+}
+
+#[derive(PartialEq)]
+struct SquaredDistance(f32);
+
+impl Eq for SquaredDistance {}
+
+impl PartialOrd for SquaredDistance {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for SquaredDistance {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.0.total_cmp(&other.0)
+    }
+}

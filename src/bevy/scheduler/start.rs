@@ -1,0 +1,225 @@
+//! Starts jobs for entities in the queue.
+
+use std::sync::Arc;
+
+use bevy::asset::AssetId;
+use bevy::ecs::entity::EntityHashSet;
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+
+use super::priority::Priority;
+use crate::bevy::baked::BakedHulls;
+use crate::bevy::budget::Budget;
+use crate::bevy::cache::{ColliderGeometry, GeometryCache};
+use crate::bevy::content::ContentKey;
+use crate::bevy::error::DecompositionError;
+use crate::bevy::mesh_data::read_parts;
+use crate::bevy::pool::pool;
+use crate::bevy::queue::{Completed, Failed, Job, WorkQueue, Worker};
+use crate::bevy::request::{ColliderRequest, InputId};
+use crate::bevy::settings::{Execution, HullwrightSettings};
+use crate::bevy::status::{DecompositionCounters, DecompositionStatus, HullSource};
+use crate::bevy::task::{
+    BuiltCollider, DecompositionTask, SharedProgress, TaskInput, contain_panics,
+};
+
+/// Starts jobs for those in the queue, the nearest to a focus first, as far as jobs and time
+/// allow.
+pub fn start_jobs(
+    mut queue: ResMut<WorkQueue>,
+    mut counters: ResMut<DecompositionCounters>,
+    settings: Res<HullwrightSettings>,
+    sources: Sources,
+    priority: Priority,
+    mut statuses: Query<&mut DecompositionStatus>,
+) {
+    let queue = &mut *queue;
+    let mut budget = queue.frame_time.budget(&settings);
+    let most = most_jobs(&settings);
+    if queue.jobs.len() < most {
+        priority.sort(&mut queue.to_start);
+    }
+    let mut left = EntityHashSet::default();
+    for index in 0..queue.to_start.len() {
+        let Some(&entity) = queue.to_start.get(index) else { break };
+        match start(queue, &settings, &sources, entity, most, &mut budget) {
+            Started::Waits => {}
+            Started::Ended => {
+                left.insert(entity);
+            }
+            Started::Runs => {
+                left.insert(entity);
+                if let Some(unfinished) = queue.unfinished.get_mut(&entity) {
+                    unfinished.is_running = true;
+                }
+                if let Ok(mut status) = statuses.get_mut(entity) {
+                    *status = DecompositionStatus::Running { progress: 0.0 };
+                }
+            }
+        }
+    }
+    queue.to_start.retain(|entity| !left.contains(entity));
+    queue.frame_time.spend(&budget);
+    if !queue.is_idle() || !counters.show_idle() {
+        counters.running = queue.jobs.len();
+        counters.queued = queue.to_start.len();
+        counters.waiting_for_mesh = queue.to_resolve.len();
+        (counters.cached, counters.cached_bytes) = sources.cache.size();
+    }
+}
+
+fn most_jobs(settings: &HullwrightSettings) -> usize {
+    match (settings.execution, settings.max_jobs) {
+        (Execution::Slices, _) => 1,
+        (Execution::Background, 0) => pool().thread_num().saturating_sub(1).max(1),
+        (Execution::Background, most) => most,
+    }
+}
+
+/// What became of an entity in the queue.
+enum Started {
+    /// It stays in the queue.
+    Waits,
+    /// A job is at work on it.
+    Runs,
+    /// It has a result or an error, or nothing to wait for.
+    Ended,
+}
+
+fn start(
+    queue: &mut WorkQueue,
+    settings: &HullwrightSettings,
+    sources: &Sources,
+    entity: Entity,
+    most: usize,
+    budget: &mut Budget,
+) -> Started {
+    let Some(request) = queue.request(entity).cloned() else { return Started::Ended };
+    match next_step(queue, &sources.cache, &request) {
+        NextStep::Wait => Started::Waits,
+        NextStep::Join(job) => {
+            if let Some(job) = queue.jobs.get_mut(job) {
+                job.entities.push(entity);
+            }
+            Started::Runs
+        }
+        NextStep::Complete(built) => {
+            queue.completed.push_back(Completed { entity, request, built });
+            Started::Ended
+        }
+        NextStep::Fail(error) => {
+            queue.failed.push(Failed { entity, error, is_known: true });
+            Started::Ended
+        }
+        NextStep::StartJob if queue.jobs.len() >= most || !budget.allows_one() => Started::Waits,
+        NextStep::StartJob => {
+            match sources.task_input(queue, &request) {
+                Ok(input) => {
+                    let job = job(settings, &sources.cache, entity, &request, input);
+                    queue.jobs.push(job);
+                }
+                Err(error) => queue.fail(&request.input, &[entity], error),
+            }
+            Started::Runs
+        }
+    }
+}
+
+enum NextStep {
+    /// A job with this number makes the same.
+    Join(usize),
+    Complete(BuiltCollider),
+    /// The same input failed before.
+    Fail(DecompositionError),
+    StartJob,
+    /// Another job is at work on the same input.
+    Wait,
+}
+
+fn next_step(queue: &WorkQueue, cache: &GeometryCache, request: &ColliderRequest) -> NextStep {
+    let map = request.map_key();
+    let has_same_input = |job: &Job| job.input == request.input;
+    if let Some(job) = queue.jobs.iter().position(|job| has_same_input(job) && job.map == map) {
+        return NextStep::Join(job);
+    }
+    match queue.known.get(&request.input) {
+        Some(Err(error)) => NextStep::Fail(error.clone()),
+        Some(Ok(key)) => {
+            if let Some((geometry, shape)) = cache.shape(*key, map) {
+                let source = HullSource::Shared;
+                return NextStep::Complete(BuiltCollider { key: *key, geometry, shape, source });
+            }
+            let is_there = cache.geometry(*key).is_some();
+            if !is_there && cache.is_claimed(*key) { NextStep::Wait } else { NextStep::StartJob }
+        }
+        None if queue.jobs.iter().any(has_same_input) => NextStep::Wait,
+        None => NextStep::StartJob,
+    }
+}
+
+fn job(
+    settings: &HullwrightSettings,
+    cache: &GeometryCache,
+    entity: Entity,
+    request: &ColliderRequest,
+    input: TaskInput,
+) -> Job {
+    let progress = SharedProgress::default();
+    let control = progress.control();
+    let task = DecompositionTask::new(input, request.map, cache.clone(), settings);
+    let worker = match settings.execution {
+        Execution::Slices => Worker::Slices(Box::new(task)),
+        Execution::Background => {
+            let control = control.clone();
+            let run = move || task.run(&control);
+            Worker::Background(pool().spawn(async move { contain_panics(run) }))
+        }
+    };
+    Job {
+        input: request.input.clone(),
+        map: request.map_key(),
+        entities: vec![entity],
+        control,
+        progress,
+        shown_progress: 0.0,
+        worker,
+    }
+}
+
+/// What jobs are made from.
+#[derive(SystemParam)]
+pub struct Sources<'w> {
+    cache: Res<'w, GeometryCache>,
+    meshes: Res<'w, Assets<Mesh>>,
+    baked: Res<'w, Assets<BakedHulls>>,
+}
+
+impl Sources<'_> {
+    fn task_input(
+        &self,
+        queue: &WorkQueue,
+        request: &ColliderRequest,
+    ) -> Result<TaskInput, DecompositionError> {
+        if let InputId::Baked(id) = *request.input {
+            return self.baked_input(id);
+        }
+        if let Some(Ok(key)) = queue.known.get(&request.input)
+            && let Some(geometry) = self.cache.geometry(*key)
+        {
+            return Ok(TaskInput::Geometry { key: *key, geometry, source: HullSource::Shared });
+        }
+        let data = read_parts(&request.parts, &request.map_before, &self.meshes)?;
+        Ok(TaskInput::Mesh { data, parameters: request.parameters.clone() })
+    }
+
+    fn baked_input(&self, id: AssetId<BakedHulls>) -> Result<TaskInput, DecompositionError> {
+        let key = ContentKey::Baked(id);
+        let of_asset = || {
+            let BakedHulls(file) = self.baked.get(id)?;
+            Some(Arc::new(ColliderGeometry::Hulls(Box::new(file.clone()))))
+        };
+        let geometry = self.cache.geometry(key).or_else(of_asset);
+        let geometry = geometry.ok_or(DecompositionError::NotLoaded)?;
+        Ok(TaskInput::Geometry { key, geometry, source: HullSource::Baked })
+    }
+}

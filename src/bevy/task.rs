@@ -1,0 +1,248 @@
+//! One decomposition, from its triangles to a shape, in steps: on a thread in the background, or
+//! step by step on the main thread.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use bevy::math::Affine3A;
+use bevy_rapier3d::rapier::geometry::{SharedShape, TriMeshFlags};
+use bevy_rapier3d::rapier::math::Vector;
+
+use crate::hulls_format::HullsFile;
+use crate::{Control, Decomposer, Error, Parameters, mass_properties};
+
+use super::cache::{ColliderGeometry, GeometryCache, WorkClaim};
+use super::content::ContentKey;
+use super::disk_cache::{read_from_disk, write_to_disk};
+use super::error::DecompositionError;
+use super::mesh_data::MeshData;
+use super::parameters::serial;
+use super::placement::{MapKey, map_hulls};
+use super::settings::HullwrightSettings;
+use super::status::HullSource;
+
+/// What a task starts from.
+pub(super) enum TaskInput {
+    /// A mesh: hulls by the parameters or, without parameters, the triangles as they are.
+    Mesh { data: MeshData, parameters: Option<Parameters> },
+    /// Known geometry, of which another shape is wanted.
+    Geometry { key: ContentKey, geometry: Arc<ColliderGeometry>, source: HullSource },
+}
+
+/// What a task ends with.
+#[derive(Debug)]
+pub(super) enum TaskOutput {
+    Built(BuiltCollider),
+    /// Another job is at work on the same content.
+    InProgress(ContentKey),
+}
+
+/// A shape that is ready, with what it was made of.
+#[derive(Debug, Clone)]
+pub(super) struct BuiltCollider {
+    pub key: ContentKey,
+    pub geometry: Arc<ColliderGeometry>,
+    pub shape: SharedShape,
+    pub source: HullSource,
+}
+
+/// Work that can be interrupted between its steps.
+pub(super) struct DecompositionTask {
+    state: TaskState,
+    map: Affine3A,
+    cache: GeometryCache,
+    cache_bytes: usize,
+    disk_cache: Option<PathBuf>,
+}
+
+enum TaskState {
+    Start(Box<TaskInput>),
+    Decompose(Box<MeshInProgress>),
+    Done,
+}
+
+struct MeshInProgress {
+    decomposer: Decomposer,
+    data: MeshData,
+    key: ContentKey,
+    claim: WorkClaim,
+}
+
+impl DecompositionTask {
+    pub(super) fn new(
+        input: TaskInput,
+        map: Affine3A,
+        cache: GeometryCache,
+        settings: &HullwrightSettings,
+    ) -> Self {
+        Self {
+            state: TaskState::Start(Box::new(input)),
+            map,
+            cache,
+            cache_bytes: settings.cache_bytes,
+            disk_cache: settings.disk_cache.clone(),
+        }
+    }
+
+    /// Runs to the end.
+    pub(super) fn run(mut self, control: &Control) -> Result<TaskOutput, DecompositionError> {
+        loop {
+            if let Some(output) = self.step(control)? {
+                return Ok(output);
+            }
+        }
+    }
+
+    /// Runs one step; `None` if there are more.
+    pub(super) fn step(
+        &mut self,
+        control: &Control,
+    ) -> Result<Option<TaskOutput>, DecompositionError> {
+        match std::mem::replace(&mut self.state, TaskState::Done) {
+            TaskState::Start(input) => match *input {
+                TaskInput::Geometry { key, geometry, source } => {
+                    self.build(key, geometry, source).map(Some)
+                }
+                TaskInput::Mesh { data, parameters } => self.start(data, parameters.as_ref()),
+            },
+            TaskState::Decompose(work) => self.decompose(work, control),
+            TaskState::Done => Err(Error::Finished.into()),
+        }
+    }
+
+    fn start(
+        &mut self,
+        data: MeshData,
+        parameters: Option<&Parameters>,
+    ) -> Result<Option<TaskOutput>, DecompositionError> {
+        let key = ContentKey::of_mesh(&data, parameters);
+        if let Some(geometry) = self.cache.geometry(key) {
+            return self.build(key, geometry, HullSource::Shared).map(Some);
+        }
+        let Some(claim) = self.cache.claim(key) else {
+            return Ok(Some(TaskOutput::InProgress(key)));
+        };
+        let Some(parameters) = parameters else {
+            let geometry = Arc::new(ColliderGeometry::Triangles(data));
+            return self.build(key, geometry, HullSource::Decomposed).map(Some);
+        };
+        let from_disk = self.disk_cache.as_ref().and_then(|path| read_from_disk(path, key));
+        if let Some(file) = from_disk {
+            let geometry = Arc::new(ColliderGeometry::Hulls(Box::new(file)));
+            return self.build(key, geometry, HullSource::Disk).map(Some);
+        }
+        let decomposer = Decomposer::new(&data.positions, &data.triangles, &serial(parameters))?;
+        let work = MeshInProgress { decomposer, data, key, claim };
+        self.state = TaskState::Decompose(Box::new(work));
+        Ok(None)
+    }
+
+    fn decompose(
+        &mut self,
+        mut work: Box<MeshInProgress>,
+        control: &Control,
+    ) -> Result<Option<TaskOutput>, DecompositionError> {
+        let Some(decomposition) = work.decomposer.step(control)? else {
+            self.state = TaskState::Decompose(work);
+            return Ok(None);
+        };
+        let MeshInProgress { data, key, claim, .. } = *work;
+        let MeshData { positions, triangles } = &data;
+        let mass = mass_properties(positions, triangles, &decomposition.hulls, 1.0)?;
+        let file = HullsFile::new("", &decomposition).with_mass_properties(mass);
+        if let Some(directory) = &self.disk_cache {
+            write_to_disk(directory, key, &file);
+        }
+        let geometry = Arc::new(ColliderGeometry::Hulls(Box::new(file)));
+        let output = self.build(key, geometry, HullSource::Decomposed);
+        // Only now that the cache has the result: whoever waits for the claim looks there.
+        drop(claim);
+        output.map(Some)
+    }
+
+    fn build(
+        &self,
+        key: ContentKey,
+        geometry: Arc<ColliderGeometry>,
+        source: HullSource,
+    ) -> Result<TaskOutput, DecompositionError> {
+        let shape = shape_of(&geometry, &self.map)?;
+        let map = MapKey::new(&self.map);
+        self.cache.insert(key, &geometry, map, &shape, self.cache_bytes);
+        Ok(TaskOutput::Built(BuiltCollider { key, geometry, shape, source }))
+    }
+}
+
+fn shape_of(
+    geometry: &ColliderGeometry,
+    map: &Affine3A,
+) -> Result<SharedShape, DecompositionError> {
+    match geometry {
+        ColliderGeometry::Hulls(file) => {
+            let hulls = map_hulls(&file.hulls, map)?;
+            Ok(crate::rapier::shape_from_points(&hulls, [1.0; 3])?)
+        }
+        ColliderGeometry::Triangles(data) => triangle_mesh(data, map),
+    }
+}
+
+/// Rapier's triangle mesh. Triangles with a corner that is not finite would spoil its tree.
+fn triangle_mesh(data: &MeshData, map: &Affine3A) -> Result<SharedShape, DecompositionError> {
+    let place = |point: &[f32; 3]| map.transform_point3((*point).into());
+    let points: Vec<Vector> = data.positions.iter().map(place).collect();
+    let is_finite = |vertex: &u32| points.get(*vertex as usize).is_some_and(|p| p.is_finite());
+    let is_usable = |triangle: &&[u32; 3]| triangle.iter().all(is_finite);
+    let triangles: Vec<[u32; 3]> = data.triangles.iter().filter(is_usable).copied().collect();
+    if triangles.is_empty() {
+        let all = data.triangles.len();
+        return Err(Error::NothingUsable { triangles: all, degenerate: 0, non_finite: all }.into());
+    }
+    let points = points.into_iter().map(|p| if p.is_finite() { p } else { Vector::ZERO }).collect();
+    SharedShape::trimesh_with_flags(points, triangles, TriMeshFlags::MERGE_DUPLICATE_VERTICES)
+        .map_err(|error| DecompositionError::TriangleMesh(error.to_string()))
+}
+
+/// Contains a panic to one job: it costs a collider, not the game.
+pub(super) fn contain_panics(
+    run: impl FnOnce() -> Result<TaskOutput, DecompositionError>,
+) -> Result<TaskOutput, DecompositionError> {
+    std::panic::catch_unwind(std::panic::AssertUnwindSafe(run))
+        .unwrap_or(Err(DecompositionError::Panicked))
+}
+
+/// A share of the work that another thread can read.
+#[derive(Debug, Clone, Default)]
+pub(super) struct SharedProgress(Arc<AtomicU32>);
+
+impl SharedProgress {
+    /// A control that reports here.
+    pub(super) fn control(&self) -> Control {
+        let cell = self.0.clone();
+        Control::new().with_progress(move |progress| {
+            cell.store(progress.fraction.to_bits(), Ordering::Relaxed)
+        })
+    }
+
+    pub(super) fn get(&self) -> f32 {
+        f32::from_bits(self.0.load(Ordering::Relaxed))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_is_an_error_that_says_so() {
+        let result = contain_panics(|| panic!("on purpose, in a test"));
+        assert!(matches!(result, Err(DecompositionError::Panicked)));
+        assert!(DecompositionError::Panicked.to_string().contains("panicked"));
+    }
+
+    #[test]
+    fn an_error_stays_what_it_is() {
+        let result = contain_panics(|| Err(DecompositionError::NoPositions));
+        assert!(matches!(result, Err(DecompositionError::NoPositions)));
+    }
+}

@@ -1,0 +1,194 @@
+//! What is asked for: every parameter, with the paper's symbol, its default and its checks.
+
+mod bounded;
+mod length;
+mod surface;
+mod text;
+
+use std::fmt;
+use std::str::FromStr;
+
+use crate::error::Error;
+
+pub use bounded::{BoundedParameters, Preset};
+pub use length::Length;
+pub use surface::SurfaceParameters;
+pub use text::ParseError;
+
+/// Which method decomposes the mesh.
+#[non_exhaustive]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
+pub enum Method {
+    /// Hullwright's own: the paper's groups, merged, grown and dissolved into few hulls under a
+    /// bound on the error that is verified against the source.
+    #[default]
+    Bounded,
+    /// The paper's surface-based method: groups of the simplified surface, chosen by concavity
+    /// cost over all thresholds and resolutions.
+    Surface,
+}
+
+impl Method {
+    /// The method's name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Bounded => "bounded",
+            Self::Surface => "surface",
+        }
+    }
+}
+
+impl fmt::Display for Method {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(self.name())
+    }
+}
+
+impl FromStr for Method {
+    type Err = ParseError;
+
+    fn from_str(text: &str) -> Result<Self, ParseError> {
+        let all = [Self::Bounded, Self::Surface];
+        let found = all.into_iter().find(|value| value.name() == text);
+        found.ok_or_else(|| ParseError::new(text, "bounded or surface"))
+    }
+}
+
+/// What [`decompose`](crate::decompose) is asked to do.
+///
+/// Start from [`Parameters::default`] or [`Parameters::paper`] and set what differs:
+///
+/// ```
+/// use hullwright::{Length, Parameters, Preset};
+///
+/// let parameters = Parameters::default()
+///     .max_error(Length::share(0.01))
+///     .max_hulls(32)
+///     .preset(Preset::Fine);
+/// assert!(parameters.validate().is_ok());
+/// ```
+///
+/// As text they are the values that differ from the default, separated by spaces:
+///
+/// ```
+/// use hullwright::{Length, Parameters};
+///
+/// let parameters: Parameters = "max_error=1% max_hulls=32".parse()?;
+/// assert_eq!(parameters, Parameters::default().max_error(Length::share(0.01)).max_hulls(32));
+/// assert_eq!(parameters.to_string(), "max_error=1% max_hulls=32");
+/// # Ok::<(), hullwright::ParseError>(())
+/// ```
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
+pub struct Parameters {
+    /// The method.
+    pub method: Method,
+    /// Parameters of [`Method::Bounded`].
+    pub bounded: BoundedParameters,
+    /// Parameters of [`Method::Surface`].
+    pub surface: SurfaceParameters,
+    /// Most vertices that a hull may have, at least 8; `None` for no cap. A hull over the cap is
+    /// replaced by one that contains it and little more or, where the bounded method's bound
+    /// forbids that, by one that leaves out what stands out least, or by several;
+    /// [`HullErrors::simplification_growth`](crate::HullErrors::simplification_growth) says by how much. Default 64; `None`
+    /// in [`Parameters::paper`].
+    pub max_vertices: Option<usize>,
+}
+
+/// A physics engine's cost grows with the vertices of a hull, and 64 still follow a round shape.
+const DEFAULT_MAX_VERTICES: usize = 64;
+
+/// With fewer vertices not even a box would do.
+const LEAST_MAX_VERTICES: usize = 8;
+
+impl Parameters {
+    /// Exactly the paper: its method, its values, hulls as they are.
+    ///
+    /// ```
+    /// use hullwright::{Method, Parameters};
+    ///
+    /// assert_eq!(Parameters::paper().method, Method::Surface);
+    /// ```
+    pub fn paper() -> Self {
+        Self {
+            method: Method::Surface,
+            bounded: BoundedParameters::default(),
+            surface: SurfaceParameters::paper(),
+            max_vertices: None,
+        }
+    }
+
+    /// Sets the method.
+    #[must_use]
+    pub fn method(mut self, method: Method) -> Self {
+        self.method = method;
+        self
+    }
+
+    /// Sets the bound of the bounded method: see [`BoundedParameters::max_error`].
+    #[must_use]
+    pub fn max_error(mut self, max_error: Length) -> Self {
+        self.bounded.max_error = max_error;
+        self
+    }
+
+    /// Sets how much work the bounded method does.
+    #[must_use]
+    pub fn preset(mut self, preset: Preset) -> Self {
+        self.bounded.preset = preset;
+        self
+    }
+
+    /// Sets the cap on hulls, or `None`: see [`BoundedParameters::max_hulls`].
+    #[must_use]
+    pub fn max_hulls(mut self, max_hulls: impl Into<Option<usize>>) -> Self {
+        self.bounded.max_hulls = max_hulls.into();
+        self
+    }
+
+    /// Sets the cap on the vertices of a hull, or `None`.
+    #[must_use]
+    pub fn max_vertices(mut self, max_vertices: impl Into<Option<usize>>) -> Self {
+        self.max_vertices = max_vertices.into();
+        self
+    }
+
+    /// Sets whether narrow cavities stay empty: see [`BoundedParameters::keep_cavities`].
+    #[must_use]
+    pub fn keep_cavities(mut self, keep_cavities: bool) -> Self {
+        self.bounded.keep_cavities = keep_cavities;
+        self
+    }
+
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// [`Error::InvalidParameter`] names the first field whose value means nothing.
+    ///
+    /// ```
+    /// use hullwright::{Length, Parameters};
+    ///
+    /// assert!(Parameters::default().max_error(Length::share(-1.0)).validate().is_err());
+    /// ```
+    pub fn validate(&self) -> Result<(), Error> {
+        if let Some(cap) = self.max_vertices
+            && cap < LEAST_MAX_VERTICES
+        {
+            return Err(Error::InvalidParameter {
+                name: "max_vertices",
+                reason: format!("must be at least {LEAST_MAX_VERTICES}, not {cap}"),
+            });
+        }
+        self.bounded.validate()?;
+        self.surface.validate()
+    }
+}
+
+impl Default for Parameters {
+    fn default() -> Self {
+        Self { method: Method::Bounded, max_vertices: Some(DEFAULT_MAX_VERTICES), ..Self::paper() }
+    }
+}

@@ -1,0 +1,96 @@
+//! Bodies are frozen until their colliders are ready.
+
+use bevy::prelude::*;
+use bevy_rapier3d::prelude::*;
+use hullwright::bevy::prelude::*;
+
+use crate::app::*;
+
+fn locked(app: &App, body: Entity) -> LockedAxes {
+    app.world().get::<LockedAxes>(body).copied().unwrap_or(LockedAxes::empty())
+}
+
+#[test]
+fn a_body_is_frozen_until_its_collider_is_ready_and_then_falls() {
+    let mut app = app_with(sliced());
+    let mesh = add(&mut app, model("u_prism"));
+    let start = Transform::from_xyz(0.0, 5.0, 0.0);
+    let own_locks = LockedAxes::TRANSLATION_LOCKED_Z;
+    let body = spawn_with(
+        &mut app,
+        &mesh,
+        (
+            RigidBody::Dynamic,
+            AdditionalMassProperties::Mass(1.0),
+            start,
+            Velocity::linear(Vec3::X),
+            own_locks,
+        ),
+    );
+    let mut frozen_frames = 0;
+    while !status(&app, body).is_finished() {
+        app.update();
+        if !status(&app, body).is_finished() {
+            frozen_frames += 1;
+            assert_eq!(locked(&app, body), LockedAxes::all());
+            assert_near(translation(&app, body), start.translation, 1e-6);
+        }
+    }
+    assert!(frozen_frames > 3, "it was ready at once");
+    update_times(&mut app, 30);
+    assert_eq!(locked(&app, body), own_locks);
+    let moved = translation(&app, body) - start.translation;
+    assert!(moved.y < -0.5, "it does not fall: {moved}");
+    assert!(moved.x > 0.2, "its velocity was lost: {moved}");
+    assert!(moved.z.abs() < 1e-3, "its axes were unlocked: {moved}");
+}
+
+#[test]
+fn a_body_that_is_not_frozen_falls_at_once() {
+    let mut app = app_with(HullwrightSettings { freeze_until_ready: false, ..default() });
+    let never_loaded = app.world().resource::<Assets<Mesh>>().reserve_handle();
+    let body = spawn_with(
+        &mut app,
+        &never_loaded,
+        (RigidBody::Dynamic, AdditionalMassProperties::Mass(1.0)),
+    );
+    update_times(&mut app, 30);
+    assert!(translation(&app, body).y < -0.5);
+}
+
+#[test]
+fn a_body_is_released_when_the_work_fails_or_is_cancelled() {
+    let mut app = app();
+    let bad = add(&mut app, mesh(vec![[1.0; 3]; 3], vec![0, 1, 2]));
+    let failed = spawn_with(&mut app, &bad, RigidBody::Dynamic);
+    let waiting = app.world_mut().spawn((Transform::default(), tag(), RigidBody::Dynamic)).id();
+    update_until_finished(&mut app, &[failed]);
+    assert_eq!(locked(&app, waiting), LockedAxes::all());
+    app.world_mut().entity_mut(waiting).remove::<ConvexDecomposition>();
+    update_times(&mut app, 2);
+    for body in [failed, waiting] {
+        assert!(locked(&app, body).is_empty());
+    }
+}
+
+#[test]
+fn a_sleeping_body_wakes_when_its_collider_arrives() {
+    let mut app = app_with(HullwrightSettings { freeze_until_ready: false, ..default() });
+    let body = app
+        .world_mut()
+        .spawn((
+            RigidBody::Dynamic,
+            AdditionalMassProperties::Mass(1.0),
+            GravityScale(0.0),
+            Sleeping { sleeping: true, ..default() },
+            Transform::default(),
+        ))
+        .id();
+    update_times(&mut app, 10);
+    assert!(app.world().get::<Sleeping>(body).unwrap().sleeping);
+    let mesh = add(&mut app, unit_cube());
+    app.world_mut().entity_mut(body).insert((Mesh3d(mesh), tag()));
+    update_until_finished(&mut app, &[body]);
+    update_times(&mut app, 2);
+    assert!(!app.world().get::<Sleeping>(body).unwrap().sleeping);
+}
