@@ -23,9 +23,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Once, when the game is built.
     let start = Instant::now();
     let mesh = read_mesh(&path)?;
-    let (positions, triangles) = (&mesh.positions, &mesh.triangles);
-    let decomposition = decompose(positions, triangles, &Parameters::default(), &Control::new())?;
-    let mass = mass_properties(positions, triangles, &decomposition.hulls, DENSITY)?;
+    let decomposition = decompose(&mesh, &Parameters::default(), &Control::new())?;
+    let mass = mass_properties(&mesh, &decomposition.hulls, DENSITY)?;
     let directory = std::env::temp_dir().join("hullwright-baked-example");
     std::fs::create_dir_all(&directory)?;
     let file = HullsFile::new("example", &decomposition).with_mass_properties(mass);
