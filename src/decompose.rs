@@ -1,6 +1,7 @@
 //! The way in: `decompose`, and `Decomposer` which does the same in slices.
 
-use crate::bounded::{self, Run};
+use crate::bounded::Run;
+use crate::bounded::output::BoundedResult;
 use crate::clock::Instant;
 use crate::control::{Control, Stage};
 use crate::decomposition::{
@@ -161,12 +162,12 @@ impl Decomposer {
                 }
             }
             State::Bounded(mut run) => {
-                let outcome = run.step(control)?;
+                let result = run.step(control)?;
                 // The last step is done whole, however late it is.
-                self.deadline_reached |= outcome.is_none() && control.is_past_deadline();
-                if let Some(outcome) = outcome {
+                self.deadline_reached |= result.is_none() && control.is_past_deadline();
+                if let Some(result) = result {
                     add_time(&mut self.times, stage, start);
-                    let bounded::Outcome { prepared, hulls, grouped, report } = outcome;
+                    let BoundedResult { prepared, hulls, grouped, report } = result;
                     let report = self.report(&prepared, Some(report), None);
                     control.report(stage, 1.0);
                     return Ok(Some(Decomposition { hulls, grouped, report }));

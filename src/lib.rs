@@ -117,11 +117,11 @@ mod decompose;
 mod decomposition;
 mod error;
 mod geometry;
-#[cfg(feature = "bench")]
-pub mod hacd;
 pub mod hull;
 pub mod hulls_format;
 mod inspect;
+#[doc(hidden)]
+pub mod internals;
 #[cfg(feature = "io")]
 pub mod io;
 mod mass;

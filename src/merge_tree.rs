@@ -1,10 +1,12 @@
 //! Fewer hulls afterwards: from a finished decomposition on down to one hull, without a new run.
 
-use crate::bounded::Merging;
+use crate::bounded::decomposition_hierarchy::DecompositionHierarchy;
 use crate::control::Control;
 use crate::decomposition::{Decomposition, Hull};
 use crate::error::Error;
 use crate::geometry::MeshView;
+use crate::mesh::repair::prepare;
+use crate::parallel;
 use crate::parameters::Parameters;
 
 /// The hulls of a decomposition and all that they can be joined to, one join after the other: the
@@ -30,7 +32,7 @@ use crate::parameters::Parameters;
 /// ```
 #[derive(Debug, Clone)]
 pub struct MergeTree {
-    merging: Merging,
+    hierarchy: DecompositionHierarchy,
     leaves: Vec<Hull>,
     uncovered: f64,
 }
@@ -107,12 +109,15 @@ impl MergeTree {
         if hulls.is_empty() {
             return Err(Error::NoHulls);
         }
-        let merging = Merging::new(mesh, hulls, parameters, control)?;
+        let prepared = prepare(mesh, control)?;
+        let hierarchy = parallel::with(control.is_parallel(), || {
+            DecompositionHierarchy::new(prepared, hulls, parameters, control)
+        })?;
         let uncovered = match uncovered {
             Some(uncovered) => uncovered,
-            None => merging.exposed(hulls, control)?,
+            None => hierarchy.uncovered(control)?,
         };
-        Ok(Self { merging, leaves: hulls.to_vec(), uncovered })
+        Ok(Self { hierarchy, leaves: hulls.to_vec(), uncovered })
     }
 
     /// All states, from the decomposition's hulls down to one. The number of hulls falls from one
@@ -130,7 +135,7 @@ impl MergeTree {
     /// # Ok::<(), hullwright::Error>(())
     /// ```
     pub fn curve(&self) -> Vec<CurvePoint> {
-        (0..=self.merging.joins()).map(|joins| self.point(joins)).collect()
+        (0..=self.hierarchy.joins()).map(|joins| self.point(joins)).collect()
     }
 
     /// The hulls of the state with at most `most` hulls: `most`, or all there are, or one if
@@ -149,7 +154,7 @@ impl MergeTree {
     /// ```
     pub fn at_hulls(&self, most: usize) -> Vec<Hull> {
         let joins = self.leaves.len().saturating_sub(most.max(1));
-        self.merging.hulls(joins, &self.leaves)
+        self.hierarchy.hulls(joins, &self.leaves)
     }
 
     /// The fewest hulls whose error, in units, is at most `error`; the decomposition's own hulls
@@ -167,15 +172,15 @@ impl MergeTree {
     /// # Ok::<(), hullwright::Error>(())
     /// ```
     pub fn at_error(&self, error: f64) -> Vec<Hull> {
-        let joins = (0..=self.merging.joins())
+        let joins = (0..=self.hierarchy.joins())
             .rev()
             .find(|&joins| self.point(joins).error <= error)
             .unwrap_or(0);
-        self.merging.hulls(joins, &self.leaves)
+        self.hierarchy.hulls(joins, &self.leaves)
     }
 
     fn point(&self, joins: usize) -> CurvePoint {
-        let protrusion_max = self.merging.phantom(joins);
+        let protrusion_max = self.hierarchy.protrusion(joins);
         CurvePoint {
             hulls: self.leaves.len() - joins,
             error: protrusion_max.max(self.uncovered),

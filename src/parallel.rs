@@ -103,7 +103,7 @@ fn threads() -> usize {
 }
 
 /// Runs `work` with or without other threads.
-pub(crate) fn with<R>(parallel: bool, work: impl FnOnce() -> R) -> R {
+pub fn with<R>(parallel: bool, work: impl FnOnce() -> R) -> R {
     #[cfg(feature = "parallel")]
     {
         let before = IS_PARALLEL.replace(parallel);

@@ -4,9 +4,9 @@ mod common;
 
 use std::time::{Duration, Instant};
 
-use hullwright::measure::{HullShape, MeasureOptions, Measurement, measure};
+use hullwright::measure::{MeasureOptions, Measurement, measure};
 use hullwright::{
-    Control, Decomposition, Error, Hull, MergeTree, Parameters, Preset, Unit, decompose,
+    Control, Decomposition, Error, Hull, Length, MergeTree, MeshView, Parameters, Preset, decompose,
 };
 
 use common::{Mesh, l_prism, prism};
@@ -132,7 +132,7 @@ fn join(parts: &[Mesh]) -> Mesh {
 }
 
 fn run_with((positions, triangles): &Mesh, parameters: &Parameters) -> Decomposition {
-    decompose(positions, triangles, parameters, &Control::new()).unwrap()
+    decompose(MeshView::new(positions, triangles), parameters, &Control::new()).unwrap()
 }
 
 fn run(mesh: &Mesh) -> Decomposition {
@@ -140,10 +140,10 @@ fn run(mesh: &Mesh) -> Decomposition {
 }
 
 fn judge((positions, triangles): &Mesh, hulls: &[Hull]) -> Measurement {
-    let shapes: Vec<HullShape<'_>> = hulls.iter().map(HullShape::from).collect();
+    let shapes: Vec<MeshView<'_>> = hulls.iter().map(MeshView::from).collect();
     let mut options = MeasureOptions::default();
     options.volume_samples = 50_000;
-    measure(positions, triangles, &shapes, &options).unwrap()
+    measure(MeshView::new(positions, triangles), &shapes, &options, &Control::new()).unwrap()
 }
 
 /// What was promised and verified, against dense samples.
@@ -152,11 +152,12 @@ fn assert_promise(name: &str, mesh: &Mesh, result: &Decomposition) {
     let measured = judge(mesh, &result.hulls);
     let diagonal = measured.diagonal;
     let rounding = 1e-6 * diagonal;
-    assert!(report.phantom_max <= report.bound + rounding, "{name}: {report:?}");
-    assert!(report.exposed_max <= report.bound + rounding, "{name}: {report:?}");
-    let (phantom, exposed) = (measured.phantom.max * diagonal, measured.exposed.max * diagonal);
-    assert!(phantom <= report.phantom_max + rounding, "{name}: {phantom} {report:?}");
-    assert!(exposed <= report.exposed_max + rounding, "{name}: {exposed} {report:?}");
+    assert!(report.protrusion_max <= report.bound + rounding, "{name}: {report:?}");
+    assert!(report.uncovered_max <= report.bound + rounding, "{name}: {report:?}");
+    let (phantom, exposed) =
+        (measured.protrusion.max * diagonal, measured.uncovered.max * diagonal);
+    assert!(phantom <= report.protrusion_max + rounding, "{name}: {phantom} {report:?}");
+    assert!(exposed <= report.uncovered_max + rounding, "{name}: {exposed} {report:?}");
     assert_eq!(measured.non_convex_hulls, 0, "{name}");
     assert_eq!(measured.non_positive_volumes, 0, "{name}");
 }
@@ -179,7 +180,7 @@ fn thin_sheets_close_together_are_told_apart_under_a_small_bound() {
     let mesh = join(&[sheet(0.0, 0.002), sheet(0.004, 0.006), body]);
     for (bound, hulls) in [(0.002, 2), (0.0005, 3)] {
         let mut parameters = Parameters::default();
-        parameters.bounded.max_error = Unit::Diagonals(bound);
+        parameters.bounded.max_error = Length::Share(bound);
         let result = run_with(&mesh, &parameters);
         assert_eq!(result.hulls.len(), hulls, "{bound}");
         assert_promise("sheets", &mesh, &result);
@@ -193,7 +194,7 @@ fn a_merge_tree_of_edited_hulls_is_a_typed_error() {
     let mut edited = run(&mesh);
     edited.hulls[0].shape.triangles[0][0] = 1_000_000;
     let (parameters, control) = (Parameters::default(), Control::new());
-    let tree = MergeTree::new(&mesh.0, &mesh.1, &edited, &parameters, &control);
+    let tree = MergeTree::new(MeshView::new(&mesh.0, &mesh.1), &edited, &parameters, &control);
     assert!(matches!(tree, Err(Error::NoHull { .. })));
 }
 
@@ -203,7 +204,7 @@ fn convex_input_is_one_hull_at_once() {
     let mesh = lathe(&profile, 96);
     let result = run(&mesh);
     assert_eq!(result.hulls.len(), 1);
-    assert_eq!(result.report.bounded.as_ref().unwrap().seeds, 1);
+    assert_eq!(result.report.bounded.as_ref().unwrap().patches, 1);
     assert_promise("cylinder", &mesh, &result);
 }
 
@@ -284,7 +285,7 @@ fn parts_that_do_not_touch_stay_apart() {
 #[test]
 fn a_solid_has_no_void() {
     for (name, mesh) in [("L", l_prism()), ("torus", torus()), ("plus", plus_prism())] {
-        let hollow = judge(&mesh, &run(&mesh).hulls).hollow.unwrap();
+        let hollow = judge(&mesh, &run(&mesh).hulls).uncovered_volume.unwrap();
         assert!(hollow <= 0.01, "{name}: {hollow}");
     }
 }
@@ -293,7 +294,7 @@ fn a_solid_has_no_void() {
 fn the_promise_holds_for_every_bound() {
     for percent in [0.5, 1.0, 4.0, 8.0] {
         let mut parameters = Parameters::default();
-        parameters.bounded.max_error = Unit::Diagonals(percent / 100.0);
+        parameters.bounded.max_error = Length::Share(percent / 100.0);
         let mesh = torus();
         assert_promise(&format!("{percent} %"), &mesh, &run_with(&mesh, &parameters));
     }
@@ -313,7 +314,7 @@ fn a_bound_in_units_is_that_of_as_many_diagonals() {
     let mesh = u_prism();
     let diagonal = run(&mesh).report.diagonal;
     let mut parameters = Parameters::default();
-    parameters.bounded.max_error = Unit::Absolute(0.02 * diagonal);
+    parameters.bounded.max_error = Length::Units(0.02 * diagonal);
     let absolute = run_with(&mesh, &parameters);
     assert!((absolute.report.bounded.unwrap().bound - 0.02 * diagonal).abs() < 1e-12);
     assert_eq!(absolute.hulls.len(), 3);
@@ -366,7 +367,8 @@ fn slices_give_the_same_and_progress_never_falls() {
     let control = Control::new()
         .with_progress(move |progress| listener.lock().unwrap().push(progress.fraction));
     let mut decomposer =
-        hullwright::Decomposer::new(&mesh.0, &mesh.1, &Parameters::default()).unwrap();
+        hullwright::Decomposer::new(MeshView::new(&mesh.0, &mesh.1), &Parameters::default())
+            .unwrap();
     let mut slices = 1;
     let sliced = loop {
         if let Some(result) = decomposer.step(&control).unwrap() {
@@ -386,7 +388,7 @@ fn cancelling_is_a_typed_error() {
     let control = Control::new();
     control.cancel();
     let (positions, triangles) = torus();
-    let result = decompose(&positions, &triangles, &Parameters::default(), &control);
+    let result = decompose(MeshView::new(&positions, &triangles), &Parameters::default(), &control);
     assert_eq!(result, Err(Error::Cancelled));
 }
 
@@ -395,7 +397,8 @@ fn after_the_deadline_the_best_so_far_is_returned_and_keeps_the_promise() {
     let mesh = torus();
     let past = Instant::now() - Duration::from_secs(1);
     let control = Control::new().with_deadline(past);
-    let result = decompose(&mesh.0, &mesh.1, &Parameters::default(), &control).unwrap();
+    let result =
+        decompose(MeshView::new(&mesh.0, &mesh.1), &Parameters::default(), &control).unwrap();
     assert!(result.report.deadline_reached);
     assert_promise("deadline", &mesh, &result);
 }
@@ -403,7 +406,8 @@ fn after_the_deadline_the_best_so_far_is_returned_and_keeps_the_promise() {
 fn tree_of(mesh: &Mesh) -> (Decomposition, MergeTree) {
     let result = run(mesh);
     let (parameters, control) = (Parameters::default(), Control::new());
-    let tree = MergeTree::new(&mesh.0, &mesh.1, &result, &parameters, &control).unwrap();
+    let tree =
+        MergeTree::new(MeshView::new(&mesh.0, &mesh.1), &result, &parameters, &control).unwrap();
     (result, tree)
 }
 
@@ -445,9 +449,9 @@ fn the_cap_on_hulls_is_kept_and_the_report_says_what_it_costs() {
     let result = run_with(&mesh, &parameters);
     assert_eq!(result.hulls.len(), 2);
     let report = result.report.bounded.unwrap();
-    assert!(report.phantom_max > report.bound);
+    assert!(report.protrusion_max > report.bound);
     let measured = judge(&mesh, &result.hulls);
-    assert!(measured.phantom.max * measured.diagonal <= report.phantom_max + 1e-6);
+    assert!(measured.protrusion.max * measured.diagonal <= report.protrusion_max + 1e-6);
 }
 
 #[test]
@@ -529,7 +533,7 @@ fn the_tips_of_sharp_plates_are_covered() {
     let result = run(&plates);
     assert_promise("plates", &plates, &result);
     let judged = judge(&plates, &result.hulls);
-    assert!(judged.exposed.max < 0.002, "{}", judged.exposed.max);
+    assert!(judged.uncovered.max < 0.002, "{}", judged.uncovered.max);
 }
 
 /// A triangle, not shrunk to a line, that no hull stands for.
@@ -552,7 +556,7 @@ fn of_very_many_triangles_none_is_lost_and_the_promise_holds() {
     let report = result.report.bounded.as_ref().unwrap();
     assert!(mesh.1.len() > 100_000 && report.polygons < 10_000);
     assert_promise("fine cup", &mesh, &result);
-    assert!(report.exposed_max <= 0.1 * report.bound, "{report:?}");
+    assert!(report.uncovered_max <= 0.1 * report.bound, "{report:?}");
     assert!(result.hulls.len() <= run(&cup()).hulls.len() + 3, "{}", result.hulls.len());
     assert!(!result.hulls.iter().any(|hull| holds(hull, [0.3, 0.0, 1.0])), "the cup is filled");
     assert_eq!(lost(&mesh, &result), None);
@@ -570,9 +574,9 @@ fn of_very_many_long_triangles_none_is_lost() {
     let mesh = join(&[brick, drum]);
     let result = run(&mesh);
     let report = result.report.bounded.as_ref().unwrap();
-    assert!(report.phantom_max <= report.bound && report.exposed_max <= 0.1 * report.bound);
+    assert!(report.protrusion_max <= report.bound && report.uncovered_max <= 0.1 * report.bound);
     assert_eq!(result.hulls.len(), 2);
-    let volume: f64 = result.hulls.iter().map(|hull| hull.volume).sum();
+    let volume: f64 = result.hulls.iter().map(|hull| hull.shape.volume()).sum();
     let expected = std::f64::consts::PI * (2.0 + 0.4 * 0.3 * 0.3);
     assert!((volume - expected).abs() < 0.02 * expected, "{volume}");
     assert_eq!(lost(&mesh, &result), None);
@@ -587,7 +591,11 @@ fn plates_and_rods_far_thinner_than_the_bound_stay_what_they_are() {
         let result = run(&plate);
         assert_eq!(result.hulls.len(), 1);
         let volume: f64 = extent.iter().product();
-        assert!(result.hulls[0].volume > 0.95 * volume, "{extent:?}: {}", result.hulls[0].volume);
+        assert!(
+            result.hulls[0].shape.volume() > 0.95 * volume,
+            "{extent:?}: {}",
+            result.hulls[0].shape.volume()
+        );
     }
 }
 
@@ -605,7 +613,7 @@ fn a_cap_that_divides_a_ball_leaves_its_middle_filled() {
     assert!(result.hulls.iter().all(|hull| hull.shape.points.len() <= 12));
     assert_promise("ball", &ball, &result);
     // Hulls of the surface alone left half of it empty.
-    let hollow = judge(&ball, &result.hulls).hollow;
+    let hollow = judge(&ball, &result.hulls).uncovered_volume;
     assert!(hollow.is_some_and(|hollow| hollow < 0.01), "{hollow:?}");
 }
 
@@ -634,7 +642,7 @@ fn long_needles_are_no_reason_to_divide() {
     // A tube of 300 facets once became 5,000 seeds.
     let tube = lathe(&[[0.2, -0.5], [0.22, -0.5], [0.22, 0.5], [0.2, 0.5]], 300);
     let result = run(&tube);
-    let seeds = result.report.bounded.as_ref().unwrap().seeds;
+    let seeds = result.report.bounded.as_ref().unwrap().patches;
     assert!(seeds < 1500, "{seeds}");
     assert_promise("tube", &tube, &result);
 }

@@ -105,8 +105,8 @@ fn each_gltf_mesh_gets_a_file_in_its_own_space() {
     // Both primitives, neither moved nor stretched.
     assert_eq!((file.hulls.len(), file.source_triangles), (1, 4));
     let hull = &file.hulls[0];
-    assert!((hull.volume - 36.0).abs() < 1e-6);
-    assert!((hull.bounds.max[0] - 6.0).abs() < 1e-6);
+    assert!((hull.shape.volume() - 36.0).abs() < 1e-6);
+    assert!((hull.shape.bounds().unwrap().max[0] - 6.0).abs() < 1e-6);
     assert!((file.mass_properties.unwrap().mass - 36.0).abs() < 1e-6);
 }
 

@@ -94,8 +94,8 @@ fn the_default_is_the_bounded_method_with_what_it_verified() {
     assert_eq!(line["hulls"], 2);
     let number = |name: &str| line[name].as_f64().unwrap();
     assert!((number("bound") / number("diagonal") - 0.05).abs() < 1e-12);
-    assert!(number("phantom_max") <= number("bound"));
-    assert!(number("exposed_max") <= number("bound"));
+    assert!(number("protrusion_max") <= number("bound"));
+    assert!(number("uncovered_max") <= number("bound"));
     assert!(line["stage_seconds"]["merge"].is_number());
 }
 
@@ -104,7 +104,7 @@ fn the_cap_on_hulls_holds_and_says_what_it_costs() {
     let place = Place::new();
     let line = place.json(&["--max-hulls", "1"]);
     assert_eq!(line["hulls"], 1);
-    assert!(line["phantom_max"].as_f64() > line["bound"].as_f64());
+    assert!(line["protrusion_max"].as_f64() > line["bound"].as_f64());
 }
 
 #[test]

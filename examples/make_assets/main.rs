@@ -15,10 +15,10 @@ mod simple;
 #[cfg(test)]
 mod tests;
 
-use std::borrow::Cow;
 use std::error::Error;
 use std::path::PathBuf;
 
+use hullwright::TriangleMesh;
 use hullwright::render::{Layout, Panel, Part, render_with};
 use model::Model;
 
@@ -70,8 +70,10 @@ fn draw(models: &[Model]) -> Result<hullwright::render::Picture, hullwright::Err
             let triangles = shape.triangles.iter().zip(&shape.materials);
             let of_material = triangles.filter(|(_, other)| **other == material);
             Part {
-                positions: &shape.positions,
-                triangles: Cow::Owned(of_material.map(|(triangle, _)| *triangle).collect()),
+                mesh: TriangleMesh::new(
+                    shape.positions.clone(),
+                    of_material.map(|(triangle, _)| *triangle).collect(),
+                ),
                 colour: model.materials[material].colour,
             }
         };

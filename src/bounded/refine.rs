@@ -1,21 +1,25 @@
-//! Refinement: long triangles are halved, so that a coarse mesh can be divided where its shape
-//! asks for it and not only along its own edges. Dense meshes stay as they are.
+//! Refinement: long triangles are halved, so that a coarse mesh can be divided into patches where
+//! its shape asks for it and not only along its own edges. Dense meshes stay unchanged.
+//!
+//! Longest-edge bisection (Rivara, "Algorithms for refining triangular grids suitable for adaptive
+//! and multigrid techniques", 1984), with every triangle at a halved edge split.
 
 use std::collections::BTreeMap;
 
 use crate::geometry::vector::{Vector, add, length_squared, scale, subtract};
 use crate::mesh::TriangleMesh;
 
-/// Refinement adds at most this many triangles: enough for a coarse mesh, and no burden.
-const MOST_ADDED: usize = 4000;
+/// Refinement adds at most about this many triangles: more than patches of a coarse mesh need, and
+/// few enough that later stages take no longer than on a dense mesh.
+const MAX_ADDED: usize = 4000;
 
 /// Halves the longest edges until none is longer than `longest`, without tearing the surface.
-/// Returns for each triangle the one that it is a part of.
+/// Returns for each triangle the original triangle that it is a part of.
 ///
 /// O(triangles), and O(m log m) for m edges that are halved.
 pub(super) fn refine(mesh: &mut TriangleMesh, longest: f64) -> Vec<u32> {
     let mut parents: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
-    let most = mesh.triangles.len() + MOST_ADDED;
+    let most = mesh.triangles.len() + MAX_ADDED;
     let limit = longest * longest;
     while mesh.triangles.len() < most {
         let mut middles: BTreeMap<(u32, u32), u32> = BTreeMap::new();

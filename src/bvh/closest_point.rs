@@ -1,35 +1,36 @@
 //! Distance from a point to the nearest triangle, by branch and bound over the tree.
 //!
-//! Bounds are in single precision, for four boxes or four triangles at once. Only a triangle that
-//! may be the nearest is asked in double precision, so that the answer is the same as from asking
-//! every triangle, to the last bit.
+//! Bounds are computed in single precision for four boxes or four triangles at once. Only a
+//! triangle that may be the nearest is evaluated in double precision: the answer equals that of
+//! evaluating every triangle, to the last bit. Typically O(log n). The closest point of a triangle
+//! is found by Voronoi regions (Ericson, "Real-Time Collision Detection", 2005, section 5.1.5).
 
 use super::tree::{
     BOUND_SLACK, Block, Child, EMPTY, Node, STACK, Tree, WIDTH, child, larger, smaller,
 };
 use crate::geometry::vector::{Vector, add, cross, dot, length_squared, scale, subtract};
 
-/// The point of the mesh that is nearest to another.
+/// The point of the mesh closest to a query point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Closest {
+pub(crate) struct ClosestPoint {
     pub distance: f64,
-    /// The nearest triangle; of several the one with the lowest index.
+    /// The nearest triangle; of equally near ones the lowest index.
     pub triangle: u32,
     pub point: Vector,
 }
 
-/// The best triangle so far.
+/// The nearest triangle so far.
 #[derive(Clone, Copy)]
 pub(super) struct Best {
     pub squared: f64,
     pub triangle: u32,
-    /// Place of its corners in the tree.
-    place: usize,
+    /// Slot of its corners in the tree.
+    slot: usize,
 }
 
 impl Best {
     pub(super) fn none(limit: f64) -> Self {
-        Self { squared: if limit < 0.0 { -1.0 } else { limit * limit }, triangle: EMPTY, place: 0 }
+        Self { squared: if limit < 0.0 { -1.0 } else { limit * limit }, triangle: EMPTY, slot: 0 }
     }
 }
 
@@ -49,9 +50,9 @@ fn squared_gaps(node: &Node, point: [f32; 3]) -> [f32; WIDTH] {
     squared
 }
 
-/// The same for the triangles of a block. Whatever point p of a triangle the weights lead to, the
-/// triangle lies beyond the plane across p through its lowest corner: so rounding of the weights,
-/// also those of a sliver, makes the bound worse but not wrong.
+/// The same for the triangles of a block. Whatever point p of a triangle the weights give, the
+/// triangle lies beyond the plane perpendicular to p through its lowest corner. So rounding of the
+/// weights, even those of a sliver, loosens the bound but keeps it valid.
 #[inline(always)]
 fn squared_bounds(block: &Block, point: [f32; 3], margin: f32) -> [f32; WIDTH] {
     let mut squared = [0.0; WIDTH];
@@ -71,22 +72,21 @@ fn squared_bounds(block: &Block, point: [f32; 3], margin: f32) -> [f32; WIDTH] {
             a[2] + v * ab[2] + w * ac[2],
         ];
         let height = smaller(smaller(dot(p, a), dot(p, b)), dot(p, c)) / dot(p, p).sqrt();
-        // False for a height that is not a number, too.
+        // Also 0 for NaN.
         let height = if height > margin { height - margin } else { 0.0 };
         squared[lane] = height * height;
     }
     squared
 }
 
-/// The greatest squared gap of a box that may hold something as near as `squared`.
+/// The greatest squared gap of a box that may contain something as near as `squared`.
 #[inline(always)]
 fn reach(squared: f64) -> f32 {
     (squared * BOUND_SLACK) as f32
 }
 
-/// Weights of the second and the third corner in the triangle's point nearest to the origin, for
-/// a triangle `a, a + ab, a + ac` (Ericson, Real-Time Collision Detection, 5.1.5, without its
-/// branches). Wrong for slivers.
+/// Weights of the second and the third corner in the triangle's point closest to the origin, for
+/// a triangle `a, a + ab, a + ac`: Ericson's regions without branches. Inaccurate for slivers.
 macro_rules! weights {
     ($name:ident, $real:ty) => {
         #[inline(always)]
@@ -107,7 +107,7 @@ macro_rules! weights {
                 w = if inside { new_w } else { w };
                 sum = if inside { new_sum } else { sum };
             };
-            // Where regions touch the later line wins, and each is right there.
+            // Where regions touch, the later line wins, and both are correct.
             region((va <= 0.0) & (bc1 >= 0.0) & (bc2 >= 0.0), bc2, bc1, bc1 + bc2);
             region((vb <= 0.0) & (d2 >= 0.0) & (d6 <= 0.0), 0.0, d2, d2 - d6);
             region((d6 >= 0.0) & (d5 <= d6), 0.0, 1.0, 1.0);
@@ -123,15 +123,14 @@ macro_rules! weights {
 weights!(weights, f64);
 weights!(weights_in_single_precision, f32);
 
-/// A triangle whose squared sine at the first corner is below this is a sliver. There the weights
-/// would be off by more than 1e-8.
+/// A triangle whose squared sine at the first corner is below this is a sliver: its weights would
+/// be off by more than 1e-8.
 const SLIVER: f64 = 1e-8;
 
-/// The point of a sliver nearest to the origin: on an edge, unless its normal still means
-/// something and the point is inside.
+/// The point of a sliver closest to the origin: on an edge, or inside if its normal is accurate.
 #[cold]
-fn nearest_of_sliver(a: Vector, ab: Vector, ac: Vector) -> Vector {
-    /// Below this squared sine the normal is lost in rounding, and so is the triangle's width.
+fn closest_point_on_sliver(a: Vector, ab: Vector, ac: Vector) -> Vector {
+    /// Below this squared sine rounding destroys the normal, and the triangle's width is negligible.
     const NEEDLE: f64 = 1e-20;
 
     let (b, c) = (add(a, ab), add(a, ac));
@@ -140,7 +139,7 @@ fn nearest_of_sliver(a: Vector, ab: Vector, ac: Vector) -> Vector {
         let along = subtract(to, from);
         let squared = length_squared(along);
         let share = (-dot(from, along) / squared).clamp(0.0, 1.0);
-        // A point-like edge has no share, and its end is another edge's.
+        // Of an edge without length the share is NaN, and another edge has the same end.
         let point = add(from, scale(along, share));
         if length_squared(point) < length_squared(nearest) {
             nearest = point;
@@ -160,13 +159,13 @@ fn nearest_of_sliver(a: Vector, ab: Vector, ac: Vector) -> Vector {
     nearest
 }
 
-/// The point of the triangle nearest to the origin.
-pub(crate) fn nearest_of_triangle(a: Vector, b: Vector, c: Vector) -> Vector {
+/// The point of a triangle closest to the origin.
+pub(crate) fn closest_point_on_triangle(a: Vector, b: Vector, c: Vector) -> Vector {
     let (ab, ac) = (subtract(b, a), subtract(c, a));
     let sides = length_squared(ab) * length_squared(ac);
     let cosine = dot(ab, ac);
     if sides - cosine * cosine <= SLIVER * sides {
-        nearest_of_sliver(a, ab, ac)
+        closest_point_on_sliver(a, ab, ac)
     } else {
         let (v, w) = weights(a, ab, ac);
         add(a, add(scale(ab, v), scale(ac, w)))
@@ -193,11 +192,11 @@ impl Tree {
         subtract(point, self.centre).map(|x| x as f32)
     }
 
-    /// The point of a triangle that is nearest to `point`, relative to it.
+    /// The point of the triangle in a slot that is closest to `point`, relative to it.
     #[inline(always)]
-    fn nearest(&self, place: usize, point: Vector) -> Vector {
-        let [a, b, c] = self.corners[place];
-        nearest_of_triangle(subtract(a, point), subtract(b, point), subtract(c, point))
+    fn closest_on(&self, slot: usize, point: Vector) -> Vector {
+        let [a, b, c] = self.corners[slot];
+        closest_point_on_triangle(subtract(a, point), subtract(b, point), subtract(c, point))
     }
 
     #[inline(always)]
@@ -208,24 +207,24 @@ impl Tree {
             if bounds[lane] > reach(best.squared) || triangle == EMPTY {
                 continue;
             }
-            let place = block * WIDTH + lane;
-            // The best so far is often met again: a guess mostly is.
+            let slot = block * WIDTH + lane;
+            // The best so far is often met again, above all a correct guess.
             if triangle == best.triangle {
                 continue;
             }
-            let squared = length_squared(self.nearest(place, point));
+            let squared = length_squared(self.closest_on(slot, point));
             if squared < best.squared || (squared == best.squared && triangle < best.triangle) {
-                *best = Best { squared, triangle, place };
+                *best = Best { squared, triangle, slot };
             }
         }
     }
 
-    /// Improves on `best`; stops at the first triangle within its limit if `any`.
+    /// Improves on `best`; if `any`, stops at the first triangle within its limit.
     #[inline(always)]
     fn search(&self, point: Vector, best: &mut Best, any: bool) -> bool {
         let relative = self.relative(point);
-        // A squared gap's bits above a child's reference: gaps are not negative, so these numbers
-        // are in the order of gaps.
+        // Entries hold a squared gap's bits above a child's reference. Gaps are not negative, so
+        // that entries compare like gaps.
         let mut stack = [0_u64; STACK + WIDTH];
         let mut height = 1;
         let mut reach = reach(best.squared);
@@ -253,15 +252,14 @@ impl Tree {
                     let node = &self.nodes[node];
                     let gaps = squared_gaps(node, relative);
                     let mut entries = [0; WIDTH];
-                    for (place, &reference) in node.children().iter().enumerate() {
+                    for (place, &reference) in node.children.iter().enumerate() {
                         let hit = (gaps[place] <= reach) & (reference != EMPTY);
                         let entry = u64::from(gaps[place].to_bits()) << 32 | u64::from(reference);
-                        // No child is the root, so no hit is 0.
+                        // The root is no child, so no hit is 0.
                         entries[place] = if hit { entry } else { 0 };
                         height += usize::from(hit);
                     }
-                    // Hits end up below `height` with the nearest on top, the zeros of all others
-                    // above it.
+                    // Hits end up below `height` with the nearest on top; the zeros lie above.
                     let hits = entries.iter().filter(|&&entry| entry != 0).count();
                     sort_descending(&mut entries);
                     stack[height - hits..][..WIDTH].copy_from_slice(&entries);
@@ -271,38 +269,38 @@ impl Tree {
         best.triangle != EMPTY
     }
 
-    /// The nearest point of the mesh that is at most `limit` away.
-    pub(super) fn closest(&self, point: Vector, mut best: Best) -> Option<Closest> {
+    /// The closest point of the mesh that improves on `best`.
+    pub(super) fn closest_point(&self, point: Vector, mut best: Best) -> Option<ClosestPoint> {
         if !self.search(point, &mut best, false) {
             return None;
         }
-        Some(Closest {
+        Some(ClosestPoint {
             distance: best.squared.sqrt(),
             triangle: best.triangle,
-            point: add(point, self.nearest(best.place, point)),
+            point: add(point, self.closest_on(best.slot, point)),
         })
     }
 
-    /// The triangle that `closest` finds.
+    /// The triangle of [`closest_point`](Self::closest_point).
     pub(super) fn closest_triangle(&self, point: Vector, mut best: Best) -> Option<u32> {
         self.search(point, &mut best, false).then_some(best.triangle)
     }
 
-    /// A start for `closest` from a triangle that is thought to be near.
-    pub(super) fn guess(&self, point: Vector, place: usize, best: &mut Best) {
-        let block = &self.blocks[place / WIDTH];
-        let squared = length_squared(self.nearest(place, point));
+    /// Improves on `best` by the triangle in a slot.
+    pub(super) fn guess(&self, point: Vector, slot: usize, best: &mut Best) {
+        let block = &self.blocks[slot / WIDTH];
+        let squared = length_squared(self.closest_on(slot, point));
         if squared <= best.squared {
-            *best = Best { squared, triangle: block.triangles[place % WIDTH], place };
+            *best = Best { squared, triangle: block.triangles[slot % WIDTH], slot };
         }
     }
 
-    /// The distance to the triangle at a place.
-    pub(super) fn distance_to(&self, point: Vector, place: usize) -> f64 {
-        length_squared(self.nearest(place, point)).sqrt()
+    /// The distance to the triangle in a slot.
+    pub(super) fn distance_to_triangle(&self, point: Vector, slot: usize) -> f64 {
+        length_squared(self.closest_on(slot, point)).sqrt()
     }
 
-    pub(super) fn any_within(&self, point: Vector, limit: f64) -> bool {
+    pub(super) fn is_within(&self, point: Vector, limit: f64) -> bool {
         let mut best = Best::none(limit);
         self.search(point, &mut best, true)
     }

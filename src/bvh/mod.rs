@@ -1,48 +1,52 @@
-//! A field over a triangle mesh: the distance to it, and what is inside of it.
+//! A bounding-volume hierarchy over a triangle mesh: closest points and winding numbers.
 //!
-//! Any mesh will do: open, non-manifold, several components, intersecting itself. Inside is where
-//! the generalized winding number is above one half, which still works with holes.
+//! Any mesh is accepted: open, non-manifold, of several components, self-intersecting. Inside is
+//! where the generalized winding number exceeds one half, which tolerates holes.
 //!
-//! Both answers come from one tree ([`tree`]), built in O(n log n); a query takes O(log n), needs
-//! no memory of its own and no lock, and does not depend on threads.
-//! Coordinates should be of the order of 1: boxes and expansions are in single precision.
+//! | file | contents |
+//! |---|---|
+//! | `tree`, `build` | the four-wide tree and its construction, O(n log n) |
+//! | `closest_point` | distances by branch and bound |
+//! | `winding_number` | winding numbers by multipole expansion |
+//! | `closest_triangles` | for each triangle of a mesh the closest one of another |
+//!
+//! Queries allocate nothing, take no lock and do not depend on threads. Coordinates should be of
+//! the order of 1: boxes and expansions are in single precision.
 
 #![expect(clippy::needless_range_loop, reason = "an index is a lane or an axis of several arrays")]
 
-mod closest_point;
-mod closest_triangles;
+mod build;
+pub(crate) mod closest_point;
+pub(crate) mod closest_triangles;
 mod tree;
 mod winding_number;
-
-pub(crate) use closest_point::{Closest, nearest_of_triangle};
-pub(crate) use closest_triangles::{nearest_labels, nearest_triangles};
 
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::Vector;
-use closest_point::Best;
+use closest_point::{Best, ClosestPoint};
 use tree::{EMPTY, Tree};
 
 /// A winding number above this is inside.
 const INSIDE: f64 = 0.5;
 
-/// The field. See the module.
+/// The hierarchy over a mesh. See the module.
 #[derive(Debug, Clone)]
 pub(crate) struct Bvh {
     tree: Tree,
     moments: Vec<winding_number::Moments>,
-    /// For each triangle four times its block plus its place there.
-    places: Vec<u32>,
+    /// For each triangle of the mesh its slot in the tree's blocks, or [`EMPTY`].
+    slots: Vec<u32>,
 }
 
 impl Bvh {
-    /// Builds the field in O(n log n). Triangles with a corner that does not exist or is not
+    /// Builds the hierarchy in O(n log n). Triangles with a corner that does not exist or is not
     /// finite are left out.
     pub(crate) fn new(positions: &[Vector], triangles: &[[u32; 3]]) -> Self {
         Self::until(positions, triangles, &|| false)
     }
 
-    /// The same, unless somebody cancels.
+    /// Like [`new`](Self::new), unless cancelled.
     ///
     /// # Errors
     /// [`Error::Cancelled`].
@@ -55,62 +59,71 @@ impl Bvh {
         control.check().map(|()| bvh)
     }
 
-    /// Once `is_stopped` what is returned is unfinished, and to be dropped.
-    fn until(positions: &[Vector], triangles: &[[u32; 3]], is_stopped: &dyn Fn() -> bool) -> Self {
-        let tree = Tree::new(positions, triangles, is_stopped);
+    /// Once `is_cancelled`, the result is incomplete and must be dropped.
+    fn until(
+        positions: &[Vector],
+        triangles: &[[u32; 3]],
+        is_cancelled: &dyn Fn() -> bool,
+    ) -> Self {
+        let tree = Tree::new(positions, triangles, is_cancelled);
         let moments = winding_number::moments(&tree);
-        let mut places = vec![EMPTY; triangles.len()];
+        let mut slots = vec![EMPTY; triangles.len()];
         for (block, content) in tree.blocks.iter().enumerate() {
             for (lane, &triangle) in content.triangles.iter().enumerate() {
                 if triangle != EMPTY {
-                    places[triangle as usize] = (block * tree::WIDTH + lane) as u32;
+                    slots[triangle as usize] = (block * tree::WIDTH + lane) as u32;
                 }
             }
         }
-        Self { tree, moments, places }
+        Self { tree, moments, slots }
     }
 
-    /// The point of the mesh that is nearest to `point` and at most `limit` away
-    /// (`f64::INFINITY` for no limit). A small limit makes it fast.
-    pub(crate) fn distance(&self, point: Vector, limit: f64) -> Option<Closest> {
-        self.tree.closest(point, Best::none(limit))
+    /// The point of the mesh closest to `point`, at most `limit` away (`f64::INFINITY` for no
+    /// limit). The smaller the limit, the faster.
+    pub(crate) fn closest_point(&self, point: Vector, limit: f64) -> Option<ClosestPoint> {
+        self.tree.closest_point(point, Best::none(limit))
     }
 
-    /// The same as [`distance`](Self::distance), faster if the triangle `guess` is near.
-    pub(crate) fn distance_near(&self, point: Vector, limit: f64, guess: u32) -> Option<Closest> {
-        self.tree.closest(point, self.guessed(point, limit, guess))
+    /// The same as [`closest_point`](Self::closest_point), faster if the triangle `guess` is near.
+    pub(crate) fn closest_point_near(
+        &self,
+        point: Vector,
+        limit: f64,
+        guess: u32,
+    ) -> Option<ClosestPoint> {
+        self.tree.closest_point(point, self.guessed(point, limit, guess))
     }
 
-    /// The triangle that [`distance_near`](Self::distance_near) finds without a limit.
-    fn triangle_near(&self, point: Vector, guess: u32) -> Option<u32> {
+    /// The triangle of [`closest_point_near`](Self::closest_point_near) without a limit.
+    fn closest_triangle_near(&self, point: Vector, guess: u32) -> Option<u32> {
         self.tree.closest_triangle(point, self.guessed(point, f64::INFINITY, guess))
     }
 
     fn guessed(&self, point: Vector, limit: f64, guess: u32) -> Best {
         let mut best = Best::none(limit);
-        if let Some(&place) = self.places.get(guess as usize)
-            && place != EMPTY
+        if let Some(&slot) = self.slots.get(guess as usize)
+            && slot != EMPTY
         {
-            self.tree.guess(point, place as usize, &mut best);
+            self.tree.guess(point, slot as usize, &mut best);
         }
         best
     }
 
     /// The distance to one triangle; infinite if it does not exist.
-    pub(crate) fn distance_to(&self, point: Vector, triangle: u32) -> f64 {
-        match self.places.get(triangle as usize) {
-            Some(&place) if place != EMPTY => self.tree.distance_to(point, place as usize),
+    pub(crate) fn distance_to_triangle(&self, point: Vector, triangle: u32) -> f64 {
+        match self.slots.get(triangle as usize) {
+            Some(&slot) if slot != EMPTY => self.tree.distance_to_triangle(point, slot as usize),
             _ => f64::INFINITY,
         }
     }
 
-    /// Whether the mesh comes within `limit` of `point`: faster than asking for the distance.
+    /// Whether the mesh comes within `limit` of `point`. Faster than the distance.
     pub(crate) fn is_within(&self, point: Vector, limit: f64) -> bool {
-        self.tree.any_within(point, limit)
+        self.tree.is_within(point, limit)
     }
 
-    /// The generalized winding number about `point`: 1 inside of a closed, outward-oriented mesh
-    /// and 0 outside, with something between near holes. The error is 0.001 in the median and rarely above 0.01.
+    /// The generalized winding number about `point`: 1 inside a closed, outward-oriented mesh, 0
+    /// outside, and in between near holes. The error is 0.001 in the median, rarely above 0.01.
     pub(crate) fn winding_number(&self, point: Vector) -> f64 {
         winding_number::winding_number(&self.tree, &self.moments, point)
     }

@@ -1,4 +1,4 @@
-use super::closest_point::nearest_of_triangle;
+use super::closest_point::closest_point_on_triangle;
 use super::*;
 use crate::geometry::vector::{add, cross, dot, length, length_squared, scale, subtract};
 use std::f64::consts::TAU;
@@ -89,12 +89,12 @@ fn corners((positions, _): &Mesh, triangle: [u32; 3], origin: Vector) -> [Vector
     triangle.map(|index| subtract(positions[index as usize], origin))
 }
 
-/// Squared distance and index of the nearest triangle, by asking all.
+/// Squared distance and index of the nearest triangle, over all triangles.
 fn nearest_of_all(mesh: &Mesh, point: Vector) -> (f64, u32) {
     let mut best = (f64::INFINITY, u32::MAX);
     for (index, &triangle) in mesh.1.iter().enumerate() {
         let [a, b, c] = corners(mesh, triangle, point);
-        let squared = length_squared(nearest_of_triangle(a, b, c));
+        let squared = length_squared(closest_point_on_triangle(a, b, c));
         if squared < best.0 {
             best = (squared, index as u32);
         }
@@ -143,7 +143,7 @@ fn the_nearest_point_of_a_triangle_lies_in_each_of_its_seven_regions() {
     ] {
         let [p, q, r] = [a, b, c].map(|corner| subtract(corner, point));
         for [p, q, r] in [[p, q, r], [q, r, p], [r, p, q], [q, p, r]] {
-            let nearest = add(nearest_of_triangle(p, q, r), point);
+            let nearest = add(closest_point_on_triangle(p, q, r), point);
             assert!(length(subtract(nearest, expected)) < 1e-12, "{point:?} {nearest:?}");
         }
     }
@@ -159,7 +159,7 @@ fn the_nearest_point_of_a_sliver_is_as_good_as_its_edges() {
             let [p, q, r] = [a, b, c].map(|corner| subtract(corner, point));
             let on_line = [point[0].clamp(0.0, 1.0), 0.0, 0.0];
             for [p, q, r] in [[p, q, r], [q, r, p], [r, p, q]] {
-                let found = length(nearest_of_triangle(p, q, r));
+                let found = length(closest_point_on_triangle(p, q, r));
                 let expected = length(subtract(on_line, point));
                 assert!((found - expected).abs() <= height + 1e-12, "{height} {point:?} {found}");
             }
@@ -168,12 +168,12 @@ fn the_nearest_point_of_a_sliver_is_as_good_as_its_edges() {
 }
 
 #[test]
-fn distance_is_exactly_that_of_asking_every_triangle() {
+fn distance_equals_the_minimum_over_all_triangles() {
     for mesh in [soup(400, 1), soup(3, 2), torus(20), cube(0.3), join(torus(9), &torus(9))] {
         let bvh = bvh(&mesh);
         for point in questions(&mesh, 400) {
             let (squared, triangle) = nearest_of_all(&mesh, point);
-            let closest = bvh.distance(point, f64::INFINITY).unwrap();
+            let closest = bvh.closest_point(point, f64::INFINITY).unwrap();
             assert_eq!((closest.distance, closest.triangle), (squared.sqrt(), triangle));
             let away = length(subtract(closest.point, point));
             assert!((away - closest.distance).abs() <= 1e-14 * (1.0 + length(point)));
@@ -189,7 +189,7 @@ fn distance_is_exact_far_from_the_origin_too() {
     let bvh = bvh(&mesh);
     for point in questions(&mesh, 200) {
         let (squared, triangle) = nearest_of_all(&mesh, point);
-        let closest = bvh.distance(point, f64::INFINITY).unwrap();
+        let closest = bvh.closest_point(point, f64::INFINITY).unwrap();
         assert_eq!((closest.distance, closest.triangle), (squared.sqrt(), triangle));
     }
 }
@@ -197,10 +197,10 @@ fn distance_is_exact_far_from_the_origin_too() {
 #[test]
 fn of_equally_near_triangles_the_first_is_nearest() {
     let mesh = cube(0.5);
-    let closest = bvh(&mesh).distance([0.0; 3], f64::INFINITY).unwrap();
+    let closest = bvh(&mesh).closest_point([0.0; 3], f64::INFINITY).unwrap();
     assert_eq!((closest.distance, closest.triangle), (0.5, 0));
     let twice = join(mesh.clone(), &mesh);
-    let corner = bvh(&twice).distance([1.0, 1.0, 1.0], f64::INFINITY).unwrap();
+    let corner = bvh(&twice).closest_point([1.0, 1.0, 1.0], f64::INFINITY).unwrap();
     assert_eq!(corner.triangle, 2);
     assert_eq!(corner.point, [0.5; 3]);
 }
@@ -209,9 +209,9 @@ fn of_equally_near_triangles_the_first_is_nearest() {
 fn a_limit_is_inclusive_and_hides_all_beyond() {
     let bvh = bvh(&cube(0.5));
     let point = [0.75, 0.0, 0.0];
-    assert_eq!(bvh.distance(point, 0.25).map(|closest| closest.distance), Some(0.25));
-    assert_eq!(bvh.distance(point, 0.2499), None);
-    assert_eq!(bvh.distance(point, -1.0), None);
+    assert_eq!(bvh.closest_point(point, 0.25).map(|closest| closest.distance), Some(0.25));
+    assert_eq!(bvh.closest_point(point, 0.2499), None);
+    assert_eq!(bvh.closest_point(point, -1.0), None);
     assert!(bvh.is_within(point, 0.25));
     assert!(!bvh.is_within(point, 0.2499));
     assert!(!bvh.is_within(point, -1.0));
@@ -223,16 +223,16 @@ fn limits_and_guesses_change_nothing_but_speed() {
     let mesh = soup(300, 4);
     let bvh = bvh(&mesh);
     for (index, point) in questions(&mesh, 300).into_iter().enumerate() {
-        let closest = bvh.distance(point, f64::INFINITY);
+        let closest = bvh.closest_point(point, f64::INFINITY);
         for guess in [index as u32, 0, 299, 1_000_000] {
-            assert_eq!(bvh.distance_near(point, f64::INFINITY, guess), closest);
+            assert_eq!(bvh.closest_point_near(point, f64::INFINITY, guess), closest);
         }
         let distance = closest.unwrap().distance;
-        assert_eq!(bvh.distance(point, 1.01 * distance), closest);
+        assert_eq!(bvh.closest_point(point, 1.01 * distance), closest);
         assert!(bvh.is_within(point, 1.01 * distance));
         assert_eq!(bvh.is_within(point, 0.99 * distance), distance == 0.0);
         assert_eq!(
-            bvh.distance_near(point, 0.99 * distance, index as u32).is_some(),
+            bvh.closest_point_near(point, 0.99 * distance, index as u32).is_some(),
             distance == 0.0
         );
     }
@@ -252,7 +252,7 @@ fn thousands_of_triangles_in_one_place_or_in_shrinking_steps_make_a_tree() {
         let bvh = bvh(&mesh);
         for point in [[0.1, 0.1, 0.3], [2.0, 0.0, 0.0], [1e-9, 1e-9, 0.0]] {
             let (squared, triangle) = nearest_of_all(&mesh, point);
-            let closest = bvh.distance(point, f64::INFINITY).unwrap();
+            let closest = bvh.closest_point(point, f64::INFINITY).unwrap();
             assert_eq!((closest.distance, closest.triangle), (squared.sqrt(), triangle));
         }
     }
@@ -264,27 +264,27 @@ fn triangles_that_can_not_be_used_are_left_out() {
     positions.push([f64::NAN, 0.0, 0.0]);
     triangles.splice(0..0, [[0, 1, 8], [0, 1, 99]]);
     let bvh = Bvh::new(&positions, &triangles);
-    let closest = bvh.distance([0.6, 0.0, 0.0], f64::INFINITY).unwrap();
+    let closest = bvh.closest_point([0.6, 0.0, 0.0], f64::INFINITY).unwrap();
     assert!((closest.distance - 0.1).abs() < 1e-15);
     assert_eq!(closest.triangle, 4);
     assert!((bvh.winding_number([0.0; 3]) - 1.0).abs() < 1e-6);
-    assert_eq!(bvh.distance_near([0.6, 0.0, 0.0], f64::INFINITY, 0), Some(closest));
+    assert_eq!(bvh.closest_point_near([0.6, 0.0, 0.0], f64::INFINITY, 0), Some(closest));
 }
 
 #[test]
-fn a_field_over_nothing_is_nowhere_near_and_has_no_inside() {
+fn a_hierarchy_over_nothing_is_nowhere_near_and_has_no_inside() {
     let bvh = Bvh::new(&[], &[]);
-    assert_eq!(bvh.distance([0.0; 3], f64::INFINITY), None);
+    assert_eq!(bvh.closest_point([0.0; 3], f64::INFINITY), None);
     assert!(!bvh.is_within([0.0; 3], f64::INFINITY));
     assert_eq!(bvh.winding_number([0.0; 3]), 0.0);
 }
 
 #[test]
-fn points_that_are_not_finite_get_some_answer() {
+fn points_that_are_not_finite_do_not_panic() {
     let bvh = bvh(&torus(8));
     for x in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX] {
-        let _ = bvh.distance([x, 0.0, 0.0], f64::INFINITY);
-        let _ = bvh.distance([0.0; 3], x);
+        let _ = bvh.closest_point([x, 0.0, 0.0], f64::INFINITY);
+        let _ = bvh.closest_point([0.0; 3], x);
         let _ = bvh.is_within([x, 0.0, 0.0], 1.0);
         let _ = bvh.is_inside([0.0, x, 0.0]);
     }
@@ -356,6 +356,6 @@ fn the_same_mesh_gives_the_same_bits() {
     let (one, other) = (bvh(&mesh), bvh(&mesh.clone()));
     for point in questions(&mesh, 200) {
         assert_eq!(one.winding_number(point).to_bits(), other.winding_number(point).to_bits());
-        assert_eq!(one.distance(point, 1.0), other.distance(point, 1.0));
+        assert_eq!(one.closest_point(point, 1.0), other.closest_point(point, 1.0));
     }
 }

@@ -3,7 +3,7 @@
 mod bounds;
 mod coordinate;
 mod mesh;
-pub(crate) mod vector;
+pub mod vector;
 
 pub use bounds::Bounds;
 pub use coordinate::Coordinate;

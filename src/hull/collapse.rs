@@ -9,7 +9,7 @@ use std::collections::BinaryHeap;
 
 use super::face::{Face, after};
 use super::{ConvexHull, HullBuilder, Shape};
-use crate::bvh::nearest_of_triangle;
+use crate::bvh::closest_point::closest_point_on_triangle;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, add, dot, length, scale, subtract};
 
@@ -219,7 +219,7 @@ pub(super) fn growth(hull: &ConvexHull, old: &ConvexHull) -> f64 {
             old.corners().zip(&planes).filter(|(_, plane)| dot(plane.0, point) > plane.1).map(
                 |(corners, _)| {
                     let [a, b, c] = corners.map(|corner| subtract(corner, point));
-                    length(nearest_of_triangle(a, b, c))
+                    length(closest_point_on_triangle(a, b, c))
                 },
             );
         in_front.min_by(f64::total_cmp).unwrap_or(0.0)

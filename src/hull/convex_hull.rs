@@ -132,7 +132,7 @@ impl ConvexHull {
     }
 
     /// The unit normal and offset of each triangle's plane; zero for triangles without area.
-    pub(crate) fn planes(&self) -> Vec<(Vector, f64)> {
+    pub fn planes(&self) -> Vec<([f64; 3], f64)> {
         let plane = |[a, b, c]: [Vector; 3]| {
             let normal = area_normal(a, b, c);
             let area = length(normal);

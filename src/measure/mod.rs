@@ -365,7 +365,7 @@ fn uncovered(
 
 /// Distance to a mesh that has triangles, so that there always is one.
 fn distance(bvh: &Bvh, point: Vector) -> f64 {
-    bvh.distance(point, f64::INFINITY).map_or(0.0, |closest| closest.distance)
+    bvh.closest_point(point, f64::INFINITY).map_or(0.0, |closest| closest.distance)
 }
 
 /// Numbers of points in the joint bounding box.

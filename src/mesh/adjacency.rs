@@ -14,7 +14,7 @@ use super::edges::{Edge, SortedHalfEdges, ascends};
 use crate::geometry::vector::{Vector, area_normal, dot, normalize};
 
 /// Stands in the neighbour list where an edge has no other triangle.
-pub(crate) const NO_NEIGHBOUR: u32 = u32::MAX;
+pub const NO_NEIGHBOUR: u32 = u32::MAX;
 
 /// With more triangles at one edge than this, they are paired in the order of their index and
 /// not by angle, since the number of pairs grows with the square.
@@ -22,7 +22,7 @@ const MOST_PAIRED_BY_ANGLE: usize = 64;
 
 /// Who is next to whom.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Adjacency {
+pub struct Adjacency {
     /// For each triangle its unit normal, or zero where it has no area.
     pub normals: Vec<Vector>,
     /// For each triangle `t` the triangles across its edges: entry `3 t + k` is across the edge
@@ -32,7 +32,7 @@ pub(crate) struct Adjacency {
 
 impl Adjacency {
     /// Linear time but for the sort of the edges at a vertex.
-    pub(crate) fn new(mesh: &TriangleMesh) -> Self {
+    pub fn new(mesh: &TriangleMesh) -> Self {
         let triangles = &mesh.triangles;
         let normals: Vec<Vector> = triangles
             .iter()
@@ -47,7 +47,7 @@ impl Adjacency {
 
     /// The triangles across the three edges of a triangle, or [`NO_NEIGHBOUR`].
     #[inline]
-    pub(crate) fn triangle_neighbours(&self, triangle: u32) -> [u32; 3] {
+    pub fn triangle_neighbours(&self, triangle: u32) -> [u32; 3] {
         let start = 3 * triangle as usize;
         [self.neighbours[start], self.neighbours[start + 1], self.neighbours[start + 2]]
     }

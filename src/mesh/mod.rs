@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-pub(crate) use crate::geometry::TriangleMesh;
+pub use crate::geometry::TriangleMesh;
 use crate::geometry::vector::{Vector, add, bounds, length, scale, subtract};
 
 pub(crate) mod adjacency;
@@ -12,8 +12,7 @@ mod degenerate;
 mod edges;
 mod orientation;
 pub(crate) mod repair;
-#[cfg(test)]
-pub(crate) mod shapes;
+pub mod shapes;
 pub(crate) mod simplify;
 mod weld;
 
@@ -22,8 +21,10 @@ use repair::Repairs;
 /// The map between the input's units and the space that the pipeline works in, where the bounding
 /// box is centred at the origin and its diagonal is 1.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Normalization {
+pub struct Normalization {
+    /// Centre of the bounding box, in the input's units.
     pub centre: Vector,
+    /// Diagonal of the bounding box, in the input's units.
     pub diagonal: f64,
 }
 
@@ -47,16 +48,18 @@ impl Normalization {
         scale(subtract(point, self.centre), 1.0 / self.diagonal)
     }
 
-    pub(crate) fn restore(&self, point: Vector) -> Vector {
+    /// A point of the pipeline's space in the input's units.
+    pub fn restore(&self, point: Vector) -> Vector {
         add(scale(point, self.diagonal), self.centre)
     }
 }
 
 /// What repair hands to the stages after it.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(crate) struct PreparedMesh {
+pub struct PreparedMesh {
     /// Welded, oriented, and normalised.
     pub mesh: TriangleMesh,
+    /// From this space to the input's.
     pub normalization: Normalization,
     /// For each triangle its index in the input, ascending. Twice where a triangle was split.
     pub source_triangles: Vec<u32>,
@@ -69,6 +72,7 @@ pub(crate) struct PreparedMesh {
     /// For each component whether each of its edges has exactly two triangles, which run along
     /// it in opposite directions.
     pub closed: Vec<bool>,
+    /// What was changed in the input.
     pub repairs: Repairs,
 }
 

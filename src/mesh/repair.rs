@@ -54,7 +54,7 @@ pub struct Repairs {
 /// # Errors
 /// [`Error::EmptyMesh`], [`Error::TooLarge`], [`Error::IndexOutOfRange`],
 /// [`Error::NothingUsable`], [`Error::Cancelled`].
-pub(crate) fn prepare(source: MeshView<'_>, control: &Control) -> Result<PreparedMesh, Error> {
+pub fn prepare(source: MeshView<'_>, control: &Control) -> Result<PreparedMesh, Error> {
     let (vertices, triangles) = (source.vertex_count(), source.triangles());
     validate(source)?;
     control.check()?;

@@ -1,4 +1,4 @@
-//! Small meshes of known shape, for tests.
+//! Small meshes of known shape, for the tests here and in the laboratory.
 
 use std::f64::consts::{PI, TAU};
 
@@ -7,7 +7,7 @@ use crate::geometry::vector::{Vector, add, scale};
 
 /// An axis-aligned box, outward. Vertex number is x + 2 y + 4 z; the last two triangles are the
 /// lid at the greatest z.
-pub(crate) fn cuboid(low: Vector, high: Vector) -> TriangleMesh {
+pub fn cuboid(low: Vector, high: Vector) -> TriangleMesh {
     let pick = |bit: usize, axis: usize| if bit == 0 { low[axis] } else { high[axis] };
     TriangleMesh {
         positions: (0..8).map(|v| [pick(v & 1, 0), pick(v & 2, 1), pick(v & 4, 2)]).collect(),
@@ -30,7 +30,7 @@ pub(crate) fn cuboid(low: Vector, high: Vector) -> TriangleMesh {
 }
 
 /// A sphere of `2 n (n - 1)` triangles, outward.
-pub(crate) fn uv_sphere(n: u32, centre: Vector, radius: f64) -> TriangleMesh {
+pub fn uv_sphere(n: u32, centre: Vector, radius: f64) -> TriangleMesh {
     let mut mesh = TriangleMesh::default();
     let mut point = |theta: f64, phi: f64| {
         let direction = [theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()];
@@ -58,7 +58,7 @@ pub(crate) fn uv_sphere(n: u32, centre: Vector, radius: f64) -> TriangleMesh {
 }
 
 /// The upper half of a sphere of radius 1, outward; `n` is even.
-pub(crate) fn hemisphere(n: u32) -> TriangleMesh {
+pub fn hemisphere(n: u32) -> TriangleMesh {
     let mut mesh = uv_sphere(n, [0.0; 3], 1.0);
     let positions = &mesh.positions;
     mesh.triangles.retain(|triangle| triangle.iter().all(|&v| positions[v as usize][2] > -1e-9));
@@ -66,7 +66,7 @@ pub(crate) fn hemisphere(n: u32) -> TriangleMesh {
 }
 
 /// A torus around the z axis of radii 1 and 0.3, of `2 n m` triangles, outward.
-pub(crate) fn torus(n: u32, m: u32) -> TriangleMesh {
+pub fn torus(n: u32, m: u32) -> TriangleMesh {
     let mut mesh = TriangleMesh::default();
     let at = |i: u32, j: u32| (i % n) * m + j % m;
     for i in 0..n {
@@ -82,7 +82,7 @@ pub(crate) fn torus(n: u32, m: u32) -> TriangleMesh {
 }
 
 /// A strip of `n` squares with half a turn, as winding that agrees wherever it can.
-pub(crate) fn mobius_strip(n: u32) -> TriangleMesh {
+pub fn mobius_strip(n: u32) -> TriangleMesh {
     let mut mesh = TriangleMesh::default();
     for i in 0..n {
         let a = f64::from(i) * TAU / f64::from(n);
@@ -100,7 +100,7 @@ pub(crate) fn mobius_strip(n: u32) -> TriangleMesh {
 }
 
 /// The same mesh, inside out.
-pub(crate) fn turn(mut mesh: TriangleMesh) -> TriangleMesh {
+pub fn turn(mut mesh: TriangleMesh) -> TriangleMesh {
     for triangle in &mut mesh.triangles {
         triangle.swap(1, 2);
     }
@@ -108,7 +108,7 @@ pub(crate) fn turn(mut mesh: TriangleMesh) -> TriangleMesh {
 }
 
 /// Several meshes as one.
-pub(crate) fn join(parts: &[TriangleMesh]) -> TriangleMesh {
+pub fn join(parts: &[TriangleMesh]) -> TriangleMesh {
     let mut mesh = TriangleMesh::default();
     for part in parts {
         let first = mesh.positions.len() as u32;

@@ -25,7 +25,7 @@ const ROUNDING: f64 = 1e-12;
 
 /// What is reused from one group to the next.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct CostScratch {
+pub struct CostScratch {
     builder: HullBuilder,
     /// For each vertex of the mesh that is in the group its place there.
     places: Vec<u32>,
@@ -37,7 +37,7 @@ pub(crate) struct CostScratch {
 }
 
 /// Cost of a group, 0 for flat ones: they are their own hull. O(vertices · hull faces).
-pub(crate) fn cost(mesh: &TriangleMesh, group: &[u32], scratch: &mut CostScratch) -> f64 {
+pub fn cost(mesh: &TriangleMesh, group: &[u32], scratch: &mut CostScratch) -> f64 {
     let vertices = group_vertices(mesh, group);
     let points: Vec<Vector> =
         vertices.iter().map(|&vertex| mesh.positions[vertex as usize]).collect();

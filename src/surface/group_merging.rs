@@ -18,7 +18,7 @@ const SMALL: usize = 2;
 
 /// Merges small groups until nothing changes; labels stay in order, without gaps. A group whose
 /// diagonal is at least `significant` stays.
-pub(crate) fn merge_groups(
+pub fn merge_groups(
     mesh: &TriangleMesh,
     adjacency: &Adjacency,
     grouping: &Grouping,

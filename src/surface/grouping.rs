@@ -22,8 +22,10 @@ const POLYGONS_PER_CHECK: usize = 256;
 /// A group label per triangle, and the number of groups. Labels count up in the order in which
 /// groups were started.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(crate) struct Grouping {
+pub struct Grouping {
+    /// The group of each triangle.
     pub labels: Vec<u32>,
+    /// The number of groups.
     pub count: usize,
 }
 
@@ -119,7 +121,7 @@ fn farther_vertex(mesh: &TriangleMesh, current: u32, neighbour: u32) -> u32 {
 }
 
 /// The polygons of each group, in ascending order.
-pub(crate) fn members(labels: &[u32], count: usize) -> Vec<Vec<u32>> {
+pub fn members(labels: &[u32], count: usize) -> Vec<Vec<u32>> {
     let mut sizes = vec![0; count];
     for &label in labels {
         if let Some(size) = sizes.get_mut(label as usize) {
@@ -136,7 +138,7 @@ pub(crate) fn members(labels: &[u32], count: usize) -> Vec<Vec<u32>> {
 }
 
 /// Corners of a triangle.
-pub(crate) fn corners(mesh: &TriangleMesh, triangle: u32) -> [Vector; 3] {
+pub fn corners(mesh: &TriangleMesh, triangle: u32) -> [Vector; 3] {
     mesh.triangles[triangle as usize].map(|vertex| mesh.positions[vertex as usize])
 }
 

@@ -2,7 +2,8 @@
 
 use std::borrow::Cow;
 
-use crate::bvh::{Bvh, nearest_labels};
+use crate::bvh::Bvh;
+use crate::bvh::closest_triangles::closest_labels;
 use crate::control::Control;
 use crate::decomposition::{Hull, HullErrors, Provenance};
 use crate::error::Error;
@@ -13,7 +14,7 @@ use crate::mesh::{Normalization, PreparedMesh, TriangleMesh};
 use super::grouping::{Grouping, corners, group_vertices, members};
 
 /// The hull of each group, in the input's units, without its source triangles.
-pub(crate) fn hulls(
+pub fn hulls(
     mesh: &TriangleMesh,
     components: &[u32],
     grouping: &Grouping,
@@ -54,9 +55,9 @@ pub(crate) fn hulls(
 }
 
 /// Gives each source triangle to the hull whose group holds the simplified triangle nearest to
-/// its centre, up to what [`nearest_labels`] does not ask. O(n log m) for n source and m simplified
+/// its centre, up to what [`closest_labels`] does not ask. O(n log m) for n source and m simplified
 /// triangles.
-pub(crate) fn assign_source_triangles(
+pub fn assign_source_triangles(
     prepared: &PreparedMesh,
     mesh: &TriangleMesh,
     grouping: &Grouping,
@@ -67,7 +68,8 @@ pub(crate) fn assign_source_triangles(
         Cow::Borrowed(&grouping.labels)
     } else {
         let bvh = Bvh::new(&mesh.positions, &mesh.triangles);
-        Cow::Owned(nearest_labels(&prepared.mesh, &bvh, &grouping.labels, control)?)
+        let TriangleMesh { positions, triangles, .. } = &prepared.mesh;
+        Cow::Owned(closest_labels(positions, triangles, &bvh, &grouping.labels, control)?)
     };
     for (&label, &source) in labels.iter().zip(&prepared.source_triangles) {
         if let Some(hull) = hulls.get_mut(label as usize) {

@@ -22,29 +22,33 @@ use crate::parameters::SurfaceParameters;
 use super::threshold_selection::{Candidate, ThresholdSearch};
 
 /// From this maximum resolution on the cut-off μ may act.
-pub(crate) const LEAST_CUT_OFF_RESOLUTION: usize = 500;
+pub const LEAST_CUT_OFF_RESOLUTION: usize = 500;
 
 /// Costs that differ by less, in diagonals of groups, are equal: that is rounding. The costs of convex
 /// groups are nothing else.
 const EQUAL_COSTS: f64 = 1e-9;
 
 /// Candidates with more than this many times k pieces are eliminated.
-pub(crate) const MOST_PIECES_FACTOR: f64 = 1.5;
+pub const MOST_PIECES_FACTOR: f64 = 1.5;
 
 /// A subtree of the search: a simplified mesh, and the search over its thresholds.
-pub(crate) struct Level {
+pub struct Level {
+    /// The maximum resolution r.
     pub resolution: usize,
+    /// The triangle count that simplification aimed at.
     pub target: usize,
+    /// The simplified mesh.
     pub mesh: TriangleMesh,
     /// For each triangle its component.
     pub components: Vec<u32>,
+    /// Of the simplified mesh.
     pub adjacency: Adjacency,
-    pub search: ThresholdSearch,
+    pub(crate) search: ThresholdSearch,
     same_as_before: bool,
 }
 
 /// The simplified meshes for all of R, ascending, each made from the next finer one.
-pub(crate) struct Levels {
+pub struct Levels {
     /// R, ascending, without repetitions; those whose mesh is made are gone.
     open: Vec<usize>,
     /// Descending.
@@ -52,7 +56,8 @@ pub(crate) struct Levels {
 }
 
 impl Levels {
-    pub(crate) fn new(parameters: &SurfaceParameters) -> Self {
+    /// No mesh is made yet.
+    pub fn new(parameters: &SurfaceParameters) -> Self {
         let mut open = parameters.maximum_resolutions.clone();
         open.sort_unstable();
         open.dedup();
@@ -64,7 +69,8 @@ impl Levels {
         self.made.len() as f32 / (self.made.len() + self.open.len()).max(1) as f32
     }
 
-    pub(crate) fn is_complete(&self) -> bool {
+    /// Whether the meshes of all resolutions are made.
+    pub fn is_complete(&self) -> bool {
         self.open.is_empty()
     }
 
@@ -72,7 +78,7 @@ impl Levels {
     ///
     /// # Errors
     /// [`Error::Cancelled`].
-    pub(crate) fn make_next(
+    pub fn make_next(
         &mut self,
         prepared: &PreparedMesh,
         parameters: &SurfaceParameters,
@@ -104,7 +110,7 @@ impl Levels {
     }
 
     /// Those that are made, ascending.
-    pub(crate) fn finish(mut self) -> Vec<Level> {
+    pub fn finish(mut self) -> Vec<Level> {
         self.made.reverse();
         self.made
     }
@@ -112,7 +118,7 @@ impl Levels {
 
 impl Level {
     /// Whether there is nothing left to search.
-    pub(crate) fn is_finished(&self) -> bool {
+    pub fn is_finished(&self) -> bool {
         self.same_as_before || self.search.is_finished()
     }
 

@@ -1,6 +1,6 @@
 //! The parameters of a decomposition as command line arguments.
 
-use hullwright::{Method, Parameters, Preset, Unit};
+use hullwright::{Length, Method, Parameters, Preset};
 
 #[derive(clap::Args)]
 #[command(next_help_heading = "Parameters")]
@@ -16,7 +16,7 @@ pub struct ParameterArguments {
     /// Bounded: how far hulls may be off, as a share of the mesh's diagonal (2%) or in its units
     /// (0.02m). Default: 2%
     #[arg(long, value_name = "ERROR", value_parser = parse_error, allow_negative_numbers = true)]
-    max_error: Option<Unit>,
+    max_error: Option<Length>,
 
     /// Bounded: most hulls. Where this forces hulls beyond the error, it says how far
     #[arg(long, value_name = "N", value_parser = parse_count)]
@@ -58,7 +58,7 @@ pub struct ParameterArguments {
     /// The length that counts as 1 for p and a: diagonals of the mesh (0.446d), or the mesh's units
     /// (1.5)
     #[arg(long, value_name = "LENGTH", value_parser = parse_unit, allow_negative_numbers = true)]
-    unit: Option<Unit>,
+    unit: Option<Length>,
 
     /// Groups of one or two polygons are merged if smaller than this share of the diagonal
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
@@ -117,21 +117,21 @@ fn parse_preset(text: &str) -> Result<Preset, String> {
         .ok_or_else(|| "the presets are `fast`, `balanced` and `fine`".into())
 }
 
-fn parse_error(text: &str) -> Result<Unit, String> {
+fn parse_error(text: &str) -> Result<Length, String> {
     let wrong =
         || "a share of the diagonal (2%) or a length in the mesh's units (0.02m) is expected";
     if let Some(percent) = text.strip_suffix('%') {
         let percent: f64 = percent.trim().parse().map_err(|_| wrong())?;
-        return Ok(Unit::Diagonals(percent / 100.0));
+        return Ok(Length::Share(percent / 100.0));
     }
     let length = text.strip_suffix('m').ok_or_else(wrong)?;
-    Ok(Unit::Absolute(length.trim().parse().map_err(|_| wrong())?))
+    Ok(Length::Units(length.trim().parse().map_err(|_| wrong())?))
 }
 
-fn parse_unit(text: &str) -> Result<Unit, String> {
-    let (number, unit): (&str, fn(f64) -> Unit) = match text.strip_suffix('d') {
-        Some(number) => (number, Unit::Diagonals),
-        None => (text, Unit::Absolute),
+fn parse_unit(text: &str) -> Result<Length, String> {
+    let (number, unit): (&str, fn(f64) -> Length) = match text.strip_suffix('d') {
+        Some(number) => (number, Length::Share),
+        None => (text, Length::Units),
     };
     let length =
         number.parse().map_err(|_| "a number is expected, with or without `d` after it")?;
@@ -183,7 +183,7 @@ mod tests {
         )
         .unwrap();
         let mut expected = Parameters::paper();
-        expected.bounded.max_error = Unit::Diagonals(0.05);
+        expected.bounded.max_error = Length::Share(0.05);
         expected.bounded.max_hulls = Some(3);
         expected.bounded.preset = Preset::Fine;
         expected.surface.simplification_quality = 0.5;
@@ -192,11 +192,11 @@ mod tests {
         expected.surface.angular_threshold = 0.02;
         expected.surface.concavity_cost_threshold = 0.1;
         expected.surface.resolution_cut_off = 7;
-        expected.surface.unit = Unit::Diagonals(0.446);
+        expected.surface.unit = Length::Share(0.446);
         expected.surface.significant_diagonal = 0.2;
         assert_eq!(parameters, expected);
-        assert_eq!(parse("--max-error 0.02m").unwrap().bounded.max_error, Unit::Absolute(0.02));
-        assert_eq!(parse("--unit 1.5").unwrap().surface.unit, Unit::Absolute(1.5));
+        assert_eq!(parse("--max-error 0.02m").unwrap().bounded.max_error, Length::Units(0.02));
+        assert_eq!(parse("--unit 1.5").unwrap().surface.unit, Length::Units(1.5));
         assert_eq!(parse("--paper --max-vertices 32").unwrap().max_vertices, Some(32));
     }
 

@@ -4,8 +4,8 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use hullwright::hulls_format::HullsFile;
-use hullwright::io::{HullMesh, read_own_meshes};
-use hullwright::{Control, Decomposition, Parameters};
+use hullwright::io::{NamedMesh, read_own_meshes};
+use hullwright::{Control, Decomposition, MeshView, Parameters};
 
 use crate::Failure;
 use crate::arguments::ParameterArguments;
@@ -48,14 +48,13 @@ const LONGEST_NAME: usize = 200;
 
 struct Job<'a> {
     source: &'a Path,
-    mesh: HullMesh,
+    mesh: NamedMesh,
     output: PathBuf,
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let mut parameters = arguments.parameters.parameters();
+    let parameters = arguments.parameters.parameters();
     parameters.validate().map_err(|error| Failure::Usage(error.to_string()))?;
-    parameters.parallel = arguments.threads != Some(1);
     if !(arguments.density.is_finite() && arguments.density > 0.0) {
         let reason = format!("the density must be positive, not {}", arguments.density);
         return Err(Failure::Usage(reason));
@@ -112,13 +111,13 @@ fn bake(
     parameters: &Parameters,
     control: &Control,
 ) -> Result<String, String> {
-    let HullMesh { name, positions, triangles } = &job.mesh;
-    let decomposition = hullwright::decompose(positions, triangles, parameters, control)
-        .map_err(|error| error.to_string())?;
-    let file = baked(name.as_str(), positions, triangles, &decomposition, density)?;
+    let NamedMesh { name, mesh } = &job.mesh;
+    let decomposition =
+        hullwright::decompose(mesh, parameters, control).map_err(|error| error.to_string())?;
+    let file = baked(name.as_str(), mesh.view(), &decomposition, density)?;
     file.write(&job.output).map_err(|error| error.to_string())?;
     let hulls = count(file.hulls.len(), "hull", "hulls");
-    let vertices = file.hulls.iter().map(|hull| hull.points.len()).sum();
+    let vertices = file.hulls.iter().map(|hull| hull.shape.points.len()).sum();
     let vertices = count(vertices, "vertex", "vertices");
     Ok(format!("wrote {}: {hulls}, {vertices}", job.output.display()))
 }
@@ -126,14 +125,13 @@ fn bake(
 /// What a file holds of a mesh.
 pub fn baked(
     name: impl Into<String>,
-    positions: &[[f64; 3]],
-    triangles: &[[u32; 3]],
+    mesh: MeshView<'_>,
     decomposition: &Decomposition,
     density: f64,
 ) -> Result<HullsFile, String> {
     let Decomposition { hulls, .. } = decomposition;
-    let properties = hullwright::mass_properties(positions, triangles, hulls, density)
-        .map_err(|error| error.to_string())?;
+    let properties =
+        hullwright::mass_properties(mesh, hulls, density).map_err(|error| error.to_string())?;
     Ok(HullsFile::new(name, decomposition).with_mass_properties(properties))
 }
 

@@ -49,11 +49,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         .map_err(|error| Failure::Work(error.to_string()))?;
     let bar = LateBar::start();
     let control = bar.control();
-    let curve = hullwright::decompose(&file.positions, &file.triangles, &parameters, &control)
-        .and_then(|result| {
-            MergeTree::new(&file.positions, &file.triangles, &result, &parameters, &control)
-                .map(|tree| (tree.curve(), result.report.diagonal))
-        });
+    let curve = hullwright::decompose(&file, &parameters, &control).and_then(|result| {
+        MergeTree::new(&file, &result, &parameters, &control)
+            .map(|tree| (tree.curve(), result.report.diagonal))
+    });
     bar.finish();
     let (curve, diagonal) = curve.map_err(work)?;
     if let Some(output) = &arguments.output {
@@ -66,8 +65,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             json!({
                 "hulls": point.hulls,
                 "error": point.error,
-                "phantom_max": point.phantom_max,
-                "exposed_max": point.exposed_max,
+                "protrusion_max": point.protrusion_max,
+                "uncovered_max": point.uncovered_max,
             })
         });
         let points: Vec<_> = points.collect();

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use hullwright::io::{HullFormat, MeshFile, check_output, is_hulls_format, read_mesh, write_hulls};
+use hullwright::io::{HullFormat, MeshFile, check_output, is_hulls_file, read_mesh, write_hulls};
 use hullwright::{Decomposition, Error, Parameters};
 
 use crate::arguments::ParameterArguments;
@@ -48,7 +48,7 @@ pub struct Arguments {
 pub const MOST_THREADS: i64 = 1024;
 
 fn parse_output(text: &str) -> Result<PathBuf, String> {
-    if HullFormat::from_path(text).is_some() || is_hulls_format(text) {
+    if HullFormat::from_path(text).is_some() || is_hulls_file(text) {
         Ok(PathBuf::from(text))
     } else {
         Err("hulls are written as .obj, .glb or .hulls".into())
@@ -73,14 +73,13 @@ impl Outcome<'_> {
     }
 
     pub fn vertices(&self) -> usize {
-        self.decomposition.hulls.iter().map(|hull| hull.points.len()).sum()
+        self.decomposition.hulls.iter().map(|hull| hull.shape.points.len()).sum()
     }
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let mut parameters = arguments.parameters.parameters();
+    let parameters = arguments.parameters.parameters();
     parameters.validate().map_err(|error| Failure::Usage(error.to_string()))?;
-    parameters.parallel = arguments.threads != Some(1);
     if let Some(output) = &arguments.output {
         check_output(output).map_err(|error| Failure::Work(error.to_string()))?;
     }
@@ -113,13 +112,12 @@ fn write(
     file: &MeshFile,
     decomposition: &Decomposition,
 ) -> Result<(), Failure> {
-    if !is_hulls_format(output) {
+    if !is_hulls_file(output) {
         return waiting("writing", || write_hulls(output, &decomposition.hulls))
             .map_err(|error| Failure::Work(error.to_string()));
     }
     let name = arguments.mesh.file_stem().unwrap_or_default().to_string_lossy();
-    let MeshFile { positions, triangles, .. } = file;
-    baked(name, positions, triangles, decomposition, DEFAULT_DENSITY)
+    baked(name, file.into(), decomposition, DEFAULT_DENSITY)
         .and_then(|baked| baked.write(output).map_err(|error| error.to_string()))
         .map_err(Failure::Work)
 }
@@ -142,8 +140,7 @@ fn decompose(
     let bar = LateBar::start();
     let control = bar.control();
     let start = Instant::now();
-    let result = pool
-        .install(|| hullwright::decompose(&file.positions, &file.triangles, parameters, &control));
+    let result = pool.install(|| hullwright::decompose(file, parameters, &control));
     let seconds = start.elapsed().as_secs_f64();
     bar.finish();
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use comfy_table::{CellAlignment, Table, presets};
 use hullwright::Inspection;
 use hullwright::hulls_format::HullsFile;
-use hullwright::io::{is_hulls_format, read_mesh};
+use hullwright::io::{is_hulls_file, read_mesh};
 
 use crate::Failure;
 use crate::output::print;
@@ -20,14 +20,14 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    if is_hulls_format(&arguments.mesh) {
+    if is_hulls_file(&arguments.mesh) {
         let file =
             HullsFile::read(&arguments.mesh).map_err(|error| Failure::Work(error.to_string()))?;
         return print(&left_aligned(baked_rows(&file)).trim_fmt());
     }
     let file = waiting("reading", || read_mesh(&arguments.mesh))
         .map_err(|error| Failure::Work(error.to_string()))?;
-    let found = waiting("looking", || hullwright::inspect(&file.positions, &file.triangles))
+    let found = waiting("looking", || hullwright::inspect(&file))
         .map_err(|error| Failure::Work(format!("{}: {error}", arguments.mesh.display())))?;
     print(&table(&found, file.objects.len()).trim_fmt())
 }
@@ -67,7 +67,7 @@ fn table(found: &Inspection, objects: usize) -> Table {
 
 /// What a `.hulls` file says.
 fn baked_rows(file: &HullsFile) -> Vec<(&'static str, String)> {
-    let vertices: usize = file.hulls.iter().map(|hull| hull.points.len()).sum();
+    let vertices: usize = file.hulls.iter().map(|hull| hull.shape.points.len()).sum();
     let length = |value: f64| match file.diagonal {
         0.0 => number(value),
         diagonal => format!("{}, {:.2} % of the diagonal", number(value), 100.0 * value / diagonal),
@@ -87,8 +87,8 @@ fn baked_rows(file: &HullsFile) -> Vec<(&'static str, String)> {
     ];
     rows.extend(file.bound.map(|bound| ("bound", length(bound))));
     if let Some(verified) = file.verified {
-        rows.push(("phantom", format!("at most {}", length(verified.phantom_max))));
-        rows.push(("exposed", format!("at most {}", length(verified.exposed_max))));
+        rows.push(("phantom", format!("at most {}", length(verified.protrusion_max))));
+        rows.push(("exposed", format!("at most {}", length(verified.uncovered_max))));
     }
     if let Some(properties) = file.mass_properties {
         rows.push(("mass", number(properties.mass)));

@@ -5,19 +5,13 @@
 
 mod arguments;
 mod bake;
-#[cfg(feature = "bench")]
-mod bench;
 mod curve;
 mod decompose;
 mod inspect;
 mod json;
 mod measure;
 mod output;
-#[cfg(feature = "bench")]
-mod paper;
 mod progress;
-#[cfg(feature = "bench")]
-mod stability;
 mod tables;
 
 use std::process::ExitCode;
@@ -39,18 +33,6 @@ enum Command {
     Bake(bake::Arguments),
     Inspect(inspect::Arguments),
     Measure(measure::Arguments),
-    #[cfg(feature = "bench")]
-    Bench(bench::Arguments),
-    #[cfg(feature = "bench")]
-    #[command(hide = true)]
-    BenchRun(bench::worker::Arguments),
-    #[cfg(feature = "bench")]
-    Paper(paper::Arguments),
-    #[cfg(feature = "bench")]
-    Stability(stability::Arguments),
-    #[cfg(feature = "bench")]
-    #[command(hide = true)]
-    StabilityRun(stability::worker::Arguments),
 }
 
 /// Why the program ends with an error.
@@ -69,16 +51,6 @@ fn main() -> ExitCode {
         Command::Bake(arguments) => bake::run(&arguments),
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Measure(arguments) => measure::run(&arguments),
-        #[cfg(feature = "bench")]
-        Command::Bench(arguments) => bench::run(&arguments),
-        #[cfg(feature = "bench")]
-        Command::BenchRun(arguments) => bench::worker::run(&arguments),
-        #[cfg(feature = "bench")]
-        Command::Paper(arguments) => paper::run(&arguments),
-        #[cfg(feature = "bench")]
-        Command::Stability(arguments) => stability::run(&arguments),
-        #[cfg(feature = "bench")]
-        Command::StabilityRun(arguments) => stability::worker::run(&arguments),
     };
     let (reason, code) = match result {
         Ok(()) => return ExitCode::SUCCESS,

@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use comfy_table::{CellAlignment, Table, presets};
+use hullwright::Control;
 use hullwright::io::{read_hulls, read_mesh};
-use hullwright::measure::{Distances, HullShape, MeasureOptions, Measurement, measure};
+use hullwright::measure::{Distances, MeasureOptions, Measurement, measure};
 use serde_json::{Value, json};
 
 use crate::Failure;
@@ -34,13 +35,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let work = |error: hullwright::Error| Failure::Work(error.to_string());
     let mesh = waiting("reading", || read_mesh(&arguments.mesh)).map_err(work)?;
     let hulls = waiting("reading", || read_hulls(&arguments.hulls)).map_err(work)?;
-    let shapes: Vec<HullShape<'_>> = hulls.iter().map(HullShape::from).collect();
     let options = MeasureOptions::default();
-    let judged =
-        waiting("measuring", || measure(&mesh.positions, &mesh.triangles, &shapes, &options));
+    let judged = waiting("measuring", || measure(&mesh, &hulls, &options, &Control::new()));
     let found = judged.map_err(|error| {
         let path = match error {
-            hullwright::Error::NoHull { .. } => &arguments.hulls,
+            hullwright::Error::NoHulls | hullwright::Error::UnusableHull { .. } => &arguments.hulls,
             _ => &arguments.mesh,
         };
         Failure::Work(format!("{}: {error}", path.display()))
@@ -57,7 +56,7 @@ fn json_line(arguments: &Arguments, found: &Measurement) -> String {
     };
     json!({
         "mesh": arguments.mesh.display().to_string(),
-        "hulls_format": arguments.hulls.display().to_string(),
+        "hulls_file": arguments.hulls.display().to_string(),
         "hulls": found.hulls,
         "vertices": found.vertices,
         "unusable_hulls": found.unusable_hulls,
@@ -65,10 +64,10 @@ fn json_line(arguments: &Arguments, found: &Measurement) -> String {
         "worst_concavity": found.worst_concavity,
         "open_hulls": found.open_hulls,
         "non_positive_volumes": found.non_positive_volumes,
-        "phantom": distances(found.phantom),
-        "exposed": distances(found.exposed),
+        "phantom": distances(found.protrusion),
+        "exposed": distances(found.uncovered),
         "hausdorff": found.hausdorff,
-        "hollow": found.hollow,
+        "hollow": found.uncovered_volume,
         "iou": found.iou,
         "overlap": found.overlap,
         "open_edges": found.open_edges,
@@ -110,10 +109,10 @@ fn text(found: &Measurement) -> String {
         rows.push(("left out as unusable", found.unusable_hulls.to_string()));
     }
     rows.extend([
-        ("phantom", distances(found.phantom)),
-        ("exposed", distances(found.exposed)),
+        ("phantom", distances(found.protrusion)),
+        ("exposed", distances(found.uncovered)),
         ("Hausdorff", length(found.hausdorff)),
-        ("hollow", share(found.hollow)),
+        ("hollow", share(found.uncovered_volume)),
         ("volume IoU", share(found.iou)),
         ("overlap", found.overlap.map_or_else(nothing, |overlap| format!("{overlap:.3}"))),
     ]);

@@ -54,8 +54,8 @@ pub fn summary(outcome: &Outcome) -> String {
                 outcome.vertices().to_string(),
                 seconds,
                 percent(|bounded| bounded.bound),
-                percent(|bounded| bounded.phantom_max),
-                percent(|bounded| bounded.exposed_max),
+                percent(|bounded| bounded.protrusion_max),
+                percent(|bounded| bounded.uncovered_max),
                 report.source_triangles.to_string(),
             ];
             right_aligned(&BOUNDED_HEADER, [row]).trim_fmt()
@@ -78,8 +78,8 @@ pub fn curve(curve: &[CurvePoint], diagonal: f64) -> String {
         [
             point.hulls.to_string(),
             percent(point.error),
-            percent(point.phantom_max),
-            percent(point.exposed_max),
+            percent(point.protrusion_max),
+            percent(point.uncovered_max),
         ]
     });
     let header = ["hulls", "error", "stands out at most", "sinks in at most"];

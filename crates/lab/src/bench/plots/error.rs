@@ -1,0 +1,130 @@
+//! Error against time, and hulls against error: one line per method through its settings.
+
+use std::collections::BTreeMap;
+
+use plotters::prelude::*;
+
+use super::chart::{Area, LEAST, Result, SECONDS, colour, decades, label, legend, log_chart, room};
+use crate::bench::summary::Results;
+use crate::runs::record::Row;
+use crate::statistics::geometric_mean;
+
+/// A setting's geometric means over meshes.
+struct Mean {
+    seconds: f64,
+    error: f64,
+    hulls: f64,
+}
+
+/// For each method its settings' means, by error, over the meshes that all of these settings have
+/// done. Methods that ran on few meshes are left out: their means would be those of other meshes.
+fn means<'a>(results: &Results<'a>) -> Vec<(&'a str, Vec<Mean>)> {
+    let done = |rows: &[&'a Row]| -> BTreeMap<&'a str, &'a Row> {
+        let done = rows.iter().filter(|row| row.done().is_some());
+        done.map(|row| (row.mesh.as_str(), *row)).collect()
+    };
+    let mut done: Vec<_> =
+        results.variants().iter().map(|(name, rows)| (*name, done(rows))).collect();
+    let most = done.iter().map(|(_, rows)| rows.len()).max().unwrap_or(0);
+    done.retain(|(_, rows)| 2 * rows.len() > most);
+    let common = |mesh: &&str| done.iter().all(|(_, rows)| rows.contains_key(mesh));
+    let mut means: Vec<(&str, Vec<Mean>)> = Vec::new();
+    for ((method, _), rows) in &done {
+        let rows: Vec<_> = rows.iter().filter(|(mesh, _)| common(mesh)).collect();
+        let of = |figure: fn(&Row) -> Option<f64>| {
+            geometric_mean(rows.iter().filter_map(|(_, row)| figure(row)).map(|x| x.max(LEAST)))
+        };
+        let mean = (|| {
+            Some(Mean {
+                seconds: of(|row| Some(row.done()?.0.seconds))?,
+                error: of(|row| Some(row.done()?.1.hausdorff))?,
+                hulls: of(|row| Some(row.done()?.1.hulls as f64))?,
+            })
+        })();
+        let Some(mean) = mean else { continue };
+        match means.iter_mut().find(|(other, _)| other == method) {
+            Some((_, list)) => list.push(mean),
+            None => means.push((method, vec![mean])),
+        }
+    }
+    for (_, list) in &mut means {
+        list.sort_by(|a, b| a.error.total_cmp(&b.error));
+    }
+    means
+}
+
+/// The settings that no other of the method beats, by x: those are joined by a line.
+fn front(mut points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut least = f64::INFINITY;
+    points.retain(|point| {
+        let is_better = point.1 < least;
+        least = least.min(point.1);
+        is_better
+    });
+    points
+}
+
+/// With or without a dot for every run.
+pub(super) fn error_time(area: &Area<'_>, results: &Results<'_>, with_runs: bool) -> Result<()> {
+    let runs: Vec<(&str, f64, f64)> = results
+        .rows
+        .iter()
+        .filter_map(|row| {
+            let (worked, judged) = row.done()?;
+            Some((row.method.as_str(), worked.seconds.max(LEAST), judged.hausdorff.max(LEAST)))
+        })
+        .collect();
+    let means = means(results);
+    let all = means.iter().flat_map(|(_, list)| list);
+    let (x, y) = if with_runs {
+        (decades(runs.iter().map(|run| run.1)), decades(runs.iter().map(|run| run.2)))
+    } else {
+        (decades(all.clone().map(|m| m.seconds)), room(all.map(|m| m.error)))
+    };
+    let mut chart = log_chart!(area, x, y, SECONDS, "Hausdorff error / diagonal");
+    if with_runs {
+        let mut unnamed: Vec<&str> = Vec::new();
+        for &(method, seconds, error) in &runs {
+            let colour = colour(method);
+            let drawn =
+                chart.draw_series([Circle::new((seconds, error), 2, colour.mix(0.25).filled())])?;
+            // What ran on few meshes has no means, and would have no name else.
+            if !unnamed.contains(&method) && !means.iter().any(|(other, _)| *other == method) {
+                unnamed.push(method);
+                drawn
+                    .label(method)
+                    .legend(move |(x, y)| Circle::new((x + 8, y), 2, colour.filled()));
+            }
+        }
+    }
+    for (method, list) in &means {
+        let points: Vec<(f64, f64)> = list.iter().map(|mean| (mean.seconds, mean.error)).collect();
+        let colour = colour(method);
+        chart
+            .draw_series(LineSeries::new(front(points.clone()), colour.stroke_width(2)))?
+            .label(*method)
+            .legend(move |(x, y)| Circle::new((x + 8, y), 4, colour.filled()));
+        chart.draw_series(points.iter().map(|&point| Circle::new(point, 4, colour.filled())))?;
+    }
+    legend!(chart, SeriesLabelPosition::UpperRight);
+    Ok(())
+}
+
+pub(super) fn hulls_error(area: &Area<'_>, results: &Results<'_>) -> Result<()> {
+    let means = means(results);
+    let all = means.iter().flat_map(|(_, list)| list);
+    let (x, y) = (room(all.clone().map(|m| m.error)), room(all.map(|m| m.hulls)));
+    let mut chart = log_chart!(area, x, y, "Hausdorff error / diagonal", "hulls");
+    for (method, list) in &means {
+        let points: Vec<(f64, f64)> = list.iter().map(|mean| (mean.error, mean.hulls)).collect();
+        let colour = colour(method);
+        chart.draw_series(points.iter().map(|&point| Circle::new(point, 4, colour.filled())))?;
+        chart
+            .draw_series(LineSeries::new(front(points), colour.stroke_width(2)))?
+            .label(*method)
+            .legend(move |(x, y)| Circle::new((x + 8, y), 4, colour.filled()));
+    }
+    legend!(chart, SeriesLabelPosition::UpperRight);
+    Ok(())
+}

@@ -1,0 +1,62 @@
+//! `cargo lab cancel`: how long a stop takes.
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use hullwright::io::{MeshFile, read_mesh};
+use hullwright::{Control, Error, Parameters, decompose};
+
+use crate::output::{Failure, print};
+
+/// Show how long a stop takes
+///
+/// Each mesh is decomposed many times and cancelled at another moment each time.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// The meshes: obj, off, ply, stl, gltf or glb
+    #[arg(required = true, value_name = "MESH")]
+    meshes: Vec<PathBuf>,
+}
+
+/// Moments at which each mesh is cancelled, spread evenly over the time that it takes.
+const MOMENTS: u32 = 40;
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let mut all = Vec::new();
+    for path in &arguments.meshes {
+        let file = read_mesh(path)?;
+        let start = Instant::now();
+        decompose(&file, &Parameters::default(), &Control::new())?;
+        let whole = start.elapsed();
+        let moments = (1..=MOMENTS).map(|moment| whole * moment / (MOMENTS + 1));
+        let mut waits: Vec<Duration> =
+            moments.filter_map(|moment| stop_after(&file, moment)).collect();
+        waits.sort();
+        let longest = waits.last().copied().unwrap_or_default();
+        let median = waits.get(waits.len() / 2).copied().unwrap_or_default();
+        print(&format!(
+            "{whole:>10.1?} whole, stops within {median:.1?} (median), {longest:.1?}  {}",
+            path.display()
+        ))?;
+        all.extend(waits);
+    }
+    all.sort();
+    let at = |share: usize| all.get(all.len() * share / 100).copied().unwrap_or_default();
+    print(&format!("of {} stops: median {:.1?}, 95 % within {:.1?}", all.len(), at(50), at(95)))
+}
+
+/// From the call of `cancel` to the end of the work; `None` where the work was done before.
+fn stop_after(file: &MeshFile, moment: Duration) -> Option<Duration> {
+    let control = Control::new();
+    std::thread::scope(|scope| {
+        let work = scope.spawn(|| {
+            let parameters = Parameters::default();
+            decompose(file, &parameters, &control)
+        });
+        std::thread::sleep(moment);
+        let stop = Instant::now();
+        control.cancel();
+        let result = work.join().ok()?;
+        matches!(result, Err(Error::Cancelled)).then(|| stop.elapsed())
+    })
+}

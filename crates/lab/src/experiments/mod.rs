@@ -1,0 +1,8 @@
+//! Experiments that print to the terminal and keep nothing.
+
+pub mod agreement;
+pub mod cancel;
+pub mod corpus;
+pub mod stages;
+pub mod table1;
+pub mod targets;

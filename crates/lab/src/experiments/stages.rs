@@ -1,0 +1,56 @@
+//! `cargo lab stages`: where the time goes.
+
+use std::path::PathBuf;
+
+use hullwright::io::read_mesh;
+use hullwright::{Control, Parameters, decompose};
+
+use crate::output::{Failure, print};
+use crate::statistics::median;
+
+/// Show the milliseconds of each stage: of several runs on one thread the least
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// The meshes: obj, off, ply, stl, gltf or glb
+    #[arg(required = true, value_name = "MESH")]
+    meshes: Vec<PathBuf>,
+}
+
+/// Runs of which the quickest counts, stage by stage: noise only ever adds.
+const RUNS: usize = 3;
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let parameters = Parameters::default();
+    let control = Control::new().with_parallel(false);
+    let mut totals: Vec<f64> = Vec::new();
+    let mut columns: Vec<Vec<f64>> = Vec::new();
+    for path in &arguments.meshes {
+        let file = read_mesh(path)?;
+        let mut best: Vec<(&str, f64)> = Vec::new();
+        let mut hulls = 0;
+        for _ in 0..RUNS {
+            let result = decompose(&file, &parameters, &control)?;
+            hulls = result.hulls.len();
+            for (index, time) in result.report.times.iter().enumerate() {
+                let milliseconds = 1e3 * time.seconds;
+                match best.get_mut(index) {
+                    Some(entry) => entry.1 = entry.1.min(milliseconds),
+                    None => best.push((time.stage.name(), milliseconds)),
+                }
+            }
+        }
+        let total: f64 = best.iter().map(|entry| entry.1).sum();
+        let mut line =
+            format!("{total:9.1} ms {hulls:4} hulls {:8} triangles ", file.mesh.triangles.len());
+        columns.resize(columns.len().max(best.len()), Vec::new());
+        for ((stage, time), column) in best.iter().zip(&mut columns) {
+            line += &format!(" {stage} {time:.1}");
+            column.push(*time);
+        }
+        print(&format!("{line}  {}", path.display()))?;
+        totals.push(total);
+    }
+    let stages: String =
+        columns.into_iter().map(|column| format!(" {:.1}", median(column))).collect();
+    print(&format!("{:9.1} ms, median; stages{stages}", median(totals)))
+}

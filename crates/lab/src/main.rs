@@ -1,0 +1,70 @@
+//! The laboratory: benchmarks, the stability report, the experiments of the paper that the surface
+//! method comes from, and HACD to compare with. Run as `cargo lab COMMAND`.
+//!
+//! Exit code 0 is success, 1 an error in the input or the work, 2 wrong usage.
+
+mod bench;
+mod experiments;
+mod hacd;
+mod output;
+mod paper;
+mod report;
+mod runs;
+mod stability;
+mod statistics;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use experiments::{agreement, cancel, corpus, stages, table1, targets};
+use output::Failure;
+use runs::worker;
+
+/// Experiments with Hullwright: benchmarks, stability, and the paper's comparisons
+#[derive(Parser)]
+#[command(name = "cargo lab", version, max_term_width = 100)]
+struct CommandLine {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Bench(bench::Arguments),
+    #[command(hide = true)]
+    BenchRun(worker::Arguments),
+    Stability(stability::Arguments),
+    #[command(hide = true)]
+    StabilityRun(stability::worker::Arguments),
+    Paper(paper::Arguments),
+    Table1(table1::Arguments),
+    Targets(targets::Arguments),
+    Agreement(agreement::Arguments),
+    Corpus(corpus::Arguments),
+    Stages(stages::Arguments),
+    Cancel(cancel::Arguments),
+}
+
+fn main() -> ExitCode {
+    let CommandLine { command } = CommandLine::parse();
+    let result = match command {
+        Command::Bench(arguments) => bench::run(&arguments),
+        Command::BenchRun(arguments) => worker::run(&arguments),
+        Command::Stability(arguments) => stability::run(&arguments),
+        Command::StabilityRun(arguments) => stability::worker::run(&arguments),
+        Command::Paper(arguments) => paper::run(&arguments),
+        Command::Table1(arguments) => table1::run(&arguments),
+        Command::Targets(arguments) => targets::run(&arguments),
+        Command::Agreement(arguments) => agreement::run(&arguments),
+        Command::Corpus(arguments) => corpus::run(&arguments),
+        Command::Stages(arguments) => stages::run(&arguments),
+        Command::Cancel(arguments) => cancel::run(&arguments),
+    };
+    let (reason, code) = match result {
+        Ok(()) => return ExitCode::SUCCESS,
+        Err(Failure::Work(reason)) => (reason, 1),
+        Err(Failure::Usage(reason)) => (reason, 2),
+    };
+    eprintln!("error: {}", reason.replace('\n', " "));
+    ExitCode::from(code)
+}

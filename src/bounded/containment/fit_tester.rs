@@ -1,0 +1,141 @@
+//! The fit test of whole hulls: their faces are looked up in the cache, then tested by their
+//! centres, largest first, then completely.
+
+use super::face_cache::{FaceCache, FaceKey};
+use super::solid::Solid;
+use crate::bounded::growing_hull::GrowingHull;
+use crate::geometry::vector::{Vector, add, area_normal, length_squared};
+use crate::hull::{HullBuilder, LEAST_THICKNESS, solid_hull};
+
+/// A face whose fit is not cached.
+struct UntestedFace {
+    /// Its squared area, times four.
+    size: f64,
+    key: FaceKey,
+    face: [Vector; 3],
+}
+
+/// Tests hulls against a solid under a bound. Keeps scratch buffers between tests.
+pub(in crate::bounded) struct FitTester<'a> {
+    solid: &'a Solid,
+    bound: f64,
+    /// A copy of the hull that is to grow.
+    trial: GrowingHull,
+    thickener: HullBuilder,
+    faces: Vec<UntestedFace>,
+    stack: Vec<[Vector; 3]>,
+    points: Vec<Vector>,
+    /// Joint hulls that [`try_insert`](Self::try_insert) has tested.
+    pub attempts: usize,
+}
+
+impl<'a> FitTester<'a> {
+    pub fn new(solid: &'a Solid, bound: f64) -> Self {
+        Self {
+            solid,
+            bound,
+            trial: GrowingHull::new(&[], [0.0; 3]),
+            thickener: HullBuilder::new(),
+            faces: Vec::new(),
+            stack: Vec::new(),
+            points: Vec::new(),
+            attempts: 0,
+        }
+    }
+
+    pub fn bound(&self) -> f64 {
+        self.bound
+    }
+
+    /// Whether a hull's surface is nowhere farther than the bound from the solid. Only the faces of
+    /// the last insertion are tested if `only_new`.
+    pub fn fits(&mut self, hull: &GrowingHull, only_new: bool) -> bool {
+        let mut faces = std::mem::take(&mut self.faces);
+        faces.clear();
+        let (cache, bound) = (&self.solid.face_cache, self.bound);
+        let mut is_refused = false;
+        // A face that is known not to fit saves testing the others.
+        let mut collect = |mut face: [Vector; 3]| {
+            // A face is tested from the same corner on, whichever hull it belongs to.
+            face.sort_unstable_by(|a, b| {
+                a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2]))
+            });
+            let key = FaceCache::key(face, bound);
+            match cache.get(key) {
+                Some(true) => {}
+                Some(false) => is_refused = true,
+                None => {
+                    let [a, b, c] = face;
+                    let size = length_squared(area_normal(a, b, c));
+                    faces.push(UntestedFace { size, key, face });
+                }
+            }
+            !is_refused
+        };
+        if hull.is_solid {
+            if only_new {
+                hull.builder.new_faces().all(&mut collect);
+            } else {
+                hull.builder.all_faces().all(&mut collect);
+            }
+        } else if let Ok((flat, _)) =
+            solid_hull(&mut self.thickener, &hull.points, hull.outward, LEAST_THICKNESS)
+        {
+            flat.corners().all(&mut collect);
+        }
+        let contains = |&(point, _): &(Vector, f64)| hull.builder.farthest_outside(&[point]) <= 0.0;
+        is_refused |= hull.is_solid && self.solid.cavities.iter().any(contains);
+        let fits = !is_refused && self.faces_fit(&mut faces);
+        self.faces = faces;
+        fits
+    }
+
+    fn faces_fit(&mut self, faces: &mut [UntestedFace]) -> bool {
+        // Large faces are the most likely to protrude.
+        faces.sort_unstable_by(|a, b| b.size.total_cmp(&a.size));
+        let (solid, bound) = (self.solid, self.bound);
+        let fits = |untested: &UntestedFace, test: &mut dyn FnMut([Vector; 3]) -> bool| {
+            let fits = test(untested.face);
+            if !fits {
+                solid.face_cache.insert(untested.key, false);
+            }
+            fits
+        };
+        let stack = &mut self.stack;
+        faces.iter().all(|face| fits(face, &mut |face| solid.centre_fits(face, bound)))
+            && faces.iter().all(|face| {
+                let is_fitting = fits(face, &mut |face| solid.face_fits(face, bound, stack));
+                if is_fitting {
+                    solid.face_cache.insert(face.key, true);
+                }
+                is_fitting
+            })
+    }
+
+    /// Grows a hull by parts of the surface, each given by its points and its outward direction, if
+    /// the joint hull fits. Returns whether it does.
+    pub fn try_insert<'p>(
+        &mut self,
+        hull: &mut GrowingHull,
+        parts: impl Iterator<Item = (&'p [Vector], Vector)>,
+    ) -> bool {
+        let mut points = std::mem::take(&mut self.points);
+        points.clear();
+        let mut outward = [0.0; 3];
+        for (part, part_outward) in parts {
+            points.extend_from_slice(part);
+            outward = add(outward, part_outward);
+        }
+        self.attempts += 1;
+        let mut trial = std::mem::take(&mut self.trial);
+        trial.copy_from(hull);
+        let only_new = trial.insert(&points, outward);
+        let fits = self.fits(&trial, only_new);
+        if fits {
+            std::mem::swap(hull, &mut trial);
+        }
+        self.trial = trial;
+        self.points = points;
+        fits
+    }
+}

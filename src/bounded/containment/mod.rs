@@ -1,0 +1,21 @@
+//! Containment: whether hulls stay within the bound of the solid.
+//!
+//! | file | contents |
+//! |---|---|
+//! | `inside` | which points are inside a surface |
+//! | `distance_grid/` | a grid that answers most questions about distance and side |
+//! | `cavities` | the empty space that hulls must not swallow |
+//! | `face_cache` | which faces fit, as far as they have been tested |
+//! | `solid` | the solid: distance, side, and whether points fit |
+//! | `triangle` | halving of faces until each part is decided |
+//! | `fit_test` | whether faces fit |
+//! | `fit_tester` | whether hulls fit |
+
+mod cavities;
+mod distance_grid;
+mod face_cache;
+mod fit_test;
+pub(super) mod fit_tester;
+pub(super) mod inside;
+pub(super) mod solid;
+pub(super) mod triangle;

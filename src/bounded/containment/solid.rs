@@ -1,0 +1,259 @@
+//! The solid that hulls must not protrude from: distances to its surface, and what is inside.
+//!
+//! Distances come as bounds, from the distance grid where that is enough and from the tree where
+//! not. Where the mesh was clustered, the solid is that of the reduced mesh, and distances to the
+//! source follow from it.
+
+use std::sync::Arc;
+
+use super::cavities::cavities;
+use super::distance_grid::{CellClass, DistanceGrid};
+use super::face_cache::FaceCache;
+use super::inside::is_inside;
+use crate::bounded::clustering::Clustered;
+use crate::bounded::settings::{MIN_SEARCH_SHARE, Settings};
+use crate::bvh::Bvh;
+use crate::bvh::closest_point::ClosestPoint;
+use crate::control::Control;
+use crate::error::Error;
+use crate::geometry::vector::{Vector, add, length_squared, scale, subtract};
+use crate::mesh::{PreparedMesh, TriangleMesh};
+use crate::parallel;
+
+/// Beyond the bound by less than this factor, the grid's distance, which may be too large, is
+/// verified by the tree. Its excess is a fraction of a cell, and most cells measure 0.58 bounds.
+pub(super) const DOUBT: f64 = 1.5;
+
+/// More than the rounding of the grid's distances, in diagonals: 2^-24 for coordinates up to 1,
+/// over the few operations of a distance.
+const SINGLE_PRECISION: f64 = 1e-6;
+
+/// The source mesh as a solid, or a reduced one that represents it.
+pub(in crate::bounded) struct Solid {
+    pub bvh: Bvh,
+    /// Whether the surface encloses the inside. Only then does a point's side hold around it.
+    pub is_closed: bool,
+    pub(super) grid: DistanceGrid,
+    /// A point of each cavity that no hull may contain, and its distance to the surface.
+    pub cavities: Vec<(Vector, f64)>,
+    /// Results of the fit test.
+    pub(super) face_cache: FaceCache,
+    /// Where the solid is that of a reduced mesh: what it represents.
+    pub clustered: Option<Arc<Clustered>>,
+}
+
+/// Bounds on the distance from a point to the source.
+pub(in crate::bounded) struct SourceDistance {
+    /// At least the distance.
+    pub upper: f64,
+    /// At most the depth, if the point is inside the source or that near to it.
+    pub lower: f64,
+    /// The distance to the solid's own surface.
+    own: f64,
+    /// A triangle of the source within `upper`.
+    triangle: u32,
+}
+
+impl Solid {
+    /// The solid of a mesh, or of the reduced mesh if there is one. O(n log n) for n triangles, and
+    /// a grid of at most 1.5 million cells.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
+    pub fn new(
+        prepared: &PreparedMesh,
+        clustered: Option<Arc<Clustered>>,
+        settings: &Settings,
+        control: &Control,
+    ) -> Result<Self, Error> {
+        let bound = settings.bound;
+        if let Some(clustered) = clustered {
+            let TriangleMesh { positions, triangles, .. } = &clustered.mesh;
+            let solid = Self::of_surface(positions, triangles, true, bound, control)?;
+            return Ok(Self { clustered: Some(clustered), ..solid });
+        }
+        let mesh = &prepared.mesh;
+        let triangles = prepared.triangles_of_solid();
+        // Sheets in both orientations can close an open surface.
+        let is_closed = prepared.closed.iter().all(|&closed| closed)
+            || is_balanced(&mesh.triangles)
+            || triangles.len() > mesh.triangles.len() && is_balanced(&triangles);
+        let mut solid = Self::of_surface(&mesh.positions, &triangles, is_closed, bound, control)?;
+        if settings.keep_cavities {
+            solid.keep_cavities(bound);
+        }
+        Ok(solid)
+    }
+
+    /// The solid of a surface.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
+    pub fn of_surface(
+        positions: &[Vector],
+        triangles: &[[u32; 3]],
+        is_closed: bool,
+        bound: f64,
+        control: &Control,
+    ) -> Result<Self, Error> {
+        let (bvh, grid) = parallel::join(
+            || Bvh::with_control(positions, triangles, control),
+            || DistanceGrid::new(positions, triangles, bound, control),
+        );
+        let (bvh, mut grid) = (bvh?, grid?);
+        if is_closed {
+            grid.flood(&bvh, (positions, triangles), control)?;
+        }
+        grid.classify_cells(MIN_SEARCH_SHARE * bound, DOUBT * bound);
+        Ok(Self {
+            bvh,
+            is_closed,
+            grid,
+            cavities: Vec::new(),
+            face_cache: FaceCache::new(),
+            clustered: None,
+        })
+    }
+
+    /// Makes hulls that contain a cavity deeper than `bound` not fit.
+    fn keep_cavities(&mut self, bound: f64) {
+        let points = cavities(&self.grid, &self.bvh, bound).into_iter();
+        let depth =
+            |point| self.bvh.closest_point(point, f64::INFINITY).map(|closest| closest.distance);
+        self.cavities = points.filter_map(|point| Some((point, depth(point)?))).collect();
+    }
+
+    /// How far the solid's own surface may be from the source, and what is inside it from what is
+    /// inside the source.
+    pub fn displacement(&self) -> f64 {
+        self.clustered.as_ref().map_or(0.0, |clustered| clustered.displacement)
+    }
+
+    /// The distance from a point to the source. `guess` is a triangle of the solid that may be near
+    /// and makes it faster. `None` if the solid has no surface.
+    pub fn source_distance(&self, point: Vector, guess: u32) -> Option<SourceDistance> {
+        let ClosestPoint { distance, triangle, .. } =
+            self.bvh.closest_point_near(point, f64::INFINITY, guess)?;
+        let Some(clustered) = &self.clustered else {
+            return Some(SourceDistance {
+                upper: distance,
+                lower: distance,
+                own: distance,
+                triangle,
+            });
+        };
+        let (upper, nearest) =
+            clustered.closest_around(clustered.mesh.triangles[triangle as usize], point, distance);
+        let lower = distance - clustered.displacement;
+        Some(SourceDistance { upper, lower, own: distance, triangle: nearest })
+    }
+
+    /// Whether a point is inside the source, or not farther outside than
+    /// [`displacement`](Self::displacement).
+    pub fn is_inside(&self, point: Vector, distance: &SourceDistance) -> bool {
+        match self.grid.side(point, distance.own) {
+            Some(inside) => inside,
+            None => is_inside(&self.bvh, point, self.is_closed),
+        }
+    }
+
+    /// An upper bound on the distance to the source from any point of a face, by the triangle of
+    /// the source that is near one of them.
+    pub fn upper_distance_to_source(&self, face: [Vector; 3], distance: &SourceDistance) -> f64 {
+        let triangle = distance.triangle;
+        match &self.clustered {
+            None => self.upper_distance_to_triangle(face, triangle),
+            Some(clustered) => {
+                largest(face.map(|corner| clustered.squared_distance_to(corner, triangle))).sqrt()
+            }
+        }
+    }
+
+    /// An upper bound on the distance to the solid's own surface, by the grid.
+    #[inline]
+    pub fn upper_distance(&self, point: Vector) -> f64 {
+        self.grid.probe(point).upper + SINGLE_PRECISION
+    }
+
+    /// An upper bound on the distance to the solid's own surface from any point of a face with this
+    /// centre. Any value at most `enough` serves as well.
+    ///
+    /// The distance to a point of the surface, or to one of its triangles, is a convex function:
+    /// its maximum over the face is at a corner. Point and triangle are those of the grid.
+    #[inline]
+    pub fn upper_distance_of_face(&self, face: [Vector; 3], centre: Vector, enough: f64) -> f64 {
+        let Some(nearest) = self.grid.nearest_point(centre) else { return f64::INFINITY };
+        let to_point = largest(face.map(|corner| length_squared(subtract(corner, nearest))));
+        let to_point = to_point.sqrt() + SINGLE_PRECISION;
+        if to_point <= enough {
+            return to_point;
+        }
+        self.upper_distance_to_triangle(face, self.grid.nearest_triangle(centre)).min(to_point)
+    }
+
+    /// The greatest distance from any point of a face to a triangle of the solid.
+    #[inline]
+    pub(super) fn upper_distance_to_triangle(&self, face: [Vector; 3], triangle: u32) -> f64 {
+        largest(face.map(|corner| self.bvh.distance_to_triangle(corner, triangle)))
+    }
+
+    /// The triangle closest to the centre of a point's cell, and the point's distance to it; or
+    /// `u32::MAX` and infinity.
+    #[inline]
+    pub fn nearest_triangle_of_cell(&self, point: Vector) -> (f64, u32) {
+        let triangle = self.grid.nearest_triangle(point);
+        (self.bvh.distance_to_triangle(point, triangle), triangle)
+    }
+
+    /// A lower bound on the depth of a point inside a closed solid; `None` if it may be outside.
+    #[inline]
+    pub fn depth(&self, point: Vector) -> Option<f64> {
+        self.grid.depth(point)
+    }
+
+    /// Whether a point is in the solid or at most `bound` away from it, for a bound between
+    /// [`MIN_SEARCH_SHARE`] of the solid's bound and all of it.
+    #[inline]
+    pub fn point_fits(&self, point: Vector, bound: f64) -> bool {
+        match self.grid.class_of(point) {
+            CellClass::Near => return true,
+            CellClass::Far => return false,
+            CellClass::Mixed => {}
+        }
+        let probe = self.grid.probe(point);
+        if probe.upper <= bound {
+            return true;
+        }
+        match self.grid.is_inside(&probe, &self.bvh) {
+            Some(inside) => {
+                inside || probe.upper <= DOUBT * bound && self.bvh.is_within(point, bound)
+            }
+            None => self.bvh.is_within(point, bound) || is_inside(&self.bvh, point, self.is_closed),
+        }
+    }
+
+    /// Whether some point between two others does not fit, so that no hull that fits contains both.
+    pub fn separates(&self, a: Vector, b: Vector, bound: f64) -> bool {
+        let between = |share: f64| add(scale(a, 1.0 - share), scale(b, share));
+        [0.5, 0.25, 0.75].into_iter().any(|share| !self.point_fits(between(share), bound))
+    }
+}
+
+/// Whether triangles run along each edge as often one way as the other. Then the winding number
+/// changes only across the surface, even where more than two triangles meet.
+fn is_balanced(triangles: &[[u32; 3]]) -> bool {
+    let mut edges: Vec<(u32, u32, bool)> = triangles
+        .iter()
+        .flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)])
+        .map(|(a, b)| (a.min(b), a.max(b), a < b))
+        .collect();
+    edges.sort_unstable();
+    edges
+        .chunk_by(|first, second| (first.0, first.1) == (second.0, second.1))
+        .all(|edge| 2 * edge.iter().filter(|half| half.2).count() == edge.len())
+}
+
+#[inline]
+fn largest([a, b, c]: [f64; 3]) -> f64 {
+    a.max(b).max(c)
+}

@@ -1,0 +1,53 @@
+//! A hull of the result, in diagonals.
+
+use crate::bounded::patch_set::PatchSet;
+use crate::bounded::patches::patch::Patches;
+use crate::bounded::settings::{MAX_UNCOVERED_UNDER_CAP, Settings};
+use crate::geometry::vector::Vector;
+use crate::hull::ConvexHull;
+
+/// A hull of the result, and what was verified about it. Lengths are in diagonals.
+pub(in crate::bounded) struct FinalHull {
+    pub hull: ConvexHull,
+    /// The patches that it represents.
+    pub patches: PatchSet,
+    /// Where it represents its patches only in part: that part's triangles of the surface.
+    pub part: Option<Vec<u32>>,
+    /// Points inside the solid that it contains too, so that no gap opens between it and the other
+    /// parts of a hull that was divided.
+    pub inner_points: Vec<Vector>,
+    pub added_thickness: f64,
+    pub cap_growth: f64,
+    /// No point of its surface is farther than this from the solid.
+    pub protrusion: f64,
+    /// No point of the surface that it represents is farther than this outside it.
+    pub uncovered: f64,
+    pub component: u32,
+}
+
+impl FinalHull {
+    /// The triangles of [`Patches::surface`] that it represents.
+    pub(in crate::bounded) fn triangles<'a>(
+        &'a self,
+        patches: &'a Patches,
+    ) -> impl Iterator<Item = u32> + 'a {
+        let of_patches = self
+            .part
+            .is_none()
+            .then(|| self.patches.iter().flat_map(|patch| &patches[patch].triangles).copied());
+        of_patches.into_iter().flatten().chain(self.part.iter().flatten().copied())
+    }
+
+    /// Whether it may be returned.
+    pub(super) fn keeps_bound(&self, settings: &Settings) -> bool {
+        self.protrusion <= settings.bound
+            && self.uncovered <= MAX_UNCOVERED_UNDER_CAP * settings.bound
+    }
+}
+
+/// The hulls of the result.
+pub(in crate::bounded) struct FinalHulls {
+    pub hulls: Vec<FinalHull>,
+    /// No point of the surface is farther than this outside all hulls.
+    pub uncovered: f64,
+}

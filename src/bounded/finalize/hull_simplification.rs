@@ -1,0 +1,221 @@
+//! Hull simplification: as many vertices are saved as a small volume allows, and as many as the cap
+//! requires, within the bound. Physics engines pay for each vertex of a hull.
+//!
+//! The first attempt that keeps the bound is taken:
+//!
+//! 1. the hull without vertices that hardly protrude, its edges collapsed outward, or as it is;
+//! 2. the full hull with edges collapsed;
+//! 3. the full hull, unless it violates the cap;
+//! 4. as 1, leaving out vertices that protrude more;
+//! 5. the hull capped by growing, and that hull shrunk a little.
+//!
+//! If all fail, the most prominent vertices remain. They may violate the bound: then the hull is
+//! divided.
+
+use super::context::FinalizeContext;
+use super::verify::point_groups::{PointGroups, distance_outside};
+use super::verify::protrusion::protrusion;
+use crate::bounded::settings::{MAX_UNCOVERED, MAX_UNCOVERED_UNDER_CAP};
+use crate::error::Error;
+use crate::geometry::vector::{Vector, add, distance, scale, subtract};
+use crate::hull::{
+    ConvexHull, HullBuilder, LEAST_THICKNESS, cap_vertices, coarser, collapse_edges,
+    most_prominent, solid_hull,
+};
+
+/// A hull without vertices that hardly protrude must keep at least this share of its volume: of a
+/// thin plate hardly any vertex protrudes, and what is left can be a tetrahedron.
+const MIN_VOLUME_SHARE: f64 = 0.95;
+
+/// Where the cap cannot be kept otherwise, vertices that protrude by less than these, in bounds, are
+/// left out: multiples of [`MAX_UNCOVERED`] well below [`MAX_UNCOVERED_UNDER_CAP`].
+const COARSER: [f64; 2] = [0.1, 0.2];
+
+/// By these, in bounds, a hull that was capped by growing shrinks again: less than
+/// [`MAX_UNCOVERED_UNDER_CAP`], which it may leave uncovered.
+const SHRINKING: [f64; 2] = [0.2, 0.4];
+
+/// A hull of more vertices does not collapse from the full hull to keep a cap once the coarser hull
+/// has failed: collapsing is quadratic in the vertices and hardly gives another result.
+const MAX_COLLAPSIBLE: usize = 256;
+
+/// A hull before simplification.
+pub(super) struct Original {
+    pub hull: ConvexHull,
+    /// How far the points that it must contain are outside it.
+    pub uncovered: f64,
+    /// The points that it must contain.
+    pub points: PointGroups,
+    /// On which side a flat hull is outside.
+    pub outward: Vector,
+}
+
+/// A hull after simplification.
+pub(super) struct Simplified {
+    pub hull: ConvexHull,
+    /// How far it grew.
+    pub growth: f64,
+    pub protrusion: f64,
+    pub uncovered: f64,
+}
+
+/// Saves vertices of a hull: see the module.
+///
+/// # Errors
+/// [`Error::Cancelled`].
+pub(super) fn simplify_hull(
+    context: &FinalizeContext<'_>,
+    original: Original,
+    builder: &mut HullBuilder,
+) -> Result<Simplified, Error> {
+    let max_vertices = context.settings.max_vertices.unwrap_or(usize::MAX);
+    let mut attempts =
+        Attempts { context, original: &original, builder, stack: Vec::new(), max_vertices };
+    if let Some(simplified) = attempts.saving_vertices()? {
+        return Ok(simplified);
+    }
+    if original.hull.points.len() > max_vertices {
+        return attempts.keeping_cap();
+    }
+    let &FinalizeContext { solid, settings, control, .. } = context;
+    let protrusion = protrusion(&original.hull, solid, settings.bound, f64::INFINITY, control)?;
+    let Original { hull, uncovered, .. } = original;
+    Ok(Simplified { hull, growth: 0.0, protrusion, uncovered })
+}
+
+/// Attempts to simplify a hull.
+struct Attempts<'a> {
+    context: &'a FinalizeContext<'a>,
+    original: &'a Original,
+    builder: &'a mut HullBuilder,
+    /// Scratch memory of the fit test.
+    stack: Vec<[Vector; 3]>,
+    max_vertices: usize,
+}
+
+impl Attempts<'_> {
+    /// Attempts 1 and 2: as far as little volume is added and little surface left out.
+    fn saving_vertices(&mut self) -> Result<Option<Simplified>, Error> {
+        let original = self.original;
+        let max_uncovered = (MAX_UNCOVERED * self.context.settings.bound).max(original.uncovered);
+        let coarse = self.without_small(MAX_UNCOVERED)?;
+        let has_coarse = coarse.is_some();
+        if let Some(coarse) = coarse
+            && let Some(simplified) = self.collapsed_or_as_is(coarse, max_uncovered)?
+        {
+            return Ok(Some(simplified));
+        }
+        let count = original.hull.points.len();
+        let is_hopeless = has_coarse && count > self.max_vertices && count > MAX_COLLAPSIBLE;
+        if is_hopeless { Ok(None) } else { self.collapsed(&original.hull, max_uncovered) }
+    }
+
+    /// Attempts 4 and 5, for a hull that only violates the cap.
+    fn keeping_cap(&mut self) -> Result<Simplified, Error> {
+        let (original, max_vertices) = (self.original, self.max_vertices);
+        let &FinalizeContext { solid, settings, control, .. } = self.context;
+        let bound = settings.bound;
+        let max_uncovered = (MAX_UNCOVERED * bound).max(original.uncovered);
+        let max_under_cap = (MAX_UNCOVERED_UNDER_CAP * bound).max(original.uncovered);
+        for share in COARSER {
+            let Some(coarse) = self.without_small(share)? else { continue };
+            if let Some(simplified) = self.collapsed_or_as_is(coarse, max_under_cap)? {
+                return Ok(simplified);
+            }
+        }
+        let (capped, growth) =
+            cap_vertices(self.builder, original.hull.clone(), max_vertices, control)?;
+        if let Some(simplified) = self.accepted(capped.clone(), growth, max_uncovered)? {
+            return Ok(simplified);
+        }
+        for share in SHRINKING {
+            let Some(smaller) = shrunk(&capped, share * bound) else { break };
+            if let Some(simplified) = self.accepted(smaller, growth, max_under_cap)? {
+                return Ok(simplified);
+            }
+        }
+        let inner = most_prominent(self.builder, &original.hull.points, max_vertices, control)?;
+        let hull = inner.unwrap_or_else(|| original.hull.clone());
+        let protrusion = protrusion(&hull, solid, bound, f64::INFINITY, control)?;
+        let uncovered = distance_outside(&hull, &original.points, f64::INFINITY);
+        Ok(Simplified { hull, growth: 0.0, protrusion, uncovered })
+    }
+
+    /// The hull without vertices that protrude by less than a share of the bound, if it keeps its
+    /// thickness and most of its volume.
+    fn without_small(&mut self, share: f64) -> Result<Option<ConvexHull>, Error> {
+        let original = self.original;
+        let Some(coarse) = coarser(&original.hull, share * self.context.settings.bound) else {
+            return Ok(None);
+        };
+        let (_, added) =
+            solid_hull(self.builder, &coarse.points, original.outward, LEAST_THICKNESS)?;
+        let min_volume = MIN_VOLUME_SHARE * original.hull.volume();
+        Ok((added == 0.0 && coarse.volume() >= min_volume).then_some(coarse))
+    }
+
+    fn collapsed_or_as_is(
+        &mut self,
+        hull: ConvexHull,
+        max_uncovered: f64,
+    ) -> Result<Option<Simplified>, Error> {
+        match self.collapsed(&hull, max_uncovered)? {
+            Some(simplified) => Ok(Some(simplified)),
+            None => self.accepted(hull, 0.0, max_uncovered),
+        }
+    }
+
+    /// The hull with edges collapsed outward.
+    fn collapsed(
+        &mut self,
+        hull: &ConvexHull,
+        max_uncovered: f64,
+    ) -> Result<Option<Simplified>, Error> {
+        let &FinalizeContext { solid, settings, volume_per_vertex, control, .. } = self.context;
+        let stack = &mut self.stack;
+        let mut fits = |face| {
+            control.check()?;
+            let bound = settings.search_bound;
+            Ok(solid.centre_fits(face, bound) && solid.face_fits(face, bound, stack))
+        };
+        match collapse_edges(hull, volume_per_vertex, self.max_vertices, &mut fits)? {
+            Some((collapsed, growth)) => self.accepted(collapsed, growth, max_uncovered),
+            None => Ok(None),
+        }
+    }
+
+    /// A hull, if it keeps the cap and the bound.
+    fn accepted(
+        &self,
+        hull: ConvexHull,
+        growth: f64,
+        max_uncovered: f64,
+    ) -> Result<Option<Simplified>, Error> {
+        let &FinalizeContext { solid, settings, control, .. } = self.context;
+        if hull.points.len() > self.max_vertices {
+            return Ok(None);
+        }
+        let uncovered = distance_outside(&hull, &self.original.points, max_uncovered);
+        if uncovered > max_uncovered {
+            return Ok(None);
+        }
+        let bound = settings.bound;
+        let protrusion = protrusion(&hull, solid, bound, bound, control)?;
+        let simplified = Simplified { hull, growth, protrusion, uncovered };
+        Ok((protrusion <= bound).then_some(simplified))
+    }
+}
+
+/// A hull with its vertices moved towards its centre, the farthest by `by`; `None` if nothing would
+/// be left.
+fn shrunk(hull: &ConvexHull, by: f64) -> Option<ConvexHull> {
+    let sum = hull.points.iter().fold([0.0; 3], |sum, &point| add(sum, point));
+    let centre = scale(sum, 1.0 / hull.points.len() as f64);
+    let farthest = hull.points.iter().map(|&point| distance(point, centre)).fold(0.0, f64::max);
+    let factor = 1.0 - by / farthest;
+    let moved = |&point: &Vector| add(centre, scale(subtract(point, centre), factor));
+    (farthest > by).then(|| ConvexHull {
+        points: hull.points.iter().map(moved).collect(),
+        triangles: hull.triangles.clone(),
+    })
+}

@@ -1,0 +1,294 @@
+//! The protrusion of a hull: how far its surface is from the solid, as an upper bound.
+//!
+//! The rules of the fit test decide a face, without its leniences: no part is accepted because it is
+//! small. The grid serves where it bounds a distance from above, and for the side of points that are
+//! nearer to their cell's centre than to the surface. Where the mesh was clustered, distances are
+//! those to the source, and what is inside the solid may be as far outside the source as vertices
+//! have moved: the result is never below that.
+
+use crate::bounded::containment::inside::OPEN_INSIDE;
+use crate::bounded::containment::solid::{Solid, SourceDistance};
+use crate::bounded::containment::triangle::{centre, halves};
+use crate::control::Control;
+use crate::error::Error;
+use crate::geometry::vector::{Vector, distance, dot};
+use crate::hull::ConvexHull;
+
+/// No triangle of the solid is known to be near.
+const NO_GUESS: u32 = u32::MAX;
+
+/// Protrusions below this share of the bound are not resolved: exact values of hulls that fit well
+/// would take most of the time. With [`RESOLUTION`], no result is below 0.29 of the bound.
+const UNRESOLVED: f64 = 0.25;
+
+/// Protrusions are too large by at most this share of the bound: a smaller one takes more parts of
+/// faces for digits that decide nothing.
+const RESOLUTION: f64 = 0.04;
+
+/// The same for maxima just below the bound, where it decides whether a hull is divided.
+const FINE_RESOLUTION: f64 = 0.005;
+
+/// Where the surface is open, the inside ends without it, but gradually. Per open sheet, the winding
+/// number falls by less than this over a distance equal to that from the surface.
+const MAX_GRADIENT: f64 = 0.5;
+
+/// The winding number just below an open sheet.
+const BELOW_A_SHEET: f64 = 0.5;
+
+/// In an open solid, parts smaller than this share of the bound are on the side of their centre.
+const SMALL_IN_OPEN: f64 = 0.1;
+
+/// Maximum number of parts of a hull's faces: needles would otherwise be halved without end.
+const MAX_PARTS: usize = 200_000;
+
+/// Where the distance is maximal all along a line, as halfway between two sheets, resolving it takes
+/// parts without end. After this many it is only decided whether the bound is kept.
+const MANY_PARTS: usize = 20_000;
+
+/// Parts between two checks for cancellation: less than a millisecond.
+const PARTS_PER_CHECK: usize = 1024;
+
+/// No point of the hull's faces is farther than this from the solid, in diagonals. If it exceeds
+/// `limit`, any value above `limit` may be returned.
+///
+/// # Errors
+/// [`Error::Cancelled`].
+pub(in crate::bounded) fn protrusion(
+    hull: &ConvexHull,
+    solid: &Solid,
+    bound: f64,
+    limit: f64,
+    control: &Control,
+) -> Result<f64, Error> {
+    let displacement = solid.displacement();
+    let mut search =
+        Search { solid, bound, limit, displacement, known: (UNRESOLVED * bound).max(displacement) };
+    if search.cavities_exceed(hull) {
+        return Ok(search.known);
+    }
+    let mut stack: Vec<[Vector; 3]> = hull.corners().collect();
+    // One large protrusion makes all other faces cheap.
+    for &face in &stack {
+        control.check()?;
+        search.raise_by_centre(face);
+    }
+    let mut parts = 0;
+    while let Some(part) = stack.pop() {
+        parts += 1;
+        // In a clustered mesh, a single part may take a millisecond.
+        if parts % PARTS_PER_CHECK == 0 || displacement > 0.0 {
+            control.check()?;
+        }
+        if parts == MANY_PARTS && limit >= bound {
+            search.known = search.known.max((1.0 - FINE_RESOLUTION) * bound);
+        }
+        if parts > MAX_PARTS {
+            stack.push(part);
+            let rest = stack.iter().map(|&part| upper_distance(part, solid));
+            return Ok(rest.fold(enough(search.known, bound), f64::max));
+        }
+        match search.examine(part) {
+            Decision::Settled => {}
+            Decision::Halve => stack.extend(halves(part)),
+            Decision::Exceeds(distance) => return Ok(distance),
+        }
+    }
+    Ok(enough(search.known, bound))
+}
+
+/// The maximum found so far, and what it depends on.
+struct Search<'a> {
+    solid: &'a Solid,
+    bound: f64,
+    limit: f64,
+    displacement: f64,
+    /// A lower bound on the maximum.
+    known: f64,
+}
+
+/// What is to be done about a part of a face.
+enum Decision {
+    /// It does not protrude farther than what is known.
+    Settled,
+    Halve,
+    /// The limit is exceeded.
+    Exceeds(f64),
+}
+
+impl Search<'_> {
+    /// Takes cavities into account that the hull contains. Whether they exceed the limit.
+    fn cavities_exceed(&mut self, hull: &ConvexHull) -> bool {
+        let cavities = &self.solid.cavities;
+        if cavities.is_empty() {
+            return false;
+        }
+        let planes = hull.planes();
+        let contains = |point| planes.iter().all(|&(normal, offset)| dot(normal, point) <= offset);
+        for &(point, depth) in cavities {
+            if depth > self.known && contains(point) {
+                self.known = depth;
+            }
+        }
+        self.known > self.limit
+    }
+
+    fn raise_by_centre(&mut self, face: [Vector; 3]) {
+        let centre = centre(face);
+        if self.solid.upper_distance(centre) + self.displacement > self.known
+            && let Some(distance) = self.solid.source_distance(centre, NO_GUESS)
+            && distance.upper > self.known
+            && !self.solid.is_inside(centre, &distance)
+        {
+            self.known = distance.upper;
+        }
+    }
+
+    fn examine(&mut self, part: [Vector; 3]) -> Decision {
+        let &mut Self { solid, bound, displacement, known, .. } = self;
+        let centre = centre(part);
+        let radius = radius(centre, part);
+        let enough = enough(known, bound);
+        let to_own_surface = enough - displacement;
+        if solid.upper_distance_of_face(part, centre, to_own_surface) <= to_own_surface
+            || (solid.is_closed
+                && solid.depth(centre).is_some_and(|depth| radius - depth <= to_own_surface))
+        {
+            return Decision::Settled;
+        }
+        let (to_cell_triangle, guess) = solid.nearest_triangle_of_cell(centre);
+        let slack = if known > bound { RESOLUTION * known } else { FINE_RESOLUTION * bound };
+        let may_halve = radius > slack;
+        // A distance below the maximum only decides where it is known to be small.
+        if may_halve && to_cell_triangle <= known && displacement == 0.0 {
+            return Decision::Halve;
+        }
+        let Some(distance) = solid.source_distance(centre, guess) else {
+            return Decision::Exceeds(f64::INFINITY);
+        };
+        if distance.upper + radius <= enough
+            || solid.upper_distance_to_source(part, &distance) <= enough
+        {
+            return Decision::Settled;
+        }
+        // Inside tests are expensive: only where they decide.
+        let is_enough_inside = solid.is_closed && radius - distance.lower <= enough;
+        if distance.upper > known || is_enough_inside || !may_halve || !solid.is_closed {
+            let is_inside = if solid.is_closed {
+                solid.is_inside(centre, &distance)
+            } else {
+                match self.side_in_open(centre, radius, &distance) {
+                    OpenSide::AllInside => return Decision::Settled,
+                    OpenSide::CentreInside => true,
+                    OpenSide::CentreOutside => false,
+                }
+            };
+            if is_inside {
+                if is_enough_inside || !may_halve {
+                    return Decision::Settled;
+                }
+            } else {
+                self.known = known.max(distance.upper);
+                if self.known > self.limit {
+                    return Decision::Exceeds(self.known + radius);
+                }
+            }
+        }
+        if may_halve { Decision::Halve } else { Decision::Settled }
+    }
+
+    /// The side of a part in an open solid, where the side may change without crossing the surface.
+    fn side_in_open(&self, centre: Vector, radius: f64, distance: &SourceDistance) -> OpenSide {
+        let number = self.solid.bvh.winding_number(centre);
+        let excess = number - OPEN_INSIDE;
+        if excess <= 0.0 {
+            return OpenSide::CentreOutside;
+        }
+        let is_small = radius <= SMALL_IN_OPEN * self.bound;
+        // Each sheet above the point increases the gradient.
+        let sheets = (number / BELOW_A_SHEET).max(1.0);
+        let max_fall = sheets * MAX_GRADIENT * radius / distance.lower;
+        if is_small || (radius <= distance.lower && excess > max_fall) {
+            OpenSide::AllInside
+        } else {
+            OpenSide::CentreInside
+        }
+    }
+}
+
+enum OpenSide {
+    AllInside,
+    CentreInside,
+    CentreOutside,
+}
+
+/// The greatest distance of a corner from the centre.
+fn radius(centre: Vector, [a, b, c]: [Vector; 3]) -> f64 {
+    distance(centre, a).max(distance(centre, b)).max(distance(centre, c))
+}
+
+/// No point of a part is farther than this from the source.
+fn upper_distance(part: [Vector; 3], solid: &Solid) -> f64 {
+    let centre = centre(part);
+    let distance = solid.source_distance(centre, NO_GUESS);
+    distance.map_or(f64::INFINITY, |distance| distance.upper + radius(centre, part))
+}
+
+/// The bound on a maximum that is at least `known`: near the promised bound as tight as it takes to
+/// decide whether that is kept.
+fn enough(known: f64, bound: f64) -> f64 {
+    if known > bound {
+        known * (1.0 + RESOLUTION)
+    } else if known + RESOLUTION * bound <= bound {
+        known + RESOLUTION * bound
+    } else {
+        bound.max(known + FINE_RESOLUTION * bound)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bounded::containment::inside::is_inside;
+    use crate::hull::convex_hull;
+
+    #[test]
+    fn below_stacked_open_sheets_a_large_face_is_not_inside_as_a_whole() {
+        // Six unit squares, close above each other: just below them the winding number is 3, but
+        // at a depth of 0.9 less than one half.
+        let mut positions = Vec::new();
+        let mut triangles = Vec::new();
+        for sheet in 0..6_u32 {
+            let z = 1e-3 * f64::from(sheet);
+            positions.extend([[0.0, 0.0, z], [1.0, 0.0, z], [1.0, 1.0, z], [0.0, 1.0, z]]);
+            triangles.extend([[0, 1, 2], [0, 2, 3]].map(|corners| corners.map(|v| v + 4 * sheet)));
+        }
+        let control = Control::new();
+        let bound = 0.01;
+        let solid = Solid::of_surface(&positions, &triangles, false, bound, &control).unwrap();
+        let depth = 0.9;
+        let corners = [[0.5, 0.0, 0.0], [0.5, 1.0, 0.0], [0.5, 0.5, -depth], [0.6, 0.5, -0.1]];
+        let hull = convex_hull(&corners).unwrap();
+        assert!(!is_inside(&solid.bvh, corners[2], solid.is_closed));
+        assert!(is_inside(&solid.bvh, [0.5, 0.5, -0.3], solid.is_closed));
+        let found = protrusion(&hull, &solid, bound, f64::INFINITY, &control).unwrap();
+        assert!(found >= depth, "{found}");
+    }
+
+    #[test]
+    fn a_shifted_hull_protrudes_by_its_shift() {
+        let cube = |low: f64| {
+            let corners = (0..8).map(|i| [0, 1, 2].map(|k| low + f64::from(i >> k & 1)));
+            convex_hull(&corners.collect::<Vec<_>>()).unwrap()
+        };
+        let (inner, outer) = (cube(0.0), cube(0.25));
+        let control = Control::new();
+        let bound = 0.02;
+        let solid =
+            Solid::of_surface(&inner.points, &inner.triangles, true, bound, &control).unwrap();
+        let of = |hull| protrusion(hull, &solid, bound, f64::INFINITY, &control).unwrap();
+        assert!(of(&inner) <= bound);
+        // The farthest corner is shifted by a quarter along each axis.
+        let farthest = 0.25 * 3f64.sqrt();
+        assert!((farthest..1.05 * farthest).contains(&of(&outer)), "{}", of(&outer));
+    }
+}

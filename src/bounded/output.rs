@@ -1,0 +1,120 @@
+//! The border to the public types: final hulls in the input's units, and public hulls as input.
+
+use super::finalize::final_hull::{FinalHull, FinalHulls};
+use super::patches::patch::Patches;
+use crate::decomposition::{BoundedReport, GroupedMesh, Hull, HullErrors, Provenance};
+use crate::error::Error;
+use crate::hull::ConvexHull;
+use crate::mesh::{Normalization, PreparedMesh};
+use crate::parallel;
+
+/// Hulls in the input's units, and what was verified about them.
+pub(crate) struct BoundedResult {
+    pub prepared: PreparedMesh,
+    pub hulls: Vec<Hull>,
+    pub grouped: GroupedMesh,
+    pub report: BoundedReport,
+}
+
+impl BoundedResult {
+    /// `bound` in diagonals.
+    pub(super) fn new(
+        prepared: PreparedMesh,
+        patches: &Patches,
+        FinalHulls { hulls, uncovered }: &FinalHulls,
+        bound: f64,
+    ) -> Self {
+        let normalization = prepared.normalization;
+        let diagonal = normalization.diagonal;
+        let protrusion = hulls.iter().map(|hull| hull.protrusion).fold(0.0, f64::max);
+        let report = BoundedReport {
+            bound: bound * diagonal,
+            protrusion_max: protrusion * diagonal,
+            uncovered_max: uncovered * diagonal,
+            patches: patches.count(),
+            polygons: patches.mesh.triangles.len(),
+        };
+        let grouped = grouped(patches, hulls, &normalization);
+        let hulls = parallel::map(hulls, |hull| {
+            let source =
+                |triangle| prepared.source_triangles[patches.parents[triangle as usize] as usize];
+            HullInDiagonals {
+                hull: &hull.hull,
+                component: hull.component,
+                source_triangles: hull.triangles(patches).map(source).collect(),
+                added_thickness: hull.added_thickness,
+                simplification_growth: hull.cap_growth,
+                protrusion: hull.protrusion,
+            }
+            .restored(&normalization)
+        });
+        Self { prepared, hulls, grouped, report }
+    }
+}
+
+/// The patch mesh, its triangles labelled by hulls.
+fn grouped(patches: &Patches, hulls: &[FinalHull], normalization: &Normalization) -> GroupedMesh {
+    let mut groups = vec![0; patches.count()];
+    for (index, hull) in (0_u32..).zip(hulls) {
+        for patch in hull.patches.iter() {
+            groups[patch as usize] = index;
+        }
+    }
+    let positions = patches.mesh.positions.iter();
+    GroupedMesh {
+        positions: positions.map(|&point| normalization.restore(point)).collect(),
+        triangles: patches.mesh.triangles.clone(),
+        groups: patches.labels.iter().map(|&patch| groups[patch as usize]).collect(),
+    }
+}
+
+/// What a public hull is made from. Lengths are in diagonals.
+pub(super) struct HullInDiagonals<'a> {
+    pub hull: &'a ConvexHull,
+    pub component: u32,
+    /// In any order, repeated or not.
+    pub source_triangles: Vec<u32>,
+    pub added_thickness: f64,
+    pub simplification_growth: f64,
+    pub protrusion: f64,
+}
+
+impl HullInDiagonals<'_> {
+    /// The hull in the input's units.
+    pub(super) fn restored(self, normalization: &Normalization) -> Hull {
+        let points = self.hull.points.iter().map(|&point| normalization.restore(point)).collect();
+        let mut source_triangles = self.source_triangles;
+        source_triangles.sort_unstable();
+        source_triangles.dedup();
+        let diagonal = normalization.diagonal;
+        Hull {
+            shape: ConvexHull { points, triangles: self.hull.triangles.clone() },
+            provenance: Provenance { component: self.component, source_triangles },
+            errors: HullErrors {
+                added_thickness: self.added_thickness * diagonal,
+                simplification_growth: self.simplification_growth * diagonal,
+                protrusion_max: Some(self.protrusion * diagonal),
+            },
+        }
+    }
+}
+
+/// A public hull in diagonals, and its protrusion if that was verified.
+///
+/// # Errors
+/// [`Error::UnusableHull`] if it is inconsistent, since its fields are public. `index` is its number.
+pub(super) fn normalized(
+    hull: &Hull,
+    index: usize,
+    normalization: &Normalization,
+) -> Result<(ConvexHull, Option<f64>), Error> {
+    let Hull { shape, errors, .. } = hull;
+    let is_inconsistent = |&vertex: &u32| vertex as usize >= shape.points.len();
+    if shape.triangles.as_flattened().iter().any(is_inconsistent) {
+        let reason = "a triangle names a point that it does not have";
+        return Err(Error::UnusableHull { hull: index, reason });
+    }
+    let points = shape.points.iter().map(|&point| normalization.normalize(point)).collect();
+    let protrusion = errors.protrusion_max.map(|protrusion| protrusion / normalization.diagonal);
+    Ok((ConvexHull { points, triangles: shape.triangles.clone() }, protrusion))
+}

@@ -1,0 +1,53 @@
+//! Ownership: each patch is assigned to one of the pieces that cover it, and pieces shrink to the
+//! hulls of what they own.
+
+use super::redundancy::exclusive;
+use crate::bounded::patches::patch::Patches;
+use crate::bounded::piece::Piece;
+use crate::control::Control;
+use crate::error::Error;
+
+/// Assigns shared patches, largest first, to the piece that grows least. O(patches · pieces) hulls
+/// at worst.
+///
+/// # Errors
+/// [`Error::Cancelled`].
+pub(in crate::bounded) fn assign_owners(
+    patches: &Patches,
+    pieces: &[Piece],
+    control: &Control,
+) -> Result<Vec<Piece>, Error> {
+    let alive = vec![true; pieces.len()];
+    let mut owned: Vec<Piece> =
+        (0..pieces.len()).map(|k| Piece::new(patches, &exclusive(pieces, &alive, k))).collect();
+    let mut shared = patches.all();
+    for piece in &owned {
+        shared.difference_with(&piece.patches);
+    }
+    let mut order: Vec<u32> = shared.iter().collect();
+    order.sort_by(|&a, &b| patches[b].area.total_cmp(&patches[a].area));
+    for index in order {
+        control.check()?;
+        let patch = &patches[index];
+        let mut best: Option<(f64, usize)> = None;
+        for (k, piece) in pieces.iter().enumerate() {
+            if !piece.patches.contains(index) {
+                continue;
+            }
+            let mut hull = owned[k].hull.clone();
+            hull.insert(&patch.points, patch.outward);
+            let growth = hull.current_volume() - owned[k].hull.volume;
+            if best.is_none_or(|best| growth < best.0) {
+                best = Some((growth, k));
+            }
+        }
+        if let Some((_, k)) = best {
+            let owner = &mut owned[k];
+            owner.patches.insert(index);
+            owner.hull.insert(&patch.points, patch.outward);
+            owner.hull.volume = owner.hull.current_volume();
+        }
+    }
+    owned.retain(|piece| !piece.patches.is_empty());
+    Ok(owned)
+}

@@ -1,0 +1,74 @@
+//! Set cover: few pieces that together contain all patches.
+//!
+//! | file | contents |
+//! |---|---|
+//! | `grow` | each piece takes every patch that it can |
+//! | `redundancy` | pieces all of whose patches others cover are dropped |
+//! | `dissolve` | pieces hand their patches to others and disappear |
+//! | `assign_owners` | each patch stays with one piece |
+
+pub(super) mod assign_owners;
+mod dissolve;
+mod grow;
+mod redundancy;
+
+use super::containment::fit_tester::FitTester;
+use super::containment::solid::Solid;
+use super::patches::patch::Patches;
+use super::piece::Piece;
+use super::settings::Settings;
+use crate::control::Control;
+use crate::error::Error;
+use crate::parallel;
+use assign_owners::assign_owners;
+use dissolve::dissolve;
+use grow::grow;
+use redundancy::drop_redundant;
+
+/// Share of the first round's budget that the last round of dissolving may spend: more than nearly
+/// all meshes need. Without a budget, a mesh of 464 hulls took ten times as long.
+const LAST_ROUND_BUDGET: f64 = 0.1;
+
+/// Few pieces that cover all patches.
+pub(super) struct SetCover {
+    /// Each patch belongs to one of them.
+    pub pieces: Vec<Piece>,
+    /// The pieces before the last round of dissolving, if it dissolved any. They overlap.
+    pub before_last_round: Option<Vec<Piece>>,
+}
+
+/// Covers all patches with fewer pieces.
+///
+/// # Errors
+/// [`Error::Cancelled`].
+pub(super) fn cover(
+    patches: &Patches,
+    pieces: Vec<Piece>,
+    solid: &Solid,
+    settings: &Settings,
+    control: &Control,
+) -> Result<SetCover, Error> {
+    if pieces.len() < 2 {
+        return Ok(SetCover { pieces, before_last_round: None });
+    }
+    let all = patches.all();
+    let size = |piece: &Piece| piece.patches.count();
+    let grown = parallel::map_largest_first(&pieces, size, |piece| {
+        control.check()?;
+        let mut piece = piece.clone();
+        if !control.is_past_deadline() {
+            let mut tester = FitTester::new(solid, settings.search_bound);
+            grow(patches, &mut piece, &all, &mut tester, control)?;
+        }
+        Ok(piece)
+    });
+    let mut pieces = grown.into_iter().collect::<Result<Vec<Piece>, Error>>()?;
+    drop_redundant(patches, &mut pieces);
+    let budget = settings.dissolve_attempts;
+    dissolve(patches, &mut pieces, solid, settings.search_bound, budget, control)?;
+    let before = pieces.clone();
+    let budget = (LAST_ROUND_BUDGET * budget as f64) as usize;
+    dissolve(patches, &mut pieces, solid, settings.last_round_bound, budget, control)?;
+    let before_last_round = (pieces.len() < before.len()).then_some(before);
+    Ok(SetCover { pieces: assign_owners(patches, &pieces, control)?, before_last_round })
+}

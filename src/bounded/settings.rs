@@ -1,0 +1,152 @@
+//! What the stages work with: the bound and shares of it, and how finely a preset divides the
+//! surface. Lengths are in diagonals.
+
+use std::ops::RangeInclusive;
+
+use crate::parameters::{BoundedParameters, Length, Parameters, Preset};
+
+/// The search uses this share of the bound. The rest is a margin for what the search's fit test
+/// overlooks. More would save 2 to 4 % of the hulls, but verification divides as many again.
+const SEARCH_SHARE: f64 = 0.9;
+
+/// The same for presets that do not dissolve pieces: the margin is not spent in a last round.
+const SEARCH_SHARE_WITHOUT_DISSOLVING: f64 = 0.92;
+
+/// The last round of dissolving uses this share of the bound. With more, as many hulls fail
+/// verification, and are divided, as the round saves; with 0.97 it saves fewer.
+const LAST_ROUND_SHARE: f64 = 0.985;
+
+/// No stage but verification tests less than this share of the bound, so that cells of the distance
+/// grid can be classified by it once.
+pub(super) const MIN_SEARCH_SHARE: f64 = 0.9;
+const _: () = assert!(MIN_SEARCH_SHARE <= SEARCH_SHARE && LAST_ROUND_SHARE <= 1.0);
+
+/// Distance, in bounds, by which the surface may lie outside a hull that leaves out vertices. A
+/// fraction of the bound, since gaps under objects are more visible than protrusions; without it
+/// hulls would keep every vertex.
+pub(super) const MAX_UNCOVERED: f64 = 0.05;
+
+/// The same where only the cap on vertices is violated. Beyond it the hull is divided instead.
+pub(super) const MAX_UNCOVERED_UNDER_CAP: f64 = 0.5;
+
+/// What patches may leave out, and the uncovered distance that counts as covered, in bounds: half
+/// of what a hull may leave out in the end. With all of it, a model of a teapot left 0.36 % of its
+/// diagonal uncovered at its foot, and tipped over in a simulation.
+const PATCH_SHARE_OF_UNCOVERED: f64 = 0.5 * MAX_UNCOVERED;
+
+/// A smaller bound, in diagonals, is less than single precision and the minimum thickness of hulls
+/// leave of a shape.
+const MIN_BOUND: f64 = 1e-5;
+
+/// Half a diagonal is more than any hull of the mesh can protrude.
+const MAX_BOUND: f64 = 0.5;
+
+/// Longest edge of the mesh that is divided into patches, in bounds. Patches end at its edges:
+/// longer ones would keep hulls from ending where the shape does.
+const LONGEST_EDGE: f64 = 4.0;
+
+/// Limits of the same, in diagonals. Small bounds would ask for many triangles that only take time;
+/// under large bounds features of the shape are no larger than 16 % of the diagonal.
+const LONGEST_EDGE_LIMITS: RangeInclusive<f64> = 0.04..=0.16;
+
+/// Planar and angular threshold of the grouping, in bounds: the hull of a group should fit with
+/// room to spare, since groups whose hulls do not fit are halved.
+const GROUPING_THRESHOLD: f64 = 0.1;
+
+/// How finely a preset divides the surface, and how long it searches.
+struct PresetSettings {
+    /// Maximum diagonal of a patch, as a share of the square root of the surface's area. Smaller
+    /// patches give fewer hulls and take longer: 0.12 instead of 0.15 saves 4 % of the hulls for
+    /// 30 % of the time.
+    patch_size: f64,
+    /// Joint hulls that dissolving may test: a limit for meshes of hundreds of pieces.
+    dissolve_attempts: usize,
+    /// Triangles of the simplified mesh. Its triangles must be smaller than patches.
+    triangles: usize,
+}
+
+const FAST: PresetSettings =
+    PresetSettings { patch_size: 0.35, dissolve_attempts: 0, triangles: 1000 };
+
+const BALANCED: PresetSettings =
+    PresetSettings { patch_size: 0.12, dissolve_attempts: 20_000, triangles: 2400 };
+
+/// No division suits every mesh: the one with the fewest hulls is kept. A finer and a coarser one
+/// save 2 % of the hulls in about three times the time.
+const FINE: [PresetSettings; 3] = [
+    BALANCED,
+    PresetSettings { patch_size: 0.09, dissolve_attempts: 60_000, triangles: 3000 },
+    PresetSettings { patch_size: 0.15, dissolve_attempts: 60_000, triangles: 1600 },
+];
+
+/// What the stages work with.
+pub(super) struct Settings {
+    /// The promised bound.
+    pub bound: f64,
+    /// The bound of the search.
+    pub search_bound: f64,
+    /// The bound of the last round of dissolving.
+    pub last_round_bound: f64,
+    /// Triangles of the mesh that is divided into patches.
+    pub triangles: usize,
+    /// Longest edge of that mesh.
+    pub longest_edge: f64,
+    /// Planar and angular threshold of the grouping.
+    pub grouping_threshold: f64,
+    /// See [`PresetSettings::patch_size`].
+    pub patch_size: f64,
+    /// Points of a patch this near to the hull of its other points are left out.
+    pub patch_tolerance: f64,
+    /// Uncovered surface nearer to a hull than this counts as covered.
+    pub cover_tolerance: f64,
+    /// See [`PresetSettings::dissolve_attempts`].
+    pub dissolve_attempts: usize,
+    pub max_vertices: Option<usize>,
+    pub max_hulls: Option<usize>,
+    pub keep_cavities: bool,
+}
+
+impl Settings {
+    /// One for each division of the surface that the preset tries. At least one.
+    pub(super) fn of_preset(parameters: &Parameters, diagonal: f64) -> Vec<Self> {
+        let divisions: &[PresetSettings] = match parameters.bounded.preset {
+            Preset::Fast => &[FAST],
+            Preset::Balanced => &[BALANCED],
+            Preset::Fine => &FINE,
+        };
+        divisions.iter().map(|division| Self::new(parameters, diagonal, division)).collect()
+    }
+
+    /// For stages after the search, which do not depend on the preset.
+    pub(super) fn after_search(parameters: &Parameters, diagonal: f64) -> Self {
+        Self::new(parameters, diagonal, &BALANCED)
+    }
+
+    fn new(parameters: &Parameters, diagonal: f64, preset: &PresetSettings) -> Self {
+        let BoundedParameters { max_error, max_hulls, keep_cavities, .. } = parameters.bounded;
+        let &PresetSettings { patch_size, dissolve_attempts, triangles } = preset;
+        let bound = match max_error {
+            Length::Share(share) => share,
+            Length::Units(length) => length / diagonal,
+        };
+        let bound = bound.clamp(MIN_BOUND, MAX_BOUND);
+        let search_share =
+            if dissolve_attempts > 0 { SEARCH_SHARE } else { SEARCH_SHARE_WITHOUT_DISSOLVING };
+        let (shortest, longest) = (*LONGEST_EDGE_LIMITS.start(), *LONGEST_EDGE_LIMITS.end());
+        Self {
+            bound,
+            search_bound: search_share * bound,
+            last_round_bound: LAST_ROUND_SHARE * bound,
+            triangles,
+            longest_edge: (LONGEST_EDGE * bound).clamp(shortest, longest),
+            grouping_threshold: GROUPING_THRESHOLD * bound,
+            patch_size,
+            patch_tolerance: PATCH_SHARE_OF_UNCOVERED * bound,
+            cover_tolerance: PATCH_SHARE_OF_UNCOVERED * bound,
+            dissolve_attempts,
+            max_vertices: parameters.max_vertices,
+            max_hulls,
+            keep_cavities,
+        }
+    }
+}
