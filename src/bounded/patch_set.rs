@@ -3,7 +3,7 @@
 use fixedbitset::FixedBitSet;
 
 /// A set of patches, given by their indices.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct PatchSet(FixedBitSet);
 
 impl PatchSet {
