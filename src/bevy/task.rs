@@ -17,7 +17,6 @@ use super::content::ContentKey;
 use super::disk_cache::{read_from_disk, write_to_disk};
 use super::error::DecompositionError;
 use super::mesh_data::MeshData;
-use super::parameters::serial;
 use super::placement::{MapKey, map_hulls};
 use super::settings::HullwrightSettings;
 use super::status::HullSource;
@@ -132,7 +131,7 @@ impl DecompositionTask {
             let geometry = Arc::new(ColliderGeometry::Hulls(Box::new(file)));
             return self.build(key, geometry, HullSource::Disk).map(Some);
         }
-        let decomposer = Decomposer::new(&data.positions, &data.triangles, &serial(parameters))?;
+        let decomposer = Decomposer::new(data.view(), parameters)?;
         let work = MeshInProgress { decomposer, data, key, claim };
         self.state = TaskState::Decompose(Box::new(work));
         Ok(None)
@@ -148,8 +147,7 @@ impl DecompositionTask {
             return Ok(None);
         };
         let MeshInProgress { data, key, claim, .. } = *work;
-        let MeshData { positions, triangles } = &data;
-        let mass = mass_properties(positions, triangles, &decomposition.hulls, 1.0)?;
+        let mass = mass_properties(data.view(), &decomposition.hulls, 1.0)?;
         let file = HullsFile::new("", &decomposition).with_mass_properties(mass);
         if let Some(directory) = &self.disk_cache {
             write_to_disk(directory, key, &file);
@@ -216,10 +214,11 @@ pub(super) fn contain_panics(
 pub(super) struct SharedProgress(Arc<AtomicU32>);
 
 impl SharedProgress {
-    /// A control that reports here.
+    /// A control that reports here. One thread per job: several run at once, and the game needs
+    /// threads too.
     pub(super) fn control(&self) -> Control {
         let cell = self.0.clone();
-        Control::new().with_progress(move |progress| {
+        Control::new().with_parallel(false).with_progress(move |progress| {
             cell.store(progress.fraction.to_bits(), Ordering::Relaxed)
         })
     }

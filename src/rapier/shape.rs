@@ -20,7 +20,7 @@ use crate::{Hull, MassProperties};
 /// [`ColliderError`](crate::ColliderError) says which hull or factor can't be used. It
 /// never panics.
 pub fn shape(hulls: &[Hull], scale: [f32; 3]) -> Result<SharedShape, ColliderError> {
-    let points: Vec<_> = hulls.iter().map(|hull| hull.points.as_slice()).collect();
+    let points: Vec<_> = hulls.iter().map(|hull| hull.shape.points.as_slice()).collect();
     shape_from_points(&points, scale)
 }
 
