@@ -2,9 +2,8 @@
 //!
 //! Measured is what lies between the first and the last of the plugin's systems, with the commands
 //! that they issue and the observers that they run; Rapier's own come after them. Beside it, for the
-//! same 200 meshes, the frame in which bevy_rapier's `AsyncCollider` decomposes: with the feature
-//! `window` that component itself, since bevy_rapier ties it to Bevy's renderer, and always its call
-//! of Parry in a system of ours.
+//! same 200 meshes, the frame in which a system calls Parry's V-HACD as bevy_rapier's `AsyncCollider`
+//! does. That component itself needs Bevy's renderer.
 
 use std::time::{Duration, Instant};
 
@@ -129,7 +128,8 @@ fn microseconds(duration: Duration) -> f64 {
 /// A model, stretched so that it is another for each number.
 fn mesh(number: usize) -> Mesh {
     let name = MODELS[number % MODELS.len()];
-    let file = read_mesh(format!("{}/assets/{name}.glb", env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let path = format!("{}/assets/{name}.glb", env!("CARGO_MANIFEST_DIR"));
+    let file = read_mesh(path).unwrap().mesh;
     let stretch = 1.0 + 0.02 * (number / MODELS.len()) as f64;
     let positions: Vec<[f32; 3]> =
         file.positions.iter().map(|p| [p[0] * stretch, p[1], p[2]].map(|x| x as f32)).collect();
@@ -249,23 +249,18 @@ fn many_meshes() {
 }
 
 /// Frames until each of the meshes has a collider, with Rapier's plugin and without ours.
-fn stand_still(
-    what: &str,
-    set_up: impl FnOnce(&mut App),
-    meshes: &[Mesh],
-    tag: impl Bundle + Clone,
-) {
+fn blocking_decomposition(meshes: &[Mesh]) {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, AssetPlugin::default(), TransformPlugin));
     app.init_asset::<Mesh>().add_plugins(RapierPhysicsPlugin::<NoUserData>::default());
-    set_up(&mut app);
+    app.add_systems(Update, decompose_in_a_system);
     app.finish();
     app.cleanup();
     // Rapier makes its context in the first frame.
     app.update();
     for mesh in meshes {
         let mesh = Mesh3d(add(&mut app, mesh.clone()));
-        app.world_mut().spawn((mesh, tag.clone()));
+        app.world_mut().spawn(mesh);
     }
     let mut longest = Duration::ZERO;
     let mut frames = 0;
@@ -282,7 +277,8 @@ fn stand_still(
     }
     let (seconds, count) = (longest.as_secs_f64(), meshes.len());
     println!(
-        "{what}: {count} meshes in {frames} frames, in the longest the main thread stands still for {seconds:.1} s"
+        "Parry's V-HACD in a system: {count} meshes in {frames} frames, the longest takes \
+         {seconds:.1} s"
     );
 }
 
@@ -304,15 +300,7 @@ fn decompose_in_a_system(
 
 fn rapiers_own() {
     let meshes: Vec<Mesh> = (0..MESHES).map(mesh).collect();
-    let add_system = |app: &mut App| {
-        app.add_systems(Update, decompose_in_a_system);
-    };
-    stand_still("Parry's V-HACD in a system", add_system, &meshes, ());
-    #[cfg(feature = "window")]
-    {
-        let shape = ComputedColliderShape::ConvexDecomposition(VHACDParameters::default());
-        stand_still("AsyncCollider", |_| {}, &meshes, AsyncCollider(shape));
-    }
+    blocking_decomposition(&meshes);
 }
 
 fn parts(mesh: &Mesh) -> (Vec<Vec3>, Vec<[u32; 3]>) {

@@ -9,7 +9,7 @@ use bevy_rapier3d::prelude::*;
 use hullwright::bevy::prelude::*;
 use hullwright::hulls_format::HullsFile;
 use hullwright::io::read_mesh;
-use hullwright::{Control, MeshView, Parameters, decompose, mass_properties};
+use hullwright::{Control, Parameters, decompose, mass_properties};
 
 const BODIES: usize = 100;
 
@@ -23,10 +23,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Once, when the game is built.
     let start = Instant::now();
     let mesh = read_mesh(&path)?;
-    let (positions, triangles) = (&mesh.positions, &mesh.triangles);
-    let decomposition =
-        decompose(MeshView::new(positions, triangles), &Parameters::default(), &Control::new())?;
-    let mass = mass_properties(MeshView::new(positions, triangles), &decomposition.hulls, DENSITY)?;
+    let decomposition = decompose(&mesh, &Parameters::default(), &Control::new())?;
+    let mass = mass_properties(&mesh, &decomposition.hulls, DENSITY)?;
     let directory = std::env::temp_dir().join("hullwright-baked-example");
     std::fs::create_dir_all(&directory)?;
     let file = HullsFile::new("example", &decomposition).with_mass_properties(mass);

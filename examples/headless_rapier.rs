@@ -17,7 +17,7 @@ const SECONDS: usize = 6;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mug = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/mug.glb");
     let path = std::env::args().nth(1).unwrap_or_else(|| mug.into());
-    let mesh = read_mesh(&path)?;
+    let mesh = read_mesh(&path)?.mesh;
 
     let start = Instant::now();
     let parameters = Parameters::default();
@@ -28,8 +28,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{path}: {} triangles, {} hulls, {seconds:.2} s", mesh.triangles.len(), hulls.len());
     if let Some(bounded) = &decomposition.report.bounded {
         let share = |length: f64| 100.0 * length / decomposition.report.diagonal;
-        let (out, inside) = (share(bounded.protrusion_max), share(bounded.uncovered_max));
-        println!("stands out at most {out:.2} %, sinks in at most {inside:.2} % of the diagonal");
+        let protrusion = share(bounded.protrusion_max);
+        let uncovered = share(bounded.uncovered_max);
+        println!(
+            "protrusion {protrusion:.2} %, uncovered {uncovered:.2} % of the diagonal at most"
+        );
     }
     println!("mass {:.3} kg, from {:?}", properties.mass, properties.source);
 
@@ -38,7 +41,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let size = decomposition.report.diagonal as f32;
     let mut world = PhysicsWorld::new();
-    // What is small falls through its own size sooner: Rapier has to look more often.
+    // Small bodies cross their own size sooner: Rapier needs shorter steps.
     world.integration_parameters.length_unit = size;
     world.integration_parameters.dt *= size.sqrt().min(1.0);
     let floor = ColliderBuilder::cuboid(50.0 * size, size, 50.0 * size);

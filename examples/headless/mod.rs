@@ -1,4 +1,4 @@
-//! What the examples without a window share: an app, bundled meshes, and knowing when all is ready.
+//! What the examples without a window share: an app, bundled meshes, and whether all is ready.
 
 use std::path::Path;
 use std::time::Duration;
@@ -45,17 +45,18 @@ pub struct Model {
 
 /// Reads any file that Hullwright reads, all of its meshes as one.
 pub fn load(app: &mut App, path: impl AsRef<Path>) -> Result<Model, hullwright::Error> {
-    let file = read_mesh(path)?;
+    let mesh = read_mesh(path)?.mesh;
     let positions: Vec<Vec3> =
-        file.positions.iter().map(|point| Vec3::from(point.map(|x| x as f32))).collect();
+        mesh.positions.iter().map(|point| Vec3::from(point.map(|x| x as f32))).collect();
     let low = positions.iter().copied().fold(Vec3::INFINITY, Vec3::min);
     let high = positions.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
-    let indices = file.triangles.iter().flatten().copied().collect();
+    let indices = mesh.triangles.iter().flatten().copied().collect();
+    let triangles = mesh.triangles.len();
     let mesh = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
         .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
         .with_inserted_indices(Indices::U32(indices));
     let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh);
-    Ok(Model { mesh, triangles: file.triangles.len(), diagonal: low.distance(high) })
+    Ok(Model { mesh, triangles, diagonal: low.distance(high) })
 }
 
 /// Whether nothing that is tagged waits or runs.

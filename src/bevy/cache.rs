@@ -7,8 +7,8 @@ use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
 use bevy_rapier3d::rapier::geometry::SharedShape;
 
-use crate::Hull;
 use crate::hulls_format::HullsFile;
+use crate::{ConvexHull, Hull};
 
 use super::content::ContentKey;
 use super::mesh_data::MeshData;
@@ -29,7 +29,8 @@ impl ColliderGeometry {
         match self {
             Self::Hulls(file) => {
                 let of_hull = |hull: &Hull| {
-                    size_of_val(&*hull.points) + size_of_val(&*hull.triangles) + size_of_val(hull)
+                    let ConvexHull { points, triangles } = &hull.shape;
+                    size_of_val(&**points) + size_of_val(&**triangles) + size_of_val(hull)
                 };
                 file.hulls.iter().map(of_hull).sum()
             }

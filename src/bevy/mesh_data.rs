@@ -5,6 +5,8 @@ use bevy::math::Affine3A;
 use bevy::mesh::{Indices, Mesh, MeshAccessError, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
 
+use crate::{Error, MeshView};
+
 use super::error::DecompositionError;
 
 /// One of the meshes that make up an input, and where it sits in it.
@@ -21,6 +23,12 @@ pub(super) struct MeshData {
     pub triangles: Vec<[u32; 3]>,
 }
 
+impl MeshData {
+    pub(super) fn view(&self) -> MeshView<'_> {
+        MeshView::new(&self.positions, &self.triangles)
+    }
+}
+
 /// All parts as one mesh, moved by `map`. O(size).
 pub(super) fn read_parts(
     parts: &[MeshPart],
@@ -34,12 +42,17 @@ pub(super) fn read_parts(
     }
     if data.triangles.is_empty() {
         let vertices = data.positions.len();
-        return Err(crate::Error::EmptyMesh { vertices, triangles: 0 }.into());
+        return Err(Error::EmptyMesh { vertices, triangles: 0 }.into());
     }
     Ok(data)
 }
 
-fn append(data: &mut MeshData, mesh: &Mesh, map: &Affine3A) -> Result<(), DecompositionError> {
+/// Adds the triangles of a mesh, moved by `map`. O(size).
+pub(super) fn append(
+    data: &mut MeshData,
+    mesh: &Mesh,
+    map: &Affine3A,
+) -> Result<(), DecompositionError> {
     let positions = match mesh.try_attribute(Mesh::ATTRIBUTE_POSITION) {
         Ok(VertexAttributeValues::Float32x3(positions)) => positions,
         Ok(_) | Err(MeshAccessError::NotFound) => return Err(DecompositionError::NoPositions),
@@ -56,8 +69,7 @@ fn append(data: &mut MeshData, mesh: &Mesh, map: &Affine3A) -> Result<(), Decomp
             return Err(DecompositionError::NotTriangles("lines"));
         }
     };
-    let too_large =
-        |count| crate::Error::TooLarge { what: "vertices", count, limit: u32::MAX as usize };
+    let too_large = |count| Error::TooLarge { what: "vertices", count, limit: u32::MAX as usize };
     let all = data.positions.len() + positions.len();
     let first = u32::try_from(data.positions.len()).map_err(|_| too_large(all))?;
     let count = u32::try_from(positions.len()).map_err(|_| too_large(all))?;
@@ -80,7 +92,7 @@ fn append(data: &mut MeshData, mesh: &Mesh, map: &Affine3A) -> Result<(), Decomp
     }
     for (index, triangle) in data.triangles[start..].iter_mut().enumerate() {
         if let Some(&index_out_of_range) = triangle.iter().find(|vertex| **vertex >= count) {
-            return Err(crate::Error::IndexOutOfRange {
+            return Err(Error::IndexOutOfRange {
                 triangle: index,
                 index: index_out_of_range,
                 vertices: positions.len(),

@@ -1,7 +1,7 @@
 //! From the tag's flat settings to the library's parameters, and what the plugin needs to know of
 //! these: the only file that looks into them.
 
-use crate::{BoundedParameters, Method, Parameters, Preset, SurfaceParameters, Unit};
+use crate::{BoundedParameters, Length, Method, Parameters, Preset, SurfaceParameters};
 
 use super::tag::{ConvexDecomposition, DecompositionPreset, MaxError};
 
@@ -12,26 +12,21 @@ impl ConvexDecomposition {
         if let Some(parameters) = &self.parameters {
             return parameters.clone();
         }
-        let defaults = Parameters::default();
-        Parameters {
-            method: Method::Bounded,
-            bounded: BoundedParameters {
-                max_error: self.max_error.into(),
-                preset: self.preset.into(),
-                max_hulls: self.max_hulls.map(|cap| cap as usize),
-                keep_cavities: self.keep_cavities,
-            },
-            max_vertices: self.max_vertices.map(|cap| cap as usize),
-            ..defaults
-        }
+        Parameters::default()
+            .method(Method::Bounded)
+            .max_error(self.max_error.into())
+            .preset(self.preset.into())
+            .max_hulls(self.max_hulls.map(|cap| cap as usize))
+            .max_vertices(self.max_vertices.map(|cap| cap as usize))
+            .keep_cavities(self.keep_cavities)
     }
 }
 
-impl From<MaxError> for Unit {
+impl From<MaxError> for Length {
     fn from(max_error: MaxError) -> Self {
         match max_error {
-            MaxError::Share(share) => Self::Diagonals(as_written(share)),
-            MaxError::Metres(metres) => Self::Absolute(as_written(metres)),
+            MaxError::Share(share) => Self::Share(as_written(share)),
+            MaxError::Metres(metres) => Self::Units(as_written(metres)),
         }
     }
 }
@@ -54,19 +49,14 @@ impl From<DecompositionPreset> for Preset {
 
 /// Whether the result depends on how large the mesh is in the world.
 pub(super) fn has_absolute_length(parameters: &Parameters) -> bool {
-    matches!(parameters.bounded.max_error, Unit::Absolute(_))
-        || matches!(parameters.surface.unit, Unit::Absolute(_))
-}
-
-/// The same for a job on one thread: several run at once, and the game needs threads too.
-pub(super) fn serial(parameters: &Parameters) -> Parameters {
-    Parameters { parallel: false, ..parameters.clone() }
+    matches!(parameters.bounded.max_error, Length::Units(_))
+        || matches!(parameters.surface.unit, Length::Units(_))
 }
 
 /// Hashes every parameter that a result may depend on. Field by field, so that the keys of caches on
 /// disk change with no text or layout; a new field does not compile until it is hashed here.
 pub(super) fn hash_parameters(parameters: &Parameters, hasher: &mut blake3::Hasher) {
-    let Parameters { method, bounded, surface, max_vertices, parallel: _ } = parameters;
+    let Parameters { method, bounded, surface, max_vertices } = parameters;
     let BoundedParameters { max_error, preset, max_hulls, keep_cavities } = bounded;
     let SurfaceParameters {
         simplification_quality,
@@ -119,10 +109,10 @@ impl FieldHasher<'_> {
         self.number(cap.unwrap_or_default() as u64);
     }
 
-    fn length(&mut self, length: &Unit) {
+    fn length(&mut self, length: &Length) {
         let (kind, value) = match length {
-            Unit::Diagonals(value) => (0, value),
-            Unit::Absolute(value) => (1, value),
+            Length::Share(value) => (0, value),
+            Length::Units(value) => (1, value),
         };
         self.number(kind);
         self.real(*value);
@@ -146,15 +136,15 @@ mod tests {
             .with_max_hulls(7)
             .with_max_vertices(20)
             .with_keep_cavities(true);
-        let mut expected = Parameters::default();
-        expected.bounded.max_error = Unit::Diagonals(0.013);
-        expected.bounded.preset = Preset::Fine;
-        expected.bounded.max_hulls = Some(7);
-        expected.bounded.keep_cavities = true;
-        expected.max_vertices = Some(20);
+        let expected = Parameters::default()
+            .max_error(Length::share(0.013))
+            .preset(Preset::Fine)
+            .max_hulls(7)
+            .max_vertices(20)
+            .keep_cavities(true);
         assert_eq!(tag.to_parameters(), expected);
         let metres = tag.with_max_error(MaxError::Metres(0.1)).to_parameters();
-        assert_eq!(metres.bounded.max_error, Unit::Absolute(0.1));
+        assert_eq!(metres.bounded.max_error, Length::units(0.1));
     }
 
     #[test]
@@ -166,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn other_parameters_have_another_hash_but_not_for_threads() {
+    fn other_parameters_have_another_hash() {
         let hash = |change: fn(&mut Parameters)| {
             let mut parameters = Parameters::default();
             change(&mut parameters);
@@ -175,11 +165,11 @@ mod tests {
             *hasher.finalize().as_bytes()
         };
         let same = hash(|_| {});
-        assert_eq!(same, hash(|parameters| parameters.parallel = !parameters.parallel));
+        assert_eq!(same, hash(|_| {}));
         let changes: [fn(&mut Parameters); 15] = [
             |p| p.method = Method::Surface,
-            |p| p.bounded.max_error = Unit::Diagonals(0.03),
-            |p| p.bounded.max_error = Unit::Absolute(0.02),
+            |p| p.bounded.max_error = Length::share(0.03),
+            |p| p.bounded.max_error = Length::units(0.02),
             |p| p.bounded.preset = Preset::Fast,
             |p| p.bounded.max_hulls = Some(0),
             |p| p.bounded.keep_cavities = true,
@@ -189,7 +179,7 @@ mod tests {
             |p| p.surface.angular_threshold = 0.5,
             |p| p.surface.concavity_cost_threshold = 0.5,
             |p| p.surface.resolution_cut_off = 4,
-            |p| p.surface.unit = Unit::Absolute(1.0),
+            |p| p.surface.unit = Length::units(1.0),
             |p| p.surface.significant_diagonal = 0.5,
             |p| p.max_vertices = None,
         ];

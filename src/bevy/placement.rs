@@ -182,7 +182,10 @@ pub(super) fn map_hulls(
 ) -> Result<Vec<Vec<[f64; 3]>>, ColliderError> {
     check(map)?;
     let place = map_point(map);
-    Ok(hulls.iter().map(|hull| hull.points.iter().map(|point| place(*point)).collect()).collect())
+    Ok(hulls
+        .iter()
+        .map(|hull| hull.shape.points.iter().map(|point| place(*point)).collect())
+        .collect())
 }
 
 /// Mass properties of a body of the same density after it is moved by a map.

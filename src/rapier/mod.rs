@@ -7,12 +7,13 @@
 //! use rapier3d::prelude::*;
 //!
 //! # fn main() -> Result<(), hullwright::ColliderError> {
-//! # let positions = [[0.0_f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-//! # let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+//! # let mesh = hullwright::TriangleMesh::new(
+//! #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+//! #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+//! # );
 //! let density = 1000.0;
 //! let parameters = Parameters::default();
-//! let collider =
-//!     hullwright::rapier::collider_from_mesh(&positions, &triangles, density, &parameters)?;
+//! let collider = hullwright::rapier::collider_from_mesh(&mesh, density, &parameters)?;
 //!
 //! let mut bodies = RigidBodySet::new();
 //! let mut colliders = ColliderSet::new();
@@ -29,15 +30,17 @@
 //! This module uses the public API of the rest of the crate only.
 
 mod check;
+mod convert;
 mod prepare;
 mod shape;
 
 use rapier3d::geometry::ColliderBuilder;
 
+pub use convert::{convex_polyhedron, triangle_mesh};
 pub use prepare::ColliderError;
 pub use shape::{collider, mass_properties, shape, shape_from_points};
 
-use crate::{Control, Coordinate, Parameters};
+use crate::{Control, MeshView, Parameters};
 
 /// Decomposes a mesh and makes a collider of it, with the mass properties of the mesh at a
 /// `density` (mass per cubed unit).
@@ -45,13 +48,22 @@ use crate::{Control, Coordinate, Parameters};
 /// # Errors
 /// [`ColliderError::Mesh`] as [`decompose`](crate::decompose) and
 /// [`mass_properties`](crate::mass_properties()), else as [`collider`].
-pub fn collider_from_mesh<C: Coordinate>(
-    positions: &[[C; 3]],
-    triangles: &[[u32; 3]],
+///
+/// ```
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let mesh = hullwright::io::read_mesh("assets/mug.glb")?;
+/// let collider = hullwright::rapier::collider_from_mesh(&mesh, 500.0, &Default::default())?;
+/// assert!(collider.build().mass() > 0.0);
+/// # Ok(())
+/// # }
+/// ```
+pub fn collider_from_mesh<'a>(
+    mesh: impl Into<MeshView<'a>>,
     density: f64,
     parameters: &Parameters,
 ) -> Result<ColliderBuilder, ColliderError> {
-    let hulls = crate::decompose(positions, triangles, parameters, &Control::new())?.hulls;
-    let properties = crate::mass_properties(positions, triangles, &hulls, density)?;
+    let mesh = mesh.into();
+    let hulls = crate::decompose(mesh, parameters, &Control::new())?.hulls;
+    let properties = crate::mass_properties(mesh, &hulls, density)?;
     collider(&hulls, &properties, [1.0; 3])
 }

@@ -35,6 +35,15 @@ pub enum ColliderError {
         /// The mass, after scaling.
         mass: f64,
     },
+    /// Parry makes no polyhedron of a hull, or one whose faces can't be asked for contacts.
+    #[error("Parry refuses the hull")]
+    Refused,
+    /// Parry makes no triangle mesh.
+    #[error("there is no triangle mesh: {reason}")]
+    TriangleMesh {
+        /// Why not.
+        reason: String,
+    },
     /// The mesh could not be decomposed or weighed.
     #[error(transparent)]
     Mesh(#[from] Error),
@@ -165,8 +174,7 @@ mod tests {
     #[test]
     fn a_mass_that_single_precision_can_not_hold_is_an_error() {
         let cube = crate::hull::convex_hull(&unit_cube()[0]).unwrap();
-        let of =
-            |density| crate::mass_properties(&cube.points, &cube.triangles, &[], density).unwrap();
+        let of = |density| crate::mass_properties(&cube, &[], density).unwrap();
         assert_eq!(of(1.0).source, MassSource::Mesh);
         assert!(RigidMass::new(&of(1.0), [1.0; 3]).is_ok());
         for density in [1e-40, 1e60] {

@@ -80,7 +80,7 @@ pub struct Seen {
 
 /// One of the bundled models.
 pub fn model(name: &str) -> Mesh {
-    let file = read_mesh(format!("{}/{name}.glb", assets())).unwrap();
+    let file = read_mesh(format!("{}/{name}.glb", assets())).unwrap().mesh;
     let positions: Vec<[f32; 3]> =
         file.positions.iter().map(|point| point.map(|x| x as f32)).collect();
     mesh(positions, file.triangles.iter().flatten().copied().collect())

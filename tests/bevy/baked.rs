@@ -13,9 +13,8 @@ use crate::app::*;
 pub fn baked() -> HullsFile {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/u_prism.glb");
     let mesh = read_mesh(path).unwrap();
-    let (positions, triangles) = (&mesh.positions, &mesh.triangles);
-    let result = decompose(positions, triangles, &Parameters::default(), &Control::new()).unwrap();
-    let mass = mass_properties(positions, triangles, &result.hulls, DENSITY.into()).unwrap();
+    let result = decompose(&mesh, &Parameters::default(), &Control::new()).unwrap();
+    let mass = mass_properties(&mesh, &result.hulls, DENSITY.into()).unwrap();
     HullsFile::new("u", &result).with_mass_properties(mass)
 }
 

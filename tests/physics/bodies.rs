@@ -1,9 +1,9 @@
-//! What Rapier is told of a body: mass, centre, inertia, shape.
+//! Rapier's bodies: mass, centre, inertia, shape.
 
 use std::f64::consts::{PI, TAU};
 
 use hullwright::io::read_mesh;
-use hullwright::{ColliderError, MassSource, Parameters, rapier};
+use hullwright::{ColliderError, MassSource, Parameters, TriangleMesh, rapier};
 use rapier3d::prelude::*;
 
 use crate::world::{DENSITY, Prop, World};
@@ -52,7 +52,7 @@ fn rapier_gets_a_toruss_mass_and_inertia_within_a_hundredth() {
         assert_close(found, expected, 0.01);
     }
     // The hulls overlap and stand out: their sum is not the torus.
-    let sum: f64 = prop.decomposition.hulls.iter().map(|hull| hull.volume * DENSITY).sum();
+    let sum: f64 = prop.decomposition.hulls.iter().map(|hull| hull.shape.volume() * DENSITY).sum();
     assert!(sum > 1.02 * mass, "{sum} of {mass}");
 }
 
@@ -97,7 +97,7 @@ fn an_open_mesh_has_the_mass_of_its_hulls_union() {
     let leaf = Prop::model("leaf");
     let properties = leaf.mass_properties();
     assert_eq!(properties.source, MassSource::HullUnion);
-    let sum: f64 = leaf.decomposition.hulls.iter().map(|hull| hull.volume).sum();
+    let sum: f64 = leaf.decomposition.hulls.iter().map(|hull| hull.shape.volume()).sum();
     assert!(properties.mass > 0.0 && properties.mass < 1.01 * sum * DENSITY);
 }
 
@@ -106,14 +106,13 @@ fn the_same_collider_in_one_call() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/u_prism.glb");
     let file = read_mesh(path).unwrap();
     let parameters = Parameters::default();
-    let collider =
-        rapier::collider_from_mesh(&file.positions, &file.triangles, DENSITY, &parameters);
+    let collider = rapier::collider_from_mesh(&file, DENSITY, &parameters);
     let expected = Prop::model("u_prism").collider().build();
     let found = collider.unwrap().build();
     assert_eq!(found.mass(), expected.mass());
     assert_eq!(found.compute_aabb(), expected.compute_aabb());
 
-    let nothing = rapier::collider_from_mesh::<f32>(&[], &[], DENSITY, &parameters);
+    let nothing = rapier::collider_from_mesh(&TriangleMesh::default(), DENSITY, &parameters);
     assert!(matches!(nothing.err(), Some(ColliderError::Mesh(_))));
 }
 

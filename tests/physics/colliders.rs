@@ -7,8 +7,8 @@ fn prism() -> (Decomposition, hullwright::MassProperties) {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/u_prism.glb");
     let file = hullwright::io::read_mesh(path).unwrap();
     let parameters = Parameters::default();
-    let result = decompose(&file.positions, &file.triangles, &parameters, &Control::new()).unwrap();
-    let mass = hullwright::mass_properties(&file.positions, &file.triangles, &result.hulls, 1000.0);
+    let result = decompose(&file, &parameters, &Control::new()).unwrap();
+    let mass = hullwright::mass_properties(&file, &result.hulls, 1000.0);
     (result, mass.unwrap())
 }
 
@@ -19,7 +19,7 @@ fn several_hulls_are_a_compound_and_one_is_a_polyhedron() {
     assert_eq!(shape.as_compound().unwrap().shapes().len(), prism.hulls.len());
     let shape = rapier::shape(&prism.hulls[..1], [1.0; 3]).unwrap();
     let polyhedron = shape.as_convex_polyhedron().unwrap();
-    assert_eq!(polyhedron.points().len(), prism.hulls[0].points.len());
+    assert_eq!(polyhedron.points().len(), prism.hulls[0].shape.points.len());
 }
 
 #[test]

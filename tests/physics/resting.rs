@@ -120,8 +120,8 @@ fn mirrored_and_stretched_bodies_rest_where_they_should() {
             let bounds = collider.shape().compute_local_aabb();
             for axis in 0..3 {
                 let ends = |p: &[f64; 3]| p[axis] as f32 * scale[axis];
-                let least = prop.positions.iter().map(ends).fold(f32::INFINITY, f32::min);
-                let most = prop.positions.iter().map(ends).fold(f32::NEG_INFINITY, f32::max);
+                let least = prop.mesh.positions.iter().map(ends).fold(f32::INFINITY, f32::min);
+                let most = prop.mesh.positions.iter().map(ends).fold(f32::NEG_INFINITY, f32::max);
                 assert!((bounds.mins[axis] - least).abs() < 0.03 * scale[axis].abs());
                 assert!((bounds.maxs[axis] - most).abs() < 0.03 * scale[axis].abs());
             }

@@ -43,7 +43,7 @@ fn a_ball_falls_through_a_torus_but_not_a_larger_one_and_none_through_its_ring()
 fn a_mug_hangs_by_its_handle_on_a_hook() {
     let mug = Prop::model("mug");
     // The handle's opening ends 7 mm before its outside.
-    let outside = mug.positions.iter().map(|p| p[0]).fold(f64::NEG_INFINITY, f64::max) as f32;
+    let outside = mug.mesh.positions.iter().map(|p| p[0]).fold(f64::NEG_INFINITY, f64::max) as f32;
     let hook = Vector::new(outside - 0.012, 0.066, 0.0);
     let mut world = World::new(0.1);
     world.fixed(ColliderBuilder::capsule_z(0.05, 0.003).translation(hook));

@@ -5,17 +5,17 @@ use std::sync::{Arc, Mutex};
 
 use hullwright::io::read_mesh;
 use hullwright::{
-    Control, Decomposition, MassProperties, Parameters, Unit, decompose, mass_properties, rapier,
+    Control, Decomposition, Length, MassProperties, Parameters, TriangleMesh, decompose,
+    mass_properties, rapier,
 };
 use rapier3d::prelude::*;
 
-/// Water, near enough: the mass of no body here matters but for its distribution.
+/// Water. Only how mass is distributed matters here.
 pub const DENSITY: f64 = 1000.0;
 
 /// A mesh and its decomposition.
 pub struct Prop {
-    pub positions: Vec<[f64; 3]>,
-    pub triangles: Vec<[u32; 3]>,
+    pub mesh: TriangleMesh,
     pub decomposition: Decomposition,
 }
 
@@ -33,29 +33,25 @@ impl Prop {
 
     /// One of the bundled models, with a bound as a share of its diagonal.
     pub fn model_bounded(name: &str, share: f64) -> Self {
-        let mut parameters = Parameters::default();
-        parameters.bounded.max_error = Unit::Diagonals(share);
-        Self::model_within(name, &parameters)
+        Self::model_within(name, &Parameters::default().max_error(Length::share(share)))
     }
 
     fn model_within(name: &str, parameters: &Parameters) -> Self {
         let path = format!("{}/assets/{name}.glb", env!("CARGO_MANIFEST_DIR"));
-        let file = read_mesh(path).unwrap();
-        Self::new(file.positions, file.triangles, parameters)
+        Self::new(read_mesh(path).unwrap().mesh, parameters)
     }
 
     pub fn mesh((positions, triangles): (Vec<[f64; 3]>, Vec<[u32; 3]>)) -> Self {
-        Self::new(positions, triangles, &Parameters::default())
+        Self::new(TriangleMesh::new(positions, triangles), &Parameters::default())
     }
 
-    fn new(positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>, parameters: &Parameters) -> Self {
-        let decomposition = decompose(&positions, &triangles, parameters, &Control::new()).unwrap();
-        Self { positions, triangles, decomposition }
+    fn new(mesh: TriangleMesh, parameters: &Parameters) -> Self {
+        let decomposition = decompose(&mesh, parameters, &Control::new()).unwrap();
+        Self { mesh, decomposition }
     }
 
     pub fn mass_properties(&self) -> MassProperties {
-        let hulls = &self.decomposition.hulls;
-        mass_properties(&self.positions, &self.triangles, hulls, DENSITY).unwrap()
+        mass_properties(&self.mesh, &self.decomposition.hulls, DENSITY).unwrap()
     }
 
     pub fn collider(&self) -> ColliderBuilder {
@@ -72,18 +68,18 @@ impl Prop {
         let place = |p: &[f64; 3]| {
             pose.transform_point(Vector::from(p.map(|x| x as f32)) * Vector::from(scale)).y
         };
-        self.positions.iter().map(place).fold(f32::INFINITY, f32::min)
+        self.mesh.positions.iter().map(place).fold(f32::INFINITY, f32::min)
     }
 }
 
-/// Rapier's world, in which bodies of a given size are simulated as well as those of a metre.
+/// Rapier's world, with steps that suit bodies of a given size.
 pub struct World(pub PhysicsWorld);
 
 impl World {
     pub fn new(size: f32) -> Self {
         let mut world = PhysicsWorld::new();
         world.integration_parameters.length_unit = size;
-        // Small things fall through their own size sooner.
+        // Small bodies cross their own size sooner.
         world.integration_parameters.dt *= size.sqrt();
         Self(world)
     }

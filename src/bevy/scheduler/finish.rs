@@ -84,7 +84,7 @@ fn count_decomposition(counters: &mut DecompositionCounters, built: &BuiltCollid
     let share = |length: f64| (length / file.diagonal) as f32;
     counters.decomposed += 1;
     counters.last_bound = file.bound.map(share);
-    counters.last_protrusion = file.verified.map(|errors| share(errors.phantom_max));
+    counters.last_protrusion = file.verified.map(|errors| share(errors.protrusion_max));
 }
 
 /// The first entity of a job gets what was made for it, the others share it.
