@@ -55,7 +55,7 @@ pub fn hulls(
 }
 
 /// Gives each source triangle to the hull whose group holds the simplified triangle nearest to
-/// its centre, up to what [`closest_labels`] does not ask. O(n log m) for n source and m simplified
+/// its centre, up to what `closest_labels` does not ask. O(n log m) for n source and m simplified
 /// triangles.
 pub fn assign_source_triangles(
     prepared: &PreparedMesh,

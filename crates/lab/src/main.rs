@@ -16,7 +16,7 @@ mod statistics;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use experiments::{agreement, cancel, corpus, stages, table1, targets};
+use experiments::{agreement, cancel, corpus, identical, stages, table1, targets};
 use output::Failure;
 use runs::worker;
 
@@ -41,6 +41,7 @@ enum Command {
     Targets(targets::Arguments),
     Agreement(agreement::Arguments),
     Corpus(corpus::Arguments),
+    Identical(identical::Arguments),
     Stages(stages::Arguments),
     Cancel(cancel::Arguments),
 }
@@ -57,6 +58,7 @@ fn main() -> ExitCode {
         Command::Targets(arguments) => targets::run(&arguments),
         Command::Agreement(arguments) => agreement::run(&arguments),
         Command::Corpus(arguments) => corpus::run(&arguments),
+        Command::Identical(arguments) => identical::run(&arguments),
         Command::Stages(arguments) => stages::run(&arguments),
         Command::Cancel(arguments) => cancel::run(&arguments),
     };

@@ -169,3 +169,35 @@ fn a_folder_without_the_tables_is_one_line_on_standard_error() {
     }
     assert_eq!(lab(&["no-such-command"]).status.code(), Some(2));
 }
+
+/// Scripts that stand for two builds: they write what they are told to the file that is their last
+/// argument.
+#[cfg(unix)]
+#[test]
+fn two_builds_are_identical_only_if_all_bytes_are() {
+    use std::os::unix::fs::PermissionsExt;
+
+    let root = tempfile::tempdir().unwrap();
+    let meshes = folder_with_a_mesh(root.path());
+    let build = |name: &str, script: &str| {
+        let path = root.path().join(name);
+        std::fs::write(&path, format!("#!/bin/sh\n{script}\n")).unwrap();
+        std::fs::set_permissions(&path, PermissionsExt::from_mode(0o755)).unwrap();
+        path.to_str().unwrap().to_owned()
+    };
+    let write = |text: &str| format!("for last; do :; done; echo {text} > \"$last\"");
+    let [one, same, other] =
+        [("one", "a"), ("same", "a"), ("other", "b")].map(|(name, text)| build(name, &write(text)));
+    let refusing = build("refusing", "exit 1");
+
+    let equal = lab(&["identical", &one, &same, &meshes]);
+    assert_eq!(equal.status.code(), Some(0));
+    assert!(text(&equal).contains("2 the same, 0 refused by both, 0 different"));
+    let refused = lab(&["identical", &refusing, &refusing, &meshes]);
+    assert!(text(&refused).contains("0 the same, 2 refused by both"));
+    for second in [other, refusing] {
+        let different = lab(&["identical", &one, &second, &meshes]);
+        assert_eq!(different.status.code(), Some(1));
+        assert!(text(&different).contains("props/l.obj, bounded: different"));
+    }
+}

@@ -34,17 +34,17 @@ impl ThreadArguments {
 #[derive(clap::Args)]
 #[command(next_help_heading = "Parameters")]
 pub struct ParameterArguments {
-    /// Start from exactly the paper: its method and values, and no cap on vertices
+    /// Start from exactly the paper: its method and values, and no limit on vertices
     #[arg(long)]
     paper: bool,
 
     /// The method: bounded (default), or surface, which is the paper's
-    #[arg(long, value_name = "NAME", value_parser = parse_method)]
+    #[arg(long, value_name = "NAME")]
     method: Option<Method>,
 
     /// Bounded: how far hulls may be off, as a share of the mesh's diagonal (2%) or in its units
     /// (0.02m). Default: 2%
-    #[arg(long, value_name = "ERROR", value_parser = parse_error, allow_negative_numbers = true)]
+    #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
     max_error: Option<Length>,
 
     /// Bounded: most hulls. Where this forces hulls beyond the error, it says how far
@@ -57,7 +57,7 @@ pub struct ParameterArguments {
 
     /// Bounded: balanced (default); fast has a fifth more hulls in two thirds of the time, fine some
     /// fewer in three times the time
-    #[arg(long, value_name = "NAME", value_parser = parse_preset)]
+    #[arg(long, value_name = "NAME")]
     preset: Option<Preset>,
 
     /// Q: the simplification target is the triangle count times Q, until it is at most r. Paper: 0.8
@@ -93,15 +93,15 @@ pub struct ParameterArguments {
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
     significant_diagonal: Option<f64>,
 
-    /// Most vertices of a hull, at least 8, or none for no cap
-    #[arg(long, value_name = "N", value_parser = parse_cap)]
-    max_vertices: Option<Cap>,
+    /// Most vertices of a hull, at least 8, or none for no limit
+    #[arg(long, value_name = "N", value_parser = parse_max_vertices)]
+    max_vertices: Option<MaxVertices>,
 }
 
-/// A cap on vertices: `None` where there is none. (A plain `Option` would mean to clap that the
+/// A limit on vertices: `None` where there is none. (A plain `Option` would mean to clap that the
 /// argument may be missing.)
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Cap(Option<usize>);
+struct MaxVertices(Option<usize>);
 
 impl ParameterArguments {
     /// Parameters whose values are in range.
@@ -114,7 +114,7 @@ impl ParameterArguments {
     fn parameters(&self) -> Parameters {
         let mut parameters = if self.paper { Parameters::paper() } else { Parameters::default() };
         set(&mut parameters.method, &self.method);
-        set(&mut parameters.max_vertices, &self.max_vertices.map(|Cap(cap)| cap));
+        set(&mut parameters.max_vertices, &self.max_vertices.map(|MaxVertices(limit)| limit));
         let bounded = &mut parameters.bounded;
         set(&mut bounded.max_error, &self.max_error);
         set(&mut bounded.max_hulls, &self.max_hulls.map(Some));
@@ -139,31 +139,6 @@ fn set<T: Clone>(field: &mut T, argument: &Option<T>) {
     }
 }
 
-fn parse_method(text: &str) -> Result<Method, String> {
-    [Method::Bounded, Method::Surface]
-        .into_iter()
-        .find(|method| method.name() == text)
-        .ok_or_else(|| "the methods are `bounded` and `surface`".into())
-}
-
-fn parse_preset(text: &str) -> Result<Preset, String> {
-    [Preset::Fast, Preset::Balanced, Preset::Fine]
-        .into_iter()
-        .find(|preset| preset.name() == text)
-        .ok_or_else(|| "the presets are `fast`, `balanced` and `fine`".into())
-}
-
-fn parse_error(text: &str) -> Result<Length, String> {
-    let wrong =
-        || "a share of the diagonal (2%) or a length in the mesh's units (0.02m) is expected";
-    if let Some(percent) = text.strip_suffix('%') {
-        let percent: f64 = percent.trim().parse().map_err(|_| wrong())?;
-        return Ok(Length::Share(percent / 100.0));
-    }
-    let length = text.strip_suffix('m').ok_or_else(wrong)?;
-    Ok(Length::Units(length.trim().parse().map_err(|_| wrong())?))
-}
-
 fn parse_unit(text: &str) -> Result<Length, String> {
     let (number, unit): (&str, fn(f64) -> Length) = match text.strip_suffix('d') {
         Some(number) => (number, Length::Share),
@@ -178,12 +153,12 @@ fn parse_count(text: &str) -> Result<usize, String> {
     text.parse().map_err(|_| "a whole number is expected".into())
 }
 
-fn parse_cap(text: &str) -> Result<Cap, String> {
+fn parse_max_vertices(text: &str) -> Result<MaxVertices, String> {
     if text == "none" {
-        return Ok(Cap(None));
+        return Ok(MaxVertices(None));
     }
-    let cap = text.parse().map_err(|_| "a whole number or `none` is expected")?;
-    Ok(Cap(Some(cap)))
+    let limit = text.parse().map_err(|_| "a whole number or `none` is expected")?;
+    Ok(MaxVertices(Some(limit)))
 }
 
 #[cfg(test)]

@@ -64,13 +64,13 @@ impl<'a> Results<'a> {
                 None => variants.push((name, vec![row])),
             }
         }
-        let knob = |(method, setting): (&str, &str)| {
+        let order = |(method, setting): (&str, &str)| {
             let place = METHODS.iter().position(|&other| other == method);
             let numbers = setting.split([' ', ',']).filter_map(|word| word.parse::<f64>().ok());
             // V-HACD's resolution first, then its concavity.
             (place, numbers.rev().map(|x| (x * 1e6) as u64).collect::<Vec<_>>())
         };
-        variants.sort_by_key(|(name, _)| knob(*name));
+        variants.sort_by_key(|(name, _)| order(*name));
         variants
     }
 

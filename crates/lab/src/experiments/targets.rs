@@ -36,7 +36,7 @@ pub struct Arguments {
     filter: String,
 
     /// fast, balanced or fine
-    #[arg(long, value_name = "NAME", default_value = "balanced", value_parser = parse_preset)]
+    #[arg(long, value_name = "NAME", default_value = "balanced")]
     preset: Preset,
 }
 
@@ -55,13 +55,6 @@ fn parse_bound(text: &str) -> Result<Bound, String> {
     }
     let share = text.parse().map_err(|_| "a share of the diagonal or `coacd` is expected")?;
     Ok(Bound::Share(share))
-}
-
-fn parse_preset(text: &str) -> Result<Preset, String> {
-    [Preset::Fast, Preset::Balanced, Preset::Fine]
-        .into_iter()
-        .find(|preset| preset.name() == text)
-        .ok_or_else(|| "the presets are `fast`, `balanced` and `fine`".into())
 }
 
 /// Triangles that meshoptimizer is asked for, to compare times: about as many as the search of the

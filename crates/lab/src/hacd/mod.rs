@@ -128,7 +128,7 @@ fn candidates(
         let grouping = collapse(&level.mesh, &level.adjacency, threshold, control)?;
         Ok(Some(Candidate::new(level, grouping)))
     };
-    // As long as μ may cut off all that is dearer, one after the other.
+    // As long as μ may cut off all higher resolutions, one after the other.
     let mut found = Vec::with_capacity(levels.len());
     for (index, level) in levels.iter().enumerate() {
         let candidate = candidate_of(level)?;

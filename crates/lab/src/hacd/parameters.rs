@@ -1,4 +1,4 @@
-//! The knobs of HACD, and its checks.
+//! The parameters of HACD, and their check.
 
 use hullwright::{Error, Parameters, SurfaceParameters};
 
