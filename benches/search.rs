@@ -13,7 +13,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use hullwright::io::read_mesh;
-use hullwright::{Control, Parameters, Report, Stage, decompose};
+use hullwright::{Control, MeshView, Parameters, Report, Stage, decompose};
 
 /// Names the folder of meshes.
 const FOLDER: &str = "HULLWRIGHT_MESHES";
@@ -117,14 +117,14 @@ struct Runs {
 }
 
 fn runs((positions, triangles): &Mesh) -> Result<Runs, Box<dyn Error>> {
-    let mut parameters = Parameters::paper();
-    parameters.parallel = false;
+    let (parameters, serial) = (Parameters::paper(), Control::new().with_parallel(false));
     let mut seconds = Vec::new();
     let mut stages: [Vec<f64>; STAGES.len()] = Default::default();
     let before = processor_seconds();
     for _ in 0..ROUNDS {
         let start = Instant::now();
-        let found = decompose(black_box(positions), triangles, &parameters, &Control::new())?;
+        let found =
+            decompose(MeshView::new(black_box(positions), triangles), &parameters, &serial)?;
         seconds.push(start.elapsed().as_secs_f64());
         let by_stage = by_stage(&found.report);
         for (times, stage) in stages.iter_mut().zip(STAGES) {
@@ -155,7 +155,7 @@ fn assets() -> PathBuf {
 
 fn read(path: &Path) -> Result<Mesh, Box<dyn Error>> {
     let input = read_mesh(path)?;
-    Ok((input.positions, input.triangles))
+    Ok((input.mesh.positions, input.mesh.triangles))
 }
 
 /// Each triangle becomes four, by the middles of its edges.

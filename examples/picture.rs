@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let parameters = Parameters::default();
     let result = decompose(&file, &parameters, &Control::new())?;
     let panels = [
-        Panel::mesh(&file.positions, &file.triangles),
+        Panel::mesh(&file),
         Panel::hulls(&result.hulls),
         Panel::hulls(&result.hulls).exploded(EXPLOSION),
     ];

@@ -15,7 +15,11 @@ fn the_curve_ends_with_one_hull_and_its_error_never_falls() {
     assert!(output.status.success());
     let line: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     let points = line["curve"].as_array().unwrap();
-    assert_eq!(points.last().unwrap()["hulls"], 1);
+    let last = points.last().unwrap();
+    assert_eq!(last["hulls"], 1);
+    let distance = |name: &str| last[name].as_f64().expect(name);
+    let largest = distance("protrusion_max").max(distance("uncovered_max"));
+    assert_eq!(distance("error"), largest);
     let errors: Vec<f64> = points.iter().map(|point| point["error"].as_f64().unwrap()).collect();
     assert!(errors.len() > 3);
     assert!(errors.windows(2).all(|pair| pair[0] <= pair[1]));

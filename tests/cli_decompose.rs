@@ -82,11 +82,56 @@ fn json_is_one_line_with_all_fields() {
 }
 
 #[test]
+fn json_has_the_same_keys_for_every_method() {
+    let expected = [
+        "mesh",
+        "method",
+        "triangles",
+        "hulls",
+        "vertices",
+        "seconds",
+        "bound",
+        "protrusion_max",
+        "uncovered_max",
+        "patches",
+        "cost",
+        "planar_threshold",
+        "resolution",
+        "repairs",
+        "algorithm_version",
+        "version",
+        "average_pieces",
+        "pieces_before_merging",
+        "polygons",
+        "initial_polygons",
+        "unit",
+        "source_vertices",
+        "diagonal",
+        "components",
+        "closed_components",
+        "volume_sum",
+        "thickened_hulls",
+        "grown_hulls",
+        "deadline_reached",
+        "stage_seconds",
+    ];
+    let place = Place::new();
+    for method in ["bounded", "surface"] {
+        let line = place.json(&["--method", method, "-o", "hulls.obj"]);
+        let keys: Vec<&String> = line.as_object().unwrap().keys().collect();
+        assert_eq!(keys, expected, "{method}");
+        assert_eq!(line["patches"].is_null(), method == "surface");
+        assert_eq!(line["cost"].is_null(), method == "bounded");
+        assert_eq!(read_hulls(place.path("hulls.obj")).unwrap().len(), 2);
+    }
+}
+
+#[test]
 fn the_default_is_the_bounded_method_with_what_it_verified() {
     let place = Place::new();
     let shown = place.decompose(&[]);
     let header = shown.lines().next().unwrap();
-    for column in ["hulls", "vertices", "bound", "stands out at most", "sinks in at most"] {
+    for column in ["hulls", "vertices", "bound", "protrusion at most", "uncovered at most"] {
         assert!(header.contains(column), "{header}");
     }
     let line = place.json(&["--max-error", "5%"]);
@@ -96,6 +141,7 @@ fn the_default_is_the_bounded_method_with_what_it_verified() {
     assert!((number("bound") / number("diagonal") - 0.05).abs() < 1e-12);
     assert!(number("protrusion_max") <= number("bound"));
     assert!(number("uncovered_max") <= number("bound"));
+    assert!(line["patches"].as_u64() > Some(0));
     assert!(line["stage_seconds"]["merge"].is_number());
 }
 

@@ -54,10 +54,10 @@ fn the_table_has_every_figure() {
     assert_eq!(value("hulls"), "2");
     assert_eq!(value("vertices"), "16");
     assert_eq!(value("convex"), "all, off by at most 0.0000");
-    assert!(value("phantom").ends_with("at most 0.2887"));
-    assert_eq!(value("exposed"), "mean 0.0000, 99 % below 0.0000, at most 0.0000");
+    assert!(value("protrusion").ends_with("at most 0.2887"));
+    assert_eq!(value("uncovered  "), "mean 0.0000, 99 % below 0.0000, at most 0.0000");
     assert_eq!(value("Hausdorff"), "0.2887");
-    assert_eq!(value("hollow"), "0.0 %");
+    assert_eq!(value("uncovered volume"), "0.0 %");
     assert_eq!(value("volume IoU"), "80.0 %");
     assert_eq!(value("overlap"), "1.400");
     assert!(!shown.contains("unusable") && !shown.contains("closed"));
@@ -74,12 +74,14 @@ fn json_is_one_line_with_figures_and_counts() {
         let found = json.pointer(pointer).and_then(Value::as_f64).expect(pointer);
         assert!((found - expected).abs() < 2e-3, "{pointer}: {found}");
     };
+    assert!(json["mesh"].as_str().unwrap().ends_with("mesh.obj"));
+    assert!(json["hulls_file"].as_str().unwrap().ends_with("hulls.obj"));
     near("/hulls", 2.0);
     near("/vertices", 16.0);
-    near("/phantom/max", 0.5 / 3_f64.sqrt());
+    near("/protrusion/max", 0.5 / 3_f64.sqrt());
     near("/hausdorff", 0.5 / 3_f64.sqrt());
-    near("/exposed/max", 0.0);
-    near("/hollow", 0.0);
+    near("/uncovered/max", 0.0);
+    near("/uncovered_volume", 0.0);
     near("/iou", 0.8);
     near("/overlap", 1.4);
     near("/non_convex_hulls", 0.0);
@@ -99,7 +101,9 @@ fn what_is_wrong_with_hulls_is_shown() {
     assert!(shown.contains("100.0 % of the mesh's edges are open"));
     let output = measure(sheet, sheet, &["--json"]);
     let json: Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert!(json["iou"].is_null() && json["hollow"].is_null() && json["overlap"].is_null());
+    assert!(
+        json["iou"].is_null() && json["uncovered_volume"].is_null() && json["overlap"].is_null()
+    );
 }
 
 #[test]

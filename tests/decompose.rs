@@ -117,9 +117,15 @@ fn labels_name_hulls_and_each_hull_has_volume() {
 fn left_handed_input_gives_the_same_hulls() {
     let (positions, triangles) = torus(32, 16);
     let flipped: Vec<[u32; 3]> = triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
+    let expected = run(&(positions.clone(), triangles.clone()));
     let result = run(&(positions, flipped));
     assert_eq!(result.report.repairs.flipped_triangles, triangles.len());
     assert!(result.hulls.iter().all(|hull| hull.shape.volume() > 0.0));
+    assert_eq!(result.hulls.len(), expected.hulls.len());
+    for (hull, expected) in result.hulls.iter().zip(&expected.hulls) {
+        assert_eq!(hull.provenance.source_triangles, expected.provenance.source_triangles);
+        assert_eq!(hull.shape.points, expected.shape.points);
+    }
 }
 
 /// The same groups, whatever the vertices' and triangles' places.
@@ -284,25 +290,26 @@ fn a_single_triangle_is_a_thin_body() {
 }
 
 #[test]
-fn cancelling_and_a_past_deadline_stop_with_a_typed_error() {
+fn cancelling_stops_with_a_typed_error() {
     let (positions, triangles) = torus(32, 16);
     let control = Control::new();
     control.cancel();
-    let parameters = Parameters::default();
-    assert_eq!(
-        decompose(MeshView::new(&positions, &triangles), &parameters, &control),
-        Err(Error::Cancelled)
-    );
+    for parameters in [Parameters::default(), surface()] {
+        let result = decompose(MeshView::new(&positions, &triangles), &parameters, &control);
+        assert_eq!(result, Err(Error::Cancelled));
+    }
 }
 
 #[test]
 fn after_the_deadline_the_best_so_far_is_returned() {
     let (positions, triangles) = torus(64, 32);
-    let parameters = Parameters::default();
-    let control = Control::new().with_deadline(Instant::now());
-    let result = decompose(MeshView::new(&positions, &triangles), &parameters, &control).unwrap();
-    assert!(result.report.deadline_reached);
-    assert!(!result.hulls.is_empty());
+    for parameters in [Parameters::default(), surface()] {
+        let control = Control::new().with_parallel(false).with_deadline(Instant::now());
+        let mesh = MeshView::new(&positions, &triangles);
+        let result = decompose(mesh, &parameters, &control).unwrap();
+        assert!(result.report.deadline_reached);
+        assert!(!result.hulls.is_empty());
+    }
 }
 
 #[test]

@@ -32,9 +32,6 @@ pub enum DecompositionError {
     /// Its hulls could not be made a collider.
     #[error("{0}")]
     Collider(ColliderError),
-    /// Rapier refused the triangle mesh of a fixed body.
-    #[error("Rapier refused the triangle mesh: {0}")]
-    TriangleMesh(String),
     /// The background task panicked. The panic is contained to that task.
     #[error("the background task panicked")]
     Panicked,

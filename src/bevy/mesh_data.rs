@@ -47,7 +47,12 @@ pub(super) fn read_parts(
     Ok(data)
 }
 
-fn append(data: &mut MeshData, mesh: &Mesh, map: &Affine3A) -> Result<(), DecompositionError> {
+/// Adds the triangles of a mesh, moved by `map`. O(size).
+pub(super) fn append(
+    data: &mut MeshData,
+    mesh: &Mesh,
+    map: &Affine3A,
+) -> Result<(), DecompositionError> {
     let positions = match mesh.try_attribute(Mesh::ATTRIBUTE_POSITION) {
         Ok(VertexAttributeValues::Float32x3(positions)) => positions,
         Ok(_) | Err(MeshAccessError::NotFound) => return Err(DecompositionError::NoPositions),

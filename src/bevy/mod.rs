@@ -45,6 +45,7 @@ mod budget;
 mod cache;
 mod change_detection;
 mod content;
+mod convert;
 #[cfg(feature = "debug")]
 mod debug;
 mod disk_cache;

@@ -100,10 +100,7 @@ impl FailedRequest {
 
     /// Whether it may succeed at another scale. A mesh that is bad in itself stays so.
     pub(super) fn depends_on_scale(&self) -> bool {
-        let is_of_shape = matches!(
-            self.error,
-            DecompositionError::Collider(_) | DecompositionError::TriangleMesh(_)
-        );
+        let is_of_shape = matches!(self.error, DecompositionError::Collider(_));
         is_of_shape || self.request.parameters.as_ref().is_some_and(has_absolute_length)
     }
 }

@@ -7,10 +7,9 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use bevy::math::Affine3A;
 use bevy_rapier3d::rapier::geometry::{SharedShape, TriMeshFlags};
-use bevy_rapier3d::rapier::math::Vector;
 
 use crate::hulls_format::HullsFile;
-use crate::{Control, Decomposer, Error, Parameters, mass_properties};
+use crate::{Control, Decomposer, Error, MeshView, Parameters, mass_properties};
 
 use super::cache::{ColliderGeometry, GeometryCache, WorkClaim};
 use super::content::ContentKey;
@@ -185,20 +184,13 @@ fn shape_of(
     }
 }
 
-/// Rapier's triangle mesh. Triangles with a corner that is not finite would spoil its tree.
+/// Rapier's triangle mesh, for bodies that don't move.
 fn triangle_mesh(data: &MeshData, map: &Affine3A) -> Result<SharedShape, DecompositionError> {
-    let place = |point: &[f32; 3]| map.transform_point3((*point).into());
-    let points: Vec<Vector> = data.positions.iter().map(place).collect();
-    let is_finite = |vertex: &u32| points.get(*vertex as usize).is_some_and(|p| p.is_finite());
-    let is_usable = |triangle: &&[u32; 3]| triangle.iter().all(is_finite);
-    let triangles: Vec<[u32; 3]> = data.triangles.iter().filter(is_usable).copied().collect();
-    if triangles.is_empty() {
-        let all = data.triangles.len();
-        return Err(Error::NothingUsable { triangles: all, degenerate: 0, non_finite: all }.into());
-    }
-    let points = points.into_iter().map(|p| if p.is_finite() { p } else { Vector::ZERO }).collect();
-    SharedShape::trimesh_with_flags(points, triangles, TriMeshFlags::MERGE_DUPLICATE_VERTICES)
-        .map_err(|error| DecompositionError::TriangleMesh(error.to_string()))
+    let place = |point: &[f32; 3]| map.transform_point3((*point).into()).to_array();
+    let points: Vec<[f32; 3]> = data.positions.iter().map(place).collect();
+    let mesh = MeshView::new(&points, &data.triangles);
+    let flags = TriMeshFlags::MERGE_DUPLICATE_VERTICES;
+    Ok(SharedShape::new(crate::rapier::triangle_mesh(mesh, flags)?))
 }
 
 /// Contains a panic to one job: it costs a collider, not the game.

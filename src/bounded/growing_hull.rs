@@ -1,5 +1,5 @@
-//! A hull that grows by points, during the search: joint hulls are built by insertion into a copy of
-//! the larger hull, which takes a quarter of the time of building them anew.
+//! A hull that grows by points, during the search: joint hulls are built by insertion into a copy
+//! of the larger hull, which takes a quarter of the time of building them anew.
 
 use crate::geometry::vector::{Vector, add, maximum, minimum};
 use crate::hull::{HullBuilder, Shape};

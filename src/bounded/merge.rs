@@ -156,8 +156,8 @@ impl<'a, 'b> Merging<'a, 'b> {
     }
 
     /// Joins the cheapest pairs first. A joint hull is only built once its pair's estimate is the
-    /// cheapest: before that, most pairs lose one of the two to another. (Building several at once on
-    /// all threads takes as long: waking a thread costs what it saves.)
+    /// cheapest: before that, most pairs lose one of the two to another. Building several at once
+    /// on all threads takes as long: waking a thread costs what it saves.
     fn run(&mut self, control: &Control) -> Result<(), Error> {
         while let Some(Candidate { pair, joint, .. }) = self.heap.pop() {
             if control.is_past_deadline() {

@@ -7,8 +7,10 @@
 //! | file | stage |
 //! |---|---|
 //! | `settings` | the bound, shares of it, and presets |
-//! | `refine`, `clustering/` | coarse meshes are refined, very dense ones searched through fewer triangles |
-//! | `growing_hull`, `patch_set`, `containment/` | hulls that grow, sets of patches, and whether hulls stay within the bound of the solid |
+//! | `refine` | long triangles of a coarse mesh are halved |
+//! | `clustering/` | very dense meshes are searched through reduced ones |
+//! | `growing_hull`, `patch_set` | hulls that grow, and sets of patches |
+//! | `containment/` | whether hulls stay within the bound of the solid |
 //! | `patches/` | the surface is divided into patches |
 //! | `piece`, `merge` | patches join into pieces |
 //! | `set_cover/` | few pieces cover all patches |

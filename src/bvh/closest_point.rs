@@ -130,7 +130,7 @@ const SLIVER: f64 = 1e-8;
 /// The point of a sliver closest to the origin: on an edge, or inside if its normal is accurate.
 #[cold]
 fn closest_point_on_sliver(a: Vector, ab: Vector, ac: Vector) -> Vector {
-    /// Below this squared sine rounding destroys the normal, and the triangle's width is negligible.
+    /// Below this squared sine rounding destroys the normal; the triangle's width is negligible.
     const NEEDLE: f64 = 1e-20;
 
     let (b, c) = (add(a, ab), add(a, ac));

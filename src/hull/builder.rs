@@ -7,14 +7,12 @@
 //!
 //! The steps are in `grow.rs`, questions about the hull in `query.rs`.
 
-use super::columns::{Columns, larger, smaller};
-use super::face::{Face, Given, Heights, NONE, Plane, Waiting};
-use super::grow::Horizon;
+use super::columns::Columns;
+use super::extent::{bounds, height_of, is_finite, one_over_power_of_two};
+use super::face::{Face, Given, Heights, Horizon, NONE, Plane, Waiting};
 use super::redundant::mark_necessary_vertices;
 use super::simplex::{Shape, first_simplex};
-use crate::geometry::vector::{
-    Vector, add, area_normal, distance, dot, normalize, scale, subtract,
-};
+use crate::geometry::vector::{Vector, add, distance, scale, subtract};
 
 /// A point is left out if it is closer to the hull than this share of the extent of the points.
 /// Positions that come from `f32` are uncertain by about 6e-8 of their size, so a finer tolerance
@@ -361,85 +359,5 @@ impl HullBuilder {
     }
 }
 
-/// Over the power of two that is next below a positive number.
-fn one_over_power_of_two(number: f64) -> f64 {
-    /// Bits of the mantissa.
-    const MANTISSA: u32 = f64::MANTISSA_DIGITS - 1;
-    /// Added to the exponent as it is stored.
-    const BIAS: i64 = f64::MAX_EXP as i64 - 1;
-    /// Far enough from the ends of the range.
-    const MOST: i64 = 1000;
-    let exponent = (number.to_bits() >> MANTISSA) as i64 - BIAS;
-    f64::from_bits(((BIAS - exponent.clamp(-MOST, MOST)) as u64) << MANTISSA)
-}
-
-/// Height of a tetrahedron over the first three of its corners.
-fn height_of([a, b, c, d]: [Vector; 4]) -> f64 {
-    dot(normalize(area_normal(a, b, c)), subtract(d, a)).abs()
-}
-
-/// Bounds of points, inside out without any, and whether all are finite; if not, the bounds don't
-/// count.
-fn bounds(points: &[Vector]) -> (Vector, Vector, bool) {
-    /// Coordinates of two points, so that wide registers are used.
-    const PAIR: usize = 6;
-    let (mut low, mut high) = ([f64::INFINITY; PAIR], [f64::NEG_INFINITY; PAIR]);
-    // Zero, or not a number where a coordinate is infinite or none.
-    let mut strange = [0.0; PAIR];
-    let (pairs, rest) = points.as_flattened().as_chunks::<PAIR>();
-    let mut take = |lane: usize, x: f64| {
-        low[lane] = smaller(x, low[lane]);
-        high[lane] = larger(x, high[lane]);
-        strange[lane] += 0.0 * x;
-    };
-    for pair in pairs {
-        for (lane, &x) in pair.iter().enumerate() {
-            take(lane, x);
-        }
-    }
-    for (lane, &x) in rest.iter().enumerate() {
-        take(lane, x);
-    }
-    (
-        [0, 1, 2].map(|axis| smaller(low[axis], low[axis + 3])),
-        [0, 1, 2].map(|axis| larger(high[axis], high[axis + 3])),
-        strange.iter().all(|&sum| sum == 0.0),
-    )
-}
-
-fn is_finite(point: &Vector) -> bool {
-    point.iter().all(|x| x.is_finite())
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Points inside a ball, and points around it.
-    fn ball() -> (Vec<Vector>, Vec<Vector>) {
-        let point = |index: u32, radius: f64| {
-            let (height, turn) = (f64::from(index) / 50.0 - 1.0, 2.4 * f64::from(index));
-            let across = radius * (1.0 - height * height).max(0.0).sqrt();
-            [across * turn.cos(), across * turn.sin(), radius * height]
-        };
-        let inside = (0..100).flat_map(|index| [point(index, 0.5), point(index, 1.0)]);
-        (inside.collect(), (0..100).step_by(9).map(|index| point(index, 1.3)).collect())
-    }
-
-    #[test]
-    fn without_its_inner_points_a_hull_is_the_same_and_goes_on_growing_the_same_way() {
-        let (points, far) = ball();
-        let mut whole = HullBuilder::new();
-        assert_eq!(whole.build(&points), Shape::Solid);
-        let mut forgetful = whole.clone();
-        forgetful.forget_inner_points();
-        assert_eq!(forgetful.points.len(), forgetful.extract().0.len());
-        assert!(forgetful.points.len() < whole.points.len());
-        assert_eq!(forgetful.extract(), whole.extract());
-        whole.insert_outside(&far);
-        forgetful.insert_outside(&far);
-        assert_eq!(forgetful.extract(), whole.extract());
-        let faces = |builder: &HullBuilder| builder.new_faces().collect::<Vec<_>>();
-        assert_eq!(faces(&forgetful), faces(&whole));
-    }
-}
+mod tests;

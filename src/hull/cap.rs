@@ -4,10 +4,12 @@
 //! out most are kept, and their hull grows about its centre: what grows less counts. What has very
 //! many vertices first leaves out those that hardly stand out.
 
+use super::builder::HullBuilder;
 use super::collapse::{collapse_edges, growth};
 use super::columns::Columns;
+use super::convex_hull::ConvexHull;
+use super::simplex::Shape;
 use super::simplex::first_simplex;
-use super::{ConvexHull, HullBuilder, Shape};
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, add, dot, scale, subtract};

@@ -7,8 +7,10 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
+use super::builder::HullBuilder;
+use super::convex_hull::ConvexHull;
 use super::face::{Face, after};
-use super::{ConvexHull, HullBuilder, Shape};
+use super::simplex::Shape;
 use crate::bvh::closest_point::closest_point_on_triangle;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, add, dot, length, scale, subtract};

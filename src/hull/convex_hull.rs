@@ -6,7 +6,8 @@ use crate::geometry::vector::{
 };
 use crate::geometry::{Bounds, MeshView};
 
-use super::{HullBuilder, Shape, SinglePrecisionHull, single_precision};
+use super::builder::HullBuilder;
+use super::simplex::Shape;
 
 /// A closed convex polyhedron of triangles, wound counter-clockwise seen from outside.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -69,22 +70,6 @@ impl ConvexHull {
     /// ```
     pub fn points_as<P: From<[f32; 3]>>(&self) -> impl ExactSizeIterator<Item = P> + '_ {
         self.points.iter().map(|point| P::from(point.map(|x| x as f32)))
-    }
-
-    /// Vertices and triangles in single precision, as physics engines want them: the hull of the
-    /// rounded vertices, so that it is convex and has volume as it stands. O(n log n).
-    ///
-    /// # Errors
-    /// [`Error::NoHull`] if a coordinate is beyond the range of `f32`.
-    ///
-    /// ```
-    /// # let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.1; 3]];
-    /// let (points, triangles) = hullwright::convex_hull(&points)?.to_single_precision()?;
-    /// assert_eq!((points.len(), triangles.len()), (4, 4));
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
-    pub fn to_single_precision(&self) -> Result<SinglePrecisionHull, Error> {
-        single_precision(&self.points, &mut HullBuilder::new())
     }
 
     /// The corners of each triangle. Triangles with an index out of range are left out.

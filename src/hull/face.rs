@@ -25,6 +25,15 @@ const LONGEST_SQUARED: f64 = 12.0;
 /// Closer ones are kept until all faces are known.
 pub(super) const CERTAINLY_BEHIND: f64 = 1e-12;
 
+/// An edge between a face that a new point sees and one that it does not.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Horizon {
+    pub start: u32,
+    pub end: u32,
+    /// The edge in the face that stays.
+    pub outside: u32,
+}
+
 /// The plane of a face.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Plane {

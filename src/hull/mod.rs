@@ -9,6 +9,7 @@ mod cap;
 mod collapse;
 mod columns;
 mod convex_hull;
+mod extent;
 mod face;
 mod grow;
 mod query;
@@ -16,6 +17,7 @@ mod redundant;
 mod simplex;
 mod single_precision;
 mod thickness;
+mod waiting_points;
 
 pub use builder::{DEFAULT_TOLERANCE, HullBuilder};
 pub(crate) use cap::{cap_vertices, coarser, most_prominent};

@@ -1,8 +1,8 @@
 //! What can be asked of a hull that has been built: its faces, its volume, what lies outside.
 
-use super::HullBuilder;
-use super::Shape;
+use super::builder::HullBuilder;
 use super::face::{Face, NONE, Plane};
+use super::simplex::Shape;
 use crate::geometry::vector::Vector;
 
 /// Points that are compared with a face at once.

@@ -4,7 +4,10 @@
 //! slivers, and flatten what lies far from the origin. So the rounded points get a hull of their
 //! own: what is returned is convex as it stands, and has volume.
 
-use super::{HullBuilder, Shape, solid_hull};
+use super::builder::HullBuilder;
+use super::convex_hull::ConvexHull;
+use super::simplex::Shape;
+use super::thickness::solid_hull;
 use crate::error::Error;
 
 /// A hull far from the origin keeps at least this many units in the last place of its largest
@@ -16,6 +19,24 @@ const ATTEMPTS: usize = 4;
 
 /// Vertices and triangles in `f32`.
 pub type SinglePrecisionHull = (Vec<[f32; 3]>, Vec<[u32; 3]>);
+
+impl ConvexHull {
+    /// Vertices and triangles in single precision, as physics engines want them: the hull of the
+    /// rounded vertices, so that it is convex and has volume as it stands. O(n log n).
+    ///
+    /// # Errors
+    /// [`Error::NoHull`] if a coordinate is beyond the range of `f32`.
+    ///
+    /// ```
+    /// # let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.1; 3]];
+    /// let (points, triangles) = hullwright::convex_hull(&points)?.to_single_precision()?;
+    /// assert_eq!((points.len(), triangles.len()), (4, 4));
+    /// # Ok::<(), hullwright::Error>(())
+    /// ```
+    pub fn to_single_precision(&self) -> Result<SinglePrecisionHull, Error> {
+        single_precision(&self.points, &mut HullBuilder::new())
+    }
+}
 
 /// The hull of the points rounded to `f32`, with volume and wound outward. Convex up to the
 /// tolerance of [`HullBuilder`], which is less than 1e-6 of the diagonal. O(n log n).

@@ -4,7 +4,9 @@
 //! than about 6e-4 of their diagonal. Such a set is pushed against its normal, into the body that
 //! it is the surface of, until it is [`MINIMUM_THICKNESS`] thick: its outer side stays in place.
 
-use super::{ConvexHull, HullBuilder, Shape};
+use super::builder::HullBuilder;
+use super::convex_hull::ConvexHull;
+use super::simplex::Shape;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, add, cross, distance, dot, normalize, scale, subtract};
 

@@ -30,11 +30,13 @@
 //! This module uses the public API of the rest of the crate only.
 
 mod check;
+mod convert;
 mod prepare;
 mod shape;
 
 use rapier3d::geometry::ColliderBuilder;
 
+pub use convert::{convex_polyhedron, triangle_mesh};
 pub use prepare::ColliderError;
 pub use shape::{collider, mass_properties, shape, shape_from_points};
 
@@ -46,6 +48,15 @@ use crate::{Control, MeshView, Parameters};
 /// # Errors
 /// [`ColliderError::Mesh`] as [`decompose`](crate::decompose) and
 /// [`mass_properties`](crate::mass_properties()), else as [`collider`].
+///
+/// ```
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let mesh = hullwright::io::read_mesh("assets/mug.glb")?;
+/// let collider = hullwright::rapier::collider_from_mesh(&mesh, 500.0, &Default::default())?;
+/// assert!(collider.build().mass() > 0.0);
+/// # Ok(())
+/// # }
+/// ```
 pub fn collider_from_mesh<'a>(
     mesh: impl Into<MeshView<'a>>,
     density: f64,

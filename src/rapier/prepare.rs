@@ -35,6 +35,15 @@ pub enum ColliderError {
         /// The mass, after scaling.
         mass: f64,
     },
+    /// Parry makes no polyhedron of a hull, or one whose faces can't be asked for contacts.
+    #[error("Parry refuses the hull")]
+    Refused,
+    /// Parry makes no triangle mesh.
+    #[error("there is no triangle mesh: {reason}")]
+    TriangleMesh {
+        /// Why not.
+        reason: String,
+    },
     /// The mesh could not be decomposed or weighed.
     #[error(transparent)]
     Mesh(#[from] Error),

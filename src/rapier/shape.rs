@@ -69,6 +69,7 @@ pub fn shape_from_points<P: AsRef<[[f64; 3]]>>(
 fn part(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Option<SharedShape> {
     polyhedron(points, triangles)
         .or_else(|| coarser(points).find_map(|(points, triangles)| polyhedron(&points, &triangles)))
+        .map(SharedShape::new)
 }
 
 /// A collider of all hulls with the mass properties of the source mesh, both scaled: see
@@ -129,13 +130,13 @@ pub fn mass_properties(
 }
 
 /// Nothing where Parry has nothing, or nothing that is safe to use.
-fn polyhedron(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Option<SharedShape> {
+pub(super) fn polyhedron(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Option<ConvexPolyhedron> {
     if !is_closed(points.len(), triangles) {
         return None;
     }
     let points = points.iter().map(|point| Vector::from(*point)).collect();
     let polyhedron = ConvexPolyhedron::from_convex_mesh(points, triangles)?;
-    is_sound(&polyhedron).then(|| SharedShape::new(polyhedron))
+    is_sound(&polyhedron).then_some(polyhedron)
 }
 
 /// Whether the faces that Parry made can be asked for contacts. They are built from

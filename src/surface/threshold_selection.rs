@@ -253,10 +253,21 @@ mod tests {
     fn if_nothing_is_under_epsilon_the_cheapest_wins() {
         let mut parameters = SurfaceParameters::paper();
         parameters.concavity_cost_threshold = 1e-5;
+        // The cheapest is not the first that is tried, and not the last: that is given up.
+        parameters.planar_thresholds = vec![1.0, 0.1, 0.05];
         let found = search(&torus(24, 12), &parameters);
-        let by_fail_safe =
-            found.reports.iter().filter(|r| r.outcome == ThresholdOutcome::CandidateByFailSafe);
-        assert_eq!(by_fail_safe.count(), 1);
+        let costs: Vec<f64> = found.reports.iter().map(|report| report.cost).collect();
+        assert!(costs[1] < costs[0] && costs[1] < costs[2], "{costs:?}");
+        let outcomes: Vec<ThresholdOutcome> =
+            found.reports.iter().map(|report| report.outcome).collect();
+        let expected = [
+            ThresholdOutcome::TooCostly,
+            ThresholdOutcome::CandidateByFailSafe,
+            ThresholdOutcome::AbortedAboveLeast,
+        ];
+        assert_eq!(outcomes, expected);
+        let candidate = found.candidate().unwrap();
+        assert_eq!((candidate.planar_threshold, candidate.cost), (0.1, costs[1]));
     }
 
     /// The outcomes on a torus; the first two p cost 0.004 and 0.005, the running average of the

@@ -2,6 +2,35 @@
 
 use hullwright::{Length, Method, Parameters, Preset};
 
+use crate::output::Failure;
+
+/// How many threads work.
+#[derive(clap::Args)]
+pub struct ThreadArguments {
+    /// Number of threads; 1 does everything one after the other. Default: all processors
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_THREADS))]
+    threads: Option<u16>,
+}
+
+/// More threads than any machine has, and few enough to be started.
+const MOST_THREADS: i64 = 1024;
+
+impl ThreadArguments {
+    pub fn is_parallel(&self) -> bool {
+        self.threads != Some(1)
+    }
+
+    /// A pool of so many threads, or of as many as there are processors.
+    pub fn pool(&self) -> Result<rayon::ThreadPool, Failure> {
+        let mut pool = rayon::ThreadPoolBuilder::new();
+        if let Some(threads) = self.threads {
+            pool = pool.num_threads(usize::from(threads));
+        }
+        Ok(pool.build().map_err(|error| format!("the threads can't be started: {error}"))?)
+    }
+}
+
+/// The parameters of a decomposition.
 #[derive(clap::Args)]
 #[command(next_help_heading = "Parameters")]
 pub struct ParameterArguments {
@@ -75,7 +104,14 @@ pub struct ParameterArguments {
 struct Cap(Option<usize>);
 
 impl ParameterArguments {
-    pub fn parameters(&self) -> Parameters {
+    /// Parameters whose values are in range.
+    pub fn checked(&self) -> Result<Parameters, Failure> {
+        let parameters = self.parameters();
+        parameters.validate().map_err(|error| Failure::Usage(error.to_string()))?;
+        Ok(parameters)
+    }
+
+    fn parameters(&self) -> Parameters {
         let mut parameters = if self.paper { Parameters::paper() } else { Parameters::default() };
         set(&mut parameters.method, &self.method);
         set(&mut parameters.max_vertices, &self.max_vertices.map(|Cap(cap)| cap));

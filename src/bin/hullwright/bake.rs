@@ -3,14 +3,12 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use hullwright::hulls_format::HullsFile;
 use hullwright::io::{NamedMesh, read_own_meshes};
-use hullwright::{Control, Decomposition, MeshView, Parameters};
+use hullwright::{Control, Parameters};
 
-use crate::Failure;
-use crate::arguments::ParameterArguments;
-use crate::decompose::{MOST_THREADS, pool};
-use crate::output::{count, print, print_error};
+use crate::arguments::{ParameterArguments, ThreadArguments};
+use crate::hulls::{DEFAULT_DENSITY, hulls_file, wrote};
+use crate::output::{Failure, print, print_error};
 use crate::progress::LateBar;
 
 /// Bake meshes into .hulls files: hulls, error bound and mass properties, ready to load
@@ -32,16 +30,12 @@ pub struct Arguments {
     #[arg(long, value_name = "DENSITY", default_value_t = DEFAULT_DENSITY, allow_negative_numbers = true)]
     density: f64,
 
-    /// Number of threads; 1 does everything one after the other. Default: all processors
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_THREADS))]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: ThreadArguments,
 
     #[command(flatten)]
     parameters: ParameterArguments,
 }
-
-/// So that the mass is the volume, which any density can be multiplied with.
-pub const DEFAULT_DENSITY: f64 = 1.0;
 
 /// A file name longer than this is refused by some file systems, suffix and number included.
 const LONGEST_NAME: usize = 200;
@@ -53,22 +47,22 @@ struct Job<'a> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let parameters = arguments.parameters.parameters();
-    parameters.validate().map_err(|error| Failure::Usage(error.to_string()))?;
+    let parameters = arguments.parameters.checked()?;
     if !(arguments.density.is_finite() && arguments.density > 0.0) {
         let reason = format!("the density must be positive, not {}", arguments.density);
         return Err(Failure::Usage(reason));
     }
-    let pool = pool(arguments.threads)?;
+    let pool = arguments.threads.pool()?;
     let jobs = jobs(arguments)?;
     std::fs::create_dir_all(&arguments.output)
-        .map_err(|error| Failure::Work(format!("{}: {error}", arguments.output.display())))?;
+        .map_err(|error| format!("{}: {error}", arguments.output.display()))?;
 
     let bar = LateBar::start();
     let mut lines = Vec::new();
     let mut failures = Vec::new();
     for (index, job) in jobs.iter().enumerate() {
         let control = bar.control_of_part(index, jobs.len());
+        let control = control.with_parallel(arguments.threads.is_parallel());
         match pool.install(|| bake(job, arguments.density, &parameters, &control)) {
             Ok(line) => lines.push(line),
             Err(reason) => {
@@ -92,9 +86,9 @@ fn jobs(arguments: &Arguments) -> Result<Vec<Job<'_>>, Failure> {
     let mut names = HashSet::new();
     let mut jobs = Vec::new();
     for source in &arguments.meshes {
-        let meshes = read_own_meshes(source).map_err(|error| Failure::Work(error.to_string()))?;
+        let meshes = read_own_meshes(source)?;
         if meshes.is_empty() {
-            return Err(Failure::Work(format!("{}: it holds no triangles", source.display())));
+            return Err(format!("{}: it holds no triangles", source.display()).into());
         }
         for mesh in meshes {
             let name = unique(&file_name(&mesh.name), &mut names);
@@ -114,25 +108,10 @@ fn bake(
     let NamedMesh { name, mesh } = &job.mesh;
     let decomposition =
         hullwright::decompose(mesh, parameters, control).map_err(|error| error.to_string())?;
-    let file = baked(name.as_str(), mesh.view(), &decomposition, density)?;
+    let file = hulls_file(name.as_str(), mesh.view(), &decomposition, density)
+        .map_err(|error| error.to_string())?;
     file.write(&job.output).map_err(|error| error.to_string())?;
-    let hulls = count(file.hulls.len(), "hull", "hulls");
-    let vertices = file.hulls.iter().map(|hull| hull.shape.points.len()).sum();
-    let vertices = count(vertices, "vertex", "vertices");
-    Ok(format!("wrote {}: {hulls}, {vertices}", job.output.display()))
-}
-
-/// What a file holds of a mesh.
-pub fn baked(
-    name: impl Into<String>,
-    mesh: MeshView<'_>,
-    decomposition: &Decomposition,
-    density: f64,
-) -> Result<HullsFile, String> {
-    let Decomposition { hulls, .. } = decomposition;
-    let properties =
-        hullwright::mass_properties(mesh, hulls, density).map_err(|error| error.to_string())?;
-    Ok(HullsFile::new(name, decomposition).with_mass_properties(properties))
+    Ok(wrote(&job.output, &file.hulls))
 }
 
 /// The name with what any file system may object to replaced.

@@ -5,18 +5,17 @@ use std::path::{Path, PathBuf};
 use hullwright::io::read_mesh;
 use hullwright::{CurvePoint, MergeTree};
 use plotters::prelude::*;
-use serde_json::json;
+use serde::Serialize;
 
-use crate::Failure;
 use crate::arguments::ParameterArguments;
-use crate::output::print;
+use crate::output::{Failure, print, print_json};
 use crate::progress::{LateBar, waiting};
 use crate::tables;
 
 /// Show hulls against error, from the decomposition down to one hull
 ///
 /// The hulls of one decomposition are joined, one pair after the other, those whose joint hull
-/// stands out least first. Each error is verified against the mesh.
+/// protrudes least first. Each error is verified against the mesh.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// The mesh: obj, off, ply, stl, gltf or glb
@@ -41,12 +40,9 @@ fn parse_output(text: &str) -> Result<PathBuf, String> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let parameters = arguments.parameters.parameters();
-    parameters.validate().map_err(|error| Failure::Usage(error.to_string()))?;
+    let parameters = arguments.parameters.checked()?;
     let name = arguments.mesh.display().to_string();
-    let work = |error: hullwright::Error| Failure::Work(format!("{name}: {error}"));
-    let file = waiting("reading", || read_mesh(&arguments.mesh))
-        .map_err(|error| Failure::Work(error.to_string()))?;
+    let file = waiting("reading", || read_mesh(&arguments.mesh))?;
     let bar = LateBar::start();
     let control = bar.control();
     let curve = hullwright::decompose(&file, &parameters, &control).and_then(|result| {
@@ -54,28 +50,46 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             .map(|tree| (tree.curve(), result.report.diagonal))
     });
     bar.finish();
-    let (curve, diagonal) = curve.map_err(work)?;
+    let (curve, diagonal) = curve.map_err(|error| format!("{name}: {error}"))?;
     if let Some(output) = &arguments.output {
-        draw(output, &curve, diagonal).map_err(|error| {
-            Failure::Work(format!("{}: can't be drawn: {error}", output.display()))
-        })?;
+        draw(output, &curve, diagonal)
+            .map_err(|error| format!("{}: can't be drawn: {error}", output.display()))?;
     }
     if arguments.json {
-        let points = curve.iter().map(|point| {
-            json!({
-                "hulls": point.hulls,
-                "error": point.error,
-                "protrusion_max": point.protrusion_max,
-                "uncovered_max": point.uncovered_max,
-            })
-        });
-        let points: Vec<_> = points.collect();
-        return print(&json!({ "mesh": name, "diagonal": diagonal, "curve": points }).to_string());
+        let curve = curve.iter().map(PointLine::from).collect();
+        return print_json(&CurveLine { mesh: name, diagonal, curve });
     }
     print(&tables::curve(&curve, diagonal))
 }
 
-/// Size of the picture in pixels.
+/// Lengths are in the mesh's units.
+#[derive(Serialize)]
+struct CurveLine {
+    mesh: String,
+    diagonal: f64,
+    curve: Vec<PointLine>,
+}
+
+#[derive(Serialize)]
+struct PointLine {
+    hulls: usize,
+    error: f64,
+    protrusion_max: f64,
+    uncovered_max: f64,
+}
+
+impl From<&CurvePoint> for PointLine {
+    fn from(point: &CurvePoint) -> Self {
+        Self {
+            hulls: point.hulls,
+            error: point.error,
+            protrusion_max: point.protrusion_max,
+            uncovered_max: point.uncovered_max,
+        }
+    }
+}
+
+/// Size of the plot in pixels.
 const SIZE: (u32, u32) = (640, 400);
 
 /// Hulls to the right, error in percent of the diagonal upward.

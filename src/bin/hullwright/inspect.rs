@@ -2,15 +2,14 @@
 
 use std::path::PathBuf;
 
-use comfy_table::{CellAlignment, Table, presets};
 use hullwright::Inspection;
 use hullwright::hulls_format::HullsFile;
 use hullwright::io::{is_hulls_file, read_mesh};
 
-use crate::Failure;
-use crate::output::print;
+use crate::hulls::vertices;
+use crate::output::{Failure, print};
 use crate::progress::waiting;
-use crate::tables::{PADDING, repairs};
+use crate::tables::{pairs, repairs};
 
 /// Show counts, bounds, components, open and non-manifold edges, and what would be repaired
 #[derive(clap::Args)]
@@ -21,18 +20,15 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if is_hulls_file(&arguments.mesh) {
-        let file =
-            HullsFile::read(&arguments.mesh).map_err(|error| Failure::Work(error.to_string()))?;
-        return print(&left_aligned(baked_rows(&file)).trim_fmt());
+        return print(&pairs(hulls_file_rows(&HullsFile::read(&arguments.mesh)?)));
     }
-    let file = waiting("reading", || read_mesh(&arguments.mesh))
-        .map_err(|error| Failure::Work(error.to_string()))?;
-    let found = waiting("looking", || hullwright::inspect(&file))
-        .map_err(|error| Failure::Work(format!("{}: {error}", arguments.mesh.display())))?;
-    print(&table(&found, file.objects.len()).trim_fmt())
+    let file = waiting("reading", || read_mesh(&arguments.mesh))?;
+    let found = waiting("inspecting", || hullwright::inspect(&file))
+        .map_err(|error| format!("{}: {error}", arguments.mesh.display()))?;
+    print(&pairs(rows(&found, file.objects.len())))
 }
 
-fn table(found: &Inspection, objects: usize) -> Table {
+fn rows(found: &Inspection, objects: usize) -> [(&'static str, String); 13] {
     let counts = |given: usize, left: usize| {
         if given == left { given.to_string() } else { format!("{given}, {left} after repair") }
     };
@@ -48,7 +44,7 @@ fn table(found: &Inspection, objects: usize) -> Table {
     let repairs = repairs(&found.repairs);
     let repairs = if repairs.is_empty() { "none needed".into() } else { repairs.join(", ") };
 
-    left_aligned([
+    [
         ("objects", objects.to_string()),
         ("vertices", counts(found.source_vertices, found.vertices)),
         ("triangles", counts(found.source_triangles, found.triangles)),
@@ -62,12 +58,11 @@ fn table(found: &Inspection, objects: usize) -> Table {
         ("closed", closed),
         ("volume", volume),
         ("repairs", repairs),
-    ])
+    ]
 }
 
 /// What a `.hulls` file says.
-fn baked_rows(file: &HullsFile) -> Vec<(&'static str, String)> {
-    let vertices: usize = file.hulls.iter().map(|hull| hull.shape.points.len()).sum();
+fn hulls_file_rows(file: &HullsFile) -> Vec<(&'static str, String)> {
     let length = |value: f64| match file.diagonal {
         0.0 => number(value),
         diagonal => format!("{}, {:.2} % of the diagonal", number(value), 100.0 * value / diagonal),
@@ -79,7 +74,7 @@ fn baked_rows(file: &HullsFile) -> Vec<(&'static str, String)> {
     let mut rows = vec![
         ("mesh", file.name.clone()),
         ("hulls", file.hulls.len().to_string()),
-        ("vertices", vertices.to_string()),
+        ("vertices", vertices(&file.hulls).to_string()),
         ("source triangles", file.source_triangles.to_string()),
         ("diagonal", number(file.diagonal)),
         ("method", file.method.clone()),
@@ -87,27 +82,14 @@ fn baked_rows(file: &HullsFile) -> Vec<(&'static str, String)> {
     ];
     rows.extend(file.bound.map(|bound| ("bound", length(bound))));
     if let Some(verified) = file.verified {
-        rows.push(("phantom", format!("at most {}", length(verified.protrusion_max))));
-        rows.push(("exposed", format!("at most {}", length(verified.uncovered_max))));
+        rows.push(("protrusion", format!("at most {}", length(verified.protrusion_max))));
+        rows.push(("uncovered", format!("at most {}", length(verified.uncovered_max))));
     }
     if let Some(properties) = file.mass_properties {
         rows.push(("mass", number(properties.mass)));
         rows.push(("centre of mass", point(properties.centre)));
     }
     rows
-}
-
-fn left_aligned(rows: impl IntoIterator<Item = (&'static str, String)>) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING);
-    for (name, value) in rows {
-        table.add_row([name.to_owned(), value]);
-    }
-    for column in table.column_iter_mut() {
-        column.set_padding(PADDING);
-        column.set_cell_alignment(CellAlignment::Left);
-    }
-    table
 }
 
 fn point([x, y, z]: [f64; 3]) -> String {

@@ -1,15 +1,17 @@
-//! The command line `hullwright`: decomposes meshes into convex hulls, looks at
-//! meshes, and measures hulls.
+//! The command line `hullwright`: decomposes meshes into convex hulls, inspects meshes, and measures
+//! hulls.
 //!
-//! Exit code 0 is success, 1 an error in the input or the work, 2 wrong usage.
+//! Exit code 0 is success; 1 a refusal, with one line on standard error that says why; 2 wrong usage.
 
 mod arguments;
 mod bake;
 mod curve;
 mod decompose;
+mod hulls;
 mod inspect;
 mod json;
 mod measure;
+mod outcomes;
 mod output;
 mod progress;
 mod tables;
@@ -17,8 +19,9 @@ mod tables;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use output::Failure;
 
-/// Concave triangle meshes into few convex hulls
+/// Approximate convex decomposition of triangle meshes
 #[derive(Parser)]
 #[command(version, max_term_width = 100)]
 struct CommandLine {
@@ -33,14 +36,6 @@ enum Command {
     Bake(bake::Arguments),
     Inspect(inspect::Arguments),
     Measure(measure::Arguments),
-}
-
-/// Why the program ends with an error.
-enum Failure {
-    /// The arguments make no sense.
-    Usage(String),
-    /// The input or the work went wrong.
-    Work(String),
 }
 
 fn main() -> ExitCode {

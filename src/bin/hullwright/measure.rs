@@ -2,22 +2,20 @@
 
 use std::path::PathBuf;
 
-use comfy_table::{CellAlignment, Table, presets};
 use hullwright::Control;
 use hullwright::io::{read_hulls, read_mesh};
 use hullwright::measure::{Distances, MeasureOptions, Measurement, measure};
-use serde_json::{Value, json};
+use serde::Serialize;
 
-use crate::Failure;
-use crate::output::print;
+use crate::output::{Failure, print, print_json};
 use crate::progress::waiting;
-use crate::tables::PADDING;
+use crate::tables::{NOTHING, pairs};
 
 /// Judge a set of hulls, of any tool, against the mesh that they stand for
 ///
-/// Phantom is how far the hulls stick out of the solid, exposed how far the mesh sticks out of the
-/// hulls, hollow the share of the solid in no hull. Lengths are shares of the diagonal of the
-/// mesh's bounding box. Points are sampled, always the same.
+/// Protrusion is how far the hulls reach outside of the solid, uncovered how far the surface reaches
+/// outside of the hulls, uncovered volume the share of the solid in no hull. Lengths are shares of the
+/// diagonal of the mesh's bounding box. Points are sampled, always the same.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// The mesh: obj, off, ply, stl, gltf or glb
@@ -32,9 +30,8 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let work = |error: hullwright::Error| Failure::Work(error.to_string());
-    let mesh = waiting("reading", || read_mesh(&arguments.mesh)).map_err(work)?;
-    let hulls = waiting("reading", || read_hulls(&arguments.hulls)).map_err(work)?;
+    let mesh = waiting("reading", || read_mesh(&arguments.mesh))?;
+    let hulls = waiting("reading", || read_hulls(&arguments.hulls))?;
     let options = MeasureOptions::default();
     let judged = waiting("measuring", || measure(&mesh, &hulls, &options, &Control::new()));
     let found = judged.map_err(|error| {
@@ -42,48 +39,91 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             hullwright::Error::NoHulls | hullwright::Error::UnusableHull { .. } => &arguments.hulls,
             _ => &arguments.mesh,
         };
-        Failure::Work(format!("{}: {error}", path.display()))
+        format!("{}: {error}", path.display())
     })?;
     if arguments.json {
-        return print(&json_line(arguments, &found));
+        return print_json(&MeasurementLine::new(arguments, &found));
     }
     print(&text(&found))
 }
 
-fn json_line(arguments: &Arguments, found: &Measurement) -> String {
-    let distances = |distances: Distances| -> Value {
-        json!({ "mean": distances.mean, "p99": distances.p99, "max": distances.max })
-    };
-    json!({
-        "mesh": arguments.mesh.display().to_string(),
-        "hulls_file": arguments.hulls.display().to_string(),
-        "hulls": found.hulls,
-        "vertices": found.vertices,
-        "unusable_hulls": found.unusable_hulls,
-        "non_convex_hulls": found.non_convex_hulls,
-        "worst_concavity": found.worst_concavity,
-        "open_hulls": found.open_hulls,
-        "non_positive_volumes": found.non_positive_volumes,
-        "phantom": distances(found.protrusion),
-        "exposed": distances(found.uncovered),
-        "hausdorff": found.hausdorff,
-        "hollow": found.uncovered_volume,
-        "iou": found.iou,
-        "overlap": found.overlap,
-        "open_edges": found.open_edges,
-        "diagonal": found.diagonal,
-        "samples": {
-            "hull": found.samples.hull,
-            "boundary": found.samples.boundary,
-            "mesh": found.samples.mesh,
-            "volume": found.samples.volume,
-            "solid": found.samples.solid,
-            "in_hulls": found.samples.in_hulls,
-            "union": found.samples.union,
-        },
-        "version": env!("CARGO_PKG_VERSION"),
-    })
-    .to_string()
+/// Lengths are shares of the mesh's diagonal, which is in its units. A figure that needs a volume is
+/// null where the mesh has none.
+#[derive(Serialize)]
+struct MeasurementLine {
+    mesh: String,
+    hulls_file: String,
+    hulls: usize,
+    vertices: usize,
+    unusable_hulls: usize,
+    non_convex_hulls: usize,
+    worst_concavity: f64,
+    open_hulls: usize,
+    non_positive_volumes: usize,
+    protrusion: DistancesLine,
+    uncovered: DistancesLine,
+    hausdorff: f64,
+    uncovered_volume: Option<f64>,
+    iou: Option<f64>,
+    overlap: Option<f64>,
+    open_edges: f64,
+    diagonal: f64,
+    samples: SamplesLine,
+    version: &'static str,
+}
+
+#[derive(Serialize)]
+struct DistancesLine {
+    mean: f64,
+    p99: f64,
+    max: f64,
+}
+
+#[derive(Serialize)]
+struct SamplesLine {
+    hull: usize,
+    boundary: usize,
+    mesh: usize,
+    volume: usize,
+    solid: usize,
+    in_hulls: usize,
+    union: usize,
+}
+
+impl MeasurementLine {
+    fn new(arguments: &Arguments, found: &Measurement) -> Self {
+        let distances = |of: Distances| DistancesLine { mean: of.mean, p99: of.p99, max: of.max };
+        let samples = &found.samples;
+        Self {
+            mesh: arguments.mesh.display().to_string(),
+            hulls_file: arguments.hulls.display().to_string(),
+            hulls: found.hulls,
+            vertices: found.vertices,
+            unusable_hulls: found.unusable_hulls,
+            non_convex_hulls: found.non_convex_hulls,
+            worst_concavity: found.worst_concavity,
+            open_hulls: found.open_hulls,
+            non_positive_volumes: found.non_positive_volumes,
+            protrusion: distances(found.protrusion),
+            uncovered: distances(found.uncovered),
+            hausdorff: found.hausdorff,
+            uncovered_volume: found.uncovered_volume,
+            iou: found.iou,
+            overlap: found.overlap,
+            open_edges: found.open_edges,
+            diagonal: found.diagonal,
+            samples: SamplesLine {
+                hull: samples.hull,
+                boundary: samples.boundary,
+                mesh: samples.mesh,
+                volume: samples.volume,
+                solid: samples.solid,
+                in_hulls: samples.in_hulls,
+                union: samples.union,
+            },
+            version: env!("CARGO_PKG_VERSION"),
+        }
+    }
 }
 
 fn text(found: &Measurement) -> String {
@@ -109,28 +149,22 @@ fn text(found: &Measurement) -> String {
         rows.push(("left out as unusable", found.unusable_hulls.to_string()));
     }
     rows.extend([
-        ("phantom", distances(found.protrusion)),
-        ("exposed", distances(found.uncovered)),
+        ("protrusion", distances(found.protrusion)),
+        ("uncovered", distances(found.uncovered)),
         ("Hausdorff", length(found.hausdorff)),
-        ("hollow", share(found.uncovered_volume)),
+        ("uncovered volume", share(found.uncovered_volume)),
         ("volume IoU", share(found.iou)),
-        ("overlap", found.overlap.map_or_else(nothing, |overlap| format!("{overlap:.3}"))),
+        (
+            "overlap",
+            found.overlap.map_or_else(|| NOTHING.into(), |overlap| format!("{overlap:.3}")),
+        ),
     ]);
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING);
-    for (name, value) in rows {
-        table.add_row([name.to_owned(), value]);
-    }
-    for column in table.column_iter_mut() {
-        column.set_padding(PADDING);
-        column.set_cell_alignment(CellAlignment::Left);
-    }
     let samples = &found.samples;
     let mut text = format!(
         "{}\n\nlengths are shares of the mesh's diagonal, {}\n\
          points: {} on hulls ({} of them on the boundary of all), {} on the mesh, {} in space",
-        table.trim_fmt(),
-        // Seven digits will do for people.
+        pairs(rows),
+        // Single precision prints seven digits.
         found.diagonal as f32,
         samples.hull,
         samples.boundary,
@@ -155,12 +189,7 @@ fn length(value: f64) -> String {
 }
 
 fn share(share: Option<f64>) -> String {
-    share.map_or_else(nothing, |share| format!("{:.1} %", 100.0 * share))
-}
-
-/// Stands where there is no number.
-fn nothing() -> String {
-    "–".into()
+    share.map_or_else(|| NOTHING.into(), |share| format!("{:.1} %", 100.0 * share))
 }
 
 #[cfg(test)]

@@ -1,8 +1,36 @@
-//! Text for standard output and standard error, either of which may be closed at any time.
+//! Text for standard output and standard error, either of which may be closed at any time, and why
+//! the program ends with an error.
 
 use std::io::{ErrorKind, Write};
 
-use crate::Failure;
+use hullwright::hulls_format::HullsFileError;
+use serde::Serialize;
+
+/// Why the program ends with an error.
+pub enum Failure {
+    /// The arguments make no sense: exit code 2.
+    Usage(String),
+    /// The input or the work went wrong: exit code 1.
+    Work(String),
+}
+
+impl From<String> for Failure {
+    fn from(reason: String) -> Self {
+        Self::Work(reason)
+    }
+}
+
+impl From<hullwright::Error> for Failure {
+    fn from(error: hullwright::Error) -> Self {
+        Self::Work(error.to_string())
+    }
+}
+
+impl From<HullsFileError> for Failure {
+    fn from(error: HullsFileError) -> Self {
+        Self::Work(error.to_string())
+    }
+}
 
 /// Prints lines to standard output. A reader that has gone away, such as `head`, is no error.
 pub fn print(text: &str) -> Result<(), Failure> {
@@ -15,6 +43,11 @@ pub fn print(text: &str) -> Result<(), Failure> {
     }
 }
 
+/// Prints one line of JSON to standard output.
+pub fn print_json(line: &impl Serialize) -> Result<(), Failure> {
+    print(&serde_json::to_string(line).map_err(|error| format!("can't print: {error}"))?)
+}
+
 /// Prints one line to standard error, whatever the reason holds.
 pub fn print_error(reason: &str) {
     let line: Vec<&str> = reason.lines().map(str::trim).collect();
@@ -22,7 +55,7 @@ pub fn print_error(reason: &str) {
     let _ = writeln!(std::io::stderr(), "error: {}", line.join(" "));
 }
 
-/// A length of time in few digits.
+/// A duration in few digits.
 pub fn time(seconds: f64) -> String {
     if seconds < 1.0 { format!("{:.1} ms", seconds * 1000.0) } else { format!("{seconds:.2} s") }
 }

@@ -1,11 +1,13 @@
-//! A decomposition for people: a row like those of the paper's Table 1, and the search tree.
+//! Tables for people: a decomposition as one row, the surface method's search, the curve of hulls
+//! against error.
 
 use comfy_table::{CellAlignment, Table, presets};
 use hullwright::{
-    BoundedReport, CurvePoint, Repairs, ResolutionOutcome, SurfaceReport, ThresholdOutcome,
+    BoundedReport, CurvePoint, Decomposition, Repairs, Report, SurfaceReport, ThresholdOutcome,
 };
 
-use crate::decompose::Outcome;
+use crate::hulls::vertices;
+use crate::outcomes::{of_resolution, of_threshold};
 use crate::output::{count, time};
 
 /// The columns of the paper's Table 1.
@@ -14,22 +16,24 @@ const SUMMARY_HEADER: [&str; 8] =
 
 /// Lengths are shares of the mesh's diagonal. What is called at most is verified, not sampled.
 const BOUNDED_HEADER: [&str; 7] =
-    ["hulls", "vertices", "time", "bound", "stands out at most", "sinks in at most", "triangles"];
+    ["hulls", "vertices", "time", "bound", "protrusion at most", "uncovered at most", "triangles"];
 
 const SEARCH_HEADER: [&str; 7] =
     ["r", "target", "polygons", "p", "pieces", "cost", "what became of it"];
 
 /// Spaces before and after each column.
-pub const PADDING: (u16, u16) = (0, 2);
+const PADDING: (u16, u16) = (0, 2);
 
 /// Stands where there is no number.
-const NOTHING: &str = "–";
+pub const NOTHING: &str = "–";
 
 /// A table with one row, and a line about repairs if there were any.
-pub fn summary(outcome: &Outcome) -> String {
-    let report = &outcome.decomposition.report;
-    let pieces = outcome.decomposition.hulls.len().to_string();
-    let seconds = time(outcome.seconds);
+///
+/// `seconds` is the wall-clock time of the decomposition, without reading and writing.
+pub fn summary(decomposition: &Decomposition, seconds: f64) -> String {
+    let Decomposition { hulls, report, .. } = decomposition;
+    let pieces = hulls.len().to_string();
+    let seconds = time(seconds);
     let mut text = match (&report.surface, &report.bounded) {
         (Some(surface), _) => {
             let row = [
@@ -51,7 +55,7 @@ pub fn summary(outcome: &Outcome) -> String {
             };
             let row = [
                 pieces,
-                outcome.vertices().to_string(),
+                vertices(hulls).to_string(),
                 seconds,
                 percent(|bounded| bounded.bound),
                 percent(|bounded| bounded.protrusion_max),
@@ -82,7 +86,7 @@ pub fn curve(curve: &[CurvePoint], diagonal: f64) -> String {
             percent(point.uncovered_max),
         ]
     });
-    let header = ["hulls", "error", "stands out at most", "sinks in at most"];
+    let header = ["hulls", "error", "protrusion at most", "uncovered at most"];
     right_aligned(&header, rows).trim_fmt()
 }
 
@@ -111,8 +115,8 @@ pub fn repairs(repairs: &Repairs) -> Vec<String> {
 }
 
 /// Every resolution, and below it its thresholds.
-pub fn search(outcome: &Outcome) -> String {
-    match &outcome.decomposition.report.surface {
+pub fn search(report: &Report) -> String {
+    match &report.surface {
         Some(surface) => search_table(surface).trim_fmt() + "\n",
         None => "this method does not search\n".into(),
     }
@@ -121,22 +125,20 @@ pub fn search(outcome: &Outcome) -> String {
 fn search_table(surface: &SurfaceReport) -> Table {
     let mut rows = Vec::new();
     for resolution in &surface.resolutions {
-        let [_, words] = resolution_outcome(resolution.outcome);
         let mut row = [""; 7].map(String::from);
         row[0] = resolution.resolution.to_string();
         row[1] = resolution.target.to_string();
         row[2] = resolution.polygons.to_string();
-        row[6] = words.into();
+        row[6] = of_resolution(resolution.outcome).words.into();
         rows.push(row);
         for threshold in &resolution.thresholds {
-            let [_, words] = threshold_outcome(threshold.outcome);
             let mut row = [""; 7].map(String::from);
             row[3] = threshold.planar_threshold.to_string();
             if threshold.outcome != ThresholdOutcome::NotTried {
                 row[4] = threshold.pieces.to_string();
                 row[5] = cost(threshold.cost);
             }
-            row[6] = words.into();
+            row[6] = of_threshold(threshold.outcome).words.into();
             rows.push(row);
         }
     }
@@ -147,64 +149,31 @@ fn search_table(surface: &SurfaceReport) -> Table {
     table
 }
 
+/// Names and values, one pair a line.
+pub fn pairs(rows: impl IntoIterator<Item = (&'static str, String)>) -> String {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    table.add_rows(rows.into_iter().map(|(name, value)| [name.to_owned(), value]));
+    aligned(table, CellAlignment::Left).trim_fmt()
+}
+
 fn right_aligned<const N: usize>(
     header: &[&str; N],
     rows: impl IntoIterator<Item = [String; N]>,
 ) -> Table {
     let mut table = Table::new();
     table.load_style(presets::NOTHING).set_header(*header).add_rows(rows);
+    aligned(table, CellAlignment::Right)
+}
+
+fn aligned(mut table: Table, alignment: CellAlignment) -> Table {
     for column in table.column_iter_mut() {
         column.set_padding(PADDING);
-        column.set_cell_alignment(CellAlignment::Right);
+        column.set_cell_alignment(alignment);
     }
     table
 }
 
 fn cost(cost: f64) -> String {
     format!("{cost:.4}")
-}
-
-/// A name for machines and words for people.
-pub fn resolution_outcome(outcome: ResolutionOutcome) -> [&'static str; 2] {
-    match outcome {
-        ResolutionOutcome::Selected => ["selected", "selected: least cost of those left"],
-        ResolutionOutcome::CostlierThanSelected => {
-            ["costlier_than_selected", "dropped: another costs less"]
-        }
-        ResolutionOutcome::TooManyPieces => {
-            ["too_many_pieces", "dropped: more than 1.5 times the average pieces"]
-        }
-        ResolutionOutcome::CutOff => {
-            ["cut_off", "skipped: an earlier one has fewer pieces than the cut-off"]
-        }
-        ResolutionOutcome::SameAsBefore => {
-            ["same_as_before", "skipped: the same mesh as the one before"]
-        }
-        ResolutionOutcome::DeadlineReached => ["deadline_reached", "skipped: deadline"],
-        _ => ["other", "other"],
-    }
-}
-
-/// A name for machines and words for people.
-pub fn threshold_outcome(outcome: ThresholdOutcome) -> [&'static str; 2] {
-    match outcome {
-        ThresholdOutcome::Candidate => ["candidate", "candidate: fewest pieces under ε"],
-        ThresholdOutcome::CandidateAtOnce => {
-            ["candidate_at_once", "candidate: next to no cost, taken at once"]
-        }
-        ThresholdOutcome::CandidateByFailSafe => {
-            ["candidate_by_fail_safe", "candidate: least cost, since none is under ε"]
-        }
-        ThresholdOutcome::MorePieces => ["more_pieces", "under ε, but another has fewer pieces"],
-        ThresholdOutcome::TooCostly => ["too_costly", "not under ε"],
-        ThresholdOutcome::AbortedAboveThreshold => {
-            ["aborted_above_threshold", "given up: average above 3 ε"]
-        }
-        ThresholdOutcome::AbortedAboveLeast => {
-            ["aborted_above_least", "given up: average above 3 times the least"]
-        }
-        ThresholdOutcome::SingleGroup => ["single_group", "a single group: ends this search"],
-        ThresholdOutcome::NotTried => ["not_tried", "not tried"],
-        _ => ["other", "other"],
-    }
 }

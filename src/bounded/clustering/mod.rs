@@ -1,4 +1,4 @@
-//! Vertex clustering: the search works on a closed mesh of very many triangles through one of fewer
+//! Vertex clustering: a closed mesh of very many triangles is searched through a reduced one
 //! (Rossignac and Borrel, "Multi-resolution 3D Approximations for Rendering Complex Scenes", 1993).
 //! Only repair, the hulls of patches and verification read all of its triangles.
 //!
@@ -52,13 +52,13 @@ const MAX_CLUSTER: usize = 4096;
 /// triangles of the clusters are looked through.
 const EXPECTED: f64 = 1.01;
 
-/// A mesh of fewer triangles, and the surface that it replaces.
+/// A reduced mesh, and the surface that it represents.
 pub(super) struct Clustered {
     /// The source, its long triangles halved.
     pub surface: Arc<TriangleMesh>,
     /// For each triangle of `surface` the prepared mesh's triangle that it is a part of.
     pub parents: Arc<Vec<u32>>,
-    /// The mesh of fewer triangles.
+    /// The reduced mesh.
     pub mesh: TriangleMesh,
     /// For each triangle of `mesh` the source's component.
     pub components: Vec<u32>,
@@ -72,8 +72,8 @@ pub(super) struct Clustered {
     pub displacement: f64,
 }
 
-/// The mesh of fewer triangles, for meshes that need one. Not where cavities are kept: a narrow one
-/// could close.
+/// The reduced mesh of a prepared one that needs it. Where cavities are kept there is none: a narrow
+/// cavity could close.
 ///
 /// # Errors
 /// [`Error::Cancelled`].

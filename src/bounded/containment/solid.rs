@@ -31,7 +31,8 @@ const SINGLE_PRECISION: f64 = 1e-6;
 /// The source mesh as a solid, or a reduced one that represents it.
 pub(in crate::bounded) struct Solid {
     pub bvh: Bvh,
-    /// Whether the surface encloses the inside. Only then does a point's side hold around it.
+    /// Whether the surface encloses the inside. Only then is a point's side also that of all points
+    /// nearer to it than the surface.
     pub is_closed: bool,
     pub(super) grid: DistanceGrid,
     /// A point of each cavity that no hull may contain, and its distance to the surface.
@@ -176,7 +177,7 @@ impl Solid {
     }
 
     /// An upper bound on the distance to the solid's own surface from any point of a face with this
-    /// centre. Any value at most `enough` serves as well.
+    /// centre. Once it is known to be at most `enough`, it is not refined.
     ///
     /// The distance to a point of the surface, or to one of its triangles, is a convex function:
     /// its maximum over the face is at a corner. Point and triangle are those of the grid.

@@ -1,5 +1,5 @@
-//! Division: a piece whose hull does not keep the bound is halved until each part does, at last down
-//! to triangles of the source, which always fit.
+//! Division: a piece whose hull does not keep the bound is halved until each part does, at last
+//! down to triangles of the source, which always do.
 
 use super::context::FinalizeContext;
 use super::final_hull::FinalHull;

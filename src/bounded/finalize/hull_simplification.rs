@@ -27,8 +27,8 @@ use crate::hull::{
 /// thin plate hardly any vertex protrudes, and what is left can be a tetrahedron.
 const MIN_VOLUME_SHARE: f64 = 0.95;
 
-/// Where the cap cannot be kept otherwise, vertices that protrude by less than these, in bounds, are
-/// left out: multiples of [`MAX_UNCOVERED`] well below [`MAX_UNCOVERED_UNDER_CAP`].
+/// Where the cap cannot be kept otherwise, vertices that protrude by less than these, in bounds,
+/// are left out: more than [`MAX_UNCOVERED`], less than half of [`MAX_UNCOVERED_UNDER_CAP`].
 const COARSER: [f64; 2] = [0.1, 0.2];
 
 /// By these, in bounds, a hull that was capped by growing shrinks again: less than

@@ -15,8 +15,8 @@ use crate::error::Error;
 use crate::geometry::vector::{Vector, add, area_normal};
 use crate::hull::{ConvexHull, HullBuilder, LEAST_THICKNESS, solid_hull};
 
-/// Numbers of points for which it pays to build their hull before computing how far they are
-/// outside another one: for fewer the distances are as fast, and more have vertices by the thousand.
+/// Numbers of points for which building their hull pays before computing how far they are outside
+/// another one. For fewer the distances are as fast; of more, the hull has thousands of vertices.
 const WORTH_A_HULL: Range<usize> = 64..8192;
 
 /// The hull of very many points is built of those that protrude by more than this share of what may

@@ -1,8 +1,8 @@
 //! Remerging: where verification has divided hulls, in halves, they join again as long as the joint
 //! hull keeps the bound, those that add the least volume first.
 //!
-//! Each joint hull is verified itself, while the search uses a lenient test and a margin. A tenth of
-//! all meshes have divided hulls, and of those hulls 7 % can join again.
+//! Each joint hull is verified itself, while the search uses a lenient test and a margin. A tenth
+//! of all meshes have divided hulls, and 7 % of those hulls can join again.
 
 use super::context::FinalizeContext;
 use super::final_hull::FinalHull;

@@ -1,5 +1,6 @@
-//! The rows as CSV, for whoever wants to look at them in their own way.
+//! Rows and comparisons as CSV, for whoever wants to look at them in their own way.
 
+use super::curves::versus;
 use super::summary::Results;
 use crate::runs::judge::Judged;
 use crate::runs::record::{Row, Worked};
@@ -11,8 +12,29 @@ pub fn csv(results: &Results<'_>) -> Result<String, String> {
     records(std::iter::once(header).chain(rows))
 }
 
+/// Wins and losses mesh by mesh: our hulls over another method's at equal error, our error over
+/// its at equal hulls; empty where the curves don't meet.
+pub fn versus_csv(results: &Results<'_>) -> Result<String, String> {
+    let curves = results.curves();
+    let name = if curves.contains_key("bounded") { "bounded" } else { "surface" };
+    let header = ["mesh", "other method"].map(String::from).into_iter();
+    let ratios = ["hulls", "error"].map(|what| format!("{name} {what} over theirs"));
+    let mut rows = vec![header.chain(ratios).collect::<Vec<_>>()];
+    let cell = |ratio: Option<f64>| ratio.map_or_else(String::new, |ratio| ratio.to_string());
+    let own = curves.get(name);
+    for (other, meshes) in curves.iter().filter(|(method, _)| **method != name) {
+        for (mesh, theirs) in meshes {
+            let Some(own) = own.and_then(|own| own.get(mesh)) else { continue };
+            let found = versus(own, theirs);
+            let names = [*mesh, *other].map(String::from).into_iter();
+            rows.push(names.chain([found.hulls, found.error].map(cell)).collect());
+        }
+    }
+    records(rows)
+}
+
 /// Records as CSV.
-pub fn records(records: impl IntoIterator<Item = Vec<String>>) -> Result<String, String> {
+fn records(records: impl IntoIterator<Item = Vec<String>>) -> Result<String, String> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for record in records {
         writer.write_record(record).map_err(|error| format!("a table: {error}"))?;

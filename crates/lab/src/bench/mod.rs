@@ -169,7 +169,7 @@ fn report(output: &Path, rows: &[Row]) -> Result<(), String> {
     let plots = plots::plots(&results)?;
     let tables = results.tables();
     html_report::write(&output.join("runs.csv"), &export::csv(&results)?)?;
-    html_report::write(&output.join("versus.csv"), &results.versus_csv()?)?;
+    html_report::write(&output.join("versus.csv"), &export::versus_csv(&results)?)?;
     let title = "Time against error";
     let report = Report { title, words, machine: &machine, plots: &plots, tables: &tables };
     report.write(output, "benchmark")

@@ -3,7 +3,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::curves::{Comparison, Curve, Point, versus};
-use super::export::records;
 use crate::report::table::{NOTHING, Table, number, number_or_nothing};
 use crate::runs::judge::Judged;
 use crate::runs::meshes;
@@ -237,27 +236,6 @@ impl<'a> Results<'a> {
             tables.push(table);
         }
         tables
-    }
-
-    /// Wins and losses mesh by mesh: our hulls over another method's at equal error, our error over
-    /// its at equal hulls; empty where the curves don't meet.
-    pub fn versus_csv(&self) -> Result<String, String> {
-        let curves = self.curves();
-        let name = if curves.contains_key("bounded") { "bounded" } else { "surface" };
-        let header = ["mesh", "other method"].map(String::from).into_iter();
-        let ratios = ["hulls", "error"].map(|what| format!("{name} {what} over theirs"));
-        let mut rows = vec![header.chain(ratios).collect::<Vec<_>>()];
-        let cell = |ratio: Option<f64>| ratio.map_or_else(String::new, |ratio| ratio.to_string());
-        let own = curves.get(name);
-        for (other, meshes) in curves.iter().filter(|(method, _)| **method != name) {
-            for (mesh, theirs) in meshes {
-                let Some(own) = own.and_then(|own| own.get(mesh)) else { continue };
-                let found = versus(own, theirs);
-                let names = [*mesh, *other].map(String::from).into_iter();
-                rows.push(names.chain([found.hulls, found.error].map(cell)).collect());
-            }
-        }
-        records(rows)
     }
 
     /// Meshes on which another method needs fewer hulls than ours at equal error.

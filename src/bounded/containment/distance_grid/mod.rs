@@ -31,7 +31,7 @@ use vector_f32::{dot, length, subtract};
 /// Half the diagonal of a cell, in cells.
 const HALF_DIAGONAL: f64 = 0.8660254037844387;
 
-/// What holds for all points of a cell. One byte each, so that more of them stay in the cache.
+/// What is true of all points of a cell. One byte each, so that more of them stay in the cache.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum CellClass {
     /// Inside the solid, or near it.

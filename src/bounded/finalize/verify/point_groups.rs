@@ -53,8 +53,8 @@ struct PointGroup {
     radius: f64,
 }
 
-/// Points of a coarse group, and of a fine group within it. Testing a group against a plane costs as
-/// much as a point: a fine group must have several points, and a coarse one several fine groups.
+/// Points of a coarse group, and of a fine group within it. Testing a group against a plane takes
+/// as long as a point: a fine group needs several points, and a coarse one several fine groups.
 const COARSE: usize = 128;
 const FINE: usize = 8;
 
@@ -99,8 +99,8 @@ impl PointGroups {
     }
 }
 
-/// The Morton curve's grid has 2 to this many cells along each axis: 24 bits of a 32-bit key, and
-/// finer cells than groups have.
+/// The Morton curve's grid has 2 to this many cells along each axis: finer than groups, and three
+/// coordinates fit a 32-bit key.
 const BITS: u32 = 8;
 
 #[cfg(test)]

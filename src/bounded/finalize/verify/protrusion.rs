@@ -1,8 +1,8 @@
 //! The protrusion of a hull: how far its surface is from the solid, as an upper bound.
 //!
-//! The rules of the fit test decide a face, without its leniences: no part is accepted because it is
-//! small. The grid serves where it bounds a distance from above, and for the side of points that are
-//! nearer to their cell's centre than to the surface. Where the mesh was clustered, distances are
+//! The rules of the fit test decide a face, without its leniences: no part is accepted because it
+//! is small. The grid serves where it bounds a distance from above, and for the side of points that
+//! are nearer to their cell's centre than to the surface. Where the mesh was clustered, distances are
 //! those to the source, and what is inside the solid may be as far outside the source as vertices
 //! have moved: the result is never below that.
 
@@ -28,8 +28,8 @@ const RESOLUTION: f64 = 0.04;
 /// The same for maxima just below the bound, where it decides whether a hull is divided.
 const FINE_RESOLUTION: f64 = 0.005;
 
-/// Where the surface is open, the inside ends without it, but gradually. Per open sheet, the winding
-/// number falls by less than this over a distance equal to that from the surface.
+/// Where the surface is open, the inside ends without it, but gradually. Per open sheet, the
+/// winding number falls by less than this over a distance equal to that from the surface.
 const MAX_GRADIENT: f64 = 0.5;
 
 /// The winding number just below an open sheet.
@@ -41,8 +41,9 @@ const SMALL_IN_OPEN: f64 = 0.1;
 /// Maximum number of parts of a hull's faces: needles would otherwise be halved without end.
 const MAX_PARTS: usize = 200_000;
 
-/// Where the distance is maximal all along a line, as halfway between two sheets, resolving it takes
-/// parts without end. After this many it is only decided whether the bound is kept.
+/// Where the distance is maximal all along a line, as halfway between two sheets, resolving it
+/// takes parts without end. After this many it is only decided whether the bound is kept. Two
+/// plates 0.13 % apart under a bound of 0.2 % took 50 s without.
 const MANY_PARTS: usize = 20_000;
 
 /// Parts between two checks for cancellation: less than a millisecond.

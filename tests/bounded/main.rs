@@ -1,0 +1,28 @@
+//! Promises of the bounded method, each judged by means of the tests' own.
+//!
+//! | file | promises |
+//! |---|---|
+//! | `promise` | the bound is kept, for every bound, preset and kind of mesh |
+//! | `bundled_models` | the bundled models keep it, with as many hulls as before |
+//! | `degenerate_input` | degenerate input has a result that keeps it, or a typed error |
+//! | `dense_meshes` | meshes of very many triangles keep it and lose none |
+//! | `hull_counts` | simple shapes have few hulls |
+//! | `empty_space` | solids are filled, and empty space stays empty |
+//! | `caps` | caps on vertices and hulls are kept |
+//! | `running` | threads, slices, progress, cancellation, deadlines |
+//! | `hierarchy` | joins down to one hull |
+
+#[cfg(feature = "io")]
+mod bundled_models;
+mod caps;
+#[path = "../common/mod.rs"]
+mod common;
+mod degenerate_input;
+mod dense_meshes;
+mod empty_space;
+mod hierarchy;
+mod hull_counts;
+mod judge;
+mod promise;
+mod running;
+mod shapes;

@@ -1,0 +1,81 @@
+//! Threads, slices, progress, cancellation and deadlines.
+
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use hullwright::{Control, Decomposer, Error, MeshView, Parameters, decompose};
+
+use crate::judge::{assert_promise, run};
+use crate::shapes::{cup, torus};
+
+#[test]
+fn one_two_and_four_threads_give_the_same() {
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| run(&cup()).hulls)
+    };
+    let one = on(1);
+    assert_eq!(one, on(2));
+    assert_eq!(one, on(4));
+}
+
+#[test]
+fn slices_give_the_same_and_progress_never_falls() {
+    let mesh = torus();
+    let seen = Arc::new(Mutex::new(Vec::new()));
+    let listener = Arc::clone(&seen);
+    let control = Control::new()
+        .with_progress(move |progress| listener.lock().unwrap().push(progress.fraction));
+    let mut decomposer =
+        Decomposer::new(MeshView::new(&mesh.0, &mesh.1), &Parameters::default()).unwrap();
+    let mut slices = 1;
+    let sliced = loop {
+        if let Some(result) = decomposer.step(&control).unwrap() {
+            break result;
+        }
+        slices += 1;
+    };
+    assert!(slices >= 5);
+    assert_eq!(sliced.hulls, run(&mesh).hulls);
+    let fractions = seen.lock().unwrap();
+    assert!(fractions.windows(2).all(|pair| pair[0] <= pair[1]));
+    assert_eq!(fractions.last(), Some(&1.0));
+}
+
+#[test]
+fn cancelling_is_a_typed_error() {
+    let control = Control::new();
+    control.cancel();
+    let (positions, triangles) = torus();
+    let result = decompose(MeshView::new(&positions, &triangles), &Parameters::default(), &control);
+    assert_eq!(result, Err(Error::Cancelled));
+}
+
+#[test]
+fn cancelling_in_any_slice_is_a_typed_error() {
+    let (positions, triangles) = torus();
+    for before in 0.. {
+        let control = Control::new();
+        let mut decomposer =
+            Decomposer::new(MeshView::new(&positions, &triangles), &Parameters::default()).unwrap();
+        for _ in 0..before {
+            if decomposer.step(&control).unwrap().is_some() {
+                assert!(before >= 5);
+                return;
+            }
+        }
+        control.cancel();
+        assert_eq!(decomposer.step(&control).unwrap_err(), Error::Cancelled);
+    }
+}
+
+#[test]
+fn after_the_deadline_the_best_so_far_is_returned_and_keeps_the_promise() {
+    let mesh = torus();
+    let past = Instant::now() - Duration::from_secs(1);
+    let control = Control::new().with_deadline(past);
+    let result =
+        decompose(MeshView::new(&mesh.0, &mesh.1), &Parameters::default(), &control).unwrap();
+    assert!(result.report.deadline_reached);
+    assert_promise("deadline", &mesh, &result);
+}
