@@ -80,7 +80,7 @@ fn app() -> App {
     app_with(|_| {})
 }
 
-/// As in a game: with Rapier's plugin, so that there are bodies that are held still and fall.
+/// As in a game: with Rapier's plugin, so that bodies are frozen and fall.
 fn app_with_bodies() -> App {
     let mut app = app_with(|app| {
         app.add_plugins((TransformPlugin, RapierPhysicsPlugin::<NoUserData>::default()));
@@ -190,7 +190,7 @@ fn falling() {
     println!("falling: {IDLE_ENTITIES} finished bodies cost {cost:.1} µs per frame");
 }
 
-/// In microseconds, the median.
+/// The median, in microseconds.
 fn cost_per_frame(app: &mut App, frames: usize) -> f64 {
     let mut times: Vec<Duration> = (0..frames)
         .map(|_| {

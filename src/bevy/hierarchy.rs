@@ -15,7 +15,7 @@ use super::tag::{ConvexDecomposition, NoConvexDecomposition};
 /// is how Bevy spawns the primitives of a mesh, are tagged by their parent. Entities with a tag of
 /// their own keep it.
 ///
-/// What applies to a mesh, the first that says anything: [`by_name`](Self::by_name), the artist's
+/// The first rule that matches a mesh applies: [`by_name`](Self::by_name), the artist's
 /// names and extras (if [`follows_artists`](Self::follows_artists)), then
 /// [`default`](Self::default_tag).
 #[derive(Component, Reflect, Debug, Clone, PartialEq)]
@@ -98,7 +98,7 @@ mod by_name {
 #[derive(Component, Debug, Clone, Copy)]
 pub(super) struct TaggedByHierarchy;
 
-/// What is looked at to know what to tag.
+/// The scene that is tagged.
 #[derive(SystemParam)]
 pub(super) struct Nodes<'w, 's> {
     meshes: Query<'w, 's, (Entity, Option<&'static Transform>), With<Mesh3d>>,

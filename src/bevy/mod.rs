@@ -27,7 +27,7 @@
 //! | `tag`, `baked` | components that ask for a collider |
 //! | `parameters` | from the tag's flat settings to the library's parameters |
 //! | `naming_conventions`, `hierarchy` | whole scenes, tagged by names and extras |
-//! | `mesh_data`, `placement` | triangles of meshes, and the scale that is baked |
+//! | `mesh_data`, `convert`, `placement` | triangles of meshes, and the scale that is baked |
 //! | `content`, `cache`, `disk_cache` | known results by content |
 //! | `task` | one decomposition, in steps |
 //! | `request`, `budget`, `queue` | what entities ask for, and the state of all work |

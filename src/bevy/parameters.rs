@@ -53,8 +53,8 @@ pub(super) fn has_absolute_length(parameters: &Parameters) -> bool {
         || matches!(parameters.surface.unit, Length::Units(_))
 }
 
-/// Hashes every parameter that a result may depend on. Field by field, so that the keys of caches on
-/// disk change with no text or layout; a new field does not compile until it is hashed here.
+/// Hashes every parameter, field by field, so that the keys of caches on disk depend on no text or
+/// layout. The patterns name all fields: a new one does not compile until it is hashed here.
 pub(super) fn hash_parameters(parameters: &Parameters, hasher: &mut blake3::Hasher) {
     let Parameters { method, bounded, surface, max_vertices } = parameters;
     let BoundedParameters { max_error, preset, max_hulls, keep_cavities } = bounded;

@@ -51,7 +51,7 @@ type TagComponents = (
 type InputBoundary =
     (Has<ConvexDecomposition>, Has<BakedDecomposition>, Has<RigidBody>, Has<NoConvexDecomposition>);
 
-/// What is to become of an entity.
+/// The next state of an entity.
 enum Resolution {
     /// It is gone, or has no tag any more.
     Gone,

@@ -1,4 +1,4 @@
-//! What all entities have in common.
+//! Settings for all entities.
 
 use std::path::PathBuf;
 use std::time::Duration;

@@ -1,4 +1,4 @@
-//! What users put on entities: the tag, what keeps an entity out, and where to begin.
+//! Components that users put on entities: the tag, the exclusion, the focus.
 
 use bevy::prelude::*;
 
@@ -68,7 +68,7 @@ pub enum MaxError {
     Metres(f32),
 }
 
-/// What props may be off before a player sees it.
+/// Smaller gaps between a prop and its collider go unnoticed in play.
 const DEFAULT_MAX_ERROR: MaxError = MaxError::Share(0.02);
 
 impl Default for MaxError {

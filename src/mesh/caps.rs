@@ -5,7 +5,7 @@
 //! beyond the long edge is split at the middle vertex first: then nothing is missing without
 //! the cap.
 
-use super::degenerate::is_degenerate;
+use super::area::is_degenerate;
 use super::edges::SortedHalfEdges;
 use crate::geometry::vector::{Vector, length_squared, subtract};
 

@@ -6,6 +6,7 @@ pub use crate::geometry::TriangleMesh;
 use crate::geometry::vector::{Vector, add, bounds, length, scale, subtract};
 
 pub(crate) mod adjacency;
+mod area;
 mod caps;
 mod components;
 mod degenerate;
@@ -126,7 +127,7 @@ mod tests {
     use proptest::test_runner::RngSeed;
 
     use super::adjacency::{Adjacency, NO_NEIGHBOUR};
-    use super::degenerate::is_degenerate;
+    use super::area::is_degenerate;
     use super::repair::prepare;
     use super::simplify::simplify;
     use super::*;

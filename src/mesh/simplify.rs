@@ -23,7 +23,7 @@ use std::borrow::Cow;
 
 use meshoptimizer_rs::{Limits, Positions, SimplifyOptions, SimplifySettings, Workspace};
 
-use super::degenerate::is_degenerate;
+use super::area::is_degenerate;
 use super::weld::WELD_TOLERANCE;
 use super::{TriangleMesh, compact};
 use crate::error::Error;

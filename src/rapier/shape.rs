@@ -16,9 +16,20 @@ use crate::{Hull, MassProperties};
 /// its factors differ; a negative factor mirrors. If Parry refuses a hull, a hull simplified by at
 /// most 1e-3 of its extent replaces it, and if Parry refuses that too, its bounding box.
 ///
+/// ```
+/// # let mesh = hullwright::TriangleMesh::new(
+/// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+/// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+/// # );
+/// # let parameters = hullwright::Parameters::default();
+/// # let hulls = hullwright::decompose(&mesh, &parameters, &hullwright::Control::new())?.hulls;
+/// let twice_as_high = hullwright::rapier::shape(&hulls, [1.0, 2.0, 1.0])?;
+/// assert!((twice_as_high.compute_local_aabb().maxs.y - 2.0).abs() < 1e-4);
+/// # Ok::<(), hullwright::ColliderError>(())
+/// ```
+///
 /// # Errors
-/// [`ColliderError`](crate::ColliderError) says which hull or factor can't be used. It
-/// never panics.
+/// [`ColliderError`] says which hull or factor can't be used. It never panics.
 pub fn shape(hulls: &[Hull], scale: [f32; 3]) -> Result<SharedShape, ColliderError> {
     let points: Vec<_> = hulls.iter().map(|hull| hull.shape.points.as_slice()).collect();
     shape_from_points(&points, scale)
@@ -64,6 +75,19 @@ fn part(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Option<SharedShape> {
 /// A collider of all hulls with the mass properties of the source mesh, both scaled: see
 /// [`shape`] and [`mass_properties`].
 ///
+/// ```
+/// # let mesh = hullwright::TriangleMesh::new(
+/// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+/// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+/// # );
+/// # let parameters = hullwright::Parameters::default();
+/// # let hulls = hullwright::decompose(&mesh, &parameters, &hullwright::Control::new())?.hulls;
+/// let properties = hullwright::mass_properties(&mesh, &hulls, 600.0)?;
+/// let collider = hullwright::rapier::collider(&hulls, &properties, [1.0; 3])?.build();
+/// assert!((collider.mass() - 100.0).abs() < 1e-3);
+/// # Ok::<(), hullwright::ColliderError>(())
+/// ```
+///
 /// # Errors
 /// As [`shape`] and [`mass_properties`].
 pub fn collider(
@@ -78,10 +102,20 @@ pub fn collider(
 /// The mass properties in Rapier's type, after the body's coordinates are multiplied by
 /// `scale` at the same density.
 ///
+/// ```
+/// # let mesh = hullwright::TriangleMesh::new(
+/// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+/// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+/// # );
+/// let properties = hullwright::mass_properties(&mesh, &[], 600.0)?;
+/// let doubled = hullwright::rapier::mass_properties(&properties, [2.0, 1.0, 1.0])?;
+/// assert!((doubled.mass() - 200.0).abs() < 1e-3);
+/// # Ok::<(), hullwright::ColliderError>(())
+/// ```
+///
 /// # Errors
-/// [`ColliderError::InvalidScale`](ColliderError::InvalidScale), and
-/// [`ColliderError::UnusableMass`](ColliderError::UnusableMass) where a value is
-/// beyond the range of `f32`.
+/// [`ColliderError::InvalidScale`], and [`ColliderError::UnusableMass`] where a value is beyond the
+/// range of `f32`.
 pub fn mass_properties(
     properties: &MassProperties,
     scale: [f32; 3],

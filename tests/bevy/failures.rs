@@ -1,4 +1,4 @@
-//! What fails is said once, and is tried again when what was wrong with it has changed.
+//! Failures are logged once, and retried when their cause changes.
 
 use std::time::Duration;
 
@@ -36,7 +36,7 @@ fn repair(app: &mut App, handle: &Handle<Mesh>) {
 }
 
 /// Rapier's plugin may bring Bevy's for meshes, which marks entities whose mesh changed; a server
-/// has neither, and ours alone must notice.
+/// has neither, and the plugin alone must detect it.
 fn app_without_rapier() -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, AssetPlugin::default(), HullwrightPlugin::default()));

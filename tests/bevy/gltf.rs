@@ -133,7 +133,7 @@ fn an_artists_tags_are_followed_and_nothing_else_is_decomposed() {
     expected.extend(["lamp", "mug-convcol"].map(String::from));
     assert_eq!(names_with::<ConvexDecomposition>(&mut app), expected);
     assert_eq!(names_with::<Collider>(&mut app), expected);
-    // The table that has pieces, and the leaf of which nobody said anything.
+    // The table has pieces, and the leaf has no tag.
     let all = names_with::<Name>(&mut app);
     assert!(["leaf", "table"].iter().all(|name| all.iter().any(|other| other == name)));
 

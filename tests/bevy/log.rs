@@ -1,4 +1,4 @@
-//! What is logged, by all tests together.
+//! The log of all tests together.
 
 use std::sync::Mutex;
 

@@ -1,4 +1,4 @@
-//! Whole scenes: a default, names, exclusions, and what artists say.
+//! Whole scenes: a default, names, exclusions, suffixes and extras.
 
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;

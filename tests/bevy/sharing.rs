@@ -1,4 +1,4 @@
-//! What a scene does not need is not done.
+//! Work that is skipped, shared or cached, and limits on what runs.
 
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
