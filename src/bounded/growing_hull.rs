@@ -76,6 +76,6 @@ impl GrowingHull {
     }
 }
 
-/// Points this near to a hull, in diagonals, do not change it during the search: a hundredth of the
-/// distances that count, and half of the time for hulls of fine meshes.
+/// Points this near to a hull, in diagonals, do not change it during the search: far less than any
+/// distance that counts, more than the rounding of repeated insertions.
 const SEARCH_TOLERANCE: f64 = 1e-5;
