@@ -274,15 +274,10 @@ fn garbage_among_hulls_is_counted_and_left_out() {
 
     let options = MeasureOptions::default();
     let (positions, triangles) = unit_cube();
-    for hulls in [&garbage[..], &[]] {
-        let found = measure(
-            MeshView::new(&positions, &triangles),
-            &shapes(hulls),
-            &options,
-            &Control::new(),
-        );
-        assert!(matches!(found, Err(Error::NoHull { .. })));
-    }
+    let mesh = MeshView::new(&positions, &triangles);
+    let error = |hulls: &[Mesh]| measure(mesh, &shapes(hulls), &options, &Control::new()).err();
+    assert!(matches!(error(&garbage), Some(Error::UnusableHull { hull: 0, .. })));
+    assert_eq!(error(&[]), Some(Error::NoHulls));
 }
 
 #[test]

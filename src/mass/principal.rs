@@ -24,7 +24,7 @@ const MOST_STEPS: usize = 1000;
 pub(super) fn principal_inertia(inertia: [Vector; 3]) -> PrincipalInertia {
     let matrix = Matrix3::from_fn(|i, j| (inertia[i][j] + inertia[j][i]) / 2.0);
     let size = matrix.amax();
-    // A diagonal tensor needs no turning, and shall not be turned by noise.
+    // A diagonal tensor needs no turning: noise would turn it.
     let eigen = (size.is_finite() && size > 0.0)
         .then(|| SymmetricEigen::try_new(matrix / size, f64::EPSILON, MOST_STEPS))
         .flatten();

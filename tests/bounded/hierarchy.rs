@@ -51,5 +51,5 @@ fn inconsistent_hulls_are_a_typed_error() {
     edited.hulls[0].shape.triangles[0][0] = 1_000_000;
     let (parameters, control) = (Parameters::default(), Control::new());
     let tree = MergeTree::new(MeshView::new(&mesh.0, &mesh.1), &edited, &parameters, &control);
-    assert!(matches!(tree, Err(Error::NoHull { .. })));
+    assert!(matches!(tree, Err(Error::UnusableHull { hull: 0, .. })));
 }

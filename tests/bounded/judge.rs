@@ -44,10 +44,10 @@ pub fn assert_promise(name: &str, mesh: &Mesh, result: &Decomposition) {
     let rounding = 1e-6 * diagonal;
     assert!(report.protrusion_max <= report.bound + rounding, "{name}: {report:?}");
     assert!(report.uncovered_max <= report.bound + rounding, "{name}: {report:?}");
-    let (phantom, exposed) =
+    let (protrusion, uncovered) =
         (measured.protrusion.max * diagonal, measured.uncovered.max * diagonal);
-    assert!(phantom <= report.protrusion_max + rounding, "{name}: {phantom} {report:?}");
-    assert!(exposed <= report.uncovered_max + rounding, "{name}: {exposed} {report:?}");
+    assert!(protrusion <= report.protrusion_max + rounding, "{name}: {protrusion} {report:?}");
+    assert!(uncovered <= report.uncovered_max + rounding, "{name}: {uncovered} {report:?}");
     assert_eq!(measured.non_convex_hulls, 0, "{name}");
     assert_eq!(measured.non_positive_volumes, 0, "{name}");
 }
