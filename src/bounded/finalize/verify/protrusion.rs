@@ -2,9 +2,9 @@
 //!
 //! The rules of the fit test decide a face, without its leniences: no part is accepted because it
 //! is small. The grid serves where it bounds a distance from above, and for the side of points that
-//! are nearer to their cell's centre than to the surface. Where the mesh was clustered, distances are
-//! those to the source, and what is inside the solid may be as far outside the source as vertices
-//! have moved: the result is never below that.
+//! are nearer to their cell's centre than to the surface. Where the mesh was clustered, distances
+//! are those to the source, and what is inside the solid may be as far outside the source as
+//! vertices have moved: the result is never below that.
 
 use crate::bounded::containment::inside::OPEN_INSIDE;
 use crate::bounded::containment::solid::{Solid, SourceDistance};
