@@ -102,7 +102,8 @@ impl HullInDiagonals<'_> {
 /// A public hull in diagonals, and its protrusion if that was verified.
 ///
 /// # Errors
-/// [`Error::UnusableHull`] if it is inconsistent, since its fields are public. `index` is its number.
+/// [`Error::UnusableHull`] if it is inconsistent, since its fields are public. `index` is its
+/// number.
 pub(super) fn normalized(
     hull: &Hull,
     index: usize,

@@ -81,8 +81,7 @@ pub fn torus() -> Mesh {
     lathe(&ring.collect::<Vec<_>>(), 32)
 }
 
-/// Of a cup whose wall is 0.1 thick. (A hole as wide as a needle in the middle of its floor keeps it
-/// a lathed ring.)
+/// Of a cup whose wall is 0.1 thick. A hole of radius 0.005 in its floor keeps it a lathed ring.
 pub const CUP_PROFILE: [[f64; 2]; 6] =
     [[0.005, 0.0], [1.0, 0.0], [1.0, 2.0], [0.9, 2.0], [0.9, 0.15], [0.005, 0.15]];
 

@@ -72,8 +72,8 @@ pub(super) struct Clustered {
     pub displacement: f64,
 }
 
-/// The reduced mesh of a prepared one that needs it. Where cavities are kept there is none: a narrow
-/// cavity could close.
+/// The reduced mesh of a prepared one that needs it. Where cavities are kept there is none: a
+/// narrow cavity could close.
 ///
 /// # Errors
 /// [`Error::Cancelled`].

@@ -22,7 +22,7 @@ const SMALL: f64 = 0.25;
 const CERTAIN: f64 = 1.03;
 
 /// A face counts as smaller by this factor: a notch narrower than the rest is found by
-/// verification. At 1, many faces would be halved for notches that no mesh has.
+/// verification. With 1, four of five models take 20 to 45 % more time and end with as many hulls.
 const LENIENCE: f64 = 0.4;
 
 /// A face of a larger circumradius, in bounds, is compared with the closest triangle as a whole: it

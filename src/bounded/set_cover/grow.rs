@@ -16,8 +16,8 @@ const MAX_BATCH: usize = 16;
 /// than what a final hull may leave uncovered (5 % of the bound) for bounds from 0.6 % on.
 const CONTAINED_TOLERANCE: f64 = 3e-4;
 
-/// Growth of the hull's volume after which the patches are ordered anew: sorting after each patch
-/// would take longer than the growth, and never would try distant patches early.
+/// Growth of the hull's volume after which the patches are ordered anew: a trade of the time to
+/// compute all distances again for an order that follows the hull.
 const REORDER: f64 = 1.15;
 
 /// Grows a piece by the patches of `wanted` that fit, in order of distance, until none fits.
