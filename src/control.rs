@@ -116,7 +116,9 @@ impl Control {
     }
 
     /// After `deadline` the best valid result so far is returned, or
-    /// [`Error::DeadlineExceeded`] where there is none yet.
+    /// [`Error::DeadlineExceeded`] where there is none yet. It is soft: optional work is left out, and
+    /// what the result needs is finished, with its bound and caps. For a hard stop call
+    /// [`cancel`](Self::cancel) from another thread.
     ///
     /// In a browser, where [`std::time::Instant`] panics, it is an `Instant` of the crate
     /// `web-time` 1, which is also that of `bevy::platform::time`.

@@ -126,12 +126,10 @@ impl Decomposer {
         })
     }
 
-    /// Does the next slice of work. `None` while there is more to do; after the result or an
-    /// error it has nothing more to give.
+    /// Does the next slice of work. `None` while there is more to do.
     ///
     /// # Errors
-    /// [`Error::IndexOutOfRange`], [`Error::NothingUsable`] or [`Error::TooLarge`] for input that
-    /// can't be used, [`Error::Cancelled`] and [`Error::DeadlineExceeded`].
+    /// As [`decompose`], and [`Error::Finished`] after the result or an error.
     pub fn step(&mut self, control: &Control) -> Result<Option<Decomposition>, Error> {
         control.check()?;
         let start = Instant::now();

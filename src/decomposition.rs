@@ -149,10 +149,10 @@ pub struct Report {
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BoundedReport {
-    /// The bound that was asked for, at least 0.00001 and at most half of the diagonal.
+    /// The bound that was asked for, in units, kept between 0.001 % and 50 % of the diagonal.
     pub bound: f64,
     /// Protrusion: no point of a hull's surface is farther than this outside the solid. An upper
-    /// bound, too large by at most 4 % of the bound, and never below 0.29 of it.
+    /// bound: see [`HullErrors::protrusion_max`]. Above `bound` only where a cap on hulls forces it.
     pub protrusion_max: f64,
     /// Uncovered distance: no point of the input's surface is farther than this outside every hull.
     pub uncovered_max: f64,

@@ -44,6 +44,8 @@
 //! | points | their convex hull | [`convex_hull()`] |
 //! | a mesh file | any of these | `io` (feature `io`) |
 //! | hulls | a file that games load | [`hulls_format`] |
+//! | hulls | OBJ or GLB | `io::write_hulls` (feature `io`) |
+//! | hulls of another tool, as OBJ | ours | `io::read_hulls`, then [`Hull::from`] of their [`convex_hull()`] |
 //! | a mesh, Rapier | a compound collider with the mesh's mass | `rapier` (feature `rapier`) |
 //! | a mesh, Bevy | the same in the background | `bevy` (feature `bevy`) |
 //! | a mesh and hulls | a picture of them | `render` (feature `io`) |
@@ -60,7 +62,8 @@
 //! - **Protrusion**: how far a hull is outside of the solid. Things stop before they touch.
 //! - **Uncovered distance**: how far the mesh's surface is outside of every hull. Things sink in.
 //!
-//! Both are at most [`BoundedParameters::max_error`]. *Uncovered volume* is the share of the solid that no
+//! Both are at most [`BoundedParameters::max_error`], unless a cap on hulls forces more; the report says how
+//! much. *Uncovered volume* is the share of the solid that no
 //! hull holds. [`measure`] samples all three, for hulls of any tool.
 //!
 //! # Conventions
@@ -73,7 +76,8 @@
 //!   diagonal of 1.
 //! - **Determinism**: the same input and parameters give the same result, for any number of threads. Only a
 //!   deadline ([`Control::with_deadline`]) makes a result depend on time.
-//! - **Panics**: none, whatever the input. Every function that can fail returns an [`Error`].
+//! - **Panics**: none, whatever the input. Every function that can fail returns a typed error:
+//!   [`Error`], or that of its module (`hulls_format::HullsFileError`, [`ParseError`], `ColliderError`).
 //!
 //! # Features
 //!
@@ -81,7 +85,9 @@
 //! |---|---|
 //! | `parallel` (default) | independent parts of the work run on rayon's pool; the result stays the same |
 //! | `io` | readers of OBJ, OFF, PLY, STL, glTF and GLB; writers of OBJ and GLB; pictures |
-//! | `serde` | parameters, reports and measurements can be written and read |
+//! | `serde` | parameters, reports and measurements can be written and read, for example by serde_json |
+//! | `fs` (in `io` and `bevy`) | `.hulls` files are written to disk, all or nothing |
+//! | `nalgebra` (in `rapier`) | principal axes of inertia |
 //! | `rapier` | colliders and mass properties for rapier3d 0.36 |
 //! | `bevy`, `bevy_gltf`, `debug` | the plugin for Bevy 0.20 with bevy_rapier3d 0.37; tags in glTF extras; hulls drawn as gizmos |
 //! | `cli` | the command `hullwright` |

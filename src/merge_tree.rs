@@ -69,7 +69,9 @@ impl MergeTree {
         Self::build(mesh.into(), &decomposition.hulls, known, parameters, control)
     }
 
-    /// Joins hulls of any tool. Those whose errors are not known are verified first.
+    /// Joins hulls of any tool, each taken as the convex hull that it is. Those whose errors are not
+    /// known are verified first. Of `parameters` the bound says how finely the solid is looked at, and
+    /// the cap on vertices holds for joint hulls; the method does not matter.
     ///
     /// # Errors
     /// As [`new`](Self::new), and [`Error::UnusableHull`] for a hull whose triangles name points that

@@ -44,7 +44,7 @@ pub(super) fn limit_hulls(
             part,
             inner_points: Vec::new(),
             added_thickness: largest(|hull| hull.added_thickness),
-            cap_growth: node.growth.max(largest(|hull| hull.cap_growth)),
+            simplification_growth: node.growth.max(largest(|hull| hull.simplification_growth)),
             protrusion: node.protrusion,
             uncovered: largest(|hull| hull.uncovered),
             component: first.component,

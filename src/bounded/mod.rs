@@ -9,11 +9,11 @@
 //! | `settings` | the bound, shares of it, and presets |
 //! | `refine` | long triangles of a coarse mesh are halved |
 //! | `clustering/` | very dense meshes are searched through reduced ones |
-//! | `growing_hull`, `patch_set` | hulls that grow, and sets of patches |
+//! | `growing_hull`, `patch_set` | no stages: hulls that grow, and sets of patches |
 //! | `containment/` | whether hulls stay within the bound of the solid |
 //! | `patches/` | the surface is divided into patches |
 //! | `piece`, `merge` | patches join into pieces |
-//! | `set_cover/` | few pieces cover all patches |
+//! | `set_cover/` | few pieces cover all patches, then shrink to those that they own |
 //! | `finalize/` | pieces become verified hulls with few vertices |
 //! | `hierarchy`, `max_hulls` | hulls join beyond the bound, down to a cap |
 //! | `output` | results in the input's units |

@@ -43,7 +43,7 @@ impl BoundedResult {
                 component: hull.component,
                 source_triangles: hull.triangles(patches).map(source).collect(),
                 added_thickness: hull.added_thickness,
-                simplification_growth: hull.cap_growth,
+                simplification_growth: hull.simplification_growth,
                 protrusion: hull.protrusion,
             }
             .restored(&normalization)

@@ -18,7 +18,7 @@ pub enum Sidedness {
 
 /// A mesh that is borrowed: positions in `f32` or `f64`, and triangles that index them.
 ///
-/// Every function of the library takes `impl Into<MeshView>`: a `MeshView`, a reference to a
+/// Every function that takes a mesh takes `impl Into<MeshView>`: a `MeshView`, a reference to a
 /// [`TriangleMesh`], to a [`Hull`](crate::Hull) or a [`ConvexHull`](crate::ConvexHull), or to what a
 /// reader of files returns. It is free to copy. Nothing is checked before a function uses it.
 ///

@@ -25,7 +25,8 @@ pub struct ConvexHull {
 ///
 /// # Errors
 /// [`Error::NoHull`] if the points lie in a plane, on a line or on a spot up to the tolerance;
-/// [`solid_hull`](super::solid_hull) gives such points a thickness instead.
+/// [`solid_hull`](super::solid_hull) gives such points a thickness instead, with
+/// `solid_hull(&mut HullBuilder::new(), points, [0.0; 3], 0.0)`.
 ///
 /// ```
 /// let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.1; 3]];

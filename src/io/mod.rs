@@ -153,6 +153,9 @@ impl<'a> From<&'a NamedMesh> for MeshView<'a> {
 /// (`KHR_mesh_quantization`) and compressed (`KHR_draco_mesh_compression`,
 /// `EXT_meshopt_compression`, `KHR_meshopt_compression`).
 ///
+/// A glTF file may name other files beside it. Of files that strangers send, hand over the bytes:
+/// [`read_mesh_from_bytes`] opens no other file.
+///
 /// A file may be fine and hold no triangles, such as a point cloud.
 ///
 /// # Errors
@@ -239,7 +242,8 @@ fn parse(format: Format, bytes: &[u8], directory: Option<&Path>) -> Result<MeshF
 }
 
 /// Reads a set of hulls: each object of a mesh file is one, see [`MeshFile::objects`]; a
-/// [`.hulls`](crate::hulls_format) file holds just them.
+/// [`.hulls`](crate::hulls_format) file holds just them. Each becomes a [`Hull`](crate::Hull) by
+/// `Hull::from(convex_hull(&named.mesh.positions)?)`.
 ///
 /// # Errors
 /// As [`read_mesh`], and if there is no triangle in the file.

@@ -48,6 +48,8 @@ impl HullFormat {
 /// relative to the centre of all hulls, so that hulls far from the origin keep their shape; a
 /// node `hulls` above the others moves them there.
 ///
+/// `.hulls` files are written by [`HullsFile::write`](crate::hulls_format::HullsFile::write).
+///
 /// # Errors
 /// [`Error::File`] if the suffix is another, if the directory does not exist, or if writing
 /// fails.

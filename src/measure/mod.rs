@@ -199,7 +199,7 @@ const MOST_OPEN_EDGES: f64 = 0.005;
 ///   for the mesh.
 /// - [`Error::NoHulls`] if there is no hull, [`Error::UnusableHull`] if none can be judged.
 /// - [`Error::InvalidParameter`] for options out of their range.
-/// - [`Error::Cancelled`] as `control` says.
+/// - [`Error::Cancelled`], between one kind of sample and the next. A deadline does not count.
 ///
 /// ```
 /// use hullwright::measure::{MeasureOptions, measure};
@@ -214,6 +214,9 @@ const MOST_OPEN_EDGES: f64 = 0.005;
 /// let hulls = decompose(&mesh, &Parameters::default(), &control)?.hulls;
 /// let found = measure(&mesh, &hulls, &MeasureOptions::default(), &control)?;
 /// assert!(found.protrusion.max < 1e-6 && found.uncovered.max < 1e-6);
+/// // Shares of the diagonal; a report has the mesh's units.
+/// let in_units = found.hausdorff * found.diagonal;
+/// assert!(in_units < 1e-6);
 /// # Ok(())
 /// # }
 /// ```

@@ -7,7 +7,8 @@ use super::ParseError;
 
 /// A length: a share of the mesh's bounding-box diagonal, or a number of its own units.
 ///
-/// As text it is `2%` or `0.02m`; the `m` stands for the mesh's units, whatever they are.
+/// As text it is `2%` or `0.02m`; the `m` stands for the mesh's units, also where
+/// those are millimetres.
 ///
 /// ```
 /// use hullwright::Length;

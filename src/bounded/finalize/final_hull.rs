@@ -16,12 +16,15 @@ pub(in crate::bounded) struct FinalHull {
     /// Points inside the solid that it contains too, so that no gap opens between it and the other
     /// parts of a hull that was divided.
     pub inner_points: Vec<Vector>,
+    /// Thickness that a flat hull was given.
     pub added_thickness: f64,
-    pub cap_growth: f64,
+    /// How far hull simplification made it grow.
+    pub simplification_growth: f64,
     /// No point of its surface is farther than this from the solid.
     pub protrusion: f64,
     /// No point of the surface that it represents is farther than this outside it.
     pub uncovered: f64,
+    /// The component of the source that its first patch lies in.
     pub component: u32,
 }
 

@@ -54,7 +54,7 @@ pub(super) fn make_hull(
         part,
         inner_points,
         added_thickness,
-        cap_growth: growth,
+        simplification_growth: growth,
         protrusion,
         uncovered,
         component,
