@@ -5,7 +5,7 @@ use crate::bounded::output::BoundedResult;
 use crate::clock::Instant;
 use crate::control::{Control, Stage};
 use crate::decomposition::{
-    BoundedReport, Decomposition, GroupedMesh, Report, StageTime, SurfaceReport,
+    ALGORITHM_VERSION, BoundedReport, Decomposition, GroupedMesh, Report, StageTime, SurfaceReport,
 };
 use crate::error::Error;
 use crate::geometry::{MeshView, TriangleMesh};
@@ -276,7 +276,7 @@ impl Decomposer {
         surface: Option<SurfaceReport>,
     ) -> Report {
         Report {
-            algorithm_version: crate::ALGORITHM_VERSION,
+            algorithm_version: ALGORITHM_VERSION,
             method: self.parameters.method,
             source_vertices: self.source.positions.len(),
             source_triangles: self.source.triangles.len(),

@@ -1,4 +1,6 @@
 //! Promises of the convex hull.
+//!
+//! One long file: every promise is about the same few functions.
 
 use hullwright::hull::{
     ConvexHull, DEFAULT_TOLERANCE, HullBuilder, MINIMUM_THICKNESS, Shape, convex_hull, solid_hull,

@@ -1,4 +1,6 @@
 //! What `measure` promises: known answers, and that no hull set makes it panic.
+//!
+//! One long file: every promise is about the same function.
 
 mod common;
 

@@ -23,6 +23,8 @@
 //! numbers, unless [`MeasureOptions::random_seed`] asks for some. A maximum is that of the sampled
 //! points; the true one may be higher, by more the sharper the spike. [`MeasureOptions`] has the numbers
 //! of points, [`Measurement::samples`] says what became of them.
+//!
+//! This file is long because half of it documents what each figure means.
 
 mod check;
 mod edges;

@@ -23,6 +23,8 @@
 //! It is a z-buffer with 9 samples per pixel, flat shading with soft light from over the viewer's
 //! left shoulder, shade in corners, and quiet lines along edges. The same input gives the same
 //! bytes.
+//!
+//! This file is long because a third of it is examples.
 
 mod camera;
 pub mod palette;
