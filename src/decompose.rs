@@ -10,8 +10,9 @@ use crate::decomposition::{
 use crate::error::Error;
 use crate::geometry::{MeshView, TriangleMesh};
 use crate::mesh::PreparedMesh;
-use crate::mesh::repair::prepare;
-use crate::parameters::{Length, Method, Parameters, SurfaceParameters};
+use crate::openings::prepare::prepare_closed;
+use crate::openings::{Opening, OpeningSettings};
+use crate::parameters::{Length, Method, Openings, Parameters, SurfaceParameters};
 use crate::surface::group_merging::merge_groups;
 use crate::surface::pieces::{assign_source_triangles, hulls};
 use crate::surface::resolution_selection::{Level, Levels, first_cut_off, select};
@@ -80,6 +81,7 @@ pub struct Decomposer {
     parameters: Parameters,
     state: State,
     times: Vec<StageTime>,
+    openings: Vec<Opening>,
     deadline_reached: bool,
 }
 
@@ -122,6 +124,7 @@ impl Decomposer {
             parameters: parameters.clone(),
             state: State::Repair,
             times: Vec::new(),
+            openings: Vec::new(),
             deadline_reached: false,
         })
     }
@@ -151,7 +154,9 @@ impl Decomposer {
         let surface = &self.parameters.surface;
         self.state = match std::mem::replace(&mut self.state, State::Done) {
             State::Repair => {
-                let prepared = prepare(self.source.view(), control)?;
+                let settings = self.opening_settings();
+                let (prepared, openings) = prepare_closed(self.source.view(), &settings, control)?;
+                self.openings = openings;
                 match self.parameters.method {
                     Method::Bounded => {
                         State::Bounded(Box::new(Run::new(prepared, &self.parameters)))
@@ -206,6 +211,15 @@ impl Decomposer {
         };
         add_time(&mut self.times, stage, start);
         Ok(None)
+    }
+
+    /// The paper's method takes the mesh as it is.
+    fn opening_settings(&self) -> OpeningSettings {
+        let settings = OpeningSettings::from(&self.parameters.bounded);
+        match self.parameters.method {
+            Method::Bounded => settings,
+            Method::Surface => OpeningSettings { openings: Openings::Keep, ..settings },
+        }
     }
 
     /// Selection, group merging, hulls, and what each hull stands for.
@@ -285,6 +299,7 @@ impl Decomposer {
             components: prepared.closed.len(),
             closed_components: prepared.closed.iter().filter(|&&closed| closed).count(),
             repairs: prepared.repairs,
+            openings: std::mem::take(&mut self.openings),
             bounded,
             surface,
             deadline_reached: self.deadline_reached,

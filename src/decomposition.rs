@@ -3,6 +3,7 @@
 use crate::geometry::MeshView;
 use crate::hull::ConvexHull;
 use crate::mesh::repair::Repairs;
+use crate::openings::Opening;
 use crate::parameters::Method;
 
 /// Changes whenever the same input and parameters may give another result.
@@ -122,7 +123,7 @@ pub struct Report {
     pub source_vertices: usize,
     /// Triangles given.
     pub source_triangles: usize,
-    /// Triangles left after repair.
+    /// Triangles left after repair, with those that close openings.
     pub triangles: usize,
     /// Diagonal of the bounding box of the vertices that triangles use, in units. Relative
     /// lengths are divided by it.
@@ -133,6 +134,8 @@ pub struct Report {
     pub closed_components: usize,
     /// What was repaired.
     pub repairs: Repairs,
+    /// The openings of the mesh, closed and left; empty where the method keeps them all.
+    pub openings: Vec<Opening>,
     /// What the bounded method promised and verified.
     pub bounded: Option<BoundedReport>,
     /// The search of the paper's method.

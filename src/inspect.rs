@@ -6,10 +6,13 @@ use crate::geometry::vector::{area_normal, cross, dot, length, maximum, minimum}
 use crate::geometry::{Bounds, MeshView};
 use crate::mesh::PreparedMesh;
 use crate::mesh::repair::{Repairs, prepare};
+use crate::openings::prepare::close_prepared;
+use crate::openings::{Opening, OpeningSettings};
+use crate::parameters::Parameters;
 
 /// What [`inspect`] found.
 #[non_exhaustive]
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Inspection {
     /// Vertices given.
@@ -32,19 +35,22 @@ pub struct Inspection {
     pub repairs: Repairs,
     /// Area of all triangles left after repair, in squared units.
     pub area: f64,
-    /// Volume that the closed components enclose, in cubed units. Cavities are taken off; where
-    /// components overlap, their volumes are added.
+    /// Volume that the closed components enclose, in cubed units, openings closed. Cavities are taken off;
+    /// where components overlap, their volumes are added.
     pub volume: f64,
+    /// The openings, closed and left.
+    pub openings: Vec<Opening>,
 }
 
 impl Inspection {
-    /// Whether all components are closed, so that the mesh has an inside.
+    /// Whether all components are closed as they come, so that the mesh has an inside.
     pub fn is_closed(&self) -> bool {
         self.closed_components == self.components
     }
 }
 
-/// Looks at a mesh as [`decompose`](crate::decompose) would see it. Almost linear time.
+/// Looks at a mesh as [`decompose`](crate::decompose) sees it with [`Parameters::default`]. Almost linear
+/// time.
 ///
 /// # Errors
 /// As [`decompose`](crate::decompose) for a mesh that is empty, too large or without any usable
@@ -61,10 +67,41 @@ impl Inspection {
 /// # Ok::<(), hullwright::Error>(())
 /// ```
 pub fn inspect<'a>(mesh: impl Into<MeshView<'a>>) -> Result<Inspection, Error> {
+    inspect_with(mesh, &Parameters::default())
+}
+
+/// Looks at a mesh as [`decompose`](crate::decompose) sees it with these parameters: openings depend on
+/// them. Almost linear time.
+///
+/// # Errors
+/// As [`inspect`].
+///
+/// ```
+/// use hullwright::{Openings, Parameters};
+///
+/// // Three sides of a tetrahedron: the fourth is a flat opening.
+/// let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+/// let triangles = [[0, 1, 3], [1, 2, 3], [2, 0, 3]];
+/// let mesh = hullwright::MeshView::new(&positions, &triangles);
+/// let found = hullwright::inspect_with(mesh, &Parameters::default())?;
+/// assert_eq!(found.openings.len(), 1);
+/// assert!((found.volume - 1.0 / 6.0).abs() < 1e-9);
+/// let kept = hullwright::inspect_with(mesh, &Parameters::default().openings(Openings::Keep))?;
+/// assert_eq!(kept.volume, 0.0);
+/// # Ok::<(), hullwright::Error>(())
+/// ```
+pub fn inspect_with<'a>(
+    mesh: impl Into<MeshView<'a>>,
+    parameters: &Parameters,
+) -> Result<Inspection, Error> {
     let source = mesh.into();
-    let prepared = prepare(source, &Control::new())?;
+    let control = Control::new();
+    let prepared = prepare(source, &control)?;
     let diagonal = prepared.normalization.diagonal;
-    let (area, volume) = measure(&prepared);
+    let (area, _) = measure(&prepared);
+    let settings = OpeningSettings::from(&parameters.bounded);
+    let (closed, openings) = close_prepared(prepared.clone(), source, &settings, &control)?;
+    let (_, volume) = measure(&closed);
     Ok(Inspection {
         source_vertices: source.vertex_count(),
         source_triangles: source.triangles().len(),
@@ -77,6 +114,7 @@ pub fn inspect<'a>(mesh: impl Into<MeshView<'a>>) -> Result<Inspection, Error> {
         repairs: prepared.repairs,
         area: area * diagonal.powi(2),
         volume: volume * diagonal.powi(3),
+        openings,
     })
 }
 

@@ -104,6 +104,7 @@
 //! | `bounded` | the default method, one stage per file | |
 //! | `surface` | the paper's method, one stage per file | 3.4 to 3.6 |
 //! | `decomposition` | results and reports | |
+//! | `openings` | closes what a modeller left open | |
 //! | `bvh` | closest point and generalized winding number | |
 //! | `hull` | quickhull in double precision, least thickness, hull simplification | 3.6 |
 //! | `mesh` | weld, orient, components, adjacency, simplify | 3.2, 3.3 |
@@ -134,6 +135,7 @@ mod mass;
 pub mod measure;
 mod merge_tree;
 mod mesh;
+mod openings;
 mod parallel;
 mod parameters;
 #[cfg(feature = "rapier")]
@@ -152,14 +154,16 @@ pub use decomposition::{
 pub use error::{Error, FileError};
 pub use geometry::{Bounds, Coordinate, MeshView, Sidedness, TriangleMesh};
 pub use hull::{ConvexHull, SinglePrecisionHull, convex_hull};
-pub use inspect::{Inspection, inspect};
+pub use inspect::{Inspection, inspect, inspect_with};
 #[cfg(feature = "nalgebra")]
 pub use mass::PrincipalInertia;
 pub use mass::{MassProperties, MassSource, mass_properties};
 pub use merge_tree::{CurvePoint, MergeTree};
 pub use mesh::repair::Repairs;
+pub use openings::{ClosedMesh, Opening, OpeningOutcome, close_openings};
 pub use parameters::{
-    BoundedParameters, Length, Method, Parameters, ParseError, Preset, SurfaceParameters,
+    UpAxis, BoundedParameters, Length, Method, Openings, Parameters, ParseError, Preset,
+    SurfaceParameters,
 };
 #[cfg(feature = "rapier")]
 pub use rapier::ColliderError;

@@ -5,7 +5,8 @@ use crate::control::Control;
 use crate::decomposition::{Decomposition, Hull};
 use crate::error::Error;
 use crate::geometry::MeshView;
-use crate::mesh::repair::prepare;
+use crate::openings::OpeningSettings;
+use crate::openings::prepare::prepare_closed;
 use crate::parallel;
 use crate::parameters::Parameters;
 
@@ -111,7 +112,8 @@ impl MergeTree {
         if hulls.is_empty() {
             return Err(Error::NoHulls);
         }
-        let prepared = prepare(mesh, control)?;
+        let settings = OpeningSettings::from(&parameters.bounded);
+        let (prepared, _) = prepare_closed(mesh, &settings, control)?;
         let hierarchy = parallel::with(control.is_parallel(), || {
             DecompositionHierarchy::new(prepared, hulls, parameters, control)
         })?;

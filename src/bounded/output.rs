@@ -5,7 +5,7 @@ use super::patches::patch::Patches;
 use crate::decomposition::{BoundedReport, GroupedMesh, Hull, HullErrors, Provenance};
 use crate::error::Error;
 use crate::hull::ConvexHull;
-use crate::mesh::{Normalization, PreparedMesh};
+use crate::mesh::{CAP, Normalization, PreparedMesh};
 use crate::parallel;
 
 /// Hulls in the input's units, and what was verified about them.
@@ -41,7 +41,11 @@ impl BoundedResult {
             HullInDiagonals {
                 hull: &hull.hull,
                 component: hull.component,
-                source_triangles: hull.triangles(patches).map(source).collect(),
+                source_triangles: hull
+                    .triangles(patches)
+                    .map(source)
+                    .filter(|&triangle| triangle != CAP)
+                    .collect(),
                 added_thickness: hull.added_thickness,
                 simplification_growth: hull.simplification_growth,
                 protrusion: hull.protrusion,

@@ -9,6 +9,7 @@
 //! | `closest_point` | distances by branch and bound |
 //! | `winding_number` | winding numbers by multipole expansion |
 //! | `closest_triangles` | for each triangle of a mesh the closest one of another |
+//! | `ray` | the first hit of a ray, and triangles near a box |
 //!
 //! Queries allocate nothing, take no lock and do not depend on threads. Coordinates should be of
 //! the order of 1: boxes and expansions are in single precision.
@@ -18,6 +19,7 @@
 mod build;
 pub(crate) mod closest_point;
 pub(crate) mod closest_triangles;
+mod ray;
 mod tree;
 mod winding_number;
 

@@ -10,7 +10,7 @@
 //! - The **solid** is that of [`decompose`](crate::decompose): where the generalized winding number of
 //!   the repaired mesh is above 0.5. Neighbours are turned so that they agree, and closed parts outward;
 //!   what is there both ways round, and open parts of a mesh that is inside out as a whole, enclose
-//!   nothing. So holes, open sheets, self-intersections and cavities are no obstacle.
+//!   nothing. Openings are closed as [`MeasureOptions::openings`] says. So holes, open sheets, self-intersections and cavities are no obstacle.
 //! - A **hull** is the convex hull of its points: that is what a physics engine collides with,
 //!   whatever its triangles say. What they say is checked on its own: see [`HullCheck`].
 //! - A point is **in** a hull up to a tolerance of 1e-6, and **inside** it beyond the same
@@ -36,9 +36,12 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::MeshView;
 use crate::geometry::vector::{Vector, add, bounds, maximum, minimum};
-use crate::mesh::repair::{Survey, prepare};
+use crate::mesh::repair::Survey;
 use crate::mesh::{Normalization, TriangleMesh};
+use crate::openings::prepare::prepare_closed;
+use crate::openings::{OpeningOutcome, OpeningSettings};
 use crate::parallel::{self, map_indices};
+use crate::parameters::{UpAxis, BoundedParameters, Length, Openings};
 
 pub use check::HullCheck;
 use sampling::{Surface, in_unit_cube};
@@ -62,6 +65,14 @@ pub struct MeasureOptions {
     /// Where it is given, points are independent random ones with this seed. That shows how far
     /// figures of other tools scatter, which mostly sample so. Default `None`: evenly spread.
     pub random_seed: Option<u64>,
+    /// What becomes of openings. Take what the hulls were made with: everything is judged against the mesh
+    /// with those closed that are. Default [`Openings::Auto`].
+    pub openings: Openings,
+    /// How far an opening's vertices may be from a plane. Take the bound that the hulls were made with.
+    /// Default 2 % of the diagonal.
+    pub flatness: Length,
+    /// Which axis points up: see [`BoundedParameters::up_axis`](crate::BoundedParameters::up_axis).
+    pub up_axis: UpAxis,
 }
 
 impl Default for MeasureOptions {
@@ -72,6 +83,9 @@ impl Default for MeasureOptions {
             volume_samples: 200_000,
             convexity_tolerance: 1e-6,
             random_seed: None,
+            openings: Openings::Auto,
+            flatness: BoundedParameters::default().max_error,
+            up_axis: UpAxis::Y,
         }
     }
 }
@@ -243,7 +257,7 @@ fn judge(
     options: &MeasureOptions,
     control: &Control,
 ) -> Result<Measurement, Error> {
-    let (mesh, normalization) = Mesh::new(source, control)?;
+    let (mesh, normalization) = Mesh::new(source, options, control)?;
     if hulls.is_empty() {
         return Err(Error::NoHulls);
     }
@@ -304,15 +318,28 @@ struct Mesh {
 }
 
 impl Mesh {
-    fn new(source: MeshView<'_>, control: &Control) -> Result<(Self, Normalization), Error> {
-        let prepared = prepare(source, control)?;
+    fn new(
+        source: MeshView<'_>,
+        options: &MeasureOptions,
+        control: &Control,
+    ) -> Result<(Self, Normalization), Error> {
+        let &MeasureOptions { openings, flatness, up_axis, .. } = options;
+        let settings = OpeningSettings { openings, flatness, up_axis };
+        let (prepared, openings) = prepare_closed(source, &settings, control)?;
         // As repair sees it: nothing else may decide what the diagonal is.
         let Survey { candidates, normalization, .. } = Survey::new(source);
         let triangles = source.triangles();
-        let usable: Vec<[u32; 3]> = candidates.iter().map(|&t| triangles[t as usize]).collect();
+        let mut usable: Vec<[u32; 3]> =
+            candidates.iter().map(|&t| triangles[t as usize]).collect();
         let corners = usable.iter().flatten().map(|&index| source.at(index));
         let (min, max) = bounds(corners.map(|corner| normalization.normalize(corner)));
         let positions = source.positions().map(|point| normalization.normalize(point)).collect();
+        if openings.iter().any(|opening| opening.outcome == OpeningOutcome::Closed) {
+            let in_source = |triangle: &[u32; 3]| {
+                triangle.map(|vertex| prepared.source_vertices[vertex as usize])
+            };
+            usable = prepared.mesh.triangles.iter().map(in_source).collect();
+        }
         let place =
             |&point: &Vector| normalization.normalize(prepared.normalization.restore(point));
         let solid = TriangleMesh {

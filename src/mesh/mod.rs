@@ -10,14 +10,17 @@ mod area;
 mod caps;
 mod components;
 mod degenerate;
-mod edges;
+pub(crate) mod edges;
 mod orientation;
 pub(crate) mod repair;
 pub mod shapes;
 pub(crate) mod simplify;
-mod weld;
+pub(crate) mod weld;
 
 use repair::Repairs;
+
+/// Stands in [`PreparedMesh::source_triangles`] for a triangle that closes an opening.
+pub(crate) const CAP: u32 = u32::MAX;
 
 /// The map between the input's units and the space that the pipeline works in, where the bounding
 /// box is centred at the origin and its diagonal is 1.
@@ -62,7 +65,8 @@ pub struct PreparedMesh {
     pub mesh: TriangleMesh,
     /// From this space to the input's.
     pub normalization: Normalization,
-    /// For each triangle its index in the input, ascending. Twice where a triangle was split.
+    /// For each triangle its index in the input, ascending; twice where a triangle was split. Those that
+    /// close openings come last and have none: `u32::MAX`.
     pub source_triangles: Vec<u32>,
     /// For each vertex its index in the input; of welded ones the first.
     pub source_vertices: Vec<u32>,

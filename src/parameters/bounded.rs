@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::{Length, ParseError};
+use super::{UpAxis, Length, Openings, ParseError};
 use crate::error::Error;
 
 /// How much work the bounded method puts into few hulls. All keep the bound.
@@ -71,6 +71,12 @@ pub struct BoundedParameters {
     /// bound, or not at all. Otherwise a hull may swallow them, since nothing from outside can
     /// tell. Those nowhere deeper than the bound always may fill. Default false.
     pub keep_cavities: bool,
+    /// What becomes of flat openings, the sides that a modeller leaves out. Promises are about the mesh
+    /// with those closed that are. Default [`Openings::Auto`].
+    pub openings: Openings,
+    /// Which axis points up, against gravity. Where faces are drawn from both sides, [`Openings::Auto`]
+    /// closes openings in the lowest plane alone. Default [`UpAxis::Y`], as in glTF.
+    pub up_axis: UpAxis,
 }
 
 /// What things may stand apart or sink in before a player sees it.
@@ -98,6 +104,8 @@ impl Default for BoundedParameters {
             preset: Preset::Balanced,
             max_hulls: None,
             keep_cavities: false,
+            openings: Openings::Auto,
+            up_axis: UpAxis::Y,
         }
     }
 }

@@ -2,6 +2,7 @@
 
 mod bounded;
 mod length;
+mod openings;
 mod surface;
 mod text;
 
@@ -12,6 +13,7 @@ use crate::error::Error;
 
 pub use bounded::{BoundedParameters, Preset};
 pub use length::Length;
+pub use openings::{UpAxis, Openings};
 pub use surface::SurfaceParameters;
 pub use text::ParseError;
 
@@ -153,6 +155,20 @@ impl Parameters {
     #[must_use]
     pub fn max_vertices(mut self, max_vertices: impl Into<Option<usize>>) -> Self {
         self.max_vertices = max_vertices.into();
+        self
+    }
+
+    /// Sets what becomes of openings: see [`BoundedParameters::openings`].
+    #[must_use]
+    pub fn openings(mut self, openings: Openings) -> Self {
+        self.bounded.openings = openings;
+        self
+    }
+
+    /// Sets which axis points up: see [`BoundedParameters::up_axis`].
+    #[must_use]
+    pub fn up_axis(mut self, up_axis: UpAxis) -> Self {
+        self.bounded.up_axis = up_axis;
         self
     }
 

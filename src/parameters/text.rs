@@ -20,7 +20,7 @@ impl ParseError {
 }
 
 /// The keys there are.
-const KEYS: &str = "method, max_error, preset, max_hulls, max_vertices, keep_cavities, \
+const KEYS: &str = "method, max_error, preset, max_hulls, max_vertices, keep_cavities, openings, up_axis, \
                     simplification_quality, maximum_resolutions, planar_thresholds, \
                     angular_threshold, concavity_cost_threshold, resolution_cut_off, unit, \
                     significant_diagonal";
@@ -39,7 +39,7 @@ impl fmt::Display for Parameters {
     }
 }
 
-fn fields(parameters: &Parameters) -> [(&'static str, String); 14] {
+fn fields(parameters: &Parameters) -> [(&'static str, String); 16] {
     let Parameters { method, bounded, surface, max_vertices } = parameters;
     let cap = |cap: Option<usize>| cap.map_or(NONE.into(), |cap| cap.to_string());
     [
@@ -49,6 +49,8 @@ fn fields(parameters: &Parameters) -> [(&'static str, String); 14] {
         ("max_hulls", cap(bounded.max_hulls)),
         ("max_vertices", cap(*max_vertices)),
         ("keep_cavities", bounded.keep_cavities.to_string()),
+        ("openings", bounded.openings.to_string()),
+        ("up_axis", bounded.up_axis.to_string()),
         ("simplification_quality", surface.simplification_quality.to_string()),
         ("maximum_resolutions", list(&surface.maximum_resolutions)),
         ("planar_thresholds", list(&surface.planar_thresholds)),
@@ -89,6 +91,8 @@ fn set(parameters: &mut Parameters, key: &str, value: &str) -> Result<(), ParseE
         "preset" => bounded.preset = value.parse()?,
         "max_hulls" => bounded.max_hulls = cap(value)?,
         "max_vertices" => *max_vertices = cap(value)?,
+        "openings" => bounded.openings = value.parse()?,
+        "up_axis" => bounded.up_axis = value.parse()?,
         "keep_cavities" => bounded.keep_cavities = parse(value, "true or false")?,
         "simplification_quality" => surface.simplification_quality = number(value)?,
         "maximum_resolutions" => surface.maximum_resolutions = numbers(value)?,

@@ -39,6 +39,8 @@ use rayon::prelude::*;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, add, maximum, minimum, scale, subtract};
 use crate::geometry::{MeshView, TriangleMesh};
+use crate::openings::ClosedMesh;
+pub use crate::parameters::UpAxis;
 use camera::{Camera, Projection};
 pub use palette::Colour;
 use raster::{SeenTriangle, rasterize};
@@ -97,6 +99,18 @@ impl Panel {
     pub fn mesh<'a>(mesh: impl Into<MeshView<'a>>) -> Self {
         let mesh = mesh.into().to_owned();
         Self { parts: vec![Part { mesh, colour: palette::CLAY }], explosion: 0.0 }
+    }
+
+    /// A mesh in [`palette::CLAY`], the caps that close its openings in [`palette::CAP`].
+    pub fn closed_mesh(closed: &ClosedMesh) -> Self {
+        let ClosedMesh { mesh, caps, .. } = closed;
+        let surface = mesh.triangles.len().saturating_sub(*caps);
+        let part = |triangles: &[[u32; 3]], colour| Part {
+            mesh: TriangleMesh::new(mesh.positions.clone(), triangles.to_vec()),
+            colour,
+        };
+        let (surface, caps) = mesh.triangles.split_at(surface);
+        Self { parts: vec![part(surface, palette::CLAY), part(caps, palette::CAP)], explosion: 0.0 }
     }
 
     /// A mesh in as many colours as there are labels: one label per triangle, such as
@@ -172,16 +186,6 @@ fn middle(points: impl Iterator<Item = Vector>) -> Option<Vector> {
         Some((min, max)) => Some((minimum(min, point), maximum(max, point))),
     });
     bounds.map(|(min, max)| scale(add(min, max), 0.5))
-}
-
-/// Which axis points up.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum UpAxis {
-    /// As in glTF and most games.
-    #[default]
-    Y,
-    /// As in CAD and robotics.
-    Z,
 }
 
 /// Where the viewer stands.

@@ -7,6 +7,9 @@ pub type Colour = [u8; 3];
 /// The neutral colour of a source mesh: warm grey, like unfired clay.
 pub const CLAY: Colour = [201, 196, 188];
 
+/// The colour of caps that close openings: a warm red that no clay has.
+pub const CAP: Colour = [214, 92, 66];
+
 /// The golden angle in degrees: multiples of it stay as far from each other as they can, however
 /// many there are.
 const GOLDEN_ANGLE: f64 = 137.507_764_050_037_85;

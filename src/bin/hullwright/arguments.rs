@@ -1,6 +1,6 @@
 //! The parameters of a decomposition as command line arguments.
 
-use hullwright::{Length, Method, Parameters, Preset};
+use hullwright::{UpAxis, Length, Method, Openings, Parameters, Preset};
 
 use crate::output::Failure;
 
@@ -54,6 +54,16 @@ pub struct ParameterArguments {
     /// Bounded: cavities with mouths narrower than the error, or with none, stay empty
     #[arg(long)]
     keep_cavities: bool,
+
+    /// Bounded: what becomes of flat openings, the sides that a modeller leaves out: auto closes those through
+    /// which only the backs of faces are seen (default), keep none, close all
+    #[arg(long, value_name = "WHICH")]
+    openings: Option<Openings>,
+
+    /// Bounded: which axis points up, y or z. Where materials are double-sided, auto closes openings at
+    /// the bottom alone. Default: y
+    #[arg(long, value_name = "AXIS")]
+    up_axis: Option<UpAxis>,
 
     /// Bounded: balanced (default); fast has a fifth more hulls in two thirds of the time, fine some
     /// fewer in three times the time
@@ -120,6 +130,8 @@ impl ParameterArguments {
         set(&mut bounded.max_hulls, &self.max_hulls.map(Some));
         bounded.keep_cavities |= self.keep_cavities;
         set(&mut bounded.preset, &self.preset);
+        set(&mut bounded.openings, &self.openings);
+        set(&mut bounded.up_axis, &self.up_axis);
         let surface = &mut parameters.surface;
         set(&mut surface.simplification_quality, &self.simplification_quality);
         set(&mut surface.maximum_resolutions, &self.maximum_resolutions);

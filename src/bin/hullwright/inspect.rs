@@ -2,20 +2,32 @@
 
 use std::path::PathBuf;
 
-use hullwright::Inspection;
+use hullwright::{UpAxis, Inspection, Length, Opening, Openings, Parameters};
 use hullwright::hulls_format::HullsFile;
 use hullwright::io::{is_hulls_file, read_mesh};
 
 use crate::hulls::vertices;
 use crate::output::{Failure, print};
 use crate::progress::waiting;
-use crate::tables::{pairs, repairs};
+use crate::tables::{columns, openings, pairs, repairs};
 
 /// Show counts, bounds, components, open and non-manifold edges, and what would be repaired
 #[derive(clap::Args)]
 pub struct Arguments {
     /// The mesh: obj, off, ply, stl, gltf or glb; or a .hulls file
     mesh: PathBuf,
+
+    /// What becomes of flat openings: auto (default), keep or close; as in `decompose`
+    #[arg(long, value_name = "WHICH", default_value_t)]
+    openings: Openings,
+
+    /// An opening counts as flat within this; as in `decompose`
+    #[arg(long, value_name = "ERROR", default_value = "2%")]
+    max_error: Length,
+
+    /// Which axis points up, y or z; as in `decompose`
+    #[arg(long, value_name = "AXIS", default_value_t)]
+    up_axis: UpAxis,
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -23,12 +35,29 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return print(&pairs(hulls_file_rows(&HullsFile::read(&arguments.mesh)?)));
     }
     let file = waiting("reading", || read_mesh(&arguments.mesh))?;
-    let found = waiting("inspecting", || hullwright::inspect(&file))
+    let parameters = Parameters::default()
+        .openings(arguments.openings)
+        .max_error(arguments.max_error)
+        .up_axis(arguments.up_axis);
+    let found = waiting("inspecting", || hullwright::inspect_with(&file, &parameters))
         .map_err(|error| format!("{}: {error}", arguments.mesh.display()))?;
-    print(&pairs(rows(&found, file.objects.len())))
+    print(&pairs(rows(&found, file.objects.len())))?;
+    match found.openings.is_empty() {
+        true => Ok(()),
+        false => print(&format!("\n{}", openings_table(&found.openings))),
+    }
 }
 
-fn rows(found: &Inspection, objects: usize) -> [(&'static str, String); 13] {
+/// A row for each opening.
+fn openings_table(openings: &[Opening]) -> String {
+    let row = |opening: &Opening| {
+        let outcome = opening.outcome.describe().into();
+        [opening.edges.to_string(), number(opening.area), point(opening.centre), outcome]
+    };
+    columns(&["edges", "area", "middle", "opening"], openings.iter().map(row))
+}
+
+fn rows(found: &Inspection, objects: usize) -> [(&'static str, String); 14] {
     let counts = |given: usize, left: usize| {
         if given == left { given.to_string() } else { format!("{given}, {left} after repair") }
     };
@@ -37,9 +66,9 @@ fn rows(found: &Inspection, objects: usize) -> [(&'static str, String); 13] {
         0 => "no".into(),
         closed => format!("{closed} of {} components", found.components),
     };
-    let volume = match found.closed_components {
-        0 => "nothing is closed".into(),
-        _ => number(found.volume),
+    let volume = match found.volume {
+        0.0 => "nothing is closed".into(),
+        volume => number(volume),
     };
     let repairs = repairs(&found.repairs);
     let repairs = if repairs.is_empty() { "none needed".into() } else { repairs.join(", ") };
@@ -56,6 +85,7 @@ fn rows(found: &Inspection, objects: usize) -> [(&'static str, String); 13] {
         ("open edges", found.repairs.open_edges.to_string()),
         ("non-manifold edges", found.repairs.non_manifold_edges.to_string()),
         ("closed", closed),
+        ("openings", openings(&found.openings).unwrap_or_else(|| "none".into())),
         ("volume", volume),
         ("repairs", repairs),
     ]

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use hullwright::{
-    BoundedReport, Decomposition, Repairs, Report, ResolutionReport, SurfaceReport,
+    BoundedReport, Decomposition, Opening, OpeningOutcome, Repairs, Report, ResolutionReport, SurfaceReport,
     ThresholdOutcome, ThresholdReport,
 };
 use serde::Serialize;
@@ -30,6 +30,7 @@ pub struct DecompositionLine {
     planar_threshold: Option<f64>,
     resolution: Option<usize>,
     repairs: RepairsLine,
+    openings: OpeningsLine,
     algorithm_version: u32,
     version: &'static str,
     average_pieces: Option<f64>,
@@ -62,6 +63,31 @@ struct RepairsLine {
     flipped_triangles: usize,
     non_manifold_edges: usize,
     open_edges: usize,
+}
+
+/// Areas are in squared units.
+#[derive(Serialize)]
+struct OpeningsLine {
+    closed: usize,
+    left: usize,
+    closed_area: f64,
+    left_area: f64,
+    list: Vec<Opening>,
+}
+
+impl From<&[Opening]> for OpeningsLine {
+    fn from(openings: &[Opening]) -> Self {
+        let is_closed = |opening: &&Opening| opening.outcome == OpeningOutcome::Closed;
+        let (closed, left): (Vec<&Opening>, Vec<&Opening>) = openings.iter().partition(is_closed);
+        let area = |of: &[&Opening]| of.iter().map(|opening| opening.area).sum();
+        Self {
+            closed: closed.len(),
+            left: left.len(),
+            closed_area: area(&closed),
+            left_area: area(&left),
+            list: openings.to_vec(),
+        }
+    }
 }
 
 #[derive(Serialize)]
@@ -106,6 +132,7 @@ impl DecompositionLine {
             planar_threshold: of_surface(|surface| surface.planar_threshold),
             resolution: surface.map(|surface| surface.resolution),
             repairs: RepairsLine::from(&report.repairs),
+            openings: OpeningsLine::from(report.openings.as_slice()),
             algorithm_version: report.algorithm_version,
             version: env!("CARGO_PKG_VERSION"),
             average_pieces: of_surface(|surface| surface.average_pieces),

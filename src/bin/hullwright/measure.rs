@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use hullwright::Control;
+use hullwright::{UpAxis, Control, Length, Openings};
 use hullwright::io::{read_hulls, read_mesh};
 use hullwright::measure::{Distances, MeasureOptions, Measurement, measure};
 use serde::Serialize;
@@ -27,12 +27,27 @@ pub struct Arguments {
     /// Print one line of JSON instead of a table
     #[arg(long)]
     json: bool,
+
+    /// What becomes of flat openings of the mesh: auto (default), keep or close; as in `decompose`
+    #[arg(long, value_name = "WHICH", default_value_t)]
+    openings: Openings,
+
+    /// The error that the hulls were made with: an opening counts as flat within it
+    #[arg(long, value_name = "ERROR", default_value = "2%")]
+    max_error: Length,
+
+    /// Which axis points up, y or z; as in `decompose`
+    #[arg(long, value_name = "AXIS", default_value_t)]
+    up_axis: UpAxis,
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mesh = waiting("reading", || read_mesh(&arguments.mesh))?;
     let hulls = waiting("reading", || read_hulls(&arguments.hulls))?;
-    let options = MeasureOptions::default();
+    let mut options = MeasureOptions::default();
+    options.openings = arguments.openings;
+    options.flatness = arguments.max_error;
+    options.up_axis = arguments.up_axis;
     let judged = waiting("measuring", || measure(&mesh, &hulls, &options, &Control::new()));
     let found = judged.map_err(|error| {
         let path = match error {

@@ -3,7 +3,8 @@
 
 use comfy_table::{CellAlignment, Table, presets};
 use hullwright::{
-    BoundedReport, CurvePoint, Decomposition, Repairs, Report, SurfaceReport, ThresholdOutcome,
+    BoundedReport, CurvePoint, Decomposition, Opening, OpeningOutcome, Repairs, Report,
+    SurfaceReport, ThresholdOutcome,
 };
 
 use crate::hulls::vertices;
@@ -69,6 +70,9 @@ pub fn summary(decomposition: &Decomposition, seconds: f64) -> String {
     if !repairs.is_empty() {
         text += &format!("\nrepaired: {}", repairs.join(", "));
     }
+    if let Some(openings) = openings(&report.openings) {
+        text += &format!("\nopenings: {openings}");
+    }
     if report.deadline_reached {
         text += "\nthe deadline cut the search short";
     }
@@ -114,6 +118,23 @@ pub fn repairs(repairs: &Repairs) -> Vec<String> {
     .collect()
 }
 
+/// How many openings were closed and left, and why, if there are any.
+pub fn openings(openings: &[Opening]) -> Option<String> {
+    let mut counts: Vec<(OpeningOutcome, usize)> = Vec::new();
+    for opening in openings {
+        match counts.iter_mut().find(|(outcome, _)| *outcome == opening.outcome) {
+            Some((_, count)) => *count += 1,
+            None => counts.push((opening.outcome, 1)),
+        }
+    }
+    counts.sort_by_key(|&(outcome, count)| {
+        (outcome != OpeningOutcome::Closed, std::cmp::Reverse(count))
+    });
+    let texts: Vec<String> =
+        counts.iter().map(|(outcome, count)| format!("{count} {}", outcome.describe())).collect();
+    (!texts.is_empty()).then(|| texts.join(", "))
+}
+
 /// Every resolution, and below it its thresholds.
 pub fn search(report: &Report) -> String {
     match &report.surface {
@@ -147,6 +168,16 @@ fn search_table(surface: &SurfaceReport) -> Table {
         words.set_cell_alignment(CellAlignment::Left);
     }
     table
+}
+
+/// Text under a header.
+pub fn columns<const N: usize>(
+    header: &[&str; N],
+    rows: impl IntoIterator<Item = [String; N]>,
+) -> String {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING).set_header(*header).add_rows(rows);
+    aligned(table, CellAlignment::Left).trim_fmt()
 }
 
 /// Names and values, one pair a line.

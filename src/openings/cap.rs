@@ -1,0 +1,345 @@
+//! Caps: what would close the loops of the boundary.
+//!
+//! A loop that is flat within a tolerance gets a polygon of its own vertices. Loops that lie in the same
+//! plane inside of it and run the other way are its holes, as at the end of a lined pipe. A loop
+//! without width is a crack, whose two sides are zipped. Polygons are triangulated by ear
+//! clipping (crate `earcut`).
+
+use earcut::Earcut;
+
+use super::boundary::Loop;
+use crate::geometry::vector::{
+    Vector, add, area_normal, bounds, cross, distance, dot, length, normalize, scale, subtract,
+};
+use crate::mesh::weld::WELD_TOLERANCE;
+
+/// A loop no wider than this is a crack: each of its sides lies within the weld distance of the true edge.
+const CRACK_WIDTH: f64 = 2.0 * WELD_TOLERANCE;
+
+/// Ear clipping may take the square of the number of vertices on polygons made to that end.
+const MOST_VERTICES: usize = 10_000;
+
+/// Triangles of a polygon that does not cross itself add up to its area within this share.
+const AREA_TOLERANCE: f64 = 1e-6;
+
+/// Loops in one plane have normals that differ by less: 0.1 radians. How far apart they may be is
+/// the flatness's to say.
+const SAME_PLANE: f64 = 0.995;
+
+/// What a loop, or a loop with holes, becomes.
+#[derive(Debug, Clone)]
+pub(super) enum Candidate {
+    Crack { triangles: Vec<[u32; 3]> },
+    Cap(Cap),
+    NotFlat { loop_index: usize },
+    NotSimple { loop_index: usize },
+}
+
+/// A flat polygon over one loop and its holes.
+#[derive(Debug, Clone)]
+pub(super) struct Cap {
+    /// Indices of its loops, the outer one first.
+    pub loops: Vec<usize>,
+    pub triangles: Vec<[u32; 3]>,
+    /// Unit normal, outward if the surface around it is.
+    pub normal: Vector,
+    /// A point of its plane.
+    pub point: Vector,
+    pub area: f64,
+    /// Two axes of the plane; with the normal they are right-handed.
+    pub axes: [Vector; 2],
+    /// The loops in these axes, from `point`.
+    pub outlines: Vec<Vec<[f64; 2]>>,
+}
+
+/// The plane of a loop.
+struct Plane {
+    normal: Vector,
+    point: Vector,
+    area: f64,
+    /// The farthest that a vertex is from it.
+    deviation: f64,
+}
+
+/// What the loops become. `flatness` in diagonals. O(l²) for l flat loops, and their triangulation.
+pub(super) fn candidates(
+    positions: &[Vector],
+    loops: &[Loop],
+    flatness: f64,
+) -> Vec<Candidate> {
+    let points_of = |found: &Loop| -> Vec<Vector> {
+        found.vertices.iter().map(|&vertex| positions[vertex as usize]).collect()
+    };
+    let points: Vec<Vec<Vector>> = loops.iter().map(points_of).collect();
+    let mut found = Vec::new();
+    let mut planes: Vec<Option<Plane>> = Vec::new();
+    for (loop_index, (points, own)) in points.iter().zip(loops).enumerate() {
+        if is_crack(points) {
+            found.push(Candidate::Crack { triangles: zip_crack(points, &own.vertices) });
+            planes.push(None);
+            continue;
+        }
+        let plane = Plane::of(points);
+        let is_flat = plane.deviation <= flatness && plane.area > 0.0;
+        if !is_flat {
+            found.push(Candidate::NotFlat { loop_index });
+        }
+        planes.push(is_flat.then_some(plane));
+    }
+    let outer = outer_loops(&points, &planes, flatness);
+    for (loop_index, plane) in planes.iter().enumerate() {
+        let Some(plane) = plane else { continue };
+        if outer[loop_index].is_some() {
+            continue;
+        }
+        let mut own = vec![loop_index];
+        own.extend((0..loops.len()).filter(|&inner| outer[inner] == Some(loop_index)));
+        match triangulate(plane, own, loops, &points) {
+            Some(cap) => found.push(Candidate::Cap(cap)),
+            None => found.push(Candidate::NotSimple { loop_index }),
+        }
+    }
+    found
+}
+
+impl Plane {
+    /// By the polygon's vector area (Newell), through the middle of its box.
+    fn of(points: &[Vector]) -> Self {
+        let (low, high) = bounds(points.iter().copied());
+        let point = scale(add(low, high), 0.5);
+        let local = |index: usize| subtract(points[index % points.len()], point);
+        let twice = (0..points.len())
+            .fold([0.0; 3], |sum, index| add(sum, cross(local(index), local(index + 1))));
+        let normal = normalize(twice);
+        let heights = points.iter().map(|&p| dot(normal, subtract(p, point)));
+        let (lowest, highest) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), h| {
+            (a.min(h), b.max(h))
+        });
+        let middle = 0.5 * (lowest + highest);
+        Self {
+            normal,
+            point: add(point, scale(normal, middle)),
+            area: 0.5 * length(twice),
+            deviation: 0.5 * (highest - lowest),
+        }
+    }
+
+    /// Right-handed with the normal.
+    fn axes(&self) -> [Vector; 2] {
+        let size = self.normal.map(f64::abs);
+        let mut least = [0.0; 3];
+        let axis = if size[0] <= size[1] && size[0] <= size[2] {
+            0
+        } else if size[1] <= size[2] {
+            1
+        } else {
+            2
+        };
+        least[axis] = 1.0;
+        let first = normalize(cross(self.normal, least));
+        [first, cross(self.normal, first)]
+    }
+}
+
+/// The farthest pair's line, found by going to the farthest vertex twice.
+fn ends(points: &[Vector]) -> (usize, usize) {
+    let farthest = |from: usize| {
+        let far = |&index: &usize| distance(points[index], points[from]);
+        (0..points.len()).max_by(|a, b| far(a).total_cmp(&far(b)).then(b.cmp(a))).unwrap_or(from)
+    };
+    let first = farthest(0);
+    (first, farthest(first))
+}
+
+fn is_crack(points: &[Vector]) -> bool {
+    if points.len() < 3 {
+        return true;
+    }
+    let (first, second) = ends(points);
+    let along = normalize(subtract(points[second], points[first]));
+    points.iter().all(|&point| {
+        let arm = subtract(point, points[first]);
+        length(cross(along, arm)) <= CRACK_WIDTH
+    })
+}
+
+/// Triangles without area between the two sides of a crack: repair splits what is beyond them.
+fn zip_crack(points: &[Vector], vertices: &[u32]) -> Vec<[u32; 3]> {
+    let count = vertices.len();
+    let (first, second) = ends(points);
+    let along = subtract(points[second], points[first]);
+    let share = |index: usize| dot(along, points[index % count]);
+    // Both sides from the first end to the second.
+    let (mut left, mut right) = (first, first + count);
+    let end = if second > first { second } else { second + count };
+    let mut triangles = Vec::new();
+    while left < end || right > end {
+        let goes_left = left < end && (right <= end || share(left + 1) <= share(right - 1));
+        let next = if goes_left { left + 1 } else { right - 1 };
+        let corners = [left, next, right].map(|index| vertices[index % count]);
+        if corners[0] != corners[1] && corners[1] != corners[2] && corners[2] != corners[0] {
+            triangles.push(corners);
+        }
+        if goes_left {
+            left = next;
+        } else {
+            right = next;
+        }
+    }
+    triangles
+}
+
+/// For each loop the least one that it is a hole of.
+fn outer_loops(
+    points: &[Vec<Vector>],
+    planes: &[Option<Plane>],
+    flatness: f64,
+) -> Vec<Option<usize>> {
+    let is_hole = |inner: usize, outer: usize| {
+        let (Some(own), Some(around)) = (&planes[inner], &planes[outer]) else { return false };
+        own.area < around.area
+            && dot(own.normal, around.normal) < -SAME_PLANE
+            && dot(around.normal, subtract(own.point, around.point)).abs() <= flatness
+            && {
+                let axes = around.axes();
+                let flat = |&p: &Vector| in_axes(axes, subtract(p, around.point));
+                let outline: Vec<[f64; 2]> = points[outer].iter().map(flat).collect();
+                points[inner].iter().all(|point| is_in_outline(&outline, flat(point)))
+            }
+    };
+    (0..planes.len())
+        .map(|inner| {
+            let around = (0..planes.len()).filter(|&outer| is_hole(inner, outer));
+            let area = |outer: &usize| planes[*outer].as_ref().map_or(0.0, |plane| plane.area);
+            around.min_by(|a, b| area(a).total_cmp(&area(b)))
+        })
+        .collect()
+}
+
+fn triangulate(
+    plane: &Plane,
+    own: Vec<usize>,
+    loops: &[Loop],
+    points: &[Vec<Vector>],
+) -> Option<Cap> {
+    let axes = plane.axes();
+    let flat = |&p: &Vector| in_axes(axes, subtract(p, plane.point));
+    let outlines: Vec<Vec<[f64; 2]>> =
+        own.iter().map(|&index| points[index].iter().map(flat).collect()).collect();
+    let vertices: Vec<u32> =
+        own.iter().flat_map(|&index| loops[index].vertices.iter().copied()).collect();
+    if vertices.len() > MOST_VERTICES {
+        return None;
+    }
+    let corners: Vec<[f64; 2]> = outlines.concat();
+    let mut holes = Vec::new();
+    let mut start = 0_u32;
+    for outline in &outlines[..outlines.len() - 1] {
+        start += outline.len() as u32;
+        holes.push(start);
+    }
+    let mut found: Vec<u32> = Vec::new();
+    Earcut::new().earcut(corners.iter().copied(), &holes, &mut found);
+    let (found, _) = found.as_chunks::<3>();
+    let expected: f64 = outlines.iter().map(|outline| signed_area(outline)).sum();
+    let mut sum = 0.0;
+    let mut triangles = Vec::with_capacity(found.len());
+    for triangle in found {
+        let outline = triangle.map(|corner| corners[corner as usize]);
+        let area = signed_area(&outline);
+        sum += area.abs();
+        let [a, b, c] = triangle.map(|corner| vertices[corner as usize]);
+        triangles.push(if area < 0.0 { [a, c, b] } else { [a, b, c] });
+    }
+    let is_whole = expected > 0.0 && (sum - expected).abs() <= AREA_TOLERANCE * expected;
+    is_whole.then_some(Cap {
+        loops: own,
+        triangles,
+        normal: plane.normal,
+        point: plane.point,
+        area: expected,
+        axes,
+        outlines,
+    })
+}
+
+fn signed_area(outline: &[[f64; 2]]) -> f64 {
+    let next = outline.iter().cycle().skip(1);
+    let twice: f64 = outline.iter().zip(next).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum();
+    0.5 * twice
+}
+
+fn in_axes(axes: [Vector; 2], point: Vector) -> [f64; 2] {
+    axes.map(|axis| dot(axis, point))
+}
+
+/// By the crossings of a ray along the first axis.
+fn is_in_outline(outline: &[[f64; 2]], point: [f64; 2]) -> bool {
+    let next = outline.iter().cycle().skip(1);
+    let crossings = outline.iter().zip(next).filter(|(a, b)| {
+        (a[1] > point[1]) != (b[1] > point[1]) && {
+            let share = (point[1] - a[1]) / (b[1] - a[1]);
+            point[0] < a[0] + share * (b[0] - a[0])
+        }
+    });
+    crossings.count() % 2 == 1
+}
+
+impl Cap {
+    /// Where a point is in the plane's axes.
+    pub(super) fn flatten(&self, point: Vector) -> [f64; 2] {
+        in_axes(self.axes, subtract(point, self.point))
+    }
+
+    /// The height of a point over the plane, along the normal.
+    pub(super) fn height(&self, point: Vector) -> f64 {
+        dot(self.normal, subtract(point, self.point))
+    }
+
+    /// Whether a point of the plane is on the cap, farther than `margin` from its rim.
+    pub(super) fn holds(&self, point: [f64; 2], margin: f64) -> bool {
+        let is_in_odd = self.outlines.iter().filter(|outline| is_in_outline(outline, point)).count() % 2;
+        is_in_odd == 1
+            && self.outlines.iter().all(|outline| {
+                let next = outline.iter().cycle().skip(1);
+                outline.iter().zip(next).all(|(a, b)| distance_to_side(point, *a, *b) > margin)
+            })
+    }
+
+    /// The median over the rim, by length, of the angle inside of the solid between the cap and the
+    /// surface, in radians: 0 where the surface folds back onto the cap, π where it goes straight on.
+    pub(super) fn rim_angle(
+        &self,
+        positions: &[Vector],
+        triangles: &[[u32; 3]],
+        loops: &[Loop],
+    ) -> f64 {
+        let mut angles: Vec<(f64, f64)> = Vec::new();
+        for own in self.loops.iter().map(|&index| &loops[index]) {
+            let next = own.vertices.iter().cycle().skip(1);
+            for ((&from, &to), &neighbour) in own.vertices.iter().zip(next).zip(&own.neighbours) {
+                let [a, b, c] = triangles[neighbour as usize].map(|v| positions[v as usize]);
+                let normal = normalize(area_normal(a, b, c));
+                let angle = (-dot(normal, self.normal)).clamp(-1.0, 1.0).acos();
+                angles.push((angle, distance(positions[from as usize], positions[to as usize])));
+            }
+        }
+        angles.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        let whole: f64 = angles.iter().map(|angle| angle.1).sum();
+        let mut sum = 0.0;
+        let median = angles.iter().find(|angle| {
+            sum += angle.1;
+            2.0 * sum >= whole
+        });
+        median.map_or(0.0, |angle| angle.0)
+    }
+}
+
+fn distance_to_side(point: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
+    let along = [b[0] - a[0], b[1] - a[1]];
+    let arm = [point[0] - a[0], point[1] - a[1]];
+    let squared = along[0] * along[0] + along[1] * along[1];
+    let share = ((arm[0] * along[0] + arm[1] * along[1]) / squared).clamp(0.0, 1.0);
+    let share = if share.is_nan() { 0.0 } else { share };
+    (arm[0] - share * along[0]).hypot(arm[1] - share * along[1])
+}

@@ -1,0 +1,53 @@
+//! The mesh with its openings closed, for who wants to see it or to go on with it.
+
+use super::prepare::prepare_closed;
+use super::{Opening, OpeningSettings};
+use crate::control::Control;
+use crate::error::Error;
+use crate::geometry::{MeshView, TriangleMesh};
+use crate::mesh::CAP;
+use crate::parameters::Parameters;
+
+/// A mesh with its openings closed: what the promises of a decomposition are about.
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq)]
+pub struct ClosedMesh {
+    /// The repaired surface, then the caps; in the input's units.
+    pub mesh: TriangleMesh,
+    /// How many of the triangles, the last ones, are caps.
+    pub caps: usize,
+    /// The openings, closed and left.
+    pub openings: Vec<Opening>,
+}
+
+/// Repairs a mesh and closes its openings as [`decompose`](crate::decompose) does with these parameters.
+/// Almost linear time.
+///
+/// # Errors
+/// As [`inspect`](crate::inspect()), and [`Error::Cancelled`].
+///
+/// ```
+/// use hullwright::{Control, MeshView, Parameters, close_openings};
+///
+/// // Three sides of a tetrahedron: the fourth is a flat opening.
+/// let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+/// let triangles = [[0, 1, 3], [1, 2, 3], [2, 0, 3]];
+/// let mesh = MeshView::new(&positions, &triangles);
+/// let closed = close_openings(mesh, &Parameters::default(), &Control::new())?;
+/// assert_eq!((closed.mesh.triangles.len(), closed.caps), (4, 1));
+/// # Ok::<(), hullwright::Error>(())
+/// ```
+pub fn close_openings<'a>(
+    mesh: impl Into<MeshView<'a>>,
+    parameters: &Parameters,
+    control: &Control,
+) -> Result<ClosedMesh, Error> {
+    parameters.validate()?;
+    let settings = OpeningSettings::from(&parameters.bounded);
+    let (prepared, openings) = prepare_closed(mesh.into(), &settings, control)?;
+    let restore = |&point| prepared.normalization.restore(point);
+    let positions = prepared.mesh.positions.iter().map(restore).collect();
+    let caps = prepared.source_triangles.iter().rev().take_while(|&&t| t == CAP).count();
+    let mesh = TriangleMesh::new(positions, prepared.mesh.triangles);
+    Ok(ClosedMesh { mesh, caps, openings })
+}

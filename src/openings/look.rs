@@ -1,0 +1,108 @@
+//! What is seen through an opening: the backs of faces, or their fronts.
+//!
+//! Whoever looks at the back of a face that is drawn from one side sees nothing. So where all that a cap
+//! looks at is backs, nobody is meant to look in, and the surface is the skin of a solid. Fronts, or
+//! a way out, say that the inside is a room; but for the fronts of other solids that are stuck into
+//! this one, which the ray leaves again through their backs.
+
+use super::cap::Cap;
+use crate::bvh::Bvh;
+use crate::geometry::vector::{Vector, add, scale, subtract};
+
+/// Rays start from so many points, spread over the cap by area.
+const POINTS: usize = 32;
+
+/// Rays from each point, spread over the half-space within as light from a matt surface is.
+const RAYS_PER_POINT: usize = 4;
+
+/// A ray through more faces than this sees too much to tell.
+const MOST_HITS: usize = 32;
+
+/// A hit nearer than this, in diagonals, is on the rim that the ray starts from.
+const START: f64 = 1e-7;
+
+/// Steps of the additive recurrences that spread points evenly: 1/φ, and 1/ρ, 1/ρ² for the plastic
+/// number ρ (Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences", 2018).
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+const PLASTIC: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_2];
+
+/// The share of rays from a cap inward that do not leave the solid through the back of a face. `counts` tells which
+/// triangles are there.
+pub(super) fn share_seen(
+    cap: &Cap,
+    positions: &[Vector],
+    bvh: &Bvh,
+    counts: impl Fn(u32) -> bool,
+) -> f64 {
+    let inward = scale(cap.normal, -1.0);
+    let mut seen = 0;
+    for (number, point) in points(cap, positions).into_iter().enumerate() {
+        for ray in 0..RAYS_PER_POINT {
+            let direction = direction(cap, inward, number * RAYS_PER_POINT + ray);
+            seen += usize::from(!leaves(bvh, point, direction, &counts));
+        }
+    }
+    seen as f64 / (POINTS * RAYS_PER_POINT) as f64
+}
+
+/// Whether a ray that starts in the solid leaves it: through one back more than fronts. A part of
+/// another solid that is stuck into this one shows its front, and then its own back.
+fn leaves(bvh: &Bvh, origin: Vector, direction: Vector, counts: impl Fn(u32) -> bool) -> bool {
+    let mut solids = 1;
+    let mut start = START;
+    for _ in 0..MOST_HITS {
+        let Some(hit) = bvh.first_hit(origin, direction, start, |triangle, _| counts(triangle)) else {
+            return false;
+        };
+        solids += if hit.is_back { -1 } else { 1 };
+        if solids == 0 {
+            return true;
+        }
+        start = hit.distance;
+    }
+    false
+}
+
+/// The next number of an additive recurrence.
+fn spread(step: f64, number: usize) -> f64 {
+    (0.5 + step * (number + 1) as f64).fract()
+}
+
+/// Spread evenly by area.
+pub(super) fn points(cap: &Cap, positions: &[Vector]) -> Vec<Vector> {
+    let corners = |triangle: &[u32; 3]| triangle.map(|vertex| positions[vertex as usize]);
+    let areas: Vec<f64> = cap
+        .triangles
+        .iter()
+        .map(|triangle| {
+            let [a, b, c] = corners(triangle).map(|corner| cap.flatten(corner));
+            0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs()
+        })
+        .collect();
+    let whole: f64 = areas.iter().sum();
+    let (mut triangle, mut before) = (0, 0.0);
+    (0..POINTS)
+        .filter_map(|number| {
+            let target = whole * (number as f64 + 0.5) / POINTS as f64;
+            while triangle + 1 < areas.len() && before + areas[triangle] < target {
+                before += areas[triangle];
+                triangle += 1;
+            }
+            let [a, b, c] = corners(cap.triangles.get(triangle)?);
+            let (mut v, mut w) = (spread(PLASTIC[0], number), spread(PLASTIC[1], number));
+            if v + w > 1.0 {
+                (v, w) = (1.0 - v, 1.0 - w);
+            }
+            Some(add(a, add(scale(subtract(b, a), v), scale(subtract(c, a), w))))
+        })
+        .collect()
+}
+
+/// With a density that is proportional to the cosine with `inward`.
+fn direction(cap: &Cap, inward: Vector, number: usize) -> Vector {
+    let height_squared = spread(GOLDEN, number);
+    let turn = std::f64::consts::TAU * (number as f64 + 0.5) / (POINTS * RAYS_PER_POINT) as f64;
+    let radius = (1.0 - height_squared).sqrt();
+    let across = add(scale(cap.axes[0], radius * turn.cos()), scale(cap.axes[1], radius * turn.sin()));
+    add(scale(inward, height_squared.sqrt()), across)
+}
