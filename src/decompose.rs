@@ -82,6 +82,7 @@ pub struct Decomposer {
     state: State,
     times: Vec<StageTime>,
     openings: Vec<Opening>,
+    nested_components: usize,
     deadline_reached: bool,
 }
 
@@ -125,6 +126,7 @@ impl Decomposer {
             state: State::Repair,
             times: Vec::new(),
             openings: Vec::new(),
+            nested_components: 0,
             deadline_reached: false,
         })
     }
@@ -155,8 +157,10 @@ impl Decomposer {
         self.state = match std::mem::replace(&mut self.state, State::Done) {
             State::Repair => {
                 let settings = self.opening_settings();
-                let (prepared, openings) = prepare_closed(self.source.view(), &settings, control)?;
-                self.openings = openings;
+                let closed = prepare_closed(self.source.view(), &settings, control)?;
+                self.openings = closed.openings;
+                self.nested_components = closed.nested_components;
+                let prepared = closed.prepared;
                 match self.parameters.method {
                     Method::Bounded => {
                         State::Bounded(Box::new(Run::new(prepared, &self.parameters)))
@@ -218,7 +222,9 @@ impl Decomposer {
         let settings = OpeningSettings::from(&self.parameters.bounded);
         match self.parameters.method {
             Method::Bounded => settings,
-            Method::Surface => OpeningSettings { openings: Openings::Keep, ..settings },
+            Method::Surface => {
+                OpeningSettings { openings: Openings::Keep, keep_cavities: true, ..settings }
+            }
         }
     }
 
@@ -300,6 +306,7 @@ impl Decomposer {
             closed_components: prepared.closed.iter().filter(|&&closed| closed).count(),
             repairs: prepared.repairs,
             openings: std::mem::take(&mut self.openings),
+            nested_components: self.nested_components,
             bounded,
             surface,
             deadline_reached: self.deadline_reached,

@@ -136,6 +136,8 @@ pub struct Report {
     pub repairs: Repairs,
     /// The openings of the mesh, closed and left; empty where the method keeps them all.
     pub openings: Vec<Opening>,
+    /// Closed components within the solid, which nothing can reach and which were left out.
+    pub nested_components: usize,
     /// What the bounded method promised and verified.
     pub bounded: Option<BoundedReport>,
     /// The search of the paper's method.

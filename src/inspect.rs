@@ -100,8 +100,10 @@ pub fn inspect_with<'a>(
     let diagonal = prepared.normalization.diagonal;
     let (area, _) = measure(&prepared);
     let settings = OpeningSettings::from(&parameters.bounded);
-    let (closed, openings) = close_prepared(prepared.clone(), source, &settings, &control)?;
-    let (_, volume) = measure(&closed);
+    let settings = OpeningSettings { keep_cavities: true, ..settings };
+    let closed = close_prepared(prepared.clone(), source, &settings, &control)?;
+    let openings = closed.openings;
+    let (_, volume) = measure(&closed.prepared);
     Ok(Inspection {
         source_vertices: source.vertex_count(),
         source_triangles: source.triangles().len(),
@@ -135,6 +137,10 @@ fn measure(prepared: &PreparedMesh) -> (f64, f64) {
         if prepared.closed[*component as usize] {
             six_volumes += dot(a, cross(b, c));
         }
+    }
+    for triangle in &prepared.hidden_caps {
+        let [a, b, c] = triangle.map(|vertex| prepared.mesh.positions[vertex as usize]);
+        six_volumes += dot(a, cross(b, c));
     }
     (twice_area / 2.0, six_volumes / 6.0)
 }

@@ -113,7 +113,7 @@ impl MergeTree {
             return Err(Error::NoHulls);
         }
         let settings = OpeningSettings::from(&parameters.bounded);
-        let (prepared, _) = prepare_closed(mesh, &settings, control)?;
+        let prepared = prepare_closed(mesh, &settings, control)?.prepared;
         let hierarchy = parallel::with(control.is_parallel(), || {
             DecompositionHierarchy::new(prepared, hulls, parameters, control)
         })?;

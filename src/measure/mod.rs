@@ -39,7 +39,7 @@ use crate::geometry::vector::{Vector, add, bounds, maximum, minimum};
 use crate::mesh::repair::Survey;
 use crate::mesh::{Normalization, TriangleMesh};
 use crate::openings::prepare::prepare_closed;
-use crate::openings::{OpeningOutcome, OpeningSettings};
+use crate::openings::OpeningSettings;
 use crate::parallel::{self, map_indices};
 use crate::parameters::{UpAxis, BoundedParameters, Length, Openings};
 
@@ -73,6 +73,9 @@ pub struct MeasureOptions {
     pub flatness: Length,
     /// Which axis points up: see [`BoundedParameters::up_axis`](crate::BoundedParameters::up_axis).
     pub up_axis: UpAxis,
+    /// Whether closed components that nothing can reach stay: see
+    /// [`BoundedParameters::keep_cavities`](crate::BoundedParameters::keep_cavities). Default false.
+    pub keep_cavities: bool,
 }
 
 impl Default for MeasureOptions {
@@ -86,6 +89,7 @@ impl Default for MeasureOptions {
             openings: Openings::Auto,
             flatness: BoundedParameters::default().max_error,
             up_axis: UpAxis::Y,
+            keep_cavities: false,
         }
     }
 }
@@ -323,9 +327,11 @@ impl Mesh {
         options: &MeasureOptions,
         control: &Control,
     ) -> Result<(Self, Normalization), Error> {
-        let &MeasureOptions { openings, flatness, up_axis, .. } = options;
-        let settings = OpeningSettings { openings, flatness, up_axis };
-        let (prepared, openings) = prepare_closed(source, &settings, control)?;
+        let &MeasureOptions { openings, flatness, up_axis, keep_cavities, .. } = options;
+        let settings = OpeningSettings { openings, flatness, up_axis, keep_cavities };
+        let closed = prepare_closed(source, &settings, control)?;
+        let is_changed = closed.is_changed();
+        let prepared = closed.prepared;
         // As repair sees it: nothing else may decide what the diagonal is.
         let Survey { candidates, normalization, .. } = Survey::new(source);
         let triangles = source.triangles();
@@ -334,7 +340,7 @@ impl Mesh {
         let corners = usable.iter().flatten().map(|&index| source.at(index));
         let (min, max) = bounds(corners.map(|corner| normalization.normalize(corner)));
         let positions = source.positions().map(|point| normalization.normalize(point)).collect();
-        if openings.iter().any(|opening| opening.outcome == OpeningOutcome::Closed) {
+        if is_changed {
             let in_source = |triangle: &[u32; 3]| {
                 triangle.map(|vertex| prepared.source_vertices[vertex as usize])
             };

@@ -22,6 +22,9 @@ use repair::Repairs;
 /// Stands in [`PreparedMesh::source_triangles`] for a triangle that closes an opening.
 pub(crate) const CAP: u32 = u32::MAX;
 
+/// The same for one within the solid.
+pub(crate) const HIDDEN_CAP: u32 = u32::MAX - 1;
+
 /// The map between the input's units and the space that the pipeline works in, where the bounding
 /// box is centred at the origin and its diagonal is 1.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -79,6 +82,8 @@ pub struct PreparedMesh {
     pub closed: Vec<bool>,
     /// What was changed in the input.
     pub repairs: Repairs,
+    /// Triangles that close openings within the solid: they tell inside from outside, and are no surface.
+    pub hidden_caps: Vec<[u32; 3]>,
 }
 
 impl PreparedMesh {
@@ -98,11 +103,23 @@ impl PreparedMesh {
             .filter(|&(triangle, _)| is_sheet(triangle))
             .map(|(_, &[a, b, c])| [b, a, c])
             .collect();
-        if turned.is_empty() {
+        if turned.is_empty() && self.hidden_caps.is_empty() {
             Cow::Borrowed(triangles)
         } else {
-            Cow::Owned([triangles.as_slice(), &turned].concat())
+            Cow::Owned([triangles.as_slice(), &turned, &self.hidden_caps].concat())
         }
+    }
+
+    /// Keeps the triangles for which `keeps` holds, by their number in the input and their component.
+    /// Vertices and the numbers of components stay.
+    pub(crate) fn retain(&mut self, keeps: impl Fn(u32, u32) -> bool) {
+        let kept: Vec<usize> = (0..self.mesh.triangles.len())
+            .filter(|&t| keeps(self.source_triangles[t], self.components[t]))
+            .collect();
+        self.mesh.triangles = kept.iter().map(|&t| self.mesh.triangles[t]).collect();
+        self.source_triangles = kept.iter().map(|&t| self.source_triangles[t]).collect();
+        self.is_both_ways = kept.iter().map(|&t| self.is_both_ways[t]).collect();
+        self.components = kept.iter().map(|&t| self.components[t]).collect();
     }
 }
 

@@ -117,6 +117,7 @@ pub fn prepare(source: MeshView<'_>, control: &Control) -> Result<PreparedMesh, 
         components: connectivity.components,
         closed: connectivity.closed,
         repairs,
+        hidden_caps: Vec::new(),
     })
 }
 

@@ -1,6 +1,6 @@
 //! The mesh with its openings closed, for who wants to see it or to go on with it.
 
-use super::prepare::prepare_closed;
+use super::prepare::{Closed, prepare_closed};
 use super::{Opening, OpeningSettings};
 use crate::control::Control;
 use crate::error::Error;
@@ -14,10 +14,12 @@ use crate::parameters::Parameters;
 pub struct ClosedMesh {
     /// The repaired surface, then the caps; in the input's units.
     pub mesh: TriangleMesh,
-    /// How many of the triangles, the last ones, are caps.
+    /// How many of the triangles, the last ones, are caps. Those within the solid are left out.
     pub caps: usize,
     /// The openings, closed and left.
     pub openings: Vec<Opening>,
+    /// Closed components within the solid, which nothing can reach and which are left out.
+    pub nested_components: usize,
 }
 
 /// Repairs a mesh and closes its openings as [`decompose`](crate::decompose) does with these parameters.
@@ -44,10 +46,11 @@ pub fn close_openings<'a>(
 ) -> Result<ClosedMesh, Error> {
     parameters.validate()?;
     let settings = OpeningSettings::from(&parameters.bounded);
-    let (prepared, openings) = prepare_closed(mesh.into(), &settings, control)?;
+    let closed = prepare_closed(mesh.into(), &settings, control)?;
+    let Closed { prepared, openings, nested_components } = closed;
     let restore = |&point| prepared.normalization.restore(point);
     let positions = prepared.mesh.positions.iter().map(restore).collect();
     let caps = prepared.source_triangles.iter().rev().take_while(|&&t| t == CAP).count();
     let mesh = TriangleMesh::new(positions, prepared.mesh.triangles);
-    Ok(ClosedMesh { mesh, caps, openings })
+    Ok(ClosedMesh { mesh, caps, openings, nested_components })
 }

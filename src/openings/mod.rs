@@ -10,6 +10,7 @@
 //! | `cap` | flat polygons over loops, and zips for cracks |
 //! | `crossing` | whether the surface goes through a cap |
 //! | `look` | what is seen through an opening |
+//! | `nested` | closed components that nothing can reach |
 //! | `report` | what became of each opening |
 //! | `prepare` | the repaired mesh with its caps |
 //! | `closed_mesh` | the same as a public result |
@@ -24,9 +25,11 @@
 //!    open unless it lies in the lowest plane of the mesh.
 //! 5. Rays go inward from the caps that are left, all of them closed. One from which more than 5 % of
 //!    the rays see the front of a face, or a way out, stays open. This is repeated until no more caps fall.
-//! 6. So does one beyond which is inside already: a leg's end within a table's top. And the planks of a
-//!    chest, each without a back, are together the skin of it, which caps would empty.
-//! 7. Last, the caps of a component most of whose boundary stays open are left.
+//! 6. One beyond which is inside already stays open: parts of an open skin, as the planks of a chest without
+//!    backs, enclose a solid together.
+//! 7. The caps of a component most of whose boundary stays open are left.
+//! 8. Where nothing else stays open, those of 6 are closed after all, as a leg's end within a table's top, but
+//!    are no surface: the mesh is closed then, and nothing can touch them.
 //!
 //! A closed mesh whose normals all point inward is no opening's matter: repair turns it around, since
 //! exporters that mirror are more common than rooms without a door.
@@ -36,6 +39,7 @@ mod cap;
 mod closed_mesh;
 mod crossing;
 mod look;
+mod nested;
 pub(crate) mod prepare;
 mod report;
 
@@ -71,18 +75,23 @@ pub(crate) struct OpeningSettings {
     /// How far a loop's vertices may be from its plane.
     pub flatness: Length,
     pub up_axis: UpAxis,
+    /// Whether closed components that nothing can reach stay.
+    pub keep_cavities: bool,
 }
 
 impl From<&BoundedParameters> for OpeningSettings {
     fn from(parameters: &BoundedParameters) -> Self {
-        let &BoundedParameters { openings, up_axis, max_error: flatness, .. } = parameters;
-        Self { openings, flatness, up_axis }
+        let &BoundedParameters { openings, up_axis, max_error: flatness, keep_cavities, .. } =
+            parameters;
+        Self { openings, flatness, up_axis, keep_cavities }
     }
 }
 
 /// Triangles that close openings, and what became of each.
 struct Closing {
     triangles: Vec<[u32; 3]>,
+    /// Those within the solid.
+    hidden: Vec<[u32; 3]>,
     openings: Vec<Opening>,
 }
 
@@ -100,7 +109,7 @@ fn close(
     let loops = boundary_loops(positions, triangles);
     control.check()?;
     let flatness = flatness_in_diagonals(prepared, settings);
-    let mut closing = Closing { triangles: Vec::new(), openings: Vec::new() };
+    let mut closing = Closing { triangles: Vec::new(), hidden: Vec::new(), openings: Vec::new() };
     let mut caps: Vec<(Cap, OpeningOutcome)> = Vec::new();
     for candidate in candidates(positions, &loops, flatness) {
         let left = |loop_index: usize, outcome| {
@@ -122,9 +131,21 @@ fn close(
         decide(prepared, source, &loops, &mut caps, settings, control)?;
     }
     leave_fragments(prepared, &loops, &mut caps);
+    let is_left = |outcome: &OpeningOutcome| !outcome.is_closed();
+    if closing.openings.iter().any(|opening| is_left(&opening.outcome))
+        || caps.iter().any(|(_, outcome)| is_left(outcome))
+    {
+        for (_, outcome) in &mut caps {
+            if *outcome == OpeningOutcome::ClosedWithin {
+                *outcome = OpeningOutcome::SolidBeyond;
+            }
+        }
+    }
     for (cap, outcome) in &caps {
-        if *outcome == OpeningOutcome::Closed {
-            closing.triangles.extend_from_slice(&cap.triangles);
+        match outcome {
+            OpeningOutcome::Closed => closing.triangles.extend_from_slice(&cap.triangles),
+            OpeningOutcome::ClosedWithin => closing.hidden.extend_from_slice(&cap.triangles),
+            _ => {}
         }
         closing.openings.push(Opening::of_cap(cap, &loops, prepared, *outcome));
     }
@@ -150,8 +171,8 @@ fn leave_fragments(
         (vec![0.0; prepared.closed.len()], vec![0.0; prepared.closed.len()]);
     for (own, outcome) in loops.iter().zip(outcomes) {
         match outcome {
-            OpeningOutcome::Closed => closed[component_of(own)] += own.length(&prepared.mesh.positions),
-            OpeningOutcome::SolidBeyond => {}
+            outcome if outcome.is_closed() => closed[component_of(own)] += own.length(&prepared.mesh.positions),
+            OpeningOutcome::SolidBeyond | OpeningOutcome::ClosedWithin => {}
             _ => left[component_of(own)] += own.length(&prepared.mesh.positions),
         }
     }
@@ -160,7 +181,7 @@ fn leave_fragments(
             let component = component_of(&loops[index]);
             left[component] > closed[component]
         });
-        if *outcome == OpeningOutcome::Closed && is_fragment {
+        if outcome.is_closed() && is_fragment {
             *outcome = OpeningOutcome::Fragment;
         }
     }
@@ -215,8 +236,7 @@ fn decide(
     }
     let open = Bvh::with_control(positions, &prepared.triangles_of_solid(), control)?;
     loop {
-        let is_closed: Vec<bool> =
-            caps.iter().map(|(_, outcome)| *outcome == OpeningOutcome::Closed).collect();
+        let is_closed: Vec<bool> = caps.iter().map(|(_, outcome)| outcome.is_closed()).collect();
         let is_there = |triangle: u32| match (triangle as usize).checked_sub(triangles.len()) {
             None => true,
             Some(of_caps) => is_closed[cap_of[of_caps] as usize],
@@ -229,7 +249,7 @@ fn decide(
         };
         let mut changed = false;
         for (number, (cap, outcome)) in caps.iter_mut().enumerate() {
-            if *outcome == OpeningOutcome::Closed && is_seen(number, cap) {
+            if outcome.is_closed() && is_seen(number, cap) {
                 *outcome = OpeningOutcome::SeenInto;
                 changed = true;
             }
@@ -239,7 +259,22 @@ fn decide(
             continue;
         }
         for (cap, outcome) in caps.iter_mut() {
-            if *outcome == OpeningOutcome::Closed && is_solid_beyond(cap, positions, &open, flatness)
+            if outcome.is_closed() {
+                let is_within = is_solid_beyond(cap, positions, [&open, &open], flatness);
+                *outcome = match is_within {
+                    true => OpeningOutcome::ClosedWithin,
+                    false => OpeningOutcome::Closed,
+                };
+            }
+        }
+        if caps.iter().all(|(_, outcome)| *outcome != OpeningOutcome::ClosedWithin) {
+            return Ok(());
+        }
+        let kept = (0_u32..).zip(&all).filter(|&(t, _)| is_there(t)).map(|(_, &corners)| corners);
+        let closed = Bvh::with_control(positions, &kept.collect::<Vec<_>>(), control)?;
+        for (cap, outcome) in caps.iter_mut() {
+            if *outcome == OpeningOutcome::ClosedWithin
+                && !is_solid_beyond(cap, positions, [&open, &closed], flatness)
             {
                 *outcome = OpeningOutcome::SolidBeyond;
                 changed = true;
@@ -252,15 +287,20 @@ fn decide(
 }
 
 /// Whether most of what is beyond a cap is inside as it is: the opening is within the solid, or the
-/// parts of an open skin enclose it together.
-fn is_solid_beyond(cap: &Cap, positions: &[Vector], open: &Bvh, flatness: f64) -> bool {
+/// parts of an open skin enclose it together. How far it is there is `open`'s to say, what is inside `solid`'s.
+fn is_solid_beyond(
+    cap: &Cap,
+    positions: &[Vector],
+    [open, solid]: [&Bvh; 2],
+    flatness: f64,
+) -> bool {
     let points = look::points(cap, positions);
     let inside = points.iter().filter(|&&point| {
         let outward = |distance: f64| add(point, scale(cap.normal, distance));
         // Near the backs of several parts the sum of what they enclose is unsure.
         let middle = open.first_hit(point, cap.normal, flatness, |_, _| true);
-        open.is_inside(outward(flatness))
-            || middle.is_some_and(|hit| open.is_inside(outward(0.5 * hit.distance)))
+        solid.is_inside(outward(flatness))
+            || middle.is_some_and(|hit| solid.is_inside(outward(0.5 * hit.distance)))
     });
     2 * inside.count() > points.len()
 }

@@ -1,19 +1,35 @@
 //! Repair, closing, and repair again: the mesh that the stages after it work on.
 
-use super::{Opening, OpeningSettings, close};
+use super::nested::drop_nested;
+use super::{Closing, Opening, OpeningSettings, close};
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::MeshView;
 use crate::mesh::repair::prepare;
-use crate::mesh::{CAP, PreparedMesh, TriangleMesh};
+use crate::mesh::{CAP, HIDDEN_CAP, PreparedMesh, TriangleMesh};
 use crate::parameters::Openings;
 
 /// Caps have the vertices of their loops, and ear clipping leaves out those in the middle of a
 /// straight side: that is a crack, which the next pass zips.
 const PASSES: usize = 3;
 
-/// Repairs a mesh and closes its openings. In `source_triangles` caps stand as [`CAP`]. The counts of
-/// repairs are those of the mesh as it came.
+/// What is done to a repaired mesh before it is decomposed.
+pub(crate) struct Closed {
+    pub prepared: PreparedMesh,
+    pub openings: Vec<Opening>,
+    /// Closed components within the solid, which were dropped.
+    pub nested_components: usize,
+}
+
+impl Closed {
+    /// Whether the surface is another than repair's.
+    pub(crate) fn is_changed(&self) -> bool {
+        self.nested_components > 0 || self.openings.iter().any(|o| o.outcome.is_closed())
+    }
+}
+
+/// Repairs a mesh, closes its openings, and drops what is within the solid. In `source_triangles` caps
+/// stand as [`CAP`]. The counts of repairs are those of the mesh as it came.
 ///
 /// Takes as long as repair where nothing is open; otherwise some hundred rays for each flat opening, and
 /// repair once more where one is closed.
@@ -24,7 +40,7 @@ pub(crate) fn prepare_closed(
     source: MeshView<'_>,
     settings: &OpeningSettings,
     control: &Control,
-) -> Result<(PreparedMesh, Vec<Opening>), Error> {
+) -> Result<Closed, Error> {
     close_prepared(prepare(source, control)?, source, settings, control)
 }
 
@@ -37,37 +53,41 @@ pub(crate) fn close_prepared(
     source: MeshView<'_>,
     settings: &OpeningSettings,
     control: &Control,
-) -> Result<(PreparedMesh, Vec<Opening>), Error> {
+) -> Result<Closed, Error> {
     let is_closed = |prepared: &PreparedMesh| prepared.closed.iter().all(|&closed| closed);
-    if settings.openings == Openings::Keep || is_closed(&prepared) {
-        return Ok((prepared, Vec::new()));
-    }
     let mut openings = Vec::new();
     for pass in 0..PASSES {
-        let closing = close(&prepared, source, settings, control)?;
+        if settings.openings == Openings::Keep || is_closed(&prepared) {
+            break;
+        }
+        let mut closing = close(&prepared, source, settings, control)?;
         if pass == 0 {
-            openings = closing.openings;
+            openings = std::mem::take(&mut closing.openings);
         }
-        if closing.triangles.is_empty() {
+        if closing.triangles.is_empty() && closing.hidden.is_empty() {
             break;
         }
-        prepared = with_caps(prepared, source, &closing.triangles, control)?;
-        if is_closed(&prepared) {
-            break;
-        }
+        prepared = with_caps(prepared, source, &closing, control)?;
     }
-    Ok((prepared, openings))
+    hide(&mut prepared);
+    let nested_components = match settings.keep_cavities {
+        true => 0,
+        false => drop_nested(&mut prepared, control)?,
+    };
+    Ok(Closed { prepared, openings, nested_components })
 }
 
 /// The repaired mesh with more triangles, repaired.
 fn with_caps(
     before: PreparedMesh,
     source: MeshView<'_>,
-    caps: &[[u32; 3]],
+    closing: &Closing,
     control: &Control,
 ) -> Result<PreparedMesh, Error> {
     let positions = before.source_vertices.iter().map(|&vertex| source.at(vertex)).collect();
-    let triangles = [before.mesh.triangles.as_slice(), caps].concat();
+    let surface = before.mesh.triangles.len() + closing.triangles.len();
+    let triangles =
+        [before.mesh.triangles.as_slice(), &closing.triangles, &closing.hidden].concat();
     let mesh = TriangleMesh::new(positions, triangles);
     let mut after = prepare(mesh.view(), control)?;
     let was_both_ways =
@@ -78,11 +98,24 @@ fn with_caps(
         after.is_both_ways[t] |= is_open && was_both_ways(triangle);
     }
     for triangle in &mut after.source_triangles {
-        *triangle = before.source_triangles.get(*triangle as usize).copied().unwrap_or(CAP);
+        let is_hidden = *triangle as usize >= surface;
+        let of_cap = if is_hidden { HIDDEN_CAP } else { CAP };
+        *triangle = before.source_triangles.get(*triangle as usize).copied().unwrap_or(of_cap);
     }
     for vertex in &mut after.source_vertices {
         *vertex = before.source_vertices[*vertex as usize];
     }
     after.repairs = before.repairs;
     Ok(after)
+}
+
+/// Takes caps within the solid out of the surface.
+fn hide(prepared: &mut PreparedMesh) {
+    let sources = prepared.source_triangles.iter();
+    let hidden = prepared.mesh.triangles.iter().zip(sources);
+    let hidden = hidden.filter(|&(_, &source)| source == HIDDEN_CAP);
+    prepared.hidden_caps = hidden.map(|(&triangle, _)| triangle).collect();
+    if !prepared.hidden_caps.is_empty() {
+        prepared.retain(|source, _| source != HIDDEN_CAP);
+    }
 }

@@ -28,6 +28,8 @@ pub struct Opening {
 pub enum OpeningOutcome {
     /// A cap closes it.
     Closed,
+    /// A cap closes it, within the solid, where nothing can touch it.
+    ClosedWithin,
     /// Left: its vertices are farther from a plane than the bound.
     NotFlat,
     /// Left: its outline crosses itself, or has more than 10,000 vertices.
@@ -40,13 +42,22 @@ pub enum OpeningOutcome {
     TwoSided,
     /// Left: the fronts of faces are seen through it, or a way out.
     SeenInto,
-    /// Left: what is beyond it is inside already.
+    /// Left: what is beyond it is inside already, and would not be with a cap.
     SolidBeyond,
     /// Left: most of the boundary of its component stays open.
     Fragment,
 }
 
 impl OpeningOutcome {
+    /// Whether a cap closes it.
+    ///
+    /// ```
+    /// assert!(!hullwright::OpeningOutcome::NotFlat.is_closed());
+    /// ```
+    pub fn is_closed(self) -> bool {
+        matches!(self, Self::Closed | Self::ClosedWithin)
+    }
+
     /// In words.
     ///
     /// ```
@@ -55,6 +66,7 @@ impl OpeningOutcome {
     pub fn describe(self) -> &'static str {
         match self {
             Self::Closed => "closed",
+            Self::ClosedWithin => "closed within the solid",
             Self::NotFlat => "left: not flat within the bound",
             Self::NotSimple => "left: its outline crosses itself",
             Self::Sheet => "left: a cap would lie on the sheet around it",

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use hullwright::{
-    BoundedReport, Decomposition, Opening, OpeningOutcome, Repairs, Report, ResolutionReport, SurfaceReport,
+    BoundedReport, Decomposition, Opening, Repairs, Report, ResolutionReport, SurfaceReport,
     ThresholdOutcome, ThresholdReport,
 };
 use serde::Serialize;
@@ -77,7 +77,7 @@ struct OpeningsLine {
 
 impl From<&[Opening]> for OpeningsLine {
     fn from(openings: &[Opening]) -> Self {
-        let is_closed = |opening: &&Opening| opening.outcome == OpeningOutcome::Closed;
+        let is_closed = |opening: &&Opening| opening.outcome.is_closed();
         let (closed, left): (Vec<&Opening>, Vec<&Opening>) = openings.iter().partition(is_closed);
         let area = |of: &[&Opening]| of.iter().map(|opening| opening.area).sum();
         Self {

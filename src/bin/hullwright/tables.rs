@@ -128,7 +128,7 @@ pub fn openings(openings: &[Opening]) -> Option<String> {
         }
     }
     counts.sort_by_key(|&(outcome, count)| {
-        (outcome != OpeningOutcome::Closed, std::cmp::Reverse(count))
+        (!outcome.is_closed(), std::cmp::Reverse(count))
     });
     let texts: Vec<String> =
         counts.iter().map(|(outcome, count)| format!("{count} {}", outcome.describe())).collect();
