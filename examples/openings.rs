@@ -29,9 +29,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     for path in arguments {
         let file = read_mesh(&path)?;
         let closed = close_openings(&file, &auto, &control)?;
-        let [before, after] = [decompose(&file, &keep, &control)?, decompose(&file, &auto, &control)?];
+        let [before, after] =
+            [decompose(&file, &keep, &control)?, decompose(&file, &auto, &control)?];
         let name = Path::new(&path).file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        println!("{name}: {} hulls, {} with openings closed", before.hulls.len(), after.hulls.len());
+        println!(
+            "{name}: {} hulls, {} with openings closed",
+            before.hulls.len(),
+            after.hulls.len()
+        );
         panels.push(Panel::closed_mesh(&closed));
         panels.push(Panel::hulls(&before.hulls).exploded(EXPLOSION));
         panels.push(Panel::hulls(&after.hulls).exploded(EXPLOSION));

@@ -12,7 +12,7 @@ use crate::geometry::{MeshView, TriangleMesh};
 use crate::mesh::PreparedMesh;
 use crate::openings::prepare::prepare_closed;
 use crate::openings::{Opening, OpeningSettings};
-use crate::parameters::{Length, Method, Openings, Parameters, SurfaceParameters};
+use crate::parameters::{Length, Method, Parameters, SurfaceParameters};
 use crate::surface::group_merging::merge_groups;
 use crate::surface::pieces::{assign_source_triangles, hulls};
 use crate::surface::resolution_selection::{Level, Levels, first_cut_off, select};
@@ -156,7 +156,7 @@ impl Decomposer {
         let surface = &self.parameters.surface;
         self.state = match std::mem::replace(&mut self.state, State::Done) {
             State::Repair => {
-                let settings = self.opening_settings();
+                let settings = OpeningSettings::from(&self.parameters);
                 let closed = prepare_closed(self.source.view(), &settings, control)?;
                 self.openings = closed.openings;
                 self.nested_components = closed.nested_components;
@@ -215,17 +215,6 @@ impl Decomposer {
         };
         add_time(&mut self.times, stage, start);
         Ok(None)
-    }
-
-    /// The paper's method takes the mesh as it is.
-    fn opening_settings(&self) -> OpeningSettings {
-        let settings = OpeningSettings::from(&self.parameters.bounded);
-        match self.parameters.method {
-            Method::Bounded => settings,
-            Method::Surface => {
-                OpeningSettings { openings: Openings::Keep, keep_cavities: true, ..settings }
-            }
-        }
     }
 
     /// Selection, group merging, hulls, and what each hull stands for.

@@ -99,7 +99,7 @@ pub fn inspect_with<'a>(
     let prepared = prepare(source, &control)?;
     let diagonal = prepared.normalization.diagonal;
     let (area, _) = measure(&prepared);
-    let settings = OpeningSettings::from(&parameters.bounded);
+    let settings = OpeningSettings::from(parameters);
     let settings = OpeningSettings { keep_cavities: true, ..settings };
     let closed = close_prepared(prepared.clone(), source, &settings, &control)?;
     let openings = closed.openings;

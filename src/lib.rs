@@ -157,13 +157,13 @@ pub use hull::{ConvexHull, SinglePrecisionHull, convex_hull};
 pub use inspect::{Inspection, inspect, inspect_with};
 #[cfg(feature = "nalgebra")]
 pub use mass::PrincipalInertia;
-pub use mass::{MassProperties, MassSource, mass_properties};
+pub use mass::{MassProperties, MassSource, mass_properties, mass_properties_with};
 pub use merge_tree::{CurvePoint, MergeTree};
 pub use mesh::repair::Repairs;
 pub use openings::{ClosedMesh, Opening, OpeningOutcome, close_openings};
 pub use parameters::{
-    UpAxis, BoundedParameters, Length, Method, Openings, Parameters, ParseError, Preset,
-    SurfaceParameters,
+    BoundedParameters, Length, Method, Openings, Parameters, ParseError, Preset, SurfaceParameters,
+    UpAxis,
 };
 #[cfg(feature = "rapier")]
 pub use rapier::ColliderError;

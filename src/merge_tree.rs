@@ -112,7 +112,7 @@ impl MergeTree {
         if hulls.is_empty() {
             return Err(Error::NoHulls);
         }
-        let settings = OpeningSettings::from(&parameters.bounded);
+        let settings = OpeningSettings::from(parameters);
         let prepared = prepare_closed(mesh, &settings, control)?.prepared;
         let hierarchy = parallel::with(control.is_parallel(), || {
             DecompositionHierarchy::new(prepared, hulls, parameters, control)

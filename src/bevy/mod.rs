@@ -80,16 +80,16 @@ pub use plugin::{HullwrightPlugin, HullwrightSystems};
 pub use settings::{Execution, FallbackCollider, HullwrightSettings};
 pub use status::{DecompositionCounters, DecompositionStatus, HullSource, SkipReason, WaitReason};
 pub use tag::{
-    ConvexDecomposition, DEFAULT_DENSITY, DecompositionFocus, DecompositionPreset, MaxError,
-    NoConvexDecomposition,
+    ConvexDecomposition, DEFAULT_DENSITY, DecompositionFocus, DecompositionOpenings,
+    DecompositionPreset, MaxError, NoConvexDecomposition,
 };
 
 /// What most users need.
 pub mod prelude {
     pub use super::{
         BakedDecomposition, ConvexDecomposition, ConvexDecompositionHierarchy,
-        DecompositionCounters, DecompositionFailed, DecompositionFocus, DecompositionPreset,
-        DecompositionReady, DecompositionStatus, FallbackCollider, HullwrightPlugin,
-        HullwrightSettings, HullwrightSystems, MaxError, NoConvexDecomposition,
+        DecompositionCounters, DecompositionFailed, DecompositionFocus, DecompositionOpenings,
+        DecompositionPreset, DecompositionReady, DecompositionStatus, FallbackCollider,
+        HullwrightPlugin, HullwrightSettings, HullwrightSystems, MaxError, NoConvexDecomposition,
     };
 }

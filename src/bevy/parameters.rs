@@ -1,9 +1,9 @@
 //! From the tag's flat settings to the library's parameters, and what the plugin needs to know of
 //! these: the only file that looks into them.
 
-use crate::{BoundedParameters, Length, Method, Parameters, Preset, SurfaceParameters};
+use crate::{BoundedParameters, Length, Method, Openings, Parameters, Preset, SurfaceParameters};
 
-use super::tag::{ConvexDecomposition, DecompositionPreset, MaxError};
+use super::tag::{ConvexDecomposition, DecompositionOpenings, DecompositionPreset, MaxError};
 
 impl ConvexDecomposition {
     /// What the library is asked to do: [`parameters`](Self::parameters) if they are given, else
@@ -19,6 +19,7 @@ impl ConvexDecomposition {
             .max_hulls(self.max_hulls.map(|cap| cap as usize))
             .max_vertices(self.max_vertices.map(|cap| cap as usize))
             .keep_cavities(self.keep_cavities)
+            .openings(self.openings.into())
     }
 }
 
@@ -47,6 +48,23 @@ impl From<DecompositionPreset> for Preset {
     }
 }
 
+impl From<DecompositionOpenings> for Openings {
+    fn from(openings: DecompositionOpenings) -> Self {
+        match openings {
+            DecompositionOpenings::Auto => Self::Auto,
+            DecompositionOpenings::Keep => Self::Keep,
+            DecompositionOpenings::Close => Self::Close,
+        }
+    }
+}
+
+/// For one part of a larger mesh: what is open on it is closed by the other parts.
+pub(super) fn keep_openings_of_part(parameters: &mut Parameters) {
+    if parameters.bounded.openings == Openings::Auto {
+        parameters.bounded.openings = Openings::Keep;
+    }
+}
+
 /// Whether the result depends on how large the mesh is in the world.
 pub(super) fn has_absolute_length(parameters: &Parameters) -> bool {
     matches!(parameters.bounded.max_error, Length::Units(_))
@@ -57,7 +75,8 @@ pub(super) fn has_absolute_length(parameters: &Parameters) -> bool {
 /// layout. The patterns name all fields: a new one does not compile until it is hashed here.
 pub(super) fn hash_parameters(parameters: &Parameters, hasher: &mut blake3::Hasher) {
     let Parameters { method, bounded, surface, max_vertices } = parameters;
-    let BoundedParameters { max_error, preset, max_hulls, keep_cavities } = bounded;
+    let BoundedParameters { max_error, preset, max_hulls, keep_cavities, openings, up_axis } =
+        bounded;
     let SurfaceParameters {
         simplification_quality,
         maximum_resolutions,
@@ -74,6 +93,8 @@ pub(super) fn hash_parameters(parameters: &Parameters, hasher: &mut blake3::Hash
     hash.text(preset.name());
     hash.cap(*max_hulls);
     hash.number(u64::from(*keep_cavities));
+    hash.text(openings.name());
+    hash.text(up_axis.name());
     hash.real(*simplification_quality);
     hash.number(maximum_resolutions.len() as u64);
     maximum_resolutions.iter().for_each(|resolution| hash.number(*resolution as u64));
@@ -135,13 +156,15 @@ mod tests {
             .with_preset(DecompositionPreset::Fine)
             .with_max_hulls(7)
             .with_max_vertices(20)
-            .with_keep_cavities(true);
+            .with_keep_cavities(true)
+            .with_openings(DecompositionOpenings::Keep);
         let expected = Parameters::default()
             .max_error(Length::share(0.013))
             .preset(Preset::Fine)
             .max_hulls(7)
             .max_vertices(20)
-            .keep_cavities(true);
+            .keep_cavities(true)
+            .openings(Openings::Keep);
         assert_eq!(tag.to_parameters(), expected);
         let metres = tag.with_max_error(MaxError::Metres(0.1)).to_parameters();
         assert_eq!(metres.bounded.max_error, Length::units(0.1));
@@ -166,7 +189,9 @@ mod tests {
         };
         let same = hash(|_| {});
         assert_eq!(same, hash(|_| {}));
-        let changes: [fn(&mut Parameters); 15] = [
+        let changes: [fn(&mut Parameters); 17] = [
+            |p| p.bounded.openings = Openings::Close,
+            |p| p.bounded.up_axis = crate::UpAxis::Z,
             |p| p.method = Method::Surface,
             |p| p.bounded.max_error = Length::share(0.03),
             |p| p.bounded.max_error = Length::units(0.02),

@@ -14,7 +14,7 @@ use super::cache::GeometryCache;
 use super::content::{ContentKey, goal_hash};
 use super::error::DecompositionError;
 use super::mesh_data::MeshPart;
-use super::parameters::has_absolute_length;
+use super::parameters::{has_absolute_length, keep_openings_of_part};
 use super::placement::{MapKey, Placements};
 use super::queue::{Completed, Failed, WorkQueue};
 use super::request::{AttachedCollider, AttachedFallback, ColliderRequest, FailedRequest, InputId};
@@ -32,6 +32,8 @@ pub(super) struct Scene<'w, 's> {
     below: Query<'w, 's, InputBoundary>,
     meshes_on: Query<'w, 's, &'static Mesh3d>,
     children: Query<'w, 's, &'static Children>,
+    parents: Query<'w, 's, &'static ChildOf>,
+    transforms: Query<'w, 's, &'static Transform>,
     failed: Query<'w, 's, (), With<FailedRequest>>,
     placements: Placements<'w, 's>,
     meshes: Res<'w, Assets<Mesh>>,
@@ -205,7 +207,13 @@ impl Scene<'_, '_> {
         }
         let placement = self.placements.placement(entity);
         let is_fixed = matches!(self.placements.body(entity), Some((_, RigidBody::Fixed)));
-        let parameters = (!is_fixed || !settings.exact_fixed_bodies).then(|| tag.to_parameters());
+        let mut parameters =
+            (!is_fixed || !settings.exact_fixed_bodies).then(|| tag.to_parameters());
+        if let Some(parameters) = &mut parameters
+            && self.is_primitive_among_others(entity)
+        {
+            keep_openings_of_part(parameters);
+        }
         // A bound in metres means metres of the world, so the mesh is scaled first.
         let (map_before, map) = match parameters.as_ref().is_some_and(has_absolute_length) {
             true => (placement.map, Affine3A::IDENTITY),
@@ -229,6 +237,21 @@ impl Scene<'_, '_> {
         } else {
             Resolution::Request(request)
         }
+    }
+
+    /// Whether an entity is one of several primitives of a glTF mesh, which Bevy spawns as children of one
+    /// node without transforms of their own.
+    fn is_primitive_among_others(&self, entity: Entity) -> bool {
+        let is_primitive = |entity: Entity| {
+            let transform = self.transforms.get(entity);
+            self.meshes_on.contains(entity)
+                && transform.is_ok_and(|transform| *transform == Transform::IDENTITY)
+        };
+        let Ok(siblings) = self.parents.get(entity).and_then(|of| self.children.get(of.parent()))
+        else {
+            return false;
+        };
+        is_primitive(entity) && siblings.iter().filter(|child| is_primitive(*child)).count() > 1
     }
 
     /// The meshes on an entity and below it, in the order of the children.

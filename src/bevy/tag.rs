@@ -44,6 +44,9 @@ pub struct ConvexDecomposition {
     pub max_vertices: Option<u32>,
     /// Whether cavities that nothing from outside can enter stay empty. Default false.
     pub keep_cavities: bool,
+    /// What becomes of flat openings, the sides that a modeller leaves out. One primitive of a larger glTF
+    /// mesh keeps them: the others close it. Default [`DecompositionOpenings::Auto`].
+    pub openings: DecompositionOpenings,
     /// Mass per cubed unit of the world; positive. Default 1.
     pub density: f32,
     /// The collider until the entity's own is ready; `None` for what
@@ -99,6 +102,21 @@ pub enum DecompositionPreset {
     Fine,
 }
 
+/// What becomes of flat openings in a surface.
+#[derive(Reflect, Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[reflect(Default, Clone, PartialEq)]
+#[type_path = "hullwright"]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum DecompositionOpenings {
+    /// One is closed where only the backs of faces are seen through it: the surface is the skin of a solid.
+    #[default]
+    Auto,
+    /// All stay open: what encloses nothing is a shell.
+    Keep,
+    /// All are closed, whatever is seen through them.
+    Close,
+}
+
 /// bevy_rapier's own default, so that a body with a decomposed collider beside one of Rapier's
 /// shapes weighs as expected.
 pub const DEFAULT_DENSITY: f32 = 1.0;
@@ -114,6 +132,7 @@ impl Default for ConvexDecomposition {
             max_hulls: None,
             max_vertices: Some(DEFAULT_MAX_VERTICES),
             keep_cavities: false,
+            openings: DecompositionOpenings::Auto,
             density: DEFAULT_DENSITY,
             fallback_collider: None,
             parameters: None,
@@ -154,6 +173,13 @@ impl ConvexDecomposition {
     #[must_use]
     pub fn with_keep_cavities(mut self, keep_cavities: bool) -> Self {
         self.keep_cavities = keep_cavities;
+        self
+    }
+
+    /// The same with openings that are closed or kept.
+    #[must_use]
+    pub fn with_openings(mut self, openings: DecompositionOpenings) -> Self {
+        self.openings = openings;
         self
     }
 
@@ -223,6 +249,7 @@ mod tests {
             .with_max_hulls(7)
             .with_max_vertices(None)
             .with_keep_cavities(true)
+            .with_openings(DecompositionOpenings::Close)
             .with_fallback_collider(FallbackCollider::ConvexHull);
         assert_eq!(written_and_read(&tag), tag);
         let by_the_paper = tag.with_parameters(Parameters::paper());

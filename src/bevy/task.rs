@@ -9,7 +9,7 @@ use bevy::math::Affine3A;
 use bevy_rapier3d::rapier::geometry::{SharedShape, TriMeshFlags};
 
 use crate::hulls_format::HullsFile;
-use crate::{Control, Decomposer, Error, MeshView, Parameters, mass_properties};
+use crate::{Control, Decomposer, Error, MeshView, Parameters, mass_properties_with};
 
 use super::cache::{ColliderGeometry, GeometryCache, WorkClaim};
 use super::content::ContentKey;
@@ -62,6 +62,7 @@ enum TaskState {
 
 struct MeshInProgress {
     decomposer: Decomposer,
+    parameters: Parameters,
     data: MeshData,
     key: ContentKey,
     claim: WorkClaim,
@@ -131,7 +132,7 @@ impl DecompositionTask {
             return self.build(key, geometry, HullSource::Disk).map(Some);
         }
         let decomposer = Decomposer::new(data.view(), parameters)?;
-        let work = MeshInProgress { decomposer, data, key, claim };
+        let work = MeshInProgress { decomposer, parameters: parameters.clone(), data, key, claim };
         self.state = TaskState::Decompose(Box::new(work));
         Ok(None)
     }
@@ -145,8 +146,9 @@ impl DecompositionTask {
             self.state = TaskState::Decompose(work);
             return Ok(None);
         };
-        let MeshInProgress { data, key, claim, .. } = *work;
-        let mass = mass_properties(data.view(), &decomposition.hulls, 1.0)?;
+        let MeshInProgress { data, key, claim, parameters, .. } = *work;
+        let hulls = &decomposition.hulls;
+        let mass = mass_properties_with(data.view(), hulls, 1.0, &parameters)?;
         let file = HullsFile::new("", &decomposition).with_mass_properties(mass);
         if let Some(directory) = &self.disk_cache {
             write_to_disk(directory, key, &file);

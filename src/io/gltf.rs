@@ -30,6 +30,7 @@ use super::text::quote;
 use super::transform::Transform;
 use super::views::Views;
 use super::{MeshFile, next_index};
+use crate::geometry::Sidedness;
 
 /// A small file can place a mesh any number of times. A scene may have this many vertices and
 /// this many triangles, and one more for each byte that was read and for each element that was
@@ -273,7 +274,18 @@ impl Scene<'_> {
             let [a, b, c] = triangle.map(|index| first + index);
             if is_mirrored { [a, c, b] } else { [a, b, c] }
         }));
+        let sidedness = self.sidedness(primitive);
+        self.file.mesh.sidedness.resize(self.file.mesh.triangles.len(), sidedness);
         Ok(())
+    }
+
+    /// By its material; without one a renderer draws one side.
+    fn sidedness(&self, primitive: &Primitive) -> Sidedness {
+        let material = primitive.material.and_then(|index| self.root.get(index));
+        match material {
+            Some(material) if material.double_sided => Sidedness::Two,
+            _ => Sidedness::One,
+        }
     }
 
     fn decompressed(&mut self, reference: Reference) -> Result<Rc<Geometry>, String> {

@@ -318,7 +318,9 @@ fn split_objects(file: &MeshFile) -> Vec<NamedMesh> {
         for vertex in source.iter().flatten() {
             new_index[*vertex as usize] = UNSEEN;
         }
-        let mesh = TriangleMesh::new(positions, triangles);
+        let sidedness = file.mesh.sidedness.get(object.triangles.clone());
+        let sidedness = sidedness.unwrap_or_default().to_vec();
+        let mesh = TriangleMesh { positions, triangles, sidedness };
         hulls.push(NamedMesh { name: object.name.clone(), mesh });
     }
     hulls

@@ -7,7 +7,7 @@
 //!    theorem. Cavities are taken off.
 //! 2. Where such a mesh overlaps itself, as a handle that is stuck into a mug, the overlap counts
 //!    once: columns through the mesh tell by the winding number what is inside.
-//! 3. An open mesh has no inside. The union of its hulls is taken, by columns too.
+//! 3. A mesh whose openings are closed is taken with them closed. Another open mesh has no inside. The union of its hulls is taken, by columns too.
 //! 4. Without hulls, its convex hull.
 
 mod columns;
@@ -27,8 +27,10 @@ use crate::error::Error;
 use crate::geometry::MeshView;
 use crate::geometry::vector::Vector;
 use crate::hull::{HullBuilder, solid_hull};
-use crate::mesh::repair::prepare;
 use crate::mesh::{Normalization, PreparedMesh};
+use crate::openings::OpeningSettings;
+use crate::openings::prepare::prepare_closed;
+use crate::parameters::Parameters;
 
 /// What mass properties were computed from.
 #[non_exhaustive]
@@ -97,9 +99,39 @@ pub fn mass_properties<'a>(
     hulls: &[Hull],
     density: f64,
 ) -> Result<MassProperties, Error> {
+    mass_properties_with(mesh, hulls, density, &Parameters::default())
+}
+
+/// The same with the parameters that the hulls were made with: openings depend on them.
+///
+/// # Errors
+/// As [`mass_properties`].
+///
+/// ```
+/// use hullwright::{MassSource, MeshView, Openings, Parameters, mass_properties_with};
+///
+/// // Three sides of a tetrahedron: the fourth is a flat opening.
+/// let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+/// let mesh = MeshView::new(&positions, &[[0, 1, 3], [1, 2, 3], [2, 0, 3]]);
+/// let solid = mass_properties_with(mesh, &[], 600.0, &Parameters::default())?;
+/// assert_eq!(solid.source, MassSource::Mesh);
+/// assert!((solid.mass - 100.0).abs() < 1e-9);
+/// let keep = Parameters::default().openings(Openings::Keep);
+/// let shell = mass_properties_with(mesh, &[], 600.0, &keep)?;
+/// assert_eq!(shell.source, MassSource::ConvexHull);
+/// # Ok::<(), hullwright::Error>(())
+/// ```
+pub fn mass_properties_with<'a>(
+    mesh: impl Into<MeshView<'a>>,
+    hulls: &[Hull],
+    density: f64,
+    parameters: &Parameters,
+) -> Result<MassProperties, Error> {
     check_density(density)?;
-    let prepared = prepare(mesh.into(), &Control::new())?;
-    of_prepared(&prepared, hulls, density)
+    // What a body is made of does not depend on what can get into it.
+    let settings = OpeningSettings { keep_cavities: true, ..OpeningSettings::from(parameters) };
+    let closed = prepare_closed(mesh.into(), &settings, &Control::new())?;
+    of_prepared(&closed.prepared, hulls, density)
 }
 
 fn of_prepared(
@@ -112,8 +144,8 @@ fn of_prepared(
     let finish =
         |moments: Moments, source| Ok(moments.mass_properties(diagonal, origin, density, source));
     if prepared.closed.iter().all(|closed| *closed) {
-        let corners: Vec<_> =
-            mesh.triangles.iter().map(|t| t.map(|v| mesh.positions[v as usize])).collect();
+        let solid = prepared.triangles_of_solid();
+        let corners: Vec<_> = solid.iter().map(|t| t.map(|v| mesh.positions[v as usize])).collect();
         let enclosed = Moments::enclosed(corners.iter().copied());
         if enclosed.volume > LEAST_VOLUME {
             let estimate = moments_of_union(&corners, CHECK_RESOLUTION).volume;

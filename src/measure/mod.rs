@@ -38,10 +38,10 @@ use crate::geometry::MeshView;
 use crate::geometry::vector::{Vector, add, bounds, maximum, minimum};
 use crate::mesh::repair::Survey;
 use crate::mesh::{Normalization, TriangleMesh};
-use crate::openings::prepare::prepare_closed;
 use crate::openings::OpeningSettings;
+use crate::openings::prepare::prepare_closed;
 use crate::parallel::{self, map_indices};
-use crate::parameters::{UpAxis, BoundedParameters, Length, Openings};
+use crate::parameters::{BoundedParameters, Length, Openings, UpAxis};
 
 pub use check::HullCheck;
 use sampling::{Surface, in_unit_cube};
@@ -335,8 +335,7 @@ impl Mesh {
         // As repair sees it: nothing else may decide what the diagonal is.
         let Survey { candidates, normalization, .. } = Survey::new(source);
         let triangles = source.triangles();
-        let mut usable: Vec<[u32; 3]> =
-            candidates.iter().map(|&t| triangles[t as usize]).collect();
+        let mut usable: Vec<[u32; 3]> = candidates.iter().map(|&t| triangles[t as usize]).collect();
         let corners = usable.iter().flatten().map(|&index| source.at(index));
         let (min, max) = bounds(corners.map(|corner| normalization.normalize(corner)));
         let positions = source.positions().map(|point| normalization.normalize(point)).collect();

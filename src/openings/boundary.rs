@@ -97,11 +97,7 @@ fn cap_edges(positions: &[Vector], triangles: &[[u32; 3]]) -> Vec<CapEdge> {
         for half_edge in ways(up > down).take(excess) {
             let (triangle, k) = (half_edge / 3, half_edge as usize % 3);
             let corners = triangles[triangle as usize];
-            edges.push(CapEdge {
-                from: corners[(k + 1) % 3],
-                to: corners[k],
-                neighbour: triangle,
-            });
+            edges.push(CapEdge { from: corners[(k + 1) % 3], to: corners[k], neighbour: triangle });
         }
     });
     edges.sort_unstable_by_key(|edge| (edge.from, edge.to, edge.neighbour));

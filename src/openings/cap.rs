@@ -62,11 +62,7 @@ struct Plane {
 }
 
 /// What the loops become. `flatness` in diagonals. O(l²) for l flat loops, and their triangulation.
-pub(super) fn candidates(
-    positions: &[Vector],
-    loops: &[Loop],
-    flatness: f64,
-) -> Vec<Candidate> {
+pub(super) fn candidates(positions: &[Vector], loops: &[Loop], flatness: f64) -> Vec<Candidate> {
     let points_of = |found: &Loop| -> Vec<Vector> {
         found.vertices.iter().map(|&vertex| positions[vertex as usize]).collect()
     };
@@ -112,9 +108,8 @@ impl Plane {
             .fold([0.0; 3], |sum, index| add(sum, cross(local(index), local(index + 1))));
         let normal = normalize(twice);
         let heights = points.iter().map(|&p| dot(normal, subtract(p, point)));
-        let (lowest, highest) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), h| {
-            (a.min(h), b.max(h))
-        });
+        let (lowest, highest) =
+            heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), h| (a.min(h), b.max(h)));
         let middle = 0.5 * (lowest + highest);
         Self {
             normal,
@@ -298,7 +293,8 @@ impl Cap {
 
     /// Whether a point of the plane is on the cap, farther than `margin` from its rim.
     pub(super) fn holds(&self, point: [f64; 2], margin: f64) -> bool {
-        let is_in_odd = self.outlines.iter().filter(|outline| is_in_outline(outline, point)).count() % 2;
+        let is_in_odd =
+            self.outlines.iter().filter(|outline| is_in_outline(outline, point)).count() % 2;
         is_in_odd == 1
             && self.outlines.iter().all(|outline| {
                 let next = outline.iter().cycle().skip(1);

@@ -45,7 +45,7 @@ pub fn close_openings<'a>(
     control: &Control,
 ) -> Result<ClosedMesh, Error> {
     parameters.validate()?;
-    let settings = OpeningSettings::from(&parameters.bounded);
+    let settings = OpeningSettings::from(parameters);
     let closed = prepare_closed(mesh.into(), &settings, control)?;
     let Closed { prepared, openings, nested_components } = closed;
     let restore = |&point| prepared.normalization.restore(point);

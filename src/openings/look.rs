@@ -51,7 +51,8 @@ fn leaves(bvh: &Bvh, origin: Vector, direction: Vector, counts: impl Fn(u32) -> 
     let mut solids = 1;
     let mut start = START;
     for _ in 0..MOST_HITS {
-        let Some(hit) = bvh.first_hit(origin, direction, start, |triangle, _| counts(triangle)) else {
+        let Some(hit) = bvh.first_hit(origin, direction, start, |triangle, _| counts(triangle))
+        else {
             return false;
         };
         solids += if hit.is_back { -1 } else { 1 };
@@ -103,6 +104,7 @@ fn direction(cap: &Cap, inward: Vector, number: usize) -> Vector {
     let height_squared = spread(GOLDEN, number);
     let turn = std::f64::consts::TAU * (number as f64 + 0.5) / (POINTS * RAYS_PER_POINT) as f64;
     let radius = (1.0 - height_squared).sqrt();
-    let across = add(scale(cap.axes[0], radius * turn.cos()), scale(cap.axes[1], radius * turn.sin()));
+    let across =
+        add(scale(cap.axes[0], radius * turn.cos()), scale(cap.axes[1], radius * turn.sin()));
     add(scale(inward, height_squared.sqrt()), across)
 }

@@ -54,7 +54,7 @@ use crate::error::Error;
 use crate::geometry::vector::{Vector, add, distance, scale};
 use crate::geometry::{MeshView, Sidedness};
 use crate::mesh::PreparedMesh;
-use crate::parameters::{UpAxis, BoundedParameters, Length, Openings};
+use crate::parameters::{BoundedParameters, Length, Method, Openings, Parameters, UpAxis};
 
 pub use closed_mesh::{ClosedMesh, close_openings};
 pub use report::{Opening, OpeningOutcome};
@@ -79,11 +79,17 @@ pub(crate) struct OpeningSettings {
     pub keep_cavities: bool,
 }
 
-impl From<&BoundedParameters> for OpeningSettings {
-    fn from(parameters: &BoundedParameters) -> Self {
-        let &BoundedParameters { openings, up_axis, max_error: flatness, keep_cavities, .. } =
-            parameters;
-        Self { openings, flatness, up_axis, keep_cavities }
+impl From<&Parameters> for OpeningSettings {
+    /// The paper's method takes the mesh as it is.
+    fn from(parameters: &Parameters) -> Self {
+        let BoundedParameters { openings, up_axis, max_error: flatness, keep_cavities, .. } =
+            parameters.bounded;
+        match parameters.method {
+            Method::Bounded => Self { openings, flatness, up_axis, keep_cavities },
+            Method::Surface => {
+                Self { openings: Openings::Keep, flatness, up_axis, keep_cavities: true }
+            }
+        }
     }
 }
 
@@ -112,9 +118,8 @@ fn close(
     let mut closing = Closing { triangles: Vec::new(), hidden: Vec::new(), openings: Vec::new() };
     let mut caps: Vec<(Cap, OpeningOutcome)> = Vec::new();
     for candidate in candidates(positions, &loops, flatness) {
-        let left = |loop_index: usize, outcome| {
-            Opening::left(&loops[loop_index], prepared, outcome)
-        };
+        let left =
+            |loop_index: usize, outcome| Opening::left(&loops[loop_index], prepared, outcome);
         match candidate {
             Candidate::Crack { triangles } => closing.triangles.extend(triangles),
             Candidate::NotFlat { loop_index } => {
@@ -154,11 +159,7 @@ fn close(
 
 /// Leaves the caps of components most of whose boundary, by length, stays open: with a few caps they
 /// are no solids.
-fn leave_fragments(
-    prepared: &PreparedMesh,
-    loops: &[Loop],
-    caps: &mut [(Cap, OpeningOutcome)],
-) {
+fn leave_fragments(prepared: &PreparedMesh, loops: &[Loop], caps: &mut [(Cap, OpeningOutcome)]) {
     let mut outcomes = vec![OpeningOutcome::NotFlat; loops.len()];
     for (cap, outcome) in caps.iter() {
         cap.loops.iter().for_each(|&index| outcomes[index] = *outcome);
@@ -171,7 +172,9 @@ fn leave_fragments(
         (vec![0.0; prepared.closed.len()], vec![0.0; prepared.closed.len()]);
     for (own, outcome) in loops.iter().zip(outcomes) {
         match outcome {
-            outcome if outcome.is_closed() => closed[component_of(own)] += own.length(&prepared.mesh.positions),
+            outcome if outcome.is_closed() => {
+                closed[component_of(own)] += own.length(&prepared.mesh.positions)
+            }
             OpeningOutcome::SolidBeyond | OpeningOutcome::ClosedWithin => {}
             _ => left[component_of(own)] += own.length(&prepared.mesh.positions),
         }
@@ -243,7 +246,9 @@ fn decide(
         };
         let is_seen = |number: usize, cap: &Cap| {
             let is_own = |t: u32| {
-                (t as usize).checked_sub(triangles.len()).is_some_and(|t| cap_of[t] == number as u32)
+                (t as usize)
+                    .checked_sub(triangles.len())
+                    .is_some_and(|t| cap_of[t] == number as u32)
             };
             share_seen(cap, positions, &bvh, |t| is_there(t) && !is_own(t)) > MOST_SEEN
         };
@@ -306,12 +311,7 @@ fn is_solid_beyond(
 }
 
 /// Whether most of the surface around a cap, by the length of its rim, is drawn from both sides.
-fn is_two_sided(
-    cap: &Cap,
-    prepared: &PreparedMesh,
-    source: MeshView<'_>,
-    loops: &[Loop],
-) -> bool {
+fn is_two_sided(cap: &Cap, prepared: &PreparedMesh, source: MeshView<'_>, loops: &[Loop]) -> bool {
     let positions = &prepared.mesh.positions;
     let (mut two, mut whole) = (0.0, 0.0);
     for own in cap.loops.iter().map(|&index| &loops[index]) {

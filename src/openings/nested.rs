@@ -26,10 +26,7 @@ const PASSES: usize = 4;
 ///
 /// # Errors
 /// [`Error::Cancelled`].
-pub(super) fn drop_nested(
-    prepared: &mut PreparedMesh,
-    control: &Control,
-) -> Result<usize, Error> {
+pub(super) fn drop_nested(prepared: &mut PreparedMesh, control: &Control) -> Result<usize, Error> {
     let mut dropped = 0;
     for _ in 0..PASSES {
         if prepared.closed.len() < 2 {
@@ -39,7 +36,8 @@ pub(super) fn drop_nested(
         if candidates.is_empty() {
             break;
         }
-        let bvh = Bvh::with_control(&prepared.mesh.positions, &prepared.triangles_of_solid(), control)?;
+        let bvh =
+            Bvh::with_control(&prepared.mesh.positions, &prepared.triangles_of_solid(), control)?;
         let mut is_dropped = vec![false; prepared.closed.len()];
         for (component, triangles) in candidates {
             control.check()?;
@@ -102,8 +100,7 @@ fn is_nested(prepared: &PreparedMesh, triangles: &[u32], bvh: &Bvh) -> bool {
 /// Six times the volume that triangles enclose.
 fn signed_volume(prepared: &PreparedMesh, triangles: &[u32]) -> f64 {
     use crate::geometry::vector::{cross, dot};
-    let corners = |&t: &u32| {
-        prepared.mesh.triangles[t as usize].map(|v| prepared.mesh.positions[v as usize])
-    };
+    let corners =
+        |&t: &u32| prepared.mesh.triangles[t as usize].map(|v| prepared.mesh.positions[v as usize]);
     triangles.iter().map(corners).map(|[a, b, c]| dot(a, cross(b, c))).sum()
 }

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::{UpAxis, Length, Openings, ParseError};
+use super::{Length, Openings, ParseError, UpAxis};
 use crate::error::Error;
 
 /// How much work the bounded method puts into few hulls. All keep the bound.

@@ -13,7 +13,7 @@ use crate::error::Error;
 
 pub use bounded::{BoundedParameters, Preset};
 pub use length::Length;
-pub use openings::{UpAxis, Openings};
+pub use openings::{Openings, UpAxis};
 pub use surface::SurfaceParameters;
 pub use text::ParseError;
 

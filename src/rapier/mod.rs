@@ -64,6 +64,6 @@ pub fn collider_from_mesh<'a>(
 ) -> Result<ColliderBuilder, ColliderError> {
     let mesh = mesh.into();
     let hulls = crate::decompose(mesh, parameters, &Control::new())?.hulls;
-    let properties = crate::mass_properties(mesh, &hulls, density)?;
+    let properties = crate::mass_properties_with(mesh, &hulls, density, parameters)?;
     collider(&hulls, &properties, [1.0; 3])
 }

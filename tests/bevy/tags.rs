@@ -96,6 +96,7 @@ fn saved_scenes_know_types_by_paths_without_modules() {
         "ConvexDecompositionHierarchy",
         "DecompositionCounters",
         "DecompositionFocus",
+        "DecompositionOpenings",
         "DecompositionPreset",
         "DecompositionStatus",
         "FallbackCollider",

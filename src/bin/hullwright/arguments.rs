@@ -1,6 +1,6 @@
 //! The parameters of a decomposition as command line arguments.
 
-use hullwright::{UpAxis, Length, Method, Openings, Parameters, Preset};
+use hullwright::{Length, Method, Openings, Parameters, Preset, UpAxis};
 
 use crate::output::Failure;
 

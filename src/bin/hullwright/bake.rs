@@ -108,7 +108,7 @@ fn bake(
     let NamedMesh { name, mesh } = &job.mesh;
     let decomposition =
         hullwright::decompose(mesh, parameters, control).map_err(|error| error.to_string())?;
-    let file = hulls_file(name.as_str(), mesh.view(), &decomposition, density)
+    let file = hulls_file(name.as_str(), mesh.view(), &decomposition, parameters, density)
         .map_err(|error| error.to_string())?;
     file.write(&job.output).map_err(|error| error.to_string())?;
     Ok(wrote(&job.output, &file.hulls))

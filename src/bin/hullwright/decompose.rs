@@ -60,7 +60,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let file = waiting("reading", || read_mesh(&arguments.mesh))?;
     let (decomposition, seconds) = decompose(arguments, &file, &parameters)?;
     if let Some(output) = &arguments.output {
-        write(output, arguments, &file, &decomposition)?;
+        write(output, arguments, &file, &decomposition, &parameters)?;
     }
     if arguments.json {
         let Arguments { mesh, search, .. } = arguments;
@@ -98,11 +98,12 @@ fn write(
     arguments: &Arguments,
     file: &MeshFile,
     decomposition: &Decomposition,
+    parameters: &Parameters,
 ) -> Result<(), Failure> {
     if !is_hulls_file(output) {
         return Ok(waiting("writing", || write_hulls(output, &decomposition.hulls))?);
     }
     let name = arguments.mesh.file_stem().unwrap_or_default().to_string_lossy();
-    let file = hulls_file(name, file.into(), decomposition, DEFAULT_DENSITY)?;
+    let file = hulls_file(name, file.into(), decomposition, parameters, DEFAULT_DENSITY)?;
     Ok(file.write(output)?)
 }

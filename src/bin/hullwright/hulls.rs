@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use hullwright::hulls_format::HullsFile;
-use hullwright::{Decomposition, Error, Hull, MeshView};
+use hullwright::{Decomposition, Error, Hull, MeshView, Parameters};
 
 use crate::output::count;
 
@@ -20,10 +20,11 @@ pub fn hulls_file(
     name: impl Into<String>,
     mesh: MeshView<'_>,
     decomposition: &Decomposition,
+    parameters: &Parameters,
     density: f64,
 ) -> Result<HullsFile, Error> {
     let hulls = &decomposition.hulls;
-    let properties = hullwright::mass_properties(mesh, hulls, density)?;
+    let properties = hullwright::mass_properties_with(mesh, hulls, density, parameters)?;
     Ok(HullsFile::new(name, decomposition).with_mass_properties(properties))
 }
 

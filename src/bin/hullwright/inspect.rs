@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use hullwright::{UpAxis, Inspection, Length, Opening, Openings, Parameters};
 use hullwright::hulls_format::HullsFile;
 use hullwright::io::{is_hulls_file, read_mesh};
+use hullwright::{Inspection, Length, Opening, Openings, Parameters, UpAxis};
 
 use crate::hulls::vertices;
 use crate::output::{Failure, print};

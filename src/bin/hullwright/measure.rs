@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use hullwright::{UpAxis, Control, Length, Openings};
 use hullwright::io::{read_hulls, read_mesh};
 use hullwright::measure::{Distances, MeasureOptions, Measurement, measure};
+use hullwright::{Control, Length, Openings, UpAxis};
 use serde::Serialize;
 
 use crate::output::{Failure, print, print_json};

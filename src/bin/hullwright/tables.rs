@@ -127,9 +127,7 @@ pub fn openings(openings: &[Opening]) -> Option<String> {
             None => counts.push((opening.outcome, 1)),
         }
     }
-    counts.sort_by_key(|&(outcome, count)| {
-        (!outcome.is_closed(), std::cmp::Reverse(count))
-    });
+    counts.sort_by_key(|&(outcome, count)| (!outcome.is_closed(), std::cmp::Reverse(count)));
     let texts: Vec<String> =
         counts.iter().map(|(outcome, count)| format!("{count} {}", outcome.describe())).collect();
     (!texts.is_empty()).then(|| texts.join(", "))
