@@ -26,42 +26,57 @@ const START: f64 = 1e-7;
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 const PLASTIC: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_2];
 
-/// The share of rays from a cap inward that do not leave the solid through the back of a face. `counts` tells which
-/// triangles are there.
-pub(super) fn share_seen(
+/// What rays from a cap inward come to.
+pub(super) struct View {
+    /// The share that sees a front, or a way out.
+    pub seen: f64,
+    /// The share that leaves the solid through another cap, which says nothing.
+    pub capped: f64,
+}
+
+/// Looks from a cap inward. Triangles from number `surface` on are caps; `counts` tells which triangles are
+/// there.
+pub(super) fn look(
     cap: &Cap,
     positions: &[Vector],
     bvh: &Bvh,
+    surface: usize,
     counts: impl Fn(u32) -> bool,
-) -> f64 {
+) -> View {
     let inward = scale(cap.normal, -1.0);
-    let mut seen = 0;
+    let (mut seen, mut capped) = (0, 0);
     for (number, point) in points(cap, positions).into_iter().enumerate() {
         for ray in 0..RAYS_PER_POINT {
             let direction = direction(cap, inward, number * RAYS_PER_POINT + ray);
-            seen += usize::from(!leaves(bvh, point, direction, &counts));
+            match leaves_through(bvh, point, direction, &counts) {
+                None => seen += 1,
+                Some(triangle) => capped += usize::from(triangle as usize >= surface),
+            }
         }
     }
-    seen as f64 / (POINTS * RAYS_PER_POINT) as f64
+    let share = |count: usize| count as f64 / (POINTS * RAYS_PER_POINT) as f64;
+    View { seen: share(seen), capped: share(capped) }
 }
 
-/// Whether a ray that starts in the solid leaves it: through one back more than fronts. A part of
-/// another solid that is stuck into this one shows its front, and then its own back.
-fn leaves(bvh: &Bvh, origin: Vector, direction: Vector, counts: impl Fn(u32) -> bool) -> bool {
+/// Through which triangle a ray that starts in the solid leaves it, if it does: through one back more than
+/// fronts. A part of another solid that is stuck into this one shows its front, and then its own back.
+fn leaves_through(
+    bvh: &Bvh,
+    origin: Vector,
+    direction: Vector,
+    counts: impl Fn(u32) -> bool,
+) -> Option<u32> {
     let mut solids = 1;
     let mut start = START;
     for _ in 0..MOST_HITS {
-        let Some(hit) = bvh.first_hit(origin, direction, start, |triangle, _| counts(triangle))
-        else {
-            return false;
-        };
+        let hit = bvh.first_hit(origin, direction, start, |triangle, _| counts(triangle))?;
         solids += if hit.is_back { -1 } else { 1 };
         if solids == 0 {
-            return true;
+            return Some(hit.triangle);
         }
         start = hit.distance;
     }
-    false
+    None
 }
 
 /// The next number of an additive recurrence.

@@ -24,7 +24,8 @@
 //! 4. A loop around which most of the surface is drawn from both sides, or is there both ways round, stays
 //!    open unless it lies in the lowest plane of the mesh.
 //! 5. Rays go inward from the caps that are left, all of them closed. One from which more than 5 % of
-//!    the rays see the front of a face, or a way out, stays open. This is repeated until no more caps fall.
+//!    the rays see the front of a face, or a way out, stays open; so does one from which most see
+//!    only another cap. This is repeated until no more caps fall.
 //! 6. One beyond which is inside already stays open: parts of an open skin, as the planks of a chest without
 //!    backs, enclose a solid together.
 //! 7. The caps of a component most of whose boundary stays open are left.
@@ -46,7 +47,7 @@ mod report;
 use boundary::{Loop, boundary_loops};
 use cap::{Candidate, Cap, candidates};
 use crossing::is_cut;
-use look::share_seen;
+use look::{View, look};
 
 use crate::bvh::Bvh;
 use crate::control::Control;
@@ -67,6 +68,10 @@ const FLAT_ANGLE: f64 = SHEET_ANGLE / 6.0;
 
 /// Through the opening of a solid no more than this share of the rays sees anything.
 const MOST_SEEN: f64 = 0.05;
+
+/// Where more of the rays than this only see another cap, there is too little surface to tell: between the rim
+/// of a cup and that of its liner a little below.
+const MOST_CAPPED: f64 = 0.5;
 
 /// What of [`Parameters`](crate::Parameters) openings depend on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -250,7 +255,9 @@ fn decide(
                     .checked_sub(triangles.len())
                     .is_some_and(|t| cap_of[t] == number as u32)
             };
-            share_seen(cap, positions, &bvh, |t| is_there(t) && !is_own(t)) > MOST_SEEN
+            let counts = |t: u32| is_there(t) && !is_own(t);
+            let View { seen, capped } = look(cap, positions, &bvh, triangles.len(), counts);
+            seen > MOST_SEEN || capped > MOST_CAPPED
         };
         let mut changed = false;
         for (number, (cap, outcome)) in caps.iter_mut().enumerate() {

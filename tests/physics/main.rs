@@ -5,6 +5,7 @@
 
 mod bodies;
 mod colliders;
+mod openings;
 mod resting;
 mod shapes;
 mod world;
