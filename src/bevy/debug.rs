@@ -21,7 +21,7 @@ use super::status::DecompositionCounters;
 /// diagnostics alone.
 ///
 /// ```
-/// use hullwright::bevy::prelude::*;
+/// use hullwright::bevy::{HullwrightDebugPlugin, HullwrightPlugin};
 ///
 /// # let mut app = bevy::prelude::App::new();
 /// # app.add_plugins((bevy::diagnostic::DiagnosticsPlugin, HullwrightPlugin::default()));

@@ -31,7 +31,7 @@ pub struct HullwrightPlugin {
 }
 
 /// The plugin's systems, in `PostUpdate` before Bevy propagates transforms and before Rapier's
-/// [`PhysicsSet::SyncBackend`].
+/// `PhysicsSet::SyncBackend`.
 #[derive(SystemSet, Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum HullwrightSystems {
     /// New and changed tags, meshes and scales are detected.
