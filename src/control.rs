@@ -33,6 +33,10 @@ pub enum Stage {
 
 impl Stage {
     /// The stage's name in plain words.
+    ///
+    /// ```
+    /// assert_eq!(hullwright::Stage::Repair.name(), "repair");
+    /// ```
     pub fn name(self) -> &'static str {
         match self {
             Self::Repair => "repair",
@@ -96,6 +100,11 @@ pub struct Control {
 
 impl Control {
     /// Reports to nobody and never stops until [`cancel`](Self::cancel) is called.
+    ///
+    /// ```
+    /// let control = hullwright::Control::new();
+    /// assert!(control.is_parallel() && !control.is_cancelled() && !control.is_past_deadline());
+    /// ```
     pub fn new() -> Self {
         Self::default()
     }
@@ -115,10 +124,13 @@ impl Control {
         self
     }
 
-    /// After `deadline` the best valid result so far is returned, or
-    /// [`Error::DeadlineExceeded`] where there is none yet. It is soft: optional work is left out, and
-    /// what the result needs is finished, with its bound and caps. For a hard stop call
+    /// After `deadline` the best valid result so far is returned. It is soft: optional work is left
+    /// out, and what the result needs is finished, with its bound and caps. For a hard stop call
     /// [`cancel`](Self::cancel) from another thread.
+    ///
+    /// Only [`Method::Surface`](crate::Method::Surface) on several threads can have nothing valid by
+    /// then, and returns [`Error::DeadlineExceeded`]: it starts no threshold after the deadline. On
+    /// one thread it finishes its first threshold, whatever the time.
     ///
     /// In a browser, where [`std::time::Instant`] panics, it is an `Instant` of the crate
     /// `web-time` 1, which is also that of `bevy::platform::time`.

@@ -88,6 +88,20 @@ pub struct GroupedMesh {
 }
 
 /// Convex hulls and how they came about.
+///
+/// ```
+/// # let mesh = hullwright::TriangleMesh::new(
+/// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+/// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+/// # );
+/// use hullwright::{Control, Parameters, decompose};
+///
+/// let result = decompose(&mesh, &Parameters::default(), &Control::new())?;
+/// assert_eq!(result.hulls[0].provenance.source_triangles, [0, 1, 2, 3]);
+/// assert_eq!(result.grouped.groups.len(), result.grouped.triangles.len());
+/// assert_eq!(result.report.triangles, 4);
+/// # Ok::<(), hullwright::Error>(())
+/// ```
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Decomposition {

@@ -89,7 +89,8 @@ pub enum Error {
     /// [`Control::cancel`](crate::Control::cancel) was called.
     #[error("cancelled")]
     Cancelled,
-    /// The deadline passed before there was any valid result.
+    /// The deadline passed before there was any valid result:
+    /// [`Control::with_deadline`](crate::Control::with_deadline) says when that can be.
     #[error("the deadline passed before there was any result")]
     DeadlineExceeded,
     /// [`Decomposer::step`](crate::Decomposer::step) was called after the result or an error.

@@ -14,7 +14,10 @@
 //!     [0.0, 1.0].iter().flat_map(|&z| outline.map(|[x, y]| [x, y, z])).collect();
 //! let mut triangles = vec![[0, 2, 1], [0, 3, 2], [0, 4, 3], [0, 5, 4]];
 //! triangles.extend([[6, 7, 8], [6, 8, 9], [6, 9, 10], [6, 10, 11]]);
-//! triangles.extend((0..6).flat_map(|a| [[a, (a + 1) % 6, (a + 1) % 6 + 6], [a, (a + 1) % 6 + 6, a + 6]]));
+//! triangles.extend((0..6).flat_map(|a| {
+//!     let b = (a + 1) % 6;
+//!     [[a, b, b + 6], [a, b + 6, a + 6]]
+//! }));
 //!
 //! let mesh = MeshView::new(&positions, &triangles);
 //! let parameters = Parameters::default().max_error(Length::share(0.02));
@@ -42,13 +45,13 @@
 //! | a mesh | mass, centre and inertia | [`mass_properties()`] |
 //! | a mesh | what repair finds in it | [`inspect()`] |
 //! | points | their convex hull | [`convex_hull()`] |
-//! | a mesh file | any of these | `io` (feature `io`) |
+//! | a mesh file | any of these | [`io`](io/index.html) (feature `io`) |
 //! | hulls | a file that games load | [`hulls_format`] |
-//! | hulls | OBJ or GLB | `io::write_hulls` (feature `io`) |
-//! | hulls of another tool, as OBJ | ours | `io::read_hulls`, then [`Hull::from`] of their [`convex_hull()`] |
-//! | a mesh, Rapier | a compound collider with the mesh's mass | `rapier` (feature `rapier`) |
-//! | a mesh, Bevy | the same in the background | `bevy` (feature `bevy`) |
-//! | a mesh and hulls | a picture of them | `render` (feature `io`) |
+//! | hulls | OBJ or GLB | [`io::write_hulls`](io/fn.write_hulls.html) (feature `io`) |
+//! | hulls of another tool, as OBJ | ours | [`io::read_hulls`](io/fn.read_hulls.html), then [`Hull::from`] of their [`convex_hull()`] |
+//! | a mesh, Rapier | a compound collider with the mesh's mass | [`rapier`](rapier/index.html) (feature `rapier`) |
+//! | a mesh, Bevy | the same in the background | [`bevy`](bevy/index.html) (feature `bevy`) |
+//! | a mesh and hulls | a picture of them | [`render`](render/index.html) (feature `io`) |
 //!
 //! # Methods
 //!

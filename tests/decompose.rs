@@ -312,6 +312,20 @@ fn after_the_deadline_the_best_so_far_is_returned() {
     }
 }
 
+/// It starts no threshold after the deadline, and needs one for a result.
+#[cfg(feature = "parallel")]
+#[test]
+fn the_surface_method_on_threads_may_have_nothing_at_the_deadline() {
+    let (positions, triangles) = torus(64, 32);
+    let mesh = MeshView::new(&positions, &triangles);
+    let control = Control::new().with_deadline(Instant::now());
+    let threads = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+    let result = threads.install(|| decompose(mesh, &surface(), &control));
+    assert_eq!(result, Err(Error::DeadlineExceeded));
+    let result = threads.install(|| decompose(mesh, &Parameters::default(), &control)).unwrap();
+    assert!(result.report.deadline_reached && !result.hulls.is_empty());
+}
+
 #[test]
 fn slices_give_the_same_and_progress_never_falls() {
     let (positions, triangles) = torus(32, 16);

@@ -19,6 +19,17 @@ pub struct BakedHulls(pub HullsFile);
 ///
 /// Its scale is baked into the points as for
 /// [`ConvexDecomposition`](crate::bevy::ConvexDecomposition).
+///
+/// ```
+/// use bevy::prelude::*;
+/// use bevy_rapier3d::prelude::*;
+/// use hullwright::bevy::prelude::*;
+///
+/// fn setup(mut commands: Commands, server: Res<AssetServer>) {
+///     // Beside the `Mesh3d` that they were made from.
+///     commands.spawn((RigidBody::Dynamic, BakedDecomposition::new(server.load("mug.hulls"))));
+/// }
+/// ```
 #[derive(Component, Reflect, Debug, Clone, PartialEq, Default)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[type_path = "hullwright"]

@@ -47,16 +47,38 @@ impl Default for ConvexDecompositionHierarchy {
 
 impl ConvexDecompositionHierarchy {
     /// All meshes with this tag.
+    ///
+    /// ```
+    /// use hullwright::bevy::prelude::*;
+    ///
+    /// let fine = ConvexDecomposition::from(DecompositionPreset::Fine);
+    /// let scene = ConvexDecompositionHierarchy::new(fine.clone());
+    /// assert_eq!(scene.default_tag, Some(fine));
+    /// ```
     pub fn new(default_tag: ConvexDecomposition) -> Self {
         Self { default_tag: Some(default_tag), ..Self::default() }
     }
 
     /// Only what is named here or by the artist.
+    ///
+    /// ```
+    /// use hullwright::bevy::prelude::*;
+    ///
+    /// assert_eq!(ConvexDecompositionHierarchy::tagged_only().default_tag, None);
+    /// ```
     pub fn tagged_only() -> Self {
         Self { default_tag: None, ..Self::default() }
     }
 
     /// The same with another tag for a node or mesh of this name.
+    ///
+    /// ```
+    /// use hullwright::bevy::prelude::*;
+    ///
+    /// let coarse = ConvexDecomposition::default().with_max_error(0.05);
+    /// let scene = ConvexDecompositionHierarchy::default().with("statue", coarse.clone());
+    /// assert_eq!(scene.by_name["statue"], Some(coarse));
+    /// ```
     #[must_use]
     pub fn with(mut self, name: impl Into<String>, tag: ConvexDecomposition) -> Self {
         self.by_name.insert(name.into(), Some(tag));
@@ -64,6 +86,13 @@ impl ConvexDecompositionHierarchy {
     }
 
     /// The same without the node or mesh of this name.
+    ///
+    /// ```
+    /// use hullwright::bevy::prelude::*;
+    ///
+    /// let scene = ConvexDecompositionHierarchy::default().without("curtain");
+    /// assert_eq!(scene.by_name["curtain"], None);
+    /// ```
     #[must_use]
     pub fn without(mut self, name: impl Into<String>) -> Self {
         self.by_name.insert(name.into(), None);

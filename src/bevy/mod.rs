@@ -19,25 +19,36 @@
 //! Work runs on Bevy's `AsyncComputeTaskPool`; no frame waits for it. [`DecompositionStatus`] and
 //! the events [`DecompositionReady`] and [`DecompositionFailed`] report it.
 //!
-//! Modules, by layers; each uses those above it and the public API of the rest of the crate only:
-//!
-//! | module | what |
-//! |---|---|
-//! | `error`, `status`, `events`, `settings` | what users read, and what all entities share |
-//! | `tag`, `baked` | components that ask for a collider |
-//! | `parameters` | from the tag's flat settings to the library's parameters |
-//! | `naming_conventions`, `hierarchy` | whole scenes, tagged by names and extras |
-//! | `mesh_data`, `convert`, `placement` | triangles of meshes, and the scale that is baked |
-//! | `content`, `cache`, `disk_cache` | known results by content |
-//! | `task` | one decomposition, in steps |
-//! | `request`, `budget`, `queue` | what entities ask for, and the state of all work |
-//! | `change_detection` | what makes a collider out of date |
-//! | `resolve` | from tags to requests |
-//! | `pool`, `scheduler` | jobs start and finish |
-//! | `fallback_collider`, `freeze` | colliders and bodies that wait |
-//! | `attach`, `failures` | results and errors reach their entities |
-//! | `debug` (feature) | hulls drawn, and numbers among the diagnostics |
-//! | `plugin` | the systems and their order |
+//! | you have | you want | use |
+//! |---|---|---|
+//! | an app | the plugin | [`HullwrightPlugin`], [`HullwrightSettings`] |
+//! | a mesh, or a glTF node with meshes below it | a collider | [`ConvexDecomposition`] |
+//! | a whole scene | a collider per mesh, by names and extras | [`ConvexDecompositionHierarchy`] |
+//! | a `.hulls` file | a collider without any work | [`BakedDecomposition`] |
+//! | a body that waits for its hulls | a collider until then | [`FallbackCollider`] |
+//! | an entity | to know how far it is | [`DecompositionStatus`], [`DecompositionReady`], [`DecompositionFailed`] |
+//! | many entities | the nearest first; how many are done | [`DecompositionFocus`], [`DecompositionCounters`] |
+//! | the feature `debug` | hulls drawn, counters among the diagnostics | `HullwrightDebugPlugin` |
+
+// Modules, by layers; each uses those above it and the public API of the rest of the crate only:
+//
+// | module | what |
+// |---|---|
+// | `error`, `status`, `events`, `settings` | what users read, and what all entities share |
+// | `tag`, `baked` | components that ask for a collider |
+// | `parameters` | from the tag's flat settings to the library's parameters |
+// | `naming_conventions`, `hierarchy` | whole scenes, tagged by names and extras |
+// | `mesh_data`, `convert`, `placement` | triangles of meshes, and the scale that is baked |
+// | `content`, `cache`, `disk_cache` | known results by content |
+// | `task` | one decomposition, in steps |
+// | `request`, `budget`, `queue` | what entities ask for, and the state of all work |
+// | `change_detection` | what makes a collider out of date |
+// | `resolve` | from tags to requests |
+// | `pool`, `scheduler` | jobs start and finish |
+// | `fallback_collider`, `freeze` | colliders and bodies that wait |
+// | `attach`, `failures` | results and errors reach their entities |
+// | `debug` (feature) | hulls drawn, and numbers among the diagnostics |
+// | `plugin` | the systems and their order |
 
 mod attach;
 mod baked;

@@ -1,7 +1,6 @@
 //! The plugin: what it adds to an app, and in which order its systems run.
 
 use bevy::asset::AssetEventSystems;
-use bevy::mesh::mark_3d_meshes_as_changed_if_their_assets_changed;
 use bevy::prelude::*;
 use bevy_rapier3d::plugin::PhysicsSet;
 
@@ -32,7 +31,7 @@ pub struct HullwrightPlugin {
 }
 
 /// The plugin's systems, in `PostUpdate` before Bevy propagates transforms and before Rapier's
-/// [`PhysicsSet::SyncBackend`].
+/// `PhysicsSet::SyncBackend`.
 #[derive(SystemSet, Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum HullwrightSystems {
     /// New and changed tags, meshes and scales are detected.
@@ -74,11 +73,12 @@ impl Plugin for HullwrightPlugin {
                 HullwrightSystems::Attach,
             )
                 .chain()
-                .after(AssetEventSystems)
-                // It marks entities whose mesh changed, which `detect_tags` then sees in the same frame.
-                .after(mark_3d_meshes_as_changed_if_their_assets_changed)
                 .before(TransformSystems::Propagate)
-                .before(PhysicsSet::SyncBackend),
+                .before(PhysicsSet::SyncBackend)
+                // Bevy's UI and Rapier's soft bodies write assets after transforms and before the
+                // events about them, so these can't come first. A mesh that was modified is seen in
+                // the next frame, by its event and by the mark that Bevy then sets on `Mesh3d`.
+                .before(AssetEventSystems),
         );
         app.add_systems(
             PostUpdate,

@@ -6,6 +6,18 @@ use std::time::Duration;
 use bevy::prelude::*;
 
 /// The plugin's settings; may be changed at any time.
+///
+/// ```
+/// use hullwright::bevy::prelude::*;
+///
+/// # let mut app = bevy::prelude::App::new();
+/// let settings = HullwrightSettings {
+///     fallback_collider: FallbackCollider::BoundingBox,
+///     disk_cache: Some("cache/hulls".into()),
+///     ..Default::default()
+/// };
+/// app.insert_resource(settings);
+/// ```
 #[derive(Resource, Reflect, Debug, Clone, PartialEq)]
 #[reflect(Resource, Default, Clone, PartialEq)]
 #[type_path = "hullwright"]

@@ -142,6 +142,14 @@ impl Default for ConvexDecomposition {
 
 impl ConvexDecomposition {
     /// The same within another bound. A number is a share of the mesh's diagonal.
+    ///
+    /// ```
+    /// use hullwright::bevy::prelude::*;
+    ///
+    /// let share = ConvexDecomposition::default().with_max_error(0.01);
+    /// let metres = ConvexDecomposition::default().with_max_error(MaxError::Metres(0.005));
+    /// assert_eq!((share.max_error, metres.max_error), (MaxError::Share(0.01), MaxError::Metres(0.005)));
+    /// ```
     #[must_use]
     pub fn with_max_error(mut self, max_error: impl Into<MaxError>) -> Self {
         self.max_error = max_error.into();
@@ -149,6 +157,13 @@ impl ConvexDecomposition {
     }
 
     /// The same with more or less work.
+    ///
+    /// ```
+    /// use hullwright::bevy::prelude::*;
+    ///
+    /// let tag = ConvexDecomposition::default().with_preset(DecompositionPreset::Fine);
+    /// assert_eq!(tag.preset, DecompositionPreset::Fine);
+    /// ```
     #[must_use]
     pub fn with_preset(mut self, preset: DecompositionPreset) -> Self {
         self.preset = preset;
@@ -156,6 +171,12 @@ impl ConvexDecomposition {
     }
 
     /// The same with a cap on hulls; `None` for no cap.
+    ///
+    /// ```
+    /// use hullwright::bevy::prelude::*;
+    ///
+    /// assert_eq!(ConvexDecomposition::default().with_max_hulls(16).max_hulls, Some(16));
+    /// ```
     #[must_use]
     pub fn with_max_hulls(mut self, max_hulls: impl Into<Option<u32>>) -> Self {
         self.max_hulls = max_hulls.into();
@@ -163,6 +184,12 @@ impl ConvexDecomposition {
     }
 
     /// The same with a cap on the vertices of a hull; `None` for no cap.
+    ///
+    /// ```
+    /// use hullwright::bevy::prelude::*;
+    ///
+    /// assert_eq!(ConvexDecomposition::default().with_max_vertices(None).max_vertices, None);
+    /// ```
     #[must_use]
     pub fn with_max_vertices(mut self, max_vertices: impl Into<Option<u32>>) -> Self {
         self.max_vertices = max_vertices.into();
@@ -170,6 +197,12 @@ impl ConvexDecomposition {
     }
 
     /// The same with cavities that stay empty, or not.
+    ///
+    /// ```
+    /// use hullwright::bevy::prelude::*;
+    ///
+    /// assert!(ConvexDecomposition::default().with_keep_cavities(true).keep_cavities);
+    /// ```
     #[must_use]
     pub fn with_keep_cavities(mut self, keep_cavities: bool) -> Self {
         self.keep_cavities = keep_cavities;
@@ -184,6 +217,13 @@ impl ConvexDecomposition {
     }
 
     /// The same with a density.
+    ///
+    /// ```
+    /// use hullwright::bevy::prelude::*;
+    ///
+    /// // Wood, if a unit of the world is a metre: 600 kg per m³.
+    /// assert_eq!(ConvexDecomposition::default().with_density(600.0).density, 600.0);
+    /// ```
     #[must_use]
     pub fn with_density(mut self, density: f32) -> Self {
         self.density = density;
@@ -191,6 +231,13 @@ impl ConvexDecomposition {
     }
 
     /// The same with another collider until its own is ready.
+    ///
+    /// ```
+    /// use hullwright::bevy::prelude::*;
+    ///
+    /// let tag = ConvexDecomposition::default().with_fallback_collider(FallbackCollider::BoundingBox);
+    /// assert_eq!(tag.fallback_collider, Some(FallbackCollider::BoundingBox));
+    /// ```
     #[must_use]
     pub fn with_fallback_collider(mut self, fallback_collider: FallbackCollider) -> Self {
         self.fallback_collider = Some(fallback_collider);
@@ -220,6 +267,15 @@ impl From<DecompositionPreset> for ConvexDecomposition {
 }
 
 /// Keeps the entity and all below it out of every decomposition.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use hullwright::bevy::prelude::*;
+///
+/// # let mut world = World::new();
+/// // The house has a collider, its curtain none.
+/// world.spawn((ConvexDecomposition::default(), children![NoConvexDecomposition]));
+/// ```
 #[derive(Component, Reflect, Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[type_path = "hullwright"]
@@ -227,6 +283,14 @@ impl From<DecompositionPreset> for ConvexDecomposition {
 pub struct NoConvexDecomposition;
 
 /// Where the player is: when more wait than run, those nearest to such an entity go first.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use hullwright::bevy::prelude::*;
+///
+/// # let mut world = World::new();
+/// world.spawn((Transform::default(), DecompositionFocus));
+/// ```
 #[derive(Component, Reflect, Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[type_path = "hullwright"]

@@ -59,23 +59,43 @@ impl<'a> MeshView<'a> {
     }
 
     /// Number of vertices.
+    ///
+    /// ```
+    /// let mesh = hullwright::MeshView::new(&[[0.0_f32; 3]; 5], &[[0, 1, 2]]);
+    /// assert_eq!(mesh.vertex_count(), 5);
+    /// ```
     pub fn vertex_count(&self) -> usize {
         self.positions.len()
     }
 
     /// A vertex, or `None` where there is none of this number.
+    ///
+    /// ```
+    /// let mesh = hullwright::MeshView::new(&[[0.5_f32; 3]], &[]);
+    /// assert_eq!((mesh.position(0), mesh.position(1)), (Some([0.5; 3]), None));
+    /// ```
     #[inline]
     pub fn position(&self, vertex: u32) -> Option<[f64; 3]> {
         self.positions.get(vertex as usize)
     }
 
     /// All vertices, in double precision.
+    ///
+    /// ```
+    /// let mesh = hullwright::MeshView::new(&[[0.5_f32; 3]], &[]);
+    /// assert!(mesh.positions().eq([[0.5_f64; 3]]));
+    /// ```
     pub fn positions(&self) -> impl ExactSizeIterator<Item = [f64; 3]> + Clone + use<'a> {
         let positions = self.positions;
         (0..positions.len()).map(move |vertex| positions.get(vertex).unwrap_or_default())
     }
 
     /// The triangles.
+    ///
+    /// ```
+    /// let mesh = hullwright::MeshView::new(&[[0.0_f32; 3]; 3], &[[0, 1, 2]]);
+    /// assert_eq!(mesh.triangles(), [[0, 1, 2]]);
+    /// ```
     pub fn triangles(&self) -> &'a [[u32; 3]] {
         self.triangles
     }
@@ -91,6 +111,11 @@ impl<'a> MeshView<'a> {
     }
 
     /// A copy that owns what it holds. O(size).
+    ///
+    /// ```
+    /// let mesh = hullwright::MeshView::new(&[[0.5_f32; 3]; 3], &[[0, 1, 2]]);
+    /// assert_eq!(mesh.to_owned().positions, [[0.5_f64; 3]; 3]);
+    /// ```
     pub fn to_owned(&self) -> TriangleMesh {
         TriangleMesh {
             positions: self.positions().collect(),
@@ -133,6 +158,11 @@ pub struct TriangleMesh {
 
 impl TriangleMesh {
     /// A mesh of which it is not known which sides are drawn.
+    ///
+    /// ```
+    /// let mesh = hullwright::TriangleMesh::new(vec![[0.0; 3]; 3], vec![[0, 1, 2]]);
+    /// assert_eq!(mesh.triangles.len(), 1);
+    /// ```
     pub fn new(positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Self {
         Self { positions, triangles, sidedness: Vec::new() }
     }
@@ -155,6 +185,11 @@ impl TriangleMesh {
     }
 
     /// The mesh as every function takes it.
+    ///
+    /// ```
+    /// let mesh = hullwright::TriangleMesh::new(vec![[0.0; 3]; 3], vec![[0, 1, 2]]);
+    /// assert_eq!(mesh.view().vertex_count(), 3);
+    /// ```
     pub fn view(&self) -> MeshView<'_> {
         MeshView::new(&self.positions, &self.triangles).with_sidedness(&self.sidedness)
     }

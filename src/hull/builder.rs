@@ -111,6 +111,18 @@ impl HullBuilder {
 
     /// Points closer to the hull than `tolerance` times the extent of the points are left out.
     /// Negative and not finite values count as 0.
+    ///
+    /// ```
+    /// use hullwright::hull::HullBuilder;
+    ///
+    /// // The sixth point is a tenth outside of a face: 5 % of the points' extent of 2.
+    /// let points = [
+    ///     [1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [0.3, 0.3, -0.1_f64],
+    /// ];
+    /// let mut builder = HullBuilder::new().with_tolerance(0.2);
+    /// builder.build(&points);
+    /// assert_eq!(builder.extract().0.len(), 5);
+    /// ```
     #[must_use]
     pub fn with_tolerance(mut self, tolerance: f64) -> Self {
         self.tolerance = Some(if tolerance.is_finite() { tolerance.max(0.0) } else { 0.0 });

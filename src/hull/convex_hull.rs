@@ -74,6 +74,13 @@ impl ConvexHull {
     }
 
     /// The corners of each triangle. Triangles with an index out of range are left out.
+    ///
+    /// ```
+    /// # let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    /// let hull = hullwright::convex_hull(&points)?;
+    /// assert_eq!(hull.corners().count(), hull.triangles.len());
+    /// # Ok::<(), hullwright::Error>(())
+    /// ```
     pub fn corners(&self) -> impl Iterator<Item = [[f64; 3]; 3]> + '_ {
         self.triangles.iter().filter_map(|triangle| {
             let [a, b, c] = triangle.map(|index| self.points.get(index as usize).copied());
@@ -118,6 +125,16 @@ impl ConvexHull {
     }
 
     /// The unit normal and offset of each triangle's plane; zero for triangles without area.
+    ///
+    /// ```
+    /// # let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    /// let inside = [0.1; 3];
+    /// for (normal, offset) in hullwright::convex_hull(&points)?.planes() {
+    ///     let height: f64 = (0..3).map(|axis| normal[axis] * inside[axis]).sum();
+    ///     assert!(height < offset);
+    /// }
+    /// # Ok::<(), hullwright::Error>(())
+    /// ```
     pub fn planes(&self) -> Vec<([f64; 3], f64)> {
         let plane = |[a, b, c]: [Vector; 3]| {
             let normal = area_normal(a, b, c);

@@ -5,13 +5,13 @@
 //! ([`MINIMUM_THICKNESS`]), so that every hull has volume.
 
 mod builder;
-mod cap;
 mod collapse;
 mod columns;
 mod convex_hull;
 mod extent;
 mod face;
 mod grow;
+mod max_vertices;
 mod query;
 mod redundant;
 mod simplex;
@@ -20,9 +20,9 @@ mod thickness;
 mod waiting_points;
 
 pub use builder::{DEFAULT_TOLERANCE, HullBuilder};
-pub(crate) use cap::{cap_vertices, coarser, most_prominent};
 pub(crate) use collapse::collapse_edges;
 pub use convex_hull::{ConvexHull, convex_hull};
+pub(crate) use max_vertices::{cap_vertices, coarser, most_prominent};
 pub use simplex::Shape;
 pub use single_precision::{SinglePrecisionHull, single_precision};
 pub(crate) use thickness::LEAST_THICKNESS;

@@ -91,6 +91,12 @@ impl HullBuilder {
     }
 
     /// Number of triangles of the hull; 0 if there is none.
+    ///
+    /// ```
+    /// let mut builder = hullwright::hull::HullBuilder::new();
+    /// builder.build(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+    /// assert_eq!(builder.triangle_count(), 4);
+    /// ```
     pub fn triangle_count(&self) -> usize {
         self.faces.len()
     }

@@ -133,6 +133,18 @@ pub enum HullsFileError {
 
 impl HullsFile {
     /// What is worth keeping of a decomposition, without mass properties.
+    ///
+    /// ```
+    /// # let mesh = hullwright::TriangleMesh::new(
+    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+    /// # );
+    /// # let (parameters, control) = (hullwright::Parameters::default(), hullwright::Control::new());
+    /// let decomposition = hullwright::decompose(&mesh, &parameters, &control)?;
+    /// let file = hullwright::hulls_format::HullsFile::new("tetrahedron", &decomposition);
+    /// assert_eq!((file.hulls.len(), file.mass_properties), (1, None));
+    /// # Ok::<(), hullwright::Error>(())
+    /// ```
     pub fn new(name: impl Into<String>, decomposition: &Decomposition) -> Self {
         let Decomposition { hulls, report, .. } = decomposition;
         let bounded = report.bounded.as_ref();
@@ -185,6 +197,20 @@ impl HullsFile {
     }
 
     /// Whether the library decomposes in the same way as the one that wrote the file.
+    ///
+    /// ```
+    /// # let mesh = hullwright::TriangleMesh::new(
+    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+    /// # );
+    /// # let (parameters, control) = (hullwright::Parameters::default(), hullwright::Control::new());
+    /// # let decomposition = hullwright::decompose(&mesh, &parameters, &control)?;
+    /// let mut file = hullwright::hulls_format::HullsFile::new("tetrahedron", &decomposition);
+    /// assert!(file.is_current());
+    /// file.algorithm_version -= 1;
+    /// assert!(!file.is_current());
+    /// # Ok::<(), hullwright::Error>(())
+    /// ```
     pub fn is_current(&self) -> bool {
         self.algorithm_version == crate::ALGORITHM_VERSION
     }
@@ -229,6 +255,23 @@ impl HullsFile {
     ///
     /// # Errors
     /// As [`to_bytes`](Self::to_bytes), and [`HullsFileError::File`] if writing fails.
+    ///
+    /// ```
+    /// use hullwright::hulls_format::HullsFile;
+    ///
+    /// # let mesh = hullwright::TriangleMesh::new(
+    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+    /// # );
+    /// # let (parameters, control) = (hullwright::Parameters::default(), hullwright::Control::new());
+    /// # let decomposition = hullwright::decompose(&mesh, &parameters, &control)?;
+    /// # let directory = tempfile::tempdir()?;
+    /// let file = HullsFile::new("tetrahedron", &decomposition);
+    /// let path = directory.path().join("tetrahedron.hulls");
+    /// file.write(&path)?;
+    /// assert_eq!(HullsFile::read(&path)?, file);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[cfg(feature = "fs")]
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), HullsFileError> {
         let path = path.as_ref();

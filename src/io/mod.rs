@@ -21,6 +21,7 @@ mod accessor;
 mod buffers;
 mod draco;
 mod extension;
+mod format;
 mod gltf;
 mod meshopt;
 mod obj;
@@ -38,59 +39,12 @@ mod write_obj;
 use std::ops::Range;
 use std::path::Path;
 
-pub use write::{HullFormat, check_output, write_hulls};
+pub use format::{Format, HullFormat};
+pub use write::{check_output, write_hulls};
 
 use crate::error::{Error, FileError};
 use crate::geometry::{MeshView, TriangleMesh};
 use crate::hulls_format::HullsFile;
-
-/// A format of mesh files.
-#[non_exhaustive]
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Format {
-    /// Wavefront OBJ.
-    Obj,
-    /// Object File Format, also with colours or normals (COFF, NOFF, STOFF).
-    Off,
-    /// Polygon File Format, text or binary of either byte order.
-    Ply,
-    /// Stereolithography, text or binary.
-    Stl,
-    /// glTF 2.0 as JSON, or as GLB: the content tells.
-    Gltf,
-}
-
-impl Format {
-    /// The format that a file name's suffix stands for, in upper or lower case.
-    ///
-    /// ```
-    /// use hullwright::io::Format;
-    ///
-    /// assert_eq!(Format::from_path("scene.gltf"), Some(Format::Gltf));
-    /// ```
-    pub fn from_path(path: impl AsRef<Path>) -> Option<Self> {
-        let suffix = path.as_ref().extension()?.to_str()?.to_ascii_lowercase();
-        match suffix.as_str() {
-            "obj" => Some(Self::Obj),
-            "off" => Some(Self::Off),
-            "ply" => Some(Self::Ply),
-            "stl" => Some(Self::Stl),
-            "gltf" | "glb" => Some(Self::Gltf),
-            _ => None,
-        }
-    }
-
-    /// The format's name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Obj => "OBJ",
-            Self::Off => "OFF",
-            Self::Ply => "PLY",
-            Self::Stl => "STL",
-            Self::Gltf => "glTF",
-        }
-    }
-}
 
 /// A named part of a mesh file.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -159,8 +113,8 @@ impl<'a> From<&'a NamedMesh> for MeshView<'a> {
 /// A file may be fine and hold no triangles, such as a point cloud.
 ///
 /// # Errors
-/// [`Error::File`] if the suffix is none of `obj`, `off`, `ply`, `stl`, `gltf` and `glb`, if the
-/// file can't be read, or if it does not hold what it should.
+/// [`Error::File`] if the suffix is that of no [`Format`], if the file can't be read, or if it does
+/// not hold what it should.
 ///
 /// ```
 /// let file = hullwright::io::read_mesh("assets/mug.glb")?;
@@ -174,7 +128,7 @@ pub fn read_mesh(path: impl AsRef<Path>) -> Result<MeshFile, Error> {
 
 fn read_mesh_file(path: &Path) -> Result<MeshFile, FileError> {
     let Some(format) = Format::from_path(path) else {
-        return Err("its suffix is none of obj, off, ply, stl, gltf and glb".to_owned().into());
+        return Err(format!("its suffix is not {}", Format::suffix_list()).into());
     };
     let bytes = std::fs::read(path)?;
     Ok(parse(format, &bytes, path.parent())?)

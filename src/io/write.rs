@@ -6,36 +6,9 @@ use crate::atomic_write;
 use crate::error::Error;
 use crate::geometry::MeshView;
 
+use super::format::HullFormat;
 use super::write_glb::glb_from_hulls;
 use super::write_obj::obj_from_hulls;
-
-/// A format that hulls can be written in.
-#[non_exhaustive]
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum HullFormat {
-    /// Wavefront OBJ.
-    Obj,
-    /// Binary glTF 2.0.
-    Glb,
-}
-
-impl HullFormat {
-    /// The format that a file name's suffix stands for, in upper or lower case.
-    ///
-    /// ```
-    /// use hullwright::io::HullFormat;
-    ///
-    /// assert_eq!(HullFormat::from_path("hulls.GLB"), Some(HullFormat::Glb));
-    /// ```
-    pub fn from_path(path: impl AsRef<Path>) -> Option<Self> {
-        let suffix = path.as_ref().extension()?.to_str()?.to_ascii_lowercase();
-        match suffix.as_str() {
-            "obj" => Some(Self::Obj),
-            "glb" => Some(Self::Glb),
-            _ => None,
-        }
-    }
-}
 
 /// Writes hulls to a file, for example `write_hulls(path, &decomposition.hulls)`. A file that is
 /// already there is replaced; if anything goes wrong it stays as it was.
@@ -82,8 +55,8 @@ pub fn write_hulls<'a, H: Into<MeshView<'a>>>(
 /// complain about before there is anything to write.
 ///
 /// # Errors
-/// [`Error::File`] if the suffix is none of `obj`, `glb` and `hulls` or if the directory does not
-/// exist.
+/// [`Error::File`] if the suffix is neither that of a [`HullFormat`] nor `hulls`, or if the directory
+/// does not exist.
 ///
 /// ```
 /// assert!(hullwright::io::check_output("hulls.glb").is_ok());
@@ -104,6 +77,7 @@ pub fn check_output(path: impl AsRef<Path>) -> Result<(), Error> {
 }
 
 fn output_format(path: &Path) -> Result<HullFormat, Error> {
-    HullFormat::from_path(path)
-        .ok_or_else(|| Error::file(path, "hulls can be written as .obj or .glb".to_owned()))
+    HullFormat::from_path(path).ok_or_else(|| {
+        Error::file(path, format!("hulls can be written as {}", HullFormat::suffix_list()))
+    })
 }

@@ -77,8 +77,11 @@ const OVERLAP: f64 = 0.01;
 const LEAST_VOLUME: f64 = 1e-9;
 
 /// Mass properties of a mesh with a uniform `density` (mass per cubed unit). `hulls` are its
-/// decomposition, used only where the mesh is not closed; they may be empty. The module says what
-/// is computed from what. O(triangles log triangles).
+/// decomposition, used only where the mesh is not closed; they may be empty. [`MassSource`] says
+/// what they were computed from: the closed mesh, its overlaps counted once; else the union of the
+/// hulls; without hulls, the mesh's convex hull. O(triangles log triangles).
+///
+/// With the feature `rapier`, `rapier::mass_properties` converts the result to Rapier's type.
 ///
 /// # Errors
 /// As [`decompose`](crate::decompose) for a mesh without any usable triangle, and

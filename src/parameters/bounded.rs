@@ -25,6 +25,10 @@ pub enum Preset {
 
 impl Preset {
     /// The preset's name on the command line.
+    ///
+    /// ```
+    /// assert_eq!(hullwright::Preset::Balanced.name(), "balanced");
+    /// ```
     pub fn name(self) -> &'static str {
         match self {
             Self::Fast => "fast",

@@ -29,11 +29,19 @@ pub enum Length {
 
 impl Length {
     /// A share of the bounding-box diagonal: 0.02 for 2 %.
+    ///
+    /// ```
+    /// assert_eq!(hullwright::Length::share(0.02).of_diagonal(10.0), 0.2);
+    /// ```
     pub const fn share(share: f64) -> Self {
         Self::Share(share)
     }
 
     /// A length in the mesh's units.
+    ///
+    /// ```
+    /// assert_eq!(hullwright::Length::units(0.02).of_diagonal(10.0), 0.02);
+    /// ```
     pub const fn units(length: f64) -> Self {
         Self::Units(length)
     }

@@ -34,6 +34,10 @@ pub enum Method {
 
 impl Method {
     /// The method's name on the command line.
+    ///
+    /// ```
+    /// assert_eq!(hullwright::Method::Bounded.name(), "bounded");
+    /// ```
     pub fn name(self) -> &'static str {
         match self {
             Self::Bounded => "bounded",
@@ -124,6 +128,12 @@ impl Parameters {
     }
 
     /// Sets the method.
+    ///
+    /// ```
+    /// use hullwright::{Method, Parameters};
+    ///
+    /// assert_eq!(Parameters::default().method(Method::Surface).method, Method::Surface);
+    /// ```
     #[must_use]
     pub fn method(mut self, method: Method) -> Self {
         self.method = method;
@@ -131,6 +141,14 @@ impl Parameters {
     }
 
     /// Sets the bound of the bounded method: see [`BoundedParameters::max_error`].
+    ///
+    /// ```
+    /// use hullwright::{Length, Parameters};
+    ///
+    /// // 5 mm, if the mesh is in metres.
+    /// let parameters = Parameters::default().max_error(Length::units(0.005));
+    /// assert_eq!(parameters.bounded.max_error, Length::Units(0.005));
+    /// ```
     #[must_use]
     pub fn max_error(mut self, max_error: Length) -> Self {
         self.bounded.max_error = max_error;
@@ -138,6 +156,12 @@ impl Parameters {
     }
 
     /// Sets how much work the bounded method does.
+    ///
+    /// ```
+    /// use hullwright::{Parameters, Preset};
+    ///
+    /// assert_eq!(Parameters::default().preset(Preset::Fine).bounded.preset, Preset::Fine);
+    /// ```
     #[must_use]
     pub fn preset(mut self, preset: Preset) -> Self {
         self.bounded.preset = preset;
@@ -145,6 +169,12 @@ impl Parameters {
     }
 
     /// Sets the cap on hulls, or `None`: see [`BoundedParameters::max_hulls`].
+    ///
+    /// ```
+    /// let parameters = hullwright::Parameters::default().max_hulls(16);
+    /// assert_eq!(parameters.bounded.max_hulls, Some(16));
+    /// assert_eq!(parameters.max_hulls(None).bounded.max_hulls, None);
+    /// ```
     #[must_use]
     pub fn max_hulls(mut self, max_hulls: impl Into<Option<usize>>) -> Self {
         self.bounded.max_hulls = max_hulls.into();
@@ -152,6 +182,12 @@ impl Parameters {
     }
 
     /// Sets the cap on the vertices of a hull, or `None`.
+    ///
+    /// ```
+    /// let parameters = hullwright::Parameters::default();
+    /// assert_eq!(parameters.max_vertices, Some(64));
+    /// assert_eq!(parameters.max_vertices(None).max_vertices, None);
+    /// ```
     #[must_use]
     pub fn max_vertices(mut self, max_vertices: impl Into<Option<usize>>) -> Self {
         self.max_vertices = max_vertices.into();
@@ -173,6 +209,10 @@ impl Parameters {
     }
 
     /// Sets whether narrow cavities stay empty: see [`BoundedParameters::keep_cavities`].
+    ///
+    /// ```
+    /// assert!(hullwright::Parameters::default().keep_cavities(true).bounded.keep_cavities);
+    /// ```
     #[must_use]
     pub fn keep_cavities(mut self, keep_cavities: bool) -> Self {
         self.bounded.keep_cavities = keep_cavities;

@@ -54,6 +54,11 @@ pub struct SurfaceParameters {
 
 impl SurfaceParameters {
     /// The paper's values, and the defaults where it names none.
+    ///
+    /// ```
+    /// let paper = hullwright::SurfaceParameters::paper();
+    /// assert_eq!(paper.maximum_resolutions, [250, 500, 1000, 2000, 3000]);
+    /// ```
     pub fn paper() -> Self {
         Self {
             simplification_quality: 0.8,

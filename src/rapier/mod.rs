@@ -26,8 +26,8 @@
 //! For a decomposition that is kept, or read from a `.hulls` file, there are [`collider`] and
 //! [`shape`]; for hulls of another tool, [`shape_from_points`]. A `SharedShape` may be shared by any
 //! number of colliders.
-//!
-//! This module uses the public API of the rest of the crate only.
+
+// This module uses the public API of the rest of the crate only.
 
 mod check;
 mod convert;

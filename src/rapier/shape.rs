@@ -99,8 +99,9 @@ pub fn collider(
     Ok(ColliderBuilder::new(shape(hulls, scale)?).mass_properties(properties))
 }
 
-/// The mass properties in Rapier's type, after the body's coordinates are multiplied by
-/// `scale` at the same density.
+/// Converts mass properties to Rapier's type, after the body's coordinates are multiplied by
+/// `scale` at the same density. They are computed by the crate's own
+/// [`mass_properties`](crate::mass_properties()).
 ///
 /// ```
 /// # let mesh = hullwright::TriangleMesh::new(

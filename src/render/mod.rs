@@ -96,6 +96,14 @@ pub struct Panel {
 
 impl Panel {
     /// A mesh in [`palette::CLAY`].
+    ///
+    /// ```
+    /// # let mesh = hullwright::TriangleMesh::new(
+    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+    /// # );
+    /// assert_eq!(hullwright::render::Panel::mesh(&mesh).parts.len(), 1);
+    /// ```
     pub fn mesh<'a>(mesh: impl Into<MeshView<'a>>) -> Self {
         let mesh = mesh.into().to_owned();
         Self { parts: vec![Part { mesh, colour: palette::CLAY }], explosion: 0.0 }
@@ -145,6 +153,14 @@ impl Panel {
     }
 
     /// Hulls in the colours of the palette, in order.
+    ///
+    /// ```
+    /// # let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    /// let hull = hullwright::convex_hull(&points)?;
+    /// let panel = hullwright::render::Panel::hulls(&[hull.clone(), hull]);
+    /// assert_ne!(panel.parts[0].colour, panel.parts[1].colour);
+    /// # Ok::<(), hullwright::Error>(())
+    /// ```
     pub fn hulls<'h, H>(hulls: &'h [H]) -> Self
     where
         &'h H: Into<MeshView<'h>>,
@@ -158,6 +174,12 @@ impl Panel {
 
     /// The same with its parts moved apart; see [`explosion`](Self::explosion). 0.5 is a good
     /// value.
+    ///
+    /// ```
+    /// use hullwright::render::Panel;
+    ///
+    /// assert_eq!(Panel::default().exploded(0.5).explosion, 0.5);
+    /// ```
     #[must_use]
     pub fn exploded(mut self, explosion: f64) -> Self {
         self.explosion = explosion;

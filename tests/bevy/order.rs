@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use bevy::asset::AssetPlugin;
+use bevy::asset::{AssetEventSystems, AssetPlugin};
 use bevy::ecs::schedule::{LogLevel, ScheduleBuildSettings};
 use bevy::mesh::MeshPlugin;
 use bevy::prelude::*;
@@ -71,6 +71,21 @@ fn a_system_that_is_ambiguous_with_ours_would_be_seen() {
         counters.decomposed += 1;
     });
     assert!(!ambiguities(app).is_empty());
+}
+
+/// With Bevy's default features the schedule once had no order: `bevy_ui` writes assets after
+/// transforms are propagated, and bevy_rapier's soft bodies write meshes after the step.
+#[test]
+fn others_may_write_assets_after_transforms_and_after_the_step() {
+    let mut app = full_app();
+    app.add_systems(
+        PostUpdate,
+        (
+            (|| ()).after(TransformSystems::Propagate).before(AssetEventSystems),
+            (|| ()).in_set(PhysicsSet::Writeback).before(AssetEventSystems),
+        ),
+    );
+    app.update();
 }
 
 /// Decomposes a mesh in an app that is not started yet.

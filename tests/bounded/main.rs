@@ -3,6 +3,7 @@
 //! | file | promises |
 //! |---|---|
 //! | `promise` | the bound is kept, for every bound, preset and kind of mesh |
+//! | `verified` | what is verified agrees with brute force |
 //! | `bundled_models` | the bundled models keep it, with as many hulls as before |
 //! | `degenerate_input` | degenerate input has a result that keeps it, or a typed error |
 //! | `dense_meshes` | meshes of very many triangles keep it and lose none |
@@ -12,6 +13,7 @@
 //! | `running` | threads, slices, progress, cancellation, deadlines |
 //! | `hierarchy` | joins down to one hull |
 
+mod brute_force;
 #[cfg(feature = "io")]
 mod bundled_models;
 mod caps;
@@ -26,3 +28,4 @@ mod judge;
 mod promise;
 mod running;
 mod shapes;
+mod verified;

@@ -6,7 +6,6 @@
 mod bench;
 mod experiments;
 mod hacd;
-mod output;
 mod paper;
 mod report;
 mod runs;
@@ -17,7 +16,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use experiments::{agreement, cancel, corpus, identical, stages, table1, targets};
-use output::Failure;
+use hullwright::internals::terminal::Failure;
 use runs::worker;
 
 /// Experiments with Hullwright: benchmarks, stability, and the paper's comparisons

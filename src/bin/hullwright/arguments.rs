@@ -1,8 +1,14 @@
 //! The parameters of a decomposition as command line arguments.
 
+use hullwright::io::Format;
 use hullwright::{Length, Method, Openings, Parameters, Preset, UpAxis};
 
 use crate::output::Failure;
+
+/// Says which files an argument takes.
+pub fn mesh_help() -> String {
+    format!("The mesh: {}", Format::suffix_list())
+}
 
 /// How many threads work.
 #[derive(clap::Args)]

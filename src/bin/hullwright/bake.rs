@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use hullwright::io::{NamedMesh, read_own_meshes};
+use hullwright::io::{Format, NamedMesh, read_own_meshes};
 use hullwright::{Control, Parameters};
 
 use crate::arguments::{ParameterArguments, ThreadArguments};
@@ -18,8 +18,7 @@ use crate::progress::LateBar;
 /// another format is one mesh, named after the file.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// The meshes: obj, off, ply, stl, gltf or glb
-    #[arg(required = true, value_name = "MESH")]
+    #[arg(help = format!("The meshes: {}", Format::suffix_list()), required = true, value_name = "MESH")]
     meshes: Vec<PathBuf>,
 
     /// The directory that gets the .hulls files; it is made if it does not exist

@@ -7,7 +7,7 @@ use hullwright::{CurvePoint, MergeTree};
 use plotters::prelude::*;
 use serde::Serialize;
 
-use crate::arguments::ParameterArguments;
+use crate::arguments::{ParameterArguments, mesh_help};
 use crate::output::{Failure, print, print_json};
 use crate::progress::{LateBar, waiting};
 use crate::tables;
@@ -18,7 +18,7 @@ use crate::tables;
 /// protrudes least first. Each error is verified against the mesh.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// The mesh: obj, off, ply, stl, gltf or glb
+    #[arg(help = mesh_help())]
     mesh: PathBuf,
 
     /// Draw the curve into this file: .svg

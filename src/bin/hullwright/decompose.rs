@@ -6,7 +6,7 @@ use std::time::Instant;
 use hullwright::io::{HullFormat, MeshFile, check_output, is_hulls_file, read_mesh, write_hulls};
 use hullwright::{Decomposition, Parameters};
 
-use crate::arguments::{ParameterArguments, ThreadArguments};
+use crate::arguments::{ParameterArguments, ThreadArguments, mesh_help};
 use crate::hulls::{DEFAULT_DENSITY, hulls_file, wrote};
 use crate::json::DecompositionLine;
 use crate::output::{Failure, print, print_json};
@@ -21,7 +21,7 @@ use crate::tables;
 /// counts after and before simplification.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// The mesh: obj, off, ply, stl, gltf or glb
+    #[arg(help = mesh_help())]
     mesh: PathBuf,
 
     /// Write the hulls to this file: .obj (one object per hull), .glb (one colour per hull) or
@@ -48,7 +48,7 @@ fn parse_output(text: &str) -> Result<PathBuf, String> {
     if HullFormat::from_path(text).is_some() || is_hulls_file(text) {
         Ok(PathBuf::from(text))
     } else {
-        Err("hulls are written as .obj, .glb or .hulls".into())
+        Err(format!("hulls are written as {}, or as .hulls", HullFormat::suffix_list()))
     }
 }
 

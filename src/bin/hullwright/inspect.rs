@@ -6,6 +6,7 @@ use hullwright::hulls_format::HullsFile;
 use hullwright::io::{is_hulls_file, read_mesh};
 use hullwright::{Inspection, Length, Opening, Openings, Parameters, UpAxis};
 
+use crate::arguments::mesh_help;
 use crate::hulls::vertices;
 use crate::output::{Failure, print};
 use crate::progress::waiting;
@@ -14,7 +15,7 @@ use crate::tables::{columns, openings, pairs, repairs};
 /// Show counts, bounds, components, open and non-manifold edges, and what would be repaired
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// The mesh: obj, off, ply, stl, gltf or glb; or a .hulls file
+    #[arg(help = format!("{}; or a .hulls file", mesh_help()))]
     mesh: PathBuf,
 
     /// What becomes of flat openings: auto (default), keep or close; as in `decompose`

@@ -7,6 +7,7 @@ use hullwright::measure::{Distances, MeasureOptions, Measurement, measure};
 use hullwright::{Control, Length, Openings, UpAxis};
 use serde::Serialize;
 
+use crate::arguments::mesh_help;
 use crate::output::{Failure, print, print_json};
 use crate::progress::waiting;
 use crate::tables::{NOTHING, pairs};
@@ -18,7 +19,7 @@ use crate::tables::{NOTHING, pairs};
 /// diagonal of the mesh's bounding box. Points are sampled, always the same.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// The mesh: obj, off, ply, stl, gltf or glb
+    #[arg(help = mesh_help())]
     mesh: PathBuf,
 
     /// The hulls: a .hulls file, or one per object of the file: obj, stl, gltf or glb

@@ -7,6 +7,7 @@ mod plan;
 mod plots;
 mod summary;
 
+use hullwright::internals::terminal::{Failure, print, time};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -15,7 +16,6 @@ use serde_json::{Value, json};
 
 use summary::Results;
 
-use crate::output::{Failure, print, time};
 use crate::report::html_report::{self, Report};
 use crate::runs::data_folder::DataFolder;
 use crate::runs::execute::{blank_row, execute};
@@ -32,8 +32,7 @@ use crate::runs::record::{Row, Status};
 /// benchmark that was stopped goes on where it was. Then the report is written anew.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Folders with meshes: obj, off, ply, stl, gltf or glb
-    #[arg(required = true, value_name = "DIR")]
+    #[arg(help = meshes::folders_help(), required = true, value_name = "DIR")]
     folders: Vec<PathBuf>,
 
     /// The folder that the report goes to

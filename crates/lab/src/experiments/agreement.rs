@@ -11,10 +11,10 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use hullwright::Error;
+use hullwright::internals::terminal::{Failure, print};
 use hullwright::io::{MeshFile, NamedMesh, read_hulls, read_mesh};
 use hullwright::measure::MeasureOptions;
 
-use crate::output::{Failure, print};
 use crate::runs::data_folder::{DataFolder, ToolResult};
 use crate::runs::judge::{Judged, judge};
 use crate::statistics::range;

@@ -3,18 +3,18 @@
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
+use hullwright::internals::terminal::{Failure, print};
 use hullwright::io::{MeshFile, read_mesh};
 use hullwright::{Control, Error, Parameters, decompose};
 
-use crate::output::{Failure, print};
+use crate::runs::meshes;
 
 /// Show how long a stop takes
 ///
 /// Each mesh is decomposed many times and cancelled at another moment each time.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// The meshes: obj, off, ply, stl, gltf or glb
-    #[arg(required = true, value_name = "MESH")]
+    #[arg(help = meshes::files_help(), required = true, value_name = "MESH")]
     meshes: Vec<PathBuf>,
 }
 

@@ -1,9 +1,9 @@
 //! `cargo lab identical`: whether two builds of the command write the same hulls.
 
+use hullwright::internals::terminal::{Failure, print};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use crate::output::{Failure, print};
 use crate::runs::meshes;
 
 /// Decompose every mesh below folders with two builds of the command, and compare what they write
@@ -20,8 +20,7 @@ pub struct Arguments {
     #[arg(value_name = "NEW")]
     new: PathBuf,
 
-    /// Folders with meshes: obj, off, ply, stl, gltf or glb
-    #[arg(required = true, value_name = "DIR")]
+    #[arg(help = meshes::folders_help(), required = true, value_name = "DIR")]
     folders: Vec<PathBuf>,
 }
 

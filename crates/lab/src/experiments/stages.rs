@@ -2,17 +2,17 @@
 
 use std::path::PathBuf;
 
+use hullwright::internals::terminal::{Failure, print};
 use hullwright::io::read_mesh;
 use hullwright::{Control, Parameters, decompose};
 
-use crate::output::{Failure, print};
+use crate::runs::meshes;
 use crate::statistics::median;
 
 /// Show the milliseconds of each stage: of several runs on one thread the least
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// The meshes: obj, off, ply, stl, gltf or glb
-    #[arg(required = true, value_name = "MESH")]
+    #[arg(help = meshes::files_help(), required = true, value_name = "MESH")]
     meshes: Vec<PathBuf>,
 }
 

@@ -12,10 +12,10 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
+use hullwright::internals::terminal::{Failure, print};
 use hullwright::io::{MeshFile, read_mesh};
 use hullwright::{Control, Length, Parameters, SurfaceParameters, SurfaceReport, decompose};
 
-use crate::output::{Failure, print};
 use crate::report::table::Table;
 use crate::runs::data_folder::{DataFolder, PaperRow};
 

@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use hullwright::internals::terminal::{Failure, print};
 use hullwright::io::read_mesh;
 use hullwright::measure::MeasureOptions;
 use hullwright::{Control, Preset, decompose};
 use meshoptimizer_rs::{Positions, SimplifyOptions, SimplifySettings, Workspace};
 
-use crate::output::{Failure, print};
 use crate::runs::data_folder::{DataFolder, ToolResult};
 use crate::runs::judge::{Judged, Verified, judge};
 use crate::runs::methods::bounded;

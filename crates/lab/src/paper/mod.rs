@@ -8,12 +8,12 @@ mod comparison;
 mod figures;
 mod work;
 
+use hullwright::internals::terminal::{Failure, print};
 use std::path::PathBuf;
 use std::time::Duration;
 
 use work::Shared;
 
-use crate::output::{Failure, print};
 use crate::report::html_report::{Report, create_folder};
 use crate::report::table::Table;
 use crate::runs::data_folder::DataFolder;

@@ -69,6 +69,16 @@ pub fn spread(meshes: Vec<Mesh>, count: usize) -> Vec<Mesh> {
     meshes.into_iter().enumerate().filter(|(i, _)| is_taken(*i)).map(|(_, mesh)| mesh).collect()
 }
 
+/// Says which files are meshes, in the help of a command that takes them.
+pub fn files_help() -> String {
+    format!("The meshes: {}", Format::suffix_list())
+}
+
+/// The same of a command that takes folders.
+pub fn folders_help() -> String {
+    format!("Folders with meshes: {}", Format::suffix_list())
+}
+
 /// Adds all mesh files below a folder.
 pub fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), String> {
     let entries =

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use hullwright::internals::terminal::{Failure, print};
 use hullwright::io::{MeshFile, NamedMesh, read_hulls, read_mesh};
 use hullwright::measure::MeasureOptions;
 use hullwright::{Control, Error, Hull, Parameters, TriangleMesh};
@@ -17,7 +18,6 @@ use super::methods::Run;
 use super::record::Worked;
 use super::vhacd;
 use crate::hacd::{self, HacdParameters};
-use crate::output::{Failure, print};
 use crate::statistics::median;
 
 /// One run of the benchmark, for its own use

@@ -4,6 +4,7 @@ mod summary;
 mod variations;
 pub mod worker;
 
+use hullwright::internals::terminal::{Failure, print};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
@@ -13,7 +14,6 @@ use serde::{Deserialize, Serialize};
 use variations::Variation;
 use worker::VariationResult;
 
-use crate::output::{Failure, print};
 use crate::report::html_report::{Report, create_folder};
 use crate::runs::journal::{Entry, Journal, Key};
 use crate::runs::limits::{self, Limits};

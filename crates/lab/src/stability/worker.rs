@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
+use hullwright::internals::terminal::{Failure, print};
 use hullwright::io::read_mesh;
 use hullwright::measure::MeasureOptions;
 use hullwright::{Control, Error, MeshView};
 use serde::{Deserialize, Serialize};
 
 use super::variations::{Mesh, Variation};
-use crate::output::{Failure, print};
 use crate::runs::judge::judge;
 use crate::runs::methods::Run;
 

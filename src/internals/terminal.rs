@@ -1,8 +1,11 @@
-//! What every command needs to print, and to say why it ends with an error.
+//! What the command and the laboratory need to print, and to say why they end with an error.
 
 use std::io::{ErrorKind, Write};
 
-/// Why a command ends with an error.
+use crate::error::Error;
+use crate::hulls_format::HullsFileError;
+
+/// Why a program ends with an error.
 pub enum Failure {
     /// The arguments make no sense: exit code 2.
     Usage(String),
@@ -28,13 +31,22 @@ impl From<Box<dyn std::error::Error>> for Failure {
     }
 }
 
-impl From<hullwright::Error> for Failure {
-    fn from(error: hullwright::Error) -> Self {
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        Self::Work(error.to_string())
+    }
+}
+
+impl From<HullsFileError> for Failure {
+    fn from(error: HullsFileError) -> Self {
         Self::Work(error.to_string())
     }
 }
 
 /// Prints lines to standard output. A reader that has gone away, such as `head`, is no error.
+///
+/// # Errors
+/// [`Failure::Work`] if they can't be written.
 pub fn print(text: &str) -> Result<(), Failure> {
     let mut stdout = std::io::stdout().lock();
     match writeln!(stdout, "{text}").and_then(|()| stdout.flush()) {
