@@ -72,7 +72,7 @@ const FAST: PresetSettings =
 const BALANCED: PresetSettings =
     PresetSettings { patch_size: 0.12, dissolve_attempts: 20_000, triangles: 2400 };
 
-/// No division suits every mesh: the one with the fewest hulls is kept. A finer and a coarser one
+/// No pass suits every mesh: the one with the fewest hulls is kept. A finer and a coarser one
 /// save 2 % of the hulls in about three times the time.
 const FINE: [PresetSettings; 3] = [
     BALANCED,
@@ -108,14 +108,14 @@ pub(super) struct Settings {
 }
 
 impl Settings {
-    /// One for each division of the surface that the preset tries. At least one.
+    /// One for each pass over the surface that the preset makes. At least one.
     pub(super) fn of_preset(parameters: &Parameters, diagonal: f64) -> Vec<Self> {
-        let divisions: &[PresetSettings] = match parameters.bounded.preset {
+        let passes: &[PresetSettings] = match parameters.bounded.preset {
             Preset::Fast => &[FAST],
             Preset::Balanced => &[BALANCED],
             Preset::Fine => &FINE,
         };
-        divisions.iter().map(|division| Self::new(parameters, diagonal, division)).collect()
+        passes.iter().map(|pass| Self::new(parameters, diagonal, pass)).collect()
     }
 
     /// For stages after the search, which do not depend on the preset.

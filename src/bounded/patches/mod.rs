@@ -17,6 +17,7 @@ mod whole_components;
 
 use std::sync::Arc;
 
+use super::cells::components;
 use super::clustering::Clustered;
 use super::containment::solid::Solid;
 use super::patch_set::PatchSet;
@@ -60,6 +61,9 @@ pub(super) fn divide_into_patches(
         group.retain(|&triangle| !is_whole[patch_mesh.components[triangle as usize] as usize]);
     }
     groups.retain(|group| !group.is_empty());
+    if !patch_mesh.walls.is_empty() {
+        groups = without_walls(&patch_mesh, &groups);
+    }
     let largest = settings.patch_size * area(&patch_mesh).sqrt();
     let parts = parallel::map_largest_first(&groups, Vec::len, |group| {
         divide(&patch_mesh, group, solid, largest, settings, control)
@@ -103,6 +107,20 @@ fn groups(
         grouping = group(mesh, adjacency, threshold, threshold, control)?;
     }
     Ok(members(&grouping.labels, grouping.count))
+}
+
+/// The connected parts of groups between walls.
+fn without_walls(PatchMesh { mesh, walls, .. }: &PatchMesh, groups: &[Vec<u32>]) -> Vec<Vec<u32>> {
+    let mut labels = vec![u32::MAX; mesh.triangles.len()];
+    for (label, group) in (0..).zip(groups) {
+        group.iter().for_each(|&triangle| labels[triangle as usize] = label);
+    }
+    let parts = components(mesh, &labels, walls);
+    let count = parts.iter().max().map_or(0, |&last| last as usize + 1);
+    let mut parts = members(&parts, count);
+    // What is in no group is whole already.
+    parts.retain(|part| part.iter().all(|&triangle| labels[triangle as usize] != u32::MAX));
+    parts
 }
 
 fn area(mesh: &PatchMesh) -> f64 {

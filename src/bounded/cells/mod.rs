@@ -1,0 +1,138 @@
+//! Cells: the surface of a coarse mesh, divided where its shape asks for it.
+//!
+//! A cell is a planar part of the surface. Where faces meet at a reflex edge, no hull that fits
+//! holds both sides of the notch. The solid is cut along the plane of one of the faces (Chazelle,
+//! "Convex partitions of polyhedra", 1984: one plane resolves a notch), and the cut's curve on the
+//! surface bounds cells. So hulls end where the shape does, at any bound.
+//!
+//! | file | step |
+//! |---|---|
+//! | `planar_groups` | triangles in one plane form a group |
+//! | `notches` | reflex edges between groups, and how deep they are |
+//! | `cut` | triangles are split along a plane, from its notches on |
+
+mod cut;
+mod notches;
+mod planar_groups;
+
+use std::collections::BTreeSet;
+
+use super::settings::Settings;
+use crate::mesh::TriangleMesh;
+use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
+use cut::{CutMesh, cut};
+use notches::{Notch, notches};
+use planar_groups::{PlanarGroups, planar_groups};
+
+/// Vertices this near to a plane, in bounds, are in it. A hull may leave as much uncovered.
+const FLATNESS: f64 = 0.05;
+
+/// A notch that is less deep, in bounds, does not ask for a cut: a hull across it protrudes by its
+/// depth at most. With 0.5 there are four times as many cells, and no fewer hulls.
+const LEAST_DEPTH: f64 = 1.5;
+
+/// Planes that a mesh is cut along at most, those of the most important notches: curved concave
+/// surfaces have a notch at each edge, and their cells are small without cuts.
+const MAX_PLANES: usize = 48;
+
+/// No cut once there are this many triangles for each of the mesh's own, and some.
+const MAX_GROWTH: usize = 3;
+const MAX_ADDED: usize = 1000;
+
+/// A surface divided into cells.
+pub(super) struct Cells {
+    pub mesh: TriangleMesh,
+    /// For each triangle the original one that it is a part of.
+    pub parents: Vec<u32>,
+    /// For each triangle its cell. Cells count up in the order of their first triangles.
+    pub cells: Vec<u32>,
+    /// Edges that cuts run along, the smaller vertex first.
+    pub walls: BTreeSet<(u32, u32)>,
+}
+
+/// Divides a surface into cells. O(n log n) for n triangles and each plane.
+pub(super) fn cells(mesh: &TriangleMesh, settings: &Settings) -> Cells {
+    let flatness = FLATNESS * settings.bound;
+    let adjacency = Adjacency::new(mesh);
+    let groups = planar_groups(mesh, &adjacency, flatness);
+    let notches = notches(mesh, &adjacency, &groups, flatness, LEAST_DEPTH * settings.bound);
+    let mut cut_mesh = CutMesh::new(mesh.clone(), groups.labels.clone());
+    let most = MAX_GROWTH * mesh.triangles.len() + MAX_ADDED;
+    cut_along(&mut cut_mesh, &groups, notches, flatness, most);
+    let CutMesh { mesh, parents, labels, walls } = cut_mesh;
+    let cells = components(&mesh, &labels, &walls);
+    Cells { mesh, parents, cells, walls }
+}
+
+/// Cuts along the planes that resolve the most notches, by length times depth, until each notch is
+/// resolved.
+fn cut_along(
+    mesh: &mut CutMesh,
+    groups: &PlanarGroups,
+    mut notches: Vec<Notch>,
+    flatness: f64,
+    most_triangles: usize,
+) {
+    for _ in 0..MAX_PLANES {
+        // Ascending by plane, so that equal sums do not depend on the order of notches.
+        let mut sums: Vec<(u32, f64)> = Vec::new();
+        for notch in &notches {
+            for plane in notch.planes {
+                match sums.binary_search_by_key(&plane, |entry| entry.0) {
+                    Ok(place) => sums[place].1 += notch.weight,
+                    Err(place) => sums.insert(place, (plane, notch.weight)),
+                }
+            }
+        }
+        let best = sums.into_iter().max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)));
+        let Some((plane, _)) = best else { return };
+        let (resolved, open): (Vec<Notch>, Vec<Notch>) =
+            notches.into_iter().partition(|notch| notch.planes.contains(&plane));
+        notches = open;
+        let starts = resolved.iter().map(|notch| notch.edge);
+        cut(mesh, groups.planes[plane as usize], starts, flatness);
+        if mesh.mesh.triangles.len() > most_triangles {
+            return;
+        }
+    }
+}
+
+/// For each triangle the connected part of its label that it is in, without crossing walls. Parts
+/// count up in the order of their first triangles.
+pub(super) fn components(
+    mesh: &TriangleMesh,
+    labels: &[u32],
+    walls: &BTreeSet<(u32, u32)>,
+) -> Vec<u32> {
+    let adjacency = Adjacency::new(mesh);
+    let mut components = vec![u32::MAX; mesh.triangles.len()];
+    let mut count = 0;
+    let mut stack = Vec::new();
+    for start in 0..mesh.triangles.len() {
+        if components[start] != u32::MAX {
+            continue;
+        }
+        components[start] = count;
+        stack.push(start as u32);
+        while let Some(triangle) = stack.pop() {
+            let corners = mesh.triangles[triangle as usize];
+            for (k, other) in adjacency.triangle_neighbours(triangle).into_iter().enumerate() {
+                if other != NO_NEIGHBOUR
+                    && components[other as usize] == u32::MAX
+                    && labels[other as usize] == labels[triangle as usize]
+                    && !walls.contains(&edge(corners[k], corners[(k + 1) % 3]))
+                {
+                    components[other as usize] = count;
+                    stack.push(other);
+                }
+            }
+        }
+        count += 1;
+    }
+    components
+}
+
+/// An edge as the key of a map: the smaller vertex first.
+fn edge(a: u32, b: u32) -> (u32, u32) {
+    (a.min(b), a.max(b))
+}
