@@ -54,6 +54,10 @@ const LONGEST_EDGE_LIMITS: RangeInclusive<f64> = 0.04..=0.16;
 /// room to spare, since groups whose hulls do not fit are halved.
 const GROUPING_THRESHOLD: f64 = 0.1;
 
+/// Meshes of up to this many triangles are coarse: their patches follow from the shape, and their
+/// fit tests ask triangles. Denser ones are simplified to this number or less.
+pub(super) const COARSE: usize = 2400;
+
 /// How finely a preset divides the surface, and how long it searches.
 struct PresetSettings {
     /// Maximum diagonal of a patch, as a share of the square root of the surface's area. Smaller
@@ -70,7 +74,7 @@ const FAST: PresetSettings =
     PresetSettings { patch_size: 0.35, dissolve_attempts: 0, triangles: 1000 };
 
 const BALANCED: PresetSettings =
-    PresetSettings { patch_size: 0.12, dissolve_attempts: 20_000, triangles: 2400 };
+    PresetSettings { patch_size: 0.12, dissolve_attempts: 20_000, triangles: COARSE };
 
 /// No pass suits every mesh: the one with the fewest hulls is kept. A finer and a coarser one
 /// save 2 % of the hulls in about three times the time.

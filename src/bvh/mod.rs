@@ -8,6 +8,7 @@
 //! | `tree`, `build` | the four-wide tree and its construction, O(n log n) |
 //! | `closest_point` | distances by branch and bound |
 //! | `winding_number` | winding numbers by multipole expansion |
+//! | `near_plane` | the triangles near a face |
 //! | `closest_triangles` | for each triangle of a mesh the closest one of another |
 //!
 //! Queries allocate nothing, take no lock and do not depend on threads. Coordinates should be of
@@ -18,6 +19,7 @@
 mod build;
 pub(crate) mod closest_point;
 pub(crate) mod closest_triangles;
+pub(crate) mod near_plane;
 mod tree;
 mod winding_number;
 

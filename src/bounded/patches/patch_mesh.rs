@@ -9,7 +9,7 @@ use super::patch::Patch;
 use crate::bounded::cells::{Cells, cells};
 use crate::bounded::clustering::Clustered;
 use crate::bounded::refine::refine;
-use crate::bounded::settings::Settings;
+use crate::bounded::settings::{COARSE, Settings};
 use crate::bvh::Bvh;
 use crate::bvh::closest_triangles::closest_triangles;
 use crate::control::Control;
@@ -46,7 +46,7 @@ impl PatchMesh {
         settings: &Settings,
         control: &Control,
     ) -> Result<Self, Error> {
-        if clustered.is_none() && prepared.mesh.triangles.len() <= settings.triangles {
+        if clustered.is_none() && prepared.mesh.triangles.len() <= COARSE {
             return Ok(Self::of_cells(prepared, settings));
         }
         let (source, source_components) = match clustered {

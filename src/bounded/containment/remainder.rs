@@ -1,0 +1,191 @@
+//! What remains of a face without what lies along the surface: parts that no triangle crosses.
+//!
+//! A triangle of the surface covers what lies below or above it, within some height. What no
+//! triangle covers is not crossed by the surface, since where a triangle crosses the face it covers
+//! it. In a closed solid each remaining part is therefore inside or outside as a whole, and one
+//! point decides which. Nothing here depends on the bound: large faces of coarse meshes are decided
+//! by the few triangles that are near them.
+//!
+//! O(triangles near the face · parts).
+
+use super::polygon::{Line, ON_LINE, Point, Polygon, TooManyVertices};
+use crate::bvh::Bvh;
+use crate::bvh::near_plane::Slab;
+use crate::geometry::vector::{
+    Vector, add, area_normal, bounds, cross, dot, length, normalize, scale, subtract,
+};
+
+/// A face near more triangles is halved first: subtracting many triangles takes longer.
+const MAX_TRIANGLES: usize = 48;
+
+/// The same for parts.
+const MAX_PARTS: usize = 64;
+
+/// Parts and triangles narrower than this, in diagonals, have no area: their points are as near to
+/// a neighbouring part.
+const NARROW: f64 = 4.0 * ON_LINE;
+
+/// A face of a smaller height over its longest side, in diagonals, is halved instead.
+const NEEDLE: f64 = 1e-7;
+
+/// Scratch memory, and the remaining parts of the last face.
+#[derive(Default)]
+pub(in crate::bounded) struct Remainder {
+    triangles: Vec<[Vector; 3]>,
+    parts: Vec<Polygon>,
+    other: Vec<Polygon>,
+    frame: Frame,
+}
+
+/// Coordinates in a face's plane.
+#[derive(Default, Clone, Copy)]
+struct Frame {
+    origin: Vector,
+    axes: [Vector; 2],
+    normal: Vector,
+}
+
+impl Frame {
+    /// `None` for a needle.
+    fn new([a, b, c]: [Vector; 3]) -> Option<Self> {
+        let normal = area_normal(a, b, c);
+        let longest = [subtract(b, a), subtract(c, b), subtract(a, c)]
+            .into_iter()
+            .max_by(|p, q| length(*p).total_cmp(&length(*q)))?;
+        if length(normal) <= NEEDLE * length(longest) {
+            return None;
+        }
+        let (normal, along) = (normalize(normal), normalize(longest));
+        Some(Self { origin: a, axes: [along, cross(normal, along)], normal })
+    }
+
+    fn flat(&self, point: Vector) -> Point {
+        let arm = subtract(point, self.origin);
+        self.axes.map(|axis| dot(axis, arm))
+    }
+
+    fn restore(&self, [x, y]: Point) -> Vector {
+        add(self.origin, add(scale(self.axes[0], x), scale(self.axes[1], y)))
+    }
+}
+
+impl Remainder {
+    /// Finds the parts of a face that no triangle covers within `height`, up to a billionth of a
+    /// diagonal. `false` if that takes too long: then nothing is known.
+    pub(in crate::bounded) fn find(&mut self, face: [Vector; 3], height: f64, bvh: &Bvh) -> bool {
+        self.parts.clear();
+        let height = height - NARROW * MAX_PARTS as f64;
+        let Some(frame) = Frame::new(face) else { return false };
+        self.frame = frame;
+        if height <= 0.0 {
+            return false;
+        }
+        let (min, max) = bounds(face);
+        let slab = Slab {
+            min: min.map(|x| x - height),
+            max: max.map(|x| x + height),
+            normal: frame.normal,
+            offset: dot(frame.normal, frame.origin),
+            half_width: height,
+        };
+        if !bvh.triangles_in_slab(&slab, MAX_TRIANGLES, &mut self.triangles) {
+            return false;
+        }
+        let mut whole = Polygon::EMPTY;
+        for corner in face {
+            if whole.push(frame.flat(corner)).is_err() {
+                return false;
+            }
+        }
+        self.parts.push(whole);
+        let triangles = std::mem::take(&mut self.triangles);
+        let is_done = triangles
+            .iter()
+            .all(|&corners| self.parts.is_empty() || self.subtract(corners, height).is_ok());
+        self.triangles = triangles;
+        is_done
+    }
+
+    /// The parts of the last face: the centre of each, and triangles that it consists of.
+    pub(in crate::bounded) fn parts(
+        &self,
+    ) -> impl Iterator<Item = (Vector, impl Iterator<Item = [Vector; 3]> + '_)> + '_ {
+        self.parts.iter().map(|part| {
+            let at = |k: usize| self.frame.restore(part.vertices()[k]);
+            let fan = (1..part.vertices().len().saturating_sub(1))
+                .map(move |k| [at(0), at(k), at(k + 1)]);
+            (self.frame.restore(part.centre()), fan)
+        })
+    }
+
+    /// Takes away from all parts what a triangle covers.
+    fn subtract(&mut self, corners: [Vector; 3], height: f64) -> Result<(), TooManyVertices> {
+        let shadow = self.shadow(corners, height)?;
+        if shadow.vertices().len() < 2 {
+            return Ok(());
+        }
+        let (from, to) = shadow.ends();
+        let longest = (to[0] - from[0]).hypot(to[1] - from[1]);
+        let is_narrow = shadow.doubled_area() <= NARROW * longest;
+        let sides: Vec<Line> = if is_narrow {
+            // It covers nothing, but parts must end at it.
+            [(from, to), (to, from)].into_iter().filter_map(Line::through).collect()
+        } else {
+            shadow.sides().filter_map(Line::through).collect()
+        };
+        self.other.clear();
+        for part in &self.parts {
+            let is_apart = sides.iter().any(|side| part.is_right_of(side))
+                || part.sides().filter_map(Line::through).any(|side| shadow.is_right_of(&side));
+            if is_apart {
+                self.other.push(*part);
+                continue;
+            }
+            let mut rest = Some(*part);
+            for side in &sides {
+                let Some(polygon) = rest else { break };
+                let (covered, uncovered) = polygon.split(side)?;
+                self.other.extend(uncovered.filter(is_wide));
+                rest = covered;
+            }
+        }
+        std::mem::swap(&mut self.parts, &mut self.other);
+        if self.parts.len() > MAX_PARTS { Err(TooManyVertices) } else { Ok(()) }
+    }
+
+    /// The part of a triangle that is at most `height` from the plane, projected onto it.
+    fn shadow(&self, corners: [Vector; 3], height: f64) -> Result<Polygon, TooManyVertices> {
+        let heights =
+            corners.map(|corner| dot(self.frame.normal, subtract(corner, self.frame.origin)));
+        let points = corners.map(|corner| self.frame.flat(corner));
+        let mut shadow = Polygon::EMPTY;
+        for k in 0..3 {
+            let next = (k + 1) % 3;
+            let (from, to) = (heights[k], heights[next]);
+            let at = |level: f64| {
+                let share = (level - from) / (to - from);
+                [0, 1].map(|axis| points[k][axis] + share * (points[next][axis] - points[k][axis]))
+            };
+            if from.abs() <= height {
+                shadow.push(points[k])?;
+            }
+            // Along a side, levels are crossed in the order of its direction.
+            let levels = if from < to { [-height, height] } else { [height, -height] };
+            for level in levels {
+                if (from < level && level < to) || (to < level && level < from) {
+                    shadow.push(at(level))?;
+                }
+            }
+        }
+        if shadow.doubled_area() < 0.0 {
+            shadow.reverse();
+        }
+        Ok(shadow)
+    }
+}
+
+/// Whether a part is wide enough to count.
+fn is_wide(part: &Polygon) -> bool {
+    let (from, to) = part.ends();
+    part.doubled_area() > NARROW * (to[0] - from[0]).hypot(to[1] - from[1])
+}
