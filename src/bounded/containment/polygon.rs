@@ -4,7 +4,7 @@
 pub(super) type Point = [f64; 2];
 
 /// Vertices at most. Each cut adds one.
-const MAX_VERTICES: usize = 12;
+const MAX_VERTICES: usize = 9;
 
 /// Points this near to a line, in diagonals, are on it: more than rounding, far less than any
 /// bound.
@@ -54,6 +54,23 @@ impl Polygon {
     pub(super) fn centre(&self) -> Point {
         let sum = self.vertices().iter().fold([0.0; 2], |s, p| [s[0] + p[0], s[1] + p[1]]);
         sum.map(|x| x / self.count.max(1) as f64)
+    }
+
+    /// Whether the boxes of two polygons are apart.
+    #[inline]
+    pub(super) fn is_beside(&self, other: &Self) -> bool {
+        (0..2).any(|axis| {
+            let (low, high) = self.range(axis);
+            let (other_low, other_high) = other.range(axis);
+            high <= other_low + ON_LINE || other_high <= low + ON_LINE
+        })
+    }
+
+    #[inline]
+    fn range(&self, axis: usize) -> (f64, f64) {
+        self.vertices().iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), point| {
+            (low.min(point[axis]), high.max(point[axis]))
+        })
     }
 
     /// The two vertices that are the farthest apart along the longer axis of its box.
@@ -116,6 +133,7 @@ impl Polygon {
 }
 
 /// A line by a point on it and its direction, of unit length.
+#[derive(Clone, Copy)]
 pub(super) struct Line {
     point: Point,
     direction: Point,
@@ -125,7 +143,7 @@ impl Line {
     /// The line through two points; `None` if they are the same.
     pub(super) fn through((p, q): (Point, Point)) -> Option<Self> {
         let along = [q[0] - p[0], q[1] - p[1]];
-        let length = along[0].hypot(along[1]);
+        let length = (along[0] * along[0] + along[1] * along[1]).sqrt();
         (length > ON_LINE).then(|| Self { point: p, direction: along.map(|x| x / length) })
     }
 

@@ -16,10 +16,14 @@ use crate::geometry::vector::{
 };
 
 /// A face near more triangles is halved first: subtracting many triangles takes longer.
-const MAX_TRIANGLES: usize = 48;
+const MAX_TRIANGLES: f64 = 24.0;
+
+/// The same for faces that are not much larger than the height: triangles for each part that
+/// halving would end with.
+const TRIANGLES_PER_PART: f64 = 1.0;
 
 /// The same for parts.
-const MAX_PARTS: usize = 64;
+const MAX_PARTS: usize = 32;
 
 /// Parts and triangles narrower than this, in diagonals, have no area: their points are as near to
 /// a neighbouring part.
@@ -34,6 +38,7 @@ pub(in crate::bounded) struct Remainder {
     triangles: Vec<[Vector; 3]>,
     parts: Vec<Polygon>,
     other: Vec<Polygon>,
+    sides: Vec<Line>,
     frame: Frame,
 }
 
@@ -71,9 +76,18 @@ impl Frame {
 
 impl Remainder {
     /// Finds the parts of a face that no triangle covers within `height`, up to a billionth of a
-    /// diagonal. `false` if that takes too long: then nothing is known.
-    pub(in crate::bounded) fn find(&mut self, face: [Vector; 3], height: f64, bvh: &Bvh) -> bool {
+    /// diagonal. `false` if halving the face seems faster: then nothing is known. `radius` is that
+    /// of the face.
+    pub(in crate::bounded) fn find(
+        &mut self,
+        face: [Vector; 3],
+        radius: f64,
+        height: f64,
+        bvh: &Bvh,
+    ) -> bool {
         self.parts.clear();
+        let parts = (radius / height) * (radius / height);
+        let most = (TRIANGLES_PER_PART * parts).min(MAX_TRIANGLES) as usize;
         let height = height - NARROW * MAX_PARTS as f64;
         let Some(frame) = Frame::new(face) else { return false };
         self.frame = frame;
@@ -88,7 +102,7 @@ impl Remainder {
             offset: dot(frame.normal, frame.origin),
             half_width: height,
         };
-        if !bvh.triangles_in_slab(&slab, MAX_TRIANGLES, &mut self.triangles) {
+        if !bvh.triangles_in_slab(&slab, most, &mut self.triangles) {
             return false;
         }
         let mut whole = Polygon::EMPTY;
@@ -125,24 +139,27 @@ impl Remainder {
             return Ok(());
         }
         let (from, to) = shadow.ends();
-        let longest = (to[0] - from[0]).hypot(to[1] - from[1]);
+        let longest = length_of(from, to);
         let is_narrow = shadow.doubled_area() <= NARROW * longest;
-        let sides: Vec<Line> = if is_narrow {
+        self.sides.clear();
+        if is_narrow {
             // It covers nothing, but parts must end at it.
-            [(from, to), (to, from)].into_iter().filter_map(Line::through).collect()
+            self.sides.extend([(from, to), (to, from)].into_iter().filter_map(Line::through));
         } else {
-            shadow.sides().filter_map(Line::through).collect()
-        };
+            self.sides.extend(shadow.sides().filter_map(Line::through));
+        }
+        let sides = &self.sides;
         self.other.clear();
         for part in &self.parts {
-            let is_apart = sides.iter().any(|side| part.is_right_of(side))
+            let is_apart = part.is_beside(&shadow) && !is_narrow
+                || sides.iter().any(|side| part.is_right_of(side))
                 || part.sides().filter_map(Line::through).any(|side| shadow.is_right_of(&side));
             if is_apart {
                 self.other.push(*part);
                 continue;
             }
             let mut rest = Some(*part);
-            for side in &sides {
+            for side in sides {
                 let Some(polygon) = rest else { break };
                 let (covered, uncovered) = polygon.split(side)?;
                 self.other.extend(uncovered.filter(is_wide));
@@ -187,5 +204,10 @@ impl Remainder {
 /// Whether a part is wide enough to count.
 fn is_wide(part: &Polygon) -> bool {
     let (from, to) = part.ends();
-    part.doubled_area() > NARROW * (to[0] - from[0]).hypot(to[1] - from[1])
+    part.doubled_area() > NARROW * length_of(from, to)
+}
+
+fn length_of(from: Point, to: Point) -> f64 {
+    let [x, y] = [to[0] - from[0], to[1] - from[1]];
+    (x * x + y * y).sqrt()
 }

@@ -26,6 +26,10 @@ const EMPTY: u32 = 0;
 const UNKNOWN: u32 = u32::MAX;
 const OUTSIDE: f32 = -1.0;
 
+/// The surface does not pass between the centres of neighbours if it is farther than this from one
+/// of them, in cells: one, and a margin for rounding.
+const FREE: f32 = 1.01;
+
 /// What is known about a cell's centre. Single precision numbers as bits.
 struct Cell {
     nearest: [AtomicU32; 3],
@@ -104,7 +108,12 @@ impl LazyGrid {
     fn fill(&self, cell: &Cell, place: [usize; 3], bvh: &Bvh) {
         let centre = self.lattice.centre(place);
         let (mut nearest, mut distance) = ([f32::NAN; 3], f32::INFINITY);
-        if let Some(closest) = bvh.closest_point(self.lattice.absolute(centre), f64::INFINITY) {
+        let guess = (place[0] > 0)
+            .then(|| self.known_cell([place[0] - 1, place[1], place[2]]))
+            .flatten()
+            .map_or(u32::MAX, |cell| cell.triangle.load(Ordering::Relaxed));
+        let absolute = self.lattice.absolute(centre);
+        if let Some(closest) = bvh.closest_point_near(absolute, f64::INFINITY, guess) {
             nearest = self.lattice.relative(closest.point);
             distance = length(subtract(centre, nearest));
             cell.triangle.store(closest.triangle, Ordering::Relaxed);
@@ -172,12 +181,43 @@ impl LazyGrid {
         let centre = self.lattice.absolute(self.lattice.centre(place));
         let distance = cell.distance();
         let reach = if self.is_closed {
-            if is_inside(bvh, centre, true) { distance } else { OUTSIDE }
+            let inside = self.side_of_neighbour(place, distance);
+            let inside = inside.unwrap_or_else(|| is_inside(bvh, centre, true));
+            if inside { distance } else { OUTSIDE }
         } else {
             inside_reach(bvh, centre, f64::from(distance)).map_or(OUTSIDE, |reach| reach as f32)
         };
         cell.reach.store(reach.to_bits(), Ordering::Relaxed);
         reach
+    }
+
+    /// Whether a cell is inside, if a neighbour knows that for itself and the surface is too far
+    /// from one of them to pass between the two.
+    fn side_of_neighbour(&self, place: [usize; 3], distance: f32) -> Option<bool> {
+        let free = FREE * self.lattice.size;
+        (0..6).find_map(|side| {
+            let mut other = place;
+            let axis = side / 2;
+            other[axis] = if side % 2 == 0 { place[axis].checked_sub(1)? } else { place[axis] + 1 };
+            let cell = self.known_cell(other)?;
+            let reach = f32::from_bits(match cell.reach.load(Ordering::Relaxed) {
+                UNKNOWN => return None,
+                bits => bits,
+            });
+            (distance > free || cell.distance() > free).then_some(reach >= 0.0)
+        })
+    }
+
+    /// A cell, if it exists and its block does.
+    fn known_cell(&self, place: [usize; 3]) -> Option<&Cell> {
+        if (0..3).any(|axis| place[axis] >= self.lattice.dimensions[axis]) {
+            return None;
+        }
+        let [width, depth] = self.stride;
+        let [i, j, k] = place.map(|place| place >> BLOCK_BITS);
+        let block = self.blocks.get((k * depth + j) * width + i)?.get()?;
+        let [i, j, k] = place.map(|place| place & (BLOCK - 1));
+        block.get((k << BLOCK_BITS | j) << BLOCK_BITS | i)
     }
 
     /// See [`super::DistanceGrid::depth`].

@@ -90,7 +90,12 @@ pub(in crate::bounded) fn protrusion(
             Decision::Settled => {}
             Decision::Halve
                 if may_be_crossed
-                    && remainder.find(part, enough(search.known, bound), &solid.bvh) =>
+                    && remainder.find(
+                        part,
+                        radius(centre(part), part),
+                        enough(search.known, bound),
+                        &solid.bvh,
+                    ) =>
             {
                 for (centre, triangles) in remainder.parts() {
                     if !solid.is_closed || !solid.bvh.is_inside(centre) {
