@@ -1,7 +1,7 @@
 //! The triangles near a face: in its box and in the slab around its plane.
 
 use super::Bvh;
-use super::tree::{Child, EMPTY, STACK, WIDTH, child};
+use super::tree::{Child, EMPTY, Node, STACK, WIDTH, child};
 use crate::geometry::vector::{Vector, dot};
 
 /// A box cut to a slab: points between `min` and `max`, at most `half_width` from a plane.
@@ -19,10 +19,26 @@ pub(crate) struct Slab {
 /// Boxes of nodes are rounded outward by more than a query's box is rounded. Their heights over a
 /// plane are computed in double precision.
 impl Slab {
-    /// Whether a box, given by its centre and half its extents, may reach into the slab's plane.
-    fn meets_plane(&self, centre: Vector, half: Vector) -> bool {
-        let reach: f64 = (0..3).map(|k| self.normal[k].abs() * half[k]).sum();
-        (dot(self.normal, centre) - self.offset).abs() <= reach + self.half_width
+    /// Which children of a node may reach into the slab.
+    #[inline]
+    fn meets_children(&self, node: &Node, origin: Vector) -> [bool; WIDTH] {
+        let offset = self.offset - dot(self.normal, origin);
+        let mut meets = [true; WIDTH];
+        let (mut height, mut reach) = ([0.0; WIDTH], [0.0; WIDTH]);
+        for k in 0..3 {
+            let (min, max) = (self.min[k] - origin[k], self.max[k] - origin[k]);
+            for place in 0..WIDTH {
+                let low = f64::from(node.min[k][place]);
+                let high = f64::from(node.max[k][place]);
+                meets[place] &= (low <= max) & (high >= min);
+                height[place] += 0.5 * self.normal[k] * (low + high);
+                reach[place] += 0.5 * self.normal[k].abs() * (high - low);
+            }
+        }
+        for place in 0..WIDTH {
+            meets[place] &= (height[place] - offset).abs() <= reach[place] + self.half_width;
+        }
+        meets
     }
 
     /// Whether a triangle may reach into the slab.
@@ -49,7 +65,6 @@ impl Bvh {
     ) -> bool {
         found.clear();
         let tree = &self.tree;
-        let relative = |point: Vector, k: usize| point[k] - tree.centre[k];
         let mut stack = [0_u32; STACK];
         let mut height = 1;
         while height > 0 {
@@ -69,26 +84,9 @@ impl Bvh {
                 }
                 Child::Node(index) => {
                     let node = &tree.nodes[index];
+                    let meets = slab.meets_children(node, tree.centre);
                     for (place, reference) in node.children.into_iter().enumerate() {
-                        let is_apart = (0..3).any(|k| {
-                            f64::from(node.min[k][place]) > relative(slab.max, k)
-                                || f64::from(node.max[k][place]) < relative(slab.min, k)
-                        });
-                        if reference == EMPTY || is_apart {
-                            continue;
-                        }
-                        let ends = |k: usize| {
-                            (f64::from(node.min[k][place]), f64::from(node.max[k][place]))
-                        };
-                        let centre = [0, 1, 2].map(|k| {
-                            let (low, high) = ends(k);
-                            0.5 * (low + high) + tree.centre[k]
-                        });
-                        let half = [0, 1, 2].map(|k| {
-                            let (low, high) = ends(k);
-                            0.5 * (high - low)
-                        });
-                        if slab.meets_plane(centre, half) {
+                        if meets[place] && reference != EMPTY {
                             stack[height] = reference;
                             height += 1;
                         }

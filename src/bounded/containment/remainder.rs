@@ -16,11 +16,10 @@ use crate::geometry::vector::{
 };
 
 /// A face near more triangles is halved first: subtracting many triangles takes longer.
-const MAX_TRIANGLES: f64 = 24.0;
+const MAX_TRIANGLES: usize = 24;
 
-/// The same for faces that are not much larger than the height: triangles for each part that
-/// halving would end with.
-const TRIANGLES_PER_PART: f64 = 1.0;
+/// A face of a smaller radius, in heights, is halved: it ends with few parts.
+const MIN_RADIUS: f64 = 5.0;
 
 /// The same for parts.
 const MAX_PARTS: usize = 32;
@@ -86,8 +85,9 @@ impl Remainder {
         bvh: &Bvh,
     ) -> bool {
         self.parts.clear();
-        let parts = (radius / height) * (radius / height);
-        let most = (TRIANGLES_PER_PART * parts).min(MAX_TRIANGLES) as usize;
+        if radius < MIN_RADIUS * height {
+            return false;
+        }
         let height = height - NARROW * MAX_PARTS as f64;
         let Some(frame) = Frame::new(face) else { return false };
         self.frame = frame;
@@ -102,7 +102,7 @@ impl Remainder {
             offset: dot(frame.normal, frame.origin),
             half_width: height,
         };
-        if !bvh.triangles_in_slab(&slab, most, &mut self.triangles) {
+        if !bvh.triangles_in_slab(&slab, MAX_TRIANGLES, &mut self.triangles) {
             return false;
         }
         let mut whole = Polygon::EMPTY;

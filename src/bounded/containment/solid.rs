@@ -262,10 +262,10 @@ impl Solid {
         }
     }
 
-    /// Whether some point between two others does not fit, so that no hull that fits contains both.
+    /// Whether the point halfway between two others does not fit, so that no hull that fits contains
+    /// both. Points at a quarter of the way find more conflicts, and save no hulls.
     pub fn separates(&self, a: Vector, b: Vector, bound: f64) -> bool {
-        let between = |share: f64| add(scale(a, 1.0 - share), scale(b, share));
-        [0.5, 0.25, 0.75].into_iter().any(|share| !self.point_fits(between(share), bound))
+        !self.point_fits(scale(add(a, b), 0.5), bound)
     }
 }
 

@@ -23,6 +23,10 @@ const NO_GUESS: u32 = u32::MAX;
 /// bound.
 const UNRESOLVED: f64 = 0.25;
 
+/// The same for an open solid, where a part is only known to be inside as far as the inside extends
+/// around a point that was asked: the less is resolved, the fewer points.
+const UNRESOLVED_IN_OPEN: f64 = 0.75;
+
 /// Protrusions are too large by at most this share of the bound: a smaller one takes more parts of
 /// faces for digits that decide nothing.
 const RESOLUTION: f64 = 0.04;
@@ -57,8 +61,9 @@ pub(in crate::bounded) fn protrusion(
     control: &Control,
 ) -> Result<f64, Error> {
     let displacement = solid.displacement();
-    let mut search =
-        Search { solid, bound, limit, displacement, known: (UNRESOLVED * bound).max(displacement) };
+    let unresolved = if solid.is_closed { UNRESOLVED } else { UNRESOLVED_IN_OPEN };
+    let known = (unresolved * bound).max(displacement);
+    let mut search = Search { solid, bound, limit, displacement, known };
     if search.cavities_exceed(hull) {
         return Ok(search.known);
     }
