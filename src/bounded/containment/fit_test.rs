@@ -51,6 +51,15 @@ impl Solid {
         self.point_fits(centre(face), bound)
     }
 
+    /// The same for the centres of a large face's quarters, for coarse solids.
+    pub fn quarters_fit(&self, face: [Vector; 3], bound: f64) -> bool {
+        !self.is_coarse()
+            || halves(face)
+                .into_iter()
+                .flat_map(halves)
+                .all(|quarter| self.point_fits(centre(quarter), bound))
+    }
+
     /// Whether no point of the face is farther than `bound` from the solid.
     pub fn face_fits(&self, face: [Vector; 3], bound: f64, scratch: &mut FitScratch) -> bool {
         let FitScratch { stack, remainder } = scratch;

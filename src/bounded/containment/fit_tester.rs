@@ -8,6 +8,10 @@ use crate::bounded::growing_hull::GrowingHull;
 use crate::geometry::vector::{Vector, add, area_normal, length_squared};
 use crate::hull::{HullBuilder, LEAST_THICKNESS, solid_hull};
 
+/// Faces of a larger area, squared and times four, in bounds to the fourth power, are tested at four
+/// points before they are tested completely: most that protrude do so there.
+const LARGE: f64 = 400.0;
+
 /// A face whose fit is not cached.
 struct UntestedFace {
     /// Its squared area, times four.
@@ -104,6 +108,10 @@ impl<'a> FitTester<'a> {
         };
         let scratch = &mut self.scratch;
         faces.iter().all(|face| fits(face, &mut |face| solid.centre_fits(face, bound)))
+            && faces.iter().all(|face| {
+                let is_large = face.size > LARGE * bound.powi(4);
+                !is_large || fits(face, &mut |face| solid.quarters_fit(face, bound))
+            })
             && faces.iter().all(|face| {
                 let is_fitting = fits(face, &mut |face| solid.face_fits(face, bound, scratch));
                 if is_fitting {

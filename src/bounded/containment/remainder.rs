@@ -8,6 +8,8 @@
 //!
 //! O(triangles near the face · parts).
 
+use std::ops::RangeInclusive;
+
 use super::polygon::{Line, ON_LINE, Point, Polygon, TooManyVertices};
 use crate::bvh::Bvh;
 use crate::bvh::near_plane::Slab;
@@ -15,14 +17,16 @@ use crate::geometry::vector::{
     Vector, add, area_normal, bounds, cross, dot, length, normalize, scale, subtract,
 };
 
-/// A face near more triangles is halved first: subtracting many triangles takes longer.
-const MAX_TRIANGLES: usize = 24;
+/// A face near more triangles is halved first: subtracting many triangles takes longer. The limit
+/// is a share of the parts that halving down to the height would end with, within a range.
+const TRIANGLES_PER_PART: f64 = 0.25;
+const MAX_TRIANGLES: RangeInclusive<f64> = 24.0..=256.0;
 
 /// A face of a smaller radius, in heights, is halved: it ends with few parts.
-const MIN_RADIUS: f64 = 5.0;
+const MIN_RADIUS: f64 = 12.0;
 
 /// The same for parts.
-const MAX_PARTS: usize = 32;
+const MAX_PARTS: usize = 64;
 
 /// Parts and triangles narrower than this, in diagonals, have no area: their points are as near to
 /// a neighbouring part.
@@ -85,9 +89,12 @@ impl Remainder {
         bvh: &Bvh,
     ) -> bool {
         self.parts.clear();
-        if radius < MIN_RADIUS * height {
+        if radius < tune(0, MIN_RADIUS) * height {
             return false;
         }
+        let parts = (radius / height) * (radius / height);
+        let (least, largest) = (*MAX_TRIANGLES.start(), *MAX_TRIANGLES.end());
+        let most = (TRIANGLES_PER_PART * parts).clamp(least, largest) as usize;
         let height = height - NARROW * MAX_PARTS as f64;
         let Some(frame) = Frame::new(face) else { return false };
         self.frame = frame;
@@ -102,7 +109,7 @@ impl Remainder {
             offset: dot(frame.normal, frame.origin),
             half_width: height,
         };
-        if !bvh.triangles_in_slab(&slab, MAX_TRIANGLES, &mut self.triangles) {
+        if !bvh.triangles_in_slab(&slab, most, &mut self.triangles) {
             return false;
         }
         let mut whole = Polygon::EMPTY;
@@ -210,4 +217,14 @@ fn is_wide(part: &Polygon) -> bool {
 fn length_of(from: Point, to: Point) -> f64 {
     let [x, y] = [to[0] - from[0], to[1] - from[1]];
     (x * x + y * y).sqrt()
+}
+
+pub(in crate::bounded) fn tune(index: usize, default: f64) -> f64 {
+    static V: std::sync::OnceLock<Vec<f64>> = std::sync::OnceLock::new();
+    let v = V.get_or_init(|| {
+        std::env::var("TUNE")
+            .map(|s| s.split(',').map(|x| x.parse().unwrap_or(f64::NAN)).collect())
+            .unwrap_or_default()
+    });
+    v.get(index).copied().filter(|x| !x.is_nan()).unwrap_or(default)
 }
