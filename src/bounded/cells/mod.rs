@@ -15,8 +15,7 @@ mod cut;
 mod notches;
 mod planar_groups;
 
-use std::collections::BTreeSet;
-
+use super::refine::refine;
 use super::settings::Settings;
 use crate::mesh::TriangleMesh;
 use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
@@ -31,6 +30,18 @@ const FLATNESS: f64 = 0.05;
 /// depth at most. With 0.5 there are four times as many cells, and no fewer hulls.
 const LEAST_DEPTH: f64 = 1.5;
 
+/// Notches up to this deep, in bounds, may be bridged in part: hulls that end between them are
+/// fewer than the pieces between cuts. Where there are such notches, each is cut along both of its
+/// planes, and cells are divided further.
+const SHALLOW: f64 = 2.0;
+
+/// The weight of a notch's second plane: all notches are resolved by one plane first.
+const SECOND_WEIGHT: f64 = 0.3;
+
+/// Longest edge in diagonals where there are shallow notches. With 0.15 there are 1 % fewer hulls
+/// in 30 % more time.
+const LONGEST_EDGE: f64 = 0.25;
+
 /// Planes that a mesh is cut along at most, those of the most important notches: curved concave
 /// surfaces have a notch at each edge, and their cells are small without cuts.
 const MAX_PLANES: usize = 48;
@@ -44,10 +55,12 @@ pub(super) struct Cells {
     pub mesh: TriangleMesh,
     /// For each triangle the original one that it is a part of.
     pub parents: Vec<u32>,
-    /// For each triangle its cell. Cells count up in the order of their first triangles.
+    /// For each triangle its planar group.
+    pub planes: Vec<u32>,
+    /// For each triangle the part of its planar group between cuts that it is in.
+    pub parts: Vec<u32>,
+    /// For each triangle its cell: the whole part, or the triangle alone where cells were divided.
     pub cells: Vec<u32>,
-    /// Edges that cuts run along, the smaller vertex first.
-    pub walls: BTreeSet<(u32, u32)>,
 }
 
 /// Divides a surface into cells. O(n log n) for n triangles and each plane.
@@ -55,13 +68,28 @@ pub(super) fn cells(mesh: &TriangleMesh, settings: &Settings) -> Cells {
     let flatness = FLATNESS * settings.bound;
     let adjacency = Adjacency::new(mesh);
     let groups = planar_groups(mesh, &adjacency, flatness);
+    let deepest = SHALLOW * settings.bound;
     let notches = notches(mesh, &adjacency, &groups, flatness, LEAST_DEPTH * settings.bound);
+    let is_shallow = notches.iter().any(|notch| notch.depth <= deepest);
     let mut cut_mesh = CutMesh::new(mesh.clone(), groups.labels.clone());
     let most = MAX_GROWTH * mesh.triangles.len() + MAX_ADDED;
-    cut_along(&mut cut_mesh, &groups, notches, flatness, most);
-    let CutMesh { mesh, parents, labels, walls } = cut_mesh;
-    let cells = components(&mesh, &labels, &walls);
-    Cells { mesh, parents, cells, walls }
+    cut_along(&mut cut_mesh, &groups, notches, flatness, most, is_shallow);
+    let CutMesh { mut mesh, mut parents, labels: mut planes, walls } = cut_mesh;
+    let is_wall = |triangle: u32, k: usize, other: u32| {
+        let corners = mesh.triangles[triangle as usize];
+        planes[triangle as usize] != planes[other as usize]
+            || walls.contains(&edge(corners[k], corners[(k + 1) % 3]))
+    };
+    let mut parts = components(&Adjacency::new(&mesh), is_wall);
+    let mut cells = parts.clone();
+    if is_shallow {
+        let origins = refine(&mut mesh, LONGEST_EDGE);
+        for labels in [&mut parents, &mut planes, &mut parts] {
+            *labels = origins.iter().map(|&origin| labels[origin as usize]).collect();
+        }
+        cells = (0..mesh.triangles.len() as u32).collect();
+    }
+    Cells { mesh, parents, planes, parts, cells }
 }
 
 /// Cuts along the planes that resolve the most notches, by length times depth, until each notch is
@@ -72,6 +100,7 @@ fn cut_along(
     mut notches: Vec<Notch>,
     flatness: f64,
     most_triangles: usize,
+    is_shallow: bool,
 ) {
     for _ in 0..MAX_PLANES {
         // Ascending by plane, so that equal sums do not depend on the order of notches.
@@ -86,8 +115,11 @@ fn cut_along(
         }
         let best = sums.into_iter().max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)));
         let Some((plane, _)) = best else { return };
-        let (resolved, open): (Vec<Notch>, Vec<Notch>) =
+        let (resolved, mut open): (Vec<Notch>, Vec<Notch>) =
             notches.into_iter().partition(|notch| notch.planes.contains(&plane));
+        if is_shallow {
+            open.extend(resolved.iter().filter_map(|notch| notch.without(plane, SECOND_WEIGHT)));
+        }
         notches = open;
         let starts = resolved.iter().map(|notch| notch.edge);
         cut(mesh, groups.planes[plane as usize], starts, flatness);
@@ -97,30 +129,28 @@ fn cut_along(
     }
 }
 
-/// For each triangle the connected part of its label that it is in, without crossing walls. Parts
-/// count up in the order of their first triangles.
+/// For each triangle the connected part of the surface that it is in, where `is_wall` tells of a
+/// triangle, its edge and the neighbour there whether parts end. Parts count up in the order of
+/// their first triangles.
 pub(super) fn components(
-    mesh: &TriangleMesh,
-    labels: &[u32],
-    walls: &BTreeSet<(u32, u32)>,
+    adjacency: &Adjacency,
+    is_wall: impl Fn(u32, usize, u32) -> bool,
 ) -> Vec<u32> {
-    let adjacency = Adjacency::new(mesh);
-    let mut components = vec![u32::MAX; mesh.triangles.len()];
+    let triangles = adjacency.normals.len();
+    let mut components = vec![u32::MAX; triangles];
     let mut count = 0;
     let mut stack = Vec::new();
-    for start in 0..mesh.triangles.len() {
+    for start in 0..triangles {
         if components[start] != u32::MAX {
             continue;
         }
         components[start] = count;
         stack.push(start as u32);
         while let Some(triangle) = stack.pop() {
-            let corners = mesh.triangles[triangle as usize];
             for (k, other) in adjacency.triangle_neighbours(triangle).into_iter().enumerate() {
                 if other != NO_NEIGHBOUR
                     && components[other as usize] == u32::MAX
-                    && labels[other as usize] == labels[triangle as usize]
-                    && !walls.contains(&edge(corners[k], corners[(k + 1) % 3]))
+                    && !is_wall(triangle, k, other)
                 {
                     components[other as usize] = count;
                     stack.push(other);

@@ -15,8 +15,19 @@ pub(super) struct Notch {
     pub edge: (u32, u32),
     /// Groups in whose planes a cut resolves it. Of groups in one plane the same one.
     pub planes: [u32; 2],
+    /// How far a hull across it is from the edge.
+    pub depth: f64,
     /// Its length times its depth.
     pub weight: f64,
+}
+
+impl Notch {
+    /// The notch as its other plane resolves it, with a share of the weight; `None` if both planes
+    /// are the same.
+    pub(super) fn without(&self, plane: u32, share: f64) -> Option<Self> {
+        let other = self.planes.into_iter().find(|&other| other != plane)?;
+        Some(Self { planes: [other; 2], weight: share * self.weight, ..*self })
+    }
 }
 
 /// The notches deeper than `least_depth`.
@@ -45,7 +56,7 @@ pub(super) fn notches(
             if depth > least_depth {
                 let [a, b] = ends.map(|vertex| mesh.positions[vertex as usize]);
                 let weight = depth * length(subtract(b, a));
-                notches.push(Notch { edge: edge(ends[0], ends[1]), planes: pair, weight });
+                notches.push(Notch { edge: edge(ends[0], ends[1]), planes: pair, depth, weight });
             }
         }
     }

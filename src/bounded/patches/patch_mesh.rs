@@ -3,8 +3,6 @@
 //! Each of its triangles represents the source's surface that is closest to it. So the hulls of
 //! patches cover the source and not only what simplification left of it.
 
-use std::collections::BTreeSet;
-
 use super::patch::Patch;
 use crate::bounded::cells::{Cells, cells};
 use crate::bounded::clustering::Clustered;
@@ -30,8 +28,10 @@ pub(in crate::bounded) struct PatchMesh {
     pub represented: Vec<Vec<u32>>,
     /// For each triangle of `mesh` its cell: patches end at borders of cells.
     pub cells: Vec<u32>,
-    /// Edges of `mesh` that no patch extends across, the smaller vertex first.
-    pub walls: BTreeSet<(u32, u32)>,
+    /// For each triangle of `mesh` its planar group, and the part of it between cuts that it is
+    /// in. Empty where the mesh was not cut.
+    pub planes: Vec<u32>,
+    pub parts: Vec<u32>,
 }
 
 impl PatchMesh {
@@ -90,12 +90,12 @@ impl PatchMesh {
 
     /// The source itself, cut into cells.
     fn of_cells(prepared: &PreparedMesh, settings: &Settings) -> Self {
-        let Cells { mesh, parents, cells, walls } = cells(&prepared.mesh, settings);
+        let Cells { mesh, parents, planes, parts, cells } = cells(&prepared.mesh, settings);
         let components =
             parents.iter().map(|&parent| prepared.components[parent as usize]).collect();
         let represented = (0..mesh.triangles.len() as u32).map(|triangle| vec![triangle]).collect();
         let surface = mesh.clone();
-        Self { mesh, components, surface, parents, represented, cells, walls }
+        Self { mesh, components, surface, parents, represented, cells, planes, parts }
     }
 
     /// A mesh each of whose triangles is a cell.
@@ -107,8 +107,8 @@ impl PatchMesh {
         represented: Vec<Vec<u32>>,
     ) -> Self {
         let cells = (0..mesh.triangles.len() as u32).collect();
-        let walls = BTreeSet::new();
-        Self { mesh, components, surface, parents, represented, cells, walls }
+        let (planes, parts) = (Vec::new(), Vec::new());
+        Self { mesh, components, surface, parents, represented, cells, planes, parts }
     }
 
     /// The patch of some triangles. `reducer` drops points within its tolerance of their hull.
