@@ -115,6 +115,12 @@ impl Solid {
         if radius <= SMALL * bound {
             return Answer::Fits;
         }
+        if !self.is_closed
+            && self.is_coarse()
+            && self.depth(centre).is_some_and(|depth| reach - depth <= bound)
+        {
+            return Answer::Fits;
+        }
         // In an open surface, large faces could hide where the inside ends.
         if probe.lower > 0.0
             && (self.is_closed || radius <= bound)

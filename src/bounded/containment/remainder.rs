@@ -89,7 +89,7 @@ impl Remainder {
         bvh: &Bvh,
     ) -> bool {
         self.parts.clear();
-        if radius < tune(0, MIN_RADIUS) * height {
+        if radius < MIN_RADIUS * height {
             return false;
         }
         let parts = (radius / height) * (radius / height);
@@ -217,14 +217,4 @@ fn is_wide(part: &Polygon) -> bool {
 fn length_of(from: Point, to: Point) -> f64 {
     let [x, y] = [to[0] - from[0], to[1] - from[1]];
     (x * x + y * y).sqrt()
-}
-
-pub(in crate::bounded) fn tune(index: usize, default: f64) -> f64 {
-    static V: std::sync::OnceLock<Vec<f64>> = std::sync::OnceLock::new();
-    let v = V.get_or_init(|| {
-        std::env::var("TUNE")
-            .map(|s| s.split(',').map(|x| x.parse().unwrap_or(f64::NAN)).collect())
-            .unwrap_or_default()
-    });
-    v.get(index).copied().filter(|x| !x.is_nan()).unwrap_or(default)
 }

@@ -122,6 +122,7 @@ impl FilledGrid {
             upper: if upper.is_nan() { f64::INFINITY } else { f64::from(upper) },
             lower: f64::from(content.distance - away),
             index,
+            place: cell,
         }
     }
 

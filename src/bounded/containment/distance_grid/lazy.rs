@@ -139,7 +139,8 @@ impl LazyGrid {
         Probe {
             upper: if upper.is_nan() { f64::INFINITY } else { f64::from(upper) },
             lower: f64::from(cell.distance() - away),
-            index: self.lattice.index(place),
+            index: 0,
+            place,
         }
     }
 
@@ -163,8 +164,7 @@ impl LazyGrid {
 
     /// All points nearer than this to a cell's centre are inside; negative if the centre is not.
     #[inline]
-    pub(super) fn reach(&self, index: usize, bvh: &Bvh) -> f32 {
-        let place = self.lattice.cell(index);
+    pub(super) fn reach(&self, place: [usize; 3], bvh: &Bvh) -> f32 {
         self.reach_of(self.cell(place, bvh), place, bvh)
     }
 

@@ -50,6 +50,7 @@ pub(super) struct Probe {
     /// nothing is known.
     pub lower: f64,
     pub(super) index: usize,
+    pub(super) place: [usize; 3],
 }
 
 impl DistanceGrid {
@@ -106,7 +107,7 @@ impl DistanceGrid {
     pub(super) fn is_inside(&self, probe: &Probe, bvh: &Bvh) -> Option<bool> {
         match self {
             Self::Filled(grid) => grid.is_inside(probe, bvh),
-            Self::Lazy(grid) => (probe.lower > 0.0).then(|| grid.reach(probe.index, bvh) >= 0.0),
+            Self::Lazy(grid) => (probe.lower > 0.0).then(|| grid.reach(probe.place, bvh) >= 0.0),
         }
     }
 
