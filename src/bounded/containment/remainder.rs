@@ -218,3 +218,70 @@ fn length_of(from: Point, to: Point) -> f64 {
     let [x, y] = [to[0] - from[0], to[1] - from[1]];
     (x * x + y * y).sqrt()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::vector::distance;
+    use crate::mesh::shapes::{cuboid, join, uv_sphere};
+
+    /// A point of a triangle by two shares.
+    fn point_of([a, b, c]: [Vector; 3], mut u: f64, mut v: f64) -> Vector {
+        if u + v > 1.0 {
+            (u, v) = (1.0 - u, 1.0 - v);
+        }
+        add(a, add(scale(subtract(b, a), u), scale(subtract(c, a), v)))
+    }
+
+    fn contains([a, b, c]: [Vector; 3], point: Vector) -> bool {
+        let whole = length(area_normal(a, b, c));
+        let parts = [[point, b, c], [a, point, c], [a, b, point]]
+            .map(|[a, b, c]| length(area_normal(a, b, c)));
+        parts.iter().sum::<f64>() <= whole + 1e-9
+    }
+
+    #[test]
+    fn what_is_covered_is_near_and_what_remains_is_on_one_side() {
+        let mesh = join(&[
+            cuboid([-0.4, -0.3, -0.1], [0.4, 0.3, 0.1]),
+            uv_sphere(8, [0.1, 0.0, 0.2], 0.15),
+            cuboid([0.0, -0.05, 0.1], [0.1, 0.05, 0.4]),
+        ]);
+        let bvh = Bvh::new(&mesh.positions, &mesh.triangles);
+        let mut remainder = Remainder::default();
+        let share = |k: u32, step: f64| (0.5 + step * f64::from(k)).fract();
+        let mut found = 0;
+        for index in 0..300_u32 {
+            let corner = |k: u32| {
+                [0.754_877, 0.569_840, 0.430_159].map(|step| share(7 * index + k, step) - 0.5)
+            };
+            // Every other face lies in a side of the box.
+            let mut face = [corner(1), corner(2), corner(3)];
+            if index % 2 == 0 {
+                face = face.map(|[x, y, _]| [x, y, 0.1]);
+            }
+            let height = 0.01;
+            if !remainder.find(face, 1.0, height, &bvh) {
+                continue;
+            }
+            found += 1;
+            let parts: Vec<(Vector, Vec<[Vector; 3]>)> =
+                remainder.parts().map(|(centre, fan)| (centre, fan.collect())).collect();
+            for sample in 0..200 {
+                let point = point_of(face, share(sample, 0.754_877), share(sample, 0.569_840));
+                let nearest = bvh.closest_point(point, f64::INFINITY).unwrap().point;
+                let own = parts
+                    .iter()
+                    .find(|(_, fan)| fan.iter().any(|&triangle| contains(triangle, point)));
+                match own {
+                    None => assert!(distance(point, nearest) <= height, "{index}, {sample}"),
+                    Some(&(centre, _)) => {
+                        let is_clear = distance(point, nearest) > 1e-6;
+                        assert!(!is_clear || bvh.is_inside(point) == bvh.is_inside(centre));
+                    }
+                }
+            }
+        }
+        assert!(found > 150, "{found}");
+    }
+}
