@@ -21,6 +21,10 @@ const PATCHES_PER_CHECK: usize = 8;
 /// would become 5,000 patches.
 const MIN_ELONGATION: f64 = 1.5;
 
+/// Cells of a patch that are compared with each other: a hull around empty space has some of them
+/// on either side of it.
+const MAX_COMPARED: usize = 16;
+
 /// Steps of the power iteration for the longest principal axis: any axis near it serves.
 const POWER_STEPS: usize = 30;
 
@@ -64,9 +68,11 @@ pub(super) fn divide(
             }
         } else {
             let patch = make();
-            // A part of a hull that fits also fits, unless it swallows empty space, which
-            // verification finds.
-            if is_in_block || triangles.len() == 1 || fits(&patch) {
+            // A part of a hull that fits also fits.
+            let is_fitting = triangles.len() == 1
+                || (is_in_block || fits(&patch))
+                    && !swallows_space(mesh, &triangles, solid, settings.search_bound);
+            if is_fitting {
                 patches += 1;
                 match blocks.last_mut() {
                     Some(block) if is_in_block => block.push((patch, triangles)),
@@ -79,6 +85,21 @@ pub(super) fn divide(
         stack.extend([(second, is_in_block), (first, is_in_block)]);
     }
     Ok(blocks)
+}
+
+/// Whether a hull of several cells, all of whose faces may lie on the surface, holds empty space: a
+/// point between two cells does not fit. Small patches have no room for that.
+fn swallows_space(mesh: &PatchMesh, triangles: &[u32], solid: &Solid, bound: f64) -> bool {
+    if mesh.parts.is_empty() {
+        return false;
+    }
+    let units = units(mesh, triangles);
+    let step = units.len().div_ceil(MAX_COMPARED);
+    let centres: Vec<Vector> =
+        units.iter().step_by(step).map(|unit| centre_of(mesh, unit)).collect();
+    centres.iter().enumerate().any(|(index, &first)| {
+        centres[..index].iter().any(|&second| solid.separates(first, second, bound))
+    })
 }
 
 /// Whether triangles extend farther than `largest`, and not because a single one does.

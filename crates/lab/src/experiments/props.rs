@@ -8,7 +8,7 @@ use hullwright::measure::{MeasureOptions, measure};
 use hullwright::{Control, Decomposition, Length, Parameters, Preset, decompose};
 
 use crate::output::{Failure, print};
-use crate::runs::meshes::meshes_below;
+use crate::runs::meshes::find;
 use crate::statistics::{mean, median};
 
 /// Show times, hulls and hollows of low-poly meshes, and whether plain shapes have the hulls that
@@ -22,7 +22,7 @@ pub struct Arguments {
     #[arg(required = true, value_name = "DIR")]
     folders: Vec<PathBuf>,
 
-    /// Number of threads is one
+    /// Use one thread
     #[arg(long)]
     serial: bool,
 
@@ -51,7 +51,8 @@ struct Totals {
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (mut plain, mut props) = (Totals::default(), Totals::default());
-    for path in meshes_below(&arguments.folders)? {
+    for mesh in find(&arguments.folders)? {
+        let path = mesh.path;
         let Ok(file) = read_mesh(&path) else { continue };
         let pieces = pieces(&path);
         if pieces.is_none() && !PROP.contains(&file.mesh.triangles.len()) {
