@@ -196,7 +196,7 @@ impl<'a, 'b> Merging<'a, 'b> {
         patches.union_with(&second.patches);
         let vertices = hull.vertices();
         let new = self.pieces.len() as u32;
-        self.pieces.push(Some(Piece { patches, hull, vertices }));
+        self.pieces.push(Some(Piece { patches, hull, vertices, inner_points: Vec::new() }));
         let mut conflicts = std::mem::take(&mut self.conflicts[a as usize]);
         conflicts.union_with(&self.conflicts[b as usize]);
         self.conflicts.push(conflicts);

@@ -8,6 +8,7 @@
 //! |---|---|
 //! | `settings` | the bound, shares of it, and presets |
 //! | `refine` | long triangles of a coarse mesh are halved |
+//! | `cells/` | coarse meshes are cut where their shape asks for it |
 //! | `clustering/` | very dense meshes are searched through reduced ones |
 //! | `growing_hull`, `patch_set` | no stages: hulls that grow, and sets of patches |
 //! | `containment/` | whether hulls stay within the bound of the solid |
@@ -19,6 +20,7 @@
 //! | `output` | results in the input's units |
 //! | `decomposition_hierarchy` | joins of a finished decomposition, on demand |
 
+mod cells;
 mod clustering;
 mod containment;
 pub(crate) mod decomposition_hierarchy;
@@ -59,7 +61,7 @@ use settings::Settings;
 /// bits, then breaks ties of symmetric shapes the same way.
 const ROUNDING: f64 = (1_u64 << 38) as f64;
 
-/// Shares of the work of one division before its stages, by their usual times on meshes of 10,000
+/// Shares of the work of one pass before its stages, by their usual times on meshes of 10,000
 /// triangles. Repair comes first and takes the first share.
 const PREPARE_AT: f32 = 0.1;
 const PATCHES_AT: f32 = 0.3;
@@ -67,13 +69,13 @@ const MERGE_AT: f32 = 0.45;
 const COVER_AT: f32 = 0.6;
 const FINALIZE_AT: f32 = 0.9;
 
-/// The pipeline, stage by stage, for each of the preset's divisions of the surface.
+/// The pipeline, stage by stage, for each of the preset's passes.
 pub(crate) struct Run {
     prepared: PreparedMesh,
-    /// One for each division.
+    /// One for each pass.
     settings: Vec<Settings>,
-    /// The current division.
-    division: usize,
+    /// The current pass: some presets divide the surface more than once.
+    pass: usize,
     /// The fewest hulls so far.
     best: Option<Box<(Patches, FinalHulls)>>,
     state: State,
@@ -81,7 +83,7 @@ pub(crate) struct Run {
 
 /// What the next step starts from.
 enum State {
-    /// The solid, if an earlier division has built it.
+    /// The solid, if an earlier pass has built it.
     Prepare(Option<Box<Solid>>),
     Divide(Box<(Solid, PatchMesh)>),
     Merge(Box<(Solid, Patches)>),
@@ -96,7 +98,7 @@ impl Run {
             *coordinate = (*coordinate * ROUNDING).round() / ROUNDING;
         }
         let settings = Settings::of_preset(parameters, prepared.normalization.diagonal);
-        Self { prepared, settings, division: 0, best: None, state: State::Prepare(None) }
+        Self { prepared, settings, pass: 0, best: None, state: State::Prepare(None) }
     }
 
     /// The stage of the next step, and the share of the work before it.
@@ -108,7 +110,7 @@ impl Run {
             State::Cover(_) => (Stage::SetCover, COVER_AT),
             State::Finalize(_) | State::Done => (Stage::Hulls, FINALIZE_AT),
         };
-        (stage, (self.division as f32 + share) / self.settings.len() as f32)
+        (stage, (self.pass as f32 + share) / self.settings.len() as f32)
     }
 
     /// Runs the next stage. `None` while there are more.
@@ -121,7 +123,7 @@ impl Run {
     }
 
     fn next(&mut self, control: &Control) -> Result<Option<BoundedResult>, Error> {
-        let Some(settings) = self.settings.get(self.division) else { return Err(Error::Finished) };
+        let Some(settings) = self.settings.get(self.pass) else { return Err(Error::Finished) };
         self.state = match std::mem::replace(&mut self.state, State::Done) {
             State::Prepare(solid) => {
                 let state = prepare(&self.prepared, solid, settings, control)?;
@@ -147,15 +149,15 @@ impl Run {
             State::Finalize(state) => {
                 let (solid, patches, cover) = *state;
                 let hulls = finalize(&patches, cover, &solid, settings, control)?;
-                return self.end_division(solid, patches, hulls, control);
+                return self.end_pass(solid, patches, hulls, control);
             }
             State::Done => return Err(Error::Finished),
         };
         Ok(None)
     }
 
-    /// Keeps the better result, and goes on to the next division or returns.
-    fn end_division(
+    /// Keeps the better result, and goes on to the next pass or returns.
+    fn end_pass(
         &mut self,
         solid: Solid,
         patches: Patches,
@@ -167,13 +169,12 @@ impl Run {
         if is_better {
             self.best = Some(Box::new((patches, hulls)));
         }
-        if self.division + 1 < self.settings.len() && !control.is_past_deadline() {
-            self.division += 1;
+        if self.pass + 1 < self.settings.len() && !control.is_past_deadline() {
+            self.pass += 1;
             self.state = State::Prepare(Some(Box::new(solid)));
             return Ok(None);
         }
-        let (Some(best), Some(settings)) = (self.best.take(), self.settings.get(self.division))
-        else {
+        let (Some(best), Some(settings)) = (self.best.take(), self.settings.get(self.pass)) else {
             return Err(Error::Finished);
         };
         let (patches, mut hulls) = *best;
@@ -187,7 +188,7 @@ impl Run {
     }
 }
 
-/// The solid, unless an earlier division has built it, and the mesh that is to be divided.
+/// The solid, unless an earlier pass has built it, and the mesh that is to be divided.
 fn prepare(
     prepared: &PreparedMesh,
     solid: Option<Box<Solid>>,

@@ -54,6 +54,10 @@ const LONGEST_EDGE_LIMITS: RangeInclusive<f64> = 0.04..=0.16;
 /// room to spare, since groups whose hulls do not fit are halved.
 const GROUPING_THRESHOLD: f64 = 0.1;
 
+/// Meshes of up to this many triangles are coarse: their patches follow from the shape, and their
+/// fit tests ask triangles. Denser ones are simplified to this number or less.
+pub(super) const COARSE: usize = 2400;
+
 /// How finely a preset divides the surface, and how long it searches.
 struct PresetSettings {
     /// Maximum diagonal of a patch, as a share of the square root of the surface's area. Smaller
@@ -70,9 +74,9 @@ const FAST: PresetSettings =
     PresetSettings { patch_size: 0.35, dissolve_attempts: 0, triangles: 1000 };
 
 const BALANCED: PresetSettings =
-    PresetSettings { patch_size: 0.12, dissolve_attempts: 20_000, triangles: 2400 };
+    PresetSettings { patch_size: 0.12, dissolve_attempts: 20_000, triangles: COARSE };
 
-/// No division suits every mesh: the one with the fewest hulls is kept. A finer and a coarser one
+/// No pass suits every mesh: the one with the fewest hulls is kept. A finer and a coarser one
 /// save 2 % of the hulls in about three times the time.
 const FINE: [PresetSettings; 3] = [
     BALANCED,
@@ -108,14 +112,14 @@ pub(super) struct Settings {
 }
 
 impl Settings {
-    /// One for each division of the surface that the preset tries. At least one.
+    /// One for each pass over the surface that the preset makes. At least one.
     pub(super) fn of_preset(parameters: &Parameters, diagonal: f64) -> Vec<Self> {
-        let divisions: &[PresetSettings] = match parameters.bounded.preset {
+        let passes: &[PresetSettings] = match parameters.bounded.preset {
             Preset::Fast => &[FAST],
             Preset::Balanced => &[BALANCED],
             Preset::Fine => &FINE,
         };
-        divisions.iter().map(|division| Self::new(parameters, diagonal, division)).collect()
+        passes.iter().map(|pass| Self::new(parameters, diagonal, pass)).collect()
     }
 
     /// For stages after the search, which do not depend on the preset.

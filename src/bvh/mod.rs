@@ -8,6 +8,7 @@
 //! | `tree`, `build` | the four-wide tree and its construction, O(n log n) |
 //! | `closest_point` | distances by branch and bound |
 //! | `winding_number` | winding numbers by multipole expansion |
+//! | `near_plane` | the triangles near a face |
 //! | `closest_triangles` | for each triangle of a mesh the closest one of another |
 //! | `ray` | the first hit of a ray, and triangles near a box |
 //!
@@ -19,6 +20,7 @@
 mod build;
 pub(crate) mod closest_point;
 pub(crate) mod closest_triangles;
+pub(crate) mod near_plane;
 mod ray;
 mod tree;
 mod winding_number;

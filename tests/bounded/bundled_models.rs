@@ -5,17 +5,17 @@ use crate::judge::{assert_promise, run};
 /// Hulls of each model under the default parameters. A change is a change of the algorithm, and of
 /// `ALGORITHM_VERSION`.
 const HULLS: [(&str, usize); 15] = [
-    ("bowl", 24),
+    ("bowl", 26),
     ("chair", 10),
     ("dog", 14),
-    ("gear", 29),
+    ("gear", 30),
     ("l_prism", 2),
-    ("lamp", 19),
+    ("lamp", 14),
     ("leaf", 8),
-    ("mug", 23),
+    ("mug", 22),
     ("plus", 2),
     ("props", 13),
-    ("spring", 44),
+    ("spring", 41),
     ("table", 5),
     ("teapot", 7),
     ("torus", 9),

@@ -1,7 +1,7 @@
 //! Meshes of more than 100,000 triangles, which are searched through reduced ones.
 
 use crate::judge::{assert_promise, contains, lost, report, run};
-use crate::shapes::{CUP_PROFILE, Mesh, cuboid, cup, finely, join, lathe};
+use crate::shapes::{CUP_PROFILE, Mesh, cuboid, finely, join, lathe};
 
 /// A cup with a wavy rim, and beside it a ribbon narrower than a tenth of the bound.
 fn fine_cup() -> Mesh {
@@ -20,7 +20,7 @@ fn the_promise_holds_and_no_triangle_is_lost() {
     assert!(mesh.1.len() > 100_000 && report.polygons < 10_000);
     assert_promise("fine cup", &mesh, &result);
     assert!(report.uncovered_max <= 0.1 * report.bound, "{report:?}");
-    assert!(result.hulls.len() <= run(&cup()).hulls.len() + 3, "{}", result.hulls.len());
+    assert!(result.hulls.len() <= 20, "{}", result.hulls.len());
     assert!(!result.hulls.iter().any(|hull| contains(hull, [0.3, 0.0, 1.0])), "the cup is filled");
     assert_eq!(lost(&mesh, &result), None);
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();

@@ -8,6 +8,7 @@
 //! | `degenerate_input` | degenerate input has a result that keeps it, or a typed error |
 //! | `dense_meshes` | meshes of very many triangles keep it and lose none |
 //! | `hull_counts` | simple shapes have few hulls |
+//! | `exact_shapes` | prisms have the known number of hulls at any bound |
 //! | `empty_space` | solids are filled, and empty space stays empty |
 //! | `caps` | caps on vertices and hulls are kept |
 //! | `running` | threads, slices, progress, cancellation, deadlines |
@@ -22,6 +23,7 @@ mod common;
 mod degenerate_input;
 mod dense_meshes;
 mod empty_space;
+mod exact_shapes;
 mod hierarchy;
 mod hull_counts;
 mod judge;

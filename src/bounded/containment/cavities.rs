@@ -4,13 +4,13 @@
 //! A hull whose surface passes through a cavity protrudes from the solid and is refused. But a hull
 //! may swallow a cavity whole. One point of each cavity is enough to detect that.
 
-use super::distance_grid::DistanceGrid;
+use super::distance_grid::FilledGrid;
 use crate::bvh::Bvh;
 use crate::geometry::vector::Vector;
 
 /// The deepest point of each cavity: outside the solid, farther than `bound` from the surface, and
 /// without a path to infinity through such points, at the grid's resolution. O(cells).
-pub(super) fn cavities(grid: &DistanceGrid, bvh: &Bvh, bound: f64) -> Vec<Vector> {
+pub(super) fn cavities(grid: &FilledGrid, bvh: &Bvh, bound: f64) -> Vec<Vector> {
     let mut is_reached: Vec<bool> =
         (0..grid.count()).map(|cell| !grid.is_free(cell, bound)).collect();
     // The grid's border is outside the mesh.
@@ -37,7 +37,7 @@ pub(super) fn cavities(grid: &DistanceGrid, bvh: &Bvh, bound: f64) -> Vec<Vector
 }
 
 /// All cells that can be reached from one, including itself.
-fn flood(grid: &DistanceGrid, start: usize, is_reached: &mut [bool]) -> Vec<usize> {
+fn flood(grid: &FilledGrid, start: usize, is_reached: &mut [bool]) -> Vec<usize> {
     let mut reached = Vec::new();
     if !std::mem::replace(&mut is_reached[start], true) {
         reached.push(start);

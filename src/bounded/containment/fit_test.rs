@@ -9,9 +9,10 @@
 
 use super::distance_grid::Probe;
 use super::inside::is_inside;
+use super::remainder::Remainder;
 use super::solid::{DOUBT, Solid};
 use super::triangle::{centre, halves};
-use crate::geometry::vector::{Vector, length_squared, subtract};
+use crate::geometry::vector::{Vector, distance, length_squared, subtract};
 
 /// A face of a circumradius below this share of the bound is decided by its centre. With
 /// [`CERTAIN`] this saves a tenth of all instructions, and hulls stay the same.
@@ -29,6 +30,14 @@ const LENIENCE: f64 = 0.4;
 /// may lie along it, and halving it down to the bound would be slow.
 const LARGE: f64 = 3.0;
 
+/// Scratch memory of the fit test.
+#[derive(Default)]
+pub(in crate::bounded) struct FitScratch {
+    /// Parts of a face, and whether the surface may cross them.
+    stack: Vec<([Vector; 3], bool)>,
+    remainder: Remainder,
+}
+
 /// What one query says about a face.
 enum Answer {
     Fits,
@@ -42,16 +51,41 @@ impl Solid {
         self.point_fits(centre(face), bound)
     }
 
-    /// Whether no point of the face is farther than `bound` from the solid. `stack` is scratch
-    /// memory.
-    pub fn face_fits(&self, face: [Vector; 3], bound: f64, stack: &mut Vec<[Vector; 3]>) -> bool {
+    /// The same for the centres of a large face's quarters, for coarse solids.
+    pub fn quarters_fit(&self, face: [Vector; 3], bound: f64) -> bool {
+        !self.is_coarse()
+            || halves(face)
+                .into_iter()
+                .flat_map(halves)
+                .all(|quarter| self.point_fits(centre(quarter), bound))
+    }
+
+    /// Whether no point of the face is farther than `bound` from the solid.
+    pub fn face_fits(&self, face: [Vector; 3], bound: f64, scratch: &mut FitScratch) -> bool {
+        let FitScratch { stack, remainder } = scratch;
         stack.clear();
-        stack.push(face);
-        while let Some(part) = stack.pop() {
+        stack.push((face, self.is_coarse()));
+        while let Some((part, may_be_crossed)) = stack.pop() {
             match self.part_fits(part, bound) {
-                Answer::Fits => {}
+                Answer::Fits => continue,
                 Answer::Protrudes => return false,
-                Answer::Undecided => stack.extend(halves(part)),
+                Answer::Undecided => {}
+            }
+            let centre = centre(part);
+            let radius =
+                part.map(|corner| distance(corner, centre)).into_iter().fold(0.0, f64::max);
+            if may_be_crossed && remainder.find(part, radius, bound, &self.bvh) {
+                for (centre, triangles) in remainder.parts() {
+                    if self.is_closed && self.bvh.is_inside(centre) {
+                        continue;
+                    }
+                    if self.is_closed && !self.bvh.is_within(centre, bound) {
+                        return false;
+                    }
+                    stack.extend(triangles.map(|part| (part, false)));
+                }
+            } else {
+                stack.extend(halves(part).map(|half| (half, may_be_crossed)));
             }
         }
         true
@@ -65,7 +99,7 @@ impl Solid {
             .max(length_squared(subtract(centre, b)))
             .max(length_squared(subtract(centre, c)))
             .sqrt();
-        let probe = self.grid.probe(centre);
+        let probe = self.grid.probe(centre, &self.bvh);
         let reach = LENIENCE * radius;
         if probe.upper + reach <= bound
             || (radius > LARGE * bound && self.upper_distance_of_face(face, centre, bound) <= bound)
@@ -79,6 +113,12 @@ impl Solid {
             }
         }
         if radius <= SMALL * bound {
+            return Answer::Fits;
+        }
+        if !self.is_closed
+            && self.is_coarse()
+            && self.depth(centre).is_some_and(|depth| reach - depth <= bound)
+        {
             return Answer::Fits;
         }
         // In an open surface, large faces could hide where the inside ends.
@@ -111,7 +151,7 @@ impl Solid {
                     return Answer::Fits;
                 }
                 if distance > bound
-                    && self.grid.distance_to_tangent(centre) > CERTAIN * bound
+                    && self.grid.distance_to_tangent(centre, &self.bvh) > CERTAIN * bound
                     && !self.bvh.is_within(centre, bound)
                 {
                     return Answer::Protrudes;

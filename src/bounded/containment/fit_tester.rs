@@ -2,10 +2,15 @@
 //! centres, largest first, then completely.
 
 use super::face_cache::{FaceCache, FaceKey};
+use super::fit_test::FitScratch;
 use super::solid::Solid;
 use crate::bounded::growing_hull::GrowingHull;
 use crate::geometry::vector::{Vector, add, area_normal, length_squared};
 use crate::hull::{HullBuilder, LEAST_THICKNESS, solid_hull};
+
+/// Faces of a larger area, squared and times four, in bounds to the fourth power, are tested at four
+/// points before they are tested completely: most that protrude do so there.
+const LARGE: f64 = 400.0;
 
 /// A face whose fit is not cached.
 struct UntestedFace {
@@ -23,7 +28,7 @@ pub(in crate::bounded) struct FitTester<'a> {
     trial: GrowingHull,
     thickener: HullBuilder,
     faces: Vec<UntestedFace>,
-    stack: Vec<[Vector; 3]>,
+    scratch: FitScratch,
     points: Vec<Vector>,
     /// Joint hulls that [`try_insert`](Self::try_insert) has tested.
     pub attempts: usize,
@@ -37,7 +42,7 @@ impl<'a> FitTester<'a> {
             trial: GrowingHull::new(&[], [0.0; 3]),
             thickener: HullBuilder::new(),
             faces: Vec::new(),
-            stack: Vec::new(),
+            scratch: FitScratch::default(),
             points: Vec::new(),
             attempts: 0,
         }
@@ -101,10 +106,14 @@ impl<'a> FitTester<'a> {
             }
             fits
         };
-        let stack = &mut self.stack;
+        let scratch = &mut self.scratch;
         faces.iter().all(|face| fits(face, &mut |face| solid.centre_fits(face, bound)))
             && faces.iter().all(|face| {
-                let is_fitting = fits(face, &mut |face| solid.face_fits(face, bound, stack));
+                let is_large = face.size > LARGE * bound.powi(4);
+                !is_large || fits(face, &mut |face| solid.quarters_fit(face, bound))
+            })
+            && faces.iter().all(|face| {
+                let is_fitting = fits(face, &mut |face| solid.face_fits(face, bound, scratch));
                 if is_fitting {
                     solid.face_cache.insert(face.key, true);
                 }

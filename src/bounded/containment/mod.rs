@@ -7,6 +7,7 @@
 //! | `cavities` | the empty space that hulls must not swallow |
 //! | `face_cache` | which faces fit, as far as they have been tested |
 //! | `solid` | the solid: distance, side, and whether points fit |
+//! | `polygon`, `remainder` | faces without what lies along the surface |
 //! | `triangle` | halving of faces until each part is decided |
 //! | `fit_test` | whether faces fit |
 //! | `fit_tester` | whether hulls fit |
@@ -14,8 +15,10 @@
 mod cavities;
 mod distance_grid;
 mod face_cache;
-mod fit_test;
+pub(super) mod fit_test;
 pub(super) mod fit_tester;
 pub(super) mod inside;
+mod polygon;
+pub(super) mod remainder;
 pub(super) mod solid;
 pub(super) mod triangle;

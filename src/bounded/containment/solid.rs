@@ -7,11 +7,11 @@
 use std::sync::Arc;
 
 use super::cavities::cavities;
-use super::distance_grid::{CellClass, DistanceGrid};
+use super::distance_grid::{CellClass, DistanceGrid, FilledGrid, LazyGrid};
 use super::face_cache::FaceCache;
 use super::inside::is_inside;
 use crate::bounded::clustering::Clustered;
-use crate::bounded::settings::{MIN_SEARCH_SHARE, Settings};
+use crate::bounded::settings::{COARSE, MIN_SEARCH_SHARE, Settings};
 use crate::bvh::Bvh;
 use crate::bvh::closest_point::ClosestPoint;
 use crate::control::Control;
@@ -79,11 +79,36 @@ impl Solid {
         let is_closed = prepared.closed.iter().all(|&closed| closed)
             || is_balanced(&mesh.triangles)
             || triangles.len() > mesh.triangles.len() && is_balanced(&triangles);
+        if mesh.triangles.len() <= COARSE && !settings.keep_cavities {
+            return Self::of_few_triangles(&mesh.positions, &triangles, is_closed, bound, control);
+        }
         let mut solid = Self::of_surface(&mesh.positions, &triangles, is_closed, bound, control)?;
         if settings.keep_cavities {
             solid.keep_cavities(bound);
         }
         Ok(solid)
+    }
+
+    /// The solid of a surface of few triangles, with a grid that is filled where it is asked.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
+    fn of_few_triangles(
+        positions: &[Vector],
+        triangles: &[[u32; 3]],
+        is_closed: bool,
+        bound: f64,
+        control: &Control,
+    ) -> Result<Self, Error> {
+        let bvh = Bvh::with_control(positions, triangles, control)?;
+        let (near, far) = (MIN_SEARCH_SHARE * bound, DOUBT * bound);
+        let grid = DistanceGrid::Lazy(LazyGrid::new(positions, bound, is_closed, near, far));
+        Ok(Self::with_grid(bvh, is_closed, grid))
+    }
+
+    fn with_grid(bvh: Bvh, is_closed: bool, grid: DistanceGrid) -> Self {
+        let face_cache = FaceCache::new();
+        Self { bvh, is_closed, grid, cavities: Vec::new(), face_cache, clustered: None }
     }
 
     /// The solid of a surface.
@@ -99,29 +124,29 @@ impl Solid {
     ) -> Result<Self, Error> {
         let (bvh, grid) = parallel::join(
             || Bvh::with_control(positions, triangles, control),
-            || DistanceGrid::new(positions, triangles, bound, control),
+            || FilledGrid::new(positions, triangles, bound, control),
         );
         let (bvh, mut grid) = (bvh?, grid?);
         if is_closed {
             grid.flood(&bvh, (positions, triangles), control)?;
         }
         grid.classify_cells(MIN_SEARCH_SHARE * bound, DOUBT * bound);
-        Ok(Self {
-            bvh,
-            is_closed,
-            grid,
-            cavities: Vec::new(),
-            face_cache: FaceCache::new(),
-            clustered: None,
-        })
+        Ok(Self::with_grid(bvh, is_closed, DistanceGrid::Filled(grid)))
     }
 
     /// Makes hulls that contain a cavity deeper than `bound` not fit.
     fn keep_cavities(&mut self, bound: f64) {
-        let points = cavities(&self.grid, &self.bvh, bound).into_iter();
+        let DistanceGrid::Filled(grid) = &self.grid else { return };
+        let points = cavities(grid, &self.bvh, bound).into_iter();
         let depth =
             |point| self.bvh.closest_point(point, f64::INFINITY).map(|closest| closest.distance);
         self.cavities = points.filter_map(|point| Some((point, depth(point)?))).collect();
+    }
+
+    /// Whether it has so few triangles that a face may ask those near it.
+    #[inline]
+    pub fn is_coarse(&self) -> bool {
+        matches!(self.grid, DistanceGrid::Lazy(_))
     }
 
     /// How far the solid's own surface may be from the source, and what is inside it from what is
@@ -152,7 +177,7 @@ impl Solid {
     /// Whether a point is inside the source, or not farther outside than
     /// [`displacement`](Self::displacement).
     pub fn is_inside(&self, point: Vector, distance: &SourceDistance) -> bool {
-        match self.grid.side(point, distance.own) {
+        match self.grid.side(point, distance.own, &self.bvh) {
             Some(inside) => inside,
             None => is_inside(&self.bvh, point, self.is_closed),
         }
@@ -173,7 +198,7 @@ impl Solid {
     /// An upper bound on the distance to the solid's own surface, by the grid.
     #[inline]
     pub fn upper_distance(&self, point: Vector) -> f64 {
-        self.grid.probe(point).upper + SINGLE_PRECISION
+        self.grid.probe(point, &self.bvh).upper + SINGLE_PRECISION
     }
 
     /// An upper bound on the distance to the solid's own surface from any point of a face with this
@@ -183,13 +208,16 @@ impl Solid {
     /// its maximum over the face is at a corner. Point and triangle are those of the grid.
     #[inline]
     pub fn upper_distance_of_face(&self, face: [Vector; 3], centre: Vector, enough: f64) -> f64 {
-        let Some(nearest) = self.grid.nearest_point(centre) else { return f64::INFINITY };
+        let Some(nearest) = self.grid.nearest_point(centre, &self.bvh) else {
+            return f64::INFINITY;
+        };
         let to_point = largest(face.map(|corner| length_squared(subtract(corner, nearest))));
         let to_point = to_point.sqrt() + SINGLE_PRECISION;
         if to_point <= enough {
             return to_point;
         }
-        self.upper_distance_to_triangle(face, self.grid.nearest_triangle(centre)).min(to_point)
+        let triangle = self.grid.nearest_triangle(centre, &self.bvh);
+        self.upper_distance_to_triangle(face, triangle).min(to_point)
     }
 
     /// The greatest distance from any point of a face to a triangle of the solid.
@@ -202,26 +230,27 @@ impl Solid {
     /// `u32::MAX` and infinity.
     #[inline]
     pub fn nearest_triangle_of_cell(&self, point: Vector) -> (f64, u32) {
-        let triangle = self.grid.nearest_triangle(point);
+        let triangle = self.grid.nearest_triangle(point, &self.bvh);
         (self.bvh.distance_to_triangle(point, triangle), triangle)
     }
 
-    /// A lower bound on the depth of a point inside a closed solid; `None` if it may be outside.
+    /// A lower bound on how far the inside extends around a point; `None` if that is unknown. If it
+    /// is negative, the inside begins that far away at most.
     #[inline]
     pub fn depth(&self, point: Vector) -> Option<f64> {
-        self.grid.depth(point)
+        self.grid.depth(point, &self.bvh)
     }
 
     /// Whether a point is in the solid or at most `bound` away from it, for a bound between
     /// [`MIN_SEARCH_SHARE`] of the solid's bound and all of it.
     #[inline]
     pub fn point_fits(&self, point: Vector, bound: f64) -> bool {
-        match self.grid.class_of(point) {
+        match self.grid.class_of(point, &self.bvh) {
             CellClass::Near => return true,
             CellClass::Far => return false,
             CellClass::Mixed => {}
         }
-        let probe = self.grid.probe(point);
+        let probe = self.grid.probe(point, &self.bvh);
         if probe.upper <= bound {
             return true;
         }
@@ -233,10 +262,10 @@ impl Solid {
         }
     }
 
-    /// Whether some point between two others does not fit, so that no hull that fits contains both.
+    /// Whether the point halfway between two others does not fit, so that no hull that fits contains
+    /// both. Points at a quarter of the way find more conflicts, and save no hulls.
     pub fn separates(&self, a: Vector, b: Vector, bound: f64) -> bool {
-        let between = |share: f64| add(scale(a, 1.0 - share), scale(b, share));
-        [0.5, 0.25, 0.75].into_iter().any(|share| !self.point_fits(between(share), bound))
+        !self.point_fits(scale(add(a, b), 0.5), bound)
     }
 }
 

@@ -32,10 +32,13 @@ pub(super) fn hulls_of_piece(
 ) -> Result<Vec<FinalHull>, Error> {
     let mut done = Vec::new();
     let set = piece.patches.clone();
-    let mut open = vec![Open { set, part: None, inner_points: Some(Vec::new()) }];
+    let inner_points = Some(piece.inner_points.clone());
+    let mut open = vec![Open { set, part: None, inner_points }];
     let mut builder = HullBuilder::new();
+    let mut is_first = true;
     while let Some(Open { set, part, inner_points }) = open.pop() {
         context.control.check()?;
+        let is_first = std::mem::take(&mut is_first);
         let may_fill = inner_points.is_some();
         let inner_points = inner_points.unwrap_or_default();
         let is_filling = !inner_points.is_empty();
@@ -45,7 +48,9 @@ pub(super) fn hulls_of_piece(
             continue;
         }
         if is_filling && hull.protrusion > context.settings.bound {
-            open.push(Open { set: hull.patches, part: hull.part, inner_points: None });
+            // A piece that extends over a hollow does without it first.
+            let inner_points = is_first.then(Vec::new);
+            open.push(Open { set: hull.patches, part: hull.part, inner_points });
             continue;
         }
         let mut inner_points = may_fill.then(|| hull.inner_points.clone());

@@ -15,6 +15,7 @@
 use super::context::FinalizeContext;
 use super::verify::point_groups::{PointGroups, distance_outside};
 use super::verify::protrusion::protrusion;
+use crate::bounded::containment::fit_test::FitScratch;
 use crate::bounded::settings::{MAX_UNCOVERED, MAX_UNCOVERED_UNDER_CAP};
 use crate::error::Error;
 use crate::geometry::vector::{Vector, add, distance, scale, subtract};
@@ -69,8 +70,13 @@ pub(super) fn simplify_hull(
     builder: &mut HullBuilder,
 ) -> Result<Simplified, Error> {
     let max_vertices = context.settings.max_vertices.unwrap_or(usize::MAX);
-    let mut attempts =
-        Attempts { context, original: &original, builder, stack: Vec::new(), max_vertices };
+    let mut attempts = Attempts {
+        context,
+        original: &original,
+        builder,
+        scratch: FitScratch::default(),
+        max_vertices,
+    };
     if let Some(simplified) = attempts.saving_vertices()? {
         return Ok(simplified);
     }
@@ -88,8 +94,7 @@ struct Attempts<'a> {
     context: &'a FinalizeContext<'a>,
     original: &'a Original,
     builder: &'a mut HullBuilder,
-    /// Scratch memory of the fit test.
-    stack: Vec<[Vector; 3]>,
+    scratch: FitScratch,
     max_vertices: usize,
 }
 
@@ -172,11 +177,11 @@ impl Attempts<'_> {
         max_uncovered: f64,
     ) -> Result<Option<Simplified>, Error> {
         let &FinalizeContext { solid, settings, volume_per_vertex, control, .. } = self.context;
-        let stack = &mut self.stack;
+        let scratch = &mut self.scratch;
         let mut fits = |face| {
             control.check()?;
             let bound = settings.search_bound;
-            Ok(solid.centre_fits(face, bound) && solid.face_fits(face, bound, stack))
+            Ok(solid.centre_fits(face, bound) && solid.face_fits(face, bound, scratch))
         };
         match collapse_edges(hull, volume_per_vertex, self.max_vertices, &mut fits)? {
             Some((collapsed, growth)) => self.accepted(collapsed, growth, max_uncovered),

@@ -21,6 +21,10 @@ const PATCHES_PER_CHECK: usize = 8;
 /// would become 5,000 patches.
 const MIN_ELONGATION: f64 = 1.5;
 
+/// Cells of a patch that are compared with each other: a hull around empty space has some of them
+/// on either side of it.
+const MAX_COMPARED: usize = 16;
+
 /// Steps of the power iteration for the longest principal axis: any axis near it serves.
 const POWER_STEPS: usize = 30;
 
@@ -64,9 +68,11 @@ pub(super) fn divide(
             }
         } else {
             let patch = make();
-            // A part of a hull that fits also fits, unless it swallows empty space, which
-            // verification finds.
-            if is_in_block || triangles.len() == 1 || fits(&patch) {
+            // A part of a hull that fits also fits.
+            let is_fitting = triangles.len() == 1
+                || (is_in_block || fits(&patch))
+                    && !swallows_space(mesh, &triangles, solid, settings.search_bound);
+            if is_fitting {
                 patches += 1;
                 match blocks.last_mut() {
                     Some(block) if is_in_block => block.push((patch, triangles)),
@@ -81,11 +87,26 @@ pub(super) fn divide(
     Ok(blocks)
 }
 
+/// Whether a hull of several cells, all of whose faces may lie on the surface, holds empty space: a
+/// point between two cells does not fit. Small patches have no room for that.
+fn swallows_space(mesh: &PatchMesh, triangles: &[u32], solid: &Solid, bound: f64) -> bool {
+    if mesh.parts.is_empty() {
+        return false;
+    }
+    let units = units(mesh, triangles);
+    let step = units.len().div_ceil(MAX_COMPARED);
+    let centres: Vec<Vector> =
+        units.iter().step_by(step).map(|unit| centre_of(mesh, unit)).collect();
+    centres.iter().enumerate().any(|(index, &first)| {
+        centres[..index].iter().any(|&second| solid.separates(first, second, bound))
+    })
+}
+
 /// Whether triangles extend farther than `largest`, and not because a single one does.
 fn is_large(mesh: &PatchMesh, triangles: &[u32], largest: f64) -> bool {
     let all = extent(mesh, triangles);
     all > largest
-        && triangles.iter().all(|&triangle| all > MIN_ELONGATION * extent(mesh, &[triangle]))
+        && units(mesh, triangles).iter().all(|unit| all > MIN_ELONGATION * extent(mesh, unit))
 }
 
 /// Diagonal of the bounding box of triangles.
@@ -93,14 +114,25 @@ fn extent(mesh: &PatchMesh, triangles: &[u32]) -> f64 {
     diagonal(triangles.iter().flat_map(|&triangle| mesh.corners(triangle)))
 }
 
+/// The parts that triangles are halved by: whole cells, or the triangles of a single cell.
+fn units(mesh: &PatchMesh, triangles: &[u32]) -> Vec<Vec<u32>> {
+    let mut ordered: Vec<u32> = triangles.to_vec();
+    ordered.sort_by_key(|&triangle| (mesh.cells[triangle as usize], triangle));
+    let cell = |triangle: &u32| mesh.cells[*triangle as usize];
+    let units: Vec<Vec<u32>> =
+        ordered.chunk_by(|a, b| cell(a) == cell(b)).map(<[u32]>::to_vec).collect();
+    if units.len() > 1 { units } else { ordered.into_iter().map(|t| vec![t]).collect() }
+}
+
 /// Two halves along the longest principal axis. Neither is empty for two triangles or more.
 fn halves(mesh: &PatchMesh, triangles: &[u32]) -> (Vec<u32>, Vec<u32>) {
-    let centre = |triangle: u32| centre(mesh.corners(triangle));
-    let sum = triangles.iter().fold([0.0; 3], |sum, &triangle| add(sum, centre(triangle)));
-    let mean = scale(sum, 1.0 / triangles.len() as f64);
+    let units = units(mesh, triangles);
+    let centres: Vec<Vector> = units.iter().map(|unit| centre_of(mesh, unit)).collect();
+    let sum = centres.iter().fold([0.0; 3], |sum, &centre| add(sum, centre));
+    let mean = scale(sum, 1.0 / units.len() as f64);
     let mut covariance = [[0.0; 3]; 3];
-    for &triangle in triangles {
-        let away = subtract(centre(triangle), mean);
+    for &centre in &centres {
+        let away = subtract(centre, mean);
         for (row, &x) in covariance.iter_mut().zip(&away) {
             for (entry, &y) in row.iter_mut().zip(&away) {
                 *entry += x * y;
@@ -108,16 +140,31 @@ fn halves(mesh: &PatchMesh, triangles: &[u32]) -> (Vec<u32>, Vec<u32>) {
         }
     }
     let axis = principal_axis(covariance);
-    let mut order: Vec<(f64, u32)> =
-        triangles.iter().map(|&t| (dot(axis, subtract(centre(t), mean)), t)).collect();
+    let mut order: Vec<(f64, usize)> =
+        (0..units.len()).map(|unit| (dot(axis, subtract(centres[unit], mean)), unit)).collect();
     order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let half = order.partition_point(|entry| entry.0 < 0.0).clamp(1, order.len().max(2) - 1);
-    let part = |entries: &[(f64, u32)]| {
-        let mut part: Vec<u32> = entries.iter().map(|entry| entry.1).collect();
+    let part = |entries: &[(f64, usize)]| {
+        let mut part: Vec<u32> =
+            entries.iter().flat_map(|entry| &units[entry.1]).copied().collect();
         part.sort_unstable();
         part
     };
     (part(&order[..half]), part(&order[half..]))
+}
+
+/// The centre of triangles by area; of a single one its own.
+fn centre_of(mesh: &PatchMesh, triangles: &[u32]) -> Vector {
+    if let &[triangle] = triangles {
+        return centre(mesh.corners(triangle));
+    }
+    let (mut sum, mut area) = ([0.0; 3], f64::MIN_POSITIVE);
+    for &triangle in triangles {
+        let weight = length(mesh.normal(triangle));
+        sum = add(sum, scale(centre(mesh.corners(triangle)), weight));
+        area += weight;
+    }
+    scale(sum, 1.0 / area)
 }
 
 /// About the eigenvector of the greatest eigenvalue, by power iteration.

@@ -17,6 +17,7 @@ mod whole_components;
 
 use std::sync::Arc;
 
+use super::cells::components;
 use super::clustering::Clustered;
 use super::containment::solid::Solid;
 use super::patch_set::PatchSet;
@@ -60,6 +61,9 @@ pub(super) fn divide_into_patches(
         group.retain(|&triangle| !is_whole[patch_mesh.components[triangle as usize] as usize]);
     }
     groups.retain(|group| !group.is_empty());
+    if !patch_mesh.parts.is_empty() {
+        groups = between_cuts(&patch_mesh, &adjacency, &groups);
+    }
     let largest = settings.patch_size * area(&patch_mesh).sqrt();
     let parts = parallel::map_largest_first(&groups, Vec::len, |group| {
         divide(&patch_mesh, group, solid, largest, settings, control)
@@ -103,6 +107,25 @@ fn groups(
         grouping = group(mesh, adjacency, threshold, threshold, control)?;
     }
     Ok(members(&grouping.labels, grouping.count))
+}
+
+/// The connected parts of groups between cuts.
+fn between_cuts(mesh: &PatchMesh, adjacency: &Adjacency, groups: &[Vec<u32>]) -> Vec<Vec<u32>> {
+    let PatchMesh { planes, parts, .. } = mesh;
+    let mut labels = vec![u32::MAX; planes.len()];
+    for (label, group) in (0..).zip(groups) {
+        group.iter().for_each(|&triangle| labels[triangle as usize] = label);
+    }
+    let is_cut = |triangle: u32, _: usize, other: u32| {
+        let (a, b) = (triangle as usize, other as usize);
+        labels[a] != labels[b] || planes[a] == planes[b] && parts[a] != parts[b]
+    };
+    let components = components(adjacency, is_cut);
+    let count = components.iter().max().map_or(0, |&last| last as usize + 1);
+    let mut groups = members(&components, count);
+    // What is in no group is whole already.
+    groups.retain(|group| group.iter().all(|&triangle| labels[triangle as usize] != u32::MAX));
+    groups
 }
 
 fn area(mesh: &PatchMesh) -> f64 {

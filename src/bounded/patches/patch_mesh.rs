@@ -4,9 +4,10 @@
 //! patches cover the source and not only what simplification left of it.
 
 use super::patch::Patch;
+use crate::bounded::cells::{Cells, cells};
 use crate::bounded::clustering::Clustered;
 use crate::bounded::refine::refine;
-use crate::bounded::settings::Settings;
+use crate::bounded::settings::{COARSE, Settings};
 use crate::bvh::Bvh;
 use crate::bvh::closest_triangles::closest_triangles;
 use crate::control::Control;
@@ -25,10 +26,17 @@ pub(in crate::bounded) struct PatchMesh {
     pub parents: Vec<u32>,
     /// For each triangle of `mesh` those of `surface` that it represents.
     pub represented: Vec<Vec<u32>>,
+    /// For each triangle of `mesh` its cell: patches end at borders of cells.
+    pub cells: Vec<u32>,
+    /// For each triangle of `mesh` its planar group, and the part of it between cuts that it is
+    /// in. Empty where the mesh was not cut.
+    pub planes: Vec<u32>,
+    pub parts: Vec<u32>,
 }
 
 impl PatchMesh {
-    /// The surface of a clustered mesh is not refined: what its triangles represent has been.
+    /// A source of few triangles is divided into cells. The surface of a clustered mesh is not
+    /// refined: what its triangles represent has been.
     ///
     /// # Errors
     /// [`Error::Cancelled`], and [`Error::Simplification`] where memory is short.
@@ -38,6 +46,9 @@ impl PatchMesh {
         settings: &Settings,
         control: &Control,
     ) -> Result<Self, Error> {
+        if clustered.is_none() && prepared.mesh.triangles.len() <= COARSE {
+            return Ok(Self::of_cells(prepared, settings));
+        }
         let (source, source_components) = match clustered {
             Some(clustered) => (&clustered.mesh, &clustered.components),
             None => (&prepared.mesh, &prepared.components),
@@ -59,7 +70,7 @@ impl PatchMesh {
             };
             let components = select(&select(&origins, &parents), source_components);
             let represented = first_parts(&origins);
-            return Ok(Self { mesh, components, surface, parents, represented });
+            return Ok(Self::without_cells(mesh, components, surface, parents, represented));
         }
         let simplified = simplify(source, source_components, settings.triangles)?;
         control.check()?;
@@ -74,7 +85,30 @@ impl PatchMesh {
                 list.push(triangle as u32);
             }
         }
-        Ok(Self { mesh, components, surface, parents, represented })
+        Ok(Self::without_cells(mesh, components, surface, parents, represented))
+    }
+
+    /// The source itself, cut into cells.
+    fn of_cells(prepared: &PreparedMesh, settings: &Settings) -> Self {
+        let Cells { mesh, parents, planes, parts, cells } = cells(&prepared.mesh, settings);
+        let components =
+            parents.iter().map(|&parent| prepared.components[parent as usize]).collect();
+        let represented = (0..mesh.triangles.len() as u32).map(|triangle| vec![triangle]).collect();
+        let surface = mesh.clone();
+        Self { mesh, components, surface, parents, represented, cells, planes, parts }
+    }
+
+    /// A mesh each of whose triangles is a cell.
+    fn without_cells(
+        mesh: TriangleMesh,
+        components: Vec<u32>,
+        surface: TriangleMesh,
+        parents: Vec<u32>,
+        represented: Vec<Vec<u32>>,
+    ) -> Self {
+        let cells = (0..mesh.triangles.len() as u32).collect();
+        let (planes, parts) = (Vec::new(), Vec::new());
+        Self { mesh, components, surface, parents, represented, cells, planes, parts }
     }
 
     /// The patch of some triangles. `reducer` drops points within its tolerance of their hull.

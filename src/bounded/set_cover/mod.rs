@@ -6,9 +6,11 @@
 //! | `redundancy` | pieces all of whose patches others cover are dropped |
 //! | `dissolve` | pieces hand their patches to others and disappear |
 //! | `assign_owners` | each patch stays with one piece |
+//! | `fill` | pieces extend over what they have left hollow |
 
 pub(super) mod assign_owners;
 mod dissolve;
+mod fill;
 mod grow;
 mod redundancy;
 
@@ -22,6 +24,7 @@ use crate::error::Error;
 use crate::parallel;
 use assign_owners::assign_owners;
 use dissolve::dissolve;
+use fill::fill;
 use grow::grow;
 use redundancy::drop_redundant;
 
@@ -70,5 +73,9 @@ pub(super) fn cover(
     let budget = (LAST_ROUND_BUDGET * budget as f64) as usize;
     dissolve(patches, &mut pieces, solid, settings.last_round_bound, budget, control)?;
     let before_last_round = (pieces.len() < before.len()).then_some(before);
-    Ok(SetCover { pieces: assign_owners(patches, &pieces, control)?, before_last_round })
+    let mut owned = assign_owners(patches, &pieces, control)?;
+    if solid.is_coarse() && solid.is_closed {
+        fill(&mut owned, &pieces, solid, settings.search_bound, control)?;
+    }
+    Ok(SetCover { pieces: owned, before_last_round })
 }

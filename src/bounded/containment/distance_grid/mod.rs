@@ -7,26 +7,20 @@
 //! | `lattice` | the cells and their indices |
 //! | `distance_field` | closest points, by a distance transform |
 //! | `flood` | sides of a closed surface, by flooding |
-//!
-//! Distances may be too large by a fraction of a cell, never too small. Cells beyond a band around
-//! the surface only know that they are. Where the mesh is open, sides are computed on demand, by
-//! one winding number per cell.
+//! | `filled` | a grid whose cells are filled in advance |
+//! | `lazy` | a grid whose cells are filled when they are first asked |
 
 mod distance_field;
+mod filled;
 mod flood;
 mod lattice;
+mod lazy;
 mod vector_f32;
 
-use std::sync::atomic::{AtomicU8, Ordering};
-
-use super::inside::is_inside;
 use crate::bvh::Bvh;
-use crate::control::Control;
-use crate::error::Error;
 use crate::geometry::vector::Vector;
-use distance_field::{Cell, DistanceField, MAX_EXCESS};
-use flood::{FREE, INSIDE, OUTSIDE, UNKNOWN};
-use vector_f32::{dot, length, subtract};
+pub(super) use filled::FilledGrid;
+pub(super) use lazy::LazyGrid;
 
 /// Half the diagonal of a cell, in cells.
 const HALF_DIAGONAL: f64 = 0.8660254037844387;
@@ -42,12 +36,10 @@ pub(super) enum CellClass {
     Mixed,
 }
 
-/// The grid. See the module.
-pub(super) struct DistanceGrid {
-    field: DistanceField,
-    sides: Vec<AtomicU8>,
-    classes: Vec<CellClass>,
-    is_flooded: bool,
+/// The grid: filled in advance for dense meshes, lazy for coarse ones. See the module.
+pub(super) enum DistanceGrid {
+    Filled(FilledGrid),
+    Lazy(LazyGrid),
 }
 
 /// What the grid knows about a point.
@@ -57,107 +49,26 @@ pub(super) struct Probe {
     /// At most the distance to the surface, up to the excess of the grid's distances; negative if
     /// nothing is known.
     pub lower: f64,
-    index: usize,
+    pub(super) index: usize,
+    pub(super) place: [usize; 3],
 }
 
 impl DistanceGrid {
-    /// # Errors
-    /// [`Error::Cancelled`].
-    pub(super) fn new(
-        positions: &[Vector],
-        triangles: &[[u32; 3]],
-        bound: f64,
-        control: &Control,
-    ) -> Result<Self, Error> {
-        let field = DistanceField::new(positions, triangles, bound, control)?;
-        let mut sides = Vec::new();
-        sides.resize_with(field.cells.len(), || AtomicU8::new(UNKNOWN));
-        Ok(Self { field, sides, classes: Vec::new(), is_flooded: false })
-    }
-
-    /// Determines the sides of a closed surface.
-    ///
-    /// # Errors
-    /// [`Error::Cancelled`].
-    pub(super) fn flood(
-        &mut self,
-        bvh: &Bvh,
-        mesh: (&[Vector], &[[u32; 3]]),
-        control: &Control,
-    ) -> Result<(), Error> {
-        self.sides = flood::sides(&self.field, bvh, mesh, control)?;
-        self.is_flooded = true;
-        Ok(())
-    }
-
-    /// Classifies cells: near as a whole, at most `near` from the solid, or far, more than `far`.
-    /// Call it after flooding.
-    pub(super) fn classify_cells(&mut self, near: f64, far: f64) {
-        let half = HALF_DIAGONAL * f64::from(self.field.lattice.size);
-        let is_flooded = self.is_flooded;
-        let class = |(cell, side): (&Cell, &mut AtomicU8)| {
-            let distance = f64::from(cell.distance);
-            match *side.get_mut() {
-                _ if distance + half <= near => CellClass::Near,
-                INSIDE if is_flooded && distance > half => CellClass::Near,
-                OUTSIDE if is_flooded && distance - half > far => CellClass::Far,
-                _ => CellClass::Mixed,
-            }
-        };
-        self.classes = self.field.cells.iter().zip(&mut self.sides).map(class).collect();
-    }
-
-    #[inline]
-    fn index_at(&self, point: Vector) -> usize {
-        let lattice = &self.field.lattice;
-        lattice.index(lattice.cell_at(lattice.relative(point)))
-    }
-
     /// The class of a point's cell.
     #[inline]
-    pub(super) fn class_of(&self, point: Vector) -> CellClass {
-        self.classes[self.index_at(point)]
-    }
-
-    /// The number of cells.
-    pub(super) fn count(&self) -> usize {
-        self.field.cells.len()
-    }
-
-    pub(super) fn centre(&self, index: usize) -> Vector {
-        let lattice = &self.field.lattice;
-        lattice.absolute(lattice.centre(lattice.cell(index)))
-    }
-
-    /// The distance from a cell's centre to the surface, at most the band's width.
-    pub(super) fn distance(&self, index: usize) -> f32 {
-        self.field.cells[index].distance
-    }
-
-    /// Whether a cell is so far from the surface that paths through such cells do not cross it.
-    pub(super) fn is_free(&self, index: usize, bound: f64) -> bool {
-        self.field.cells[index].distance > (bound as f32).max(FREE * self.field.lattice.size)
-    }
-
-    /// The cells that share a side with a cell; `None` beyond the border.
-    pub(super) fn neighbours(&self, index: usize) -> [Option<usize>; 6] {
-        self.field.lattice.neighbours(index)
+    pub(super) fn class_of(&self, point: Vector, bvh: &Bvh) -> CellClass {
+        match self {
+            Self::Filled(grid) => grid.class_of(point),
+            Self::Lazy(grid) => grid.class_of(point, bvh),
+        }
     }
 
     /// What the grid knows about a point.
     #[inline]
-    pub(super) fn probe(&self, point: Vector) -> Probe {
-        let lattice = &self.field.lattice;
-        let relative = lattice.relative(point);
-        let cell = lattice.cell_at(relative);
-        let index = lattice.index(cell);
-        let content = &self.field.cells[index];
-        let away = length(subtract(relative, lattice.centre(cell)));
-        let upper = length(subtract(relative, content.nearest));
-        Probe {
-            upper: if upper.is_nan() { f64::INFINITY } else { f64::from(upper) },
-            lower: f64::from(content.distance - away),
-            index,
+    pub(super) fn probe(&self, point: Vector, bvh: &Bvh) -> Probe {
+        match self {
+            Self::Filled(grid) => grid.probe(point),
+            Self::Lazy(grid) => grid.probe(point, bvh),
         }
     }
 
@@ -165,76 +76,58 @@ impl DistanceGrid {
     /// direction from there to the cell's centre: the distance to a surface that is flat there.
     /// Infinite beyond the band.
     #[inline]
-    pub(super) fn distance_to_tangent(&self, point: Vector) -> f64 {
-        let lattice = &self.field.lattice;
-        let relative = lattice.relative(point);
-        let cell = lattice.cell_at(relative);
-        let nearest = self.field.cells[lattice.index(cell)].nearest;
-        let normal = subtract(lattice.centre(cell), nearest);
-        let height = dot(subtract(relative, nearest), normal) / length(normal);
-        if height.is_nan() { f64::INFINITY } else { f64::from(height) }
+    pub(super) fn distance_to_tangent(&self, point: Vector, bvh: &Bvh) -> f64 {
+        match self {
+            Self::Filled(grid) => grid.distance_to_tangent(point),
+            Self::Lazy(grid) => grid.distance_to_tangent(point, bvh),
+        }
     }
 
     /// The point of the surface closest to the centre of a point's cell; `None` beyond the band.
     #[inline]
-    pub(super) fn nearest_point(&self, point: Vector) -> Option<Vector> {
-        let nearest = self.field.cells[self.index_at(point)].nearest;
-        (!nearest[0].is_nan()).then(|| self.field.lattice.absolute(nearest))
+    pub(super) fn nearest_point(&self, point: Vector, bvh: &Bvh) -> Option<Vector> {
+        match self {
+            Self::Filled(grid) => grid.nearest_point(point),
+            Self::Lazy(grid) => grid.nearest_point(point, bvh),
+        }
     }
 
     /// The triangle closest to the centre of a point's cell; `u32::MAX` beyond the band.
     #[inline]
-    pub(super) fn nearest_triangle(&self, point: Vector) -> u32 {
-        self.field.triangles[self.index_at(point)]
+    pub(super) fn nearest_triangle(&self, point: Vector, bvh: &Bvh) -> u32 {
+        match self {
+            Self::Filled(grid) => grid.nearest_triangle(point),
+            Self::Lazy(grid) => grid.nearest_triangle(point, bvh),
+        }
     }
 
     /// Whether the probe's point is inside; `None` if it may be on another side than its cell's
     /// centre.
     #[inline]
     pub(super) fn is_inside(&self, probe: &Probe, bvh: &Bvh) -> Option<bool> {
-        if probe.lower <= 0.0 {
-            return None;
-        }
-        match self.sides[probe.index].load(Ordering::Relaxed) {
-            INSIDE => Some(true),
-            OUTSIDE => Some(false),
-            _ => Some(self.compute_side(probe.index, bvh)),
+        match self {
+            Self::Filled(grid) => grid.is_inside(probe, bvh),
+            Self::Lazy(grid) => (probe.lower > 0.0).then(|| grid.reach(probe.place, bvh) >= 0.0),
         }
     }
 
-    /// A lower bound on the depth of a point inside a closed surface; `None` if it may be outside.
+    /// A lower bound on how far the inside extends around a point; `None` if the point's cell has
+    /// its centre outside. If it is negative, the inside begins that far away at most.
     #[inline]
-    pub(super) fn depth(&self, point: Vector) -> Option<f64> {
-        let probe = self.probe(point);
-        let depth = probe.lower - MAX_EXCESS * f64::from(self.field.lattice.size);
-        let is_inside = depth > 0.0
-            && self.is_flooded
-            && self.sides[probe.index].load(Ordering::Relaxed) == INSIDE;
-        is_inside.then_some(depth)
+    pub(super) fn depth(&self, point: Vector, bvh: &Bvh) -> Option<f64> {
+        match self {
+            Self::Filled(grid) => grid.depth(point),
+            Self::Lazy(grid) => grid.depth(point, bvh),
+        }
     }
 
     /// Whether a point at `distance` from a closed surface is inside, if its cell tells. Where a
     /// surface is open, the inside may end without crossing it.
     #[inline]
-    pub(super) fn side(&self, point: Vector, distance: f64) -> Option<bool> {
-        let lattice = &self.field.lattice;
-        let relative = lattice.relative(point);
-        let cell = lattice.cell_at(relative);
-        let away = length(subtract(relative, lattice.centre(cell)));
-        if f64::from(away) >= distance || !self.is_flooded {
-            return None;
+    pub(super) fn side(&self, point: Vector, distance: f64, bvh: &Bvh) -> Option<bool> {
+        match self {
+            Self::Filled(grid) => grid.side(point, distance),
+            Self::Lazy(grid) => grid.side(point, distance, bvh),
         }
-        match self.sides[lattice.index(cell)].load(Ordering::Relaxed) {
-            INSIDE => Some(true),
-            OUTSIDE => Some(false),
-            _ => None,
-        }
-    }
-
-    #[cold]
-    fn compute_side(&self, index: usize, bvh: &Bvh) -> bool {
-        let inside = is_inside(bvh, self.centre(index), self.is_flooded);
-        self.sides[index].store(if inside { INSIDE } else { OUTSIDE }, Ordering::Relaxed);
-        inside
     }
 }

@@ -6,7 +6,8 @@
 //! are those to the source, and what is inside the solid may be as far outside the source as
 //! vertices have moved: the result is never below that.
 
-use crate::bounded::containment::inside::OPEN_INSIDE;
+use crate::bounded::containment::inside::inside_reach;
+use crate::bounded::containment::remainder::Remainder;
 use crate::bounded::containment::solid::{Solid, SourceDistance};
 use crate::bounded::containment::triangle::{centre, halves};
 use crate::control::Control;
@@ -22,19 +23,16 @@ const NO_GUESS: u32 = u32::MAX;
 /// bound.
 const UNRESOLVED: f64 = 0.25;
 
+/// The same for an open solid, where a part is only known to be inside as far as the inside extends
+/// around a point that was asked: the less is resolved, the fewer points.
+const UNRESOLVED_IN_OPEN: f64 = 0.75;
+
 /// Protrusions are too large by at most this share of the bound: a smaller one takes more parts of
 /// faces for digits that decide nothing.
 const RESOLUTION: f64 = 0.04;
 
 /// The same for maxima just below the bound, where it decides whether a hull is divided.
 const FINE_RESOLUTION: f64 = 0.005;
-
-/// Where the surface is open, the inside ends without it, but gradually. Per open sheet, the
-/// winding number falls by less than this over a distance equal to that from the surface.
-const MAX_GRADIENT: f64 = 0.5;
-
-/// The winding number just below an open sheet.
-const BELOW_A_SHEET: f64 = 0.5;
 
 /// In an open solid, parts smaller than this share of the bound are on the side of their centre.
 const SMALL_IN_OPEN: f64 = 0.1;
@@ -63,19 +61,23 @@ pub(in crate::bounded) fn protrusion(
     control: &Control,
 ) -> Result<f64, Error> {
     let displacement = solid.displacement();
-    let mut search =
-        Search { solid, bound, limit, displacement, known: (UNRESOLVED * bound).max(displacement) };
+    let unresolved = if solid.is_closed { UNRESOLVED } else { UNRESOLVED_IN_OPEN };
+    let known = (unresolved * bound).max(displacement);
+    let mut search = Search { solid, bound, limit, displacement, known };
     if search.cavities_exceed(hull) {
         return Ok(search.known);
     }
-    let mut stack: Vec<[Vector; 3]> = hull.corners().collect();
+    // Faces and parts of them, and whether the surface may cross them.
+    let mut stack: Vec<([Vector; 3], bool)> =
+        hull.corners().map(|face| (face, solid.is_coarse())).collect();
     // One large protrusion makes all other faces cheap.
-    for &face in &stack {
+    for &(face, _) in &stack {
         control.check()?;
         search.raise_by_centre(face);
     }
+    let mut remainder = Remainder::default();
     let mut parts = 0;
-    while let Some(part) = stack.pop() {
+    while let Some((part, may_be_crossed)) = stack.pop() {
         parts += 1;
         // In a clustered mesh, a single part may take a millisecond.
         if parts % PARTS_PER_CHECK == 0 || displacement > 0.0 {
@@ -85,13 +87,28 @@ pub(in crate::bounded) fn protrusion(
             search.known = search.known.max((1.0 - FINE_RESOLUTION) * bound);
         }
         if parts > MAX_PARTS {
-            stack.push(part);
-            let rest = stack.iter().map(|&part| upper_distance(part, solid));
+            stack.push((part, false));
+            let rest = stack.iter().map(|&(part, _)| upper_distance(part, solid));
             return Ok(rest.fold(enough(search.known, bound), f64::max));
         }
         match search.examine(part) {
             Decision::Settled => {}
-            Decision::Halve => stack.extend(halves(part)),
+            Decision::Halve
+                if may_be_crossed
+                    && remainder.find(
+                        part,
+                        radius(centre(part), part),
+                        enough(search.known, bound),
+                        &solid.bvh,
+                    ) =>
+            {
+                for (centre, triangles) in remainder.parts() {
+                    if !solid.is_closed || !solid.bvh.is_inside(centre) {
+                        stack.extend(triangles.map(|part| (part, false)));
+                    }
+                }
+            }
+            Decision::Halve => stack.extend(halves(part).map(|half| (half, may_be_crossed))),
             Decision::Exceeds(distance) => return Ok(distance),
         }
     }
@@ -152,8 +169,7 @@ impl Search<'_> {
         let enough = enough(known, bound);
         let to_own_surface = enough - displacement;
         if solid.upper_distance_of_face(part, centre, to_own_surface) <= to_own_surface
-            || (solid.is_closed
-                && solid.depth(centre).is_some_and(|depth| radius - depth <= to_own_surface))
+            || solid.depth(centre).is_some_and(|depth| radius - depth <= to_own_surface)
         {
             return Decision::Settled;
         }
@@ -200,20 +216,13 @@ impl Search<'_> {
 
     /// The side of a part in an open solid, where the side may change without crossing the surface.
     fn side_in_open(&self, centre: Vector, radius: f64, distance: &SourceDistance) -> OpenSide {
-        let number = self.solid.bvh.winding_number(centre);
-        let excess = number - OPEN_INSIDE;
-        if excess <= 0.0 {
+        let Some(reach) = inside_reach(&self.solid.bvh, centre, distance.lower) else {
             return OpenSide::CentreOutside;
-        }
+        };
+        // From the ball that is inside no point of the part is farther than the rest.
+        let is_enough = radius - reach <= enough(self.known, self.bound);
         let is_small = radius <= SMALL_IN_OPEN * self.bound;
-        // Each sheet above the point increases the gradient.
-        let sheets = (number / BELOW_A_SHEET).max(1.0);
-        let max_fall = sheets * MAX_GRADIENT * radius / distance.lower;
-        if is_small || (radius <= distance.lower && excess > max_fall) {
-            OpenSide::AllInside
-        } else {
-            OpenSide::CentreInside
-        }
+        if is_small || is_enough { OpenSide::AllInside } else { OpenSide::CentreInside }
     }
 }
 

@@ -1,0 +1,269 @@
+//! A grid whose cells are filled by the tree when they are first asked. A hull's faces touch few of
+//! them, so that a mesh of few triangles costs what its shape does, however small the bound.
+//!
+//! Distances are exact up to rounding. What a cell holds depends on the cell alone, so that threads
+//! may fill it at the same time.
+
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use super::lattice::Lattice;
+use super::vector_f32::{dot, length, subtract};
+use super::{CellClass, HALF_DIAGONAL, Probe};
+use crate::bounded::containment::inside::{inside_reach, is_inside};
+use crate::bvh::Bvh;
+use crate::geometry::vector::{Vector, bounds};
+
+/// Cells of a block along each axis, as a power of two: blocks are allocated whole, and a face
+/// passes through several cells of one.
+const BLOCK_BITS: usize = 2;
+const BLOCK: usize = 1 << BLOCK_BITS;
+
+/// The distance of an empty cell, as bits. A cell on the surface has the smallest distance above.
+const EMPTY: u32 = 0;
+
+/// The reach of a cell whose side is unknown, and of one outside, as bits of single precision.
+const UNKNOWN: u32 = u32::MAX;
+const OUTSIDE: f32 = -1.0;
+
+/// The surface does not pass between the centres of neighbours if it is farther than this from one
+/// of them, in cells: one, and a margin for rounding.
+const FREE: f32 = 1.01;
+
+/// What is known about a cell's centre. Single precision numbers as bits.
+struct Cell {
+    nearest: [AtomicU32; 3],
+    triangle: AtomicU32,
+    /// Written last.
+    distance: AtomicU32,
+    /// All points nearer than this to the centre are inside; [`OUTSIDE`] if the centre is not.
+    reach: AtomicU32,
+}
+
+impl Cell {
+    fn empty() -> Self {
+        Self {
+            nearest: [const { AtomicU32::new(0) }; 3],
+            triangle: AtomicU32::new(u32::MAX),
+            distance: AtomicU32::new(EMPTY),
+            reach: AtomicU32::new(UNKNOWN),
+        }
+    }
+
+    fn nearest(&self) -> [f32; 3] {
+        [0, 1, 2].map(|k| f32::from_bits(self.nearest[k].load(Ordering::Relaxed)))
+    }
+
+    fn distance(&self) -> f32 {
+        f32::from_bits(self.distance.load(Ordering::Relaxed))
+    }
+}
+
+type Block = [Cell; BLOCK * BLOCK * BLOCK];
+
+/// The grid. See the file's head.
+pub(in crate::bounded::containment) struct LazyGrid {
+    lattice: Lattice,
+    blocks: Vec<OnceLock<Box<Block>>>,
+    /// Blocks along the first two axes.
+    stride: [usize; 2],
+    is_closed: bool,
+    near: f64,
+    far: f64,
+}
+
+impl LazyGrid {
+    /// A grid over a surface. Cells are near as a whole if they are at most `near` from the solid,
+    /// far if more than `far`.
+    pub(in crate::bounded::containment) fn new(
+        positions: &[Vector],
+        bound: f64,
+        is_closed: bool,
+        near: f64,
+        far: f64,
+    ) -> Self {
+        let lattice = Lattice::new(bounds(positions.iter().copied()), bound);
+        let [x, y, z] = lattice.dimensions.map(|cells| cells.div_ceil(BLOCK));
+        let mut blocks = Vec::new();
+        blocks.resize_with(x * y * z, OnceLock::new);
+        Self { lattice, blocks, stride: [x, y], is_closed, near, far }
+    }
+
+    /// A cell, filled.
+    #[inline]
+    fn cell(&self, [x, y, z]: [usize; 3], bvh: &Bvh) -> &Cell {
+        let [width, depth] = self.stride;
+        let [i, j, k] = [x, y, z].map(|place| place >> BLOCK_BITS);
+        let block = self.blocks[(k * depth + j) * width + i]
+            .get_or_init(|| Box::new(std::array::from_fn(|_| Cell::empty())));
+        let [i, j, k] = [x, y, z].map(|place| place & (BLOCK - 1));
+        let cell = &block[(k << BLOCK_BITS | j) << BLOCK_BITS | i];
+        if cell.distance.load(Ordering::Acquire) == EMPTY {
+            self.fill(cell, [x, y, z], bvh);
+        }
+        cell
+    }
+
+    #[cold]
+    fn fill(&self, cell: &Cell, place: [usize; 3], bvh: &Bvh) {
+        let centre = self.lattice.centre(place);
+        let (mut nearest, mut distance) = ([f32::NAN; 3], f32::INFINITY);
+        let guess = (place[0] > 0)
+            .then(|| self.known_cell([place[0] - 1, place[1], place[2]]))
+            .flatten()
+            .map_or(u32::MAX, |cell| cell.triangle.load(Ordering::Relaxed));
+        let absolute = self.lattice.absolute(centre);
+        if let Some(closest) = bvh.closest_point_near(absolute, f64::INFINITY, guess) {
+            nearest = self.lattice.relative(closest.point);
+            distance = length(subtract(centre, nearest));
+            cell.triangle.store(closest.triangle, Ordering::Relaxed);
+        }
+        for (place, x) in cell.nearest.iter().zip(nearest) {
+            place.store(x.to_bits(), Ordering::Relaxed);
+        }
+        cell.distance.store(distance.max(f32::MIN_POSITIVE).to_bits(), Ordering::Release);
+    }
+
+    #[inline]
+    fn place(&self, point: Vector) -> ([f32; 3], [usize; 3]) {
+        let relative = self.lattice.relative(point);
+        (relative, self.lattice.cell_at(relative))
+    }
+
+    #[inline]
+    pub(super) fn probe(&self, point: Vector, bvh: &Bvh) -> Probe {
+        let (relative, place) = self.place(point);
+        let cell = self.cell(place, bvh);
+        let away = length(subtract(relative, self.lattice.centre(place)));
+        let upper = length(subtract(relative, cell.nearest()));
+        Probe {
+            upper: if upper.is_nan() { f64::INFINITY } else { f64::from(upper) },
+            lower: f64::from(cell.distance() - away),
+            index: 0,
+            place,
+        }
+    }
+
+    /// See [`super::DistanceGrid::distance_to_tangent`].
+    pub(super) fn distance_to_tangent(&self, point: Vector, bvh: &Bvh) -> f64 {
+        let (relative, place) = self.place(point);
+        let nearest = self.cell(place, bvh).nearest();
+        let normal = subtract(self.lattice.centre(place), nearest);
+        let height = dot(subtract(relative, nearest), normal) / length(normal);
+        if height.is_nan() { f64::INFINITY } else { f64::from(height) }
+    }
+
+    pub(super) fn nearest_point(&self, point: Vector, bvh: &Bvh) -> Option<Vector> {
+        let nearest = self.cell(self.place(point).1, bvh).nearest();
+        (!nearest[0].is_nan()).then(|| self.lattice.absolute(nearest))
+    }
+
+    pub(super) fn nearest_triangle(&self, point: Vector, bvh: &Bvh) -> u32 {
+        self.cell(self.place(point).1, bvh).triangle.load(Ordering::Relaxed)
+    }
+
+    /// All points nearer than this to a cell's centre are inside; negative if the centre is not.
+    #[inline]
+    pub(super) fn reach(&self, place: [usize; 3], bvh: &Bvh) -> f32 {
+        self.reach_of(self.cell(place, bvh), place, bvh)
+    }
+
+    #[inline]
+    fn reach_of(&self, cell: &Cell, place: [usize; 3], bvh: &Bvh) -> f32 {
+        match cell.reach.load(Ordering::Relaxed) {
+            UNKNOWN => self.compute_reach(cell, place, bvh),
+            bits => f32::from_bits(bits),
+        }
+    }
+
+    #[cold]
+    fn compute_reach(&self, cell: &Cell, place: [usize; 3], bvh: &Bvh) -> f32 {
+        let centre = self.lattice.absolute(self.lattice.centre(place));
+        let distance = cell.distance();
+        let reach = if self.is_closed {
+            let inside = self.side_of_neighbour(place, distance);
+            let inside = inside.unwrap_or_else(|| is_inside(bvh, centre, true));
+            if inside { distance } else { OUTSIDE }
+        } else {
+            inside_reach(bvh, centre, f64::from(distance)).map_or(OUTSIDE, |reach| reach as f32)
+        };
+        cell.reach.store(reach.to_bits(), Ordering::Relaxed);
+        reach
+    }
+
+    /// Whether a cell is inside, if a neighbour knows that for itself and the surface is too far
+    /// from one of them to pass between the two.
+    fn side_of_neighbour(&self, place: [usize; 3], distance: f32) -> Option<bool> {
+        let free = FREE * self.lattice.size;
+        (0..6).find_map(|side| {
+            let mut other = place;
+            let axis = side / 2;
+            other[axis] = if side % 2 == 0 { place[axis].checked_sub(1)? } else { place[axis] + 1 };
+            let cell = self.known_cell(other)?;
+            let reach = f32::from_bits(match cell.reach.load(Ordering::Relaxed) {
+                UNKNOWN => return None,
+                bits => bits,
+            });
+            (distance > free || cell.distance() > free).then_some(reach >= 0.0)
+        })
+    }
+
+    /// A cell, if it exists and its block does.
+    fn known_cell(&self, place: [usize; 3]) -> Option<&Cell> {
+        if (0..3).any(|axis| place[axis] >= self.lattice.dimensions[axis]) {
+            return None;
+        }
+        let [width, depth] = self.stride;
+        let [i, j, k] = place.map(|place| place >> BLOCK_BITS);
+        let block = self.blocks.get((k * depth + j) * width + i)?.get()?;
+        let [i, j, k] = place.map(|place| place & (BLOCK - 1));
+        block.get((k << BLOCK_BITS | j) << BLOCK_BITS | i)
+    }
+
+    /// See [`super::DistanceGrid::depth`].
+    #[inline]
+    pub(super) fn depth(&self, point: Vector, bvh: &Bvh) -> Option<f64> {
+        let (relative, place) = self.place(point);
+        let reach = self.reach_of(self.cell(place, bvh), place, bvh);
+        let away = length(subtract(relative, self.lattice.centre(place)));
+        (reach >= 0.0).then_some(f64::from(reach - away) - ROUNDING)
+    }
+
+    /// See [`super::DistanceGrid::side`].
+    #[inline]
+    pub(super) fn side(&self, point: Vector, distance: f64, bvh: &Bvh) -> Option<bool> {
+        let (relative, place) = self.place(point);
+        let away = length(subtract(relative, self.lattice.centre(place)));
+        if f64::from(away) >= distance || !self.is_closed {
+            return None;
+        }
+        Some(self.reach_of(self.cell(place, bvh), place, bvh) >= 0.0)
+    }
+
+    /// The class of a point's cell. In an open solid, a cell whose centre is outside is as far as
+    /// its surface.
+    #[inline]
+    pub(super) fn class_of(&self, point: Vector, bvh: &Bvh) -> CellClass {
+        let (_, place) = self.place(point);
+        let cell = self.cell(place, bvh);
+        let half = HALF_DIAGONAL * f64::from(self.lattice.size);
+        let distance = f64::from(cell.distance());
+        if distance + half <= self.near {
+            return CellClass::Near;
+        }
+        if distance <= half && distance - half <= self.far && half > self.near {
+            return CellClass::Mixed;
+        }
+        let reach = f64::from(self.reach_of(cell, place, bvh));
+        if reach >= 0.0 && half - reach <= self.near {
+            CellClass::Near
+        } else if reach < 0.0 && distance - half > self.far {
+            CellClass::Far
+        } else {
+            CellClass::Mixed
+        }
+    }
+}
+
+/// More than the rounding of distances to single precision, in diagonals.
+const ROUNDING: f64 = 1e-6;

@@ -1,0 +1,287 @@
+//! What remains of a face without what lies along the surface: parts that no triangle crosses.
+//!
+//! A triangle of the surface covers what lies below or above it, within some height. What no
+//! triangle covers is not crossed by the surface, since where a triangle crosses the face it covers
+//! it. In a closed solid each remaining part is therefore inside or outside as a whole, and one
+//! point decides which. Nothing here depends on the bound: large faces of coarse meshes are decided
+//! by the few triangles that are near them.
+//!
+//! O(triangles near the face · parts).
+
+use std::ops::RangeInclusive;
+
+use super::polygon::{Line, ON_LINE, Point, Polygon, TooManyVertices};
+use crate::bvh::Bvh;
+use crate::bvh::near_plane::Slab;
+use crate::geometry::vector::{
+    Vector, add, area_normal, bounds, cross, dot, length, normalize, scale, subtract,
+};
+
+/// A face near more triangles is halved first: subtracting many triangles takes longer. The limit
+/// is a share of the parts that halving down to the height would end with, within a range.
+const TRIANGLES_PER_PART: f64 = 0.25;
+const MAX_TRIANGLES: RangeInclusive<f64> = 24.0..=256.0;
+
+/// A face of a smaller radius, in heights, is halved: it ends with few parts.
+const MIN_RADIUS: f64 = 12.0;
+
+/// The same for parts.
+const MAX_PARTS: usize = 64;
+
+/// Parts and triangles narrower than this, in diagonals, have no area: their points are as near to
+/// a neighbouring part.
+const NARROW: f64 = 4.0 * ON_LINE;
+
+/// A face of a smaller height over its longest side, in diagonals, is halved instead.
+const NEEDLE: f64 = 1e-7;
+
+/// Scratch memory, and the remaining parts of the last face.
+#[derive(Default)]
+pub(in crate::bounded) struct Remainder {
+    triangles: Vec<[Vector; 3]>,
+    parts: Vec<Polygon>,
+    other: Vec<Polygon>,
+    sides: Vec<Line>,
+    frame: Frame,
+}
+
+/// Coordinates in a face's plane.
+#[derive(Default, Clone, Copy)]
+struct Frame {
+    origin: Vector,
+    axes: [Vector; 2],
+    normal: Vector,
+}
+
+impl Frame {
+    /// `None` for a needle.
+    fn new([a, b, c]: [Vector; 3]) -> Option<Self> {
+        let normal = area_normal(a, b, c);
+        let longest = [subtract(b, a), subtract(c, b), subtract(a, c)]
+            .into_iter()
+            .max_by(|p, q| length(*p).total_cmp(&length(*q)))?;
+        if length(normal) <= NEEDLE * length(longest) {
+            return None;
+        }
+        let (normal, along) = (normalize(normal), normalize(longest));
+        Some(Self { origin: a, axes: [along, cross(normal, along)], normal })
+    }
+
+    fn flat(&self, point: Vector) -> Point {
+        let arm = subtract(point, self.origin);
+        self.axes.map(|axis| dot(axis, arm))
+    }
+
+    fn restore(&self, [x, y]: Point) -> Vector {
+        add(self.origin, add(scale(self.axes[0], x), scale(self.axes[1], y)))
+    }
+}
+
+impl Remainder {
+    /// Finds the parts of a face that no triangle covers within `height`, up to a billionth of a
+    /// diagonal. `false` if halving the face seems faster: then nothing is known. `radius` is that
+    /// of the face.
+    pub(in crate::bounded) fn find(
+        &mut self,
+        face: [Vector; 3],
+        radius: f64,
+        height: f64,
+        bvh: &Bvh,
+    ) -> bool {
+        self.parts.clear();
+        if radius < MIN_RADIUS * height {
+            return false;
+        }
+        let parts = (radius / height) * (radius / height);
+        let (least, largest) = (*MAX_TRIANGLES.start(), *MAX_TRIANGLES.end());
+        let most = (TRIANGLES_PER_PART * parts).clamp(least, largest) as usize;
+        let height = height - NARROW * MAX_PARTS as f64;
+        let Some(frame) = Frame::new(face) else { return false };
+        self.frame = frame;
+        if height <= 0.0 {
+            return false;
+        }
+        let (min, max) = bounds(face);
+        let slab = Slab {
+            min: min.map(|x| x - height),
+            max: max.map(|x| x + height),
+            normal: frame.normal,
+            offset: dot(frame.normal, frame.origin),
+            half_width: height,
+        };
+        if !bvh.triangles_in_slab(&slab, most, &mut self.triangles) {
+            return false;
+        }
+        let mut whole = Polygon::EMPTY;
+        for corner in face {
+            if whole.push(frame.flat(corner)).is_err() {
+                return false;
+            }
+        }
+        self.parts.push(whole);
+        let triangles = std::mem::take(&mut self.triangles);
+        let is_done = triangles
+            .iter()
+            .all(|&corners| self.parts.is_empty() || self.subtract(corners, height).is_ok());
+        self.triangles = triangles;
+        is_done
+    }
+
+    /// The parts of the last face: the centre of each, and triangles that it consists of.
+    pub(in crate::bounded) fn parts(
+        &self,
+    ) -> impl Iterator<Item = (Vector, impl Iterator<Item = [Vector; 3]> + '_)> + '_ {
+        self.parts.iter().map(|part| {
+            let at = |k: usize| self.frame.restore(part.vertices()[k]);
+            let fan = (1..part.vertices().len().saturating_sub(1))
+                .map(move |k| [at(0), at(k), at(k + 1)]);
+            (self.frame.restore(part.centre()), fan)
+        })
+    }
+
+    /// Takes away from all parts what a triangle covers.
+    fn subtract(&mut self, corners: [Vector; 3], height: f64) -> Result<(), TooManyVertices> {
+        let shadow = self.shadow(corners, height)?;
+        if shadow.vertices().len() < 2 {
+            return Ok(());
+        }
+        let (from, to) = shadow.ends();
+        let longest = length_of(from, to);
+        let is_narrow = shadow.doubled_area() <= NARROW * longest;
+        self.sides.clear();
+        if is_narrow {
+            // It covers nothing, but parts must end at it.
+            self.sides.extend([(from, to), (to, from)].into_iter().filter_map(Line::through));
+        } else {
+            self.sides.extend(shadow.sides().filter_map(Line::through));
+        }
+        let sides = &self.sides;
+        self.other.clear();
+        for part in &self.parts {
+            let is_apart = part.is_beside(&shadow) && !is_narrow
+                || sides.iter().any(|side| part.is_right_of(side))
+                || part.sides().filter_map(Line::through).any(|side| shadow.is_right_of(&side));
+            if is_apart {
+                self.other.push(*part);
+                continue;
+            }
+            let mut rest = Some(*part);
+            for side in sides {
+                let Some(polygon) = rest else { break };
+                let (covered, uncovered) = polygon.split(side)?;
+                self.other.extend(uncovered.filter(is_wide));
+                rest = covered;
+            }
+        }
+        std::mem::swap(&mut self.parts, &mut self.other);
+        if self.parts.len() > MAX_PARTS { Err(TooManyVertices) } else { Ok(()) }
+    }
+
+    /// The part of a triangle that is at most `height` from the plane, projected onto it.
+    fn shadow(&self, corners: [Vector; 3], height: f64) -> Result<Polygon, TooManyVertices> {
+        let heights =
+            corners.map(|corner| dot(self.frame.normal, subtract(corner, self.frame.origin)));
+        let points = corners.map(|corner| self.frame.flat(corner));
+        let mut shadow = Polygon::EMPTY;
+        for k in 0..3 {
+            let next = (k + 1) % 3;
+            let (from, to) = (heights[k], heights[next]);
+            let at = |level: f64| {
+                let share = (level - from) / (to - from);
+                [0, 1].map(|axis| points[k][axis] + share * (points[next][axis] - points[k][axis]))
+            };
+            if from.abs() <= height {
+                shadow.push(points[k])?;
+            }
+            // Along a side, levels are crossed in the order of its direction.
+            let levels = if from < to { [-height, height] } else { [height, -height] };
+            for level in levels {
+                if (from < level && level < to) || (to < level && level < from) {
+                    shadow.push(at(level))?;
+                }
+            }
+        }
+        if shadow.doubled_area() < 0.0 {
+            shadow.reverse();
+        }
+        Ok(shadow)
+    }
+}
+
+/// Whether a part is wide enough to count.
+fn is_wide(part: &Polygon) -> bool {
+    let (from, to) = part.ends();
+    part.doubled_area() > NARROW * length_of(from, to)
+}
+
+fn length_of(from: Point, to: Point) -> f64 {
+    let [x, y] = [to[0] - from[0], to[1] - from[1]];
+    (x * x + y * y).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::vector::distance;
+    use crate::mesh::shapes::{cuboid, join, uv_sphere};
+
+    /// A point of a triangle by two shares.
+    fn point_of([a, b, c]: [Vector; 3], mut u: f64, mut v: f64) -> Vector {
+        if u + v > 1.0 {
+            (u, v) = (1.0 - u, 1.0 - v);
+        }
+        add(a, add(scale(subtract(b, a), u), scale(subtract(c, a), v)))
+    }
+
+    fn contains([a, b, c]: [Vector; 3], point: Vector) -> bool {
+        let whole = length(area_normal(a, b, c));
+        let parts = [[point, b, c], [a, point, c], [a, b, point]]
+            .map(|[a, b, c]| length(area_normal(a, b, c)));
+        parts.iter().sum::<f64>() <= whole + 1e-9
+    }
+
+    #[test]
+    fn what_is_covered_is_near_and_what_remains_is_on_one_side() {
+        let mesh = join(&[
+            cuboid([-0.4, -0.3, -0.1], [0.4, 0.3, 0.1]),
+            uv_sphere(8, [0.1, 0.0, 0.2], 0.15),
+            cuboid([0.0, -0.05, 0.1], [0.1, 0.05, 0.4]),
+        ]);
+        let bvh = Bvh::new(&mesh.positions, &mesh.triangles);
+        let mut remainder = Remainder::default();
+        let share = |k: u32, step: f64| (0.5 + step * f64::from(k)).fract();
+        let mut found = 0;
+        for index in 0..300_u32 {
+            let corner = |k: u32| {
+                [0.754_877, 0.569_840, 0.430_159].map(|step| share(7 * index + k, step) - 0.5)
+            };
+            // Every other face lies in a side of the box.
+            let mut face = [corner(1), corner(2), corner(3)];
+            if index % 2 == 0 {
+                face = face.map(|[x, y, _]| [x, y, 0.1]);
+            }
+            let height = 0.01;
+            if !remainder.find(face, 1.0, height, &bvh) {
+                continue;
+            }
+            found += 1;
+            let parts: Vec<(Vector, Vec<[Vector; 3]>)> =
+                remainder.parts().map(|(centre, fan)| (centre, fan.collect())).collect();
+            for sample in 0..200 {
+                let point = point_of(face, share(sample, 0.754_877), share(sample, 0.569_840));
+                let nearest = bvh.closest_point(point, f64::INFINITY).unwrap().point;
+                let own = parts
+                    .iter()
+                    .find(|(_, fan)| fan.iter().any(|&triangle| contains(triangle, point)));
+                match own {
+                    None => assert!(distance(point, nearest) <= height, "{index}, {sample}"),
+                    Some(&(centre, _)) => {
+                        let is_clear = distance(point, nearest) > 1e-6;
+                        assert!(!is_clear || bvh.is_inside(point) == bvh.is_inside(centre));
+                    }
+                }
+            }
+        }
+        assert!(found > 150, "{found}");
+    }
+}
