@@ -29,7 +29,7 @@ const SAME_PLANE: f64 = 0.995;
 /// What a loop, or a loop with holes, becomes.
 #[derive(Debug, Clone)]
 pub(super) enum Candidate {
-    Crack { triangles: Vec<[u32; 3]> },
+    Crack { loop_index: usize, triangles: Vec<[u32; 3]> },
     Cap(Cap),
     NotFlat { loop_index: usize },
     NotSimple { loop_index: usize },
@@ -71,7 +71,8 @@ pub(super) fn candidates(positions: &[Vector], loops: &[Loop], flatness: f64) ->
     let mut planes: Vec<Option<Plane>> = Vec::new();
     for (loop_index, (points, own)) in points.iter().zip(loops).enumerate() {
         if is_crack(points) {
-            found.push(Candidate::Crack { triangles: zip_crack(points, &own.vertices) });
+            let triangles = zip_crack(points, &own.vertices);
+            found.push(Candidate::Crack { loop_index, triangles });
             planes.push(None);
             continue;
         }

@@ -28,7 +28,8 @@
 //!    only another cap. This is repeated until no more caps fall.
 //! 6. One beyond which is inside already stays open: parts of an open skin, as the planks of a chest without
 //!    backs, enclose a solid together.
-//! 7. The caps of a component most of whose boundary stays open are left.
+//! 7. The caps of a component most of whose boundary stays open are left, and all caps of a mesh nine tenths of
+//!    whose boundary do.
 //! 8. Where nothing else stays open, those of 6 are closed after all, as a leg's end within a table's top, but
 //!    are no surface: the mesh is closed then, and nothing can touch them.
 //!
@@ -72,6 +73,10 @@ const MOST_SEEN: f64 = 0.05;
 /// Where more of the rays than this only see another cap, there is too little surface to tell: between the rim
 /// of a cup and that of its liner a little below.
 const MOST_CAPPED: f64 = 0.5;
+
+/// Where caps close less than this share of what stays open, by length, there is little to win: a mesh of
+/// fragments takes a few hulls more with a few caps.
+const LEAST_CLOSED: f64 = 0.1;
 
 /// What of [`Parameters`](crate::Parameters) openings depend on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -122,11 +127,15 @@ fn close(
     let flatness = flatness_in_diagonals(prepared, settings);
     let mut closing = Closing { triangles: Vec::new(), hidden: Vec::new(), openings: Vec::new() };
     let mut caps: Vec<(Cap, OpeningOutcome)> = Vec::new();
+    let mut is_crack = vec![false; loops.len()];
     for candidate in candidates(positions, &loops, flatness) {
         let left =
             |loop_index: usize, outcome| Opening::left(&loops[loop_index], prepared, outcome);
         match candidate {
-            Candidate::Crack { triangles } => closing.triangles.extend(triangles),
+            Candidate::Crack { loop_index, triangles } => {
+                is_crack[loop_index] = true;
+                closing.triangles.extend(triangles);
+            }
             Candidate::NotFlat { loop_index } => {
                 closing.openings.push(left(loop_index, OpeningOutcome::NotFlat));
             }
@@ -140,7 +149,7 @@ fn close(
     if !caps.is_empty() {
         decide(prepared, source, &loops, &mut caps, settings, control)?;
     }
-    leave_fragments(prepared, &loops, &mut caps);
+    leave_fragments(prepared, &loops, &is_crack, &mut caps);
     let is_left = |outcome: &OpeningOutcome| !outcome.is_closed();
     if closing.openings.iter().any(|opening| is_left(&opening.outcome))
         || caps.iter().any(|(_, outcome)| is_left(outcome))
@@ -162,9 +171,14 @@ fn close(
     Ok(closing)
 }
 
-/// Leaves the caps of components most of whose boundary, by length, stays open: with a few caps they
-/// are no solids.
-fn leave_fragments(prepared: &PreparedMesh, loops: &[Loop], caps: &mut [(Cap, OpeningOutcome)]) {
+/// Leaves the caps of components most of whose boundary, by length, stays open, and all of them where nearly
+/// all of the mesh's boundary does: with a few caps such a mesh is no solid.
+fn leave_fragments(
+    prepared: &PreparedMesh,
+    loops: &[Loop],
+    is_crack: &[bool],
+    caps: &mut [(Cap, OpeningOutcome)],
+) {
     let mut outcomes = vec![OpeningOutcome::NotFlat; loops.len()];
     for (cap, outcome) in caps.iter() {
         cap.loops.iter().for_each(|&index| outcomes[index] = *outcome);
@@ -173,23 +187,26 @@ fn leave_fragments(prepared: &PreparedMesh, loops: &[Loop], caps: &mut [(Cap, Op
         let neighbour = own.neighbours.first().copied().unwrap_or_default();
         prepared.components[neighbour as usize] as usize
     };
-    let (mut closed, mut left) =
-        (vec![0.0; prepared.closed.len()], vec![0.0; prepared.closed.len()]);
-    for (own, outcome) in loops.iter().zip(outcomes) {
+    let components = prepared.closed.len();
+    let (mut closed, mut left) = (vec![0.0; components], vec![0.0; components]);
+    let mut within = 0.0;
+    for ((own, outcome), _) in loops.iter().zip(outcomes).zip(is_crack).filter(|own| !own.1) {
+        let length = own.length(&prepared.mesh.positions);
         match outcome {
-            outcome if outcome.is_closed() => {
-                closed[component_of(own)] += own.length(&prepared.mesh.positions)
-            }
-            OpeningOutcome::SolidBeyond | OpeningOutcome::ClosedWithin => {}
-            _ => left[component_of(own)] += own.length(&prepared.mesh.positions),
+            OpeningOutcome::SolidBeyond | OpeningOutcome::ClosedWithin => within += length,
+            OpeningOutcome::Closed => closed[component_of(own)] += length,
+            _ => left[component_of(own)] += length,
         }
     }
+    let sum = |lengths: &[f64]| lengths.iter().sum::<f64>();
+    let all_left = sum(&left) + if sum(&left) > 0.0 { within } else { 0.0 };
+    let is_little = sum(&closed) < LEAST_CLOSED * all_left;
     for (cap, outcome) in caps.iter_mut() {
         let is_fragment = cap.loops.iter().any(|&index| {
             let component = component_of(&loops[index]);
             left[component] > closed[component]
         });
-        if outcome.is_closed() && is_fragment {
+        if outcome.is_closed() && (is_fragment || is_little) {
             *outcome = OpeningOutcome::Fragment;
         }
     }
