@@ -15,7 +15,7 @@ mod statistics;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use experiments::{agreement, cancel, corpus, identical, props, stages, table1, targets};
+use experiments::{agreement, cancel, corpus, identical, openings, props, stages, table1, targets};
 use hullwright::internals::terminal::Failure;
 use runs::worker;
 
@@ -41,6 +41,7 @@ enum Command {
     Agreement(agreement::Arguments),
     Corpus(corpus::Arguments),
     Identical(identical::Arguments),
+    Openings(openings::Arguments),
     Props(props::Arguments),
     Stages(stages::Arguments),
     Cancel(cancel::Arguments),
@@ -59,6 +60,7 @@ fn main() -> ExitCode {
         Command::Agreement(arguments) => agreement::run(&arguments),
         Command::Corpus(arguments) => corpus::run(&arguments),
         Command::Identical(arguments) => identical::run(&arguments),
+        Command::Openings(arguments) => openings::run(&arguments),
         Command::Props(arguments) => props::run(&arguments),
         Command::Stages(arguments) => stages::run(&arguments),
         Command::Cancel(arguments) => cancel::run(&arguments),

@@ -4,6 +4,7 @@ pub mod agreement;
 pub mod cancel;
 pub mod corpus;
 pub mod identical;
+pub mod openings;
 pub mod props;
 pub mod stages;
 pub mod table1;

@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use hullwright::internals::terminal::{Failure, print};
 use hullwright::io::read_mesh;
 use hullwright::measure::{MeasureOptions, measure};
 use hullwright::{Control, Decomposition, Length, Parameters, Preset, decompose};
 
-use crate::output::{Failure, print};
 use crate::runs::meshes::find;
 use crate::statistics::{mean, median};
 

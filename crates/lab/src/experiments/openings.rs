@@ -1,0 +1,91 @@
+//! `cargo lab openings`: hulls and time with all openings kept, and with openings closed.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use hullwright::internals::terminal::{Failure, print};
+use hullwright::io::read_mesh;
+use hullwright::measure::{MeasureOptions, measure};
+use hullwright::{Control, Openings, Parameters, decompose};
+
+use crate::runs::meshes::find;
+use crate::statistics::median;
+
+/// Compare hulls and time with openings kept and with openings closed, on every mesh where one is closed
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Meshes, and folders of meshes
+    #[arg(required = true, value_name = "DIR")]
+    folders: Vec<PathBuf>,
+}
+
+/// Meshes with one hull more may come out either way; with more it counts as worse.
+const ONE_MORE: usize = 1;
+
+/// What is summed over the meshes: with openings kept, and closed.
+#[derive(Default)]
+struct Totals {
+    hulls: [usize; 2],
+    seconds: [f64; 2],
+    ratios: Vec<f64>,
+    worse: usize,
+    broken: usize,
+    closed: usize,
+    left: usize,
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let mut totals = Totals::default();
+    for mesh in find(&arguments.folders)? {
+        let Ok(file) = read_mesh(&mesh.path) else { continue };
+        let control = Control::new();
+        let timed = |openings: Openings| {
+            let start = Instant::now();
+            let parameters = Parameters::default().openings(openings);
+            decompose(&file, &parameters, &control)
+                .map(|found| (found, start.elapsed().as_secs_f64()))
+        };
+        let Ok((closed, after)) = timed(Openings::Auto) else { continue };
+        let openings = &closed.report.openings;
+        let count = openings.iter().filter(|opening| opening.outcome.is_closed()).count();
+        if count == 0 {
+            continue;
+        }
+        let (kept, before) = timed(Openings::Keep)?;
+        let hulls = [kept.hulls.len(), closed.hulls.len()];
+        totals.hulls = [totals.hulls[0] + hulls[0], totals.hulls[1] + hulls[1]];
+        totals.seconds = [totals.seconds[0] + before, totals.seconds[1] + after];
+        totals.ratios.push(after / before);
+        totals.worse += usize::from(hulls[1] > hulls[0] + ONE_MORE);
+        totals.closed += count;
+        totals.left += openings.len() - count;
+        let judged = measure(&file, &closed.hulls, &MeasureOptions::default(), &control)?;
+        let bound = closed.report.bounded.as_ref().map_or(0.0, |bounded| bounded.bound);
+        totals.broken += usize::from(judged.hausdorff * judged.diagonal > bound * (1.0 + 1e-6));
+        print(&format!(
+            "{:4} → {:3} hulls {:8.1} → {:7.1} ms {count:4} closed {:4} left  {}",
+            hulls[0],
+            hulls[1],
+            1e3 * before,
+            1e3 * after,
+            openings.len() - count,
+            mesh.path.display()
+        ))?;
+    }
+    let Totals { hulls, seconds, ratios, worse, broken, closed, left } = totals;
+    if ratios.is_empty() {
+        return print("no opening was closed");
+    }
+    let ratio_of_hulls = hulls[1] as f64 / hulls[0] as f64;
+    print(&format!(
+        "{} meshes, {closed} openings closed, {left} left: {} → {} hulls ({ratio_of_hulls:.3} times), {:.2} → {:.2} s \
+         ({:.2} times, median {:.2}), {worse} with more than one hull more, {broken} broken promises",
+        ratios.len(),
+        hulls[0],
+        hulls[1],
+        seconds[0],
+        seconds[1],
+        seconds[1] / seconds[0],
+        median(ratios),
+    ))
+}
