@@ -1,10 +1,11 @@
 //! Triangles that carry no surface: those without area, and those that are there already.
 
 use super::area::is_degenerate;
+use super::canonical_order::triangle_key;
 use super::caps::split_beyond_caps;
 use crate::geometry::vector::Vector;
 
-/// The candidates that have an area, ascending, each with its number in the input; and how many
+/// The candidates that have an area, in their order, each with its number in the input; and how many
 /// have none. Where one that has none would leave a gap, what is beyond it is split.
 pub(super) fn drop_degenerate(
     positions: &[Vector],
@@ -29,7 +30,7 @@ pub(super) fn drop_degenerate(
         split_beyond_caps(positions, &mut kept, &mut candidates);
         let mut paired: Vec<(u32, [u32; 3])> = candidates.into_iter().zip(kept).collect();
         paired.retain(|&(_, triangle)| !is_degenerate(positions, triangle));
-        paired.sort_by_key(|&(source, _)| source);
+        paired.sort_by_key(|&(_, triangle)| triangle_key(triangle));
         (candidates, kept) = paired.into_iter().unzip();
     }
     (kept, candidates, degenerate)

@@ -7,6 +7,7 @@ use crate::geometry::vector::{Vector, add, bounds, length, scale, subtract};
 
 pub(crate) mod adjacency;
 mod area;
+mod canonical_order;
 mod caps;
 mod components;
 mod degenerate;
@@ -64,12 +65,12 @@ impl Normalization {
 /// What repair hands to the stages after it.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PreparedMesh {
-    /// Welded, oriented, and normalised.
+    /// Welded, oriented, normalised, and in an order of its own.
     pub mesh: TriangleMesh,
     /// From this space to the input's.
     pub normalization: Normalization,
-    /// For each triangle its index in the input, ascending; twice where a triangle was split. Those that
-    /// close openings come last and have none: `u32::MAX`.
+    /// For each triangle its index in the input; the same for both halves where a triangle was split. Those
+    /// that close openings have none: `u32::MAX`.
     pub source_triangles: Vec<u32>,
     /// For each vertex its index in the input; of welded ones the first.
     pub source_vertices: Vec<u32>,
@@ -182,7 +183,6 @@ mod tests {
             };
             let PreparedMesh { mesh, components, closed, repairs, .. } = prepared;
             prop_assert!(!mesh.triangles.iter().any(|&t| is_degenerate(&mesh.positions, t)));
-            prop_assert!(prepared.source_triangles.is_sorted());
             prop_assert_eq!(mesh.positions.len(), prepared.source_vertices.len());
 
             let adjacency = Adjacency::new(&mesh);

@@ -1,10 +1,11 @@
 //! Repair: any triangle soup becomes the clean mesh that the other stages work on.
 //!
 //! Triangles with a coordinate that is not finite go, the rest is moved to the origin and scaled,
-//! vertices are welded, degenerate and duplicate triangles go without tearing what is around
+//! vertices are sorted by place and welded, degenerate and duplicate triangles go without tearing what is around
 //! them, winding is made consistent and outward, and connected components are found. Holes,
 //! non-manifold edges and intersections stay: they are normal input.
 
+use super::canonical_order::{rotated, triangle_key, vertices_by_place};
 use super::components::Connectivity;
 use super::degenerate::{drop_degenerate, drop_duplicates};
 use super::edges::SortedHalfEdges;
@@ -69,7 +70,15 @@ pub fn prepare(source: MeshView<'_>, control: &Control) -> Result<PreparedMesh, 
         source.positions().map(|point| survey.normalization.normalize(point)).collect();
     control.check()?;
 
-    let representatives = weld(&normalized, &survey.used, control)?;
+    let order = vertices_by_place(&normalized, &survey.used);
+    let by_place: Vec<Vector> = order.iter().map(|&vertex| normalized[vertex as usize]).collect();
+    let mut ranks = vec![0_u32; vertices];
+    for (rank, &vertex) in (0_u32..).zip(&order) {
+        ranks[vertex as usize] = rank;
+    }
+    drop(normalized);
+    control.check()?;
+    let representatives = weld(&by_place, control)?;
     repairs.welded_vertices = (0..)
         .zip(&representatives)
         .filter(|&(vertex, &representative)| vertex != representative)
@@ -77,21 +86,28 @@ pub fn prepare(source: MeshView<'_>, control: &Control) -> Result<PreparedMesh, 
     control.check()?;
 
     let candidates = survey.candidates.len();
-    let corners = |t: u32| triangles[t as usize].map(|vertex| representatives[vertex as usize]);
+    let corners = |t: u32| {
+        triangles[t as usize].map(|vertex| representatives[ranks[vertex as usize] as usize])
+    };
+    let mut keyed: Vec<_> =
+        survey.candidates.into_iter().map(|t| (triangle_key(corners(t)), t)).collect();
+    keyed.sort_unstable();
+    let in_order: Vec<u32> = keyed.iter().map(|&(_, t)| t).collect();
+    drop(keyed);
     let (mut kept, mut source_triangles, degenerate) =
-        drop_degenerate(&normalized, survey.candidates, corners);
+        drop_degenerate(&by_place, in_order, corners);
     repairs.degenerate_triangles =
         triangles.len() - repairs.non_finite_triangles - candidates + degenerate;
     if kept.is_empty() {
         return Err(nothing_usable(triangles.len(), repairs.non_finite_triangles));
     }
-    let (duplicates, is_both_ways) = drop_duplicates(&mut kept, &mut source_triangles, vertices);
+    let (duplicates, is_both_ways) = drop_duplicates(&mut kept, &mut source_triangles, order.len());
     repairs.duplicate_triangles = duplicates;
     control.check()?;
 
-    let source_vertices = compact(&mut kept, vertices);
+    let mut source_vertices = compact(&mut kept, order.len());
+    source_vertices.iter_mut().for_each(|vertex| *vertex = order[*vertex as usize]);
     repairs.unused_vertices = vertices - source_vertices.len() - repairs.welded_vertices;
-    drop(normalized);
     drop(representatives);
     let normalization = Normalization::of(source_vertices.iter().map(|&v| source.at(v)));
     let positions =
@@ -105,6 +121,7 @@ pub fn prepare(source: MeshView<'_>, control: &Control) -> Result<PreparedMesh, 
     repairs.non_manifold_edges = connectivity.non_manifold_edges;
     control.check()?;
     let turned = orient(&mesh.positions, &mut mesh.triangles, &connectivity);
+    mesh.triangles.iter_mut().for_each(|triangle| *triangle = rotated(*triangle));
     repairs.flipped_triangles = turned.iter().filter(|&&turned| turned).count();
     control.check()?;
 

@@ -26,18 +26,13 @@ const VERTICES_PER_CHECK: usize = 16_384;
 const NONE: u32 = u32::MAX;
 
 /// For each vertex the vertex that stands for it: itself, or an earlier one within
-/// [`WELD_TOLERANCE`]. The first vertex at a place stands for the others. Vertices for which
-/// `used` does not hold stand for themselves and for no other.
+/// [`WELD_TOLERANCE`]. The first vertex at a place stands for the others.
 ///
 /// Positions are normalised. Linear time, unless more vertices than usual lie in one cell.
 ///
 /// # Errors
 /// [`Error::Cancelled`].
-pub(crate) fn weld(
-    positions: &[Vector],
-    used: &[bool],
-    control: &Control,
-) -> Result<Vec<u32>, Error> {
+pub(crate) fn weld(positions: &[Vector], control: &Control) -> Result<Vec<u32>, Error> {
     let slots = (positions.len() * SLOTS_PER_VERTEX).next_power_of_two().max(2);
     let shift = 64 - slots.trailing_zeros();
     let mut heads = vec![NONE; slots];
@@ -51,9 +46,6 @@ pub(crate) fn weld(
     for (vertex, &position) in positions.iter().enumerate() {
         if vertex.is_multiple_of(VERTICES_PER_CHECK) {
             control.check()?;
-        }
-        if !used[vertex] {
-            continue;
         }
         let low = position.map(|x| floor((x - WELD_TOLERANCE) / cell_size));
         let high = position.map(|x| floor((x + WELD_TOLERANCE) / cell_size));
@@ -104,7 +96,7 @@ mod tests {
     use super::*;
 
     fn weld_all(positions: &[Vector]) -> Vec<u32> {
-        weld(positions, &vec![true; positions.len()], &Control::new()).unwrap()
+        weld(positions, &Control::new()).unwrap()
     }
 
     #[test]
@@ -125,14 +117,6 @@ mod tests {
             assert_eq!(weld_all(&[below, above]), [0, 0]);
         }
         assert_eq!(weld_all(&[[0.0; 3], [-0.0; 3]]), [0, 0]);
-    }
-
-    #[test]
-    fn unused_vertices_are_left_out() {
-        let nan = [f64::NAN; 3];
-        let positions = [[0.0; 3], [0.0; 3], nan, [0.0; 3]];
-        let used = [false, true, false, true];
-        assert_eq!(weld(&positions, &used, &Control::new()), Ok(vec![0, 1, 2, 1]));
     }
 
     #[test]

@@ -50,7 +50,12 @@ pub fn close_openings<'a>(
     let Closed { prepared, openings, nested_components } = closed;
     let restore = |&point| prepared.normalization.restore(point);
     let positions = prepared.mesh.positions.iter().map(restore).collect();
-    let caps = prepared.source_triangles.iter().rev().take_while(|&&t| t == CAP).count();
-    let mesh = TriangleMesh::new(positions, prepared.mesh.triangles);
-    Ok(ClosedMesh { mesh, caps, openings, nested_components })
+    let sources = prepared.source_triangles.iter();
+    let (caps, mut triangles): (Vec<_>, Vec<_>) =
+        sources.zip(&prepared.mesh.triangles).partition(|&(&source, _)| source == CAP);
+    let count = caps.len();
+    triangles.extend(caps);
+    let triangles = triangles.into_iter().map(|(_, &triangle)| triangle).collect();
+    let mesh = TriangleMesh::new(positions, triangles);
+    Ok(ClosedMesh { mesh, caps: count, openings, nested_components })
 }

@@ -73,11 +73,13 @@ pub fn assign_source_triangles(
     };
     for (&label, &source) in labels.iter().zip(&prepared.source_triangles) {
         if let Some(hull) = hulls.get_mut(label as usize) {
-            // A triangle that repair split in two is still one of the source.
-            if hull.provenance.source_triangles.last() != Some(&source) {
-                hull.provenance.source_triangles.push(source);
-            }
+            hull.provenance.source_triangles.push(source);
         }
+    }
+    for hull in hulls {
+        hull.provenance.source_triangles.sort_unstable();
+        // A triangle that repair split in two is still one of the source.
+        hull.provenance.source_triangles.dedup();
     }
     Ok(())
 }

@@ -1,0 +1,79 @@
+//! An order of vertices and triangles that depends on their places alone, so that whatever order a file
+//! has them in, the stages after it see the same mesh.
+//!
+//! Vertices are sorted by place, triangles by the set of their vertices; each triangle begins with its
+//! least vertex. O(n log n).
+
+use crate::geometry::vector::Vector;
+
+/// Places are compared in steps of 2^-20 diagonals first, about the weld distance: what differs by rounding
+/// alone, as a copy in other units, is in the same order.
+const STEPS: f64 = (1_u64 << 20) as f64;
+
+/// Bits of a coordinate in a key: normalised ones are from -0.5 to 0.5.
+const BITS: u32 = 21;
+
+/// The vertices in use, sorted by place.
+pub(super) fn vertices_by_place(positions: &[Vector], used: &[bool]) -> Vec<u32> {
+    let half = 1_i64 << (BITS - 1);
+    let part = |x: f64| ((x * STEPS).round() as i64 + half).clamp(0, 2 * half - 1) as u64;
+    let key = |[x, y, z]: Vector| part(x) << (2 * BITS) | part(y) << BITS | part(z);
+    let in_use = (0_u32..).zip(used).filter(|&(_, &used)| used);
+    let mut keyed: Vec<(u64, u32)> =
+        in_use.map(|(vertex, _)| (key(positions[vertex as usize]), vertex)).collect();
+    keyed.sort_unstable();
+    for close in keyed.chunk_by_mut(|a, b| a.0 == b.0).filter(|close| close.len() > 1) {
+        close.sort_by(|a, b| {
+            let [a, b] = [a.1, b.1].map(|vertex| positions[vertex as usize]);
+            let by_axis = |axis: usize| a[axis].total_cmp(&b[axis]);
+            by_axis(0).then(by_axis(1)).then(by_axis(2))
+        });
+    }
+    keyed.into_iter().map(|(_, vertex)| vertex).collect()
+}
+
+/// The triangle with its least vertex first, wound as it is.
+pub(super) fn rotated([a, b, c]: [u32; 3]) -> [u32; 3] {
+    if a <= b && a <= c {
+        [a, b, c]
+    } else if b <= c {
+        [b, c, a]
+    } else {
+        [c, a, b]
+    }
+}
+
+/// By the set of vertices, then by the winding.
+pub(super) fn triangle_key(triangle: [u32; 3]) -> ([u32; 3], bool) {
+    let [a, b, c] = rotated(triangle);
+    ([a, b.min(c), b.max(c)], b > c)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn vertices_are_sorted_by_place_and_not_by_rounding() {
+        let noise = 1e-12;
+        let positions = [[0.25, 0.1, 0.0], [0.25 + noise, -0.1, 0.0], [-0.5, 0.5, 0.5], [0.0; 3]];
+        assert_eq!(vertices_by_place(&positions, &[true; 4]), [2, 3, 1, 0]);
+        assert_eq!(vertices_by_place(&positions, &[true, false, true, false]), [2, 0]);
+    }
+
+    #[test]
+    fn vertices_closer_than_a_step_are_sorted_exactly() {
+        let positions = [[2e-9, 0.0, 0.0], [1e-9, 0.0, 0.0], [1e-9, -1e-9, 0.0]];
+        assert_eq!(vertices_by_place(&positions, &[true; 3]), [2, 1, 0]);
+    }
+
+    #[test]
+    fn a_triangle_keeps_its_winding() {
+        for triangle in [[5, 7, 9], [7, 9, 5], [9, 5, 7]] {
+            assert_eq!(rotated(triangle), [5, 7, 9]);
+        }
+        assert_eq!(rotated([9, 7, 5]), [5, 9, 7]);
+        assert!(triangle_key([9, 7, 5]) > triangle_key([5, 7, 9]));
+        assert_eq!(triangle_key([9, 7, 5]).0, triangle_key([5, 7, 9]).0);
+    }
+}
