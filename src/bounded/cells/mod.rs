@@ -27,8 +27,7 @@ use planar_groups::{PlanarGroups, planar_groups};
 const FLATNESS: f64 = 0.05;
 
 /// A notch that is less deep, in bounds, does not ask for a cut: a hull across it protrudes by its
-/// depth at most. With 0.5, 19 props that had become worse had 303 hulls instead of 309, in 16 %
-/// more time.
+/// depth at most. With 0.5, 19 hard props had 303 hulls instead of 309, in 16 % more time.
 const LEAST_DEPTH: f64 = 1.5;
 
 /// Notches up to this deep, in bounds, may be bridged in part: hulls that end between them are
