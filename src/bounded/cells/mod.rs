@@ -27,7 +27,7 @@ use planar_groups::{PlanarGroups, planar_groups};
 const FLATNESS: f64 = 0.05;
 
 /// A notch that is less deep, in bounds, does not ask for a cut: a hull across it protrudes by its
-/// depth at most. With 0.5 there are four times as many cells, and no fewer hulls.
+/// depth at most. With 0.5, 19 hard props had 303 hulls instead of 309, in 16 % more time.
 const LEAST_DEPTH: f64 = 1.5;
 
 /// Notches up to this deep, in bounds, may be bridged in part: hulls that end between them are
@@ -38,8 +38,8 @@ const SHALLOW: f64 = 2.0;
 /// The weight of a notch's second plane: all notches are resolved by one plane first.
 const SECOND_WEIGHT: f64 = 0.3;
 
-/// Longest edge in diagonals where there are shallow notches. With 0.15 there are 1 % fewer hulls
-/// in 30 % more time.
+/// Longest edge in diagonals where there are shallow notches. With 0.15 the same 19 props had 288
+/// hulls instead of 289, in 36 % more time.
 const LONGEST_EDGE: f64 = 0.25;
 
 /// Planes that a mesh is cut along at most, those of the most important notches: curved concave

@@ -7,7 +7,7 @@
 use super::context::FinalizeContext;
 use super::final_hull::FinalHull;
 use super::make_hull::make_hull;
-use super::verify::protrusion::protrusion;
+use super::verify::protrusion::keeps_bound;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, bounds};
 use crate::hull::{HullBuilder, solid_hull};
@@ -106,7 +106,7 @@ fn candidate(
     if settings.max_vertices.is_some_and(|most| joint.points.len() > most) {
         return Ok(None);
     }
-    if protrusion(&joint, solid, settings.bound, settings.bound, control)? > settings.bound {
+    if !keeps_bound(&joint, solid, settings.bound, control)? {
         return Ok(None);
     }
     let volume = joint.volume();

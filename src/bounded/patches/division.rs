@@ -5,7 +5,6 @@ use super::patch::Patch;
 use super::patch_mesh::PatchMesh;
 use crate::bounded::containment::fit_tester::FitTester;
 use crate::bounded::containment::solid::Solid;
-use crate::bounded::containment::triangle::centre;
 use crate::bounded::growing_hull::GrowingHull;
 use crate::bounded::settings::Settings;
 use crate::control::Control;
@@ -96,7 +95,7 @@ fn swallows_space(mesh: &PatchMesh, triangles: &[u32], solid: &Solid, bound: f64
     let units = units(mesh, triangles);
     let step = units.len().div_ceil(MAX_COMPARED);
     let centres: Vec<Vector> =
-        units.iter().step_by(step).map(|unit| centre_of(mesh, unit)).collect();
+        units.iter().step_by(step).map(|unit| mesh.centre_of(unit)).collect();
     centres.iter().enumerate().any(|(index, &first)| {
         centres[..index].iter().any(|&second| solid.separates(first, second, bound))
     })
@@ -127,7 +126,7 @@ fn units(mesh: &PatchMesh, triangles: &[u32]) -> Vec<Vec<u32>> {
 /// Two halves along the longest principal axis. Neither is empty for two triangles or more.
 fn halves(mesh: &PatchMesh, triangles: &[u32]) -> (Vec<u32>, Vec<u32>) {
     let units = units(mesh, triangles);
-    let centres: Vec<Vector> = units.iter().map(|unit| centre_of(mesh, unit)).collect();
+    let centres: Vec<Vector> = units.iter().map(|unit| mesh.centre_of(unit)).collect();
     let sum = centres.iter().fold([0.0; 3], |sum, &centre| add(sum, centre));
     let mean = scale(sum, 1.0 / units.len() as f64);
     let mut covariance = [[0.0; 3]; 3];
@@ -151,20 +150,6 @@ fn halves(mesh: &PatchMesh, triangles: &[u32]) -> (Vec<u32>, Vec<u32>) {
         part
     };
     (part(&order[..half]), part(&order[half..]))
-}
-
-/// The centre of triangles by area; of a single one its own.
-fn centre_of(mesh: &PatchMesh, triangles: &[u32]) -> Vector {
-    if let &[triangle] = triangles {
-        return centre(mesh.corners(triangle));
-    }
-    let (mut sum, mut area) = ([0.0; 3], f64::MIN_POSITIVE);
-    for &triangle in triangles {
-        let weight = length(mesh.normal(triangle));
-        sum = add(sum, scale(centre(mesh.corners(triangle)), weight));
-        area += weight;
-    }
-    scale(sum, 1.0 / area)
 }
 
 /// About the eigenvector of the greatest eigenvalue, by power iteration.

@@ -13,7 +13,7 @@ pub(in crate::bounded) struct Patch {
     /// Vertices of its hull, except those nearer to it than the patch tolerance; all of its points
     /// where it is flat.
     pub points: Vec<Vector>,
-    /// Two of `points` that are far apart.
+    /// Two of `points` that are far apart; of coarse meshes the centre, too.
     pub representatives: Vec<Vector>,
     /// Sum of its triangles' area normals, each twice as long as the triangle's area.
     pub outward: Vector,

@@ -6,13 +6,14 @@
 use super::patch::Patch;
 use crate::bounded::cells::{Cells, cells};
 use crate::bounded::clustering::Clustered;
+use crate::bounded::containment::triangle::centre;
 use crate::bounded::refine::refine;
 use crate::bounded::settings::{COARSE, Settings};
 use crate::bvh::Bvh;
 use crate::bvh::closest_triangles::closest_triangles;
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, add, area_normal, length};
+use crate::geometry::vector::{Vector, add, area_normal, length, scale};
 use crate::hull::HullBuilder;
 use crate::mesh::simplify::simplify;
 use crate::mesh::{PreparedMesh, TriangleMesh};
@@ -132,7 +133,25 @@ impl PatchMesh {
         let component = triangles.first().map_or(0, |&triangle| components[triangle as usize]);
         let mut patch = Patch { outward, area, triangles: own, component, ..Patch::default() };
         patch.set_points(points);
+        if !self.parts.is_empty() {
+            // Ends of large patches around empty space can all be near other patches.
+            patch.representatives.push(self.centre_of(triangles));
+        }
         patch
+    }
+
+    /// The centre of triangles by area; of a single one its own.
+    pub(super) fn centre_of(&self, triangles: &[u32]) -> Vector {
+        if let &[triangle] = triangles {
+            return centre(self.corners(triangle));
+        }
+        let (mut sum, mut area) = ([0.0; 3], f64::MIN_POSITIVE);
+        for &triangle in triangles {
+            let weight = length(self.normal(triangle));
+            sum = add(sum, scale(centre(self.corners(triangle)), weight));
+            area += weight;
+        }
+        scale(sum, 1.0 / area)
     }
 
     pub(super) fn corners(&self, triangle: u32) -> [Vector; 3] {

@@ -49,6 +49,7 @@ pub(super) struct Probe {
     /// At most the distance to the surface, up to the excess of the grid's distances; negative if
     /// nothing is known.
     pub lower: f64,
+    /// The point's cell: its index in a filled grid, its place in a lazy one.
     pub(super) index: usize,
     pub(super) place: [usize; 3],
 }

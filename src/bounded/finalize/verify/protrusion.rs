@@ -60,9 +60,42 @@ pub(in crate::bounded) fn protrusion(
     limit: f64,
     control: &Control,
 ) -> Result<f64, Error> {
-    let displacement = solid.displacement();
     let unresolved = if solid.is_closed { UNRESOLVED } else { UNRESOLVED_IN_OPEN };
-    let known = (unresolved * bound).max(displacement);
+    protrusion_beyond(unresolved * bound, hull, solid, bound, limit, control)
+}
+
+/// Whether no point of the hull's faces is farther than the bound from the solid. Faster than the
+/// protrusion: nothing below the bound is resolved.
+///
+/// # Errors
+/// [`Error::Cancelled`].
+pub(in crate::bounded) fn keeps_bound(
+    hull: &ConvexHull,
+    solid: &Solid,
+    bound: f64,
+    control: &Control,
+) -> Result<bool, Error> {
+    if !solid.is_coarse() {
+        return Ok(protrusion(hull, solid, bound, bound, control)? <= bound);
+    }
+    // Most hulls that protrude do so at one of few points.
+    let fits = |face| solid.centre_fits(face, bound) && solid.quarters_fit(face, bound);
+    let known = (1.0 - RESOLUTION) * bound;
+    Ok(hull.corners().all(fits)
+        && protrusion_beyond(known, hull, solid, bound, bound, control)? <= bound)
+}
+
+/// The protrusion, if it is more than `unresolved`.
+fn protrusion_beyond(
+    unresolved: f64,
+    hull: &ConvexHull,
+    solid: &Solid,
+    bound: f64,
+    limit: f64,
+    control: &Control,
+) -> Result<f64, Error> {
+    let displacement = solid.displacement();
+    let known = unresolved.max(displacement);
     let mut search = Search { solid, bound, limit, displacement, known };
     if search.cavities_exceed(hull) {
         return Ok(search.known);
@@ -93,22 +126,19 @@ pub(in crate::bounded) fn protrusion(
         }
         match search.examine(part) {
             Decision::Settled => {}
-            Decision::Halve
-                if may_be_crossed
-                    && remainder.find(
-                        part,
-                        radius(centre(part), part),
-                        enough(search.known, bound),
-                        &solid.bvh,
-                    ) =>
-            {
-                for (centre, triangles) in remainder.parts() {
-                    if !solid.is_closed || !solid.bvh.is_inside(centre) {
-                        stack.extend(triangles.map(|part| (part, false)));
+            Decision::Halve => {
+                let radius = radius(centre(part), part);
+                let enough = enough(search.known, bound);
+                if may_be_crossed && remainder.find(part, radius, enough, &solid.bvh) {
+                    for (centre, triangles) in remainder.parts() {
+                        if !solid.is_closed || !solid.bvh.is_inside(centre) {
+                            stack.extend(triangles.map(|part| (part, false)));
+                        }
                     }
+                } else {
+                    stack.extend(halves(part).map(|half| (half, may_be_crossed)));
                 }
             }
-            Decision::Halve => stack.extend(halves(part).map(|half| (half, may_be_crossed))),
             Decision::Exceeds(distance) => return Ok(distance),
         }
     }
