@@ -5,6 +5,7 @@ use crate::error::Error;
 use crate::geometry::vector::{area_normal, cross, dot, length, maximum, minimum};
 use crate::geometry::{Bounds, MeshView};
 use crate::mesh::PreparedMesh;
+use crate::mesh::canonical_order::MeshOrder;
 use crate::mesh::repair::{Repairs, prepare};
 use crate::openings::prepare::close_prepared;
 use crate::openings::{Opening, OpeningSettings};
@@ -96,7 +97,7 @@ pub fn inspect_with<'a>(
 ) -> Result<Inspection, Error> {
     let source = mesh.into();
     let control = Control::new();
-    let prepared = prepare(source, &control)?;
+    let prepared = prepare(source, MeshOrder::Place, &control)?;
     let diagonal = prepared.normalization.diagonal;
     let (area, _) = measure(&prepared);
     let settings = OpeningSettings::from(parameters);
@@ -150,6 +151,7 @@ mod tests {
     use super::*;
     use crate::mesh::TriangleMesh;
     use crate::mesh::shapes::{cuboid, hemisphere, join, turn};
+    use crate::parameters::Openings;
 
     fn inspect_mesh(mesh: &TriangleMesh) -> Inspection {
         inspect(mesh).unwrap()
@@ -184,7 +186,13 @@ mod tests {
         assert_eq!((found.components, found.closed_components), (3, 2));
         assert!(!found.is_closed());
         assert_eq!(found.repairs.open_edges, 3);
-        assert_eq!(inspect_mesh(&hemisphere(8)).volume, 0.0);
+        let keep = Parameters::default().openings(Openings::Keep);
+        assert_eq!(inspect_with(&hemisphere(8), &keep).unwrap().volume, 0.0);
+        let closed = inspect_mesh(&hemisphere(8));
+        assert!(
+            closed.volume > 1.5 && closed.openings.len() == 1,
+            "without its flat side it is a solid"
+        );
     }
 
     #[test]

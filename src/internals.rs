@@ -8,6 +8,7 @@ pub mod terminal;
 
 pub use crate::geometry::vector;
 pub use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
+pub use crate::mesh::canonical_order::MeshOrder;
 pub use crate::mesh::repair::prepare;
 pub use crate::mesh::{Normalization, PreparedMesh, TriangleMesh, shapes};
 pub use crate::parallel::with as with_parallelism;

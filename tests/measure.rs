@@ -41,13 +41,12 @@ fn shapes(hulls: &[Mesh]) -> Vec<MeshView<'_>> {
 }
 
 fn judged(mesh: &Mesh, hulls: &[Mesh]) -> Measurement {
-    measure(
-        MeshView::new(&mesh.0, &mesh.1),
-        &shapes(hulls),
-        &MeasureOptions::default(),
-        &Control::new(),
-    )
-    .unwrap()
+    judged_with(mesh, hulls, &MeasureOptions::default())
+}
+
+fn judged_with(mesh: &Mesh, hulls: &[Mesh], options: &MeasureOptions) -> Measurement {
+    let view = MeshView::new(&mesh.0, &mesh.1);
+    measure(view, &shapes(hulls), options, &Control::new()).unwrap()
 }
 
 #[track_caller]
@@ -166,13 +165,17 @@ fn the_hull_of_a_u_fills_its_gap() {
 }
 
 #[test]
-fn a_cavity_is_not_solid() {
+fn a_cavity_is_solid_unless_it_is_kept() {
     let outer = cuboid([0.0; 3], [1.0; 3]);
     let hollow = join(outer.clone(), &flipped(cuboid([0.25; 3], [0.75; 3])));
-    let found = judged(&hollow, &[outer]);
+    let filled = judged(&hollow, &[outer.clone()]);
+    assert_near(filled.iou.unwrap(), 1.0, COUNTING);
+    let mut options = MeasureOptions::default();
+    options.keep_cavities = true;
+    let found = judged_with(&hollow, &[outer], &options);
     assert_near(found.iou.unwrap(), 7.0 / 8.0, COUNTING);
     assert_near(found.protrusion.max, 0.0, ROUNDING);
-    let inner = judged(&hollow, &[cuboid([0.25; 3], [0.75; 3])]);
+    let inner = judged_with(&hollow, &[cuboid([0.25; 3], [0.75; 3])], &options);
     assert_eq!(inner.iou, Some(0.0));
     assert_eq!(inner.uncovered_volume, Some(1.0));
 }
@@ -195,9 +198,13 @@ fn an_open_sheet_has_distances_but_no_volume() {
 fn a_hole_does_not_turn_the_solid_inside_out() {
     let (positions, triangles) = unit_cube();
     let open: Mesh = (positions, triangles[1..].to_vec());
-    let found = judged(&open, &[cuboid([0.1; 3], [0.9; 3])]);
+    let mut options = MeasureOptions::default();
+    options.openings = hullwright::Openings::Keep;
+    let found = judged_with(&open, &[cuboid([0.1; 3], [0.9; 3])], &options);
     assert_near(found.protrusion.max, 0.0, ROUNDING);
     assert_eq!(found.iou, None);
+    let closed = judged(&open, &[cuboid([0.1; 3], [0.9; 3])]);
+    assert_near(closed.iou.unwrap(), 0.512, COUNTING);
 }
 
 #[test]

@@ -47,7 +47,7 @@ use containment::fit_tester::FitTester;
 use containment::solid::Solid;
 use finalize::final_hull::FinalHulls;
 use finalize::finalize;
-use max_hulls::limit_hulls;
+use max_hulls::{BoundSearch, limit_hulls};
 use merge::merge;
 use output::BoundedResult;
 use patches::divide_into_patches;
@@ -72,12 +72,14 @@ const FINALIZE_AT: f32 = 0.9;
 /// The pipeline, stage by stage, for each of the preset's passes.
 pub(crate) struct Run {
     prepared: PreparedMesh,
-    /// One for each pass.
+    /// One for each pass. Those under larger bounds, for the cap on hulls, are added as they come.
     settings: Vec<Settings>,
     /// The current pass: some presets divide the surface more than once.
     pass: usize,
-    /// The fewest hulls so far.
+    /// The fewest hulls so far; under the cap on hulls those with the least error.
     best: Option<Box<(Patches, FinalHulls)>>,
+    /// Where the preset's passes ended with too many hulls.
+    bound_search: Option<BoundSearch>,
     state: State,
 }
 
@@ -98,7 +100,8 @@ impl Run {
             *coordinate = (*coordinate * ROUNDING).round() / ROUNDING;
         }
         let settings = Settings::of_preset(parameters, prepared.normalization.diagonal);
-        Self { prepared, settings, pass: 0, best: None, state: State::Prepare(None) }
+        let state = State::Prepare(None);
+        Self { prepared, settings, pass: 0, best: None, bound_search: None, state }
     }
 
     /// The stage of the next step, and the share of the work before it.
@@ -110,7 +113,10 @@ impl Run {
             State::Cover(_) => (Stage::SetCover, COVER_AT),
             State::Finalize(_) | State::Done => (Stage::Hulls, FINALIZE_AT),
         };
-        (stage, (self.pass as f32 + share) / self.settings.len() as f32)
+        match &self.bound_search {
+            None => (stage, (self.pass as f32 + share) / self.settings.len() as f32),
+            Some(search) => (stage, FINALIZE_AT + (1.0 - FINALIZE_AT) * search.progress(share)),
+        }
     }
 
     /// Runs the next stage. `None` while there are more.
@@ -164,6 +170,9 @@ impl Run {
         hulls: FinalHulls,
         control: &Control,
     ) -> Result<Option<BoundedResult>, Error> {
+        if self.bound_search.is_some() {
+            return self.end_pass_under_cap(&solid, patches, hulls, control);
+        }
         let is_better =
             self.best.as_ref().is_none_or(|best| hulls.hulls.len() < best.1.hulls.len());
         if is_better {
@@ -174,17 +183,53 @@ impl Run {
             self.state = State::Prepare(Some(Box::new(solid)));
             return Ok(None);
         }
-        let (Some(best), Some(settings)) = (self.best.take(), self.settings.get(self.pass)) else {
+        let Some(best) = self.best.take() else { return Err(Error::Finished) };
+        let (patches, hulls) = *best;
+        let settings = &self.settings[self.pass];
+        if settings.max_hulls.is_some_and(|most| hulls.hulls.len() > most) {
+            self.bound_search = Some(BoundSearch::new(settings.bound));
+            return self.end_pass_under_cap(&solid, patches, hulls, control);
+        }
+        Ok(Some(self.result(&patches, &hulls)))
+    }
+
+    /// Joins hulls down to the cap, keeps the result with less error, and goes on to a pass under a
+    /// larger bound or returns.
+    fn end_pass_under_cap(
+        &mut self,
+        solid: &Solid,
+        patches: Patches,
+        mut hulls: FinalHulls,
+        control: &Control,
+    ) -> Result<Option<BoundedResult>, Error> {
+        let settings = &self.settings[self.pass];
+        let (Some(most), Some(search)) = (settings.max_hulls, &mut self.bound_search) else {
             return Err(Error::Finished);
         };
-        let (patches, mut hulls) = *best;
-        if let Some(most) = settings.max_hulls
-            && hulls.hulls.len() > most
-        {
-            hulls.hulls = limit_hulls(&hulls.hulls, most, &patches, &solid, settings, control)?;
+        if hulls.hulls.len() > most {
+            search.refuse(settings.bound);
+            hulls.hulls = limit_hulls(&hulls.hulls, most, &patches, solid, settings, control)?;
         }
+        if self.best.as_ref().is_none_or(|best| hulls.error() < best.1.error()) {
+            self.best = Some(Box::new((patches, hulls)));
+        }
+        let Some(best) = self.best.take() else { return Err(Error::Finished) };
+        if !control.is_past_deadline()
+            && let Some(bound) = search.next_bound(best.1.error())
+        {
+            let settings = settings.with_bound(bound);
+            self.settings.push(settings);
+            self.pass = self.settings.len() - 1;
+            self.best = Some(best);
+            self.state = State::Prepare(None);
+            return Ok(None);
+        }
+        Ok(Some(self.result(&best.0, &best.1)))
+    }
+
+    fn result(&mut self, patches: &Patches, hulls: &FinalHulls) -> BoundedResult {
         let prepared = std::mem::take(&mut self.prepared);
-        Ok(Some(BoundedResult::new(prepared, &patches, &hulls, settings.bound)))
+        BoundedResult::new(prepared, patches, hulls, self.settings[0].bound)
     }
 }
 

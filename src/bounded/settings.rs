@@ -134,24 +134,41 @@ impl Settings {
             Length::Share(share) => share,
             Length::Units(length) => length / diagonal,
         };
+        let max_vertices = parameters.max_vertices;
+        let unbounded = Self {
+            bound: 0.0,
+            search_bound: 0.0,
+            last_round_bound: 0.0,
+            triangles,
+            longest_edge: 0.0,
+            grouping_threshold: 0.0,
+            patch_size,
+            patch_tolerance: 0.0,
+            cover_tolerance: 0.0,
+            dissolve_attempts,
+            max_vertices,
+            max_hulls,
+            keep_cavities,
+        };
+        unbounded.with_bound(bound)
+    }
+
+    /// The same under another bound, in diagonals.
+    pub(super) fn with_bound(&self, bound: f64) -> Self {
         let bound = bound.clamp(MIN_BOUND, MAX_BOUND);
+        let has_dissolving = self.dissolve_attempts > 0;
         let search_share =
-            if dissolve_attempts > 0 { SEARCH_SHARE } else { SEARCH_SHARE_WITHOUT_DISSOLVING };
+            if has_dissolving { SEARCH_SHARE } else { SEARCH_SHARE_WITHOUT_DISSOLVING };
         let (shortest, longest) = (*LONGEST_EDGE_LIMITS.start(), *LONGEST_EDGE_LIMITS.end());
         Self {
             bound,
             search_bound: search_share * bound,
             last_round_bound: LAST_ROUND_SHARE * bound,
-            triangles,
             longest_edge: (LONGEST_EDGE * bound).clamp(shortest, longest),
             grouping_threshold: GROUPING_THRESHOLD * bound,
-            patch_size,
             patch_tolerance: PATCH_SHARE_OF_UNCOVERED * bound,
             cover_tolerance: PATCH_SHARE_OF_UNCOVERED * bound,
-            dissolve_attempts,
-            max_vertices: parameters.max_vertices,
-            max_hulls,
-            keep_cavities,
+            ..*self
         }
     }
 }

@@ -6,7 +6,7 @@ use super::*;
 use crate::decompose::decompose;
 use crate::mesh::TriangleMesh;
 use crate::mesh::shapes::{cuboid, hemisphere, join, torus, turn, uv_sphere};
-use crate::parameters::Parameters;
+use crate::parameters::{Openings, Parameters};
 
 /// A density that is not 1, so that a forgotten one shows.
 const DENSITY: f64 = 3.0;
@@ -125,7 +125,10 @@ fn an_overlap_counts_once() {
 fn an_open_mesh_takes_the_union_of_its_hulls_or_its_own() {
     let mut bar = cuboid([0.0; 3], [2.0, 1.0, 1.0]);
     bar.triangles.pop();
-    let found = of(&bar);
+    let keep = Parameters::default().openings(Openings::Keep);
+    let of_shell =
+        |mesh, hulls: &[Hull]| mass_properties_with(mesh, hulls, DENSITY, &keep).unwrap();
+    let found = of_shell(&bar, &[]);
     assert_eq!(found.source, MassSource::ConvexHull);
     assert_properties(&found, 2.0, box_inertia([2.0, 1.0, 1.0]), 1e-9);
 
@@ -135,11 +138,12 @@ fn an_open_mesh_takes_the_union_of_its_hulls_or_its_own() {
         decompose(&mesh, &parameters, &Control::new()).unwrap().hulls
     };
     let hulls = [hull([0.0; 3], [1.5, 1.0, 1.0]), hull([0.5, 0.0, 0.0], [2.0, 1.0, 1.0])].concat();
-    let found = mass_properties(&bar, &hulls, DENSITY).unwrap();
+    let found = of_shell(&bar, &hulls);
     assert_eq!(found.source, MassSource::HullUnion);
     assert_properties(&found, 2.0, box_inertia([2.0, 1.0, 1.0]), 0.01);
 
-    assert_eq!(of(&hemisphere(16)).source, MassSource::ConvexHull);
+    assert_eq!(of_shell(&hemisphere(16), &[]).source, MassSource::ConvexHull);
+    assert_eq!(of(&bar).source, MassSource::Mesh, "its flat opening is closed");
 }
 
 #[test]

@@ -36,6 +36,7 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::MeshView;
 use crate::geometry::vector::{Vector, add, bounds, maximum, minimum};
+use crate::mesh::canonical_order::MeshOrder;
 use crate::mesh::repair::Survey;
 use crate::mesh::{Normalization, TriangleMesh};
 use crate::openings::OpeningSettings;
@@ -328,7 +329,8 @@ impl Mesh {
         control: &Control,
     ) -> Result<(Self, Normalization), Error> {
         let &MeasureOptions { openings, flatness, up_axis, keep_cavities, .. } = options;
-        let settings = OpeningSettings { openings, flatness, up_axis, keep_cavities };
+        let settings =
+            OpeningSettings { openings, flatness, up_axis, keep_cavities, order: MeshOrder::Place };
         let closed = prepare_closed(source, &settings, control)?;
         let is_changed = closed.is_changed();
         let prepared = closed.prepared;

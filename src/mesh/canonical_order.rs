@@ -1,7 +1,7 @@
 //! An order of vertices and triangles that depends on their places alone, so that whatever order a file
 //! has them in, the stages after it see the same mesh.
 //!
-//! Vertices are sorted by place, triangles by the set of their vertices; each triangle begins with its
+//! Vertices are sorted along a space-filling curve, triangles by the set of their vertices; each triangle begins with its
 //! least vertex. O(n log n).
 
 use crate::geometry::vector::Vector;
@@ -13,11 +13,26 @@ const STEPS: f64 = (1_u64 << 20) as f64;
 /// Bits of a coordinate in a key: normalised ones are from -0.5 to 0.5.
 const BITS: u32 = 21;
 
-/// The vertices in use, sorted by place.
+/// In which order repair leaves vertices and triangles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MeshOrder {
+    /// That of the input. The paper's method takes it so: its groups depend on where they begin.
+    Input,
+    /// By place.
+    Place,
+}
+
+/// The vertices in use, in the order of the input.
+pub(super) fn used_vertices(used: &[bool]) -> Vec<u32> {
+    (0_u32..).zip(used).filter(|&(_, &used)| used).map(|(vertex, _)| vertex).collect()
+}
+
+/// The vertices in use, sorted by place: along a Z-order curve (Morton, 1966), so that neighbours in the
+/// order are mostly neighbours in space.
 pub(super) fn vertices_by_place(positions: &[Vector], used: &[bool]) -> Vec<u32> {
     let half = 1_i64 << (BITS - 1);
     let part = |x: f64| ((x * STEPS).round() as i64 + half).clamp(0, 2 * half - 1) as u64;
-    let key = |[x, y, z]: Vector| part(x) << (2 * BITS) | part(y) << BITS | part(z);
+    let key = |[x, y, z]: Vector| spread(part(x)) << 2 | spread(part(y)) << 1 | spread(part(z));
     let in_use = (0_u32..).zip(used).filter(|&(_, &used)| used);
     let mut keyed: Vec<(u64, u32)> =
         in_use.map(|(vertex, _)| (key(positions[vertex as usize]), vertex)).collect();
@@ -30,6 +45,15 @@ pub(super) fn vertices_by_place(positions: &[Vector], used: &[bool]) -> Vec<u32>
         });
     }
     keyed.into_iter().map(|(_, vertex)| vertex).collect()
+}
+
+/// The lowest 21 bits, each with two free bits above it.
+fn spread(x: u64) -> u64 {
+    let x = (x | x << 32) & 0x001f_0000_0000_ffff;
+    let x = (x | x << 16) & 0x001f_0000_ff00_00ff;
+    let x = (x | x << 8) & 0x100f_00f0_0f00_f00f;
+    let x = (x | x << 4) & 0x10c3_0c30_c30c_30c3;
+    (x | x << 2) & 0x1249_2492_4924_9249
 }
 
 /// The triangle with its least vertex first, wound as it is.
@@ -56,9 +80,12 @@ mod tests {
     #[test]
     fn vertices_are_sorted_by_place_and_not_by_rounding() {
         let noise = 1e-12;
-        let positions = [[0.25, 0.1, 0.0], [0.25 + noise, -0.1, 0.0], [-0.5, 0.5, 0.5], [0.0; 3]];
-        assert_eq!(vertices_by_place(&positions, &[true; 4]), [2, 3, 1, 0]);
-        assert_eq!(vertices_by_place(&positions, &[true, false, true, false]), [2, 0]);
+        let mut positions = [[0.25, 0.1, 0.0], [0.25, -0.1, 0.0], [-0.5, 0.5, 0.5], [0.0; 3]];
+        let expected = vertices_by_place(&positions, &[true; 4]);
+        positions[0][0] += noise;
+        positions[1][0] -= noise;
+        assert_eq!(vertices_by_place(&positions, &[true; 4]), expected);
+        assert_eq!(vertices_by_place(&positions, &[false, false, true, false]), [2]);
     }
 
     #[test]

@@ -1,7 +1,9 @@
 //! Triangles that carry no surface: those without area, and those that are there already.
 
+use std::cmp::Ordering;
+
 use super::area::is_degenerate;
-use super::canonical_order::triangle_key;
+use super::canonical_order::{MeshOrder, triangle_key};
 use super::caps::split_beyond_caps;
 use crate::geometry::vector::Vector;
 
@@ -11,6 +13,7 @@ pub(super) fn drop_degenerate(
     positions: &[Vector],
     mut candidates: Vec<u32>,
     corners: impl Fn(u32) -> [u32; 3],
+    order: MeshOrder,
 ) -> (Vec<[u32; 3]>, Vec<u32>, usize) {
     let mut degenerate = 0;
     let mut has_caps = false;
@@ -30,13 +33,16 @@ pub(super) fn drop_degenerate(
         split_beyond_caps(positions, &mut kept, &mut candidates);
         let mut paired: Vec<(u32, [u32; 3])> = candidates.into_iter().zip(kept).collect();
         paired.retain(|&(_, triangle)| !is_degenerate(positions, triangle));
-        paired.sort_by_key(|&(_, triangle)| triangle_key(triangle));
+        match order {
+            MeshOrder::Input => paired.sort_by_key(|&(source, _)| source),
+            MeshOrder::Place => paired.sort_by_key(|&(_, triangle)| triangle_key(triangle)),
+        }
         (candidates, kept) = paired.into_iter().unzip();
     }
     (kept, candidates, degenerate)
 }
 
-/// Drops triangles whose vertices an earlier one has too, in whatever order. Returns how many, and
+/// Keeps one of the triangles that have the same vertices, wound as most of them are. Returns how many go, and
 /// for each triangle that is left whether there were as many of it one way round as the other:
 /// then it is a sheet without an inside.
 ///
@@ -71,11 +77,17 @@ pub(super) fn drop_duplicates(
         bucket.sort_unstable();
         for copies in bucket.chunk_by(|first, second| first[..2] == second[..2]) {
             duplicates += copies.len() - 1;
-            for copy in &copies[1..] {
-                is_duplicate[copy[2] as usize] = true;
+            let is_up = |copy: &[u32; 3]| is_ascending(triangles[copy[2] as usize]);
+            let ascending = copies.iter().filter(|copy| is_up(copy)).count();
+            let kept = match (2 * ascending).cmp(&copies.len()) {
+                Ordering::Equal => copies.first(),
+                most => copies.iter().find(|copy| is_up(copy) == (most == Ordering::Greater)),
+            };
+            copies.iter().for_each(|copy| is_duplicate[copy[2] as usize] = true);
+            if let Some(kept) = kept {
+                is_duplicate[kept[2] as usize] = false;
+                is_both_ways[kept[2] as usize] = 2 * ascending == copies.len();
             }
-            let ascending = copies.iter().filter(|copy| is_ascending(triangles[copy[2] as usize]));
-            is_both_ways[copies[0][2] as usize] = 2 * ascending.count() == copies.len();
         }
     }
     if duplicates > 0 {

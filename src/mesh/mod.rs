@@ -7,7 +7,7 @@ use crate::geometry::vector::{Vector, add, bounds, length, scale, subtract};
 
 pub(crate) mod adjacency;
 mod area;
-mod canonical_order;
+pub(crate) mod canonical_order;
 mod caps;
 mod components;
 mod degenerate;
@@ -150,6 +150,7 @@ mod tests {
 
     use super::adjacency::{Adjacency, NO_NEIGHBOUR};
     use super::area::is_degenerate;
+    use super::canonical_order::MeshOrder;
     use super::repair::prepare;
     use super::simplify::simplify;
     use super::*;
@@ -172,7 +173,7 @@ mod tests {
 
         #[test]
         fn any_soup_is_repaired_or_refused(soup in soup()) {
-            let result = prepare(soup.view(), &Control::new());
+            let result = prepare(soup.view(), MeshOrder::Place, &Control::new());
             let prepared = match result {
                 Ok(prepared) => prepared,
                 Err(error) => {
@@ -208,7 +209,7 @@ mod tests {
         #[test]
         fn repairing_again_changes_nothing(soup in soup()) {
             let repair = |mesh: &TriangleMesh| {
-                prepare(mesh.view(), &Control::new())
+                prepare(mesh.view(), MeshOrder::Place, &Control::new())
             };
             if let Ok(once) = repair(&soup) {
                 let twice = repair(&once.mesh).expect("usable once, usable twice");

@@ -5,7 +5,7 @@
 //! them, winding is made consistent and outward, and connected components are found. Holes,
 //! non-manifold edges and intersections stay: they are normal input.
 
-use super::canonical_order::{rotated, triangle_key, vertices_by_place};
+use super::canonical_order::{MeshOrder, rotated, triangle_key, used_vertices, vertices_by_place};
 use super::components::Connectivity;
 use super::degenerate::{drop_degenerate, drop_duplicates};
 use super::edges::SortedHalfEdges;
@@ -55,7 +55,12 @@ pub struct Repairs {
 /// # Errors
 /// [`Error::EmptyMesh`], [`Error::TooLarge`], [`Error::IndexOutOfRange`],
 /// [`Error::NothingUsable`], [`Error::Cancelled`].
-pub fn prepare(source: MeshView<'_>, control: &Control) -> Result<PreparedMesh, Error> {
+pub fn prepare(
+    source: MeshView<'_>,
+    order: MeshOrder,
+    control: &Control,
+) -> Result<PreparedMesh, Error> {
+    let keeps = order;
     let (vertices, triangles) = (source.vertex_count(), source.triangles());
     validate(source)?;
     control.check()?;
@@ -70,7 +75,10 @@ pub fn prepare(source: MeshView<'_>, control: &Control) -> Result<PreparedMesh, 
         source.positions().map(|point| survey.normalization.normalize(point)).collect();
     control.check()?;
 
-    let order = vertices_by_place(&normalized, &survey.used);
+    let order = match order {
+        MeshOrder::Input => used_vertices(&survey.used),
+        MeshOrder::Place => vertices_by_place(&normalized, &survey.used),
+    };
     let by_place: Vec<Vector> = order.iter().map(|&vertex| normalized[vertex as usize]).collect();
     let mut ranks = vec![0_u32; vertices];
     for (rank, &vertex) in (0_u32..).zip(&order) {
@@ -89,13 +97,12 @@ pub fn prepare(source: MeshView<'_>, control: &Control) -> Result<PreparedMesh, 
     let corners = |t: u32| {
         triangles[t as usize].map(|vertex| representatives[ranks[vertex as usize] as usize])
     };
-    let mut keyed: Vec<_> =
-        survey.candidates.into_iter().map(|t| (triangle_key(corners(t)), t)).collect();
-    keyed.sort_unstable();
-    let in_order: Vec<u32> = keyed.iter().map(|&(_, t)| t).collect();
-    drop(keyed);
+    let mut in_order = survey.candidates;
+    if keeps == MeshOrder::Place {
+        in_order.sort_by_cached_key(|&t| triangle_key(corners(t)));
+    }
     let (mut kept, mut source_triangles, degenerate) =
-        drop_degenerate(&by_place, in_order, corners);
+        drop_degenerate(&by_place, in_order, corners, keeps);
     repairs.degenerate_triangles =
         triangles.len() - repairs.non_finite_triangles - candidates + degenerate;
     if kept.is_empty() {
@@ -121,7 +128,9 @@ pub fn prepare(source: MeshView<'_>, control: &Control) -> Result<PreparedMesh, 
     repairs.non_manifold_edges = connectivity.non_manifold_edges;
     control.check()?;
     let turned = orient(&mesh.positions, &mut mesh.triangles, &connectivity);
-    mesh.triangles.iter_mut().for_each(|triangle| *triangle = rotated(*triangle));
+    if keeps == MeshOrder::Place {
+        mesh.triangles.iter_mut().for_each(|triangle| *triangle = rotated(*triangle));
+    }
     repairs.flipped_triangles = turned.iter().filter(|&&turned| turned).count();
     control.check()?;
 

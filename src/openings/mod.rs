@@ -56,6 +56,7 @@ use crate::error::Error;
 use crate::geometry::vector::{Vector, add, distance, scale};
 use crate::geometry::{MeshView, Sidedness};
 use crate::mesh::PreparedMesh;
+use crate::mesh::canonical_order::MeshOrder;
 use crate::parameters::{BoundedParameters, Length, Method, Openings, Parameters, UpAxis};
 
 pub use closed_mesh::{ClosedMesh, close_openings};
@@ -87,6 +88,7 @@ pub(crate) struct OpeningSettings {
     pub up_axis: UpAxis,
     /// Whether closed components that nothing can reach stay.
     pub keep_cavities: bool,
+    pub order: MeshOrder,
 }
 
 impl From<&Parameters> for OpeningSettings {
@@ -95,10 +97,16 @@ impl From<&Parameters> for OpeningSettings {
         let BoundedParameters { openings, up_axis, max_error: flatness, keep_cavities, .. } =
             parameters.bounded;
         match parameters.method {
-            Method::Bounded => Self { openings, flatness, up_axis, keep_cavities },
-            Method::Surface => {
-                Self { openings: Openings::Keep, flatness, up_axis, keep_cavities: true }
+            Method::Bounded => {
+                Self { openings, flatness, up_axis, keep_cavities, order: MeshOrder::Place }
             }
+            Method::Surface => Self {
+                openings: Openings::Keep,
+                flatness,
+                up_axis,
+                keep_cavities: true,
+                order: MeshOrder::Input,
+            },
         }
     }
 }

@@ -5,6 +5,7 @@ use super::{Closing, Opening, OpeningSettings, close};
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::MeshView;
+use crate::mesh::canonical_order::MeshOrder;
 use crate::mesh::repair::prepare;
 use crate::mesh::{CAP, HIDDEN_CAP, PreparedMesh, TriangleMesh};
 use crate::parameters::Openings;
@@ -41,7 +42,7 @@ pub(crate) fn prepare_closed(
     settings: &OpeningSettings,
     control: &Control,
 ) -> Result<Closed, Error> {
-    close_prepared(prepare(source, control)?, source, settings, control)
+    close_prepared(prepare(source, settings.order, control)?, source, settings, control)
 }
 
 /// The same for a mesh that is repaired already.
@@ -89,7 +90,7 @@ fn with_caps(
     let triangles =
         [before.mesh.triangles.as_slice(), &closing.triangles, &closing.hidden].concat();
     let mesh = TriangleMesh::new(positions, triangles);
-    let mut after = prepare(mesh.view(), control)?;
+    let mut after = prepare(mesh.view(), MeshOrder::Place, control)?;
     let was_both_ways =
         |triangle: u32| before.is_both_ways.get(triangle as usize).copied().unwrap_or(false);
     for (t, &triangle) in after.source_triangles.iter().enumerate() {

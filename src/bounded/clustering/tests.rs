@@ -2,6 +2,7 @@ use super::*;
 use crate::bvh::Bvh;
 use crate::geometry::vector::{add, length, scale};
 use crate::mesh::Normalization;
+use crate::mesh::canonical_order::MeshOrder;
 use crate::mesh::repair::prepare;
 use crate::mesh::shapes::{cuboid, join, torus};
 
@@ -9,7 +10,7 @@ const BOUND: f64 = 0.02;
 
 fn clustered(mesh: &TriangleMesh) -> Option<Clustered> {
     let control = Control::new();
-    let prepared = prepare(mesh.view(), &control).unwrap();
+    let prepared = prepare(mesh.view(), MeshOrder::Place, &control).unwrap();
     Clustered::new(&prepared, BOUND, 0.08, &control).unwrap()
 }
 

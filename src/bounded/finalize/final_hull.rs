@@ -54,3 +54,10 @@ pub(in crate::bounded) struct FinalHulls {
     /// No point of the surface is farther than this outside all hulls.
     pub uncovered: f64,
 }
+
+impl FinalHulls {
+    /// The larger of protrusion and uncovered distance.
+    pub(in crate::bounded) fn error(&self) -> f64 {
+        self.hulls.iter().map(|hull| hull.protrusion).fold(self.uncovered, f64::max)
+    }
+}

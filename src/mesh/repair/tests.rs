@@ -5,11 +5,12 @@ use crate::geometry::vector::{cross, dot, length_squared, subtract};
 use crate::mesh::shapes::{cuboid, join, mobius_strip, torus, turn};
 
 fn repaired(mesh: &TriangleMesh) -> PreparedMesh {
-    prepare(mesh.view(), &Control::new()).expect("usable")
+    prepare(mesh.view(), MeshOrder::Place, &Control::new()).expect("usable")
 }
 
 fn refused(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Error {
-    prepare(MeshView::new(positions, triangles), &Control::new()).expect_err("unusable")
+    prepare(MeshView::new(positions, triangles), MeshOrder::Place, &Control::new())
+        .expect_err("unusable")
 }
 
 fn cube() -> TriangleMesh {
@@ -46,6 +47,12 @@ fn volume(mesh: &TriangleMesh) -> f64 {
     tetrahedra.map(|[a, b, c]| dot(a, cross(b, c)) / 6.0).sum()
 }
 
+fn sorted(numbers: &[u32]) -> Vec<u32> {
+    let mut sorted = numbers.to_vec();
+    sorted.sort_unstable();
+    sorted
+}
+
 #[test]
 fn a_clean_box_only_moves_to_the_origin_with_a_diagonal_of_one() {
     let prepared = repaired(&cuboid([1.0, 2.0, 3.0], [3.0, 5.0, 9.0]));
@@ -56,8 +63,8 @@ fn a_clean_box_only_moves_to_the_origin_with_a_diagonal_of_one() {
     for (x, expected) in corner.into_iter().zip([1.0 / 7.0, 1.5 / 7.0, 3.0 / 7.0]) {
         assert!((x - expected).abs() < 1e-15);
     }
-    assert_eq!(prepared.source_triangles, Vec::from_iter(0..12));
-    assert_eq!(prepared.source_vertices, Vec::from_iter(0..8));
+    assert_eq!(sorted(&prepared.source_triangles), Vec::from_iter(0..12));
+    assert_eq!(sorted(&prepared.source_vertices), Vec::from_iter(0..8));
     assert_eq!(prepared.components, [0; 12]);
     assert_eq!(prepared.closed, [true]);
 }
@@ -65,7 +72,8 @@ fn a_clean_box_only_moves_to_the_origin_with_a_diagonal_of_one() {
 #[test]
 fn single_precision_gives_the_same() {
     let positions: Vec<[f32; 3]> = cube().positions.iter().map(|p| p.map(|x| x as f32)).collect();
-    let prepared = prepare(MeshView::new(&positions, &cube().triangles), &Control::new());
+    let prepared =
+        prepare(MeshView::new(&positions, &cube().triangles), MeshOrder::Place, &Control::new());
     assert_eq!(prepared, Ok(repaired(&cube())));
 }
 
@@ -84,11 +92,12 @@ fn a_sidedness_is_given_for_all_triangles_or_for_none() {
     let cube = cube();
     let of = |count| vec![crate::geometry::Sidedness::Two; count];
     let refused = |sidedness: &[_]| {
-        prepare(cube.view().with_sidedness(sidedness), &Control::new()).expect_err("too few")
+        prepare(cube.view().with_sidedness(sidedness), MeshOrder::Place, &Control::new())
+            .expect_err("too few")
     };
     assert_eq!(refused(&of(3)), Error::SidednessCount { sidedness: 3, triangles: 12 });
     let all = of(12);
-    let known = prepare(cube.view().with_sidedness(&all), &Control::new());
+    let known = prepare(cube.view().with_sidedness(&all), MeshOrder::Place, &Control::new());
     assert_eq!(known, Ok(repaired(&cube)));
 }
 
@@ -156,7 +165,7 @@ fn soup_is_welded() {
 }
 
 #[test]
-fn soup_with_rounded_coordinates_is_welded_to_the_first() {
+fn soup_with_rounded_coordinates_is_welded_to_one_of_it() {
     let mut mesh = soup(&moved(&torus(24, 12), 1.0, 0.7));
     for (v, position) in mesh.positions.iter_mut().enumerate() {
         position[v % 3] += (v % 7) as f64 * 1e-8;
@@ -168,7 +177,6 @@ fn soup_with_rounded_coordinates_is_welded_to_the_first() {
         let expected = prepared.normalization.normalize(mesh.positions[source as usize]);
         assert_eq!(position, expected);
     }
-    assert_eq!(prepared.source_vertices[..3], [0, 1, 2]);
 }
 
 #[test]
@@ -190,7 +198,7 @@ fn a_vertex_that_nobody_uses_does_not_matter() {
         let prepared = repaired(&mesh);
         assert_eq!(prepared.repairs.unused_vertices, 1);
         assert_eq!(prepared.mesh, repaired(&cube()).mesh);
-        assert_eq!(prepared.source_vertices, Vec::from_iter(1..9));
+        assert_eq!(sorted(&prepared.source_vertices), Vec::from_iter(1..9));
     }
 }
 
@@ -226,7 +234,7 @@ fn degenerate_triangles_go() {
     let prepared = repaired(&mesh);
     assert_eq!(prepared.repairs.degenerate_triangles, 2);
     assert_eq!(prepared.repairs.unused_vertices, 1);
-    assert_eq!(prepared.source_triangles, Vec::from_iter(1..13));
+    assert_eq!(sorted(&prepared.source_triangles), Vec::from_iter(1..13));
     assert_eq!(prepared.closed, [true]);
 }
 
@@ -243,7 +251,6 @@ fn a_box_with_a_cap_in_its_edge_stays_closed() {
     assert_eq!(prepared.repairs.open_edges, 0);
     assert_eq!(prepared.closed, [true]);
     assert_eq!(prepared.mesh.triangles.len(), 14);
-    assert!(prepared.source_triangles.is_sorted());
     assert_eq!(prepared.source_triangles.iter().filter(|&&t| t == 2).count(), 2);
     assert!((volume(&prepared.mesh) - volume(&repaired(&cube()).mesh)).abs() < 1e-12);
 }
@@ -256,7 +263,7 @@ fn duplicate_triangles_go_however_they_are_wound() {
     mesh.triangles.extend(turn(cube()).triangles);
     let prepared = repaired(&mesh);
     assert_eq!(prepared.repairs.duplicate_triangles, 24);
-    assert_eq!(prepared.source_triangles, Vec::from_iter(0..12));
+    assert_eq!(prepared.mesh, repaired(&cube()).mesh);
     assert_eq!(prepared.closed, [true]);
     assert_eq!(prepared.repairs.flipped_triangles, 0);
     assert_eq!(prepared.is_both_ways, [false; 12]);
@@ -270,8 +277,33 @@ fn what_is_wound_both_ways_is_told_apart_from_what_is_there_twice() {
     mesh.triangles.push(mesh.triangles[7]);
     let prepared = repaired(&mesh);
     assert_eq!(prepared.repairs.duplicate_triangles, 2);
-    let expected: Vec<bool> = (0..12).map(|triangle| triangle == 4).collect();
-    assert_eq!(prepared.is_both_ways, expected);
+    for (&source, &is_both_ways) in prepared.source_triangles.iter().zip(&prepared.is_both_ways) {
+        assert_eq!(is_both_ways, source == 4 || source == 12, "{source}");
+    }
+}
+
+#[test]
+fn the_order_of_the_input_does_not_matter() {
+    let mesh = torus(24, 12);
+    let expected = repaired(&mesh).mesh;
+    let vertices = mesh.positions.len() as u32;
+    for step in [5, 7, 11] {
+        // Each vertex, triangle and corner comes at another place.
+        let place = |vertex: u32| vertex * step % vertices;
+        let mut shuffled = TriangleMesh::new(vec![[0.0; 3]; mesh.positions.len()], Vec::new());
+        for (vertex, &position) in (0_u32..).zip(&mesh.positions) {
+            shuffled.positions[place(vertex) as usize] = position;
+        }
+        let mut triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|t| t.map(place)).collect();
+        triangles.iter_mut().for_each(|t| t.rotate_left(step as usize % 3));
+        triangles.rotate_left(100);
+        triangles.reverse();
+        shuffled.triangles = triangles;
+        assert_eq!(repaired(&shuffled).mesh, expected);
+        assert_eq!(repaired(&turn(shuffled.clone())).mesh, expected, "wound the other way");
+        shuffled.triangles.extend(shuffled.triangles.clone());
+        assert_eq!(repaired(&shuffled).mesh, expected, "all triangles twice");
+    }
 }
 
 #[test]
@@ -386,6 +418,6 @@ fn it_stops_when_cancelled() {
     let control = Control::new();
     control.cancel();
     let mesh = cube();
-    let result = prepare(mesh.view(), &control);
+    let result = prepare(mesh.view(), MeshOrder::Place, &control);
     assert_eq!(result, Err(Error::Cancelled));
 }

@@ -25,8 +25,8 @@ mod surface;
 use std::time::Instant;
 
 use hullwright::internals::{
-    LEAST_CUT_OFF_RESOLUTION, Level, Levels, assign_source_triangles, hulls, merge_groups, prepare,
-    with_parallelism,
+    LEAST_CUT_OFF_RESOLUTION, Level, Levels, MeshOrder, assign_source_triangles, hulls,
+    merge_groups, prepare, with_parallelism,
 };
 use hullwright::{Control, Error, Hull, MeshView, Stage};
 
@@ -73,7 +73,7 @@ pub fn decompose<'a>(
         start = Instant::now();
     };
 
-    let prepared = prepare(mesh.into(), control)?;
+    let prepared = prepare(mesh.into(), MeshOrder::Input, control)?;
     lap(Stage::Repair);
     let mut levels = Levels::new(surface);
     while !levels.is_complete() {

@@ -7,8 +7,9 @@ use crate::geometry::vector::{Vector, add, scale};
 use crate::mesh::TriangleMesh;
 
 /// Maximum number of times that a triangle whose corners are in different hulls is divided in four:
-/// parts are then 64 times as short, and what remains is an upper bound.
-const MAX_DIVISIONS: u32 = 6;
+/// parts are then 256 times as short, and what remains is an upper bound. A side of a plain shape may be
+/// one triangle.
+const MAX_DIVISIONS: u32 = 8;
 
 /// Triangles between two checks for cancellation: a divided one may take a millisecond.
 const TRIANGLES_PER_CHECK: usize = 256;
