@@ -11,7 +11,7 @@ use crate::parallel;
 use crate::parameters::Parameters;
 
 /// The hulls of a decomposition and all that they can be joined to, one join after the other: the
-/// pair whose joint hull stands out least goes first.
+/// pair whose joint hull protrudes least goes first.
 ///
 /// ```
 /// # fn main() -> Result<(), hullwright::Error> {

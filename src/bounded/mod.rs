@@ -7,7 +7,7 @@
 //! | file | stage |
 //! |---|---|
 //! | `settings` | the bound, shares of it, and presets |
-//! | `refine` | long triangles of a coarse mesh are halved |
+//! | `refine` | long triangles are halved, where the shape does not say where to cut |
 //! | `cells/` | coarse meshes are cut where their shape asks for it |
 //! | `clustering/` | very dense meshes are searched through reduced ones |
 //! | `growing_hull`, `patch_set` | no stages: hulls that grow, and sets of patches |

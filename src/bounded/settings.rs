@@ -42,7 +42,7 @@ const MIN_BOUND: f64 = 1e-5;
 /// Half a diagonal is more than any hull of the mesh can protrude.
 const MAX_BOUND: f64 = 0.5;
 
-/// Longest edge of the mesh that is divided into patches, in bounds. Patches end at its edges:
+/// Longest edge of a simplified mesh that is divided into patches, in bounds. Patches end at its edges:
 /// longer ones would keep hulls from ending where the shape does.
 const LONGEST_EDGE: f64 = 4.0;
 
@@ -55,7 +55,7 @@ const LONGEST_EDGE_LIMITS: RangeInclusive<f64> = 0.04..=0.16;
 const GROUPING_THRESHOLD: f64 = 0.1;
 
 /// Meshes of up to this many triangles are coarse: their patches follow from the shape, and their
-/// fit tests ask triangles. Denser ones are simplified to this number or less.
+/// fit tests ask triangles. Denser ones are simplified: see [`PresetSettings::triangles`].
 pub(super) const COARSE: usize = 2400;
 
 /// How finely a preset divides the surface, and how long it searches.
