@@ -59,14 +59,14 @@ pub(super) fn limit_hulls(
 }
 
 /// Searches under larger bounds, at most.
-const SEARCHES: usize = 4;
+const SEARCHES: usize = 3;
 
 /// The next bound to try, as a share of the least error so far, while smaller ones are not known to
 /// end with too many hulls.
 const NEXT_BOUND: f64 = 0.85;
 
 /// Less to gain than this factor is not worth a search.
-const LEAST_GAIN: f64 = 1.04;
+const LEAST_GAIN: f64 = 1.06;
 
 /// The search for the least bound that ends with few enough hulls.
 pub(super) struct BoundSearch {
