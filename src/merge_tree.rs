@@ -56,7 +56,8 @@ pub struct CurvePoint {
 impl MergeTree {
     /// Joins the hulls of `decomposition`, which came from the same mesh and parameters.
     ///
-    /// O(k²) joint hulls for k hulls, each of which is verified against the mesh.
+    /// O(k²) lower bounds for k hulls; a few joint hulls per join are built and verified against the
+    /// mesh.
     ///
     /// # Errors
     /// Those of [`decompose`](crate::decompose); [`Error::NoHulls`] without hulls.

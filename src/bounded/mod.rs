@@ -16,7 +16,7 @@
 //! | `piece`, `merge` | patches join into pieces |
 //! | `set_cover/` | few pieces cover all patches, then shrink to those that they own |
 //! | `finalize/` | pieces become verified hulls with few vertices |
-//! | `hierarchy`, `max_hulls` | hulls join beyond the bound, down to a cap |
+//! | `hierarchy/`, `max_hulls` | hulls join beyond the bound, down to a cap; larger bounds are searched |
 //! | `output` | results in the input's units |
 //! | `decomposition_hierarchy` | joins of a finished decomposition, on demand |
 

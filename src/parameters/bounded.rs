@@ -68,8 +68,9 @@ pub struct BoundedParameters {
     pub max_error: Length,
     /// How much work is put into few hulls.
     pub preset: Preset,
-    /// Most hulls, at least 1; `None` for no cap. A cap, not a budget: where it forces hulls to
-    /// join beyond the bound, those with the least protrusion do, and
+    /// Most hulls, at least 1; `None` for no cap. A cap, not a budget: where the bound
+    /// ends with more, hulls join or the search is repeated up to three times under larger bounds,
+    /// whichever has less error, and
     /// [`BoundedReport::protrusion_max`](crate::BoundedReport::protrusion_max) says how far.
     pub max_hulls: Option<usize>,
     /// Whether cavities stay empty that can only be reached through mouths narrower than twice the
