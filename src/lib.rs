@@ -56,7 +56,8 @@
 //! # Methods
 //!
 //! - [`Method::Bounded`], the default: patches of the surface merge, under a bound on the error, into few
-//!   hulls that cover the surface. The bound is verified against the source.
+//!   hulls that cover the surface. The bound is verified against the source. `docs/algorithm.md` in the
+//!   crate explains each stage, with pictures, and why the bound is sound.
 //! - [`Method::Surface`]: the surface-based method of the paper *A surface-based approach for 3D approximate
 //!   convex decomposition*, with the paper's parameters ([`SurfaceParameters`]). It promises no bound.
 //!

@@ -11,7 +11,7 @@ use crate::parallel;
 use crate::parameters::Parameters;
 
 /// The hulls of a decomposition and all that they can be joined to, one join after the other: the
-/// pair whose joint hull stands out least goes first.
+/// pair whose joint hull protrudes least goes first.
 ///
 /// ```
 /// # fn main() -> Result<(), hullwright::Error> {
@@ -56,7 +56,8 @@ pub struct CurvePoint {
 impl MergeTree {
     /// Joins the hulls of `decomposition`, which came from the same mesh and parameters.
     ///
-    /// O(k²) joint hulls for k hulls, each of which is verified against the mesh.
+    /// O(k²) lower bounds for k hulls; a few joint hulls per join are built and verified against the
+    /// mesh.
     ///
     /// # Errors
     /// Those of [`decompose`](crate::decompose); [`Error::NoHulls`] without hulls.

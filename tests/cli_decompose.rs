@@ -98,6 +98,7 @@ fn json_has_the_same_keys_for_every_method() {
         "planar_threshold",
         "resolution",
         "repairs",
+        "openings",
         "algorithm_version",
         "version",
         "average_pieces",

@@ -65,7 +65,8 @@ fn inspect_shows_repairs_and_holes() {
     let shown = String::from_utf8(hullwright(["inspect", text(&mesh)]).stdout).unwrap();
     for expected in [
         "closed              no",
-        "nothing is closed",
+        "openings            1 closed",
+        "volume              2",
         "13, 10 after repair",
         "1 triangle that is not finite dropped",
         "1 triangle without area dropped",
@@ -73,6 +74,8 @@ fn inspect_shows_repairs_and_holes() {
     ] {
         assert!(shown.contains(expected), "{expected} is missing in\n{shown}");
     }
+    let kept = hullwright(["inspect", text(&mesh), "--openings", "keep"]).stdout;
+    assert!(String::from_utf8(kept).unwrap().contains("nothing is closed"));
 }
 
 #[test]

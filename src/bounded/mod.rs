@@ -7,7 +7,7 @@
 //! | file | stage |
 //! |---|---|
 //! | `settings` | the bound, shares of it, and presets |
-//! | `refine` | long triangles of a coarse mesh are halved |
+//! | `refine` | long triangles are halved, where the shape does not say where to cut |
 //! | `cells/` | coarse meshes are cut where their shape asks for it |
 //! | `clustering/` | very dense meshes are searched through reduced ones |
 //! | `growing_hull`, `patch_set` | no stages: hulls that grow, and sets of patches |
@@ -16,7 +16,7 @@
 //! | `piece`, `merge` | patches join into pieces |
 //! | `set_cover/` | few pieces cover all patches, then shrink to those that they own |
 //! | `finalize/` | pieces become verified hulls with few vertices |
-//! | `hierarchy`, `max_hulls` | hulls join beyond the bound, down to a cap |
+//! | `hierarchy/`, `max_hulls` | hulls join beyond the bound, down to a cap; larger bounds are searched |
 //! | `output` | results in the input's units |
 //! | `decomposition_hierarchy` | joins of a finished decomposition, on demand |
 

@@ -1,4 +1,4 @@
-//! Refinement: long triangles are halved, so that a coarse mesh can be divided into patches where
+//! Refinement: long triangles are halved, so that a mesh can be divided into patches where
 //! its shape asks for it and not only along its own edges. Dense meshes stay unchanged.
 //!
 //! Longest-edge bisection (Rivara, "Algorithms for refining triangular grids suitable for adaptive

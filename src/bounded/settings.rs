@@ -42,7 +42,7 @@ const MIN_BOUND: f64 = 1e-5;
 /// Half a diagonal is more than any hull of the mesh can protrude.
 const MAX_BOUND: f64 = 0.5;
 
-/// Longest edge of the mesh that is divided into patches, in bounds. Patches end at its edges:
+/// Longest edge of a simplified mesh that is divided into patches, in bounds. Patches end at its edges:
 /// longer ones would keep hulls from ending where the shape does.
 const LONGEST_EDGE: f64 = 4.0;
 
@@ -55,7 +55,7 @@ const LONGEST_EDGE_LIMITS: RangeInclusive<f64> = 0.04..=0.16;
 const GROUPING_THRESHOLD: f64 = 0.1;
 
 /// Meshes of up to this many triangles are coarse: their patches follow from the shape, and their
-/// fit tests ask triangles. Denser ones are simplified to this number or less.
+/// fit tests ask triangles. Denser ones are simplified: see [`PresetSettings::triangles`].
 pub(super) const COARSE: usize = 2400;
 
 /// How finely a preset divides the surface, and how long it searches.
@@ -86,8 +86,10 @@ const FINE: [PresetSettings; 3] = [
 
 /// What the stages work with.
 pub(super) struct Settings {
-    /// The promised bound.
+    /// The promised bound on protrusions.
     pub bound: f64,
+    /// The bound whose shares may stay uncovered.
+    pub uncovered_bound: f64,
     /// The bound of the search.
     pub search_bound: f64,
     /// The bound of the last round of dissolving.
@@ -134,17 +136,19 @@ impl Settings {
             Length::Share(share) => share,
             Length::Units(length) => length / diagonal,
         };
+        let bound = bound.clamp(MIN_BOUND, MAX_BOUND);
         let max_vertices = parameters.max_vertices;
         let unbounded = Self {
             bound: 0.0,
+            uncovered_bound: bound,
             search_bound: 0.0,
             last_round_bound: 0.0,
             triangles,
             longest_edge: 0.0,
             grouping_threshold: 0.0,
             patch_size,
-            patch_tolerance: 0.0,
-            cover_tolerance: 0.0,
+            patch_tolerance: PATCH_SHARE_OF_UNCOVERED * bound,
+            cover_tolerance: PATCH_SHARE_OF_UNCOVERED * bound,
             dissolve_attempts,
             max_vertices,
             max_hulls,
@@ -153,7 +157,7 @@ impl Settings {
         unbounded.with_bound(bound)
     }
 
-    /// The same under another bound, in diagonals.
+    /// The same under another bound on protrusions, in diagonals. No more may stay uncovered.
     pub(super) fn with_bound(&self, bound: f64) -> Self {
         let bound = bound.clamp(MIN_BOUND, MAX_BOUND);
         let has_dissolving = self.dissolve_attempts > 0;
@@ -166,8 +170,6 @@ impl Settings {
             last_round_bound: LAST_ROUND_SHARE * bound,
             longest_edge: (LONGEST_EDGE * bound).clamp(shortest, longest),
             grouping_threshold: GROUPING_THRESHOLD * bound,
-            patch_tolerance: PATCH_SHARE_OF_UNCOVERED * bound,
-            cover_tolerance: PATCH_SHARE_OF_UNCOVERED * bound,
             ..*self
         }
     }

@@ -1,4 +1,4 @@
-//! A cap on the vertices of a hull: a certified step that only lets it grow.
+//! A cap on the vertices of a hull: a step that provably only lets it grow.
 //!
 //! Edges collapse outward until few enough are left (see `collapse`); or the vertices that stand
 //! out most are kept, and their hull grows about its centre: what grows less counts. What has very

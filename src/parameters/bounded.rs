@@ -12,10 +12,10 @@ use crate::error::Error;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Preset {
-    /// Coarser seeds and no dissolving: about a fifth more hulls in two thirds of the time. More of a solid
+    /// Coarser patches and no dissolving: about a fifth more hulls in two thirds of the time. More of a solid
     /// may stay empty inside.
     Fast,
-    /// Few hulls, in a tenth of a second for most meshes.
+    /// Few hulls: tens of milliseconds for most props, tenths of a second for most scans.
     #[default]
     Balanced,
     /// Three divisions of the surface are tried, and the one with the fewest hulls is taken: some
@@ -63,15 +63,17 @@ pub struct BoundedParameters {
     /// solid, and no point of the surface farther than this outside every hull. The solid is
     /// where the generalized winding number is above one half, and the surface itself. Triangles without
     /// area are no surface. Positive; less than 0.001 % of the diagonal counts as that, more than half as
-    /// half. Below 0.1 % it may take seconds. Default 2 % of the diagonal.
+    /// half. A flat sheet becomes a hull that is a thousandth of its own diagonal thick, also where that is
+    /// more. Below 0.1 % it may take seconds. Default 2 % of the diagonal.
     pub max_error: Length,
     /// How much work is put into few hulls.
     pub preset: Preset,
-    /// Most hulls, at least 1; `None` for no cap. A cap, not a budget: where it forces hulls to
-    /// join beyond the bound, those with the least protrusion do, and
+    /// Most hulls, at least 1; `None` for no cap. A cap, not a budget: where the bound
+    /// ends with more, hulls join or the search is repeated up to three times under larger bounds,
+    /// whichever has less error, and
     /// [`BoundedReport::protrusion_max`](crate::BoundedReport::protrusion_max) says how far.
     pub max_hulls: Option<usize>,
-    /// Whether cavities stay empty that can only be reached through mouths narrower than the
+    /// Whether cavities stay empty that can only be reached through mouths narrower than twice the
     /// bound, or not at all. Otherwise a hull may swallow them, since nothing from outside can
     /// tell. Those nowhere deeper than the bound always may fill. Default false.
     pub keep_cavities: bool,

@@ -98,7 +98,7 @@ pub struct Parameters {
     pub surface: SurfaceParameters,
     /// Most vertices that a hull may have, at least 8; `None` for no cap. A hull over the cap is
     /// replaced by one that contains it and little more or, where the bounded method's bound
-    /// forbids that, by one that leaves out what stands out least, or by several;
+    /// forbids that, by one that leaves out what protrudes least, or by several;
     /// [`HullErrors::simplification_growth`](crate::HullErrors::simplification_growth) says by how much. Default 64; `None`
     /// in [`Parameters::paper`].
     pub max_vertices: Option<usize>,

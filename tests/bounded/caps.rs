@@ -1,6 +1,6 @@
 //! Caps on vertices and on hulls.
 
-use hullwright::Parameters;
+use hullwright::{Length, Parameters};
 
 use crate::judge::{assert_promise, judge, report, run_with};
 use crate::shapes::{ball, torus, u_prism};
@@ -42,4 +42,18 @@ fn the_cap_on_hulls_is_kept_and_the_report_says_what_it_costs() {
     assert!(report.protrusion_max > report.bound);
     let measured = judge(&mesh, &result.hulls);
     assert!(measured.protrusion.max * measured.diagonal <= report.protrusion_max + 1e-6);
+}
+
+/// Joining hulls of the smaller bound one after the other gives 1.2 times the larger one.
+#[test]
+fn a_cap_on_hulls_costs_no_more_error_than_the_bound_that_ends_with_as_many() {
+    let mesh = torus();
+    for share in [0.03, 0.05, 0.08] {
+        let larger = run_with(&mesh, &Parameters::default().max_error(Length::Share(share)));
+        let capped = run_with(&mesh, &Parameters::default().max_hulls(larger.hulls.len()));
+        assert!(capped.hulls.len() <= larger.hulls.len());
+        let (capped, bound) = (report(&capped), report(&larger).bound);
+        let error = capped.protrusion_max.max(capped.uncovered_max);
+        assert!(error <= 1.05 * bound, "{share}: {}", error / bound);
+    }
 }

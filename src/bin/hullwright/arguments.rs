@@ -57,7 +57,7 @@ pub struct ParameterArguments {
     #[arg(long, value_name = "N", value_parser = parse_count)]
     max_hulls: Option<usize>,
 
-    /// Bounded: cavities with mouths narrower than the error, or with none, stay empty
+    /// Bounded: cavities with mouths narrower than twice the error, or with none, stay empty
     #[arg(long)]
     keep_cavities: bool,
 

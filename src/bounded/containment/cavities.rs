@@ -1,5 +1,5 @@
 //! Cavities: empty space that is cut off from the outside, or connected to it only through mouths
-//! narrower than the bound.
+//! narrower than twice the bound.
 //!
 //! A hull whose surface passes through a cavity protrudes from the solid and is refused. But a hull
 //! may swallow a cavity whole. One point of each cavity is enough to detect that.

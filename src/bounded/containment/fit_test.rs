@@ -1,6 +1,6 @@
 //! The fit test of faces: whether no point of a face is farther than the bound from the solid.
 //!
-//! Distance is 1-Lipschitz. So one query at the centre of a face of circumradius r decides the face
+//! Distance is 1-Lipschitz. So one query at the centre of a face whose corners are at most r from it decides it
 //! if the distance d there is far enough from the bound ε: d + r ≤ ε accepts; outside the solid
 //! d > ε rejects; inside it r - d ≤ ε accepts, since a path out of the solid crosses the surface.
 //! Otherwise the face is halved.
@@ -14,7 +14,7 @@ use super::solid::{DOUBT, Solid};
 use super::triangle::{centre, halves};
 use crate::geometry::vector::{Vector, distance, length_squared, subtract};
 
-/// A face of a circumradius below this share of the bound is decided by its centre. With
+/// A face of a radius (from its centre to the farthest corner) below this share of the bound is decided by its centre. With
 /// [`CERTAIN`] this saves a tenth of all instructions, and hulls stay the same.
 const SMALL: f64 = 0.25;
 
@@ -26,7 +26,7 @@ const CERTAIN: f64 = 1.03;
 /// verification. With 1, four of five models take 20 to 45 % more time and end with as many hulls.
 const LENIENCE: f64 = 0.4;
 
-/// A face of a larger circumradius, in bounds, is compared with the closest triangle as a whole: it
+/// A face of a larger radius, in bounds, is compared with the closest triangle as a whole: it
 /// may lie along it, and halving it down to the bound would be slow.
 const LARGE: f64 = 3.0;
 

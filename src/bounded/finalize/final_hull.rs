@@ -44,7 +44,7 @@ impl FinalHull {
     /// Whether it may be returned.
     pub(super) fn keeps_bound(&self, settings: &Settings) -> bool {
         self.protrusion <= settings.bound
-            && self.uncovered <= MAX_UNCOVERED_UNDER_CAP * settings.bound
+            && self.uncovered <= MAX_UNCOVERED_UNDER_CAP * settings.uncovered_bound
     }
 }
 

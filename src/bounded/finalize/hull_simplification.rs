@@ -102,7 +102,8 @@ impl Attempts<'_> {
     /// Attempts 1 and 2: as far as little volume is added and little surface left out.
     fn saving_vertices(&mut self) -> Result<Option<Simplified>, Error> {
         let original = self.original;
-        let max_uncovered = (MAX_UNCOVERED * self.context.settings.bound).max(original.uncovered);
+        let max_uncovered =
+            (MAX_UNCOVERED * self.context.settings.uncovered_bound).max(original.uncovered);
         let coarse = self.without_small(MAX_UNCOVERED)?;
         let has_coarse = coarse.is_some();
         if let Some(coarse) = coarse
@@ -119,9 +120,9 @@ impl Attempts<'_> {
     fn keeping_cap(&mut self) -> Result<Simplified, Error> {
         let (original, max_vertices) = (self.original, self.max_vertices);
         let &FinalizeContext { solid, settings, control, .. } = self.context;
-        let bound = settings.bound;
-        let max_uncovered = (MAX_UNCOVERED * bound).max(original.uncovered);
-        let max_under_cap = (MAX_UNCOVERED_UNDER_CAP * bound).max(original.uncovered);
+        let (bound, uncovered_bound) = (settings.bound, settings.uncovered_bound);
+        let max_uncovered = (MAX_UNCOVERED * uncovered_bound).max(original.uncovered);
+        let max_under_cap = (MAX_UNCOVERED_UNDER_CAP * uncovered_bound).max(original.uncovered);
         for share in COARSER {
             let Some(coarse) = self.without_small(share)? else { continue };
             if let Some(simplified) = self.collapsed_or_as_is(coarse, max_under_cap)? {
@@ -134,7 +135,7 @@ impl Attempts<'_> {
             return Ok(simplified);
         }
         for share in SHRINKING {
-            let Some(smaller) = shrunk(&capped, share * bound) else { break };
+            let Some(smaller) = shrunk(&capped, share * uncovered_bound) else { break };
             if let Some(simplified) = self.accepted(smaller, growth, max_under_cap)? {
                 return Ok(simplified);
             }
@@ -150,7 +151,8 @@ impl Attempts<'_> {
     /// thickness and most of its volume.
     fn without_small(&mut self, share: f64) -> Result<Option<ConvexHull>, Error> {
         let original = self.original;
-        let Some(coarse) = coarser(&original.hull, share * self.context.settings.bound) else {
+        let Some(coarse) = coarser(&original.hull, share * self.context.settings.uncovered_bound)
+        else {
             return Ok(None);
         };
         let (_, added) =

@@ -58,7 +58,7 @@ pub(super) fn finalize(
 ) -> Result<FinalHulls, Error> {
     let count = pieces.len();
     let last = finalize_pieces(patches, &pieces, solid, settings, control)?;
-    let is_uncovered = last.uncovered > MAX_UNCOVERED * settings.bound;
+    let is_uncovered = last.uncovered > MAX_UNCOVERED * settings.uncovered_bound;
     let is_divided = last.hulls.len() > count;
     let Some(before) = before_last_round else { return Ok(last) };
     if !(is_uncovered || is_divided) || control.is_past_deadline() {
@@ -97,7 +97,7 @@ fn finalize_pieces(
 /// No point of the surface is farther than this outside all hulls.
 fn uncovered(context: &FinalizeContext<'_>, hulls: &[FinalHull]) -> Result<f64, Error> {
     let &FinalizeContext { patches, settings, control, .. } = context;
-    let allowed = MAX_UNCOVERED * settings.bound;
+    let allowed = MAX_UNCOVERED * settings.uncovered_bound;
     let (settled, open): (Vec<_>, Vec<_>) =
         (0..).zip(hulls).partition(|(_, hull)| hull.uncovered <= allowed);
     let mut uncovered = settled.iter().map(|(_, hull)| hull.uncovered).fold(0.0, f64::max);

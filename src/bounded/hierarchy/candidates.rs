@@ -201,3 +201,85 @@ fn centre(node: &Node) -> Vector {
     let (min, max) = bounds(node.hull.points.iter().copied());
     scale(add(min, max), 0.5)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hull::convex_hull;
+    use crate::parameters::Parameters;
+
+    const BOXES: usize = 40;
+
+    /// Boxes along a helix, of unlike sizes.
+    fn boxes() -> Vec<Node> {
+        let node = |index: usize| {
+            let (angle, size) = (0.5 * index as f64, 0.03 + 0.001 * (index * 7 % 11) as f64);
+            let corner = [0.3 * angle.cos(), 0.3 * angle.sin(), 0.02 * index as f64];
+            let points =
+                (0..8).map(|i| [0, 1, 2].map(|k| corner[k] + size * f64::from(i >> k & 1)));
+            let hull = convex_hull(&points.collect::<Vec<_>>()).unwrap();
+            Node { hull, protrusion: 0.0, growth: 0.0, children: None }
+        };
+        (0..BOXES).map(node).collect()
+    }
+
+    fn solid_of(nodes: &[Node], bound: f64) -> Solid {
+        let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+        for Node { hull, .. } in nodes {
+            let first = positions.len() as u32;
+            positions.extend_from_slice(&hull.points);
+            triangles.extend(hull.triangles.iter().map(|triangle| triangle.map(|v| v + first)));
+        }
+        Solid::of_surface(&positions, &triangles, true, bound, &Control::new()).unwrap()
+    }
+
+    #[test]
+    fn the_least_joint_hull_is_found_with_few_that_are_built() {
+        let (settings, control) =
+            (Settings::after_search(&Parameters::default(), 1.0), Control::new());
+        let mut nodes = boxes();
+        let solid = solid_of(&nodes, settings.bound);
+        let mut candidates = Candidates::new(&nodes, &solid, &settings, &control).unwrap();
+        let mut left: Vec<usize> = (0..BOXES).collect();
+        while let Some(node) = candidates.pop(&nodes).unwrap() {
+            let (first, second) = node.children.unwrap();
+            // All pairs take long: every fifth time.
+            if left.len() % 5 == 0 {
+                for (index, &b) in left.iter().enumerate() {
+                    for &a in &left[..index] {
+                        let other = joint(&nodes, (a, b), &solid, &settings, &control).unwrap();
+                        assert!(node.protrusion <= other.protrusion, "{a} and {b}");
+                    }
+                }
+            }
+            left.retain(|&index| index != first && index != second);
+            left.push(nodes.len());
+            nodes.push(node);
+            candidates.join(&nodes);
+        }
+        assert_eq!(nodes.len(), 2 * BOXES - 1);
+        // All pairs would be 780, and 741 more with the joint hulls.
+        assert!(candidates.built <= 5 * BOXES, "{} joint hulls", candidates.built);
+    }
+
+    #[test]
+    fn a_bound_is_never_above_what_is_verified() {
+        let (settings, control) =
+            (Settings::after_search(&Parameters::default(), 1.0), Control::new());
+        let nodes = boxes();
+        let solid = solid_of(&nodes, settings.bound);
+        let candidates = Candidates::new(&nodes, &solid, &settings, &control).unwrap();
+        let mut sum = [0.0; 2];
+        for b in 0..BOXES {
+            for a in (0..b).step_by(3) {
+                let verified = joint(&nodes, (a, b), &solid, &settings, &control).unwrap();
+                for effort in [Effort::Few, Effort::Many] {
+                    let (_, bound) = candidates.witness(&nodes, (a, b), effort);
+                    assert!(bound <= verified.protrusion + 1e-9, "{a} and {b}: {bound}");
+                    sum = [sum[0] + bound, sum[1] + verified.protrusion];
+                }
+            }
+        }
+        assert!(sum[0] > 0.5 * sum[1], "{sum:?}");
+    }
+}

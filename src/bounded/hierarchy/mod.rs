@@ -1,6 +1,12 @@
 //! The hierarchy of joins, from the final hulls down to one: the pair whose joint hull protrudes
 //! least joins first. Each state is a valid result, with an error that is verified like that of the
 //! final hulls.
+//!
+//! | file | contents |
+//! |---|---|
+//! | `joint` | a joint hull, verified |
+//! | `lower_bound` | what a joint hull protrudes at least, before it is built |
+//! | `candidates` | the pairs, the least first |
 
 mod candidates;
 mod joint;
@@ -22,8 +28,8 @@ pub(super) struct Hierarchy {
 }
 
 impl Hierarchy {
-    /// Joins hulls, each given with its protrusion, until `until` are left. O(k² + k · joins) joint
-    /// hulls for k hulls.
+    /// Joins hulls, each given with its protrusion, until `until` are left. O(k² + k · joins)
+    /// lower bounds for k hulls, and usually few joint hulls per join.
     ///
     /// # Errors
     /// [`Error::Cancelled`].

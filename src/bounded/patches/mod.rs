@@ -1,4 +1,4 @@
-//! Patches: the paper's groups (section 3.4.1) of a simplified or refined mesh, halved until the
+//! Patches: the paper's groups (section 3.4.1) of a simplified mesh, or cells of a coarse one, halved until the
 //! hull of each, or of a part that contains it, fits.
 //!
 //! | file | contents |

@@ -1,4 +1,4 @@
-//! The mesh that is divided into patches: a dense source simplified, a coarse one refined.
+//! The mesh that is divided into patches: a dense source simplified and refined, a coarse one cut into cells.
 //!
 //! Each of its triangles represents the source's surface that is closest to it. So the hulls of
 //! patches cover the source and not only what simplification left of it.
