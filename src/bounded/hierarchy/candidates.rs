@@ -244,7 +244,7 @@ mod tests {
         while let Some(node) = candidates.pop(&nodes).unwrap() {
             let (first, second) = node.children.unwrap();
             // All pairs take long: every fifth time.
-            if left.len() % 5 == 0 {
+            if left.len().is_multiple_of(5) {
                 for (index, &b) in left.iter().enumerate() {
                     for &a in &left[..index] {
                         let other = joint(&nodes, (a, b), &solid, &settings, &control).unwrap();
