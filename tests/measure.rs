@@ -168,7 +168,7 @@ fn the_hull_of_a_u_fills_its_gap() {
 fn a_cavity_is_solid_unless_it_is_kept() {
     let outer = cuboid([0.0; 3], [1.0; 3]);
     let hollow = join(outer.clone(), &flipped(cuboid([0.25; 3], [0.75; 3])));
-    let filled = judged(&hollow, &[outer.clone()]);
+    let filled = judged(&hollow, std::slice::from_ref(&outer));
     assert_near(filled.iou.unwrap(), 1.0, COUNTING);
     let mut options = MeasureOptions::default();
     options.keep_cavities = true;
