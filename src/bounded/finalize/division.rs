@@ -42,12 +42,15 @@ pub(super) fn hulls_of_piece(
         let may_fill = inner_points.is_some();
         let inner_points = inner_points.unwrap_or_default();
         let is_filling = !inner_points.is_empty();
+        // Points in a hollow are many. If its halves had to hold them too, they would break the cap on
+        // vertices again, down to single triangles.
+        let extends_over_hollow = inner_points.len() > 1;
         let hull = make_hull(context, set, part, inner_points, &mut builder)?;
         if hull.keeps_bound(context.settings) {
             done.push(hull);
             continue;
         }
-        if is_filling && hull.protrusion > context.settings.bound {
+        if is_filling && (extends_over_hollow || hull.protrusion > context.settings.bound) {
             // A piece that extends over a hollow does without it first.
             let inner_points = is_first.then(Vec::new);
             open.push(Open { set: hull.patches, part: hull.part, inner_points });
