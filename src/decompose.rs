@@ -10,7 +10,7 @@ use crate::decomposition::{
 use crate::error::Error;
 use crate::geometry::{MeshView, TriangleMesh};
 use crate::mesh::PreparedMesh;
-use crate::openings::prepare::prepare_closed;
+use crate::openings::prepare::{Closed, prepare_closed};
 use crate::openings::{Opening, OpeningSettings};
 use crate::parameters::{Length, Method, Parameters, SurfaceParameters};
 use crate::surface::group_merging::merge_groups;
@@ -157,10 +157,9 @@ impl Decomposer {
         self.state = match std::mem::replace(&mut self.state, State::Done) {
             State::Repair => {
                 let settings = OpeningSettings::from(&self.parameters);
-                let closed = prepare_closed(self.source.view(), &settings, control)?;
-                self.openings = closed.openings;
-                self.nested_components = closed.nested_components;
-                let prepared = closed.prepared;
+                let Closed { prepared, openings, nested_components } =
+                    prepare_closed(self.source.view(), &settings, control)?;
+                (self.openings, self.nested_components) = (openings, nested_components);
                 match self.parameters.method {
                     Method::Bounded => {
                         State::Bounded(Box::new(Run::new(prepared, &self.parameters)))

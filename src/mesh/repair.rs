@@ -60,7 +60,6 @@ pub fn prepare(
     order: MeshOrder,
     control: &Control,
 ) -> Result<PreparedMesh, Error> {
-    let keeps = order;
     let (vertices, triangles) = (source.vertex_count(), source.triangles());
     validate(source)?;
     control.check()?;
@@ -75,47 +74,33 @@ pub fn prepare(
         source.positions().map(|point| survey.normalization.normalize(point)).collect();
     control.check()?;
 
-    let order = match order {
-        MeshOrder::Input => used_vertices(&survey.used),
-        MeshOrder::Place => vertices_by_place(&normalized, &survey.used),
-    };
-    let by_place: Vec<Vector> = order.iter().map(|&vertex| normalized[vertex as usize]).collect();
-    let mut ranks = vec![0_u32; vertices];
-    for (rank, &vertex) in (0_u32..).zip(&order) {
-        ranks[vertex as usize] = rank;
-    }
+    let welded = Welded::new(&normalized, &survey.used, order, control)?;
     drop(normalized);
-    control.check()?;
-    let representatives = weld(&by_place, control)?;
-    repairs.welded_vertices = (0..)
-        .zip(&representatives)
-        .filter(|&(vertex, &representative)| vertex != representative)
-        .count();
+    repairs.welded_vertices = welded.count();
     control.check()?;
 
     let candidates = survey.candidates.len();
-    let corners = |t: u32| {
-        triangles[t as usize].map(|vertex| representatives[ranks[vertex as usize] as usize])
-    };
+    let corners = |t: u32| welded.corners(triangles[t as usize]);
     let mut in_order = survey.candidates;
-    if keeps == MeshOrder::Place {
+    if order == MeshOrder::Place {
         in_order.sort_by_cached_key(|&t| triangle_key(corners(t)));
     }
     let (mut kept, mut source_triangles, degenerate) =
-        drop_degenerate(&by_place, in_order, corners, keeps);
+        drop_degenerate(&welded.positions, in_order, corners, order);
     repairs.degenerate_triangles =
         triangles.len() - repairs.non_finite_triangles - candidates + degenerate;
     if kept.is_empty() {
         return Err(nothing_usable(triangles.len(), repairs.non_finite_triangles));
     }
-    let (duplicates, is_both_ways) = drop_duplicates(&mut kept, &mut source_triangles, order.len());
+    let (duplicates, is_both_ways) =
+        drop_duplicates(&mut kept, &mut source_triangles, welded.vertices.len());
     repairs.duplicate_triangles = duplicates;
     control.check()?;
 
-    let mut source_vertices = compact(&mut kept, order.len());
-    source_vertices.iter_mut().for_each(|vertex| *vertex = order[*vertex as usize]);
+    let mut source_vertices = compact(&mut kept, welded.vertices.len());
+    source_vertices.iter_mut().for_each(|vertex| *vertex = welded.vertices[*vertex as usize]);
     repairs.unused_vertices = vertices - source_vertices.len() - repairs.welded_vertices;
-    drop(representatives);
+    drop(welded);
     let normalization = Normalization::of(source_vertices.iter().map(|&v| source.at(v)));
     let positions =
         source_vertices.iter().map(|&vertex| normalization.normalize(source.at(vertex))).collect();
@@ -128,7 +113,7 @@ pub fn prepare(
     repairs.non_manifold_edges = connectivity.non_manifold_edges;
     control.check()?;
     let turned = orient(&mesh.positions, &mut mesh.triangles, &connectivity);
-    if keeps == MeshOrder::Place {
+    if order == MeshOrder::Place {
         mesh.triangles.iter_mut().for_each(|triangle| *triangle = rotated(*triangle));
     }
     repairs.flipped_triangles = turned.iter().filter(|&&turned| turned).count();
@@ -145,6 +130,50 @@ pub fn prepare(
         repairs,
         hidden_caps: Vec::new(),
     })
+}
+
+/// The vertices in use, in an order, and which of them are one.
+struct Welded {
+    /// Their numbers in the input.
+    vertices: Vec<u32>,
+    positions: Vec<Vector>,
+    /// For each the one that stands for it.
+    representatives: Vec<u32>,
+    /// For each vertex of the input its place in the order.
+    places: Vec<u32>,
+}
+
+impl Welded {
+    fn new(
+        normalized: &[Vector],
+        used: &[bool],
+        order: MeshOrder,
+        control: &Control,
+    ) -> Result<Self, Error> {
+        let vertices = match order {
+            MeshOrder::Input => used_vertices(used),
+            MeshOrder::Place => vertices_by_place(normalized, used),
+        };
+        control.check()?;
+        let positions: Vec<Vector> =
+            vertices.iter().map(|&vertex| normalized[vertex as usize]).collect();
+        let mut places = vec![0_u32; normalized.len()];
+        for (place, &vertex) in (0_u32..).zip(&vertices) {
+            places[vertex as usize] = place;
+        }
+        let representatives = weld(&positions, control)?;
+        Ok(Self { vertices, positions, representatives, places })
+    }
+
+    fn corners(&self, triangle: [u32; 3]) -> [u32; 3] {
+        triangle.map(|vertex| self.representatives[self.places[vertex as usize] as usize])
+    }
+
+    /// How many were welded to another.
+    fn count(&self) -> usize {
+        let pairs = (0..).zip(&self.representatives);
+        pairs.filter(|&(vertex, &representative)| vertex != representative).count()
+    }
 }
 
 fn nothing_usable(triangles: usize, non_finite: usize) -> Error {

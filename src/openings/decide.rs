@@ -1,0 +1,241 @@
+//! Which caps are closed, and why others are not.
+
+use super::boundary::Loop;
+use super::cap::Cap;
+use super::crossing::is_cut;
+use super::look::{View, look, points};
+use super::report::OpeningOutcome;
+use super::{OpeningSettings, flatness_in_diagonals};
+use crate::bvh::Bvh;
+use crate::control::Control;
+use crate::error::Error;
+use crate::geometry::vector::{Vector, add, distance, scale};
+use crate::geometry::{MeshView, Sidedness};
+use crate::mesh::PreparedMesh;
+use crate::parameters::{Openings, UpAxis};
+
+/// A cap that meets the surface around it at less than this, in radians (30°), closes a sheet onto itself.
+const SHEET_ANGLE: f64 = std::f64::consts::PI / 6.0;
+
+/// The same where all openings are to be closed: a sheet that is flat has no solid on it.
+const FLAT_ANGLE: f64 = SHEET_ANGLE / 6.0;
+
+/// Through the opening of a solid no more than this share of the rays sees anything.
+const MOST_SEEN: f64 = 0.05;
+
+/// Where more of the rays than this only see another cap, there is too little surface to tell: between the rim
+/// of a cup and that of its liner a little below.
+const MOST_CAPPED: f64 = 0.5;
+
+/// The mesh with all caps, closed or not.
+struct Capped<'a> {
+    prepared: &'a PreparedMesh,
+    /// The surface, then all caps: those that stay open are looked through.
+    triangles: Vec<[u32; 3]>,
+    /// For each triangle after the surface the number of its cap.
+    cap_of: Vec<u32>,
+    bvh: Bvh,
+    /// The solid as it comes.
+    open: Bvh,
+    flatness: f64,
+}
+
+/// Says of each cap whether it is closed, or why not.
+///
+/// # Errors
+/// [`Error::Cancelled`].
+pub(super) fn decide(
+    prepared: &PreparedMesh,
+    source: MeshView<'_>,
+    loops: &[Loop],
+    caps: &mut [(Cap, OpeningOutcome)],
+    settings: &OpeningSettings,
+    control: &Control,
+) -> Result<(), Error> {
+    let flatness = flatness_in_diagonals(prepared, settings);
+    let capped = Capped::new(prepared, caps, flatness, control)?;
+    capped.judge_shapes(source, loops, caps, settings);
+    while settings.openings == Openings::Auto {
+        control.check()?;
+        if !capped.leave_seen(caps, control)? && !capped.leave_emptied(caps, control)? {
+            break;
+        }
+    }
+    Ok(())
+}
+
+impl<'a> Capped<'a> {
+    fn new(
+        prepared: &'a PreparedMesh,
+        caps: &[(Cap, OpeningOutcome)],
+        flatness: f64,
+        control: &Control,
+    ) -> Result<Self, Error> {
+        let positions = &prepared.mesh.positions;
+        let mut triangles = prepared.mesh.triangles.clone();
+        let mut cap_of: Vec<u32> = Vec::new();
+        for (number, (cap, _)) in (0_u32..).zip(caps) {
+            triangles.extend_from_slice(&cap.triangles);
+            cap_of.resize(triangles.len() - prepared.mesh.triangles.len(), number);
+        }
+        let bvh = Bvh::with_control(positions, &triangles, control)?;
+        let open = Bvh::with_control(positions, &prepared.triangles_of_solid(), control)?;
+        Ok(Self { prepared, triangles, cap_of, bvh, open, flatness })
+    }
+
+    /// The cap that a triangle belongs to, unless it is of the surface.
+    fn cap_of(&self, triangle: u32) -> Option<usize> {
+        let of_caps = (triangle as usize).checked_sub(self.prepared.mesh.triangles.len())?;
+        Some(self.cap_of[of_caps] as usize)
+    }
+
+    /// Leaves caps by their shape and that of the surface around them.
+    fn judge_shapes(
+        &self,
+        source: MeshView<'_>,
+        loops: &[Loop],
+        caps: &mut [(Cap, OpeningOutcome)],
+        settings: &OpeningSettings,
+    ) {
+        let Self { prepared, bvh, flatness, .. } = self;
+        let (positions, triangles) = (&prepared.mesh.positions, &prepared.mesh.triangles);
+        let is_own_solid =
+            |triangle: u32| prepared.closed[prepared.components[triangle as usize] as usize];
+        let is_of_surface = |t: u32| self.cap_of(t).is_none() && !is_own_solid(t);
+        let is_auto = settings.openings == Openings::Auto;
+        let least_angle = if is_auto { SHEET_ANGLE } else { FLAT_ANGLE };
+        for (cap, outcome) in caps {
+            *outcome = if cap.rim_angle(positions, triangles, loops) < least_angle {
+                OpeningOutcome::Sheet
+            } else if is_cut(cap, (positions, triangles), bvh, *flatness, is_of_surface) {
+                OpeningOutcome::Cut
+            } else if is_auto
+                && is_two_sided(cap, prepared, source, loops)
+                && !is_lowest(cap, positions, loops, (settings.up_axis, *flatness))
+            {
+                OpeningOutcome::TwoSided
+            } else {
+                OpeningOutcome::Closed
+            };
+        }
+    }
+
+    /// Leaves caps through which something is seen with all others closed. Whether there were any.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
+    fn leave_seen(
+        &self,
+        caps: &mut [(Cap, OpeningOutcome)],
+        control: &Control,
+    ) -> Result<bool, Error> {
+        let surface = self.prepared.mesh.triangles.len();
+        let is_closed: Vec<bool> = caps.iter().map(|(_, outcome)| outcome.is_closed()).collect();
+        let mut changed = false;
+        for (number, (cap, outcome)) in caps.iter_mut().enumerate() {
+            if !outcome.is_closed() {
+                continue;
+            }
+            let counts =
+                |t: u32| self.cap_of(t).is_none_or(|owner| owner != number && is_closed[owner]);
+            let positions = &self.prepared.mesh.positions;
+            let View { seen, capped } = look(cap, positions, &self.bvh, surface, counts);
+            if seen > MOST_SEEN || capped > MOST_CAPPED {
+                *outcome = OpeningOutcome::SeenInto;
+                changed = true;
+            }
+            control.check()?;
+        }
+        Ok(changed)
+    }
+
+    /// Tells caps within the solid from those on it, and leaves those that would empty it. Whether there
+    /// were any.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
+    fn leave_emptied(
+        &self,
+        caps: &mut [(Cap, OpeningOutcome)],
+        control: &Control,
+    ) -> Result<bool, Error> {
+        let Self { open, flatness, .. } = self;
+        let positions = &self.prepared.mesh.positions;
+        let is_closed: Vec<bool> = caps.iter().map(|(_, outcome)| outcome.is_closed()).collect();
+        for (cap, outcome) in caps.iter_mut().filter(|(_, outcome)| outcome.is_closed()) {
+            *outcome = match is_solid_beyond(cap, positions, [open, open], *flatness) {
+                true => OpeningOutcome::ClosedWithin,
+                false => OpeningOutcome::Closed,
+            };
+        }
+        if caps.iter().all(|(_, outcome)| *outcome != OpeningOutcome::ClosedWithin) {
+            return Ok(false);
+        }
+        let is_there = |&(t, _): &(u32, &[u32; 3])| self.cap_of(t).is_none_or(|cap| is_closed[cap]);
+        let kept: Vec<[u32; 3]> =
+            (0_u32..).zip(&self.triangles).filter(is_there).map(|(_, &corners)| corners).collect();
+        let closed = Bvh::with_control(positions, &kept, control)?;
+        let mut changed = false;
+        for (cap, outcome) in caps {
+            if *outcome == OpeningOutcome::ClosedWithin
+                && !is_solid_beyond(cap, positions, [open, &closed], *flatness)
+            {
+                *outcome = OpeningOutcome::SolidBeyond;
+                changed = true;
+            }
+        }
+        Ok(changed)
+    }
+}
+
+/// Whether most of what is beyond a cap is inside as it is: the opening is within the solid, or the
+/// parts of an open skin enclose it together. How far it is there is `open`'s to say, what is inside `solid`'s.
+fn is_solid_beyond(
+    cap: &Cap,
+    positions: &[Vector],
+    [open, solid]: [&Bvh; 2],
+    flatness: f64,
+) -> bool {
+    let points = points(cap, positions);
+    let inside = points.iter().filter(|&&point| {
+        let outward = |distance: f64| add(point, scale(cap.normal, distance));
+        // Near the backs of several parts the sum of what they enclose is unsure.
+        let middle = open.first_hit(point, cap.normal, flatness, |_, _| true);
+        solid.is_inside(outward(flatness))
+            || middle.is_some_and(|hit| solid.is_inside(outward(0.5 * hit.distance)))
+    });
+    2 * inside.count() > points.len()
+}
+
+/// Whether most of the surface around a cap, by the length of its rim, is drawn from both sides.
+fn is_two_sided(cap: &Cap, prepared: &PreparedMesh, source: MeshView<'_>, loops: &[Loop]) -> bool {
+    let positions = &prepared.mesh.positions;
+    let (mut two, mut whole) = (0.0, 0.0);
+    for own in cap.loops.iter().map(|&index| &loops[index]) {
+        let next = own.vertices.iter().cycle().skip(1);
+        for ((&from, &to), &neighbour) in own.vertices.iter().zip(next).zip(&own.neighbours) {
+            let side = distance(positions[from as usize], positions[to as usize]);
+            let source_triangle = prepared.source_triangles[neighbour as usize];
+            whole += side;
+            if prepared.is_both_ways[neighbour as usize]
+                || source.sidedness(source_triangle) == Some(Sidedness::Two)
+            {
+                two += side;
+            }
+        }
+    }
+    2.0 * two > whole
+}
+
+/// Whether all of a cap's rim lies in the lowest plane of the mesh.
+fn is_lowest(
+    cap: &Cap,
+    positions: &[Vector],
+    loops: &[Loop],
+    (up_axis, flatness): (UpAxis, f64),
+) -> bool {
+    let axis = up_axis.index();
+    let lowest = positions.iter().map(|point| point[axis]).fold(f64::INFINITY, f64::min);
+    let mut rim = cap.loops.iter().flat_map(|&index| &loops[index].vertices);
+    rim.all(|&vertex| positions[vertex as usize][axis] <= lowest + flatness)
+}
