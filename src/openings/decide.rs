@@ -55,11 +55,11 @@ pub(super) fn decide(
     let flatness = flatness_in_diagonals(prepared, settings);
     let capped = Capped::new(prepared, caps, flatness, control)?;
     capped.judge_shapes(source, loops, caps, settings);
-    while settings.openings == Openings::Auto {
+    if settings.openings != Openings::Auto {
+        return Ok(());
+    }
+    while capped.leave_seen(caps, control)? || capped.leave_emptied(caps, control)? {
         control.check()?;
-        if !capped.leave_seen(caps, control)? && !capped.leave_emptied(caps, control)? {
-            break;
-        }
     }
     Ok(())
 }

@@ -17,7 +17,7 @@ const HULLS: [(&str, usize); 15] = [
     ("props", 14),
     ("spring", 48),
     ("table", 5),
-    ("teapot", 7),
+    ("teapot", 8),
     ("torus", 9),
     ("u_prism", 3),
 ];
