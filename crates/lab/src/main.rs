@@ -15,7 +15,10 @@ mod statistics;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use experiments::{agreement, cancel, corpus, identical, openings, props, stages, table1, targets};
+use experiments::{
+    agreement, cancel, corpus, identical, openings, presets, props, stages, table1, targets, turned,
+    versus_paper, volume,
+};
 use hullwright::internals::terminal::Failure;
 use runs::worker;
 
@@ -42,9 +45,13 @@ enum Command {
     Corpus(corpus::Arguments),
     Identical(identical::Arguments),
     Openings(openings::Arguments),
+    Presets(presets::Arguments),
     Props(props::Arguments),
     Stages(stages::Arguments),
     Cancel(cancel::Arguments),
+    Turned(turned::Arguments),
+    VersusPaper(versus_paper::Arguments),
+    Volume(volume::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -61,9 +68,13 @@ fn main() -> ExitCode {
         Command::Corpus(arguments) => corpus::run(&arguments),
         Command::Identical(arguments) => identical::run(&arguments),
         Command::Openings(arguments) => openings::run(&arguments),
+        Command::Presets(arguments) => presets::run(&arguments),
         Command::Props(arguments) => props::run(&arguments),
         Command::Stages(arguments) => stages::run(&arguments),
         Command::Cancel(arguments) => cancel::run(&arguments),
+        Command::Turned(arguments) => turned::run(&arguments),
+        Command::VersusPaper(arguments) => versus_paper::run(&arguments),
+        Command::Volume(arguments) => volume::run(&arguments),
     };
     let (reason, code) = match result {
         Ok(()) => return ExitCode::SUCCESS,

@@ -1,7 +1,7 @@
 //! `cargo lab stability`: the same meshes in other words, and how much the result varies.
 
 mod summary;
-mod variations;
+pub mod variations;
 pub mod worker;
 
 use hullwright::internals::terminal::{Failure, print};

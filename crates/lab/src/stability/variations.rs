@@ -27,7 +27,7 @@ pub enum Variation {
 }
 
 /// Rotations of each mesh.
-const ROTATIONS: u32 = 24;
+pub const ROTATIONS: u32 = 24;
 const SCALES: [f64; 6] = [1e-9, 1e-6, 1e-3, 1e3, 1e6, 1e9];
 const OFFSETS: [f64; 3] = [1.0, 100.0, 1e4];
 const JITTERS: [f64; 2] = [1e-7, 1e-5];
