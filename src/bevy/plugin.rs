@@ -8,6 +8,9 @@ use super::attach::attach;
 use super::baked::{BakedDecomposition, BakedHulls, HullsLoader};
 use super::cache::GeometryCache;
 use super::change_detection::{detect_assets, detect_bodies, detect_scales, detect_tags, on_untag};
+use super::events::{
+    DecompositionCancelled, DecompositionFailed, DecompositionReady, DecompositionSkipped,
+};
 use super::failures::report_failures;
 use super::fallback_collider::{attach_fallbacks, remove_fallbacks};
 use super::freeze::{Frozen, freeze, release};
@@ -51,8 +54,12 @@ impl Plugin for HullwrightPlugin {
         if has_asset_server(app) {
             set_up_assets(app);
         }
-        app.insert_resource(self.settings.clone())
-            .init_resource::<WorkQueue>()
+        // What was inserted before the plugin stays, unless the plugin has settings of its own.
+        let has_own = self.settings != HullwrightSettings::default();
+        if has_own || !app.world().contains_resource::<HullwrightSettings>() {
+            app.insert_resource(self.settings.clone());
+        }
+        app.init_resource::<WorkQueue>()
             .init_resource::<GeometryCache>()
             .init_resource::<DecompositionCounters>()
             .register_type::<ConvexDecomposition>()
@@ -61,6 +68,10 @@ impl Plugin for HullwrightPlugin {
             .register_type::<NoConvexDecomposition>()
             .register_type::<DecompositionFocus>()
             .register_type::<DecompositionStatus>()
+            .register_type::<DecompositionReady>()
+            .register_type::<DecompositionSkipped>()
+            .register_type::<DecompositionFailed>()
+            .register_type::<DecompositionCancelled>()
             .register_type::<DecompositionCounters>()
             .register_type::<HullwrightSettings>()
             .add_observer(on_untag::<ConvexDecomposition>)
@@ -91,7 +102,8 @@ impl Plugin for HullwrightPlugin {
                     .in_set(HullwrightSystems::RunJobs)
                     .run_if(is_busy),
                 (
-                    (attach, report_failures, freeze).chain().run_if(is_busy),
+                    (attach, report_failures).chain().run_if(is_busy),
+                    freeze.run_if(is_busy.or_else(any_with_component::<Frozen>)),
                     release.run_if(any_with_component::<Frozen>),
                     remove_fallbacks.run_if(any_with_component::<AttachedFallback>),
                 )

@@ -4,6 +4,7 @@ mod app;
 mod baked;
 #[cfg(feature = "debug")]
 mod debug;
+mod endings;
 mod failures;
 mod fallback;
 mod falling;
