@@ -10,6 +10,7 @@ mod falling;
 mod freeze;
 #[cfg(feature = "bevy_gltf")]
 mod gltf;
+mod load;
 mod log;
 mod meshes;
 mod order;

@@ -4,6 +4,7 @@
 //! Exit code 0 is success, 1 an error in the input or the work, 2 wrong usage.
 
 mod bench;
+mod contact;
 mod experiments;
 mod hacd;
 mod paper;
@@ -15,6 +16,7 @@ mod statistics;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use contact::{seams, small};
 use experiments::{agreement, cancel, corpus, identical, openings, props, stages, table1, targets};
 use hullwright::internals::terminal::Failure;
 use runs::worker;
@@ -45,6 +47,8 @@ enum Command {
     Props(props::Arguments),
     Stages(stages::Arguments),
     Cancel(cancel::Arguments),
+    SmallContacts(small::Arguments),
+    Seams(seams::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -64,6 +68,8 @@ fn main() -> ExitCode {
         Command::Props(arguments) => props::run(&arguments),
         Command::Stages(arguments) => stages::run(&arguments),
         Command::Cancel(arguments) => cancel::run(&arguments),
+        Command::SmallContacts(arguments) => small::run(&arguments),
+        Command::Seams(arguments) => seams::run(&arguments),
     };
     let (reason, code) = match result {
         Ok(()) => return ExitCode::SUCCESS,
