@@ -95,6 +95,8 @@ pub struct Control {
     cancelled: Arc<AtomicBool>,
     is_serial: bool,
     deadline: Option<Instant>,
+    time_limit: Option<Instant>,
+    max_triangles: Option<usize>,
     listener: Option<Listener>,
 }
 
@@ -147,6 +149,45 @@ impl Control {
         self
     }
 
+    /// Past `limit` the work ends with [`Error::DeadlineExceeded`], as soon as it would when cancelled
+    /// and wherever it is. Together with a deadline, which ends in a result, it is set somewhat later.
+    ///
+    /// ```
+    /// use std::time::{Duration, Instant};
+    ///
+    /// // What a stranger has sent may take a second, or two if that yields a result.
+    /// let now = Instant::now();
+    /// let control = hullwright::Control::new()
+    ///     .with_deadline(now + Duration::from_secs(1))
+    ///     .with_time_limit(now + Duration::from_secs(2))
+    ///     .with_max_triangles(1_000_000);
+    /// # assert!(!control.is_past_deadline());
+    /// ```
+    #[must_use]
+    pub fn with_time_limit(mut self, limit: Instant) -> Self {
+        self.time_limit = Some(limit);
+        self
+    }
+
+    /// Meshes with more triangles are refused before any of them is looked at, with
+    /// [`Error::TooLarge`]. It is the limit of memory: `docs/reliability.md` has the bytes per
+    /// triangle.
+    ///
+    /// ```
+    /// use hullwright::{Control, Error, MeshView, Parameters, decompose};
+    ///
+    /// let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    /// let mesh = MeshView::new(&positions, &[[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]);
+    /// let control = Control::new().with_max_triangles(3);
+    /// let result = decompose(mesh, &Parameters::default(), &control);
+    /// assert_eq!(result, Err(Error::TooLarge { what: "triangles", count: 4, limit: 3 }));
+    /// ```
+    #[must_use]
+    pub fn with_max_triangles(mut self, limit: usize) -> Self {
+        self.max_triangles = Some(limit);
+        self
+    }
+
     /// Whether independent parts of the work run on rayon's current pool (feature `parallel`), as
     /// they do by default. The result does not depend on it.
     ///
@@ -186,9 +227,25 @@ impl Control {
         self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
     }
 
-    /// An error once somebody has cancelled.
+    /// An error once somebody has cancelled, or time is up.
     pub(crate) fn check(&self) -> Result<(), Error> {
-        if self.is_cancelled() { Err(Error::Cancelled) } else { Ok(()) }
+        if self.is_cancelled() {
+            Err(Error::Cancelled)
+        } else if self.time_limit.is_some_and(|limit| Instant::now() >= limit) {
+            Err(Error::DeadlineExceeded)
+        } else {
+            Ok(())
+        }
+    }
+
+    /// An error for a mesh above the limit.
+    pub(crate) fn admit(&self, triangles: usize) -> Result<(), Error> {
+        match self.max_triangles {
+            Some(limit) if triangles > limit => {
+                Err(Error::TooLarge { what: "triangles", count: triangles, limit })
+            }
+            _ => Ok(()),
+        }
     }
 
     pub(crate) fn report(&self, stage: Stage, fraction: f32) {
@@ -204,6 +261,8 @@ impl fmt::Debug for Control {
             .debug_struct("Control")
             .field("cancelled", &self.is_cancelled())
             .field("deadline", &self.deadline)
+            .field("time_limit", &self.time_limit)
+            .field("max_triangles", &self.max_triangles)
             .field("parallel", &self.is_parallel())
             .field("progress", &self.listener.is_some())
             .finish()

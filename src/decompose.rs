@@ -20,7 +20,8 @@ use crate::surface::resolution_selection::{Level, Levels, first_cut_off, select}
 /// Decomposes a triangle mesh into convex hulls.
 ///
 /// `mesh` is in any unit; so are the hulls. Time is almost linear in the number of triangles, and
-/// grows as the bound gets smaller. It never panics.
+/// grows as the bound gets smaller. It never panics. For meshes from strangers, `control` limits time and
+/// size.
 ///
 /// # Errors
 /// - [`Error::EmptyMesh`], [`Error::IndexOutOfRange`], [`Error::NothingUsable`], [`Error::TooLarge`] and
@@ -47,6 +48,9 @@ pub fn decompose<'a>(
     parameters: &Parameters,
     control: &Control,
 ) -> Result<Decomposition, Error> {
+    let mesh = mesh.into();
+    // Before a copy is made.
+    control.admit(mesh.triangles().len())?;
     let mut decomposer = Decomposer::new(mesh, parameters)?;
     loop {
         if let Some(decomposition) = decomposer.step(control)? {
@@ -137,6 +141,7 @@ impl Decomposer {
     /// As [`decompose`], and [`Error::Finished`] after the result or an error.
     pub fn step(&mut self, control: &Control) -> Result<Option<Decomposition>, Error> {
         control.check()?;
+        control.admit(self.source.triangles.len())?;
         let start = Instant::now();
         let (stage, fraction) = match &self.state {
             State::Repair => (Stage::Repair, 0.0),

@@ -35,7 +35,8 @@ pub enum Error {
         /// How many of them use a vertex that is infinite or not a number.
         non_finite: usize,
     },
-    /// The mesh has more vertices or triangles than 32-bit indices can name.
+    /// The mesh has more vertices or triangles than 32-bit indices can name, or than the caller allows:
+    /// see [`Control::with_max_triangles`](crate::Control::with_max_triangles).
     #[error("the mesh is too large: {count} {what}, at most {limit} can be handled")]
     TooLarge {
         /// What there is too much of.

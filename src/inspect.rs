@@ -2,7 +2,7 @@
 
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::{area_normal, cross, dot, length, maximum, minimum};
+use crate::geometry::vector::{area_normal, cross, cubed, dot, length, maximum, minimum, squared};
 use crate::geometry::{Bounds, MeshView};
 use crate::mesh::PreparedMesh;
 use crate::mesh::canonical_order::MeshOrder;
@@ -115,8 +115,8 @@ pub fn inspect_with<'a>(
         components: prepared.closed.len(),
         closed_components: prepared.closed.iter().filter(|closed| **closed).count(),
         repairs: prepared.repairs,
-        area: area * diagonal.powi(2),
-        volume: volume * diagonal.powi(3),
+        area: area * squared(diagonal),
+        volume: volume * cubed(diagonal),
         openings,
     })
 }

@@ -315,12 +315,52 @@ fn buffers_in_data_uris_and_files_beside_are_read() {
         (".", "no file"),
         ("data:;base64,AAA!", "base64"),
         ("data:nothing", "comma"),
-        ("https://example.org/a.bin", "no path relative"),
+        ("https://example.org/a.bin", "no path of a file beside"),
         ("data:;base64,AAAA", "it should have 76 bytes, but only 3"),
     ] {
         document["buffers"][0]["uri"] = json!(uri);
         let error = write(&document).unwrap_err().to_string();
         assert!(error.contains(expected), "{error}");
+    }
+}
+
+/// A document that somebody uploads must not read files of the server.
+#[test]
+fn buffers_outside_of_the_folder_of_the_document_are_refused() {
+    let directory = tempfile::tempdir().unwrap();
+    let inner = directory.path().join("inner");
+    std::fs::create_dir_all(inner.join("below")).unwrap();
+    for place in [directory.path(), &inner, &inner.join("below")] {
+        std::fs::write(place.join("buffer.bin"), buffer()).unwrap();
+    }
+    let mut document = document();
+    let mut read = |uri: &str| {
+        document["buffers"][0]["uri"] = json!(uri);
+        let path = inner.join("mesh.gltf");
+        std::fs::write(&path, document.to_string()).unwrap();
+        read_mesh(path)
+    };
+    for uri in ["buffer.bin", "./buffer.bin", "below/buffer.bin", "below/..buffer.bin"] {
+        let is_there = !uri.contains("..");
+        assert_eq!(read(uri).is_ok(), is_there, "{uri}");
+    }
+    let absolute = directory.path().join("buffer.bin");
+    for uri in [
+        "../buffer.bin",
+        "%2e%2e/buffer.bin",
+        "%2E%2E%2Fbuffer.bin",
+        "below/../../buffer.bin",
+        "below/../buffer.bin",
+        "..\\buffer.bin",
+        "..",
+        "\\\\server\\share\\buffer.bin",
+        "C:\\buffer.bin",
+        "C:buffer.bin",
+        "file:///etc/hostname",
+        &absolute.display().to_string(),
+    ] {
+        let error = read(uri).unwrap_err().to_string();
+        assert!(error.contains("no path of a file beside or below the document"), "{uri}: {error}");
     }
 }
 

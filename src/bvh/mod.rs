@@ -53,13 +53,13 @@ impl Bvh {
     /// Like [`new`](Self::new), unless cancelled.
     ///
     /// # Errors
-    /// [`Error::Cancelled`].
+    /// [`Error::Cancelled`], [`Error::DeadlineExceeded`].
     pub(crate) fn with_control(
         positions: &[Vector],
         triangles: &[[u32; 3]],
         control: &Control,
     ) -> Result<Self, Error> {
-        let bvh = Self::until(positions, triangles, &|| control.is_cancelled());
+        let bvh = Self::until(positions, triangles, &|| control.check().is_err());
         control.check().map(|()| bvh)
     }
 

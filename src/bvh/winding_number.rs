@@ -241,7 +241,7 @@ impl Turns {
     }
 
     fn total(self) -> f64 {
-        self.imaginary.atan2(self.real) / TAU + f64::from(self.whole)
+        libm::atan2(self.imaginary, self.real) / TAU + f64::from(self.whole)
     }
 }
 

@@ -3,6 +3,18 @@
 /// A point or a direction.
 pub type Vector = [f64; 3];
 
+/// `x * x`. Unlike `powi`, whose rounding is left to the compiler, the same everywhere.
+#[inline]
+pub fn squared(x: f64) -> f64 {
+    x * x
+}
+
+/// `x * x * x`, likewise.
+#[inline]
+pub fn cubed(x: f64) -> f64 {
+    x * x * x
+}
+
 /// `a + b`.
 #[inline]
 pub fn add(a: Vector, b: Vector) -> Vector {

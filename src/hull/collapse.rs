@@ -13,7 +13,7 @@ use super::face::{Face, after};
 use super::simplex::Shape;
 use crate::bvh::closest_point::closest_point_on_triangle;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, add, dot, length, scale, subtract};
+use crate::geometry::vector::{Vector, add, cubed, dot, length, scale, subtract};
 
 /// A new vertex lies this far in front of the faces that it replaces, in the builder's scaled space
 /// (where a hull's extent is between 1 and 2): more than the tolerance, so that they vanish.
@@ -142,7 +142,7 @@ pub(crate) fn collapse_edges(
     if hull.points.len() > MOST_VERTICES || builder.build(&hull.points) != Shape::Solid {
         return Ok(None);
     }
-    let most_volume = if most_volume > 0.0 { most_volume * builder.factor.powi(3) } else { 0.0 };
+    let most_volume = if most_volume > 0.0 { most_volume * cubed(builder.factor) } else { 0.0 };
     let mut trial = HullBuilder::new();
     let mut faces: Vec<Vec<u32>> = Vec::new();
     let mut constraints = Vec::new();

@@ -3,7 +3,7 @@
 use super::builder::HullBuilder;
 use super::face::{Face, NONE, Plane};
 use super::simplex::Shape;
-use crate::geometry::vector::Vector;
+use crate::geometry::vector::{Vector, cubed};
 
 /// Points that are compared with a face at once.
 const LANES: usize = 4;
@@ -87,7 +87,7 @@ impl HullBuilder {
     pub(crate) fn volume(&self) -> f64 {
         // Six times the tetrahedron between a face and the centre is the height of the centre.
         let six: f64 = self.faces.iter().map(|face| face.plane.offset).sum();
-        six / (6.0 * self.factor.powi(3))
+        six / (6.0 * cubed(self.factor))
     }
 
     /// Number of triangles of the hull; 0 if there is none.

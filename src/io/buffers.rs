@@ -110,12 +110,22 @@ fn decode_data(data: &str) -> Result<Vec<u8>, String> {
     }
 }
 
+/// Whether a decoded URI names a file in the document's folder or below. Others are refused: a file that
+/// somebody uploads could name any file of the machine. Backslashes and drive letters count on every
+/// platform, so that a document is read on all or on none.
+fn stays_beside(name: &str) -> bool {
+    !name.contains(':')
+        && !name.starts_with(['/', '\\'])
+        && name.split(['/', '\\']).all(|part| part != "..")
+        && !Path::new(name).is_absolute()
+}
+
 /// Reads no more than `length` bytes of a file whose path is relative to the document.
 fn read_beside(uri: &str, length: u64, directory: Option<&Path>) -> Result<Vec<u8>, String> {
     let name = percent_decode_str(uri).decode_utf8_lossy();
     let quoted = quote(name.as_bytes());
-    if name.contains("://") || Path::new(name.as_ref()).is_absolute() {
-        return Err(format!("{quoted} is no path relative to the document"));
+    if !stays_beside(&name) {
+        return Err(format!("{quoted} is no path of a file beside or below the document"));
     }
     let directory = directory.ok_or_else(|| format!("it is in another file, {quoted}"))?;
     let path = directory.join(name.as_ref());

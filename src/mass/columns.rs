@@ -10,7 +10,7 @@
 use robust::{Coord, orient2d};
 
 use super::moments::Moments;
-use crate::geometry::vector::{Vector, bounds, cross, maximum, minimum, subtract};
+use crate::geometry::vector::{Vector, bounds, cross, cubed, maximum, minimum, subtract};
 
 /// A line meets a surface: in which column, at which x, and whether it enters (1) or leaves (-1).
 #[derive(Clone, Copy)]
@@ -97,7 +97,7 @@ impl Grid {
         let area = dy * dz;
         let length = (to - from) * area;
         let x = (to * to - from * from) / 2.0 * area;
-        let xx = (to.powi(3) - from.powi(3)) / 3.0 * area;
+        let xx = (cubed(to) - cubed(from)) / 3.0 * area;
         moments.volume += length;
         for (sum, value) in moments.first.iter_mut().zip([x, y * length, z * length]) {
             *sum += value;

@@ -1,7 +1,7 @@
 //! Volume, first and second moments of solids, and the mass properties that follow from them.
 
 use super::{MassProperties, MassSource};
-use crate::geometry::vector::{Vector, add, cross, dot, scale};
+use crate::geometry::vector::{Vector, add, cross, cubed, dot, scale, squared};
 
 /// Integrals over a solid of 1, of x, and of the products of two coordinates.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -47,11 +47,11 @@ impl Moments {
                 central[i][j] -= self.volume * centre[i] * centre[j];
             }
         }
-        let mass = density * unit.powi(3);
+        let mass = density * cubed(unit);
         MassProperties {
             mass: mass * self.volume,
             centre: add(scale(centre, unit), origin),
-            inertia: inertia_of(central).map(|row| scale(row, mass * unit.powi(2))),
+            inertia: inertia_of(central).map(|row| scale(row, mass * squared(unit))),
             source,
         }
     }

@@ -2,7 +2,7 @@
 
 use super::edges;
 use crate::geometry::vector::{
-    Vector, add, area_normal, cross, dot, length, length_squared, scale, subtract,
+    Vector, add, area_normal, cross, cubed, dot, length, length_squared, scale, subtract,
 };
 
 /// A hull on its own.
@@ -89,7 +89,7 @@ pub(super) fn check(
         vertices: points.len(),
         triangles: triangles.len(),
         concavity,
-        volume: six_volumes / 6.0 * mesh_diagonal.powi(3),
+        volume: six_volumes / 6.0 * cubed(mesh_diagonal),
         is_closed: edges::is_closed(points, triangles),
         is_flat: hull.is_none(),
     }

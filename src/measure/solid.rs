@@ -2,7 +2,7 @@
 
 use super::check::{HullCheck, check};
 use crate::geometry::MeshView;
-use crate::geometry::vector::{Vector, area_normal, bounds, distance, dot, length, scale};
+use crate::geometry::vector::{Vector, area_normal, bounds, distance, dot, length, scale, squared};
 use crate::hull::convex_hull;
 use crate::mesh::Normalization;
 
@@ -73,7 +73,7 @@ fn plane([a, b, c]: [Vector; 3]) -> Option<(Vector, f64)> {
     let normal = area_normal(a, b, c);
     let area = length(normal);
     let longest = distance(a, b).max(distance(b, c)).max(distance(c, a));
-    (area * area > NEEDLE * longest.powi(4)).then(|| {
+    (area * area > NEEDLE * squared(squared(longest))).then(|| {
         let normal = scale(normal, 1.0 / area);
         (normal, dot(normal, a))
     })

@@ -317,7 +317,7 @@ impl Cap {
             for ((&from, &to), &neighbour) in own.vertices.iter().zip(next).zip(&own.neighbours) {
                 let [a, b, c] = triangles[neighbour as usize].map(|v| positions[v as usize]);
                 let normal = normalize(area_normal(a, b, c));
-                let angle = (-dot(normal, self.normal)).clamp(-1.0, 1.0).acos();
+                let angle = libm::acos((-dot(normal, self.normal)).clamp(-1.0, 1.0));
                 angles.push((angle, distance(positions[from as usize], positions[to as usize])));
             }
         }
@@ -338,5 +338,5 @@ fn distance_to_side(point: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let squared = along[0] * along[0] + along[1] * along[1];
     let share = ((arm[0] * along[0] + arm[1] * along[1]) / squared).clamp(0.0, 1.0);
     let share = if share.is_nan() { 0.0 } else { share };
-    (arm[0] - share * along[0]).hypot(arm[1] - share * along[1])
+    libm::hypot(arm[0] - share * along[0], arm[1] - share * along[1])
 }

@@ -31,12 +31,14 @@
 
 mod check;
 mod convert;
+mod dispatcher;
 mod prepare;
 mod shape;
 
 use rapier3d::geometry::ColliderBuilder;
 
 pub use convert::{convex_polyhedron, triangle_mesh};
+pub use dispatcher::ContactDispatcher;
 pub use prepare::ColliderError;
 pub use shape::{collider, mass_properties, shape, shape_from_points};
 

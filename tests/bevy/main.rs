@@ -11,6 +11,7 @@ mod falling;
 mod freeze;
 #[cfg(feature = "bevy_gltf")]
 mod gltf;
+mod load;
 mod log;
 mod meshes;
 mod order;

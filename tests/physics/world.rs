@@ -84,6 +84,12 @@ impl World {
         Self(world)
     }
 
+    /// Contacts are computed by the crate's dispatcher.
+    pub fn dispatched(mut self) -> Self {
+        self.0.narrow_phase = NarrowPhase::with_query_dispatcher(rapier::ContactDispatcher);
+        self
+    }
+
     /// With a floor whose top is at height 0.
     pub fn with_floor(size: f32) -> Self {
         let mut world = Self::new(size);

@@ -4,6 +4,7 @@
 //! Exit code 0 is success, 1 an error in the input or the work, 2 wrong usage.
 
 mod bench;
+mod contact;
 mod experiments;
 mod hacd;
 mod paper;
@@ -15,9 +16,10 @@ mod statistics;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use contact::{seams, small};
 use experiments::{
-    agreement, cancel, corpus, identical, openings, presets, props, stages, table1, targets, turned,
-    versus_paper, volume,
+    agreement, cancel, corpus, identical, openings, presets, props, stages, table1, targets,
+    turned, versus_paper, volume,
 };
 use hullwright::internals::terminal::Failure;
 use runs::worker;
@@ -52,6 +54,8 @@ enum Command {
     Turned(turned::Arguments),
     VersusPaper(versus_paper::Arguments),
     Volume(volume::Arguments),
+    SmallContacts(small::Arguments),
+    Seams(seams::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -75,6 +79,8 @@ fn main() -> ExitCode {
         Command::Turned(arguments) => turned::run(&arguments),
         Command::VersusPaper(arguments) => versus_paper::run(&arguments),
         Command::Volume(arguments) => volume::run(&arguments),
+        Command::SmallContacts(arguments) => small::run(&arguments),
+        Command::Seams(arguments) => seams::run(&arguments),
     };
     let (reason, code) = match result {
         Ok(()) => return ExitCode::SUCCESS,

@@ -5,7 +5,7 @@ use super::face_cache::{FaceCache, FaceKey};
 use super::fit_test::FitScratch;
 use super::solid::Solid;
 use crate::bounded::growing_hull::GrowingHull;
-use crate::geometry::vector::{Vector, add, area_normal, length_squared};
+use crate::geometry::vector::{Vector, add, area_normal, length_squared, squared};
 use crate::hull::{HullBuilder, LEAST_THICKNESS, solid_hull};
 
 /// Faces of a larger area, squared and times four, in bounds to the fourth power, are tested at four
@@ -109,7 +109,7 @@ impl<'a> FitTester<'a> {
         let scratch = &mut self.scratch;
         faces.iter().all(|face| fits(face, &mut |face| solid.centre_fits(face, bound)))
             && faces.iter().all(|face| {
-                let is_large = face.size > LARGE * bound.powi(4);
+                let is_large = face.size > LARGE * squared(squared(bound));
                 !is_large || fits(face, &mut |face| solid.quarters_fit(face, bound))
             })
             && faces.iter().all(|face| {

@@ -74,7 +74,7 @@ pub(super) fn find_witness(
     let second = cross(along, first);
     for index in 0..count {
         let angle = std::f64::consts::TAU * f64::from(index) / f64::from(count);
-        let across = add(scale(first, angle.cos()), scale(second, angle.sin()));
+        let across = add(scale(first, libm::cos(angle)), scale(second, libm::sin(angle)));
         let Some((normal, [from, to])) = bridge(hulls, across, along) else { continue };
         for &share in shares {
             let point = add(from, scale(subtract(to, from), share));
