@@ -174,7 +174,9 @@ pub struct BoundedReport {
     /// bound: see [`HullErrors::protrusion_max`]. Above `bound` only where a cap on hulls
     /// forces it, or where a flat sheet has to be thicker to be a hull.
     pub protrusion_max: f64,
-    /// Uncovered distance: no point of the input's surface is farther than this outside every hull.
+    /// Uncovered distance: no point of the input's surface is farther than this outside every hull. What is
+    /// thinner than 1e-6 of the diagonal in two directions is a line, and no surface:
+    /// [`Repairs::degenerate_triangles`] counts it.
     pub uncovered_max: f64,
     /// Patches of the surface that the search started from.
     pub patches: usize,

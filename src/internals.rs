@@ -11,6 +11,7 @@ pub use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
 pub use crate::mesh::canonical_order::MeshOrder;
 pub use crate::mesh::repair::prepare;
 pub use crate::mesh::{Normalization, PreparedMesh, TriangleMesh, shapes};
+pub use crate::openings::surface_and_solid;
 pub use crate::parallel::with as with_parallelism;
 pub use crate::surface::cost::{CostScratch, cost};
 pub use crate::surface::group_merging::merge_groups;

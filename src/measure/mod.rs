@@ -12,6 +12,8 @@
 //!   what is there both ways round, and open parts of a mesh that is inside out as a whole, enclose
 //!   nothing. Openings are closed as [`MeasureOptions::openings`] says. So holes, open sheets,
 //!   self-intersections and cavities are no obstacle.
+//! - The **surface** is the mesh's triangles, but for those without area: what is thinner than 1e-6 of the
+//!   diagonal in two directions is a line, which repair drops and nothing has to cover.
 //! - A **hull** is the convex hull of its points: that is what a physics engine collides with,
 //!   whatever its triangles say. What they say is checked on its own: see [`HullCheck`].
 //! - A point is **in** a hull up to a tolerance of 1e-6, and **inside** it beyond the same
@@ -190,6 +192,12 @@ impl Mesh {
                 triangle.map(|vertex| prepared.source_vertices[vertex as usize])
             };
             usable = prepared.mesh.triangles.iter().map(in_source).collect();
+        } else if prepared.repairs.degenerate_triangles > 0 {
+            // What repair takes for a line or a spot is no surface that hulls could leave uncovered.
+            let mut kept = prepared.source_triangles.clone();
+            kept.sort_unstable();
+            kept.dedup();
+            usable = kept.iter().map(|&triangle| triangles[triangle as usize]).collect();
         }
         let place =
             |&point: &Vector| normalization.normalize(prepared.normalization.restore(point));

@@ -59,3 +59,21 @@ pub fn close_openings<'a>(
     let mesh = TriangleMesh::new(positions, triangles);
     Ok(ClosedMesh { mesh, caps: count, openings, nested_components })
 }
+
+/// The surface that the promises are about, and the triangles by whose winding number a point is in the
+/// solid; over the same vertices, in the input's units.
+///
+/// # Errors
+/// As [`close_openings`].
+pub fn surface_and_solid(
+    mesh: MeshView<'_>,
+    parameters: &Parameters,
+    control: &Control,
+) -> Result<(TriangleMesh, Vec<[u32; 3]>), Error> {
+    let settings = OpeningSettings::from(parameters);
+    let Closed { prepared, .. } = prepare_closed(mesh, &settings, control)?;
+    let solid = prepared.triangles_of_solid().into_owned();
+    let restore = |&point| prepared.normalization.restore(point);
+    let positions = prepared.mesh.positions.iter().map(restore).collect();
+    Ok((TriangleMesh::new(positions, prepared.mesh.triangles), solid))
+}

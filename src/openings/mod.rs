@@ -61,7 +61,7 @@ use crate::mesh::PreparedMesh;
 use crate::mesh::canonical_order::MeshOrder;
 use crate::parameters::{BoundedParameters, Length, Method, Openings, Parameters, UpAxis};
 
-pub use closed_mesh::{ClosedMesh, close_openings};
+pub use closed_mesh::{ClosedMesh, close_openings, surface_and_solid};
 pub use report::{Opening, OpeningOutcome};
 
 /// What of [`Parameters`](crate::Parameters) openings depend on.

@@ -1,6 +1,6 @@
 //! Largest distances between a mesh and hulls by brute force: every distance is the least over all
 //! triangles, and the inside is where the winding number, summed over all triangles, says so. It
-//! shares no code with the crate.
+//! shares no code with the crate (see `oracle`).
 //!
 //! A face is sampled at the centres of its parts, which are divided until none can hold a distance
 //! that is larger than the largest sample by more than a tolerance.
@@ -9,112 +9,21 @@ use std::rc::Rc;
 
 use hullwright::Hull;
 
+use crate::independent::oracle::{Convex, Triangle, distance_to, minus, norm, winding_number};
 use crate::shapes::Mesh;
 
-type Point = [f64; 3];
-
-fn minus(a: Point, b: Point) -> Point {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn dot(a: Point, b: Point) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: Point, b: Point) -> Point {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn norm(a: Point) -> f64 {
-    dot(a, a).sqrt()
-}
-
-fn middle(a: Point, b: Point) -> Point {
-    [0, 1, 2].map(|k| 0.5 * (a[k] + b[k]))
-}
-
-/// A triangle, with a ball around it that tells most triangles apart from the nearest.
-pub struct Triangle {
-    corners: [Point; 3],
-    centre: Point,
-    radius: f64,
-}
-
-impl Triangle {
-    fn new(corners: [Point; 3]) -> Self {
-        let centre = [0, 1, 2].map(|k| corners.iter().map(|corner| corner[k]).sum::<f64>() / 3.0);
-        let radius = corners.iter().map(|&corner| norm(minus(corner, centre))).fold(0.0, f64::max);
-        Self { corners, centre, radius }
-    }
-
-    fn quarters(&self) -> [Self; 4] {
-        let [a, b, c] = self.corners;
-        let [ab, bc, ca] = [middle(a, b), middle(b, c), middle(c, a)];
-        [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]].map(Self::new)
-    }
-
-    /// No point of it is nearer than this.
-    fn least_distance(&self, point: Point) -> f64 {
-        norm(minus(point, self.centre)) - self.radius
-    }
-
-    /// The distance to a point: to the inside where the point is above it, else to an edge.
-    fn distance(&self, point: Point) -> f64 {
-        let [a, b, c] = self.corners;
-        let normal = cross(minus(b, a), minus(c, a));
-        let edges = [(a, b), (b, c), (c, a)];
-        let is_above = edges
-            .iter()
-            .all(|&(from, to)| dot(cross(normal, minus(to, from)), minus(point, from)) >= 0.0);
-        let area = norm(normal);
-        if is_above && area > 0.0 {
-            return (dot(normal, minus(point, a)) / area).abs();
-        }
-        let to_edge = |&(from, to): &(Point, Point)| {
-            let (along, offset) = (minus(to, from), minus(point, from));
-            let squared = dot(along, along);
-            let share =
-                if squared > 0.0 { (dot(offset, along) / squared).clamp(0.0, 1.0) } else { 0.0 };
-            norm([0, 1, 2].map(|k| offset[k] - share * along[k]))
-        };
-        edges.iter().map(to_edge).fold(f64::INFINITY, f64::min)
-    }
-
-    /// The solid angle under which a point sees it, positive from inside (van Oosterom and
-    /// Strackee).
-    fn solid_angle(&self, point: Point) -> f64 {
-        let [a, b, c] = self.corners.map(|corner| minus(corner, point));
-        let lengths = [a, b, c].map(norm);
-        let below = lengths[0] * lengths[1] * lengths[2]
-            + dot(a, b) * lengths[2]
-            + dot(b, c) * lengths[0]
-            + dot(c, a) * lengths[1];
-        2.0 * dot(a, cross(b, c)).atan2(below)
-    }
-}
-
-pub fn triangles(mesh: &Mesh) -> Vec<Triangle> {
-    let (positions, indices) = mesh;
-    let corners = indices.iter().map(|triangle| triangle.map(|v| positions[v as usize]));
-    corners.map(Triangle::new).collect()
+pub fn triangles((positions, indices): &Mesh) -> Vec<Triangle> {
+    Triangle::all(positions, indices)
 }
 
 fn faces(hull: &Hull) -> Vec<Triangle> {
-    triangles(&(hull.shape.points.clone(), hull.shape.triangles.clone()))
-}
-
-fn distance_to<'a>(triangles: impl IntoIterator<Item = &'a Triangle>, point: Point) -> f64 {
-    triangles.into_iter().fold(f64::INFINITY, |least, triangle| {
-        let may_be_nearer = triangle.least_distance(point) < least;
-        if may_be_nearer { least.min(triangle.distance(point)) } else { least }
-    })
+    Triangle::all(&hull.shape.points, &hull.shape.triangles)
 }
 
 /// Whether a point is inside a surface, whichever way that is oriented. Where it is open, both
 /// sides of a sheet are outside.
-fn is_inside(surface: &[Triangle], point: Point) -> bool {
-    let angle: f64 = surface.iter().map(|triangle| triangle.solid_angle(point)).sum();
-    angle.abs() / (4.0 * std::f64::consts::PI) > 0.52
+fn is_inside(surface: &[Triangle], point: [f64; 3]) -> bool {
+    winding_number(surface, point).abs() > 0.52
 }
 
 /// A part of a hull's face, with the triangles of the solid that can be nearest to any of it.
@@ -188,45 +97,12 @@ pub fn sampled_protrusion(hull: &Hull, surface: &[Triangle], floor: f64, spacing
     largest
 }
 
-/// A hull as planes that face outward, and faces, with a ball around it.
-struct Convex {
-    planes: Vec<(Point, f64)>,
-    faces: Vec<Triangle>,
-    centre: Point,
-    radius: f64,
-}
-
-impl Convex {
-    fn new(hull: &Hull) -> Self {
-        let faces = faces(hull);
-        let planes = faces.iter().map(|face| {
-            let [a, b, c] = face.corners;
-            let normal = cross(minus(b, a), minus(c, a));
-            (normal, dot(normal, a))
-        });
-        let planes = planes.collect();
-        let centre = faces[0].centre;
-        let far = |face: &Triangle| norm(minus(face.centre, centre)) + face.radius;
-        let radius = faces.iter().map(far).fold(0.0, f64::max);
-        Self { planes, faces, centre, radius }
-    }
-
-    /// No point of it is nearer than this.
-    fn least_distance(&self, point: Point) -> f64 {
-        norm(minus(point, self.centre)) - self.radius
-    }
-
-    /// The distance of a point outside the hull.
-    fn outside(&self, point: Point) -> f64 {
-        let is_inside = self.planes.iter().all(|&(normal, offset)| dot(normal, point) <= offset);
-        if is_inside { 0.0 } else { distance_to(&self.faces, point) }
-    }
-}
-
 /// The largest sampled distance of a surface outside all hulls. The true one is larger by at most
 /// `tolerance`.
 pub fn uncovered(surface: Vec<Triangle>, hulls: &[Hull], tolerance: f64) -> f64 {
-    let hulls: Vec<Convex> = hulls.iter().map(Convex::new).collect();
+    let shapes = hulls.iter().map(|hull| &hull.shape);
+    let hulls: Vec<Convex> =
+        shapes.map(|shape| Convex::new(&shape.points, &shape.triangles)).collect();
     let (mut largest, mut parts) = (0.0_f64, surface);
     while let Some(part) = parts.pop() {
         // Distances to a hull are convex: on a part they are largest at a corner.

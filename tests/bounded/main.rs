@@ -26,6 +26,10 @@ mod empty_space;
 mod exact_shapes;
 mod hierarchy;
 mod hull_counts;
+// The unused rest is for other tests.
+#[allow(dead_code)]
+#[path = "../independent/mod.rs"]
+mod independent;
 mod judge;
 mod promise;
 mod running;

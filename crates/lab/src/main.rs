@@ -7,11 +7,18 @@ mod bench;
 mod contact;
 mod experiments;
 mod hacd;
+// The unused rest is for tests.
+#[allow(dead_code)]
+#[path = "../../../tests/independent/mod.rs"]
+mod independent;
+#[cfg(test)]
+mod independent_tests;
 mod paper;
 mod report;
 mod runs;
 mod stability;
 mod statistics;
+mod sweep;
 
 use std::process::ExitCode;
 
@@ -37,6 +44,9 @@ enum Command {
     Bench(bench::Arguments),
     #[command(hide = true)]
     BenchRun(worker::Arguments),
+    Sweep(sweep::Arguments),
+    #[command(hide = true)]
+    SweepRun(sweep::worker::Arguments),
     Stability(stability::Arguments),
     #[command(hide = true)]
     StabilityRun(stability::worker::Arguments),
@@ -63,6 +73,8 @@ fn main() -> ExitCode {
     let result = match command {
         Command::Bench(arguments) => bench::run(&arguments),
         Command::BenchRun(arguments) => worker::run(&arguments),
+        Command::Sweep(arguments) => sweep::run(&arguments),
+        Command::SweepRun(arguments) => sweep::worker::run(&arguments),
         Command::Stability(arguments) => stability::run(&arguments),
         Command::StabilityRun(arguments) => stability::worker::run(&arguments),
         Command::Paper(arguments) => paper::run(&arguments),

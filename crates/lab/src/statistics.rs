@@ -11,6 +11,14 @@ pub fn median(mut values: Vec<f64>) -> f64 {
     }
 }
 
+/// The least value that so large a share of all does not exceed; 0 of none.
+pub fn quantile(values: &[f64], share: f64) -> f64 {
+    let mut values = values.to_vec();
+    values.sort_by(f64::total_cmp);
+    let place = (share * values.len() as f64).ceil() as usize;
+    values.get(place.clamp(1, values.len().max(1)) - 1).copied().unwrap_or(0.0)
+}
+
 /// 0 of none.
 pub fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
@@ -75,6 +83,9 @@ mod tests {
         assert_eq!(median(vec![3.0, 1.0, 2.0]), 2.0);
         assert_eq!(median(vec![4.0, 1.0, 2.0, 3.0]), 2.5);
         assert_eq!(median(vec![]), 0.0);
+        let values = [4.0, 1.0, 3.0, 2.0];
+        assert_eq!([0.0, 0.5, 0.51, 1.0].map(|share| quantile(&values, share)), [1.0, 2.0, 3.0, 4.0]);
+        assert_eq!(quantile(&[], 0.5), 0.0);
         assert_eq!(mean(&[1.0, 2.0, 6.0]), 3.0);
         assert_eq!(mean(&[]), 0.0);
         assert_eq!(range([2.0, -1.0, 1.0]), (-1.0, 2.0));

@@ -174,7 +174,7 @@ fn report(output: &Path, rows: &[Row], meshes: &[&str]) -> Result<(), String> {
     for points in ["points_on_hulls", "points_on_mesh"] {
         machine.insert(points.into(), worker::SURFACE_POINTS.into());
     }
-    machine.insert("points_in_space".into(), 0.into());
+    machine.insert("points_in_space".into(), worker::VOLUME_POINTS.into());
     let title = "Numerical stability";
     let report = Report { title, words, machine: &machine, plots: &[], tables: &tables };
     report.write(output, "stability")

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::Row;
+use super::worker::VariationResult;
 use crate::report::table::{NOTHING, Table, number};
 use crate::runs::methods::Run;
 use crate::statistics::{median, range};
@@ -21,9 +22,12 @@ pub fn breaks_promise(row: &Row) -> bool {
     result.non_convex_hulls > 0 || result.non_positive_volumes > 0 || result.error > bound
 }
 
-/// One table by kind of variation, one of everything that went wrong.
+/// Tables by kind of variation, the worst of each figure, and everything that went wrong.
 pub fn tables(rows: &[Row]) -> Vec<Table> {
-    vec![spread(rows), wrong(rows)]
+    let mut tables = vec![spread(rows), volumes(rows)];
+    tables.extend(FIGURES.map(|figure| worst(rows, figure)));
+    tables.push(wrong(rows));
+    tables
 }
 
 fn spread(rows: &[Row]) -> Table {
@@ -46,19 +50,122 @@ fn spread(rows: &[Row]) -> Table {
                 promise is a hull that is not convex (1e-6 of the diagonal) or has no volume, or an \
                 error above the bound that was asked for.";
     let mut table = Table::new("Spread", note, &header);
-    let base: BTreeMap<(&str, &str), &Row> = rows
-        .iter()
+    let base = base(rows);
+    for (method, kind, all) in groups(rows) {
+        table.rows.push(spread_cells(method, kind, &all, &base));
+    }
+    table
+}
+
+type Base<'a> = BTreeMap<(&'a str, &'a str), &'a Row>;
+
+/// The runs of the meshes as they are, by mesh and method.
+fn base(rows: &[Row]) -> Base<'_> {
+    rows.iter()
         .filter(|row| row.place == 0 && row.result.failure.is_empty())
         .map(|row| ((row.mesh.as_str(), row.method.as_str()), row))
-        .collect();
+        .collect()
+}
+
+/// The rows of each method and kind of variation.
+fn groups(rows: &[Row]) -> Vec<(&str, String, Vec<&Row>)> {
     let methods: BTreeSet<&str> = rows.iter().map(|row| row.method.as_str()).collect();
+    let mut groups = Vec::new();
     for method in methods {
         let own: Vec<&Row> = rows.iter().filter(|row| row.method == method).collect();
         for kind in kinds(&own) {
-            let all: Vec<&Row> =
-                own.iter().copied().filter(|row| row.variation.kind() == kind).collect();
-            table.rows.push(spread_cells(method, kind, &all, &base));
+            let all = own.iter().copied().filter(|row| row.variation.kind() == kind).collect();
+            groups.push((method, kind, all));
         }
+    }
+    groups
+}
+
+/// A figure beside error and hulls, and how much worse it is than that of the mesh as it is.
+struct Figure {
+    name: &'static str,
+    of: fn(&VariationResult) -> Option<f64>,
+    worse: fn(f64, f64) -> f64,
+}
+
+/// Processor times below this one, in seconds, are too short for their ratio to say anything.
+const LEAST_SECONDS: f64 = 0.02;
+
+const FIGURES: [Figure; 3] = [
+    Figure {
+        name: "uncovered volume",
+        of: |result| result.uncovered_volume,
+        worse: |varied, base| varied - base,
+    },
+    Figure { name: "IoU", of: |result| result.iou, worse: |varied, base| base - varied },
+    Figure {
+        name: "processor seconds",
+        of: |result| Some(result.seconds),
+        worse: |varied, base| varied.max(LEAST_SECONDS) / base.max(LEAST_SECONDS),
+    },
+];
+
+impl Figure {
+    /// How much worse a run is than that of the mesh as it is, with both figures.
+    fn compared(&self, row: &Row, base: &Base<'_>) -> Option<(f64, f64, f64)> {
+        let before = base.get(&(row.mesh.as_str(), row.method.as_str()))?;
+        let is_done = row.result.failure.is_empty();
+        let (varied, before) =
+            (self.of)(&row.result).filter(|_| is_done).zip((self.of)(&before.result))?;
+        Some(((self.worse)(varied, before), varied, before))
+    }
+}
+
+fn volumes(rows: &[Row]) -> Table {
+    let header = [
+        "method",
+        "variation",
+        "more uncovered volume: median",
+        "most",
+        "less IoU: median",
+        "most ",
+        "processor time over that of the mesh as it is: median",
+        "most  ",
+    ];
+    let note = "Each run against the same method on the same mesh as it is. Volumes of closed meshes.";
+    let mut table = Table::new("Volume and time", note, &header);
+    let base = base(rows);
+    for (method, kind, all) in groups(rows) {
+        let mut cells = vec![method.to_owned(), kind];
+        for figure in &FIGURES {
+            let values: Vec<f64> = all
+                .iter()
+                .filter_map(|row| figure.compared(row, &base))
+                .map(|(worse, ..)| worse)
+                .collect();
+            let [_, median, most] = least_median_most(values);
+            cells.extend([median, most]);
+        }
+        table.rows.push(cells);
+    }
+    table
+}
+
+/// Rows of a table of the worst.
+const WORST: usize = 10;
+
+fn worst(rows: &[Row], figure: Figure) -> Table {
+    let base = base(rows);
+    let mut found: Vec<((f64, f64, f64), &Row)> =
+        rows.iter().filter_map(|row| Some((figure.compared(row, &base)?, row))).collect();
+    found.sort_by(|a, b| b.0.0.total_cmp(&a.0.0));
+    let title = format!("Worst change of {}", figure.name);
+    let header = ["mesh", "method", "variation", "as it is", "varied", "hulls"];
+    let mut table = Table::new(&title, "", &header);
+    for ((_, varied, before), row) in found.into_iter().take(WORST) {
+        table.rows.push(vec![
+            row.mesh.clone(),
+            row.method.clone(),
+            row.variation.kind(),
+            number(before),
+            number(varied),
+            row.result.hulls.to_string(),
+        ]);
     }
     table
 }
@@ -82,7 +189,7 @@ fn spread_cells(
     method: &str,
     kind: String,
     all: &[&Row],
-    base: &BTreeMap<(&str, &str), &Row>,
+    base: &Base<'_>,
 ) -> Vec<String> {
     let good = || all.iter().filter(|row| row.result.failure.is_empty());
     let pairs: Vec<(&Row, &Row)> =

@@ -1,0 +1,42 @@
+//! What the fuzz targets do with bytes. `tests/fuzz_corpus.rs` of the crate above includes this file, and
+//! replays the corpora on a stable compiler.
+//!
+//! Each target takes any bytes, makes of them what reaches deep, and panics where a promise is broken.
+
+#[allow(dead_code)]
+#[path = "../../tests/independent/mod.rs"]
+mod independent;
+#[cfg(feature = "bevy_gltf")]
+#[allow(dead_code)]
+#[path = "../../src/bevy/naming_conventions.rs"]
+mod naming_conventions;
+mod points;
+#[cfg(feature = "io")]
+mod readers;
+mod shapes;
+
+#[cfg(feature = "bevy_gltf")]
+pub use readers::extras;
+#[cfg(feature = "io")]
+pub use readers::{gltf, hulls_file, obj, off, ply, stl};
+pub use shapes::{hull, soup};
+
+/// The targets by name, as the folders of their corpora are called.
+pub const TARGETS: &[(&str, fn(&[u8]))] = &[
+    ("soup", soup),
+    ("hull", hull),
+    #[cfg(feature = "io")]
+    ("obj", obj),
+    #[cfg(feature = "io")]
+    ("off", off),
+    #[cfg(feature = "io")]
+    ("ply", ply),
+    #[cfg(feature = "io")]
+    ("stl", stl),
+    #[cfg(feature = "io")]
+    ("gltf", gltf),
+    #[cfg(feature = "io")]
+    ("hulls_file", hulls_file),
+    #[cfg(feature = "bevy_gltf")]
+    ("extras", extras),
+];

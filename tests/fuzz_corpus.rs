@@ -1,0 +1,50 @@
+//! The fuzz targets, on a stable compiler: what they have found is replayed, and each is given bytes that
+//! nobody chose.
+
+#[path = "../fuzz/src/lib.rs"]
+mod targets;
+
+use std::path::Path;
+
+/// Inputs by chance, beside the corpora.
+const RANDOM: u64 = 100;
+
+fn replay(name: &str, target: fn(&[u8])) -> usize {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus").join(name);
+    let mut files: Vec<_> =
+        std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    for file in &files {
+        // The name of what fails.
+        println!("{}", file.display());
+        target(&std::fs::read(file).unwrap());
+    }
+    files.len()
+}
+
+#[test]
+fn what_fuzzing_has_found_stays_mended() {
+    for (name, target) in targets::TARGETS {
+        assert!(replay(name, *target) > 0, "{name} has no corpus");
+    }
+}
+
+#[test]
+fn bytes_that_nobody_chose_break_nothing() {
+    for (name, target) in targets::TARGETS {
+        let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+        for round in 0..RANDOM {
+            let bytes: Vec<u8> = (0..round * 5)
+                .map(|_| {
+                    // Xorshift (Marsaglia 2003).
+                    state ^= state << 13;
+                    state ^= state >> 7;
+                    state ^= state << 17;
+                    (state >> 32) as u8
+                })
+                .collect();
+            println!("{name} {round}");
+            target(&bytes);
+        }
+    }
+}

@@ -1,0 +1,90 @@
+//! Numerical stress: input that is hard on arithmetic, each with its reason. What is promised is judged by
+//! exact predicates and brute force, without the crate's code.
+//!
+//! | file | what is hard |
+//! |---|---|
+//! | `range` | tiny, huge and far-away coordinates, to the ends of `f32` |
+//! | `thin` | needles and plates |
+//! | `flat_and_round` | very many points in a plane, on a circle, on a sphere |
+//! | `noise` | noise and jitter as large as the tolerances |
+//! | `topology` | surfaces that bound no solid, or touch themselves |
+
+#[path = "../common/mod.rs"]
+mod common;
+mod flat_and_round;
+// The unused rest is for other tests.
+#[allow(dead_code)]
+#[path = "../independent/mod.rs"]
+mod independent;
+mod noise;
+mod range;
+#[allow(dead_code)]
+#[path = "../bounded/shapes.rs"]
+mod shapes;
+mod thin;
+mod topology;
+
+use hullwright::internals::surface_and_solid;
+use hullwright::{Control, Decomposition, MeshView, Parameters, decompose};
+
+use independent::exact::{Faults, faults};
+use independent::sampling::sample;
+use shapes::Mesh;
+
+/// Points on hulls, and on the surface.
+const SAMPLES: usize = 2_000;
+
+/// Rounding, in diagonals: that of coordinates in single precision.
+const ROUNDING: f64 = 1e-6;
+
+/// The coordinates as files and engines hold them.
+fn single((positions, triangles): &Mesh) -> Mesh {
+    (positions.iter().map(|point| point.map(|x| f64::from(x as f32))).collect(), triangles.clone())
+}
+
+/// A mesh, its points moved.
+fn placed(mesh: &Mesh, place: impl Fn([f64; 3]) -> [f64; 3]) -> Mesh {
+    (mesh.0.iter().map(|&point| place(point)).collect(), mesh.1.clone())
+}
+
+/// Decomposes a mesh in single precision. Hulls in single precision are exactly convex bodies, what is
+/// verified is within the bound, and what is sampled within what is verified, hull by hull.
+fn assert_sound(name: &str, mesh: &Mesh) -> Decomposition {
+    let (positions, triangles) = single(mesh);
+    let mesh = MeshView::new(&positions, &triangles);
+    let (parameters, control) = (Parameters::default(), Control::new());
+    let found = decompose(mesh, &parameters, &control).unwrap_or_else(|e| panic!("{name}: {e}"));
+    assert!(!found.hulls.is_empty(), "{name}");
+    for hull in &found.hulls {
+        let (points, triangles) =
+            hull.shape.to_single_precision().unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert_eq!(faults(&points, &triangles), Faults::default(), "{name}");
+    }
+    let bounded = found.report.bounded.as_ref().unwrap();
+    let rounding = ROUNDING * found.report.diagonal;
+    assert!(bounded.protrusion_max <= bounded.bound + rounding, "{name}: {bounded:?}");
+    assert!(bounded.uncovered_max <= bounded.bound + rounding, "{name}: {bounded:?}");
+    let (surface, solid) = surface_and_solid(mesh, &parameters, &control).unwrap();
+    let sampled = sample(&found, &surface, &solid, SAMPLES);
+    let uncovered = sampled.uncovered * found.report.diagonal;
+    assert!(uncovered <= bounded.uncovered_max + rounding, "{name}: {sampled:?} {bounded:?}");
+    assert!(sampled.beyond_verified <= ROUNDING, "{name}: {sampled:?} {bounded:?}");
+    found
+}
+
+/// SplitMix64 (Steele, Lea, Flood 2014), from -1 to 1.
+struct Random(u64);
+
+impl Random {
+    fn signed(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+
+    fn below(&mut self, end: usize) -> usize {
+        ((0.5 + 0.5 * self.signed()) * end as f64) as usize
+    }
+}

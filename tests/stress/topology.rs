@@ -1,0 +1,119 @@
+//! Surfaces that bound no solid, or touch themselves.
+
+use std::f64::consts::TAU;
+
+use crate::assert_sound;
+use crate::shapes::{Mesh, cuboid, join, turned};
+
+/// A strip or tube over a grid: `wrap` says which vertex follows the last of a row.
+fn grid(n: u32, m: u32, at: impl Fn(f64, f64) -> [f64; 3], wrap: impl Fn(u32) -> u32) -> Mesh {
+    let share = |i: u32, of: u32| f64::from(i) / f64::from(of);
+    let positions =
+        (0..n).flat_map(|i| (0..m).map(move |j| (i, j))).map(|(i, j)| at(share(i, n), share(j, m)));
+    let vertex = |i: u32, j: u32| if i < n { i * m + j } else { wrap(j) };
+    let mut triangles = Vec::new();
+    for i in 0..n {
+        for j in 0..m - 1 {
+            let [a, b] = [vertex(i, j), vertex(i + 1, j)];
+            let [c, d] = [vertex(i + 1, j + 1), vertex(i, j + 1)];
+            triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    (positions.collect(), triangles)
+}
+
+/// One side only: no winding is consistent.
+#[test]
+fn a_moebius_strip_keeps_the_promise() {
+    const ROWS: u32 = 7;
+    let strip = |u: f64, v: f64| {
+        let (turn, across) = (TAU * u, v * f64::from(ROWS) / f64::from(ROWS - 1) - 0.5);
+        let radius = 1.0 + 0.4 * across * (turn / 2.0).cos();
+        [radius * turn.cos(), radius * turn.sin(), 0.4 * across * (turn / 2.0).sin()]
+    };
+    assert_sound("strip", &grid(60, ROWS, strip, |j| ROWS - 1 - j));
+}
+
+/// Closed, one-sided, and through itself.
+#[test]
+fn a_klein_bottle_keeps_the_promise() {
+    const ROWS: u32 = 17;
+    // Lawson's figure of eight, swept with half a turn.
+    let bottle = |u: f64, v: f64| {
+        let (turn, around) = (TAU * u, TAU * v * f64::from(ROWS) / f64::from(ROWS - 1));
+        let (x, y) = (around.sin(), (2.0 * around).sin());
+        let radius = 2.0 + (turn / 2.0).cos() * x - (turn / 2.0).sin() * y;
+        let height = (turn / 2.0).sin() * x + (turn / 2.0).cos() * y;
+        [radius * turn.cos(), radius * turn.sin(), height]
+    };
+    assert_sound("bottle", &grid(48, ROWS, bottle, |j| ROWS - 1 - j));
+}
+
+/// Shell within shell, as near as thousandths: which side is inside changes at each.
+#[test]
+fn nested_shells_keep_the_promise_whichever_way_they_face() {
+    let shell = |k: u32| cuboid([0.05 * f64::from(k); 3], [2.0 - 0.05 * f64::from(k); 3]);
+    let alike: Vec<Mesh> = (0..12).map(shell).collect();
+    let alternating: Vec<Mesh> =
+        (0..12).map(|k| if k % 2 == 0 { shell(k) } else { turned(&shell(k)) }).collect();
+    let close: Vec<Mesh> = (0..6)
+        .map(|k| cuboid([0.001 * f64::from(k); 3], [1.0 - 0.001 * f64::from(k); 3]))
+        .collect();
+    for (name, parts) in [("alike", alike), ("alternating", alternating), ("close", close)] {
+        assert_sound(name, &join(&parts));
+    }
+}
+
+/// Boxes that share a vertex, an edge or a face, with their vertices welded: non-manifold, and no thickness
+/// where they meet.
+#[test]
+fn boxes_that_share_a_vertex_an_edge_or_a_face_are_two_hulls_at_most() {
+    let first = cuboid([0.0; 3], [1.0; 3]);
+    for low in [[1.0, 1.0, 1.0], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0]] {
+        let second = cuboid(low, low.map(|x| x + 1.0));
+        let found = assert_sound(&format!("{low:?}"), &join(&[first.clone(), second]));
+        assert!(found.hulls.len() <= 2, "{low:?}: {}", found.hulls.len());
+    }
+}
+
+/// A box each of whose walls meets finer ones along its edges: cracks without width.
+#[test]
+fn t_junctions_along_every_edge_of_a_box_are_one_hull() {
+    const PARTS: u32 = 5;
+    let (mut positions, mut triangles): Mesh = Default::default();
+    for axis in 0..3 {
+        for side in [0.0, 1.0] {
+            // Walls across the second axis are fine, the others coarse.
+            let parts = if axis == 1 { PARTS } else { 1 };
+            let point = |i: u32, j: u32| {
+                let [u, v] = [i, j].map(|k| f64::from(k) / f64::from(parts));
+                let mut point = [side; 3];
+                (point[(axis + 1) % 3], point[(axis + 2) % 3]) = (u, v);
+                point
+            };
+            for (i, j) in (0..parts * parts).map(|k| (k / parts, k % parts)) {
+                let first = positions.len() as u32;
+                positions.extend([point(i, j), point(i + 1, j), point(i + 1, j + 1), point(i, j + 1)]);
+                let [a, b] = if side == 1.0 { [1, 2] } else { [2, 1] };
+                let [c, d] = if side == 1.0 { [2, 3] } else { [3, 2] };
+                triangles.extend([[0, a, b], [0, c, d]].map(|t| t.map(|v| v + first)));
+            }
+        }
+    }
+    let found = assert_sound("box", &(positions, triangles));
+    assert_eq!(found.hulls.len(), 1);
+    assert!((found.hulls[0].shape.volume() - 1.0).abs() < 1e-6);
+}
+
+/// A fan of sheets around one edge: each pair of them bounds a wedge, and none a solid.
+#[test]
+fn many_sheets_on_one_edge_keep_the_promise() {
+    let mut positions = vec![[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]];
+    let mut triangles = Vec::new();
+    for k in 0..24 {
+        let angle = TAU * f64::from(k) / 24.0;
+        positions.push([angle.cos(), angle.sin(), 0.0]);
+        triangles.push([0, 1, k + 2]);
+    }
+    assert_sound("fan", &(positions, triangles));
+}
