@@ -28,8 +28,8 @@
 
 mod check;
 mod edges;
-mod sampling;
-mod solid;
+pub(crate) mod sampling;
+pub(crate) mod solid;
 
 use crate::bvh::Bvh;
 use crate::control::Control;
