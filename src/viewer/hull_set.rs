@@ -58,16 +58,15 @@ pub(super) fn shown(
     let positions: Vec<Vector> =
         shapes.iter().flat_map(|shape| shape.positions.iter().copied()).collect();
     let triangles = shapes.iter().flat_map(|shape| shape.triangles.iter().flatten().copied());
-    let entries = hulls.iter().zip(&shapes).zip(most_of_each).map(|((hull, shape), sampled)| {
-        HullEntry {
+    let entries =
+        hulls.iter().zip(&shapes).zip(most_of_each).map(|((hull, shape), sampled)| HullEntry {
             vertices: shape.positions.len(),
             triangles: shape.triangles.len(),
             volume: hull.shape.volume(),
             protrusion: relative(hull.errors.protrusion_max, subject).unwrap_or(sampled),
             is_verified: hull.errors.protrusion_max.is_some(),
             objects: objects_of(hull, objects),
-        }
-    });
+        });
     Ok(SetEntry {
         name: set.name,
         facts: set.facts,

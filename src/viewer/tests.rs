@@ -45,7 +45,10 @@ fn two_boxes_are_two_hulls_and_a_join_that_protrudes_by_half_their_gap() {
     assert_eq!(set["joins"], serde_json::json!([[0, 1]]));
     let states = set["states"].as_array().unwrap();
     assert_eq!((states[0]["hulls"].as_u64(), states[1]["hulls"].as_u64()), (Some(2), Some(1)));
-    assert_eq!((states[0]["vertices"].as_u64(), states[1]["vertices"].as_u64()), (Some(16), Some(8)));
+    assert_eq!(
+        (states[0]["vertices"].as_u64(), states[1]["vertices"].as_u64()),
+        (Some(16), Some(8))
+    );
     // Half of a gap of 1, in a diagonal of √11.
     let protrusion = states[1]["error"].as_f64().unwrap() * 11_f64.sqrt();
     assert!((0.5..0.55).contains(&protrusion), "{protrusion}");

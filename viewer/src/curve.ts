@@ -28,9 +28,9 @@ export class Curve {
     this.axes(bound);
     const points = states.map((state) => `${this.x(state.hulls)},${this.y(state.error)}`);
     svg.append(this.drop, drawing("polyline", { points: points.join(" "), class: "line" }));
-    if (states.length <= 40) {
+    if (states.length <= 30) {
       for (const state of states) {
-        svg.append(drawing("circle", { cx: this.x(state.hulls), cy: this.y(state.error), r: 2, class: "dot" }));
+        svg.append(drawing("circle", { cx: this.x(state.hulls), cy: this.y(state.error), r: 2.4, class: "dot" }));
       }
     }
     svg.append(this.marker);

@@ -72,7 +72,7 @@ async function start() {
   shared.bound.value = doc.bound;
   const panels = page.sets.map((set) => new Panel(page, set, look, draw, host));
   paint();
-  stage = new Stage(find<HTMLCanvasElement>("canvas"), panels, isCalm);
+  stage = new Stage(find<HTMLCanvasElement>("canvas"), panels, page.mesh.positions, look, isCalm);
   const active = stage;
 
   /** The panel that keys go to: the one whose slider was touched last. */

@@ -65,10 +65,6 @@ export class Panel {
     this.meshCreases = new LineSegments(shapes.meshLines(page, false, earth), material(Lines.Creases, 1));
     this.meshWires = new LineSegments(shapes.meshLines(page, true, earth), material(Lines.Creases, 1));
     this.faces.material.uniforms.most.value = set.entry.protrusion_most;
-    // Lines never show errors.
-    for (const { material } of [this.lines, this.meshCreases, this.meshWires]) {
-      material.uniforms.errors = { value: 0 };
-    }
     // Hulls hide each other, but not the mesh: their depth is drawn first, without a colour.
     this.depth.material.colorWrite = false;
     for (const [order, object] of [

@@ -45,6 +45,8 @@ const VERTEX = /* glsl */ `
     vHull = hull;
     vError = most * share * share;
     gl_Position = projectionMatrix * seen;
+    // Hulls that share a face do not flicker: one of them is before the other.
+    gl_Position.z += 4e-7 * mod(hull, 97.0) * gl_Position.w;
   }
 `;
 
@@ -72,16 +74,19 @@ const FRAGMENT = /* glsl */ `
 
   void main() {
     vec3 colour = vTint;
-    if (errors > 0.5) {
-      float times = vError / bound;
-      colour = ramp(times < 1.0 ? 2.0 * times : 2.0 + log2(times));
-    }
     if (lines > 0.5) {
-      colour = mix(colour, ink, lines < 1.5 ? 0.72 : 0.0);
+      if (lines < 1.5) colour = mix(colour, ink, errors > 0.5 ? 0.9 : 0.72);
     } else {
       vec3 normal = normalize(cross(dFdx(vSeen), dFdy(vSeen)));
       float wrapped = 0.5 + 0.5 * dot(normal, normalize(vec3(-0.5, 0.85, 0.65)));
-      colour *= 0.42 + 0.78 * wrapped * wrapped;
+      float light = 0.42 + 0.78 * wrapped * wrapped;
+      if (errors > 0.5) {
+        float times = vError / bound;
+        colour = ramp(times < 1.0 ? 2.0 * times : 2.0 + log2(times));
+        // Less shade: the colour is a number.
+        light = mix(0.92, light, 0.45);
+      }
+      colour *= light;
     }
     if (picked > -0.5 && abs(picked - vHull) > 0.5) colour = mix(colour, paper, 0.78);
     gl_FragColor = vec4(colour, opacity);

@@ -4,7 +4,7 @@ import { BufferAttribute, BufferGeometry } from "three";
 import { HullSet, Page, pointsOf, Surface } from "./data";
 
 /** Neighbouring faces whose normals have a greater cosine are one face to the eye. */
-const FLAT = 0.9995;
+const FLAT = 0.95;
 
 /** Three numbers per vertex. */
 class Vertices {

@@ -2,7 +2,7 @@
 
 import { PerspectiveCamera, Raycaster, Vector2, WebGLRenderer } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
-import { Panel } from "./panel";
+import { Look, Panel } from "./panel";
 import { shared } from "./shaders";
 
 /** The angle from one side of the bounding sphere to the other, and where the viewer stands, in degrees:
@@ -11,16 +11,25 @@ const FIELD_OF_VIEW = 24;
 const AZIMUTH = 35;
 const ELEVATION = 22;
 
-/** Half the diagonal, which is 1, with a little room. */
+/** Half the diagonal, which is 1, with a little room: no point comes nearer to the camera. */
 const RADIUS = 0.53;
+
+/** The share of a panel that the mesh fills, however it is turned about the vertical. */
+const FILLED = 0.86;
+
+/** Turns that are tried for that, and points at most. */
+const TURNS = 12;
+const POINTS = 3000;
 
 /** A pointer that moves less than this between down and up, in pixels, picks. */
 const CLICK = 4;
 
 export class Stage {
-  readonly camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.01, 100);
+  readonly camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.05, 20);
   readonly controls: OrbitControls;
   private readonly renderer: WebGLRenderer;
+  private readonly points: number[][] = [];
+  private zooms = new Map<string, number>();
   private isDirty = true;
   /** Frames that were drawn. */
   frames = 0;
@@ -28,8 +37,14 @@ export class Stage {
   constructor(
     readonly canvas: HTMLCanvasElement,
     private readonly panels: Panel[],
+    positions: Float32Array,
+    private readonly look: Look,
     isCalm: boolean,
   ) {
+    const step = 3 * Math.max(1, Math.ceil(positions.length / 3 / POINTS));
+    for (let i = 0; i < positions.length; i += step) {
+      this.points.push([positions[i], positions[i + 1], positions[i + 2]]);
+    }
     // The buffer is kept for who saves the picture.
     this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
     this.renderer.setScissorTest(true);
@@ -116,11 +131,34 @@ export class Stage {
     }
   }
 
-  /** The whole bounding sphere is seen in a narrow panel too, and hulls that are moved apart. */
+  /** The mesh fills the panel, hulls that are moved apart too. */
   private fit(aspect: number) {
     this.camera.aspect = aspect;
-    this.camera.zoom = Math.min(1, aspect) / (1 + 0.75 * shared.explosion.value);
+    this.camera.zoom = this.zoomThatFits(aspect) / (1 + 0.5 * shared.explosion.value);
     this.camera.updateProjectionMatrix();
+  }
+
+  /** By the points as they are seen from the start, turned about the vertical. */
+  private zoomThatFits(aspect: number): number {
+    const key = `${aspect.toFixed(2)} ${this.look.up}`;
+    const known = this.zooms.get(key);
+    if (known !== undefined) return known;
+    const [sine, cosine] = [Math.sin((ELEVATION * Math.PI) / 180), Math.cos((ELEVATION * Math.PI) / 180)];
+    const tangent = Math.tan((FIELD_OF_VIEW * Math.PI) / 360);
+    const away = RADIUS / Math.sin((FIELD_OF_VIEW * Math.PI) / 360);
+    let most = 0.05;
+    for (let turn = 0; turn < TURNS; turn++) {
+      const [s, c] = [Math.sin((turn * 2 * Math.PI) / TURNS), Math.cos((turn * 2 * Math.PI) / TURNS)];
+      for (const [x, first, second] of this.points) {
+        const [y, z] = this.look.up === "z" ? [second, -first] : [first, second];
+        const [right, front] = [x * c - z * s, x * s + z * c];
+        const [up, depth] = [y * cosine - front * sine, away - y * sine - front * cosine];
+        most = Math.max(most, Math.abs(up) / depth, Math.abs(right) / depth / aspect);
+      }
+    }
+    const zoom = (FILLED * tangent) / most;
+    this.zooms.set(key, zoom);
+    return zoom;
   }
 
   private pickOnClick() {

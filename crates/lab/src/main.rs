@@ -5,12 +5,14 @@
 
 mod bench;
 mod experiments;
+mod gallery;
 mod hacd;
 mod paper;
 mod report;
 mod runs;
 mod stability;
 mod statistics;
+mod view;
 
 use std::process::ExitCode;
 
@@ -45,6 +47,8 @@ enum Command {
     Props(props::Arguments),
     Stages(stages::Arguments),
     Cancel(cancel::Arguments),
+    View(view::Arguments),
+    Gallery(gallery::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -64,6 +68,8 @@ fn main() -> ExitCode {
         Command::Props(arguments) => props::run(&arguments),
         Command::Stages(arguments) => stages::run(&arguments),
         Command::Cancel(arguments) => cancel::run(&arguments),
+        Command::View(arguments) => view::run(&arguments),
+        Command::Gallery(arguments) => gallery::run(&arguments),
     };
     let (reason, code) = match result {
         Ok(()) => return ExitCode::SUCCESS,

@@ -63,8 +63,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let work = Work { arguments, file: &file, parameters: &parameters, control: &control };
     let page = pool.install(|| work.page(&others));
     bar.finish();
-    let (page, summary) =
-        page.map_err(|error| format!("{}: {error}", arguments.mesh.display()))?;
+    let (page, summary) = page.map_err(|error| format!("{}: {error}", arguments.mesh.display()))?;
     waiting("writing", || page.write(&output))?;
     print(&format!("wrote {}: {summary}", output.display()))?;
     if arguments.open {
