@@ -52,6 +52,7 @@
 //! | a mesh, Rapier | a compound collider with the mesh's mass | [`rapier`](rapier/index.html) (feature `rapier`) |
 //! | a mesh, Bevy | the same in the background | [`bevy`](bevy/index.html) (feature `bevy`) |
 //! | a mesh and hulls | a picture of them | [`render`](render/index.html) (feature `io`) |
+//! | a mesh and hulls | a page to look at them from all sides | [`viewer`](viewer/index.html) (feature `viewer`) |
 //!
 //! # Methods
 //!
@@ -94,6 +95,7 @@
 //! | `nalgebra` (in `rapier`) | principal axes of inertia |
 //! | `rapier` | colliders and mass properties for rapier3d 0.36 |
 //! | `bevy`, `bevy_gltf`, `debug` | the plugin for Bevy 0.20 with bevy_rapier3d 0.37; tags in glTF extras; hulls drawn as gizmos |
+//! | `viewer` | pages that show a mesh and its hulls in a browser |
 //! | `cli` | the command `hullwright` |
 //!
 //! # Inside
@@ -103,6 +105,7 @@
 //! | module | what it does | section of the paper |
 //! |---|---|---|
 //! | `bevy`, `rapier`, the command | use the public items alone | |
+//! | `viewer` | pages of the results of the functions below | |
 //! | `decompose`, `merge_tree`, `measure`, `mass`, `inspect` | the functions above | |
 //! | `io`, `render`, `hulls_format` | files and pictures | |
 //! | `bounded` | the default method, one stage per file | |
@@ -147,6 +150,8 @@ pub mod rapier;
 #[cfg(feature = "io")]
 pub mod render;
 mod surface;
+#[cfg(feature = "viewer")]
+pub mod viewer;
 
 pub use control::{Control, Progress, Stage};
 pub use decompose::{Decomposer, decompose};
@@ -162,7 +167,7 @@ pub use inspect::{Inspection, inspect, inspect_with};
 #[cfg(feature = "nalgebra")]
 pub use mass::PrincipalInertia;
 pub use mass::{MassProperties, MassSource, mass_properties, mass_properties_with};
-pub use merge_tree::{CurvePoint, MergeTree};
+pub use merge_tree::{CurvePoint, Join, MergeTree};
 pub use mesh::repair::Repairs;
 pub use openings::{ClosedMesh, Opening, OpeningOutcome, close_openings};
 pub use parameters::{

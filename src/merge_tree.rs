@@ -53,6 +53,17 @@ pub struct CurvePoint {
     pub uncovered_max: f64,
 }
 
+/// A join of a [`MergeTree`]: two hulls give way to the hull of both.
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq)]
+pub struct Join {
+    /// The two that give way. The hulls that the tree was made of have the first numbers, then
+    /// come the joint ones, in the order of the joins.
+    pub joined: [usize; 2],
+    /// The joint hull, with its verified protrusion.
+    pub hull: Hull,
+}
+
 impl MergeTree {
     /// Joins the hulls of `decomposition`, which came from the same mesh and parameters.
     ///
@@ -141,6 +152,25 @@ impl MergeTree {
     /// ```
     pub fn curve(&self) -> Vec<CurvePoint> {
         (0..=self.hierarchy.joins()).map(|joins| self.point(joins)).collect()
+    }
+
+    /// All joins, from the decomposition's hulls down to one: what each state of
+    /// [`curve`](Self::curve) has that the one before has not.
+    ///
+    /// ```
+    /// # let mesh = hullwright::TriangleMesh::new(
+    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+    /// # );
+    /// # let (parameters, control) = (hullwright::Parameters::default(), hullwright::Control::new());
+    /// # let decomposition = hullwright::decompose(&mesh, &parameters, &control)?;
+    /// let tree = hullwright::MergeTree::new(&mesh, &decomposition, &parameters, &control)?;
+    /// assert_eq!(tree.joins().len() + 1, tree.curve().len());
+    /// # Ok::<(), hullwright::Error>(())
+    /// ```
+    pub fn joins(&self) -> Vec<Join> {
+        let joints = self.hierarchy.joint_hulls(&self.leaves);
+        joints.map(|(joined, hull)| Join { joined, hull }).collect()
     }
 
     /// The hulls of the state with at most `most` hulls: `most`, or all there are, or one if

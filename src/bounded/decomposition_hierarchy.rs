@@ -87,37 +87,50 @@ impl DecompositionHierarchy {
     /// [`new`](Self::new).
     pub(crate) fn hulls(&self, joins: usize, originals: &[Hull]) -> Vec<Hull> {
         let state = self.hierarchy.state(joins);
-        let hulls = state.into_iter().filter_map(|index| {
-            let leaves = self.hierarchy.leaves_of(index);
-            let members: Vec<&Hull> =
-                leaves.iter().filter_map(|&leaf| originals.get(leaf)).collect();
-            let first = *members.first()?;
-            let node = &self.hierarchy.nodes[index];
-            if node.children.is_none() {
-                return Some(first.clone());
-            }
-            let largest = |value: fn(&Hull) -> f64| {
-                members.iter().map(|&hull| value(hull)).fold(0.0, f64::max)
-            };
-            let source_triangles = members
-                .iter()
-                .flat_map(|hull| hull.provenance.source_triangles.iter().copied())
-                .collect();
-            let joint = HullInDiagonals {
-                hull: &node.hull,
-                component: first.provenance.component,
-                source_triangles,
-                added_thickness: 0.0,
-                simplification_growth: node.growth,
-                protrusion: node.protrusion,
-            };
-            let mut joint = joint.restored(&self.normalization);
-            let errors = &mut joint.errors;
-            errors.added_thickness = largest(|hull| hull.errors.added_thickness);
-            errors.simplification_growth =
-                errors.simplification_growth.max(largest(|hull| hull.errors.simplification_growth));
-            Some(joint)
-        });
-        hulls.collect()
+        state.into_iter().filter_map(|index| self.hull(index, originals)).collect()
+    }
+
+    /// For each join the two hulls that it joins, and the joint one. Hulls are numbered: the
+    /// originals, then the joint ones.
+    pub(crate) fn joint_hulls(
+        &self,
+        originals: &[Hull],
+    ) -> impl Iterator<Item = ([usize; 2], Hull)> {
+        let joints = self.hierarchy.leaves..self.hierarchy.nodes.len();
+        joints.filter_map(|index| {
+            let (first, second) = self.hierarchy.nodes[index].children?;
+            Some(([first, second], self.hull(index, originals)?))
+        })
+    }
+
+    /// An original or joint hull in the input's units.
+    fn hull(&self, index: usize, originals: &[Hull]) -> Option<Hull> {
+        let leaves = self.hierarchy.leaves_of(index);
+        let members: Vec<&Hull> = leaves.iter().filter_map(|&leaf| originals.get(leaf)).collect();
+        let first = *members.first()?;
+        let node = &self.hierarchy.nodes[index];
+        if node.children.is_none() {
+            return Some(first.clone());
+        }
+        let largest =
+            |value: fn(&Hull) -> f64| members.iter().map(|&hull| value(hull)).fold(0.0, f64::max);
+        let source_triangles = members
+            .iter()
+            .flat_map(|hull| hull.provenance.source_triangles.iter().copied())
+            .collect();
+        let joint = HullInDiagonals {
+            hull: &node.hull,
+            component: first.provenance.component,
+            source_triangles,
+            added_thickness: 0.0,
+            simplification_growth: node.growth,
+            protrusion: node.protrusion,
+        };
+        let mut joint = joint.restored(&self.normalization);
+        let errors = &mut joint.errors;
+        errors.added_thickness = largest(|hull| hull.errors.added_thickness);
+        errors.simplification_growth =
+            errors.simplification_growth.max(largest(|hull| hull.errors.simplification_growth));
+        Some(joint)
     }
 }

@@ -31,8 +31,8 @@ mod check;
 mod edges;
 mod measurement;
 mod options;
-mod sampling;
-mod solid;
+pub(crate) mod sampling;
+pub(crate) mod solid;
 
 use crate::bvh::Bvh;
 use crate::control::Control;

@@ -8,7 +8,7 @@ use crate::mesh::Normalization;
 
 /// Points this far outside count as in a hull, and only points farther inside than this as
 /// inside it: hulls that share a face do so only up to rounding, to `f32` in many files.
-const TOLERANCE: f64 = 1e-6;
+pub(crate) const TOLERANCE: f64 = 1e-6;
 
 /// A face whose squared sine at a corner is below this has no normal to speak of in double
 /// precision, and its neighbours bound the solid just as well.
@@ -18,20 +18,20 @@ const NEEDLE: f64 = 1e-20;
 const FARTHEST: f64 = 1e9;
 
 /// A hull in normalised coordinates.
-pub(super) struct Part {
+pub(crate) struct Part {
     pub check: HullCheck,
     pub min: Vector,
     pub max: Vector,
     /// The convex hull of its points, or its own triangles where that has no volume.
-    points: Vec<Vector>,
-    triangles: Vec<[u32; 3]>,
+    pub points: Vec<Vector>,
+    pub triangles: Vec<[u32; 3]>,
     /// Outward unit normal and height of each face; empty without volume.
     planes: Vec<(Vector, f64)>,
 }
 
 impl Part {
     /// `None` if there are no triangles, or if an index or a coordinate can't be used.
-    pub(super) fn new(hull: &MeshView<'_>, normalization: &Normalization) -> Option<Self> {
+    pub(crate) fn new(hull: &MeshView<'_>, normalization: &Normalization) -> Option<Self> {
         let points: Vec<Vector> =
             hull.positions().map(|point| normalization.normalize(point)).collect();
         let exists = |&index: &u32| (index as usize) < points.len();
@@ -60,7 +60,7 @@ impl Part {
     }
 
     /// Whether `point` lies behind all faces moved outward by `margin`.
-    fn holds(&self, point: Vector, margin: f64) -> bool {
+    pub(crate) fn holds(&self, point: Vector, margin: f64) -> bool {
         !self.planes.is_empty()
             && (0..3).all(|axis| {
                 point[axis] >= self.min[axis] - margin && point[axis] <= self.max[axis] + margin
@@ -80,7 +80,7 @@ fn plane([a, b, c]: [Vector; 3]) -> Option<(Vector, f64)> {
 }
 
 /// All hulls together.
-pub(super) struct Union {
+pub(crate) struct Union {
     parts: Vec<Part>,
     points: Vec<Vector>,
     triangles: Vec<[u32; 3]>,
@@ -89,7 +89,7 @@ pub(super) struct Union {
 }
 
 impl Union {
-    pub(super) fn new(parts: Vec<Part>) -> Self {
+    pub(crate) fn new(parts: Vec<Part>) -> Self {
         let (mut points, mut triangles, mut owners) = (Vec::new(), Vec::new(), Vec::new());
         for (owner, part) in parts.iter().enumerate() {
             let first = points.len() as u32;
@@ -105,12 +105,12 @@ impl Union {
     }
 
     /// The surfaces of all hulls.
-    pub(super) fn surface(&self) -> (&[Vector], &[[u32; 3]]) {
+    pub(crate) fn surface(&self) -> (&[Vector], &[[u32; 3]]) {
         (&self.points, &self.triangles)
     }
 
     /// In how many hulls the point is.
-    pub(super) fn multiplicity(&self, point: Vector) -> usize {
+    pub(crate) fn multiplicity(&self, point: Vector) -> usize {
         self.parts.iter().filter(|part| part.holds(point, TOLERANCE)).count()
     }
 

@@ -5,7 +5,7 @@ use super::{Opening, OpeningSettings};
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::{MeshView, TriangleMesh};
-use crate::mesh::CAP;
+use crate::mesh::{CAP, PreparedMesh};
 use crate::parameters::Parameters;
 
 /// A mesh with its openings closed: what the promises of a decomposition are about.
@@ -50,14 +50,19 @@ pub fn close_openings<'a>(
     let Closed { prepared, openings, nested_components } = closed;
     let restore = |&point| prepared.normalization.restore(point);
     let positions = prepared.mesh.positions.iter().map(restore).collect();
+    let (triangles, caps) = caps_last(&prepared);
+    let mesh = TriangleMesh::new(positions, triangles);
+    Ok(ClosedMesh { mesh, caps, openings, nested_components })
+}
+
+/// The triangles of the surface, caps last, and the number of those.
+pub(crate) fn caps_last(prepared: &PreparedMesh) -> (Vec<[u32; 3]>, usize) {
     let sources = prepared.source_triangles.iter();
     let (caps, mut triangles): (Vec<_>, Vec<_>) =
         sources.zip(&prepared.mesh.triangles).partition(|&(&source, _)| source == CAP);
     let count = caps.len();
     triangles.extend(caps);
-    let triangles = triangles.into_iter().map(|(_, &triangle)| triangle).collect();
-    let mesh = TriangleMesh::new(positions, triangles);
-    Ok(ClosedMesh { mesh, caps: count, openings, nested_components })
+    (triangles.into_iter().map(|(_, &triangle)| triangle).collect(), count)
 }
 
 /// The surface that the promises are about, and the triangles by whose winding number a point is in the

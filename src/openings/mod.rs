@@ -40,7 +40,7 @@
 
 mod boundary;
 mod cap;
-mod closed_mesh;
+pub(crate) mod closed_mesh;
 mod crossing;
 mod decide;
 mod fragments;

@@ -6,6 +6,7 @@
 mod bench;
 mod contact;
 mod experiments;
+mod gallery;
 mod hacd;
 // The unused rest is for tests.
 #[allow(dead_code)]
@@ -19,6 +20,7 @@ mod runs;
 mod stability;
 mod statistics;
 mod sweep;
+mod view;
 
 use std::process::ExitCode;
 
@@ -66,6 +68,8 @@ enum Command {
     Volume(volume::Arguments),
     SmallContacts(small::Arguments),
     Seams(seams::Arguments),
+    View(view::Arguments),
+    Gallery(gallery::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -93,6 +97,8 @@ fn main() -> ExitCode {
         Command::Volume(arguments) => volume::run(&arguments),
         Command::SmallContacts(arguments) => small::run(&arguments),
         Command::Seams(arguments) => seams::run(&arguments),
+        Command::View(arguments) => view::run(&arguments),
+        Command::Gallery(arguments) => gallery::run(&arguments),
     };
     let (reason, code) = match result {
         Ok(()) => return ExitCode::SUCCESS,

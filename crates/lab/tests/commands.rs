@@ -60,6 +60,40 @@ fn a_benchmark_is_written_and_does_nothing_twice() {
 }
 
 #[test]
+fn a_benchmark_links_a_page_for_each_mesh_with_both_tools_side_by_side() {
+    let root = tempfile::tempdir().unwrap();
+    let meshes = folder_with_a_mesh(root.path());
+    let report = root.path().join("report");
+    let folder = report.to_str().unwrap();
+    let output = lab(&["bench", &meshes, "-o", folder, "--only", "surface", "--pages"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let index = std::fs::read_to_string(report.join("index.html")).unwrap();
+    assert!(index.contains("<a href=\"pages/props_l.obj.html\">props/l.obj</a>"));
+    let page = std::fs::read_to_string(report.join("pages/props_l.obj.html")).unwrap();
+    assert!(page.contains("Hullwright, 2%") && page.contains("V-HACD in Parry"));
+}
+
+#[test]
+fn a_page_shows_our_hulls_and_those_of_other_tools() {
+    let root = tempfile::tempdir().unwrap();
+    let mesh = format!("{}/l.obj", folder_with_a_mesh(root.path()));
+    let hulls = root.path().join("peers/coacd");
+    std::fs::create_dir_all(&hulls).unwrap();
+    std::fs::copy(&mesh, hulls.join("props_l.obj")).unwrap();
+    let table = "mesh\tmethod\tseconds\thulls\nprops/l.obj\tcoacd-1.0\t9.5\t1\n";
+    std::fs::write(root.path().join("peers/results.tsv"), table).unwrap();
+    let page = root.path().join("l.html");
+    let tools = root.path().to_str().unwrap();
+    let output = lab(&["view", &mesh, "-o", page.to_str().unwrap(), "--external-tools", tools]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = std::fs::read_to_string(page).unwrap();
+    for tool in ["Hullwright, 2%", "V-HACD in Parry", "CoACD"] {
+        assert!(text.contains(&format!("\"name\":\"{tool}\"")), "{tool}");
+    }
+    assert!(text.contains("9.50 s"), "the time of the table");
+}
+
+#[test]
 fn a_run_at_its_limit_is_a_row_and_not_the_end() {
     let root = tempfile::tempdir().unwrap();
     let meshes = folder_with_a_mesh(root.path());

@@ -1,5 +1,5 @@
-//! The command line `hullwright`: decomposes meshes into convex hulls, inspects meshes, and measures
-//! hulls.
+//! The command line `hullwright`: decomposes meshes into convex hulls, inspects meshes, measures
+//! hulls, and shows both.
 //!
 //! Exit code 0 is success; 1 a refusal, with one line on standard error that says why; 2 wrong usage.
 
@@ -15,6 +15,7 @@ mod outcomes;
 mod output;
 mod progress;
 mod tables;
+mod view;
 
 use std::process::ExitCode;
 
@@ -36,6 +37,7 @@ enum Command {
     Bake(bake::Arguments),
     Inspect(inspect::Arguments),
     Measure(measure::Arguments),
+    View(view::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -46,6 +48,7 @@ fn main() -> ExitCode {
         Command::Bake(arguments) => bake::run(&arguments),
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Measure(arguments) => measure::run(&arguments),
+        Command::View(arguments) => view::run(&arguments),
     };
     let (reason, code) = match result {
         Ok(()) => return ExitCode::SUCCESS,

@@ -3,6 +3,7 @@
 
 mod curves;
 mod export;
+mod pages;
 mod plan;
 mod plots;
 mod summary;
@@ -16,7 +17,7 @@ use serde_json::{Value, json};
 
 use summary::Results;
 
-use crate::report::html_report::{self, Report};
+use crate::report::html_report::{self, PageLink, Report};
 use crate::runs::data_folder::DataFolder;
 use crate::runs::execute::{blank_row, execute};
 use crate::runs::external_tools::ExternalTools;
@@ -70,6 +71,10 @@ pub struct Arguments {
     /// Run nothing, only write the report of what is there
     #[arg(long)]
     report_only: bool,
+
+    /// Write a page for each mesh too, with ours and V-HACD's hulls side by side
+    #[arg(long)]
+    pages: bool,
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -97,7 +102,19 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let seconds = start.elapsed().as_secs_f64();
         record(output, &before, arguments, limits, seconds)?;
     }
-    Ok(report(output, journal.rows())?)
+    let links = match arguments.pages {
+        true => pages::write(output, &benched(&arguments.folders, journal.rows())?)?,
+        false => Vec::new(),
+    };
+    Ok(report(output, journal.rows(), &links)?)
+}
+
+/// The meshes below the folders that the journal has a run of.
+fn benched(folders: &[PathBuf], rows: &[Row]) -> Result<Vec<Mesh>, String> {
+    let names: BTreeSet<&str> = rows.iter().map(|row| row.mesh.as_str()).collect();
+    let mut meshes = meshes::find(folders)?;
+    meshes.retain(|mesh| names.contains(mesh.name.as_str()));
+    Ok(meshes)
 }
 
 /// The file that says on what machine the runs were done, and how long they all took.
@@ -139,7 +156,7 @@ fn recorded_machine(output: &Path) -> BTreeMap<String, Value> {
 }
 
 /// Writes the report of what the journal holds.
-fn report(output: &Path, rows: &[Row]) -> Result<(), String> {
+fn report(output: &Path, rows: &[Row], pages: &[PageLink]) -> Result<(), String> {
     let results = Results::new(rows);
     if results.rows.is_empty() {
         return Err("there is nothing to report".into());
@@ -170,7 +187,7 @@ fn report(output: &Path, rows: &[Row]) -> Result<(), String> {
     html_report::write(&output.join("runs.csv"), &export::csv(&results)?)?;
     html_report::write(&output.join("versus.csv"), &export::versus_csv(&results)?)?;
     let title = "Time against error";
-    let report = Report { title, words, machine: &machine, plots: &plots, tables: &tables };
+    let report = Report { title, words, machine: &machine, plots: &plots, tables: &tables, pages };
     report.write(output, "benchmark")
 }
 

@@ -91,6 +91,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     ];
     let machine = machine::describe(limits);
     let title = "The paper's experiments";
-    let report = Report { title, words, machine: &machine, plots: &[], tables: &tables };
+    let report =
+        Report { title, words, machine: &machine, plots: &[], tables: &tables, pages: &[] };
     Ok(report.write(output, "paper-experiments")?)
 }

@@ -15,6 +15,16 @@ pub struct Report<'a> {
     pub machine: &'a BTreeMap<String, Value>,
     pub plots: &'a [Plot],
     pub tables: &'a [Table],
+    /// Pages beside the report, with their names.
+    pub pages: &'a [PageLink],
+}
+
+/// A page beside the report.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PageLink {
+    pub name: String,
+    /// Its file, below the report's folder.
+    pub file: String,
 }
 
 /// A plot, and the name of its file.
@@ -28,12 +38,8 @@ pub struct Plot {
     pub is_extra: bool,
 }
 
-const STYLE: &str = "body{font-family:sans-serif;margin:2em auto;max-width:1200px;color:#222}\
-table{border-collapse:collapse;font-size:13px;display:block;overflow-x:auto}\
-th,td{padding:3px 8px;border-bottom:1px solid #ddd;text-align:right;white-space:nowrap}\
-th:first-child,td:first-child,th:nth-child(2),td:nth-child(2){text-align:left}\
-tbody tr:hover{background:#f3f6fa}figure{margin:1em 0}svg{max-width:100%;height:auto}\
-figcaption,p{color:#555;max-width:70em}";
+/// The colours and letters of the viewer's pages, for reports.
+pub const STYLE: &str = include_str!("style.css");
 
 impl Report<'_> {
     /// Writes `index.html`, `NAME.md`, `summary.json` and the plots.
@@ -74,13 +80,26 @@ impl Report<'_> {
             self.words.iter().map(|words| format!("<p>{}</p>\n", escape(words))).collect();
         let figures: String = self.plots.iter().filter(|plot| !plot.is_extra).map(figure).collect();
         let tables: String = self.tables.iter().map(Table::to_html).collect();
+        let pages = self.pages_list();
         format!(
             "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
              <title>{title}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n\
-             {words}{figures}{tables}{}</body>\n</html>\n",
+             {words}{figures}{pages}{tables}{}</body>\n</html>\n",
             self.machine_table().to_html(),
             title = escape(self.title),
         )
+    }
+
+    fn pages_list(&self) -> String {
+        if self.pages.is_empty() {
+            return String::new();
+        }
+        let item = |page: &PageLink| {
+            format!("<li><a href=\"{}\">{}</a></li>\n", escape(&page.file), escape(&page.name))
+        };
+        let items: String = self.pages.iter().map(item).collect();
+        format!("<h3>Each mesh with its hulls, to be turned</h3>\n<ul>\n{items}</ul>\n")
     }
 
     fn to_markdown(&self) -> String {
@@ -125,12 +144,17 @@ mod tests {
             machine: &machine,
             plots: &[plot],
             tables: &[Table::new("Tab", "", &["x"])],
+            pages: &[],
         };
         let page = report.to_html();
         assert!(page.contains("<text>inside</text>") && page.contains("T &amp; T"));
         for loads in ["src=", "href=", "url(", "@import"] {
             assert!(!page.contains(loads), "{loads}");
         }
+        let link = PageLink { name: "a <b>".into(), file: "pages/a.html".into() };
+        let with_pages = Report { pages: &[link], words: Vec::new(), ..report };
+        assert!(with_pages.to_html().contains("<a href=\"pages/a.html\">a &lt;b&gt;</a>"));
+        let report = Report { pages: &[], ..with_pages };
         let folder = tempfile::tempdir().unwrap();
         report.write(folder.path(), "benchmark").unwrap();
         for file in ["index.html", "benchmark.md", "summary.json", "a.svg"] {

@@ -176,6 +176,7 @@ fn report(output: &Path, rows: &[Row], meshes: &[&str]) -> Result<(), String> {
     }
     machine.insert("points_in_space".into(), worker::VOLUME_POINTS.into());
     let title = "Numerical stability";
-    let report = Report { title, words, machine: &machine, plots: &[], tables: &tables };
+    let report =
+        Report { title, words, machine: &machine, plots: &[], tables: &tables, pages: &[] };
     report.write(output, "stability")
 }

@@ -4,13 +4,20 @@ use std::collections::BTreeMap;
 
 use plotters::prelude::*;
 
-use super::chart::{Area, LEAST, Result, SECONDS, colour, decades, label, legend, log_chart, room};
+use super::chart::{
+    Area, BACKGROUND, GRID, LABEL_SIZE, LEAST, Result, SECONDS, colour, decades, display_name,
+    label, legend, log_chart, quiet, room,
+};
+use crate::bench::curves::versus;
 use crate::bench::summary::Results;
+use crate::runs::methods::Run;
 use crate::runs::record::Row;
 use crate::statistics::geometric_mean;
 
 /// A setting's geometric means over meshes.
 struct Mean {
+    /// Whether the setting is the method's default.
+    is_default: bool,
     seconds: f64,
     error: f64,
     hulls: f64,
@@ -29,13 +36,14 @@ fn means<'a>(results: &Results<'a>) -> Vec<(&'a str, Vec<Mean>)> {
     done.retain(|(_, rows)| 2 * rows.len() > most);
     let common = |mesh: &&str| done.iter().all(|(_, rows)| rows.contains_key(mesh));
     let mut means: Vec<(&str, Vec<Mean>)> = Vec::new();
-    for ((method, _), rows) in &done {
+    for ((method, setting), rows) in &done {
         let rows: Vec<_> = rows.iter().filter(|(mesh, _)| common(mesh)).collect();
         let of = |figure: fn(&Row) -> Option<f64>| {
             geometric_mean(rows.iter().filter_map(|(_, row)| figure(row)).map(|x| x.max(LEAST)))
         };
         let mean = (|| {
             Some(Mean {
+                is_default: Run::parse(method, setting).is_some_and(|run| run.is_default()),
                 seconds: of(|row| Some(row.done()?.0.seconds))?,
                 error: of(|row| Some(row.done()?.1.hausdorff))?,
                 hulls: of(|row| Some(row.done()?.1.hulls as f64))?,
@@ -65,6 +73,50 @@ fn front(mut points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     points
 }
 
+/// What the axes of errors say.
+const ERROR: &str = "error: Hausdorff distance / diagonal";
+
+/// What the plot says: how the defaults of ours and of the nearest rival compare.
+pub(super) fn error_time_title(results: &Results<'_>) -> String {
+    let means = means(results);
+    let default = |name: &str| {
+        let (_, list) = means.iter().find(|(method, _)| *method == name)?;
+        list.iter().find(|mean| mean.is_default)
+    };
+    let rival = RIVALS.iter().find_map(|&rival| Some((rival, default(rival)?)));
+    let (Some(ours), Some((rival, theirs))) = (default("bounded"), rival) else {
+        return "Error against time".into();
+    };
+    let name = display_name(rival);
+    let error = match theirs.error / ours.error {
+        less if less >= 1.0 => format!("{less:.1} times less error than {name}"),
+        less => format!("{:.1} times the error of {name}", 1.0 / less),
+    };
+    format!("By default {error}, in {:.2} times its time", ours.seconds / theirs.seconds)
+}
+
+/// Who ours is compared with first.
+const RIVALS: [&str; 4] = ["vhacd", "vhacd4", "coacd", "coacd-files"];
+
+/// What the plot says: hulls over those of others at equal error.
+pub(super) fn hulls_error_title(results: &Results<'_>) -> String {
+    let curves = results.curves();
+    let ratio = |rival: &str| {
+        let (own, theirs) = (curves.get("bounded")?, curves.get(rival)?);
+        let ratios =
+            theirs.iter().filter_map(|(mesh, theirs)| versus(own.get(mesh)?, theirs).hulls);
+        geometric_mean(ratios)
+    };
+    let ratios: Vec<String> = RIVALS
+        .iter()
+        .filter_map(|&rival| Some(format!("{:.2} × {}", ratio(rival)?, display_name(rival))))
+        .collect();
+    if ratios.is_empty() {
+        return "Hulls against error".into();
+    }
+    format!("Hulls that Hullwright needs at equal error: {}", ratios.join(", "))
+}
+
 /// With or without a dot for every run.
 pub(super) fn error_time(area: &Area<'_>, results: &Results<'_>, with_runs: bool) -> Result<()> {
     let runs: Vec<(&str, f64, f64)> = results
@@ -82,7 +134,7 @@ pub(super) fn error_time(area: &Area<'_>, results: &Results<'_>, with_runs: bool
     } else {
         (decades(all.clone().map(|m| m.seconds)), room(all.map(|m| m.error)))
     };
-    let mut chart = log_chart!(area, x, y, SECONDS, "Hausdorff error / diagonal");
+    let mut chart = log_chart!(area, x, y, SECONDS, ERROR);
     if with_runs {
         let mut unnamed: Vec<&str> = Vec::new();
         for &(method, seconds, error) in &runs {
@@ -93,7 +145,7 @@ pub(super) fn error_time(area: &Area<'_>, results: &Results<'_>, with_runs: bool
             if !unnamed.contains(&method) && !means.iter().any(|(other, _)| *other == method) {
                 unnamed.push(method);
                 drawn
-                    .label(method)
+                    .label(display_name(method))
                     .legend(move |(x, y)| Circle::new((x + 8, y), 2, colour.filled()));
             }
         }
@@ -103,7 +155,7 @@ pub(super) fn error_time(area: &Area<'_>, results: &Results<'_>, with_runs: bool
         let colour = colour(method);
         chart
             .draw_series(LineSeries::new(front(points.clone()), colour.stroke_width(2)))?
-            .label(*method)
+            .label(display_name(method))
             .legend(move |(x, y)| Circle::new((x + 8, y), 4, colour.filled()));
         chart.draw_series(points.iter().map(|&point| Circle::new(point, 4, colour.filled())))?;
     }
@@ -115,14 +167,14 @@ pub(super) fn hulls_error(area: &Area<'_>, results: &Results<'_>) -> Result<()> 
     let means = means(results);
     let all = means.iter().flat_map(|(_, list)| list);
     let (x, y) = (room(all.clone().map(|m| m.error)), room(all.map(|m| m.hulls)));
-    let mut chart = log_chart!(area, x, y, "Hausdorff error / diagonal", "hulls");
+    let mut chart = log_chart!(area, x, y, ERROR, "hulls");
     for (method, list) in &means {
         let points: Vec<(f64, f64)> = list.iter().map(|mean| (mean.error, mean.hulls)).collect();
         let colour = colour(method);
         chart.draw_series(points.iter().map(|&point| Circle::new(point, 4, colour.filled())))?;
         chart
             .draw_series(LineSeries::new(front(points), colour.stroke_width(2)))?
-            .label(*method)
+            .label(display_name(method))
             .legend(move |(x, y)| Circle::new((x + 8, y), 4, colour.filled()));
     }
     legend!(chart, SeriesLabelPosition::UpperRight);

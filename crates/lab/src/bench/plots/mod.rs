@@ -1,4 +1,4 @@
-//! Plots as SVG: text in the reader's own sans-serif, so no fonts are needed to draw them.
+//! Plots as SVG, each with a title that says what it shows: text in the reader's own sans-serif, so no fonts are needed to draw them.
 
 mod chart;
 mod error;
@@ -30,40 +30,45 @@ fn all(results: &Results<'_>) -> Result<Vec<Plot>> {
         svg,
         is_extra: false,
     };
+    let (by_time, by_hulls) = (error::error_time_title(results), error::hulls_error_title(results));
     let mut plots = vec![
         plot(
             "error-time.svg",
             "Error against time",
             &format!("Every run (dots). {MEANS}"),
-            draw(LARGE, |area| error::error_time(area, results, true))?,
+            draw(LARGE, &by_time, |area| error::error_time(area, results, true))?,
         ),
         plot(
             "hulls-error.svg",
             "Hulls against error",
             MEANS,
-            draw(LARGE, |area| error::hulls_error(area, results))?,
+            draw(LARGE, &by_hulls, |area| error::hulls_error(area, results))?,
         ),
     ];
     let (svg, note) = time_triangles::time_triangles(results, LARGE)?;
     plots.push(plot("time-triangles.svg", "Time against triangles", &note, svg));
     if !stages::stage_seconds(results).is_empty() {
         let note = "Mean seconds of each method's default setting, one thread.";
-        let svg = draw(LARGE, |area| stages::stages(area, results))?;
+        let svg = draw(LARGE, &stages::title(results), |area| stages::stages(area, results))?;
         plots.push(plot("stages.svg", "Time by stage", note, svg));
     }
     if let Some(shared) = results.shared_with_files() {
         let note = &format!("On the {} meshes of `coacd-files`. {MEANS}", shared.meshes().len());
-        let svg = draw(LARGE, |area| error::error_time(area, &shared, true))?;
+        let svg = draw(LARGE, &error::error_time_title(&shared), |area| {
+            error::error_time(area, &shared, true)
+        })?;
         let title = "Error against time where CoACD ran";
         plots.push(plot("error-time-coacd.svg", title, note, svg));
-        let svg = draw(LARGE, |area| error::hulls_error(area, &shared))?;
+        let svg = draw(LARGE, &error::hulls_error_title(&shared), |area| {
+            error::hulls_error(area, &shared)
+        })?;
         let title = "Hulls against error where CoACD ran";
         plots.push(plot("hulls-error-coacd.svg", title, note, svg));
     }
     let small = |file, title, svg| Plot { is_extra: true, ..plot(file, title, MEANS, svg) };
-    let svg = draw(SMALL, |area| error::error_time(area, results, false))?;
+    let svg = draw(SMALL, &by_time, |area| error::error_time(area, results, false))?;
     plots.push(small("error-time-small.svg", "Error against time, small", svg));
-    let svg = draw(SMALL, |area| error::hulls_error(area, results))?;
+    let svg = draw(SMALL, &by_hulls, |area| error::hulls_error(area, results))?;
     plots.push(small("hulls-error-small.svg", "Hulls against error, small", svg));
     Ok(plots)
 }

@@ -2,7 +2,7 @@
 
 use plotters::prelude::*;
 
-use super::chart::{Area, Result, legend};
+use super::chart::{Area, BACKGROUND, GRID, LABEL_SIZE, Result, display_name, legend, quiet};
 use crate::bench::summary::Results;
 use crate::runs::methods::Run;
 
@@ -27,6 +27,18 @@ pub(super) fn stage_seconds<'a>(results: &Results<'a>) -> Vec<(&'a str, Vec<(Str
         }
     }
     found
+}
+
+/// What the plot says: where most of our time goes.
+pub(super) fn title(results: &Results<'_>) -> String {
+    let all = stage_seconds(results);
+    let ours = all.iter().find(|(method, _)| *method == "bounded");
+    let longest = ours.and_then(|(_, stages)| stages.iter().max_by(|a, b| a.1.total_cmp(&b.1)));
+    let (Some((_, stages)), Some((name, seconds))) = (ours, longest) else {
+        return "Time by stage".into();
+    };
+    let total: f64 = stages.iter().map(|(_, seconds)| seconds).sum();
+    format!("Hullwright's longest stage is {name}: {:.0} % of its time", 100.0 * seconds / total)
 }
 
 /// Height of a bar; the rest is gap and the name of the method.
@@ -63,11 +75,13 @@ pub(super) fn stages(area: &Area<'_>, results: &Results<'_>) -> Result<()> {
     chart
         .configure_mesh()
         .disable_y_mesh()
-        .light_line_style(WHITE)
+        .light_line_style(BACKGROUND)
+        .bold_line_style(GRID)
+        .axis_style(GRID)
         .y_labels(0)
         .x_desc("mean seconds")
-        .label_style(("sans-serif", 13))
-        .axis_desc_style(("sans-serif", 14))
+        .label_style(quiet(LABEL_SIZE))
+        .axis_desc_style(quiet(LABEL_SIZE))
         .draw()?;
     for (place, name) in names.iter().enumerate() {
         let shade = SHADES[place % SHADES.len()];
@@ -88,9 +102,13 @@ pub(super) fn stages(area: &Area<'_>, results: &Results<'_>) -> Result<()> {
             .label(name.clone())
             .legend(move |(x, y)| Rectangle::new([(x, y - 5), (x + 12, y + 5)], shade.filled()));
     }
-    let style = ("sans-serif", 14).into_font();
+    let style = quiet(LABEL_SIZE + 1);
     chart.draw_series(bars.iter().rev().enumerate().map(|(row, (method, _))| {
-        Text::new((*method).to_owned(), (longest * 0.005, row as f64 + BAR + 0.3), style.clone())
+        Text::new(
+            display_name(method).to_owned(),
+            (longest * 0.005, row as f64 + BAR + 0.3),
+            style.clone(),
+        )
     }))?;
     legend!(chart, SeriesLabelPosition::UpperRight);
     Ok(())

@@ -1,0 +1,219 @@
+//! `cargo lab gallery`: pictures and figures of the bundled models and of shapes of trouble, ours
+//! beside V-HACD's.
+
+mod shapes;
+
+use std::path::{Path, PathBuf};
+
+use hullwright::internals::terminal::{Failure, print};
+use hullwright::io::read_mesh;
+use hullwright::measure::{MeasureOptions, Measurement, measure};
+use hullwright::render::{Layout, Panel, render_with};
+use hullwright::viewer::hulls_of;
+use hullwright::{Control, Hull, MeshView, Parameters, TriangleMesh, close_openings, decompose};
+
+use crate::report::html_report::{self, STYLE};
+use crate::report::table::escape;
+use crate::runs::methods::Run;
+use crate::runs::vhacd;
+
+/// Draw the gallery: the bundled models and shapes of trouble, ours beside V-HACD's
+///
+/// Writes gallery.md, gallery.html and the pictures in gallery/ into a folder. The same input gives the same
+/// files.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// The folder that the gallery goes to
+    #[arg(short, long, value_name = "DIR", default_value = "docs")]
+    output: PathBuf,
+
+    /// The folder of the bundled models
+    #[arg(long, value_name = "DIR", default_value = "assets")]
+    assets: PathBuf,
+}
+
+/// Width and height of a panel in pixels: three make a picture of 100 KB at most.
+const PANEL: (usize, usize) = (300, 250);
+
+/// How far hulls move away from the centre, as a share of their distance: so little that the shape
+/// is still seen.
+const EXPLOSION: f64 = 0.25;
+
+/// The folder of the pictures.
+const FOLDER: &str = "gallery";
+
+const INTRODUCTION: &str = "Every bundled model, and a dozen shapes of trouble. From left to right: the mesh, \
+    the hulls of the default method, and those of V-HACD as Parry has it, both with their default \
+    parameters; hulls are moved apart a little. Lengths are shares of the mesh's diagonal, as \
+    `hullwright measure` samples them: *error* is the larger of protrusion (hulls outside of the \
+    solid) and uncovered distance (mesh outside of the hulls); *IoU* is the volume of the intersection \
+    over that of the union.";
+
+const HOW: &str = "All of it is made by `cargo lab gallery`.";
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let Arguments { output, assets } = arguments;
+    html_report::create_folder(&output.join(FOLDER))?;
+    let mut models = Vec::new();
+    for (file, words) in MODELS {
+        let mesh = read_mesh(assets.join(format!("{file}.glb")))?.mesh;
+        models.push(Entry::new(&file.replace('_', " "), words, &mesh, output)?);
+    }
+    let mut troubles = Vec::new();
+    for shape in shapes::all() {
+        troubles.push(Entry::new(shape.name, shape.words, &shape.mesh, output)?);
+    }
+    let parts = [("Models", models), ("Shapes of trouble", troubles)];
+    html_report::write(&output.join("gallery.md"), &markdown(&parts))?;
+    html_report::write(&output.join("gallery.html"), &html(&parts))?;
+    Ok(())
+}
+
+/// The bundled models, and what they are.
+const MODELS: [(&str, &str); 14] = [
+    ("mug", "A cup with a wall, and a handle that a finger fits through."),
+    ("bowl", "A thin shell whose inside stays open."),
+    ("teapot", "Four closed parts that run into each other, as artists make them."),
+    ("chair", "Ten boxes."),
+    ("table", "Top and legs in one surface."),
+    ("lamp", "One closed surface."),
+    ("dog", "Smooth, with limbs at all angles."),
+    ("gear", "Teeth that mesh, and a bore that an axle fits."),
+    ("torus", "A hole all the way through a smooth body."),
+    ("spring", "A helix: no plane cuts it well."),
+    ("leaf", "An open sheet, without inside and thickness."),
+    ("l_prism", "The least concave solid."),
+    ("u_prism", "Three boxes, and a gap that stays open."),
+    ("plus", "Four notches."),
+];
+
+/// A mesh, its picture, and what two methods made of it.
+struct Entry {
+    name: String,
+    words: String,
+    /// Below the folder of the gallery.
+    picture: String,
+    triangles: usize,
+    ours: Measurement,
+    vhacd: Option<Measurement>,
+}
+
+impl Entry {
+    /// Decomposes a mesh by both methods, and draws what came of it.
+    fn new(name: &str, words: &str, mesh: &TriangleMesh, output: &Path) -> Result<Self, Failure> {
+        let (parameters, control) = (Parameters::default(), Control::new());
+        let view = mesh.view();
+        let ours = decompose(view, &parameters, &control)?.hulls;
+        let theirs = vhacd_hulls(view);
+        let judge = |hulls: &[Hull]| measure(view, hulls, &MeasureOptions::default(), &control);
+        let panels = [
+            Panel::closed_mesh(&close_openings(view, &parameters, &control)?),
+            Panel::hulls(&ours).exploded(EXPLOSION),
+            Panel::hulls(&theirs).exploded(EXPLOSION),
+        ];
+        let file = format!("{FOLDER}/{}.png", file_name(name));
+        let mut layout = Layout::default();
+        layout.separate_frames = true;
+        render_with(&panels, panels.len() * PANEL.0, PANEL.1, &layout)?
+            .write_png(output.join(&file))?;
+        let entry = Self {
+            name: name.into(),
+            words: words.into(),
+            picture: file,
+            triangles: mesh.triangles.len(),
+            ours: judge(&ours)?,
+            vhacd: if theirs.is_empty() { None } else { Some(judge(&theirs)?) },
+        };
+        print(&format!("{name}: {} hulls, V-HACD {}", ours.len(), theirs.len()))?;
+        Ok(entry)
+    }
+
+    fn alternative(&self) -> String {
+        format!("{}: the mesh, our hulls, V-HACD's hulls", self.name)
+    }
+
+    fn rows(&self) -> Vec<[String; 6]> {
+        let row = |name: &str, of: &Measurement| {
+            [
+                name.to_owned(),
+                of.hulls.to_string(),
+                of.vertices.to_string(),
+                percent(of.hausdorff),
+                of.iou.map_or_else(|| "–".into(), percent),
+                of.non_convex_hulls.to_string(),
+            ]
+        };
+        let mut rows = vec![row("Hullwright", &self.ours)];
+        rows.extend(self.vhacd.as_ref().map(|vhacd| row("V-HACD", vhacd)));
+        rows
+    }
+}
+
+const HEADER: [&str; 6] = ["", "hulls", "vertices", "error", "IoU", "not convex"];
+
+fn vhacd_hulls(mesh: MeshView<'_>) -> Vec<Hull> {
+    let parameters = vhacd::parameters(&Run::VHACD_DEFAULT);
+    parameters.map_or_else(Vec::new, |parameters| hulls_of(&vhacd::decompose(mesh, &parameters)))
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.1} %", 100.0 * share)
+}
+
+/// Plain letters: the name is part of an address.
+fn file_name(name: &str) -> String {
+    let plain = name.to_lowercase().replace('ö', "o");
+    plain.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '-' }).collect()
+}
+
+type Parts = [(&'static str, Vec<Entry>); 2];
+
+fn markdown(parts: &Parts) -> String {
+    let mut text = format!("# Gallery\n\n{INTRODUCTION}\n\n{HOW}\n");
+    for (title, entries) in parts {
+        text += &format!("\n## {title}\n");
+        for entry in entries {
+            let Entry { name, words, picture, triangles, .. } = entry;
+            text += &format!("\n### {name}\n\n{words} {triangles} triangles.\n\n");
+            text += &format!("![{}]({picture})\n\n", entry.alternative());
+            text += &format!("| {} |\n|{}\n", HEADER.join(" | "), "---|".repeat(HEADER.len()));
+            entry.rows().iter().for_each(|row| text += &format!("| {} |\n", row.join(" | ")));
+        }
+    }
+    text
+}
+
+fn html(parts: &Parts) -> String {
+    let cells = |row: &[String], tag: &str| -> String {
+        row.iter().map(|cell| format!("<{tag}>{}</{tag}>", escape(cell))).collect()
+    };
+    let head = cells(&HEADER.map(String::from), "th");
+    let mut body = String::new();
+    for (title, entries) in parts {
+        body += &format!("<h2>{title}</h2>\n<div class=\"cards\">\n");
+        for entry in entries {
+            let Entry { name, words, picture, triangles, .. } = entry;
+            let rows: String =
+                entry.rows().iter().map(|row| format!("<tr>{}</tr>", cells(row, "td"))).collect();
+            body += &format!(
+                "<article>\n<img src=\"{picture}\" alt=\"{}\" width=\"{}\" height=\"{}\" loading=\"lazy\">\n\
+                 <h3>{}</h3>\n<p>{} {triangles} triangles.</p>\n\
+                 <table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>\n</article>\n",
+                escape(&entry.alternative()),
+                3 * PANEL.0,
+                PANEL.1,
+                escape(name),
+                escape(words),
+            );
+        }
+        body += "</div>\n";
+    }
+    let introduction = INTRODUCTION.replace(['*', '`'], "");
+    format!(
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <title>Gallery – Hullwright</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<h1>Gallery</h1>\n\
+         <p>{}</p>\n{body}</body>\n</html>\n",
+        escape(&introduction),
+    )
+}

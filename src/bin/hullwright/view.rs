@@ -1,0 +1,162 @@
+//! `hullwright view`: a page to look at a mesh and its hulls from all sides.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use hullwright::io::{MeshFile, read_hulls, read_mesh};
+use hullwright::viewer::{HullSet, Page, hulls_of};
+use hullwright::{Control, Decomposition, Hull, MergeTree, Method, Parameters};
+
+use crate::arguments::{ParameterArguments, ThreadArguments, mesh_help};
+use crate::output::{Failure, print, time};
+use crate::progress::{LateBar, waiting};
+
+/// Write a page that shows a mesh and its hulls, and opens in any browser
+///
+/// One HTML file that loads nothing: the mesh, its hulls, a slider from all hulls down to one, errors
+/// as colours, other methods or other tools' hulls side by side. Press ? on the page for its keys.
+#[derive(clap::Args)]
+pub struct Arguments {
+    #[arg(help = mesh_help())]
+    mesh: PathBuf,
+
+    /// Write the page to this file. Default: named after the mesh, in the current folder
+    #[arg(short, long, value_name = "PAGE")]
+    output: Option<PathBuf>,
+
+    /// Open the page in the default browser
+    #[arg(long)]
+    open: bool,
+
+    /// Show another method side by side: surface (the paper's) or bounded; may be repeated
+    #[arg(long, value_name = "METHOD")]
+    compare: Vec<Method>,
+
+    /// Show the hulls of any tool side by side: a .hulls file, or one per object of the file: obj, stl,
+    /// gltf or glb; may be repeated
+    #[arg(long, value_name = "FILE")]
+    hulls: Vec<PathBuf>,
+
+    /// No slider: hulls are not joined, which takes long for many hundreds of them
+    #[arg(long)]
+    no_merge: bool,
+
+    #[command(flatten)]
+    threads: ThreadArguments,
+
+    #[command(flatten)]
+    parameters: ParameterArguments,
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let parameters = arguments.parameters.checked()?;
+    let output = output(arguments)?;
+    let file = waiting("reading", || read_mesh(&arguments.mesh))?;
+    // All files first, so that a misspelt name ends the work before it begins.
+    let mut others = Vec::new();
+    for path in &arguments.hulls {
+        others.push((file_name(path), hulls_of(&waiting("reading", || read_hulls(path))?)));
+    }
+    let pool = arguments.threads.pool()?;
+    let bar = LateBar::start();
+    let control = bar.control().with_parallel(arguments.threads.is_parallel());
+    let work = Work { arguments, file: &file, parameters: &parameters, control: &control };
+    let page = pool.install(|| work.page(&others));
+    bar.finish();
+    let (page, summary) = page.map_err(|error| format!("{}: {error}", arguments.mesh.display()))?;
+    waiting("writing", || page.write(&output))?;
+    print(&format!("wrote {}: {summary}", output.display()))?;
+    if arguments.open {
+        open::that_detached(&output)
+            .map_err(|error| format!("{}: no browser opens it: {error}", output.display()))?;
+    }
+    Ok(())
+}
+
+/// Where the page goes, if there is such a folder.
+fn output(arguments: &Arguments) -> Result<PathBuf, Failure> {
+    let default = || PathBuf::from(file_name(&arguments.mesh)).with_extension("html");
+    let output = arguments.output.clone().unwrap_or_else(default);
+    match output.parent() {
+        Some(folder) if folder != Path::new("") && !folder.is_dir() => {
+            Err(format!("{}: there is no such folder", folder.display()).into())
+        }
+        _ => Ok(output),
+    }
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// What a page is made of.
+struct Work<'a> {
+    arguments: &'a Arguments,
+    file: &'a MeshFile,
+    parameters: &'a Parameters,
+    control: &'a Control,
+}
+
+impl<'a> Work<'a> {
+    /// The page, and what is on it in words.
+    fn page(
+        &self,
+        others: &[(String, Vec<Hull>)],
+    ) -> Result<(Page<'a>, String), hullwright::Error> {
+        let &Self { arguments, file, parameters, control } = self;
+        let page = Page::new(file_name(&arguments.mesh), file, parameters, control)?;
+        let mut page = page.objects(&file.objects);
+        let mut summary = Vec::new();
+        let methods = std::iter::once(parameters.method).chain(arguments.compare.iter().copied());
+        for method in methods {
+            let parameters = parameters.clone().method(method);
+            let (result, seconds) = self.decompose(&parameters)?;
+            let name = match method {
+                Method::Bounded => format!("bounded, {}", parameters.bounded.max_error),
+                _ => method.name().to_owned(),
+            };
+            summary.push(format!("{name}: {}", hulls(result.hulls.len())));
+            let tree = match (arguments.no_merge, method == self.parameters.method) {
+                (true, _) => None,
+                (false, true) => Some(MergeTree::new(file, &result, &parameters, control)?),
+                (false, false) => self.tree_of(&result.hulls)?,
+            };
+            let set = HullSet::new(name, &result.hulls).fact("time", time(seconds));
+            page.add(with_tree(set, tree.as_ref()), control)?;
+        }
+        for (name, other) in others {
+            summary.push(format!("{name}: {}", hulls(other.len())));
+            let tree = self.tree_of(other)?;
+            page.add(with_tree(HullSet::new(name, other), tree.as_ref()), control)?;
+        }
+        Ok((page, summary.join(", ")))
+    }
+
+    fn decompose(
+        &self,
+        parameters: &Parameters,
+    ) -> Result<(Decomposition, f64), hullwright::Error> {
+        let start = Instant::now();
+        let result = hullwright::decompose(self.file, parameters, self.control)?;
+        Ok((result, start.elapsed().as_secs_f64()))
+    }
+
+    /// The joins of hulls that the main method did not make.
+    fn tree_of(&self, hulls: &[Hull]) -> Result<Option<MergeTree>, hullwright::Error> {
+        if self.arguments.no_merge {
+            return Ok(None);
+        }
+        MergeTree::from_hulls(self.file, hulls, self.parameters, self.control).map(Some)
+    }
+}
+
+fn with_tree<'a>(set: HullSet<'a>, tree: Option<&'a MergeTree>) -> HullSet<'a> {
+    match tree {
+        Some(tree) => set.tree(tree),
+        None => set,
+    }
+}
+
+fn hulls(number: usize) -> String {
+    crate::output::count(number, "hull", "hulls")
+}

@@ -1,0 +1,171 @@
+//! Hulls and all that they are joined to: shapes, figures, and errors point by point.
+
+use std::ops::Range;
+
+use super::document::{HullEntry, SetEntry, StateEntry, UncoveredEntry};
+use super::geometry::Geometry;
+use super::overlap::overlaps;
+use super::samples;
+use super::subject::{Subject, corners};
+use super::uncovered::uncovered;
+use super::{HullSet, MergeTree};
+use crate::control::Control;
+use crate::decomposition::Hull;
+use crate::error::Error;
+use crate::geometry::vector::Vector;
+use crate::measure::solid::Part;
+use crate::measure::{Measurement, measure};
+use crate::mesh::TriangleMesh;
+use crate::parallel;
+
+/// Points on all hulls and joint hulls, unless their corners alone are more.
+const MOST_SAMPLES: usize = 120_000;
+
+/// Prepares hulls for the page. `objects` are the parts of the source that have a name.
+///
+/// # Errors
+/// As [`measure`].
+pub(super) fn shown(
+    set: HullSet<'_>,
+    subject: &Subject<'_>,
+    objects: &[Range<usize>],
+    geometry: &mut Geometry,
+    control: &Control,
+) -> Result<SetEntry, Error> {
+    let measured = measure(subject.source, set.hulls, &subject.options, control)?;
+    let joins = set.tree.map(MergeTree::joins).unwrap_or_default();
+    let hulls: Vec<&Hull> = set.hulls.iter().chain(joins.iter().map(|join| &join.hull)).collect();
+    let joined: Vec<[usize; 2]> = joins.iter().map(|join| join.joined).collect();
+    let parts = parts(&hulls, subject)?;
+    let overlaps = match measured.iou {
+        Some(_) => overlaps(&parts, set.hulls.len(), &joined, subject),
+        None => Vec::new(),
+    };
+    control.check()?;
+    let states = states(&set, &hulls, &joined, &measured, &overlaps);
+
+    let shapes: Vec<TriangleMesh> = hulls.iter().map(|hull| normalized(hull, subject)).collect();
+    let faces: Vec<[Vector; 3]> = shapes.iter().flat_map(corners).collect();
+    let divisions = samples::divisions(&faces, MOST_SAMPLES);
+    let points = samples::points(&faces, &divisions);
+    let protrusions = parallel::map(&points, |&point| subject.distance(point));
+    control.check()?;
+    let most_of_each = most_of_each(&shapes, &divisions, &protrusions);
+    let uncovered = uncovered(subject, parts, set.hulls.len(), &joined);
+    control.check()?;
+
+    let (protrusion_most, protrusion_bytes) = samples::bytes(&protrusions);
+    let positions: Vec<Vector> =
+        shapes.iter().flat_map(|shape| shape.positions.iter().copied()).collect();
+    let triangles = shapes.iter().flat_map(|shape| shape.triangles.iter().flatten().copied());
+    let entries =
+        hulls.iter().zip(&shapes).zip(most_of_each).map(|((hull, shape), sampled)| HullEntry {
+            vertices: shape.positions.len(),
+            triangles: shape.triangles.len(),
+            volume: hull.shape.volume(),
+            protrusion: relative(hull.errors.protrusion_max, subject).unwrap_or(sampled),
+            is_verified: hull.errors.protrusion_max.is_some(),
+            objects: objects_of(hull, objects),
+        });
+    Ok(SetEntry {
+        name: set.name,
+        facts: set.facts,
+        leaves: set.hulls.len(),
+        is_verified: set.tree.is_some(),
+        hulls: entries.collect(),
+        joins: joined,
+        states,
+        positions: geometry.push_points(&positions),
+        triangles: geometry.push_u32(triangles),
+        divisions: geometry.push_u8(divisions),
+        protrusion_most,
+        protrusions: geometry.push_u8(protrusion_bytes),
+        uncovered: UncoveredEntry {
+            most: uncovered.most,
+            values: geometry.push_u8(uncovered.values),
+            change_joins: geometry.push_u16(uncovered.changes.iter().map(|change| change.join)),
+            change_samples: geometry.push_u32(uncovered.changes.iter().map(|change| change.sample)),
+            change_values: geometry.push_u8(uncovered.changes.iter().map(|change| change.value)),
+        },
+    })
+}
+
+/// Hulls as solids that points can be asked of.
+fn parts(hulls: &[&Hull], subject: &Subject<'_>) -> Result<Vec<Part>, Error> {
+    let parts = parallel::map(hulls, |&hull| Part::new(&hull.into(), &subject.normalization));
+    let reason = "it has no triangles, an index out of range, or a coordinate that is not finite";
+    let usable = parts.into_iter().enumerate();
+    usable.map(|(hull, part)| part.ok_or(Error::UnusableHull { hull, reason })).collect()
+}
+
+fn normalized(hull: &Hull, subject: &Subject<'_>) -> TriangleMesh {
+    let points = hull.shape.points.iter();
+    let positions = points.map(|&point| subject.normalization.normalize(point)).collect();
+    TriangleMesh::new(positions, hull.shape.triangles.clone())
+}
+
+/// A length in units as a share of the diagonal.
+fn relative(length: Option<f64>, subject: &Subject<'_>) -> Option<f64> {
+    length.map(|length| length / subject.normalization.diagonal)
+}
+
+/// The greatest sampled protrusion of each shape.
+fn most_of_each(shapes: &[TriangleMesh], divisions: &[u8], protrusions: &[f64]) -> Vec<f64> {
+    let (mut divisions, mut protrusions) = (divisions.iter(), protrusions.iter());
+    let of_shape = |shape: &TriangleMesh| {
+        let own = divisions.by_ref().take(shape.triangles.len());
+        let points = own.map(|&parts| samples::points_of(parts)).sum();
+        protrusions.by_ref().take(points).copied().fold(0.0, f64::max)
+    };
+    shapes.iter().map(of_shape).collect()
+}
+
+/// The figures of each state, from all hulls down to one. Lengths are shares of the diagonal.
+fn states(
+    set: &HullSet<'_>,
+    hulls: &[&Hull],
+    joined: &[[usize; 2]],
+    measured: &Measurement,
+    overlaps: &[f64],
+) -> Vec<StateEntry> {
+    let count = |index: usize| hulls.get(index).map_or(0, |hull| hull.shape.points.len());
+    let mut vertices: usize = (0..set.hulls.len()).map(count).sum();
+    let Some(tree) = set.tree else {
+        return vec![StateEntry {
+            hulls: set.hulls.len(),
+            vertices,
+            error: measured.hausdorff,
+            protrusion: measured.protrusion.max,
+            uncovered: measured.uncovered.max,
+            iou: measured.iou,
+        }];
+    };
+    let states = tree.curve().into_iter().enumerate().map(|(state, point)| {
+        if let Some(&[first, second]) = state.checked_sub(1).and_then(|join| joined.get(join)) {
+            vertices += count(set.hulls.len() + state - 1);
+            vertices = vertices.saturating_sub(count(first) + count(second));
+        }
+        let relative = |length: f64| length / measured.diagonal;
+        StateEntry {
+            hulls: point.hulls,
+            vertices,
+            error: relative(point.error),
+            protrusion: relative(point.protrusion_max),
+            uncovered: relative(point.uncovered_max),
+            iou: overlaps.get(state).copied(),
+        }
+    });
+    states.collect()
+}
+
+/// The named parts of the source that a hull stands for.
+fn objects_of(hull: &Hull, objects: &[Range<usize>]) -> Vec<usize> {
+    let sources = hull.provenance.source_triangles.iter();
+    let mut found: Vec<usize> = sources
+        .map(|&triangle| objects.partition_point(|object| object.end <= triangle as usize))
+        .filter(|&object| object < objects.len())
+        .collect();
+    found.sort_unstable();
+    found.dedup();
+    found
+}

@@ -1,0 +1,66 @@
+//! The points of a surface that an error is given at: each triangle has a regular lattice of them,
+//! the finer the larger it is. The page divides triangles in the same way, so that only a byte per
+//! point is stored.
+
+use crate::geometry::vector::{Vector, add, distance, scale, subtract};
+
+/// Distance of neighbouring points in diagonals, where there is room for as many points as that
+/// takes: a protrusion between them is drawn a third too small at worst.
+const SPACING: f64 = 1.0 / 64.0;
+
+/// Factor by which the spacing grows until the points are few enough.
+const COARSER: f64 = 1.25;
+
+/// The most parts that an edge is divided into: needles would have points without end.
+const MOST_PARTS: usize = 32;
+
+/// For each triangle the number of parts that its edges are divided into, with at most `most`
+/// points in all, or the corners alone.
+pub(super) fn divisions(corners: &[[Vector; 3]], most: usize) -> Vec<u8> {
+    let mut spacing = SPACING;
+    loop {
+        let parts: Vec<u8> = corners.iter().map(|&corners| parts(corners, spacing)).collect();
+        let points: usize = parts.iter().map(|&parts| points_of(parts)).sum();
+        if points <= most || parts.iter().all(|&parts| parts == 1) {
+            return parts;
+        }
+        spacing *= COARSER;
+    }
+}
+
+fn parts([a, b, c]: [Vector; 3], spacing: f64) -> u8 {
+    let longest = distance(a, b).max(distance(b, c)).max(distance(c, a));
+    (longest / spacing).ceil().clamp(1.0, MOST_PARTS as f64) as u8
+}
+
+/// Points of a triangle whose edges are divided into so many parts.
+pub(super) fn points_of(parts: u8) -> usize {
+    let parts = usize::from(parts);
+    (parts + 1) * (parts + 2) / 2
+}
+
+/// All points, triangle by triangle: along the second edge within along the first.
+pub(super) fn points(corners: &[[Vector; 3]], divisions: &[u8]) -> Vec<Vector> {
+    let mut points = Vec::new();
+    for (&[a, b, c], &parts) in corners.iter().zip(divisions) {
+        let (to_b, to_c) = (subtract(b, a), subtract(c, a));
+        let share = |part: u8| f64::from(part) / f64::from(parts);
+        for i in 0..=parts {
+            let start = add(a, scale(to_b, share(i)));
+            points.extend((0..=parts - i).map(|j| add(start, scale(to_c, share(j)))));
+        }
+    }
+    points
+}
+
+/// The greatest of some errors, and each error as a byte: the square root of its share of the
+/// greatest, since what is small is looked at most closely.
+pub(super) fn bytes(errors: &[f64]) -> (f64, Vec<u8>) {
+    let most = errors.iter().copied().fold(0.0, f64::max);
+    (most, errors.iter().map(|&error| byte(error, most)).collect())
+}
+
+/// One error as a byte.
+pub(super) fn byte(error: f64, most: f64) -> u8 {
+    if most > 0.0 { (f64::from(u8::MAX) * (error / most).sqrt()).round() as u8 } else { 0 }
+}

@@ -1,0 +1,284 @@
+// One set of hulls beside the others: its part of the stage, its slider, figures and curve.
+
+import { BufferGeometry, Color, Group, LineSegments, Mesh, Ray, Scene, ShaderMaterial, Vector3 } from "three";
+import { Curve } from "./curve";
+import { alive, colourNumbers, HullSet, Page, State, uncoveredAfter } from "./data";
+import { element, number, percent, words } from "./dom";
+import { Lines, material, shared } from "./shaders";
+import * as shapes from "./shapes";
+
+/** Which surfaces are drawn, and how: the same for all panels. */
+export interface Look {
+  mesh: boolean;
+  hulls: boolean;
+  wires: boolean;
+  errors: boolean;
+  openings: boolean;
+  up: "y" | "z";
+}
+
+/** Of hulls over the mesh: both are seen. */
+const OVER_MESH = 0.62;
+
+const linear = (rgb: readonly number[]): number[] =>
+  new Color().setRGB(rgb[0] / 255, rgb[1] / 255, rgb[2] / 255, "srgb").toArray();
+
+export class Panel {
+  readonly viewport = element("div", "viewport");
+  readonly scene = new Scene();
+  /** Hulls that are left out of those that there are: each is a join. */
+  joins = 0;
+  picked: number | null = null;
+  private root = new Group();
+  private hulls: number[] = [];
+  private readonly colours: number[][];
+  private readonly ways: number[][];
+  private readonly edges: shapes.EdgeTable;
+  private readonly curve: Curve;
+  private readonly slider = element("input", "hulls-slider");
+  private readonly count = element("output", "count");
+  private readonly figures = new Map<string, HTMLElement>();
+  private readonly pick = element("p", "pick");
+  private readonly faces = new Mesh(new BufferGeometry(), material(Lines.None, 1));
+  private readonly depth = new Mesh(new BufferGeometry(), material(Lines.None, 1));
+  private readonly lines = new LineSegments(new BufferGeometry(), material(Lines.Creases, 1));
+  private readonly meshFaces: Mesh<BufferGeometry, ShaderMaterial>;
+  private readonly meshCreases: LineSegments<BufferGeometry, ShaderMaterial>;
+  private readonly meshWires: LineSegments<BufferGeometry, ShaderMaterial>;
+
+  constructor(
+    private readonly page: Page,
+    private readonly set: HullSet,
+    private readonly look: Look,
+    private readonly changed: () => void,
+    host: HTMLElement,
+  ) {
+    const { colours, clay, cap } = page.document;
+    const palette = colours.map(linear);
+    this.colours = colourNumbers(set).map((colour) => palette[colour % palette.length]);
+    this.ways = shapes.ways(set);
+    this.edges = new shapes.EdgeTable(set);
+    this.curve = new Curve(set.entry.states, page.document.bound, (state) => this.join(state));
+
+    const [earth, red] = [linear(clay), linear(cap)];
+    this.meshFaces = new Mesh(shapes.meshFaces(page, earth, red), material(Lines.None, set.entry.uncovered.most));
+    this.meshCreases = new LineSegments(shapes.meshLines(page, false, earth), material(Lines.Creases, 1));
+    this.meshWires = new LineSegments(shapes.meshLines(page, true, earth), material(Lines.Creases, 1));
+    this.faces.material.uniforms.most.value = set.entry.protrusion_most;
+    // Hulls hide each other, but not the mesh: their depth is drawn first, without a colour.
+    this.depth.material.colorWrite = false;
+    for (const [order, object] of [
+      this.meshFaces, this.meshCreases, this.meshWires, this.depth, this.faces, this.lines,
+    ].entries()) {
+      object.renderOrder = order;
+      object.frustumCulled = false;
+      this.root.add(object);
+    }
+    for (const { material } of [this.meshFaces, this.depth, this.faces]) {
+      material.polygonOffset = true;
+      material.polygonOffsetFactor = material.polygonOffsetUnits = 1;
+    }
+    // Where both are at the same place, the hull is seen.
+    this.meshFaces.material.polygonOffsetFactor = this.meshFaces.material.polygonOffsetUnits = 3;
+    this.scene.add(this.root);
+    host.append(this.build());
+    this.update();
+  }
+
+  /** What is shown now. */
+  get state(): State {
+    return this.set.entry.states[this.joins];
+  }
+
+  get name(): string {
+    return this.set.entry.name;
+  }
+
+  /** Shows the state after so many joins, or the nearest there is. */
+  join(joins: number) {
+    const most = this.set.entry.states.length - 1;
+    this.joins = Math.max(0, Math.min(most, joins));
+    this.select(null);
+    this.update();
+  }
+
+  private build(): HTMLElement {
+    const { entry } = this.set;
+    const [fewest, most] = [entry.states.at(-1)!.hulls, entry.states[0].hulls];
+    Object.assign(this.slider, { type: "range", min: fewest, max: most, step: 1 });
+    this.slider.setAttribute("aria-label", `Number of hulls, ${entry.name}`);
+    this.slider.addEventListener("input", () => this.join(most - Number(this.slider.value)));
+    const sliderRow = element("div", "slider-row", this.slider, this.count);
+    this.slider.hidden = entry.states.length < 2;
+
+    const title = element("div", "panel-title", element("h2", "", entry.name));
+    const facts = entry.facts.map(([name, value]) => `${name} ${value}`).join(" · ");
+    title.append(element("span", "facts", facts));
+    const list = element("dl", "figures");
+    const at = entry.is_verified ? "at most" : "sampled";
+    for (const [key, label, explanation] of [
+      ["error", `error, ${at}`, "The larger of protrusion and uncovered distance, in diagonals of the mesh"],
+      ["protrusion", "protrusion", "How far a hull is outside of the solid"],
+      ["uncovered", "uncovered", "How far the mesh is outside of every hull"],
+      ["iou", "volume IoU", "Volume of the intersection over that of the union"],
+      ["vertices", "vertices", "Of all hulls"],
+    ]) {
+      const value = element("dd");
+      this.figures.set(key, value);
+      const row = element("div", `figure ${key}`, element("dt", "", label), value);
+      row.title = explanation;
+      list.append(row);
+    }
+    const card = element("div", "card", title, sliderRow, element("div", "numbers", list));
+    if (entry.states.length > 1) card.append(this.curve.element);
+    this.pick.hidden = true;
+    return element("section", "panel", this.viewport, this.pick, card);
+  }
+
+  /** Draws what the state and the look say. */
+  update() {
+    const { set, look } = this;
+    const { entry } = set;
+    this.hulls = alive(set, this.joins);
+    const hulls = this.hulls.map((number) => ({
+      number,
+      colour: this.colours[number],
+      way: this.ways[number],
+    }));
+    const both = look.mesh && look.hulls;
+    this.replace(this.faces, look.errors ? shapes.hullErrors(set, hulls) : shapes.hullFaces(set, hulls));
+    this.depth.geometry = this.faces.geometry;
+    this.replace(this.lines, shapes.hullLines(set, hulls, this.edges, look.wires));
+    this.faces.visible = look.hulls && !look.wires;
+    this.depth.visible = this.faces.visible && both;
+    this.lines.visible = look.hulls;
+    this.faces.material.transparent = both;
+    this.faces.material.depthWrite = !both;
+    this.faces.material.uniforms.opacity.value = both ? OVER_MESH : 1;
+    this.lines.material.uniforms.lines.value = look.wires ? Lines.Wires : Lines.Creases;
+
+    this.meshFaces.visible = look.mesh && (look.hulls || !look.wires);
+    this.meshCreases.visible = look.mesh && !look.hulls && !look.wires;
+    this.meshWires.visible = look.mesh && !look.hulls && look.wires;
+    const share = this.meshFaces.geometry.getAttribute("share");
+    share.array.set(uncoveredAfter(set, this.joins));
+    share.needsUpdate = true;
+    this.tintCaps();
+    this.root.rotation.x = look.up === "z" ? -Math.PI / 2 : 0;
+    this.write(entry);
+    this.changed();
+  }
+
+  private replace(object: Mesh | LineSegments, made: BufferGeometry) {
+    object.geometry.dispose();
+    object.geometry = made;
+  }
+
+  private tintCaps() {
+    const { document, mesh } = this.page;
+    if (document.mesh.caps === 0) return;
+    const tint = this.meshFaces.geometry.getAttribute("tint");
+    const colour = linear(this.look.openings ? document.cap : document.clay);
+    const first = mesh.divisions.length - document.mesh.caps;
+    let sample = 0;
+    mesh.divisions.forEach((parts, triangle) => {
+      const end = sample + ((parts + 1) * (parts + 2)) / 2;
+      for (; sample < end; sample++) if (triangle >= first) tint.setXYZ(sample, colour[0], colour[1], colour[2]);
+    });
+    tint.needsUpdate = true;
+  }
+
+  private write(entry: HullSet["entry"]) {
+    const { state } = this;
+    this.slider.value = String(state.hulls);
+    this.count.textContent = words(state.hulls, "hull");
+    const sign = entry.is_verified ? "≤ " : "";
+    const over = state.error > this.page.document.bound * (1 + 1e-9);
+    this.figure("error", sign + percent(state.error), over);
+    this.figure("protrusion", sign + percent(state.protrusion));
+    this.figure("uncovered", sign + percent(state.uncovered));
+    this.figure("iou", state.iou === null ? "–" : percent(state.iou));
+    this.figure("vertices", state.vertices.toLocaleString("en"));
+    this.curve.mark(this.joins);
+  }
+
+  private figure(key: string, text: string, over = false) {
+    const value = this.figures.get(key)!;
+    value.textContent = text;
+    value.classList.toggle("over", over);
+  }
+
+  /** Says what a hull is, and makes it stand out. */
+  select(hull: number | null) {
+    this.picked = hull;
+    for (const { material } of [this.faces, this.lines]) material.uniforms.picked.value = hull ?? -1;
+    this.pick.hidden = hull === null;
+    if (hull !== null) this.pick.replaceChildren(...this.describe(hull));
+    this.changed();
+  }
+
+  private describe(hull: number): HTMLElement[] {
+    const { entry } = this.set;
+    const { names } = this.page.document;
+    const of = entry.hulls[hull];
+    const swatch = element("i", "swatch");
+    swatch.style.background = new Color().fromArray(this.colours[hull]).getStyle();
+    const title = hull < entry.leaves ? `Hull ${hull + 1}` : `Joint hull of ${this.leavesOf(hull)}`;
+    const total = this.hulls.reduce((sum, index) => sum + entry.hulls[index].volume, 0);
+    const rows = [
+      ["vertices", `${of.vertices}`],
+      ["volume", `${number(of.volume)} (${percent(of.volume / total)} of all)`],
+      ["protrusion", (of.is_verified ? "≤ " : "sampled ") + percent(of.protrusion)],
+    ];
+    if (of.objects.length > 0 && names.length > 0) {
+      const most = 3;
+      const some = of.objects.slice(0, most).map((object) => names[object] || "unnamed");
+      if (of.objects.length > most) some.push(`${of.objects.length - most} more`);
+      rows.push(["part of", some.join(", ")]);
+    }
+    const list = element("span", "pick-rows");
+    for (const [name, value] of rows) {
+      list.append(element("span", "pick-name", name), element("span", "pick-value", value));
+    }
+    return [element("strong", "", swatch, title), list];
+  }
+
+  private leavesOf(hull: number): number {
+    const { leaves, joins } = this.set.entry;
+    if (hull < leaves) return 1;
+    const [a, b] = joins[hull - leaves];
+    return this.leavesOf(a) + this.leavesOf(b);
+  }
+
+  /** Selects the hull after or before the one that is selected. */
+  step(by: number) {
+    const now = this.picked === null ? (by > 0 ? -1 : 0) : this.hulls.indexOf(this.picked);
+    const count = this.hulls.length;
+    this.select(this.hulls[(now + by + count) % count]);
+  }
+
+  /** The hull that a ray hits first, if hulls are shown. */
+  hit(ray: Ray): number | null {
+    if (!this.look.hulls) return null;
+    this.root.updateMatrixWorld();
+    const own = ray.clone().applyMatrix4(this.root.matrixWorld.clone().invert());
+    const { positions, triangles } = this.set.surface;
+    const corners = [new Vector3(), new Vector3(), new Vector3()];
+    const [at, shift, moved] = [new Vector3(), new Vector3(), new Ray()];
+    let [nearest, found]: [number, number | null] = [Infinity, null];
+    for (const hull of this.hulls) {
+      const { vertex, triangle } = this.set.places[hull];
+      shift.fromArray(this.ways[hull]).multiplyScalar(shared.explosion.value);
+      moved.copy(own);
+      moved.origin.sub(shift);
+      const end = triangle + this.set.entry.hulls[hull].triangles;
+      for (let t = triangle; t < end; t++) {
+        corners.forEach((corner, k) => corner.fromArray(positions, 3 * (vertex + triangles[3 * t + k])));
+        if (!moved.intersectTriangle(corners[0], corners[1], corners[2], false, at)) continue;
+        const distance = at.distanceToSquared(moved.origin);
+        if (distance < nearest) [nearest, found] = [distance, hull];
+      }
+    }
+    return found;
+  }
+}

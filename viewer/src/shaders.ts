@@ -1,0 +1,120 @@
+// How surfaces and lines look: the soft light of the program's own pictures, and errors as colours.
+
+import { Color, DoubleSide, ShaderMaterial } from "three";
+
+/** What all materials of all panels share; changing a value changes them all. */
+export const shared = {
+  /** How far hulls are moved apart. */
+  explosion: { value: 0 },
+  /** 1 where errors are shown as colours. */
+  errors: { value: 0 },
+  /** The bound, in diagonals. */
+  bound: { value: 0.02 },
+  /** What lies behind everything. */
+  paper: { value: new Color() },
+  /** What lines are drawn with. */
+  ink: { value: new Color() },
+};
+
+/** From no error over the bound, in the middle, to four times the bound: apart for colour-blind eyes. */
+export const RAMP = ["#3f6fb5", "#93bddb", "#fbe7a2", "#f08a4f", "#a3082b"];
+
+/** Errors beyond this many times the bound have the last colour. */
+export const RAMP_END = 4;
+
+const linear = (hex: string) => {
+  const { r, g, b } = new Color(hex);
+  return `vec3(${[r, g, b].map((x) => x.toFixed(5)).join(", ")})`;
+};
+
+const VERTEX = /* glsl */ `
+  uniform float explosion;
+  uniform float most;
+  attribute vec3 away;
+  attribute vec3 tint;
+  attribute float hull;
+  attribute float share;
+  varying vec3 vTint;
+  varying vec3 vSeen;
+  varying float vHull;
+  varying float vError;
+  void main() {
+    vec4 seen = modelViewMatrix * vec4(position + explosion * away, 1.0);
+    vTint = tint;
+    vSeen = seen.xyz;
+    vHull = hull;
+    vError = most * share * share;
+    gl_Position = projectionMatrix * seen;
+    // Hulls that share a face do not flicker: one of them is before the other.
+    gl_Position.z += 4e-7 * mod(hull, 97.0) * gl_Position.w;
+  }
+`;
+
+const FRAGMENT = /* glsl */ `
+  uniform float errors;
+  uniform float bound;
+  uniform float opacity;
+  uniform float picked;
+  uniform float lines;
+  uniform vec3 paper;
+  uniform vec3 ink;
+  varying vec3 vTint;
+  varying vec3 vSeen;
+  varying float vHull;
+  varying float vError;
+
+  vec3 ramp(float x) {
+    vec3 a = ${linear(RAMP[0])}, b = ${linear(RAMP[1])}, c = ${linear(RAMP[2])};
+    vec3 d = ${linear(RAMP[3])}, e = ${linear(RAMP[4])};
+    if (x < 1.0) return mix(a, b, x);
+    if (x < 2.0) return mix(b, c, x - 1.0);
+    if (x < 3.0) return mix(c, d, x - 2.0);
+    return mix(d, e, min(x - 3.0, 1.0));
+  }
+
+  void main() {
+    vec3 colour = vTint;
+    if (lines > 0.5) {
+      if (lines < 1.5) colour = mix(colour, ink, errors > 0.5 ? 0.9 : 0.72);
+    } else {
+      vec3 normal = normalize(cross(dFdx(vSeen), dFdy(vSeen)));
+      float wrapped = 0.5 + 0.5 * dot(normal, normalize(vec3(-0.5, 0.85, 0.65)));
+      float light = 0.42 + 0.78 * wrapped * wrapped;
+      if (errors > 0.5) {
+        float times = vError / bound;
+        colour = ramp(times < 1.0 ? 2.0 * times : 2.0 + log2(times));
+        // Less shade: the colour is a number.
+        light = mix(0.92, light, 0.45);
+      }
+      colour *= light;
+    }
+    if (picked > -0.5 && abs(picked - vHull) > 0.5) colour = mix(colour, paper, 0.78);
+    gl_FragColor = vec4(colour, opacity);
+    #include <colorspace_fragment>
+  }
+`;
+
+/** What lines are drawn for. */
+export enum Lines {
+  None,
+  /** Along the creases of a surface that is drawn too. */
+  Creases,
+  /** Instead of the surface. */
+  Wires,
+}
+
+/** A material for surfaces or lines. `most` is the greatest error, `picked` the hull that stands out. */
+export function material(lines: Lines, most: number): ShaderMaterial {
+  return new ShaderMaterial({
+    vertexShader: VERTEX,
+    fragmentShader: FRAGMENT,
+    side: DoubleSide,
+    uniforms: {
+      ...shared,
+      most: { value: most },
+      opacity: { value: 1 },
+      picked: { value: -1 },
+      lines: { value: lines },
+    },
+  });
+}

@@ -1,0 +1,185 @@
+// One canvas for all panels, one camera for all: what is turned in one is turned in each.
+
+import { PerspectiveCamera, Raycaster, Vector2, WebGLRenderer } from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { Look, Panel } from "./panel";
+import { shared } from "./shaders";
+
+/** The angle from one side of the bounding sphere to the other, and where the viewer stands, in degrees:
+ * as in the program's own pictures. */
+const FIELD_OF_VIEW = 24;
+const AZIMUTH = 35;
+const ELEVATION = 22;
+
+/** Half the diagonal, which is 1, with a little room: no point comes nearer to the camera. */
+const RADIUS = 0.53;
+
+/** The share of a panel that the mesh fills, however it is turned about the vertical. */
+const FILLED = 0.86;
+
+/** Turns that are tried for that, and points at most. */
+const TURNS = 12;
+const POINTS = 3000;
+
+/** A pointer that moves less than this between down and up, in pixels, picks. */
+const CLICK = 4;
+
+export class Stage {
+  readonly camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.05, 20);
+  readonly controls: OrbitControls;
+  private readonly renderer: WebGLRenderer;
+  private readonly points: number[][] = [];
+  private zooms = new Map<string, number>();
+  private isDirty = true;
+  /** Frames that were drawn. */
+  frames = 0;
+
+  constructor(
+    readonly canvas: HTMLCanvasElement,
+    private readonly panels: Panel[],
+    positions: Float32Array,
+    private readonly look: Look,
+    isCalm: boolean,
+  ) {
+    const step = 3 * Math.max(1, Math.ceil(positions.length / 3 / POINTS));
+    for (let i = 0; i < positions.length; i += step) {
+      this.points.push([positions[i], positions[i + 1], positions[i + 2]]);
+    }
+    // The buffer is kept for who saves the picture.
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
+    this.renderer.setScissorTest(true);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.enableDamping = !isCalm;
+    this.controls.addEventListener("change", () => this.draw());
+    this.home();
+    new ResizeObserver(() => this.resize()).observe(canvas);
+    this.pickOnClick();
+    const frame = () => {
+      requestAnimationFrame(frame);
+      this.controls.update();
+      if (this.isDirty) this.render();
+    };
+    requestAnimationFrame(frame);
+  }
+
+  /** Draws with the next frame. */
+  draw() {
+    this.isDirty = true;
+  }
+
+  /** Looks from three quarters above again. */
+  home() {
+    const [azimuth, elevation] = [AZIMUTH, ELEVATION].map((degrees) => (degrees * Math.PI) / 180);
+    const away = RADIUS / Math.sin((FIELD_OF_VIEW * Math.PI) / 360);
+    this.controls.target.set(0, 0, 0);
+    this.camera.position
+      .set(
+        Math.sin(azimuth) * Math.cos(elevation),
+        Math.sin(elevation),
+        Math.cos(azimuth) * Math.cos(elevation),
+      )
+      .multiplyScalar(away);
+    this.controls.update();
+    this.draw();
+  }
+
+  /** Turns the camera about what it looks at, by angles in radians. */
+  turn(azimuth: number, elevation: number) {
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    const distance = offset.length();
+    const up = Math.asin(offset.y / distance) + elevation;
+    const around = Math.atan2(offset.x, offset.z) + azimuth;
+    const limited = Math.max(-1.55, Math.min(1.55, up));
+    offset.set(
+      Math.sin(around) * Math.cos(limited),
+      Math.sin(limited),
+      Math.cos(around) * Math.cos(limited),
+    );
+    this.camera.position.copy(this.controls.target).addScaledVector(offset, distance);
+    this.controls.update();
+    this.draw();
+  }
+
+  /** Comes nearer by a factor. */
+  zoom(factor: number) {
+    const { position } = this.camera;
+    position.sub(this.controls.target).divideScalar(factor).add(this.controls.target);
+    this.controls.update();
+    this.draw();
+  }
+
+  private resize() {
+    const { clientWidth, clientHeight } = this.canvas;
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.renderer.setSize(clientWidth, clientHeight, false);
+    // At once: a canvas that was resized is empty.
+    this.render();
+  }
+
+  private render() {
+    this.isDirty = false;
+    this.frames++;
+    const host = this.canvas.getBoundingClientRect();
+    for (const panel of this.panels) {
+      const box = panel.viewport.getBoundingClientRect();
+      if (box.width < 1 || box.height < 1) continue;
+      const [left, bottom] = [box.left - host.left, host.bottom - box.bottom];
+      this.renderer.setViewport(left, bottom, box.width, box.height);
+      this.renderer.setScissor(left, bottom, box.width, box.height);
+      this.fit(box.width / box.height);
+      this.renderer.render(panel.scene, this.camera);
+    }
+  }
+
+  /** The mesh fills the panel, hulls that are moved apart too. */
+  private fit(aspect: number) {
+    this.camera.aspect = aspect;
+    this.camera.zoom = this.zoomThatFits(aspect) / (1 + 0.5 * shared.explosion.value);
+    this.camera.updateProjectionMatrix();
+  }
+
+  /** By the points as they are seen from the start, turned about the vertical. */
+  private zoomThatFits(aspect: number): number {
+    const key = `${aspect.toFixed(2)} ${this.look.up}`;
+    const known = this.zooms.get(key);
+    if (known !== undefined) return known;
+    const [sine, cosine] = [Math.sin((ELEVATION * Math.PI) / 180), Math.cos((ELEVATION * Math.PI) / 180)];
+    const tangent = Math.tan((FIELD_OF_VIEW * Math.PI) / 360);
+    const away = RADIUS / Math.sin((FIELD_OF_VIEW * Math.PI) / 360);
+    let most = 0.05;
+    for (let turn = 0; turn < TURNS; turn++) {
+      const [s, c] = [Math.sin((turn * 2 * Math.PI) / TURNS), Math.cos((turn * 2 * Math.PI) / TURNS)];
+      for (const [x, first, second] of this.points) {
+        const [y, z] = this.look.up === "z" ? [second, -first] : [first, second];
+        const [right, front] = [x * c - z * s, x * s + z * c];
+        const [up, depth] = [y * cosine - front * sine, away - y * sine - front * cosine];
+        most = Math.max(most, Math.abs(up) / depth, Math.abs(right) / depth / aspect);
+      }
+    }
+    const zoom = (FILLED * tangent) / most;
+    this.zooms.set(key, zoom);
+    return zoom;
+  }
+
+  private pickOnClick() {
+    let start = { x: 0, y: 0 };
+    this.canvas.addEventListener("pointerdown", (event) => (start = { x: event.clientX, y: event.clientY }));
+    this.canvas.addEventListener("pointerup", (event) => {
+      if (Math.hypot(event.clientX - start.x, event.clientY - start.y) > CLICK) return;
+      this.pick(event.clientX, event.clientY);
+    });
+  }
+
+  private pick(x: number, y: number) {
+    for (const panel of this.panels) {
+      const box = panel.viewport.getBoundingClientRect();
+      const place = new Vector2((2 * (x - box.left)) / box.width - 1, 1 - (2 * (y - box.top)) / box.height);
+      if (Math.abs(place.x) > 1 || Math.abs(place.y) > 1) continue;
+      this.fit(box.width / box.height);
+      const caster = new Raycaster();
+      caster.setFromCamera(place, this.camera);
+      const hull = panel.hit(caster.ray);
+      panel.select(hull === panel.picked ? null : hull);
+    }
+  }
+}

@@ -1,0 +1,73 @@
+// How fast a page of 500 hulls is. The figure is printed: it depends on the machine.
+
+import { expect, test } from "@playwright/test";
+import { writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { folder, open, shots, view } from "./page";
+
+/** 500 balls on a lattice, each of which is a hull. */
+function balls(): string {
+  const [rings, around] = [5, 8];
+  let text = "";
+  let first = 1;
+  for (let ball = 0; ball < 500; ball++) {
+    const centre = [3 * (ball % 10), 3 * (Math.floor(ball / 10) % 10), 3 * Math.floor(ball / 100)];
+    const point = (polar: number, angle: number) => {
+      const way = [Math.sin(polar) * Math.cos(angle), Math.cos(polar), Math.sin(polar) * Math.sin(angle)];
+      text += `v ${way.map((x, axis) => (x + centre[axis]).toFixed(4)).join(" ")}\n`;
+    };
+    point(0, 0);
+    for (let i = 1; i < rings; i++) {
+      for (let j = 0; j < around; j++) point((Math.PI * i) / rings, (2 * Math.PI * j) / around);
+    }
+    point(Math.PI, 0);
+    const at = (i: number, j: number) => first + 1 + (i - 1) * around + (j % around);
+    const last = first + 1 + (rings - 1) * around;
+    for (let j = 0; j < around; j++) {
+      text += `f ${first} ${at(1, j + 1)} ${at(1, j)}\n`;
+      for (let i = 1; i < rings - 1; i++) {
+        text += `f ${at(i, j)} ${at(i, j + 1)} ${at(i + 1, j + 1)} ${at(i + 1, j)}\n`;
+      }
+      text += `f ${last} ${at(rings - 1, j)} ${at(rings - 1, j + 1)}\n`;
+    }
+    first = last + 1;
+  }
+  return text;
+}
+
+test("a page of 500 hulls turns, and its slider goes from end to end", async ({ page }) => {
+  test.setTimeout(600_000);
+  const mesh = join(folder, "balls.obj");
+  writeFileSync(mesh, balls());
+  const begin = Date.now();
+  const address = view(mesh, "balls.html");
+  console.log(`written in ${((Date.now() - begin) / 1000).toFixed(1)} s`);
+  const watched = await open(page, address);
+  expect(watched).toEqual({ errors: [], requests: [] });
+  const found = await page.evaluate(async () => {
+    const { stage, panels } = (window as any).hullwright;
+    const gl = stage.canvas.getContext("webgl2");
+    const pixel = new Uint8Array(4);
+    // Drawing is over when a pixel can be read.
+    const drawn = (act: () => void) => {
+      const start = performance.now();
+      act();
+      stage.render();
+      gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+      return performance.now() - start;
+    };
+    const median = (times: number[]) => times.sort((a, b) => a - b)[times.length >> 1];
+    const all = (count: number, act: (step: number) => void) =>
+      median(Array.from({ length: count }, (_, step) => drawn(() => act(step))));
+    const hulls = panels[0].state.hulls;
+    const turning = all(60, () => stage.turn(0.05, 0));
+    const sliding = all(60, (step) => panels[0].join(8 * step));
+    panels[0].join(0);
+    return { hulls, turning, sliding };
+  });
+  expect(found.hulls).toBe(500);
+  console.log(
+    `${found.hulls} hulls: a frame takes ${found.turning.toFixed(1)} ms, a step of the slider ${found.sliding.toFixed(1)} ms`,
+  );
+  await page.screenshot({ path: `${shots}balls.png` });
+});
