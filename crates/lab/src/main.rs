@@ -17,7 +17,9 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use contact::{seams, small};
-use experiments::{agreement, cancel, corpus, identical, openings, props, stages, table1, targets};
+use experiments::{
+    agreement, budgets, cancel, corpus, identical, openings, props, stages, table1, targets,
+};
 use hullwright::internals::terminal::Failure;
 use runs::worker;
 
@@ -41,6 +43,7 @@ enum Command {
     Table1(table1::Arguments),
     Targets(targets::Arguments),
     Agreement(agreement::Arguments),
+    Budgets(budgets::Arguments),
     Corpus(corpus::Arguments),
     Identical(identical::Arguments),
     Openings(openings::Arguments),
@@ -61,6 +64,7 @@ fn main() -> ExitCode {
         Command::Paper(arguments) => paper::run(&arguments),
         Command::Table1(arguments) => table1::run(&arguments),
         Command::Targets(arguments) => targets::run(&arguments),
+        Command::Budgets(arguments) => budgets::run(&arguments),
         Command::Agreement(arguments) => agreement::run(&arguments),
         Command::Corpus(arguments) => corpus::run(&arguments),
         Command::Identical(arguments) => identical::run(&arguments),
