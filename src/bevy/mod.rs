@@ -57,6 +57,7 @@ mod baked;
 mod budget;
 mod cache;
 mod change_detection;
+mod contacts;
 mod content;
 mod convert;
 #[cfg(feature = "debug")]

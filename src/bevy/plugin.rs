@@ -8,6 +8,7 @@ use super::attach::attach;
 use super::baked::{BakedDecomposition, BakedHulls, HullsLoader};
 use super::cache::GeometryCache;
 use super::change_detection::{detect_assets, detect_bodies, detect_scales, detect_tags, on_untag};
+use super::contacts::set_dispatcher;
 use super::events::{
     DecompositionCancelled, DecompositionFailed, DecompositionReady, DecompositionSkipped,
 };
@@ -94,6 +95,7 @@ impl Plugin for HullwrightPlugin {
         app.add_systems(
             PostUpdate,
             (
+                set_dispatcher.in_set(HullwrightSystems::DetectChanges),
                 (tag_hierarchies, detect_tags, detect_bodies, detect_assets, detect_scales)
                     .chain()
                     .in_set(HullwrightSystems::DetectChanges),

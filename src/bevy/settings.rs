@@ -52,6 +52,10 @@ pub struct HullwrightSettings {
     /// Directory of a cache on disk, made if need be; `None` for none. It grows: nothing is ever
     /// removed from it. Default `None`.
     pub disk_cache: Option<PathBuf>,
+    /// Whether new worlds of Rapier get a [`ContactDispatcher`](crate::rapier::ContactDispatcher), without
+    /// which small things sink into each other. It concerns all colliders of the world. Set it to `false`
+    /// if a world has a dispatcher of its own. Default `true`.
+    pub contact_dispatcher: bool,
 }
 
 /// The collider that an entity has until its own is ready.
@@ -111,6 +115,7 @@ impl Default for HullwrightSettings {
             scale_delay: DEFAULT_SCALE_DELAY,
             cache_bytes: DEFAULT_CACHE_BYTES,
             disk_cache: None,
+            contact_dispatcher: true,
         }
     }
 }

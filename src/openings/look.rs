@@ -119,7 +119,9 @@ fn direction(cap: &Cap, inward: Vector, number: usize) -> Vector {
     let height_squared = spread(GOLDEN, number);
     let turn = std::f64::consts::TAU * (number as f64 + 0.5) / (POINTS * RAYS_PER_POINT) as f64;
     let radius = (1.0 - height_squared).sqrt();
-    let across =
-        add(scale(cap.axes[0], radius * libm::cos(turn)), scale(cap.axes[1], radius * libm::sin(turn)));
+    let across = add(
+        scale(cap.axes[0], radius * libm::cos(turn)),
+        scale(cap.axes[1], radius * libm::sin(turn)),
+    );
     add(scale(inward, height_squared.sqrt()), across)
 }

@@ -132,7 +132,7 @@ impl Storm {
     fn spawn(&mut self) {
         let number = self.random.below(MESHES);
         let scale = Transform::from_scale(Vec3::splat(self.random.size()));
-        let body = [RigidBody::Dynamic, RigidBody::Fixed][self.random.below(2)];
+        let body = [RigidBody::Dynamic, RigidBody::KinematicPositionBased][self.random.below(2)];
         let mesh = self.meshes[number].0.clone();
         let entity = spawn_with(&mut self.app, &mesh, (scale, body, GravityScale(0.0)));
         self.entities.push((entity, number));
@@ -268,8 +268,9 @@ fn a_cache_that_can_not_be_written_does_no_harm() {
 fn several_apps_may_use_one_cache_at_the_same_time() {
     let folder = tempfile::tempdir().unwrap();
     std::thread::scope(|scope| {
-        let apps: Vec<_> =
-            (0..4).map(|_| scope.spawn(|| (0..4).map(|_| source_with(folder.path())).collect())).collect();
+        let apps: Vec<_> = (0..4)
+            .map(|_| scope.spawn(|| (0..4).map(|_| source_with(folder.path())).collect()))
+            .collect();
         for app in apps {
             let found: Vec<DecompositionStatus> = app.join().unwrap();
             assert!(found.iter().all(|status| *status == FRESH || *status == CACHED), "{found:?}");

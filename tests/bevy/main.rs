@@ -2,6 +2,7 @@
 
 mod app;
 mod baked;
+mod contacts;
 #[cfg(feature = "debug")]
 mod debug;
 mod endings;

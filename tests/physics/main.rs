@@ -5,7 +5,9 @@
 
 mod bodies;
 mod colliders;
+mod contacts;
 mod openings;
 mod resting;
+mod seams;
 mod shapes;
 mod world;

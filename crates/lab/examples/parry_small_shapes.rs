@@ -13,7 +13,9 @@ fn plate(factor: f32) -> ConvexPolyhedron {
 }
 
 fn main() {
-    println!("points 1 mm (times the factor) in front of the larger faces of a plate, and balls of 8 mm there");
+    println!(
+        "points 1 mm (times the factor) in front of the larger faces of a plate, and balls of 8 mm there"
+    );
     println!("factor  points  called inside  off by 10 %  worst distance  balls off by 1 mm");
     for factor in [0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 1000.0] {
         let plate = plate(factor);
@@ -30,13 +32,8 @@ fn main() {
             off += usize::from((found - 1.0).abs() > 0.1);
             worst = if (found - 1.0).abs() > (worst - 1.0).abs() { found } else { worst };
             let ball = Ball::new(0.008 * factor);
-            let found = contact(
-                &Pose::IDENTITY,
-                &plate,
-                &Pose::from_translation(above),
-                &ball,
-                0.0,
-            );
+            let found =
+                contact(&Pose::IDENTITY, &plate, &Pose::from_translation(above), &ball, 0.0);
             let is_right = matches!(found, Ok(Some(contact))
                 if (contact.dist / factor + 0.007).abs() < 0.001 && contact.normal1.y > 0.98);
             balls += usize::from(!is_right);

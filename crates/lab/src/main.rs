@@ -27,7 +27,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use contact::{seams, small};
 use experiments::{
-    agreement, cancel, corpus, identical, openings, presets, props, stages, table1, targets,
+    agreement, budgets, cancel, corpus, identical, openings, presets, props, stages, table1, targets,
     turned, versus_paper, volume,
 };
 use hullwright::internals::terminal::Failure;
@@ -56,6 +56,7 @@ enum Command {
     Table1(table1::Arguments),
     Targets(targets::Arguments),
     Agreement(agreement::Arguments),
+    Budgets(budgets::Arguments),
     Corpus(corpus::Arguments),
     Identical(identical::Arguments),
     Openings(openings::Arguments),
@@ -84,6 +85,7 @@ fn main() -> ExitCode {
         Command::Paper(arguments) => paper::run(&arguments),
         Command::Table1(arguments) => table1::run(&arguments),
         Command::Targets(arguments) => targets::run(&arguments),
+        Command::Budgets(arguments) => budgets::run(&arguments),
         Command::Agreement(arguments) => agreement::run(&arguments),
         Command::Corpus(arguments) => corpus::run(&arguments),
         Command::Identical(arguments) => identical::run(&arguments),

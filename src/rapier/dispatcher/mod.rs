@@ -1,4 +1,5 @@
-//! A query dispatcher for Rapier whose contacts don't depend on the unit of length.
+//! A query dispatcher for Rapier whose contacts don't depend on the unit of length, and which knows the
+//! seams of a compound.
 //!
 //! Parry's search for the closest points of two convex shapes, GJK, compares squared lengths and
 //! squared areas with constants: two points nearer than 1.1 mm count as one, and three points that
@@ -35,6 +36,10 @@ use self::seams::{Side, drop_inner_contacts};
 /// crate; pairs that Parry computes in closed form (two balls, two cuboids, two capsules, a half
 /// space), triangle meshes, height fields and voxels stay Parry's, and so do queries other than
 /// contacts. Large shapes get the very contacts that Rapier computes.
+///
+/// Over the seams between the parts of a compound, as hulls of a decomposition or tiles of a floor, bodies
+/// go straight on: contacts with edges and faces that lie inside of the compound are dropped. Put tiles
+/// into one compound for that; of colliders of their own nothing is known here.
 ///
 /// ```
 /// use hullwright::rapier::ContactDispatcher;
@@ -93,9 +98,9 @@ where
                 }
             }
         }
-        for (side, shape) in [(Side::First, g1), (Side::Second, g2)] {
+        for (side, shape, other) in [(Side::First, g1, g2), (Side::Second, g2, g1)] {
             if let Some(compound) = shape.as_compound() {
-                drop_inner_contacts(compound, side, manifolds);
+                drop_inner_contacts(compound, other, side, manifolds);
             }
         }
         Ok(())
@@ -124,7 +129,9 @@ where
             {
                 false
             }
-            (ShapeType::Ball, _) => ball::contact(&pos12.inverse(), g2, g1, prediction, manifold, true),
+            (ShapeType::Ball, _) => {
+                ball::contact(&pos12.inverse(), g2, g1, prediction, manifold, true)
+            }
             (_, ShapeType::Ball) => ball::contact(pos12, g1, g2, prediction, manifold, false),
             _ => convex::contacts(pos12, g1, g2, constraints, prediction, manifold),
         };

@@ -7,6 +7,7 @@
 //! direction `n` only if no other part goes on from `p` in that direction. In terms of convex
 //! geometry, `n` must lie in the normal cone at `p` of each part that `p` belongs to.
 
+use rapier3d::parry::bounding_volume::Aabb;
 use rapier3d::parry::math::{Pose, Real, Vector};
 use rapier3d::parry::query::ContactManifold;
 use rapier3d::parry::shape::{Compound, ConvexPolyhedron, Shape};
@@ -14,6 +15,10 @@ use rapier3d::parry::shape::{Compound, ConvexPolyhedron, Shape};
 /// How far from a part's surface a point still belongs to it, as a share of the compound's extent. Parts
 /// that are meant to touch differ by the rounding of `f32`, and by what tools that write them cut off.
 const TOLERANCE: Real = 1e-4;
+
+/// The same as a share of the extent of what touches the compound: a marble on the floor of a castle must
+/// not take the foot of a wall for the floor.
+const TOLERANCE_OF_OTHER: Real = 0.01;
 
 /// The sine of the angle by which a normal may leave a normal cone: a fifth of a degree, more than
 /// normals of neighbouring faces differ by rounding.
@@ -45,10 +50,12 @@ impl Side {
     }
 }
 
-/// Drops the contacts with what lies inside of a compound, the `side` of a pair. Of contacts that
-/// exclude each other the deepest stays, so that no body loses its last one.
+/// Drops the contacts of `other` with what lies inside of a compound, the `side` of a pair. Of contacts
+/// that exclude each other the deepest stays, so that no body loses its last one. O(n²) in the
+/// manifolds with contacts.
 pub(super) fn drop_inner_contacts<M, C>(
     compound: &Compound,
+    other: &dyn Shape,
     side: Side,
     manifolds: &mut [ContactManifold<M, C>],
 ) {
@@ -60,8 +67,8 @@ pub(super) fn drop_inner_contacts<M, C>(
     if order.len() < 2 {
         return;
     }
-    let bounds = compound.local_aabb();
-    let tolerance = TOLERANCE * (bounds.maxs - bounds.mins).max_element();
+    let tolerance = (TOLERANCE * extent(compound.local_aabb()))
+        .min(TOLERANCE_OF_OTHER * extent(&other.compute_local_aabb()));
     // The farthest first; what is dropped is no reason to drop another.
     order.sort_by(|a, b| b.0.total_cmp(&a.0));
     for (_, index) in order {
@@ -77,6 +84,10 @@ pub(super) fn drop_inner_contacts<M, C>(
             manifolds[index].points.clear();
         }
     }
+}
+
+fn extent(bounds: &Aabb) -> Real {
+    (bounds.maxs - bounds.mins).max_element()
 }
 
 /// The distance of the deepest contact of a manifold, nothing where it has none.

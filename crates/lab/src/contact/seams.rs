@@ -5,7 +5,7 @@
 
 use hullwright::internals::terminal::{Failure, print};
 use hullwright::rapier::{ContactDispatcher, shape, shape_from_points};
-use hullwright::{Control, Parameters, TriangleMesh, decompose};
+use hullwright::{Control, Length, Parameters, TriangleMesh, decompose};
 use rapier3d::parry::shape::{Compound, CompoundFlags};
 use rapier3d::prelude::*;
 
@@ -41,8 +41,8 @@ struct Floor {
     headings: &'static [f32],
 }
 
-/// Along a narrow path: a heading of 3° stays on it.
-const NARROW: &[f32] = &[0.0, 1.0, 3.0];
+/// Along a narrow path, which these headings stay on.
+const NARROW: &[f32] = &[-1.0, 0.0, 0.5, 1.0];
 const WIDE: &[f32] = &[0.0, 1.0, 10.0, 30.0, 45.0];
 
 const FLOORS: [Floor; 6] = [
@@ -110,14 +110,21 @@ impl Drift {
     }
 }
 
-fn drift(shapes: &[SharedShape], ball: bool, heading: f32, speed: f32, contacts: Contacts) -> Drift {
+fn drift(
+    shapes: &[SharedShape],
+    ball: bool,
+    heading: f32,
+    speed: f32,
+    contacts: Contacts,
+) -> Drift {
     let mut world = PhysicsWorld::new();
     if contacts == Contacts::Dispatcher {
         world.narrow_phase = NarrowPhase::with_query_dispatcher(ContactDispatcher);
     }
     let friction = if ball { 0.5 } else { 0.0 };
     for floor in shapes {
-        let floor = if contacts == Contacts::FixedEdges { with_fixed_edges(floor) } else { floor.clone() };
+        let floor =
+            if contacts == Contacts::FixedEdges { with_fixed_edges(floor) } else { floor.clone() };
         world.insert_collider(ColliderBuilder::new(floor).friction(friction), None);
     }
     let angle = heading.to_radians();
@@ -198,7 +205,11 @@ fn compound_of_tiles() -> Vec<SharedShape> {
 
 /// A path with a gap at one side of each second metre.
 fn comb() -> Vec<SharedShape> {
-    decomposed(&Cells { counts: [21, 1, 3], path: [1, 0], is_filled: |x, _, z| z == 0 || x % 2 == 0 })
+    decomposed(&Cells {
+        counts: [21, 1, 3],
+        path: [1, 0],
+        is_filled: |x, _, z| z == 0 || x % 2 == 0,
+    })
 }
 
 /// A path between holes.
@@ -226,7 +237,8 @@ struct Cells {
 
 impl Cells {
     fn contains(&self, cell: [i64; 3]) -> bool {
-        let is_within = cell.iter().zip(self.counts).all(|(&at, count)| (0..i64::from(count)).contains(&at));
+        let is_within =
+            cell.iter().zip(self.counts).all(|(&at, count)| (0..i64::from(count)).contains(&at));
         let [x, y, z] = cell.map(|at| at as u32);
         is_within && (self.is_filled)(x, y, z)
     }
@@ -265,8 +277,13 @@ impl Cells {
     }
 }
 
+/// The bound of decomposed floors, as a share of their diagonal: 5 to 10 cm, so that no hull leans over the
+/// path.
+const BOUND: f64 = 0.004;
+
 fn decomposed(cells: &Cells) -> Vec<SharedShape> {
-    decompose(&cells.mesh(), &Parameters::default(), &Control::new())
+    let parameters = Parameters::default().max_error(Length::share(BOUND));
+    decompose(&cells.mesh(), &parameters, &Control::new())
         .ok()
         .and_then(|decomposition| shape(&decomposition.hulls, [1.0; 3]).ok())
         .into_iter()

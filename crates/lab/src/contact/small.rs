@@ -74,7 +74,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         for dispatcher in [&DefaultQueryDispatcher as &Dispatcher, &ContactDispatcher] {
             for body in [Body::Ball, Body::Box] {
                 for hulls in [&ours, &theirs] {
-                    row.push(format!("{:.1} %", 100.0 * wrong_share(hulls, size, body, dispatcher)));
+                    row.push(format!(
+                        "{:.1} %",
+                        100.0 * wrong_share(hulls, size, body, dispatcher)
+                    ));
                 }
             }
         }
@@ -101,7 +104,9 @@ enum Body {
 fn wrong_share(hulls: &[Vec<[f64; 3]>], size: f32, body: Body, dispatcher: &Dispatcher) -> f32 {
     let (mut all, mut wrong) = (0.0, 0.0);
     for points in hulls {
-        let Ok(shape) = shape_from_points(std::slice::from_ref(points), [size; 3]) else { continue };
+        let Ok(shape) = shape_from_points(std::slice::from_ref(points), [size; 3]) else {
+            continue;
+        };
         let Some(polyhedron) = shape.as_convex_polyhedron() else { continue };
         for (middle, normal, area) in faces(polyhedron) {
             all += area;
@@ -135,7 +140,7 @@ fn is_right(
 ) -> bool {
     let half = RADIUS * size;
     let rotation = Rotation::from_rotation_arc(Vector::Y, normal);
-    let pose = Pose { translation: middle + normal * (half - DEPTH * size), rotation };
+    let pose = Pose::from_parts(middle + normal * (half - DEPTH * size), rotation);
     let shape: &dyn Shape = match body {
         Body::Ball => &Ball::new(half),
         Body::Box => &Cuboid::new(Vector::splat(half)),

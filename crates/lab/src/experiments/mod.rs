@@ -1,6 +1,7 @@
 //! Experiments that print to the terminal and keep nothing.
 
 pub mod agreement;
+pub mod budgets;
 pub mod cancel;
 pub mod corpus;
 pub mod identical;

@@ -1,0 +1,87 @@
+//! Limits for meshes from strangers.
+
+mod common;
+
+use std::time::{Duration, Instant};
+
+use common::l_prism;
+use hullwright::{Control, Decomposer, Error, MeshView, Method, Parameters, decompose};
+
+fn methods() -> [Parameters; 2] {
+    [Method::Bounded, Method::Surface].map(|method| Parameters { method, ..Parameters::default() })
+}
+
+#[test]
+fn a_mesh_with_too_many_triangles_is_refused_before_any_work() {
+    let (positions, mut triangles) = l_prism();
+    // It would be refused for this as well, if it were looked at.
+    triangles[0] = [1000; 3];
+    let mesh = MeshView::new(&positions, &triangles);
+    let count = triangles.len();
+    let limit = count - 1;
+    let control = Control::new().with_max_triangles(limit);
+    let refused = Error::TooLarge { what: "triangles", count, limit };
+    for parameters in methods() {
+        assert_eq!(decompose(mesh, &parameters, &control), Err(refused.clone()));
+        let mut slices = Decomposer::new(mesh, &parameters).unwrap();
+        assert_eq!(slices.step(&control), Err(refused.clone()));
+    }
+}
+
+#[test]
+fn a_mesh_with_as_many_triangles_as_allowed_is_decomposed() {
+    let (positions, triangles) = l_prism();
+    let control = Control::new().with_max_triangles(triangles.len());
+    for parameters in methods() {
+        let result = decompose(MeshView::new(&positions, &triangles), &parameters, &control);
+        assert_eq!(result.map(|result| result.hulls.len()), Ok(2));
+    }
+}
+
+#[test]
+fn past_the_time_limit_the_work_ends_in_whichever_slice_it_is() {
+    let (positions, triangles) = l_prism();
+    let mesh = MeshView::new(&positions, &triangles);
+    let late = Control::new().with_time_limit(Instant::now());
+    for parameters in methods() {
+        assert_eq!(decompose(mesh, &parameters, &late), Err(Error::DeadlineExceeded));
+        for slices_before in 0.. {
+            let mut slices = Decomposer::new(mesh, &parameters).unwrap();
+            let in_time = Control::new();
+            let is_done = (0..slices_before).any(|_| slices.step(&in_time).unwrap().is_some());
+            if is_done {
+                assert!(slices_before > 2);
+                break;
+            }
+            assert_eq!(slices.step(&late), Err(Error::DeadlineExceeded), "{slices_before}");
+        }
+    }
+}
+
+/// A limit that is met within a slice: the trees of a mesh of this size take longer.
+#[test]
+fn past_the_time_limit_a_slice_ends_early() {
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    let side = 700_u32;
+    for (x, z) in (0..side).flat_map(|x| (0..side).map(move |z| (x, z))) {
+        let height = f64::from(x * 7 % 13 + z * 5 % 11) / 20.0;
+        positions.push([f64::from(x), height, f64::from(z)]);
+        if x > 0 && z > 0 {
+            let last = x * side + z;
+            triangles.push([last, last - 1, last - side]);
+            triangles.push([last - 1, last - side - 1, last - side]);
+        }
+    }
+    let control = Control::new().with_time_limit(Instant::now() + Duration::from_millis(20));
+    let result = decompose(MeshView::new(&positions, &triangles), &Parameters::default(), &control);
+    assert_eq!(result, Err(Error::DeadlineExceeded));
+}
+
+#[test]
+fn cancelling_goes_before_the_time_limit() {
+    let (positions, triangles) = l_prism();
+    let control = Control::new().with_time_limit(Instant::now());
+    control.cancel();
+    let result = decompose(MeshView::new(&positions, &triangles), &Parameters::default(), &control);
+    assert_eq!(result, Err(Error::Cancelled));
+}
