@@ -177,6 +177,3 @@ impl<'a> Page<'a> {
         crate::atomic_write::write(path, page.as_bytes()).map_err(|error| Error::file(path, error))
     }
 }
-
-#[cfg(test)]
-mod tests;

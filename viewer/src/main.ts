@@ -131,6 +131,7 @@ async function start() {
   function paint() {
     const style = getComputedStyle(document.documentElement);
     shared.paper.value.set(style.getPropertyValue("--paper").trim());
+    shared.wires.value = style.getPropertyValue("--is-dark").trim() === "1" ? 0 : 0.3;
     shared.ink.value.set(style.getPropertyValue("--ink-line").trim());
     draw();
   }

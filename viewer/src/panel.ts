@@ -130,6 +130,7 @@ export class Panel {
       list.append(row);
     }
     const card = element("div", "card", title, sliderRow, element("div", "numbers", list));
+    card.classList.toggle("plain", entry.states.length < 2);
     if (entry.states.length > 1) card.append(this.curve.element);
     this.pick.hidden = true;
     return element("section", "panel", this.viewport, this.pick, card);

@@ -12,6 +12,8 @@ export const shared = {
   bound: { value: 0.02 },
   /** What lies behind everything. */
   paper: { value: new Color() },
+  /** How much darker wires are than their hull: on light paper light colours would be lost. */
+  wires: { value: 0 },
   /** What lines are drawn with. */
   ink: { value: new Color() },
 };
@@ -56,6 +58,7 @@ const FRAGMENT = /* glsl */ `
   uniform float opacity;
   uniform float picked;
   uniform float lines;
+  uniform float wires;
   uniform vec3 paper;
   uniform vec3 ink;
   varying vec3 vTint;
@@ -75,7 +78,7 @@ const FRAGMENT = /* glsl */ `
   void main() {
     vec3 colour = vTint;
     if (lines > 0.5) {
-      if (lines < 1.5) colour = mix(colour, ink, errors > 0.5 ? 0.9 : 0.72);
+      colour = mix(colour, ink, lines > 1.5 ? wires : errors > 0.5 ? 0.9 : 0.72);
     } else {
       vec3 normal = normalize(cross(dFdx(vSeen), dFdy(vSeen)));
       float wrapped = 0.5 + 0.5 * dot(normal, normalize(vec3(-0.5, 0.85, 0.65)));

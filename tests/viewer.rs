@@ -1,9 +1,12 @@
 //! What a page holds.
+#![cfg(feature = "viewer")]
 
-use super::*;
-use crate::decompose::decompose;
-use crate::mesh::TriangleMesh;
-use crate::mesh::shapes::{cuboid, join};
+use hullwright::internals::shapes::{cuboid, join};
+use hullwright::io::Object;
+use hullwright::viewer::{HullSet, Page};
+use hullwright::{
+    Control, Error, Hull, MergeTree, Parameters, TriangleMesh, convex_hull, decompose,
+};
 use serde_json::Value;
 
 /// Two boxes apart: two hulls, and one join.
@@ -80,7 +83,7 @@ fn no_name_can_end_the_block_of_data() {
 
 #[test]
 fn the_template_has_one_place_for_the_data_and_forbids_all_requests() {
-    let template = include_str!("template.html");
+    let template = include_str!("../src/viewer/template.html");
     assert_eq!(template.matches("<!--data-->").count(), 1);
     assert!(template.contains("default-src 'none'"));
     assert!(template.len() < 1 << 20, "{} bytes", template.len());
@@ -94,7 +97,7 @@ fn a_page_is_the_same_on_every_run() {
 #[test]
 fn hulls_without_a_tree_have_one_state_with_sampled_errors() {
     let (mesh, parameters, control) = (pair(), Parameters::default(), Control::new());
-    let hull = Hull::from(crate::hull::convex_hull(&mesh.positions).unwrap());
+    let hull = Hull::from(convex_hull(&mesh.positions).unwrap());
     let mut page = Page::new("one", &mesh, &parameters, &control).unwrap();
     page.add(HullSet::new("one", &[hull]), &control).unwrap();
     let set = &data(&page.to_html().unwrap())["sets"][0];
