@@ -1,124 +1,142 @@
-//! The stage that the demos share: plugins, a floor, a light, a camera, and `--screenshot FILE`,
-//! which writes a picture once all bodies have come to rest, and ends; with an error if the picture
-//! is empty. Space shows and hides the hulls.
+//! What the windows share: plugins, a studio, a camera, hulls drawn over what they stand for, a line
+//! that says what is seen, and `--screenshot FILE`, which writes a picture once all bodies lie still,
+//! and ends; with an error if the picture is empty.
 
-use std::collections::HashSet;
+mod caption;
+pub mod hulls;
+pub mod orbit;
+pub mod picture;
+mod shown;
+pub mod studio;
+
+use std::path::PathBuf;
 
 use bevy::app::PluginGroupBuilder;
-use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
-use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured, save_to_disk};
+use bevy::window::WindowResolution;
+use bevy::winit::WinitSettings;
+use bevy_egui::EguiPlugin;
 use bevy_rapier3d::prelude::*;
 use hullwright::bevy::prelude::*;
 use hullwright::bevy::{HullwrightDebug, HullwrightDebugPlugin};
 
-/// Frames from the last collider to the picture: two seconds of falling.
-const FRAMES_TO_REST: usize = 120;
+use caption::Caption;
+use hulls::HullMaterials;
+use orbit::{Orbit, OrbitPlugin, camera};
+use picture::{Bodies, PictureTaken, is_still};
+use shown::{ShownHulls, show_new_hulls, toggle};
+use studio::Studio;
 
-/// A picture of nothing has one colour; light and shadow on an empty floor give some hundreds.
-const FEWEST_COLOURS: usize = 50;
+/// The bundled models, wherever a window is started from.
+pub const ASSETS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets");
 
-/// Bytes of a pixel of a screenshot.
-const PIXEL: usize = 4;
+/// Size of the window, in pixels: what fits on a screen, and into `xvfb-run` with a screen of 1280 by 800.
+pub const WINDOW: [u32; 2] = [1280, 800];
 
-/// How large a scene is, in metres.
-#[derive(Resource, Clone, Copy)]
-struct SceneSize(f32);
+/// A frame moves bodies by at most this many seconds, in this many steps: a slow machine shows fewer
+/// pictures of the same fall.
+const LONGEST_FRAME: f32 = 1.0 / 20.0;
+const STEPS: usize = 3;
 
-/// Where the picture goes, and frames since all was ready.
-#[derive(Resource)]
-struct Picture {
-    path: String,
-    frames: usize,
-}
+/// Frames for which all must lie still before the picture: at the top of its way a body is slow too.
+const STILL_FRAMES: usize = 30;
 
-/// The bundled models, wherever the demo is started.
-const ASSETS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets");
+/// Frames after which the picture is taken all the same.
+const MOST_FRAMES: usize = 1200;
 
 /// Bevy with a window and the bundled models, Rapier and Hullwright.
-pub fn plugins() -> impl PluginGroup {
-    DemoPlugins
+pub fn plugins(title: &str) -> PluginGroupBuilder {
+    let window = Window {
+        title: title.into(),
+        resolution: WindowResolution::new(WINDOW[0], WINDOW[1]),
+        ..default()
+    };
+    DefaultPlugins
+        .set(AssetPlugin { file_path: ASSETS.into(), ..default() })
+        .set(WindowPlugin { primary_window: Some(window), ..default() })
+        .add(EguiPlugin::default())
+        .add(RapierPhysicsPlugin::<NoUserData>::default())
+        .add(HullwrightPlugin::default())
+        .add(HullwrightDebugPlugin)
 }
 
-struct DemoPlugins;
-
-impl PluginGroup for DemoPlugins {
-    fn build(self) -> PluginGroupBuilder {
-        DefaultPlugins
-            .set(AssetPlugin { file_path: ASSETS.into(), ..default() })
-            .add(RapierPhysicsPlugin::<NoUserData>::default())
-            .add(HullwrightPlugin::default())
-            .add(HullwrightDebugPlugin)
-    }
+/// Steps of Rapier that keep up with slow frames.
+pub fn timestep() -> TimestepMode {
+    TimestepMode::Variable { max_dt: LONGEST_FRAME, time_scale: 1.0, substeps: STEPS }
 }
 
-/// The floor, the light, the camera and the keys.
+/// A demo: its studio with a floor, its camera, its line of text and its keys.
 pub struct Stage {
+    /// What is seen, in one line.
+    pub caption: &'static str,
     /// Width of the scene, in metres.
-    pub size: f32,
+    pub width: f32,
+    /// From where it is seen.
+    pub view: Orbit,
+}
+
+/// From where the scene is seen.
+#[derive(Resource)]
+struct View(Orbit);
+
+/// Where the picture goes, frames since all lies still, and since the start.
+#[derive(Resource)]
+struct Picture {
+    path: PathBuf,
+    still: usize,
+    frames: usize,
 }
 
 impl Plugin for Stage {
     fn build(&self, app: &mut App) {
-        app.insert_resource(SceneSize(self.size))
+        app.add_plugins((Studio::light(self.width), OrbitPlugin, Caption(self.caption)))
+            .add_message::<PictureTaken>()
+            .insert_resource(View(self.view))
+            .insert_resource(timestep())
+            .insert_resource(HullwrightDebug { is_drawn: false })
+            .init_resource::<HullMaterials>()
+            .init_resource::<ShownHulls>()
             .add_systems(Startup, set_up)
-            .add_systems(Update, (toggle_hulls, take_picture.run_if(resource_exists::<Picture>)));
+            .add_systems(Update, (picture::watch_sleep, toggle))
+            .add_systems(Update, (take_picture, end).run_if(resource_exists::<Picture>))
+            .add_observer(show_new_hulls);
         let mut arguments = std::env::args().skip_while(|argument| argument != "--screenshot");
         if let Some(path) = arguments.nth(1) {
-            app.insert_resource(Picture { path, frames: 0 });
+            // Without a person the window has no focus, and would be drawn less often.
+            app.insert_resource(WinitSettings::continuous());
+            app.insert_resource(Picture { path: path.into(), still: 0, frames: 0 });
         }
     }
 }
 
-fn set_up(
-    mut commands: Commands,
-    size: Res<SceneSize>,
-    mut meshes: ResMut<Assets<Mesh>>,
-    mut materials: ResMut<Assets<StandardMaterial>>,
-) {
-    let size = size.0;
-    commands.spawn((
-        Camera3d::default(),
-        // The others need textures that Bevy bundles behind a feature.
-        Tonemapping::AcesFitted,
-        Transform::from_xyz(0.0, 0.6 * size, 1.2 * size).looking_at(Vec3::Y * 0.15 * size, Vec3::Y),
-    ));
-    let sun = Transform::from_xyz(1.0, 3.0, 2.0).looking_at(Vec3::ZERO, Vec3::Y);
-    commands.spawn((DirectionalLight { shadow_maps_enabled: true, ..default() }, sun));
-    commands.spawn((
-        Mesh3d(meshes.add(Plane3d::default().mesh().size(10.0 * size, 10.0 * size))),
-        MeshMaterial3d(materials.add(Color::srgb(0.3, 0.32, 0.35))),
-        Collider::halfspace(Vec3::Y).expect("up is a direction"),
-    ));
-}
-
-/// Space shows and hides the hulls.
-fn toggle_hulls(keys: Res<ButtonInput<KeyCode>>, mut debug: ResMut<HullwrightDebug>) {
-    if keys.just_pressed(KeyCode::Space) {
-        debug.is_drawn = !debug.is_drawn;
-    }
+fn set_up(mut commands: Commands, view: Res<View>, studio: Res<Studio>) {
+    commands.spawn(camera(view.0, &studio));
+    commands.spawn(Collider::halfspace(Vec3::Y).expect("up is a direction"));
 }
 
 fn take_picture(
     mut commands: Commands,
     mut picture: ResMut<Picture>,
     statuses: Query<&DecompositionStatus>,
+    bodies: Bodies,
 ) {
     let are_ready = !statuses.is_empty() && statuses.iter().all(DecompositionStatus::is_finished);
-    picture.frames += usize::from(are_ready);
-    if picture.frames == FRAMES_TO_REST {
-        commands
-            .spawn(Screenshot::primary_window())
-            .observe(save_to_disk(picture.path.clone()))
-            .observe(|picture: On<ScreenshotCaptured>, mut exit: MessageWriter<AppExit>| {
-                exit.write(judge(&picture.image));
-            });
+    picture.frames += 1;
+    if picture.still == STILL_FRAMES {
+        return;
+    }
+    picture.still = if are_ready && is_still(&bodies) { picture.still + 1 } else { 0 };
+    if picture.frames == MOST_FRAMES {
+        println!("not all lies still after {MOST_FRAMES} frames");
+        picture.still = STILL_FRAMES;
+    }
+    if picture.still == STILL_FRAMES {
+        picture::take(&mut commands, &picture.path);
     }
 }
 
-fn judge(picture: &Image) -> AppExit {
-    let pixels = picture.data.iter().flat_map(|data| data.chunks_exact(PIXEL));
-    let colours = pixels.collect::<HashSet<_>>().len();
-    println!("{} × {} pixels of {colours} colours", picture.width(), picture.height());
-    if colours < FEWEST_COLOURS { AppExit::error() } else { AppExit::Success }
+fn end(mut taken: MessageReader<PictureTaken>, mut exit: MessageWriter<AppExit>) {
+    for picture in taken.read() {
+        exit.write(if picture.is_empty { AppExit::error() } else { AppExit::Success });
+    }
 }

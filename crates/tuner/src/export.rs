@@ -1,0 +1,185 @@
+//! What is taken away: the component as Rust or as glTF extras, and files of hulls.
+
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+use arboard::Clipboard;
+use bevy::prelude::*;
+use hullwright::hulls_format::HullsFile;
+use hullwright::io::write_hulls;
+use hullwright::{Preset, mass_properties_with};
+
+use crate::decompose::{Fit, Settings};
+
+/// Decimals of a share: a thousandth of a percent.
+const DECIMALS: usize = 5;
+
+/// Where files are saved, and the clipboard once it was used.
+#[derive(Resource)]
+pub struct Export {
+    /// The folder for files.
+    pub folder: PathBuf,
+    /// What was done last, or why it was not.
+    pub message: Result<String, String>,
+    clipboard: Mutex<Option<Clipboard>>,
+}
+
+impl Export {
+    /// Saves into this folder.
+    pub fn new(folder: PathBuf) -> Self {
+        Self { folder, message: Ok(String::new()), clipboard: Mutex::default() }
+    }
+
+    /// Copies text, and says so.
+    pub fn copy(&mut self, text: &str, what: &str) {
+        self.message = match self.with_clipboard(|clipboard| clipboard.set_text(text)) {
+            Ok(()) => Ok(format!("copied {what}")),
+            Err(error) => Err(format!("{what} could not be copied: {error}")),
+        };
+    }
+
+    /// The text in the clipboard.
+    pub fn copied(&self) -> Result<String, arboard::Error> {
+        self.with_clipboard(Clipboard::get_text)
+    }
+
+    /// The same clipboard is kept: on X11 its owner hands out the text.
+    fn with_clipboard<T>(
+        &self,
+        use_it: impl FnOnce(&mut Clipboard) -> Result<T, arboard::Error>,
+    ) -> Result<T, arboard::Error> {
+        let mut slot = self.clipboard.lock().unwrap_or_else(|broken| broken.into_inner());
+        match &mut *slot {
+            Some(clipboard) => use_it(clipboard),
+            empty => use_it(empty.insert(Clipboard::new()?)),
+        }
+    }
+
+    /// Saves hulls with this suffix, `hulls` or `glb`, and says where.
+    pub fn save(&mut self, fit: &Fit, suffix: &str) {
+        let path = self.folder.join(format!("{}.{suffix}", fit.model.name));
+        let written = match suffix {
+            "hulls" => write_hulls_file(fit, &path),
+            _ => write_hulls(&path, &fit.decomposition.hulls).map_err(|error| error.to_string()),
+        };
+        self.message = written.map(|()| format!("saved {}", path.display()));
+    }
+}
+
+/// With the mass properties at a density of 1, as `hullwright bake` writes them.
+fn write_hulls_file(fit: &Fit, path: &Path) -> Result<(), String> {
+    let (mesh, hulls) = (&fit.model.mesh, &fit.decomposition.hulls);
+    let mass = mass_properties_with(mesh, hulls, 1.0, &fit.settings.parameters())
+        .map_err(|error| error.to_string())?;
+    HullsFile::new(&fit.model.name, &fit.decomposition)
+        .with_mass_properties(mass)
+        .write(path)
+        .map_err(|error| error.to_string())
+}
+
+/// The component in Rust: what differs from its default.
+pub fn rust(settings: &Settings) -> String {
+    let default = Settings::default();
+    let mut lines = vec!["ConvexDecomposition::default()".to_owned()];
+    if settings.bound != default.bound {
+        lines.push(format!(".with_max_error({})", share(settings.bound)));
+    }
+    if settings.preset != default.preset {
+        let name = if settings.preset == Preset::Fast { "Fast" } else { "Fine" };
+        lines.push(format!(".with_preset(DecompositionPreset::{name})"));
+    }
+    if let Some(most) = settings.max_hulls {
+        lines.push(format!(".with_max_hulls({most})"));
+    }
+    if settings.max_vertices != default.max_vertices {
+        let most = settings.max_vertices.map_or("None".to_owned(), |most| most.to_string());
+        lines.push(format!(".with_max_vertices({most})"));
+    }
+    if settings.keep_cavities {
+        lines.push(".with_keep_cavities(true)".into());
+    }
+    if settings.openings != default.openings {
+        let name = capitalised(settings.openings.name());
+        lines.push(format!(".with_openings(DecompositionOpenings::{name})"));
+    }
+    lines.join("\n    ")
+}
+
+/// The same as extras of a glTF node.
+pub fn extras(settings: &Settings) -> String {
+    let default = Settings::default();
+    let mut values = vec![r#""collider": "convex_decomposition""#.to_owned()];
+    if settings.bound != default.bound {
+        values.push(format!(r#""max_error": {}"#, share(settings.bound)));
+    }
+    if settings.preset != default.preset {
+        values.push(format!(r#""preset": "{}""#, settings.preset));
+    }
+    if let Some(most) = settings.max_hulls {
+        values.push(format!(r#""max_hulls": {most}"#));
+    }
+    if settings.max_vertices != default.max_vertices {
+        let most = settings.max_vertices.map_or("null".to_owned(), |most| most.to_string());
+        values.push(format!(r#""max_vertices": {most}"#));
+    }
+    if settings.keep_cavities {
+        values.push(r#""keep_cavities": true"#.into());
+    }
+    if settings.openings != default.openings {
+        values.push(format!(r#""openings": "{}""#, settings.openings));
+    }
+    format!("{{{}}}", values.join(", "))
+}
+
+/// Percent as a share, without zeros at its end.
+fn share(percent: f64) -> String {
+    let text = format!("{:.DECIMALS$}", percent / 100.0);
+    text.trim_end_matches('0').to_owned()
+}
+
+fn capitalised(word: &str) -> String {
+    let mut letters = word.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use hullwright::Openings;
+
+    use super::*;
+
+    fn settings() -> Settings {
+        Settings {
+            bound: 1.0,
+            max_hulls: Some(8),
+            max_vertices: None,
+            preset: Preset::Fine,
+            openings: Openings::Close,
+            keep_cavities: true,
+        }
+    }
+
+    #[test]
+    fn a_component_of_defaults_says_nothing_else() {
+        assert_eq!(rust(&Settings::default()), "ConvexDecomposition::default()");
+        assert_eq!(extras(&Settings::default()), r#"{"collider": "convex_decomposition"}"#);
+    }
+
+    #[test]
+    fn a_component_says_all_that_differs() {
+        let expected = "ConvexDecomposition::default()
+    .with_max_error(0.01)
+    .with_preset(DecompositionPreset::Fine)
+    .with_max_hulls(8)
+    .with_max_vertices(None)
+    .with_keep_cavities(true)
+    .with_openings(DecompositionOpenings::Close)";
+        assert_eq!(rust(&settings()), expected);
+    }
+
+    #[test]
+    fn extras_say_all_that_differs() {
+        let expected = r#"{"collider": "convex_decomposition", "max_error": 0.01, "preset": "fine", "max_hulls": 8, "max_vertices": null, "keep_cavities": true, "openings": "close"}"#;
+        assert_eq!(extras(&settings()), expected);
+    }
+}

@@ -1,0 +1,174 @@
+//! A tour without a person: mouse and keys go to every control, each step writes a picture and checks
+//! what came of it, and the longest frame is measured.
+
+mod hand;
+mod seen;
+mod steps;
+
+use std::collections::VecDeque;
+use std::path::PathBuf;
+
+use bevy::prelude::*;
+use bevy::time::Real;
+use hullwright_demos::picture::{self, PictureTaken};
+
+use hand::{Devices, Hand};
+use seen::Seen;
+pub use seen::Watched;
+use steps::{Step, When, steps};
+
+/// Frames for which all has to lie still.
+const STILL_FRAMES: usize = 12;
+
+/// Frames after which a step that does not settle is taken as it is.
+const MOST_FRAMES: usize = 420;
+
+/// A job that has run for this long, in seconds, is slow.
+const BUSY: f32 = 0.6;
+
+/// What the tour is at.
+#[derive(Resource)]
+pub struct Tour {
+    folder: PathBuf,
+    steps: VecDeque<Step>,
+    hand: Hand,
+    state: State,
+    before: Seen,
+    failures: usize,
+    frames: Frames,
+}
+
+enum State {
+    /// Frames since the deeds, and for how many of them all was still.
+    Waits(usize, usize),
+    /// The picture is not there yet.
+    Photographs,
+    Over,
+}
+
+/// How long frames took, in seconds.
+#[derive(Default)]
+struct Frames {
+    quiet: Vec<f32>,
+    busy: Vec<f32>,
+}
+
+impl Tour {
+    /// All steps, or the one with a name; pictures go to the folder.
+    pub fn new(folder: PathBuf, only: Option<&str>) -> Result<Self, String> {
+        let steps: VecDeque<Step> =
+            steps().into_iter().filter(|step| only.is_none_or(|name| step.name == name)).collect();
+        if steps.is_empty() {
+            return Err(format!("there is no step called {}", only.unwrap_or_default()));
+        }
+        std::fs::create_dir_all(&folder).map_err(|error| error.to_string())?;
+        Ok(Self {
+            folder,
+            steps,
+            hand: Hand::default(),
+            // The first step begins with hulls.
+            state: State::Waits(0, 0),
+            before: Seen::default(),
+            failures: 0,
+            frames: Frames::default(),
+        })
+    }
+
+    fn is_ready(&mut self, watched: &Watched) -> bool {
+        let (State::Waits(frames, still), Some(step)) = (&mut self.state, self.steps.front())
+        else {
+            return false;
+        };
+        *frames += 1;
+        let is_settled = watched.is_current() && watched.is_still();
+        *still = if is_settled { *still + 1 } else { 0 };
+        if *frames >= MOST_FRAMES {
+            println!("{}: not settled after {MOST_FRAMES} frames", step.name);
+            return true;
+        }
+        match step.when {
+            When::Settled => *still >= STILL_FRAMES,
+            When::Frames(most) => *frames >= most,
+            When::Busy => watched.busy_seconds().is_some_and(|seconds| seconds > BUSY),
+        }
+    }
+
+    fn judge(&mut self, step: &Step, now: Seen) {
+        let holds = (step.holds)(&self.before, &now);
+        let verdict = if holds { "yes" } else { "NO" };
+        println!("{}: {}: {verdict}", step.name, step.promise);
+        if !holds {
+            println!("  before {:?}\n  now {now:?}", self.before);
+            self.failures += 1;
+        }
+        self.before = now;
+    }
+
+    /// The next step, if there is one.
+    fn begin(&mut self) {
+        for deed in self.steps.front().iter().flat_map(|step| &step.deeds) {
+            self.hand.take_on(deed);
+        }
+        self.state = State::Waits(0, 0);
+    }
+
+    fn end(&mut self) -> AppExit {
+        self.state = State::Over;
+        println!("frames without a job: {}", summary(&mut self.frames.quiet));
+        println!("frames beside a job: {}", summary(&mut self.frames.busy));
+        if self.failures == 0 { AppExit::Success } else { AppExit::error() }
+    }
+}
+
+/// Median and longest, in milliseconds.
+fn summary(frames: &mut [f32]) -> String {
+    frames.sort_by(f32::total_cmp);
+    let Some(longest) = frames.last() else { return "none".into() };
+    let median = frames[frames.len() / 2];
+    let [median, longest] = [median, *longest].map(|seconds| 1000.0 * seconds);
+    format!("{}, median {median:.0} ms, longest {longest:.0} ms", frames.len())
+}
+
+/// Goes on with the tour.
+#[allow(clippy::too_many_arguments)]
+pub fn go_on(
+    mut commands: Commands,
+    mut tour: ResMut<Tour>,
+    watched: Watched,
+    mut devices: Devices,
+    mut taken: MessageReader<PictureTaken>,
+    mut exit: MessageWriter<AppExit>,
+    time: Res<Time<Real>>,
+    mut started: Local<bool>,
+) {
+    let tour = &mut *tour;
+    let is_busy = watched.busy_seconds().is_some();
+    let frames = if is_busy { &mut tour.frames.busy } else { &mut tour.frames.quiet };
+    frames.push(time.delta_secs());
+    if !std::mem::replace(&mut *started, true) {
+        tour.begin();
+    }
+    if !tour.hand.is_idle() {
+        if let Err(error) = tour.hand.go_on(&mut devices) {
+            println!("{error}");
+            tour.failures += 1;
+        }
+        return;
+    }
+    if tour.is_ready(&watched)
+        && let Some(step) = tour.steps.pop_front()
+    {
+        picture::take(&mut commands, &tour.folder.join(format!("{}.png", step.name)));
+        tour.state = State::Photographs;
+        // What is on the picture, and not what comes after it.
+        tour.judge(&step, watched.look());
+    }
+    for picture in taken.read() {
+        tour.failures += usize::from(picture.is_empty);
+        if tour.steps.is_empty() {
+            exit.write(tour.end());
+        } else {
+            tour.begin();
+        }
+    }
+}
