@@ -150,6 +150,7 @@ fn report(
         machine: &machine,
         plots: &[],
         tables: &tables,
+        pages: &[],
     };
     report.write(output, "sweep")
 }
