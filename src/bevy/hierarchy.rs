@@ -1,12 +1,18 @@
 //! A whole scene tagged at once: which of its meshes, by a default, by names, by extras.
 
+use std::collections::BTreeMap;
+
 use bevy::ecs::entity::EntityHashSet;
 use bevy::ecs::system::SystemParam;
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
 
+use bevy_rapier3d::prelude::RigidBody;
+
+use super::artists::{Treatment, treatment};
 use super::baked::BakedDecomposition;
-use super::naming_conventions::{NameTag, name_tag, without_copy_number};
+use super::describe::{Descriptions, entities};
+use super::naming_conventions::{NameTag, mesh_tag, node_tag, whole_of, without_copy_number};
 use super::tag::{ConvexDecomposition, NoConvexDecomposition};
 
 /// Tags the meshes below this entity, such as all of a glTF scene, also those that come later.
@@ -28,10 +34,11 @@ pub struct ConvexDecompositionHierarchy {
     /// By the name of the node or the mesh; `None` to leave it out.
     #[cfg_attr(feature = "serde", serde(with = "by_name"))]
     pub by_name: HashMap<String, Option<ConvexDecomposition>>,
-    /// Whether names with `-convcol` and glTF extras with `{"collider": "convex_decomposition"}`
-    /// are tagged, those with `{"collider": "none"}` are not, and meshes called `UCX_chair` or
-    /// `UCX_chair_01` become convex pieces of the collider of `chair`, which is then not
-    /// decomposed. Extras are read with the feature `bevy_gltf`. Default true.
+    /// Whether names and glTF extras say what becomes of a mesh: Godot's suffixes, such as `-col` and
+    /// `-convcol`, and `-convdecomp`; Unreal's prefixes, where `UCX_chair_01` is a piece of the collider of
+    /// `chair`, which is then not decomposed; extras such as `{"collider": "convex_decomposition",
+    /// "max_error": 0.01}`. Extras are read, and colliders not drawn, with the feature `bevy_gltf`. Default
+    /// true.
     pub follows_artists: bool,
 }
 
@@ -127,6 +134,33 @@ mod by_name {
 #[derive(Component, Debug, Clone, Copy)]
 pub(super) struct TaggedByHierarchy;
 
+/// Set on what a hierarchy hides, so that another setting can show it again.
+#[derive(Component, Debug, Clone, Copy)]
+pub(super) struct HiddenByHierarchy;
+
+/// Bevy spawns the primitives of a mesh below their node, without a transform of their own.
+fn is_identity(transform: Option<&Transform>) -> bool {
+    transform.is_none_or(|transform| *transform == Transform::IDENTITY)
+}
+
+/// What was wrong with extras, and of whom it was said first. Each is logged once.
+#[derive(Default)]
+pub(super) struct Complaints {
+    known: HashSet<String>,
+    new: BTreeMap<String, Vec<Entity>>,
+}
+
+impl Complaints {
+    fn log(&mut self, descriptions: &Descriptions) {
+        for (text, of) in std::mem::take(&mut self.new) {
+            if let Some(first) = of.first().filter(|_| self.known.insert(text.clone())) {
+                let who = entities(of.len(), &descriptions.entity(*first, None));
+                log::warn!("glTF extras of {who}: {text}");
+            }
+        }
+    }
+}
+
 /// The scene that is tagged.
 #[derive(SystemParam)]
 pub(super) struct Nodes<'w, 's> {
@@ -136,6 +170,7 @@ pub(super) struct Nodes<'w, 's> {
     children: Query<'w, 's, &'static Children>,
     own_tags: Query<'w, 's, (), OwnTag>,
     tagged: Query<'w, 's, (), With<TaggedByHierarchy>>,
+    hidden: Query<'w, 's, (), With<HiddenByHierarchy>>,
     #[cfg(feature = "bevy_gltf")]
     extras: Query<'w, 's, Extras>,
 }
@@ -162,6 +197,8 @@ pub(super) fn tag_hierarchies(
     changed: Query<Entity, Changed<ConvexDecompositionHierarchy>>,
     new_meshes: Query<Entity, NewMesh>,
     nodes: Nodes,
+    descriptions: Descriptions,
+    mut complaints: Local<Complaints>,
 ) {
     if hierarchies.is_empty() {
         return;
@@ -173,31 +210,33 @@ pub(super) fn tag_hierarchies(
     }
     for root in roots {
         if let Ok(hierarchy) = hierarchies.get(root) {
-            nodes.tag(&mut commands, root, hierarchy);
+            nodes.tag(&mut commands, root, hierarchy, &mut complaints);
         }
     }
+    complaints.log(&descriptions);
 }
 
 impl Nodes<'_, '_> {
-    fn tag(&self, commands: &mut Commands, root: Entity, hierarchy: &ConvexDecompositionHierarchy) {
+    fn tag(
+        &self,
+        commands: &mut Commands,
+        root: Entity,
+        hierarchy: &ConvexDecompositionHierarchy,
+        complaints: &mut Complaints,
+    ) {
         let nodes = self.nodes_with_meshes(root);
-        // Meshes that have pieces made by the artist.
-        let mut with_pieces: HashSet<&str> = HashSet::default();
-        if hierarchy.follows_artists {
-            for node in &nodes {
-                for name in self.names_of(*node) {
-                    if let Some(NameTag::PieceOf(whole)) = name_tag(name) {
-                        with_pieces.insert(whole);
-                    }
-                }
-            }
-        }
+        let with_pieces = match hierarchy.follows_artists {
+            true => self.meshes_with_pieces(&nodes),
+            false => HashSet::default(),
+        };
         for node in nodes {
             if self.own_tags.contains(node) {
                 continue;
             }
+            let treatment = self.treatment(node, root, hierarchy, &with_pieces, complaints);
+            self.show(commands, node, treatment.is_drawn);
             let mut node_commands = commands.entity(node);
-            match self.tag_of(node, hierarchy, &with_pieces) {
+            match treatment.tag {
                 Some(tag) => {
                     node_commands.try_remove::<NoConvexDecomposition>();
                     node_commands.try_insert((tag, TaggedByHierarchy));
@@ -210,8 +249,50 @@ impl Nodes<'_, '_> {
                     node_commands.try_insert((NoConvexDecomposition, TaggedByHierarchy));
                 }
             }
+            if treatment.is_body {
+                node_commands.try_insert_if_new(RigidBody::Dynamic);
+            }
         }
     }
+
+    /// The names of meshes that have pieces made by the artist.
+    fn meshes_with_pieces(&self, nodes: &[Entity]) -> HashSet<&str> {
+        let names = || nodes.iter().flat_map(|node| self.names_of(*node)).flatten();
+        let all: HashSet<&str> = names().map(without_copy_number).collect();
+        names()
+            .filter_map(|name| match node_tag(name)? {
+                NameTag::PieceOf { rest, .. } => Some(whole_of(rest, |name| all.contains(name))),
+                _ => None,
+            })
+            .collect()
+    }
+
+    /// Hides the meshes of a node, or shows those that were hidden.
+    #[cfg(feature = "bevy_gltf")]
+    fn show(&self, commands: &mut Commands, node: Entity, is_drawn: bool) {
+        let children = self.children.get(node).into_iter().flatten().copied();
+        // What else is below the node stays as it is.
+        let is_mesh = |entity: &Entity| self.meshes.contains(*entity);
+        let primitives = children.filter(|child| {
+            self.meshes.get(*child).is_ok_and(|(_, transform)| is_identity(transform))
+        });
+        for mesh in std::iter::once(node).filter(is_mesh).chain(primitives) {
+            match (is_drawn, self.hidden.contains(mesh)) {
+                (false, _) => {
+                    commands.entity(mesh).try_insert((Visibility::Hidden, HiddenByHierarchy));
+                }
+                (true, true) => {
+                    let mut mesh = commands.entity(mesh);
+                    mesh.try_remove::<HiddenByHierarchy>();
+                    mesh.try_insert(Visibility::Inherited);
+                }
+                (true, false) => {}
+            }
+        }
+    }
+
+    #[cfg(not(feature = "bevy_gltf"))]
+    fn show(&self, _commands: &mut Commands, _node: Entity, _is_drawn: bool) {}
 
     /// The entities that stand for one mesh each: those with a `Mesh3d`, or the parents of
     /// primitives.
@@ -225,7 +306,7 @@ impl Nodes<'_, '_> {
                 Ok(parent)
                     if entity != root
                         && (parent.parent() != root || is_root_node)
-                        && transform.is_none_or(|transform| *transform == Transform::IDENTITY) =>
+                        && is_identity(transform) =>
                 {
                     parent.parent()
                 }
@@ -251,8 +332,8 @@ impl Nodes<'_, '_> {
         false
     }
 
-    /// The node's own name, and those that its primitives have of their mesh.
-    fn names_of(&self, node: Entity) -> impl Iterator<Item = &str> {
+    /// The node's own name, and the one that its primitives have of their mesh.
+    fn names_of(&self, node: Entity) -> [Option<&str>; 2] {
         let own = self.names.get(node).ok().map(Name::as_str);
         #[cfg(feature = "bevy_gltf")]
         let of_mesh = {
@@ -261,68 +342,87 @@ impl Nodes<'_, '_> {
         };
         #[cfg(not(feature = "bevy_gltf"))]
         let of_mesh = None;
-        own.into_iter().chain(of_mesh)
+        [own, of_mesh]
     }
 
+    /// What the extras of a node or of its mesh ask for.
     #[cfg(feature = "bevy_gltf")]
-    fn extras_of(&self, node: Entity) -> Option<bool> {
-        let on = |entity| {
-            let (extras, mesh_extras, _) = self.extras.get(entity).ok()?;
-            let tag = |text: &String| super::naming_conventions::extras_tag(text);
-            extras
-                .and_then(|extras| tag(&extras.value))
-                .or_else(|| mesh_extras.and_then(|extras| tag(&extras.value)))
-        };
-        on(node).or_else(|| {
-            let children = self.children.get(node).ok()?;
-            children.iter().filter(|child| self.meshes.contains(*child)).find_map(on)
-        })
-    }
-
-    #[cfg(not(feature = "bevy_gltf"))]
-    fn extras_of(&self, _node: Entity) -> Option<bool> {
+    fn by_extras(
+        &self,
+        node: Entity,
+        base: &dyn Fn() -> ConvexDecomposition,
+        complaints: &mut Complaints,
+    ) -> Option<Treatment> {
+        let children = self.children.get(node).into_iter().flatten().copied();
+        let primitives = children.filter(|child| self.meshes.contains(*child));
+        for entity in std::iter::once(node).chain(primitives) {
+            let Ok((of_node, of_mesh, _)) = self.extras.get(entity) else { continue };
+            let texts = [of_node.map(|of| &of.value), of_mesh.map(|of| &of.value)];
+            for text in texts.into_iter().flatten() {
+                let (tag, wrong) = super::extras::read_extras(text);
+                for text in wrong {
+                    complaints.new.entry(text).or_default().push(node);
+                }
+                if let Some(tag) = tag {
+                    return Some(super::artists::with_extras(&tag, base()).into());
+                }
+            }
+        }
         None
     }
 
-    fn tag_of(
+    #[cfg(not(feature = "bevy_gltf"))]
+    fn by_extras(
+        &self,
+        _node: Entity,
+        _base: &dyn Fn() -> ConvexDecomposition,
+        _complaints: &mut Complaints,
+    ) -> Option<Treatment> {
+        None
+    }
+
+    /// Whether a node or one above it is none of the game's.
+    fn is_left_out(&self, node: Entity, root: Entity) -> bool {
+        let above = self.parents.iter_ancestors(node).take_while(|above| *above != root);
+        std::iter::once(node)
+            .chain(above)
+            .filter_map(|entity| self.names.get(entity).ok())
+            .any(|name| node_tag(name) == Some(NameTag::LeftOut))
+    }
+
+    fn treatment(
         &self,
         node: Entity,
+        root: Entity,
         hierarchy: &ConvexDecompositionHierarchy,
         with_pieces: &HashSet<&str>,
-    ) -> Option<ConvexDecomposition> {
-        let by_name = |name: &str| hierarchy.by_name.get(name);
-        if let Some(tag) = self.names_of(node).find_map(by_name) {
-            return tag.clone();
+        complaints: &mut Complaints,
+    ) -> Treatment {
+        let names = self.names_of(node);
+        if let Some(tag) = names.iter().flatten().find_map(|name| hierarchy.by_name.get(*name)) {
+            return tag.clone().into();
         }
         if hierarchy.follows_artists {
-            let asked = || hierarchy.default_tag.clone().unwrap_or_default();
-            match self.extras_of(node) {
-                Some(true) => return Some(asked()),
-                Some(false) => return None,
-                None => {}
+            let base = || hierarchy.default_tag.clone().unwrap_or_default();
+            if self.is_left_out(node, root) {
+                return treatment(NameTag::LeftOut, base());
             }
-            match self.names_of(node).find_map(name_tag) {
-                Some(NameTag::Decompose) => return Some(asked()),
-                Some(NameTag::PieceOf(_)) => return Some(one_hull(asked())),
-                None => {}
+            if let Some(by_extras) = self.by_extras(node, &base, complaints) {
+                return by_extras;
+            }
+            let [own, of_mesh] = names;
+            if let Some(tag) = own.and_then(node_tag).or_else(|| of_mesh.and_then(mesh_tag)) {
+                return treatment(tag, base());
             }
             let has_pieces = |name: &str| {
                 with_pieces.contains(name) || with_pieces.contains(without_copy_number(name))
             };
-            if self.names_of(node).any(has_pieces) {
-                return None;
+            if names.into_iter().flatten().any(has_pieces) {
+                return None.into();
             }
         }
-        hierarchy.default_tag.clone()
+        hierarchy.default_tag.clone().into()
     }
-}
-
-/// A piece made by an artist is convex up to modelling errors: one hull, with the tag's density and
-/// fallback.
-fn one_hull(tag: ConvexDecomposition) -> ConvexDecomposition {
-    let ConvexDecomposition { density, fallback_collider, .. } = tag;
-    let one = ConvexDecomposition::default().with_max_hulls(1);
-    ConvexDecomposition { density, fallback_collider, ..one }
 }
 
 #[cfg(all(test, feature = "serde", feature = "io"))]

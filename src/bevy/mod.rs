@@ -38,8 +38,9 @@
 // | `error`, `status`, `events`, `settings` | what users read, and what all entities share |
 // | `tag`, `baked` | components that ask for a collider |
 // | `parameters` | from the tag's flat settings to the library's parameters |
-// | `naming_conventions`, `hierarchy` | whole scenes, tagged by names and extras |
+// | `naming_conventions`, `extras`, `artists`, `hierarchy` | whole scenes, tagged by names and extras |
 // | `mesh_data`, `convert`, `placement` | triangles of meshes, and the scale that is baked |
+// | `primitive`, `static_geometry` | boxes, balls and capsules; which colliders are triangle meshes |
 // | `content`, `cache`, `disk_cache` | known results by content |
 // | `task` | one decomposition, in steps |
 // | `request`, `budget`, `queue` | what entities ask for, and the state of all work |
@@ -52,6 +53,7 @@
 // | `debug` (feature) | hulls drawn, and numbers among the diagnostics |
 // | `plugin` | the systems and their order |
 
+mod artists;
 mod attach;
 mod baked;
 mod budget;
@@ -65,6 +67,8 @@ mod describe;
 mod disk_cache;
 mod error;
 mod events;
+#[cfg(feature = "bevy_gltf")]
+mod extras;
 mod failures;
 mod fallback_collider;
 mod freeze;
@@ -75,11 +79,13 @@ mod parameters;
 mod placement;
 mod plugin;
 mod pool;
+mod primitive;
 mod queue;
 mod request;
 mod resolve;
 mod scheduler;
 mod settings;
+mod static_geometry;
 mod status;
 mod tag;
 mod task;
@@ -98,7 +104,7 @@ pub use settings::{Execution, FallbackCollider, HullwrightSettings};
 pub use status::{DecompositionCounters, DecompositionStatus, HullSource, SkipReason, WaitReason};
 pub use tag::{
     ConvexDecomposition, DEFAULT_DENSITY, DecompositionFocus, DecompositionOpenings,
-    DecompositionPreset, MaxError, NoConvexDecomposition,
+    DecompositionPreset, DecompositionShape, MaxError, NoConvexDecomposition,
 };
 
 /// What most users need.
@@ -106,8 +112,9 @@ pub mod prelude {
     pub use super::{
         BakedDecomposition, ConvexDecomposition, ConvexDecompositionHierarchy,
         DecompositionCancelled, DecompositionCounters, DecompositionFailed, DecompositionFocus,
-        DecompositionOpenings, DecompositionPreset, DecompositionReady, DecompositionSkipped,
-        DecompositionStatus, FallbackCollider, HullSource, HullwrightPlugin, HullwrightSettings,
-        HullwrightSystems, MaxError, NoConvexDecomposition, SkipReason, VerifiedError,
+        DecompositionOpenings, DecompositionPreset, DecompositionReady, DecompositionShape,
+        DecompositionSkipped, DecompositionStatus, FallbackCollider, HullSource, HullwrightPlugin,
+        HullwrightSettings, HullwrightSystems, MaxError, NoConvexDecomposition, SkipReason,
+        VerifiedError,
     };
 }

@@ -1,6 +1,8 @@
 //! What the Bevy plugin promises, without a window: `MinimalPlugins`, assets, Rapier and the plugin.
 
 mod app;
+#[cfg(feature = "bevy_gltf")]
+mod artists;
 mod baked;
 #[cfg(feature = "debug")]
 mod debug;
@@ -17,5 +19,8 @@ mod order;
 mod scale;
 mod scenes;
 mod sharing;
+#[cfg(all(feature = "bevy_gltf", feature = "serde"))]
+mod skein;
+mod static_geometry;
 mod tags;
 mod waiting;

@@ -81,7 +81,7 @@ fn only_what_is_tagged_by_name_or_artist_if_there_is_no_default() {
     let cube = cube(&mut app);
     let hierarchy = ConvexDecompositionHierarchy::tagged_only().with("table", tag());
     let root = root(&mut app, hierarchy);
-    let [chair, table, lamp, copy] = ["chair", "table", "lamp-convcol", "lamp-convcol.001"]
+    let [chair, table, lamp, copy] = ["chair", "table", "lamp-convdecomp", "lamp-convdecomp.001"]
         .map(|name| node(&mut app, root, name, &[&cube]));
     update_times(&mut app, 2);
     let tagged = [chair, table, lamp, copy].map(|entity| is_tagged(&app, entity));
@@ -131,6 +131,13 @@ fn colliders_below_a_body_move_with_it_and_feel_like_it() {
             groups,
             SolverGroups::new(Group::GROUP_4, Group::GROUP_5),
             Sensor,
+            (
+                ActiveEvents::COLLISION_EVENTS,
+                ActiveHooks::FILTER_CONTACT_PAIRS,
+                ActiveCollisionTypes::all(),
+                ContactForceEventThreshold(7.0),
+                ContactSkin(0.01),
+            ),
             ConvexDecompositionHierarchy::new(tag()),
         ))
         .id();
@@ -148,6 +155,11 @@ fn colliders_below_a_body_move_with_it_and_feel_like_it() {
         assert_eq!(world.get::<CollisionGroups>(entity), Some(&groups));
         assert!(world.get::<SolverGroups>(entity).is_some());
         assert!(world.get::<Sensor>(entity).is_some());
+        assert_eq!(world.get(entity), Some(&ActiveEvents::COLLISION_EVENTS));
+        assert_eq!(world.get(entity), Some(&ActiveHooks::FILTER_CONTACT_PAIRS));
+        assert_eq!(world.get(entity), Some(&ActiveCollisionTypes::all()));
+        assert_eq!(world.get::<ContactForceEventThreshold>(entity).unwrap().0, 7.0);
+        assert_eq!(world.get::<ContactSkin>(entity).unwrap().0, 0.01);
     }
     let handles = [left, right].map(|e| world.get::<RapierColliderHandle>(e).unwrap().0);
     let handle = world.get::<RapierRigidBodyHandle>(body).unwrap().0;

@@ -1,4 +1,4 @@
-//! A scene with an artist's tags: in `props.glb` the name `mug-convcol`, the pieces `UCX_table_…` and
+//! A scene with an artist's tags: in `props.glb` the name `mug-convdecomp`, the pieces `UCX_table_…` and
 //! an extra on the lamp ask for colliders; the leaf has no tag and no collider:
 //! `cargo window gltf_scene`.
 
@@ -10,7 +10,7 @@ use hullwright_demos::Stage;
 /// How high each copy of the scene starts, and how far it is tipped over, in radians.
 const COPIES: [(f32, f32); 2] = [(0.3, 0.0), (1.4, 0.6)];
 
-/// Convex pieces made by an artist; they are colliders and not to be seen.
+/// Convex pieces made by an artist; they are colliders and not drawn.
 const PIECE: &str = "UCX_";
 
 fn main() -> AppExit {
@@ -40,11 +40,7 @@ fn make_bodies(
     tagged: Query<(Entity, &Name, &ChildOf), Added<ConvexDecomposition>>,
 ) {
     for (entity, name, parent) in &tagged {
-        let is_piece = name.starts_with(PIECE);
-        if is_piece {
-            commands.entity(entity).insert(Visibility::Hidden);
-        }
-        let body = if is_piece { parent.parent() } else { entity };
+        let body = if name.starts_with(PIECE) { parent.parent() } else { entity };
         commands.entity(body).insert(RigidBody::Dynamic);
     }
 }
