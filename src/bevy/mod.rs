@@ -118,3 +118,18 @@ pub mod prelude {
         VerifiedError,
     };
 }
+
+/// The programs of the pages in `docs/bevy` are tests. Those of `docs/bevy.md` need a window.
+#[cfg(doctest)]
+mod pages {
+    #[doc = include_str!("../../docs/bevy/bounds.md")]
+    struct Bounds;
+    #[doc = include_str!("../../docs/bevy/fixed-timestep.md")]
+    struct FixedTimestep;
+    #[doc = include_str!("../../docs/bevy/migration.md")]
+    struct Migration;
+    #[doc = include_str!("../../docs/bevy/settings.md")]
+    struct Settings;
+    #[doc = include_str!("../../docs/bevy/troubleshooting.md")]
+    struct Troubleshooting;
+}

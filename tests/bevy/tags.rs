@@ -190,3 +190,20 @@ fn a_primitive_of_a_larger_mesh_keeps_its_openings() {
     assert_eq!((count(alone), count(beside)), (1, 1));
     assert!(count(among) > 1, "it is taken for a solid");
 }
+
+#[test]
+fn the_table_of_settings_names_every_field() {
+    use bevy::reflect::Typed;
+    let page = include_str!("../../docs/bevy/settings.md");
+    for info in [
+        ConvexDecomposition::type_info(),
+        BakedDecomposition::type_info(),
+        ConvexDecompositionHierarchy::type_info(),
+        HullwrightSettings::type_info(),
+    ] {
+        for field in info.as_struct().unwrap().iter() {
+            let row = format!("\n| `{}` |", field.name());
+            assert!(page.contains(&row), "{} of {}", field.name(), info.type_path());
+        }
+    }
+}
