@@ -3,16 +3,15 @@
 use std::collections::BTreeMap;
 
 use bevy::ecs::entity::EntityHashSet;
-use bevy::ecs::system::SystemParam;
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
 
 use bevy_rapier3d::prelude::RigidBody;
 
 use super::artists::{Treatment, treatment};
-use super::baked::BakedDecomposition;
 use super::describe::{Descriptions, entities};
-use super::naming_conventions::{NameTag, mesh_tag, node_tag, whole_of, without_copy_number};
+use super::naming_conventions::{NameTag, mesh_tag, node_tag, without_copy_number};
+use super::nodes::{Nodes, TaggedByHierarchy};
 use super::tag::{ConvexDecomposition, NoConvexDecomposition};
 
 /// Tags the meshes below this entity, such as all of a glTF scene, also those that come later.
@@ -130,19 +129,6 @@ mod by_name {
     }
 }
 
-/// Set on what a hierarchy tagged, so that another setting can take it back.
-#[derive(Component, Debug, Clone, Copy)]
-pub(super) struct TaggedByHierarchy;
-
-/// Set on what a hierarchy hides, so that another setting can show it again.
-#[derive(Component, Debug, Clone, Copy)]
-pub(super) struct HiddenByHierarchy;
-
-/// Bevy spawns the primitives of a mesh below their node, without a transform of their own.
-fn is_identity(transform: Option<&Transform>) -> bool {
-    transform.is_none_or(|transform| *transform == Transform::IDENTITY)
-}
-
 /// What was wrong with extras, and of whom it was said first. Each is logged once.
 #[derive(Default)]
 pub(super) struct Complaints {
@@ -160,33 +146,6 @@ impl Complaints {
         }
     }
 }
-
-/// The scene that is tagged.
-#[derive(SystemParam)]
-pub(super) struct Nodes<'w, 's> {
-    meshes: Query<'w, 's, (Entity, Option<&'static Transform>), With<Mesh3d>>,
-    names: Query<'w, 's, &'static Name>,
-    parents: Query<'w, 's, &'static ChildOf>,
-    children: Query<'w, 's, &'static Children>,
-    own_tags: Query<'w, 's, (), OwnTag>,
-    tagged: Query<'w, 's, (), With<TaggedByHierarchy>>,
-    hidden: Query<'w, 's, (), With<HiddenByHierarchy>>,
-    #[cfg(feature = "bevy_gltf")]
-    extras: Query<'w, 's, Extras>,
-}
-
-/// Tagged by somebody else.
-type OwnTag = (
-    Or<(With<ConvexDecomposition>, With<BakedDecomposition>, With<NoConvexDecomposition>)>,
-    Without<TaggedByHierarchy>,
-);
-
-#[cfg(feature = "bevy_gltf")]
-type Extras = (
-    Option<&'static bevy::gltf::GltfExtras>,
-    Option<&'static bevy::gltf::GltfMeshExtras>,
-    Option<&'static bevy::gltf::GltfMeshName>,
-);
 
 type NewMesh = (With<Mesh3d>, Or<(Added<Mesh3d>, Changed<ChildOf>)>);
 
@@ -210,219 +169,119 @@ pub(super) fn tag_hierarchies(
     }
     for root in roots {
         if let Ok(hierarchy) = hierarchies.get(root) {
-            nodes.tag(&mut commands, root, hierarchy, &mut complaints);
+            tag_scene(&mut commands, &nodes, root, hierarchy, &mut complaints);
         }
     }
     complaints.log(&descriptions);
 }
 
-impl Nodes<'_, '_> {
-    fn tag(
-        &self,
-        commands: &mut Commands,
-        root: Entity,
-        hierarchy: &ConvexDecompositionHierarchy,
-        complaints: &mut Complaints,
-    ) {
-        let nodes = self.nodes_with_meshes(root);
-        let with_pieces = match hierarchy.follows_artists {
-            true => self.meshes_with_pieces(&nodes),
-            false => HashSet::default(),
+/// Tags the meshes below a root.
+fn tag_scene(
+    commands: &mut Commands,
+    nodes: &Nodes,
+    root: Entity,
+    hierarchy: &ConvexDecompositionHierarchy,
+    complaints: &mut Complaints,
+) {
+    let all = nodes.nodes_with_meshes(root);
+    let with_pieces = match hierarchy.follows_artists {
+        true => nodes.meshes_with_pieces(&all),
+        false => HashSet::default(),
+    };
+    for node in all {
+        if nodes.own_tags.contains(node) {
+            continue;
+        }
+        let Treatment { tag, is_drawn, is_body } = match by_code(nodes, node, hierarchy) {
+            Some(tag) => tag.clone().into(),
+            None if hierarchy.follows_artists => {
+                let base = || hierarchy.default_tag.clone().unwrap_or_default();
+                by_artist(nodes, node, root, &base, &with_pieces, complaints)
+                    .unwrap_or_else(|| hierarchy.default_tag.clone().into())
+            }
+            None => hierarchy.default_tag.clone().into(),
         };
-        for node in nodes {
-            if self.own_tags.contains(node) {
-                continue;
+        nodes.show(commands, node, is_drawn);
+        // What is tagged anew starts anew.
+        if nodes.tagged.get(node).is_ok_and(|before| before == tag.as_ref()) {
+            continue;
+        }
+        let mut node = commands.entity(node);
+        match tag {
+            Some(tag) => {
+                node.try_remove::<NoConvexDecomposition>();
+                node.try_insert((tag, TaggedByHierarchy));
             }
-            let treatment = self.treatment(node, root, hierarchy, &with_pieces, complaints);
-            self.show(commands, node, treatment.is_drawn);
-            let mut node_commands = commands.entity(node);
-            match treatment.tag {
-                Some(tag) => {
-                    node_commands.try_remove::<NoConvexDecomposition>();
-                    node_commands.try_insert((tag, TaggedByHierarchy));
-                }
-                None => {
-                    if self.tagged.contains(node) {
-                        node_commands.try_remove::<ConvexDecomposition>();
-                    }
-                    // Else it would be part of the input of a node above it.
-                    node_commands.try_insert((NoConvexDecomposition, TaggedByHierarchy));
-                }
-            }
-            if treatment.is_body {
-                node_commands.try_insert_if_new(RigidBody::Dynamic);
+            None => {
+                node.try_remove::<ConvexDecomposition>();
+                // Else it would be part of the input of a node above it.
+                node.try_insert((NoConvexDecomposition, TaggedByHierarchy));
             }
         }
-    }
-
-    /// The names of meshes that have pieces made by the artist.
-    fn meshes_with_pieces(&self, nodes: &[Entity]) -> HashSet<&str> {
-        let names = || nodes.iter().flat_map(|node| self.names_of(*node)).flatten();
-        let all: HashSet<&str> = names().map(without_copy_number).collect();
-        names()
-            .filter_map(|name| match node_tag(name)? {
-                NameTag::PieceOf { rest, .. } => Some(whole_of(rest, |name| all.contains(name))),
-                _ => None,
-            })
-            .collect()
-    }
-
-    /// Hides the meshes of a node, or shows those that were hidden.
-    #[cfg(feature = "bevy_gltf")]
-    fn show(&self, commands: &mut Commands, node: Entity, is_drawn: bool) {
-        let children = self.children.get(node).into_iter().flatten().copied();
-        // What else is below the node stays as it is.
-        let is_mesh = |entity: &Entity| self.meshes.contains(*entity);
-        let primitives = children.filter(|child| {
-            self.meshes.get(*child).is_ok_and(|(_, transform)| is_identity(transform))
-        });
-        for mesh in std::iter::once(node).filter(is_mesh).chain(primitives) {
-            match (is_drawn, self.hidden.contains(mesh)) {
-                (false, _) => {
-                    commands.entity(mesh).try_insert((Visibility::Hidden, HiddenByHierarchy));
-                }
-                (true, true) => {
-                    let mut mesh = commands.entity(mesh);
-                    mesh.try_remove::<HiddenByHierarchy>();
-                    mesh.try_insert(Visibility::Inherited);
-                }
-                (true, false) => {}
-            }
+        if is_body {
+            node.try_insert_if_new(RigidBody::Dynamic);
         }
     }
+}
 
-    #[cfg(not(feature = "bevy_gltf"))]
-    fn show(&self, _commands: &mut Commands, _node: Entity, _is_drawn: bool) {}
+fn by_code<'a>(
+    nodes: &Nodes,
+    node: Entity,
+    hierarchy: &'a ConvexDecompositionHierarchy,
+) -> Option<&'a Option<ConvexDecomposition>> {
+    let names = nodes.names_of(node);
+    names.into_iter().flatten().find_map(|name| hierarchy.by_name.get(name))
+}
 
-    /// The entities that stand for one mesh each: those with a `Mesh3d`, or the parents of
-    /// primitives.
-    fn nodes_with_meshes(&self, root: Entity) -> Vec<Entity> {
-        let mut seen = EntityHashSet::default();
-        let is_root_node = self.is_gltf_node(root);
-        let below = std::iter::once(root).chain(self.children.iter_descendants(root));
-        let meshes = below.filter_map(|entity| self.meshes.get(entity).ok());
-        meshes
-            .map(|(entity, transform)| match self.parents.get(entity) {
-                Ok(parent)
-                    if entity != root
-                        && (parent.parent() != root || is_root_node)
-                        && is_identity(transform) =>
-                {
-                    parent.parent()
-                }
-                _ => entity,
-            })
-            .filter(|node| seen.insert(*node))
-            .collect()
+/// What extras and names ask for; `base` is the tag that the scene has where it has one.
+fn by_artist(
+    nodes: &Nodes,
+    node: Entity,
+    root: Entity,
+    base: &dyn Fn() -> ConvexDecomposition,
+    with_pieces: &HashSet<&str>,
+    complaints: &mut Complaints,
+) -> Option<Treatment> {
+    if nodes.is_left_out(node, root) {
+        return Some(treatment(NameTag::LeftOut, base()));
     }
-
-    /// Whether the meshes right below are the primitives of one glTF mesh, whose name they have then,
-    /// and not meshes of their own that somebody put there.
-    #[cfg(feature = "bevy_gltf")]
-    fn is_gltf_node(&self, entity: Entity) -> bool {
-        let Ok(children) = self.children.get(entity) else { return false };
-        let meshes = children.iter().filter(|child| self.meshes.contains(*child));
-        let mut names = meshes.map(|mesh| Some(self.extras.get(mesh).ok()?.2?.0.as_str()));
-        let Some(Some(first)) = names.next() else { return false };
-        names.all(|name| name == Some(first))
+    if let Some(by_extras) = by_extras(nodes, node, base, complaints) {
+        return Some(by_extras);
     }
-
-    #[cfg(not(feature = "bevy_gltf"))]
-    fn is_gltf_node(&self, _entity: Entity) -> bool {
-        false
+    let [own, of_mesh] = nodes.names_of(node);
+    if let Some(tag) = own.and_then(node_tag).or_else(|| of_mesh.and_then(mesh_tag)) {
+        return Some(treatment(tag, base()));
     }
+    let has_pieces =
+        |name: &str| with_pieces.contains(name) || with_pieces.contains(without_copy_number(name));
+    [own, of_mesh].into_iter().flatten().any(has_pieces).then(|| None.into())
+}
 
-    /// The node's own name, and the one that its primitives have of their mesh.
-    fn names_of(&self, node: Entity) -> [Option<&str>; 2] {
-        let own = self.names.get(node).ok().map(Name::as_str);
-        #[cfg(feature = "bevy_gltf")]
-        let of_mesh = {
-            let on = |entity| self.extras.get(entity).ok()?.2.map(|name| name.0.as_str());
-            on(node).or_else(|| self.children.get(node).ok()?.iter().find_map(on))
-        };
-        #[cfg(not(feature = "bevy_gltf"))]
-        let of_mesh = None;
-        [own, of_mesh]
-    }
-
-    /// What the extras of a node or of its mesh ask for.
-    #[cfg(feature = "bevy_gltf")]
-    fn by_extras(
-        &self,
-        node: Entity,
-        base: &dyn Fn() -> ConvexDecomposition,
-        complaints: &mut Complaints,
-    ) -> Option<Treatment> {
-        let children = self.children.get(node).into_iter().flatten().copied();
-        let primitives = children.filter(|child| self.meshes.contains(*child));
-        for entity in std::iter::once(node).chain(primitives) {
-            let Ok((of_node, of_mesh, _)) = self.extras.get(entity) else { continue };
-            let texts = [of_node.map(|of| &of.value), of_mesh.map(|of| &of.value)];
-            for text in texts.into_iter().flatten() {
-                let (tag, wrong) = super::extras::read_extras(text);
-                for text in wrong {
-                    complaints.new.entry(text).or_default().push(node);
-                }
-                if let Some(tag) = tag {
-                    return Some(super::artists::with_extras(&tag, base()).into());
-                }
-            }
+/// What the extras of a node or of its mesh ask for.
+#[cfg(feature = "bevy_gltf")]
+fn by_extras(
+    nodes: &Nodes,
+    node: Entity,
+    base: &dyn Fn() -> ConvexDecomposition,
+    complaints: &mut Complaints,
+) -> Option<Treatment> {
+    nodes.extras_of(node).find_map(|text| {
+        let (tag, wrong) = super::extras::read_extras(text);
+        for text in wrong {
+            complaints.new.entry(text).or_default().push(node);
         }
-        None
-    }
+        Some(super::artists::with_extras(&tag?, base()).into())
+    })
+}
 
-    #[cfg(not(feature = "bevy_gltf"))]
-    fn by_extras(
-        &self,
-        _node: Entity,
-        _base: &dyn Fn() -> ConvexDecomposition,
-        _complaints: &mut Complaints,
-    ) -> Option<Treatment> {
-        None
-    }
-
-    /// Whether a node or one above it is none of the game's.
-    fn is_left_out(&self, node: Entity, root: Entity) -> bool {
-        let above = self.parents.iter_ancestors(node).take_while(|above| *above != root);
-        std::iter::once(node)
-            .chain(above)
-            .filter_map(|entity| self.names.get(entity).ok())
-            .any(|name| node_tag(name) == Some(NameTag::LeftOut))
-    }
-
-    fn treatment(
-        &self,
-        node: Entity,
-        root: Entity,
-        hierarchy: &ConvexDecompositionHierarchy,
-        with_pieces: &HashSet<&str>,
-        complaints: &mut Complaints,
-    ) -> Treatment {
-        let names = self.names_of(node);
-        if let Some(tag) = names.iter().flatten().find_map(|name| hierarchy.by_name.get(*name)) {
-            return tag.clone().into();
-        }
-        if hierarchy.follows_artists {
-            let base = || hierarchy.default_tag.clone().unwrap_or_default();
-            if self.is_left_out(node, root) {
-                return treatment(NameTag::LeftOut, base());
-            }
-            if let Some(by_extras) = self.by_extras(node, &base, complaints) {
-                return by_extras;
-            }
-            let [own, of_mesh] = names;
-            if let Some(tag) = own.and_then(node_tag).or_else(|| of_mesh.and_then(mesh_tag)) {
-                return treatment(tag, base());
-            }
-            let has_pieces = |name: &str| {
-                with_pieces.contains(name) || with_pieces.contains(without_copy_number(name))
-            };
-            if names.into_iter().flatten().any(has_pieces) {
-                return None.into();
-            }
-        }
-        hierarchy.default_tag.clone().into()
-    }
+#[cfg(not(feature = "bevy_gltf"))]
+fn by_extras(
+    _nodes: &Nodes,
+    _node: Entity,
+    _base: &dyn Fn() -> ConvexDecomposition,
+    _complaints: &mut Complaints,
+) -> Option<Treatment> {
+    None
 }
 
 #[cfg(all(test, feature = "serde", feature = "io"))]

@@ -38,7 +38,7 @@
 // | `error`, `status`, `events`, `settings` | what users read, and what all entities share |
 // | `tag`, `baked` | components that ask for a collider |
 // | `parameters` | from the tag's flat settings to the library's parameters |
-// | `naming_conventions`, `extras`, `artists`, `hierarchy` | whole scenes, tagged by names and extras |
+// | `naming_conventions`, `extras`, `artists`, `nodes`, `hierarchy` | whole scenes, tagged by names and extras |
 // | `mesh_data`, `convert`, `placement` | triangles of meshes, and the scale that is baked |
 // | `primitive`, `static_geometry` | boxes, balls and capsules; which colliders are triangle meshes |
 // | `content`, `cache`, `disk_cache` | known results by content |
@@ -75,6 +75,7 @@ mod freeze;
 mod hierarchy;
 mod mesh_data;
 mod naming_conventions;
+mod nodes;
 mod parameters;
 mod placement;
 mod plugin;

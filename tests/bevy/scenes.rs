@@ -226,3 +226,19 @@ fn meshes_right_below_the_root_that_are_no_primitives_are_inputs_of_their_own() 
     update_until_finished(&mut app, &children);
     assert_eq!(ready(&app).len(), 2);
 }
+
+#[test]
+fn a_mesh_that_comes_later_starts_none_of_the_others_anew() {
+    let mut app = app();
+    let cube = cube(&mut app);
+    let root = root(&mut app, ConvexDecompositionHierarchy::new(tag()).without("lamp"));
+    let first = node(&mut app, root, "first", &[&cube]);
+    node(&mut app, root, "lamp", &[&cube]);
+    update_times(&mut app, 2);
+    update_until_finished(&mut app, &[first]);
+    let late = node(&mut app, root, "late", &[&cube]);
+    update_times(&mut app, 2);
+    update_until_finished(&mut app, &[late]);
+    update_times(&mut app, 3);
+    assert_eq!(ready(&app), [(first, 1), (late, 1)]);
+}
