@@ -253,10 +253,16 @@ fn mass_of(
     };
     match geometry {
         ColliderGeometry::Triangles(_) => Ok(None),
-        ColliderGeometry::Primitive(..) => Ok(Some(match given {
-            Some(mass) => ColliderMassProperties::Mass(mass),
-            None => ColliderMassProperties::Density(density),
-        })),
+        ColliderGeometry::Primitive(..) => {
+            let number = given.unwrap_or(density);
+            if !(number.is_finite() && number > 0.0) {
+                return Err(ColliderError::UnusableMass { mass: number.into() });
+            }
+            Ok(Some(match given {
+                Some(mass) => ColliderMassProperties::Mass(mass),
+                None => ColliderMassProperties::Density(density),
+            }))
+        }
         ColliderGeometry::Hulls(file) => {
             let Some(properties) = file.mass_properties else { return Ok(None) };
             // Baked hulls know their density, all others have one of 1.

@@ -60,13 +60,19 @@ pub(super) struct Removed<'w, 's> {
     sensors: RemovedComponents<'w, 's, Sensor>,
 }
 
+type MayBeStatic = (
+    &'static ConvexDecomposition,
+    Option<&'static AttachedCollider>,
+    Option<&'static FailedRequest>,
+);
+
 /// What never moves gets triangles, all else hulls: bodies and sensors that came, changed or went.
 pub(super) fn detect_bodies(
     mut queue: ResMut<WorkQueue>,
     changed: Query<Entity, ChangedBody>,
     mut removed: Removed,
     children: Query<&Children>,
-    tags: Query<(&ConvexDecomposition, Option<&AttachedCollider>, Option<&FailedRequest>)>,
+    tags: Query<MayBeStatic, Without<BakedDecomposition>>,
     geometry: StaticGeometry,
     placements: Placements,
 ) {

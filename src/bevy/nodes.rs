@@ -118,9 +118,9 @@ impl Nodes<'_, '_> {
 
     /// Whether a node or one above it is none of the game's.
     pub(super) fn is_left_out(&self, node: Entity, root: Entity) -> bool {
-        let above = self.parents.iter_ancestors(node).take_while(|above| *above != root);
         std::iter::once(node)
-            .chain(above)
+            .chain(self.parents.iter_ancestors(node))
+            .take_while(|entity| *entity != root)
             .filter_map(|entity| self.names.get(entity).ok())
             .any(|name| node_tag(name) == Some(NameTag::LeftOut))
     }
