@@ -144,7 +144,8 @@ fn add(app: &mut App, mesh: Mesh) -> Handle<Mesh> {
 }
 
 fn spawn(app: &mut App, mesh: &Handle<Mesh>) {
-    app.world_mut().spawn((Mesh3d(mesh.clone()), ConvexDecomposition::default()));
+    let tag = ConvexDecomposition::default().with_shape(DecompositionShape::Hulls);
+    app.world_mut().spawn((Mesh3d(mesh.clone()), tag));
 }
 
 /// Far enough from the others that they never touch.

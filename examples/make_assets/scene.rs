@@ -20,7 +20,7 @@ pub fn props() -> Model {
     };
     let at = |translation: Point, node: Node| Node { translation, ..node };
     let mesh = scene.add_mesh(mug());
-    scene.nodes.push(at([-0.25, TOP, 0.1], Node::new("mug-convcol", Some(mesh))));
+    scene.nodes.push(at([-0.25, TOP, 0.1], Node::new("mug-convdecomp", Some(mesh))));
     let mesh = scene.add_mesh(lamp());
     let extras = Some(("collider", "convex_decomposition"));
     scene.nodes.push(Node { extras, ..at([0.25, TOP, 0.0], Node::new("lamp", Some(mesh))) });

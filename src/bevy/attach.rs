@@ -2,12 +2,14 @@
 
 use std::time::Duration;
 
-use bevy::ecs::system::SystemParam;
+use bevy::ecs::system::{EntityCommands, SystemParam};
+use bevy::math::Affine3A;
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::{
-    Collider, ColliderMassProperties, ColliderScale, CollisionGroups, Friction, MassProperties,
-    RapierContextEntityLink, RapierRigidBodyHandle, RapierRigidBodySet, Restitution, Sensor,
-    Sleeping, SolverGroups,
+    ActiveCollisionTypes, ActiveEvents, ActiveHooks, Collider, ColliderMassProperties,
+    ColliderScale, CollisionGroups, ContactForceEventThreshold, ContactSkin, Friction,
+    MassProperties, RapierContextEntityLink, RapierRigidBodyHandle, RapierRigidBodySet,
+    Restitution, Sensor, Sleeping, SolverGroups,
 };
 
 use crate::ColliderError;
@@ -21,14 +23,14 @@ use super::placement::{Placements, map_mass};
 use super::queue::{Completed, Failed, WorkQueue};
 use super::request::{AttachedCollider, AttachedFallback};
 use super::settings::HullwrightSettings;
-use super::status::{DecompositionCounters, DecompositionStatus, HullSource, SkipReason};
+use super::status::{DecompositionCounters, DecompositionStatus, HullSource};
 use super::tag::{ConvexDecomposition, DEFAULT_DENSITY};
 
 /// The entities that colliders are attached to.
 #[derive(SystemParam)]
 pub(super) struct Targets<'w, 's> {
     targets: Query<'w, 's, TargetComponents>,
-    surfaces: Query<'w, 's, SurfaceComponents>,
+    surfaces: Surfaces<'w, 's>,
     placements: Placements<'w, 's>,
 }
 
@@ -38,14 +40,6 @@ type TargetComponents = (
     Option<&'static AttachedCollider>,
     Option<&'static AttachedFallback>,
     Has<ColliderMassProperties>,
-);
-
-type SurfaceComponents = (
-    Option<&'static Friction>,
-    Option<&'static Restitution>,
-    Option<&'static CollisionGroups>,
-    Option<&'static SolverGroups>,
-    Option<&'static Sensor>,
 );
 
 /// Attaches colliders that are ready, within the frame's budget.
@@ -113,11 +107,12 @@ impl Sleepers<'_, '_> {
 fn count(counters: &mut DecompositionCounters, completed: &Completed) -> DecompositionStatus {
     let built = &completed.built;
     match &*built.geometry {
-        ColliderGeometry::Triangles(_) => {
-            counters.triangle_meshes += 1;
-            return DecompositionStatus::Skipped(SkipReason::FixedBody);
-        }
+        ColliderGeometry::Triangles(_) => counters.triangle_meshes += 1,
+        ColliderGeometry::Primitive(..) => counters.convex += 1,
         ColliderGeometry::Hulls(file) => counters.convex += usize::from(file.hulls.len() == 1),
+    }
+    if let Some(reason) = completed.request.why_triangles() {
+        return DecompositionStatus::Skipped(reason);
     }
     match built.source {
         HullSource::Decomposed => {}
@@ -142,6 +137,7 @@ fn announce(
     }
     let (hulls, error) = match &*completed.built.geometry {
         ColliderGeometry::Triangles(_) => (0, None),
+        ColliderGeometry::Primitive(..) => (1, None),
         ColliderGeometry::Hulls(file) => (file.hulls.len(), verified_error(file)),
     };
     let source = completed.built.source;
@@ -168,22 +164,9 @@ impl Targets<'_, '_> {
         let owned = attached.map(|attached| attached.owns_mass);
         let owned = owned.or_else(|| fallback.map(|fallback| fallback.owns_mass));
         let owns_mass = owned.unwrap_or(!has_mass);
-        let mass = match &*built.geometry {
-            ColliderGeometry::Triangles(_) => None,
-            ColliderGeometry::Hulls(file) => {
-                let density = f64::from(tag.map_or(DEFAULT_DENSITY, |tag| tag.density));
-                file.mass_properties.map(|properties| {
-                    let mass = match baked {
-                        Some(baked) => baked.mass.map_or(properties.mass, f64::from),
-                        None => properties.mass * density,
-                    };
-                    map_mass(&properties.with_mass(mass), &request.map)
-                })
-            }
-        };
-        let mass = match mass.filter(|_| owns_mass) {
-            Some(mass) => Some(rapier_mass(&mass)?),
-            None => None,
+        let mass = match owns_mass {
+            true => mass_of(&built.geometry, tag, baked, &request.map)?,
+            false => None,
         };
         // The scale is in the points; bevy_rapier must not apply it again.
         commands.entity(*entity).try_insert((
@@ -193,7 +176,7 @@ impl Targets<'_, '_> {
                 input: request.input.clone(),
                 stretch: request.stretch,
                 map: request.map * request.map_before,
-                is_exact: request.is_exact(),
+                why_triangles: request.why_triangles(),
                 owns_mass,
             },
         ));
@@ -209,28 +192,84 @@ impl Targets<'_, '_> {
 
     /// A collider below a body inherits the components of its surface that it does not have itself.
     fn inherit_surface(&self, commands: &mut Commands, entity: Entity) {
-        let Some((body, _)) = self.placements.body(entity) else { return };
-        if body == entity {
-            return;
+        if let Some((body, _)) = self.placements.body(entity)
+            && body != entity
+        {
+            self.surfaces.inherit(&mut commands.entity(entity), body);
         }
-        let (Ok(own), Ok(of_body)) = (self.surfaces.get(entity), self.surfaces.get(body)) else {
-            return;
-        };
-        let mut entity = commands.entity(entity);
-        if let (None, Some(friction)) = (own.0, of_body.0) {
-            entity.try_insert(*friction);
+    }
+}
+
+/// What bevy_rapier reads from the entity of a collider, and people put on its body.
+#[derive(SystemParam)]
+struct Surfaces<'w, 's> {
+    friction: Query<'w, 's, &'static Friction>,
+    restitution: Query<'w, 's, &'static Restitution>,
+    collision_groups: Query<'w, 's, &'static CollisionGroups>,
+    solver_groups: Query<'w, 's, &'static SolverGroups>,
+    sensor: Query<'w, 's, &'static Sensor>,
+    active_events: Query<'w, 's, &'static ActiveEvents>,
+    active_hooks: Query<'w, 's, &'static ActiveHooks>,
+    active_collision_types: Query<'w, 's, &'static ActiveCollisionTypes>,
+    contact_force_threshold: Query<'w, 's, &'static ContactForceEventThreshold>,
+    contact_skin: Query<'w, 's, &'static ContactSkin>,
+}
+
+impl Surfaces<'_, '_> {
+    fn inherit(&self, to: &mut EntityCommands, from: Entity) {
+        inherit(&self.friction, to, from);
+        inherit(&self.restitution, to, from);
+        inherit(&self.collision_groups, to, from);
+        inherit(&self.solver_groups, to, from);
+        inherit(&self.sensor, to, from);
+        inherit(&self.active_events, to, from);
+        inherit(&self.active_hooks, to, from);
+        inherit(&self.active_collision_types, to, from);
+        inherit(&self.contact_force_threshold, to, from);
+        inherit(&self.contact_skin, to, from);
+    }
+}
+
+fn inherit<C: Component + Copy>(all: &Query<&C>, to: &mut EntityCommands, from: Entity) {
+    if let Ok(component) = all.get(from)
+        && !all.contains(to.id())
+    {
+        to.try_insert(*component);
+    }
+}
+
+/// The mass of a collider; `None` for what has none, as triangles.
+fn mass_of(
+    geometry: &ColliderGeometry,
+    tag: Option<&ConvexDecomposition>,
+    baked: Option<&BakedDecomposition>,
+    map: &Affine3A,
+) -> Result<Option<ColliderMassProperties>, ColliderError> {
+    let density = tag.map_or(DEFAULT_DENSITY, |tag| tag.density);
+    // Of the whole collider in the world.
+    let given = match baked {
+        Some(baked) => baked.mass,
+        None => tag.and_then(|tag| tag.mass),
+    };
+    match geometry {
+        ColliderGeometry::Triangles(_) => Ok(None),
+        ColliderGeometry::Primitive(..) => {
+            let number = given.unwrap_or(density);
+            if !(number.is_finite() && number > 0.0) {
+                return Err(ColliderError::UnusableMass { mass: number.into() });
+            }
+            Ok(Some(match given {
+                Some(mass) => ColliderMassProperties::Mass(mass),
+                None => ColliderMassProperties::Density(density),
+            }))
         }
-        if let (None, Some(restitution)) = (own.1, of_body.1) {
-            entity.try_insert(*restitution);
-        }
-        if let (None, Some(groups)) = (own.2, of_body.2) {
-            entity.try_insert(*groups);
-        }
-        if let (None, Some(groups)) = (own.3, of_body.3) {
-            entity.try_insert(*groups);
-        }
-        if let (None, Some(sensor)) = (own.4, of_body.4) {
-            entity.try_insert(*sensor);
+        ColliderGeometry::Hulls(file) => {
+            let Some(properties) = file.mass_properties else { return Ok(None) };
+            // Baked hulls know their density, all others have one of 1.
+            let density = if baked.is_some() { 1.0 } else { f64::from(density) };
+            let mapped = map_mass(&properties.with_mass(properties.mass * density), map);
+            let mapped = given.map_or(mapped, |mass| mapped.with_mass(mass.into()));
+            rapier_mass(&mapped).map(Some)
         }
     }
 }

@@ -37,7 +37,8 @@ pub struct BakedHulls(pub HullsFile);
 pub struct BakedDecomposition {
     /// The hulls.
     pub hulls: Handle<BakedHulls>,
-    /// The mass before scale, instead of the one in the file.
+    /// The mass of the whole collider in the world, whatever its scale, instead of the one in the file,
+    /// which grows with the scale.
     pub mass: Option<f32>,
 }
 

@@ -13,6 +13,7 @@ use crate::{ConvexHull, Hull};
 use super::content::ContentKey;
 use super::mesh_data::MeshData;
 use super::placement::MapKey;
+use super::primitive::PrimitiveKind;
 
 /// What a collider is made of, in its mesh's own space.
 #[derive(Debug)]
@@ -21,6 +22,8 @@ pub(super) enum ColliderGeometry {
     Hulls(Box<HullsFile>),
     /// The mesh itself.
     Triangles(MeshData),
+    /// The mesh around which a box, ball or capsule is put.
+    Primitive(PrimitiveKind, MeshData),
 }
 
 impl ColliderGeometry {
@@ -34,7 +37,9 @@ impl ColliderGeometry {
                 };
                 file.hulls.iter().map(of_hull).sum()
             }
-            Self::Triangles(data) => size_of_val(&*data.positions) + size_of_val(&*data.triangles),
+            Self::Triangles(data) | Self::Primitive(_, data) => {
+                size_of_val(&*data.positions) + size_of_val(&*data.triangles)
+            }
         }
     }
 }

@@ -5,16 +5,17 @@ use bevy::asset::AssetEvent;
 use bevy::ecs::system::SystemParam;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
-use bevy_rapier3d::prelude::RigidBody;
+use bevy_rapier3d::prelude::{ColliderScale, RigidBody, Sensor};
 
 use super::baked::{BakedDecomposition, BakedHulls};
 use super::cache::GeometryCache;
 use super::content::ContentKey;
 use super::events::DecompositionCancelled;
-use super::placement::Stretch;
+use super::placement::{Placements, Stretch};
 use super::queue::WorkQueue;
 use super::request::{AttachedCollider, ColliderRequest, FailedRequest, InputId};
 use super::settings::HullwrightSettings;
+use super::static_geometry::StaticGeometry;
 use super::status::{DecompositionCounters, DecompositionStatus, WaitReason};
 use super::tag::ConvexDecomposition;
 
@@ -48,27 +49,43 @@ pub(super) fn detect_tags(
     }
 }
 
-/// Bodies that became fixed or are no longer: fixed ones get triangles, others hulls.
+/// What may make a collider static, or no longer.
+type ChangedBody = Or<(Changed<RigidBody>, Changed<ChildOf>, Added<Sensor>)>;
+
+/// Bodies, parents and sensors that were taken away.
+#[derive(SystemParam)]
+pub(super) struct Removed<'w, 's> {
+    bodies: RemovedComponents<'w, 's, RigidBody>,
+    parents: RemovedComponents<'w, 's, ChildOf>,
+    sensors: RemovedComponents<'w, 's, Sensor>,
+}
+
+type MayBeStatic = (
+    &'static ConvexDecomposition,
+    Option<&'static AttachedCollider>,
+    Option<&'static FailedRequest>,
+);
+
+/// What never moves gets triangles, all else hulls: bodies and sensors that came, changed or went.
 pub(super) fn detect_bodies(
     mut queue: ResMut<WorkQueue>,
-    settings: Res<HullwrightSettings>,
-    changed: Query<(Entity, &RigidBody), Changed<RigidBody>>,
+    changed: Query<Entity, ChangedBody>,
+    mut removed: Removed,
     children: Query<&Children>,
-    attached: Query<&AttachedCollider, Tagged>,
-    failed: Query<&FailedRequest>,
+    tags: Query<MayBeStatic, Without<BakedDecomposition>>,
+    geometry: StaticGeometry,
+    placements: Placements,
 ) {
-    if !settings.exact_fixed_bodies {
-        return;
-    }
-    for (body, kind) in &changed {
-        let is_fixed = *kind == RigidBody::Fixed;
-        for entity in std::iter::once(body).chain(children.iter_descendants(body)) {
-            let request = queue.request(entity);
-            let is_exact = request
-                .or_else(|| failed.get(entity).ok().map(|failed| &failed.request))
-                .map(|request| request.is_exact())
-                .or_else(|| attached.get(entity).ok().map(|attached| attached.is_exact));
-            if is_exact.is_some_and(|is_exact| is_exact != is_fixed) {
+    let gone = removed.bodies.read().chain(removed.parents.read()).chain(removed.sensors.read());
+    for above in changed.iter().chain(gone) {
+        for entity in std::iter::once(above).chain(children.iter_descendants(above)) {
+            let Ok((tag, attached, failed)) = tags.get(entity) else { continue };
+            let request = queue.request(entity).map(|request| request.why_triangles());
+            let present = request
+                .or_else(|| failed.map(|failed| failed.request.why_triangles()))
+                .or_else(|| attached.map(|attached| attached.why_triangles));
+            let wanted = geometry.why_triangles(&placements, entity, tag.shape);
+            if present.is_some_and(|present| present != wanted) {
                 queue.restart(entity);
             }
         }
@@ -196,6 +213,7 @@ pub(super) fn on_untag<T: Component>(
     mut queue: ResMut<WorkQueue>,
     mut counters: ResMut<DecompositionCounters>,
     failed: Query<(), With<FailedRequest>>,
+    attached: Query<&AttachedCollider>,
     both_tags: Query<(), (With<ConvexDecomposition>, With<BakedDecomposition>)>,
     mut statuses: Query<&mut DecompositionStatus>,
 ) {
@@ -203,13 +221,19 @@ pub(super) fn on_untag<T: Component>(
     // The other tag takes over. If it goes in the same instant, as all do when an entity is despawned, the
     // work is cancelled where it is resolved.
     if both_tags.contains(entity) {
-        if queue.unfinished.contains_key(&entity) {
+        if queue.unfinished.contains_key(&entity) || failed.contains(entity) {
             queue.restart(entity);
         }
         return;
     }
     if failed.contains(entity) {
         commands.entity(entity).try_remove::<FailedRequest>();
+    }
+    // From now on the collider is Rapier's own, which scales it by what comes on top of what is baked.
+    if let Ok(attached) = attached.get(entity)
+        && let Some(scale) = attached.stretch.scale()
+    {
+        commands.entity(entity).try_insert(ColliderScale::Relative(scale.recip()));
     }
     if queue.forget(entity) {
         counters.cancelled += 1;

@@ -1,15 +1,16 @@
 //! Fallback colliders for entities that wait: the convex hull or the bounding box.
 
+use bevy::math::Affine3A;
 use bevy::prelude::*;
 use bevy::tasks::{block_on, poll_once};
 use bevy_rapier3d::prelude::{Collider, ColliderMassProperties, ColliderScale};
 use bevy_rapier3d::rapier::geometry::SharedShape;
-use bevy_rapier3d::rapier::math::{Pose, Vector};
 
 use crate::hull::{HullBuilder, solid_hull};
 
 use super::mesh_data::{MeshData, read_parts};
 use super::pool::pool;
+use super::primitive::{PrimitiveKind, primitive_around, used_points};
 use super::queue::WorkQueue;
 use super::request::AttachedFallback;
 use super::settings::{Execution, FallbackCollider, HullwrightSettings};
@@ -89,25 +90,8 @@ pub(super) fn remove_fallbacks(
     }
 }
 
-/// The points that triangles use, as far as they are finite.
-fn used_points(data: &MeshData) -> impl Iterator<Item = [f32; 3]> {
-    let corners = data.triangles.iter().flatten();
-    let points = corners.filter_map(|vertex| data.positions.get(*vertex as usize).copied());
-    points.filter(|point| point.iter().all(|x| x.is_finite()))
-}
-
-/// `None` for what has no thickness: Rapier's boxes have.
 fn bounding_box(data: &MeshData) -> Option<SharedShape> {
-    let mut low = Vector::INFINITY;
-    let mut high = Vector::NEG_INFINITY;
-    for point in used_points(data).map(Vector::from) {
-        (low, high) = (low.min(point), high.max(point));
-    }
-    let half = (high - low) / 2.0;
-    let pose = Pose::from_translation(low + half);
-    let is_usable = half.is_finite() && half.min_element() > 0.0;
-    is_usable
-        .then(|| SharedShape::compound(vec![(pose, SharedShape::cuboid(half.x, half.y, half.z))]))
+    primitive_around(PrimitiveKind::Cuboid, data, &Affine3A::IDENTITY).ok()
 }
 
 fn convex_hull(data: &MeshData) -> Option<SharedShape> {

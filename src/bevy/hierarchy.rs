@@ -1,12 +1,17 @@
 //! A whole scene tagged at once: which of its meshes, by a default, by names, by extras.
 
+use std::collections::BTreeMap;
+
 use bevy::ecs::entity::EntityHashSet;
-use bevy::ecs::system::SystemParam;
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
 
-use super::baked::BakedDecomposition;
-use super::naming_conventions::{NameTag, name_tag, without_copy_number};
+use bevy_rapier3d::prelude::RigidBody;
+
+use super::artists::{Treatment, treatment};
+use super::describe::{Descriptions, entities};
+use super::naming_conventions::{NameTag, mesh_tag, node_tag, without_copy_number};
+use super::nodes::{Nodes, TaggedByHierarchy};
 use super::tag::{ConvexDecomposition, NoConvexDecomposition};
 
 /// Tags the meshes below this entity, such as all of a glTF scene, also those that come later.
@@ -28,10 +33,11 @@ pub struct ConvexDecompositionHierarchy {
     /// By the name of the node or the mesh; `None` to leave it out.
     #[cfg_attr(feature = "serde", serde(with = "by_name"))]
     pub by_name: HashMap<String, Option<ConvexDecomposition>>,
-    /// Whether names with `-convcol` and glTF extras with `{"collider": "convex_decomposition"}`
-    /// are tagged, those with `{"collider": "none"}` are not, and meshes called `UCX_chair` or
-    /// `UCX_chair_01` become convex pieces of the collider of `chair`, which is then not
-    /// decomposed. Extras are read with the feature `bevy_gltf`. Default true.
+    /// Whether names and glTF extras say what becomes of a mesh: Godot's suffixes, such as `-col` and
+    /// `-convcol`, and `-convdecomp`; Unreal's prefixes, where `UCX_chair_01` is a piece of the collider of
+    /// `chair`, which is then not decomposed; extras such as `{"collider": "convex_decomposition",
+    /// "max_error": 0.01}`. Extras are read, and colliders not drawn, with the feature `bevy_gltf`. Default
+    /// true.
     pub follows_artists: bool,
 }
 
@@ -123,35 +129,23 @@ mod by_name {
     }
 }
 
-/// Set on what a hierarchy tagged, so that another setting can take it back.
-#[derive(Component, Debug, Clone, Copy)]
-pub(super) struct TaggedByHierarchy;
-
-/// The scene that is tagged.
-#[derive(SystemParam)]
-pub(super) struct Nodes<'w, 's> {
-    meshes: Query<'w, 's, (Entity, Option<&'static Transform>), With<Mesh3d>>,
-    names: Query<'w, 's, &'static Name>,
-    parents: Query<'w, 's, &'static ChildOf>,
-    children: Query<'w, 's, &'static Children>,
-    own_tags: Query<'w, 's, (), OwnTag>,
-    tagged: Query<'w, 's, (), With<TaggedByHierarchy>>,
-    #[cfg(feature = "bevy_gltf")]
-    extras: Query<'w, 's, Extras>,
+/// What was wrong with extras, and of whom it was said first. Each is logged once.
+#[derive(Default)]
+pub(super) struct Complaints {
+    known: HashSet<String>,
+    new: BTreeMap<String, Vec<Entity>>,
 }
 
-/// Tagged by somebody else.
-type OwnTag = (
-    Or<(With<ConvexDecomposition>, With<BakedDecomposition>, With<NoConvexDecomposition>)>,
-    Without<TaggedByHierarchy>,
-);
-
-#[cfg(feature = "bevy_gltf")]
-type Extras = (
-    Option<&'static bevy::gltf::GltfExtras>,
-    Option<&'static bevy::gltf::GltfMeshExtras>,
-    Option<&'static bevy::gltf::GltfMeshName>,
-);
+impl Complaints {
+    fn log(&mut self, descriptions: &Descriptions) {
+        for (text, of) in std::mem::take(&mut self.new) {
+            if let Some(first) = of.first().filter(|_| self.known.insert(text.clone())) {
+                let who = entities(of.len(), &descriptions.entity(*first, None));
+                log::warn!("glTF extras of {who}: {text}");
+            }
+        }
+    }
+}
 
 type NewMesh = (With<Mesh3d>, Or<(Added<Mesh3d>, Changed<ChildOf>)>);
 
@@ -162,6 +156,8 @@ pub(super) fn tag_hierarchies(
     changed: Query<Entity, Changed<ConvexDecompositionHierarchy>>,
     new_meshes: Query<Entity, NewMesh>,
     nodes: Nodes,
+    descriptions: Descriptions,
+    mut complaints: Local<Complaints>,
 ) {
     if hierarchies.is_empty() {
         return;
@@ -173,156 +169,119 @@ pub(super) fn tag_hierarchies(
     }
     for root in roots {
         if let Ok(hierarchy) = hierarchies.get(root) {
-            nodes.tag(&mut commands, root, hierarchy);
+            tag_scene(&mut commands, &nodes, root, hierarchy, &mut complaints);
+        }
+    }
+    complaints.log(&descriptions);
+}
+
+/// Tags the meshes below a root.
+fn tag_scene(
+    commands: &mut Commands,
+    nodes: &Nodes,
+    root: Entity,
+    hierarchy: &ConvexDecompositionHierarchy,
+    complaints: &mut Complaints,
+) {
+    let all = nodes.nodes_with_meshes(root);
+    let with_pieces = match hierarchy.follows_artists {
+        true => nodes.meshes_with_pieces(&all),
+        false => HashSet::default(),
+    };
+    for node in all {
+        if nodes.own_tags.contains(node) {
+            continue;
+        }
+        let Treatment { tag, is_drawn, is_body } = match by_code(nodes, node, hierarchy) {
+            Some(tag) => tag.clone().into(),
+            None if hierarchy.follows_artists => {
+                let base = || hierarchy.default_tag.clone().unwrap_or_default();
+                by_artist(nodes, node, root, &base, &with_pieces, complaints)
+                    .unwrap_or_else(|| hierarchy.default_tag.clone().into())
+            }
+            None => hierarchy.default_tag.clone().into(),
+        };
+        nodes.show(commands, node, is_drawn);
+        // What is tagged anew starts anew.
+        if nodes.tagged.get(node).is_ok_and(|before| before == tag.as_ref()) {
+            continue;
+        }
+        let mut node = commands.entity(node);
+        match tag {
+            Some(tag) => {
+                node.try_remove::<NoConvexDecomposition>();
+                node.try_insert((tag, TaggedByHierarchy));
+            }
+            None => {
+                node.try_remove::<ConvexDecomposition>();
+                // Else it would be part of the input of a node above it.
+                node.try_insert((NoConvexDecomposition, TaggedByHierarchy));
+            }
+        }
+        if is_body {
+            node.try_insert_if_new(RigidBody::Dynamic);
         }
     }
 }
 
-impl Nodes<'_, '_> {
-    fn tag(&self, commands: &mut Commands, root: Entity, hierarchy: &ConvexDecompositionHierarchy) {
-        let nodes = self.nodes_with_meshes(root);
-        // Meshes that have pieces made by the artist.
-        let mut with_pieces: HashSet<&str> = HashSet::default();
-        if hierarchy.follows_artists {
-            for node in &nodes {
-                for name in self.names_of(*node) {
-                    if let Some(NameTag::PieceOf(whole)) = name_tag(name) {
-                        with_pieces.insert(whole);
-                    }
-                }
-            }
-        }
-        for node in nodes {
-            if self.own_tags.contains(node) {
-                continue;
-            }
-            let mut node_commands = commands.entity(node);
-            match self.tag_of(node, hierarchy, &with_pieces) {
-                Some(tag) => {
-                    node_commands.try_remove::<NoConvexDecomposition>();
-                    node_commands.try_insert((tag, TaggedByHierarchy));
-                }
-                None => {
-                    if self.tagged.contains(node) {
-                        node_commands.try_remove::<ConvexDecomposition>();
-                    }
-                    // Else it would be part of the input of a node above it.
-                    node_commands.try_insert((NoConvexDecomposition, TaggedByHierarchy));
-                }
-            }
-        }
-    }
-
-    /// The entities that stand for one mesh each: those with a `Mesh3d`, or the parents of
-    /// primitives.
-    fn nodes_with_meshes(&self, root: Entity) -> Vec<Entity> {
-        let mut seen = EntityHashSet::default();
-        let is_root_node = self.is_gltf_node(root);
-        let below = std::iter::once(root).chain(self.children.iter_descendants(root));
-        let meshes = below.filter_map(|entity| self.meshes.get(entity).ok());
-        meshes
-            .map(|(entity, transform)| match self.parents.get(entity) {
-                Ok(parent)
-                    if entity != root
-                        && (parent.parent() != root || is_root_node)
-                        && transform.is_none_or(|transform| *transform == Transform::IDENTITY) =>
-                {
-                    parent.parent()
-                }
-                _ => entity,
-            })
-            .filter(|node| seen.insert(*node))
-            .collect()
-    }
-
-    /// Whether the meshes right below are the primitives of one glTF mesh, whose name they have then,
-    /// and not meshes of their own that somebody put there.
-    #[cfg(feature = "bevy_gltf")]
-    fn is_gltf_node(&self, entity: Entity) -> bool {
-        let Ok(children) = self.children.get(entity) else { return false };
-        let meshes = children.iter().filter(|child| self.meshes.contains(*child));
-        let mut names = meshes.map(|mesh| Some(self.extras.get(mesh).ok()?.2?.0.as_str()));
-        let Some(Some(first)) = names.next() else { return false };
-        names.all(|name| name == Some(first))
-    }
-
-    #[cfg(not(feature = "bevy_gltf"))]
-    fn is_gltf_node(&self, _entity: Entity) -> bool {
-        false
-    }
-
-    /// The node's own name, and those that its primitives have of their mesh.
-    fn names_of(&self, node: Entity) -> impl Iterator<Item = &str> {
-        let own = self.names.get(node).ok().map(Name::as_str);
-        #[cfg(feature = "bevy_gltf")]
-        let of_mesh = {
-            let on = |entity| self.extras.get(entity).ok()?.2.map(|name| name.0.as_str());
-            on(node).or_else(|| self.children.get(node).ok()?.iter().find_map(on))
-        };
-        #[cfg(not(feature = "bevy_gltf"))]
-        let of_mesh = None;
-        own.into_iter().chain(of_mesh)
-    }
-
-    #[cfg(feature = "bevy_gltf")]
-    fn extras_of(&self, node: Entity) -> Option<bool> {
-        let on = |entity| {
-            let (extras, mesh_extras, _) = self.extras.get(entity).ok()?;
-            let tag = |text: &String| super::naming_conventions::extras_tag(text);
-            extras
-                .and_then(|extras| tag(&extras.value))
-                .or_else(|| mesh_extras.and_then(|extras| tag(&extras.value)))
-        };
-        on(node).or_else(|| {
-            let children = self.children.get(node).ok()?;
-            children.iter().filter(|child| self.meshes.contains(*child)).find_map(on)
-        })
-    }
-
-    #[cfg(not(feature = "bevy_gltf"))]
-    fn extras_of(&self, _node: Entity) -> Option<bool> {
-        None
-    }
-
-    fn tag_of(
-        &self,
-        node: Entity,
-        hierarchy: &ConvexDecompositionHierarchy,
-        with_pieces: &HashSet<&str>,
-    ) -> Option<ConvexDecomposition> {
-        let by_name = |name: &str| hierarchy.by_name.get(name);
-        if let Some(tag) = self.names_of(node).find_map(by_name) {
-            return tag.clone();
-        }
-        if hierarchy.follows_artists {
-            let asked = || hierarchy.default_tag.clone().unwrap_or_default();
-            match self.extras_of(node) {
-                Some(true) => return Some(asked()),
-                Some(false) => return None,
-                None => {}
-            }
-            match self.names_of(node).find_map(name_tag) {
-                Some(NameTag::Decompose) => return Some(asked()),
-                Some(NameTag::PieceOf(_)) => return Some(one_hull(asked())),
-                None => {}
-            }
-            let has_pieces = |name: &str| {
-                with_pieces.contains(name) || with_pieces.contains(without_copy_number(name))
-            };
-            if self.names_of(node).any(has_pieces) {
-                return None;
-            }
-        }
-        hierarchy.default_tag.clone()
-    }
+fn by_code<'a>(
+    nodes: &Nodes,
+    node: Entity,
+    hierarchy: &'a ConvexDecompositionHierarchy,
+) -> Option<&'a Option<ConvexDecomposition>> {
+    let names = nodes.names_of(node);
+    names.into_iter().flatten().find_map(|name| hierarchy.by_name.get(name))
 }
 
-/// A piece made by an artist is convex up to modelling errors: one hull, with the tag's density and
-/// fallback.
-fn one_hull(tag: ConvexDecomposition) -> ConvexDecomposition {
-    let ConvexDecomposition { density, fallback_collider, .. } = tag;
-    let one = ConvexDecomposition::default().with_max_hulls(1);
-    ConvexDecomposition { density, fallback_collider, ..one }
+/// What extras and names ask for; `base` is the tag that the scene has where it has one.
+fn by_artist(
+    nodes: &Nodes,
+    node: Entity,
+    root: Entity,
+    base: &dyn Fn() -> ConvexDecomposition,
+    with_pieces: &HashSet<&str>,
+    complaints: &mut Complaints,
+) -> Option<Treatment> {
+    if nodes.is_left_out(node, root) {
+        return Some(treatment(NameTag::LeftOut, base()));
+    }
+    if let Some(by_extras) = by_extras(nodes, node, base, complaints) {
+        return Some(by_extras);
+    }
+    let [own, of_mesh] = nodes.names_of(node);
+    if let Some(tag) = own.and_then(node_tag).or_else(|| of_mesh.and_then(mesh_tag)) {
+        return Some(treatment(tag, base()));
+    }
+    let has_pieces =
+        |name: &str| with_pieces.contains(name) || with_pieces.contains(without_copy_number(name));
+    [own, of_mesh].into_iter().flatten().any(has_pieces).then(|| None.into())
+}
+
+/// What the extras of a node or of its mesh ask for.
+#[cfg(feature = "bevy_gltf")]
+fn by_extras(
+    nodes: &Nodes,
+    node: Entity,
+    base: &dyn Fn() -> ConvexDecomposition,
+    complaints: &mut Complaints,
+) -> Option<Treatment> {
+    nodes.extras_of(node).find_map(|text| {
+        let (tag, wrong) = super::extras::read_extras(text);
+        for text in wrong {
+            complaints.new.entry(text).or_default().push(node);
+        }
+        Some(super::artists::with_extras(&tag?, base()).into())
+    })
+}
+
+#[cfg(not(feature = "bevy_gltf"))]
+fn by_extras(
+    _nodes: &Nodes,
+    _node: Entity,
+    _base: &dyn Fn() -> ConvexDecomposition,
+    _complaints: &mut Complaints,
+) -> Option<Treatment> {
+    None
 }
 
 #[cfg(all(test, feature = "serde", feature = "io"))]

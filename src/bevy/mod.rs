@@ -38,8 +38,9 @@
 // | `error`, `status`, `events`, `settings` | what users read, and what all entities share |
 // | `tag`, `baked` | components that ask for a collider |
 // | `parameters` | from the tag's flat settings to the library's parameters |
-// | `naming_conventions`, `hierarchy` | whole scenes, tagged by names and extras |
+// | `naming_conventions`, `extras`, `artists`, `nodes`, `hierarchy` | whole scenes, tagged by names and extras |
 // | `mesh_data`, `convert`, `placement` | triangles of meshes, and the scale that is baked |
+// | `primitive`, `static_geometry` | boxes, balls and capsules; which colliders are triangle meshes |
 // | `content`, `cache`, `disk_cache` | known results by content |
 // | `task` | one decomposition, in steps |
 // | `request`, `budget`, `queue` | what entities ask for, and the state of all work |
@@ -52,6 +53,7 @@
 // | `debug` (feature) | hulls drawn, and numbers among the diagnostics |
 // | `plugin` | the systems and their order |
 
+mod artists;
 mod attach;
 mod baked;
 mod budget;
@@ -66,21 +68,26 @@ mod describe;
 mod disk_cache;
 mod error;
 mod events;
+#[cfg(feature = "bevy_gltf")]
+mod extras;
 mod failures;
 mod fallback_collider;
 mod freeze;
 mod hierarchy;
 mod mesh_data;
 mod naming_conventions;
+mod nodes;
 mod parameters;
 mod placement;
 mod plugin;
 mod pool;
+mod primitive;
 mod queue;
 mod request;
 mod resolve;
 mod scheduler;
 mod settings;
+mod static_geometry;
 mod status;
 mod tag;
 mod task;
@@ -99,7 +106,7 @@ pub use settings::{Execution, FallbackCollider, HullwrightSettings};
 pub use status::{DecompositionCounters, DecompositionStatus, HullSource, SkipReason, WaitReason};
 pub use tag::{
     ConvexDecomposition, DEFAULT_DENSITY, DecompositionFocus, DecompositionOpenings,
-    DecompositionPreset, MaxError, NoConvexDecomposition,
+    DecompositionPreset, DecompositionShape, MaxError, NoConvexDecomposition,
 };
 
 /// What most users need.
@@ -107,8 +114,24 @@ pub mod prelude {
     pub use super::{
         BakedDecomposition, ConvexDecomposition, ConvexDecompositionHierarchy,
         DecompositionCancelled, DecompositionCounters, DecompositionFailed, DecompositionFocus,
-        DecompositionOpenings, DecompositionPreset, DecompositionReady, DecompositionSkipped,
-        DecompositionStatus, FallbackCollider, HullSource, HullwrightPlugin, HullwrightSettings,
-        HullwrightSystems, MaxError, NoConvexDecomposition, SkipReason, VerifiedError,
+        DecompositionOpenings, DecompositionPreset, DecompositionReady, DecompositionShape,
+        DecompositionSkipped, DecompositionStatus, FallbackCollider, HullSource, HullwrightPlugin,
+        HullwrightSettings, HullwrightSystems, MaxError, NoConvexDecomposition, SkipReason,
+        VerifiedError,
     };
+}
+
+/// The programs of the pages in `docs/bevy` are tests. Those of `docs/bevy.md` need a window.
+#[cfg(doctest)]
+mod pages {
+    #[doc = include_str!("../../docs/bevy/bounds.md")]
+    struct Bounds;
+    #[doc = include_str!("../../docs/bevy/fixed-timestep.md")]
+    struct FixedTimestep;
+    #[doc = include_str!("../../docs/bevy/migration.md")]
+    struct Migration;
+    #[doc = include_str!("../../docs/bevy/settings.md")]
+    struct Settings;
+    #[doc = include_str!("../../docs/bevy/troubleshooting.md")]
+    struct Troubleshooting;
 }

@@ -3,7 +3,76 @@
 
 use crate::{BoundedParameters, Length, Method, Openings, Parameters, Preset, SurfaceParameters};
 
-use super::tag::{ConvexDecomposition, DecompositionOpenings, DecompositionPreset, MaxError};
+use super::primitive::PrimitiveKind;
+use super::status::SkipReason;
+use super::tag::{
+    ConvexDecomposition, DecompositionOpenings, DecompositionPreset, DecompositionShape, MaxError,
+};
+
+/// What is made of a mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Goal {
+    /// Hulls by these parameters.
+    Hulls(Parameters),
+    /// The triangles as they are, and why.
+    Triangles(SkipReason),
+    /// A box, ball or capsule around it.
+    Primitive(PrimitiveKind),
+}
+
+impl Goal {
+    /// What a tag asks for, if it gets no triangles.
+    pub(super) fn of(tag: &ConvexDecomposition) -> Self {
+        match tag.shape {
+            DecompositionShape::Cuboid => Self::Primitive(PrimitiveKind::Cuboid),
+            DecompositionShape::Ball => Self::Primitive(PrimitiveKind::Ball),
+            DecompositionShape::Capsule => Self::Primitive(PrimitiveKind::Capsule),
+            // The paper's method knows no cap.
+            DecompositionShape::ConvexHull => Self::Hulls(tag.flat_parameters().max_hulls(1)),
+            DecompositionShape::Auto
+            | DecompositionShape::Hulls
+            | DecompositionShape::Triangles => Self::Hulls(tag.to_parameters()),
+        }
+    }
+
+    pub(super) fn parameters(&self) -> Option<&Parameters> {
+        match self {
+            Self::Hulls(parameters) => Some(parameters),
+            Self::Triangles(_) | Self::Primitive(_) => None,
+        }
+    }
+
+    /// Why there are triangles instead of hulls.
+    pub(super) fn why_triangles(&self) -> Option<SkipReason> {
+        match self {
+            Self::Triangles(reason) => Some(*reason),
+            Self::Hulls(_) | Self::Primitive(_) => None,
+        }
+    }
+
+    /// For one part of a larger mesh: what is open on it is closed by the other parts.
+    pub(super) fn keep_openings_of_part(&mut self) {
+        if let Self::Hulls(parameters) = self
+            && parameters.bounded.openings == Openings::Auto
+        {
+            parameters.bounded.openings = Openings::Keep;
+        }
+    }
+
+    /// Hashes what is made, whichever mesh it is made of.
+    pub(super) fn hash(&self, hasher: &mut blake3::Hasher) {
+        match self {
+            Self::Triangles(_) => hasher.update(&[0]),
+            Self::Hulls(_) => hasher.update(&[1]),
+            Self::Primitive(PrimitiveKind::Cuboid) => hasher.update(&[2]),
+            Self::Primitive(PrimitiveKind::Ball) => hasher.update(&[3]),
+            Self::Primitive(PrimitiveKind::Capsule) => hasher.update(&[4]),
+        };
+        if let Self::Hulls(parameters) = self {
+            hash_parameters(parameters, hasher);
+        }
+    }
+}
 
 impl ConvexDecomposition {
     /// What the library is asked to do: [`parameters`](Self::parameters) if they are given, else
@@ -16,9 +85,10 @@ impl ConvexDecomposition {
     /// assert_eq!(tag.to_parameters(), hullwright::Parameters::default().max_hulls(16));
     /// ```
     pub fn to_parameters(&self) -> Parameters {
-        if let Some(parameters) = &self.parameters {
-            return parameters.clone();
-        }
+        self.parameters.clone().unwrap_or_else(|| self.flat_parameters())
+    }
+
+    fn flat_parameters(&self) -> Parameters {
         Parameters::default()
             .method(Method::Bounded)
             .max_error(self.max_error.into())
@@ -45,6 +115,35 @@ fn as_written(x: f32) -> f64 {
     x.to_string().parse().unwrap_or(f64::from(x))
 }
 
+impl From<Length> for MaxError {
+    fn from(length: Length) -> Self {
+        match length {
+            Length::Share(share) => Self::Share(share as f32),
+            Length::Units(metres) => Self::Metres(metres as f32),
+        }
+    }
+}
+
+impl From<Preset> for DecompositionPreset {
+    fn from(preset: Preset) -> Self {
+        match preset {
+            Preset::Fast => Self::Fast,
+            Preset::Balanced => Self::Balanced,
+            Preset::Fine => Self::Fine,
+        }
+    }
+}
+
+impl From<Openings> for DecompositionOpenings {
+    fn from(openings: Openings) -> Self {
+        match openings {
+            Openings::Auto => Self::Auto,
+            Openings::Keep => Self::Keep,
+            Openings::Close => Self::Close,
+        }
+    }
+}
+
 impl From<DecompositionPreset> for Preset {
     fn from(preset: DecompositionPreset) -> Self {
         match preset {
@@ -65,13 +164,6 @@ impl From<DecompositionOpenings> for Openings {
     }
 }
 
-/// For one part of a larger mesh: what is open on it is closed by the other parts.
-pub(super) fn keep_openings_of_part(parameters: &mut Parameters) {
-    if parameters.bounded.openings == Openings::Auto {
-        parameters.bounded.openings = Openings::Keep;
-    }
-}
-
 /// Whether the result depends on how large the mesh is in the world.
 pub(super) fn has_absolute_length(parameters: &Parameters) -> bool {
     matches!(parameters.bounded.max_error, Length::Units(_))
@@ -80,7 +172,7 @@ pub(super) fn has_absolute_length(parameters: &Parameters) -> bool {
 
 /// Hashes every parameter, field by field, so that the keys of caches on disk depend on no text or
 /// layout. The patterns name all fields: a new one does not compile until it is hashed here.
-pub(super) fn hash_parameters(parameters: &Parameters, hasher: &mut blake3::Hasher) {
+fn hash_parameters(parameters: &Parameters, hasher: &mut blake3::Hasher) {
     let Parameters { method, bounded, surface, max_vertices } = parameters;
     let BoundedParameters { max_error, preset, max_hulls, keep_cavities, openings, up_axis } =
         bounded;

@@ -51,6 +51,13 @@ impl Stretch {
         }
     }
 
+    /// The factors along the axes, as Bevy takes them from a transform; `None` if any is none.
+    pub(super) fn scale(&self) -> Option<Vec3> {
+        let [x, y, z, ..] = self.products.map(f32::sqrt);
+        let scale = Vec3::new(if self.is_mirrored { -x } else { x }, y, z);
+        scale.recip().is_finite().then_some(scale)
+    }
+
     /// Whether two transforms differ in scale by more than rounding errors.
     pub(super) fn differs(&self, other: &Self) -> bool {
         let [x, y, z, ..] = self.products;

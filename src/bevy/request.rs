@@ -6,13 +6,12 @@ use bevy::asset::AssetId;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 
-use crate::Parameters;
-
 use super::baked::BakedHulls;
 use super::error::DecompositionError;
 use super::mesh_data::MeshPart;
-use super::parameters::has_absolute_length;
+use super::parameters::{Goal, has_absolute_length};
 use super::placement::{MapKey, Stretch};
+use super::status::SkipReason;
 
 /// Names what a collider is made from without looking into it.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -41,8 +40,8 @@ impl InputId {
 pub(super) struct ColliderRequest {
     pub input: Arc<InputId>,
     pub parts: Vec<MeshPart>,
-    /// `None` for the triangles as they are.
-    pub parameters: Option<Parameters>,
+    /// `None` for baked hulls.
+    pub goal: Option<Goal>,
     /// Baked into the mesh before the work.
     pub map_before: Affine3A,
     /// Baked into the result.
@@ -51,9 +50,9 @@ pub(super) struct ColliderRequest {
 }
 
 impl ColliderRequest {
-    /// Whether it is for the triangles as they are.
-    pub(super) fn is_exact(&self) -> bool {
-        self.parameters.is_none() && matches!(*self.input, InputId::Meshes { .. })
+    /// Why it is for triangles instead of hulls.
+    pub(super) fn why_triangles(&self) -> Option<SkipReason> {
+        self.goal.as_ref()?.why_triangles()
     }
 
     pub(super) fn map_key(&self) -> MapKey {
@@ -72,8 +71,8 @@ pub(super) struct AttachedCollider {
         expect(dead_code, reason = "drawn with the feature `debug`")
     )]
     pub map: Affine3A,
-    /// Whether it is the triangle mesh.
-    pub is_exact: bool,
+    /// Why it is a triangle mesh instead of hulls.
+    pub why_triangles: Option<SkipReason>,
     /// Whether the plugin set the mass properties, or found them set.
     pub owns_mass: bool,
 }
@@ -101,6 +100,7 @@ impl FailedRequest {
     /// Whether it may succeed at another scale. A mesh that is bad in itself stays so.
     pub(super) fn depends_on_scale(&self) -> bool {
         let is_of_shape = matches!(self.error, DecompositionError::Collider(_));
-        is_of_shape || self.request.parameters.as_ref().is_some_and(has_absolute_length)
+        let parameters = self.request.goal.as_ref().and_then(Goal::parameters);
+        is_of_shape || parameters.is_some_and(has_absolute_length)
     }
 }

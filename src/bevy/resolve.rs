@@ -16,11 +16,12 @@ use super::describe::{Descriptions, entities};
 use super::error::DecompositionError;
 use super::events::{DecompositionCancelled, DecompositionSkipped};
 use super::mesh_data::MeshPart;
-use super::parameters::{has_absolute_length, keep_openings_of_part};
+use super::parameters::{Goal, has_absolute_length};
 use super::placement::{MapKey, Placements};
 use super::queue::{Completed, Failed, WorkQueue};
 use super::request::{AttachedCollider, AttachedFallback, ColliderRequest, FailedRequest, InputId};
 use super::settings::{FallbackCollider, HullwrightSettings};
+use super::static_geometry::StaticGeometry;
 use super::status::{
     DecompositionCounters, DecompositionStatus, HullSource, SkipReason, WaitReason,
 };
@@ -38,6 +39,7 @@ pub(super) struct Scene<'w, 's> {
     transforms: Query<'w, 's, &'static Transform>,
     failed: Query<'w, 's, (), With<FailedRequest>>,
     placements: Placements<'w, 's>,
+    geometry: StaticGeometry<'w, 's>,
     meshes: Res<'w, Assets<Mesh>>,
     baked: Res<'w, Assets<BakedHulls>>,
     server: Option<Res<'w, AssetServer>>,
@@ -112,7 +114,7 @@ pub(super) fn resolve(
                 status.set_if_neq(new);
             }
         };
-        let resolution = scene.resolution(entity, &settings);
+        let resolution = scene.resolution(entity);
         if scene.failed.contains(entity) && !matches!(resolution, Resolution::Later(_)) {
             commands.entity(entity).try_remove::<FailedRequest>();
         }
@@ -216,7 +218,7 @@ fn known_result(
 }
 
 impl Scene<'_, '_> {
-    fn resolution(&self, entity: Entity, settings: &HullwrightSettings) -> Resolution {
+    fn resolution(&self, entity: Entity) -> Resolution {
         let Ok((tag, baked, has_collider, is_attached, is_fallback)) = self.tags.get(entity) else {
             return Resolution::Gone;
         };
@@ -225,7 +227,7 @@ impl Scene<'_, '_> {
         }
         match (baked, tag) {
             (Some(baked), _) => self.baked_request(entity, baked),
-            (None, Some(tag)) => self.mesh_request(entity, tag, settings),
+            (None, Some(tag)) => self.mesh_request(entity, tag),
             (None, None) => Resolution::Gone,
         }
     }
@@ -240,7 +242,7 @@ impl Scene<'_, '_> {
         let request = Box::new(ColliderRequest {
             input: Arc::new(InputId::Baked(id)),
             parts: Vec::new(),
-            parameters: None,
+            goal: None,
             map_before: Affine3A::IDENTITY,
             map: placement.map,
             stretch: placement.stretch,
@@ -248,12 +250,7 @@ impl Scene<'_, '_> {
         if is_missing { Resolution::not_loaded(request) } else { Resolution::Request(request) }
     }
 
-    fn mesh_request(
-        &self,
-        entity: Entity,
-        tag: &ConvexDecomposition,
-        settings: &HullwrightSettings,
-    ) -> Resolution {
+    fn mesh_request(&self, entity: Entity, tag: &ConvexDecomposition) -> Resolution {
         let mut parts = Vec::new();
         self.collect(entity, entity, &mut parts);
         if parts.is_empty() {
@@ -264,28 +261,21 @@ impl Scene<'_, '_> {
             return Resolution::Later(Missing::Asset(mesh.untyped()));
         }
         let placement = self.placements.placement(entity);
-        let is_fixed = matches!(self.placements.body(entity), Some((_, RigidBody::Fixed)));
-        let mut parameters =
-            (!is_fixed || !settings.exact_fixed_bodies).then(|| tag.to_parameters());
-        if let Some(parameters) = &mut parameters
-            && self.is_primitive_among_others(entity)
-        {
-            keep_openings_of_part(parameters);
-        }
+        let goal = self.goal(entity, tag);
         // A bound in metres means metres of the world, so the mesh is scaled first.
-        let (map_before, map) = match parameters.as_ref().is_some_and(has_absolute_length) {
+        let (map_before, map) = match goal.parameters().is_some_and(has_absolute_length) {
             true => (placement.map, Affine3A::IDENTITY),
             false => (Affine3A::IDENTITY, placement.map),
         };
         let input = InputId::Meshes {
             parts: parts.iter().map(|part| (part.mesh, MapKey::new(&part.to_input))).collect(),
-            goal: goal_hash(parameters.as_ref()),
+            goal: goal_hash(&goal),
             map_before: MapKey::new(&map_before),
         };
         let request = Box::new(ColliderRequest {
             input: Arc::new(input),
             parts,
-            parameters,
+            goal: Some(goal),
             map_before,
             map,
             stretch: placement.stretch,
@@ -295,6 +285,17 @@ impl Scene<'_, '_> {
         } else {
             Resolution::Request(request)
         }
+    }
+
+    fn goal(&self, entity: Entity, tag: &ConvexDecomposition) -> Goal {
+        if let Some(reason) = self.geometry.why_triangles(&self.placements, entity, tag.shape) {
+            return Goal::Triangles(reason);
+        }
+        let mut goal = Goal::of(tag);
+        if self.is_primitive_among_others(entity) {
+            goal.keep_openings_of_part();
+        }
+        goal
     }
 
     /// Whether an entity is one of several primitives of a glTF mesh, which Bevy spawns as children of one

@@ -31,9 +31,11 @@ pub struct HullwrightSettings {
     /// An entity that has waited for this long for a mesh is logged, once: most likely nobody will give
     /// it one. `None` for never. Default 5 s.
     pub warn_without_mesh_after: Option<Duration>,
-    /// Whether fixed bodies get their exact triangle mesh instead of hulls: nothing is gained by
-    /// hulls where nothing moves. Default true.
-    pub exact_fixed_bodies: bool,
+    /// Whether what never moves, on fixed bodies and without a body, gets its exact triangle mesh instead
+    /// of hulls: nothing is gained by hulls there. Sensors get hulls, since triangles have no inside.
+    /// [`ConvexDecomposition::shape`](super::ConvexDecomposition::shape) decides for one entity. Default
+    /// true.
+    pub exact_static_colliders: bool,
     /// Most jobs at once; 0 for as many as Bevy's pool for background work has threads, of which
     /// one is left to others where there are more. Default 0.
     pub max_jobs: usize,
@@ -107,7 +109,7 @@ impl Default for HullwrightSettings {
             fallback_collider: FallbackCollider::None,
             freeze_until_ready: true,
             warn_without_mesh_after: Some(DEFAULT_PATIENCE),
-            exact_fixed_bodies: true,
+            exact_static_colliders: true,
             max_jobs: 0,
             frame_budget: DEFAULT_FRAME_BUDGET,
             max_attached_per_frame: DEFAULT_MAX_ATTACHED,

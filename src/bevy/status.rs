@@ -78,6 +78,10 @@ pub enum SkipReason {
     HasCollider,
     /// The body is fixed, so it got the triangle mesh itself.
     FixedBody,
+    /// There is no body, so nothing moves it, and it got the triangle mesh itself.
+    NoBody,
+    /// The tag asked for the triangle mesh.
+    TrianglesRequested,
 }
 
 /// What the plugin has done and is doing.
@@ -99,9 +103,9 @@ pub struct DecompositionCounters {
     pub from_disk: usize,
     /// Colliders of baked hulls.
     pub baked: usize,
-    /// Colliders that are a single hull, as those of convex meshes are.
+    /// Colliders that are a single hull, as those of convex meshes are, or a box, ball or capsule.
     pub convex: usize,
-    /// Triangle meshes for fixed bodies.
+    /// Triangle meshes, of what never moves or on request.
     pub triangle_meshes: usize,
     /// Entities skipped because they had a collider.
     pub had_collider: usize,

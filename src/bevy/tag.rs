@@ -47,13 +47,18 @@ pub struct ConvexDecomposition {
     /// What becomes of flat openings, the sides that a modeller leaves out. One primitive of a larger glTF
     /// mesh keeps them: the others close it. Default [`DecompositionOpenings::Auto`].
     pub openings: DecompositionOpenings,
+    /// What the collider is made of. Default [`DecompositionShape::Auto`].
+    pub shape: DecompositionShape,
     /// Mass per cubed unit of the world; positive. Default 1.
     pub density: f32,
+    /// The mass of the whole collider in the world, whatever its scale, instead of the density; positive.
+    /// Default `None`.
+    pub mass: Option<f32>,
     /// The collider until the entity's own is ready; `None` for what
     /// [`HullwrightSettings`](crate::bevy::HullwrightSettings) says.
     pub fallback_collider: Option<FallbackCollider>,
-    /// The library's own parameters, instead of all settings above but density and fallback: the
-    /// paper's method, for example. Not in scenes, since they are not reflected. Default `None`.
+    /// The library's own parameters, instead of all settings of the decomposition: the paper's method,
+    /// for example. Not in scenes, since they are not reflected. Default `None`.
     #[reflect(ignore)]
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub parameters: Option<Parameters>,
@@ -117,6 +122,33 @@ pub enum DecompositionOpenings {
     Close,
 }
 
+/// What a collider is made of.
+#[derive(Reflect, Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[reflect(Default, Clone, PartialEq)]
+#[type_path = "hullwright"]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum DecompositionShape {
+    /// Hulls. The triangles where nothing moves: on a fixed body, and without any body, unless it is a
+    /// sensor: triangles have no inside.
+    /// [`HullwrightSettings::exact_static_colliders`](crate::bevy::HullwrightSettings::exact_static_colliders)
+    /// switches that off.
+    #[default]
+    Auto,
+    /// Hulls, also where nothing moves.
+    Hulls,
+    /// The triangles, with internal edges fixed, whatever moves. On a body that moves they weigh nothing, and
+    /// what gets inside stays there.
+    Triangles,
+    /// One hull around everything, whatever the bound.
+    ConvexHull,
+    /// The box along the mesh's axes.
+    Cuboid,
+    /// The ball around that box's middle.
+    Ball,
+    /// The capsule along that box's longest side.
+    Capsule,
+}
+
 /// bevy_rapier's own default, so that a body with a decomposed collider beside one of Rapier's
 /// shapes weighs as expected.
 pub const DEFAULT_DENSITY: f32 = 1.0;
@@ -133,7 +165,9 @@ impl Default for ConvexDecomposition {
             max_vertices: Some(DEFAULT_MAX_VERTICES),
             keep_cavities: false,
             openings: DecompositionOpenings::Auto,
+            shape: DecompositionShape::Auto,
             density: DEFAULT_DENSITY,
+            mass: None,
             fallback_collider: None,
             parameters: None,
         }
@@ -213,6 +247,34 @@ impl ConvexDecomposition {
     #[must_use]
     pub fn with_openings(mut self, openings: DecompositionOpenings) -> Self {
         self.openings = openings;
+        self
+    }
+
+    /// The same made of something else.
+    ///
+    /// ```
+    /// use hullwright::bevy::prelude::*;
+    ///
+    /// // A door frame that things fly through as a sensor, although it is a static one.
+    /// let tag = ConvexDecomposition::default().with_shape(DecompositionShape::Hulls);
+    /// assert_eq!(tag.shape, DecompositionShape::Hulls);
+    /// ```
+    #[must_use]
+    pub fn with_shape(mut self, shape: DecompositionShape) -> Self {
+        self.shape = shape;
+        self
+    }
+
+    /// The same with a mass instead of a density; `None` for the density.
+    ///
+    /// ```
+    /// use hullwright::bevy::prelude::*;
+    ///
+    /// assert_eq!(ConvexDecomposition::default().with_mass(0.35).mass, Some(0.35));
+    /// ```
+    #[must_use]
+    pub fn with_mass(mut self, mass: impl Into<Option<f32>>) -> Self {
+        self.mass = mass.into();
         self
     }
 
@@ -314,6 +376,8 @@ mod tests {
             .with_max_vertices(None)
             .with_keep_cavities(true)
             .with_openings(DecompositionOpenings::Close)
+            .with_shape(DecompositionShape::Capsule)
+            .with_mass(2.0)
             .with_fallback_collider(FallbackCollider::ConvexHull);
         assert_eq!(written_and_read(&tag), tag);
         let by_the_paper = tag.with_parameters(Parameters::paper());

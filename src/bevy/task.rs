@@ -16,14 +16,16 @@ use super::content::ContentKey;
 use super::disk_cache::{read_from_disk, write_to_disk};
 use super::error::DecompositionError;
 use super::mesh_data::MeshData;
+use super::parameters::Goal;
 use super::placement::{MapKey, map_hulls};
+use super::primitive::primitive_around;
 use super::settings::HullwrightSettings;
 use super::status::HullSource;
 
 /// What a task starts from.
 pub(super) enum TaskInput {
-    /// A mesh: hulls by the parameters or, without parameters, the triangles as they are.
-    Mesh { data: MeshData, parameters: Option<Parameters> },
+    /// A mesh, and what to make of it.
+    Mesh { data: MeshData, goal: Goal },
     /// Known geometry, of which another shape is wanted.
     Geometry { key: ContentKey, geometry: Arc<ColliderGeometry>, source: HullSource },
 }
@@ -103,7 +105,7 @@ impl DecompositionTask {
                 TaskInput::Geometry { key, geometry, source } => {
                     self.build(key, geometry, source).map(Some)
                 }
-                TaskInput::Mesh { data, parameters } => self.start(data, parameters.as_ref()),
+                TaskInput::Mesh { data, goal } => self.start(data, &goal),
             },
             TaskState::Decompose(work) => self.decompose(work, control),
             TaskState::Done => Err(Error::Finished.into()),
@@ -113,18 +115,25 @@ impl DecompositionTask {
     fn start(
         &mut self,
         data: MeshData,
-        parameters: Option<&Parameters>,
+        goal: &Goal,
     ) -> Result<Option<TaskOutput>, DecompositionError> {
-        let key = ContentKey::of_mesh(&data, parameters);
+        let key = ContentKey::of_mesh(&data, goal);
         if let Some(geometry) = self.cache.geometry(key) {
             return self.build(key, geometry, HullSource::Shared).map(Some);
         }
         let Some(claim) = self.cache.claim(key) else {
             return Ok(Some(TaskOutput::InProgress(key)));
         };
-        let Some(parameters) = parameters else {
-            let geometry = Arc::new(ColliderGeometry::Triangles(data));
-            return self.build(key, geometry, HullSource::Decomposed).map(Some);
+        let parameters = match goal {
+            Goal::Hulls(parameters) => parameters,
+            Goal::Triangles(_) => {
+                let geometry = Arc::new(ColliderGeometry::Triangles(data));
+                return self.build(key, geometry, HullSource::Decomposed).map(Some);
+            }
+            Goal::Primitive(kind) => {
+                let geometry = Arc::new(ColliderGeometry::Primitive(*kind, data));
+                return self.build(key, geometry, HullSource::Decomposed).map(Some);
+            }
         };
         let from_disk = self.disk_cache.as_ref().and_then(|path| read_from_disk(path, key));
         if let Some(file) = from_disk {
@@ -183,16 +192,20 @@ fn shape_of(
             Ok(crate::rapier::shape_from_points(&hulls, [1.0; 3])?)
         }
         ColliderGeometry::Triangles(data) => triangle_mesh(data, map),
+        ColliderGeometry::Primitive(kind, data) => Ok(primitive_around(*kind, data, map)?),
     }
 }
 
-/// Rapier's triangle mesh, for bodies that don't move.
+/// Without it, what slides over a floor stumbles over the edges between its triangles. Two-sided, since
+/// with one side things fall through triangles that a modeller wound the wrong way round.
+const TRIANGLE_FLAGS: TriMeshFlags = TriMeshFlags::FIX_INTERNAL_EDGES_TWO_SIDED;
+
+/// Rapier's triangle mesh, for what doesn't move.
 fn triangle_mesh(data: &MeshData, map: &Affine3A) -> Result<SharedShape, DecompositionError> {
     let place = |point: &[f32; 3]| map.transform_point3((*point).into()).to_array();
     let points: Vec<[f32; 3]> = data.positions.iter().map(place).collect();
     let mesh = MeshView::new(&points, &data.triangles);
-    let flags = TriMeshFlags::MERGE_DUPLICATE_VERTICES;
-    Ok(SharedShape::new(crate::rapier::triangle_mesh(mesh, flags)?))
+    Ok(SharedShape::new(crate::rapier::triangle_mesh(mesh, TRIANGLE_FLAGS)?))
 }
 
 /// Contains a panic to one job: it costs a collider, not the game.

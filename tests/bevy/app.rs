@@ -133,7 +133,13 @@ pub fn add(app: &mut App, mesh: Mesh) -> Handle<Mesh> {
     app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh)
 }
 
+/// Hulls, also without a body.
 pub fn tag() -> ConvexDecomposition {
+    automatic().with_shape(DecompositionShape::Hulls)
+}
+
+/// Hulls of what moves, triangles of all else.
+pub fn automatic() -> ConvexDecomposition {
     ConvexDecomposition::default().with_density(DENSITY)
 }
 

@@ -65,7 +65,8 @@ fn the_mass_of_a_baked_body_may_be_set() {
     let mut app = app();
     let handle = app.world_mut().resource_mut::<Assets<BakedHulls>>().add(BakedHulls(baked()));
     let baked = BakedDecomposition { mass: Some(5.0), ..BakedDecomposition::new(handle) };
-    let entity = app.world_mut().spawn(baked).id();
+    let scale = Transform::from_scale(Vec3::splat(3.0));
+    let entity = app.world_mut().spawn((baked, scale)).id();
     update_until_finished(&mut app, &[entity]);
     let properties = mass(&app, entity);
     assert!((properties.mass - 5.0).abs() < 1e-4);

@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
+use hullwright::bevy::BakedHulls;
 use hullwright::bevy::prelude::*;
 
 use crate::app::*;
@@ -52,7 +53,7 @@ struct Last(Option<DecompositionReady>);
 
 #[test]
 fn a_fixed_body_is_skipped() {
-    let (app, entity) = ending_of(RigidBody::Fixed);
+    let (app, entity) = ending_of((automatic(), RigidBody::Fixed));
     assert_eq!(seen(&app).skipped, [(entity, SkipReason::FixedBody)]);
 }
 
@@ -97,7 +98,7 @@ fn a_tag_that_is_removed_in_time_is_cancelled() {
 fn an_entity_with_both_tags_goes_on_with_the_other_or_is_cancelled_once() {
     let mut app = app_with(sliced());
     let mesh = add(&mut app, model("u_prism"));
-    let handle = app.world().resource::<AssetServer>().load("late.hulls");
+    let handle = app.world().resource::<Assets<BakedHulls>>().reserve_handle();
     let both = || BakedDecomposition::new(handle.clone());
     let [goes_on, despawned] = [both(), both()].map(|baked| spawn_with(&mut app, &mesh, baked));
     app.update();

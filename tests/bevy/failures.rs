@@ -87,7 +87,7 @@ fn what_failed_without_a_tag_is_left_alone() {
 fn a_body_without_mass_gets_its_triangles_when_it_becomes_fixed() {
     let mut app = app();
     let handle = add(&mut app, unit_cube());
-    let tag = tag().with_density(0.0);
+    let tag = automatic().with_density(0.0);
     let entity = app.world_mut().spawn((Mesh3d(handle), tag, RigidBody::Dynamic)).id();
     update_until_finished(&mut app, &[entity]);
     assert!(matches!(failure(&app, entity), DecompositionError::Collider(_)));
@@ -143,7 +143,7 @@ fn a_fixed_body_fails_as_clearly_as_others() {
     {
         let mut app = app();
         let handle = add(&mut app, mesh);
-        let entity = spawn_with(&mut app, &handle, RigidBody::Fixed);
+        let entity = spawn_with(&mut app, &handle, (automatic(), RigidBody::Fixed));
         update_until_finished(&mut app, &[entity]);
         let failure = failure(&app, entity);
         assert!(is_expected(failure.clone()), "{failure:?}");

@@ -27,7 +27,24 @@ fn app_with_scene_in(
     file: &'static str,
     hierarchy: ConvexDecompositionHierarchy,
 ) -> (App, Entity) {
-    let mut app = app_with_plugins(directory, |app| {
+    let mut app = app_with_gltf(directory, |_| {});
+    let scene = GltfAssetLabel::Scene(0).from_asset(file);
+    let scene = app.world().resource::<AssetServer>().load(scene);
+    let body = app
+        .world_mut()
+        .spawn((
+            WorldAssetRoot(scene),
+            RigidBody::Dynamic,
+            Transform::from_xyz(0.0, 3.0, 0.0),
+            hierarchy,
+        ))
+        .id();
+    (app, body)
+}
+
+/// An app that loads glTF files as scenes.
+pub fn app_with_gltf(directory: String, add: impl FnOnce(&mut App)) -> App {
+    app_with_plugins(directory, |app| {
         app.insert_resource(CompressedImageFormatSupport(CompressedImageFormats::NONE))
             .add_plugins((
                 ImagePlugin::default(),
@@ -57,19 +74,8 @@ fn app_with_scene_in(
             .register_type::<GltfMeshExtras>()
             .register_type::<GltfMeshName>()
             .register_type::<GltfSceneName>();
-    });
-    let scene = GltfAssetLabel::Scene(0).from_asset(file);
-    let scene = app.world().resource::<AssetServer>().load(scene);
-    let body = app
-        .world_mut()
-        .spawn((
-            WorldAssetRoot(scene),
-            RigidBody::Dynamic,
-            Transform::from_xyz(0.0, 3.0, 0.0),
-            hierarchy,
-        ))
-        .id();
-    (app, body)
+        add(app);
+    })
 }
 
 /// Names of nodes that have a component, in alphabetical order.
@@ -81,7 +87,7 @@ fn names_with<T: Component>(app: &mut App) -> Vec<String> {
     names
 }
 
-fn update_until_ready(app: &mut App) {
+pub fn update_until_ready(app: &mut App) {
     let mut statuses = app.world_mut().query::<&DecompositionStatus>();
     update_until(app, |app| {
         statuses.update_archetypes(app.world());
@@ -130,12 +136,19 @@ fn an_artists_tags_are_followed_and_nothing_else_is_decomposed() {
     app.update();
     let pieces: Vec<String> = (1..=5).map(|number| format!("UCX_table_{number:02}")).collect();
     let mut expected = pieces.clone();
-    expected.extend(["lamp", "mug-convcol"].map(String::from));
+    expected.extend(["lamp", "mug-convdecomp"].map(String::from));
     assert_eq!(names_with::<ConvexDecomposition>(&mut app), expected);
     assert_eq!(names_with::<Collider>(&mut app), expected);
     // The table has pieces, and the leaf has no tag.
     let all = names_with::<Name>(&mut app);
     assert!(["leaf", "table"].iter().all(|name| all.iter().any(|other| other == name)));
+
+    // Pieces are not drawn, and all else is.
+    let mut drawn = app.world_mut().query_filtered::<(&ChildOf, &Visibility), With<Mesh3d>>();
+    for (parent, visibility) in drawn.iter(app.world()) {
+        let name = app.world().get::<Name>(parent.parent()).unwrap().to_string();
+        assert_eq!(*visibility == Visibility::Hidden, pieces.contains(&name), "{name}");
+    }
 
     // The pieces are one hull each, of one cube; the mug and the lamp are concave.
     assert_eq!(counters(&app).decomposed, 3);

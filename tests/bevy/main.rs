@@ -1,6 +1,8 @@
 //! What the Bevy plugin promises, without a window: `MinimalPlugins`, assets, Rapier and the plugin.
 
 mod app;
+#[cfg(feature = "bevy_gltf")]
+mod artists;
 mod baked;
 mod contacts;
 #[cfg(feature = "debug")]
@@ -19,5 +21,8 @@ mod order;
 mod scale;
 mod scenes;
 mod sharing;
+#[cfg(all(feature = "bevy_gltf", feature = "serde"))]
+mod skein;
+mod static_geometry;
 mod tags;
 mod waiting;

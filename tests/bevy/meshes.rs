@@ -4,7 +4,7 @@ use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, Mesh, PrimitiveTopology};
 use bevy::prelude::*;
 use hullwright::Error;
-use hullwright::bevy::{DecompositionError, DecompositionStatus};
+use hullwright::bevy::{DecompositionError, DecompositionShape, DecompositionStatus};
 
 use crate::app::*;
 
@@ -95,10 +95,15 @@ fn an_index_out_of_range_fails() {
 fn a_density_that_means_nothing_fails() {
     let mut app = app();
     let mesh = add(&mut app, unit_cube());
-    let entity = app.world_mut().spawn((Mesh3d(mesh), tag().with_density(0.0))).id();
-    update_until_finished(&mut app, &[entity]);
-    assert!(matches!(status(&app, entity), DecompositionStatus::Failed(_)));
-    assert!(app.world().get::<bevy_rapier3d::prelude::Collider>(entity).is_none());
+    for shape in [DecompositionShape::Hulls, DecompositionShape::Ball] {
+        for tag in [tag().with_density(0.0), tag().with_mass(-1.0)] {
+            let tag = tag.with_shape(shape);
+            let entity = app.world_mut().spawn((Mesh3d(mesh.clone()), tag)).id();
+            update_until_finished(&mut app, &[entity]);
+            assert!(matches!(status(&app, entity), DecompositionStatus::Failed(_)));
+            assert!(!has_collider(&app, entity));
+        }
+    }
 }
 
 #[test]

@@ -65,7 +65,7 @@ fn a_turned_child_below_a_stretched_body_lies_where_it_is_drawn() {
     let of_child = Transform::from_xyz(0.5, 0.0, 0.0).with_rotation(Quat::from_rotation_z(0.7));
     let body = app.world_mut().spawn((RigidBody::Fixed, of_body)).id();
     let child = spawn_with(&mut app, &mesh, (of_child, ChildOf(body)));
-    app.world_mut().resource_mut::<HullwrightSettings>().exact_fixed_bodies = false;
+    app.world_mut().resource_mut::<HullwrightSettings>().exact_static_colliders = false;
     update_until_finished(&mut app, &[child]);
     update_times(&mut app, 2);
 
@@ -267,4 +267,28 @@ fn mass_properties_that_were_there_stay() {
     update_until_finished(&mut app, &[entity]);
     assert_eq!(app.world().get::<ColliderMassProperties>(entity), Some(&own));
     assert_eq!(status(&app, entity), DecompositionStatus::Ready(HullSource::Decomposed));
+}
+
+#[test]
+fn an_untagged_collider_follows_later_changes_of_scale() {
+    let mut app = app();
+    let mesh = add(&mut app, unit_cube());
+    let start = Transform::from_scale(Vec3::new(2.0, 1.0, -3.0));
+    let entity = spawn_with(&mut app, &mesh, start);
+    update_until_finished(&mut app, &[entity]);
+    app.world_mut().entity_mut(entity).remove::<ConvexDecomposition>();
+    update_times(&mut app, 2);
+    let size = |app: &App| {
+        let (low, high) = bounds(app, entity);
+        high - low
+    };
+    assert_near(size(&app), [2.0, 1.0, 3.0], 1e-3);
+    app.world_mut().get_mut::<Transform>(entity).unwrap().scale *= 2.0;
+    update_times(&mut app, 3);
+    assert_near(size(&app), [4.0, 2.0, 6.0], 1e-3);
+    // The tag takes it back.
+    app.world_mut().entity_mut(entity).insert(tag());
+    update_until_finished(&mut app, &[entity]);
+    update_times(&mut app, 2);
+    assert_near(size(&app), [4.0, 2.0, 6.0], 1e-3);
 }

@@ -81,7 +81,7 @@ fn only_what_is_tagged_by_name_or_artist_if_there_is_no_default() {
     let cube = cube(&mut app);
     let hierarchy = ConvexDecompositionHierarchy::tagged_only().with("table", tag());
     let root = root(&mut app, hierarchy);
-    let [chair, table, lamp, copy] = ["chair", "table", "lamp-convcol", "lamp-convcol.001"]
+    let [chair, table, lamp, copy] = ["chair", "table", "lamp-convdecomp", "lamp-convdecomp.001"]
         .map(|name| node(&mut app, root, name, &[&cube]));
     update_times(&mut app, 2);
     let tagged = [chair, table, lamp, copy].map(|entity| is_tagged(&app, entity));
@@ -131,6 +131,13 @@ fn colliders_below_a_body_move_with_it_and_feel_like_it() {
             groups,
             SolverGroups::new(Group::GROUP_4, Group::GROUP_5),
             Sensor,
+            (
+                ActiveEvents::COLLISION_EVENTS,
+                ActiveHooks::FILTER_CONTACT_PAIRS,
+                ActiveCollisionTypes::all(),
+                ContactForceEventThreshold(7.0),
+                ContactSkin(0.01),
+            ),
             ConvexDecompositionHierarchy::new(tag()),
         ))
         .id();
@@ -148,6 +155,11 @@ fn colliders_below_a_body_move_with_it_and_feel_like_it() {
         assert_eq!(world.get::<CollisionGroups>(entity), Some(&groups));
         assert!(world.get::<SolverGroups>(entity).is_some());
         assert!(world.get::<Sensor>(entity).is_some());
+        assert_eq!(world.get(entity), Some(&ActiveEvents::COLLISION_EVENTS));
+        assert_eq!(world.get(entity), Some(&ActiveHooks::FILTER_CONTACT_PAIRS));
+        assert_eq!(world.get(entity), Some(&ActiveCollisionTypes::all()));
+        assert_eq!(world.get::<ContactForceEventThreshold>(entity).unwrap().0, 7.0);
+        assert_eq!(world.get::<ContactSkin>(entity).unwrap().0, 0.01);
     }
     let handles = [left, right].map(|e| world.get::<RapierColliderHandle>(e).unwrap().0);
     let handle = world.get::<RapierRigidBodyHandle>(body).unwrap().0;
@@ -213,4 +225,20 @@ fn meshes_right_below_the_root_that_are_no_primitives_are_inputs_of_their_own() 
     assert!(!is_tagged(&app, root));
     update_until_finished(&mut app, &children);
     assert_eq!(ready(&app).len(), 2);
+}
+
+#[test]
+fn a_mesh_that_comes_later_starts_none_of_the_others_anew() {
+    let mut app = app();
+    let cube = cube(&mut app);
+    let root = root(&mut app, ConvexDecompositionHierarchy::new(tag()).without("lamp"));
+    let first = node(&mut app, root, "first", &[&cube]);
+    node(&mut app, root, "lamp", &[&cube]);
+    update_times(&mut app, 2);
+    update_until_finished(&mut app, &[first]);
+    let late = node(&mut app, root, "late", &[&cube]);
+    update_times(&mut app, 2);
+    update_until_finished(&mut app, &[late]);
+    update_times(&mut app, 3);
+    assert_eq!(ready(&app), [(first, 1), (late, 1)]);
 }

@@ -22,7 +22,7 @@ fn an_entity_that_has_a_collider_keeps_it() {
 fn a_fixed_body_gets_the_triangles() {
     let mut app = app();
     let mesh = add(&mut app, model("u_prism"));
-    let entity = spawn_with(&mut app, &mesh, RigidBody::Fixed);
+    let entity = spawn_with(&mut app, &mesh, (automatic(), RigidBody::Fixed));
     update_until_finished(&mut app, &[entity]);
     assert_eq!(status(&app, entity), DecompositionStatus::Skipped(SkipReason::FixedBody));
     assert!(collider(&app, entity).as_trimesh().is_some());
@@ -31,9 +31,9 @@ fn a_fixed_body_gets_the_triangles() {
 
 #[test]
 fn a_fixed_body_gets_hulls_if_the_settings_say_so() {
-    let mut app = app_with(HullwrightSettings { exact_fixed_bodies: false, ..default() });
+    let mut app = app_with(HullwrightSettings { exact_static_colliders: false, ..default() });
     let mesh = add(&mut app, model("u_prism"));
-    let entity = spawn_with(&mut app, &mesh, RigidBody::Fixed);
+    let entity = spawn_with(&mut app, &mesh, (automatic(), RigidBody::Fixed));
     update_until_finished(&mut app, &[entity]);
     assert!(collider(&app, entity).as_compound().is_some());
 }
@@ -43,7 +43,7 @@ fn a_body_that_is_no_longer_fixed_gets_hulls_and_back() {
     let mut app = app();
     let mesh = add(&mut app, model("u_prism"));
     let body = app.world_mut().spawn((RigidBody::Fixed, Transform::default())).id();
-    let child = spawn_with(&mut app, &mesh, ChildOf(body));
+    let child = spawn_with(&mut app, &mesh, (automatic(), ChildOf(body)));
     update_until_finished(&mut app, &[child]);
     assert!(collider(&app, child).as_trimesh().is_some());
     app.world_mut().entity_mut(body).insert(RigidBody::Dynamic);

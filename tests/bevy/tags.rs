@@ -98,6 +98,11 @@ fn saved_scenes_know_types_by_paths_without_modules() {
         "DecompositionFocus",
         "DecompositionOpenings",
         "DecompositionPreset",
+        "DecompositionCancelled",
+        "DecompositionFailed",
+        "DecompositionReady",
+        "DecompositionShape",
+        "DecompositionSkipped",
         "DecompositionStatus",
         "FallbackCollider",
         "HullwrightSettings",
@@ -109,4 +114,96 @@ fn saved_scenes_know_types_by_paths_without_modules() {
     }
     assert_eq!(BakedHulls::type_path(), "hullwright::BakedHulls");
     assert_eq!(HullsLoader::type_path(), "hullwright::HullsLoader");
+}
+
+#[test]
+fn the_mass_that_a_tag_says_is_that_of_the_world() {
+    let mut app = app();
+    let mesh = add(&mut app, unit_cube());
+    let scale = Transform::from_scale(Vec3::new(1.0, 2.0, 3.0));
+    let entity = spawn_with(&mut app, &mesh, (tag().with_mass(5.0), scale));
+    update_until_finished(&mut app, &[entity]);
+    assert!((mass(&app, entity).mass - 5.0).abs() < 1e-4);
+}
+
+#[test]
+fn one_hull_or_a_box_ball_or_capsule_on_request() {
+    let mut app = app();
+    // A box of 1 × 1 × 4, aside.
+    let mesh = add(&mut app, cuboid([1.0, 0.0, 0.0], [2.0, 1.0, 4.0]));
+    let bowl = add(&mut app, model("bowl"));
+    let mut shaped = |mesh, shape| {
+        let entity = spawn_with(&mut app, mesh, tag().with_shape(shape).with_mass(2.0));
+        update_until_finished(&mut app, &[entity]);
+        assert_eq!(ready(&app).last(), Some(&(entity, 1)));
+        let shape = collider(&app, entity).raw.clone();
+        shape.as_compound().map_or(shape.clone(), |compound| compound.shapes()[0].1.clone())
+    };
+    let half = shaped(&mesh, DecompositionShape::Cuboid).as_cuboid().unwrap().half_extents;
+    assert_near(half, [0.5, 0.5, 2.0], 1e-5);
+    let ball = shaped(&mesh, DecompositionShape::Ball).as_ball().unwrap().radius;
+    assert!((ball - 4.5_f32.sqrt()).abs() < 1e-5, "{ball}");
+    let capsule = *shaped(&mesh, DecompositionShape::Capsule).as_capsule().unwrap();
+    assert!((capsule.radius - 0.5_f32.sqrt()).abs() < 1e-5);
+    assert!((capsule.half_height() - (2.0 - capsule.radius)).abs() < 1e-5);
+    assert_eq!(capsule.segment.a.truncate(), Vec2::ZERO);
+    let hull = shaped(&bowl, DecompositionShape::ConvexHull);
+    assert!(hull.as_convex_polyhedron().unwrap().points().len() <= 64);
+}
+
+#[test]
+fn settings_from_before_the_plugin_stay_unless_it_has_its_own() {
+    let slow = || HullwrightSettings { max_jobs: 1, ..default() };
+    let max_jobs = |plugin: HullwrightPlugin| {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, bevy::asset::AssetPlugin::default()));
+        app.insert_resource(slow()).add_plugins(plugin);
+        app.world().resource::<HullwrightSettings>().max_jobs
+    };
+    assert_eq!(max_jobs(HullwrightPlugin::default()), 1);
+    let settings = HullwrightSettings { max_jobs: 3, ..default() };
+    assert_eq!(max_jobs(HullwrightPlugin { settings }), 3);
+}
+
+#[test]
+fn a_primitive_of_a_larger_mesh_keeps_its_openings() {
+    let mut app = app();
+    // A box without a lid, which alone would count as the skin of a solid.
+    let open = || {
+        let mut cube = unit_cube();
+        let indices: Vec<u32> = cube.indices().unwrap().iter().map(|i| i as u32).skip(6).collect();
+        cube.insert_indices(bevy::mesh::Indices::U32(indices));
+        cube
+    };
+    let (mesh, lid) = (add(&mut app, open()), add(&mut app, cuboid([3.0; 3], [4.0; 3])));
+    let alone = app.world_mut().spawn(Transform::default()).id();
+    let alone = spawn_with(&mut app, &mesh, (Transform::default(), ChildOf(alone)));
+    let node = app.world_mut().spawn(Transform::default()).id();
+    let among = spawn_with(&mut app, &mesh, (Transform::default(), ChildOf(node)));
+    app.world_mut().spawn((Mesh3d(lid), Transform::default(), ChildOf(node)));
+    // A neighbour with a place of its own is another mesh.
+    let aside = app.world_mut().spawn(Transform::default()).id();
+    let beside = spawn_with(&mut app, &mesh, (Transform::default(), ChildOf(aside)));
+    app.world_mut().spawn((Mesh3d(mesh.clone()), Transform::from_xyz(5., 0., 0.), ChildOf(aside)));
+    update_until_finished(&mut app, &[alone, among, beside]);
+    let count = |entity| hulls(&app, entity).len();
+    assert_eq!((count(alone), count(beside)), (1, 1));
+    assert!(count(among) > 1, "it is taken for a solid");
+}
+
+#[test]
+fn the_table_of_settings_names_every_field() {
+    use bevy::reflect::Typed;
+    let page = include_str!("../../docs/bevy/settings.md");
+    for info in [
+        ConvexDecomposition::type_info(),
+        BakedDecomposition::type_info(),
+        ConvexDecompositionHierarchy::type_info(),
+        HullwrightSettings::type_info(),
+    ] {
+        for field in info.as_struct().unwrap().iter() {
+            let row = format!("\n| `{}` |", field.name());
+            assert!(page.contains(&row), "{} of {}", field.name(), info.type_path());
+        }
+    }
 }

@@ -209,7 +209,9 @@ impl Sources<'_> {
             return Ok(TaskInput::Geometry { key: *key, geometry, source: HullSource::Shared });
         }
         let data = read_parts(&request.parts, &request.map_before, &self.meshes)?;
-        Ok(TaskInput::Mesh { data, parameters: request.parameters.clone() })
+        // Only baked hulls have no goal, and they are found above.
+        let goal = request.goal.clone().ok_or(DecompositionError::NotLoaded)?;
+        Ok(TaskInput::Mesh { data, goal })
     }
 
     fn baked_input(&self, id: AssetId<BakedHulls>) -> Result<TaskInput, DecompositionError> {

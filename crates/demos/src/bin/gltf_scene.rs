@@ -1,4 +1,4 @@
-//! A desk that an artist has tagged, and clutter on it: in `props.glb` the name `mug-convcol`, the
+//! A desk that an artist has tagged, and clutter on it: in `props.glb` the name `mug-convdecomp`, the
 //! pieces `UCX_table_…` and an extra on the lamp ask for colliders; the leaf has no tag and no
 //! collider. What is dropped on the desk is tagged in code: `cargo window gltf_scene`.
 
@@ -11,7 +11,7 @@ use hullwright_demos::orbit::Orbit;
 /// The models are in metres; three times as large they are easier to hold for Rapier.
 const SCALE: f32 = 3.0;
 
-/// Convex pieces made by an artist; they are colliders and not to be seen.
+/// Convex pieces made by an artist; they are colliders and not drawn.
 const PIECE: &str = "UCX_";
 
 /// A model, where its foot is before it falls, in metres of the model, and how it is turned about the
@@ -66,11 +66,7 @@ fn make_bodies(
     tagged: Query<(Entity, &Name, &ChildOf), (Added<ConvexDecomposition>, Without<Clutter>)>,
 ) {
     for (entity, name, parent) in &tagged {
-        let is_piece = name.starts_with(PIECE);
-        if is_piece {
-            commands.entity(entity).insert(Visibility::Hidden);
-        }
-        let body = if is_piece { parent.parent() } else { entity };
+        let body = if name.starts_with(PIECE) { parent.parent() } else { entity };
         commands.entity(body).insert(RigidBody::Dynamic);
     }
 }

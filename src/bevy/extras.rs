@@ -1,0 +1,272 @@
+//! glTF extras (custom properties in Blender) by which artists ask for colliders and tune them:
+//! `{"collider": "convex_decomposition", "max_error": 0.01, "density": 500}`. Nothing here knows entities.
+
+use std::str::FromStr;
+
+use serde_json::{Map, Value};
+
+use super::naming_conventions::ColliderKind;
+use super::settings::FallbackCollider;
+use crate::{Length, Openings, Preset};
+
+/// The key without which extras are somebody else's.
+const COLLIDER: &str = "collider";
+
+/// The settings that may stand beside it, and what they take.
+const SETTINGS: [(&str, &str); 9] = [
+    ("max_error", "a positive number, a share of the diagonal, or a length such as \"0.02m\""),
+    ("preset", "\"fast\", \"balanced\" or \"fine\""),
+    ("max_hulls", "a whole number from 1"),
+    ("max_vertices", "a whole number from 8"),
+    ("keep_cavities", "true or false"),
+    ("openings", "\"auto\", \"keep\" or \"close\""),
+    ("density", "a positive number"),
+    ("mass", "a positive number"),
+    ("fallback", "\"none\", \"convex_hull\" or \"bounding_box\""),
+];
+
+/// What `collider` may say.
+const KINDS: [(&str, Option<ColliderKind>); 8] = [
+    ("convex_decomposition", Some(ColliderKind::Decomposition)),
+    ("hulls", Some(ColliderKind::Hulls)),
+    ("triangles", Some(ColliderKind::Triangles)),
+    ("convex_hull", Some(ColliderKind::ConvexHull)),
+    ("cuboid", Some(ColliderKind::Cuboid)),
+    ("ball", Some(ColliderKind::Ball)),
+    ("capsule", Some(ColliderKind::Capsule)),
+    ("none", None),
+];
+
+/// What extras ask for.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct ExtrasTag {
+    /// What the collider is made of; `None` for no collider.
+    pub kind: Option<ColliderKind>,
+    pub max_error: Option<Length>,
+    pub preset: Option<Preset>,
+    pub max_hulls: Option<u32>,
+    pub max_vertices: Option<u32>,
+    pub keep_cavities: Option<bool>,
+    pub openings: Option<Openings>,
+    pub density: Option<f32>,
+    pub mass: Option<f32>,
+    /// The collider until the entity's own is ready.
+    pub fallback: Option<FallbackCollider>,
+}
+
+/// What is wrong with extras, in one line that names the keys that there are.
+pub(super) type Complaint = String;
+
+/// Reads extras. `None` if they say nothing about colliders, or are no JSON. Settings that are wrong are left
+/// out, and each has a complaint.
+pub(super) fn read_extras(text: &str) -> (Option<ExtrasTag>, Vec<Complaint>) {
+    let mut complaints = Vec::new();
+    let Ok(Value::Object(extras)) = serde_json::from_str(text) else { return (None, complaints) };
+    let Some(collider) = extras.get(COLLIDER) else {
+        complaints.extend(settings_without_collider(&extras));
+        return (None, complaints);
+    };
+    let named = |(name, _): &&(&str, _)| collider.as_str() == Some(name);
+    let Some((_, kind)) = KINDS.iter().find(named) else {
+        let kinds: Vec<String> = KINDS.iter().map(|(name, _)| format!("\"{name}\"")).collect();
+        complaints.push(format!("\"{COLLIDER}\" is {collider}; it may be {}", kinds.join(", ")));
+        return (None, complaints);
+    };
+    let mut tag = ExtrasTag { kind: *kind, ..ExtrasTag::default() };
+    for (key, value) in extras.iter().filter(|(key, _)| *key != COLLIDER) {
+        let Some((_, expected)) = SETTINGS.iter().find(|(name, _)| name == key) else {
+            complaints.push(format!("\"{key}\" is no setting of a collider; {}", all_keys()));
+            continue;
+        };
+        if tag.set(key, value).is_none() {
+            complaints
+                .push(format!("\"{key}\" is {value}, and should be {expected}; {}", all_keys()));
+        }
+    }
+    (Some(tag), complaints)
+}
+
+/// Where nobody else can be meant.
+fn settings_without_collider(extras: &Map<String, Value>) -> Option<Complaint> {
+    let ours = ["max_error", "max_hulls", "max_vertices", "keep_cavities"];
+    let key = ours.into_iter().find(|key| extras.contains_key(*key))?;
+    Some(format!("\"{key}\" says nothing without \"{COLLIDER}\"; {}", all_keys()))
+}
+
+fn all_keys() -> String {
+    let settings = SETTINGS.iter().map(|(name, _)| *name);
+    let keys: Vec<&str> = std::iter::once(COLLIDER).chain(settings).collect();
+    format!("the keys are {}", keys.join(", "))
+}
+
+impl ExtrasTag {
+    /// `None` if the value means nothing.
+    fn set(&mut self, key: &str, value: &Value) -> Option<()> {
+        match key {
+            "max_error" => self.max_error = Some(length(value)?),
+            "preset" => self.preset = Some(parsed(value)?),
+            "max_hulls" => self.max_hulls = Some(whole(value, 1)?),
+            "max_vertices" => self.max_vertices = Some(whole(value, LEAST_VERTICES)?),
+            "keep_cavities" => self.keep_cavities = Some(boolean(value)?),
+            "openings" => self.openings = Some(parsed(value)?),
+            "density" => self.density = Some(positive(value)? as f32),
+            "mass" => self.mass = Some(positive(value)? as f32),
+            "fallback" => self.fallback = Some(fallback(value)?),
+            _ => return None,
+        }
+        Some(())
+    }
+}
+
+/// What [`Parameters::validate`](crate::Parameters::validate) asks for.
+const LEAST_VERTICES: u32 = 8;
+
+fn positive(value: &Value) -> Option<f64> {
+    value.as_f64().filter(|x| x.is_finite() && *x > 0.0)
+}
+
+fn whole(value: &Value, least: u32) -> Option<u32> {
+    // Blender writes some whole numbers as 8.0.
+    let number = value.as_f64().filter(|x| x.fract() == 0.0 && *x >= f64::from(least))?;
+    (number <= f64::from(u32::MAX)).then_some(number as u32)
+}
+
+/// Blender's older custom properties have no booleans, but 0 and 1.
+fn boolean(value: &Value) -> Option<bool> {
+    match value.as_f64() {
+        Some(0.0) => Some(false),
+        Some(1.0) => Some(true),
+        _ => value.as_bool(),
+    }
+}
+
+fn length(value: &Value) -> Option<Length> {
+    let length = match value {
+        Value::String(text) => text.parse().ok()?,
+        _ => Length::Share(positive(value)?),
+    };
+    let (Length::Share(number) | Length::Units(number)) = length;
+    (number.is_finite() && number > 0.0).then_some(length)
+}
+
+fn parsed<T: FromStr>(value: &Value) -> Option<T> {
+    value.as_str()?.parse().ok()
+}
+
+fn fallback(value: &Value) -> Option<FallbackCollider> {
+    match value.as_str()? {
+        "none" => Some(FallbackCollider::None),
+        "convex_hull" => Some(FallbackCollider::ConvexHull),
+        "bounding_box" => Some(FallbackCollider::BoundingBox),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> ExtrasTag {
+        let (tag, complaints) = read_extras(text);
+        assert_eq!(complaints, Vec::<String>::new(), "{text}");
+        tag.expect("a tag")
+    }
+
+    #[test]
+    fn every_setting_is_read() {
+        let tag = read(
+            r#"{"collider": "convex_decomposition", "max_error": 0.01, "preset": "fine", "max_hulls": 8,
+            "max_vertices": 32.0, "keep_cavities": 1, "openings": "keep", "density": 500, "mass": 2.5,
+            "fallback": "bounding_box"}"#,
+        );
+        let expected = ExtrasTag {
+            kind: Some(ColliderKind::Decomposition),
+            max_error: Some(Length::Share(0.01)),
+            preset: Some(Preset::Fine),
+            max_hulls: Some(8),
+            max_vertices: Some(32),
+            keep_cavities: Some(true),
+            openings: Some(Openings::Keep),
+            density: Some(500.0),
+            mass: Some(2.5),
+            fallback: Some(FallbackCollider::BoundingBox),
+        };
+        assert_eq!(tag, expected);
+    }
+
+    #[test]
+    fn a_bound_is_a_share_or_a_length() {
+        for (text, length) in [
+            ("0.01", Length::Share(0.01)),
+            ("\"0.02m\"", Length::Units(0.02)),
+            ("\"2%\"", Length::Share(0.02)),
+        ] {
+            let extras = format!(r#"{{"collider": "hulls", "max_error": {text}}}"#);
+            assert_eq!(read(&extras).max_error, Some(length));
+        }
+    }
+
+    #[test]
+    fn every_kind_is_read() {
+        for (name, kind) in KINDS {
+            assert_eq!(read(&format!(r#"{{"collider": "{name}"}}"#)).kind, kind);
+        }
+    }
+
+    #[test]
+    fn a_wrong_value_is_left_out_and_the_complaint_lists_the_keys() {
+        for (key, value) in [
+            ("max_error", "0"),
+            ("max_error", "\"0.02\""),
+            ("max_error", "\"-1m\""),
+            ("preset", "\"finest\""),
+            ("max_hulls", "1.5"),
+            ("max_hulls", "0"),
+            ("max_vertices", "7"),
+            ("keep_cavities", "\"yes\""),
+            ("openings", "[]"),
+            ("density", "-1"),
+            ("mass", "null"),
+            ("fallback", "\"box\""),
+        ] {
+            let text = format!(r#"{{"collider": "convex_decomposition", "{key}": {value}}}"#);
+            let (tag, complaints) = read_extras(&text);
+            let plain =
+                ExtrasTag { kind: Some(ColliderKind::Decomposition), ..ExtrasTag::default() };
+            assert_eq!(tag, Some(plain), "{text}");
+            assert_eq!(complaints.len(), 1, "{text}");
+            for (name, _) in SETTINGS {
+                assert!(complaints[0].contains(name), "{complaints:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn an_unknown_key_is_named() {
+        let (tag, complaints) = read_extras(r#"{"collider": "hulls", "maxerror": 0.01}"#);
+        assert!(tag.is_some());
+        assert!(complaints[0].starts_with("\"maxerror\" is no setting"), "{complaints:?}");
+    }
+
+    #[test]
+    fn an_unknown_collider_is_none_and_the_complaint_lists_those_that_there_are() {
+        for value in ["3", "\"convex\"", "[]"] {
+            let (tag, complaints) = read_extras(&format!(r#"{{"collider": {value}}}"#));
+            assert_eq!(tag, None);
+            assert!(complaints[0].contains("\"triangles\""), "{complaints:?}");
+        }
+    }
+
+    #[test]
+    fn extras_of_others_are_left_alone() {
+        for text in [r#"{"mass": 1, "hp": 3}"#, r#"{"skein": []}"#, "[]", "", "{", "null"] {
+            assert_eq!(read_extras(text), (None, Vec::new()), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_setting_that_can_only_be_ours_complains_where_the_collider_is_missing() {
+        let (tag, complaints) = read_extras(r#"{"max_error": 0.01}"#);
+        assert_eq!((tag, complaints.len()), (None, 1));
+    }
+}

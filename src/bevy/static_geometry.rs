@@ -1,0 +1,43 @@
+//! Which colliders are triangle meshes: those of what never moves.
+
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+use bevy_rapier3d::prelude::{RigidBody, Sensor};
+
+use super::placement::Placements;
+use super::settings::HullwrightSettings;
+use super::status::SkipReason;
+use super::tag::DecompositionShape;
+
+/// What tells whether a collider ever moves.
+#[derive(SystemParam)]
+pub(super) struct StaticGeometry<'w, 's> {
+    sensors: Query<'w, 's, (), With<Sensor>>,
+    settings: Res<'w, HullwrightSettings>,
+}
+
+impl StaticGeometry<'_, '_> {
+    /// Why an entity gets its triangles; `None` for what its tag says.
+    pub(super) fn why_triangles(
+        &self,
+        placements: &Placements,
+        entity: Entity,
+        shape: DecompositionShape,
+    ) -> Option<SkipReason> {
+        match shape {
+            DecompositionShape::Triangles => return Some(SkipReason::TrianglesRequested),
+            DecompositionShape::Auto if self.settings.exact_static_colliders => {}
+            _ => return None,
+        }
+        let body = placements.body(entity);
+        let is_sensor = |entity| self.sensors.contains(entity);
+        if is_sensor(entity) || body.is_some_and(|(body, _)| is_sensor(body)) {
+            return None;
+        }
+        match body {
+            None => Some(SkipReason::NoBody),
+            Some((_, RigidBody::Fixed)) => Some(SkipReason::FixedBody),
+            Some(_) => None,
+        }
+    }
+}
