@@ -30,7 +30,7 @@ use super::tag::{ConvexDecomposition, DecompositionFocus, NoConvexDecomposition}
 /// enough otherwise. The order of plugins does not matter.
 #[derive(Debug, Clone, Default)]
 pub struct HullwrightPlugin {
-    /// The initial settings.
+    /// The initial settings. If they are the default, settings that were inserted before stay.
     pub settings: HullwrightSettings,
 }
 

@@ -255,7 +255,7 @@ impl ConvexDecomposition {
     /// ```
     /// use hullwright::bevy::prelude::*;
     ///
-    /// // A door frame that things fly through as a sensor, although it is a static one.
+    /// // A hollow pillar never moves, and gets hulls all the same.
     /// let tag = ConvexDecomposition::default().with_shape(DecompositionShape::Hulls);
     /// assert_eq!(tag.shape, DecompositionShape::Hulls);
     /// ```
