@@ -124,7 +124,7 @@ impl Entry {
             ours: judge(&ours)?,
             vhacd: if theirs.is_empty() { None } else { Some(judge(&theirs)?) },
         };
-        print(&format!("{name}: {} hulls, V-HACD {}", ours.len(), theirs.len()))?;
+        print(&format!("{name}: {} of ours, {} of V-HACD's", ours.len(), theirs.len()))?;
         Ok(entry)
     }
 
