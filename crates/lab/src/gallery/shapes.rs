@@ -131,7 +131,9 @@ fn without_bottom() -> TriangleMesh {
 fn tube(path: &[Vector], radius: f64, n: usize, is_ring: bool) -> TriangleMesh {
     let count = path.len();
     let mut mesh = TriangleMesh::default();
-    let mut side = [0.0, 0.0, 1.0];
+    let start = subtract(path[1], path[0]);
+    // Any way that is not along the path.
+    let mut side = if start[2].abs() < start[1].abs() { [0.0, 0.0, 1.0] } else { [0.0, 1.0, 0.0] };
     for index in 0..count {
         let (before, after) = if is_ring {
             (path[(index + count - 1) % count], path[(index + 1) % count])
@@ -172,7 +174,8 @@ fn pipe() -> TriangleMesh {
     let path: Vec<Vector> = (0..=16)
         .map(|step| {
             let angle = TAU / 4.0 * f64::from(step) / 16.0;
-            [angle.cos(), angle.sin(), 0.0]
+            // One end faces the viewer.
+            [-angle.cos(), 0.0, angle.sin()]
         })
         .collect();
     let n = 24;
