@@ -88,7 +88,8 @@ impl<'a> HullSet<'a> {
 }
 
 /// Hulls that some tool wrote, each as the convex hull that an engine makes of its points; one
-/// without a volume as it is.
+/// without a volume as it is. Those without triangles, or with a coordinate that is not finite,
+/// are left out.
 ///
 /// ```
 /// # let mesh = hullwright::TriangleMesh::new(
@@ -99,12 +100,16 @@ impl<'a> HullSet<'a> {
 /// assert_eq!(hullwright::viewer::hulls_of(&[named])[0].shape.triangles.len(), 4);
 /// ```
 pub fn hulls_of(hulls: &[NamedMesh]) -> Vec<Hull> {
+    let is_usable = |named: &&NamedMesh| {
+        let TriangleMesh { positions, triangles, .. } = &named.mesh;
+        !triangles.is_empty() && positions.iter().flatten().all(|x| x.is_finite())
+    };
     let hull = |named: &NamedMesh| {
         let TriangleMesh { positions, triangles, .. } = &named.mesh;
         let as_it_is = || ConvexHull::from((positions.clone(), triangles.clone()));
         Hull::from(convex_hull(positions).unwrap_or_else(|_| as_it_is()))
     };
-    hulls.iter().map(hull).collect()
+    hulls.iter().filter(is_usable).map(hull).collect()
 }
 
 /// A page about one mesh. See the [module](self).

@@ -72,7 +72,9 @@ async function start() {
   shared.bound.value = doc.bound;
   const panels = page.sets.map((set) => new Panel(page, set, look, draw, host));
   paint();
-  stage = new Stage(find<HTMLCanvasElement>("canvas"), panels, page.mesh.positions, look, isCalm);
+  const triangles = panels.reduce((sum, panel) => sum + panel.triangles, 0);
+  const canvas = find<HTMLCanvasElement>("canvas");
+  stage = new Stage(canvas, panels, page.mesh.positions, triangles, look, isCalm);
   const active = stage;
 
   /** The panel that keys go to: the one whose slider was touched last. */

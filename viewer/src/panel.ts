@@ -1,6 +1,6 @@
 // One set of hulls beside the others: its part of the stage, its slider, figures and curve.
 
-import { BufferGeometry, Color, Group, LineSegments, Mesh, Ray, Scene, ShaderMaterial, Vector3 } from "three";
+import { BufferGeometry, Color, FrontSide, Group, LineSegments, Mesh, Ray, Scene, ShaderMaterial, Vector3 } from "three";
 import { Curve } from "./curve";
 import { alive, colourNumbers, HullSet, Page, State, uncoveredAfter } from "./data";
 import { element, number, percent, words } from "./dom";
@@ -74,6 +74,8 @@ export class Panel {
       object.frustumCulled = false;
       this.root.add(object);
     }
+    // Hulls are closed and face outward: half of their triangles need no drawing.
+    this.faces.material.side = this.depth.material.side = FrontSide;
     for (const { material } of [this.meshFaces, this.depth, this.faces]) {
       material.polygonOffset = true;
       material.polygonOffsetFactor = material.polygonOffsetUnits = 1;
@@ -90,8 +92,9 @@ export class Panel {
     return this.set.entry.states[this.joins];
   }
 
-  get name(): string {
-    return this.set.entry.name;
+  /** Triangles of the hulls that are shown. */
+  get triangles(): number {
+    return this.hulls.reduce((sum, hull) => sum + this.set.entry.hulls[hull].triangles, 0);
   }
 
   /** Shows the state after so many joins, or the nearest there is. */
@@ -134,6 +137,11 @@ export class Panel {
     if (entry.states.length > 1) card.append(this.curve.element);
     this.pick.hidden = true;
     return element("section", "panel", this.viewport, this.pick, card);
+  }
+
+  /** Leaves out the lines of faces while a slow machine moves. */
+  set isHurried(isHurried: boolean) {
+    this.lines.visible = this.look.hulls && (this.look.wires || !isHurried);
   }
 
   /** Draws what the state and the look say. */

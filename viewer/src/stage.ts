@@ -24,6 +24,23 @@ const POINTS = 3000;
 /** A pointer that moves less than this between down and up, in pixels, picks. */
 const CLICK = 4;
 
+/** Frames that take longer than this, in milliseconds, are drawn without lines while something moves: 30 a
+ * second. After a rest of so long all is drawn. */
+const SLOW = 34;
+const REST = 150;
+
+/** Without a graphics card, smooth edges double the time of a frame: pages of so many triangles do without. */
+const MANY_TRIANGLES = 10_000;
+
+/** Whether the processor draws. */
+function isSoftware(): boolean {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  const names = gl?.getExtension("WEBGL_debug_renderer_info");
+  const renderer = names ? String(gl?.getParameter(names.UNMASKED_RENDERER_WEBGL)) : "";
+  gl?.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software/i.test(renderer);
+}
+
 export class Stage {
   readonly camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.05, 20);
   readonly controls: OrbitControls;
@@ -31,6 +48,9 @@ export class Stage {
   private readonly points: number[][] = [];
   private zooms = new Map<string, number>();
   private isDirty = true;
+  /** When the last frame was drawn, and how many before it were slow one after the other. */
+  private lastFrame = 0;
+  private slowFrames = 0;
   /** Frames that were drawn. */
   frames = 0;
 
@@ -38,6 +58,7 @@ export class Stage {
     readonly canvas: HTMLCanvasElement,
     private readonly panels: Panel[],
     positions: Float32Array,
+    triangles: number,
     private readonly look: Look,
     isCalm: boolean,
   ) {
@@ -46,7 +67,8 @@ export class Stage {
       this.points.push([positions[i], positions[i + 1], positions[i + 2]]);
     }
     // The buffer is kept for who saves the picture.
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
+    const antialias = triangles < MANY_TRIANGLES || !isSoftware();
+    this.renderer = new WebGLRenderer({ canvas, antialias, alpha: true, preserveDrawingBuffer: true });
     this.renderer.setScissorTest(true);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.enableDamping = !isCalm;
@@ -57,6 +79,7 @@ export class Stage {
     const frame = () => {
       requestAnimationFrame(frame);
       this.controls.update();
+      this.hurry();
       if (this.isDirty) this.render();
     };
     requestAnimationFrame(frame);
@@ -65,6 +88,22 @@ export class Stage {
   /** Draws with the next frame. */
   draw() {
     this.isDirty = true;
+  }
+
+  /** Decides between lines and speed: by how long frames take that follow each other. */
+  private hurry() {
+    const now = performance.now();
+    const since = now - this.lastFrame;
+    if (this.isDirty) {
+      const isSlow = this.slowFrames > 2;
+      this.slowFrames = since > REST && !isSlow ? 0 : since > SLOW ? this.slowFrames + 1 : this.slowFrames;
+      this.lastFrame = now;
+      for (const panel of this.panels) panel.isHurried = this.slowFrames > 2;
+    } else if (this.slowFrames > 2 && since > REST) {
+      this.slowFrames = 0;
+      for (const panel of this.panels) panel.isHurried = false;
+      this.isDirty = true;
+    }
   }
 
   /** Looks from three quarters above again. */

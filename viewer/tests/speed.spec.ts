@@ -60,6 +60,8 @@ test("a page of 500 hulls turns", async ({ page }) => {
     const all = (count: number, act: (step: number) => void) =>
       median(Array.from({ length: count }, (_, step) => drawn(() => act(step))));
     const hulls = panels[0].state.hulls;
+    // As while it moves on a slow machine.
+    panels[0].isHurried = true;
     const turning = all(60, () => stage.turn(0.05, 0));
     const anew = all(20, () => panels[0].update());
     return { hulls, turning, anew };

@@ -97,6 +97,10 @@ impl<'a> ComparisonPage<'a> {
     }
 
     fn add(&mut self, name: &str, hulls: &[Hull], seconds: f64) -> Result<(), Error> {
+        if hulls.is_empty() {
+            eprintln!("{name} returned no hulls");
+            return Ok(());
+        }
         let tree = MergeTree::from_hulls(self.file, hulls, &self.parameters, self.control)?;
         let set = HullSet::new(name, hulls).tree(&tree).fact("time", time(seconds));
         self.page.add(set, self.control)

@@ -55,7 +55,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     // All files first, so that a misspelt name ends the work before it begins.
     let mut others = Vec::new();
     for path in &arguments.hulls {
-        others.push((file_name(path), hulls_of(&waiting("reading", || read_hulls(path))?)));
+        others.push(Other::read(path)?);
     }
     let pool = arguments.threads.pool()?;
     let bar = LateBar::start();
@@ -89,6 +89,25 @@ fn file_name(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
+/// Hulls of some tool.
+struct Other {
+    name: String,
+    hulls: Vec<Hull>,
+    /// How many of the file's can't be used.
+    left_out: usize,
+}
+
+impl Other {
+    fn read(path: &Path) -> Result<Self, Failure> {
+        let named = waiting("reading", || read_hulls(path))?;
+        let hulls = hulls_of(&named);
+        if hulls.is_empty() {
+            return Err(format!("{}: none of its hulls can be used", path.display()).into());
+        }
+        Ok(Self { name: file_name(path), left_out: named.len() - hulls.len(), hulls })
+    }
+}
+
 /// What a page is made of.
 struct Work<'a> {
     arguments: &'a Arguments,
@@ -99,10 +118,7 @@ struct Work<'a> {
 
 impl<'a> Work<'a> {
     /// The page, and what is on it in words.
-    fn page(
-        &self,
-        others: &[(String, Vec<Hull>)],
-    ) -> Result<(Page<'a>, String), hullwright::Error> {
+    fn page(&self, others: &[Other]) -> Result<(Page<'a>, String), hullwright::Error> {
         let &Self { arguments, file, parameters, control } = self;
         let page = Page::new(file_name(&arguments.mesh), file, parameters, control)?;
         let mut page = page.objects(&file.objects);
@@ -124,10 +140,14 @@ impl<'a> Work<'a> {
             let set = HullSet::new(name, &result.hulls).fact("time", time(seconds));
             page.add(with_tree(set, tree.as_ref()), control)?;
         }
-        for (name, other) in others {
+        for Other { name, hulls: other, left_out } in others {
             summary.push(format!("{name}: {}", hulls(other.len())));
             let tree = self.tree_of(other)?;
-            page.add(with_tree(HullSet::new(name, other), tree.as_ref()), control)?;
+            let mut set = HullSet::new(name, other);
+            if *left_out > 0 {
+                set = set.fact("left out as unusable:", left_out.to_string());
+            }
+            page.add(with_tree(set, tree.as_ref()), control)?;
         }
         Ok((page, summary.join(", ")))
     }

@@ -124,7 +124,7 @@ impl Entry {
             ours: judge(&ours)?,
             vhacd: if theirs.is_empty() { None } else { Some(judge(&theirs)?) },
         };
-        print(&format!("{name}: {} hulls, V-HACD {}", ours.len(), theirs.len()))?;
+        print(&format!("{name}: {} of ours, {} of V-HACD's", ours.len(), theirs.len()))?;
         Ok(entry)
     }
 
@@ -132,7 +132,7 @@ impl Entry {
         format!("{}: the mesh, our hulls, V-HACD's hulls", self.name)
     }
 
-    fn rows(&self) -> Vec<[String; 6]> {
+    fn rows(&self) -> Vec<[String; 5]> {
         let row = |name: &str, of: &Measurement| {
             [
                 name.to_owned(),
@@ -140,7 +140,6 @@ impl Entry {
                 of.vertices.to_string(),
                 percent(of.hausdorff),
                 of.iou.map_or_else(|| "–".into(), percent),
-                of.non_convex_hulls.to_string(),
             ]
         };
         let mut rows = vec![row("Hullwright", &self.ours)];
@@ -149,7 +148,7 @@ impl Entry {
     }
 }
 
-const HEADER: [&str; 6] = ["", "hulls", "vertices", "error", "IoU", "not convex"];
+const HEADER: [&str; 5] = ["", "hulls", "vertices", "error", "IoU"];
 
 fn vhacd_hulls(mesh: MeshView<'_>) -> Vec<Hull> {
     let parameters = vhacd::parameters(&Run::VHACD_DEFAULT);

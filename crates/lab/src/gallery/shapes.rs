@@ -44,7 +44,7 @@ pub fn all() -> Vec<Trouble> {
             "A ball with twenty spikes: each tip has to be reached, and nothing between them.",
             spikes(),
         ),
-        shape("comb", "Twelve thin teeth side by side, with gaps as wide as they are.", comb()),
+        shape("comb", "Eight thin teeth side by side, with gaps half as wide again.", comb()),
         shape("knot", "A trefoil: a tube that winds around itself.", knot()),
         shape("links", "Two rings of a chain, which must not grow together.", links()),
         shape(
@@ -131,7 +131,9 @@ fn without_bottom() -> TriangleMesh {
 fn tube(path: &[Vector], radius: f64, n: usize, is_ring: bool) -> TriangleMesh {
     let count = path.len();
     let mut mesh = TriangleMesh::default();
-    let mut side = [0.0, 0.0, 1.0];
+    let start = subtract(path[1], path[0]);
+    // Any way that is not along the path.
+    let mut side = if start[2].abs() < start[1].abs() { [0.0, 0.0, 1.0] } else { [0.0, 1.0, 0.0] };
     for index in 0..count {
         let (before, after) = if is_ring {
             (path[(index + count - 1) % count], path[(index + 1) % count])
@@ -172,7 +174,8 @@ fn pipe() -> TriangleMesh {
     let path: Vec<Vector> = (0..=16)
         .map(|step| {
             let angle = TAU / 4.0 * f64::from(step) / 16.0;
-            [angle.cos(), angle.sin(), 0.0]
+            // One end faces the viewer.
+            [-angle.cos(), 0.0, angle.sin()]
         })
         .collect();
     let n = 24;
@@ -215,11 +218,9 @@ fn spikes() -> TriangleMesh {
 }
 
 fn comb() -> TriangleMesh {
-    let mut parts = vec![cuboid([0.0, 0.0, 0.0], [1.15, 0.25, 0.06])];
-    for tooth in 0..12 {
-        let x = 0.1 * f64::from(tooth);
-        parts.push(cuboid([x, -0.4, 0.0], [x + 0.05, 0.05, 0.06]));
-    }
+    let teeth: Vec<f64> = (0..8).map(|tooth| 0.15 * f64::from(tooth)).collect();
+    let mut parts = vec![cuboid([0.0; 3], [7.0 * 0.15 + 0.06, 0.2, 0.06])];
+    parts.extend(teeth.iter().map(|&x| cuboid([x, -0.5, 0.0], [x + 0.06, 0.05, 0.06])));
     join(&parts)
 }
 
