@@ -57,10 +57,10 @@ pub fn off(bytes: &[u8]) {
 /// Three kinds: as they are, with a header that the bytes choose, and binary after such a header.
 pub fn ply(bytes: &[u8]) {
     read(Format::Ply, bytes);
-    let _ = shaped_ply(&mut Unstructured::new(bytes));
+    let _ = shaped_ply(Unstructured::new(bytes));
 }
 
-fn shaped_ply(bytes: &mut Unstructured<'_>) -> Result<()> {
+fn shaped_ply(mut bytes: Unstructured<'_>) -> Result<()> {
     const TYPES: [&str; 9] =
         ["float", "double", "uchar", "char", "ushort", "short", "uint", "int", "float32"];
     let format = *bytes.choose(&["ascii", "binary_little_endian", "binary_big_endian"])?;
@@ -110,13 +110,12 @@ pub fn stl(bytes: &[u8]) {
 /// As they are, and as a GLB whose JSON the bytes choose and whose data they are.
 pub fn gltf(bytes: &[u8]) {
     read(Format::Gltf, bytes);
-    let _ = shaped_gltf(&mut Unstructured::new(bytes));
+    let _ = shaped_gltf(Unstructured::new(bytes));
 }
 
-fn shaped_gltf(bytes: &mut Unstructured<'_>) -> Result<()> {
-    let json = gltf_json(bytes)?.to_string().into_bytes();
+fn shaped_gltf(mut bytes: Unstructured<'_>) -> Result<()> {
+    let mut json = gltf_json(&mut bytes)?.to_string().into_bytes();
     let mut data = bytes.take_rest().to_vec();
-    let mut json = json;
     json.resize(json.len().next_multiple_of(4), b' ');
     data.resize(data.len().next_multiple_of(4), 0);
     let mut file = b"glTF".to_vec();
