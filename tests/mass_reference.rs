@@ -39,7 +39,8 @@ fn assert_inertia(name: &str, found: Matrix, expected: Matrix, share: f64) {
 /// The tensor of inertia from the second moments around the centre.
 fn inertia(moments: Matrix) -> Matrix {
     let trace = moments[0][0] + moments[1][1] + moments[2][2];
-    [0, 1, 2].map(|i| [0, 1, 2].map(|j| if i == j { trace - moments[i][i] } else { -moments[i][j] }))
+    [0, 1, 2]
+        .map(|i| [0, 1, 2].map(|j| if i == j { trace - moments[i][i] } else { -moments[i][j] }))
 }
 
 /// Tonon, "Explicit exact formulas for the 3-D tetrahedron inertia tensor", 2004, around the centre.

@@ -105,7 +105,9 @@ fn what_is_below_double_precision_is_a_typed_error_or_a_hull() {
         let mesh = MeshView::new(&positions, &triangles);
         match decompose(mesh, &Parameters::default(), &Control::new()) {
             Ok(found) => assert_eq!(found.hulls.len(), 1, "{scale:e}"),
-            Err(error) => assert!(matches!(error, Error::NothingUsable { .. }), "{scale:e}: {error}"),
+            Err(error) => {
+                assert!(matches!(error, Error::NothingUsable { .. }), "{scale:e}: {error}")
+            }
         }
         let _ = convex_hull(&positions);
     }

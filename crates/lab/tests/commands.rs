@@ -175,13 +175,10 @@ fn a_sweep_tells_what_became_of_each_mesh_goes_on_and_says_what_has_changed() {
 
     assert_eq!(text(&lab(&["sweep", &meshes, "-o", folder])), "", "nothing was left to do");
 
-    // As if the L had been one hull before.
-    let columns: Vec<&str> = table.lines().next().unwrap().split(',').collect();
-    let place = columns.iter().position(|column| *column == "hulls").unwrap();
-    let mut cells: Vec<&str> = l.split(',').collect();
-    cells[place] = "1";
+    // As if the L, of 20 triangles, had been one hull before.
     let before = root.path().join("before.csv");
-    std::fs::write(&before, table.replace(l, &cells.join(","))).unwrap();
+    assert!(l.contains(",20,2,"), "{l}");
+    std::fs::write(&before, table.replace(",20,2,", ",20,1,")).unwrap();
     let compared = ["sweep", &meshes, "-o", folder, "--compare", before.to_str().unwrap()];
     assert!(lab(&compared).status.success());
     let words = std::fs::read_to_string(report.join("sweep.md")).unwrap();

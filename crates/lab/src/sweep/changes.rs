@@ -71,7 +71,11 @@ fn changes(old: &Row, new: &Row, seconds: f64) -> Vec<[String; 3]> {
             ratio(times.map(|(a, b)| (a.max(LEAST_SECONDS), b.max(LEAST_SECONDS)))),
             [old, new].map(|row| number_or_nothing(row.processor_seconds)),
         ),
-        ("MB", ratio(memory(old).zip(memory(new))), [old, new].map(|r| number_or_nothing(memory(r)))),
+        (
+            "MB",
+            ratio(memory(old).zip(memory(new))),
+            [old, new].map(|r| number_or_nothing(memory(r))),
+        ),
     ];
     let changed = rows.into_iter().filter(|(_, is_changed, _)| *is_changed);
     changed.map(|(what, _, [before, now])| [what.to_owned(), before, now]).collect()
@@ -100,10 +104,7 @@ mod tests {
         let noisy = Row { processor_seconds: Some(0.13), ..row("a") };
         let table = table(&old, &[noisy, slower, crashed, row("new")], 2.0);
         let whats: Vec<String> = table.rows.iter().map(|row| row[..2].join(" ")).collect();
-        assert_eq!(
-            whats,
-            ["b hulls", "b processor seconds", "c outcome", "new mesh", "gone mesh"]
-        );
+        assert_eq!(whats, ["b hulls", "b processor seconds", "c outcome", "new mesh", "gone mesh"]);
         assert_eq!(table.rows[2][2..], ["done", "crash signal"]);
     }
 }
