@@ -369,10 +369,10 @@ fn triangles_of_the_mesh_that_are_not_finite_are_left_out() {
 /// A needle thinner than repair's welding is dropped by `decompose`, and was held against its hulls.
 #[test]
 fn a_needle_that_repair_takes_for_a_line_leaves_nothing_uncovered() {
-    let mesh = join(&[unit_cube(), cuboid([0.5, 0.5, 1.5], [0.5 + 1e-7, 0.5 + 1e-7, 4.5])]);
+    let mesh = join(unit_cube(), &cuboid([0.5, 0.5, 1.5], [0.5 + 1e-7, 0.5 + 1e-7, 4.5]));
     let found = judged(&mesh, &[unit_cube()]);
     assert!(found.uncovered.max < 1e-6, "{:?}", found.uncovered);
-    let plate = join(&[unit_cube(), cuboid([0.0, 0.0, 1.5], [1.0, 1.0, 1.5 + 1e-7])]);
+    let plate = join(unit_cube(), &cuboid([0.0, 0.0, 1.5], [1.0, 1.0, 1.5 + 1e-7]));
     assert!(judged(&plate, &[unit_cube()]).uncovered.max > 0.1, "a plate is a surface");
 }
 

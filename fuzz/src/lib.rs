@@ -6,7 +6,7 @@
 #[allow(dead_code)]
 #[path = "../../tests/independent/mod.rs"]
 mod independent;
-#[cfg(feature = "bevy_gltf")]
+#[cfg(all(feature = "io", feature = "bevy_gltf"))]
 #[allow(dead_code)]
 #[path = "../../src/bevy/naming_conventions.rs"]
 mod naming_conventions;
@@ -15,7 +15,7 @@ mod points;
 mod readers;
 mod shapes;
 
-#[cfg(feature = "bevy_gltf")]
+#[cfg(all(feature = "io", feature = "bevy_gltf"))]
 pub use readers::extras;
 #[cfg(feature = "io")]
 pub use readers::{gltf, hulls_file, obj, off, ply, stl};
@@ -37,6 +37,6 @@ pub const TARGETS: &[(&str, fn(&[u8]))] = &[
     ("gltf", gltf),
     #[cfg(feature = "io")]
     ("hulls_file", hulls_file),
-    #[cfg(feature = "bevy_gltf")]
+    #[cfg(all(feature = "io", feature = "bevy_gltf"))]
     ("extras", extras),
 ];

@@ -19,13 +19,8 @@ enum Kind {
 
 /// Up to so many points.
 pub fn points(bytes: &mut Unstructured<'_>, most: usize) -> Result<Vec<[f64; 3]>> {
-    let kind = *bytes.choose(&[
-        Kind::Lattice,
-        Kind::NearLattice,
-        Kind::Bits,
-        Kind::Fine,
-        Kind::Round,
-    ])?;
+    let kind =
+        *bytes.choose(&[Kind::Lattice, Kind::NearLattice, Kind::Bits, Kind::Fine, Kind::Round])?;
     // Of thin and flat sets, and of sets far from the origin.
     let thin = *bytes.choose(&[1.0, 1.0, 1e-3, 1e-6, 3e-7, 1e-12, 0.0])?;
     let scale = *bytes.choose(&[1.0, 1.0, 1e-18, 1e-9, 1e9, 1e18])?;

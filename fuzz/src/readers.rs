@@ -36,18 +36,72 @@ fn read_text(format: Format, bytes: &[u8], words: &[&str]) {
 
 pub fn obj(bytes: &[u8]) {
     const WORDS: &[&str] = &[
-        "\n", " ", "\nv ", "\nf ", "\no a", "\ng b", "\nl ", "\nvn ", "\nvt ", "/", "//", "-1", "1 ", "2 ",
-        "3 ", "4 ", "0 ", "-2", "1e9 ", "nan ", "inf ", "0.5 ", "\\\n", "#", "1e400 ", "99999999999 ",
-        "1 2 3 ", "0 0 0 ", "1 0 0 ", "0 1 0 ", "0 0 1 ", "\r\n",
+        "\n",
+        " ",
+        "\nv ",
+        "\nf ",
+        "\no a",
+        "\ng b",
+        "\nl ",
+        "\nvn ",
+        "\nvt ",
+        "/",
+        "//",
+        "-1",
+        "1 ",
+        "2 ",
+        "3 ",
+        "4 ",
+        "0 ",
+        "-2",
+        "1e9 ",
+        "nan ",
+        "inf ",
+        "0.5 ",
+        "\\\n",
+        "#",
+        "1e400 ",
+        "99999999999 ",
+        "1 2 3 ",
+        "0 0 0 ",
+        "1 0 0 ",
+        "0 1 0 ",
+        "0 0 1 ",
+        "\r\n",
     ];
     read_text(Format::Obj, bytes, WORDS);
 }
 
 pub fn off(bytes: &[u8]) {
     const WORDS: &[&str] = &[
-        "OFF\n", "COFF\n", "STOFF\n", "4OFF ", "nOFF ", "BINARY", "\n", " ", "#", "3 1 0\n", "4 4 6\n", "0 ", "1 ",
-        "2 ", "3 ", "4 ", "-1 ", "1e30 ", "nan ", "0 0 0\n", "1 0 0\n", "0 1 0\n", "0 0 1\n", "3 0 1 2\n",
-        "4 0 1 2 3\n", "3 0 2 9\n", "99999999999 ", ".5 ",
+        "OFF\n",
+        "COFF\n",
+        "STOFF\n",
+        "4OFF ",
+        "nOFF ",
+        "BINARY",
+        "\n",
+        " ",
+        "#",
+        "3 1 0\n",
+        "4 4 6\n",
+        "0 ",
+        "1 ",
+        "2 ",
+        "3 ",
+        "4 ",
+        "-1 ",
+        "1e30 ",
+        "nan ",
+        "0 0 0\n",
+        "1 0 0\n",
+        "0 1 0\n",
+        "0 0 1\n",
+        "3 0 1 2\n",
+        "4 0 1 2 3\n",
+        "3 0 2 9\n",
+        "99999999999 ",
+        ".5 ",
     ];
     read_text(Format::Off, bytes, WORDS);
     let text = [b"OFF\n".as_slice(), bytes].concat();
@@ -57,10 +111,10 @@ pub fn off(bytes: &[u8]) {
 /// Three kinds: as they are, with a header that the bytes choose, and binary after such a header.
 pub fn ply(bytes: &[u8]) {
     read(Format::Ply, bytes);
-    let _ = shaped_ply(&mut Unstructured::new(bytes));
+    let _ = shaped_ply(Unstructured::new(bytes));
 }
 
-fn shaped_ply(bytes: &mut Unstructured<'_>) -> Result<()> {
+fn shaped_ply(mut bytes: Unstructured<'_>) -> Result<()> {
     const TYPES: [&str; 9] =
         ["float", "double", "uchar", "char", "ushort", "short", "uint", "int", "float32"];
     let format = *bytes.choose(&["ascii", "binary_little_endian", "binary_big_endian"])?;
@@ -97,8 +151,22 @@ fn shaped_ply(bytes: &mut Unstructured<'_>) -> Result<()> {
 pub fn stl(bytes: &[u8]) {
     const FACET: usize = 50;
     const WORDS: &[&str] = &[
-        "solid", " a\n", "facet normal ", "0 0 1\n", "outer loop\n", "vertex ", "1 0 0\n", "endloop\n",
-        "endfacet\n", "endsolid", "\n", "nan ", "1e39 ", "vertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n", " ", "-",
+        "solid",
+        " a\n",
+        "facet normal ",
+        "0 0 1\n",
+        "outer loop\n",
+        "vertex ",
+        "1 0 0\n",
+        "endloop\n",
+        "endfacet\n",
+        "endsolid",
+        "\n",
+        "nan ",
+        "1e39 ",
+        "vertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n",
+        " ",
+        "-",
     ];
     read_text(Format::Stl, bytes, WORDS);
     let mut file = vec![b'x'; 80];
@@ -110,13 +178,12 @@ pub fn stl(bytes: &[u8]) {
 /// As they are, and as a GLB whose JSON the bytes choose and whose data they are.
 pub fn gltf(bytes: &[u8]) {
     read(Format::Gltf, bytes);
-    let _ = shaped_gltf(&mut Unstructured::new(bytes));
+    let _ = shaped_gltf(Unstructured::new(bytes));
 }
 
-fn shaped_gltf(bytes: &mut Unstructured<'_>) -> Result<()> {
-    let json = gltf_json(bytes)?.to_string().into_bytes();
+fn shaped_gltf(mut bytes: Unstructured<'_>) -> Result<()> {
+    let mut json = gltf_json(&mut bytes)?.to_string().into_bytes();
     let mut data = bytes.take_rest().to_vec();
-    let mut json = json;
     json.resize(json.len().next_multiple_of(4), b' ');
     data.resize(data.len().next_multiple_of(4), 0);
     let mut file = b"glTF".to_vec();
@@ -194,7 +261,8 @@ fn gltf_json(bytes: &mut Unstructured<'_>) -> Result<serde_json::Value> {
             node["scale"] = json!([bytes.arbitrary::<i8>()?, 1, 1e-30]);
         }
         if bytes.ratio(1, 6)? {
-            node["matrix"] = json!([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, bytes.arbitrary::<i8>()?, 0, 1e30, 0, 0, 1]);
+            node["matrix"] =
+                json!([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, bytes.arbitrary::<i8>()?, 0, 1e30, 0, 0, 1]);
         }
         nodes.push(node);
     }
@@ -239,9 +307,12 @@ pub fn extras(bytes: &[u8]) {
     let text = String::from_utf8_lossy(bytes);
     let _ = (extras_tag(&text), name_tag(&text), without_copy_number(&text));
     let escaped = serde_json::Value::from(text.as_ref()).to_string();
-    assert_eq!(extras_tag(&format!("{{\"collider\": {escaped}}}")), match text.as_ref() {
-        "convex_decomposition" => Some(true),
-        "none" => Some(false),
-        _ => None,
-    });
+    assert_eq!(
+        extras_tag(&format!("{{\"collider\": {escaped}}}")),
+        match text.as_ref() {
+            "convex_decomposition" => Some(true),
+            "none" => Some(false),
+            _ => None,
+        }
+    );
 }

@@ -41,7 +41,9 @@ fn try_soup(bytes: &mut Unstructured<'_>) -> Result<()> {
     let control = Control::new().with_parallel(false);
     let found = match decompose(mesh, &parameters, &control) {
         Ok(found) => found,
-        Err(Error::EmptyMesh { .. } | Error::IndexOutOfRange { .. } | Error::NothingUsable { .. }) => {
+        Err(
+            Error::EmptyMesh { .. } | Error::IndexOutOfRange { .. } | Error::NothingUsable { .. },
+        ) => {
             return Ok(());
         }
         Err(error) => panic!("an unexpected error: {error}"),
@@ -96,7 +98,8 @@ pub fn hull(bytes: &[u8]) {
 }
 
 fn try_hull(bytes: &mut Unstructured<'_>) -> Result<()> {
-    let tolerance = *bytes.choose(&[DEFAULT_TOLERANCE, DEFAULT_TOLERANCE, 1e-3, 1e-10, 1e-14, 0.0])?;
+    let tolerance =
+        *bytes.choose(&[DEFAULT_TOLERANCE, DEFAULT_TOLERANCE, 1e-3, 1e-10, 1e-14, 0.0])?;
     let step = bytes.int_in_range(1..=8)?;
     let first = bytes.int_in_range(4..=20)?;
     let points = points(bytes, MOST_POINTS)?;

@@ -4,8 +4,8 @@
 use hullwright::{Hull, Length, Parameters};
 
 use crate::brute_force::{protrusion, sampled_protrusion, triangles, uncovered};
-use crate::judge::{report, run_with, with_bound};
 use crate::independent::oracle::Triangle;
+use crate::judge::{report, run_with, with_bound};
 use crate::shapes::{
     Mesh, cuboid, cup, join, l_prism, lathe, open_sheet, plus_prism, torus, u_prism,
 };

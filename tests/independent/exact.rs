@@ -24,10 +24,8 @@ pub fn faults<C: Copy + Into<f64>>(points: &[[C; 3]], triangles: &[[u32; 3]]) ->
     if !triangles.iter().flatten().all(exists) || !is_ball(points.len(), triangles) {
         return Faults { is_open: true, ..Faults::default() };
     }
-    let points: Vec<Coord3D<f64>> = points
-        .iter()
-        .map(|&[x, y, z]| Coord3D { x: x.into(), y: y.into(), z: z.into() })
-        .collect();
+    let points: Vec<Coord3D<f64>> =
+        points.iter().map(|&[x, y, z]| Coord3D { x: x.into(), y: y.into(), z: z.into() }).collect();
     let mut faults = Faults { has_no_volume: true, ..Faults::default() };
     for triangle in triangles {
         let [a, b, c] = triangle.map(|index| points[index as usize]);

@@ -48,8 +48,8 @@ impl Tree {
                     }
                 }
                 Content::Inner { second } => {
-                    let mut children =
-                        [index + 1, second].map(|child| (child, self.distance_to_box(child, point)));
+                    let mut children = [index + 1, second]
+                        .map(|child| (child, self.distance_to_box(child, point)));
                     // The nearer one is on top.
                     children.sort_by(|a, b| b.1.total_cmp(&a.1));
                     stack.extend(children);

@@ -43,7 +43,7 @@ fn single((positions, triangles): &Mesh) -> Mesh {
 }
 
 /// A mesh, its points moved.
-fn placed(mesh: &Mesh, place: impl Fn([f64; 3]) -> [f64; 3]) -> Mesh {
+fn placed(mesh: &Mesh, mut place: impl FnMut([f64; 3]) -> [f64; 3]) -> Mesh {
     (mesh.0.iter().map(|&point| place(point)).collect(), mesh.1.clone())
 }
 

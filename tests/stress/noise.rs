@@ -25,8 +25,10 @@ fn split_vertices_that_are_nearly_equal_keep_the_promise() {
     let (positions, triangles) = u_prism();
     for size in [0.0, 1e-12, 1e-9, 1e-7, 1e-6, 1e-4] {
         let corners = triangles.iter().flatten().map(|&vertex| positions[vertex as usize]);
-        let apart: Mesh =
-            (corners.collect(), (0..triangles.len() as u32).map(|t| [0, 1, 2].map(|k| 3 * t + k)).collect());
+        let apart: Mesh = (
+            corners.collect(),
+            (0..triangles.len() as u32).map(|t| [0, 1, 2].map(|k| 3 * t + k)).collect(),
+        );
         assert_sound(&format!("{size}"), &jittered(&apart, size, 5));
     }
 }

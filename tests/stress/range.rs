@@ -3,7 +3,7 @@
 use hullwright::{Control, Error, MeshView, Parameters, convex_hull, decompose};
 
 use crate::independent::exact::{Faults, faults};
-use crate::shapes::{cuboid, torus, u_prism};
+use crate::shapes::{Mesh, cuboid, torus, u_prism};
 use crate::{assert_sound, placed};
 
 /// Squares and cubes of lengths leave the range of `f32` at 1e±13, and thresholds in absolute units show.
@@ -58,14 +58,29 @@ fn boxes_of_subnormal_numbers_are_one_hull() {
     }
 }
 
-/// One vertex at the far end of the range makes all others one spot, as seen from there.
+fn u_with_an_outlier(distance: f64) -> Mesh {
+    let (mut positions, mut triangles) = u_prism();
+    positions.push([distance, 0.0, 0.0]);
+    triangles.push([0, 1, positions.len() as u32 - 1]);
+    (positions, triangles)
+}
+
+/// One vertex far away makes all others small, as seen from there.
 #[test]
 fn a_far_outlier_does_not_break_the_rest() {
-    for distance in [1e6, 1e12, 1e30, 3e38] {
-        let (mut positions, mut triangles) = u_prism();
-        positions.push([distance, 0.0, 0.0]);
-        triangles.push([0, 1, positions.len() as u32 - 1]);
-        assert_sound(&format!("{distance:e}"), &(positions, triangles));
+    for distance in [1e2, 1e4, 1e6] {
+        assert_sound(&format!("{distance:e}"), &u_with_an_outlier(distance));
+    }
+}
+
+/// Still farther away it makes them one spot, and the whole a line.
+#[test]
+fn an_outlier_that_leaves_only_a_line_is_a_typed_error() {
+    for distance in [1e12, 1e30, 3e38] {
+        let (positions, triangles) = u_with_an_outlier(distance);
+        let mesh = MeshView::new(&positions, &triangles);
+        let result = decompose(mesh, &Parameters::default(), &Control::new());
+        assert!(matches!(result, Err(Error::NothingUsable { .. })), "{distance:e}: {result:?}");
     }
 }
 
@@ -90,7 +105,9 @@ fn what_is_below_double_precision_is_a_typed_error_or_a_hull() {
         let mesh = MeshView::new(&positions, &triangles);
         match decompose(mesh, &Parameters::default(), &Control::new()) {
             Ok(found) => assert_eq!(found.hulls.len(), 1, "{scale:e}"),
-            Err(error) => assert!(matches!(error, Error::NothingUsable { .. }), "{scale:e}: {error}"),
+            Err(error) => {
+                assert!(matches!(error, Error::NothingUsable { .. }), "{scale:e}: {error}")
+            }
         }
         let _ = convex_hull(&positions);
     }

@@ -1,17 +1,32 @@
 //! Needles and plates: what is thin has normals that are all noise.
 
+use hullwright::{Control, Error, MeshView, Parameters, decompose};
+
 use crate::shapes::{cuboid, join, lathe, u_prism};
 use crate::{assert_sound, placed};
 
-/// A needle a millionth as wide as long is at the hull's tolerance, and thinner than engines can hold.
+fn askew([x, y, z]: [f64; 3]) -> [f64; 3] {
+    [0.6 * x - 0.8 * y, 0.48 * x + 0.36 * y - 0.8 * z, 0.64 * x + 0.48 * y + 0.6 * z]
+}
+
+/// Needles a few millionths as wide as long are near the hull's tolerance, and thinner than engines can hold.
 #[test]
-fn needles_of_a_millionth_in_any_direction_are_bodies() {
-    for [a, b] in [[1e-4, 1e-4], [1e-5, 1e-6], [1e-6, 1e-6], [1e-7, 1e-7]] {
-        assert_sound("along an axis", &cuboid([0.0; 3], [1.0, a, b]));
-        let askew = placed(&cuboid([0.0; 3], [1.0, a, b]), |[x, y, z]| {
-            [0.6 * x - 0.8 * y, 0.48 * x + 0.36 * y - 0.8 * z, 0.64 * x + 0.48 * y + 0.6 * z]
-        });
-        assert_sound(&format!("askew, {a} {b}"), &askew);
+fn needles_of_millionths_in_any_direction_are_bodies() {
+    for [a, b] in [[1e-4, 1e-4], [1e-5, 2e-6], [2e-6, 2e-6]] {
+        let needle = cuboid([0.0; 3], [1.0, a, b]);
+        assert_sound(&format!("along an axis, {a} {b}"), &needle);
+        assert_sound(&format!("askew, {a} {b}"), &placed(&needle, askew));
+    }
+}
+
+/// Below a millionth of the diagonal welding makes a line of it, and a line has no surface.
+#[test]
+fn a_needle_that_welding_makes_a_line_is_a_typed_error() {
+    for width in [5e-7, 1e-7, 1e-12] {
+        let (positions, triangles) = placed(&cuboid([0.0; 3], [1.0, width, width]), askew);
+        let mesh = MeshView::new(&positions, &triangles);
+        let result = decompose(mesh, &Parameters::default(), &Control::new());
+        assert!(matches!(result, Err(Error::NothingUsable { .. })), "{width}: {result:?}");
     }
 }
 

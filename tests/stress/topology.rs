@@ -93,7 +93,12 @@ fn t_junctions_along_every_edge_of_a_box_are_one_hull() {
             };
             for (i, j) in (0..parts * parts).map(|k| (k / parts, k % parts)) {
                 let first = positions.len() as u32;
-                positions.extend([point(i, j), point(i + 1, j), point(i + 1, j + 1), point(i, j + 1)]);
+                positions.extend([
+                    point(i, j),
+                    point(i + 1, j),
+                    point(i + 1, j + 1),
+                    point(i, j + 1),
+                ]);
                 let [a, b] = if side == 1.0 { [1, 2] } else { [2, 1] };
                 let [c, d] = if side == 1.0 { [2, 3] } else { [3, 2] };
                 triangles.extend([[0, a, b], [0, c, d]].map(|t| t.map(|v| v + first)));

@@ -15,8 +15,7 @@ const POINTS: [[f32; 3]; 5] =
     [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.1, 0.1, 0.1]];
 const TETRAHEDRON: [[u32; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
 /// The same with a dent: the face of three corners is folded in to the fifth.
-const DENTED: [[u32; 3]; 6] =
-    [[0, 2, 1], [0, 1, 3], [2, 0, 3], [1, 2, 4], [2, 3, 4], [3, 1, 4]];
+const DENTED: [[u32; 3]; 6] = [[0, 2, 1], [0, 1, 3], [2, 0, 3], [1, 2, 4], [2, 3, 4], [3, 1, 4]];
 
 #[test]
 fn a_tetrahedron_is_sound_and_a_dent_by_one_bit_is_not() {

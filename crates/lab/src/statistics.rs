@@ -84,7 +84,10 @@ mod tests {
         assert_eq!(median(vec![4.0, 1.0, 2.0, 3.0]), 2.5);
         assert_eq!(median(vec![]), 0.0);
         let values = [4.0, 1.0, 3.0, 2.0];
-        assert_eq!([0.0, 0.5, 0.51, 1.0].map(|share| quantile(&values, share)), [1.0, 2.0, 3.0, 4.0]);
+        assert_eq!(
+            [0.0, 0.5, 0.51, 1.0].map(|share| quantile(&values, share)),
+            [1.0, 2.0, 3.0, 4.0]
+        );
         assert_eq!(quantile(&[], 0.5), 0.0);
         assert_eq!(mean(&[1.0, 2.0, 6.0]), 3.0);
         assert_eq!(mean(&[]), 0.0);

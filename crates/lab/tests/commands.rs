@@ -187,6 +187,39 @@ fn the_other_experiments_print_a_line_for_each_mesh() {
 }
 
 #[test]
+fn a_sweep_tells_what_became_of_each_mesh_goes_on_and_says_what_has_changed() {
+    let root = tempfile::tempdir().unwrap();
+    let meshes = folder_with_a_mesh(root.path());
+    std::fs::write(Path::new(&meshes).join("broken.off"), "OFF\n3 1 0\n0 0 0\n").unwrap();
+    let report = root.path().join("report");
+    let folder = report.to_str().unwrap();
+    let first = lab(&["sweep", &meshes, "-o", folder]);
+    assert!(first.status.success(), "{}", String::from_utf8_lossy(&first.stderr));
+    let summary = std::fs::read_to_string(report.join("summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    let all = &summary["tables"][0]["rows"][1];
+    let of = |column: &str| all[column].as_f64().unwrap_or(f64::NAN);
+    assert_eq!([of("meshes"), of("done"), of("refused"), of("hulls")], [2.0, 1.0, 1.0, 2.0]);
+    for column in ["crashed", "timed out", "open", "not convex", "broken promises"] {
+        assert_eq!(of(column), 0.0, "{column}");
+    }
+    let table = std::fs::read_to_string(report.join("sweep.csv")).unwrap();
+    let l = table.lines().find(|line| line.starts_with("props/l.obj,")).unwrap();
+    assert!(l.contains(",done,"), "{l}");
+
+    assert_eq!(text(&lab(&["sweep", &meshes, "-o", folder])), "", "nothing was left to do");
+
+    // As if the L, of 20 triangles, had been one hull before.
+    let before = root.path().join("before.csv");
+    assert!(l.contains(",20,2,"), "{l}");
+    std::fs::write(&before, table.replace(",20,2,", ",20,1,")).unwrap();
+    let compared = ["sweep", &meshes, "-o", folder, "--compare", before.to_str().unwrap()];
+    assert!(lab(&compared).status.success());
+    let words = std::fs::read_to_string(report.join("sweep.md")).unwrap();
+    assert!(words.contains("| props/l.obj | hulls | 1 | 2 |"), "{words}");
+}
+
+#[test]
 fn a_folder_without_the_tables_is_one_line_on_standard_error() {
     let root = tempfile::tempdir().unwrap();
     let folder = root.path().to_str().unwrap();

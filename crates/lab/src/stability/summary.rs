@@ -127,7 +127,8 @@ fn volumes(rows: &[Row]) -> Table {
         "processor time over that of the mesh as it is: median",
         "most  ",
     ];
-    let note = "Each run against the same method on the same mesh as it is. Volumes of closed meshes.";
+    let note =
+        "Each run against the same method on the same mesh as it is. Volumes of closed meshes.";
     let mut table = Table::new("Volume and time", note, &header);
     let base = base(rows);
     for (method, kind, all) in groups(rows) {
@@ -185,12 +186,7 @@ fn kinds(rows: &[&Row]) -> Vec<String> {
 }
 
 /// The rows of one method and one kind of variation against those of the meshes as they are.
-fn spread_cells(
-    method: &str,
-    kind: String,
-    all: &[&Row],
-    base: &Base<'_>,
-) -> Vec<String> {
+fn spread_cells(method: &str, kind: String, all: &[&Row], base: &Base<'_>) -> Vec<String> {
     let good = || all.iter().filter(|row| row.result.failure.is_empty());
     let pairs: Vec<(&Row, &Row)> =
         good().filter_map(|row| Some((*row, *base.get(&(row.mesh.as_str(), method))?))).collect();

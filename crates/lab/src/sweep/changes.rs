@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::row::Row;
-use crate::report::table::{Table, number_or_nothing};
+use crate::report::table::{NOTHING, Table, number_or_nothing};
 use crate::runs::record::Status;
 
 /// A share of the uncovered volume that is seen.
@@ -22,7 +22,7 @@ pub fn table(before: &[Row], after: &[Row], seconds: f64) -> Table {
         "Against {} meshes of version {}. Uncovered volume by more than {VOLUME}, time and memory \
          by more than a factor of {SCATTER}.",
         before.len(),
-        before.first().map_or("–", |row| row.version.as_str()),
+        before.first().map_or(NOTHING, |row| row.version.as_str()),
     );
     let mut table = Table::new("What has changed", &note, &["mesh", "what", "before", "now"]);
     for row in after {
@@ -50,7 +50,7 @@ fn changes(old: &Row, new: &Row, seconds: f64) -> Vec<[String; 3]> {
     let ratio = |pair: Option<(f64, f64)>| {
         pair.is_some_and(|(a, b)| a.max(b) > SCATTER * a.min(b).max(f64::MIN_POSITIVE))
     };
-    let count = |count: Option<usize>| number_or_nothing(count.map(|count| count as f64));
+    let count = |count: Option<usize>| count.map_or_else(|| NOTHING.into(), |n| n.to_string());
     let memory = |row: &Row| row.peak_memory.map(|bytes| bytes as f64 / f64::from(1 << 20));
     let times = old.processor_seconds.zip(new.processor_seconds);
     let volumes = old.uncovered_volume.zip(new.uncovered_volume);
@@ -71,7 +71,11 @@ fn changes(old: &Row, new: &Row, seconds: f64) -> Vec<[String; 3]> {
             ratio(times.map(|(a, b)| (a.max(LEAST_SECONDS), b.max(LEAST_SECONDS)))),
             [old, new].map(|row| number_or_nothing(row.processor_seconds)),
         ),
-        ("MB", ratio(memory(old).zip(memory(new))), [old, new].map(|r| number_or_nothing(memory(r)))),
+        (
+            "MB",
+            ratio(memory(old).zip(memory(new))),
+            [old, new].map(|r| number_or_nothing(memory(r))),
+        ),
     ];
     let changed = rows.into_iter().filter(|(_, is_changed, _)| *is_changed);
     changed.map(|(what, _, [before, now])| [what.to_owned(), before, now]).collect()
@@ -100,10 +104,7 @@ mod tests {
         let noisy = Row { processor_seconds: Some(0.13), ..row("a") };
         let table = table(&old, &[noisy, slower, crashed, row("new")], 2.0);
         let whats: Vec<String> = table.rows.iter().map(|row| row[..2].join(" ")).collect();
-        assert_eq!(
-            whats,
-            ["b hulls", "b processor seconds", "c outcome", "new mesh", "gone mesh"]
-        );
+        assert_eq!(whats, ["b hulls", "b processor seconds", "c outcome", "new mesh", "gone mesh"]);
         assert_eq!(table.rows[2][2..], ["done", "crash signal"]);
     }
 }

@@ -90,8 +90,7 @@ fn sweep(mesh: &Mesh, mut row: Row, limits: Limits) -> Result<Row, String> {
     command.arg("sweep-run").arg(&mesh.path);
     let ended = limits::run(command, limits)?;
     for line in &ended.lines {
-        let line =
-            serde_json::from_str(line).map_err(|error| format!("a worker said: {error}"))?;
+        let line = serde_json::from_str(line).map_err(|error| format!("a worker said: {error}"))?;
         worker::take(line, &mut row);
     }
     // What it refuses it says itself, and ends well.
@@ -144,13 +143,7 @@ fn report(
     ];
     let mut machine = machine::describe(limits);
     machine.insert("processor_seconds_of_a_time_out".into(), json!(seconds));
-    let report = Report {
-        title: "Sweep",
-        words,
-        machine: &machine,
-        plots: &[],
-        tables: &tables,
-        pages: &[],
-    };
+    let report =
+        Report { title: "Sweep", words, machine: &machine, plots: &[], tables: &tables, pages: &[] };
     report.write(output, "sweep")
 }

@@ -150,7 +150,8 @@ fn worst(rows: &[Row], title: &str, unit: &str, figure: fn(&Row) -> Option<f64>)
     let mut found: Vec<(f64, &Row)> =
         rows.iter().filter_map(|row| Some((figure(row)?, row))).collect();
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let mut table = Table::new(title, "", &["mesh", unit, "triangles", "hulls", "processor seconds"]);
+    let mut table =
+        Table::new(title, "", &["mesh", unit, "triangles", "hulls", "processor seconds"]);
     for (value, row) in found.into_iter().take(WORST) {
         let count = |count: Option<usize>| count.map_or_else(|| NOTHING.into(), |n| n.to_string());
         table.rows.push(vec![

@@ -178,7 +178,8 @@ pub fn take(line: Line, row: &mut Row) {
         } => {
             (row.triangles, row.hulls, row.vertices) =
                 (Some(triangles), Some(hulls), Some(vertices));
-            (row.processor_seconds, row.wall_seconds) = (Some(processor_seconds), Some(wall_seconds));
+            (row.processor_seconds, row.wall_seconds) =
+                (Some(processor_seconds), Some(wall_seconds));
             row.peak_memory = peak_memory;
         }
         Line::Exact { open_hulls, non_convex_hulls, hulls_without_volume, hulls_beyond_single } => {
