@@ -77,7 +77,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     for (apart, height, tip) in burst() {
         let [x, z] = TIPS.map(|angle| (angle * tip) as f32);
-        let turn = Rotation::from_euler(EulerRot::XYZ, x, 0.0, z);
+        let turn = Rotation::from_rotation_x(x) * Rotation::from_rotation_z(z);
         poses.push(Pose::from_parts(Vector::new(0.0, (RISES * height) as f32, 0.0), turn));
         frames.push(coloured(apart));
     }
