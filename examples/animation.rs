@@ -26,6 +26,9 @@ const RATE: u16 = 20;
 /// Steps of physics between two pictures.
 const STEPS: usize = 6;
 
+/// Angles from which it is seen, in degrees.
+const VIEW: (f64, f64) = (24.0, 17.0);
+
 /// Seconds: the mesh stands, its hulls stand, they move apart, stay, and close again.
 const STANDS: f64 = 0.7;
 const HULLS: f64 = 0.35;
@@ -41,12 +44,15 @@ const ENDS: u16 = 2;
 const APART: f64 = 0.55;
 
 /// How high the middle goes meanwhile, as a share of the mesh's diagonal, and how far it tips over.
-const RISES: f64 = 0.62;
-const TIPS: [f64; 2] = [0.55, -0.35];
+const RISES: f64 = 0.45;
+const TIPS: [f64; 2] = [0.22, -0.3];
 
 /// The floor, in diagonals of the mesh: half its width and depth.
-const FLOOR: [f64; 2] = [1.05, 0.75];
+const FLOOR: [f64; 2] = [0.72, 0.5];
 const FLOOR_COLOUR: Colour = [228, 229, 232];
+
+/// How high the picture reaches above the floor, in diagonals.
+const HEADROOM: f64 = 1.15;
 
 /// Mass per cubed unit. Only how it falls is seen.
 const DENSITY: f64 = 100.0;
@@ -163,7 +169,7 @@ fn draw(
         TriangleMesh::new(corners.map(|[x, z]| [x, floor, z]).to_vec(), vec![[0, 2, 1], [0, 3, 2]]);
     panel.parts.push(Part { mesh: ground, colour: FLOOR_COLOUR });
     // A triangle without area is not seen; it holds the picture's frame where it is.
-    let above = vec![[0.0, floor + 1.45, 0.0]; 3];
+    let above = vec![[0.0, floor + HEADROOM, 0.0]; 3];
     let above = TriangleMesh::new(above, vec![[0, 1, 2]]);
     panel.parts.push(Part { mesh: above, colour: FLOOR_COLOUR });
     panel.parts.extend(parts.into_iter().map(|(mut mesh, colour)| {
@@ -171,8 +177,7 @@ fn draw(
         Part { mesh, colour }
     }));
     let mut layout = Layout::default();
-    layout.view.azimuth = 24.0;
-    layout.view.elevation = 17.0;
+    (layout.view.azimuth, layout.view.elevation) = VIEW;
     render_with(&[panel], SIZE.0, SIZE.1, &layout)
 }
 

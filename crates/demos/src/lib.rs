@@ -13,6 +13,7 @@ use std::path::PathBuf;
 
 use bevy::app::PluginGroupBuilder;
 use bevy::prelude::*;
+use bevy::render::RenderPlugin;
 use bevy::window::WindowResolution;
 use bevy::winit::WinitSettings;
 use bevy_egui::EguiPlugin;
@@ -54,10 +55,16 @@ pub fn plugins(title: &str) -> PluginGroupBuilder {
     DefaultPlugins
         .set(AssetPlugin { file_path: ASSETS.into(), ..default() })
         .set(WindowPlugin { primary_window: Some(window), ..default() })
+        .set(RenderPlugin { synchronous_pipeline_compilation: is_without_person(), ..default() })
         .add(EguiPlugin::default())
         .add(RapierPhysicsPlugin::<NoUserData>::default())
         .add(HullwrightPlugin::default())
         .add(HullwrightDebugPlugin)
+}
+
+/// Whether pictures are written: then things are not left out while their shaders are compiled.
+fn is_without_person() -> bool {
+    std::env::args().any(|argument| argument == "--screenshot" || argument == "--tour")
 }
 
 /// Steps of Rapier that keep up with slow frames.

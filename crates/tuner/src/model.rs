@@ -65,8 +65,7 @@ impl Model {
         let scale = SIZE / diagonal;
         let half = Vec3::from(size.map(|side| (side * scale / 2.0) as f32));
         let centre = [0, 1, 2].map(|axis| (low[axis] + high[axis]) / 2.0);
-        let mut model =
-            Self { name, mesh, centre, scale, half, hang: Hang::default() };
+        let mut model = Self { name, mesh, centre, scale, half, hang: Hang::default() };
         model.hang = find_hang(&model.triangles());
         Ok(model)
     }
