@@ -24,7 +24,7 @@ use hullwright::bevy::{HullwrightDebug, HullwrightDebugPlugin};
 use caption::Caption;
 use hulls::HullMaterials;
 use orbit::{Orbit, OrbitPlugin, camera};
-use picture::{Bodies, PictureTaken, is_still};
+use picture::{Bodies, PicturePlugin, PictureTaken, Shaders, is_still};
 use shown::{ShownHulls, show_new_hulls, toggle};
 use studio::Studio;
 
@@ -96,17 +96,21 @@ struct Picture {
 
 impl Plugin for Stage {
     fn build(&self, app: &mut App) {
-        app.add_plugins((Studio::light(self.width), OrbitPlugin, Caption(self.caption)))
-            .add_message::<PictureTaken>()
-            .insert_resource(View(self.view))
-            .insert_resource(timestep())
-            .insert_resource(HullwrightDebug { is_drawn: false })
-            .init_resource::<HullMaterials>()
-            .init_resource::<ShownHulls>()
-            .add_systems(Startup, set_up)
-            .add_systems(Update, (picture::watch_sleep, toggle))
-            .add_systems(Update, (take_picture, end).run_if(resource_exists::<Picture>))
-            .add_observer(show_new_hulls);
+        app.add_plugins((
+            Studio::light(self.width),
+            OrbitPlugin,
+            Caption(self.caption),
+            PicturePlugin,
+        ))
+        .insert_resource(View(self.view))
+        .insert_resource(timestep())
+        .insert_resource(HullwrightDebug { is_drawn: false })
+        .init_resource::<HullMaterials>()
+        .init_resource::<ShownHulls>()
+        .add_systems(Startup, set_up)
+        .add_systems(Update, (picture::watch_sleep, toggle))
+        .add_systems(Update, (take_picture, end).run_if(resource_exists::<Picture>))
+        .add_observer(show_new_hulls);
         let mut arguments = std::env::args().skip_while(|argument| argument != "--screenshot");
         if let Some(path) = arguments.nth(1) {
             // Without a person the window has no focus, and would be drawn less often.
@@ -126,8 +130,11 @@ fn take_picture(
     mut picture: ResMut<Picture>,
     statuses: Query<&DecompositionStatus>,
     bodies: Bodies,
+    shaders: Res<Shaders>,
 ) {
-    let are_ready = !statuses.is_empty() && statuses.iter().all(DecompositionStatus::is_finished);
+    let are_ready = shaders.are_ready()
+        && !statuses.is_empty()
+        && statuses.iter().all(DecompositionStatus::is_finished);
     picture.frames += 1;
     if picture.still == STILL_FRAMES {
         return;

@@ -46,6 +46,8 @@ pub fn card() -> egui::Frame {
 pub fn set_style(mut contexts: EguiContexts) -> Result {
     let context = contexts.ctx_mut()?;
     context.set_theme(egui::Theme::Dark);
+    // However slowly frames are drawn, a click is a click.
+    context.options_mut(|options| options.input_options.max_click_duration = f64::INFINITY);
     context.all_styles_mut(|style| {
         style.spacing.item_spacing = egui::vec2(7.0, 6.0);
         style.spacing.interact_size.y = 24.0;
