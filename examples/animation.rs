@@ -27,6 +27,9 @@ const RATE: u16 = 20;
 /// Steps of physics between two pictures.
 const STEPS: usize = 6;
 
+/// Angles from which it is seen, in degrees.
+const VIEW: (f64, f64) = (24.0, 17.0);
+
 /// Seconds: the mesh stands, its hulls stand, they move apart, stay, and close again.
 const STANDS: f64 = 0.7;
 const HULLS: f64 = 0.35;
@@ -42,12 +45,15 @@ const ENDS: u16 = 2;
 const APART: f64 = 0.55;
 
 /// How high the middle goes meanwhile, as a share of the mesh's diagonal, and how far it tips over.
-const RISES: f64 = 0.62;
-const TIPS: [f64; 2] = [0.55, -0.35];
+const RISES: f64 = 0.45;
+const TIPS: [f64; 2] = [0.22, -0.3];
 
 /// The floor, in diagonals of the mesh: half its width and depth.
-const FLOOR: [f64; 2] = [1.05, 0.75];
+const FLOOR: [f64; 2] = [0.72, 0.5];
 const FLOOR_COLOUR: Colour = [228, 229, 232];
+
+/// How high the picture reaches above the floor, in diagonals.
+const HEADROOM: f64 = 1.15;
 
 /// Mass per cubed unit. Only how it falls is seen.
 const DENSITY: f64 = 100.0;
@@ -78,7 +84,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     for (apart, height, tip) in burst() {
         let [x, z] = TIPS.map(|angle| (angle * tip) as f32);
-        let turn = Rotation::from_euler(EulerRot::XYZ, x, 0.0, z);
+        let turn = Rotation::from_rotation_x(x) * Rotation::from_rotation_z(z);
         poses.push(Pose::from_parts(Vector::new(0.0, (RISES * height) as f32, 0.0), turn));
         frames.push(coloured(apart));
     }
@@ -164,7 +170,7 @@ fn draw(
         TriangleMesh::new(corners.map(|[x, z]| [x, floor, z]).to_vec(), vec![[0, 2, 1], [0, 3, 2]]);
     panel.parts.push(Part { mesh: ground, colour: FLOOR_COLOUR });
     // A triangle without area is not seen; it holds the picture's frame where it is.
-    let above = vec![[0.0, floor + 1.45, 0.0]; 3];
+    let above = vec![[0.0, floor + HEADROOM, 0.0]; 3];
     let above = TriangleMesh::new(above, vec![[0, 1, 2]]);
     panel.parts.push(Part { mesh: above, colour: FLOOR_COLOUR });
     panel.parts.extend(parts.into_iter().map(|(mut mesh, colour)| {
@@ -172,8 +178,7 @@ fn draw(
         Part { mesh, colour }
     }));
     let mut layout = Layout::default();
-    layout.view.azimuth = 24.0;
-    layout.view.elevation = 17.0;
+    (layout.view.azimuth, layout.view.elevation) = VIEW;
     render_with(&[panel], SIZE.0, SIZE.1, &layout)
 }
 

@@ -16,6 +16,10 @@ const SAME_FACE: f32 = 0.998;
 /// coincide.
 const DEPTH_BIAS: f32 = 120.0;
 
+/// How far over their hull edges are drawn, as a share of their way from its middle: lines can't have a
+/// depth of their own.
+const EDGES_ABOVE: f32 = 0.004;
+
 /// A convex part of a collider.
 #[derive(Debug, Clone, Default)]
 pub struct Piece {
@@ -76,7 +80,9 @@ pub fn edges_mesh(pieces: &[Piece], explosion: f32) -> Mesh {
     let mut indices: Vec<u32> = Vec::new();
     for (piece, way) in pieces.iter().zip(ways(pieces, explosion)) {
         let first = positions.len() as u32;
-        positions.extend(piece.points.iter().map(|point| *point + way));
+        let middle = piece.middle().unwrap_or_default();
+        let above = |point: &Vec3| *point + EDGES_ABOVE * (*point - middle) + way;
+        positions.extend(piece.points.iter().map(above));
         indices.extend(piece.sharp_edges().into_iter().flatten().map(|index| first + index));
     }
     let normals = vec![Vec3::Y; positions.len()];
@@ -140,7 +146,6 @@ impl FromWorld for HullMaterials {
             base_color: Color::BLACK.with_alpha(0.55),
             alpha_mode: AlphaMode::Blend,
             unlit: true,
-            depth_bias: 2.0 * DEPTH_BIAS,
             ..default()
         };
         Self {

@@ -13,6 +13,7 @@ use std::path::PathBuf;
 
 use bevy::app::PluginGroupBuilder;
 use bevy::prelude::*;
+use bevy::render::RenderPlugin;
 use bevy::window::WindowResolution;
 use bevy::winit::WinitSettings;
 use bevy_egui::EguiPlugin;
@@ -23,7 +24,7 @@ use hullwright::bevy::{HullwrightDebug, HullwrightDebugPlugin};
 use caption::Caption;
 use hulls::HullMaterials;
 use orbit::{Orbit, OrbitPlugin, camera};
-use picture::{Bodies, PictureTaken, is_still};
+use picture::{Bodies, PicturePlugin, PictureTaken, Shaders, is_still};
 use shown::{ShownHulls, show_new_hulls, toggle};
 use studio::Studio;
 
@@ -54,10 +55,16 @@ pub fn plugins(title: &str) -> PluginGroupBuilder {
     DefaultPlugins
         .set(AssetPlugin { file_path: ASSETS.into(), ..default() })
         .set(WindowPlugin { primary_window: Some(window), ..default() })
+        .set(RenderPlugin { synchronous_pipeline_compilation: is_without_person(), ..default() })
         .add(EguiPlugin::default())
         .add(RapierPhysicsPlugin::<NoUserData>::default())
         .add(HullwrightPlugin::default())
         .add(HullwrightDebugPlugin)
+}
+
+/// Whether pictures are written: then things are not left out while their shaders are compiled.
+fn is_without_person() -> bool {
+    std::env::args().any(|argument| argument == "--screenshot" || argument == "--tour")
 }
 
 /// Steps of Rapier that keep up with slow frames.
@@ -89,17 +96,21 @@ struct Picture {
 
 impl Plugin for Stage {
     fn build(&self, app: &mut App) {
-        app.add_plugins((Studio::light(self.width), OrbitPlugin, Caption(self.caption)))
-            .add_message::<PictureTaken>()
-            .insert_resource(View(self.view))
-            .insert_resource(timestep())
-            .insert_resource(HullwrightDebug { is_drawn: false })
-            .init_resource::<HullMaterials>()
-            .init_resource::<ShownHulls>()
-            .add_systems(Startup, set_up)
-            .add_systems(Update, (picture::watch_sleep, toggle))
-            .add_systems(Update, (take_picture, end).run_if(resource_exists::<Picture>))
-            .add_observer(show_new_hulls);
+        app.add_plugins((
+            Studio::light(self.width),
+            OrbitPlugin,
+            Caption(self.caption),
+            PicturePlugin,
+        ))
+        .insert_resource(View(self.view))
+        .insert_resource(timestep())
+        .insert_resource(HullwrightDebug { is_drawn: false })
+        .init_resource::<HullMaterials>()
+        .init_resource::<ShownHulls>()
+        .add_systems(Startup, set_up)
+        .add_systems(Update, (picture::watch_sleep, toggle))
+        .add_systems(Update, (take_picture, end).run_if(resource_exists::<Picture>))
+        .add_observer(show_new_hulls);
         let mut arguments = std::env::args().skip_while(|argument| argument != "--screenshot");
         if let Some(path) = arguments.nth(1) {
             // Without a person the window has no focus, and would be drawn less often.
@@ -119,8 +130,11 @@ fn take_picture(
     mut picture: ResMut<Picture>,
     statuses: Query<&DecompositionStatus>,
     bodies: Bodies,
+    shaders: Res<Shaders>,
 ) {
-    let are_ready = !statuses.is_empty() && statuses.iter().all(DecompositionStatus::is_finished);
+    let are_ready = shaders.are_ready()
+        && !statuses.is_empty()
+        && statuses.iter().all(DecompositionStatus::is_finished);
     picture.frames += 1;
     if picture.still == STILL_FRAMES {
         return;

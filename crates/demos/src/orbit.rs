@@ -1,7 +1,7 @@
 //! A camera that goes around what it looks at: drag to turn it, wheel to come nearer.
 
 use bevy::camera::PerspectiveProjection;
-use bevy::core_pipeline::tonemapping::Tonemapping;
+use bevy::core_pipeline::tonemapping::{DebandDither, Tonemapping};
 use bevy::input::mouse::{AccumulatedMouseMotion, AccumulatedMouseScroll, MouseScrollUnit};
 use bevy::prelude::*;
 use bevy_egui::input::EguiWantsInput;
@@ -85,6 +85,7 @@ pub fn camera(orbit: Orbit, studio: &Studio) -> impl Bundle + use<> {
         Camera3d::default(),
         // The palette's colours as they are.
         Tonemapping::None,
+        DebandDither::Disabled,
         Projection::Perspective(PerspectiveProjection { fov: FIELD_OF_VIEW, ..default() }),
         studio.haze(),
         orbit.transform(1.0),

@@ -2,9 +2,13 @@
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use bevy::prelude::*;
+use bevy::render::render_resource::PipelineCache;
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured, save_to_disk};
+use bevy::render::{Render, RenderApp, RenderSystems};
 use bevy_rapier3d::prelude::*;
 
 /// A picture of nothing has one colour; light and shadow on an empty floor give some hundreds.
@@ -15,6 +19,36 @@ const PIXEL: usize = 4;
 
 /// Bodies slower than this, in metres per second, lie still for the eye: some roll on for minutes.
 const STILL: f32 = 0.01;
+
+/// Says when a picture is taken, and when there is nothing left out of what is drawn.
+pub struct PicturePlugin;
+
+impl Plugin for PicturePlugin {
+    fn build(&self, app: &mut App) {
+        let shaders = Shaders::default();
+        app.add_message::<PictureTaken>().insert_resource(shaders.clone());
+        if let Some(render) = app.get_sub_app_mut(RenderApp) {
+            render
+                .insert_resource(shaders)
+                .add_systems(Render, note_shaders.in_set(RenderSystems::Cleanup));
+        }
+    }
+}
+
+/// Whether all shaders that are wanted are there: things without one are not drawn.
+#[derive(Resource, Clone, Default)]
+pub struct Shaders(Arc<AtomicBool>);
+
+impl Shaders {
+    /// As of the last frame that was drawn.
+    pub fn are_ready(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+fn note_shaders(cache: Res<PipelineCache>, shaders: Res<Shaders>) {
+    shaders.0.store(cache.waiting_pipelines().next().is_none(), Ordering::Relaxed);
+}
 
 /// Gives every body the component by which Rapier says that it sleeps.
 pub fn watch_sleep(mut commands: Commands, bodies: Query<Entity, Added<RigidBody>>) {

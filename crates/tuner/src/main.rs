@@ -22,7 +22,7 @@ use bevy_egui::{EguiPrimaryContextPass, PrimaryEguiContext, egui};
 use bevy_rapier3d::prelude::*;
 use hullwright_demos::hulls::HullMaterials;
 use hullwright_demos::orbit::{Orbit, OrbitPlugin, camera};
-use hullwright_demos::picture::{self, PictureTaken};
+use hullwright_demos::picture::{self, PicturePlugin, PictureTaken};
 use hullwright_demos::studio::Studio;
 
 use arguments::{Arguments, USAGE};
@@ -57,6 +57,7 @@ fn main() -> AppExit {
         hullwright_demos::plugins("Hullwright tuner"),
         Studio::dark(STAGE),
         OrbitPlugin,
+        PicturePlugin,
     ))
     .insert_resource(hullwright_demos::timestep())
     .insert_resource(Export::new(arguments.folder))

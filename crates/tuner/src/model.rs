@@ -28,12 +28,8 @@ pub const SIZE: f64 = 2.0;
 pub struct Model {
     /// The file's name without its suffix.
     pub name: String,
-    /// Where it was read.
-    pub path: PathBuf,
     /// In its own units.
     pub mesh: TriangleMesh,
-    /// Diagonal of its bounding box, in its own units.
-    pub diagonal: f64,
     /// In its own units; it goes to the stage's origin.
     centre: [f64; 3],
     /// Metres of the stage for each of its units.
@@ -49,10 +45,10 @@ impl Model {
     pub fn read(path: &Path) -> Result<Self, String> {
         let file = read_mesh(path).map_err(|error| error.to_string())?;
         let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into());
-        Self::new(name, path.to_owned(), file.mesh)
+        Self::new(name, file.mesh)
     }
 
-    fn new(name: String, path: PathBuf, mesh: TriangleMesh) -> Result<Self, String> {
+    fn new(name: String, mesh: TriangleMesh) -> Result<Self, String> {
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         let used = mesh.triangles.iter().flatten();
         for point in used.filter_map(|vertex| mesh.positions.get(*vertex as usize)) {
@@ -69,8 +65,7 @@ impl Model {
         let scale = SIZE / diagonal;
         let half = Vec3::from(size.map(|side| (side * scale / 2.0) as f32));
         let centre = [0, 1, 2].map(|axis| (low[axis] + high[axis]) / 2.0);
-        let mut model =
-            Self { name, path, mesh, diagonal, centre, scale, half, hang: Hang::default() };
+        let mut model = Self { name, mesh, centre, scale, half, hang: Hang::default() };
         model.hang = find_hang(&model.triangles());
         Ok(model)
     }

@@ -8,7 +8,7 @@ use bevy_egui::input::EguiWantsInput;
 use hullwright::hulls_format::HullsFile;
 use hullwright::io::read_mesh;
 use hullwright_demos::orbit::Orbit;
-use hullwright_demos::picture::{Bodies, is_still};
+use hullwright_demos::picture::{Bodies, Shaders, is_still};
 
 use crate::action::Help;
 use crate::balls::Ball;
@@ -86,13 +86,15 @@ pub struct Watched<'w, 's> {
     things: Query<'w, 's, &'static Transform, With<Thing>>,
     views: Query<'w, 's, &'static Orbit>,
     bodies: Bodies<'w, 's>,
+    shaders: Res<'w, Shaders>,
 }
 
 impl Watched<'_, '_> {
-    /// Whether the hulls are those of the settings.
+    /// Whether the hulls are those of the settings, and all can be drawn.
     pub fn is_current(&self) -> bool {
         let model = self.library.current.as_ref();
-        !self.library.is_reading()
+        self.shaders.are_ready()
+            && !self.library.is_reading()
             && (model.is_none() || self.tuning.is_current(model, &self.settings))
     }
 

@@ -15,7 +15,7 @@ use crate::export::Export;
 use crate::model::{BUNDLED, Library, bundled};
 use crate::scene::{Show, Trial, fit_of};
 use hud::{draw_drop_hint, draw_help, draw_message, draw_numbers};
-use widgets::{capped, choice, heading, row, wide_button};
+use widgets::{capped, choice, free_width, heading, row, wide_button};
 
 pub use style::set_style;
 pub use widgets::Controls;
@@ -63,7 +63,7 @@ pub fn draw(mut contexts: EguiContexts, mut state: State, mut views: Query<&mut 
     let panel = egui::Panel::left("panel").exact_size(PANEL).resizable(false);
     panel.frame(style::panel_frame()).show(&mut whole, |ui| {
         egui::ScrollArea::vertical().show(ui, |ui| {
-            ui.set_width(ui.available_width());
+            ui.set_width(PANEL - 2.0 * style::PANEL_MARGIN - 1.0);
             model_section(ui, &mut state);
             hulls_section(ui, &mut state);
             view_section(ui, &mut state);
@@ -234,7 +234,7 @@ fn export_section(ui: &mut egui::Ui, state: &mut State) {
 fn wide_buttons(ui: &mut egui::Ui, state: &mut State, buttons: [(&'static str, Action); 2]) {
     ui.horizontal(|ui| {
         let gap = ui.spacing().item_spacing.x;
-        let width = (ui.available_width() - gap) / 2.0;
+        let width = (free_width(ui) - gap) / 2.0;
         for (name, action) in buttons {
             let button = wide_button(ui, name, width);
             state.controls.mark(name, &button);

@@ -26,9 +26,12 @@ pub const WELL: Color32 = Color32::from_rgb(134, 204, 150);
 /// Corners of everything, in pixels.
 const CORNER: u8 = 5;
 
+/// Pixels between the panel's edges and what is on it.
+pub const PANEL_MARGIN: f32 = 16.0;
+
 /// The frame of the panel.
 pub fn panel_frame() -> egui::Frame {
-    egui::Frame::new().fill(PANEL).inner_margin(egui::Margin::symmetric(16, 8))
+    egui::Frame::new().fill(PANEL).inner_margin(egui::Margin::symmetric(PANEL_MARGIN as i8, 8))
 }
 
 /// The frame of what lies on the picture.
@@ -43,6 +46,8 @@ pub fn card() -> egui::Frame {
 pub fn set_style(mut contexts: EguiContexts) -> Result {
     let context = contexts.ctx_mut()?;
     context.set_theme(egui::Theme::Dark);
+    // However slowly frames are drawn, a click is a click.
+    context.options_mut(|options| options.input_options.max_click_duration = f64::INFINITY);
     context.all_styles_mut(|style| {
         style.spacing.item_spacing = egui::vec2(7.0, 6.0);
         style.spacing.interact_size.y = 24.0;

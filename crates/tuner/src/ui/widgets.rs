@@ -88,7 +88,7 @@ pub fn choice<T: PartialEq + Copy, const N: usize>(
 ) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 3.0;
-        let width = (ui.available_width() - 3.0 * (N - 1) as f32) / N as f32;
+        let width = (free_width(ui) - 3.0 * (N - 1) as f32) / N as f32;
         for (choice, name) in choices {
             let is_chosen = *value == choice;
             let (fill, ink) = if is_chosen {
@@ -104,6 +104,11 @@ pub fn choice<T: PartialEq + Copy, const N: usize>(
             }
         }
     });
+}
+
+/// Pixels from the cursor to the right edge of the panel's content.
+pub fn free_width(ui: &egui::Ui) -> f32 {
+    super::PANEL - style::PANEL_MARGIN - 1.0 - ui.cursor().left()
 }
 
 /// A button of a given width.
