@@ -9,6 +9,7 @@ use super::placement::Placements;
 use super::queue::WorkQueue;
 use super::request::AttachedCollider;
 use super::settings::HullwrightSettings;
+use super::skip::FarFromFocus;
 
 /// On a body that is frozen: for whom, and what to restore.
 #[derive(Component, Debug)]
@@ -25,6 +26,7 @@ pub(super) fn freeze(
     settings: Res<HullwrightSettings>,
     placements: Placements,
     attached: Query<(), With<AttachedCollider>>,
+    far: Query<Entity, Added<FarFromFocus>>,
     mut frozen: Query<&mut Frozen>,
     bodies: Query<(Option<&LockedAxes>, Option<&Velocity>)>,
 ) {
@@ -32,7 +34,7 @@ pub(super) fn freeze(
         return;
     }
     let mut new: Vec<(Entity, Frozen)> = Vec::new();
-    for &entity in queue.unfinished.keys() {
+    for entity in queue.unfinished.keys().copied().chain(&far) {
         let Some((body, RigidBody::Dynamic)) = placements.body(entity) else { continue };
         if attached.contains(entity) {
             continue;
@@ -64,10 +66,12 @@ pub(super) fn freeze(
 pub(super) fn release(
     mut commands: Commands,
     queue: Res<WorkQueue>,
+    far: Query<(), With<FarFromFocus>>,
     mut frozen: Query<(Entity, &mut Frozen, Option<&LockedAxes>)>,
 ) {
+    let waits = |entity: &Entity| queue.unfinished.contains_key(entity) || far.contains(*entity);
     for (body, mut frozen, locked) in &mut frozen {
-        frozen.for_entities.retain(|entity| queue.unfinished.contains_key(entity));
+        frozen.for_entities.retain(waits);
         if !frozen.for_entities.is_empty() {
             continue;
         }

@@ -5,8 +5,11 @@ use bevy::ecs::system::SystemParam;
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
 
+use crate::conventions::{NameTag, name_tag, without_copy_number};
+
 use super::baked::BakedDecomposition;
-use super::naming_conventions::{NameTag, name_tag, without_copy_number};
+use super::baked_scene::{BakedScene, FromBakedScene};
+use super::hierarchy_progress::{HierarchyStatus, HierarchyWork};
 use super::tag::{ConvexDecomposition, NoConvexDecomposition};
 
 /// Tags the meshes below this entity, such as all of a glTF scene, also those that come later.
@@ -21,6 +24,7 @@ use super::tag::{ConvexDecomposition, NoConvexDecomposition};
 #[derive(Component, Reflect, Debug, Clone, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[type_path = "hullwright"]
+#[require(HierarchyStatus, HierarchyWork)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct ConvexDecompositionHierarchy {
     /// For meshes of which nothing else is said; `None` to leave them alone.
@@ -33,6 +37,11 @@ pub struct ConvexDecompositionHierarchy {
     /// `UCX_chair_01` become convex pieces of the collider of `chair`, which is then not
     /// decomposed. Extras are read with the feature `bevy_gltf`. Default true.
     pub follows_artists: bool,
+    /// Where the hulls of its meshes may be found. What is not there, or was baked from another mesh or
+    /// with other settings, is decomposed, and the log says so. Not in texts: paths belong to the code
+    /// that loads them. Default `None`.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub baked: Option<Handle<BakedScene>>,
 }
 
 impl Default for ConvexDecompositionHierarchy {
@@ -41,6 +50,7 @@ impl Default for ConvexDecompositionHierarchy {
             default_tag: Some(ConvexDecomposition::default()),
             by_name: HashMap::default(),
             follows_artists: true,
+            baked: None,
         }
     }
 }
@@ -82,6 +92,23 @@ impl ConvexDecompositionHierarchy {
     #[must_use]
     pub fn with(mut self, name: impl Into<String>, tag: ConvexDecomposition) -> Self {
         self.by_name.insert(name.into(), Some(tag));
+        self
+    }
+
+    /// The same with hulls that `hullwright bake` made of the scene.
+    ///
+    /// ```
+    /// use bevy::prelude::*;
+    /// use hullwright::bevy::prelude::*;
+    ///
+    /// # fn setup(server: Res<AssetServer>) {
+    /// let level = ConvexDecompositionHierarchy::default()
+    ///     .with_baked(server.load("level.hullscene"));
+    /// # }
+    /// ```
+    #[must_use]
+    pub fn with_baked(mut self, baked: Handle<BakedScene>) -> Self {
+        self.baked = Some(baked);
         self
     }
 
@@ -159,6 +186,7 @@ type NewMesh = (With<Mesh3d>, Or<(Added<Mesh3d>, Changed<ChildOf>)>);
 pub(super) fn tag_hierarchies(
     mut commands: Commands,
     hierarchies: Query<&ConvexDecompositionHierarchy>,
+    mut works: Query<&mut HierarchyWork>,
     changed: Query<Entity, Changed<ConvexDecompositionHierarchy>>,
     new_meshes: Query<Entity, NewMesh>,
     nodes: Nodes,
@@ -172,14 +200,20 @@ pub(super) fn tag_hierarchies(
         roots.extend(above.into_iter().find(|entity| hierarchies.contains(*entity)));
     }
     for root in roots {
-        if let Ok(hierarchy) = hierarchies.get(root) {
-            nodes.tag(&mut commands, root, hierarchy);
+        if let (Ok(hierarchy), Ok(mut work)) = (hierarchies.get(root), works.get_mut(root)) {
+            nodes.tag(&mut commands, root, hierarchy, &mut work);
         }
     }
 }
 
 impl Nodes<'_, '_> {
-    fn tag(&self, commands: &mut Commands, root: Entity, hierarchy: &ConvexDecompositionHierarchy) {
+    fn tag(
+        &self,
+        commands: &mut Commands,
+        root: Entity,
+        hierarchy: &ConvexDecompositionHierarchy,
+        work: &mut HierarchyWork,
+    ) {
         let nodes = self.nodes_with_meshes(root);
         // Meshes that have pieces made by the artist.
         let mut with_pieces: HashSet<&str> = HashSet::default();
@@ -192,6 +226,7 @@ impl Nodes<'_, '_> {
                 }
             }
         }
+        let (mut tagged, mut left_out) = (Vec::new(), 0);
         for node in nodes {
             if self.own_tags.contains(node) {
                 continue;
@@ -201,6 +236,11 @@ impl Nodes<'_, '_> {
                 Some(tag) => {
                     node_commands.try_remove::<NoConvexDecomposition>();
                     node_commands.try_insert((tag, TaggedByHierarchy));
+                    match &hierarchy.baked {
+                        Some(baked) => node_commands.try_insert(FromBakedScene(baked.clone())),
+                        None => node_commands.try_remove::<FromBakedScene>(),
+                    };
+                    tagged.push(node);
                 }
                 None => {
                     if self.tagged.contains(node) {
@@ -208,9 +248,11 @@ impl Nodes<'_, '_> {
                     }
                     // Else it would be part of the input of a node above it.
                     node_commands.try_insert((NoConvexDecomposition, TaggedByHierarchy));
+                    left_out += 1;
                 }
             }
         }
+        work.begin(tagged, left_out);
     }
 
     /// The entities that stand for one mesh each: those with a `Mesh3d`, or the parents of
@@ -268,7 +310,7 @@ impl Nodes<'_, '_> {
     fn extras_of(&self, node: Entity) -> Option<bool> {
         let on = |entity| {
             let (extras, mesh_extras, _) = self.extras.get(entity).ok()?;
-            let tag = |text: &String| super::naming_conventions::extras_tag(text);
+            let tag = |text: &String| crate::conventions::extras_tag(text);
             extras
                 .and_then(|extras| tag(&extras.value))
                 .or_else(|| mesh_extras.and_then(|extras| tag(&extras.value)))

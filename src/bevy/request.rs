@@ -9,6 +9,7 @@ use bevy::prelude::*;
 use crate::Parameters;
 
 use super::baked::BakedHulls;
+use super::baked_scene::BakedScene;
 use super::error::DecompositionError;
 use super::mesh_data::MeshPart;
 use super::parameters::has_absolute_length;
@@ -43,6 +44,8 @@ pub(super) struct ColliderRequest {
     pub parts: Vec<MeshPart>,
     /// `None` for the triangles as they are.
     pub parameters: Option<Parameters>,
+    /// Where its hulls may be found.
+    pub scene: Option<AssetId<BakedScene>>,
     /// Baked into the mesh before the work.
     pub map_before: Affine3A,
     /// Baked into the result.

@@ -3,13 +3,14 @@
 
 use std::sync::Arc;
 
-use bevy::asset::{LoadState, UntypedAssetId};
+use bevy::asset::{AssetId, LoadState, UntypedAssetId};
 use bevy::ecs::system::SystemParam;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::{Collider, RigidBody};
 
 use super::baked::{BakedDecomposition, BakedHulls};
+use super::baked_scene::{BakedScene, FromBakedScene};
 use super::cache::GeometryCache;
 use super::content::{ContentKey, goal_hash};
 use super::error::DecompositionError;
@@ -19,6 +20,7 @@ use super::placement::{MapKey, Placements};
 use super::queue::{Completed, Failed, WorkQueue};
 use super::request::{AttachedCollider, AttachedFallback, ColliderRequest, FailedRequest, InputId};
 use super::settings::{FallbackCollider, HullwrightSettings};
+use super::skip::{FarFromFocus, SkipRules, is_too_small};
 use super::status::{
     DecompositionCounters, DecompositionStatus, HullSource, SkipReason, WaitReason,
 };
@@ -36,8 +38,11 @@ pub(super) struct Scene<'w, 's> {
     transforms: Query<'w, 's, &'static Transform>,
     failed: Query<'w, 's, (), With<FailedRequest>>,
     placements: Placements<'w, 's>,
+    skip_rules: SkipRules<'w, 's>,
     meshes: Res<'w, Assets<Mesh>>,
     baked: Res<'w, Assets<BakedHulls>>,
+    scenes: Res<'w, Assets<BakedScene>>,
+    from_scenes: Query<'w, 's, &'static FromBakedScene>,
     server: Option<Res<'w, AssetServer>>,
 }
 
@@ -59,7 +64,7 @@ enum Resolution {
     Gone,
     /// Its meshes are not there yet.
     Later,
-    HasCollider,
+    Skipped(SkipReason),
     Failed(Box<ColliderRequest>, DecompositionError),
     Request(Box<ColliderRequest>),
 }
@@ -100,10 +105,13 @@ pub(super) fn resolve(
                 queue.unfinished.remove(&entity);
             }
             Resolution::Later => queue.to_resolve.push_back(entity),
-            Resolution::HasCollider => {
+            Resolution::Skipped(reason) => {
                 queue.unfinished.remove(&entity);
-                counters.had_collider += 1;
-                set_status(DecompositionStatus::Skipped(SkipReason::HasCollider));
+                counters.count_skipped(reason);
+                if reason == SkipReason::TooFar {
+                    commands.entity(entity).try_insert(FarFromFocus);
+                }
+                set_status(DecompositionStatus::Skipped(reason));
             }
             Resolution::Failed(request, error) => {
                 queue.failed.push(Failed { entity, error, is_known: false });
@@ -151,7 +159,7 @@ fn known_result(
     };
     let (geometry, shape) = cache.shape(key, request.map_key())?;
     let source = match key {
-        ContentKey::Mesh(_) => HullSource::Shared,
+        ContentKey::Mesh { .. } => HullSource::Shared,
         ContentKey::Baked(_) => HullSource::Baked,
     };
     Some(Ok(BuiltCollider { key, geometry, shape, source }))
@@ -163,11 +171,14 @@ impl Scene<'_, '_> {
             return Resolution::Gone;
         };
         if has_collider && !is_attached && !is_fallback {
-            return Resolution::HasCollider;
+            return Resolution::Skipped(SkipReason::HasCollider);
         }
         match (baked, tag) {
             (Some(baked), _) => self.baked_request(entity, baked),
-            (None, Some(tag)) => self.mesh_request(entity, tag, settings),
+            (None, Some(tag)) => match self.skip_rules.reason(entity, settings) {
+                Some(reason) => Resolution::Skipped(reason),
+                None => self.mesh_request(entity, tag, settings),
+            },
             (None, None) => Resolution::Gone,
         }
     }
@@ -183,6 +194,7 @@ impl Scene<'_, '_> {
             input: Arc::new(InputId::Baked(id)),
             parts: Vec::new(),
             parameters: None,
+            scene: None,
             map_before: Affine3A::IDENTITY,
             map: placement.map,
             stretch: placement.stretch,
@@ -205,7 +217,14 @@ impl Scene<'_, '_> {
         if missing.is_some_and(|mesh| !self.failed_to_load(mesh.untyped())) {
             return Resolution::Later;
         }
+        let scene = self.from_scenes.get(entity).ok().map(|from| from.0.id());
+        if scene.is_some_and(|scene| self.is_still_loading(scene)) {
+            return Resolution::Later;
+        }
         let placement = self.placements.placement(entity);
+        if is_too_small(&parts, &placement, &self.meshes, settings) {
+            return Resolution::Skipped(SkipReason::TooSmall);
+        }
         let is_fixed = matches!(self.placements.body(entity), Some((_, RigidBody::Fixed)));
         let mut parameters =
             (!is_fixed || !settings.exact_fixed_bodies).then(|| tag.to_parameters());
@@ -228,6 +247,7 @@ impl Scene<'_, '_> {
             input: Arc::new(input),
             parts,
             parameters,
+            scene,
             map_before,
             map,
             stretch: placement.stretch,
@@ -271,6 +291,11 @@ impl Scene<'_, '_> {
                 self.collect(top, *child, parts);
             }
         }
+    }
+
+    /// Whether a scene is neither there nor lost.
+    fn is_still_loading(&self, scene: AssetId<BakedScene>) -> bool {
+        !self.scenes.contains(scene) && !self.failed_to_load(scene.untyped())
     }
 
     /// Whether an asset that is not there will not come.

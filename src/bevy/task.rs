@@ -1,7 +1,6 @@
 //! One decomposition, from its triangles to a shape, in steps: on a thread in the background, or
 //! step by step on the main thread.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -11,9 +10,10 @@ use bevy_rapier3d::rapier::geometry::{SharedShape, TriMeshFlags};
 use crate::hulls_format::HullsFile;
 use crate::{Control, Decomposer, Error, MeshView, Parameters, mass_properties_with};
 
+use super::baked_scene::SceneGeometry;
 use super::cache::{ColliderGeometry, GeometryCache, WorkClaim};
 use super::content::ContentKey;
-use super::disk_cache::{read_from_disk, write_to_disk};
+use super::disk_cache::DiskCache;
 use super::error::DecompositionError;
 use super::mesh_data::MeshData;
 use super::placement::{MapKey, map_hulls};
@@ -23,7 +23,12 @@ use super::status::HullSource;
 /// What a task starts from.
 pub(super) enum TaskInput {
     /// A mesh: hulls by the parameters or, without parameters, the triangles as they are.
-    Mesh { data: MeshData, parameters: Option<Parameters> },
+    Mesh {
+        data: MeshData,
+        parameters: Option<Parameters>,
+        /// Where its hulls may be found.
+        baked: Option<Arc<SceneGeometry>>,
+    },
     /// Known geometry, of which another shape is wanted.
     Geometry { key: ContentKey, geometry: Arc<ColliderGeometry>, source: HullSource },
 }
@@ -51,7 +56,7 @@ pub(super) struct DecompositionTask {
     map: Affine3A,
     cache: GeometryCache,
     cache_bytes: usize,
-    disk_cache: Option<PathBuf>,
+    disk_cache: Option<DiskCache>,
 }
 
 enum TaskState {
@@ -75,13 +80,9 @@ impl DecompositionTask {
         cache: GeometryCache,
         settings: &HullwrightSettings,
     ) -> Self {
-        Self {
-            state: TaskState::Start(Box::new(input)),
-            map,
-            cache,
-            cache_bytes: settings.cache_bytes,
-            disk_cache: settings.disk_cache.clone(),
-        }
+        let disk_cache = DiskCache::new(settings, &cache.written);
+        let state = TaskState::Start(Box::new(input));
+        Self { state, map, cache, cache_bytes: settings.cache_bytes, disk_cache }
     }
 
     /// Runs to the end.
@@ -103,7 +104,9 @@ impl DecompositionTask {
                 TaskInput::Geometry { key, geometry, source } => {
                     self.build(key, geometry, source).map(Some)
                 }
-                TaskInput::Mesh { data, parameters } => self.start(data, parameters.as_ref()),
+                TaskInput::Mesh { data, parameters, baked } => {
+                    self.start(data, parameters.as_ref(), baked.as_deref())
+                }
             },
             TaskState::Decompose(work) => self.decompose(work, control),
             TaskState::Done => Err(Error::Finished.into()),
@@ -114,8 +117,12 @@ impl DecompositionTask {
         &mut self,
         data: MeshData,
         parameters: Option<&Parameters>,
+        baked: Option<&SceneGeometry>,
     ) -> Result<Option<TaskOutput>, DecompositionError> {
         let key = ContentKey::of_mesh(&data, parameters);
+        if let Some(geometry) = baked.and_then(|baked| baked.get(key)) {
+            return self.build(key, geometry.clone(), HullSource::Baked).map(Some);
+        }
         if let Some(geometry) = self.cache.geometry(key) {
             return self.build(key, geometry, HullSource::Shared).map(Some);
         }
@@ -126,7 +133,7 @@ impl DecompositionTask {
             let geometry = Arc::new(ColliderGeometry::Triangles(data));
             return self.build(key, geometry, HullSource::Decomposed).map(Some);
         };
-        let from_disk = self.disk_cache.as_ref().and_then(|path| read_from_disk(path, key));
+        let from_disk = self.disk_cache.as_ref().and_then(|cache| cache.read(key));
         if let Some(file) = from_disk {
             let geometry = Arc::new(ColliderGeometry::Hulls(Box::new(file)));
             return self.build(key, geometry, HullSource::Disk).map(Some);
@@ -150,8 +157,8 @@ impl DecompositionTask {
         let hulls = &decomposition.hulls;
         let mass = mass_properties_with(data.view(), hulls, 1.0, &parameters)?;
         let file = HullsFile::new("", &decomposition).with_mass_properties(mass);
-        if let Some(directory) = &self.disk_cache {
-            write_to_disk(directory, key, &file);
+        if let Some(cache) = &self.disk_cache {
+            cache.write(key, &file);
         }
         let geometry = Arc::new(ColliderGeometry::Hulls(Box::new(file)));
         let output = self.build(key, geometry, HullSource::Decomposed);

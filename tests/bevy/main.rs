@@ -2,6 +2,8 @@
 
 mod app;
 mod baked;
+#[cfg(feature = "bevy_gltf")]
+mod baked_scenes;
 #[cfg(feature = "debug")]
 mod debug;
 mod failures;
@@ -13,8 +15,11 @@ mod gltf;
 mod log;
 mod meshes;
 mod order;
+mod progress;
 mod scale;
 mod scenes;
 mod sharing;
+mod skipping;
+mod streaming;
 mod tags;
 mod waiting;

@@ -9,6 +9,7 @@ use bevy::prelude::*;
 
 use super::priority::Priority;
 use crate::bevy::baked::BakedHulls;
+use crate::bevy::baked_scene::BakedScene;
 use crate::bevy::budget::Budget;
 use crate::bevy::cache::{ColliderGeometry, GeometryCache};
 use crate::bevy::content::ContentKey;
@@ -192,6 +193,7 @@ pub struct Sources<'w> {
     cache: Res<'w, GeometryCache>,
     meshes: Res<'w, Assets<Mesh>>,
     baked: Res<'w, Assets<BakedHulls>>,
+    scenes: Res<'w, Assets<BakedScene>>,
 }
 
 impl Sources<'_> {
@@ -209,7 +211,9 @@ impl Sources<'_> {
             return Ok(TaskInput::Geometry { key: *key, geometry, source: HullSource::Shared });
         }
         let data = read_parts(&request.parts, &request.map_before, &self.meshes)?;
-        Ok(TaskInput::Mesh { data, parameters: request.parameters.clone() })
+        let scene = request.scene.and_then(|scene| self.scenes.get(scene));
+        let baked = scene.map(BakedScene::geometry);
+        Ok(TaskInput::Mesh { data, parameters: request.parameters.clone(), baked })
     }
 
     fn baked_input(&self, id: AssetId<BakedHulls>) -> Result<TaskInput, DecompositionError> {

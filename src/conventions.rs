@@ -3,7 +3,7 @@
 
 /// What a name asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum NameTag<'a> {
+pub enum NameTag<'a> {
     /// A decomposition of this mesh.
     Decompose,
     /// The mesh is itself a convex piece of the collider of the mesh with this name.
@@ -17,7 +17,8 @@ const SUFFIXES: [&str; 2] = ["-convcol", "-convcolonly"];
 /// Unreal's prefix: `UCX_Chair`, or `UCX_Chair_01` where there are several.
 const PREFIX: &str = "UCX_";
 
-pub(super) fn name_tag(name: &str) -> Option<NameTag<'_>> {
+/// What a name asks for, if anything.
+pub fn name_tag(name: &str) -> Option<NameTag<'_>> {
     let name = without_copy_number(name);
     if let Some(rest) = name.strip_prefix(PREFIX) {
         return Some(NameTag::PieceOf(without_piece_number(rest)));
@@ -26,7 +27,7 @@ pub(super) fn name_tag(name: &str) -> Option<NameTag<'_>> {
 }
 
 /// Blender gives a copy the name of the original with `.001`.
-pub(super) fn without_copy_number(name: &str) -> &str {
+pub fn without_copy_number(name: &str) -> &str {
     match name.rsplit_once('.') {
         Some((rest, number)) if is_number(number) => rest,
         _ => name,
@@ -45,8 +46,8 @@ fn is_number(text: &str) -> bool {
 }
 
 /// What extras ask for: whether to decompose. `None` if they say nothing, or are no JSON.
-#[cfg(feature = "bevy_gltf")]
-pub(super) fn extras_tag(extras: &str) -> Option<bool> {
+#[cfg(any(feature = "bevy_gltf", feature = "io"))]
+pub fn extras_tag(extras: &str) -> Option<bool> {
     let value: serde_json::Value = serde_json::from_str(extras).ok()?;
     match value.get("collider")?.as_str()? {
         "convex_decomposition" => Some(true),
@@ -77,7 +78,7 @@ mod tests {
         assert_eq!(name_tag("UCX_chair_leg_03"), Some(NameTag::PieceOf("chair_leg")));
     }
 
-    #[cfg(feature = "bevy_gltf")]
+    #[cfg(any(feature = "bevy_gltf", feature = "io"))]
     #[test]
     fn extras_ask_for_or_against_it() {
         assert_eq!(extras_tag(r#"{"collider": "convex_decomposition", "hp": 3}"#), Some(true));
