@@ -3,7 +3,8 @@
 use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::{DynamicSkinnedMeshBounds, VisibilityClass};
 use bevy::gltf::{
-    GltfExtras, GltfMaterialName, GltfMeshExtras, GltfMeshName, GltfPlugin, GltfSceneName,
+    GltfExtras, GltfMaterialExtras, GltfMaterialName, GltfMeshExtras, GltfMeshName, GltfPlugin,
+    GltfSceneExtras, GltfSceneName,
 };
 use bevy::image::{CompressedImageFormatSupport, CompressedImageFormats, ImagePlugin};
 use bevy::mesh::MeshPlugin;
@@ -43,9 +44,11 @@ impl Plugin for HeadlessScenes {
             .register_type::<VisibilityClass>()
             .register_type::<DynamicSkinnedMeshBounds>()
             .register_type::<GltfExtras>()
+            .register_type::<GltfMaterialExtras>()
             .register_type::<GltfMaterialName>()
             .register_type::<GltfMeshExtras>()
             .register_type::<GltfMeshName>()
+            .register_type::<GltfSceneExtras>()
             .register_type::<GltfSceneName>();
     }
 }

@@ -1,5 +1,7 @@
 //! Results reach their entities: as colliders, as statuses, as events.
 
+use std::time::Duration;
+
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::{
@@ -9,11 +11,12 @@ use bevy_rapier3d::prelude::{
 };
 
 use crate::ColliderError;
+use crate::hulls_format::HullsFile;
 
 use super::baked::BakedDecomposition;
 use super::cache::ColliderGeometry;
 use super::error::DecompositionError;
-use super::events::DecompositionReady;
+use super::events::{DecompositionReady, DecompositionSkipped, VerifiedError};
 use super::placement::{Placements, map_mass};
 use super::queue::{Completed, Failed, WorkQueue};
 use super::request::{AttachedCollider, AttachedFallback};
@@ -63,18 +66,18 @@ pub(super) fn attach(
         let Some(completed) = queue.completed.pop_front() else { break };
         let entity = completed.entity;
         match targets.attach(&mut commands, &completed) {
-            Ok(hulls) => {
-                queue.unfinished.remove(&entity);
+            Ok(()) => {
+                let Some(unfinished) = queue.unfinished.remove(&entity) else { continue };
                 let present = targets.placements.stretch(entity);
                 queue.detect_missed_scale(entity, &completed.request.stretch, present);
                 if let Some((body, _)) = targets.placements.body(entity) {
                     sleepers.wake(body);
                 }
-                let status = count(&mut counters, &completed, hulls);
+                let status = count(&mut counters, &completed);
                 if let Ok(mut old) = statuses.get_mut(entity) {
-                    *old = status;
+                    *old = status.clone();
                 }
-                commands.trigger(DecompositionReady { entity, hulls });
+                announce(&mut commands, &completed, status, unfinished.since.elapsed());
             }
             Err(error) => queue.failed.push(Failed { entity, error, is_known: false }),
         }
@@ -107,18 +110,14 @@ impl Sleepers<'_, '_> {
     }
 }
 
-fn count(
-    counters: &mut DecompositionCounters,
-    completed: &Completed,
-    hulls: usize,
-) -> DecompositionStatus {
+fn count(counters: &mut DecompositionCounters, completed: &Completed) -> DecompositionStatus {
     let built = &completed.built;
-    if let ColliderGeometry::Triangles(_) = *built.geometry {
-        counters.triangle_meshes += 1;
-        return DecompositionStatus::Skipped(SkipReason::FixedBody);
-    }
-    if hulls == 1 {
-        counters.convex += 1;
+    match &*built.geometry {
+        ColliderGeometry::Triangles(_) => {
+            counters.triangle_meshes += 1;
+            return DecompositionStatus::Skipped(SkipReason::FixedBody);
+        }
+        ColliderGeometry::Hulls(file) => counters.convex += usize::from(file.hulls.len() == 1),
     }
     match built.source {
         HullSource::Decomposed => {}
@@ -129,32 +128,57 @@ fn count(
     DecompositionStatus::Ready(built.source)
 }
 
+/// The one event that the tag ends in.
+fn announce(
+    commands: &mut Commands,
+    completed: &Completed,
+    status: DecompositionStatus,
+    time: Duration,
+) {
+    let entity = completed.entity;
+    if let DecompositionStatus::Skipped(reason) = status {
+        commands.trigger(DecompositionSkipped { entity, reason });
+        return;
+    }
+    let (hulls, error) = match &*completed.built.geometry {
+        ColliderGeometry::Triangles(_) => (0, None),
+        ColliderGeometry::Hulls(file) => (file.hulls.len(), verified_error(file)),
+    };
+    let source = completed.built.source;
+    commands.trigger(DecompositionReady { entity, hulls, error, source, time });
+}
+
+fn verified_error(file: &HullsFile) -> Option<VerifiedError> {
+    let errors = file.verified?;
+    let share = |length: f64| (length / file.diagonal) as f32;
+    let (protrusion, uncovered) = (share(errors.protrusion_max), share(errors.uncovered_max));
+    Some(VerifiedError { protrusion, uncovered })
+}
+
 impl Targets<'_, '_> {
-    /// The number of hulls.
     fn attach(
         &self,
         commands: &mut Commands,
         completed: &Completed,
-    ) -> Result<usize, DecompositionError> {
+    ) -> Result<(), DecompositionError> {
         let Completed { entity, request, built } = completed;
         let Ok((tag, baked, attached, fallback, has_mass)) = self.targets.get(*entity) else {
-            return Ok(0);
+            return Ok(());
         };
         let owned = attached.map(|attached| attached.owns_mass);
         let owned = owned.or_else(|| fallback.map(|fallback| fallback.owns_mass));
         let owns_mass = owned.unwrap_or(!has_mass);
-        let (mass, hulls) = match &*built.geometry {
-            ColliderGeometry::Triangles(_) => (None, 0),
+        let mass = match &*built.geometry {
+            ColliderGeometry::Triangles(_) => None,
             ColliderGeometry::Hulls(file) => {
                 let density = f64::from(tag.map_or(DEFAULT_DENSITY, |tag| tag.density));
-                let mass = file.mass_properties.map(|properties| {
+                file.mass_properties.map(|properties| {
                     let mass = match baked {
                         Some(baked) => baked.mass.map_or(properties.mass, f64::from),
                         None => properties.mass * density,
                     };
                     map_mass(&properties.with_mass(mass), &request.map)
-                });
-                (mass, file.hulls.len())
+                })
             }
         };
         let mass = match mass.filter(|_| owns_mass) {
@@ -180,7 +204,7 @@ impl Targets<'_, '_> {
             commands.entity(*entity).try_insert(mass);
         }
         self.inherit_surface(commands, *entity);
-        Ok(hulls)
+        Ok(())
     }
 
     /// A collider below a body inherits the components of its surface that it does not have itself.

@@ -10,6 +10,7 @@ use bevy_rapier3d::prelude::RigidBody;
 use super::baked::{BakedDecomposition, BakedHulls};
 use super::cache::GeometryCache;
 use super::content::ContentKey;
+use super::events::DecompositionCancelled;
 use super::placement::Stretch;
 use super::queue::WorkQueue;
 use super::request::{AttachedCollider, ColliderRequest, FailedRequest, InputId};
@@ -53,7 +54,7 @@ pub(super) fn detect_bodies(
     settings: Res<HullwrightSettings>,
     changed: Query<(Entity, &RigidBody), Changed<RigidBody>>,
     children: Query<&Children>,
-    attached: Query<&AttachedCollider>,
+    attached: Query<&AttachedCollider, Tagged>,
     failed: Query<&FailedRequest>,
 ) {
     if !settings.exact_fixed_bodies {
@@ -120,7 +121,7 @@ pub(super) fn detect_assets(
 #[derive(SystemParam)]
 pub(super) struct InputUsers<'w, 's> {
     /// What failed has at most the collider of an earlier input.
-    attached: Query<'w, 's, (Entity, &'static AttachedCollider), Without<FailedRequest>>,
+    attached: Query<'w, 's, (Entity, &'static AttachedCollider), (Tagged, Without<FailedRequest>)>,
     failed: Query<'w, 's, (Entity, &'static FailedRequest)>,
 }
 
@@ -152,11 +153,14 @@ impl InputUsers<'_, '_> {
 
 type AttachedOrFailed = AnyOf<(&'static AttachedCollider, &'static FailedRequest)>;
 
+/// Untagged colliders are no longer ours.
+type MovedAndTagged = (Changed<GlobalTransform>, Tagged);
+
 /// Scales that changed, once they have not changed for a while.
 pub(super) fn detect_scales(
     mut queue: ResMut<WorkQueue>,
     settings: Res<HullwrightSettings>,
-    moved: Query<(Entity, &GlobalTransform, AttachedOrFailed), Changed<GlobalTransform>>,
+    moved: Query<(Entity, &GlobalTransform, AttachedOrFailed), MovedAndTagged>,
 ) {
     let now = Instant::now();
     for (entity, transform, (attached, failed)) in &moved {
@@ -192,9 +196,18 @@ pub(super) fn on_untag<T: Component>(
     mut queue: ResMut<WorkQueue>,
     mut counters: ResMut<DecompositionCounters>,
     failed: Query<(), With<FailedRequest>>,
+    both_tags: Query<(), (With<ConvexDecomposition>, With<BakedDecomposition>)>,
     mut statuses: Query<&mut DecompositionStatus>,
 ) {
     let entity = removed.entity;
+    // The other tag takes over. If it goes in the same instant, as all do when an entity is despawned, the
+    // work is cancelled where it is resolved.
+    if both_tags.contains(entity) {
+        if queue.unfinished.contains_key(&entity) {
+            queue.restart(entity);
+        }
+        return;
+    }
     if failed.contains(entity) {
         commands.entity(entity).try_remove::<FailedRequest>();
     }
@@ -203,5 +216,6 @@ pub(super) fn on_untag<T: Component>(
         if let Ok(mut status) = statuses.get_mut(entity) {
             *status = DecompositionStatus::Cancelled;
         }
+        commands.trigger(DecompositionCancelled { entity });
     }
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use bevy::prelude::*;
 
+use super::describe::{Descriptions, asset_of, entities};
 use super::events::DecompositionFailed;
 use super::placement::Placements;
 use super::queue::{Failed, WorkQueue};
@@ -16,17 +17,21 @@ pub(super) fn report_failures(
     mut queue: ResMut<WorkQueue>,
     mut counters: ResMut<DecompositionCounters>,
     placements: Placements,
+    descriptions: Descriptions,
     mut statuses: Query<&mut DecompositionStatus>,
 ) {
     if queue.failed.is_empty() {
         return;
     }
-    let mut to_log: BTreeMap<String, usize> = BTreeMap::new();
+    // By their text: how many, and the first of them.
+    let mut to_log: BTreeMap<String, (usize, String)> = BTreeMap::new();
     for Failed { entity, error, is_known } in std::mem::take(&mut queue.failed) {
         let Some(unfinished) = queue.unfinished.remove(&entity) else { continue };
         counters.failed += 1;
         if !is_known {
-            *to_log.entry(error.to_string()).or_default() += 1;
+            let asset = unfinished.request.as_ref().and_then(|request| asset_of(&request.input));
+            let line = to_log.entry(error.to_string());
+            line.or_insert_with(|| (0, descriptions.entity(entity, asset))).0 += 1;
         }
         if let Some(request) = unfinished.request {
             let baked = request.stretch;
@@ -41,10 +46,7 @@ pub(super) fn report_failures(
         }
         commands.trigger(DecompositionFailed { entity, error });
     }
-    for (text, entities) in to_log {
-        match entities {
-            1 => log::warn!("no convex decomposition: {text}"),
-            _ => log::warn!("no convex decomposition for {entities} entities: {text}"),
-        }
+    for (text, (count, first)) in to_log {
+        log::warn!("no convex decomposition for {}: {text}", entities(count, &first));
     }
 }

@@ -10,6 +10,7 @@ use super::queue::WorkQueue;
 use super::request::AttachedCollider;
 use super::settings::HullwrightSettings;
 use super::skip::FarFromFocus;
+use super::tag::ConvexDecomposition;
 
 /// On a body that is frozen: for whom, and what to restore.
 #[derive(Component, Debug)]
@@ -19,7 +20,10 @@ pub(super) struct Frozen {
     velocity: Option<Velocity>,
 }
 
-/// Freezes the bodies of entities that wait for their first collider.
+type FreeBody = (Option<&'static LockedAxes>, Option<&'static mut Velocity>);
+
+/// Freezes the bodies of entities that wait for their first collider, and keeps the velocities that are set
+/// while they are frozen.
 pub(super) fn freeze(
     mut commands: Commands,
     queue: Res<WorkQueue>,
@@ -27,9 +31,17 @@ pub(super) fn freeze(
     placements: Placements,
     attached: Query<(), With<AttachedCollider>>,
     far: Query<Entity, Added<FarFromFocus>>,
-    mut frozen: Query<&mut Frozen>,
-    bodies: Query<(Option<&LockedAxes>, Option<&Velocity>)>,
+    mut frozen: Query<(&mut Frozen, Option<&mut Velocity>)>,
+    mut bodies: Query<FreeBody, Without<Frozen>>,
 ) {
+    for (mut frozen, velocity) in &mut frozen {
+        // Rapier leaves the velocity of a body that stands still alone, and a system does not see what it
+        // changed itself: somebody else has set it.
+        if let Some(mut velocity) = velocity.filter(|velocity| velocity.is_changed()) {
+            frozen.velocity = Some(*velocity);
+            velocity.set_if_neq(Velocity::zero());
+        }
+    }
     if !settings.freeze_until_ready {
         return;
     }
@@ -39,34 +51,35 @@ pub(super) fn freeze(
         if attached.contains(entity) {
             continue;
         }
-        if let Ok(mut frozen) = frozen.get_mut(body) {
+        if let Ok((mut frozen, _)) = frozen.get_mut(body) {
             if !frozen.for_entities.contains(&entity) {
                 frozen.for_entities.insert(entity);
             }
         } else if let Some((_, frozen)) = new.iter_mut().find(|(other, _)| *other == body) {
             frozen.for_entities.insert(entity);
         } else {
-            let (locked, velocity) = bodies.get(body).unwrap_or_default();
-            let (locked, velocity) = (locked.copied(), velocity.copied());
+            let (locked, mut velocity) = bodies.get_mut(body).unwrap_or_default();
             let for_entities = EntityHashSet::from_iter([entity]);
-            new.push((body, Frozen { for_entities, locked, velocity }));
+            let before = velocity.as_deref().copied();
+            new.push((body, Frozen { for_entities, locked: locked.copied(), velocity: before }));
+            if let Some(velocity) = &mut velocity {
+                velocity.set_if_neq(Velocity::zero());
+            }
         }
     }
     for (body, frozen) in new {
-        let has_velocity = frozen.velocity.is_some();
-        let mut body = commands.entity(body);
-        body.try_insert((frozen, LockedAxes::all()));
-        if has_velocity {
-            body.try_insert(Velocity::zero());
-        }
+        commands.entity(body).try_insert((frozen, LockedAxes::all()));
     }
 }
+
+/// One whose tag was removed is not waited for.
+type IsFar = (With<FarFromFocus>, With<ConvexDecomposition>);
 
 /// Releases bodies that nobody waits for any more.
 pub(super) fn release(
     mut commands: Commands,
     queue: Res<WorkQueue>,
-    far: Query<(), With<FarFromFocus>>,
+    far: Query<(), IsFar>,
     mut frozen: Query<(Entity, &mut Frozen, Option<&LockedAxes>)>,
 ) {
     let waits = |entity: &Entity| queue.unfinished.contains_key(entity) || far.contains(*entity);

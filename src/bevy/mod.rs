@@ -17,7 +17,8 @@
 //! ```
 //!
 //! Work runs on Bevy's `AsyncComputeTaskPool`; no frame waits for it. [`DecompositionStatus`] and
-//! the events [`DecompositionReady`] and [`DecompositionFailed`] report it.
+//! the events [`DecompositionReady`], [`DecompositionSkipped`], [`DecompositionFailed`] and
+//! [`DecompositionCancelled`] report it: every tag ends in exactly one of them.
 //!
 //! | you have | you want | use |
 //! |---|---|---|
@@ -26,7 +27,7 @@
 //! | a whole scene | a collider per mesh, by names and extras | [`ConvexDecompositionHierarchy`] |
 //! | a `.hulls` file | a collider without any work | [`BakedDecomposition`] |
 //! | a body that waits for its hulls | a collider until then | [`FallbackCollider`] |
-//! | an entity | to know how far it is | [`DecompositionStatus`], [`DecompositionReady`], [`DecompositionFailed`] |
+//! | an entity | to know how far it is | [`DecompositionStatus`], and one event at its end |
 //! | many entities | the nearest first; how many are done | [`DecompositionFocus`], [`DecompositionCounters`] |
 //! | the feature `debug` | hulls drawn, counters among the diagnostics | `HullwrightDebugPlugin` |
 
@@ -43,6 +44,7 @@
 // | `content`, `cache`, `disk_cache` | known results by content |
 // | `task` | one decomposition, in steps |
 // | `request`, `budget`, `queue` | what entities ask for, and the state of all work |
+// | `describe` | entities by id, name and asset, for the log |
 // | `change_detection` | what makes a collider out of date |
 // | `skip` | what is hidden, too small or too far |
 // | `resolve` | from tags to requests |
@@ -64,6 +66,7 @@ mod convert;
 #[cfg(feature = "debug")]
 mod debug;
 mod decomposition_priority;
+mod describe;
 mod disk_cache;
 mod error;
 mod events;
@@ -97,7 +100,10 @@ pub use baked_scene::{BakedScene, FromBakedScene, HullSceneLoader};
 pub use debug::{HullGizmos, HullwrightDebug, HullwrightDebugPlugin};
 pub use decomposition_priority::DecompositionPriority;
 pub use error::DecompositionError;
-pub use events::{DecompositionFailed, DecompositionReady};
+pub use events::{
+    DecompositionCancelled, DecompositionFailed, DecompositionReady, DecompositionSkipped,
+    VerifiedError,
+};
 pub use hierarchy::ConvexDecompositionHierarchy;
 pub use hierarchy_progress::{HierarchyFinished, HierarchyReport, HierarchyStatus};
 pub use plugin::{HullwrightPlugin, HullwrightSystems};
@@ -114,9 +120,10 @@ pub use tag::{
 pub mod prelude {
     pub use super::{
         BakedDecomposition, ConvexDecomposition, ConvexDecompositionHierarchy,
-        DecompositionCounters, DecompositionFailed, DecompositionFocus, DecompositionOpenings,
-        DecompositionPreset, DecompositionReady, DecompositionStatus, FallbackCollider,
-        HullwrightPlugin, HullwrightSettings, HullwrightSystems, MaxError, NoConvexDecomposition,
+        DecompositionCancelled, DecompositionCounters, DecompositionFailed, DecompositionFocus,
+        DecompositionOpenings, DecompositionPreset, DecompositionReady, DecompositionSkipped,
+        DecompositionStatus, FallbackCollider, HullSource, HullwrightPlugin, HullwrightSettings,
+        HullwrightSystems, MaxError, NoConvexDecomposition, SkipReason, VerifiedError,
     };
     pub use super::{
         BakedScene, DecompositionPriority, DecompositionProgress, FromBakedScene,

@@ -10,6 +10,9 @@ use super::baked_scene::{BakedScene, FromBakedScene, HullSceneLoader};
 use super::cache::GeometryCache;
 use super::change_detection::{detect_assets, detect_bodies, detect_scales, detect_tags, on_untag};
 use super::decomposition_priority::DecompositionPriority;
+use super::events::{
+    DecompositionCancelled, DecompositionFailed, DecompositionReady, DecompositionSkipped,
+};
 use super::failures::report_failures;
 use super::fallback_collider::{attach_fallbacks, remove_fallbacks};
 use super::freeze::{Frozen, freeze, release};
@@ -57,8 +60,12 @@ impl Plugin for HullwrightPlugin {
         if has_asset_server(app) {
             set_up_assets(app);
         }
-        app.insert_resource(self.settings.clone())
-            .init_resource::<WorkQueue>()
+        // What was inserted before the plugin stays, unless the plugin has settings of its own.
+        let has_own = self.settings != HullwrightSettings::default();
+        if has_own || !app.world().contains_resource::<HullwrightSettings>() {
+            app.insert_resource(self.settings.clone());
+        }
+        app.init_resource::<WorkQueue>()
             .init_resource::<GeometryCache>()
             .init_resource::<DecompositionCounters>()
             .init_resource::<DecompositionProgress>()
@@ -72,6 +79,10 @@ impl Plugin for HullwrightPlugin {
             .register_type::<NoConvexDecomposition>()
             .register_type::<DecompositionFocus>()
             .register_type::<DecompositionStatus>()
+            .register_type::<DecompositionReady>()
+            .register_type::<DecompositionSkipped>()
+            .register_type::<DecompositionFailed>()
+            .register_type::<DecompositionCancelled>()
             .register_type::<DecompositionCounters>()
             .register_type::<HullwrightSettings>()
             .add_observer(on_untag::<ConvexDecomposition>)
@@ -114,7 +125,11 @@ impl Plugin for HullwrightPlugin {
                     .run_if(is_busy),
                 (
                     (attach, report_failures).chain().run_if(is_busy),
-                    freeze.run_if(is_busy.or_else(any_match_filter::<Added<FarFromFocus>>)),
+                    freeze.run_if(
+                        is_busy
+                            .or_else(any_with_component::<Frozen>)
+                            .or_else(any_match_filter::<Added<FarFromFocus>>),
+                    ),
                     release.run_if(any_with_component::<Frozen>),
                     remove_fallbacks.run_if(any_with_component::<AttachedFallback>),
                     finish_hierarchies.run_if(any_with_component::<HierarchyWork>),

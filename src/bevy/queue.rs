@@ -21,12 +21,22 @@ use super::request::{ColliderRequest, InputId};
 use super::task::{BuiltCollider, DecompositionTask, SharedProgress, TaskOutput};
 
 /// An entity that is not finished.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct UnfinishedEntity {
     /// `None` until its meshes are known.
     pub request: Option<Arc<ColliderRequest>>,
     /// Whether a job is at work on it.
     pub is_running: bool,
+    /// When it was tagged, or changed.
+    pub since: Instant,
+    /// Whether the log says that it waits for a mesh.
+    pub is_wait_logged: bool,
+}
+
+impl UnfinishedEntity {
+    fn new() -> Self {
+        Self { request: None, is_running: false, since: Instant::now(), is_wait_logged: false }
+    }
 }
 
 /// Work for one or several entities that ask for the same.
@@ -95,7 +105,7 @@ impl WorkQueue {
         if !self.forget(entity) {
             self.entered += 1;
         }
-        self.unfinished.insert(entity, UnfinishedEntity::default());
+        self.unfinished.insert(entity, UnfinishedEntity::new());
         self.to_resolve.push_back(entity);
     }
 

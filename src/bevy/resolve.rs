@@ -13,7 +13,9 @@ use super::baked::{BakedDecomposition, BakedHulls};
 use super::baked_scene::{BakedScene, FromBakedScene};
 use super::cache::GeometryCache;
 use super::content::{ContentKey, goal_hash};
+use super::describe::{Descriptions, entities};
 use super::error::DecompositionError;
+use super::events::{DecompositionCancelled, DecompositionSkipped};
 use super::mesh_data::MeshPart;
 use super::parameters::{has_absolute_length, keep_openings_of_part};
 use super::placement::{MapKey, Placements};
@@ -62,11 +64,28 @@ type InputBoundary =
 enum Resolution {
     /// It is gone, or has no tag any more.
     Gone,
-    /// Its meshes are not there yet.
-    Later,
+    /// What it is made of is not there yet.
+    Later(Missing),
     Skipped(SkipReason),
     Failed(Box<ColliderRequest>, DecompositionError),
     Request(Box<ColliderRequest>),
+}
+
+/// What an entity waits for.
+enum Missing {
+    /// There is no mesh on it or below it.
+    Mesh,
+    /// This asset is not loaded.
+    Asset(UntypedAssetId),
+}
+
+impl Missing {
+    fn asset(&self) -> Option<UntypedAssetId> {
+        match self {
+            Self::Mesh => None,
+            Self::Asset(id) => Some(*id),
+        }
+    }
 }
 
 impl Resolution {
@@ -83,9 +102,11 @@ pub(super) fn resolve(
     settings: Res<HullwrightSettings>,
     cache: Res<GeometryCache>,
     scene: Scene,
+    descriptions: Descriptions,
     mut statuses: Query<&mut DecompositionStatus>,
 ) {
     let mut budget = queue.frame_time.budget(&settings);
+    let mut overdue = Vec::new();
     for _ in 0..queue.to_resolve.len() {
         if !budget.allows_one() {
             break;
@@ -97,14 +118,22 @@ pub(super) fn resolve(
             }
         };
         let resolution = scene.resolution(entity, &settings);
-        if scene.failed.contains(entity) && !matches!(resolution, Resolution::Later) {
+        if scene.failed.contains(entity) && !matches!(resolution, Resolution::Later(_)) {
             commands.entity(entity).try_remove::<FailedRequest>();
         }
         match resolution {
             Resolution::Gone => {
                 queue.unfinished.remove(&entity);
+                counters.cancelled += 1;
+                set_status(DecompositionStatus::Cancelled);
+                commands.trigger(DecompositionCancelled { entity });
             }
-            Resolution::Later => queue.to_resolve.push_back(entity),
+            Resolution::Later(missing) => {
+                queue.to_resolve.push_back(entity);
+                if is_overdue(&mut queue, entity, &settings) {
+                    overdue.push((entity, missing));
+                }
+            }
             Resolution::Skipped(reason) => {
                 queue.unfinished.remove(&entity);
                 counters.count_skipped(reason);
@@ -112,6 +141,7 @@ pub(super) fn resolve(
                     commands.entity(entity).try_insert(FarFromFocus);
                 }
                 set_status(DecompositionStatus::Skipped(reason));
+                commands.trigger(DecompositionSkipped { entity, reason });
             }
             Resolution::Failed(request, error) => {
                 queue.failed.push(Failed { entity, error, is_known: false });
@@ -139,6 +169,33 @@ pub(super) fn resolve(
         }
     }
     queue.frame_time.spend(&budget);
+    log_overdue(&overdue, &descriptions);
+}
+
+/// Whether an entity has waited for longer than most do, which is said once.
+fn is_overdue(queue: &mut WorkQueue, entity: Entity, settings: &HullwrightSettings) -> bool {
+    let (Some(patience), Some(unfinished)) =
+        (settings.warn_without_mesh_after, queue.unfinished.get_mut(&entity))
+    else {
+        return false;
+    };
+    let is_overdue = !unfinished.is_wait_logged && unfinished.since.elapsed() >= patience;
+    unfinished.is_wait_logged |= is_overdue;
+    is_overdue
+}
+
+/// One line for those that have no mesh, and one for those whose asset is not loaded.
+fn log_overdue(overdue: &[(Entity, Missing)], descriptions: &Descriptions) {
+    let log = |of_kind: fn(&Missing) -> bool, why: &str| {
+        let mut all = overdue.iter().filter(|(_, missing)| of_kind(missing)).peekable();
+        if let Some((entity, missing)) = all.peek() {
+            let first = descriptions.entity(*entity, missing.asset());
+            let who = entities(all.count(), &first);
+            log::warn!("no convex decomposition yet for {who}: {why}");
+        }
+    };
+    log(|missing| missing.asset().is_none(), "there is no Mesh3d on it or below it");
+    log(|missing| missing.asset().is_some(), "the asset is not loaded");
 }
 
 fn set_request(queue: &mut WorkQueue, entity: Entity, request: Arc<ColliderRequest>) {
@@ -187,7 +244,7 @@ impl Scene<'_, '_> {
         let id = baked.hulls.id();
         let is_missing = !self.baked.contains(id);
         if is_missing && !self.failed_to_load(id.untyped()) {
-            return Resolution::Later;
+            return Resolution::Later(Missing::Asset(id.untyped()));
         }
         let placement = self.placements.placement(entity);
         let request = Box::new(ColliderRequest {
@@ -211,15 +268,15 @@ impl Scene<'_, '_> {
         let mut parts = Vec::new();
         self.collect(entity, entity, &mut parts);
         if parts.is_empty() {
-            return Resolution::Later;
+            return Resolution::Later(Missing::Mesh);
         }
         let missing = parts.iter().map(|part| part.mesh).find(|mesh| !self.meshes.contains(*mesh));
-        if missing.is_some_and(|mesh| !self.failed_to_load(mesh.untyped())) {
-            return Resolution::Later;
+        if let Some(mesh) = missing.filter(|mesh| !self.failed_to_load(mesh.untyped())) {
+            return Resolution::Later(Missing::Asset(mesh.untyped()));
         }
         let scene = self.from_scenes.get(entity).ok().map(|from| from.0.id());
-        if scene.is_some_and(|scene| self.is_still_loading(scene)) {
-            return Resolution::Later;
+        if let Some(scene) = scene.filter(|scene| self.is_still_loading(*scene)) {
+            return Resolution::Later(Missing::Asset(scene.untyped()));
         }
         let placement = self.placements.placement(entity);
         if is_too_small(&parts, &placement, &self.meshes, settings) {

@@ -28,6 +28,9 @@ pub struct HullwrightSettings {
     /// Whether a dynamic body is frozen until its colliders are ready, so that it does not fall
     /// through the floor. Its `LockedAxes` and `Velocity` are restored afterwards. Default true.
     pub freeze_until_ready: bool,
+    /// An entity that has waited for this long for a mesh is logged, once: most likely nobody will give
+    /// it one. `None` for never. Default 5 s.
+    pub warn_without_mesh_after: Option<Duration>,
     /// Whether fixed bodies get their exact triangle mesh instead of hulls: nothing is gained by
     /// hulls where nothing moves. Default true.
     pub exact_fixed_bodies: bool,
@@ -59,6 +62,10 @@ pub struct HullwrightSettings {
     /// [`SkipReason::Hidden`](crate::bevy::SkipReason::Hidden). With the feature `bevy_gltf` only.
     /// Default false.
     pub skip_hidden: bool,
+    /// Whether hulls that are boxes, balls or capsules within what the verified errors leave of the bound become
+    /// these: see [`shape_with_primitives`](crate::rapier::shape_with_primitives). For colliders that are made
+    /// from then on, and not those whose scale differs along the axes. Default false.
+    pub primitives: bool,
     /// What is farther than this from every [`DecompositionFocus`](crate::bevy::DecompositionFocus)
     /// gets no collider until it is near: [`SkipReason::TooFar`](crate::bevy::SkipReason::TooFar).
     /// Dynamic bodies are frozen until then. Without a focus nothing is far. Default `None`: nothing is.
@@ -110,12 +117,16 @@ const DEFAULT_MAX_ATTACHED: usize = 64;
 /// Longer than the pause between two frames of an animated scale, shorter than one notices.
 const DEFAULT_SCALE_DELAY: Duration = Duration::from_millis(100);
 
+/// Longer than most scenes take to load.
+const DEFAULT_PATIENCE: Duration = Duration::from_secs(5);
+
 impl Default for HullwrightSettings {
     fn default() -> Self {
         let has_threads = !cfg!(target_arch = "wasm32");
         Self {
             fallback_collider: FallbackCollider::None,
             freeze_until_ready: true,
+            warn_without_mesh_after: Some(DEFAULT_PATIENCE),
             exact_fixed_bodies: true,
             max_jobs: 0,
             frame_budget: DEFAULT_FRAME_BUDGET,
@@ -127,6 +138,7 @@ impl Default for HullwrightSettings {
             disk_cache_bytes: DEFAULT_DISK_CACHE_BYTES,
             min_size: 0.0,
             skip_hidden: false,
+            primitives: false,
             focus_radius: None,
             drop_far: false,
         }

@@ -5,6 +5,7 @@ use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::{Collider, ColliderMassProperties, ColliderScale};
 
+use super::events::DecompositionSkipped;
 use super::mesh_data::MeshPart;
 use super::placement::Placement;
 use super::queue::WorkQueue;
@@ -114,7 +115,7 @@ pub(super) fn watch_distances(
     mut counters: ResMut<DecompositionCounters>,
     settings: Res<HullwrightSettings>,
     distances: Distances,
-    far: Query<Entity, With<FarFromFocus>>,
+    far: Query<Entity, (With<FarFromFocus>, With<ConvexDecomposition>)>,
     mut attached: Query<
         (Entity, &AttachedCollider, &mut DecompositionStatus),
         With<ConvexDecomposition>,
@@ -136,14 +137,16 @@ pub(super) fn watch_distances(
             continue;
         }
         queue.forget(entity);
-        let mut commands = commands.entity(entity);
-        commands.try_remove::<(Collider, ColliderScale, AttachedCollider)>();
+        let mut of_entity = commands.entity(entity);
+        of_entity.try_remove::<(Collider, ColliderScale, AttachedCollider)>();
         if attached.owns_mass {
-            commands.try_remove::<ColliderMassProperties>();
+            of_entity.try_remove::<ColliderMassProperties>();
         }
-        commands.try_insert(FarFromFocus);
-        *status = DecompositionStatus::Skipped(SkipReason::TooFar);
-        counters.too_far += 1;
+        of_entity.try_insert(FarFromFocus);
+        let reason = SkipReason::TooFar;
+        *status = DecompositionStatus::Skipped(reason);
+        counters.count_skipped(reason);
+        commands.trigger(DecompositionSkipped { entity, reason });
     }
 }
 

@@ -57,6 +57,7 @@ pub(super) struct DecompositionTask {
     cache: GeometryCache,
     cache_bytes: usize,
     disk_cache: Option<DiskCache>,
+    primitives: bool,
 }
 
 enum TaskState {
@@ -82,7 +83,8 @@ impl DecompositionTask {
     ) -> Self {
         let disk_cache = DiskCache::new(settings, &cache.written);
         let state = TaskState::Start(Box::new(input));
-        Self { state, map, cache, cache_bytes: settings.cache_bytes, disk_cache }
+        let HullwrightSettings { cache_bytes, primitives, .. } = *settings;
+        Self { state, map, cache, cache_bytes, disk_cache, primitives }
     }
 
     /// Runs to the end.
@@ -173,7 +175,7 @@ impl DecompositionTask {
         geometry: Arc<ColliderGeometry>,
         source: HullSource,
     ) -> Result<TaskOutput, DecompositionError> {
-        let shape = shape_of(&geometry, &self.map)?;
+        let shape = shape_of(&geometry, &self.map, self.primitives)?;
         let map = MapKey::new(&self.map);
         self.cache.insert(key, &geometry, map, &shape, self.cache_bytes);
         Ok(TaskOutput::Built(BuiltCollider { key, geometry, shape, source }))
@@ -183,14 +185,26 @@ impl DecompositionTask {
 fn shape_of(
     geometry: &ColliderGeometry,
     map: &Affine3A,
+    primitives: bool,
 ) -> Result<SharedShape, DecompositionError> {
     match geometry {
+        ColliderGeometry::Hulls(file) if primitives && is_scale(map) => {
+            let scale = [map.matrix3.x_axis.x, map.matrix3.y_axis.y, map.matrix3.z_axis.z];
+            Ok(crate::rapier::shape_with_primitives(file, scale)?)
+        }
         ColliderGeometry::Hulls(file) => {
             let hulls = map_hulls(&file.hulls, map)?;
             Ok(crate::rapier::shape_from_points(&hulls, [1.0; 3])?)
         }
         ColliderGeometry::Triangles(data) => triangle_mesh(data, map),
     }
+}
+
+/// Whether a map does nothing but scale along the axes.
+fn is_scale(map: &Affine3A) -> bool {
+    let matrix = map.matrix3;
+    let diagonal = [matrix.x_axis.x, matrix.y_axis.y, matrix.z_axis.z];
+    *map == Affine3A::from_scale(diagonal.into())
 }
 
 /// Rapier's triangle mesh, for bodies that don't move.

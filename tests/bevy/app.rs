@@ -55,6 +55,12 @@ fn new_app(settings: HullwrightSettings, file_path: String, add: impl FnOnce(&mu
     app.add_observer(|event: On<DecompositionFailed>, mut seen: ResMut<Seen>| {
         seen.failed.push((event.entity, event.error.to_string()));
     });
+    app.add_observer(|event: On<DecompositionSkipped>, mut seen: ResMut<Seen>| {
+        seen.skipped.push((event.entity, event.reason));
+    });
+    app.add_observer(|event: On<DecompositionCancelled>, mut seen: ResMut<Seen>| {
+        seen.cancelled.push(event.entity);
+    });
     add(&mut app);
     app
 }
@@ -76,6 +82,15 @@ pub fn assets() -> String {
 pub struct Seen {
     pub ready: Vec<(Entity, usize)>,
     pub failed: Vec<(Entity, String)>,
+    pub skipped: Vec<(Entity, SkipReason)>,
+    pub cancelled: Vec<Entity>,
+}
+
+impl Seen {
+    /// Events of all kinds.
+    pub fn all(&self) -> usize {
+        self.ready.len() + self.failed.len() + self.skipped.len() + self.cancelled.len()
+    }
 }
 
 /// One of the bundled models.
@@ -157,6 +172,10 @@ pub fn ready(app: &App) -> &[(Entity, usize)] {
 /// Entities that failed so far, and why.
 pub fn failed(app: &App) -> &[(Entity, String)] {
     &app.world().resource::<Seen>().failed
+}
+
+pub fn seen(app: &App) -> &Seen {
+    app.world().resource::<Seen>()
 }
 
 pub fn counters(app: &App) -> DecompositionCounters {

@@ -94,3 +94,66 @@ fn a_sleeping_body_wakes_when_its_collider_arrives() {
     update_times(&mut app, 2);
     assert!(!app.world().get::<Sleeping>(body).unwrap().sleeping);
 }
+
+/// A body that is frozen, since its mesh is not there yet, and the handle of that mesh.
+fn frozen_body(app: &mut App, more: impl Bundle) -> (Entity, Handle<Mesh>) {
+    let handle = app.world().resource::<Assets<Mesh>>().reserve_handle();
+    let body = (RigidBody::Dynamic, GravityScale(0.0), Transform::default());
+    let body = spawn_with(app, &handle, (body, more));
+    update_times(app, 3);
+    assert_eq!(locked(app, body), LockedAxes::all());
+    (body, handle)
+}
+
+fn give_mesh(app: &mut App, body: Entity, handle: &Handle<Mesh>) {
+    let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
+    meshes.insert(handle.id(), unit_cube()).unwrap();
+    update_until_finished(app, &[body]);
+    update_times(app, 2);
+}
+
+fn velocity(app: &App, body: Entity) -> Vec3 {
+    app.world().get::<Velocity>(body).unwrap().linear
+}
+
+#[test]
+fn a_velocity_that_is_set_while_the_body_is_frozen_survives() {
+    let mut app = app();
+    let (body, mesh) = frozen_body(&mut app, Velocity::linear(Vec3::X));
+    app.world_mut().get_mut::<Velocity>(body).unwrap().linear = Vec3::Z;
+    update_times(&mut app, 10);
+    // It is kept, and does not move the body.
+    assert_near(translation(&app, body), Vec3::ZERO, 1e-6);
+    give_mesh(&mut app, body, &mesh);
+    assert_near(velocity(&app, body), Vec3::Z, 1e-3);
+}
+
+#[test]
+fn a_velocity_that_comes_in_the_frame_of_the_release_survives() {
+    let mut app = app();
+    let (body, _) = frozen_body(&mut app, Velocity::linear(Vec3::X));
+    app.world_mut().get_mut::<Velocity>(body).unwrap().linear = Vec3::Z;
+    app.world_mut().entity_mut(body).remove::<ConvexDecomposition>();
+    update_times(&mut app, 3);
+    assert_near(velocity(&app, body), Vec3::Z, 1e-3);
+}
+
+#[test]
+fn a_body_that_gets_a_velocity_while_it_is_frozen_has_it_afterwards() {
+    let mut app = app();
+    let (body, mesh) = frozen_body(&mut app, ());
+    app.world_mut().entity_mut(body).insert(Velocity::linear(Vec3::Y));
+    update_times(&mut app, 3);
+    give_mesh(&mut app, body, &mesh);
+    assert_near(velocity(&app, body), Vec3::Y, 1e-3);
+}
+
+#[test]
+fn a_body_that_is_stopped_while_it_is_frozen_stays_where_it_is() {
+    let mut app = app();
+    let (body, mesh) = frozen_body(&mut app, Velocity::linear(Vec3::X));
+    app.world_mut().entity_mut(body).insert(Velocity::zero());
+    update_times(&mut app, 3);
+    give_mesh(&mut app, body, &mesh);
+    assert_near(velocity(&app, body), Vec3::ZERO, 1e-6);
+}

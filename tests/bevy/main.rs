@@ -6,6 +6,8 @@ mod baked;
 mod baked_scenes;
 #[cfg(feature = "debug")]
 mod debug;
+mod docs;
+mod endings;
 mod failures;
 mod fallback;
 mod falling;

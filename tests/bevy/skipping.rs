@@ -123,3 +123,18 @@ fn a_higher_priority_goes_before_a_shorter_distance() {
         .collect();
     assert_eq!(order, [2, 0, 3, 1]);
 }
+
+#[test]
+fn hulls_that_are_boxes_become_boxes_on_request() {
+    for (primitives, boxes) in [(false, 0), (true, 2)] {
+        let mut app = app_with(HullwrightSettings { primitives, ..default() });
+        // An L is two boxes.
+        let mesh = add(&mut app, model("l_prism"));
+        let scale = Transform::from_scale(Vec3::splat(2.0));
+        let entity = spawn_with(&mut app, &mesh, (RigidBody::Dynamic, scale));
+        update_until_finished(&mut app, &[entity]);
+        let compound = collider(&app, entity).raw.as_compound().unwrap();
+        let found = compound.shapes().iter().filter(|(_, part)| part.as_cuboid().is_some());
+        assert_eq!((found.count(), compound.shapes().len()), (boxes, 2));
+    }
+}
