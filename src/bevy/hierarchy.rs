@@ -226,6 +226,7 @@ impl Nodes<'_, '_> {
                 }
             }
         }
+        let has_meshes = !nodes.is_empty();
         let (mut tagged, mut left_out) = (Vec::new(), 0);
         for node in nodes {
             if self.own_tags.contains(node) {
@@ -252,7 +253,7 @@ impl Nodes<'_, '_> {
                 }
             }
         }
-        work.begin(tagged, left_out);
+        work.begin(tagged, left_out, has_meshes);
     }
 
     /// The entities that stand for one mesh each: those with a `Mesh3d`, or the parents of

@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+#[cfg(feature = "bevy_gltf")]
+use bevy::asset::LoadState;
 use bevy::ecs::system::SystemParam;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
@@ -97,7 +99,6 @@ pub(super) struct HierarchyWork {
     left_out: usize,
     is_open: bool,
     start: Option<Instant>,
-    /// A scene that Bevy still spawns, or failed to load.
     scene: SceneState,
 }
 
@@ -112,10 +113,10 @@ enum SceneState {
 
 impl HierarchyWork {
     /// The hierarchy has tagged its meshes, for the first time or again.
-    pub(super) fn begin(&mut self, nodes: Vec<Entity>, left_out: usize) {
+    pub(super) fn begin(&mut self, nodes: Vec<Entity>, left_out: usize, has_meshes: bool) {
         self.unfinished.clone_from(&nodes);
         (self.nodes, self.left_out, self.is_open) = (nodes, left_out, true);
-        if self.start.is_none() && (!self.nodes.is_empty() || left_out > 0) {
+        if self.start.is_none() && has_meshes {
             self.start = Some(Instant::now());
         }
     }
@@ -150,13 +151,11 @@ impl Scenes<'_, '_> {
         false
     }
 
-    /// Whether the scene of an entity could not be loaded.
+    /// Whether the scene of an entity could not be loaded. Bevy spawns one whose textures are missing.
     #[cfg(feature = "bevy_gltf")]
     fn is_lost(&self, entity: Entity) -> bool {
-        use bevy::asset::RecursiveDependencyLoadState as State;
         let (Ok(root), Some(server)) = (self.roots.get(entity), &self.server) else { return false };
-        let state = server.get_recursive_dependency_load_state(&root.0);
-        matches!(state, Some(State::Failed(_)))
+        matches!(server.get_load_state(&root.0), Some(LoadState::Failed(_)))
     }
 
     #[cfg(not(feature = "bevy_gltf"))]

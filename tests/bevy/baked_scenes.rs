@@ -157,6 +157,8 @@ fn meshes_of_real_files_are_found() {
         let name = path.display();
         assert_eq!((report.stale, report.missing), (0, 0), "{name}: {report:?}");
         assert_eq!((report.from_baked, counters(&app).decomposed), (report.ready, 0), "{name}");
+        // Also where a texture can't be loaded.
+        assert!(report.ready + report.failed > 0, "{name}: {report:?}");
         (ready, failed) = (ready + report.ready, failed + report.failed);
     }
     println!("{} files, {ready} meshes from their baked files, {failed} failed", files.len());
