@@ -132,8 +132,10 @@ impl HierarchyWork {
 pub(super) struct Scenes<'w, 's> {
     #[cfg(feature = "bevy_gltf")]
     roots: Query<'w, 's, &'static WorldAssetRoot>,
+    #[cfg(feature = "bevy_gltf")]
     server: Option<Res<'w, AssetServer>>,
     names: Query<'w, 's, &'static Name>,
+    #[cfg(feature = "bevy_gltf")]
     children: Query<'w, 's, &'static Children>,
     #[cfg(feature = "bevy_gltf")]
     mesh_names: Query<'w, 's, &'static bevy::gltf::GltfMeshName>,
@@ -165,16 +167,16 @@ impl Scenes<'_, '_> {
 
     /// The names of a node, and of its mesh.
     fn names(&self, node: Entity) -> Vec<&str> {
-        let mut names: Vec<&str> =
-            self.names.get(node).ok().map(Name::as_str).into_iter().collect();
+        let own = self.names.get(node).ok().map(Name::as_str);
         #[cfg(feature = "bevy_gltf")]
-        {
+        let of_meshes = {
             let children = self.children.get(node).into_iter().flatten().copied();
             let meshes = std::iter::once(node).chain(children);
-            names
-                .extend(meshes.filter_map(|mesh| Some(self.mesh_names.get(mesh).ok()?.0.as_str())));
-        }
-        names
+            meshes.filter_map(|mesh| Some(self.mesh_names.get(mesh).ok()?.0.as_str()))
+        };
+        #[cfg(not(feature = "bevy_gltf"))]
+        let of_meshes = std::iter::empty();
+        own.into_iter().chain(of_meshes).collect()
     }
 }
 
