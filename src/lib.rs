@@ -47,6 +47,7 @@
 //! | points | their convex hull | [`convex_hull()`] |
 //! | a mesh file | any of these | [`io`](io/index.html) (feature `io`) |
 //! | hulls | a file that games load | [`hulls_format`] |
+//! | a glTF scene | the hulls of all its meshes in one file | [`bake`](bake/index.html) (features `bake`, `io`) |
 //! | hulls | OBJ or GLB | [`io::write_hulls`](io/fn.write_hulls.html) (feature `io`) |
 //! | hulls of another tool, as OBJ | ours | [`io::read_hulls`](io/fn.read_hulls.html), then [`Hull::from`] of their [`convex_hull()`] |
 //! | a mesh, Rapier | a compound collider with the mesh's mass | [`rapier`](rapier/index.html) (feature `rapier`) |
@@ -91,7 +92,8 @@
 //! | `parallel` (default) | independent parts of the work run on rayon's pool; the result stays the same |
 //! | `io` | readers of OBJ, OFF, PLY, STL, glTF and GLB; writers of OBJ and GLB; pictures |
 //! | `serde` | parameters, reports and measurements can be written and read, for example by serde_json |
-//! | `fs` (in `io` and `bevy`) | `.hulls` files are written to disk, all or nothing |
+//! | `bake` (in `cli` and `bevy`) | meshes by content, scenes in one `.hullscene` file |
+//! | `fs` (in `io` and `bake`) | `.hulls` files are written to disk, all or nothing |
 //! | `nalgebra` (in `rapier`) | principal axes of inertia |
 //! | `rapier` | colliders and mass properties for rapier3d 0.36 |
 //! | `bevy`, `bevy_gltf`, `debug` | the plugin for Bevy 0.20 with bevy_rapier3d 0.37; tags in glTF extras; hulls drawn as gizmos |
@@ -106,7 +108,8 @@
 //! |---|---|---|
 //! | `bevy`, `rapier`, the command | use the public items alone | |
 //! | `viewer` | pages of the results of the functions below | |
-//! | `decompose`, `merge_tree`, `measure`, `mass`, `inspect` | the functions above | |
+//! | `bake`, `decompose`, `merge_tree`, `measure`, `mass`, `inspect` | the functions above | |
+//! | `conventions` | names and extras by which artists ask for colliders | |
 //! | `io`, `render`, `hulls_format` | files and pictures | |
 //! | `bounded` | the default method, one stage per file | |
 //! | `surface` | the paper's method, one stage per file | 3.4 to 3.6 |
@@ -121,12 +124,16 @@
 
 #[cfg(feature = "fs")]
 mod atomic_write;
+#[cfg(all(feature = "bake", feature = "io"))]
+pub mod bake;
 #[cfg(feature = "bevy")]
 pub mod bevy;
 mod bounded;
 mod bvh;
 mod clock;
 mod control;
+#[cfg(feature = "bake")]
+pub mod conventions;
 mod decompose;
 mod decomposition;
 mod error;

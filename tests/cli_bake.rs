@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use hullwright::hulls_format::HullsFile;
+use hullwright::hulls_format::{HullScene, HullsFile};
 use hullwright::io::read_own_meshes;
 
 const ASSETS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets");
@@ -94,7 +94,7 @@ fn names(directory: &Path) -> Vec<String> {
 #[test]
 fn each_gltf_mesh_gets_a_file_in_its_own_space() {
     let place = Place::new();
-    let shown = place.succeed(&["bake", "two.gltf", "-o", "new/baked"]);
+    let shown = place.succeed(&["bake", "--per-mesh", "two.gltf", "-o", "new/baked"]);
     assert_eq!(shown.lines().count(), 2);
     assert!(shown.contains("1 hull, 4 vertices"), "{shown}");
     assert_eq!(names(&place.path("new/baked")), ["Cube_1.hulls", "mesh_1.hulls"]);
@@ -116,13 +116,14 @@ fn other_formats_are_one_mesh_and_names_stay_unique() {
     std::fs::create_dir(place.path("more")).unwrap();
     std::fs::copy(place.path("tetrahedron.obj"), place.path("more/Tetrahedron.obj")).unwrap();
     let meshes = ["tetrahedron.obj", "more/Tetrahedron.obj"];
-    place.succeed(&[&["bake", "-o", "baked", "--density", "2"], &meshes[..]].concat());
+    place
+        .succeed(&[&["bake", "--per-mesh", "-o", "baked", "--density", "2"], &meshes[..]].concat());
     assert_eq!(names(&place.path("baked")), ["Tetrahedron_2.hulls", "tetrahedron.hulls"]);
     let file = HullsFile::read(place.path("baked/tetrahedron.hulls")).unwrap();
     assert!((file.mass_properties.unwrap().mass - 72.0).abs() < 1e-6);
 
     // Again: the same files, not more.
-    place.succeed(&[&["bake", "-o", "baked"], &meshes[..]].concat());
+    place.succeed(&[&["bake", "--per-mesh", "-o", "baked"], &meshes[..]].concat());
     assert_eq!(names(&place.path("baked")).len(), 2);
 }
 
@@ -130,8 +131,8 @@ fn other_formats_are_one_mesh_and_names_stay_unique() {
 fn the_same_bytes_for_any_number_of_threads() {
     let place = Place::new();
     let mug = format!("{ASSETS}/mug.glb");
-    place.succeed(&["bake", &mug, "-o", "one", "--threads", "1"]);
-    place.succeed(&["bake", &mug, "-o", "two", "--threads", "2"]);
+    place.succeed(&["bake", "--per-mesh", &mug, "-o", "one", "--threads", "1"]);
+    place.succeed(&["bake", "--per-mesh", &mug, "-o", "two", "--threads", "2"]);
     let names = names(&place.path("one"));
     assert_eq!(names.len(), read_own_meshes(&mug).unwrap().len());
     for name in names {
@@ -144,7 +145,8 @@ fn the_same_bytes_for_any_number_of_threads() {
 fn what_can_not_be_baked_is_named_and_the_rest_is_baked() {
     let place = Place::new();
     std::fs::write(place.path("flat.obj"), "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n").unwrap();
-    let error = place.fail(&["bake", "flat.obj", "tetrahedron.obj", "-o", "baked"], 1);
+    let error =
+        place.fail(&["bake", "--per-mesh", "flat.obj", "tetrahedron.obj", "-o", "baked"], 1);
     assert!(error.contains("flat.obj") && error.contains("no usable triangle"), "{error}");
     assert_eq!(error.lines().count(), 1);
     assert_eq!(names(&place.path("baked")), ["tetrahedron.hulls"]);
@@ -153,9 +155,84 @@ fn what_can_not_be_baked_is_named_and_the_rest_is_baked() {
     assert!(error.contains("missing.obj"), "{error}");
     assert!(!place.path("nothing").exists());
     place.fail(&["bake", "-o", "baked"], 2);
-    place.fail(&["bake", "tetrahedron.obj"], 2);
-    let error = place.fail(&["bake", "tetrahedron.obj", "-o", "baked", "--density", "-1"], 2);
+    place.fail(&["bake", "tetrahedron.obj", "--density", "2"], 2);
+    let density = ["bake", "--per-mesh", "tetrahedron.obj", "-o", "baked", "--density", "-1"];
+    let error = place.fail(&density, 2);
     assert!(error.contains("density"), "{error}");
+}
+
+#[test]
+fn a_scene_is_one_file_beside_it_and_is_kept_where_nothing_changed() {
+    let place = Place::new();
+    let shown = place.succeed(&["bake", "two.gltf"]);
+    // Both meshes of the file have the same triangles.
+    assert_eq!(shown, "wrote two.hullscene: 1 mesh, 1 hull, 4 vertices\n");
+    let scene = HullScene::read(place.path("two.hullscene")).unwrap();
+    assert_eq!(scene.name, "two");
+    assert_eq!(scene.meshes[0].names, ["Cube/1", "left", "right", "mesh_1"]);
+    // A density is the tags' matter.
+    assert!((scene.meshes[0].hulls.mass_properties.unwrap().mass - 36.0).abs() < 1e-6);
+
+    let before = std::fs::read(place.path("two.hullscene")).unwrap();
+    let shown = place.succeed(&["bake", "two.gltf"]);
+    assert!(shown.contains("1 mesh (1 as before)"), "{shown}");
+    assert_eq!(std::fs::read(place.path("two.hullscene")).unwrap(), before);
+    let shown = place.succeed(&["bake", "two.gltf", "--max-error", "1%"]);
+    assert!(!shown.contains("as before"), "{shown}");
+}
+
+#[test]
+fn a_scene_is_baked_as_its_artist_says() {
+    let place = Place::new();
+    let props = format!("{ASSETS}/props.glb");
+    place.succeed(&["bake", &props, "-o", "all"]);
+    place.succeed(&["bake", &props, "-o", "tagged", "--tagged-only"]);
+    let read = |directory: &str| {
+        let scene = HullScene::read(place.path(directory).join("props.hullscene")).unwrap();
+        let nodes = scene.meshes.into_iter().flat_map(|baked| {
+            let cap = baked.parameters.bounded.max_hulls;
+            baked.names.into_iter().map(move |name| (name, cap))
+        });
+        nodes.collect::<std::collections::BTreeMap<_, _>>()
+    };
+    let (all, tagged) = (read("all"), read("tagged"));
+    assert!(all.contains_key("leaf") && !tagged.contains_key("leaf"));
+    for (name, cap) in [("mug-convcol", None), ("lamp", None), ("UCX_table_01", Some(1))] {
+        assert_eq!((all.get(name), tagged.get(name)), (Some(&cap), Some(&cap)), "{name}");
+    }
+    // Its pieces stand for it.
+    assert!(!all.contains_key("table"));
+}
+
+#[test]
+fn a_folder_of_scenes_keeps_its_structure() {
+    let place = Place::new();
+    std::fs::create_dir_all(place.path("levels/one")).unwrap();
+    for name in ["two.gltf", "two.bin", "tetrahedron.obj"] {
+        std::fs::copy(place.path(name), place.path("levels/one").join(name)).unwrap();
+        std::fs::copy(place.path(name), place.path("levels").join(name)).unwrap();
+    }
+    let shown = place.succeed(&["bake", "levels", "-o", "baked"]);
+    assert_eq!(shown.lines().count(), 2);
+    assert_eq!(names(&place.path("baked")), ["one", "two.hullscene"]);
+    assert_eq!(names(&place.path("baked/one")), ["two.hullscene"]);
+
+    place.succeed(&["bake", "levels"]);
+    assert!(place.path("levels/one/two.hullscene").exists());
+    std::fs::create_dir(place.path("empty")).unwrap();
+    let error = place.fail(&["bake", "empty"], 1);
+    assert!(error.contains("no glTF or GLB file"), "{error}");
+    let error = place.fail(&["bake", "two.gltf", "levels/two.gltf", "-o", "baked"], 2);
+    assert!(error.contains("two scenes"), "{error}");
+}
+
+#[test]
+fn what_of_a_scene_can_not_be_baked_is_named_and_the_rest_is_baked() {
+    let place = Place::new();
+    std::fs::write(place.path("flat.obj"), "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n").unwrap();
+    let error = place.fail(&["bake", "flat.obj", "tetrahedron.obj"], 1);
+    assert!(error.contains("flat.obj, mesh `flat`"), "{error}");
+    assert!(place.path("tetrahedron.hullscene").exists());
 }
 
 #[test]

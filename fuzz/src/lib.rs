@@ -6,16 +6,12 @@
 #[allow(dead_code)]
 #[path = "../../tests/independent/mod.rs"]
 mod independent;
-#[cfg(all(feature = "io", feature = "bevy_gltf"))]
-#[allow(dead_code)]
-#[path = "../../src/bevy/naming_conventions.rs"]
-mod naming_conventions;
 mod points;
 #[cfg(feature = "io")]
 mod readers;
 mod shapes;
 
-#[cfg(all(feature = "io", feature = "bevy_gltf"))]
+#[cfg(all(feature = "io", feature = "bake"))]
 pub use readers::extras;
 #[cfg(feature = "io")]
 pub use readers::{gltf, hulls_file, obj, off, ply, stl};
@@ -37,6 +33,6 @@ pub const TARGETS: &[(&str, fn(&[u8]))] = &[
     ("gltf", gltf),
     #[cfg(feature = "io")]
     ("hulls_file", hulls_file),
-    #[cfg(all(feature = "io", feature = "bevy_gltf"))]
+    #[cfg(all(feature = "io", feature = "bake"))]
     ("extras", extras),
 ];

@@ -301,18 +301,17 @@ pub fn hulls_file(bytes: &[u8]) {
     }
 }
 
-#[cfg(feature = "bevy_gltf")]
+/// Names and glTF extras by which artists ask for colliders.
+#[cfg(feature = "bake")]
 pub fn extras(bytes: &[u8]) {
-    use super::naming_conventions::{extras_tag, name_tag, without_copy_number};
+    use hullwright::conventions::{mesh_tag, node_tag, read_extras, without_copy_number};
     let text = String::from_utf8_lossy(bytes);
-    let _ = (extras_tag(&text), name_tag(&text), without_copy_number(&text));
+    let _ = (read_extras(&text), node_tag(&text), mesh_tag(&text), without_copy_number(&text));
     let escaped = serde_json::Value::from(text.as_ref()).to_string();
-    assert_eq!(
-        extras_tag(&format!("{{\"collider\": {escaped}}}")),
-        match text.as_ref() {
-            "convex_decomposition" => Some(true),
-            "none" => Some(false),
-            _ => None,
-        }
-    );
+    let (tag, complaints) = read_extras(&format!("{{\"collider\": {escaped}}}"));
+    assert_eq!(tag.is_none(), !complaints.is_empty(), "a kind is known, or there is a complaint");
+    let parameters = tag.and_then(|tag| tag.parameters(&hullwright::Parameters::default()));
+    if let Some(parameters) = parameters {
+        parameters.validate().expect("a collider alone asks for nothing that is refused");
+    }
 }

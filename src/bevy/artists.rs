@@ -1,7 +1,7 @@
 //! From what artists ask for, in names and extras, to tags.
 
-use super::naming_conventions::{ColliderKind, NameTag};
 use super::tag::{ConvexDecomposition, DecompositionShape};
+use crate::conventions::{ColliderKind, NameTag};
 
 /// What becomes of a node with a mesh.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,7 +48,7 @@ fn made_of(kind: ColliderKind, base: ConvexDecomposition) -> ConvexDecomposition
 /// The scene's tag with the settings of extras; `None` where these want no collider.
 #[cfg(feature = "bevy_gltf")]
 pub(super) fn with_extras(
-    extras: &super::extras::ExtrasTag,
+    extras: &crate::conventions::ExtrasTag,
     base: ConvexDecomposition,
 ) -> Option<ConvexDecomposition> {
     let mut tag = made_of(extras.kind?, base);
@@ -69,6 +69,6 @@ pub(super) fn with_extras(
     if extras.density.is_some() || extras.mass.is_some() {
         tag.mass = extras.mass;
     }
-    tag.fallback_collider = extras.fallback.or(tag.fallback_collider);
+    tag.fallback_collider = extras.fallback.map(Into::into).or(tag.fallback_collider);
     Some(tag)
 }

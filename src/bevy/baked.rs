@@ -75,7 +75,7 @@ impl AssetLoader for HullsLoader {
     }
 }
 
-/// Why a `.hulls` asset could not be loaded.
+/// Why a `.hulls` or `.hullscene` asset could not be loaded or saved.
 #[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
 pub enum LoadHullsError {
@@ -85,4 +85,7 @@ pub enum LoadHullsError {
     /// It does not hold what it should.
     #[error(transparent)]
     Content(#[from] HullsFileError),
+    /// It is a recipe that can't be followed.
+    #[error("recipe: {0}")]
+    Recipe(String),
 }

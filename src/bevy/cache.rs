@@ -11,6 +11,7 @@ use crate::hulls_format::HullsFile;
 use crate::{ConvexHull, Hull};
 
 use super::content::ContentKey;
+use super::disk_cache::WrittenBytes;
 use super::mesh_data::MeshData;
 use super::placement::MapKey;
 use super::primitive::PrimitiveKind;
@@ -46,7 +47,11 @@ impl ColliderGeometry {
 
 /// A handle to the cache; clones share it.
 #[derive(Resource, Clone, Default)]
-pub(super) struct GeometryCache(Arc<Mutex<CacheInner>>);
+pub(super) struct GeometryCache {
+    inner: Arc<Mutex<CacheInner>>,
+    /// To the cache on disk.
+    pub written: WrittenBytes,
+}
 
 #[derive(Default)]
 struct CacheInner {
@@ -71,7 +76,7 @@ const SHAPE_SHARE: usize = 2;
 impl GeometryCache {
     /// Ignores poisoning: no panic leaves the inside half changed.
     fn lock(&self) -> MutexGuard<'_, CacheInner> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     pub(super) fn geometry(&self, key: ContentKey) -> Option<Arc<ColliderGeometry>> {

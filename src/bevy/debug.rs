@@ -70,6 +70,12 @@ impl HullwrightDebugPlugin {
         DiagnosticPath::const_new("hullwright/triangle_meshes");
     /// Entities skipped because they had a collider.
     pub const HAD_COLLIDER: DiagnosticPath = DiagnosticPath::const_new("hullwright/had_collider");
+    /// Entities skipped because they are hidden.
+    pub const HIDDEN: DiagnosticPath = DiagnosticPath::const_new("hullwright/hidden");
+    /// Entities skipped because they are too small.
+    pub const TOO_SMALL: DiagnosticPath = DiagnosticPath::const_new("hullwright/too_small");
+    /// Entities skipped because every focus is too far.
+    pub const TOO_FAR: DiagnosticPath = DiagnosticPath::const_new("hullwright/too_far");
     /// Entities that failed.
     pub const FAILED: DiagnosticPath = DiagnosticPath::const_new("hullwright/failed");
     /// Entities whose work was cancelled.
@@ -209,7 +215,7 @@ impl Measure {
 
 const MEBIBYTE: f64 = 1024.0 * 1024.0;
 
-const MEASURES: [Measure; 15] = [
+const MEASURES: [Measure; 18] = [
     Measure::count(HullwrightDebugPlugin::RUNNING, |of| Some(of.running as f64)),
     Measure::count(HullwrightDebugPlugin::WAITING, |of| {
         Some((of.queued + of.waiting_for_mesh) as f64)
@@ -221,6 +227,9 @@ const MEASURES: [Measure; 15] = [
     Measure::count(HullwrightDebugPlugin::CONVEX, |of| Some(of.convex as f64)),
     Measure::count(HullwrightDebugPlugin::TRIANGLE_MESHES, |of| Some(of.triangle_meshes as f64)),
     Measure::count(HullwrightDebugPlugin::HAD_COLLIDER, |of| Some(of.had_collider as f64)),
+    Measure::count(HullwrightDebugPlugin::HIDDEN, |of| Some(of.hidden as f64)),
+    Measure::count(HullwrightDebugPlugin::TOO_SMALL, |of| Some(of.too_small as f64)),
+    Measure::count(HullwrightDebugPlugin::TOO_FAR, |of| Some(of.too_far as f64)),
     Measure::count(HullwrightDebugPlugin::FAILED, |of| Some(of.failed as f64)),
     Measure::count(HullwrightDebugPlugin::CANCELLED, |of| Some(of.cancelled as f64)),
     Measure::count(HullwrightDebugPlugin::CACHED_COUNT, |of| Some(of.cached as f64)),

@@ -9,6 +9,8 @@ use super::placement::Placements;
 use super::queue::WorkQueue;
 use super::request::AttachedCollider;
 use super::settings::HullwrightSettings;
+use super::skip::FarFromFocus;
+use super::tag::ConvexDecomposition;
 
 /// On a body that is frozen: for whom, and what to restore.
 #[derive(Component, Debug)]
@@ -28,6 +30,7 @@ pub(super) fn freeze(
     settings: Res<HullwrightSettings>,
     placements: Placements,
     attached: Query<(), With<AttachedCollider>>,
+    far: Query<Entity, Added<FarFromFocus>>,
     mut frozen: Query<(&mut Frozen, Option<&mut Velocity>)>,
     mut bodies: Query<FreeBody, Without<Frozen>>,
 ) {
@@ -43,7 +46,7 @@ pub(super) fn freeze(
         return;
     }
     let mut new: Vec<(Entity, Frozen)> = Vec::new();
-    for &entity in queue.unfinished.keys() {
+    for entity in queue.unfinished.keys().copied().chain(&far) {
         let Some((body, RigidBody::Dynamic)) = placements.body(entity) else { continue };
         if attached.contains(entity) {
             continue;
@@ -69,14 +72,19 @@ pub(super) fn freeze(
     }
 }
 
+/// One whose tag was removed is not waited for.
+type IsFar = (With<FarFromFocus>, With<ConvexDecomposition>);
+
 /// Releases bodies that nobody waits for any more.
 pub(super) fn release(
     mut commands: Commands,
     queue: Res<WorkQueue>,
+    far: Query<(), IsFar>,
     mut frozen: Query<(Entity, &mut Frozen, Option<&LockedAxes>)>,
 ) {
+    let waits = |entity: &Entity| queue.unfinished.contains_key(entity) || far.contains(*entity);
     for (body, mut frozen, locked) in &mut frozen {
-        frozen.for_entities.retain(|entity| queue.unfinished.contains_key(entity));
+        frozen.for_entities.retain(waits);
         if !frozen.for_entities.is_empty() {
             continue;
         }

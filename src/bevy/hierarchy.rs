@@ -9,10 +9,12 @@ use bevy::prelude::*;
 use bevy_rapier3d::prelude::RigidBody;
 
 use super::artists::{Treatment, treatment};
+use super::baked_scene::{BakedScene, FromBakedScene};
 use super::describe::{Descriptions, entities};
-use super::naming_conventions::{NameTag, mesh_tag, node_tag, without_copy_number};
+use super::hierarchy_progress::{HierarchyStatus, HierarchyWork};
 use super::nodes::{Nodes, TaggedByHierarchy};
 use super::tag::{ConvexDecomposition, NoConvexDecomposition};
+use crate::conventions::{NameTag, mesh_tag, node_tag, without_copy_number};
 
 /// Tags the meshes below this entity, such as all of a glTF scene, also those that come later.
 ///
@@ -26,6 +28,7 @@ use super::tag::{ConvexDecomposition, NoConvexDecomposition};
 #[derive(Component, Reflect, Debug, Clone, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[type_path = "hullwright"]
+#[require(HierarchyStatus, HierarchyWork)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct ConvexDecompositionHierarchy {
     /// For meshes of which nothing else is said; `None` to leave them alone.
@@ -39,6 +42,11 @@ pub struct ConvexDecompositionHierarchy {
     /// "max_error": 0.01}`. Extras are read, and colliders not drawn, with the feature `bevy_gltf`. Default
     /// true.
     pub follows_artists: bool,
+    /// Where the hulls of its meshes may be found. What is not there, or was baked from another mesh or
+    /// with other settings, is decomposed, and the log says so. Not in texts: paths belong to the code
+    /// that loads them. Default `None`.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub baked: Option<Handle<BakedScene>>,
 }
 
 impl Default for ConvexDecompositionHierarchy {
@@ -47,6 +55,7 @@ impl Default for ConvexDecompositionHierarchy {
             default_tag: Some(ConvexDecomposition::default()),
             by_name: HashMap::default(),
             follows_artists: true,
+            baked: None,
         }
     }
 }
@@ -88,6 +97,23 @@ impl ConvexDecompositionHierarchy {
     #[must_use]
     pub fn with(mut self, name: impl Into<String>, tag: ConvexDecomposition) -> Self {
         self.by_name.insert(name.into(), Some(tag));
+        self
+    }
+
+    /// The same with hulls that `hullwright bake` made of the scene.
+    ///
+    /// ```
+    /// use bevy::prelude::*;
+    /// use hullwright::bevy::prelude::*;
+    ///
+    /// # fn setup(server: Res<AssetServer>) {
+    /// let level = ConvexDecompositionHierarchy::default()
+    ///     .with_baked(server.load("level.hullscene"));
+    /// # }
+    /// ```
+    #[must_use]
+    pub fn with_baked(mut self, baked: Handle<BakedScene>) -> Self {
+        self.baked = Some(baked);
         self
     }
 
@@ -153,6 +179,7 @@ type NewMesh = (With<Mesh3d>, Or<(Added<Mesh3d>, Changed<ChildOf>)>);
 pub(super) fn tag_hierarchies(
     mut commands: Commands,
     hierarchies: Query<&ConvexDecompositionHierarchy>,
+    mut works: Query<&mut HierarchyWork>,
     changed: Query<Entity, Changed<ConvexDecompositionHierarchy>>,
     new_meshes: Query<Entity, NewMesh>,
     nodes: Nodes,
@@ -168,8 +195,8 @@ pub(super) fn tag_hierarchies(
         roots.extend(above.into_iter().find(|entity| hierarchies.contains(*entity)));
     }
     for root in roots {
-        if let Ok(hierarchy) = hierarchies.get(root) {
-            tag_scene(&mut commands, &nodes, root, hierarchy, &mut complaints);
+        if let (Ok(hierarchy), Ok(mut work)) = (hierarchies.get(root), works.get_mut(root)) {
+            tag_scene(&mut commands, &nodes, (root, hierarchy), &mut work, &mut complaints);
         }
     }
     complaints.log(&descriptions);
@@ -179,11 +206,13 @@ pub(super) fn tag_hierarchies(
 fn tag_scene(
     commands: &mut Commands,
     nodes: &Nodes,
-    root: Entity,
-    hierarchy: &ConvexDecompositionHierarchy,
+    (root, hierarchy): (Entity, &ConvexDecompositionHierarchy),
+    work: &mut HierarchyWork,
     complaints: &mut Complaints,
 ) {
     let all = nodes.nodes_with_meshes(root);
+    let has_meshes = !all.is_empty();
+    let (mut tagged, mut left_out) = (Vec::new(), 0);
     let with_pieces = match hierarchy.follows_artists {
         true => nodes.meshes_with_pieces(&all),
         false => HashSet::default(),
@@ -202,6 +231,18 @@ fn tag_scene(
             None => hierarchy.default_tag.clone().into(),
         };
         nodes.show(commands, node, is_drawn);
+        match (&tag, &hierarchy.baked) {
+            (Some(_), Some(baked)) => {
+                commands.entity(node).try_insert(FromBakedScene(baked.clone()));
+            }
+            _ => {
+                commands.entity(node).try_remove::<FromBakedScene>();
+            }
+        }
+        match tag {
+            Some(_) => tagged.push(node),
+            None => left_out += 1,
+        }
         // What is tagged anew starts anew.
         if nodes.tagged.get(node).is_ok_and(|before| before == tag.as_ref()) {
             continue;
@@ -222,6 +263,7 @@ fn tag_scene(
             node.try_insert_if_new(RigidBody::Dynamic);
         }
     }
+    work.begin(tagged, left_out, has_meshes);
 }
 
 fn by_code<'a>(
@@ -266,7 +308,7 @@ fn by_extras(
     complaints: &mut Complaints,
 ) -> Option<Treatment> {
     nodes.extras_of(node).find_map(|text| {
-        let (tag, wrong) = super::extras::read_extras(text);
+        let (tag, wrong) = crate::conventions::read_extras(text);
         for text in wrong {
             complaints.new.entry(text).or_default().push(node);
         }

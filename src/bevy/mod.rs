@@ -36,9 +36,10 @@
 // | module | what |
 // |---|---|
 // | `error`, `status`, `events`, `settings` | what users read, and what all entities share |
-// | `tag`, `baked` | components that ask for a collider |
+// | `tag`, `decomposition_priority`, `baked`, `baked_scene` | components that ask for a collider |
+// | `scene_recipe` (feature `io`), `scene_processor` | scenes that are baked when they are loaded, or at build time |
 // | `parameters` | from the tag's flat settings to the library's parameters |
-// | `naming_conventions`, `extras`, `artists`, `nodes`, `hierarchy` | whole scenes, tagged by names and extras |
+// | `artists`, `nodes`, `hierarchy` | whole scenes, tagged by names and extras |
 // | `mesh_data`, `convert`, `placement` | triangles of meshes, and the scale that is baked |
 // | `primitive`, `static_geometry` | boxes, balls and capsules; which colliders are triangle meshes |
 // | `content`, `cache`, `disk_cache` | known results by content |
@@ -46,16 +47,19 @@
 // | `request`, `budget`, `queue` | what entities ask for, and the state of all work |
 // | `describe` | entities by id, name and asset, for the log |
 // | `change_detection` | what makes a collider out of date |
+// | `skip` | what is hidden, too small or too far |
 // | `resolve` | from tags to requests |
 // | `pool`, `scheduler` | jobs start and finish |
 // | `fallback_collider`, `freeze` | colliders and bodies that wait |
 // | `attach`, `failures` | results and errors reach their entities |
+// | `hierarchy_progress`, `progress` | how far scenes and all work are |
 // | `debug` (feature) | hulls drawn, and numbers among the diagnostics |
 // | `plugin` | the systems and their order |
 
 mod artists;
 mod attach;
 mod baked;
+mod baked_scene;
 mod budget;
 mod cache;
 mod change_detection;
@@ -64,44 +68,53 @@ mod content;
 mod convert;
 #[cfg(feature = "debug")]
 mod debug;
+mod decomposition_priority;
 mod describe;
 mod disk_cache;
 mod error;
 mod events;
-#[cfg(feature = "bevy_gltf")]
-mod extras;
 mod failures;
 mod fallback_collider;
 mod freeze;
 mod hierarchy;
+mod hierarchy_progress;
 mod mesh_data;
-mod naming_conventions;
 mod nodes;
 mod parameters;
 mod placement;
 mod plugin;
 mod pool;
 mod primitive;
+mod progress;
 mod queue;
 mod request;
 mod resolve;
+mod scene_processor;
+#[cfg(feature = "io")]
+mod scene_recipe;
 mod scheduler;
 mod settings;
+mod skip;
 mod static_geometry;
 mod status;
 mod tag;
 mod task;
 
 pub use baked::{BakedDecomposition, BakedHulls, HullsLoader, LoadHullsError};
+pub use baked_scene::{BakedScene, FromBakedScene, HullSceneLoader};
 #[cfg(feature = "debug")]
 pub use debug::{HullGizmos, HullwrightDebug, HullwrightDebugPlugin};
+pub use decomposition_priority::DecompositionPriority;
 pub use error::DecompositionError;
 pub use events::{
     DecompositionCancelled, DecompositionFailed, DecompositionReady, DecompositionSkipped,
     VerifiedError,
 };
 pub use hierarchy::ConvexDecompositionHierarchy;
+pub use hierarchy_progress::{HierarchyFinished, HierarchyReport, HierarchyStatus};
 pub use plugin::{HullwrightPlugin, HullwrightSystems};
+pub use progress::{DecompositionProgress, all_decompositions_done, decompositions_pending};
+pub use scene_processor::{HullSceneProcessor, HullSceneSaver};
 pub use settings::{Execution, FallbackCollider, HullwrightSettings};
 pub use status::{DecompositionCounters, DecompositionStatus, HullSource, SkipReason, WaitReason};
 pub use tag::{
@@ -118,6 +131,11 @@ pub mod prelude {
         DecompositionSkipped, DecompositionStatus, FallbackCollider, HullSource, HullwrightPlugin,
         HullwrightSettings, HullwrightSystems, MaxError, NoConvexDecomposition, SkipReason,
         VerifiedError,
+    };
+    pub use super::{
+        BakedScene, DecompositionPriority, DecompositionProgress, FromBakedScene,
+        HierarchyFinished, HierarchyReport, HierarchyStatus, all_decompositions_done,
+        decompositions_pending,
     };
 }
 

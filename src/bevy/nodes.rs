@@ -6,8 +6,8 @@ use bevy::platform::collections::HashSet;
 use bevy::prelude::*;
 
 use super::baked::BakedDecomposition;
-use super::naming_conventions::{NameTag, node_tag, whole_of, without_copy_number};
 use super::tag::{ConvexDecomposition, NoConvexDecomposition};
+use crate::conventions::{NameTag, node_tag, whole_of, without_copy_number};
 
 /// Set on what a hierarchy tagged, so that another setting can take it back.
 #[derive(Component, Debug, Clone, Copy)]

@@ -6,9 +6,11 @@ use bevy_rapier3d::plugin::PhysicsSet;
 
 use super::attach::attach;
 use super::baked::{BakedDecomposition, BakedHulls, HullsLoader};
+use super::baked_scene::{BakedScene, FromBakedScene, HullSceneLoader};
 use super::cache::GeometryCache;
 use super::change_detection::{detect_assets, detect_bodies, detect_scales, detect_tags, on_untag};
 use super::contacts::set_dispatcher;
+use super::decomposition_priority::DecompositionPriority;
 use super::events::{
     DecompositionCancelled, DecompositionFailed, DecompositionReady, DecompositionSkipped,
 };
@@ -16,11 +18,15 @@ use super::failures::report_failures;
 use super::fallback_collider::{attach_fallbacks, remove_fallbacks};
 use super::freeze::{Frozen, freeze, release};
 use super::hierarchy::{ConvexDecompositionHierarchy, tag_hierarchies};
+use super::hierarchy_progress::{HierarchyStatus, HierarchyWork, finish_hierarchies};
+use super::progress::{DecompositionProgress, sum_up_progress};
 use super::queue::WorkQueue;
 use super::request::AttachedFallback;
 use super::resolve::resolve;
+use super::scene_processor::{HullSceneProcessor, HullSceneSaver};
 use super::scheduler::{finish_jobs, start_jobs};
 use super::settings::HullwrightSettings;
+use super::skip::{FarFromFocus, watch_distances};
 use super::status::{DecompositionCounters, DecompositionStatus};
 use super::tag::{ConvexDecomposition, DecompositionFocus, NoConvexDecomposition};
 
@@ -63,9 +69,14 @@ impl Plugin for HullwrightPlugin {
         app.init_resource::<WorkQueue>()
             .init_resource::<GeometryCache>()
             .init_resource::<DecompositionCounters>()
+            .init_resource::<DecompositionProgress>()
             .register_type::<ConvexDecomposition>()
             .register_type::<BakedDecomposition>()
             .register_type::<ConvexDecompositionHierarchy>()
+            .register_type::<HierarchyStatus>()
+            .register_type::<FromBakedScene>()
+            .register_type::<DecompositionPriority>()
+            .register_type::<DecompositionProgress>()
             .register_type::<NoConvexDecomposition>()
             .register_type::<DecompositionFocus>()
             .register_type::<DecompositionStatus>()
@@ -77,6 +88,8 @@ impl Plugin for HullwrightPlugin {
             .register_type::<HullwrightSettings>()
             .add_observer(on_untag::<ConvexDecomposition>)
             .add_observer(on_untag::<BakedDecomposition>);
+        #[cfg(feature = "bevy_gltf")]
+        app.add_observer(super::hierarchy_progress::on_scene_spawned);
         app.configure_sets(
             PostUpdate,
             (
@@ -96,7 +109,16 @@ impl Plugin for HullwrightPlugin {
             PostUpdate,
             (
                 set_dispatcher.in_set(HullwrightSystems::DetectChanges),
-                (tag_hierarchies, detect_tags, detect_bodies, detect_assets, detect_scales)
+                (
+                    tag_hierarchies,
+                    detect_tags,
+                    detect_bodies,
+                    detect_assets,
+                    detect_scales,
+                    #[cfg(feature = "bevy_gltf")]
+                    super::skip::detect_shown.run_if(skips_hidden),
+                    watch_distances.run_if(minds_distances),
+                )
                     .chain()
                     .in_set(HullwrightSystems::DetectChanges),
                 (finish_jobs, resolve, start_jobs, attach_fallbacks)
@@ -105,9 +127,15 @@ impl Plugin for HullwrightPlugin {
                     .run_if(is_busy),
                 (
                     (attach, report_failures).chain().run_if(is_busy),
-                    freeze.run_if(is_busy.or_else(any_with_component::<Frozen>)),
+                    freeze.run_if(
+                        is_busy
+                            .or_else(any_with_component::<Frozen>)
+                            .or_else(any_match_filter::<Added<FarFromFocus>>),
+                    ),
                     release.run_if(any_with_component::<Frozen>),
                     remove_fallbacks.run_if(any_with_component::<AttachedFallback>),
+                    finish_hierarchies.run_if(any_with_component::<HierarchyWork>),
+                    sum_up_progress,
                 )
                     .chain()
                     .in_set(HullwrightSystems::Attach),
@@ -134,6 +162,20 @@ fn set_up_assets(app: &mut App) {
         app.init_asset::<Mesh>();
     }
     app.init_asset::<BakedHulls>().register_asset_loader(HullsLoader);
+    // What concerns Bevy's processor does nothing where there is none.
+    app.init_asset::<BakedScene>()
+        .register_asset_loader(HullSceneLoader)
+        .register_asset_processor(HullSceneProcessor::from(HullSceneSaver))
+        .set_default_asset_processor::<HullSceneProcessor>("hullscene");
+}
+
+fn minds_distances(settings: Res<HullwrightSettings>, far: Query<(), With<FarFromFocus>>) -> bool {
+    settings.focus_radius.is_some() || !far.is_empty()
+}
+
+#[cfg(feature = "bevy_gltf")]
+fn skips_hidden(settings: Res<HullwrightSettings>) -> bool {
+    settings.skip_hidden
 }
 
 fn is_busy(queue: Res<WorkQueue>, counters: Res<DecompositionCounters>) -> bool {

@@ -82,6 +82,8 @@ pub(super) struct FallbackQueue {
 #[derive(Resource, Default)]
 pub(super) struct WorkQueue {
     pub unfinished: EntityHashMap<UnfinishedEntity>,
+    /// Entities that were tagged since everything was finished.
+    pub entered: usize,
     /// Entities whose meshes are not known yet.
     pub to_resolve: VecDeque<Entity>,
     /// Entities that wait for a job.
@@ -100,7 +102,9 @@ pub(super) struct WorkQueue {
 impl WorkQueue {
     /// Restarts an entity from its tag.
     pub(super) fn restart(&mut self, entity: Entity) {
-        self.forget(entity);
+        if !self.forget(entity) {
+            self.entered += 1;
+        }
         self.unfinished.insert(entity, UnfinishedEntity::new());
         self.to_resolve.push_back(entity);
     }

@@ -7,6 +7,7 @@ use bevy::math::Affine3A;
 use bevy::prelude::*;
 
 use super::baked::BakedHulls;
+use super::baked_scene::BakedScene;
 use super::error::DecompositionError;
 use super::mesh_data::MeshPart;
 use super::parameters::{Goal, has_absolute_length};
@@ -42,6 +43,8 @@ pub(super) struct ColliderRequest {
     pub parts: Vec<MeshPart>,
     /// `None` for baked hulls.
     pub goal: Option<Goal>,
+    /// Where its hulls may be found.
+    pub scene: Option<AssetId<BakedScene>>,
     /// Baked into the mesh before the work.
     pub map_before: Affine3A,
     /// Baked into the result.

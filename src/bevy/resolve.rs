@@ -3,13 +3,14 @@
 
 use std::sync::Arc;
 
-use bevy::asset::{LoadState, UntypedAssetId};
+use bevy::asset::{AssetId, LoadState, UntypedAssetId};
 use bevy::ecs::system::SystemParam;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::{Collider, RigidBody};
 
 use super::baked::{BakedDecomposition, BakedHulls};
+use super::baked_scene::{BakedScene, FromBakedScene};
 use super::cache::GeometryCache;
 use super::content::{ContentKey, goal_hash};
 use super::describe::{Descriptions, entities};
@@ -21,6 +22,7 @@ use super::placement::{MapKey, Placements};
 use super::queue::{Completed, Failed, WorkQueue};
 use super::request::{AttachedCollider, AttachedFallback, ColliderRequest, FailedRequest, InputId};
 use super::settings::{FallbackCollider, HullwrightSettings};
+use super::skip::{FarFromFocus, SkipRules, is_too_small};
 use super::static_geometry::StaticGeometry;
 use super::status::{
     DecompositionCounters, DecompositionStatus, HullSource, SkipReason, WaitReason,
@@ -40,8 +42,11 @@ pub(super) struct Scene<'w, 's> {
     failed: Query<'w, 's, (), With<FailedRequest>>,
     placements: Placements<'w, 's>,
     geometry: StaticGeometry<'w, 's>,
+    skip_rules: SkipRules<'w, 's>,
     meshes: Res<'w, Assets<Mesh>>,
     baked: Res<'w, Assets<BakedHulls>>,
+    scenes: Res<'w, Assets<BakedScene>>,
+    from_scenes: Query<'w, 's, &'static FromBakedScene>,
     server: Option<Res<'w, AssetServer>>,
 }
 
@@ -63,7 +68,7 @@ enum Resolution {
     Gone,
     /// What it is made of is not there yet.
     Later(Missing),
-    HasCollider,
+    Skipped(SkipReason),
     Failed(Box<ColliderRequest>, DecompositionError),
     Request(Box<ColliderRequest>),
 }
@@ -114,7 +119,7 @@ pub(super) fn resolve(
                 status.set_if_neq(new);
             }
         };
-        let resolution = scene.resolution(entity);
+        let resolution = scene.resolution(entity, &settings);
         if scene.failed.contains(entity) && !matches!(resolution, Resolution::Later(_)) {
             commands.entity(entity).try_remove::<FailedRequest>();
         }
@@ -131,10 +136,12 @@ pub(super) fn resolve(
                     overdue.push((entity, missing));
                 }
             }
-            Resolution::HasCollider => {
+            Resolution::Skipped(reason) => {
                 queue.unfinished.remove(&entity);
-                counters.had_collider += 1;
-                let reason = SkipReason::HasCollider;
+                counters.count_skipped(reason);
+                if reason == SkipReason::TooFar {
+                    commands.entity(entity).try_insert(FarFromFocus);
+                }
                 set_status(DecompositionStatus::Skipped(reason));
                 commands.trigger(DecompositionSkipped { entity, reason });
             }
@@ -211,23 +218,26 @@ fn known_result(
     };
     let (geometry, shape) = cache.shape(key, request.map_key())?;
     let source = match key {
-        ContentKey::Mesh(_) => HullSource::Shared,
+        ContentKey::Mesh { .. } => HullSource::Shared,
         ContentKey::Baked(_) => HullSource::Baked,
     };
     Some(Ok(BuiltCollider { key, geometry, shape, source }))
 }
 
 impl Scene<'_, '_> {
-    fn resolution(&self, entity: Entity) -> Resolution {
+    fn resolution(&self, entity: Entity, settings: &HullwrightSettings) -> Resolution {
         let Ok((tag, baked, has_collider, is_attached, is_fallback)) = self.tags.get(entity) else {
             return Resolution::Gone;
         };
         if has_collider && !is_attached && !is_fallback {
-            return Resolution::HasCollider;
+            return Resolution::Skipped(SkipReason::HasCollider);
         }
         match (baked, tag) {
             (Some(baked), _) => self.baked_request(entity, baked),
-            (None, Some(tag)) => self.mesh_request(entity, tag),
+            (None, Some(tag)) => match self.skip_rules.reason(entity, settings) {
+                Some(reason) => Resolution::Skipped(reason),
+                None => self.mesh_request(entity, tag, settings),
+            },
             (None, None) => Resolution::Gone,
         }
     }
@@ -243,6 +253,7 @@ impl Scene<'_, '_> {
             input: Arc::new(InputId::Baked(id)),
             parts: Vec::new(),
             goal: None,
+            scene: None,
             map_before: Affine3A::IDENTITY,
             map: placement.map,
             stretch: placement.stretch,
@@ -250,7 +261,12 @@ impl Scene<'_, '_> {
         if is_missing { Resolution::not_loaded(request) } else { Resolution::Request(request) }
     }
 
-    fn mesh_request(&self, entity: Entity, tag: &ConvexDecomposition) -> Resolution {
+    fn mesh_request(
+        &self,
+        entity: Entity,
+        tag: &ConvexDecomposition,
+        settings: &HullwrightSettings,
+    ) -> Resolution {
         let mut parts = Vec::new();
         self.collect(entity, entity, &mut parts);
         if parts.is_empty() {
@@ -260,8 +276,15 @@ impl Scene<'_, '_> {
         if let Some(mesh) = missing.filter(|mesh| !self.failed_to_load(mesh.untyped())) {
             return Resolution::Later(Missing::Asset(mesh.untyped()));
         }
+        let scene = self.from_scenes.get(entity).ok().map(|from| from.0.id());
+        if let Some(scene) = scene.filter(|scene| self.is_still_loading(*scene)) {
+            return Resolution::Later(Missing::Asset(scene.untyped()));
+        }
         let placement = self.placements.placement(entity);
         let goal = self.goal(entity, tag);
+        if is_too_small(&parts, &placement, &self.meshes, settings) {
+            return Resolution::Skipped(SkipReason::TooSmall);
+        }
         // A bound in metres means metres of the world, so the mesh is scaled first.
         let (map_before, map) = match goal.parameters().is_some_and(has_absolute_length) {
             true => (placement.map, Affine3A::IDENTITY),
@@ -276,6 +299,7 @@ impl Scene<'_, '_> {
             input: Arc::new(input),
             parts,
             goal: Some(goal),
+            scene,
             map_before,
             map,
             stretch: placement.stretch,
@@ -330,6 +354,11 @@ impl Scene<'_, '_> {
                 self.collect(top, *child, parts);
             }
         }
+    }
+
+    /// Whether a scene is neither there nor lost.
+    fn is_still_loading(&self, scene: AssetId<BakedScene>) -> bool {
+        !self.scenes.contains(scene) && !self.failed_to_load(scene.untyped())
     }
 
     /// Whether an asset that is not there will not come.

@@ -51,13 +51,34 @@ pub struct HullwrightSettings {
     pub scale_delay: Duration,
     /// Size of the cache in memory, in bytes; 0 for none. Default 64 MiB.
     pub cache_bytes: usize,
-    /// Directory of a cache on disk, made if need be; `None` for none. It grows: nothing is ever
-    /// removed from it. Default `None`.
+    /// Directory of a cache on disk, made if need be; `None` for none. Several processes may share
+    /// it. Default `None`.
     pub disk_cache: Option<PathBuf>,
     /// Whether new worlds of Rapier get a [`ContactDispatcher`](crate::rapier::ContactDispatcher), without
     /// which small things sink into each other. It concerns all colliders of the world. Set it to `false`
     /// if a world has a dispatcher of its own. Default `true`.
     pub contact_dispatcher: bool,
+    /// Size of the cache on disk, in bytes: the files that were used least recently are removed. It
+    /// may be larger by a sixteenth for a while. Default 256 MiB.
+    pub disk_cache_bytes: u64,
+    /// Meshes whose bounding box has a shorter diagonal than this in the world get no collider:
+    /// [`SkipReason::TooSmall`](crate::bevy::SkipReason::TooSmall). Default 0: none is too small.
+    pub min_size: f32,
+    /// Whether what is hidden by `Visibility` gets no collider until it is shown:
+    /// [`SkipReason::Hidden`](crate::bevy::SkipReason::Hidden). With the feature `bevy_gltf` only.
+    /// Default false.
+    pub skip_hidden: bool,
+    /// Whether hulls that are boxes, balls or capsules within what the verified errors leave of the bound become
+    /// these: see [`shape_with_primitives`](crate::rapier::shape_with_primitives). For colliders that are made
+    /// from then on, and not those whose scale differs along the axes. Default false.
+    pub primitives: bool,
+    /// What is farther than this from every [`DecompositionFocus`](crate::bevy::DecompositionFocus)
+    /// gets no collider until it is near: [`SkipReason::TooFar`](crate::bevy::SkipReason::TooFar).
+    /// Dynamic bodies are frozen until then. Without a focus nothing is far. Default `None`: nothing is.
+    pub focus_radius: Option<f32>,
+    /// Whether a collider is dropped when it is farther than 1.25 times
+    /// [`focus_radius`](Self::focus_radius); its hulls stay in the cache. Default false.
+    pub drop_far: bool,
 }
 
 /// The collider that an entity has until its own is ready.
@@ -75,6 +96,17 @@ pub enum FallbackCollider {
     BoundingBox,
 }
 
+#[cfg(feature = "bevy_gltf")]
+impl From<crate::conventions::Fallback> for FallbackCollider {
+    fn from(fallback: crate::conventions::Fallback) -> Self {
+        match fallback {
+            crate::conventions::Fallback::None => Self::None,
+            crate::conventions::Fallback::ConvexHull => Self::ConvexHull,
+            crate::conventions::Fallback::BoundingBox => Self::BoundingBox,
+        }
+    }
+}
+
 /// Where work is done.
 #[derive(Reflect, Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[type_path = "hullwright"]
@@ -89,6 +121,9 @@ pub enum Execution {
 
 /// Room for some 1,700 meshes of ten hulls: a hull of 24 vertices takes about 4 kB with its shape.
 const DEFAULT_CACHE_BYTES: usize = 64 << 20;
+
+/// Room for some 20,000 meshes of ten hulls, of about 12 kB each.
+const DEFAULT_DISK_CACHE_BYTES: u64 = 256 << 20;
 
 /// A sixteenth of a frame at 60 Hz.
 const DEFAULT_FRAME_BUDGET: Duration = Duration::from_millis(1);
@@ -118,6 +153,12 @@ impl Default for HullwrightSettings {
             cache_bytes: DEFAULT_CACHE_BYTES,
             disk_cache: None,
             contact_dispatcher: true,
+            disk_cache_bytes: DEFAULT_DISK_CACHE_BYTES,
+            min_size: 0.0,
+            skip_hidden: false,
+            primitives: false,
+            focus_radius: None,
+            drop_far: false,
         }
     }
 }

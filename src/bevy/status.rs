@@ -82,6 +82,14 @@ pub enum SkipReason {
     NoBody,
     /// The tag asked for the triangle mesh.
     TrianglesRequested,
+    /// It is hidden, and [`skip_hidden`](crate::bevy::HullwrightSettings::skip_hidden) is set. It starts
+    /// when it is shown.
+    Hidden,
+    /// It is smaller than [`min_size`](crate::bevy::HullwrightSettings::min_size).
+    TooSmall,
+    /// Every [`DecompositionFocus`](crate::bevy::DecompositionFocus) is farther away than
+    /// [`focus_radius`](crate::bevy::HullwrightSettings::focus_radius). It starts when one is near.
+    TooFar,
 }
 
 /// What the plugin has done and is doing.
@@ -109,6 +117,12 @@ pub struct DecompositionCounters {
     pub triangle_meshes: usize,
     /// Entities skipped because they had a collider.
     pub had_collider: usize,
+    /// Entities skipped because they are hidden.
+    pub hidden: usize,
+    /// Entities skipped because they are too small.
+    pub too_small: usize,
+    /// Entities skipped, or whose colliders were dropped, because every focus is too far.
+    pub too_far: usize,
     /// Entities that failed.
     pub failed: usize,
     /// Entities whose work was cancelled.
@@ -125,6 +139,17 @@ pub struct DecompositionCounters {
 }
 
 impl DecompositionCounters {
+    pub(super) fn count_skipped(&mut self, reason: SkipReason) {
+        let counter = match reason {
+            SkipReason::HasCollider => &mut self.had_collider,
+            SkipReason::FixedBody => &mut self.triangle_meshes,
+            SkipReason::Hidden => &mut self.hidden,
+            SkipReason::TooSmall => &mut self.too_small,
+            SkipReason::TooFar => &mut self.too_far,
+        };
+        *counter += 1;
+    }
+
     /// Whether they say that nothing is to be done.
     pub(super) fn show_idle(&self) -> bool {
         self.running + self.queued + self.waiting_for_mesh == 0

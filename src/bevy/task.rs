@@ -1,7 +1,6 @@
 //! One decomposition, from its triangles to a shape, in steps: on a thread in the background, or
 //! step by step on the main thread.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -11,9 +10,10 @@ use bevy_rapier3d::rapier::geometry::{SharedShape, TriMeshFlags};
 use crate::hulls_format::HullsFile;
 use crate::{Control, Decomposer, Error, MeshView, Parameters, mass_properties_with};
 
+use super::baked_scene::SceneGeometry;
 use super::cache::{ColliderGeometry, GeometryCache, WorkClaim};
 use super::content::ContentKey;
-use super::disk_cache::{read_from_disk, write_to_disk};
+use super::disk_cache::DiskCache;
 use super::error::DecompositionError;
 use super::mesh_data::MeshData;
 use super::parameters::Goal;
@@ -25,7 +25,12 @@ use super::status::HullSource;
 /// What a task starts from.
 pub(super) enum TaskInput {
     /// A mesh, and what to make of it.
-    Mesh { data: MeshData, goal: Goal },
+    Mesh {
+        data: MeshData,
+        goal: Goal,
+        /// Where its hulls may be found.
+        baked: Option<Arc<SceneGeometry>>,
+    },
     /// Known geometry, of which another shape is wanted.
     Geometry { key: ContentKey, geometry: Arc<ColliderGeometry>, source: HullSource },
 }
@@ -53,7 +58,8 @@ pub(super) struct DecompositionTask {
     map: Affine3A,
     cache: GeometryCache,
     cache_bytes: usize,
-    disk_cache: Option<PathBuf>,
+    disk_cache: Option<DiskCache>,
+    primitives: bool,
 }
 
 enum TaskState {
@@ -77,13 +83,10 @@ impl DecompositionTask {
         cache: GeometryCache,
         settings: &HullwrightSettings,
     ) -> Self {
-        Self {
-            state: TaskState::Start(Box::new(input)),
-            map,
-            cache,
-            cache_bytes: settings.cache_bytes,
-            disk_cache: settings.disk_cache.clone(),
-        }
+        let disk_cache = DiskCache::new(settings, &cache.written);
+        let state = TaskState::Start(Box::new(input));
+        let HullwrightSettings { cache_bytes, primitives, .. } = *settings;
+        Self { state, map, cache, cache_bytes, disk_cache, primitives }
     }
 
     /// Runs to the end.
@@ -105,7 +108,7 @@ impl DecompositionTask {
                 TaskInput::Geometry { key, geometry, source } => {
                     self.build(key, geometry, source).map(Some)
                 }
-                TaskInput::Mesh { data, goal } => self.start(data, &goal),
+                TaskInput::Mesh { data, goal, baked } => self.start(data, &goal, baked.as_deref()),
             },
             TaskState::Decompose(work) => self.decompose(work, control),
             TaskState::Done => Err(Error::Finished.into()),
@@ -116,8 +119,12 @@ impl DecompositionTask {
         &mut self,
         data: MeshData,
         goal: &Goal,
+        baked: Option<&SceneGeometry>,
     ) -> Result<Option<TaskOutput>, DecompositionError> {
         let key = ContentKey::of_mesh(&data, goal);
+        if let Some(geometry) = baked.and_then(|baked| baked.get(key)) {
+            return self.build(key, geometry.clone(), HullSource::Baked).map(Some);
+        }
         if let Some(geometry) = self.cache.geometry(key) {
             return self.build(key, geometry, HullSource::Shared).map(Some);
         }
@@ -135,7 +142,7 @@ impl DecompositionTask {
                 return self.build(key, geometry, HullSource::Decomposed).map(Some);
             }
         };
-        let from_disk = self.disk_cache.as_ref().and_then(|path| read_from_disk(path, key));
+        let from_disk = self.disk_cache.as_ref().and_then(|cache| cache.read(key));
         if let Some(file) = from_disk {
             let geometry = Arc::new(ColliderGeometry::Hulls(Box::new(file)));
             return self.build(key, geometry, HullSource::Disk).map(Some);
@@ -159,8 +166,8 @@ impl DecompositionTask {
         let hulls = &decomposition.hulls;
         let mass = mass_properties_with(data.view(), hulls, 1.0, &parameters)?;
         let file = HullsFile::new("", &decomposition).with_mass_properties(mass);
-        if let Some(directory) = &self.disk_cache {
-            write_to_disk(directory, key, &file);
+        if let Some(cache) = &self.disk_cache {
+            cache.write(key, &file);
         }
         let geometry = Arc::new(ColliderGeometry::Hulls(Box::new(file)));
         let output = self.build(key, geometry, HullSource::Decomposed);
@@ -175,7 +182,7 @@ impl DecompositionTask {
         geometry: Arc<ColliderGeometry>,
         source: HullSource,
     ) -> Result<TaskOutput, DecompositionError> {
-        let shape = shape_of(&geometry, &self.map)?;
+        let shape = shape_of(&geometry, &self.map, self.primitives)?;
         let map = MapKey::new(&self.map);
         self.cache.insert(key, &geometry, map, &shape, self.cache_bytes);
         Ok(TaskOutput::Built(BuiltCollider { key, geometry, shape, source }))
@@ -185,8 +192,13 @@ impl DecompositionTask {
 fn shape_of(
     geometry: &ColliderGeometry,
     map: &Affine3A,
+    primitives: bool,
 ) -> Result<SharedShape, DecompositionError> {
     match geometry {
+        ColliderGeometry::Hulls(file) if primitives && is_scale(map) => {
+            let scale = [map.matrix3.x_axis.x, map.matrix3.y_axis.y, map.matrix3.z_axis.z];
+            Ok(crate::rapier::shape_with_primitives(file, scale)?)
+        }
         ColliderGeometry::Hulls(file) => {
             let hulls = map_hulls(&file.hulls, map)?;
             Ok(crate::rapier::shape_from_points(&hulls, [1.0; 3])?)
@@ -194,6 +206,13 @@ fn shape_of(
         ColliderGeometry::Triangles(data) => triangle_mesh(data, map),
         ColliderGeometry::Primitive(kind, data) => Ok(primitive_around(*kind, data, map)?),
     }
+}
+
+/// Whether a map does nothing but scale along the axes.
+fn is_scale(map: &Affine3A) -> bool {
+    let matrix = map.matrix3;
+    let diagonal = [matrix.x_axis.x, matrix.y_axis.y, matrix.z_axis.z];
+    *map == Affine3A::from_scale(diagonal.into())
 }
 
 /// Without it, what slides over a floor stumbles over the edges between its triangles. Two-sided, since

@@ -25,10 +25,25 @@
 //! | number of hulls | `u32` |
 //! | per hull: component `u32`; volume, added thickness, simplification growth `f64`; verified protrusion, optional `f64`; number of points, number of triangles `u32`; points; triangles | |
 //!
+//! A `.hullscene` file ([`HullScene`], feature `bake`) holds all meshes of a scene. It has the same header
+//! with other first bytes (`89 48 55 4C 53 43 0D 0A`) and this body:
+//!
+//! | what | type |
+//! |---|---|
+//! | name of the scene | text |
+//! | number of meshes | `u32` |
+//! | per mesh: number of names `u32`, names (texts); hash of the mesh, 32 bytes; parameters as text; length (`u32`) and bytes of a whole `.hulls` file | |
+//!
+//! It has a suffix of its own since engines choose the type of an asset by it.
+//!
 //! Reading promises: no panic on any bytes, no allocation that the file's size does not justify,
 //! and nothing out of range in what is returned: indices name points, numbers are finite.
 
+#[cfg(feature = "bake")]
+mod mesh_hash;
 mod read;
+#[cfg(feature = "bake")]
+mod scene;
 #[cfg(test)]
 mod tests;
 mod write;
@@ -38,10 +53,17 @@ use std::path::Path;
 use crate::decomposition::{Decomposition, Hull, Provenance};
 use crate::mass::MassProperties;
 
+#[cfg(feature = "bake")]
+pub use mesh_hash::MeshHash;
+#[cfg(feature = "bake")]
+pub use scene::{BakedMesh, HullScene, SceneLookup};
+
 /// Version of the format that is written, and the newest that is read.
 pub const FORMAT_VERSION: u32 = 1;
 
 const MAGIC: [u8; 8] = *b"\x89HULLS\r\n";
+
+const SCENE_MAGIC: [u8; 8] = *b"\x89HULSC\r\n";
 
 /// Magic number, two versions, length of the body.
 const HEADER: usize = 24;
@@ -92,6 +114,18 @@ pub enum HullsFileError {
     /// The bytes don't begin as a `.hulls` file does.
     #[error("it is no .hulls file")]
     NotHulls,
+    /// It holds a scene, where a single mesh is expected.
+    #[error("it is a .hullscene file, which holds the meshes of a scene instead of one")]
+    IsScene,
+    /// The bytes don't begin as a `.hullscene` file does.
+    #[error("it is no .hullscene file")]
+    NotScene,
+    /// It holds a single mesh, where a scene is expected.
+    #[error(
+        "it is a .hulls file, which holds one mesh and not what it was made from; bake the scene \
+         anew, or load it as a single mesh"
+    )]
+    IsSingle,
     /// A newer library wrote it.
     #[error("its format has version {found}, but this library reads up to {FORMAT_VERSION}")]
     NewerVersion {

@@ -1,6 +1,8 @@
 //! Reads the bytes of a `.hulls` file, and believes nothing.
 
-use super::{CHECKSUM, FORMAT_VERSION, HEADER, HullsFile, HullsFileError, MAGIC, VerifiedErrors};
+use super::{
+    CHECKSUM, FORMAT_VERSION, HEADER, HullsFile, HullsFileError, MAGIC, SCENE_MAGIC, VerifiedErrors,
+};
 use crate::decomposition::{Hull, HullErrors, Provenance};
 use crate::hull::ConvexHull;
 use crate::mass::{MassProperties, MassSource};
@@ -15,7 +17,18 @@ const TRIANGLE: usize = 3 * 4;
 type Result<T> = std::result::Result<T, HullsFileError>;
 
 pub(super) fn from_bytes(bytes: &[u8]) -> Result<HullsFile> {
-    if !bytes.starts_with(&MAGIC) {
+    if bytes.starts_with(&SCENE_MAGIC) {
+        return Err(HullsFileError::IsScene);
+    }
+    let (algorithm_version, mut reader) = open(bytes, MAGIC)?;
+    let file = reader.file(algorithm_version)?;
+    reader.end()?;
+    Ok(file)
+}
+
+/// Checks the header and the checksum. The algorithm's version, and a reader of the body.
+pub(super) fn open(bytes: &[u8], magic: [u8; 8]) -> Result<(u32, Reader<'_>)> {
+    if !bytes.starts_with(&magic) {
         return Err(HullsFileError::NotHulls);
     }
     let wrong_length =
@@ -23,7 +36,7 @@ pub(super) fn from_bytes(bytes: &[u8]) -> Result<HullsFile> {
     if bytes.len() < HEADER + CHECKSUM {
         return Err(wrong_length((HEADER + CHECKSUM) as u64));
     }
-    let mut header = Reader { rest: &bytes[MAGIC.len()..HEADER] };
+    let mut header = Reader { rest: &bytes[magic.len()..HEADER] };
     let version = header.u32()?;
     if version > FORMAT_VERSION {
         return Err(HullsFileError::NewerVersion { found: version });
@@ -43,20 +56,24 @@ pub(super) fn from_bytes(bytes: &[u8]) -> Result<HullsFile> {
     if crc32fast::hash(content) != checksum.u32()? {
         return Err(HullsFileError::Damaged);
     }
-    let mut reader = Reader { rest: &content[HEADER..] };
-    let file = reader.file(algorithm_version)?;
-    if reader.rest.is_empty() {
-        Ok(file)
-    } else {
-        Err(HullsFileError::Invalid("there is more after the last hull"))
-    }
+    Ok((algorithm_version, Reader { rest: &content[HEADER..] }))
 }
 
-struct Reader<'a> {
+/// The rest of what is read.
+pub(super) struct Reader<'a> {
     rest: &'a [u8],
 }
 
 impl<'a> Reader<'a> {
+    /// Nothing may be left.
+    pub(super) fn end(&self) -> Result<()> {
+        if self.rest.is_empty() {
+            Ok(())
+        } else {
+            Err(HullsFileError::Invalid("there is more after the last hull"))
+        }
+    }
+
     fn file(&mut self, algorithm_version: u32) -> Result<HullsFile> {
         let name = self.text()?;
         let method = self.text()?;
@@ -142,7 +159,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn text(&mut self) -> Result<String> {
+    pub(super) fn text(&mut self) -> Result<String> {
         let length = self.count(1)?;
         let text = std::str::from_utf8(self.take(length)?)
             .map_err(|_| HullsFileError::Invalid("a text is not UTF-8"))?;
@@ -168,7 +185,7 @@ impl<'a> Reader<'a> {
     }
 
     /// A count of things that take at least `size` bytes each, for which there must be room.
-    fn count(&mut self, size: usize) -> Result<usize> {
+    pub(super) fn count(&mut self, size: usize) -> Result<usize> {
         let count = self.u32()? as usize;
         if count <= self.rest.len() / size { Ok(count) } else { Err(TOO_SHORT) }
     }
@@ -185,13 +202,13 @@ impl<'a> Reader<'a> {
         self.array().map(u64::from_le_bytes)
     }
 
-    fn array<const N: usize>(&mut self) -> Result<[u8; N]> {
+    pub(super) fn array<const N: usize>(&mut self) -> Result<[u8; N]> {
         let (array, rest) = self.rest.split_first_chunk().ok_or(TOO_SHORT)?;
         self.rest = rest;
         Ok(*array)
     }
 
-    fn take(&mut self, length: usize) -> Result<&'a [u8]> {
+    pub(super) fn take(&mut self, length: usize) -> Result<&'a [u8]> {
         let (taken, rest) = self.rest.split_at_checked(length).ok_or(TOO_SHORT)?;
         self.rest = rest;
         Ok(taken)

@@ -5,12 +5,7 @@ use crate::decomposition::Hull;
 use crate::mass::{MassProperties, MassSource};
 
 pub(super) fn to_bytes(file: &HullsFile) -> Result<Vec<u8>, HullsFileError> {
-    let mut bytes = Vec::with_capacity(HEADER + CHECKSUM);
-    bytes.extend(MAGIC);
-    bytes.extend(FORMAT_VERSION.to_le_bytes());
-    bytes.extend(file.algorithm_version.to_le_bytes());
-    bytes.extend([0; 8]);
-
+    let mut bytes = begin(MAGIC, file.algorithm_version);
     text(&mut bytes, &file.name)?;
     text(&mut bytes, &file.method)?;
     bytes.extend(file.source_vertices.to_le_bytes());
@@ -31,11 +26,26 @@ pub(super) fn to_bytes(file: &HullsFile) -> Result<Vec<u8>, HullsFileError> {
         write_hull(&mut bytes, hull)?;
     }
 
+    Ok(seal(bytes))
+}
+
+/// A header whose length is not known yet.
+pub(super) fn begin(magic: [u8; 8], algorithm_version: u32) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(HEADER + CHECKSUM);
+    bytes.extend(magic);
+    bytes.extend(FORMAT_VERSION.to_le_bytes());
+    bytes.extend(algorithm_version.to_le_bytes());
+    bytes.extend([0; 8]);
+    bytes
+}
+
+/// The header's length, and the checksum.
+pub(super) fn seal(mut bytes: Vec<u8>) -> Vec<u8> {
     let length = (bytes.len() - HEADER) as u64;
     bytes[HEADER - 8..HEADER].copy_from_slice(&length.to_le_bytes());
     let checksum = crc32fast::hash(&bytes);
     bytes.extend(checksum.to_le_bytes());
-    Ok(bytes)
+    bytes
 }
 
 fn write_hull(bytes: &mut Vec<u8>, hull: &Hull) -> Result<(), HullsFileError> {
@@ -72,13 +82,13 @@ fn source_code(source: MassSource) -> u8 {
     }
 }
 
-fn text(bytes: &mut Vec<u8>, text: &str) -> Result<(), HullsFileError> {
+pub(super) fn text(bytes: &mut Vec<u8>, text: &str) -> Result<(), HullsFileError> {
     count(bytes, text.len())?;
     bytes.extend(text.as_bytes());
     Ok(())
 }
 
-fn count(bytes: &mut Vec<u8>, count: usize) -> Result<(), HullsFileError> {
+pub(super) fn count(bytes: &mut Vec<u8>, count: usize) -> Result<(), HullsFileError> {
     let count = u32::try_from(count)
         .map_err(|_| HullsFileError::Invalid("there is more of something than 32 bits count"))?;
     bytes.extend(count.to_le_bytes());

@@ -20,12 +20,13 @@ use gltf::json::accessor::Accessor;
 use gltf::json::mesh::{Mesh, Mode, Primitive, Semantic};
 use gltf::json::scene::Node;
 use gltf::json::validation::Checked;
-use gltf::json::{Index, Root};
+use gltf::json::{Extras, Index, Root};
 
 use super::accessor::Accessors;
 use super::buffers::Buffers;
 use super::draco::{self, Geometry, Reference};
 use super::meshopt;
+use super::scene::{SceneMesh, SceneNode, scene_meshes};
 use super::text::quote;
 use super::transform::Transform;
 use super::views::Views;
@@ -64,10 +65,27 @@ pub(super) fn read_own_space(bytes: &[u8], directory: Option<&Path>) -> Result<M
     read_with(bytes, directory, |scene| scene.read_own_space())
 }
 
+/// The same with the names and extras of meshes and nodes.
+pub(super) fn read_scene(bytes: &[u8], directory: Option<&Path>) -> Result<Vec<SceneMesh>, String> {
+    let mut of_objects = Vec::new();
+    let file = read_with(bytes, directory, |scene| {
+        for (index, said) in said_of_meshes(scene.root).into_iter().enumerate() {
+            let objects = scene.file.objects.len();
+            scene.add_own_space(index)?;
+            // A mesh without triangles is no object.
+            if scene.file.objects.len() > objects {
+                of_objects.push(said);
+            }
+        }
+        Ok(())
+    })?;
+    Ok(scene_meshes(&file, of_objects))
+}
+
 fn read_with(
     bytes: &[u8],
     directory: Option<&Path>,
-    read: fn(&mut Scene<'_>) -> Result<(), String>,
+    read: impl FnOnce(&mut Scene<'_>) -> Result<(), String>,
 ) -> Result<MeshFile, String> {
     let (json, chunk) = if bytes.starts_with(b"glTF") { split_glb(bytes)? } else { (bytes, None) };
     let root = Root::from_slice(json).map_err(|error| format!("JSON: {error}"))?;
@@ -168,12 +186,13 @@ impl Scene<'_> {
     }
 
     fn read_own_space(&mut self) -> Result<(), String> {
-        for (index, mesh) in self.root.meshes.iter().enumerate() {
-            let number = format!("mesh_{index}");
-            let name = mesh.name.as_deref().filter(|name| !name.is_empty()).unwrap_or(&number);
-            self.add_mesh(Index::new(index as u32), Some(name), &Transform::IDENTITY)?;
-        }
-        Ok(())
+        (0..self.root.meshes.len()).try_for_each(|index| self.add_own_space(index))
+    }
+
+    fn add_own_space(&mut self, index: usize) -> Result<(), String> {
+        let name = self.root.meshes.get(index).and_then(|mesh| mesh.name.clone());
+        let name = name.filter(|name| !name.is_empty()).unwrap_or(format!("mesh_{index}"));
+        self.add_mesh(Index::new(index as u32), Some(&name), &Transform::IDENTITY)
     }
 
     /// The roots of the default scene, or else of all scenes, or else of all nodes.
@@ -305,6 +324,20 @@ impl Scene<'_> {
         }
         Ok(())
     }
+}
+
+/// Each mesh's extras, and the nodes that show it.
+fn said_of_meshes(root: &Root) -> Vec<(Option<String>, Vec<SceneNode>)> {
+    let text = |extras: &Extras| Some(extras.as_ref()?.get().to_owned());
+    let mut said: Vec<_> =
+        root.meshes.iter().map(|mesh| (text(&mesh.extras), Vec::new())).collect();
+    for node in &root.nodes {
+        if let Some((_, nodes)) = node.mesh.and_then(|mesh| said.get_mut(mesh.value())) {
+            let name = node.name.clone().unwrap_or_default();
+            nodes.push(SceneNode { name, extras: text(&node.extras) });
+        }
+    }
+    said
 }
 
 fn transform(node: &Node) -> Transform {

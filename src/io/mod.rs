@@ -28,6 +28,7 @@ mod obj;
 mod off;
 mod ply;
 mod polygon;
+mod scene;
 mod stl;
 mod text;
 mod transform;
@@ -40,6 +41,7 @@ use std::ops::Range;
 use std::path::Path;
 
 pub use format::{Format, HullFormat};
+pub use scene::{SceneMesh, SceneNode, read_scene, read_scene_from_bytes};
 pub use write::{check_output, write_hulls};
 
 use crate::error::{Error, FileError};

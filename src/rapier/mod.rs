@@ -33,6 +33,7 @@ mod check;
 mod convert;
 mod dispatcher;
 mod prepare;
+mod primitives;
 mod shape;
 
 use rapier3d::geometry::ColliderBuilder;
@@ -40,6 +41,7 @@ use rapier3d::geometry::ColliderBuilder;
 pub use convert::{convex_polyhedron, triangle_mesh};
 pub use dispatcher::ContactDispatcher;
 pub use prepare::ColliderError;
+pub use primitives::shape_with_primitives;
 pub use shape::{collider, mass_properties, shape, shape_from_points};
 
 use crate::{Control, MeshView, Parameters};

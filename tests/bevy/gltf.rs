@@ -1,34 +1,30 @@
 //! Scenes as Bevy's own glTF loader spawns them.
 
-use bevy::camera::primitives::Aabb;
-use bevy::camera::visibility::{DynamicSkinnedMeshBounds, VisibilityClass};
-use bevy::gltf::{
-    GltfAssetLabel, GltfExtras, GltfMaterialName, GltfMeshExtras, GltfMeshName, GltfPlugin,
-    GltfSceneName,
-};
-use bevy::image::{CompressedImageFormatSupport, CompressedImageFormats, ImagePlugin};
-use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
+use bevy::gltf::GltfAssetLabel;
+use bevy::mesh::morph::MeshMorphWeights;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
-use bevy::transform::components::TransformTreeChanged;
-use bevy::world_serialization::WorldSerializationPlugin;
 use bevy_rapier3d::prelude::*;
 use hullwright::bevy::prelude::*;
 
 use crate::app::*;
+use scenes::HeadlessScenes;
+
+#[path = "../../examples/headless/scenes.rs"]
+mod scenes;
 
 /// An app that loads one of the bundled models as a scene, and all its meshes are tagged.
 fn app_with_scene(file: &'static str) -> (App, Entity) {
     app_with_scene_in(assets(), file, ConvexDecompositionHierarchy::new(tag()))
 }
 
-fn app_with_scene_in(
+pub fn app_with_scene_in(
     directory: String,
-    file: &'static str,
+    file: &str,
     hierarchy: ConvexDecompositionHierarchy,
 ) -> (App, Entity) {
     let mut app = app_with_gltf(directory, |_| {});
-    let scene = GltfAssetLabel::Scene(0).from_asset(file);
+    let scene = GltfAssetLabel::Scene(0).from_asset(file.to_owned());
     let scene = app.world().resource::<AssetServer>().load(scene);
     let body = app
         .world_mut()
@@ -45,35 +41,7 @@ fn app_with_scene_in(
 /// An app that loads glTF files as scenes.
 pub fn app_with_gltf(directory: String, add: impl FnOnce(&mut App)) -> App {
     app_with_plugins(directory, |app| {
-        app.insert_resource(CompressedImageFormatSupport(CompressedImageFormats::NONE))
-            .add_plugins((
-                ImagePlugin::default(),
-                bevy::mesh::MeshPlugin,
-                WorldSerializationPlugin,
-                GltfPlugin::default(),
-            ))
-            // `DefaultPlugins` and Bevy's feature `reflect_auto_register` do that elsewhere.
-            .register_type::<Name>()
-            .register_type::<Transform>()
-            .register_type::<GlobalTransform>()
-            .register_type::<TransformTreeChanged>()
-            .register_type::<ChildOf>()
-            .register_type::<Children>()
-            .register_type::<Mesh3d>()
-            .register_type::<MeshMorphWeights>()
-            .register_type::<MorphWeights>()
-            .register_type::<SkinnedMesh>()
-            .register_type::<Aabb>()
-            .register_type::<Visibility>()
-            .register_type::<InheritedVisibility>()
-            .register_type::<ViewVisibility>()
-            .register_type::<VisibilityClass>()
-            .register_type::<DynamicSkinnedMeshBounds>()
-            .register_type::<GltfExtras>()
-            .register_type::<GltfMaterialName>()
-            .register_type::<GltfMeshExtras>()
-            .register_type::<GltfMeshName>()
-            .register_type::<GltfSceneName>();
+        app.add_plugins(HeadlessScenes);
         add(app);
     })
 }

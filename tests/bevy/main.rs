@@ -4,9 +4,12 @@ mod app;
 #[cfg(feature = "bevy_gltf")]
 mod artists;
 mod baked;
+#[cfg(feature = "bevy_gltf")]
+mod baked_scenes;
 mod contacts;
 #[cfg(feature = "debug")]
 mod debug;
+mod docs;
 mod endings;
 mod failures;
 mod fallback;
@@ -18,11 +21,14 @@ mod load;
 mod log;
 mod meshes;
 mod order;
+mod progress;
 mod scale;
 mod scenes;
 mod sharing;
 #[cfg(all(feature = "bevy_gltf", feature = "serde"))]
 mod skein;
+mod skipping;
 mod static_geometry;
+mod streaming;
 mod tags;
 mod waiting;

@@ -27,8 +27,8 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use contact::{seams, small};
 use experiments::{
-    agreement, budgets, cancel, corpus, identical, openings, presets, props, stages, table1, targets,
-    turned, versus_paper, volume,
+    agreement, budgets, cancel, corpus, identical, openings, presets, props, stages, table1,
+    targets, turned, versus_paper, volume,
 };
 use hullwright::internals::terminal::Failure;
 use runs::worker;

@@ -9,6 +9,7 @@ use bevy::prelude::*;
 
 use super::priority::Priority;
 use crate::bevy::baked::BakedHulls;
+use crate::bevy::baked_scene::BakedScene;
 use crate::bevy::budget::Budget;
 use crate::bevy::cache::{ColliderGeometry, GeometryCache};
 use crate::bevy::content::ContentKey;
@@ -192,6 +193,7 @@ pub struct Sources<'w> {
     cache: Res<'w, GeometryCache>,
     meshes: Res<'w, Assets<Mesh>>,
     baked: Res<'w, Assets<BakedHulls>>,
+    scenes: Res<'w, Assets<BakedScene>>,
 }
 
 impl Sources<'_> {
@@ -211,7 +213,9 @@ impl Sources<'_> {
         let data = read_parts(&request.parts, &request.map_before, &self.meshes)?;
         // Only baked hulls have no goal, and they are found above.
         let goal = request.goal.clone().ok_or(DecompositionError::NotLoaded)?;
-        Ok(TaskInput::Mesh { data, goal })
+        let scene = request.scene.and_then(|scene| self.scenes.get(scene));
+        let baked = scene.map(BakedScene::geometry);
+        Ok(TaskInput::Mesh { data, goal, baked })
     }
 
     fn baked_input(&self, id: AssetId<BakedHulls>) -> Result<TaskInput, DecompositionError> {

@@ -143,7 +143,13 @@ fn report(
     ];
     let mut machine = machine::describe(limits);
     machine.insert("processor_seconds_of_a_time_out".into(), json!(seconds));
-    let report =
-        Report { title: "Sweep", words, machine: &machine, plots: &[], tables: &tables, pages: &[] };
+    let report = Report {
+        title: "Sweep",
+        words,
+        machine: &machine,
+        plots: &[],
+        tables: &tables,
+        pages: &[],
+    };
     report.write(output, "sweep")
 }

@@ -1,9 +1,18 @@
-//! Names by which artists ask for colliders: Godot 4's suffixes, our `-convdecomp` beside them, and Unreal's
-//! prefixes. Nothing here knows an engine.
+//! Names and glTF extras by which artists ask for colliders: Godot 4's suffixes, our `-convdecomp` beside them,
+//! Unreal's prefixes, and `{"collider": "convex_decomposition"}`. The Bevy plugin and `hullwright bake` follow
+//! the same rules.
+
+#[cfg(any(feature = "bevy_gltf", feature = "io"))]
+mod extras;
+
+#[cfg(any(feature = "bevy_gltf", feature = "io"))]
+pub use extras::{Complaint, ExtrasTag, Fallback, read_extras};
+
+use crate::parameters::{Method, Parameters};
 
 /// What a collider is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum ColliderKind {
+pub enum ColliderKind {
     /// Hulls within the bound, or the triangles of what never moves.
     Decomposition,
     /// Hulls within the bound, also of what never moves.
@@ -20,9 +29,32 @@ pub(super) enum ColliderKind {
     Capsule,
 }
 
+impl ColliderKind {
+    /// What hulls of this kind are made with; `None` where no hulls are made. `base` is for what the artist
+    /// says nothing of.
+    ///
+    /// ```
+    /// use hullwright::Parameters;
+    /// use hullwright::conventions::ColliderKind;
+    ///
+    /// let base = Parameters::default();
+    /// assert_eq!(ColliderKind::Hulls.parameters(&base), Some(base.clone()));
+    /// assert_eq!(ColliderKind::ConvexHull.parameters(&base), Some(base.clone().max_hulls(1)));
+    /// assert_eq!(ColliderKind::Triangles.parameters(&base), None);
+    /// ```
+    pub fn parameters(self, base: &Parameters) -> Option<Parameters> {
+        match self {
+            Self::Decomposition | Self::Hulls => Some(base.clone()),
+            // The paper's method knows no cap.
+            Self::ConvexHull => Some(base.clone().method(Method::Bounded).max_hulls(1)),
+            Self::Triangles | Self::Cuboid | Self::Ball | Self::Capsule => None,
+        }
+    }
+}
+
 /// What a name asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum NameTag<'a> {
+pub enum NameTag<'a> {
     /// A collider for this mesh, which is still drawn.
     Collider(ColliderKind),
     /// A collider instead of this mesh, which is not drawn.
@@ -30,9 +62,32 @@ pub(super) enum NameTag<'a> {
     /// A collider for this mesh, which is a body that moves by itself.
     Body(ColliderKind),
     /// The mesh is itself a piece of the collider of another, and not drawn. [`whole_of`] says which.
-    PieceOf { rest: &'a str, kind: ColliderKind },
+    PieceOf {
+        /// What follows the prefix.
+        rest: &'a str,
+        /// What the piece is.
+        kind: ColliderKind,
+    },
     /// No mesh of the game, with all below it: neither collided with nor drawn.
     LeftOut,
+}
+
+impl NameTag<'_> {
+    /// What the collider is made of; `None` for no collider.
+    ///
+    /// ```
+    /// use hullwright::conventions::{ColliderKind, NameTag};
+    ///
+    /// assert_eq!(NameTag::Body(ColliderKind::Hulls).kind(), Some(ColliderKind::Hulls));
+    /// assert_eq!(NameTag::LeftOut.kind(), None);
+    /// ```
+    pub fn kind(self) -> Option<ColliderKind> {
+        match self {
+            Self::Collider(kind) | Self::ColliderOnly(kind) | Self::Body(kind) => Some(kind),
+            Self::PieceOf { kind, .. } => Some(kind),
+            Self::LeftOut => None,
+        }
+    }
 }
 
 /// Suffixes of nodes, each after those that contain it. Of Godot's others, `-occ` and `-vcol` leave a mesh as
@@ -66,12 +121,26 @@ const PREFIXES: [(&str, ColliderKind); 4] = [
 ];
 
 /// What the name of a node asks for.
-pub(super) fn node_tag(name: &str) -> Option<NameTag<'_>> {
+///
+/// ```
+/// use hullwright::conventions::{ColliderKind, NameTag, node_tag};
+///
+/// assert_eq!(node_tag("chair-convdecomp"), Some(NameTag::Collider(ColliderKind::Decomposition)));
+/// assert_eq!(node_tag("chair"), None);
+/// ```
+pub fn node_tag(name: &str) -> Option<NameTag<'_>> {
     piece_tag(name).or_else(|| suffix_tag(name, &NODE_SUFFIXES))
 }
 
 /// What the name of a mesh asks for, where that of its node asks for nothing.
-pub(super) fn mesh_tag(name: &str) -> Option<NameTag<'_>> {
+///
+/// ```
+/// use hullwright::conventions::{ColliderKind, NameTag, mesh_tag};
+///
+/// assert_eq!(mesh_tag("chair-col"), Some(NameTag::Collider(ColliderKind::Triangles)));
+/// assert_eq!(mesh_tag("chair-noimp"), None);
+/// ```
+pub fn mesh_tag(name: &str) -> Option<NameTag<'_>> {
     piece_tag(name).or_else(|| suffix_tag(name, &MESH_SUFFIXES))
 }
 
@@ -99,7 +168,14 @@ fn suffix_tag(name: &str, suffixes: &[(&str, NameTag<'static>)]) -> Option<NameT
 
 /// The mesh that a piece belongs to: that of the whole rest of its name, else of the rest up to its last
 /// underscore, whatever comes after it. `exists` tells whether there is a mesh of a name.
-pub(super) fn whole_of<'a>(rest: &'a str, exists: impl Fn(&str) -> bool) -> &'a str {
+///
+/// ```
+/// use hullwright::conventions::whole_of;
+///
+/// assert_eq!(whole_of("chair_01", |name| name == "chair"), "chair");
+/// assert_eq!(whole_of("chair_01", |name| name == "chair_01"), "chair_01");
+/// ```
+pub fn whole_of<'a>(rest: &'a str, exists: impl Fn(&str) -> bool) -> &'a str {
     match rest.rsplit_once('_') {
         Some((head, _)) if !exists(rest) => head,
         _ => rest,
@@ -107,7 +183,11 @@ pub(super) fn whole_of<'a>(rest: &'a str, exists: impl Fn(&str) -> bool) -> &'a 
 }
 
 /// Blender gives a copy the name of the original with `.001`.
-pub(super) fn without_copy_number(name: &str) -> &str {
+///
+/// ```
+/// assert_eq!(hullwright::conventions::without_copy_number("chair.001"), "chair");
+/// ```
+pub fn without_copy_number(name: &str) -> &str {
     match name.rsplit_once('.') {
         Some((rest, number)) if is_number(number) => rest,
         _ => name,

@@ -5,9 +5,8 @@ use std::str::FromStr;
 
 use serde_json::{Map, Value};
 
-use super::naming_conventions::ColliderKind;
-use super::settings::FallbackCollider;
-use crate::{Length, Openings, Preset};
+use super::ColliderKind;
+use crate::parameters::{Length, Openings, Parameters, Preset};
 
 /// The key without which extras are somebody else's.
 const COLLIDER: &str = "collider";
@@ -37,29 +36,58 @@ const KINDS: [(&str, Option<ColliderKind>); 8] = [
     ("none", None),
 ];
 
-/// What extras ask for.
+/// A collider until the entity's own is ready.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fallback {
+    /// None.
+    None,
+    /// The convex hull of the mesh.
+    ConvexHull,
+    /// The box along the mesh's axes.
+    BoundingBox,
+}
+
+/// What extras ask for. Where a setting is `None`, the scene's own counts.
+#[non_exhaustive]
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(super) struct ExtrasTag {
+pub struct ExtrasTag {
     /// What the collider is made of; `None` for no collider.
     pub kind: Option<ColliderKind>,
+    /// The bound.
     pub max_error: Option<Length>,
+    /// How much work is put into few hulls.
     pub preset: Option<Preset>,
+    /// Most hulls, at least 1.
     pub max_hulls: Option<u32>,
+    /// Most vertices of a hull, at least 8.
     pub max_vertices: Option<u32>,
+    /// Whether cavities that nothing from outside can enter stay empty.
     pub keep_cavities: Option<bool>,
+    /// What becomes of flat openings.
     pub openings: Option<Openings>,
+    /// Mass per cubed unit; positive.
     pub density: Option<f32>,
+    /// Mass, instead of a density; positive.
     pub mass: Option<f32>,
     /// The collider until the entity's own is ready.
-    pub fallback: Option<FallbackCollider>,
+    pub fallback: Option<Fallback>,
 }
 
 /// What is wrong with extras, in one line that names the keys that there are.
-pub(super) type Complaint = String;
+pub type Complaint = String;
 
 /// Reads extras. `None` if they say nothing about colliders, or are no JSON. Settings that are wrong are left
 /// out, and each has a complaint.
-pub(super) fn read_extras(text: &str) -> (Option<ExtrasTag>, Vec<Complaint>) {
+///
+/// ```
+/// use hullwright::Length;
+/// use hullwright::conventions::read_extras;
+///
+/// let (tag, complaints) = read_extras(r#"{"collider": "hulls", "max_error": 0.01, "size": 3}"#);
+/// assert_eq!(tag.map(|tag| tag.max_error), Some(Some(Length::share(0.01))));
+/// assert!(complaints[0].starts_with("\"size\" is no setting of a collider"));
+/// ```
+pub fn read_extras(text: &str) -> (Option<ExtrasTag>, Vec<Complaint>) {
     let mut complaints = Vec::new();
     let Ok(Value::Object(extras)) = serde_json::from_str(text) else { return (None, complaints) };
     let Some(collider) = extras.get(COLLIDER) else {
@@ -100,6 +128,29 @@ fn all_keys() -> String {
 }
 
 impl ExtrasTag {
+    /// What its hulls are made with; `None` where no hulls are made. `base` is for what it says nothing of.
+    ///
+    /// ```
+    /// use hullwright::conventions::read_extras;
+    /// use hullwright::{Length, Parameters};
+    ///
+    /// let (tag, _) = read_extras(r#"{"collider": "hulls", "max_error": "0.02m"}"#);
+    /// let base = Parameters::default();
+    /// let expected = Parameters::default().max_error(Length::units(0.02));
+    /// assert_eq!(tag.and_then(|tag| tag.parameters(&base)), Some(expected));
+    /// ```
+    pub fn parameters(&self, base: &Parameters) -> Option<Parameters> {
+        let mut tuned = base.clone();
+        let bounded = &mut tuned.bounded;
+        bounded.max_error = self.max_error.unwrap_or(bounded.max_error);
+        bounded.preset = self.preset.unwrap_or(bounded.preset);
+        bounded.openings = self.openings.unwrap_or(bounded.openings);
+        bounded.keep_cavities = self.keep_cavities.unwrap_or(bounded.keep_cavities);
+        bounded.max_hulls = self.max_hulls.map(|cap| cap as usize).or(bounded.max_hulls);
+        tuned.max_vertices = self.max_vertices.map(|cap| cap as usize).or(tuned.max_vertices);
+        self.kind?.parameters(&tuned)
+    }
+
     /// `None` if the value means nothing.
     fn set(&mut self, key: &str, value: &Value) -> Option<()> {
         match key {
@@ -146,18 +197,24 @@ fn length(value: &Value) -> Option<Length> {
         _ => Length::Share(positive(value)?),
     };
     let (Length::Share(number) | Length::Units(number)) = length;
-    (number.is_finite() && number > 0.0).then_some(length)
+    // Engines hold settings in single precision; what is baked shall have the very same.
+    let number: f64 = (number as f32).to_string().parse().ok()?;
+    let is_sound = number.is_finite() && number > 0.0;
+    is_sound.then_some(match length {
+        Length::Share(_) => Length::Share(number),
+        Length::Units(_) => Length::Units(number),
+    })
 }
 
 fn parsed<T: FromStr>(value: &Value) -> Option<T> {
     value.as_str()?.parse().ok()
 }
 
-fn fallback(value: &Value) -> Option<FallbackCollider> {
+fn fallback(value: &Value) -> Option<Fallback> {
     match value.as_str()? {
-        "none" => Some(FallbackCollider::None),
-        "convex_hull" => Some(FallbackCollider::ConvexHull),
-        "bounding_box" => Some(FallbackCollider::BoundingBox),
+        "none" => Some(Fallback::None),
+        "convex_hull" => Some(Fallback::ConvexHull),
+        "bounding_box" => Some(Fallback::BoundingBox),
         _ => None,
     }
 }
@@ -189,7 +246,7 @@ mod tests {
             openings: Some(Openings::Keep),
             density: Some(500.0),
             mass: Some(2.5),
-            fallback: Some(FallbackCollider::BoundingBox),
+            fallback: Some(Fallback::BoundingBox),
         };
         assert_eq!(tag, expected);
     }

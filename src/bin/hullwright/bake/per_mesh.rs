@@ -1,40 +1,15 @@
-//! `hullwright bake`: meshes into `.hulls` files, which a game loads instead of decomposing.
+//! `hullwright bake --per-mesh`: each mesh into a `.hulls` file of its own.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use hullwright::io::{Format, NamedMesh, read_own_meshes};
+use hullwright::io::{NamedMesh, read_own_meshes};
 use hullwright::{Control, Parameters};
 
-use crate::arguments::{ParameterArguments, ThreadArguments};
+use super::{Arguments, Source, output_of, report};
 use crate::hulls::{DEFAULT_DENSITY, hulls_file, wrote};
-use crate::output::{Failure, print, print_error};
+use crate::output::Failure;
 use crate::progress::LateBar;
-
-/// Bake meshes into .hulls files: hulls, error bound and mass properties, ready to load
-///
-/// Each mesh of a glTF or GLB file gets a file of its own, named after the mesh and in the space
-/// that it was modelled in (no node's transform is applied), all its primitives together. A file of
-/// another format is one mesh, named after the file.
-#[derive(clap::Args)]
-pub struct Arguments {
-    #[arg(help = format!("The meshes: {}", Format::suffix_list()), required = true, value_name = "MESH")]
-    meshes: Vec<PathBuf>,
-
-    /// The directory that gets the .hulls files; it is made if it does not exist
-    #[arg(short, long, value_name = "DIR")]
-    output: PathBuf,
-
-    /// Mass per cubed unit
-    #[arg(long, value_name = "DENSITY", default_value_t = DEFAULT_DENSITY, allow_negative_numbers = true)]
-    density: f64,
-
-    #[command(flatten)]
-    threads: ThreadArguments,
-
-    #[command(flatten)]
-    parameters: ParameterArguments,
-}
 
 /// A file name longer than this is refused by some file systems, suffix and number included.
 const LONGEST_NAME: usize = 200;
@@ -45,24 +20,24 @@ struct Job<'a> {
     output: PathBuf,
 }
 
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let parameters = arguments.parameters.checked()?;
-    if !(arguments.density.is_finite() && arguments.density > 0.0) {
-        let reason = format!("the density must be positive, not {}", arguments.density);
-        return Err(Failure::Usage(reason));
+pub fn run(
+    arguments: &Arguments,
+    sources: &[Source],
+    parameters: &Parameters,
+) -> Result<(), Failure> {
+    let density = arguments.density.unwrap_or(DEFAULT_DENSITY);
+    if !(density.is_finite() && density > 0.0) {
+        return Err(Failure::Usage(format!("the density must be positive, not {density}")));
     }
     let pool = arguments.threads.pool()?;
-    let jobs = jobs(arguments)?;
-    std::fs::create_dir_all(&arguments.output)
-        .map_err(|error| format!("{}: {error}", arguments.output.display()))?;
-
+    let jobs = jobs(arguments, sources)?;
     let bar = LateBar::start();
     let mut lines = Vec::new();
     let mut failures = Vec::new();
     for (index, job) in jobs.iter().enumerate() {
         let control = bar.control_of_part(index, jobs.len());
         let control = control.with_parallel(arguments.threads.is_parallel());
-        match pool.install(|| bake(job, arguments.density, &parameters, &control)) {
+        match pool.install(|| bake(job, density, parameters, &control)) {
             Ok(line) => lines.push(line),
             Err(reason) => {
                 let Job { source, mesh, .. } = job;
@@ -71,28 +46,22 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     }
     bar.finish();
-    if !lines.is_empty() {
-        print(&lines.join("\n"))?;
-    }
-    // All but the last here, the last as the program's own error.
-    let last = failures.pop();
-    failures.iter().for_each(|reason| print_error(reason));
-    last.map_or(Ok(()), |reason| Err(Failure::Work(reason)))
+    report(&lines, failures)
 }
 
 /// Reads all files, so that a misspelt name ends the work before it begins.
-fn jobs(arguments: &Arguments) -> Result<Vec<Job<'_>>, Failure> {
+fn jobs<'a>(arguments: &Arguments, sources: &'a [Source]) -> Result<Vec<Job<'a>>, Failure> {
     let mut names = HashSet::new();
     let mut jobs = Vec::new();
-    for source in &arguments.meshes {
-        let meshes = read_own_meshes(source)?;
+    for source in sources {
+        let meshes = read_own_meshes(&source.path)?;
         if meshes.is_empty() {
-            return Err(format!("{}: it holds no triangles", source.display()).into());
+            return Err(format!("{}: it holds no triangles", source.path.display()).into());
         }
         for mesh in meshes {
             let name = unique(&file_name(&mesh.name), &mut names);
-            let output = arguments.output.join(format!("{name}.hulls"));
-            jobs.push(Job { source, mesh, output });
+            let output = output_of(arguments, source, &format!("{name}.hulls"));
+            jobs.push(Job { source: &source.path, mesh, output });
         }
     }
     Ok(jobs)
@@ -109,6 +78,7 @@ fn bake(
         hullwright::decompose(mesh, parameters, control).map_err(|error| error.to_string())?;
     let file = hulls_file(name.as_str(), mesh.view(), &decomposition, parameters, density)
         .map_err(|error| error.to_string())?;
+    super::make_directory(&job.output)?;
     file.write(&job.output).map_err(|error| error.to_string())?;
     Ok(wrote(&job.output, &file.hulls))
 }

@@ -1,0 +1,191 @@
+//! Bakes the meshes of a scene into one file, so that a game decomposes nothing when it starts
+//! (features `bake` and `io`).
+//!
+//! ```
+//! use hullwright::bake::{BakeOptions, bake_jobs};
+//! use hullwright::hulls_format::HullScene;
+//! use hullwright::Control;
+//!
+//! let meshes = hullwright::io::read_scene("assets/props.glb")?;
+//! let jobs = bake_jobs(meshes, &BakeOptions::default());
+//! # let jobs = &jobs[..1];
+//! let meshes = jobs.iter().map(|job| job.run(&Control::new())).collect::<Result<_, _>>()?;
+//! let scene = HullScene::new("props", meshes);
+//! # let directory = tempfile::tempdir()?;
+//! # let path = directory.path().join("props.hullscene");
+//! scene.write(path)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+use std::collections::{HashMap, HashSet};
+
+use crate::control::Control;
+use crate::conventions::{NameTag, mesh_tag, node_tag, read_extras, whole_of, without_copy_number};
+use crate::decompose::decompose;
+use crate::error::Error;
+use crate::geometry::TriangleMesh;
+use crate::hulls_format::{BakedMesh, HullsFile, MeshHash};
+use crate::io::{SceneMesh, SceneNode};
+use crate::mass::mass_properties_with;
+use crate::parameters::Parameters;
+
+/// What is baked of a scene.
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq)]
+pub struct BakeOptions {
+    /// For meshes of which the artist says nothing else.
+    pub parameters: Parameters,
+    /// Whether only those are baked that an artist's name or extra asks for. Default false.
+    pub tagged_only: bool,
+    /// Whether names and extras are followed, see [`conventions`](crate::conventions). Default true.
+    pub follows_artists: bool,
+}
+
+impl Default for BakeOptions {
+    fn default() -> Self {
+        Self { parameters: Parameters::default(), tagged_only: false, follows_artists: true }
+    }
+}
+
+impl BakeOptions {
+    /// All meshes, with these parameters where the artist says nothing else.
+    pub fn new(parameters: Parameters) -> Self {
+        Self { parameters, ..Self::default() }
+    }
+
+    /// The same for tagged meshes only, or for all.
+    #[must_use]
+    pub fn tagged_only(mut self, tagged_only: bool) -> Self {
+        self.tagged_only = tagged_only;
+        self
+    }
+}
+
+/// A mesh to bake, with one set of parameters.
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq)]
+pub struct BakeJob {
+    /// The mesh's name, and those of the nodes that show it.
+    pub names: Vec<String>,
+    /// The mesh, in single precision, as engines have it.
+    pub mesh: TriangleMesh,
+    /// What it is decomposed with.
+    pub parameters: Parameters,
+}
+
+/// What there is to bake of a scene's meshes, each content with its parameters once, in their order.
+///
+/// A mesh is baked with the parameters of each node that shows it; one that no node shows with
+/// those of its own name and extras, since a game may spawn it.
+///
+/// ```
+/// use hullwright::bake::{BakeOptions, bake_jobs};
+///
+/// let meshes = hullwright::io::read_scene("assets/props.glb")?;
+/// let all = bake_jobs(meshes.clone(), &BakeOptions::default());
+/// let tagged = bake_jobs(meshes, &BakeOptions::default().tagged_only(true));
+/// assert!(tagged.len() < all.len());
+/// # Ok::<(), hullwright::Error>(())
+/// ```
+pub fn bake_jobs(meshes: Vec<SceneMesh>, options: &BakeOptions) -> Vec<BakeJob> {
+    let with_pieces = meshes_with_pieces(&meshes);
+    let mut jobs: Vec<BakeJob> = Vec::new();
+    let mut by_content: HashMap<MeshHash, Vec<usize>> = HashMap::new();
+    for mut mesh in meshes {
+        in_single_precision(&mut mesh.mesh);
+        let hash = MeshHash::of(&mesh.mesh);
+        let alone = [SceneNode::default()];
+        let nodes = if mesh.nodes.is_empty() { &alone[..] } else { &mesh.nodes };
+        for node in nodes {
+            let Some(parameters) = options.parameters_of(&mesh, node, &with_pieces) else {
+                continue;
+            };
+            let known = by_content.entry(hash).or_default();
+            let same = known.iter().copied().find(|job| jobs[*job].parameters == parameters);
+            let job = same.unwrap_or_else(|| {
+                known.push(jobs.len());
+                let content = mesh.mesh.clone();
+                jobs.push(BakeJob { names: Vec::new(), mesh: content, parameters });
+                jobs.len() - 1
+            });
+            for name in [&mesh.name, &node.name] {
+                let names = &mut jobs[job].names;
+                if !name.is_empty() && !names.contains(name) {
+                    names.push(name.clone());
+                }
+            }
+        }
+    }
+    jobs
+}
+
+impl BakeJob {
+    /// Decomposes the mesh. Its mass properties are at a density of 1.
+    ///
+    /// # Errors
+    /// As [`decompose`](crate::decompose()).
+    pub fn run(&self, control: &Control) -> Result<BakedMesh, Error> {
+        let made = decompose(&self.mesh, &self.parameters, control)?;
+        let mass = mass_properties_with(&self.mesh, &made.hulls, 1.0, &self.parameters)?;
+        let name = self.names.first().cloned().unwrap_or_default();
+        let hulls = HullsFile::new(name, &made).with_mass_properties(mass);
+        Ok(BakedMesh::new(&self.mesh, &self.parameters, hulls).with_names(self.names.clone()))
+    }
+}
+
+impl BakeOptions {
+    /// `None` for what gets no hulls of its own. The rules are those of the plugin's hierarchy.
+    fn parameters_of(
+        &self,
+        mesh: &SceneMesh,
+        node: &SceneNode,
+        with_pieces: &HashSet<String>,
+    ) -> Option<Parameters> {
+        if self.follows_artists {
+            let left_out = node_tag(&node.name) == Some(NameTag::LeftOut);
+            let extras = [&node.extras, &mesh.extras].into_iter().flatten();
+            // Complaints are the plugin's to make, for each node.
+            if let Some(tag) = extras.filter_map(|text| read_extras(text).0).next()
+                && !left_out
+            {
+                return tag.parameters(&self.parameters);
+            }
+            if let Some(tag) = node_tag(&node.name).or_else(|| mesh_tag(&mesh.name)) {
+                return tag.kind()?.parameters(&self.parameters);
+            }
+            let names = [node.name.as_str(), mesh.name.as_str()];
+            let has_pieces = |name: &&str| {
+                with_pieces.contains(*name) || with_pieces.contains(without_copy_number(name))
+            };
+            if names.iter().any(has_pieces) {
+                return None;
+            }
+        }
+        (!self.tagged_only).then(|| self.parameters.clone())
+    }
+}
+
+/// Meshes whose pieces the artist made.
+fn meshes_with_pieces(meshes: &[SceneMesh]) -> HashSet<String> {
+    let names = || {
+        meshes.iter().flat_map(|mesh| {
+            let of_nodes = mesh.nodes.iter().map(|node| node.name.as_str());
+            of_nodes.chain(std::iter::once(mesh.name.as_str()))
+        })
+    };
+    let all: HashSet<&str> = names().map(without_copy_number).collect();
+    let wholes = names().filter_map(|name| match node_tag(name)? {
+        NameTag::PieceOf { rest, .. } => Some(whole_of(rest, |name| all.contains(name)).to_owned()),
+        _ => None,
+    });
+    wholes.collect()
+}
+
+/// Engines hold single precision and don't know which sides are drawn; their meshes shall have the same
+/// hulls.
+fn in_single_precision(mesh: &mut TriangleMesh) {
+    for x in mesh.positions.as_flattened_mut() {
+        *x = f64::from(*x as f32);
+    }
+    mesh.sidedness.clear();
+}

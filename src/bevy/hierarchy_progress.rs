@@ -1,0 +1,314 @@
+//! How far a scene is, and the event that it ends in.
+
+use std::time::Duration;
+
+#[cfg(feature = "bevy_gltf")]
+use bevy::asset::LoadState;
+use bevy::ecs::system::SystemParam;
+use bevy::platform::time::Instant;
+use bevy::prelude::*;
+
+use super::baked_scene::{Absence, BakedScene};
+use super::hierarchy::ConvexDecompositionHierarchy;
+use super::parameters::Goal;
+use super::queue::WorkQueue;
+use super::request::AttachedCollider;
+use super::status::DecompositionStatus;
+use super::tag::ConvexDecomposition;
+
+/// How far the meshes below a [`ConvexDecompositionHierarchy`] are.
+#[derive(Component, Reflect, Debug, Clone, Copy, PartialEq, Default)]
+#[reflect(Component, Default, Clone, PartialEq)]
+#[type_path = "hullwright"]
+pub enum HierarchyStatus {
+    /// There is no mesh below it yet.
+    #[default]
+    Waiting,
+    /// Some of its meshes are not finished.
+    Running,
+    /// All of them are.
+    Finished(HierarchyReport),
+}
+
+impl HierarchyStatus {
+    /// Whether nothing more will come, unless something changes.
+    ///
+    /// ```
+    /// use hullwright::bevy::prelude::*;
+    ///
+    /// assert!(!HierarchyStatus::Waiting.is_finished());
+    /// assert!(HierarchyStatus::Finished(HierarchyReport::default()).is_finished());
+    /// ```
+    pub fn is_finished(&self) -> bool {
+        matches!(self, Self::Finished(_))
+    }
+}
+
+/// What became of the meshes of a scene. Those with a tag of their own are not counted.
+#[non_exhaustive]
+#[derive(Reflect, Debug, Clone, Copy, PartialEq, Default)]
+#[reflect(Default, Clone, PartialEq)]
+#[type_path = "hullwright"]
+pub struct HierarchyReport {
+    /// With a collider of hulls.
+    pub ready: usize,
+    /// Tagged, but without a decomposition: [`DecompositionStatus::Skipped`] says why.
+    pub skipped: usize,
+    /// Without a collider: [`DecompositionStatus::Failed`] says why.
+    pub failed: usize,
+    /// Despawned or untagged before they were ready.
+    pub cancelled: usize,
+    /// Not tagged at all: by a name, an extra, or for want of a default.
+    pub left_out: usize,
+    /// Of those that are ready: from the baked scene.
+    pub from_baked: usize,
+    /// Of those that are ready: made anew, since the baked scene has another state of them. The log says
+    /// which and why.
+    pub stale: usize,
+    /// Of those that are ready: made anew, since the baked scene does not know them. The log says which.
+    pub missing: usize,
+    /// From the first mesh to the last collider, by the clock on the wall.
+    pub time: Duration,
+}
+
+/// All meshes below a [`ConvexDecompositionHierarchy`] are finished. Once for each scene; again only after
+/// meshes were added or the hierarchy was changed.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use hullwright::bevy::prelude::*;
+///
+/// # let mut app = App::new();
+/// app.add_observer(|finished: On<HierarchyFinished>| {
+///     println!("{} ready, {} failed", finished.report.ready, finished.report.failed);
+/// });
+/// ```
+#[derive(EntityEvent, Debug, Clone)]
+pub struct HierarchyFinished {
+    /// The entity with the hierarchy.
+    pub entity: Entity,
+    /// What became of its meshes.
+    pub report: HierarchyReport,
+}
+
+/// What of a scene is not finished.
+#[derive(Component, Debug, Default)]
+pub(super) struct HierarchyWork {
+    /// Tagged by the hierarchy.
+    nodes: Vec<Entity>,
+    unfinished: Vec<Entity>,
+    left_out: usize,
+    is_open: bool,
+    start: Option<Instant>,
+    scene: SceneState,
+}
+
+/// What is known of the scene that Bevy spawns below a hierarchy.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+enum SceneState {
+    /// It was never spawned: its meshes come from somewhere else, or later.
+    #[default]
+    Unknown,
+    Spawned,
+}
+
+impl HierarchyWork {
+    /// The hierarchy has tagged its meshes, for the first time or again.
+    pub(super) fn begin(&mut self, nodes: Vec<Entity>, left_out: usize, has_meshes: bool) {
+        self.unfinished.clone_from(&nodes);
+        (self.nodes, self.left_out, self.is_open) = (nodes, left_out, true);
+        if self.start.is_none() && has_meshes {
+            self.start = Some(Instant::now());
+        }
+    }
+
+    /// Whether its meshes are still to come.
+    pub(super) fn is_to_come(&self) -> bool {
+        self.is_open && self.start.is_none()
+    }
+}
+
+/// Whether the scene of an entity is spawned.
+#[derive(SystemParam)]
+pub(super) struct Scenes<'w, 's> {
+    #[cfg(feature = "bevy_gltf")]
+    roots: Query<'w, 's, &'static WorldAssetRoot>,
+    #[cfg(feature = "bevy_gltf")]
+    server: Option<Res<'w, AssetServer>>,
+    names: Query<'w, 's, &'static Name>,
+    #[cfg(feature = "bevy_gltf")]
+    children: Query<'w, 's, &'static Children>,
+    #[cfg(feature = "bevy_gltf")]
+    mesh_names: Query<'w, 's, &'static bevy::gltf::GltfMeshName>,
+}
+
+impl Scenes<'_, '_> {
+    /// Whether Bevy has still to spawn meshes below an entity.
+    #[cfg(feature = "bevy_gltf")]
+    fn is_to_be_spawned(&self, entity: Entity, state: SceneState) -> bool {
+        self.roots.contains(entity) && state == SceneState::Unknown && !self.is_lost(entity)
+    }
+
+    #[cfg(not(feature = "bevy_gltf"))]
+    fn is_to_be_spawned(&self, _entity: Entity, _state: SceneState) -> bool {
+        false
+    }
+
+    /// Whether the scene of an entity could not be loaded. Bevy spawns one whose textures are missing.
+    #[cfg(feature = "bevy_gltf")]
+    fn is_lost(&self, entity: Entity) -> bool {
+        let (Ok(root), Some(server)) = (self.roots.get(entity), &self.server) else { return false };
+        matches!(server.get_load_state(&root.0), Some(LoadState::Failed(_)))
+    }
+
+    #[cfg(not(feature = "bevy_gltf"))]
+    fn is_lost(&self, _entity: Entity) -> bool {
+        false
+    }
+
+    /// The names of a node, and of its mesh.
+    fn names(&self, node: Entity) -> Vec<&str> {
+        let own = self.names.get(node).ok().map(Name::as_str);
+        #[cfg(feature = "bevy_gltf")]
+        let of_meshes = {
+            let children = self.children.get(node).into_iter().flatten().copied();
+            let meshes = std::iter::once(node).chain(children);
+            meshes.filter_map(|mesh| Some(self.mesh_names.get(mesh).ok()?.0.as_str()))
+        };
+        #[cfg(not(feature = "bevy_gltf"))]
+        let of_meshes = std::iter::empty();
+        own.into_iter().chain(of_meshes).collect()
+    }
+}
+
+/// Ends the hierarchies all of whose meshes are finished.
+pub(super) fn finish_hierarchies(
+    mut commands: Commands,
+    mut hierarchies: Query<(
+        Entity,
+        &ConvexDecompositionHierarchy,
+        &mut HierarchyWork,
+        &mut HierarchyStatus,
+    )>,
+    statuses: Query<&DecompositionStatus>,
+    scenes: Scenes,
+    baked: BakedResults,
+) {
+    for (entity, hierarchy, mut work, mut status) in &mut hierarchies {
+        if !work.is_open {
+            continue;
+        }
+        let is_running =
+            |node: &Entity| statuses.get(*node).is_ok_and(|status| !status.is_finished());
+        work.unfinished.retain(is_running);
+        let has_begun = work.start.is_some() || work.scene == SceneState::Spawned;
+        let is_lost = scenes.is_lost(entity);
+        if scenes.is_to_be_spawned(entity, work.scene) || !(has_begun || is_lost) {
+            status.set_if_neq(HierarchyStatus::Waiting);
+            continue;
+        }
+        if !work.unfinished.is_empty() {
+            status.set_if_neq(HierarchyStatus::Running);
+            continue;
+        }
+        let mut report = HierarchyReport {
+            left_out: work.left_out,
+            time: work.start.map_or(Duration::ZERO, |start| start.elapsed()),
+            ..default()
+        };
+        for &node in &work.nodes {
+            match statuses.get(node) {
+                Ok(DecompositionStatus::Ready(_)) => report.ready += 1,
+                Ok(DecompositionStatus::Skipped(_)) => report.skipped += 1,
+                Ok(DecompositionStatus::Failed(_)) => report.failed += 1,
+                _ => report.cancelled += 1,
+            }
+        }
+        if let Some(handle) = &hierarchy.baked {
+            baked.compare(entity, handle, &work.nodes, &scenes, &mut report);
+        }
+        (work.is_open, work.start) = (false, None);
+        *status = HierarchyStatus::Finished(report);
+        commands.trigger(HierarchyFinished { entity, report });
+    }
+}
+
+/// What results are made from.
+#[derive(SystemParam)]
+pub(super) struct BakedResults<'w, 's> {
+    scenes: Res<'w, Assets<BakedScene>>,
+    queue: Res<'w, WorkQueue>,
+    attached: Query<'w, 's, (&'static AttachedCollider, &'static ConvexDecomposition)>,
+}
+
+/// Meshes that the log names one by one; of more it says how many.
+const MOST_LOGGED: usize = 20;
+
+impl BakedResults<'_, '_> {
+    /// Counts what came from a baked scene, and says what did not and why.
+    fn compare(
+        &self,
+        entity: Entity,
+        handle: &Handle<BakedScene>,
+        nodes: &[Entity],
+        scenes: &Scenes,
+        report: &mut HierarchyReport,
+    ) {
+        let path = handle.path().map_or_else(|| "the baked scene".into(), ToString::to_string);
+        let Some(baked) = self.scenes.get(handle) else {
+            report.missing = report.ready;
+            log::warn!("{path} of {entity} could not be loaded: its meshes were decomposed");
+            return;
+        };
+        let mut lines = Vec::new();
+        for &node in nodes {
+            let Ok((attached, tag)) = self.attached.get(node) else { continue };
+            let Some(Ok(key)) = self.queue.known.get(&attached.input) else { continue };
+            let goal = Goal::of(tag);
+            let Some(parameters) = goal.parameters().filter(|_| attached.why_triangles.is_none())
+            else {
+                continue;
+            };
+            if baked.geometry().get(*key).is_some() {
+                report.from_baked += 1;
+                continue;
+            }
+            let names = scenes.names(node);
+            let name = names.first().copied().unwrap_or("a mesh without a name");
+            match baked.reason_of_absence(*key, parameters, &names) {
+                None => report.from_baked += 1,
+                Some(Absence::Stale(why)) => {
+                    report.stale += 1;
+                    lines.push(format!("`{name}` ({node}): {why}"));
+                }
+                Some(Absence::Missing) => {
+                    report.missing += 1;
+                    lines.push(format!("`{name}` ({node}): it is not in the file"));
+                }
+            }
+        }
+        if lines.is_empty() {
+            return;
+        }
+        let more = lines.len().saturating_sub(MOST_LOGGED);
+        lines.truncate(MOST_LOGGED);
+        if more > 0 {
+            lines.push(format!("and {more} more"));
+        }
+        log::warn!(
+            "{path} has no hulls for: {}. They were decomposed; bake it anew",
+            lines.join("; ")
+        );
+    }
+}
+
+/// Bevy has spawned the scene below a hierarchy.
+#[cfg(feature = "bevy_gltf")]
+pub(super) fn on_scene_spawned(
+    spawned: On<bevy::world_serialization::WorldInstanceReady>,
+    mut works: Query<&mut HierarchyWork>,
+) {
+    if let Ok(mut work) = works.get_mut(spawned.entity) {
+        work.scene = SceneState::Spawned;
+    }
+}

@@ -1,0 +1,310 @@
+//! `.hullscene`: the hulls of all meshes of a scene in one file.
+
+use std::path::Path;
+
+use super::mesh_hash::MeshHash;
+use super::read::{Reader, open};
+use super::write::{begin, count, seal, text};
+use super::{HullsFile, HullsFileError, MAGIC, SCENE_MAGIC, file_error};
+use crate::decomposition::ALGORITHM_VERSION;
+use crate::parameters::Parameters;
+
+/// The hulls of all meshes of a scene.
+///
+/// ```
+/// use hullwright::hulls_format::{BakedMesh, HullScene, HullsFile, MeshHash, SceneLookup};
+/// use hullwright::{Control, Length, Parameters, decompose, mass_properties};
+///
+/// # let mesh = hullwright::TriangleMesh::new(
+/// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+/// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+/// # );
+/// let parameters = Parameters::default();
+/// let decomposition = decompose(&mesh, &parameters, &Control::new())?;
+/// let mass = mass_properties(&mesh, &decomposition.hulls, 1.0)?;
+/// let hulls = HullsFile::new("rock", &decomposition).with_mass_properties(mass);
+/// let scene = HullScene::new("level", vec![BakedMesh::new(&mesh, &parameters, hulls)]);
+/// assert_eq!(HullScene::from_bytes(&scene.to_bytes()?)?, scene);
+///
+/// let hash = MeshHash::of(&mesh);
+/// assert!(matches!(scene.look_up(hash, &parameters, &["rock"]), SceneLookup::Found(_)));
+/// let finer = parameters.max_error(Length::share(0.01));
+/// assert!(matches!(scene.look_up(hash, &finer, &["rock"]), SceneLookup::OtherParameters(_)));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq)]
+pub struct HullScene {
+    /// The scene's name; may be empty.
+    pub name: String,
+    /// Its meshes, each with its parameters at most once.
+    pub meshes: Vec<BakedMesh>,
+}
+
+/// One mesh of a scene, and its hulls by one set of parameters.
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq)]
+pub struct BakedMesh {
+    /// The names of the mesh and of the nodes that show it.
+    pub names: Vec<String>,
+    /// The mesh's content.
+    pub hash: MeshHash,
+    /// What the mesh was decomposed with.
+    pub parameters: Parameters,
+    /// The hulls.
+    pub hulls: HullsFile,
+}
+
+/// What a scene has of a mesh.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SceneLookup<'a> {
+    /// Its hulls.
+    Found(&'a BakedMesh),
+    /// Its hulls as an older or newer version of the algorithm made them.
+    OtherAlgorithm(&'a BakedMesh),
+    /// Its hulls by other parameters.
+    OtherParameters(&'a BakedMesh),
+    /// The hulls of another mesh of the same name: the mesh was changed since.
+    OtherContent(&'a BakedMesh),
+    /// Nothing.
+    Missing,
+}
+
+impl BakedMesh {
+    /// The hulls of `mesh` by `parameters`; its name is theirs. O(triangles).
+    pub fn new<'a>(
+        mesh: impl Into<crate::MeshView<'a>>,
+        parameters: &Parameters,
+        hulls: HullsFile,
+    ) -> Self {
+        let names = vec![hulls.name.clone()];
+        Self { names, hash: MeshHash::of(mesh), parameters: parameters.clone(), hulls }
+    }
+
+    /// The same with the names of nodes that show the mesh, each once.
+    #[must_use]
+    pub fn with_names(mut self, names: impl IntoIterator<Item = String>) -> Self {
+        for name in names {
+            if !name.is_empty() && !self.names.contains(&name) {
+                self.names.push(name);
+            }
+        }
+        self
+    }
+}
+
+impl HullScene {
+    /// A scene of meshes.
+    pub fn new(name: impl Into<String>, meshes: Vec<BakedMesh>) -> Self {
+        Self { name: name.into(), meshes }
+    }
+
+    /// What there is of a mesh with this content and one of these names, by these parameters.
+    /// O(meshes).
+    pub fn look_up(
+        &self,
+        hash: MeshHash,
+        parameters: &Parameters,
+        names: &[&str],
+    ) -> SceneLookup<'_> {
+        let of_content = || self.meshes.iter().filter(|baked| baked.hash == hash);
+        let found = of_content().find(|baked| baked.parameters == *parameters);
+        if let Some(baked) = found {
+            let is_current = baked.hulls.is_current();
+            return if is_current {
+                SceneLookup::Found(baked)
+            } else {
+                SceneLookup::OtherAlgorithm(baked)
+            };
+        }
+        if let Some(baked) = of_content().next() {
+            return SceneLookup::OtherParameters(baked);
+        }
+        let has_name =
+            |baked: &&BakedMesh| baked.names.iter().any(|name| names.contains(&name.as_str()));
+        let of_name = self.meshes.iter().find(has_name);
+        of_name.map_or(SceneLookup::Missing, SceneLookup::OtherContent)
+    }
+
+    /// The bytes of the file. O(size).
+    ///
+    /// # Errors
+    /// [`HullsFileError::Invalid`] if a text or a list has more parts than 32 bits count.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, HullsFileError> {
+        let mut bytes = begin(SCENE_MAGIC, ALGORITHM_VERSION);
+        text(&mut bytes, &self.name)?;
+        count(&mut bytes, self.meshes.len())?;
+        for baked in &self.meshes {
+            count(&mut bytes, baked.names.len())?;
+            for name in &baked.names {
+                text(&mut bytes, name)?;
+            }
+            bytes.extend(baked.hash.as_bytes());
+            text(&mut bytes, &baked.parameters.to_string())?;
+            let hulls = baked.hulls.to_bytes()?;
+            count(&mut bytes, hulls.len())?;
+            bytes.extend(hulls);
+        }
+        Ok(seal(bytes))
+    }
+
+    /// Reads the bytes of a file. O(size).
+    ///
+    /// # Errors
+    /// [`HullsFileError`] says what is wrong with them.
+    ///
+    /// ```
+    /// use hullwright::hulls_format::{HullScene, HullsFileError};
+    ///
+    /// assert_eq!(HullScene::from_bytes(b"no hulls"), Err(HullsFileError::NotScene));
+    /// ```
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, HullsFileError> {
+        if bytes.starts_with(&MAGIC) {
+            return Err(HullsFileError::IsSingle);
+        }
+        let (_, mut reader) = open(bytes, SCENE_MAGIC).map_err(|error| match error {
+            HullsFileError::NotHulls => HullsFileError::NotScene,
+            error => error,
+        })?;
+        let name = reader.text()?;
+        let meshes = reader.count(LEAST_MESH)?;
+        let meshes = (0..meshes).map(|_| baked_mesh(&mut reader)).collect::<Result<_, _>>()?;
+        reader.end()?;
+        Ok(Self { name, meshes })
+    }
+
+    /// Writes the file, all or nothing: a file that is already there is replaced in one step.
+    ///
+    /// # Errors
+    /// As [`to_bytes`](Self::to_bytes), and [`HullsFileError::File`] if writing fails.
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), HullsFileError> {
+        let path = path.as_ref();
+        let bytes = self.to_bytes().map_err(|error| error.at(path))?;
+        crate::atomic_write::write(path, &bytes).map_err(|error| file_error(path, &error))
+    }
+
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// [`HullsFileError::File`] if it can't be read, [`HullsFileError::At`] if it does not hold
+    /// what it should.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, HullsFileError> {
+        let path = path.as_ref();
+        let bytes = std::fs::read(path).map_err(|error| file_error(path, &error))?;
+        Self::from_bytes(&bytes).map_err(|error| error.at(path))
+    }
+}
+
+/// The bytes of a mesh without names and hulls: a hash and three lengths.
+const LEAST_MESH: usize = 32 + 3 * 4;
+
+fn baked_mesh(reader: &mut Reader<'_>) -> Result<BakedMesh, HullsFileError> {
+    // A name is at least its length.
+    let names = reader.count(4)?;
+    let names = (0..names).map(|_| reader.text()).collect::<Result<_, _>>()?;
+    let hash = MeshHash::from_bytes(reader.array()?);
+    let parameters = reader.text()?;
+    let parameters = parameters.parse().map_err(|_| HullsFileError::Invalid(NO_PARAMETERS))?;
+    let length = reader.count(1)?;
+    let hulls = HullsFile::from_bytes(reader.take(length)?)?;
+    Ok(BakedMesh { names, hash, parameters, hulls })
+}
+
+const NO_PARAMETERS: &str = "a mesh's parameters are none that this library knows";
+
+#[cfg(test)]
+mod tests {
+    use std::sync::LazyLock;
+
+    use super::*;
+    use crate::control::Control;
+    use crate::decompose::decompose;
+    use crate::hulls_format::{CHECKSUM, HEADER};
+    use crate::mesh::TriangleMesh;
+    use crate::mesh::shapes::cuboid;
+    use crate::parameters::Length;
+
+    fn bar(length: f64) -> TriangleMesh {
+        cuboid([0.0; 3], [length, 1.0, 1.0])
+    }
+
+    fn scene() -> HullScene {
+        static SCENE: LazyLock<HullScene> = LazyLock::new(|| {
+            let baked = |length: f64, parameters: Parameters| {
+                let mesh = bar(length);
+                let view = crate::MeshView::new(&mesh.positions, &mesh.triangles);
+                let made = decompose(view, &parameters, &Control::new()).unwrap();
+                let hulls = HullsFile::new(format!("bar {length}"), &made);
+                BakedMesh::new(view, &parameters, hulls).with_names(["node".into(), "".into()])
+            };
+            let fine = Parameters::default().max_error(Length::share(0.01));
+            let meshes = vec![baked(2.0, Parameters::default()), baked(3.0, fine)];
+            HullScene::new("level", meshes)
+        });
+        SCENE.clone()
+    }
+
+    fn hash(length: f64) -> MeshHash {
+        let mesh = bar(length);
+        MeshHash::of(crate::MeshView::new(&mesh.positions, &mesh.triangles))
+    }
+
+    #[test]
+    fn what_is_written_is_read_again_exactly() {
+        let scene = scene();
+        assert_eq!(scene.meshes[0].names, ["bar 2", "node"]);
+        let bytes = scene.to_bytes().unwrap();
+        assert!(bytes.starts_with(b"\x89HULSC\r\n\x01\0\0\0"));
+        assert_eq!(HullScene::from_bytes(&bytes), Ok(scene));
+        let empty = HullScene::new("", Vec::new());
+        assert_eq!(HullScene::from_bytes(&empty.to_bytes().unwrap()), Ok(empty));
+    }
+
+    #[test]
+    fn a_mesh_is_found_by_content_and_parameters_and_else_it_is_said_why_not() {
+        let scene = scene();
+        let (default, fine) =
+            (Parameters::default(), Parameters::default().max_error(Length::share(0.01)));
+        assert_eq!(scene.look_up(hash(2.0), &default, &[]), SceneLookup::Found(&scene.meshes[0]));
+        assert_eq!(
+            scene.look_up(hash(2.0), &fine, &["node"]),
+            SceneLookup::OtherParameters(&scene.meshes[0])
+        );
+        assert_eq!(
+            scene.look_up(hash(9.0), &default, &["bar 3"]),
+            SceneLookup::OtherContent(&scene.meshes[1])
+        );
+        assert_eq!(scene.look_up(hash(9.0), &default, &["other"]), SceneLookup::Missing);
+        let mut older = scene.clone();
+        older.meshes[0].hulls.algorithm_version -= 1;
+        assert!(matches!(older.look_up(hash(2.0), &default, &[]), SceneLookup::OtherAlgorithm(_)));
+    }
+
+    #[test]
+    fn a_file_of_one_mesh_and_a_scene_are_told_apart() {
+        let single = scene().meshes[0].hulls.to_bytes().unwrap();
+        assert_eq!(HullScene::from_bytes(&single), Err(HullsFileError::IsSingle));
+        let bytes = scene().to_bytes().unwrap();
+        assert_eq!(HullsFile::from_bytes(&bytes), Err(HullsFileError::IsScene));
+    }
+
+    #[test]
+    fn no_damage_goes_unnoticed_and_none_panics() {
+        let bytes = scene().to_bytes().unwrap();
+        for length in 0..bytes.len() {
+            assert!(HullScene::from_bytes(&bytes[..length]).is_err(), "{length} bytes");
+        }
+        for at in 0..bytes.len() {
+            let mut damaged = bytes.clone();
+            damaged[at] ^= 0x55;
+            let algorithm = 12..16;
+            assert!(HullScene::from_bytes(&damaged).is_err(), "byte {at}");
+            // With a checksum that matches the reader goes on to what the bytes say.
+            let end = damaged.len() - CHECKSUM;
+            let checksum = crc32fast::hash(&damaged[..end]);
+            damaged[end..].copy_from_slice(&checksum.to_le_bytes());
+            let is_read = HullScene::from_bytes(&damaged).is_ok();
+            assert!(at >= HEADER || algorithm.contains(&at) || at >= end || !is_read, "byte {at}");
+        }
+    }
+}
