@@ -40,6 +40,7 @@ pub(super) struct Scene<'w, 's> {
     failed: Query<'w, 's, (), With<FailedRequest>>,
     placements: Placements<'w, 's>,
     geometry: StaticGeometry<'w, 's>,
+    descriptions: Descriptions<'w, 's>,
     meshes: Res<'w, Assets<Mesh>>,
     baked: Res<'w, Assets<BakedHulls>>,
     server: Option<Res<'w, AssetServer>>,
@@ -99,7 +100,6 @@ pub(super) fn resolve(
     settings: Res<HullwrightSettings>,
     cache: Res<GeometryCache>,
     scene: Scene,
-    descriptions: Descriptions,
     mut statuses: Query<&mut DecompositionStatus>,
 ) {
     let mut budget = queue.frame_time.budget(&settings);
@@ -164,7 +164,7 @@ pub(super) fn resolve(
         }
     }
     queue.frame_time.spend(&budget);
-    log_overdue(&overdue, &descriptions);
+    log_overdue(&overdue, &scene.descriptions);
 }
 
 /// Whether an entity has waited for longer than most do, which is said once.
