@@ -212,27 +212,25 @@ pub(super) fn on_untag<T: Component>(
     mut commands: Commands,
     mut queue: ResMut<WorkQueue>,
     mut counters: ResMut<DecompositionCounters>,
-    failed: Query<(), With<FailedRequest>>,
-    attached: Query<&AttachedCollider>,
+    outcomes: Query<(Has<FailedRequest>, Option<&AttachedCollider>)>,
     both_tags: Query<(), (With<ConvexDecomposition>, With<BakedDecomposition>)>,
     mut statuses: Query<&mut DecompositionStatus>,
 ) {
     let entity = removed.entity;
+    let (has_failed, attached) = outcomes.get(entity).unwrap_or_default();
     // The other tag takes over. If it goes in the same instant, as all do when an entity is despawned, the
     // work is cancelled where it is resolved.
     if both_tags.contains(entity) {
-        if queue.unfinished.contains_key(&entity) || failed.contains(entity) {
+        if queue.unfinished.contains_key(&entity) || has_failed {
             queue.restart(entity);
         }
         return;
     }
-    if failed.contains(entity) {
+    if has_failed {
         commands.entity(entity).try_remove::<FailedRequest>();
     }
     // From now on the collider is Rapier's own, which scales it by what comes on top of what is baked.
-    if let Ok(attached) = attached.get(entity)
-        && let Some(scale) = attached.stretch.scale()
-    {
+    if let Some(scale) = attached.and_then(|attached| attached.stretch.scale()) {
         commands.entity(entity).try_insert(ColliderScale::Relative(scale.recip()));
     }
     if queue.forget(entity) {

@@ -43,6 +43,7 @@ pub(super) struct Scene<'w, 's> {
     placements: Placements<'w, 's>,
     geometry: StaticGeometry<'w, 's>,
     skip_rules: SkipRules<'w, 's>,
+    descriptions: Descriptions<'w, 's>,
     meshes: Res<'w, Assets<Mesh>>,
     baked: Res<'w, Assets<BakedHulls>>,
     scenes: Res<'w, Assets<BakedScene>>,
@@ -104,7 +105,6 @@ pub(super) fn resolve(
     settings: Res<HullwrightSettings>,
     cache: Res<GeometryCache>,
     scene: Scene,
-    descriptions: Descriptions,
     mut statuses: Query<&mut DecompositionStatus>,
 ) {
     let mut budget = queue.frame_time.budget(&settings);
@@ -171,7 +171,7 @@ pub(super) fn resolve(
         }
     }
     queue.frame_time.spend(&budget);
-    log_overdue(&overdue, &descriptions);
+    log_overdue(&overdue, &scene.descriptions);
 }
 
 /// Whether an entity has waited for longer than most do, which is said once.
