@@ -8,7 +8,7 @@ use common::l_prism;
 use hullwright::{Control, Decomposer, Error, MeshView, Method, Parameters, decompose};
 
 fn methods() -> [Parameters; 2] {
-    [Method::Bounded, Method::Surface].map(|method| Parameters { method, ..Parameters::default() })
+    [Method::Bounded, Method::Surface].map(|method| Parameters::default().method(method))
 }
 
 #[test]
