@@ -4,6 +4,7 @@
 use bevy::mesh::Mesh;
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
+use hullwright::bevy::HullSource;
 use hullwright::bevy::prelude::*;
 use hullwright::hulls_format::HullsFile;
 
