@@ -10,7 +10,7 @@ use hullwright::io::read_hulls;
 
 /// Kills, spread over the time that a whole run takes. Wherever they fall on another machine, the promise is
 /// the same.
-const KILLS: u32 = 40;
+const KILLS: u32 = 16;
 
 fn decompose(output: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_hullwright"));

@@ -5,10 +5,10 @@ mod common;
 use std::time::{Duration, Instant};
 
 use common::l_prism;
-use hullwright::{Control, Decomposer, Error, MeshView, Parameters, decompose};
+use hullwright::{Control, Decomposer, Error, MeshView, Method, Parameters, decompose};
 
 fn methods() -> [Parameters; 2] {
-    [Parameters::default(), Parameters::paper()]
+    [Method::Bounded, Method::Surface].map(|method| Parameters::default().method(method))
 }
 
 #[test]
