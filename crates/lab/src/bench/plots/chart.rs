@@ -152,7 +152,8 @@ pub(super) fn room(values: impl Iterator<Item = f64>) -> Range<f64> {
 /// A number on a logarithmic axis; nothing where numbers would stand too close.
 pub(super) fn label(value: &f64) -> String {
     let digit = value / 10_f64.powf(value.log10().floor());
-    if ![1.0, 2.0, 5.0].iter().any(|labelled| (digit - labelled).abs() < 0.01) {
+    // By rounding a power of ten may come out as ten times the one before.
+    if ![1.0, 2.0, 5.0, 10.0].iter().any(|labelled| (digit - labelled).abs() < 0.01) {
         return String::new();
     }
     match *value {
