@@ -149,7 +149,13 @@ pub(super) fn room(values: impl Iterator<Item = f64>) -> Range<f64> {
     low / factor..high * factor
 }
 
+/// A number on a logarithmic axis; nothing where numbers would stand too close.
 pub(super) fn label(value: &f64) -> String {
+    let digit = value / 10_f64.powf(value.log10().floor());
+    // By rounding a power of ten may come out as ten times the one before.
+    if ![1.0, 2.0, 5.0, 10.0].iter().any(|labelled| (digit - labelled).abs() < 0.01) {
+        return String::new();
+    }
     match *value {
         value if value >= 1e4 => format!("{value:.0e}"),
         value if value >= 1.0 => format!("{value:.0}"),
@@ -195,8 +201,8 @@ macro_rules! legend {
         $chart
             .configure_series_labels()
             .position($position)
-            .background_style(BACKGROUND.mix(0.85))
-            .border_style(BACKGROUND)
+            .background_style(TRANSPARENT)
+            .border_style(TRANSPARENT)
             .label_font(quiet(LABEL_SIZE + 1))
             .draw()?
     };
@@ -217,6 +223,12 @@ mod tests {
         assert!(svg.starts_with("<svg"));
         assert!(svg.contains("prefers-color-scheme: dark") && svg.contains("#15181d"));
         assert!(svg.contains("ten words"));
+    }
+
+    #[test]
+    fn labels_are_few_enough_to_be_read() {
+        let labels = [0.001, 0.002, 0.003, 0.009, 0.5, 1.0, 7.0, 20.0].map(|value| label(&value));
+        assert_eq!(labels, ["0.001", "0.002", "", "", "0.5", "1", "", "20"]);
     }
 
     #[test]

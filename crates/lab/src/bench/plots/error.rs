@@ -10,14 +10,13 @@ use super::chart::{
 };
 use crate::bench::curves::versus;
 use crate::bench::summary::Results;
+use crate::runs::judge::Judged;
 use crate::runs::methods::Run;
-use crate::runs::record::Row;
-use crate::statistics::geometric_mean;
+use crate::runs::record::{Row, Worked};
+use crate::statistics::{geometric_mean, median};
 
 /// A setting's geometric means over meshes.
 struct Mean {
-    /// Whether the setting is the method's default.
-    is_default: bool,
     seconds: f64,
     error: f64,
     hulls: f64,
@@ -36,14 +35,13 @@ fn means<'a>(results: &Results<'a>) -> Vec<(&'a str, Vec<Mean>)> {
     done.retain(|(_, rows)| 2 * rows.len() > most);
     let common = |mesh: &&str| done.iter().all(|(_, rows)| rows.contains_key(mesh));
     let mut means: Vec<(&str, Vec<Mean>)> = Vec::new();
-    for ((method, setting), rows) in &done {
+    for ((method, _), rows) in &done {
         let rows: Vec<_> = rows.iter().filter(|(mesh, _)| common(mesh)).collect();
         let of = |figure: fn(&Row) -> Option<f64>| {
             geometric_mean(rows.iter().filter_map(|(_, row)| figure(row)).map(|x| x.max(LEAST)))
         };
         let mean = (|| {
             Some(Mean {
-                is_default: Run::parse(method, setting).is_some_and(|run| run.is_default()),
                 seconds: of(|row| Some(row.done()?.0.seconds))?,
                 error: of(|row| Some(row.done()?.1.hausdorff))?,
                 hulls: of(|row| Some(row.done()?.1.hulls as f64))?,
@@ -76,27 +74,31 @@ fn front(mut points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
 /// What the axes of errors say.
 const ERROR: &str = "error: Hausdorff distance / diagonal";
 
-/// What the plot says: how the defaults of ours and of the nearest rival compare.
+/// What the plot says: how the medians of our default and of the nearest rival's compare.
 pub(super) fn error_time_title(results: &Results<'_>) -> String {
-    let means = means(results);
     let default = |name: &str| {
-        let (_, list) = means.iter().find(|(method, _)| *method == name)?;
-        list.iter().find(|mean| mean.is_default)
+        let variants = results.variants();
+        let (_, rows) = variants.iter().find(|((method, setting), _)| {
+            *method == name && Run::parse(method, setting).is_some_and(|run| run.is_default())
+        })?;
+        let done: Vec<_> = rows.iter().filter_map(|row| row.done()).collect();
+        let of = |figure: fn(&(&Worked, &Judged)) -> f64| median(done.iter().map(figure).collect());
+        (!done.is_empty()).then(|| (of(|run| run.1.hausdorff), of(|run| run.0.seconds)))
     };
-    let rival = RIVALS.iter().find_map(|&rival| Some((rival, default(rival)?)));
-    let (Some(ours), Some((rival, theirs))) = (default("bounded"), rival) else {
+    let rival = RIVALS.iter().find_map(|&(rival, name)| Some((name, default(rival)?)));
+    let (Some(ours), Some((name, theirs))) = (default("bounded"), rival) else {
         return "Error against time".into();
     };
-    let name = display_name(rival);
-    let error = match theirs.error / ours.error {
-        less if less >= 1.0 => format!("{less:.1} times less error than {name}"),
-        less => format!("{:.1} times the error of {name}", 1.0 / less),
-    };
-    format!("By default {error}, in {:.2} times its time", ours.seconds / theirs.seconds)
+    format!(
+        "By default {:.2} times the error of {name}, in {:.2} times its time (medians)",
+        ours.0 / theirs.0.max(LEAST),
+        ours.1 / theirs.1.max(LEAST)
+    )
 }
 
 /// Who ours is compared with first.
-const RIVALS: [&str; 4] = ["vhacd", "vhacd4", "coacd", "coacd-files"];
+const RIVALS: [(&str, &str); 4] =
+    [("vhacd", "V-HACD"), ("vhacd4", "V-HACD 4"), ("coacd", "CoACD"), ("coacd-files", "CoACD")];
 
 /// What the plot says: hulls over those of others at equal error.
 pub(super) fn hulls_error_title(results: &Results<'_>) -> String {
@@ -109,7 +111,7 @@ pub(super) fn hulls_error_title(results: &Results<'_>) -> String {
     };
     let ratios: Vec<String> = RIVALS
         .iter()
-        .filter_map(|&rival| Some(format!("{:.2} × {}", ratio(rival)?, display_name(rival))))
+        .filter_map(|&(rival, name)| Some(format!("{:.2} × {name}", ratio(rival)?)))
         .collect();
     if ratios.is_empty() {
         return "Hulls against error".into();
