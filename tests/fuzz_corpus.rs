@@ -9,7 +9,7 @@ use std::path::Path;
 /// Inputs by chance, beside the corpora.
 const RANDOM: u64 = 100;
 
-fn replay(name: &str, target: fn(&[u8])) -> usize {
+fn replay(name: &str, target: targets::Target) -> usize {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus").join(name);
     let mut files: Vec<_> =
         std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()).collect();

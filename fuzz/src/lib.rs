@@ -17,8 +17,10 @@ pub use readers::extras;
 pub use readers::{gltf, hulls_file, obj, off, ply, stl};
 pub use shapes::{hull, soup};
 
+pub type Target = fn(&[u8]);
+
 /// The targets by name, as the folders of their corpora are called.
-pub const TARGETS: &[(&str, fn(&[u8]))] = &[
+pub const TARGETS: &[(&str, Target)] = &[
     ("soup", soup),
     ("hull", hull),
     #[cfg(feature = "io")]
