@@ -67,9 +67,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         ))?;
     }
     let better = pairs.iter().filter(|(ours, theirs)| ours > theirs).count();
-    let [ours, theirs] = [0, 1].map(|side| {
-        mean(&pairs.iter().map(|pair| [pair.0, pair.1][side]).collect::<Vec<f64>>())
-    });
+    let [ours, theirs] = [0, 1]
+        .map(|side| mean(&pairs.iter().map(|pair| [pair.0, pair.1][side]).collect::<Vec<f64>>()));
     print(&format!(
         "IoU better on {better} of {} closed meshes, {ours:.4} and {theirs:.4} in the mean; Hausdorff over CoACD's \
          {:.3}",
