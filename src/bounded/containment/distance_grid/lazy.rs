@@ -11,6 +11,7 @@ use super::lattice::Lattice;
 use super::vector_f32::{dot, length, subtract};
 use super::{CellClass, HALF_DIAGONAL, Probe};
 use crate::bounded::containment::inside::{inside_reach, is_inside};
+use crate::bounded::work;
 use crate::bvh::Bvh;
 use crate::geometry::vector::{Vector, bounds};
 
@@ -134,6 +135,7 @@ impl LazyGrid {
     /// Fills a cell. `hint` is a triangle that is near, and becomes the closest one.
     #[cold]
     fn fill(&self, cell: &Cell, place: [usize; 3], hint: &AtomicU32, bvh: &Bvh) {
+        work::count(work::CELL);
         let centre = self.lattice.centre(place);
         let (mut nearest, mut distance) = ([f32::NAN; 3], f32::INFINITY);
         let absolute = self.lattice.absolute(centre);
