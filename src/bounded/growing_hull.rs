@@ -1,6 +1,7 @@
 //! A hull that grows by points, during the search: joint hulls are built by insertion into a copy
 //! of the larger hull, which takes a quarter of the time of building them anew.
 
+use super::work;
 use crate::geometry::vector::{Vector, add, maximum, minimum};
 use crate::hull::{HullBuilder, Shape};
 
@@ -41,6 +42,7 @@ impl GrowingHull {
     /// Grows to the hull of the union with other points. Returns whether it had volume before: if
     /// so, only its new faces are different.
     pub fn insert(&mut self, points: &[Vector], outward: Vector) -> bool {
+        work::count(work::POINT * points.len() as u64);
         for &point in points {
             self.min = minimum(self.min, point);
             self.max = maximum(self.max, point);

@@ -10,7 +10,7 @@
 //! | `refine` | long triangles are halved, where the shape does not say where to cut |
 //! | `cells/` | coarse meshes are cut where their shape asks for it |
 //! | `clustering/` | very dense meshes are searched through reduced ones |
-//! | `growing_hull`, `patch_set` | no stages: hulls that grow, and sets of patches |
+//! | `growing_hull`, `patch_set`, `work` | no stages: hulls that grow, sets of patches, and counted work |
 //! | `containment/` | whether hulls stay within the bound of the solid |
 //! | `patches/` | the surface is divided into patches |
 //! | `piece`, `merge` | patches join into pieces |
@@ -36,6 +36,7 @@ mod piece;
 mod refine;
 mod set_cover;
 mod settings;
+mod work;
 
 use crate::control::{Control, Stage};
 use crate::error::Error;

@@ -12,6 +12,7 @@ use super::inside::is_inside;
 use super::remainder::Remainder;
 use super::solid::{DOUBT, Solid};
 use super::triangle::{centre, halves};
+use crate::bounded::work;
 use crate::geometry::vector::{Vector, distance, length_squared, subtract};
 
 /// A face of a radius (from its centre to the farthest corner) below this share of the bound is decided by its centre. With
@@ -93,6 +94,7 @@ impl Solid {
 
     #[inline]
     fn part_fits(&self, face: [Vector; 3], bound: f64) -> Answer {
+        work::count(work::PART);
         let [a, b, c] = face;
         let centre = centre(face);
         let radius = length_squared(subtract(centre, a))

@@ -15,18 +15,30 @@ pub(super) const ON_LINE: f64 = 1e-9;
 pub(super) struct Polygon {
     vertices: [Point; MAX_VERTICES],
     count: usize,
+    /// Its box.
+    low: Point,
+    high: Point,
 }
 
 /// A polygon that has no room for another vertex.
 pub(super) struct TooManyVertices;
 
 impl Polygon {
-    pub(super) const EMPTY: Self = Self { vertices: [[0.0; 2]; MAX_VERTICES], count: 0 };
+    pub(super) const EMPTY: Self = Self {
+        vertices: [[0.0; 2]; MAX_VERTICES],
+        count: 0,
+        low: [f64::INFINITY; 2],
+        high: [f64::NEG_INFINITY; 2],
+    };
 
     pub(super) fn push(&mut self, point: Point) -> Result<(), TooManyVertices> {
         let place = self.vertices.get_mut(self.count).ok_or(TooManyVertices)?;
         *place = point;
         self.count += 1;
+        for axis in 0..2 {
+            self.low[axis] = self.low[axis].min(point[axis]);
+            self.high[axis] = self.high[axis].max(point[axis]);
+        }
         Ok(())
     }
 
@@ -60,29 +72,26 @@ impl Polygon {
     #[inline]
     pub(super) fn is_beside(&self, other: &Self) -> bool {
         (0..2).any(|axis| {
-            let (low, high) = self.range(axis);
-            let (other_low, other_high) = other.range(axis);
-            high <= other_low + ON_LINE || other_high <= low + ON_LINE
-        })
-    }
-
-    #[inline]
-    fn range(&self, axis: usize) -> (f64, f64) {
-        self.vertices().iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), point| {
-            (low.min(point[axis]), high.max(point[axis]))
+            self.high[axis] <= other.low[axis] + ON_LINE
+                || other.high[axis] <= self.low[axis] + ON_LINE
         })
     }
 
     /// The two vertices that are the farthest apart along the longer axis of its box.
     pub(super) fn ends(&self) -> (Point, Point) {
-        let by = |axis: usize| {
-            let order = |a: &&Point, b: &&Point| a[axis].total_cmp(&b[axis]);
-            let low = self.vertices().iter().min_by(order).copied().unwrap_or_default();
-            let high = self.vertices().iter().max_by(order).copied().unwrap_or_default();
-            (low, high)
-        };
-        let (x, y) = (by(0), by(1));
-        if x.1[0] - x.0[0] >= y.1[1] - y.0[1] { x } else { y }
+        let extent = |axis: usize| self.high[axis] - self.low[axis];
+        let axis = usize::from(extent(1) > extent(0));
+        let order = |a: &&Point, b: &&Point| a[axis].total_cmp(&b[axis]);
+        let low = self.vertices().iter().min_by(order).copied().unwrap_or_default();
+        let high = self.vertices().iter().max_by(order).copied().unwrap_or_default();
+        (low, high)
+    }
+
+    /// Whether it is no wider than `width`.
+    pub(super) fn is_narrow(&self, width: f64) -> bool {
+        let (from, to) = self.ends();
+        let [x, y] = [to[0] - from[0], to[1] - from[1]];
+        self.doubled_area() <= width * (x * x + y * y).sqrt()
     }
 
     /// Whether a line has the whole polygon on its right or on it.

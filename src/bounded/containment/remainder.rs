@@ -6,6 +6,9 @@
 //! point decides which. Nothing here depends on the bound: large faces of coarse meshes are decided
 //! by the few triangles that are near them.
 //!
+//! Large triangles are taken off first. Those at right angles to the face cover nothing, but parts must
+//! end at them: they come last, when little is left that they could divide.
+//!
 //! O(triangles near the face · parts).
 
 use std::ops::RangeInclusive;
@@ -39,10 +42,18 @@ const NEEDLE: f64 = 1e-7;
 #[derive(Default)]
 pub(in crate::bounded) struct Remainder {
     triangles: Vec<[Vector; 3]>,
+    shadows: Vec<Shadow>,
     parts: Vec<Polygon>,
     other: Vec<Polygon>,
     sides: Vec<Line>,
     frame: Frame,
+}
+
+/// What a triangle covers of a face's plane.
+struct Shadow {
+    polygon: Polygon,
+    /// Twice its area; negative infinity if it is so narrow that it covers nothing.
+    size: f64,
 }
 
 /// Coordinates in a face's plane.
@@ -119,12 +130,34 @@ impl Remainder {
             }
         }
         self.parts.push(whole);
-        let triangles = std::mem::take(&mut self.triangles);
-        let is_done = triangles
-            .iter()
-            .all(|&corners| self.parts.is_empty() || self.subtract(corners, height).is_ok());
-        self.triangles = triangles;
+        if self.cast_shadows(&whole, height).is_err() {
+            return false;
+        }
+        let shadows = std::mem::take(&mut self.shadows);
+        let is_done =
+            shadows.iter().all(|shadow| self.parts.is_empty() || self.subtract(shadow).is_ok());
+        self.shadows = shadows;
         is_done
+    }
+
+    /// What the triangles cover of a face, the largest first.
+    fn cast_shadows(&mut self, face: &Polygon, height: f64) -> Result<(), TooManyVertices> {
+        self.shadows.clear();
+        for &corners in &self.triangles {
+            let polygon = self.shadow(corners, height)?;
+            if polygon.vertices().len() < 2 {
+                continue;
+            }
+            let is_narrow = polygon.is_narrow(NARROW);
+            let is_apart = face.is_beside(&polygon) && !is_narrow
+                || face.sides().filter_map(Line::through).any(|side| polygon.is_right_of(&side));
+            if !is_apart {
+                let size = if is_narrow { f64::NEG_INFINITY } else { polygon.doubled_area() };
+                self.shadows.push(Shadow { polygon, size });
+            }
+        }
+        self.shadows.sort_by(|a, b| b.size.total_cmp(&a.size));
+        Ok(())
     }
 
     /// The parts of the last face: the centre of each, and triangles that it consists of.
@@ -140,40 +173,40 @@ impl Remainder {
     }
 
     /// Takes away from all parts what a triangle covers.
-    fn subtract(&mut self, corners: [Vector; 3], height: f64) -> Result<(), TooManyVertices> {
-        let shadow = self.shadow(corners, height)?;
-        if shadow.vertices().len() < 2 {
-            return Ok(());
-        }
-        let (from, to) = shadow.ends();
-        let longest = length_of(from, to);
-        let is_narrow = shadow.doubled_area() <= NARROW * longest;
+    fn subtract(&mut self, shadow: &Shadow) -> Result<(), TooManyVertices> {
+        let Shadow { polygon: shadow, size } = shadow;
+        let is_narrow = *size < 0.0;
         self.sides.clear();
         if is_narrow {
-            // It covers nothing, but parts must end at it.
+            let (from, to) = shadow.ends();
             self.sides.extend([(from, to), (to, from)].into_iter().filter_map(Line::through));
         } else {
             self.sides.extend(shadow.sides().filter_map(Line::through));
         }
         let sides = &self.sides;
+        if sides.is_empty() {
+            // The tip of a triangle is a point: it neither covers nor divides anything.
+            return Ok(());
+        }
         self.other.clear();
-        for part in &self.parts {
-            let is_apart = part.is_beside(&shadow) && !is_narrow
+        let mut index = 0;
+        while let Some(part) = self.parts.get(index) {
+            let is_apart = part.is_beside(shadow) && !is_narrow
                 || sides.iter().any(|side| part.is_right_of(side))
                 || part.sides().filter_map(Line::through).any(|side| shadow.is_right_of(&side));
             if is_apart {
-                self.other.push(*part);
+                index += 1;
                 continue;
             }
-            let mut rest = Some(*part);
+            let mut rest = Some(self.parts.swap_remove(index));
             for side in sides {
                 let Some(polygon) = rest else { break };
                 let (covered, uncovered) = polygon.split(side)?;
-                self.other.extend(uncovered.filter(is_wide));
+                self.other.extend(uncovered.filter(|part| !part.is_narrow(NARROW)));
                 rest = covered;
             }
         }
-        std::mem::swap(&mut self.parts, &mut self.other);
+        self.parts.append(&mut self.other);
         if self.parts.len() > MAX_PARTS { Err(TooManyVertices) } else { Ok(()) }
     }
 
@@ -206,17 +239,6 @@ impl Remainder {
         }
         Ok(shadow)
     }
-}
-
-/// Whether a part is wide enough to count.
-fn is_wide(part: &Polygon) -> bool {
-    let (from, to) = part.ends();
-    part.doubled_area() > NARROW * length_of(from, to)
-}
-
-fn length_of(from: Point, to: Point) -> f64 {
-    let [x, y] = [to[0] - from[0], to[1] - from[1]];
-    (x * x + y * y).sqrt()
 }
 
 #[cfg(test)]

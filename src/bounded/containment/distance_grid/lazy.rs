@@ -11,6 +11,7 @@ use super::lattice::Lattice;
 use super::vector_f32::{dot, length, subtract};
 use super::{CellClass, HALF_DIAGONAL, Probe};
 use crate::bounded::containment::inside::{inside_reach, is_inside};
+use crate::bounded::work;
 use crate::bvh::Bvh;
 use crate::geometry::vector::{Vector, bounds};
 
@@ -26,8 +27,8 @@ const EMPTY: u32 = 0;
 const UNKNOWN: u32 = u32::MAX;
 const OUTSIDE: f32 = -1.0;
 
-/// The surface does not pass between the centres of neighbours if it is farther than this from one
-/// of them, in cells: one, and a margin for rounding.
+/// The surface does not pass between the centres of two cells if their distances from it add up to more than
+/// the distance between them, times this: a margin for rounding.
 const FREE: f32 = 1.01;
 
 /// What is known about a cell's centre. Single precision numbers as bits.
@@ -59,7 +60,31 @@ impl Cell {
     }
 }
 
-type Block = [Cell; BLOCK * BLOCK * BLOCK];
+/// Cells that are near each other, and what the last of them to be filled tells the next.
+struct Block {
+    cells: [Cell; BLOCK * BLOCK * BLOCK],
+    /// A triangle that is near.
+    triangle: AtomicU32,
+    /// The number of a cell whose side is known.
+    sided: AtomicU32,
+}
+
+impl Block {
+    fn empty() -> Self {
+        Self {
+            cells: std::array::from_fn(|_| Cell::empty()),
+            triangle: AtomicU32::new(u32::MAX),
+            sided: AtomicU32::new(u32::MAX),
+        }
+    }
+}
+
+/// The number of a cell in its block.
+#[inline]
+fn number([x, y, z]: [usize; 3]) -> usize {
+    let [i, j, k] = [x, y, z].map(|place| place & (BLOCK - 1));
+    (k << BLOCK_BITS | j) << BLOCK_BITS | i
+}
 
 /// The grid. See the file's head.
 pub(in crate::bounded::containment) struct LazyGrid {
@@ -91,32 +116,35 @@ impl LazyGrid {
 
     /// A cell, filled.
     #[inline]
-    fn cell(&self, [x, y, z]: [usize; 3], bvh: &Bvh) -> &Cell {
-        let [width, depth] = self.stride;
-        let [i, j, k] = [x, y, z].map(|place| place >> BLOCK_BITS);
-        let block = self.blocks[(k * depth + j) * width + i]
-            .get_or_init(|| Box::new(std::array::from_fn(|_| Cell::empty())));
-        let [i, j, k] = [x, y, z].map(|place| place & (BLOCK - 1));
-        let cell = &block[(k << BLOCK_BITS | j) << BLOCK_BITS | i];
+    fn cell(&self, place: [usize; 3], bvh: &Bvh) -> &Cell {
+        let block = self.blocks[self.block_index(place)].get_or_init(|| Box::new(Block::empty()));
+        let cell = &block.cells[number(place)];
         if cell.distance.load(Ordering::Acquire) == EMPTY {
-            self.fill(cell, [x, y, z], bvh);
+            self.fill(cell, place, &block.triangle, bvh);
         }
         cell
     }
 
+    #[inline]
+    fn block_index(&self, place: [usize; 3]) -> usize {
+        let [width, depth] = self.stride;
+        let [i, j, k] = place.map(|place| place >> BLOCK_BITS);
+        (k * depth + j) * width + i
+    }
+
+    /// Fills a cell. `hint` is a triangle that is near, and becomes the closest one.
     #[cold]
-    fn fill(&self, cell: &Cell, place: [usize; 3], bvh: &Bvh) {
+    fn fill(&self, cell: &Cell, place: [usize; 3], hint: &AtomicU32, bvh: &Bvh) {
+        work::count(work::CELL);
         let centre = self.lattice.centre(place);
         let (mut nearest, mut distance) = ([f32::NAN; 3], f32::INFINITY);
-        let guess = (place[0] > 0)
-            .then(|| self.known_cell([place[0] - 1, place[1], place[2]]))
-            .flatten()
-            .map_or(u32::MAX, |cell| cell.triangle.load(Ordering::Relaxed));
         let absolute = self.lattice.absolute(centre);
+        let guess = hint.load(Ordering::Relaxed);
         if let Some(closest) = bvh.closest_point_near(absolute, f64::INFINITY, guess) {
             nearest = self.lattice.relative(closest.point);
             distance = length(subtract(centre, nearest));
             cell.triangle.store(closest.triangle, Ordering::Relaxed);
+            hint.store(closest.triangle, Ordering::Relaxed);
         }
         for (place, x) in cell.nearest.iter().zip(nearest) {
             place.store(x.to_bits(), Ordering::Relaxed);
@@ -181,43 +209,65 @@ impl LazyGrid {
         let centre = self.lattice.absolute(self.lattice.centre(place));
         let distance = cell.distance();
         let reach = if self.is_closed {
-            let inside = self.side_of_neighbour(place, distance);
+            let inside = self.side_of_another(place, distance);
             let inside = inside.unwrap_or_else(|| is_inside(bvh, centre, true));
             if inside { distance } else { OUTSIDE }
         } else {
             inside_reach(bvh, centre, f64::from(distance)).map_or(OUTSIDE, |reach| reach as f32)
         };
         cell.reach.store(reach.to_bits(), Ordering::Relaxed);
+        if let Some(block) = self.block(place) {
+            block.sided.store(number(place) as u32, Ordering::Relaxed);
+        }
         reach
     }
 
-    /// Whether a cell is inside, if a neighbour knows that for itself and the surface is too far
-    /// from one of them to pass between the two.
-    fn side_of_neighbour(&self, place: [usize; 3], distance: f32) -> Option<bool> {
-        let free = FREE * self.lattice.size;
-        (0..6).find_map(|side| {
+    /// Whether a cell is inside, if another cell knows that for itself and the surface does not pass
+    /// between the two: one of their block, or a neighbour.
+    fn side_of_another(&self, place: [usize; 3], distance: f32) -> Option<bool> {
+        let mut others = (0..7).filter_map(|side| {
             let mut other = place;
-            let axis = side / 2;
-            other[axis] = if side % 2 == 0 { place[axis].checked_sub(1)? } else { place[axis] + 1 };
+            if side == 6 {
+                let number = self.block(place)?.sided.load(Ordering::Relaxed) as usize;
+                if number >= BLOCK * BLOCK * BLOCK {
+                    return None;
+                }
+                let inner = [number, number >> BLOCK_BITS, number >> (2 * BLOCK_BITS)];
+                for (axis, inner) in inner.into_iter().enumerate() {
+                    other[axis] = place[axis] & !(BLOCK - 1) | inner & (BLOCK - 1);
+                }
+            } else {
+                let axis = side / 2;
+                other[axis] = match side % 2 {
+                    0 => place[axis].checked_sub(1)?,
+                    _ => place[axis] + 1,
+                };
+            }
+            Some(other)
+        });
+        others.find_map(|other| {
             let cell = self.known_cell(other)?;
             let reach = f32::from_bits(match cell.reach.load(Ordering::Relaxed) {
                 UNKNOWN => return None,
                 bits => bits,
             });
-            (distance > free || cell.distance() > free).then_some(reach >= 0.0)
+            let apart = length(subtract(self.lattice.centre(place), self.lattice.centre(other)));
+            // The surface crosses neither of the balls around the two that reach up to it.
+            (distance + cell.distance() > FREE * apart).then_some(reach >= 0.0)
         })
     }
 
     /// A cell, if it exists and its block does.
     fn known_cell(&self, place: [usize; 3]) -> Option<&Cell> {
+        self.block(place)?.cells.get(number(place))
+    }
+
+    /// The block of a cell, if both exist.
+    fn block(&self, place: [usize; 3]) -> Option<&Block> {
         if (0..3).any(|axis| place[axis] >= self.lattice.dimensions[axis]) {
             return None;
         }
-        let [width, depth] = self.stride;
-        let [i, j, k] = place.map(|place| place >> BLOCK_BITS);
-        let block = self.blocks.get((k * depth + j) * width + i)?.get()?;
-        let [i, j, k] = place.map(|place| place & (BLOCK - 1));
-        block.get((k << BLOCK_BITS | j) << BLOCK_BITS | i)
+        self.blocks.get(self.block_index(place))?.get().map(Box::as_ref)
     }
 
     /// See [`super::DistanceGrid::depth`].

@@ -10,6 +10,7 @@ use crate::bounded::containment::inside::inside_reach;
 use crate::bounded::containment::remainder::Remainder;
 use crate::bounded::containment::solid::{Solid, SourceDistance};
 use crate::bounded::containment::triangle::{centre, halves};
+use crate::bounded::work;
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, distance, dot};
@@ -193,6 +194,7 @@ impl Search<'_> {
     }
 
     fn examine(&mut self, part: [Vector; 3]) -> Decision {
+        work::count(work::PART);
         let &mut Self { solid, bound, displacement, known, .. } = self;
         let centre = centre(part);
         let radius = radius(centre, part);
