@@ -1,4 +1,5 @@
 use super::*;
+use crate::geometry::{MeshView, TriangleMesh};
 
 const RED: Colour = [220, 40, 30];
 

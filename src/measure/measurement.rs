@@ -1,0 +1,96 @@
+//! What is found.
+
+use super::HullCheck;
+
+/// Distances of sampled points, as shares of the mesh's diagonal.
+#[non_exhaustive]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Distances {
+    /// Their average.
+    pub mean: f64,
+    /// The distance that 1 % of the points exceed.
+    pub p99: f64,
+    /// The greatest.
+    pub max: f64,
+}
+
+impl Distances {
+    pub(super) fn of(mut values: Vec<f64>) -> Self {
+        const HUNDREDTHS: usize = 99;
+
+        values.sort_unstable_by(f64::total_cmp);
+        let Some(&max) = values.last() else {
+            return Self::default();
+        };
+        let p99 = values[(values.len() - 1) * HUNDREDTHS / 100];
+        Self { mean: values.iter().sum::<f64>() / values.len() as f64, p99, max }
+    }
+}
+
+/// What became of the sampled points.
+#[non_exhaustive]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct SampleCounts {
+    /// Points on the surface of all hulls.
+    pub hull: usize,
+    /// Those of them that are not inside another hull: they give [`Measurement::protrusion`].
+    pub boundary: usize,
+    /// Points on the mesh: they give [`Measurement::uncovered`].
+    pub mesh: usize,
+    /// Points in the bounding box of mesh and hulls.
+    pub volume: usize,
+    /// Those of them in the solid: they give [`Measurement::uncovered_volume`].
+    pub solid: usize,
+    /// Those of them in a hull: they give [`Measurement::overlap`].
+    pub in_hulls: usize,
+    /// Those of them in the solid or in a hull: they give [`Measurement::iou`].
+    pub union: usize,
+}
+
+/// How well hulls stand for a mesh. Lengths are shares of [`diagonal`](Self::diagonal).
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Measurement {
+    /// Hulls that can be judged.
+    pub hulls: usize,
+    /// Hulls that can't, and are left out: without triangles, with an index out of range, or with
+    /// a coordinate that is not finite or more than 1e9 diagonals away.
+    pub unusable_hulls: usize,
+    /// Vertices of all hulls.
+    pub vertices: usize,
+    /// Hulls with a vertex in front of one of their own faces by more than
+    /// [`MeasureOptions::convexity_tolerance`](super::MeasureOptions::convexity_tolerance).
+    pub non_convex_hulls: usize,
+    /// The farthest that any vertex lies in front of a face of its own hull.
+    pub worst_concavity: f64,
+    /// Hulls whose triangles do not close up, or are not wound the same way all over.
+    pub open_hulls: usize,
+    /// Hulls that enclose no or, being wound inward, a negative volume.
+    pub non_positive_volumes: usize,
+    /// How far the boundary of the hulls lies outside the solid.
+    pub protrusion: Distances,
+    /// How far the mesh lies outside all hulls.
+    pub uncovered: Distances,
+    /// The larger of the two maxima.
+    pub hausdorff: f64,
+    /// Share of the solid that no hull holds. `None` where more than 0.5 % of the mesh's edges
+    /// are open, or no point is in the solid.
+    pub uncovered_volume: Option<f64>,
+    /// Volume that solid and hulls share, over the volume of both together. `None` where more
+    /// than 0.5 % of the mesh's edges are open, or no point is in either.
+    pub iou: Option<f64>,
+    /// Sum of the hulls' volumes over the volume of their union. `None` where no point is in a
+    /// hull.
+    pub overlap: Option<f64>,
+    /// Share of the mesh's edges that only one triangle uses, its vertices welded by position.
+    pub open_edges: f64,
+    /// Diagonal of the bounding box of the vertices that triangles use, in the mesh's units.
+    pub diagonal: f64,
+    /// What became of the sampled points.
+    pub samples: SampleCounts,
+    /// Every hull on its own, in the order given; `None` for those that can't be judged.
+    pub checks: Vec<Option<HullCheck>>,
+}
