@@ -142,7 +142,9 @@ impl DecompositionCounters {
     pub(super) fn count_skipped(&mut self, reason: SkipReason) {
         let counter = match reason {
             SkipReason::HasCollider => &mut self.had_collider,
-            SkipReason::FixedBody => &mut self.triangle_meshes,
+            SkipReason::FixedBody | SkipReason::NoBody | SkipReason::TrianglesRequested => {
+                &mut self.triangle_meshes
+            }
             SkipReason::Hidden => &mut self.hidden,
             SkipReason::TooSmall => &mut self.too_small,
             SkipReason::TooFar => &mut self.too_far,
