@@ -4,6 +4,7 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
 use bevy::render::render_resource::PipelineCache;
@@ -46,8 +47,23 @@ impl Shaders {
     }
 }
 
-fn note_shaders(cache: Res<PipelineCache>, shaders: Res<Shaders>) {
-    shaders.0.store(cache.waiting_pipelines().next().is_none(), Ordering::Relaxed);
+/// A pipeline whose shader misses something waits forever, and nothing that is drawn needs it: when as many
+/// have waited for this long, no more will come.
+const LONGEST_WAIT: Duration = Duration::from_secs(5);
+
+fn note_shaders(
+    cache: Res<PipelineCache>,
+    shaders: Res<Shaders>,
+    mut waiting: Local<Option<(usize, Instant)>>,
+) {
+    let count = cache.waiting_pipelines().count();
+    let since = match *waiting {
+        Some((before, since)) if before == count => since,
+        _ => Instant::now(),
+    };
+    *waiting = Some((count, since));
+    let are_ready = count == 0 || since.elapsed() > LONGEST_WAIT;
+    shaders.0.store(are_ready, Ordering::Relaxed);
 }
 
 /// Gives every body the component by which Rapier says that it sleeps.
