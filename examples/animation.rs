@@ -15,7 +15,6 @@ use hullwright::io::read_mesh;
 use hullwright::render::palette::{CLAY, Colour, colour};
 use hullwright::render::{Layout, Panel, Part, Picture, render_with};
 use hullwright::{Control, Parameters, TriangleMesh, decompose, mass_properties, rapier};
-use rapier3d::glamx::EulerRot;
 use rapier3d::prelude::*;
 
 /// Size of the picture, in pixels.

@@ -1,6 +1,7 @@
 //! Names results by the content that they are made from.
 
 use bevy::asset::AssetId;
+use sha2::{Digest, Sha256};
 
 use crate::ALGORITHM_VERSION;
 use crate::hulls_format::MeshHash;
@@ -29,8 +30,7 @@ impl ContentKey {
 
 /// Hash of what is made of a mesh, whichever mesh that is.
 pub(super) fn goal_hash(goal: &Goal) -> [u8; 32] {
-    let mut hasher = blake3::Hasher::new();
-    hasher.update(&ALGORITHM_VERSION.to_le_bytes());
+    let mut hasher = Sha256::new_with_prefix(ALGORITHM_VERSION.to_le_bytes());
     goal.hash(&mut hasher);
-    *hasher.finalize().as_bytes()
+    hasher.finalize().into()
 }

@@ -8,7 +8,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, SystemTime};
 
-use crate::hulls_format::HullsFile;
+use sha2::{Digest, Sha256};
+
+use crate::hulls_format::{HullsFile, MeshHash};
 
 use super::content::ContentKey;
 use super::settings::HullwrightSettings;
@@ -55,10 +57,10 @@ impl DiskCache {
 
     fn path_of(&self, key: ContentKey) -> Option<PathBuf> {
         let ContentKey::Mesh { mesh, goal } = key else { return None };
-        let mut hasher = blake3::Hasher::new();
-        hasher.update(mesh.as_bytes()).update(&goal);
-        let name = hasher.finalize().to_hex();
-        Some(self.directory.join(name.as_str()).with_extension("hulls"))
+        let mut hasher = Sha256::new_with_prefix(mesh.as_bytes());
+        hasher.update(goal);
+        let name = MeshHash::from_bytes(hasher.finalize().into()).to_string();
+        Some(self.directory.join(name).with_extension("hulls"))
     }
 
     /// A file that can't be read counts as missing.

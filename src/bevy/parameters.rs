@@ -1,6 +1,8 @@
 //! From the tag's flat settings to the library's parameters, and what the plugin needs to know of
 //! these: the only file that looks into them.
 
+use sha2::{Digest, Sha256};
+
 use crate::{BoundedParameters, Length, Method, Openings, Parameters, Preset, SurfaceParameters};
 
 use super::primitive::PrimitiveKind;
@@ -60,13 +62,13 @@ impl Goal {
     }
 
     /// Hashes what is made, whichever mesh it is made of.
-    pub(super) fn hash(&self, hasher: &mut blake3::Hasher) {
+    pub(super) fn hash(&self, hasher: &mut Sha256) {
         match self {
-            Self::Triangles(_) => hasher.update(&[0]),
-            Self::Hulls(_) => hasher.update(&[1]),
-            Self::Primitive(PrimitiveKind::Cuboid) => hasher.update(&[2]),
-            Self::Primitive(PrimitiveKind::Ball) => hasher.update(&[3]),
-            Self::Primitive(PrimitiveKind::Capsule) => hasher.update(&[4]),
+            Self::Triangles(_) => hasher.update([0]),
+            Self::Hulls(_) => hasher.update([1]),
+            Self::Primitive(PrimitiveKind::Cuboid) => hasher.update([2]),
+            Self::Primitive(PrimitiveKind::Ball) => hasher.update([3]),
+            Self::Primitive(PrimitiveKind::Capsule) => hasher.update([4]),
         };
         if let Self::Hulls(parameters) = self {
             hash_parameters(parameters, hasher);
@@ -172,7 +174,7 @@ pub(super) fn has_absolute_length(parameters: &Parameters) -> bool {
 
 /// Hashes every parameter, field by field, so that the keys of caches on disk depend on no text or
 /// layout. The patterns name all fields: a new one does not compile until it is hashed here.
-fn hash_parameters(parameters: &Parameters, hasher: &mut blake3::Hasher) {
+fn hash_parameters(parameters: &Parameters, hasher: &mut Sha256) {
     let Parameters { method, bounded, surface, max_vertices } = parameters;
     let BoundedParameters { max_error, preset, max_hulls, keep_cavities, openings, up_axis } =
         bounded;
@@ -208,11 +210,11 @@ fn hash_parameters(parameters: &Parameters, hasher: &mut blake3::Hasher) {
 }
 
 /// Fields as bytes, none of which can be taken for two others.
-struct FieldHasher<'a>(&'a mut blake3::Hasher);
+struct FieldHasher<'a>(&'a mut Sha256);
 
 impl FieldHasher<'_> {
     fn number(&mut self, number: u64) {
-        self.0.update(&number.to_le_bytes());
+        self.0.update(number.to_le_bytes());
     }
 
     fn real(&mut self, real: f64) {
@@ -282,9 +284,9 @@ mod tests {
         let hash = |change: fn(&mut Parameters)| {
             let mut parameters = Parameters::default();
             change(&mut parameters);
-            let mut hasher = blake3::Hasher::new();
+            let mut hasher = Sha256::new();
             hash_parameters(&parameters, &mut hasher);
-            *hasher.finalize().as_bytes()
+            hasher.finalize().into()
         };
         let same = hash(|_| {});
         assert_eq!(same, hash(|_| {}));

@@ -50,6 +50,16 @@ pub(super) struct Job {
     pub worker: Worker,
 }
 
+impl Job {
+    /// Nobody wants its result any more. It is not waited for: its thread stops at the next look at the control.
+    fn abandon(self) {
+        self.control.cancel();
+        if let Worker::Background(task) = self.worker {
+            task.detach();
+        }
+    }
+}
+
 pub(super) enum Worker {
     Background(Task<Result<TaskOutput, DecompositionError>>),
     Slices(Box<DecompositionTask>),
@@ -122,14 +132,9 @@ impl WorkQueue {
             for job in &mut self.jobs {
                 job.entities.retain(|other| *other != entity);
             }
-            // A dropped task is not waited for; its thread stops at the next look at the control.
-            self.jobs.retain(|job| {
-                let is_wanted = !job.entities.is_empty();
-                if !is_wanted {
-                    job.control.cancel();
-                }
-                is_wanted
-            });
+            for job in self.jobs.extract_if(.., |job| job.entities.is_empty()) {
+                job.abandon();
+            }
         }
         true
     }

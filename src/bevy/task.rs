@@ -92,6 +92,9 @@ impl DecompositionTask {
     /// Runs to the end.
     pub(super) fn run(mut self, control: &Control) -> Result<TaskOutput, DecompositionError> {
         loop {
+            if control.is_cancelled() {
+                return Err(Error::Cancelled.into());
+            }
             if let Some(output) = self.step(control)? {
                 return Ok(output);
             }

@@ -293,7 +293,7 @@ mod tests {
         long.iter_mut().for_each(|point| point[2] += 1.5 * point[2].signum());
         let mut cut = corners([1.0, 0.8, 0.6]);
         cut[7] = [0.95, 0.77, 0.58];
-        for (points, both) in [(sphere(8), 0.05), (long, 0.12), (cut, 0.06)] {
+        for (points, both) in [(sphere(8), 0.05), (long, 0.12), (cut, 0.1)] {
             let hull = placed(&points);
             let found = fit_primitive(&hull, slack(both)).expect("a primitive");
             let outside = |point: &Vector| match found {

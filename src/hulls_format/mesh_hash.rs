@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use sha2::{Digest, Sha256};
+
 use crate::geometry::MeshView;
 
 /// Hash of the corners of a mesh's triangles, in single precision, in the file's order.
@@ -17,7 +19,7 @@ const CONTEXT: &str = "hullwright 2026-11 corners of triangles in f32";
 /// A corner's bytes.
 const CORNER: usize = 12;
 
-/// Triangles that are handed to the hasher at once; it works on blocks of 1024 bytes.
+/// Triangles that are handed to the hasher at once.
 const TRIANGLES_AT_ONCE: usize = 256;
 
 impl MeshHash {
@@ -33,7 +35,7 @@ impl MeshHash {
     /// ```
     pub fn of<'a>(mesh: impl Into<MeshView<'a>>) -> Self {
         let mesh = mesh.into();
-        let mut hasher = blake3::Hasher::new_derive_key(CONTEXT);
+        let mut hasher = Sha256::new_with_prefix(CONTEXT);
         let mut bytes = Vec::with_capacity(3 * CORNER * TRIANGLES_AT_ONCE);
         for triangles in mesh.triangles().chunks(TRIANGLES_AT_ONCE) {
             bytes.clear();
@@ -43,7 +45,7 @@ impl MeshHash {
             }
             hasher.update(&bytes);
         }
-        Self(*hasher.finalize().as_bytes())
+        Self(hasher.finalize().into())
     }
 
     /// From the bytes of a hash.
