@@ -197,7 +197,7 @@ fn a_scene_is_baked_as_its_artist_says() {
     };
     let (all, tagged) = (read("all"), read("tagged"));
     assert!(all.contains_key("leaf") && !tagged.contains_key("leaf"));
-    for (name, cap) in [("mug-convcol", None), ("lamp", None), ("UCX_table_01", Some(1))] {
+    for (name, cap) in [("mug-convdecomp", None), ("lamp", None), ("UCX_table_01", Some(1))] {
         assert_eq!((all.get(name), tagged.get(name)), (Some(&cap), Some(&cap)), "{name}");
     }
     // Its pieces stand for it.

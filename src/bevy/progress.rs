@@ -54,8 +54,6 @@ impl DecompositionProgress {
 /// use hullwright::bevy::prelude::*;
 ///
 /// # let mut app = App::new();
-/// # #[derive(States, Clone, PartialEq, Eq, Hash, Debug, Default)]
-/// # struct Level;
 /// app.add_systems(Update, start_level.run_if(all_decompositions_done));
 /// # fn start_level() {}
 /// ```

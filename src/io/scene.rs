@@ -42,7 +42,7 @@ pub struct SceneNode {
 /// let meshes = hullwright::io::read_scene("assets/props.glb")?;
 /// let nodes: Vec<&str> =
 ///     meshes.iter().flat_map(|mesh| &mesh.nodes).map(|node| node.name.as_str()).collect();
-/// assert!(nodes.contains(&"mug-convcol"));
+/// assert!(nodes.contains(&"mug-convdecomp"));
 /// # Ok::<(), hullwright::Error>(())
 /// ```
 pub fn read_scene(path: impl AsRef<Path>) -> Result<Vec<SceneMesh>, Error> {
