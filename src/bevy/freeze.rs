@@ -24,6 +24,7 @@ type FreeBody = (Option<&'static LockedAxes>, Option<&'static mut Velocity>);
 
 /// Freezes the bodies of entities that wait for their first collider, and keeps the velocities that are set
 /// while they are frozen.
+#[expect(clippy::too_many_arguments, reason = "a system's are what it reads and writes")]
 pub(super) fn freeze(
     mut commands: Commands,
     queue: Res<WorkQueue>,

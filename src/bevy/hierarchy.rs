@@ -176,6 +176,7 @@ impl Complaints {
 type NewMesh = (With<Mesh3d>, Or<(Added<Mesh3d>, Changed<ChildOf>)>);
 
 /// Tags what is new below a hierarchy, and all below one that is new or changed.
+#[expect(clippy::too_many_arguments, reason = "a system's are what it reads and writes")]
 pub(super) fn tag_hierarchies(
     mut commands: Commands,
     hierarchies: Query<&ConvexDecompositionHierarchy>,

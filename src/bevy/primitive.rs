@@ -30,7 +30,7 @@ pub(super) fn primitive_around(
     let points: Vec<Vector> = used_points(data)
         .map(|point| Vector::from(map.transform_point3(point.into()).to_array()))
         .collect();
-    let (middle, half) = bounding_box(&points).ok_or_else(|| Error::NothingUsable {
+    let (middle, half) = bounding_box(&points).ok_or(Error::NothingUsable {
         triangles: data.triangles.len(),
         degenerate: 0,
         non_finite: 0,

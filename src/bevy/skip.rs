@@ -109,6 +109,7 @@ pub(super) fn is_too_small(
 }
 
 /// Entities that have come near start; colliders that are far go, if the settings say so.
+#[expect(clippy::too_many_arguments, reason = "a system's are what it reads and writes")]
 pub(super) fn watch_distances(
     mut commands: Commands,
     mut queue: ResMut<WorkQueue>,

@@ -175,7 +175,7 @@ fn suffix_tag(name: &str, suffixes: &[(&str, NameTag<'static>)]) -> Option<NameT
 /// assert_eq!(whole_of("chair_01", |name| name == "chair"), "chair");
 /// assert_eq!(whole_of("chair_01", |name| name == "chair_01"), "chair_01");
 /// ```
-pub fn whole_of<'a>(rest: &'a str, exists: impl Fn(&str) -> bool) -> &'a str {
+pub fn whole_of(rest: &str, exists: impl Fn(&str) -> bool) -> &str {
     match rest.rsplit_once('_') {
         Some((head, _)) if !exists(rest) => head,
         _ => rest,

@@ -35,10 +35,8 @@ impl Polygon {
         let place = self.vertices.get_mut(self.count).ok_or(TooManyVertices)?;
         *place = point;
         self.count += 1;
-        for axis in 0..2 {
-            self.low[axis] = self.low[axis].min(point[axis]);
-            self.high[axis] = self.high[axis].max(point[axis]);
-        }
+        self.low = [0, 1].map(|axis| self.low[axis].min(point[axis]));
+        self.high = [0, 1].map(|axis| self.high[axis].max(point[axis]));
         Ok(())
     }
 

@@ -223,7 +223,7 @@ fn holes() -> Vec<SharedShape> {
 
 /// A path with a step up at one side and a step down at the other, both with gaps.
 fn steps() -> Vec<SharedShape> {
-    let is_filled = |x: u32, y: u32, z: u32| y < z + u32::from(z == 1 || x % 3 != 0);
+    let is_filled = |x: u32, y: u32, z: u32| y < z + u32::from(z == 1 || !x.is_multiple_of(3));
     decomposed(&Cells { counts: [21, 3, 3], path: [2, 1], is_filled })
 }
 
