@@ -11,7 +11,7 @@ use bevy_rapier3d::prelude::RigidBody;
 use super::artists::{Treatment, treatment};
 use super::baked_scene::{BakedScene, FromBakedScene};
 use super::describe::{Descriptions, entities};
-use super::hierarchy_progress::{HierarchyStatus, HierarchyWork};
+use super::hierarchy_status::{HierarchyStatus, HierarchyWork};
 use super::nodes::{Nodes, TaggedByHierarchy};
 use super::tag::{ConvexDecomposition, NoConvexDecomposition};
 use crate::conventions::{NameTag, mesh_tag, node_tag, without_copy_number};

@@ -52,7 +52,7 @@
 // | `pool`, `scheduler` | jobs start and finish |
 // | `fallback_collider`, `freeze` | colliders and bodies that wait |
 // | `attach`, `failures` | results and errors reach their entities |
-// | `hierarchy_progress`, `progress` | how far scenes and all work are |
+// | `hierarchy_status`, `hierarchy_progress`, `progress` | how far scenes and all work are |
 // | `debug` (feature) | hulls drawn, and numbers among the diagnostics |
 // | `plugin` | the systems and their order |
 
@@ -78,6 +78,7 @@ mod fallback_collider;
 mod freeze;
 mod hierarchy;
 mod hierarchy_progress;
+mod hierarchy_status;
 mod mesh_data;
 mod nodes;
 mod parameters;
@@ -111,7 +112,7 @@ pub use events::{
     VerifiedError,
 };
 pub use hierarchy::ConvexDecompositionHierarchy;
-pub use hierarchy_progress::{HierarchyFinished, HierarchyReport, HierarchyStatus};
+pub use hierarchy_status::{HierarchyFinished, HierarchyReport, HierarchyStatus};
 pub use plugin::{HullwrightPlugin, HullwrightSystems};
 pub use progress::{DecompositionProgress, all_decompositions_done, decompositions_pending};
 pub use scene_processor::{HullSceneProcessor, HullSceneSaver};

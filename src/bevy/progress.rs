@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use super::hierarchy_progress::{HierarchyStatus, HierarchyWork};
+use super::hierarchy_status::{HierarchyStatus, HierarchyWork};
 use super::queue::WorkQueue;
 use super::status::DecompositionStatus;
 

@@ -26,7 +26,7 @@ use super::accessor::Accessors;
 use super::buffers::Buffers;
 use super::draco::{self, Geometry, Reference};
 use super::meshopt;
-use super::scene::{SceneMesh, SceneNode, scene_meshes};
+use super::scene_mesh::{SceneMesh, SceneNode, scene_meshes};
 use super::text::quote;
 use super::transform::Transform;
 use super::views::Views;

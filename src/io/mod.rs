@@ -29,6 +29,7 @@ mod off;
 mod ply;
 mod polygon;
 mod scene;
+mod scene_mesh;
 mod stl;
 mod text;
 mod transform;
@@ -41,7 +42,8 @@ use std::ops::Range;
 use std::path::Path;
 
 pub use format::{Format, HullFormat};
-pub use scene::{SceneMesh, SceneNode, read_scene, read_scene_from_bytes};
+pub use scene::{read_scene, read_scene_from_bytes};
+pub use scene_mesh::{SceneMesh, SceneNode};
 pub use write::{check_output, write_hulls};
 
 use crate::error::{Error, FileError};

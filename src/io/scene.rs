@@ -1,34 +1,10 @@
-//! The meshes of a file one by one, with all that artists say of them: names and extras.
+//! Reads the meshes of a file one by one, with all that artists say of them.
 
 use std::path::Path;
 
-use super::{Format, MeshFile, gltf, read_mesh, split_objects, unmarked};
+use super::scene_mesh::SceneMesh;
+use super::{Format, MeshFile, gltf, read_mesh, unmarked};
 use crate::error::Error;
-use crate::geometry::TriangleMesh;
-
-/// A mesh of a scene, in the space that it was modelled in.
-#[non_exhaustive]
-#[derive(Debug, Clone, PartialEq)]
-pub struct SceneMesh {
-    /// Its name; `mesh_` and its index where it has none.
-    pub name: String,
-    /// All its primitives together, each vertex used by a triangle.
-    pub mesh: TriangleMesh,
-    /// Its extras: custom properties, as JSON.
-    pub extras: Option<String>,
-    /// The nodes that show it, in the file's order, of all scenes.
-    pub nodes: Vec<SceneNode>,
-}
-
-/// A node that shows a mesh.
-#[non_exhaustive]
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct SceneNode {
-    /// Its name; may be empty.
-    pub name: String,
-    /// Its extras: custom properties, as JSON.
-    pub extras: Option<String>,
-}
 
 /// Reads the meshes of a scene one by one, each in the space that it was modelled in.
 ///
@@ -64,20 +40,4 @@ pub fn read_scene(path: impl AsRef<Path>) -> Result<Vec<SceneMesh>, Error> {
 pub fn read_scene_from_bytes(bytes: &[u8]) -> Result<Vec<SceneMesh>, Error> {
     gltf::read_scene(unmarked(bytes), None)
         .map_err(|reason| Error::file(Path::new("glTF in memory"), reason))
-}
-
-/// The meshes of a file whose objects are the meshes with these indices and extras.
-pub(super) fn scene_meshes(
-    file: &MeshFile,
-    of_objects: Vec<(Option<String>, Vec<SceneNode>)>,
-) -> Vec<SceneMesh> {
-    let meshes = split_objects(file).into_iter().zip(of_objects);
-    meshes
-        .map(|(named, (extras, nodes))| SceneMesh {
-            name: named.name,
-            mesh: named.mesh,
-            extras,
-            nodes,
-        })
-        .collect()
 }
