@@ -12,6 +12,8 @@ pub mod studio;
 use std::path::PathBuf;
 
 use bevy::app::PluginGroupBuilder;
+use std::time::Duration;
+
 use bevy::prelude::*;
 use bevy::render::RenderPlugin;
 use bevy::window::WindowResolution;
@@ -44,6 +46,9 @@ const STILL_FRAMES: usize = 30;
 
 /// Frames after which the picture is taken all the same.
 const MOST_FRAMES: usize = 1200;
+
+/// As long where frames take long, as without a graphics card.
+const LONGEST: Duration = Duration::from_secs(100);
 
 /// Bevy with a window and the bundled models, Rapier and Hullwright.
 pub fn plugins(title: &str) -> PluginGroupBuilder {
@@ -131,6 +136,7 @@ fn take_picture(
     statuses: Query<&DecompositionStatus>,
     bodies: Bodies,
     shaders: Res<Shaders>,
+    time: Res<Time<Real>>,
 ) {
     let are_ready = shaders.are_ready()
         && !statuses.is_empty()
@@ -140,8 +146,8 @@ fn take_picture(
         return;
     }
     picture.still = if are_ready && is_still(&bodies) { picture.still + 1 } else { 0 };
-    if picture.frames == MOST_FRAMES {
-        println!("not all lies still after {MOST_FRAMES} frames");
+    if picture.frames == MOST_FRAMES || time.elapsed() > LONGEST {
+        println!("not all lies still after {} frames", picture.frames);
         picture.still = STILL_FRAMES;
     }
     if picture.still == STILL_FRAMES {
