@@ -10,10 +10,9 @@ mod shown;
 pub mod studio;
 
 use std::path::PathBuf;
-
-use bevy::app::PluginGroupBuilder;
 use std::time::Duration;
 
+use bevy::app::PluginGroupBuilder;
 use bevy::prelude::*;
 use bevy::render::RenderPlugin;
 use bevy::window::WindowResolution;
