@@ -14,6 +14,7 @@ use crate::conventions::{NameTag, node_tag, whole_of, without_copy_number};
 pub(super) struct TaggedByHierarchy;
 
 /// Set on what a hierarchy hides, so that another setting can show it again.
+#[cfg(feature = "bevy_gltf")]
 #[derive(Component, Debug, Clone, Copy)]
 pub(super) struct HiddenByHierarchy;
 
@@ -32,6 +33,7 @@ pub(super) struct Nodes<'w, 's> {
     pub own_tags: Query<'w, 's, (), OwnTag>,
     /// What hierarchies said before; `None` for no collider.
     pub tagged: Query<'w, 's, Option<&'static ConvexDecomposition>, With<TaggedByHierarchy>>,
+    #[cfg(feature = "bevy_gltf")]
     hidden: Query<'w, 's, (), With<HiddenByHierarchy>>,
     #[cfg(feature = "bevy_gltf")]
     extras: Query<'w, 's, Extras>,
