@@ -49,11 +49,24 @@ impl Default for BakeOptions {
 
 impl BakeOptions {
     /// All meshes, with these parameters where the artist says nothing else.
+    ///
+    /// ```
+    /// use hullwright::{Length, Parameters, bake::BakeOptions};
+    ///
+    /// let options = BakeOptions::new(Parameters::default().max_error(Length::share(0.01)));
+    /// assert!(options.follows_artists && !options.tagged_only);
+    /// ```
     pub fn new(parameters: Parameters) -> Self {
         Self { parameters, ..Self::default() }
     }
 
     /// The same for tagged meshes only, or for all.
+    ///
+    /// ```
+    /// use hullwright::bake::BakeOptions;
+    ///
+    /// assert!(BakeOptions::default().tagged_only(true).tagged_only);
+    /// ```
     #[must_use]
     pub fn tagged_only(mut self, tagged_only: bool) -> Self {
         self.tagged_only = tagged_only;
@@ -124,6 +137,18 @@ impl BakeJob {
     ///
     /// # Errors
     /// As [`decompose`](crate::decompose()).
+    ///
+    /// ```
+    /// use hullwright::Control;
+    /// use hullwright::bake::{BakeOptions, bake_jobs};
+    ///
+    /// let meshes = hullwright::io::read_scene("assets/props.glb")?;
+    /// let jobs = bake_jobs(meshes, &BakeOptions::default());
+    /// let baked = jobs[0].run(&Control::new())?;
+    /// assert_eq!(baked.names, jobs[0].names);
+    /// assert!(baked.hulls.mass_properties.is_some());
+    /// # Ok::<(), hullwright::Error>(())
+    /// ```
     pub fn run(&self, control: &Control) -> Result<BakedMesh, Error> {
         let made = decompose(&self.mesh, &self.parameters, control)?;
         let mass = mass_properties_with(&self.mesh, &made.hulls, 1.0, &self.parameters)?;

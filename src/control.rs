@@ -202,6 +202,10 @@ impl Control {
     }
 
     /// Whether independent parts of the work run on rayon's current pool.
+    ///
+    /// ```
+    /// assert!(hullwright::Control::new().is_parallel());
+    /// ```
     pub fn is_parallel(&self) -> bool {
         !self.is_serial
     }
@@ -218,11 +222,22 @@ impl Control {
     }
 
     /// Whether [`cancel`](Self::cancel) was called on this control or a clone of it.
+    ///
+    /// ```
+    /// assert!(!hullwright::Control::new().is_cancelled());
+    /// ```
     pub fn is_cancelled(&self) -> bool {
         self.cancelled.load(Ordering::Relaxed)
     }
 
     /// Whether the deadline has passed.
+    ///
+    /// ```
+    /// use std::time::Instant;
+    ///
+    /// let control = hullwright::Control::new().with_deadline(Instant::now());
+    /// assert!(control.is_past_deadline());
+    /// ```
     pub fn is_past_deadline(&self) -> bool {
         self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
     }

@@ -117,6 +117,13 @@ impl Decomposer {
     /// # Errors
     /// [`Error::InvalidParameter`] and [`Error::EmptyMesh`]; the rest of the input is judged in
     /// the first [`step`](Self::step).
+    ///
+    /// ```
+    /// use hullwright::{Decomposer, Error, Parameters, TriangleMesh};
+    ///
+    /// let empty = Decomposer::new(&TriangleMesh::default(), &Parameters::default());
+    /// assert!(matches!(empty, Err(Error::EmptyMesh { .. })));
+    /// ```
     pub fn new<'a>(mesh: impl Into<MeshView<'a>>, parameters: &Parameters) -> Result<Self, Error> {
         parameters.validate()?;
         let mesh = mesh.into();
@@ -139,6 +146,24 @@ impl Decomposer {
     ///
     /// # Errors
     /// As [`decompose`], and [`Error::Finished`] after the result or an error.
+    ///
+    /// ```
+    /// # let mesh = hullwright::TriangleMesh::new(
+    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+    /// # );
+    /// use hullwright::{Control, Decomposer, Parameters};
+    ///
+    /// let mut decomposer = Decomposer::new(&mesh, &Parameters::default())?;
+    /// let result = loop {
+    ///     // A frame of the game goes between two steps.
+    ///     if let Some(result) = decomposer.step(&Control::new())? {
+    ///         break result;
+    ///     }
+    /// };
+    /// assert_eq!(result.hulls.len(), 1);
+    /// # Ok::<(), hullwright::Error>(())
+    /// ```
     pub fn step(&mut self, control: &Control) -> Result<Option<Decomposition>, Error> {
         control.check()?;
         control.admit(self.source.triangles.len())?;

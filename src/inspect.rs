@@ -45,6 +45,15 @@ pub struct Inspection {
 
 impl Inspection {
     /// Whether all components are closed as they come, so that the mesh has an inside.
+    ///
+    /// ```
+    /// # let mesh = hullwright::TriangleMesh::new(
+    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+    /// # );
+    /// assert!(hullwright::inspect(&mesh)?.is_closed());
+    /// # Ok::<(), hullwright::Error>(())
+    /// ```
     pub fn is_closed(&self) -> bool {
         self.closed_components == self.components
     }

@@ -72,6 +72,20 @@ impl MergeTree {
     ///
     /// # Errors
     /// Those of [`decompose`](crate::decompose); [`Error::NoHulls`] without hulls.
+    ///
+    /// ```
+    /// # let mesh = hullwright::TriangleMesh::new(
+    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+    /// # );
+    /// use hullwright::{Control, MergeTree, Parameters, decompose};
+    ///
+    /// let (parameters, control) = (Parameters::default(), Control::new());
+    /// let result = decompose(&mesh, &parameters, &control)?;
+    /// let tree = MergeTree::new(&mesh, &result, &parameters, &control)?;
+    /// assert_eq!(tree.curve().len(), result.hulls.len());
+    /// # Ok::<(), hullwright::Error>(())
+    /// ```
     pub fn new<'a>(
         mesh: impl Into<MeshView<'a>>,
         decomposition: &Decomposition,

@@ -1,5 +1,7 @@
 //! What becomes of what modellers leave open: each case with its number of hulls, points that must be filled,
 //! and points that must stay empty.
+//!
+//! One long file: the cases are read side by side, and share their shapes.
 
 use hullwright::measure::{MeasureOptions, measure};
 use hullwright::{

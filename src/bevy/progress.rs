@@ -66,6 +66,15 @@ pub fn all_decompositions_done(
 }
 
 /// A run condition: the opposite of [`all_decompositions_done`], for what a loading screen shows.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use hullwright::bevy::decompositions_pending;
+///
+/// # let mut app = App::new();
+/// app.add_systems(Update, show_loading_screen.run_if(decompositions_pending));
+/// # fn show_loading_screen() {}
+/// ```
 pub fn decompositions_pending(
     statuses: Query<&DecompositionStatus>,
     hierarchies: Query<&HierarchyStatus>,

@@ -244,6 +244,13 @@ impl ConvexDecomposition {
     }
 
     /// The same with openings that are closed or kept.
+    ///
+    /// ```
+    /// use hullwright::bevy::prelude::*;
+    ///
+    /// let tag = ConvexDecomposition::default().with_openings(DecompositionOpenings::Keep);
+    /// assert_eq!(tag.openings, DecompositionOpenings::Keep);
+    /// ```
     #[must_use]
     pub fn with_openings(mut self, openings: DecompositionOpenings) -> Self {
         self.openings = openings;

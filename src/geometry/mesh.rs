@@ -40,6 +40,12 @@ pub struct MeshView<'a> {
 
 impl<'a> MeshView<'a> {
     /// Positions in `f32` or `f64`, in any unit, and triangles that index them.
+    ///
+    /// ```
+    /// let positions = [[0.0_f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    /// let mesh = hullwright::MeshView::new(&positions, &[[0, 1, 2]]);
+    /// assert_eq!(mesh.triangles().len(), 1);
+    /// ```
     pub fn new<C: Coordinate>(positions: &'a [[C; 3]], triangles: &'a [[u32; 3]]) -> Self {
         Self { positions: C::positions(positions), triangles, sidedness: &[] }
     }
@@ -101,6 +107,11 @@ impl<'a> MeshView<'a> {
     }
 
     /// Which sides of a triangle are drawn, where that is known.
+    ///
+    /// ```
+    /// let mesh = hullwright::MeshView::new(&[[0.0_f32; 3]; 3], &[[0, 1, 2]]);
+    /// assert_eq!(mesh.sidedness(0), None);
+    /// ```
     pub fn sidedness(&self, triangle: u32) -> Option<Sidedness> {
         self.sidedness.get(triangle as usize).copied()
     }

@@ -47,6 +47,10 @@ impl Length {
     }
 
     /// The same length in units, for a mesh with this `diagonal`.
+    ///
+    /// ```
+    /// assert_eq!(hullwright::Length::share(0.02).of_diagonal(10.0), 0.2);
+    /// ```
     pub fn of_diagonal(self, diagonal: f64) -> f64 {
         match self {
             Self::Share(share) => share * diagonal,

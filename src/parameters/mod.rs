@@ -195,6 +195,12 @@ impl Parameters {
     }
 
     /// Sets what becomes of openings: see [`BoundedParameters::openings`].
+    ///
+    /// ```
+    /// use hullwright::{Openings, Parameters};
+    ///
+    /// assert_eq!(Parameters::default().openings(Openings::Keep).bounded.openings, Openings::Keep);
+    /// ```
     #[must_use]
     pub fn openings(mut self, openings: Openings) -> Self {
         self.bounded.openings = openings;
@@ -202,6 +208,12 @@ impl Parameters {
     }
 
     /// Sets which axis points up: see [`BoundedParameters::up_axis`].
+    ///
+    /// ```
+    /// use hullwright::{Parameters, UpAxis};
+    ///
+    /// assert_eq!(Parameters::default().up_axis(UpAxis::Z).bounded.up_axis, UpAxis::Z);
+    /// ```
     #[must_use]
     pub fn up_axis(mut self, up_axis: UpAxis) -> Self {
         self.bounded.up_axis = up_axis;

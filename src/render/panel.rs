@@ -65,6 +65,21 @@ impl Panel {
     }
 
     /// A mesh in [`palette::CLAY`], the caps that close its openings in [`palette::CAP`].
+    ///
+    /// ```
+    /// # let mesh = hullwright::TriangleMesh::new(
+    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+    /// # );
+    /// let closed = hullwright::close_openings(
+    ///     &mesh,
+    ///     &hullwright::Parameters::default(),
+    ///     &hullwright::Control::new(),
+    /// )?;
+    /// let panel = hullwright::render::Panel::closed_mesh(&closed);
+    /// assert_eq!(panel.parts.len(), 2);
+    /// # Ok::<(), hullwright::Error>(())
+    /// ```
     pub fn closed_mesh(closed: &ClosedMesh) -> Self {
         let ClosedMesh { mesh, caps, .. } = closed;
         let surface = mesh.triangles.len().saturating_sub(*caps);

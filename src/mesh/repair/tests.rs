@@ -1,4 +1,6 @@
 //! Tests of `repair`.
+//!
+//! One long file: every promise is about the same function.
 
 use super::*;
 use crate::geometry::vector::{cross, dot, length_squared, subtract};
