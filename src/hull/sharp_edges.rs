@@ -28,7 +28,7 @@ impl HullBuilder {
                 let squared = self.squared_distance_to_face(point, face);
                 if squared > farthest
                     && let Some((squared, seen)) =
-                        self.squared_distance_to_hull(point, face, squared)
+                        self.squared_distance_to_hull(point, face, squared, limit * limit)
                     && squared > farthest
                 {
                     (farthest, best) = (squared, Some((point, seen)));
@@ -51,14 +51,15 @@ impl HullBuilder {
         length_squared(closest_point_on_triangle(a, b, c))
     }
 
-    /// The squared distance to the nearest of the faces that a point is in front of, and one of them
-    /// that it sees, exactly; `None` if it sees none. `start` is one that it is in front of, `known`
-    /// its squared distance.
+    /// The squared distance to the nearest of the faces that a point is not behind, and one of them
+    /// that it sees, exactly; `None` if it sees none, or if a face is within `limit`, squared. `start`
+    /// is one of those faces, `known` its squared distance.
     fn squared_distance_to_hull(
         &mut self,
         point: u32,
         start: u32,
         known: f64,
+        limit: f64,
     ) -> Option<(f64, u32)> {
         let position: Vector = self.points[point as usize];
         let mut least = known;
@@ -76,10 +77,13 @@ impl HullBuilder {
                 }
                 waiting.stamp = self.stamp;
                 let plane = self.faces[neighbour as usize].plane;
-                if !self.heights.is_in_front(plane.height(position), &plane) {
+                if !self.heights.is_not_behind(plane.height(position), &plane) {
                     continue;
                 }
                 least = least.min(self.squared_distance_to_face(point, neighbour));
+                if least <= limit {
+                    return None;
+                }
                 if seen.is_none() && self.is_seen(neighbour, point) {
                     seen = Some(neighbour);
                 }
