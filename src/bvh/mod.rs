@@ -8,6 +8,7 @@
 //! | `tree`, `build` | the four-wide tree and its construction, O(n log n) |
 //! | `closest_point` | distances by branch and bound |
 //! | `winding_number` | winding numbers by multipole expansion |
+//! | `inside_nearby` | the way to the inside of an open surface |
 //! | `near_plane` | the triangles near a face |
 //! | `closest_triangles` | for each triangle of a mesh the closest one of another |
 //! | `ray` | the first hit of a ray, and triangles near a box |
@@ -20,6 +21,7 @@
 mod build;
 pub(crate) mod closest_point;
 pub(crate) mod closest_triangles;
+mod inside_nearby;
 pub(crate) mod near_plane;
 mod ray;
 mod tree;

@@ -129,7 +129,8 @@ impl HullBuilder {
         self
     }
 
-    /// Points closer to the hull than `tolerance`, in their own units, are left out too.
+    /// Points closer to the hull than `tolerance`, in their own units, are left out too, and those
+    /// within it of all faces' planes: beyond a sharp edge these may be farther from the hull.
     #[must_use]
     pub fn with_least_tolerance(mut self, tolerance: f64) -> Self {
         self.least_tolerance = if tolerance.is_finite() { tolerance.max(0.0) } else { 0.0 };
@@ -285,6 +286,11 @@ impl HullBuilder {
         self.next_waiting.clear();
         self.next_waiting.resize(kept, NONE);
         self.has_close_points = false;
+    }
+
+    /// Whether more may be left out than the share of the extent asks for.
+    pub(super) fn is_coarse(&self) -> bool {
+        self.least_tolerance > 0.0
     }
 
     pub(super) fn given(&self) -> Given<'_> {

@@ -21,7 +21,7 @@ pub struct ConvexHull {
 /// The convex hull of points, in their units. O(n log n) expected.
 ///
 /// No point lies farther than [`DEFAULT_TOLERANCE`](super::DEFAULT_TOLERANCE) of their extent
-/// outside a face. Points that are not finite are ignored.
+/// outside the hull. Points that are not finite are ignored.
 ///
 /// # Errors
 /// [`Error::NoHull`] if the points lie in a plane, on a line or on a spot up to the tolerance;

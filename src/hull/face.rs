@@ -121,6 +121,12 @@ impl Heights {
         self.is_farther(height, plane, CERTAINLY_BEHIND * CERTAINLY_BEHIND)
     }
 
+    /// Whether a height over a face is not a distance behind it, as far as that can be told from none.
+    #[inline]
+    pub(super) fn is_not_behind(&self, height: f64, plane: &Plane) -> bool {
+        self.is_farther(height, plane, -CERTAINLY_BEHIND * CERTAINLY_BEHIND)
+    }
+
     #[inline]
     fn is_farther(&self, height: f64, plane: &Plane, squared_distance: f64) -> bool {
         height * height.abs() > squared_distance * length_squared(plane.normal)

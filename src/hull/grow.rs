@@ -35,7 +35,8 @@ impl HullBuilder {
             self.work.clear();
             if self.only_marked
                 || !self.has_close_points
-                || !self.add_a_point_that_other_faces_see()
+                || !(self.add_a_point_that_other_faces_see()
+                    || self.add_points_beyond_sharp_edges())
             {
                 self.close_gaps();
                 self.measure_new_faces();
@@ -51,7 +52,7 @@ impl HullBuilder {
     }
 
     /// Whether a point lies strictly in front of a face, exactly.
-    fn is_seen(&self, face: u32, point: u32) -> bool {
+    pub(super) fn is_seen(&self, face: u32, point: u32) -> bool {
         let given = self.given();
         let face = &self.faces[face as usize];
         let height = face.plane.height(self.points[point as usize]);
@@ -129,7 +130,7 @@ impl HullBuilder {
     }
 
     /// Replaces the faces that a point sees by faces between their outline and the point.
-    fn add(&mut self, point: u32, seen_from: u32) {
+    pub(super) fn add(&mut self, point: u32, seen_from: u32) {
         self.find_horizon(point, seen_from);
         // New faces take the places of those that vanish; `visible` becomes the list of places.
         let edges = self.horizon.len();

@@ -15,6 +15,7 @@ mod max_vertices;
 mod primitive;
 mod query;
 mod redundant;
+mod sharp_edges;
 mod simplex;
 mod single_precision;
 mod thickness;

@@ -127,12 +127,12 @@ fn judge(
     let bvh = Bvh::new(&mesh.solid.positions, &mesh.solid.triangles);
     let mut samples = SampleCounts::default();
     control.check()?;
-    let protrusion = protrusion(&union, &bvh, options, &mut samples);
+    let open_edges = edges::open_share(&mesh.positions, &mesh.triangles);
+    let protrusion = protrusion(&union, &bvh, open_edges > 0.0, options, &mut samples);
     control.check()?;
     let uncovered = uncovered(&mesh, &union, options, &mut samples);
     control.check()?;
     let volumes = volumes(&mesh, &union, &bvh, options, &mut samples);
-    let open_edges = edges::open_share(&mesh.positions, &mesh.triangles);
     let share = |part: usize, of: usize| (of > 0).then(|| part as f64 / of as f64);
     let share_of_closed =
         |part, of| if open_edges > MOST_OPEN_EDGES { None } else { share(part, of) };
@@ -210,10 +210,12 @@ impl Mesh {
     }
 }
 
-/// How far the hulls' boundary lies outside the solid.
+/// How far the hulls' boundary lies outside the solid. Where the surface is open, the inside ends
+/// where no surface is, and may be nearer than that.
 fn protrusion(
     union: &Union,
     bvh: &Bvh,
+    is_open: bool,
     options: &MeasureOptions,
     samples: &mut SampleCounts,
 ) -> Distances {
@@ -228,7 +230,8 @@ fn protrusion(
         if bvh.is_inside(point) {
             return Some(0.0);
         }
-        Some(distance(bvh, point))
+        let to_surface = distance(bvh, point);
+        Some(if is_open { bvh.distance_to_inside(point, to_surface) } else { to_surface })
     });
     let distances: Vec<f64> = distances.into_iter().flatten().collect();
     samples.hull = count;

@@ -1,6 +1,8 @@
 //! The bound against a dense sampling that shares no code with the library's: neither distances, nor
 //! winding numbers, nor where the samples are.
 
+use std::collections::BTreeMap;
+
 use hullwright::{Decomposition, TriangleMesh};
 
 use super::nearest::Tree;
@@ -64,8 +66,8 @@ pub fn sample(
         .map(|hull| hull.errors.protrusion_max.unwrap_or(f64::INFINITY) / diagonal)
         .collect();
     let triangles = Triangle::all(&positions, &surface.triangles);
-    let solid = Triangle::all(&positions, solid);
-    let mut sampled = protrusion(&hulls, &verified, &triangles, &solid, count);
+    let of_solid = Triangle::all(&positions, solid);
+    let mut sampled = protrusion(&hulls, &verified, &triangles, (&of_solid, solid), count);
     let points = points_on(&triangles, count);
     sampled.samples += points.len();
     sampled.uncovered = points.iter().map(|&point| outside(&hulls, point)).fold(0.0, f64::max);
@@ -76,7 +78,7 @@ fn protrusion(
     hulls: &[Convex],
     verified: &[f64],
     surface: &[Triangle],
-    solid: &[Triangle],
+    (solid, indices): (&[Triangle], &[[u32; 3]]),
     count: usize,
 ) -> Sampled {
     let tree = Tree::new(surface.to_vec());
@@ -96,6 +98,7 @@ fn protrusion(
         samples: samples.len(),
         ..Sampled::default()
     };
+    let is_open = is_open(indices);
     let mut left = MOST_SOLID_ANGLES / solid.len().max(1);
     for Sample { point, distance, verified } in samples {
         // Only what is outside may change what is known so far.
@@ -109,11 +112,60 @@ fn protrusion(
         }
         left -= 1;
         if winding_number(solid, point) <= INSIDE {
+            let distance = match is_open {
+                true => {
+                    left = left.saturating_sub(4 * STEPS);
+                    distance_to_inside(solid, point, distance)
+                }
+                false => distance,
+            };
             sampled.protrusion = sampled.protrusion.max(distance);
-            sampled.beyond_verified = sampled.beyond_verified.max(beyond);
+            sampled.beyond_verified = sampled.beyond_verified.max(distance - verified);
         }
     }
     sampled
+}
+
+/// Whether triangles run along some edge more often one way than the other: there the inside ends without a
+/// surface.
+fn is_open(triangles: &[[u32; 3]]) -> bool {
+    let mut balance: BTreeMap<(u32, u32), i32> = BTreeMap::new();
+    for &[a, b, c] in triangles {
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            *balance.entry((from.min(to), from.max(to))).or_default() +=
+                if from < to { 1 } else { -1 };
+        }
+    }
+    balance.values().any(|&sum| sum != 0)
+}
+
+/// Steps uphill from a point outside of an open surface.
+const STEPS: usize = 12;
+
+/// How far a point inside is that is found on the way along the winding number's gradient, in steps of a share of
+/// `limit`, the distance to the surface; `limit` where there is none. The nearest one may be nearer.
+fn distance_to_inside(solid: &[Triangle], point: Point, limit: f64) -> f64 {
+    let (difference, step) = (1e-3 * limit, limit / STEPS as f64);
+    let mut at = point;
+    for _ in 0..STEPS {
+        let number = winding_number(solid, at);
+        let slope = [0, 1, 2].map(|axis| {
+            let mut beside = at;
+            beside[axis] += difference;
+            (winding_number(solid, beside) - number) / difference
+        });
+        let steepness = norm(slope);
+        if steepness <= 0.0 {
+            break;
+        }
+        // No farther than the level seems to be, and a little beyond it.
+        let way = (1.05 * (INSIDE - number) / steepness + 0.01 * step).min(step);
+        at = [0, 1, 2].map(|k| at[k] + way * slope[k] / steepness);
+        if winding_number(solid, at) > INSIDE {
+            return norm(minus(at, point)).min(limit);
+        }
+    }
+    limit
 }
 
 /// How far a point is outside of every hull.

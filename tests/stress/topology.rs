@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use crate::assert_sound;
 use crate::shapes::{Mesh, cuboid, join, turned};
+use crate::{Random, assert_sound};
 
 /// A strip or tube over a grid: `wrap` says which vertex follows the last of a row.
 fn grid(n: u32, m: u32, at: impl Fn(f64, f64) -> [f64; 3], wrap: impl Fn(u32) -> u32) -> Mesh {
@@ -121,4 +121,16 @@ fn many_sheets_on_one_edge_keep_the_promise() {
         triangles.push([0, 1, k + 2]);
     }
     assert_sound("fan", &(positions, triangles));
+}
+
+/// Loose triangles through one another, each with edges of its own: the inside ends without a surface at all of
+/// them, and winding numbers of either sign add up and cancel.
+#[test]
+fn loose_triangles_keep_the_promise() {
+    for (seed, count) in [(224, 97), (13, 40), (7, 12)] {
+        let mut random = Random(seed);
+        let positions = (0..3 * count).map(|_| [(); 3].map(|()| random.signed())).collect();
+        let triangles = (0..count).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+        assert_sound(&format!("{count} triangles"), &(positions, triangles));
+    }
 }

@@ -2,6 +2,7 @@
 //!
 //! | file | contents |
 //! |---|---|
+//! | `boundary` | the edges where a surface ends |
 //! | `inside` | which points are inside a surface |
 //! | `distance_grid/` | a grid that answers most questions about distance and side |
 //! | `cavities` | the empty space that hulls must not swallow |
@@ -12,6 +13,7 @@
 //! | `fit_test` | whether faces fit |
 //! | `fit_tester` | whether hulls fit |
 
+pub(super) mod boundary;
 mod cavities;
 mod distance_grid;
 mod face_cache;

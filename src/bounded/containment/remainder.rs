@@ -306,4 +306,19 @@ mod tests {
         }
         assert!(found > 150, "{found}");
     }
+
+    #[test]
+    fn where_only_the_tip_of_a_triangle_touches_its_slab_a_face_is_not_covered() {
+        let height = 0.01;
+        // As far into the slab as rounding goes.
+        let tip = height - NARROW * MAX_PARTS as f64 - 1e-11;
+        let positions = [[0.1, 0.1, tip], [0.2, 0.1, 1.0], [0.1, 0.2, 1.0]];
+        let bvh = Bvh::new(&positions, &[[0, 1, 2]]);
+        let face = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]];
+        let mut remainder = Remainder::default();
+        assert!(remainder.find(face, 1.5, height, &bvh));
+        let area = |[a, b, c]: [Vector; 3]| length(area_normal(a, b, c));
+        let left: f64 = remainder.parts().flat_map(|(_, fan)| fan.map(area)).sum();
+        assert!((left - area(face)).abs() < 1e-9, "{left}");
+    }
 }

@@ -6,6 +6,7 @@
 
 use std::sync::Arc;
 
+use super::boundary::Boundary;
 use super::cavities::cavities;
 use super::distance_grid::{CellClass, DistanceGrid, FilledGrid, LazyGrid};
 use super::face_cache::FaceCache;
@@ -34,6 +35,8 @@ pub(in crate::bounded) struct Solid {
     /// Whether the surface encloses the inside. Only then is a point's side also that of all points
     /// nearer to it than the surface.
     pub is_closed: bool,
+    /// Where the surface ends; empty if it is closed.
+    pub boundary: Arc<Boundary>,
     pub(super) grid: DistanceGrid,
     /// A point of each cavity that no hull may contain, and its distance to the surface.
     pub cavities: Vec<(Vector, f64)>,
@@ -70,19 +73,23 @@ impl Solid {
         let bound = settings.bound;
         if let Some(clustered) = clustered {
             let TriangleMesh { positions, triangles, .. } = &clustered.mesh;
-            let solid = Self::of_surface(positions, triangles, true, bound, control)?;
+            let solid =
+                Self::of_surface(positions, triangles, Boundary::default(), bound, control)?;
             return Ok(Self { clustered: Some(clustered), ..solid });
         }
         let mesh = &prepared.mesh;
         let triangles = prepared.triangles_of_solid();
-        // Sheets in both orientations can close an open surface.
-        let is_closed = prepared.closed.iter().all(|&closed| closed)
-            || is_balanced(&mesh.triangles)
-            || triangles.len() > mesh.triangles.len() && is_balanced(&triangles);
+        // Where triangles run along each edge as often one way as the other, the surface ends nowhere,
+        // even where more than two meet. Sheets in both orientations can close an open one.
+        let is_as_given = triangles.len() == mesh.triangles.len();
+        let boundary = match is_as_given && prepared.closed.iter().all(|&closed| closed) {
+            true => Boundary::default(),
+            false => Boundary::new(&mesh.positions, &triangles),
+        };
         if mesh.triangles.len() <= COARSE && !settings.keep_cavities {
-            return Self::of_few_triangles(&mesh.positions, &triangles, is_closed, bound, control);
+            return Self::of_few_triangles(&mesh.positions, &triangles, boundary, bound, control);
         }
-        let mut solid = Self::of_surface(&mesh.positions, &triangles, is_closed, bound, control)?;
+        let mut solid = Self::of_surface(&mesh.positions, &triangles, boundary, bound, control)?;
         if settings.keep_cavities {
             solid.keep_cavities(bound);
         }
@@ -96,29 +103,37 @@ impl Solid {
     fn of_few_triangles(
         positions: &[Vector],
         triangles: &[[u32; 3]],
-        is_closed: bool,
+        boundary: Boundary,
         bound: f64,
         control: &Control,
     ) -> Result<Self, Error> {
         let bvh = Bvh::with_control(positions, triangles, control)?;
+        let boundary = Arc::new(boundary);
         let (near, far) = (MIN_SEARCH_SHARE * bound, DOUBT * bound);
-        let grid = DistanceGrid::Lazy(LazyGrid::new(positions, bound, is_closed, near, far));
-        Ok(Self::with_grid(bvh, is_closed, grid))
+        let grid = LazyGrid::new(positions, bound, Arc::clone(&boundary), near, far);
+        Ok(Self::with_grid(bvh, boundary, DistanceGrid::Lazy(grid)))
     }
 
-    fn with_grid(bvh: Bvh, is_closed: bool, grid: DistanceGrid) -> Self {
-        let face_cache = FaceCache::new();
-        Self { bvh, is_closed, grid, cavities: Vec::new(), face_cache, clustered: None }
+    fn with_grid(bvh: Bvh, boundary: Arc<Boundary>, grid: DistanceGrid) -> Self {
+        Self {
+            bvh,
+            is_closed: boundary.is_empty(),
+            boundary,
+            grid,
+            cavities: Vec::new(),
+            face_cache: FaceCache::new(),
+            clustered: None,
+        }
     }
 
-    /// The solid of a surface.
+    /// The solid of a surface and its boundary.
     ///
     /// # Errors
     /// [`Error::Cancelled`].
     pub fn of_surface(
         positions: &[Vector],
         triangles: &[[u32; 3]],
-        is_closed: bool,
+        boundary: Boundary,
         bound: f64,
         control: &Control,
     ) -> Result<Self, Error> {
@@ -127,11 +142,11 @@ impl Solid {
             || FilledGrid::new(positions, triangles, bound, control),
         );
         let (bvh, mut grid) = (bvh?, grid?);
-        if is_closed {
+        if boundary.is_empty() {
             grid.flood(&bvh, (positions, triangles), control)?;
         }
         grid.classify_cells(MIN_SEARCH_SHARE * bound, DOUBT * bound);
-        Ok(Self::with_grid(bvh, is_closed, DistanceGrid::Filled(grid)))
+        Ok(Self::with_grid(bvh, Arc::new(boundary), DistanceGrid::Filled(grid)))
     }
 
     /// Makes hulls that contain a cavity deeper than `bound` not fit.
@@ -267,20 +282,6 @@ impl Solid {
     pub fn separates(&self, a: Vector, b: Vector, bound: f64) -> bool {
         !self.point_fits(scale(add(a, b), 0.5), bound)
     }
-}
-
-/// Whether triangles run along each edge as often one way as the other. Then the winding number
-/// changes only across the surface, even where more than two triangles meet.
-fn is_balanced(triangles: &[[u32; 3]]) -> bool {
-    let mut edges: Vec<(u32, u32, bool)> = triangles
-        .iter()
-        .flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)])
-        .map(|(a, b)| (a.min(b), a.max(b), a < b))
-        .collect();
-    edges.sort_unstable();
-    edges
-        .chunk_by(|first, second| (first.0, first.1) == (second.0, second.1))
-        .all(|edge| 2 * edge.iter().filter(|half| half.2).count() == edge.len())
 }
 
 #[inline]

@@ -205,6 +205,7 @@ fn centre(node: &Node) -> Vector {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bounded::containment::boundary::Boundary;
     use crate::hull::convex_hull;
     use crate::parameters::Parameters;
 
@@ -230,7 +231,8 @@ mod tests {
             positions.extend_from_slice(&hull.points);
             triangles.extend(hull.triangles.iter().map(|triangle| triangle.map(|v| v + first)));
         }
-        Solid::of_surface(&positions, &triangles, true, bound, &Control::new()).unwrap()
+        Solid::of_surface(&positions, &triangles, Boundary::default(), bound, &Control::new())
+            .unwrap()
     }
 
     #[test]

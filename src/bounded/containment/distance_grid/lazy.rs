@@ -4,12 +4,13 @@
 //! Distances are exact up to rounding. What a cell holds depends on the cell alone, so that threads
 //! may fill it at the same time.
 
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Arc, OnceLock};
 
 use super::lattice::Lattice;
 use super::vector_f32::{dot, length, subtract};
 use super::{CellClass, HALF_DIAGONAL, Probe};
+use crate::bounded::containment::boundary::Boundary;
 use crate::bounded::containment::inside::{inside_reach, is_inside};
 use crate::bounded::work;
 use crate::bvh::Bvh;
@@ -30,6 +31,9 @@ const OUTSIDE: f32 = -1.0;
 /// The surface does not pass between the centres of two cells if their distances from it add up to more than
 /// the distance between them, times this: a margin for rounding.
 const FREE: f32 = 1.01;
+
+/// In an open surface, a reach below this share of the distance to it is not worth summing up.
+const LEAST_REACH: f64 = 0.1;
 
 /// What is known about a cell's centre. Single precision numbers as bits.
 struct Cell {
@@ -92,7 +96,7 @@ pub(in crate::bounded::containment) struct LazyGrid {
     blocks: Vec<OnceLock<Box<Block>>>,
     /// Blocks along the first two axes.
     stride: [usize; 2],
-    is_closed: bool,
+    boundary: Arc<Boundary>,
     near: f64,
     far: f64,
 }
@@ -103,7 +107,7 @@ impl LazyGrid {
     pub(in crate::bounded::containment) fn new(
         positions: &[Vector],
         bound: f64,
-        is_closed: bool,
+        boundary: Arc<Boundary>,
         near: f64,
         far: f64,
     ) -> Self {
@@ -111,7 +115,7 @@ impl LazyGrid {
         let [x, y, z] = lattice.dimensions.map(|cells| cells.div_ceil(BLOCK));
         let mut blocks = Vec::new();
         blocks.resize_with(x * y * z, OnceLock::new);
-        Self { lattice, blocks, stride: [x, y], is_closed, near, far }
+        Self { lattice, blocks, stride: [x, y], boundary, near, far }
     }
 
     /// A cell, filled.
@@ -208,12 +212,21 @@ impl LazyGrid {
     fn compute_reach(&self, cell: &Cell, place: [usize; 3], bvh: &Bvh) -> f32 {
         let centre = self.lattice.absolute(self.lattice.centre(place));
         let distance = cell.distance();
-        let reach = if self.is_closed {
+        let reach = if self.boundary.is_empty() {
             let inside = self.side_of_another(place, distance);
             let inside = inside.unwrap_or_else(|| is_inside(bvh, centre, true));
             if inside { distance } else { OUTSIDE }
         } else {
-            inside_reach(bvh, centre, f64::from(distance)).map_or(OUTSIDE, |reach| reach as f32)
+            {
+                let reach = inside_reach(
+                    bvh,
+                    &self.boundary,
+                    centre,
+                    f64::from(distance),
+                    LEAST_REACH * f64::from(distance),
+                );
+                reach.map_or(OUTSIDE, |reach| reach as f32)
+            }
         };
         cell.reach.store(reach.to_bits(), Ordering::Relaxed);
         if let Some(block) = self.block(place) {
@@ -284,7 +297,7 @@ impl LazyGrid {
     pub(super) fn side(&self, point: Vector, distance: f64, bvh: &Bvh) -> Option<bool> {
         let (relative, place) = self.place(point);
         let away = length(subtract(relative, self.lattice.centre(place)));
-        if f64::from(away) >= distance || !self.is_closed {
+        if f64::from(away) >= distance || !self.boundary.is_empty() {
             return None;
         }
         Some(self.reach_of(self.cell(place, bvh), place, bvh) >= 0.0)

@@ -6,7 +6,7 @@
 //! are those to the source, and what is inside the solid may be as far outside the source as
 //! vertices have moved: the result is never below that.
 
-use crate::bounded::containment::inside::inside_reach;
+use crate::bounded::containment::inside::{inside_reach, is_inside};
 use crate::bounded::containment::remainder::Remainder;
 use crate::bounded::containment::solid::{Solid, SourceDistance};
 use crate::bounded::containment::triangle::{centre, halves};
@@ -34,9 +34,6 @@ const RESOLUTION: f64 = 0.04;
 
 /// The same for maxima just below the bound, where it decides whether a hull is divided.
 const FINE_RESOLUTION: f64 = 0.005;
-
-/// In an open solid, parts smaller than this share of the bound are on the side of their centre.
-const SMALL_IN_OPEN: f64 = 0.1;
 
 /// Maximum number of parts of a hull's faces: needles would otherwise be halved without end.
 const MAX_PARTS: usize = 200_000;
@@ -248,13 +245,18 @@ impl Search<'_> {
 
     /// The side of a part in an open solid, where the side may change without crossing the surface.
     fn side_in_open(&self, centre: Vector, radius: f64, distance: &SourceDistance) -> OpenSide {
-        let Some(reach) = inside_reach(&self.solid.bvh, centre, distance.lower) else {
-            return OpenSide::CentreOutside;
-        };
+        let Solid { bvh, boundary, is_closed, .. } = self.solid;
         // From the ball that is inside no point of the part is farther than the rest.
-        let is_enough = radius - reach <= enough(self.known, self.bound);
-        let is_small = radius <= SMALL_IN_OPEN * self.bound;
-        if is_small || is_enough { OpenSide::AllInside } else { OpenSide::CentreInside }
+        let needed = radius - enough(self.known, self.bound);
+        if needed <= 0.0 {
+            let is_inside = is_inside(bvh, centre, *is_closed);
+            return if is_inside { OpenSide::AllInside } else { OpenSide::CentreOutside };
+        }
+        match inside_reach(bvh, boundary, centre, distance.lower, needed) {
+            None => OpenSide::CentreOutside,
+            Some(reach) if needed <= reach => OpenSide::AllInside,
+            Some(_) => OpenSide::CentreInside,
+        }
     }
 }
 
@@ -291,7 +293,7 @@ fn enough(known: f64, bound: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bounded::containment::inside::is_inside;
+    use crate::bounded::containment::boundary::Boundary;
     use crate::hull::convex_hull;
 
     #[test]
@@ -307,7 +309,8 @@ mod tests {
         }
         let control = Control::new();
         let bound = 0.01;
-        let solid = Solid::of_surface(&positions, &triangles, false, bound, &control).unwrap();
+        let boundary = Boundary::new(&positions, &triangles);
+        let solid = Solid::of_surface(&positions, &triangles, boundary, bound, &control).unwrap();
         let depth = 0.9;
         let corners = [[0.5, 0.0, 0.0], [0.5, 1.0, 0.0], [0.5, 0.5, -depth], [0.6, 0.5, -0.1]];
         let hull = convex_hull(&corners).unwrap();
@@ -326,8 +329,14 @@ mod tests {
         let (inner, outer) = (cube(0.0), cube(0.25));
         let control = Control::new();
         let bound = 0.02;
-        let solid =
-            Solid::of_surface(&inner.points, &inner.triangles, true, bound, &control).unwrap();
+        let solid = Solid::of_surface(
+            &inner.points,
+            &inner.triangles,
+            Boundary::default(),
+            bound,
+            &control,
+        )
+        .unwrap();
         let of = |hull| protrusion(hull, &solid, bound, f64::INFINITY, &control).unwrap();
         assert!(of(&inner) <= bound);
         // The farthest corner is shifted by a quarter along each axis.
