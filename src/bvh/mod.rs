@@ -10,6 +10,7 @@
 //! | `winding_number` | winding numbers by multipole expansion |
 //! | `near_plane` | the triangles near a face |
 //! | `closest_triangles` | for each triangle of a mesh the closest one of another |
+//! | `crossings` | what a closed mesh encloses |
 //! | `ray` | the first hit of a ray, and triangles near a box |
 //!
 //! Queries allocate nothing, take no lock and do not depend on threads. Coordinates should be of
@@ -20,6 +21,7 @@
 mod build;
 pub(crate) mod closest_point;
 pub(crate) mod closest_triangles;
+mod crossings;
 pub(crate) mod near_plane;
 mod ray;
 mod tree;
