@@ -11,6 +11,7 @@
 //! | `inside_nearby` | the way to the inside of an open surface |
 //! | `near_plane` | the triangles near a face |
 //! | `closest_triangles` | for each triangle of a mesh the closest one of another |
+//! | `crossings` | what a closed mesh encloses |
 //! | `ray` | the first hit of a ray, and triangles near a box |
 //!
 //! Queries allocate nothing, take no lock and do not depend on threads. Coordinates should be of
@@ -21,6 +22,7 @@
 mod build;
 pub(crate) mod closest_point;
 pub(crate) mod closest_triangles;
+mod crossings;
 mod inside_nearby;
 pub(crate) mod near_plane;
 mod ray;

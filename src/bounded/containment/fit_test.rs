@@ -77,7 +77,7 @@ impl Solid {
                 part.map(|corner| distance(corner, centre)).into_iter().fold(0.0, f64::max);
             if may_be_crossed && remainder.find(part, radius, bound, &self.bvh) {
                 for (centre, triangles) in remainder.parts() {
-                    if self.is_closed && self.bvh.is_inside(centre) {
+                    if self.is_closed && self.bvh.encloses(centre) {
                         continue;
                     }
                     if self.is_closed && !self.bvh.is_within(centre, bound) {

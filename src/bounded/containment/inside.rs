@@ -8,10 +8,10 @@ use crate::geometry::vector::Vector;
 /// it is one half, so that rounding would decide.
 pub(in crate::bounded) const OPEN_INSIDE: f64 = 0.52;
 
-/// Whether a point is inside a surface.
+/// Whether a point is inside a surface. Of a closed one a ray tells.
 #[inline]
 pub(in crate::bounded) fn is_inside(bvh: &Bvh, point: Vector, is_closed: bool) -> bool {
-    if is_closed { bvh.is_inside(point) } else { bvh.winding_number(point) > OPEN_INSIDE }
+    if is_closed { bvh.encloses(point) } else { bvh.winding_number(point) > OPEN_INSIDE }
 }
 
 /// All points nearer than this to a point are inside an open surface that is at least `distance`

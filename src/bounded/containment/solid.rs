@@ -260,6 +260,11 @@ impl Solid {
     /// [`MIN_SEARCH_SHARE`] of the solid's bound and all of it.
     #[inline]
     pub fn point_fits(&self, point: Vector, bound: f64) -> bool {
+        match self.grid.clearance(point, &self.bvh) {
+            Some(clearance) if clearance.inside => return true,
+            Some(clearance) if clearance.radius > bound => return false,
+            _ => {}
+        }
         match self.grid.class_of(point, &self.bvh) {
             CellClass::Near => return true,
             CellClass::Far => return false,

@@ -119,7 +119,7 @@ fn hollow(pieces: &[Piece], solid: &Solid) -> Vec<Vector> {
     (0..POINTS)
         .map(point)
         .filter(|&point| !pieces.iter().any(|piece| contains(&piece.hull, point)))
-        .filter(|&point| solid.bvh.is_inside(point))
+        .filter(|&point| solid.bvh.encloses(point))
         .collect()
 }
 

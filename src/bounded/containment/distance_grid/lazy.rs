@@ -9,7 +9,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::lattice::Lattice;
 use super::vector_f32::{dot, length, subtract};
-use super::{CellClass, HALF_DIAGONAL, Probe};
+use super::{CellClass, Clearance, HALF_DIAGONAL, Probe};
 use crate::bounded::containment::boundary::Boundary;
 use crate::bounded::containment::inside::{inside_reach, is_inside};
 use crate::bounded::work;
@@ -64,9 +64,25 @@ impl Cell {
     }
 }
 
+/// A ball that is on one side as a whole. Single precision numbers as bits.
+struct Ball {
+    /// The distance of its centre from the surface, or [`EMPTY`].
+    distance: AtomicU32,
+    /// Its radius, negative if it is outside; or [`UNKNOWN`].
+    radius: AtomicU32,
+}
+
+impl Ball {
+    fn empty() -> Self {
+        Self { distance: AtomicU32::new(EMPTY), radius: AtomicU32::new(UNKNOWN) }
+    }
+}
+
 /// Cells that are near each other, and what the last of them to be filled tells the next.
 struct Block {
     cells: [Cell; BLOCK * BLOCK * BLOCK],
+    /// The ball around the block's centre.
+    ball: Ball,
     /// A triangle that is near.
     triangle: AtomicU32,
     /// The number of a cell whose side is known.
@@ -77,6 +93,7 @@ impl Block {
     fn empty() -> Self {
         Self {
             cells: std::array::from_fn(|_| Cell::empty()),
+            ball: Ball::empty(),
             triangle: AtomicU32::new(u32::MAX),
             sided: AtomicU32::new(u32::MAX),
         }
@@ -118,10 +135,67 @@ impl LazyGrid {
         Self { lattice, blocks, stride: [x, y], boundary, near, far }
     }
 
+    #[inline]
+    fn block_of(&self, place: [usize; 3]) -> &Block {
+        self.blocks[self.block_index(place)].get_or_init(|| Box::new(Block::empty()))
+    }
+
+    /// What the ball of a point's block tells about it: two queries serve many cells, where the surface is far
+    /// enough. In an open solid the inside may end where no surface is.
+    #[inline]
+    pub(super) fn clearance(&self, point: Vector, bvh: &Bvh) -> Option<Clearance> {
+        if !self.boundary.is_empty() {
+            return None;
+        }
+        let (relative, place) = self.place(point);
+        let block = self.block_of(place);
+        let size = BLOCK as f32 * self.lattice.size;
+        let centre = place.map(|place| ((place >> BLOCK_BITS) as f32 + 0.5) * size);
+        let away = length(subtract(relative, centre));
+        let distance = match block.ball.distance.load(Ordering::Relaxed) {
+            EMPTY => self.measure(&block.ball, centre, &block.triangle, bvh),
+            bits => f32::from_bits(bits),
+        };
+        if away >= distance {
+            return None;
+        }
+        let radius = match block.ball.radius.load(Ordering::Relaxed) {
+            UNKNOWN => self.compute_radius(&block.ball, centre, distance, bvh),
+            bits => f32::from_bits(bits),
+        };
+        let left = f64::from(radius.abs() - away) - ROUNDING;
+        (left > 0.0).then_some(Clearance { radius: left, inside: radius > 0.0 })
+    }
+
+    /// The distance of a ball's centre. `hint` is a triangle that is near, and becomes the closest one.
+    #[cold]
+    fn measure(&self, ball: &Ball, centre: [f32; 3], hint: &AtomicU32, bvh: &Bvh) -> f32 {
+        work::count(work::CELL);
+        let guess = hint.load(Ordering::Relaxed);
+        let absolute = self.lattice.absolute(centre);
+        let closest = bvh.closest_point_near(absolute, f64::INFINITY, guess);
+        let distance = closest.map_or(f32::INFINITY, |closest| {
+            hint.store(closest.triangle, Ordering::Relaxed);
+            closest.distance as f32
+        });
+        let distance = distance.max(f32::MIN_POSITIVE);
+        ball.distance.store(distance.to_bits(), Ordering::Relaxed);
+        distance
+    }
+
+    /// See [`Ball::radius`].
+    #[cold]
+    fn compute_radius(&self, ball: &Ball, centre: [f32; 3], distance: f32, bvh: &Bvh) -> f32 {
+        let inside = is_inside(bvh, self.lattice.absolute(centre), true);
+        let radius = if inside { distance } else { -distance };
+        ball.radius.store(radius.to_bits(), Ordering::Relaxed);
+        radius
+    }
+
     /// A cell, filled.
     #[inline]
     fn cell(&self, place: [usize; 3], bvh: &Bvh) -> &Cell {
-        let block = self.blocks[self.block_index(place)].get_or_init(|| Box::new(Block::empty()));
+        let block = self.block_of(place);
         let cell = &block.cells[number(place)];
         if cell.distance.load(Ordering::Acquire) == EMPTY {
             self.fill(cell, place, &block.triangle, bvh);
@@ -217,16 +291,9 @@ impl LazyGrid {
             let inside = inside.unwrap_or_else(|| is_inside(bvh, centre, true));
             if inside { distance } else { OUTSIDE }
         } else {
-            {
-                let reach = inside_reach(
-                    bvh,
-                    &self.boundary,
-                    centre,
-                    f64::from(distance),
-                    LEAST_REACH * f64::from(distance),
-                );
-                reach.map_or(OUTSIDE, |reach| reach as f32)
-            }
+            let away = f64::from(distance);
+            let reach = inside_reach(bvh, &self.boundary, centre, away, LEAST_REACH * away);
+            reach.map_or(OUTSIDE, |reach| reach as f32)
         };
         cell.reach.store(reach.to_bits(), Ordering::Relaxed);
         if let Some(block) = self.block(place) {

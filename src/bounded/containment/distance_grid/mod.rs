@@ -54,7 +54,22 @@ pub(super) struct Probe {
     pub(super) place: [usize; 3],
 }
 
+/// A ball around a point: all of it is on the same side, and no surface is in it.
+pub(super) struct Clearance {
+    pub radius: f64,
+    pub inside: bool,
+}
+
 impl DistanceGrid {
+    /// What the cells around a point's cell tell together, if that is anything.
+    #[inline]
+    pub(super) fn clearance(&self, point: Vector, bvh: &Bvh) -> Option<Clearance> {
+        match self {
+            Self::Filled(_) => None,
+            Self::Lazy(grid) => grid.clearance(point, bvh),
+        }
+    }
+
     /// The class of a point's cell.
     #[inline]
     pub(super) fn class_of(&self, point: Vector, bvh: &Bvh) -> CellClass {
