@@ -92,10 +92,7 @@ impl Plugin for HullwrightPlugin {
         #[cfg(feature = "bevy_gltf")]
         app.add_observer(super::hierarchy_progress::on_scene_spawned);
         // A body that is tagged in a fixed step does not fall in that step.
-        app.add_systems(
-            FixedPostUpdate,
-            freeze_new.before(PhysicsSet::SyncBackend),
-        );
+        app.add_systems(FixedPostUpdate, freeze_new.before(PhysicsSet::SyncBackend));
         app.configure_sets(
             PostUpdate,
             (
