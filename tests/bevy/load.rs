@@ -135,7 +135,10 @@ impl Storm {
         let scale = Transform::from_scale(Vec3::splat(self.random.size()));
         let body = [RigidBody::Dynamic, RigidBody::KinematicPositionBased][self.random.below(2)];
         let mesh = self.meshes[number].0.clone();
-        let entity = spawn_with(&mut self.app, &mesh, (scale, body, GravityScale(0.0)));
+        // It moves in every frame, and nothing is in its way: heaps take Rapier's time, not the plugin's.
+        let moves = (GravityScale(0.0), Velocity::linear(Vec3::Y));
+        let alone = CollisionGroups::new(Group::NONE, Group::NONE);
+        let entity = spawn_with(&mut self.app, &mesh, (scale, body, moves, alone));
         self.entities.push((entity, number));
     }
 
