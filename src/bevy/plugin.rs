@@ -91,8 +91,11 @@ impl Plugin for HullwrightPlugin {
             .add_observer(on_untag::<BakedDecomposition>);
         #[cfg(feature = "bevy_gltf")]
         app.add_observer(super::hierarchy_progress::on_scene_spawned);
-        // A body that is tagged in a fixed step does not fall in that step.
-        app.add_systems(FixedPostUpdate, freeze_new.before(PhysicsSet::SyncBackend));
+        // Where Rapier runs in fixed steps: a body that is tagged before them does not fall.
+        app.add_systems(
+            FixedUpdate,
+            freeze_new.in_set(HullwrightSystems::DetectChanges).before(PhysicsSet::SyncBackend),
+        );
         app.configure_sets(
             PostUpdate,
             (

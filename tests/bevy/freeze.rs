@@ -165,7 +165,7 @@ const STEPS: u32 = 3;
 struct Crate(Mesh3d, Option<Entity>);
 
 #[test]
-fn a_body_that_is_tagged_in_a_fixed_step_does_not_move_before_it_is_ready() {
+fn a_body_that_is_tagged_before_a_fixed_step_does_not_move_before_it_is_ready() {
     let mut app = App::new();
     app.add_plugins((
         MinimalPlugins,
@@ -176,7 +176,7 @@ fn a_body_that_is_tagged_in_a_fixed_step_does_not_move_before_it_is_ready() {
     ));
     app.insert_resource(bevy::time::TimeUpdateStrategy::FixedTimesteps(STEPS));
     app.insert_resource(TimestepMode::Fixed { dt: 1.0 / 60.0, substeps: 1 });
-    app.add_systems(FixedUpdate, |mut commands: Commands, mut it: ResMut<Crate>| {
+    app.add_systems(FixedPreUpdate, |mut commands: Commands, mut it: ResMut<Crate>| {
         if it.1.is_none() {
             let body = (RigidBody::Dynamic, AdditionalMassProperties::Mass(1.0));
             let more = (Velocity::linear(Vec3::X), Transform::from_xyz(0.0, 5.0, 0.0));
