@@ -7,7 +7,7 @@
 
 use std::time::{Duration, Instant};
 
-use bevy::asset::{AssetEventSystems, AssetPlugin, RenderAssetUsages};
+use bevy::asset::{AssetPlugin, RenderAssetUsages};
 use bevy::ecs::schedule::SingleThreadedExecutor;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
@@ -108,7 +108,7 @@ fn app_with(add: impl FnOnce(&mut App)) -> App {
     app.add_systems(
         PostUpdate,
         (
-            Watch::begin.after(AssetEventSystems).before(HullwrightSystems::DetectChanges),
+            Watch::begin.before(HullwrightSystems::DetectChanges),
             Watch::end.after(HullwrightSystems::Attach).before(PhysicsSet::SyncBackend),
         ),
     );

@@ -12,8 +12,9 @@ use crate::geometry::{MeshView, TriangleMesh};
 use crate::mesh::PreparedMesh;
 use crate::openings::prepare::{Closed, prepare_closed};
 use crate::openings::{Opening, OpeningSettings};
-use crate::parameters::{Length, Method, Parameters, SurfaceParameters};
+use crate::parameters::{Length, Method, Openings, Parameters, SurfaceParameters};
 use crate::surface::group_merging::merge_groups;
+use crate::surface::grouping::Grouping;
 use crate::surface::pieces::{assign_source_triangles, hulls};
 use crate::surface::resolution_selection::{Level, Levels, first_cut_off, select};
 
@@ -186,11 +187,16 @@ impl Decomposer {
         let surface = &self.parameters.surface;
         self.state = match std::mem::replace(&mut self.state, State::Done) {
             State::Repair => {
-                let settings = OpeningSettings::from(&self.parameters);
+                let mut settings = OpeningSettings::from(&self.parameters);
+                if self.parameters.method == Method::Hull {
+                    // Neither a cap nor what lies inside changes the hull of all points.
+                    (settings.openings, settings.keep_cavities) = (Openings::Keep, true);
+                }
                 let Closed { prepared, openings, nested_components } =
                     prepare_closed(self.source.view(), &settings, control)?;
                 (self.openings, self.nested_components) = (openings, nested_components);
                 match self.parameters.method {
+                    Method::Hull => return self.one_hull(&prepared, control, start).map(Some),
                     Method::Bounded => {
                         State::Bounded(Box::new(Run::new(prepared, &self.parameters)))
                     }
@@ -305,6 +311,28 @@ impl Decomposer {
             },
             report: self.report(&prepared, None, Some(surface)),
         })
+    }
+
+    /// The hull of all points, whatever the bound. O(n log n).
+    fn one_hull(
+        &mut self,
+        prepared: &PreparedMesh,
+        control: &Control,
+        start: Instant,
+    ) -> Result<Decomposition, Error> {
+        add_time(&mut self.times, Stage::Repair, start);
+        let start = Instant::now();
+        let PreparedMesh { mesh, components, normalization, .. } = prepared;
+        let grouping = Grouping { labels: vec![0; mesh.triangles.len()], count: 1 };
+        let cap = self.parameters.max_vertices;
+        let mut hulls = hulls(mesh, components, &grouping, normalization, cap, control)?;
+        assign_source_triangles(prepared, mesh, &grouping, &mut hulls, control)?;
+        add_time(&mut self.times, Stage::Hulls, start);
+        let positions = mesh.positions.iter().map(|&point| normalization.restore(point)).collect();
+        let triangles = mesh.triangles.clone();
+        let grouped = GroupedMesh { positions, triangles, groups: grouping.labels };
+        control.report(Stage::Hulls, 1.0);
+        Ok(Decomposition { hulls, grouped, report: self.report(prepared, None, None) })
     }
 
     fn report(

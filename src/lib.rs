@@ -62,6 +62,7 @@
 //!   crate explains each stage, with pictures, and why the bound is sound.
 //! - [`Method::Surface`]: the surface-based method of the paper *A surface-based approach for 3D approximate
 //!   convex decomposition*, with the paper's parameters ([`SurfaceParameters`]). It promises no bound.
+//! - [`Method::Hull`]: no decomposition, but the one hull of all points.
 //!
 //! # Two distances
 //!

@@ -190,15 +190,16 @@ fn a_scene_is_baked_as_its_artist_says() {
     let read = |directory: &str| {
         let scene = HullScene::read(place.path(directory).join("props.hullscene")).unwrap();
         let nodes = scene.meshes.into_iter().flat_map(|baked| {
-            let cap = baked.parameters.bounded.max_hulls;
-            baked.names.into_iter().map(move |name| (name, cap))
+            let method = baked.parameters.method.name();
+            baked.names.into_iter().map(move |name| (name, method))
         });
         nodes.collect::<std::collections::BTreeMap<_, _>>()
     };
     let (all, tagged) = (read("all"), read("tagged"));
     assert!(all.contains_key("leaf") && !tagged.contains_key("leaf"));
-    for (name, cap) in [("mug-convdecomp", None), ("lamp", None), ("UCX_table_01", Some(1))] {
-        assert_eq!((all.get(name), tagged.get(name)), (Some(&cap), Some(&cap)), "{name}");
+    let expected = [("mug-convdecomp", "bounded"), ("lamp", "bounded"), ("UCX_table_01", "hull")];
+    for (name, method) in expected {
+        assert_eq!((all.get(name), tagged.get(name)), (Some(&method), Some(&method)), "{name}");
     }
     // Its pieces stand for it.
     assert!(!all.contains_key("table"));

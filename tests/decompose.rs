@@ -356,3 +356,22 @@ fn slices_give_the_same_and_progress_never_falls() {
     let simplifying = seen.iter().filter(|progress| progress.0 == Stage::Simplify).count();
     assert_eq!(simplifying, parameters.surface.maximum_resolutions.len());
 }
+
+#[test]
+fn the_method_hull_makes_the_one_hull_of_all_points() {
+    let apart = join(&cube([0.0; 3], 1.0), &cube([3.0, 0.0, 0.0], 1.0));
+    for (positions, triangles) in [torus(24, 12), l_prism(), apart] {
+        let expected = hullwright::convex_hull(&positions).unwrap();
+        let parameters = Parameters::default().method(Method::Hull).max_vertices(None);
+        let mesh = MeshView::new(&positions, &triangles);
+        let made = decompose(mesh, &parameters, &Control::new()).unwrap();
+        assert_eq!(made.hulls.len(), 1);
+        let hull = &made.hulls[0];
+        assert!((hull.shape.volume() / expected.volume() - 1.0).abs() < 1e-9);
+        assert_eq!(hull.provenance.source_triangles.len(), triangles.len());
+        let capped = decompose(mesh, &parameters.max_vertices(8), &Control::new()).unwrap();
+        let capped = &capped.hulls[0];
+        assert!(capped.shape.points.len() <= 8 && capped.shape.volume() >= expected.volume());
+        assert!(capped.errors.simplification_growth > 0.0 || expected.points.len() <= 8);
+    }
+}

@@ -9,8 +9,10 @@ use crate::hulls_format::{HullsFile, HullsFileError};
 
 use super::status::DecompositionStatus;
 
-/// A decomposition that was made before, as `hullwright bake` does: the content of a `.hulls` file.
-#[derive(Asset, TypePath, Debug, Clone)]
+/// A decomposition that was made before, as `hullwright bake` does: the content of a `.hulls` file. To
+/// reflection it is one value, since the library's types know no engine.
+#[derive(Asset, Reflect, Debug, Clone)]
+#[reflect(opaque, Debug, Clone)]
 #[type_path = "hullwright"]
 pub struct BakedHulls(pub HullsFile);
 

@@ -16,8 +16,9 @@ use super::content::{ContentKey, goal_hash};
 use super::parameters::Goal;
 
 /// The hulls of a scene's meshes, made before as `hullwright bake` does: the content of a `.hullscene`
-/// file.
-#[derive(Asset, TypePath, Debug, Clone)]
+/// file. To reflection it is one value, since the library's types know no engine.
+#[derive(Asset, Reflect, Debug, Clone)]
+#[reflect(opaque, Debug, Clone)]
 #[type_path = "hullwright"]
 pub struct BakedScene {
     scene: Arc<HullScene>,

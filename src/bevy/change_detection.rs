@@ -181,6 +181,11 @@ pub(super) fn detect_scales(
 ) {
     let now = Instant::now();
     for (entity, transform, (attached, failed)) in &moved {
+        // The work takes the scale that there is when it begins; one that changes later is noticed when it
+        // ends. Begun anew for each movement until the new collider is there, it would never end.
+        if queue.unfinished.contains_key(&entity) {
+            continue;
+        }
         let baked = match failed {
             Some(failed) => failed.depends_on_scale().then_some(&failed.request.stretch),
             None => attached.map(|attached| &attached.stretch),

@@ -2,14 +2,17 @@
 //! floor.
 
 use bevy::ecs::entity::EntityHashSet;
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
-use bevy_rapier3d::prelude::{LockedAxes, RigidBody, Velocity};
+use bevy_rapier3d::prelude::{Collider, LockedAxes, RigidBody, Velocity};
 
+use super::baked::BakedDecomposition;
 use super::placement::Placements;
 use super::queue::WorkQueue;
 use super::request::AttachedCollider;
 use super::settings::HullwrightSettings;
 use super::skip::FarFromFocus;
+use super::status::DecompositionStatus;
 use super::tag::ConvexDecomposition;
 
 /// On a body that is frozen: for whom, and what to restore.
@@ -18,58 +21,105 @@ pub(super) struct Frozen {
     for_entities: EntityHashSet,
     locked: Option<LockedAxes>,
     velocity: Option<Velocity>,
+    /// Whether the velocity that it has now was set when it was frozen, by another system than the one that
+    /// looks at it.
+    is_new: bool,
 }
+
+/// Tags of this frame, on what has no collider of its own.
+type NewTag = (Or<(Added<ConvexDecomposition>, Added<BakedDecomposition>)>, Without<Collider>);
 
 type FreeBody = (Option<&'static LockedAxes>, Option<&'static mut Velocity>);
 
-/// Freezes the bodies of entities that wait for their first collider, and keeps the velocities that are set
-/// while they are frozen.
-#[expect(clippy::too_many_arguments, reason = "a system's are what it reads and writes")]
-pub(super) fn freeze(
-    mut commands: Commands,
-    queue: Res<WorkQueue>,
-    settings: Res<HullwrightSettings>,
-    placements: Placements,
-    attached: Query<(), With<AttachedCollider>>,
-    far: Query<Entity, Added<FarFromFocus>>,
-    mut frozen: Query<(&mut Frozen, Option<&mut Velocity>)>,
-    mut bodies: Query<FreeBody, Without<Frozen>>,
-) {
-    for (mut frozen, velocity) in &mut frozen {
-        // Rapier leaves the velocity of a body that stands still alone, and a system does not see what it
-        // changed itself: somebody else has set it.
-        if let Some(mut velocity) = velocity.filter(|velocity| velocity.is_changed()) {
-            frozen.velocity = Some(*velocity);
-            velocity.set_if_neq(Velocity::zero());
-        }
-    }
-    if !settings.freeze_until_ready {
-        return;
-    }
-    let mut new: Vec<(Entity, Frozen)> = Vec::new();
-    for entity in queue.unfinished.keys().copied().chain(&far) {
-        let Some((body, RigidBody::Dynamic)) = placements.body(entity) else { continue };
-        if attached.contains(entity) {
-            continue;
-        }
-        if let Ok((mut frozen, _)) = frozen.get_mut(body) {
-            if !frozen.for_entities.contains(&entity) {
-                frozen.for_entities.insert(entity);
+/// The bodies of entities that wait.
+#[derive(SystemParam)]
+pub(super) struct Bodies<'w, 's> {
+    placements: Placements<'w, 's>,
+    attached: Query<'w, 's, (), With<AttachedCollider>>,
+    frozen: Query<'w, 's, (&'static mut Frozen, Option<&'static mut Velocity>)>,
+    free: Query<'w, 's, FreeBody, Without<Frozen>>,
+}
+
+impl Bodies<'_, '_> {
+    /// Freezes the bodies of those that have no collider yet.
+    fn freeze_for(
+        &mut self,
+        entities: impl Iterator<Item = Entity>,
+        is_new: bool,
+        commands: &mut Commands,
+    ) {
+        let mut new: Vec<(Entity, Frozen)> = Vec::new();
+        for entity in entities {
+            let Some((body, RigidBody::Dynamic)) = self.placements.body(entity) else { continue };
+            if self.attached.contains(entity) {
+                continue;
             }
-        } else if let Some((_, frozen)) = new.iter_mut().find(|(other, _)| *other == body) {
-            frozen.for_entities.insert(entity);
-        } else {
-            let (locked, mut velocity) = bodies.get_mut(body).unwrap_or_default();
-            let for_entities = EntityHashSet::from_iter([entity]);
-            let before = velocity.as_deref().copied();
-            new.push((body, Frozen { for_entities, locked: locked.copied(), velocity: before }));
-            if let Some(velocity) = &mut velocity {
+            if let Ok((mut frozen, _)) = self.frozen.get_mut(body) {
+                if !frozen.for_entities.contains(&entity) {
+                    frozen.for_entities.insert(entity);
+                }
+            } else if let Some((_, frozen)) = new.iter_mut().find(|(other, _)| *other == body) {
+                frozen.for_entities.insert(entity);
+            } else {
+                let (locked, mut velocity) = self.free.get_mut(body).unwrap_or_default();
+                let for_entities = EntityHashSet::from_iter([entity]);
+                let (locked, before) = (locked.copied(), velocity.as_deref().copied());
+                new.push((body, Frozen { for_entities, locked, velocity: before, is_new }));
+                if let Some(velocity) = &mut velocity {
+                    velocity.set_if_neq(Velocity::zero());
+                }
+            }
+        }
+        for (body, frozen) in new {
+            commands.entity(body).try_insert((frozen, LockedAxes::all()));
+        }
+    }
+
+    /// Keeps the velocities that are set while bodies are frozen.
+    fn keep_velocities(&mut self) {
+        for (mut frozen, velocity) in &mut self.frozen {
+            // Rapier leaves the velocity of a body that stands still alone, and a system does not see what it
+            // changed itself: somebody else has set it.
+            let Some(mut velocity) = velocity.filter(|velocity| velocity.is_changed()) else {
+                continue;
+            };
+            let is_own = std::mem::take(&mut frozen.is_new) && *velocity == Velocity::zero();
+            if !is_own {
+                frozen.velocity = Some(*velocity);
                 velocity.set_if_neq(Velocity::zero());
             }
         }
     }
-    for (body, frozen) in new {
-        commands.entity(body).try_insert((frozen, LockedAxes::all()));
+}
+
+/// Freezes the bodies of entities that wait for their first collider, and keeps the velocities that are set
+/// while they are frozen.
+pub(super) fn freeze(
+    mut commands: Commands,
+    queue: Res<WorkQueue>,
+    settings: Res<HullwrightSettings>,
+    far: Query<Entity, Added<FarFromFocus>>,
+    mut bodies: Bodies,
+) {
+    bodies.keep_velocities();
+    if settings.freeze_until_ready {
+        let waiting = queue.unfinished.keys().copied().chain(&far);
+        bodies.freeze_for(waiting, false, &mut commands);
+    }
+}
+
+/// Freezes bodies in the fixed step in which they are tagged: physics may run there before the plugin does.
+pub(super) fn freeze_new(
+    mut commands: Commands,
+    settings: Res<HullwrightSettings>,
+    tagged: Query<(Entity, &DecompositionStatus), NewTag>,
+    mut bodies: Bodies,
+) {
+    if settings.freeze_until_ready {
+        let waits = |(entity, status): (Entity, &DecompositionStatus)| {
+            (!status.is_finished()).then_some(entity)
+        };
+        bodies.freeze_for(tagged.iter().filter_map(waits), true, &mut commands);
     }
 }
 

@@ -29,8 +29,11 @@ impl Goal {
             DecompositionShape::Cuboid => Self::Primitive(PrimitiveKind::Cuboid),
             DecompositionShape::Ball => Self::Primitive(PrimitiveKind::Ball),
             DecompositionShape::Capsule => Self::Primitive(PrimitiveKind::Capsule),
-            // The paper's method knows no cap.
-            DecompositionShape::ConvexHull => Self::Hulls(tag.flat_parameters().max_hulls(1)),
+            DecompositionShape::ConvexHull => {
+                let base = tag.flat_parameters();
+                let hull = crate::conventions::ColliderKind::ConvexHull.parameters(&base);
+                Self::Hulls(hull.unwrap_or(base))
+            }
             DecompositionShape::Auto
             | DecompositionShape::Hulls
             | DecompositionShape::Triangles => Self::Hulls(tag.to_parameters()),

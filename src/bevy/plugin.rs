@@ -16,7 +16,7 @@ use super::events::{
 };
 use super::failures::report_failures;
 use super::fallback_collider::{attach_fallbacks, remove_fallbacks};
-use super::freeze::{Frozen, freeze, release};
+use super::freeze::{Frozen, freeze, freeze_new, release};
 use super::hierarchy::{ConvexDecompositionHierarchy, tag_hierarchies};
 use super::hierarchy_progress::finish_hierarchies;
 use super::hierarchy_status::{HierarchyStatus, HierarchyWork};
@@ -91,6 +91,11 @@ impl Plugin for HullwrightPlugin {
             .add_observer(on_untag::<BakedDecomposition>);
         #[cfg(feature = "bevy_gltf")]
         app.add_observer(super::hierarchy_progress::on_scene_spawned);
+        // Where Rapier runs in fixed steps: a body that is tagged before them does not fall.
+        app.add_systems(
+            FixedUpdate,
+            freeze_new.in_set(HullwrightSystems::DetectChanges).before(PhysicsSet::SyncBackend),
+        );
         app.configure_sets(
             PostUpdate,
             (
@@ -162,9 +167,12 @@ fn set_up_assets(app: &mut App) {
     if !app.world().contains_resource::<Assets<Mesh>>() {
         app.init_asset::<Mesh>();
     }
-    app.init_asset::<BakedHulls>().register_asset_loader(HullsLoader);
+    app.init_asset::<BakedHulls>()
+        .register_asset_reflect::<BakedHulls>()
+        .register_asset_loader(HullsLoader);
     // What concerns Bevy's processor does nothing where there is none.
     app.init_asset::<BakedScene>()
+        .register_asset_reflect::<BakedScene>()
         .register_asset_loader(HullSceneLoader)
         .register_asset_processor(HullSceneProcessor::from(HullSceneSaver))
         .set_default_asset_processor::<HullSceneProcessor>("hullscene");

@@ -51,12 +51,10 @@ pub(super) struct Job {
 }
 
 impl Job {
-    /// Nobody wants its result any more. It is not waited for: its thread stops at the next look at the control.
+    /// Nobody wants its result any more: a task that has not begun is dropped, and one at work stops at its
+    /// next look at the control.
     fn abandon(self) {
         self.control.cancel();
-        if let Worker::Background(task) = self.worker {
-            task.detach();
-        }
     }
 }
 

@@ -34,19 +34,21 @@ impl ColliderKind {
     /// says nothing of.
     ///
     /// ```
-    /// use hullwright::Parameters;
     /// use hullwright::conventions::ColliderKind;
+    /// use hullwright::{Method, Parameters};
     ///
     /// let base = Parameters::default();
     /// assert_eq!(ColliderKind::Hulls.parameters(&base), Some(base.clone()));
-    /// assert_eq!(ColliderKind::ConvexHull.parameters(&base), Some(base.clone().max_hulls(1)));
+    /// assert_eq!(ColliderKind::ConvexHull.parameters(&base), Some(base.clone().method(Method::Hull)));
     /// assert_eq!(ColliderKind::Triangles.parameters(&base), None);
     /// ```
     pub fn parameters(self, base: &Parameters) -> Option<Parameters> {
         match self {
             Self::Decomposition | Self::Hulls => Some(base.clone()),
-            // The paper's method knows no cap.
-            Self::ConvexHull => Some(base.clone().method(Method::Bounded).max_hulls(1)),
+            Self::ConvexHull => {
+                let hull = Parameters::default().method(Method::Hull);
+                Some(hull.max_vertices(base.max_vertices).openings(base.bounded.openings))
+            }
             Self::Triangles | Self::Cuboid | Self::Ball | Self::Capsule => None,
         }
     }

@@ -77,12 +77,12 @@ pub(crate) struct OpeningSettings {
 }
 
 impl From<&Parameters> for OpeningSettings {
-    /// The paper's method takes the mesh as it is.
+    /// The paper's method takes the mesh as it is. For one hull this says what the mass is that of.
     fn from(parameters: &Parameters) -> Self {
         let BoundedParameters { openings, up_axis, max_error: flatness, keep_cavities, .. } =
             parameters.bounded;
         match parameters.method {
-            Method::Bounded => {
+            Method::Bounded | Method::Hull => {
                 Self { openings, flatness, up_axis, keep_cavities, order: MeshOrder::Place }
             }
             Method::Surface => Self {

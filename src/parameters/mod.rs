@@ -30,6 +30,9 @@ pub enum Method {
     /// The paper's surface-based method: groups of the simplified surface, chosen by concavity
     /// cost over all thresholds and resolutions.
     Surface,
+    /// No decomposition: the one hull of all points that triangles use, whatever the bound. Of the other
+    /// parameters only [`Parameters::max_vertices`] counts. Nothing is verified.
+    Hull,
 }
 
 impl Method {
@@ -42,6 +45,7 @@ impl Method {
         match self {
             Self::Bounded => "bounded",
             Self::Surface => "surface",
+            Self::Hull => "hull",
         }
     }
 }
@@ -56,9 +60,9 @@ impl FromStr for Method {
     type Err = ParseError;
 
     fn from_str(text: &str) -> Result<Self, ParseError> {
-        let all = [Self::Bounded, Self::Surface];
+        let all = [Self::Bounded, Self::Surface, Self::Hull];
         let found = all.into_iter().find(|value| value.name() == text);
-        found.ok_or_else(|| ParseError::new(text, "bounded or surface"))
+        found.ok_or_else(|| ParseError::new(text, "bounded, surface or hull"))
     }
 }
 

@@ -71,3 +71,13 @@ fn the_mass_of_a_baked_body_may_be_set() {
     let properties = mass(&app, entity);
     assert!((properties.mass - 5.0).abs() < 1e-4);
 }
+
+#[test]
+fn editors_find_the_assets_by_reflection() {
+    let app = app();
+    let registry = app.world().resource::<AppTypeRegistry>().read();
+    for path in ["hullwright::BakedHulls", "hullwright::BakedScene"] {
+        let found = registry.get_with_type_path(path).unwrap_or_else(|| panic!("no {path}"));
+        assert!(found.data::<bevy::asset::ReflectAsset>().is_some(), "{path}");
+    }
+}

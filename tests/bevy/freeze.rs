@@ -157,3 +157,47 @@ fn a_body_that_is_stopped_while_it_is_frozen_stays_where_it_is() {
     give_mesh(&mut app, body, &mesh);
     assert_near(velocity(&app, body), Vec3::ZERO, 1e-6);
 }
+
+/// Steps that one frame takes when the one before it was long.
+const STEPS: u32 = 3;
+
+#[derive(Resource)]
+struct Crate(Mesh3d, Option<Entity>);
+
+#[test]
+fn a_body_that_is_tagged_before_a_fixed_step_does_not_move_before_it_is_ready() {
+    let mut app = App::new();
+    app.add_plugins((
+        MinimalPlugins,
+        bevy::asset::AssetPlugin::default(),
+        TransformPlugin,
+        RapierPhysicsPlugin::<NoUserData>::default().in_fixed_schedule(),
+        HullwrightPlugin { settings: sliced() },
+    ));
+    app.insert_resource(bevy::time::TimeUpdateStrategy::FixedTimesteps(STEPS));
+    app.insert_resource(TimestepMode::Fixed { dt: 1.0 / 60.0, substeps: 1 });
+    app.add_systems(FixedPreUpdate, |mut commands: Commands, mut it: ResMut<Crate>| {
+        if it.1.is_none() {
+            let body = (RigidBody::Dynamic, AdditionalMassProperties::Mass(1.0));
+            let more = (Velocity::linear(Vec3::X), Transform::from_xyz(0.0, 5.0, 0.0));
+            it.1 = Some(commands.spawn((it.0.clone(), tag(), body, more)).id());
+        }
+    });
+    let mesh = add(&mut app, model("u_prism"));
+    app.insert_resource(Crate(Mesh3d(mesh), None));
+    app.finish();
+    app.cleanup();
+    // The first frame has no steps.
+    update_until(&mut app, |app| app.world().resource::<Crate>().1.is_some());
+    let body = app.world().resource::<Crate>().1.expect("a body");
+    let mut frames = 0;
+    while !status(&app, body).is_finished() {
+        assert_eq!(translation(&app, body), Vec3::new(0.0, 5.0, 0.0));
+        app.update();
+        frames += 1;
+    }
+    assert!(frames > 3, "it was ready at once");
+    update_times(&mut app, 10);
+    let at = translation(&app, body);
+    assert!(at.y < 4.9 && at.x > 0.2, "it does not fall, or lost its velocity: {at}");
+}

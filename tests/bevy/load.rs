@@ -135,7 +135,10 @@ impl Storm {
         let scale = Transform::from_scale(Vec3::splat(self.random.size()));
         let body = [RigidBody::Dynamic, RigidBody::KinematicPositionBased][self.random.below(2)];
         let mesh = self.meshes[number].0.clone();
-        let entity = spawn_with(&mut self.app, &mesh, (scale, body, GravityScale(0.0)));
+        // It moves in every frame, and nothing is in its way: heaps take Rapier's time, not the plugin's.
+        let moves = (GravityScale(0.0), Velocity::linear(Vec3::Y));
+        let alone = CollisionGroups::new(Group::NONE, Group::NONE);
+        let entity = spawn_with(&mut self.app, &mesh, (scale, body, moves, alone));
         self.entities.push((entity, number));
     }
 
@@ -160,7 +163,6 @@ impl Storm {
 }
 
 #[test]
-#[ignore = "one run in two, after the storm a job or two stay at no progress without end"]
 fn after_ten_thousand_changes_each_collider_is_that_of_its_mesh_and_nothing_is_left() {
     for seed in [0x9e37_79b9_7f4a_7c15, 0x2545_f491_4f6c_dd1d] {
         let mut storm = Storm::new(seed);

@@ -292,3 +292,28 @@ fn an_untagged_collider_follows_later_changes_of_scale() {
     update_times(&mut app, 2);
     assert_near(size(&app), [4.0, 2.0, 6.0], 1e-3);
 }
+
+/// Each movement began the work anew, for as long as the collider of the old scale was there.
+#[test]
+fn a_body_whose_scale_changes_while_it_moves_gets_its_new_collider() {
+    let mut app = app_with(sliced());
+    let mesh = add(&mut app, model("u_prism"));
+    let body = (RigidBody::Dynamic, GravityScale(0.0), Velocity::linear(Vec3::X));
+    // In metres of the world, so that another scale is another decomposition.
+    let metres = tag().with_max_error(MaxError::Metres(0.02));
+    let entity = spawn_with(&mut app, &mesh, (body, metres));
+    update_until_finished(&mut app, &[entity]);
+    let before = bounds(&app, entity);
+    app.world_mut().get_mut::<Transform>(entity).unwrap().scale = Vec3::splat(2.0);
+    update_times(&mut app, 2);
+    let moves_at = translation(&app, entity);
+    let mut frames = 0;
+    while bounds(&app, entity) == before {
+        app.update();
+        frames += 1;
+        assert!(frames < 200, "{:?}", status(&app, entity));
+    }
+    assert!(frames > 3, "it was ready at once");
+    assert!(translation(&app, entity).x > moves_at.x, "it does not move");
+    assert_near(bounds(&app, entity).1, before.1 * 2.0, 0.1);
+}

@@ -36,6 +36,33 @@ fn no_hull_has_more_vertices_than_the_tag_allows() {
     assert!(most(tag().with_max_vertices(12)) <= 12);
 }
 
+/// Not what a search for one hull ends with: that of all points.
+#[test]
+fn one_hull_on_request_is_that_of_all_points_without_a_decomposition() {
+    let mut app = app();
+    let mesh = add(&mut app, model("l_prism"));
+    let shape = tag().with_shape(DecompositionShape::ConvexHull);
+    let entity = spawn_with(&mut app, &mesh, shape.clone());
+    let capped = add(&mut app, model("torus"));
+    let capped = spawn_with(&mut app, &capped, shape.with_max_vertices(12));
+    update_until_finished(&mut app, &[entity, capped]);
+    let model = model("l_prism");
+    let points = model.attribute(Mesh::ATTRIBUTE_POSITION).unwrap().as_float3().unwrap();
+    let points: Vec<[f64; 3]> = points.iter().map(|point| point.map(f64::from)).collect();
+    let expected = hullwright::convex_hull(&points).unwrap();
+    let found = hulls(&app, entity);
+    assert_eq!((found.len(), found[0].len()), (1, expected.points.len()));
+    for corner in expected.points_as::<Vec3>() {
+        assert!(found[0].iter().any(|point| point.distance(corner) < 1e-6), "{corner}");
+    }
+    let capped = hulls(&app, capped);
+    assert!(capped.len() == 1 && capped[0].len() <= 12, "{}", capped[0].len());
+    assert_eq!((counters(&app).convex, counters(&app).decomposed), (2, 0));
+    // Mass and centre are those of the mesh all the same.
+    let (of_hull, of_mesh) = (expected.volume() as f32, mass(&app, entity).mass / DENSITY);
+    assert!(of_mesh < 0.9 * of_hull, "{of_mesh} is not less than {of_hull}");
+}
+
 #[test]
 fn the_bound_is_the_one_that_the_tag_says() {
     let mut app = app();

@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 use bevy::tasks::{block_on, poll_once};
 
+use crate::Method;
 use crate::bevy::budget::Budget;
 use crate::bevy::cache::ColliderGeometry;
 use crate::bevy::error::DecompositionError;
@@ -81,6 +82,10 @@ fn count_decomposition(counters: &mut DecompositionCounters, built: &BuiltCollid
     else {
         return;
     };
+    // One hull on request is none.
+    if file.method == Method::Hull.name() {
+        return;
+    }
     let share = |length: f64| (length / file.diagonal) as f32;
     counters.decomposed += 1;
     counters.last_bound = file.bound.map(share);

@@ -44,7 +44,7 @@ pub struct ParameterArguments {
     #[arg(long)]
     paper: bool,
 
-    /// The method: bounded (default), or surface, which is the paper's
+    /// The method: bounded (default), surface, which is the paper's, or hull, which is one hull of all points
     #[arg(long, value_name = "NAME")]
     method: Option<Method>,
 
