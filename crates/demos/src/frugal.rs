@@ -1,17 +1,17 @@
-//! Less to draw for machines without a graphics card, where somebody waits for the frame.
+//! Less to draw for machines without a graphics card.
 
 use bevy::light::{DirectionalLightShadowMap, ShadowFilteringMethod};
 use bevy::prelude::*;
 use bevy::render::renderer::RenderAdapterInfo;
 use wgpu_types::DeviceType;
 
-use crate::picture::is_without_person;
+use crate::picture::is_for_show;
 
 /// Pixels along each side of the shadow map.
 const SHADOW_MAP: usize = 1024;
 
-/// Draws edges as they come and shadows without a soft rim, if the processor draws. Pictures stay as they are:
-/// they are few.
+/// Draws edges as they come and shadows without a soft rim, if the processor draws. A picture that is asked
+/// for by `--screenshot` stays as it is.
 pub fn draw_less(
     mut commands: Commands,
     adapter: Option<Res<RenderAdapterInfo>>,
@@ -19,7 +19,7 @@ pub fn draw_less(
     mut shadows: ResMut<DirectionalLightShadowMap>,
 ) {
     let is_software = adapter.is_some_and(|adapter| adapter.device_type == DeviceType::Cpu);
-    if !is_software || is_without_person() {
+    if !is_software || is_for_show() {
         return;
     }
     shadows.size = SHADOW_MAP;

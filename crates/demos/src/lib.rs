@@ -41,10 +41,13 @@ const LONGEST_FRAME: f32 = 1.0 / 20.0;
 const STEPS: usize = 3;
 
 /// Frames for which all must sleep before the picture: hulls that are ready are drawn a little later.
-const STILL_FRAMES: usize = 6;
+const STILL_FRAMES: usize = 4;
 
-/// Frames after which it is a fault that something still moves: a minute and a half of the fall.
-const MOST_FRAMES: usize = 1800;
+/// Frames after which it is a fault that something still moves: two minutes of the fall.
+const MOST_FRAMES: usize = 600;
+
+/// Nobody sees the fall before the picture: so many frames of it are one.
+const FRAMES_AT_ONCE: usize = 4;
 
 /// Bevy with a window and the bundled models, Rapier and Hullwright.
 pub fn plugins(title: &str) -> PluginGroupBuilder {
@@ -63,14 +66,12 @@ pub fn plugins(title: &str) -> PluginGroupBuilder {
         .add(HullwrightDebugPlugin)
 }
 
-/// Steps of Rapier that keep up with slow frames; without a person as many in each frame, however long it
-/// takes.
-pub fn timestep() -> TimestepMode {
+/// Steps of Rapier that keep up with slow frames; without a person as many in each frame as in some of the
+/// longest, however long it takes.
+pub fn timestep(frames: usize) -> TimestepMode {
     match is_without_person() {
-        true => TimestepMode::Fixed { dt: LONGEST_FRAME, substeps: STEPS },
-        false => {
-            TimestepMode::Variable { max_dt: LONGEST_FRAME, time_scale: 1.0, substeps: STEPS }
-        }
+        true => TimestepMode::Fixed { dt: LONGEST_FRAME * frames as f32, substeps: STEPS * frames },
+        false => TimestepMode::Variable { max_dt: LONGEST_FRAME, time_scale: 1.0, substeps: STEPS },
     }
 }
 
@@ -106,7 +107,7 @@ impl Plugin for Stage {
             PicturePlugin,
         ))
         .insert_resource(View(self.view))
-        .insert_resource(timestep())
+        .insert_resource(timestep(FRAMES_AT_ONCE))
         .insert_resource(HullwrightDebug { is_drawn: false })
         .init_resource::<HullMaterials>()
         .init_resource::<ShownHulls>()
@@ -119,12 +120,7 @@ impl Plugin for Stage {
         if let Some(path) = arguments.nth(1) {
             // Without a person the window has no focus, and would be drawn less often.
             app.insert_resource(WinitSettings::continuous());
-            app.insert_resource(Picture {
-                path: path.into(),
-                still: 0,
-                frames: 0,
-                is_late: false,
-            });
+            app.insert_resource(Picture { path: path.into(), still: 0, frames: 0, is_late: false });
         }
     }
 }
@@ -142,8 +138,7 @@ fn take_picture(
     bodies: Bodies,
     names: Query<&Name>,
 ) {
-    let are_ready =
-        !statuses.is_empty() && statuses.iter().all(DecompositionStatus::is_finished);
+    let are_ready = !statuses.is_empty() && statuses.iter().all(DecompositionStatus::is_finished);
     shutter.holds_bodies = !are_ready;
     if !are_ready || picture.still == STILL_FRAMES {
         return;

@@ -19,7 +19,7 @@ const FEWEST_COLOURS: usize = 50;
 const PIXEL: usize = 4;
 
 /// Frames that are drawn before the one that is kept: egui and the shadows need one each to begin.
-const FRAMES_BEFORE: usize = 4;
+const FRAMES_BEFORE: usize = 2;
 
 /// Speeds below which a body falls asleep, in metres and radians per second, and for how long, in seconds.
 /// Rapier's own are so high that a pendulum sleeps askew.
@@ -109,7 +109,12 @@ fn capture(commands: &mut Commands, path: PathBuf) {
 
 /// Whether pictures are written: then the window may be slow, and nothing may be left out.
 pub fn is_without_person() -> bool {
-    std::env::args().any(|argument| argument == "--screenshot" || argument == "--tour")
+    is_for_show() || std::env::args().any(|argument| argument == "--tour")
+}
+
+/// Whether the picture is to be as good as it can be: those of a tour are many.
+pub fn is_for_show() -> bool {
+    std::env::args().any(|argument| argument == "--screenshot")
 }
 
 /// Whether all shaders that are wanted are there: things without one are not drawn.

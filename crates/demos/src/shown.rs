@@ -95,22 +95,19 @@ pub fn draw_new_hulls(
         *overlay = Overlay::Drawn;
         let mut pieces = pieces(&collider.raw);
         pieces.iter_mut().for_each(|piece| piece.map(&to_entity));
-        let visibility = visibility(shown.0);
         let drawn = [
             (hulls_mesh(&pieces, 0.0), &materials.glass),
             (edges_mesh(&pieces, 0.0), &materials.edges),
         ];
-        for (mesh, material) in drawn {
-            commands.spawn((
-                Mesh3d(meshes.add(mesh)),
-                MeshMaterial3d(material.clone()),
-                NotShadowCaster,
-                DrawnHulls,
-                NoConvexDecomposition,
-                visibility,
-                ChildOf(entity),
-            ));
-        }
+        // Not right below: the meshes there of pieces that an artist made are hidden by the plugin.
+        let visibility = visibility(shown.0);
+        let holder = (DrawnHulls, NoConvexDecomposition, Transform::default(), visibility);
+        commands.spawn((holder, ChildOf(entity))).with_children(|holder| {
+            for (mesh, material) in drawn {
+                let mesh = Mesh3d(meshes.add(mesh));
+                holder.spawn((mesh, MeshMaterial3d(material.clone()), NotShadowCaster));
+            }
+        });
     }
 }
 

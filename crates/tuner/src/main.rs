@@ -60,7 +60,7 @@ fn main() -> AppExit {
         OrbitPlugin,
         PicturePlugin,
     ))
-    .insert_resource(hullwright_demos::timestep())
+    .insert_resource(hullwright_demos::timestep(1))
     .insert_resource(Export::new(arguments.folder))
     .insert_resource(scene::Show { trial: arguments.trial, ..default() })
     .init_resource::<HullMaterials>()
