@@ -23,8 +23,8 @@ const FRAMES_BEFORE: usize = 2;
 
 /// Speeds below which a body falls asleep, in metres and radians per second, and for how long, in seconds.
 /// Rapier's own are so high that a pendulum sleeps askew.
-const LINEAR_SLEEP: f32 = 0.05;
-const ANGULAR_SLEEP: f32 = 0.1;
+const LINEAR_SLEEP: f32 = 0.1;
+const ANGULAR_SLEEP: f32 = 0.3;
 const SLEEP_AFTER: f32 = 0.4;
 
 /// Writes pictures, says when one is there, and when nothing is left out of what is drawn.
