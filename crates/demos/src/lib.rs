@@ -43,8 +43,8 @@ const STEPS: usize = 3;
 /// Frames for which all must sleep before the picture: hulls that are ready are drawn a little later.
 const STILL_FRAMES: usize = 4;
 
-/// Frames after which it is a fault that something still moves: two minutes of the fall.
-const MOST_FRAMES: usize = 600;
+/// Frames after which it is a fault that something still moves: three minutes of the fall.
+const MOST_FRAMES: usize = 900;
 
 /// Nobody sees the fall before the picture: so many frames of it are one.
 const FRAMES_AT_ONCE: usize = 4;
