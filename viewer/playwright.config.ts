@@ -1,6 +1,7 @@
-// The page in a real browser: Debian's Chromium, with software rendering.
+// The page in a real browser.
 
 import { defineConfig } from "@playwright/test";
+import { launchOptions } from "./chromium.mjs";
 
 export default defineConfig({
   testDir: "tests",
@@ -12,9 +13,6 @@ export default defineConfig({
   use: {
     browserName: "chromium",
     viewport: { width: 1280, height: 800 },
-    launchOptions: {
-      executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
-      args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"],
-    },
+    launchOptions,
   },
 });

@@ -48,7 +48,7 @@ pub(super) fn shown(
     let faces: Vec<[Vector; 3]> = shapes.iter().flat_map(corners).collect();
     let divisions = samples::divisions(&faces, MOST_SAMPLES);
     let points = samples::points(&faces, &divisions);
-    let protrusions = parallel::map(&points, |&point| subject.distance(point));
+    let protrusions = samples::map_places(&points, |point| subject.distance(point));
     control.check()?;
     let most_of_each = most_of_each(&shapes, &divisions, &protrusions);
     let uncovered = uncovered(subject, parts, set.hulls.len(), &joined);

@@ -29,17 +29,30 @@ pub(super) fn overlaps(
         })
         .collect();
     let is_in_solid = map_indices(POINTS, |index| subject.contains(points[index]));
-    let members: Vec<Vec<u32>> = map(parts, |part| {
+    let (leaves, joints) = parts.split_at(leaves.min(parts.len()));
+    let mut members: Vec<Vec<u32>> = map(leaves, |part| {
         let held = (0..).zip(&points).filter(|&(_, &point)| part.holds(point, TOLERANCE));
         held.map(|(index, _)| index).collect()
     });
 
     let mut counts = Counts::new(is_in_solid);
-    members.iter().take(leaves).for_each(|members| counts.add(members));
+    members.iter().for_each(|members| counts.add(members));
     let mut overlaps = vec![counts.overlap()];
-    for (joint, &children) in members.iter().skip(leaves).zip(joined) {
-        counts.add(joint);
-        children.iter().filter_map(|&child| members.get(child)).for_each(|m| counts.remove(m));
+    for (joint, children) in joints.iter().zip(joined) {
+        let of_children = children.map(|child| members.get_mut(child).map(std::mem::take));
+        let mut is_in_child = vec![false; POINTS];
+        for &point in of_children.iter().flatten().flatten() {
+            is_in_child[point as usize] = true;
+        }
+        // A joint hull holds what its parts hold.
+        let is_held = map_indices(POINTS, |index| {
+            is_in_child[index] || joint.holds(points[index], TOLERANCE)
+        });
+        let held = (0..).zip(is_held).filter(|&(_, is_held)| is_held);
+        let of_joint: Vec<u32> = held.map(|(index, _)| index).collect();
+        counts.add(&of_joint);
+        of_children.iter().flatten().for_each(|members| counts.remove(members));
+        members.push(of_joint);
         overlaps.push(counts.overlap());
     }
     overlaps

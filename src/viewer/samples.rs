@@ -2,7 +2,10 @@
 //! the finer the larger it is. The page divides triangles in the same way, so that only a byte per
 //! point is stored.
 
+use std::collections::HashMap;
+
 use crate::geometry::vector::{Vector, add, distance, scale, subtract};
+use crate::parallel;
 
 /// Distance of neighbouring points in diagonals, where there is room for as many points as that
 /// takes: a protrusion between them is drawn a third too small at worst.
@@ -39,7 +42,8 @@ pub(super) fn points_of(parts: u8) -> usize {
     (parts + 1) * (parts + 2) / 2
 }
 
-/// All points, triangle by triangle: along the second edge within along the first.
+/// All points, triangle by triangle: along the second edge within along the first. Corners are what they
+/// are, without rounding, so that triangles share them.
 pub(super) fn points(corners: &[[Vector; 3]], divisions: &[u8]) -> Vec<Vector> {
     let mut points = Vec::new();
     for (&[a, b, c], &parts) in corners.iter().zip(divisions) {
@@ -47,10 +51,33 @@ pub(super) fn points(corners: &[[Vector; 3]], divisions: &[u8]) -> Vec<Vector> {
         let share = |part: u8| f64::from(part) / f64::from(parts);
         for i in 0..=parts {
             let start = add(a, scale(to_b, share(i)));
-            points.extend((0..=parts - i).map(|j| add(start, scale(to_c, share(j)))));
+            points.extend((0..=parts - i).map(|j| match (i == parts, j == parts) {
+                (true, _) => b,
+                (_, true) => c,
+                _ => add(start, scale(to_c, share(j))),
+            }));
         }
     }
     points
+}
+
+/// What a function gives for each point, asked once for each place: triangles share corners, and joint
+/// hulls have those of their parts.
+pub(super) fn map_places(
+    points: &[Vector],
+    function: impl Fn(Vector) -> f64 + Sync + Send,
+) -> Vec<f64> {
+    let mut numbers: HashMap<[u64; 3], usize> = HashMap::new();
+    let mut places = Vec::new();
+    let mut number = |point: &Vector| {
+        *numbers.entry(point.map(f64::to_bits)).or_insert_with(|| {
+            places.push(*point);
+            places.len() - 1
+        })
+    };
+    let numbers: Vec<usize> = points.iter().map(&mut number).collect();
+    let values = parallel::map(&places, |&place| function(place));
+    numbers.into_iter().map(|number| values[number]).collect()
 }
 
 /// The greatest of some errors, and each error as a byte: the square root of its share of the

@@ -49,7 +49,13 @@ pub(super) fn uncovered(
         let bvh = Bvh::new(&part.points, &part.triangles);
         let found = map_indices(left.len(), |index| {
             let (point, before) = (subject.samples[left[index]], distances[left[index]]);
-            if part.holds(point, TOLERANCE) { 0.0 } else { distance(&bvh, point, before) }
+            if is_beyond(part, point, before) {
+                before
+            } else if part.holds(point, TOLERANCE) {
+                0.0
+            } else {
+                distance(&bvh, point, before)
+            }
         });
         for (&sample, found) in left.iter().zip(found) {
             let value = samples::byte(found, most);
@@ -61,6 +67,13 @@ pub(super) fn uncovered(
         left.retain(|&sample| samples::byte(distances[sample], most) > 0);
     }
     Uncovered { most, values, changes }
+}
+
+/// Whether a point is farther than this from the box around a hull.
+fn is_beyond(part: &Part, point: Vector, distance: f64) -> bool {
+    (0..3).any(|axis| {
+        part.min[axis] - point[axis] > distance || point[axis] - part.max[axis] > distance
+    })
 }
 
 /// The distance to a surface, or `limit` if that is less.

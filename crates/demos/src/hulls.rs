@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use bevy::asset::RenderAssetUsages;
+use bevy::math::Affine3A;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy_rapier3d::rapier::geometry::SharedShape;
@@ -93,6 +94,14 @@ pub fn edges_mesh(pieces: &[Piece], explosion: f32) -> Mesh {
 }
 
 impl Piece {
+    /// Moves it into another space.
+    pub fn map(&mut self, map: &Affine3A) {
+        self.points.iter_mut().for_each(|point| *point = map.transform_point3(*point));
+        if map.matrix3.determinant() < 0.0 {
+            self.triangles.iter_mut().for_each(|triangle| triangle.swap(0, 1));
+        }
+    }
+
     fn corners(&self) -> impl Iterator<Item = [Vec3; 3]> + '_ {
         self.triangles.iter().filter_map(|&[a, b, c]| {
             let point = |index: u32| self.points.get(index as usize).copied();

@@ -3,6 +3,7 @@
 //! and ends; with an error if the picture is empty.
 
 mod caption;
+pub mod frugal;
 pub mod hulls;
 pub mod orbit;
 pub mod picture;
@@ -10,7 +11,6 @@ mod shown;
 pub mod studio;
 
 use std::path::PathBuf;
-use std::time::Duration;
 
 use bevy::app::PluginGroupBuilder;
 use bevy::prelude::*;
@@ -25,8 +25,8 @@ use hullwright::bevy::{HullwrightDebug, HullwrightDebugPlugin};
 use caption::Caption;
 use hulls::HullMaterials;
 use orbit::{Orbit, OrbitPlugin, camera};
-use picture::{Bodies, PicturePlugin, PictureTaken, Shaders, is_still};
-use shown::{ShownHulls, show_new_hulls, toggle};
+use picture::{Bodies, PicturePlugin, PictureTaken, Shutter, awake, is_without_person};
+use shown::{ShownHulls, draw_new_hulls, note_ready, toggle};
 use studio::Studio;
 
 /// The bundled models, wherever a window is started from.
@@ -40,14 +40,15 @@ pub const WINDOW: [u32; 2] = [1280, 800];
 const LONGEST_FRAME: f32 = 1.0 / 20.0;
 const STEPS: usize = 3;
 
-/// Frames for which all must lie still before the picture: at the top of its way a body is slow too.
-const STILL_FRAMES: usize = 30;
+/// Frames for which all must sleep before the picture: hulls that are ready are drawn a little later.
+const STILL_FRAMES: usize = 4;
 
-/// Frames after which the picture is taken all the same.
-const MOST_FRAMES: usize = 1200;
+/// Frames after which the picture is taken all the same, and it is said what still moves: a minute and a half
+/// of the fall.
+const MOST_FRAMES: usize = 450;
 
-/// As long where frames take long, as without a graphics card.
-const LONGEST: Duration = Duration::from_secs(100);
+/// Nobody sees the fall before the picture: so many frames of it are one.
+const FRAMES_AT_ONCE: usize = 4;
 
 /// Bevy with a window and the bundled models, Rapier and Hullwright.
 pub fn plugins(title: &str) -> PluginGroupBuilder {
@@ -66,14 +67,13 @@ pub fn plugins(title: &str) -> PluginGroupBuilder {
         .add(HullwrightDebugPlugin)
 }
 
-/// Whether pictures are written: then things are not left out while their shaders are compiled.
-fn is_without_person() -> bool {
-    std::env::args().any(|argument| argument == "--screenshot" || argument == "--tour")
-}
-
-/// Steps of Rapier that keep up with slow frames.
-pub fn timestep() -> TimestepMode {
-    TimestepMode::Variable { max_dt: LONGEST_FRAME, time_scale: 1.0, substeps: STEPS }
+/// Steps of Rapier that keep up with slow frames; without a person as many in each frame as in some of the
+/// longest, however long it takes.
+pub fn timestep(frames: usize) -> TimestepMode {
+    match is_without_person() {
+        true => TimestepMode::Fixed { dt: LONGEST_FRAME * frames as f32, substeps: STEPS * frames },
+        false => TimestepMode::Variable { max_dt: LONGEST_FRAME, time_scale: 1.0, substeps: STEPS },
+    }
 }
 
 /// A demo: its studio with a floor, its camera, its line of text and its keys.
@@ -90,7 +90,7 @@ pub struct Stage {
 #[derive(Resource)]
 struct View(Orbit);
 
-/// Where the picture goes, frames since all lies still, and since the start.
+/// Where the picture goes, for how many frames all has slept, and how many there were.
 #[derive(Resource)]
 struct Picture {
     path: PathBuf,
@@ -107,14 +107,15 @@ impl Plugin for Stage {
             PicturePlugin,
         ))
         .insert_resource(View(self.view))
-        .insert_resource(timestep())
+        .insert_resource(timestep(FRAMES_AT_ONCE))
         .insert_resource(HullwrightDebug { is_drawn: false })
         .init_resource::<HullMaterials>()
         .init_resource::<ShownHulls>()
         .add_systems(Startup, set_up)
-        .add_systems(Update, (picture::watch_sleep, toggle))
+        .add_systems(PostStartup, frugal::draw_less)
+        .add_systems(Update, (picture::watch_sleep, toggle, draw_new_hulls))
         .add_systems(Update, (take_picture, end).run_if(resource_exists::<Picture>))
-        .add_observer(show_new_hulls);
+        .add_observer(note_ready);
         let mut arguments = std::env::args().skip_while(|argument| argument != "--screenshot");
         if let Some(path) = arguments.nth(1) {
             // Without a person the window has no focus, and would be drawn less often.
@@ -129,33 +130,35 @@ fn set_up(mut commands: Commands, view: Res<View>, studio: Res<Studio>) {
     commands.spawn(Collider::halfspace(Vec3::Y).expect("up is a direction"));
 }
 
+/// Bodies wait until all have their hulls, so that each run shows the same fall.
 fn take_picture(
-    mut commands: Commands,
     mut picture: ResMut<Picture>,
+    mut shutter: ResMut<Shutter>,
     statuses: Query<&DecompositionStatus>,
     bodies: Bodies,
-    shaders: Res<Shaders>,
-    time: Res<Time<Real>>,
+    names: Query<&Name>,
 ) {
-    let are_ready = shaders.are_ready()
-        && !statuses.is_empty()
-        && statuses.iter().all(DecompositionStatus::is_finished);
-    picture.frames += 1;
-    if picture.still == STILL_FRAMES {
+    let are_ready = !statuses.is_empty() && statuses.iter().all(DecompositionStatus::is_finished);
+    shutter.holds_bodies = !are_ready;
+    if !are_ready || picture.still == STILL_FRAMES {
         return;
     }
-    picture.still = if are_ready && is_still(&bodies) { picture.still + 1 } else { 0 };
-    if picture.frames == MOST_FRAMES || time.elapsed() > LONGEST {
-        println!("not all lies still after {} frames", picture.frames);
+    picture.frames += 1;
+    picture.still = if awake(&bodies).next().is_none() { picture.still + 1 } else { 0 };
+    if picture.frames == MOST_FRAMES && picture.still < STILL_FRAMES {
+        let name = |body| names.get(body).map_or("one without a name", Name::as_str);
+        let moving: Vec<&str> = awake(&bodies).map(name).collect();
+        println!("these bodies still move after {MOST_FRAMES} frames: {}", moving.join(", "));
         picture.still = STILL_FRAMES;
     }
     if picture.still == STILL_FRAMES {
-        picture::take(&mut commands, &picture.path);
+        println!("the picture is taken after {} frames", picture.frames);
+        shutter.take(&picture.path);
     }
 }
 
 fn end(mut taken: MessageReader<PictureTaken>, mut exit: MessageWriter<AppExit>) {
-    for picture in taken.read() {
-        exit.write(if picture.is_empty { AppExit::error() } else { AppExit::Success });
+    for taken in taken.read() {
+        exit.write(if taken.is_empty { AppExit::error() } else { AppExit::Success });
     }
 }

@@ -18,22 +18,103 @@ const FEWEST_COLOURS: usize = 50;
 /// Bytes of a pixel of a screenshot.
 const PIXEL: usize = 4;
 
-/// Bodies slower than this, in metres per second, lie still for the eye: some roll on for minutes.
-const STILL: f32 = 0.01;
+/// Frames that are drawn before the one that is kept: egui and the shadows need one each to begin.
+const FRAMES_BEFORE: usize = 2;
 
-/// Says when a picture is taken, and when there is nothing left out of what is drawn.
+/// Speeds below which a body falls asleep, in metres and radians per second, and for how long, in seconds.
+/// Rapier's own are so high that a pendulum sleeps askew.
+const LINEAR_SLEEP: f32 = 0.1;
+const ANGULAR_SLEEP: f32 = 0.3;
+const SLEEP_AFTER: f32 = 0.4;
+
+/// Writes pictures, says when one is there, and when nothing is left out of what is drawn.
+///
+/// Without a person only what goes into pictures is drawn, and bodies stand still meanwhile: without a
+/// graphics card a frame takes a second, and what the pictures show must not depend on that.
 pub struct PicturePlugin;
 
 impl Plugin for PicturePlugin {
     fn build(&self, app: &mut App) {
         let shaders = Shaders::default();
-        app.add_message::<PictureTaken>().insert_resource(shaders.clone());
+        app.add_message::<PictureTaken>()
+            .init_resource::<Shutter>()
+            .insert_resource(shaders.clone())
+            .add_systems(Last, work_shutter);
         if let Some(render) = app.get_sub_app_mut(RenderApp) {
             render
                 .insert_resource(shaders)
                 .add_systems(Render, note_shaders.in_set(RenderSystems::Cleanup));
         }
     }
+}
+
+/// What is to be on a picture, and whether bodies may move.
+#[derive(Resource, Default)]
+pub struct Shutter {
+    /// Whether bodies stand still.
+    pub holds_bodies: bool,
+    path: Option<PathBuf>,
+    drawn: usize,
+}
+
+impl Shutter {
+    /// Writes a picture of the window as PNG, and then the message [`PictureTaken`].
+    pub fn take(&mut self, path: &Path) {
+        self.path = Some(path.to_owned());
+        self.drawn = 0;
+    }
+}
+
+fn work_shutter(
+    mut commands: Commands,
+    mut shutter: ResMut<Shutter>,
+    mut cameras: Query<&mut Camera>,
+    mut physics: Query<&mut RapierConfiguration>,
+    shaders: Res<Shaders>,
+) {
+    let is_open = shutter.path.is_some();
+    let may_move = !shutter.holds_bodies && !(is_open && is_without_person());
+    for mut configuration in &mut physics {
+        if configuration.physics_pipeline_active != may_move {
+            configuration.physics_pipeline_active = may_move;
+        }
+    }
+    for mut camera in &mut cameras {
+        let is_active = is_open || !is_without_person();
+        if camera.is_active != is_active {
+            camera.is_active = is_active;
+        }
+    }
+    let Shutter { path: Some(path), drawn, .. } = &mut *shutter else { return };
+    *drawn += usize::from(*drawn < FRAMES_BEFORE || shaders.are_ready());
+    if *drawn == FRAMES_BEFORE + 1 {
+        capture(&mut commands, path.clone());
+    }
+}
+
+fn capture(commands: &mut Commands, path: PathBuf) {
+    commands.spawn(Screenshot::primary_window()).observe(save_to_disk(path.clone())).observe(
+        move |captured: On<ScreenshotCaptured>,
+              mut shutter: ResMut<Shutter>,
+              mut taken: MessageWriter<PictureTaken>| {
+            let (image, colours) = (&captured.image, colours(&captured.image));
+            let [width, height] = [image.width(), image.height()];
+            println!("{}: {width} × {height} pixels of {colours} colours", path.display());
+            let is_empty = colours < FEWEST_COLOURS;
+            shutter.path = None;
+            taken.write(PictureTaken { path: path.clone(), is_empty });
+        },
+    );
+}
+
+/// Whether pictures are written: then the window may be slow, and nothing may be left out.
+pub fn is_without_person() -> bool {
+    is_for_show() || std::env::args().any(|argument| argument == "--tour")
+}
+
+/// Whether the picture is to be as good as it can be: those of a tour are many.
+pub fn is_for_show() -> bool {
+    std::env::args().any(|argument| argument == "--screenshot")
 }
 
 /// Whether all shaders that are wanted are there: things without one are not drawn.
@@ -66,22 +147,28 @@ fn note_shaders(
     shaders.0.store(are_ready, Ordering::Relaxed);
 }
 
-/// Gives every body the component by which Rapier says that it sleeps.
+/// Gives every body the components by which Rapier says that it sleeps.
 pub fn watch_sleep(mut commands: Commands, bodies: Query<Entity, Added<RigidBody>>) {
+    let sleeping = Sleeping {
+        normalized_linear_threshold: LINEAR_SLEEP,
+        angular_threshold: ANGULAR_SLEEP,
+        time_until_sleep: SLEEP_AFTER,
+        sleeping: false,
+    };
     for body in &bodies {
-        commands.entity(body).insert_if_new((Sleeping::default(), Velocity::default()));
+        commands.entity(body).insert_if_new((sleeping, Velocity::default()));
     }
 }
 
 /// The bodies that may move.
-pub type Bodies<'w, 's> = Query<'w, 's, (&'static RigidBody, &'static Sleeping, &'static Velocity)>;
+pub type Bodies<'w, 's> = Query<'w, 's, (Entity, &'static RigidBody, &'static Sleeping)>;
 
-/// Whether all bodies that may move lie still.
-pub fn is_still(bodies: &Bodies) -> bool {
+/// The bodies that may move and do not sleep.
+pub fn awake(bodies: &Bodies) -> impl Iterator<Item = Entity> {
     bodies
         .iter()
-        .filter(|(body, ..)| matches!(body, RigidBody::Dynamic))
-        .all(|(_, sleeping, velocity)| sleeping.sleeping || velocity.linear.length() < STILL)
+        .filter(|(_, body, sleeping)| matches!(body, RigidBody::Dynamic) && !sleeping.sleeping)
+        .map(|(entity, ..)| entity)
 }
 
 /// A picture is written.
@@ -91,20 +178,6 @@ pub struct PictureTaken {
     pub path: PathBuf,
     /// Whether nothing is to be seen on it.
     pub is_empty: bool,
-}
-
-/// Writes a picture of the window as PNG, and then the message [`PictureTaken`].
-pub fn take(commands: &mut Commands, path: &Path) {
-    let written = path.to_owned();
-    commands.spawn(Screenshot::primary_window()).observe(save_to_disk(path.to_owned())).observe(
-        move |captured: On<ScreenshotCaptured>, mut taken: MessageWriter<PictureTaken>| {
-            let (image, colours) = (&captured.image, colours(&captured.image));
-            let [width, height] = [image.width(), image.height()];
-            println!("{}: {width} × {height} pixels of {colours} colours", written.display());
-            let is_empty = colours < FEWEST_COLOURS;
-            taken.write(PictureTaken { path: written.clone(), is_empty });
-        },
-    );
 }
 
 fn colours(picture: &Image) -> usize {

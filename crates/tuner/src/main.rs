@@ -20,9 +20,10 @@ use bevy::winit::WinitSettings;
 use bevy_egui::input::EguiInputEvent;
 use bevy_egui::{EguiPrimaryContextPass, PrimaryEguiContext, egui};
 use bevy_rapier3d::prelude::*;
+use hullwright_demos::frugal::draw_less;
 use hullwright_demos::hulls::HullMaterials;
 use hullwright_demos::orbit::{Orbit, OrbitPlugin, camera};
-use hullwright_demos::picture::{self, PicturePlugin, PictureTaken};
+use hullwright_demos::picture::{self, PicturePlugin, PictureTaken, Shutter, is_without_person};
 use hullwright_demos::studio::Studio;
 
 use arguments::{Arguments, USAGE};
@@ -33,8 +34,8 @@ use tour::{Tour, Watched};
 /// Width of what is on the stage, in metres.
 const STAGE: f32 = 3.4;
 
-/// Frames for which all lies still before `--screenshot`.
-const STILL_FRAMES: usize = 15;
+/// Frames for which all sleeps before `--screenshot`.
+const STILL_FRAMES: usize = 6;
 
 /// Where the only picture goes, and for how many frames all was still.
 #[derive(Resource)]
@@ -59,7 +60,7 @@ fn main() -> AppExit {
         OrbitPlugin,
         PicturePlugin,
     ))
-    .insert_resource(hullwright_demos::timestep())
+    .insert_resource(hullwright_demos::timestep(1))
     .insert_resource(Export::new(arguments.folder))
     .insert_resource(scene::Show { trial: arguments.trial, ..default() })
     .init_resource::<HullMaterials>()
@@ -74,7 +75,7 @@ fn main() -> AppExit {
     .add_message::<action::Action>()
     .add_message::<balls::Throw>()
     .add_systems(Startup, set_up)
-    .add_systems(PostStartup, ui::set_style)
+    .add_systems(PostStartup, (ui::set_style, draw_less))
     .add_systems(EguiPrimaryContextPass, ui::draw)
     .add_systems(
         Update,
@@ -89,7 +90,7 @@ fn main() -> AppExit {
             .chain(),
     );
     // Without a person the window has no focus, and would be drawn less often.
-    if arguments.tour.is_some() || arguments.screenshot.is_some() {
+    if is_without_person() {
         app.insert_resource(WinitSettings::continuous());
     }
     if let Some(folder) = arguments.tour {
@@ -147,12 +148,16 @@ fn paste(
     }
 }
 
-fn take_screenshot(mut commands: Commands, mut screenshot: ResMut<Screenshot>, watched: Watched) {
+fn take_screenshot(
+    mut shutter: ResMut<Shutter>,
+    mut screenshot: ResMut<Screenshot>,
+    watched: Watched,
+) {
     let Screenshot(path, still) = &mut *screenshot;
     if *still < STILL_FRAMES {
         *still = if watched.is_current() && watched.is_still() { *still + 1 } else { 0 };
         if *still == STILL_FRAMES {
-            picture::take(&mut commands, path);
+            shutter.take(path);
         }
     }
 }

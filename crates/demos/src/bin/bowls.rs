@@ -34,7 +34,7 @@ fn main() -> AppExit {
     let stage = Stage {
         caption: "A hundred balls poured into three bowls. A single hull each would have a lid.",
         width: 5.0,
-        view: Orbit::new(Vec3::new(0.05, 0.3, 0.1), 2.25).from_angles(0.25, 0.55),
+        view: Orbit::new(Vec3::new(0.05, 0.15, 0.15), 2.1).from_angles(0.25, 0.55),
     };
     App::new()
         .add_plugins((hullwright_demos::plugins("Bowls"), stage))
@@ -69,6 +69,8 @@ fn pour(
     server: Res<AssetServer>,
 ) {
     let Ok((bowl, Helping(count))) = bowls.get(event.entity) else { return };
+    // A bowl may be ready again, and is full then.
+    commands.entity(event.entity).remove::<Helping>();
     let ball = server.add(Sphere::new(BALL).mesh().build());
     let sweets = SWEETS.map(|colour| server.add(StandardMaterial::from(colour)));
     for number in 0..*count {

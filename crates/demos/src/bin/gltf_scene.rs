@@ -22,11 +22,14 @@ const CLUTTER: [(&str, Vec3, [f32; 2]); 9] = [
     ("gear.glb", Vec3::new(0.02, 0.88, 0.16), [0.4, 0.9]),
     ("spring.glb", Vec3::new(0.03, 1.02, 0.17), [0.0, 1.3]),
     ("mug.glb", Vec3::new(-0.36, 0.94, -0.16), [2.6, 0.0]),
-    ("mug.glb", Vec3::new(0.40, 0.80, 0.27), [1.2, 1.35]),
+    ("mug.glb", Vec3::new(0.40, 0.76, 0.27), [1.2, 0.0]),
     ("bowl.glb", Vec3::new(-0.42, 0.84, 0.24), [0.0, 3.1]),
     ("chair.glb", Vec3::new(0.12, 0.02, 0.78), [2.75, 0.0]),
     ("dog.glb", Vec3::new(-1.02, 0.02, 0.42), [-0.75, 0.0]),
 ];
+
+/// Things come to rest as in air and on wood.
+const CALM: Damping = Damping { linear_damping: 0.3, angular_damping: 2.0 };
 
 /// Books: thickness, turn and colour of each, from the desk up.
 const BOOKS: [(f32, f32, Color); 3] = [
@@ -40,7 +43,7 @@ fn main() -> AppExit {
         caption: "A desk from a glTF file: names and extras in it ask for colliders. \
                   What falls on it is tagged in code.",
         width: 9.0,
-        view: Orbit::new(Vec3::new(-0.45, 1.35, 0.45), 2.95).from_angles(0.42, 0.33),
+        view: Orbit::new(Vec3::new(-0.35, 1.0, 0.45), 2.85).from_angles(0.42, 0.33),
     };
     App::new()
         .add_plugins((hullwright_demos::plugins("A cluttered desk"), stage))
@@ -67,7 +70,7 @@ fn make_bodies(
 ) {
     for (entity, name, parent) in &tagged {
         let body = if name.starts_with(PIECE) { parent.parent() } else { entity };
-        commands.entity(body).insert(RigidBody::Dynamic);
+        commands.entity(body).insert((RigidBody::Dynamic, CALM));
     }
 }
 
@@ -87,6 +90,7 @@ fn drop_clutter(mut commands: Commands, server: Res<AssetServer>) {
                 .with_scale(Vec3::splat(SCALE)),
             // It stays where it is until it has a collider.
             RigidBody::KinematicPositionBased,
+            CALM,
             ConvexDecomposition::default().with_max_error(0.015),
         ));
     }

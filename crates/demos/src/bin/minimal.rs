@@ -13,7 +13,7 @@ const SCALE: f32 = 10.0;
 const HANDLE: Vec3 = Vec3::new(0.054, 0.052, 0.0);
 
 /// Height of the rail, and the way from hook to hook, in metres.
-const RAIL: f32 = 2.4;
+const RAIL: f32 = 2.0;
 const STEP: f32 = 1.25;
 
 const GLAZES: [Color; 5] = [
@@ -28,7 +28,7 @@ fn main() -> AppExit {
     let stage = Stage {
         caption: "Five mugs hang by their handles: a finger fits through, and so does a hook.",
         width: 7.0,
-        view: Orbit::new(Vec3::new(0.0, 1.55, 0.0), 3.1).from_angles(0.32, 0.16),
+        view: Orbit::new(Vec3::new(0.1, 0.95, 0.0), 2.3).from_angles(0.3, 0.2),
     };
     App::new()
         .add_plugins((hullwright_demos::plugins("Mugs on a rail"), stage))
@@ -48,7 +48,7 @@ fn hang_mugs(mut commands: Commands, server: Res<AssetServer>) {
             MeshMaterial3d(server.add(StandardMaterial::from(glaze))),
             Transform::from_translation(place).with_rotation(turn).with_scale(Vec3::splat(SCALE)),
             RigidBody::Dynamic,
-            Damping { linear_damping: 0.2, angular_damping: 1.0 },
+            Damping { linear_damping: 0.4, angular_damping: 2.5 },
             ConvexDecomposition::default().with_max_error(0.01),
         ));
     }

@@ -33,7 +33,11 @@ use crate::runs::record::{Row, Status};
 /// benchmark that was stopped goes on where it was. Then the report is written anew.
 #[derive(clap::Args)]
 pub struct Arguments {
-    #[arg(help = meshes::folders_help(), required = true, value_name = "DIR")]
+    #[arg(
+        help = meshes::folders_help(),
+        required_unless_present = "report_only",
+        value_name = "DIR"
+    )]
     folders: Vec<PathBuf>,
 
     /// The folder that the report goes to
@@ -68,12 +72,17 @@ pub struct Arguments {
     #[arg(long)]
     retry: bool,
 
-    /// Run nothing, only write the report of what is there
+    /// Run nothing, only write the report of what is in REPORT/runs.jsonl, with its plots
     #[arg(long)]
     report_only: bool,
 
-    /// Write a page for each mesh too, with ours and V-HACD's hulls side by side
-    #[arg(long)]
+    /// Copy the small plots into this folder too, under the names of the large ones: docs/pictures for
+    /// the README
+    #[arg(long, value_name = "DIR")]
+    pictures: Option<PathBuf>,
+
+    /// Write a page for each mesh of the folders too, with ours and V-HACD's hulls side by side
+    #[arg(long, requires = "folders")]
     pages: bool,
 }
 
@@ -106,7 +115,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         true => pages::write(output, &benched(&arguments.folders, journal.rows())?)?,
         false => Vec::new(),
     };
-    Ok(report(output, journal.rows(), &links)?)
+    Ok(report(output, journal.rows(), &links, arguments.pictures.as_deref())?)
 }
 
 /// The meshes below the folders that the journal has a run of.
@@ -155,8 +164,13 @@ fn recorded_machine(output: &Path) -> BTreeMap<String, Value> {
     serde_json::from_str(&text).unwrap_or_default()
 }
 
-/// Writes the report of what the journal holds.
-fn report(output: &Path, rows: &[Row], pages: &[PageLink]) -> Result<(), String> {
+/// Writes the report of what the journal holds, and copies its small plots.
+fn report(
+    output: &Path,
+    rows: &[Row],
+    pages: &[PageLink],
+    pictures: Option<&Path>,
+) -> Result<(), String> {
     let results = Results::new(rows);
     if results.rows.is_empty() {
         return Err("there is nothing to report".into());
@@ -183,6 +197,12 @@ fn report(output: &Path, rows: &[Row], pages: &[PageLink]) -> Result<(), String>
             .into(),
     ];
     let plots = plots::plots(&results)?;
+    if let Some(pictures) = pictures {
+        html_report::create_folder(pictures)?;
+        for plot in plots.iter().filter(|plot| plot.is_extra) {
+            html_report::write(&pictures.join(plot.file.replace("-small", "")), &plot.svg)?;
+        }
+    }
     let tables = results.tables();
     html_report::write(&output.join("runs.csv"), &export::csv(&results)?)?;
     html_report::write(&output.join("versus.csv"), &export::versus_csv(&results)?)?;

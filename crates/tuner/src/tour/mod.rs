@@ -1,5 +1,5 @@
 //! A tour without a person: mouse and keys go to every control, each step writes a picture and checks
-//! what came of it, and the longest frame is measured.
+//! what came of it, and the longest frame is measured, all but the drawing.
 
 mod hand;
 mod seen;
@@ -10,18 +10,19 @@ use std::path::PathBuf;
 
 use bevy::prelude::*;
 use bevy::time::Real;
-use hullwright_demos::picture::{self, PictureTaken};
+use hullwright_demos::picture::{PictureTaken, Shutter};
 
 use hand::{Devices, Hand};
 use seen::Seen;
 pub use seen::Watched;
 use steps::{Step, When, steps};
 
-/// Frames for which all has to lie still.
-const STILL_FRAMES: usize = 12;
+/// Frames for which all has to sleep.
+const STILL_FRAMES: usize = 6;
 
-/// Frames after which a step that does not settle is taken as it is.
-const MOST_FRAMES: usize = 420;
+/// Frames without a job after which a step that does not settle is taken as it is: half a minute of a
+/// fall.
+const MOST_FRAMES: usize = 600;
 
 /// A job that has run for this long, in seconds, is slow.
 const BUSY: f32 = 0.6;
@@ -79,7 +80,7 @@ impl Tour {
         else {
             return false;
         };
-        *frames += 1;
+        *frames += usize::from(watched.busy_seconds().is_none());
         let is_settled = watched.is_current() && watched.is_still();
         *still = if is_settled { *still + 1 } else { 0 };
         if *frames >= MOST_FRAMES {
@@ -132,7 +133,7 @@ fn summary(frames: &mut [f32]) -> String {
 /// Goes on with the tour.
 #[allow(clippy::too_many_arguments)]
 pub fn go_on(
-    mut commands: Commands,
+    mut shutter: ResMut<Shutter>,
     mut tour: ResMut<Tour>,
     watched: Watched,
     mut devices: Devices,
@@ -158,7 +159,7 @@ pub fn go_on(
     if tour.is_ready(&watched)
         && let Some(step) = tour.steps.pop_front()
     {
-        picture::take(&mut commands, &tour.folder.join(format!("{}.png", step.name)));
+        shutter.take(&tour.folder.join(format!("{}.png", step.name)));
         tour.state = State::Photographs;
         // What is on the picture, and not what comes after it.
         tour.judge(&step, watched.look());

@@ -8,7 +8,7 @@ use bevy_egui::input::EguiWantsInput;
 use hullwright::hulls_format::HullsFile;
 use hullwright::io::read_mesh;
 use hullwright_demos::orbit::Orbit;
-use hullwright_demos::picture::{Bodies, Shaders, is_still};
+use hullwright_demos::picture::{Bodies, awake};
 
 use crate::action::Help;
 use crate::balls::Ball;
@@ -46,7 +46,7 @@ pub struct Seen {
     pub highest: f32,
     /// See above.
     pub lowest: f32,
-    /// Whether all lie still.
+    /// Whether all sleep.
     pub is_still: bool,
     /// Balls.
     pub balls: usize,
@@ -86,21 +86,19 @@ pub struct Watched<'w, 's> {
     things: Query<'w, 's, &'static Transform, With<Thing>>,
     views: Query<'w, 's, &'static Orbit>,
     bodies: Bodies<'w, 's>,
-    shaders: Res<'w, Shaders>,
 }
 
 impl Watched<'_, '_> {
-    /// Whether the hulls are those of the settings, and all can be drawn.
+    /// Whether the hulls are those of the settings.
     pub fn is_current(&self) -> bool {
         let model = self.library.current.as_ref();
-        self.shaders.are_ready()
-            && !self.library.is_reading()
+        !self.library.is_reading()
             && (model.is_none() || self.tuning.is_current(model, &self.settings))
     }
 
-    /// Whether all bodies lie still.
+    /// Whether all bodies sleep.
     pub fn is_still(&self) -> bool {
-        is_still(&self.bodies)
+        awake(&self.bodies).next().is_none()
     }
 
     /// Seconds for which a job has run.
