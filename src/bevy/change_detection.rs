@@ -17,17 +17,21 @@ use super::request::{AttachedCollider, ColliderRequest, FailedRequest, InputId};
 use super::settings::HullwrightSettings;
 use super::static_geometry::StaticGeometry;
 use super::status::{DecompositionCounters, DecompositionStatus, WaitReason};
-use super::tag::ConvexDecomposition;
+use super::tag::{ConvexDecomposition, NoConvexDecomposition};
 
 type ChangedTag = Or<(Changed<ConvexDecomposition>, Changed<BakedDecomposition>)>;
 type Tagged = Or<(With<ConvexDecomposition>, With<BakedDecomposition>)>;
+type MadeOfMeshes = (With<ConvexDecomposition>, Without<BakedDecomposition>);
+/// What has any of these is left out of the input above it, with all below it.
+type LeftOut = Or<(With<BakedDecomposition>, With<RigidBody>, With<NoConvexDecomposition>)>;
 
 /// Tags that are new or changed, and meshes that replaced another.
 pub(super) fn detect_tags(
     mut queue: ResMut<WorkQueue>,
     changed_tags: Query<Entity, ChangedTag>,
     changed_meshes: Query<Entity, Changed<Mesh3d>>,
-    tagged: Query<(), Tagged>,
+    made_of_meshes: Query<(), MadeOfMeshes>,
+    left_out: Query<(), LeftOut>,
     parents: Query<&ChildOf>,
     mut statuses: Query<&mut DecompositionStatus>,
 ) {
@@ -42,7 +46,9 @@ pub(super) fn detect_tags(
     }
     for mesh in &changed_meshes {
         let mut on_and_above = std::iter::once(mesh).chain(parents.iter_ancestors(mesh));
-        let entity = on_and_above.find(|entity| tagged.contains(*entity));
+        let is_end =
+            |entity: &Entity| made_of_meshes.contains(*entity) || left_out.contains(*entity);
+        let entity = on_and_above.find(is_end).filter(|entity| made_of_meshes.contains(*entity));
         if let Some(entity) = entity.filter(|entity| !queue.is_to_be_resolved(*entity)) {
             restart(&mut queue, entity);
         }

@@ -87,6 +87,25 @@ fn what_has_a_tag_or_a_body_of_its_own_or_is_left_out_is_not_part_of_the_input()
     }
 }
 
+/// Such as hulls that a game draws over the model when they are ready.
+#[test]
+fn meshes_that_are_left_out_do_not_start_the_work_anew_when_they_come() {
+    let mut app = app();
+    let cube = add(&mut app, unit_cube());
+    let parent = spawn(&mut app, &cube);
+    update_until_finished(&mut app, &[parent]);
+    let excluded = app.world_mut().spawn((NoConvexDecomposition, ChildOf(parent))).id();
+    app.world_mut().spawn((Mesh3d(cube.clone()), ChildOf(excluded)));
+    app.world_mut().spawn((Mesh3d(cube.clone()), RigidBody::Dynamic, ChildOf(parent)));
+    update_times(&mut app, 5);
+    assert!(is_ready(&app, parent));
+    assert_eq!(ready(&app).len(), 1);
+    // Any other is part of the input.
+    app.world_mut().spawn((Mesh3d(cube), Transform::from_xyz(1.0, 0.0, 0.0), ChildOf(parent)));
+    update_until_ready_times(&mut app, 2);
+    assert_near(bounds(&app, parent).1, [2.0, 1.0, 1.0], 1e-3);
+}
+
 #[test]
 fn the_status_says_that_others_go_first() {
     let mut app = app_with(sliced());
