@@ -121,6 +121,7 @@ impl Plugin for Stage {
             // Without a person the window has no focus, and would be drawn less often.
             app.insert_resource(WinitSettings::continuous());
             app.insert_resource(Picture { path: path.into(), still: 0, frames: 0 });
+            app.world_mut().resource_mut::<Shutter>().holds_bodies = true;
         }
     }
 }

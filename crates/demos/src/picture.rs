@@ -39,6 +39,8 @@ impl Plugin for PicturePlugin {
         app.add_message::<PictureTaken>()
             .init_resource::<Shutter>()
             .insert_resource(shaders.clone())
+            // Before the first frame too: what stands still from the beginning must not fall in it.
+            .add_systems(PostStartup, work_shutter)
             .add_systems(Last, work_shutter);
         if let Some(render) = app.get_sub_app_mut(RenderApp) {
             render
