@@ -12,11 +12,12 @@ use crate::geometry::{MeshView, TriangleMesh};
 use crate::mesh::PreparedMesh;
 use crate::openings::prepare::{Closed, prepare_closed};
 use crate::openings::{Opening, OpeningSettings};
-use crate::parameters::{Length, Method, Openings, Parameters, SurfaceParameters};
+use crate::parameters::{Length, Method, Openings, Parameters};
 use crate::surface::group_merging::merge_groups;
 use crate::surface::grouping::Grouping;
 use crate::surface::pieces::{assign_source_triangles, hulls};
-use crate::surface::resolution_selection::{Level, Levels, first_cut_off, select};
+use crate::surface::resolution_selection::{Levels, select};
+use crate::surface::search::Search;
 
 /// Decomposes a triangle mesh into convex hulls.
 ///
@@ -100,13 +101,6 @@ enum State {
     Done,
 }
 
-struct Search {
-    prepared: PreparedMesh,
-    levels: Vec<Level>,
-    /// The length that counts as 1 for the thresholds, in diagonals.
-    unit: f64,
-}
-
 /// Shares of the whole work after which a stage begins, by their usual times.
 const SIMPLIFY_AT: f32 = 0.1;
 const SEARCH_AT: f32 = 0.4;
@@ -169,29 +163,12 @@ impl Decomposer {
         control.check()?;
         control.admit(self.source.triangles.len())?;
         let start = Instant::now();
-        let (stage, fraction) = match &self.state {
-            State::Repair => (Stage::Repair, 0.0),
-            State::Bounded(run) => run.stage(),
-            State::Simplify(state) => {
-                let share = state.1.share_done();
-                (Stage::Simplify, SIMPLIFY_AT + (SEARCH_AT - SIMPLIFY_AT) * share)
-            }
-            State::Search(search) => {
-                let share = search.share_done(&self.parameters.surface);
-                (Stage::Search, SEARCH_AT + (PIECES_AT - SEARCH_AT) * share)
-            }
-            State::Pieces(_) => (Stage::Hulls, PIECES_AT),
-            State::Done => return Err(Error::Finished),
-        };
+        let (stage, fraction) = self.stage().ok_or(Error::Finished)?;
         control.report(stage, fraction);
         let surface = &self.parameters.surface;
         self.state = match std::mem::replace(&mut self.state, State::Done) {
             State::Repair => {
-                let mut settings = OpeningSettings::from(&self.parameters);
-                if self.parameters.method == Method::Hull {
-                    // Neither a cap nor what lies inside changes the hull of all points.
-                    (settings.openings, settings.keep_cavities) = (Openings::Keep, true);
-                }
+                let settings = self.opening_settings();
                 let Closed { prepared, openings, nested_components } =
                     prepare_closed(self.source.view(), &settings, control)?;
                 (self.openings, self.nested_components) = (openings, nested_components);
@@ -231,7 +208,7 @@ impl Decomposer {
                 }
             }
             State::Search(mut search) => {
-                let is_done = search.advance(&self.parameters, control)?;
+                let is_done = search.advance(surface, control)?;
                 self.deadline_reached = control.is_past_deadline() && !is_done;
                 if is_done || (self.deadline_reached && search.has_candidate()) {
                     State::Pieces(search)
@@ -250,6 +227,33 @@ impl Decomposer {
         };
         add_time(&mut self.times, stage, start);
         Ok(None)
+    }
+
+    /// What is done next, and the share of the whole that is done; `None` after the end.
+    fn stage(&self) -> Option<(Stage, f32)> {
+        Some(match &self.state {
+            State::Repair => (Stage::Repair, 0.0),
+            State::Bounded(run) => run.stage(),
+            State::Simplify(state) => {
+                let share = state.1.share_done();
+                (Stage::Simplify, SIMPLIFY_AT + (SEARCH_AT - SIMPLIFY_AT) * share)
+            }
+            State::Search(search) => {
+                let share = search.share_done(&self.parameters.surface);
+                (Stage::Search, SEARCH_AT + (PIECES_AT - SEARCH_AT) * share)
+            }
+            State::Pieces(_) => (Stage::Hulls, PIECES_AT),
+            State::Done => return None,
+        })
+    }
+
+    fn opening_settings(&self) -> OpeningSettings {
+        let mut settings = OpeningSettings::from(&self.parameters);
+        if self.parameters.method == Method::Hull {
+            // Neither a cap nor what lies inside changes the hull of all points.
+            (settings.openings, settings.keep_cavities) = (Openings::Keep, true);
+        }
+        settings
     }
 
     /// Selection, group merging, hulls, and what each hull stands for.
@@ -326,7 +330,9 @@ impl Decomposer {
         let grouping = Grouping { labels: vec![0; mesh.triangles.len()], count: 1 };
         let cap = self.parameters.max_vertices;
         let mut hulls = hulls(mesh, components, &grouping, normalization, cap, control)?;
-        assign_source_triangles(prepared, mesh, &grouping, &mut hulls, control)?;
+        crate::parallel::with(control.is_parallel(), || {
+            assign_source_triangles(prepared, mesh, &grouping, &mut hulls, control)
+        })?;
         add_time(&mut self.times, Stage::Hulls, start);
         let positions = mesh.positions.iter().map(|&point| normalization.restore(point)).collect();
         let triangles = mesh.triangles.clone();
@@ -358,46 +364,6 @@ impl Decomposer {
             deadline_reached: self.deadline_reached,
             times: std::mem::take(&mut self.times),
         }
-    }
-}
-
-impl Search {
-    /// Tries the next threshold, or all that are left in parallel. Whether all is done.
-    fn advance(&mut self, parameters: &Parameters, control: &Control) -> Result<bool, Error> {
-        let surface = &parameters.surface;
-        #[cfg(feature = "parallel")]
-        if control.is_parallel() && rayon::current_num_threads() > 1 {
-            use rayon::prelude::*;
-            let unit = self.unit;
-            let past = || control.is_past_deadline();
-            self.levels.par_iter_mut().try_for_each(|level| {
-                while !level.is_finished() && !past() {
-                    level.advance(surface, unit, control)?;
-                }
-                Ok(())
-            })?;
-            return Ok(self.levels.iter().all(Level::is_finished));
-        }
-        // A level that is cut off has no more to do, nor have those above it.
-        let cut_off = first_cut_off(&self.levels, surface.resolution_cut_off)
-            .map_or(self.levels.len(), |index| index + 1);
-        match self.levels[..cut_off].iter_mut().find(|level| !level.is_finished()) {
-            Some(level) => {
-                level.advance(surface, self.unit, control)?;
-                Ok(false)
-            }
-            None => Ok(true),
-        }
-    }
-
-    fn has_candidate(&self) -> bool {
-        self.levels.iter().any(|level| level.search.candidate().is_some())
-    }
-
-    fn share_done(&self, surface: &SurfaceParameters) -> f32 {
-        let all = self.levels.len() * surface.planar_thresholds.len();
-        let done: usize = self.levels.iter().map(|level| level.search.reports.len()).sum();
-        done as f32 / all.max(1) as f32
     }
 }
 

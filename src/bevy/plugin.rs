@@ -67,26 +67,11 @@ impl Plugin for HullwrightPlugin {
         if has_own || !app.world().contains_resource::<HullwrightSettings>() {
             app.insert_resource(self.settings.clone());
         }
+        register_types(app);
         app.init_resource::<WorkQueue>()
             .init_resource::<GeometryCache>()
             .init_resource::<DecompositionCounters>()
             .init_resource::<DecompositionProgress>()
-            .register_type::<ConvexDecomposition>()
-            .register_type::<BakedDecomposition>()
-            .register_type::<ConvexDecompositionHierarchy>()
-            .register_type::<HierarchyStatus>()
-            .register_type::<FromBakedScene>()
-            .register_type::<DecompositionPriority>()
-            .register_type::<DecompositionProgress>()
-            .register_type::<NoConvexDecomposition>()
-            .register_type::<DecompositionFocus>()
-            .register_type::<DecompositionStatus>()
-            .register_type::<DecompositionReady>()
-            .register_type::<DecompositionSkipped>()
-            .register_type::<DecompositionFailed>()
-            .register_type::<DecompositionCancelled>()
-            .register_type::<DecompositionCounters>()
-            .register_type::<HullwrightSettings>()
             .add_observer(on_untag::<ConvexDecomposition>)
             .add_observer(on_untag::<BakedDecomposition>);
         #[cfg(feature = "bevy_gltf")]
@@ -155,6 +140,26 @@ impl Plugin for HullwrightPlugin {
             set_up_assets(app);
         }
     }
+}
+
+/// For scenes, editors and extras that name types.
+fn register_types(app: &mut App) {
+    app.register_type::<ConvexDecomposition>()
+        .register_type::<BakedDecomposition>()
+        .register_type::<ConvexDecompositionHierarchy>()
+        .register_type::<HierarchyStatus>()
+        .register_type::<FromBakedScene>()
+        .register_type::<DecompositionPriority>()
+        .register_type::<DecompositionProgress>()
+        .register_type::<NoConvexDecomposition>()
+        .register_type::<DecompositionFocus>()
+        .register_type::<DecompositionStatus>()
+        .register_type::<DecompositionReady>()
+        .register_type::<DecompositionSkipped>()
+        .register_type::<DecompositionFailed>()
+        .register_type::<DecompositionCancelled>()
+        .register_type::<DecompositionCounters>()
+        .register_type::<HullwrightSettings>();
 }
 
 fn has_asset_server(app: &App) -> bool {

@@ -1,4 +1,6 @@
 //! Components that users put on entities: the tag, the exclusion, the focus.
+//!
+//! A little long: the tag is one type, and each of its fields has a setter with an example.
 
 use bevy::prelude::*;
 

@@ -6,4 +6,5 @@ mod group_planes;
 pub(crate) mod grouping;
 pub(crate) mod pieces;
 pub(crate) mod resolution_selection;
+pub(crate) mod search;
 pub(crate) mod threshold_selection;
