@@ -13,17 +13,15 @@ use super::content::ContentKey;
 use super::events::DecompositionCancelled;
 use super::placement::{Placements, Stretch};
 use super::queue::WorkQueue;
-use super::request::{AttachedCollider, ColliderRequest, FailedRequest, InputId};
+use super::request::{AttachedCollider, ColliderRequest, FailedRequest, InputBoundary, InputId};
 use super::settings::HullwrightSettings;
 use super::static_geometry::StaticGeometry;
 use super::status::{DecompositionCounters, DecompositionStatus, WaitReason};
-use super::tag::{ConvexDecomposition, NoConvexDecomposition};
+use super::tag::ConvexDecomposition;
 
 type ChangedTag = Or<(Changed<ConvexDecomposition>, Changed<BakedDecomposition>)>;
 type Tagged = Or<(With<ConvexDecomposition>, With<BakedDecomposition>)>;
 type MadeOfMeshes = (With<ConvexDecomposition>, Without<BakedDecomposition>);
-/// What has any of these is left out of the input above it, with all below it.
-type LeftOut = Or<(With<BakedDecomposition>, With<RigidBody>, With<NoConvexDecomposition>)>;
 
 /// Tags that are new or changed, and meshes that replaced another.
 pub(super) fn detect_tags(
@@ -31,7 +29,7 @@ pub(super) fn detect_tags(
     changed_tags: Query<Entity, ChangedTag>,
     changed_meshes: Query<Entity, Changed<Mesh3d>>,
     made_of_meshes: Query<(), MadeOfMeshes>,
-    left_out: Query<(), LeftOut>,
+    boundaries: Query<(), InputBoundary>,
     parents: Query<&ChildOf>,
     mut statuses: Query<&mut DecompositionStatus>,
 ) {
@@ -46,9 +44,8 @@ pub(super) fn detect_tags(
     }
     for mesh in &changed_meshes {
         let mut on_and_above = std::iter::once(mesh).chain(parents.iter_ancestors(mesh));
-        let is_end =
-            |entity: &Entity| made_of_meshes.contains(*entity) || left_out.contains(*entity);
-        let entity = on_and_above.find(is_end).filter(|entity| made_of_meshes.contains(*entity));
+        let top = on_and_above.find(|entity| boundaries.contains(*entity));
+        let entity = top.filter(|entity| made_of_meshes.contains(*entity));
         if let Some(entity) = entity.filter(|entity| !queue.is_to_be_resolved(*entity)) {
             restart(&mut queue, entity);
         }

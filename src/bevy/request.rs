@@ -5,14 +5,16 @@ use std::sync::Arc;
 use bevy::asset::AssetId;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
+use bevy_rapier3d::prelude::RigidBody;
 
-use super::baked::BakedHulls;
+use super::baked::{BakedDecomposition, BakedHulls};
 use super::baked_scene::BakedScene;
 use super::error::DecompositionError;
 use super::mesh_data::MeshPart;
 use super::parameters::{Goal, has_absolute_length};
 use super::placement::{MapKey, Stretch};
 use super::status::SkipReason;
+use super::tag::{ConvexDecomposition, NoConvexDecomposition};
 
 /// Names what a collider is made from without looking into it.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -35,6 +37,14 @@ impl InputId {
         }
     }
 }
+
+/// What has any of these is left out of the input above it, with all below it.
+pub(super) type InputBoundary = Or<(
+    With<ConvexDecomposition>,
+    With<BakedDecomposition>,
+    With<RigidBody>,
+    With<NoConvexDecomposition>,
+)>;
 
 /// The collider that an entity asks for.
 #[derive(Debug)]

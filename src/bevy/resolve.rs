@@ -7,7 +7,7 @@ use bevy::asset::{AssetId, LoadState, UntypedAssetId};
 use bevy::ecs::system::SystemParam;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
-use bevy_rapier3d::prelude::{Collider, RigidBody};
+use bevy_rapier3d::prelude::Collider;
 
 use super::baked::{BakedDecomposition, BakedHulls};
 use super::baked_scene::{BakedScene, FromBakedScene};
@@ -20,21 +20,23 @@ use super::mesh_data::MeshPart;
 use super::parameters::{Goal, has_absolute_length};
 use super::placement::{MapKey, Placements};
 use super::queue::{Completed, Failed, WorkQueue};
-use super::request::{AttachedCollider, AttachedFallback, ColliderRequest, FailedRequest, InputId};
+use super::request::{
+    AttachedCollider, AttachedFallback, ColliderRequest, FailedRequest, InputBoundary, InputId,
+};
 use super::settings::{FallbackCollider, HullwrightSettings};
 use super::skip::{FarFromFocus, SkipRules, is_too_small};
 use super::static_geometry::StaticGeometry;
 use super::status::{
     DecompositionCounters, DecompositionStatus, HullSource, SkipReason, WaitReason,
 };
-use super::tag::{ConvexDecomposition, NoConvexDecomposition};
+use super::tag::ConvexDecomposition;
 use super::task::BuiltCollider;
 
 /// Everything from which requests follow.
 #[derive(SystemParam)]
 pub(super) struct Scene<'w, 's> {
     tags: Query<'w, 's, TagComponents>,
-    below: Query<'w, 's, InputBoundary>,
+    boundaries: Query<'w, 's, (), InputBoundary>,
     meshes_on: Query<'w, 's, &'static Mesh3d>,
     children: Query<'w, 's, &'static Children>,
     parents: Query<'w, 's, &'static ChildOf>,
@@ -58,10 +60,6 @@ type TagComponents = (
     Has<AttachedCollider>,
     Has<AttachedFallback>,
 );
-
-/// An entity with any of these is not part of the input above it.
-type InputBoundary =
-    (Has<ConvexDecomposition>, Has<BakedDecomposition>, Has<RigidBody>, Has<NoConvexDecomposition>);
 
 /// The next state of an entity.
 enum Resolution {
@@ -339,11 +337,8 @@ impl Scene<'_, '_> {
 
     /// The meshes on an entity and below it, in the order of the children.
     fn collect(&self, top: Entity, entity: Entity, parts: &mut Vec<MeshPart>) {
-        if entity != top {
-            let is_boundary = |(tag, baked, body, excluded)| tag || baked || body || excluded;
-            if self.below.get(entity).is_ok_and(is_boundary) {
-                return;
-            }
+        if entity != top && self.boundaries.contains(entity) {
+            return;
         }
         if let Ok(mesh) = self.meshes_on.get(entity) {
             let to_input = self.placements.relative(entity, top);

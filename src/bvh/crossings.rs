@@ -64,17 +64,18 @@ fn crossing(corners: &[Vector; 3], point: Vector) -> i32 {
         [x, y - SLOPES[0] * x, z - SLOPES[1] * x]
     });
     let mut turns = 0;
-    let (mut doubled_area, mut doubled_height) = (0.0, 0.0);
+    // The second over the first is how far along the ray the triangle's plane is.
+    let (mut doubled_area, mut moment) = (0.0, 0.0);
     for k in 0..3 {
         let (a, b, opposite) = (relative[k], relative[(k + 1) % 3], relative[(k + 2) % 3]);
         let side = a[1] * b[2] - a[2] * b[1];
         turns += i32::from(a[2] <= 0.0 && b[2] > 0.0 && side > 0.0);
         turns -= i32::from(b[2] <= 0.0 && a[2] > 0.0 && side < 0.0);
         doubled_area += side;
-        doubled_height += side * opposite[0];
+        moment += side * opposite[0];
     }
-    let is_ahead = relative.iter().all(|corner| corner[0] > 0.0)
-        || (doubled_height > 0.0) == (doubled_area > 0.0);
+    let is_ahead =
+        relative.iter().all(|corner| corner[0] > 0.0) || (moment > 0.0) == (doubled_area > 0.0);
     if is_ahead { turns } else { 0 }
 }
 

@@ -102,20 +102,32 @@ impl HullBuilder {
         false
     }
 
-    fn farther_face_in_sight(&mut self, point: u32, start: u32) -> Option<u32> {
-        let position = self.points[point as usize];
+    /// Begins a walk from face to face; `visible` holds those to go on from.
+    pub(super) fn begin_walk(&mut self, start: u32) {
         self.stamp += 1;
+        self.waiting[start as usize].stamp = self.stamp;
         self.visible.clear();
         self.visible.push(start);
-        self.waiting[start as usize].stamp = self.stamp;
+    }
+
+    /// Whether a walk comes to a face for the first time.
+    #[inline]
+    pub(super) fn is_new_to_walk(&mut self, face: u32) -> bool {
+        let waiting = &mut self.waiting[face as usize];
+        let is_new = waiting.stamp != self.stamp;
+        waiting.stamp = self.stamp;
+        is_new
+    }
+
+    fn farther_face_in_sight(&mut self, point: u32, start: u32) -> Option<u32> {
+        let position = self.points[point as usize];
+        self.begin_walk(start);
         while let Some(face) = self.visible.pop() {
             for twin in self.faces[face as usize].twins {
                 let neighbour = face_of(twin);
-                let waiting = &mut self.waiting[neighbour as usize];
-                if waiting.stamp == self.stamp {
+                if !self.is_new_to_walk(neighbour) {
                     continue;
                 }
-                waiting.stamp = self.stamp;
                 // A sliver's plane may lie: only the exact answer makes progress certain.
                 if self.is_beyond(neighbour, position) && self.is_seen(neighbour, point) {
                     return Some(neighbour);

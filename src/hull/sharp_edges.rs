@@ -16,11 +16,11 @@ impl HullBuilder {
     /// Adds waiting points that are farther from the hull itself than the tolerance, of each face's
     /// the farthest. Whether there was any.
     pub(super) fn add_points_beyond_sharp_edges(&mut self) -> bool {
-        let limit = self.threshold + ROUNDING * self.heights.reach;
-        let mut is_any = false;
         if self.is_coarse() {
             return false;
         }
+        let limit = self.threshold + ROUNDING * self.heights.reach;
+        let mut is_any = false;
         for face in 0..self.faces.len() as u32 {
             let (mut farthest, mut best) = (limit * limit, None);
             let mut point = self.waiting[face as usize].first;
@@ -64,18 +64,13 @@ impl HullBuilder {
         let position: Vector = self.points[point as usize];
         let mut least = known;
         let mut seen = self.is_seen(start, point).then_some(start);
-        self.stamp += 1;
-        self.waiting[start as usize].stamp = self.stamp;
-        self.visible.clear();
-        self.visible.push(start);
+        self.begin_walk(start);
         while let Some(face) = self.visible.pop() {
             for twin in self.faces[face as usize].twins {
                 let neighbour = face_of(twin);
-                let waiting = &mut self.waiting[neighbour as usize];
-                if waiting.stamp == self.stamp {
+                if !self.is_new_to_walk(neighbour) {
                     continue;
                 }
-                waiting.stamp = self.stamp;
                 let plane = self.faces[neighbour as usize].plane;
                 if !self.heights.is_not_behind(plane.height(position), &plane) {
                     continue;

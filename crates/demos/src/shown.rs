@@ -33,8 +33,7 @@ pub enum Overlay {
     Drawn,
 }
 
-/// Notes a collider that is ready. It may be so again: meshes that are added below it, as those of its hulls,
-/// make the plugin look once more.
+/// Notes a collider that is ready. It may be so again, when its mesh or scale changes.
 pub fn note_ready(event: On<DecompositionReady>, mut commands: Commands) {
     commands.entity(event.entity).insert_if_new(Overlay::Wanted);
 }
