@@ -14,7 +14,7 @@ use crate::geometry::vector::{Vector, subtract};
 
 /// Slopes of the ray, which runs along the first axis: oblique, since the sides of many shapes are along axes. Not
 /// negative.
-const SLOPES: [f64; 2] = [0.034_417, 0.021_913];
+pub(crate) const SLOPES: [f64; 2] = [0.034_417, 0.021_913];
 
 /// More than the rounding of boxes, corners and points to single precision.
 const MARGIN: f32 = 1e-5;
@@ -82,7 +82,14 @@ fn crossing(corners: &[Vector; 3], point: Vector) -> i32 {
 impl Bvh {
     /// Whether a point is inside a closed mesh: one along each edge of which triangles run as often one way as the
     /// other. Of other meshes it says nothing. On the surface either may be the answer.
+    #[inline]
     pub(crate) fn encloses(&self, point: Vector) -> bool {
+        self.crossings(point) > 0
+    }
+
+    /// How often the ray from a point, along the first axis and by [`SLOPES`] along the others, leaves the mesh,
+    /// less how often it enters.
+    pub(crate) fn crossings(&self, point: Vector) -> i32 {
         let tree = &self.tree;
         let relative = subtract(point, tree.centre).map(|x| x as f32);
         let slopes = SLOPES.map(|slope| slope as f32);
@@ -113,7 +120,7 @@ impl Bvh {
                 }
             }
         }
-        crossings > 0
+        crossings
     }
 }
 

@@ -33,6 +33,7 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::Vector;
 use closest_point::{Best, ClosestPoint};
+pub(crate) use crossings::SLOPES;
 use tree::{EMPTY, Tree};
 
 /// A winding number above this is inside.

@@ -11,6 +11,7 @@
 use std::f64::consts::TAU;
 
 use super::tree::{Block, Child, EMPTY, STACK, Tree, WIDTH, child};
+use crate::geometry::Turns;
 use crate::geometry::vector::{
     Vector, add, cross, distance, length, length_squared, scale, subtract,
 };
@@ -219,32 +220,6 @@ impl Moments {
     }
 }
 
-/// A sum of angles as the argument of a product of complex numbers: one arc tangent serves for
-/// all.
-#[derive(Clone, Copy)]
-struct Turns {
-    real: f64,
-    imaginary: f64,
-    /// Whole turns, which the argument of the product does not show.
-    whole: i32,
-}
-
-impl Turns {
-    #[inline(always)]
-    fn add(&mut self, real: f64, imaginary: f64) {
-        let before = self.imaginary;
-        let next_real = self.real * real - before * imaginary;
-        let next = self.real * imaginary + before * real;
-        self.whole += i32::from((before >= 0.0) & (imaginary >= 0.0) & (next < 0.0));
-        self.whole -= i32::from((before < 0.0) & (imaginary < 0.0) & (next >= 0.0));
-        (self.real, self.imaginary) = (next_real, next);
-    }
-
-    fn total(self) -> f64 {
-        libm::atan2(self.imaginary, self.real) / TAU + f64::from(self.whole)
-    }
-}
-
 impl Block {
     /// Adds half of each triangle's solid angle.
     #[inline(always)]
@@ -274,9 +249,7 @@ impl Block {
                 turns.add(f64::from(real), f64::from(imaginary));
             }
         }
-        let size = turns.real.abs() + turns.imaginary.abs();
-        turns.real /= size;
-        turns.imaginary /= size;
+        turns.rescale();
     }
 }
 
@@ -327,7 +300,7 @@ fn cluster_of_block(tree: &Tree, block: usize) -> Cluster {
 pub(super) fn winding_number(tree: &Tree, moments: &[Moments], point: Vector) -> f64 {
     let relative = subtract(point, tree.centre).map(|x| x as f32);
     let mut sums = [0.0_f32; WIDTH];
-    let mut turns = Turns { real: 1.0, imaginary: 0.0, whole: 0 };
+    let mut turns = Turns::NONE;
     let mut stack = [0_u32; STACK];
     let mut height = 1;
     while height > 0 {

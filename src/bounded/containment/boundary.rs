@@ -10,6 +10,7 @@
 
 use std::f64::consts::TAU;
 
+use super::swept::{self, LANES, SweptEdges};
 use crate::geometry::vector::{Vector, add, distance, dot, length, scale, subtract};
 
 /// A group whose radius is below this share of the distance to its ball counts as a whole: that is
@@ -24,23 +25,25 @@ const FULL: f64 = 2.0 * TAU;
 
 /// An edge that more triangles run along one way than the other.
 struct Edge {
+    /// In the direction of those triangles.
     start: Vector,
-    along: Vector,
-    /// By how many more triangles, over a full solid angle.
+    end: Vector,
+    /// How many more, and that over a full solid angle.
+    count: u32,
     weight: f64,
+    length: f64,
 }
 
 impl Edge {
     fn middle(&self) -> Vector {
-        add(self.start, scale(self.along, 0.5))
+        scale(add(self.start, self.end), 0.5)
     }
 
     fn distance(&self, point: Vector) -> f64 {
-        let arm = subtract(point, self.start);
-        let squared = dot(self.along, self.along);
-        let share =
-            if squared > 0.0 { (dot(arm, self.along) / squared).clamp(0.0, 1.0) } else { 0.0 };
-        length(subtract(arm, scale(self.along, share)))
+        let (arm, along) = (subtract(point, self.start), subtract(self.end, self.start));
+        let squared = dot(along, along);
+        let share = if squared > 0.0 { (dot(arm, along) / squared).clamp(0.0, 1.0) } else { 0.0 };
+        length(subtract(arm, scale(along, share)))
     }
 }
 
@@ -63,6 +66,8 @@ pub(in crate::bounded) struct Boundary {
     edges: Vec<Edge>,
     /// A tree: each group is followed by those within it.
     groups: Vec<Group>,
+    /// The edges, each as often as it counts.
+    swept: Vec<SweptEdges>,
 }
 
 impl Boundary {
@@ -79,9 +84,11 @@ impl Boundary {
             .filter_map(|edge| {
                 let excess: i64 = edge.iter().map(|half| half.2).sum();
                 let &(start, end, _) = edge.first()?;
+                let (start, end) = if excess > 0 { (start, end) } else { (end, start) };
                 let (&start, &end) = (positions.get(start as usize)?, positions.get(end as usize)?);
-                let weight = excess.unsigned_abs() as f64 / FULL;
-                (excess != 0).then(|| Edge { start, along: subtract(end, start), weight })
+                let count = u32::try_from(excess.unsigned_abs()).unwrap_or(u32::MAX);
+                let (weight, length) = (f64::from(count) / FULL, distance(start, end));
+                (length > 0.0 && count > 0).then_some(Edge { start, end, count, weight, length })
             })
             .collect();
         let mut groups = Vec::new();
@@ -89,7 +96,10 @@ impl Boundary {
         if count > 0 {
             build(&mut edges, 0..count, &mut groups);
         }
-        Self { edges, groups }
+        let repeated =
+            edges.iter().flat_map(|edge| (0..edge.count).map(|_| (edge.start, edge.end)));
+        let swept = SweptEdges::all(repeated);
+        Self { edges, groups, swept }
     }
 
     /// Whether the surface ends nowhere: then the winding number is whole, and changes only across
@@ -98,39 +108,79 @@ impl Boundary {
         self.edges.is_empty()
     }
 
-    /// An upper bound on the gradient of the winding number at a point, or any value above `limit`
-    /// if it exceeds that. `clearance` is a lower bound on the distance to the surface.
-    ///
-    /// At a point that is nearer than a share s of `clearance`, the gradient is at most the result
-    /// over (1 - s)².
-    pub(in crate::bounded) fn gradient(&self, point: Vector, clearance: f64, limit: f64) -> f64 {
-        let mut sum = 0.0;
+    /// How many edges it has, each as often as it counts.
+    pub(in crate::bounded) fn edges(&self) -> usize {
+        self.swept.len() * LANES
+    }
+
+    /// The winding number about a point of what continues the surface from its boundary to infinity,
+    /// the opposite way of [the ray's](crate::bvh::Bvh::crossings): together they are closed. `None` if
+    /// that ray hits the boundary. O(n) for n edges.
+    pub(in crate::bounded) fn winding_number_beyond(&self, point: Vector) -> Option<f64> {
+        swept::winding_number(&self.swept, point)
+    }
+
+    /// The slope of the winding number at a point; where its gradient is above `limit`, any gradient
+    /// above that. `distance` is a lower bound on the distance to the surface.
+    pub(in crate::bounded) fn slope(&self, point: Vector, distance: f64, limit: f64) -> Slope {
+        let mut slope = Slope { gradient: 0.0, clearance: f64::INFINITY };
         let mut next = 0;
         while let Some(group) = self.groups.get(next) {
-            let away = (distance(point, group.centre) - group.radius).max(clearance);
+            let away = (length(subtract(point, group.centre)) - group.radius).max(distance);
             if group.radius <= FAR * away {
-                sum += share(group.length, group.weight, away);
+                slope.add(group.length, group.weight, away);
                 next = group.after;
             } else if group.edges.len() <= LEAF {
                 for edge in self.edges.get(group.edges.clone()).into_iter().flatten() {
-                    let away = edge.distance(point).max(clearance);
-                    sum += share(edge.weight * length(edge.along), edge.weight, away);
+                    let away = edge.distance(point).max(distance);
+                    slope.add(edge.weight * edge.length, edge.weight, away);
                 }
                 next = group.after;
             } else {
                 next += 1;
             }
-            if sum > limit {
-                return sum;
+            if slope.gradient > limit {
+                return slope;
             }
         }
-        sum
+        slope
     }
 }
 
-/// What edges that are `away` at least add to the gradient.
-fn share(length: f64, weight: f64, away: f64) -> f64 {
-    (length / away).min(2.0 * weight) / away
+/// How the winding number changes around a point, as long as the surface is not crossed.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::bounded) struct Slope {
+    /// At least the gradient.
+    pub gradient: f64,
+    /// At most the distance to the boundary.
+    clearance: f64,
+}
+
+impl Slope {
+    /// Adds edges that are `away` at least.
+    fn add(&mut self, length: f64, weight: f64, away: f64) {
+        self.gradient += (length / away).min(2.0 * weight) / away;
+        self.clearance = self.clearance.min(away);
+    }
+
+    /// Over a way of a length the number changes by no more than this. The distance to an edge
+    /// falls by no more than the way's length: this is the integral of one over its square.
+    pub(in crate::bounded) fn change(&self, way: f64) -> f64 {
+        let left = 1.0 - way / self.clearance;
+        if left > 0.0 { self.gradient * way / left } else { f64::INFINITY }
+    }
+
+    /// Over any way up to this length the number changes by no more than `change`.
+    pub(in crate::bounded) fn reach(&self, change: f64) -> f64 {
+        // On an edge it is not a number.
+        (change / (self.gradient + change / self.clearance)).max(0.0)
+    }
+
+    /// The slope at a point that is so far away.
+    pub(in crate::bounded) fn at_distance(&self, way: f64) -> Self {
+        let left = (1.0 - way / self.clearance).max(0.0);
+        Self { gradient: self.gradient / (left * left), clearance: left * self.clearance }
+    }
 }
 
 /// Appends the groups over a range of edges, which are put in order.
@@ -139,7 +189,7 @@ fn build(edges: &mut [Edge], range: std::ops::Range<usize>, groups: &mut Vec<Gro
     let count = own.len();
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for edge in own.iter() {
-        for end in [edge.start, add(edge.start, edge.along)] {
+        for end in [edge.start, edge.end] {
             low = [0, 1, 2].map(|axis| low[axis].min(end[axis]));
             high = [0, 1, 2].map(|axis| high[axis].max(end[axis]));
         }
@@ -149,7 +199,7 @@ fn build(edges: &mut [Edge], range: std::ops::Range<usize>, groups: &mut Vec<Gro
     groups.push(Group {
         centre: scale(add(low, high), 0.5),
         radius: 0.5 * length(extent),
-        length: own.iter().map(|edge| edge.weight * length(edge.along)).sum(),
+        length: own.iter().map(|edge| edge.weight * edge.length).sum(),
         weight: own.iter().map(|edge| edge.weight).sum(),
         edges: range.clone(),
         after: place + 1,

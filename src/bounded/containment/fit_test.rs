@@ -77,10 +77,10 @@ impl Solid {
                 part.map(|corner| distance(corner, centre)).into_iter().fold(0.0, f64::max);
             if may_be_crossed && remainder.find(part, radius, bound, &self.bvh) {
                 for (centre, triangles) in remainder.parts() {
-                    if self.is_closed && self.bvh.encloses(centre) {
+                    if self.is_closed() && self.bvh.encloses(centre) {
                         continue;
                     }
-                    if self.is_closed && !self.bvh.is_within(centre, bound) {
+                    if self.is_closed() && !self.bvh.is_within(centre, bound) {
                         return false;
                     }
                     stack.extend(triangles.map(|part| (part, false)));
@@ -117,7 +117,7 @@ impl Solid {
         if radius <= SMALL * bound {
             return Answer::Fits;
         }
-        if !self.is_closed
+        if !self.is_closed()
             && self.is_coarse()
             && self.depth(centre).is_some_and(|depth| reach - depth <= bound)
         {
@@ -125,7 +125,7 @@ impl Solid {
         }
         // In an open surface, large faces could hide where the inside ends.
         if probe.lower > 0.0
-            && (self.is_closed || radius <= bound)
+            && (self.is_closed() || radius <= bound)
             && reach - probe.lower <= bound
             && self.grid.is_inside(&probe, &self.bvh) == Some(true)
         {
@@ -168,8 +168,8 @@ impl Solid {
                         return Answer::Fits;
                     }
                 }
-                Some(closest) if is_inside(&self.bvh, centre, self.is_closed) => {
-                    if self.is_closed && reach - closest.distance <= bound {
+                Some(closest) if is_inside(&self.bvh, &self.boundary, centre) => {
+                    if self.is_closed() && reach - closest.distance <= bound {
                         return Answer::Fits;
                     }
                 }

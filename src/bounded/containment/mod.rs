@@ -3,6 +3,7 @@
 //! | file | contents |
 //! |---|---|
 //! | `boundary` | the edges where a surface ends |
+//! | `swept` | the winding number of edges that are swept to infinity |
 //! | `inside` | which points are inside a surface |
 //! | `distance_grid/` | a grid that answers most questions about distance and side |
 //! | `cavities` | the empty space that hulls must not swallow |
@@ -23,4 +24,5 @@ pub(super) mod inside;
 mod polygon;
 pub(super) mod remainder;
 pub(super) mod solid;
+mod swept;
 pub(super) mod triangle;

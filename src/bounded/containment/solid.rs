@@ -32,9 +32,6 @@ const SINGLE_PRECISION: f64 = 1e-6;
 /// The source mesh as a solid, or a reduced one that represents it.
 pub(in crate::bounded) struct Solid {
     pub bvh: Bvh,
-    /// Whether the surface encloses the inside. Only then is a point's side also that of all points
-    /// nearer to it than the surface.
-    pub is_closed: bool,
     /// Where the surface ends; empty if it is closed.
     pub boundary: Arc<Boundary>,
     pub(super) grid: DistanceGrid,
@@ -117,7 +114,6 @@ impl Solid {
     fn with_grid(bvh: Bvh, boundary: Arc<Boundary>, grid: DistanceGrid) -> Self {
         Self {
             bvh,
-            is_closed: boundary.is_empty(),
             boundary,
             grid,
             cavities: Vec::new(),
@@ -137,16 +133,17 @@ impl Solid {
         bound: f64,
         control: &Control,
     ) -> Result<Self, Error> {
+        let boundary = Arc::new(boundary);
         let (bvh, grid) = parallel::join(
             || Bvh::with_control(positions, triangles, control),
-            || FilledGrid::new(positions, triangles, bound, control),
+            || FilledGrid::new(positions, triangles, Arc::clone(&boundary), bound, control),
         );
         let (bvh, mut grid) = (bvh?, grid?);
         if boundary.is_empty() {
             grid.flood(&bvh, (positions, triangles), control)?;
         }
         grid.classify_cells(MIN_SEARCH_SHARE * bound, DOUBT * bound);
-        Ok(Self::with_grid(bvh, Arc::new(boundary), DistanceGrid::Filled(grid)))
+        Ok(Self::with_grid(bvh, boundary, DistanceGrid::Filled(grid)))
     }
 
     /// Makes hulls that contain a cavity deeper than `bound` not fit.
@@ -156,6 +153,13 @@ impl Solid {
         let depth =
             |point| self.bvh.closest_point(point, f64::INFINITY).map(|closest| closest.distance);
         self.cavities = points.filter_map(|point| Some((point, depth(point)?))).collect();
+    }
+
+    /// Whether the surface encloses the inside. Only then is a point's side also that of all points
+    /// nearer to it than the surface.
+    #[inline]
+    pub fn is_closed(&self) -> bool {
+        self.boundary.is_empty()
     }
 
     /// Whether it has so few triangles that a face may ask those near it.
@@ -194,8 +198,13 @@ impl Solid {
     pub fn is_inside(&self, point: Vector, distance: &SourceDistance) -> bool {
         match self.grid.side(point, distance.own, &self.bvh) {
             Some(inside) => inside,
-            None => is_inside(&self.bvh, point, self.is_closed),
+            None => is_inside(&self.bvh, &self.boundary, point),
         }
+    }
+
+    /// See [`inside_reach`](super::inside::inside_reach).
+    pub fn inside_reach(&self, point: Vector, distance: f64, needed: f64) -> Option<f64> {
+        self.grid.inside_reach(point, distance, needed, (&self.bvh, &self.boundary))
     }
 
     /// An upper bound on the distance to the source from any point of a face, by the triangle of
@@ -278,7 +287,7 @@ impl Solid {
             Some(inside) => {
                 inside || probe.upper <= DOUBT * bound && self.bvh.is_within(point, bound)
             }
-            None => self.bvh.is_within(point, bound) || is_inside(&self.bvh, point, self.is_closed),
+            None => self.bvh.is_within(point, bound) || is_inside(&self.bvh, &self.boundary, point),
         }
     }
 

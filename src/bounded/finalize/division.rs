@@ -122,7 +122,7 @@ fn middle(
     let &FinalizeContext { patches, solid, settings, control, .. } = context;
     let Some(max_vertices) = settings.max_vertices else { return Ok(None) };
     let points = surface_points(patches, &hull.patches, hull.part.as_deref());
-    if !solid.is_closed || points.len() <= max_vertices {
+    if !solid.is_closed() || points.len() <= max_vertices {
         return Ok(None);
     }
     let (uncapped, _) = solid_hull(builder, &points, [0.0; 3], LEAST_THICKNESS)?;

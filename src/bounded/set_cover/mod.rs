@@ -74,7 +74,7 @@ pub(super) fn cover(
     dissolve(patches, &mut pieces, solid, settings.last_round_bound, budget, control)?;
     let before_last_round = (pieces.len() < before.len()).then_some(before);
     let mut owned = assign_owners(patches, &pieces, control)?;
-    if solid.is_coarse() && solid.is_closed {
+    if solid.is_coarse() && solid.is_closed() {
         fill(&mut owned, &pieces, solid, settings.search_bound, control)?;
     }
     Ok(SetCover { pieces: owned, before_last_round })

@@ -4,12 +4,14 @@
 //! the surface only know that they are. Where the mesh is open, sides are computed on demand, by
 //! one winding number per cell.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
 
 use super::distance_field::{Cell, DistanceField, MAX_EXCESS};
 use super::flood::{self, FREE, INSIDE, OUTSIDE, UNKNOWN};
 use super::vector_f32::{dot, length, subtract};
 use super::{CellClass, HALF_DIAGONAL, Probe};
+use crate::bounded::containment::boundary::Boundary;
 use crate::bounded::containment::inside::is_inside;
 use crate::bvh::Bvh;
 use crate::control::Control;
@@ -21,7 +23,7 @@ pub(in crate::bounded::containment) struct FilledGrid {
     field: DistanceField,
     sides: Vec<AtomicU8>,
     classes: Vec<CellClass>,
-    is_flooded: bool,
+    boundary: Arc<Boundary>,
 }
 
 impl FilledGrid {
@@ -30,13 +32,14 @@ impl FilledGrid {
     pub(in crate::bounded::containment) fn new(
         positions: &[Vector],
         triangles: &[[u32; 3]],
+        boundary: Arc<Boundary>,
         bound: f64,
         control: &Control,
     ) -> Result<Self, Error> {
         let field = DistanceField::new(positions, triangles, bound, control)?;
         let mut sides = Vec::new();
         sides.resize_with(field.cells.len(), || AtomicU8::new(UNKNOWN));
-        Ok(Self { field, sides, classes: Vec::new(), is_flooded: false })
+        Ok(Self { field, sides, classes: Vec::new(), boundary })
     }
 
     /// Determines the sides of a closed surface.
@@ -50,7 +53,6 @@ impl FilledGrid {
         control: &Control,
     ) -> Result<(), Error> {
         self.sides = flood::sides(&self.field, bvh, mesh, control)?;
-        self.is_flooded = true;
         Ok(())
     }
 
@@ -58,7 +60,7 @@ impl FilledGrid {
     /// Call it after flooding.
     pub(in crate::bounded::containment) fn classify_cells(&mut self, near: f64, far: f64) {
         let half = HALF_DIAGONAL * f64::from(self.field.lattice.size);
-        let is_flooded = self.is_flooded;
+        let is_flooded = self.boundary.is_empty();
         let class = |(cell, side): (&Cell, &mut AtomicU8)| {
             let distance = f64::from(cell.distance);
             match *side.get_mut() {
@@ -177,7 +179,7 @@ impl FilledGrid {
         let probe = self.probe(point);
         let depth = probe.lower - MAX_EXCESS * f64::from(self.field.lattice.size);
         let is_inside = depth > 0.0
-            && self.is_flooded
+            && self.boundary.is_empty()
             && self.sides[probe.index].load(Ordering::Relaxed) == INSIDE;
         is_inside.then_some(depth)
     }
@@ -194,7 +196,7 @@ impl FilledGrid {
         let relative = lattice.relative(point);
         let cell = lattice.cell_at(relative);
         let away = length(subtract(relative, lattice.centre(cell)));
-        if f64::from(away) >= distance || !self.is_flooded {
+        if f64::from(away) >= distance || !self.boundary.is_empty() {
             return None;
         }
         match self.sides[lattice.index(cell)].load(Ordering::Relaxed) {
@@ -206,7 +208,7 @@ impl FilledGrid {
 
     #[cold]
     fn compute_side(&self, index: usize, bvh: &Bvh) -> bool {
-        let inside = is_inside(bvh, self.centre(index), self.is_flooded);
+        let inside = is_inside(bvh, &self.boundary, self.centre(index));
         self.sides[index].store(if inside { INSIDE } else { OUTSIDE }, Ordering::Relaxed);
         inside
     }

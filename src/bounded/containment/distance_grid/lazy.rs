@@ -7,26 +7,17 @@
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, OnceLock};
 
+use super::blocks::{
+    BLOCK, BLOCK_BITS, Ball, Block, Cell, EMPTY, OUTSIDE, UNKNOWN, UNKNOWN_INSIDE, number,
+};
 use super::lattice::Lattice;
 use super::vector_f32::{dot, length, subtract};
 use super::{CellClass, Clearance, HALF_DIAGONAL, Probe};
 use crate::bounded::containment::boundary::Boundary;
-use crate::bounded::containment::inside::{inside_reach, is_inside};
+use crate::bounded::containment::inside::is_inside;
 use crate::bounded::work;
 use crate::bvh::Bvh;
 use crate::geometry::vector::{Vector, bounds};
-
-/// Cells of a block along each axis, as a power of two: blocks are allocated whole, and a face
-/// passes through several cells of one.
-const BLOCK_BITS: usize = 2;
-const BLOCK: usize = 1 << BLOCK_BITS;
-
-/// The distance of an empty cell, as bits. A cell on the surface has the smallest distance above.
-const EMPTY: u32 = 0;
-
-/// The reach of a cell whose side is unknown, and of one outside, as bits of single precision.
-const UNKNOWN: u32 = u32::MAX;
-const OUTSIDE: f32 = -1.0;
 
 /// The surface does not pass between the centres of two cells if their distances from it add up to more than
 /// the distance between them, times this: a margin for rounding.
@@ -35,85 +26,13 @@ const FREE: f32 = 1.01;
 /// In an open surface, a reach below this share of the distance to it is not worth summing up.
 const LEAST_REACH: f64 = 0.1;
 
-/// What is known about a cell's centre. Single precision numbers as bits.
-struct Cell {
-    nearest: [AtomicU32; 3],
-    triangle: AtomicU32,
-    /// Written last.
-    distance: AtomicU32,
-    /// All points nearer than this to the centre are inside; [`OUTSIDE`] if the centre is not.
-    reach: AtomicU32,
-}
-
-impl Cell {
-    fn empty() -> Self {
-        Self {
-            nearest: [const { AtomicU32::new(0) }; 3],
-            triangle: AtomicU32::new(u32::MAX),
-            distance: AtomicU32::new(EMPTY),
-            reach: AtomicU32::new(UNKNOWN),
-        }
-    }
-
-    fn nearest(&self) -> [f32; 3] {
-        [0, 1, 2].map(|k| f32::from_bits(self.nearest[k].load(Ordering::Relaxed)))
-    }
-
-    fn distance(&self) -> f32 {
-        f32::from_bits(self.distance.load(Ordering::Relaxed))
-    }
-}
-
-/// A ball that is on one side as a whole. Single precision numbers as bits.
-struct Ball {
-    /// The distance of its centre from the surface, or [`EMPTY`].
-    distance: AtomicU32,
-    /// Its radius, negative if it is outside; or [`UNKNOWN`].
-    radius: AtomicU32,
-}
-
-impl Ball {
-    fn empty() -> Self {
-        Self { distance: AtomicU32::new(EMPTY), radius: AtomicU32::new(UNKNOWN) }
-    }
-}
-
-/// Cells that are near each other, and what the last of them to be filled tells the next.
-struct Block {
-    cells: [Cell; BLOCK * BLOCK * BLOCK],
-    /// The ball around the block's centre.
-    ball: Ball,
-    /// A triangle that is near.
-    triangle: AtomicU32,
-    /// The number of a cell whose side is known.
-    sided: AtomicU32,
-}
-
-impl Block {
-    fn empty() -> Self {
-        Self {
-            cells: std::array::from_fn(|_| Cell::empty()),
-            ball: Ball::empty(),
-            triangle: AtomicU32::new(u32::MAX),
-            sided: AtomicU32::new(u32::MAX),
-        }
-    }
-}
-
-/// The number of a cell in its block.
-#[inline]
-fn number([x, y, z]: [usize; 3]) -> usize {
-    let [i, j, k] = [x, y, z].map(|place| place & (BLOCK - 1));
-    (k << BLOCK_BITS | j) << BLOCK_BITS | i
-}
-
 /// The grid. See the file's head.
 pub(in crate::bounded::containment) struct LazyGrid {
-    lattice: Lattice,
+    pub(super) lattice: Lattice,
     blocks: Vec<OnceLock<Box<Block>>>,
     /// Blocks along the first two axes.
     stride: [usize; 2],
-    boundary: Arc<Boundary>,
+    pub(super) boundary: Arc<Boundary>,
     near: f64,
     far: f64,
 }
@@ -136,7 +55,7 @@ impl LazyGrid {
     }
 
     #[inline]
-    fn block_of(&self, place: [usize; 3]) -> &Block {
+    pub(super) fn block_of(&self, place: [usize; 3]) -> &Block {
         self.blocks[self.block_index(place)].get_or_init(|| Box::new(Block::empty()))
     }
 
@@ -144,13 +63,9 @@ impl LazyGrid {
     /// enough. In an open solid the inside may end where no surface is.
     #[inline]
     pub(super) fn clearance(&self, point: Vector, bvh: &Bvh) -> Option<Clearance> {
-        if !self.boundary.is_empty() {
-            return None;
-        }
         let (relative, place) = self.place(point);
         let block = self.block_of(place);
-        let size = BLOCK as f32 * self.lattice.size;
-        let centre = place.map(|place| ((place >> BLOCK_BITS) as f32 + 0.5) * size);
+        let centre = self.block_centre(place);
         let away = length(subtract(relative, centre));
         let distance = match block.ball.distance.load(Ordering::Relaxed) {
             EMPTY => self.measure(&block.ball, centre, &block.triangle, bvh),
@@ -160,7 +75,7 @@ impl LazyGrid {
             return None;
         }
         let radius = match block.ball.radius.load(Ordering::Relaxed) {
-            UNKNOWN => self.compute_radius(&block.ball, centre, distance, bvh),
+            UNKNOWN => self.compute_radius(block, centre, distance, bvh),
             bits => f32::from_bits(bits),
         };
         let left = f64::from(radius.abs() - away) - ROUNDING;
@@ -185,16 +100,20 @@ impl LazyGrid {
 
     /// See [`Ball::radius`].
     #[cold]
-    fn compute_radius(&self, ball: &Ball, centre: [f32; 3], distance: f32, bvh: &Bvh) -> f32 {
-        let inside = is_inside(bvh, self.lattice.absolute(centre), true);
-        let radius = if inside { distance } else { -distance };
-        ball.radius.store(radius.to_bits(), Ordering::Relaxed);
+    fn compute_radius(&self, block: &Block, centre: [f32; 3], distance: f32, bvh: &Bvh) -> f32 {
+        let radius = if self.boundary.is_empty() {
+            let inside = is_inside(bvh, &self.boundary, self.lattice.absolute(centre));
+            if inside { distance } else { -distance }
+        } else {
+            self.winding_of(block, centre, bvh).radius(distance)
+        };
+        block.ball.radius.store(radius.to_bits(), Ordering::Relaxed);
         radius
     }
 
     /// A cell, filled.
     #[inline]
-    fn cell(&self, place: [usize; 3], bvh: &Bvh) -> &Cell {
+    pub(super) fn cell(&self, place: [usize; 3], bvh: &Bvh) -> &Cell {
         let block = self.block_of(place);
         let cell = &block.cells[number(place)];
         if cell.distance.load(Ordering::Acquire) == EMPTY {
@@ -231,7 +150,7 @@ impl LazyGrid {
     }
 
     #[inline]
-    fn place(&self, point: Vector) -> ([f32; 3], [usize; 3]) {
+    pub(super) fn place(&self, point: Vector) -> ([f32; 3], [usize; 3]) {
         let relative = self.lattice.relative(point);
         (relative, self.lattice.cell_at(relative))
     }
@@ -270,33 +189,56 @@ impl LazyGrid {
 
     /// All points nearer than this to a cell's centre are inside; negative if the centre is not.
     #[inline]
-    pub(super) fn reach(&self, place: [usize; 3], bvh: &Bvh) -> f32 {
-        self.reach_of(self.cell(place, bvh), place, bvh)
+    fn reach_of(&self, cell: &Cell, place: [usize; 3], bvh: &Bvh) -> f32 {
+        let bits = cell.reach.load(Ordering::Relaxed);
+        if bits == UNKNOWN || bits == UNKNOWN_INSIDE.to_bits() {
+            return self.compute_reach(cell, place, bvh);
+        }
+        f32::from_bits(bits)
+    }
+
+    /// Whether a cell's centre is inside.
+    #[inline]
+    pub(super) fn is_inside(&self, place: [usize; 3], bvh: &Bvh) -> bool {
+        self.is_cell_inside(self.cell(place, bvh), place, bvh)
     }
 
     #[inline]
-    fn reach_of(&self, cell: &Cell, place: [usize; 3], bvh: &Bvh) -> f32 {
+    fn is_cell_inside(&self, cell: &Cell, place: [usize; 3], bvh: &Bvh) -> bool {
         match cell.reach.load(Ordering::Relaxed) {
-            UNKNOWN => self.compute_reach(cell, place, bvh),
-            bits => f32::from_bits(bits),
+            UNKNOWN => self.compute_side(cell, place, bvh),
+            bits => f32::from_bits(bits) >= 0.0,
         }
     }
 
     #[cold]
+    fn compute_side(&self, cell: &Cell, place: [usize; 3], bvh: &Bvh) -> bool {
+        if self.boundary.is_empty() {
+            return self.compute_reach(cell, place, bvh) >= 0.0;
+        }
+        let inside = self.is_inside_open(cell, place, bvh);
+        let reach = if inside { UNKNOWN_INSIDE } else { OUTSIDE };
+        cell.reach.store(reach.to_bits(), Ordering::Relaxed);
+        inside
+    }
+
+    #[cold]
     fn compute_reach(&self, cell: &Cell, place: [usize; 3], bvh: &Bvh) -> f32 {
-        let centre = self.lattice.absolute(self.lattice.centre(place));
         let distance = cell.distance();
         let reach = if self.boundary.is_empty() {
+            let centre = self.lattice.absolute(self.lattice.centre(place));
             let inside = self.side_of_another(place, distance);
-            let inside = inside.unwrap_or_else(|| is_inside(bvh, centre, true));
+            let inside = inside.unwrap_or_else(|| is_inside(bvh, &self.boundary, centre));
             if inside { distance } else { OUTSIDE }
+        } else if self.is_cell_inside(cell, place, bvh) {
+            self.reach_in_open(cell, place, LEAST_REACH * f64::from(distance), bvh) as f32
         } else {
-            let away = f64::from(distance);
-            let reach = inside_reach(bvh, &self.boundary, centre, away, LEAST_REACH * away);
-            reach.map_or(OUTSIDE, |reach| reach as f32)
+            OUTSIDE
         };
         cell.reach.store(reach.to_bits(), Ordering::Relaxed);
-        if let Some(block) = self.block(place) {
+        if self.boundary.is_empty()
+            && let Some(block) = self.block(place)
+        {
             block.sided.store(number(place) as u32, Ordering::Relaxed);
         }
         reach
@@ -305,7 +247,31 @@ impl LazyGrid {
     /// Whether a cell is inside, if another cell knows that for itself and the surface does not pass
     /// between the two: one of their block, or a neighbour.
     fn side_of_another(&self, place: [usize; 3], distance: f32) -> Option<bool> {
-        let mut others = (0..7).filter_map(|side| {
+        self.others(place).find_map(|other| {
+            let cell = self.known_cell(other)?;
+            let reach = f32::from_bits(match cell.reach.load(Ordering::Relaxed) {
+                UNKNOWN => return None,
+                bits => bits,
+            });
+            self.is_free(place, distance, other, cell).then_some(reach >= 0.0)
+        })
+    }
+
+    /// Whether the surface crosses neither of the balls around two cells' centres that reach up to it.
+    pub(super) fn is_free(
+        &self,
+        place: [usize; 3],
+        distance: f32,
+        other: [usize; 3],
+        cell: &Cell,
+    ) -> bool {
+        let apart = length(subtract(self.lattice.centre(place), self.lattice.centre(other)));
+        distance + cell.distance() > FREE * apart
+    }
+
+    /// Cells that may know a cell's side: its neighbours, and one of its block.
+    pub(super) fn others(&self, place: [usize; 3]) -> impl Iterator<Item = [usize; 3]> + '_ {
+        (0..7).filter_map(move |side| {
             let mut other = place;
             if side == 6 {
                 let number = self.block(place)?.sided.load(Ordering::Relaxed) as usize;
@@ -324,26 +290,22 @@ impl LazyGrid {
                 };
             }
             Some(other)
-        });
-        others.find_map(|other| {
-            let cell = self.known_cell(other)?;
-            let reach = f32::from_bits(match cell.reach.load(Ordering::Relaxed) {
-                UNKNOWN => return None,
-                bits => bits,
-            });
-            let apart = length(subtract(self.lattice.centre(place), self.lattice.centre(other)));
-            // The surface crosses neither of the balls around the two that reach up to it.
-            (distance + cell.distance() > FREE * apart).then_some(reach >= 0.0)
         })
     }
 
+    /// The centre of a cell's block.
+    pub(super) fn block_centre(&self, place: [usize; 3]) -> [f32; 3] {
+        let size = BLOCK as f32 * self.lattice.size;
+        place.map(|place| ((place >> BLOCK_BITS) as f32 + 0.5) * size)
+    }
+
     /// A cell, if it exists and its block does.
-    fn known_cell(&self, place: [usize; 3]) -> Option<&Cell> {
+    pub(super) fn known_cell(&self, place: [usize; 3]) -> Option<&Cell> {
         self.block(place)?.cells.get(number(place))
     }
 
     /// The block of a cell, if both exist.
-    fn block(&self, place: [usize; 3]) -> Option<&Block> {
+    pub(super) fn block(&self, place: [usize; 3]) -> Option<&Block> {
         if (0..3).any(|axis| place[axis] >= self.lattice.dimensions[axis]) {
             return None;
         }
@@ -367,7 +329,7 @@ impl LazyGrid {
         if f64::from(away) >= distance || !self.boundary.is_empty() {
             return None;
         }
-        Some(self.reach_of(self.cell(place, bvh), place, bvh) >= 0.0)
+        Some(self.is_inside(place, bvh))
     }
 
     /// The class of a point's cell. In an open solid, a cell whose centre is outside is as far as
@@ -384,10 +346,11 @@ impl LazyGrid {
         if distance <= half && distance - half <= self.far && half > self.near {
             return CellClass::Mixed;
         }
-        let reach = f64::from(self.reach_of(cell, place, bvh));
-        if reach >= 0.0 && half - reach <= self.near {
+        let inside = self.is_cell_inside(cell, place, bvh);
+        let is_near = || half - f64::from(self.reach_of(cell, place, bvh)) <= self.near;
+        if inside && (half <= self.near || is_near()) {
             CellClass::Near
-        } else if reach < 0.0 && distance - half > self.far {
+        } else if !inside && distance - half > self.far {
             CellClass::Far
         } else {
             CellClass::Mixed
@@ -395,5 +358,5 @@ impl LazyGrid {
     }
 }
 
-/// More than the rounding of distances to single precision, in diagonals.
-const ROUNDING: f64 = 1e-6;
+/// More than the rounding of distances to single precision, in diagonals, and of winding numbers.
+pub(super) const ROUNDING: f64 = 1e-6;

@@ -8,15 +8,21 @@
 //! | `distance_field` | closest points, by a distance transform |
 //! | `flood` | sides of a closed surface, by flooding |
 //! | `filled` | a grid whose cells are filled in advance |
+//! | `blocks` | the cells of a lazy grid |
 //! | `lazy` | a grid whose cells are filled when they are first asked |
+//! | `open_sides` | sides of an open surface in a lazy grid |
 
+mod blocks;
 mod distance_field;
 mod filled;
 mod flood;
 mod lattice;
 mod lazy;
+mod open_sides;
 mod vector_f32;
 
+use super::boundary::Boundary;
+use super::inside::inside_reach;
 use crate::bvh::Bvh;
 use crate::geometry::vector::Vector;
 pub(super) use filled::FilledGrid;
@@ -123,7 +129,7 @@ impl DistanceGrid {
     pub(super) fn is_inside(&self, probe: &Probe, bvh: &Bvh) -> Option<bool> {
         match self {
             Self::Filled(grid) => grid.is_inside(probe, bvh),
-            Self::Lazy(grid) => (probe.lower > 0.0).then(|| grid.reach(probe.place, bvh) >= 0.0),
+            Self::Lazy(grid) => (probe.lower > 0.0).then(|| grid.is_inside(probe.place, bvh)),
         }
     }
 
@@ -134,6 +140,20 @@ impl DistanceGrid {
         match self {
             Self::Filled(grid) => grid.depth(point),
             Self::Lazy(grid) => grid.depth(point, bvh),
+        }
+    }
+
+    /// See [`inside_reach`].
+    pub(super) fn inside_reach(
+        &self,
+        point: Vector,
+        distance: f64,
+        needed: f64,
+        (bvh, boundary): (&Bvh, &Boundary),
+    ) -> Option<f64> {
+        match self {
+            Self::Filled(_) => inside_reach(bvh, boundary, point, distance, needed),
+            Self::Lazy(grid) => grid.inside_reach(point, distance, needed, bvh),
         }
     }
 

@@ -6,7 +6,7 @@
 //! are those to the source, and what is inside the solid may be as far outside the source as
 //! vertices have moved: the result is never below that.
 
-use crate::bounded::containment::inside::{inside_reach, is_inside};
+use crate::bounded::containment::inside::is_inside;
 use crate::bounded::containment::remainder::Remainder;
 use crate::bounded::containment::solid::{Solid, SourceDistance};
 use crate::bounded::containment::triangle::{centre, halves};
@@ -58,7 +58,7 @@ pub(in crate::bounded) fn protrusion(
     limit: f64,
     control: &Control,
 ) -> Result<f64, Error> {
-    let unresolved = if solid.is_closed { UNRESOLVED } else { UNRESOLVED_IN_OPEN };
+    let unresolved = if solid.is_closed() { UNRESOLVED } else { UNRESOLVED_IN_OPEN };
     protrusion_beyond(unresolved * bound, hull, solid, bound, limit, control)
 }
 
@@ -129,7 +129,7 @@ fn protrusion_beyond(
                 let enough = enough(search.known, bound);
                 if may_be_crossed && remainder.find(part, radius, enough, &solid.bvh) {
                     for (centre, triangles) in remainder.parts() {
-                        if !solid.is_closed || !solid.bvh.is_inside(centre) {
+                        if !solid.is_closed() || !solid.bvh.is_inside(centre) {
                             stack.extend(triangles.map(|part| (part, false)));
                         }
                     }
@@ -218,9 +218,9 @@ impl Search<'_> {
             return Decision::Settled;
         }
         // Inside tests are expensive: only where they decide.
-        let is_enough_inside = solid.is_closed && radius - distance.lower <= enough;
-        if distance.upper > known || is_enough_inside || !may_halve || !solid.is_closed {
-            let is_inside = if solid.is_closed {
+        let is_enough_inside = solid.is_closed() && radius - distance.lower <= enough;
+        if distance.upper > known || is_enough_inside || !may_halve || !solid.is_closed() {
+            let is_inside = if solid.is_closed() {
                 solid.is_inside(centre, &distance)
             } else {
                 match self.side_in_open(centre, radius, &distance) {
@@ -245,14 +245,14 @@ impl Search<'_> {
 
     /// The side of a part in an open solid, where the side may change without crossing the surface.
     fn side_in_open(&self, centre: Vector, radius: f64, distance: &SourceDistance) -> OpenSide {
-        let Solid { bvh, boundary, is_closed, .. } = self.solid;
+        let Solid { bvh, boundary, .. } = self.solid;
         // From the ball that is inside no point of the part is farther than the rest.
         let needed = radius - enough(self.known, self.bound);
         if needed <= 0.0 {
-            let is_inside = is_inside(bvh, centre, *is_closed);
+            let is_inside = is_inside(bvh, boundary, centre);
             return if is_inside { OpenSide::AllInside } else { OpenSide::CentreOutside };
         }
-        match inside_reach(bvh, boundary, centre, distance.lower, needed) {
+        match self.solid.inside_reach(centre, distance.lower, needed) {
             None => OpenSide::CentreOutside,
             Some(reach) if needed <= reach => OpenSide::AllInside,
             Some(_) => OpenSide::CentreInside,
@@ -314,8 +314,8 @@ mod tests {
         let depth = 0.9;
         let corners = [[0.5, 0.0, 0.0], [0.5, 1.0, 0.0], [0.5, 0.5, -depth], [0.6, 0.5, -0.1]];
         let hull = convex_hull(&corners).unwrap();
-        assert!(!is_inside(&solid.bvh, corners[2], solid.is_closed));
-        assert!(is_inside(&solid.bvh, [0.5, 0.5, -0.3], solid.is_closed));
+        assert!(!is_inside(&solid.bvh, &solid.boundary, corners[2]));
+        assert!(is_inside(&solid.bvh, &solid.boundary, [0.5, 0.5, -0.3]));
         let found = protrusion(&hull, &solid, bound, f64::INFINITY, &control).unwrap();
         assert!(found >= depth, "{found}");
     }
