@@ -29,6 +29,14 @@ const HOOK_SHARE: f32 = 0.45;
 /// Room under what hangs, in metres.
 const UNDER: f32 = 0.35;
 
+/// Things turn as in air; what hangs as in oil. Parry keeps the normal of a contact until it has turned by a degree,
+/// and so pushes what swings on a hook a little further each time: in air it swings without end.
+const AIR: Damping = Damping { linear_damping: 0.1, angular_damping: 0.5 };
+const OIL: Damping = Damping { linear_damping: 0.1, angular_damping: 6.0 };
+
+/// Share of the way by which the camera follows a stack that falls, in each frame.
+const FOLLOW: f32 = 0.2;
+
 /// What is tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Trial {
@@ -278,7 +286,7 @@ impl Builder<'_, '_, '_> {
             self.thing(place.with_rotation(self.stand), RigidBody::Dynamic);
         }
         let height = step * STACK as f32;
-        (Vec3::Y * (0.45 * height), (0.52 * height).max(1.4))
+        (Vec3::Y * (height / 2.0), height / 2.0 + half.length())
     }
 
     /// A hook that sticks out of a post towards the viewer, and the thing on it.
@@ -330,7 +338,9 @@ impl Builder<'_, '_, '_> {
             Transform::from_xyz(0.0, post.y / 2.0, back - 0.05),
         );
         let place = Vec3::Y * height - at;
-        self.thing(Transform::from_translation(place).with_rotation(hang.turn), RigidBody::Dynamic);
+        let place_and_turn = Transform::from_translation(place).with_rotation(hang.turn);
+        let thing = self.thing(place_and_turn, RigidBody::Dynamic);
+        self.commands.entity(thing).insert(OIL);
         (Vec3::Y * (height + place.y) / 2.0, 1.25)
     }
 
@@ -338,14 +348,7 @@ impl Builder<'_, '_, '_> {
     fn thing(&mut self, place: Transform, body: RigidBody) -> Entity {
         let mut thing = self.commands.spawn((Prop, Thing, place, Visibility::default()));
         if let Some(fit) = self.fit {
-            let damping = Damping { linear_damping: 0.1, angular_damping: 0.5 };
-            thing.insert((
-                body,
-                fit.collider.clone(),
-                fit.mass,
-                damping,
-                Friction::coefficient(0.6),
-            ));
+            thing.insert((body, fit.collider.clone(), fit.mass, AIR, Friction::coefficient(0.6)));
         }
         let glass = self.hull_materials.glass.clone();
         let edges = self.hull_materials.edges.clone();
@@ -362,6 +365,34 @@ impl Builder<'_, '_, '_> {
             }
         });
         thing.id()
+    }
+}
+
+/// The camera sees a stack as high as it is: at first a tower, later perhaps a heap.
+pub fn follow_stack(
+    show: Res<Show>,
+    library: Res<Library>,
+    things: Query<&Transform, With<Thing>>,
+    mut views: Query<&mut Orbit>,
+) {
+    let Some(model) = library.current.as_ref().filter(|_| show.trial == Trial::Stack) else {
+        return;
+    };
+    let places = || things.iter().map(|thing| thing.translation);
+    let Some((low, high)) = places()
+        .map(|place| (place, place))
+        .reduce(|all, one| (all.0.min(one.0), all.1.max(one.1)))
+    else {
+        return;
+    };
+    let radius = (high - low).length() / 2.0 + model.half.length();
+    for mut view in &mut views {
+        let target = view.target.lerp((low + high) / 2.0, FOLLOW);
+        let radius = view.radius + FOLLOW * (radius - view.radius);
+        // What sleeps is not drawn anew.
+        if view.target.distance(target) + (view.radius - radius).abs() > 1e-4 {
+            (view.target, view.radius) = (target, radius);
+        }
     }
 }
 
