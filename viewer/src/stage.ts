@@ -180,7 +180,7 @@ export class Stage {
   /** The mesh fills the panel, hulls that are moved apart too. */
   private fit(aspect: number) {
     this.camera.aspect = aspect;
-    this.camera.zoom = this.zoomThatFits(aspect) / (1 + 0.5 * shared.explosion.value);
+    this.camera.zoom = this.zoomThatFits(aspect) / (1 + 0.8 * shared.explosion.value);
     this.camera.updateProjectionMatrix();
   }
 

@@ -141,7 +141,7 @@ fn take_picture(
     mut shutter: ResMut<Shutter>,
     statuses: Query<&DecompositionStatus>,
     bodies: Bodies,
-    names: Query<&Name>,
+    named: Query<(Option<&Name>, &Velocity)>,
 ) {
     let are_ready = !statuses.is_empty() && statuses.iter().all(DecompositionStatus::is_finished);
     shutter.holds_bodies = !are_ready;
@@ -151,9 +151,12 @@ fn take_picture(
     picture.frames += 1;
     picture.still = if awake(&bodies).next().is_none() { picture.still + 1 } else { 0 };
     if picture.frames == MOST_FRAMES && picture.still < STILL_FRAMES {
-        let name = |body| names.get(body).map_or("one without a name", Name::as_str);
-        let moving: Vec<&str> = awake(&bodies).map(name).collect();
-        println!("these bodies still move after {MOST_FRAMES} frames: {}", moving.join(", "));
+        println!("these bodies still move after {MOST_FRAMES} frames:");
+        for (name, speed) in awake(&bodies).filter_map(|body| named.get(body).ok()) {
+            let name = name.map_or("one without a name", Name::as_str);
+            let [linear, angular] = [speed.linear, speed.angular].map(Vec3::length);
+            println!("  {name}: {linear:.3} m/s, {angular:.3} rad/s");
+        }
         picture.still = STILL_FRAMES;
     }
     if picture.still == STILL_FRAMES {

@@ -85,7 +85,13 @@ fn main() -> AppExit {
             model::take_read,
             decompose::follow_settings,
             scene::arrange,
-            (balls::throw, scene::follow_stack, scene::show_layers, picture::watch_sleep),
+            (
+                balls::throw,
+                scene::follow_stack,
+                scene::see_through_haze,
+                scene::show_layers,
+                picture::watch_sleep,
+            ),
         )
             .chain(),
     );

@@ -8,6 +8,7 @@ use bevy_rapier3d::prelude::*;
 use hullwright::render::palette;
 use hullwright_demos::hulls::{HullMaterials, edges_mesh, hulls_mesh};
 use hullwright_demos::orbit::Orbit;
+use hullwright_demos::studio::Studio;
 
 use crate::decompose::{Fit, Tuning};
 use crate::model::{Library, Model};
@@ -29,8 +30,8 @@ const HOOK_SHARE: f32 = 0.45;
 /// Room under what hangs, in metres.
 const UNDER: f32 = 0.35;
 
-/// Things turn as in air; what hangs as in oil. Parry keeps the normal of a contact until it has turned by a degree,
-/// and so pushes what swings on a hook a little further each time: in air it swings without end.
+/// Things turn as in air. What hangs turns as in oil: in air a mug swings on Rapier's contacts without end, with or
+/// without friction, at any step and with either dispatcher.
 const AIR: Damping = Damping { linear_damping: 0.1, angular_damping: 0.5 };
 const OIL: Damping = Damping { linear_damping: 0.1, angular_damping: 6.0 };
 
@@ -365,6 +366,23 @@ impl Builder<'_, '_, '_> {
             }
         });
         thing.id()
+    }
+}
+
+/// The haze begins behind what is looked at, however far away that is.
+pub fn see_through_haze(
+    mut views: Query<(&Orbit, &Transform, &mut DistanceFog)>,
+    studio: Res<Studio>,
+) {
+    for (orbit, eye, mut haze) in &mut views {
+        let behind = eye.translation.distance(orbit.target) + orbit.radius;
+        let falloff = studio.haze_behind(behind);
+        if let (FogFalloff::Linear { start: new, .. }, FogFalloff::Linear { start: old, .. }) =
+            (&falloff, &haze.falloff)
+            && new != old
+        {
+            haze.falloff = falloff;
+        }
     }
 }
 
