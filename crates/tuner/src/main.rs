@@ -6,6 +6,7 @@ mod arguments;
 mod balls;
 mod decompose;
 mod export;
+mod follow;
 mod hang;
 mod model;
 mod scene;
@@ -87,8 +88,8 @@ fn main() -> AppExit {
             scene::arrange,
             (
                 balls::throw,
-                scene::follow_stack,
-                scene::see_through_haze,
+                follow::follow_stack,
+                follow::see_through_haze,
                 scene::show_layers,
                 picture::watch_sleep,
             ),
