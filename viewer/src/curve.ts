@@ -27,14 +27,16 @@ export class Curve {
     this.svg = svg;
     this.axes(bound);
     const points = states.map((state) => `${this.x(state.hulls)},${this.y(state.error)}`);
-    svg.append(this.drop, drawing("polyline", { points: points.join(" "), class: "line" }));
+    svg.append(drawing("polyline", { points: points.join(" "), class: "line" }));
     if (states.length <= 30) {
       for (const state of states) {
         svg.append(drawing("circle", { cx: this.x(state.hulls), cy: this.y(state.error), r: 2.4, class: "dot" }));
       }
     }
-    svg.append(this.marker);
-    this.element.append(svg);
+    // What moves is a layer of its own: the curve is not drawn anew for it.
+    const over = drawing("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, class: "over", "aria-hidden": "true" });
+    over.append(this.drop, this.marker);
+    this.element.append(svg, over);
     const follow = (event: PointerEvent) => choose(this.nearest(event));
     svg.addEventListener("pointerdown", (event) => {
       svg.setPointerCapture(event.pointerId);

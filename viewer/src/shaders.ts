@@ -48,7 +48,7 @@ const VERTEX = /* glsl */ `
     vError = most * share * share;
     gl_Position = projectionMatrix * seen;
     // Hulls that share a face do not flicker: one of them is before the other.
-    gl_Position.z += 4e-7 * mod(hull, 97.0) * gl_Position.w;
+    gl_Position.z += 2e-6 * mod(hull, 29.0) * gl_Position.w;
   }
 `;
 

@@ -3,7 +3,7 @@
 import { expect, test } from "@playwright/test";
 import { writeFileSync } from "node:fs";
 import { join } from "node:path";
-import { folder, open, shots, view } from "./page";
+import { asset, folder, open, shots, view } from "./page";
 
 /** 500 balls on a lattice, each of which is a hull. */
 function balls(): string {
@@ -34,6 +34,25 @@ function balls(): string {
   }
   return text;
 }
+
+test("while frames are slow a quarter of the pixels is drawn, and all of them at rest", async ({ page }) => {
+  await open(page, view(asset("mug.glb"), "slow.html"));
+  const width = () => page.locator("canvas").evaluate((canvas: HTMLCanvasElement) => canvas.width);
+  const all = await width();
+  // Each frame takes the browser's thread for longer than a thirtieth of a second.
+  const turned = await page.evaluate(async () => {
+    const { stage } = (window as any).hullwright;
+    for (let frame = 0; frame < 12; frame++) {
+      await new Promise(requestAnimationFrame);
+      stage.turn(0.05, 0);
+      const end = performance.now() + 50;
+      while (performance.now() < end);
+    }
+    return stage.canvas.width;
+  });
+  expect(turned).toBe(Math.floor(all / 2));
+  await expect.poll(width).toBe(all);
+});
 
 test("a page of 500 hulls turns", async ({ page }) => {
   test.setTimeout(600_000);

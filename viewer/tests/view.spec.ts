@@ -61,7 +61,7 @@ test("the slider goes through all numbers of hulls, with figures and picture", a
   await page.screenshot({ path: `${shots}mug-4.png` });
   const marker = page.locator(".marker");
   const before = await marker.getAttribute("cx");
-  await page.locator(".curve svg").click({ position: { x: 250, y: 40 } });
+  await page.locator(".curve svg[role=img]").click({ position: { x: 250, y: 40 } });
   expect(await marker.getAttribute("cx")).not.toBe(before);
   expect(await count(page)).not.toBe("4 hulls");
 });

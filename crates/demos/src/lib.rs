@@ -25,7 +25,7 @@ use hullwright::bevy::{HullwrightDebug, HullwrightDebugPlugin};
 use caption::Caption;
 use hulls::HullMaterials;
 use orbit::{Orbit, OrbitPlugin, camera};
-use picture::{Bodies, PicturePlugin, PictureTaken, Shutter, awake, is_without_person};
+use picture::{Bodies, PicturePlugin, PictureTaken, Shutter, awake, is_tour, is_without_person};
 use shown::{ShownHulls, draw_new_hulls, note_ready, toggle};
 use studio::Studio;
 
@@ -34,6 +34,9 @@ pub const ASSETS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets");
 
 /// Size of the window, in pixels: what fits on a screen, and into `xvfb-run` with a screen of 1280 by 800.
 pub const WINDOW: [u32; 2] = [1280, 800];
+
+/// That of a tour, whose pictures are many: all controls fit, and a processor draws it in half the time.
+const TOUR_WINDOW: [u32; 2] = [960, 720];
 
 /// A frame moves bodies by at most this many seconds, in this many steps: a slow machine shows fewer
 /// pictures of the same fall.
@@ -52,9 +55,10 @@ const FRAMES_AT_ONCE: usize = 4;
 
 /// Bevy with a window and the bundled models, Rapier and Hullwright.
 pub fn plugins(title: &str) -> PluginGroupBuilder {
+    let [width, height] = if is_tour() { TOUR_WINDOW } else { WINDOW };
     let window = Window {
         title: title.into(),
-        resolution: WindowResolution::new(WINDOW[0], WINDOW[1]),
+        resolution: WindowResolution::new(width, height),
         ..default()
     };
     DefaultPlugins
@@ -137,7 +141,7 @@ fn take_picture(
     mut shutter: ResMut<Shutter>,
     statuses: Query<&DecompositionStatus>,
     bodies: Bodies,
-    names: Query<&Name>,
+    named: Query<(Option<&Name>, &Velocity)>,
 ) {
     let are_ready = !statuses.is_empty() && statuses.iter().all(DecompositionStatus::is_finished);
     shutter.holds_bodies = !are_ready;
@@ -147,9 +151,12 @@ fn take_picture(
     picture.frames += 1;
     picture.still = if awake(&bodies).next().is_none() { picture.still + 1 } else { 0 };
     if picture.frames == MOST_FRAMES && picture.still < STILL_FRAMES {
-        let name = |body| names.get(body).map_or("one without a name", Name::as_str);
-        let moving: Vec<&str> = awake(&bodies).map(name).collect();
-        println!("these bodies still move after {MOST_FRAMES} frames: {}", moving.join(", "));
+        println!("these bodies still move after {MOST_FRAMES} frames:");
+        for (name, speed) in awake(&bodies).filter_map(|body| named.get(body).ok()) {
+            let name = name.map_or("one without a name", Name::as_str);
+            let [linear, angular] = [speed.linear, speed.angular].map(Vec3::length);
+            println!("  {name}: {linear:.3} m/s, {angular:.3} rad/s");
+        }
         picture.still = STILL_FRAMES;
     }
     if picture.still == STILL_FRAMES {

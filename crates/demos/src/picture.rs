@@ -57,6 +57,7 @@ pub struct Shutter {
     pub holds_bodies: bool,
     path: Option<PathBuf>,
     drawn: usize,
+    is_asked: bool,
 }
 
 impl Shutter {
@@ -64,6 +65,7 @@ impl Shutter {
     pub fn take(&mut self, path: &Path) {
         self.path = Some(path.to_owned());
         self.drawn = 0;
+        self.is_asked = false;
     }
 }
 
@@ -87,9 +89,10 @@ fn work_shutter(
             camera.is_active = is_active;
         }
     }
-    let Shutter { path: Some(path), drawn, .. } = &mut *shutter else { return };
+    let Shutter { path: Some(path), drawn, is_asked, .. } = &mut *shutter else { return };
     *drawn += usize::from(*drawn < FRAMES_BEFORE || shaders.are_ready());
-    if *drawn == FRAMES_BEFORE + 1 {
+    // Once: a second picture would look like that of the next step.
+    if *drawn > FRAMES_BEFORE && !std::mem::replace(is_asked, true) {
         capture(&mut commands, path.clone());
     }
 }
@@ -111,12 +114,21 @@ fn capture(commands: &mut Commands, path: PathBuf) {
 
 /// Whether pictures are written: then the window may be slow, and nothing may be left out.
 pub fn is_without_person() -> bool {
-    is_for_show() || std::env::args().any(|argument| argument == "--tour")
+    is_for_show() || is_tour()
 }
 
 /// Whether the picture is to be as good as it can be: those of a tour are many.
 pub fn is_for_show() -> bool {
-    std::env::args().any(|argument| argument == "--screenshot")
+    is_argument("--screenshot")
+}
+
+/// Whether a picture of each step is written.
+pub fn is_tour() -> bool {
+    is_argument("--tour")
+}
+
+fn is_argument(name: &str) -> bool {
+    std::env::args().any(|argument| argument == name)
 }
 
 /// Whether all shaders that are wanted are there: things without one are not drawn.

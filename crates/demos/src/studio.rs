@@ -46,12 +46,14 @@ impl Studio {
 
     /// The haze that belongs on the camera.
     pub fn haze(&self) -> DistanceFog {
+        DistanceFog { color: self.backdrop, falloff: self.haze_behind(0.0), ..default() }
+    }
+
+    /// How the haze thickens if it must not begin before this distance from the camera, in metres.
+    pub fn haze_behind(&self, distance: f32) -> FogFalloff {
         let [start, end] = FADE.map(|widths| widths * self.width);
-        DistanceFog {
-            color: self.backdrop,
-            falloff: FogFalloff::Linear { start, end },
-            ..default()
-        }
+        let start_behind = start.max(distance);
+        FogFalloff::Linear { start: start_behind, end: start_behind + end - start }
     }
 }
 

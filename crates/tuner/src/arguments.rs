@@ -16,7 +16,7 @@ FILE is a mesh (OBJ, OFF, PLY, STL, glTF or GLB), or the name of a bundled model
   --screenshot FILE  writes a picture once the hulls are there and all lies still, and ends
   --tour DIR         drives every control, writes a picture of each step, and ends; with an error if a
                      control does not do what it should
-  --step NAME        only this step of the tour";
+  --step NAMES       only these steps of the tour, separated by commas";
 
 /// What was asked for.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,7 +31,7 @@ pub struct Arguments {
     pub screenshot: Option<PathBuf>,
     /// Where the tour's pictures go.
     pub tour: Option<PathBuf>,
-    /// The only step.
+    /// The only steps, separated by commas.
     pub step: Option<String>,
 }
 

@@ -1,12 +1,12 @@
 //! Decomposition in the background: one job at a time, for the newest settings. The hulls that are
 //! there stay until the new ones are.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use bevy::prelude::*;
-use bevy::tasks::{AsyncComputeTaskPool, Task, block_on, poll_once};
+use bevy::tasks::{Task, TaskPool, TaskPoolBuilder, block_on, poll_once};
 use bevy_rapier3d::prelude::{Collider, ColliderMassProperties, MassProperties};
 use hullwright::{
     Control, Decomposition, Error, Hull, Length, Openings, Parameters, Preset, decompose,
@@ -128,6 +128,15 @@ fn on_stage(model: &Model, hull: &Hull) -> Hull {
     hull
 }
 
+/// A thread for jobs. Bevy's own pool for long work has one thread on a small machine: while a job had it, no
+/// file was read and no picture written.
+fn worker() -> &'static TaskPool {
+    static WORKER: OnceLock<TaskPool> = OnceLock::new();
+    WORKER.get_or_init(|| {
+        TaskPoolBuilder::new().num_threads(1).thread_name("decompose".into()).build()
+    })
+}
+
 /// What is being decomposed.
 struct Job {
     model: Arc<Model>,
@@ -174,7 +183,7 @@ impl Tuning {
             heard.store(progress.fraction.to_bits(), Ordering::Relaxed);
         });
         let (of, with, by) = (model.clone(), settings.clone(), control.clone());
-        let task = AsyncComputeTaskPool::get().spawn(async move { Fit::new(of, with, &by) });
+        let task = worker().spawn(async move { Fit::new(of, with, &by) });
         self.job = Some(Job { model, settings, control, done, started: Instant::now(), task });
     }
 }

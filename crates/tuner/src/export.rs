@@ -14,6 +14,9 @@ use crate::decompose::{Fit, Settings};
 /// Decimals of a share: a thousandth of a percent.
 const DECIMALS: usize = 5;
 
+/// Stands for no cap in extras, which have no word for it: no hull has so many vertices.
+const UNCAPPED: usize = 1_000_000;
+
 /// Where files are saved, and the clipboard once it was used.
 #[derive(Resource)]
 pub struct Export {
@@ -119,7 +122,7 @@ pub fn extras(settings: &Settings) -> String {
         values.push(format!(r#""max_hulls": {most}"#));
     }
     if settings.max_vertices != default.max_vertices {
-        let most = settings.max_vertices.map_or("null".to_owned(), |most| most.to_string());
+        let most = settings.max_vertices.unwrap_or(UNCAPPED);
         values.push(format!(r#""max_vertices": {most}"#));
     }
     if settings.keep_cavities {
@@ -144,7 +147,9 @@ fn capitalised(word: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use hullwright::Openings;
+    use hullwright::bevy::prelude::*;
+    use hullwright::conventions::read_extras;
+    use hullwright::{Length, Openings, Parameters};
 
     use super::*;
 
@@ -165,21 +170,60 @@ mod tests {
         assert_eq!(extras(&Settings::default()), r#"{"collider": "convex_decomposition"}"#);
     }
 
-    #[test]
-    fn a_component_says_all_that_differs() {
-        let expected = "ConvexDecomposition::default()
-    .with_max_error(0.01)
-    .with_preset(DecompositionPreset::Fine)
-    .with_max_hulls(8)
-    .with_max_vertices(None)
-    .with_keep_cavities(true)
-    .with_openings(DecompositionOpenings::Close)";
-        assert_eq!(rust(&settings()), expected);
+    /// Code, what it makes, and its text.
+    macro_rules! compiled {
+        ($code:expr) => {
+            ($code, stringify!($code))
+        };
+    }
+
+    fn without_spaces(text: &str) -> String {
+        text.split_whitespace().collect()
     }
 
     #[test]
-    fn extras_say_all_that_differs() {
-        let expected = r#"{"collider": "convex_decomposition", "max_error": 0.01, "preset": "fine", "max_hulls": 8, "max_vertices": null, "keep_cavities": true, "openings": "close"}"#;
-        assert_eq!(extras(&settings()), expected);
+    fn the_component_compiles_and_asks_for_what_the_controls_say() {
+        let (tag, code) = compiled!(
+            ConvexDecomposition::default()
+                .with_max_error(0.01)
+                .with_preset(DecompositionPreset::Fine)
+                .with_max_hulls(8)
+                .with_max_vertices(None)
+                .with_keep_cavities(true)
+                .with_openings(DecompositionOpenings::Close)
+        );
+        assert_eq!(without_spaces(&rust(&settings())), without_spaces(code));
+        assert_eq!(in_single_precision(tag.to_parameters()), settings().parameters());
+        let fast = Settings { preset: Preset::Fast, openings: Openings::Keep, ..settings() };
+        let (_, code) = compiled!(
+            ConvexDecomposition::default()
+                .with_max_error(0.01)
+                .with_preset(DecompositionPreset::Fast)
+                .with_max_hulls(8)
+                .with_max_vertices(None)
+                .with_keep_cavities(true)
+                .with_openings(DecompositionOpenings::Keep)
+        );
+        assert_eq!(without_spaces(&rust(&fast)), without_spaces(code));
+    }
+
+    #[test]
+    fn the_plugin_reads_every_key_of_the_extras() {
+        for settings in [Settings::default(), settings()] {
+            let (tag, complaints) = read_extras(&extras(&settings));
+            assert_eq!(complaints, Vec::<String>::new());
+            let read = tag.and_then(|tag| tag.parameters(&Parameters::default()));
+            let mut expected = settings.parameters();
+            expected.max_vertices = expected.max_vertices.or(Some(UNCAPPED));
+            assert_eq!(read.map(in_single_precision), Some(expected));
+        }
+    }
+
+    /// The plugin holds the bound as `f32`.
+    fn in_single_precision(mut parameters: Parameters) -> Parameters {
+        let share = f64::from(parameters.bounded.max_error.of_diagonal(1.0) as f32);
+        let decimals = 10_f64.powi(DECIMALS as i32);
+        parameters.bounded.max_error = Length::share((share * decimals).round() / decimals);
+        parameters
     }
 }

@@ -6,6 +6,7 @@ mod arguments;
 mod balls;
 mod decompose;
 mod export;
+mod follow;
 mod hang;
 mod model;
 mod scene;
@@ -85,7 +86,13 @@ fn main() -> AppExit {
             model::take_read,
             decompose::follow_settings,
             scene::arrange,
-            (balls::throw, scene::show_layers, picture::watch_sleep),
+            (
+                balls::throw,
+                follow::follow_stack,
+                follow::see_through_haze,
+                scene::show_layers,
+                picture::watch_sleep,
+            ),
         )
             .chain(),
     );

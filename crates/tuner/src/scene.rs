@@ -29,6 +29,11 @@ const HOOK_SHARE: f32 = 0.45;
 /// Room under what hangs, in metres.
 const UNDER: f32 = 0.35;
 
+/// Things turn as in air. What hangs turns as in oil: in air a mug swings on Rapier's contacts without end, with or
+/// without friction, at any step and with either dispatcher.
+const AIR: Damping = Damping { linear_damping: 0.1, angular_damping: 0.5 };
+const OIL: Damping = Damping { linear_damping: 0.1, angular_damping: 6.0 };
+
 /// What is tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Trial {
@@ -278,7 +283,7 @@ impl Builder<'_, '_, '_> {
             self.thing(place.with_rotation(self.stand), RigidBody::Dynamic);
         }
         let height = step * STACK as f32;
-        (Vec3::Y * (0.45 * height), (0.52 * height).max(1.4))
+        (Vec3::Y * (height / 2.0), height / 2.0 + half.length())
     }
 
     /// A hook that sticks out of a post towards the viewer, and the thing on it.
@@ -330,7 +335,9 @@ impl Builder<'_, '_, '_> {
             Transform::from_xyz(0.0, post.y / 2.0, back - 0.05),
         );
         let place = Vec3::Y * height - at;
-        self.thing(Transform::from_translation(place).with_rotation(hang.turn), RigidBody::Dynamic);
+        let place_and_turn = Transform::from_translation(place).with_rotation(hang.turn);
+        let thing = self.thing(place_and_turn, RigidBody::Dynamic);
+        self.commands.entity(thing).insert(OIL);
         (Vec3::Y * (height + place.y) / 2.0, 1.25)
     }
 
@@ -338,14 +345,7 @@ impl Builder<'_, '_, '_> {
     fn thing(&mut self, place: Transform, body: RigidBody) -> Entity {
         let mut thing = self.commands.spawn((Prop, Thing, place, Visibility::default()));
         if let Some(fit) = self.fit {
-            let damping = Damping { linear_damping: 0.1, angular_damping: 0.5 };
-            thing.insert((
-                body,
-                fit.collider.clone(),
-                fit.mass,
-                damping,
-                Friction::coefficient(0.6),
-            ));
+            thing.insert((body, fit.collider.clone(), fit.mass, AIR, Friction::coefficient(0.6)));
         }
         let glass = self.hull_materials.glass.clone();
         let edges = self.hull_materials.edges.clone();

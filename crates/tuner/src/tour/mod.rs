@@ -7,6 +7,7 @@ mod steps;
 
 use std::collections::VecDeque;
 use std::path::PathBuf;
+use std::time::Instant;
 
 use bevy::prelude::*;
 use bevy::time::Real;
@@ -35,6 +36,8 @@ pub struct Tour {
     hand: Hand,
     state: State,
     before: Seen,
+    began: Instant,
+    judged: usize,
     failures: usize,
     frames: Frames,
 }
@@ -55,12 +58,15 @@ struct Frames {
 }
 
 impl Tour {
-    /// All steps, or the one with a name; pictures go to the folder.
+    /// All steps, or those whose names are given, separated by commas; pictures go to the folder.
     pub fn new(folder: PathBuf, only: Option<&str>) -> Result<Self, String> {
-        let steps: VecDeque<Step> =
-            steps().into_iter().filter(|step| only.is_none_or(|name| step.name == name)).collect();
-        if steps.is_empty() {
-            return Err(format!("there is no step called {}", only.unwrap_or_default()));
+        let mut steps: VecDeque<Step> = steps().into();
+        if let Some(names) = only {
+            let is_known = |name: &&str| steps.iter().any(|step| step.name == *name);
+            if let Some(unknown) = names.split(',').find(|name| !is_known(name)) {
+                return Err(format!("there is no step called {unknown}"));
+            }
+            steps.retain(|step| names.split(',').any(|name| name == step.name));
         }
         std::fs::create_dir_all(&folder).map_err(|error| error.to_string())?;
         Ok(Self {
@@ -70,6 +76,8 @@ impl Tour {
             // The first step begins with hulls.
             state: State::Waits(0, 0),
             before: Seen::default(),
+            began: Instant::now(),
+            judged: 0,
             failures: 0,
             frames: Frames::default(),
         })
@@ -84,7 +92,9 @@ impl Tour {
         let is_settled = watched.is_current() && watched.is_still();
         *still = if is_settled { *still + 1 } else { 0 };
         if *frames >= MOST_FRAMES {
-            println!("{}: not settled after {MOST_FRAMES} frames", step.name);
+            let [linear, angular] = watched.speeds();
+            let moves = format!("{linear:.3} m/s and {angular:.3} rad/s");
+            println!("{}: not settled after {MOST_FRAMES} frames: {moves}", step.name);
             return true;
         }
         match step.when {
@@ -97,7 +107,9 @@ impl Tour {
     fn judge(&mut self, step: &Step, now: Seen) {
         let holds = (step.holds)(&self.before, &now);
         let verdict = if holds { "yes" } else { "NO" };
-        println!("{}: {}: {verdict}", step.name, step.promise);
+        let seconds = self.began.elapsed().as_secs();
+        println!("{seconds:>4} s  {}: {}: {verdict}", step.name, step.promise);
+        self.judged += 1;
         if !holds {
             println!("  before {:?}\n  now {now:?}", self.before);
             self.failures += 1;
@@ -115,6 +127,7 @@ impl Tour {
 
     fn end(&mut self) -> AppExit {
         self.state = State::Over;
+        println!("{} steps, {} failures", self.judged, self.failures);
         println!("frames without a job: {}", summary(&mut self.frames.quiet));
         println!("frames beside a job: {}", summary(&mut self.frames.busy));
         if self.failures == 0 { AppExit::Success } else { AppExit::error() }

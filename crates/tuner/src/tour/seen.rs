@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy_egui::input::EguiWantsInput;
+use bevy_rapier3d::prelude::Velocity;
 use hullwright::hulls_format::HullsFile;
 use hullwright::io::read_mesh;
 use hullwright_demos::orbit::Orbit;
@@ -86,6 +87,7 @@ pub struct Watched<'w, 's> {
     things: Query<'w, 's, &'static Transform, With<Thing>>,
     views: Query<'w, 's, &'static Orbit>,
     bodies: Bodies<'w, 's>,
+    velocities: Query<'w, 's, &'static Velocity>,
 }
 
 impl Watched<'_, '_> {
@@ -99,6 +101,14 @@ impl Watched<'_, '_> {
     /// Whether all bodies sleep.
     pub fn is_still(&self) -> bool {
         awake(&self.bodies).next().is_none()
+    }
+
+    /// The highest speed of what does not sleep, in metres and in radians per second.
+    pub fn speeds(&self) -> [f32; 2] {
+        let speeds = awake(&self.bodies).filter_map(|body| self.velocities.get(body).ok());
+        speeds.fold([0.0; 2], |[linear, angular], speed| {
+            [linear.max(speed.linear.length()), angular.max(speed.angular.length())]
+        })
     }
 
     /// Seconds for which a job has run.

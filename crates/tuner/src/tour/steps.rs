@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use hullwright::conventions::read_extras;
 use hullwright::{Openings, Preset};
 
 use super::hand::Deed;
@@ -213,12 +214,10 @@ fn trials() -> Vec<Step> {
         }),
         step("balls-at-stack", [Key("b")], "balls fly", |old, now| now.balls == old.balls + THROW)
             .at(When::Frames(14)),
-        step(
-            "balls-in-bowl",
-            [Key("1"), DropFile(bundled("bowl")), Key("b")],
-            "balls are thrown",
-            |_, now| now.balls == THROW,
-        ),
+        step("bowl", [Key("1"), DropFile(bundled("bowl"))], "balls go with the model", |_, now| {
+            now.model == "bowl" && now.balls == 0
+        }),
+        step("balls-in-bowl", [Key("b")], "balls are thrown", |_, now| now.balls == THROW),
         step("more-balls", [Click("throw balls")], "more are", |_, now| now.balls == 2 * THROW),
     ]
 }
@@ -232,9 +231,16 @@ fn exports() -> Vec<Step> {
             "the clipboard has it",
             |_, now| now.copied.as_ref() == Some(&rust(&now.settings)),
         ),
-        step("copy-extras", [Click("copy as extras")], "the clipboard has it", |_, now| {
-            now.copied.as_ref() == Some(&extras(&now.settings))
-        }),
+        step(
+            "copy-extras",
+            [Click("copy as extras")],
+            "the clipboard has what the plugin reads",
+            |_, now| {
+                let copied = now.copied.as_deref().map(read_extras);
+                now.copied.as_ref() == Some(&extras(&now.settings))
+                    && copied.is_some_and(|(tag, wrong)| tag.is_some() && wrong.is_empty())
+            },
+        ),
         step("save-hulls", [Click("save .hulls")], "the file holds these hulls", |_, now| {
             now.saved("hulls") == Some(now.hulls)
         }),

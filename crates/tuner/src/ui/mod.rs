@@ -92,7 +92,7 @@ fn model_section(ui: &mut egui::Ui, state: &mut State) {
     let name = state.library.current.as_ref().map_or("", |model| model.name.as_str()).to_owned();
     let combo = egui::ComboBox::from_id_salt("bundled")
         .width(ui.available_width())
-        .height(420.0)
+        .height(460.0)
         .selected_text(&name)
         .show_ui(ui, |ui| {
             for choice in BUNDLED {

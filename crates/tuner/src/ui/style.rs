@@ -37,7 +37,7 @@ pub fn panel_frame() -> egui::Frame {
 /// The frame of what lies on the picture.
 pub fn card() -> egui::Frame {
     egui::Frame::new()
-        .fill(PANEL.gamma_multiply(0.88))
+        .fill(PANEL.gamma_multiply(0.94))
         .corner_radius(8)
         .inner_margin(egui::Margin::symmetric(18, 12))
 }

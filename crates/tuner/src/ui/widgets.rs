@@ -88,6 +88,8 @@ pub fn choice<T: PartialEq + Copy, const N: usize>(
 ) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 3.0;
+        // The longest name fits into a third.
+        ui.spacing_mut().button_padding.x = 2.0;
         let width = (free_width(ui) - 3.0 * (N - 1) as f32) / N as f32;
         for (choice, name) in choices {
             let is_chosen = *value == choice;

@@ -161,7 +161,7 @@ pub(super) fn error_time(area: &Area<'_>, results: &Results<'_>, with_runs: bool
             .legend(move |(x, y)| Circle::new((x + 8, y), 4, colour.filled()));
         chart.draw_series(points.iter().map(|&point| Circle::new(point, 4, colour.filled())))?;
     }
-    legend!(chart, SeriesLabelPosition::UpperRight);
+    legend!(chart, SeriesLabelPosition::LowerLeft);
     Ok(())
 }
 
@@ -179,6 +179,6 @@ pub(super) fn hulls_error(area: &Area<'_>, results: &Results<'_>) -> Result<()> 
             .label(display_name(method))
             .legend(move |(x, y)| Circle::new((x + 8, y), 4, colour.filled()));
     }
-    legend!(chart, SeriesLabelPosition::UpperRight);
+    legend!(chart, SeriesLabelPosition::LowerLeft);
     Ok(())
 }
