@@ -1,7 +1,8 @@
 //! A loading screen without a window: a scene is loaded, its meshes get their colliders in the background
 //! while the progress is shown, and the level starts when all is done. With a `.hullscene` file beside the
 //! scene, as `hullwright bake SCENE` writes it, nothing is decomposed:
-//! `cargo run --release --example loading_screen --features io,bevy_gltf [SCENE.glb]`.
+//! `cargo run --release --example loading_screen --features io,bevy_gltf [SCENE.glb]`. One with textures in it
+//! wants the features `bevy/png,bevy/jpeg` too.
 
 #[path = "headless/scenes.rs"]
 mod scenes;
@@ -75,7 +76,7 @@ fn main() -> AppExit {
                 .chain()
                 .run_if(resource_equals(Screen::Loading)),
         )
-        .add_systems(Update, play.run_if(resource_equals(Screen::Playing)))
+        .add_systems(Update, (hold_physics, play.run_if(resource_equals(Screen::Playing))))
         .run()
 }
 
@@ -102,6 +103,13 @@ fn make_body(
         _ => tagged.entity,
     };
     commands.entity(body).insert(RigidBody::Dynamic);
+}
+
+/// Nothing moves before all it may fall onto is there.
+fn hold_physics(screen: Res<Screen>, mut worlds: Query<&mut RapierConfiguration>) {
+    for mut world in &mut worlds {
+        world.physics_pipeline_active = *screen == Screen::Playing;
+    }
 }
 
 fn show_progress(progress: Res<DecompositionProgress>) {
