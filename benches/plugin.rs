@@ -1,5 +1,8 @@
 //! What the Bevy plugin costs the main thread: `cargo bench --bench plugin --features io,bevy`.
 //!
+//! Other programs interrupt frames by milliseconds. On Linux, `chrt --fifo 10` before the program that `cargo bench
+//! --no-run` names keeps them away.
+//!
 //! Measured is what lies between the first and the last of the plugin's systems, with the commands
 //! that they issue and the observers that they run; Rapier's own come after them. Beside it, for the
 //! same 200 meshes, the frame in which a system calls Parry's V-HACD as bevy_rapier's `AsyncCollider`

@@ -1,14 +1,15 @@
 //! What a step of Rapier costs with our hulls, with Parry's V-HACD and with the triangles
 //! themselves: `cargo bench --bench step --features io,rapier`.
 //!
-//! A hundred bodies, ten of each of ten bundled models, fall onto each other in a box. Each kind
+//! A hundred bodies, as many of each of some bundled models, fall onto each other in a box. Each kind
 //! of collider runs the same scenes, with the mass properties of the source mesh: in each round
 //! the bodies start turned otherwise, since one heap differs from the next by more than the kinds
 //! do, and the kinds take turns. The error of a set of hulls is the larger of its protrusion and its
 //! uncovered distance, as `measure` samples them; V-HACD runs at
 //! the resolutions named, with its own defaults else. Ours runs at its default error, and with
 //! each model's error under V-HACD to spend, as a user would who is content with that. The errors of "ours,
-//! primitives" are those of the hulls; the primitives stay within the bound too.
+//! primitives" are those of the hulls; the primitives stay within the bound too. A second heap is of models that
+//! are made of boxes.
 
 use std::time::Instant;
 
@@ -24,8 +25,11 @@ use rapier3d::prelude::*;
 const MODELS: [&str; 10] =
     ["mug", "table", "teapot", "lamp", "bowl", "dog", "torus", "gear", "spring", "u_prism"];
 
-/// Of each model.
-const BODIES: usize = 10;
+/// Models of boxes.
+const BOXES: [&str; 5] = ["table", "chair", "plus", "l_prism", "u_prism"];
+
+/// In a heap.
+const BODIES: usize = 100;
 
 /// All models are scaled to this diagonal, in metres, so that each meets each.
 const SIZE: f64 = 1.0;
@@ -57,9 +61,15 @@ struct Kind {
 }
 
 fn main() {
-    let models: Vec<Model> = MODELS.iter().map(|name| load(name)).collect();
+    heap(&MODELS, true);
+    heap(&BOXES, false);
+}
+
+/// Steps of a heap of these models with each kind of collider.
+fn heap(names: &[&'static str], with_triangles: bool) {
+    let models: Vec<Model> = names.iter().map(|name| load(name)).collect();
     let peers = VHACD_RESOLUTIONS.map(|resolution| vhacd(&models, resolution));
-    let default = [Parameters::default().bounded.max_error; MODELS.len()];
+    let default = vec![Parameters::default().bounded.max_error; models.len()];
     let at_errors: Vec<Length> =
         peers[0].errors.iter().map(|&error| Length::share(error)).collect();
     let mut kinds = vec![
@@ -76,24 +86,40 @@ fn main() {
             times.push(simulate(kind, &models, round));
         }
     }
-    let peer = rounds[reference].clone();
+    if with_triangles {
+        // They take ten times as long: one round.
+        kinds.push(triangles(&models));
+        rounds.push(vec![simulate(&kinds[kinds.len() - 1], &models, 0)]);
+    }
+    println!("a heap of {}", names.join(", "));
+    print_table(&kinds, &rounds, reference);
+}
+
+/// Each kind beside the reference and beside the first, by the ratios within each round.
+fn print_table(kinds: &[Kind], rounds: &[Vec<[f64; 2]>], reference: usize) {
     println!(
-        "{:<16} {:>6} {:>12} {:>12} {:>10} {:>10}  of V-HACD (least, most)",
-        "colliders", "parts", "mean error", "worst error", "ms a step", "slowest"
+        "{:<16} {:>6} {:>12} {:>12} {:>10} {:>10}  of {} (least, most), of {}",
+        "colliders",
+        "parts",
+        "mean error",
+        "worst error",
+        "ms a step",
+        "slowest",
+        kinds[reference].name,
+        kinds[0].name
     );
-    // The triangles take ten times as long: one round.
-    kinds.push(triangles(&models));
-    rounds.push(vec![simulate(&kinds[kinds.len() - 1], &models, 0)]);
-    for (kind, times) in kinds.iter().zip(&rounds) {
-        let ratios: Vec<f64> =
-            times.iter().zip(&peer).map(|(own, peer)| own[0] / peer[0]).collect();
-        let [least, middle, most] = spread(ratios);
+    for (kind, times) in kinds.iter().zip(rounds) {
+        let of = |other: usize| {
+            let pairs = times.iter().zip(&rounds[other]);
+            spread(pairs.map(|(own, other)| own[0] / other[0]).collect())
+        };
+        let ([least, middle, most], [_, of_first, _]) = (of(reference), of(0));
         let [_, mean, _] = spread(times.iter().map(|time| time[0]).collect());
         let [_, slowest, _] = spread(times.iter().map(|time| time[1]).collect());
         let Kind { name, parts, errors, .. } = kind;
         println!(
             "{name:<16} {parts:>6} {:>12.4} {:>12.4} {mean:>10.3} {slowest:>10.2}  \
-             {middle:.2}x ({least:.2}, {most:.2})",
+             {middle:.2}x ({least:.2}, {most:.2}), {of_first:.2}x",
             errors.iter().fold(0.0, |sum, error| sum + error) / errors.len().max(1) as f64,
             errors.iter().copied().fold(0.0, f64::max),
         );
@@ -208,7 +234,7 @@ fn simulate(kind: &Kind, models: &[Model], round: usize) -> [f64; 2] {
         let wall = ColliderBuilder::cuboid(thick(x), 20.0, thick(z));
         world.insert_collider(wall.translation(Vector::new(2.5 * x, 20.0, 2.5 * z)), None);
     }
-    for index in 0..BODIES * models.len() {
+    for index in 0..BODIES {
         let model = index % models.len();
         let (layer, place) = (index / 9, index % 9);
         let turn = (index + round) as f32;

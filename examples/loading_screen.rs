@@ -1,7 +1,8 @@
 //! A loading screen without a window: a scene is loaded, its meshes get their colliders in the background
 //! while the progress is shown, and the level starts when all is done. With a `.hullscene` file beside the
 //! scene, as `hullwright bake SCENE` writes it, nothing is decomposed:
-//! `cargo run --release --example loading_screen --features io,bevy_gltf [SCENE.glb]`.
+//! `cargo run --release --example loading_screen --features io,bevy_gltf [SCENE.glb]`. One with textures in it
+//! wants the features `bevy/png,bevy/jpeg` too.
 
 #[path = "headless/scenes.rs"]
 mod scenes;
@@ -10,6 +11,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use bevy::app::ScheduleRunnerPlugin;
+use bevy::asset::LoadState;
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
 use hullwright::bevy::prelude::*;
@@ -62,6 +64,7 @@ fn main() -> AppExit {
         ))
         .init_resource::<Screen>()
         .insert_resource(level)
+        .add_observer(make_body)
         .add_observer(on_finished)
         .add_systems(Startup, load)
         .add_systems(
@@ -73,7 +76,7 @@ fn main() -> AppExit {
                 .chain()
                 .run_if(resource_equals(Screen::Loading)),
         )
-        .add_systems(Update, play.run_if(resource_equals(Screen::Playing)))
+        .add_systems(Update, (hold_physics, play.run_if(resource_equals(Screen::Playing))))
         .run()
 }
 
@@ -84,7 +87,29 @@ fn load(mut commands: Commands, server: Res<AssetServer>, level: Res<Level>) {
         let baked = Path::new(&level.file).with_extension("hullscene");
         colliders = colliders.with_baked(server.load(baked));
     }
-    commands.spawn((WorldAssetRoot(server.load(scene)), colliders, RigidBody::Dynamic));
+    commands.spawn((WorldAssetRoot(server.load(scene)), colliders));
+}
+
+/// Each prop is a body of its own, and a piece belongs to the node above it. What is no body stands still.
+fn make_body(
+    tagged: On<Add<ConvexDecomposition>>,
+    mut commands: Commands,
+    nodes: Query<(&Name, &ChildOf)>,
+) {
+    let Ok((name, above)) = nodes.get(tagged.entity) else { return };
+    let body = match name.as_str() {
+        "floor" => return,
+        name if name.starts_with("UCX_") => above.parent(),
+        _ => tagged.entity,
+    };
+    commands.entity(body).insert(RigidBody::Dynamic);
+}
+
+/// Nothing moves before all it may fall onto is there.
+fn hold_physics(screen: Res<Screen>, mut worlds: Query<&mut RapierConfiguration>) {
+    for mut world in &mut worlds {
+        world.physics_pipeline_active = *screen == Screen::Playing;
+    }
 }
 
 fn show_progress(progress: Res<DecompositionProgress>) {
@@ -93,8 +118,20 @@ fn show_progress(progress: Res<DecompositionProgress>) {
     println!("[{bar:<40}] {percent:>3.0} %, {finished} of {}", progress.total);
 }
 
-fn on_finished(finished: On<HierarchyFinished>) {
+fn on_finished(
+    finished: On<HierarchyFinished>,
+    roots: Query<&WorldAssetRoot>,
+    server: Res<AssetServer>,
+    mut exit: MessageWriter<AppExit>,
+) {
     let report = finished.report;
+    if report.is_lost {
+        let state = roots.get(finished.entity).ok().and_then(|root| server.get_load_state(&root.0));
+        if let Some(LoadState::Failed(error)) = state {
+            eprintln!("{error}");
+        }
+        exit.write(AppExit::error());
+    }
     println!(
         "{} ready ({} baked, {} stale, {} not in the file), {} skipped, {} failed, {} left out",
         report.ready,

@@ -1,6 +1,10 @@
 //! From what artists ask for, in names and extras, to tags.
 
+use bevy_rapier3d::prelude::RigidBody;
+
 use super::tag::{ConvexDecomposition, DecompositionShape};
+#[cfg(feature = "bevy_gltf")]
+use crate::conventions::{Body, ExtrasTag};
 use crate::conventions::{ColliderKind, NameTag};
 
 /// What becomes of a node with a mesh.
@@ -9,27 +13,27 @@ pub(super) struct Treatment {
     /// `None` for no collider.
     pub tag: Option<ConvexDecomposition>,
     pub is_drawn: bool,
-    /// Whether it becomes a body that moves by itself, if it is none.
-    pub is_body: bool,
+    /// The body that it becomes, if it is none.
+    pub body: Option<RigidBody>,
 }
 
 impl From<Option<ConvexDecomposition>> for Treatment {
     fn from(tag: Option<ConvexDecomposition>) -> Self {
-        Self { tag, is_drawn: true, is_body: false }
+        Self { tag, is_drawn: true, body: None }
     }
 }
 
 /// What a name asks for; `base` is the tag that the scene has for such nodes.
 pub(super) fn treatment(name_tag: NameTag, base: ConvexDecomposition) -> Treatment {
-    let (tag, is_drawn, is_body) = match name_tag {
-        NameTag::Collider(kind) => (made_of(kind, base), true, false),
-        NameTag::ColliderOnly(kind) => (made_of(kind, base), false, false),
-        NameTag::Body(kind) => (made_of(kind, base), true, true),
+    let (tag, is_drawn, body) = match name_tag {
+        NameTag::Collider(kind) => (made_of(kind, base), true, None),
+        NameTag::ColliderOnly(kind) => (made_of(kind, base), false, None),
+        NameTag::Body(kind) => (made_of(kind, base), true, Some(RigidBody::Dynamic)),
         // The mass of the whole is not that of a piece.
-        NameTag::PieceOf { kind, .. } => (made_of(kind, base.with_mass(None)), false, false),
-        NameTag::LeftOut => return Treatment { tag: None, is_drawn: false, is_body: false },
+        NameTag::PieceOf { kind, .. } => (made_of(kind, base.with_mass(None)), false, None),
+        NameTag::LeftOut => return Treatment { tag: None, is_drawn: false, body: None },
     };
-    Treatment { tag: Some(tag), is_drawn, is_body }
+    Treatment { tag: Some(tag), is_drawn, body }
 }
 
 fn made_of(kind: ColliderKind, base: ConvexDecomposition) -> ConvexDecomposition {
@@ -45,12 +49,20 @@ fn made_of(kind: ColliderKind, base: ConvexDecomposition) -> ConvexDecomposition
     }
 }
 
+/// What extras ask for; `base` is the tag that the scene has.
+#[cfg(feature = "bevy_gltf")]
+pub(super) fn with_extras(extras: &ExtrasTag, base: ConvexDecomposition) -> Treatment {
+    let body = extras.body.map(|body| match body {
+        Body::Dynamic => RigidBody::Dynamic,
+        Body::Fixed => RigidBody::Fixed,
+        Body::Kinematic => RigidBody::KinematicPositionBased,
+    });
+    Treatment { tag: tag_of_extras(extras, base), is_drawn: true, body }
+}
+
 /// The scene's tag with the settings of extras; `None` where these want no collider.
 #[cfg(feature = "bevy_gltf")]
-pub(super) fn with_extras(
-    extras: &crate::conventions::ExtrasTag,
-    base: ConvexDecomposition,
-) -> Option<ConvexDecomposition> {
+fn tag_of_extras(extras: &ExtrasTag, base: ConvexDecomposition) -> Option<ConvexDecomposition> {
     let mut tag = made_of(extras.kind?, base);
     if let Some(max_error) = extras.max_error {
         tag.max_error = max_error.into();

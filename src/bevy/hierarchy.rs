@@ -6,8 +6,6 @@ use bevy::ecs::entity::EntityHashSet;
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
 
-use bevy_rapier3d::prelude::RigidBody;
-
 use super::artists::{Treatment, treatment};
 use super::baked_scene::{BakedScene, FromBakedScene};
 use super::describe::{Descriptions, entities};
@@ -222,7 +220,7 @@ fn tag_scene(
         if nodes.own_tags.contains(node) {
             continue;
         }
-        let Treatment { tag, is_drawn, is_body } = match by_code(nodes, node, hierarchy) {
+        let Treatment { tag, is_drawn, body } = match by_code(nodes, node, hierarchy) {
             Some(tag) => tag.clone().into(),
             None if hierarchy.follows_artists => {
                 let base = || hierarchy.default_tag.clone().unwrap_or_default();
@@ -232,6 +230,9 @@ fn tag_scene(
             None => hierarchy.default_tag.clone().into(),
         };
         nodes.show(commands, node, is_drawn);
+        if let Some(body) = body {
+            commands.entity(node).try_insert_if_new(body);
+        }
         match (&tag, &hierarchy.baked) {
             (Some(_), Some(baked)) => {
                 commands.entity(node).try_insert(FromBakedScene(baked.clone()));
@@ -259,9 +260,6 @@ fn tag_scene(
                 // Else it would be part of the input of a node above it.
                 node.try_insert((NoConvexDecomposition, TaggedByHierarchy));
             }
-        }
-        if is_body {
-            node.try_insert_if_new(RigidBody::Dynamic);
         }
     }
     work.begin(tagged, left_out, has_meshes);
@@ -313,7 +311,7 @@ fn by_extras(
         for text in wrong {
             complaints.new.entry(text).or_default().push(node);
         }
-        Some(super::artists::with_extras(&tag?, base()).into())
+        Some(super::artists::with_extras(&tag?, base()))
     })
 }
 

@@ -103,6 +103,7 @@ pub(super) fn finish_hierarchies(
         }
         let mut report = HierarchyReport {
             left_out: work.left_out,
+            is_lost,
             time: work.start.map_or(Duration::ZERO, |start| start.elapsed()),
             ..default()
         };

@@ -56,6 +56,9 @@ pub struct HierarchyReport {
     pub stale: usize,
     /// Of those that are ready: made anew, since the baked scene does not know them. The log says which.
     pub missing: usize,
+    /// Whether the scene itself could not be loaded: it has no meshes, and `AssetServer::get_load_state` of its
+    /// handle says why.
+    pub is_lost: bool,
     /// From the first mesh to the last collider, by the clock on the wall.
     pub time: Duration,
 }

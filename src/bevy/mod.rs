@@ -26,9 +26,12 @@
 //! | a mesh, or a glTF node with meshes below it | a collider | [`ConvexDecomposition`] |
 //! | a whole scene | a collider per mesh, by names and extras | [`ConvexDecompositionHierarchy`] |
 //! | a `.hulls` file | a collider without any work | [`BakedDecomposition`] |
+//! | a `.hullscene` file | the same for a scene | [`ConvexDecompositionHierarchy::with_baked`] |
 //! | a body that waits for its hulls | a collider until then | [`FallbackCollider`] |
 //! | an entity | to know how far it is | [`DecompositionStatus`], and one event at its end |
-//! | many entities | the nearest first; how many are done | [`DecompositionFocus`], [`DecompositionCounters`] |
+//! | a scene | to know when all of it is done | [`HierarchyFinished`], [`all_decompositions_done`] |
+//! | a loading screen | to show how far it is | [`DecompositionProgress`] |
+//! | many entities | the nearest first; how many are done | [`DecompositionFocus`], [`DecompositionPriority`], [`DecompositionCounters`] |
 //! | the feature `debug` | hulls drawn, counters among the diagnostics | `HullwrightDebugPlugin` |
 
 // Modules, by layers; each uses those above it and the public API of the rest of the crate only:
@@ -140,9 +143,12 @@ pub mod prelude {
     };
 }
 
-/// The programs of the pages in `docs/bevy` are tests. Those of `docs/bevy.md` need a window.
+/// The programs of the pages are tests, but for that of `docs/bevy.md` which needs a window: it is the one of
+/// `README.md`.
 #[cfg(doctest)]
 mod pages {
+    #[doc = include_str!("../../docs/bevy.md")]
+    struct Index;
     #[doc = include_str!("../../docs/bevy/bounds.md")]
     struct Bounds;
     #[doc = include_str!("../../docs/bevy/fixed-timestep.md")]

@@ -37,7 +37,7 @@ pub struct HullwrightSettings {
     /// true.
     pub exact_static_colliders: bool,
     /// Most jobs at once; 0 for as many as Bevy's pool for background work has threads, of which
-    /// one is left to others where there are more. Default 0.
+    /// one is left to others where there are more, and some more for what takes no decomposition. Default 0.
     pub max_jobs: usize,
     /// Time per frame that the plugin's systems may spend on reading meshes and attaching
     /// colliders. One of each goes through even if it takes longer. Default 1 ms.

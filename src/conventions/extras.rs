@@ -12,7 +12,7 @@ use crate::parameters::{Length, Openings, Parameters, Preset};
 const COLLIDER: &str = "collider";
 
 /// The settings that may stand beside it, and what they take.
-const SETTINGS: [(&str, &str); 9] = [
+const SETTINGS: [(&str, &str); 10] = [
     ("max_error", "a positive number, a share of the diagonal, or a length such as \"0.02m\""),
     ("preset", "\"fast\", \"balanced\" or \"fine\""),
     ("max_hulls", "a whole number from 1"),
@@ -22,6 +22,7 @@ const SETTINGS: [(&str, &str); 9] = [
     ("density", "a positive number"),
     ("mass", "a positive number"),
     ("fallback", "\"none\", \"convex_hull\" or \"bounding_box\""),
+    ("body", "\"dynamic\", \"fixed\" or \"kinematic\""),
 ];
 
 /// What `collider` may say.
@@ -45,6 +46,17 @@ pub enum Fallback {
     ConvexHull,
     /// The box along the mesh's axes.
     BoundingBox,
+}
+
+/// A body that a mesh becomes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Body {
+    /// One that moves by itself.
+    Dynamic,
+    /// One that never moves.
+    Fixed,
+    /// One that the game moves.
+    Kinematic,
 }
 
 /// What extras ask for. Where a setting is `None`, the scene's own counts.
@@ -71,6 +83,8 @@ pub struct ExtrasTag {
     pub mass: Option<f32>,
     /// The collider until the entity's own is ready.
     pub fallback: Option<Fallback>,
+    /// The body that the mesh becomes, so that it moves on its own and not with what is above it.
+    pub body: Option<Body>,
 }
 
 /// What is wrong with extras, in one line that names the keys that there are.
@@ -163,6 +177,7 @@ impl ExtrasTag {
             "density" => self.density = Some(positive(value)? as f32),
             "mass" => self.mass = Some(positive(value)? as f32),
             "fallback" => self.fallback = Some(fallback(value)?),
+            "body" => self.body = Some(body(value)?),
             _ => return None,
         }
         Some(())
@@ -219,6 +234,15 @@ fn fallback(value: &Value) -> Option<Fallback> {
     }
 }
 
+fn body(value: &Value) -> Option<Body> {
+    match value.as_str()? {
+        "dynamic" => Some(Body::Dynamic),
+        "fixed" => Some(Body::Fixed),
+        "kinematic" => Some(Body::Kinematic),
+        _ => None,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -234,7 +258,7 @@ mod tests {
         let tag = read(
             r#"{"collider": "convex_decomposition", "max_error": 0.01, "preset": "fine", "max_hulls": 8,
             "max_vertices": 32.0, "keep_cavities": 1, "openings": "keep", "density": 500, "mass": 2.5,
-            "fallback": "bounding_box"}"#,
+            "fallback": "bounding_box", "body": "dynamic"}"#,
         );
         let expected = ExtrasTag {
             kind: Some(ColliderKind::Decomposition),
@@ -247,6 +271,7 @@ mod tests {
             density: Some(500.0),
             mass: Some(2.5),
             fallback: Some(Fallback::BoundingBox),
+            body: Some(Body::Dynamic),
         };
         assert_eq!(tag, expected);
     }
@@ -285,6 +310,7 @@ mod tests {
             ("density", "-1"),
             ("mass", "null"),
             ("fallback", "\"box\""),
+            ("body", "true"),
         ] {
             let text = format!(r#"{{"collider": "convex_decomposition", "{key}": {value}}}"#);
             let (tag, complaints) = read_extras(&text);

@@ -6,7 +6,7 @@
 mod extras;
 
 #[cfg(any(feature = "bevy_gltf", feature = "io"))]
-pub use extras::{Complaint, ExtrasTag, Fallback, read_extras};
+pub use extras::{Body, Complaint, ExtrasTag, Fallback, read_extras};
 
 use crate::parameters::{Method, Parameters};
 

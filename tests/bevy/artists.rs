@@ -156,6 +156,38 @@ fn a_rigid_suffix_makes_a_body_of_one_hull() {
 }
 
 #[test]
+fn extras_make_bodies_that_move_on_their_own() {
+    let body = |kind: &str| format!(r#"{{"collider": "convex_decomposition", "body": "{kind}"}}"#);
+    let [dynamic, fixed, kinematic] = ["dynamic", "fixed", "kinematic"].map(body);
+    let (mut app, _directory) = app_with_nodes(
+        &[
+            ("prop", Some(&dynamic)),
+            ("wall", Some(&fixed)),
+            ("lift", Some(&kinematic)),
+            ("piece", Some(r#"{"collider": "hulls"}"#)),
+        ],
+        ConvexDecompositionHierarchy::new(automatic()),
+        |_| {},
+    );
+    for (name, body, shape) in [
+        ("prop", Some(RigidBody::Dynamic), "hulls"),
+        ("wall", Some(RigidBody::Fixed), "triangles"),
+        ("lift", Some(RigidBody::KinematicPositionBased), "hulls"),
+        ("piece", None, "hulls"),
+    ] {
+        let node = node(&mut app, name);
+        assert_eq!(app.world().get::<RigidBody>(node).copied(), body, "{name}");
+        assert_eq!(outcome(&mut app, name).0, shape, "{name}");
+    }
+    // Each ended once: no body came after its collider.
+    assert_eq!(seen(&app).all(), 4);
+    update_times(&mut app, 30);
+    let [prop, piece] = ["prop", "piece"].map(|name| node(&mut app, name));
+    assert!(translation(&app, prop).y < -0.1);
+    assert_eq!(translation(&app, piece).y, 0.0);
+}
+
+#[test]
 fn unreals_prefixes_make_pieces_that_are_not_drawn() {
     let app = assert_outcomes(
         &[

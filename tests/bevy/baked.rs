@@ -44,6 +44,17 @@ fn a_baked_file_becomes_a_collider_with_its_mass() {
 }
 
 #[test]
+fn a_file_of_an_older_algorithm_loads_as_before() {
+    let mut older = baked();
+    older.algorithm_version = 1;
+    let (mut app, handle, _directory) = app_loading(&older.to_bytes().unwrap());
+    let entity = app.world_mut().spawn((BakedDecomposition::new(handle), RigidBody::Dynamic)).id();
+    update_until_finished(&mut app, &[entity]);
+    assert_eq!(status(&app, entity), DecompositionStatus::Ready(HullSource::Baked));
+    assert_eq!(collider(&app, entity).as_compound().unwrap().shapes().count(), 3);
+}
+
+#[test]
 fn corrupt_cut_off_and_newer_files_fail() {
     let good = baked().to_bytes().unwrap();
     let mut corrupt = good.clone();

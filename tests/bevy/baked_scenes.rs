@@ -142,7 +142,8 @@ fn a_damaged_or_older_kind_of_file_is_told_and_all_is_decomposed() {
     assert!(Log::lines_with("could not be loaded").len() >= 2);
 }
 
-/// Files that nobody here made: `HULLWRIGHT_SCENES` names a folder of GLB files.
+/// Files that nobody here made: `HULLWRIGHT_SCENES` names a folder of GLB files. With the features
+/// `bevy/png,bevy/jpeg` none is refused for its textures.
 #[test]
 fn meshes_of_real_files_are_found() {
     let Some(folder) = std::env::var_os("HULLWRIGHT_SCENES") else { return };

@@ -1,22 +1,53 @@
-//! What the documentation shows is what the examples run.
+//! What the documentation shows is what the examples run, and what it names is there.
 
 use std::path::Path;
 
-/// The blocks of Rust in a page, each with the file that its first line names.
-fn blocks(page: &str) -> Vec<(&str, &str)> {
-    let blocks = page.split("```rust\n").skip(1);
-    let whole = blocks.map(|block| block.split("```").next().unwrap());
-    whole.map(|block| block.strip_prefix("// ").unwrap().split_once('\n').unwrap()).collect()
+use bevy::reflect::Typed;
+use hullwright::bevy::prelude::*;
+
+/// A file of the repository.
+fn read(path: &str) -> String {
+    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).unwrap()
+}
+
+/// The blocks of a page that begin with a fence.
+fn blocks<'a>(page: &'a str, fence: &str) -> Vec<&'a str> {
+    page.split(fence).skip(1).map(|block| block.split("```").next().unwrap()).collect()
 }
 
 #[test]
 fn every_block_of_the_page_about_scenes_is_part_of_its_example() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let page = std::fs::read_to_string(root.join("docs/bevy-scenes.md")).unwrap();
-    let blocks = blocks(&page);
+    let page = read("docs/bevy-scenes.md");
+    let blocks = blocks(&page, "```rust\n");
     assert!(blocks.len() >= 4);
-    for (file, block) in blocks {
-        let example = std::fs::read_to_string(root.join(file)).unwrap();
-        assert!(example.contains(block), "{file} has no\n{block}");
+    for block in blocks {
+        // Its first line names the file.
+        let (file, block) = block.strip_prefix("// ").unwrap().split_once('\n').unwrap();
+        assert!(read(file).contains(block), "{file} has no\n{block}");
+    }
+}
+
+#[test]
+fn the_plugins_page_begins_with_the_program_of_the_readme() {
+    let (page, readme) = (read("docs/bevy.md"), read("README.md"));
+    assert_eq!(blocks(&page, "```rust,ignore\n")[0], blocks(&readme, "```rust\n")[0]);
+}
+
+#[test]
+fn every_row_of_the_table_of_what_is_skipped_names_a_counter() {
+    let page = read("docs/bevy-scenes.md");
+    let (_, section) = page.split_once("\n## What is skipped\n").unwrap();
+    let rows = section.lines().skip_while(|line| !line.starts_with("|---")).skip(1);
+    let rows: Vec<&str> = rows.take_while(|line| line.starts_with('|')).collect();
+    assert!(rows.len() >= 13, "{rows:?}");
+    let counters = DecompositionCounters::type_info().as_struct().unwrap();
+    let report = HierarchyReport::type_info().as_struct().unwrap();
+    for row in rows {
+        let name = row.trim_end_matches(" |").rsplit("| ").next().unwrap().trim_matches('`');
+        let is_known = match name.strip_prefix("HierarchyReport::") {
+            Some(name) => report.field(name).is_some(),
+            None => counters.field(name).is_some(),
+        };
+        assert!(is_known, "{row}");
     }
 }

@@ -97,6 +97,19 @@ fn a_chair_of_ten_nodes_is_one_body() {
 }
 
 #[test]
+fn a_scene_that_can_not_be_loaded_ends_in_a_report_that_says_so() {
+    let hierarchy = ConvexDecompositionHierarchy::default();
+    let (mut app, root) = app_with_scene_in(assets(), "nowhere.glb", hierarchy);
+    update_until(&mut app, |app| app.world().get::<HierarchyStatus>(root).unwrap().is_finished());
+    let status = app.world().get::<HierarchyStatus>(root);
+    let Some(HierarchyStatus::Finished(report)) = status else { panic!("{status:?}") };
+    assert!(report.is_lost && report.ready + report.failed == 0, "{report:?}");
+    // A body that waits for such a scene is no reason to stay on the loading screen.
+    app.update();
+    assert!(app.world().resource::<DecompositionProgress>().is_done());
+}
+
+#[test]
 fn an_artists_tags_are_followed_and_nothing_else_is_decomposed() {
     let hierarchy = ConvexDecompositionHierarchy::tagged_only();
     let (mut app, body) = app_with_scene_in(assets(), "props.glb", hierarchy);

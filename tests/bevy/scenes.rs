@@ -242,3 +242,20 @@ fn a_mesh_that_comes_later_starts_none_of_the_others_anew() {
     update_times(&mut app, 3);
     assert_eq!(ready(&app), [(first, 1), (late, 1)]);
 }
+
+#[test]
+fn what_an_observer_of_the_tag_makes_a_body_is_hulls_at_once() {
+    let mut app = app();
+    app.add_observer(|tagged: On<Add<ConvexDecomposition>>, mut commands: Commands| {
+        commands.entity(tagged.entity).insert(RigidBody::Dynamic);
+    });
+    let mesh = add(&mut app, model("l_prism"));
+    let root = root(&mut app, ConvexDecompositionHierarchy::new(automatic()).without("floor"));
+    let [chair, table] = ["chair", "table"].map(|name| node(&mut app, root, name, &[&mesh]));
+    update_times(&mut app, 2);
+    update_until_finished(&mut app, &[chair, table]);
+    // No triangles came before the body did.
+    assert_eq!((ready(&app).len(), seen(&app).all(), counters(&app).triangle_meshes), (2, 2, 0));
+    update_times(&mut app, 30);
+    assert!(translation(&app, chair).y < -0.1 && translation(&app, table).y < -0.1);
+}

@@ -1,5 +1,7 @@
 //! Work that is skipped, shared or cached, and limits on what runs.
 
+use std::time::Duration;
+
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
 use hullwright::bevy::prelude::*;
@@ -248,4 +250,21 @@ fn without_threads_the_work_goes_on_in_slices() {
     });
     assert_eq!(status(&app, entity), DecompositionStatus::Ready(HullSource::Decomposed));
     assert!(frames > 4, "one slice did all");
+}
+
+#[test]
+fn what_takes_no_decomposition_does_not_wait_for_a_free_thread() {
+    const MESHES: usize = 20;
+    for (max_jobs, expected) in [(0, MESHES), (1, 1)] {
+        let settings =
+            HullwrightSettings { max_jobs, frame_budget: Duration::from_secs(9), ..default() };
+        let mut app = app_with(settings);
+        for number in 0..MESHES {
+            let mesh = add(&mut app, cuboid([0.0; 3], [1.0 + number as f32, 1.0, 1.0]));
+            spawn_with(&mut app, &mesh, automatic());
+        }
+        update_until(&mut app, |app| counters(app).running > 0);
+        assert_eq!(counters(&app).running, expected);
+        update_until(&mut app, |app| seen(app).skipped.len() == MESHES);
+    }
 }

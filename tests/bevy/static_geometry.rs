@@ -17,7 +17,9 @@ fn triangles_by(tag: ConvexDecomposition, more: impl Bundle) -> Option<SkipReaso
     let mesh = add(&mut app, model("u_prism"));
     let entity = spawn_with(&mut app, &mesh, (tag, more));
     update_until_finished(&mut app, &[entity]);
-    reason(&app, entity)
+    let reason = reason(&app, entity);
+    assert_eq!(counters(&app).triangle_meshes, usize::from(reason.is_some()));
+    reason
 }
 
 fn reason(app: &App, entity: Entity) -> Option<SkipReason> {

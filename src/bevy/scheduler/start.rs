@@ -77,6 +77,17 @@ fn most_jobs(settings: &HullwrightSettings) -> usize {
     }
 }
 
+/// Jobs that are done within a frame wait in the pool, so that its threads do not wait for the next frame.
+const QUICK_JOBS: usize = 32;
+
+/// How many more jobs there may be for a request that takes no decomposition. Nobody's own limit is exceeded.
+fn quick_jobs(settings: &HullwrightSettings, request: &ColliderRequest) -> usize {
+    let is_baked = request.scene.is_some() || matches!(*request.input, InputId::Baked(_));
+    let is_quick = is_baked || request.why_triangles().is_some();
+    let has_pool = settings.execution == Execution::Background && settings.max_jobs == 0;
+    if is_quick && has_pool { QUICK_JOBS } else { 0 }
+}
+
 /// What became of an entity in the queue.
 enum Started {
     /// It stays in the queue.
@@ -112,7 +123,12 @@ fn start(
             queue.failed.push(Failed { entity, error, is_known: true });
             Started::Ended
         }
-        NextStep::StartJob if queue.jobs.len() >= most || !budget.allows_one() => Started::Waits,
+        NextStep::StartJob
+            if queue.jobs.len() >= most + quick_jobs(settings, &request)
+                || !budget.allows_one() =>
+        {
+            Started::Waits
+        }
         NextStep::StartJob => {
             match sources.task_input(queue, &request) {
                 Ok(input) => {
