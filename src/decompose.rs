@@ -169,7 +169,7 @@ impl Decomposer {
         self.state = match std::mem::replace(&mut self.state, State::Done) {
             State::Repair => {
                 let settings = self.opening_settings();
-                let Closed { prepared, openings, nested_components } =
+                let Closed { prepared, openings, nested_components, .. } =
                     prepare_closed(self.source.view(), &settings, control)?;
                 (self.openings, self.nested_components) = (openings, nested_components);
                 match self.parameters.method {

@@ -78,6 +78,23 @@ fn a_box_and_its_own_hull_agree_in_everything() {
 }
 
 #[test]
+fn a_crack_beside_a_triangle_without_area_is_no_hole() {
+    // One of two triangles at an edge has a vertex in its middle, a little beside it: less than a weld. What closes
+    // that crack is no triangle of the source.
+    let (mut positions, mut triangles) = unit_cube();
+    let [a, b, c] = triangles[0];
+    let middle = positions.len() as u32;
+    let (start, end, third) = (positions[a as usize], positions[b as usize], positions[c as usize]);
+    let beside = |axis: usize| 0.5 * (start[axis] + end[axis]) + 1e-7 * (third[axis] - end[axis]);
+    positions.push([0, 1, 2].map(beside));
+    triangles.splice(0..1, [[a, middle, c], [middle, b, c], [a, b, b]]);
+    let cracked = (positions, triangles);
+    let found = judged(&cracked, &[unit_cube()]);
+    assert_near(found.uncovered.max, 0.0, 1e-6);
+    assert_near(found.protrusion.max, 0.0, 1e-6);
+}
+
+#[test]
 fn a_hull_grown_on_one_side_is_phantom_by_that_much() {
     let found = judged(&unit_cube(), &[cuboid([0.0; 3], [1.25, 1.0, 1.0])]);
     assert_near(found.protrusion.max, 0.25 / 3_f64.sqrt(), ROUNDING);

@@ -47,7 +47,7 @@ pub fn close_openings<'a>(
     parameters.validate()?;
     let settings = OpeningSettings::from(parameters);
     let closed = prepare_closed(mesh.into(), &settings, control)?;
-    let Closed { prepared, openings, nested_components } = closed;
+    let Closed { prepared, openings, nested_components, .. } = closed;
     let restore = |&point| prepared.normalization.restore(point);
     let positions = prepared.mesh.positions.iter().map(restore).collect();
     let (triangles, caps) = caps_last(&prepared);

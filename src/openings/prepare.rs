@@ -20,12 +20,14 @@ pub(crate) struct Closed {
     pub openings: Vec<Opening>,
     /// Closed components within the solid, which were dropped.
     pub nested_components: usize,
+    /// Whether openings or cracks were closed.
+    has_caps: bool,
 }
 
 impl Closed {
     /// Whether the surface is another than repair's.
     pub(crate) fn is_changed(&self) -> bool {
-        self.nested_components > 0 || self.openings.iter().any(|o| o.outcome.is_closed())
+        self.nested_components > 0 || self.has_caps
     }
 }
 
@@ -57,6 +59,7 @@ pub(crate) fn close_prepared(
 ) -> Result<Closed, Error> {
     let is_closed = |prepared: &PreparedMesh| prepared.closed.iter().all(|&closed| closed);
     let mut openings = Vec::new();
+    let mut has_caps = false;
     for pass in 0..PASSES {
         if settings.openings == Openings::Keep || is_closed(&prepared) {
             break;
@@ -69,13 +72,14 @@ pub(crate) fn close_prepared(
             break;
         }
         prepared = with_caps(prepared, source, &closing, control)?;
+        has_caps = true;
     }
     hide(&mut prepared);
     let nested_components = match settings.keep_cavities {
         true => 0,
         false => drop_nested(&mut prepared, control)?,
     };
-    Ok(Closed { prepared, openings, nested_components })
+    Ok(Closed { prepared, openings, nested_components, has_caps })
 }
 
 /// The repaired mesh with more triangles, repaired.
