@@ -200,3 +200,78 @@ impl LazyGrid {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::bounded::containment::boundary::Boundary;
+    use crate::geometry::vector::{add, length, scale};
+    use crate::mesh::shapes::{cuboid, join, turn};
+
+    /// Two boxes without lids, one turned and through the wall of the other.
+    fn open_boxes() -> (Vec<Vector>, Vec<[u32; 3]>) {
+        let without_lid = |low, high| {
+            let mut mesh = cuboid(low, high);
+            mesh.triangles.drain(..2);
+            mesh
+        };
+        let small = turn(without_lid([-0.3, -0.2, -0.1], [0.5, 0.2, 0.1]));
+        let mesh = join(&[without_lid([-0.4, -0.3, -0.2], [0.4, 0.3, 0.2]), small]);
+        (mesh.positions, mesh.triangles)
+    }
+
+    /// Evenly spread over the boxes and around them.
+    fn spread(number: u32) -> Vector {
+        [0.819_173, 0.671_044, 0.549_700]
+            .map(|step: f64| 1.2 * (0.5 + step * f64::from(number)).fract() - 0.6)
+    }
+
+    fn reaches(numbers: impl Iterator<Item = u32>) -> Vec<(u32, Option<f64>)> {
+        let (positions, triangles) = open_boxes();
+        let bvh = Bvh::new(&positions, &triangles);
+        let boundary = Arc::new(Boundary::new(&positions, &triangles));
+        let grid = LazyGrid::new(&positions, 0.02, boundary, 0.018, 0.03);
+        let mut reaches: Vec<(u32, Option<f64>)> = numbers
+            .map(|number| {
+                let point = spread(number);
+                let distance = bvh.closest_point(point, f64::INFINITY).unwrap().distance;
+                // Cells are asked for their sides as well, as by fit tests.
+                grid.class_of(point, &bvh);
+                (number, grid.inside_reach(point, distance, 0.0, &bvh))
+            })
+            .collect();
+        reaches.sort_by_key(|&(number, _)| number);
+        reaches
+    }
+
+    #[test]
+    fn within_its_reach_by_a_block_every_point_is_inside() {
+        let (positions, triangles) = open_boxes();
+        let bvh = Bvh::new(&positions, &triangles);
+        let boundary = Boundary::new(&positions, &triangles);
+        let (mut inside, mut outside) = (0, 0);
+        for (number, reach) in reaches(0..3000) {
+            let point = spread(number);
+            let Some(reach) = reach else {
+                outside += 1;
+                assert!(winding_number(&bvh, &boundary, point) < OPEN_INSIDE + 1e-5, "{point:?}");
+                continue;
+            };
+            inside += 1;
+            for k in 0..10 {
+                let way = spread(17 * k + number);
+                let there = add(point, scale(way, 0.999 * reach / length(way)));
+                let number_there = winding_number(&bvh, &boundary, there);
+                assert!(number_there > OPEN_INSIDE - 1e-5, "{point:?}: {number_there}");
+            }
+        }
+        assert!(inside > 100 && outside > 100, "{inside} {outside}");
+    }
+
+    #[test]
+    fn what_a_block_knows_does_not_depend_on_what_was_asked_first() {
+        assert_eq!(reaches(0..3000), reaches((0..3000).rev()));
+    }
+}
