@@ -26,6 +26,13 @@ impl Turns {
         (self.real, self.imaginary) = (next_real, next);
     }
 
+    /// The sum of two sums.
+    pub fn joined(mut self, other: Self) -> Self {
+        self.add(other.real, other.imaginary);
+        self.whole += other.whole;
+        self
+    }
+
     /// Keeps the product from becoming too large or too small.
     #[inline(always)]
     pub fn rescale(&mut self) {

@@ -10,7 +10,7 @@
 
 use std::f64::consts::TAU;
 
-use super::swept::{self, LANES, SweptEdges};
+use super::swept::{self, SweptEdges};
 use crate::geometry::vector::{Vector, add, distance, dot, length, scale, subtract};
 
 /// A group whose radius is below this share of the distance to its ball counts as a whole: that is
@@ -19,6 +19,10 @@ const FAR: f64 = 0.5;
 
 /// Edges in a group that are summed one by one.
 const LEAF: usize = 4;
+
+/// Edges at most, each as often as it counts, whose shares of the winding number are summed up, one by one. The
+/// expansion takes as long as a hundred.
+const FEW_EDGES: u64 = 72;
 
 /// A full solid angle.
 const FULL: f64 = 2.0 * TAU;
@@ -66,8 +70,8 @@ pub(in crate::bounded) struct Boundary {
     edges: Vec<Edge>,
     /// A tree: each group is followed by those within it.
     groups: Vec<Group>,
-    /// The edges, each as often as it counts.
-    swept: Vec<SweptEdges>,
+    /// The edges, each as often as it counts, if they are few.
+    swept: Option<Vec<SweptEdges>>,
 }
 
 impl Boundary {
@@ -96,9 +100,10 @@ impl Boundary {
         if count > 0 {
             build(&mut edges, 0..count, &mut groups);
         }
+        let are_few = edges.iter().map(|edge| u64::from(edge.count)).sum::<u64>() <= FEW_EDGES;
         let repeated =
             edges.iter().flat_map(|edge| (0..edge.count).map(|_| (edge.start, edge.end)));
-        let swept = SweptEdges::all(repeated);
+        let swept = are_few.then(|| SweptEdges::all(repeated));
         Self { edges, groups, swept }
     }
 
@@ -108,31 +113,26 @@ impl Boundary {
         self.edges.is_empty()
     }
 
-    /// How many edges it has, each as often as it counts.
-    pub(in crate::bounded) fn edges(&self) -> usize {
-        self.swept.len() * LANES
-    }
-
     /// The winding number about a point of what continues the surface from its boundary to infinity,
     /// the opposite way of [the ray's](crate::bvh::Bvh::crossings): together they are closed. `None` if
-    /// that ray hits the boundary. O(n) for n edges.
+    /// that ray hits the boundary, or the edges are many. O(n) for n edges.
     pub(in crate::bounded) fn winding_number_beyond(&self, point: Vector) -> Option<f64> {
-        swept::winding_number(&self.swept, point)
+        swept::winding_number(self.swept.as_ref()?, point)
     }
 
     /// The slope of the winding number at a point; where its gradient is above `limit`, any gradient
-    /// above that. `distance` is a lower bound on the distance to the surface.
-    pub(in crate::bounded) fn slope(&self, point: Vector, distance: f64, limit: f64) -> Slope {
+    /// above that. `nearest` is a lower bound on the distance to the surface.
+    pub(in crate::bounded) fn slope(&self, point: Vector, nearest: f64, limit: f64) -> Slope {
         let mut slope = Slope { gradient: 0.0, clearance: f64::INFINITY };
         let mut next = 0;
         while let Some(group) = self.groups.get(next) {
-            let away = (length(subtract(point, group.centre)) - group.radius).max(distance);
+            let away = (distance(point, group.centre) - group.radius).max(nearest);
             if group.radius <= FAR * away {
                 slope.add(group.length, group.weight, away);
                 next = group.after;
             } else if group.edges.len() <= LEAF {
                 for edge in self.edges.get(group.edges.clone()).into_iter().flatten() {
-                    let away = edge.distance(point).max(distance);
+                    let away = edge.distance(point).max(nearest);
                     slope.add(edge.weight * edge.length, edge.weight, away);
                 }
                 next = group.after;

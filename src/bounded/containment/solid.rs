@@ -204,7 +204,7 @@ impl Solid {
 
     /// See [`inside_reach`](super::inside::inside_reach).
     pub fn inside_reach(&self, point: Vector, distance: f64, needed: f64) -> Option<f64> {
-        self.grid.inside_reach(point, distance, needed, (&self.bvh, &self.boundary))
+        self.grid.inside_reach(point, distance, needed, &self.bvh)
     }
 
     /// An upper bound on the distance to the source from any point of a face, by the triangle of

@@ -51,24 +51,15 @@ pub(super) fn winding_number(edges: &[SweptEdges], point: Vector) -> Option<f64>
     let ray = [1.0, SLOPES[0], SLOPES[1]];
     let ray_length = length(ray);
     let along = scale(ray, 1.0 / ray_length);
-    let (mut reals, mut imaginaries, mut wholes) = ([1.0; LANES], [0.0; LANES], [0; LANES]);
+    let mut turns = [Turns::NONE; LANES];
     for edges in edges {
         let (real, imaginary) = half_solid_angles(edges, point, along, 1.0 / ray_length)?;
         for lane in 0..LANES {
-            let before = imaginaries[lane];
-            let next_real = reals[lane] * real[lane] - before * imaginary[lane];
-            let next = reals[lane] * imaginary[lane] + before * real[lane];
-            wholes[lane] += i32::from((before >= 0.0) & (imaginary[lane] >= 0.0) & (next < 0.0));
-            wholes[lane] -= i32::from((before < 0.0) & (imaginary[lane] < 0.0) & (next >= 0.0));
-            let size = 1.0 / (next_real.abs() + next.abs());
-            (reals[lane], imaginaries[lane]) = (next_real * size, next * size);
+            turns[lane].add(real[lane], imaginary[lane]);
+            turns[lane].rescale();
         }
     }
-    let mut turns = Turns::NONE;
-    for lane in 0..LANES {
-        turns.add(reals[lane], imaginaries[lane]);
-    }
-    Some(turns.total() + f64::from(wholes.into_iter().sum::<i32>()))
+    Some(turns.into_iter().fold(Turns::NONE, Turns::joined).total())
 }
 
 /// Half the solid angles as the arguments of complex numbers (Van Oosterom and Strackee, "The Solid Angle of a Plane

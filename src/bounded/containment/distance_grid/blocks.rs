@@ -3,7 +3,8 @@
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use super::open_sides::BlockWinding;
+use crate::bounded::containment::boundary::Slope;
+use crate::bounded::containment::inside::OPEN_INSIDE;
 
 /// Cells of a block along each axis, as a power of two: blocks are allocated whole, and a face
 /// passes through several cells of one.
@@ -67,6 +68,22 @@ pub(super) struct Ball {
 impl Ball {
     pub(super) fn empty() -> Self {
         Self { distance: AtomicU32::new(EMPTY), radius: AtomicU32::new(UNKNOWN) }
+    }
+}
+
+/// The winding number about a block's centre.
+pub(super) struct BlockWinding {
+    pub(super) number: f64,
+    pub(super) slope: Slope,
+}
+
+impl BlockWinding {
+    /// The radius of a ball around the centre that is on one side as a whole, negative outside, if the surface is
+    /// `distance` away.
+    pub(super) fn radius(&self, distance: f32) -> f32 {
+        let excess = self.number - OPEN_INSIDE;
+        let reach = (self.slope.reach(excess.abs()) as f32).min(distance);
+        if excess > 0.0 { reach } else { -reach }
     }
 }
 

@@ -12,7 +12,7 @@ use super::flood::{self, FREE, INSIDE, OUTSIDE, UNKNOWN};
 use super::vector_f32::{dot, length, subtract};
 use super::{CellClass, HALF_DIAGONAL, Probe};
 use crate::bounded::containment::boundary::Boundary;
-use crate::bounded::containment::inside::is_inside;
+use crate::bounded::containment::inside::{inside_reach, is_inside};
 use crate::bvh::Bvh;
 use crate::control::Control;
 use crate::error::Error;
@@ -204,6 +204,17 @@ impl FilledGrid {
             OUTSIDE => Some(false),
             _ => None,
         }
+    }
+
+    /// See [`inside_reach`].
+    pub(in crate::bounded::containment) fn inside_reach(
+        &self,
+        point: Vector,
+        distance: f64,
+        needed: f64,
+        bvh: &Bvh,
+    ) -> Option<f64> {
+        inside_reach(bvh, &self.boundary, point, distance, needed)
     }
 
     #[cold]

@@ -21,8 +21,6 @@ mod lazy;
 mod open_sides;
 mod vector_f32;
 
-use super::boundary::Boundary;
-use super::inside::inside_reach;
 use crate::bvh::Bvh;
 use crate::geometry::vector::Vector;
 pub(super) use filled::FilledGrid;
@@ -143,16 +141,16 @@ impl DistanceGrid {
         }
     }
 
-    /// See [`inside_reach`].
+    /// See [`inside_reach`](super::inside::inside_reach).
     pub(super) fn inside_reach(
         &self,
         point: Vector,
         distance: f64,
         needed: f64,
-        (bvh, boundary): (&Bvh, &Boundary),
+        bvh: &Bvh,
     ) -> Option<f64> {
         match self {
-            Self::Filled(_) => inside_reach(bvh, boundary, point, distance, needed),
+            Self::Filled(grid) => grid.inside_reach(point, distance, needed, bvh),
             Self::Lazy(grid) => grid.inside_reach(point, distance, needed, bvh),
         }
     }

@@ -7,10 +7,9 @@
 
 use std::sync::atomic::Ordering;
 
-use super::blocks::{self, Block, Cell, UNKNOWN};
+use super::blocks::{self, Block, BlockWinding, Cell, UNKNOWN};
 use super::lazy::{LazyGrid, ROUNDING};
 use super::vector_f32::{length, subtract};
-use crate::bounded::containment::boundary::Slope;
 use crate::bounded::containment::inside::{self, OPEN_INSIDE, Winding, winding_number};
 use crate::bvh::Bvh;
 use crate::geometry::vector::Vector;
@@ -18,22 +17,6 @@ use crate::geometry::vector::Vector;
 /// A number of turns is known from a number that is less than half a turn away, with a margin for rounding and the
 /// expansion's error.
 const MOST_CHANGE: f64 = 0.45;
-
-/// The winding number about a block's centre.
-pub(super) struct BlockWinding {
-    number: f64,
-    slope: Slope,
-}
-
-impl BlockWinding {
-    /// The radius of a ball around the centre that is on one side as a whole, negative outside, if the surface is
-    /// `distance` away.
-    pub(super) fn radius(&self, distance: f32) -> f32 {
-        let excess = self.number - OPEN_INSIDE;
-        let reach = (self.slope.reach(excess.abs()) as f32).min(distance);
-        if excess > 0.0 { reach } else { -reach }
-    }
-}
 
 impl LazyGrid {
     pub(super) fn winding_of<'a>(
