@@ -5,8 +5,8 @@
 
 use hullwright::measure::{MeasureOptions, measure};
 use hullwright::{
-    Control, Decomposition, Hull, MassSource, OpeningOutcome, Openings, Parameters, Sidedness,
-    TriangleMesh, UpAxis, close_openings, decompose, mass_properties,
+    ClosedMesh, Control, Decomposition, Hull, MassSource, OpeningOutcome, Openings, Parameters,
+    Sidedness, TriangleMesh, UpAxis, close_openings, decompose, mass_properties,
 };
 
 type Point = [f64; 3];
@@ -361,6 +361,25 @@ fn a_part_that_is_stuck_through_a_solid_does_not_keep_it_open() {
     let found =
         check(&joined(&[leg, beam]), 2, &[[0.2, 1.5, 0.2], [2.0, 1.1, 0.2]], &[[2.0, 0.5, 0.2]]);
     assert!(outcomes(&found).iter().all(|outcome| outcome.is_closed()), "{:?}", outcomes(&found));
+}
+
+#[test]
+fn a_cap_that_reaches_out_of_the_solid_around_it_is_surface() {
+    // A plate without its lower side, most of it within a box, and thinner than the bound.
+    let solid = box_without([0.0; 3], [1.0; 3], &[]);
+    let plate = box_without([-0.3, 0.5, 0.2], [0.5, 0.51, 0.8], &[BOTTOM]);
+    let closed =
+        close_openings(&joined(&[solid.clone(), plate]), &Parameters::default(), &Control::new())
+            .unwrap();
+    let outcomes = |closed: &ClosedMesh| -> Vec<_> {
+        closed.openings.iter().map(|opening| opening.outcome).collect()
+    };
+    assert_eq!((outcomes(&closed), closed.caps), (vec![OpeningOutcome::Closed], 2));
+    // A leg's end that is hidden as a whole is none.
+    let leg = box_without([0.2, -2.0, 0.2], [0.4, 0.5, 0.4], &[TOP]);
+    let closed =
+        close_openings(&joined(&[solid, leg]), &Parameters::default(), &Control::new()).unwrap();
+    assert_eq!((outcomes(&closed), closed.caps), (vec![OpeningOutcome::ClosedWithin], 0));
 }
 
 #[test]

@@ -27,6 +27,9 @@ const MOST_SEEN: f64 = 0.05;
 /// of a cup and that of its liner a little below.
 const MOST_CAPPED: f64 = 0.5;
 
+/// This far beyond a cap, in diagonals, a point is on one side of it: above rounding, below what matters.
+const BEYOND: f64 = 1e-6;
+
 /// The mesh with all caps, closed or not.
 struct Capped<'a> {
     prepared: &'a PreparedMesh,
@@ -186,6 +189,33 @@ impl<'a> Capped<'a> {
         }
         Ok(changed)
     }
+}
+
+/// Of the caps within the solid, makes those surface that reach out of it. All openings are closed.
+///
+/// # Errors
+/// [`Error::Cancelled`].
+pub(super) fn close_exposed(
+    prepared: &PreparedMesh,
+    caps: &mut [(Cap, OpeningOutcome)],
+    control: &Control,
+) -> Result<(), Error> {
+    if caps.iter().all(|(_, outcome)| *outcome != OpeningOutcome::ClosedWithin) {
+        return Ok(());
+    }
+    let positions = &prepared.mesh.positions;
+    let mut triangles = prepared.triangles_of_solid().into_owned();
+    triangles.extend(caps.iter().flat_map(|(cap, _)| &cap.triangles));
+    let solid = Bvh::with_control(positions, &triangles, control)?;
+    for (cap, outcome) in caps {
+        let beyond = scale(cap.normal, BEYOND);
+        if *outcome == OpeningOutcome::ClosedWithin
+            && !points(cap, positions).iter().all(|&point| solid.is_inside(add(point, beyond)))
+        {
+            *outcome = OpeningOutcome::Closed;
+        }
+    }
+    Ok(())
 }
 
 /// Whether most of what is beyond a cap is inside as it is: the opening is within the solid, or the

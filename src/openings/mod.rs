@@ -33,7 +33,7 @@
 //! 7. The caps of a component most of whose boundary stays open are left, and all caps of a mesh nine tenths of
 //!    whose boundary do.
 //! 8. Where nothing else stays open, those of 6 are closed after all, as a leg's end within a table's top, but
-//!    are no surface: the mesh is closed then, and nothing can touch them.
+//!    are no surface: the mesh is closed then, and nothing can touch them. One that reaches out of the solid is.
 //!
 //! A closed mesh whose normals all point inward is no opening's matter: repair turns it around, since
 //! exporters that mirror are more common than rooms without a door.
@@ -51,7 +51,7 @@ mod report;
 
 use boundary::boundary_loops;
 use cap::{Candidate, Cap, candidates};
-use decide::decide;
+use decide::{close_exposed, decide};
 use fragments::leave_fragments;
 
 use crate::control::Control;
@@ -152,6 +152,8 @@ fn close(
                 *outcome = OpeningOutcome::SolidBeyond;
             }
         }
+    } else {
+        close_exposed(prepared, &mut caps, control)?;
     }
     for (cap, outcome) in &caps {
         match outcome {

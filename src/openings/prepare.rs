@@ -58,16 +58,16 @@ pub(crate) fn close_prepared(
     control: &Control,
 ) -> Result<Closed, Error> {
     let is_closed = |prepared: &PreparedMesh| prepared.closed.iter().all(|&closed| closed);
-    let mut openings = Vec::new();
+    let mut openings: Vec<Opening> = Vec::new();
     let mut has_caps = false;
-    for pass in 0..PASSES {
+    for _ in 0..PASSES {
         if settings.openings == Openings::Keep || is_closed(&prepared) {
             break;
         }
         let mut closing = close(&prepared, source, settings, control)?;
-        if pass == 0 {
-            openings = std::mem::take(&mut closing.openings);
-        }
+        // What was left is judged again.
+        openings.retain(|opening| opening.outcome.is_closed());
+        openings.append(&mut closing.openings);
         if closing.triangles.is_empty() && closing.hidden.is_empty() {
             break;
         }
