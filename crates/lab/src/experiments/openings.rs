@@ -1,12 +1,19 @@
-//! `cargo lab openings`: hulls and time with all openings kept, and with openings closed.
+//! `cargo lab openings`: hulls and time with all openings kept, and with openings closed; or pictures of the
+//! tests' own cases.
 
-use std::path::PathBuf;
+// The unused rest is for tests.
+#[allow(dead_code)]
+#[path = "../../../../tests/openings/cases.rs"]
+mod cases;
+
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use hullwright::internals::terminal::{Failure, print};
 use hullwright::io::read_mesh;
 use hullwright::measure::{MeasureOptions, measure};
-use hullwright::{Control, Openings, Parameters, decompose};
+use hullwright::render::{Layout, Panel, render_with};
+use hullwright::{Control, Openings, Parameters, TriangleMesh, close_openings, decompose};
 
 use crate::runs::meshes::find;
 use crate::statistics::median;
@@ -15,9 +22,26 @@ use crate::statistics::median;
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Meshes, and folders of meshes
-    #[arg(required = true, value_name = "DIR")]
+    #[arg(required_unless_present = "cases", value_name = "DIR")]
     folders: Vec<PathBuf>,
+
+    /// Draw the cases of the tests into this folder instead
+    #[arg(long, conflicts_with = "folders", value_name = "DIR")]
+    cases: Option<PathBuf>,
 }
+
+/// Width and height of a panel in pixels.
+const PANEL: (usize, usize) = (220, 180);
+
+/// Cases beside each other, three panels each.
+const COLUMNS: usize = 2;
+
+/// How far hulls move away from the centre, as a share of their distance.
+const EXPLOSION: f64 = 0.3;
+
+/// Degrees from below, where the openings of solids are, and from above, where one looks into what is hollow.
+const FROM_BELOW: f64 = -25.0;
+const FROM_ABOVE: f64 = 35.0;
 
 /// Meshes with one hull more may come out either way; with more it counts as worse.
 const ONE_MORE: usize = 1;
@@ -35,6 +59,10 @@ struct Totals {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if let Some(folder) = &arguments.cases {
+        draw(&cases::solids(), FROM_BELOW, &folder.join("opening-cases-solid.png"))?;
+        return draw(&cases::hollows(), FROM_ABOVE, &folder.join("opening-cases-hollow.png"));
+    }
     let mut totals = Totals::default();
     for mesh in find(&arguments.folders)? {
         let Ok(file) = read_mesh(&mesh.path) else { continue };
@@ -88,4 +116,33 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         seconds[1] / seconds[0],
         median(ratios),
     ))
+}
+
+/// Draws each case with its caps in red, the hulls with openings kept, and those with openings closed; prints
+/// what became of it.
+fn draw(cases: &[(&str, TriangleMesh)], elevation: f64, path: &Path) -> Result<(), Failure> {
+    let control = Control::new();
+    let auto = Parameters::default();
+    let keep = auto.clone().openings(Openings::Keep);
+    let mut panels = Vec::new();
+    print("| case | hulls, openings kept | hulls | openings |\n|---|---|---|---|")?;
+    for (name, mesh) in cases {
+        let [kept, closed] = [decompose(mesh, &keep, &control)?, decompose(mesh, &auto, &control)?];
+        panels.push(Panel::closed_mesh(&close_openings(mesh, &auto, &control)?));
+        panels.push(Panel::hulls(&kept.hulls).exploded(EXPLOSION));
+        panels.push(Panel::hulls(&closed.hulls).exploded(EXPLOSION));
+        let mut openings: Vec<&str> =
+            closed.report.openings.iter().map(|opening| opening.outcome.describe()).collect();
+        openings.sort_unstable();
+        openings.dedup();
+        let openings = if openings.is_empty() { "none".into() } else { openings.join("; ") };
+        print(&format!("| {name} | {} | {} | {openings} |", kept.hulls.len(), closed.hulls.len()))?;
+    }
+    let mut layout = Layout::default();
+    layout.columns = Some(3 * COLUMNS);
+    layout.separate_frames = true;
+    layout.view.elevation = elevation;
+    let rows = cases.len().div_ceil(COLUMNS);
+    render_with(&panels, 3 * COLUMNS * PANEL.0, rows * PANEL.1, &layout)?.write_png(path)?;
+    print("")
 }
