@@ -73,9 +73,6 @@ pub(in crate::bounded) fn keeps_bound(
     bound: f64,
     control: &Control,
 ) -> Result<bool, Error> {
-    if !solid.is_coarse() {
-        return Ok(protrusion(hull, solid, bound, bound, control)? <= bound);
-    }
     // Most hulls that protrude do so at one of few points.
     let fits = |face| solid.centre_fits(face, bound) && solid.quarters_fit(face, bound);
     let known = (1.0 - RESOLUTION) * bound;
@@ -105,6 +102,9 @@ fn protrusion_beyond(
     for &(face, _) in &stack {
         control.check()?;
         search.raise_by_centre(face);
+        if search.known > limit {
+            return Ok(search.known);
+        }
     }
     let mut remainder = Remainder::default();
     let mut parts = 0;
