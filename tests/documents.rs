@@ -31,13 +31,14 @@ fn missing(text: &str) -> Vec<String> {
     let mut missing = Vec::new();
     for Named { file, test } in named(text) {
         // Paths are below `tests`, but for those of the sources.
-        let base = if file.starts_with("src/") { root.to_path_buf() } else { root.join("tests") };
+        let is_source = file.starts_with("src/") || file.starts_with("fuzz/");
+        let base = if is_source { root.to_path_buf() } else { root.join("tests") };
         let Ok(source) = std::fs::read_to_string(base.join(file)) else {
             missing.push(format!("{file}: there is no such file"));
             continue;
         };
         let Some(test) = test else {
-            if !file.starts_with("src/") && !source.contains("#[test]") {
+            if !is_source && !source.contains("#[test]") {
                 missing.push(format!("{file}: there is no test in it"));
             }
             continue;
@@ -57,15 +58,20 @@ fn reliability() -> String {
     std::fs::read_to_string(path).unwrap()
 }
 
-#[test]
-fn each_row_of_bad_input_names_a_test_that_is_there() {
-    let text = reliability();
-    let (_, section) = text.split_once("## Bad input").expect("the section");
+/// Rows of the table in a section, without its head.
+fn rows<'a>(text: &'a str, section: &str) -> Vec<&'a str> {
+    let (_, section) = text.split_once(section).expect("the section");
     let section = section.split("\n## ").next().unwrap_or(section);
-    let rows: Vec<&str> = section.lines().filter(|line| line.starts_with("| ")).skip(1).collect();
-    assert!(rows.len() > 20, "only {} rows", rows.len());
+    section.lines().filter(|line| line.starts_with("| ")).skip(1).collect()
+}
+
+#[test]
+fn each_row_of_bad_input_and_reference_checks_names_a_test_that_is_there() {
+    let text = reliability();
+    let (input, references) = (rows(&text, "## Bad input"), rows(&text, "## Reference checks"));
+    assert!(input.len() > 20 && references.len() > 5, "{} and {}", input.len(), references.len());
     let mut wrong = Vec::new();
-    for row in rows {
+    for row in input.into_iter().chain(references) {
         let shown_by = row.trim_end_matches('|').rsplit('|').next().unwrap_or_default();
         if named(shown_by).is_empty() {
             wrong.push(format!("no test: {row}"));

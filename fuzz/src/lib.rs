@@ -17,6 +17,8 @@ mod starts;
 pub use readers::extras;
 #[cfg(feature = "io")]
 pub use readers::{gltf, hulls_file, obj, off, ply, stl};
+#[allow(unused_imports)]
+pub use shapes::hulls_of_soup;
 pub use shapes::{hull, soup};
 #[allow(unused_imports)]
 pub use starts::starts;
