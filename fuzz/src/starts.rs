@@ -27,7 +27,7 @@ pub fn starts() -> Vec<(&'static str, Vec<u8>)> {
 }
 
 /// What `shapes::parameters` reads: paper's method, preset, bound, openings, cavities, cap on hulls, cap on
-/// vertices; 1 of a ratio is yes, and any larger number is no.
+/// vertices; 0 of a ratio is yes, and 1 is no.
 const PARAMETERS: &[&[u8]] = &[
     &[1, 0, 0, 0, 1, 1, 1],
     &[1, 1, 1, 0, 1, 1, 1],
