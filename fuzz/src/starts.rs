@@ -15,7 +15,7 @@ pub fn starts() -> Vec<(&'static str, Vec<u8>)> {
         for (index, parameters) in PARAMETERS.iter().enumerate() {
             // Each in one way more than it has parameters, so that in the end each is in every way.
             let place = PLACES[(starts.len() + index) % PLACES.len()];
-            starts.push(("soup", soup(&shape, *parameters, place)));
+            starts.push(("soup", soup(&shape, parameters, place)));
         }
     }
     for points in point_sets() {
