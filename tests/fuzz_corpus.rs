@@ -29,6 +29,26 @@ fn what_fuzzing_has_found_stays_mended() {
     }
 }
 
+/// Of the starts for the fuzzer a few, which take a second; `FUZZ_STARTS` writes them all into `fuzz/work`.
+#[test]
+fn starts_are_decomposed_or_have_a_hull_and_break_nothing() {
+    const EVERY: usize = 9;
+    let starts = targets::starts();
+    if std::env::var_os("FUZZ_STARTS").is_some() {
+        for (index, (name, bytes)) in starts.iter().enumerate() {
+            let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/work").join(name);
+            std::fs::create_dir_all(&folder).unwrap();
+            std::fs::write(folder.join(format!("start-{index:03}")), bytes).unwrap();
+        }
+    }
+    for (index, (name, bytes)) in starts.iter().enumerate().step_by(EVERY) {
+        println!("{name} {index}");
+        let (_, target) = targets::TARGETS.iter().find(|target| target.0 == *name).unwrap();
+        target(bytes);
+        assert!(*name != "soup" || targets::hulls_of_soup(bytes) > 0, "{index} is nothing");
+    }
+}
+
 #[test]
 fn bytes_that_nobody_chose_break_nothing() {
     for (name, target) in targets::TARGETS {

@@ -356,6 +356,44 @@ fn what_rounding_errors_take_for_solid_is_flat() {
     }
 }
 
+/// Of a sheet of points hardly thicker than the tolerance no edge bends for certain, so that no vertex need be a
+/// corner: building anew with the corners alone had nothing to begin with.
+#[test]
+fn a_sheet_hardly_thicker_than_the_tolerance_is_flat_or_a_body() {
+    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+    // Xorshift (Marsaglia 2003), from 0 to 1.
+    let mut random = || {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    // Most such sheets have some corner; this one, found by fuzzing, had none.
+    let found = [
+        [0.03, -0.3, -1.51e-7],
+        [-0.03, 0.24, 2.18e-7],
+        [0.06, 0.31, 2.52e-7],
+        [0.19, 0.15, 8.4e-8],
+        [0.24, -0.03, -1.7e-8],
+        [0.17, 0.09, -1.7e-8],
+        [-0.19, -0.16, -1.51e-7],
+        [-0.12, -0.24, -1.85e-7],
+    ];
+    check(&convex_hull(&found).unwrap(), &found);
+    let mut solid = 0;
+    for round in 0..2000 {
+        let thickness = DEFAULT_TOLERANCE * f64::from(1 + round % 50) / 10.0;
+        let points: Vec<Point> =
+            (0..4 + round % 7).map(|_| [random(), random(), thickness * random()]).collect();
+        let mut builder = HullBuilder::new();
+        if builder.build(&points) == Shape::Solid {
+            check(&builder.extract().into(), &points);
+            solid += 1;
+        }
+    }
+    assert!((200..1800).contains(&solid), "{solid}");
+}
+
 /// Points of a body, or of one that is hardly thicker than the tolerance in one direction or two.
 fn thin_set() -> impl Strategy<Value = Vec<Point>> {
     let thickness = || prop_oneof![Just(1.0), Just(1e-3), Just(1e-5), Just(1e-6), Just(3e-7)];

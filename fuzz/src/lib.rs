@@ -10,12 +10,18 @@ mod points;
 #[cfg(feature = "io")]
 mod readers;
 mod shapes;
+#[allow(dead_code)]
+mod starts;
 
 #[cfg(all(feature = "io", feature = "bake"))]
 pub use readers::extras;
 #[cfg(feature = "io")]
 pub use readers::{gltf, hulls_file, obj, off, ply, stl};
+#[allow(unused_imports)]
+pub use shapes::hulls_of_soup;
 pub use shapes::{hull, soup};
+#[allow(unused_imports)]
+pub use starts::starts;
 
 pub type Target = fn(&[u8]);
 

@@ -23,11 +23,16 @@ const ROUNDING: f64 = 1e-6;
 
 /// A mesh of any triangles, decomposed: hulls are convex bodies, and the bound is kept.
 pub fn soup(bytes: &[u8]) {
-    // Where the bytes end, numbers are 0: there always is a mesh.
-    let _ = try_soup(&mut Unstructured::new(bytes));
+    hulls_of_soup(bytes);
 }
 
-fn try_soup(bytes: &mut Unstructured<'_>) -> Result<()> {
+/// The same, and how many hulls there are: none where nothing is to be decomposed.
+pub fn hulls_of_soup(bytes: &[u8]) -> usize {
+    // Where the bytes end, numbers are 0: there always is a mesh.
+    try_soup(&mut Unstructured::new(bytes)).unwrap_or(0)
+}
+
+fn try_soup(bytes: &mut Unstructured<'_>) -> Result<usize> {
     let parameters = parameters(bytes)?;
     let count = bytes.int_in_range(1..=MOST_TRIANGLES)?;
     let vertices = bytes.int_in_range(3..=MOST_VERTICES as u32)?;
@@ -44,7 +49,7 @@ fn try_soup(bytes: &mut Unstructured<'_>) -> Result<()> {
         Err(
             Error::EmptyMesh { .. } | Error::IndexOutOfRange { .. } | Error::NothingUsable { .. },
         ) => {
-            return Ok(());
+            return Ok(0);
         }
         Err(error) => panic!("an unexpected error: {error}"),
     };
@@ -72,7 +77,7 @@ fn try_soup(bytes: &mut Unstructured<'_>) -> Result<()> {
     (options.hull_samples, options.mesh_samples, options.volume_samples) = (50, 50, 50);
     measure(mesh, &found.hulls, &options, &control).expect("hulls of our own can be measured");
     let _ = mass_properties(mesh, &found.hulls, 1.0);
-    Ok(())
+    Ok(found.hulls.len())
 }
 
 fn parameters(bytes: &mut Unstructured<'_>) -> Result<Parameters> {

@@ -191,8 +191,12 @@ impl HullBuilder {
                 corners.iter().map(|&corner| self.points[corner as usize]).collect();
             let columns = Columns::new(&positions);
             let (shape, simplex) = first_simplex(&positions, &columns, self.threshold);
+            // Of a sheet hardly thicker than the tolerance there may be no corner at all: it stays as it is.
+            if shape != Shape::Solid {
+                return;
+            }
             let simplex = simplex.map(|index| corners[index as usize]);
-            if shape == Shape::Solid && self.given().span_a_volume(simplex) {
+            if self.given().span_a_volume(simplex) {
                 self.only_marked = true;
                 self.grow_from(simplex);
                 self.only_marked = false;

@@ -191,6 +191,18 @@ mod tests {
     }
 
     #[test]
+    fn the_most_prominent_points_are_as_many_as_asked_for() {
+        let full = sphere(300);
+        for cap in [6, 7, 20, 64] {
+            let mut builder = HullBuilder::new();
+            let found =
+                most_prominent(&mut builder, &full.points, cap, &Control::new()).unwrap().unwrap();
+            assert_eq!(found.points.len(), cap);
+            assert!(full.holds(&found));
+        }
+    }
+
+    #[test]
     fn a_capped_hull_holds_the_old_one_and_says_how_far_it_grew() {
         let full = sphere(300);
         for (cap, most) in [(64, 0.12), (32, 0.25), (8, 1.5)] {

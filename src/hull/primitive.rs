@@ -259,6 +259,11 @@ mod tests {
             fit_primitive(&ball, slack(0.03)),
             Some(Primitive::Ball { radius, .. }) if (radius - 1.0).abs() < 0.03
         ));
+        // Where the slack allows more, the radius is still halfway between what is in and what is out.
+        assert!(matches!(
+            fit_primitive(&ball, slack(0.2)),
+            Some(Primitive::Ball { radius, .. }) if (radius - 1.0).abs() < 0.03
+        ));
         assert_eq!(fit_primitive(&ball, slack(0.001)), None);
         let long: Vec<Vector> =
             sphere(10).iter().map(|[x, y, z]| [*x, *y, z + 2.0 * z.signum()]).collect();
@@ -283,7 +288,10 @@ mod tests {
             [0.0, 1.0, 1.0],
         ];
         assert_eq!(fit_primitive(&placed(&wedge), slack(0.05)), None);
-        assert_eq!(fit_primitive(&placed(&corners([1.0; 3])), slack(-1.0)), None);
+        let cube = placed(&corners([1.0; 3]));
+        for (outside, inside) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, f64::NAN)] {
+            assert_eq!(fit_primitive(&cube, Slack { outside, inside }), None);
+        }
     }
 
     /// Against many points on both surfaces.

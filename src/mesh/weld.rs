@@ -108,6 +108,11 @@ mod tests {
     }
 
     #[test]
+    fn vertices_exactly_the_tolerance_apart_are_one() {
+        assert_eq!(weld_all(&[[0.0; 3], [WELD_TOLERANCE, 0.0, 0.0]]), [0, 0]);
+    }
+
+    #[test]
     fn a_border_between_cells_does_not_separate() {
         let border = 5.0 * CELL_SIDE * WELD_TOLERANCE;
         for sign in [-1.0, 1.0] {

@@ -1,6 +1,18 @@
 //! The bundled models: the promise, and how many hulls each has.
 
-use crate::judge::{assert_promise, run};
+use hullwright::internals::surface_and_solid;
+use hullwright::{Control, MeshView, Parameters};
+
+use crate::independent::exact::{Faults, faults};
+use crate::independent::sampling::sample;
+use crate::judge::{assert_promise, report, run};
+use crate::shapes::Mesh;
+
+/// Points on hulls, and on the surface, of each model: a second or two in all.
+const SAMPLES: usize = 10_000;
+
+/// In diagonals: coordinates of files are in single precision.
+const ROUNDING: f64 = 1e-6;
 
 /// Hulls of each model under the default parameters. A change is a change of the algorithm, and of
 /// `ALGORITHM_VERSION`.
@@ -22,23 +34,51 @@ const HULLS: [(&str, usize); 15] = [
     ("u_prism", 3),
 ];
 
+fn models() -> Vec<(String, Mesh)> {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
+    let paths = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let mut models: Vec<(String, Mesh)> = paths
+        .filter(|path| path.extension().is_some_and(|extension| extension == "glb"))
+        .map(|path| {
+            let file = hullwright::io::read_mesh(&path).unwrap();
+            let name = path.file_stem().unwrap().to_string_lossy().into_owned();
+            (name, (file.mesh.positions, file.mesh.triangles))
+        })
+        .collect();
+    models.sort_by(|a, b| a.0.cmp(&b.0));
+    models
+}
+
+#[test]
+fn a_dense_sampling_without_the_crates_code_finds_no_more_than_what_is_verified() {
+    for (name, mesh) in models() {
+        let found = run(&mesh);
+        let bounded = report(&found);
+        for hull in &found.hulls {
+            let (points, triangles) = hull.shape.to_single_precision().unwrap();
+            assert_eq!(faults(&points, &triangles), Faults::default(), "{name}");
+        }
+        let view = MeshView::new(&mesh.0, &mesh.1);
+        let (surface, solid) =
+            surface_and_solid(view, &Parameters::default(), &Control::new()).unwrap();
+        let sampled = sample(&found, &surface, &solid, SAMPLES);
+        assert!(sampled.samples > 2 * SAMPLES && sampled.undecided == 0, "{name}: {sampled:?}");
+        let uncovered = sampled.uncovered * found.report.diagonal;
+        let rounding = ROUNDING * found.report.diagonal;
+        assert!(uncovered <= bounded.uncovered_max + rounding, "{name}: {sampled:?} {bounded:?}");
+        assert!(sampled.beyond_verified <= ROUNDING, "{name}: {sampled:?} {bounded:?}");
+        println!("{name}: {sampled:?}");
+    }
+}
+
 #[test]
 fn the_promise_holds_with_as_many_hulls_as_before() {
-    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
     let mut found = Vec::new();
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.extension().is_none_or(|extension| extension != "glb") {
-            continue;
-        }
-        let file = hullwright::io::read_mesh(&path).unwrap();
-        let mesh = (file.mesh.positions, file.mesh.triangles);
-        let name = path.file_stem().unwrap().to_string_lossy().into_owned();
+    for (name, mesh) in models() {
         let result = run(&mesh);
         assert_promise(&name, &mesh, &result);
         found.push((name, result.hulls.len()));
     }
-    found.sort();
     let expected: Vec<(String, usize)> =
         HULLS.into_iter().map(|(name, hulls)| (name.to_owned(), hulls)).collect();
     assert_eq!(found, expected);

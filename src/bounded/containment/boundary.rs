@@ -217,3 +217,56 @@ fn build(edges: &mut [Edge], range: std::ops::Range<usize>, groups: &mut Vec<Gro
         group.after = after;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::vector::normalize;
+
+    /// A sheet of one small square: four edges where the surface ends.
+    fn sheet() -> Boundary {
+        let corners = [[0.0, 0.0, 0.0], [0.01, 0.0, 0.0], [0.01, 0.01, 0.0], [0.0, 0.01, 0.0]];
+        Boundary::new(&corners, &[[0, 1, 2], [0, 2, 3]])
+    }
+
+    fn slope_at(boundary: &Boundary, point: Vector) -> Slope {
+        boundary.slope(point, 0.0, f64::INFINITY)
+    }
+
+    #[test]
+    fn nowhere_within_a_way_is_the_slope_steeper_than_what_is_said_of_it() {
+        let boundary = sheet();
+        for (from, to) in [
+            ([0.5, 0.2, 0.1], [0.0; 3]),
+            ([0.5, 0.2, 0.1], [0.5, 0.0, 0.0]),
+            ([0.02, 0.03, 0.0], [0.01, 0.01, 0.0]),
+            ([-1.0, 0.0, 2.0], [0.0, 0.01, 0.0]),
+        ] {
+            let slope = slope_at(&boundary, from);
+            let direction = normalize(subtract(to, from));
+            for share in [0.01, 0.1, 0.3, 0.5, 0.9] {
+                let way = share * slope.clearance;
+                let there = slope_at(&boundary, add(from, scale(direction, way)));
+                let said = slope.at_distance(way);
+                assert!(there.gradient <= said.gradient * (1.0 + 1e-12), "{from:?} {share}");
+                assert!(there.clearance >= said.clearance * (1.0 - 1e-12), "{from:?} {share}");
+            }
+        }
+    }
+
+    /// A slope of one over the square of the distance, summed up on the way.
+    #[test]
+    fn the_change_over_a_way_is_the_integral_of_the_slope() {
+        const STEPS: usize = 10_000;
+        let slope = slope_at(&sheet(), [0.5, 0.2, 0.1]);
+        for share in [0.01, 0.3, 0.9] {
+            let way = share * slope.clearance;
+            let step = way / STEPS as f64;
+            let middles = (0..STEPS).map(|index| (index as f64 + 0.5) * step);
+            let sum: f64 = middles.map(|at| slope.at_distance(at).gradient * step).sum();
+            assert!((slope.change(way) / sum - 1.0).abs() < 1e-4, "{share}");
+            assert!((slope.reach(slope.change(way)) / way - 1.0).abs() < 1e-12, "{share}");
+        }
+        assert_eq!(slope.change(slope.clearance), f64::INFINITY);
+    }
+}

@@ -1,6 +1,8 @@
 //! Tests of `builder`.
 
 use super::*;
+use crate::geometry::vector::dot;
+use crate::hull::ConvexHull;
 
 /// Points inside a ball, and points around it.
 fn ball() -> (Vec<Vector>, Vec<Vector>) {
@@ -28,4 +30,42 @@ fn without_its_inner_points_a_hull_is_the_same_and_goes_on_growing_the_same_way(
     assert_eq!(forgetful.extract(), whole.extract());
     let faces = |builder: &HullBuilder| builder.new_faces().collect::<Vec<_>>();
     assert_eq!(faces(&forgetful), faces(&whole));
+}
+
+#[test]
+fn of_points_inside_and_outside_only_those_outside_are_kept_and_the_hull_is_that_of_all() {
+    let (points, far) = ball();
+    let mut whole = HullBuilder::new();
+    assert_eq!(whole.build(&points), Shape::Solid);
+    let mut sparing = whole.clone();
+    let more: Vec<Vector> =
+        far.iter().flat_map(|&point| [scale(point, 0.1), point, scale(point, 0.6)]).collect();
+    whole.insert(&more);
+    sparing.insert_outside(&more);
+    assert_eq!(sparing.points.len(), points.len() + far.len());
+    let vertices = |builder: &mut HullBuilder| {
+        let mut vertices = builder.extract().0;
+        vertices.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        vertices
+    };
+    assert_eq!(vertices(&mut sparing), vertices(&mut whole));
+    assert!(far.iter().all(|point| vertices(&mut sparing).contains(point)));
+}
+
+#[test]
+fn the_farthest_of_any_number_of_points_is_as_far_as_one_by_one_over_all_planes() {
+    let (points, far) = ball();
+    let mut builder = HullBuilder::new();
+    assert_eq!(builder.build(&points), Shape::Solid);
+    let planes = ConvexHull::from(builder.extract()).planes();
+    let height = |point: &Vector| {
+        let heights = planes.iter().map(|&(normal, offset)| dot(normal, *point) - offset);
+        heights.fold(f64::NEG_INFINITY, f64::max)
+    };
+    for count in 1..far.len() {
+        for some in [&far[..count], &points[..count]] {
+            let expected = some.iter().map(height).fold(f64::NEG_INFINITY, f64::max);
+            assert!((builder.farthest_outside(some) - expected).abs() < 1e-12, "{count}");
+        }
+    }
 }

@@ -320,25 +320,53 @@ mod tests {
         assert!(found >= depth, "{found}");
     }
 
+    fn cube(low: Vector) -> ConvexHull {
+        let corners = (0..8).map(|i| [0, 1, 2].map(|k| low[k] + f64::from(i >> k & 1)));
+        convex_hull(&corners.collect::<Vec<_>>()).unwrap()
+    }
+
+    fn solid_of(hull: &ConvexHull, bound: f64) -> Solid {
+        let boundary = Boundary::default();
+        Solid::of_surface(&hull.points, &hull.triangles, boundary, bound, &Control::new()).unwrap()
+    }
+
+    #[test]
+    fn a_hull_keeps_the_bound_exactly_if_it_protrudes_by_no_more() {
+        let inner = cube([0.0; 3]);
+        let bound = 0.02;
+        let solid = solid_of(&inner, bound);
+        for share in [0.0, 0.5, 0.9, 0.97, 0.99, 1.01, 1.03, 1.1, 2.0, 20.0] {
+            let moved = cube([share * bound, 0.0, 0.0]);
+            let keeps = keeps_bound(&moved, &solid, bound, &Control::new()).unwrap();
+            assert_eq!(keeps, share <= 1.0, "{share}");
+        }
+    }
+
+    #[test]
+    fn a_hull_protrudes_into_the_cavities_that_it_contains_and_into_no_other() {
+        let shell = cube([0.0; 3]);
+        let bound = 0.02;
+        let mut solid = solid_of(&shell, bound);
+        solid.cavities = vec![([0.5; 3], 0.1), ([0.5, 0.5, 0.2], 0.15), ([1.5; 3], 0.3)];
+        let of = |hull| protrusion(hull, &solid, bound, f64::INFINITY, &Control::new()).unwrap();
+        // A result is too large by a share at most.
+        assert!((0.15..0.16).contains(&of(&shell)), "{}", of(&shell));
+        let upper_half = [[0.0, 0.0, 0.4], [1.0, 0.0, 0.4], [0.0, 1.0, 0.4], [1.0, 1.0, 0.4]];
+        let mut corners = upper_half.to_vec();
+        corners.extend(upper_half.map(|[x, y, _]| [x, y, 1.0]));
+        let upper_half = convex_hull(&corners).unwrap();
+        assert!((0.1..0.11).contains(&of(&upper_half)), "{}", of(&upper_half));
+        assert!(!keeps_bound(&shell, &solid, bound, &Control::new()).unwrap());
+    }
+
     #[test]
     fn a_shifted_hull_protrudes_by_its_shift() {
-        let cube = |low: f64| {
-            let corners = (0..8).map(|i| [0, 1, 2].map(|k| low + f64::from(i >> k & 1)));
-            convex_hull(&corners.collect::<Vec<_>>()).unwrap()
-        };
-        let (inner, outer) = (cube(0.0), cube(0.25));
-        let control = Control::new();
-        let bound = 0.02;
-        let solid = Solid::of_surface(
-            &inner.points,
-            &inner.triangles,
-            Boundary::default(),
-            bound,
-            &control,
-        )
-        .unwrap();
+        let (inner, outer) = (cube([0.0; 3]), cube([0.25; 3]));
+        let (control, bound) = (Control::new(), 0.02);
+        let solid = solid_of(&inner, bound);
         let of = |hull| protrusion(hull, &solid, bound, f64::INFINITY, &control).unwrap();
-        assert!(of(&inner) <= bound);
+        // A hull that is the solid protrudes by nothing: less than the share that is not resolved is not told.
+        assert!(of(&inner) <= (UNRESOLVED + RESOLUTION) * bound + f64::EPSILON, "{}", of(&inner));
         // The farthest corner is shifted by a quarter along each axis.
         let farthest = 0.25 * 3f64.sqrt();
         assert!((farthest..1.05 * farthest).contains(&of(&outer)), "{}", of(&outer));
