@@ -10,6 +10,7 @@ mod follow;
 mod hang;
 mod model;
 mod scene;
+mod stopwatch;
 mod tour;
 mod ui;
 
@@ -30,6 +31,7 @@ use hullwright_demos::studio::Studio;
 use arguments::{Arguments, USAGE};
 use export::Export;
 use model::Library;
+use stopwatch::{StopwatchPlugin, mark};
 use tour::{Tour, Watched};
 
 /// Width of what is on the stage, in metres.
@@ -60,6 +62,7 @@ fn main() -> AppExit {
         Studio::dark(STAGE),
         OrbitPlugin,
         PicturePlugin,
+        StopwatchPlugin,
     ))
     .insert_resource(hullwright_demos::timestep(1))
     .insert_resource(Export::new(arguments.folder))
@@ -76,16 +79,21 @@ fn main() -> AppExit {
     .add_message::<action::Action>()
     .add_message::<balls::Throw>()
     .add_systems(Startup, set_up)
-    .add_systems(PostStartup, (ui::set_style, draw_less))
-    .add_systems(EguiPrimaryContextPass, ui::draw)
+    .add_systems(PostStartup, (ui::set_style, draw_less, hullwright_demos::renew_contacts))
+    .add_systems(EguiPrimaryContextPass, (ui::draw, mark("controls")).chain())
     .add_systems(
         Update,
         (
             (open_dropped, action::read_keys, paste),
-            action::act,
+            mark("keys"),
+            (action::act, export::take_saved),
+            mark("actions"),
             model::take_read,
+            mark("model"),
             decompose::follow_settings,
+            mark("hulls"),
             scene::arrange,
+            mark("stage"),
             (
                 balls::throw,
                 follow::follow_stack,

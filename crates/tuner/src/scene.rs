@@ -29,10 +29,10 @@ const HOOK_SHARE: f32 = 0.45;
 /// Room under what hangs, in metres.
 const UNDER: f32 = 0.35;
 
-/// Things turn as in air. What hangs turns as in oil: in air a mug swings on Rapier's contacts without end, with or
-/// without friction, at any step and with either dispatcher.
+/// Things turn as in air. What hangs is damped more: a swing loses as much as Rapier's contacts, which stay where they
+/// are during a step, give it, and comes to rest in some seconds.
 const AIR: Damping = Damping { linear_damping: 0.1, angular_damping: 0.5 };
-const OIL: Damping = Damping { linear_damping: 0.1, angular_damping: 6.0 };
+const HANGING: Damping = Damping { linear_damping: 0.1, angular_damping: 1.5 };
 
 /// What is tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -337,7 +337,7 @@ impl Builder<'_, '_, '_> {
         let place = Vec3::Y * height - at;
         let place_and_turn = Transform::from_translation(place).with_rotation(hang.turn);
         let thing = self.thing(place_and_turn, RigidBody::Dynamic);
-        self.commands.entity(thing).insert(OIL);
+        self.commands.entity(thing).insert(HANGING);
         (Vec3::Y * (height + place.y) / 2.0, 1.25)
     }
 
