@@ -18,7 +18,6 @@ use bevy::render::RenderPlugin;
 use bevy::window::WindowResolution;
 use bevy::winit::WinitSettings;
 use bevy_egui::EguiPlugin;
-use bevy_rapier3d::plugin::context::RapierContextSimulation;
 use bevy_rapier3d::prelude::*;
 use hullwright::bevy::prelude::*;
 use hullwright::bevy::{HullwrightDebug, HullwrightDebugPlugin};
@@ -81,16 +80,10 @@ pub fn timestep(frames: usize) -> TimestepMode {
     }
 }
 
-/// How far bodies may move before Rapier computes their contacts anew, in metres. Its own 5 cm keep the contacts of
-/// what rocks on a hook where they were, and push it on: it swings without end.
-const RECYCLED_FOR: f32 = 0.001;
-
-/// Lets Rapier compute contacts anew as soon as bodies move.
-pub fn renew_contacts(mut worlds: Query<&mut RapierContextSimulation>) {
-    for mut world in &mut worlds {
-        world.integration_parameters.normalized_contact_recycle_distance = RECYCLED_FOR;
-    }
-}
+/// How far bodies may move before Rapier computes their contacts anew, in metres, where something hangs. Rapier's own
+/// 5 cm keep the contacts of what rocks on a hook where they were, and push it on: it swings without end. Things that
+/// lie on each other come to rest sooner with these.
+pub const RECYCLED_FOR: f32 = 0.001;
 
 /// A demo: its studio with a floor, its camera, its line of text and its keys.
 pub struct Stage {
@@ -128,7 +121,7 @@ impl Plugin for Stage {
         .init_resource::<HullMaterials>()
         .init_resource::<ShownHulls>()
         .add_systems(Startup, set_up)
-        .add_systems(PostStartup, (frugal::draw_less, renew_contacts))
+        .add_systems(PostStartup, frugal::draw_less)
         .add_systems(Update, (picture::watch_sleep, toggle, draw_new_hulls))
         .add_systems(Update, (take_picture, end).run_if(resource_exists::<Picture>))
         .add_observer(note_ready);

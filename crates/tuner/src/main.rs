@@ -85,7 +85,7 @@ fn main() -> AppExit {
     .add_message::<action::Action>()
     .add_message::<balls::Throw>()
     .add_systems(Startup, set_up)
-    .add_systems(PostStartup, (ui::set_style, draw_less, hullwright_demos::renew_contacts))
+    .add_systems(PostStartup, (ui::set_style, draw_less))
     .add_systems(EguiPrimaryContextPass, (ui::draw, mark("controls")).chain())
     .add_systems(
         Update,
@@ -98,7 +98,7 @@ fn main() -> AppExit {
             mark("model"),
             decompose::follow_settings,
             mark("hulls"),
-            scene::arrange,
+            (scene::arrange, scene::renew_contacts),
             mark("stage"),
             (
                 balls::throw,

@@ -4,8 +4,11 @@ use std::sync::Arc;
 
 use bevy::light::NotShadowCaster;
 use bevy::prelude::*;
+use bevy_rapier3d::plugin::context::RapierContextSimulation;
 use bevy_rapier3d::prelude::*;
+use bevy_rapier3d::rapier::dynamics::IntegrationParameters;
 use hullwright::render::palette;
+use hullwright_demos::RECYCLED_FOR;
 use hullwright_demos::hulls::{HullMaterials, edges_mesh, hulls_mesh};
 use hullwright_demos::orbit::Orbit;
 
@@ -362,6 +365,18 @@ impl Builder<'_, '_, '_> {
             }
         });
         thing.id()
+    }
+}
+
+/// Lets Rapier compute contacts anew as soon as bodies move, while something hangs.
+pub fn renew_contacts(show: Res<Show>, mut worlds: Query<&mut RapierContextSimulation>) {
+    let is_hung = show.trial == Trial::Hook;
+    let usual = IntegrationParameters::default().normalized_contact_recycle_distance;
+    for mut world in &mut worlds {
+        world
+            .bypass_change_detection()
+            .integration_parameters
+            .normalized_contact_recycle_distance = if is_hung { RECYCLED_FOR } else { usual };
     }
 }
 
