@@ -6,6 +6,7 @@
 mod bodies;
 mod colliders;
 mod contacts;
+mod hanging;
 mod openings;
 mod resting;
 mod seams;

@@ -95,7 +95,6 @@ export class Controls {
     const { look } = this;
     for (const id of SWITCHES) find(id).setAttribute("aria-pressed", String(look[id]));
     find("up").setAttribute("aria-pressed", String(look.up === "z"));
-    shared.errors.value = look.errors ? 1 : 0;
     find("legend").hidden = !look.errors;
     this.panels.forEach((panel) => panel.update());
   }

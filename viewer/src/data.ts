@@ -122,7 +122,9 @@ function text(id: string): string {
 }
 
 async function inflate(base64: string): Promise<ArrayBuffer> {
-  const bytes = Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
+  const letters = atob(base64);
+  const bytes = new Uint8Array(letters.length);
+  for (let i = 0; i < bytes.length; i++) bytes[i] = letters.charCodeAt(i);
   const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
   return new Response(stream).arrayBuffer();
 }
@@ -134,8 +136,11 @@ export async function readPage(): Promise<Page> {
   const u8 = ({ offset, count }: ArrayPlace) => new Uint8Array(bytes, offset, count);
   const u16 = ({ offset, count }: ArrayPlace) => new Uint16Array(bytes, offset, count);
   const u32 = ({ offset, count }: ArrayPlace) => new Uint32Array(bytes, offset, count);
-  const points = ({ min, size, shares }: PointsPlace) =>
-    Float32Array.from(u16(shares), (share, i) => min[i % 3] + (share / 65535) * size[i % 3]);
+  const points = ({ min, size, shares }: PointsPlace) => {
+    const numbers = Float32Array.from(u16(shares));
+    for (let i = 0; i < numbers.length; i++) numbers[i] = min[i % 3] + (numbers[i] / 65535) * size[i % 3];
+    return numbers;
+  };
   const surface = (of: {
     positions: PointsPlace;
     triangles: ArrayPlace;

@@ -4,7 +4,7 @@ import { BufferGeometry, Color, FrontSide, Group, LineSegments, Mesh, Ray, Scene
 import { Curve } from "./curve";
 import { alive, colourNumbers, HullSet, Page, State, uncoveredAfter } from "./data";
 import { element, number, percent, words } from "./dom";
-import { Lines, material, shared } from "./shaders";
+import { material, repurpose, shared } from "./shaders";
 import * as shapes from "./shapes";
 
 /** Which surfaces are drawn, and how: the same for all panels. */
@@ -29,6 +29,9 @@ export class Panel {
   /** Hulls that are left out of those that there are: each is a join. */
   joins = 0;
   picked: number | null = null;
+  private areCreasesLeftOut = false;
+  /** Whether the slider or the look has changed since the mesh was coloured. */
+  private isMeshStale = true;
   private root = new Group();
   private hulls: number[] = [];
   private readonly colours: number[][];
@@ -39,12 +42,14 @@ export class Panel {
   private readonly count = element("output", "count");
   private readonly figures = new Map<string, HTMLElement>();
   private readonly pick = element("p", "pick");
-  private readonly faces = new Mesh(new BufferGeometry(), material(Lines.None, 1));
-  private readonly depth = new Mesh(new BufferGeometry(), material(Lines.None, 1));
-  private readonly lines = new LineSegments(new BufferGeometry(), material(Lines.Creases, 1));
+  private readonly faces = new Mesh(new BufferGeometry(), material("FACES", 1));
+  private readonly depth = new Mesh(new BufferGeometry(), material("FACES", 1));
+  private readonly lines = new LineSegments(new BufferGeometry(), material("CREASES", 1));
   private readonly meshFaces: Mesh<BufferGeometry, ShaderMaterial>;
-  private readonly meshCreases: LineSegments<BufferGeometry, ShaderMaterial>;
-  private readonly meshWires: LineSegments<BufferGeometry, ShaderMaterial>;
+  private readonly meshCreases = new LineSegments(new BufferGeometry(), material("CREASES", 1));
+  private readonly meshWires = new LineSegments(new BufferGeometry(), material("CREASES", 1));
+  /** What still has to be made before each of them is drawn: most are never seen. */
+  private readonly stale = new Map<Mesh | LineSegments, () => BufferGeometry>();
 
   constructor(
     private readonly page: Page,
@@ -61,9 +66,10 @@ export class Panel {
     this.curve = new Curve(set.entry.states, page.document.bound, (state) => this.join(state));
 
     const [earth, red] = [linear(clay), linear(cap)];
-    this.meshFaces = new Mesh(shapes.meshFaces(page, earth, red), material(Lines.None, set.entry.uncovered.most));
-    this.meshCreases = new LineSegments(shapes.meshLines(page, false, earth), material(Lines.Creases, 1));
-    this.meshWires = new LineSegments(shapes.meshLines(page, true, earth), material(Lines.Creases, 1));
+    this.meshFaces = new Mesh(new BufferGeometry(), material("FACES", set.entry.uncovered.most));
+    this.stale.set(this.meshFaces, () => shapes.meshFaces(page, earth, red));
+    this.stale.set(this.meshCreases, () => shapes.meshLines(page, false, earth));
+    this.stale.set(this.meshWires, () => shapes.meshLines(page, true, earth));
     this.faces.material.uniforms.most.value = set.entry.protrusion_most;
     // Hulls hide each other, but not the mesh: their depth is drawn first, without a colour.
     this.depth.material.colorWrite = false;
@@ -141,7 +147,12 @@ export class Panel {
 
   /** Leaves out the lines of faces while a slow machine moves. */
   set isHurried(isHurried: boolean) {
-    this.lines.visible = this.look.hulls && (this.look.wires || !isHurried);
+    this.areCreasesLeftOut = isHurried;
+    this.showLines();
+  }
+
+  private showLines() {
+    this.lines.visible = this.look.hulls && (this.look.wires || !this.areCreasesLeftOut);
   }
 
   /** Draws what the state and the look say. */
@@ -155,32 +166,43 @@ export class Panel {
       way: this.ways[number],
     }));
     const both = look.mesh && look.hulls;
-    this.replace(this.faces, look.errors ? shapes.hullErrors(set, hulls) : shapes.hullFaces(set, hulls));
-    this.depth.geometry = this.faces.geometry;
-    this.replace(this.lines, shapes.hullLines(set, hulls, this.edges, look.wires));
-    this.faces.visible = look.hulls && !look.wires;
+    const { errors, wires } = look;
+    this.stale.set(this.faces, () => (errors ? shapes.hullErrors(set, hulls) : shapes.hullFaces(set, hulls)));
+    this.stale.set(this.lines, () => shapes.hullLines(set, hulls, this.edges, wires));
+    this.faces.visible = look.hulls && !wires;
     this.depth.visible = this.faces.visible && both;
-    this.lines.visible = look.hulls;
+    this.showLines();
     this.faces.material.transparent = both;
     this.faces.material.depthWrite = !both;
     this.faces.material.uniforms.opacity.value = both ? OVER_MESH : 1;
-    this.lines.material.uniforms.lines.value = look.wires ? Lines.Wires : Lines.Creases;
+    repurpose(this.lines.material, wires ? "WIRES" : "CREASES", errors);
+    for (const { material } of [this.faces, this.meshFaces]) repurpose(material, "FACES", errors);
+    for (const { material } of [this.meshCreases, this.meshWires]) repurpose(material, "CREASES", errors);
 
-    this.meshFaces.visible = look.mesh && (look.hulls || !look.wires);
-    this.meshCreases.visible = look.mesh && !look.hulls && !look.wires;
-    this.meshWires.visible = look.mesh && !look.hulls && look.wires;
-    const share = this.meshFaces.geometry.getAttribute("share");
-    share.array.set(uncoveredAfter(set, this.joins));
-    share.needsUpdate = true;
-    this.tintCaps();
+    this.meshFaces.visible = look.mesh && (look.hulls || !wires);
+    this.meshCreases.visible = look.mesh && !look.hulls && !wires;
+    this.meshWires.visible = look.mesh && !look.hulls && wires;
+    this.isMeshStale = true;
     this.root.rotation.x = look.up === "z" ? -Math.PI / 2 : 0;
     this.write(entry);
     this.changed();
   }
 
-  private replace(object: Mesh | LineSegments, made: BufferGeometry) {
-    object.geometry.dispose();
-    object.geometry = made;
+  /** Makes what is visible and not made yet. */
+  prepare() {
+    for (const [object, make] of this.stale) {
+      if (!object.visible) continue;
+      this.stale.delete(object);
+      object.geometry.dispose();
+      object.geometry = make();
+      if (object === this.faces) this.depth.geometry = object.geometry;
+    }
+    if (!this.isMeshStale || !this.meshFaces.visible) return;
+    this.isMeshStale = false;
+    const share = this.meshFaces.geometry.getAttribute("share");
+    share.array.set(uncoveredAfter(this.set, this.joins));
+    share.needsUpdate = true;
+    this.tintCaps();
   }
 
   private tintCaps() {

@@ -82,7 +82,7 @@ function geometry(
 ): BufferGeometry {
   const made = new BufferGeometry();
   made.setAttribute("position", positions);
-  made.setIndex(new BufferAttribute(Uint32Array.from(index), 1));
+  made.setIndex(new BufferAttribute(new Uint32Array(index), 1));
   for (const [name, attribute] of Object.entries(attributes)) made.setAttribute(name, attribute);
   return made;
 }

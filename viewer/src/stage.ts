@@ -36,13 +36,28 @@ const COARSE = 0.5;
 /** Without a graphics card, smooth edges double the time of a frame: pages of so many triangles do without. */
 const MANY_TRIANGLES = 10_000;
 
+/** The buffer is kept for who saves the picture. */
+const ATTRIBUTES = { alpha: true, depth: true, stencil: false, preserveDrawingBuffer: true };
+
 /** Whether the processor draws. */
-function isSoftware(): boolean {
-  const gl = document.createElement("canvas").getContext("webgl2");
+function isSoftware(gl: WebGL2RenderingContext | null): boolean {
   const names = gl?.getExtension("WEBGL_debug_renderer_info");
   const renderer = names ? String(gl?.getParameter(names.UNMASKED_RENDERER_WEBGL)) : "";
-  gl?.getExtension("WEBGL_lose_context")?.loseContext();
   return /swiftshader|llvmpipe|software/i.test(renderer);
+}
+
+/** Opens a canvas to draw on, with smooth edges where they are cheap. Whether they are, its context says, and it can't be
+ * asked for another one: that takes another canvas. */
+function openCanvas(canvas: HTMLCanvasElement, triangles: number) {
+  const isLarge = triangles >= MANY_TRIANGLES;
+  const context = canvas.getContext("webgl2", { ...ATTRIBUTES, antialias: !isLarge });
+  const isHeavy = isLarge && isSoftware(context);
+  if (!isLarge || isHeavy) return { canvas, context: context ?? undefined, isHeavy };
+  context?.getExtension("WEBGL_lose_context")?.loseContext();
+  const other = canvas.cloneNode() as HTMLCanvasElement;
+  canvas.replaceWith(other);
+  const smooth = other.getContext("webgl2", { ...ATTRIBUTES, antialias: true });
+  return { canvas: other, context: smooth ?? undefined, isHeavy };
 }
 
 export class Stage {
@@ -56,13 +71,19 @@ export class Stage {
   private lastTick = 0;
   private lastFrame = 0;
   private slowFrames = 0;
+  /** How many of these are borne. */
+  private patience = SLOW_FRAMES;
   private wasDrawn = false;
   private isHurried = false;
-  /** Frames that were drawn. */
+  /** Frames that were drawn, and what the last one took in calls and triangles. */
   frames = 0;
+  calls = 0;
+  drawnTriangles = 0;
+
+  readonly canvas: HTMLCanvasElement;
 
   constructor(
-    readonly canvas: HTMLCanvasElement,
+    place: HTMLCanvasElement,
     private readonly panels: Panel[],
     positions: Float32Array,
     triangles: number,
@@ -73,9 +94,9 @@ export class Stage {
     for (let i = 0; i < positions.length; i += step) {
       this.points.push([positions[i], positions[i + 1], positions[i + 2]]);
     }
-    // The buffer is kept for who saves the picture.
-    const antialias = triangles < MANY_TRIANGLES || !isSoftware();
-    this.renderer = new WebGLRenderer({ canvas, antialias, alpha: true, preserveDrawingBuffer: true });
+    const { canvas, context, isHeavy } = openCanvas(place, triangles);
+    this.canvas = canvas;
+    this.renderer = new WebGLRenderer({ canvas, context });
     this.renderer.setScissorTest(true);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.enableDamping = !isCalm;
@@ -83,6 +104,10 @@ export class Stage {
     this.home();
     new ResizeObserver(() => this.resize()).observe(canvas);
     this.pickOnClick();
+    // The first picture is there sooner without lines.
+    if (isHeavy) this.slowFrames = SLOW_FRAMES + 1;
+    this.lastTick = this.lastFrame = performance.now();
+    this.hurry();
     const frame = () => {
       requestAnimationFrame(frame);
       this.controls.update();
@@ -105,11 +130,15 @@ export class Stage {
     this.wasDrawn = this.isDirty;
     this.lastTick = now;
     if (this.isDirty) this.lastFrame = now;
-    else if (now - this.lastFrame > REST) this.slowFrames = 0;
-    const isHurried = this.slowFrames > SLOW_FRAMES;
-    for (const panel of this.panels) panel.isHurried = isHurried;
+    else if (now - this.lastFrame > REST) {
+      // Where it was slow before, it is known sooner; what a key turns once stays sharp.
+      if (this.isHurried) this.patience = 1;
+      this.slowFrames = 0;
+    }
+    const isHurried = this.slowFrames > this.patience;
     if (isHurried === this.isHurried) return;
     this.isHurried = isHurried;
+    for (const panel of this.panels) panel.isHurried = isHurried;
     this.resize();
   }
 
@@ -166,14 +195,19 @@ export class Stage {
     this.isDirty = false;
     this.frames++;
     const host = this.canvas.getBoundingClientRect();
+    this.calls = this.drawnTriangles = 0;
+    const { render } = this.renderer.info;
     for (const panel of this.panels) {
       const box = panel.viewport.getBoundingClientRect();
       if (box.width < 1 || box.height < 1) continue;
+      panel.prepare();
       const [left, bottom] = [box.left - host.left, host.bottom - box.bottom];
       this.renderer.setViewport(left, bottom, box.width, box.height);
       this.renderer.setScissor(left, bottom, box.width, box.height);
       this.fit(box.width / box.height);
       this.renderer.render(panel.scene, this.camera);
+      this.calls += render.calls;
+      this.drawnTriangles += render.triangles;
     }
   }
 

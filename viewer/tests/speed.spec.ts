@@ -1,6 +1,6 @@
-// How fast a page of 500 hulls is. The figure is printed: it depends on the machine.
+// What a page of 500 hulls takes: calls and triangles are counted. Times are printed: they depend on the machine.
 
-import { expect, test } from "@playwright/test";
+import { expect, test, type Page } from "@playwright/test";
 import { writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { asset, folder, open, shots, view } from "./page";
@@ -54,7 +54,37 @@ test("while frames are slow a quarter of the pixels is drawn, and all of them at
   await expect.poll(width).toBe(all);
 });
 
-test("a page of 500 hulls turns", async ({ page }) => {
+/** Waits until nothing moves and all is drawn. */
+async function rested(page: Page) {
+  const frames = () => page.evaluate(() => (window as any).hullwright.stage.frames);
+  let before = -1;
+  await expect
+    .poll(async () => {
+      const last = before;
+      before = await frames();
+      return before === last;
+    }, { intervals: [400] })
+    .toBe(true);
+}
+
+test("nothing is drawn while nothing moves, and nothing is made that was never seen", async ({ page }) => {
+  await open(page, view(asset("mug.glb"), "rest.html"));
+  await rested(page);
+  const found = await page.evaluate(async () => {
+    const { stage, panels } = (window as any).hullwright;
+    const before = stage.frames;
+    for (let frame = 0; frame < 30; frame++) await new Promise(requestAnimationFrame);
+    const idle = stage.frames - before;
+    const isMade = () => panels[0].meshFaces.geometry.hasAttribute("position");
+    const early = isMade();
+    document.getElementById("mesh")!.click();
+    stage.render();
+    return { idle, early, late: isMade() };
+  });
+  expect(found).toEqual({ idle: 0, early: false, late: true });
+});
+
+test("a page of 500 hulls turns, and takes one call to draw them and one for their edges", async ({ page }) => {
   test.setTimeout(600_000);
   const mesh = join(folder, "balls.obj");
   writeFileSync(mesh, balls());
@@ -63,8 +93,14 @@ test("a page of 500 hulls turns", async ({ page }) => {
   console.log(`written in ${((Date.now() - begin) / 1000).toFixed(1)} s`);
   const watched = await open(page, address);
   expect(watched).toEqual({ errors: [], requests: [] });
+  await rested(page);
   const found = await page.evaluate(async () => {
     const { stage, panels } = (window as any).hullwright;
+    const drawing = () => {
+      stage.render();
+      return [stage.calls, stage.drawnTriangles];
+    };
+    const atRest = drawing();
     const gl = stage.canvas.getContext("webgl2");
     const pixel = new Uint8Array(4);
     // Drawing is over when a pixel can be read.
@@ -81,11 +117,15 @@ test("a page of 500 hulls turns", async ({ page }) => {
     const hulls = panels[0].state.hulls;
     // As while it moves on a slow machine.
     panels[0].isHurried = true;
+    const moving = drawing();
     const turning = all(60, () => stage.turn(0.05, 0));
     const anew = all(20, () => panels[0].update());
-    return { hulls, turning, anew };
+    return { hulls, atRest, moving, turning, anew };
   });
   expect(found.hulls).toBe(500);
+  const triangles = 500 * 2 * 4 * 6;
+  expect(found.atRest).toEqual([2, triangles]);
+  expect(found.moving).toEqual([1, triangles]);
   console.log(
     `${found.hulls} hulls: a frame takes ${found.turning.toFixed(1)} ms, one with all hulls anew, as by the slider, ${found.anew.toFixed(1)} ms`,
   );

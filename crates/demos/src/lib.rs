@@ -80,6 +80,11 @@ pub fn timestep(frames: usize) -> TimestepMode {
     }
 }
 
+/// How far bodies may move before Rapier computes their contacts anew, in metres, where something hangs. Rapier's own
+/// 5 cm keep the contacts of what rocks on a hook where they were, and push it on: it swings without end. Things that
+/// lie on each other come to rest sooner with these.
+pub const RECYCLED_FOR: f32 = 0.001;
+
 /// A demo: its studio with a floor, its camera, its line of text and its keys.
 pub struct Stage {
     /// What is seen, in one line.

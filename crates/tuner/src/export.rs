@@ -1,10 +1,11 @@
 //! What is taken away: the component as Rust or as glTF extras, and files of hulls.
 
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 use arboard::Clipboard;
 use bevy::prelude::*;
+use bevy::tasks::{AsyncComputeTaskPool, Task, block_on, poll_once};
 use hullwright::hulls_format::HullsFile;
 use hullwright::io::write_hulls;
 use hullwright::{Preset, mass_properties_with};
@@ -25,12 +26,13 @@ pub struct Export {
     /// What was done last, or why it was not.
     pub message: Result<String, String>,
     clipboard: Mutex<Option<Clipboard>>,
+    saving: Vec<Task<Result<String, String>>>,
 }
 
 impl Export {
     /// Saves into this folder.
     pub fn new(folder: PathBuf) -> Self {
-        Self { folder, message: Ok(String::new()), clipboard: Mutex::default() }
+        Self { folder, message: Ok(String::new()), clipboard: Mutex::default(), saving: Vec::new() }
     }
 
     /// Copies text, and says so.
@@ -58,15 +60,38 @@ impl Export {
         }
     }
 
-    /// Saves hulls with this suffix, `hulls` or `glb`, and says where.
-    pub fn save(&mut self, fit: &Fit, suffix: &str) {
+    /// Saves hulls with this suffix, `hulls` or `glb`, in the background, and says where.
+    pub fn save(&mut self, fit: &Arc<Fit>, suffix: &'static str) {
         let path = self.folder.join(format!("{}.{suffix}", fit.model.name));
-        let written = match suffix {
-            "hulls" => write_hulls_file(fit, &path),
-            _ => write_hulls(&path, &fit.decomposition.hulls).map_err(|error| error.to_string()),
-        };
-        self.message = written.map(|()| format!("saved {}", path.display()));
+        let fit = fit.clone();
+        self.saving.push(AsyncComputeTaskPool::get().spawn(async move {
+            let written = match suffix {
+                "hulls" => write_hulls_file(&fit, &path),
+                _ => {
+                    write_hulls(&path, &fit.decomposition.hulls).map_err(|error| error.to_string())
+                }
+            };
+            written.map(|()| format!("saved {}", path.display()))
+        }));
     }
+
+    /// Whether a file is being written.
+    pub fn is_saving(&self) -> bool {
+        !self.saving.is_empty()
+    }
+}
+
+/// Says what became of files.
+pub fn take_saved(mut export: ResMut<Export>) {
+    let export = export.bypass_change_detection();
+    let message = &mut export.message;
+    export.saving.retain_mut(|task| match block_on(poll_once(task)) {
+        Some(said) => {
+            *message = said;
+            false
+        }
+        None => true,
+    });
 }
 
 /// With the mass properties at a density of 1, as `hullwright bake` writes them.

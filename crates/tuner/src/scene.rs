@@ -4,8 +4,11 @@ use std::sync::Arc;
 
 use bevy::light::NotShadowCaster;
 use bevy::prelude::*;
+use bevy_rapier3d::plugin::context::RapierContextSimulation;
 use bevy_rapier3d::prelude::*;
+use bevy_rapier3d::rapier::dynamics::IntegrationParameters;
 use hullwright::render::palette;
+use hullwright_demos::RECYCLED_FOR;
 use hullwright_demos::hulls::{HullMaterials, edges_mesh, hulls_mesh};
 use hullwright_demos::orbit::Orbit;
 
@@ -29,10 +32,10 @@ const HOOK_SHARE: f32 = 0.45;
 /// Room under what hangs, in metres.
 const UNDER: f32 = 0.35;
 
-/// Things turn as in air. What hangs turns as in oil: in air a mug swings on Rapier's contacts without end, with or
-/// without friction, at any step and with either dispatcher.
+/// Things turn as in air. What hangs is damped more: a swing loses as much as Rapier's contacts, which stay where they
+/// are during a step, give it, and comes to rest in some seconds.
 const AIR: Damping = Damping { linear_damping: 0.1, angular_damping: 0.5 };
-const OIL: Damping = Damping { linear_damping: 0.1, angular_damping: 6.0 };
+const HANGING: Damping = Damping { linear_damping: 0.1, angular_damping: 1.5 };
 
 /// What is tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -337,7 +340,7 @@ impl Builder<'_, '_, '_> {
         let place = Vec3::Y * height - at;
         let place_and_turn = Transform::from_translation(place).with_rotation(hang.turn);
         let thing = self.thing(place_and_turn, RigidBody::Dynamic);
-        self.commands.entity(thing).insert(OIL);
+        self.commands.entity(thing).insert(HANGING);
         (Vec3::Y * (height + place.y) / 2.0, 1.25)
     }
 
@@ -362,6 +365,18 @@ impl Builder<'_, '_, '_> {
             }
         });
         thing.id()
+    }
+}
+
+/// Lets Rapier compute contacts anew as soon as bodies move, while something hangs.
+pub fn renew_contacts(show: Res<Show>, mut worlds: Query<&mut RapierContextSimulation>) {
+    let is_hung = show.trial == Trial::Hook;
+    let usual = IntegrationParameters::default().normalized_contact_recycle_distance;
+    for mut world in &mut worlds {
+        world
+            .bypass_change_detection()
+            .integration_parameters
+            .normalized_contact_recycle_distance = if is_hung { RECYCLED_FOR } else { usual };
     }
 }
 

@@ -1,10 +1,11 @@
 //! Five mugs hang by their handles: `cargo window minimal`.
 
 use bevy::prelude::*;
+use bevy_rapier3d::plugin::context::RapierContextSimulation;
 use bevy_rapier3d::prelude::*;
 use hullwright::bevy::prelude::*;
-use hullwright_demos::Stage;
 use hullwright_demos::orbit::Orbit;
+use hullwright_demos::{RECYCLED_FOR, Stage};
 
 /// The mug is small; ten times as large it is seen better, and Rapier has larger things to hold.
 const SCALE: f32 = 10.0;
@@ -33,6 +34,7 @@ fn main() -> AppExit {
     App::new()
         .add_plugins((hullwright_demos::plugins("Mugs on a rail"), stage))
         .add_systems(Startup, (hang_mugs, build_rail))
+        .add_systems(PostStartup, renew_contacts)
         .run()
 }
 
@@ -48,9 +50,16 @@ fn hang_mugs(mut commands: Commands, server: Res<AssetServer>) {
             MeshMaterial3d(server.add(StandardMaterial::from(glaze))),
             Transform::from_translation(place).with_rotation(turn).with_scale(Vec3::splat(SCALE)),
             RigidBody::Dynamic,
-            Damping { linear_damping: 0.4, angular_damping: 2.5 },
+            Damping { linear_damping: 0.4, angular_damping: 1.5 },
             ConvexDecomposition::default().with_max_error(0.01),
         ));
+    }
+}
+
+/// Without it they would swing on.
+fn renew_contacts(mut worlds: Query<&mut RapierContextSimulation>) {
+    for mut world in &mut worlds {
+        world.integration_parameters.normalized_contact_recycle_distance = RECYCLED_FOR;
     }
 }
 

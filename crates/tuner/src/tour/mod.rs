@@ -10,13 +10,14 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use bevy::prelude::*;
-use bevy::time::Real;
 use hullwright_demos::picture::{PictureTaken, Shutter};
 
 use hand::{Devices, Hand};
 use seen::Seen;
 pub use seen::Watched;
 use steps::{Step, When, steps};
+
+use crate::stopwatch::Stopwatch;
 
 /// Frames for which all has to sleep.
 const STILL_FRAMES: usize = 6;
@@ -152,13 +153,18 @@ pub fn go_on(
     mut devices: Devices,
     mut taken: MessageReader<PictureTaken>,
     mut exit: MessageWriter<AppExit>,
-    time: Res<Time<Real>>,
+    mut stopwatch: ResMut<Stopwatch>,
     mut started: Local<bool>,
 ) {
     let tour = &mut *tour;
-    let is_busy = watched.busy_seconds().is_some();
-    let frames = if is_busy { &mut tour.frames.busy } else { &mut tour.frames.quiet };
-    frames.push(time.delta_secs());
+    if matches!(tour.state, State::Waits(..)) {
+        let is_busy = watched.busy_seconds().is_some();
+        let frames = if is_busy { &mut tour.frames.busy } else { &mut tour.frames.quiet };
+        frames.extend(stopwatch.last_length().map(|length| length.as_secs_f32()));
+    } else {
+        // It is drawn, for the picture.
+        stopwatch.skip();
+    }
     if !std::mem::replace(&mut *started, true) {
         tour.begin();
     }
@@ -176,6 +182,8 @@ pub fn go_on(
         tour.state = State::Photographs;
         // What is on the picture, and not what comes after it.
         tour.judge(&step, watched.look());
+        println!("        longest frame {}", stopwatch.take_longest().describe());
+        stopwatch.skip();
     }
     for picture in taken.read() {
         tour.failures += usize::from(picture.is_empty);

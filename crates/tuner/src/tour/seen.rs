@@ -95,6 +95,7 @@ impl Watched<'_, '_> {
     pub fn is_current(&self) -> bool {
         let model = self.library.current.as_ref();
         !self.library.is_reading()
+            && !self.export.is_saving()
             && (model.is_none() || self.tuning.is_current(model, &self.settings))
     }
 
