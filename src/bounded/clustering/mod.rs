@@ -44,9 +44,12 @@ const MAX_KEPT_SHARE: f64 = 0.5;
 /// cell (whose diagonal is 1.73), so that collapsing it would cut off a feature.
 const LONG: f64 = 2.0;
 
-/// Clusters of more vertices or triangles are not used: each query for a distance looks through
-/// three of them. Such clusters arise from a detailed object in a large scene.
+/// Clusters of more vertices or triangles are not used, unless they are a small share of the mesh: each query
+/// for a distance looks through three of them. Such clusters arise from a detailed object in a large scene.
 const MAX_CLUSTER: usize = 4096;
+
+/// A cluster may hold this share of a mesh's triangles: so many are at the pole of a sphere of ten million.
+const MAX_CLUSTER_SHARE: f64 = 1.0 / 64.0;
 
 /// If the triangles around the nearest vertex are farther away than expected by this factor, all
 /// triangles of the clusters are looked through.
@@ -147,7 +150,8 @@ impl Clustered {
         );
         let chosen = chosen?;
         control.check()?;
-        if vertices.longest().max(around.longest()) > MAX_CLUSTER {
+        let share = (MAX_CLUSTER_SHARE * surface.triangles.len() as f64) as usize;
+        if vertices.longest().max(around.longest()) > MAX_CLUSTER.max(share) {
             return Ok(None);
         }
         let position = |vertex: u32| surface.positions[vertex as usize];

@@ -4,7 +4,7 @@ use crate::geometry::vector::{add, length, scale};
 use crate::mesh::Normalization;
 use crate::mesh::canonical_order::MeshOrder;
 use crate::mesh::repair::prepare;
-use crate::mesh::shapes::{cuboid, join, torus};
+use crate::mesh::shapes::{cuboid, join, torus, uv_sphere};
 
 const BOUND: f64 = 0.02;
 
@@ -24,6 +24,13 @@ fn a_surface_with_a_hole_is_not_clustered() {
     let mut mesh = torus(400, 160);
     mesh.triangles.pop();
     assert!(clustered(&mesh).is_none());
+}
+
+#[test]
+fn the_many_triangles_at_a_pole_do_not_keep_a_sphere_from_being_clustered() {
+    let clustered = clustered(&uv_sphere(800, [0.0; 3], 1.0)).unwrap();
+    let longest = clustered.around.longest();
+    assert!(longest > MAX_CLUSTER, "{longest}");
 }
 
 #[test]
