@@ -13,7 +13,7 @@ use cases::*;
 use hullwright::measure::{MeasureOptions, measure};
 use hullwright::{
     ClosedMesh, Control, Decomposition, Hull, MassSource, OpeningOutcome, Openings, Parameters,
-    Sidedness, TriangleMesh, UpAxis, close_openings, decompose, mass_properties,
+    TriangleMesh, UpAxis, close_openings, decompose, mass_properties,
 };
 
 fn run(mesh: &TriangleMesh, parameters: &Parameters) -> Decomposition {
