@@ -11,7 +11,7 @@ use super::distance_grid::Probe;
 use super::inside::is_inside;
 use super::remainder::Remainder;
 use super::solid::{DOUBT, Solid};
-use super::triangle::{centre, halves};
+use super::triangle::{centre, halves, is_within_sides};
 use crate::bounded::work;
 use crate::geometry::vector::{Vector, distance, length_squared, subtract};
 
@@ -61,35 +61,49 @@ impl Solid {
                 .all(|quarter| self.point_fits(centre(quarter), bound))
     }
 
-    /// Whether no point of the face is farther than `bound` from the solid.
-    pub fn face_fits(&self, face: [Vector; 3], bound: f64, scratch: &mut FitScratch) -> bool {
+    /// A point of the face that is farther than `bound` from the solid; `None` if there is none. If `around` is
+    /// a point of the face, only the parts that contain it are asked, a few of hundreds.
+    pub fn protruding_point(
+        &self,
+        face: [Vector; 3],
+        around: Option<Vector>,
+        bound: f64,
+        scratch: &mut FitScratch,
+    ) -> Option<Vector> {
         let FitScratch { stack, remainder } = scratch;
+        let is_asked =
+            |&part: &[Vector; 3]| around.is_none_or(|point| is_within_sides(part, point));
         stack.clear();
         stack.push((face, self.is_coarse()));
         while let Some((part, may_be_crossed)) = stack.pop() {
+            let centre = centre(part);
             match self.part_fits(part, bound) {
                 Answer::Fits => continue,
-                Answer::Protrudes => return false,
+                Answer::Protrudes => return Some(centre),
                 Answer::Undecided => {}
             }
-            let centre = centre(part);
             let radius =
                 part.map(|corner| distance(corner, centre)).into_iter().fold(0.0, f64::max);
             if may_be_crossed && remainder.find(part, radius, bound, &self.bvh) {
                 for (centre, triangles) in remainder.parts() {
+                    let mut triangles = triangles.filter(is_asked).peekable();
+                    if around.is_some() && triangles.peek().is_none() {
+                        continue;
+                    }
                     if self.is_closed() && self.bvh.encloses(centre) {
                         continue;
                     }
                     if self.is_closed() && !self.bvh.is_within(centre, bound) {
-                        return false;
+                        return Some(centre);
                     }
                     stack.extend(triangles.map(|part| (part, false)));
                 }
             } else {
-                stack.extend(halves(part).map(|half| (half, may_be_crossed)));
+                let halves = halves(part).into_iter().filter(is_asked);
+                stack.extend(halves.map(|half| (half, may_be_crossed)));
             }
         }
-        true
+        None
     }
 
     #[inline]

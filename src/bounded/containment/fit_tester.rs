@@ -1,9 +1,10 @@
 //! The fit test of whole hulls: their faces are looked up in the cache, then tested by their
-//! centres, largest first, then completely.
+//! centres, largest first, then where earlier hulls have protruded, then completely.
 
 use super::face_cache::{FaceCache, FaceKey};
 use super::fit_test::FitScratch;
 use super::solid::Solid;
+use super::suspects::Suspects;
 use crate::bounded::growing_hull::GrowingHull;
 use crate::geometry::vector::{Vector, add, area_normal, length_squared, squared};
 use crate::hull::{HullBuilder, LEAST_THICKNESS, solid_hull};
@@ -30,6 +31,7 @@ pub(in crate::bounded) struct FitTester<'a> {
     faces: Vec<UntestedFace>,
     scratch: FitScratch,
     points: Vec<Vector>,
+    suspects: Suspects,
     /// Joint hulls that [`try_insert`](Self::try_insert) has tested.
     pub attempts: usize,
 }
@@ -44,6 +46,7 @@ impl<'a> FitTester<'a> {
             faces: Vec::new(),
             scratch: FitScratch::default(),
             points: Vec::new(),
+            suspects: Suspects::default(),
             attempts: 0,
         }
     }
@@ -106,19 +109,33 @@ impl<'a> FitTester<'a> {
             }
             fits
         };
-        let scratch = &mut self.scratch;
-        faces.iter().all(|face| fits(face, &mut |face| solid.centre_fits(face, bound)))
-            && faces.iter().all(|face| {
-                let is_large = face.size > LARGE * squared(squared(bound));
-                !is_large || fits(face, &mut |face| solid.quarters_fit(face, bound))
-            })
-            && faces.iter().all(|face| {
-                let is_fitting = fits(face, &mut |face| solid.face_fits(face, bound, scratch));
-                if is_fitting {
-                    solid.face_cache.insert(face.key, true);
-                }
-                is_fitting
-            })
+        let is_likely_to_fit =
+            faces.iter().all(|face| fits(face, &mut |face| solid.centre_fits(face, bound)))
+                && faces.iter().all(|face| {
+                    let is_large = face.size > LARGE * squared(squared(bound));
+                    !is_large || fits(face, &mut |face| solid.quarters_fit(face, bound))
+                });
+        if !is_likely_to_fit {
+            return false;
+        }
+        let Self { scratch, suspects, .. } = self;
+        let protrudes = |face, point| {
+            !solid.point_fits(point, bound)
+                && solid.protruding_point(face, Some(point), bound, scratch).is_some()
+        };
+        if let Some(index) = suspects.find(faces, |untested| untested.face, protrudes) {
+            solid.face_cache.insert(faces[index].key, false);
+            return false;
+        }
+        for &UntestedFace { key, face, .. } in faces.iter() {
+            let protruding = solid.protruding_point(face, None, bound, scratch);
+            solid.face_cache.insert(key, protruding.is_none());
+            if let Some(point) = protruding {
+                suspects.remember(point, face);
+                return false;
+            }
+        }
+        true
     }
 
     /// Grows a hull by parts of the surface, each given by its points and its outward direction, if

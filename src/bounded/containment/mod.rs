@@ -12,6 +12,7 @@
 //! | `polygon`, `remainder` | faces without what lies along the surface |
 //! | `triangle` | halving of faces until each part is decided |
 //! | `fit_test` | whether faces fit |
+//! | `suspects` | where earlier hulls have protruded |
 //! | `fit_tester` | whether hulls fit |
 
 pub(super) mod boundary;
@@ -24,5 +25,6 @@ pub(super) mod inside;
 mod polygon;
 pub(super) mod remainder;
 pub(super) mod solid;
+pub(super) mod suspects;
 mod swept;
 pub(super) mod triangle;

@@ -1,6 +1,6 @@
 //! Triangles that tests halve until each part is decided.
 
-use crate::geometry::vector::{Vector, add, length_squared, scale, subtract};
+use crate::geometry::vector::{Vector, add, area_normal, dot, length_squared, scale, subtract};
 
 #[inline]
 pub(in crate::bounded) fn centre([a, b, c]: [Vector; 3]) -> Vector {
@@ -22,4 +22,13 @@ pub(in crate::bounded) fn halves([a, b, c]: [Vector; 3]) -> [[Vector; 3]; 2] {
         let middle = scale(add(c, a), 0.5);
         [[a, b, middle], [middle, b, c]]
     }
+}
+
+/// Whether a point of a triangle's plane is in the triangle.
+#[inline]
+pub(super) fn is_within_sides([a, b, c]: [Vector; 3], point: Vector) -> bool {
+    let normal = area_normal(a, b, c);
+    [area_normal(a, b, point), area_normal(b, c, point), area_normal(c, a, point)]
+        .into_iter()
+        .all(|part| dot(part, normal) >= 0.0)
 }

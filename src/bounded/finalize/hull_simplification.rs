@@ -183,7 +183,8 @@ impl Attempts<'_> {
         let mut fits = |face| {
             control.check()?;
             let bound = settings.search_bound;
-            Ok(solid.centre_fits(face, bound) && solid.face_fits(face, bound, scratch))
+            Ok(solid.centre_fits(face, bound)
+                && solid.protruding_point(face, None, bound, scratch).is_none())
         };
         match collapse_edges(hull, volume_per_vertex, self.max_vertices, &mut fits)? {
             Some((collapsed, growth)) => self.accepted(collapsed, growth, max_uncovered),
