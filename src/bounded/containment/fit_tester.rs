@@ -13,6 +13,9 @@ use crate::hull::{HullBuilder, LEAST_THICKNESS, solid_hull};
 /// points before they are tested completely: most that protrude do so there.
 const LARGE: f64 = 400.0;
 
+/// Places where a hull has protruded that are remembered while it grows: more take as long as they save.
+const MAX_SUSPECTS: usize = 16;
+
 /// A face whose fit is not cached.
 struct UntestedFace {
     /// Its squared area, times four.
@@ -46,7 +49,7 @@ impl<'a> FitTester<'a> {
             faces: Vec::new(),
             scratch: FitScratch::default(),
             points: Vec::new(),
-            suspects: Suspects::default(),
+            suspects: Suspects::new(MAX_SUSPECTS),
             attempts: 0,
         }
     }

@@ -4,14 +4,23 @@
 //! A suspect only says where to look first. What the tests answer does not depend on it.
 
 use super::triangle::is_within_sides;
-use crate::geometry::vector::{Vector, add, area_normal, dot, scale, subtract};
+use crate::geometry::vector::{
+    Vector, add, area_normal, bounds, dot, length_squared, scale, squared, subtract,
+};
 
-/// Suspects that are remembered: more are seldom met and take as long as they save.
-const MAX_SUSPECTS: usize = 16;
+/// A suspect farther than this outside the box of all faces, in diagonals, is passed by.
+const MARGIN: f64 = 0.02;
+
+/// A line at a smaller sine to a face crosses it nowhere: where it does is not exact.
+const LEAST_SLOPE: f64 = 0.01;
 
 /// Suspects, the one that was met last first.
-#[derive(Debug, Clone, Default)]
-pub(in crate::bounded) struct Suspects(Vec<Suspect>);
+#[derive(Debug, Clone)]
+pub(in crate::bounded) struct Suspects {
+    list: Vec<Suspect>,
+    /// More are not remembered.
+    most: usize,
+}
 
 /// A point of a face that protruded, and the direction in which it did.
 #[derive(Debug, Clone, Copy)]
@@ -21,10 +30,15 @@ struct Suspect {
 }
 
 impl Suspects {
+    /// Remembers the `most` last ones.
+    pub(in crate::bounded) fn new(most: usize) -> Self {
+        Self { list: Vec::new(), most }
+    }
+
     /// Remembers a point of a face that protrudes there.
     pub(in crate::bounded) fn remember(&mut self, point: Vector, [a, b, c]: [Vector; 3]) {
-        self.0.truncate(MAX_SUSPECTS - 1);
-        self.0.insert(0, Suspect { point, outward: area_normal(a, b, c) });
+        self.list.truncate(self.most - 1);
+        self.list.insert(0, Suspect { point, outward: area_normal(a, b, c) });
     }
 
     /// The first of the faces that protrudes at a suspect, by its index. A face is asked at the point above or
@@ -35,14 +49,18 @@ impl Suspects {
         corners: impl Fn(&T) -> [Vector; 3],
         mut protrudes: impl FnMut([Vector; 3], Vector) -> bool,
     ) -> Option<usize> {
-        for index in 0..self.0.len() {
-            let Suspect { point, outward } = self.0[index];
+        let (min, max) = bounds(faces.iter().flat_map(&corners));
+        for index in 0..self.list.len() {
+            let Suspect { point, outward } = self.list[index];
+            if (0..3).any(|k| point[k] < min[k] - MARGIN || point[k] > max[k] + MARGIN) {
+                continue;
+            }
             for (k, face) in faces.iter().enumerate() {
                 let face = corners(face);
                 let Some(hit) = crossing(face, point, outward) else { continue };
                 if protrudes(face, hit) {
-                    self.0[..=index].rotate_right(1);
-                    self.0[0].point = hit;
+                    self.list[..=index].rotate_right(1);
+                    self.list[0].point = hit;
                     return Some(k);
                 }
             }
@@ -55,7 +73,12 @@ impl Suspects {
 #[inline]
 fn crossing([a, b, c]: [Vector; 3], point: Vector, direction: Vector) -> Option<Vector> {
     let normal = area_normal(a, b, c);
-    let share = dot(normal, subtract(a, point)) / dot(normal, direction);
+    let slope = dot(normal, direction);
+    let flattest = squared(LEAST_SLOPE) * length_squared(normal) * length_squared(direction);
+    if squared(slope) < flattest {
+        return None;
+    }
+    let share = dot(normal, subtract(a, point)) / slope;
     let hit = add(point, scale(direction, share));
     is_within_sides([a, b, c], hit).then_some(hit)
 }
@@ -64,6 +87,7 @@ fn crossing([a, b, c]: [Vector; 3], point: Vector, direction: Vector) -> Option<
 mod tests {
     use super::*;
 
+    const MOST: usize = 16;
     const FACE: [Vector; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 
     fn moved(face: [Vector; 3], by: Vector) -> [Vector; 3] {
@@ -72,7 +96,7 @@ mod tests {
 
     #[test]
     fn a_face_is_asked_above_and_below_where_another_protruded() {
-        let mut suspects = Suspects::default();
+        let mut suspects = Suspects::new(MOST);
         suspects.remember([0.2, 0.3, 0.0], FACE);
         let faces = [
             moved(FACE, [5.0, 0.0, 0.0]),
@@ -94,8 +118,8 @@ mod tests {
 
     #[test]
     fn the_suspect_that_was_met_last_is_asked_first_and_old_ones_are_forgotten() {
-        let mut suspects = Suspects::default();
-        for k in 0..2 * MAX_SUSPECTS {
+        let mut suspects = Suspects::new(MOST);
+        for k in 0..2 * MOST {
             suspects.remember([0.01 * k as f64, 0.1, 0.0], FACE);
         }
         let asked_until = |suspects: &mut Suspects, x: f64| {
@@ -110,7 +134,7 @@ mod tests {
             );
             (found.is_some(), asked)
         };
-        assert_eq!(asked_until(&mut suspects, 0.05), (false, MAX_SUSPECTS));
+        assert_eq!(asked_until(&mut suspects, 0.05), (false, MOST));
         assert_eq!(asked_until(&mut suspects, 0.2), (true, 12));
         assert_eq!(asked_until(&mut suspects, 0.2), (true, 1));
     }

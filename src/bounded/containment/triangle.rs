@@ -26,7 +26,7 @@ pub(in crate::bounded) fn halves([a, b, c]: [Vector; 3]) -> [[Vector; 3]; 2] {
 
 /// Whether a point of a triangle's plane is in the triangle.
 #[inline]
-pub(super) fn is_within_sides([a, b, c]: [Vector; 3], point: Vector) -> bool {
+pub(in crate::bounded) fn is_within_sides([a, b, c]: [Vector; 3], point: Vector) -> bool {
     let normal = area_normal(a, b, c);
     [area_normal(a, b, point), area_normal(b, c, point), area_normal(c, a, point)]
         .into_iter()

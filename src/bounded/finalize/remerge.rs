@@ -7,10 +7,10 @@
 use super::context::FinalizeContext;
 use super::final_hull::FinalHull;
 use super::make_hull::make_hull;
-use super::verify::protrusion::keeps_bound;
+use super::verify::protrusion::{SharedSuspects, keeps_bound};
 use crate::error::Error;
 use crate::geometry::vector::{Vector, bounds};
-use crate::hull::{HullBuilder, solid_hull};
+use crate::hull::{ConvexHull, HullBuilder, solid_hull};
 use crate::parallel;
 
 /// A hull that may join others. It stays in the list when it has.
@@ -22,7 +22,7 @@ struct Entry {
     max: Vector,
 }
 
-/// Two hulls whose joint hull keeps the bound.
+/// Two hulls that may join.
 struct Candidate {
     /// Volume that the joint hull adds, as a share of its own.
     cost: f64,
@@ -30,7 +30,8 @@ struct Candidate {
 }
 
 /// Joins hulls. O(k²) joint hulls at first for k hulls, fewer where most are far from each other,
-/// and O(k) for each join.
+/// and O(k) for each join. They are verified from the cheapest on until one keeps the bound: most that are
+/// dearer lose one of their hulls before it is their turn.
 ///
 /// # Errors
 /// [`Error::Cancelled`].
@@ -46,18 +47,27 @@ pub(super) fn remerge(
     pairs.retain(|&pair| may_join(context, &entries, pair));
     let mut candidates: Vec<Candidate> = Vec::new();
     let mut builder = HullBuilder::new();
+    let suspects = SharedSuspects::default();
     while !context.control.is_past_deadline() {
         let found = parallel::map(&pairs, |&pair| candidate(context, &entries, pair));
         for candidate in found {
             candidates.extend(candidate?);
         }
         pairs.clear();
-        let least = candidates
-            .iter()
-            .enumerate()
-            .min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost).then(a.pair.cmp(&b.pair)));
-        let Some((index, _)) = least else { break };
-        let (first, second) = candidates.swap_remove(index).pair;
+        candidates.sort_unstable_by(|a, b| a.cost.total_cmp(&b.cost).then(a.pair.cmp(&b.pair)));
+        let keeps = |candidate: &Candidate| {
+            let joint = joint_hull(&entries, candidate.pair)?;
+            let &FinalizeContext { solid, settings, control, .. } = context;
+            keeps_bound(&joint, solid, settings.bound, &suspects, control)
+        };
+        let mut verdicts =
+            parallel::map_until(&candidates, keeps, |verdict| !matches!(verdict, Ok(false)));
+        let Some(last) = verdicts.pop() else { break };
+        candidates.drain(..verdicts.len());
+        if !last? {
+            break;
+        }
+        let (first, second) = candidates.remove(0).pair;
         let joint = join(context, &entries[first].hull, &entries[second].hull, &mut builder)?;
         if !joint.keeps_bound(context.settings) {
             continue;
@@ -89,28 +99,28 @@ fn may_join(context: &FinalizeContext<'_>, entries: &[Entry], (a, b): (usize, us
     is_near && a.is_alive && b.is_alive
 }
 
-/// A pair, if the hull of both hulls keeps the bound.
+/// A pair, unless the hull of both hulls has too many vertices.
 fn candidate(
     context: &FinalizeContext<'_>,
     entries: &[Entry],
     pair: (usize, usize),
 ) -> Result<Option<Candidate>, Error> {
-    let &FinalizeContext { solid, settings, control, .. } = context;
-    control.check()?;
-    let (a, b) = (&entries[pair.0], &entries[pair.1]);
-    let mut builder = HullBuilder::new();
-    let points: Vec<Vector> =
-        a.hull.hull.points.iter().chain(&b.hull.hull.points).copied().collect();
-    let (joint, _) = solid_hull(&mut builder, &points, [0.0; 3], 0.0)?;
+    context.control.check()?;
+    let joint = joint_hull(entries, pair)?;
     // Simplification hardly ever keeps the cap of a hull that violates it here.
-    if settings.max_vertices.is_some_and(|most| joint.points.len() > most) {
-        return Ok(None);
-    }
-    if !keeps_bound(&joint, solid, settings.bound, control)? {
+    if context.settings.max_vertices.is_some_and(|most| joint.points.len() > most) {
         return Ok(None);
     }
     let volume = joint.volume();
-    Ok(Some(Candidate { cost: (volume - a.volume - b.volume) / volume, pair }))
+    let apart = entries[pair.0].volume + entries[pair.1].volume;
+    Ok(Some(Candidate { cost: (volume - apart) / volume, pair }))
+}
+
+/// The hull of two hulls.
+fn joint_hull(entries: &[Entry], pair: (usize, usize)) -> Result<ConvexHull, Error> {
+    let points = |index: usize| &entries[index].hull.hull.points;
+    let points: Vec<Vector> = points(pair.0).iter().chain(points(pair.1)).copied().collect();
+    Ok(solid_hull(&mut HullBuilder::new(), &points, [0.0; 3], 0.0)?.0)
 }
 
 /// The final hull of what two hulls represent.

@@ -6,10 +6,13 @@
 //! are those to the source, and what is inside the solid may be as far outside the source as
 //! vertices have moved: the result is never below that.
 
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
 use crate::bounded::containment::inside::is_inside;
 use crate::bounded::containment::remainder::Remainder;
 use crate::bounded::containment::solid::{Solid, SourceDistance};
-use crate::bounded::containment::triangle::{centre, halves};
+use crate::bounded::containment::suspects::Suspects;
+use crate::bounded::containment::triangle::{centre, halves, is_within_sides};
 use crate::bounded::work;
 use crate::control::Control;
 use crate::error::Error;
@@ -43,6 +46,9 @@ const MAX_PARTS: usize = 200_000;
 /// plates 0.13 % apart under a bound of 0.2 % took 50 s without.
 const MANY_PARTS: usize = 20_000;
 
+/// Places where hulls have protruded that are remembered for all of them.
+const MAX_SUSPECTS: usize = 256;
+
 /// Parts between two checks for cancellation: less than a millisecond.
 const PARTS_PER_CHECK: usize = 1024;
 
@@ -59,11 +65,31 @@ pub(in crate::bounded) fn protrusion(
     control: &Control,
 ) -> Result<f64, Error> {
     let unresolved = if solid.is_closed() { UNRESOLVED } else { UNRESOLVED_IN_OPEN };
-    protrusion_beyond(unresolved * bound, hull, solid, bound, limit, control)
+    let mut search = Search::new(solid, bound, limit, unresolved * bound);
+    if search.cavities_exceed(hull) {
+        return Ok(search.known);
+    }
+    let faces: Vec<[Vector; 3]> = hull.corners().collect();
+    search.run(&faces, None, control)
+}
+
+/// Where hulls have protruded that were verified earlier, by any thread. Verdicts do not depend on it.
+pub(in crate::bounded) struct SharedSuspects(Mutex<Suspects>);
+
+impl Default for SharedSuspects {
+    fn default() -> Self {
+        Self(Mutex::new(Suspects::new(MAX_SUSPECTS)))
+    }
+}
+
+impl SharedSuspects {
+    fn lock(&self) -> MutexGuard<'_, Suspects> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 /// Whether no point of the hull's faces is farther than the bound from the solid. Faster than the
-/// protrusion: nothing below the bound is resolved.
+/// protrusion: nothing below the bound is resolved, and it is asked first where others have protruded.
 ///
 /// # Errors
 /// [`Error::Cancelled`].
@@ -71,76 +97,32 @@ pub(in crate::bounded) fn keeps_bound(
     hull: &ConvexHull,
     solid: &Solid,
     bound: f64,
+    suspects: &SharedSuspects,
     control: &Control,
 ) -> Result<bool, Error> {
     // Most hulls that protrude do so at one of few points.
     let fits = |face| solid.centre_fits(face, bound) && solid.quarters_fit(face, bound);
-    let known = (1.0 - RESOLUTION) * bound;
-    Ok(hull.corners().all(fits)
-        && protrusion_beyond(known, hull, solid, bound, bound, control)? <= bound)
-}
-
-/// The protrusion, if it is more than `unresolved`.
-fn protrusion_beyond(
-    unresolved: f64,
-    hull: &ConvexHull,
-    solid: &Solid,
-    bound: f64,
-    limit: f64,
-    control: &Control,
-) -> Result<f64, Error> {
-    let displacement = solid.displacement();
-    let known = unresolved.max(displacement);
-    let mut search = Search { solid, bound, limit, displacement, known };
-    if search.cavities_exceed(hull) {
-        return Ok(search.known);
+    if !hull.corners().all(fits) {
+        return Ok(false);
     }
-    // Faces and parts of them, and whether the surface may cross them.
-    let mut stack: Vec<([Vector; 3], bool)> =
-        hull.corners().map(|face| (face, solid.is_coarse())).collect();
-    // One large protrusion makes all other faces cheap.
-    for &(face, _) in &stack {
-        control.check()?;
-        search.raise_by_centre(face);
-        if search.known > limit {
-            return Ok(search.known);
-        }
+    let unresolved = (1.0 - RESOLUTION) * bound;
+    let exceeds_at = |face, point| {
+        let mut search = Search::new(solid, bound, bound, unresolved);
+        search.may_exceed(point)
+            && search.run(&[face], Some(point), control).is_ok()
+            && search.known > bound
+    };
+    let faces: Vec<[Vector; 3]> = hull.corners().collect();
+    let mut suspects_now = suspects.lock().clone();
+    if suspects_now.find(&faces, |&face| face, exceeds_at).is_some() {
+        return Ok(false);
     }
-    let mut remainder = Remainder::default();
-    let mut parts = 0;
-    while let Some((part, may_be_crossed)) = stack.pop() {
-        parts += 1;
-        // In a clustered mesh, a single part may take a millisecond.
-        if parts % PARTS_PER_CHECK == 0 || displacement > 0.0 {
-            control.check()?;
-        }
-        if parts == MANY_PARTS && limit >= bound {
-            search.known = search.known.max((1.0 - FINE_RESOLUTION) * bound);
-        }
-        if parts > MAX_PARTS {
-            stack.push((part, false));
-            let rest = stack.iter().map(|&(part, _)| upper_distance(part, solid));
-            return Ok(rest.fold(enough(search.known, bound), f64::max));
-        }
-        match search.examine(part) {
-            Decision::Settled => {}
-            Decision::Halve => {
-                let radius = radius(centre(part), part);
-                let enough = enough(search.known, bound);
-                if may_be_crossed && remainder.find(part, radius, enough, &solid.bvh) {
-                    for (centre, triangles) in remainder.parts() {
-                        if !solid.is_closed() || !solid.bvh.is_inside(centre) {
-                            stack.extend(triangles.map(|part| (part, false)));
-                        }
-                    }
-                } else {
-                    stack.extend(halves(part).map(|half| (half, may_be_crossed)));
-                }
-            }
-            Decision::Exceeds(distance) => return Ok(distance),
-        }
+    let mut search = Search::new(solid, bound, bound, unresolved);
+    let keeps = !search.cavities_exceed(hull) && search.run(&faces, None, control)? <= bound;
+    if let (false, Some((point, face))) = (keeps, search.farthest) {
+        suspects.lock().remember(point, face);
     }
-    Ok(enough(search.known, bound))
+    Ok(keeps)
 }
 
 /// The maximum found so far, and what it depends on.
@@ -151,6 +133,8 @@ struct Search<'a> {
     displacement: f64,
     /// A lower bound on the maximum.
     known: f64,
+    /// Where it was found, and the face or a part of it.
+    farthest: Option<(Vector, [Vector; 3])>,
 }
 
 /// What is to be done about a part of a face.
@@ -162,7 +146,83 @@ enum Decision {
     Exceeds(f64),
 }
 
-impl Search<'_> {
+impl<'a> Search<'a> {
+    /// Protrusions of no more than `unresolved` are not told.
+    fn new(solid: &'a Solid, bound: f64, limit: f64, unresolved: f64) -> Self {
+        let displacement = solid.displacement();
+        let known = unresolved.max(displacement);
+        Self { solid, bound, limit, displacement, known, farthest: None }
+    }
+
+    /// The protrusion of some faces, or any value above the limit. If `around` is a point of a face, only the
+    /// parts that contain it are looked at. If they exceed the limit so do all: what is known decides only
+    /// how much is halved, and below the limit nothing that does not contain its answer.
+    fn run(
+        &mut self,
+        faces: &[[Vector; 3]],
+        around: Option<Vector>,
+        control: &Control,
+    ) -> Result<f64, Error> {
+        let &mut Self { solid, bound, limit, displacement, .. } = self;
+        let is_asked =
+            |&part: &[Vector; 3]| around.is_none_or(|point| is_within_sides(part, point));
+        // Faces and parts of them, and whether the surface may cross them.
+        let mut stack: Vec<([Vector; 3], bool)> =
+            faces.iter().map(|&face| (face, solid.is_coarse())).collect();
+        // One large protrusion makes all other faces cheap.
+        for &(face, _) in &stack {
+            control.check()?;
+            self.raise_by_centre(face);
+            if self.known > limit {
+                return Ok(self.known);
+            }
+        }
+        let mut remainder = Remainder::default();
+        let mut parts = 0;
+        while let Some((part, may_be_crossed)) = stack.pop() {
+            parts += 1;
+            // In a clustered mesh, a single part may take a millisecond.
+            if parts % PARTS_PER_CHECK == 0 || displacement > 0.0 {
+                control.check()?;
+            }
+            if parts == MANY_PARTS && limit >= bound {
+                self.known = self.known.max((1.0 - FINE_RESOLUTION) * bound);
+            }
+            if parts > MAX_PARTS {
+                stack.push((part, false));
+                let rest = stack.iter().map(|&(part, _)| upper_distance(part, solid));
+                return Ok(rest.fold(enough(self.known, bound), f64::max));
+            }
+            match self.examine(part) {
+                Decision::Settled => {}
+                Decision::Halve => {
+                    let radius = radius(centre(part), part);
+                    let enough = enough(self.known, bound);
+                    if may_be_crossed && remainder.find(part, radius, enough, &solid.bvh) {
+                        for (centre, triangles) in remainder.parts() {
+                            if !solid.is_closed() || !solid.bvh.is_inside(centre) {
+                                stack.extend(triangles.filter(is_asked).map(|part| (part, false)));
+                            }
+                        }
+                    } else {
+                        let halves = halves(part).into_iter().filter(is_asked);
+                        stack.extend(halves.map(|half| (half, may_be_crossed)));
+                    }
+                }
+                Decision::Exceeds(distance) => return Ok(distance),
+            }
+        }
+        Ok(enough(self.known, bound))
+    }
+
+    /// Whether a point outside the solid is farther from its surface than the limit.
+    fn may_exceed(&self, point: Vector) -> bool {
+        self.solid.upper_distance(point) + self.displacement > self.limit
+            && self.solid.source_distance(point, NO_GUESS).is_some_and(|distance| {
+                distance.upper > self.limit && !self.solid.is_inside(point, &distance)
+            })
+    }
+
     /// Takes cavities into account that the hull contains. Whether they exceed the limit.
     fn cavities_exceed(&mut self, hull: &ConvexHull) -> bool {
         let cavities = &self.solid.cavities;
@@ -187,6 +247,7 @@ impl Search<'_> {
             && !self.solid.is_inside(centre, &distance)
         {
             self.known = distance.upper;
+            self.farthest = Some((centre, face));
         }
     }
 
@@ -234,7 +295,10 @@ impl Search<'_> {
                     return Decision::Settled;
                 }
             } else {
-                self.known = known.max(distance.upper);
+                if distance.upper > known {
+                    self.known = distance.upper;
+                    self.farthest = Some((centre, part));
+                }
                 if self.known > self.limit {
                     return Decision::Exceeds(self.known + radius);
                 }
@@ -335,9 +399,10 @@ mod tests {
         let inner = cube([0.0; 3]);
         let bound = 0.02;
         let solid = solid_of(&inner, bound);
+        let suspects = SharedSuspects::default();
         for share in [0.0, 0.5, 0.9, 0.97, 0.99, 1.01, 1.03, 1.1, 2.0, 20.0] {
             let moved = cube([share * bound, 0.0, 0.0]);
-            let keeps = keeps_bound(&moved, &solid, bound, &Control::new()).unwrap();
+            let keeps = keeps_bound(&moved, &solid, bound, &suspects, &Control::new()).unwrap();
             assert_eq!(keeps, share <= 1.0, "{share}");
         }
     }
@@ -356,7 +421,10 @@ mod tests {
         corners.extend(upper_half.map(|[x, y, _]| [x, y, 1.0]));
         let upper_half = convex_hull(&corners).unwrap();
         assert!((0.1..0.11).contains(&of(&upper_half)), "{}", of(&upper_half));
-        assert!(!keeps_bound(&shell, &solid, bound, &Control::new()).unwrap());
+        assert!(
+            !keeps_bound(&shell, &solid, bound, &SharedSuspects::default(), &Control::new())
+                .unwrap()
+        );
     }
 
     #[test]
