@@ -1,4 +1,4 @@
-//! Growing: a piece takes every patch that it can, nearest first.
+//! Growing: a piece takes the patches that it can, nearest first.
 
 use crate::bounded::containment::fit_tester::FitTester;
 use crate::bounded::growing_hull::GrowingHull;
@@ -20,7 +20,12 @@ const CONTAINED_TOLERANCE: f64 = 3e-4;
 /// compute all distances again for an order that follows the hull.
 const REORDER: f64 = 1.15;
 
-/// Grows a piece by the patches of `wanted` that fit, in order of distance, until none fits.
+/// Patches that are refused one after the other before a piece stops growing: the nearest are tried first, and
+/// few that come later fit. Without, there are 0.1 % fewer hulls on 366 meshes and 14 % more time; with 6, 0.3 % more
+/// hulls.
+const MAX_REFUSED_IN_TURN: usize = 8;
+
+/// Grows a piece by the patches of `wanted` that fit, in order of distance, until many in turn do not.
 ///
 /// As long as batches fit, they double: faces that would only exist between one patch and the next
 /// are never tested.
@@ -41,6 +46,7 @@ pub(super) fn grow(
     }
     let mut batch_size = 1;
     let mut batch: Vec<u32> = Vec::new();
+    let mut refused_in_turn = 0;
     while !open.is_empty() {
         let mut order: Vec<(f64, u32)> =
             open.iter().map(|index| (distance_to(&piece.hull, &patches[index]), index)).collect();
@@ -67,7 +73,13 @@ pub(super) fn grow(
             if batch.is_empty() {
                 break;
             }
+            let before = piece.patches.count();
             let fits = insert(patches, piece, &batch, &mut open, tester, control)?;
+            let has_grown = piece.patches.count() > before;
+            refused_in_turn = if has_grown { 0 } else { refused_in_turn + batch.len() };
+            if refused_in_turn >= MAX_REFUSED_IN_TURN {
+                return Ok(());
+            }
             batch_size = if fits { (2 * batch_size).min(MAX_BATCH) } else { 1 };
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! | file | contents |
 //! |---|---|
-//! | `grow` | each piece takes every patch that it can |
+//! | `grow` | each piece takes the patches that it can |
 //! | `redundancy` | pieces all of whose patches others cover are dropped |
 //! | `dissolve` | pieces hand their patches to others and disappear |
 //! | `assign_owners` | each patch stays with one piece |
@@ -26,11 +26,14 @@ use assign_owners::assign_owners;
 use dissolve::dissolve;
 use fill::fill;
 use grow::grow;
-use redundancy::drop_redundant;
+use redundancy::{area, drop_redundant};
 
 /// Share of the first round's budget that the last round of dissolving may spend: more than nearly
 /// all meshes need. Without a budget, a mesh of 464 hulls took ten times as long.
 const LAST_ROUND_BUDGET: f64 = 0.1;
+
+/// Pieces that grow between two looks at what is covered, and may grow in parallel.
+const AT_ONCE: usize = 4;
 
 /// Few pieces that cover all patches.
 pub(super) struct SetCover {
@@ -54,18 +57,7 @@ pub(super) fn cover(
     if pieces.len() < 2 {
         return Ok(SetCover { pieces, before_last_round: None });
     }
-    let all = patches.all();
-    let size = |piece: &Piece| piece.patches.count();
-    let grown = parallel::map_largest_first(&pieces, size, |piece| {
-        control.check()?;
-        let mut piece = piece.clone();
-        if !control.is_past_deadline() {
-            let mut tester = FitTester::new(solid, settings.search_bound);
-            grow(patches, &mut piece, &all, &mut tester, control)?;
-        }
-        Ok(piece)
-    });
-    let mut pieces = grown.into_iter().collect::<Result<Vec<Piece>, Error>>()?;
+    let mut pieces = grow_all(patches, pieces, solid, settings, control)?;
     drop_redundant(patches, &mut pieces);
     let budget = settings.dissolve_attempts;
     dissolve(patches, &mut pieces, solid, settings.search_bound, budget, control)?;
@@ -78,4 +70,45 @@ pub(super) fn cover(
         fill(&mut owned, &pieces, solid, settings.search_bound, control)?;
     }
     Ok(SetCover { pieces: owned, before_last_round })
+}
+
+/// Pieces that have taken the patches that they can, those of the largest area first. One that others cover by
+/// then is left out.
+///
+/// # Errors
+/// [`Error::Cancelled`].
+fn grow_all(
+    patches: &Patches,
+    mut pieces: Vec<Piece>,
+    solid: &Solid,
+    settings: &Settings,
+    control: &Control,
+) -> Result<Vec<Piece>, Error> {
+    let all = patches.all();
+    let grow_one = |piece: &Piece| {
+        control.check()?;
+        let mut piece = piece.clone();
+        if !control.is_past_deadline() {
+            let mut tester = FitTester::new(solid, settings.search_bound);
+            grow(patches, &mut piece, &all, &mut tester, control)?;
+        }
+        Ok(piece)
+    };
+    pieces.sort_by(|a, b| area(patches, &b.patches).total_cmp(&area(patches, &a.patches)));
+    let mut open = all.clone();
+    let mut grown = Vec::new();
+    let mut waiting = pieces.into_iter().peekable();
+    while waiting.peek().is_some() {
+        let some: Vec<Piece> = waiting
+            .by_ref()
+            .filter(|piece| piece.patches.intersects(&open))
+            .take(AT_ONCE)
+            .collect();
+        for piece in parallel::map(&some, grow_one) {
+            let piece = piece?;
+            open.difference_with(&piece.patches);
+            grown.push(piece);
+        }
+    }
+    Ok(grown)
 }

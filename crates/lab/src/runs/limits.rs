@@ -26,7 +26,7 @@ pub struct Ended {
     pub lines: Vec<String>,
     /// The last line of standard error, or what stopped the process.
     pub reason: String,
-    /// Highest resident memory that was seen, in bytes; `None` where the system doesn't tell.
+    /// Highest resident memory that was seen, in bytes; `None` if none was.
     pub peak_memory: Option<u64>,
 }
 
@@ -130,8 +130,9 @@ fn watch(
                 std::thread::sleep(LOOK_EVERY);
             }
         }
-        ended.peak_memory = ended.peak_memory.max(peak_memory(child.id()));
         let memory = system.as_mut().and_then(|system| resident_memory(system, child.id()));
+        // The peak is read last: what is over the limit is part of it.
+        ended.peak_memory = ended.peak_memory.max(memory).max(peak_memory(child.id()));
         if memory.is_some_and(|bytes| bytes > limits.memory) {
             return Some(Status::OutOfMemory);
         }
