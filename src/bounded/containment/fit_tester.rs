@@ -168,3 +168,46 @@ impl<'a> FitTester<'a> {
         fits
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bounded::containment::boundary::Boundary;
+    use crate::control::Control;
+    use crate::geometry::TriangleMesh;
+    use crate::mesh::shapes::{cuboid, hemisphere, join, torus};
+
+    const BOUND: f64 = 0.03;
+
+    fn solid_of(mesh: &TriangleMesh, boundary: Boundary) -> Solid {
+        let TriangleMesh { positions, triangles, .. } = mesh;
+        Solid::of_surface(positions, triangles, boundary, BOUND, &Control::new()).unwrap()
+    }
+
+    #[test]
+    fn no_answer_depends_on_where_earlier_hulls_protruded() {
+        let two = join(&[torus(24, 12), cuboid([0.2, 0.2, -0.1], [0.5, 0.6, 0.9])]);
+        let bowl = hemisphere(10);
+        let rim = || Boundary::new(&bowl.positions, &bowl.triangles);
+        let no_rim = Boundary::default;
+        let meshes: [(&TriangleMesh, &dyn Fn() -> Boundary); 2] = [(&two, &no_rim), (&bowl, &rim)];
+        for (mesh, boundary) in meshes {
+            // Each has a cache of its own.
+            let (solid, other) = (solid_of(mesh, boundary()), solid_of(mesh, boundary()));
+            let mut tester = FitTester::new(&solid, BOUND);
+            let count = mesh.positions.len();
+            let (mut fitting, mut refused) = (0, 0);
+            for start in (0..count).step_by(count / 24 + 1) {
+                for size in [6, 12, 22, 34, 60] {
+                    let points: Vec<Vector> =
+                        (start..start + size).map(|k| mesh.positions[k % count]).collect();
+                    let hull = GrowingHull::new(&points, [0.0; 3]);
+                    let alone = FitTester::new(&other, BOUND).fits(&hull, false);
+                    assert_eq!(tester.fits(&hull, false), alone);
+                    if alone { fitting += 1 } else { refused += 1 }
+                }
+            }
+            assert!(fitting > 10 && refused > 10, "{fitting} fit, {refused} do not");
+        }
+    }
+}

@@ -7,7 +7,7 @@
 use super::context::FinalizeContext;
 use super::final_hull::FinalHull;
 use super::make_hull::make_hull;
-use super::verify::protrusion::{SharedSuspects, keeps_bound};
+use super::verify::keeps_bound::{SharedSuspects, keeps_bound};
 use crate::error::Error;
 use crate::geometry::vector::{Vector, bounds};
 use crate::hull::{ConvexHull, HullBuilder, solid_hull};

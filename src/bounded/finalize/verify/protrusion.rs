@@ -6,12 +6,9 @@
 //! are those to the source, and what is inside the solid may be as far outside the source as
 //! vertices have moved: the result is never below that.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
-
 use crate::bounded::containment::inside::is_inside;
 use crate::bounded::containment::remainder::Remainder;
 use crate::bounded::containment::solid::{Solid, SourceDistance};
-use crate::bounded::containment::suspects::Suspects;
 use crate::bounded::containment::triangle::{centre, halves, is_within_sides};
 use crate::bounded::work;
 use crate::control::Control;
@@ -33,7 +30,7 @@ const UNRESOLVED_IN_OPEN: f64 = 0.75;
 
 /// Protrusions are too large by at most this share of the bound: a smaller one takes more parts of
 /// faces for digits that decide nothing.
-const RESOLUTION: f64 = 0.04;
+pub(super) const RESOLUTION: f64 = 0.04;
 
 /// The same for maxima just below the bound, where it decides whether a hull is divided.
 const FINE_RESOLUTION: f64 = 0.005;
@@ -45,9 +42,6 @@ const MAX_PARTS: usize = 200_000;
 /// takes parts without end. After this many it is only decided whether the bound is kept. Two
 /// plates 0.13 % apart under a bound of 0.2 % took 50 s without.
 const MANY_PARTS: usize = 20_000;
-
-/// Places where hulls have protruded that are remembered for all of them.
-const MAX_SUSPECTS: usize = 256;
 
 /// Parts between two checks for cancellation: less than a millisecond.
 const PARTS_PER_CHECK: usize = 1024;
@@ -73,68 +67,16 @@ pub(in crate::bounded) fn protrusion(
     search.run(&faces, None, control)
 }
 
-/// Where hulls have protruded that were verified earlier, by any thread. Verdicts do not depend on it.
-pub(in crate::bounded) struct SharedSuspects(Mutex<Suspects>);
-
-impl Default for SharedSuspects {
-    fn default() -> Self {
-        Self(Mutex::new(Suspects::new(MAX_SUSPECTS)))
-    }
-}
-
-impl SharedSuspects {
-    fn lock(&self) -> MutexGuard<'_, Suspects> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-/// Whether no point of the hull's faces is farther than the bound from the solid. Faster than the
-/// protrusion: nothing below the bound is resolved, and it is asked first where others have protruded.
-///
-/// # Errors
-/// [`Error::Cancelled`].
-pub(in crate::bounded) fn keeps_bound(
-    hull: &ConvexHull,
-    solid: &Solid,
-    bound: f64,
-    suspects: &SharedSuspects,
-    control: &Control,
-) -> Result<bool, Error> {
-    // Most hulls that protrude do so at one of few points.
-    let fits = |face| solid.centre_fits(face, bound) && solid.quarters_fit(face, bound);
-    if !hull.corners().all(fits) {
-        return Ok(false);
-    }
-    let unresolved = (1.0 - RESOLUTION) * bound;
-    let exceeds_at = |face, point| {
-        let mut search = Search::new(solid, bound, bound, unresolved);
-        search.may_exceed(point)
-            && search.run(&[face], Some(point), control).is_ok()
-            && search.known > bound
-    };
-    let faces: Vec<[Vector; 3]> = hull.corners().collect();
-    let mut suspects_now = suspects.lock().clone();
-    if suspects_now.find(&faces, |&face| face, exceeds_at).is_some() {
-        return Ok(false);
-    }
-    let mut search = Search::new(solid, bound, bound, unresolved);
-    let keeps = !search.cavities_exceed(hull) && search.run(&faces, None, control)? <= bound;
-    if let (false, Some((point, face))) = (keeps, search.farthest) {
-        suspects.lock().remember(point, face);
-    }
-    Ok(keeps)
-}
-
 /// The maximum found so far, and what it depends on.
-struct Search<'a> {
+pub(super) struct Search<'a> {
     solid: &'a Solid,
     bound: f64,
     limit: f64,
     displacement: f64,
     /// A lower bound on the maximum.
-    known: f64,
+    pub known: f64,
     /// Where it was found, and the face or a part of it.
-    farthest: Option<(Vector, [Vector; 3])>,
+    pub farthest: Option<(Vector, [Vector; 3])>,
 }
 
 /// What is to be done about a part of a face.
@@ -148,7 +90,7 @@ enum Decision {
 
 impl<'a> Search<'a> {
     /// Protrusions of no more than `unresolved` are not told.
-    fn new(solid: &'a Solid, bound: f64, limit: f64, unresolved: f64) -> Self {
+    pub fn new(solid: &'a Solid, bound: f64, limit: f64, unresolved: f64) -> Self {
         let displacement = solid.displacement();
         let known = unresolved.max(displacement);
         Self { solid, bound, limit, displacement, known, farthest: None }
@@ -157,7 +99,7 @@ impl<'a> Search<'a> {
     /// The protrusion of some faces, or any value above the limit. If `around` is a point of a face, only the
     /// parts that contain it are looked at. If they exceed the limit so do all: what is known decides only
     /// how much is halved, and below the limit nothing that does not contain its answer.
-    fn run(
+    pub fn run(
         &mut self,
         faces: &[[Vector; 3]],
         around: Option<Vector>,
@@ -216,7 +158,7 @@ impl<'a> Search<'a> {
     }
 
     /// Whether a point outside the solid is farther from its surface than the limit.
-    fn may_exceed(&self, point: Vector) -> bool {
+    pub fn may_exceed(&self, point: Vector) -> bool {
         self.solid.upper_distance(point) + self.displacement > self.limit
             && self.solid.source_distance(point, NO_GUESS).is_some_and(|distance| {
                 distance.upper > self.limit && !self.solid.is_inside(point, &distance)
@@ -224,7 +166,7 @@ impl<'a> Search<'a> {
     }
 
     /// Takes cavities into account that the hull contains. Whether they exceed the limit.
-    fn cavities_exceed(&mut self, hull: &ConvexHull) -> bool {
+    pub fn cavities_exceed(&mut self, hull: &ConvexHull) -> bool {
         let cavities = &self.solid.cavities;
         if cavities.is_empty() {
             return false;
@@ -395,19 +337,6 @@ mod tests {
     }
 
     #[test]
-    fn a_hull_keeps_the_bound_exactly_if_it_protrudes_by_no_more() {
-        let inner = cube([0.0; 3]);
-        let bound = 0.02;
-        let solid = solid_of(&inner, bound);
-        let suspects = SharedSuspects::default();
-        for share in [0.0, 0.5, 0.9, 0.97, 0.99, 1.01, 1.03, 1.1, 2.0, 20.0] {
-            let moved = cube([share * bound, 0.0, 0.0]);
-            let keeps = keeps_bound(&moved, &solid, bound, &suspects, &Control::new()).unwrap();
-            assert_eq!(keeps, share <= 1.0, "{share}");
-        }
-    }
-
-    #[test]
     fn a_hull_protrudes_into_the_cavities_that_it_contains_and_into_no_other() {
         let shell = cube([0.0; 3]);
         let bound = 0.02;
@@ -421,10 +350,6 @@ mod tests {
         corners.extend(upper_half.map(|[x, y, _]| [x, y, 1.0]));
         let upper_half = convex_hull(&corners).unwrap();
         assert!((0.1..0.11).contains(&of(&upper_half)), "{}", of(&upper_half));
-        assert!(
-            !keeps_bound(&shell, &solid, bound, &SharedSuspects::default(), &Control::new())
-                .unwrap()
-        );
     }
 
     #[test]
