@@ -28,5 +28,5 @@ pub(crate) use max_vertices::{cap_vertices, coarser, most_prominent};
 pub use primitive::{Primitive, Slack, fit_primitive};
 pub use simplex::Shape;
 pub use single_precision::{SinglePrecisionHull, single_precision};
-pub(crate) use thickness::LEAST_THICKNESS;
+pub(crate) use thickness::{LEAST_THICKNESS, joint_hull};
 pub use thickness::{MINIMUM_THICKNESS, solid_hull};

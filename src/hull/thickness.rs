@@ -63,6 +63,19 @@ pub fn solid_hull(
     thicken(builder, shape, points, outward, wanted)
 }
 
+/// The hull of two hulls.
+///
+/// # Errors
+/// As [`solid_hull`].
+pub(crate) fn joint_hull(
+    builder: &mut HullBuilder,
+    first: &ConvexHull,
+    second: &ConvexHull,
+) -> Result<ConvexHull, Error> {
+    let points: Vec<Vector> = first.points.iter().chain(&second.points).copied().collect();
+    Ok(solid_hull(builder, &points, [0.0; 3], 0.0)?.0)
+}
+
 #[cold]
 fn thicken(
     builder: &mut HullBuilder,

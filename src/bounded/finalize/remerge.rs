@@ -10,7 +10,7 @@ use super::make_hull::make_hull;
 use super::verify::keeps_bound::{SharedSuspects, keeps_bound};
 use crate::error::Error;
 use crate::geometry::vector::{Vector, bounds};
-use crate::hull::{ConvexHull, HullBuilder, solid_hull};
+use crate::hull::{ConvexHull, HullBuilder, joint_hull};
 use crate::parallel;
 
 /// A hull that may join others. It stays in the list when it has.
@@ -56,18 +56,19 @@ pub(super) fn remerge(
         pairs.clear();
         candidates.sort_unstable_by(|a, b| a.cost.total_cmp(&b.cost).then(a.pair.cmp(&b.pair)));
         let keeps = |candidate: &Candidate| {
-            let joint = joint_hull(&entries, candidate.pair)?;
+            let joint = hull_of_pair(&entries, candidate.pair)?;
             let &FinalizeContext { solid, settings, control, .. } = context;
             keeps_bound(&joint, solid, settings.bound, &suspects, control)
         };
         let mut verdicts =
             parallel::map_until(&candidates, keeps, |verdict| !matches!(verdict, Ok(false)));
         let Some(last) = verdicts.pop() else { break };
-        candidates.drain(..verdicts.len());
         if !last? {
             break;
         }
-        let (first, second) = candidates.remove(0).pair;
+        // Those before it do not keep the bound.
+        let Some(cheapest) = candidates.drain(..=verdicts.len()).next_back() else { break };
+        let (first, second) = cheapest.pair;
         let joint = join(context, &entries[first].hull, &entries[second].hull, &mut builder)?;
         if !joint.keeps_bound(context.settings) {
             continue;
@@ -106,7 +107,7 @@ fn candidate(
     pair: (usize, usize),
 ) -> Result<Option<Candidate>, Error> {
     context.control.check()?;
-    let joint = joint_hull(entries, pair)?;
+    let joint = hull_of_pair(entries, pair)?;
     // Simplification hardly ever keeps the cap of a hull that violates it here.
     if context.settings.max_vertices.is_some_and(|most| joint.points.len() > most) {
         return Ok(None);
@@ -116,11 +117,10 @@ fn candidate(
     Ok(Some(Candidate { cost: (volume - apart) / volume, pair }))
 }
 
-/// The hull of two hulls.
-fn joint_hull(entries: &[Entry], pair: (usize, usize)) -> Result<ConvexHull, Error> {
-    let points = |index: usize| &entries[index].hull.hull.points;
-    let points: Vec<Vector> = points(pair.0).iter().chain(points(pair.1)).copied().collect();
-    Ok(solid_hull(&mut HullBuilder::new(), &points, [0.0; 3], 0.0)?.0)
+/// The hull of a pair of hulls.
+fn hull_of_pair(entries: &[Entry], (first, second): (usize, usize)) -> Result<ConvexHull, Error> {
+    let hull = |index: usize| &entries[index].hull.hull;
+    joint_hull(&mut HullBuilder::new(), hull(first), hull(second))
 }
 
 /// The final hull of what two hulls represent.

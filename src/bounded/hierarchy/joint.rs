@@ -5,7 +5,7 @@ use crate::bounded::finalize::verify::protrusion::protrusion;
 use crate::bounded::settings::Settings;
 use crate::control::Control;
 use crate::error::Error;
-use crate::hull::{ConvexHull, HullBuilder, cap_vertices, solid_hull};
+use crate::hull::{ConvexHull, HullBuilder, cap_vertices, joint_hull};
 
 /// A hull of the hierarchy, final or joint. Lengths are in diagonals.
 #[derive(Debug, Clone)]
@@ -31,9 +31,7 @@ pub(super) fn joint(
     control: &Control,
 ) -> Result<Node, Error> {
     let mut builder = HullBuilder::new();
-    let points: Vec<[f64; 3]> =
-        nodes[first].hull.points.iter().chain(&nodes[second].hull.points).copied().collect();
-    let (hull, _) = solid_hull(&mut builder, &points, [0.0; 3], 0.0)?;
+    let hull = joint_hull(&mut builder, &nodes[first].hull, &nodes[second].hull)?;
     let (hull, growth) = match settings.max_vertices {
         Some(most) => cap_vertices(&mut builder, hull, most, control)?,
         None => (hull, 0.0),

@@ -97,18 +97,20 @@ fn grow_all(
     pieces.sort_by(|a, b| area(patches, &b.patches).total_cmp(&area(patches, &a.patches)));
     let mut open = all.clone();
     let mut grown = Vec::new();
-    let mut waiting = pieces.into_iter().peekable();
-    while waiting.peek().is_some() {
+    let mut waiting = pieces.into_iter();
+    loop {
         let some: Vec<Piece> = waiting
             .by_ref()
             .filter(|piece| piece.patches.intersects(&open))
             .take(AT_ONCE)
             .collect();
+        if some.is_empty() {
+            return Ok(grown);
+        }
         for piece in parallel::map(&some, grow_one) {
             let piece = piece?;
             open.difference_with(&piece.patches);
             grown.push(piece);
         }
     }
-    Ok(grown)
 }

@@ -131,7 +131,7 @@ fn watch(
             }
         }
         let memory = system.as_mut().and_then(|system| resident_memory(system, child.id()));
-        // The peak is read last: what is over the limit is part of it.
+        // What is over the limit is part of the peak, whenever that is read.
         ended.peak_memory = ended.peak_memory.max(memory).max(peak_memory(child.id()));
         if memory.is_some_and(|bytes| bytes > limits.memory) {
             return Some(Status::OutOfMemory);

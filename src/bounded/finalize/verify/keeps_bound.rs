@@ -45,7 +45,8 @@ pub(in crate::bounded) fn keeps_bound(
 ) -> Result<bool, Error> {
     // Most hulls that protrude do so at one of few points.
     let fits = |face| solid.centre_fits(face, bound) && solid.quarters_fit(face, bound);
-    if !hull.corners().all(fits) {
+    let faces: Vec<[Vector; 3]> = hull.corners().collect();
+    if !faces.iter().copied().all(fits) {
         return Ok(false);
     }
     let unresolved = (1.0 - RESOLUTION) * bound;
@@ -55,7 +56,6 @@ pub(in crate::bounded) fn keeps_bound(
             && search.run(&[face], Some(point), control).is_ok()
             && search.known > bound
     };
-    let faces: Vec<[Vector; 3]> = hull.corners().collect();
     let mut suspects_now = suspects.lock().clone();
     if suspects_now.find(&faces, |&face| face, exceeds_at).is_some() {
         return Ok(false);

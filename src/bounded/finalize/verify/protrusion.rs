@@ -97,8 +97,8 @@ impl<'a> Search<'a> {
     }
 
     /// The protrusion of some faces, or any value above the limit. If `around` is a point of a face, only the
-    /// parts that contain it are looked at. If they exceed the limit so do all: what is known decides only
-    /// how much is halved, and below the limit nothing that does not contain its answer.
+    /// parts that contain it are looked at. If one of them exceeds the limit, so does the whole: whatever else is
+    /// known there, it is halved as far.
     pub fn run(
         &mut self,
         faces: &[[Vector; 3]],
@@ -157,12 +157,19 @@ impl<'a> Search<'a> {
         Ok(enough(self.known, bound))
     }
 
+    /// The distance from the surface to a point outside the solid, if it is more than `least`.
+    fn distance_beyond(&self, least: f64, point: Vector) -> Option<f64> {
+        if self.solid.upper_distance(point) + self.displacement <= least {
+            return None;
+        }
+        let distance = self.solid.source_distance(point, NO_GUESS)?;
+        (distance.upper > least && !self.solid.is_inside(point, &distance))
+            .then_some(distance.upper)
+    }
+
     /// Whether a point outside the solid is farther from its surface than the limit.
     pub fn may_exceed(&self, point: Vector) -> bool {
-        self.solid.upper_distance(point) + self.displacement > self.limit
-            && self.solid.source_distance(point, NO_GUESS).is_some_and(|distance| {
-                distance.upper > self.limit && !self.solid.is_inside(point, &distance)
-            })
+        self.distance_beyond(self.limit, point).is_some()
     }
 
     /// Takes cavities into account that the hull contains. Whether they exceed the limit.
@@ -183,12 +190,8 @@ impl<'a> Search<'a> {
 
     fn raise_by_centre(&mut self, face: [Vector; 3]) {
         let centre = centre(face);
-        if self.solid.upper_distance(centre) + self.displacement > self.known
-            && let Some(distance) = self.solid.source_distance(centre, NO_GUESS)
-            && distance.upper > self.known
-            && !self.solid.is_inside(centre, &distance)
-        {
-            self.known = distance.upper;
+        if let Some(distance) = self.distance_beyond(self.known, centre) {
+            self.known = distance;
             self.farthest = Some((centre, face));
         }
     }
