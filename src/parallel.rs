@@ -37,43 +37,44 @@ pub(crate) fn map_largest_first<T: Sync, R: Send>(
     size: impl Fn(&T) -> usize,
     function: impl Fn(&T) -> R + Sync + Send,
 ) -> Vec<R> {
-    let threads = threads().min(items.len());
-    if threads < 2 {
-        return items.iter().map(function).collect();
-    }
     let mut order: Vec<usize> = (0..items.len()).collect();
-    order.sort_by_key(|&index| std::cmp::Reverse(size(&items[index])));
+    if threads() > 1 {
+        order.sort_by_key(|&index| std::cmp::Reverse(size(&items[index])));
+    }
+    let mut results = map_until(&order, |&index| (index, function(&items[index])), |_| false);
+    results.sort_by_key(|&(index, _)| index);
+    results.into_iter().map(|(_, result)| result).collect()
+}
+
+/// Applies `function` to items in order, one after the other on each thread, up to the first result that `ends`
+/// it. As many items as there are other threads may be computed in vain.
+pub(crate) fn map_until<T: Sync, R: Send>(
+    items: &[T],
+    function: impl Fn(&T) -> R + Sync + Send,
+    ends: impl Fn(&R) -> bool + Sync + Send,
+) -> Vec<R> {
     let next = AtomicUsize::new(0);
-    let on_each_thread = map_indices(threads, |_| {
+    let last = AtomicUsize::new(items.len());
+    let on_each_thread = map_indices(threads().min(items.len()), |_| {
         let mut results = Vec::new();
-        while let Some(&index) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
-            results.push((index, function(&items[index])));
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            let Some(item) = items.get(index) else { break };
+            if index > last.load(Ordering::Relaxed) {
+                break;
+            }
+            let result = function(item);
+            if ends(&result) {
+                last.fetch_min(index, Ordering::Relaxed);
+            }
+            results.push((index, result));
         }
         results
     });
     let mut results: Vec<(usize, R)> = on_each_thread.into_iter().flatten().collect();
     results.sort_by_key(|&(index, _)| index);
+    results.truncate(last.into_inner().saturating_add(1));
     results.into_iter().map(|(_, result)| result).collect()
-}
-
-/// Applies `function` to items in order, up to the first result that `ends` it. A few items after
-/// that one may be computed in vain.
-pub(crate) fn map_until<T: Sync, R: Send>(
-    items: &[T],
-    function: impl Fn(&T) -> R + Sync + Send,
-    ends: impl Fn(&R) -> bool,
-) -> Vec<R> {
-    let mut results = Vec::new();
-    for some in items.chunks(threads()) {
-        for result in map(some, &function) {
-            let is_last = ends(&result);
-            results.push(result);
-            if is_last {
-                return results;
-            }
-        }
-    }
-    results
 }
 
 /// Runs two functions, at the same time if there are threads for it.

@@ -13,6 +13,7 @@ use super::patches::patch::Patches;
 use super::piece::Piece;
 use crate::control::Control;
 use crate::error::Error;
+use crate::parallel;
 
 /// Two pieces that may join.
 struct Candidate {
@@ -151,14 +152,37 @@ impl<'a, 'b> Merging<'a, 'b> {
         Some(Candidate { cost, pair, joint: Some(Joint { hull, only_new }) })
     }
 
+    /// Evaluates all candidates at once: at the start nothing tells which are the cheapest.
+    fn evaluate_all(&mut self, control: &Control) -> Result<(), Error> {
+        let pairs: Vec<(u32, u32)> = self.heap.drain().map(|candidate| candidate.pair).collect();
+        let evaluated = parallel::map(&pairs, |&pair| {
+            control.check()?;
+            Ok(self.evaluated(pair))
+        });
+        for candidate in evaluated {
+            if let Some(candidate) = candidate? {
+                self.push_evaluated(candidate);
+            }
+        }
+        Ok(())
+    }
+
+    fn push_evaluated(&mut self, candidate: Candidate) {
+        let (a, b) = candidate.pair;
+        self.links[a as usize].insert(b, candidate.cost);
+        self.links[b as usize].insert(a, candidate.cost);
+        self.heap.push(candidate);
+    }
+
     fn is_alive(&self, (a, b): (u32, u32)) -> bool {
         self.pieces[a as usize].is_some() && self.pieces[b as usize].is_some()
     }
 
-    /// Joins the cheapest pairs first. A joint hull is only built once its pair's estimate is the
-    /// cheapest: before that, most pairs lose one of the two to another. Building several at once
-    /// on all threads takes as long: waking a thread costs what it saves.
+    /// Joins the cheapest pairs first. After the start, a joint hull is only built once its pair's estimate is the
+    /// cheapest: before that, most pairs lose one of the two to another. Building or testing several of these at
+    /// once on all threads takes as long: waking a thread costs what it saves.
     fn run(&mut self, control: &Control) -> Result<(), Error> {
+        self.evaluate_all(control)?;
         while let Some(Candidate { pair, joint, .. }) = self.heap.pop() {
             if control.is_past_deadline() {
                 break;
@@ -169,10 +193,7 @@ impl<'a, 'b> Merging<'a, 'b> {
             let Some(joint) = joint else {
                 control.check()?;
                 if let Some(candidate) = self.evaluated(pair) {
-                    let (a, b) = pair;
-                    self.links[a as usize].insert(b, candidate.cost);
-                    self.links[b as usize].insert(a, candidate.cost);
-                    self.heap.push(candidate);
+                    self.push_evaluated(candidate);
                 }
                 continue;
             };

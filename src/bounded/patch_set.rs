@@ -3,7 +3,7 @@
 use fixedbitset::FixedBitSet;
 
 /// A set of patches, given by their indices.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Hash)]
 pub(super) struct PatchSet(FixedBitSet);
 
 impl PatchSet {
@@ -44,6 +44,10 @@ impl PatchSet {
 
     pub(super) fn union_with(&mut self, other: &Self) {
         self.0.union_with(&other.0);
+    }
+
+    pub(super) fn intersect_with(&mut self, other: &Self) {
+        self.0.intersect_with(&other.0);
     }
 
     pub(super) fn difference_with(&mut self, other: &Self) {

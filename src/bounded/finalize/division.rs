@@ -62,20 +62,23 @@ pub(super) fn hulls_of_piece(
         {
             inner_points.extend(middle(context, &hull, &mut builder)?);
         }
-        divide(context, hull, inner_points, &mut open, &mut done);
+        divide(context, hull, inner_points, &mut open, &mut done)?;
     }
     Ok(done)
 }
 
 /// Halves a hull's patches; of a single patch its triangles.
+///
+/// # Errors
+/// [`Error::Cancelled`].
 fn divide(
     context: &FinalizeContext<'_>,
-    hull: FinalHull,
+    mut hull: FinalHull,
     inner_points: Option<Vec<Vector>>,
     open: &mut Vec<Open>,
     done: &mut Vec<FinalHull>,
-) {
-    let patches = context.patches;
+) -> Result<(), Error> {
+    let &FinalizeContext { patches, solid, settings, control, .. } = context;
     let mut members: Vec<u32> = hull.patches.iter().collect();
     if members.len() > 1 {
         let box_centre = |&patch: &u32| {
@@ -87,18 +90,20 @@ fn divide(
             let set = PatchSet::of(patches.count(), half.iter().copied());
             open.push(Open { set, part: None, inner_points: inner_points.clone() });
         }
-        return;
+        return Ok(());
     }
     let mut triangles: Vec<u32> = hull.triangles(patches).collect();
     if triangles.len() < 2 {
         // The patch mesh's triangle may protrude where the source's does not. A patch that
         // represents nothing of the source can be dropped.
         if hull.part.is_some() {
+            hull.protrusion =
+                protrusion(&hull.hull, solid, settings.bound, f64::INFINITY, control)?;
             done.push(hull);
         } else if !triangles.is_empty() {
             open.push(Open { set: hull.patches, part: Some(triangles), inner_points });
         }
-        return;
+        return Ok(());
     }
     let surface = &patches.surface;
     let centre_of = |&triangle: &u32| {
@@ -110,6 +115,7 @@ fn divide(
         let part = Some(half.to_vec());
         open.push(Open { set: hull.patches.clone(), part, inner_points: inner_points.clone() });
     }
+    Ok(())
 }
 
 /// The middle of a hull that would keep the bound without the cap on vertices. If all parts of the

@@ -20,7 +20,8 @@ pub(in crate::bounded) struct FinalHull {
     pub added_thickness: f64,
     /// How far hull simplification made it grow.
     pub simplification_growth: f64,
-    /// No point of its surface is farther than this from the solid.
+    /// No point of its surface is farther than this from the solid. While it may yet be divided, any value above
+    /// the bound if that is exceeded.
     pub protrusion: f64,
     /// No point of the surface that it represents is farther than this outside it.
     pub uncovered: f64,

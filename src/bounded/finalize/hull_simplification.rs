@@ -56,6 +56,7 @@ pub(super) struct Simplified {
     pub hull: ConvexHull,
     /// How far it grew.
     pub growth: f64,
+    /// See [`protrusion`]. If it exceeds the bound, any value above the bound.
     pub protrusion: f64,
     pub uncovered: f64,
 }
@@ -84,7 +85,7 @@ pub(super) fn simplify_hull(
         return attempts.keeping_cap();
     }
     let &FinalizeContext { solid, settings, control, .. } = context;
-    let protrusion = protrusion(&original.hull, solid, settings.bound, f64::INFINITY, control)?;
+    let protrusion = protrusion(&original.hull, solid, settings.bound, settings.bound, control)?;
     let Original { hull, uncovered, .. } = original;
     Ok(Simplified { hull, growth: 0.0, protrusion, uncovered })
 }
@@ -142,7 +143,7 @@ impl Attempts<'_> {
         }
         let inner = most_prominent(self.builder, &original.hull.points, max_vertices, control)?;
         let hull = inner.unwrap_or_else(|| original.hull.clone());
-        let protrusion = protrusion(&hull, solid, bound, f64::INFINITY, control)?;
+        let protrusion = protrusion(&hull, solid, bound, bound, control)?;
         let uncovered = distance_outside(&hull, &original.points, f64::INFINITY);
         Ok(Simplified { hull, growth: 0.0, protrusion, uncovered })
     }

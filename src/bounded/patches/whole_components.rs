@@ -10,6 +10,7 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, length_squared, subtract};
 use crate::hull::HullBuilder;
+use crate::parallel;
 use crate::surface::grouping::members;
 
 /// Points of a whole component nearer to its hull than this share of its thickness are left out.
@@ -35,17 +36,18 @@ impl WholeComponents {
         control: &Control,
     ) -> Result<Self, Error> {
         let count = mesh.components.iter().max().map_or(0, |&last| last as usize + 1);
-        let mut tester = FitTester::new(solid, settings.search_bound);
+        let components = members(&mesh.components, count);
+        let patches = parallel::map_largest_first(&components, Vec::len, |triangles| {
+            control.check()?;
+            Ok(whole_patch(mesh, triangles, solid, settings))
+        });
         let mut whole = Self {
             is_whole: vec![false; count],
             patches: Vec::new(),
             labels: vec![0_u32; mesh.mesh.triangles.len()],
         };
-        for (component, triangles) in members(&mesh.components, count).iter().enumerate() {
-            control.check()?;
-            let Some(patch) = whole_patch(mesh, triangles, &mut tester, solid, settings) else {
-                continue;
-            };
+        for (component, (triangles, patch)) in components.iter().zip(patches).enumerate() {
+            let Some(patch) = patch? else { continue };
             whole.is_whole[component] = true;
             for &triangle in triangles {
                 whole.labels[triangle as usize] = whole.patches.len() as u32;
@@ -60,7 +62,6 @@ impl WholeComponents {
 fn whole_patch(
     mesh: &PatchMesh,
     triangles: &[u32],
-    tester: &mut FitTester<'_>,
     solid: &Solid,
     settings: &Settings,
 ) -> Option<Patch> {
@@ -74,6 +75,7 @@ fn whole_patch(
     if triangles.is_empty() || is_separated(&pair) {
         return None;
     }
+    let mut tester = FitTester::new(solid, settings.search_bound);
     let coarse = GrowingHull::new(&vertices, [0.0; 3]);
     if coarse.is_solid && !tester.fits(&coarse, false) {
         return None;

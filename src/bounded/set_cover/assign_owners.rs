@@ -1,7 +1,7 @@
 //! Ownership: each patch is assigned to one of the pieces that cover it, and pieces shrink to the
 //! hulls of what they own.
 
-use super::redundancy::exclusive;
+use super::coverage::Coverage;
 use crate::bounded::patches::patch::Patches;
 use crate::bounded::piece::Piece;
 use crate::control::Control;
@@ -17,9 +17,11 @@ pub(in crate::bounded) fn assign_owners(
     pieces: &[Piece],
     control: &Control,
 ) -> Result<Vec<Piece>, Error> {
-    let alive = vec![true; pieces.len()];
-    let mut owned: Vec<Piece> =
-        (0..pieces.len()).map(|k| Piece::new(patches, &exclusive(pieces, &alive, k))).collect();
+    let coverage = Coverage::new(patches.count(), pieces);
+    let mut owned: Vec<Piece> = pieces
+        .iter()
+        .map(|piece| Piece::new(patches, &coverage.exclusive(&piece.patches)))
+        .collect();
     let mut shared = patches.all();
     for piece in &owned {
         shared.difference_with(&piece.patches);

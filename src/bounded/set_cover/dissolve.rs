@@ -1,8 +1,12 @@
 //! Dissolving: the patches that only one piece covers are handed to other pieces, which may let go
 //! of what is covered elsewhere. A local search for a smaller cover.
 
+use std::collections::HashMap;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use super::coverage::Coverage;
 use super::grow::grow;
-use super::redundancy::{area, drop_redundant, exclusive};
+use super::redundancy::{area, drop_redundant};
 use crate::bounded::containment::fit_tester::FitTester;
 use crate::bounded::containment::solid::Solid;
 use crate::bounded::patch_set::PatchSet;
@@ -13,10 +17,22 @@ use crate::error::Error;
 use crate::parallel;
 
 /// Pieces that are attempted between two checks of the budget, and may be attempted in parallel.
-const AT_ONCE: usize = 4;
+const AT_ONCE: usize = 16;
 
 /// Comparing with this many pieces takes about as long as testing a joint hull.
 const PIECES_PER_ATTEMPT: usize = 16;
+
+/// What has turned out that a piece can't take: the patches that it must keep, those that it was asked for, and
+/// how many joint hulls it took to find out. Most pieces are attempted again and again, in covers that have
+/// changed elsewhere.
+#[derive(Default)]
+struct Refusals(Mutex<HashMap<(PatchSet, PatchSet), usize>>);
+
+impl Refusals {
+    fn lock(&self) -> MutexGuard<'_, HashMap<(PatchSet, PatchSet), usize>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
 
 /// Dissolves pieces under a bound, those of least exclusive area first, until no piece can be
 /// dissolved or `budget` joint hulls have been tested.
@@ -31,11 +47,12 @@ pub(super) fn dissolve(
     budget: usize,
     control: &Control,
 ) -> Result<(), Error> {
+    let refusals = Refusals::default();
     let mut spent = 0;
     'again: loop {
-        let alive = vec![true; pieces.len()];
-        let mut order: Vec<(f64, usize)> =
-            (0..pieces.len()).map(|k| (area(patches, &exclusive(pieces, &alive, k)), k)).collect();
+        let coverage = Coverage::new(patches.count(), pieces);
+        let exclusive_area = |piece: &Piece| area(patches, &coverage.exclusive(&piece.patches));
+        let mut order: Vec<(f64, usize)> = pieces.iter().map(exclusive_area).zip(0..).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         for some in order.chunks(AT_ONCE) {
             control.check()?;
@@ -43,9 +60,10 @@ pub(super) fn dissolve(
                 return Ok(());
             }
             let attempt = |&(_, k): &(f64, usize)| {
-                let mut tester = FitTester::new(solid, bound);
-                let dissolved = dissolve_one(patches, pieces, k, &mut tester, control);
-                (dissolved, tester.attempts)
+                let tester = FitTester::new(solid, bound);
+                let mut attempt = Attempt { patches, tester, refusals: &refusals, known: 0 };
+                let dissolved = attempt.dissolve(pieces, coverage.clone(), k, control);
+                (dissolved, attempt.tester.attempts + attempt.known)
             };
             let succeeds = |(dissolved, _): &(Result<Option<Vec<Piece>>, Error>, usize)| {
                 !matches!(dissolved, Ok(None))
@@ -63,81 +81,108 @@ pub(super) fn dissolve(
     }
 }
 
-/// The pieces without piece `k`, if the others can take what only it covers.
-fn dissolve_one(
-    patches: &Patches,
-    pieces: &[Piece],
-    k: usize,
-    tester: &mut FitTester<'_>,
-    control: &Control,
-) -> Result<Option<Vec<Piece>>, Error> {
-    let alive = vec![true; pieces.len()];
-    let mut left = exclusive(pieces, &alive, k);
-    let Some(takers) = takers(patches, pieces, k, &left) else { return Ok(None) };
-    let mut changed: Vec<(usize, Piece)> = Vec::new();
-    let mut sets: Vec<PatchSet> = pieces.iter().map(|piece| piece.patches.clone()).collect();
-    for j in takers {
-        // What only j covers, given what the others have become.
-        let mut core = sets[j].clone();
-        for (i, set) in sets.iter().enumerate() {
-            if i != j && i != k {
-                core.difference_with(set);
+/// An attempt to dissolve a piece.
+struct Attempt<'a> {
+    patches: &'a Patches,
+    tester: FitTester<'a>,
+    refusals: &'a Refusals,
+    /// Joint hulls that were tested by earlier attempts, and would have been again.
+    known: usize,
+}
+
+impl Attempt<'_> {
+    /// The pieces without piece `k`, if the others can take what only it covers.
+    fn dissolve(
+        &mut self,
+        pieces: &[Piece],
+        mut coverage: Coverage,
+        k: usize,
+        control: &Control,
+    ) -> Result<Option<Vec<Piece>>, Error> {
+        let patches = self.patches;
+        let mut left = coverage.exclusive(&pieces[k].patches);
+        coverage.remove(&pieces[k].patches);
+        let Some(takers) = takers(patches, pieces, k, &left, &coverage) else { return Ok(None) };
+        let mut changed: Vec<(usize, Piece)> = Vec::new();
+        for j in takers {
+            // What only j covers, given what the others have become.
+            let core = coverage.exclusive(&pieces[j].patches);
+            let Some(piece) = self.grown(&core, &left, control)? else { continue };
+            left.difference_with(&piece.patches);
+            coverage.remove(&pieces[j].patches);
+            coverage.add(&piece.patches);
+            changed.push((j, piece));
+            if left.is_empty() {
+                break;
             }
         }
-        let mut piece = Piece::new(patches, &core);
-        grow(patches, &mut piece, &left, tester, control)?;
-        let mut taken = piece.patches.clone();
-        taken.difference_with(&core);
-        if taken.is_empty() {
-            continue;
+        if !left.is_empty() {
+            return Ok(None);
         }
-        left.difference_with(&piece.patches);
-        sets[j] = piece.patches.clone();
-        changed.push((j, piece));
-        if left.is_empty() {
-            break;
+        let mut pieces = pieces.to_vec();
+        let all = patches.all();
+        for (j, mut piece) in changed {
+            grow(patches, &mut piece, &all, &mut self.tester, control)?;
+            pieces[j] = piece;
         }
+        pieces.remove(k);
+        Ok(Some(pieces))
     }
-    if !left.is_empty() {
-        return Ok(None);
+
+    /// The piece of some patches once it has taken what it can of others; `None` if that is nothing.
+    fn grown(
+        &mut self,
+        core: &PatchSet,
+        left: &PatchSet,
+        control: &Control,
+    ) -> Result<Option<Piece>, Error> {
+        let key = (core.clone(), left.clone());
+        if let Some(attempts) = self.refusals.lock().get(&key) {
+            self.known += attempts;
+            return Ok(None);
+        }
+        let before = self.tester.attempts;
+        let mut piece = Piece::new(self.patches, core);
+        grow(self.patches, &mut piece, left, &mut self.tester, control)?;
+        if piece.patches != *core {
+            return Ok(Some(piece));
+        }
+        self.refusals.lock().insert(key, self.tester.attempts - before);
+        Ok(None)
     }
-    let mut pieces = pieces.to_vec();
-    let all = patches.all();
-    for (j, mut piece) in changed {
-        grow(patches, &mut piece, &all, tester, control)?;
-        pieces[j] = piece;
-    }
-    pieces.remove(k);
-    Ok(Some(pieces))
 }
 
 /// The pieces that could take patches of `left`, which only piece `k` covers, by conflicts alone:
-/// those that could take most first. `None` if there is a patch that none could take.
-fn takers(patches: &Patches, pieces: &[Piece], k: usize, left: &PatchSet) -> Option<Vec<usize>> {
-    let mut alive = vec![true; pieces.len()];
-    alive[k] = false;
+/// those that could take most first. `None` if there is a patch that none could take. `coverage` is that without
+/// piece `k`.
+fn takers(
+    patches: &Patches,
+    pieces: &[Piece],
+    k: usize,
+    left: &PatchSet,
+    coverage: &Coverage,
+) -> Option<Vec<usize>> {
     // What each piece must keep.
-    let cores: Vec<PatchSet> = (0..pieces.len())
-        .map(|j| {
-            if j == k {
-                PatchSet::empty(patches.count())
-            } else {
-                let mut core = exclusive(pieces, &alive, j);
-                core.difference_with(left);
-                core
+    let mut others: Vec<(usize, usize, PatchSet)> = pieces
+        .iter()
+        .enumerate()
+        .filter(|&(j, _)| j != k)
+        .map(|(j, piece)| (0, j, coverage.exclusive(&piece.patches)))
+        .collect();
+    for patch in left.iter() {
+        let conflicts = &patches.conflicts[patch as usize];
+        let mut is_taken = false;
+        for (count, _, core) in &mut others {
+            if !conflicts.intersects(core) {
+                *count += 1;
+                is_taken = true;
             }
-        })
-        .collect();
-    let is_compatible =
-        |patch: u32, core: &PatchSet| !patches.conflicts[patch as usize].intersects(core);
-    let others = || (0..pieces.len()).filter(|&j| j != k);
-    if left.iter().any(|patch| !others().any(|j| is_compatible(patch, &cores[j]))) {
-        return None;
+        }
+        if !is_taken {
+            return None;
+        }
     }
-    let mut order: Vec<(usize, usize)> = others()
-        .map(|j| (left.iter().filter(|&patch| is_compatible(patch, &cores[j])).count(), j))
-        .filter(|&(count, _)| count > 0)
-        .collect();
-    order.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.cmp(&b.1)));
-    Some(order.into_iter().map(|(_, j)| j).collect())
+    others.retain(|&(count, ..)| count > 0);
+    others.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.cmp(&b.1)));
+    Some(others.into_iter().map(|(_, j, _)| j).collect())
 }

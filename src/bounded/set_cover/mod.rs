@@ -2,6 +2,7 @@
 //!
 //! | file | contents |
 //! |---|---|
+//! | `coverage` | how many pieces cover each patch |
 //! | `grow` | each piece takes the patches that it can |
 //! | `redundancy` | pieces all of whose patches others cover are dropped |
 //! | `dissolve` | pieces hand their patches to others and disappear |
@@ -9,6 +10,7 @@
 //! | `fill` | pieces extend over what they have left hollow |
 
 pub(super) mod assign_owners;
+mod coverage;
 mod dissolve;
 mod fill;
 mod grow;
