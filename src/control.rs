@@ -3,6 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use crate::clock::Instant;
 use crate::error::Error;
@@ -127,8 +128,8 @@ impl Control {
     }
 
     /// After `deadline` the best valid result so far is returned. It is soft: optional work is left
-    /// out, and what the result needs is finished, with its bound and caps. For a hard stop call
-    /// [`cancel`](Self::cancel) from another thread.
+    /// out, and what the result needs is finished, with its bound and caps. The search ends somewhat sooner, so
+    /// that there is time for that. For a hard stop see [`with_time_limit`](Self::with_time_limit).
     ///
     /// Only [`Method::Surface`](crate::Method::Surface) on several threads can have nothing valid by
     /// then, and returns [`Error::DeadlineExceeded`]: it starts no threshold after the deadline. On
@@ -242,6 +243,12 @@ impl Control {
         self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
     }
 
+    /// The same with a deadline, if there is one, that is `by` so much sooner.
+    pub(crate) fn with_sooner_deadline(&self, by: Duration) -> Self {
+        let sooner = |deadline: Instant| deadline.checked_sub(by).unwrap_or_else(Instant::now);
+        Self { deadline: self.deadline.map(sooner), ..self.clone() }
+    }
+
     /// An error once somebody has cancelled, or time is up.
     pub(crate) fn check(&self) -> Result<(), Error> {
         if self.is_cancelled() {
@@ -281,5 +288,22 @@ impl fmt::Debug for Control {
             .field("parallel", &self.is_parallel())
             .field("progress", &self.listener.is_some())
             .finish()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sooner_deadline_passes_sooner_and_is_cancelled_with_the_other() {
+        let minute = Duration::from_secs(60);
+        let control = Control::new().with_deadline(Instant::now() + minute);
+        let sooner = control.with_sooner_deadline(2 * minute);
+        assert!(sooner.is_past_deadline() && !control.is_past_deadline());
+        assert!(!control.with_sooner_deadline(minute / 2).is_past_deadline());
+        assert!(!Control::new().with_sooner_deadline(minute).is_past_deadline());
+        control.cancel();
+        assert!(sooner.is_cancelled());
     }
 }

@@ -12,6 +12,7 @@ use crate::geometry::{MeshView, TriangleMesh};
 use crate::mesh::PreparedMesh;
 use crate::openings::prepare::{Closed, prepare_closed};
 use crate::openings::{Opening, OpeningSettings};
+use crate::parallel;
 use crate::parameters::{Length, Method, Openings, Parameters};
 use crate::surface::group_merging::merge_groups;
 use crate::surface::grouping::Grouping;
@@ -170,7 +171,9 @@ impl Decomposer {
             State::Repair => {
                 let settings = self.opening_settings();
                 let Closed { prepared, openings, nested_components, .. } =
-                    prepare_closed(self.source.view(), &settings, control)?;
+                    parallel::with(control.is_parallel(), || {
+                        prepare_closed(self.source.view(), &settings, control)
+                    })?;
                 (self.openings, self.nested_components) = (openings, nested_components);
                 match self.parameters.method {
                     Method::Hull => return self.one_hull(&prepared, control, start).map(Some),
@@ -183,7 +186,8 @@ impl Decomposer {
             State::Bounded(mut run) => {
                 let result = run.step(control)?;
                 // The last step is done whole, however late it is.
-                self.deadline_reached |= result.is_none() && control.is_past_deadline();
+                self.deadline_reached |=
+                    run.is_cut_short() || result.is_none() && control.is_past_deadline();
                 if let Some(result) = result {
                     add_time(&mut self.times, stage, start);
                     let BoundedResult { prepared, hulls, grouped, report } = result;

@@ -21,7 +21,7 @@ struct Candidate {
     /// is no joint hull.
     cost: f64,
     pair: (u32, u32),
-    joint: Option<Joint>,
+    joint: Option<Box<Joint>>,
 }
 
 /// A joint hull, and whether only its new faces can protrude.
@@ -149,7 +149,7 @@ impl<'a, 'b> Merging<'a, 'b> {
         hull.volume = hull.current_volume();
         let added = hull.volume - a.hull.volume - b.hull.volume;
         let cost = if hull.volume > 0.0 { added / hull.volume } else { 0.0 };
-        Some(Candidate { cost, pair, joint: Some(Joint { hull, only_new }) })
+        Some(Candidate { cost, pair, joint: Some(Box::new(Joint { hull, only_new })) })
     }
 
     /// Evaluates all candidates at once: at the start nothing tells which are the cheapest.

@@ -12,6 +12,7 @@ use crate::error::Error;
 use crate::geometry::vector::{Vector, add, distance, scale};
 use crate::geometry::{MeshView, Sidedness};
 use crate::mesh::PreparedMesh;
+use crate::parallel;
 use crate::parameters::{Openings, UpAxis};
 
 /// A cap that meets the surface around it at less than this, in radians (30°), closes a sheet onto itself.
@@ -57,7 +58,7 @@ pub(super) fn decide(
 ) -> Result<(), Error> {
     let flatness = flatness_in_diagonals(prepared, settings);
     let capped = Capped::new(prepared, caps, flatness, control)?;
-    capped.judge_shapes(source, loops, caps, settings);
+    capped.judge_shapes(source, loops, caps, settings, control)?;
     if settings.openings != Openings::Auto {
         return Ok(());
     }
@@ -81,9 +82,11 @@ impl<'a> Capped<'a> {
             triangles.extend_from_slice(&cap.triangles);
             cap_of.resize(triangles.len() - prepared.mesh.triangles.len(), number);
         }
-        let bvh = Bvh::with_control(positions, &triangles, control)?;
-        let open = Bvh::with_control(positions, &prepared.triangles_of_solid(), control)?;
-        Ok(Self { prepared, triangles, cap_of, bvh, open, flatness })
+        let (bvh, open) = parallel::join(
+            || Bvh::with_control(positions, &triangles, control),
+            || Bvh::with_control(positions, &prepared.triangles_of_solid(), control),
+        );
+        Ok(Self { prepared, triangles, cap_of, bvh: bvh?, open: open?, flatness })
     }
 
     /// The cap that a triangle belongs to, unless it is of the surface.
@@ -93,13 +96,17 @@ impl<'a> Capped<'a> {
     }
 
     /// Leaves caps by their shape and that of the surface around them.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
     fn judge_shapes(
         &self,
         source: MeshView<'_>,
         loops: &[Loop],
         caps: &mut [(Cap, OpeningOutcome)],
         settings: &OpeningSettings,
-    ) {
+        control: &Control,
+    ) -> Result<(), Error> {
         let Self { prepared, bvh, flatness, .. } = self;
         let (positions, triangles) = (&prepared.mesh.positions, &prepared.mesh.triangles);
         let is_own_solid =
@@ -107,8 +114,9 @@ impl<'a> Capped<'a> {
         let is_of_surface = |t: u32| self.cap_of(t).is_none() && !is_own_solid(t);
         let is_auto = settings.openings == Openings::Auto;
         let least_angle = if is_auto { SHEET_ANGLE } else { FLAT_ANGLE };
-        for (cap, outcome) in caps {
-            *outcome = if cap.rim_angle(positions, triangles, loops) < least_angle {
+        let judged = parallel::map(caps, |(cap, _)| {
+            control.check()?;
+            Ok(if cap.rim_angle(positions, triangles, loops) < least_angle {
                 OpeningOutcome::Sheet
             } else if is_cut(cap, (positions, triangles), bvh, *flatness, is_of_surface) {
                 OpeningOutcome::Cut
@@ -119,8 +127,12 @@ impl<'a> Capped<'a> {
                 OpeningOutcome::TwoSided
             } else {
                 OpeningOutcome::Closed
-            };
+            })
+        });
+        for ((_, outcome), judged) in caps.iter_mut().zip(judged) {
+            *outcome = judged?;
         }
+        Ok(())
     }
 
     /// Leaves caps through which something is seen with all others closed. Whether there were any.
@@ -134,20 +146,21 @@ impl<'a> Capped<'a> {
     ) -> Result<bool, Error> {
         let surface = self.prepared.mesh.triangles.len();
         let is_closed: Vec<bool> = caps.iter().map(|(_, outcome)| outcome.is_closed()).collect();
-        let mut changed = false;
-        for (number, (cap, outcome)) in caps.iter_mut().enumerate() {
-            if !outcome.is_closed() {
-                continue;
-            }
+        let positions = &self.prepared.mesh.positions;
+        let are_seen = parallel::map_indices(caps.len(), |number| {
+            control.check()?;
             let counts =
                 |t: u32| self.cap_of(t).is_none_or(|owner| owner != number && is_closed[owner]);
-            let positions = &self.prepared.mesh.positions;
-            let View { seen, capped } = look(cap, positions, &self.bvh, surface, counts);
-            if seen > MOST_SEEN || capped > MOST_CAPPED {
+            let look = || look(&caps[number].0, positions, &self.bvh, surface, counts);
+            let view = is_closed[number].then(look);
+            Ok(view.is_some_and(|View { seen, capped }| seen > MOST_SEEN || capped > MOST_CAPPED))
+        });
+        let mut changed = false;
+        for ((_, outcome), is_seen) in caps.iter_mut().zip(are_seen) {
+            if is_seen? {
                 *outcome = OpeningOutcome::SeenInto;
                 changed = true;
             }
-            control.check()?;
         }
         Ok(changed)
     }
@@ -165,11 +178,17 @@ impl<'a> Capped<'a> {
         let Self { open, flatness, .. } = self;
         let positions = &self.prepared.mesh.positions;
         let is_closed: Vec<bool> = caps.iter().map(|(_, outcome)| outcome.is_closed()).collect();
-        for (cap, outcome) in caps.iter_mut().filter(|(_, outcome)| outcome.is_closed()) {
-            *outcome = match is_solid_beyond(cap, positions, [open, open], *flatness) {
-                true => OpeningOutcome::ClosedWithin,
-                false => OpeningOutcome::Closed,
-            };
+        let are_within = parallel::map(caps, |(cap, outcome)| {
+            control.check()?;
+            let is_within = || is_solid_beyond(cap, positions, [open, open], *flatness);
+            Ok(outcome.is_closed().then(is_within))
+        });
+        for ((_, outcome), is_within) in caps.iter_mut().zip(are_within) {
+            match is_within? {
+                Some(true) => *outcome = OpeningOutcome::ClosedWithin,
+                Some(false) => *outcome = OpeningOutcome::Closed,
+                None => {}
+            }
         }
         if caps.iter().all(|(_, outcome)| *outcome != OpeningOutcome::ClosedWithin) {
             return Ok(false);
@@ -180,6 +199,7 @@ impl<'a> Capped<'a> {
         let closed = Bvh::with_control(positions, &kept, control)?;
         let mut changed = false;
         for (cap, outcome) in caps {
+            control.check()?;
             if *outcome == OpeningOutcome::ClosedWithin
                 && !is_solid_beyond(cap, positions, [open, &closed], *flatness)
             {
@@ -208,6 +228,7 @@ pub(super) fn close_exposed(
     triangles.extend(caps.iter().flat_map(|(cap, _)| &cap.triangles));
     let solid = Bvh::with_control(positions, &triangles, control)?;
     for (cap, outcome) in caps {
+        control.check()?;
         let beyond = scale(cap.normal, BEYOND);
         if *outcome == OpeningOutcome::ClosedWithin
             && !points(cap, positions).iter().all(|&point| solid.is_inside(add(point, beyond)))
