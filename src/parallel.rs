@@ -2,6 +2,7 @@
 //! Results come in the order of the items, so they do not depend on threads.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Applies `function` to every item.
 pub(crate) fn map<T: Sync, R: Send>(
@@ -73,8 +74,13 @@ pub(crate) fn map_until<T: Sync, R: Send>(
     });
     let mut results: Vec<(usize, R)> = on_each_thread.into_iter().flatten().collect();
     results.sort_by_key(|&(index, _)| index);
-    results.truncate(last.into_inner().saturating_add(1));
+    results.truncate(last.into_inner() + 1);
     results.into_iter().map(|(_, result)| result).collect()
+}
+
+/// What a mutex guards, also after a panic: only results are kept in these that are true whoever found them.
+pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Runs two functions, at the same time if there are threads for it.

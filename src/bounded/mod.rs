@@ -156,6 +156,7 @@ impl Run {
 
     fn next(&mut self, control: &Control) -> Result<Option<BoundedResult>, Error> {
         let Some(settings) = self.settings.get(self.pass) else { return Err(Error::Finished) };
+        let until_cut = control.with_sooner_deadline(self.kept);
         self.state = match std::mem::replace(&mut self.state, State::Done) {
             State::Prepare(solid) => {
                 let began = Instant::now();
@@ -173,14 +174,12 @@ impl Run {
             State::Merge(state) => {
                 let (solid, patches) = *state;
                 let mut tester = FitTester::new(&solid, settings.search_bound);
-                let until_cut = control.with_sooner_deadline(self.kept);
                 let pieces = merge(&patches, &mut tester, &until_cut)?;
                 drop(tester);
                 State::Cover(Box::new((solid, patches, pieces)))
             }
             State::Cover(state) => {
                 let (solid, patches, pieces) = *state;
-                let until_cut = control.with_sooner_deadline(self.kept);
                 let cover = cover(&patches, pieces, &solid, settings, &until_cut)?;
                 self.is_cut_short |= until_cut.is_past_deadline();
                 State::Finalize(Box::new((solid, patches, cover)))

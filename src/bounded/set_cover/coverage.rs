@@ -20,26 +20,21 @@ impl Coverage {
     }
 
     pub(super) fn add(&mut self, set: &PatchSet) {
-        for patch in set.iter() {
-            let count = &mut self.counts[patch as usize];
-            *count += 1;
-            match *count {
-                1 => self.once.insert(patch),
-                2 => self.once.remove(patch),
-                _ => {}
-            }
-        }
+        self.change(set, |count| count + 1);
     }
 
     /// Takes away a set that was added.
     pub(super) fn remove(&mut self, set: &PatchSet) {
+        self.change(set, |count| count.saturating_sub(1));
+    }
+
+    fn change(&mut self, set: &PatchSet, changed: impl Fn(u32) -> u32) {
         for patch in set.iter() {
             let count = &mut self.counts[patch as usize];
-            *count = count.saturating_sub(1);
+            *count = changed(*count);
             match *count {
-                0 => self.once.remove(patch),
                 1 => self.once.insert(patch),
-                _ => {}
+                _ => self.once.remove(patch),
             }
         }
     }

@@ -2,7 +2,7 @@
 //! of what is covered elsewhere. A local search for a smaller cover.
 
 use std::collections::HashMap;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::Mutex;
 
 use super::coverage::Coverage;
 use super::grow::grow;
@@ -25,14 +25,7 @@ const PIECES_PER_ATTEMPT: usize = 16;
 /// What has turned out that a piece can't take: the patches that it must keep, those that it was asked for, and
 /// how many joint hulls it took to find out. Most pieces are attempted again and again, in covers that have
 /// changed elsewhere.
-#[derive(Default)]
-struct Refusals(Mutex<HashMap<(PatchSet, PatchSet), usize>>);
-
-impl Refusals {
-    fn lock(&self) -> MutexGuard<'_, HashMap<(PatchSet, PatchSet), usize>> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
+type Refusals = Mutex<HashMap<(PatchSet, PatchSet), usize>>;
 
 /// Dissolves pieces under a bound, those of least exclusive area first, until no piece can be
 /// dissolved or `budget` joint hulls have been tested.
@@ -137,7 +130,7 @@ impl Attempt<'_> {
         control: &Control,
     ) -> Result<Option<Piece>, Error> {
         let key = (core.clone(), left.clone());
-        if let Some(attempts) = self.refusals.lock().get(&key) {
+        if let Some(attempts) = parallel::lock(self.refusals).get(&key) {
             self.known += attempts;
             return Ok(None);
         }
@@ -147,7 +140,7 @@ impl Attempt<'_> {
         if piece.patches != *core {
             return Ok(Some(piece));
         }
-        self.refusals.lock().insert(key, self.tester.attempts - before);
+        parallel::lock(self.refusals).insert(key, self.tester.attempts - before);
         Ok(None)
     }
 }

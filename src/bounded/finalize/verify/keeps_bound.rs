@@ -3,7 +3,7 @@
 //! Most that protrude do so where another has protruded, so they are asked there first. Verdicts do
 //! not depend on it.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::Mutex;
 
 use super::protrusion::{RESOLUTION, Search};
 use crate::bounded::containment::solid::Solid;
@@ -12,6 +12,7 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::Vector;
 use crate::hull::ConvexHull;
+use crate::parallel;
 
 /// Places where hulls have protruded that are remembered for all of them.
 const MAX_SUSPECTS: usize = 256;
@@ -22,12 +23,6 @@ pub(in crate::bounded) struct SharedSuspects(Mutex<Suspects>);
 impl Default for SharedSuspects {
     fn default() -> Self {
         Self(Mutex::new(Suspects::new(MAX_SUSPECTS)))
-    }
-}
-
-impl SharedSuspects {
-    fn lock(&self) -> MutexGuard<'_, Suspects> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -56,14 +51,14 @@ pub(in crate::bounded) fn keeps_bound(
             && search.run(&[face], Some(point), control).is_ok()
             && search.known > bound
     };
-    let mut suspects_now = suspects.lock().clone();
+    let mut suspects_now = parallel::lock(&suspects.0).clone();
     if suspects_now.find(&faces, |&face| face, exceeds_at).is_some() {
         return Ok(false);
     }
     let mut search = Search::new(solid, bound, bound, unresolved);
     let keeps = !search.cavities_exceed(hull) && search.run(&faces, None, control)? <= bound;
     if let (false, Some((point, face))) = (keeps, search.farthest) {
-        suspects.lock().remember(point, face);
+        parallel::lock(&suspects.0).remember(point, face);
     }
     Ok(keeps)
 }
