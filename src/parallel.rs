@@ -1,6 +1,7 @@
 //! The same function over all items of a list, on rayon's current pool if there is one to be used.
 //! Results come in the order of the items, so they do not depend on threads.
 
+use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -78,6 +79,67 @@ pub(crate) fn map_until<T: Sync, R: Send>(
     results.into_iter().map(|(_, result)| result).collect()
 }
 
+/// Goes through items in order: `function` is applied to those that the state of the moment needs, and `add` takes
+/// the results into it. What is not needed must not become so. Other threads run ahead of an item as long as it takes,
+/// and may do so in vain.
+///
+/// # Errors
+/// The first error of `function`.
+pub(crate) fn fold_ahead<T: Sync, S: Send, R: Send, E: Send>(
+    items: &[T],
+    state: S,
+    needs: impl Fn(&S, &T) -> bool + Sync + Send,
+    function: impl Fn(&T) -> Result<R, E> + Sync + Send,
+    add: impl Fn(&mut S, R) + Sync + Send,
+) -> Result<S, E> {
+    let next = AtomicUsize::new(0);
+    let fold = Mutex::new(Fold { state: Ok(state), done: 0, waiting: BTreeMap::new() });
+    map_indices(threads().min(items.len()), |_| {
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            let Some(item) = items.get(index) else { break };
+            let is_needed = match &lock(&fold).state {
+                Ok(state) => needs(state, item),
+                Err(_) => break,
+            };
+            let result = is_needed.then(|| function(item));
+            let mut fold = lock(&fold);
+            fold.waiting.insert(index, result);
+            fold.add_ready(items, &needs, &add);
+        }
+    });
+    fold.into_inner().unwrap_or_else(PoisonError::into_inner).state
+}
+
+/// The state of [`fold_ahead`] after the first `done` items, and results of later ones.
+struct Fold<S, R, E> {
+    state: Result<S, E>,
+    done: usize,
+    waiting: BTreeMap<usize, Option<Result<R, E>>>,
+}
+
+impl<S, R, E> Fold<S, R, E> {
+    /// Adds what no longer waits for an item before it.
+    fn add_ready<T>(
+        &mut self,
+        items: &[T],
+        needs: impl Fn(&S, &T) -> bool,
+        add: impl Fn(&mut S, R),
+    ) {
+        while let Some(result) = self.waiting.remove(&self.done) {
+            if let (Ok(state), Some(result)) = (&mut self.state, result)
+                && needs(state, &items[self.done])
+            {
+                match result {
+                    Ok(result) => add(state, result),
+                    Err(error) => self.state = Err(error),
+                }
+            }
+            self.done += 1;
+        }
+    }
+}
+
 /// What a mutex guards, also after a panic: only results are kept in these that are true whoever found them.
 pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
@@ -122,5 +184,37 @@ pub fn with<R>(parallel: bool, work: impl FnOnce() -> R) -> R {
     {
         let _ = parallel;
         work()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::fold_ahead;
+
+    /// Numbers of which no smaller one is a factor, up to the first that means an error.
+    fn primes(numbers: std::ops::Range<u64>, errors: &[u64]) -> Result<Vec<u64>, u64> {
+        let numbers: Vec<u64> = numbers.collect();
+        fold_ahead(
+            &numbers,
+            Vec::new(),
+            |found: &Vec<u64>, &number| found.iter().all(|&factor| number % factor != 0),
+            |&number| if errors.contains(&number) { Err(number) } else { Ok(number) },
+            |found, number| found.push(number),
+        )
+    }
+
+    #[test]
+    fn what_is_done_ahead_in_vain_is_left_out() {
+        for _ in 0..1_000 {
+            assert_eq!(primes(2..24, &[4, 15]), Ok(vec![2, 3, 5, 7, 11, 13, 17, 19, 23]));
+        }
+        assert_eq!(primes(2..2, &[]), Ok(Vec::new()));
+    }
+
+    #[test]
+    fn the_first_error_that_counts_is_returned() {
+        for _ in 0..1_000 {
+            assert_eq!(primes(2..24, &[4, 11, 13, 17]), Err(11));
+        }
     }
 }

@@ -61,6 +61,11 @@ impl GrowingHull {
         false
     }
 
+    /// Whether inserting points changes nothing.
+    pub fn contains(&self, points: &[Vector]) -> bool {
+        self.is_solid && self.builder.contains_all(points, SEARCH_TOLERANCE)
+    }
+
     pub fn new(points: &[Vector], outward: Vector) -> Self {
         let mut hull = Self {
             builder: HullBuilder::new().with_least_tolerance(SEARCH_TOLERANCE),

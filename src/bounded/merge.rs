@@ -72,7 +72,7 @@ impl<'a, 'b> Merging<'a, 'b> {
         for (block, members) in (0..).zip(blocks) {
             members.iter().for_each(|&patch| block_of[patch as usize] = block);
         }
-        let pieces = blocks.iter().map(|members| {
+        let pieces = parallel::map(blocks, |members| {
             let mut piece = Piece::new(patches, &PatchSet::of(count, members.iter().copied()));
             piece.vertices = piece.hull.vertices();
             Some(piece)
@@ -93,7 +93,7 @@ impl<'a, 'b> Merging<'a, 'b> {
         neighbours.dedup();
         neighbours.retain(|&(a, b)| a != b);
         let mut merging = Self {
-            pieces: pieces.collect(),
+            pieces,
             conflicts: conflicts.collect(),
             links: vec![BTreeMap::new(); blocks.len()],
             refused: BTreeSet::new(),

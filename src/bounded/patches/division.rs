@@ -59,8 +59,9 @@ pub(super) fn divide(
         let mut make = || mesh.patch(&triangles, &mut reducer);
         let mut fits =
             |patch: &Patch| tester.fits(&GrowingHull::new(&patch.points, patch.outward), false);
+        let swallows = || swallows_space(mesh, &triangles, solid, settings.search_bound);
         if triangles.len() > 1 && is_large(mesh, &triangles, largest) {
-            if !is_in_block && fits(&make()) {
+            if !is_in_block && fits(&make()) && !swallows() {
                 is_in_block = true;
                 // Its parts are next on the stack.
                 blocks.push(Vec::new());
@@ -68,9 +69,7 @@ pub(super) fn divide(
         } else {
             let patch = make();
             // A part of a hull that fits also fits.
-            let is_fitting = triangles.len() == 1
-                || (is_in_block || fits(&patch))
-                    && !swallows_space(mesh, &triangles, solid, settings.search_bound);
+            let is_fitting = triangles.len() == 1 || (is_in_block || fits(&patch)) && !swallows();
             if is_fitting {
                 patches += 1;
                 match blocks.last_mut() {

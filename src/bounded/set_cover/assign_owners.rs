@@ -2,6 +2,7 @@
 //! hulls of what they own.
 
 use super::coverage::Coverage;
+use crate::bounded::growing_hull::GrowingHull;
 use crate::bounded::patches::patch::Patches;
 use crate::bounded::piece::Piece;
 use crate::control::Control;
@@ -28,6 +29,7 @@ pub(in crate::bounded) fn assign_owners(
     }
     let mut order: Vec<u32> = shared.iter().collect();
     order.sort_by(|&a, &b| patches[b].area.total_cmp(&patches[a].area));
+    let (mut trial, mut grown) = (GrowingHull::default(), GrowingHull::default());
     for index in order {
         control.check()?;
         let patch = &patches[index];
@@ -36,18 +38,26 @@ pub(in crate::bounded) fn assign_owners(
             if !piece.patches.contains(index) {
                 continue;
             }
-            let mut hull = owned[k].hull.clone();
-            hull.insert(&patch.points, patch.outward);
-            let growth = hull.current_volume() - owned[k].hull.volume;
+            trial.copy_from(&owned[k].hull);
+            let is_contained = trial.contains(&patch.points);
+            if !is_contained {
+                trial.insert(&patch.points, patch.outward);
+                trial.volume = trial.current_volume();
+            }
+            let growth = trial.volume - owned[k].hull.volume;
             if best.is_none_or(|best| growth < best.0) {
                 best = Some((growth, k));
+                std::mem::swap(&mut trial, &mut grown);
+            }
+            // No other can grow less.
+            if is_contained {
+                break;
             }
         }
         if let Some((_, k)) = best {
             let owner = &mut owned[k];
             owner.patches.insert(index);
-            owner.hull.insert(&patch.points, patch.outward);
-            owner.hull.volume = owner.hull.current_volume();
+            std::mem::swap(&mut owner.hull, &mut grown);
         }
     }
     owned.retain(|piece| !piece.patches.is_empty());

@@ -34,9 +34,6 @@ use redundancy::{area, drop_redundant};
 /// all meshes need. Without a budget, a mesh of 464 hulls took ten times as long.
 const LAST_ROUND_BUDGET: f64 = 0.1;
 
-/// Pieces that grow between two looks at what is covered, and may grow in parallel.
-const AT_ONCE: usize = 4;
-
 /// Few pieces that cover all patches.
 pub(super) struct SetCover {
     /// Each patch belongs to one of them.
@@ -97,22 +94,15 @@ fn grow_all(
         Ok(piece)
     };
     pieces.sort_by(|a, b| area(patches, &b.patches).total_cmp(&area(patches, &a.patches)));
-    let mut open = all.clone();
-    let mut grown = Vec::new();
-    let mut waiting = pieces.into_iter();
-    loop {
-        let some: Vec<Piece> = waiting
-            .by_ref()
-            .filter(|piece| piece.patches.intersects(&open))
-            .take(AT_ONCE)
-            .collect();
-        if some.is_empty() {
-            return Ok(grown);
-        }
-        for piece in parallel::map(&some, grow_one) {
-            let piece = piece?;
+    let covered = parallel::fold_ahead(
+        &pieces,
+        (all.clone(), Vec::new()),
+        |(open, _), piece| piece.patches.intersects(open),
+        grow_one,
+        |(open, grown), piece| {
             open.difference_with(&piece.patches);
             grown.push(piece);
-        }
-    }
+        },
+    );
+    covered.map(|(_, grown)| grown)
 }
