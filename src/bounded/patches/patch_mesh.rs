@@ -73,8 +73,13 @@ impl PatchMesh {
             let represented = first_parts(&origins);
             return Ok(Self::without_cells(mesh, components, surface, parents, represented));
         }
-        let simplified = simplify(source, source_components, settings.triangles)?;
+        let mut simplified = simplify(source, source_components, settings.triangles)?;
         control.check()?;
+        // Patches of a surface that is another one would not fit, and end as single triangles.
+        if simplified.error > settings.bound && settings.triangles < COARSE {
+            simplified = simplify(source, source_components, COARSE)?;
+            control.check()?;
+        }
         let mut mesh = simplified.mesh;
         let origins = refine(&mut mesh, settings.longest_edge);
         let components = select(&origins, &simplified.components);
