@@ -29,6 +29,7 @@ mod tests {
     use super::DONE;
     use crate::control::Control;
     use crate::decompose::decompose;
+    use crate::geometry::vector::add;
     use crate::geometry::{MeshView, TriangleMesh};
     use crate::mesh::shapes::{cuboid, hemisphere, join, torus, turn, uv_sphere};
     use crate::parameters::{Length, Parameters, Preset};
@@ -55,6 +56,17 @@ mod tests {
         ])
     }
 
+    /// So many rings that few triangles are left for each.
+    fn rings() -> TriangleMesh {
+        let ring = |k: u32| {
+            let place = [k % 3, k / 3 % 3, k / 9].map(|step| 2.8 * f64::from(step));
+            let mut mesh = torus(20, 10);
+            mesh.positions.iter_mut().for_each(|point| *point = add(*point, place));
+            mesh
+        };
+        join(&(0..27).map(ring).collect::<Vec<TriangleMesh>>())
+    }
+
     #[test]
     fn fast_takes_no_more_work_than_balanced() {
         let meshes = [
@@ -65,6 +77,7 @@ mod tests {
             ("turned table", turn(table())),
             ("heap", join(&[uv_sphere(10, [0.0; 3], 1.0), uv_sphere(8, [1.2, 0.3, 0.0], 0.8)])),
             ("dense torus", torus(80, 40)),
+            ("rings", rings()),
         ];
         for (name, mesh) in meshes {
             for bound in [0.05, 0.02, 0.007] {
