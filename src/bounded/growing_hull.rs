@@ -61,9 +61,10 @@ impl GrowingHull {
         false
     }
 
-    /// Whether inserting points changes nothing.
-    pub fn contains(&self, points: &[Vector]) -> bool {
-        self.is_solid && self.builder.contains_all(points, SEARCH_TOLERANCE)
+    /// Whether the hull has volume, and no point is farther than `tolerance` in front of a face. Within
+    /// [`SEARCH_TOLERANCE`] inserting them changes nothing.
+    pub fn contains(&self, points: &[Vector], tolerance: f64) -> bool {
+        self.is_solid && self.builder.contains_all(points, tolerance)
     }
 
     pub fn new(points: &[Vector], outward: Vector) -> Self {
@@ -85,4 +86,4 @@ impl GrowingHull {
 
 /// Points this near to a hull, in diagonals, do not change it during the search: far less than any
 /// distance that counts, more than the rounding of repeated insertions.
-const SEARCH_TOLERANCE: f64 = 1e-5;
+pub(super) const SEARCH_TOLERANCE: f64 = 1e-5;

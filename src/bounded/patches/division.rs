@@ -68,7 +68,7 @@ pub(super) fn divide(
             }
         } else {
             let patch = make();
-            // A part of a hull that fits also fits.
+            // A part of a hull that fits, and holds no empty space, also fits.
             let is_fitting = triangles.len() == 1 || (is_in_block || fits(&patch)) && !swallows();
             if is_fitting {
                 patches += 1;

@@ -2,7 +2,7 @@
 //! hulls of what they own.
 
 use super::coverage::Coverage;
-use crate::bounded::growing_hull::GrowingHull;
+use crate::bounded::growing_hull::{GrowingHull, SEARCH_TOLERANCE};
 use crate::bounded::patches::patch::Patches;
 use crate::bounded::piece::Piece;
 use crate::control::Control;
@@ -39,7 +39,7 @@ pub(in crate::bounded) fn assign_owners(
                 continue;
             }
             trial.copy_from(&owned[k].hull);
-            let is_contained = trial.contains(&patch.points);
+            let is_contained = trial.contains(&patch.points, SEARCH_TOLERANCE);
             if !is_contained {
                 trial.insert(&patch.points, patch.outward);
                 trial.volume = trial.current_volume();

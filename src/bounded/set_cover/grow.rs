@@ -136,10 +136,8 @@ fn distance_to(hull: &GrowingHull, patch: &Patch) -> f64 {
 }
 
 fn contains(hull: &GrowingHull, patch: &Patch) -> bool {
-    hull.is_solid
-        && (0..3).all(|k| {
-            patch.min[k] >= hull.min[k] - CONTAINED_TOLERANCE
-                && patch.max[k] <= hull.max[k] + CONTAINED_TOLERANCE
-        })
-        && hull.builder.contains_all(&patch.points, CONTAINED_TOLERANCE)
+    (0..3).all(|k| {
+        patch.min[k] >= hull.min[k] - CONTAINED_TOLERANCE
+            && patch.max[k] <= hull.max[k] + CONTAINED_TOLERANCE
+    }) && hull.contains(&patch.points, CONTAINED_TOLERANCE)
 }
