@@ -7,7 +7,7 @@ use crate::openings::Opening;
 use crate::parameters::Method;
 
 /// Changes whenever the same input and parameters may give another result.
-pub const ALGORITHM_VERSION: u32 = 19;
+pub const ALGORITHM_VERSION: u32 = 20;
 
 /// One convex piece: its shape, where it comes from, and how far it is from the mesh.
 ///

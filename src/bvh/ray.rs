@@ -5,7 +5,7 @@
 //! through a common edge may hit both triangles or neither: ask many rays. Typically O(log n).
 
 use super::Bvh;
-use super::tree::{Child, EMPTY, Node, STACK, Tree, WIDTH, child};
+use super::tree::{Child, EMPTY, Node, STACK, Tree, WIDTH, child, larger, smaller};
 use crate::geometry::vector::{Vector, cross, dot, subtract};
 
 /// Where a ray meets the mesh.
@@ -18,8 +18,9 @@ pub(crate) struct Hit {
     pub is_back: bool,
 }
 
-/// Boxes are in single precision and rounded outward; the slabs' own rounding is far below this.
-const SLAB_SLACK: f64 = 1e-5;
+/// Boxes are in single precision and rounded outward; the slabs' own rounding moves their planes by far less than
+/// this.
+const SLAB_SLACK: f32 = 1e-5;
 
 impl Bvh {
     /// The first triangle beyond `start` along a ray for which `counts` holds. `direction` should be of
@@ -32,26 +33,32 @@ impl Bvh {
         mut counts: impl FnMut(u32, bool) -> bool,
     ) -> Option<Hit> {
         let tree = &self.tree;
-        let ray = Ray::new(tree, origin, direction);
+        let ray = Ray::new(tree, origin, direction, start);
         let mut best: Option<Hit> = None;
-        let mut stack = [(0.0, EMPTY); STACK];
+        let mut stack = [(0.0_f32, EMPTY); STACK];
         let mut top = 1;
         stack[0] = (0.0, 0);
         while top > 0 {
             top -= 1;
             let (near, reference) = stack[top];
-            if best.is_some_and(|best| near > best.distance) {
+            if best.is_some_and(|best| f64::from(near) > best.distance) {
                 continue;
             }
             match child(reference) {
                 Child::Empty => {}
                 Child::Node(node) => {
                     let Some(node) = tree.nodes.get(node) else { continue };
+                    let (near, far) = ray.slabs(node);
+                    let first = top;
                     for place in 0..WIDTH {
-                        if node.children[place] != EMPTY
-                            && let Some(near) = ray.enters(node, place)
-                        {
-                            stack[top] = (near, node.children[place]);
+                        if node.children[place] != EMPTY && near[place] <= far[place] {
+                            // The nearest comes last, and is looked at first.
+                            let mut at = top;
+                            while at > first && stack[at - 1].0 < near[place] {
+                                stack[at] = stack[at - 1];
+                                at -= 1;
+                            }
+                            stack[at] = (near[place], node.children[place]);
                             top += 1;
                         }
                     }
@@ -114,26 +121,34 @@ impl Bvh {
 
 struct Ray {
     /// Relative to the tree's centre.
-    origin: Vector,
-    inverse: Vector,
+    origin: [f32; 3],
+    inverse: [f32; 3],
+    start: f32,
 }
 
 impl Ray {
-    fn new(tree: &Tree, origin: Vector, direction: Vector) -> Self {
-        Self { origin: subtract(origin, tree.centre), inverse: direction.map(|x| 1.0 / x) }
+    fn new(tree: &Tree, origin: Vector, direction: Vector, start: f64) -> Self {
+        let origin = subtract(origin, tree.centre).map(|x| x as f32);
+        let start = start as f32 - SLAB_SLACK;
+        Self { origin, inverse: direction.map(|x| (1.0 / x) as f32), start }
     }
 
-    /// Where the ray enters a child's box, unless it misses it.
-    fn enters(&self, node: &Node, place: usize) -> Option<f64> {
-        let (mut near, mut far) = (0.0_f64, f64::INFINITY);
+    /// Where the ray, from its start on, enters and leaves the children's boxes: the other way round where it
+    /// misses them.
+    #[inline(always)]
+    fn slabs(&self, node: &Node) -> ([f32; WIDTH], [f32; WIDTH]) {
+        let (mut near, mut far) = ([self.start; WIDTH], [f32::INFINITY; WIDTH]);
         for axis in 0..3 {
-            let min = f64::from(node.min[axis][place]) - SLAB_SLACK - self.origin[axis];
-            let max = f64::from(node.max[axis][place]) + SLAB_SLACK - self.origin[axis];
-            let (first, second) = (min * self.inverse[axis], max * self.inverse[axis]);
-            near = near.max(first.min(second));
-            far = far.min(first.max(second));
+            let (origin, inverse) = (self.origin[axis], self.inverse[axis]);
+            for place in 0..WIDTH {
+                let first = (node.min[axis][place] - SLAB_SLACK - origin) * inverse;
+                let second = (node.max[axis][place] + SLAB_SLACK - origin) * inverse;
+                // Where a ray runs within a plane, that is not a number, and says nothing.
+                near[place] = larger(smaller(first, second), near[place]);
+                far[place] = smaller(larger(first, second), far[place]);
+            }
         }
-        (near <= far).then_some(near)
+        (near, far)
     }
 }
 

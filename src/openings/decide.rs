@@ -3,7 +3,7 @@
 use super::boundary::Loop;
 use super::cap::Cap;
 use super::crossing::is_cut;
-use super::look::{View, look, points};
+use super::look::{is_seen_into, points};
 use super::report::OpeningOutcome;
 use super::{OpeningSettings, flatness_in_diagonals};
 use crate::bvh::Bvh;
@@ -20,13 +20,6 @@ const SHEET_ANGLE: f64 = std::f64::consts::PI / 6.0;
 
 /// The same where all openings are to be closed: a sheet that is flat has no solid on it.
 const FLAT_ANGLE: f64 = SHEET_ANGLE / 6.0;
-
-/// Through the opening of a solid no more than this share of the rays sees anything.
-const MOST_SEEN: f64 = 0.05;
-
-/// Where more of the rays than this only see another cap, there is too little surface to tell: between the rim
-/// of a cup and that of its liner a little below.
-const MOST_CAPPED: f64 = 0.5;
 
 /// This far beyond a cap, in diagonals, a point is on one side of it: above rounding, below what matters.
 const BEYOND: f64 = 1e-6;
@@ -62,9 +55,9 @@ pub(super) fn decide(
     if settings.openings != Openings::Auto {
         return Ok(());
     }
-    while capped.leave_seen(caps, control)? || capped.leave_emptied(caps, control)? {
-        control.check()?;
-    }
+    while capped.leave_seen(caps, control)? {}
+    capped.tell_within(caps, control)?;
+    while capped.leave_emptied(caps, control)? || capped.leave_seen(caps, control)? {}
     Ok(())
 }
 
@@ -151,9 +144,8 @@ impl<'a> Capped<'a> {
             control.check()?;
             let counts =
                 |t: u32| self.cap_of(t).is_none_or(|owner| owner != number && is_closed[owner]);
-            let look = || look(&caps[number].0, positions, &self.bvh, surface, counts);
-            let view = is_closed[number].then(look);
-            Ok(view.is_some_and(|View { seen, capped }| seen > MOST_SEEN || capped > MOST_CAPPED))
+            let cap = &caps[number].0;
+            Ok(is_closed[number] && is_seen_into(cap, positions, &self.bvh, surface, counts))
         });
         let mut changed = false;
         for ((_, outcome), is_seen) in caps.iter_mut().zip(are_seen) {
@@ -165,19 +157,17 @@ impl<'a> Capped<'a> {
         Ok(changed)
     }
 
-    /// Tells caps within the solid from those on it, and leaves those that would empty it. Whether there
-    /// were any.
+    /// Tells caps within the solid from those on it.
     ///
     /// # Errors
     /// [`Error::Cancelled`].
-    fn leave_emptied(
+    fn tell_within(
         &self,
         caps: &mut [(Cap, OpeningOutcome)],
         control: &Control,
-    ) -> Result<bool, Error> {
+    ) -> Result<(), Error> {
         let Self { open, flatness, .. } = self;
         let positions = &self.prepared.mesh.positions;
-        let is_closed: Vec<bool> = caps.iter().map(|(_, outcome)| outcome.is_closed()).collect();
         let are_within = parallel::map(caps, |(cap, outcome)| {
             control.check()?;
             let is_within = || is_solid_beyond(cap, positions, [open, open], *flatness);
@@ -190,6 +180,21 @@ impl<'a> Capped<'a> {
                 None => {}
             }
         }
+        Ok(())
+    }
+
+    /// Leaves those of the caps within the solid that would empty it. Whether there were any.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
+    fn leave_emptied(
+        &self,
+        caps: &mut [(Cap, OpeningOutcome)],
+        control: &Control,
+    ) -> Result<bool, Error> {
+        let Self { open, flatness, .. } = self;
+        let positions = &self.prepared.mesh.positions;
+        let is_closed: Vec<bool> = caps.iter().map(|(_, outcome)| outcome.is_closed()).collect();
         if caps.iter().all(|(_, outcome)| *outcome != OpeningOutcome::ClosedWithin) {
             return Ok(false);
         }
@@ -248,14 +253,21 @@ fn is_solid_beyond(
     flatness: f64,
 ) -> bool {
     let points = points(cap, positions);
-    let inside = points.iter().filter(|&&point| {
+    let is_inside = |point: Vector| {
         let outward = |distance: f64| add(point, scale(cap.normal, distance));
         // Near the backs of several parts the sum of what they enclose is unsure.
-        let middle = open.first_hit(point, cap.normal, flatness, |_, _| true);
+        let middle = || open.first_hit(point, cap.normal, flatness, |_, _| true);
         solid.is_inside(outward(flatness))
-            || middle.is_some_and(|hit| solid.is_inside(outward(0.5 * hit.distance)))
-    });
-    2 * inside.count() > points.len()
+            || middle().is_some_and(|hit| solid.is_inside(outward(0.5 * hit.distance)))
+    };
+    let (mut inside, mut outside) = (0, 0);
+    for &point in &points {
+        *(if is_inside(point) { &mut inside } else { &mut outside }) += 1;
+        if 2 * inside.max(outside) > points.len() {
+            break;
+        }
+    }
+    inside > outside
 }
 
 /// Whether most of the surface around a cap, by the length of its rim, is drawn from both sides.

@@ -15,6 +15,13 @@ const POINTS: usize = 32;
 /// Rays from each point, spread over the half-space within as light from a matt surface is.
 const RAYS_PER_POINT: usize = 4;
 
+/// Through the opening of a solid no more than this share of the rays sees anything.
+const MOST_SEEN: f64 = 0.05;
+
+/// Where more of the rays than this only see another cap, there is too little surface to tell: between the rim
+/// of a cup and that of its liner a little below.
+const MOST_CAPPED: f64 = 0.5;
+
 /// A ray through more faces than this sees too much to tell.
 const MOST_HITS: usize = 32;
 
@@ -26,24 +33,19 @@ const START: f64 = 1e-7;
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 const PLASTIC: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_2];
 
-/// What rays from a cap inward come to.
-pub(super) struct View {
-    /// The share that sees a front, or a way out.
-    pub seen: f64,
-    /// The share that leaves the solid through another cap, which says nothing.
-    pub capped: f64,
-}
-
-/// Looks from a cap inward. Triangles from number `surface` on are caps; `counts` tells which triangles are
-/// there.
-pub(super) fn look(
+/// Whether more than `MOST_SEEN` of the rays from a cap inward see a front, or a way out, or more than
+/// `MOST_CAPPED` leave the solid through another cap. Triangles from number `surface` on are caps; `counts`
+/// tells which triangles are there.
+pub(super) fn is_seen_into(
     cap: &Cap,
     positions: &[Vector],
     bvh: &Bvh,
     surface: usize,
     counts: impl Fn(u32) -> bool,
-) -> View {
+) -> bool {
     let inward = scale(cap.normal, -1.0);
+    let is_more =
+        |count: usize, share: f64| count as f64 > share * (POINTS * RAYS_PER_POINT) as f64;
     let (mut seen, mut capped) = (0, 0);
     for (number, point) in points(cap, positions).into_iter().enumerate() {
         for ray in 0..RAYS_PER_POINT {
@@ -53,9 +55,11 @@ pub(super) fn look(
                 Some(triangle) => capped += usize::from(triangle as usize >= surface),
             }
         }
+        if is_more(seen, MOST_SEEN) || is_more(capped, MOST_CAPPED) {
+            return true;
+        }
     }
-    let share = |count: usize| count as f64 / (POINTS * RAYS_PER_POINT) as f64;
-    View { seen: share(seen), capped: share(capped) }
+    false
 }
 
 /// Through which triangle a ray that starts in the solid leaves it, if it does: through one back more than

@@ -69,7 +69,7 @@ pub struct BoundedParameters {
     /// How much work is put into few hulls.
     pub preset: Preset,
     /// Most hulls, at least 1; `None` for no cap. A cap, not a budget: where the bound
-    /// ends with more, hulls join or the search is repeated up to three times under larger bounds,
+    /// ends with more, hulls join or the search is repeated up to six times under larger bounds,
     /// whichever has less error, and
     /// [`BoundedReport::protrusion_max`](crate::BoundedReport::protrusion_max) says how far.
     pub max_hulls: Option<usize>,
