@@ -157,6 +157,17 @@ pub(crate) fn join<A: Send, B: Send>(
     (first(), second())
 }
 
+/// Gives back what a value holds, on another thread if there is one: of many small things that takes milliseconds,
+/// and nobody waits for it.
+pub(crate) fn drop_aside<T: Send + 'static>(value: T) {
+    #[cfg(feature = "parallel")]
+    if threads() > 1 {
+        rayon::spawn(move || drop(value));
+        return;
+    }
+    drop(value);
+}
+
 #[cfg(feature = "parallel")]
 thread_local! {
     static IS_PARALLEL: std::cell::Cell<bool> = const { std::cell::Cell::new(true) };

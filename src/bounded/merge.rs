@@ -9,6 +9,7 @@ use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 use super::containment::fit_tester::FitTester;
 use super::growing_hull::GrowingHull;
 use super::patch_set::PatchSet;
+use super::patches::conflicts::Conflicts;
 use super::patches::patch::Patches;
 use super::piece::Piece;
 use crate::control::Control;
@@ -51,9 +52,8 @@ impl Ord for Candidate {
 /// The state of merging. Pieces keep their index; those that have joined another are `None`.
 struct Merging<'a, 'b> {
     tester: &'a mut FitTester<'b>,
+    conflicts: &'a Conflicts<'b>,
     pieces: Vec<Option<Piece>>,
-    /// For each piece those that it must not join.
-    conflicts: Vec<PatchSet>,
     /// For each piece those beside it, with the last known cost of joining them.
     links: Vec<BTreeMap<u32, f64>>,
     refused: BTreeSet<(u32, u32)>,
@@ -66,23 +66,16 @@ fn ordered(a: u32, b: u32) -> (u32, u32) {
 
 impl<'a, 'b> Merging<'a, 'b> {
     /// A piece for each block; neighbours across an edge are candidates.
-    fn new(patches: &Patches, tester: &'a mut FitTester<'b>) -> Self {
-        let (count, blocks) = (patches.count(), &patches.blocks);
+    fn new(patches: &Patches, conflicts: &'a Conflicts<'b>, tester: &'a mut FitTester<'b>) -> Self {
+        let (count, blocks) = (patches.count(), conflicts.agreeing(&patches.blocks));
         let mut block_of = vec![0; count];
-        for (block, members) in (0..).zip(blocks) {
+        for (block, members) in (0..).zip(&blocks) {
             members.iter().for_each(|&patch| block_of[patch as usize] = block);
         }
-        let pieces = parallel::map(blocks, |members| {
+        let pieces = parallel::map(&blocks, |members| {
             let mut piece = Piece::new(patches, &PatchSet::of(count, members.iter().copied()));
             piece.vertices = piece.hull.vertices();
             Some(piece)
-        });
-        let conflicts = blocks.iter().map(|members| {
-            let mut conflicts = PatchSet::empty(count);
-            for &patch in members {
-                conflicts.union_with(&patches.conflicts[patch as usize]);
-            }
-            conflicts
         });
         let mut neighbours: Vec<(u32, u32)> = patches
             .neighbours
@@ -94,7 +87,7 @@ impl<'a, 'b> Merging<'a, 'b> {
         neighbours.retain(|&(a, b)| a != b);
         let mut merging = Self {
             pieces,
-            conflicts: conflicts.collect(),
+            conflicts,
             links: vec![BTreeMap::new(); blocks.len()],
             refused: BTreeSet::new(),
             heap: BinaryHeap::new(),
@@ -127,21 +120,21 @@ impl<'a, 'b> Merging<'a, 'b> {
         }
     }
 
-    /// Adds a pair to the heap if it may join.
+    /// Adds a pair to the heap unless it is known that it can't join.
     fn consider(&mut self, a: u32, b: u32, cost: f64) {
         let pair = ordered(a, b);
-        let Some(other) = &self.pieces[pair.1 as usize] else { return };
-        if !self.refused.contains(&pair)
-            && !self.conflicts[pair.0 as usize].intersects(&other.patches)
-        {
+        if !self.refused.contains(&pair) {
             self.heap.push(Candidate { cost, pair, joint: None });
         }
     }
 
-    /// The candidate with its joint hull; `None` if one of the two has joined another.
+    /// The candidate with its joint hull; `None` if there are conflicts between the two.
     fn evaluated(&self, pair: (u32, u32)) -> Option<Candidate> {
         let (a, b) =
             (self.pieces[pair.0 as usize].as_ref()?, self.pieces[pair.1 as usize].as_ref()?);
+        if self.conflicts.between_sets(&a.patches, &b.patches) {
+            return None;
+        }
         // The smaller hull is inserted into the larger one.
         let (large, small) = if a.hull.volume >= b.hull.volume { (a, b) } else { (b, a) };
         let mut hull = large.hull.clone();
@@ -159,16 +152,17 @@ impl<'a, 'b> Merging<'a, 'b> {
             control.check()?;
             Ok(self.evaluated(pair))
         });
-        for candidate in evaluated {
-            if let Some(candidate) = candidate? {
-                self.push_evaluated(candidate);
-            }
+        for (pair, candidate) in pairs.into_iter().zip(evaluated) {
+            self.add_evaluated(pair, candidate?);
         }
         Ok(())
     }
 
-    fn push_evaluated(&mut self, candidate: Candidate) {
-        let (a, b) = candidate.pair;
+    fn add_evaluated(&mut self, (a, b): (u32, u32), candidate: Option<Candidate>) {
+        let Some(candidate) = candidate else {
+            self.refused.insert((a, b));
+            return;
+        };
         self.links[a as usize].insert(b, candidate.cost);
         self.links[b as usize].insert(a, candidate.cost);
         self.heap.push(candidate);
@@ -176,6 +170,13 @@ impl<'a, 'b> Merging<'a, 'b> {
 
     fn is_alive(&self, (a, b): (u32, u32)) -> bool {
         self.pieces[a as usize].is_some() && self.pieces[b as usize].is_some()
+    }
+
+    /// Joins neighbours, then pieces that are near each other.
+    fn run_to_end(&mut self, control: &Control) -> Result<(), Error> {
+        self.run(control)?;
+        self.consider_near();
+        self.run(control)
     }
 
     /// Joins the cheapest pairs first. After the start, a joint hull is only built once its pair's estimate is the
@@ -192,9 +193,8 @@ impl<'a, 'b> Merging<'a, 'b> {
             }
             let Some(joint) = joint else {
                 control.check()?;
-                if let Some(candidate) = self.evaluated(pair) {
-                    self.push_evaluated(candidate);
-                }
+                let candidate = self.evaluated(pair);
+                self.add_evaluated(pair, candidate);
                 continue;
             };
             if self.tester.fits(&joint.hull, joint.only_new) {
@@ -218,9 +218,6 @@ impl<'a, 'b> Merging<'a, 'b> {
         let vertices = hull.vertices();
         let new = self.pieces.len() as u32;
         self.pieces.push(Some(Piece { patches, hull, vertices, inner_points: Vec::new() }));
-        let mut conflicts = std::mem::take(&mut self.conflicts[a as usize]);
-        conflicts.union_with(&self.conflicts[b as usize]);
-        self.conflicts.push(conflicts);
         let mut joined = std::mem::take(&mut self.links[a as usize]);
         for (link, cost) in std::mem::take(&mut self.links[b as usize]) {
             let known = joined.entry(link).or_insert(cost);
@@ -251,14 +248,15 @@ fn are_near(a: &GrowingHull, b: &GrowingHull, gap: f64) -> bool {
 ///
 /// # Errors
 /// [`Error::Cancelled`].
-pub(super) fn merge(
+pub(super) fn merge<'a>(
     patches: &Patches,
-    tester: &mut FitTester<'_>,
+    conflicts: &Conflicts<'a>,
+    tester: &mut FitTester<'a>,
     control: &Control,
 ) -> Result<Vec<Piece>, Error> {
-    let mut merging = Merging::new(patches, tester);
-    merging.run(control)?;
-    merging.consider_near();
-    merging.run(control)?;
-    Ok(merging.pieces.into_iter().flatten().collect())
+    let mut merging = Merging::new(patches, conflicts, tester);
+    let done = merging.run_to_end(control);
+    let Merging { pieces, heap, links, refused, .. } = merging;
+    parallel::drop_aside((heap, links, refused));
+    done.map(|()| pieces.into_iter().flatten().collect())
 }

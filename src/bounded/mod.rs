@@ -54,6 +54,7 @@ use finalize::finalize;
 use max_hulls::{BoundSearch, limit_hulls};
 use merge::merge;
 use output::BoundedResult;
+use patches::conflicts::Conflicts;
 use patches::divide_into_patches;
 use patches::patch::Patches;
 use patches::patch_mesh::PatchMesh;
@@ -73,9 +74,9 @@ const MERGE_AT: f32 = 0.45;
 const COVER_AT: f32 = 0.6;
 const FINALIZE_AT: f32 = 0.9;
 
-/// Before a deadline, this share of the time that the stages before merging have taken is kept for finalizing, which
-/// takes 0.3 to 0.8 of it.
-const KEPT_FOR_FINALIZING: f64 = 0.8;
+/// Before a deadline, as much time as the stages before merging have taken, times this, is kept for finalizing, which
+/// takes 0.4 to 1 times as long.
+const KEPT_FOR_FINALIZING: f64 = 1.0;
 
 /// The pipeline, stage by stage, for each of the preset's passes.
 pub(crate) struct Run {
@@ -172,10 +173,16 @@ impl Run {
                 State::Merge(Box::new((solid, patches)))
             }
             State::Merge(state) => {
-                let (solid, patches) = *state;
+                let (solid, mut patches) = *state;
+                let conflicts = Conflicts::new(&patches, &solid, settings.search_bound);
                 let mut tester = FitTester::new(&solid, settings.search_bound);
-                let pieces = merge(&patches, &mut tester, &until_cut)?;
+                let (pieces, all_conflicts) = parallel::join(
+                    || merge(&patches, &conflicts, &mut tester, &until_cut),
+                    || conflicts.all(control),
+                );
                 drop(tester);
+                let pieces = pieces?;
+                patches.conflicts = all_conflicts?;
                 State::Cover(Box::new((solid, patches, pieces)))
             }
             State::Cover(state) => {

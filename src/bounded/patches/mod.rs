@@ -9,7 +9,7 @@
 //! | `division` | halving of groups |
 //! | `conflicts` | which patches no hull can contain together |
 
-mod conflicts;
+pub(super) mod conflicts;
 mod division;
 pub(super) mod patch;
 pub(super) mod patch_mesh;
@@ -20,7 +20,6 @@ use std::sync::Arc;
 use super::cells::components;
 use super::clustering::Clustered;
 use super::containment::solid::Solid;
-use super::patch_set::PatchSet;
 use super::settings::Settings;
 use crate::control::Control;
 use crate::error::Error;
@@ -29,7 +28,6 @@ use crate::hull::HullBuilder;
 use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
 use crate::parallel;
 use crate::surface::grouping::{group, members};
-use conflicts::conflicts;
 use division::divide;
 use patch::{Patch, Patches};
 use patch_mesh::PatchMesh;
@@ -42,7 +40,7 @@ const MAX_GROUPS: usize = 600;
 /// Factor between the thresholds of repeated groupings.
 const THRESHOLD_GROWTH: f64 = 2.0;
 
-/// Divides the surface into patches. O(n log n) for n triangles, and O(k²) for k patches.
+/// Divides the surface into patches. O(n log n) for n triangles.
 ///
 /// # Errors
 /// [`Error::Cancelled`].
@@ -88,8 +86,7 @@ pub(super) fn divide_into_patches(
         (surface, parents) = (clustered.surface.clone(), clustered.parents.clone());
         represent_source(&mut patches, clustered, settings, control)?;
     }
-    let conflicts = conflicts(&patches, solid, settings.search_bound, control)?;
-    let blocks = without_conflicts(blocks, &conflicts);
+    let conflicts = Vec::new();
     Ok(Patches { patches, neighbours, blocks, conflicts, surface, parents, mesh, labels })
 }
 
@@ -148,18 +145,6 @@ fn neighbours(adjacency: &Adjacency, labels: &[u32]) -> Vec<(u32, u32)> {
     neighbours.sort_unstable();
     neighbours.dedup();
     neighbours
-}
-
-/// Blocks without conflicts among their patches. Other blocks are dissolved: a hull whose faces all
-/// lie on the surface can still swallow empty space.
-fn without_conflicts(blocks: Vec<Vec<u32>>, conflicts: &[PatchSet]) -> Vec<Vec<u32>> {
-    let agrees = |block: &Vec<u32>| {
-        let all = PatchSet::of(conflicts.len(), block.iter().copied());
-        !block.iter().any(|&patch| conflicts[patch as usize].intersects(&all))
-    };
-    let (mut blocks, others): (Vec<_>, Vec<_>) = blocks.into_iter().partition(agrees);
-    blocks.extend(others.into_iter().flatten().map(|patch| vec![patch]));
-    blocks
 }
 
 /// Gives patches of a clustered mesh the source's triangles that theirs represent, and the points

@@ -40,10 +40,11 @@ pub(in crate::bounded) struct Patches {
     pub(super) patches: Vec<Patch>,
     /// Pairs of patches that share an edge.
     pub neighbours: Vec<(u32, u32)>,
-    /// A partition of the patches into sets that merging joins from the start: parts of one group
-    /// whose joint hull fits, without conflicts among them.
+    /// A partition of the patches: parts of one group whose joint hull fits. Merging joins them from the start
+    /// where there are no conflicts among them.
     pub blocks: Vec<Vec<u32>>,
-    /// For each patch those that no hull can contain together with it, by the search's bound.
+    /// For each patch those that no hull can contain together with it, by the search's bound. Known once pieces
+    /// have merged.
     pub conflicts: Vec<PatchSet>,
     /// The source, its long triangles halved.
     pub surface: Arc<TriangleMesh>,

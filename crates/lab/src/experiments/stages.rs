@@ -114,14 +114,14 @@ const PARTS: [(&str, &[&str]); 12] = [
         ],
     ),
     ("patches", &["hullwright::bounded::patches::divide_into_patches"]),
-    ("conflicts", &["hullwright::bounded::patches::conflicts::conflicts"]),
+    ("conflicts", &["hullwright::bounded::patches::conflicts::Conflicts::find_out"]),
     ("merge", &["hullwright::bounded::merge::merge"]),
     ("cover", &["hullwright::bounded::set_cover::cover"]),
     ("finalize", &["hullwright::bounded::finalize::finalize"]),
     (
         "verification",
         &[
-            "hullwright::bounded::finalize::verify::protrusion::protrusion_beyond",
+            "hullwright::bounded::finalize::verify::protrusion::protrusion",
             "hullwright::bounded::finalize::uncovered",
         ],
     ),

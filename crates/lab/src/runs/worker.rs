@@ -8,7 +8,7 @@ use std::time::Instant;
 use hullwright::internals::terminal::{Failure, print};
 use hullwright::io::{MeshFile, NamedMesh, read_hulls, read_mesh};
 use hullwright::measure::MeasureOptions;
-use hullwright::{Control, Error, Hull, Parameters, TriangleMesh};
+use hullwright::{Control, Error, Hull, Method, Parameters, TriangleMesh};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -91,7 +91,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         cost,
         details,
     }))?;
-    say(&Line::Judged(Box::new(judge_default(&mesh, &hulls)?)))?;
+    say(&Line::Judged(Box::new(judge_run(&run, &mesh, &hulls)?)))?;
 
     // Parry has no such mode (its `parallel` feature is for something else).
     if vhacd::parameters(&run).is_some() {
@@ -120,6 +120,17 @@ fn pool(threads: usize) -> Result<rayon::ThreadPool, Failure> {
 
 fn judge_default(mesh: &MeshFile, hulls: &[NamedMesh]) -> Result<Judged, Error> {
     judge(mesh.mesh.view(), hulls, &MeasureOptions::default())
+}
+
+/// Judges the hulls of a run: ours against the mesh with those openings closed that its bound closes.
+fn judge_run(run: &Run, mesh: &MeshFile, hulls: &[NamedMesh]) -> Result<Judged, Error> {
+    let mut options = MeasureOptions::default();
+    if let Some(parameters) = run.parameters()
+        && parameters.method == Method::Bounded
+    {
+        options.flatness = parameters.bounded.max_error;
+    }
+    judge(mesh.mesh.view(), hulls, &options)
 }
 
 fn decompose(run: &Run, mesh: &MeshFile, parallel: bool) -> Result<Output, Error> {
