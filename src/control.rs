@@ -127,9 +127,11 @@ impl Control {
         self
     }
 
-    /// After `deadline` the best valid result so far is returned. It is soft: optional work is left
-    /// out, and what the result needs is finished, with its bound and caps. The search ends somewhat sooner, so
-    /// that there is time for that. For a hard stop see [`with_time_limit`](Self::with_time_limit).
+    /// At `deadline` the best valid result so far is returned. It is soft: optional work is left out, and what
+    /// the result needs is finished, with its bound and caps. Where little time is left, the surface is divided
+    /// as coarsely as by [`Preset::Fast`](crate::Preset::Fast), and the search ends so that there is time to
+    /// verify what it has found. That takes about half of the time without a deadline: a result within less is
+    /// late. For a hard stop see [`with_time_limit`](Self::with_time_limit).
     ///
     /// Only [`Method::Surface`](crate::Method::Surface) on several threads can have nothing valid by
     /// then, and returns [`Error::DeadlineExceeded`]: it starts no threshold after the deadline. On
@@ -249,6 +251,17 @@ impl Control {
         Self { deadline: self.deadline.map(sooner), ..self.clone() }
     }
 
+    /// The same with a time limit at the deadline.
+    pub(crate) fn with_hard_deadline(&self) -> Self {
+        let limits = [self.time_limit, self.deadline];
+        Self { time_limit: limits.into_iter().flatten().min(), ..self.clone() }
+    }
+
+    /// Time until the deadline, if there is one.
+    pub(crate) fn time_left(&self) -> Option<Duration> {
+        self.deadline.map(|deadline| deadline.saturating_duration_since(Instant::now()))
+    }
+
     /// An error once somebody has cancelled, or time is up.
     pub(crate) fn check(&self) -> Result<(), Error> {
         if self.is_cancelled() {
@@ -305,5 +318,24 @@ mod tests {
         assert!(!Control::new().with_sooner_deadline(minute).is_past_deadline());
         control.cancel();
         assert!(sooner.is_cancelled());
+    }
+
+    #[test]
+    fn a_hard_deadline_is_a_time_limit_and_delays_none() {
+        let now = Instant::now();
+        let past = |control: Control| control.with_hard_deadline().check();
+        assert_eq!(past(Control::new()), Ok(()));
+        assert_eq!(past(Control::new().with_deadline(now)), Err(Error::DeadlineExceeded));
+        let later = now + Duration::from_secs(60);
+        assert_eq!(past(Control::new().with_deadline(later)), Ok(()));
+        let limited = Control::new().with_deadline(later).with_time_limit(now);
+        assert_eq!(past(limited), Err(Error::DeadlineExceeded));
+        assert!(
+            Control::new()
+                .with_deadline(later)
+                .time_left()
+                .is_some_and(|left| left > Duration::ZERO)
+        );
+        assert_eq!(Control::new().time_left(), None);
     }
 }

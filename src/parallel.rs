@@ -3,7 +3,13 @@
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread;
+use std::time::Duration;
+
+use crate::control::Control;
+use crate::error::Error;
 
 /// Applies `function` to every item.
 pub(crate) fn map<T: Sync, R: Send>(
@@ -168,6 +174,37 @@ pub(crate) fn drop_aside<T: Send + 'static>(value: T) {
     drop(value);
 }
 
+/// How often a thread that waits for work that can't be stopped asks whether it should.
+const ASK_EVERY: Duration = Duration::from_millis(1);
+
+/// Runs work that can't be stopped on a thread of its own, which is left to itself once `control` stops. In a browser,
+/// which has no such threads, it is done whole.
+///
+/// # Errors
+/// [`Error::Cancelled`] and [`Error::DeadlineExceeded`]; `None` where the work panics.
+pub(crate) fn leave_if_stopped<R: Send + 'static>(
+    work: impl Fn() -> R + Send + Sync + 'static,
+    control: &Control,
+) -> Result<Option<R>, Error> {
+    let work = Arc::new(work);
+    let (sender, receiver) = channel();
+    let of_thread = Arc::clone(&work);
+    let spawned = thread::Builder::new().spawn(move || {
+        // Nobody receives it if the work was left.
+        let _ = sender.send(of_thread());
+    });
+    if spawned.is_err() {
+        return Ok(Some(work()));
+    }
+    loop {
+        match receiver.recv_timeout(ASK_EVERY) {
+            Ok(result) => return Ok(Some(result)),
+            Err(RecvTimeoutError::Timeout) => control.check()?,
+            Err(RecvTimeoutError::Disconnected) => return Ok(None),
+        }
+    }
+}
+
 #[cfg(feature = "parallel")]
 thread_local! {
     static IS_PARALLEL: std::cell::Cell<bool> = const { std::cell::Cell::new(true) };
@@ -200,7 +237,11 @@ pub fn with<R>(parallel: bool, work: impl FnOnce() -> R) -> R {
 
 #[cfg(test)]
 mod tests {
-    use super::fold_ahead;
+    use std::time::Duration;
+
+    use super::{fold_ahead, leave_if_stopped};
+    use crate::control::Control;
+    use crate::error::Error;
 
     /// Numbers of which no smaller one is a factor, up to the first that means an error.
     fn primes(numbers: std::ops::Range<u64>, errors: &[u64]) -> Result<Vec<u64>, u64> {
@@ -227,5 +268,24 @@ mod tests {
         for _ in 0..1_000 {
             assert_eq!(primes(2..24, &[4, 11, 13, 17]), Err(11));
         }
+    }
+
+    #[test]
+    fn work_that_can_not_be_stopped_is_left() {
+        let (sender, receiver) = std::sync::mpsc::channel::<()>();
+        let control = Control::new();
+        control.cancel();
+        // Ends only after it was left.
+        let receiver = std::sync::Mutex::new(receiver);
+        let endless = move || super::lock(&receiver).recv_timeout(Duration::from_secs(60)).is_ok();
+        assert_eq!(leave_if_stopped(endless, &control), Err(Error::Cancelled));
+        drop(sender);
+        assert_eq!(leave_if_stopped(|| 3, &Control::new()), Ok(Some(3)));
+    }
+
+    #[test]
+    fn work_that_panics_has_no_result() {
+        let broken = || -> u32 { std::panic::resume_unwind(Box::new(())) };
+        assert_eq!(leave_if_stopped(broken, &Control::new()), Ok(None));
     }
 }

@@ -66,17 +66,27 @@ fn ordered(a: u32, b: u32) -> (u32, u32) {
 
 impl<'a, 'b> Merging<'a, 'b> {
     /// A piece for each block; neighbours across an edge are candidates.
-    fn new(patches: &Patches, conflicts: &'a Conflicts<'b>, tester: &'a mut FitTester<'b>) -> Self {
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
+    fn new(
+        patches: &Patches,
+        conflicts: &'a Conflicts<'b>,
+        tester: &'a mut FitTester<'b>,
+        control: &Control,
+    ) -> Result<Self, Error> {
         let (count, blocks) = (patches.count(), conflicts.agreeing(&patches.blocks));
         let mut block_of = vec![0; count];
         for (block, members) in (0..).zip(&blocks) {
             members.iter().for_each(|&patch| block_of[patch as usize] = block);
         }
         let pieces = parallel::map(&blocks, |members| {
+            control.check()?;
             let mut piece = Piece::new(patches, &PatchSet::of(count, members.iter().copied()));
             piece.vertices = piece.hull.vertices();
-            Some(piece)
+            Ok(Some(piece))
         });
+        let pieces = pieces.into_iter().collect::<Result<Vec<Option<Piece>>, Error>>()?;
         let mut neighbours: Vec<(u32, u32)> = patches
             .neighbours
             .iter()
@@ -98,7 +108,7 @@ impl<'a, 'b> Merging<'a, 'b> {
             merging.links[b as usize].insert(a, 0.0);
             merging.consider(a, b, f64::NEG_INFINITY);
         }
-        merging
+        Ok(merging)
     }
 
     /// Makes all pairs of near pieces candidates.
@@ -185,9 +195,6 @@ impl<'a, 'b> Merging<'a, 'b> {
     fn run(&mut self, control: &Control) -> Result<(), Error> {
         self.evaluate_all(control)?;
         while let Some(Candidate { pair, joint, .. }) = self.heap.pop() {
-            if control.is_past_deadline() {
-                break;
-            }
             if !self.is_alive(pair) {
                 continue;
             }
@@ -254,7 +261,7 @@ pub(super) fn merge<'a>(
     tester: &mut FitTester<'a>,
     control: &Control,
 ) -> Result<Vec<Piece>, Error> {
-    let mut merging = Merging::new(patches, conflicts, tester);
+    let mut merging = Merging::new(patches, conflicts, tester, control)?;
     let done = merging.run_to_end(control);
     let Merging { pieces, heap, links, refused, .. } = merging;
     parallel::drop_aside((heap, links, refused));

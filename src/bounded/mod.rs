@@ -78,6 +78,9 @@ const FINALIZE_AT: f32 = 0.9;
 /// takes 0.4 to 1 times as long.
 const KEPT_FOR_FINALIZING: f64 = 1.0;
 
+/// Where less time is left than preparing has taken, times this, the surface is divided as by the fastest preset.
+const HURRIED_BELOW: f64 = 2.3;
+
 /// The pipeline, stage by stage, for each of the preset's passes.
 pub(crate) struct Run {
     prepared: PreparedMesh,
@@ -90,8 +93,8 @@ pub(crate) struct Run {
     /// Where the preset's passes ended with too many hulls.
     bound_search: Option<BoundSearch>,
     state: State,
-    /// Time before a deadline that is kept for finalizing.
-    kept: Duration,
+    /// What the stages before merging have taken in the current pass.
+    before_merging: Duration,
     /// Whether the search ended before it was done.
     is_cut_short: bool,
 }
@@ -121,7 +124,7 @@ impl Run {
             best: None,
             bound_search: None,
             state,
-            kept: Duration::ZERO,
+            before_merging: Duration::ZERO,
             is_cut_short: false,
         }
     }
@@ -152,24 +155,44 @@ impl Run {
     /// [`Error::Cancelled`], [`Error::Simplification`], and [`Error::Finished`] after the result or
     /// an error.
     pub(crate) fn step(&mut self, control: &Control) -> Result<Option<BoundedResult>, Error> {
-        parallel::with(control.is_parallel(), || self.next(control))
+        match parallel::with(control.is_parallel(), || self.next(control)) {
+            // A further pass ends at the deadline, wherever it is.
+            Err(Error::DeadlineExceeded) if control.check().is_ok() => {
+                let best = self.best.take().ok_or(Error::DeadlineExceeded)?;
+                self.is_cut_short = true;
+                Ok(Some(self.result(&best.0, &best.1)))
+            }
+            other => other,
+        }
     }
 
     fn next(&mut self, control: &Control) -> Result<Option<BoundedResult>, Error> {
-        let Some(settings) = self.settings.get(self.pass) else { return Err(Error::Finished) };
-        let until_cut = control.with_sooner_deadline(self.kept);
+        let Some(settings) = self.settings.get_mut(self.pass) else { return Err(Error::Finished) };
+        let unlimited = control;
+        let limited =
+            if self.best.is_some() { control.with_hard_deadline() } else { control.clone() };
+        let control = &limited;
+        control.check()?;
         self.state = match std::mem::replace(&mut self.state, State::Done) {
             State::Prepare(solid) => {
                 let began = Instant::now();
                 let state = prepare(&self.prepared, solid, settings, control)?;
-                self.kept = began.elapsed().mul_f64(KEPT_FOR_FINALIZING);
+                self.before_merging = began.elapsed();
                 State::Divide(Box::new(state))
             }
             State::Divide(state) => {
                 let (solid, patch_mesh) = *state;
                 let began = Instant::now();
+                let needed = self.before_merging.mul_f64(HURRIED_BELOW);
+                if control.time_left().is_some_and(|left| left < needed) {
+                    if self.best.is_some() {
+                        return Err(Error::DeadlineExceeded);
+                    }
+                    *settings = settings.hurried();
+                    self.is_cut_short = true;
+                }
                 let patches = divide_into_patches(patch_mesh, &solid, settings, control)?;
-                self.kept += began.elapsed().mul_f64(KEPT_FOR_FINALIZING);
+                self.before_merging += began.elapsed();
                 State::Merge(Box::new((solid, patches)))
             }
             State::Merge(state) => {
@@ -177,7 +200,7 @@ impl Run {
                 let conflicts = Conflicts::new(&patches, &solid, settings.search_bound);
                 let mut tester = FitTester::new(&solid, settings.search_bound);
                 let (pieces, all_conflicts) = parallel::join(
-                    || merge(&patches, &conflicts, &mut tester, &until_cut),
+                    || merge(&patches, &conflicts, &mut tester, control),
                     || conflicts.all(control),
                 );
                 drop(tester);
@@ -187,6 +210,8 @@ impl Run {
             }
             State::Cover(state) => {
                 let (solid, patches, pieces) = *state;
+                let kept = self.before_merging.mul_f64(KEPT_FOR_FINALIZING);
+                let until_cut = control.with_sooner_deadline(kept);
                 let cover = cover(&patches, pieces, &solid, settings, &until_cut)?;
                 self.is_cut_short |= until_cut.is_past_deadline();
                 State::Finalize(Box::new((solid, patches, cover)))
@@ -194,7 +219,7 @@ impl Run {
             State::Finalize(state) => {
                 let (solid, patches, cover) = *state;
                 let hulls = finalize(&patches, cover, &solid, settings, control)?;
-                return self.end_pass(solid, patches, hulls, control);
+                return self.end_pass(solid, patches, hulls, unlimited);
             }
             State::Done => return Err(Error::Finished),
         };

@@ -23,28 +23,42 @@ pub(super) fn refine(mesh: &mut TriangleMesh, longest: f64) -> Vec<u32> {
     let limit = longest * longest;
     while mesh.triangles.len() < most {
         let mut middles: BTreeMap<(u32, u32), u32> = BTreeMap::new();
+        let mut is_end = vec![false; mesh.positions.len()];
         for triangle in &mesh.triangles {
             let (edge, squared) = longest_edge(&mesh.positions, *triangle);
             if squared > limit && !middles.contains_key(&edge) {
                 let [a, b] = [edge.0, edge.1].map(|vertex| mesh.positions[vertex as usize]);
                 middles.insert(edge, mesh.positions.len() as u32);
+                is_end[edge.0 as usize] = true;
+                is_end[edge.1 as usize] = true;
                 mesh.positions.push(scale(add(a, b), 0.5));
             }
         }
         if middles.is_empty() {
             break;
         }
-        split(mesh, &mut parents, &middles);
+        split(mesh, &mut parents, &middles, &is_end);
     }
     parents
 }
 
-/// Splits all triangles at halved edges, longest edge first.
-fn split(mesh: &mut TriangleMesh, parents: &mut Vec<u32>, middles: &BTreeMap<(u32, u32), u32>) {
+/// Splits all triangles at halved edges, longest edge first. `is_end` tells which vertices are ends of those.
+fn split(
+    mesh: &mut TriangleMesh,
+    parents: &mut Vec<u32>,
+    middles: &BTreeMap<(u32, u32), u32>,
+    is_end: &[bool],
+) {
     let mut triangles = Vec::with_capacity(mesh.triangles.len() + 2 * middles.len());
     let mut new_parents = Vec::with_capacity(triangles.capacity());
     let mut stack = Vec::new();
     for (&triangle, &parent) in mesh.triangles.iter().zip(parents.iter()) {
+        // Most triangles are far from any halved edge.
+        if triangle.iter().filter(|&&vertex| is_end[vertex as usize]).count() < 2 {
+            triangles.push(triangle);
+            new_parents.push(parent);
+            continue;
+        }
         stack.push(triangle);
         while let Some(triangle) = stack.pop() {
             let halved = (0..3)

@@ -158,6 +158,12 @@ impl Settings {
         unbounded.with_bound(bound)
     }
 
+    /// The same with as little search as the fastest preset has.
+    pub(super) fn hurried(&self) -> Self {
+        let PresetSettings { patch_size, dissolve_attempts, .. } = FAST;
+        Self { patch_size, dissolve_attempts, ..*self }
+    }
+
     /// The same under another bound on protrusions, in diagonals. No more may stay uncovered.
     pub(super) fn with_bound(&self, bound: f64) -> Self {
         let bound = bound.clamp(MIN_BOUND, MAX_BOUND);

@@ -14,8 +14,9 @@
 //! | `crossings` | what a closed mesh encloses |
 //! | `ray` | the first hit of a ray, and triangles near a box |
 //!
-//! Queries allocate nothing, take no lock and do not depend on threads. Coordinates should be of
-//! the order of 1: boxes and expansions are in single precision.
+//! Queries do not depend on threads; but for the first winding number, which makes the expansions, they
+//! allocate nothing and take no lock. Coordinates should be of the order of 1: boxes and expansions are in single
+//! precision.
 
 #![expect(clippy::needless_range_loop, reason = "an index is a lane or an axis of several arrays")]
 
@@ -28,6 +29,9 @@ pub(crate) mod near_plane;
 mod ray;
 mod tree;
 mod winding_number;
+
+use std::convert::Infallible;
+use std::sync::OnceLock;
 
 use crate::control::Control;
 use crate::error::Error;
@@ -43,7 +47,8 @@ const INSIDE: f64 = 0.5;
 #[derive(Debug, Clone)]
 pub(crate) struct Bvh {
     tree: Tree,
-    moments: Vec<winding_number::Moments>,
+    /// Made on demand: most hierarchies are never asked for a winding number.
+    moments: OnceLock<Vec<winding_number::Moments>>,
     /// For each triangle of the mesh its slot in the tree's blocks, or [`EMPTY`].
     slots: Vec<u32>,
 }
@@ -75,7 +80,6 @@ impl Bvh {
         is_cancelled: &dyn Fn() -> bool,
     ) -> Self {
         let tree = Tree::new(positions, triangles, is_cancelled);
-        let moments = winding_number::moments(&tree);
         let mut slots = vec![EMPTY; triangles.len()];
         for (block, content) in tree.blocks.iter().enumerate() {
             for (lane, &triangle) in content.triangles.iter().enumerate() {
@@ -84,7 +88,18 @@ impl Bvh {
                 }
             }
         }
-        Self { tree, moments, slots }
+        Self { tree, moments: OnceLock::new(), slots }
+    }
+
+    /// Makes what winding numbers need, which the first of them would do otherwise.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`], [`Error::DeadlineExceeded`].
+    pub(crate) fn expect_winding_numbers(&self, control: &Control) -> Result<(), Error> {
+        let moments = winding_number::moments(&self.tree, &|| control.check())?;
+        // Made by another thread, they are the same.
+        let _ = self.moments.set(moments);
+        Ok(())
     }
 
     /// The point of the mesh closest to `point`, at most `limit` away (`f64::INFINITY` for no
@@ -134,7 +149,11 @@ impl Bvh {
     /// The generalized winding number about `point`: 1 inside a closed, outward-oriented mesh, 0
     /// outside, and in between near holes. The error is 0.001 in the median, rarely above 0.01.
     pub(crate) fn winding_number(&self, point: Vector) -> f64 {
-        winding_number::winding_number(&self.tree, &self.moments, point)
+        let moments = self.moments.get_or_init(|| {
+            let Ok(moments) = winding_number::moments(&self.tree, &|| Ok::<(), Infallible>(()));
+            moments
+        });
+        winding_number::winding_number(&self.tree, moments, point)
     }
 
     /// Whether `point` is inside.

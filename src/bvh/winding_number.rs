@@ -24,6 +24,9 @@ const ACCURACY: f64 = 1.5;
 /// have lost all digits in single precision.
 const NOISE: f32 = 1e-6;
 
+/// Nodes between two checks for cancellation: less than a millisecond.
+const NODES_PER_CHECK: usize = 1024;
+
 /// Centre of children that do not exist: far from everything, and without moments.
 const NOWHERE: f32 = 1e6;
 
@@ -254,11 +257,20 @@ impl Block {
 }
 
 /// The expansions of every node's children, parallel to [`Tree::nodes`]. O(n).
-pub(super) fn moments(tree: &Tree) -> Vec<Moments> {
+///
+/// # Errors
+/// Those of `check`.
+pub(super) fn moments<E>(
+    tree: &Tree,
+    check: &impl Fn() -> Result<(), E>,
+) -> Result<Vec<Moments>, E> {
     let mut moments = vec![Moments::new(); tree.nodes.len()];
     let mut clusters = vec![Cluster::NOTHING; tree.nodes.len()];
     // Nodes precede their children.
     for (index, node) in tree.nodes.iter().enumerate().rev() {
+        if index.is_multiple_of(NODES_PER_CHECK) {
+            check()?;
+        }
         let mut parts = [Cluster::NOTHING; WIDTH];
         let mut count = 0;
         for (place, reference) in node.children.into_iter().enumerate() {
@@ -279,7 +291,7 @@ pub(super) fn moments(tree: &Tree) -> Vec<Moments> {
         }
         clusters[index] = Cluster::union(&parts[..count]);
     }
-    moments
+    Ok(moments)
 }
 
 fn cluster_of_block(tree: &Tree, block: usize) -> Cluster {

@@ -12,6 +12,7 @@ use super::convex_hull::ConvexHull;
 use super::face::{Face, after};
 use super::simplex::Shape;
 use crate::bvh::closest_point::closest_point_on_triangle;
+use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, add, cubed, dot, length, scale, subtract};
 
@@ -131,11 +132,12 @@ struct Constraint {
 /// vertices. O(n²) for n vertices, with a small constant.
 ///
 /// # Errors
-/// Those of `fits`.
+/// [`Error::Cancelled`], [`Error::DeadlineExceeded`], and those of `fits`.
 pub(crate) fn collapse_edges(
     hull: &ConvexHull,
     most_volume: f64,
     cap: usize,
+    control: &Control,
     fits: &mut impl FnMut([Vector; 3]) -> Result<bool, Error>,
 ) -> Result<Option<(ConvexHull, f64)>, Error> {
     let mut builder = HullBuilder::new();
@@ -156,6 +158,7 @@ pub(crate) fn collapse_edges(
         queue.changed.resize(builder.points.len(), 0);
         queue.refused.resize_with(builder.points.len(), Vec::new);
         for pair in new.drain(..) {
+            control.check()?;
             queue.add(collapse(&builder, &faces, pair, queue.round, &mut constraints));
         }
         let mut is_taken = false;
@@ -352,7 +355,9 @@ mod tests {
     fn a_prism_with_fewer_sides_holds_the_old_one_and_little_more() {
         let full = prism(40);
         let (fewer, growth) =
-            collapse_edges(&full, 1e-3, usize::MAX, &mut |_| Ok(true)).unwrap().unwrap();
+            collapse_edges(&full, 1e-3, usize::MAX, &Control::new(), &mut |_| Ok(true))
+                .unwrap()
+                .unwrap();
         assert!(fewer.holds(&full));
         assert!(fewer.points.len() <= 48, "{}", fewer.points.len());
         assert!(fewer.volume() < 1.1 * full.volume());
@@ -361,7 +366,11 @@ mod tests {
 
     #[test]
     fn nothing_is_saved_at_no_cost_in_volume() {
-        assert!(collapse_edges(&prism(40), 0.0, usize::MAX, &mut |_| Ok(true)).unwrap().is_none());
+        assert!(
+            collapse_edges(&prism(40), 0.0, usize::MAX, &Control::new(), &mut |_| Ok(true))
+                .unwrap()
+                .is_none()
+        );
     }
 
     #[test]
@@ -369,8 +378,9 @@ mod tests {
         let full = prism(40);
         let is_old = |&[x, y, _]: &Vector| x < 0.0 || x.hypot(y) < 1.0 + 1e-5;
         let mut on_the_left = |face: [Vector; 3]| Ok(face.iter().all(is_old));
-        let (fewer, _) =
-            collapse_edges(&full, 1e-3, usize::MAX, &mut on_the_left).unwrap().unwrap();
+        let (fewer, _) = collapse_edges(&full, 1e-3, usize::MAX, &Control::new(), &mut on_the_left)
+            .unwrap()
+            .unwrap();
         assert!(fewer.points.len() < full.points.len());
         assert!(fewer.points.iter().all(is_old));
     }
@@ -390,7 +400,7 @@ mod tests {
     #[test]
     fn an_error_ends_it() {
         let mut cancelled = |_| Err(Error::Cancelled);
-        let result = collapse_edges(&prism(40), 1e-3, usize::MAX, &mut cancelled);
+        let result = collapse_edges(&prism(40), 1e-3, usize::MAX, &Control::new(), &mut cancelled);
         assert!(matches!(result, Err(Error::Cancelled)));
     }
 }

@@ -47,7 +47,7 @@ pub(crate) fn cap_vertices(
         _ => thinned(builder, &hull, control)?,
     };
     let mut fits = |_| control.check().map(|()| true);
-    let collapsed = collapse_edges(thin.as_ref().unwrap_or(&hull), 0.0, cap, &mut fits)?;
+    let collapsed = collapse_edges(thin.as_ref().unwrap_or(&hull), 0.0, cap, control, &mut fits)?;
     let collapsed = collapsed.map(|(collapsed, _)| collapsed);
     // For a handful of vertices the shortest way there is not the best.
     let prominent = most_prominent(builder, &hull.points, cap, control)?;

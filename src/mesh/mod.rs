@@ -200,7 +200,7 @@ mod tests {
                 prop_assert_eq!(repairs.open_edges + repairs.non_manifold_edges, 0);
             }
 
-            let simplified = simplify(&mesh, &components, mesh.triangles.len() / 3).expect("within the limits");
+            let simplified = simplify(&mesh, &components, mesh.triangles.len() / 3, &Control::new()).expect("within the limits");
             for component in 0..closed.len() as u32 {
                 prop_assert!(simplified.components.contains(&component));
             }

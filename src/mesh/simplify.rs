@@ -26,8 +26,10 @@ use meshoptimizer_rs::{Limits, Positions, SimplifyOptions, SimplifySettings, Wor
 use super::area::is_degenerate;
 use super::weld::WELD_TOLERANCE;
 use super::{TriangleMesh, compact};
+use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, area_normal, length};
+use crate::parallel::leave_if_stopped;
 
 /// Far above any error that a mesh of diagonal 1 can have: only the target stops simplification.
 const ANY_ERROR: f32 = 10.0;
@@ -41,6 +43,9 @@ const WORK_PER_TRIANGLE: u64 = 1 << 13;
 
 /// What meshes of a few triangles may take, in bytes and visits.
 const LEAST_LIMIT: u32 = 1 << 20;
+
+/// The library can't be stopped. Up to so many triangles it takes some milliseconds, and is waited for.
+const WAITED_FOR: usize = 1 << 13;
 
 /// The simplifier sees coordinates rounded to a multiple of one over this, in diagonals. Of a mesh in double
 /// precision that was moved by a thousand of its sizes fewer digits are left than single precision keeps
@@ -91,11 +96,13 @@ const LEAST_AREA_KEPT: f64 = 0.25;
 /// `components` holds the component of each triangle. Time O(n log n) in the number of triangles.
 ///
 /// # Errors
-/// [`Error::Simplification`] where memory or work would exceed what meshes of this size need.
+/// [`Error::Simplification`] where memory or work would exceed what meshes of this size need, and
+/// [`Error::Cancelled`].
 pub(crate) fn simplify(
     mesh: &TriangleMesh,
     components: &[u32],
     target: usize,
+    control: &Control,
 ) -> Result<SimplifiedMesh, Error> {
     if target >= mesh.triangles.len() {
         return Ok(SimplifiedMesh {
@@ -105,12 +112,11 @@ pub(crate) fn simplify(
             error: 0.0,
         });
     }
-    let mut workspace = Workspace::new(limits(mesh.triangles.len()));
+    let limits = limits(mesh.triangles.len());
     let separated = Separated::new(mesh, components);
-    let (mut triangles, error) =
-        collapse_edges(&separated.positions, &separated.triangles, target, &mut workspace)?;
+    let (mut triangles, error) = collapse_edges_of_all(&separated, target, limits, control)?;
     triangles.retain(|&triangle| !is_degenerate(&separated.positions, triangle));
-    bring_back_lost(&separated, components, &mut triangles, &mut workspace)?;
+    bring_back_lost(&separated, components, &mut triangles, &mut Workspace::new(limits))?;
     let components = triangles.iter().map(|&t| separated.component(t)).collect();
     for vertex in triangles.as_flattened_mut() {
         *vertex = separated.source_vertex(*vertex);
@@ -139,22 +145,44 @@ fn limits(triangles: usize) -> Limits {
     }
 }
 
+/// [`collapse_edges`] of a whole mesh, which may take long.
+fn collapse_edges_of_all(
+    mesh: &Separated<'_>,
+    target: usize,
+    limits: Limits,
+    control: &Control,
+) -> Result<(Vec<[u32; 3]>, f64), Error> {
+    let positions = rounded(&mesh.positions);
+    if mesh.triangles.len() <= WAITED_FOR {
+        return collapse_edges(&positions, &mesh.triangles, target, &mut Workspace::new(limits));
+    }
+    let triangles = mesh.triangles.to_vec();
+    let collapse =
+        move || collapse_edges(&positions, &triangles, target, &mut Workspace::new(limits));
+    let failed = || Err(Error::Simplification { reason: "the simplifier failed".into() });
+    leave_if_stopped(collapse, control)?.unwrap_or_else(failed)
+}
+
+/// Positions as the library sees them.
+fn rounded(positions: &[Vector]) -> Vec<[f32; 3]> {
+    let rounded = |x: f64| ((x * GRID).round() / GRID) as f32;
+    positions.iter().map(|position| position.map(rounded)).collect()
+}
+
 /// The one call to the library: triangles of the same vertices, `target` of them if possible,
 /// and the error that the library estimates.
 fn collapse_edges(
-    positions: &[Vector],
+    positions: &[[f32; 3]],
     triangles: &[[u32; 3]],
     target: usize,
     workspace: &mut Workspace,
 ) -> Result<(Vec<[u32; 3]>, f64), Error> {
-    let rounded = |x: f64| ((x * GRID).round() / GRID) as f32;
-    let positions: Vec<[f32; 3]> = positions.iter().map(|p| p.map(rounded)).collect();
     let settings = SimplifySettings {
         target_index_count: 3 * target,
         target_error: ANY_ERROR,
         options: SimplifyOptions::ERROR_ABSOLUTE,
     };
-    let positions = Positions::from_packed(&positions);
+    let positions = Positions::from_packed(positions);
     let simplified =
         meshoptimizer_rs::simplify(triangles.as_flattened(), positions, settings, workspace)
             .map_err(|error| Error::Simplification { reason: error.to_string() })?;
@@ -301,9 +329,10 @@ fn simplify_alone(
     let own = |vertex: u32| sorted.partition_point(|&other| other < vertex) as u32;
     let own_part: Vec<[u32; 3]> = part.iter().map(|triangle| triangle.map(own)).collect();
 
+    let rounded_positions = rounded(&own_positions);
     let mut target = LOST_COMPONENT_TRIANGLES;
     while target < part.len() {
-        let (mut coarse, _) = collapse_edges(&own_positions, &own_part, target, workspace)?;
+        let (mut coarse, _) = collapse_edges(&rounded_positions, &own_part, target, workspace)?;
         coarse.retain(|&triangle| !is_degenerate(&own_positions, triangle));
         let area = coarse.iter().map(|&t| doubled_area(&own_positions, t)).sum();
         if !is_lost(before, (coarse.len(), area)) {

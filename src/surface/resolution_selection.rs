@@ -92,7 +92,7 @@ impl Levels {
             Some(level) => (&level.mesh, &level.components),
             None => (&prepared.mesh, &prepared.components),
         };
-        let SimplifiedMesh { mesh, components, .. } = simplify(finer, components, target)?;
+        let SimplifiedMesh { mesh, components, .. } = simplify(finer, components, target, control)?;
         if let Some(finer) = self.made.last_mut() {
             finer.same_as_before = finer.mesh == mesh;
         }

@@ -1,7 +1,9 @@
 //! The bundled models: the promise, and how many hulls each has.
 
+use std::time::Instant;
+
 use hullwright::internals::surface_and_solid;
-use hullwright::{Control, MeshView, Parameters};
+use hullwright::{Control, MeshView, Parameters, Preset, decompose};
 
 use crate::independent::exact::{Faults, faults};
 use crate::independent::sampling::sample;
@@ -82,4 +84,26 @@ fn the_promise_holds_with_as_many_hulls_as_before() {
     let expected: Vec<(String, usize)> =
         HULLS.into_iter().map(|(name, hulls)| (name.to_owned(), hulls)).collect();
     assert_eq!(found, expected);
+}
+
+#[test]
+fn past_the_deadline_hulls_are_as_few_as_those_of_fast() {
+    let past = Control::new().with_deadline(Instant::now());
+    let hulls = |mesh: &Mesh, preset: Preset, control: &Control| {
+        let parameters = Parameters::default().preset(preset);
+        let view = MeshView::new(&mesh.0, &mesh.1);
+        let result = decompose(view, &parameters, control).unwrap();
+        assert_promise("deadline", mesh, &result);
+        (result.hulls.len(), result.report.deadline_reached)
+    };
+    let (mut late, mut fast) = (0, 0);
+    for (name, mesh) in models() {
+        for preset in [Preset::Balanced, Preset::Fine] {
+            let (count, is_cut_short) = hulls(&mesh, preset, &past);
+            assert!(is_cut_short, "{name}");
+            late += count;
+        }
+        fast += hulls(&mesh, Preset::Fast, &Control::new()).0;
+    }
+    assert!(10 * late <= 11 * 2 * fast, "{late} and twice {fast}");
 }

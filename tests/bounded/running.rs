@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use hullwright::{Control, Decomposer, Error, MeshView, Parameters, decompose};
+use hullwright::{Control, Decomposer, Error, MeshView, Parameters, Preset, decompose};
 
 use crate::judge::{assert_promise, run};
 use crate::shapes::{cup, torus};
@@ -78,4 +78,20 @@ fn after_the_deadline_the_best_so_far_is_returned_and_keeps_the_promise() {
         decompose(MeshView::new(&mesh.0, &mesh.1), &Parameters::default(), &control).unwrap();
     assert!(result.report.deadline_reached);
     assert_promise("deadline", &mesh, &result);
+}
+
+#[test]
+fn a_further_pass_ends_at_the_deadline_with_the_result_of_the_pass_before() {
+    let mesh = torus();
+    let view = MeshView::new(&mesh.0, &mesh.1);
+    let parameters = Parameters::default().preset(Preset::Fine);
+    let mut decomposer = Decomposer::new(view, &parameters).unwrap();
+    // Repair, and the stages of the first pass.
+    for _ in 0..6 {
+        assert!(decomposer.step(&Control::new()).unwrap().is_none());
+    }
+    let late = Control::new().with_deadline(Instant::now());
+    let result = decomposer.step(&late).unwrap().unwrap();
+    assert!(result.report.deadline_reached);
+    assert_eq!(result.hulls, run(&mesh).hulls);
 }

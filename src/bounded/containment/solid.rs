@@ -141,6 +141,8 @@ impl Solid {
         let (bvh, mut grid) = (bvh?, grid?);
         if boundary.is_empty() {
             grid.flood(&bvh, (positions, triangles), control)?;
+        } else {
+            bvh.expect_winding_numbers(control)?;
         }
         grid.classify_cells(MIN_SEARCH_SHARE * bound, DOUBT * bound);
         Ok(Self::with_grid(bvh, boundary, DistanceGrid::Filled(grid)))

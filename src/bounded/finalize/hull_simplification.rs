@@ -187,7 +187,7 @@ impl Attempts<'_> {
             Ok(solid.centre_fits(face, bound)
                 && solid.protruding_point(face, None, bound, scratch).is_none())
         };
-        match collapse_edges(hull, volume_per_vertex, self.max_vertices, &mut fits)? {
+        match collapse_edges(hull, volume_per_vertex, self.max_vertices, control, &mut fits)? {
             Some((collapsed, growth)) => self.accepted(collapsed, growth, max_uncovered),
             None => Ok(None),
         }

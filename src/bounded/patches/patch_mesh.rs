@@ -73,11 +73,11 @@ impl PatchMesh {
             let represented = first_parts(&origins);
             return Ok(Self::without_cells(mesh, components, surface, parents, represented));
         }
-        let mut simplified = simplify(source, source_components, settings.triangles)?;
+        let mut simplified = simplify(source, source_components, settings.triangles, control)?;
         control.check()?;
         // Patches of a surface that is another one would not fit, and end as single triangles.
         if simplified.error > settings.bound && settings.triangles < COARSE {
-            simplified = simplify(source, source_components, COARSE)?;
+            simplified = simplify(source, source_components, COARSE, control)?;
             control.check()?;
         }
         let mut mesh = simplified.mesh;

@@ -61,7 +61,7 @@ fn a_sphere_reaches_its_target_and_stays_closed() {
     let source = uv_sphere(40, [0.0; 3], 0.28);
     let components = vec![0; source.triangles.len()];
     for target in [2000, 1000, 250] {
-        let simplified = simplify(&source, &components, target).unwrap();
+        let simplified = simplify(&source, &components, target, &Control::new()).unwrap();
         assert_sound(&simplified, &source);
         let reached = simplified.mesh.triangles.len();
         assert!(reached <= target && reached + 10 > target, "{reached}");
@@ -74,7 +74,8 @@ fn a_sphere_reaches_its_target_and_stays_closed() {
 fn a_target_that_is_reached_already_changes_nothing() {
     let source = uv_sphere(8, [0.0; 3], 0.28);
     let components = vec![0; source.triangles.len()];
-    let simplified = simplify(&source, &components, source.triangles.len()).unwrap();
+    let simplified =
+        simplify(&source, &components, source.triangles.len(), &Control::new()).unwrap();
     assert_eq!(simplified.mesh, source);
     assert_eq!(simplified.error, 0.0);
 }
@@ -88,7 +89,7 @@ fn no_component_vanishes() {
         parts.push(uv_sphere(8, centre, 0.004));
     }
     let (source, components) = join_components(&parts);
-    let simplified = simplify(&source, &components, 50).unwrap();
+    let simplified = simplify(&source, &components, 50, &Control::new()).unwrap();
     assert_sound(&simplified, &source);
     let measure_all = |mesh: &TriangleMesh, components: &[u32]| {
         measure(&Separated::new(mesh, components), &mesh.triangles, 13)
@@ -110,7 +111,7 @@ fn loose_triangles_all_stay() {
         source.triangles.push([3 * i, 3 * i + 1, 3 * i + 2]);
     }
     let components: Vec<u32> = (0..100).collect();
-    let simplified = simplify(&source, &components, 10).unwrap();
+    let simplified = simplify(&source, &components, 10, &Control::new()).unwrap();
     assert_sound(&simplified, &source);
     let mut left = simplified.components;
     left.sort_unstable();
@@ -130,7 +131,7 @@ fn components_that_touch_at_a_vertex_stay_apart() {
     let moved = other.triangles.iter().map(|t| t.map(number));
     source.triangles.extend(moved);
     let components: Vec<u32> = (0..source.triangles.len()).map(|t| u32::from(t >= half)).collect();
-    let simplified = simplify(&source, &components, 60).unwrap();
+    let simplified = simplify(&source, &components, 60, &Control::new()).unwrap();
     for (triangle, &component) in simplified.mesh.triangles.iter().zip(&simplified.components) {
         let height =
             triangle.iter().map(|&v| simplified.mesh.positions[v as usize][2]).sum::<f64>();

@@ -5,16 +5,16 @@ use std::path::PathBuf;
 use hullwright::internals::terminal::{Failure, print};
 use hullwright::io::{MeshFile, read_mesh};
 use hullwright::measure::MeasureOptions;
-use hullwright::{Control, decompose};
+use hullwright::{Control, Decomposition, decompose};
 
 use crate::runs::data_folder::{DataFolder, ToolResult};
 use crate::runs::judge::{Judged, judge};
 use crate::runs::methods::bounded;
-use crate::statistics::{geometric_mean, mean};
+use crate::statistics::{mean, median};
 
 /// Compare volume and distance with CoACD's, at CoACD's own number of hulls
 ///
-/// Of several bounds the one that ends with the most hulls counts that are no more than CoACD's.
+/// The smallest bound counts that ends with no more hulls than CoACD's; or what the cap on hulls finds.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// A folder with peers/results.tsv, as for `targets`
@@ -24,12 +24,16 @@ pub struct Arguments {
     /// Only meshes whose name holds this
     #[arg(long, value_name = "TEXT", default_value = "")]
     filter: String,
+
+    /// Ask for CoACD's number of hulls by the cap on hulls
+    #[arg(long)]
+    cap: bool,
 }
 
 /// The bounds between which CoACD's number of hulls is looked for, in diagonals, and how often the
-/// interval is halved, by its logarithm: to a tenth.
+/// interval is halved, by its logarithm: to 3 %.
 const BOUNDS: [f64; 2] = [0.002, 0.06];
-const HALVINGS: usize = 5;
+const HALVINGS: usize = 7;
 
 /// Points on hulls, on the mesh, and in space, as in `targets`.
 const SURFACE_SAMPLES: usize = 20_000;
@@ -43,7 +47,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (mut ratios, mut pairs) = (Vec::new(), Vec::new());
     for coacd in folder.tool_results()?.into_iter().filter(is_asked_for) {
         let Ok(file) = read_mesh(folder.flat_mesh(&coacd.mesh)) else { continue };
-        let (bound, judged) = at_hulls(&file, coacd.hulls)?;
+        let (bound, judged) = match arguments.cap {
+            true => under_cap(&file, coacd.hulls)?,
+            false => at_hulls(&file, coacd.hulls)?,
+        };
         let ratio = coacd.hausdorff.map(|theirs| judged.hausdorff / theirs);
         ratios.extend(ratio);
         let pair = judged.iou.zip(coacd.iou);
@@ -71,13 +78,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         .map(|side| mean(&pairs.iter().map(|pair| [pair.0, pair.1][side]).collect::<Vec<f64>>()));
     print(&format!(
         "IoU better on {better} of {} closed meshes, {ours:.4} and {theirs:.4} in the mean; Hausdorff over CoACD's \
-         {:.3}",
+         {:.3} in the median",
         pairs.len(),
-        geometric_mean(ratios).unwrap_or(0.0)
+        median(ratios)
     ))
 }
 
-/// The bound with the most hulls that are no more than `most`, and what its hulls are judged to be.
+/// The smallest bound found that ends with no more hulls than `most`, and what its hulls are judged to be.
 fn at_hulls(file: &MeshFile, most: usize) -> Result<(f64, Judged), Failure> {
     let [mut low, mut high] = BOUNDS;
     let mut best = None;
@@ -89,19 +96,28 @@ fn at_hulls(file: &MeshFile, most: usize) -> Result<(f64, Judged), Failure> {
             continue;
         }
         high = bound;
-        let is_exact = found.hulls.len() == most;
         best = Some((bound, found));
-        if is_exact {
-            break;
-        }
     }
     let (bound, found) = match best {
         Some(best) => best,
         None => (high, decompose(file, &bounded(high), &Control::new())?),
     };
+    Ok((bound, judge_samples(file, &found)?))
+}
+
+/// The error with the cap on hulls, and what its hulls are judged to be.
+fn under_cap(file: &MeshFile, most: usize) -> Result<(f64, Judged), Failure> {
+    let parameters = bounded(BOUNDS[0]).max_hulls(most);
+    let found = decompose(file, &parameters, &Control::new())?;
+    let bounded = found.report.bounded.as_ref();
+    let error = bounded.map_or(0.0, |bounded| bounded.protrusion_max) / found.report.diagonal;
+    Ok((error, judge_samples(file, &found)?))
+}
+
+fn judge_samples(file: &MeshFile, found: &Decomposition) -> Result<Judged, Failure> {
     let mut options = MeasureOptions::default();
     options.hull_samples = SURFACE_SAMPLES;
     options.mesh_samples = SURFACE_SAMPLES;
     options.volume_samples = VOLUME_SAMPLES;
-    Ok((bound, judge(file.mesh.view(), &found.hulls, &options)?))
+    Ok(judge(file.mesh.view(), &found.hulls, &options)?)
 }

@@ -11,7 +11,7 @@ use crate::mesh::TriangleMesh;
 /// one triangle.
 const MAX_DIVISIONS: u32 = 8;
 
-/// Triangles between two checks for cancellation: a divided one may take a millisecond.
+/// Triangles between two checks for cancellation. A divided one may take a millisecond, and has its own.
 const TRIANGLES_PER_CHECK: usize = 256;
 
 /// No point of the surface is farther than this outside all hulls. `owners` names for each triangle
@@ -50,6 +50,7 @@ pub(in crate::bounded) fn uncovered_distance(
             outside = outside.max(value);
         }
         if outside > worst {
+            control.check()?;
             let corners = triangle.map(|vertex| surface.positions[vertex as usize]);
             worst = worst.max(outside_all(corners, hulls, worst, outside, MAX_DIVISIONS));
         }
