@@ -69,6 +69,7 @@ impl Bvh {
         triangles: &[[u32; 3]],
         control: &Control,
     ) -> Result<Self, Error> {
+        control.check()?;
         let bvh = Self::until(positions, triangles, &|| control.check().is_err());
         control.check().map(|()| bvh)
     }
@@ -96,9 +97,11 @@ impl Bvh {
     /// # Errors
     /// [`Error::Cancelled`], [`Error::DeadlineExceeded`].
     pub(crate) fn expect_winding_numbers(&self, control: &Control) -> Result<(), Error> {
-        let moments = winding_number::moments(&self.tree, &|| control.check())?;
-        // Made by another thread, they are the same.
-        let _ = self.moments.set(moments);
+        if self.moments.get().is_none() {
+            let moments = winding_number::moments(&self.tree, &|| control.check())?;
+            // Made by another thread, they are the same.
+            let _ = self.moments.set(moments);
+        }
         Ok(())
     }
 

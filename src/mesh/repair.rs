@@ -84,6 +84,7 @@ pub fn prepare(
     let mut in_order = survey.candidates;
     if order == MeshOrder::Place {
         in_order.sort_by_cached_key(|&t| triangle_key(corners(t)));
+        control.check()?;
     }
     let (mut kept, mut source_triangles, degenerate) =
         drop_degenerate(&welded.positions, in_order, corners, order);

@@ -116,6 +116,7 @@ pub(crate) fn simplify(
     let separated = Separated::new(mesh, components);
     let (mut triangles, error) = collapse_edges_of_all(&separated, target, limits, control)?;
     triangles.retain(|&triangle| !is_degenerate(&separated.positions, triangle));
+    control.check()?;
     bring_back_lost(&separated, components, &mut triangles, &mut Workspace::new(limits))?;
     let components = triangles.iter().map(|&t| separated.component(t)).collect();
     for vertex in triangles.as_flattened_mut() {

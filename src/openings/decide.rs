@@ -145,7 +145,10 @@ impl<'a> Capped<'a> {
             let counts =
                 |t: u32| self.cap_of(t).is_none_or(|owner| owner != number && is_closed[owner]);
             let cap = &caps[number].0;
-            Ok(is_closed[number] && is_seen_into(cap, positions, &self.bvh, surface, counts))
+            if !is_closed[number] {
+                return Ok(false);
+            }
+            is_seen_into(cap, positions, &self.bvh, surface, counts, control)
         });
         let mut changed = false;
         for ((_, outcome), is_seen) in caps.iter_mut().zip(are_seen) {

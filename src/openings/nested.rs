@@ -38,6 +38,7 @@ pub(super) fn drop_nested(prepared: &mut PreparedMesh, control: &Control) -> Res
         }
         let bvh =
             Bvh::with_control(&prepared.mesh.positions, &prepared.triangles_of_solid(), control)?;
+        bvh.expect_winding_numbers(control)?;
         let mut is_dropped = vec![false; prepared.closed.len()];
         for (component, triangles) in candidates {
             control.check()?;

@@ -144,6 +144,7 @@ impl Solid {
         } else {
             bvh.expect_winding_numbers(control)?;
         }
+        control.check()?;
         grid.classify_cells(MIN_SEARCH_SHARE * bound, DOUBT * bound);
         Ok(Self::with_grid(bvh, boundary, DistanceGrid::Filled(grid)))
     }

@@ -144,13 +144,14 @@ impl Attempts<'_> {
         let inner = most_prominent(self.builder, &original.hull.points, max_vertices, control)?;
         let hull = inner.unwrap_or_else(|| original.hull.clone());
         let protrusion = protrusion(&hull, solid, bound, bound, control)?;
-        let uncovered = distance_outside(&hull, &original.points, f64::INFINITY);
+        let uncovered = distance_outside(&hull, &original.points, f64::INFINITY, control)?;
         Ok(Simplified { hull, growth: 0.0, protrusion, uncovered })
     }
 
     /// The hull without vertices that protrude by less than a share of the bound, if it keeps its
     /// thickness and most of its volume.
     fn without_small(&mut self, share: f64) -> Result<Option<ConvexHull>, Error> {
+        self.context.control.check()?;
         let original = self.original;
         let Some(coarse) = coarser(&original.hull, share * self.context.settings.uncovered_bound)
         else {
@@ -204,7 +205,7 @@ impl Attempts<'_> {
         if hull.points.len() > self.max_vertices {
             return Ok(None);
         }
-        let uncovered = distance_outside(&hull, &self.original.points, max_uncovered);
+        let uncovered = distance_outside(&hull, &self.original.points, max_uncovered, control)?;
         if uncovered > max_uncovered {
             return Ok(None);
         }

@@ -82,22 +82,23 @@ fn full_hull(
     let outward = hull.outward;
     let points = PointGroups::new(&required);
     let thick = |builder: &mut HullBuilder, of: &[Vector]| -> Result<(ConvexHull, f64), Error> {
+        context.control.check()?;
         solid_hull(builder, of, outward, LEAST_THICKNESS)
     };
     let (mut full, mut added_thickness) = thick(builder, &hull.vertices())?;
-    let mut uncovered = distance_outside(&full, &points, max_uncovered);
+    let mut uncovered = distance_outside(&full, &points, max_uncovered, context.control)?;
     if uncovered > max_uncovered && required.len() > WORTH_A_HULL.end {
         let mut reducer =
             HullBuilder::new().with_least_tolerance(TOLERANCE_OF_MANY * max_uncovered);
         if let Some(reduced) = reducer.vertices_of(&required) {
             (full, added_thickness) = thick(builder, &reduced)?;
-            uncovered = distance_outside(&full, &points, max_uncovered);
+            uncovered = distance_outside(&full, &points, max_uncovered, context.control)?;
         }
     }
     if uncovered > max_uncovered {
         // Beyond a sharp edge, a point that is hardly in front of any face can be far away.
         (full, added_thickness) = thick(builder, &required)?;
-        uncovered = distance_outside(&full, &points, f64::INFINITY);
+        uncovered = distance_outside(&full, &points, f64::INFINITY, context.control)?;
     }
     Ok((Original { hull: full, uncovered, points, outward }, added_thickness))
 }

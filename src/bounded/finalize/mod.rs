@@ -136,9 +136,9 @@ fn uncovered(context: &FinalizeContext<'_>, hulls: &[FinalHull]) -> Result<f64, 
             continue;
         }
         for patch in hull.patches.iter() {
-            control.check()?;
             let own = surface_points(patches, &PatchSet::of(patches.count(), [patch]), None);
-            let distance = distance_outside(&hull.hull, &PointGroups::new(&own), f64::INFINITY);
+            let groups = PointGroups::new(&own);
+            let distance = distance_outside(&hull.hull, &groups, f64::INFINITY, control)?;
             if distance <= allowed {
                 uncovered = uncovered.max(distance);
             } else {

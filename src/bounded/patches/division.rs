@@ -12,9 +12,6 @@ use crate::error::Error;
 use crate::geometry::vector::{Vector, add, diagonal, dot, length, scale, subtract};
 use crate::hull::HullBuilder;
 
-/// Patches between two checks for cancellation: each takes up to a millisecond.
-const PATCHES_PER_CHECK: usize = 8;
-
 /// Triangles whose extent exceeds that of the longest of them by this factor can be divided by
 /// size. Halving a bundle of needles across leaves parts as long as before: a tube of 300 facets
 /// would become 5,000 patches.
@@ -51,11 +48,8 @@ pub(super) fn divide(
     let mut reducer = HullBuilder::new().with_least_tolerance(settings.patch_tolerance);
     let mut stack = vec![(group.to_vec(), false)];
     let mut blocks: Vec<Block> = Vec::new();
-    let mut patches = 0_usize;
     while let Some((triangles, mut is_in_block)) = stack.pop() {
-        if patches.is_multiple_of(PATCHES_PER_CHECK) {
-            control.check()?;
-        }
+        control.check()?;
         let mut make = || mesh.patch(&triangles, &mut reducer);
         let mut fits =
             |patch: &Patch| tester.fits(&GrowingHull::new(&patch.points, patch.outward), false);
@@ -71,7 +65,6 @@ pub(super) fn divide(
             // A part of a hull that fits, and holds no empty space, also fits.
             let is_fitting = triangles.len() == 1 || (is_in_block || fits(&patch)) && !swallows();
             if is_fitting {
-                patches += 1;
                 match blocks.last_mut() {
                     Some(block) if is_in_block => block.push((patch, triangles)),
                     _ => blocks.push(vec![(patch, triangles)]),

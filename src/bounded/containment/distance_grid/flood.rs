@@ -65,6 +65,7 @@ fn sides_beyond(
         if sides[start] != UNKNOWN || !is_free(start) {
             continue;
         }
+        bvh.expect_winding_numbers(control)?;
         let inside = bvh.is_inside(centre(field, start));
         let side = if inside { INSIDE } else { OUTSIDE };
         sides[start] = side;

@@ -73,3 +73,42 @@ impl<'a> HullDistance<'a> {
         bvh.closest_point(point, f64::INFINITY).map_or(beyond, |closest| closest.distance)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hull::convex_hull;
+    use crate::mesh::shapes::cuboid;
+
+    fn cube() -> ConvexHull {
+        convex_hull(&cuboid([0.0; 3], [1.0; 3]).positions).unwrap()
+    }
+
+    #[test]
+    fn beyond_an_edge_the_distance_is_to_the_edge_and_beyond_a_corner_to_the_corner() {
+        let cube = cube();
+        let to_cube = HullDistance::new(&cube);
+        for (point, expected) in [
+            ([0.5; 3], 0.0),
+            ([0.2, 0.7, 1.0], 0.0),
+            ([0.2, 0.7, 1.25], 0.25),
+            ([1.3, 1.4, 0.5], 0.5),
+            ([1.2, -0.4, 1.4], 0.6),
+        ] {
+            for limit in [expected + 1e-9, 1.0, f64::INFINITY] {
+                let found = to_cube.distance(point, limit);
+                assert!((found - expected).abs() < 1e-12, "{point:?}: {found}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_farther_than_the_limit_is_told_to_be() {
+        let cube = cube();
+        let to_cube = HullDistance::new(&cube);
+        // A quarter above two faces, and 0.35 from their edge.
+        for limit in [0.0, 0.1, 0.25, 0.3, 0.35] {
+            assert!(to_cube.distance([1.25, 1.25, 0.5], limit) > limit, "{limit}");
+        }
+    }
+}

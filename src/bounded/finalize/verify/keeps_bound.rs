@@ -94,6 +94,22 @@ mod tests {
     }
 
     #[test]
+    fn a_hull_that_protrudes_far_from_the_centres_of_its_faces_does_not_keep_the_bound() {
+        let mesh = cuboid([0.0; 3], [1.0; 3]);
+        let bound = 0.02;
+        let solid = solid_of(&mesh, Boundary::default(), bound);
+        let suspects = SharedSuspects::default();
+        for share in [0.9, 0.97, 1.03, 1.5, 2.5] {
+            let mut corners = mesh.positions.clone();
+            // The centres of the faces are no higher than a third of this.
+            corners.push([0.5, 0.5, 1.0 + share * bound]);
+            let hull = convex_hull(&corners).unwrap();
+            assert!(hull.corners().all(|face| solid.centre_fits(face, bound)));
+            assert_eq!(keeps(&hull, &solid, bound, &suspects), share <= 1.0, "{share}");
+        }
+    }
+
+    #[test]
     fn a_hull_that_contains_a_cavity_deeper_than_the_bound_does_not_keep_it() {
         let mesh = cuboid([0.0; 3], [1.0; 3]);
         let mut solid = solid_of(&mesh, Boundary::default(), 0.02);

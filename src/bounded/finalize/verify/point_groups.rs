@@ -3,21 +3,28 @@
 //! a ball of a million triangles takes 7.3 s instead of 3.0 s.
 
 use super::hull_distance::{HullDistance, Plane, ROUNDING};
+use crate::control::Control;
+use crate::error::Error;
 use crate::geometry::vector::{Vector, add, bounds, distance, scale, subtract};
 use crate::hull::ConvexHull;
 
 /// The greatest distance of the points outside a hull, 0 if it contains all. If it exceeds `limit`,
 /// any value above `limit` may be returned. O(points + groups · faces), typically far less.
+///
+/// # Errors
+/// [`Error::Cancelled`].
 pub(in crate::bounded) fn distance_outside(
     hull: &ConvexHull,
     points: &PointGroups,
     limit: f64,
-) -> f64 {
+    control: &Control,
+) -> Result<f64, Error> {
     let hull = HullDistance::new(hull);
     let mut farthest: f64 = 0.0;
     let (mut of_coarse, mut of_fine) = (Vec::new(), Vec::new());
     let fine = points.fine.chunks(COARSE / FINE).zip(points.points.chunks(COARSE));
     for (coarse, (groups, points)) in points.coarse.iter().zip(fine) {
+        control.check()?;
         coarse.planes_in_reach(&hull.planes, &mut of_coarse);
         if of_coarse.is_empty() {
             continue;
@@ -30,12 +37,12 @@ pub(in crate::bounded) fn distance_outside(
             for &point in points {
                 farthest = farthest.max(hull.distance_by(&of_fine, point, limit));
                 if farthest > limit {
-                    return farthest;
+                    return Ok(farthest);
                 }
             }
         }
     }
-    farthest
+    Ok(farthest)
 }
 
 /// Points in groups of points that are close together.
@@ -126,7 +133,8 @@ mod tests {
             points.iter().map(|&p| to_cube.distance(p, f64::INFINITY)).fold(0.0, f64::max)
         };
         for points in [&points[..], &points[..50], &points[1400..1600], &[]] {
-            let found = distance_outside(&cube, &PointGroups::new(points), f64::INFINITY);
+            let groups = PointGroups::new(points);
+            let found = distance_outside(&cube, &groups, f64::INFINITY, &Control::new()).unwrap();
             assert_eq!(found, expected(points));
         }
         assert!((expected(&points) - 0.3).abs() < 1e-3);

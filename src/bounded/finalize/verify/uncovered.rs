@@ -12,7 +12,7 @@ use crate::mesh::TriangleMesh;
 const MAX_DIVISIONS: u32 = 8;
 
 /// Triangles between two checks for cancellation. A divided one may take a millisecond, and has its own.
-const TRIANGLES_PER_CHECK: usize = 256;
+const TRIANGLES_PER_CHECK: usize = 64;
 
 /// No point of the surface is farther than this outside all hulls. `owners` names for each triangle
 /// the hull that should contain it; those without a valid one count as covered. The result is at
@@ -81,4 +81,86 @@ fn outside_all(
         .fold(0.0, |most: f64, part| {
             most.max(outside_all(part, hulls, worst.max(most), least, divisions - 1))
         })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hull::{ConvexHull, convex_hull};
+    use crate::mesh::shapes::cuboid;
+
+    const TOLERANCE: f64 = 1e-4;
+
+    fn boxes(ranges: &[[f64; 2]]) -> Vec<ConvexHull> {
+        let hull = |&[low, high]: &[f64; 2]| cuboid([low, 0.0, 0.0], [high, 1.0, 1.0]).positions;
+        ranges.iter().map(|range| convex_hull(&hull(range)).unwrap()).collect()
+    }
+
+    fn uncovered(positions: &[Vector], owners: &[u32], hulls: &[ConvexHull]) -> f64 {
+        let triangles = [[0, 1, 2], [0, 3, 1]];
+        let surface = TriangleMesh {
+            positions: positions.to_vec(),
+            triangles: triangles[..owners.len()].to_vec(),
+            ..TriangleMesh::default()
+        };
+        let hulls: Vec<HullDistance<'_>> = hulls.iter().map(HullDistance::new).collect();
+        uncovered_distance(&surface, owners, &hulls, TOLERANCE, &Control::new()).unwrap()
+    }
+
+    #[test]
+    fn a_triangle_is_as_far_outside_as_its_farthest_corner() {
+        let hulls = boxes(&[[0.0, 1.0]]);
+        let inside = [[0.1, 0.2, 0.3], [0.9, 0.2, 0.3], [0.5, 0.8, 1.0]];
+        assert_eq!(uncovered(&inside, &[0], &hulls), TOLERANCE);
+        for corner in 0..3 {
+            let mut positions = inside;
+            positions[corner] = [1.3, 1.4, 0.5];
+            let found = uncovered(&positions, &[0], &hulls);
+            // An upper bound, and no more than a part's size too large.
+            assert!((0.5 - 1e-12..0.51).contains(&found), "{corner}: {found}");
+        }
+    }
+
+    #[test]
+    fn a_vertex_counts_for_each_hull_that_owns_a_triangle_there() {
+        // The first triangle is in the first box, and both share two vertices.
+        let positions = [[0.9, 0.5, 0.5], [0.9, 0.6, 0.5], [0.2, 0.5, 0.5], [1.6, 0.5, 0.5]];
+        let near = boxes(&[[0.0, 1.0], [0.95, 2.0]]);
+        let found = uncovered(&positions, &[0, 1], &near);
+        assert!(found <= 0.01, "{found}");
+        let far = boxes(&[[0.0, 1.0], [1.4, 2.0]]);
+        let found = uncovered(&positions, &[0, 1], &far);
+        // From the middle of the gap.
+        assert!((0.2..0.21).contains(&found), "{found}");
+    }
+
+    #[test]
+    fn a_triangle_that_hulls_cover_together_is_covered_up_to_the_gap_between_them() {
+        let positions = [[0.1, 0.1, 0.5], [1.9, 0.1, 0.5], [1.9, 0.9, 0.5]];
+        for owner in [0, 1] {
+            let found = uncovered(&positions, &[owner], &boxes(&[[0.0, 1.0], [1.0, 2.0]]));
+            assert!(found < 0.01, "{found}");
+            let found = uncovered(&positions, &[owner], &boxes(&[[0.0, 1.0], [1.2, 2.0]]));
+            assert!((0.1..0.11).contains(&found), "{found}");
+            let outside = [[0.1, 0.1, 0.5], [2.5, 0.1, 0.5], [1.9, 0.9, 0.5]];
+            let found = uncovered(&outside, &[owner], &boxes(&[[0.0, 1.0], [1.2, 2.0]]));
+            assert!((0.5 - 1e-12..0.51).contains(&found), "{found}");
+        }
+    }
+
+    #[test]
+    fn a_triangle_without_a_hull_counts_as_covered() {
+        let positions = [[5.0, 0.0, 0.0], [6.0, 0.0, 0.0], [5.0, 1.0, 0.0]];
+        assert_eq!(uncovered(&positions, &[u32::MAX], &boxes(&[[0.0, 1.0]])), TOLERANCE);
+    }
+
+    #[test]
+    fn a_cancelled_measurement_is_an_error() {
+        let control = Control::new();
+        control.cancel();
+        let surface = cuboid([0.0; 3], [1.0; 3]);
+        let owners = vec![0; surface.triangles.len()];
+        let result = uncovered_distance(&surface, &owners, &[], TOLERANCE, &control);
+        assert_eq!(result, Err(Error::Cancelled));
+    }
 }
