@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use hullwright::internals::terminal::{Failure, print};
 use hullwright::io::read_mesh;
-use hullwright::{Control, MeshView, Openings, Parameters, decompose};
+use hullwright::{Control, Length, MeshView, Openings, Parameters, decompose};
 
 use crate::runs::meshes::{find, folder};
 use crate::stability::variations::{Mesh, ROTATIONS, Variation};
@@ -22,6 +22,10 @@ pub struct Arguments {
     /// Rotations of each mesh
     #[arg(long, value_name = "COUNT", default_value_t = ROTATIONS)]
     rotations: u32,
+
+    /// Give turned meshes the bound of the mesh as it is, in its units: their bounding boxes have other diagonals
+    #[arg(long)]
+    same_bound: bool,
 }
 
 /// What counts as about as many hulls.
@@ -35,14 +39,20 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     for mesh in find(&arguments.folders)? {
         let Ok(file) = read_mesh(&mesh.path) else { continue };
         let given = Mesh { positions: file.mesh.positions, triangles: file.mesh.triangles };
-        let hulls = |mesh: &Mesh| {
-            let view = MeshView::new(&mesh.positions, &mesh.triangles);
-            decompose(view, &parameters, &control).map(|found| found.hulls.len())
+        let found = |mesh: &Mesh, parameters: &Parameters| {
+            decompose(MeshView::new(&mesh.positions, &mesh.triangles), parameters, &control)
         };
-        let Ok(upright) = hulls(&given) else { continue };
+        let Ok(as_it_is) = found(&given, &parameters) else { continue };
+        let upright = as_it_is.hulls.len();
+        let bound = as_it_is.report.bounded.as_ref().map(|bounded| bounded.bound);
+        let parameters = match bound.filter(|_| arguments.same_bound) {
+            Some(bound) => parameters.clone().max_error(Length::units(bound)),
+            None => parameters.clone(),
+        };
         let mut turned = Vec::new();
         for number in 0..arguments.rotations {
-            turned.push(hulls(&Variation::Rotation(number).apply(&given).0)?);
+            let mesh = Variation::Rotation(number).apply(&given).0;
+            turned.push(found(&mesh, &parameters)?.hulls.len());
         }
         let own: Vec<f64> = turned.iter().map(|&count| count as f64 / upright as f64).collect();
         let (least, most) = range(own.iter().copied());

@@ -182,3 +182,14 @@ fn across_a_gap_as_wide_as_two_bounds_or_less_the_bound_is_kept() {
         assert_eq!(found <= BOUND, share <= 1.0, "{found}");
     }
 }
+
+#[test]
+fn what_is_left_when_parts_are_too_many_counts_with_its_distance_and_its_radius() {
+    let solid = solid_of(&cube([0.0; 3]), 0.02);
+    let above = |z: f64| [[0.2, 0.2, z], [0.8, 0.2, z], [0.2, 0.8, z]];
+    let to_corner = radius([0.4, 0.4, 0.0], above(0.0));
+    for height in [0.0, 0.5, 2.0] {
+        let upper = upper_distance(above(1.0 + height), &solid);
+        assert!((upper - (height + to_corner)).abs() < 1e-9, "{height}: {upper}");
+    }
+}
