@@ -193,3 +193,6 @@ impl Solid {
         Answer::Undecided
     }
 }
+
+#[cfg(test)]
+mod tests;

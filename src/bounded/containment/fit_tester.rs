@@ -210,4 +210,26 @@ mod tests {
             assert!(fitting > 10 && refused > 10, "{fitting} fit, {refused} do not");
         }
     }
+
+    #[test]
+    fn a_hull_grows_by_what_fits_and_stays_as_it_is_where_that_does_not() {
+        let cube = |x: f64| cuboid([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
+        let solid = solid_of(&join(&[cube(0.0), cube(1.0 + 4.0 * BOUND)]), Boundary::default());
+        let mut tester = FitTester::new(&solid, BOUND);
+        assert_eq!(tester.bound(), BOUND);
+        let (near, far) = (cube(0.0).positions, cube(1.0 + 4.0 * BOUND).positions);
+        let mut hull = GrowingHull::new(&near[..5], [0.0; 3]);
+        assert!(hull.is_solid);
+        let volume = hull.current_volume();
+        let mut try_insert = |hull: &mut GrowingHull, points: &[Vector]| {
+            tester.try_insert(hull, std::iter::once((points, [0.0; 3])))
+        };
+        assert!(!try_insert(&mut hull, &far), "across a gap of four bounds");
+        assert_eq!(hull.current_volume(), volume);
+        assert!(try_insert(&mut hull, &near[5..]));
+        assert!((hull.current_volume() - 1.0).abs() < 1e-12);
+        assert!(try_insert(&mut hull, &[[1.0 + 0.9 * BOUND, 0.5, 0.5]]), "within the bound");
+        assert!(!try_insert(&mut hull, &[[1.0 + 1.5 * BOUND, 0.1, 0.1]]), "beyond it");
+        assert_eq!(tester.attempts, 4);
+    }
 }

@@ -125,6 +125,35 @@ mod tests {
         assert!(asked > 100, "{asked}");
     }
 
+    #[test]
+    fn a_reach_is_told_whole_where_it_is_what_is_needed_and_as_less_where_it_is_not() {
+        let mut inside = 0;
+        for seed in [0, 1000, 2000] {
+            let (positions, triangles) = loose_triangles(seed);
+            let bvh = Bvh::new(&positions, &triangles);
+            let boundary = Boundary::new(&positions, &triangles);
+            for number in 0..4000 {
+                let at = [0, 1, 2].map(|axis| 0.4 * spread(5 * number * number + axis));
+                let away = bvh.closest_point(at, f64::INFINITY).unwrap().distance;
+                let reach = |needed| inside_reach(&bvh, &boundary, at, away, needed);
+                let Some(whole) = reach(0.0) else {
+                    assert_eq!(reach(0.5 * away), None, "a point outside has none");
+                    continue;
+                };
+                inside += 1;
+                for share in [0.1, 0.5, 0.999] {
+                    assert_eq!(reach(share * whole), Some(whole), "{share}");
+                }
+                for share in [1.001, 1.5, 4.0] {
+                    let found = reach(share * whole).unwrap();
+                    assert!((0.0..=whole).contains(&found), "{share}: {found} of {whole}");
+                }
+                assert_eq!(reach(1.001 * away), Some(0.0), "farther than the surface is");
+            }
+        }
+        assert!(inside > 100, "{inside}");
+    }
+
     /// The sum of all triangles' solid angles, one by one.
     fn summed(positions: &[Vector], triangles: &[[u32; 3]], point: Vector) -> f64 {
         let half_angle = |triangle: &[u32; 3]| {
