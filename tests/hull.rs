@@ -204,24 +204,28 @@ fn a_flat_set_grows_against_its_normal() {
 #[test]
 fn a_body_thinner_than_the_minimum_is_thickened_to_it_and_a_thicker_one_is_left_alone() {
     let mut builder = HullBuilder::new();
-    let plate = |thickness: f64| -> Vec<Point> {
-        grid([9, 7, 2]).into_iter().map(|[x, y, z]| [x, y, thickness * z]).collect()
-    };
-    let wanted = MINIMUM_THICKNESS * diagonal(&plate(0.0));
-    for share in [0.01, 0.3, 0.9] {
-        let points = plate(share * wanted);
-        let (hull, added) = solid_hull(&mut builder, &points, [0.0, 0.0, 1.0], 0.0).unwrap();
-        let bounds = hull.bounds().unwrap();
-        assert!((bounds.max[2] - share * wanted).abs() < 1e-12, "the outer side stays");
-        assert!((bounds.max[2] - bounds.min[2] - wanted).abs() < 1e-5 * wanted, "{share}");
-        assert!((added - (1.0 - share) * wanted).abs() < 1e-5 * wanted, "{share}");
-    }
-    for times in [1.01, 5.0, 1000.0] {
-        let points = plate(times * wanted);
-        let (hull, added) = solid_hull(&mut builder, &points, [0.0, 0.0, 1.0], 0.0).unwrap();
-        assert_eq!(added, 0.0);
-        check(&hull, &points);
-        assert_eq!(hull.points.len(), 8);
+    for size in [1e-3, 1.0, 1e3] {
+        let plate = |thickness: f64| -> Vec<Point> {
+            let points = grid([9, 7, 2]).into_iter();
+            points.map(|[x, y, z]| [size * x, size * y, thickness * z]).collect()
+        };
+        let wanted = MINIMUM_THICKNESS * diagonal(&plate(0.0));
+        let near = |a: f64, b: f64| (a - b).abs() < 1e-5 * wanted;
+        for share in [0.01, 0.3, 0.9] {
+            let points = plate(share * wanted);
+            let (hull, added) = solid_hull(&mut builder, &points, [0.0, 0.0, 1.0], 0.0).unwrap();
+            let bounds = hull.bounds().unwrap();
+            assert!(near(bounds.max[2], share * wanted), "the outer side stays");
+            assert!(near(bounds.max[2] - bounds.min[2], wanted), "{share}");
+            assert!(near(added, (1.0 - share) * wanted), "{share}");
+        }
+        for times in [1.01, 5.0, 1000.0] {
+            let points = plate(times * wanted);
+            let (hull, added) = solid_hull(&mut builder, &points, [0.0, 0.0, 1.0], 0.0).unwrap();
+            assert_eq!(added, 0.0);
+            check(&hull, &points);
+            assert_eq!(hull.points.len(), 8);
+        }
     }
 }
 

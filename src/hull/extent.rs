@@ -52,3 +52,37 @@ pub(super) fn bounds(points: &[Vector]) -> (Vector, Vector, bool) {
 pub(super) fn is_finite(point: &Vector) -> bool {
     point.iter().all(|x| x.is_finite())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tetrahedron_is_as_high_as_its_last_corner_is_above_the_others() {
+        let base = [[0.0; 3], [2.0, 0.0, 0.0], [0.0, 3.0, 0.0]];
+        for height in [0.0, 0.25, 1.0, 7.0] {
+            for side in [1.0, -1.0] {
+                let corners = [base[0], base[1], base[2], [0.4, 0.9, side * height]];
+                assert!((height_of(corners) - height).abs() < 1e-15);
+            }
+        }
+    }
+
+    #[test]
+    fn one_coordinate_that_is_no_number_is_noticed_wherever_it_is() {
+        for count in 1..8 {
+            let points: Vec<Vector> = (0..count).map(|k| [f64::from(k), 2.0, -3.0]).collect();
+            let last = f64::from(count - 1);
+            assert_eq!(bounds(&points), ([0.0, 2.0, -3.0], [last, 2.0, -3.0], true));
+            for index in 0..points.len() {
+                for axis in 0..3 {
+                    for strange in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                        let mut points = points.clone();
+                        points[index][axis] = strange;
+                        assert!(!bounds(&points).2, "{strange} at {index}, {axis}");
+                    }
+                }
+            }
+        }
+    }
+}

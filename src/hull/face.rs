@@ -257,3 +257,58 @@ impl Given<'_> {
         orient3d(corner(a), corner(b), corner(c), corner(point))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::vector::{add, length};
+
+    /// Planes of triangles of any size and direction, and a point of each.
+    fn planes() -> impl Iterator<Item = (Plane, Vector)> {
+        let corners = [[0.3, -0.2, 0.1], [-0.4, 0.5, 0.2], [0.1, 0.3, -0.6]];
+        [1.0, 0.1, 1e-3].into_iter().flat_map(move |size| {
+            (0..3).map(move |turn| {
+                let [a, b, c] = [0, 1, 2].map(|k| scale(corners[(k + turn) % 3], size));
+                let face = Face::spanned([0, 1, 2], [subtract(a, c), subtract(b, c)], c);
+                (face.plane, c)
+            })
+        })
+    }
+
+    #[test]
+    fn heights_are_compared_with_distances() {
+        for tolerance in [1e-3, 1e-6, 1e-9] {
+            let heights = Heights::new(1.0, tolerance);
+            for (plane, on_it) in planes() {
+                let unit = scale(plane.normal, 1.0 / length(plane.normal));
+                let height_at = |distance: f64| plane.height(add(on_it, scale(unit, distance)));
+                for share in [-10.0, -1.0, 0.0, 0.9, 1.1, 10.0] {
+                    let is_beyond = heights.is_beyond(height_at(share * tolerance), &plane);
+                    assert_eq!(is_beyond, share > 1.0, "{share} tolerances of {tolerance}");
+                }
+                // Not by way of a point: its coordinates are rounded by more than this.
+                let height_of = |distance: f64| distance * length(plane.normal);
+                for share in [-10.0, -1.1, -0.9, 0.0, 0.9, 1.1, 10.0] {
+                    let height = height_of(share * CERTAINLY_BEHIND);
+                    assert_eq!(heights.is_in_front(height, &plane), share > 1.0, "{share}");
+                    assert_eq!(heights.is_not_behind(height, &plane), share > -1.0, "{share}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn heights_beyond_those_that_spare_questions_need_none() {
+        for tolerance in [1e-3, 1e-6, 1e-9] {
+            let heights = Heights::new(1.0, tolerance);
+            assert!(heights.error < heights.high && heights.error < -heights.low);
+            for (plane, _) in planes() {
+                let distance = |height: f64| height / length(plane.normal);
+                assert!(distance(heights.high) > tolerance);
+                assert!(distance(heights.low) < -CERTAINLY_BEHIND);
+            }
+            // Not much larger than the longest normal asks for.
+            assert!(heights.high < 100.0 * tolerance && heights.error < 1e-12);
+        }
+    }
+}
