@@ -69,3 +69,26 @@ fn the_farthest_of_any_number_of_points_is_as_far_as_one_by_one_over_all_planes(
         }
     }
 }
+
+#[test]
+fn volume_vertices_and_heights_are_those_of_the_points_at_any_scale() {
+    let box_of = |size: f64| -> Vec<Vector> {
+        let corners = (0..8).map(|i| [0, 1, 2].map(|k| f64::from(i >> k & 1)));
+        corners.map(|[x, y, z]| [2.0 * size * x, 3.0 * size * y, 5.0 * size * z]).collect()
+    };
+    for size in [1e-6, 0.3, 1.0, 1e6] {
+        let mut points = box_of(size);
+        points.push([size; 3]);
+        let mut builder = HullBuilder::new();
+        assert_eq!(builder.build(&points), Shape::Solid);
+        assert!((builder.volume() / (30.0 * size.powi(3)) - 1.0).abs() < 1e-12, "{size}");
+        let above = [size, size, 7.0 * size];
+        assert!((builder.farthest_outside(&[above]) / (2.0 * size) - 1.0).abs() < 1e-12, "{size}");
+        let mut vertices = builder.vertices_of(&points).unwrap();
+        vertices.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        points.pop();
+        points.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        assert_eq!(vertices, points);
+        assert!(builder.vertices_of(&points[..3]).is_none(), "a triangle has no hull");
+    }
+}
