@@ -101,32 +101,9 @@ mod tests {
         ((0..120).map(point).collect(), (0..40).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect())
     }
 
-    #[test]
-    fn within_its_reach_every_point_of_loose_triangles_is_inside() {
-        let mut asked = 0;
-        for seed in [0, 1000, 2000] {
-            let (positions, triangles) = loose_triangles(seed);
-            let bvh = Bvh::new(&positions, &triangles);
-            let boundary = Boundary::new(&positions, &triangles);
-            for number in 0..4000 {
-                let at = [0, 1, 2].map(|axis| 0.4 * spread(5 * number * number + axis));
-                let away = bvh.closest_point(at, f64::INFINITY).unwrap().distance;
-                let Some(reach) = inside_reach(&bvh, &boundary, at, away, 0.0) else { continue };
-                asked += 1;
-                assert!(reach <= away);
-                for k in 0..20 {
-                    let way = [0, 1, 2].map(|axis| spread(17 * k + 5 * axis));
-                    let point = add(at, scale(way, 0.999 * reach / length(way)));
-                    let number_there = winding_number(&bvh, &boundary, point);
-                    assert!(number_there > OPEN_INSIDE - 1e-9, "{seed} {number}");
-                }
-            }
-        }
-        assert!(asked > 100, "{asked}");
-    }
-
-    #[test]
-    fn a_reach_is_told_whole_where_it_is_what_is_needed_and_as_less_where_it_is_not() {
+    /// Asks at many points around loose triangles, with the distance to them. `ask` says whether one was inside:
+    /// enough must be.
+    fn at_many_points(ask: impl Fn(&Bvh, &Boundary, Vector, f64) -> bool) {
         let mut inside = 0;
         for seed in [0, 1000, 2000] {
             let (positions, triangles) = loose_triangles(seed);
@@ -135,23 +112,45 @@ mod tests {
             for number in 0..4000 {
                 let at = [0, 1, 2].map(|axis| 0.4 * spread(5 * number * number + axis));
                 let away = bvh.closest_point(at, f64::INFINITY).unwrap().distance;
-                let reach = |needed| inside_reach(&bvh, &boundary, at, away, needed);
-                let Some(whole) = reach(0.0) else {
-                    assert_eq!(reach(0.5 * away), None, "a point outside has none");
-                    continue;
-                };
-                inside += 1;
-                for share in [0.1, 0.5, 0.999] {
-                    assert_eq!(reach(share * whole), Some(whole), "{share}");
-                }
-                for share in [1.001, 1.5, 4.0] {
-                    let found = reach(share * whole).unwrap();
-                    assert!((0.0..=whole).contains(&found), "{share}: {found} of {whole}");
-                }
-                assert_eq!(reach(1.001 * away), Some(0.0), "farther than the surface is");
+                inside += usize::from(ask(&bvh, &boundary, at, away));
             }
         }
         assert!(inside > 100, "{inside}");
+    }
+
+    #[test]
+    fn within_its_reach_every_point_of_loose_triangles_is_inside() {
+        at_many_points(|bvh, boundary, at, away| {
+            let Some(reach) = inside_reach(bvh, boundary, at, away, 0.0) else { return false };
+            assert!(reach <= away);
+            for k in 0..20 {
+                let way = [0, 1, 2].map(|axis| spread(17 * k + 5 * axis));
+                let point = add(at, scale(way, 0.999 * reach / length(way)));
+                let number_there = winding_number(bvh, boundary, point);
+                assert!(number_there > OPEN_INSIDE - 1e-9, "{at:?}");
+            }
+            true
+        });
+    }
+
+    #[test]
+    fn a_reach_is_told_whole_where_it_is_what_is_needed_and_as_less_where_it_is_not() {
+        at_many_points(|bvh, boundary, at, away| {
+            let reach = |needed| inside_reach(bvh, boundary, at, away, needed);
+            let Some(whole) = reach(0.0) else {
+                assert_eq!(reach(0.5 * away), None, "a point outside has none");
+                return false;
+            };
+            for share in [0.1, 0.5, 0.999] {
+                assert_eq!(reach(share * whole), Some(whole), "{share}");
+            }
+            for share in [1.001, 1.5, 4.0] {
+                let found = reach(share * whole).unwrap();
+                assert!((0.0..=whole).contains(&found), "{share}: {found} of {whole}");
+            }
+            assert_eq!(reach(1.001 * away), Some(0.0), "farther than the surface is");
+            true
+        });
     }
 
     /// The sum of all triangles' solid angles, one by one.

@@ -4,7 +4,6 @@ use super::*;
 use crate::bounded::containment::boundary::Boundary;
 use crate::bounded::containment::inside::{OPEN_INSIDE, winding_number};
 use crate::bounded::settings::Settings;
-use crate::bvh::Bvh;
 use crate::control::Control;
 use crate::geometry::TriangleMesh;
 use crate::geometry::vector::{add, scale};
@@ -19,28 +18,22 @@ const SAMPLES: usize = 16;
 /// Winding numbers of open surfaces are expansions, and a grid's sides are those of its cells.
 const DOUBTFUL: f64 = 0.05;
 
-/// A solid, and what is asked of it without its grid.
+/// A solid, and the vertices of its surface.
 struct Case {
     name: &'static str,
     solid: Solid,
-    bvh: Bvh,
-    boundary: Boundary,
     corners: Vec<Vector>,
 }
 
 impl Case {
     /// With a grid that is filled in advance.
-    fn dense(name: &'static str, mesh: &TriangleMesh, is_open: bool, bound: f64) -> Self {
+    fn dense(name: &'static str, mesh: &TriangleMesh, bound: f64) -> Self {
         let TriangleMesh { positions, triangles, .. } = mesh;
-        let boundary = || match is_open {
-            true => Boundary::new(positions, triangles),
-            false => Boundary::default(),
-        };
+        let boundary = Boundary::new(positions, triangles);
         let solid =
-            Solid::of_surface(positions, triangles, boundary(), bound, &Control::new()).unwrap();
+            Solid::of_surface(positions, triangles, boundary, bound, &Control::new()).unwrap();
         assert!(!solid.is_coarse());
-        let (bvh, corners) = (Bvh::new(positions, triangles), positions.clone());
-        Self { name, solid, bvh, boundary: boundary(), corners }
+        Self { name, solid, corners: positions.clone() }
     }
 
     /// With a grid that is filled where it is asked.
@@ -51,32 +44,28 @@ impl Case {
         let settings = Settings::of_preset(&parameters, 1.0).swap_remove(0);
         let solid = Solid::new(&prepared, None, &settings, &control).unwrap();
         assert!(solid.is_coarse());
-        let TriangleMesh { positions, triangles, .. } = prepared.mesh;
-        let boundary = match solid.is_closed() {
-            true => Boundary::default(),
-            false => Boundary::new(&positions, &triangles),
-        };
-        Self { name, solid, bvh: Bvh::new(&positions, &triangles), boundary, corners: positions }
+        Self { name, solid, corners: prepared.mesh.positions }
     }
 
     fn all(bound: f64) -> [Self; 4] {
         let beam = cuboid([0.3, -0.3, -0.2], [2.0, 0.4, 0.1]);
         let closed = join(&[torus(24, 12), beam.clone()]);
         let open = join(&[hemisphere(10), beam]);
-        [
-            Self::dense("dense, closed", &closed, false, bound),
+        let cases = [
+            Self::dense("dense, closed", &closed, bound),
             Self::coarse("coarse, closed", &closed, bound),
-            Self::dense("dense, open", &open, true, bound),
+            Self::dense("dense, open", &open, bound),
             Self::coarse("coarse, open", &open, bound),
-        ]
+        ];
+        assert_eq!(cases.each_ref().map(|case| case.solid.is_closed()), [true, true, false, false]);
+        cases
     }
 
-    /// How far a point is from the surface if the winding number is below a limit there, else 0.
+    /// Without the grid, how far a point is from the surface if the winding number is below a limit there, else 0.
     fn outside(&self, point: Vector, limit: f64) -> f64 {
-        match self.bvh.closest_point(point, f64::INFINITY) {
-            Some(closest) if winding_number(&self.bvh, &self.boundary, point) < limit => {
-                closest.distance
-            }
+        let Solid { bvh, boundary, .. } = &self.solid;
+        match bvh.closest_point(point, f64::INFINITY) {
+            Some(closest) if winding_number(bvh, boundary, point) < limit => closest.distance,
             _ => 0.0,
         }
     }
