@@ -157,9 +157,11 @@ mod parameters;
 pub mod rapier;
 #[cfg(feature = "io")]
 pub mod render;
+mod solid;
 mod surface;
 #[cfg(feature = "viewer")]
 pub mod viewer;
+mod work;
 
 pub use control::{Control, Progress, Stage};
 pub use decompose::{Decomposer, decompose};

@@ -2,10 +2,6 @@
 //! decomposition does not keep it.
 
 use super::clustering::cluster;
-use super::containment::solid::Solid;
-use super::finalize::verify::hull_distance::HullDistance;
-use super::finalize::verify::protrusion::protrusion;
-use super::finalize::verify::uncovered::uncovered_distance;
 use super::hierarchy::Hierarchy;
 use super::output::{HullInDiagonals, normalized};
 use super::settings::Settings;
@@ -14,6 +10,10 @@ use crate::decomposition::Hull;
 use crate::error::Error;
 use crate::mesh::{Normalization, PreparedMesh, TriangleMesh};
 use crate::parameters::Parameters;
+use crate::solid::HullDistance;
+use crate::solid::Solid;
+use crate::solid::protrusion;
+use crate::solid::uncovered_distance;
 
 /// The joins of hulls that were returned.
 #[derive(Debug, Clone)]
@@ -39,7 +39,8 @@ impl DecompositionHierarchy {
         let normalization = prepared.normalization;
         let settings = Settings::after_search(parameters, normalization.diagonal);
         let clustered = cluster(&prepared, &settings, control)?;
-        let solid = Solid::new(&prepared, clustered, &settings, control)?;
+        let solid =
+            Solid::new(&prepared, clustered, (settings.bound, settings.keep_cavities), control)?;
         let mut leaves = Vec::with_capacity(hulls.len());
         for (index, hull) in hulls.iter().enumerate() {
             let (hull, verified) = normalized(hull, index, &normalization)?;

@@ -1,13 +1,13 @@
 //! A hull that grows by points, during the search: joint hulls are built by insertion into a copy
 //! of the larger hull, which takes a quarter of the time of building them anew.
 
-use super::work;
 use crate::geometry::vector::{Vector, add, maximum, minimum};
 use crate::hull::{HullBuilder, Shape};
+use crate::work;
 
 /// The hull of the points inserted so far.
 #[derive(Debug, Clone, Default)]
-pub(super) struct GrowingHull {
+pub(crate) struct GrowingHull {
     /// Contains the hull if `is_solid`.
     pub builder: HullBuilder,
     /// Whether the hull has volume.
@@ -24,7 +24,7 @@ pub(super) struct GrowingHull {
 
 impl GrowingHull {
     /// Copies another hull, reusing memory.
-    pub(super) fn copy_from(&mut self, other: &Self) {
+    pub(crate) fn copy_from(&mut self, other: &Self) {
         self.builder.clone_from(&other.builder);
         self.is_solid = other.is_solid;
         self.points.clone_from(&other.points);
@@ -86,4 +86,4 @@ impl GrowingHull {
 
 /// Points this near to a hull, in diagonals, do not change it during the search: far less than any
 /// distance that counts, more than the rounding of repeated insertions.
-pub(super) const SEARCH_TOLERANCE: f64 = 1e-5;
+pub(crate) const SEARCH_TOLERANCE: f64 = 1e-5;

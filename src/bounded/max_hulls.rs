@@ -6,7 +6,6 @@
 //! bound than the error ends with as few hulls for 16, with an error that is 1.13 times smaller at
 //! most; with three searches instead of six it does for 41. The three others take a third more time.
 
-use super::containment::solid::Solid;
 use super::finalize::final_hull::FinalHull;
 use super::hierarchy::Hierarchy;
 use super::patch_set::PatchSet;
@@ -14,6 +13,7 @@ use super::patches::patch::Patches;
 use super::settings::Settings;
 use crate::control::Control;
 use crate::error::Error;
+use crate::solid::Solid;
 
 /// Joins hulls until no more than `most` are left. See [`Hierarchy::new`].
 ///

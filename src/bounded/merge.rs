@@ -6,7 +6,6 @@
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
-use super::containment::fit_tester::FitTester;
 use super::growing_hull::GrowingHull;
 use super::patch_set::PatchSet;
 use super::patches::conflicts::Conflicts;
@@ -15,6 +14,7 @@ use super::piece::Piece;
 use crate::control::Control;
 use crate::error::Error;
 use crate::parallel;
+use crate::solid::FitTester;
 
 /// Two pieces that may join.
 struct Candidate {

@@ -21,11 +21,10 @@
 //! | `decomposition_hierarchy` | joins of a finished decomposition, on demand |
 
 mod cells;
-mod clustering;
-mod containment;
+pub(crate) mod clustering;
 pub(crate) mod decomposition_hierarchy;
 mod finalize;
-mod growing_hull;
+pub(crate) mod growing_hull;
 mod hierarchy;
 mod max_hulls;
 mod merge;
@@ -35,8 +34,7 @@ mod patches;
 mod piece;
 mod refine;
 mod set_cover;
-mod settings;
-mod work;
+pub(crate) mod settings;
 
 use std::time::Duration;
 
@@ -46,9 +44,9 @@ use crate::error::Error;
 use crate::mesh::PreparedMesh;
 use crate::parallel;
 use crate::parameters::Parameters;
+use crate::solid::FitTester;
+use crate::solid::Solid;
 use clustering::cluster;
-use containment::fit_tester::FitTester;
-use containment::solid::Solid;
 use finalize::final_hull::FinalHulls;
 use finalize::finalize;
 use max_hulls::{BoundSearch, limit_hulls};
@@ -311,7 +309,12 @@ fn prepare(
     let (solid, patch_mesh) = parallel::join(
         || match solid {
             Some(solid) => Ok(*solid),
-            None => Solid::new(prepared, clustered.clone(), settings, control),
+            None => Solid::new(
+                prepared,
+                clustered.clone(),
+                (settings.bound, settings.keep_cavities),
+                control,
+            ),
         },
         || PatchMesh::new(prepared, clustered.as_deref(), settings, control),
     );

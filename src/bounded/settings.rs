@@ -4,6 +4,7 @@
 use std::ops::RangeInclusive;
 
 use crate::parameters::{BoundedParameters, Length, Parameters, Preset};
+use crate::solid::{COARSE, MIN_SEARCH_SHARE};
 
 /// The search uses this share of the bound. The rest is a margin for what the search's fit test
 /// overlooks. With 0.94 or more the search ends with 2 to 4 % fewer hulls, but verification divides
@@ -14,9 +15,6 @@ const SEARCH_SHARE: f64 = 0.9;
 /// verification, and are divided, as the round saves; with 0.97 it saves fewer.
 const LAST_ROUND_SHARE: f64 = 0.985;
 
-/// No stage but verification tests less than this share of the bound, so that cells of the distance
-/// grid can be classified by it once.
-pub(super) const MIN_SEARCH_SHARE: f64 = 0.9;
 const _: () = assert!(MIN_SEARCH_SHARE <= SEARCH_SHARE && LAST_ROUND_SHARE <= 1.0);
 
 /// Distance, in bounds, by which the surface may lie outside a hull that leaves out vertices. A
@@ -52,10 +50,6 @@ const LONGEST_EDGE_LIMITS: RangeInclusive<f64> = 0.04..=0.16;
 /// room to spare, since groups whose hulls do not fit are halved.
 const GROUPING_THRESHOLD: f64 = 0.1;
 
-/// Meshes of up to this many triangles are coarse: their patches follow from the shape, and their
-/// fit tests ask triangles. Denser ones are simplified: see [`PresetSettings::triangles`].
-pub(super) const COARSE: usize = 2400;
-
 /// How finely a preset divides the surface, and how long it searches.
 struct PresetSettings {
     /// Maximum diagonal of a patch, as a share of the square root of the surface's area. Smaller
@@ -86,7 +80,7 @@ const FINE: [PresetSettings; 3] = [
 ];
 
 /// What the stages work with.
-pub(super) struct Settings {
+pub(crate) struct Settings {
     /// The promised bound on protrusions.
     pub bound: f64,
     /// The bound whose shares may stay uncovered.
@@ -116,7 +110,7 @@ pub(super) struct Settings {
 
 impl Settings {
     /// One for each pass over the surface that the preset makes. At least one.
-    pub(super) fn of_preset(parameters: &Parameters, diagonal: f64) -> Vec<Self> {
+    pub(crate) fn of_preset(parameters: &Parameters, diagonal: f64) -> Vec<Self> {
         let passes: &[PresetSettings] = match parameters.bounded.preset {
             Preset::Fast => &[FAST],
             Preset::Balanced => &[BALANCED],

@@ -56,7 +56,7 @@ const MAX_CLUSTER_SHARE: f64 = 1.0 / 64.0;
 const EXPECTED: f64 = 1.01;
 
 /// A reduced mesh, and the surface that it represents.
-pub(super) struct Clustered {
+pub(crate) struct Clustered {
     /// The source, its long triangles halved.
     pub surface: Arc<TriangleMesh>,
     /// For each triangle of `surface` the prepared mesh's triangle that it is a part of.
@@ -80,7 +80,7 @@ pub(super) struct Clustered {
 ///
 /// # Errors
 /// [`Error::Cancelled`].
-pub(super) fn cluster(
+pub(crate) fn cluster(
     prepared: &PreparedMesh,
     settings: &Settings,
     control: &Control,

@@ -1,9 +1,9 @@
 //! What the stages of finalizing share.
 
-use crate::bounded::containment::solid::Solid;
 use crate::bounded::patches::patch::Patches;
 use crate::bounded::settings::Settings;
 use crate::control::Control;
+use crate::solid::Solid;
 
 /// What final hulls are made from.
 #[derive(Clone, Copy)]

@@ -4,14 +4,14 @@
 use super::context::FinalizeContext;
 use super::final_hull::FinalHull;
 use super::make_hull::{make_hull, surface_points};
-use super::verify::protrusion::protrusion;
-use crate::bounded::containment::triangle::centre;
 use crate::bounded::patch_set::PatchSet;
 use crate::bounded::patches::patch::Patch;
 use crate::bounded::piece::Piece;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, add, bounds, scale};
 use crate::hull::{HullBuilder, LEAST_THICKNESS, solid_hull};
+use crate::solid::centre;
+use crate::solid::protrusion;
 
 /// A part that is still to be made a hull.
 struct Open {

@@ -13,9 +13,6 @@
 //! divided.
 
 use super::context::FinalizeContext;
-use super::verify::point_groups::{PointGroups, distance_outside};
-use super::verify::protrusion::protrusion;
-use crate::bounded::containment::fit_test::FitScratch;
 use crate::bounded::settings::{MAX_UNCOVERED, MAX_UNCOVERED_UNDER_CAP};
 use crate::error::Error;
 use crate::geometry::vector::{Vector, add, distance, scale, subtract};
@@ -23,6 +20,9 @@ use crate::hull::{
     ConvexHull, HullBuilder, LEAST_THICKNESS, cap_vertices, coarser, collapse_edges,
     most_prominent, solid_hull,
 };
+use crate::solid::Scratch;
+use crate::solid::protrusion;
+use crate::solid::{PointGroups, distance_outside};
 
 /// A hull without vertices that hardly protrude must keep at least this share of its volume: of a
 /// thin plate hardly any vertex protrudes, and what is left can be a tetrahedron.
@@ -75,7 +75,7 @@ pub(super) fn simplify_hull(
         context,
         original: &original,
         builder,
-        scratch: FitScratch::default(),
+        scratch: Scratch::default(),
         max_vertices,
     };
     if let Some(simplified) = attempts.saving_vertices()? {
@@ -95,7 +95,7 @@ struct Attempts<'a> {
     context: &'a FinalizeContext<'a>,
     original: &'a Original,
     builder: &'a mut HullBuilder,
-    scratch: FitScratch,
+    scratch: Scratch,
     max_vertices: usize,
 }
 
@@ -185,8 +185,7 @@ impl Attempts<'_> {
         let mut fits = |face| {
             control.check()?;
             let bound = settings.search_bound;
-            Ok(solid.centre_fits(face, bound)
-                && solid.protruding_point(face, None, bound, scratch).is_none())
+            Ok(solid.face_fits(face, bound, scratch))
         };
         match collapse_edges(hull, volume_per_vertex, self.max_vertices, control, &mut fits)? {
             Some((collapsed, growth)) => self.accepted(collapsed, growth, max_uncovered),

@@ -5,7 +5,6 @@ use std::ops::Range;
 use super::context::FinalizeContext;
 use super::final_hull::FinalHull;
 use super::hull_simplification::{Original, Simplified, simplify_hull};
-use super::verify::point_groups::{PointGroups, distance_outside};
 use crate::bounded::growing_hull::GrowingHull;
 use crate::bounded::patch_set::PatchSet;
 use crate::bounded::patches::patch::Patches;
@@ -14,6 +13,7 @@ use crate::bounded::settings::MAX_UNCOVERED;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, add, area_normal};
 use crate::hull::{ConvexHull, HullBuilder, LEAST_THICKNESS, solid_hull};
+use crate::solid::{PointGroups, distance_outside};
 
 /// Numbers of points for which building their hull pays before computing how far they are outside
 /// another one. For fewer the distances are as fast; of more, the hull has thousands of vertices.

@@ -17,9 +17,7 @@ pub(super) mod final_hull;
 mod hull_simplification;
 mod make_hull;
 mod remerge;
-pub(super) mod verify;
 
-use super::containment::solid::Solid;
 use super::patch_set::PatchSet;
 use super::patches::patch::Patches;
 use super::piece::Piece;
@@ -29,14 +27,15 @@ use super::settings::{MAX_UNCOVERED, Settings};
 use crate::control::Control;
 use crate::error::Error;
 use crate::parallel;
+use crate::solid::HullDistance;
+use crate::solid::Solid;
+use crate::solid::uncovered_distance;
+use crate::solid::{PointGroups, distance_outside};
 use context::FinalizeContext;
 use division::hulls_of_piece;
 use final_hull::{FinalHull, FinalHulls};
 use make_hull::surface_points;
 use remerge::remerge;
-use verify::hull_distance::HullDistance;
-use verify::point_groups::{PointGroups, distance_outside};
-use verify::uncovered::uncovered_distance;
 
 /// Volume that saving a vertex may add, as a share of the mean volume of all pieces. With it, hulls
 /// have about 27 vertices, at an intersection over union with the solid of 0.871 instead of 0.875

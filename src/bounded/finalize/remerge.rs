@@ -7,11 +7,11 @@
 use super::context::FinalizeContext;
 use super::final_hull::FinalHull;
 use super::make_hull::make_hull;
-use super::verify::keeps_bound::{SharedSuspects, keeps_bound};
 use crate::error::Error;
 use crate::geometry::vector::{Vector, bounds};
 use crate::hull::{ConvexHull, HullBuilder, joint_hull};
 use crate::parallel;
+use crate::solid::{SharedSuspects, keeps_bound};
 
 /// A hull that may join others. It stays in the list when it has.
 struct Entry {

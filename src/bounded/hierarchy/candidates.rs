@@ -6,12 +6,12 @@ use std::collections::BinaryHeap;
 
 use super::joint::{Node, joint};
 use super::lower_bound::{Effort, Witness, find_witness};
-use crate::bounded::containment::solid::Solid;
 use crate::bounded::settings::Settings;
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, add, bounds, scale};
 use crate::parallel;
+use crate::solid::Solid;
 
 /// How a pair's protrusion is known. Later ones win a tie, so that nothing is verified in vain.
 enum Known {
@@ -205,9 +205,9 @@ fn centre(node: &Node) -> Vector {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bounded::containment::boundary::Boundary;
     use crate::hull::convex_hull;
     use crate::parameters::Parameters;
+    use crate::solid::Boundary;
 
     const BOXES: usize = 40;
 

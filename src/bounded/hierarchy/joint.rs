@@ -1,11 +1,11 @@
 //! The nodes of the hierarchy, and the joint hull of two of them.
 
-use crate::bounded::containment::solid::Solid;
-use crate::bounded::finalize::verify::protrusion::protrusion;
 use crate::bounded::settings::Settings;
 use crate::control::Control;
 use crate::error::Error;
 use crate::hull::{ConvexHull, HullBuilder, cap_vertices, joint_hull};
+use crate::solid::Solid;
+use crate::solid::protrusion;
 
 /// A hull of the hierarchy, final or joint. Lengths are in diagonals.
 #[derive(Debug, Clone)]

@@ -6,8 +6,8 @@
 //! the position, so its depth is subtracted. That makes each bound valid for all hulls that contain
 //! the two, once the plane has moved.
 
-use crate::bounded::containment::solid::Solid;
 use crate::geometry::vector::{Vector, add, cross, dot, length, normalize, scale, subtract};
+use crate::solid::Solid;
 
 /// A point outside of the solid, and the direction in which it is near to a joint hull's surface.
 #[derive(Debug, Clone, Copy, Default)]
@@ -78,11 +78,8 @@ pub(super) fn find_witness(
         let Some((normal, [from, to])) = bridge(hulls, across, along) else { continue };
         for &share in shares {
             let point = add(from, scale(subtract(to, from), share));
-            if solid.upper_distance(point) <= best.1 {
-                continue;
-            }
-            let Some(distance) = solid.source_distance(point, u32::MAX) else { continue };
-            if distance.lower <= best.1 || solid.is_inside(point, &distance) {
+            let Some(distance) = solid.outside(point, best.1) else { continue };
+            if distance.lower <= best.1 {
                 continue;
             }
             let witness = Witness { point, normal, distance: distance.lower };

@@ -12,11 +12,11 @@ mod candidates;
 mod joint;
 mod lower_bound;
 
-use super::containment::solid::Solid;
 use super::settings::Settings;
 use crate::control::Control;
 use crate::error::Error;
 use crate::hull::ConvexHull;
+use crate::solid::Solid;
 use candidates::Candidates;
 use joint::Node;
 

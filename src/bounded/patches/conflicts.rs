@@ -7,11 +7,11 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::patch::{Patch, Patches};
-use crate::bounded::containment::solid::Solid;
 use crate::bounded::patch_set::PatchSet;
 use crate::control::Control;
 use crate::error::Error;
 use crate::parallel;
+use crate::solid::Solid;
 
 /// Bits of a word.
 const BITS: usize = u64::BITS as usize;
@@ -105,10 +105,10 @@ impl<'a> Conflicts<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bounded::containment::boundary::Boundary;
     use crate::geometry::vector::Vector;
     use crate::mesh::TriangleMesh;
     use crate::mesh::shapes::{cuboid, join};
+    use crate::solid::Boundary;
 
     const BOUND: f64 = 0.02;
 

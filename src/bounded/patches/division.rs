@@ -3,14 +3,14 @@
 
 use super::patch::Patch;
 use super::patch_mesh::PatchMesh;
-use crate::bounded::containment::fit_tester::FitTester;
-use crate::bounded::containment::solid::Solid;
 use crate::bounded::growing_hull::GrowingHull;
 use crate::bounded::settings::Settings;
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, add, diagonal, dot, length, scale, subtract};
 use crate::hull::HullBuilder;
+use crate::solid::FitTester;
+use crate::solid::Solid;
 
 /// Triangles whose extent exceeds that of the longest of them by this factor can be divided by
 /// size. Halving a bundle of needles across leaves parts as long as before: a tube of 300 facets

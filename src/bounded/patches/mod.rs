@@ -19,7 +19,6 @@ use std::sync::Arc;
 
 use super::cells::components;
 use super::clustering::Clustered;
-use super::containment::solid::Solid;
 use super::settings::Settings;
 use crate::control::Control;
 use crate::error::Error;
@@ -27,6 +26,7 @@ use crate::geometry::vector::length;
 use crate::hull::HullBuilder;
 use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
 use crate::parallel;
+use crate::solid::Solid;
 use crate::surface::grouping::{group, members};
 use division::divide;
 use patch::{Patch, Patches};

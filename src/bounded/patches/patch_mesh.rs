@@ -6,9 +6,8 @@
 use super::patch::Patch;
 use crate::bounded::cells::{Cells, cells};
 use crate::bounded::clustering::Clustered;
-use crate::bounded::containment::triangle::centre;
 use crate::bounded::refine::refine;
-use crate::bounded::settings::{COARSE, Settings};
+use crate::bounded::settings::Settings;
 use crate::bvh::Bvh;
 use crate::bvh::closest_triangles::closest_triangles;
 use crate::control::Control;
@@ -17,6 +16,8 @@ use crate::geometry::vector::{Vector, add, area_normal, length, scale};
 use crate::hull::HullBuilder;
 use crate::mesh::simplify::simplify;
 use crate::mesh::{PreparedMesh, TriangleMesh};
+use crate::solid::COARSE;
+use crate::solid::centre;
 
 /// The mesh, and the surface that its triangles represent.
 pub(in crate::bounded) struct PatchMesh {

@@ -2,8 +2,6 @@
 
 use super::patch::{Patch, far_pair};
 use super::patch_mesh::PatchMesh;
-use crate::bounded::containment::fit_tester::FitTester;
-use crate::bounded::containment::solid::Solid;
 use crate::bounded::growing_hull::GrowingHull;
 use crate::bounded::settings::Settings;
 use crate::control::Control;
@@ -11,6 +9,8 @@ use crate::error::Error;
 use crate::geometry::vector::{Vector, length_squared, subtract};
 use crate::hull::HullBuilder;
 use crate::parallel;
+use crate::solid::FitTester;
+use crate::solid::Solid;
 use crate::surface::grouping::members;
 
 /// Points of a whole component nearer to its hull than this share of its thickness are left out.

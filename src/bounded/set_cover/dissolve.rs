@@ -7,14 +7,14 @@ use std::sync::Mutex;
 use super::coverage::Coverage;
 use super::grow::grow;
 use super::redundancy::{area, drop_redundant};
-use crate::bounded::containment::fit_tester::FitTester;
-use crate::bounded::containment::solid::Solid;
 use crate::bounded::patch_set::PatchSet;
 use crate::bounded::patches::patch::Patches;
 use crate::bounded::piece::Piece;
 use crate::control::Control;
 use crate::error::Error;
 use crate::parallel;
+use crate::solid::FitTester;
+use crate::solid::Solid;
 
 /// Pieces that are attempted between two checks of the budget, and may be attempted in parallel.
 const AT_ONCE: usize = 16;

@@ -5,13 +5,13 @@
 //! The number of hulls stays the same. O(points · faces of all pieces), and a limited number of
 //! joint hulls.
 
-use crate::bounded::containment::fit_tester::FitTester;
-use crate::bounded::containment::solid::Solid;
 use crate::bounded::growing_hull::GrowingHull;
 use crate::bounded::piece::Piece;
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, bounds};
+use crate::solid::FitTester;
+use crate::solid::{Side, Solid};
 
 /// Points in the box around all pieces: a cavity of a hundredth of the box holds several.
 const POINTS: u32 = 600;
@@ -119,7 +119,7 @@ fn hollow(pieces: &[Piece], solid: &Solid) -> Vec<Vector> {
     (0..POINTS)
         .map(point)
         .filter(|&point| !pieces.iter().any(|piece| contains(&piece.hull, point)))
-        .filter(|&point| solid.bvh.encloses(point))
+        .filter(|&point| solid.side(point) == Side::Inside)
         .collect()
 }
 

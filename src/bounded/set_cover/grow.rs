@@ -1,6 +1,5 @@
 //! Growing: a piece takes the patches that it can, nearest first.
 
-use crate::bounded::containment::fit_tester::FitTester;
 use crate::bounded::growing_hull::GrowingHull;
 use crate::bounded::patch_set::PatchSet;
 use crate::bounded::patches::patch::{Patch, Patches};
@@ -8,6 +7,7 @@ use crate::bounded::piece::Piece;
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{add, distance, scale};
+use crate::solid::FitTester;
 
 /// Maximum number of patches that are tried at once; 64 are no faster.
 const MAX_BATCH: usize = 16;

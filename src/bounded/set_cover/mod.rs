@@ -16,14 +16,14 @@ mod fill;
 mod grow;
 mod redundancy;
 
-use super::containment::fit_tester::FitTester;
-use super::containment::solid::Solid;
 use super::patches::patch::Patches;
 use super::piece::Piece;
 use super::settings::Settings;
 use crate::control::Control;
 use crate::error::Error;
 use crate::parallel;
+use crate::solid::FitTester;
+use crate::solid::Solid;
 use assign_owners::assign_owners;
 use dissolve::dissolve;
 use fill::fill;

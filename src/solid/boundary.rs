@@ -7,10 +7,16 @@
 //! gradient anywhere, but on the surface, where the number jumps.
 //!
 //! Edges far away count by groups: a sum takes O(log n) typically.
+//!
+//! Of few edges the winding number itself is known, but for rounding. From a point, an edge that is swept to infinity
+//! in a direction is a spherical triangle of the edge's ends and the direction. Its angle jumps where the ray the other
+//! way passes the edge, and so do the [crossings](crate::bvh::Bvh::crossings) of that ray with the triangles that end
+//! there: together they are the winding number of an open surface. Very near the jump neither is known.
 
 use std::f64::consts::TAU;
 
-use super::swept::{self, SweptEdges};
+use crate::bvh::SLOPES;
+use crate::geometry::Turns;
 use crate::geometry::vector::{Vector, add, distance, dot, length, scale, subtract};
 
 /// A group whose radius is below this share of the distance to its ball counts as a whole: that is
@@ -66,7 +72,7 @@ struct Group {
 
 /// The boundary of a surface. See the module.
 #[derive(Default)]
-pub(in crate::bounded) struct Boundary {
+pub(crate) struct Boundary {
     edges: Vec<Edge>,
     /// A tree: each group is followed by those within it.
     groups: Vec<Group>,
@@ -76,7 +82,7 @@ pub(in crate::bounded) struct Boundary {
 
 impl Boundary {
     /// O(n log n).
-    pub(in crate::bounded) fn new(positions: &[Vector], triangles: &[[u32; 3]]) -> Self {
+    pub(crate) fn new(positions: &[Vector], triangles: &[[u32; 3]]) -> Self {
         let mut directed: Vec<(u32, u32, i64)> = triangles
             .iter()
             .flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)])
@@ -109,20 +115,20 @@ impl Boundary {
 
     /// Whether the surface ends nowhere: then the winding number is whole, and changes only across
     /// the surface.
-    pub(in crate::bounded) fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.edges.is_empty()
     }
 
     /// The winding number about a point of what continues the surface from its boundary to infinity,
     /// the opposite way of [the ray's](crate::bvh::Bvh::crossings): together they are closed. `None` if
     /// that ray hits the boundary, or the edges are many. O(n) for n edges.
-    pub(in crate::bounded) fn winding_number_beyond(&self, point: Vector) -> Option<f64> {
-        swept::winding_number(self.swept.as_ref()?, point)
+    pub(crate) fn winding_number_beyond(&self, point: Vector) -> Option<f64> {
+        swept_winding_number(self.swept.as_ref()?, point)
     }
 
     /// The slope of the winding number at a point; where its gradient is above `limit`, any gradient
     /// above that. `nearest` is a lower bound on the distance to the surface.
-    pub(in crate::bounded) fn slope(&self, point: Vector, nearest: f64, limit: f64) -> Slope {
+    pub(crate) fn slope(&self, point: Vector, nearest: f64, limit: f64) -> Slope {
         let mut slope = Slope { gradient: 0.0, clearance: f64::INFINITY };
         let mut next = 0;
         while let Some(group) = self.groups.get(next) {
@@ -149,7 +155,7 @@ impl Boundary {
 
 /// How the winding number changes around a point, as long as the surface is not crossed.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::bounded) struct Slope {
+pub(crate) struct Slope {
     /// At least the gradient.
     pub gradient: f64,
     /// At most the distance to the boundary.
@@ -165,19 +171,19 @@ impl Slope {
 
     /// Over a way of a length the number changes by no more than this. The distance to an edge
     /// falls by no more than the way's length: this is the integral of one over its square.
-    pub(in crate::bounded) fn change(&self, way: f64) -> f64 {
+    pub(crate) fn change(&self, way: f64) -> f64 {
         let left = 1.0 - way / self.clearance;
         if left > 0.0 { self.gradient * way / left } else { f64::INFINITY }
     }
 
     /// Over any way up to this length the number changes by no more than `change`.
-    pub(in crate::bounded) fn reach(&self, change: f64) -> f64 {
+    pub(crate) fn way_within(&self, change: f64) -> f64 {
         // On an edge it is not a number.
         (change / (self.gradient + change / self.clearance)).max(0.0)
     }
 
     /// The slope at a point that is so far away.
-    pub(in crate::bounded) fn at_distance(&self, way: f64) -> Self {
+    pub(crate) fn at_distance(&self, way: f64) -> Self {
         let left = (1.0 - way / self.clearance).max(0.0);
         Self { gradient: self.gradient / (left * left), clearance: left * self.clearance }
     }
@@ -216,6 +222,87 @@ fn build(edges: &mut [Edge], range: std::ops::Range<usize>, groups: &mut Vec<Gro
     if let Some(group) = groups.get_mut(place) {
         group.after = after;
     }
+}
+
+/// Edges at once.
+const LANES: usize = 4;
+
+/// An edge that is this near to the ray, in radians, may be on either side of it: far more than rounding.
+const ON_RAY: f64 = 1e-9;
+
+/// Where edges that fill up the lanes are, in lengths of the ray, behind the ray's start: their angle is zero.
+const FAR_BEHIND: f64 = -1e3;
+
+/// Edges that are swept. Axis by axis.
+#[derive(Debug, Clone)]
+#[repr(align(64))]
+struct SweptEdges {
+    start: [[f64; LANES]; 3],
+    end: [[f64; LANES]; 3],
+}
+
+impl SweptEdges {
+    /// Edges from point to point, in lanes.
+    fn all(edges: impl Iterator<Item = (Vector, Vector)>) -> Vec<Self> {
+        let behind = scale([1.0, SLOPES[0], SLOPES[1]], FAR_BEHIND).map(|x| [x; LANES]);
+        let mut all: Vec<Self> = Vec::new();
+        for (number, (start, end)) in edges.enumerate() {
+            if number % LANES == 0 {
+                all.push(Self { start: behind, end: behind });
+            }
+            if let Some(last) = all.last_mut() {
+                for axis in 0..3 {
+                    last.start[axis][number % LANES] = start[axis];
+                    last.end[axis][number % LANES] = end[axis];
+                }
+            }
+        }
+        all
+    }
+}
+
+/// The winding number of swept edges about a point; `None` if the ray hits one. O(n).
+fn swept_winding_number(edges: &[SweptEdges], point: Vector) -> Option<f64> {
+    let ray = [1.0, SLOPES[0], SLOPES[1]];
+    let ray_length = length(ray);
+    let along = scale(ray, 1.0 / ray_length);
+    let mut turns = [Turns::NONE; LANES];
+    for edges in edges {
+        let (real, imaginary) = half_solid_angles(edges, point, along, 1.0 / ray_length)?;
+        for lane in 0..LANES {
+            turns[lane].add(real[lane], imaginary[lane]);
+            turns[lane].rescale();
+        }
+    }
+    Some(turns.into_iter().fold(Turns::NONE, Turns::joined).total())
+}
+
+/// Half the solid angles as the arguments of complex numbers (Van Oosterom and Strackee, "The Solid Angle of a Plane
+/// Triangle", 1983); `None` if the ray hits an edge.
+#[inline(always)]
+fn half_solid_angles(
+    edges: &SweptEdges,
+    point: Vector,
+    along: Vector,
+    scale: f64,
+) -> Option<([f64; LANES], [f64; LANES])> {
+    let (mut real, mut imaginary) = ([0.0; LANES], [0.0; LANES]);
+    let mut is_hit = false;
+    for lane in 0..LANES {
+        let arm = |end: &[[f64; LANES]; 3]| [0, 1, 2].map(|axis| end[axis][lane] - point[axis]);
+        let (a, b) = (arm(&edges.start), arm(&edges.end));
+        let dot = |a: Vector, b: Vector| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let (of_a, of_b) = (dot(a, a).sqrt(), dot(b, b).sqrt());
+        let product = of_a * of_b;
+        real[lane] = product + dot(a, b) - (dot(a, along) * of_b + dot(b, along) * of_a);
+        // As seen along the ray.
+        let across = |[x, y, z]: Vector| [y - SLOPES[0] * x, z - SLOPES[1] * x];
+        let (a, b) = (across(a), across(b));
+        imaginary[lane] = scale * (a[0] * b[1] - a[1] * b[0]);
+        let noise = ON_RAY * product;
+        is_hit |= (real[lane] <= noise) & (imaginary[lane].abs() <= noise);
+    }
+    (!is_hit).then_some((real, imaginary))
 }
 
 #[cfg(test)]
@@ -265,7 +352,7 @@ mod tests {
             let middles = (0..STEPS).map(|index| (index as f64 + 0.5) * step);
             let sum: f64 = middles.map(|at| slope.at_distance(at).gradient * step).sum();
             assert!((slope.change(way) / sum - 1.0).abs() < 1e-4, "{share}");
-            assert!((slope.reach(slope.change(way)) / way - 1.0).abs() < 1e-12, "{share}");
+            assert!((slope.way_within(slope.change(way)) / way - 1.0).abs() < 1e-12, "{share}");
         }
         assert_eq!(slope.change(slope.clearance), f64::INFINITY);
     }

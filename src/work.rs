@@ -4,13 +4,13 @@
 //! faces that are tested or verified, cells of the grid that are filled, and points that hulls grow by.
 
 /// A part of a face that is tested, or verified.
-pub(super) const PART: u64 = 1;
+pub(crate) const PART: u64 = 1;
 
 /// A cell that is filled: a query of the tree.
-pub(super) const CELL: u64 = 8;
+pub(crate) const CELL: u64 = 8;
 
 /// A point that a hull grows by.
-pub(super) const POINT: u64 = 3;
+pub(crate) const POINT: u64 = 3;
 
 #[cfg(test)]
 thread_local! {
@@ -19,7 +19,7 @@ thread_local! {
 
 /// Counts work.
 #[inline]
-pub(super) fn count(_work: u64) {
+pub(crate) fn count(_work: u64) {
     #[cfg(test)]
     DONE.set(DONE.get() + _work);
 }

@@ -1,4 +1,9 @@
-//! Which points are inside a surface.
+//! The surface of a solid: which side a point is on, and how far the inside extends around it.
+//!
+//! A point is inside where the generalized winding number is above one half (Jacobson, Kavan, Sorkine-Hornung, "Robust
+//! Inside-Outside Segmentation using Generalized Winding Numbers", 2013). Of a closed surface it is the number of times
+//! that a ray leaves, less that of its entering: a fraction of the work. Where a surface is open, the inside ends without
+//! it, but gradually.
 
 use super::boundary::{Boundary, Slope};
 use crate::bvh::Bvh;
@@ -6,80 +11,90 @@ use crate::geometry::vector::Vector;
 
 /// Where the surface is open, a winding number above this is inside. On both sides of a flat sheet
 /// it is one half, so that rounding would decide.
-pub(in crate::bounded) const OPEN_INSIDE: f64 = 0.52;
+pub(super) const OPEN_INSIDE: f64 = 0.52;
 
-/// Whether a point is inside a surface.
-#[inline]
-pub(in crate::bounded) fn is_inside(bvh: &Bvh, boundary: &Boundary, point: Vector) -> bool {
-    match boundary.is_empty() {
-        true => bvh.encloses(point),
-        false => winding_number(bvh, boundary, point) > OPEN_INSIDE,
+/// Where a point is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Side {
+    Inside,
+    Outside,
+}
+
+/// The triangles of a solid, and where they end.
+pub(super) struct Surface {
+    pub tree: Bvh,
+    /// Empty if the surface is closed.
+    pub boundary: Boundary,
+}
+
+impl Surface {
+    /// Whether the surface encloses the inside. Only then is a point's side also that of all points
+    /// nearer to it than the surface.
+    #[inline]
+    pub fn is_closed(&self) -> bool {
+        self.boundary.is_empty()
+    }
+
+    /// The side of a point. O(log n).
+    #[inline]
+    pub fn side(&self, point: Vector) -> Side {
+        let is_inside = match self.is_closed() {
+            true => self.tree.encloses(point),
+            false => self.winding_number(point) > OPEN_INSIDE,
+        };
+        if is_inside { Side::Inside } else { Side::Outside }
+    }
+
+    /// The winding number about a point. It is exact but for rounding where the boundary has
+    /// few edges: continued from its boundary to infinity, away from a ray, the surface winds about the
+    /// point as often as the ray crosses it, and what was added is known in closed form.
+    pub fn winding_number(&self, point: Vector) -> f64 {
+        match self.boundary.winding_number_beyond(point) {
+            Some(beyond) => f64::from(self.tree.crossings(point)) - beyond,
+            None => self.tree.winding_number(point),
+        }
+    }
+
+    /// The radius of a ball around a point that is inside an open surface as a whole, where the surface is at least
+    /// `distance` away; `None` if the point itself is outside. A radius below `needed` may be returned as 0.
+    pub fn depth(&self, point: Vector, distance: f64, needed: f64) -> Option<f64> {
+        self.depth_by(self.winding_number(point), point, distance, needed)
+    }
+
+    /// The same, where the winding number about the point is known.
+    pub fn depth_by(&self, winding: f64, point: Vector, distance: f64, needed: f64) -> Option<f64> {
+        let excess = winding - OPEN_INSIDE;
+        if excess <= 0.0 {
+            return None;
+        }
+        if distance <= 0.0 || needed >= distance {
+            return Some(0.0);
+        }
+        // No gradient above this leaves as much as is needed, if the boundary is as near as the surface.
+        let limit =
+            if needed > 0.0 { excess * (1.0 / needed - 1.0 / distance) } else { f64::INFINITY };
+        let slope = self.boundary.slope(point, distance, limit);
+        if slope.gradient > limit {
+            return Some(0.0);
+        }
+        Winding { least: winding, most: winding, slope }.depth(distance)
     }
 }
 
-/// The winding number of a surface about a point. It is exact but for rounding where the boundary has
-/// few edges: continued from its boundary to infinity, away from a ray, the surface winds about the
-/// point as often as the ray crosses it, and what was added is known in closed form.
-pub(in crate::bounded) fn winding_number(bvh: &Bvh, boundary: &Boundary, point: Vector) -> f64 {
-    match boundary.winding_number_beyond(point) {
-        Some(beyond) => f64::from(bvh.crossings(point)) - beyond,
-        None => bvh.winding_number(point),
-    }
-}
-
-/// What is known of the winding number about a point.
-pub(in crate::bounded) struct Winding {
+/// Bounds on the winding number about a point.
+pub(super) struct Winding {
     pub least: f64,
     pub most: f64,
     pub slope: Slope,
 }
 
 impl Winding {
-    /// All points nearer than this to the point are inside, if the surface is at least `distance`
+    /// The radius of a ball around the point that is inside as a whole, where the surface is at least `distance`
     /// away; `None` if the point itself may be outside.
-    ///
-    /// Where the surface is open, the inside ends without it, but gradually.
-    pub(in crate::bounded) fn reach(&self, distance: f64) -> Option<f64> {
+    pub fn depth(&self, distance: f64) -> Option<f64> {
         let excess = self.least - OPEN_INSIDE;
-        (excess > 0.0).then(|| self.slope.reach(excess).min(distance))
+        (excess > 0.0).then(|| self.slope.way_within(excess).min(distance))
     }
-}
-
-/// All points nearer than this to a point are inside an open surface that is at least `distance`
-/// away; `None` if the point itself is outside. With `needed`, a reach of less than that may be
-/// returned as 0.
-pub(in crate::bounded) fn inside_reach(
-    bvh: &Bvh,
-    boundary: &Boundary,
-    point: Vector,
-    distance: f64,
-    needed: f64,
-) -> Option<f64> {
-    reach(boundary, winding_number(bvh, boundary, point), point, distance, needed)
-}
-
-/// The same, for a point about which the winding number is known.
-pub(in crate::bounded) fn reach(
-    boundary: &Boundary,
-    winding: f64,
-    point: Vector,
-    distance: f64,
-    needed: f64,
-) -> Option<f64> {
-    let excess = winding - OPEN_INSIDE;
-    if excess <= 0.0 {
-        return None;
-    }
-    if distance <= 0.0 || needed >= distance {
-        return Some(0.0);
-    }
-    // No gradient above this leaves as much as is needed, if the boundary is as near as the surface.
-    let limit = if needed > 0.0 { excess * (1.0 / needed - 1.0 / distance) } else { f64::INFINITY };
-    let slope = boundary.slope(point, distance, limit);
-    if slope.gradient > limit {
-        return Some(0.0);
-    }
-    Winding { least: winding, most: winding, slope }.reach(distance)
 }
 
 #[cfg(test)]
@@ -101,32 +116,39 @@ mod tests {
         ((0..120).map(point).collect(), (0..40).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect())
     }
 
-    /// Asks at many points around loose triangles, with the distance to them. `ask` says whether one was inside:
-    /// enough must be.
-    fn at_many_points(ask: impl Fn(&Bvh, &Boundary, Vector, f64) -> bool) {
+    fn surface_of(positions: &[Vector], triangles: &[[u32; 3]]) -> Surface {
+        let boundary = Boundary::new(positions, triangles);
+        Surface { tree: Bvh::new(positions, triangles), boundary }
+    }
+
+    fn distance_to(surface: &Surface, point: Vector) -> f64 {
+        surface.tree.closest_point(point, f64::INFINITY).unwrap().distance
+    }
+
+    /// Calls `ask` at many points around loose triangles, with the distance to them. It returns whether a point is
+    /// inside: enough must be.
+    fn at_many_points(ask: impl Fn(&Surface, Vector, f64) -> bool) {
         let mut inside = 0;
         for seed in [0, 1000, 2000] {
             let (positions, triangles) = loose_triangles(seed);
-            let bvh = Bvh::new(&positions, &triangles);
-            let boundary = Boundary::new(&positions, &triangles);
+            let surface = surface_of(&positions, &triangles);
             for number in 0..4000 {
                 let at = [0, 1, 2].map(|axis| 0.4 * spread(5 * number * number + axis));
-                let away = bvh.closest_point(at, f64::INFINITY).unwrap().distance;
-                inside += usize::from(ask(&bvh, &boundary, at, away));
+                inside += usize::from(ask(&surface, at, distance_to(&surface, at)));
             }
         }
         assert!(inside > 100, "{inside}");
     }
 
     #[test]
-    fn within_its_reach_every_point_of_loose_triangles_is_inside() {
-        at_many_points(|bvh, boundary, at, away| {
-            let Some(reach) = inside_reach(bvh, boundary, at, away, 0.0) else { return false };
-            assert!(reach <= away);
+    fn within_its_depth_every_point_around_another_is_inside() {
+        at_many_points(|surface, at, away| {
+            let Some(depth) = surface.depth(at, away, 0.0) else { return false };
+            assert!(depth <= away);
             for k in 0..20 {
                 let way = [0, 1, 2].map(|axis| spread(17 * k + 5 * axis));
-                let point = add(at, scale(way, 0.999 * reach / length(way)));
-                let number_there = winding_number(bvh, boundary, point);
+                let point = add(at, scale(way, 0.999 * depth / length(way)));
+                let number_there = surface.winding_number(point);
                 assert!(number_there > OPEN_INSIDE - 1e-9, "{at:?}");
             }
             true
@@ -134,21 +156,21 @@ mod tests {
     }
 
     #[test]
-    fn a_reach_is_told_whole_where_it_is_what_is_needed_and_as_less_where_it_is_not() {
-        at_many_points(|bvh, boundary, at, away| {
-            let reach = |needed| inside_reach(bvh, boundary, at, away, needed);
-            let Some(whole) = reach(0.0) else {
-                assert_eq!(reach(0.5 * away), None, "a point outside has none");
+    fn a_depth_is_exact_where_it_is_needed_and_may_be_less_where_it_is_not() {
+        at_many_points(|surface, at, away| {
+            let depth = |needed| surface.depth(at, away, needed);
+            let Some(whole) = depth(0.0) else {
+                assert_eq!(depth(0.5 * away), None, "a point outside has none");
                 return false;
             };
             for share in [0.1, 0.5, 0.999] {
-                assert_eq!(reach(share * whole), Some(whole), "{share}");
+                assert_eq!(depth(share * whole), Some(whole), "{share}");
             }
             for share in [1.001, 1.5, 4.0] {
-                let found = reach(share * whole).unwrap();
+                let found = depth(share * whole).unwrap();
                 assert!((0.0..=whole).contains(&found), "{share}: {found} of {whole}");
             }
-            assert_eq!(reach(1.001 * away), Some(0.0), "farther than the surface is");
+            assert_eq!(depth(1.001 * away), Some(0.0), "farther than the surface is");
             true
         });
     }
@@ -180,9 +202,9 @@ mod tests {
         twice.1.extend_from_within(..4);
         let slopes = [1.0, SLOPES[0], SLOPES[1]];
         for (positions, triangles) in [open_box, twice, loose(1000, 24)] {
-            let bvh = Bvh::new(&positions, &triangles);
-            let boundary = Boundary::new(&positions, &triangles);
-            assert!(boundary.winding_number_beyond([0.01, 0.02, 0.03]).is_some(), "few edges");
+            let surface = surface_of(&positions, &triangles);
+            let beyond = surface.boundary.winding_number_beyond([0.01, 0.02, 0.03]);
+            assert!(beyond.is_some(), "few edges");
             for number in 0..3000 {
                 let spot = [0, 1, 2].map(|axis| 0.6 * spread(5 * number * number + axis));
                 // From every third point the ray passes through a corner, from another through an edge.
@@ -193,10 +215,9 @@ mod tests {
                     1 => subtract(a, scale(slopes, 0.7)),
                     _ => subtract(scale(add(a, b), 0.5), scale(slopes, 0.3)),
                 };
-                let away = bvh.closest_point(point, f64::INFINITY).unwrap().distance;
-                if away > 1e-6 {
+                if distance_to(&surface, point) > 1e-6 {
                     let expected = summed(&positions, &triangles, point);
-                    let found = winding_number(&bvh, &boundary, point);
+                    let found = surface.winding_number(point);
                     // Where the ray hits an edge, it is the expansion's.
                     let error = if number % 3 == 0 { 1e-9 } else { 0.01 };
                     assert!((found - expected).abs() < error, "{point:?}: {found} {expected}");
@@ -226,16 +247,15 @@ mod tests {
                 [corners[0], corners[2], corners[3]],
             ]);
         }
-        let boundary = Boundary::new(&positions, &triangles);
-        let bvh = Bvh::new(&positions, &triangles);
+        let Surface { tree, boundary } = surface_of(&positions, &triangles);
         for x in [0.0, 0.2, 0.4, 0.46] {
             let (at, step) = ([x, 0.0, -0.05], 1e-3);
-            let away = bvh.closest_point(at, f64::INFINITY).unwrap().distance;
+            let away = tree.closest_point(at, f64::INFINITY).unwrap().distance;
             let slope = [0, 1, 2].map(|axis| {
                 let [mut below, mut above] = [at; 2];
                 below[axis] -= step;
                 above[axis] += step;
-                (bvh.winding_number(above) - bvh.winding_number(below)) / (2.0 * step)
+                (tree.winding_number(above) - tree.winding_number(below)) / (2.0 * step)
             });
             let gradient = boundary.slope(at, away, f64::INFINITY).gradient;
             assert!(length(slope) <= gradient, "{x}: {} {gradient}", length(slope));

@@ -1,0 +1,530 @@
+//! The fit test of the search: whether no point of a hull's surface is farther than the bound from the solid.
+//!
+//! One query at the centre of a part whose corners are at most r from it decides it if the distance d there is far enough
+//! from the bound ε: d + r ≤ ε accepts; outside the solid d > ε rejects; inside it r - d ≤ ε accepts, since a path out of
+//! the solid crosses the surface. Otherwise the part is halved.
+//!
+//! The test is lenient: verification decides the result. A hull's faces are looked up in the cache, then tested by their
+//! centres, largest first, then where earlier hulls have protruded, then completely.
+
+use super::grid::Location;
+use super::solid::{CERTAINLY_BEYOND, FaceCache, FaceKey, Solid};
+use super::subdivide::{Face, Part, Policy, Scratch, Suspects, Verdict, centre, halves, subdivide};
+use super::surface::Side;
+use crate::bounded::growing_hull::GrowingHull;
+use crate::geometry::vector::{Vector, add, area_normal, length_squared, squared};
+use crate::hull::{HullBuilder, LEAST_THICKNESS, solid_hull};
+use crate::work;
+
+/// A part of a smaller radius, as a fraction of the bound, is decided by its centre. With
+/// [`CERTAIN`] this saves a tenth of all instructions, and hulls stay the same.
+const SMALL: f64 = 0.25;
+
+/// Where the surface is flat, the distance along its normal is exact. The tree decides only where
+/// that exceeds the bound by this factor, which covers surfaces that are slightly curved.
+const CERTAIN: f64 = 1.03;
+
+/// A part counts as smaller by this factor: a notch narrower than the rest is found by
+/// verification. With 1, four of five models take 20 to 45 % more time and end with as many hulls.
+const LENIENCE: f64 = 0.4;
+
+/// A part of a larger radius, as a multiple of the bound, is compared with the closest triangle as a whole: it
+/// may lie along it, and halving it down to the bound would be slow.
+const LONG: f64 = 3.0;
+
+/// Faces of a larger area, squared and times four, as a multiple of the bound to the fourth power, are tested at four
+/// points before they are tested completely: most that protrude do so there.
+const LARGE_AREA: f64 = 400.0;
+
+/// Places where a hull has protruded that are remembered while it grows: more take as long as they save.
+const MAX_SUSPECTS: usize = 16;
+
+/// The rules of the search.
+struct Lenient<'a> {
+    solid: &'a Solid,
+    bound: f64,
+    /// Where the face protrudes.
+    protruding: Option<Vector>,
+}
+
+impl Lenient<'_> {
+    fn protrudes(&mut self, point: Vector) -> Verdict {
+        self.protruding = Some(point);
+        Verdict::Stop
+    }
+
+    /// Judges a part whose centre may be farther than the bound from the surface; `None` if that is left open.
+    #[inline]
+    fn judge_beyond(&mut self, part: &Part, at: &Location<'_>, reach: f64) -> Option<Verdict> {
+        let &mut Self { solid, bound, .. } = self;
+        let centre = part.centre;
+        match at.side() {
+            Some(Side::Inside) => {}
+            Some(Side::Outside) if at.upper > CERTAINLY_BEYOND * bound => {
+                return Some(self.protrudes(centre));
+            }
+            Some(Side::Outside) => {
+                let distance = solid.tree().distance_to_triangle(centre, at.triangle());
+                if distance + reach <= bound {
+                    return Some(Verdict::Settled);
+                }
+                if distance > bound
+                    && at.distance_to_tangent() > CERTAIN * bound
+                    && !solid.tree().is_within(centre, bound)
+                {
+                    return Some(self.protrudes(centre));
+                }
+            }
+            // The grid is too coarse for the bound.
+            None => match solid.tree().closest_point(centre, f64::INFINITY) {
+                Some(closest) if closest.distance <= bound => {
+                    if closest.distance + reach <= bound
+                        || solid.grid.upper_to_triangle(part.corners, closest.triangle) <= bound
+                    {
+                        return Some(Verdict::Settled);
+                    }
+                }
+                Some(closest) if solid.side(centre) == Side::Inside => {
+                    if solid.is_closed() && reach - closest.distance <= bound {
+                        return Some(Verdict::Settled);
+                    }
+                }
+                _ => return Some(self.protrudes(centre)),
+            },
+        }
+        None
+    }
+}
+
+impl Policy for Lenient<'_> {
+    #[inline]
+    fn judge(&mut self, part: &Part) -> Verdict {
+        work::count(work::PART);
+        let &mut Self { solid, bound, .. } = self;
+        let radius = part.radius;
+        let at = solid.locate(part.centre);
+        let reach = LENIENCE * radius;
+        if at.upper + reach <= bound
+            || radius > LONG * bound && at.upper_of_face(part.corners, bound) <= bound
+        {
+            return Verdict::Settled;
+        }
+        if at.upper > bound
+            && let Some(verdict) = self.judge_beyond(part, &at, reach)
+        {
+            return verdict;
+        }
+        let is_inside = || {
+            // In an open surface, large faces could hide where the inside ends.
+            at.lower > 0.0
+                && (solid.is_closed() || radius <= bound)
+                && reach - at.lower <= bound
+                && at.side() == Some(Side::Inside)
+        };
+        let is_deep =
+            || !solid.is_closed() && at.depth().is_some_and(|depth| reach - depth <= bound);
+        if radius <= SMALL * bound || is_deep() || is_inside() {
+            Verdict::Settled
+        } else {
+            Verdict::Halve
+        }
+    }
+
+    fn near(&self) -> f64 {
+        self.bound
+    }
+
+    fn judge_outside(&mut self, centre: Vector) -> Verdict {
+        if self.solid.tree().is_within(centre, self.bound) {
+            Verdict::Halve
+        } else {
+            self.protrudes(centre)
+        }
+    }
+}
+
+impl Solid {
+    /// Whether the centre of a face is in the solid or at most `bound` away from it.
+    pub(super) fn centre_fits(&self, face: Face, bound: f64) -> bool {
+        self.point_fits(centre(face), bound)
+    }
+
+    /// The same for the centres of a large face's quarters, for coarse solids.
+    pub(super) fn quarters_fit(&self, face: Face, bound: f64) -> bool {
+        let mut quarters = halves(face).into_iter().flat_map(halves);
+        !self.is_coarse() || quarters.all(|quarter| self.centre_fits(quarter, bound))
+    }
+
+    /// Whether no point of a face is farther than `bound` from the solid, leniently.
+    pub fn face_fits(&self, face: Face, bound: f64, scratch: &mut Scratch) -> bool {
+        self.centre_fits(face, bound) && self.protruding_point(face, None, bound, scratch).is_none()
+    }
+
+    /// A point of the face that is farther than `bound` from the solid; `None` if there is none. With `around`, a point
+    /// of the face, only the parts that contain it are judged.
+    fn protruding_point(
+        &self,
+        face: Face,
+        around: Option<Vector>,
+        bound: f64,
+        scratch: &mut Scratch,
+    ) -> Option<Vector> {
+        let mut policy = Lenient { solid: self, bound, protruding: None };
+        subdivide(self, std::iter::once(face), around, &mut policy, scratch);
+        policy.protruding
+    }
+}
+
+/// A face whose fit is not cached.
+struct UntestedFace {
+    /// Its squared area, times four.
+    size: f64,
+    key: FaceKey,
+    face: Face,
+}
+
+/// Tests hulls against a solid under a bound. Keeps scratch buffers between tests.
+pub(crate) struct FitTester<'a> {
+    solid: &'a Solid,
+    bound: f64,
+    /// A copy of the hull that is to grow.
+    trial: GrowingHull,
+    thickener: HullBuilder,
+    faces: Vec<UntestedFace>,
+    scratch: Scratch,
+    points: Vec<Vector>,
+    suspects: Suspects,
+    /// Joint hulls that [`try_insert`](Self::try_insert) has tested.
+    pub attempts: usize,
+}
+
+impl<'a> FitTester<'a> {
+    pub fn new(solid: &'a Solid, bound: f64) -> Self {
+        Self {
+            solid,
+            bound,
+            trial: GrowingHull::new(&[], [0.0; 3]),
+            thickener: HullBuilder::new(),
+            faces: Vec::new(),
+            scratch: Scratch::default(),
+            points: Vec::new(),
+            suspects: Suspects::new(MAX_SUSPECTS),
+            attempts: 0,
+        }
+    }
+
+    pub fn bound(&self) -> f64 {
+        self.bound
+    }
+
+    /// Whether a hull's surface is nowhere farther than the bound from the solid. Only the faces of
+    /// the last insertion are tested if `only_new`.
+    pub fn fits(&mut self, hull: &GrowingHull, only_new: bool) -> bool {
+        let mut faces = std::mem::take(&mut self.faces);
+        faces.clear();
+        let (cache, bound) = (&self.solid.face_cache, self.bound);
+        let mut is_refused = false;
+        // A face that is known not to fit saves testing the others.
+        let mut collect = |mut face: Face| {
+            // A face is tested from the same corner on, whichever hull it belongs to.
+            face.sort_unstable_by(|a, b| {
+                a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2]))
+            });
+            let key = FaceCache::key(face, bound);
+            match cache.get(key) {
+                Some(true) => {}
+                Some(false) => is_refused = true,
+                None => {
+                    let [a, b, c] = face;
+                    let size = length_squared(area_normal(a, b, c));
+                    faces.push(UntestedFace { size, key, face });
+                }
+            }
+            !is_refused
+        };
+        if hull.is_solid {
+            if only_new {
+                hull.builder.new_faces().all(&mut collect);
+            } else {
+                hull.builder.all_faces().all(&mut collect);
+            }
+        } else if let Ok((flat, _)) =
+            solid_hull(&mut self.thickener, &hull.points, hull.outward, LEAST_THICKNESS)
+        {
+            flat.corners().all(&mut collect);
+        }
+        let contains = |&(point, _): &(Vector, f64)| hull.builder.farthest_outside(&[point]) <= 0.0;
+        is_refused |= hull.is_solid && self.solid.cavities.iter().any(contains);
+        let fits = !is_refused && self.faces_fit(&mut faces);
+        self.faces = faces;
+        fits
+    }
+
+    fn faces_fit(&mut self, faces: &mut [UntestedFace]) -> bool {
+        // Large faces are the most likely to protrude.
+        faces.sort_unstable_by(|a, b| b.size.total_cmp(&a.size));
+        let (solid, bound) = (self.solid, self.bound);
+        let fits = |untested: &UntestedFace, test: &mut dyn FnMut(Face) -> bool| {
+            let fits = test(untested.face);
+            if !fits {
+                solid.face_cache.insert(untested.key, false);
+            }
+            fits
+        };
+        let is_likely_to_fit =
+            faces.iter().all(|face| fits(face, &mut |face| solid.centre_fits(face, bound)))
+                && faces.iter().all(|face| {
+                    let is_large = face.size > LARGE_AREA * squared(squared(bound));
+                    !is_large || fits(face, &mut |face| solid.quarters_fit(face, bound))
+                });
+        if !is_likely_to_fit {
+            return false;
+        }
+        let Self { scratch, suspects, .. } = self;
+        let protrudes = |face, point| {
+            !solid.point_fits(point, bound)
+                && solid.protruding_point(face, Some(point), bound, scratch).is_some()
+        };
+        if let Some(index) = suspects.find(faces, |untested| untested.face, protrudes) {
+            solid.face_cache.insert(faces[index].key, false);
+            return false;
+        }
+        for &UntestedFace { key, face, .. } in faces.iter() {
+            let protruding = solid.protruding_point(face, None, bound, scratch);
+            solid.face_cache.insert(key, protruding.is_none());
+            if let Some(point) = protruding {
+                suspects.remember(point, face);
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Grows a hull by parts of the surface, each given by its points and its outward direction, if
+    /// the joint hull fits. Returns whether it does.
+    pub fn try_insert<'p>(
+        &mut self,
+        hull: &mut GrowingHull,
+        parts: impl Iterator<Item = (&'p [Vector], Vector)>,
+    ) -> bool {
+        let mut points = std::mem::take(&mut self.points);
+        points.clear();
+        let mut outward = [0.0; 3];
+        for (part, part_outward) in parts {
+            points.extend_from_slice(part);
+            outward = add(outward, part_outward);
+        }
+        self.attempts += 1;
+        let mut trial = std::mem::take(&mut self.trial);
+        trial.copy_from(hull);
+        let only_new = trial.insert(&points, outward);
+        let fits = self.fits(&trial, only_new);
+        if fits {
+            std::mem::swap(hull, &mut trial);
+        }
+        self.trial = trial;
+        self.points = points;
+        fits
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control::Control;
+    use crate::geometry::TriangleMesh;
+    use crate::geometry::vector::{scale, subtract};
+    use crate::mesh::canonical_order::MeshOrder;
+    use crate::mesh::repair::prepare;
+    use crate::mesh::shapes::{cuboid, hemisphere, join, torus};
+    use crate::solid::Boundary;
+    use crate::solid::surface::{OPEN_INSIDE, Surface};
+
+    const BOUND: f64 = 0.03;
+
+    fn solid_of(mesh: &TriangleMesh, boundary: Boundary) -> Solid {
+        let TriangleMesh { positions, triangles, .. } = mesh;
+        Solid::of_surface(positions, triangles, boundary, BOUND, &Control::new()).unwrap()
+    }
+
+    #[test]
+    fn no_answer_depends_on_where_earlier_hulls_protruded() {
+        let two = join(&[torus(24, 12), cuboid([0.2, 0.2, -0.1], [0.5, 0.6, 0.9])]);
+        let bowl = hemisphere(10);
+        let rim = || Boundary::new(&bowl.positions, &bowl.triangles);
+        let no_rim = Boundary::default;
+        let meshes: [(&TriangleMesh, &dyn Fn() -> Boundary); 2] = [(&two, &no_rim), (&bowl, &rim)];
+        for (mesh, boundary) in meshes {
+            // Each has a cache of its own.
+            let (solid, other) = (solid_of(mesh, boundary()), solid_of(mesh, boundary()));
+            let mut tester = FitTester::new(&solid, BOUND);
+            let count = mesh.positions.len();
+            let (mut fitting, mut refused) = (0, 0);
+            for start in (0..count).step_by(count / 24 + 1) {
+                for size in [6, 12, 22, 34, 60] {
+                    let points: Vec<Vector> =
+                        (start..start + size).map(|k| mesh.positions[k % count]).collect();
+                    let hull = GrowingHull::new(&points, [0.0; 3]);
+                    let alone = FitTester::new(&other, BOUND).fits(&hull, false);
+                    assert_eq!(tester.fits(&hull, false), alone);
+                    if alone { fitting += 1 } else { refused += 1 }
+                }
+            }
+            assert!(fitting > 10 && refused > 10, "{fitting} fit, {refused} do not");
+        }
+    }
+
+    #[test]
+    fn a_hull_grows_by_what_fits_and_stays_as_it_is_where_that_does_not() {
+        let cube = |x: f64| cuboid([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
+        let solid = solid_of(&join(&[cube(0.0), cube(1.0 + 4.0 * BOUND)]), Boundary::default());
+        let mut tester = FitTester::new(&solid, BOUND);
+        assert_eq!(tester.bound(), BOUND);
+        let (near, far) = (cube(0.0).positions, cube(1.0 + 4.0 * BOUND).positions);
+        let mut hull = GrowingHull::new(&near[..5], [0.0; 3]);
+        assert!(hull.is_solid);
+        let volume = hull.current_volume();
+        let mut try_insert = |hull: &mut GrowingHull, points: &[Vector]| {
+            tester.try_insert(hull, std::iter::once((points, [0.0; 3])))
+        };
+        assert!(!try_insert(&mut hull, &far), "across a gap of four bounds");
+        assert_eq!(hull.current_volume(), volume);
+        assert!(try_insert(&mut hull, &near[5..]));
+        assert!((hull.current_volume() - 1.0).abs() < 1e-12);
+        assert!(try_insert(&mut hull, &[[1.0 + 0.9 * BOUND, 0.5, 0.5]]), "within the bound");
+        assert!(!try_insert(&mut hull, &[[1.0 + 1.5 * BOUND, 0.1, 0.1]]), "beyond it");
+        assert_eq!(tester.attempts, 4);
+    }
+
+    // The test of faces against dense samples, on closed and open solids, dense and coarse.
+
+    /// Samples along each side of a face.
+    const SAMPLES: usize = 16;
+
+    /// Winding numbers of open surfaces are expansions.
+    const DOUBTFUL: f64 = 0.05;
+
+    /// A solid, and the vertices of its surface.
+    struct Case {
+        name: &'static str,
+        solid: Solid,
+        corners: Vec<Vector>,
+    }
+
+    impl Case {
+        /// Without what only coarse solids do.
+        fn dense(name: &'static str, mesh: &TriangleMesh, bound: f64) -> Self {
+            let TriangleMesh { positions, triangles, .. } = mesh;
+            let boundary = Boundary::new(positions, triangles);
+            let mut solid =
+                Solid::of_surface(positions, triangles, boundary, bound, &Control::new()).unwrap();
+            solid.is_coarse = false;
+            Self { name, solid, corners: positions.clone() }
+        }
+
+        fn coarse(name: &'static str, mesh: &TriangleMesh, bound: f64) -> Self {
+            let control = Control::new();
+            let prepared = prepare(mesh.view(), MeshOrder::Place, &control).unwrap();
+            let solid = Solid::new(&prepared, None, (bound, false), &control).unwrap();
+            assert!(solid.is_coarse());
+            Self { name, solid, corners: prepared.mesh.positions }
+        }
+
+        fn all(bound: f64) -> [Self; 4] {
+            let beam = cuboid([0.3, -0.3, -0.2], [2.0, 0.4, 0.1]);
+            let closed = join(&[torus(24, 12), beam.clone()]);
+            let open = join(&[hemisphere(10), beam]);
+            let cases = [
+                Self::dense("dense, closed", &closed, bound),
+                Self::coarse("coarse, closed", &closed, bound),
+                Self::dense("dense, open", &open, bound),
+                Self::coarse("coarse, open", &open, bound),
+            ];
+            assert_eq!(
+                cases.each_ref().map(|case| case.solid.is_closed()),
+                [true, true, false, false]
+            );
+            cases
+        }
+
+        /// Without the grid, how far a point is from the surface if the winding number is below a limit there, else 0.
+        fn outside(&self, point: Vector, limit: f64) -> f64 {
+            let Surface { tree, .. } = self.solid.surface();
+            match tree.closest_point(point, f64::INFINITY) {
+                Some(closest) if self.solid.surface().winding_number(point) < limit => {
+                    closest.distance
+                }
+                _ => 0.0,
+            }
+        }
+
+        /// The greatest of these over a face, where it is outside for certain.
+        fn sampled(&self, [a, b, c]: [Vector; 3]) -> f64 {
+            let share = |index: usize| index as f64 / SAMPLES as f64;
+            let weights = (0..=SAMPLES).flat_map(|i| (0..=SAMPLES - i).map(move |j| (i, j)));
+            let points = weights.map(|(i, j)| {
+                let rest = share(SAMPLES - i - j);
+                add(add(scale(a, share(i)), scale(b, share(j))), scale(c, rest))
+            });
+            points.map(|point| self.outside(point, OPEN_INSIDE - DOUBTFUL)).fold(0.0, f64::max)
+        }
+
+        /// Faces between points of the surface, near ones and far ones.
+        fn faces(&self) -> impl Iterator<Item = [Vector; 3]> + '_ {
+            let count = self.corners.len();
+            (0..300).map(move |number| {
+                let reach = if number % 3 == 0 { count } else { 30 };
+                let second = number + 1 + number * number % reach;
+                let third = number + 2 + 7 * number * number % reach;
+                [number, second, third].map(|index| self.corners[index % count])
+            })
+        }
+    }
+
+    #[test]
+    fn what_does_not_fit_protrudes_where_it_is_said_to_and_what_fits_hardly_anywhere() {
+        for bound in [0.01, 0.03, 0.1] {
+            for case in Case::all(bound) {
+                let mut scratch = Scratch::default();
+                let (mut fitting, mut overlooked, mut refused, mut wrongly) = (0, 0, 0, 0);
+                for face in case.faces() {
+                    let Some(point) = case.solid.protruding_point(face, None, bound, &mut scratch)
+                    else {
+                        fitting += 1;
+                        let sampled = case.sampled(face);
+                        assert!(sampled < 2.0 * bound, "{}, {bound}: {sampled}", case.name);
+                        overlooked += usize::from(sampled > 1.1 * bound);
+                        continue;
+                    };
+                    refused += 1;
+                    let outside = case.outside(point, OPEN_INSIDE + DOUBTFUL);
+                    wrongly += usize::from(outside <= bound * (1.0 - 1e-6));
+                }
+                assert!(fitting > 50 && refused > 3, "{}: {fitting}, {refused}", case.name);
+                assert_eq!(wrongly, 0, "{}, {bound}: {wrongly} of {refused}", case.name);
+                assert!(overlooked * 50 <= fitting, "{}: {overlooked} of {fitting}", case.name);
+            }
+        }
+    }
+
+    #[test]
+    fn points_fit_as_far_as_the_bound_from_the_solid_and_no_farther() {
+        for bound in [0.01, 0.1] {
+            for case in Case::all(bound) {
+                for (face, share) in
+                    case.faces().zip([0.0, 0.5, 0.95, 1.05, 1.4, 3.0].into_iter().cycle())
+                {
+                    let [a, b, c] = face;
+                    let away = subtract(a, scale(add(b, c), 0.5));
+                    let size = length_squared(away).sqrt().max(1e-12);
+                    let point = add(a, scale(away, share * bound / size));
+                    let fits = case.solid.point_fits(point, bound);
+                    let for_certain = case.outside(point, OPEN_INSIDE - DOUBTFUL);
+                    let perhaps = case.outside(point, OPEN_INSIDE + DOUBTFUL);
+                    assert!(!fits || for_certain <= bound * 1.001, "{} {for_certain}", case.name);
+                    assert!(fits || perhaps >= bound * 0.999, "{} {perhaps}", case.name);
+                }
+            }
+        }
+    }
+}

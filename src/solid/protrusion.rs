@@ -1,0 +1,622 @@
+//! Verification: how far a hull protrudes from the solid, as an upper bound, not by samples.
+//!
+//! The rules of the fit test decide a part, without its leniences: no part is accepted because it
+//! is small. Where the mesh was clustered, distances are those to the source, and what is inside the solid may be as far
+//! outside the source as vertices have moved: no result is below that.
+
+use std::sync::Mutex;
+
+use super::grid::Location;
+use super::solid::{Solid, SourceDistance};
+use super::subdivide::{Face, Part, Policy, Scratch, Suspects, Verdict, subdivide};
+use super::surface::Side;
+use crate::control::Control;
+use crate::error::Error;
+use crate::geometry::vector::{Vector, dot};
+use crate::hull::ConvexHull;
+use crate::parallel;
+use crate::work;
+
+/// No triangle of the solid is known to be near.
+const NO_GUESS: u32 = u32::MAX;
+
+/// Protrusions below this share of the bound are not resolved: they decide nothing, and resolving
+/// them takes 3 to 14 % of the whole time. With [`RESOLUTION`], no result is below 0.29 of the
+/// bound.
+const UNRESOLVED: f64 = 0.25;
+
+/// The same for an open solid, where a part is only known to be inside as far as the inside extends
+/// around a point: the less is resolved, the fewer points.
+const UNRESOLVED_IN_OPEN: f64 = 0.75;
+
+/// Protrusions are too large by at most this share of the bound: a smaller one takes more parts of
+/// faces for digits that decide nothing.
+const RESOLUTION: f64 = 0.04;
+
+/// The same for maxima just below the bound, where it decides whether a hull is divided.
+const FINE_RESOLUTION: f64 = 0.005;
+
+/// Maximum number of parts of a hull's faces: needles would otherwise be halved without end.
+const MAX_PARTS: usize = 200_000;
+
+/// Where the distance is maximal all along a line, as halfway between two sheets, resolving it
+/// takes parts without end. After this many it is only decided whether the bound is kept. Two
+/// plates 0.13 % apart under a bound of 0.2 % took 50 s without.
+const MANY_PARTS: usize = 20_000;
+
+/// Parts between two checks for cancellation: less than a millisecond.
+const PARTS_PER_CHECK: usize = 1024;
+
+/// Places where hulls have protruded that are remembered for all of them.
+const MAX_SUSPECTS: usize = 256;
+
+/// No point of the hull's faces is farther than this from the solid, as a fraction of the diagonal. If it exceeds
+/// `limit`, any value above `limit` may be returned.
+///
+/// # Errors
+/// [`Error::Cancelled`].
+pub(crate) fn protrusion(
+    hull: &ConvexHull,
+    solid: &Solid,
+    bound: f64,
+    limit: f64,
+    control: &Control,
+) -> Result<f64, Error> {
+    let unresolved = if solid.is_closed() { UNRESOLVED } else { UNRESOLVED_IN_OPEN };
+    let mut exact = Exact::new(solid, (bound, limit), unresolved * bound, control);
+    if exact.cavities_exceed(hull) {
+        return Ok(exact.known);
+    }
+    let faces: Vec<Face> = hull.corners().collect();
+    exact.run(&faces, None)
+}
+
+/// Where hulls have protruded that were verified earlier, by any thread.
+pub(crate) struct SharedSuspects(Mutex<Suspects>);
+
+impl Default for SharedSuspects {
+    fn default() -> Self {
+        Self(Mutex::new(Suspects::new(MAX_SUSPECTS)))
+    }
+}
+
+/// Whether no point of the hull's faces is farther than the bound from the solid. Faster than the
+/// protrusion: nothing below the bound is resolved, and what protrudes mostly does so where another has protruded, which is
+/// looked at first. No verdict depends on it.
+///
+/// # Errors
+/// [`Error::Cancelled`].
+pub(crate) fn keeps_bound(
+    hull: &ConvexHull,
+    solid: &Solid,
+    bound: f64,
+    suspects: &SharedSuspects,
+    control: &Control,
+) -> Result<bool, Error> {
+    // Most hulls that protrude do so at one of few points.
+    let fits = |face| solid.centre_fits(face, bound) && solid.quarters_fit(face, bound);
+    let faces: Vec<Face> = hull.corners().collect();
+    if !faces.iter().copied().all(fits) {
+        return Ok(false);
+    }
+    let new = || Exact::new(solid, (bound, bound), (1.0 - RESOLUTION) * bound, control);
+    let exceeds_at = |face, point| {
+        let mut exact = new();
+        solid.outside(point, bound).is_some()
+            && exact.run(&[face], Some(point)).is_ok()
+            && exact.known > bound
+    };
+    let mut suspects_now = parallel::lock(&suspects.0).clone();
+    if suspects_now.find(&faces, |&face| face, exceeds_at).is_some() {
+        return Ok(false);
+    }
+    let mut exact = new();
+    let keeps = !exact.cavities_exceed(hull) && exact.run(&faces, None)? <= bound;
+    if let (false, Some((point, face))) = (keeps, exact.farthest) {
+        parallel::lock(&suspects.0).remember(point, face);
+    }
+    Ok(keeps)
+}
+
+/// The rules of verification: the greatest distance so far, and what it depends on.
+struct Exact<'a> {
+    solid: &'a Solid,
+    bound: f64,
+    limit: f64,
+    displacement: f64,
+    control: &'a Control,
+    /// A lower bound on the maximum.
+    known: f64,
+    /// Where it was found, and the part.
+    farthest: Option<(Vector, Face)>,
+    parts: usize,
+    end: Option<End>,
+}
+
+/// Why parts are left undecided.
+enum End {
+    /// The limit is exceeded.
+    Exceeds(f64),
+    /// There are too many; the one that was next.
+    TooMany(Face),
+    Error(Error),
+}
+
+/// The side of a part in an open solid, where the side may change without crossing the surface.
+enum OpenSide {
+    AllInside,
+    CentreInside,
+    CentreOutside,
+}
+
+impl<'a> Exact<'a> {
+    /// Protrusions of no more than `unresolved` are not resolved.
+    fn new(
+        solid: &'a Solid,
+        (bound, limit): (f64, f64),
+        unresolved: f64,
+        control: &'a Control,
+    ) -> Self {
+        let displacement = solid.displacement();
+        let known = unresolved.max(displacement);
+        let (farthest, parts, end) = (None, 0, None);
+        Self { solid, bound, limit, displacement, control, known, farthest, parts, end }
+    }
+
+    /// The protrusion of some faces, or any value above the limit. With `around`, a point of a face, only the
+    /// parts that contain it are judged. If one of them exceeds the limit, so does the whole: whatever else is
+    /// known there, it is halved as far.
+    fn run(&mut self, faces: &[Face], around: Option<Vector>) -> Result<f64, Error> {
+        // One large protrusion makes all other faces cheap.
+        for &face in faces {
+            self.control.check()?;
+            let centre = Part::new(face).centre;
+            if let Some(distance) = self.solid.outside(centre, self.known) {
+                self.raise(distance.upper, centre, face);
+            }
+            if self.known > self.limit {
+                return Ok(self.known);
+            }
+        }
+        let (solid, mut scratch) = (self.solid, Scratch::default());
+        subdivide(solid, faces.iter().copied(), around, self, &mut scratch);
+        match self.end.take() {
+            None => Ok(self.enough()),
+            Some(End::Exceeds(distance)) => Ok(distance),
+            Some(End::Error(error)) => Err(error),
+            Some(End::TooMany(next)) => {
+                let rest = scratch.stack.iter().map(|&(part, _)| part).chain([next]);
+                let rest = rest.map(|part| upper_distance(&Part::new(part), solid));
+                Ok(rest.fold(self.enough(), f64::max))
+            }
+        }
+    }
+
+    fn raise(&mut self, distance: f64, centre: Vector, part: Face) {
+        self.known = distance;
+        self.farthest = Some((centre, part));
+    }
+
+    fn stop(&mut self, end: End) -> Verdict {
+        self.end = Some(end);
+        Verdict::Stop
+    }
+
+    /// Takes cavities into account that the hull contains. Whether they exceed the limit.
+    fn cavities_exceed(&mut self, hull: &ConvexHull) -> bool {
+        let cavities = &self.solid.cavities;
+        if cavities.is_empty() {
+            return false;
+        }
+        let planes = hull.planes();
+        let contains = |point| planes.iter().all(|&(normal, offset)| dot(normal, point) <= offset);
+        for &(point, depth) in cavities {
+            if depth > self.known && contains(point) {
+                self.known = depth;
+            }
+        }
+        self.known > self.limit
+    }
+
+    /// See [`enough`].
+    fn enough(&self) -> f64 {
+        enough(self.known, self.bound)
+    }
+
+    fn side_in_open(&self, part: &Part, at: &Location<'_>, distance: &SourceDistance) -> OpenSide {
+        // From the ball that is inside no point of the part is farther than the rest.
+        let needed = part.radius - self.enough();
+        if needed <= 0.0 {
+            return match self.solid.side(part.centre) {
+                Side::Inside => OpenSide::AllInside,
+                Side::Outside => OpenSide::CentreOutside,
+            };
+        }
+        match at.depth_at_distance(part.centre, distance.lower, needed) {
+            None => OpenSide::CentreOutside,
+            Some(depth) if needed <= depth => OpenSide::AllInside,
+            Some(_) => OpenSide::CentreInside,
+        }
+    }
+}
+
+impl Policy for Exact<'_> {
+    fn judge(&mut self, part: &Part) -> Verdict {
+        work::count(work::PART);
+        let &mut Self { solid, bound, displacement, limit, .. } = self;
+        self.parts += 1;
+        // In a clustered mesh, a single part may take a millisecond.
+        if (self.parts.is_multiple_of(PARTS_PER_CHECK) || displacement > 0.0)
+            && let Err(error) = self.control.check()
+        {
+            return self.stop(End::Error(error));
+        }
+        if self.parts == MANY_PARTS && limit >= bound {
+            self.known = self.known.max((1.0 - FINE_RESOLUTION) * bound);
+        }
+        if self.parts > MAX_PARTS {
+            return self.stop(End::TooMany(part.corners));
+        }
+        let &Part { corners, centre, radius } = part;
+        let (known, enough) = (self.known, self.enough());
+        let to_own_surface = enough - displacement;
+        let at = solid.locate(centre);
+        if at.upper_of_face(corners, to_own_surface) <= to_own_surface
+            || at.depth().is_some_and(|depth| radius - depth <= to_own_surface)
+        {
+            return Verdict::Settled;
+        }
+        let guess = at.triangle();
+        let slack = if known > bound { RESOLUTION * known } else { FINE_RESOLUTION * bound };
+        let may_halve = radius > slack;
+        // A distance below the maximum only decides where it is known to be small.
+        if may_halve
+            && displacement == 0.0
+            && solid.tree().distance_to_triangle(centre, guess) <= known
+        {
+            return Verdict::Halve;
+        }
+        let Some(distance) = solid.measure(centre, guess) else {
+            return self.stop(End::Exceeds(f64::INFINITY));
+        };
+        if distance.upper + radius <= enough || solid.upper_of_face(corners, &distance) <= enough {
+            return Verdict::Settled;
+        }
+        // Inside tests are expensive: only where they decide.
+        let is_enough_inside = solid.is_closed() && radius - distance.lower <= enough;
+        if distance.upper > known || is_enough_inside || !may_halve || !solid.is_closed() {
+            let is_inside = if solid.is_closed() {
+                let side = at.side_at_distance(distance.own);
+                side.unwrap_or_else(|| solid.side(centre)) == Side::Inside
+            } else {
+                match self.side_in_open(part, &at, &distance) {
+                    OpenSide::AllInside => return Verdict::Settled,
+                    OpenSide::CentreInside => true,
+                    OpenSide::CentreOutside => false,
+                }
+            };
+            if is_inside {
+                if is_enough_inside || !may_halve {
+                    return Verdict::Settled;
+                }
+            } else {
+                if distance.upper > known {
+                    self.raise(distance.upper, centre, corners);
+                }
+                if self.known > limit {
+                    let distance = self.known + radius;
+                    return self.stop(End::Exceeds(distance));
+                }
+            }
+        }
+        if may_halve { Verdict::Halve } else { Verdict::Settled }
+    }
+
+    fn near(&self) -> f64 {
+        self.enough()
+    }
+
+    fn judge_outside(&mut self, _: Vector) -> Verdict {
+        Verdict::Halve
+    }
+}
+
+/// No point of a part is farther than this from the source.
+fn upper_distance(part: &Part, solid: &Solid) -> f64 {
+    let distance = solid.measure(part.centre, NO_GUESS);
+    distance.map_or(f64::INFINITY, |distance| distance.upper + part.radius)
+}
+
+/// The bound on a maximum that is at least `known`: near the promised bound as tight as it takes to
+/// decide whether that is kept.
+fn enough(known: f64, bound: f64) -> f64 {
+    if known > bound {
+        known * (1.0 + RESOLUTION)
+    } else if known + RESOLUTION * bound <= bound {
+        known + RESOLUTION * bound
+    } else {
+        bound.max(known + FINE_RESOLUTION * bound)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bounded::clustering::cluster;
+    use crate::bounded::settings::Settings;
+    use crate::bvh::Bvh;
+    use crate::geometry::vector::{add, cross, normalize, scale};
+    use crate::hull::convex_hull;
+    use crate::mesh::TriangleMesh;
+    use crate::mesh::canonical_order::MeshOrder;
+    use crate::mesh::repair::prepare;
+    use crate::mesh::shapes::{cuboid, hemisphere, join, torus, uv_sphere};
+    use crate::parameters::{Length, Parameters};
+    use crate::solid::Boundary;
+
+    fn solid_of(mesh: &TriangleMesh, boundary: Boundary, bound: f64) -> Solid {
+        let TriangleMesh { positions, triangles, .. } = mesh;
+        Solid::of_surface(positions, triangles, boundary, bound, &Control::new()).unwrap()
+    }
+
+    fn keeps(hull: &ConvexHull, solid: &Solid, bound: f64, suspects: &SharedSuspects) -> bool {
+        keeps_bound(hull, solid, bound, suspects, &Control::new()).unwrap()
+    }
+
+    #[test]
+    fn a_hull_keeps_the_bound_exactly_if_it_protrudes_by_no_more() {
+        let cube = |x: f64| cuboid([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
+        let bound = 0.02;
+        let solid = solid_of(&cube(0.0), Boundary::default(), bound);
+        let suspects = SharedSuspects::default();
+        for share in [0.0, 0.5, 0.9, 0.97, 0.99, 1.01, 1.03, 1.1, 2.0, 20.0] {
+            let moved = convex_hull(&cube(share * bound).positions).unwrap();
+            assert_eq!(keeps(&moved, &solid, bound, &suspects), share <= 1.0, "{share}");
+        }
+    }
+
+    #[test]
+    fn a_hull_that_protrudes_far_from_the_centres_of_its_faces_does_not_keep_the_bound() {
+        let mesh = cuboid([0.0; 3], [1.0; 3]);
+        let bound = 0.02;
+        let solid = solid_of(&mesh, Boundary::default(), bound);
+        let suspects = SharedSuspects::default();
+        for share in [0.9, 0.97, 1.03, 1.5, 2.5] {
+            let mut corners = mesh.positions.clone();
+            // The centres of the faces are no higher than a third of this.
+            corners.push([0.5, 0.5, 1.0 + share * bound]);
+            let hull = convex_hull(&corners).unwrap();
+            assert!(hull.corners().all(|face| solid.centre_fits(face, bound)));
+            assert_eq!(keeps(&hull, &solid, bound, &suspects), share <= 1.0, "{share}");
+        }
+    }
+
+    #[test]
+    fn a_hull_that_contains_a_cavity_deeper_than_the_bound_does_not_keep_it() {
+        let mesh = cuboid([0.0; 3], [1.0; 3]);
+        let mut solid = solid_of(&mesh, Boundary::default(), 0.02);
+        let hull = convex_hull(&mesh.positions).unwrap();
+        assert!(keeps(&hull, &solid, 0.02, &SharedSuspects::default()));
+        solid.cavities = vec![([0.5; 3], 0.1)];
+        assert!(!keeps(&hull, &solid, 0.02, &SharedSuspects::default()));
+    }
+
+    /// Hulls of some neighbouring vertices, from few to many.
+    fn hulls(mesh: &TriangleMesh) -> Vec<ConvexHull> {
+        let count = mesh.positions.len();
+        let starts = (0..count).step_by(count / 24 + 1);
+        let windows = starts.flat_map(|start| [6, 12, 22, 34, 60].map(|size| (start, size)));
+        windows
+            .filter_map(|(start, size)| {
+                let points: Vec<Vector> =
+                    (start..start + size).map(|k| mesh.positions[k % count]).collect();
+                convex_hull(&points).ok()
+            })
+            .collect()
+    }
+
+    #[test]
+    fn no_verdict_depends_on_where_others_protruded() {
+        let bound = 0.03;
+        let two = join(&[torus(24, 12), cuboid([0.2, 0.2, -0.1], [0.5, 0.6, 0.9])]);
+        let bowl = hemisphere(10);
+        let rim = Boundary::new(&bowl.positions, &bowl.triangles);
+        for (mesh, boundary) in [(two, Boundary::default()), (bowl, rim)] {
+            let solid = solid_of(&mesh, boundary, bound);
+            let suspects = SharedSuspects::default();
+            let (mut kept, mut refused) = (0, 0);
+            for hull in hulls(&mesh) {
+                let alone = keeps(&hull, &solid, bound, &SharedSuspects::default());
+                assert_eq!(keeps(&hull, &solid, bound, &suspects), alone);
+                let found = protrusion(&hull, &solid, bound, bound, &Control::new()).unwrap();
+                assert_eq!(found <= bound, alone, "{found}");
+                if alone { kept += 1 } else { refused += 1 }
+            }
+            assert!(kept > 10 && refused > 10, "{kept} kept, {refused} refused");
+        }
+    }
+
+    #[test]
+    fn below_stacked_open_sheets_a_large_face_is_not_inside_as_a_whole() {
+        // Six unit squares, close above each other: just below them the winding number is 3, but
+        // at a depth of 0.9 less than one half.
+        let mut positions = Vec::new();
+        let mut triangles = Vec::new();
+        for sheet in 0..6_u32 {
+            let z = 1e-3 * f64::from(sheet);
+            positions.extend([[0.0, 0.0, z], [1.0, 0.0, z], [1.0, 1.0, z], [0.0, 1.0, z]]);
+            triangles.extend([[0, 1, 2], [0, 2, 3]].map(|corners| corners.map(|v| v + 4 * sheet)));
+        }
+        let control = Control::new();
+        let bound = 0.01;
+        let boundary = Boundary::new(&positions, &triangles);
+        let solid = Solid::of_surface(&positions, &triangles, boundary, bound, &control).unwrap();
+        let depth = 0.9;
+        let corners = [[0.5, 0.0, 0.0], [0.5, 1.0, 0.0], [0.5, 0.5, -depth], [0.6, 0.5, -0.1]];
+        let hull = convex_hull(&corners).unwrap();
+        assert_eq!(solid.side(corners[2]), Side::Outside);
+        assert_eq!(solid.side([0.5, 0.5, -0.3]), Side::Inside);
+        let found = protrusion(&hull, &solid, bound, f64::INFINITY, &control).unwrap();
+        assert!(found >= depth, "{found}");
+    }
+
+    fn cube(low: Vector) -> ConvexHull {
+        let corners = (0..8).map(|i| [0, 1, 2].map(|k| low[k] + f64::from(i >> k & 1)));
+        convex_hull(&corners.collect::<Vec<_>>()).unwrap()
+    }
+
+    fn solid_of_hull(hull: &ConvexHull, bound: f64) -> Solid {
+        let boundary = Boundary::default();
+        Solid::of_surface(&hull.points, &hull.triangles, boundary, bound, &Control::new()).unwrap()
+    }
+
+    #[test]
+    fn a_hull_protrudes_into_the_cavities_that_it_contains_and_into_no_other() {
+        let shell = cube([0.0; 3]);
+        let bound = 0.02;
+        let mut solid = solid_of_hull(&shell, bound);
+        solid.cavities = vec![([0.5; 3], 0.1), ([0.5, 0.5, 0.2], 0.15), ([1.5; 3], 0.3)];
+        let of = |hull| protrusion(hull, &solid, bound, f64::INFINITY, &Control::new()).unwrap();
+        // A result is too large by a share at most.
+        assert!((0.15..0.16).contains(&of(&shell)), "{}", of(&shell));
+        let upper_half = [[0.0, 0.0, 0.4], [1.0, 0.0, 0.4], [0.0, 1.0, 0.4], [1.0, 1.0, 0.4]];
+        let mut corners = upper_half.to_vec();
+        corners.extend(upper_half.map(|[x, y, _]| [x, y, 1.0]));
+        let upper_half = convex_hull(&corners).unwrap();
+        assert!((0.1..0.11).contains(&of(&upper_half)), "{}", of(&upper_half));
+    }
+
+    #[test]
+    fn a_shifted_hull_protrudes_by_its_shift() {
+        let (inner, outer) = (cube([0.0; 3]), cube([0.25; 3]));
+        let (control, bound) = (Control::new(), 0.02);
+        let solid = solid_of_hull(&inner, bound);
+        let of = |hull| protrusion(hull, &solid, bound, f64::INFINITY, &control).unwrap();
+        // A hull that is the solid protrudes by nothing: less than the share that is not resolved is not told.
+        assert!(of(&inner) <= (UNRESOLVED + RESOLUTION) * bound + f64::EPSILON, "{}", of(&inner));
+        // The farthest corner is shifted by a quarter along each axis.
+        let farthest = 0.25 * 3f64.sqrt();
+        assert!((farthest..1.05 * farthest).contains(&of(&outer)), "{}", of(&outer));
+    }
+
+    const BOUND: f64 = 0.02;
+
+    /// A shape as it is searched: the points of its surface, its solid, and its source's surface.
+    fn searched(mesh: &TriangleMesh) -> (Vec<Vector>, Solid, Bvh) {
+        let control = Control::new();
+        let prepared = prepare(mesh.view(), MeshOrder::Place, &control).unwrap();
+        let parameters = Parameters::default().max_error(Length::share(BOUND));
+        let settings = Settings::of_preset(&parameters, 1.0).swap_remove(0);
+        let clustered = cluster(&prepared, &settings, &control).unwrap();
+        let solid = Solid::new(&prepared, clustered, (BOUND, false), &control).unwrap();
+        let TriangleMesh { positions, triangles, .. } = prepared.mesh;
+        let source = Bvh::new(&positions, &triangles);
+        (positions, solid, source)
+    }
+
+    /// A pyramid that is within a round shape but for its tip.
+    fn spike(at: Vector, height: f64, width: f64) -> ConvexHull {
+        let outward = normalize(at);
+        let across = normalize(cross(outward, [0.48, 0.6, 0.64]));
+        let along = cross(outward, across);
+        let base = [[1.0, 0.0], [-0.5, 0.8], [-0.5, -0.8]].map(|[x, y]| {
+            let foot = add(at, scale(outward, -0.1));
+            add(foot, add(scale(across, x * width), scale(along, y * width)))
+        });
+        let tip = add(at, scale(outward, height));
+        convex_hull(&[base[0], base[1], base[2], tip]).unwrap()
+    }
+
+    #[test]
+    fn a_spike_protrudes_as_far_as_its_tip() {
+        let open = |n| {
+            let mut mesh = uv_sphere(n, [0.0; 3], 1.0);
+            let TriangleMesh { positions, triangles, .. } = &mut mesh;
+            triangles.retain(|corners| corners.iter().all(|&v| positions[v as usize][2] < 0.95));
+            mesh
+        };
+        let closed = |n| uv_sphere(n, [0.0; 3], 1.0);
+        let control = Control::new();
+        // Of few triangles, of more, and of so many that they are clustered.
+        for mesh in [closed(20), closed(50), closed(300), open(20), open(50)] {
+            let (positions, solid, source) = searched(&mesh);
+            let count = positions.len();
+            assert_eq!(solid.displacement() > 0.0, count > 10_000);
+            let unresolved = if solid.is_closed() { UNRESOLVED } else { UNRESOLVED_IN_OPEN };
+            let least = (unresolved * BOUND).max(solid.displacement());
+            let low = positions.into_iter().filter(|point| point[2] < 0.0);
+            for (at, step) in low.step_by(count / 12).zip(0..) {
+                for share in [0.2, 0.4, 0.6, 0.7, 0.8, 0.9, 0.98, 1.01, 1.02, 1.03, 1.2, 1.5, 2.0] {
+                    let (height, width) = (share * BOUND, [0.02, 0.08][step % 2]);
+                    let hull = spike(at, height, width);
+                    let tip = add(at, scale(normalize(at), height));
+                    let expected = source.closest_point(tip, f64::INFINITY).unwrap().distance;
+                    let of = |limit| protrusion(&hull, &solid, BOUND, limit, &control).unwrap();
+                    let found = of(f64::INFINITY);
+                    let most = 1.001 * enough(expected.max(least), BOUND);
+                    assert!(
+                        (expected - 1e-12..=most).contains(&found),
+                        "{count}, {share}: {found}, {expected}"
+                    );
+                    if (expected / BOUND - 1.0).abs() > 1e-3 {
+                        assert_eq!(of(BOUND) > BOUND, expected > BOUND, "{count}, {share}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_protrudes_farther_than_the_limit_is_told_to() {
+        let (inner, outer) = (cube([0.0; 3]), cube([0.0, 0.0, 0.25]));
+        let solid = solid_of_hull(&inner, BOUND);
+        // The first is what is not resolved, the last what the centres of the faces protrude.
+        for limit in [UNRESOLVED * BOUND, BOUND, 0.2, 0.25 - 1e-9] {
+            let found = protrusion(&outer, &solid, BOUND, limit, &Control::new()).unwrap();
+            assert!(found > limit, "{found}, {limit}");
+        }
+    }
+
+    #[test]
+    fn a_cavity_hides_no_protrusion_elsewhere() {
+        let (inner, outer) = (cube([0.0; 3]), cube([0.0, 0.0, 0.25]));
+        let mut solid = solid_of_hull(&inner, BOUND);
+        solid.cavities = vec![([0.5; 3], 0.1)];
+        for limit in [0.1, 0.2, f64::INFINITY] {
+            let found = protrusion(&outer, &solid, BOUND, limit, &Control::new()).unwrap();
+            assert!(found > limit.min(0.25 - 1e-9), "{found}, {limit}");
+        }
+    }
+
+    #[test]
+    fn across_a_gap_as_wide_as_two_bounds_or_less_the_bound_is_kept() {
+        // On the line halfway the distance is the same everywhere.
+        for share in [0.98, 1.02] {
+            let above = 0.1 + 2.0 * share * BOUND;
+            let plates = join(&[
+                cuboid([0.0; 3], [1.0, 1.0, 0.1]),
+                cuboid([0.0, 0.0, above], [1.0, 1.0, above + 0.1]),
+            ]);
+            let TriangleMesh { positions, triangles, .. } = &plates;
+            let control = Control::new();
+            let solid =
+                Solid::of_surface(positions, triangles, Boundary::default(), BOUND, &control)
+                    .unwrap();
+            let hull = convex_hull(positions).unwrap();
+            let found = protrusion(&hull, &solid, BOUND, BOUND, &control).unwrap();
+            assert!(found >= share * BOUND, "{found}");
+            assert_eq!(found <= BOUND, share <= 1.0, "{found}");
+        }
+    }
+
+    #[test]
+    fn what_is_left_when_parts_are_too_many_counts_with_its_distance_and_its_radius() {
+        let solid = solid_of_hull(&cube([0.0; 3]), 0.02);
+        let above = |z: f64| [[0.2, 0.2, z], [0.8, 0.2, z], [0.2, 0.8, z]];
+        let to_corner = Part::new(above(0.0)).radius;
+        for height in [0.0, 0.5, 2.0] {
+            let upper = upper_distance(&Part::new(above(1.0 + height)), &solid);
+            assert!((upper - (height + to_corner)).abs() < 1e-9, "{height}: {upper}");
+        }
+    }
+}
