@@ -157,6 +157,7 @@ mod parameters;
 pub mod rapier;
 #[cfg(feature = "io")]
 pub mod render;
+mod stages;
 mod surface;
 #[cfg(feature = "viewer")]
 pub mod viewer;

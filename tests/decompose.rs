@@ -337,16 +337,16 @@ fn slices_give_the_same_and_progress_never_falls() {
     let control = control.with_parallel(false);
     let parameters = surface();
     let mut decomposer =
-        Decomposer::new(MeshView::new(&positions, &triangles), &parameters).unwrap();
+        Decomposer::new(MeshView::new(&positions, &triangles), &parameters, &control).unwrap();
     let mut slices = 0;
     let sliced = loop {
         slices += 1;
-        if let Some(result) = decomposer.step(&control).unwrap() {
+        if let Some(result) = decomposer.step().unwrap() {
             break result;
         }
     };
     assert!(slices > 7);
-    assert_eq!(decomposer.step(&control), Err(Error::Finished));
+    assert_eq!(decomposer.step(), Err(Error::Finished));
     let whole =
         decompose(MeshView::new(&positions, &triangles), &parameters, &Control::new()).unwrap();
     assert_eq!(sliced.hulls, whole.hulls);

@@ -2,6 +2,7 @@
 
 mod common;
 
+use std::thread;
 use std::time::{Duration, Instant};
 
 use common::l_prism;
@@ -23,8 +24,7 @@ fn a_mesh_with_too_many_triangles_is_refused_before_any_work() {
     let refused = Error::TooLarge { what: "triangles", count, limit };
     for parameters in methods() {
         assert_eq!(decompose(mesh, &parameters, &control), Err(refused.clone()));
-        let mut slices = Decomposer::new(mesh, &parameters).unwrap();
-        assert_eq!(slices.step(&control), Err(refused.clone()));
+        assert_eq!(Decomposer::new(mesh, &parameters, &control).err(), Some(refused.clone()));
     }
 }
 
@@ -43,18 +43,26 @@ fn past_the_time_limit_the_work_ends_in_whichever_slice_it_is() {
     let (positions, triangles) = l_prism();
     let mesh = MeshView::new(&positions, &triangles);
     let late = Control::new().with_time_limit(Instant::now());
+    // All that is done in time takes a small part of it.
+    let limit = Instant::now() + Duration::from_secs(6);
+    let in_time = Control::new().with_time_limit(limit);
+    let mut interrupted = Vec::new();
     for parameters in methods() {
         assert_eq!(decompose(mesh, &parameters, &late), Err(Error::DeadlineExceeded));
         for slices_before in 0.. {
-            let mut slices = Decomposer::new(mesh, &parameters).unwrap();
-            let in_time = Control::new();
-            let is_done = (0..slices_before).any(|_| slices.step(&in_time).unwrap().is_some());
+            let mut slices = Decomposer::new(mesh, &parameters, &in_time).unwrap();
+            let is_done = (0..slices_before).any(|_| slices.step().unwrap().is_some());
             if is_done {
                 assert!(slices_before > 2);
                 break;
             }
-            assert_eq!(slices.step(&late), Err(Error::DeadlineExceeded), "{slices_before}");
+            interrupted.push((slices_before, slices));
         }
+    }
+    thread::sleep(limit.saturating_duration_since(Instant::now()));
+    for (slices_before, mut slices) in interrupted {
+        assert_eq!(slices.step(), Err(Error::DeadlineExceeded), "{slices_before}");
+        assert_eq!(slices.step(), Err(Error::Finished));
     }
 }
 

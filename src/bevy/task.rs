@@ -111,9 +111,11 @@ impl DecompositionTask {
                 TaskInput::Geometry { key, geometry, source } => {
                     self.build(key, geometry, source).map(Some)
                 }
-                TaskInput::Mesh { data, goal, baked } => self.start(data, &goal, baked.as_deref()),
+                TaskInput::Mesh { data, goal, baked } => {
+                    self.start(data, &goal, baked.as_deref(), control)
+                }
             },
-            TaskState::Decompose(work) => self.decompose(work, control),
+            TaskState::Decompose(work) => self.decompose(work),
             TaskState::Done => Err(Error::Finished.into()),
         }
     }
@@ -123,6 +125,7 @@ impl DecompositionTask {
         data: MeshData,
         goal: &Goal,
         baked: Option<&SceneGeometry>,
+        control: &Control,
     ) -> Result<Option<TaskOutput>, DecompositionError> {
         let key = ContentKey::of_mesh(&data, goal);
         if let Some(geometry) = baked.and_then(|baked| baked.get(key)) {
@@ -150,7 +153,7 @@ impl DecompositionTask {
             let geometry = Arc::new(ColliderGeometry::Hulls(Box::new(file)));
             return self.build(key, geometry, HullSource::Disk).map(Some);
         }
-        let decomposer = Decomposer::new(data.view(), parameters)?;
+        let decomposer = Decomposer::new(data.view(), parameters, control)?;
         let work = MeshInProgress { decomposer, parameters: parameters.clone(), data, key, claim };
         self.state = TaskState::Decompose(Box::new(work));
         Ok(None)
@@ -159,9 +162,8 @@ impl DecompositionTask {
     fn decompose(
         &mut self,
         mut work: Box<MeshInProgress>,
-        control: &Control,
     ) -> Result<Option<TaskOutput>, DecompositionError> {
-        let Some(decomposition) = work.decomposer.step(control)? else {
+        let Some(decomposition) = work.decomposer.step()? else {
             self.state = TaskState::Decompose(work);
             return Ok(None);
         };

@@ -44,7 +44,7 @@ pub(crate) struct Solid {
 }
 
 /// Bounds on the distance from a point to the source.
-pub(in crate::bounded) struct SourceDistance {
+pub(crate) struct SourceDistance {
     /// At least the distance.
     pub upper: f64,
     /// At most the depth, if the point is inside the source or that near to it.

@@ -58,7 +58,7 @@ pub(crate) struct FinalHulls {
 
 impl FinalHulls {
     /// The larger of protrusion and uncovered distance.
-    pub(in crate::bounded) fn error(&self) -> f64 {
+    pub(crate) fn error(&self) -> f64 {
         self.hulls.iter().map(|hull| hull.protrusion).fold(self.uncovered, f64::max)
     }
 }

@@ -13,7 +13,7 @@
 
 mod context;
 mod division;
-pub(super) mod final_hull;
+pub(crate) mod final_hull;
 mod hull_simplification;
 mod make_hull;
 mod remerge;
@@ -53,7 +53,7 @@ const DOUBTFUL: f64 = 1.25;
 ///
 /// # Errors
 /// [`Error::Cancelled`].
-pub(super) fn finalize(
+pub(crate) fn finalize(
     patches: &Patches,
     SetCover { pieces, before_last_round }: SetCover,
     solid: &Solid,

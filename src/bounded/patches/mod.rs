@@ -11,7 +11,7 @@
 
 pub(super) mod conflicts;
 mod division;
-pub(super) mod patch;
+pub(crate) mod patch;
 pub(super) mod patch_mesh;
 mod whole_components;
 
@@ -44,7 +44,7 @@ const THRESHOLD_GROWTH: f64 = 2.0;
 ///
 /// # Errors
 /// [`Error::Cancelled`].
-pub(super) fn divide_into_patches(
+pub(crate) fn divide_into_patches(
     patch_mesh: PatchMesh,
     solid: &Solid,
     settings: &Settings,

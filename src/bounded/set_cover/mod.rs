@@ -46,7 +46,7 @@ pub(crate) struct SetCover {
 ///
 /// # Errors
 /// [`Error::Cancelled`].
-pub(super) fn cover(
+pub(crate) fn cover(
     patches: &Patches,
     pieces: Vec<Piece>,
     solid: &Solid,
