@@ -42,7 +42,7 @@ pub(super) fn refine(mesh: &mut TriangleMesh, longest: f64) -> Vec<u32> {
     parents
 }
 
-/// Splits all triangles at halved edges, longest edge first. `is_end` tells which vertices are ends of those.
+/// Splits all triangles at halved edges, longest edge first. `is_end`: which vertices are ends of those.
 fn split(
     mesh: &mut TriangleMesh,
     parents: &mut Vec<u32>,
@@ -86,7 +86,8 @@ fn split(
     *parents = new_parents;
 }
 
-fn ordered(a: u32, b: u32) -> (u32, u32) {
+/// An edge as the key of a map: the smaller vertex first.
+pub(super) fn ordered(a: u32, b: u32) -> (u32, u32) {
     (a.min(b), a.max(b))
 }
 

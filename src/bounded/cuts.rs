@@ -3,10 +3,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::edge;
-use super::planar_groups::Plane;
+use super::refine::ordered;
 use crate::geometry::vector::{Vector, add, area_normal, length_squared, scale, subtract};
 use crate::mesh::TriangleMesh;
+
+/// Squared area of a corner, as a share of the largest, that is rounding.
+const FLAT: f64 = 1e-16;
 
 /// A mesh that is being cut.
 pub(super) struct CutMesh {
@@ -36,16 +38,16 @@ struct Segment {
     triangle: Option<u32>,
 }
 
-/// Cuts along a plane from the edges of notches on. O(n) for n triangles, and O(m log m) for m of
+/// Cuts along a plane, given by heights over it, from the edges of notches on. O(n) for n triangles, and O(m log m) for m of
 /// them in the plane.
 pub(super) fn cut(
     mesh: &mut CutMesh,
-    plane: Plane,
+    height: impl Fn(Vector) -> f64,
     starts: impl Iterator<Item = (u32, u32)>,
     flatness: f64,
 ) {
     let side = |point: &Vector| {
-        let height = plane.height(*point);
+        let height = height(*point);
         if height.abs() <= flatness { 0.0 } else { height }
     };
     let heights: Vec<f64> = mesh.mesh.positions.iter().map(side).collect();
@@ -56,7 +58,7 @@ pub(super) fn cut(
     for (segment, _) in segments.iter().zip(reached).filter(|&(_, is_reached)| is_reached) {
         let ends =
             segment.ports.map(|port| vertex_at(port, &heights, &mut mesh.mesh, &mut middles));
-        mesh.walls.insert(edge(ends[0], ends[1]));
+        mesh.walls.insert(ordered(ends[0], ends[1]));
         if let Some(triangle) = segment.triangle {
             chords.insert(triangle, ends);
         }
@@ -87,7 +89,7 @@ fn segments(triangles: &[[u32; 3]], heights: &[f64]) -> Vec<Segment> {
                 ports.push((a, a));
             }
             if from * to < 0.0 {
-                ports.push(edge(a, b));
+                ports.push(ordered(a, b));
             }
         }
         if let [first, second] = ports[..] {
@@ -151,8 +153,8 @@ fn vertex_at(
 fn split_walls(walls: &mut BTreeSet<(u32, u32)>, middles: &BTreeMap<(u32, u32), u32>) {
     for (&(a, b), &middle) in middles {
         if walls.remove(&(a, b)) {
-            walls.insert(edge(a, middle));
-            walls.insert(edge(middle, b));
+            walls.insert(ordered(a, middle));
+            walls.insert(ordered(middle, b));
         }
     }
 }
@@ -166,7 +168,7 @@ fn split(cut: &mut CutMesh, chords: &BTreeMap<u32, [u32; 2]>, middles: &BTreeMap
         let mut outline = Vec::with_capacity(6);
         for k in 0..3 {
             outline.push(triangle[k]);
-            outline.extend(middles.get(&edge(triangle[k], triangle[(k + 1) % 3])));
+            outline.extend(middles.get(&ordered(triangle[k], triangle[(k + 1) % 3])));
         }
         let places = chords
             .get(&index)
@@ -215,6 +217,3 @@ fn fill(mut outline: Vec<u32>, positions: &[Vector], triangles: &mut Vec<[u32; 3
         triangles.push([a, b, c]);
     }
 }
-
-/// Squared area of a corner, as a share of the largest, that is rounding.
-const FLAT: f64 = 1e-16;
