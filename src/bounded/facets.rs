@@ -73,11 +73,12 @@ pub(super) struct Facets {
 
 /// Divides a surface into facets.
 pub(super) fn facets(mesh: &TriangleMesh, settings: &Settings) -> Facets {
-    let flatness = FLATNESS * settings.bound;
+    let bound = settings.bound.protrusion();
+    let flatness = FLATNESS * bound;
     let adjacency = Adjacency::new(mesh);
     let groups = planar_groups(mesh, &adjacency, flatness);
-    let deepest = SHALLOW * settings.bound;
-    let notches = notches(mesh, &adjacency, &groups, LEAST_DEPTH * settings.bound);
+    let deepest = SHALLOW * bound;
+    let notches = notches(mesh, &adjacency, &groups, LEAST_DEPTH * bound);
     let is_shallow = notches.iter().any(|notch| notch.depth <= deepest);
     let mut cut_mesh = CutMesh::new(mesh.clone(), groups.labels.clone());
     cut_along(&mut cut_mesh, &groups, notches, is_shallow);

@@ -70,7 +70,7 @@ const NEXT_BOUND: f64 = 0.85;
 const LEAST_GAIN: f64 = 1.01;
 
 /// The search for the least bound that ends with few enough hulls.
-pub(super) struct BoundSearch {
+pub(crate) struct BoundSearch {
     /// The largest bound that ended with too many hulls.
     refused: f64,
     /// Whether that is a bound of this search.

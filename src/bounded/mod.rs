@@ -7,6 +7,7 @@
 //! | file | stage |
 //! |---|---|
 //! | `settings` | the bound, shares of it, and presets |
+//! | `search` | what the stages share: solid, patches, settings, control |
 //! | `refine` | long triangles are halved, where the shape does not say where to cut |
 //! | `cells/` | coarse meshes are cut where their shape asks for it |
 //! | `clustering/` | very dense meshes are searched through reduced ones |
@@ -34,6 +35,7 @@ mod patch_set;
 mod patches;
 mod piece;
 mod refine;
+mod search;
 mod set_cover;
 mod settings;
 mod work;
@@ -197,8 +199,8 @@ impl Run {
             }
             State::Merge(state) => {
                 let (solid, mut patches) = *state;
-                let conflicts = Conflicts::new(&patches, &solid, settings.search_bound);
-                let mut tester = FitTester::new(&solid, settings.search_bound);
+                let conflicts = Conflicts::new(&patches, &solid, settings.bound.search());
+                let mut tester = FitTester::new(&solid, settings.bound.search());
                 let (pieces, all_conflicts) = parallel::join(
                     || merge(&patches, &conflicts, &mut tester, control),
                     || conflicts.all(control),
@@ -251,7 +253,7 @@ impl Run {
         let (patches, hulls) = *best;
         let settings = &self.settings[self.pass];
         if settings.max_hulls.is_some_and(|most| hulls.hulls.len() > most) {
-            self.bound_search = Some(BoundSearch::new(settings.bound));
+            self.bound_search = Some(BoundSearch::new(settings.bound.protrusion()));
             return self.end_pass_under_cap(&solid, patches, hulls, control);
         }
         Ok(Some(self.result(&patches, &hulls)))
@@ -271,7 +273,7 @@ impl Run {
             return Err(Error::Finished);
         };
         if hulls.hulls.len() > most {
-            search.refuse(settings.bound);
+            search.refuse(settings.bound.protrusion());
             hulls.hulls = limit_hulls(&hulls.hulls, most, &patches, solid, settings, control)?;
         }
         if self.best.as_ref().is_none_or(|best| hulls.error() < best.1.error()) {
@@ -293,7 +295,7 @@ impl Run {
 
     fn result(&mut self, patches: &Patches, hulls: &FinalHulls) -> BoundedResult {
         let prepared = std::mem::take(&mut self.prepared);
-        BoundedResult::new(prepared, patches, hulls, self.settings[0].bound)
+        BoundedResult::new(prepared, patches, hulls, self.settings[0].bound.protrusion())
     }
 }
 

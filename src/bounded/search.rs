@@ -1,0 +1,15 @@
+//! What the stages of a search share.
+
+use super::containment::solid::Solid;
+use super::patches::patch::Patches;
+use super::settings::Settings;
+use crate::control::Control;
+
+/// The solid, the patches of its surface, and what they are searched under.
+#[derive(Clone, Copy)]
+pub(crate) struct Search<'a> {
+    pub(crate) solid: &'a Solid,
+    pub(crate) patches: &'a Patches,
+    pub(crate) settings: &'a Settings,
+    pub(crate) control: &'a Control,
+}
