@@ -133,7 +133,12 @@ impl Clustered {
         };
         let (chosen, (vertices, around)) = parallel::join(
             || representatives(&surface, clusters, control),
-            || (IndexLists::new(*count, vertices_by_cluster), IndexLists::new(*count, triangles_by_cluster)),
+            || {
+                (
+                    IndexLists::new(*count, vertices_by_cluster),
+                    IndexLists::new(*count, triangles_by_cluster),
+                )
+            },
         );
         let chosen = chosen?;
         control.check()?;
@@ -353,8 +358,10 @@ mod tests {
             }
         }
         assert!(edges.values().all(|&count| count == 0));
-        for (triangle, &representative) in surface.triangles.iter().zip(&clustered.representatives) {
-            let corners = mesh.triangles[representative as usize].map(|v| mesh.positions[v as usize]);
+        for (triangle, &representative) in surface.triangles.iter().zip(&clustered.representatives)
+        {
+            let corners =
+                mesh.triangles[representative as usize].map(|v| mesh.positions[v as usize]);
             let corner = surface.positions[triangle[0] as usize];
             let nearest = corners.map(|other| distance(corner, other)).into_iter();
             assert!(nearest.fold(f64::INFINITY, f64::min) <= 2.0 * clustered.displacement);

@@ -102,12 +102,7 @@ pub(super) fn facets(mesh: &TriangleMesh, settings: &Settings) -> Facets {
 
 /// Cuts along the planes that resolve the most notches, by length times depth, until each notch is
 /// resolved.
-fn cut_along(
-    mesh: &mut CutMesh,
-    groups: &PlanarGroups,
-    mut notches: Vec<Notch>,
-    is_shallow: bool,
-) {
+fn cut_along(mesh: &mut CutMesh, groups: &PlanarGroups, mut notches: Vec<Notch>, is_shallow: bool) {
     let most_triangles = MAX_GROWTH * mesh.mesh.triangles.len() + MAX_ADDED;
     for _ in 0..MAX_PLANES {
         // Ascending by plane, so that equal sums do not depend on the order of notches.
@@ -300,7 +295,12 @@ fn notches(
             if depth > least_depth {
                 let [a, b] = ends.map(|vertex| mesh.positions[vertex as usize]);
                 let weight = depth * length(subtract(b, a));
-                notches.push(Notch { edge: ordered(ends[0], ends[1]), planes: pair, depth, weight });
+                notches.push(Notch {
+                    edge: ordered(ends[0], ends[1]),
+                    planes: pair,
+                    depth,
+                    weight,
+                });
             }
         }
     }

@@ -8,36 +8,40 @@
 //! |---|---|
 //! | `settings` | the bound, shares of it, and presets |
 //! | `search` | what the stages share: solid, patches, settings, control |
-//! | `refine` | long triangles are halved, where the shape does not say where to cut |
-//! | `cells/` | coarse meshes are cut where their shape asks for it |
-//! | `clustering/` | very dense meshes are searched through reduced ones |
-//! | `growing_hull`, `patch_set`, `work` | no stages: hulls that grow, sets of patches, and counted work |
+//! | `clustering`, `vertex_clusters` | very dense meshes are searched through reduced ones |
 //! | `containment/` | whether hulls stay within the bound of the solid |
-//! | `patches/` | the surface is divided into patches |
-//! | `piece`, `merge` | patches join into pieces |
-//! | `set_cover/` | few pieces cover all patches, then shrink to those that they own |
+//! | `patch_mesh` | the mesh that is divided: simplified, or cut into facets |
+//! | `refine` | long triangles are halved, where the shape does not say where to cut |
+//! | `facets`, `cuts` | coarse meshes are cut where their shape requires it |
+//! | `patches`, `patch` | the surface is divided into patches |
+//! | `growing_hull`, `joins`, `work` | no stages: hulls that grow, pairs that may join, and counted work |
+//! | `merge` | patches join into pieces |
+//! | `cover/` | few pieces cover all patches, then shrink to those that they own |
 //! | `finalize/` | pieces become verified hulls with few vertices |
-//! | `hierarchy/`, `max_hulls` | hulls join beyond the bound, down to a cap; larger bounds are searched |
+//! | `join_tree`, `witness` | hulls join beyond the bound, the pair that protrudes least first |
+//! | `limit` | the cap on hulls: joins, and searches under larger bounds |
 //! | `output` | results in the input's units |
-//! | `decomposition_hierarchy` | joins of a finished decomposition, on demand |
 
-mod cells;
 mod clustering;
 mod containment;
-pub(crate) mod decomposition_hierarchy;
+mod cover;
+mod cuts;
+mod facets;
 mod finalize;
 mod growing_hull;
-mod hierarchy;
-mod max_hulls;
+pub(crate) mod join_tree;
+mod joins;
+mod limit;
 mod merge;
 pub(crate) mod output;
-mod patch_set;
+mod patch;
+mod patch_mesh;
 mod patches;
-mod piece;
 mod refine;
 mod search;
-mod set_cover;
 mod settings;
+mod vertex_clusters;
+mod witness;
 mod work;
 
 use std::time::Duration;
@@ -49,19 +53,17 @@ use crate::mesh::PreparedMesh;
 use crate::parallel;
 use crate::parameters::Parameters;
 use clustering::cluster;
-use containment::fit_tester::FitTester;
 use containment::solid::Solid;
+use cover::{Cover, cover};
 use finalize::final_hull::FinalHulls;
 use finalize::finalize;
-use max_hulls::{BoundSearch, limit_hulls};
+use limit::{BoundSearch, limit_hulls};
 use merge::merge;
 use output::BoundedResult;
-use patches::conflicts::Conflicts;
+use patch::{Patches, Piece};
+use patch_mesh::PatchMesh;
 use patches::divide_into_patches;
-use patches::patch::Patches;
-use patches::patch_mesh::PatchMesh;
-use piece::Piece;
-use set_cover::{SetCover, cover};
+use search::Search;
 use settings::Settings;
 
 /// Coordinates are rounded to 2^-38 diagonals. A mesh in other units, which differs in the last
@@ -108,7 +110,7 @@ enum State {
     Divide(Box<(Solid, PatchMesh)>),
     Merge(Box<(Solid, Patches)>),
     Cover(Box<(Solid, Patches, Vec<Piece>)>),
-    Finalize(Box<(Solid, Patches, SetCover)>),
+    Finalize(Box<(Solid, Patches, Cover)>),
     Done,
 }
 
@@ -198,29 +200,25 @@ impl Run {
                 State::Merge(Box::new((solid, patches)))
             }
             State::Merge(state) => {
-                let (solid, mut patches) = *state;
-                let conflicts = Conflicts::new(&patches, &solid, settings.bound.search());
-                let mut tester = FitTester::new(&solid, settings.bound.search());
-                let (pieces, all_conflicts) = parallel::join(
-                    || merge(&patches, &conflicts, &mut tester, control),
-                    || conflicts.all(control),
-                );
-                drop(tester);
-                let pieces = pieces?;
-                patches.conflicts = all_conflicts?;
+                let (solid, patches) = *state;
+                let pieces =
+                    merge(&Search { solid: &solid, patches: &patches, settings, control })?;
                 State::Cover(Box::new((solid, patches, pieces)))
             }
             State::Cover(state) => {
                 let (solid, patches, pieces) = *state;
                 let kept = self.before_merging.mul_f64(KEPT_FOR_FINALIZING);
                 let until_cut = control.with_sooner_deadline(kept);
-                let cover = cover(&patches, pieces, &solid, settings, &until_cut)?;
+                let search =
+                    Search { solid: &solid, patches: &patches, settings, control: &until_cut };
+                let cover = cover(&search, pieces)?;
                 self.is_cut_short |= until_cut.is_past_deadline();
                 State::Finalize(Box::new((solid, patches, cover)))
             }
             State::Finalize(state) => {
                 let (solid, patches, cover) = *state;
-                let hulls = finalize(&patches, cover, &solid, settings, control)?;
+                let search = Search { solid: &solid, patches: &patches, settings, control };
+                let hulls = finalize(&search, cover)?;
                 return self.end_pass(solid, patches, hulls, unlimited);
             }
             State::Done => return Err(Error::Finished),
@@ -274,7 +272,8 @@ impl Run {
         };
         if hulls.hulls.len() > most {
             search.refuse(settings.bound.protrusion());
-            hulls.hulls = limit_hulls(&hulls.hulls, most, &patches, solid, settings, control)?;
+            let search = Search { solid, patches: &patches, settings, control };
+            hulls.hulls = limit_hulls(&search, &hulls.hulls, most)?;
         }
         if self.best.as_ref().is_none_or(|best| hulls.error() < best.1.error()) {
             self.best = Some(Box::new((patches, hulls)));

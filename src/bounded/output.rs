@@ -1,7 +1,7 @@
 //! The border to the public types: final hulls in the input's units, and public hulls as input.
 
 use super::finalize::final_hull::{FinalHull, FinalHulls};
-use super::patches::patch::Patches;
+use super::patch::Patches;
 use crate::decomposition::{BoundedReport, GroupedMesh, Hull, HullErrors, Provenance};
 use crate::error::Error;
 use crate::hull::ConvexHull;
@@ -42,6 +42,7 @@ impl BoundedResult {
                 hull: &hull.hull,
                 component: hull.component,
                 source_triangles: hull
+                    .represents
                     .triangles(patches)
                     .map(source)
                     .filter(|&triangle| triangle != CAP)
@@ -60,7 +61,7 @@ impl BoundedResult {
 fn grouped(patches: &Patches, hulls: &[FinalHull], normalization: &Normalization) -> GroupedMesh {
     let mut groups = vec![0; patches.count()];
     for (index, hull) in (0_u32..).zip(hulls) {
-        for patch in hull.patches.iter() {
+        for patch in hull.represents.patches.iter() {
             groups[patch as usize] = index;
         }
     }
@@ -73,7 +74,7 @@ fn grouped(patches: &Patches, hulls: &[FinalHull], normalization: &Normalization
 }
 
 /// What a public hull is made from. Lengths are in diagonals.
-pub(super) struct HullInDiagonals<'a> {
+pub(crate) struct HullInDiagonals<'a> {
     pub hull: &'a ConvexHull,
     pub component: u32,
     /// In any order, repeated or not.
@@ -85,7 +86,7 @@ pub(super) struct HullInDiagonals<'a> {
 
 impl HullInDiagonals<'_> {
     /// The hull in the input's units.
-    pub(super) fn restored(self, normalization: &Normalization) -> Hull {
+    pub(crate) fn restored(self, normalization: &Normalization) -> Hull {
         let points = self.hull.points.iter().map(|&point| normalization.restore(point)).collect();
         let mut source_triangles = self.source_triangles;
         source_triangles.sort_unstable();
@@ -106,8 +107,8 @@ impl HullInDiagonals<'_> {
 /// A public hull in diagonals, and its protrusion if that was verified.
 ///
 /// # Errors
-/// [`Error::UnusableHull`] if it is inconsistent, since its fields are public. `index` is its
-/// number.
+/// [`Error::UnusableHull`] if it is inconsistent, since its fields are public. `index`: its place
+/// among the others.
 pub(super) fn normalized(
     hull: &Hull,
     index: usize,

@@ -1,7 +1,7 @@
 //! What the stages of a search share.
 
 use super::containment::solid::Solid;
-use super::patches::patch::Patches;
+use super::patch::Patches;
 use super::settings::Settings;
 use crate::control::Control;
 

@@ -117,7 +117,9 @@ impl VertexClusters {
             control.check()?;
             let mut has_triangle = vec![false; self.count];
             for triangle in surface.triangles.iter().filter(|&triangle| self.keeps(triangle)) {
-                triangle.iter().for_each(|&v| has_triangle[self.labels[v as usize] as usize] = true);
+                triangle
+                    .iter()
+                    .for_each(|&v| has_triangle[self.labels[v as usize] as usize] = true);
             }
             let before = self.count;
             let mut is_taken = vec![false; before];

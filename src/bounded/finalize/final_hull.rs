@@ -1,21 +1,71 @@
-//! A hull of the result, in diagonals.
+//! A hull of the result, what it represents, and what it is made with. Lengths are in diagonals.
 
-use crate::bounded::patch_set::PatchSet;
-use crate::bounded::patches::patch::Patches;
+use crate::bounded::patch::{PatchSet, Patches};
+use crate::bounded::search::Search;
 use crate::bounded::settings::{MAX_UNCOVERED_UNDER_CAP, Settings};
 use crate::geometry::vector::Vector;
 use crate::hull::ConvexHull;
 
-/// A hull of the result, and what was verified about it. Lengths are in diagonals.
-pub(crate) struct FinalHull {
-    pub hull: ConvexHull,
-    /// The patches that it represents.
+/// The search, and what is finalize's own.
+#[derive(Clone, Copy)]
+pub(super) struct FinalizeContext<'a> {
+    pub search: Search<'a>,
+    /// Volume that saving a vertex may add, in cubed diagonals.
+    pub volume_per_vertex: f64,
+}
+
+/// What a hull represents.
+#[derive(Clone)]
+pub(crate) struct Represented {
     pub patches: PatchSet,
-    /// Where it represents its patches only in part: that part's triangles of the surface.
+    /// The triangles of [`Patches::surface`] that it represents, where it represents its patches only in part.
     pub part: Option<Vec<u32>>,
     /// Points inside the solid that it contains too, so that no gap opens between it and the other
     /// parts of a hull that was divided.
     pub inner_points: Vec<Vector>,
+}
+
+impl Represented {
+    /// What several hulls represent together.
+    pub(in crate::bounded) fn union(parts: &[&Self], patches: &Patches) -> Self {
+        let mut set = PatchSet::empty(patches.count());
+        parts.iter().for_each(|part| set.union_with(&part.patches));
+        // Another hull may represent the rest of a divided patch.
+        let triangles = || parts.iter().flat_map(|part| part.triangles(patches)).collect();
+        let has_part = parts.iter().any(|part| part.part.is_some());
+        Self {
+            patches: set,
+            part: has_part.then(triangles),
+            inner_points: parts.iter().flat_map(|part| &part.inner_points).copied().collect(),
+        }
+    }
+
+    /// The triangles of [`Patches::surface`].
+    pub(in crate::bounded) fn triangles<'a>(
+        &'a self,
+        patches: &'a Patches,
+    ) -> impl Iterator<Item = u32> + 'a {
+        let whole = self.part.is_none().then_some(&self.patches);
+        let of_patches = whole.into_iter().flat_map(PatchSet::iter);
+        let of_patches = of_patches.flat_map(|patch| &patches[patch].triangles);
+        of_patches.chain(self.part.iter().flatten()).copied()
+    }
+
+    /// The vertices of the surface, which the hull must contain.
+    pub(super) fn surface_points(&self, patches: &Patches) -> Vec<Vector> {
+        let set = &self.patches;
+        let has_points = |patch| !patches[patch].surface_points.is_empty();
+        if self.part.is_none() && set.iter().any(has_points) {
+            return set.iter().flat_map(|patch| &patches[patch].surface_points).copied().collect();
+        }
+        patches.surface.positions_of(self.triangles(patches))
+    }
+}
+
+/// A hull of the result, and what was verified about it.
+pub(crate) struct FinalHull {
+    pub hull: ConvexHull,
+    pub represents: Represented,
     /// Thickness that a flat hull was given.
     pub added_thickness: f64,
     /// How far hull simplification made it grow.
@@ -30,18 +80,6 @@ pub(crate) struct FinalHull {
 }
 
 impl FinalHull {
-    /// The triangles of [`Patches::surface`] that it represents.
-    pub(in crate::bounded) fn triangles<'a>(
-        &'a self,
-        patches: &'a Patches,
-    ) -> impl Iterator<Item = u32> + 'a {
-        let of_patches = self
-            .part
-            .is_none()
-            .then(|| self.patches.iter().flat_map(|patch| &patches[patch].triangles).copied());
-        of_patches.into_iter().flatten().chain(self.part.iter().flatten().copied())
-    }
-
     /// Whether it may be returned.
     pub(super) fn keeps_bound(&self, settings: &Settings) -> bool {
         self.protrusion <= settings.bound.protrusion()

@@ -1,13 +1,15 @@
 //! Remerging: where verification has divided hulls, in halves, they join again as long as the joint
 //! hull keeps the bound, those that add the least volume first.
 //!
-//! Each joint hull is verified itself, while the search uses a lenient test and a margin. A tenth
-//! of all meshes have divided hulls, and 7 % of those hulls can join again.
+//! Takes verified hulls, gives fewer. Each joint hull is verified itself, while the search uses a lenient test
+//! and a margin. A tenth of all meshes have divided hulls, and 7 % of those hulls can join again. O(k²) joint
+//! hulls at first for k hulls, fewer where most are far from each other, and O(k) for each join.
 
-use super::context::FinalizeContext;
-use super::final_hull::FinalHull;
+use super::final_hull::{FinalHull, FinalizeContext, Represented};
 use super::make_hull::make_hull;
 use super::verify::keeps_bound::{SharedSuspects, keeps_bound};
+use crate::bounded::joins::{Cost, Pair, PairQueue, are_near};
+use crate::bounded::search::Search;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, bounds};
 use crate::hull::{ConvexHull, HullBuilder, joint_hull};
@@ -16,125 +18,102 @@ use crate::parallel;
 /// A hull that may join others. It stays in the list when it has.
 struct Entry {
     hull: FinalHull,
-    is_alive: bool,
     volume: f64,
-    min: Vector,
-    max: Vector,
-}
-
-/// Two hulls that may join.
-struct Candidate {
-    /// Volume that the joint hull adds, as a share of its own.
-    cost: f64,
-    pair: (usize, usize),
-}
-
-/// Joins hulls. O(k²) joint hulls at first for k hulls, fewer where most are far from each other,
-/// and O(k) for each join. They are verified from the cheapest on until one keeps the bound: most that are
-/// dearer lose one of their hulls before it is their turn.
-///
-/// # Errors
-/// [`Error::Cancelled`].
-pub(super) fn remerge(
-    context: &FinalizeContext<'_>,
-    hulls: Vec<FinalHull>,
-) -> Result<Vec<FinalHull>, Error> {
-    let mut entries: Vec<Entry> = hulls.into_iter().map(Entry::new).collect();
-    let mut pairs = Vec::new();
-    for second in 0..entries.len() {
-        pairs.extend((0..second).map(|first| (first, second)));
-    }
-    pairs.retain(|&pair| may_join(context, &entries, pair));
-    let mut candidates: Vec<Candidate> = Vec::new();
-    let mut builder = HullBuilder::new();
-    let suspects = SharedSuspects::default();
-    while !context.control.is_past_deadline() {
-        let found = parallel::map(&pairs, |&pair| candidate(context, &entries, pair));
-        for candidate in found {
-            candidates.extend(candidate?);
-        }
-        pairs.clear();
-        candidates.sort_unstable_by(|a, b| a.cost.total_cmp(&b.cost).then(a.pair.cmp(&b.pair)));
-        let keeps = |candidate: &Candidate| {
-            let joint = hull_of_pair(&entries, candidate.pair)?;
-            let &FinalizeContext { solid, settings, control, .. } = context;
-            keeps_bound(&joint, solid, settings.bound.protrusion(), &suspects, control)
-        };
-        let mut verdicts =
-            parallel::map_until(&candidates, keeps, |verdict| !matches!(verdict, Ok(false)));
-        let Some(last) = verdicts.pop() else { break };
-        if !last? {
-            break;
-        }
-        // Those before it do not keep the bound.
-        let Some(cheapest) = candidates.drain(..=verdicts.len()).next_back() else { break };
-        let (first, second) = cheapest.pair;
-        let joint = join(context, &entries[first].hull, &entries[second].hull, &mut builder)?;
-        if !joint.keeps_bound(context.settings) {
-            continue;
-        }
-        entries[first].is_alive = false;
-        entries[second].is_alive = false;
-        let are_alive = |(a, b): (usize, usize)| entries[a].is_alive && entries[b].is_alive;
-        candidates.retain(|candidate| are_alive(candidate.pair));
-        let new = entries.len();
-        entries.push(Entry::new(joint));
-        pairs.extend((0..new).map(|other| (other, new)));
-        pairs.retain(|&pair| may_join(context, &entries, pair));
-    }
-    Ok(entries.into_iter().filter(|entry| entry.is_alive).map(|entry| entry.hull).collect())
+    /// Of its bounding box.
+    corners: [Vector; 2],
 }
 
 impl Entry {
     fn new(hull: FinalHull) -> Self {
         let (min, max) = bounds(hull.hull.points.iter().copied());
         let volume = hull.hull.volume();
-        Self { hull, is_alive: true, volume, min, max }
+        Self { hull, volume, corners: [min, max] }
     }
 }
 
-fn may_join(context: &FinalizeContext<'_>, entries: &[Entry], (a, b): (usize, usize)) -> bool {
-    let (a, b) = (&entries[a], &entries[b]);
-    let gap = context.settings.bound.protrusion();
-    let is_near = (0..3).all(|k| a.min[k] <= b.max[k] + gap && b.min[k] <= a.max[k] + gap);
-    is_near && a.is_alive && b.is_alive
+/// Joins hulls. They are verified from the cheapest pair on until one keeps the bound: most that are dearer lose
+/// one of their hulls before it is their turn.
+pub(super) fn remerge(
+    context: &FinalizeContext<'_>,
+    hulls: Vec<FinalHull>,
+) -> Result<Vec<FinalHull>, Error> {
+    let &Search { patches, settings, control, .. } = &context.search;
+    let gap = settings.bound.protrusion();
+    let mut entries: Vec<Entry> = hulls.into_iter().map(Entry::new).collect();
+    let mut queue = PairQueue::new(entries.len());
+    let count = entries.len() as u32;
+    let mut pairs: Vec<Pair> =
+        (0..count).flat_map(|second| (0..second).map(move |first| (first, second))).collect();
+    let mut builder = HullBuilder::new();
+    let suspects = SharedSuspects::default();
+    while !control.is_past_deadline() {
+        let corners = |hull: u32| entries[hull as usize].corners;
+        pairs.retain(|&(a, b)| queue.is_left(a) && are_near(corners(a), corners(b), gap));
+        let costs = parallel::map(&pairs, |&pair| cost(context, &entries, pair));
+        for (pair, cost) in pairs.drain(..).zip(costs) {
+            if let Some(cost) = cost? {
+                queue.push(Cost(cost), pair, ());
+            }
+        }
+        let Some(pair) = cheapest(context, &entries, &mut queue, &suspects)? else { break };
+        let [first, second] = [pair.0, pair.1].map(|hull| &entries[hull as usize].hull.represents);
+        let represents = Represented::union(&[first, second], patches);
+        let joint = make_hull(context, represents, &mut builder)?;
+        if joint.keeps_bound(settings) {
+            let new = queue.join(pair);
+            entries.push(Entry::new(joint));
+            pairs.extend((0..new).map(|other| (other, new)));
+        }
+    }
+    let left = (0..).zip(entries).filter(|(index, _)| queue.is_left(*index));
+    Ok(left.map(|(_, entry)| entry.hull).collect())
 }
 
-/// A pair, unless the hull of both hulls has too many vertices.
-fn candidate(
+/// Volume that the joint hull of a pair adds, as a share of its own; `None` if it has too many vertices.
+fn cost(
     context: &FinalizeContext<'_>,
     entries: &[Entry],
-    pair: (usize, usize),
-) -> Result<Option<Candidate>, Error> {
-    context.control.check()?;
+    pair: Pair,
+) -> Result<Option<f64>, Error> {
+    let &Search { settings, control, .. } = &context.search;
+    control.check()?;
     let joint = hull_of_pair(entries, pair)?;
     // Simplification hardly ever keeps the cap of a hull that violates it here.
-    if context.settings.max_vertices.is_some_and(|most| joint.points.len() > most) {
+    if settings.max_vertices.is_some_and(|most| joint.points.len() > most) {
         return Ok(None);
     }
     let volume = joint.volume();
-    let apart = entries[pair.0].volume + entries[pair.1].volume;
-    Ok(Some(Candidate { cost: (volume - apart) / volume, pair }))
+    let apart = entries[pair.0 as usize].volume + entries[pair.1 as usize].volume;
+    Ok(Some((volume - apart) / volume))
+}
+
+/// Takes out the cheapest pair whose joint hull keeps the bound, and those before it, which do not.
+fn cheapest(
+    context: &FinalizeContext<'_>,
+    entries: &[Entry],
+    queue: &mut PairQueue<Cost, ()>,
+    suspects: &SharedSuspects,
+) -> Result<Option<Pair>, Error> {
+    let &Search { solid, settings, control, .. } = &context.search;
+    let candidates = queue.take_sorted();
+    let pairs: Vec<Pair> = candidates.iter().map(|candidate| candidate.pair).collect();
+    let keeps = |&pair: &Pair| {
+        let joint = hull_of_pair(entries, pair)?;
+        keeps_bound(&joint, solid, settings.bound.protrusion(), suspects, control)
+    };
+    let mut verdicts = parallel::map_until(&pairs, keeps, |verdict| !matches!(verdict, Ok(false)));
+    let Some(last) = verdicts.pop() else { return Ok(None) };
+    if !last? {
+        return Ok(None);
+    }
+    let mut others = candidates.into_iter().skip(verdicts.len());
+    let found = others.next().map(|candidate| candidate.pair);
+    queue.extend(others);
+    Ok(found)
 }
 
 /// The hull of a pair of hulls.
-fn hull_of_pair(entries: &[Entry], (first, second): (usize, usize)) -> Result<ConvexHull, Error> {
-    let hull = |index: usize| &entries[index].hull.hull;
+fn hull_of_pair(entries: &[Entry], (first, second): Pair) -> Result<ConvexHull, Error> {
+    let hull = |index: u32| &entries[index as usize].hull.hull;
     joint_hull(&mut HullBuilder::new(), hull(first), hull(second))
-}
-
-/// The final hull of what two hulls represent.
-fn join(
-    context: &FinalizeContext<'_>,
-    a: &FinalHull,
-    b: &FinalHull,
-    builder: &mut HullBuilder,
-) -> Result<FinalHull, Error> {
-    let mut set = a.patches.clone();
-    set.union_with(&b.patches);
-    // Another hull may represent the rest of a divided patch.
-    let triangles = || [a, b].into_iter().flat_map(|hull| hull.triangles(context.patches));
-    let part = (a.part.is_some() || b.part.is_some()).then(|| triangles().collect());
-    let inner_points = [a, b].into_iter().flat_map(|hull| &hull.inner_points).copied().collect();
-    make_hull(context, set, part, inner_points, builder)
 }
