@@ -1,7 +1,7 @@
 //! Fewer hulls afterwards: from a finished decomposition on down to one hull, without a new run.
 
 use crate::bounded::join_tree::JoinTree;
-use crate::bounded::output::HullInDiagonals;
+use crate::bounded::output::NormalizedHull;
 use crate::control::Control;
 use crate::decomposition::{Decomposition, Hull};
 use crate::error::Error;
@@ -37,7 +37,7 @@ use crate::parameters::Parameters;
 pub struct MergeTree {
     tree: JoinTree,
     leaves: Vec<Hull>,
-    /// Restores the tree's lengths, which are in diagonals.
+    /// Restores the tree's lengths, which are fractions of the diagonal.
     normalization: Normalization,
     /// In units.
     uncovered: f64,
@@ -190,7 +190,7 @@ impl MergeTree {
             .iter()
             .flat_map(|hull| hull.provenance.source_triangles.iter().copied())
             .collect();
-        let joint = HullInDiagonals {
+        let joint = NormalizedHull {
             hull: &node.hull,
             component: first.provenance.component,
             source_triangles,

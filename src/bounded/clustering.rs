@@ -22,8 +22,8 @@ use crate::parallel;
 /// Meshes of fewer triangles are not clustered: they take well under a second without.
 const MIN_TRIANGLES: usize = 100_000;
 
-/// Side of a cell, in bounds. Vertices move by about as much along the surface, and by far less
-/// away from it. Cells of 0.3 bounds cost 10 % more time, of 0.22 bounds 30 %; hulls are as many.
+/// Side of a cell, as a fraction of the bound. Vertices move by about as much along the surface, and by far less
+/// away from it. Cells of 0.3 cost 10 % more time, of 0.22 30 %; hulls are as many.
 const CELL: f64 = 0.4;
 
 /// Clustering must leave less than this share of the triangles to be worth its own time.
@@ -33,15 +33,15 @@ const MAX_KEPT_SHARE: f64 = 0.5;
 /// cell (whose diagonal is 1.73), so that collapsing it would cut off a feature.
 const LONG: f64 = 2.0;
 
-/// Clusters of more vertices or triangles are not used, unless they are a small share of the mesh: each query
-/// for a distance looks through three of them. Such clusters arise from a detailed object in a large scene.
+/// Clusters of more vertices or triangles are not used, unless they are a small share of the mesh: each distance
+/// query visits three of them. Such clusters arise from a detailed object in a large scene.
 const MAX_CLUSTER: usize = 4096;
 
 /// A cluster may hold this share of a mesh's triangles: so many are at the pole of a sphere of ten million.
 const MAX_CLUSTER_SHARE: f64 = 1.0 / 64.0;
 
 /// If the triangles around the nearest vertex are farther away than expected by this factor, all
-/// triangles of the clusters are looked through.
+/// triangles of the clusters are visited.
 const EXPECTED: f64 = 1.01;
 
 /// A reduced mesh, and the surface that it represents.

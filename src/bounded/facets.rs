@@ -20,14 +20,14 @@ use crate::geometry::vector::{
 use crate::mesh::TriangleMesh;
 use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
 
-/// Vertices this near to a plane, in bounds, are in it. A hull may leave as much uncovered.
+/// Vertices this near to a plane are in it, as a fraction of the bound. A hull may leave as much uncovered.
 const FLATNESS: f64 = 0.05;
 
-/// A notch that is less deep, in bounds, does not ask for a cut: a hull across it protrudes by its
-/// depth at most. With 0.5, 19 hard props had 303 hulls instead of 309, in 16 % more time.
+/// A notch that is less deep needs no cut: a hull across it protrudes by its depth at most. As a fraction of
+/// the bound. With 0.5, 19 hard props had 303 hulls instead of 309, in 16 % more time.
 const LEAST_DEPTH: f64 = 1.5;
 
-/// Notches up to this deep, in bounds, may be bridged in part: hulls that end between them are
+/// Notches up to this deep, as a fraction of the bound, may be bridged in part: hulls that end between them are
 /// fewer than the pieces between cuts. Where there are such notches, each is cut along both of its
 /// planes, and facets are divided further.
 const SHALLOW: f64 = 2.0;
@@ -35,7 +35,7 @@ const SHALLOW: f64 = 2.0;
 /// The weight of a notch's second plane: all notches are resolved by one plane first.
 const SECOND_WEIGHT: f64 = 0.3;
 
-/// Longest edge in diagonals where there are shallow notches. With 0.15 the same 19 props had 288
+/// Longest edge where there are shallow notches, as a fraction of the diagonal. With 0.15 the same 19 props had 288
 /// hulls instead of 289, in 36 % more time.
 const LONGEST_EDGE: f64 = 0.25;
 
@@ -48,14 +48,14 @@ const MAX_GROWTH: usize = 3;
 const MAX_ADDED: usize = 1000;
 
 /// Notches beyond this number are left out, the least important first: they make a surface that
-/// its own small cells divide well, and comparing planes is quadratic.
+/// its own small facets divide well, and comparing planes is quadratic.
 const MAX_NOTCHES: usize = 512;
 
 /// Cosine of the greatest angle between a triangle and its group's plane. Slivers are in the plane
 /// by their vertices, whatever their normal.
 const MIN_COSINE: f64 = 0.9;
 
-/// A triangle of a smaller height, in flatnesses, is a sliver.
+/// A triangle of a height below this multiple of the flatness is a sliver.
 const SLIVER: f64 = 2.0;
 
 /// A surface divided into facets.
@@ -244,7 +244,7 @@ fn planar_groups(mesh: &TriangleMesh, adjacency: &Adjacency, flatness: f64) -> P
     groups
 }
 
-/// Whether a triangle's height over its longest side is so small that its normal says little.
+/// Whether a triangle's height over its longest side is so small that its normal means little.
 fn is_sliver([a, b, c]: [Vector; 3], doubled_area: f64, flatness: f64) -> bool {
     let longest = distance(a, b).max(distance(b, c)).max(distance(c, a));
     doubled_area <= SLIVER * flatness * longest

@@ -84,6 +84,6 @@ impl GrowingHull {
     }
 }
 
-/// Points this near to a hull, in diagonals, do not change it during the search: far less than any
+/// Points within this fraction of the diagonal do not change a hull during the search: far less than any
 /// distance that counts, more than the rounding of repeated insertions.
 pub(super) const SEARCH_TOLERANCE: f64 = 1e-5;

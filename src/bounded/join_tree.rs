@@ -25,7 +25,7 @@ use crate::mesh::PreparedMesh;
 use crate::parallel;
 use crate::parameters::Parameters;
 
-/// A hull of the tree, final or joint. Lengths are in diagonals.
+/// A hull of the tree, final or joint. Lengths are fractions of the diagonal.
 #[derive(Debug, Clone)]
 pub(crate) struct Node {
     pub hull: ConvexHull,
@@ -67,7 +67,7 @@ impl JoinTree {
         Ok(tree)
     }
 
-    /// Joins hulls that were returned down to one, and their uncovered distance in diagonals, unless that is
+    /// Joins hulls that were returned down to one, and gives their uncovered distance, unless that is
     /// known. The solid is built anew: a decomposition does not keep it.
     pub(crate) fn from_hulls(
         prepared: &PreparedMesh,

@@ -1,4 +1,4 @@
-//! The border to the public types: final hulls in the input's units, and public hulls as input.
+//! Conversion to the public types and back: final hulls in the input's units, and public hulls as input.
 
 use super::finalize::final_hull::{FinalHull, FinalHulls};
 use super::patch::Patches;
@@ -17,7 +17,7 @@ pub(crate) struct BoundedResult {
 }
 
 impl BoundedResult {
-    /// `bound` in diagonals.
+    /// `bound`: as a fraction of the diagonal.
     pub(super) fn new(
         prepared: PreparedMesh,
         patches: &Patches,
@@ -38,7 +38,7 @@ impl BoundedResult {
         let hulls = parallel::map(hulls, |hull| {
             let source =
                 |triangle| prepared.source_triangles[patches.parents[triangle as usize] as usize];
-            HullInDiagonals {
+            NormalizedHull {
                 hull: &hull.hull,
                 component: hull.component,
                 source_triangles: hull
@@ -73,8 +73,8 @@ fn grouped(patches: &Patches, hulls: &[FinalHull], normalization: &Normalization
     }
 }
 
-/// What a public hull is made from. Lengths are in diagonals.
-pub(crate) struct HullInDiagonals<'a> {
+/// What a public hull is made from. Lengths are fractions of the diagonal.
+pub(crate) struct NormalizedHull<'a> {
     pub hull: &'a ConvexHull,
     pub component: u32,
     /// In any order, repeated or not.
@@ -84,7 +84,7 @@ pub(crate) struct HullInDiagonals<'a> {
     pub protrusion: f64,
 }
 
-impl HullInDiagonals<'_> {
+impl NormalizedHull<'_> {
     /// The hull in the input's units.
     pub(crate) fn restored(self, normalization: &Normalization) -> Hull {
         let points = self.hull.points.iter().map(|&point| normalization.restore(point)).collect();
@@ -104,7 +104,7 @@ impl HullInDiagonals<'_> {
     }
 }
 
-/// A public hull in diagonals, and its protrusion if that was verified.
+/// A public hull scaled by the diagonal, and its protrusion if that was verified.
 ///
 /// # Errors
 /// [`Error::UnusableHull`] if it is inconsistent, since its fields are public. `index`: its place

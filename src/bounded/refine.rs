@@ -1,5 +1,5 @@
 //! Refinement: long triangles are halved, so that a mesh can be divided into patches where
-//! its shape asks for it and not only along its own edges. Dense meshes stay unchanged.
+//! its shape requires it and not only along its own edges. Dense meshes stay unchanged.
 //!
 //! Longest-edge bisection (Rivara, "Algorithms for refining triangular grids suitable for adaptive
 //! and multigrid techniques", 1984), with every triangle at a halved edge split.

@@ -27,7 +27,7 @@ const STEPS: usize = 4;
 const MIDDLE: [f64; 1] = [0.5];
 const ALONG: [f64; 3] = [0.5, 0.25, 0.75];
 
-/// How many bridges are looked at.
+/// How many bridges are tried.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Effort {
     /// Four, at their middle: they rule out most pairs.

@@ -22,7 +22,7 @@ const MIN_POINTS: usize = 2;
 /// Joint hulls that are tested for points that no piece has contained.
 const MAX_ATTEMPTS: usize = 48;
 
-/// Points this near to a hull, in diagonals, count as covered.
+/// Points this near to a hull count as covered. As a fraction of the diagonal.
 const COVERED: f64 = 1e-3;
 
 /// Irrational steps of a low-discrepancy sequence in three dimensions (Roberts, "The unreasonable

@@ -10,7 +10,7 @@ use crate::geometry::vector::{add, distance, scale};
 /// Maximum number of patches that are tried at once; 64 are no faster.
 const MAX_BATCH: usize = 16;
 
-/// A patch that protrudes from a hull by less than this, in diagonals, counts as contained. Less
+/// A patch that protrudes from a hull by less than this fraction of the diagonal counts as contained. Less
 /// than what a final hull may leave uncovered (5 % of the bound) for bounds from 0.6 % on.
 const CONTAINED_TOLERANCE: f64 = 3e-4;
 

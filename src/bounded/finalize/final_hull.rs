@@ -1,18 +1,27 @@
-//! A hull of the result, what it represents, and what it is made with. Lengths are in diagonals.
+//! A final hull: of some patches, or of a part of one, with thickness, few vertices, and verified.
+//!
+//! Takes what the hull represents, gives the hull with its errors. Lengths are fractions of the diagonal. Where it does not keep the bound,
+//! the caller divides it.
 
-use crate::bounded::patch::{PatchSet, Patches};
+use std::ops::Range;
+
+use super::hull_simplification::{FinalizeContext, Original, Simplified, simplify_hull};
+use super::verify::point_groups::{PointGroups, distance_outside};
+use crate::bounded::growing_hull::GrowingHull;
+use crate::bounded::patch::{PatchSet, Patches, Piece};
 use crate::bounded::search::Search;
-use crate::bounded::settings::{MAX_UNCOVERED_UNDER_CAP, Settings};
-use crate::geometry::vector::Vector;
-use crate::hull::ConvexHull;
+use crate::bounded::settings::{MAX_UNCOVERED, MAX_UNCOVERED_UNDER_CAP, Settings};
+use crate::error::Error;
+use crate::geometry::vector::{Vector, add, area_normal};
+use crate::hull::{ConvexHull, HullBuilder, LEAST_THICKNESS, solid_hull};
 
-/// The search, and what is finalize's own.
-#[derive(Clone, Copy)]
-pub(super) struct FinalizeContext<'a> {
-    pub search: Search<'a>,
-    /// Volume that saving a vertex may add, in cubed diagonals.
-    pub volume_per_vertex: f64,
-}
+/// Numbers of points for which building their hull pays before computing how far they are outside
+/// another one. For fewer the distances are as fast; of more, the hull has thousands of vertices.
+const WORTH_A_HULL: Range<usize> = 64..8192;
+
+/// The hull of very many points is built of those that protrude by more than this share of what may
+/// be left uncovered: of all it would have thousands of vertices that do not matter.
+const TOLERANCE_OF_MANY: f64 = 0.25;
 
 /// What a hull represents.
 #[derive(Clone)]
@@ -99,4 +108,87 @@ impl FinalHulls {
     pub(in crate::bounded) fn error(&self) -> f64 {
         self.hulls.iter().map(|hull| hull.protrusion).fold(self.uncovered, f64::max)
     }
+}
+
+/// The hull of patches, or of triangles that are a part of them, as far as it can keep the bound: see
+/// [`FinalHull::keeps_bound`].
+pub(super) fn make_hull(
+    context: &FinalizeContext<'_>,
+    represents: Represented,
+    builder: &mut HullBuilder,
+) -> Result<FinalHull, Error> {
+    let patches = context.search.patches;
+    let Represented { patches: set, part, inner_points } = &represents;
+    let mut hull = match part {
+        None => Piece::new(patches, set).hull,
+        Some(triangles) => hull_of_triangles(patches, triangles),
+    };
+    hull.insert(inner_points, [0.0; 3]);
+    let mut required = represents.surface_points(patches);
+    required.extend_from_slice(inner_points);
+    let required = extreme_points(builder, required);
+    let (original, added_thickness) = full_hull(context, &mut hull, required, builder)?;
+    let component = set.iter().next().map_or(0, |patch| patches[patch].component);
+    let Simplified { hull, growth, protrusion, uncovered } =
+        simplify_hull(context, original, builder)?;
+    Ok(FinalHull {
+        hull,
+        represents,
+        added_thickness,
+        simplification_growth: growth,
+        protrusion,
+        uncovered,
+        component,
+    })
+}
+
+fn hull_of_triangles(Patches { surface, .. }: &Patches, triangles: &[u32]) -> GrowingHull {
+    let corners = |&triangle: &u32| {
+        surface.triangles[triangle as usize].map(|vertex| surface.positions[vertex as usize])
+    };
+    let points: Vec<Vector> = triangles.iter().flat_map(corners).collect();
+    let normals = triangles.iter().map(corners).map(|[a, b, c]| area_normal(a, b, c));
+    GrowingHull::new(&points, normals.fold([0.0; 3], add))
+}
+
+/// The hull with all vertices that are needed to cover the `required` points, and the thickness
+/// that it was given.
+fn full_hull(
+    context: &FinalizeContext<'_>,
+    hull: &mut GrowingHull,
+    required: Vec<Vector>,
+    builder: &mut HullBuilder,
+) -> Result<(Original, f64), Error> {
+    let &Search { settings, control, .. } = &context.search;
+    let max_uncovered = MAX_UNCOVERED * settings.bound.uncovered();
+    let outward = hull.outward;
+    let points = PointGroups::new(&required);
+    let thick =
+        |builder: &mut HullBuilder, points: &[Vector]| -> Result<(ConvexHull, f64), Error> {
+            control.check()?;
+            solid_hull(builder, points, outward, LEAST_THICKNESS)
+        };
+    let (mut full, mut added_thickness) = thick(builder, &hull.vertices())?;
+    let mut uncovered = distance_outside(&full, &points, max_uncovered, control)?;
+    if uncovered > max_uncovered && required.len() > WORTH_A_HULL.end {
+        let mut reducer =
+            HullBuilder::new().with_least_tolerance(TOLERANCE_OF_MANY * max_uncovered);
+        if let Some(reduced) = reducer.vertices_of(&required) {
+            (full, added_thickness) = thick(builder, &reduced)?;
+            uncovered = distance_outside(&full, &points, max_uncovered, control)?;
+        }
+    }
+    if uncovered > max_uncovered {
+        // Beyond a sharp edge, a point that is hardly in front of any face can be far away.
+        (full, added_thickness) = thick(builder, &required)?;
+        uncovered = distance_outside(&full, &points, f64::INFINITY, control)?;
+    }
+    Ok((Original { hull: full, uncovered, points, outward }, added_thickness))
+}
+
+/// Points that are as far outside any hull as all are: the vertices of their own hull, since the
+/// distance to a convex set is a convex function.
+fn extreme_points(builder: &mut HullBuilder, points: Vec<Vector>) -> Vec<Vector> {
+    let vertices = WORTH_A_HULL.contains(&points.len()).then(|| builder.vertices_of(&points));
+    vertices.flatten().unwrap_or(points)
 }

@@ -12,7 +12,6 @@
 //! If all fail, the most prominent vertices remain. They may violate the bound: then the hull is
 //! divided.
 
-use super::final_hull::FinalizeContext;
 use super::verify::point_groups::{PointGroups, distance_outside};
 use super::verify::protrusion::protrusion;
 use crate::bounded::containment::fit_test::FitScratch;
@@ -29,17 +28,25 @@ use crate::hull::{
 /// thin plate hardly any vertex protrudes, and what is left can be a tetrahedron.
 const MIN_VOLUME_SHARE: f64 = 0.95;
 
-/// Where the cap cannot be kept otherwise, vertices that protrude by less than these, in bounds,
-/// are left out: more than [`MAX_UNCOVERED`], less than half of [`MAX_UNCOVERED_UNDER_CAP`].
+/// Where the cap cannot be kept otherwise, vertices that protrude by less than these fractions of the
+/// bound are left out: more than [`MAX_UNCOVERED`], less than half of [`MAX_UNCOVERED_UNDER_CAP`].
 const COARSER: [f64; 2] = [0.1, 0.2];
 
-/// By these, in bounds, a hull that was capped by growing shrinks again: less than
+/// By these fractions of the bound a hull that was capped by growing shrinks again: less than
 /// [`MAX_UNCOVERED_UNDER_CAP`], which it may leave uncovered.
 const SHRINKING: [f64; 2] = [0.2, 0.4];
 
 /// A hull of more vertices does not collapse from the full hull to keep a cap once the coarser hull
 /// has failed: collapsing is quadratic in the vertices and hardly gives another result.
 const MAX_COLLAPSIBLE: usize = 256;
+
+/// The search, and what is finalize's own.
+#[derive(Clone, Copy)]
+pub(super) struct FinalizeContext<'a> {
+    pub search: Search<'a>,
+    /// Volume that saving a vertex may add, as a fraction of the cubed diagonal.
+    pub volume_per_vertex: f64,
+}
 
 /// A hull before simplification.
 pub(super) struct Original {

@@ -1,22 +1,18 @@
 //! Finalizing: pieces become hulls with thickness and few vertices, each verified against the
 //! source and divided where it does not keep the bound.
 //!
-//! Takes a cover, gives the hulls of the result in diagonals.
+//! Takes a cover, gives the hulls of the result. Lengths are fractions of the diagonal.
 //!
 //! | file | contents |
 //! |---|---|
 //! | `verify/` | protrusion and uncovered distance, as upper bounds |
-//! | `final_hull` | a hull of the result, and what it represents |
 //! | `hull_simplification` | vertices are saved |
-//! | `make_hull` | the final hull of some patches |
-//! | `division` | pieces whose hull does not keep the bound are halved |
-//! | `remerge` | divided hulls join again |
+//! | `final_hull` | the final hull of some patches, and what it represents |
+//! | `division` | pieces whose hull does not keep the bound are halved, and halves join again |
 
 mod division;
 pub(super) mod final_hull;
 mod hull_simplification;
-mod make_hull;
-mod remerge;
 pub(super) mod verify;
 
 use super::cover::Cover;
@@ -26,9 +22,9 @@ use super::search::Search;
 use super::settings::MAX_UNCOVERED;
 use crate::error::Error;
 use crate::parallel;
-use division::hulls_of_piece;
-use final_hull::{FinalHull, FinalHulls, FinalizeContext, Represented};
-use remerge::remerge;
+use division::{hulls_of_piece, remerge};
+use final_hull::{FinalHull, FinalHulls, Represented};
+use hull_simplification::FinalizeContext;
 use verify::hull_distance::HullDistance;
 use verify::point_groups::{PointGroups, distance_outside};
 use verify::uncovered::uncovered_distance;
@@ -38,8 +34,8 @@ use verify::uncovered::uncovered_distance;
 /// with all vertices (means over 38 models).
 const VOLUME_PER_VERTEX: f64 = 1.2e-3;
 
-/// The last round of dissolving is doubted where verification divides its pieces into this many times as many as
-/// there were before it. With 1, lattices and noisy spheres of a hundred hulls have 2 % more, and others as many.
+/// The cover before the last round of dissolving is tried too, where verification divides the last one into this
+/// many times as many hulls. With 1, lattices and noisy spheres of a hundred hulls have 2 % more, and others as many.
 const DOUBTFUL: f64 = 1.25;
 
 /// The hulls of a cover. Of the cover before the last round of dissolving where that serves better:
