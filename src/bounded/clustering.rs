@@ -6,6 +6,8 @@
 //! the source everywhere, and what is inside the reduced solid is inside the source or that close
 //! to it, since the winding number about a point changes only when the surface moves across it.
 //! (The converse fails for spikes and ribbons that are smaller than cells and vanish.)
+//!
+//! Takes the repaired mesh, gives the reduced one, if it is needed. O(n log n) for n vertices.
 
 use std::sync::Arc;
 
@@ -81,7 +83,7 @@ pub(super) fn cluster(
 
 impl Clustered {
     /// `None` where the mesh has few triangles, would keep most of them, is not closed, or has
-    /// sheets of triangles in both orientations. O(n log n) for n vertices.
+    /// sheets of triangles in both orientations.
     fn new(
         prepared: &PreparedMesh,
         bound: f64,

@@ -3,7 +3,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::refine::ordered;
+use super::refine::edge;
 use crate::geometry::vector::{Vector, add, area_normal, length_squared, scale, subtract};
 use crate::mesh::TriangleMesh;
 
@@ -58,7 +58,7 @@ pub(super) fn cut(
     for (segment, _) in segments.iter().zip(reached).filter(|&(_, is_reached)| is_reached) {
         let ends =
             segment.ports.map(|port| vertex_at(port, &heights, &mut mesh.mesh, &mut middles));
-        mesh.walls.insert(ordered(ends[0], ends[1]));
+        mesh.walls.insert(edge(ends[0], ends[1]));
         if let Some(triangle) = segment.triangle {
             chords.insert(triangle, ends);
         }
@@ -89,7 +89,7 @@ fn segments(triangles: &[[u32; 3]], heights: &[f64]) -> Vec<Segment> {
                 ports.push((a, a));
             }
             if from * to < 0.0 {
-                ports.push(ordered(a, b));
+                ports.push(edge(a, b));
             }
         }
         if let [first, second] = ports[..] {
@@ -153,8 +153,8 @@ fn vertex_at(
 fn split_walls(walls: &mut BTreeSet<(u32, u32)>, middles: &BTreeMap<(u32, u32), u32>) {
     for (&(a, b), &middle) in middles {
         if walls.remove(&(a, b)) {
-            walls.insert(ordered(a, middle));
-            walls.insert(ordered(middle, b));
+            walls.insert(edge(a, middle));
+            walls.insert(edge(middle, b));
         }
     }
 }
@@ -168,7 +168,7 @@ fn split(cut: &mut CutMesh, chords: &BTreeMap<u32, [u32; 2]>, middles: &BTreeMap
         let mut outline = Vec::with_capacity(6);
         for k in 0..3 {
             outline.push(triangle[k]);
-            outline.extend(middles.get(&ordered(triangle[k], triangle[(k + 1) % 3])));
+            outline.extend(middles.get(&edge(triangle[k], triangle[(k + 1) % 3])));
         }
         let places = chords
             .get(&index)

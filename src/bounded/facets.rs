@@ -12,7 +12,7 @@
 //! O(n log n) for n triangles and each plane.
 
 use super::cuts::{CutMesh, cut};
-use super::refine::{ordered, refine};
+use super::refine::{edge, refine};
 use super::settings::Settings;
 use crate::geometry::vector::{
     Vector, area_normal, cross, distance, dot, length, normalize, scale, subtract,
@@ -86,7 +86,7 @@ pub(super) fn facets(mesh: &TriangleMesh, settings: &Settings) -> Facets {
     let is_wall = |triangle: u32, k: usize, other: u32| {
         let corners = mesh.triangles[triangle as usize];
         planes[triangle as usize] != planes[other as usize]
-            || walls.contains(&ordered(corners[k], corners[(k + 1) % 3]))
+            || walls.contains(&edge(corners[k], corners[(k + 1) % 3]))
     };
     let mut parts = components(&Adjacency::new(&mesh), is_wall);
     let mut facets = parts.clone();
@@ -295,12 +295,7 @@ fn notches(
             if depth > least_depth {
                 let [a, b] = ends.map(|vertex| mesh.positions[vertex as usize]);
                 let weight = depth * length(subtract(b, a));
-                notches.push(Notch {
-                    edge: ordered(ends[0], ends[1]),
-                    planes: pair,
-                    depth,
-                    weight,
-                });
+                notches.push(Notch { edge: edge(ends[0], ends[1]), planes: pair, depth, weight });
             }
         }
     }

@@ -12,7 +12,7 @@ use super::containment::solid::Solid;
 use super::finalize::verify::hull_distance::HullDistance;
 use super::finalize::verify::protrusion::protrusion;
 use super::finalize::verify::uncovered::uncovered_distance;
-use super::joins::{CandidatePair, Cost, Pair, PairQueue, ordered};
+use super::joins::{Cost, Pair, PairQueue, ordered};
 use super::output::normalized;
 use super::settings::Settings;
 use super::witness::{Effort, Witness, find_witness};
@@ -200,8 +200,7 @@ impl<'a> Pairs<'a> {
 
     /// The joint hull that protrudes least, whose pair leaves the queue; `None` if fewer than two hulls are left.
     fn pop(&mut self, nodes: &[Node]) -> Result<Option<Node>, Error> {
-        while let Some(CandidatePair { cost, pair, known }) = self.queue.pop() {
-            let (Cost(protrusion), _) = cost;
+        while let Some(((Cost(protrusion), _), pair, known)) = self.queue.pop() {
             match known {
                 Known::Verified(node) => return Ok(Some(*node)),
                 Known::Roughly => {

@@ -3,8 +3,8 @@
 //! The queue is lazy. A pair enters with an estimate or a lower bound of its cost, and again with what is known
 //! better once it has come up. A pair one of whose hulls has joined another is skipped when it comes up.
 
-use std::cmp::{Ordering, Reverse};
-use std::collections::BinaryHeap;
+use std::cmp::Ordering;
+use std::collections::BTreeMap;
 
 use crate::geometry::vector::Vector;
 
@@ -42,42 +42,17 @@ impl Ord for Cost {
     }
 }
 
-/// A pair that may join. Candidates are compared by cost, equal costs by pair.
-#[derive(Debug, Clone)]
-pub(super) struct CandidatePair<C, K> {
-    pub cost: C,
-    pub pair: Pair,
-    /// What has been found out about the joint hull.
-    pub known: K,
-}
-
-impl<C: Ord, K> PartialEq for CandidatePair<C, K> {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-impl<C: Ord, K> Eq for CandidatePair<C, K> {}
-impl<C: Ord, K> PartialOrd for CandidatePair<C, K> {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-impl<C: Ord, K> Ord for CandidatePair<C, K> {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.cost.cmp(&other.cost).then_with(|| self.pair.cmp(&other.pair))
-    }
-}
-
-/// The candidates, and which hulls are left. Joint hulls get the next indices.
+/// The pairs by cost, equal costs by pair, with what is known of their joint hulls; and which hulls are left.
+/// A pair is in the queue once.
 pub(super) struct PairQueue<C, K> {
-    heap: BinaryHeap<Reverse<CandidatePair<C, K>>>,
+    pairs: BTreeMap<(C, Pair), K>,
     is_left: Vec<bool>,
 }
 
 impl<C: Ord, K> PairQueue<C, K> {
     /// No pairs of `count` hulls.
     pub(super) fn new(count: usize) -> Self {
-        Self { heap: BinaryHeap::new(), is_left: vec![true; count] }
+        Self { pairs: BTreeMap::new(), is_left: vec![true; count] }
     }
 
     pub(super) fn is_left(&self, hull: u32) -> bool {
@@ -90,29 +65,27 @@ impl<C: Ord, K> PairQueue<C, K> {
     }
 
     pub(super) fn push(&mut self, cost: C, pair: Pair, known: K) {
-        self.heap.push(Reverse(CandidatePair { cost, pair, known }));
+        self.pairs.insert((cost, pair), known);
     }
 
     /// Takes out the cheapest pair of hulls that are left.
-    pub(super) fn pop(&mut self) -> Option<CandidatePair<C, K>> {
-        while let Some(Reverse(candidate)) = self.heap.pop() {
-            if self.are_left(&candidate) {
-                return Some(candidate);
+    pub(super) fn pop(&mut self) -> Option<(C, Pair, K)> {
+        while let Some(((cost, pair), known)) = self.pairs.pop_first() {
+            if self.are_left(pair) {
+                return Some((cost, pair, known));
             }
         }
         None
     }
 
     /// Takes out all pairs of hulls that are left, the cheapest first.
-    pub(super) fn take_sorted(&mut self) -> Vec<CandidatePair<C, K>> {
-        let all = std::mem::take(&mut self.heap).into_iter().map(|Reverse(candidate)| candidate);
-        let mut sorted: Vec<CandidatePair<C, K>> =
-            all.filter(|entry| self.are_left(entry)).collect();
-        sorted.sort_unstable();
-        sorted
+    pub(super) fn pop_all(&mut self) -> Vec<(C, Pair, K)> {
+        let all = std::mem::take(&mut self.pairs).into_iter();
+        let left = all.filter(|((_, pair), _)| self.are_left(*pair));
+        left.map(|((cost, pair), known)| (cost, pair, known)).collect()
     }
 
-    /// Two hulls give way to their joint hull. Returns its index.
+    /// Two hulls give way to their joint hull. Returns its index, the next one.
     pub(super) fn join(&mut self, (a, b): Pair) -> u32 {
         self.is_left[a as usize] = false;
         self.is_left[b as usize] = false;
@@ -120,14 +93,8 @@ impl<C: Ord, K> PairQueue<C, K> {
         self.is_left.len() as u32 - 1
     }
 
-    fn are_left(&self, candidate: &CandidatePair<C, K>) -> bool {
-        self.is_left(candidate.pair.0) && self.is_left(candidate.pair.1)
-    }
-}
-
-impl<C: Ord, K> Extend<CandidatePair<C, K>> for PairQueue<C, K> {
-    fn extend<I: IntoIterator<Item = CandidatePair<C, K>>>(&mut self, candidates: I) {
-        self.heap.extend(candidates.into_iter().map(Reverse));
+    fn are_left(&self, (a, b): Pair) -> bool {
+        self.is_left(a) && self.is_left(b)
     }
 }
 
@@ -141,11 +108,11 @@ mod tests {
         for (cost, pair) in [(2.0, (0, 3)), (1.0, (1, 2)), (1.0, (0, 1)), (0.5, (2, 3))] {
             queue.push(Cost(cost), pair, ());
         }
-        assert_eq!(queue.pop().map(|candidate| candidate.pair), Some((2, 3)));
+        assert_eq!(queue.pop().map(|(_, pair, ())| pair), Some((2, 3)));
         assert_eq!(queue.join((2, 3)), 4);
         queue.push(Cost(f64::NEG_INFINITY), (1, 4), ());
         assert_eq!(queue.left().collect::<Vec<u32>>(), [0, 1, 4]);
-        let pairs: Vec<Pair> = queue.take_sorted().iter().map(|entry| entry.pair).collect();
+        let pairs: Vec<Pair> = queue.pop_all().into_iter().map(|(_, pair, ())| pair).collect();
         assert_eq!(pairs, [(1, 4), (0, 1)]);
         assert!(queue.pop().is_none());
     }

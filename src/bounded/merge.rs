@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::containment::fit_tester::FitTester;
 use super::growing_hull::GrowingHull;
-use super::joins::{CandidatePair, Cost, Pair, PairQueue, are_near, ordered};
+use super::joins::{Cost, Pair, PairQueue, are_near, ordered};
 use super::patch::{PatchSet, Patches, Piece};
 use super::search::Search;
 use crate::control::Control;
@@ -143,16 +143,16 @@ impl<'a> Merging<'a> {
     /// Joins the cheapest pairs first. At the start all candidates are evaluated, since nothing is known of their
     /// costs.
     fn run(&mut self, control: &Control) -> Result<(), Error> {
-        let candidates = self.queue.take_sorted();
-        let evaluated = parallel::map(&candidates, |candidate| {
+        let pairs: Vec<Pair> = self.queue.pop_all().into_iter().map(|(_, pair, _)| pair).collect();
+        let evaluated = parallel::map(&pairs, |&pair| {
             control.check()?;
-            Ok(self.evaluated(candidate.pair))
+            Ok(self.evaluated(pair))
         });
-        for (CandidatePair { pair, .. }, evaluated) in candidates.into_iter().zip(evaluated) {
+        for (pair, evaluated) in pairs.into_iter().zip(evaluated) {
             self.add_evaluated(pair, evaluated?);
         }
-        while let Some(CandidatePair { pair, known, .. }) = self.queue.pop() {
-            match known {
+        while let Some((_, pair, joint)) = self.queue.pop() {
+            match joint {
                 None => {
                     control.check()?;
                     let evaluated = self.evaluated(pair);

@@ -1,7 +1,8 @@
 //! The mesh that is divided into patches: a dense source simplified and refined, a coarse one cut into facets.
 //!
-//! Each of its triangles represents the source's surface that is closest to it. So the hulls of
-//! patches cover the source and not only what simplification left of it.
+//! Takes the repaired mesh or the clustered one, gives the mesh of which patches are made. Each of its triangles
+//! represents the source's surface that is closest to it. So the hulls of patches cover the source and not only
+//! what simplification left of it.
 
 use super::clustering::Clustered;
 use super::containment::triangle::centre;

@@ -1,4 +1,5 @@
-//! Growing: a piece takes the patches that fit, nearest first.
+//! Growing: a piece takes the patches that fit, nearest first. O(patches) distances and fit tests for each 15 % of
+//! its volume.
 
 use crate::bounded::containment::fit_tester::FitTester;
 use crate::bounded::growing_hull::GrowingHull;

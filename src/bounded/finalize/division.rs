@@ -238,8 +238,8 @@ fn cheapest(
     suspects: &SharedSuspects,
 ) -> Result<Option<Pair>, Error> {
     let &Search { solid, settings, control, .. } = &context.search;
-    let candidates = queue.take_sorted();
-    let pairs: Vec<Pair> = candidates.iter().map(|candidate| candidate.pair).collect();
+    let candidates = queue.pop_all();
+    let pairs: Vec<Pair> = candidates.iter().map(|&(_, pair, ())| pair).collect();
     let keeps = |&pair: &Pair| {
         let joint = hull_of_pair(entries, pair)?;
         keeps_bound(&joint, solid, settings.bound.protrusion(), suspects, control)
@@ -250,8 +250,8 @@ fn cheapest(
         return Ok(None);
     }
     let mut others = candidates.into_iter().skip(verdicts.len());
-    let found = others.next().map(|candidate| candidate.pair);
-    queue.extend(others);
+    let found = others.next().map(|(_, pair, ())| pair);
+    others.for_each(|(cost, pair, ())| queue.push(cost, pair, ()));
     Ok(found)
 }
 
