@@ -9,16 +9,16 @@ use std::sync::Arc;
 use std::task::{Context, Poll, Waker};
 
 use crate::bounded::containment::solid::Solid;
+use crate::bounded::cover::cover;
 use crate::bounded::deadline::Deadline;
 use crate::bounded::finalize::final_hull::FinalHulls;
 use crate::bounded::finalize::finalize;
-use crate::bounded::max_hulls::{BoundSearch, limit_hulls};
-use crate::bounded::merge::merge_patches;
+use crate::bounded::limit::{BoundSearch, limit_hulls};
+use crate::bounded::merge::merge;
 use crate::bounded::output::BoundedResult;
+use crate::bounded::patch::Patches;
 use crate::bounded::patches::divide_into_patches;
-use crate::bounded::patches::patch::Patches;
 use crate::bounded::search::{Search, solid_and_patch_mesh};
-use crate::bounded::set_cover::cover;
 use crate::bounded::settings::Settings;
 use crate::control::{Control, Stage};
 use crate::decomposition::{
@@ -157,11 +157,9 @@ async fn pipeline(
 ) -> Result<Decomposition, Error> {
     let mut stages = Stages::new(control);
     let settings = opening_settings(parameters);
-    let repaired =
-        stages.run(Stage::Repair, |control| repair(mesh, settings.order, control)).await?;
-    let closed = stages
-        .run(Stage::Openings, |control| close_openings(repaired, mesh, &settings, control))
-        .await?;
+    let repaired = stages.run(Stage::Repair, || repair(mesh, settings.order, control)).await?;
+    let closed =
+        stages.run(Stage::Openings, || close_openings(repaired, mesh, &settings, control)).await?;
     let mut prepared = closed.prepared;
     let Outcome { hulls, grouped, bounded, surface, deadline_reached } = match parameters.method {
         Method::Bounded => bounded(&mut prepared, parameters, &mut stages).await?,
@@ -205,7 +203,7 @@ async fn bounded(
     stages: &mut Stages,
 ) -> Result<Outcome, Error> {
     round(&mut prepared.mesh);
-    let mut deadline = Deadline::new(stages.control());
+    let mut deadline = Deadline::new(&stages.control());
     let passes = Settings::of_preset(parameters, prepared.normalization.diagonal);
     let most = parameters.bounded.max_hulls.unwrap_or(usize::MAX);
     let searched = if most == usize::MAX { FINISHED } else { SEARCHED };
@@ -231,7 +229,7 @@ async fn bounded(
     stages.begin(FINISH, FINISHED..1.0);
     let Found { patches, hulls, .. } = &best;
     let asked = settings.bound.protrusion();
-    let restore = |_: &Control| Ok(BoundedResult::new(prepared, patches, hulls, asked));
+    let restore = || Ok(BoundedResult::new(prepared, patches, hulls, asked));
     let BoundedResult { hulls, grouped, report } = stages.run(Stage::Finalize, restore).await?;
     Ok(Outcome {
         hulls,
@@ -263,31 +261,20 @@ async fn search(
     stages: &mut Stages,
     deadline: &mut Deadline,
 ) -> Result<Found, Error> {
+    let control = &stages.control();
     let (solid, patch_mesh) = stages
-        .run(Stage::Solid, |control| solid_and_patch_mesh(prepared, solid, settings, control))
+        .run(Stage::Solid, || solid_and_patch_mesh(prepared, solid, settings, control))
         .await?;
     let settings = &deadline.for_patches(settings, stages.taken())?;
-    let mut patches = stages
-        .run(Stage::Patches, |control| divide_into_patches(patch_mesh, &solid, settings, control))
+    let patches = stages
+        .run(Stage::Patches, || divide_into_patches(patch_mesh, &solid, settings, control))
         .await?;
-    let taken = stages.taken();
-    let (pieces, conflicts) = stages
-        .run(Stage::Merge, |control| {
-            merge_patches(&Search { solid: &solid, patches: &patches, settings, control })
-        })
-        .await?;
-    patches.conflicts = conflicts;
-    let cover = stages
-        .run(Stage::Cover, |control| {
-            let control = &deadline.for_search(control, taken);
-            let cover = cover(&patches, pieces, &solid, settings, control);
-            deadline.end_search(control);
-            cover
-        })
-        .await?;
-    let hulls = stages
-        .run(Stage::Finalize, |control| finalize(&patches, cover, &solid, settings, control))
-        .await?;
+    let search = Search { solid: &solid, patches: &patches, settings, control };
+    let control = &deadline.for_search(control, stages.taken());
+    let pieces = stages.run(Stage::Merge, || merge(&search)).await?;
+    let cover = stages.run(Stage::Cover, || cover(&Search { control, ..search }, pieces)).await?;
+    deadline.end_search(control);
+    let hulls = stages.run(Stage::Finalize, || finalize(&search, cover)).await?;
     Ok(Found { solid, patches, hulls })
 }
 
@@ -329,9 +316,9 @@ async fn limit(
 async fn joined(found: Found, settings: &Settings, stages: &mut Stages) -> Result<Found, Error> {
     let Found { solid, patches, hulls: FinalHulls { hulls, uncovered } } = found;
     let most = settings.max_hulls.unwrap_or(usize::MAX);
-    let hulls = stages
-        .run(Stage::Limit, |control| limit_hulls(&hulls, most, &patches, &solid, settings, control))
-        .await?;
+    let control = &stages.control();
+    let search = Search { solid: &solid, patches: &patches, settings, control };
+    let hulls = stages.run(Stage::Limit, || limit_hulls(&search, &hulls, most)).await?;
     Ok(Found { solid, patches, hulls: FinalHulls { hulls, uncovered } })
 }
 

@@ -61,12 +61,12 @@ pub(crate) fn nth(part: Range<f32>, index: usize, count: usize) -> Range<f32> {
 
 /// What the stages of one decomposition run under, and how far it has come.
 pub(crate) struct Stages {
+    given: Control,
+    /// The given one, or for optional stages one whose deadline is a time limit.
     control: Control,
     plan: Plan,
     /// The part of the whole that the plan takes.
     part: Range<f32>,
-    /// Whether the plan's stages end at the deadline, wherever they are.
-    is_optional: bool,
     /// The last share that was reported.
     fraction: f32,
     times: Vec<StageTime>,
@@ -79,10 +79,10 @@ impl Stages {
     /// Repair and openings come first.
     pub(crate) fn new(control: &Control) -> Self {
         Self {
+            given: control.clone(),
             control: control.clone(),
             plan: PREPARE,
             part: 0.0..PREPARED,
-            is_optional: false,
             fraction: 0.0,
             times: Vec::new(),
             taken: Duration::ZERO,
@@ -92,7 +92,8 @@ impl Stages {
 
     /// Goes on to the stages of `plan`, which take `part` of the whole.
     pub(crate) fn begin(&mut self, plan: Plan, part: Range<f32>) {
-        (self.plan, self.part, self.is_optional) = (plan, part, false);
+        (self.plan, self.part) = (plan, part);
+        self.control = self.given.clone();
         self.taken = Duration::ZERO;
     }
 
@@ -100,7 +101,9 @@ impl Stages {
     /// deadline, with [`Error::DeadlineExceeded`].
     pub(crate) fn begin_pass(&mut self, part: Range<f32>, is_optional: bool) {
         self.begin(PASS, part);
-        self.is_optional = is_optional;
+        if is_optional {
+            self.control = self.given.with_hard_deadline();
+        }
     }
 
     /// Runs a stage, after a yield unless it is the first.
@@ -110,7 +113,7 @@ impl Stages {
     pub(crate) async fn run<T>(
         &mut self,
         stage: Stage,
-        work: impl FnOnce(&Control) -> Result<T, Error>,
+        work: impl FnOnce() -> Result<T, Error>,
     ) -> Result<T, Error> {
         self.run_slice(stage, 0.0, work).await
     }
@@ -123,19 +126,17 @@ impl Stages {
         &mut self,
         stage: Stage,
         share: f32,
-        work: impl FnOnce(&Control) -> Result<T, Error>,
+        work: impl FnOnce() -> Result<T, Error>,
     ) -> Result<T, Error> {
         if !self.times.is_empty() {
             yield_once().await;
         }
-        let optional = self.is_optional.then(|| self.control.with_hard_deadline());
-        let control = optional.as_ref().unwrap_or(&self.control);
-        control.check()?;
-        self.is_late |= control.is_past_deadline();
+        self.control.check()?;
+        self.is_late |= self.control.is_past_deadline();
         self.fraction = self.fraction.max(self.share_before(stage, share));
-        control.report(stage, self.fraction);
+        self.control.report(stage, self.fraction);
         let start = Instant::now();
-        let result = parallel::with(control.is_parallel(), || work(control));
+        let result = parallel::with(self.control.is_parallel(), work);
         self.add_time(stage, start.elapsed());
         result
     }
@@ -160,8 +161,9 @@ impl Stages {
         }
     }
 
-    pub(crate) fn control(&self) -> &Control {
-        &self.control
+    /// The control of the current plan.
+    pub(crate) fn control(&self) -> Control {
+        self.control.clone()
     }
 
     /// What the stages of the current plan have taken.

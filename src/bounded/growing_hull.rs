@@ -18,13 +18,13 @@ pub(crate) struct GrowingHull {
     pub outward: Vector,
     pub min: Vector,
     pub max: Vector,
-    /// As last set by the owner: [`current_volume`](Self::current_volume) takes O(faces).
+    /// Set by those who insert: [`current_volume`](Self::current_volume) takes O(faces).
     pub volume: f64,
 }
 
 impl GrowingHull {
     /// Copies another hull, reusing memory.
-    pub(super) fn copy_from(&mut self, other: &Self) {
+    pub fn copy_from(&mut self, other: &Self) {
         self.builder.clone_from(&other.builder);
         self.is_solid = other.is_solid;
         self.points.clone_from(&other.points);
@@ -84,6 +84,6 @@ impl GrowingHull {
     }
 }
 
-/// Points this near to a hull, in diagonals, do not change it during the search: far less than any
+/// Points within this fraction of the diagonal do not change a hull during the search: far less than any
 /// distance that counts, more than the rounding of repeated insertions.
 pub(super) const SEARCH_TOLERANCE: f64 = 1e-5;

@@ -3,35 +3,45 @@
 //!
 //! | stage | file | what it does |
 //! |---|---|---|
-//! | solid | `clustering/` | very dense meshes are searched through reduced ones |
+//! | solid | `clustering`, `vertex_clusters` | very dense meshes are searched through reduced ones |
 //! | | `containment/` | whether hulls stay within the bound of the solid |
-//! | | `cells/`, `refine`, `patches/patch_mesh` | the mesh that is divided: cut where its shape asks for it, long triangles halved |
-//! | patches | `patches/` | the surface is divided into patches |
-//! | merge | `piece`, `merge` | patches join into pieces |
-//! | cover | `set_cover/` | few pieces cover all patches, then shrink to those that they own |
+//! | | `patch_mesh` | the mesh that is divided: simplified, or cut into facets |
+//! | | `facets`, `cuts` | coarse meshes are cut where their shape requires it |
+//! | | `refine` | long triangles are halved, where the shape does not say where to cut |
+//! | patches | `patches`, `patch` | the surface is divided into patches |
+//! | merge | `merge` | patches join into pieces |
+//! | cover | `cover/` | few pieces cover all patches, then shrink to those that they own |
 //! | finalize | `finalize/` | pieces become verified hulls with few vertices |
-//! | limit | `hierarchy/`, `max_hulls` | hulls join beyond the bound, down to a cap; larger bounds are searched |
+//! | limit | `limit` | the cap on hulls: joins, and searches under larger bounds |
 //!
-//! What several stages use: `settings` (the bound, shares of it, and presets), `search` (solid, patches, settings
-//! and control), `deadline`, `growing_hull`, `patch_set`, `work` (counted in tests), and `output` (results in the
-//! input's units). `decomposition_hierarchy` joins the hulls of a finished decomposition, on demand.
+//! | used by several stages | |
+//! |---|---|
+//! | `settings` | the bound, shares of it, and presets |
+//! | `search` | solid, patches, settings and control |
+//! | `deadline` | what is left out where time is short |
+//! | `growing_hull`, `joins`, `work` | hulls that grow, pairs that may join, and counted work |
+//! | `join_tree`, `witness` | hulls join beyond the bound, the pair that protrudes least first |
+//! | `output` | results in the input's units |
 
-mod cells;
 mod clustering;
 pub(crate) mod containment;
+pub(crate) mod cover;
+mod cuts;
 pub(crate) mod deadline;
-pub(crate) mod decomposition_hierarchy;
+mod facets;
 pub(crate) mod finalize;
 mod growing_hull;
-mod hierarchy;
-pub(crate) mod max_hulls;
+pub(crate) mod join_tree;
+mod joins;
+pub(crate) mod limit;
 pub(crate) mod merge;
 pub(crate) mod output;
-mod patch_set;
+pub(crate) mod patch;
+mod patch_mesh;
 pub(crate) mod patches;
-mod piece;
 mod refine;
 pub(crate) mod search;
-pub(crate) mod set_cover;
 pub(crate) mod settings;
+mod vertex_clusters;
+mod witness;
 mod work;

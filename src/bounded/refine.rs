@@ -1,5 +1,5 @@
 //! Refinement: long triangles are halved, so that a mesh can be divided into patches where
-//! its shape asks for it and not only along its own edges. Dense meshes stay unchanged.
+//! its shape requires it and not only along its own edges. Dense meshes stay unchanged.
 //!
 //! Longest-edge bisection (Rivara, "Algorithms for refining triangular grids suitable for adaptive
 //! and multigrid techniques", 1984), with every triangle at a halved edge split.
@@ -42,7 +42,7 @@ pub(super) fn refine(mesh: &mut TriangleMesh, longest: f64) -> Vec<u32> {
     parents
 }
 
-/// Splits all triangles at halved edges, longest edge first. `is_end` tells which vertices are ends of those.
+/// Splits all triangles at halved edges, longest edge first. `is_end`: which vertices are ends of those.
 fn split(
     mesh: &mut TriangleMesh,
     parents: &mut Vec<u32>,
@@ -64,7 +64,7 @@ fn split(
             let halved = (0..3)
                 .filter_map(|k| {
                     let [a, b] = [triangle[k], triangle[(k + 1) % 3]];
-                    let middle = *middles.get(&ordered(a, b))?;
+                    let middle = *middles.get(&edge(a, b))?;
                     let [p, q] = [a, b].map(|vertex| mesh.positions[vertex as usize]);
                     Some((length_squared(subtract(p, q)), k, middle))
                 })
@@ -86,7 +86,8 @@ fn split(
     *parents = new_parents;
 }
 
-fn ordered(a: u32, b: u32) -> (u32, u32) {
+/// An edge as the key of a map: the smaller vertex first.
+pub(super) fn edge(a: u32, b: u32) -> (u32, u32) {
     (a.min(b), a.max(b))
 }
 
@@ -94,9 +95,9 @@ fn longest_edge(positions: &[Vector], triangle: [u32; 3]) -> ((u32, u32), f64) {
     let [a, b, c] = triangle;
     let squared =
         |a: u32, b: u32| length_squared(subtract(positions[a as usize], positions[b as usize]));
-    let mut longest = (ordered(a, b), squared(a, b));
+    let mut longest = (edge(a, b), squared(a, b));
     for (from, to) in [(b, c), (c, a)] {
-        let candidate = (ordered(from, to), squared(from, to));
+        let candidate = (edge(from, to), squared(from, to));
         if candidate.1 > longest.1 {
             longest = candidate;
         }

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::clustering::cluster;
 use super::containment::solid::Solid;
-use super::patches::patch::Patches;
-use super::patches::patch_mesh::PatchMesh;
+use super::patch::Patches;
+use super::patch_mesh::PatchMesh;
 use super::settings::Settings;
 use crate::control::Control;
 use crate::error::Error;

@@ -30,7 +30,7 @@ pub(crate) async fn decompose(
     parameters: &Parameters,
     stages: &mut Stages,
 ) -> Result<SurfaceResult, Error> {
-    let surface = &parameters.surface;
+    let (surface, control) = (&parameters.surface, &stages.control());
     let normalization = &prepared.normalization;
     let unit = match surface.unit {
         Length::Share(unit) => unit,
@@ -39,24 +39,22 @@ pub(crate) async fn decompose(
     let mut levels = Levels::new(surface);
     while !levels.is_complete() {
         let share = levels.share_done();
-        let simplify = |control: &Control| levels.make_next(prepared, surface, control);
+        let simplify = || levels.make_next(prepared, surface, control);
         stages.run_slice(Stage::Simplify, share, simplify).await?;
     }
     let mut levels = levels.finish();
     let mut is_cut_short = false;
     while !is_cut_short && next_level(&levels, surface).is_some() {
         let share = share_done(&levels, surface);
-        let search = |control: &Control| search(&mut levels, surface, unit, control);
+        let search = || search(&mut levels, surface, unit, control);
         stages.run_slice(Stage::Search, share, search).await?;
-        is_cut_short =
-            stages.control().is_past_deadline() && next_level(&levels, surface).is_some();
+        is_cut_short = control.is_past_deadline() && next_level(&levels, surface).is_some();
     }
     let selection = select(&levels, surface.resolution_cut_off).ok_or(Error::DeadlineExceeded)?;
     let level = levels.get(selection.level).ok_or(Error::DeadlineExceeded)?;
     let found = &selection.candidate;
     let significant = surface.significant_diagonal;
-    let merge =
-        |_: &Control| Ok(merge_groups(&level.mesh, &level.adjacency, &found.grouping, significant));
+    let merge = || Ok(merge_groups(&level.mesh, &level.adjacency, &found.grouping, significant));
     let grouping = stages.run(Stage::Merge, merge).await?;
     let hulls = hulls_of_groups(prepared, level.into(), &grouping, parameters, stages).await?;
     let report = SurfaceReport {
@@ -113,10 +111,10 @@ async fn hulls_of_groups(
     stages: &mut Stages,
 ) -> Result<Vec<Hull>, Error> {
     let (normalization, most) = (&prepared.normalization, parameters.max_vertices);
-    let make = |control: &Control| hulls(mesh, components, grouping, normalization, most, control);
+    let control = &stages.control();
+    let make = || hulls(mesh, components, grouping, normalization, most, control);
     let mut hulls = stages.run(Stage::Hulls, make).await?;
-    let assign =
-        |control: &Control| assign_source_triangles(prepared, mesh, grouping, &mut hulls, control);
+    let assign = || assign_source_triangles(prepared, mesh, grouping, &mut hulls, control);
     stages.run(Stage::Assign, assign).await?;
     Ok(hulls)
 }

@@ -3,10 +3,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::edge;
-use super::planar_groups::Plane;
+use super::refine::edge;
 use crate::geometry::vector::{Vector, add, area_normal, length_squared, scale, subtract};
 use crate::mesh::TriangleMesh;
+
+/// Squared area of a corner, as a share of the largest, that is rounding.
+const FLAT: f64 = 1e-16;
 
 /// A mesh that is being cut.
 pub(super) struct CutMesh {
@@ -36,16 +38,16 @@ struct Segment {
     triangle: Option<u32>,
 }
 
-/// Cuts along a plane from the edges of notches on. O(n) for n triangles, and O(m log m) for m of
+/// Cuts along a plane, given by heights over it, from the edges of notches on. O(n) for n triangles, and O(m log m) for m of
 /// them in the plane.
 pub(super) fn cut(
     mesh: &mut CutMesh,
-    plane: Plane,
+    height: impl Fn(Vector) -> f64,
     starts: impl Iterator<Item = (u32, u32)>,
     flatness: f64,
 ) {
     let side = |point: &Vector| {
-        let height = plane.height(*point);
+        let height = height(*point);
         if height.abs() <= flatness { 0.0 } else { height }
     };
     let heights: Vec<f64> = mesh.mesh.positions.iter().map(side).collect();
@@ -215,6 +217,3 @@ fn fill(mut outline: Vec<u32>, positions: &[Vector], triangles: &mut Vec<[u32; 3
         triangles.push([a, b, c]);
     }
 }
-
-/// Squared area of a corner, as a share of the largest, that is rounding.
-const FLAT: f64 = 1e-16;

@@ -1,17 +1,14 @@
-//! Dissolving: the patches that only one piece covers are handed to other pieces, which may let go
-//! of what is covered elsewhere. A local search for a smaller cover.
+//! Dissolving: other pieces take the patches that only one piece covers, and may let go of what is covered
+//! elsewhere. A local search for a smaller cover: O(p²) attempts for p pieces, within a budget of joint hulls.
 
 use std::collections::HashMap;
 use std::sync::Mutex;
 
-use super::coverage::Coverage;
+use super::coverage::{Coverage, area, drop_redundant};
 use super::grow::grow;
-use super::redundancy::{area, drop_redundant};
 use crate::bounded::containment::fit_tester::FitTester;
-use crate::bounded::containment::solid::Solid;
-use crate::bounded::patch_set::PatchSet;
-use crate::bounded::patches::patch::Patches;
-use crate::bounded::piece::Piece;
+use crate::bounded::patch::{PatchSet, Patches, Piece};
+use crate::bounded::search::Search;
 use crate::control::Control;
 use crate::error::Error;
 use crate::parallel;
@@ -22,24 +19,19 @@ const AT_ONCE: usize = 16;
 /// Comparing with this many pieces takes about as long as testing a joint hull.
 const PIECES_PER_ATTEMPT: usize = 16;
 
-/// What has turned out that a piece can't take: the patches that it must keep, those that it was asked for, and
-/// how many joint hulls it took to find out. Most pieces are attempted again and again, in covers that have
-/// changed elsewhere.
+/// Attempts in vain: the patches that a piece must keep, those of which it can take none, and how many joint
+/// hulls were tested. Most pieces are attempted again and again, in covers that have changed elsewhere.
 type Refusals = Mutex<HashMap<(PatchSet, PatchSet), usize>>;
 
 /// Dissolves pieces under a bound, those of least exclusive area first, until no piece can be
 /// dissolved or `budget` joint hulls have been tested.
-///
-/// # Errors
-/// [`Error::Cancelled`].
 pub(super) fn dissolve(
-    patches: &Patches,
+    search: &Search<'_>,
     pieces: &mut Vec<Piece>,
-    solid: &Solid,
     bound: f64,
     budget: usize,
-    control: &Control,
 ) -> Result<(), Error> {
+    let &Search { solid, patches, control, .. } = search;
     let refusals = Refusals::default();
     let mut spent = 0;
     'again: loop {
@@ -54,8 +46,9 @@ pub(super) fn dissolve(
             }
             let attempt = |&(_, k): &(f64, usize)| {
                 let tester = FitTester::new(solid, bound);
-                let mut attempt = Attempt { patches, tester, refusals: &refusals, known: 0 };
-                let dissolved = attempt.dissolve(pieces, coverage.clone(), k, control);
+                let refusals = &refusals;
+                let mut attempt = Attempt { patches, tester, refusals, known: 0, control };
+                let dissolved = attempt.dissolve(pieces, coverage.clone(), k);
                 (dissolved, attempt.tester.attempts + attempt.known)
             };
             let succeeds = |(dissolved, _): &(Result<Option<Vec<Piece>>, Error>, usize)| {
@@ -81,6 +74,7 @@ struct Attempt<'a> {
     refusals: &'a Refusals,
     /// Joint hulls that were tested by earlier attempts, and would have been again.
     known: usize,
+    control: &'a Control,
 }
 
 impl Attempt<'_> {
@@ -90,7 +84,6 @@ impl Attempt<'_> {
         pieces: &[Piece],
         mut coverage: Coverage,
         k: usize,
-        control: &Control,
     ) -> Result<Option<Vec<Piece>>, Error> {
         let patches = self.patches;
         let mut left = coverage.exclusive(&pieces[k].patches);
@@ -100,7 +93,7 @@ impl Attempt<'_> {
         for j in takers {
             // What only j covers, given what the others have become.
             let core = coverage.exclusive(&pieces[j].patches);
-            let Some(piece) = self.grown(&core, &left, control)? else { continue };
+            let Some(piece) = self.grown(&core, &left)? else { continue };
             left.difference_with(&piece.patches);
             coverage.remove(&pieces[j].patches);
             coverage.add(&piece.patches);
@@ -115,7 +108,7 @@ impl Attempt<'_> {
         let mut pieces = pieces.to_vec();
         let all = patches.all();
         for (j, mut piece) in changed {
-            grow(patches, &mut piece, &all, &mut self.tester, control)?;
+            grow(patches, &mut piece, &all, &mut self.tester, self.control)?;
             pieces[j] = piece;
         }
         pieces.remove(k);
@@ -123,12 +116,7 @@ impl Attempt<'_> {
     }
 
     /// The piece of some patches once it has taken what it can of others; `None` if that is nothing.
-    fn grown(
-        &mut self,
-        core: &PatchSet,
-        left: &PatchSet,
-        control: &Control,
-    ) -> Result<Option<Piece>, Error> {
+    fn grown(&mut self, core: &PatchSet, left: &PatchSet) -> Result<Option<Piece>, Error> {
         let key = (core.clone(), left.clone());
         if let Some(attempts) = parallel::lock(self.refusals).get(&key) {
             self.known += attempts;
@@ -136,7 +124,7 @@ impl Attempt<'_> {
         }
         let before = self.tester.attempts;
         let mut piece = Piece::new(self.patches, core);
-        grow(self.patches, &mut piece, left, &mut self.tester, control)?;
+        grow(self.patches, &mut piece, left, &mut self.tester, self.control)?;
         if piece.patches != *core {
             return Ok(Some(piece));
         }

@@ -1,15 +1,15 @@
 //! Filling: hulls of large patches cover the surface and may leave the inside of a solid hollow,
-//! above all after pieces have shrunk to what they own. Points inside that no piece contains are
-//! given back to a piece that contained them before, or to one that can grow over them.
+//! above all after pieces have shrunk to what they own. Points inside that no piece contains go back
+//! to a piece that contained them before, or to one that can grow over them.
 //!
-//! The number of hulls stays the same. O(points · faces of all pieces), and a limited number of
+//! There are as many hulls as before. O(points · faces of all pieces), and a limited number of
 //! joint hulls.
 
 use crate::bounded::containment::fit_tester::FitTester;
 use crate::bounded::containment::solid::Solid;
 use crate::bounded::growing_hull::GrowingHull;
-use crate::bounded::piece::Piece;
-use crate::control::Control;
+use crate::bounded::patch::Piece;
+use crate::bounded::search::Search;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, bounds};
 
@@ -22,7 +22,7 @@ const MIN_POINTS: usize = 2;
 /// Joint hulls that are tested for points that no piece has contained.
 const MAX_ATTEMPTS: usize = 48;
 
-/// Points this near to a hull, in diagonals, count as covered.
+/// Points this near to a hull count as covered. As a fraction of the diagonal.
 const COVERED: f64 = 1e-3;
 
 /// Irrational steps of a low-discrepancy sequence in three dimensions (Roberts, "The unreasonable
@@ -31,18 +31,13 @@ const STEPS: [f64; 3] = [0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549
 
 /// Extends pieces over points inside the solid that none contains. `before` are pieces that fit,
 /// before they shrank.
-///
-/// # Errors
-/// [`Error::Cancelled`].
 pub(super) fn fill(
     pieces: &mut [Piece],
     before: &[Piece],
-    solid: &Solid,
-    bound: f64,
-    control: &Control,
+    search: &Search<'_>,
 ) -> Result<(), Error> {
-    let mut hollow = hollow(pieces, solid);
-    control.check()?;
+    let mut hollow = hollow(pieces, search.solid);
+    search.control.check()?;
     while hollow.len() >= MIN_POINTS {
         // A piece is extended by a piece before that has the same patches, and others.
         let gain =
@@ -67,20 +62,18 @@ pub(super) fn fill(
             break;
         }
     }
-    grow_over(pieces, hollow, solid, bound, control)
+    grow_over(pieces, hollow, search)
 }
 
 /// Extends pieces by single points.
 fn grow_over(
     pieces: &mut [Piece],
     mut hollow: Vec<Vector>,
-    solid: &Solid,
-    bound: f64,
-    control: &Control,
+    search: &Search<'_>,
 ) -> Result<(), Error> {
-    let mut tester = FitTester::new(solid, bound);
+    let mut tester = FitTester::new(search.solid, search.settings.bound.search());
     while let Some(point) = hollow.pop() {
-        control.check()?;
+        search.control.check()?;
         let single = [point];
         let mut order: Vec<(f64, usize)> = pieces
             .iter()

@@ -1,54 +1,40 @@
 //! The cap on hulls: hulls join, even beyond the bound, until few enough are left.
 //!
+//! Takes the final hulls of a pass, gives at most as many as the cap allows, and the bound of the next pass.
+//!
 //! Joining one pair after the other ends with more error than a search under a larger bound, which
 //! divides the surface anew. So the search is repeated under larger bounds, and of all results that
 //! keep the cap the one with the least error stays. Of 56 caps on 18 meshes, a slightly smaller
 //! bound than the error ends with as few hulls for 16, with an error that is 1.13 times smaller at
 //! most; with three searches instead of six it does for 41. The three others take a third more time.
 
-use super::containment::solid::Solid;
-use super::finalize::final_hull::FinalHull;
-use super::hierarchy::Hierarchy;
-use super::patch_set::PatchSet;
-use super::patches::patch::Patches;
-use super::settings::Settings;
-use crate::control::Control;
+use super::finalize::final_hull::{FinalHull, Represented};
+use super::join_tree::JoinTree;
+use super::search::Search;
 use crate::error::Error;
 
-/// Joins hulls until no more than `most` are left. See [`Hierarchy::new`].
-///
-/// # Errors
-/// [`Error::Cancelled`].
+/// Joins hulls until no more than `most` are left. See [`JoinTree::new`].
 pub(crate) fn limit_hulls(
+    search: &Search<'_>,
     hulls: &[FinalHull],
     most: usize,
-    patches: &Patches,
-    solid: &Solid,
-    settings: &Settings,
-    control: &Control,
 ) -> Result<Vec<FinalHull>, Error> {
+    let &Search { solid, patches, settings, control } = search;
     let leaves = hulls.iter().map(|hull| (hull.hull.clone(), hull.protrusion)).collect();
-    let hierarchy = Hierarchy::new(leaves, most, solid, settings, control)?;
+    let tree = JoinTree::new(leaves, most, solid, settings, control)?;
     let mut limited = Vec::new();
-    for index in hierarchy.state(hierarchy.joins()) {
-        let leaves = hierarchy.leaves_of(index);
+    for index in tree.state(tree.joins()) {
+        let leaves = tree.leaves_below(index);
         let members: Vec<&FinalHull> = leaves.iter().filter_map(|&leaf| hulls.get(leaf)).collect();
         let Some(first) = members.first() else { continue };
-        let node = &hierarchy.nodes[index];
+        let node = &tree.nodes[index];
         let largest = |value: fn(&FinalHull) -> f64| {
             members.iter().map(|&hull| value(hull)).fold(0.0, f64::max)
         };
-        let mut set = PatchSet::empty(patches.count());
-        members.iter().for_each(|hull| set.union_with(&hull.patches));
-        // Another hull may represent the rest of a divided patch.
-        let has_parts = members.iter().any(|hull| hull.part.is_some());
-        let part =
-            has_parts.then(|| members.iter().flat_map(|hull| hull.triangles(patches)).collect());
+        let represented: Vec<&Represented> = members.iter().map(|hull| &hull.represents).collect();
         limited.push(FinalHull {
             hull: node.hull.clone(),
-            patches: set,
-            part,
-            inner_points: Vec::new(),
+            represents: Represented::union(&represented, patches),
             added_thickness: largest(|hull| hull.added_thickness),
             simplification_growth: node.growth.max(largest(|hull| hull.simplification_growth)),
             protrusion: node.protrusion,

@@ -6,7 +6,7 @@
 //! the position, so its depth is subtracted. That makes each bound valid for all hulls that contain
 //! the two, once the plane has moved.
 
-use crate::bounded::containment::solid::Solid;
+use super::containment::solid::Solid;
 use crate::geometry::vector::{Vector, add, cross, dot, length, normalize, scale, subtract};
 
 /// A point outside of the solid, and the direction in which it is near to a joint hull's surface.
@@ -23,11 +23,11 @@ pub(super) struct Witness {
 /// gives a valid bound.
 const STEPS: usize = 4;
 
-/// Shares of a bridge at which the solid's distance is asked.
+/// Shares of a bridge at which the distance to the solid is queried.
 const MIDDLE: [f64; 1] = [0.5];
 const ALONG: [f64; 3] = [0.5, 0.25, 0.75];
 
-/// How many bridges are looked at.
+/// How many bridges are tried.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Effort {
     /// Four, at their middle: they rule out most pairs.
@@ -37,8 +37,7 @@ pub(super) enum Effort {
 }
 
 impl Witness {
-    /// No point of a joint hull's surface is nearer to the solid than this, if its parts do not
-    /// reach beyond this support in the witness's normal. Negative if it says nothing.
+    /// The joint hull of two hulls protrudes at least as far. Negative if the witness is too deep in it.
     pub fn bound(&self, hulls: [&[Vector]; 2]) -> f64 {
         if self.distance == 0.0 {
             return 0.0;
@@ -118,9 +117,9 @@ fn bridge(hulls: [&[Vector]; 2], across: Vector, along: Vector) -> Option<(Vecto
 fn support(points: &[Vector], direction: Vector) -> (Vector, f64) {
     let mut best = ([0.0; 3], f64::NEG_INFINITY);
     for &point in points {
-        let reach = dot(point, direction);
-        if reach > best.1 {
-            best = (point, reach);
+        let height = dot(point, direction);
+        if height > best.1 {
+            best = (point, height);
         }
     }
     best

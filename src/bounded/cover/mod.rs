@@ -1,41 +1,35 @@
-//! Set cover: few pieces that together contain all patches.
+//! Cover: few pieces that together contain all patches.
+//!
+//! Takes the pieces of merging, gives fewer of them, each patch with one owner. A set cover by local search.
 //!
 //! | file | contents |
 //! |---|---|
-//! | `coverage` | how many pieces cover each patch |
-//! | `grow` | each piece takes the patches that it can |
-//! | `redundancy` | pieces all of whose patches others cover are dropped |
-//! | `dissolve` | pieces hand their patches to others and disappear |
-//! | `assign_owners` | each patch stays with one piece |
+//! | `grow` | each piece takes the patches that fit |
+//! | `coverage` | pieces that others cover are dropped; each patch stays with one piece |
+//! | `dissolve` | pieces leave their patches to others and disappear |
 //! | `fill` | pieces extend over what they have left hollow |
 
-pub(super) mod assign_owners;
-mod coverage;
+pub(super) mod coverage;
 mod dissolve;
 mod fill;
 mod grow;
-mod redundancy;
 
 use super::containment::fit_tester::FitTester;
-use super::containment::solid::Solid;
-use super::patches::patch::Patches;
-use super::piece::Piece;
-use super::settings::Settings;
-use crate::control::Control;
+use super::patch::Piece;
+use super::search::Search;
 use crate::error::Error;
 use crate::parallel;
-use assign_owners::assign_owners;
+use coverage::{area, assign_owners, drop_redundant};
 use dissolve::dissolve;
 use fill::fill;
 use grow::grow;
-use redundancy::{area, drop_redundant};
 
 /// Share of the first round's budget that the last round of dissolving may spend: more than nearly
 /// all meshes need. Without a budget, a mesh of 464 hulls took ten times as long.
 const LAST_ROUND_BUDGET: f64 = 0.1;
 
 /// Few pieces that cover all patches.
-pub(crate) struct SetCover {
+pub(crate) struct Cover {
     /// Each patch belongs to one of them.
     pub pieces: Vec<Piece>,
     /// The pieces before the last round of dissolving, if it dissolved any. They overlap.
@@ -43,46 +37,30 @@ pub(crate) struct SetCover {
 }
 
 /// Covers all patches with fewer pieces.
-///
-/// # Errors
-/// [`Error::Cancelled`].
-pub(crate) fn cover(
-    patches: &Patches,
-    pieces: Vec<Piece>,
-    solid: &Solid,
-    settings: &Settings,
-    control: &Control,
-) -> Result<SetCover, Error> {
+pub(crate) fn cover(search: &Search<'_>, pieces: Vec<Piece>) -> Result<Cover, Error> {
     if pieces.len() < 2 {
-        return Ok(SetCover { pieces, before_last_round: None });
+        return Ok(Cover { pieces, before_last_round: None });
     }
-    let mut pieces = grow_all(patches, pieces, solid, settings, control)?;
+    let &Search { solid, patches, settings, control } = search;
+    let mut pieces = grow_all(search, pieces)?;
     drop_redundant(patches, &mut pieces);
     let budget = settings.dissolve_attempts;
-    dissolve(patches, &mut pieces, solid, settings.bound.search(), budget, control)?;
+    dissolve(search, &mut pieces, settings.bound.search(), budget)?;
     let before = pieces.clone();
     let budget = (LAST_ROUND_BUDGET * budget as f64) as usize;
-    dissolve(patches, &mut pieces, solid, settings.bound.last_round(), budget, control)?;
+    dissolve(search, &mut pieces, settings.bound.last_round(), budget)?;
     let before_last_round = (pieces.len() < before.len()).then_some(before);
     let mut owned = assign_owners(patches, &pieces, control)?;
     if solid.is_coarse() && solid.is_closed() {
-        fill(&mut owned, &pieces, solid, settings.bound.search(), control)?;
+        fill(&mut owned, &pieces, search)?;
     }
-    Ok(SetCover { pieces: owned, before_last_round })
+    Ok(Cover { pieces: owned, before_last_round })
 }
 
-/// Pieces that have taken the patches that they can, those of the largest area first. One that others cover by
+/// Pieces that have taken the patches that fit, those of the largest area first. One that others cover by
 /// then is left out.
-///
-/// # Errors
-/// [`Error::Cancelled`].
-fn grow_all(
-    patches: &Patches,
-    mut pieces: Vec<Piece>,
-    solid: &Solid,
-    settings: &Settings,
-    control: &Control,
-) -> Result<Vec<Piece>, Error> {
+fn grow_all(search: &Search<'_>, mut pieces: Vec<Piece>) -> Result<Vec<Piece>, Error> {
+    let &Search { solid, patches, settings, control } = search;
     let all = patches.all();
     let grow_one = |piece: &Piece| {
         control.check()?;

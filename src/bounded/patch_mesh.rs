@@ -1,14 +1,15 @@
-//! The mesh that is divided into patches: a dense source simplified and refined, a coarse one cut into cells.
+//! The mesh that is divided into patches: a dense source simplified and refined, a coarse one cut into facets.
 //!
-//! Each of its triangles represents the source's surface that is closest to it. So the hulls of
-//! patches cover the source and not only what simplification left of it.
+//! Takes the repaired mesh or the clustered one, gives the mesh of which patches are made. Each of its triangles
+//! represents the source's surface that is closest to it. So the hulls of patches cover the source and not only
+//! what simplification left of it.
 
+use super::clustering::Clustered;
+use super::containment::triangle::centre;
+use super::facets::{Facets, facets};
 use super::patch::Patch;
-use crate::bounded::cells::{Cells, cells};
-use crate::bounded::clustering::Clustered;
-use crate::bounded::containment::triangle::centre;
-use crate::bounded::refine::refine;
-use crate::bounded::settings::{COARSE, Settings};
+use super::refine::refine;
+use super::settings::{COARSE, Settings};
 use crate::bvh::Bvh;
 use crate::bvh::closest_triangles::closest_triangles;
 use crate::control::Control;
@@ -27,8 +28,8 @@ pub(crate) struct PatchMesh {
     pub parents: Vec<u32>,
     /// For each triangle of `mesh` those of `surface` that it represents.
     pub represented: Vec<Vec<u32>>,
-    /// For each triangle of `mesh` its cell: patches end at borders of cells.
-    pub cells: Vec<u32>,
+    /// For each triangle of `mesh` its facet: patches end at borders of facets.
+    pub facets: Vec<u32>,
     /// For each triangle of `mesh` its planar group, and the part of it between cuts that it is
     /// in. Empty where the mesh was not cut.
     pub planes: Vec<u32>,
@@ -36,19 +37,16 @@ pub(crate) struct PatchMesh {
 }
 
 impl PatchMesh {
-    /// A source of few triangles is divided into cells. The surface of a clustered mesh is not
+    /// A source of few triangles is divided into facets. The surface of a clustered mesh is not
     /// refined: what its triangles represent has been.
-    ///
-    /// # Errors
-    /// [`Error::Cancelled`], and [`Error::Simplification`] where memory is short.
-    pub(in crate::bounded) fn new(
+    pub(crate) fn new(
         prepared: &PreparedMesh,
         clustered: Option<&Clustered>,
         settings: &Settings,
         control: &Control,
     ) -> Result<Self, Error> {
         if clustered.is_none() && prepared.mesh.triangles.len() <= COARSE {
-            return Ok(Self::of_cells(prepared, settings));
+            return Ok(Self::from_facets(prepared, settings));
         }
         let (source, source_components) = match clustered {
             Some(clustered) => (&clustered.mesh, &clustered.components),
@@ -71,7 +69,7 @@ impl PatchMesh {
             };
             let components = select(&select(&origins, &parents), source_components);
             let represented = first_parts(&origins);
-            return Ok(Self::without_cells(mesh, components, surface, parents, represented));
+            return Ok(Self::without_facets(mesh, components, surface, parents, represented));
         }
         let mut simplified = simplify(source, source_components, settings.triangles, control)?;
         control.check()?;
@@ -91,30 +89,30 @@ impl PatchMesh {
                 list.push(triangle as u32);
             }
         }
-        Ok(Self::without_cells(mesh, components, surface, parents, represented))
+        Ok(Self::without_facets(mesh, components, surface, parents, represented))
     }
 
-    /// The source itself, cut into cells.
-    fn of_cells(prepared: &PreparedMesh, settings: &Settings) -> Self {
-        let Cells { mesh, parents, planes, parts, cells } = cells(&prepared.mesh, settings);
+    /// The source itself, cut into facets.
+    fn from_facets(prepared: &PreparedMesh, settings: &Settings) -> Self {
+        let Facets { mesh, parents, planes, parts, facets } = facets(&prepared.mesh, settings);
         let components =
             parents.iter().map(|&parent| prepared.components[parent as usize]).collect();
         let represented = (0..mesh.triangles.len() as u32).map(|triangle| vec![triangle]).collect();
         let surface = mesh.clone();
-        Self { mesh, components, surface, parents, represented, cells, planes, parts }
+        Self { mesh, components, surface, parents, represented, facets, planes, parts }
     }
 
-    /// A mesh each of whose triangles is a cell.
-    fn without_cells(
+    /// A mesh each of whose triangles is a facet.
+    fn without_facets(
         mesh: TriangleMesh,
         components: Vec<u32>,
         surface: TriangleMesh,
         parents: Vec<u32>,
         represented: Vec<Vec<u32>>,
     ) -> Self {
-        let cells = (0..mesh.triangles.len() as u32).collect();
+        let facets = (0..mesh.triangles.len() as u32).collect();
         let (planes, parts) = (Vec::new(), Vec::new());
-        Self { mesh, components, surface, parents, represented, cells, planes, parts }
+        Self { mesh, components, surface, parents, represented, facets, planes, parts }
     }
 
     /// The patch of some triangles. `reducer` drops points within its tolerance of their hull.
