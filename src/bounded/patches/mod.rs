@@ -27,7 +27,7 @@ use crate::geometry::vector::length;
 use crate::hull::HullBuilder;
 use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
 use crate::parallel;
-use crate::surface::grouping::{group, members};
+use crate::mesh::grouping::{group, members};
 use division::divide;
 use patch::{Patch, Patches};
 use patch_mesh::PatchMesh;

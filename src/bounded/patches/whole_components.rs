@@ -11,7 +11,7 @@ use crate::error::Error;
 use crate::geometry::vector::{Vector, length_squared, subtract};
 use crate::hull::HullBuilder;
 use crate::parallel;
-use crate::surface::grouping::members;
+use crate::mesh::grouping::members;
 
 /// Points of a whole component nearer to its hull than this share of its thickness are left out.
 /// With the patch tolerance alone, a thin plate would keep hardly more than four corners.
