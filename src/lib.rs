@@ -142,11 +142,13 @@ mod control;
 #[cfg(feature = "bake")]
 pub mod conventions;
 mod decompose;
+mod decomposer;
 mod decomposition;
 mod error;
 mod geometry;
 pub mod hull;
 pub mod hulls_format;
+mod input;
 mod inspect;
 #[doc(hidden)]
 pub mod internals;
@@ -165,12 +167,14 @@ pub mod rapier;
 #[cfg(feature = "io")]
 pub mod render;
 mod single_hull;
+mod stages;
 pub mod surface;
 #[cfg(feature = "viewer")]
 pub mod viewer;
 
 pub use control::{Control, Progress, Stage};
-pub use decompose::{Decomposer, decompose};
+pub use decompose::decompose;
+pub use decomposer::Decomposer;
 pub use decomposition::{
     ALGORITHM_VERSION, Decomposition, GroupedMesh, Hull, HullErrors, Provenance, Report, RunReport,
     StageTime,

@@ -5,12 +5,14 @@ use std::fmt;
 use std::str::FromStr;
 
 use crate::control::Control;
-use crate::decompose::{Decomposer, decompose};
+use crate::decompose;
+use crate::decomposer::Decomposer;
 use crate::decomposition::{Decomposition, Report};
 use crate::error::Error;
 use crate::geometry::MeshView;
+use crate::input::admit;
 use crate::parameters::{Field, Openings, Parameters, ParseError, differing, items};
-use crate::single_hull::single_hull;
+use crate::single_hull;
 use crate::surface::{self, SurfaceParameters, SurfaceReport};
 
 /// A method with its parameters.
@@ -101,16 +103,47 @@ impl Method {
     ) -> Result<Decomposition<MethodReport>, Error> {
         match self {
             Self::Bounded(parameters) => {
-                decompose(mesh, parameters, control).map(with_method_report)
+                decompose::decompose(mesh, parameters, control).map(with_method_report)
             }
             Self::Surface(parameters) => {
                 surface::decompose(mesh, parameters, control).map(with_method_report)
             }
             Self::Hull(parameters) => {
                 parameters.validate()?;
-                single_hull(mesh, parameters.max_vertices, control).map(with_method_report)
+                single_hull::single_hull(mesh, parameters.max_vertices, control).map(with_method_report)
             }
         }
+    }
+
+    /// The same in time slices.
+    ///
+    /// # Errors
+    /// As [`Decomposer::new`].
+    pub fn decomposer<'a>(
+        &self,
+        mesh: impl Into<MeshView<'a>>,
+        control: &Control,
+    ) -> Result<Decomposer<MethodReport>, Error> {
+        let mesh = mesh.into();
+        self.validate()?;
+        admit(mesh, control)?;
+        let (method, mesh, control) = (self.clone(), mesh.to_owned(), control.clone());
+        Ok(Decomposer::of(async move {
+            let (mesh, control) = (mesh.view(), &control);
+            match &method {
+                Self::Bounded(parameters) => {
+                    decompose::pipeline(mesh, parameters, control).await.map(with_method_report)
+                }
+                Self::Surface(parameters) => {
+                    let work = surface::decompose::pipeline(mesh, parameters, control);
+                    work.await.map(with_method_report)
+                }
+                Self::Hull(Parameters { max_vertices, .. }) => {
+                    let work = single_hull::pipeline(mesh, *max_vertices, control);
+                    work.await.map(with_method_report)
+                }
+            }
+        }))
     }
 }
 

@@ -45,7 +45,9 @@ impl DecompositionHierarchy {
             let (hull, verified) = normalized(hull, index, &normalization)?;
             let protrusion = match verified {
                 Some(protrusion) => protrusion,
-                None => protrusion(&hull, &solid, settings.bound, f64::INFINITY, control)?,
+                None => {
+                    protrusion(&hull, &solid, settings.bound.protrusion(), f64::INFINITY, control)?
+                }
             };
             leaves.push((hull, protrusion));
         }
@@ -53,7 +55,7 @@ impl DecompositionHierarchy {
             hierarchy: Hierarchy::new(leaves, 1, &solid, &settings, control)?,
             normalization,
             surface: prepared.mesh,
-            cover_tolerance: settings.cover_tolerance,
+            cover_tolerance: settings.bound.tolerance(),
         })
     }
 

@@ -7,7 +7,7 @@ use crate::hull::{HullBuilder, Shape};
 
 /// The hull of the points inserted so far.
 #[derive(Debug, Clone, Default)]
-pub(super) struct GrowingHull {
+pub(crate) struct GrowingHull {
     /// Contains the hull if `is_solid`.
     pub builder: HullBuilder,
     /// Whether the hull has volume.

@@ -19,7 +19,7 @@ use crate::error::Error;
 ///
 /// # Errors
 /// [`Error::Cancelled`].
-pub(super) fn limit_hulls(
+pub(crate) fn limit_hulls(
     hulls: &[FinalHull],
     most: usize,
     patches: &Patches,
@@ -70,7 +70,7 @@ const NEXT_BOUND: f64 = 0.85;
 const LEAST_GAIN: f64 = 1.01;
 
 /// The search for the least bound that ends with few enough hulls.
-pub(super) struct BoundSearch {
+pub(crate) struct BoundSearch {
     /// The largest bound that ended with too many hulls.
     refused: f64,
     /// Whether that is a bound of this search.
@@ -80,18 +80,18 @@ pub(super) struct BoundSearch {
 
 impl BoundSearch {
     /// `bound` ended with too many hulls.
-    pub(super) fn new(bound: f64) -> Self {
+    pub(crate) fn new(bound: f64) -> Self {
         Self { refused: bound, is_near: false, searches: 0 }
     }
 
     /// `bound` ended with too many hulls, too.
-    pub(super) fn refuse(&mut self, bound: f64) {
+    pub(crate) fn refuse(&mut self, bound: f64) {
         self.is_near |= bound > self.refused;
         self.refused = self.refused.max(bound);
     }
 
     /// The bound to try next, where `error` is the least so far; `None` if there is little to gain.
-    pub(super) fn next_bound(&mut self, error: f64) -> Option<f64> {
+    pub(crate) fn next_bound(&mut self, error: f64) -> Option<f64> {
         if self.searches == SEARCHES || error < LEAST_GAIN * self.refused {
             return None;
         }
@@ -101,7 +101,7 @@ impl BoundSearch {
     }
 
     /// The share of the searches that is done, where `share` is that of the current one.
-    pub(super) fn progress(&self, share: f32) -> f32 {
+    pub(crate) fn progress(&self, share: f32) -> f32 {
         (self.searches.saturating_sub(1) as f32 + share) / SEARCHES as f32
     }
 }

@@ -12,6 +12,7 @@ use super::patch_set::PatchSet;
 use super::patches::conflicts::Conflicts;
 use super::patches::patch::Patches;
 use super::piece::Piece;
+use super::search::Search;
 use crate::control::Control;
 use crate::error::Error;
 use crate::parallel;
@@ -250,12 +251,28 @@ fn are_near(a: &GrowingHull, b: &GrowingHull, gap: f64) -> bool {
     (0..3).all(|k| a.min[k] <= b.max[k] + gap && b.min[k] <= a.max[k] + gap)
 }
 
+/// Merges patches into pieces, and on other threads meanwhile finds all conflicts between patches.
+///
+/// # Errors
+/// [`Error::Cancelled`].
+pub(crate) fn merge_patches(search: &Search<'_>) -> Result<(Vec<Piece>, Vec<PatchSet>), Error> {
+    let &Search { solid, patches, settings, control } = search;
+    let bound = settings.bound.search();
+    let conflicts = Conflicts::new(patches, solid, bound);
+    let mut tester = FitTester::new(solid, bound);
+    let (pieces, all_conflicts) = parallel::join(
+        || merge(patches, &conflicts, &mut tester, control),
+        || conflicts.all(control),
+    );
+    Ok((pieces?, all_conflicts?))
+}
+
 /// Joins the blocks of patches into pieces: first neighbours across an edge, then all that are near
 /// each other. O(k²) pairs for k pieces of the first round.
 ///
 /// # Errors
 /// [`Error::Cancelled`].
-pub(super) fn merge<'a>(
+fn merge<'a>(
     patches: &Patches,
     conflicts: &Conflicts<'a>,
     tester: &mut FitTester<'a>,

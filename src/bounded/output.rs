@@ -10,7 +10,6 @@ use crate::parallel;
 
 /// Hulls in the input's units, and what was verified about them.
 pub(crate) struct BoundedResult {
-    pub prepared: PreparedMesh,
     pub hulls: Vec<Hull>,
     pub grouped: GroupedMesh,
     pub report: Report,
@@ -18,8 +17,8 @@ pub(crate) struct BoundedResult {
 
 impl BoundedResult {
     /// `bound` in diagonals.
-    pub(super) fn new(
-        prepared: PreparedMesh,
+    pub(crate) fn new(
+        prepared: &PreparedMesh,
         patches: &Patches,
         FinalHulls { hulls, uncovered }: &FinalHulls,
         bound: f64,
@@ -52,7 +51,7 @@ impl BoundedResult {
             }
             .restored(&normalization)
         });
-        Self { prepared, hulls, grouped, report }
+        Self { hulls, grouped, report }
     }
 }
 

@@ -4,7 +4,7 @@ use fixedbitset::FixedBitSet;
 
 /// A set of patches, given by their indices.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Hash)]
-pub(super) struct PatchSet(FixedBitSet);
+pub(crate) struct PatchSet(FixedBitSet);
 
 impl PatchSet {
     /// The empty set, for patches `0..count`.

@@ -7,7 +7,7 @@ use crate::geometry::vector::{Vector, add};
 
 /// Patches and their hull.
 #[derive(Debug, Clone)]
-pub(super) struct Piece {
+pub(crate) struct Piece {
     pub patches: PatchSet,
     pub hull: GrowingHull,
     /// Vertices of the hull, where other pieces are going to join it; empty otherwise.

@@ -4,13 +4,14 @@ use std::borrow::Cow;
 
 use crate::bvh::Bvh;
 use crate::bvh::closest_triangles::closest_labels;
-use crate::control::Control;
+use crate::control::{Control, Stage};
 use crate::decomposition::{GroupedMesh, Hull, HullErrors, Provenance};
 use crate::error::Error;
 use crate::geometry::vector::{Vector, add, area_normal};
 use crate::hull::{ConvexHull, HullBuilder, LEAST_THICKNESS, cap_vertices, solid_hull};
 use crate::mesh::grouping::{Grouping, corners, group_vertices, members};
 use crate::mesh::{Normalization, PreparedMesh, TriangleMesh};
+use crate::stages::Stages;
 
 /// A mesh whose triangles are grouped: each group is a piece, and becomes a hull.
 #[derive(Debug, Clone, Copy)]
@@ -98,6 +99,24 @@ impl Pieces<'_> {
             hull.provenance.source_triangles.dedup();
         }
         Ok(())
+    }
+
+    /// Both of the above, as the last stages of a method.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
+    pub(crate) async fn finish(
+        &self,
+        prepared: &PreparedMesh,
+        max_vertices: Option<usize>,
+        stages: &mut Stages,
+    ) -> Result<Vec<Hull>, Error> {
+        let make = |control: &Control| self.hulls(&prepared.normalization, max_vertices, control);
+        let mut hulls = stages.run(Stage::Hulls, make).await?;
+        let assign =
+            |control: &Control| self.assign_source_triangles(prepared, &mut hulls, control);
+        stages.run(Stage::Assign, assign).await?;
+        Ok(hulls)
     }
 
     /// The mesh and its groups, in the input's units.

@@ -65,11 +65,12 @@ pub(super) struct Cells {
 
 /// Divides a surface into cells. O(n log n) for n triangles and each plane.
 pub(super) fn cells(mesh: &TriangleMesh, settings: &Settings) -> Cells {
-    let flatness = FLATNESS * settings.bound;
+    let flatness = FLATNESS * settings.bound.protrusion();
     let adjacency = Adjacency::new(mesh);
     let groups = planar_groups(mesh, &adjacency, flatness);
-    let deepest = SHALLOW * settings.bound;
-    let notches = notches(mesh, &adjacency, &groups, flatness, LEAST_DEPTH * settings.bound);
+    let deepest = SHALLOW * settings.bound.protrusion();
+    let notches =
+        notches(mesh, &adjacency, &groups, flatness, LEAST_DEPTH * settings.bound.protrusion());
     let is_shallow = notches.iter().any(|notch| notch.depth <= deepest);
     let mut cut_mesh = CutMesh::new(mesh.clone(), groups.labels.clone());
     let most = MAX_GROWTH * mesh.triangles.len() + MAX_ADDED;

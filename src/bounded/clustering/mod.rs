@@ -56,7 +56,7 @@ const MAX_CLUSTER_SHARE: f64 = 1.0 / 64.0;
 const EXPECTED: f64 = 1.01;
 
 /// A reduced mesh, and the surface that it represents.
-pub(super) struct Clustered {
+pub(crate) struct Clustered {
     /// The source, its long triangles halved.
     pub surface: Arc<TriangleMesh>,
     /// For each triangle of `surface` the prepared mesh's triangle that it is a part of.
@@ -88,7 +88,12 @@ pub(super) fn cluster(
     if settings.keep_cavities {
         return Ok(None);
     }
-    let clustered = Clustered::new(prepared, settings.bound, settings.longest_edge, control)?;
+    let clustered = Clustered::new(
+        prepared,
+        settings.bound.protrusion(),
+        settings.bound.longest_edge(),
+        control,
+    )?;
     Ok(clustered.map(Arc::new))
 }
 

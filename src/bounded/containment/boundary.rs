@@ -66,7 +66,7 @@ struct Group {
 
 /// The boundary of a surface. See the module.
 #[derive(Default)]
-pub(in crate::bounded) struct Boundary {
+pub(crate) struct Boundary {
     edges: Vec<Edge>,
     /// A tree: each group is followed by those within it.
     groups: Vec<Group>,

@@ -33,7 +33,7 @@ const LARGE: f64 = 3.0;
 
 /// Scratch memory of the fit test.
 #[derive(Default)]
-pub(in crate::bounded) struct FitScratch {
+pub(crate) struct FitScratch {
     /// Parts of a face, and whether the surface may cross them.
     stack: Vec<([Vector; 3], bool)>,
     remainder: Remainder,

@@ -24,7 +24,7 @@ pub(super) mod fit_tester;
 pub(super) mod inside;
 mod polygon;
 pub(super) mod remainder;
-pub(super) mod solid;
+pub(crate) mod solid;
 pub(super) mod suspects;
 mod swept;
 pub(super) mod triangle;

@@ -30,7 +30,7 @@ pub(super) const DOUBT: f64 = 1.5;
 const SINGLE_PRECISION: f64 = 1e-6;
 
 /// The source mesh as a solid, or a reduced one that represents it.
-pub(in crate::bounded) struct Solid {
+pub(crate) struct Solid {
     pub bvh: Bvh,
     /// Where the surface ends; empty if it is closed.
     pub boundary: Arc<Boundary>,
@@ -44,7 +44,7 @@ pub(in crate::bounded) struct Solid {
 }
 
 /// Bounds on the distance from a point to the source.
-pub(in crate::bounded) struct SourceDistance {
+pub(crate) struct SourceDistance {
     /// At least the distance.
     pub upper: f64,
     /// At most the depth, if the point is inside the source or that near to it.
@@ -67,7 +67,7 @@ impl Solid {
         settings: &Settings,
         control: &Control,
     ) -> Result<Self, Error> {
-        let bound = settings.bound;
+        let bound = settings.bound.protrusion();
         if let Some(clustered) = clustered {
             let TriangleMesh { positions, triangles, .. } = &clustered.mesh;
             let solid =

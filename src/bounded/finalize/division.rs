@@ -50,7 +50,9 @@ pub(super) fn hulls_of_piece(
             done.push(hull);
             continue;
         }
-        if is_filling && (extends_over_hollow || hull.protrusion > context.settings.bound) {
+        if is_filling
+            && (extends_over_hollow || hull.protrusion > context.settings.bound.protrusion())
+        {
             // A piece that extends over a hollow does without it first.
             let inner_points = is_first.then(Vec::new);
             open.push(Open { set: hull.patches, part: hull.part, inner_points });
@@ -98,7 +100,7 @@ fn divide(
         // represents nothing of the source can be dropped.
         if hull.part.is_some() {
             hull.protrusion =
-                protrusion(&hull.hull, solid, settings.bound, f64::INFINITY, control)?;
+                protrusion(&hull.hull, solid, settings.bound.protrusion(), f64::INFINITY, control)?;
             done.push(hull);
         } else if !triangles.is_empty() {
             open.push(Open { set: hull.patches, part: Some(triangles), inner_points });
@@ -132,7 +134,7 @@ fn middle(
         return Ok(None);
     }
     let (uncapped, _) = solid_hull(builder, &points, [0.0; 3], LEAST_THICKNESS)?;
-    let (count, bound) = (uncapped.points.len(), settings.bound);
+    let (count, bound) = (uncapped.points.len(), settings.bound.protrusion());
     if count <= max_vertices || protrusion(&uncapped, solid, bound, bound, control)? > bound {
         return Ok(None);
     }

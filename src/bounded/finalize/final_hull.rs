@@ -7,7 +7,7 @@ use crate::geometry::vector::Vector;
 use crate::hull::ConvexHull;
 
 /// A hull of the result, and what was verified about it. Lengths are in diagonals.
-pub(in crate::bounded) struct FinalHull {
+pub(crate) struct FinalHull {
     pub hull: ConvexHull,
     /// The patches that it represents.
     pub patches: PatchSet,
@@ -44,13 +44,13 @@ impl FinalHull {
 
     /// Whether it may be returned.
     pub(super) fn keeps_bound(&self, settings: &Settings) -> bool {
-        self.protrusion <= settings.bound
-            && self.uncovered <= MAX_UNCOVERED_UNDER_CAP * settings.uncovered_bound
+        self.protrusion <= settings.bound.protrusion()
+            && self.uncovered <= MAX_UNCOVERED_UNDER_CAP * settings.bound.uncovered()
     }
 }
 
 /// The hulls of the result.
-pub(in crate::bounded) struct FinalHulls {
+pub(crate) struct FinalHulls {
     pub hulls: Vec<FinalHull>,
     /// No point of the surface is farther than this outside all hulls.
     pub uncovered: f64,
@@ -58,7 +58,7 @@ pub(in crate::bounded) struct FinalHulls {
 
 impl FinalHulls {
     /// The larger of protrusion and uncovered distance.
-    pub(in crate::bounded) fn error(&self) -> f64 {
+    pub(crate) fn error(&self) -> f64 {
         self.hulls.iter().map(|hull| hull.protrusion).fold(self.uncovered, f64::max)
     }
 }

@@ -85,7 +85,13 @@ pub(super) fn simplify_hull(
         return attempts.keeping_cap();
     }
     let &FinalizeContext { solid, settings, control, .. } = context;
-    let protrusion = protrusion(&original.hull, solid, settings.bound, settings.bound, control)?;
+    let protrusion = protrusion(
+        &original.hull,
+        solid,
+        settings.bound.protrusion(),
+        settings.bound.protrusion(),
+        control,
+    )?;
     let Original { hull, uncovered, .. } = original;
     Ok(Simplified { hull, growth: 0.0, protrusion, uncovered })
 }
@@ -104,7 +110,7 @@ impl Attempts<'_> {
     fn saving_vertices(&mut self) -> Result<Option<Simplified>, Error> {
         let original = self.original;
         let max_uncovered =
-            (MAX_UNCOVERED * self.context.settings.uncovered_bound).max(original.uncovered);
+            (MAX_UNCOVERED * self.context.settings.bound.uncovered()).max(original.uncovered);
         let coarse = self.without_small(MAX_UNCOVERED)?;
         let has_coarse = coarse.is_some();
         if let Some(coarse) = coarse
@@ -121,7 +127,7 @@ impl Attempts<'_> {
     fn keeping_cap(&mut self) -> Result<Simplified, Error> {
         let (original, max_vertices) = (self.original, self.max_vertices);
         let &FinalizeContext { solid, settings, control, .. } = self.context;
-        let (bound, uncovered_bound) = (settings.bound, settings.uncovered_bound);
+        let (bound, uncovered_bound) = (settings.bound.protrusion(), settings.bound.uncovered());
         let max_uncovered = (MAX_UNCOVERED * uncovered_bound).max(original.uncovered);
         let max_under_cap = (MAX_UNCOVERED_UNDER_CAP * uncovered_bound).max(original.uncovered);
         for share in COARSER {
@@ -153,7 +159,7 @@ impl Attempts<'_> {
     fn without_small(&mut self, share: f64) -> Result<Option<ConvexHull>, Error> {
         self.context.control.check()?;
         let original = self.original;
-        let Some(coarse) = coarser(&original.hull, share * self.context.settings.uncovered_bound)
+        let Some(coarse) = coarser(&original.hull, share * self.context.settings.bound.uncovered())
         else {
             return Ok(None);
         };
@@ -184,7 +190,7 @@ impl Attempts<'_> {
         let scratch = &mut self.scratch;
         let mut fits = |face| {
             control.check()?;
-            let bound = settings.search_bound;
+            let bound = settings.bound.search();
             Ok(solid.centre_fits(face, bound)
                 && solid.protruding_point(face, None, bound, scratch).is_none())
         };
@@ -209,7 +215,7 @@ impl Attempts<'_> {
         if uncovered > max_uncovered {
             return Ok(None);
         }
-        let bound = settings.bound;
+        let bound = settings.bound.protrusion();
         let protrusion = protrusion(&hull, solid, bound, bound, control)?;
         let simplified = Simplified { hull, growth, protrusion, uncovered };
         Ok((protrusion <= bound).then_some(simplified))

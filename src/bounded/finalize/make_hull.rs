@@ -78,7 +78,7 @@ fn full_hull(
     required: Vec<Vector>,
     builder: &mut HullBuilder,
 ) -> Result<(Original, f64), Error> {
-    let max_uncovered = MAX_UNCOVERED * context.settings.uncovered_bound;
+    let max_uncovered = MAX_UNCOVERED * context.settings.bound.uncovered();
     let outward = hull.outward;
     let points = PointGroups::new(&required);
     let thick = |builder: &mut HullBuilder, of: &[Vector]| -> Result<(ConvexHull, f64), Error> {

@@ -13,7 +13,7 @@
 
 mod context;
 mod division;
-pub(super) mod final_hull;
+pub(crate) mod final_hull;
 mod hull_simplification;
 mod make_hull;
 mod remerge;
@@ -53,7 +53,7 @@ const DOUBTFUL: f64 = 1.25;
 ///
 /// # Errors
 /// [`Error::Cancelled`].
-pub(super) fn finalize(
+pub(crate) fn finalize(
     patches: &Patches,
     SetCover { pieces, before_last_round }: SetCover,
     solid: &Solid,
@@ -71,7 +71,7 @@ pub(super) fn finalize(
         return if is_better { before.joined() } else { last.joined() };
     }
     let last = last.joined()?;
-    let is_uncovered = last.uncovered > MAX_UNCOVERED * settings.uncovered_bound;
+    let is_uncovered = last.uncovered > MAX_UNCOVERED * settings.bound.uncovered();
     if !is_uncovered || control.is_past_deadline() {
         return Ok(last);
     }
@@ -120,7 +120,7 @@ impl<'a> VerifiedPieces<'a> {
 /// No point of the surface is farther than this outside all hulls.
 fn uncovered(context: &FinalizeContext<'_>, hulls: &[FinalHull]) -> Result<f64, Error> {
     let &FinalizeContext { patches, settings, control, .. } = context;
-    let allowed = MAX_UNCOVERED * settings.uncovered_bound;
+    let allowed = MAX_UNCOVERED * settings.bound.uncovered();
     let (settled, open): (Vec<_>, Vec<_>) =
         (0..).zip(hulls).partition(|(_, hull)| hull.uncovered <= allowed);
     let mut uncovered = settled.iter().map(|(_, hull)| hull.uncovered).fold(0.0, f64::max);
@@ -150,6 +150,6 @@ fn uncovered(context: &FinalizeContext<'_>, hulls: &[FinalHull]) -> Result<f64, 
     }
     let distances: Vec<HullDistance> =
         hulls.iter().map(|hull| HullDistance::new(&hull.hull)).collect();
-    let tolerance = uncovered.max(settings.cover_tolerance);
+    let tolerance = uncovered.max(settings.bound.tolerance());
     uncovered_distance(&patches.surface, &owners, &distances, tolerance, control)
 }

@@ -58,7 +58,7 @@ pub(super) fn remerge(
         let keeps = |candidate: &Candidate| {
             let joint = hull_of_pair(&entries, candidate.pair)?;
             let &FinalizeContext { solid, settings, control, .. } = context;
-            keeps_bound(&joint, solid, settings.bound, &suspects, control)
+            keeps_bound(&joint, solid, settings.bound.protrusion(), &suspects, control)
         };
         let mut verdicts =
             parallel::map_until(&candidates, keeps, |verdict| !matches!(verdict, Ok(false)));
@@ -95,7 +95,7 @@ impl Entry {
 
 fn may_join(context: &FinalizeContext<'_>, entries: &[Entry], (a, b): (usize, usize)) -> bool {
     let (a, b) = (&entries[a], &entries[b]);
-    let gap = context.settings.bound;
+    let gap = context.settings.bound.protrusion();
     let is_near = (0..3).all(|k| a.min[k] <= b.max[k] + gap && b.min[k] <= a.max[k] + gap);
     is_near && a.is_alive && b.is_alive
 }

@@ -240,7 +240,7 @@ mod tests {
         let (settings, control) =
             (Settings::after_search(&Parameters::default(), 1.0), Control::new());
         let mut nodes = boxes();
-        let solid = solid_of(&nodes, settings.bound);
+        let solid = solid_of(&nodes, settings.bound.protrusion());
         let mut candidates = Candidates::new(&nodes, &solid, &settings, &control).unwrap();
         let mut left: Vec<usize> = (0..BOXES).collect();
         while let Some(node) = candidates.pop(&nodes).unwrap() {
@@ -269,7 +269,7 @@ mod tests {
         let (settings, control) =
             (Settings::after_search(&Parameters::default(), 1.0), Control::new());
         let nodes = boxes();
-        let solid = solid_of(&nodes, settings.bound);
+        let solid = solid_of(&nodes, settings.bound.protrusion());
         let candidates = Candidates::new(&nodes, &solid, &settings, &control).unwrap();
         let mut sum = [0.0; 2];
         for b in 0..BOXES {

@@ -37,7 +37,7 @@ pub(super) fn joint(
         None => (hull, 0.0),
     };
     // It contains both and so protrudes at least as far; the upper bounds alone may disagree.
-    let protrusion = protrusion(&hull, solid, settings.bound, f64::INFINITY, control)?
+    let protrusion = protrusion(&hull, solid, settings.bound.protrusion(), f64::INFINITY, control)?
         .max(nodes[first].protrusion)
         .max(nodes[second].protrusion);
     let growth = growth.max(nodes[first].growth).max(nodes[second].growth);

@@ -44,8 +44,8 @@ pub(super) fn divide(
     settings: &Settings,
     control: &Control,
 ) -> Result<Vec<Block>, Error> {
-    let mut tester = FitTester::new(solid, settings.search_bound);
-    let mut reducer = HullBuilder::new().with_least_tolerance(settings.patch_tolerance);
+    let mut tester = FitTester::new(solid, settings.bound.search());
+    let mut reducer = HullBuilder::new().with_least_tolerance(settings.bound.tolerance());
     let mut stack = vec![(group.to_vec(), false)];
     let mut blocks: Vec<Block> = Vec::new();
     while let Some((triangles, mut is_in_block)) = stack.pop() {
@@ -53,7 +53,7 @@ pub(super) fn divide(
         let mut make = || mesh.patch(&triangles, &mut reducer);
         let mut fits =
             |patch: &Patch| tester.fits(&GrowingHull::new(&patch.points, patch.outward), false);
-        let swallows = || swallows_space(mesh, &triangles, solid, settings.search_bound);
+        let swallows = || swallows_space(mesh, &triangles, solid, settings.bound.search());
         if triangles.len() > 1 && is_large(mesh, &triangles, largest) {
             if !is_in_block && fits(&make()) && !swallows() {
                 is_in_block = true;

@@ -11,7 +11,7 @@
 
 pub(super) mod conflicts;
 mod division;
-pub(super) mod patch;
+pub(crate) mod patch;
 pub(super) mod patch_mesh;
 mod whole_components;
 
@@ -44,7 +44,7 @@ const THRESHOLD_GROWTH: f64 = 2.0;
 ///
 /// # Errors
 /// [`Error::Cancelled`].
-pub(super) fn divide_into_patches(
+pub(crate) fn divide_into_patches(
     patch_mesh: PatchMesh,
     solid: &Solid,
     settings: &Settings,
@@ -97,9 +97,9 @@ fn groups(
     settings: &Settings,
     control: &Control,
 ) -> Result<Vec<Vec<u32>>, Error> {
-    let mut threshold = settings.grouping_threshold;
+    let mut threshold = settings.bound.grouping_threshold();
     let mut grouping = group(mesh, adjacency, threshold, threshold, control)?;
-    while grouping.count > MAX_GROUPS && threshold < settings.bound {
+    while grouping.count > MAX_GROUPS && threshold < settings.bound.protrusion() {
         threshold *= THRESHOLD_GROWTH;
         grouping = group(mesh, adjacency, threshold, threshold, control)?;
     }
@@ -170,7 +170,7 @@ fn represent_source(
     let points = parallel::map(patches, |patch: &Patch| {
         control.check()?;
         let all = clustered.surface.positions_of(patch.triangles.iter().copied());
-        let mut reducer = HullBuilder::new().with_least_tolerance(settings.patch_tolerance);
+        let mut reducer = HullBuilder::new().with_least_tolerance(settings.bound.tolerance());
         let points = reducer.vertices_of(&all).unwrap_or_else(|| all.clone());
         Ok((all, points))
     });

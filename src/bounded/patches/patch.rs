@@ -9,7 +9,7 @@ use crate::mesh::TriangleMesh;
 
 /// A part of the surface that is not divided any further.
 #[derive(Debug, Clone, Default)]
-pub(in crate::bounded) struct Patch {
+pub(crate) struct Patch {
     /// Vertices of its hull, except those nearer to it than the patch tolerance; all of its points
     /// where it is flat.
     pub points: Vec<Vector>,
@@ -36,7 +36,7 @@ impl Patch {
 }
 
 /// The patches of a surface.
-pub(in crate::bounded) struct Patches {
+pub(crate) struct Patches {
     pub(super) patches: Vec<Patch>,
     /// Pairs of patches that share an edge.
     pub neighbours: Vec<(u32, u32)>,

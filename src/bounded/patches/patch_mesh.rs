@@ -19,7 +19,7 @@ use crate::mesh::simplify::simplify;
 use crate::mesh::{PreparedMesh, TriangleMesh};
 
 /// The mesh, and the surface that its triangles represent.
-pub(in crate::bounded) struct PatchMesh {
+pub(crate) struct PatchMesh {
     pub mesh: TriangleMesh,
     pub components: Vec<u32>,
     pub surface: TriangleMesh,
@@ -57,7 +57,7 @@ impl PatchMesh {
         let mut surface = source.clone();
         let parents: Vec<u32> = match clustered {
             Some(_) => (0..surface.triangles.len() as u32).collect(),
-            None => refine(&mut surface, settings.longest_edge),
+            None => refine(&mut surface, settings.bound.longest_edge()),
         };
         control.check()?;
         let select = |indices: &[u32], components: &[u32]| {
@@ -66,7 +66,7 @@ impl PatchMesh {
         if source.triangles.len() <= settings.triangles {
             let mut mesh = surface.clone();
             let origins = match clustered {
-                Some(_) => refine(&mut mesh, settings.longest_edge),
+                Some(_) => refine(&mut mesh, settings.bound.longest_edge()),
                 None => (0..mesh.triangles.len() as u32).collect(),
             };
             let components = select(&select(&origins, &parents), source_components);
@@ -76,12 +76,12 @@ impl PatchMesh {
         let mut simplified = simplify(source, source_components, settings.triangles, control)?;
         control.check()?;
         // Patches of a surface that is another one would not fit, and end as single triangles.
-        if simplified.error > settings.bound && settings.triangles < COARSE {
+        if simplified.error > settings.bound.protrusion() && settings.triangles < COARSE {
             simplified = simplify(source, source_components, COARSE, control)?;
             control.check()?;
         }
         let mut mesh = simplified.mesh;
-        let origins = refine(&mut mesh, settings.longest_edge);
+        let origins = refine(&mut mesh, settings.bound.longest_edge());
         let components = select(&origins, &simplified.components);
         let bvh = Bvh::new(&mesh.positions, &mesh.triangles);
         let mut represented: Vec<Vec<u32>> = vec![Vec::new(); mesh.triangles.len()];

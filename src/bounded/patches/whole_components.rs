@@ -71,19 +71,19 @@ fn whole_patch(
     // Two far points rule out most components that do not fit.
     let pair = far_pair(&vertices);
     let is_separated =
-        |pair: &[Vector]| matches!(pair, &[a, b] if solid.separates(a, b, settings.search_bound));
+        |pair: &[Vector]| matches!(pair, &[a, b] if solid.separates(a, b, settings.bound.search()));
     if triangles.is_empty() || is_separated(&pair) {
         return None;
     }
-    let mut tester = FitTester::new(solid, settings.search_bound);
+    let mut tester = FitTester::new(solid, settings.bound.search());
     let coarse = GrowingHull::new(&vertices, [0.0; 3]);
     if coarse.is_solid && !tester.fits(&coarse, false) {
         return None;
     }
     let thickness = coarse.volume / length_squared(subtract(coarse.max, coarse.min));
     let tolerance = match coarse.is_solid {
-        true => settings.patch_tolerance.min(TOLERANCE_OF_THICKNESS * thickness),
-        false => settings.patch_tolerance,
+        true => settings.bound.tolerance().min(TOLERANCE_OF_THICKNESS * thickness),
+        false => settings.bound.tolerance(),
     };
     let mut reducer = HullBuilder::new().with_least_tolerance(tolerance);
     let patch = mesh.patch(triangles, &mut reducer);

@@ -35,7 +35,7 @@ use redundancy::{area, drop_redundant};
 const LAST_ROUND_BUDGET: f64 = 0.1;
 
 /// Few pieces that cover all patches.
-pub(super) struct SetCover {
+pub(crate) struct SetCover {
     /// Each patch belongs to one of them.
     pub pieces: Vec<Piece>,
     /// The pieces before the last round of dissolving, if it dissolved any. They overlap.
@@ -46,7 +46,7 @@ pub(super) struct SetCover {
 ///
 /// # Errors
 /// [`Error::Cancelled`].
-pub(super) fn cover(
+pub(crate) fn cover(
     patches: &Patches,
     pieces: Vec<Piece>,
     solid: &Solid,
@@ -59,14 +59,14 @@ pub(super) fn cover(
     let mut pieces = grow_all(patches, pieces, solid, settings, control)?;
     drop_redundant(patches, &mut pieces);
     let budget = settings.dissolve_attempts;
-    dissolve(patches, &mut pieces, solid, settings.search_bound, budget, control)?;
+    dissolve(patches, &mut pieces, solid, settings.bound.search(), budget, control)?;
     let before = pieces.clone();
     let budget = (LAST_ROUND_BUDGET * budget as f64) as usize;
-    dissolve(patches, &mut pieces, solid, settings.last_round_bound, budget, control)?;
+    dissolve(patches, &mut pieces, solid, settings.bound.last_round(), budget, control)?;
     let before_last_round = (pieces.len() < before.len()).then_some(before);
     let mut owned = assign_owners(patches, &pieces, control)?;
     if solid.is_coarse() && solid.is_closed() {
-        fill(&mut owned, &pieces, solid, settings.search_bound, control)?;
+        fill(&mut owned, &pieces, solid, settings.bound.search(), control)?;
     }
     Ok(SetCover { pieces: owned, before_last_round })
 }
@@ -88,7 +88,7 @@ fn grow_all(
         control.check()?;
         let mut piece = piece.clone();
         if !control.is_past_deadline() {
-            let mut tester = FitTester::new(solid, settings.search_bound);
+            let mut tester = FitTester::new(solid, settings.bound.search());
             grow(patches, &mut piece, &all, &mut tester, control)?;
         }
         Ok(piece)

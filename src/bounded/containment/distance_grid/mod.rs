@@ -41,7 +41,7 @@ pub(super) enum CellClass {
 }
 
 /// The grid: filled in advance for dense meshes, lazy for coarse ones. See the module.
-pub(super) enum DistanceGrid {
+pub(crate) enum DistanceGrid {
     Filled(FilledGrid),
     Lazy(LazyGrid),
 }
