@@ -145,7 +145,7 @@ impl Control {
     /// verify what it has found. That takes about half of the time without a deadline: a result within less is
     /// late. For a hard stop see [`with_time_limit`](Self::with_time_limit).
     ///
-    /// Only [`Method::Surface`](crate::Method::Surface) on several threads can have nothing valid by
+    /// Only [`surface::decompose`](crate::surface::decompose()) on several threads can have nothing valid by
     /// then, and returns [`Error::DeadlineExceeded`]: it starts no threshold after the deadline. On
     /// one thread it finishes its first threshold, whatever the time.
     ///

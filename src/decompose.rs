@@ -4,9 +4,7 @@
 //! repair -> close openings -> solid -> patches -> merge -> cover -> finalize -> limit
 //! ```
 
-use std::pin::{Pin, pin};
 use std::sync::Arc;
-use std::task::{Context, Poll, Waker};
 
 use crate::bounded::containment::solid::Solid;
 use crate::bounded::cover::cover;
@@ -21,18 +19,14 @@ use crate::bounded::patches::divide_into_patches;
 use crate::bounded::search::{Search, solid_and_patch_mesh};
 use crate::bounded::settings::Settings;
 use crate::control::{Control, Stage};
-use crate::decomposition::{
-    ALGORITHM_VERSION, BoundedReport, Decomposition, GroupedMesh, Hull, Report, SurfaceReport,
-};
+use crate::decomposer::{Decomposer, run_to_end};
+use crate::decomposition::Decomposition;
 use crate::error::Error;
 use crate::geometry::{MeshView, TriangleMesh};
+use crate::input::{Input, admit};
 use crate::mesh::PreparedMesh;
-use crate::mesh::repair::prepare as repair;
-use crate::openings::OpeningSettings;
-use crate::openings::prepare::close_prepared as close_openings;
-use crate::parameters::{Method, Openings, Parameters};
-use crate::stages::{FINISH, FINISHED, HULL, LIMIT, PREPARED, SEARCHED, SURFACE, Stages, nth};
-use crate::surface;
+use crate::parameters::Parameters;
+use crate::stages::{FINISH, FINISHED, LIMIT, PREPARED, SEARCHED, Stages, nth};
 
 /// Decomposes a triangle mesh into convex hulls.
 ///
@@ -66,41 +60,10 @@ pub fn decompose<'a>(
     control: &Control,
 ) -> Result<Decomposition, Error> {
     let mesh = mesh.into();
-    admit(mesh, parameters, control)?;
-    let mut work = pin!(pipeline(mesh, parameters, control));
-    loop {
-        if let Poll::Ready(result) = work.as_mut().poll(&mut Context::from_waker(Waker::noop())) {
-            return result;
-        }
-    }
+    parameters.validate()?;
+    admit(mesh, control)?;
+    run_to_end(pipeline(mesh, parameters, control))
 }
-
-/// [`decompose`] in time slices, for platforms whose background tasks run on the main thread. A slice is a
-/// stage, or one resolution or one threshold of the paper's method.
-///
-/// ```
-/// # let mesh = hullwright::TriangleMesh::new(
-/// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-/// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-/// # );
-/// use hullwright::{Control, Decomposer, Parameters};
-///
-/// let mut decomposer = Decomposer::new(&mesh, &Parameters::default(), &Control::new())?;
-/// let decomposition = loop {
-///     // Here a frame may be drawn.
-///     if let Some(decomposition) = decomposer.step()? {
-///         break decomposition;
-///     }
-/// };
-/// assert_eq!(decomposition.hulls.len(), 1);
-/// # Ok::<(), hullwright::Error>(())
-/// ```
-pub struct Decomposer {
-    /// `None` after the end.
-    work: Option<Pin<Box<Work>>>,
-}
-
-type Work = dyn Future<Output = Result<Decomposition, Error>> + Send + Sync;
 
 impl Decomposer {
     /// Checks the input and the parameters and takes a copy of them. The control cannot be replaced later;
@@ -115,97 +78,27 @@ impl Decomposer {
         control: &Control,
     ) -> Result<Self, Error> {
         let mesh = mesh.into();
-        admit(mesh, parameters, control)?;
+        parameters.validate()?;
+        admit(mesh, control)?;
         let (mesh, parameters, control) = (mesh.to_owned(), parameters.clone(), control.clone());
-        let work = async move { pipeline(mesh.view(), &parameters, &control).await };
-        Ok(Self { work: Some(Box::pin(work)) })
-    }
-
-    /// Does the next slice of work. `None` while there is more to do.
-    ///
-    /// # Errors
-    /// As [`decompose`], and [`Error::Finished`] after the result or an error.
-    pub fn step(&mut self) -> Result<Option<Decomposition>, Error> {
-        // Taken out first: what has panicked can't be polled again.
-        let mut work = self.work.take().ok_or(Error::Finished)?;
-        match work.as_mut().poll(&mut Context::from_waker(Waker::noop())) {
-            Poll::Ready(result) => result.map(Some),
-            Poll::Pending => {
-                self.work = Some(work);
-                Ok(None)
-            }
-        }
+        Ok(Self::of(async move { pipeline(mesh.view(), &parameters, &control).await }))
     }
 }
 
-/// What is checked before the mesh is copied or looked at.
-fn admit(mesh: MeshView<'_>, parameters: &Parameters, control: &Control) -> Result<(), Error> {
-    let (vertices, triangles) = (mesh.vertex_count(), mesh.triangles().len());
-    control.admit(triangles)?;
-    parameters.validate()?;
-    if vertices == 0 || triangles == 0 {
-        return Err(Error::EmptyMesh { vertices, triangles });
-    }
-    Ok(())
-}
-
-/// The whole of a decomposition. Each stage runs between two yields: see [`Stages::run`].
-async fn pipeline(
+/// The whole of a decomposition: the passes of the preset, of which the one with the fewest hulls is kept, then
+/// the limit on hulls. Each stage runs between two yields: see [`Stages::run`].
+pub(crate) async fn pipeline(
     mesh: MeshView<'_>,
     parameters: &Parameters,
     control: &Control,
 ) -> Result<Decomposition, Error> {
     let mut stages = Stages::new(control);
-    let settings = opening_settings(parameters);
-    let repaired = stages.run(Stage::Repair, || repair(mesh, settings.order, control)).await?;
-    let closed =
-        stages.run(Stage::Openings, || close_openings(repaired, mesh, &settings, control)).await?;
-    let mut prepared = closed.prepared;
-    let Outcome { hulls, grouped, bounded, surface, deadline_reached } = match parameters.method {
-        Method::Bounded => bounded(&mut prepared, parameters, &mut stages).await?,
-        Method::Surface => surface(&prepared, parameters, &mut stages).await?,
-        Method::Hull => one_hull(&prepared, parameters, &mut stages).await?,
-    };
-    let report = Report {
-        algorithm_version: ALGORITHM_VERSION,
-        method: parameters.method,
-        source_vertices: mesh.vertex_count(),
-        source_triangles: mesh.triangles().len(),
-        triangles: prepared.mesh.triangles.len(),
-        diagonal: prepared.normalization.diagonal,
-        components: prepared.closed.len(),
-        closed_components: prepared.closed.iter().filter(|&&closed| closed).count(),
-        repairs: prepared.repairs,
-        openings: closed.openings,
-        nested_components: closed.nested_components,
-        bounded,
-        surface,
-        deadline_reached,
-        times: stages.finish(),
-    };
-    Ok(Decomposition { hulls, grouped, report })
-}
-
-/// What a method makes of a mesh without openings.
-struct Outcome {
-    hulls: Vec<Hull>,
-    grouped: GroupedMesh,
-    bounded: Option<BoundedReport>,
-    surface: Option<SurfaceReport>,
-    deadline_reached: bool,
-}
-
-/// The default method: the passes of the preset, of which the one with the fewest hulls is kept, then the cap
-/// on hulls.
-async fn bounded(
-    prepared: &mut PreparedMesh,
-    parameters: &Parameters,
-    stages: &mut Stages,
-) -> Result<Outcome, Error> {
+    let mut input = Input::repaired_and_closed(mesh, &parameters.into(), &mut stages).await?;
+    let prepared = &mut input.prepared;
     round(&mut prepared.mesh);
-    let mut deadline = Deadline::new(&stages.control());
+    let mut deadline = Deadline::new(control);
     let passes = Settings::of_preset(parameters, prepared.normalization.diagonal);
-    let most = parameters.bounded.max_hulls.unwrap_or(usize::MAX);
+    let most = parameters.max_hulls.unwrap_or(usize::MAX);
     let searched = if most == usize::MAX { FINISHED } else { SEARCHED };
     let mut best: Option<Found> = None;
     for (index, settings) in passes.iter().enumerate() {
@@ -214,7 +107,7 @@ async fn bounded(
         }
         stages.begin_pass(nth(PREPARED..searched, index, passes.len()), best.is_some());
         let solid = best.as_ref().map(|best| Arc::clone(&best.solid));
-        let pass = search(prepared, solid, settings, stages, &mut deadline).await;
+        let pass = search(prepared, solid, settings, &mut stages, &mut deadline).await;
         let Some(found) = deadline.end_pass(pass)? else { break };
         if best.as_ref().is_none_or(|best| found.count() < best.count()) {
             best = Some(found);
@@ -224,20 +117,15 @@ async fn bounded(
         return Err(Error::Finished);
     };
     if best.count() > most {
-        best = limit(prepared, best, settings, stages, &mut deadline).await?;
+        best = limit(prepared, best, settings, &mut stages, &mut deadline).await?;
     }
     stages.begin(FINISH, FINISHED..1.0);
     let Found { patches, hulls, .. } = &best;
     let asked = settings.bound.protrusion();
     let restore = || Ok(BoundedResult::new(prepared, patches, hulls, asked));
     let BoundedResult { hulls, grouped, report } = stages.run(Stage::Finalize, restore).await?;
-    Ok(Outcome {
-        hulls,
-        grouped,
-        bounded: Some(report),
-        surface: None,
-        deadline_reached: deadline.is_cut_short() || stages.is_late(),
-    })
+    let deadline_reached = deadline.is_cut_short() || stages.is_late();
+    Ok(Decomposition { hulls, grouped, run: input.report(stages, deadline_reached), report })
 }
 
 /// What a pass has found: verified hulls of patches.
@@ -320,43 +208,6 @@ async fn joined(found: Found, settings: &Settings, stages: &mut Stages) -> Resul
     let search = Search { solid: &solid, patches: &patches, settings, control };
     let hulls = stages.run(Stage::Limit, || limit_hulls(&search, &hulls, most)).await?;
     Ok(Found { solid, patches, hulls: FinalHulls { hulls, uncovered } })
-}
-
-/// The paper's method.
-async fn surface(
-    prepared: &PreparedMesh,
-    parameters: &Parameters,
-    stages: &mut Stages,
-) -> Result<Outcome, Error> {
-    stages.begin(SURFACE, PREPARED..1.0);
-    let result = surface::decompose::decompose(prepared, parameters, stages).await?;
-    Ok(Outcome {
-        hulls: result.hulls,
-        grouped: result.grouped,
-        bounded: None,
-        surface: Some(result.report),
-        deadline_reached: result.is_cut_short,
-    })
-}
-
-/// The hull of all points, whatever the bound.
-async fn one_hull(
-    prepared: &PreparedMesh,
-    parameters: &Parameters,
-    stages: &mut Stages,
-) -> Result<Outcome, Error> {
-    stages.begin(HULL, PREPARED..1.0);
-    let (hulls, grouped) = surface::decompose::one_hull(prepared, parameters, stages).await?;
-    Ok(Outcome { hulls, grouped, bounded: None, surface: None, deadline_reached: false })
-}
-
-fn opening_settings(parameters: &Parameters) -> OpeningSettings {
-    let mut settings = OpeningSettings::from(parameters);
-    if parameters.method == Method::Hull {
-        // Neither a cap nor what lies inside changes the hull of all points.
-        (settings.openings, settings.keep_cavities) = (Openings::Keep, true);
-    }
-    settings
 }
 
 /// Coordinates are rounded to 2^-38 diagonals. A mesh in other units, which differs in the last

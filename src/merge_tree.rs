@@ -7,6 +7,7 @@ use crate::decomposition::{Decomposition, Hull};
 use crate::error::Error;
 use crate::geometry::MeshView;
 use crate::mesh::Normalization;
+use crate::method::MethodReport;
 use crate::openings::OpeningSettings;
 use crate::openings::prepare::prepare_closed;
 use crate::parallel;
@@ -77,19 +78,20 @@ impl MergeTree {
     ///
     /// # Errors
     /// Those of [`decompose`](crate::decompose); [`Error::NoHulls`] without hulls.
-    pub fn new<'a>(
+    pub fn new<'a, R: Clone + Into<MethodReport>>(
         mesh: impl Into<MeshView<'a>>,
-        decomposition: &Decomposition,
+        decomposition: &Decomposition<R>,
         parameters: &Parameters,
         control: &Control,
     ) -> Result<Self, Error> {
-        let known = decomposition.report.bounded.as_ref().map(|report| report.uncovered_max);
+        let report: MethodReport = decomposition.report.clone().into();
+        let known = report.bounded().map(|report| report.uncovered_max);
         Self::build(mesh.into(), &decomposition.hulls, known, parameters, control)
     }
 
     /// Joins hulls of any tool, each taken as the convex hull that it is. Those whose errors are not
     /// known are verified first. Of `parameters` the bound says how finely the solid is sampled, and
-    /// the cap on vertices holds for joint hulls; the method does not matter.
+    /// the limit on vertices holds for joint hulls.
     ///
     /// # Errors
     /// As [`new`](Self::new), and [`Error::UnusableHull`] for a hull whose triangles name points that

@@ -8,7 +8,7 @@ use bevy::math::Affine3A;
 use bevy_rapier3d::rapier::geometry::{SharedShape, TriMeshFlags};
 
 use crate::hulls_format::HullsFile;
-use crate::{Control, Decomposer, Error, MeshView, Parameters, mass_properties_with};
+use crate::{Control, Decomposer, Error, MeshView, Method, MethodReport, mass_properties_with};
 
 use super::baked_scene::SceneGeometry;
 use super::cache::{ColliderGeometry, GeometryCache, WorkClaim};
@@ -69,8 +69,8 @@ enum TaskState {
 }
 
 struct MeshInProgress {
-    decomposer: Decomposer,
-    parameters: Parameters,
+    decomposer: Decomposer<MethodReport>,
+    method: Method,
     data: MeshData,
     key: ContentKey,
     claim: WorkClaim,
@@ -137,8 +137,8 @@ impl DecompositionTask {
         let Some(claim) = self.cache.claim(key) else {
             return Ok(Some(TaskOutput::InProgress(key)));
         };
-        let parameters = match goal {
-            Goal::Hulls(parameters) => parameters,
+        let method = match goal {
+            Goal::Hulls(method) => method,
             Goal::Triangles(_) => {
                 let geometry = Arc::new(ColliderGeometry::Triangles(data));
                 return self.build(key, geometry, HullSource::Decomposed).map(Some);
@@ -153,8 +153,8 @@ impl DecompositionTask {
             let geometry = Arc::new(ColliderGeometry::Hulls(Box::new(file)));
             return self.build(key, geometry, HullSource::Disk).map(Some);
         }
-        let decomposer = Decomposer::new(data.view(), parameters, control)?;
-        let work = MeshInProgress { decomposer, parameters: parameters.clone(), data, key, claim };
+        let decomposer = method.decomposer(data.view(), control)?;
+        let work = MeshInProgress { decomposer, method: method.clone(), data, key, claim };
         self.state = TaskState::Decompose(Box::new(work));
         Ok(None)
     }
@@ -167,9 +167,9 @@ impl DecompositionTask {
             self.state = TaskState::Decompose(work);
             return Ok(None);
         };
-        let MeshInProgress { data, key, claim, parameters, .. } = *work;
+        let MeshInProgress { data, key, claim, method, .. } = *work;
         let hulls = &decomposition.hulls;
-        let mass = mass_properties_with(data.view(), hulls, 1.0, &parameters)?;
+        let mass = mass_properties_with(data.view(), hulls, 1.0, &method.solid())?;
         let file = HullsFile::new("", &decomposition).with_mass_properties(mass);
         if let Some(cache) = &self.disk_cache {
             cache.write(key, &file);

@@ -2,7 +2,7 @@
 
 use super::finalize::final_hull::{FinalHull, FinalHulls};
 use super::patch::Patches;
-use crate::decomposition::{BoundedReport, GroupedMesh, Hull, HullErrors, Provenance};
+use crate::decomposition::{GroupedMesh, Hull, HullErrors, Provenance, Report};
 use crate::error::Error;
 use crate::hull::ConvexHull;
 use crate::mesh::{CAP, Normalization, PreparedMesh};
@@ -12,7 +12,7 @@ use crate::parallel;
 pub(crate) struct BoundedResult {
     pub hulls: Vec<Hull>,
     pub grouped: GroupedMesh,
-    pub report: BoundedReport,
+    pub report: Report,
 }
 
 impl BoundedResult {
@@ -26,7 +26,7 @@ impl BoundedResult {
         let normalization = prepared.normalization;
         let diagonal = normalization.diagonal;
         let protrusion = hulls.iter().map(|hull| hull.protrusion).fold(0.0, f64::max);
-        let report = BoundedReport {
+        let report = Report {
             bound: bound * diagonal,
             protrusion_max: protrusion * diagonal,
             uncovered_max: uncovered * diagonal,

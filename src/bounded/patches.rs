@@ -22,8 +22,8 @@ use crate::geometry::vector::{
 };
 use crate::hull::HullBuilder;
 use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
+use crate::mesh::grouping::{group, members};
 use crate::parallel;
-use crate::surface::grouping::{group, members};
 
 /// Above this number of groups the grouping is repeated with a larger threshold: under the first
 /// one, each facet of a fine cylinder is a group.

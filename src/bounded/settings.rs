@@ -3,7 +3,7 @@
 
 use std::ops::RangeInclusive;
 
-use crate::parameters::{BoundedParameters, Length, Parameters, Preset};
+use crate::parameters::{Length, Parameters, Preset};
 
 /// The search uses this share of the bound. The rest is a margin for what the search's fit test
 /// overlooks. With 0.94 or more the search ends with 2 to 4 % fewer hulls, but verification divides
@@ -155,7 +155,7 @@ pub(crate) struct Settings {
 impl Settings {
     /// One for each pass over the surface that the preset makes. At least one.
     pub(crate) fn of_preset(parameters: &Parameters, diagonal: f64) -> Vec<Self> {
-        let passes: &[PresetSettings] = match parameters.bounded.preset {
+        let passes: &[PresetSettings] = match parameters.preset {
             Preset::Fast => &[FAST],
             Preset::Balanced => &[BALANCED],
             Preset::Fine => &FINE,
@@ -169,7 +169,7 @@ impl Settings {
     }
 
     fn new(parameters: &Parameters, diagonal: f64, preset: &PresetSettings) -> Self {
-        let BoundedParameters { max_error, max_hulls, keep_cavities, .. } = parameters.bounded;
+        let &Parameters { max_error, max_hulls, max_vertices, keep_cavities, .. } = parameters;
         let &PresetSettings { patch_size, dissolve_attempts, triangles } = preset;
         let bound = match max_error {
             Length::Share(share) => share,
@@ -180,7 +180,7 @@ impl Settings {
             triangles,
             patch_size,
             dissolve_attempts,
-            max_vertices: parameters.max_vertices,
+            max_vertices,
             max_hulls,
             keep_cavities,
         }

@@ -12,6 +12,7 @@ mod caps;
 mod components;
 mod degenerate;
 pub(crate) mod edges;
+pub(crate) mod grouping;
 mod orientation;
 pub(crate) mod repair;
 pub mod shapes;

@@ -1,62 +1,74 @@
 //! The paper's method, stage by stage: simplify (3.2), search (3.4 and 3.5), merge (3.6), hulls.
 
 use super::group_merging::merge_groups;
-use super::grouping::Grouping;
-use super::pieces::{assign_source_triangles, hulls};
+use super::parameters::SurfaceParameters;
+use super::pieces::Pieces;
+use super::report::SurfaceReport;
 use super::resolution_selection::{Level, Levels, first_cut_off, select};
+use super::threshold_selection::Thresholds;
 use crate::control::{Control, Stage};
-use crate::decomposition::{GroupedMesh, Hull, SurfaceReport};
+use crate::decomposer::run_to_end;
+use crate::decomposition::Decomposition;
 use crate::error::Error;
-use crate::mesh::{Normalization, PreparedMesh, TriangleMesh};
-use crate::parameters::{Length, Parameters, SurfaceParameters};
-use crate::stages::Stages;
+use crate::geometry::MeshView;
+use crate::input::{Input, admit};
+use crate::mesh::PreparedMesh;
+use crate::mesh::canonical_order::MeshOrder;
+use crate::openings::OpeningSettings;
+use crate::parameters::Length;
+use crate::stages::{PREPARED, SURFACE, Stages};
 
-/// Hulls in the input's units, and how they were found.
-pub(crate) struct SurfaceResult {
-    pub hulls: Vec<Hull>,
-    pub grouped: GroupedMesh,
-    pub report: SurfaceReport,
-    /// Whether the search ended at the deadline.
-    pub is_cut_short: bool,
-}
-
-/// The stages of the paper's method, of which each resolution and each threshold is a slice.
+/// Decomposes a triangle mesh by the paper's method. Openings stay as they are, and nothing is verified.
 ///
 /// # Errors
-/// [`Error::Cancelled`], [`Error::Simplification`], and [`Error::DeadlineExceeded`] where the deadline
+/// As [`decompose`](crate::decompose()). On several threads [`Error::DeadlineExceeded`] also where the deadline
 /// comes before the first threshold.
-pub(crate) async fn decompose(
-    prepared: &PreparedMesh,
-    parameters: &Parameters,
-    stages: &mut Stages,
-) -> Result<SurfaceResult, Error> {
-    let (surface, control) = (&parameters.surface, &stages.control());
+pub fn decompose<'a>(
+    mesh: impl Into<MeshView<'a>>,
+    parameters: &SurfaceParameters,
+    control: &Control,
+) -> Result<Decomposition<SurfaceReport>, Error> {
+    let mesh = mesh.into();
+    parameters.validate()?;
+    admit(mesh, control)?;
+    run_to_end(pipeline(mesh, parameters, control))
+}
+
+/// The whole of a decomposition. Each resolution and each threshold is a slice.
+pub(crate) async fn pipeline(
+    mesh: MeshView<'_>,
+    parameters: &SurfaceParameters,
+    control: &Control,
+) -> Result<Decomposition<SurfaceReport>, Error> {
+    let mut stages = Stages::new(control);
+    let settings = OpeningSettings::as_it_is(MeshOrder::Input);
+    let input = Input::repaired_and_closed(mesh, &settings, &mut stages).await?;
+    let prepared = &input.prepared;
     let normalization = &prepared.normalization;
-    let unit = match surface.unit {
+    let unit = match parameters.unit {
         Length::Share(unit) => unit,
         Length::Units(unit) => unit / normalization.diagonal,
     };
-    let mut levels = Levels::new(surface);
-    while !levels.is_complete() {
-        let share = levels.share_done();
-        let simplify = || levels.make_next(prepared, surface, control);
-        stages.run_slice(Stage::Simplify, share, simplify).await?;
-    }
-    let mut levels = levels.finish();
+    stages.begin(SURFACE, PREPARED..1.0);
+    let mut levels = simplify(prepared, parameters, &mut stages).await?;
     let mut is_cut_short = false;
-    while !is_cut_short && next_level(&levels, surface).is_some() {
-        let share = share_done(&levels, surface);
-        let search = || search(&mut levels, surface, unit, control);
+    while !is_cut_short && next_level(&levels, parameters).is_some() {
+        let share = share_done(&levels, parameters);
+        let thresholds = Thresholds { parameters, unit };
+        let search = || search(&mut levels, thresholds, control);
         stages.run_slice(Stage::Search, share, search).await?;
-        is_cut_short = control.is_past_deadline() && next_level(&levels, surface).is_some();
+        is_cut_short = control.is_past_deadline() && next_level(&levels, parameters).is_some();
     }
-    let selection = select(&levels, surface.resolution_cut_off).ok_or(Error::DeadlineExceeded)?;
+    let selection =
+        select(&levels, parameters.resolution_cut_off).ok_or(Error::DeadlineExceeded)?;
     let level = levels.get(selection.level).ok_or(Error::DeadlineExceeded)?;
     let found = &selection.candidate;
-    let significant = surface.significant_diagonal;
+    let significant = parameters.significant_diagonal;
     let merge = || Ok(merge_groups(&level.mesh, &level.adjacency, &found.grouping, significant));
     let grouping = stages.run(Stage::Merge, merge).await?;
-    let hulls = hulls_of_groups(prepared, level.into(), &grouping, parameters, stages).await?;
+    let pieces = Pieces { mesh: &level.mesh, components: &level.components, grouping: &grouping };
+    let hulls = pieces.finish(prepared, parameters.max_vertices, &mut stages).await?;
+    let grouped = pieces.grouped_mesh(normalization);
     let report = SurfaceReport {
         pieces: grouping.count,
         pieces_before_merging: found.grouping.count,
@@ -69,77 +81,37 @@ pub(crate) async fn decompose(
         unit: unit * normalization.diagonal,
         resolutions: selection.reports,
     };
-    let grouped = grouped(&level.mesh, grouping, normalization);
-    Ok(SurfaceResult { hulls, grouped, report, is_cut_short })
+    Ok(Decomposition { hulls, grouped, run: input.report(stages, is_cut_short), report })
 }
 
-/// The hull of all points, in the input's units, and the mesh as its one group. O(n log n).
-///
-/// # Errors
-/// [`Error::Cancelled`].
-pub(crate) async fn one_hull(
+/// The simplified meshes of all resolutions.
+async fn simplify(
     prepared: &PreparedMesh,
-    parameters: &Parameters,
+    parameters: &SurfaceParameters,
     stages: &mut Stages,
-) -> Result<(Vec<Hull>, GroupedMesh), Error> {
-    let PreparedMesh { mesh, components, normalization, .. } = prepared;
-    let grouping = Grouping { labels: vec![0; mesh.triangles.len()], count: 1 };
-    let whole = GroupableMesh { mesh, components };
-    let hulls = hulls_of_groups(prepared, whole, &grouping, parameters, stages).await?;
-    Ok((hulls, grouped(mesh, grouping, normalization)))
-}
-
-/// A mesh, and for each of its triangles its component.
-#[derive(Clone, Copy)]
-struct GroupableMesh<'a> {
-    mesh: &'a TriangleMesh,
-    components: &'a [u32],
-}
-
-impl<'a> From<&'a Level> for GroupableMesh<'a> {
-    fn from(Level { mesh, components, .. }: &'a Level) -> Self {
-        Self { mesh, components }
-    }
-}
-
-/// The hull of each group, and the source triangles that it stands for.
-async fn hulls_of_groups(
-    prepared: &PreparedMesh,
-    GroupableMesh { mesh, components }: GroupableMesh<'_>,
-    grouping: &Grouping,
-    parameters: &Parameters,
-    stages: &mut Stages,
-) -> Result<Vec<Hull>, Error> {
-    let (normalization, most) = (&prepared.normalization, parameters.max_vertices);
+) -> Result<Vec<Level>, Error> {
     let control = &stages.control();
-    let make = || hulls(mesh, components, grouping, normalization, most, control);
-    let mut hulls = stages.run(Stage::Hulls, make).await?;
-    let assign = || assign_source_triangles(prepared, mesh, grouping, &mut hulls, control);
-    stages.run(Stage::Assign, assign).await?;
-    Ok(hulls)
-}
-
-fn grouped(mesh: &TriangleMesh, grouping: Grouping, normalization: &Normalization) -> GroupedMesh {
-    GroupedMesh {
-        positions: mesh.positions.iter().map(|&point| normalization.restore(point)).collect(),
-        triangles: mesh.triangles.clone(),
-        groups: grouping.labels,
+    let mut levels = Levels::new(parameters);
+    while !levels.is_complete() {
+        let share = levels.share_done();
+        let simplify = || levels.make_next(prepared, parameters, control);
+        stages.run_slice(Stage::Simplify, share, simplify).await?;
     }
+    Ok(levels.finish())
 }
 
 /// The first level with thresholds left to try. A level that is cut off has no more to do, nor have those
 /// above it.
-fn next_level(levels: &[Level], surface: &SurfaceParameters) -> Option<usize> {
+fn next_level(levels: &[Level], parameters: &SurfaceParameters) -> Option<usize> {
     let open =
-        first_cut_off(levels, surface.resolution_cut_off).map_or(levels.len(), |last| last + 1);
+        first_cut_off(levels, parameters.resolution_cut_off).map_or(levels.len(), |last| last + 1);
     levels[..open].iter().position(|level| !level.is_finished())
 }
 
 /// Tries the next threshold, or on several threads all that are left.
 fn search(
     levels: &mut [Level],
-    surface: &SurfaceParameters,
-    unit: f64,
+    thresholds: Thresholds<'_>,
     control: &Control,
 ) -> Result<(), Error> {
     #[cfg(feature = "parallel")]
@@ -147,20 +119,20 @@ fn search(
         use rayon::prelude::*;
         return levels.par_iter_mut().try_for_each(|level| {
             while !level.is_finished() && !control.is_past_deadline() {
-                level.advance(surface, unit, control)?;
+                level.advance(thresholds, control)?;
             }
             Ok(())
         });
     }
-    match next_level(levels, surface) {
-        Some(next) => levels[next].advance(surface, unit, control),
+    match next_level(levels, thresholds.parameters) {
+        Some(next) => levels[next].advance(thresholds, control),
         None => Ok(()),
     }
 }
 
 /// The share of the thresholds that were tried.
-fn share_done(levels: &[Level], surface: &SurfaceParameters) -> f32 {
-    let all = levels.len() * surface.planar_thresholds.len();
+fn share_done(levels: &[Level], parameters: &SurfaceParameters) -> f32 {
+    let all = levels.len() * parameters.planar_thresholds.len();
     let done: usize = levels.iter().map(|level| level.search.reports.len()).sum();
     done as f32 / all.max(1) as f32
 }

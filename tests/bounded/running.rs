@@ -77,7 +77,7 @@ fn after_the_deadline_the_best_so_far_is_returned_and_keeps_the_promise() {
     let control = Control::new().with_deadline(past);
     let result =
         decompose(MeshView::new(&mesh.0, &mesh.1), &Parameters::default(), &control).unwrap();
-    assert!(result.report.deadline_reached);
+    assert!(result.run.deadline_reached);
     assert_promise("deadline", &mesh, &result);
 }
 
@@ -97,6 +97,6 @@ fn a_further_pass_ends_at_the_deadline_with_the_result_of_the_pass_before() {
     thread::sleep(deadline.saturating_duration_since(Instant::now()));
     // What ends at once leaves the result to be returned.
     let result = std::iter::repeat_with(|| decomposer.step().unwrap()).flatten().next().unwrap();
-    assert!(result.report.deadline_reached);
+    assert!(result.run.deadline_reached);
     assert_eq!(result.hulls, run(&mesh).hulls);
 }
