@@ -28,7 +28,7 @@ pub enum Stage {
     Cover,
     /// Pieces become verified hulls.
     Finalize,
-    /// Hulls join down to the cap.
+    /// Hulls join until they keep the limit on their number.
     Limit,
     /// Simplification to the maximum resolutions (paper, section 3.2).
     Simplify,

@@ -107,7 +107,7 @@ pub(crate) async fn pipeline(
         }
         stages.begin_pass(nth(PREPARED..searched, index, passes.len()), best.is_some());
         let solid = best.as_ref().map(|best| Arc::clone(&best.solid));
-        let pass = search(prepared, solid, settings, &mut stages, &mut deadline).await;
+        let pass = run_pass(prepared, solid, settings, &mut stages, &mut deadline).await;
         let Some(found) = deadline.end_pass(pass)? else { break };
         if best.as_ref().is_none_or(|best| found.count() < best.count()) {
             best = Some(found);
@@ -119,12 +119,12 @@ pub(crate) async fn pipeline(
     if best.count() > most {
         best = limit(prepared, best, settings, &mut stages, &mut deadline).await?;
     }
+    let deadline_reached = deadline.is_cut_short() || stages.is_late();
     stages.begin(FINISH, FINISHED..1.0);
     let Found { patches, hulls, .. } = &best;
     let asked = settings.bound.protrusion();
     let restore = || Ok(BoundedResult::new(prepared, patches, hulls, asked));
     let BoundedResult { hulls, grouped, report } = stages.run(Stage::Finalize, restore).await?;
-    let deadline_reached = deadline.is_cut_short() || stages.is_late();
     Ok(Decomposition { hulls, grouped, run: input.report(stages, deadline_reached), report })
 }
 
@@ -142,7 +142,7 @@ impl Found {
 }
 
 /// One pass, from the solid, unless an earlier pass has built it, to verified hulls.
-async fn search(
+async fn run_pass(
     prepared: &PreparedMesh,
     solid: Option<Arc<Solid>>,
     settings: &Settings,
@@ -166,7 +166,7 @@ async fn search(
     Ok(Found { solid, patches, hulls })
 }
 
-/// The cap on hulls: hulls join, and the search is repeated under larger bounds as long as that may end with
+/// The limit on hulls: hulls join, and the search is repeated under larger bounds as long as that may end with
 /// less error.
 async fn limit(
     prepared: &PreparedMesh,
@@ -186,7 +186,7 @@ async fn limit(
         let share = |share| SEARCHED + (FINISHED - SEARCHED) * bounds.progress(share);
         let (begin, middle, end) = (share(0.0), share(0.9), share(1.0));
         stages.begin_pass(begin..middle, true);
-        let pass = search(prepared, None, &settings, stages, deadline).await;
+        let pass = run_pass(prepared, None, &settings, stages, deadline).await;
         let Some(mut found) = deadline.end_pass(pass)? else { break };
         if settings.max_hulls.is_some_and(|most| found.count() > most) {
             bounds.refuse(bound);
@@ -200,7 +200,7 @@ async fn limit(
     Ok(best)
 }
 
-/// The hulls, joined until there are no more than the cap.
+/// The hulls, joined until they keep the limit.
 async fn joined(found: Found, settings: &Settings, stages: &mut Stages) -> Result<Found, Error> {
     let Found { solid, patches, hulls: FinalHulls { hulls, uncovered } } = found;
     let most = settings.max_hulls.unwrap_or(usize::MAX);
@@ -210,12 +210,70 @@ async fn joined(found: Found, settings: &Settings, stages: &mut Stages) -> Resul
     Ok(Found { solid, patches, hulls: FinalHulls { hulls, uncovered } })
 }
 
-/// Coordinates are rounded to 2^-38 diagonals. A mesh in other units, which differs in the last
+/// Coordinates are rounded to 2^-38 of the diagonal. A mesh in other units, which differs in the last
 /// bits, then breaks ties of symmetric shapes the same way.
 const ROUNDING: f64 = (1_u64 << 38) as f64;
 
 fn round(mesh: &mut TriangleMesh) {
     for coordinate in mesh.positions.as_flattened_mut() {
         *coordinate = (*coordinate * ROUNDING).round() / ROUNDING;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::openings::prepare::prepare_closed;
+
+    /// Patches, pieces after merging, pieces of the cover, and hulls: the first of them that differs names the
+    /// stage that a change has changed.
+    fn counts(mesh: MeshView<'_>) -> [usize; 4] {
+        let (parameters, control) = (&Parameters::default(), &Control::new());
+        let mut prepared = prepare_closed(mesh, &parameters.into(), control).unwrap().prepared;
+        round(&mut prepared.mesh);
+        let settings = &Settings::of_preset(parameters, prepared.normalization.diagonal)[0];
+        let (solid, divided) = solid_and_patch_mesh(&prepared, None, settings, control).unwrap();
+        let patches = &divide_into_patches(divided, &solid, settings, control).unwrap();
+        let search = &Search { solid: &solid, patches, settings, control };
+        let pieces = merge(search).unwrap();
+        let merged = pieces.len();
+        let covering = cover(search, pieces).unwrap();
+        let covered = covering.pieces.len();
+        let hulls = finalize(search, covering).unwrap().hulls.len();
+        assert_eq!(hulls, decompose(mesh, parameters, control).unwrap().hulls.len());
+        [patches.count(), merged, covered, hulls]
+    }
+
+    #[cfg(feature = "io")]
+    #[test]
+    fn stages_of_the_bundled_models_end_with_as_many_as_before() {
+        let expected = [
+            ("bowl", [0, 0, 0, 0]),
+            ("chair", [0, 0, 0, 0]),
+            ("dog", [0, 0, 0, 0]),
+            ("gear", [0, 0, 0, 0]),
+            ("l_prism", [0, 0, 0, 0]),
+            ("lamp", [0, 0, 0, 0]),
+            ("leaf", [0, 0, 0, 0]),
+            ("mug", [0, 0, 0, 0]),
+            ("plus", [0, 0, 0, 0]),
+            ("props", [0, 0, 0, 0]),
+            ("spring", [0, 0, 0, 0]),
+            ("table", [0, 0, 0, 0]),
+            ("teapot", [0, 0, 0, 0]),
+            ("torus", [0, 0, 0, 0]),
+            ("u_prism", [0, 0, 0, 0]),
+        ];
+        let found = expected.map(|(model, _)| {
+            let file = format!("{}/assets/{model}.glb", env!("CARGO_MANIFEST_DIR"));
+            (model, counts(crate::io::read_mesh(file).unwrap().mesh.view()))
+        });
+        assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn stages_of_a_torus_end_with_as_many_as_before() {
+        let torus = crate::mesh::shapes::torus(24, 12);
+        assert_eq!(counts(torus.view()), [0, 0, 0, 0]);
     }
 }

@@ -29,14 +29,14 @@ const PASS: Plan = &[
     (Stage::Finalize, 0.6),
 ];
 
-/// Hulls join down to the cap.
+/// Hulls join until they keep the limit on their number.
 pub(crate) const LIMIT: Plan = &[(Stage::Limit, 0.0)];
 
 /// Hulls in the input's units.
 pub(crate) const FINISH: Plan = &[(Stage::Finalize, 0.0)];
 
-/// Shares of the whole that are done once the mesh is prepared, the default method's passes have ended, where
-/// there may be a cap on hulls, and the cap is kept.
+/// Shares of the whole that are done once the mesh is prepared, once the passes of the preset have ended (where
+/// more may follow, for a limit on hulls), and once there are no more.
 pub(crate) const PREPARED: f32 = 0.15;
 pub(crate) const SEARCHED: f32 = 0.7;
 pub(crate) const FINISHED: f32 = 0.99;
@@ -53,7 +53,7 @@ pub(crate) const SURFACE: Plan = &[
 /// The hull of all points.
 pub(crate) const HULL: Plan = &[(Stage::Hulls, 0.0), (Stage::Assign, 0.9)];
 
-/// Of a part that is divided evenly, a part.
+/// One of `count` equal parts of a part.
 pub(crate) fn nth(part: Range<f32>, index: usize, count: usize) -> Range<f32> {
     let at = |index: usize| part.start + (part.end - part.start) * index as f32 / count as f32;
     at(index)..at(index + 1)
@@ -62,7 +62,7 @@ pub(crate) fn nth(part: Range<f32>, index: usize, count: usize) -> Range<f32> {
 /// What the stages of one decomposition run under, and how far it has come.
 pub(crate) struct Stages {
     given: Control,
-    /// The given one, or for optional stages one whose deadline is a time limit.
+    /// The given one; for an optional pass its deadline is a time limit.
     control: Control,
     plan: Plan,
     /// The part of the whole that the plan takes.
@@ -70,8 +70,9 @@ pub(crate) struct Stages {
     /// The last share that was reported.
     fraction: f32,
     times: Vec<StageTime>,
-    /// What the stages of the plan have taken.
+    /// The time that stages have taken since the plan began.
     taken: Duration,
+    /// Whether a stage began after the deadline.
     is_late: bool,
 }
 
@@ -166,7 +167,7 @@ impl Stages {
         self.control.clone()
     }
 
-    /// What the stages of the current plan have taken.
+    /// The time that the stages of the current plan have taken.
     pub(crate) fn taken(&self) -> Duration {
         self.taken
     }
@@ -196,4 +197,52 @@ async fn yield_once() {
         Poll::Pending
     })
     .await;
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::{Arc, Mutex};
+
+    use super::*;
+    use crate::decomposer::run_to_end;
+
+    #[test]
+    fn progress_never_falls_and_each_stage_has_one_time() {
+        let seen = Arc::new(Mutex::new(Vec::new()));
+        let listener = Arc::clone(&seen);
+        let control = Control::new().with_progress(move |progress| {
+            listener.lock().unwrap().push((progress.stage, progress.fraction));
+        });
+        let mut stages = Stages::new(&control);
+        run_to_end(async {
+            for &(stage, _) in PREPARE {
+                stages.run(stage, || Ok(())).await.unwrap();
+            }
+            for pass in 0..3 {
+                stages.begin_pass(nth(PREPARED..SEARCHED, pass, 3), pass > 0);
+                for &(stage, _) in PASS {
+                    stages.run(stage, || Ok(())).await.unwrap();
+                }
+            }
+            stages.begin(LIMIT, SEARCHED..FINISHED);
+            stages.run(Stage::Limit, || Ok(())).await.unwrap();
+        });
+        let names: Vec<&str> = stages.finish().iter().map(|time| time.stage.name()).collect();
+        let expected = "repair openings solid patches merge cover finalize limit";
+        assert_eq!(names.join(" "), expected);
+        let seen = seen.lock().unwrap();
+        assert!(seen.windows(2).all(|pair| pair[0].1 <= pair[1].1));
+        assert_eq!(seen.last(), Some(&(Stage::Limit, 1.0)));
+    }
+
+    #[test]
+    fn only_an_optional_pass_ends_at_the_deadline() {
+        let control = Control::new().with_deadline(Instant::now());
+        for (is_optional, expected) in [(false, Ok(())), (true, Err(Error::DeadlineExceeded))] {
+            let mut stages = Stages::new(&control);
+            stages.begin_pass(0.0..1.0, is_optional);
+            assert_eq!(run_to_end(stages.run(Stage::Solid, || Ok(()))), expected);
+            assert_eq!(stages.is_late(), !is_optional);
+        }
+    }
 }

@@ -54,18 +54,15 @@ pub(super) struct BuiltCollider {
 
 /// Work that can be interrupted between its steps.
 pub(super) struct DecompositionTask {
-    state: TaskState,
+    /// What the first step takes.
+    input: Option<TaskInput>,
+    /// What later steps go on with.
+    work: Option<MeshInProgress>,
     map: Affine3A,
     cache: GeometryCache,
     cache_bytes: usize,
     disk_cache: Option<DiskCache>,
     primitives: bool,
-}
-
-enum TaskState {
-    Start(Box<TaskInput>),
-    Decompose(Box<MeshInProgress>),
-    Done,
 }
 
 struct MeshInProgress {
@@ -84,9 +81,8 @@ impl DecompositionTask {
         settings: &HullwrightSettings,
     ) -> Self {
         let disk_cache = DiskCache::new(settings, &cache.written);
-        let state = TaskState::Start(Box::new(input));
         let HullwrightSettings { cache_bytes, primitives, .. } = *settings;
-        Self { state, map, cache, cache_bytes, disk_cache, primitives }
+        Self { input: Some(input), work: None, map, cache, cache_bytes, disk_cache, primitives }
     }
 
     /// Runs to the end.
@@ -106,17 +102,14 @@ impl DecompositionTask {
         &mut self,
         control: &Control,
     ) -> Result<Option<TaskOutput>, DecompositionError> {
-        match std::mem::replace(&mut self.state, TaskState::Done) {
-            TaskState::Start(input) => match *input {
-                TaskInput::Geometry { key, geometry, source } => {
-                    self.build(key, geometry, source).map(Some)
-                }
-                TaskInput::Mesh { data, goal, baked } => {
-                    self.start(data, &goal, baked.as_deref(), control)
-                }
-            },
-            TaskState::Decompose(work) => self.decompose(work),
-            TaskState::Done => Err(Error::Finished.into()),
+        match self.input.take() {
+            Some(TaskInput::Geometry { key, geometry, source }) => {
+                self.build(key, geometry, source).map(Some)
+            }
+            Some(TaskInput::Mesh { data, goal, baked }) => {
+                self.start(data, &goal, baked.as_deref(), control)
+            }
+            None => self.decompose(),
         }
     }
 
@@ -154,20 +147,17 @@ impl DecompositionTask {
             return self.build(key, geometry, HullSource::Disk).map(Some);
         }
         let decomposer = method.decomposer(data.view(), control)?;
-        let work = MeshInProgress { decomposer, method: method.clone(), data, key, claim };
-        self.state = TaskState::Decompose(Box::new(work));
+        self.work = Some(MeshInProgress { decomposer, method: method.clone(), data, key, claim });
         Ok(None)
     }
 
-    fn decompose(
-        &mut self,
-        mut work: Box<MeshInProgress>,
-    ) -> Result<Option<TaskOutput>, DecompositionError> {
+    fn decompose(&mut self) -> Result<Option<TaskOutput>, DecompositionError> {
+        let mut work = self.work.take().ok_or(Error::Finished)?;
         let Some(decomposition) = work.decomposer.step()? else {
-            self.state = TaskState::Decompose(work);
+            self.work = Some(work);
             return Ok(None);
         };
-        let MeshInProgress { data, key, claim, method, .. } = *work;
+        let MeshInProgress { data, key, claim, method, .. } = work;
         let hulls = &decomposition.hulls;
         let mass = mass_properties_with(data.view(), hulls, 1.0, &method.solid())?;
         let file = HullsFile::new("", &decomposition).with_mass_properties(mass);

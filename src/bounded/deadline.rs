@@ -92,3 +92,58 @@ impl Deadline {
         self.is_cut_short
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clock::Instant;
+    use crate::parameters::Parameters;
+
+    fn minute() -> Duration {
+        Duration::from_secs(60)
+    }
+
+    #[test]
+    fn with_little_time_left_the_first_pass_is_hurried_and_a_further_one_ends() {
+        let control = Control::new().with_deadline(Instant::now() + minute());
+        let settings = &Settings::of_preset(&Parameters::default(), 1.0)[0];
+        let mut deadline = Deadline::new(&control);
+        let calm = deadline.for_patches(settings, minute() / 10).unwrap();
+        assert!(calm.dissolve_attempts > 0 && !deadline.is_cut_short());
+        let hurried = deadline.for_patches(settings, minute() / 2).unwrap();
+        assert!(hurried.dissolve_attempts == 0 && deadline.is_cut_short());
+        assert_eq!(deadline.end_pass(Ok(())), Ok(Some(())));
+        let further = deadline.for_patches(settings, minute() / 2);
+        assert_eq!(further.err(), Some(Error::DeadlineExceeded));
+    }
+
+    #[test]
+    fn the_deadline_ends_a_further_pass_without_an_error() {
+        let late = Err::<(), Error>(Error::DeadlineExceeded);
+        let mut deadline = Deadline::new(&Control::new());
+        assert_eq!(deadline.end_pass(late.clone()), Err(Error::DeadlineExceeded));
+        assert_eq!(deadline.end_pass(Ok(())), Ok(Some(())));
+        assert_eq!(deadline.end_pass(late), Ok(None));
+        assert!(deadline.is_cut_short());
+    }
+
+    #[test]
+    fn the_time_limit_and_cancelling_stay_errors() {
+        let control = Control::new().with_time_limit(Instant::now());
+        let mut deadline = Deadline::new(&control);
+        assert_eq!(deadline.end_pass(Ok(())), Ok(Some(())));
+        for error in [Error::DeadlineExceeded, Error::Cancelled] {
+            assert_eq!(deadline.end_pass(Err::<(), Error>(error.clone())), Err(error));
+        }
+    }
+
+    #[test]
+    fn the_search_ends_early_enough_to_verify() {
+        let control = Control::new().with_deadline(Instant::now() + minute());
+        let mut deadline = Deadline::new(&control);
+        deadline.end_search(&deadline.for_search(&control, minute() / 2));
+        assert!(!deadline.is_cut_short() && deadline.allows_another_pass());
+        deadline.end_search(&deadline.for_search(&control, 2 * minute()));
+        assert!(deadline.is_cut_short());
+    }
+}

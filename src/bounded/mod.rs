@@ -12,7 +12,7 @@
 //! | merge | `merge` | patches join into pieces |
 //! | cover | `cover/` | few pieces cover all patches, then shrink to those that they own |
 //! | finalize | `finalize/` | pieces become verified hulls with few vertices |
-//! | limit | `limit` | the cap on hulls: joins, and searches under larger bounds |
+//! | limit | `limit` | the limit on hulls: joins, and searches under larger bounds |
 //!
 //! | used by several stages | |
 //! |---|---|

@@ -98,7 +98,7 @@ const PARTS: [(&str, &[&str]); 12] = [
         "simplification",
         &[
             "hullwright::bounded::clustering::cluster",
-            "hullwright::bounded::patches::patch_mesh::PatchMesh::new",
+            "hullwright::bounded::patch_mesh::PatchMesh::new",
         ],
     ),
     ("trees", &["hullwright::bvh::Bvh::until"]),
@@ -115,7 +115,7 @@ const PARTS: [(&str, &[&str]); 12] = [
     ("patches", &["hullwright::bounded::patches::divide_into_patches"]),
     ("conflicts", &["hullwright::bounded::patches::conflicts::Conflicts::find_out"]),
     ("merge", &["hullwright::bounded::merge::merge"]),
-    ("cover", &["hullwright::bounded::set_cover::cover"]),
+    ("cover", &["hullwright::bounded::cover::cover"]),
     ("finalize", &["hullwright::bounded::finalize::finalize"]),
     (
         "verification",
