@@ -87,7 +87,7 @@ fn a_further_pass_ends_at_the_deadline_with_the_result_of_the_pass_before() {
     let view = MeshView::new(&mesh.0, &mesh.1);
     let parameters = Parameters::default().preset(Preset::Fine);
     // More than the first pass takes: with less it would be hurried.
-    let deadline = Instant::now() + Duration::from_secs(4);
+    let deadline = Instant::now() + Duration::from_secs(8);
     let control = Control::new().with_deadline(deadline);
     let mut decomposer = Decomposer::new(view, &parameters, &control).unwrap();
     // Repair, openings, and the stages of the first pass.
