@@ -92,6 +92,15 @@ impl Method {
         }
     }
 
+    /// The parameters of the default method, as far as this method has them.
+    #[cfg(feature = "bake")]
+    pub(crate) fn for_bounded(&self) -> Parameters {
+        match self {
+            Self::Bounded(parameters) | Self::Hull(parameters) => parameters.clone(),
+            Self::Surface(surface) => Parameters::default().max_vertices(surface.max_vertices),
+        }
+    }
+
     /// Decomposes a mesh by this method.
     ///
     /// # Errors
