@@ -141,7 +141,8 @@ impl BakeJob {
         let mass = mass_properties_with(&self.mesh, &made.hulls, 1.0, &solid)?;
         let name = self.names.first().cloned().unwrap_or_default();
         let hulls = HullsFile::new(name, &made).with_mass_properties(mass);
-        Ok(BakedMesh::new(&self.mesh, self.parameters.clone(), hulls).with_names(self.names.clone()))
+        Ok(BakedMesh::new(&self.mesh, self.parameters.clone(), hulls)
+            .with_names(self.names.clone()))
     }
 }
 

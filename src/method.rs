@@ -119,7 +119,8 @@ impl Method {
             }
             Self::Hull(parameters) => {
                 parameters.validate()?;
-                single_hull::single_hull(mesh, parameters.max_vertices, control).map(with_method_report)
+                single_hull::single_hull(mesh, parameters.max_vertices, control)
+                    .map(with_method_report)
             }
         }
     }

@@ -190,15 +190,8 @@ fn hash_parameters(method: &Method, hasher: &mut Sha256) {
             surface = parameters.clone();
         }
     }
-    let Parameters {
-        max_error,
-        preset,
-        max_hulls,
-        max_vertices,
-        keep_cavities,
-        openings,
-        up_axis,
-    } = &bounded;
+    let Parameters { max_error, preset, max_hulls, max_vertices, keep_cavities, openings, up_axis } =
+        &bounded;
     let SurfaceParameters {
         simplification_quality,
         maximum_resolutions,

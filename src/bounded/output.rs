@@ -2,7 +2,7 @@
 
 use super::finalize::final_hull::{FinalHull, FinalHulls};
 use super::patches::patch::Patches;
-use crate::decomposition::{Report, GroupedMesh, Hull, HullErrors, Provenance};
+use crate::decomposition::{GroupedMesh, Hull, HullErrors, Provenance, Report};
 use crate::error::Error;
 use crate::hull::ConvexHull;
 use crate::mesh::{CAP, Normalization, PreparedMesh};

@@ -150,12 +150,7 @@ impl HullScene {
     /// let found = scene.look_up(MeshHash::of(&mesh), &Method::default(), &["rock"]);
     /// assert_eq!(found, SceneLookup::Missing);
     /// ```
-    pub fn look_up(
-        &self,
-        hash: MeshHash,
-        parameters: &Method,
-        names: &[&str],
-    ) -> SceneLookup<'_> {
+    pub fn look_up(&self, hash: MeshHash, parameters: &Method, names: &[&str]) -> SceneLookup<'_> {
         let of_content = || self.meshes.iter().filter(|baked| baked.hash == hash);
         let found = of_content().find(|baked| baked.parameters == *parameters);
         if let Some(baked) = found {

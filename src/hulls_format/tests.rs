@@ -9,9 +9,9 @@ use super::*;
 use crate::control::Control;
 use crate::geometry::MeshView;
 use crate::mass::mass_properties;
-use crate::method::Method;
 use crate::mesh::TriangleMesh;
 use crate::mesh::shapes::{cuboid, join};
+use crate::method::Method;
 use crate::surface::SurfaceParameters;
 
 fn bars() -> TriangleMesh {

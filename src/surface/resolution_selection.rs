@@ -209,8 +209,8 @@ pub(crate) fn select(levels: &[Level], cut_off: usize) -> Option<Selection> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::shapes::torus;
     use crate::mesh::grouping::Grouping;
+    use crate::mesh::shapes::torus;
 
     /// Levels with a finished search each: resolution, pieces and cost of its candidate.
     fn searched(candidates: &[(usize, usize, f64)]) -> Vec<Level> {

@@ -5,9 +5,9 @@ use bevy::reflect::enums::DynamicEnum;
 use bevy::reflect::structs::DynamicStruct;
 use bevy::reflect::tuple::DynamicTuple;
 use bevy::reflect::{FromReflect, TypePath};
-use hullwright::surface::SurfaceParameters;
 use hullwright::bevy::prelude::*;
 use hullwright::bevy::{BakedHulls, DecompositionError, HullSource, HullsLoader};
+use hullwright::surface::SurfaceParameters;
 
 use crate::app::*;
 

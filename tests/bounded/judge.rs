@@ -1,9 +1,7 @@
 //! Runs, and what they promise: judged by means of the tests' own.
 
 use hullwright::measure::{MeasureOptions, Measurement, measure};
-use hullwright::{
-    Control, Decomposition, Hull, Length, MeshView, Parameters, Report, decompose,
-};
+use hullwright::{Control, Decomposition, Hull, Length, MeshView, Parameters, Report, decompose};
 
 use crate::shapes::Mesh;
 

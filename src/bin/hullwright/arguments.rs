@@ -150,7 +150,10 @@ impl ParameterArguments {
     pub fn checked(&self) -> Result<Chosen, Failure> {
         let chosen = self.chosen();
         let checks = [chosen.parameters.validate(), chosen.surface.validate()];
-        checks.into_iter().collect::<Result<(), _>>().map_err(|error| Failure::Usage(error.to_string()))?;
+        checks
+            .into_iter()
+            .collect::<Result<(), _>>()
+            .map_err(|error| Failure::Usage(error.to_string()))?;
         Ok(chosen)
     }
 
@@ -259,8 +262,7 @@ mod tests {
 
     #[test]
     fn every_parameter_can_be_set() {
-        let line =
-            "--max-error 5% --max-hulls 3 --preset fine --keep-cavities --openings keep --up-axis z \
+        let line = "--max-error 5% --max-hulls 3 --preset fine --keep-cavities --openings keep --up-axis z \
              --simplification-quality 0.5 --maximum-resolutions 100,200 \
              --planar-thresholds 0.1,0.3 --angular-threshold 0.02 \
              --concavity-cost-threshold 0.1 --resolution-cut-off 7 --unit 0.446d \

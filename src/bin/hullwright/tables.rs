@@ -3,7 +3,9 @@
 
 use comfy_table::{CellAlignment, Table, presets};
 use hullwright::surface::{SurfaceReport, ThresholdOutcome};
-use hullwright::{CurvePoint, Decomposition, MethodReport, Opening, OpeningOutcome, Repairs, Report};
+use hullwright::{
+    CurvePoint, Decomposition, MethodReport, Opening, OpeningOutcome, Repairs, Report,
+};
 
 use crate::hulls::vertices;
 use crate::outcomes::{of_resolution, of_threshold};

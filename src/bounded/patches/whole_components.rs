@@ -10,8 +10,8 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, length_squared, subtract};
 use crate::hull::HullBuilder;
-use crate::parallel;
 use crate::mesh::grouping::members;
+use crate::parallel;
 
 /// Points of a whole component nearer to its hull than this share of its thickness are left out.
 /// With the patch tolerance alone, a thin plate would keep hardly more than four corners.

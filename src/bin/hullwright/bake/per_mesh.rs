@@ -20,11 +20,7 @@ struct Job<'a> {
     output: PathBuf,
 }
 
-pub fn run(
-    arguments: &Arguments,
-    sources: &[Source],
-    method: &Method,
-) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments, sources: &[Source], method: &Method) -> Result<(), Failure> {
     let density = arguments.density.unwrap_or(DEFAULT_DENSITY);
     if !(density.is_finite() && density > 0.0) {
         return Err(Failure::Usage(format!("the density must be positive, not {density}")));
@@ -67,12 +63,7 @@ fn jobs<'a>(arguments: &Arguments, sources: &'a [Source]) -> Result<Vec<Job<'a>>
     Ok(jobs)
 }
 
-fn bake(
-    job: &Job<'_>,
-    density: f64,
-    method: &Method,
-    control: &Control,
-) -> Result<String, String> {
+fn bake(job: &Job<'_>, density: f64, method: &Method, control: &Control) -> Result<String, String> {
     let NamedMesh { name, mesh } = &job.mesh;
     let decomposition = method.decompose(mesh, control).map_err(|error| error.to_string())?;
     let file = hulls_file(name.as_str(), mesh.view(), &decomposition, &method.solid(), density)

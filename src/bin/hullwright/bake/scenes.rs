@@ -22,11 +22,7 @@ struct Scene<'a> {
     output: PathBuf,
 }
 
-pub fn run(
-    arguments: &Arguments,
-    sources: &[Source],
-    method: &Method,
-) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments, sources: &[Source], method: &Method) -> Result<(), Failure> {
     let options = BakeOptions::new(method.clone()).tagged_only(arguments.tagged_only);
     let scenes = scenes(arguments, sources, &options)?;
     let pool = arguments.threads.pool()?;
