@@ -76,16 +76,6 @@ pub struct BakeJob {
 ///
 /// A mesh is baked with the parameters of each node that shows it; one that no node shows with
 /// those of its own name and extras, since a game may spawn it.
-///
-/// ```
-/// use hullwright::bake::{BakeOptions, bake_jobs};
-///
-/// let meshes = hullwright::io::read_scene("assets/props.glb")?;
-/// let all = bake_jobs(meshes.clone(), &BakeOptions::default());
-/// let tagged = bake_jobs(meshes, &BakeOptions::default().tagged_only(true));
-/// assert!(tagged.len() < all.len());
-/// # Ok::<(), hullwright::Error>(())
-/// ```
 pub fn bake_jobs(meshes: Vec<SceneMesh>, options: &BakeOptions) -> Vec<BakeJob> {
     let with_pieces = meshes_with_pieces(&meshes);
     let mut jobs: Vec<BakeJob> = Vec::new();
@@ -123,18 +113,6 @@ impl BakeJob {
     ///
     /// # Errors
     /// As [`decompose`](crate::decompose()).
-    ///
-    /// ```
-    /// use hullwright::Control;
-    /// use hullwright::bake::{BakeOptions, bake_jobs};
-    ///
-    /// let meshes = hullwright::io::read_scene("assets/props.glb")?;
-    /// let jobs = bake_jobs(meshes, &BakeOptions::default());
-    /// let baked = jobs[0].run(&Control::new())?;
-    /// assert_eq!(baked.names, jobs[0].names);
-    /// assert!(baked.hulls.mass_properties.is_some());
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     pub fn run(&self, control: &Control) -> Result<BakedMesh, Error> {
         let made = self.parameters.decompose(&self.mesh, control)?;
         let solid = self.parameters.solid();

@@ -11,18 +11,6 @@ pub const ALGORITHM_VERSION: u32 = 20;
 /// One convex piece: its shape, where it comes from, and how far it is from the mesh.
 ///
 /// A hull of any tool becomes one with `Hull::from`; it has no provenance, and no errors are known.
-///
-/// ```
-/// use hullwright::{Hull, convex_hull};
-///
-/// # fn main() -> Result<(), hullwright::Error> {
-/// let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-/// let hull = Hull::from(convex_hull(&points)?);
-/// assert_eq!(hull.shape.points.len(), 4);
-/// assert_eq!(hull.errors.protrusion_max, None);
-/// # Ok(())
-/// # }
-/// ```
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Hull {

@@ -39,7 +39,7 @@ pub enum Method {
     /// The paper's method: [`surface::decompose`](crate::surface::decompose()).
     Surface(SurfaceParameters),
     /// The one hull of all points, whatever the bound: [`single_hull`](crate::single_hull()). `max_vertices`
-    /// limits it; the other parameters say what solid its mass is that of.
+    /// holds for it. The other parameters describe the solid that its mass is computed from.
     Hull(Parameters),
 }
 
@@ -80,8 +80,8 @@ impl Method {
     }
 
     /// Parameters by which [`mass_properties_with`](crate::mass_properties_with()),
-    /// [`MergeTree`](crate::MergeTree) and [`Page`](crate::viewer::Page) see the mesh as this method does. The
-    /// paper's method closes no opening and leaves nothing out.
+    /// [`MergeTree`](crate::MergeTree) and `viewer::Page` see the mesh as this method does. The paper's method
+    /// closes no opening and leaves nothing out.
     pub fn solid(&self) -> Parameters {
         match self {
             Self::Bounded(parameters) | Self::Hull(parameters) => parameters.clone(),
@@ -89,6 +89,15 @@ impl Method {
                 .openings(Openings::Keep)
                 .keep_cavities(true)
                 .max_vertices(parameters.max_vertices),
+        }
+    }
+
+    /// The parameters of the default method, as far as this method has them.
+    #[cfg(feature = "bake")]
+    pub(crate) fn for_bounded(&self) -> Parameters {
+        match self {
+            Self::Bounded(parameters) | Self::Hull(parameters) => parameters.clone(),
+            Self::Surface(surface) => Parameters::default().max_vertices(surface.max_vertices),
         }
     }
 

@@ -70,7 +70,7 @@ fn try_soup(bytes: &mut Unstructured<'_>) -> Result<usize> {
         let uncovered = sampled.uncovered * found.run.diagonal;
         assert!(uncovered <= bounded.uncovered_max + rounding, "{sampled:?} {bounded:?}");
         assert!(sampled.beyond_verified <= ROUNDING, "{sampled:?} {bounded:?}");
-        if parameters.bounded.max_hulls.is_none() {
+        if parameters.max_hulls.is_none() {
             assert!(bounded.protrusion_max <= bounded.bound + rounding, "{bounded:?}");
             assert!(bounded.uncovered_max <= bounded.bound + rounding, "{bounded:?}");
         }

@@ -156,7 +156,7 @@ impl ExtrasTag {
     /// ```
     pub fn parameters(&self, base: &Method) -> Option<Method> {
         let kind = self.kind?;
-        let mut parameters = bounded_parameters(base);
+        let mut parameters = base.for_bounded();
         parameters.max_error = self.max_error.unwrap_or(parameters.max_error);
         parameters.preset = self.preset.unwrap_or(parameters.preset);
         parameters.openings = self.openings.unwrap_or(parameters.openings);

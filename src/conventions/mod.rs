@@ -48,21 +48,13 @@ impl ColliderKind {
         match self {
             Self::Decomposition | Self::Hulls => Some(base.clone()),
             Self::ConvexHull => {
-                let Parameters { max_vertices, openings, .. } = bounded_parameters(base);
+                let Parameters { max_vertices, openings, .. } = base.for_bounded();
                 Some(Method::Hull(
                     Parameters::default().max_vertices(max_vertices).openings(openings),
                 ))
             }
             Self::Triangles | Self::Cuboid | Self::Ball | Self::Capsule => None,
         }
-    }
-}
-
-/// The parameters of the default method that a method says something of.
-fn bounded_parameters(method: &Method) -> Parameters {
-    match method {
-        Method::Bounded(parameters) | Method::Hull(parameters) => parameters.clone(),
-        Method::Surface(surface) => Parameters::default().max_vertices(surface.max_vertices),
     }
 }
 

@@ -15,7 +15,7 @@ pub fn vertices(hulls: &[Hull]) -> usize {
     hulls.iter().map(|hull| hull.shape.points.len()).sum()
 }
 
-/// What a `.hulls` file holds of a mesh. `solid` says what its mass is that of.
+/// What a `.hulls` file holds of a mesh. `solid` describes what its mass is computed from.
 pub fn hulls_file(
     name: impl Into<String>,
     mesh: MeshView<'_>,
