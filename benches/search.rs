@@ -13,7 +13,8 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use hullwright::io::read_mesh;
-use hullwright::{Control, MeshView, Parameters, Report, Stage, decompose};
+use hullwright::surface::{SurfaceParameters, decompose};
+use hullwright::{Control, MeshView, RunReport, Stage};
 
 /// Names the folder of meshes.
 const FOLDER: &str = "HULLWRIGHT_MESHES";
@@ -117,7 +118,7 @@ struct Runs {
 }
 
 fn runs((positions, triangles): &Mesh) -> Result<Runs, Box<dyn Error>> {
-    let (parameters, serial) = (Parameters::paper(), Control::new().with_parallel(false));
+    let (parameters, serial) = (SurfaceParameters::paper(), Control::new().with_parallel(false));
     let mut seconds = Vec::new();
     let mut stages: [Vec<f64>; STAGES.len()] = Default::default();
     let before = processor_seconds();
@@ -126,7 +127,7 @@ fn runs((positions, triangles): &Mesh) -> Result<Runs, Box<dyn Error>> {
         let found =
             decompose(MeshView::new(black_box(positions), triangles), &parameters, &serial)?;
         seconds.push(start.elapsed().as_secs_f64());
-        let by_stage = by_stage(&found.report);
+        let by_stage = by_stage(&found.run);
         for (times, stage) in stages.iter_mut().zip(STAGES) {
             times.push(by_stage.get(&stage).copied().unwrap_or(0.0));
         }
@@ -140,8 +141,8 @@ fn runs((positions, triangles): &Mesh) -> Result<Runs, Box<dyn Error>> {
     })
 }
 
-fn by_stage(report: &Report) -> HashMap<Stage, f64> {
-    report.times.iter().map(|time| (time.stage, time.seconds)).collect()
+fn by_stage(run: &RunReport) -> HashMap<Stage, f64> {
+    run.times.iter().map(|time| (time.stage, time.seconds)).collect()
 }
 
 fn median(mut values: Vec<f64>) -> f64 {

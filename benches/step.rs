@@ -69,7 +69,7 @@ fn main() {
 fn heap(names: &[&'static str], with_triangles: bool) {
     let models: Vec<Model> = names.iter().map(|name| load(name)).collect();
     let peers = VHACD_RESOLUTIONS.map(|resolution| vhacd(&models, resolution));
-    let default = vec![Parameters::default().bounded.max_error; models.len()];
+    let default = vec![Parameters::default().max_error; models.len()];
     let at_errors: Vec<Length> =
         peers[0].errors.iter().map(|&error| Length::share(error)).collect();
     let mut kinds = vec![

@@ -26,20 +26,17 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let properties = mass_properties(&mesh, hulls, DENSITY)?;
     let seconds = start.elapsed().as_secs_f64();
     println!("{path}: {} triangles, {} hulls, {seconds:.2} s", mesh.triangles.len(), hulls.len());
-    if let Some(bounded) = &decomposition.report.bounded {
-        let share = |length: f64| 100.0 * length / decomposition.report.diagonal;
-        let protrusion = share(bounded.protrusion_max);
-        let uncovered = share(bounded.uncovered_max);
-        println!(
-            "protrusion {protrusion:.2} %, uncovered {uncovered:.2} % of the diagonal at most"
-        );
-    }
+    let report = &decomposition.report;
+    let percent = |length: f64| 100.0 * length / decomposition.run.diagonal;
+    let protrusion = percent(report.protrusion_max);
+    let uncovered = percent(report.uncovered_max);
+    println!("protrusion {protrusion:.2} %, uncovered {uncovered:.2} % of the diagonal at most");
     println!("mass {:.3} kg, from {:?}", properties.mass, properties.source);
 
     // One shape, shared by all bodies.
     let collider = rapier::collider(hulls, &properties, [1.0; 3])?;
 
-    let size = decomposition.report.diagonal as f32;
+    let size = decomposition.run.diagonal as f32;
     let mut world = PhysicsWorld::new();
     // Small bodies cross their own size sooner: Rapier needs shorter steps.
     world.integration_parameters.length_unit = size;

@@ -21,20 +21,19 @@ use std::collections::{HashMap, HashSet};
 
 use crate::control::Control;
 use crate::conventions::{NameTag, mesh_tag, node_tag, read_extras, whole_of, without_copy_number};
-use crate::decompose::decompose;
 use crate::error::Error;
 use crate::geometry::TriangleMesh;
 use crate::hulls_format::{BakedMesh, HullsFile, MeshHash};
 use crate::io::{SceneMesh, SceneNode};
 use crate::mass::mass_properties_with;
-use crate::parameters::Parameters;
+use crate::method::Method;
 
 /// What is baked of a scene.
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq)]
 pub struct BakeOptions {
     /// For meshes of which the artist says nothing else.
-    pub parameters: Parameters,
+    pub parameters: Method,
     /// Whether only those are baked that an artist's name or extra asks for. Default false.
     pub tagged_only: bool,
     /// Whether names and extras are followed, see [`conventions`](crate::conventions). Default true.
@@ -43,30 +42,17 @@ pub struct BakeOptions {
 
 impl Default for BakeOptions {
     fn default() -> Self {
-        Self { parameters: Parameters::default(), tagged_only: false, follows_artists: true }
+        Self { parameters: Method::default(), tagged_only: false, follows_artists: true }
     }
 }
 
 impl BakeOptions {
-    /// All meshes, with these parameters where the artist says nothing else.
-    ///
-    /// ```
-    /// use hullwright::{Length, Parameters, bake::BakeOptions};
-    ///
-    /// let options = BakeOptions::new(Parameters::default().max_error(Length::share(0.01)));
-    /// assert!(options.follows_artists && !options.tagged_only);
-    /// ```
-    pub fn new(parameters: Parameters) -> Self {
-        Self { parameters, ..Self::default() }
+    /// All meshes, with these parameters, or this method, where the artist says nothing else.
+    pub fn new(parameters: impl Into<Method>) -> Self {
+        Self { parameters: parameters.into(), ..Self::default() }
     }
 
     /// The same for tagged meshes only, or for all.
-    ///
-    /// ```
-    /// use hullwright::bake::BakeOptions;
-    ///
-    /// assert!(BakeOptions::default().tagged_only(true).tagged_only);
-    /// ```
     #[must_use]
     pub fn tagged_only(mut self, tagged_only: bool) -> Self {
         self.tagged_only = tagged_only;
@@ -83,23 +69,13 @@ pub struct BakeJob {
     /// The mesh, in single precision, as engines have it.
     pub mesh: TriangleMesh,
     /// What it is decomposed with.
-    pub parameters: Parameters,
+    pub parameters: Method,
 }
 
 /// What there is to bake of a scene's meshes, each content with its parameters once, in their order.
 ///
 /// A mesh is baked with the parameters of each node that shows it; one that no node shows with
 /// those of its own name and extras, since a game may spawn it.
-///
-/// ```
-/// use hullwright::bake::{BakeOptions, bake_jobs};
-///
-/// let meshes = hullwright::io::read_scene("assets/props.glb")?;
-/// let all = bake_jobs(meshes.clone(), &BakeOptions::default());
-/// let tagged = bake_jobs(meshes, &BakeOptions::default().tagged_only(true));
-/// assert!(tagged.len() < all.len());
-/// # Ok::<(), hullwright::Error>(())
-/// ```
 pub fn bake_jobs(meshes: Vec<SceneMesh>, options: &BakeOptions) -> Vec<BakeJob> {
     let with_pieces = meshes_with_pieces(&meshes);
     let mut jobs: Vec<BakeJob> = Vec::new();
@@ -137,24 +113,14 @@ impl BakeJob {
     ///
     /// # Errors
     /// As [`decompose`](crate::decompose()).
-    ///
-    /// ```
-    /// use hullwright::Control;
-    /// use hullwright::bake::{BakeOptions, bake_jobs};
-    ///
-    /// let meshes = hullwright::io::read_scene("assets/props.glb")?;
-    /// let jobs = bake_jobs(meshes, &BakeOptions::default());
-    /// let baked = jobs[0].run(&Control::new())?;
-    /// assert_eq!(baked.names, jobs[0].names);
-    /// assert!(baked.hulls.mass_properties.is_some());
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     pub fn run(&self, control: &Control) -> Result<BakedMesh, Error> {
-        let made = decompose(&self.mesh, &self.parameters, control)?;
-        let mass = mass_properties_with(&self.mesh, &made.hulls, 1.0, &self.parameters)?;
+        let made = self.parameters.decompose(&self.mesh, control)?;
+        let solid = self.parameters.solid();
+        let mass = mass_properties_with(&self.mesh, &made.hulls, 1.0, &solid)?;
         let name = self.names.first().cloned().unwrap_or_default();
         let hulls = HullsFile::new(name, &made).with_mass_properties(mass);
-        Ok(BakedMesh::new(&self.mesh, &self.parameters, hulls).with_names(self.names.clone()))
+        Ok(BakedMesh::new(&self.mesh, self.parameters.clone(), hulls)
+            .with_names(self.names.clone()))
     }
 }
 
@@ -165,7 +131,7 @@ impl BakeOptions {
         mesh: &SceneMesh,
         node: &SceneNode,
         with_pieces: &HashSet<String>,
-    ) -> Option<Parameters> {
+    ) -> Option<Method> {
         if self.follows_artists {
             let left_out = node_tag(&node.name) == Some(NameTag::LeftOut);
             let extras = [&node.extras, &mesh.extras].into_iter().flatten();

@@ -16,16 +16,24 @@ use crate::error::Error;
 pub enum Stage {
     /// Welding, repair, components.
     Repair,
+    /// Openings are closed, and what lies within the solid is left out.
+    Openings,
+    /// The solid of the default method, and the mesh that it divides.
+    Solid,
+    /// The surface is divided into patches.
+    Patches,
+    /// Patches join into pieces; groups of the paper's method into larger ones (section 3.6).
+    Merge,
+    /// Few pieces are chosen that cover all patches.
+    Cover,
+    /// Pieces become verified hulls.
+    Finalize,
+    /// Hulls join until they keep the limit on their number.
+    Limit,
     /// Simplification to the maximum resolutions (paper, section 3.2).
     Simplify,
     /// Search over resolutions and planar thresholds (sections 3.4 and 3.5).
     Search,
-    /// Patches of the bounded method.
-    Patches,
-    /// Group merging (section 3.6), or merging under the bound.
-    Merge,
-    /// Few pieces are chosen that cover all patches.
-    SetCover,
     /// Convex hulls of the groups.
     Hulls,
     /// Source triangles are assigned to hulls.
@@ -41,11 +49,15 @@ impl Stage {
     pub fn name(self) -> &'static str {
         match self {
             Self::Repair => "repair",
-            Self::Simplify => "simplify",
-            Self::Search => "search",
+            Self::Openings => "openings",
+            Self::Solid => "solid",
             Self::Patches => "patches",
             Self::Merge => "merge",
-            Self::SetCover => "set cover",
+            Self::Cover => "cover",
+            Self::Finalize => "finalize",
+            Self::Limit => "limit",
+            Self::Simplify => "simplify",
+            Self::Search => "search",
             Self::Hulls => "hulls",
             Self::Assign => "assign",
         }
@@ -133,7 +145,7 @@ impl Control {
     /// verify what it has found. That takes about half of the time without a deadline: a result within less is
     /// late. For a hard stop see [`with_time_limit`](Self::with_time_limit).
     ///
-    /// Only [`Method::Surface`](crate::Method::Surface) on several threads can have nothing valid by
+    /// Only [`surface::decompose`](crate::surface::decompose()) on several threads can have nothing valid by
     /// then, and returns [`Error::DeadlineExceeded`]: it starts no threshold after the deadline. On
     /// one thread it finishes its first threshold, whatever the time.
     ///

@@ -1,24 +1,32 @@
-//! The way in: `decompose`, and `Decomposer` which does the same in slices.
+//! The way in, and the pipeline on one page. `docs/algorithm.md` explains its stages.
+//!
+//! ```text
+//! repair -> close openings -> solid -> patches -> merge -> cover -> finalize -> limit
+//! ```
 
-use crate::bounded::Run;
+use std::sync::Arc;
+
+use crate::bounded::cover::cover;
+use crate::bounded::deadline::Deadline;
+use crate::bounded::finalize::final_hull::FinalHulls;
+use crate::bounded::finalize::finalize;
+use crate::bounded::limit::{BoundSearch, limit_hulls};
+use crate::bounded::merge::merge;
 use crate::bounded::output::BoundedResult;
-use crate::clock::Instant;
+use crate::bounded::patch::Patches;
+use crate::bounded::patches::divide_into_patches;
+use crate::bounded::search::{Search, solid_and_patch_mesh};
+use crate::bounded::settings::Settings;
 use crate::control::{Control, Stage};
-use crate::decomposition::{
-    ALGORITHM_VERSION, BoundedReport, Decomposition, GroupedMesh, Report, StageTime, SurfaceReport,
-};
+use crate::decomposer::{Decomposer, run_to_end};
+use crate::decomposition::Decomposition;
 use crate::error::Error;
 use crate::geometry::{MeshView, TriangleMesh};
+use crate::input::{Input, admit};
 use crate::mesh::PreparedMesh;
-use crate::openings::prepare::{Closed, prepare_closed};
-use crate::openings::{Opening, OpeningSettings};
-use crate::parallel;
-use crate::parameters::{Length, Method, Openings, Parameters};
-use crate::surface::group_merging::merge_groups;
-use crate::surface::grouping::Grouping;
-use crate::surface::pieces::{assign_source_triangles, hulls};
-use crate::surface::resolution_selection::{Levels, select};
-use crate::surface::search::Search;
+use crate::parameters::Parameters;
+use crate::solid::Solid;
+use crate::stages::{FINISH, FINISHED, LIMIT, PREPARED, SEARCHED, Stages, nth};
 
 /// Decomposes a triangle mesh into convex hulls.
 ///
@@ -52,329 +60,220 @@ pub fn decompose<'a>(
     control: &Control,
 ) -> Result<Decomposition, Error> {
     let mesh = mesh.into();
-    // Before a copy is made.
-    control.admit(mesh.triangles().len())?;
-    let mut decomposer = Decomposer::new(mesh, parameters)?;
-    loop {
-        if let Some(decomposition) = decomposer.step(control)? {
-            return Ok(decomposition);
-        }
-    }
+    parameters.validate()?;
+    admit(mesh, control)?;
+    run_to_end(pipeline(mesh, parameters, control))
 }
-
-/// The same work as [`decompose`], in slices, for where a background task is still the main
-/// thread. A slice is a stage, or one resolution or one threshold of the paper's method.
-///
-/// ```
-/// # let mesh = hullwright::TriangleMesh::new(
-/// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-/// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-/// # );
-/// use hullwright::{Control, Decomposer, Parameters};
-///
-/// let control = Control::new();
-/// let mut decomposer = Decomposer::new(&mesh, &Parameters::default())?;
-/// let decomposition = loop {
-///     // Here a frame may be drawn.
-///     if let Some(decomposition) = decomposer.step(&control)? {
-///         break decomposition;
-///     }
-/// };
-/// assert_eq!(decomposition.hulls.len(), 1);
-/// # Ok::<(), hullwright::Error>(())
-/// ```
-pub struct Decomposer {
-    source: TriangleMesh,
-    parameters: Parameters,
-    state: State,
-    times: Vec<StageTime>,
-    openings: Vec<Opening>,
-    nested_components: usize,
-    deadline_reached: bool,
-}
-
-enum State {
-    Repair,
-    Bounded(Box<Run>),
-    Simplify(Box<(PreparedMesh, Levels)>),
-    Search(Box<Search>),
-    Pieces(Box<Search>),
-    Done,
-}
-
-/// Shares of the whole work after which a stage begins, by their usual times.
-const SIMPLIFY_AT: f32 = 0.1;
-const SEARCH_AT: f32 = 0.4;
-const PIECES_AT: f32 = 0.85;
 
 impl Decomposer {
-    /// Checks the input and the parameters and takes a copy of them.
+    /// Checks the input and the parameters and takes a copy of them. The control cannot be replaced later;
+    /// [`Control::cancel`] works on every clone.
     ///
     /// # Errors
-    /// [`Error::InvalidParameter`] and [`Error::EmptyMesh`]; the rest of the input is judged in
-    /// the first [`step`](Self::step).
-    ///
-    /// ```
-    /// use hullwright::{Decomposer, Error, Parameters, TriangleMesh};
-    ///
-    /// let empty = Decomposer::new(&TriangleMesh::default(), &Parameters::default());
-    /// assert!(matches!(empty, Err(Error::EmptyMesh { .. })));
-    /// ```
-    pub fn new<'a>(mesh: impl Into<MeshView<'a>>, parameters: &Parameters) -> Result<Self, Error> {
-        parameters.validate()?;
+    /// [`Error::TooLarge`], [`Error::InvalidParameter`] and [`Error::EmptyMesh`]; the rest of the input is
+    /// checked in the first [`step`](Self::step).
+    pub fn new<'a>(
+        mesh: impl Into<MeshView<'a>>,
+        parameters: &Parameters,
+        control: &Control,
+    ) -> Result<Self, Error> {
         let mesh = mesh.into();
-        let (vertices, triangles) = (mesh.vertex_count(), mesh.triangles().len());
-        if vertices == 0 || triangles == 0 {
-            return Err(Error::EmptyMesh { vertices, triangles });
-        }
-        Ok(Self {
-            source: mesh.to_owned(),
-            parameters: parameters.clone(),
-            state: State::Repair,
-            times: Vec::new(),
-            openings: Vec::new(),
-            nested_components: 0,
-            deadline_reached: false,
-        })
-    }
-
-    /// Does the next slice of work. `None` while there is more to do.
-    ///
-    /// # Errors
-    /// As [`decompose`], and [`Error::Finished`] after the result or an error.
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// use hullwright::{Control, Decomposer, Parameters};
-    ///
-    /// let mut decomposer = Decomposer::new(&mesh, &Parameters::default())?;
-    /// let result = loop {
-    ///     // A frame of the game goes between two steps.
-    ///     if let Some(result) = decomposer.step(&Control::new())? {
-    ///         break result;
-    ///     }
-    /// };
-    /// assert_eq!(result.hulls.len(), 1);
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
-    pub fn step(&mut self, control: &Control) -> Result<Option<Decomposition>, Error> {
-        control.check()?;
-        control.admit(self.source.triangles.len())?;
-        let start = Instant::now();
-        let (stage, fraction) = self.stage().ok_or(Error::Finished)?;
-        control.report(stage, fraction);
-        let surface = &self.parameters.surface;
-        self.state = match std::mem::replace(&mut self.state, State::Done) {
-            State::Repair => {
-                let settings = self.opening_settings();
-                let Closed { prepared, openings, nested_components, .. } =
-                    parallel::with(control.is_parallel(), || {
-                        prepare_closed(self.source.view(), &settings, control)
-                    })?;
-                (self.openings, self.nested_components) = (openings, nested_components);
-                match self.parameters.method {
-                    Method::Hull => return self.one_hull(&prepared, control, start).map(Some),
-                    Method::Bounded => {
-                        State::Bounded(Box::new(Run::new(prepared, &self.parameters)))
-                    }
-                    Method::Surface => State::Simplify(Box::new((prepared, Levels::new(surface)))),
-                }
-            }
-            State::Bounded(mut run) => {
-                let result = run.step(control)?;
-                // The last step is done whole, however late it is.
-                self.deadline_reached |=
-                    run.is_cut_short() || result.is_none() && control.is_past_deadline();
-                if let Some(result) = result {
-                    add_time(&mut self.times, stage, start);
-                    let BoundedResult { prepared, hulls, grouped, report } = result;
-                    let report = self.report(&prepared, Some(report), None);
-                    control.report(stage, 1.0);
-                    return Ok(Some(Decomposition { hulls, grouped, report }));
-                }
-                State::Bounded(run)
-            }
-            State::Simplify(mut state) => {
-                state.1.make_next(&state.0, surface, control)?;
-                if state.1.is_complete() {
-                    let (prepared, levels) = *state;
-                    let unit = match surface.unit {
-                        Length::Share(unit) => unit,
-                        Length::Units(unit) => unit / prepared.normalization.diagonal,
-                    };
-                    let levels = levels.finish();
-                    State::Search(Box::new(Search { prepared, levels, unit }))
-                } else {
-                    State::Simplify(state)
-                }
-            }
-            State::Search(mut search) => {
-                let is_done = search.advance(surface, control)?;
-                self.deadline_reached = control.is_past_deadline() && !is_done;
-                if is_done || (self.deadline_reached && search.has_candidate()) {
-                    State::Pieces(search)
-                } else if self.deadline_reached {
-                    return Err(Error::DeadlineExceeded);
-                } else {
-                    State::Search(search)
-                }
-            }
-            State::Pieces(search) => {
-                let decomposition = self.pieces(*search, control, start)?;
-                control.report(Stage::Assign, 1.0);
-                return Ok(Some(decomposition));
-            }
-            State::Done => State::Done,
-        };
-        add_time(&mut self.times, stage, start);
-        Ok(None)
-    }
-
-    /// What is done next, and the share of the whole that is done; `None` after the end.
-    fn stage(&self) -> Option<(Stage, f32)> {
-        Some(match &self.state {
-            State::Repair => (Stage::Repair, 0.0),
-            State::Bounded(run) => run.stage(),
-            State::Simplify(state) => {
-                let share = state.1.share_done();
-                (Stage::Simplify, SIMPLIFY_AT + (SEARCH_AT - SIMPLIFY_AT) * share)
-            }
-            State::Search(search) => {
-                let share = search.share_done(&self.parameters.surface);
-                (Stage::Search, SEARCH_AT + (PIECES_AT - SEARCH_AT) * share)
-            }
-            State::Pieces(_) => (Stage::Hulls, PIECES_AT),
-            State::Done => return None,
-        })
-    }
-
-    fn opening_settings(&self) -> OpeningSettings {
-        let mut settings = OpeningSettings::from(&self.parameters);
-        if self.parameters.method == Method::Hull {
-            // Neither a cap nor what lies inside changes the hull of all points.
-            (settings.openings, settings.keep_cavities) = (Openings::Keep, true);
-        }
-        settings
-    }
-
-    /// Selection, group merging, hulls, and what each hull stands for.
-    fn pieces(
-        &mut self,
-        search: Search,
-        control: &Control,
-        start: Instant,
-    ) -> Result<Decomposition, Error> {
-        let Search { prepared, levels, unit } = search;
-        let surface = &self.parameters.surface;
-        let cut_off = surface.resolution_cut_off;
-        let selection = select(&levels, cut_off).ok_or(Error::DeadlineExceeded)?;
-        let Some(level) = levels.get(selection.level) else {
-            return Err(Error::DeadlineExceeded);
-        };
-        let significant = surface.significant_diagonal;
-        let found = &selection.candidate;
-        let grouping = merge_groups(&level.mesh, &level.adjacency, &found.grouping, significant);
-        add_time(&mut self.times, Stage::Merge, start);
-
-        let start = Instant::now();
-        let normalization = &prepared.normalization;
-        let mut hulls = hulls(
-            &level.mesh,
-            &level.components,
-            &grouping,
-            normalization,
-            self.parameters.max_vertices,
-            control,
-        )?;
-        add_time(&mut self.times, Stage::Hulls, start);
-
-        let start = Instant::now();
-        crate::parallel::with(control.is_parallel(), || {
-            assign_source_triangles(&prepared, &level.mesh, &grouping, &mut hulls, control)
-        })?;
-        add_time(&mut self.times, Stage::Assign, start);
-
-        let surface = SurfaceReport {
-            pieces: grouping.count,
-            pieces_before_merging: found.grouping.count,
-            average_pieces: selection.average_pieces,
-            cost: found.cost,
-            planar_threshold: found.planar_threshold,
-            resolution: level.resolution,
-            polygons: level.mesh.triangles.len(),
-            initial_polygons: prepared.mesh.triangles.len(),
-            unit: unit * normalization.diagonal,
-            resolutions: selection.reports,
-        };
-        let positions = level.mesh.positions.iter();
-        Ok(Decomposition {
-            hulls,
-            grouped: GroupedMesh {
-                positions: positions.map(|&point| normalization.restore(point)).collect(),
-                triangles: level.mesh.triangles.clone(),
-                groups: grouping.labels,
-            },
-            report: self.report(&prepared, None, Some(surface)),
-        })
-    }
-
-    /// The hull of all points, whatever the bound. O(n log n).
-    fn one_hull(
-        &mut self,
-        prepared: &PreparedMesh,
-        control: &Control,
-        start: Instant,
-    ) -> Result<Decomposition, Error> {
-        add_time(&mut self.times, Stage::Repair, start);
-        let start = Instant::now();
-        let PreparedMesh { mesh, components, normalization, .. } = prepared;
-        let grouping = Grouping { labels: vec![0; mesh.triangles.len()], count: 1 };
-        let cap = self.parameters.max_vertices;
-        let mut hulls = hulls(mesh, components, &grouping, normalization, cap, control)?;
-        crate::parallel::with(control.is_parallel(), || {
-            assign_source_triangles(prepared, mesh, &grouping, &mut hulls, control)
-        })?;
-        add_time(&mut self.times, Stage::Hulls, start);
-        let positions = mesh.positions.iter().map(|&point| normalization.restore(point)).collect();
-        let triangles = mesh.triangles.clone();
-        let grouped = GroupedMesh { positions, triangles, groups: grouping.labels };
-        control.report(Stage::Hulls, 1.0);
-        Ok(Decomposition { hulls, grouped, report: self.report(prepared, None, None) })
-    }
-
-    fn report(
-        &mut self,
-        prepared: &PreparedMesh,
-        bounded: Option<BoundedReport>,
-        surface: Option<SurfaceReport>,
-    ) -> Report {
-        Report {
-            algorithm_version: ALGORITHM_VERSION,
-            method: self.parameters.method,
-            source_vertices: self.source.positions.len(),
-            source_triangles: self.source.triangles.len(),
-            triangles: prepared.mesh.triangles.len(),
-            diagonal: prepared.normalization.diagonal,
-            components: prepared.closed.len(),
-            closed_components: prepared.closed.iter().filter(|&&closed| closed).count(),
-            repairs: prepared.repairs,
-            openings: std::mem::take(&mut self.openings),
-            nested_components: self.nested_components,
-            bounded,
-            surface,
-            deadline_reached: self.deadline_reached,
-            times: std::mem::take(&mut self.times),
-        }
+        parameters.validate()?;
+        admit(mesh, control)?;
+        let (mesh, parameters, control) = (mesh.to_owned(), parameters.clone(), control.clone());
+        Ok(Self::of(async move { pipeline(mesh.view(), &parameters, &control).await }))
     }
 }
 
-fn add_time(times: &mut Vec<StageTime>, stage: Stage, start: Instant) {
-    let seconds = start.elapsed().as_secs_f64();
-    match times.iter_mut().find(|time| time.stage == stage) {
-        Some(time) => time.seconds += seconds,
-        None => times.push(StageTime { stage, seconds }),
+/// The whole of a decomposition: the passes of the preset, of which the one with the fewest hulls is kept, then
+/// the limit on hulls. Each stage runs between two yields: see [`Stages::run`].
+pub(crate) async fn pipeline(
+    mesh: MeshView<'_>,
+    parameters: &Parameters,
+    control: &Control,
+) -> Result<Decomposition, Error> {
+    let mut stages = Stages::new(control);
+    let mut input = Input::repaired_and_closed(mesh, &parameters.into(), &mut stages).await?;
+    let prepared = &mut input.prepared;
+    round(&mut prepared.mesh);
+    let mut deadline = Deadline::new(control);
+    let passes = Settings::of_preset(parameters, prepared.normalization.diagonal);
+    let most = parameters.max_hulls.unwrap_or(usize::MAX);
+    let searched = if most == usize::MAX { FINISHED } else { SEARCHED };
+    let mut best: Option<Found> = None;
+    for (index, settings) in passes.iter().enumerate() {
+        if best.is_some() && !deadline.allows_another_pass() {
+            break;
+        }
+        stages.begin_pass(nth(PREPARED..searched, index, passes.len()), best.is_some());
+        let solid = best.as_ref().map(|best| Arc::clone(&best.solid));
+        let pass = run_pass(prepared, solid, settings, &mut stages, &mut deadline).await;
+        let Some(found) = deadline.end_pass(pass)? else { break };
+        if best.as_ref().is_none_or(|best| found.count() < best.count()) {
+            best = Some(found);
+        }
+    }
+    let (Some(mut best), Some(settings)) = (best, passes.last()) else {
+        return Err(Error::Finished);
+    };
+    if best.count() > most {
+        best = limit(prepared, best, settings, &mut stages, &mut deadline).await?;
+    }
+    let deadline_reached = deadline.is_cut_short() || stages.is_late();
+    stages.begin(FINISH, FINISHED..1.0);
+    let Found { patches, hulls, .. } = &best;
+    let asked = settings.bound.protrusion();
+    let restore = || Ok(BoundedResult::new(prepared, patches, hulls, asked));
+    let BoundedResult { hulls, grouped, report } = stages.run(Stage::Finalize, restore).await?;
+    Ok(Decomposition { hulls, grouped, run: input.report(stages, deadline_reached), report })
+}
+
+/// What a pass has found: verified hulls of patches.
+struct Found {
+    solid: Arc<Solid>,
+    patches: Patches,
+    hulls: FinalHulls,
+}
+
+impl Found {
+    fn count(&self) -> usize {
+        self.hulls.hulls.len()
+    }
+}
+
+/// One pass, from the solid, unless an earlier pass has built it, to verified hulls.
+async fn run_pass(
+    prepared: &PreparedMesh,
+    solid: Option<Arc<Solid>>,
+    settings: &Settings,
+    stages: &mut Stages,
+    deadline: &mut Deadline,
+) -> Result<Found, Error> {
+    let control = &stages.control();
+    let (solid, patch_mesh) = stages
+        .run(Stage::Solid, || solid_and_patch_mesh(prepared, solid, settings, control))
+        .await?;
+    let settings = &deadline.for_patches(settings, stages.taken())?;
+    let patches = stages
+        .run(Stage::Patches, || divide_into_patches(patch_mesh, &solid, settings, control))
+        .await?;
+    let search = Search { solid: &solid, patches: &patches, settings, control };
+    let control = &deadline.for_search(control, stages.taken());
+    let pieces = stages.run(Stage::Merge, || merge(&search)).await?;
+    let cover = stages.run(Stage::Cover, || cover(&Search { control, ..search }, pieces)).await?;
+    deadline.end_search(control);
+    let hulls = stages.run(Stage::Finalize, || finalize(&search, cover)).await?;
+    Ok(Found { solid, patches, hulls })
+}
+
+/// The limit on hulls: hulls join, and the search is repeated under larger bounds as long as that may end with
+/// less error.
+async fn limit(
+    prepared: &PreparedMesh,
+    found: Found,
+    settings: &Settings,
+    stages: &mut Stages,
+    deadline: &mut Deadline,
+) -> Result<Found, Error> {
+    let mut bounds = BoundSearch::new(settings.bound.protrusion());
+    stages.begin(LIMIT, SEARCHED..SEARCHED);
+    let mut best = joined(found, settings, stages).await?;
+    while let Some(bound) = bounds.next_bound(best.hulls.error()) {
+        if !deadline.allows_another_pass() {
+            break;
+        }
+        let settings = settings.with_bound(bound);
+        let share = |share| SEARCHED + (FINISHED - SEARCHED) * bounds.progress(share);
+        let (begin, middle, end) = (share(0.0), share(0.9), share(1.0));
+        stages.begin_pass(begin..middle, true);
+        let pass = run_pass(prepared, None, &settings, stages, deadline).await;
+        let Some(mut found) = deadline.end_pass(pass)? else { break };
+        if settings.max_hulls.is_some_and(|most| found.count() > most) {
+            bounds.refuse(bound);
+            stages.begin(LIMIT, middle..end);
+            found = joined(found, &settings, stages).await?;
+        }
+        if found.hulls.error() < best.hulls.error() {
+            best = found;
+        }
+    }
+    Ok(best)
+}
+
+/// The hulls, joined until they keep the limit.
+async fn joined(found: Found, settings: &Settings, stages: &mut Stages) -> Result<Found, Error> {
+    let Found { solid, patches, hulls: FinalHulls { hulls, uncovered } } = found;
+    let most = settings.max_hulls.unwrap_or(usize::MAX);
+    let control = &stages.control();
+    let search = Search { solid: &solid, patches: &patches, settings, control };
+    let hulls = stages.run(Stage::Limit, || limit_hulls(&search, &hulls, most)).await?;
+    Ok(Found { solid, patches, hulls: FinalHulls { hulls, uncovered } })
+}
+
+/// Coordinates are rounded to 2^-38 of the diagonal. A mesh in other units, which differs in the last
+/// bits, then breaks ties of symmetric shapes the same way.
+const ROUNDING: f64 = (1_u64 << 38) as f64;
+
+fn round(mesh: &mut TriangleMesh) {
+    for coordinate in mesh.positions.as_flattened_mut() {
+        *coordinate = (*coordinate * ROUNDING).round() / ROUNDING;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::openings::prepare::prepare_closed;
+
+    /// Patches, pieces after merging, pieces of the cover, and hulls: the first of them that differs names the
+    /// stage that a change has changed.
+    fn counts(mesh: MeshView<'_>) -> [usize; 4] {
+        let (parameters, control) = (&Parameters::default(), &Control::new());
+        let mut prepared = prepare_closed(mesh, &parameters.into(), control).unwrap().prepared;
+        round(&mut prepared.mesh);
+        let settings = &Settings::of_preset(parameters, prepared.normalization.diagonal)[0];
+        let (solid, divided) = solid_and_patch_mesh(&prepared, None, settings, control).unwrap();
+        let patches = &divide_into_patches(divided, &solid, settings, control).unwrap();
+        let search = &Search { solid: &solid, patches, settings, control };
+        let pieces = merge(search).unwrap();
+        let merged = pieces.len();
+        let covering = cover(search, pieces).unwrap();
+        let covered = covering.pieces.len();
+        let hulls = finalize(search, covering).unwrap().hulls.len();
+        assert_eq!(hulls, decompose(mesh, parameters, control).unwrap().hulls.len());
+        [patches.count(), merged, covered, hulls]
+    }
+
+    #[cfg(feature = "io")]
+    #[test]
+    fn stages_of_the_bundled_models_end_with_as_many_as_before() {
+        let expected = [
+            ("bowl", [0, 0, 0, 0]),
+            ("chair", [0, 0, 0, 0]),
+            ("dog", [0, 0, 0, 0]),
+            ("gear", [0, 0, 0, 0]),
+            ("l_prism", [0, 0, 0, 0]),
+            ("lamp", [0, 0, 0, 0]),
+            ("leaf", [0, 0, 0, 0]),
+            ("mug", [0, 0, 0, 0]),
+            ("plus", [0, 0, 0, 0]),
+            ("props", [0, 0, 0, 0]),
+            ("spring", [0, 0, 0, 0]),
+            ("table", [0, 0, 0, 0]),
+            ("teapot", [0, 0, 0, 0]),
+            ("torus", [0, 0, 0, 0]),
+            ("u_prism", [0, 0, 0, 0]),
+        ];
+        let found = expected.map(|(model, _)| {
+            let file = format!("{}/assets/{model}.glb", env!("CARGO_MANIFEST_DIR"));
+            (model, counts(crate::io::read_mesh(file).unwrap().mesh.view()))
+        });
+        assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn stages_of_a_torus_end_with_as_many_as_before() {
+        let torus = crate::mesh::shapes::torus(24, 12);
+        assert_eq!(counts(torus.view()), [0, 0, 0, 0]);
     }
 }

@@ -24,8 +24,8 @@
 //! let result = decompose(mesh, &parameters, &Control::new())?;
 //! assert_eq!(result.hulls.len(), 2);
 //!
-//! let bounded = result.report.bounded.expect("the default method reports its bound");
-//! assert!(bounded.protrusion_max <= bounded.bound && bounded.uncovered_max <= bounded.bound);
+//! let report = result.report;
+//! assert!(report.protrusion_max <= report.bound && report.uncovered_max <= report.bound);
 //! for hull in &result.hulls {
 //!     let (points, triangles) = hull.shape.to_single_precision()?;
 //!     println!("{} vertices, {} triangles", points.len(), triangles.len());
@@ -40,6 +40,8 @@
 //! |---|---|---|
 //! | positions and triangles | convex hulls | [`decompose`] |
 //! | the same, on a thread that may not block | convex hulls, in slices | [`Decomposer`] |
+//! | the same | the paper's own hulls, or the one hull of all points | [`surface::decompose`](surface::decompose()), [`single_hull()`] |
+//! | users who choose | a method and its parameters as one value, or as text | [`Method`] |
 //! | a decomposition, or hulls of any tool | fewer hulls, a curve of hulls against error | [`MergeTree`] |
 //! | a mesh and hulls of any tool | protrusion, uncovered distance, intersection over union | [`measure::measure`] |
 //! | a mesh | mass, centre and inertia | [`mass_properties()`] |
@@ -57,19 +59,21 @@
 //!
 //! # Methods
 //!
-//! - [`Method::Bounded`], the default: patches of the surface merge, under a bound on the error, into few
+//! - [`decompose`], the default: patches of the surface merge, under a bound on the error, into few
 //!   hulls that cover the surface. The bound is verified against the source. `docs/algorithm.md` in the
 //!   crate explains each stage, with pictures, and why the bound is sound.
-//! - [`Method::Surface`]: the surface-based method of the paper *A surface-based approach for 3D approximate
-//!   convex decomposition*, with the paper's parameters ([`SurfaceParameters`]). It promises no bound.
-//! - [`Method::Hull`]: no decomposition, but the one hull of all points.
+//! - [`surface::decompose`](surface::decompose()): the method of the paper *A surface-based approach for 3D
+//!   approximate convex decomposition*, with the paper's parameters. It promises no bound.
+//! - [`single_hull()`]: no decomposition, but the one hull of all points.
+//!
+//! A [`Method`] is one of the three with its parameters.
 //!
 //! # Two distances
 //!
 //! - **Protrusion**: how far a hull is outside of the solid. Things stop before they touch.
 //! - **Uncovered distance**: how far the mesh's surface is outside of every hull. Things sink in.
 //!
-//! Both are at most [`BoundedParameters::max_error`], unless a cap on hulls forces more; the report says how
+//! Both are at most [`Parameters::max_error`], unless a limit on hulls forces more; the report says how
 //! much. *Uncovered volume* is the share of the solid that no
 //! hull holds. [`measure`] samples all three, for hulls of any tool.
 //!
@@ -109,16 +113,18 @@
 //! |---|---|---|
 //! | `bevy`, `rapier`, the command | use the public items alone | |
 //! | `viewer` | pages of the results of the functions below | |
-//! | `bake`, `decompose`, `merge_tree`, `measure`, `mass`, `inspect` | the functions above | |
+//! | `bake`, `merge_tree`, `measure`, `mass`, `inspect` | the functions above | |
 //! | `conventions` | names and extras by which artists ask for colliders | |
 //! | `io`, `render`, `hulls_format` | files and pictures | |
+//! | `method` | a method and its parameters as one value | |
+//! | `decompose`, `single_hull` | the functions above | |
 //! | `bounded` | the default method, one stage per file | |
-//! | `surface` | the paper's method, one stage per file | 3.4 to 3.6 |
+//! | `surface` | the paper's method, one section per file | 3.4 to 3.6 |
 //! | `decomposition` | results and reports | |
 //! | `openings` | closes what a modeller left open | |
 //! | `bvh` | closest point and generalized winding number | |
 //! | `hull` | quickhull in double precision, least thickness, hull simplification | 3.6 |
-//! | `mesh` | weld, orient, components, adjacency, simplify | 3.2, 3.3 |
+//! | `mesh` | weld, orient, components, adjacency, simplify, convex grouping | 3.2 to 3.4.1 |
 //! | `parameters`, `control`, `error`, `parallel`, `geometry` | the ground floor | |
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
@@ -132,15 +138,18 @@ pub mod bevy;
 mod bounded;
 mod bvh;
 mod clock;
+mod clustering;
 mod control;
 #[cfg(feature = "bake")]
 pub mod conventions;
 mod decompose;
+mod decomposer;
 mod decomposition;
 mod error;
 mod geometry;
 pub mod hull;
 pub mod hulls_format;
+mod input;
 mod inspect;
 #[doc(hidden)]
 pub mod internals;
@@ -150,6 +159,7 @@ mod mass;
 pub mod measure;
 mod merge_tree;
 mod mesh;
+mod method;
 mod openings;
 mod parallel;
 mod parameters;
@@ -157,18 +167,20 @@ mod parameters;
 pub mod rapier;
 #[cfg(feature = "io")]
 pub mod render;
+mod single_hull;
 mod solid;
-mod surface;
+mod stages;
+pub mod surface;
 #[cfg(feature = "viewer")]
 pub mod viewer;
 mod work;
 
 pub use control::{Control, Progress, Stage};
-pub use decompose::{Decomposer, decompose};
+pub use decompose::decompose;
+pub use decomposer::Decomposer;
 pub use decomposition::{
-    ALGORITHM_VERSION, BoundedReport, Decomposition, GroupedMesh, Hull, HullErrors, Provenance,
-    Report, ResolutionOutcome, ResolutionReport, StageTime, SurfaceReport, ThresholdOutcome,
-    ThresholdReport,
+    ALGORITHM_VERSION, Decomposition, GroupedMesh, Hull, HullErrors, Provenance, Report, RunReport,
+    StageTime,
 };
 pub use error::{Error, FileError};
 pub use geometry::{Bounds, Coordinate, MeshView, Sidedness, TriangleMesh};
@@ -179,10 +191,9 @@ pub use mass::PrincipalInertia;
 pub use mass::{MassProperties, MassSource, mass_properties, mass_properties_with};
 pub use merge_tree::{CurvePoint, Join, MergeTree};
 pub use mesh::repair::Repairs;
+pub use method::{Method, MethodReport};
 pub use openings::{ClosedMesh, Opening, OpeningOutcome, close_openings};
-pub use parameters::{
-    BoundedParameters, Length, Method, Openings, Parameters, ParseError, Preset, SurfaceParameters,
-    UpAxis,
-};
+pub use parameters::{Length, Openings, Parameters, ParseError, Preset, UpAxis};
 #[cfg(feature = "rapier")]
 pub use rapier::ColliderError;
+pub use single_hull::single_hull;

@@ -1,10 +1,13 @@
 //! Fewer hulls afterwards: from a finished decomposition on down to one hull, without a new run.
 
-use crate::bounded::decomposition_hierarchy::DecompositionHierarchy;
+use crate::bounded::join_tree::JoinTree;
+use crate::bounded::output::NormalizedHull;
 use crate::control::Control;
 use crate::decomposition::{Decomposition, Hull};
 use crate::error::Error;
 use crate::geometry::MeshView;
+use crate::mesh::Normalization;
+use crate::method::MethodReport;
 use crate::openings::OpeningSettings;
 use crate::openings::prepare::prepare_closed;
 use crate::parallel;
@@ -33,8 +36,11 @@ use crate::parameters::Parameters;
 /// ```
 #[derive(Debug, Clone)]
 pub struct MergeTree {
-    hierarchy: DecompositionHierarchy,
+    tree: JoinTree,
     leaves: Vec<Hull>,
+    /// Restores the tree's lengths, which are fractions of the diagonal.
+    normalization: Normalization,
+    /// In units.
     uncovered: f64,
 }
 
@@ -72,52 +78,24 @@ impl MergeTree {
     ///
     /// # Errors
     /// Those of [`decompose`](crate::decompose); [`Error::NoHulls`] without hulls.
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// use hullwright::{Control, MergeTree, Parameters, decompose};
-    ///
-    /// let (parameters, control) = (Parameters::default(), Control::new());
-    /// let result = decompose(&mesh, &parameters, &control)?;
-    /// let tree = MergeTree::new(&mesh, &result, &parameters, &control)?;
-    /// assert_eq!(tree.curve().len(), result.hulls.len());
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
-    pub fn new<'a>(
+    pub fn new<'a, R: Clone + Into<MethodReport>>(
         mesh: impl Into<MeshView<'a>>,
-        decomposition: &Decomposition,
+        decomposition: &Decomposition<R>,
         parameters: &Parameters,
         control: &Control,
     ) -> Result<Self, Error> {
-        let known = decomposition.report.bounded.as_ref().map(|report| report.uncovered_max);
+        let report: MethodReport = decomposition.report.clone().into();
+        let known = report.bounded().map(|report| report.uncovered_max);
         Self::build(mesh.into(), &decomposition.hulls, known, parameters, control)
     }
 
     /// Joins hulls of any tool, each taken as the convex hull that it is. Those whose errors are not
-    /// known are verified first. Of `parameters` the bound says how finely the solid is looked at, and
-    /// the cap on vertices holds for joint hulls; the method does not matter.
+    /// known are verified first. Of `parameters` the bound says how finely the solid is sampled, and
+    /// the limit on vertices holds for joint hulls.
     ///
     /// # Errors
     /// As [`new`](Self::new), and [`Error::UnusableHull`] for a hull whose triangles name points that
     /// it does not have.
-    ///
-    /// ```
-    /// # fn main() -> Result<(), hullwright::Error> {
-    /// use hullwright::{Control, Hull, MergeTree, Parameters, TriangleMesh, convex_hull};
-    ///
-    /// let mesh = TriangleMesh::new(
-    ///     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    ///     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// );
-    /// let hulls = [Hull::from(convex_hull(&mesh.positions)?)];
-    /// let tree = MergeTree::from_hulls(&mesh, &hulls, &Parameters::default(), &Control::new())?;
-    /// assert_eq!(tree.curve().len(), 1);
-    /// # Ok(())
-    /// # }
-    /// ```
     pub fn from_hulls<'a>(
         mesh: impl Into<MeshView<'a>>,
         hulls: &[Hull],
@@ -140,101 +118,93 @@ impl MergeTree {
         }
         let settings = OpeningSettings::from(parameters);
         let prepared = prepare_closed(mesh, &settings, control)?.prepared;
-        let hierarchy = parallel::with(control.is_parallel(), || {
-            DecompositionHierarchy::new(prepared, hulls, parameters, control)
+        let normalization = prepared.normalization;
+        let known = uncovered.map(|uncovered| uncovered / normalization.diagonal);
+        let (tree, found) = parallel::with(control.is_parallel(), || {
+            JoinTree::from_hulls(&prepared, hulls, known, parameters, control)
         })?;
-        let uncovered = match uncovered {
-            Some(uncovered) => uncovered,
-            None => hierarchy.uncovered(control)?,
-        };
-        Ok(Self { hierarchy, leaves: hulls.to_vec(), uncovered })
+        let uncovered = uncovered.unwrap_or(found * normalization.diagonal);
+        Ok(Self { tree, leaves: hulls.to_vec(), normalization, uncovered })
     }
 
     /// All states, from the decomposition's hulls down to one. The number of hulls falls from one
     /// to the next, the error never does.
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// # let (parameters, control) = (hullwright::Parameters::default(), hullwright::Control::new());
-    /// # let decomposition = hullwright::decompose(&mesh, &parameters, &control)?;
-    /// let tree = hullwright::MergeTree::new(&mesh, &decomposition, &parameters, &control)?;
-    /// assert_eq!(tree.curve()[0].hulls, decomposition.hulls.len());
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     pub fn curve(&self) -> Vec<CurvePoint> {
-        (0..=self.hierarchy.joins()).map(|joins| self.point(joins)).collect()
+        (0..=self.tree.joins()).map(|joins| self.point(joins)).collect()
     }
 
     /// All joins, from the decomposition's hulls down to one: what each state of
     /// [`curve`](Self::curve) has that the one before has not.
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// # let (parameters, control) = (hullwright::Parameters::default(), hullwright::Control::new());
-    /// # let decomposition = hullwright::decompose(&mesh, &parameters, &control)?;
-    /// let tree = hullwright::MergeTree::new(&mesh, &decomposition, &parameters, &control)?;
-    /// assert_eq!(tree.joins().len() + 1, tree.curve().len());
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     pub fn joins(&self) -> Vec<Join> {
-        let joints = self.hierarchy.joint_hulls(&self.leaves);
-        joints.map(|(joined, hull)| Join { joined, hull }).collect()
+        let joints = self.tree.leaves..self.tree.nodes.len();
+        let join = |index: usize| {
+            let (first, second) = self.tree.nodes[index].joined?;
+            let joined = [first, second].map(|part| part as usize);
+            Some(Join { joined, hull: self.hull(index)? })
+        };
+        joints.filter_map(join).collect()
     }
 
     /// The hulls of the state with at most `most` hulls: `most`, or all there are, or one if
     /// `most` is 0.
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// # let (parameters, control) = (hullwright::Parameters::default(), hullwright::Control::new());
-    /// # let decomposition = hullwright::decompose(&mesh, &parameters, &control)?;
-    /// let tree = hullwright::MergeTree::new(&mesh, &decomposition, &parameters, &control)?;
-    /// assert_eq!(tree.at_hulls(1).len(), 1);
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     pub fn at_hulls(&self, most: usize) -> Vec<Hull> {
         let joins = self.leaves.len().saturating_sub(most.max(1));
-        self.hierarchy.hulls(joins, &self.leaves)
+        self.hulls(joins)
     }
 
     /// The fewest hulls whose error, in units, is at most `error`; the decomposition's own hulls
     /// if theirs is larger already.
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// # let (parameters, control) = (hullwright::Parameters::default(), hullwright::Control::new());
-    /// # let decomposition = hullwright::decompose(&mesh, &parameters, &control)?;
-    /// let tree = hullwright::MergeTree::new(&mesh, &decomposition, &parameters, &control)?;
-    /// assert_eq!(tree.at_error(1.0).len(), 1);
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     pub fn at_error(&self, error: f64) -> Vec<Hull> {
-        let joins = (0..=self.hierarchy.joins())
+        let joins = (0..=self.tree.joins())
             .rev()
             .find(|&joins| self.point(joins).error <= error)
             .unwrap_or(0);
-        self.hierarchy.hulls(joins, &self.leaves)
+        self.hulls(joins)
     }
 
     fn point(&self, joins: usize) -> CurvePoint {
-        let protrusion_max = self.hierarchy.protrusion(joins);
+        let state = self.tree.state(joins);
+        let protrusions = state.iter().map(|&index| self.tree.nodes[index].protrusion);
+        let protrusion_max = protrusions.fold(0.0, f64::max) * self.normalization.diagonal;
         CurvePoint {
             hulls: self.leaves.len() - joins,
             error: protrusion_max.max(self.uncovered),
             protrusion_max,
             uncovered_max: self.uncovered,
         }
+    }
+    fn hulls(&self, joins: usize) -> Vec<Hull> {
+        self.tree.state(joins).into_iter().filter_map(|index| self.hull(index)).collect()
+    }
+
+    /// An original or joint hull in the input's units.
+    fn hull(&self, index: usize) -> Option<Hull> {
+        let leaves = self.tree.leaves_below(index);
+        let members: Vec<&Hull> = leaves.iter().filter_map(|&leaf| self.leaves.get(leaf)).collect();
+        let first = *members.first()?;
+        let node = &self.tree.nodes[index];
+        if node.joined.is_none() {
+            return Some(first.clone());
+        }
+        let largest =
+            |value: fn(&Hull) -> f64| members.iter().map(|&hull| value(hull)).fold(0.0, f64::max);
+        let source_triangles = members
+            .iter()
+            .flat_map(|hull| hull.provenance.source_triangles.iter().copied())
+            .collect();
+        let joint = NormalizedHull {
+            hull: &node.hull,
+            component: first.provenance.component,
+            source_triangles,
+            added_thickness: 0.0,
+            simplification_growth: node.growth,
+            protrusion: node.protrusion,
+        };
+        let mut joint = joint.restored(&self.normalization);
+        let errors = &mut joint.errors;
+        errors.added_thickness = largest(|hull| hull.errors.added_thickness);
+        errors.simplification_growth =
+            errors.simplification_growth.max(largest(|hull| hull.errors.simplification_growth));
+        Some(joint)
     }
 }

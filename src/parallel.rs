@@ -163,17 +163,6 @@ pub(crate) fn join<A: Send, B: Send>(
     (first(), second())
 }
 
-/// Gives back what a value holds, on another thread if there is one: of many small things that takes milliseconds,
-/// and nobody waits for it.
-pub(crate) fn drop_aside<T: Send + 'static>(value: T) {
-    #[cfg(feature = "parallel")]
-    if threads() > 1 {
-        rayon::spawn(move || drop(value));
-        return;
-    }
-    drop(value);
-}
-
 /// How often a thread that waits for work that can't be stopped asks whether it should.
 const ASK_EVERY: Duration = Duration::from_millis(1);
 

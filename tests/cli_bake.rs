@@ -190,7 +190,7 @@ fn a_scene_is_baked_as_its_artist_says() {
     let read = |directory: &str| {
         let scene = HullScene::read(place.path(directory).join("props.hullscene")).unwrap();
         let nodes = scene.meshes.into_iter().flat_map(|baked| {
-            let method = baked.parameters.method.name();
+            let method = baked.parameters.name();
             baked.names.into_iter().map(move |name| (name, method))
         });
         nodes.collect::<std::collections::BTreeMap<_, _>>()

@@ -5,9 +5,10 @@ mod common;
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
+use hullwright::surface::{self, ResolutionOutcome, SurfaceParameters, SurfaceReport};
 use hullwright::{
-    Control, Decomposer, Decomposition, Error, Length, MeshView, Method, Parameters,
-    ResolutionOutcome, Stage, decompose,
+    Control, Decomposition, Error, Length, MeshView, Method, MethodReport, Parameters, Stage,
+    decompose, single_hull,
 };
 
 use common::{Mesh, l_prism, prism};
@@ -47,15 +48,13 @@ fn run((positions, triangles): &Mesh) -> Decomposition {
     decompose(MeshView::new(positions, triangles), &Parameters::default(), &Control::new()).unwrap()
 }
 
-/// With the paper's method.
-fn surface() -> Parameters {
-    let mut parameters = Parameters::default();
-    parameters.method = Method::Surface;
-    parameters
+fn run_surface((positions, triangles): &Mesh) -> Decomposition<SurfaceReport> {
+    let mesh = MeshView::new(positions, triangles);
+    surface::decompose(mesh, &SurfaceParameters::default(), &Control::new()).unwrap()
 }
 
-fn run_surface((positions, triangles): &Mesh) -> Decomposition {
-    decompose(MeshView::new(positions, triangles), &surface(), &Control::new()).unwrap()
+fn both_methods() -> [Method; 2] {
+    [Method::default(), SurfaceParameters::default().into()]
 }
 
 #[test]
@@ -81,12 +80,12 @@ fn disjoint_boxes_are_two_hulls_of_two_components() {
         result.hulls.iter().map(|hull| hull.provenance.component).collect::<Vec<_>>(),
         [0, 1]
     );
-    assert_eq!(result.report.components, 2);
+    assert_eq!(result.run.components, 2);
 }
 
 #[test]
 fn an_l_prism_is_two_groups() {
-    assert_eq!(run_surface(&l_prism()).report.surface.unwrap().pieces, 2);
+    assert_eq!(run_surface(&l_prism()).report.pieces, 2);
 }
 
 #[test]
@@ -119,7 +118,7 @@ fn left_handed_input_gives_the_same_hulls() {
     let flipped: Vec<[u32; 3]> = triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
     let expected = run(&(positions.clone(), triangles.clone()));
     let result = run(&(positions, flipped));
-    assert_eq!(result.report.repairs.flipped_triangles, triangles.len());
+    assert_eq!(result.run.repairs.flipped_triangles, triangles.len());
     assert!(result.hulls.iter().all(|hull| hull.shape.volume() > 0.0));
     assert_eq!(result.hulls.len(), expected.hulls.len());
     for (hull, expected) in result.hulls.iter().zip(&expected.hulls) {
@@ -129,24 +128,20 @@ fn left_handed_input_gives_the_same_hulls() {
 }
 
 /// The same groups, whatever the vertices' and triangles' places.
-fn labels((positions, triangles): &Mesh, method: Method) -> Vec<u32> {
-    let mut parameters = Parameters::default();
-    parameters.method = method;
-    decompose(MeshView::new(positions, triangles), &parameters, &Control::new())
-        .unwrap()
-        .grouped
-        .groups
+fn labels((positions, triangles): &Mesh, method: &Method) -> Vec<u32> {
+    let mesh = MeshView::new(positions, triangles);
+    method.decompose(mesh, &Control::new()).unwrap().grouped.groups
 }
 
 #[test]
 fn scale_changes_nothing() {
     let (positions, triangles) = torus(40, 20);
-    for method in [Method::Surface, Method::Bounded] {
-        let expected = labels(&(positions.clone(), triangles.clone()), method);
+    for method in both_methods() {
+        let expected = labels(&(positions.clone(), triangles.clone()), &method);
         for scale in [1e-6, 1e6] {
             let scaled = positions.iter().map(|p| p.map(|x| x * scale)).collect();
-            let labels = labels(&(scaled, triangles.clone()), method);
-            assert_eq!(labels, expected, "{method:?}, scale {scale}");
+            let labels = labels(&(scaled, triangles.clone()), &method);
+            assert_eq!(labels, expected, "{method}, scale {scale}");
         }
     }
 }
@@ -158,12 +153,13 @@ fn far_from_the_origin_the_groups_are_the_same() {
         let dent = 1.0 + 0.05 * (5.0 * *x).sin() * (7.0 * *y).cos();
         [*x, *y, *z] = [*x * dent, *y * dent, *z * dent];
     }
-    let expected = labels(&(positions.clone(), triangles.clone()), Method::Surface);
+    let method = SurfaceParameters::default().into();
+    let expected = labels(&(positions.clone(), triangles.clone()), &method);
     // A thousand times the torus's diagonal and more.
     for place in 1..5 {
         let by = [1.7, 2.9, 4.3].map(|turn| 4000.0 * (turn * f64::from(place)).sin());
         let moved = positions.iter().map(|p| [0, 1, 2].map(|axis| p[axis] + by[axis])).collect();
-        assert_eq!(labels(&(moved, triangles.clone()), Method::Surface), expected, "{by:?}");
+        assert_eq!(labels(&(moved, triangles.clone()), &method), expected, "{by:?}");
     }
 }
 
@@ -189,19 +185,18 @@ fn threads_change_nothing() {
         decompose(MeshView::new(&positions, &triangles), &parameters, &control(false)).unwrap();
     let mut parallel =
         decompose(MeshView::new(&positions, &triangles), &parameters, &control(true)).unwrap();
-    parallel.report.times = serial.report.times.clone();
+    parallel.run.times = serial.run.times.clone();
     assert_eq!(serial, parallel);
 }
 
 #[test]
 fn resolutions_come_back_in_ascending_order_and_one_is_selected() {
     let (positions, triangles) = torus(64, 32);
-    let mut parameters = surface();
-    parameters.surface.maximum_resolutions = vec![1000, 250, 500, 250];
-    let report = decompose(MeshView::new(&positions, &triangles), &parameters, &Control::new())
-        .unwrap()
-        .report;
-    let resolutions = report.surface.unwrap().resolutions;
+    let mut parameters = SurfaceParameters::default();
+    parameters.maximum_resolutions = vec![1000, 250, 500, 250];
+    let mesh = MeshView::new(&positions, &triangles);
+    let found = surface::decompose(mesh, &parameters, &Control::new()).unwrap();
+    let resolutions = found.report.resolutions;
     assert_eq!(resolutions.iter().map(|r| r.resolution).collect::<Vec<_>>(), [250, 500, 1000]);
     let selected = resolutions.iter().filter(|r| r.outcome == ResolutionOutcome::Selected);
     assert_eq!(selected.count(), 1);
@@ -224,7 +219,7 @@ fn simple_shapes_skip_higher_resolutions() {
             mesh.1.extend([[a, b, b + 1], [a, b + 1, a + 1]]);
         }
     }
-    let report = run_surface(&mesh).report.surface.unwrap();
+    let report = run_surface(&mesh).report;
     let outcomes: Vec<_> = report.resolutions.iter().map(|r| r.outcome).collect();
     assert!(report.pieces < 5, "{}", report.pieces);
     assert_eq!(outcomes[2..], [ResolutionOutcome::CutOff; 3]);
@@ -234,36 +229,54 @@ fn simple_shapes_skip_higher_resolutions() {
 #[test]
 fn the_unit_may_be_absolute() {
     let (positions, triangles) = torus(32, 16);
-    let mut parameters = surface();
-    parameters.surface.unit = Length::Units(1.5);
-    let report = decompose(MeshView::new(&positions, &triangles), &parameters, &Control::new())
-        .unwrap()
-        .report;
-    assert!((report.surface.unwrap().unit - 1.5).abs() < 1e-12);
+    let mut parameters = SurfaceParameters::default();
+    parameters.unit = Length::Units(1.5);
+    let mesh = MeshView::new(&positions, &triangles);
+    let found = surface::decompose(mesh, &parameters, &Control::new()).unwrap();
+    assert!((found.report.unit - 1.5).abs() < 1e-12);
 }
 
 #[test]
 fn values_that_mean_nothing_are_errors() {
     let (positions, triangles) = cube([0.0; 3], 1.0);
-    let rejected = |change: fn(&mut Parameters)| {
+    let mesh = MeshView::new(&positions, &triangles);
+    let control = Control::new();
+    let is_rejected = |method: Method| {
+        let result = method.decompose(mesh, &control);
+        assert_eq!(result.err(), method.validate().err());
+        matches!(method.validate(), Err(Error::InvalidParameter { .. }))
+    };
+    let bounded: [fn(&mut Parameters); 4] = [
+        |p| p.max_error = Length::Share(0.0),
+        |p| p.max_error = Length::Units(f64::NAN),
+        |p| p.max_hulls = Some(0),
+        |p| p.max_vertices = Some(3),
+    ];
+    for change in bounded {
         let mut parameters = Parameters::default();
         change(&mut parameters);
-        let result = decompose(MeshView::new(&positions, &triangles), &parameters, &Control::new());
-        matches!(result, Err(Error::InvalidParameter { .. }))
-    };
-    assert!(rejected(|p| p.surface.simplification_quality = 0.0));
-    assert!(rejected(|p| p.surface.simplification_quality = f64::NAN));
-    assert!(rejected(|p| p.surface.maximum_resolutions.clear()));
-    assert!(rejected(|p| p.surface.maximum_resolutions.push(0)));
-    assert!(rejected(|p| p.surface.planar_thresholds.clear()));
-    assert!(rejected(|p| p.surface.planar_thresholds.push(-1.0)));
-    assert!(rejected(|p| p.surface.angular_threshold = f64::INFINITY));
-    assert!(rejected(|p| p.surface.concavity_cost_threshold = 0.0));
-    assert!(rejected(|p| p.surface.unit = Length::Share(0.0)));
-    assert!(rejected(|p| p.bounded.max_error = Length::Share(0.0)));
-    assert!(rejected(|p| p.bounded.max_error = Length::Units(f64::NAN)));
-    assert!(rejected(|p| p.bounded.max_hulls = Some(0)));
-    assert!(rejected(|p| p.max_vertices = Some(3)));
+        assert!(is_rejected(parameters.clone().into()), "{parameters}");
+        assert!(is_rejected(Method::Hull(parameters)));
+    }
+    let surface: [fn(&mut SurfaceParameters); 10] = [
+        |p| p.simplification_quality = 0.0,
+        |p| p.simplification_quality = f64::NAN,
+        |p| p.maximum_resolutions.clear(),
+        |p| p.maximum_resolutions.push(0),
+        |p| p.planar_thresholds.clear(),
+        |p| p.planar_thresholds.push(-1.0),
+        |p| p.angular_threshold = f64::INFINITY,
+        |p| p.concavity_cost_threshold = 0.0,
+        |p| p.unit = Length::Share(0.0),
+        |p| p.max_vertices = Some(3),
+    ];
+    for change in surface {
+        let mut parameters = SurfaceParameters::default();
+        change(&mut parameters);
+        assert!(is_rejected(parameters.into()));
+    }
+    let hull = single_hull(mesh, Some(3), &control);
+    assert!(matches!(hull, Err(Error::InvalidParameter { name: "max_vertices", .. })));
 }
 
 #[test]
@@ -294,8 +307,8 @@ fn cancelling_stops_with_a_typed_error() {
     let (positions, triangles) = torus(32, 16);
     let control = Control::new();
     control.cancel();
-    for parameters in [Parameters::default(), surface()] {
-        let result = decompose(MeshView::new(&positions, &triangles), &parameters, &control);
+    for method in both_methods() {
+        let result = method.decompose(MeshView::new(&positions, &triangles), &control);
         assert_eq!(result, Err(Error::Cancelled));
     }
 }
@@ -303,11 +316,11 @@ fn cancelling_stops_with_a_typed_error() {
 #[test]
 fn after_the_deadline_the_best_so_far_is_returned() {
     let (positions, triangles) = torus(64, 32);
-    for parameters in [Parameters::default(), surface()] {
+    for method in both_methods() {
         let control = Control::new().with_parallel(false).with_deadline(Instant::now());
         let mesh = MeshView::new(&positions, &triangles);
-        let result = decompose(mesh, &parameters, &control).unwrap();
-        assert!(result.report.deadline_reached);
+        let result = method.decompose(mesh, &control).unwrap();
+        assert!(result.run.deadline_reached);
         assert!(!result.hulls.is_empty());
     }
 }
@@ -320,10 +333,11 @@ fn the_surface_method_on_threads_may_have_nothing_at_the_deadline() {
     let mesh = MeshView::new(&positions, &triangles);
     let control = Control::new().with_deadline(Instant::now());
     let threads = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
-    let result = threads.install(|| decompose(mesh, &surface(), &control));
+    let parameters = SurfaceParameters::default();
+    let result = threads.install(|| surface::decompose(mesh, &parameters, &control));
     assert_eq!(result, Err(Error::DeadlineExceeded));
     let result = threads.install(|| decompose(mesh, &Parameters::default(), &control)).unwrap();
-    assert!(result.report.deadline_reached && !result.hulls.is_empty());
+    assert!(result.run.deadline_reached && !result.hulls.is_empty());
 }
 
 #[test]
@@ -335,41 +349,44 @@ fn slices_give_the_same_and_progress_never_falls() {
         listener.lock().unwrap().push((progress.stage, progress.fraction));
     });
     let control = control.with_parallel(false);
-    let parameters = surface();
-    let mut decomposer =
-        Decomposer::new(MeshView::new(&positions, &triangles), &parameters).unwrap();
+    let parameters = SurfaceParameters::default();
+    let method = Method::from(parameters.clone());
+    let mesh = MeshView::new(&positions, &triangles);
+    let mut decomposer = method.decomposer(mesh, &control).unwrap();
     let mut slices = 0;
     let sliced = loop {
         slices += 1;
-        if let Some(result) = decomposer.step(&control).unwrap() {
+        if let Some(result) = decomposer.step().unwrap() {
             break result;
         }
     };
     assert!(slices > 7);
-    assert_eq!(decomposer.step(&control), Err(Error::Finished));
-    let whole =
-        decompose(MeshView::new(&positions, &triangles), &parameters, &Control::new()).unwrap();
-    assert_eq!(sliced.hulls, whole.hulls);
+    assert_eq!(decomposer.step(), Err(Error::Finished));
+    let whole = surface::decompose(mesh, &parameters, &Control::new()).unwrap();
+    assert_eq!((sliced.hulls, sliced.grouped), (whole.hulls, whole.grouped));
+    assert_eq!(sliced.report, MethodReport::Surface(whole.report));
     let seen = seen.lock().unwrap();
     assert!(seen.windows(2).all(|pair| pair[0].1 <= pair[1].1));
     assert_eq!(seen.last().map(|last| last.1), Some(1.0));
     let simplifying = seen.iter().filter(|progress| progress.0 == Stage::Simplify).count();
-    assert_eq!(simplifying, parameters.surface.maximum_resolutions.len());
+    assert_eq!(simplifying, parameters.maximum_resolutions.len());
 }
 
 #[test]
-fn the_method_hull_makes_the_one_hull_of_all_points() {
+fn the_single_hull_is_that_of_all_points() {
     let apart = join(&cube([0.0; 3], 1.0), &cube([3.0, 0.0, 0.0], 1.0));
     for (positions, triangles) in [torus(24, 12), l_prism(), apart] {
         let expected = hullwright::convex_hull(&positions).unwrap();
-        let parameters = Parameters::default().method(Method::Hull).max_vertices(None);
         let mesh = MeshView::new(&positions, &triangles);
-        let made = decompose(mesh, &parameters, &Control::new()).unwrap();
+        let made = single_hull(mesh, None, &Control::new()).unwrap();
         assert_eq!(made.hulls.len(), 1);
         let hull = &made.hulls[0];
         assert!((hull.shape.volume() / expected.volume() - 1.0).abs() < 1e-9);
         assert_eq!(hull.provenance.source_triangles.len(), triangles.len());
-        let capped = decompose(mesh, &parameters.max_vertices(8), &Control::new()).unwrap();
+        let method = Method::Hull(Parameters::default().max_vertices(None));
+        let same = method.decompose(mesh, &Control::new()).unwrap();
+        assert_eq!((same.hulls, same.report), (made.hulls, MethodReport::Hull));
+        let capped = single_hull(mesh, Some(8), &Control::new()).unwrap();
         let capped = &capped.hulls[0];
         assert!(capped.shape.points.len() <= 8 && capped.shape.volume() >= expected.volume());
         assert!(capped.errors.simplification_growth > 0.0 || expected.points.len() <= 8);

@@ -2,13 +2,16 @@
 
 mod common;
 
+use std::thread;
 use std::time::{Duration, Instant};
 
 use common::l_prism;
-use hullwright::{Control, Decomposer, Error, MeshView, Method, Parameters, decompose};
+use hullwright::surface::SurfaceParameters;
+use hullwright::{Control, Error, MeshView, Method, Parameters, decompose};
 
-fn methods() -> [Parameters; 2] {
-    [Method::Bounded, Method::Surface].map(|method| Parameters::default().method(method))
+fn methods() -> [Method; 3] {
+    let hull = Method::Hull(Parameters::default());
+    [Method::default(), SurfaceParameters::default().into(), hull]
 }
 
 #[test]
@@ -21,10 +24,9 @@ fn a_mesh_with_too_many_triangles_is_refused_before_any_work() {
     let limit = count - 1;
     let control = Control::new().with_max_triangles(limit);
     let refused = Error::TooLarge { what: "triangles", count, limit };
-    for parameters in methods() {
-        assert_eq!(decompose(mesh, &parameters, &control), Err(refused.clone()));
-        let mut slices = Decomposer::new(mesh, &parameters).unwrap();
-        assert_eq!(slices.step(&control), Err(refused.clone()));
+    for method in methods() {
+        assert_eq!(method.decompose(mesh, &control), Err(refused.clone()));
+        assert_eq!(method.decomposer(mesh, &control).err(), Some(refused.clone()));
     }
 }
 
@@ -32,9 +34,9 @@ fn a_mesh_with_too_many_triangles_is_refused_before_any_work() {
 fn a_mesh_with_as_many_triangles_as_allowed_is_decomposed() {
     let (positions, triangles) = l_prism();
     let control = Control::new().with_max_triangles(triangles.len());
-    for parameters in methods() {
-        let result = decompose(MeshView::new(&positions, &triangles), &parameters, &control);
-        assert_eq!(result.map(|result| result.hulls.len()), Ok(2));
+    for (method, hulls) in methods().into_iter().zip([2, 2, 1]) {
+        let result = method.decompose(MeshView::new(&positions, &triangles), &control);
+        assert_eq!(result.map(|result| result.hulls.len()), Ok(hulls));
     }
 }
 
@@ -43,18 +45,26 @@ fn past_the_time_limit_the_work_ends_in_whichever_slice_it_is() {
     let (positions, triangles) = l_prism();
     let mesh = MeshView::new(&positions, &triangles);
     let late = Control::new().with_time_limit(Instant::now());
-    for parameters in methods() {
-        assert_eq!(decompose(mesh, &parameters, &late), Err(Error::DeadlineExceeded));
+    // All that is done in time takes a small part of it.
+    let limit = Instant::now() + Duration::from_secs(6);
+    let in_time = Control::new().with_time_limit(limit);
+    let mut interrupted = Vec::new();
+    for method in methods() {
+        assert_eq!(method.decompose(mesh, &late), Err(Error::DeadlineExceeded));
         for slices_before in 0.. {
-            let mut slices = Decomposer::new(mesh, &parameters).unwrap();
-            let in_time = Control::new();
-            let is_done = (0..slices_before).any(|_| slices.step(&in_time).unwrap().is_some());
+            let mut slices = method.decomposer(mesh, &in_time).unwrap();
+            let is_done = (0..slices_before).any(|_| slices.step().unwrap().is_some());
             if is_done {
                 assert!(slices_before > 2);
                 break;
             }
-            assert_eq!(slices.step(&late), Err(Error::DeadlineExceeded), "{slices_before}");
+            interrupted.push((slices_before, slices));
         }
+    }
+    thread::sleep(limit.saturating_duration_since(Instant::now()));
+    for (slices_before, mut slices) in interrupted {
+        assert_eq!(slices.step(), Err(Error::DeadlineExceeded), "{slices_before}");
+        assert_eq!(slices.step(), Err(Error::Finished));
     }
 }
 

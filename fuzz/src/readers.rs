@@ -310,7 +310,7 @@ pub fn extras(bytes: &[u8]) {
     let escaped = serde_json::Value::from(text.as_ref()).to_string();
     let (tag, complaints) = read_extras(&format!("{{\"collider\": {escaped}}}"));
     assert_eq!(tag.is_none(), !complaints.is_empty(), "a kind is known, or there is a complaint");
-    let parameters = tag.and_then(|tag| tag.parameters(&hullwright::Parameters::default()));
+    let parameters = tag.and_then(|tag| tag.parameters(&hullwright::Method::default()));
     if let Some(parameters) = parameters {
         parameters.validate().expect("a collider alone asks for nothing that is refused");
     }

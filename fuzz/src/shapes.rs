@@ -4,8 +4,9 @@ use arbitrary::{Result, Unstructured};
 use hullwright::hull::{DEFAULT_TOLERANCE, HullBuilder, Shape};
 use hullwright::internals::surface_and_solid;
 use hullwright::measure::{MeasureOptions, measure};
+use hullwright::surface::SurfaceParameters;
 use hullwright::{
-    Control, Error, Length, MeshView, Openings, Parameters, Preset, convex_hull, decompose,
+    Control, Error, Length, MeshView, Method, Openings, Parameters, Preset, convex_hull,
     mass_properties,
 };
 
@@ -33,7 +34,7 @@ pub fn hulls_of_soup(bytes: &[u8]) -> usize {
 }
 
 fn try_soup(bytes: &mut Unstructured<'_>) -> Result<usize> {
-    let parameters = parameters(bytes)?;
+    let method = method(bytes)?;
     let count = bytes.int_in_range(1..=MOST_TRIANGLES)?;
     let vertices = bytes.int_in_range(3..=MOST_VERTICES as u32)?;
     let mut triangles = Vec::new();
@@ -44,7 +45,8 @@ fn try_soup(bytes: &mut Unstructured<'_>) -> Result<usize> {
     let positions = points(bytes, MOST_VERTICES)?;
     let mesh = MeshView::new(&positions, &triangles);
     let control = Control::new().with_parallel(false);
-    let found = match decompose(mesh, &parameters, &control) {
+    let parameters = method.solid();
+    let found = match method.decompose(mesh, &control) {
         Ok(found) => found,
         Err(
             Error::EmptyMesh { .. } | Error::IndexOutOfRange { .. } | Error::NothingUsable { .. },
@@ -61,14 +63,14 @@ fn try_soup(bytes: &mut Unstructured<'_>) -> Result<usize> {
         let Ok((points, triangles)) = hull.shape.to_single_precision() else { continue };
         assert_eq!(faults(&points, &triangles), Faults::default());
     }
-    if let Some(bounded) = &found.report.bounded {
-        let rounding = ROUNDING * found.report.diagonal;
+    if let Some(bounded) = found.report.bounded() {
+        let rounding = ROUNDING * found.run.diagonal;
         let (surface, solid) = surface_and_solid(mesh, &parameters, &control).expect("it was done");
         let sampled = sample(&found, &surface, &solid, 50);
-        let uncovered = sampled.uncovered * found.report.diagonal;
+        let uncovered = sampled.uncovered * found.run.diagonal;
         assert!(uncovered <= bounded.uncovered_max + rounding, "{sampled:?} {bounded:?}");
         assert!(sampled.beyond_verified <= ROUNDING, "{sampled:?} {bounded:?}");
-        if parameters.bounded.max_hulls.is_none() {
+        if parameters.max_hulls.is_none() {
             assert!(bounded.protrusion_max <= bounded.bound + rounding, "{bounded:?}");
             assert!(bounded.uncovered_max <= bounded.bound + rounding, "{bounded:?}");
         }
@@ -80,21 +82,22 @@ fn try_soup(bytes: &mut Unstructured<'_>) -> Result<usize> {
     Ok(found.hulls.len())
 }
 
-fn parameters(bytes: &mut Unstructured<'_>) -> Result<Parameters> {
-    let mut parameters =
-        if bytes.ratio(1, 16)? { Parameters::paper() } else { Parameters::default() };
-    let bounded = &mut parameters.bounded;
-    bounded.preset = *bytes.choose(&[Preset::Balanced, Preset::Fast, Preset::Fine])?;
-    bounded.max_error = Length::Share(*bytes.choose(&[0.02, 0.01, 0.05, 0.2])?);
-    bounded.openings = *bytes.choose(&[Openings::Auto, Openings::Keep, Openings::Close])?;
-    bounded.keep_cavities = bytes.ratio(1, 4)?;
+fn method(bytes: &mut Unstructured<'_>) -> Result<Method> {
+    let is_paper = bytes.ratio(1, 16)?;
+    let mut parameters = Parameters::default()
+        .preset(*bytes.choose(&[Preset::Balanced, Preset::Fast, Preset::Fine])?)
+        .max_error(Length::Share(*bytes.choose(&[0.02, 0.01, 0.05, 0.2])?))
+        .openings(*bytes.choose(&[Openings::Auto, Openings::Keep, Openings::Close])?)
+        .keep_cavities(bytes.ratio(1, 4)?);
     if bytes.ratio(1, 4)? {
-        bounded.max_hulls = Some(bytes.int_in_range(1..=4)?);
+        parameters.max_hulls = Some(bytes.int_in_range(1..=4)?);
     }
+    let mut surface = SurfaceParameters::paper();
     if bytes.ratio(1, 4)? {
         parameters.max_vertices = Some(bytes.int_in_range(8..=32)?);
+        surface.max_vertices = parameters.max_vertices;
     }
-    Ok(parameters)
+    Ok(if is_paper { surface.into() } else { parameters.into() })
 }
 
 /// Points into a hull at once, and in steps: both are exact hulls of their vertices, and hold all points.

@@ -7,7 +7,7 @@ use bevy::asset::{AssetLoader, LoadContext};
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 
-use crate::Parameters;
+use crate::Method;
 use crate::hulls_format::{HullScene, SceneLookup};
 
 use super::baked::LoadHullsError;
@@ -68,7 +68,7 @@ impl BakedScene {
     pub(super) fn reason_of_absence(
         &self,
         key: ContentKey,
-        parameters: &Parameters,
+        parameters: &Method,
         names: &[&str],
     ) -> Option<Absence> {
         let ContentKey::Mesh { mesh, .. } = key else { return None };
@@ -100,7 +100,7 @@ pub(super) enum Absence {
 }
 
 /// What differs from the default parameters.
-fn words(parameters: &Parameters) -> String {
+fn words(parameters: &Method) -> String {
     let text = parameters.to_string();
     if text.is_empty() { "the default parameters".into() } else { format!("`{text}`") }
 }

@@ -3,7 +3,8 @@
 
 use sha2::{Digest, Sha256};
 
-use crate::{BoundedParameters, Length, Method, Openings, Parameters, Preset, SurfaceParameters};
+use crate::surface::SurfaceParameters;
+use crate::{Length, Method, Openings, Parameters, Preset};
 
 use super::primitive::PrimitiveKind;
 use super::status::SkipReason;
@@ -14,8 +15,8 @@ use super::tag::{
 /// What is made of a mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Goal {
-    /// Hulls by these parameters.
-    Hulls(Parameters),
+    /// Hulls by this method.
+    Hulls(Method),
     /// The triangles as they are, and why.
     Triangles(SkipReason),
     /// A box, ball or capsule around it.
@@ -30,7 +31,7 @@ impl Goal {
             DecompositionShape::Ball => Self::Primitive(PrimitiveKind::Ball),
             DecompositionShape::Capsule => Self::Primitive(PrimitiveKind::Capsule),
             DecompositionShape::ConvexHull => {
-                let base = tag.flat_parameters();
+                let base = tag.flat_parameters().into();
                 let hull = crate::conventions::ColliderKind::ConvexHull.parameters(&base);
                 Self::Hulls(hull.unwrap_or(base))
             }
@@ -40,7 +41,7 @@ impl Goal {
         }
     }
 
-    pub(super) fn parameters(&self) -> Option<&Parameters> {
+    pub(super) fn parameters(&self) -> Option<&Method> {
         match self {
             Self::Hulls(parameters) => Some(parameters),
             Self::Triangles(_) | Self::Primitive(_) => None,
@@ -57,10 +58,10 @@ impl Goal {
 
     /// For one part of a larger mesh: what is open on it is closed by the other parts.
     pub(super) fn keep_openings_of_part(&mut self) {
-        if let Self::Hulls(parameters) = self
-            && parameters.bounded.openings == Openings::Auto
+        if let Self::Hulls(Method::Bounded(parameters) | Method::Hull(parameters)) = self
+            && parameters.openings == Openings::Auto
         {
-            parameters.bounded.openings = Openings::Keep;
+            parameters.openings = Openings::Keep;
         }
     }
 
@@ -87,15 +88,14 @@ impl ConvexDecomposition {
     /// use hullwright::bevy::prelude::*;
     ///
     /// let tag = ConvexDecomposition::default().with_max_hulls(16);
-    /// assert_eq!(tag.to_parameters(), hullwright::Parameters::default().max_hulls(16));
+    /// assert_eq!(tag.to_parameters(), hullwright::Parameters::default().max_hulls(16).into());
     /// ```
-    pub fn to_parameters(&self) -> Parameters {
-        self.parameters.clone().unwrap_or_else(|| self.flat_parameters())
+    pub fn to_parameters(&self) -> Method {
+        self.parameters.clone().unwrap_or_else(|| self.flat_parameters().into())
     }
 
     fn flat_parameters(&self) -> Parameters {
         Parameters::default()
-            .method(Method::Bounded)
             .max_error(self.max_error.into())
             .preset(self.preset.into())
             .max_hulls(self.max_hulls.map(|cap| cap as usize))
@@ -170,17 +170,28 @@ impl From<DecompositionOpenings> for Openings {
 }
 
 /// Whether the result depends on how large the mesh is in the world.
-pub(super) fn has_absolute_length(parameters: &Parameters) -> bool {
-    matches!(parameters.bounded.max_error, Length::Units(_))
-        || matches!(parameters.surface.unit, Length::Units(_))
+pub(super) fn has_absolute_length(method: &Method) -> bool {
+    let length = match method {
+        Method::Bounded(parameters) | Method::Hull(parameters) => parameters.max_error,
+        Method::Surface(parameters) => parameters.unit,
+    };
+    matches!(length, Length::Units(_))
 }
 
 /// Hashes every parameter, field by field, so that the keys of caches on disk depend on no text or
-/// layout. The patterns name all fields: a new one does not compile until it is hashed here.
-fn hash_parameters(parameters: &Parameters, hasher: &mut Sha256) {
-    let Parameters { method, bounded, surface, max_vertices } = parameters;
-    let BoundedParameters { max_error, preset, max_hulls, keep_cavities, openings, up_axis } =
-        bounded;
+/// layout. The patterns name all fields: a new one does not compile until it is hashed here. In place of
+/// another method's parameters stand the defaults, as in the keys of caches that hold them.
+fn hash_parameters(method: &Method, hasher: &mut Sha256) {
+    let (mut bounded, mut surface) = (Parameters::default(), SurfaceParameters::default());
+    match method {
+        Method::Bounded(parameters) | Method::Hull(parameters) => bounded = parameters.clone(),
+        Method::Surface(parameters) => {
+            bounded.max_vertices = parameters.max_vertices;
+            surface = parameters.clone();
+        }
+    }
+    let Parameters { max_error, preset, max_hulls, max_vertices, keep_cavities, openings, up_axis } =
+        &bounded;
     let SurfaceParameters {
         simplification_quality,
         maximum_resolutions,
@@ -190,7 +201,8 @@ fn hash_parameters(parameters: &Parameters, hasher: &mut Sha256) {
         resolution_cut_off,
         unit,
         significant_diagonal,
-    } = surface;
+        max_vertices: _,
+    } = &surface;
     let mut hash = FieldHasher(hasher);
     hash.text(method.name());
     hash.length(max_error);
@@ -250,7 +262,7 @@ mod tests {
 
     #[test]
     fn the_default_tag_asks_for_the_librarys_default() {
-        assert_eq!(ConvexDecomposition::default().to_parameters(), Parameters::default());
+        assert_eq!(ConvexDecomposition::default().to_parameters(), Method::default());
     }
 
     #[test]
@@ -269,9 +281,9 @@ mod tests {
             .max_vertices(20)
             .keep_cavities(true)
             .openings(Openings::Keep);
-        assert_eq!(tag.to_parameters(), expected);
-        let metres = tag.with_max_error(MaxError::Metres(0.1)).to_parameters();
-        assert_eq!(metres.bounded.max_error, Length::units(0.1));
+        assert_eq!(tag.to_parameters(), expected.into());
+        let metres = tag.with_max_error(MaxError::Metres(0.1)).flat_parameters();
+        assert_eq!(metres.max_error, Length::units(0.1));
     }
 
     #[test]
@@ -284,38 +296,72 @@ mod tests {
 
     #[test]
     fn other_parameters_have_another_hash() {
-        let hash = |change: fn(&mut Parameters)| {
-            let mut parameters = Parameters::default();
-            change(&mut parameters);
+        let hash = |method: Method| -> [u8; 32] {
             let mut hasher = Sha256::new();
-            hash_parameters(&parameters, &mut hasher);
+            hash_parameters(&method, &mut hasher);
             hasher.finalize().into()
         };
-        let same = hash(|_| {});
-        assert_eq!(same, hash(|_| {}));
-        let changes: [fn(&mut Parameters); 17] = [
-            |p| p.bounded.openings = Openings::Close,
-            |p| p.bounded.up_axis = crate::UpAxis::Z,
-            |p| p.method = Method::Surface,
-            |p| p.bounded.max_error = Length::share(0.03),
-            |p| p.bounded.max_error = Length::units(0.02),
-            |p| p.bounded.preset = Preset::Fast,
-            |p| p.bounded.max_hulls = Some(0),
-            |p| p.bounded.keep_cavities = true,
-            |p| p.surface.simplification_quality = 0.7,
-            |p| p.surface.maximum_resolutions.push(1),
-            |p| p.surface.planar_thresholds.push(1.0),
-            |p| p.surface.angular_threshold = 0.5,
-            |p| p.surface.concavity_cost_threshold = 0.5,
-            |p| p.surface.resolution_cut_off = 4,
-            |p| p.surface.unit = Length::units(1.0),
-            |p| p.surface.significant_diagonal = 0.5,
+        let same = hash(Method::default());
+        assert_eq!(same, hash(Method::default()));
+        let changes: [fn(&mut Parameters); 9] = [
+            |p| p.openings = Openings::Close,
+            |p| p.up_axis = crate::UpAxis::Z,
+            |p| p.max_error = Length::share(0.03),
+            |p| p.max_error = Length::units(0.02),
+            |p| p.preset = Preset::Fast,
+            |p| p.max_hulls = Some(0),
+            |p| p.keep_cavities = true,
             |p| p.max_vertices = None,
+            |_| {},
         ];
-        let mut hashes: Vec<[u8; 32]> = changes.map(hash).to_vec();
-        hashes.push(same);
+        let bounded = changes.map(|change| {
+            let mut parameters = Parameters::default();
+            change(&mut parameters);
+            parameters
+        });
+        let changes: [fn(&mut SurfaceParameters); 10] = [
+            |p| p.simplification_quality = 0.7,
+            |p| p.maximum_resolutions.push(1),
+            |p| p.planar_thresholds.push(1.0),
+            |p| p.angular_threshold = 0.5,
+            |p| p.concavity_cost_threshold = 0.5,
+            |p| p.resolution_cut_off = 4,
+            |p| p.unit = Length::units(1.0),
+            |p| p.significant_diagonal = 0.5,
+            |p| p.max_vertices = None,
+            |_| {},
+        ];
+        let surface = changes.map(|change| {
+            let mut parameters = SurfaceParameters::default();
+            change(&mut parameters);
+            parameters
+        });
+        let mut methods: Vec<Method> = bounded.clone().map(Method::Bounded).into();
+        methods.extend(bounded.map(Method::Hull));
+        methods.extend(surface.map(Method::Surface));
+        let count = methods.len();
+        let mut hashes: Vec<[u8; 32]> = methods.into_iter().map(hash).collect();
         hashes.sort_unstable();
         hashes.dedup();
-        assert_eq!(hashes.len(), changes.len() + 1);
+        assert_eq!(hashes.len(), count);
     }
+
+    #[test]
+    fn keys_of_caches_on_disk_stay_what_they_are() {
+        for (text, expected) in KEYS {
+            let mut hasher = Sha256::new();
+            hash_parameters(&text.parse().unwrap(), &mut hasher);
+            let hash: String = hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+            assert_eq!(hash[..16], *expected, "{text}");
+        }
+    }
+
+    /// Computed by hand from the layout that version 0.1 has.
+    const KEYS: [(&str, &str); 5] = [
+        ("", "3211bdd0ccd190b3"),
+        ("max_error=1% preset=fine max_hulls=32 keep_cavities=true", "2c3dd7790ddaf23b"),
+        ("method=surface max_vertices=none", "5988c0db962c82cd"),
+        ("method=surface maximum_resolutions=250,500 unit=1.5m", "25cda2332a0d6d47"),
+        ("method=hull max_vertices=16 openings=keep up_axis=z", "87f079ead0363924"),
+    ];
 }

@@ -6,7 +6,7 @@ use bevy::asset::LoadContext;
 use crate::bake::{BakeOptions, bake_jobs};
 use crate::hulls_format::HullScene;
 use crate::io::read_scene_from_bytes;
-use crate::{Control, Parameters};
+use crate::{Control, Method};
 
 use super::baked::LoadHullsError;
 
@@ -64,7 +64,7 @@ fn read(bytes: &[u8]) -> Result<Recipe, LoadHullsError> {
             }
             "parameters" => {
                 let text = value.as_str().ok_or_else(|| expected("a text"))?;
-                let parameters: Parameters =
+                let parameters: Method =
                     text.parse().map_err(|error| wrong(format!("`parameters`: {error}")))?;
                 parameters.validate().map_err(|error| wrong(error.to_string()))?;
                 recipe.options.parameters = parameters;
@@ -85,7 +85,7 @@ fn read(bytes: &[u8]) -> Result<Recipe, LoadHullsError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Length;
+    use crate::{Length, Parameters};
 
     fn refused(text: &str) -> String {
         match read(text.as_bytes()) {

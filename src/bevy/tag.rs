@@ -4,7 +4,7 @@
 
 use bevy::prelude::*;
 
-use crate::Parameters;
+use crate::Method;
 
 use super::settings::FallbackCollider;
 use super::status::DecompositionStatus;
@@ -59,11 +59,11 @@ pub struct ConvexDecomposition {
     /// The collider until the entity's own is ready; `None` for what
     /// [`HullwrightSettings`](crate::bevy::HullwrightSettings) says.
     pub fallback_collider: Option<FallbackCollider>,
-    /// The library's own parameters, instead of all settings of the decomposition: the paper's method,
-    /// for example. Not in scenes, since they are not reflected. Default `None`.
+    /// The library's own parameters, or another of its methods with its parameters, instead of all settings of
+    /// the decomposition. Not in scenes, since they are not reflected. Default `None`.
     #[reflect(ignore)]
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
-    pub parameters: Option<Parameters>,
+    pub parameters: Option<Method>,
 }
 
 /// How far hulls and mesh may be apart.
@@ -315,18 +315,19 @@ impl ConvexDecomposition {
         self
     }
 
-    /// The same with the library's own parameters, which replace all settings of the decomposition:
+    /// The same with the library's own parameters, or another of its methods with its parameters, which replace
+    /// all settings of the decomposition:
     ///
     /// ```
     /// use hullwright::bevy::prelude::*;
+    /// use hullwright::surface::SurfaceParameters;
     ///
-    /// let by_the_paper =
-    ///     ConvexDecomposition::default().with_parameters(hullwright::Parameters::paper());
-    /// assert_eq!(by_the_paper.to_parameters(), hullwright::Parameters::paper());
+    /// let by_the_paper = ConvexDecomposition::default().with_parameters(SurfaceParameters::paper());
+    /// assert_eq!(by_the_paper.to_parameters(), SurfaceParameters::paper().into());
     /// ```
     #[must_use]
-    pub fn with_parameters(mut self, parameters: Parameters) -> Self {
-        self.parameters = Some(parameters);
+    pub fn with_parameters(mut self, parameters: impl Into<Method>) -> Self {
+        self.parameters = Some(parameters.into());
         self
     }
 }
@@ -389,7 +390,7 @@ mod tests {
             .with_mass(2.0)
             .with_fallback_collider(FallbackCollider::ConvexHull);
         assert_eq!(written_and_read(&tag), tag);
-        let by_the_paper = tag.with_parameters(Parameters::paper());
+        let by_the_paper = tag.with_parameters(crate::surface::SurfaceParameters::paper());
         assert_eq!(written_and_read(&by_the_paper), by_the_paper);
     }
 

@@ -8,7 +8,7 @@ use bevy::math::Affine3A;
 use bevy_rapier3d::rapier::geometry::{SharedShape, TriMeshFlags};
 
 use crate::hulls_format::HullsFile;
-use crate::{Control, Decomposer, Error, MeshView, Parameters, mass_properties_with};
+use crate::{Control, Decomposer, Error, MeshView, Method, MethodReport, mass_properties_with};
 
 use super::baked_scene::SceneGeometry;
 use super::cache::{ColliderGeometry, GeometryCache, WorkClaim};
@@ -54,7 +54,10 @@ pub(super) struct BuiltCollider {
 
 /// Work that can be interrupted between its steps.
 pub(super) struct DecompositionTask {
-    state: TaskState,
+    /// What the first step takes.
+    input: Option<TaskInput>,
+    /// What later steps go on with.
+    work: Option<MeshInProgress>,
     map: Affine3A,
     cache: GeometryCache,
     cache_bytes: usize,
@@ -62,15 +65,9 @@ pub(super) struct DecompositionTask {
     primitives: bool,
 }
 
-enum TaskState {
-    Start(Box<TaskInput>),
-    Decompose(Box<MeshInProgress>),
-    Done,
-}
-
 struct MeshInProgress {
-    decomposer: Decomposer,
-    parameters: Parameters,
+    decomposer: Decomposer<MethodReport>,
+    method: Method,
     data: MeshData,
     key: ContentKey,
     claim: WorkClaim,
@@ -84,9 +81,8 @@ impl DecompositionTask {
         settings: &HullwrightSettings,
     ) -> Self {
         let disk_cache = DiskCache::new(settings, &cache.written);
-        let state = TaskState::Start(Box::new(input));
         let HullwrightSettings { cache_bytes, primitives, .. } = *settings;
-        Self { state, map, cache, cache_bytes, disk_cache, primitives }
+        Self { input: Some(input), work: None, map, cache, cache_bytes, disk_cache, primitives }
     }
 
     /// Runs to the end.
@@ -106,15 +102,14 @@ impl DecompositionTask {
         &mut self,
         control: &Control,
     ) -> Result<Option<TaskOutput>, DecompositionError> {
-        match std::mem::replace(&mut self.state, TaskState::Done) {
-            TaskState::Start(input) => match *input {
-                TaskInput::Geometry { key, geometry, source } => {
-                    self.build(key, geometry, source).map(Some)
-                }
-                TaskInput::Mesh { data, goal, baked } => self.start(data, &goal, baked.as_deref()),
-            },
-            TaskState::Decompose(work) => self.decompose(work, control),
-            TaskState::Done => Err(Error::Finished.into()),
+        match self.input.take() {
+            Some(TaskInput::Geometry { key, geometry, source }) => {
+                self.build(key, geometry, source).map(Some)
+            }
+            Some(TaskInput::Mesh { data, goal, baked }) => {
+                self.start(data, &goal, baked.as_deref(), control)
+            }
+            None => self.decompose(),
         }
     }
 
@@ -123,6 +118,7 @@ impl DecompositionTask {
         data: MeshData,
         goal: &Goal,
         baked: Option<&SceneGeometry>,
+        control: &Control,
     ) -> Result<Option<TaskOutput>, DecompositionError> {
         let key = ContentKey::of_mesh(&data, goal);
         if let Some(geometry) = baked.and_then(|baked| baked.get(key)) {
@@ -134,8 +130,8 @@ impl DecompositionTask {
         let Some(claim) = self.cache.claim(key) else {
             return Ok(Some(TaskOutput::InProgress(key)));
         };
-        let parameters = match goal {
-            Goal::Hulls(parameters) => parameters,
+        let method = match goal {
+            Goal::Hulls(method) => method,
             Goal::Triangles(_) => {
                 let geometry = Arc::new(ColliderGeometry::Triangles(data));
                 return self.build(key, geometry, HullSource::Decomposed).map(Some);
@@ -150,24 +146,20 @@ impl DecompositionTask {
             let geometry = Arc::new(ColliderGeometry::Hulls(Box::new(file)));
             return self.build(key, geometry, HullSource::Disk).map(Some);
         }
-        let decomposer = Decomposer::new(data.view(), parameters)?;
-        let work = MeshInProgress { decomposer, parameters: parameters.clone(), data, key, claim };
-        self.state = TaskState::Decompose(Box::new(work));
+        let decomposer = method.decomposer(data.view(), control)?;
+        self.work = Some(MeshInProgress { decomposer, method: method.clone(), data, key, claim });
         Ok(None)
     }
 
-    fn decompose(
-        &mut self,
-        mut work: Box<MeshInProgress>,
-        control: &Control,
-    ) -> Result<Option<TaskOutput>, DecompositionError> {
-        let Some(decomposition) = work.decomposer.step(control)? else {
-            self.state = TaskState::Decompose(work);
+    fn decompose(&mut self) -> Result<Option<TaskOutput>, DecompositionError> {
+        let mut work = self.work.take().ok_or(Error::Finished)?;
+        let Some(decomposition) = work.decomposer.step()? else {
+            self.work = Some(work);
             return Ok(None);
         };
-        let MeshInProgress { data, key, claim, parameters, .. } = *work;
+        let MeshInProgress { data, key, claim, method, .. } = work;
         let hulls = &decomposition.hulls;
-        let mass = mass_properties_with(data.view(), hulls, 1.0, &parameters)?;
+        let mass = mass_properties_with(data.view(), hulls, 1.0, &method.solid())?;
         let file = HullsFile::new("", &decomposition).with_mass_properties(mass);
         if let Some(cache) = &self.disk_cache {
             cache.write(key, &file);

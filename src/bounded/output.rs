@@ -1,8 +1,8 @@
-//! The border to the public types: final hulls in the input's units, and public hulls as input.
+//! Conversion to the public types and back: final hulls in the input's units, and public hulls as input.
 
 use super::finalize::final_hull::{FinalHull, FinalHulls};
-use super::patches::patch::Patches;
-use crate::decomposition::{BoundedReport, GroupedMesh, Hull, HullErrors, Provenance};
+use super::patch::Patches;
+use crate::decomposition::{GroupedMesh, Hull, HullErrors, Provenance, Report};
 use crate::error::Error;
 use crate::hull::ConvexHull;
 use crate::mesh::{CAP, Normalization, PreparedMesh};
@@ -10,16 +10,15 @@ use crate::parallel;
 
 /// Hulls in the input's units, and what was verified about them.
 pub(crate) struct BoundedResult {
-    pub prepared: PreparedMesh,
     pub hulls: Vec<Hull>,
     pub grouped: GroupedMesh,
-    pub report: BoundedReport,
+    pub report: Report,
 }
 
 impl BoundedResult {
-    /// `bound` in diagonals.
-    pub(super) fn new(
-        prepared: PreparedMesh,
+    /// `bound`: as a fraction of the diagonal.
+    pub(crate) fn new(
+        prepared: &PreparedMesh,
         patches: &Patches,
         FinalHulls { hulls, uncovered }: &FinalHulls,
         bound: f64,
@@ -27,7 +26,7 @@ impl BoundedResult {
         let normalization = prepared.normalization;
         let diagonal = normalization.diagonal;
         let protrusion = hulls.iter().map(|hull| hull.protrusion).fold(0.0, f64::max);
-        let report = BoundedReport {
+        let report = Report {
             bound: bound * diagonal,
             protrusion_max: protrusion * diagonal,
             uncovered_max: uncovered * diagonal,
@@ -38,10 +37,11 @@ impl BoundedResult {
         let hulls = parallel::map(hulls, |hull| {
             let source =
                 |triangle| prepared.source_triangles[patches.parents[triangle as usize] as usize];
-            HullInDiagonals {
+            NormalizedHull {
                 hull: &hull.hull,
                 component: hull.component,
                 source_triangles: hull
+                    .represents
                     .triangles(patches)
                     .map(source)
                     .filter(|&triangle| triangle != CAP)
@@ -52,7 +52,7 @@ impl BoundedResult {
             }
             .restored(&normalization)
         });
-        Self { prepared, hulls, grouped, report }
+        Self { hulls, grouped, report }
     }
 }
 
@@ -60,7 +60,7 @@ impl BoundedResult {
 fn grouped(patches: &Patches, hulls: &[FinalHull], normalization: &Normalization) -> GroupedMesh {
     let mut groups = vec![0; patches.count()];
     for (index, hull) in (0_u32..).zip(hulls) {
-        for patch in hull.patches.iter() {
+        for patch in hull.represents.patches.iter() {
             groups[patch as usize] = index;
         }
     }
@@ -72,8 +72,8 @@ fn grouped(patches: &Patches, hulls: &[FinalHull], normalization: &Normalization
     }
 }
 
-/// What a public hull is made from. Lengths are in diagonals.
-pub(super) struct HullInDiagonals<'a> {
+/// What a public hull is made from. Lengths are fractions of the diagonal.
+pub(crate) struct NormalizedHull<'a> {
     pub hull: &'a ConvexHull,
     pub component: u32,
     /// In any order, repeated or not.
@@ -83,9 +83,9 @@ pub(super) struct HullInDiagonals<'a> {
     pub protrusion: f64,
 }
 
-impl HullInDiagonals<'_> {
+impl NormalizedHull<'_> {
     /// The hull in the input's units.
-    pub(super) fn restored(self, normalization: &Normalization) -> Hull {
+    pub(crate) fn restored(self, normalization: &Normalization) -> Hull {
         let points = self.hull.points.iter().map(|&point| normalization.restore(point)).collect();
         let mut source_triangles = self.source_triangles;
         source_triangles.sort_unstable();
@@ -103,11 +103,11 @@ impl HullInDiagonals<'_> {
     }
 }
 
-/// A public hull in diagonals, and its protrusion if that was verified.
+/// A public hull scaled by the diagonal, and its protrusion if that was verified.
 ///
 /// # Errors
-/// [`Error::UnusableHull`] if it is inconsistent, since its fields are public. `index` is its
-/// number.
+/// [`Error::UnusableHull`] if it is inconsistent, since its fields are public. `index`: its place
+/// among the others.
 pub(super) fn normalized(
     hull: &Hull,
     index: usize,

@@ -3,7 +3,7 @@
 
 use std::ops::RangeInclusive;
 
-use crate::parameters::{BoundedParameters, Length, Parameters, Preset};
+use crate::parameters::{Length, Parameters, Preset};
 use crate::solid::{COARSE, MIN_SEARCH_SHARE};
 
 /// The search uses this share of the bound. The rest is a margin for what the search's fit test
@@ -79,28 +79,66 @@ const FINE: [PresetSettings; 3] = [
     PresetSettings { patch_size: 0.15, dissolve_attempts: 60_000, triangles: 1600 },
 ];
 
-/// What the stages work with.
-pub(crate) struct Settings {
-    /// The promised bound on protrusions.
-    pub bound: f64,
-    /// The bound whose shares may stay uncovered.
-    pub uncovered_bound: f64,
+/// The bound, and the shares of it that the stages work with. Lengths are fractions of the diagonal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Bound {
+    protrusion: f64,
+    /// The bound that was asked for, also where [`Settings::with_bound`] allows more protrusion.
+    asked: f64,
+}
+
+impl Bound {
+    fn new(bound: f64) -> Self {
+        let bound = bound.clamp(MIN_BOUND, MAX_BOUND);
+        Self { protrusion: bound, asked: bound }
+    }
+
+    /// The bound on the protrusion of the hulls that are returned.
+    pub(crate) fn protrusion(self) -> f64 {
+        self.protrusion
+    }
+
     /// The bound of the search.
-    pub search_bound: f64,
+    pub(crate) fn search(self) -> f64 {
+        SEARCH_SHARE * self.protrusion
+    }
+
     /// The bound of the last round of dissolving.
-    pub last_round_bound: f64,
+    pub(crate) fn last_round(self) -> f64 {
+        LAST_ROUND_SHARE * self.protrusion
+    }
+
+    /// The bound whose shares, [`MAX_UNCOVERED`] above all, may stay uncovered.
+    pub(crate) fn uncovered(self) -> f64 {
+        self.asked
+    }
+
+    /// Points of a patch this near to the hull of its other points are left out, and uncovered surface
+    /// nearer to a hull counts as covered.
+    pub(crate) fn tolerance(self) -> f64 {
+        PATCH_SHARE_OF_UNCOVERED * self.asked
+    }
+
+    /// Longest edge of the mesh that is divided into patches.
+    pub(crate) fn longest_edge(self) -> f64 {
+        let (shortest, longest) = (*LONGEST_EDGE_LIMITS.start(), *LONGEST_EDGE_LIMITS.end());
+        (LONGEST_EDGE * self.protrusion).clamp(shortest, longest)
+    }
+
+    /// Planar and angular threshold of the grouping.
+    pub(crate) fn grouping_threshold(self) -> f64 {
+        GROUPING_THRESHOLD * self.protrusion
+    }
+}
+
+/// The bound, how finely the surface is divided, and the limits on the result.
+#[derive(Clone)]
+pub(crate) struct Settings {
+    pub bound: Bound,
     /// Triangles of the mesh that is divided into patches.
     pub triangles: usize,
-    /// Longest edge of that mesh.
-    pub longest_edge: f64,
-    /// Planar and angular threshold of the grouping.
-    pub grouping_threshold: f64,
     /// See [`PresetSettings::patch_size`].
     pub patch_size: f64,
-    /// Points of a patch this near to the hull of its other points are left out.
-    pub patch_tolerance: f64,
-    /// Uncovered surface nearer to a hull than this counts as covered.
-    pub cover_tolerance: f64,
     /// See [`PresetSettings::dissolve_attempts`].
     pub dissolve_attempts: usize,
     pub max_vertices: Option<usize>,
@@ -111,7 +149,7 @@ pub(crate) struct Settings {
 impl Settings {
     /// One for each pass over the surface that the preset makes. At least one.
     pub(crate) fn of_preset(parameters: &Parameters, diagonal: f64) -> Vec<Self> {
-        let passes: &[PresetSettings] = match parameters.bounded.preset {
+        let passes: &[PresetSettings] = match parameters.preset {
             Preset::Fast => &[FAST],
             Preset::Balanced => &[BALANCED],
             Preset::Fine => &FINE,
@@ -120,55 +158,37 @@ impl Settings {
     }
 
     /// For stages after the search, which do not depend on the preset.
-    pub(super) fn after_search(parameters: &Parameters, diagonal: f64) -> Self {
+    pub(crate) fn after_search(parameters: &Parameters, diagonal: f64) -> Self {
         Self::new(parameters, diagonal, &BALANCED)
     }
 
     fn new(parameters: &Parameters, diagonal: f64, preset: &PresetSettings) -> Self {
-        let BoundedParameters { max_error, max_hulls, keep_cavities, .. } = parameters.bounded;
+        let &Parameters { max_error, max_hulls, max_vertices, keep_cavities, .. } = parameters;
         let &PresetSettings { patch_size, dissolve_attempts, triangles } = preset;
         let bound = match max_error {
             Length::Share(share) => share,
             Length::Units(length) => length / diagonal,
         };
-        let bound = bound.clamp(MIN_BOUND, MAX_BOUND);
-        let max_vertices = parameters.max_vertices;
-        let unbounded = Self {
-            bound: 0.0,
-            uncovered_bound: bound,
-            search_bound: 0.0,
-            last_round_bound: 0.0,
+        Self {
+            bound: Bound::new(bound),
             triangles,
-            longest_edge: 0.0,
-            grouping_threshold: 0.0,
             patch_size,
-            patch_tolerance: PATCH_SHARE_OF_UNCOVERED * bound,
-            cover_tolerance: PATCH_SHARE_OF_UNCOVERED * bound,
             dissolve_attempts,
             max_vertices,
             max_hulls,
             keep_cavities,
-        };
-        unbounded.with_bound(bound)
+        }
     }
 
     /// The same with as little search as the fastest preset has.
-    pub(super) fn hurried(&self) -> Self {
+    pub(crate) fn hurried(&self) -> Self {
         let PresetSettings { patch_size, dissolve_attempts, .. } = FAST;
         Self { patch_size, dissolve_attempts, ..*self }
     }
 
-    /// The same under another bound on protrusions, in diagonals. No more may stay uncovered.
-    pub(super) fn with_bound(&self, bound: f64) -> Self {
-        let bound = bound.clamp(MIN_BOUND, MAX_BOUND);
-        let (shortest, longest) = (*LONGEST_EDGE_LIMITS.start(), *LONGEST_EDGE_LIMITS.end());
-        Self {
-            bound,
-            search_bound: SEARCH_SHARE * bound,
-            last_round_bound: LAST_ROUND_SHARE * bound,
-            longest_edge: (LONGEST_EDGE * bound).clamp(shortest, longest),
-            grouping_threshold: GROUPING_THRESHOLD * bound,
-            ..*self
-        }
+    /// The same under another bound on protrusions. No more may stay uncovered.
+    pub(crate) fn with_bound(&self, bound: f64) -> Self {
+        let bound = Bound { asked: self.bound.asked, ..Bound::new(bound) };
+        Self { bound, ..*self }
     }
 }

@@ -6,7 +6,9 @@ use std::str::FromStr;
 use serde_json::{Map, Value};
 
 use super::ColliderKind;
-use crate::parameters::{Length, Openings, Parameters, Preset};
+use crate::method::Method;
+use crate::parameters::{Length, Openings, Preset};
+use crate::surface::SurfaceParameters;
 
 /// The key without which extras are somebody else's.
 const COLLIDER: &str = "collider";
@@ -146,23 +148,31 @@ impl ExtrasTag {
     ///
     /// ```
     /// use hullwright::conventions::read_extras;
-    /// use hullwright::{Length, Parameters};
+    /// use hullwright::{Length, Method, Parameters};
     ///
     /// let (tag, _) = read_extras(r#"{"collider": "hulls", "max_error": "0.02m"}"#);
-    /// let base = Parameters::default();
-    /// let expected = Parameters::default().max_error(Length::units(0.02));
-    /// assert_eq!(tag.and_then(|tag| tag.parameters(&base)), Some(expected));
+    /// let expected = Method::from(Parameters::default().max_error(Length::units(0.02)));
+    /// assert_eq!(tag.and_then(|tag| tag.parameters(&Method::default())), Some(expected));
     /// ```
-    pub fn parameters(&self, base: &Parameters) -> Option<Parameters> {
-        let mut tuned = base.clone();
-        let bounded = &mut tuned.bounded;
-        bounded.max_error = self.max_error.unwrap_or(bounded.max_error);
-        bounded.preset = self.preset.unwrap_or(bounded.preset);
-        bounded.openings = self.openings.unwrap_or(bounded.openings);
-        bounded.keep_cavities = self.keep_cavities.unwrap_or(bounded.keep_cavities);
-        bounded.max_hulls = self.max_hulls.map(|cap| cap as usize).or(bounded.max_hulls);
-        tuned.max_vertices = self.max_vertices.map(|cap| cap as usize).or(tuned.max_vertices);
-        self.kind?.parameters(&tuned)
+    pub fn parameters(&self, base: &Method) -> Option<Method> {
+        let kind = self.kind?;
+        let mut parameters = base.for_bounded();
+        parameters.max_error = self.max_error.unwrap_or(parameters.max_error);
+        parameters.preset = self.preset.unwrap_or(parameters.preset);
+        parameters.openings = self.openings.unwrap_or(parameters.openings);
+        parameters.keep_cavities = self.keep_cavities.unwrap_or(parameters.keep_cavities);
+        parameters.max_hulls = self.max_hulls.map(|limit| limit as usize).or(parameters.max_hulls);
+        let max_vertices = self.max_vertices.map(|limit| limit as usize);
+        parameters.max_vertices = max_vertices.or(parameters.max_vertices);
+        kind.parameters(&match base {
+            Method::Bounded(_) => Method::Bounded(parameters),
+            Method::Hull(_) => Method::Hull(parameters),
+            Method::Surface(_) if kind == ColliderKind::ConvexHull => Method::Hull(parameters),
+            Method::Surface(surface) => {
+                let max_vertices = parameters.max_vertices;
+                Method::Surface(SurfaceParameters { max_vertices, ..surface.clone() })
+            }
+        })
     }
 
     /// `None` if the value means nothing.

@@ -8,7 +8,8 @@ mod extras;
 #[cfg(any(feature = "bevy_gltf", feature = "io"))]
 pub use extras::{Body, Complaint, ExtrasTag, Fallback, read_extras};
 
-use crate::parameters::{Method, Parameters};
+use crate::method::Method;
+use crate::parameters::Parameters;
 
 /// What a collider is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,17 +38,20 @@ impl ColliderKind {
     /// use hullwright::conventions::ColliderKind;
     /// use hullwright::{Method, Parameters};
     ///
-    /// let base = Parameters::default();
+    /// let base = Method::default();
     /// assert_eq!(ColliderKind::Hulls.parameters(&base), Some(base.clone()));
-    /// assert_eq!(ColliderKind::ConvexHull.parameters(&base), Some(base.clone().method(Method::Hull)));
+    /// let hull = Method::Hull(Parameters::default());
+    /// assert_eq!(ColliderKind::ConvexHull.parameters(&base), Some(hull));
     /// assert_eq!(ColliderKind::Triangles.parameters(&base), None);
     /// ```
-    pub fn parameters(self, base: &Parameters) -> Option<Parameters> {
+    pub fn parameters(self, base: &Method) -> Option<Method> {
         match self {
             Self::Decomposition | Self::Hulls => Some(base.clone()),
             Self::ConvexHull => {
-                let hull = Parameters::default().method(Method::Hull);
-                Some(hull.max_vertices(base.max_vertices).openings(base.bounded.openings))
+                let Parameters { max_vertices, openings, .. } = base.for_bounded();
+                Some(Method::Hull(
+                    Parameters::default().max_vertices(max_vertices).openings(openings),
+                ))
             }
             Self::Triangles | Self::Cuboid | Self::Ball | Self::Capsule => None,
         }

@@ -11,6 +11,7 @@ mod convex_hull;
 mod extent;
 mod face;
 mod grow;
+pub(crate) mod growing_hull;
 mod max_vertices;
 mod primitive;
 mod query;

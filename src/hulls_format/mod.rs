@@ -52,6 +52,7 @@ use std::path::Path;
 
 use crate::decomposition::{Decomposition, Hull, Provenance};
 use crate::mass::MassProperties;
+use crate::method::MethodReport;
 
 #[cfg(feature = "bake")]
 pub use mesh_hash::MeshHash;
@@ -179,16 +180,20 @@ impl HullsFile {
     /// assert_eq!((file.hulls.len(), file.mass_properties), (1, None));
     /// # Ok::<(), hullwright::Error>(())
     /// ```
-    pub fn new(name: impl Into<String>, decomposition: &Decomposition) -> Self {
-        let Decomposition { hulls, report, .. } = decomposition;
-        let bounded = report.bounded.as_ref();
+    pub fn new<R: Clone + Into<MethodReport>>(
+        name: impl Into<String>,
+        decomposition: &Decomposition<R>,
+    ) -> Self {
+        let Decomposition { hulls, run, report, .. } = decomposition;
+        let report: MethodReport = report.clone().into();
+        let bounded = report.bounded();
         Self {
             name: name.into(),
-            algorithm_version: report.algorithm_version,
-            method: report.method.name().into(),
-            source_vertices: report.source_vertices as u64,
-            source_triangles: report.source_triangles as u64,
-            diagonal: report.diagonal,
+            algorithm_version: run.algorithm_version,
+            method: report.name().into(),
+            source_vertices: run.source_vertices as u64,
+            source_triangles: run.source_triangles as u64,
+            diagonal: run.diagonal,
             bound: bounded.map(|bounded| bounded.bound),
             verified: bounded.map(|bounded| VerifiedErrors {
                 protrusion_max: bounded.protrusion_max,

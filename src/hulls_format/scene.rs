@@ -7,13 +7,13 @@ use super::read::{Reader, open};
 use super::write::{begin, count, seal, text};
 use super::{HullsFile, HullsFileError, MAGIC, SCENE_MAGIC, file_error};
 use crate::decomposition::ALGORITHM_VERSION;
-use crate::parameters::Parameters;
+use crate::method::Method;
 
 /// The hulls of all meshes of a scene.
 ///
 /// ```
 /// use hullwright::hulls_format::{BakedMesh, HullScene, HullsFile, MeshHash, SceneLookup};
-/// use hullwright::{Control, Length, Parameters, decompose, mass_properties};
+/// use hullwright::{Control, Method, Parameters, decompose, mass_properties};
 ///
 /// # let mesh = hullwright::TriangleMesh::new(
 /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
@@ -23,12 +23,13 @@ use crate::parameters::Parameters;
 /// let decomposition = decompose(&mesh, &parameters, &Control::new())?;
 /// let mass = mass_properties(&mesh, &decomposition.hulls, 1.0)?;
 /// let hulls = HullsFile::new("rock", &decomposition).with_mass_properties(mass);
-/// let scene = HullScene::new("level", vec![BakedMesh::new(&mesh, &parameters, hulls)]);
+/// let scene = HullScene::new("level", vec![BakedMesh::new(&mesh, parameters, hulls)]);
 /// assert_eq!(HullScene::from_bytes(&scene.to_bytes()?)?, scene);
 ///
 /// let hash = MeshHash::of(&mesh);
-/// assert!(matches!(scene.look_up(hash, &parameters, &["rock"]), SceneLookup::Found(_)));
-/// let finer = parameters.max_error(Length::share(0.01));
+/// let default = Method::default();
+/// assert!(matches!(scene.look_up(hash, &default, &["rock"]), SceneLookup::Found(_)));
+/// let finer = "max_error=1%".parse()?;
 /// assert!(matches!(scene.look_up(hash, &finer, &["rock"]), SceneLookup::OtherParameters(_)));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -50,7 +51,7 @@ pub struct BakedMesh {
     /// The mesh's content.
     pub hash: MeshHash,
     /// What the mesh was decomposed with.
-    pub parameters: Parameters,
+    pub parameters: Method,
     /// The hulls.
     pub hulls: HullsFile,
 }
@@ -83,17 +84,17 @@ impl BakedMesh {
     ///
     /// let parameters = Parameters::default();
     /// let made = decompose(&mesh, &parameters, &Control::new())?;
-    /// let baked = BakedMesh::new(&mesh, &parameters, HullsFile::new("rock", &made));
+    /// let baked = BakedMesh::new(&mesh, parameters, HullsFile::new("rock", &made));
     /// assert_eq!((baked.hash, baked.names), (MeshHash::of(&mesh), vec!["rock".to_owned()]));
     /// # Ok::<(), hullwright::Error>(())
     /// ```
     pub fn new<'a>(
         mesh: impl Into<crate::MeshView<'a>>,
-        parameters: &Parameters,
+        parameters: impl Into<Method>,
         hulls: HullsFile,
     ) -> Self {
         let names = vec![hulls.name.clone()];
-        Self { names, hash: MeshHash::of(mesh), parameters: parameters.clone(), hulls }
+        Self { names, hash: MeshHash::of(mesh), parameters: parameters.into(), hulls }
     }
 
     /// The same with the names of nodes that show the mesh, each once.
@@ -106,7 +107,7 @@ impl BakedMesh {
     /// # use hullwright::{Control, Parameters, decompose, hulls_format::{BakedMesh, HullsFile}};
     /// # let parameters = Parameters::default();
     /// # let made = decompose(&mesh, &parameters, &Control::new())?;
-    /// let baked = BakedMesh::new(&mesh, &parameters, HullsFile::new("rock", &made));
+    /// let baked = BakedMesh::new(&mesh, parameters, HullsFile::new("rock", &made));
     /// let baked = baked.with_names(["rock".to_owned(), "rock left of the gate".to_owned()]);
     /// assert_eq!(baked.names, ["rock", "rock left of the gate"]);
     /// # Ok::<(), hullwright::Error>(())
@@ -142,19 +143,14 @@ impl HullScene {
     /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
     /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
     /// # );
-    /// use hullwright::Parameters;
+    /// use hullwright::Method;
     /// use hullwright::hulls_format::{HullScene, MeshHash, SceneLookup};
     ///
     /// let scene = HullScene::new("level", Vec::new());
-    /// let found = scene.look_up(MeshHash::of(&mesh), &Parameters::default(), &["rock"]);
+    /// let found = scene.look_up(MeshHash::of(&mesh), &Method::default(), &["rock"]);
     /// assert_eq!(found, SceneLookup::Missing);
     /// ```
-    pub fn look_up(
-        &self,
-        hash: MeshHash,
-        parameters: &Parameters,
-        names: &[&str],
-    ) -> SceneLookup<'_> {
+    pub fn look_up(&self, hash: MeshHash, parameters: &Method, names: &[&str]) -> SceneLookup<'_> {
         let of_content = || self.meshes.iter().filter(|baked| baked.hash == hash);
         let found = of_content().find(|baked| baked.parameters == *parameters);
         if let Some(baked) = found {
@@ -295,7 +291,7 @@ mod tests {
     use crate::hulls_format::{CHECKSUM, HEADER};
     use crate::mesh::TriangleMesh;
     use crate::mesh::shapes::cuboid;
-    use crate::parameters::Length;
+    use crate::parameters::{Length, Parameters};
 
     fn bar(length: f64) -> TriangleMesh {
         cuboid([0.0; 3], [length, 1.0, 1.0])
@@ -308,7 +304,7 @@ mod tests {
                 let view = crate::MeshView::new(&mesh.positions, &mesh.triangles);
                 let made = decompose(view, &parameters, &Control::new()).unwrap();
                 let hulls = HullsFile::new(format!("bar {length}"), &made);
-                BakedMesh::new(view, &parameters, hulls).with_names(["node".into(), "".into()])
+                BakedMesh::new(view, parameters, hulls).with_names(["node".into(), "".into()])
             };
             let fine = Parameters::default().max_error(Length::share(0.01));
             let meshes = vec![baked(2.0, Parameters::default()), baked(3.0, fine)];
@@ -337,7 +333,7 @@ mod tests {
     fn a_mesh_is_found_by_content_and_parameters_and_else_it_is_said_why_not() {
         let scene = scene();
         let (default, fine) =
-            (Parameters::default(), Parameters::default().max_error(Length::share(0.01)));
+            (Method::default(), Parameters::default().max_error(Length::share(0.01)).into());
         assert_eq!(scene.look_up(hash(2.0), &default, &[]), SceneLookup::Found(&scene.meshes[0]));
         assert_eq!(
             scene.look_up(hash(2.0), &fine, &["node"]),

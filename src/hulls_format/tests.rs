@@ -7,28 +7,27 @@ use proptest::test_runner::RngSeed;
 
 use super::*;
 use crate::control::Control;
-use crate::decompose::decompose;
 use crate::geometry::MeshView;
 use crate::mass::mass_properties;
 use crate::mesh::TriangleMesh;
 use crate::mesh::shapes::{cuboid, join};
-use crate::parameters::Parameters;
+use crate::method::Method;
+use crate::surface::SurfaceParameters;
 
 fn bars() -> TriangleMesh {
     join(&[cuboid([0.0; 3], [3.0, 1.0, 1.0]), cuboid([5.0, 0.0, 0.0], [6.0, 2.0, 0.5])])
 }
 
-fn file(parameters: &Parameters) -> HullsFile {
+fn file(method: &Method) -> HullsFile {
     let TriangleMesh { positions, triangles, .. } = bars();
-    let decomposition =
-        decompose(MeshView::new(&positions, &triangles), parameters, &Control::new()).unwrap();
-    let properties =
-        mass_properties(MeshView::new(&positions, &triangles), &decomposition.hulls, 2.0).unwrap();
+    let mesh = MeshView::new(&positions, &triangles);
+    let decomposition = method.decompose(mesh, &Control::new()).unwrap();
+    let properties = mass_properties(mesh, &decomposition.hulls, 2.0).unwrap();
     HullsFile::new("bars", &decomposition).with_mass_properties(properties)
 }
 
 fn full() -> HullsFile {
-    static FULL: LazyLock<HullsFile> = LazyLock::new(|| file(&Parameters::default()));
+    static FULL: LazyLock<HullsFile> = LazyLock::new(|| file(&Method::default()));
     let mut file = FULL.clone();
     file.bound = Some(0.25);
     file.verified = Some(VerifiedErrors { protrusion_max: 0.125, uncovered_max: 0.0 });
@@ -51,7 +50,7 @@ fn changed(at: usize, by: &[u8]) -> Result<HullsFile, HullsFileError> {
 
 #[test]
 fn what_is_written_is_read_again_exactly() {
-    for file in [full(), file(&Parameters::default()), file(&Parameters::paper())] {
+    for file in [full(), file(&Method::default()), file(&SurfaceParameters::paper().into())] {
         assert_eq!(file.hulls.len(), 2);
         assert!(file.is_current());
         let bytes = file.to_bytes().unwrap();
@@ -65,9 +64,9 @@ fn what_is_written_is_read_again_exactly() {
 
 #[test]
 fn the_bounded_methods_promise_is_kept_with_the_hulls() {
-    let file = file(&Parameters::default());
+    let file = file(&Method::default());
     assert!(file.bound.is_some_and(|bound| bound > 0.0));
-    let paper = self::file(&Parameters::paper());
+    let paper = self::file(&SurfaceParameters::paper().into());
     assert_eq!((paper.bound, paper.verified), (None, None));
     assert_eq!(paper.method, "surface");
 }

@@ -1,7 +1,7 @@
 //! How closely to look.
 
 use crate::error::Error;
-use crate::parameters::{BoundedParameters, Length, Openings, UpAxis};
+use crate::parameters::{Length, Openings, Parameters, UpAxis};
 
 /// How closely [`measure`](super::measure) looks.
 ///
@@ -27,10 +27,10 @@ pub struct MeasureOptions {
     /// How far an opening's vertices may be from a plane. Take the bound that the hulls were made with.
     /// Default 2 % of the diagonal.
     pub flatness: Length,
-    /// Which axis points up: see [`BoundedParameters::up_axis`](crate::BoundedParameters::up_axis).
+    /// Which axis points up: see [`Parameters::up_axis`](crate::Parameters::up_axis).
     pub up_axis: UpAxis,
     /// Whether closed components that nothing can reach stay: see
-    /// [`BoundedParameters::keep_cavities`](crate::BoundedParameters::keep_cavities). Default false.
+    /// [`Parameters::keep_cavities`](crate::Parameters::keep_cavities). Default false.
     pub keep_cavities: bool,
 }
 
@@ -43,7 +43,7 @@ impl Default for MeasureOptions {
             convexity_tolerance: 1e-6,
             random_seed: None,
             openings: Openings::Auto,
-            flatness: BoundedParameters::default().max_error,
+            flatness: Parameters::default().max_error,
             up_axis: UpAxis::Y,
             keep_cavities: false,
         }

@@ -59,7 +59,7 @@ use crate::error::Error;
 use crate::geometry::MeshView;
 use crate::mesh::PreparedMesh;
 use crate::mesh::canonical_order::MeshOrder;
-use crate::parameters::{BoundedParameters, Length, Method, Openings, Parameters, UpAxis};
+use crate::parameters::{Length, Openings, Parameters, UpAxis};
 
 pub use closed_mesh::{ClosedMesh, close_openings, surface_and_solid};
 pub use report::{Opening, OpeningOutcome};
@@ -76,23 +76,18 @@ pub(crate) struct OpeningSettings {
     pub order: MeshOrder,
 }
 
+impl OpeningSettings {
+    /// For methods that take the mesh as it is.
+    pub(crate) fn as_it_is(order: MeshOrder) -> Self {
+        let kept = Parameters::default().openings(Openings::Keep).keep_cavities(true);
+        Self { order, ..Self::from(&kept) }
+    }
+}
+
 impl From<&Parameters> for OpeningSettings {
-    /// The paper's method takes the mesh as it is. For one hull this says what the mass is that of.
     fn from(parameters: &Parameters) -> Self {
-        let BoundedParameters { openings, up_axis, max_error: flatness, keep_cavities, .. } =
-            parameters.bounded;
-        match parameters.method {
-            Method::Bounded | Method::Hull => {
-                Self { openings, flatness, up_axis, keep_cavities, order: MeshOrder::Place }
-            }
-            Method::Surface => Self {
-                openings: Openings::Keep,
-                flatness,
-                up_axis,
-                keep_cavities: true,
-                order: MeshOrder::Input,
-            },
-        }
+        let &Parameters { openings, up_axis, max_error, keep_cavities, .. } = parameters;
+        Self { openings, flatness: max_error, up_axis, keep_cavities, order: MeshOrder::Place }
     }
 }
 

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::ParseError;
+use super::text::ParseError;
 
 /// A length: a share of the mesh's bounding-box diagonal, or a number of its own units.
 ///
@@ -29,28 +29,16 @@ pub enum Length {
 
 impl Length {
     /// A share of the bounding-box diagonal: 0.02 for 2 %.
-    ///
-    /// ```
-    /// assert_eq!(hullwright::Length::share(0.02).of_diagonal(10.0), 0.2);
-    /// ```
     pub const fn share(share: f64) -> Self {
         Self::Share(share)
     }
 
     /// A length in the mesh's units.
-    ///
-    /// ```
-    /// assert_eq!(hullwright::Length::units(0.02).of_diagonal(10.0), 0.02);
-    /// ```
     pub const fn units(length: f64) -> Self {
         Self::Units(length)
     }
 
     /// The same length in units, for a mesh with this `diagonal`.
-    ///
-    /// ```
-    /// assert_eq!(hullwright::Length::share(0.02).of_diagonal(10.0), 0.2);
-    /// ```
     pub fn of_diagonal(self, diagonal: f64) -> f64 {
         match self {
             Self::Share(share) => share * diagonal,

@@ -11,8 +11,8 @@ use super::grid::Location;
 use super::solid::{CERTAINLY_BEYOND, FaceCache, FaceKey, Solid};
 use super::subdivide::{Face, Part, Policy, Scratch, Suspects, Verdict, centre, halves, subdivide};
 use super::surface::Side;
-use crate::bounded::growing_hull::GrowingHull;
 use crate::geometry::vector::{Vector, add, area_normal, length_squared, squared};
+use crate::hull::growing_hull::GrowingHull;
 use crate::hull::{HullBuilder, LEAST_THICKNESS, solid_hull};
 use crate::work;
 

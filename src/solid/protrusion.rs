@@ -342,9 +342,9 @@ fn enough(known: f64, bound: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bounded::clustering::cluster;
     use crate::bounded::settings::Settings;
     use crate::bvh::Bvh;
+    use crate::clustering::cluster;
     use crate::geometry::vector::{add, cross, normalize, scale};
     use crate::hull::convex_hull;
     use crate::mesh::TriangleMesh;

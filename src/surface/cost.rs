@@ -10,8 +10,7 @@
 use crate::geometry::vector::{Vector, add, area_normal, diagonal, dot, length, normalize};
 use crate::hull::{ConvexHull, HullBuilder, Shape};
 use crate::mesh::TriangleMesh;
-
-use super::grouping::group_vertices;
+use crate::mesh::grouping::group_vertices;
 
 /// A plane that the ray runs along cannot be left through it.
 const PARALLEL: f64 = 1e-9;

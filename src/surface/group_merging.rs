@@ -10,8 +10,7 @@
 use crate::geometry::vector::diagonal;
 use crate::mesh::TriangleMesh;
 use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
-
-use super::grouping::{Grouping, corners, members};
+use crate::mesh::grouping::{Grouping, corners, members};
 
 /// Groups of at most this many polygons may be merged away.
 const SMALL: usize = 2;

@@ -1,10 +1,48 @@
-//! The paper's surface-based method, section 3, one stage per file.
+//! The paper's method: *A surface-based approach for 3D approximate convex decomposition*. `docs/paper.md` in
+//! the crate compares results, and says what was read into the paper.
+//!
+//! The surface is simplified to several resolutions. At each it is divided into nearly convex groups under
+//! several thresholds, of which the concavity cost selects one. The hulls of its groups are the pieces. The
+//! method promises no bound.
+//!
+//! ```
+//! use hullwright::surface::{SurfaceParameters, decompose};
+//! use hullwright::{Control, MeshView};
+//!
+//! # fn main() -> Result<(), hullwright::Error> {
+//! let positions = [[0.0_f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+//! let mesh = MeshView::new(&positions, &[[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]);
+//! let mut parameters = SurfaceParameters::paper();
+//! parameters.maximum_resolutions = vec![500];
+//! let result = decompose(mesh, &parameters, &Control::new())?;
+//! assert_eq!((result.hulls.len(), result.report.pieces), (1, 1));
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! | file | section of the paper |
+//! |---|---|
+//! | `decompose` | the method, stage by stage |
+//! | `parameters`, `report` | its symbols; a row of its Table 1 |
+//! | `crate::mesh::simplify` | 3.2, simplification |
+//! | `crate::mesh::grouping` | 3.4.1, convex grouping |
+//! | `threshold_selection` | 3.4.2, selection among the planar thresholds |
+//! | `cost` | 3.4.3, concavity cost |
+//! | `resolution_selection` | 3.5, selection among the resolutions |
+//! | `group_merging` | 3.6, group merging |
+//! | `pieces` | 3.6, hulls of the groups |
 
 pub(crate) mod cost;
+pub(crate) mod decompose;
 pub(crate) mod group_merging;
-mod group_planes;
-pub(crate) mod grouping;
+mod parameters;
 pub(crate) mod pieces;
+mod report;
 pub(crate) mod resolution_selection;
-pub(crate) mod search;
-pub(crate) mod threshold_selection;
+mod threshold_selection;
+
+pub use decompose::decompose;
+pub use parameters::SurfaceParameters;
+pub use report::{
+    ResolutionOutcome, ResolutionReport, SurfaceReport, ThresholdOutcome, ThresholdReport,
+};

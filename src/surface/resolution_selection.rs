@@ -12,14 +12,14 @@
 //!   resolution whose mesh is the same as that of the one before would only repeat it.
 
 use crate::control::Control;
-use crate::decomposition::{ResolutionOutcome, ResolutionReport};
 use crate::error::Error;
 use crate::mesh::adjacency::Adjacency;
 use crate::mesh::simplify::{SimplifiedMesh, simplification_target, simplify};
 use crate::mesh::{PreparedMesh, TriangleMesh};
-use crate::parameters::SurfaceParameters;
 
-use super::threshold_selection::{Candidate, ThresholdSearch};
+use super::parameters::SurfaceParameters;
+use super::report::{ResolutionOutcome, ResolutionReport};
+use super::threshold_selection::{Candidate, ThresholdSearch, Thresholds};
 
 /// From this maximum resolution on the cut-off μ may act.
 pub const LEAST_CUT_OFF_RESOLUTION: usize = 500;
@@ -124,11 +124,10 @@ impl Level {
 
     pub(crate) fn advance(
         &mut self,
-        parameters: &SurfaceParameters,
-        unit: f64,
+        thresholds: Thresholds<'_>,
         control: &Control,
     ) -> Result<(), Error> {
-        self.search.advance(&self.mesh, &self.adjacency, parameters, unit, control)
+        self.search.advance(&self.mesh, &self.adjacency, thresholds, control)
     }
 }
 
@@ -210,8 +209,8 @@ pub(crate) fn select(levels: &[Level], cut_off: usize) -> Option<Selection> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::grouping::Grouping;
     use crate::mesh::shapes::torus;
-    use crate::surface::grouping::Grouping;
 
     /// Levels with a finished search each: resolution, pieces and cost of its candidate.
     fn searched(candidates: &[(usize, usize, f64)]) -> Vec<Level> {

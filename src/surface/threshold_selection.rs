@@ -18,14 +18,14 @@
 use std::collections::HashMap;
 
 use crate::control::Control;
-use crate::decomposition::{ThresholdOutcome, ThresholdReport};
 use crate::error::Error;
 use crate::mesh::TriangleMesh;
 use crate::mesh::adjacency::Adjacency;
-use crate::parameters::SurfaceParameters;
+use crate::mesh::grouping::{Grouping, Grown, grow, members};
 
 use super::cost::{CostScratch, cost};
-use super::grouping::{Grouping, Grown, grow, members};
+use super::parameters::SurfaceParameters;
+use super::report::{ThresholdOutcome, ThresholdReport};
 
 /// Groups of at most this many polygons are left out of the average.
 const TOO_SMALL_TO_COUNT: usize = 2;
@@ -35,6 +35,14 @@ const ABORT_FACTOR: f64 = 3.0;
 
 /// Below this average cost a threshold is taken at once.
 const SUFFICIENTLY_CONVEX: f64 = 1e-6;
+
+/// What all resolutions are searched by.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Thresholds<'a> {
+    pub parameters: &'a SurfaceParameters,
+    /// The length that counts as 1 for p and a, in the mesh's space.
+    pub unit: f64,
+}
 
 /// A resolution's best grouping so far.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,13 +82,12 @@ impl ThresholdSearch {
         self.finished
     }
 
-    /// Tries the next threshold. `unit` is the length that counts as 1, in the mesh's space.
+    /// Tries the next threshold.
     pub(crate) fn advance(
         &mut self,
         mesh: &TriangleMesh,
         adjacency: &Adjacency,
-        parameters: &SurfaceParameters,
-        unit: f64,
+        Thresholds { parameters, unit }: Thresholds<'_>,
         control: &Control,
     ) -> Result<(), Error> {
         let index = self.next;
@@ -213,7 +220,8 @@ mod tests {
         let adjacency = Adjacency::new(mesh);
         let mut search = ThresholdSearch::default();
         while !search.is_finished() {
-            search.advance(mesh, &adjacency, parameters, 0.4, &Control::new()).unwrap();
+            let thresholds = Thresholds { parameters, unit: 0.4 };
+            search.advance(mesh, &adjacency, thresholds, &Control::new()).unwrap();
         }
         search
     }

@@ -55,7 +55,7 @@ impl<'a> Subject<'a> {
         let surface = TriangleMesh::new(prepared.mesh.positions.clone(), triangles);
         let corners = corners(&surface);
         let divisions = samples::divisions(&corners, MOST_SAMPLES);
-        let bound = parameters.bounded.max_error;
+        let bound = parameters.max_error;
         let options = MeasureOptions {
             openings: settings.openings,
             flatness: bound,

@@ -5,9 +5,9 @@ use bevy::reflect::enums::DynamicEnum;
 use bevy::reflect::structs::DynamicStruct;
 use bevy::reflect::tuple::DynamicTuple;
 use bevy::reflect::{FromReflect, TypePath};
-use hullwright::Parameters;
 use hullwright::bevy::prelude::*;
 use hullwright::bevy::{BakedHulls, DecompositionError, HullSource, HullsLoader};
+use hullwright::surface::SurfaceParameters;
 
 use crate::app::*;
 
@@ -76,7 +76,7 @@ fn the_bound_is_the_one_that_the_tag_says() {
 
 #[test]
 fn a_tag_by_hand_may_have_the_papers_method() {
-    let paper = tag().with_parameters(Parameters::paper());
+    let paper = tag().with_parameters(SurfaceParameters::paper());
     assert!(hulls_by("l_prism", paper).len() > 1);
 }
 

@@ -65,8 +65,8 @@ fn a_dense_sampling_without_the_crates_code_finds_no_more_than_what_is_verified(
             surface_and_solid(view, &Parameters::default(), &Control::new()).unwrap();
         let sampled = sample(&found, &surface, &solid, SAMPLES);
         assert!(sampled.samples > 2 * SAMPLES && sampled.undecided == 0, "{name}: {sampled:?}");
-        let uncovered = sampled.uncovered * found.report.diagonal;
-        let rounding = ROUNDING * found.report.diagonal;
+        let uncovered = sampled.uncovered * found.run.diagonal;
+        let rounding = ROUNDING * found.run.diagonal;
         assert!(uncovered <= bounded.uncovered_max + rounding, "{name}: {sampled:?} {bounded:?}");
         assert!(sampled.beyond_verified <= ROUNDING, "{name}: {sampled:?} {bounded:?}");
         println!("{name}: {sampled:?}");
@@ -94,7 +94,7 @@ fn past_the_deadline_hulls_are_as_few_as_those_of_fast() {
         let view = MeshView::new(&mesh.0, &mesh.1);
         let result = decompose(view, &parameters, control).unwrap();
         assert_promise("deadline", mesh, &result);
-        (result.hulls.len(), result.report.deadline_reached)
+        (result.hulls.len(), result.run.deadline_reached)
     };
     let (mut late, mut fast) = (0, 0);
     for (name, mesh) in models() {

@@ -34,7 +34,7 @@ fn a_ball_that_a_cap_divides_stays_filled() {
 #[test]
 fn the_cap_on_hulls_is_kept_and_the_report_says_what_it_costs() {
     let mut parameters = Parameters::default();
-    parameters.bounded.max_hulls = Some(2);
+    parameters.max_hulls = Some(2);
     let mesh = u_prism();
     let result = run_with(&mesh, &parameters);
     assert_eq!(result.hulls.len(), 2);

@@ -7,7 +7,7 @@ use crate::shapes::{Mesh, cuboid, join, l_prism, turned};
 
 fn with_preset(preset: Preset) -> Parameters {
     let mut parameters = Parameters::default();
-    parameters.bounded.preset = preset;
+    parameters.preset = preset;
     parameters
 }
 

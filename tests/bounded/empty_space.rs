@@ -43,7 +43,7 @@ fn a_cavity_fills_unless_it_is_to_be_kept() {
     assert_promise("filled", &hollow, &result);
     assert!(result.hulls.iter().any(|hull| contains(hull, [0.5; 3])));
     let mut parameters = Parameters::default();
-    parameters.bounded.keep_cavities = true;
+    parameters.keep_cavities = true;
     let result = run_with(&hollow, &parameters);
     assert_promise("kept", &hollow, &result);
     assert!(result.hulls.iter().all(|hull| !contains(hull, [0.5; 3])));

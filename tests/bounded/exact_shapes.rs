@@ -120,7 +120,7 @@ fn plain_prisms_have_the_known_number_of_hulls_at_any_bound() {
             let parameters = Parameters::default().max_error(Length::share(bound));
             let mesh = MeshView::new(&positions, &triangles);
             let result = decompose(mesh, &parameters, &Control::new()).unwrap();
-            let report = result.report.bounded.unwrap();
+            let report = result.report;
             assert!(report.protrusion_max <= report.bound, "{name} at {bound}");
             assert!(report.uncovered_max <= report.bound, "{name} at {bound}");
             assert!(result.hulls.len() <= expected, "{name} at {bound}: {}", result.hulls.len());
@@ -142,7 +142,7 @@ fn an_open_tile_with_a_relief_is_verified_at_once() {
     let deadline = std::time::Instant::now() + std::time::Duration::from_secs(20);
     let control = Control::new().with_deadline(deadline);
     let result = decompose(mesh, &Parameters::default(), &control).unwrap();
-    let report = result.report.bounded.as_ref().unwrap();
-    assert!(!result.report.deadline_reached);
+    let report = &result.report;
+    assert!(!result.run.deadline_reached);
     assert!(report.protrusion_max <= report.bound && report.uncovered_max <= report.bound);
 }

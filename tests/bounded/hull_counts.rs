@@ -103,7 +103,7 @@ fn a_finer_preset_has_no_more_hulls() {
     for mesh in [torus(), cup(), plus_prism()] {
         let counts = [Preset::Fast, Preset::Balanced, Preset::Fine].map(|preset| {
             let mut parameters = Parameters::default();
-            parameters.bounded.preset = preset;
+            parameters.preset = preset;
             run_with(&mesh, &parameters).hulls.len()
         });
         assert!(counts.is_sorted_by(|coarse, fine| coarse >= fine), "{counts:?}");

@@ -1,9 +1,7 @@
 //! Runs, and what they promise: judged by means of the tests' own.
 
 use hullwright::measure::{MeasureOptions, Measurement, measure};
-use hullwright::{
-    BoundedReport, Control, Decomposition, Hull, Length, MeshView, Parameters, decompose,
-};
+use hullwright::{Control, Decomposition, Hull, Length, MeshView, Parameters, Report, decompose};
 
 use crate::shapes::Mesh;
 
@@ -18,12 +16,12 @@ pub fn run(mesh: &Mesh) -> Decomposition {
 /// The default parameters with another bound, in diagonals.
 pub fn with_bound(bound: f64) -> Parameters {
     let mut parameters = Parameters::default();
-    parameters.bounded.max_error = Length::Share(bound);
+    parameters.max_error = Length::Share(bound);
     parameters
 }
 
-pub fn report(result: &Decomposition) -> &BoundedReport {
-    result.report.bounded.as_ref().unwrap()
+pub fn report(result: &Decomposition) -> &Report {
+    &result.report
 }
 
 /// The hulls against dense samples of mesh and hulls.

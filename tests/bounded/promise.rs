@@ -18,7 +18,7 @@ fn the_promise_holds_for_every_bound() {
 fn every_preset_keeps_the_promise() {
     for preset in [Preset::Fast, Preset::Balanced, Preset::Fine] {
         let mut parameters = Parameters::default();
-        parameters.bounded.preset = preset;
+        parameters.preset = preset;
         assert_promise(preset.name(), &cup(), &run_with(&cup(), &parameters));
     }
 }
@@ -27,9 +27,9 @@ fn every_preset_keeps_the_promise() {
 fn a_bound_in_units_equals_one_in_diagonals() {
     let mesh = u_prism();
     let relative = run(&mesh);
-    let diagonal = relative.report.diagonal;
+    let diagonal = relative.run.diagonal;
     let mut parameters = Parameters::default();
-    parameters.bounded.max_error = Length::Units(0.02 * diagonal);
+    parameters.max_error = Length::Units(0.02 * diagonal);
     let absolute = run_with(&mesh, &parameters);
     assert!((report(&absolute).bound - 0.02 * diagonal).abs() < 1e-12);
     assert_eq!(absolute.hulls, relative.hulls);

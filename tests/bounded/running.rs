@@ -1,6 +1,7 @@
 //! Threads, slices, progress, cancellation and deadlines.
 
 use std::sync::{Arc, Mutex};
+use std::thread;
 use std::time::{Duration, Instant};
 
 use hullwright::{Control, Decomposer, Error, MeshView, Parameters, Preset, decompose};
@@ -27,10 +28,10 @@ fn slices_give_the_same_and_progress_never_falls() {
     let control = Control::new()
         .with_progress(move |progress| listener.lock().unwrap().push(progress.fraction));
     let mut decomposer =
-        Decomposer::new(MeshView::new(&mesh.0, &mesh.1), &Parameters::default()).unwrap();
+        Decomposer::new(MeshView::new(&mesh.0, &mesh.1), &Parameters::default(), &control).unwrap();
     let mut slices = 1;
     let sliced = loop {
-        if let Some(result) = decomposer.step(&control).unwrap() {
+        if let Some(result) = decomposer.step().unwrap() {
             break result;
         }
         slices += 1;
@@ -54,18 +55,18 @@ fn cancelling_is_a_typed_error() {
 #[test]
 fn cancelling_in_any_slice_is_a_typed_error() {
     let (positions, triangles) = torus();
+    let view = MeshView::new(&positions, &triangles);
     for before in 0.. {
         let control = Control::new();
-        let mut decomposer =
-            Decomposer::new(MeshView::new(&positions, &triangles), &Parameters::default()).unwrap();
+        let mut decomposer = Decomposer::new(view, &Parameters::default(), &control).unwrap();
         for _ in 0..before {
-            if decomposer.step(&control).unwrap().is_some() {
+            if decomposer.step().unwrap().is_some() {
                 assert!(before >= 5);
                 return;
             }
         }
         control.cancel();
-        assert_eq!(decomposer.step(&control).unwrap_err(), Error::Cancelled);
+        assert_eq!(decomposer.step().unwrap_err(), Error::Cancelled);
     }
 }
 
@@ -76,7 +77,7 @@ fn after_the_deadline_the_best_so_far_is_returned_and_keeps_the_promise() {
     let control = Control::new().with_deadline(past);
     let result =
         decompose(MeshView::new(&mesh.0, &mesh.1), &Parameters::default(), &control).unwrap();
-    assert!(result.report.deadline_reached);
+    assert!(result.run.deadline_reached);
     assert_promise("deadline", &mesh, &result);
 }
 
@@ -85,13 +86,17 @@ fn a_further_pass_ends_at_the_deadline_with_the_result_of_the_pass_before() {
     let mesh = torus();
     let view = MeshView::new(&mesh.0, &mesh.1);
     let parameters = Parameters::default().preset(Preset::Fine);
-    let mut decomposer = Decomposer::new(view, &parameters).unwrap();
-    // Repair, and the stages of the first pass.
-    for _ in 0..6 {
-        assert!(decomposer.step(&Control::new()).unwrap().is_none());
+    // More than the first pass takes: with less it would be hurried.
+    let deadline = Instant::now() + Duration::from_secs(8);
+    let control = Control::new().with_deadline(deadline);
+    let mut decomposer = Decomposer::new(view, &parameters, &control).unwrap();
+    // Repair, openings, and the stages of the first pass.
+    for _ in 0..7 {
+        assert!(decomposer.step().unwrap().is_none());
     }
-    let late = Control::new().with_deadline(Instant::now());
-    let result = decomposer.step(&late).unwrap().unwrap();
-    assert!(result.report.deadline_reached);
+    thread::sleep(deadline.saturating_duration_since(Instant::now()));
+    // What ends at once leaves the result to be returned.
+    let result = std::iter::repeat_with(|| decomposer.step().unwrap()).flatten().next().unwrap();
+    assert!(result.run.deadline_reached);
     assert_eq!(result.hulls, run(&mesh).hulls);
 }

@@ -34,7 +34,7 @@ fn assert_verified(name: &str, mesh: &Mesh, parameters: &Parameters) {
     let result = run_with(mesh, parameters);
     let report = report(&result);
     let solid = triangles(mesh);
-    let (bound, rounding) = (report.bound, ROUNDING * result.report.diagonal);
+    let (bound, rounding) = (report.bound, ROUNDING * result.run.diagonal);
     let (mut most, mut unresolved) = (0.0_f64, 0);
     for (index, hull) in result.hulls.iter().enumerate() {
         let verified = hull.errors.protrusion_max.unwrap();
@@ -137,7 +137,7 @@ fn samples_of_open_sheets_are_below_what_is_verified_but_for_a_tenth_of_the_boun
             let found = sampled_protrusion(hull, &surface, floor, 0.1 * report.bound);
             assert!(found <= verified + 0.1 * report.bound, "{bound}: {found} {verified}");
         }
-        let rounding = ROUNDING * result.report.diagonal;
+        let rounding = ROUNDING * result.run.diagonal;
         let verified = report.uncovered_max;
         assert_uncovered("sheet", surface, &result.hulls, verified, (report.bound, rounding));
     }

@@ -42,13 +42,13 @@ struct Sample {
 
 /// Samples hulls and surface at `count` points each, beside corners and middles of edges and faces.
 /// `solid` are the triangles by whose winding number a point is inside.
-pub fn sample(
-    found: &Decomposition,
+pub fn sample<R>(
+    found: &Decomposition<R>,
     surface: &TriangleMesh,
     solid: &[[u32; 3]],
     count: usize,
 ) -> Sampled {
-    let diagonal = found.report.diagonal;
+    let diagonal = found.run.diagonal;
     let origin = surface.positions.first().copied().unwrap_or_default();
     // Near 1, so that squares neither overflow nor vanish.
     let place = |points: &[Point]| -> Vec<Point> {

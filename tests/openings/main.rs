@@ -11,6 +11,7 @@ mod cases;
 
 use cases::*;
 use hullwright::measure::{MeasureOptions, measure};
+use hullwright::surface::{self, SurfaceParameters};
 use hullwright::{
     ClosedMesh, Control, Decomposition, Hull, MassSource, OpeningOutcome, Openings, Parameters,
     TriangleMesh, UpAxis, close_openings, decompose, mass_properties,
@@ -36,7 +37,7 @@ fn is_filled(decomposition: &Decomposition, point: Point) -> bool {
 }
 
 fn outcomes(decomposition: &Decomposition) -> Vec<OpeningOutcome> {
-    decomposition.report.openings.iter().map(|opening| opening.outcome).collect()
+    decomposition.run.openings.iter().map(|opening| opening.outcome).collect()
 }
 
 /// Decomposes by default into so many hulls or fewer, and sees that the bound is kept against the closed
@@ -52,7 +53,7 @@ fn check(mesh: &TriangleMesh, hulls: usize, filled: &[Point], empty: &[Point]) -
     for point in empty {
         assert!(!is_filled(&found, *point), "{point:?} is to stay empty");
     }
-    let bounded = found.report.bounded.as_ref().expect("the default method reports its bound");
+    let bounded = &found.report;
     let shapes: Vec<_> = found.hulls.iter().map(|hull| &hull.shape).collect();
     let shapes: Vec<hullwright::ConvexHull> = shapes.into_iter().cloned().collect();
     let judged = measure(mesh, &shapes, &MeasureOptions::default(), &Control::new()).unwrap();
@@ -66,8 +67,8 @@ fn check(mesh: &TriangleMesh, hulls: usize, filled: &[Point], empty: &[Point]) -
 fn a_floor_tile_without_a_bottom_is_a_box() {
     let found = check(&floor_tile(), 1, &[[1.0, 0.1, 1.0]], &[]);
     assert_eq!(outcomes(&found), [OpeningOutcome::Closed]);
-    assert!((found.report.openings[0].area - 4.0).abs() < 1e-9);
-    assert_eq!(found.report.openings[0].edges, 4);
+    assert!((found.run.openings[0].area - 4.0).abs() < 1e-9);
+    assert_eq!(found.run.openings[0].edges, 4);
     assert_eq!(found.hulls[0].shape.points.len(), 8);
 }
 
@@ -255,12 +256,12 @@ fn the_inner_faces_of_a_crate_are_filled_unless_cavities_are_kept() {
     let inner = box_without([0.2; 3], [1.8; 3], &[]);
     for inner in [turned(inner.clone()), inner] {
         let found = check(&joined(&[outer.clone(), inner]), 1, &[[1.0; 3]], &[]);
-        assert_eq!(found.report.nested_components, 1);
+        assert_eq!(found.run.nested_components, 1);
         assert_eq!(found.hulls[0].shape.points.len(), 8);
     }
     let hollow = joined(&[outer, turned(box_without([0.2; 3], [1.8; 3], &[]))]);
     let kept = run(&hollow, &Parameters::default().keep_cavities(true));
-    assert_eq!(kept.report.nested_components, 0);
+    assert_eq!(kept.run.nested_components, 0);
     assert!(!is_filled(&kept, [1.0; 3]));
     let mass = mass_properties(&hollow, &[], 1.0).unwrap();
     assert!((mass.mass - (8.0 - 1.6_f64.powi(3))).abs() < 1e-9, "a hollow crate is lighter");
@@ -273,7 +274,7 @@ fn components_that_overlap_in_part_both_stay() {
         box_without([-0.2, -2.0, -0.2], [0.2, 2.0, 0.2], &[]),
     ]);
     let found = check(&cross, 2, &[[1.5, 0.0, 0.0], [0.0, 1.5, 0.0]], &[[1.0, 1.0, 0.0]]);
-    assert_eq!(found.report.nested_components, 0);
+    assert_eq!(found.run.nested_components, 0);
 }
 
 #[test]
@@ -292,8 +293,8 @@ fn keep_leaves_a_shell_and_close_fills_what_auto_leaves() {
     let room = turned(box_without([0.0; 3], [3.0, 2.0, 3.0], &[TOP]));
     let filled = run(&room, &Parameters::default().openings(Openings::Close));
     assert_eq!((filled.hulls.len(), outcomes(&filled)), (1, vec![OpeningOutcome::Closed]));
-    let paper = run(&tile, &Parameters::paper());
-    assert!(outcomes(&paper).is_empty(), "the paper takes the mesh as it is");
+    let paper = surface::decompose(&tile, &SurfaceParameters::paper(), &Control::new()).unwrap();
+    assert!(paper.run.openings.is_empty(), "the paper takes the mesh as it is");
 }
 
 #[test]

@@ -60,13 +60,13 @@ fn assert_sound(name: &str, mesh: &Mesh) -> Decomposition {
             hull.shape.to_single_precision().unwrap_or_else(|error| panic!("{name}: {error}"));
         assert_eq!(faults(&points, &triangles), Faults::default(), "{name}");
     }
-    let bounded = found.report.bounded.as_ref().unwrap();
-    let rounding = ROUNDING * found.report.diagonal;
+    let bounded = &found.report;
+    let rounding = ROUNDING * found.run.diagonal;
     assert!(bounded.protrusion_max <= bounded.bound + rounding, "{name}: {bounded:?}");
     assert!(bounded.uncovered_max <= bounded.bound + rounding, "{name}: {bounded:?}");
     let (surface, solid) = surface_and_solid(mesh, &parameters, &control).unwrap();
     let sampled = sample(&found, &surface, &solid, SAMPLES);
-    let uncovered = sampled.uncovered * found.report.diagonal;
+    let uncovered = sampled.uncovered * found.run.diagonal;
     assert!(uncovered <= bounded.uncovered_max + rounding, "{name}: {sampled:?} {bounded:?}");
     assert!(sampled.beyond_verified <= ROUNDING, "{name}: {sampled:?} {bounded:?}");
     found

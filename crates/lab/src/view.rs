@@ -76,7 +76,7 @@ impl<'a> ComparisonPage<'a> {
         let start = Instant::now();
         let result = decompose(self.file, &self.parameters, self.control)?;
         let seconds = start.elapsed().as_secs_f64();
-        let name = format!("Hullwright, {}", self.parameters.bounded.max_error);
+        let name = format!("Hullwright, {}", self.parameters.max_error);
         self.add(&name, &result.hulls, seconds)
     }
 

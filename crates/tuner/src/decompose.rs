@@ -40,12 +40,12 @@ impl Default for Settings {
     fn default() -> Self {
         let parameters = Parameters::default();
         Self {
-            bound: parameters.bounded.max_error.of_diagonal(100.0),
+            bound: parameters.max_error.of_diagonal(100.0),
             max_hulls: None,
             max_vertices: parameters.max_vertices,
-            preset: parameters.bounded.preset,
-            openings: parameters.bounded.openings,
-            keep_cavities: parameters.bounded.keep_cavities,
+            preset: parameters.preset,
+            openings: parameters.openings,
+            keep_cavities: parameters.keep_cavities,
         }
     }
 }
@@ -53,14 +53,13 @@ impl Default for Settings {
 impl Settings {
     /// As the library takes them.
     pub fn parameters(&self) -> Parameters {
-        let mut parameters = Parameters::default()
+        Parameters::default()
             .max_error(Length::share(self.bound / 100.0))
             .preset(self.preset)
-            .openings(self.openings);
-        parameters.bounded.max_hulls = self.max_hulls;
-        parameters.bounded.keep_cavities = self.keep_cavities;
-        parameters.max_vertices = self.max_vertices;
-        parameters
+            .openings(self.openings)
+            .max_hulls(self.max_hulls)
+            .keep_cavities(self.keep_cavities)
+            .max_vertices(self.max_vertices)
     }
 }
 
@@ -112,11 +111,9 @@ impl Fit {
 
     /// Verified protrusion and uncovered distance, in percent of the diagonal.
     pub fn errors(&self) -> [f64; 2] {
-        let report = &self.decomposition.report;
-        let percent = |length: f64| 100.0 * length / report.diagonal;
-        report.bounded.as_ref().map_or([0.0; 2], |bounded| {
-            [percent(bounded.protrusion_max), percent(bounded.uncovered_max)]
-        })
+        let Decomposition { run, report, .. } = &self.decomposition;
+        let percent = |length: f64| 100.0 * length / run.diagonal;
+        [percent(report.protrusion_max), percent(report.uncovered_max)]
     }
 }
 

@@ -174,7 +174,7 @@ fn capitalised(word: &str) -> String {
 mod tests {
     use hullwright::bevy::prelude::*;
     use hullwright::conventions::read_extras;
-    use hullwright::{Length, Openings, Parameters};
+    use hullwright::{Length, Method, Openings, Parameters};
 
     use super::*;
 
@@ -237,18 +237,19 @@ mod tests {
         for settings in [Settings::default(), settings()] {
             let (tag, complaints) = read_extras(&extras(&settings));
             assert_eq!(complaints, Vec::<String>::new());
-            let read = tag.and_then(|tag| tag.parameters(&Parameters::default()));
+            let read = tag.and_then(|tag| tag.parameters(&Method::default()));
+            let Some(Method::Bounded(read)) = read else { panic!("another method") };
             let mut expected = settings.parameters();
             expected.max_vertices = expected.max_vertices.or(Some(UNCAPPED));
-            assert_eq!(read.map(in_single_precision), Some(expected));
+            assert_eq!(in_single_precision(read), expected);
         }
     }
 
     /// The plugin holds the bound as `f32`.
     fn in_single_precision(mut parameters: Parameters) -> Parameters {
-        let share = f64::from(parameters.bounded.max_error.of_diagonal(1.0) as f32);
+        let share = f64::from(parameters.max_error.of_diagonal(1.0) as f32);
         let decimals = 10_f64.powi(DECIMALS as i32);
-        parameters.bounded.max_error = Length::share((share * decimals).round() / decimals);
+        parameters.max_error = Length::share((share * decimals).round() / decimals);
         parameters
     }
 }

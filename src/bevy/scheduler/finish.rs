@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use bevy::tasks::{block_on, poll_once};
 
-use crate::Method;
+use crate::MethodReport;
 use crate::bevy::budget::Budget;
 use crate::bevy::cache::ColliderGeometry;
 use crate::bevy::error::DecompositionError;
@@ -83,7 +83,7 @@ fn count_decomposition(counters: &mut DecompositionCounters, built: &BuiltCollid
         return;
     };
     // One hull on request is none.
-    if file.method == Method::Hull.name() {
+    if file.method == MethodReport::Hull.name() {
         return;
     }
     let share = |length: f64| (length / file.diagonal) as f32;

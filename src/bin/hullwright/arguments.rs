@@ -1,6 +1,7 @@
 //! The parameters of a decomposition as command line arguments.
 
 use hullwright::io::Format;
+use hullwright::surface::SurfaceParameters;
 use hullwright::{Length, Method, Openings, Parameters, Preset, UpAxis};
 
 use crate::output::Failure;
@@ -45,7 +46,7 @@ pub struct ParameterArguments {
     paper: bool,
 
     /// The method: bounded (default), surface, which is the paper's, or hull, which is one hull of all points
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", value_parser = parse_method)]
     method: Option<Method>,
 
     /// Bounded: how far hulls may be off, as a share of the mesh's diagonal (2%) or in its units
@@ -119,26 +120,58 @@ pub struct ParameterArguments {
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct MaxVertices(Option<usize>);
 
-impl ParameterArguments {
-    /// Parameters whose values are in range.
-    pub fn checked(&self) -> Result<Parameters, Failure> {
-        let parameters = self.parameters();
-        parameters.validate().map_err(|error| Failure::Usage(error.to_string()))?;
-        Ok(parameters)
+/// What the arguments say.
+#[derive(Debug, PartialEq)]
+pub struct Chosen {
+    /// What decomposes the mesh.
+    pub method: Method,
+    parameters: Parameters,
+    surface: SurfaceParameters,
+}
+
+impl Chosen {
+    /// The method of the same name with the parameters of the arguments.
+    pub fn like(&self, method: &Method) -> Method {
+        match method {
+            Method::Bounded(_) => Method::Bounded(self.parameters.clone()),
+            Method::Surface(_) => Method::Surface(self.surface.clone()),
+            Method::Hull(_) => Method::Hull(self.parameters.clone()),
+        }
     }
 
-    fn parameters(&self) -> Parameters {
-        let mut parameters = if self.paper { Parameters::paper() } else { Parameters::default() };
-        set(&mut parameters.method, &self.method);
-        set(&mut parameters.max_vertices, &self.max_vertices.map(|MaxVertices(limit)| limit));
-        let bounded = &mut parameters.bounded;
-        set(&mut bounded.max_error, &self.max_error);
-        set(&mut bounded.max_hulls, &self.max_hulls.map(Some));
-        bounded.keep_cavities |= self.keep_cavities;
-        set(&mut bounded.preset, &self.preset);
-        set(&mut bounded.openings, &self.openings);
-        set(&mut bounded.up_axis, &self.up_axis);
-        let surface = &mut parameters.surface;
+    /// The solid as the method sees it. Errors are shown against the bound, whatever the method.
+    pub fn solid(&self) -> Parameters {
+        self.method.solid().max_error(self.parameters.max_error)
+    }
+}
+
+impl ParameterArguments {
+    /// What is chosen, if all values are in range.
+    pub fn checked(&self) -> Result<Chosen, Failure> {
+        let chosen = self.chosen();
+        let checks = [chosen.parameters.validate(), chosen.surface.validate()];
+        checks
+            .into_iter()
+            .collect::<Result<(), _>>()
+            .map_err(|error| Failure::Usage(error.to_string()))?;
+        Ok(chosen)
+    }
+
+    fn chosen(&self) -> Chosen {
+        let (mut parameters, mut surface) = (Parameters::default(), SurfaceParameters::default());
+        if self.paper {
+            surface = SurfaceParameters::paper();
+            parameters.max_vertices = surface.max_vertices;
+        }
+        if let Some(MaxVertices(limit)) = self.max_vertices {
+            (parameters.max_vertices, surface.max_vertices) = (limit, limit);
+        }
+        set(&mut parameters.max_error, &self.max_error);
+        set(&mut parameters.max_hulls, &self.max_hulls.map(Some));
+        parameters.keep_cavities |= self.keep_cavities;
+        set(&mut parameters.preset, &self.preset);
+        set(&mut parameters.openings, &self.openings);
+        set(&mut parameters.up_axis, &self.up_axis);
         set(&mut surface.simplification_quality, &self.simplification_quality);
         set(&mut surface.maximum_resolutions, &self.maximum_resolutions);
         set(&mut surface.planar_thresholds, &self.planar_thresholds);
@@ -147,8 +180,25 @@ impl ParameterArguments {
         set(&mut surface.resolution_cut_off, &self.resolution_cut_off);
         set(&mut surface.unit, &self.unit);
         set(&mut surface.significant_diagonal, &self.significant_diagonal);
-        parameters
+        let mut chosen = Chosen { method: Method::default(), parameters, surface };
+        chosen.method = match &self.method {
+            Some(method) => chosen.like(method),
+            None if self.paper => Method::Surface(chosen.surface.clone()),
+            None => Method::Bounded(chosen.parameters.clone()),
+        };
+        chosen
     }
+}
+
+/// The method of a name, with its defaults.
+pub fn parse_method(text: &str) -> Result<Method, String> {
+    let all = [
+        Method::Bounded(Parameters::default()),
+        Method::Surface(SurfaceParameters::default()),
+        Method::Hull(Parameters::default()),
+    ];
+    let found = all.into_iter().find(|method| method.name() == text);
+    found.ok_or_else(|| format!("`{text}`: bounded, surface or hull is expected"))
 }
 
 fn set<T: Clone>(field: &mut T, argument: &Option<T>) {
@@ -190,43 +240,61 @@ mod tests {
         arguments: ParameterArguments,
     }
 
-    fn parse(line: &str) -> Result<Parameters, String> {
+    fn parse(line: &str) -> Result<Chosen, String> {
         Only::try_parse_from(std::iter::once("test").chain(line.split_whitespace()))
-            .map(|only| only.arguments.parameters())
+            .map(|only| only.arguments.chosen())
             .map_err(|error| error.to_string())
+    }
+
+    fn method(line: &str) -> Method {
+        parse(line).unwrap().method
     }
 
     #[test]
     fn without_arguments_the_defaults_hold() {
-        assert_eq!(parse(""), Ok(Parameters::default()));
-        assert_eq!(parse("--paper"), Ok(Parameters::paper()));
+        assert_eq!(method(""), Method::default());
+        assert_eq!(method("--paper"), SurfaceParameters::paper().into());
+        assert_eq!(method("--method surface"), SurfaceParameters::default().into());
+        assert_eq!(method("--method hull"), Method::Hull(Parameters::default()));
+        let bounded = Parameters::default().max_vertices(None);
+        assert_eq!(method("--paper --method bounded"), bounded.into());
     }
 
     #[test]
     fn every_parameter_can_be_set() {
-        let parameters = parse(
-            "--method surface --max-error 5% --max-hulls 3 --preset fine --simplification-quality 0.5 --maximum-resolutions 100,200 \
+        let line = "--max-error 5% --max-hulls 3 --preset fine --keep-cavities --openings keep --up-axis z \
+             --simplification-quality 0.5 --maximum-resolutions 100,200 \
              --planar-thresholds 0.1,0.3 --angular-threshold 0.02 \
              --concavity-cost-threshold 0.1 --resolution-cut-off 7 --unit 0.446d \
-             --significant-diagonal 0.2 --max-vertices none",
-        )
-        .unwrap();
-        let mut expected = Parameters::paper();
-        expected.bounded.max_error = Length::Share(0.05);
-        expected.bounded.max_hulls = Some(3);
-        expected.bounded.preset = Preset::Fine;
-        expected.surface.simplification_quality = 0.5;
-        expected.surface.maximum_resolutions = vec![100, 200];
-        expected.surface.planar_thresholds = vec![0.1, 0.3];
-        expected.surface.angular_threshold = 0.02;
-        expected.surface.concavity_cost_threshold = 0.1;
-        expected.surface.resolution_cut_off = 7;
-        expected.surface.unit = Length::Share(0.446);
-        expected.surface.significant_diagonal = 0.2;
-        assert_eq!(parameters, expected);
-        assert_eq!(parse("--max-error 0.02m").unwrap().bounded.max_error, Length::Units(0.02));
+             --significant-diagonal 0.2 --max-vertices none";
+        let parameters = Parameters::default()
+            .max_error(Length::Share(0.05))
+            .max_hulls(3)
+            .preset(Preset::Fine)
+            .max_vertices(None)
+            .keep_cavities(true)
+            .openings(Openings::Keep)
+            .up_axis(UpAxis::Z);
+        let mut surface = SurfaceParameters::paper();
+        surface.simplification_quality = 0.5;
+        surface.maximum_resolutions = vec![100, 200];
+        surface.planar_thresholds = vec![0.1, 0.3];
+        surface.angular_threshold = 0.02;
+        surface.concavity_cost_threshold = 0.1;
+        surface.resolution_cut_off = 7;
+        surface.unit = Length::Share(0.446);
+        surface.significant_diagonal = 0.2;
+        let (bounded, hull) =
+            (Method::Bounded(parameters.clone()), Method::Hull(parameters.clone()));
+        assert_eq!(method(line), bounded);
+        assert_eq!(method(&format!("--method hull {line}")), hull);
+        let chosen = parse(&format!("--method surface {line}")).unwrap();
+        assert_eq!(chosen.method, Method::Surface(surface.clone()));
+        assert_eq!(chosen.like(&Method::default()), bounded);
+        assert_eq!(chosen.solid().max_error, Length::Share(0.05));
+        assert_eq!(parse("--max-error 0.02m").unwrap().parameters.max_error, Length::Units(0.02));
         assert_eq!(parse("--unit 1.5").unwrap().surface.unit, Length::Units(1.5));
-        assert_eq!(parse("--paper --max-vertices 32").unwrap().max_vertices, Some(32));
+        assert_eq!(parse("--paper --max-vertices 32").unwrap().surface.max_vertices, Some(32));
     }
 
     #[test]
@@ -246,7 +314,7 @@ mod tests {
 
     #[test]
     fn values_out_of_range_reach_the_library_which_names_them() {
-        let parameters = parse("--angular-threshold -1").unwrap();
-        assert!(parameters.validate().unwrap_err().to_string().contains("angular_threshold"));
+        let chosen = parse("--angular-threshold -1").unwrap();
+        assert!(chosen.surface.validate().unwrap_err().to_string().contains("angular_threshold"));
     }
 }

@@ -40,14 +40,14 @@ fn parse_output(text: &str) -> Result<PathBuf, String> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let parameters = arguments.parameters.checked()?;
+    let chosen = arguments.parameters.checked()?;
     let name = arguments.mesh.display().to_string();
     let file = waiting("reading", || read_mesh(&arguments.mesh))?;
     let bar = LateBar::start();
     let control = bar.control();
-    let curve = hullwright::decompose(&file, &parameters, &control).and_then(|result| {
-        MergeTree::new(&file, &result, &parameters, &control)
-            .map(|tree| (tree.curve(), result.report.diagonal))
+    let curve = chosen.method.decompose(&file, &control).and_then(|result| {
+        MergeTree::new(&file, &result, &chosen.solid(), &control)
+            .map(|tree| (tree.curve(), result.run.diagonal))
     });
     bar.finish();
     let (curve, diagonal) = curve.map_err(|error| format!("{name}: {error}"))?;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use hullwright::io::{HullFormat, MeshFile, check_output, is_hulls_file, read_mesh, write_hulls};
-use hullwright::{Decomposition, Parameters};
+use hullwright::{Decomposition, Method, MethodReport};
 
 use crate::arguments::{ParameterArguments, ThreadArguments, mesh_help};
 use crate::hulls::{DEFAULT_DENSITY, hulls_file, wrote};
@@ -53,14 +53,14 @@ fn parse_output(text: &str) -> Result<PathBuf, String> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let parameters = arguments.parameters.checked()?;
+    let method = arguments.parameters.checked()?.method;
     if let Some(output) = &arguments.output {
         check_output(output)?;
     }
     let file = waiting("reading", || read_mesh(&arguments.mesh))?;
-    let (decomposition, seconds) = decompose(arguments, &file, &parameters)?;
+    let (decomposition, seconds) = decompose(arguments, &file, &method)?;
     if let Some(output) = &arguments.output {
-        write(output, arguments, &file, &decomposition, &parameters)?;
+        write(output, arguments, &file, &decomposition, &method)?;
     }
     if arguments.json {
         let Arguments { mesh, search, .. } = arguments;
@@ -80,13 +80,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 fn decompose(
     arguments: &Arguments,
     file: &MeshFile,
-    parameters: &Parameters,
-) -> Result<(Decomposition, f64), Failure> {
+    method: &Method,
+) -> Result<(Decomposition<MethodReport>, f64), Failure> {
     let pool = arguments.threads.pool()?;
     let bar = LateBar::start();
     let control = bar.control().with_parallel(arguments.threads.is_parallel());
     let start = Instant::now();
-    let result = pool.install(|| hullwright::decompose(file, parameters, &control));
+    let result = pool.install(|| method.decompose(file, &control));
     let seconds = start.elapsed().as_secs_f64();
     bar.finish();
     let decomposition = result.map_err(|error| format!("{}: {error}", arguments.mesh.display()))?;
@@ -97,13 +97,13 @@ fn write(
     output: &Path,
     arguments: &Arguments,
     file: &MeshFile,
-    decomposition: &Decomposition,
-    parameters: &Parameters,
+    decomposition: &Decomposition<MethodReport>,
+    method: &Method,
 ) -> Result<(), Failure> {
     if !is_hulls_file(output) {
         return Ok(waiting("writing", || write_hulls(output, &decomposition.hulls))?);
     }
     let name = arguments.mesh.file_stem().unwrap_or_default().to_string_lossy();
-    let file = hulls_file(name, file.into(), decomposition, parameters, DEFAULT_DENSITY)?;
+    let file = hulls_file(name, file.into(), decomposition, &method.solid(), DEFAULT_DENSITY)?;
     Ok(file.write(output)?)
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use hullwright::hulls_format::HullsFile;
-use hullwright::{Decomposition, Error, Hull, MeshView, Parameters};
+use hullwright::{Decomposition, Error, Hull, MeshView, MethodReport, Parameters};
 
 use crate::output::count;
 
@@ -15,16 +15,16 @@ pub fn vertices(hulls: &[Hull]) -> usize {
     hulls.iter().map(|hull| hull.shape.points.len()).sum()
 }
 
-/// What a `.hulls` file holds of a mesh.
+/// What a `.hulls` file holds of a mesh. `solid` describes what its mass is computed from.
 pub fn hulls_file(
     name: impl Into<String>,
     mesh: MeshView<'_>,
-    decomposition: &Decomposition,
-    parameters: &Parameters,
+    decomposition: &Decomposition<MethodReport>,
+    solid: &Parameters,
     density: f64,
 ) -> Result<HullsFile, Error> {
     let hulls = &decomposition.hulls;
-    let properties = hullwright::mass_properties_with(mesh, hulls, density, parameters)?;
+    let properties = hullwright::mass_properties_with(mesh, hulls, density, solid)?;
     Ok(HullsFile::new(name, decomposition).with_mass_properties(properties))
 }
 

@@ -2,10 +2,8 @@
 
 use std::path::Path;
 
-use hullwright::{
-    BoundedReport, Decomposition, Opening, Repairs, Report, ResolutionReport, SurfaceReport,
-    ThresholdOutcome, ThresholdReport,
-};
+use hullwright::surface::{ResolutionReport, SurfaceReport, ThresholdOutcome, ThresholdReport};
+use hullwright::{Decomposition, MethodReport, Opening, Repairs, Report, RunReport};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -110,17 +108,21 @@ struct ThresholdLine {
 
 impl DecompositionLine {
     /// `seconds` is the wall-clock time of the decomposition, without reading and writing.
-    pub fn new(mesh: &Path, decomposition: &Decomposition, seconds: f64, search: bool) -> Self {
-        let Decomposition { hulls, report, .. } = decomposition;
-        let surface = report.surface.as_ref();
-        let bounded = report.bounded.as_ref();
-        let of_bounded = |of: fn(&BoundedReport) -> f64| bounded.map(of);
+    pub fn new(
+        mesh: &Path,
+        decomposition: &Decomposition<MethodReport>,
+        seconds: f64,
+        search: bool,
+    ) -> Self {
+        let Decomposition { hulls, run, report, .. } = decomposition;
+        let (bounded, surface) = (report.bounded(), report.surface());
+        let of_bounded = |of: fn(&Report) -> f64| bounded.map(of);
         let of_surface = |of: fn(&SurfaceReport) -> f64| surface.map(of);
         let polygons = surface.map(|surface| surface.polygons);
         Self {
             mesh: mesh.display().to_string(),
-            method: report.method.name(),
-            triangles: report.source_triangles,
+            method: report.name(),
+            triangles: run.source_triangles,
             hulls: hulls.len(),
             vertices: vertices(hulls),
             seconds,
@@ -131,27 +133,27 @@ impl DecompositionLine {
             cost: of_surface(|surface| surface.cost),
             planar_threshold: of_surface(|surface| surface.planar_threshold),
             resolution: surface.map(|surface| surface.resolution),
-            repairs: RepairsLine::from(&report.repairs),
-            openings: OpeningsLine::from(report.openings.as_slice()),
-            algorithm_version: report.algorithm_version,
+            repairs: RepairsLine::from(&run.repairs),
+            openings: OpeningsLine::from(run.openings.as_slice()),
+            algorithm_version: run.algorithm_version,
             version: env!("CARGO_PKG_VERSION"),
             average_pieces: of_surface(|surface| surface.average_pieces),
             pieces_before_merging: surface.map(|surface| surface.pieces_before_merging),
             polygons: polygons.or(bounded.map(|bounded| bounded.polygons)),
             initial_polygons: surface.map(|surface| surface.initial_polygons),
             unit: of_surface(|surface| surface.unit),
-            source_vertices: report.source_vertices,
-            diagonal: report.diagonal,
-            components: report.components,
-            closed_components: report.closed_components,
+            source_vertices: run.source_vertices,
+            diagonal: run.diagonal,
+            components: run.components,
+            closed_components: run.closed_components,
             volume_sum: hulls.iter().map(|hull| hull.shape.volume()).sum(),
             thickened_hulls: hulls.iter().filter(|hull| hull.errors.added_thickness > 0.0).count(),
             grown_hulls: hulls
                 .iter()
                 .filter(|hull| hull.errors.simplification_growth > 0.0)
                 .count(),
-            deadline_reached: report.deadline_reached,
-            stage_seconds: stage_seconds(report),
+            deadline_reached: run.deadline_reached,
+            stage_seconds: stage_seconds(run),
             search: surface
                 .filter(|_| search)
                 .map(|surface| surface.resolutions.iter().map(ResolutionLine::from).collect()),
@@ -159,8 +161,8 @@ impl DecompositionLine {
     }
 }
 
-fn stage_seconds(report: &Report) -> Map<String, Value> {
-    report.times.iter().map(|time| (time.stage.name().into(), time.seconds.into())).collect()
+fn stage_seconds(run: &RunReport) -> Map<String, Value> {
+    run.times.iter().map(|time| (time.stage.name().into(), time.seconds.into())).collect()
 }
 
 impl From<&Repairs> for RepairsLine {

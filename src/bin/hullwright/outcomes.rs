@@ -1,6 +1,6 @@
 //! What became of each part of the surface method's search: names for programs, words for people.
 
-use hullwright::{ResolutionOutcome, ThresholdOutcome};
+use hullwright::surface::{ResolutionOutcome, ThresholdOutcome};
 
 /// A name for programs and words for people.
 pub struct OutcomeText {

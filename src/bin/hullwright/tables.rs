@@ -2,9 +2,9 @@
 //! against error.
 
 use comfy_table::{CellAlignment, Table, presets};
+use hullwright::surface::{SurfaceReport, ThresholdOutcome};
 use hullwright::{
-    BoundedReport, CurvePoint, Decomposition, Opening, OpeningOutcome, Repairs, Report,
-    SurfaceReport, ThresholdOutcome,
+    CurvePoint, Decomposition, MethodReport, Opening, OpeningOutcome, Repairs, Report,
 };
 
 use crate::hulls::vertices;
@@ -31,11 +31,11 @@ pub const NOTHING: &str = "–";
 /// A table with one row, and a line about repairs if there were any.
 ///
 /// `seconds` is the wall-clock time of the decomposition, without reading and writing.
-pub fn summary(decomposition: &Decomposition, seconds: f64) -> String {
-    let Decomposition { hulls, report, .. } = decomposition;
+pub fn summary(decomposition: &Decomposition<MethodReport>, seconds: f64) -> String {
+    let Decomposition { hulls, run, report, .. } = decomposition;
     let pieces = hulls.len().to_string();
     let seconds = time(seconds);
-    let mut text = match (&report.surface, &report.bounded) {
+    let mut text = match (report.surface(), report.bounded()) {
         (Some(surface), _) => {
             let row = [
                 pieces,
@@ -50,8 +50,8 @@ pub fn summary(decomposition: &Decomposition, seconds: f64) -> String {
             right_aligned(&SUMMARY_HEADER, [row]).trim_fmt()
         }
         (None, bounded) => {
-            let percent = |length: fn(&BoundedReport) -> f64| match bounded {
-                Some(bounded) => format!("{:.3} %", 100.0 * length(bounded) / report.diagonal),
+            let percent = |length: fn(&Report) -> f64| match bounded {
+                Some(bounded) => format!("{:.3} %", 100.0 * length(bounded) / run.diagonal),
                 None => NOTHING.into(),
             };
             let row = [
@@ -61,19 +61,19 @@ pub fn summary(decomposition: &Decomposition, seconds: f64) -> String {
                 percent(|bounded| bounded.bound),
                 percent(|bounded| bounded.protrusion_max),
                 percent(|bounded| bounded.uncovered_max),
-                report.source_triangles.to_string(),
+                run.source_triangles.to_string(),
             ];
             right_aligned(&BOUNDED_HEADER, [row]).trim_fmt()
         }
     };
-    let repairs = repairs(&report.repairs);
+    let repairs = repairs(&run.repairs);
     if !repairs.is_empty() {
         text += &format!("\nrepaired: {}", repairs.join(", "));
     }
-    if let Some(openings) = openings(&report.openings) {
+    if let Some(openings) = openings(&run.openings) {
         text += &format!("\nopenings: {openings}");
     }
-    if report.deadline_reached {
+    if run.deadline_reached {
         text += "\nthe deadline cut the search short";
     }
     text
@@ -134,8 +134,8 @@ pub fn openings(openings: &[Opening]) -> Option<String> {
 }
 
 /// Every resolution, and below it its thresholds.
-pub fn search(report: &Report) -> String {
-    match &report.surface {
+pub fn search(report: &MethodReport) -> String {
+    match report.surface() {
         Some(surface) => search_table(surface).trim_fmt() + "\n",
         None => "this method does not search\n".into(),
     }

@@ -5,9 +5,9 @@ use std::time::Instant;
 
 use hullwright::io::{MeshFile, read_hulls, read_mesh};
 use hullwright::viewer::{HullSet, Page, hulls_of};
-use hullwright::{Control, Decomposition, Hull, MergeTree, Method, Parameters};
+use hullwright::{Control, Decomposition, Hull, MergeTree, Method, MethodReport};
 
-use crate::arguments::{ParameterArguments, ThreadArguments, mesh_help};
+use crate::arguments::{Chosen, ParameterArguments, ThreadArguments, mesh_help, parse_method};
 use crate::output::{Failure, print, time};
 use crate::progress::{LateBar, waiting};
 
@@ -29,7 +29,7 @@ pub struct Arguments {
     open: bool,
 
     /// Show another method side by side: surface (the paper's) or bounded; may be repeated
-    #[arg(long, value_name = "METHOD")]
+    #[arg(long, value_name = "METHOD", value_parser = parse_method)]
     compare: Vec<Method>,
 
     /// Show the hulls of any tool side by side: a .hulls file, or one per object of the file: obj, stl,
@@ -49,7 +49,7 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let parameters = arguments.parameters.checked()?;
+    let chosen = arguments.parameters.checked()?;
     let output = output(arguments)?;
     let file = waiting("reading", || read_mesh(&arguments.mesh))?;
     // All files first, so that a misspelt name ends the work before it begins.
@@ -60,7 +60,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let pool = arguments.threads.pool()?;
     let bar = LateBar::start();
     let control = bar.control().with_parallel(arguments.threads.is_parallel());
-    let work = Work { arguments, file: &file, parameters: &parameters, control: &control };
+    let work = Work { arguments, file: &file, chosen: &chosen, control: &control };
     let page = pool.install(|| work.page(&others));
     bar.finish();
     let (page, summary) = page.map_err(|error| format!("{}: {error}", arguments.mesh.display()))?;
@@ -112,29 +112,28 @@ impl Other {
 struct Work<'a> {
     arguments: &'a Arguments,
     file: &'a MeshFile,
-    parameters: &'a Parameters,
+    chosen: &'a Chosen,
     control: &'a Control,
 }
 
 impl<'a> Work<'a> {
     /// The page, and what is on it in words.
     fn page(&self, others: &[Other]) -> Result<(Page<'a>, String), hullwright::Error> {
-        let &Self { arguments, file, parameters, control } = self;
-        let page = Page::new(file_name(&arguments.mesh), file, parameters, control)?;
+        let &Self { arguments, file, chosen, control } = self;
+        let page = Page::new(file_name(&arguments.mesh), file, &chosen.solid(), control)?;
         let mut page = page.objects(&file.objects);
         let mut summary = Vec::new();
-        let methods = std::iter::once(parameters.method).chain(arguments.compare.iter().copied());
-        for method in methods {
-            let parameters = parameters.clone().method(method);
-            let (result, seconds) = self.decompose(&parameters)?;
-            let name = match method {
-                Method::Bounded => format!("bounded, {}", parameters.bounded.max_error),
+        let others_of_ours = arguments.compare.iter().map(|method| chosen.like(method));
+        for method in std::iter::once(chosen.method.clone()).chain(others_of_ours) {
+            let (result, seconds) = self.decompose(&method)?;
+            let name = match &method {
+                Method::Bounded(parameters) => format!("bounded, {}", parameters.max_error),
                 _ => method.name().to_owned(),
             };
             summary.push(format!("{name}: {}", hulls(result.hulls.len())));
-            let tree = match (arguments.no_merge, method == self.parameters.method) {
+            let tree = match (arguments.no_merge, method == chosen.method) {
                 (true, _) => None,
-                (false, true) => Some(MergeTree::new(file, &result, &parameters, control)?),
+                (false, true) => Some(MergeTree::new(file, &result, &chosen.solid(), control)?),
                 (false, false) => self.tree_of(&result.hulls)?,
             };
             let set = HullSet::new(name, &result.hulls).fact("time", time(seconds));
@@ -154,10 +153,10 @@ impl<'a> Work<'a> {
 
     fn decompose(
         &self,
-        parameters: &Parameters,
-    ) -> Result<(Decomposition, f64), hullwright::Error> {
+        method: &Method,
+    ) -> Result<(Decomposition<MethodReport>, f64), hullwright::Error> {
         let start = Instant::now();
-        let result = hullwright::decompose(self.file, parameters, self.control)?;
+        let result = method.decompose(self.file, self.control)?;
         Ok((result, start.elapsed().as_secs_f64()))
     }
 
@@ -166,7 +165,7 @@ impl<'a> Work<'a> {
         if self.arguments.no_merge {
             return Ok(None);
         }
-        MergeTree::from_hulls(self.file, hulls, self.parameters, self.control).map(Some)
+        MergeTree::from_hulls(self.file, hulls, &self.chosen.solid(), self.control).map(Some)
     }
 }
 

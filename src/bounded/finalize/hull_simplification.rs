@@ -12,7 +12,7 @@
 //! If all fail, the most prominent vertices remain. They may violate the bound: then the hull is
 //! divided.
 
-use super::context::FinalizeContext;
+use crate::bounded::search::Search;
 use crate::bounded::settings::{MAX_UNCOVERED, MAX_UNCOVERED_UNDER_CAP};
 use crate::error::Error;
 use crate::geometry::vector::{Vector, add, distance, scale, subtract};
@@ -28,17 +28,25 @@ use crate::solid::{PointGroups, distance_outside};
 /// thin plate hardly any vertex protrudes, and what is left can be a tetrahedron.
 const MIN_VOLUME_SHARE: f64 = 0.95;
 
-/// Where the cap cannot be kept otherwise, vertices that protrude by less than these, in bounds,
-/// are left out: more than [`MAX_UNCOVERED`], less than half of [`MAX_UNCOVERED_UNDER_CAP`].
+/// Where the cap cannot be kept otherwise, vertices that protrude by less than these fractions of the
+/// bound are left out: more than [`MAX_UNCOVERED`], less than half of [`MAX_UNCOVERED_UNDER_CAP`].
 const COARSER: [f64; 2] = [0.1, 0.2];
 
-/// By these, in bounds, a hull that was capped by growing shrinks again: less than
+/// By these fractions of the bound a hull that was capped by growing shrinks again: less than
 /// [`MAX_UNCOVERED_UNDER_CAP`], which it may leave uncovered.
 const SHRINKING: [f64; 2] = [0.2, 0.4];
 
 /// A hull of more vertices does not collapse from the full hull to keep a cap once the coarser hull
 /// has failed: collapsing is quadratic in the vertices and hardly gives another result.
 const MAX_COLLAPSIBLE: usize = 256;
+
+/// The search, and what is finalize's own.
+#[derive(Clone, Copy)]
+pub(super) struct FinalizeContext<'a> {
+    pub search: Search<'a>,
+    /// Volume that saving a vertex may add, as a fraction of the cubed diagonal.
+    pub volume_per_vertex: f64,
+}
 
 /// A hull before simplification.
 pub(super) struct Original {
@@ -62,15 +70,12 @@ pub(super) struct Simplified {
 }
 
 /// Saves vertices of a hull: see the module.
-///
-/// # Errors
-/// [`Error::Cancelled`].
 pub(super) fn simplify_hull(
     context: &FinalizeContext<'_>,
     original: Original,
     builder: &mut HullBuilder,
 ) -> Result<Simplified, Error> {
-    let max_vertices = context.settings.max_vertices.unwrap_or(usize::MAX);
+    let max_vertices = context.search.settings.max_vertices.unwrap_or(usize::MAX);
     let mut attempts = Attempts {
         context,
         original: &original,
@@ -84,8 +89,9 @@ pub(super) fn simplify_hull(
     if original.hull.points.len() > max_vertices {
         return attempts.keeping_cap();
     }
-    let &FinalizeContext { solid, settings, control, .. } = context;
-    let protrusion = protrusion(&original.hull, solid, settings.bound, settings.bound, control)?;
+    let &Search { solid, settings, control, .. } = &context.search;
+    let bound = settings.bound.protrusion();
+    let protrusion = protrusion(&original.hull, solid, bound, bound, control)?;
     let Original { hull, uncovered, .. } = original;
     Ok(Simplified { hull, growth: 0.0, protrusion, uncovered })
 }
@@ -103,8 +109,8 @@ impl Attempts<'_> {
     /// Attempts 1 and 2: as far as little volume is added and little surface left out.
     fn saving_vertices(&mut self) -> Result<Option<Simplified>, Error> {
         let original = self.original;
-        let max_uncovered =
-            (MAX_UNCOVERED * self.context.settings.uncovered_bound).max(original.uncovered);
+        let max_uncovered = (MAX_UNCOVERED * self.context.search.settings.bound.uncovered())
+            .max(original.uncovered);
         let coarse = self.without_small(MAX_UNCOVERED)?;
         let has_coarse = coarse.is_some();
         if let Some(coarse) = coarse
@@ -120,8 +126,8 @@ impl Attempts<'_> {
     /// Attempts 4 and 5, for a hull that only violates the cap.
     fn keeping_cap(&mut self) -> Result<Simplified, Error> {
         let (original, max_vertices) = (self.original, self.max_vertices);
-        let &FinalizeContext { solid, settings, control, .. } = self.context;
-        let (bound, uncovered_bound) = (settings.bound, settings.uncovered_bound);
+        let &Search { solid, settings, control, .. } = &self.context.search;
+        let (bound, uncovered_bound) = (settings.bound.protrusion(), settings.bound.uncovered());
         let max_uncovered = (MAX_UNCOVERED * uncovered_bound).max(original.uncovered);
         let max_under_cap = (MAX_UNCOVERED_UNDER_CAP * uncovered_bound).max(original.uncovered);
         for share in COARSER {
@@ -151,12 +157,10 @@ impl Attempts<'_> {
     /// The hull without vertices that protrude by less than a share of the bound, if it keeps its
     /// thickness and most of its volume.
     fn without_small(&mut self, share: f64) -> Result<Option<ConvexHull>, Error> {
-        self.context.control.check()?;
+        self.context.search.control.check()?;
         let original = self.original;
-        let Some(coarse) = coarser(&original.hull, share * self.context.settings.uncovered_bound)
-        else {
-            return Ok(None);
-        };
+        let tolerance = share * self.context.search.settings.bound.uncovered();
+        let Some(coarse) = coarser(&original.hull, tolerance) else { return Ok(None) };
         let (_, added) =
             solid_hull(self.builder, &coarse.points, original.outward, LEAST_THICKNESS)?;
         let min_volume = MIN_VOLUME_SHARE * original.hull.volume();
@@ -180,11 +184,12 @@ impl Attempts<'_> {
         hull: &ConvexHull,
         max_uncovered: f64,
     ) -> Result<Option<Simplified>, Error> {
-        let &FinalizeContext { solid, settings, volume_per_vertex, control, .. } = self.context;
+        let &FinalizeContext { search, volume_per_vertex } = self.context;
+        let Search { solid, settings, control, .. } = search;
         let scratch = &mut self.scratch;
         let mut fits = |face| {
             control.check()?;
-            let bound = settings.search_bound;
+            let bound = settings.bound.search();
             Ok(solid.face_fits(face, bound, scratch))
         };
         match collapse_edges(hull, volume_per_vertex, self.max_vertices, control, &mut fits)? {
@@ -200,7 +205,7 @@ impl Attempts<'_> {
         growth: f64,
         max_uncovered: f64,
     ) -> Result<Option<Simplified>, Error> {
-        let &FinalizeContext { solid, settings, control, .. } = self.context;
+        let &Search { solid, settings, control, .. } = &self.context.search;
         if hull.points.len() > self.max_vertices {
             return Ok(None);
         }
@@ -208,7 +213,7 @@ impl Attempts<'_> {
         if uncovered > max_uncovered {
             return Ok(None);
         }
-        let bound = settings.bound;
+        let bound = settings.bound.protrusion();
         let protrusion = protrusion(&hull, solid, bound, bound, control)?;
         let simplified = Simplified { hull, growth, protrusion, uncovered };
         Ok((protrusion <= bound).then_some(simplified))

@@ -132,19 +132,13 @@ fn decompose_and_judge(path: &Path) -> Result<Row, Error> {
     let seconds = start.elapsed().as_secs_f64();
     let options = MeasureOptions::default();
     let judged = judge(file.mesh.view(), &result.hulls, &options)?;
-    let (error, is_broken) = match Verified::of(&result.report) {
-        Some(verified) => {
-            let Verified { bound, protrusion_max, uncovered_max } = verified;
-            let lengths =
-                [protrusion_max, uncovered_max, judged.protrusion_max, judged.uncovered_max];
-            let largest = lengths.into_iter().fold(0.0, f64::max);
-            (largest / bound, verified.is_broken(&judged, ROUNDING * bound))
-        }
-        None => (0.0, false),
-    };
+    let verified = Verified::of(&result);
+    let Verified { bound, protrusion_max, uncovered_max } = verified;
+    let lengths = [protrusion_max, uncovered_max, judged.protrusion_max, judged.uncovered_max];
+    let largest = lengths.into_iter().fold(0.0, f64::max);
     Ok(Row {
-        error,
-        is_broken,
+        error: largest / bound,
+        is_broken: verified.is_broken(&judged, ROUNDING * bound),
         triangles: file.mesh.triangles.len(),
         hulls: result.hulls.len(),
         not_convex: judged.non_convex_hulls,

@@ -74,7 +74,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
                 .map(|found| (found, start.elapsed().as_secs_f64()))
         };
         let Ok((closed, after)) = timed(Openings::Auto) else { continue };
-        let openings = &closed.report.openings;
+        let openings = &closed.run.openings;
         let count = openings.iter().filter(|opening| opening.outcome.is_closed()).count();
         if count == 0 {
             continue;
@@ -88,7 +88,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         totals.closed += count;
         totals.left += openings.len() - count;
         let judged = measure(&file, &closed.hulls, &MeasureOptions::default(), &control)?;
-        let bound = closed.report.bounded.as_ref().map_or(0.0, |bounded| bounded.bound);
+        let bound = closed.report.bound;
         totals.broken += usize::from(judged.hausdorff * judged.diagonal > bound * (1.0 + 1e-6));
         print(&format!(
             "{:4} → {:3} hulls {:8.1} → {:7.1} ms {count:4} closed {:4} left  {}",
@@ -132,7 +132,7 @@ fn draw(cases: &[(&str, TriangleMesh)], elevation: f64, path: &Path) -> Result<(
         panels.push(Panel::hulls(&kept.hulls).exploded(EXPLOSION));
         panels.push(Panel::hulls(&closed.hulls).exploded(EXPLOSION));
         let mut openings: Vec<&str> =
-            closed.report.openings.iter().map(|opening| opening.outcome.describe()).collect();
+            closed.run.openings.iter().map(|opening| opening.outcome.describe()).collect();
         openings.sort_unstable();
         openings.dedup();
         let openings = if openings.is_empty() { "none".into() } else { openings.join("; ") };

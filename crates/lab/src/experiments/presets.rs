@@ -79,8 +79,7 @@ fn quickest(
     let mut counts = [0; 2];
     for _ in 0..runs {
         for (index, preset) in [Preset::Fast, Preset::Balanced].into_iter().enumerate() {
-            let mut parameters = Parameters::default().max_error(Length::share(bound));
-            parameters.bounded.preset = preset;
+            let parameters = Parameters::default().max_error(Length::share(bound)).preset(preset);
             let start = Instant::now();
             counts[index] = decompose(file, &parameters, &control)?.hulls.len();
             best[index] = best[index].min(start.elapsed().as_secs_f64());

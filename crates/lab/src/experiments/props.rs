@@ -63,8 +63,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             None => (&mut props, &BOUNDS[..1]),
         };
         for &bound in bounds {
-            let mut parameters = Parameters::default().max_error(Length::share(bound));
-            parameters.bounded.preset = arguments.preset;
+            let parameters =
+                Parameters::default().max_error(Length::share(bound)).preset(arguments.preset);
             let control = Control::new().with_parallel(!arguments.serial);
             let mut least = f64::INFINITY;
             let mut result: Option<Decomposition> = None;
@@ -78,10 +78,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             totals.hulls += hulls;
             totals.milliseconds.push(least);
             totals.too_many += usize::from(pieces.is_some_and(|pieces| hulls > pieces));
-            if let Some(report) = &result.report.bounded {
-                let worst = report.protrusion_max.max(report.uncovered_max);
-                totals.broken += usize::from(worst > report.bound);
-            }
+            let report = &result.report;
+            let worst = report.protrusion_max.max(report.uncovered_max);
+            totals.broken += usize::from(worst > report.bound);
             let judged = measure(&file, &result.hulls, &MeasureOptions::default(), &control);
             let hollow = judged.ok().and_then(|judged| judged.uncovered_volume);
             totals.hollow.extend(hollow);

@@ -33,8 +33,7 @@ pub struct Arguments {
 const RUNS: usize = 3;
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let mut parameters = Parameters::default();
-    parameters.bounded.preset = arguments.preset;
+    let parameters = Parameters::default().preset(arguments.preset);
     if arguments.once {
         let control = Control::new().with_parallel(false);
         for path in &arguments.meshes {
@@ -62,7 +61,7 @@ fn milliseconds(meshes: &[PathBuf], parameters: &Parameters) -> Result<(), Failu
         for _ in 0..RUNS {
             let result = decompose(&file, parameters, &control)?;
             hulls = result.hulls.len();
-            for (index, time) in result.report.times.iter().enumerate() {
+            for (index, time) in result.run.times.iter().enumerate() {
                 let milliseconds = 1e3 * time.seconds;
                 match best.get_mut(index) {
                     Some(entry) => entry.1 = entry.1.min(milliseconds),
@@ -99,7 +98,7 @@ const PARTS: [(&str, &[&str]); 12] = [
         "simplification",
         &[
             "hullwright::bounded::clustering::cluster",
-            "hullwright::bounded::patches::patch_mesh::PatchMesh::new",
+            "hullwright::bounded::patch_mesh::PatchMesh::new",
         ],
     ),
     ("trees", &["hullwright::bvh::Bvh::until"]),
@@ -116,7 +115,7 @@ const PARTS: [(&str, &[&str]); 12] = [
     ("patches", &["hullwright::bounded::patches::divide_into_patches"]),
     ("conflicts", &["hullwright::bounded::patches::conflicts::Conflicts::find_out"]),
     ("merge", &["hullwright::bounded::merge::merge"]),
-    ("cover", &["hullwright::bounded::set_cover::cover"]),
+    ("cover", &["hullwright::bounded::cover::cover"]),
     ("finalize", &["hullwright::bounded::finalize::finalize"]),
     (
         "verification",

@@ -14,7 +14,8 @@ use std::time::Instant;
 
 use hullwright::internals::terminal::{Failure, print};
 use hullwright::io::{MeshFile, read_mesh};
-use hullwright::{Control, Length, Parameters, SurfaceParameters, SurfaceReport, decompose};
+use hullwright::surface::{self, SurfaceParameters, SurfaceReport};
+use hullwright::{Control, Length};
 
 use crate::report::table::Table;
 use crate::runs::data_folder::{DataFolder, PaperRow};
@@ -93,14 +94,13 @@ fn table(unit: &str, cases: &[Case], rows: &[Ours]) -> Table {
     table
 }
 
-fn surface(file: &MeshFile, parameters: &Parameters) -> Result<SurfaceReport, Failure> {
-    let found = decompose(file, parameters, &Control::new().with_parallel(false))?;
-    Ok(found.report.surface.ok_or("the surface method reported nothing")?)
+fn surface(file: &MeshFile, parameters: &SurfaceParameters) -> Result<SurfaceReport, Failure> {
+    Ok(surface::decompose(file, parameters, &Control::new().with_parallel(false))?.report)
 }
 
 fn rows(cases: &[Case], unit: Length) -> Result<Vec<Ours>, Failure> {
-    let mut parameters = Parameters::paper();
-    parameters.surface.unit = unit;
+    let mut parameters = SurfaceParameters::paper();
+    parameters.unit = unit;
     let mut rows = Vec::with_capacity(cases.len());
     for case in cases {
         let start = Instant::now();
@@ -115,10 +115,10 @@ fn rows(cases: &[Case], unit: Length) -> Result<Vec<Ours>, Failure> {
 fn pieces_at_their_thresholds(cases: &[Case], unit: Length) -> Result<(f64, f64), Failure> {
     let (mut sum, mut sizes) = (0.0, 0.0);
     for Case { file, paper } in cases {
-        let mut parameters = Parameters::paper();
-        parameters.surface.unit = unit;
-        parameters.surface.planar_thresholds = vec![paper.p];
-        parameters.surface.maximum_resolutions = vec![paper.r];
+        let mut parameters = SurfaceParameters::paper();
+        parameters.unit = unit;
+        parameters.planar_thresholds = vec![paper.p];
+        parameters.maximum_resolutions = vec![paper.r];
         let pieces = surface(file, &parameters)?.pieces;
         let factor = (pieces as f64 / paper.pieces as f64).log2();
         sum += factor;

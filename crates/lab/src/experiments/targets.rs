@@ -148,12 +148,11 @@ impl Row {
 
 fn compare(path: &Path, coacd_hulls: f64, bound: f64, preset: Preset) -> Result<Row, Failure> {
     let file = read_mesh(path)?;
-    let mut parameters = bounded(bound);
-    parameters.bounded.preset = preset;
+    let parameters = bounded(bound).preset(preset);
     let start = Instant::now();
     let result = decompose(&file, &parameters, &Control::new())?;
     let seconds = start.elapsed().as_secs_f64();
-    let verified = Verified::of(&result.report).ok_or("the bounded method verified nothing")?;
+    let verified = Verified::of(&result);
     let mut options = MeasureOptions::default();
     options.hull_samples = SURFACE_SAMPLES;
     options.mesh_samples = SURFACE_SAMPLES;

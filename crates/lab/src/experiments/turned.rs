@@ -44,10 +44,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         };
         let Ok(as_it_is) = found(&given, &parameters) else { continue };
         let upright = as_it_is.hulls.len();
-        let bound = as_it_is.report.bounded.as_ref().map(|bounded| bounded.bound);
-        let parameters = match bound.filter(|_| arguments.same_bound) {
-            Some(bound) => parameters.clone().max_error(Length::units(bound)),
-            None => parameters.clone(),
+        let parameters = match arguments.same_bound {
+            true => parameters.clone().max_error(Length::units(as_it_is.report.bound)),
+            false => parameters.clone(),
         };
         let mut turned = Vec::new();
         for number in 0..arguments.rotations {

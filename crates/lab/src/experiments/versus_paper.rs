@@ -6,7 +6,8 @@ use std::time::Instant;
 use hullwright::internals::terminal::{Failure, print};
 use hullwright::io::{MeshFile, read_mesh};
 use hullwright::measure::MeasureOptions;
-use hullwright::{Control, Decomposition, Length, MergeTree, Parameters, decompose};
+use hullwright::surface::{self, SurfaceParameters, SurfaceReport};
+use hullwright::{Control, Decomposition, Length, MergeTree, Method, decompose};
 
 use crate::runs::judge::judge;
 use crate::runs::meshes::find;
@@ -50,12 +51,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             totals.seconds += start.elapsed().as_secs_f64();
             totals.hulls += ours.hulls.len();
             let start = Instant::now();
-            // Openings are closed as far as the bound says.
-            let mut parameters = Parameters::paper();
-            parameters.bounded.max_error = Length::Share(bound);
-            let Ok(paper) = decompose(&file, &parameters, &control) else { continue };
+            let paper = surface::decompose(&file, &SurfaceParameters::paper(), &control);
+            let Ok(paper) = paper else { continue };
             totals.paper_seconds += start.elapsed().as_secs_f64();
-            if !keeps_bound(&file, &paper, bound, &parameters)? {
+            if !keeps_bound(&file, &paper, bound)? {
                 continue;
             }
             totals.kept += 1;
@@ -83,9 +82,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 /// Whether hulls keep the bound, by samples first.
 fn keeps_bound(
     file: &MeshFile,
-    found: &Decomposition,
+    found: &Decomposition<SurfaceReport>,
     bound: f64,
-    parameters: &Parameters,
 ) -> Result<bool, Failure> {
     const SAMPLES: usize = 5000;
 
@@ -98,7 +96,8 @@ fn keeps_bound(
     if judged.hausdorff > bound {
         return Ok(false);
     }
-    let tree = MergeTree::from_hulls(file, &found.hulls, parameters, &Control::new())?;
+    let solid = Method::from(SurfaceParameters::paper()).solid().max_error(Length::Share(bound));
+    let tree = MergeTree::from_hulls(file, &found.hulls, &solid, &Control::new())?;
     let error = tree.curve().first().map_or(f64::INFINITY, |point| point.error);
-    Ok(error <= bound * found.report.diagonal)
+    Ok(error <= bound * found.run.diagonal)
 }

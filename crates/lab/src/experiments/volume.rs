@@ -109,8 +109,7 @@ fn at_hulls(file: &MeshFile, most: usize) -> Result<(f64, Judged), Failure> {
 fn under_cap(file: &MeshFile, most: usize) -> Result<(f64, Judged), Failure> {
     let parameters = bounded(BOUNDS[0]).max_hulls(most);
     let found = decompose(file, &parameters, &Control::new())?;
-    let bounded = found.report.bounded.as_ref();
-    let error = bounded.map_or(0.0, |bounded| bounded.protrusion_max) / found.report.diagonal;
+    let error = found.report.protrusion_max / found.run.diagonal;
     Ok((error, judge_samples(file, &found)?))
 }
 

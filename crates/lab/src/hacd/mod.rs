@@ -25,8 +25,8 @@ mod surface;
 use std::time::Instant;
 
 use hullwright::internals::{
-    LEAST_CUT_OFF_RESOLUTION, Level, Levels, MeshOrder, assign_source_triangles, hulls,
-    merge_groups, prepare, with_parallelism,
+    LEAST_CUT_OFF_RESOLUTION, Level, Levels, MeshOrder, Pieces, merge_groups, prepare,
+    with_parallelism,
 };
 use hullwright::{Control, Error, Hull, MeshView, Stage};
 
@@ -90,13 +90,11 @@ pub fn decompose<'a>(
     let significant = surface.significant_diagonal;
     let grouping = merge_groups(&level.mesh, &level.adjacency, &candidate.grouping, significant);
     lap(Stage::Merge);
-    let normalization = &prepared.normalization;
-    let (mesh, components) = (&level.mesh, &level.components);
-    let cap = parameters.max_vertices;
-    let mut hulls = hulls(mesh, components, &grouping, normalization, cap, control)?;
+    let pieces = Pieces { mesh: &level.mesh, components: &level.components, grouping: &grouping };
+    let mut hulls = pieces.hulls(&prepared.normalization, surface.max_vertices, control)?;
     lap(Stage::Hulls);
     with_parallelism(control.is_parallel(), || {
-        assign_source_triangles(&prepared, mesh, &grouping, &mut hulls, control)
+        pieces.assign_source_triangles(&prepared, &mut hulls, control)
     })?;
     lap(Stage::Assign);
 

@@ -1,6 +1,7 @@
 //! The parameters of HACD, and their check.
 
-use hullwright::{Error, Parameters, SurfaceParameters};
+use hullwright::Error;
+use hullwright::surface::SurfaceParameters;
 
 /// Parameters of [`decompose`](super::decompose).
 #[derive(Debug, Clone, PartialEq)]
@@ -8,12 +9,9 @@ pub struct HacdParameters {
     /// β: a collapse must cost less than this; a depth as a share of a surface's own diagonal.
     /// Positive. The paper gives no value.
     pub concavity_threshold: f64,
-    /// Q, R, μ and the guard of group merging, which are the same as in the paper's own method.
-    /// p, a, ε and their unit are not used.
+    /// Q, R, μ, the guard of group merging and the limit on vertices, which are the same as in the paper's own
+    /// method. p, a, ε and their unit are not used.
     pub surface: SurfaceParameters,
-    /// Most vertices that a hull may have, as in
-    /// [`Parameters::max_vertices`].
-    pub max_vertices: Option<usize>,
 }
 
 /// ε of the paper's own method, for want of another value.
@@ -24,7 +22,6 @@ impl Default for HacdParameters {
         Self {
             concavity_threshold: DEFAULT_CONCAVITY_THRESHOLD,
             surface: SurfaceParameters::paper(),
-            max_vertices: None,
         }
     }
 }
@@ -38,9 +35,6 @@ impl HacdParameters {
             let reason = format!("must be positive, not {threshold}");
             return Err(Error::InvalidParameter { name: "concavity_threshold", reason });
         }
-        let mut shared = Parameters::paper();
-        shared.surface = self.surface.clone();
-        shared.max_vertices = self.max_vertices;
-        shared.validate()
+        self.surface.validate()
     }
 }

@@ -1,6 +1,6 @@
 //! Section 4.3.2 and what the paper claims in passing: p, r, a, the complexity, Q, ε and μ.
 
-use hullwright::SurfaceParameters;
+use hullwright::surface::SurfaceParameters;
 
 use super::work::{Found, Shared, judge_default, surface};
 use crate::report::table::{NOTHING, Table, number};

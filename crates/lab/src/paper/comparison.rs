@@ -1,6 +1,6 @@
 //! Section 4.3.1 and Figure 4: HACD, V-HACD, and shapes that are hollow.
 
-use hullwright::SurfaceParameters;
+use hullwright::surface::SurfaceParameters;
 
 use super::work::{Found, Shared, judge_default, surface};
 use crate::report::table::{NOTHING, Table, number, number_or_nothing};

@@ -1,6 +1,6 @@
 //! Table 1, and Figure 5's failure case.
 
-use hullwright::SurfaceParameters;
+use hullwright::surface::SurfaceParameters;
 
 use super::work::{Found, Shared, judge_default, surface};
 use crate::report::table::{NOTHING, Table, number};

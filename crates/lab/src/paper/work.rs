@@ -5,7 +5,8 @@ use std::time::Instant;
 
 use hullwright::io::{MeshFile, read_mesh};
 use hullwright::measure::MeasureOptions;
-use hullwright::{Control, Hull, Parameters, Stage, SurfaceParameters};
+use hullwright::surface::{self, SurfaceParameters};
+use hullwright::{Control, Hull, Stage};
 
 use crate::hacd::{self, HacdParameters};
 use crate::runs::data_folder::{DataFolder, PaperRow};
@@ -108,23 +109,20 @@ impl Shared {
 }
 
 /// The paper's method.
-pub fn surface(mesh: &MeshFile, surface: &SurfaceParameters) -> Result<Found, String> {
-    let mut parameters = Parameters::paper();
-    parameters.method = hullwright::Method::Surface;
-    parameters.surface = surface.clone();
+pub fn surface(mesh: &MeshFile, parameters: &SurfaceParameters) -> Result<Found, String> {
     let serial = Control::new().with_parallel(false);
     let (mut seconds, mut search) = (Vec::new(), Vec::new());
     loop {
         let start = Instant::now();
         let found =
-            hullwright::decompose(mesh, &parameters, &serial).map_err(|error| error.to_string())?;
+            surface::decompose(mesh, parameters, &serial).map_err(|error| error.to_string())?;
         seconds.push(start.elapsed().as_secs_f64());
-        let times = found.report.times.iter().filter(|time| time.stage == Stage::Search);
+        let times = found.run.times.iter().filter(|time| time.stage == Stage::Search);
         search.push(times.map(|time| time.seconds).sum());
         if seconds.len() < REPEATS && seconds[0] < LONG {
             continue;
         }
-        let report = found.report.surface.ok_or("the report has no search")?;
+        let report = found.report;
         return Ok(Found {
             hulls: found.hulls,
             pieces: report.pieces,

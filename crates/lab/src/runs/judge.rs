@@ -2,7 +2,7 @@
 //! and what the bounded method reports.
 
 use hullwright::measure::{MeasureOptions, Measurement, measure};
-use hullwright::{Control, Error, MeshView, Report};
+use hullwright::{Control, Decomposition, Error, MeshView};
 use serde::{Deserialize, Serialize};
 
 /// What `measure` says. Lengths are shares of the mesh's diagonal.
@@ -94,15 +94,13 @@ pub struct Verified {
 }
 
 impl Verified {
-    /// `None` for other methods.
-    pub fn of(report: &Report) -> Option<Self> {
-        let bounded = report.bounded.as_ref()?;
-        let relative = |length: f64| length / report.diagonal;
-        Some(Self {
-            bound: relative(bounded.bound),
-            protrusion_max: relative(bounded.protrusion_max),
-            uncovered_max: relative(bounded.uncovered_max),
-        })
+    pub fn of(Decomposition { run, report, .. }: &Decomposition) -> Self {
+        let relative = |length: f64| length / run.diagonal;
+        Self {
+            bound: relative(report.bound),
+            protrusion_max: relative(report.protrusion_max),
+            uncovered_max: relative(report.uncovered_max),
+        }
     }
 
     /// Whether more was verified than asked for, or more is sampled than was verified, up to a

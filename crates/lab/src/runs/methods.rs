@@ -1,5 +1,6 @@
 //! The methods, and the values that each one's own setting takes.
 
+use hullwright::surface::SurfaceParameters;
 use hullwright::{Length, Method, Parameters};
 
 use crate::hacd::HacdParameters;
@@ -155,11 +156,11 @@ impl Run {
         }
     }
 
-    /// Parameters of our own methods.
-    pub fn parameters(&self) -> Option<Parameters> {
+    /// Our own methods, with their parameters.
+    pub fn own_method(&self) -> Option<Method> {
         match *self {
-            Self::Surface => Some(Parameters::paper()),
-            Self::Bounded { error } => Some(bounded(error)),
+            Self::Surface => Some(SurfaceParameters::paper().into()),
+            Self::Bounded { error } => Some(bounded(error).into()),
             _ => None,
         }
     }
@@ -170,12 +171,9 @@ impl Run {
     }
 }
 
-/// The bounded method with its defaults, but for the error.
+/// The defaults, but for the error.
 pub fn bounded(error: f64) -> Parameters {
-    let mut parameters = Parameters::default();
-    parameters.method = Method::Bounded;
-    parameters.bounded.max_error = Length::Share(error);
-    parameters
+    Parameters::default().max_error(Length::Share(error))
 }
 
 #[cfg(test)]

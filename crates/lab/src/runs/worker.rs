@@ -8,7 +8,7 @@ use std::time::Instant;
 use hullwright::internals::terminal::{Failure, print};
 use hullwright::io::{MeshFile, NamedMesh, read_hulls, read_mesh};
 use hullwright::measure::MeasureOptions;
-use hullwright::{Control, Error, Hull, Method, Parameters, TriangleMesh};
+use hullwright::{Control, Error, Hull, Method, TriangleMesh};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -125,10 +125,8 @@ fn judge_default(mesh: &MeshFile, hulls: &[NamedMesh]) -> Result<Judged, Error> 
 /// Judges the hulls of a run: ours against the mesh with those openings closed that its bound closes.
 fn judge_run(run: &Run, mesh: &MeshFile, hulls: &[NamedMesh]) -> Result<Judged, Error> {
     let mut options = MeasureOptions::default();
-    if let Some(parameters) = run.parameters()
-        && parameters.method == Method::Bounded
-    {
-        options.flatness = parameters.bounded.max_error;
+    if let Some(Method::Bounded(parameters)) = run.own_method() {
+        options.flatness = parameters.max_error;
     }
     judge(mesh.mesh.view(), hulls, &options)
 }
@@ -142,11 +140,11 @@ fn decompose(run: &Run, mesh: &MeshFile, parallel: bool) -> Result<Output, Error
     if let Some(parameters) = run.hacd_parameters() {
         return decompose_with_hacd(mesh, &parameters, &control);
     }
-    let Some(parameters) = run.parameters() else {
+    let Some(method) = run.own_method() else {
         let reason = "it does not run in this process".into();
         return Err(Error::InvalidParameter { name: "method", reason });
     };
-    decompose_with_ours(mesh, &parameters, &control)
+    decompose_with_ours(mesh, &method, &control)
 }
 
 fn decompose_with_hacd(
@@ -171,14 +169,14 @@ fn decompose_with_hacd(
 
 fn decompose_with_ours(
     mesh: &MeshFile,
-    parameters: &Parameters,
+    method: &Method,
     control: &Control,
 ) -> Result<Output, Error> {
-    let found = hullwright::decompose(mesh, parameters, control)?;
-    let times = &found.report.times;
+    let found = method.decompose(mesh, control)?;
+    let times = &found.run.times;
     let mut details = BTreeMap::new();
     let mut cost = None;
-    if let Some(surface) = &found.report.surface {
+    if let Some(surface) = found.report.surface() {
         cost = Some(surface.cost);
         details.insert("planar_threshold".into(), json!(surface.planar_threshold));
         details.insert("resolution".into(), json!(surface.resolution));

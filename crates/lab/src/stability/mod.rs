@@ -81,7 +81,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let meshes = meshes::find(&arguments.folders)?;
     let meshes = meshes::spread(meshes, arguments.meshes);
     let mut runs: Vec<Run> = Run::own();
-    runs.retain(|run| run.parameters().is_some() && run.is_default());
+    runs.retain(|run| run.own_method().is_some() && run.is_default());
     runs.retain(|run| {
         arguments.only.is_empty() || arguments.only.iter().any(|name| name == run.method())
     });

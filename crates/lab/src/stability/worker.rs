@@ -66,18 +66,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 fn vary(run: &Run, mesh: &Mesh, variation: Variation) -> Result<VariationResult, Error> {
-    let Some(parameters) = run.parameters() else {
+    let Some(method) = run.own_method() else {
         let reason = "it has no stability report".into();
         return Err(Error::InvalidParameter { name: "method", reason });
     };
     let (given, sound) = variation.apply(mesh);
     let control = Control::new();
     let start = ProcessTime::now();
-    let found = hullwright::decompose(
-        MeshView::new(&given.positions, &given.triangles),
-        &parameters,
-        &control,
-    )?;
+    let found = method.decompose(MeshView::new(&given.positions, &given.triangles), &control)?;
     let seconds = start.elapsed().as_secs_f64();
     let mut options = MeasureOptions::default();
     options.hull_samples = SURFACE_POINTS;

@@ -101,9 +101,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     (options.hull_samples, options.mesh_samples) = (SAMPLES, SAMPLES);
     options.volume_samples = VOLUME_SAMPLES;
     let judged = judge(mesh.mesh.view(), &found.hulls, &options)?;
-    if let Some(verified) = Verified::of(&found.report) {
-        say(&bound(&mesh, &found, &parameters, verified, &judged)?)?;
-    }
+    let verified = Verified::of(&found);
+    say(&bound(&mesh, &found, &parameters, verified, &judged)?)?;
     say(&Line::Volume { uncovered_volume: judged.uncovered_volume, iou: judged.iou })
 }
 

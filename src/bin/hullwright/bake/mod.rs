@@ -53,7 +53,7 @@ struct Source {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let parameters = arguments.parameters.checked()?;
+    let method = arguments.parameters.checked()?.method;
     let mut sources = Vec::new();
     for path in &arguments.scenes {
         if path.is_dir() {
@@ -69,9 +69,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     }
     if arguments.per_mesh {
-        per_mesh::run(arguments, &sources, &parameters)
+        per_mesh::run(arguments, &sources, &method)
     } else {
-        scenes::run(arguments, &sources, &parameters)
+        scenes::run(arguments, &sources, &method)
     }
 }
 

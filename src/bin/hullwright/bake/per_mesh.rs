@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use hullwright::io::{NamedMesh, read_own_meshes};
-use hullwright::{Control, Parameters};
+use hullwright::{Control, Method};
 
 use super::{Arguments, Source, output_of, report};
 use crate::hulls::{DEFAULT_DENSITY, hulls_file, wrote};
@@ -20,11 +20,7 @@ struct Job<'a> {
     output: PathBuf,
 }
 
-pub fn run(
-    arguments: &Arguments,
-    sources: &[Source],
-    parameters: &Parameters,
-) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments, sources: &[Source], method: &Method) -> Result<(), Failure> {
     let density = arguments.density.unwrap_or(DEFAULT_DENSITY);
     if !(density.is_finite() && density > 0.0) {
         return Err(Failure::Usage(format!("the density must be positive, not {density}")));
@@ -37,7 +33,7 @@ pub fn run(
     for (index, job) in jobs.iter().enumerate() {
         let control = bar.control_of_part(index, jobs.len());
         let control = control.with_parallel(arguments.threads.is_parallel());
-        match pool.install(|| bake(job, density, parameters, &control)) {
+        match pool.install(|| bake(job, density, method, &control)) {
             Ok(line) => lines.push(line),
             Err(reason) => {
                 let Job { source, mesh, .. } = job;
@@ -67,16 +63,10 @@ fn jobs<'a>(arguments: &Arguments, sources: &'a [Source]) -> Result<Vec<Job<'a>>
     Ok(jobs)
 }
 
-fn bake(
-    job: &Job<'_>,
-    density: f64,
-    parameters: &Parameters,
-    control: &Control,
-) -> Result<String, String> {
+fn bake(job: &Job<'_>, density: f64, method: &Method, control: &Control) -> Result<String, String> {
     let NamedMesh { name, mesh } = &job.mesh;
-    let decomposition =
-        hullwright::decompose(mesh, parameters, control).map_err(|error| error.to_string())?;
-    let file = hulls_file(name.as_str(), mesh.view(), &decomposition, parameters, density)
+    let decomposition = method.decompose(mesh, control).map_err(|error| error.to_string())?;
+    let file = hulls_file(name.as_str(), mesh.view(), &decomposition, &method.solid(), density)
         .map_err(|error| error.to_string())?;
     super::make_directory(&job.output)?;
     file.write(&job.output).map_err(|error| error.to_string())?;

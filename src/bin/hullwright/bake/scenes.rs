@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use hullwright::bake::{BakeJob, BakeOptions, bake_jobs};
 use hullwright::hulls_format::{HullScene, MeshHash, SceneLookup};
 use hullwright::io::read_scene;
-use hullwright::{Control, Parameters};
+use hullwright::{Control, Method};
 
 use super::{Arguments, Source, make_directory, output_of, report};
 use crate::hulls::vertices;
@@ -22,12 +22,8 @@ struct Scene<'a> {
     output: PathBuf,
 }
 
-pub fn run(
-    arguments: &Arguments,
-    sources: &[Source],
-    parameters: &Parameters,
-) -> Result<(), Failure> {
-    let options = BakeOptions::new(parameters.clone()).tagged_only(arguments.tagged_only);
+pub fn run(arguments: &Arguments, sources: &[Source], method: &Method) -> Result<(), Failure> {
+    let options = BakeOptions::new(method.clone()).tagged_only(arguments.tagged_only);
     let scenes = scenes(arguments, sources, &options)?;
     let pool = arguments.threads.pool()?;
     let bar = LateBar::start();

@@ -1,0 +1,149 @@
+//! Growing: a piece takes the patches that fit, nearest first. O(patches) distances and fit tests for each 15 % of
+//! its volume.
+
+use crate::bounded::patch::{Patch, PatchSet, Patches, Piece};
+use crate::control::Control;
+use crate::error::Error;
+use crate::geometry::vector::{add, distance, scale};
+use crate::hull::growing_hull::GrowingHull;
+use crate::solid::FitTester;
+
+/// Maximum number of patches that are tried at once; 64 are no faster.
+const MAX_BATCH: usize = 16;
+
+/// A patch that protrudes from a hull by less than this fraction of the diagonal counts as contained. Less
+/// than what a final hull may leave uncovered (5 % of the bound) for bounds from 0.6 % on.
+const CONTAINED_TOLERANCE: f64 = 3e-4;
+
+/// Growth of the hull's volume after which the patches are ordered anew: a trade of the time to
+/// compute all distances again for an order that follows the hull.
+const REORDER: f64 = 1.15;
+
+/// Patches that are refused one after the other before a piece stops growing: the nearest are tried first, and
+/// few that come later fit. Without, there are 0.1 % fewer hulls on 366 meshes and 14 % more time; with 6, 0.3 % more
+/// hulls.
+const MAX_REFUSED_IN_TURN: usize = 8;
+
+/// Grows a piece by the patches of `wanted` that fit, in order of distance, until many in turn do not.
+///
+/// As long as batches fit, they double: faces that would only exist between one patch and the next
+/// are never tested.
+pub(super) fn grow(
+    patches: &Patches,
+    piece: &mut Piece,
+    wanted: &PatchSet,
+    tester: &mut FitTester<'_>,
+    control: &Control,
+) -> Result<(), Error> {
+    let mut open = wanted.clone();
+    open.difference_with(&piece.patches);
+    for patch in piece.patches.iter() {
+        open.difference_with(&patches.conflicts[patch as usize]);
+    }
+    Growth { patches, piece, open, tester, control }.run()
+}
+
+/// A piece that is growing.
+struct Growth<'a, 'b> {
+    patches: &'a Patches,
+    piece: &'a mut Piece,
+    /// The patches that may still be taken.
+    open: PatchSet,
+    tester: &'a mut FitTester<'b>,
+    control: &'a Control,
+}
+
+impl Growth<'_, '_> {
+    fn run(&mut self) -> Result<(), Error> {
+        let patches = self.patches;
+        let mut batch_size = 1;
+        let mut batch: Vec<u32> = Vec::new();
+        let mut refused_in_turn = 0;
+        while !self.open.is_empty() {
+            let hull = &self.piece.hull;
+            let distance = |index| (distance_to(hull, &patches[index]), index);
+            let mut order: Vec<(f64, u32)> = self.open.iter().map(distance).collect();
+            order.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let ordered_at = self.piece.hull.current_volume();
+            let mut order = order.into_iter();
+            while self.piece.hull.current_volume() <= REORDER * ordered_at {
+                batch.clear();
+                for (_, index) in order.by_ref() {
+                    let is_free = self.open.contains(index)
+                        && !batch.iter().any(|&b| patches.conflicts[b as usize].contains(index));
+                    if !is_free {
+                        continue;
+                    }
+                    if contains(&self.piece.hull, &patches[index]) {
+                        self.accept(index);
+                        continue;
+                    }
+                    batch.push(index);
+                    if batch.len() == batch_size {
+                        break;
+                    }
+                }
+                if batch.is_empty() {
+                    break;
+                }
+                let before = self.piece.patches.count();
+                let fits = self.insert(&batch)?;
+                let has_grown = self.piece.patches.count() > before;
+                refused_in_turn = if has_grown { 0 } else { refused_in_turn + batch.len() };
+                if refused_in_turn >= MAX_REFUSED_IN_TURN {
+                    return Ok(());
+                }
+                batch_size = if fits { (2 * batch_size).min(MAX_BATCH) } else { 1 };
+            }
+        }
+        Ok(())
+    }
+
+    /// Inserts those patches of a batch that fit, by bisection. Returns whether all did at once.
+    fn insert(&mut self, batch: &[u32]) -> Result<bool, Error> {
+        self.control.check()?;
+        let parts = batch.iter().map(|&index| {
+            let Patch { points, outward, .. } = &self.patches[index];
+            (&points[..], *outward)
+        });
+        if self.tester.try_insert(&mut self.piece.hull, parts) {
+            batch.iter().for_each(|&index| self.accept(index));
+            return Ok(true);
+        }
+        if let &[index] = batch {
+            self.open.remove(index);
+            return Ok(false);
+        }
+        let (first, second) = batch.split_at(batch.len() / 2);
+        self.insert(first)?;
+        let second: Vec<u32> =
+            second.iter().copied().filter(|&index| self.open.contains(index)).collect();
+        if !second.is_empty() {
+            self.insert(&second)?;
+        }
+        Ok(false)
+    }
+
+    /// Adds a patch to the piece's set, and closes it and its conflicts.
+    fn accept(&mut self, index: u32) {
+        self.piece.patches.insert(index);
+        self.open.remove(index);
+        self.open.difference_with(&self.patches.conflicts[index as usize]);
+    }
+}
+
+/// How far a patch is outside a hull, by its representatives.
+fn distance_to(hull: &GrowingHull, patch: &Patch) -> f64 {
+    if hull.is_solid {
+        hull.builder.farthest_outside(&patch.representatives)
+    } else {
+        distance(scale(add(hull.min, hull.max), 0.5), scale(add(patch.min, patch.max), 0.5))
+    }
+}
+
+fn contains(hull: &GrowingHull, patch: &Patch) -> bool {
+    (0..3).all(|k| {
+        patch.min[k] >= hull.min[k] - CONTAINED_TOLERANCE
+            && patch.max[k] <= hull.max[k] + CONTAINED_TOLERANCE
+    }) && hull.contains(&patch.points, CONTAINED_TOLERANCE)
+}

@@ -1,0 +1,179 @@
+//! Patches of the surface, sets of them, and pieces: sets of patches with their hulls.
+//!
+//! Sets are bits, so that conflicts and covers are compared word by word.
+
+use std::ops::Index;
+use std::sync::Arc;
+
+use fixedbitset::FixedBitSet;
+
+use crate::geometry::vector::{Vector, add, bounds, distance};
+use crate::hull::growing_hull::GrowingHull;
+use crate::mesh::TriangleMesh;
+
+/// A part of the surface that is not divided any further.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Patch {
+    /// Vertices of its hull, except those nearer to it than the patch tolerance; all of its points
+    /// where it is flat.
+    pub points: Vec<Vector>,
+    /// Two of `points` that are far apart; of a coarse mesh the centre, too.
+    pub representatives: Vec<Vector>,
+    /// Sum of its triangles' area normals, each twice as long as the triangle's area.
+    pub outward: Vector,
+    pub area: f64,
+    pub min: Vector,
+    pub max: Vector,
+    /// The triangles of [`Patches::surface`] that it represents.
+    pub triangles: Vec<u32>,
+    /// Their vertices, where the mesh was clustered: collecting so many again would be slow.
+    pub surface_points: Vec<Vector>,
+    pub component: u32,
+}
+
+impl Patch {
+    pub fn set_points(&mut self, points: Vec<Vector>) {
+        (self.min, self.max) = bounds(points.iter().copied());
+        self.representatives = far_pair(&points);
+        self.points = points;
+    }
+}
+
+/// The patches of a surface.
+pub(crate) struct Patches {
+    pub patches: Vec<Patch>,
+    /// Pairs of patches that share an edge.
+    pub neighbours: Vec<(u32, u32)>,
+    /// A partition of the patches: parts of one group whose joint hull fits. Merging starts from them, where
+    /// there are no conflicts among their patches.
+    pub seeds: Vec<Vec<u32>>,
+    /// For each patch those that no hull can contain together with it, by the search's bound. Empty until pieces
+    /// have merged.
+    pub conflicts: Vec<PatchSet>,
+    /// The source, its long triangles halved.
+    pub surface: Arc<TriangleMesh>,
+    /// For each triangle of `surface` the prepared mesh's triangle that it is a part of.
+    pub parents: Arc<Vec<u32>>,
+    /// The mesh that was divided, and for each of its triangles its patch.
+    pub mesh: TriangleMesh,
+    pub labels: Vec<u32>,
+}
+
+impl Patches {
+    pub fn count(&self) -> usize {
+        self.patches.len()
+    }
+
+    /// The set of all patches.
+    pub fn all(&self) -> PatchSet {
+        PatchSet::new(self.count(), 0..self.count() as u32)
+    }
+}
+
+impl Index<u32> for Patches {
+    type Output = Patch;
+
+    #[inline]
+    fn index(&self, patch: u32) -> &Patch {
+        &self.patches[patch as usize]
+    }
+}
+
+/// Two points that are far apart: the farthest from the first point, and the farthest from that.
+pub(super) fn far_pair(points: &[Vector]) -> Vec<Vector> {
+    let farthest = |from: Vector| {
+        points.iter().copied().max_by(|&a, &b| distance(a, from).total_cmp(&distance(b, from)))
+    };
+    let first = points.first().and_then(|&point| farthest(point));
+    let second = first.and_then(farthest);
+    first.into_iter().chain(second).collect()
+}
+
+/// A set of patches, given by their indices.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Hash)]
+pub(crate) struct PatchSet(FixedBitSet);
+
+impl PatchSet {
+    /// The empty set, for patches `0..count`.
+    pub fn empty(count: usize) -> Self {
+        Self(FixedBitSet::with_capacity(count))
+    }
+
+    /// Some of the patches `0..count`.
+    pub fn new(count: usize, patches: impl IntoIterator<Item = u32>) -> Self {
+        let mut set = Self::empty(count);
+        patches.into_iter().for_each(|patch| set.insert(patch));
+        set
+    }
+
+    #[inline]
+    pub fn insert(&mut self, patch: u32) {
+        self.0.insert(patch as usize);
+    }
+
+    #[inline]
+    pub fn remove(&mut self, patch: u32) {
+        self.0.remove(patch as usize);
+    }
+
+    #[inline]
+    pub fn contains(&self, patch: u32) -> bool {
+        self.0.contains(patch as usize)
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.0.is_clear()
+    }
+
+    pub fn intersects(&self, other: &Self) -> bool {
+        !self.0.is_disjoint(&other.0)
+    }
+
+    pub fn union_with(&mut self, other: &Self) {
+        self.0.union_with(&other.0);
+    }
+
+    pub fn intersect_with(&mut self, other: &Self) {
+        self.0.intersect_with(&other.0);
+    }
+
+    pub fn difference_with(&mut self, other: &Self) {
+        self.0.difference_with(&other.0);
+    }
+
+    /// Number of members.
+    pub fn count(&self) -> usize {
+        self.0.count_ones(..)
+    }
+
+    /// The members, ascending.
+    pub fn iter(&self) -> impl Iterator<Item = u32> + '_ {
+        self.0.ones().map(|patch| patch as u32)
+    }
+}
+
+/// Patches and their hull, which can go on growing.
+#[derive(Debug, Clone)]
+pub(crate) struct Piece {
+    pub patches: PatchSet,
+    pub hull: GrowingHull,
+    /// Vertices of the hull, where other pieces are going to join it; empty otherwise.
+    pub vertices: Vec<Vector>,
+    /// Points inside the solid that its hull contains too, so that the solid is not left hollow.
+    pub inner_points: Vec<Vector>,
+}
+
+impl Piece {
+    /// The hull of some patches.
+    pub fn new(patches: &Patches, set: &PatchSet) -> Self {
+        let mut points = Vec::new();
+        let mut outward = [0.0; 3];
+        for patch in set.iter() {
+            let patch = &patches[patch];
+            points.extend_from_slice(&patch.points);
+            outward = add(outward, patch.outward);
+        }
+        let hull = GrowingHull::new(&points, outward);
+        Self { patches: set.clone(), hull, vertices: Vec::new(), inner_points: Vec::new() }
+    }
+}

@@ -1,0 +1,181 @@
+//! The mesh that is divided into patches: a dense source simplified and refined, a coarse one cut into facets.
+//!
+//! Takes the repaired mesh or the clustered one, gives the mesh of which patches are made. Each of its triangles
+//! represents the source's surface that is closest to it. So the hulls of patches cover the source and not only
+//! what simplification left of it.
+
+use super::facets::{Facets, facets};
+use super::patch::Patch;
+use super::settings::Settings;
+use crate::bvh::Bvh;
+use crate::bvh::closest_triangles::closest_triangles;
+use crate::clustering::Clustered;
+use crate::control::Control;
+use crate::error::Error;
+use crate::geometry::vector::{Vector, add, area_normal, length, scale};
+use crate::hull::HullBuilder;
+use crate::mesh::refine::refine;
+use crate::mesh::simplify::simplify;
+use crate::mesh::{PreparedMesh, TriangleMesh};
+use crate::solid::COARSE;
+use crate::solid::centre;
+
+/// The mesh, and the surface that its triangles represent.
+pub(crate) struct PatchMesh {
+    pub mesh: TriangleMesh,
+    pub components: Vec<u32>,
+    pub surface: TriangleMesh,
+    /// For each triangle of `surface` the prepared mesh's triangle that it is a part of.
+    pub parents: Vec<u32>,
+    /// For each triangle of `mesh` those of `surface` that it represents.
+    pub represented: Vec<Vec<u32>>,
+    /// For each triangle of `mesh` its facet: patches end at borders of facets.
+    pub facets: Vec<u32>,
+    /// For each triangle of `mesh` its planar group, and the part of it between cuts that it is
+    /// in. Empty where the mesh was not cut.
+    pub planes: Vec<u32>,
+    pub parts: Vec<u32>,
+}
+
+impl PatchMesh {
+    /// A source of few triangles is divided into facets. The surface of a clustered mesh is not
+    /// refined: what its triangles represent has been.
+    pub(crate) fn new(
+        prepared: &PreparedMesh,
+        clustered: Option<&Clustered>,
+        settings: &Settings,
+        control: &Control,
+    ) -> Result<Self, Error> {
+        if clustered.is_none() && prepared.mesh.triangles.len() <= COARSE {
+            return Ok(Self::from_facets(prepared, settings));
+        }
+        let (source, source_components) = match clustered {
+            Some(clustered) => (&clustered.mesh, &clustered.components),
+            None => (&prepared.mesh, &prepared.components),
+        };
+        let mut surface = source.clone();
+        let parents: Vec<u32> = match clustered {
+            Some(_) => (0..surface.triangles.len() as u32).collect(),
+            None => refine(&mut surface, settings.bound.longest_edge()),
+        };
+        control.check()?;
+        let select = |indices: &[u32], components: &[u32]| {
+            indices.iter().map(|&index| components[index as usize]).collect::<Vec<u32>>()
+        };
+        if source.triangles.len() <= settings.triangles {
+            let mut mesh = surface.clone();
+            let origins = match clustered {
+                Some(_) => refine(&mut mesh, settings.bound.longest_edge()),
+                None => (0..mesh.triangles.len() as u32).collect(),
+            };
+            let components = select(&select(&origins, &parents), source_components);
+            let represented = first_parts(&origins);
+            return Ok(Self::without_facets(mesh, components, surface, parents, represented));
+        }
+        let mut simplified = simplify(source, source_components, settings.triangles, control)?;
+        control.check()?;
+        // Patches of a surface that is another one would not fit, and end as single triangles.
+        if simplified.error > settings.bound.protrusion() && settings.triangles < COARSE {
+            simplified = simplify(source, source_components, COARSE, control)?;
+            control.check()?;
+        }
+        let mut mesh = simplified.mesh;
+        let origins = refine(&mut mesh, settings.bound.longest_edge());
+        let components = select(&origins, &simplified.components);
+        let bvh = Bvh::new(&mesh.positions, &mesh.triangles);
+        let mut represented: Vec<Vec<u32>> = vec![Vec::new(); mesh.triangles.len()];
+        let closest = closest_triangles(&surface.positions, &surface.triangles, &bvh, control)?;
+        for (triangle, closest) in closest.into_iter().enumerate() {
+            if let Some(list) = represented.get_mut(closest as usize) {
+                list.push(triangle as u32);
+            }
+        }
+        Ok(Self::without_facets(mesh, components, surface, parents, represented))
+    }
+
+    /// The source itself, cut into facets.
+    fn from_facets(prepared: &PreparedMesh, settings: &Settings) -> Self {
+        let Facets { mesh, parents, planes, parts, facets } = facets(&prepared.mesh, settings);
+        let components =
+            parents.iter().map(|&parent| prepared.components[parent as usize]).collect();
+        let represented = (0..mesh.triangles.len() as u32).map(|triangle| vec![triangle]).collect();
+        let surface = mesh.clone();
+        Self { mesh, components, surface, parents, represented, facets, planes, parts }
+    }
+
+    /// A mesh each of whose triangles is a facet.
+    fn without_facets(
+        mesh: TriangleMesh,
+        components: Vec<u32>,
+        surface: TriangleMesh,
+        parents: Vec<u32>,
+        represented: Vec<Vec<u32>>,
+    ) -> Self {
+        let facets = (0..mesh.triangles.len() as u32).collect();
+        let (planes, parts) = (Vec::new(), Vec::new());
+        Self { mesh, components, surface, parents, represented, facets, planes, parts }
+    }
+
+    /// The patch of some triangles. `reducer` drops points within its tolerance of their hull.
+    pub(super) fn patch(&self, triangles: &[u32], reducer: &mut HullBuilder) -> Patch {
+        let Self { mesh, components, surface, represented, .. } = self;
+        let mut points = mesh.positions_of(triangles.iter().copied());
+        let own: Vec<u32> = triangles
+            .iter()
+            .flat_map(|&triangle| &represented[triangle as usize])
+            .copied()
+            .collect();
+        points.extend(surface.positions_of(own.iter().copied()));
+        let mut outward = [0.0; 3];
+        let mut area = 0.0;
+        for &triangle in triangles {
+            let normal = self.normal(triangle);
+            outward = add(outward, normal);
+            area += 0.5 * length(normal);
+        }
+        points = reducer.vertices_of(&points).unwrap_or(points);
+        let component = triangles.first().map_or(0, |&triangle| components[triangle as usize]);
+        let mut patch = Patch { outward, area, triangles: own, component, ..Patch::default() };
+        patch.set_points(points);
+        if !self.parts.is_empty() {
+            // Ends of large patches around empty space can all be near other patches.
+            patch.representatives.push(self.centre_of(triangles));
+        }
+        patch
+    }
+
+    /// The centre of triangles by area; of a single one its own.
+    pub(super) fn centre_of(&self, triangles: &[u32]) -> Vector {
+        if let &[triangle] = triangles {
+            return centre(self.corners(triangle));
+        }
+        let (mut sum, mut area) = ([0.0; 3], f64::MIN_POSITIVE);
+        for &triangle in triangles {
+            let weight = length(self.normal(triangle));
+            sum = add(sum, scale(centre(self.corners(triangle)), weight));
+            area += weight;
+        }
+        scale(sum, 1.0 / area)
+    }
+
+    pub(super) fn corners(&self, triangle: u32) -> [Vector; 3] {
+        self.mesh.triangles[triangle as usize].map(|vertex| self.mesh.positions[vertex as usize])
+    }
+
+    /// Twice the area of a triangle times its unit normal.
+    pub(super) fn normal(&self, triangle: u32) -> Vector {
+        let [a, b, c] = self.corners(triangle);
+        area_normal(a, b, c)
+    }
+}
+
+/// For each part of refined triangles what it represents: the first part of a triangle all of it,
+/// the others nothing. Parts of the same origin follow each other.
+fn first_parts(origins: &[u32]) -> Vec<Vec<u32>> {
+    let mut last = u32::MAX;
+    let represented = origins.iter().map(|&origin| {
+        let is_first = std::mem::replace(&mut last, origin) != origin;
+        if is_first { vec![origin] } else { Vec::new() }
+    });
+    represented.collect()
+}

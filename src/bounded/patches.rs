@@ -1,0 +1,449 @@
+//! The surface is divided into patches: the paper's groups (section 3.4.1) of a simplified mesh, or facets of
+//! a coarse one, halved until the hull of each patch, or of a part that contains it, fits.
+//!
+//! Takes the patch mesh and the solid, gives [`Patches`] with their neighbours, seeds and conflicts.
+//! Components whose hull fits, above all convex ones, are one patch each. O(n log n) for n triangles, two fit
+//! tests per patch, and O(p²) segments between p patches.
+
+use std::sync::Arc;
+
+use super::facets::components;
+use super::patch::{Patch, PatchSet, Patches, far_pair};
+use super::patch_mesh::PatchMesh;
+use super::settings::Settings;
+use crate::clustering::Clustered;
+use crate::control::Control;
+use crate::error::Error;
+use crate::geometry::vector::{
+    Vector, add, diagonal, dot, length, length_squared, scale, subtract,
+};
+use crate::hull::HullBuilder;
+use crate::hull::growing_hull::GrowingHull;
+use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
+use crate::mesh::grouping::{group, members};
+use crate::parallel;
+use crate::solid::FitTester;
+use crate::solid::Solid;
+
+/// Above this number of groups the grouping is repeated with a larger threshold: under the first
+/// one, each facet of a fine cylinder is a group.
+const MAX_GROUPS: usize = 600;
+
+/// Factor between the thresholds of repeated groupings.
+const THRESHOLD_GROWTH: f64 = 2.0;
+
+/// Points of a whole component nearer to its hull than this share of its thickness are left out.
+/// With the patch tolerance alone, a thin plate would keep hardly more than four corners.
+const TOLERANCE_OF_THICKNESS: f64 = 0.02;
+
+/// Triangles whose extent exceeds that of the longest of them by this factor can be divided by
+/// size. Halving a bundle of needles across leaves parts as long as before: a tube of 300 facets
+/// would become 5,000 patches.
+const MIN_ELONGATION: f64 = 1.5;
+
+/// Facets of a patch that are compared with each other: a hull around empty space has some of them
+/// on either side of it.
+const MAX_COMPARED: usize = 16;
+
+/// Steps of the power iteration for the longest principal axis: any axis near it serves.
+const POWER_STEPS: usize = 30;
+
+/// Start of the power iteration: oblique, since flat groups are often orthogonal to an axis.
+const POWER_START: Vector = [1.0, 0.7, 0.4];
+
+/// A patch and its triangles of the patch mesh.
+type Part = (Patch, Vec<u32>);
+
+/// Divides the surface into patches.
+pub(crate) fn divide_into_patches(
+    mesh: PatchMesh,
+    solid: &Solid,
+    settings: &Settings,
+    control: &Control,
+) -> Result<Patches, Error> {
+    let adjacency = Adjacency::new(&mesh.mesh);
+    let largest = settings.patch_size * area(&mesh).sqrt();
+    let division = Division { mesh: &mesh, solid, settings, largest, control };
+    let mut groups = division.groups(&adjacency)?;
+    let mut patches = Vec::new();
+    let mut labels = vec![0_u32; mesh.mesh.triangles.len()];
+    let mut add = |(patch, triangles): Part| {
+        triangles.iter().for_each(|&triangle| labels[triangle as usize] = patches.len() as u32);
+        patches.push(patch);
+        patches.len() as u32 - 1
+    };
+    let (is_whole, wholes) = division.whole_components()?;
+    let mut seeds: Vec<Vec<u32>> = wholes.into_iter().map(|whole| vec![add(whole)]).collect();
+    // A group of a clustered mesh may extend over several components.
+    for group in &mut groups {
+        group.retain(|&triangle| !is_whole[mesh.components[triangle as usize] as usize]);
+    }
+    groups.retain(|group| !group.is_empty());
+    if !mesh.parts.is_empty() {
+        groups = between_cuts(&mesh, &adjacency, &groups);
+    }
+    let divided = parallel::map_largest_first(&groups, Vec::len, |group| division.divide(group));
+    for group in divided {
+        seeds.extend(group?.into_iter().map(|seed| seed.into_iter().map(&mut add).collect()));
+    }
+    let neighbours = neighbours(&adjacency, &labels);
+    let PatchMesh { mesh, surface, parents, .. } = mesh;
+    let (mut surface, mut parents) = (Arc::new(surface), Arc::new(parents));
+    if let Some(clustered) = solid.clustered.as_deref() {
+        (surface, parents) = (clustered.surface.clone(), clustered.parents.clone());
+        represent_source(&mut patches, clustered, settings, control)?;
+    }
+    let conflicts = conflicts(&patches, solid, settings.bound.search(), control)?;
+    let seeds = agreeing(&conflicts, seeds);
+    Ok(Patches { patches, neighbours, seeds, conflicts, surface, parents, mesh, labels })
+}
+
+/// Pairs of labels with a common edge, ascending.
+fn neighbours(adjacency: &Adjacency, labels: &[u32]) -> Vec<(u32, u32)> {
+    let mut neighbours = Vec::new();
+    for (triangle, &a) in (0_u32..).zip(labels) {
+        for other in adjacency.triangle_neighbours(triangle) {
+            if other != NO_NEIGHBOUR {
+                let b = labels[other as usize];
+                if a < b {
+                    neighbours.push((a, b));
+                }
+            }
+        }
+    }
+    neighbours.sort_unstable();
+    neighbours.dedup();
+    neighbours
+}
+
+/// Gives patches of a clustered mesh the source's triangles that theirs represent, and the points
+/// of those.
+fn represent_source(
+    patches: &mut [Patch],
+    clustered: &Clustered,
+    settings: &Settings,
+    control: &Control,
+) -> Result<(), Error> {
+    let mut owners = vec![u32::MAX; clustered.mesh.triangles.len()];
+    for (index, patch) in (0..).zip(&mut *patches) {
+        patch.triangles.drain(..).for_each(|triangle| owners[triangle as usize] = index);
+    }
+    for (triangle, &representative) in (0..).zip(&clustered.representatives) {
+        if let Some(&owner) = owners.get(representative as usize)
+            && let Some(patch) = patches.get_mut(owner as usize)
+        {
+            patch.triangles.push(triangle);
+        }
+    }
+    control.check()?;
+    let points = parallel::map(patches, |patch: &Patch| {
+        control.check()?;
+        let all = clustered.surface.positions_of(patch.triangles.iter().copied());
+        let mut reducer = HullBuilder::new().with_least_tolerance(settings.bound.tolerance());
+        let points = reducer.vertices_of(&all).unwrap_or_else(|| all.clone());
+        Ok((all, points))
+    });
+    for (patch, result) in patches.iter_mut().zip(points) {
+        let (all, points) = result?;
+        if !points.is_empty() {
+            patch.set_points(points);
+        }
+        patch.surface_points = all;
+    }
+    Ok(())
+}
+
+/// For each patch those that it conflicts with: a point between the two is outside the solid by more than the
+/// bound, so that no hull that fits contains both.
+fn conflicts(
+    patches: &[Patch],
+    solid: &Solid,
+    bound: f64,
+    control: &Control,
+) -> Result<Vec<PatchSet>, Error> {
+    let count = patches.len();
+    let is_conflict = |first: &Patch, second: &Patch| {
+        let separated = |&p| second.representatives.iter().any(|&q| solid.separates(p, q, bound));
+        first.representatives.iter().any(separated)
+    };
+    let rows = parallel::map_indices(count, |index| {
+        control.check()?;
+        let others = index + 1..count;
+        let conflicts = others.filter(|&other| is_conflict(&patches[index], &patches[other]));
+        Ok(PatchSet::new(count, conflicts.map(|other| other as u32)))
+    });
+    let mut conflicts: Vec<PatchSet> = rows.into_iter().collect::<Result<_, Error>>()?;
+    for index in 0..count {
+        let row: Vec<u32> = conflicts[index].iter().filter(|&o| o as usize > index).collect();
+        for other in row {
+            conflicts[other as usize].insert(index as u32);
+        }
+    }
+    Ok(conflicts)
+}
+
+/// Seeds without conflicts among their patches, then the patches of all others one by one: a hull whose
+/// faces all lie on the surface can still contain empty space.
+fn agreeing(conflicts: &[PatchSet], seeds: Vec<Vec<u32>>) -> Vec<Vec<u32>> {
+    let agrees = |seed: &Vec<u32>| {
+        seed.iter().all(|&a| seed.iter().all(|&b| !conflicts[a as usize].contains(b)))
+    };
+    let (agreeing, others): (Vec<_>, Vec<_>) = seeds.into_iter().partition(agrees);
+    agreeing.into_iter().chain(others.into_iter().flatten().map(|patch| vec![patch])).collect()
+}
+
+/// The connected parts of groups between cuts.
+fn between_cuts(mesh: &PatchMesh, adjacency: &Adjacency, groups: &[Vec<u32>]) -> Vec<Vec<u32>> {
+    let PatchMesh { planes, parts, .. } = mesh;
+    let mut labels = vec![u32::MAX; planes.len()];
+    for (label, group) in (0..).zip(groups) {
+        group.iter().for_each(|&triangle| labels[triangle as usize] = label);
+    }
+    let is_cut = |triangle: u32, _: usize, other: u32| {
+        let (a, b) = (triangle as usize, other as usize);
+        labels[a] != labels[b] || planes[a] == planes[b] && parts[a] != parts[b]
+    };
+    let components = components(adjacency, is_cut);
+    let count = components.iter().max().map_or(0, |&last| last as usize + 1);
+    let mut groups = members(&components, count);
+    // What is in no group is whole already.
+    groups.retain(|group| group.iter().all(|&triangle| labels[triangle as usize] != u32::MAX));
+    groups
+}
+
+/// What groups are divided by.
+struct Division<'a> {
+    mesh: &'a PatchMesh,
+    solid: &'a Solid,
+    settings: &'a Settings,
+    /// Maximum diagonal of a patch.
+    largest: f64,
+    control: &'a Control,
+}
+
+impl Division<'_> {
+    /// The paper's groups, each as its triangles.
+    fn groups(&self, adjacency: &Adjacency) -> Result<Vec<Vec<u32>>, Error> {
+        let (mesh, bound) = (&self.mesh.mesh, self.settings.bound);
+        let mut threshold = bound.grouping_threshold();
+        let mut grouping = group(mesh, adjacency, threshold, threshold, self.control)?;
+        while grouping.count > MAX_GROUPS && threshold < bound.protrusion() {
+            threshold *= THRESHOLD_GROWTH;
+            grouping = group(mesh, adjacency, threshold, threshold, self.control)?;
+        }
+        Ok(members(&grouping.labels, grouping.count))
+    }
+
+    /// For each component whether it is one patch, and those patches.
+    fn whole_components(&self) -> Result<(Vec<bool>, Vec<Part>), Error> {
+        let labels = &self.mesh.components;
+        let count = labels.iter().max().map_or(0, |&last| last as usize + 1);
+        let components = members(labels, count);
+        let patches = parallel::map_largest_first(&components, Vec::len, |triangles| {
+            self.control.check()?;
+            Ok(self.whole_patch(triangles))
+        });
+        let patches = patches.into_iter().collect::<Result<Vec<Option<Patch>>, Error>>()?;
+        let is_whole = patches.iter().map(Option::is_some).collect();
+        let wholes = patches.into_iter().zip(components);
+        Ok((is_whole, wholes.filter_map(|(patch, triangles)| Some((patch?, triangles))).collect()))
+    }
+
+    /// The patch of a component, if its hull fits.
+    fn whole_patch(&self, triangles: &[u32]) -> Option<Patch> {
+        let (mesh, solid, bound) = (self.mesh, self.solid, self.settings.bound);
+        let mut vertices: Vec<Vector> =
+            triangles.iter().flat_map(|&triangle| mesh.corners(triangle)).collect();
+        vertices.dedup();
+        // Two far points rule out most components that do not fit.
+        let is_separated = matches!(
+            far_pair(&vertices)[..],
+            [a, b] if solid.separates(a, b, bound.search())
+        );
+        if triangles.is_empty() || is_separated {
+            return None;
+        }
+        let mut tester = FitTester::new(solid, bound.search());
+        let coarse = GrowingHull::new(&vertices, [0.0; 3]);
+        if coarse.is_solid && !tester.fits(&coarse, false) {
+            return None;
+        }
+        let thickness = coarse.volume / length_squared(subtract(coarse.max, coarse.min));
+        let tolerance = match coarse.is_solid {
+            true => bound.tolerance().min(TOLERANCE_OF_THICKNESS * thickness),
+            false => bound.tolerance(),
+        };
+        let mut reducer = HullBuilder::new().with_least_tolerance(tolerance);
+        let patch = mesh.patch(triangles, &mut reducer);
+        tester.fits(&GrowingHull::new(&patch.points, patch.outward), false).then_some(patch)
+    }
+
+    /// Halves a group along its longest principal axis until no part is larger than the largest patch, and the
+    /// hull of each part, or of one that contains it, fits. Parts of the same fitting hull form a seed, others
+    /// are seeds of their own.
+    fn divide(&self, group: &[u32]) -> Result<Vec<Vec<Part>>, Error> {
+        let (mesh, bound) = (self.mesh, self.settings.bound);
+        let mut tester = FitTester::new(self.solid, bound.search());
+        let mut reducer = HullBuilder::new().with_least_tolerance(bound.tolerance());
+        let mut stack = vec![(group.to_vec(), false)];
+        let mut seeds: Vec<Vec<Part>> = Vec::new();
+        while let Some((triangles, mut is_in_seed)) = stack.pop() {
+            self.control.check()?;
+            let mut make = || mesh.patch(&triangles, &mut reducer);
+            let mut fits =
+                |patch: &Patch| tester.fits(&GrowingHull::new(&patch.points, patch.outward), false);
+            if triangles.len() > 1 && is_large(mesh, &triangles, self.largest) {
+                if !is_in_seed && fits(&make()) && !self.contains_space(&triangles) {
+                    is_in_seed = true;
+                    // Its parts are next on the stack.
+                    seeds.push(Vec::new());
+                }
+            } else {
+                let patch = make();
+                // A part of a hull that fits, and holds no empty space, also fits.
+                let is_fitting = triangles.len() == 1
+                    || (is_in_seed || fits(&patch)) && !self.contains_space(&triangles);
+                if is_fitting {
+                    match seeds.last_mut() {
+                        Some(seed) if is_in_seed => seed.push((patch, triangles)),
+                        _ => seeds.push(vec![(patch, triangles)]),
+                    }
+                    continue;
+                }
+            }
+            let (first, second) = halves(mesh, &triangles);
+            stack.extend([(second, is_in_seed), (first, is_in_seed)]);
+        }
+        Ok(seeds)
+    }
+
+    /// Whether a hull of several facets, all of whose faces may lie on the surface, holds empty space: a
+    /// point between two facets does not fit. Small patches have no room for that.
+    fn contains_space(&self, triangles: &[u32]) -> bool {
+        if self.mesh.parts.is_empty() {
+            return false;
+        }
+        let units = units(self.mesh, triangles);
+        let step = units.len().div_ceil(MAX_COMPARED);
+        let centres: Vec<Vector> =
+            units.iter().step_by(step).map(|unit| self.mesh.centre_of(unit)).collect();
+        let bound = self.settings.bound.search();
+        centres.iter().enumerate().any(|(index, &first)| {
+            centres[..index].iter().any(|&second| self.solid.separates(first, second, bound))
+        })
+    }
+}
+
+fn area(mesh: &PatchMesh) -> f64 {
+    (0..mesh.mesh.triangles.len() as u32).map(|t| 0.5 * length(mesh.normal(t))).sum()
+}
+
+/// Whether triangles extend farther than `largest`, and not because a single one does.
+fn is_large(mesh: &PatchMesh, triangles: &[u32], largest: f64) -> bool {
+    let all = extent(mesh, triangles);
+    all > largest
+        && units(mesh, triangles).iter().all(|unit| all > MIN_ELONGATION * extent(mesh, unit))
+}
+
+/// Diagonal of the bounding box of triangles.
+fn extent(mesh: &PatchMesh, triangles: &[u32]) -> f64 {
+    diagonal(triangles.iter().flat_map(|&triangle| mesh.corners(triangle)))
+}
+
+/// The parts that triangles are halved by: whole facets, or the triangles of a single facet.
+fn units(mesh: &PatchMesh, triangles: &[u32]) -> Vec<Vec<u32>> {
+    let mut ordered: Vec<u32> = triangles.to_vec();
+    ordered.sort_by_key(|&triangle| (mesh.facets[triangle as usize], triangle));
+    let facet = |triangle: &u32| mesh.facets[*triangle as usize];
+    let units: Vec<Vec<u32>> =
+        ordered.chunk_by(|a, b| facet(a) == facet(b)).map(<[u32]>::to_vec).collect();
+    if units.len() > 1 { units } else { ordered.into_iter().map(|t| vec![t]).collect() }
+}
+
+/// Two halves along the longest principal axis. Neither is empty for two triangles or more.
+fn halves(mesh: &PatchMesh, triangles: &[u32]) -> (Vec<u32>, Vec<u32>) {
+    let units = units(mesh, triangles);
+    let centres: Vec<Vector> = units.iter().map(|unit| mesh.centre_of(unit)).collect();
+    let sum = centres.iter().fold([0.0; 3], |sum, &centre| add(sum, centre));
+    let mean = scale(sum, 1.0 / units.len() as f64);
+    let mut covariance = [[0.0; 3]; 3];
+    for &centre in &centres {
+        let away = subtract(centre, mean);
+        for (row, &x) in covariance.iter_mut().zip(&away) {
+            for (entry, &y) in row.iter_mut().zip(&away) {
+                *entry += x * y;
+            }
+        }
+    }
+    let axis = principal_axis(covariance);
+    let mut order: Vec<(f64, usize)> =
+        (0..units.len()).map(|unit| (dot(axis, subtract(centres[unit], mean)), unit)).collect();
+    order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let half = order.partition_point(|entry| entry.0 < 0.0).clamp(1, order.len().max(2) - 1);
+    let part = |entries: &[(f64, usize)]| {
+        let mut part: Vec<u32> =
+            entries.iter().flat_map(|entry| &units[entry.1]).copied().collect();
+        part.sort_unstable();
+        part
+    };
+    (part(&order[..half]), part(&order[half..]))
+}
+
+/// About the eigenvector of the greatest eigenvalue, by power iteration.
+fn principal_axis(covariance: [Vector; 3]) -> Vector {
+    let mut axis = POWER_START;
+    for _ in 0..POWER_STEPS {
+        let next = covariance.map(|row| dot(row, axis));
+        let length = length(next);
+        if length <= 0.0 {
+            break;
+        }
+        axis = scale(next, 1.0 / length);
+    }
+    axis
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::TriangleMesh;
+    use crate::mesh::shapes::{cuboid, join};
+    use crate::solid::Boundary;
+
+    const BOUND: f64 = 0.02;
+
+    /// Conflicts of two cubes that are more than a cube apart, with a patch for each triangle.
+    fn two_cubes() -> Vec<PatchSet> {
+        let mesh = join(&[cuboid([0.0; 3], [0.2; 3]), cuboid([0.45, 0.0, 0.0], [0.65, 0.2, 0.2])]);
+        let TriangleMesh { positions, triangles, .. } = &mesh;
+        let solid =
+            Solid::of_surface(positions, triangles, Boundary::default(), BOUND, &Control::new());
+        let patch = |corners: &[u32; 3]| {
+            let representatives: Vec<Vector> =
+                corners.iter().map(|&vertex| positions[vertex as usize]).collect();
+            Patch { representatives, ..Patch::default() }
+        };
+        let patches: Vec<Patch> = triangles.iter().map(patch).collect();
+        conflicts(&patches, &solid.unwrap(), BOUND, &Control::new()).unwrap()
+    }
+
+    #[test]
+    fn patches_conflict_where_there_is_a_gap_between_them() {
+        let conflicts = two_cubes();
+        let half = conflicts.len() / 2;
+        for a in 0..2 * half {
+            for b in 0..2 * half {
+                let is_conflict = conflicts[a].contains(b as u32);
+                assert_eq!(is_conflict, (a < half) != (b < half), "{a} and {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn seeds_with_a_conflict_fall_into_single_patches() {
+        let conflicts = two_cubes();
+        let seeds = vec![vec![0, 1, 12], vec![2, 3], vec![13]];
+        let expected = [vec![2, 3], vec![13], vec![0], vec![1], vec![12]];
+        assert_eq!(agreeing(&conflicts, seeds), expected);
+    }
+}

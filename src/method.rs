@@ -1,0 +1,357 @@
+//! A method and its parameters as one value, for programs that let users choose: the command, the plugin's
+//! tag, baked files and caches.
+
+use std::fmt;
+use std::str::FromStr;
+
+use crate::control::Control;
+use crate::decompose;
+use crate::decomposer::Decomposer;
+use crate::decomposition::{Decomposition, Report};
+use crate::error::Error;
+use crate::geometry::MeshView;
+use crate::input::admit;
+use crate::parameters::{Field, Openings, Parameters, ParseError, differing, items};
+use crate::single_hull;
+use crate::surface::{self, SurfaceParameters, SurfaceReport};
+
+/// A method with its parameters.
+///
+/// As text it is the method's name, unless it is the default, and the values that differ from the method's
+/// default:
+///
+/// ```
+/// use hullwright::surface::SurfaceParameters;
+/// use hullwright::{Method, Parameters};
+///
+/// let method = Method::from(Parameters::default().max_hulls(32));
+/// assert_eq!(method.to_string(), "max_hulls=32");
+/// assert_eq!("max_hulls=32".parse(), Ok(method));
+/// let paper = Method::from(SurfaceParameters::paper());
+/// assert_eq!(paper.to_string(), "method=surface max_vertices=none");
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
+pub enum Method {
+    /// The default method: [`decompose`](crate::decompose()).
+    Bounded(Parameters),
+    /// The paper's method: [`surface::decompose`](crate::surface::decompose()).
+    Surface(SurfaceParameters),
+    /// The one hull of all points, whatever the bound: [`single_hull`](crate::single_hull()). `max_vertices`
+    /// holds for it. The other parameters describe the solid that its mass is computed from.
+    Hull(Parameters),
+}
+
+/// What a method reports of its own.
+#[derive(Debug, Clone, PartialEq)]
+pub enum MethodReport {
+    /// Of the default method.
+    Bounded(Report),
+    /// Of the paper's method.
+    Surface(SurfaceReport),
+    /// Of the one hull of all points, of which nothing is verified.
+    Hull,
+}
+
+const BOUNDED: &str = "bounded";
+const SURFACE: &str = "surface";
+const HULL: &str = "hull";
+
+impl Method {
+    /// The method's name on the command line and in files.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Bounded(_) => BOUNDED,
+            Self::Surface(_) => SURFACE,
+            Self::Hull(_) => HULL,
+        }
+    }
+
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// [`Error::InvalidParameter`] names the first parameter that is out of its limits.
+    pub fn validate(&self) -> Result<(), Error> {
+        match self {
+            Self::Bounded(parameters) | Self::Hull(parameters) => parameters.validate(),
+            Self::Surface(parameters) => parameters.validate(),
+        }
+    }
+
+    /// Parameters by which [`mass_properties_with`](crate::mass_properties_with()),
+    /// [`MergeTree`](crate::MergeTree) and `viewer::Page` see the mesh as this method does. The paper's method
+    /// closes no opening and leaves nothing out.
+    pub fn solid(&self) -> Parameters {
+        match self {
+            Self::Bounded(parameters) | Self::Hull(parameters) => parameters.clone(),
+            Self::Surface(parameters) => Parameters::default()
+                .openings(Openings::Keep)
+                .keep_cavities(true)
+                .max_vertices(parameters.max_vertices),
+        }
+    }
+
+    /// The parameters of the default method, as far as this method has them.
+    #[cfg(feature = "bake")]
+    pub(crate) fn for_bounded(&self) -> Parameters {
+        match self {
+            Self::Bounded(parameters) | Self::Hull(parameters) => parameters.clone(),
+            Self::Surface(surface) => Parameters::default().max_vertices(surface.max_vertices),
+        }
+    }
+
+    /// Decomposes a mesh by this method.
+    ///
+    /// # Errors
+    /// As [`decompose`](crate::decompose()).
+    pub fn decompose<'a>(
+        &self,
+        mesh: impl Into<MeshView<'a>>,
+        control: &Control,
+    ) -> Result<Decomposition<MethodReport>, Error> {
+        match self {
+            Self::Bounded(parameters) => {
+                decompose::decompose(mesh, parameters, control).map(with_method_report)
+            }
+            Self::Surface(parameters) => {
+                surface::decompose(mesh, parameters, control).map(with_method_report)
+            }
+            Self::Hull(parameters) => {
+                parameters.validate()?;
+                single_hull::single_hull(mesh, parameters.max_vertices, control)
+                    .map(with_method_report)
+            }
+        }
+    }
+
+    /// The same in time slices.
+    ///
+    /// # Errors
+    /// As [`Decomposer::new`].
+    pub fn decomposer<'a>(
+        &self,
+        mesh: impl Into<MeshView<'a>>,
+        control: &Control,
+    ) -> Result<Decomposer<MethodReport>, Error> {
+        let mesh = mesh.into();
+        self.validate()?;
+        admit(mesh, control)?;
+        let (method, mesh, control) = (self.clone(), mesh.to_owned(), control.clone());
+        Ok(Decomposer::of(async move {
+            let (mesh, control) = (mesh.view(), &control);
+            match &method {
+                Self::Bounded(parameters) => {
+                    decompose::pipeline(mesh, parameters, control).await.map(with_method_report)
+                }
+                Self::Surface(parameters) => {
+                    let work = surface::decompose::pipeline(mesh, parameters, control);
+                    work.await.map(with_method_report)
+                }
+                Self::Hull(Parameters { max_vertices, .. }) => {
+                    let work = single_hull::pipeline(mesh, *max_vertices, control);
+                    work.await.map(with_method_report)
+                }
+            }
+        }))
+    }
+}
+
+fn with_method_report<R: Into<MethodReport>>(
+    decomposition: Decomposition<R>,
+) -> Decomposition<MethodReport> {
+    decomposition.map_report(Into::into)
+}
+
+impl MethodReport {
+    /// The name of the [`Method`].
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Bounded(_) => BOUNDED,
+            Self::Surface(_) => SURFACE,
+            Self::Hull => HULL,
+        }
+    }
+
+    /// What the default method verified.
+    pub fn bounded(&self) -> Option<&Report> {
+        match self {
+            Self::Bounded(report) => Some(report),
+            Self::Surface(_) | Self::Hull => None,
+        }
+    }
+
+    /// The search of the paper's method.
+    pub fn surface(&self) -> Option<&SurfaceReport> {
+        match self {
+            Self::Surface(report) => Some(report),
+            Self::Bounded(_) | Self::Hull => None,
+        }
+    }
+}
+
+impl Default for Method {
+    fn default() -> Self {
+        Self::Bounded(Parameters::default())
+    }
+}
+
+impl From<Parameters> for Method {
+    fn from(parameters: Parameters) -> Self {
+        Self::Bounded(parameters)
+    }
+}
+
+impl From<SurfaceParameters> for Method {
+    fn from(parameters: SurfaceParameters) -> Self {
+        Self::Surface(parameters)
+    }
+}
+
+impl From<Report> for MethodReport {
+    fn from(report: Report) -> Self {
+        Self::Bounded(report)
+    }
+}
+
+impl From<SurfaceReport> for MethodReport {
+    fn from(report: SurfaceReport) -> Self {
+        Self::Surface(report)
+    }
+}
+
+impl From<()> for MethodReport {
+    fn from((): ()) -> Self {
+        Self::Hull
+    }
+}
+
+impl fmt::Display for Method {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (own, default): (Vec<Field>, Vec<Field>) = match self {
+            Self::Bounded(own) | Self::Hull(own) => {
+                (own.fields().into(), Parameters::default().fields().into())
+            }
+            Self::Surface(own) => {
+                (own.fields().into(), SurfaceParameters::default().fields().into())
+            }
+        };
+        let parameters = differing(&own, &default);
+        match self {
+            Self::Bounded(_) => formatter.write_str(&parameters),
+            _ if parameters.is_empty() => write!(formatter, "method={}", self.name()),
+            _ => write!(formatter, "method={} {parameters}", self.name()),
+        }
+    }
+}
+
+impl FromStr for Method {
+    type Err = ParseError;
+
+    /// Reads what [`Display`](fmt::Display) writes, on top of the method's defaults. Parameters of another
+    /// method are read and dropped. The values are not checked: see [`validate`](Self::validate).
+    fn from_str(text: &str) -> Result<Self, ParseError> {
+        let mut name = BOUNDED;
+        let mut parameters = Parameters::default();
+        let mut surface = SurfaceParameters::default();
+        for item in items(text) {
+            let (key, value) = item?;
+            if key == "method" {
+                name = value;
+                continue;
+            }
+            // Both have some of the keys.
+            let is_known = [parameters.set(key, value)?, surface.set(key, value)?];
+            if !is_known.contains(&true) {
+                let keys = format!("method, {}, {}", Parameters::KEYS, SurfaceParameters::KEYS);
+                return Err(ParseError::unknown_key(key, &keys));
+            }
+        }
+        match name {
+            BOUNDED => Ok(Self::Bounded(parameters)),
+            SURFACE => Ok(Self::Surface(surface)),
+            HULL => Ok(Self::Hull(parameters)),
+            _ => Err(ParseError::new(name, "bounded, surface or hull")),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameters::{Length, Preset};
+
+    #[test]
+    fn text_goes_both_ways() {
+        let bounded = Parameters::default()
+            .max_error(Length::units(0.01))
+            .preset(Preset::Fine)
+            .max_hulls(3)
+            .max_vertices(None)
+            .keep_cavities(true);
+        let mut surface = SurfaceParameters::paper();
+        surface.planar_thresholds = vec![0.25];
+        for method in
+            [Method::default(), bounded.clone().into(), surface.into(), Method::Hull(bounded)]
+        {
+            assert_eq!(method.to_string().parse(), Ok(method));
+        }
+    }
+
+    /// Texts that files and caches hold since before `Method` had parameters.
+    const TEXTS: [&str; 12] = [
+        "",
+        "max_error=1% max_hulls=32",
+        "max_error=0.02m preset=fine keep_cavities=true openings=close up_axis=z",
+        "max_vertices=none",
+        "max_error=0.55% preset=fast max_hulls=1 max_vertices=8 openings=keep",
+        "method=surface max_vertices=none",
+        "method=surface",
+        "method=surface maximum_resolutions=250,500 planar_thresholds=0.01,0.25 unit=1.5m",
+        "method=surface max_vertices=32 simplification_quality=0.5 angular_threshold=0.02 \
+         concavity_cost_threshold=0.1 resolution_cut_off=0 unit=50% significant_diagonal=0.25",
+        "method=hull",
+        "method=hull max_vertices=16 openings=keep",
+        "method=hull max_error=0.1m keep_cavities=true up_axis=z",
+    ];
+
+    #[test]
+    fn texts_of_earlier_versions_are_read_and_written_as_they_are() {
+        for text in TEXTS {
+            let method: Method = text.parse().unwrap();
+            assert_eq!(method.to_string(), text);
+        }
+        assert_eq!(TEXTS[5].parse(), Ok(Method::from(SurfaceParameters::paper())));
+        let mut surface = SurfaceParameters::default();
+        surface.maximum_resolutions = vec![250, 500];
+        surface.planar_thresholds = vec![0.01, 0.25];
+        surface.unit = Length::units(1.5);
+        assert_eq!(TEXTS[7].parse(), Ok(Method::Surface(surface)));
+        let hull = Parameters::default().max_vertices(16).openings(Openings::Keep);
+        assert_eq!(TEXTS[10].parse(), Ok(Method::Hull(hull)));
+    }
+
+    #[test]
+    fn parameters_of_another_method_are_dropped() {
+        let texts = [("method=surface max_error=1%", "method=surface"), ("unit=2m", "")];
+        for (text, kept) in texts {
+            assert_eq!(text.parse::<Method>(), kept.parse());
+        }
+    }
+
+    #[test]
+    fn a_wrong_key_or_value_is_named_with_what_is_expected() {
+        for (text, expected) in [
+            ("max_hull=3", "max_hulls"),
+            ("max_hull=3", "significant_diagonal"),
+            ("max_hulls=many", "a whole number or none"),
+            ("preset=best", "fast, balanced or fine"),
+            ("planar_thresholds=1,x", "a number"),
+            ("method=volume", "bounded, surface or hull"),
+            ("keep_cavities", "key=value"),
+        ] {
+            let error = text.parse::<Method>().unwrap_err().to_string();
+            assert!(error.contains(expected), "{error}");
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! The paper's method, stage by stage: simplify (3.2), search (3.4 and 3.5), merge (3.6), hulls.
+
+use super::group_merging::merge_groups;
+use super::parameters::SurfaceParameters;
+use super::pieces::Pieces;
+use super::report::SurfaceReport;
+use super::resolution_selection::{Level, Levels, first_cut_off, select};
+use super::threshold_selection::Thresholds;
+use crate::control::{Control, Stage};
+use crate::decomposer::run_to_end;
+use crate::decomposition::Decomposition;
+use crate::error::Error;
+use crate::geometry::MeshView;
+use crate::input::{Input, admit};
+use crate::mesh::PreparedMesh;
+use crate::mesh::canonical_order::MeshOrder;
+use crate::openings::OpeningSettings;
+use crate::parameters::Length;
+use crate::stages::{PREPARED, SURFACE, Stages};
+
+/// Decomposes a triangle mesh by the paper's method. Openings stay as they are, and nothing is verified.
+///
+/// # Errors
+/// As [`decompose`](crate::decompose()). On several threads [`Error::DeadlineExceeded`] also where the deadline
+/// comes before the first threshold.
+pub fn decompose<'a>(
+    mesh: impl Into<MeshView<'a>>,
+    parameters: &SurfaceParameters,
+    control: &Control,
+) -> Result<Decomposition<SurfaceReport>, Error> {
+    let mesh = mesh.into();
+    parameters.validate()?;
+    admit(mesh, control)?;
+    run_to_end(pipeline(mesh, parameters, control))
+}
+
+/// The whole of a decomposition. Each resolution and each threshold is a slice.
+pub(crate) async fn pipeline(
+    mesh: MeshView<'_>,
+    parameters: &SurfaceParameters,
+    control: &Control,
+) -> Result<Decomposition<SurfaceReport>, Error> {
+    let mut stages = Stages::new(control);
+    let settings = OpeningSettings::as_it_is(MeshOrder::Input);
+    let input = Input::repaired_and_closed(mesh, &settings, &mut stages).await?;
+    let prepared = &input.prepared;
+    let normalization = &prepared.normalization;
+    let unit = match parameters.unit {
+        Length::Share(unit) => unit,
+        Length::Units(unit) => unit / normalization.diagonal,
+    };
+    stages.begin(SURFACE, PREPARED..1.0);
+    let mut levels = simplify(prepared, parameters, &mut stages).await?;
+    let mut is_cut_short = false;
+    while !is_cut_short && next_level(&levels, parameters).is_some() {
+        let share = share_done(&levels, parameters);
+        let thresholds = Thresholds { parameters, unit };
+        let search = || search(&mut levels, thresholds, control);
+        stages.run_slice(Stage::Search, share, search).await?;
+        is_cut_short = control.is_past_deadline() && next_level(&levels, parameters).is_some();
+    }
+    let selection =
+        select(&levels, parameters.resolution_cut_off).ok_or(Error::DeadlineExceeded)?;
+    let level = levels.get(selection.level).ok_or(Error::DeadlineExceeded)?;
+    let found = &selection.candidate;
+    let significant = parameters.significant_diagonal;
+    let merge = || Ok(merge_groups(&level.mesh, &level.adjacency, &found.grouping, significant));
+    let grouping = stages.run(Stage::Merge, merge).await?;
+    let pieces = Pieces { mesh: &level.mesh, components: &level.components, grouping: &grouping };
+    let hulls = pieces.finish(prepared, parameters.max_vertices, &mut stages).await?;
+    let grouped = pieces.grouped_mesh(normalization);
+    let report = SurfaceReport {
+        pieces: grouping.count,
+        pieces_before_merging: found.grouping.count,
+        average_pieces: selection.average_pieces,
+        cost: found.cost,
+        planar_threshold: found.planar_threshold,
+        resolution: level.resolution,
+        polygons: level.mesh.triangles.len(),
+        initial_polygons: prepared.mesh.triangles.len(),
+        unit: unit * normalization.diagonal,
+        resolutions: selection.reports,
+    };
+    Ok(Decomposition { hulls, grouped, run: input.report(stages, is_cut_short), report })
+}
+
+/// The simplified meshes of all resolutions.
+async fn simplify(
+    prepared: &PreparedMesh,
+    parameters: &SurfaceParameters,
+    stages: &mut Stages,
+) -> Result<Vec<Level>, Error> {
+    let control = &stages.control();
+    let mut levels = Levels::new(parameters);
+    while !levels.is_complete() {
+        let share = levels.share_done();
+        let simplify = || levels.make_next(prepared, parameters, control);
+        stages.run_slice(Stage::Simplify, share, simplify).await?;
+    }
+    Ok(levels.finish())
+}
+
+/// The first level with thresholds left to try. A level that is cut off has no more to do, nor have those
+/// above it.
+fn next_level(levels: &[Level], parameters: &SurfaceParameters) -> Option<usize> {
+    let open =
+        first_cut_off(levels, parameters.resolution_cut_off).map_or(levels.len(), |last| last + 1);
+    levels[..open].iter().position(|level| !level.is_finished())
+}
+
+/// Tries the next threshold, or on several threads all that are left.
+fn search(
+    levels: &mut [Level],
+    thresholds: Thresholds<'_>,
+    control: &Control,
+) -> Result<(), Error> {
+    #[cfg(feature = "parallel")]
+    if control.is_parallel() && rayon::current_num_threads() > 1 {
+        use rayon::prelude::*;
+        return levels.par_iter_mut().try_for_each(|level| {
+            while !level.is_finished() && !control.is_past_deadline() {
+                level.advance(thresholds, control)?;
+            }
+            Ok(())
+        });
+    }
+    match next_level(levels, thresholds.parameters) {
+        Some(next) => levels[next].advance(thresholds, control),
+        None => Ok(()),
+    }
+}
+
+/// The share of the thresholds that were tried.
+fn share_done(levels: &[Level], parameters: &SurfaceParameters) -> f32 {
+    let all = levels.len() * parameters.planar_thresholds.len();
+    let done: usize = levels.iter().map(|level| level.search.reports.len()).sum();
+    done as f32 / all.max(1) as f32
+}
