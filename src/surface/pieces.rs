@@ -8,7 +8,7 @@ use crate::control::Control;
 use crate::decomposition::{Hull, HullErrors, Provenance};
 use crate::error::Error;
 use crate::geometry::vector::{Vector, add, area_normal};
-use crate::hull::{ConvexHull, HullBuilder, LEAST_THICKNESS, cap_vertices, solid_hull};
+use crate::hull::{ConvexHull, HullBuilder, LEAST_THICKNESS, limit_vertices, solid_hull};
 use crate::mesh::{Normalization, PreparedMesh, TriangleMesh};
 
 use super::grouping::{Grouping, corners, group_vertices, members};
@@ -36,7 +36,7 @@ pub fn hulls(
         });
         let (solid, added) = solid_hull(&mut builder, &points, outward, LEAST_THICKNESS)?;
         let (solid, growth) = match max_vertices {
-            Some(cap) => cap_vertices(&mut builder, solid, cap, control)?,
+            Some(cap) => limit_vertices(&mut builder, solid, cap, control)?,
             None => (solid, 0.0),
         };
         let component = group.first().map_or(0, |&triangle| components[triangle as usize]);

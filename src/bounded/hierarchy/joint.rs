@@ -5,7 +5,7 @@ use crate::bounded::finalize::verify::protrusion::protrusion;
 use crate::bounded::settings::Settings;
 use crate::control::Control;
 use crate::error::Error;
-use crate::hull::{ConvexHull, HullBuilder, cap_vertices, joint_hull};
+use crate::hull::{ConvexHull, HullBuilder, joint_hull, limit_vertices};
 
 /// A hull of the hierarchy, final or joint. Lengths are in diagonals.
 #[derive(Debug, Clone)]
@@ -33,7 +33,7 @@ pub(super) fn joint(
     let mut builder = HullBuilder::new();
     let hull = joint_hull(&mut builder, &nodes[first].hull, &nodes[second].hull)?;
     let (hull, growth) = match settings.max_vertices {
-        Some(most) => cap_vertices(&mut builder, hull, most, control)?,
+        Some(most) => limit_vertices(&mut builder, hull, most, control)?,
         None => (hull, 0.0),
     };
     // It contains both and so protrudes at least as far; the upper bounds alone may disagree.

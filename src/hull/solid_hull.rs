@@ -6,7 +6,7 @@
 
 use super::builder::HullBuilder;
 use super::convex_hull::ConvexHull;
-use super::simplex::Shape;
+use super::point_set::Shape;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, add, cross, distance, dot, normalize, scale, subtract};
 
@@ -39,15 +39,6 @@ const DIMENSIONS: usize = 3;
 ///
 /// # Errors
 /// [`Error::NoHull`] if no point is finite, or if all are one spot and `least_thickness` is 0.
-///
-/// ```
-/// use hullwright::hull::{HullBuilder, solid_hull};
-///
-/// let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
-/// let (hull, added) = solid_hull(&mut HullBuilder::new(), &square, [0.0, 0.0, 1.0], 0.01)?;
-/// assert!(hull.volume() > 0.0 && added >= 0.01);
-/// # Ok::<(), hullwright::Error>(())
-/// ```
 pub fn solid_hull(
     builder: &mut HullBuilder,
     points: &[[f64; 3]],
@@ -177,4 +168,62 @@ fn diagonal(points: &[[f64; 3]]) -> f64 {
     crate::geometry::vector::diagonal(
         points.iter().copied().filter(|p| p.iter().all(|x| x.is_finite())),
     )
+}
+
+/// A hull far from the origin keeps at least this many units in the last place of its largest
+/// coordinate as thickness, so that its volume survives the next rounding too.
+const LEAST_ULPS: f64 = 4.0;
+
+/// Thickness is rounded as well, so it may take a few goes; each doubles it.
+const ATTEMPTS: usize = 4;
+
+/// Vertices and triangles in `f32`.
+pub type SinglePrecisionHull = (Vec<[f32; 3]>, Vec<[u32; 3]>);
+
+impl ConvexHull {
+    /// Vertices and triangles in single precision, as physics engines want them: the hull of the
+    /// rounded vertices, so that it is convex and has volume as it stands. O(n log n).
+    ///
+    /// # Errors
+    /// [`Error::NoHull`] if a coordinate is beyond the range of `f32`.
+    pub fn to_single_precision(&self) -> Result<SinglePrecisionHull, Error> {
+        single_precision(&self.points, &mut HullBuilder::new())
+    }
+}
+
+/// The hull of the points rounded to `f32`, with volume and wound outward. Convex up to the
+/// tolerance of [`HullBuilder`], which is less than 1e-6 of the diagonal. O(n log n).
+///
+/// # Errors
+/// [`Error::NoHull`] if a coordinate is beyond the range of `f32`, or nothing is left.
+pub fn single_precision(
+    points: &[[f64; 3]],
+    builder: &mut HullBuilder,
+) -> Result<SinglePrecisionHull, Error> {
+    let mut points = rounded(points)?;
+    let largest = points.iter().flatten().fold(0.0f64, |largest, x| largest.max(x.abs()));
+    let mut least_thickness = LEAST_ULPS * f64::from(f32::EPSILON) * largest;
+    for _ in 0..ATTEMPTS {
+        let (solid, _) = solid_hull(builder, &points, [0.0; 3], least_thickness)?;
+        points = rounded(&solid.points)?;
+        if builder.build(&points) == Shape::Solid {
+            let (points, triangles) = builder.extract();
+            return Ok((
+                points.into_iter().map(|point| point.map(|x| x as f32)).collect(),
+                triangles,
+            ));
+        }
+        least_thickness *= 2.0;
+    }
+    Err(Error::NoHull { reason: "rounding to f32 leaves no volume" })
+}
+
+fn rounded(points: &[[f64; 3]]) -> Result<Vec<[f64; 3]>, Error> {
+    let round = |point: &[f64; 3]| point.map(|x| f64::from(x as f32));
+    let points: Vec<_> = points.iter().map(round).collect();
+    if points.iter().flatten().all(|x| x.is_finite()) {
+        Ok(points)
+    } else {
+        Err(Error::NoHull { reason: "a coordinate is beyond the range of f32" })
+    }
 }
