@@ -1,9 +1,9 @@
 //! Convex hulls one after the other, in memory that is reused: how they start, grow and are read.
 
 use super::face::{Face, FacePlane, Margins, NONE, after, before, edge_of, face_of};
-use super::point_set::{Blocks, Frame, Shape, finite_bounds, first_simplex, height_of, is_finite};
+use super::point_set::{Frame, Shape, finite_bounds, first_simplex, height_of, is_finite};
 use super::quickhull::{HullState, OutsideSet, Scratch};
-use crate::geometry::vector::{Vector, cubed, distance, dot, length, scale, subtract};
+use crate::geometry::vector::{Vector, add, cubed, distance, dot, length, scale, subtract};
 
 /// A point is left out if it is closer to the hull than this fraction of the extent of the points.
 /// Positions that come from `f32` are uncertain by about 6e-8 of their size, so a finer tolerance
@@ -69,8 +69,7 @@ impl HullBuilder {
     pub fn build(&mut self, points: &[[f64; 3]]) -> Shape {
         self.take_points(points);
         let (hull, scratch) = (&mut self.hull, &mut self.scratch);
-        scratch.blocks.fill(&hull.points);
-        let (shape, simplex) = first_simplex(&hull.points, &scratch.blocks, hull.tolerance);
+        let (shape, simplex) = first_simplex(&hull.points, hull.tolerance);
         if shape != Shape::Solid {
             return shape;
         }
@@ -133,7 +132,7 @@ impl HullBuilder {
         hull.points.extend(hull.originals[first..].iter().map(|&point| frame.inward(point)));
         hull.next_outside.resize(hull.points.len(), NONE);
         hull.margins = hull.margins.including(&hull.points[first..], hull.tolerance);
-        hull.partition_from(scratch, first);
+        hull.assign_new(scratch, first as u32..hull.points.len() as u32);
         hull.grow(scratch);
     }
 
@@ -158,33 +157,18 @@ impl HullBuilder {
     /// Drops all points that are not vertices, those within the tolerance of the hull too: a hull
     /// that is copied and grown again and again need not carry them along.
     pub(crate) fn forget_inner_points(&mut self) {
-        let (hull, numbers) = (&mut self.hull, &mut self.scratch.numbers);
-        numbers.clear();
-        numbers.resize(hull.points.len(), NONE);
-        for face in &hull.faces {
-            for vertex in face.vertices {
-                numbers[vertex as usize] = 0;
-            }
-        }
-        let mut kept = 0;
-        for (point, number) in numbers.iter_mut().enumerate() {
-            if *number != NONE {
-                *number = kept as u32;
-                hull.points[kept] = hull.points[point];
-                hull.originals[kept] = hull.originals[point];
-                kept += 1;
-            }
-        }
-        hull.points.truncate(kept);
-        hull.originals.truncate(kept);
-        for face in &mut hull.faces {
-            face.vertices = face.vertices.map(|vertex| numbers[vertex as usize]);
-        }
-        for growth in &mut hull.growth {
+        let (vertices, triangles) = self.extract();
+        let hull = &mut self.hull;
+        hull.points.clear();
+        hull.points.extend(vertices.iter().map(|&vertex| hull.frame.inward(vertex)));
+        hull.originals = vertices;
+        for ((face, growth), triangle) in hull.faces.iter_mut().zip(&mut hull.growth).zip(triangles)
+        {
+            face.vertices = triangle;
             growth.outside = OutsideSet::EMPTY;
         }
         hull.next_outside.clear();
-        hull.next_outside.resize(kept, NONE);
+        hull.next_outside.resize(hull.points.len(), NONE);
         hull.has_close_points = false;
     }
 
@@ -198,13 +182,12 @@ impl HullBuilder {
 /// a side or an edge, the hull is built again with the others first.
 #[cold]
 fn leave_out_redundant_vertices(hull: &mut HullState, scratch: &mut Scratch) {
-    let surface = Surface { faces: &hull.faces, points: &hull.points, tolerance: hull.tolerance };
-    let Some(necessary) = surface.necessary_vertices() else { return };
+    let Some(necessary) = hull.necessary_vertices() else { return };
     let corners: Vec<u32> =
         (0..).zip(&necessary).filter(|(_, mark)| **mark != NONE).map(|(point, _)| point).collect();
     let positions: Vec<Vector> =
         corners.iter().map(|&corner| hull.points[corner as usize]).collect();
-    let (shape, simplex) = first_simplex(&positions, &Blocks::new(&positions), hull.tolerance);
+    let (shape, simplex) = first_simplex(&positions, hull.tolerance);
     // A sheet hardly thicker than the tolerance may have no corner at all: it stays as it is.
     if shape != Shape::Solid {
         return;
@@ -219,23 +202,14 @@ fn leave_out_redundant_vertices(hull: &mut HullState, scratch: &mut Scratch) {
     }
 }
 
-/// A hull that has stopped growing, to tell its true corners.
-struct Surface<'a> {
-    faces: &'a [Face],
-    points: &'a [Vector],
-    tolerance: f64,
-}
-
-impl Surface<'_> {
+/// Which vertices are true corners, in a hull that has stopped growing.
+impl HullState {
     /// For each point a mark, `NONE` unless it is a vertex that is a true corner; `None` if all
     /// vertices are. O(faces + points).
     fn necessary_vertices(&self) -> Option<Vec<u32>> {
-        if !self.has_flat_edge() {
-            return None;
-        }
         // For now: the number of edges at a vertex that bend.
         let mut marks = vec![NONE; self.points.len()];
-        for face in self.faces {
+        for face in &self.faces {
             for edge in 0..3 {
                 let mark = &mut marks[face.vertices[edge] as usize];
                 *mark = if *mark == NONE { 0 } else { *mark };
@@ -244,7 +218,7 @@ impl Surface<'_> {
             }
         }
         let mut is_any_redundant = false;
-        for face in self.faces {
+        for face in &self.faces {
             for edge in 0..3 {
                 let mark = &mut marks[face.vertices[edge] as usize];
                 let is_necessary = match *mark {
@@ -262,14 +236,6 @@ impl Surface<'_> {
         is_any_redundant.then_some(marks)
     }
 
-    /// Whether the hull is flat anywhere: mostly it is not, and all vertices are necessary.
-    fn has_flat_edge(&self) -> bool {
-        (0..).zip(self.faces).any(|(index, face)| {
-            // Each edge is tested from one of its faces.
-            (0..3).any(|edge| face_of(face.twins[edge]) > index && !self.bends(face, edge))
-        })
-    }
-
     /// Whether the far vertex of each of an edge's faces is clearly behind the other face.
     #[inline]
     fn bends(&self, face: &Face, edge: usize) -> bool {
@@ -283,16 +249,12 @@ impl Surface<'_> {
 
     /// Whether the edges that bend at the start of an edge lie on one line through it.
     fn is_on_straight_edge(&self, face: &Face, edge: usize) -> bool {
-        let mut ends = [NONE; 2];
-        let mut count = 0;
+        let mut ends = Vec::new();
         let (mut current, mut at) = (face, edge);
         // Around the vertex: the edge that starts here, then the one before it in the same face.
         loop {
             if self.bends(current, at) {
-                if let Some(end) = ends.get_mut(count) {
-                    *end = current.vertices[after(at)];
-                }
-                count += 1;
+                ends.push(self.points[current.vertices[after(at)] as usize]);
             }
             let twin = current.twins[before(at)];
             (current, at) = (&self.faces[face_of(twin) as usize], edge_of(twin));
@@ -300,15 +262,11 @@ impl Surface<'_> {
                 break;
             }
         }
-        if count != 2 {
-            return false;
-        }
-        let [start, end] = ends.map(|end| self.points[end as usize]);
+        let &[start, end] = ends.as_slice() else { return false };
         let along = subtract(end, start);
-        let squared = dot(along, along);
         let position = self.points[face.vertices[edge] as usize];
-        let share = dot(subtract(position, start), along) / squared;
-        let foot = [0, 1, 2].map(|axis| start[axis] + scale(along, share)[axis]);
+        let share = dot(subtract(position, start), along) / dot(along, along);
+        let foot = add(start, scale(along, share));
         (0.0..=1.0).contains(&share)
             && distance(position, foot) <= self.tolerance.min(1e-3 * length(along))
     }
@@ -388,19 +346,10 @@ impl HullBuilder {
     /// The farthest that one of the points lies in front of a face, in their units; negative if
     /// all are inside.
     pub(crate) fn farthest_outside(&self, points: &[[f64; 3]]) -> f64 {
-        let mut farthest = f64::NEG_INFINITY;
         let (blocks, rest) = points.as_chunks::<4>();
-        for &block in blocks {
-            farthest = farthest.max(self.farthest_of(block));
-        }
-        let (pairs, rest) = rest.as_chunks::<2>();
-        for &pair in pairs {
-            farthest = farthest.max(self.farthest_of(pair));
-        }
-        for &point in rest {
-            farthest = farthest.max(self.farthest_of([point; 2]));
-        }
-        farthest / self.hull.frame.factor
+        let blocks = blocks.iter().map(|&block| self.farthest_of(block));
+        let farthest = blocks.chain(rest.iter().map(|&point| self.farthest_of([point])));
+        farthest.fold(f64::NEG_INFINITY, f64::max) / self.hull.frame.factor
     }
 
     /// The same in the frame, for a few points at once, so that the loop vectorises.
@@ -446,25 +395,30 @@ impl HullBuilder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::vector::dot;
-    use crate::hull::ConvexHull;
+    use crate::geometry::vector::{area_normal, normalize};
+    use crate::hull::point_set::shapes::{cuboid, sphere};
 
     /// Points inside a ball, and points around it.
     fn ball() -> (Vec<Vector>, Vec<Vector>) {
-        let point = |index: u32, radius: f64| {
-            let (height, turn) = (f64::from(index) / 50.0 - 1.0, 2.4 * f64::from(index));
-            let across = radius * (1.0 - height * height).max(0.0).sqrt();
-            [across * turn.cos(), across * turn.sin(), radius * height]
-        };
-        let inside = (0..100).flat_map(|index| [point(index, 0.5), point(index, 1.0)]);
-        (inside.collect(), (0..100).step_by(9).map(|index| point(index, 1.3)).collect())
+        let inside = sphere(100).into_iter().flat_map(|point| [scale(point, 0.5), point]);
+        (inside.collect(), sphere(12).into_iter().map(|point| scale(point, 1.3)).collect())
+    }
+
+    fn built(points: &[Vector]) -> HullBuilder {
+        let mut builder = HullBuilder::new();
+        assert_eq!(builder.build(points), Shape::Solid);
+        builder
+    }
+
+    fn sorted(mut points: Vec<Vector>) -> Vec<Vector> {
+        points.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        points
     }
 
     #[test]
     fn without_its_inner_points_a_hull_is_the_same_and_goes_on_growing_the_same_way() {
         let (points, far) = ball();
-        let mut whole = HullBuilder::new();
-        assert_eq!(whole.build(&points), Shape::Solid);
+        let mut whole = built(&points);
         let mut forgetful = whole.clone();
         forgetful.forget_inner_points();
         assert_eq!(forgetful.hull.points.len(), forgetful.extract().0.len());
@@ -480,31 +434,26 @@ mod tests {
     #[test]
     fn of_points_inside_and_outside_only_those_outside_are_kept_and_the_hull_is_that_of_all() {
         let (points, far) = ball();
-        let mut whole = HullBuilder::new();
-        assert_eq!(whole.build(&points), Shape::Solid);
+        let mut whole = built(&points);
         let mut sparing = whole.clone();
         let more: Vec<Vector> =
             far.iter().flat_map(|&point| [scale(point, 0.1), point, scale(point, 0.6)]).collect();
         whole.insert(&more);
         sparing.insert_outside(&more);
         assert_eq!(sparing.hull.points.len(), points.len() + far.len());
-        let vertices = |builder: &mut HullBuilder| {
-            let mut vertices = builder.extract().0;
-            vertices.sort_by(|a, b| a.partial_cmp(b).unwrap());
-            vertices
-        };
-        assert_eq!(vertices(&mut sparing), vertices(&mut whole));
-        assert!(far.iter().all(|point| vertices(&mut sparing).contains(point)));
+        let vertices = sorted(sparing.extract().0);
+        assert_eq!(vertices, sorted(whole.extract().0));
+        assert!(far.iter().all(|point| vertices.contains(point)));
     }
 
     #[test]
     fn the_farthest_of_any_number_of_points_is_as_far_as_one_by_one_over_all_planes() {
         let (points, far) = ball();
-        let mut builder = HullBuilder::new();
-        assert_eq!(builder.build(&points), Shape::Solid);
-        let planes = ConvexHull::from(builder.extract()).planes();
+        let builder = built(&points);
         let height = |point: &Vector| {
-            let heights = planes.iter().map(|&(normal, offset)| dot(normal, *point) - offset);
+            let heights = builder
+                .all_faces()
+                .map(|[a, b, c]| dot(normalize(area_normal(a, b, c)), subtract(*point, a)));
             heights.fold(f64::NEG_INFINITY, f64::max)
         };
         for count in 1..far.len() {
@@ -517,26 +466,15 @@ mod tests {
 
     #[test]
     fn volume_vertices_and_heights_are_those_of_the_points_at_any_scale() {
-        let box_of = |size: f64| -> Vec<Vector> {
-            let corners = (0..8).map(|i| [0, 1, 2].map(|k| f64::from(i >> k & 1)));
-            corners.map(|[x, y, z]| [2.0 * size * x, 3.0 * size * y, 5.0 * size * z]).collect()
-        };
         for size in [1e-6, 0.3, 1.0, 1e6] {
-            let mut points = box_of(size);
-            points.push([size; 3]);
-            let mut builder = HullBuilder::new();
-            assert_eq!(builder.build(&points), Shape::Solid);
+            let half = [size, 1.5 * size, 2.5 * size];
+            let corners: Vec<Vector> = cuboid(half).iter().map(|&p| add(p, half)).collect();
+            let points = [corners.clone(), vec![[size; 3]]].concat();
+            let mut builder = built(&points);
             assert!((builder.volume() / (30.0 * size.powi(3)) - 1.0).abs() < 1e-12, "{size}");
-            let above = [size, size, 7.0 * size];
-            assert!(
-                (builder.farthest_outside(&[above]) / (2.0 * size) - 1.0).abs() < 1e-12,
-                "{size}"
-            );
-            let mut vertices = builder.vertices_of(&points).unwrap();
-            vertices.sort_by(|a, b| a.partial_cmp(b).unwrap());
-            points.pop();
-            points.sort_by(|a, b| a.partial_cmp(b).unwrap());
-            assert_eq!(vertices, points);
+            let height = builder.farthest_outside(&[[size, size, 7.0 * size]]);
+            assert!((height / (2.0 * size) - 1.0).abs() < 1e-12, "{size}");
+            assert_eq!(sorted(builder.vertices_of(&points).unwrap()), sorted(corners));
             assert!(builder.vertices_of(&points[..3]).is_none(), "a triangle has no hull");
         }
     }

@@ -4,9 +4,7 @@ use super::builder::HullBuilder;
 use super::point_set::Shape;
 use crate::bvh::closest_point::closest_point_on_triangle;
 use crate::error::Error;
-use crate::geometry::vector::{
-    Vector, area_normal, cross, dot, length, maximum, minimum, scale, subtract,
-};
+use crate::geometry::vector::{Vector, area_normal, bounds, cross, dot, length, scale, subtract};
 use crate::geometry::{Bounds, MeshView};
 
 /// A closed convex polyhedron of triangles, wound counter-clockwise seen from outside.
@@ -86,12 +84,8 @@ impl ConvexHull {
 
     /// Axis-aligned bounding box; `None` without points. O(points).
     pub fn bounds(&self) -> Option<Bounds> {
-        let first = *self.points.first()?;
-        let (min, max) = self
-            .points
-            .iter()
-            .fold((first, first), |(min, max), &point| (minimum(min, point), maximum(max, point)));
-        Some(Bounds { min, max })
+        let (min, max) = bounds(self.points.iter().copied());
+        (!self.points.is_empty()).then_some(Bounds { min, max })
     }
 
     /// The unit normal and offset of each triangle's plane; zero for triangles without area.

@@ -71,24 +71,25 @@ impl Face {
         self.plane.height(point) * self.inverse
     }
 
-    /// Whether the face is visible from a point at `height` over it: exact for the points as given.
+    /// Whether the face is visible from a point at `height` over it: exact for the points as given,
+    /// of which `largest` is the largest coordinate.
     pub(super) fn is_visible(
         &self,
-        point: u32,
+        eye: u32,
         height: f64,
         given: GivenPoints,
-        margins: Margins,
+        largest: f64,
     ) -> bool {
         let [a, b, c] = self.vertices;
         // The product of the edges' lengths is bounded by the mean of the squares, without roots.
         let [first, second] = [a, b].map(|end| length_squared(given.edge(c, end)));
-        let error = f64::EPSILON * HEIGHT_ERROR * margins.largest * 0.5 * (first + second);
+        let error = f64::EPSILON * HEIGHT_ERROR * largest * 0.5 * (first + second);
         if height > error {
             true
         } else if height < -error {
             false
         } else {
-            given.is_in_front(self.vertices, point)
+            given.is_in_front(self.vertices, eye)
         }
     }
 }
@@ -275,8 +276,13 @@ mod tests {
     fn heights_are_compared_with_distances() {
         for tolerance in [1e-3, 1e-6, 1e-9] {
             let margins = Margins::new(1.0, tolerance);
+            assert!(margins.error < margins.high && margins.error < -margins.low);
+            // Not much larger than the longest normal requires.
+            assert!(margins.high < 100.0 * tolerance && margins.error < 1e-12);
             for (plane, on_it) in planes() {
-                let unit = scale(plane.normal, 1.0 / length(plane.normal));
+                let area = length(plane.normal);
+                assert!(margins.high / area > tolerance && margins.low / area < -CERTAINLY_BEHIND);
+                let unit = scale(plane.normal, 1.0 / area);
                 let height_at = |distance: f64| plane.height(add(on_it, scale(unit, distance)));
                 for share in [-10.0, -1.0, 0.0, 0.9, 1.1, 10.0] {
                     let is_beyond = margins.is_beyond(height_at(share * tolerance), &plane);
@@ -284,26 +290,11 @@ mod tests {
                 }
                 // Not by way of a point: its coordinates are rounded by more than this.
                 for share in [-10.0, -1.1, -0.9, 0.0, 0.9, 1.1, 10.0] {
-                    let height = share * CERTAINLY_BEHIND * length(plane.normal);
+                    let height = share * CERTAINLY_BEHIND * area;
                     assert_eq!(is_in_front(height, &plane), share > 1.0, "{share}");
                     assert_eq!(is_not_behind(height, &plane), share > -1.0, "{share}");
                 }
             }
-        }
-    }
-
-    #[test]
-    fn beyond_the_margins_the_side_is_certain() {
-        for tolerance in [1e-3, 1e-6, 1e-9] {
-            let margins = Margins::new(1.0, tolerance);
-            assert!(margins.error < margins.high && margins.error < -margins.low);
-            for (plane, _) in planes() {
-                let distance = |height: f64| height / length(plane.normal);
-                assert!(distance(margins.high) > tolerance);
-                assert!(distance(margins.low) < -CERTAINLY_BEHIND);
-            }
-            // Not much larger than the longest normal requires.
-            assert!(margins.high < 100.0 * tolerance && margins.error < 1e-12);
         }
     }
 }

@@ -20,29 +20,27 @@ pub enum Shape {
 
 /// Moves points to their centre and scales them by a power of two, which rounds nothing, so that
 /// their extent is between 1 and 2.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Frame {
     pub centre: Vector,
     pub factor: f64,
 }
 
-impl Default for Frame {
-    fn default() -> Self {
-        Self { centre: [0.0; 3], factor: 1.0 }
-    }
-}
-
 impl Frame {
     /// The frame of points within bounds, which are inside out without points.
     pub(super) fn around([low, high]: [Vector; 2]) -> Self {
-        let mut frame = Self::default();
+        const MANTISSA: u64 = (1 << (f64::MANTISSA_DIGITS - 1)) - 1;
+        const MAX_EXPONENT: i32 = 1000;
+        let mut frame = Self { centre: [0.0; 3], factor: 1.0 };
         let centre = [0, 1, 2].map(|axis| 0.5 * low[axis] + 0.5 * high[axis]);
         if is_finite(&centre) {
             frame.centre = centre;
         }
         let extent = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
         if extent > 0.0 && extent.is_finite() {
-            frame.factor = one_over_power_of_two(extent);
+            // The power of two in the extent, clear of the ends of the range.
+            let (least, most) = (2f64.powi(-MAX_EXPONENT), 2f64.powi(MAX_EXPONENT));
+            frame.factor = 1.0 / f64::from_bits(extent.clamp(least, most).to_bits() & !MANTISSA);
         }
         frame
     }
@@ -59,167 +57,71 @@ impl Frame {
     }
 }
 
-/// One over the greatest power of two that is at most a positive number.
-fn one_over_power_of_two(number: f64) -> f64 {
-    const MANTISSA_BITS: u32 = f64::MANTISSA_DIGITS - 1;
-    const EXPONENT_BIAS: i64 = f64::MAX_EXP as i64 - 1;
-    /// Keeps clear of the ends of the range.
-    const MAX_EXPONENT: i64 = 1000;
-    let exponent = (number.to_bits() >> MANTISSA_BITS) as i64 - EXPONENT_BIAS;
-    let biased = EXPONENT_BIAS - exponent.clamp(-MAX_EXPONENT, MAX_EXPONENT);
-    f64::from_bits((biased as u64) << MANTISSA_BITS)
-}
-
 pub(super) fn is_finite(point: &Vector) -> bool {
     point.iter().all(|x| x.is_finite())
 }
 
 /// Bounds of points, inside out without any; `None` if a coordinate is not finite.
 pub(super) fn finite_bounds(points: &[Vector]) -> Option<[Vector; 2]> {
-    /// The coordinates of two points, so that the loop vectorises.
-    const PAIR: usize = 6;
-    let (mut low, mut high) = ([f64::INFINITY; PAIR], [f64::NEG_INFINITY; PAIR]);
-    // Becomes NaN where a coordinate is not finite.
-    let mut zero = [0.0; PAIR];
-    let (pairs, rest) = points.as_flattened().as_chunks::<PAIR>();
-    let mut include = |lane: usize, x: f64| {
-        low[lane] = smaller(x, low[lane]);
-        high[lane] = larger(x, high[lane]);
-        zero[lane] += 0.0 * x;
-    };
-    for pair in pairs {
-        for (lane, &x) in pair.iter().enumerate() {
-            include(lane, x);
+    let [mut low, mut high, mut zero] = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3], [0.0; 3]];
+    for point in points {
+        for (axis, &x) in point.iter().enumerate() {
+            low[axis] = if x < low[axis] { x } else { low[axis] };
+            high[axis] = if x > high[axis] { x } else { high[axis] };
+            // Becomes NaN where a coordinate is not finite.
+            zero[axis] += 0.0 * x;
         }
     }
-    for (lane, &x) in rest.iter().enumerate() {
-        include(lane, x);
-    }
-    let bounds = [
-        [0, 1, 2].map(|axis| smaller(low[axis], low[axis + 3])),
-        [0, 1, 2].map(|axis| larger(high[axis], high[axis + 3])),
-    ];
-    zero.iter().all(|&sum| sum == 0.0).then_some(bounds)
+    (zero == [0.0; 3]).then_some([low, high])
 }
 
-/// Points in a [`Block`].
-pub(super) const LANES: usize = 4;
+/// Points that are measured at once, so that the loop vectorises.
+const LANES: usize = 4;
 
-/// The x, y and z coordinates of `LANES` points.
-pub(super) type Block = [[f64; LANES]; 3];
-
-/// Points as a structure of arrays, in blocks of `LANES`, so that loops over them vectorise. The
-/// rest of the last block repeats the first point.
-#[derive(Debug, Default)]
-pub(super) struct Blocks(pub Vec<Block>);
-
-impl Blocks {
-    pub(super) fn new(points: &[Vector]) -> Self {
-        let mut blocks = Self::default();
-        blocks.fill(points);
-        blocks
-    }
-
-    /// Replaces the points.
-    pub(super) fn fill(&mut self, points: &[Vector]) {
-        let (full, rest) = points.as_chunks::<LANES>();
-        let transposed = |points: &[Vector; LANES]| -> Block {
-            std::array::from_fn(|axis| std::array::from_fn(|lane| points[lane][axis]))
-        };
-        self.0.clear();
-        self.0.extend(full.iter().map(transposed));
-        if let (Some(&first), false) = (points.first(), rest.is_empty()) {
-            let mut last = [first; LANES];
-            last[..rest.len()].copy_from_slice(rest);
-            self.0.push(transposed(&last));
+/// The first point for which `measure` is greatest.
+#[inline]
+fn farthest(points: &[Vector], measure: impl Fn(Vector) -> f64) -> (u32, f64) {
+    let mut best = (0, f64::NEG_INFINITY);
+    let (blocks, rest) = points.as_chunks::<LANES>();
+    for (first, &block) in (0..).step_by(LANES).zip(blocks) {
+        let values = block.map(&measure);
+        let mut any = false;
+        for value in values {
+            any |= value > best.1;
         }
-    }
-
-    /// The points with the least and the greatest x, then y, then z; of equals the first.
-    fn extremes(&self) -> [u32; 6] {
-        let [mut low, mut high] = [[[f64::INFINITY; LANES]; 3], [[f64::NEG_INFINITY; LANES]; 3]];
-        for block in &self.0 {
-            for axis in 0..3 {
-                for lane in 0..LANES {
-                    low[axis][lane] = smaller(block[axis][lane], low[axis][lane]);
-                    high[axis][lane] = larger(block[axis][lane], high[axis][lane]);
+        if any {
+            for (point, value) in (first..).zip(values) {
+                if value > best.1 {
+                    best = (point, value);
                 }
             }
         }
-        let low = low.map(|lanes| lanes.into_iter().fold(f64::INFINITY, smaller));
-        let high = high.map(|lanes| lanes.into_iter().fold(f64::NEG_INFINITY, larger));
-        let [x, y, z] = [0, 1, 2].map(|axis| [low[axis], high[axis]].map(|x| self.find(axis, x)));
-        [x[0], x[1], y[0], y[1], z[0], z[1]]
     }
-
-    /// The first point with a coordinate of this value; 0 if there is none.
-    fn find(&self, axis: usize, value: f64) -> u32 {
-        for (first, block) in (0..).step_by(LANES).zip(&self.0) {
-            let mut any = false;
-            for x in block[axis] {
-                any |= x == value;
-            }
-            if any {
-                let lane = block[axis].iter().position(|&x| x == value);
-                return first + lane.unwrap_or_default() as u32;
-            }
+    for (point, &rest) in ((points.len() - rest.len()) as u32..).zip(rest) {
+        let value = measure(rest);
+        if value > best.1 {
+            best = (point, value);
         }
-        0
     }
-
-    /// The first point for which `measure` is greatest.
-    #[inline]
-    fn farthest(&self, measure: impl Fn(Vector) -> f64) -> (u32, f64) {
-        let mut best = (0, f64::NEG_INFINITY);
-        for (first, [x, y, z]) in (0..).step_by(LANES).zip(&self.0) {
-            let values: [f64; LANES] =
-                std::array::from_fn(|lane| measure([x[lane], y[lane], z[lane]]));
-            let mut any = false;
-            for value in values {
-                any |= value > best.1;
-            }
-            if any {
-                for (point, value) in (first..).zip(values) {
-                    if value > best.1 {
-                        best = (point, value);
-                    }
-                }
-            }
-        }
-        best
-    }
-}
-
-#[inline]
-fn smaller(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
-}
-
-#[inline]
-fn larger(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
+    best
 }
 
 /// Four points, far apart, that span a tetrahedron. For a lesser shape only as many of them count
-/// as it has dimensions, and one more. `blocks` holds the same points. O(n).
-pub(super) fn first_simplex(
-    points: &[Vector],
-    blocks: &Blocks,
-    tolerance: f64,
-) -> (Shape, [u32; 4]) {
-    let [a, b] = farthest_extremes(points, blocks);
+/// as it has dimensions, and one more. O(n).
+pub(super) fn first_simplex(points: &[Vector], tolerance: f64) -> (Shape, [u32; 4]) {
+    let [a, b] = farthest_extremes(points);
     let corner = |index: u32| points[index as usize];
     if points.is_empty() || distance(corner(a), corner(b)) <= tolerance {
         return (Shape::Point, [a; 4]);
     }
     let direction = normalize(subtract(corner(b), corner(a)));
     let (c, from_line) =
-        blocks.farthest(|point| length_squared(cross(direction, subtract(point, corner(a)))));
+        farthest(points, |point| length_squared(cross(direction, subtract(point, corner(a)))));
     if from_line.sqrt() <= tolerance {
         return (Shape::Linear, [a, b, a, a]);
     }
     let normal = normalize(area_normal(corner(a), corner(b), corner(c)));
-    let (d, from_plane) = blocks.farthest(|point| dot(normal, subtract(point, corner(a))).abs());
+    let (d, from_plane) = farthest(points, |point| dot(normal, subtract(point, corner(a))).abs());
     if from_plane <= tolerance {
         return (Shape::Flat, [a, b, c, a]);
     }
@@ -227,11 +129,14 @@ pub(super) fn first_simplex(
 }
 
 /// Of the six extreme points along the axes the two that are farthest apart.
-fn farthest_extremes(points: &[Vector], blocks: &Blocks) -> [u32; 2] {
-    let extremes = blocks.extremes();
+fn farthest_extremes(points: &[Vector]) -> [u32; 2] {
+    let extremes = [0, 1, 2].map(|axis| {
+        [farthest(points, |point| -point[axis]), farthest(points, |point| point[axis])]
+    });
+    let extremes = extremes.as_flattened();
     let mut best = (0.0, [0, 0]);
-    for (place, &first) in extremes.iter().enumerate() {
-        for &second in &extremes[place + 1..] {
+    for (place, &(first, _)) in extremes.iter().enumerate() {
+        for &(second, _) in &extremes[place + 1..] {
             let Some((p, q)) = points.get(first as usize).zip(points.get(second as usize)) else {
                 continue;
             };
@@ -247,6 +152,29 @@ fn farthest_extremes(points: &[Vector], blocks: &Blocks) -> [u32; 2] {
 /// Height of a tetrahedron over its first three corners.
 pub(super) fn height_of([a, b, c, d]: [Vector; 4]) -> f64 {
     dot(normalize(area_normal(a, b, c)), subtract(d, a)).abs()
+}
+
+/// Points that tests take hulls of.
+#[cfg(test)]
+pub(super) mod shapes {
+    use super::Vector;
+
+    /// The corners of a box about the origin, given half its edges.
+    pub fn cuboid(half: Vector) -> Vec<Vector> {
+        let sign = |index: usize, axis: usize| if index >> axis & 1 == 1 { 1.0 } else { -1.0 };
+        (0..8).map(|index| [0, 1, 2].map(|axis| sign(index, axis) * half[axis])).collect()
+    }
+
+    /// Points of the unit sphere, evenly (Fibonacci's lattice).
+    pub fn sphere(count: u32) -> Vec<Vector> {
+        let point = |i| {
+            let z = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(count);
+            let angle = f64::from(i) * std::f64::consts::PI * (3.0 - 5f64.sqrt());
+            let ring = (1.0 - z * z).sqrt();
+            [ring * angle.cos(), ring * angle.sin(), z]
+        };
+        (0..count).map(point).collect()
+    }
 }
 
 #[cfg(test)]
@@ -281,20 +209,11 @@ mod tests {
     }
 
     #[test]
-    fn the_rest_of_a_block_adds_nothing() {
-        for count in 1..10 {
-            let points: Vec<Vector> = (0..count).map(|i| [f64::from(i), 0.0, 1.0]).collect();
-            let blocks = Blocks::new(&points);
-            assert_eq!(blocks.extremes(), [0, count as u32 - 1, 0, 0, 0, 0]);
-            assert_eq!(blocks.farthest(|[x, ..]| x), (count as u32 - 1, f64::from(count - 1)));
+    fn of_equals_the_first_is_farthest() {
+        let x = [0.0, 1.0, 1.0, 0.5, 0.0, 2.0, 1.0, 2.0, 2.0, 3.0, 3.0];
+        for (count, first) in [(1, 0), (2, 1), (3, 1), (5, 1), (7, 5), (8, 5), (9, 5), (11, 9)] {
+            let points: Vec<Vector> = x[..count].iter().map(|&x| [x, 0.0, 1.0]).collect();
+            assert_eq!(farthest(&points, |[x, ..]| x), (first, x[first as usize]));
         }
-    }
-
-    #[test]
-    fn of_equals_the_first_counts() {
-        let points = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 2.0, 0.0], [0.0, 2.0, 0.0], [1.0; 3]];
-        let blocks = Blocks::new(&points);
-        assert_eq!(blocks.extremes(), [0, 1, 0, 2, 0, 4]);
-        assert_eq!(blocks.farthest(|[x, ..]| x), (1, 1.0));
     }
 }

@@ -4,27 +4,29 @@
 //! A point in front of faces is in the outside set of one of them. The furthest point of an outside
 //! set becomes the eye point: the visible faces make way for a cone between their outline, the
 //! horizon, and the eye point, and their outside sets are partitioned among the faces of the cone.
-//! The hull is complete when no outside set has a point farther out than the tolerance, so that flat
-//! sides don't shatter into slivers. Visibility is exact (see `face.rs`): at each moment the hull is
-//! the exact hull of the points added.
+//! The hull is complete when no outside set has a point farther out than the tolerance: a finer hull
+//! would shatter flat sides into slivers. Visibility is exact (see `face.rs`): at each moment the
+//! hull is the exact hull of the points added.
 //!
-//! All steps are small, so that the number of instructions counts: they take no roots and no
-//! divisions, and borrow vectors as slices, whose addresses a compiler keeps in registers.
+//! The steps are so small that instructions count: no roots, no divisions, and slices, whose
+//! addresses stay in registers, for vectors.
+
+use std::ops::ControlFlow::{self, Break, Continue};
 
 use super::face::{
     CERTAINLY_BEHIND, Face, FacePlane, GivenPoints, Margins, NONE, after, before, edge_of, face_of,
     half_edge, inverse_root, is_in_front, is_not_behind,
 };
-use super::point_set::{Block, Blocks, Frame, LANES};
+use super::point_set::Frame;
 use crate::bvh::closest_point::closest_point_on_triangle;
 use crate::geometry::vector::{Vector, length_squared, subtract};
 
 /// A hull, and all that it needs to go on growing: what a copy copies.
 #[derive(Debug, Default)]
 pub(super) struct HullState {
-    /// In which `points` are. Set by `build`.
+    /// Set by `build`; `points` are in it.
     pub frame: Frame,
-    /// All points given since `build`, but those that were forgotten, in the frame.
+    /// All points given since `build` and not forgotten, in the frame.
     pub points: Vec<Vector>,
     /// The same points as given.
     pub originals: Vec<Vector>,
@@ -38,7 +40,7 @@ pub(super) struct HullState {
     pub tolerance: f64,
     /// Whether points beyond sharp edges are left out too. Set by `build`.
     pub is_coarse: bool,
-    /// Kept valid for all `points` and the tolerance by whoever adds points.
+    /// For all `points` and the tolerance. Whoever adds points includes them.
     pub margins: Margins,
     /// Number of insertions since `build`: tells the faces of the last one.
     pub generation: u32,
@@ -109,12 +111,10 @@ impl OutsideSet {
 /// Memory that is reused. It carries nothing from one call to the next.
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
-    pub blocks: Blocks,
     pub queue: Queue,
     cone: Cone,
     /// Places of retired faces.
     free: Vec<u32>,
-    inverses: Vec<f64>,
     /// For each point its number among the vertices, or none.
     pub numbers: Vec<u32>,
     /// Whether an eye point lay within the tolerance of a plane: without such points no vertex
@@ -157,7 +157,7 @@ struct Ridge {
 
 /// A face that a point is in front of.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct InFront {
+struct InFront {
     face: u32,
     height: f64,
     /// Whether the distance is more than the tolerance.
@@ -232,52 +232,28 @@ impl HullState {
             [(0, 1), (3, 2), (1, 1)],
             [(0, 0), (1, 2), (2, 1)],
         ];
-        let mut planes = [Face::RETIRED.plane; 4];
         self.faces.clear();
-        for ((vertices, twins), plane) in triangles.into_iter().zip(twins).zip(&mut planes) {
+        for (vertices, twins) in triangles.into_iter().zip(twins) {
             let [first, second, last] = vertices;
             let edges = [first, second].map(|end| given.edge(last, end));
             let mut face = Face::spanned(vertices, edges, self.points[last as usize]);
             face.twins = twins.map(|(other, edge)| half_edge(other, edge));
-            *plane = face.plane;
             self.faces.push(face);
         }
         self.growth.clear();
-        self.growth.resize(planes.len(), FaceGrowth::new(0, 0));
-        for (first, block) in (0..).step_by(LANES).zip(&scratch.blocks.0) {
-            self.partition_block(&mut scratch.queue, (first, block), &planes, corners);
-        }
+        self.growth.resize(self.faces.len(), FaceGrowth::new(0, 0));
+        let points = 0..self.points.len() as u32;
+        self.assign_new(scratch, points.filter(|point| !corners.contains(point)));
     }
 
-    /// Adds the points of a block to the outside sets of the tetrahedron's faces.
-    #[inline]
-    fn partition_block(
-        &mut self,
-        queue: &mut Queue,
-        (first, [x, y, z]): (u32, &Block),
-        planes: &[FacePlane; 4],
-        corners: [u32; 4],
-    ) {
-        let margins = self.margins;
-        let mut sets = self.outside_sets(queue);
-        let heights: [[f64; LANES]; 4] = std::array::from_fn(|face| {
-            std::array::from_fn(|lane| planes[face].height([x[lane], y[lane], z[lane]]))
-        });
-        // The rest of the last block stands for no points.
-        for (lane, point) in (0..LANES).zip(first..sets.points.len() as u32) {
-            let height = |face: usize| heights[face][lane];
-            let Some(face) = (0..4).find(|&face| height(face) >= margins.low) else {
-                continue;
-            };
-            // A corner is not that high over any face.
-            let found = if height(face) > margins.high {
-                Some(InFront { face: face as u32, height: height(face), is_beyond: true })
-            } else if corners.contains(&point) {
-                None
-            } else {
-                in_front_of([x[lane], y[lane], z[lane]], planes, margins)
-            };
-            if let Some(found) = found {
+    /// Adds new points to the outside sets of faces that they are in front of.
+    pub(super) fn assign_new(&mut self, scratch: &mut Scratch, points: impl Iterator<Item = u32>) {
+        let (margins, planes) = (self.margins, &mut scratch.cone.planes);
+        planes.clear();
+        planes.extend(self.faces.iter().map(|face| face.plane));
+        let mut sets = self.outside_sets(&mut scratch.queue);
+        for point in points {
+            if let Some(found) = in_front_of(sets.points[point as usize], planes, margins) {
                 sets.add(point, found);
             }
         }
@@ -301,11 +277,7 @@ impl HullState {
             let mut next = 0;
             while let Some(&face) = scratch.queue.faces.get(next) {
                 next += 1;
-                let Some(&FaceGrowth { outside: OutsideSet { furthest, height, .. }, .. }) =
-                    self.growth.get(face as usize)
-                else {
-                    continue;
-                };
+                let OutsideSet { furthest, height, .. } = self.growth[face as usize].outside;
                 if furthest == NONE {
                     continue;
                 }
@@ -325,7 +297,7 @@ impl HullState {
             }
         }
         self.close_gaps(&mut scratch.free);
-        self.measure_new_faces(&mut scratch.inverses);
+        self.measure_new_faces();
     }
 
     /// Adds an eye point. `seen_from` is one of the faces that are visible from it.
@@ -334,12 +306,11 @@ impl HullState {
         scratch.has_flat_places |= self.find_horizon(cone, eye, seen_from);
         // The cone's faces take the places of the visible ones.
         let edges = cone.horizon.len();
-        while cone.visible.len() > edges {
-            if let Some(unused) = cone.visible.pop() {
-                self.faces[unused as usize] = Face::RETIRED;
-                self.growth[unused as usize] = FaceGrowth::new(0, 0);
-                free.push(unused);
-            }
+        let kept = edges.min(cone.visible.len());
+        for unused in cone.visible.drain(kept..).rev() {
+            self.faces[unused as usize] = Face::RETIRED;
+            self.growth[unused as usize] = FaceGrowth::new(0, 0);
+            free.push(unused);
         }
         while cone.visible.len() < edges {
             let place = free.pop().unwrap_or(self.faces.len() as u32);
@@ -394,7 +365,7 @@ impl HullState {
                 if height.abs() > margins.error {
                     height > 0.0
                 } else {
-                    neighbour.is_visible(eye, height, given, margins)
+                    neighbour.is_visible(eye, height, given, margins.largest)
                 }
             };
             let at = edge_of(twin);
@@ -441,7 +412,8 @@ impl HullState {
         }
     }
 
-    /// Adds the unassigned points, except the eye point, to the outside sets of the cone's faces.
+    /// Adds the unassigned points, except the eye point, to the outside sets of the cone's faces that
+    /// they are in front of.
     fn partition(&mut self, cone: &Cone, queue: &mut Queue, eye: u32) {
         let margins = self.margins;
         let (places, planes) = (cone.visible.as_slice(), cone.planes.as_slice());
@@ -477,17 +449,11 @@ impl HullState {
     }
 
     /// Sets the inverse lengths of the new faces' normals.
-    fn measure_new_faces(&mut self, inverses: &mut Vec<f64>) {
-        inverses.clear();
-        inverses.extend(self.newest().map(|face| length_squared(face.plane.normal)));
-        for square in &mut *inverses {
-            *square = inverse_root(*square);
-        }
-        let generation = self.generation;
-        let faces = self.faces.iter_mut().zip(&self.growth);
-        let new = faces.filter(|(_, growth)| growth.generation == generation);
-        for ((face, _), &inverse) in new.zip(&*inverses) {
-            face.inverse = inverse;
+    fn measure_new_faces(&mut self) {
+        for (face, growth) in self.faces.iter_mut().zip(&self.growth) {
+            if growth.generation == self.generation {
+                face.inverse = inverse_root(length_squared(face.plane.normal));
+            }
         }
     }
 
@@ -514,20 +480,6 @@ impl HullState {
             self.originals.push(original);
             self.next_outside.push(NONE);
             self.outside_sets(queue).add(index, InFront { face, height, is_beyond: true });
-        }
-    }
-
-    /// Adds the points from the given index on to the outside sets of faces that they are in front
-    /// of.
-    pub(super) fn partition_from(&mut self, scratch: &mut Scratch, first: usize) {
-        let (margins, planes) = (self.margins, &mut scratch.cone.planes);
-        planes.clear();
-        planes.extend(self.faces.iter().map(|face| face.plane));
-        let mut sets = self.outside_sets(&mut scratch.queue);
-        for point in first..sets.points.len() {
-            if let Some(found) = in_front_of(sets.points[point], planes, margins) {
-                sets.add(point as u32, found);
-            }
         }
     }
 
@@ -562,7 +514,7 @@ impl HullState {
     fn is_visible(&self, face: u32, point: u32) -> bool {
         let face = &self.faces[face as usize];
         let height = face.plane.height(self.points[point as usize]);
-        face.is_visible(point, height, self.given(), self.margins)
+        face.is_visible(point, height, self.given(), self.margins.largest)
     }
 
     /// Whether a face is visible from a point, and the point farther out than the tolerance. A
@@ -578,19 +530,12 @@ impl HullState {
     #[cold]
     fn reject_furthest(&mut self, scratch: &mut Scratch, face: u32, furthest: u32) {
         let set = &mut self.growth[face as usize].outside;
-        let mut next = set.first;
+        let cone = &mut scratch.cone;
+        cone.unassigned = vec![set.first];
+        cone.visible = vec![face];
+        cone.planes = vec![self.faces[face as usize].plane];
         *set = OutsideSet::EMPTY;
-        while next != NONE {
-            let point = next;
-            next = self.next_outside[point as usize];
-            if point != furthest {
-                let planes = [self.faces[face as usize].plane];
-                let position = self.points[point as usize];
-                if let Some(found) = in_front_of(position, &planes, self.margins) {
-                    self.outside_sets(&mut scratch.queue).add(point, InFront { face, ..found });
-                }
-            }
-        }
+        self.partition(cone, &mut scratch.queue, furthest);
         let mut others = (0..self.faces.len() as u32).filter(|&other| other != face);
         if let Some(other) = others.find(|&other| self.is_visible_beyond(other, furthest)) {
             self.add(scratch, furthest, other);
@@ -614,43 +559,46 @@ impl HullState {
     }
 
     /// The first visible face that a point is beyond, on a walk over the faces that it is in front
-    /// of. `ahead` is memory.
+    /// of.
     fn face_beyond(&mut self, ahead: &mut Vec<u32>, point: u32, start: u32) -> Option<u32> {
         let position = self.points[point as usize];
-        self.begin_walk(ahead, start);
-        while let Some(face) = ahead.pop() {
-            for twin in self.faces[face as usize].twins {
-                let neighbour = face_of(twin);
-                if !self.is_new_to_walk(neighbour) {
-                    continue;
-                }
-                if self.is_visible_beyond(neighbour, point) {
-                    return Some(neighbour);
-                }
-                let plane = &self.faces[neighbour as usize].plane;
-                if is_in_front(plane.height(position), plane) {
-                    ahead.push(neighbour);
-                }
+        self.walk(ahead, start, |hull, index| {
+            if hull.is_visible_beyond(index, point) {
+                return Break(index);
             }
-        }
-        None
+            let plane = &hull.faces[index as usize].plane;
+            Continue(is_in_front(plane.height(position), plane))
+        })
     }
 
-    /// Begins a walk over faces; `ahead` holds those to go on from.
-    fn begin_walk(&mut self, ahead: &mut Vec<u32>, start: u32) {
+    /// Walks from face to neighbour: on from those for which `enter` says so, until it breaks.
+    /// `ahead` is memory.
+    fn walk<B>(
+        &mut self,
+        ahead: &mut Vec<u32>,
+        start: u32,
+        mut enter: impl FnMut(&Self, u32) -> ControlFlow<B, bool>,
+    ) -> Option<B> {
         self.visit += 1;
         self.growth[start as usize].visit = self.visit;
         ahead.clear();
         ahead.push(start);
-    }
-
-    /// Whether a walk comes to a face for the first time.
-    #[inline]
-    fn is_new_to_walk(&mut self, face: u32) -> bool {
-        let state = &mut self.growth[face as usize];
-        let is_new = state.visit != self.visit;
-        state.visit = self.visit;
-        is_new
+        while let Some(face) = ahead.pop() {
+            for twin in self.faces[face as usize].twins {
+                let neighbour = face_of(twin);
+                let growth = &mut self.growth[neighbour as usize];
+                if growth.visit == self.visit {
+                    continue;
+                }
+                growth.visit = self.visit;
+                match enter(self, neighbour) {
+                    Break(result) => return Some(result),
+                    Continue(true) => ahead.push(neighbour),
+                    Continue(false) => {}
+                }
+            }
+        }
+        None
     }
 
     /// Beyond a sharp edge a point may be within the tolerance of both planes, and yet far from the
@@ -706,26 +654,22 @@ impl HullState {
         let position = self.points[point as usize];
         let mut least = self.squared_distance_to_face(point, start);
         let mut visible = self.is_visible(start, point).then_some(start);
-        self.begin_walk(ahead, start);
-        while let Some(face) = ahead.pop() {
-            for twin in self.faces[face as usize].twins {
-                let neighbour = face_of(twin);
-                if !self.is_new_to_walk(neighbour) {
-                    continue;
-                }
-                let plane = &self.faces[neighbour as usize].plane;
-                if !is_not_behind(plane.height(position), plane) {
-                    continue;
-                }
-                least = least.min(self.squared_distance_to_face(point, neighbour));
-                if least <= limit {
-                    return None;
-                }
-                if visible.is_none() && self.is_visible(neighbour, point) {
-                    visible = Some(neighbour);
-                }
-                ahead.push(neighbour);
+        let too_near = self.walk(ahead, start, |hull, index| {
+            let plane = &hull.faces[index as usize].plane;
+            if !is_not_behind(plane.height(position), plane) {
+                return Continue(false);
             }
+            least = least.min(hull.squared_distance_to_face(point, index));
+            if least <= limit {
+                return Break(());
+            }
+            if visible.is_none() && hull.is_visible(index, point) {
+                visible = Some(index);
+            }
+            Continue(true)
+        });
+        if too_near.is_some() {
+            return None;
         }
         visible.map(|visible| (least, visible))
     }

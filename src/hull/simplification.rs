@@ -15,7 +15,7 @@ use std::collections::BinaryHeap;
 use super::builder::HullBuilder;
 use super::convex_hull::ConvexHull;
 use super::face::{Face, after};
-use super::point_set::{Blocks, Shape, first_simplex};
+use super::point_set::{Shape, first_simplex};
 use super::quickhull::HullState;
 use crate::control::Control;
 use crate::error::Error;
@@ -94,11 +94,6 @@ struct Queue {
 }
 
 impl Queue {
-    fn is_out_of_date(&self, collapse: &Collapse) -> bool {
-        let (a, b) = collapse.edge;
-        [a, b].iter().any(|&vertex| self.changed[vertex as usize] > collapse.round)
-    }
-
     fn add(&mut self, collapse: Collapse) {
         if collapse.volume.is_finite() {
             self.heap.push(collapse);
@@ -185,17 +180,20 @@ pub(crate) fn collapse_edges(
             if cheapest.volume > most_volume && vertices <= max_vertices {
                 break;
             }
-            if queue.is_out_of_date(&cheapest) {
+            if [a, b].iter().any(|&vertex| queue.changed[vertex as usize] > cheapest.round) {
                 queue.add(collapse(&builder.hull, &fans, (a, b), queue.round, &mut constraints));
                 continue;
             }
             trial.clone_from(&builder);
             trial.insert(&[frame.outward(cheapest.point)]);
             // Each collapse saves a vertex, unless rounding comes in between.
-            let is_smaller = trial.triangle_count() < builder.triangle_count();
-            if is_smaller && all_fit(&trial, fits)? {
-                is_taken = true;
-                break;
+            if trial.triangle_count() < builder.triangle_count() {
+                let mut misfits =
+                    trial.new_faces().map(&mut *fits).filter(|fits| *fits != Ok(true));
+                if misfits.next().unwrap_or(Ok(true))? {
+                    is_taken = true;
+                    break;
+                }
             }
             queue.refuse(cheapest);
         }
@@ -215,18 +213,6 @@ pub(crate) fn collapse_edges(
     }
     let growth = growth(&fewer, hull);
     Ok(Some((fewer, growth)))
-}
-
-fn all_fit(
-    builder: &HullBuilder,
-    fits: &mut impl FnMut([Vector; 3]) -> Result<bool, Error>,
-) -> Result<bool, Error> {
-    for face in builder.new_faces() {
-        if !fits(face)? {
-            return Ok(false);
-        }
-    }
-    Ok(true)
 }
 
 /// How far the farthest point of a hull is from another one. O(vertices · triangles).
@@ -290,17 +276,12 @@ fn collapse(
     let ways = STARTS.iter().filter_map(|&share| {
         let start = add(scale(a, 1.0 - share), scale(b, share));
         let point = projected(start, constraints, outward)?;
-        Some(Collapse { edge, volume: added_volume(point, constraints), point, round })
+        let volumes = constraints.iter().map(|constraint| {
+            constraint.area * (dot(constraint.normal, point) - constraint.offset)
+        });
+        Some(Collapse { edge, volume: volumes.sum::<f64>() / 3.0, point, round })
     });
     ways.min_by(|a, b| a.volume.total_cmp(&b.volume)).unwrap_or(nowhere)
-}
-
-/// Volume between faces and a point in front of all of them.
-fn added_volume(point: Vector, constraints: &[Constraint]) -> f64 {
-    let volumes = constraints
-        .iter()
-        .map(|constraint| constraint.area * (dot(constraint.normal, point) - constraint.offset));
-    volumes.sum::<f64>() / 3.0
 }
 
 /// The point nearest to another one in front of all faces (Hildreth, "A quadratic programming
@@ -410,7 +391,7 @@ pub(crate) fn most_prominent(
     max_vertices: usize,
     control: &Control,
 ) -> Result<Option<ConvexHull>, Error> {
-    let (_, simplex) = first_simplex(points, &Blocks::new(points), 0.0);
+    let (_, simplex) = first_simplex(points, 0.0);
     let corners = simplex.iter().filter_map(|&index| points.get(index as usize).copied());
     let first: Vec<Vector> = corners.collect();
     if builder.build(&first) != Shape::Solid || first.len() > max_vertices {
@@ -424,14 +405,10 @@ pub(crate) fn most_prominent(
             heights.fold(f64::NEG_INFINITY, f64::max)
         };
         let heights = points.iter().map(|&point| (height(point), point));
-        let Some((_, farthest)) =
-            heights.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(height, _)| *height > 0.0)
-        else {
-            break;
-        };
+        let Some((_, farthest)) = heights.max_by(|a, b| a.0.total_cmp(&b.0)) else { break };
         builder.insert(&[farthest]);
         if builder.new_faces().next().is_none() {
-            // It is nearer to the hull than the tolerance, and so are all others.
+            // It is in the hull up to the tolerance, and so are all others.
             break;
         }
     }
@@ -466,154 +443,126 @@ fn grown_over(mut kept: ConvexHull, hull: &ConvexHull) -> Option<ConvexHull> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::vector::distance;
-    use crate::hull::convex_hull;
+    use crate::geometry::vector::length;
+    use crate::hull::convex_hull::convex_hull;
+    use crate::hull::point_set::shapes::{cuboid, sphere};
 
     /// A prism over a regular polygon.
-    fn prism(corners: u32) -> ConvexHull {
+    fn prism(corners: u32, height: f64) -> ConvexHull {
         let points = (0..corners).flat_map(|i| {
             let angle = f64::from(i) * std::f64::consts::TAU / f64::from(corners);
-            [-0.5, 0.5].map(|z| [angle.cos(), angle.sin(), z])
+            [0.0, height].map(|z| [angle.cos(), angle.sin(), z])
         });
         convex_hull(&points.collect::<Vec<_>>()).unwrap()
     }
 
+    fn collapsed(
+        hull: &ConvexHull,
+        most_volume: f64,
+        mut fits: impl FnMut([Vector; 3]) -> Result<bool, Error>,
+    ) -> Result<Option<(ConvexHull, f64)>, Error> {
+        collapse_edges(hull, most_volume, usize::MAX, &Control::new(), &mut fits)
+    }
+
     #[test]
     fn a_prism_with_fewer_sides_holds_the_old_one_and_little_more() {
-        let full = prism(40);
-        let (fewer, growth) =
-            collapse_edges(&full, 1e-3, usize::MAX, &Control::new(), &mut |_| Ok(true))
-                .unwrap()
-                .unwrap();
+        let full = prism(40, 1.0);
+        let (fewer, growth) = collapsed(&full, 1e-3, |_| Ok(true)).unwrap().unwrap();
         assert!(fewer.holds(&full));
         assert!(fewer.points.len() <= 48, "{}", fewer.points.len());
         assert!(fewer.volume() < 1.1 * full.volume());
         assert!(growth > 0.0 && growth < 0.2, "{growth}");
+        assert_eq!(collapsed(&full, 0.0, |_| Ok(true)), Ok(None), "nothing is saved for no volume");
     }
 
     #[test]
-    fn nothing_is_saved_at_no_cost_in_volume() {
-        assert!(
-            collapse_edges(&prism(40), 0.0, usize::MAX, &Control::new(), &mut |_| Ok(true))
-                .unwrap()
-                .is_none()
-        );
-    }
-
-    #[test]
-    fn faces_that_do_not_fit_stay_away() {
-        let full = prism(40);
+    fn no_face_that_does_not_fit_is_made_and_errors_end_it() {
+        let full = prism(40, 1.0);
         let is_old = |&[x, y, _]: &Vector| x < 0.0 || x.hypot(y) < 1.0 + 1e-5;
-        let mut on_the_left = |face: [Vector; 3]| Ok(face.iter().all(is_old));
-        let (fewer, _) = collapse_edges(&full, 1e-3, usize::MAX, &Control::new(), &mut on_the_left)
-            .unwrap()
-            .unwrap();
+        let on_the_left = |face: [Vector; 3]| Ok(face.iter().all(is_old));
+        let (fewer, _) = collapsed(&full, 1e-3, on_the_left).unwrap().unwrap();
         assert!(fewer.points.len() < full.points.len());
         assert!(fewer.points.iter().all(is_old));
+        assert_eq!(collapsed(&full, 1e-3, |_| Err(Error::Cancelled)), Err(Error::Cancelled));
     }
 
     #[test]
     fn growth_is_the_distance_of_the_farthest_corner() {
-        let cube: Vec<Vector> =
-            (0..8).map(|i| [0, 1, 2].map(|axis| f64::from(i >> axis & 1))).collect();
-        let mut grown = cube.clone();
-        grown.push([1.3, 1.4, 0.5]);
+        let cube = cuboid([0.5; 3]);
+        let grown = [cube.clone(), vec![[0.8, 0.9, 0.0]]].concat();
         let [cube, grown] = [cube, grown].map(|points| convex_hull(&points).unwrap());
         // From the middle of an edge by 0.3 and 0.4.
         assert!((growth(&grown, &cube) - 0.5).abs() < 1e-12);
         assert_eq!(growth(&cube, &grown), 0.0);
     }
 
-    #[test]
-    fn an_error_ends_it() {
-        let mut cancelled = |_| Err(Error::Cancelled);
-        let result = collapse_edges(&prism(40), 1e-3, usize::MAX, &Control::new(), &mut cancelled);
-        assert!(matches!(result, Err(Error::Cancelled)));
+    fn ball(count: u32) -> ConvexHull {
+        convex_hull(&sphere(count)).unwrap()
     }
 
-    fn sphere(count: u32) -> ConvexHull {
-        // Fibonacci's lattice.
-        let points: Vec<Vector> = (0..count)
-            .map(|i| {
-                let z = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(count);
-                let angle = f64::from(i) * std::f64::consts::PI * (3.0 - 5f64.sqrt());
-                let ring = (1.0 - z * z).sqrt();
-                [ring * angle.cos(), ring * angle.sin(), z]
-            })
-            .collect();
-        convex_hull(&points).unwrap()
-    }
-
-    fn capped(hull: &ConvexHull, cap: usize) -> (ConvexHull, f64) {
-        cap_vertices(&mut HullBuilder::new(), hull.clone(), cap, &Control::new()).unwrap()
+    fn limited(hull: &ConvexHull, max_vertices: usize) -> (ConvexHull, f64) {
+        let control = Control::new();
+        limit_vertices(&mut HullBuilder::new(), hull.clone(), max_vertices, &control).unwrap()
     }
 
     #[test]
-    fn a_cancelled_cap_is_an_error() {
+    fn limiting_can_be_cancelled() {
         let control = Control::new();
         control.cancel();
-        let result = cap_vertices(&mut HullBuilder::new(), sphere(300), 64, &control);
+        let result = limit_vertices(&mut HullBuilder::new(), ball(300), 64, &control);
         assert_eq!(result, Err(Error::Cancelled));
     }
 
     #[test]
-    fn the_most_prominent_points_are_as_many_as_asked_for() {
-        let full = sphere(300);
-        for cap in [6, 7, 20, 64] {
+    fn the_most_prominent_points_are_as_many_as_allowed() {
+        let full = ball(300);
+        for count in [6, 7, 20, 64] {
             let mut builder = HullBuilder::new();
-            let found =
-                most_prominent(&mut builder, &full.points, cap, &Control::new()).unwrap().unwrap();
-            assert_eq!(found.points.len(), cap);
+            let found = most_prominent(&mut builder, &full.points, count, &Control::new());
+            let found = found.unwrap().unwrap();
+            assert_eq!(found.points.len(), count);
             assert!(full.holds(&found));
         }
     }
 
     #[test]
-    fn a_capped_hull_holds_the_old_one_and_says_how_far_it_grew() {
-        let full = sphere(300);
-        for (cap, most) in [(64, 0.12), (32, 0.25), (8, 1.5)] {
-            let (capped, growth) = capped(&full, cap);
-            assert!(capped.points.len() <= cap);
-            assert!(capped.holds(&full), "{cap}");
-            assert!(capped.holds(&capped), "{cap} is convex");
-            let farthest = capped.points.iter().map(|&p| distance(p, [0.0; 3])).fold(0.0, f64::max);
+    fn a_limited_hull_holds_the_old_one_and_says_how_far_it_grew() {
+        let full = ball(300);
+        for (most, most_growth) in [(64, 0.12), (32, 0.25), (8, 1.5)] {
+            let (limited, growth) = limited(&full, most);
+            assert!(limited.points.len() <= most);
+            assert!(limited.holds(&full), "{most}");
+            assert!(limited.holds(&limited), "{most} is convex");
+            let farthest = limited.points.iter().map(|&p| length(p)).fold(0.0, f64::max);
             assert!(farthest - 1.0 <= growth + 1e-9);
-            assert!(growth < most, "{cap}: {growth}");
+            assert!(growth < most_growth, "{most}: {growth}");
         }
+        assert_eq!(limited(&full, 300), (full, 0.0), "few enough vertices stay as they are");
     }
 
     #[test]
-    fn very_many_vertices_and_very_large_units_are_capped_too() {
-        for factor in [1.0, 1e200, 1e-170] {
-            let mut full = sphere(1500);
+    fn very_many_vertices_and_very_large_units_are_limited_too() {
+        let full = ball(1500);
+        for factor in [1e200, 1e-170] {
+            let mut full = full.clone();
             full.points.iter_mut().for_each(|point| *point = scale(*point, factor));
-            for cap in [64, 600] {
-                let (capped, _) = capped(&full, cap);
-                assert!(capped.points.len() <= cap, "{factor:e}");
+            for most in [64, 600] {
+                assert!(limited(&full, most).0.points.len() <= most, "{factor:e}");
             }
         }
-        let full = sphere(1500);
-        let (capped, growth) = capped(&full, 600);
-        assert!(capped.holds(&full));
-        assert!(growth < 0.02, "{growth}");
-    }
-
-    #[test]
-    fn a_hull_within_the_cap_is_left_alone() {
-        let full = sphere(30);
-        assert_eq!(capped(&full, 30), (full, 0.0));
+        for (most, most_growth) in [(64, f64::INFINITY), (600, 0.02)] {
+            let (limited, growth) = limited(&full, most);
+            assert!(limited.points.len() <= most && limited.holds(&full));
+            assert!(growth < most_growth, "{growth}");
+        }
     }
 
     #[test]
     fn a_thin_plate_stays_thin() {
-        let rim = (0..100).flat_map(|i| {
-            let angle = f64::from(i) * std::f64::consts::TAU / 100.0;
-            [0.0, 0.02].map(|z| [angle.cos(), angle.sin(), z])
-        });
-        let plate = convex_hull(&rim.collect::<Vec<_>>()).unwrap();
-        let (capped, _) = capped(&plate, 64);
-        let bounds = capped.bounds().unwrap();
-        assert!(capped.holds(&plate));
+        let plate = prism(100, 0.02);
+        let (limited, _) = limited(&plate, 64);
+        let bounds = limited.bounds().unwrap();
+        assert!(limited.holds(&plate));
         assert!(bounds.max[2] - bounds.min[2] < 0.03, "{bounds:?}");
     }
 }
