@@ -348,7 +348,8 @@ impl HullBuilder {
     pub(crate) fn farthest_outside(&self, points: &[[f64; 3]]) -> f64 {
         let (blocks, rest) = points.as_chunks::<4>();
         let blocks = blocks.iter().map(|&block| self.farthest_of(block));
-        let farthest = blocks.chain(rest.iter().map(|&point| self.farthest_of([point])));
+        // A point and its copy: a single lane would not vectorise.
+        let farthest = blocks.chain(rest.iter().map(|&point| self.farthest_of([point; 2])));
         farthest.fold(f64::NEG_INFINITY, f64::max) / self.hull.frame.factor
     }
 
@@ -396,12 +397,12 @@ impl HullBuilder {
 mod tests {
     use super::*;
     use crate::geometry::vector::{area_normal, normalize};
-    use crate::hull::point_set::shapes::{cuboid, sphere};
+    use crate::mesh::shapes::{cuboid, uv_sphere};
 
     /// Points inside a ball, and points around it.
     fn ball() -> (Vec<Vector>, Vec<Vector>) {
-        let inside = sphere(100).into_iter().flat_map(|point| [scale(point, 0.5), point]);
-        (inside.collect(), sphere(12).into_iter().map(|point| scale(point, 1.3)).collect())
+        let sphere = |n, radius| uv_sphere(n, [0.0; 3], radius).positions;
+        ([sphere(14, 0.5), sphere(14, 1.0)].concat(), sphere(5, 1.3))
     }
 
     fn built(points: &[Vector]) -> HullBuilder {
@@ -467,8 +468,7 @@ mod tests {
     #[test]
     fn volume_vertices_and_heights_are_those_of_the_points_at_any_scale() {
         for size in [1e-6, 0.3, 1.0, 1e6] {
-            let half = [size, 1.5 * size, 2.5 * size];
-            let corners: Vec<Vector> = cuboid(half).iter().map(|&p| add(p, half)).collect();
+            let corners = cuboid([0.0; 3], [2.0 * size, 3.0 * size, 5.0 * size]).positions;
             let points = [corners.clone(), vec![[size; 3]]].concat();
             let mut builder = built(&points);
             assert!((builder.volume() / (30.0 * size.powi(3)) - 1.0).abs() < 1e-12, "{size}");

@@ -30,7 +30,8 @@ impl Frame {
     /// The frame of points within bounds, which are inside out without points.
     pub(super) fn around([low, high]: [Vector; 2]) -> Self {
         const MANTISSA: u64 = (1 << (f64::MANTISSA_DIGITS - 1)) - 1;
-        const MAX_EXPONENT: i32 = 1000;
+        /// 2 to the powers -1000 and 1000, clear of the ends of the range.
+        const LIMITS: [f64; 2] = [f64::from_bits(23 << 52), f64::from_bits(2023 << 52)];
         let mut frame = Self { centre: [0.0; 3], factor: 1.0 };
         let centre = [0, 1, 2].map(|axis| 0.5 * low[axis] + 0.5 * high[axis]);
         if is_finite(&centre) {
@@ -38,9 +39,8 @@ impl Frame {
         }
         let extent = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
         if extent > 0.0 && extent.is_finite() {
-            // The power of two in the extent, clear of the ends of the range.
-            let (least, most) = (2f64.powi(-MAX_EXPONENT), 2f64.powi(MAX_EXPONENT));
-            frame.factor = 1.0 / f64::from_bits(extent.clamp(least, most).to_bits() & !MANTISSA);
+            let extent = extent.clamp(LIMITS[0], LIMITS[1]);
+            frame.factor = 1.0 / f64::from_bits(extent.to_bits() & !MANTISSA);
         }
         frame
     }
@@ -75,32 +75,14 @@ pub(super) fn finite_bounds(points: &[Vector]) -> Option<[Vector; 2]> {
     (zero == [0.0; 3]).then_some([low, high])
 }
 
-/// Points that are measured at once, so that the loop vectorises.
-const LANES: usize = 4;
-
 /// The first point for which `measure` is greatest.
 #[inline]
 fn farthest(points: &[Vector], measure: impl Fn(Vector) -> f64) -> (u32, f64) {
     let mut best = (0, f64::NEG_INFINITY);
-    let (blocks, rest) = points.as_chunks::<LANES>();
-    for (first, &block) in (0..).step_by(LANES).zip(blocks) {
-        let values = block.map(&measure);
-        let mut any = false;
-        for value in values {
-            any |= value > best.1;
-        }
-        if any {
-            for (point, value) in (first..).zip(values) {
-                if value > best.1 {
-                    best = (point, value);
-                }
-            }
-        }
-    }
-    for (point, &rest) in ((points.len() - rest.len()) as u32..).zip(rest) {
-        let value = measure(rest);
+    for (index, &point) in (0..).zip(points) {
+        let value = measure(point);
         if value > best.1 {
-            best = (point, value);
+            best = (index, value);
         }
     }
     best
@@ -154,29 +136,6 @@ pub(super) fn height_of([a, b, c, d]: [Vector; 4]) -> f64 {
     dot(normalize(area_normal(a, b, c)), subtract(d, a)).abs()
 }
 
-/// Points that tests take hulls of.
-#[cfg(test)]
-pub(super) mod shapes {
-    use super::Vector;
-
-    /// The corners of a box about the origin, given half its edges.
-    pub fn cuboid(half: Vector) -> Vec<Vector> {
-        let sign = |index: usize, axis: usize| if index >> axis & 1 == 1 { 1.0 } else { -1.0 };
-        (0..8).map(|index| [0, 1, 2].map(|axis| sign(index, axis) * half[axis])).collect()
-    }
-
-    /// Points of the unit sphere, evenly (Fibonacci's lattice).
-    pub fn sphere(count: u32) -> Vec<Vector> {
-        let point = |i| {
-            let z = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(count);
-            let angle = f64::from(i) * std::f64::consts::PI * (3.0 - 5f64.sqrt());
-            let ring = (1.0 - z * z).sqrt();
-            [ring * angle.cos(), ring * angle.sin(), z]
-        };
-        (0..count).map(point).collect()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -210,10 +169,8 @@ mod tests {
 
     #[test]
     fn of_equals_the_first_is_farthest() {
-        let x = [0.0, 1.0, 1.0, 0.5, 0.0, 2.0, 1.0, 2.0, 2.0, 3.0, 3.0];
-        for (count, first) in [(1, 0), (2, 1), (3, 1), (5, 1), (7, 5), (8, 5), (9, 5), (11, 9)] {
-            let points: Vec<Vector> = x[..count].iter().map(|&x| [x, 0.0, 1.0]).collect();
-            assert_eq!(farthest(&points, |[x, ..]| x), (first, x[first as usize]));
-        }
+        let points = [0.0, 1.0, 1.0, 0.5].map(|x| [x, 0.0, 1.0]);
+        assert_eq!(farthest(&points, |[x, ..]| x), (1, 1.0));
+        assert_eq!(farthest(&points, |[x, ..]| -x), (0, 0.0));
     }
 }

@@ -445,7 +445,7 @@ mod tests {
     use super::*;
     use crate::geometry::vector::length;
     use crate::hull::convex_hull::convex_hull;
-    use crate::hull::point_set::shapes::{cuboid, sphere};
+    use crate::mesh::shapes::cuboid;
 
     /// A prism over a regular polygon.
     fn prism(corners: u32, height: f64) -> ConvexHull {
@@ -488,16 +488,23 @@ mod tests {
 
     #[test]
     fn growth_is_the_distance_of_the_farthest_corner() {
-        let cube = cuboid([0.5; 3]);
-        let grown = [cube.clone(), vec![[0.8, 0.9, 0.0]]].concat();
+        let cube = cuboid([0.0; 3], [1.0; 3]).positions;
+        let grown = [cube.clone(), vec![[1.3, 1.4, 0.5]]].concat();
         let [cube, grown] = [cube, grown].map(|points| convex_hull(&points).unwrap());
         // From the middle of an edge by 0.3 and 0.4.
         assert!((growth(&grown, &cube) - 0.5).abs() < 1e-12);
         assert_eq!(growth(&cube, &grown), 0.0);
     }
 
+    /// Over points of the unit sphere, evenly (Fibonacci's lattice).
     fn ball(count: u32) -> ConvexHull {
-        convex_hull(&sphere(count)).unwrap()
+        let point = |i| {
+            let z = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(count);
+            let angle = f64::from(i) * std::f64::consts::PI * (3.0 - 5f64.sqrt());
+            let ring = (1.0 - z * z).sqrt();
+            [ring * angle.cos(), ring * angle.sin(), z]
+        };
+        convex_hull(&(0..count).map(point).collect::<Vec<_>>()).unwrap()
     }
 
     fn limited(hull: &ConvexHull, max_vertices: usize) -> (ConvexHull, f64) {
