@@ -16,7 +16,7 @@ use crate::control::Control;
 use crate::decomposition::Hull;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, add, bounds, scale};
-use crate::hull::{ConvexHull, HullBuilder, cap_vertices, joint_hull};
+use crate::hull::{ConvexHull, HullBuilder, joint_hull, limit_vertices};
 use crate::mesh::PreparedMesh;
 use crate::parallel;
 use crate::parameters::Parameters;
@@ -262,7 +262,7 @@ impl<'a> Pairs<'a> {
         let mut builder = HullBuilder::new();
         let hull = joint_hull(&mut builder, &first.hull, &second.hull)?;
         let (hull, growth) = match self.settings.max_vertices {
-            Some(most) => cap_vertices(&mut builder, hull, most, self.control)?,
+            Some(most) => limit_vertices(&mut builder, hull, most, self.control)?,
             None => (hull, 0.0),
         };
         let bound = self.settings.bound.protrusion();

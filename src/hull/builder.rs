@@ -1,20 +1,11 @@
-//! Quickhull (Barber, Dobkin, Huhdanpaa, "The quickhull algorithm for convex hulls", 1996), in
-//! double precision, with scratch memory that is reused and a hull that can go on growing.
-//!
-//! A point is added only if it lies farther than a tolerance in front of some face, so that flat
-//! sides don't shatter into slivers. Which faces it sees is decided exactly (see `face.rs`), so
-//! that the result is at each moment the exact hull of the points added.
-//!
-//! The steps are in `grow.rs`, questions about the hull in `query.rs`.
+//! Convex hulls one after the other, in memory that is reused: how they start, grow and are read.
 
-use super::columns::Columns;
-use super::extent::{bounds, height_of, is_finite, one_over_power_of_two};
-use super::face::{Face, Given, Heights, Horizon, NONE, Plane, Waiting};
-use super::redundant::mark_necessary_vertices;
-use super::simplex::{Shape, first_simplex};
-use crate::geometry::vector::{Vector, add, distance, scale, subtract};
+use super::face::{Face, FacePlane, Margins, NONE, after, before, edge_of, face_of};
+use super::point_set::{Frame, Shape, finite_bounds, first_simplex, height_of, is_finite};
+use super::quickhull::{HullState, OutsideSet, Scratch};
+use crate::geometry::vector::{Vector, add, cubed, distance, dot, length, scale, subtract};
 
-/// A point is left out if it is closer to the hull than this share of the extent of the points.
+/// A point is left out if it is closer to the hull than this fraction of the extent of the points.
 /// Positions that come from `f32` are uncertain by about 6e-8 of their size, so a finer tolerance
 /// would only turn noise into slivers; a coarser one would be seen in single precision.
 pub const DEFAULT_TOLERANCE: f64 = 2e-7;
@@ -22,55 +13,16 @@ pub const DEFAULT_TOLERANCE: f64 = 2e-7;
 /// Builds convex hulls, one after the other, in memory that is reused.
 ///
 /// `build` starts a hull, `insert` adds points to it. Building takes O(n log n) expected time for
-/// n points, an insertion of m points into a hull of f faces O(m f) with a small constant.
+/// n points, an insertion of m points into a hull of f faces O(m f) with a small constant. A copy
+/// goes on growing on its own.
 #[derive(Debug, Default)]
 pub struct HullBuilder {
+    /// As a fraction of the points' extent.
     tolerance: Option<f64>,
-    /// Tolerance in the units of the points, where that is more.
+    /// In the points' units; the greater tolerance counts.
     least_tolerance: f64,
-    /// Number of insertions since `build`, so that the faces of the last can be told apart.
-    pub(super) generation: u32,
-    /// Centre that is subtracted from the points, and a power of two that they are multiplied by.
-    centre: Vector,
-    pub(super) factor: f64,
-    /// All points given since `build`, moved and scaled.
-    pub(super) points: Vec<Vector>,
-    /// The points that `build` was given, moved and scaled, by coordinate.
-    pub(super) columns: Columns,
-    /// All points given since `build`, as given.
-    pub(super) originals: Vec<Vector>,
-    pub(super) faces: Vec<Face>,
-    /// For each face what waits there.
-    pub(super) waiting: Vec<Waiting>,
-    /// For each point the next one that waits in front of the same face.
-    pub(super) next_waiting: Vec<u32>,
-    /// Tolerance in the scaled space.
-    pub(super) threshold: f64,
-    pub(super) heights: Heights,
-    pub(super) stamp: u32,
-    /// Faces where a point may wait that is to be added.
-    pub(super) work: Vec<u32>,
-    /// Faces that a point sees, then those that replace them.
-    pub(super) visible: Vec<u32>,
-    /// Places in `faces` that are not used.
-    pub(super) free: Vec<u32>,
-    /// The planes of those.
-    pub(super) planes: Vec<Plane>,
-    pub(super) path: Vec<u32>,
-    pub(super) horizon: Vec<Horizon>,
-    /// First points of lists of waiting points that look for a new face.
-    pub(super) lines: Vec<u32>,
-    pub(super) inverses: Vec<f64>,
-    pub(super) marks: Vec<u32>,
-    /// While set, only points with a mark may become vertices.
-    pub(super) only_marked: bool,
-    /// Whether a point that was added lay within the tolerance of a plane: without such points no
-    /// vertex lies inside a flat side.
-    pub(super) has_flat_places: bool,
-    /// Whether a point may wait within the tolerance of its face.
-    pub(super) has_close_points: bool,
-    /// Height of the first tetrahedron, in the units of the points.
-    simplex_height: f64,
+    pub(super) hull: HullState,
+    scratch: Scratch,
 }
 
 impl Clone for HullBuilder {
@@ -80,49 +32,22 @@ impl Clone for HullBuilder {
         clone
     }
 
-    /// Copies the hull into memory that is there already. Scratch memory is not copied.
     fn clone_from(&mut self, other: &Self) {
         self.tolerance = other.tolerance;
         self.least_tolerance = other.least_tolerance;
-        self.generation = other.generation;
-        self.centre = other.centre;
-        self.factor = other.factor;
-        self.points.clone_from(&other.points);
-        self.originals.clone_from(&other.originals);
-        self.faces.clone_from(&other.faces);
-        self.waiting.clone_from(&other.waiting);
-        self.next_waiting.clone_from(&other.next_waiting);
-        self.threshold = other.threshold;
-        self.heights = other.heights;
-        self.stamp = other.stamp;
-        self.only_marked = other.only_marked;
-        self.has_close_points = other.has_close_points;
-        self.simplex_height = other.simplex_height;
-        self.work.clear();
-        self.free.clear();
+        self.hull.copy_from(&other.hull);
     }
 }
 
+/// Building and growing.
 impl HullBuilder {
     /// A builder with the default tolerance.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Points closer to the hull than `tolerance` times the extent of the points are left out.
-    /// Negative and not finite values count as 0.
-    ///
-    /// ```
-    /// use hullwright::hull::HullBuilder;
-    ///
-    /// // The sixth point is a tenth outside of a face: 5 % of the points' extent of 2.
-    /// let points = [
-    ///     [1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [0.3, 0.3, -0.1_f64],
-    /// ];
-    /// let mut builder = HullBuilder::new().with_tolerance(0.2);
-    /// builder.build(&points);
-    /// assert_eq!(builder.extract().0.len(), 5);
-    /// ```
+    /// Points closer to the hull than `tolerance` times the extent of the points are left out, from
+    /// the next `build` on. Negative values and those that are not finite count as 0.
     #[must_use]
     pub fn with_tolerance(mut self, tolerance: f64) -> Self {
         self.tolerance = Some(if tolerance.is_finite() { tolerance.max(0.0) } else { 0.0 });
@@ -139,247 +64,418 @@ impl HullBuilder {
 
     /// Starts anew and builds the hull of `points`; those that are not finite are ignored.
     ///
-    /// Unless the answer is [`Shape::Solid`] there is no hull: the points lie within the
-    /// tolerance of a plane, a line or a point.
-    ///
-    /// ```
-    /// use hullwright::hull::{HullBuilder, Shape};
-    ///
-    /// let mut builder = HullBuilder::new();
-    /// let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
-    /// assert_eq!(builder.build(&square), Shape::Flat);
-    /// ```
+    /// Unless the result is [`Shape::Solid`] there is no hull: the points lie within the tolerance
+    /// of a plane, a line or a point.
     pub fn build(&mut self, points: &[[f64; 3]]) -> Shape {
-        self.clear();
         self.take_points(points);
-        let (shape, simplex) = first_simplex(&self.points, &self.columns, self.threshold);
+        let (hull, scratch) = (&mut self.hull, &mut self.scratch);
+        let (shape, simplex) = first_simplex(&hull.points, hull.tolerance);
         if shape != Shape::Solid {
             return shape;
         }
         // With a tolerance finer than rounding errors what looked solid may yet be flat.
-        if !self.given().span_a_volume(simplex) {
+        if !hull.given().span_a_volume(simplex) {
             return Shape::Flat;
         }
-        self.simplex_height =
-            height_of(simplex.map(|corner| self.points[corner as usize])) / self.factor;
-        self.grow_from(simplex);
-        if self.has_flat_places {
-            self.leave_out_redundant_vertices();
+        let corners = simplex.map(|corner| hull.points[corner as usize]);
+        hull.simplex_height = height_of(corners) / hull.frame.factor;
+        scratch.has_flat_places = false;
+        hull.start(scratch, simplex);
+        hull.grow(scratch);
+        if scratch.has_flat_places {
+            leave_out_redundant_vertices(hull, scratch);
         }
         Shape::Solid
     }
 
-    /// The hull of all points given so far, from a first tetrahedron.
-    fn grow_from(&mut self, simplex: [u32; 4]) {
-        self.faces.clear();
-        self.waiting.clear();
-        self.work.clear();
-        self.start(simplex);
-        self.grow();
-    }
-
-    /// The furthest point of a flat side may be any point of it. Where vertices turned out to lie
-    /// inside a side or an edge, the hull is built again with the others first.
-    #[cold]
-    fn leave_out_redundant_vertices(&mut self) {
-        let mut marks = std::mem::take(&mut self.marks);
-        if mark_necessary_vertices(&self.faces, &self.points, self.threshold, &mut marks) {
-            self.marks = marks;
-            let corners: Vec<u32> =
-                (0..self.points.len() as u32).filter(|&p| self.marks[p as usize] != NONE).collect();
-            let positions: Vec<Vector> =
-                corners.iter().map(|&corner| self.points[corner as usize]).collect();
-            let columns = Columns::new(&positions);
-            let (shape, simplex) = first_simplex(&positions, &columns, self.threshold);
-            // Of a sheet hardly thicker than the tolerance there may be no corner at all: it stays as it is.
-            if shape != Shape::Solid {
-                return;
-            }
-            let simplex = simplex.map(|index| corners[index as usize]);
-            if self.given().span_a_volume(simplex) {
-                self.only_marked = true;
-                self.grow_from(simplex);
-                self.only_marked = false;
-                self.consider_all_waiting();
-                self.grow();
-            }
+    /// Replaces the hull by finite points without faces.
+    fn take_points(&mut self, points: &[[f64; 3]]) {
+        let hull = &mut self.hull;
+        hull.faces.clear();
+        hull.growth.clear();
+        hull.originals.clear();
+        let bounds = finite_bounds(points);
+        if bounds.is_some() {
+            hull.originals.extend_from_slice(points);
         } else {
-            self.marks = marks;
+            hull.originals.extend(points.iter().filter(|point| is_finite(point)));
         }
+        let bounds = bounds.or_else(|| finite_bounds(&hull.originals)).unwrap_or_default();
+        let frame = Frame::around(bounds);
+        let [low, high] = bounds.map(|corner| scale(corner, frame.factor));
+        let extent = Some(distance(low, high)).filter(|extent| extent.is_finite());
+        let relative = self.tolerance.unwrap_or(DEFAULT_TOLERANCE) * extent.unwrap_or(0.0);
+        hull.frame = frame;
+        hull.tolerance = relative.max(self.least_tolerance * frame.factor);
+        hull.is_coarse = self.least_tolerance > 0.0;
+        hull.points.clear();
+        hull.points.extend(hull.originals.iter().map(|&point| frame.inward(point)));
+        hull.next_outside.clear();
+        hull.next_outside.resize(hull.points.len(), NONE);
+        let corners = bounds.map(|corner| frame.inward(corner));
+        hull.margins = Margins::default().including(&corners, hull.tolerance);
+        hull.generation = 0;
+        hull.visit = 0;
+        hull.has_close_points = false;
     }
 
     /// Grows the hull over more points. Does nothing unless there is a hull.
-    ///
-    /// ```
-    /// use hullwright::hull::HullBuilder;
-    ///
-    /// let mut builder = HullBuilder::new();
-    /// builder.build(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
-    /// builder.insert(&[[1.0, 1.0, 1.0], [0.1, 0.1, 0.1]]);
-    /// assert_eq!(builder.extract().0.len(), 5);
-    /// ```
     pub fn insert(&mut self, points: &[[f64; 3]]) {
-        if self.faces.is_empty() {
+        let (hull, scratch) = (&mut self.hull, &mut self.scratch);
+        if hull.faces.is_empty() {
             return;
         }
-        self.generation += 1;
-        let first = self.points.len();
-        for &point in points.iter().filter(|point| is_finite(point)) {
-            let scaled = self.inward(point);
-            self.points.push(scaled);
-            self.originals.push(point);
-        }
-        self.next_waiting.resize(self.points.len(), NONE);
-        self.bound_errors(first);
-        self.assign_to_any(first);
-        self.grow();
+        hull.generation += 1;
+        let first = hull.points.len();
+        hull.originals.extend(points.iter().filter(|point| is_finite(point)));
+        let frame = hull.frame;
+        hull.points.extend(hull.originals[first..].iter().map(|&point| frame.inward(point)));
+        hull.next_outside.resize(hull.points.len(), NONE);
+        hull.margins = hull.margins.including(&hull.points[first..], hull.tolerance);
+        hull.assign_new(scratch, first as u32..hull.points.len() as u32);
+        hull.grow(scratch);
     }
 
-    /// The same, for points of which many lie in the hull: those are not kept, nor those within
-    /// the tolerance of it.
+    /// The same for finite points of which many lie in the hull: those are not kept, nor those
+    /// within the tolerance of it.
     pub(crate) fn insert_outside(&mut self, points: &[[f64; 3]]) {
-        if self.faces.is_empty() {
+        let (hull, scratch) = (&mut self.hull, &mut self.scratch);
+        if hull.faces.is_empty() {
             return;
         }
-        self.generation += 1;
-        let first = self.points.len();
+        hull.generation += 1;
+        let first = hull.points.len();
         for &point in points {
-            let scaled = self.inward(point);
-            if let Some(found) = self.first_face_beyond(scaled) {
-                let index = self.points.len() as u32;
-                self.points.push(scaled);
-                self.originals.push(point);
-                self.next_waiting.push(NONE);
-                self.attach(index, found);
-            }
+            hull.add_if_beyond(&mut scratch.queue, hull.frame.inward(point), point);
         }
-        if self.points.len() == first {
-            return;
+        if hull.points.len() > first {
+            hull.margins = hull.margins.including(&hull.points[first..], hull.tolerance);
+            hull.grow(scratch);
         }
-        self.bound_errors(first);
-        self.grow();
     }
 
-    /// Lets go of all points that are not vertices, those within the tolerance of the hull too: what is
-    /// copied and grown again and again need not carry them along.
+    /// Drops all points that are not vertices, those within the tolerance of the hull too: a hull
+    /// that is copied and grown again and again need not carry them along.
     pub(crate) fn forget_inner_points(&mut self) {
-        self.marks.clear();
-        self.marks.resize(self.points.len(), NONE);
+        let (vertices, triangles) = self.extract();
+        let hull = &mut self.hull;
+        hull.points.clear();
+        hull.points.extend(vertices.iter().map(|&vertex| hull.frame.inward(vertex)));
+        hull.originals = vertices;
+        for ((face, growth), triangle) in hull.faces.iter_mut().zip(&mut hull.growth).zip(triangles)
+        {
+            face.vertices = triangle;
+            growth.outside = OutsideSet::EMPTY;
+        }
+        hull.next_outside.clear();
+        hull.next_outside.resize(hull.points.len(), NONE);
+        hull.has_close_points = false;
+    }
+
+    /// Builds the hull of points, for its vertices alone; `None` if there is no hull.
+    pub(crate) fn vertices_of(&mut self, points: &[[f64; 3]]) -> Option<Vec<[f64; 3]>> {
+        (self.build(points) == Shape::Solid).then(|| self.extract().0)
+    }
+}
+
+/// The furthest point of a flat side may be any point of it. Where vertices turn out to lie inside
+/// a side or an edge, the hull is built again with the others first.
+#[cold]
+fn leave_out_redundant_vertices(hull: &mut HullState, scratch: &mut Scratch) {
+    let Some(necessary) = hull.necessary_vertices() else { return };
+    let corners: Vec<u32> =
+        (0..).zip(&necessary).filter(|(_, mark)| **mark != NONE).map(|(point, _)| point).collect();
+    let positions: Vec<Vector> =
+        corners.iter().map(|&corner| hull.points[corner as usize]).collect();
+    let (shape, simplex) = first_simplex(&positions, hull.tolerance);
+    // A sheet hardly thicker than the tolerance may have no corner at all: it stays as it is.
+    if shape != Shape::Solid {
+        return;
+    }
+    let simplex = simplex.map(|index| corners[index as usize]);
+    if hull.given().span_a_volume(simplex) {
+        scratch.queue.necessary = necessary;
+        hull.start(scratch, simplex);
+        hull.grow(scratch);
+        hull.requeue_all(&mut scratch.queue);
+        hull.grow(scratch);
+    }
+}
+
+/// Which vertices are true corners, in a hull that has stopped growing.
+impl HullState {
+    /// For each point a mark, `NONE` unless it is a vertex that is a true corner; `None` if all
+    /// vertices are. O(faces + points).
+    fn necessary_vertices(&self) -> Option<Vec<u32>> {
+        // For now: the number of edges at a vertex that bend.
+        let mut marks = vec![NONE; self.points.len()];
         for face in &self.faces {
-            for vertex in face.vertices {
-                self.marks[vertex as usize] = 0;
+            for edge in 0..3 {
+                let mark = &mut marks[face.vertices[edge] as usize];
+                *mark = if *mark == NONE { 0 } else { *mark };
+                // Each edge is met from both its faces, and counts at its start.
+                *mark += u32::from(self.bends(face, edge));
             }
         }
-        let mut kept = 0;
-        for point in 0..self.points.len() {
-            if self.marks[point] != NONE {
-                self.marks[point] = kept as u32;
-                self.points[kept] = self.points[point];
-                self.originals[kept] = self.originals[point];
-                kept += 1;
+        let mut is_any_redundant = false;
+        for face in &self.faces {
+            for edge in 0..3 {
+                let mark = &mut marks[face.vertices[edge] as usize];
+                let is_necessary = match *mark {
+                    NONE => continue,
+                    0 => false,
+                    1 | 2 => !self.is_on_straight_edge(face, edge),
+                    _ => true,
+                };
+                if !is_necessary {
+                    *mark = NONE;
+                    is_any_redundant = true;
+                }
             }
         }
-        self.points.truncate(kept);
-        self.originals.truncate(kept);
-        for face in &mut self.faces {
-            face.vertices = face.vertices.map(|vertex| self.marks[vertex as usize]);
-        }
-        for waiting in &mut self.waiting {
-            *waiting = Waiting::none(waiting.stamp, waiting.generation);
-        }
-        self.next_waiting.clear();
-        self.next_waiting.resize(kept, NONE);
-        self.has_close_points = false;
+        is_any_redundant.then_some(marks)
     }
 
-    /// Whether more may be left out than the share of the extent asks for.
-    pub(super) fn is_coarse(&self) -> bool {
-        self.least_tolerance > 0.0
-    }
-
-    pub(super) fn given(&self) -> Given<'_> {
-        Given { points: &self.originals, factor: self.factor }
-    }
-
-    /// A point in the scaled space.
+    /// Whether the far vertex of each of an edge's faces is clearly behind the other face.
     #[inline]
-    pub(super) fn inward(&self, point: Vector) -> Vector {
-        scale(subtract(point, self.centre), self.factor)
+    fn bends(&self, face: &Face, edge: usize) -> bool {
+        let twin = face.twins[edge];
+        let other = &self.faces[face_of(twin) as usize];
+        let far_of_other = other.vertices[before(edge_of(twin))];
+        let far = face.vertices[before(edge)];
+        face.distance(self.points[far_of_other as usize]) < -self.tolerance
+            && other.distance(self.points[far as usize]) < -self.tolerance
     }
 
-    /// A point of the scaled space, in the points' units.
-    pub(super) fn outward(&self, point: Vector) -> Vector {
-        add(scale(point, 1.0 / self.factor), self.centre)
+    /// Whether the edges that bend at the start of an edge lie on one line through it.
+    fn is_on_straight_edge(&self, face: &Face, edge: usize) -> bool {
+        let mut ends = Vec::new();
+        let (mut current, mut at) = (face, edge);
+        // Around the vertex: the edge that starts here, then the one before it in the same face.
+        loop {
+            if self.bends(current, at) {
+                ends.push(self.points[current.vertices[after(at)] as usize]);
+            }
+            let twin = current.twins[before(at)];
+            (current, at) = (&self.faces[face_of(twin) as usize], edge_of(twin));
+            if std::ptr::eq(current, face) {
+                break;
+            }
+        }
+        let &[start, end] = ends.as_slice() else { return false };
+        let along = subtract(end, start);
+        let position = self.points[face.vertices[edge] as usize];
+        let share = dot(subtract(position, start), along) / dot(along, along);
+        let foot = add(start, scale(along, share));
+        (0.0..=1.0).contains(&share)
+            && distance(position, foot) <= self.tolerance.min(1e-3 * length(along))
+    }
+}
+
+/// Reading a hull that has been built.
+impl HullBuilder {
+    /// Number of triangles of the hull; 0 if there is none.
+    pub fn triangle_count(&self) -> usize {
+        self.hull.faces.len()
+    }
+
+    /// The hull's vertices, as given, and its triangles; both empty if there is no hull.
+    pub fn extract(&mut self) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+        let (hull, numbers) = (&self.hull, &mut self.scratch.numbers);
+        numbers.clear();
+        numbers.resize(hull.points.len(), NONE);
+        let mut vertices = Vec::with_capacity(hull.faces.len() / 2 + 2);
+        let mut triangles = Vec::with_capacity(hull.faces.len());
+        for face in &hull.faces {
+            triangles.push(face.vertices.map(|vertex| {
+                let number = &mut numbers[vertex as usize];
+                if *number == NONE {
+                    *number = vertices.len() as u32;
+                    vertices.push(hull.originals[vertex as usize]);
+                }
+                *number
+            }));
+        }
+        (vertices, triangles)
+    }
+
+    /// For each of the points, if all were finite, a triangle of `extract` that it is a corner of.
+    pub(crate) fn faces_of_points(&self, faces: &mut Vec<Option<u32>>) {
+        faces.clear();
+        faces.resize(self.hull.points.len(), None);
+        for (index, face) in (0..).zip(&self.hull.faces) {
+            for vertex in face.vertices {
+                faces[vertex as usize] = Some(index);
+            }
+        }
+    }
+
+    /// Corners of all faces.
+    pub(crate) fn all_faces(&self) -> impl Iterator<Item = [Vector; 3]> + '_ {
+        self.hull.faces.iter().map(|face| self.corners(face))
+    }
+
+    /// Corners of the faces that the last insertion made; of all faces after `build`.
+    pub(crate) fn new_faces(&self) -> impl Iterator<Item = [Vector; 3]> + '_ {
+        self.hull.newest().map(|face| self.corners(face))
+    }
+
+    fn corners(&self, face: &Face) -> [Vector; 3] {
+        face.vertices.map(|vertex| self.hull.originals[vertex as usize])
+    }
+
+    /// Enclosed volume, in cubed units of the points.
+    pub(crate) fn volume(&self) -> f64 {
+        // A face's offset is six times the volume of the tetrahedron between it and the centre.
+        let six: f64 = self.hull.faces.iter().map(|face| face.plane.offset).sum();
+        six / (6.0 * cubed(self.hull.frame.factor))
+    }
+
+    /// Whether no point lies farther than `tolerance`, in the points' units, in front of a face.
+    /// False if there is no hull. O(faces) for a point inside, far less for most others.
+    pub fn contains_all(&self, points: &[[f64; 3]], tolerance: f64) -> bool {
+        let HullState { faces, frame, .. } = &self.hull;
+        let limit = tolerance * frame.factor;
+        !faces.is_empty()
+            && points.iter().all(|&point| {
+                let point = frame.inward(point);
+                faces.iter().all(|face| face.distance(point) <= limit)
+            })
+    }
+
+    /// The farthest that one of the points lies in front of a face, in their units; negative if
+    /// all are inside.
+    pub(crate) fn farthest_outside(&self, points: &[[f64; 3]]) -> f64 {
+        let (blocks, rest) = points.as_chunks::<4>();
+        let blocks = blocks.iter().map(|&block| self.farthest_of(block));
+        // A point and its copy: a single lane would not vectorise.
+        let farthest = blocks.chain(rest.iter().map(|&point| self.farthest_of([point; 2])));
+        farthest.fold(f64::NEG_INFINITY, f64::max) / self.hull.frame.factor
+    }
+
+    /// The same in the frame, for a few points at once, so that the loop vectorises.
+    #[inline]
+    fn farthest_of<const N: usize>(&self, points: [Vector; N]) -> f64 {
+        let points = points.map(|point| self.hull.frame.inward(point));
+        let [x, y, z] = [0, 1, 2].map(|axis| points.map(|point| point[axis]));
+        let mut farthest = [f64::NEG_INFINITY; N];
+        for face in &self.hull.faces {
+            let Face { plane: FacePlane { normal, offset }, inverse, .. } = *face;
+            for lane in 0..N {
+                let height = normal[0] * x[lane] + normal[1] * y[lane] + normal[2] * z[lane];
+                let distance = (height - offset) * inverse;
+                farthest[lane] = if distance > farthest[lane] { distance } else { farthest[lane] };
+            }
+        }
+        farthest.into_iter().fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// Height of the first tetrahedron; the width is at least an eighth of it.
     pub(super) fn simplex_height(&self) -> f64 {
-        self.simplex_height
+        self.hull.simplex_height
     }
 
-    fn clear(&mut self) {
-        self.points.clear();
-        self.originals.clear();
-        self.faces.clear();
-        self.waiting.clear();
-        self.next_waiting.clear();
-        self.work.clear();
-        self.free.clear();
-        self.stamp = 0;
-        self.generation = 0;
-        self.heights = Heights::default();
-        self.factor = 1.0;
-        self.has_flat_places = false;
-        self.has_close_points = false;
-    }
-
-    /// Takes points, centred and brought near 1 by a power of two, which rounds nothing.
-    fn take_points(&mut self, points: &[[f64; 3]]) {
-        let (low, high, all_finite) = bounds(points);
-        let (low, high) = if all_finite {
-            self.originals.extend_from_slice(points);
-            (low, high)
-        } else {
-            self.originals.extend(points.iter().filter(|point| is_finite(point)));
-            let (low, high, _) = bounds(&self.originals);
-            (low, high)
+    /// The smallest distance between a face and the vertex farthest behind it, with that face's
+    /// outward normal: the width of the hull, in the units of the points.
+    pub(super) fn width(&self) -> Option<(f64, Vector)> {
+        let HullState { faces, points, frame, .. } = &self.hull;
+        let mut used: Vec<u32> = faces.iter().flat_map(|face| face.vertices).collect();
+        used.sort_unstable();
+        used.dedup();
+        let depth = |face: &Face| {
+            used.iter().map(|&v| -face.distance(points[v as usize])).fold(0.0, f64::max)
         };
-        self.centre = [0, 1, 2].map(|axis| 0.5 * low[axis] + 0.5 * high[axis]);
-        if !is_finite(&self.centre) {
-            self.centre = [0.0; 3];
-        }
-        let extent = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
-        if extent > 0.0 && extent.is_finite() {
-            self.factor = one_over_power_of_two(extent);
-        }
-        let scaled_extent = distance(scale(low, self.factor), scale(high, self.factor));
-        let tolerance = self.tolerance.unwrap_or(DEFAULT_TOLERANCE);
-        let scaled_extent = if scaled_extent.is_finite() { scaled_extent } else { 0.0 };
-        self.threshold = (tolerance * scaled_extent).max(self.least_tolerance * self.factor);
-        let (centre, factor) = (self.centre, self.factor);
-        self.points
-            .extend(self.originals.iter().map(|&point| scale(subtract(point, centre), factor)));
-        self.columns.fill(&self.points);
-        self.next_waiting.resize(self.points.len(), NONE);
-        let corners = [self.inward(low), self.inward(high)];
-        self.bound_errors_by(&corners);
-    }
-
-    /// Takes the points from `first` on into account in the bound on rounding errors.
-    fn bound_errors(&mut self, first: usize) {
-        let points = std::mem::take(&mut self.points);
-        self.bound_errors_by(&points[first..]);
-        self.points = points;
-    }
-
-    fn bound_errors_by(&mut self, points: &[Vector]) {
-        let mut reach = self.heights.reach;
-        for &x in points.as_flattened() {
-            reach = reach.max(x.abs());
-        }
-        self.heights = Heights::new(reach, self.threshold);
+        let widths = faces
+            .iter()
+            .filter(|face| face.inverse > 0.0)
+            .map(|face| (depth(face) / frame.factor, face.plane.normal.map(|x| x * face.inverse)));
+        widths.min_by(|a, b| a.0.total_cmp(&b.0))
     }
 }
 
 #[cfg(test)]
-mod tests;
+mod tests {
+    use super::*;
+    use crate::geometry::vector::{area_normal, normalize};
+    use crate::mesh::shapes::{cuboid, uv_sphere};
+
+    /// Points inside a ball, and points around it.
+    fn ball() -> (Vec<Vector>, Vec<Vector>) {
+        let sphere = |n, radius| uv_sphere(n, [0.0; 3], radius).positions;
+        ([sphere(14, 0.5), sphere(14, 1.0)].concat(), sphere(5, 1.3))
+    }
+
+    fn built(points: &[Vector]) -> HullBuilder {
+        let mut builder = HullBuilder::new();
+        assert_eq!(builder.build(points), Shape::Solid);
+        builder
+    }
+
+    fn sorted(mut points: Vec<Vector>) -> Vec<Vector> {
+        points.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        points
+    }
+
+    #[test]
+    fn without_its_inner_points_a_hull_is_the_same_and_goes_on_growing_the_same_way() {
+        let (points, far) = ball();
+        let mut whole = built(&points);
+        let mut forgetful = whole.clone();
+        forgetful.forget_inner_points();
+        assert_eq!(forgetful.hull.points.len(), forgetful.extract().0.len());
+        assert!(forgetful.hull.points.len() < whole.hull.points.len());
+        assert_eq!(forgetful.extract(), whole.extract());
+        whole.insert_outside(&far);
+        forgetful.insert_outside(&far);
+        assert_eq!(forgetful.extract(), whole.extract());
+        let faces = |builder: &HullBuilder| builder.new_faces().collect::<Vec<_>>();
+        assert_eq!(faces(&forgetful), faces(&whole));
+    }
+
+    #[test]
+    fn of_points_inside_and_outside_only_those_outside_are_kept_and_the_hull_is_that_of_all() {
+        let (points, far) = ball();
+        let mut whole = built(&points);
+        let mut sparing = whole.clone();
+        let more: Vec<Vector> =
+            far.iter().flat_map(|&point| [scale(point, 0.1), point, scale(point, 0.6)]).collect();
+        whole.insert(&more);
+        sparing.insert_outside(&more);
+        assert_eq!(sparing.hull.points.len(), points.len() + far.len());
+        let vertices = sorted(sparing.extract().0);
+        assert_eq!(vertices, sorted(whole.extract().0));
+        assert!(far.iter().all(|point| vertices.contains(point)));
+    }
+
+    #[test]
+    fn the_farthest_of_any_number_of_points_is_as_far_as_one_by_one_over_all_planes() {
+        let (points, far) = ball();
+        let builder = built(&points);
+        let height = |point: &Vector| {
+            let heights = builder
+                .all_faces()
+                .map(|[a, b, c]| dot(normalize(area_normal(a, b, c)), subtract(*point, a)));
+            heights.fold(f64::NEG_INFINITY, f64::max)
+        };
+        for count in 1..far.len() {
+            for some in [&far[..count], &points[..count]] {
+                let expected = some.iter().map(height).fold(f64::NEG_INFINITY, f64::max);
+                assert!((builder.farthest_outside(some) - expected).abs() < 1e-12, "{count}");
+            }
+        }
+    }
+
+    #[test]
+    fn volume_vertices_and_heights_are_those_of_the_points_at_any_scale() {
+        for size in [1e-6, 0.3, 1.0, 1e6] {
+            let corners = cuboid([0.0; 3], [2.0 * size, 3.0 * size, 5.0 * size]).positions;
+            let points = [corners.clone(), vec![[size; 3]]].concat();
+            let mut builder = built(&points);
+            assert!((builder.volume() / (30.0 * size.powi(3)) - 1.0).abs() < 1e-12, "{size}");
+            let height = builder.farthest_outside(&[[size, size, 7.0 * size]]);
+            assert!((height / (2.0 * size) - 1.0).abs() < 1e-12, "{size}");
+            assert_eq!(sorted(builder.vertices_of(&points).unwrap()), sorted(corners));
+            assert!(builder.vertices_of(&points[..3]).is_none(), "a triangle has no hull");
+        }
+    }
+}

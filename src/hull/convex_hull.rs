@@ -1,13 +1,11 @@
-//! A convex polyhedron, and what can be asked of it.
-
-use crate::error::Error;
-use crate::geometry::vector::{
-    Vector, area_normal, cross, dot, length, maximum, minimum, scale, subtract,
-};
-use crate::geometry::{Bounds, MeshView};
+//! A convex polyhedron, and the convex hull of a set of points.
 
 use super::builder::HullBuilder;
-use super::simplex::Shape;
+use super::point_set::Shape;
+use crate::bvh::closest_point::closest_point_on_triangle;
+use crate::error::Error;
+use crate::geometry::vector::{Vector, area_normal, bounds, cross, dot, length, scale, subtract};
+use crate::geometry::{Bounds, MeshView};
 
 /// A closed convex polyhedron of triangles, wound counter-clockwise seen from outside.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -60,27 +58,11 @@ impl<'a> From<&'a ConvexHull> for MeshView<'a> {
 impl ConvexHull {
     /// The vertices as any type of point that is made from an array, such as those of glam, mint
     /// and nalgebra, in single precision: rounded, and so convex only up to rounding.
-    ///
-    /// ```
-    /// # fn main() -> Result<(), hullwright::Error> {
-    /// let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    /// let corners: Vec<glam::Vec3> = hullwright::convex_hull(&points)?.points_as().collect();
-    /// assert!(corners.contains(&glam::Vec3::X));
-    /// # Ok(())
-    /// # }
-    /// ```
     pub fn points_as<P: From<[f32; 3]>>(&self) -> impl ExactSizeIterator<Item = P> + '_ {
         self.points.iter().map(|point| P::from(point.map(|x| x as f32)))
     }
 
     /// The corners of each triangle. Triangles with an index out of range are left out.
-    ///
-    /// ```
-    /// # let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    /// let hull = hullwright::convex_hull(&points)?;
-    /// assert_eq!(hull.corners().count(), hull.triangles.len());
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     pub fn corners(&self) -> impl Iterator<Item = [[f64; 3]; 3]> + '_ {
         self.triangles.iter().filter_map(|triangle| {
             let [a, b, c] = triangle.map(|index| self.points.get(index as usize).copied());
@@ -89,13 +71,6 @@ impl ConvexHull {
     }
 
     /// Enclosed volume, in cubed units. O(triangles).
-    ///
-    /// ```
-    /// # let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.1; 3]];
-    /// let volume = hullwright::convex_hull(&points)?.volume();
-    /// assert!((volume - 1.0 / 6.0).abs() < 1e-12);
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     pub fn volume(&self) -> f64 {
         // Seen from a vertex, so that far from the origin no digits are lost.
         let Some(&apex) = self.points.first() else {
@@ -108,33 +83,12 @@ impl ConvexHull {
     }
 
     /// Axis-aligned bounding box; `None` without points. O(points).
-    ///
-    /// ```
-    /// # let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.1; 3]];
-    /// let bounds = hullwright::convex_hull(&points)?.bounds().expect("it has points");
-    /// assert_eq!(bounds.max, [1.0; 3]);
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     pub fn bounds(&self) -> Option<Bounds> {
-        let first = *self.points.first()?;
-        let (min, max) = self
-            .points
-            .iter()
-            .fold((first, first), |(min, max), &point| (minimum(min, point), maximum(max, point)));
-        Some(Bounds { min, max })
+        let (min, max) = bounds(self.points.iter().copied());
+        (!self.points.is_empty()).then_some(Bounds { min, max })
     }
 
     /// The unit normal and offset of each triangle's plane; zero for triangles without area.
-    ///
-    /// ```
-    /// # let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    /// let inside = [0.1; 3];
-    /// for (normal, offset) in hullwright::convex_hull(&points)?.planes() {
-    ///     let height: f64 = (0..3).map(|axis| normal[axis] * inside[axis]).sum();
-    ///     assert!(height < offset);
-    /// }
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     pub fn planes(&self) -> Vec<([f64; 3], f64)> {
         let plane = |[a, b, c]: [Vector; 3]| {
             let normal = area_normal(a, b, c);
@@ -147,6 +101,17 @@ impl ConvexHull {
             }
         };
         self.corners().map(plane).collect()
+    }
+
+    /// Distance of a point to the hull, 0 inside. `planes` are the hull's. O(triangles).
+    pub(super) fn distance_outside(&self, planes: &[([f64; 3], f64)], point: [f64; 3]) -> f64 {
+        // The nearest point is on a face that the point is in front of.
+        let visible = self.corners().zip(planes).filter(|(_, plane)| dot(plane.0, point) > plane.1);
+        let distances = visible.map(|(corners, _)| {
+            let [a, b, c] = corners.map(|corner| subtract(corner, point));
+            length(closest_point_on_triangle(a, b, c))
+        });
+        distances.min_by(f64::total_cmp).unwrap_or(0.0)
     }
 
     /// Whether no vertex of another hull is in front of a face, up to the rounding of tests.

@@ -1,9 +1,8 @@
 //! A triangle of a growing hull, and the side of its plane on which a point lies.
 //!
-//! The side is decided by the floating-point determinant where that is certain, and by Shewchuk's
-//! adaptive predicate ("Adaptive precision floating-point arithmetic and fast robust geometric
-//! predicates", 1997) where it is not. So a hull can never tear or fold, however nearly coplanar
-//! its points are.
+//! The floating-point determinant decides where it is certain, Shewchuk's adaptive predicate
+//! ("Adaptive precision floating-point arithmetic and fast robust geometric predicates", 1997)
+//! elsewhere. So a hull can never tear or fold, however nearly coplanar its points are.
 
 use robust::{Coord3D, orient3d};
 
@@ -12,124 +11,86 @@ use crate::geometry::vector::{Vector, cross, dot, length_squared, scale, subtrac
 /// No point, face or half-edge.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// Rounding errors of a face's height, in units of `f64::EPSILON` times the largest coordinate
-/// times the product of the lengths of the two edges that the normal is made of. The normal
-/// contributes less than 12, the two scalar products and their difference less than 7, moving the
-/// face's corner and the point to the centre less than 2; the rest is margin.
-const HEIGHT_ERROR: f64 = 32.0;
-
-/// The square of the longest edge between points whose coordinates are at most 1.
-const LONGEST_SQUARED: f64 = 12.0;
-
-/// A point this far behind a face, as a share of the extent, is certainly not in front of it.
-/// Closer ones are kept until all faces are known.
-pub(super) const CERTAINLY_BEHIND: f64 = 1e-12;
-
-/// An edge between a face that a new point sees and one that it does not.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Horizon {
-    pub start: u32,
-    pub end: u32,
-    /// The edge in the face that stays.
-    pub outside: u32,
-}
-
 /// The plane of a face.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Plane {
+pub(super) struct FacePlane {
     /// Points outward; as long as twice the area of the face.
     pub normal: Vector,
     /// The plane's points have this scalar product with the normal.
     pub offset: f64,
 }
 
-/// One triangle of the hull, its plane and its neighbours. It fills a line of the cache.
+impl FacePlane {
+    /// Six times the volume of the tetrahedron between the face and a point: positive in front of
+    /// the plane, and the distance to it times the doubled area.
+    #[inline]
+    pub(super) fn height(&self, point: Vector) -> f64 {
+        let [x, y, z] = self.normal;
+        // Loads the fields in the pairs in which they were stored, so that stores are forwarded.
+        (x * point[0] + y * point[1]) + (z * point[2] - self.offset)
+    }
+}
+
+/// One triangle of the hull, its plane and its neighbours. It fills a cache line.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
 pub(super) struct Face {
-    pub plane: Plane,
-    /// One over the length of the normal, 0 for a face without area. Not known before the hull
-    /// has stopped growing.
+    pub plane: FacePlane,
+    /// One over the length of the normal, 0 for a face without area. Set when the hull has stopped
+    /// growing.
     pub inverse: f64,
     /// Counter-clockwise seen from outside.
     pub vertices: [u32; 3],
-    /// The same edge in the neighbour: `4 * face + edge`. Edge k runs from vertex k to k + 1.
+    /// The same edge in the neighbour, a half-edge `4 * face + edge`. Edge k runs from vertex k to
+    /// k + 1.
     pub twins: [u32; 3],
 }
 
-/// What goes on at a face while a hull grows: kept apart, so that questions read less memory.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Waiting {
-    /// Height of the point `furthest`.
-    pub height: f64,
-    /// The highest of the waiting points that are farther out than the tolerance.
-    pub furthest: u32,
-    /// First of the linked list of waiting points.
-    pub first: u32,
-    /// The last search that met this face.
-    pub stamp: u32,
-    /// The insertion that made this face.
-    pub generation: u32,
-}
+impl Face {
+    /// A place without a face: no point lies in front of it.
+    pub(super) const RETIRED: Self = Self {
+        plane: FacePlane { normal: [0.0; 3], offset: f64::INFINITY },
+        inverse: 0.0,
+        vertices: [NONE; 3],
+        twins: [NONE; 3],
+    };
 
-impl Waiting {
-    /// Nobody waits.
+    /// A face, without neighbours, from the edges that lead from its last vertex to the first and
+    /// the second.
     #[inline]
-    pub(super) fn none(stamp: u32, generation: u32) -> Self {
-        Self { height: 0.0, furthest: NONE, first: NONE, stamp, generation }
+    pub(super) fn spanned(vertices: [u32; 3], [a, b]: [Vector; 2], last: Vector) -> Self {
+        let normal = cross(a, b);
+        let plane = FacePlane { normal, offset: dot(normal, last) };
+        Self { plane, inverse: 0.0, vertices, twins: [NONE; 3] }
     }
-}
 
-/// Bounds on heights that spare most questions about the distance, which takes a root.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Heights {
-    /// Largest coordinate of a point.
-    pub reach: f64,
-    /// Square of the tolerance.
-    squared_tolerance: f64,
-    /// Bound on the rounding error of any height.
-    pub error: f64,
-    /// Who is higher over any face is certainly in front of it by more than the tolerance.
-    pub high: f64,
-    /// Who is lower over any face is certainly behind it.
-    pub low: f64,
-}
+    /// Distance of a point in front of the plane, negative behind it, once the hull has stopped
+    /// growing.
+    #[inline]
+    pub(super) fn distance(&self, point: Vector) -> f64 {
+        self.plane.height(point) * self.inverse
+    }
 
-impl Heights {
-    /// For points whose coordinates are at most `reach` in size.
-    pub(super) fn new(reach: f64, tolerance: f64) -> Self {
-        let longest_normal = LONGEST_SQUARED * reach * reach;
-        let error = f64::EPSILON * HEIGHT_ERROR * reach * longest_normal;
-        Self {
-            reach,
-            squared_tolerance: tolerance * tolerance,
-            error,
-            high: error.max(tolerance * longest_normal),
-            low: -error.max(CERTAINLY_BEHIND * longest_normal),
+    /// Whether the face is visible from a point at `height` over it: exact for the points as given,
+    /// of which `largest` is the largest coordinate.
+    pub(super) fn is_visible(
+        &self,
+        eye: u32,
+        height: f64,
+        given: GivenPoints,
+        largest: f64,
+    ) -> bool {
+        let [a, b, c] = self.vertices;
+        // The product of the edges' lengths is bounded by the mean of the squares, without roots.
+        let [first, second] = [a, b].map(|end| length_squared(given.edge(c, end)));
+        let error = f64::EPSILON * HEIGHT_ERROR * largest * 0.5 * (first + second);
+        if height > error {
+            true
+        } else if height < -error {
+            false
+        } else {
+            given.is_in_front(self.vertices, eye)
         }
-    }
-
-    /// Whether a height over a face is a distance of more than the tolerance.
-    #[inline]
-    pub(super) fn is_beyond(&self, height: f64, plane: &Plane) -> bool {
-        height > self.high || self.is_farther(height, plane, self.squared_tolerance)
-    }
-
-    /// Whether a height over a face is a distance of more than what can be told from none.
-    #[inline]
-    pub(super) fn is_in_front(&self, height: f64, plane: &Plane) -> bool {
-        self.is_farther(height, plane, CERTAINLY_BEHIND * CERTAINLY_BEHIND)
-    }
-
-    /// Whether a height over a face is not a distance behind it, as far as that can be told from none.
-    #[inline]
-    pub(super) fn is_not_behind(&self, height: f64, plane: &Plane) -> bool {
-        self.is_farther(height, plane, -CERTAINLY_BEHIND * CERTAINLY_BEHIND)
-    }
-
-    #[inline]
-    fn is_farther(&self, height: f64, plane: &Plane, squared_distance: f64) -> bool {
-        height * height.abs() > squared_distance * length_squared(plane.normal)
     }
 }
 
@@ -148,90 +109,109 @@ pub(super) fn edge_of(half_edge: u32) -> usize {
     (half_edge % 4) as usize
 }
 
-/// The edge after one in the same face.
+/// The next edge of the same face.
 #[inline]
 pub(super) fn after(edge: usize) -> usize {
     if edge >= 2 { 0 } else { edge + 1 }
 }
 
-/// The edge before one in the same face.
+/// The previous edge of the same face.
 #[inline]
 pub(super) fn before(edge: usize) -> usize {
     if edge == 0 { 2 } else { edge - 1 }
 }
 
-/// A place where there is no face: nothing lies in front of it.
-pub(super) const RETIRED: Face = Face {
-    plane: Plane { normal: [0.0; 3], offset: f64::INFINITY },
-    inverse: 0.0,
-    vertices: [NONE; 3],
-    twins: [NONE; 3],
-};
+/// Rounding errors of a face's height, in units of `f64::EPSILON` times the largest coordinate
+/// times the product of the lengths of the two edges that span the normal. The normal contributes
+/// less than 12, the two scalar products and their difference less than 7, moving the face's corner
+/// and the point to the centre less than 2; the rest is margin.
+const HEIGHT_ERROR: f64 = 32.0;
 
-impl Plane {
-    /// Six times the volume of the tetrahedron between the face and a point: positive in front of
-    /// the plane, and the distance to it times the doubled area.
-    #[inline]
-    pub(super) fn height(&self, point: Vector) -> f64 {
-        let [x, y, z] = self.normal;
-        // In pairs as they were written: a processor waits for what it has not yet written.
-        (x * point[0] + y * point[1]) + (z * point[2] - self.offset)
-    }
+/// The square of the longest edge between points whose coordinates are at most 1.
+const LONGEST_SQUARED: f64 = 12.0;
+
+/// A point this far behind a face, as a fraction of the extent, is certainly not in front of it.
+/// Closer ones are kept until all faces are known.
+pub(super) const CERTAINLY_BEHIND: f64 = 1e-12;
+
+/// Heights over any face beyond which a side is certain. They spare most distances, which take a
+/// root.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Margins {
+    /// Largest coordinate of a point.
+    pub largest: f64,
+    /// Square of the tolerance.
+    squared_tolerance: f64,
+    /// Bound on the rounding error of any height.
+    pub error: f64,
+    /// A higher point is certainly in front of the face by more than the tolerance.
+    pub high: f64,
+    /// A lower point is certainly behind the face.
+    pub low: f64,
 }
 
-impl Face {
-    /// A face, without neighbours, from the edges that lead from its last vertex to the first and
-    /// the second.
-    #[inline]
-    pub(super) fn spanned(vertices: [u32; 3], [a, b]: [Vector; 2], last: Vector) -> Self {
-        let normal = cross(a, b);
-        let plane = Plane { normal, offset: dot(normal, last) };
-        Self { plane, inverse: 0.0, vertices, twins: [NONE; 3] }
-    }
-
-    /// Distance of a point in front of the plane, negative behind it, once the hull has stopped
-    /// growing.
-    #[inline]
-    pub(super) fn distance(&self, point: Vector) -> f64 {
-        self.plane.height(point) * self.inverse
-    }
-
-    /// Whether a point, with its height over the plane, lies strictly in front of it, decided
-    /// exactly for the points as they were given.
-    pub(super) fn sees(&self, point: u32, height: f64, given: Given, heights: Heights) -> bool {
-        let [a, b, c] = self.vertices;
-        // The product of the edges' lengths is bounded by the mean of the squares, without roots.
-        let [first, second] = [a, b].map(|end| length_squared(given.edge(c, end)));
-        let error = f64::EPSILON * HEIGHT_ERROR * heights.reach * 0.5 * (first + second);
-        if height > error {
-            true
-        } else if height < -error {
-            false
-        } else {
-            given.is_in_front(self.vertices, point)
+impl Margins {
+    /// For points whose coordinates are at most `largest` in size.
+    fn new(largest: f64, tolerance: f64) -> Self {
+        let longest_normal = LONGEST_SQUARED * largest * largest;
+        let error = f64::EPSILON * HEIGHT_ERROR * largest * longest_normal;
+        Self {
+            largest,
+            squared_tolerance: tolerance * tolerance,
+            error,
+            high: error.max(tolerance * longest_normal),
+            low: -error.max(CERTAINLY_BEHIND * longest_normal),
         }
     }
+
+    /// For more points.
+    pub(super) fn including(self, points: &[Vector], tolerance: f64) -> Self {
+        let larger = |largest: f64, x: &f64| largest.max(x.abs());
+        Self::new(points.as_flattened().iter().fold(self.largest, larger), tolerance)
+    }
+
+    /// Whether a height over a face is a distance of more than the tolerance.
+    #[inline]
+    pub(super) fn is_beyond(&self, height: f64, plane: &FacePlane) -> bool {
+        height > self.high || is_farther(height, plane, self.squared_tolerance)
+    }
 }
 
-/// The points as they were given, with the power of two that brings them near 1.
+/// Whether a height over a face is a distance that differs from none.
+#[inline]
+pub(super) fn is_in_front(height: f64, plane: &FacePlane) -> bool {
+    is_farther(height, plane, CERTAINLY_BEHIND * CERTAINLY_BEHIND)
+}
+
+/// Whether a height over a face is no distance behind it that differs from none.
+#[inline]
+pub(super) fn is_not_behind(height: f64, plane: &FacePlane) -> bool {
+    is_farther(height, plane, -CERTAINLY_BEHIND * CERTAINLY_BEHIND)
+}
+
+#[inline]
+fn is_farther(height: f64, plane: &FacePlane, squared_distance: f64) -> bool {
+    height * height.abs() > squared_distance * length_squared(plane.normal)
+}
+
+/// The points as given, with the power of two that brings them near 1.
 ///
-/// Moving them to their centre too rounds them, by next to nothing, but that is more than a
-/// triangle that is a billion times smaller than the hull can bear: what a face's direction and
-/// the exact answers depend on is taken from here.
+/// Moving points to their centre rounds them, by next to nothing, but by more than a triangle that
+/// is a billion times smaller than the hull can bear. So normals and exact predicates use these.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Given<'a> {
+pub(super) struct GivenPoints<'a> {
     pub points: &'a [Vector],
     pub factor: f64,
 }
 
-impl Given<'_> {
-    /// From one point to another, in the scaled space.
+impl GivenPoints<'_> {
+    /// From one point to another.
     #[inline]
     pub(super) fn edge(&self, start: u32, end: u32) -> Vector {
         subtract(self.scaled(end), self.scaled(start))
     }
 
-    /// A point in the scaled space, but for the move to the centre: rounded by nothing.
+    /// Exact: scaling by a power of two rounds nothing.
     #[inline]
     fn scaled(&self, point: u32) -> Vector {
         scale(self.points[point as usize], self.factor)
@@ -258,13 +238,30 @@ impl Given<'_> {
     }
 }
 
+/// One over the root of a number that is not negative; 0 for next to nothing.
+///
+/// Newton's method from a guess that halves and negates the exponent (Lomont, "Fast inverse square
+/// root", 2003): it vectorises and pipelines, which roots and divisions hardly do.
+#[inline]
+pub(super) fn inverse_root(number: f64) -> f64 {
+    /// Lomont's constant for double precision.
+    const GUESS: u64 = 0x5FE6_EC85_E7DE_30DA;
+    /// The guess is good to 4 bits and more, and each step doubles that.
+    const STEPS: usize = 4;
+    let mut root = f64::from_bits(GUESS.wrapping_sub(number.to_bits() >> 1));
+    for _ in 0..STEPS {
+        root *= 1.5 - 0.5 * number * root * root;
+    }
+    if number > f64::MIN_POSITIVE { root } else { 0.0 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::geometry::vector::{add, length};
 
     /// Planes of triangles of any size and direction, and a point of each.
-    fn planes() -> impl Iterator<Item = (Plane, Vector)> {
+    fn planes() -> impl Iterator<Item = (FacePlane, Vector)> {
         let corners = [[0.3, -0.2, 0.1], [-0.4, 0.5, 0.2], [0.1, 0.3, -0.6]];
         [1.0, 0.1, 1e-3].into_iter().flat_map(move |size| {
             (0..3).map(move |turn| {
@@ -278,37 +275,26 @@ mod tests {
     #[test]
     fn heights_are_compared_with_distances() {
         for tolerance in [1e-3, 1e-6, 1e-9] {
-            let heights = Heights::new(1.0, tolerance);
+            let margins = Margins::new(1.0, tolerance);
+            assert!(margins.error < margins.high && margins.error < -margins.low);
+            // Not much larger than the longest normal requires.
+            assert!(margins.high < 100.0 * tolerance && margins.error < 1e-12);
             for (plane, on_it) in planes() {
-                let unit = scale(plane.normal, 1.0 / length(plane.normal));
+                let area = length(plane.normal);
+                assert!(margins.high / area > tolerance && margins.low / area < -CERTAINLY_BEHIND);
+                let unit = scale(plane.normal, 1.0 / area);
                 let height_at = |distance: f64| plane.height(add(on_it, scale(unit, distance)));
                 for share in [-10.0, -1.0, 0.0, 0.9, 1.1, 10.0] {
-                    let is_beyond = heights.is_beyond(height_at(share * tolerance), &plane);
+                    let is_beyond = margins.is_beyond(height_at(share * tolerance), &plane);
                     assert_eq!(is_beyond, share > 1.0, "{share} tolerances of {tolerance}");
                 }
                 // Not by way of a point: its coordinates are rounded by more than this.
-                let height_of = |distance: f64| distance * length(plane.normal);
                 for share in [-10.0, -1.1, -0.9, 0.0, 0.9, 1.1, 10.0] {
-                    let height = height_of(share * CERTAINLY_BEHIND);
-                    assert_eq!(heights.is_in_front(height, &plane), share > 1.0, "{share}");
-                    assert_eq!(heights.is_not_behind(height, &plane), share > -1.0, "{share}");
+                    let height = share * CERTAINLY_BEHIND * area;
+                    assert_eq!(is_in_front(height, &plane), share > 1.0, "{share}");
+                    assert_eq!(is_not_behind(height, &plane), share > -1.0, "{share}");
                 }
             }
-        }
-    }
-
-    #[test]
-    fn heights_beyond_those_that_spare_questions_need_none() {
-        for tolerance in [1e-3, 1e-6, 1e-9] {
-            let heights = Heights::new(1.0, tolerance);
-            assert!(heights.error < heights.high && heights.error < -heights.low);
-            for (plane, _) in planes() {
-                let distance = |height: f64| height / length(plane.normal);
-                assert!(distance(heights.high) > tolerance);
-                assert!(distance(heights.low) < -CERTAINLY_BEHIND);
-            }
-            // Not much larger than the longest normal asks for.
-            assert!(heights.high < 100.0 * tolerance && heights.error < 1e-12);
         }
     }
 }

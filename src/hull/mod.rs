@@ -1,33 +1,39 @@
 //! Convex hulls, in double precision, that a physics engine can take as they are.
 //!
-//! [`convex_hull`] answers for one set of points; a [`HullBuilder`] keeps its memory between
-//! hulls and can go on growing a hull. Flat, linear and point-like sets get a small thickness
+//! [`convex_hull`] takes one set of points; a [`HullBuilder`] keeps its memory between hulls, and
+//! its hull can grow. Flat, linear and point-like sets get a small thickness
 //! ([`MINIMUM_THICKNESS`]), so that every hull has volume.
+//!
+//! ```
+//! use hullwright::hull::{HullBuilder, Shape, solid_hull};
+//!
+//! let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+//! let mut builder = HullBuilder::new();
+//! assert_eq!(builder.build(&square), Shape::Flat);
+//!
+//! // Against the outward normal, so that the upper side stays in place.
+//! let (plate, added) = solid_hull(&mut builder, &square, [0.0, 0.0, 1.0], 0.01)?;
+//! assert_eq!((plate.points.len(), added), (8, 0.01));
+//!
+//! builder.insert(&[[0.5, 0.5, 1.0], [0.5, 0.5, 0.2]]);
+//! assert_eq!(builder.extract().0.len(), 9);
+//! # Ok::<(), hullwright::Error>(())
+//! ```
 
 mod builder;
-mod collapse;
-mod columns;
 mod convex_hull;
-mod extent;
 mod face;
-mod grow;
 pub(crate) mod growing_hull;
-mod max_vertices;
+mod point_set;
 mod primitive;
-mod query;
-mod redundant;
-mod sharp_edges;
-mod simplex;
-mod single_precision;
-mod thickness;
-mod waiting_points;
+mod quickhull;
+mod simplification;
+mod solid_hull;
 
 pub use builder::{DEFAULT_TOLERANCE, HullBuilder};
-pub(crate) use collapse::collapse_edges;
 pub use convex_hull::{ConvexHull, convex_hull};
-pub(crate) use max_vertices::{cap_vertices, coarser, most_prominent};
+pub use point_set::Shape;
 pub use primitive::{Primitive, Slack, fit_primitive};
-pub use simplex::Shape;
-pub use single_precision::{SinglePrecisionHull, single_precision};
-pub(crate) use thickness::{LEAST_THICKNESS, joint_hull};
-pub use thickness::{MINIMUM_THICKNESS, solid_hull};
+pub(crate) use simplification::{coarser, collapse_edges, limit_vertices, most_prominent};
+pub(crate) use solid_hull::{LEAST_THICKNESS, joint_hull};
+pub use solid_hull::{MINIMUM_THICKNESS, SinglePrecisionHull, single_precision, solid_hull};

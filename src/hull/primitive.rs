@@ -1,15 +1,15 @@
-//! Boxes, balls and capsules that stand for hulls.
+//! Boxes, balls and capsules in place of hulls.
 //!
-//! Whether one does is verified, not sampled. Distance to a convex set is a convex function, so a box is nowhere
-//! farther outside a hull than at its corners. A ball or capsule of radius r is nowhere farther than d outside
-//! if its centre, or both ends of its segment, lie r - d behind every plane of the hull. And a hull is nowhere
-//! farther outside of a primitive than at its vertices.
+//! Distances are verified, not sampled. Distance to a convex set is a convex function, so a box is
+//! nowhere farther outside a hull than at its corners. A ball or capsule of radius r is nowhere
+//! farther than d outside if its centre, or both ends of its segment, lie r - d behind every plane
+//! of the hull. And a hull is nowhere farther outside of a primitive than at its vertices.
 
-use crate::bvh::closest_point::closest_point_on_triangle;
+use super::convex_hull::ConvexHull;
+use super::solid_hull::any_across;
 use crate::geometry::vector::{
     Vector, add, area_normal, bounds, cross, distance, dot, length, normalize, scale, subtract,
 };
-use crate::hull::ConvexHull;
 
 /// A simple shape.
 #[non_exhaustive]
@@ -50,24 +50,13 @@ pub struct Slack {
 }
 
 /// The primitive that is nearest to a hull, if there is one within `slack`. O(faces²).
-///
-/// ```
-/// use hullwright::hull::{Primitive, Slack, convex_hull, fit_primitive};
-///
-/// let corners: Vec<[f64; 3]> =
-///     (0..8).map(|i| [0, 1, 2].map(|axis| f64::from(i >> axis & 1))).collect();
-/// let cube = convex_hull(&corners)?;
-/// let found = fit_primitive(&cube, Slack { outside: 0.01, inside: 0.01 });
-/// assert!(matches!(found, Some(Primitive::Cuboid { .. })));
-/// # Ok::<(), hullwright::Error>(())
-/// ```
 pub fn fit_primitive(hull: &ConvexHull, slack: Slack) -> Option<Primitive> {
     if !(slack.outside >= 0.0 && slack.inside >= 0.0) || hull.points.is_empty() {
         return None;
     }
     let planes = hull.planes();
     let axes = axes(hull);
-    let cuboid = axes.and_then(|axes| cuboid(hull, axes, slack));
+    let cuboid = axes.and_then(|axes| cuboid(hull, &planes, axes, slack));
     let ball = ball(hull, &planes, slack);
     let lengthwise = axes.into_iter().flatten().chain(longest_chord(hull));
     let capsules = lengthwise.filter_map(|axis| capsule(hull, &planes, axis, slack));
@@ -128,33 +117,22 @@ fn in_space(point: Vector, axes: [Vector; 3]) -> Vector {
 }
 
 /// The hull is inside of it.
-fn cuboid(hull: &ConvexHull, axes: [Vector; 3], slack: Slack) -> Option<Fit> {
+fn cuboid(
+    hull: &ConvexHull,
+    planes: &[(Vector, f64)],
+    axes: [Vector; 3],
+    slack: Slack,
+) -> Option<Fit> {
     let (centre, half) = extent(hull, axes);
     let corner = |index: usize| {
         let signed =
             [0, 1, 2].map(|axis| if index >> axis & 1 == 1 { half[axis] } else { -half[axis] });
         add(centre, in_space(signed, axes))
     };
-    let distances = (0..8).map(|index| distance_outside(hull, corner(index)));
+    let distances = (0..8).map(|index| hull.distance_outside(planes, corner(index)));
     let outside = distances.fold(0.0, f64::max);
     let is_usable = half.iter().all(|half| *half > 0.0) && outside <= slack.outside;
     is_usable.then_some((Primitive::Cuboid { centre, axes, half }, outside))
-}
-
-/// 0 for a point inside.
-fn distance_outside(hull: &ConvexHull, point: Vector) -> f64 {
-    let is_inside = hull.planes().iter().all(|(normal, offset)| dot(*normal, point) <= *offset);
-    if is_inside {
-        return 0.0;
-    }
-    let faces = hull.corners().map(|[a, b, c]| {
-        length(closest_point_on_triangle(
-            subtract(a, point),
-            subtract(b, point),
-            subtract(c, point),
-        ))
-    });
-    faces.fold(f64::INFINITY, f64::min)
 }
 
 /// How far a point is behind the nearest plane.
@@ -180,11 +158,7 @@ fn ball(hull: &ConvexHull, planes: &[(Vector, f64)], slack: Slack) -> Option<Fit
 }
 
 fn capsule(hull: &ConvexHull, planes: &[(Vector, f64)], axis: Vector, slack: Slack) -> Option<Fit> {
-    // Any two directions upright to the axis.
-    let least = (0..3).min_by(|a, b| axis[*a].abs().total_cmp(&axis[*b].abs()))?;
-    let mut other = [0.0; 3];
-    other[least] = 1.0;
-    let second = normalize(cross(axis, other));
+    let second = any_across(axis);
     let (centre, half) = extent(hull, [axis, second, cross(axis, second)]);
     let across = |point: &Vector| {
         let from_centre = subtract(*point, centre);
@@ -204,141 +178,4 @@ fn capsule(hull: &ConvexHull, planes: &[(Vector, f64)], axis: Vector, slack: Sla
     let depth = ends.map(|end| depth(planes, end)).into_iter().fold(f64::INFINITY, f64::min);
     let radius = radius(farthest, depth, slack)?;
     Some((Primitive::Capsule { ends, radius }, farthest - depth))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::hull::convex_hull;
-
-    fn sphere(rings: usize) -> Vec<Vector> {
-        let turn = |share: f64| (share * std::f64::consts::TAU).sin_cos();
-        let ring = move |ring: usize| {
-            let (sin, cos) = turn(0.5 * (ring as f64 + 0.5) / rings as f64);
-            (0..2 * rings).map(move |step| {
-                let (y, x) = turn(step as f64 / (2 * rings) as f64);
-                [sin * x, sin * y, cos]
-            })
-        };
-        (0..rings).flat_map(ring).collect()
-    }
-
-    fn corners(half: Vector) -> Vec<Vector> {
-        let sign = |index: usize, axis: usize| if index >> axis & 1 == 1 { 1.0 } else { -1.0 };
-        (0..8).map(|index| [0, 1, 2].map(|axis| sign(index, axis) * half[axis])).collect()
-    }
-
-    /// Turned and moved, so that nothing lies along the axes.
-    fn placed(points: &[Vector]) -> ConvexHull {
-        let axes = [[0.6, 0.8, 0.0], [-0.8 * 0.6, 0.36, 0.8], [0.64, -0.48, 0.6]];
-        let placed = points.iter().map(|point| add(in_space(*point, axes), [5.0, -3.0, 2.0]));
-        convex_hull(&placed.collect::<Vec<_>>()).unwrap()
-    }
-
-    fn slack(both: f64) -> Slack {
-        Slack { outside: both, inside: both }
-    }
-
-    #[test]
-    fn a_turned_box_is_a_box_of_its_size() {
-        let hull = placed(&corners([3.0, 2.0, 0.5]));
-        let Some(Primitive::Cuboid { centre, half, .. }) = fit_primitive(&hull, slack(1e-6)) else {
-            panic!("it is no box");
-        };
-        let mut half = half;
-        half.sort_by(f64::total_cmp);
-        assert!(
-            distance(half, [0.5, 2.0, 3.0]) < 1e-6 && distance(centre, [5.0, -3.0, 2.0]) < 1e-6
-        );
-    }
-
-    #[test]
-    fn round_hulls_are_balls_and_capsules_within_their_slack_and_not_below() {
-        let ball = placed(&sphere(10));
-        assert!(matches!(
-            fit_primitive(&ball, slack(0.03)),
-            Some(Primitive::Ball { radius, .. }) if (radius - 1.0).abs() < 0.03
-        ));
-        // Where the slack allows more, the radius is still halfway between what is in and what is out.
-        assert!(matches!(
-            fit_primitive(&ball, slack(0.2)),
-            Some(Primitive::Ball { radius, .. }) if (radius - 1.0).abs() < 0.03
-        ));
-        assert_eq!(fit_primitive(&ball, slack(0.001)), None);
-        let long: Vec<Vector> =
-            sphere(10).iter().map(|[x, y, z]| [*x, *y, z + 2.0 * z.signum()]).collect();
-        let capsule = placed(&long);
-        let Some(Primitive::Capsule { ends: [a, b], radius }) =
-            fit_primitive(&capsule, slack(0.05))
-        else {
-            panic!("it is no capsule");
-        };
-        assert!((distance(a, b) - 4.0).abs() < 0.1 && (radius - 1.0).abs() < 0.05);
-        assert_eq!(fit_primitive(&capsule, slack(0.001)), None);
-    }
-
-    #[test]
-    fn other_hulls_stay_hulls() {
-        let wedge = [
-            [0.0; 3],
-            [2.0, 0.0, 0.0],
-            [0.0, 1.0, 0.0],
-            [0.0, 0.0, 1.0],
-            [2.0, 0.0, 1.0],
-            [0.0, 1.0, 1.0],
-        ];
-        assert_eq!(fit_primitive(&placed(&wedge), slack(0.05)), None);
-        let cube = placed(&corners([1.0; 3]));
-        for (outside, inside) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, f64::NAN)] {
-            assert_eq!(fit_primitive(&cube, Slack { outside, inside }), None);
-        }
-    }
-
-    /// Against many points on both surfaces.
-    #[test]
-    fn what_is_found_is_within_its_slack_both_ways() {
-        let mut long = sphere(6);
-        long.iter_mut().for_each(|point| point[2] += 1.5 * point[2].signum());
-        let mut cut = corners([1.0, 0.8, 0.6]);
-        cut[7] = [0.95, 0.77, 0.58];
-        // The corner that is cut off is 0.0616 from what is left: no box can be nearer.
-        for (points, both) in [(sphere(8), 0.05), (long, 0.12), (cut, 0.062)] {
-            let hull = placed(&points);
-            let found = fit_primitive(&hull, slack(both))
-                .unwrap_or_else(|| panic!("no primitive within {both}"));
-            let outside = |point: &Vector| match found {
-                Primitive::Ball { centre, radius } => distance(*point, centre) - radius,
-                Primitive::Capsule { ends: [a, b], radius } => {
-                    let along = normalize(subtract(b, a));
-                    let place = dot(along, subtract(*point, a)).clamp(0.0, distance(a, b));
-                    distance(*point, add(a, scale(along, place))) - radius
-                }
-                Primitive::Cuboid { centre, axes, half } => {
-                    let from_centre = subtract(*point, centre);
-                    let over = [0, 1, 2]
-                        .map(|axis| (dot(axes[axis], from_centre).abs() - half[axis]).max(0.0));
-                    length(over)
-                }
-            };
-            assert!(hull.points.iter().all(|point| outside(point) <= both + 1e-9));
-            for direction in sphere(20) {
-                let on_surface = match found {
-                    Primitive::Ball { centre, radius } => {
-                        vec![add(centre, scale(direction, radius))]
-                    }
-                    Primitive::Capsule { ends, radius } => {
-                        ends.map(|end| add(end, scale(direction, radius))).to_vec()
-                    }
-                    Primitive::Cuboid { centre, axes, half } => {
-                        let reach = [0, 1, 2]
-                            .map(|axis| (1.5 * direction[axis]).clamp(-1.0, 1.0) * half[axis]);
-                        vec![add(centre, in_space(reach, axes))]
-                    }
-                };
-                assert!(
-                    on_surface.iter().all(|point| distance_outside(&hull, *point) <= both + 1e-9)
-                );
-            }
-        }
-    }
 }

@@ -8,7 +8,7 @@ use crate::control::{Control, Stage};
 use crate::decomposition::{GroupedMesh, Hull, HullErrors, Provenance};
 use crate::error::Error;
 use crate::geometry::vector::{Vector, add, area_normal};
-use crate::hull::{ConvexHull, HullBuilder, LEAST_THICKNESS, cap_vertices, solid_hull};
+use crate::hull::{ConvexHull, HullBuilder, LEAST_THICKNESS, limit_vertices, solid_hull};
 use crate::mesh::grouping::{Grouping, corners, group_vertices, members};
 use crate::mesh::{Normalization, PreparedMesh, TriangleMesh};
 use crate::stages::Stages;
@@ -50,7 +50,7 @@ impl Pieces<'_> {
             });
             let (solid, added) = solid_hull(&mut builder, &points, outward, LEAST_THICKNESS)?;
             let (solid, growth) = match max_vertices {
-                Some(most) => cap_vertices(&mut builder, solid, most, control)?,
+                Some(most) => limit_vertices(&mut builder, solid, most, control)?,
                 None => (solid, 0.0),
             };
             let component = group.first().map_or(0, |&triangle| self.components[triangle as usize]);

@@ -17,7 +17,7 @@ use crate::bounded::settings::{MAX_UNCOVERED, MAX_UNCOVERED_UNDER_CAP};
 use crate::error::Error;
 use crate::geometry::vector::{Vector, add, distance, scale, subtract};
 use crate::hull::{
-    ConvexHull, HullBuilder, LEAST_THICKNESS, cap_vertices, coarser, collapse_edges,
+    ConvexHull, HullBuilder, LEAST_THICKNESS, coarser, collapse_edges, limit_vertices,
     most_prominent, solid_hull,
 };
 use crate::solid::Scratch;
@@ -137,7 +137,7 @@ impl Attempts<'_> {
             }
         }
         let (capped, growth) =
-            cap_vertices(self.builder, original.hull.clone(), max_vertices, control)?;
+            limit_vertices(self.builder, original.hull.clone(), max_vertices, control)?;
         if let Some(simplified) = self.accepted(capped.clone(), growth, max_uncovered)? {
             return Ok(simplified);
         }

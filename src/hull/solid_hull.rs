@@ -1,32 +1,38 @@
-//! Volume for sets of points that have next to none.
+//! Hulls that physics engines can take: with volume, also in `f32`.
 //!
 //! Groups of a mesh are often flat, and physics engines lose or flatten plates that are thinner
-//! than about 6e-4 of their diagonal. Such a set is pushed against its normal, into the body that
+//! than about 6e-4 of their diagonal. Such a set is pushed against its normal, into the solid that
 //! it is the surface of, until it is [`MINIMUM_THICKNESS`] thick: its outer side stays in place.
+//!
+//! Rounding to `f32` moves vertices by half a unit in the last place, which may dent flat sides,
+//! fold slivers, and flatten what lies far from the origin. So the rounded points get a hull of their
+//! own.
 
 use super::builder::HullBuilder;
 use super::convex_hull::ConvexHull;
-use super::simplex::Shape;
+use super::point_set::{Shape, is_finite};
 use crate::error::Error;
-use crate::geometry::vector::{Vector, add, cross, distance, dot, normalize, scale, subtract};
+use crate::geometry::vector::{
+    Vector, add, cross, diagonal, distance, dot, normalize, scale, subtract,
+};
 
-/// The least width of a hull, as a share of the diagonal of its own bounding box. Parry flattens
+/// The least width of a hull, as a fraction of the diagonal of its own bounding box. Parry flattens
 /// plates thinner than about 6e-4 of their diagonal; this leaves room for rounding to `f32`.
 pub const MINIMUM_THICKNESS: f64 = 1e-3;
 
-/// A hull's least thickness as a share of the mesh's diagonal: what is small in all directions
-/// gets a body that single precision can still tell from nothing.
+/// A hull's least thickness as a fraction of the mesh's diagonal: very small hulls keep a volume
+/// that single precision can represent.
 pub(crate) const LEAST_THICKNESS: f64 = 1e-6;
 
-/// A width below the minimum by less than this share of it is left alone, so that a hull that was
-/// thickened once is not thickened again.
+/// A width below the minimum by less than this fraction of it is accepted, so that a thickened hull
+/// is not thickened again.
 const SLACK: f64 = 1e-3;
 
 /// The width of a hull is at least its first tetrahedron's height divided by this, so that the
-/// exact width of most hulls need not be known.
+/// exact width of most hulls is not computed.
 const HEIGHT_PER_WIDTH: f64 = 8.0;
 
-/// A spot becomes a rod, a rod a plate, a plate a body.
+/// Each pass adds one dimension: point to rod, rod to plate, plate to solid.
 const DIMENSIONS: usize = 3;
 
 /// The convex hull of points, with at least [`MINIMUM_THICKNESS`] times the diagonal of their
@@ -39,15 +45,6 @@ const DIMENSIONS: usize = 3;
 ///
 /// # Errors
 /// [`Error::NoHull`] if no point is finite, or if all are one spot and `least_thickness` is 0.
-///
-/// ```
-/// use hullwright::hull::{HullBuilder, solid_hull};
-///
-/// let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
-/// let (hull, added) = solid_hull(&mut HullBuilder::new(), &square, [0.0, 0.0, 1.0], 0.01)?;
-/// assert!(hull.volume() > 0.0 && added >= 0.01);
-/// # Ok::<(), hullwright::Error>(())
-/// ```
 pub fn solid_hull(
     builder: &mut HullBuilder,
     points: &[[f64; 3]],
@@ -55,9 +52,9 @@ pub fn solid_hull(
     least_thickness: f64,
 ) -> Result<(ConvexHull, f64), Error> {
     let shape = builder.build(points);
-    let wanted = (MINIMUM_THICKNESS * diagonal(points)).max(least_thickness);
-    let is_thick = shape == Shape::Solid && builder.simplex_height() >= HEIGHT_PER_WIDTH * wanted;
-    if is_thick {
+    let wanted = (MINIMUM_THICKNESS * diagonal(points.iter().copied().filter(is_finite)))
+        .max(least_thickness);
+    if shape == Shape::Solid && builder.simplex_height() >= HEIGHT_PER_WIDTH * wanted {
         return Ok((builder.extract().into(), 0.0));
     }
     thicken(builder, shape, points, outward, wanted)
@@ -84,8 +81,7 @@ fn thicken(
     outward: Vector,
     wanted: f64,
 ) -> Result<(ConvexHull, f64), Error> {
-    let mut points: Vec<Vector> =
-        points.iter().copied().filter(|p| p.iter().all(|x| x.is_finite())).collect();
+    let mut points: Vec<Vector> = points.iter().copied().filter(is_finite).collect();
     if points.is_empty() {
         return Err(Error::NoHull { reason: "no point is finite" });
     }
@@ -154,7 +150,7 @@ fn pushed(points: &[Vector], direction: Vector, outward: Vector, distance: f64) 
 }
 
 /// Some unit vector at right angles to a unit vector.
-fn any_across(along: Vector) -> Vector {
+pub(super) fn any_across(along: Vector) -> Vector {
     let least = (0..3).min_by(|&a, &b| along[a].abs().total_cmp(&along[b].abs())).unwrap_or(0);
     let mut axis = [0.0; 3];
     axis[least] = 1.0;
@@ -173,8 +169,57 @@ fn far_pair(points: &[Vector]) -> (Vector, Vector) {
     (farthest(second), second)
 }
 
-fn diagonal(points: &[[f64; 3]]) -> f64 {
-    crate::geometry::vector::diagonal(
-        points.iter().copied().filter(|p| p.iter().all(|x| x.is_finite())),
-    )
+/// A hull far from the origin keeps at least this many units in the last place of its largest
+/// coordinate as thickness, so that its volume survives the next rounding too.
+const LEAST_ULPS: f64 = 4.0;
+
+/// Thickness is rounded as well, so it may take a few attempts; each doubles it.
+const ATTEMPTS: usize = 4;
+
+/// Vertices and triangles in `f32`.
+pub type SinglePrecisionHull = (Vec<[f32; 3]>, Vec<[u32; 3]>);
+
+impl ConvexHull {
+    /// Vertices and triangles in single precision: the hull of the rounded vertices, so that it is
+    /// convex and has volume as it stands. O(n log n).
+    ///
+    /// # Errors
+    /// [`Error::NoHull`] if a coordinate is beyond the range of `f32`.
+    pub fn to_single_precision(&self) -> Result<SinglePrecisionHull, Error> {
+        single_precision(&self.points, &mut HullBuilder::new())
+    }
+}
+
+/// The hull of the points rounded to `f32`, with volume and wound outward. Convex up to the
+/// tolerance of [`HullBuilder`], which is less than 1e-6 of the diagonal. O(n log n).
+///
+/// # Errors
+/// [`Error::NoHull`] if a coordinate is beyond the range of `f32`, or nothing is left.
+pub fn single_precision(
+    points: &[[f64; 3]],
+    builder: &mut HullBuilder,
+) -> Result<SinglePrecisionHull, Error> {
+    let mut points = rounded(points)?;
+    let largest = points.iter().flatten().fold(0.0f64, |largest, x| largest.max(x.abs()));
+    let mut least_thickness = LEAST_ULPS * f64::from(f32::EPSILON) * largest;
+    for _ in 0..ATTEMPTS {
+        let (solid, _) = solid_hull(builder, &points, [0.0; 3], least_thickness)?;
+        points = rounded(&solid.points)?;
+        if builder.build(&points) == Shape::Solid {
+            let hull = ConvexHull::from(builder.extract());
+            return Ok((hull.points_as().collect(), hull.triangles));
+        }
+        least_thickness *= 2.0;
+    }
+    Err(Error::NoHull { reason: "rounding to f32 leaves no volume" })
+}
+
+fn rounded(points: &[[f64; 3]]) -> Result<Vec<[f64; 3]>, Error> {
+    let round = |point: &[f64; 3]| point.map(|x| f64::from(x as f32));
+    let points: Vec<_> = points.iter().map(round).collect();
+    if points.iter().flatten().all(|x| x.is_finite()) {
+        Ok(points)
+    } else {
+        Err(Error::NoHull { reason: "a coordinate is beyond the range of f32" })
+    }
 }

@@ -1,0 +1,676 @@
+//! Quickhull (Barber, Dobkin, Huhdanpaa, "The quickhull algorithm for convex hulls", 1996): a
+//! growing hull, and the steps by which it grows.
+//!
+//! A point in front of faces is in the outside set of one of them. The furthest point of an outside
+//! set becomes the eye point: the visible faces make way for a cone between their outline, the
+//! horizon, and the eye point, and their outside sets are partitioned among the faces of the cone.
+//! The hull is complete when no outside set has a point farther out than the tolerance: a finer hull
+//! would shatter flat sides into slivers. Visibility is exact (see `face.rs`): at each moment the
+//! hull is the exact hull of the points added.
+//!
+//! The steps are so small that instructions count: no roots, no divisions, and slices, whose
+//! addresses stay in registers, for vectors.
+
+use std::ops::ControlFlow::{self, Break, Continue};
+
+use super::face::{
+    CERTAINLY_BEHIND, Face, FacePlane, GivenPoints, Margins, NONE, after, before, edge_of, face_of,
+    half_edge, inverse_root, is_in_front, is_not_behind,
+};
+use super::point_set::Frame;
+use crate::bvh::closest_point::closest_point_on_triangle;
+use crate::geometry::vector::{Vector, length_squared, subtract};
+
+/// A hull, and all that it needs to go on growing: what a copy copies.
+#[derive(Debug, Default)]
+pub(super) struct HullState {
+    /// Set by `build`; `points` are in it.
+    pub frame: Frame,
+    /// All points given since `build` and not forgotten, in the frame.
+    pub points: Vec<Vector>,
+    /// The same points as given.
+    pub originals: Vec<Vector>,
+    /// A closed surface. While the hull grows some are retired; `close_gaps` removes those.
+    pub faces: Vec<Face>,
+    /// For each face what changes while the hull grows: apart, so that queries read less memory.
+    pub growth: Vec<FaceGrowth>,
+    /// For each point the next one in the same outside set.
+    pub next_outside: Vec<u32>,
+    /// Points closer to the hull are left out. In the frame, set by `build`.
+    pub tolerance: f64,
+    /// Whether points beyond sharp edges are left out too. Set by `build`.
+    pub is_coarse: bool,
+    /// For all `points` and the tolerance. Whoever adds points includes them.
+    pub margins: Margins,
+    /// Number of insertions since `build`: tells the faces of the last one.
+    pub generation: u32,
+    /// Number of walks over faces since `build`.
+    pub visit: u32,
+    /// Whether an outside set may have points within the tolerance of its face. Cleared when inner
+    /// points are forgotten.
+    pub has_close_points: bool,
+    /// Height of the first tetrahedron, in the units of the points. Set by `build`.
+    pub simplex_height: f64,
+}
+
+impl HullState {
+    /// Copies another hull into memory that is there already.
+    pub(super) fn copy_from(&mut self, other: &Self) {
+        self.points.clone_from(&other.points);
+        self.originals.clone_from(&other.originals);
+        self.faces.clone_from(&other.faces);
+        self.growth.clone_from(&other.growth);
+        self.next_outside.clone_from(&other.next_outside);
+        self.frame = other.frame;
+        self.tolerance = other.tolerance;
+        self.is_coarse = other.is_coarse;
+        self.margins = other.margins;
+        self.generation = other.generation;
+        self.visit = other.visit;
+        self.has_close_points = other.has_close_points;
+        self.simplex_height = other.simplex_height;
+    }
+
+    pub(super) fn given(&self) -> GivenPoints<'_> {
+        GivenPoints { points: &self.originals, factor: self.frame.factor }
+    }
+}
+
+/// What changes at a face while the hull grows.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct FaceGrowth {
+    pub outside: OutsideSet,
+    /// The last walk that came to this face.
+    visit: u32,
+    /// The insertion that made this face.
+    pub generation: u32,
+}
+
+impl FaceGrowth {
+    #[inline]
+    fn new(visit: u32, generation: u32) -> Self {
+        Self { outside: OutsideSet::EMPTY, visit, generation }
+    }
+}
+
+/// Points in front of a face, and of no other face's set: a linked list.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct OutsideSet {
+    /// Height of the furthest point; 0 if there is none.
+    height: f64,
+    /// The highest of the points that are farther out than the tolerance.
+    furthest: u32,
+    /// The list's first point.
+    first: u32,
+}
+
+impl OutsideSet {
+    pub(super) const EMPTY: Self = Self { height: 0.0, furthest: NONE, first: NONE };
+}
+
+/// Memory that is reused. It carries nothing from one call to the next.
+#[derive(Debug, Default)]
+pub(super) struct Scratch {
+    pub queue: Queue,
+    cone: Cone,
+    /// Places of retired faces.
+    free: Vec<u32>,
+    /// For each point its number among the vertices, or none.
+    pub numbers: Vec<u32>,
+    /// Whether an eye point lay within the tolerance of a plane: without such points no vertex
+    /// lies inside a flat side.
+    pub has_flat_places: bool,
+}
+
+/// Furthest points that are to become eye points.
+#[derive(Debug, Default)]
+pub(super) struct Queue {
+    /// Faces that got a furthest point, in that order. Some have lost it since.
+    faces: Vec<u32>,
+    /// Marks of points. Unless it is empty, points whose mark is `NONE` don't become furthest.
+    pub necessary: Vec<u32>,
+}
+
+/// What one eye point changes.
+#[derive(Debug, Default)]
+struct Cone {
+    /// The visible faces; then the places of the cone's faces, in the order of the horizon.
+    visible: Vec<u32>,
+    /// First points of the visible faces' outside sets.
+    unassigned: Vec<u32>,
+    /// In order: each ridge ends where the next one starts.
+    horizon: Vec<Ridge>,
+    /// Half-edges into faces that the search for the horizon has yet to visit.
+    path: Vec<u32>,
+    /// Planes of the cone's faces.
+    planes: Vec<FacePlane>,
+}
+
+/// An edge between a visible face and one that is not.
+#[derive(Debug, Clone, Copy)]
+struct Ridge {
+    start: u32,
+    end: u32,
+    /// The half-edge in the face that stays.
+    outer: u32,
+}
+
+/// A face that a point is in front of.
+#[derive(Debug, Clone, Copy)]
+struct InFront {
+    face: u32,
+    height: f64,
+    /// Whether the distance is more than the tolerance.
+    is_beyond: bool,
+}
+
+/// The first of some planes that a point is farther in front of than the tolerance; if there is
+/// none, the one that it is nearest to being in front of.
+#[inline]
+fn in_front_of(point: Vector, planes: &[FacePlane], margins: Margins) -> Option<InFront> {
+    let mut best = None;
+    let mut least = -CERTAINLY_BEHIND;
+    for (face, plane) in (0..).zip(planes) {
+        let height = plane.height(point);
+        if height < margins.low {
+            continue;
+        }
+        if margins.is_beyond(height, plane) {
+            return Some(InFront { face, height, is_beyond: true });
+        }
+        let distance = height * inverse_root(length_squared(plane.normal));
+        if distance > least {
+            least = distance;
+            best = Some(InFront { face, height, is_beyond: false });
+        }
+    }
+    best
+}
+
+/// All outside sets, while points are added to them.
+struct OutsideSets<'a> {
+    points: &'a [Vector],
+    growth: &'a mut [FaceGrowth],
+    next_outside: &'a mut [u32],
+    has_close_points: &'a mut bool,
+    queue: &'a mut Queue,
+}
+
+impl OutsideSets<'_> {
+    /// Adds a point to the outside set of a face.
+    #[inline]
+    fn add(&mut self, point: u32, InFront { face, height, is_beyond }: InFront) {
+        let set = &mut self.growth[face as usize].outside;
+        self.next_outside[point as usize] = set.first;
+        set.first = point;
+        if !is_beyond {
+            *self.has_close_points = true;
+        } else if height > set.height && self.queue.necessary.get(point as usize) != Some(&NONE) {
+            if set.furthest == NONE {
+                self.queue.faces.push(face);
+            }
+            set.height = height;
+            set.furthest = point;
+        }
+    }
+}
+
+/// The steps.
+impl HullState {
+    /// The tetrahedron over four points in general position. All other points are partitioned among
+    /// its faces.
+    pub(super) fn start(&mut self, scratch: &mut Scratch, corners: [u32; 4]) {
+        let [a, b, c, d] = corners;
+        let given = GivenPoints { points: &self.originals, factor: self.frame.factor };
+        // Turned so that d lies behind the base.
+        let (b, c) = if given.is_in_front([a, b, c], d) { (c, b) } else { (b, c) };
+        let triangles = [[a, b, c], [a, c, d], [c, b, d], [b, a, d]];
+        // Edge k of each face and the same edge of its neighbour.
+        let twins = [
+            [(3, 0), (2, 0), (1, 0)],
+            [(0, 2), (2, 2), (3, 1)],
+            [(0, 1), (3, 2), (1, 1)],
+            [(0, 0), (1, 2), (2, 1)],
+        ];
+        self.faces.clear();
+        for (vertices, twins) in triangles.into_iter().zip(twins) {
+            let [first, second, last] = vertices;
+            let edges = [first, second].map(|end| given.edge(last, end));
+            let mut face = Face::spanned(vertices, edges, self.points[last as usize]);
+            face.twins = twins.map(|(other, edge)| half_edge(other, edge));
+            self.faces.push(face);
+        }
+        self.growth.clear();
+        self.growth.resize(self.faces.len(), FaceGrowth::new(0, 0));
+        let points = 0..self.points.len() as u32;
+        self.assign_new(scratch, points.filter(|point| !corners.contains(point)));
+    }
+
+    /// Adds new points to the outside sets of faces that they are in front of.
+    pub(super) fn assign_new(&mut self, scratch: &mut Scratch, points: impl Iterator<Item = u32>) {
+        let (margins, planes) = (self.margins, &mut scratch.cone.planes);
+        planes.clear();
+        planes.extend(self.faces.iter().map(|face| face.plane));
+        let mut sets = self.outside_sets(&mut scratch.queue);
+        for point in points {
+            if let Some(found) = in_front_of(sets.points[point as usize], planes, margins) {
+                sets.add(point, found);
+            }
+        }
+    }
+
+    fn outside_sets<'a>(&'a mut self, queue: &'a mut Queue) -> OutsideSets<'a> {
+        OutsideSets {
+            points: &self.points,
+            growth: &mut self.growth,
+            next_outside: &mut self.next_outside,
+            has_close_points: &mut self.has_close_points,
+            queue,
+        }
+    }
+
+    /// Adds furthest points until none is farther out than the tolerance.
+    pub(super) fn grow(&mut self, scratch: &mut Scratch) {
+        loop {
+            // First in, first out, so that the hull grows on all sides: last in, first out would
+            // make more faces that don't stay.
+            let mut next = 0;
+            while let Some(&face) = scratch.queue.faces.get(next) {
+                next += 1;
+                let OutsideSet { furthest, height, .. } = self.growth[face as usize].outside;
+                if furthest == NONE {
+                    continue;
+                }
+                if height > self.margins.error || self.is_visible(face, furthest) {
+                    self.add(scratch, furthest, face);
+                } else {
+                    self.reject_furthest(scratch, face, furthest);
+                }
+            }
+            scratch.queue.faces.clear();
+            let has_close_points = self.has_close_points && scratch.queue.necessary.is_empty();
+            if !(has_close_points
+                && (self.add_a_point_beyond_another_face(scratch)
+                    || self.add_points_beyond_sharp_edges(scratch)))
+            {
+                break;
+            }
+        }
+        self.close_gaps(&mut scratch.free);
+        self.measure_new_faces();
+    }
+
+    /// Adds an eye point. `seen_from` is one of the faces that are visible from it.
+    fn add(&mut self, scratch: &mut Scratch, eye: u32, seen_from: u32) {
+        let Scratch { cone, free, .. } = scratch;
+        scratch.has_flat_places |= self.find_horizon(cone, eye, seen_from);
+        // The cone's faces take the places of the visible ones.
+        let edges = cone.horizon.len();
+        let kept = edges.min(cone.visible.len());
+        for unused in cone.visible.drain(kept..).rev() {
+            self.faces[unused as usize] = Face::RETIRED;
+            self.growth[unused as usize] = FaceGrowth::new(0, 0);
+            free.push(unused);
+        }
+        while cone.visible.len() < edges {
+            let place = free.pop().unwrap_or(self.faces.len() as u32);
+            if place as usize == self.faces.len() {
+                self.faces.push(Face::RETIRED);
+                self.growth.push(FaceGrowth::new(0, 0));
+            }
+            cone.visible.push(place);
+        }
+        self.make_cone(cone, eye);
+        self.partition(cone, &mut scratch.queue, eye);
+    }
+
+    /// Collects the visible faces, their outside sets, and the horizon in order. Returns whether
+    /// the eye point lies within the tolerance of a plane.
+    fn find_horizon(&mut self, cone: &mut Cone, eye: u32, seen_from: u32) -> bool {
+        let position = self.points[eye as usize];
+        self.visit += 1;
+        let (visit, margins) = (self.visit, self.margins);
+        let faces = self.faces.as_slice();
+        let given = GivenPoints { points: &self.originals, factor: self.frame.factor };
+        let growth = self.growth.as_mut_slice();
+        let Cone { visible, unassigned, horizon, path, .. } = cone;
+        let mut is_flat = false;
+        visible.clear();
+        horizon.clear();
+        path.clear();
+        unassigned.clear();
+        let state = &mut growth[seen_from as usize];
+        state.visit = visit;
+        unassigned.push(state.outside.first);
+        visible.push(seen_from);
+        let [first, second, third] = faces[seen_from as usize].twins;
+        path.extend([third, second]);
+        // The half-edge that is next spares the way through `path`.
+        let mut ahead = Some(first);
+        while let Some(twin) = ahead {
+            let other = face_of(twin);
+            let state = &mut growth[other as usize];
+            if state.visit == visit {
+                ahead = path.pop();
+                continue;
+            }
+            let neighbour = &faces[other as usize];
+            let height = neighbour.plane.height(position);
+            let is_visible = if height > margins.high {
+                true
+            } else if height < -margins.high {
+                false
+            } else {
+                is_flat |= !margins.is_beyond(height.abs(), &neighbour.plane);
+                if height.abs() > margins.error {
+                    height > 0.0
+                } else {
+                    neighbour.is_visible(eye, height, given, margins.largest)
+                }
+            };
+            let at = edge_of(twin);
+            if is_visible {
+                state.visit = visit;
+                if state.outside.first != NONE {
+                    unassigned.push(state.outside.first);
+                }
+                visible.push(other);
+                path.push(neighbour.twins[before(at)]);
+                ahead = Some(neighbour.twins[after(at)]);
+            } else {
+                let [start, end] = [neighbour.vertices[after(at)], neighbour.vertices[at]];
+                horizon.push(Ridge { start, end, outer: twin });
+                ahead = path.pop();
+            }
+        }
+        is_flat
+    }
+
+    /// Puts a face between each ridge of the horizon and the eye point.
+    fn make_cone(&mut self, cone: &mut Cone, eye: u32) {
+        let position = self.points[eye as usize];
+        let (visit, generation) = (self.visit, self.generation);
+        let (faces, growth) = (self.faces.as_mut_slice(), self.growth.as_mut_slice());
+        let given = GivenPoints { points: &self.originals, factor: self.frame.factor };
+        let Cone { visible: places, horizon, planes, .. } = cone;
+        planes.clear();
+        let (Some(&first), Some(&last)) = (places.first(), places.last()) else { return };
+        let Some(&Ridge { start, .. }) = horizon.first() else { return };
+        let mut edge = given.edge(eye, start);
+        let mut place = first;
+        let mut previous = last;
+        for (index, &Ridge { start, end, outer }) in horizon.iter().enumerate() {
+            let next = places.get(index + 1).copied().unwrap_or(first);
+            let next_edge = given.edge(eye, end);
+            let mut face = Face::spanned([start, end, eye], [edge, next_edge], position);
+            face.twins = [outer, half_edge(next, 2), half_edge(previous, 1)];
+            faces[face_of(outer) as usize].twins[edge_of(outer)] = half_edge(place, 0);
+            growth[place as usize] = FaceGrowth::new(visit, generation);
+            faces[place as usize] = face;
+            planes.push(face.plane);
+            (previous, place, edge) = (place, next, next_edge);
+        }
+    }
+
+    /// Adds the unassigned points, except the eye point, to the outside sets of the cone's faces that
+    /// they are in front of.
+    fn partition(&mut self, cone: &Cone, queue: &mut Queue, eye: u32) {
+        let margins = self.margins;
+        let (places, planes) = (cone.visible.as_slice(), cone.planes.as_slice());
+        let mut sets = self.outside_sets(queue);
+        for &head in &cone.unassigned {
+            let mut next = head;
+            while next != NONE {
+                let point = next;
+                next = sets.next_outside[point as usize];
+                if point == eye {
+                    continue;
+                }
+                if let Some(found) = in_front_of(sets.points[point as usize], planes, margins) {
+                    sets.add(point, InFront { face: places[found.face as usize], ..found });
+                }
+            }
+        }
+    }
+
+    /// Closes the gaps that retired faces have left.
+    fn close_gaps(&mut self, free: &mut Vec<u32>) {
+        free.sort_unstable();
+        while let Some(gap) = free.pop() {
+            self.faces.swap_remove(gap as usize);
+            self.growth.swap_remove(gap as usize);
+            if let Some(moved) = self.faces.get(gap as usize).copied() {
+                for (edge, twin) in (0..).zip(moved.twins) {
+                    let neighbour = &mut self.faces[face_of(twin) as usize];
+                    neighbour.twins[edge_of(twin)] = half_edge(gap, edge);
+                }
+            }
+        }
+    }
+
+    /// Sets the inverse lengths of the new faces' normals.
+    fn measure_new_faces(&mut self) {
+        for (face, growth) in self.faces.iter_mut().zip(&self.growth) {
+            if growth.generation == self.generation {
+                face.inverse = inverse_root(length_squared(face.plane.normal));
+            }
+        }
+    }
+
+    /// The faces that the last insertion made; all faces after `build`.
+    pub(super) fn newest(&self) -> impl Iterator<Item = &Face> + '_ {
+        let faces = self.faces.iter().zip(&self.growth);
+        faces.filter(|(_, growth)| growth.generation == self.generation).map(|(face, _)| face)
+    }
+}
+
+/// Outside sets between the steps.
+impl HullState {
+    /// Adds a new point to the outside set of the first face that it is farther in front of than the
+    /// tolerance, in a hull that has stopped growing. Drops it if there is none.
+    pub(super) fn add_if_beyond(&mut self, queue: &mut Queue, point: Vector, original: Vector) {
+        let tolerance = self.tolerance;
+        let beyond = (0..).zip(&self.faces).find_map(|(face, Face { plane, inverse, .. })| {
+            let height = plane.height(point);
+            (height > 0.0 && height * inverse > tolerance).then_some((face, height))
+        });
+        if let Some((face, height)) = beyond {
+            let index = self.points.len() as u32;
+            self.points.push(point);
+            self.originals.push(original);
+            self.next_outside.push(NONE);
+            self.outside_sets(queue).add(index, InFront { face, height, is_beyond: true });
+        }
+    }
+
+    /// Lets all points become furthest, necessary or not.
+    pub(super) fn requeue_all(&mut self, queue: &mut Queue) {
+        queue.necessary.clear();
+        for (index, face) in (0..).zip(&self.faces) {
+            let set = &mut self.growth[index as usize].outside;
+            let mut point = set.first;
+            while point != NONE {
+                let height = face.plane.height(self.points[point as usize]);
+                if height > set.height && self.margins.is_beyond(height, &face.plane) {
+                    set.height = height;
+                    set.furthest = point;
+                }
+                point = self.next_outside[point as usize];
+            }
+            if set.furthest != NONE {
+                queue.faces.push(index);
+            }
+        }
+    }
+}
+
+/// More than the rounding errors of a distance between points whose coordinates are at most 1.
+const DISTANCE_ERROR: f64 = 16.0 * f64::EPSILON;
+
+/// What seldom happens: planes of slivers are uncertain, and points near one face may be far from
+/// others, or from the hull.
+impl HullState {
+    /// Whether a face is visible from a point, exactly.
+    fn is_visible(&self, face: u32, point: u32) -> bool {
+        let face = &self.faces[face as usize];
+        let height = face.plane.height(self.points[point as usize]);
+        face.is_visible(point, height, self.given(), self.margins.largest)
+    }
+
+    /// Whether a face is visible from a point, and the point farther out than the tolerance. A
+    /// sliver's plane may err: only the exact answer makes progress certain.
+    fn is_visible_beyond(&self, index: u32, point: u32) -> bool {
+        let plane = &self.faces[index as usize].plane;
+        let height = plane.height(self.points[point as usize]);
+        self.margins.is_beyond(height, plane) && self.is_visible(index, point)
+    }
+
+    /// Removes the furthest point from the outside set of a sliver that is not visible from it, and
+    /// adds it to the hull if it is beyond another face.
+    #[cold]
+    fn reject_furthest(&mut self, scratch: &mut Scratch, face: u32, furthest: u32) {
+        let set = &mut self.growth[face as usize].outside;
+        let cone = &mut scratch.cone;
+        cone.unassigned = vec![set.first];
+        cone.visible = vec![face];
+        cone.planes = vec![self.faces[face as usize].plane];
+        *set = OutsideSet::EMPTY;
+        self.partition(cone, &mut scratch.queue, furthest);
+        let mut others = (0..self.faces.len() as u32).filter(|&other| other != face);
+        if let Some(other) = others.find(|&other| self.is_visible_beyond(other, furthest)) {
+            self.add(scratch, furthest, other);
+        }
+    }
+
+    /// A point within the tolerance of its face may yet be farther out from another visible face.
+    /// Adds the first such point. Returns whether there was one.
+    fn add_a_point_beyond_another_face(&mut self, scratch: &mut Scratch) -> bool {
+        for face in 0..self.faces.len() as u32 {
+            let mut point = self.growth[face as usize].outside.first;
+            while point != NONE {
+                if let Some(other) = self.face_beyond(&mut scratch.cone.visible, point, face) {
+                    self.add(scratch, point, other);
+                    return true;
+                }
+                point = self.next_outside[point as usize];
+            }
+        }
+        false
+    }
+
+    /// The first visible face that a point is beyond, on a walk over the faces that it is in front
+    /// of.
+    fn face_beyond(&mut self, ahead: &mut Vec<u32>, point: u32, start: u32) -> Option<u32> {
+        let position = self.points[point as usize];
+        self.walk(ahead, start, |hull, index| {
+            if hull.is_visible_beyond(index, point) {
+                return Break(index);
+            }
+            let plane = &hull.faces[index as usize].plane;
+            Continue(is_in_front(plane.height(position), plane))
+        })
+    }
+
+    /// Walks from face to neighbour: on from those for which `enter` says so, until it breaks.
+    /// `ahead` is memory.
+    fn walk<B>(
+        &mut self,
+        ahead: &mut Vec<u32>,
+        start: u32,
+        mut enter: impl FnMut(&Self, u32) -> ControlFlow<B, bool>,
+    ) -> Option<B> {
+        self.visit += 1;
+        self.growth[start as usize].visit = self.visit;
+        ahead.clear();
+        ahead.push(start);
+        while let Some(face) = ahead.pop() {
+            for twin in self.faces[face as usize].twins {
+                let neighbour = face_of(twin);
+                let growth = &mut self.growth[neighbour as usize];
+                if growth.visit == self.visit {
+                    continue;
+                }
+                growth.visit = self.visit;
+                match enter(self, neighbour) {
+                    Break(result) => return Some(result),
+                    Continue(true) => ahead.push(neighbour),
+                    Continue(false) => {}
+                }
+            }
+        }
+        None
+    }
+
+    /// Beyond a sharp edge a point may be within the tolerance of both planes, and yet far from the
+    /// hull: the farther, the thinner the hull. Adds each outside set's farthest point that is
+    /// farther from the hull than the tolerance. Returns whether there was any.
+    fn add_points_beyond_sharp_edges(&mut self, scratch: &mut Scratch) -> bool {
+        if self.is_coarse {
+            return false;
+        }
+        let limit = self.tolerance + DISTANCE_ERROR * self.margins.largest;
+        let limit = limit * limit;
+        let mut is_any = false;
+        for face in 0..self.faces.len() as u32 {
+            let (mut farthest, mut best) = (limit, None);
+            let mut point = self.growth[face as usize].outside.first;
+            while point != NONE {
+                let ahead = &mut scratch.cone.visible;
+                if self.squared_distance_to_face(point, face) > farthest
+                    && let Some((squared, visible)) =
+                        self.squared_distance(ahead, point, face, limit)
+                    && squared > farthest
+                {
+                    (farthest, best) = (squared, Some((point, visible)));
+                }
+                point = self.next_outside[point as usize];
+            }
+            if let Some((point, visible)) = best {
+                self.add(scratch, point, visible);
+                is_any = true;
+            }
+        }
+        is_any
+    }
+
+    fn squared_distance_to_face(&self, point: u32, face: u32) -> f64 {
+        let position = self.points[point as usize];
+        let [a, b, c] = self.faces[face as usize]
+            .vertices
+            .map(|vertex| subtract(self.points[vertex as usize], position));
+        length_squared(closest_point_on_triangle(a, b, c))
+    }
+
+    /// The squared distance of a point to the nearest of the faces that it is not behind, and a
+    /// visible one of those; `None` if none is visible, or if a face is within `limit`, squared.
+    /// `start` is one of those faces, farther than that.
+    fn squared_distance(
+        &mut self,
+        ahead: &mut Vec<u32>,
+        point: u32,
+        start: u32,
+        limit: f64,
+    ) -> Option<(f64, u32)> {
+        let position = self.points[point as usize];
+        let mut least = self.squared_distance_to_face(point, start);
+        let mut visible = self.is_visible(start, point).then_some(start);
+        let too_near = self.walk(ahead, start, |hull, index| {
+            let plane = &hull.faces[index as usize].plane;
+            if !is_not_behind(plane.height(position), plane) {
+                return Continue(false);
+            }
+            least = least.min(hull.squared_distance_to_face(point, index));
+            if least <= limit {
+                return Break(());
+            }
+            if visible.is_none() && hull.is_visible(index, point) {
+                visible = Some(index);
+            }
+            Continue(true)
+        });
+        if too_near.is_some() {
+            return None;
+        }
+        visible.map(|visible| (least, visible))
+    }
+}
