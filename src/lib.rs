@@ -84,7 +84,7 @@
 //! - **Determinism**: the same input and parameters give the same result, for any number of threads. Only a
 //!   deadline ([`Control::with_deadline`]) makes a result depend on time.
 //! - **Panics**: none, whatever the input. Every function that can fail returns a typed error:
-//!   [`Error`], or that of its module (`hulls_format::HullsFileError`, [`ParseError`], `ColliderError`).
+//!   [`Error`], or that of its module (`hulls_format::HullsFileError`, [`ParseError`], `rapier::ColliderError`).
 //!
 //! # Features
 //!
@@ -182,5 +182,3 @@ pub use parameters::{
     BoundedParameters, Length, Method, Openings, Parameters, ParseError, Preset, SurfaceParameters,
     UpAxis,
 };
-#[cfg(feature = "rapier")]
-pub use rapier::ColliderError;

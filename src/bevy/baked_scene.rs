@@ -31,14 +31,6 @@ pub(super) struct SceneGeometry(HashMap<ContentKey, Arc<ColliderGeometry>>);
 
 impl BakedScene {
     /// Of a scene that is already in memory.
-    ///
-    /// ```
-    /// use hullwright::bevy::BakedScene;
-    /// use hullwright::hulls_format::HullScene;
-    ///
-    /// let scene = BakedScene::new(HullScene::new("level", Vec::new()));
-    /// assert_eq!(scene.scene().name, "level");
-    /// ```
     pub fn new(scene: HullScene) -> Self {
         let usable = scene
             .meshes
@@ -115,16 +107,6 @@ impl SceneGeometry {
 /// [`ConvexDecomposition`](crate::bevy::ConvexDecomposition).
 /// [`ConvexDecompositionHierarchy::with_baked`](crate::bevy::ConvexDecompositionHierarchy::with_baked)
 /// sets it on all that it tags.
-///
-/// ```
-/// use bevy::prelude::*;
-/// use hullwright::bevy::prelude::*;
-///
-/// fn setup(mut commands: Commands, server: Res<AssetServer>, mug: Handle<Mesh>) {
-///     let baked = FromBakedScene(server.load("kitchen.hullscene"));
-///     commands.spawn((Mesh3d(mug), ConvexDecomposition::default(), baked));
-/// }
-/// ```
 #[derive(Component, Reflect, Debug, Clone, PartialEq, Default)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[type_path = "hullwright"]

@@ -19,14 +19,6 @@ use super::status::DecompositionCounters;
 /// Beside [`HullwrightPlugin`](crate::bevy::HullwrightPlugin). Lines are drawn where Bevy's `GizmoPlugin`
 /// and `GizmoRenderPlugin` are, as in `DefaultPlugins`; on a server without them there are the
 /// diagnostics alone.
-///
-/// ```
-/// use hullwright::bevy::{HullwrightDebugPlugin, HullwrightPlugin};
-///
-/// # let mut app = bevy::prelude::App::new();
-/// # app.add_plugins((bevy::diagnostic::DiagnosticsPlugin, HullwrightPlugin::default()));
-/// app.add_plugins(HullwrightDebugPlugin);
-/// ```
 #[derive(Debug, Clone, Copy, Default)]
 pub struct HullwrightDebugPlugin;
 

@@ -116,7 +116,11 @@ pub(super) fn finish_hierarchies(
             }
         }
         if let Some(handle) = &hierarchy.baked {
-            baked.compare(entity, handle, &work.nodes, &scenes, &mut report);
+            if let Some(difference) = baked.compare(handle, &work.nodes, &scenes, &mut report) {
+                let path =
+                    handle.path().map_or_else(|| "the baked scene".into(), ToString::to_string);
+                log::warn!("{path} of {entity} {difference}");
+            }
         }
         (work.is_open, work.start) = (false, None);
         *status = HierarchyStatus::Finished(report);
@@ -136,20 +140,17 @@ pub(super) struct BakedResults<'w, 's> {
 const MOST_LOGGED: usize = 20;
 
 impl BakedResults<'_, '_> {
-    /// Counts what came from a baked scene, and says what did not and why.
+    /// Counts what came from a baked scene, and returns what did not and why, as a sentence without subject.
     fn compare(
         &self,
-        entity: Entity,
         handle: &Handle<BakedScene>,
         nodes: &[Entity],
         scenes: &Scenes,
         report: &mut HierarchyReport,
-    ) {
-        let path = handle.path().map_or_else(|| "the baked scene".into(), ToString::to_string);
+    ) -> Option<String> {
         let Some(baked) = self.scenes.get(handle) else {
             report.missing = report.ready;
-            log::warn!("{path} of {entity} could not be loaded: its meshes were decomposed");
-            return;
+            return Some("could not be loaded: its meshes were decomposed".into());
         };
         let mut lines = Vec::new();
         for &node in nodes {
@@ -179,17 +180,15 @@ impl BakedResults<'_, '_> {
             }
         }
         if lines.is_empty() {
-            return;
+            return None;
         }
         let more = lines.len().saturating_sub(MOST_LOGGED);
         lines.truncate(MOST_LOGGED);
         if more > 0 {
             lines.push(format!("and {more} more"));
         }
-        log::warn!(
-            "{path} has no hulls for: {}. They were decomposed; bake it anew",
-            lines.join("; ")
-        );
+        let lines = lines.join("; ");
+        Some(format!("has no hulls for: {lines}. They were decomposed; bake it anew"))
     }
 }
 

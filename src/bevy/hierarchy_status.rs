@@ -21,13 +21,6 @@ pub enum HierarchyStatus {
 
 impl HierarchyStatus {
     /// Whether nothing more will come, unless something changes.
-    ///
-    /// ```
-    /// use hullwright::bevy::prelude::*;
-    ///
-    /// assert!(!HierarchyStatus::Waiting.is_finished());
-    /// assert!(HierarchyStatus::Finished(HierarchyReport::default()).is_finished());
-    /// ```
     pub fn is_finished(&self) -> bool {
         matches!(self, Self::Finished(_))
     }
@@ -65,16 +58,6 @@ pub struct HierarchyReport {
 
 /// All meshes below a [`ConvexDecompositionHierarchy`](crate::bevy::ConvexDecompositionHierarchy) are finished. Once for each scene; again only after
 /// meshes were added or the hierarchy was changed.
-///
-/// ```
-/// use bevy::prelude::*;
-/// use hullwright::bevy::prelude::*;
-///
-/// # let mut app = App::new();
-/// app.add_observer(|finished: On<HierarchyFinished>| {
-///     println!("{} ready, {} failed", finished.report.ready, finished.report.failed);
-/// });
-/// ```
 #[derive(EntityEvent, Debug, Clone)]
 pub struct HierarchyFinished {
     /// The entity with the hierarchy.

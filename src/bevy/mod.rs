@@ -48,6 +48,7 @@
 // | `content`, `cache`, `disk_cache` | known results by content |
 // | `task` | one decomposition, in steps |
 // | `request`, `budget`, `queue` | what entities ask for, and the state of all work |
+// | `outcomes` | statuses, counters and the events in which tags end |
 // | `describe` | entities by id, name and asset, for the log |
 // | `change_detection` | what makes a collider out of date |
 // | `skip` | what is hidden, too small or too far |
@@ -84,6 +85,7 @@ mod hierarchy_progress;
 mod hierarchy_status;
 mod mesh_data;
 mod nodes;
+mod outcomes;
 mod parameters;
 mod placement;
 mod plugin;

@@ -5,7 +5,8 @@ use bevy_rapier3d::rapier::geometry::SharedShape;
 use bevy_rapier3d::rapier::math::{Pose, Vector};
 
 use super::mesh_data::MeshData;
-use crate::{ColliderError, Error};
+use crate::Error;
+use crate::rapier::ColliderError;
 
 /// Which of Rapier's own shapes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -3,7 +3,8 @@
 use std::f64::consts::{PI, TAU};
 
 use hullwright::io::read_mesh;
-use hullwright::{ColliderError, MassSource, Parameters, TriangleMesh, rapier};
+use hullwright::rapier::ColliderError;
+use hullwright::{MassSource, Parameters, TriangleMesh, rapier};
 use rapier3d::prelude::*;
 
 use crate::world::{DENSITY, Prop, World};

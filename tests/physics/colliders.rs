@@ -1,6 +1,7 @@
 //! Shapes, mass properties and colliders made of hulls, for the plugin and without it.
 
-use hullwright::{ColliderError, Control, Decomposition, Parameters, decompose, rapier};
+use hullwright::rapier::ColliderError;
+use hullwright::{Control, Decomposition, Parameters, decompose, rapier};
 
 /// A concave prism and the mass properties of its mesh at a density of 1000.
 fn prism() -> (Decomposition, hullwright::MassProperties) {
