@@ -9,10 +9,7 @@ use hullwright::bevy::{DecompositionError, DecompositionShape, DecompositionStat
 use crate::app::*;
 
 fn failure_of(mesh: Mesh) -> DecompositionError {
-    let mut app = app();
-    let mesh = add(&mut app, mesh);
-    let entity = spawn(&mut app, &mesh);
-    update_until_finished(&mut app, &[entity]);
+    let (app, entity) = finished(mesh, ());
     let DecompositionStatus::Failed(failure) = status(&app, entity) else {
         panic!("it did not fail");
     };
@@ -23,10 +20,7 @@ fn failure_of(mesh: Mesh) -> DecompositionError {
 }
 
 fn assert_is_read_as_unit_cube(mesh: Mesh) {
-    let mut app = app();
-    let mesh = add(&mut app, mesh);
-    let entity = spawn(&mut app, &mesh);
-    update_until_finished(&mut app, &[entity]);
+    let (app, entity) = finished(mesh, ());
     assert_is_unit_cube(&app, entity);
 }
 

@@ -92,8 +92,7 @@ fn what_has_a_tag_or_a_body_of_its_own_or_is_left_out_is_not_part_of_the_input()
 fn meshes_that_are_left_out_do_not_start_the_work_anew_when_they_come() {
     let mut app = app();
     let cube = add(&mut app, unit_cube());
-    let parent = spawn(&mut app, &cube);
-    update_until_finished(&mut app, &[parent]);
+    let parent = finish(&mut app, &cube, ());
     let excluded = app.world_mut().spawn((NoConvexDecomposition, ChildOf(parent))).id();
     app.world_mut().spawn((Mesh3d(cube.clone()), ChildOf(excluded)));
     app.world_mut().spawn((Mesh3d(cube.clone()), RigidBody::Dynamic, ChildOf(parent)));
@@ -176,10 +175,7 @@ fn changing_the_tag_begins_anew() {
 
 #[test]
 fn the_collider_stays_when_the_tag_is_removed_later() {
-    let mut app = app();
-    let mesh = add(&mut app, unit_cube());
-    let entity = spawn(&mut app, &mesh);
-    update_until_finished(&mut app, &[entity]);
+    let (mut app, entity) = finished(unit_cube(), ());
     let before = status(&app, entity);
     app.world_mut().entity_mut(entity).remove::<ConvexDecomposition>();
     update_times(&mut app, 3);
