@@ -1,6 +1,4 @@
 //! Components that users put on entities: the tag, the exclusion, the focus.
-//!
-//! A little long: the tag is one type, and each of its fields has a setter with an example.
 
 use bevy::prelude::*;
 
@@ -247,7 +245,7 @@ impl ConvexDecomposition {
         self
     }
 
-    /// The same with the library's own parameters, which replace all settings of the decomposition:
+    /// The same with the library's own parameters, which replace all settings of the decomposition.
     #[must_use]
     pub fn with_parameters(mut self, parameters: Parameters) -> Self {
         self.parameters = Some(parameters);

@@ -53,9 +53,11 @@ fn a_fixed_body_is_skipped() {
 }
 
 #[test]
-fn an_entity_that_had_a_collider_is_skipped() {
+fn an_entity_that_had_a_collider_keeps_it_and_is_skipped() {
     let (app, entity) = ending_of(Collider::ball(0.5));
     assert_eq!(seen(&app).skipped, [(entity, SkipReason::HasCollider)]);
+    assert!(collider(&app, entity).as_ball().is_some());
+    assert_eq!(counters(&app).had_collider, 1);
 }
 
 #[test]

@@ -10,46 +10,6 @@ use hullwright::bevy::{HullSource, SkipReason};
 use crate::app::*;
 
 #[test]
-fn an_entity_that_has_a_collider_keeps_it() {
-    let (app, entity) = finished(model("u_prism"), Collider::ball(0.5));
-    assert_eq!(status(&app, entity), DecompositionStatus::Skipped(SkipReason::HasCollider));
-    assert!(collider(&app, entity).as_ball().is_some());
-    assert_eq!(counters(&app).had_collider, 1);
-}
-
-#[test]
-fn a_fixed_body_gets_the_triangles() {
-    let (app, entity) = finished(model("u_prism"), (automatic(), RigidBody::Fixed));
-    assert_eq!(status(&app, entity), DecompositionStatus::Skipped(SkipReason::FixedBody));
-    assert!(collider(&app, entity).as_trimesh().is_some());
-    assert_eq!((counters(&app).triangle_meshes, counters(&app).decomposed), (1, 0));
-}
-
-#[test]
-fn a_fixed_body_gets_hulls_if_the_settings_say_so() {
-    let (app, entity) = finished_with(
-        HullwrightSettings { exact_static_colliders: false, ..default() },
-        model("u_prism"),
-        (automatic(), RigidBody::Fixed),
-    );
-    assert!(collider(&app, entity).as_compound().is_some());
-}
-
-#[test]
-fn a_body_that_is_no_longer_fixed_gets_hulls_and_back() {
-    let mut app = app();
-    let mesh = add(&mut app, model("u_prism"));
-    let body = app.world_mut().spawn((RigidBody::Fixed, Transform::default())).id();
-    let child = finish(&mut app, &mesh, (automatic(), ChildOf(body)));
-    assert!(collider(&app, child).as_trimesh().is_some());
-    app.world_mut().entity_mut(body).insert(RigidBody::Dynamic);
-    update_until(&mut app, |app| collider(app, child).as_compound().is_some());
-    assert!(app.world().get::<ColliderMassProperties>(child).is_some());
-    app.world_mut().entity_mut(body).insert(RigidBody::Fixed);
-    update_until(&mut app, |app| collider(app, child).as_trimesh().is_some());
-}
-
-#[test]
 fn entities_with_the_same_mesh_share_one_job_while_it_is_in_flight() {
     let mut app = app();
     let mesh = add(&mut app, model("gear"));

@@ -15,7 +15,12 @@ fn triangles_of(more: impl Bundle) -> Option<SkipReason> {
 fn triangles_by(tag: ConvexDecomposition, more: impl Bundle) -> Option<SkipReason> {
     let (app, entity) = finished(model("u_prism"), (tag, more));
     let reason = reason(&app, entity);
-    assert_eq!(counters(&app).triangle_meshes, usize::from(reason.is_some()));
+    let is_mesh = reason.is_some();
+    let counters = counters(&app);
+    assert_eq!(
+        (counters.triangle_meshes, counters.decomposed),
+        (is_mesh.into(), (!is_mesh).into())
+    );
     reason
 }
 
@@ -56,8 +61,10 @@ fn a_tag_may_ask_for_either() {
 #[test]
 fn the_settings_may_want_hulls_everywhere() {
     let settings = HullwrightSettings { exact_static_colliders: false, ..default() };
-    let (app, entity) = finished_with(settings, model("u_prism"), automatic());
-    assert_eq!(reason(&app, entity), None);
+    let (mut app, entity) = finished_with(settings, model("u_prism"), automatic());
+    let mesh = add(&mut app, model("l_prism"));
+    let fixed = finish(&mut app, &mesh, (automatic(), RigidBody::Fixed));
+    assert_eq!([entity, fixed].map(|entity| reason(&app, entity)), [None; 2]);
 }
 
 #[test]
@@ -72,6 +79,7 @@ fn bodies_and_sensors_that_come_and_go_change_it() {
             status(app, entity).is_finished()
                 && collider(app, entity).as_trimesh().is_some() == expected
         });
+        assert!(expected || app.world().get::<ColliderMassProperties>(entity).is_some());
     };
     expect(above, |_| {}, true);
     expect(above, |body| _ = body.insert(RigidBody::Dynamic), false);

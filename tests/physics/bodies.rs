@@ -116,21 +116,3 @@ fn the_same_collider_in_one_call() {
     let nothing = rapier::collider_from_mesh(&TriangleMesh::default(), DENSITY, &parameters);
     assert!(matches!(nothing.err(), Some(ColliderError::Mesh(_))));
 }
-
-#[test]
-fn a_single_hull_is_no_compound() {
-    let block = hullwright::hull::convex_hull(&[
-        [0.0; 3],
-        [1.0, 0.0, 0.0],
-        [0.0, 1.0, 0.0],
-        [0.0, 0.0, 1.0],
-    ])
-    .unwrap();
-    let prop = Prop::mesh((block.points, block.triangles));
-    let shape = rapier::shape(&prop.decomposition.hulls, [1.0; 3]).unwrap();
-    assert!(shape.as_convex_polyhedron().is_some());
-    let error = rapier::shape(&[], [1.0; 3]).err();
-    assert_eq!(error, Some(ColliderError::NoHulls));
-    let error = rapier::shape(&prop.decomposition.hulls, [1.0, 0.0, 1.0]).err();
-    assert!(matches!(error, Some(ColliderError::InvalidScale { .. })));
-}
