@@ -65,7 +65,7 @@ impl BakedScene {
     ) -> Option<Absence> {
         let ContentKey::Mesh { mesh, .. } = key else { return None };
         match self.scene.look_up(mesh, parameters, names) {
-            // Without mass properties it is as good as missing.
+            // Without mass properties it counts as missing.
             SceneLookup::Found(_) if self.geometry.get(key).is_some() => None,
             SceneLookup::Found(_) | SceneLookup::Missing => Some(Absence::Missing),
             SceneLookup::OtherAlgorithm(_) => {

@@ -127,7 +127,7 @@ mod by_name {
     }
 }
 
-/// What was wrong with extras, and of whom it was said first. Each is logged once.
+/// Errors in extras, with the entities that have them. Each is logged once.
 #[derive(Default)]
 pub(super) struct Complaints {
     known: HashSet<String>,
@@ -230,7 +230,7 @@ impl<'a, 'w, 's> Rules<'a, 'w, 's> {
         self.hierarchy.default_tag.clone().unwrap_or_default()
     }
 
-    /// What extras and names ask for.
+    /// By extras and names; `None` where they say nothing.
     fn by_artist(&self, node: Entity, complaints: &mut Complaints) -> Option<Treatment> {
         if self.nodes.is_left_out(node, self.root) {
             return Some(treatment(NameTag::LeftOut, self.base()));
@@ -248,7 +248,7 @@ impl<'a, 'w, 's> Rules<'a, 'w, 's> {
         [own, of_mesh].into_iter().flatten().any(has_pieces).then(|| None.into())
     }
 
-    /// What the extras of a node or of its mesh ask for.
+    /// By the extras of a node or of its mesh.
     #[cfg(feature = "bevy_gltf")]
     fn by_extras(&self, node: Entity, complaints: &mut Complaints) -> Option<Treatment> {
         self.nodes.extras_of(node).find_map(|text| {

@@ -1,4 +1,4 @@
-//! What is known of a scene whose meshes are tagged, and the event that it ends in.
+//! The status of a scene whose meshes are tagged, and the event in which it ends.
 
 use std::time::Duration;
 
@@ -40,7 +40,7 @@ pub struct HierarchyReport {
     pub failed: usize,
     /// Despawned or untagged before they were ready.
     pub cancelled: usize,
-    /// Not tagged at all: by a name, an extra, or for want of a default.
+    /// Not tagged at all: by a name, an extra, or without a default.
     pub left_out: usize,
     /// Of those that are ready: from the baked scene.
     pub from_baked: usize,

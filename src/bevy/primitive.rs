@@ -1,4 +1,4 @@
-//! Boxes, balls and capsules around meshes, for artists who modelled just that.
+//! Boxes, balls and capsules around meshes that were modelled as such.
 
 use bevy::math::Affine3A;
 use bevy_rapier3d::rapier::geometry::SharedShape;

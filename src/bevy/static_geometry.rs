@@ -9,7 +9,7 @@ use super::settings::HullwrightSettings;
 use super::status::SkipReason;
 use super::tag::DecompositionShape;
 
-/// What tells whether a collider ever moves.
+/// What determines whether a collider ever moves.
 #[derive(SystemParam)]
 pub(super) struct StaticGeometry<'w, 's> {
     sensors: Query<'w, 's, (), With<Sensor>>,

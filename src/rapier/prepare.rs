@@ -35,7 +35,7 @@ pub enum ColliderError {
         /// The mass, after scaling.
         mass: f64,
     },
-    /// Parry makes no polyhedron of a hull, or one whose faces can't be asked for contacts.
+    /// Parry makes no polyhedron of a hull, or one whose faces yield no contacts.
     #[error("Parry refuses the hull")]
     Refused,
     /// Parry makes no triangle mesh.

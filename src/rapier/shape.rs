@@ -108,7 +108,7 @@ pub(super) fn polyhedron(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Option<
     is_sound(&polyhedron).then_some(polyhedron)
 }
 
-/// Whether the faces that Parry made can be asked for contacts. They are built from
+/// Whether the faces that Parry made yield contacts. They are built from
 /// normals in `f32`, by which slivers may be lost and leave edges without a face.
 fn is_sound(polyhedron: &ConvexPolyhedron) -> bool {
     let faces = polyhedron.faces();

@@ -78,7 +78,7 @@ fn most_jobs(settings: &HullwrightSettings) -> usize {
 /// Jobs that are done within a frame wait in the pool, so that its threads do not wait for the next frame.
 const QUICK_JOBS: usize = 32;
 
-/// How many more jobs there may be for a request that takes no decomposition. Nobody's own limit is exceeded.
+/// How many more jobs there may be for a request that takes no decomposition. A limit from the settings is not exceeded.
 fn quick_jobs(settings: &HullwrightSettings, request: &ColliderRequest) -> usize {
     let is_baked = request.scene.is_some() || matches!(*request.input, InputId::Baked(_));
     let is_quick = is_baked || request.why_triangles().is_some();

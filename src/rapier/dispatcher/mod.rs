@@ -1,5 +1,5 @@
-//! A query dispatcher for Rapier whose contacts don't depend on the unit of length, and which knows the
-//! seams of a compound.
+//! A query dispatcher for Rapier whose contacts don't depend on the unit of length, and which drops contacts at
+//! the seams of a compound.
 //!
 //! Parry's search for the closest points of two convex shapes, GJK, compares squared lengths and
 //! squared areas with constants: two points nearer than 1.1 mm count as one, and three points that
