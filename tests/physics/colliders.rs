@@ -70,7 +70,12 @@ fn what_leaves_no_body_is_an_error() {
     let (hulls, properties) = (&prism.decomposition.hulls, prism.mass_properties());
     let flat = [1.0, 0.0, 1.0];
     let is_refused = |error: ColliderError| matches!(error, ColliderError::InvalidScale { .. });
-    assert!(is_refused(rapier::shape(hulls, flat).unwrap_err()));
+    for scale in [flat, [1.0, f32::NAN, 1.0], [1.0, 1.0, f32::INFINITY]] {
+        assert!(is_refused(rapier::shape(hulls, scale).unwrap_err()));
+    }
+    let huge = [[0.0; 3], [1e38, 0.0, 0.0], [0.0, 1e38, 0.0], [0.0, 0.0, 1e38]];
+    let result = rapier::shape_from_points(&[huge], [10.0; 3]);
+    assert!(matches!(result, Err(ColliderError::UnusableHull { hull: 0, .. })));
     assert!(is_refused(rapier::mass_properties(&properties, flat).unwrap_err()));
     let refused = rapier::collider(hulls, &properties, flat);
     assert!(refused.is_err_and(is_refused));
