@@ -82,6 +82,13 @@ impl Goal {
 impl ConvexDecomposition {
     /// What the library is asked to do: [`parameters`](Self::parameters) if they are given, else
     /// the tag's own settings.
+    ///
+    /// ```
+    /// use hullwright::bevy::prelude::*;
+    ///
+    /// let tag = ConvexDecomposition::default().with_max_hulls(16);
+    /// assert_eq!(tag.to_parameters(), hullwright::Parameters::default().max_hulls(16));
+    /// ```
     pub fn to_parameters(&self) -> Parameters {
         self.parameters.clone().unwrap_or_else(|| self.flat_parameters())
     }

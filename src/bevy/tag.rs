@@ -245,7 +245,15 @@ impl ConvexDecomposition {
         self
     }
 
-    /// The same with the library's own parameters, which replace all settings of the decomposition.
+    /// The same with the library's own parameters, which replace all settings of the decomposition:
+    ///
+    /// ```
+    /// use hullwright::bevy::prelude::*;
+    ///
+    /// let by_the_paper =
+    ///     ConvexDecomposition::default().with_parameters(hullwright::Parameters::paper());
+    /// assert_eq!(by_the_paper.to_parameters(), hullwright::Parameters::paper());
+    /// ```
     #[must_use]
     pub fn with_parameters(mut self, parameters: Parameters) -> Self {
         self.parameters = Some(parameters);
