@@ -214,8 +214,8 @@ impl<'a, 'w, 's> Rules<'a, 'w, 's> {
     /// The first rule that matches a node.
     fn treatment(&self, node: Entity, complaints: &mut Complaints) -> Treatment {
         let by_name = &self.hierarchy.by_name;
-        let names = self.nodes.names_of(node).into_iter().flatten();
-        if let Some(tag) = names.into_iter().find_map(|name| by_name.get(name)) {
+        let mut names = self.nodes.names_of(node).into_iter().flatten();
+        if let Some(tag) = names.find_map(|name| by_name.get(name)) {
             return tag.clone().into();
         }
         let by_artist = match self.hierarchy.follows_artists {
@@ -243,7 +243,7 @@ impl<'a, 'w, 's> Rules<'a, 'w, 's> {
             return Some(treatment(tag, self.base()));
         }
         let has_pieces = |name: &str| {
-            [name, without_copy_number(name)].iter().any(|name| self.with_pieces.contains(name))
+            [name, without_copy_number(name)].iter().any(|name| self.with_pieces.contains(*name))
         };
         [own, of_mesh].into_iter().flatten().any(has_pieces).then(|| None.into())
     }

@@ -19,7 +19,7 @@ fn triangles_by(tag: ConvexDecomposition, more: impl Bundle) -> Option<SkipReaso
     let counters = counters(&app);
     assert_eq!(
         (counters.triangle_meshes, counters.decomposed),
-        (is_mesh.into(), (!is_mesh).into())
+        (usize::from(is_mesh), usize::from(!is_mesh))
     );
     reason
 }

@@ -8,7 +8,8 @@ use crate::world::Prop;
 
 #[test]
 fn several_hulls_are_a_compound_and_one_is_a_polyhedron() {
-    let hulls = &Prop::model("u_prism").decomposition.hulls;
+    let prism = Prop::model("u_prism");
+    let hulls = &prism.decomposition.hulls;
     let shape = rapier::shape(hulls, [1.0; 3]).unwrap();
     assert_eq!(shape.as_compound().unwrap().shapes().len(), hulls.len());
     let shape = rapier::shape(&hulls[..1], [1.0; 3]).unwrap();
@@ -18,7 +19,8 @@ fn several_hulls_are_a_compound_and_one_is_a_polyhedron() {
 
 #[test]
 fn scale_and_mirror_are_in_the_points() {
-    let hulls = &Prop::model("u_prism").decomposition.hulls;
+    let prism = Prop::model("u_prism");
+    let hulls = &prism.decomposition.hulls;
     let bounds = |scale| {
         let bounds = rapier::shape(hulls, scale).unwrap().compute_local_aabb();
         [bounds.mins, bounds.maxs].map(|corner| corner.to_array())
