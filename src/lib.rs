@@ -88,7 +88,7 @@
 //! - **Determinism**: the same input and parameters give the same result, for any number of threads. Only a
 //!   deadline ([`Control::with_deadline`]) makes a result depend on time.
 //! - **Panics**: none, whatever the input. Every function that can fail returns a typed error:
-//!   [`Error`], or that of its module (`hulls_format::HullsFileError`, [`ParseError`], `ColliderError`).
+//!   [`Error`], or that of its module (`hulls_format::HullsFileError`, [`ParseError`], `rapier::ColliderError`).
 //!
 //! # Features
 //!
@@ -194,6 +194,4 @@ pub use mesh::repair::Repairs;
 pub use method::{Method, MethodReport};
 pub use openings::{ClosedMesh, Opening, OpeningOutcome, close_openings};
 pub use parameters::{Length, Openings, Parameters, ParseError, Preset, UpAxis};
-#[cfg(feature = "rapier")]
-pub use rapier::ColliderError;
 pub use single_hull::single_hull;

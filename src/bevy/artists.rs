@@ -1,4 +1,4 @@
-//! From what artists ask for, in names and extras, to tags.
+//! Tags from names and extras, by which artists choose colliders.
 
 use bevy_rapier3d::prelude::RigidBody;
 
@@ -23,7 +23,7 @@ impl From<Option<ConvexDecomposition>> for Treatment {
     }
 }
 
-/// What a name asks for; `base` is the tag that the scene has for such nodes.
+/// What becomes of a node with such a name; `base` is the tag that the scene has for such nodes.
 pub(super) fn treatment(name_tag: NameTag, base: ConvexDecomposition) -> Treatment {
     let (tag, is_drawn, body) = match name_tag {
         NameTag::Collider(kind) => (made_of(kind, base), true, None),
@@ -49,7 +49,7 @@ fn made_of(kind: ColliderKind, base: ConvexDecomposition) -> ConvexDecomposition
     }
 }
 
-/// What extras ask for; `base` is the tag that the scene has.
+/// What becomes of a node with such extras; `base` is the tag that the scene has.
 #[cfg(feature = "bevy_gltf")]
 pub(super) fn with_extras(extras: &ExtrasTag, base: ConvexDecomposition) -> Treatment {
     let body = extras.body.map(|body| match body {
@@ -60,7 +60,7 @@ pub(super) fn with_extras(extras: &ExtrasTag, base: ConvexDecomposition) -> Trea
     Treatment { tag: tag_of_extras(extras, base), is_drawn: true, body }
 }
 
-/// The scene's tag with the settings of extras; `None` where these want no collider.
+/// The scene's tag with the settings of extras; `None` where these exclude a collider.
 #[cfg(feature = "bevy_gltf")]
 fn tag_of_extras(extras: &ExtrasTag, base: ConvexDecomposition) -> Option<ConvexDecomposition> {
     let mut tag = made_of(extras.kind?, base);

@@ -1,7 +1,5 @@
 //! Results reach their entities: as colliders, as statuses, as events.
 
-use std::time::Duration;
-
 use bevy::ecs::system::{EntityCommands, SystemParam};
 use bevy::math::Affine3A;
 use bevy::prelude::*;
@@ -12,18 +10,16 @@ use bevy_rapier3d::prelude::{
     Restitution, Sensor, Sleeping, SolverGroups,
 };
 
-use crate::ColliderError;
-use crate::hulls_format::HullsFile;
+use crate::rapier::ColliderError;
 
 use super::baked::BakedDecomposition;
 use super::cache::ColliderGeometry;
 use super::error::DecompositionError;
-use super::events::{DecompositionReady, DecompositionSkipped, VerifiedError};
+use super::outcomes::Outcomes;
 use super::placement::{Placements, map_mass};
 use super::queue::{Completed, Failed, WorkQueue};
 use super::request::{AttachedCollider, AttachedFallback};
 use super::settings::HullwrightSettings;
-use super::status::{DecompositionCounters, DecompositionStatus, HullSource};
 use super::tag::{ConvexDecomposition, DEFAULT_DENSITY};
 
 /// The entities that colliders are attached to.
@@ -44,13 +40,11 @@ type TargetComponents = (
 
 /// Attaches colliders that are ready, within the frame's budget.
 pub(super) fn attach(
-    mut commands: Commands,
     mut queue: ResMut<WorkQueue>,
-    mut counters: ResMut<DecompositionCounters>,
     settings: Res<HullwrightSettings>,
     targets: Targets,
     mut sleepers: Sleepers,
-    mut statuses: Query<&mut DecompositionStatus>,
+    mut outcomes: Outcomes,
 ) {
     let mut budget = queue.frame_time.budget(&settings);
     for _ in 0..settings.max_attached_per_frame.max(1) {
@@ -59,7 +53,7 @@ pub(super) fn attach(
         }
         let Some(completed) = queue.completed.pop_front() else { break };
         let entity = completed.entity;
-        match targets.attach(&mut commands, &completed) {
+        match targets.attach(&mut outcomes.commands, &completed) {
             Ok(()) => {
                 let Some(unfinished) = queue.unfinished.remove(&entity) else { continue };
                 let present = targets.placements.stretch(entity);
@@ -67,11 +61,7 @@ pub(super) fn attach(
                 if let Some((body, _)) = targets.placements.body(entity) {
                     sleepers.wake(body);
                 }
-                let status = count(&mut counters, &completed);
-                if let Ok(mut old) = statuses.get_mut(entity) {
-                    *old = status.clone();
-                }
-                announce(&mut commands, &completed, status, unfinished.since.elapsed());
+                outcomes.ready(&completed, unfinished.since.elapsed());
             }
             Err(error) => queue.failed.push(Failed { entity, error, is_known: false }),
         }
@@ -102,53 +92,6 @@ impl Sleepers<'_, '_> {
             body.wake_up(true);
         }
     }
-}
-
-fn count(counters: &mut DecompositionCounters, completed: &Completed) -> DecompositionStatus {
-    let built = &completed.built;
-    match &*built.geometry {
-        ColliderGeometry::Triangles(_) => counters.triangle_meshes += 1,
-        ColliderGeometry::Primitive(..) => counters.convex += 1,
-        ColliderGeometry::Hulls(file) => counters.convex += usize::from(file.hulls.len() == 1),
-    }
-    if let Some(reason) = completed.request.why_triangles() {
-        return DecompositionStatus::Skipped(reason);
-    }
-    match built.source {
-        HullSource::Decomposed => {}
-        HullSource::Shared => counters.shared += 1,
-        HullSource::Disk => counters.from_disk += 1,
-        HullSource::Baked => counters.baked += 1,
-    }
-    DecompositionStatus::Ready(built.source)
-}
-
-/// The one event that the tag ends in.
-fn announce(
-    commands: &mut Commands,
-    completed: &Completed,
-    status: DecompositionStatus,
-    time: Duration,
-) {
-    let entity = completed.entity;
-    if let DecompositionStatus::Skipped(reason) = status {
-        commands.trigger(DecompositionSkipped { entity, reason });
-        return;
-    }
-    let (hulls, error) = match &*completed.built.geometry {
-        ColliderGeometry::Triangles(_) => (0, None),
-        ColliderGeometry::Primitive(..) => (1, None),
-        ColliderGeometry::Hulls(file) => (file.hulls.len(), verified_error(file)),
-    };
-    let source = completed.built.source;
-    commands.trigger(DecompositionReady { entity, hulls, error, source, time });
-}
-
-fn verified_error(file: &HullsFile) -> Option<VerifiedError> {
-    let errors = file.verified?;
-    let share = |length: f64| (length / file.diagonal) as f32;
-    let (protrusion, uncovered) = (share(errors.protrusion_max), share(errors.uncovered_max));
-    Some(VerifiedError { protrusion, uncovered })
 }
 
 impl Targets<'_, '_> {

@@ -46,13 +46,6 @@ pub struct BakedDecomposition {
 
 impl BakedDecomposition {
     /// With the mass in the file.
-    ///
-    /// ```
-    /// use bevy::prelude::*;
-    /// use hullwright::bevy::BakedDecomposition;
-    ///
-    /// assert_eq!(BakedDecomposition::new(Handle::default()).mass, None);
-    /// ```
     pub fn new(hulls: Handle<BakedHulls>) -> Self {
         Self { hulls, mass: None }
     }

@@ -31,14 +31,6 @@ pub(super) struct SceneGeometry(HashMap<ContentKey, Arc<ColliderGeometry>>);
 
 impl BakedScene {
     /// Of a scene that is already in memory.
-    ///
-    /// ```
-    /// use hullwright::bevy::BakedScene;
-    /// use hullwright::hulls_format::HullScene;
-    ///
-    /// let scene = BakedScene::new(HullScene::new("level", Vec::new()));
-    /// assert_eq!(scene.scene().name, "level");
-    /// ```
     pub fn new(scene: HullScene) -> Self {
         let usable = scene
             .meshes
@@ -73,7 +65,7 @@ impl BakedScene {
     ) -> Option<Absence> {
         let ContentKey::Mesh { mesh, .. } = key else { return None };
         match self.scene.look_up(mesh, parameters, names) {
-            // Without mass properties it is as good as missing.
+            // Without mass properties it counts as missing.
             SceneLookup::Found(_) if self.geometry.get(key).is_some() => None,
             SceneLookup::Found(_) | SceneLookup::Missing => Some(Absence::Missing),
             SceneLookup::OtherAlgorithm(_) => {
@@ -115,16 +107,6 @@ impl SceneGeometry {
 /// [`ConvexDecomposition`](crate::bevy::ConvexDecomposition).
 /// [`ConvexDecompositionHierarchy::with_baked`](crate::bevy::ConvexDecompositionHierarchy::with_baked)
 /// sets it on all that it tags.
-///
-/// ```
-/// use bevy::prelude::*;
-/// use hullwright::bevy::prelude::*;
-///
-/// fn setup(mut commands: Commands, server: Res<AssetServer>, mug: Handle<Mesh>) {
-///     let baked = FromBakedScene(server.load("kitchen.hullscene"));
-///     commands.spawn((Mesh3d(mug), ConvexDecomposition::default(), baked));
-/// }
-/// ```
 #[derive(Component, Reflect, Debug, Clone, PartialEq, Default)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[type_path = "hullwright"]

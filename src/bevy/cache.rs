@@ -93,16 +93,19 @@ impl GeometryCache {
         Some((entry.geometry.clone(), entry.shapes.get(&map)?.clone()))
     }
 
-    /// Keeps a shape and drops what was not used for longest, until `limit` bytes are left.
     pub(super) fn insert(
         &self,
         key: ContentKey,
         geometry: &Arc<ColliderGeometry>,
         map: MapKey,
         shape: &SharedShape,
-        limit: usize,
     ) {
-        self.lock().insert(key, geometry, map, shape, limit);
+        self.lock().insert(key, geometry, map, shape);
+    }
+
+    /// Drops what was not used for longest, until `limit` bytes are left.
+    pub(super) fn shrink_to(&self, limit: usize) {
+        self.lock().shrink_to(limit);
     }
 
     pub(super) fn remove(&self, key: ContentKey) {
@@ -140,7 +143,6 @@ impl CacheInner {
         geometry: &Arc<ColliderGeometry>,
         map: MapKey,
         shape: &SharedShape,
-        limit: usize,
     ) {
         self.clock += 1;
         let bytes = geometry.bytes();
@@ -154,6 +156,9 @@ impl CacheInner {
             entry.bytes += SHAPE_SHARE * bytes;
             self.bytes += SHAPE_SHARE * bytes;
         }
+    }
+
+    fn shrink_to(&mut self, limit: usize) {
         while self.bytes > limit {
             let oldest = self.entries.iter().min_by_key(|(_, entry)| entry.last_used);
             let Some(key) = oldest.map(|(key, _)| *key) else { break };

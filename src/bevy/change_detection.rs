@@ -10,27 +10,41 @@ use bevy_rapier3d::prelude::{ColliderScale, RigidBody, Sensor};
 use super::baked::{BakedDecomposition, BakedHulls};
 use super::cache::GeometryCache;
 use super::content::ContentKey;
-use super::events::DecompositionCancelled;
-use super::placement::{Placements, Stretch};
+use super::outcomes::Outcomes;
+use super::placement::Stretch;
 use super::queue::WorkQueue;
 use super::request::{AttachedCollider, ColliderRequest, FailedRequest, InputBoundary, InputId};
 use super::settings::HullwrightSettings;
 use super::static_geometry::StaticGeometry;
-use super::status::{DecompositionCounters, DecompositionStatus, WaitReason};
+use super::status::{DecompositionStatus, WaitReason};
 use super::tag::ConvexDecomposition;
 
 type ChangedTag = Or<(Changed<ConvexDecomposition>, Changed<BakedDecomposition>)>;
 type Tagged = Or<(With<ConvexDecomposition>, With<BakedDecomposition>)>;
 type MadeOfMeshes = (With<ConvexDecomposition>, Without<BakedDecomposition>);
 
+/// The tagged entities that meshes belong to.
+#[derive(SystemParam)]
+pub(super) struct MeshOwners<'w, 's> {
+    made_of_meshes: Query<'w, 's, (), MadeOfMeshes>,
+    boundaries: Query<'w, 's, (), InputBoundary>,
+    parents: Query<'w, 's, &'static ChildOf>,
+}
+
+impl MeshOwners<'_, '_> {
+    fn owner(&self, mesh: Entity) -> Option<Entity> {
+        let mut on_and_above = std::iter::once(mesh).chain(self.parents.iter_ancestors(mesh));
+        let top = on_and_above.find(|entity| self.boundaries.contains(*entity));
+        top.filter(|entity| self.made_of_meshes.contains(*entity))
+    }
+}
+
 /// Tags that are new or changed, and meshes that replaced another.
 pub(super) fn detect_tags(
     mut queue: ResMut<WorkQueue>,
     changed_tags: Query<Entity, ChangedTag>,
     changed_meshes: Query<Entity, Changed<Mesh3d>>,
-    made_of_meshes: Query<(), MadeOfMeshes>,
-    boundaries: Query<(), InputBoundary>,
-    parents: Query<&ChildOf>,
+    owners: MeshOwners,
     mut statuses: Query<&mut DecompositionStatus>,
 ) {
     let mut restart = |queue: &mut WorkQueue, entity| {
@@ -43,10 +57,8 @@ pub(super) fn detect_tags(
         restart(&mut queue, entity);
     }
     for mesh in &changed_meshes {
-        let mut on_and_above = std::iter::once(mesh).chain(parents.iter_ancestors(mesh));
-        let top = on_and_above.find(|entity| boundaries.contains(*entity));
-        let entity = top.filter(|entity| made_of_meshes.contains(*entity));
-        if let Some(entity) = entity.filter(|entity| !queue.is_to_be_resolved(*entity)) {
+        let owner = owners.owner(mesh);
+        if let Some(entity) = owner.filter(|entity| !queue.is_to_be_resolved(*entity)) {
             restart(&mut queue, entity);
         }
     }
@@ -55,12 +67,20 @@ pub(super) fn detect_tags(
 /// What may make a collider static, or no longer.
 type ChangedBody = Or<(Changed<RigidBody>, Changed<ChildOf>, Added<Sensor>)>;
 
-/// Bodies, parents and sensors that were taken away.
+/// Bodies, parents and sensors that came, changed or went.
 #[derive(SystemParam)]
-pub(super) struct Removed<'w, 's> {
+pub(super) struct BodyChanges<'w, 's> {
+    changed: Query<'w, 's, Entity, ChangedBody>,
     bodies: RemovedComponents<'w, 's, RigidBody>,
     parents: RemovedComponents<'w, 's, ChildOf>,
     sensors: RemovedComponents<'w, 's, Sensor>,
+}
+
+impl BodyChanges<'_, '_> {
+    fn entities(&mut self) -> impl Iterator<Item = Entity> {
+        let gone = self.bodies.read().chain(self.parents.read()).chain(self.sensors.read());
+        self.changed.iter().chain(gone)
+    }
 }
 
 type MayBeStatic = (
@@ -69,25 +89,22 @@ type MayBeStatic = (
     Option<&'static FailedRequest>,
 );
 
-/// What never moves gets triangles, all else hulls: bodies and sensors that came, changed or went.
+/// What never moves gets triangles, all else hulls.
 pub(super) fn detect_bodies(
     mut queue: ResMut<WorkQueue>,
-    changed: Query<Entity, ChangedBody>,
-    mut removed: Removed,
+    mut changes: BodyChanges,
     children: Query<&Children>,
     tags: Query<MayBeStatic, Without<BakedDecomposition>>,
     geometry: StaticGeometry,
-    placements: Placements,
 ) {
-    let gone = removed.bodies.read().chain(removed.parents.read()).chain(removed.sensors.read());
-    for above in changed.iter().chain(gone) {
+    for above in changes.entities() {
         for entity in std::iter::once(above).chain(children.iter_descendants(above)) {
             let Ok((tag, attached, failed)) = tags.get(entity) else { continue };
             let request = queue.request(entity).map(|request| request.why_triangles());
             let present = request
                 .or_else(|| failed.map(|failed| failed.request.why_triangles()))
                 .or_else(|| attached.map(|attached| attached.why_triangles));
-            let wanted = geometry.why_triangles(&placements, entity, tag.shape);
+            let wanted = geometry.why_triangles(entity, tag.shape);
             if present.is_some_and(|present| present != wanted) {
                 queue.restart(entity);
             }
@@ -217,15 +234,13 @@ pub(super) fn detect_scales(
 /// A removed tag cancels its work, also when the entity is despawned.
 pub(super) fn on_untag<T: Component>(
     removed: On<Remove<T>>,
-    mut commands: Commands,
     mut queue: ResMut<WorkQueue>,
-    mut counters: ResMut<DecompositionCounters>,
-    outcomes: Query<(Has<FailedRequest>, Option<&AttachedCollider>)>,
+    results: Query<(Has<FailedRequest>, Option<&AttachedCollider>)>,
     both_tags: Query<(), (With<ConvexDecomposition>, With<BakedDecomposition>)>,
-    mut statuses: Query<&mut DecompositionStatus>,
+    mut outcomes: Outcomes,
 ) {
     let entity = removed.entity;
-    let (has_failed, attached) = outcomes.get(entity).unwrap_or_default();
+    let (has_failed, attached) = results.get(entity).unwrap_or_default();
     // The other tag takes over. If it goes in the same instant, as all do when an entity is despawned, the
     // work is cancelled where it is resolved.
     if both_tags.contains(entity) {
@@ -235,17 +250,14 @@ pub(super) fn on_untag<T: Component>(
         return;
     }
     if has_failed {
-        commands.entity(entity).try_remove::<FailedRequest>();
+        outcomes.commands.entity(entity).try_remove::<FailedRequest>();
     }
     // From now on the collider is Rapier's own, which scales it by what comes on top of what is baked.
     if let Some(scale) = attached.and_then(|attached| attached.stretch.scale()) {
-        commands.entity(entity).try_insert(ColliderScale::Relative(scale.recip()));
+        let relative = ColliderScale::Relative(scale.recip());
+        outcomes.commands.entity(entity).try_insert(relative);
     }
     if queue.forget(entity) {
-        counters.cancelled += 1;
-        if let Ok(mut status) = statuses.get_mut(entity) {
-            *status = DecompositionStatus::Cancelled;
-        }
-        commands.trigger(DecompositionCancelled { entity });
+        outcomes.cancelled(entity);
     }
 }

@@ -16,15 +16,6 @@ impl TryFrom<&Mesh> for TriangleMesh {
     /// # Errors
     /// [`DecompositionError`] says what keeps the mesh from being read: points or lines, positions in
     /// another format, data that is in the render world alone.
-    ///
-    /// ```
-    /// use bevy::prelude::*;
-    /// use hullwright::TriangleMesh;
-    ///
-    /// let mesh = TriangleMesh::try_from(&Mesh::from(Cuboid::default()))?;
-    /// assert_eq!(mesh.triangles.len(), 12);
-    /// # Ok::<(), hullwright::bevy::DecompositionError>(())
-    /// ```
     fn try_from(mesh: &Mesh) -> Result<Self, DecompositionError> {
         let mut data = MeshData::default();
         append(&mut data, mesh, &Affine3A::IDENTITY)?;

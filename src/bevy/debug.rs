@@ -19,14 +19,6 @@ use super::status::DecompositionCounters;
 /// Beside [`HullwrightPlugin`](crate::bevy::HullwrightPlugin). Lines are drawn where Bevy's `GizmoPlugin`
 /// and `GizmoRenderPlugin` are, as in `DefaultPlugins`; on a server without them there are the
 /// diagnostics alone.
-///
-/// ```
-/// use hullwright::bevy::{HullwrightDebugPlugin, HullwrightPlugin};
-///
-/// # let mut app = bevy::prelude::App::new();
-/// # app.add_plugins((bevy::diagnostic::DiagnosticsPlugin, HullwrightPlugin::default()));
-/// app.add_plugins(HullwrightDebugPlugin);
-/// ```
 #[derive(Debug, Clone, Copy, Default)]
 pub struct HullwrightDebugPlugin;
 
@@ -93,8 +85,8 @@ impl HullwrightDebugPlugin {
 impl Plugin for HullwrightDebugPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<HullwrightDebug>().register_type::<HullwrightDebug>();
-        for measure in MEASURES {
-            app.register_diagnostic(Diagnostic::new(measure.path).with_suffix(measure.suffix));
+        for (path, unit, _) in MEASURES {
+            app.register_diagnostic(Diagnostic::new(path).with_suffix(unit));
         }
         app.configure_sets(
             PostUpdate,
@@ -200,54 +192,30 @@ fn draw_edges(
     }
 }
 
-/// What a counter is called among the diagnostics.
-struct Measure {
-    path: DiagnosticPath,
-    suffix: &'static str,
-    value: fn(&DecompositionCounters) -> Option<f64>,
-}
-
-impl Measure {
-    const fn count(path: DiagnosticPath, value: fn(&DecompositionCounters) -> Option<f64>) -> Self {
-        Self { path, suffix: "", value }
-    }
-}
-
 const MEBIBYTE: f64 = 1024.0 * 1024.0;
 
+/// Diagnostics with their units.
+type Measure = (DiagnosticPath, &'static str, fn(&DecompositionCounters) -> Option<f64>);
+
 const MEASURES: [Measure; 18] = [
-    Measure::count(HullwrightDebugPlugin::RUNNING, |of| Some(of.running as f64)),
-    Measure::count(HullwrightDebugPlugin::WAITING, |of| {
-        Some((of.queued + of.waiting_for_mesh) as f64)
-    }),
-    Measure::count(HullwrightDebugPlugin::DECOMPOSED, |of| Some(of.decomposed as f64)),
-    Measure::count(HullwrightDebugPlugin::SHARED, |of| Some(of.shared as f64)),
-    Measure::count(HullwrightDebugPlugin::FROM_DISK, |of| Some(of.from_disk as f64)),
-    Measure::count(HullwrightDebugPlugin::BAKED, |of| Some(of.baked as f64)),
-    Measure::count(HullwrightDebugPlugin::CONVEX, |of| Some(of.convex as f64)),
-    Measure::count(HullwrightDebugPlugin::TRIANGLE_MESHES, |of| Some(of.triangle_meshes as f64)),
-    Measure::count(HullwrightDebugPlugin::HAD_COLLIDER, |of| Some(of.had_collider as f64)),
-    Measure::count(HullwrightDebugPlugin::HIDDEN, |of| Some(of.hidden as f64)),
-    Measure::count(HullwrightDebugPlugin::TOO_SMALL, |of| Some(of.too_small as f64)),
-    Measure::count(HullwrightDebugPlugin::TOO_FAR, |of| Some(of.too_far as f64)),
-    Measure::count(HullwrightDebugPlugin::FAILED, |of| Some(of.failed as f64)),
-    Measure::count(HullwrightDebugPlugin::CANCELLED, |of| Some(of.cancelled as f64)),
-    Measure::count(HullwrightDebugPlugin::CACHED_COUNT, |of| Some(of.cached as f64)),
-    Measure {
-        path: HullwrightDebugPlugin::CACHED,
-        suffix: " MiB",
-        value: |of| Some(of.cached_bytes as f64 / MEBIBYTE),
-    },
-    Measure {
-        path: HullwrightDebugPlugin::BOUND,
-        suffix: " %",
-        value: |of| of.last_bound.map(percent),
-    },
-    Measure {
-        path: HullwrightDebugPlugin::PROTRUSION,
-        suffix: " %",
-        value: |of| of.last_protrusion.map(percent),
-    },
+    (HullwrightDebugPlugin::RUNNING, "", |of| Some(of.running as f64)),
+    (HullwrightDebugPlugin::WAITING, "", |of| Some((of.queued + of.waiting_for_mesh) as f64)),
+    (HullwrightDebugPlugin::DECOMPOSED, "", |of| Some(of.decomposed as f64)),
+    (HullwrightDebugPlugin::SHARED, "", |of| Some(of.shared as f64)),
+    (HullwrightDebugPlugin::FROM_DISK, "", |of| Some(of.from_disk as f64)),
+    (HullwrightDebugPlugin::BAKED, "", |of| Some(of.baked as f64)),
+    (HullwrightDebugPlugin::CONVEX, "", |of| Some(of.convex as f64)),
+    (HullwrightDebugPlugin::TRIANGLE_MESHES, "", |of| Some(of.triangle_meshes as f64)),
+    (HullwrightDebugPlugin::HAD_COLLIDER, "", |of| Some(of.had_collider as f64)),
+    (HullwrightDebugPlugin::HIDDEN, "", |of| Some(of.hidden as f64)),
+    (HullwrightDebugPlugin::TOO_SMALL, "", |of| Some(of.too_small as f64)),
+    (HullwrightDebugPlugin::TOO_FAR, "", |of| Some(of.too_far as f64)),
+    (HullwrightDebugPlugin::FAILED, "", |of| Some(of.failed as f64)),
+    (HullwrightDebugPlugin::CANCELLED, "", |of| Some(of.cancelled as f64)),
+    (HullwrightDebugPlugin::CACHED_COUNT, "", |of| Some(of.cached as f64)),
+    (HullwrightDebugPlugin::CACHED, " MiB", |of| Some(of.cached_bytes as f64 / MEBIBYTE)),
+    (HullwrightDebugPlugin::BOUND, " %", |of| of.last_bound.map(percent)),
+    (HullwrightDebugPlugin::PROTRUSION, " %", |of| of.last_protrusion.map(percent)),
 ];
 
 fn percent(share: f32) -> f64 {
@@ -255,9 +223,9 @@ fn percent(share: f32) -> f64 {
 }
 
 fn measure(mut diagnostics: Diagnostics, counters: Res<DecompositionCounters>) {
-    for measure in MEASURES {
-        if let Some(value) = (measure.value)(&counters) {
-            diagnostics.add_measurement(&measure.path, || value);
+    for (path, _, value) in MEASURES {
+        if let Some(value) = value(&counters) {
+            diagnostics.add_measurement(&path, || value);
         }
     }
 }

@@ -2,7 +2,8 @@
 
 use bevy::prelude::*;
 
-use crate::{ColliderError, Error};
+use crate::Error;
+use crate::rapier::ColliderError;
 
 /// Why there is no collider.
 #[non_exhaustive]

@@ -46,26 +46,12 @@ pub struct VerifiedError {
 
 impl VerifiedError {
     /// The larger of both, which is what the tag's bound is about.
-    ///
-    /// ```
-    /// use hullwright::bevy::prelude::*;
-    ///
-    /// assert_eq!(VerifiedError { protrusion: 0.01, uncovered: 0.02 }.max(), 0.02);
-    /// ```
     pub fn max(&self) -> f32 {
         self.protrusion.max(self.uncovered)
     }
 }
 
 /// No decomposition was made. The entity has the collider that it had, or its triangles.
-///
-/// ```
-/// use bevy::prelude::*;
-/// use hullwright::bevy::prelude::*;
-///
-/// # let mut app = App::new();
-/// app.add_observer(|skipped: On<DecompositionSkipped>| println!("{:?}", skipped.reason));
-/// ```
 #[derive(EntityEvent, Reflect, Debug, Clone, PartialEq)]
 #[reflect(Debug, Clone, PartialEq)]
 #[type_path = "hullwright"]
@@ -77,14 +63,6 @@ pub struct DecompositionSkipped {
 }
 
 /// The entity gets no collider.
-///
-/// ```
-/// use bevy::prelude::*;
-/// use hullwright::bevy::prelude::*;
-///
-/// # let mut app = App::new();
-/// app.add_observer(|failed: On<DecompositionFailed>| eprintln!("{}: {}", failed.entity, failed.error));
-/// ```
 #[derive(EntityEvent, Reflect, Debug, Clone, PartialEq)]
 #[reflect(Debug, Clone, PartialEq)]
 #[type_path = "hullwright"]
@@ -97,14 +75,6 @@ pub struct DecompositionFailed {
 
 /// The tag was removed, or the entity despawned, before the collider was ready. A despawned entity is
 /// gone when observers run.
-///
-/// ```
-/// use bevy::prelude::*;
-/// use hullwright::bevy::prelude::*;
-///
-/// # let mut app = App::new();
-/// app.add_observer(|cancelled: On<DecompositionCancelled>| println!("{}", cancelled.entity));
-/// ```
 #[derive(EntityEvent, Reflect, Debug, Clone, PartialEq)]
 #[reflect(Debug, Clone, PartialEq)]
 #[type_path = "hullwright"]

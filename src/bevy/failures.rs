@@ -5,20 +5,17 @@ use std::collections::BTreeMap;
 use bevy::prelude::*;
 
 use super::describe::{Descriptions, asset_of, entities};
-use super::events::DecompositionFailed;
+use super::outcomes::Outcomes;
 use super::placement::Placements;
 use super::queue::{Failed, WorkQueue};
 use super::request::FailedRequest;
-use super::status::{DecompositionCounters, DecompositionStatus};
 
 /// Reports failures. However many entities fail of the same in a frame, the log has one line.
 pub(super) fn report_failures(
-    mut commands: Commands,
     mut queue: ResMut<WorkQueue>,
-    mut counters: ResMut<DecompositionCounters>,
     placements: Placements,
     descriptions: Descriptions,
-    mut statuses: Query<&mut DecompositionStatus>,
+    mut outcomes: Outcomes,
 ) {
     if queue.failed.is_empty() {
         return;
@@ -27,7 +24,6 @@ pub(super) fn report_failures(
     let mut to_log: BTreeMap<String, (usize, String)> = BTreeMap::new();
     for Failed { entity, error, is_known } in std::mem::take(&mut queue.failed) {
         let Some(unfinished) = queue.unfinished.remove(&entity) else { continue };
-        counters.failed += 1;
         if !is_known {
             let asset = unfinished.request.as_ref().and_then(|request| asset_of(&request.input));
             let line = to_log.entry(error.to_string());
@@ -39,12 +35,9 @@ pub(super) fn report_failures(
             if failed.depends_on_scale() {
                 queue.detect_missed_scale(entity, &baked, placements.stretch(entity));
             }
-            commands.entity(entity).try_insert(failed);
+            outcomes.commands.entity(entity).try_insert(failed);
         }
-        if let Ok(mut status) = statuses.get_mut(entity) {
-            *status = DecompositionStatus::Failed(error.clone());
-        }
-        commands.trigger(DecompositionFailed { entity, error });
+        outcomes.failed(entity, error);
     }
     for (text, (count, first)) in to_log {
         log::warn!("no convex decomposition for {}: {text}", entities(count, &first));

@@ -15,7 +15,7 @@ use super::skip::FarFromFocus;
 use super::status::DecompositionStatus;
 use super::tag::ConvexDecomposition;
 
-/// On a body that is frozen: for whom, and what to restore.
+/// On a body that is frozen: the entities that it waits for, and what to restore.
 #[derive(Component, Debug)]
 pub(super) struct Frozen {
     for_entities: EntityHashSet,
@@ -79,7 +79,7 @@ impl Bodies<'_, '_> {
     fn keep_velocities(&mut self) {
         for (mut frozen, velocity) in &mut self.frozen {
             // Rapier leaves the velocity of a body that stands still alone, and a system does not see what it
-            // changed itself: somebody else has set it.
+            // changed itself: another system has set it.
             let Some(mut velocity) = velocity.filter(|velocity| velocity.is_changed()) else {
                 continue;
             };
@@ -126,7 +126,7 @@ pub(super) fn freeze_new(
 /// One whose tag was removed is not waited for.
 type IsFar = (With<FarFromFocus>, With<ConvexDecomposition>);
 
-/// Releases bodies that nobody waits for any more.
+/// Releases bodies whose entities are all finished.
 pub(super) fn release(
     mut commands: Commands,
     queue: Res<WorkQueue>,
@@ -141,7 +141,7 @@ pub(super) fn release(
         }
         let mut commands = commands.entity(body);
         commands.try_remove::<Frozen>();
-        // Axes that somebody else has locked in the meantime stay locked.
+        // Axes that were locked in the meantime stay locked.
         if locked == Some(&LockedAxes::all()) {
             commands.try_insert(frozen.locked.unwrap_or(LockedAxes::empty()));
         }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use bevy::ecs::entity::EntityHashSet;
+use bevy::ecs::system::SystemParam;
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
 
@@ -23,6 +24,18 @@ use crate::conventions::{NameTag, mesh_tag, node_tag, without_copy_number};
 /// The first rule that matches a mesh applies: [`by_name`](Self::by_name), the artist's
 /// names and extras (if [`follows_artists`](Self::follows_artists)), then
 /// [`default`](Self::default_tag).
+///
+/// ```
+/// use bevy::prelude::*;
+/// use hullwright::bevy::prelude::*;
+///
+/// # fn setup(server: Res<AssetServer>) {
+/// let level = ConvexDecompositionHierarchy::default()
+///     .with("statue", ConvexDecomposition::default().with_max_error(0.05))
+///     .without("curtain")
+///     .with_baked(server.load("level.hullscene"));
+/// # }
+/// ```
 #[derive(Component, Reflect, Debug, Clone, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[type_path = "hullwright"]
@@ -60,38 +73,16 @@ impl Default for ConvexDecompositionHierarchy {
 
 impl ConvexDecompositionHierarchy {
     /// All meshes with this tag.
-    ///
-    /// ```
-    /// use hullwright::bevy::prelude::*;
-    ///
-    /// let fine = ConvexDecomposition::from(DecompositionPreset::Fine);
-    /// let scene = ConvexDecompositionHierarchy::new(fine.clone());
-    /// assert_eq!(scene.default_tag, Some(fine));
-    /// ```
     pub fn new(default_tag: ConvexDecomposition) -> Self {
         Self { default_tag: Some(default_tag), ..Self::default() }
     }
 
     /// Only what is named here or by the artist.
-    ///
-    /// ```
-    /// use hullwright::bevy::prelude::*;
-    ///
-    /// assert_eq!(ConvexDecompositionHierarchy::tagged_only().default_tag, None);
-    /// ```
     pub fn tagged_only() -> Self {
         Self { default_tag: None, ..Self::default() }
     }
 
     /// The same with another tag for a node or mesh of this name.
-    ///
-    /// ```
-    /// use hullwright::bevy::prelude::*;
-    ///
-    /// let coarse = ConvexDecomposition::default().with_max_error(0.05);
-    /// let scene = ConvexDecompositionHierarchy::default().with("statue", coarse.clone());
-    /// assert_eq!(scene.by_name["statue"], Some(coarse));
-    /// ```
     #[must_use]
     pub fn with(mut self, name: impl Into<String>, tag: ConvexDecomposition) -> Self {
         self.by_name.insert(name.into(), Some(tag));
@@ -99,16 +90,6 @@ impl ConvexDecompositionHierarchy {
     }
 
     /// The same with hulls that `hullwright bake` made of the scene.
-    ///
-    /// ```
-    /// use bevy::prelude::*;
-    /// use hullwright::bevy::prelude::*;
-    ///
-    /// # fn setup(server: Res<AssetServer>) {
-    /// let level = ConvexDecompositionHierarchy::default()
-    ///     .with_baked(server.load("level.hullscene"));
-    /// # }
-    /// ```
     #[must_use]
     pub fn with_baked(mut self, baked: Handle<BakedScene>) -> Self {
         self.baked = Some(baked);
@@ -116,13 +97,6 @@ impl ConvexDecompositionHierarchy {
     }
 
     /// The same without the node or mesh of this name.
-    ///
-    /// ```
-    /// use hullwright::bevy::prelude::*;
-    ///
-    /// let scene = ConvexDecompositionHierarchy::default().without("curtain");
-    /// assert_eq!(scene.by_name["curtain"], None);
-    /// ```
     #[must_use]
     pub fn without(mut self, name: impl Into<String>) -> Self {
         self.by_name.insert(name.into(), None);
@@ -153,7 +127,7 @@ mod by_name {
     }
 }
 
-/// What was wrong with extras, and of whom it was said first. Each is logged once.
+/// Errors in extras, with the entities that have them. Each is logged once.
 #[derive(Default)]
 pub(super) struct Complaints {
     known: HashSet<String>,
@@ -173,156 +147,175 @@ impl Complaints {
 
 type NewMesh = (With<Mesh3d>, Or<(Added<Mesh3d>, Changed<ChildOf>)>);
 
+/// Hierarchies, and what is new about them.
+#[derive(SystemParam)]
+pub(super) struct Hierarchies<'w, 's> {
+    all: Query<'w, 's, (&'static ConvexDecompositionHierarchy, &'static mut HierarchyWork)>,
+    changed: Query<'w, 's, Entity, Changed<ConvexDecompositionHierarchy>>,
+    new_meshes: Query<'w, 's, Entity, NewMesh>,
+}
+
+impl Hierarchies<'_, '_> {
+    /// Those that are new or changed, and those with new meshes.
+    fn to_tag(&self, nodes: &Nodes) -> EntityHashSet {
+        let mut roots: EntityHashSet = self.changed.iter().collect();
+        for mesh in &self.new_meshes {
+            let mut above = std::iter::once(mesh).chain(nodes.parents.iter_ancestors(mesh));
+            roots.extend(above.find(|entity| self.all.contains(*entity)));
+        }
+        roots
+    }
+}
+
 /// Tags what is new below a hierarchy, and all below one that is new or changed.
-#[expect(clippy::too_many_arguments, reason = "a system's are what it reads and writes")]
 pub(super) fn tag_hierarchies(
     mut commands: Commands,
-    hierarchies: Query<&ConvexDecompositionHierarchy>,
-    mut works: Query<&mut HierarchyWork>,
-    changed: Query<Entity, Changed<ConvexDecompositionHierarchy>>,
-    new_meshes: Query<Entity, NewMesh>,
+    mut hierarchies: Hierarchies,
     nodes: Nodes,
     descriptions: Descriptions,
     mut complaints: Local<Complaints>,
 ) {
-    if hierarchies.is_empty() {
+    if hierarchies.all.is_empty() {
         return;
     }
-    let mut roots: EntityHashSet = changed.iter().collect();
-    for mesh in &new_meshes {
-        let above = std::iter::once(mesh).chain(nodes.parents.iter_ancestors(mesh));
-        roots.extend(above.into_iter().find(|entity| hierarchies.contains(*entity)));
-    }
-    for root in roots {
-        if let (Ok(hierarchy), Ok(mut work)) = (hierarchies.get(root), works.get_mut(root)) {
-            tag_scene(&mut commands, &nodes, (root, hierarchy), &mut work, &mut complaints);
+    for root in hierarchies.to_tag(&nodes) {
+        if let Ok((hierarchy, mut work)) = hierarchies.all.get_mut(root) {
+            let all = nodes.nodes_with_meshes(root);
+            let rules = Rules::new(&nodes, root, hierarchy, &all);
+            rules.tag(&mut commands, all, &mut work, &mut complaints);
         }
     }
     complaints.log(&descriptions);
 }
 
-/// Tags the meshes below a root.
-fn tag_scene(
-    commands: &mut Commands,
-    nodes: &Nodes,
-    (root, hierarchy): (Entity, &ConvexDecompositionHierarchy),
-    work: &mut HierarchyWork,
-    complaints: &mut Complaints,
-) {
-    let all = nodes.nodes_with_meshes(root);
-    let has_meshes = !all.is_empty();
-    let (mut tagged, mut left_out) = (Vec::new(), 0);
-    let with_pieces = match hierarchy.follows_artists {
-        true => nodes.meshes_with_pieces(&all),
-        false => HashSet::default(),
-    };
-    for node in all {
-        if nodes.own_tags.contains(node) {
-            continue;
-        }
-        let Treatment { tag, is_drawn, body } = match by_code(nodes, node, hierarchy) {
-            Some(tag) => tag.clone().into(),
-            None if hierarchy.follows_artists => {
-                let base = || hierarchy.default_tag.clone().unwrap_or_default();
-                by_artist(nodes, node, root, &base, &with_pieces, complaints)
-                    .unwrap_or_else(|| hierarchy.default_tag.clone().into())
-            }
-            None => hierarchy.default_tag.clone().into(),
-        };
-        nodes.show(commands, node, is_drawn);
-        if let Some(body) = body {
-            commands.entity(node).try_insert_if_new(body);
-        }
-        match (&tag, &hierarchy.baked) {
-            (Some(_), Some(baked)) => {
-                commands.entity(node).try_insert(FromBakedScene(baked.clone()));
-            }
-            _ => {
-                commands.entity(node).try_remove::<FromBakedScene>();
-            }
-        }
-        match tag {
-            Some(_) => tagged.push(node),
-            None => left_out += 1,
-        }
-        // What is tagged anew starts anew.
-        if nodes.tagged.get(node).is_ok_and(|before| before == tag.as_ref()) {
-            continue;
-        }
-        let mut node = commands.entity(node);
-        match tag {
-            Some(tag) => {
-                node.try_remove::<NoConvexDecomposition>();
-                node.try_insert((tag, TaggedByHierarchy));
-            }
-            None => {
-                node.try_remove::<ConvexDecomposition>();
-                // Else it would be part of the input of a node above it.
-                node.try_insert((NoConvexDecomposition, TaggedByHierarchy));
-            }
-        }
-    }
-    work.begin(tagged, left_out, has_meshes);
-}
-
-fn by_code<'a>(
-    nodes: &Nodes,
-    node: Entity,
-    hierarchy: &'a ConvexDecompositionHierarchy,
-) -> Option<&'a Option<ConvexDecomposition>> {
-    let names = nodes.names_of(node);
-    names.into_iter().flatten().find_map(|name| hierarchy.by_name.get(name))
-}
-
-/// What extras and names ask for; `base` is the tag that the scene has where it has one.
-fn by_artist(
-    nodes: &Nodes,
-    node: Entity,
+/// What becomes of each node of a scene.
+struct Rules<'a, 'w, 's> {
+    nodes: &'a Nodes<'w, 's>,
     root: Entity,
-    base: &dyn Fn() -> ConvexDecomposition,
-    with_pieces: &HashSet<&str>,
-    complaints: &mut Complaints,
-) -> Option<Treatment> {
-    if nodes.is_left_out(node, root) {
-        return Some(treatment(NameTag::LeftOut, base()));
-    }
-    if let Some(by_extras) = by_extras(nodes, node, base, complaints) {
-        return Some(by_extras);
-    }
-    let [own, of_mesh] = nodes.names_of(node);
-    if let Some(tag) = own.and_then(node_tag).or_else(|| of_mesh.and_then(mesh_tag)) {
-        return Some(treatment(tag, base()));
-    }
-    let has_pieces =
-        |name: &str| with_pieces.contains(name) || with_pieces.contains(without_copy_number(name));
-    [own, of_mesh].into_iter().flatten().any(has_pieces).then(|| None.into())
+    hierarchy: &'a ConvexDecompositionHierarchy,
+    /// Names of meshes with pieces made by the artist.
+    with_pieces: HashSet<&'a str>,
 }
 
-/// What the extras of a node or of its mesh ask for.
-#[cfg(feature = "bevy_gltf")]
-fn by_extras(
-    nodes: &Nodes,
-    node: Entity,
-    base: &dyn Fn() -> ConvexDecomposition,
-    complaints: &mut Complaints,
-) -> Option<Treatment> {
-    nodes.extras_of(node).find_map(|text| {
-        let (tag, wrong) = crate::conventions::read_extras(text);
-        for text in wrong {
-            complaints.new.entry(text).or_default().push(node);
+impl<'a, 'w, 's> Rules<'a, 'w, 's> {
+    fn new(
+        nodes: &'a Nodes<'w, 's>,
+        root: Entity,
+        hierarchy: &'a ConvexDecompositionHierarchy,
+        all: &[Entity],
+    ) -> Self {
+        let with_pieces = match hierarchy.follows_artists {
+            true => nodes.meshes_with_pieces(all),
+            false => HashSet::default(),
+        };
+        Self { nodes, root, hierarchy, with_pieces }
+    }
+
+    /// The first rule that matches a node.
+    fn treatment(&self, node: Entity, complaints: &mut Complaints) -> Treatment {
+        let by_name = &self.hierarchy.by_name;
+        let mut names = self.nodes.names_of(node).into_iter().flatten();
+        if let Some(tag) = names.find_map(|name| by_name.get(name)) {
+            return tag.clone().into();
         }
-        Some(super::artists::with_extras(&tag?, base()))
-    })
-}
+        let by_artist = match self.hierarchy.follows_artists {
+            true => self.by_artist(node, complaints),
+            false => None,
+        };
+        by_artist.unwrap_or_else(|| self.hierarchy.default_tag.clone().into())
+    }
 
-#[cfg(not(feature = "bevy_gltf"))]
-fn by_extras(
-    _nodes: &Nodes,
-    _node: Entity,
-    _base: &dyn Fn() -> ConvexDecomposition,
-    _complaints: &mut Complaints,
-) -> Option<Treatment> {
-    None
+    /// The tag on which names and extras build.
+    fn base(&self) -> ConvexDecomposition {
+        self.hierarchy.default_tag.clone().unwrap_or_default()
+    }
+
+    /// By extras and names; `None` where they say nothing.
+    fn by_artist(&self, node: Entity, complaints: &mut Complaints) -> Option<Treatment> {
+        if self.nodes.is_left_out(node, self.root) {
+            return Some(treatment(NameTag::LeftOut, self.base()));
+        }
+        if let Some(by_extras) = self.by_extras(node, complaints) {
+            return Some(by_extras);
+        }
+        let [own, of_mesh] = self.nodes.names_of(node);
+        if let Some(tag) = own.and_then(node_tag).or_else(|| of_mesh.and_then(mesh_tag)) {
+            return Some(treatment(tag, self.base()));
+        }
+        let has_pieces = |name: &str| {
+            [name, without_copy_number(name)].iter().any(|name| self.with_pieces.contains(*name))
+        };
+        [own, of_mesh].into_iter().flatten().any(has_pieces).then(|| None.into())
+    }
+
+    /// By the extras of a node or of its mesh.
+    #[cfg(feature = "bevy_gltf")]
+    fn by_extras(&self, node: Entity, complaints: &mut Complaints) -> Option<Treatment> {
+        self.nodes.extras_of(node).find_map(|text| {
+            let (tag, wrong) = crate::conventions::read_extras(text);
+            for text in wrong {
+                complaints.new.entry(text).or_default().push(node);
+            }
+            Some(super::artists::with_extras(&tag?, self.base()))
+        })
+    }
+
+    #[cfg(not(feature = "bevy_gltf"))]
+    fn by_extras(&self, _node: Entity, _complaints: &mut Complaints) -> Option<Treatment> {
+        None
+    }
+
+    /// Tags all nodes with meshes.
+    fn tag(
+        &self,
+        commands: &mut Commands,
+        all: Vec<Entity>,
+        work: &mut HierarchyWork,
+        complaints: &mut Complaints,
+    ) {
+        let Self { nodes, hierarchy, .. } = self;
+        let has_meshes = !all.is_empty();
+        let (mut tagged, mut left_out) = (Vec::new(), 0);
+        for node in all {
+            if nodes.own_tags.contains(node) {
+                continue;
+            }
+            let Treatment { tag, is_drawn, body } = self.treatment(node, complaints);
+            nodes.show(commands, node, is_drawn);
+            if let Some(body) = body {
+                commands.entity(node).try_insert_if_new(body);
+            }
+            match (&tag, &hierarchy.baked) {
+                (Some(_), Some(baked)) => {
+                    commands.entity(node).try_insert(FromBakedScene(baked.clone()));
+                }
+                _ => {
+                    commands.entity(node).try_remove::<FromBakedScene>();
+                }
+            }
+            match tag {
+                Some(_) => tagged.push(node),
+                None => left_out += 1,
+            }
+            // What is tagged anew starts anew.
+            if nodes.tagged.get(node).is_ok_and(|before| before == tag.as_ref()) {
+                continue;
+            }
+            let mut node = commands.entity(node);
+            match tag {
+                Some(tag) => {
+                    node.try_remove::<NoConvexDecomposition>();
+                    node.try_insert((tag, TaggedByHierarchy));
+                }
+                None => {
+                    node.try_remove::<ConvexDecomposition>();
+                    // Else it would be part of the input of a node above it.
+                    node.try_insert((NoConvexDecomposition, TaggedByHierarchy));
+                }
+            }
+        }
+        work.begin(tagged, left_out, has_meshes);
+    }
 }
 
 #[cfg(all(test, feature = "serde", feature = "io"))]

@@ -12,24 +12,27 @@ use super::hierarchy::ConvexDecompositionHierarchy;
 use super::hierarchy_status::{
     HierarchyFinished, HierarchyReport, HierarchyStatus, HierarchyWork, SceneState,
 };
+use super::nodes::Nodes;
 use super::parameters::Goal;
 use super::queue::WorkQueue;
 use super::request::AttachedCollider;
 use super::status::DecompositionStatus;
 use super::tag::ConvexDecomposition;
 
-/// Whether the scene of an entity is spawned.
+/// Meshes that the log names one by one; of more it says how many.
+const MOST_LOGGED: usize = 20;
+
+/// What is known of scenes, and from what the colliders below them were made.
 #[derive(SystemParam)]
 pub(super) struct Scenes<'w, 's> {
     #[cfg(feature = "bevy_gltf")]
     roots: Query<'w, 's, &'static WorldAssetRoot>,
     #[cfg(feature = "bevy_gltf")]
     server: Option<Res<'w, AssetServer>>,
-    names: Query<'w, 's, &'static Name>,
-    #[cfg(feature = "bevy_gltf")]
-    children: Query<'w, 's, &'static Children>,
-    #[cfg(feature = "bevy_gltf")]
-    mesh_names: Query<'w, 's, &'static bevy::gltf::GltfMeshName>,
+    baked: Res<'w, Assets<BakedScene>>,
+    queue: Res<'w, WorkQueue>,
+    nodes: Nodes<'w, 's>,
+    attached: Query<'w, 's, (&'static AttachedCollider, &'static ConvexDecomposition)>,
 }
 
 impl Scenes<'_, '_> {
@@ -56,18 +59,54 @@ impl Scenes<'_, '_> {
         false
     }
 
-    /// The names of a node, and of its mesh.
-    fn names(&self, node: Entity) -> Vec<&str> {
-        let own = self.names.get(node).ok().map(Name::as_str);
-        #[cfg(feature = "bevy_gltf")]
-        let of_meshes = {
-            let children = self.children.get(node).into_iter().flatten().copied();
-            let meshes = std::iter::once(node).chain(children);
-            meshes.filter_map(|mesh| Some(self.mesh_names.get(mesh).ok()?.0.as_str()))
+    /// Counts what came from a baked scene, and returns what did not and why, as a sentence without subject.
+    fn compare(
+        &self,
+        handle: &Handle<BakedScene>,
+        nodes: &[Entity],
+        report: &mut HierarchyReport,
+    ) -> Option<String> {
+        let Some(baked) = self.baked.get(handle) else {
+            report.missing = report.ready;
+            return Some("could not be loaded: its meshes were decomposed".into());
         };
-        #[cfg(not(feature = "bevy_gltf"))]
-        let of_meshes = std::iter::empty();
-        own.into_iter().chain(of_meshes).collect()
+        let mut lines = Vec::new();
+        for &node in nodes {
+            let Ok((attached, tag)) = self.attached.get(node) else { continue };
+            let Some(Ok(key)) = self.queue.known.get(&attached.input) else { continue };
+            let goal = Goal::of(tag);
+            let Some(parameters) = goal.parameters().filter(|_| attached.why_triangles.is_none())
+            else {
+                continue;
+            };
+            if baked.geometry().get(*key).is_some() {
+                report.from_baked += 1;
+                continue;
+            }
+            let names: Vec<&str> = self.nodes.names_of(node).into_iter().flatten().collect();
+            let name = names.first().copied().unwrap_or("a mesh without a name");
+            match baked.reason_of_absence(*key, parameters, &names) {
+                None => report.from_baked += 1,
+                Some(Absence::Stale(why)) => {
+                    report.stale += 1;
+                    lines.push(format!("`{name}` ({node}): {why}"));
+                }
+                Some(Absence::Missing) => {
+                    report.missing += 1;
+                    lines.push(format!("`{name}` ({node}): it is not in the file"));
+                }
+            }
+        }
+        if lines.is_empty() {
+            return None;
+        }
+        let more = lines.len().saturating_sub(MOST_LOGGED);
+        lines.truncate(MOST_LOGGED);
+        if more > 0 {
+            lines.push(format!("and {more} more"));
+        }
+        let lines = lines.join("; ");
+        Some(format!("has no hulls for: {lines}. They were decomposed; bake it anew"))
     }
 }
 
@@ -82,7 +121,6 @@ pub(super) fn finish_hierarchies(
     )>,
     statuses: Query<&DecompositionStatus>,
     scenes: Scenes,
-    baked: BakedResults,
 ) {
     for (entity, hierarchy, mut work, mut status) in &mut hierarchies {
         if !work.is_open {
@@ -115,81 +153,15 @@ pub(super) fn finish_hierarchies(
                 _ => report.cancelled += 1,
             }
         }
-        if let Some(handle) = &hierarchy.baked {
-            baked.compare(entity, handle, &work.nodes, &scenes, &mut report);
+        if let Some(handle) = &hierarchy.baked
+            && let Some(difference) = scenes.compare(handle, &work.nodes, &mut report)
+        {
+            let path = handle.path().map_or_else(|| "the baked scene".into(), ToString::to_string);
+            log::warn!("{path} of {entity} {difference}");
         }
         (work.is_open, work.start) = (false, None);
         *status = HierarchyStatus::Finished(report);
         commands.trigger(HierarchyFinished { entity, report });
-    }
-}
-
-/// What results are made from.
-#[derive(SystemParam)]
-pub(super) struct BakedResults<'w, 's> {
-    scenes: Res<'w, Assets<BakedScene>>,
-    queue: Res<'w, WorkQueue>,
-    attached: Query<'w, 's, (&'static AttachedCollider, &'static ConvexDecomposition)>,
-}
-
-/// Meshes that the log names one by one; of more it says how many.
-const MOST_LOGGED: usize = 20;
-
-impl BakedResults<'_, '_> {
-    /// Counts what came from a baked scene, and says what did not and why.
-    fn compare(
-        &self,
-        entity: Entity,
-        handle: &Handle<BakedScene>,
-        nodes: &[Entity],
-        scenes: &Scenes,
-        report: &mut HierarchyReport,
-    ) {
-        let path = handle.path().map_or_else(|| "the baked scene".into(), ToString::to_string);
-        let Some(baked) = self.scenes.get(handle) else {
-            report.missing = report.ready;
-            log::warn!("{path} of {entity} could not be loaded: its meshes were decomposed");
-            return;
-        };
-        let mut lines = Vec::new();
-        for &node in nodes {
-            let Ok((attached, tag)) = self.attached.get(node) else { continue };
-            let Some(Ok(key)) = self.queue.known.get(&attached.input) else { continue };
-            let goal = Goal::of(tag);
-            let Some(parameters) = goal.parameters().filter(|_| attached.why_triangles.is_none())
-            else {
-                continue;
-            };
-            if baked.geometry().get(*key).is_some() {
-                report.from_baked += 1;
-                continue;
-            }
-            let names = scenes.names(node);
-            let name = names.first().copied().unwrap_or("a mesh without a name");
-            match baked.reason_of_absence(*key, parameters, &names) {
-                None => report.from_baked += 1,
-                Some(Absence::Stale(why)) => {
-                    report.stale += 1;
-                    lines.push(format!("`{name}` ({node}): {why}"));
-                }
-                Some(Absence::Missing) => {
-                    report.missing += 1;
-                    lines.push(format!("`{name}` ({node}): it is not in the file"));
-                }
-            }
-        }
-        if lines.is_empty() {
-            return;
-        }
-        let more = lines.len().saturating_sub(MOST_LOGGED);
-        lines.truncate(MOST_LOGGED);
-        if more > 0 {
-            lines.push(format!("and {more} more"));
-        }
-        log::warn!(
-            "{path} has no hulls for: {}. They were decomposed; bake it anew",
-            lines.join("; ")
-        );
     }
 }
 

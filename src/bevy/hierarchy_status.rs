@@ -1,4 +1,4 @@
-//! What is known of a scene whose meshes are tagged, and the event that it ends in.
+//! The status of a scene whose meshes are tagged, and the event in which it ends.
 
 use std::time::Duration;
 
@@ -21,13 +21,6 @@ pub enum HierarchyStatus {
 
 impl HierarchyStatus {
     /// Whether nothing more will come, unless something changes.
-    ///
-    /// ```
-    /// use hullwright::bevy::prelude::*;
-    ///
-    /// assert!(!HierarchyStatus::Waiting.is_finished());
-    /// assert!(HierarchyStatus::Finished(HierarchyReport::default()).is_finished());
-    /// ```
     pub fn is_finished(&self) -> bool {
         matches!(self, Self::Finished(_))
     }
@@ -47,7 +40,7 @@ pub struct HierarchyReport {
     pub failed: usize,
     /// Despawned or untagged before they were ready.
     pub cancelled: usize,
-    /// Not tagged at all: by a name, an extra, or for want of a default.
+    /// Not tagged at all: by a name, an extra, or without a default.
     pub left_out: usize,
     /// Of those that are ready: from the baked scene.
     pub from_baked: usize,
@@ -65,16 +58,6 @@ pub struct HierarchyReport {
 
 /// All meshes below a [`ConvexDecompositionHierarchy`](crate::bevy::ConvexDecompositionHierarchy) are finished. Once for each scene; again only after
 /// meshes were added or the hierarchy was changed.
-///
-/// ```
-/// use bevy::prelude::*;
-/// use hullwright::bevy::prelude::*;
-///
-/// # let mut app = App::new();
-/// app.add_observer(|finished: On<HierarchyFinished>| {
-///     println!("{} ready, {} failed", finished.report.ready, finished.report.failed);
-/// });
-/// ```
 #[derive(EntityEvent, Debug, Clone)]
 pub struct HierarchyFinished {
     /// The entity with the hierarchy.

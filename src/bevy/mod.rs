@@ -39,7 +39,7 @@
 // | module | what |
 // |---|---|
 // | `error`, `status`, `events`, `settings` | what users read, and what all entities share |
-// | `tag`, `decomposition_priority`, `baked`, `baked_scene` | components that ask for a collider |
+// | `tag`, `decomposition_priority`, `baked`, `baked_scene` | components that request a collider |
 // | `scene_recipe` (feature `io`), `scene_processor` | scenes that are baked when they are loaded, or at build time |
 // | `parameters` | from the tag's flat settings to the library's parameters |
 // | `artists`, `nodes`, `hierarchy` | whole scenes, tagged by names and extras |
@@ -47,7 +47,8 @@
 // | `primitive`, `static_geometry` | boxes, balls and capsules; which colliders are triangle meshes |
 // | `content`, `cache`, `disk_cache` | known results by content |
 // | `task` | one decomposition, in steps |
-// | `request`, `budget`, `queue` | what entities ask for, and the state of all work |
+// | `request`, `budget`, `queue` | requests of entities, and the state of all work |
+// | `outcomes` | statuses, counters and the events in which tags end |
 // | `describe` | entities by id, name and asset, for the log |
 // | `change_detection` | what makes a collider out of date |
 // | `skip` | what is hidden, too small or too far |
@@ -84,6 +85,7 @@ mod hierarchy_progress;
 mod hierarchy_status;
 mod mesh_data;
 mod nodes;
+mod outcomes;
 mod parameters;
 mod placement;
 mod plugin;
@@ -143,8 +145,7 @@ pub mod prelude {
     };
 }
 
-/// The programs of the pages are tests, but for that of `docs/bevy.md` which needs a window: it is the one of
-/// `README.md`.
+/// The pages' programs run as tests, except the one in `docs/bevy.md`, which needs a window: it is the README's.
 #[cfg(doctest)]
 mod pages {
     #[doc = include_str!("../../docs/bevy.md")]

@@ -39,7 +39,7 @@ pub(super) struct Nodes<'w, 's> {
     extras: Query<'w, 's, Extras>,
 }
 
-/// Tagged by somebody else.
+/// Tagged, but not by a hierarchy.
 type OwnTag = (
     Or<(With<ConvexDecomposition>, With<BakedDecomposition>, With<NoConvexDecomposition>)>,
     Without<TaggedByHierarchy>,
@@ -76,7 +76,7 @@ impl Nodes<'_, '_> {
     }
 
     /// Whether the meshes right below are the primitives of one glTF mesh, whose name they have then,
-    /// and not meshes of their own that somebody put there.
+    /// and not meshes of their own.
     #[cfg(feature = "bevy_gltf")]
     fn is_gltf_node(&self, entity: Entity) -> bool {
         let Ok(children) = self.children.get(entity) else { return false };

@@ -9,7 +9,8 @@ use bevy::math::{Affine3A, DMat3, DVec3, Mat3A, Vec3A};
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::RigidBody;
 
-use crate::{ColliderError, Hull, MassProperties};
+use crate::rapier::ColliderError;
+use crate::{Hull, MassProperties};
 
 /// The part of an entity's transform that is baked.
 #[derive(Debug, Clone, Copy, PartialEq)]

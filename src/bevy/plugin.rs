@@ -27,7 +27,7 @@ use super::resolve::resolve;
 use super::scene_processor::{HullSceneProcessor, HullSceneSaver};
 use super::scheduler::{finish_jobs, start_jobs};
 use super::settings::HullwrightSettings;
-use super::skip::{FarFromFocus, watch_distances};
+use super::skip::{FarFromFocus, drop_far, start_near};
 use super::status::{DecompositionCounters, DecompositionStatus};
 use super::tag::{ConvexDecomposition, DecompositionFocus, NoConvexDecomposition};
 
@@ -108,7 +108,8 @@ impl Plugin for HullwrightPlugin {
                     detect_scales,
                     #[cfg(feature = "bevy_gltf")]
                     super::skip::detect_shown.run_if(skips_hidden),
-                    watch_distances.run_if(minds_distances),
+                    start_near.run_if(any_with_component::<FarFromFocus>),
+                    drop_far.run_if(drops_far),
                 )
                     .chain()
                     .in_set(HullwrightSystems::DetectChanges),
@@ -183,8 +184,8 @@ fn set_up_assets(app: &mut App) {
         .set_default_asset_processor::<HullSceneProcessor>("hullscene");
 }
 
-fn minds_distances(settings: Res<HullwrightSettings>, far: Query<(), With<FarFromFocus>>) -> bool {
-    settings.focus_radius.is_some() || !far.is_empty()
+fn drops_far(settings: Res<HullwrightSettings>) -> bool {
+    settings.drop_far
 }
 
 #[cfg(feature = "bevy_gltf")]

@@ -1,11 +1,12 @@
-//! Boxes, balls and capsules around meshes, for artists who modelled just that.
+//! Boxes, balls and capsules around meshes that were modelled as such.
 
 use bevy::math::Affine3A;
 use bevy_rapier3d::rapier::geometry::SharedShape;
 use bevy_rapier3d::rapier::math::{Pose, Vector};
 
 use super::mesh_data::MeshData;
-use crate::{ColliderError, Error};
+use crate::Error;
+use crate::rapier::ColliderError;
 
 /// Which of Rapier's own shapes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

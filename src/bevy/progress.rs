@@ -10,15 +10,6 @@ use super::status::DecompositionStatus;
 ///
 /// It is up to date after the plugin's systems, in `PostUpdate`. Whether all is done says
 /// [`all_decompositions_done`] also for what was tagged since.
-///
-/// ```
-/// use bevy::prelude::*;
-/// use hullwright::bevy::prelude::*;
-///
-/// fn show(progress: Res<DecompositionProgress>) {
-///     println!("{:.0} %, {} of {}", 100.0 * progress.fraction, progress.finished, progress.total);
-/// }
-/// ```
 #[derive(Resource, Reflect, Debug, Clone, Copy, PartialEq, Default)]
 #[reflect(Resource, Default, Clone, PartialEq)]
 #[type_path = "hullwright"]
@@ -34,12 +25,6 @@ pub struct DecompositionProgress {
 
 impl DecompositionProgress {
     /// Whether all is finished, or there was nothing to do.
-    ///
-    /// ```
-    /// use hullwright::bevy::prelude::*;
-    ///
-    /// assert!(DecompositionProgress::default().is_done());
-    /// ```
     pub fn is_done(&self) -> bool {
         self.finished == self.total
     }
@@ -66,15 +51,6 @@ pub fn all_decompositions_done(
 }
 
 /// A run condition: the opposite of [`all_decompositions_done`], for what a loading screen shows.
-///
-/// ```
-/// use bevy::prelude::*;
-/// use hullwright::bevy::decompositions_pending;
-///
-/// # let mut app = App::new();
-/// app.add_systems(Update, show_loading_screen.run_if(decompositions_pending));
-/// # fn show_loading_screen() {}
-/// ```
 pub fn decompositions_pending(
     statuses: Query<&DecompositionStatus>,
     hierarchies: Query<&HierarchyStatus>,

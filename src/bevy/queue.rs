@@ -39,7 +39,7 @@ impl UnfinishedEntity {
     }
 }
 
-/// Work for one or several entities that ask for the same.
+/// Work for one or several entities with the same request.
 pub(super) struct Job {
     pub input: Arc<InputId>,
     pub map: MapKey,
@@ -51,8 +51,7 @@ pub(super) struct Job {
 }
 
 impl Job {
-    /// Nobody wants its result any more: a task that has not begun is dropped, and one at work stops at its
-    /// next look at the control.
+    /// Cancelled: a task that has not started is dropped, a running one stops at its next check.
     fn abandon(self) {
         self.control.cancel();
     }
@@ -160,7 +159,7 @@ impl WorkQueue {
         }
     }
 
-    /// Lets an input and the entities that asked for it fail.
+    /// Fails an input, and the entities that requested it.
     pub(super) fn fail(
         &mut self,
         input: &Arc<InputId>,

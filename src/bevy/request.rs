@@ -1,4 +1,4 @@
-//! What an entity asks for, and the components that say what it got.
+//! Requests of entities, and the components that record what became of them.
 
 use std::sync::Arc;
 
@@ -46,7 +46,7 @@ pub(super) type InputBoundary = Or<(
     With<NoConvexDecomposition>,
 )>;
 
-/// The collider that an entity asks for.
+/// The collider that an entity requests.
 #[derive(Debug)]
 pub(super) struct ColliderRequest {
     pub input: Arc<InputId>,
@@ -97,7 +97,7 @@ pub(super) struct AttachedFallback {
     pub owns_mass: bool,
 }
 
-/// On entities that failed: what they asked for, to detect when another attempt may succeed.
+/// On entities that failed: their request, to detect when another attempt may succeed.
 #[derive(Component, Debug, Clone)]
 pub(super) struct FailedRequest {
     pub request: Arc<ColliderRequest>,

@@ -15,8 +15,8 @@ use super::cache::GeometryCache;
 use super::content::{ContentKey, goal_hash};
 use super::describe::{Descriptions, entities};
 use super::error::DecompositionError;
-use super::events::{DecompositionCancelled, DecompositionSkipped};
 use super::mesh_data::MeshPart;
+use super::outcomes::Outcomes;
 use super::parameters::{Goal, has_absolute_length};
 use super::placement::{MapKey, Placements};
 use super::queue::{Completed, Failed, WorkQueue};
@@ -26,9 +26,7 @@ use super::request::{
 use super::settings::{FallbackCollider, HullwrightSettings};
 use super::skip::{FarFromFocus, SkipRules, is_too_small};
 use super::static_geometry::StaticGeometry;
-use super::status::{
-    DecompositionCounters, DecompositionStatus, HullSource, SkipReason, WaitReason,
-};
+use super::status::{DecompositionStatus, HullSource, SkipReason, WaitReason};
 use super::tag::ConvexDecomposition;
 use super::task::BuiltCollider;
 
@@ -97,13 +95,11 @@ impl Resolution {
 
 /// Resolves entities whose meshes are not known yet, each at most once per frame.
 pub(super) fn resolve(
-    mut commands: Commands,
     mut queue: ResMut<WorkQueue>,
-    mut counters: ResMut<DecompositionCounters>,
     settings: Res<HullwrightSettings>,
     cache: Res<GeometryCache>,
     scene: Scene,
-    mut statuses: Query<&mut DecompositionStatus>,
+    mut outcomes: Outcomes,
 ) {
     let mut budget = queue.frame_time.budget(&settings);
     let mut overdue = Vec::new();
@@ -112,21 +108,14 @@ pub(super) fn resolve(
             break;
         }
         let Some(entity) = queue.to_resolve.pop_front() else { break };
-        let mut set_status = |new| {
-            if let Ok(mut status) = statuses.get_mut(entity) {
-                status.set_if_neq(new);
-            }
-        };
         let resolution = scene.resolution(entity, &settings);
         if scene.failed.contains(entity) && !matches!(resolution, Resolution::Later(_)) {
-            commands.entity(entity).try_remove::<FailedRequest>();
+            outcomes.commands.entity(entity).try_remove::<FailedRequest>();
         }
         match resolution {
             Resolution::Gone => {
                 queue.unfinished.remove(&entity);
-                counters.cancelled += 1;
-                set_status(DecompositionStatus::Cancelled);
-                commands.trigger(DecompositionCancelled { entity });
+                outcomes.cancelled(entity);
             }
             Resolution::Later(missing) => {
                 queue.to_resolve.push_back(entity);
@@ -136,12 +125,10 @@ pub(super) fn resolve(
             }
             Resolution::Skipped(reason) => {
                 queue.unfinished.remove(&entity);
-                counters.count_skipped(reason);
                 if reason == SkipReason::TooFar {
-                    commands.entity(entity).try_insert(FarFromFocus);
+                    outcomes.commands.entity(entity).try_insert(FarFromFocus);
                 }
-                set_status(DecompositionStatus::Skipped(reason));
-                commands.trigger(DecompositionSkipped { entity, reason });
+                outcomes.skipped(entity, reason);
             }
             Resolution::Failed(request, error) => {
                 queue.failed.push(Failed { entity, error, is_known: false });
@@ -162,7 +149,7 @@ pub(super) fn resolve(
                         if scene.wants_fallback(entity, &settings) {
                             queue.fallbacks.waiting.push_back(entity);
                         }
-                        set_status(DecompositionStatus::Waiting(WaitReason::InQueue));
+                        outcomes.show(entity, DecompositionStatus::Waiting(WaitReason::InQueue));
                     }
                 }
             }
@@ -232,7 +219,7 @@ impl Scene<'_, '_> {
         }
         match (baked, tag) {
             (Some(baked), _) => self.baked_request(entity, baked),
-            (None, Some(tag)) => match self.skip_rules.reason(entity, settings) {
+            (None, Some(tag)) => match self.skip_rules.reason(entity) {
                 Some(reason) => Resolution::Skipped(reason),
                 None => self.mesh_request(entity, tag, settings),
             },
@@ -310,7 +297,7 @@ impl Scene<'_, '_> {
     }
 
     fn goal(&self, entity: Entity, tag: &ConvexDecomposition) -> Goal {
-        if let Some(reason) = self.geometry.why_triangles(&self.placements, entity, tag.shape) {
+        if let Some(reason) = self.geometry.why_triangles(entity, tag.shape) {
             return Goal::Triangles(reason);
         }
         let mut goal = Goal::of(tag);

@@ -5,13 +5,15 @@ use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::{Collider, ColliderMassProperties, ColliderScale};
 
-use super::events::DecompositionSkipped;
 use super::mesh_data::MeshPart;
+use super::outcomes::Outcomes;
 use super::placement::Placement;
 use super::queue::WorkQueue;
 use super::request::AttachedCollider;
 use super::settings::HullwrightSettings;
-use super::status::{DecompositionCounters, DecompositionStatus, SkipReason};
+#[cfg(feature = "bevy_gltf")]
+use super::status::DecompositionStatus;
+use super::status::SkipReason;
 use super::tag::{ConvexDecomposition, DecompositionFocus};
 
 /// On entities that are too far from every focus.
@@ -38,11 +40,8 @@ pub(super) struct SkipRules<'w, 's> {
 
 impl SkipRules<'_, '_> {
     /// Why an entity is skipped, whatever its mesh.
-    pub(super) fn reason(
-        &self,
-        entity: Entity,
-        settings: &HullwrightSettings,
-    ) -> Option<SkipReason> {
+    pub(super) fn reason(&self, entity: Entity) -> Option<SkipReason> {
+        let settings = &self.distances.settings;
         if settings.skip_hidden && self.is_hidden(entity) {
             return Some(SkipReason::Hidden);
         }
@@ -65,9 +64,10 @@ impl SkipRules<'_, '_> {
     }
 }
 
-/// Where entities and focuses are.
+/// Where entities and focuses are, and how far the settings let them be apart.
 #[derive(SystemParam)]
 pub(super) struct Distances<'w, 's> {
+    settings: Res<'w, HullwrightSettings>,
     focuses: Query<'w, 's, Entity, With<DecompositionFocus>>,
     transforms: TransformHelper<'w, 's>,
 }
@@ -108,46 +108,47 @@ pub(super) fn is_too_small(
     low.distance(high) < settings.min_size
 }
 
-/// Entities that have come near start; colliders that are far go, if the settings say so.
-#[expect(clippy::too_many_arguments, reason = "a system's are what it reads and writes")]
-pub(super) fn watch_distances(
+/// Entities that have come near start.
+pub(super) fn start_near(
     mut commands: Commands,
     mut queue: ResMut<WorkQueue>,
-    mut counters: ResMut<DecompositionCounters>,
-    settings: Res<HullwrightSettings>,
     distances: Distances,
     far: Query<Entity, (With<FarFromFocus>, With<ConvexDecomposition>)>,
-    mut attached: Query<
-        (Entity, &AttachedCollider, &mut DecompositionStatus),
-        With<ConvexDecomposition>,
-    >,
-    mut turns: Local<(usize, usize)>,
+    mut next: Local<usize>,
 ) {
-    let radius = settings.focus_radius;
-    let (start, end) = turn(&mut turns.0, far.iter().len());
+    let radius = distances.settings.focus_radius;
+    let (start, end) = turn(&mut next, far.iter().len());
     for entity in far.iter().skip(start).take(end - start) {
         if !radius.is_some_and(|radius| distances.is_beyond(entity, radius)) {
             commands.entity(entity).try_remove::<FarFromFocus>();
             queue.restart(entity);
         }
     }
-    let Some(radius) = radius.filter(|_| settings.drop_far) else { return };
-    let (start, end) = turn(&mut turns.1, attached.iter().len());
-    for (entity, attached, mut status) in attached.iter_mut().skip(start).take(end - start) {
+}
+
+/// Colliders that are far go, if the settings say so.
+pub(super) fn drop_far(
+    mut queue: ResMut<WorkQueue>,
+    distances: Distances,
+    attached: Query<(Entity, &AttachedCollider), With<ConvexDecomposition>>,
+    mut outcomes: Outcomes,
+    mut next: Local<usize>,
+) {
+    let settings = &distances.settings;
+    let Some(radius) = settings.focus_radius.filter(|_| settings.drop_far) else { return };
+    let (start, end) = turn(&mut next, attached.iter().len());
+    for (entity, attached) in attached.iter().skip(start).take(end - start) {
         if !distances.is_beyond(entity, radius * DROP_MARGIN) {
             continue;
         }
         queue.forget(entity);
-        let mut of_entity = commands.entity(entity);
-        of_entity.try_remove::<(Collider, ColliderScale, AttachedCollider)>();
+        let mut commands = outcomes.commands.entity(entity);
+        commands.try_remove::<(Collider, ColliderScale, AttachedCollider)>();
         if attached.owns_mass {
-            of_entity.try_remove::<ColliderMassProperties>();
+            commands.try_remove::<ColliderMassProperties>();
         }
-        of_entity.try_insert(FarFromFocus);
-        let reason = SkipReason::TooFar;
-        *status = DecompositionStatus::Skipped(reason);
-        counters.count_skipped(reason);
-        commands.trigger(DecompositionSkipped { entity, reason });
+        commands.try_insert(FarFromFocus);
+        outcomes.skipped(entity, SkipReason::TooFar);
     }
 }
 

@@ -9,18 +9,18 @@ use super::settings::HullwrightSettings;
 use super::status::SkipReason;
 use super::tag::DecompositionShape;
 
-/// What tells whether a collider ever moves.
+/// What determines whether a collider ever moves.
 #[derive(SystemParam)]
 pub(super) struct StaticGeometry<'w, 's> {
     sensors: Query<'w, 's, (), With<Sensor>>,
     settings: Res<'w, HullwrightSettings>,
+    placements: Placements<'w, 's>,
 }
 
 impl StaticGeometry<'_, '_> {
     /// Why an entity gets its triangles; `None` for what its tag says.
     pub(super) fn why_triangles(
         &self,
-        placements: &Placements,
         entity: Entity,
         shape: DecompositionShape,
     ) -> Option<SkipReason> {
@@ -29,7 +29,7 @@ impl StaticGeometry<'_, '_> {
             DecompositionShape::Auto if self.settings.exact_static_colliders => {}
             _ => return None,
         }
-        let body = placements.body(entity);
+        let body = self.placements.body(entity);
         let is_sensor = |entity| self.sensors.contains(entity);
         if is_sensor(entity) || body.is_some_and(|(body, _)| is_sensor(body)) {
             return None;

@@ -34,13 +34,6 @@ impl Default for DecompositionStatus {
 
 impl DecompositionStatus {
     /// Whether nothing more will come, unless the entity or its mesh changes.
-    ///
-    /// ```
-    /// use hullwright::bevy::{DecompositionStatus, HullSource};
-    ///
-    /// assert!(!DecompositionStatus::Running { progress: 0.5 }.is_finished());
-    /// assert!(DecompositionStatus::Ready(HullSource::Decomposed).is_finished());
-    /// ```
     pub fn is_finished(&self) -> bool {
         !matches!(self, Self::Waiting(_) | Self::Running { .. })
     }

@@ -1,6 +1,4 @@
 //! Components that users put on entities: the tag, the exclusion, the focus.
-//!
-//! A little long: the tag is one type, and each of its fields has a setter with an example.
 
 use bevy::prelude::*;
 
@@ -178,14 +176,6 @@ impl Default for ConvexDecomposition {
 
 impl ConvexDecomposition {
     /// The same within another bound. A number is a share of the mesh's diagonal.
-    ///
-    /// ```
-    /// use hullwright::bevy::prelude::*;
-    ///
-    /// let share = ConvexDecomposition::default().with_max_error(0.01);
-    /// let metres = ConvexDecomposition::default().with_max_error(MaxError::Metres(0.005));
-    /// assert_eq!((share.max_error, metres.max_error), (MaxError::Share(0.01), MaxError::Metres(0.005)));
-    /// ```
     #[must_use]
     pub fn with_max_error(mut self, max_error: impl Into<MaxError>) -> Self {
         self.max_error = max_error.into();
@@ -193,13 +183,6 @@ impl ConvexDecomposition {
     }
 
     /// The same with more or less work.
-    ///
-    /// ```
-    /// use hullwright::bevy::prelude::*;
-    ///
-    /// let tag = ConvexDecomposition::default().with_preset(DecompositionPreset::Fine);
-    /// assert_eq!(tag.preset, DecompositionPreset::Fine);
-    /// ```
     #[must_use]
     pub fn with_preset(mut self, preset: DecompositionPreset) -> Self {
         self.preset = preset;
@@ -207,12 +190,6 @@ impl ConvexDecomposition {
     }
 
     /// The same with a cap on hulls; `None` for no cap.
-    ///
-    /// ```
-    /// use hullwright::bevy::prelude::*;
-    ///
-    /// assert_eq!(ConvexDecomposition::default().with_max_hulls(16).max_hulls, Some(16));
-    /// ```
     #[must_use]
     pub fn with_max_hulls(mut self, max_hulls: impl Into<Option<u32>>) -> Self {
         self.max_hulls = max_hulls.into();
@@ -220,12 +197,6 @@ impl ConvexDecomposition {
     }
 
     /// The same with a cap on the vertices of a hull; `None` for no cap.
-    ///
-    /// ```
-    /// use hullwright::bevy::prelude::*;
-    ///
-    /// assert_eq!(ConvexDecomposition::default().with_max_vertices(None).max_vertices, None);
-    /// ```
     #[must_use]
     pub fn with_max_vertices(mut self, max_vertices: impl Into<Option<u32>>) -> Self {
         self.max_vertices = max_vertices.into();
@@ -233,12 +204,6 @@ impl ConvexDecomposition {
     }
 
     /// The same with cavities that stay empty, or not.
-    ///
-    /// ```
-    /// use hullwright::bevy::prelude::*;
-    ///
-    /// assert!(ConvexDecomposition::default().with_keep_cavities(true).keep_cavities);
-    /// ```
     #[must_use]
     pub fn with_keep_cavities(mut self, keep_cavities: bool) -> Self {
         self.keep_cavities = keep_cavities;
@@ -246,13 +211,6 @@ impl ConvexDecomposition {
     }
 
     /// The same with openings that are closed or kept.
-    ///
-    /// ```
-    /// use hullwright::bevy::prelude::*;
-    ///
-    /// let tag = ConvexDecomposition::default().with_openings(DecompositionOpenings::Keep);
-    /// assert_eq!(tag.openings, DecompositionOpenings::Keep);
-    /// ```
     #[must_use]
     pub fn with_openings(mut self, openings: DecompositionOpenings) -> Self {
         self.openings = openings;
@@ -260,14 +218,6 @@ impl ConvexDecomposition {
     }
 
     /// The same made of something else.
-    ///
-    /// ```
-    /// use hullwright::bevy::prelude::*;
-    ///
-    /// // A hollow pillar never moves, and gets hulls all the same.
-    /// let tag = ConvexDecomposition::default().with_shape(DecompositionShape::Hulls);
-    /// assert_eq!(tag.shape, DecompositionShape::Hulls);
-    /// ```
     #[must_use]
     pub fn with_shape(mut self, shape: DecompositionShape) -> Self {
         self.shape = shape;
@@ -275,12 +225,6 @@ impl ConvexDecomposition {
     }
 
     /// The same with a mass instead of a density; `None` for the density.
-    ///
-    /// ```
-    /// use hullwright::bevy::prelude::*;
-    ///
-    /// assert_eq!(ConvexDecomposition::default().with_mass(0.35).mass, Some(0.35));
-    /// ```
     #[must_use]
     pub fn with_mass(mut self, mass: impl Into<Option<f32>>) -> Self {
         self.mass = mass.into();
@@ -288,13 +232,6 @@ impl ConvexDecomposition {
     }
 
     /// The same with a density.
-    ///
-    /// ```
-    /// use hullwright::bevy::prelude::*;
-    ///
-    /// // Wood, if a unit of the world is a metre: 600 kg per m³.
-    /// assert_eq!(ConvexDecomposition::default().with_density(600.0).density, 600.0);
-    /// ```
     #[must_use]
     pub fn with_density(mut self, density: f32) -> Self {
         self.density = density;
@@ -302,13 +239,6 @@ impl ConvexDecomposition {
     }
 
     /// The same with another collider until its own is ready.
-    ///
-    /// ```
-    /// use hullwright::bevy::prelude::*;
-    ///
-    /// let tag = ConvexDecomposition::default().with_fallback_collider(FallbackCollider::BoundingBox);
-    /// assert_eq!(tag.fallback_collider, Some(FallbackCollider::BoundingBox));
-    /// ```
     #[must_use]
     pub fn with_fallback_collider(mut self, fallback_collider: FallbackCollider) -> Self {
         self.fallback_collider = Some(fallback_collider);
@@ -339,15 +269,6 @@ impl From<DecompositionPreset> for ConvexDecomposition {
 }
 
 /// Keeps the entity and all below it out of every decomposition.
-///
-/// ```
-/// use bevy::prelude::*;
-/// use hullwright::bevy::prelude::*;
-///
-/// # let mut world = World::new();
-/// // The house has a collider, its curtain none.
-/// world.spawn((ConvexDecomposition::default(), children![NoConvexDecomposition]));
-/// ```
 #[derive(Component, Reflect, Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[type_path = "hullwright"]
@@ -355,14 +276,6 @@ impl From<DecompositionPreset> for ConvexDecomposition {
 pub struct NoConvexDecomposition;
 
 /// Where the player is: when more wait than run, those nearest to such an entity go first.
-///
-/// ```
-/// use bevy::prelude::*;
-/// use hullwright::bevy::prelude::*;
-///
-/// # let mut world = World::new();
-/// world.spawn((Transform::default(), DecompositionFocus));
-/// ```
 #[derive(Component, Reflect, Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[type_path = "hullwright"]

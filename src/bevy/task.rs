@@ -179,7 +179,8 @@ impl DecompositionTask {
     ) -> Result<TaskOutput, DecompositionError> {
         let shape = shape_of(&geometry, &self.map, self.primitives)?;
         let map = MapKey::new(&self.map);
-        self.cache.insert(key, &geometry, map, &shape, self.cache_bytes);
+        self.cache.insert(key, &geometry, map, &shape);
+        self.cache.shrink_to(self.cache_bytes);
         Ok(TaskOutput::Built(BuiltCollider { key, geometry, shape, source }))
     }
 }

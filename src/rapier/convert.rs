@@ -3,8 +3,9 @@
 use rapier3d::parry::math::Vector;
 use rapier3d::parry::shape::{ConvexPolyhedron, TriMesh, TriMeshFlags};
 
+use super::prepare::ColliderError;
 use super::shape::polyhedron;
-use crate::{ColliderError, ConvexHull, Error, MeshView, TriangleMesh};
+use crate::{ConvexHull, Error, MeshView, TriangleMesh};
 
 impl From<&TriMesh> for TriangleMesh {
     fn from(mesh: &TriMesh) -> Self {
@@ -27,17 +28,6 @@ impl From<&ConvexPolyhedron> for ConvexHull {
 ///
 /// # Errors
 /// [`ColliderError::TriangleMesh`] says why Parry refuses, [`ColliderError::Mesh`] that nothing is left.
-///
-/// ```
-/// use hullwright::MeshView;
-/// use rapier3d::parry::shape::TriMeshFlags;
-///
-/// let positions = [[0.0_f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-/// let mesh = MeshView::new(&positions, &[[0, 1, 2]]);
-/// let shape = hullwright::rapier::triangle_mesh(mesh, TriMeshFlags::FIX_INTERNAL_EDGES)?;
-/// assert_eq!(hullwright::TriangleMesh::from(&shape), mesh.to_owned());
-/// # Ok::<(), hullwright::ColliderError>(())
-/// ```
 pub fn triangle_mesh<'a>(
     mesh: impl Into<MeshView<'a>>,
     flags: TriMeshFlags,
@@ -69,17 +59,6 @@ pub fn triangle_mesh<'a>(
 /// [`ColliderError::UnusableHull`] where nothing is left of it in `f32`, and
 /// [`ColliderError::Refused`] where Parry refuses it; [`shape`](super::shape) then takes a slightly
 /// simpler one.
-///
-/// ```
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// use hullwright::{ConvexHull, convex_hull};
-///
-/// let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-/// let polyhedron = hullwright::rapier::convex_polyhedron(&convex_hull(&points)?)?;
-/// assert_eq!(ConvexHull::from(&polyhedron).points.len(), 4);
-/// # Ok(())
-/// # }
-/// ```
 pub fn convex_polyhedron(hull: &ConvexHull) -> Result<ConvexPolyhedron, ColliderError> {
     let (points, triangles) = hull
         .to_single_precision()

@@ -6,7 +6,7 @@
 //! use hullwright::{Control, Parameters};
 //! use rapier3d::prelude::*;
 //!
-//! # fn main() -> Result<(), hullwright::ColliderError> {
+//! # fn main() -> Result<(), hullwright::rapier::ColliderError> {
 //! # let mesh = hullwright::TriangleMesh::new(
 //! #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
 //! #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
@@ -56,15 +56,6 @@ use crate::{Control, MeshView, Parameters};
 /// # Errors
 /// [`ColliderError::Mesh`] as [`decompose`](crate::decompose) and
 /// [`mass_properties`](crate::mass_properties()), else as [`collider`].
-///
-/// ```
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// let mesh = hullwright::io::read_mesh("assets/mug.glb")?;
-/// let collider = hullwright::rapier::collider_from_mesh(&mesh, 500.0, &Default::default())?;
-/// assert!(collider.build().mass() > 0.0);
-/// # Ok(())
-/// # }
-/// ```
 pub fn collider_from_mesh<'a>(
     mesh: impl Into<MeshView<'a>>,
     density: f64,

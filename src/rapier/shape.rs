@@ -16,18 +16,6 @@ use crate::{Hull, MassProperties};
 /// its factors differ; a negative factor mirrors. If Parry refuses a hull, a hull simplified by at
 /// most 1e-3 of its extent replaces it, and if Parry refuses that too, its bounding box.
 ///
-/// ```
-/// # let mesh = hullwright::TriangleMesh::new(
-/// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-/// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-/// # );
-/// # let parameters = hullwright::Parameters::default();
-/// # let hulls = hullwright::decompose(&mesh, &parameters, &hullwright::Control::new())?.hulls;
-/// let twice_as_high = hullwright::rapier::shape(&hulls, [1.0, 2.0, 1.0])?;
-/// assert!((twice_as_high.compute_local_aabb().maxs.y - 2.0).abs() < 1e-4);
-/// # Ok::<(), hullwright::ColliderError>(())
-/// ```
-///
 /// # Errors
 /// [`ColliderError`] says which hull or factor can't be used. It never panics.
 pub fn shape(hulls: &[Hull], scale: [f32; 3]) -> Result<SharedShape, ColliderError> {
@@ -36,15 +24,6 @@ pub fn shape(hulls: &[Hull], scale: [f32; 3]) -> Result<SharedShape, ColliderErr
 }
 
 /// The same as [`shape`] of bare points: one convex part per set, its convex hull.
-///
-/// ```
-/// # fn main() -> Result<(), hullwright::ColliderError> {
-/// let tetrahedron = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-/// let shape = hullwright::rapier::shape_from_points(&[tetrahedron], [2.0, 1.0, 1.0])?;
-/// assert!(shape.as_convex_polyhedron().is_some());
-/// # Ok(())
-/// # }
-/// ```
 ///
 /// # Errors
 /// As [`shape`].
@@ -85,7 +64,7 @@ fn part(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Option<SharedShape> {
 /// let properties = hullwright::mass_properties(&mesh, &hulls, 600.0)?;
 /// let collider = hullwright::rapier::collider(&hulls, &properties, [1.0; 3])?.build();
 /// assert!((collider.mass() - 100.0).abs() < 1e-3);
-/// # Ok::<(), hullwright::ColliderError>(())
+/// # Ok::<(), hullwright::rapier::ColliderError>(())
 /// ```
 ///
 /// # Errors
@@ -102,17 +81,6 @@ pub fn collider(
 /// Converts mass properties to Rapier's type, after the body's coordinates are multiplied by
 /// `scale` at the same density. They are computed by the crate's own
 /// [`mass_properties`](crate::mass_properties()).
-///
-/// ```
-/// # let mesh = hullwright::TriangleMesh::new(
-/// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-/// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-/// # );
-/// let properties = hullwright::mass_properties(&mesh, &[], 600.0)?;
-/// let doubled = hullwright::rapier::mass_properties(&properties, [2.0, 1.0, 1.0])?;
-/// assert!((doubled.mass() - 200.0).abs() < 1e-3);
-/// # Ok::<(), hullwright::ColliderError>(())
-/// ```
 ///
 /// # Errors
 /// [`ColliderError::InvalidScale`], and [`ColliderError::UnusableMass`] where a value is beyond the
@@ -140,7 +108,7 @@ pub(super) fn polyhedron(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Option<
     is_sound(&polyhedron).then_some(polyhedron)
 }
 
-/// Whether the faces that Parry made can be asked for contacts. They are built from
+/// Whether the faces that Parry made yield contacts. They are built from
 /// normals in `f32`, by which slivers may be lost and leave edges without a face.
 fn is_sound(polyhedron: &ConvexPolyhedron) -> bool {
     let faces = polyhedron.faces();

@@ -152,6 +152,29 @@ pub fn spawn_with(app: &mut App, mesh: &Handle<Mesh>, more: impl Bundle) -> Enti
     app.world_mut().spawn((Mesh3d(mesh.clone()), tag())).insert(more).id()
 }
 
+/// A tagged mesh that has ended, however.
+pub fn finish(app: &mut App, mesh: &Handle<Mesh>, more: impl Bundle) -> Entity {
+    let entity = spawn_with(app, mesh, more);
+    update_until_finished(app, &[entity]);
+    entity
+}
+
+/// The same in an app of its own.
+pub fn finished(mesh: Mesh, more: impl Bundle) -> (App, Entity) {
+    finished_with(default(), mesh, more)
+}
+
+pub fn finished_with(settings: HullwrightSettings, mesh: Mesh, more: impl Bundle) -> (App, Entity) {
+    let mut app = app_with(settings);
+    let mesh = add(&mut app, mesh);
+    let entity = finish(&mut app, &mesh, more);
+    (app, entity)
+}
+
+pub fn set_scale(app: &mut App, entity: Entity, scale: Vec3) {
+    app.world_mut().get_mut::<Transform>(entity).unwrap().scale = scale;
+}
+
 /// One step of one job per frame on the main thread, so that each frame has one possible outcome.
 pub fn sliced() -> HullwrightSettings {
     HullwrightSettings {

@@ -1,6 +1,5 @@
 //! Names and extras by which artists ask for colliders, in files that Bevy's glTF loader reads.
 
-use base64::prelude::{BASE64_STANDARD, Engine as _};
 use bevy::gltf::GltfMeshName;
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
@@ -8,7 +7,7 @@ use hullwright::bevy::prelude::*;
 use serde_json::{Value, json};
 
 use crate::app::*;
-use crate::gltf::{app_with_gltf, update_until_ready};
+use crate::gltf::{INTEGER, app_with_gltf, float_accessor, gltf_file, update_until_ready};
 use crate::log::Log;
 
 /// A file with one node per name, each with the same mesh, an L, and perhaps extras.
@@ -16,14 +15,6 @@ fn file(nodes: &[(&str, Option<&str>)]) -> String {
     let l = model("l_prism");
     let positions = l.attribute(Mesh::ATTRIBUTE_POSITION).unwrap().as_float3().unwrap();
     let indices: Vec<u32> = l.indices().unwrap().iter().map(|index| index as u32).collect();
-    let mut bytes: Vec<u8> =
-        positions.as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect();
-    let length = bytes.len();
-    bytes.extend(indices.iter().flat_map(|index| index.to_le_bytes()));
-    let bound = |start: f32, pick: fn(f32, f32) -> f32| -> Vec<f32> {
-        let along = |axis: usize| positions.iter().map(|p| p[axis]).fold(start, pick);
-        (0..3).map(along).collect()
-    };
     let nodes: Vec<Value> = (nodes.iter().enumerate())
         .map(|(at, (name, extras))| {
             let mut node = json!({"name": name, "mesh": 0, "translation": [3 * at, 0, 0]});
@@ -33,27 +24,15 @@ fn file(nodes: &[(&str, Option<&str>)]) -> String {
             node
         })
         .collect();
-    json!({
-        "asset": {"version": "2.0"},
-        "scene": 0,
+    let primitive = json!({"attributes": {"POSITION": 0}, "indices": 1});
+    let file = json!({
         "scenes": [{"nodes": (0..nodes.len()).collect::<Vec<_>>()}],
         "nodes": nodes,
-        "meshes": [{"name": "L", "primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
-        "accessors": [
-            {"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": positions.len(),
-             "min": bound(f32::INFINITY, f32::min), "max": bound(f32::NEG_INFINITY, f32::max)},
-            {"bufferView": 1, "componentType": 5125, "type": "SCALAR", "count": indices.len()},
-        ],
-        "bufferViews": [
-            {"buffer": 0, "byteOffset": 0, "byteLength": length},
-            {"buffer": 0, "byteOffset": length, "byteLength": bytes.len() - length},
-        ],
-        "buffers": [{
-            "byteLength": bytes.len(),
-            "uri": format!("data:application/octet-stream;base64,{}", BASE64_STANDARD.encode(&bytes)),
-        }],
-    })
-    .to_string()
+        "meshes": [{"name": "L", "primitives": [primitive]}],
+    });
+    let indices = indices.iter().flat_map(|index| index.to_le_bytes()).collect();
+    let positions = float_accessor(positions.as_flattened(), "VEC3");
+    gltf_file(&[positions, (indices, INTEGER, "SCALAR")], file)
 }
 
 /// An app in which such a file is loaded below a root with a dynamic body, and all its colliders are ready.

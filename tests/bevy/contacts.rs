@@ -12,8 +12,7 @@ fn a_marble_stays_in_a_bowl() {
     let floor = Transform::from_xyz(0.0, -0.5, 0.0);
     app.world_mut().spawn((floor, Collider::cuboid(5.0, 0.5, 5.0)));
     let bowl = add(&mut app, model("bowl"));
-    let bowl = spawn_with(&mut app, &bowl, RigidBody::Dynamic);
-    update_until_finished(&mut app, &[bowl]);
+    let bowl = finish(&mut app, &bowl, RigidBody::Dynamic);
     update_times(&mut app, 120);
 
     let start = translation(&app, bowl) + Vec3::new(0.02, 0.05, 0.01);

@@ -15,10 +15,7 @@ const AFTERWARDS: usize = 20;
 
 /// What one tag ended in.
 fn ending_of(more: impl Bundle) -> (App, Entity) {
-    let mut app = app();
-    let mesh = add(&mut app, model("u_prism"));
-    let entity = spawn_with(&mut app, &mesh, more);
-    update_until_finished(&mut app, &[entity]);
+    let (mut app, entity) = finished(model("u_prism"), more);
     update_times(&mut app, AFTERWARDS);
     assert_eq!(seen(&app).all(), 1);
     (app, entity)
@@ -32,8 +29,7 @@ fn ready_says_hulls_verified_error_source_and_time() {
         last.0 = Some(ready.event().clone());
     });
     let mesh = add(&mut app, model("u_prism"));
-    let entity = spawn(&mut app, &mesh);
-    update_until_finished(&mut app, &[entity]);
+    let entity = finish(&mut app, &mesh, ());
     let last = |app: &App| app.world().resource::<Last>().0.clone().expect("an event");
     let first = last(&app);
     assert_eq!((first.entity, first.hulls), (entity, hulls(&app, entity).len()));
@@ -42,8 +38,7 @@ fn ready_says_hulls_verified_error_source_and_time() {
     let error = first.error.expect("a verified error");
     assert!(error.max() <= 0.02, "{error:?}");
 
-    let second = spawn(&mut app, &mesh);
-    update_until_finished(&mut app, &[second]);
+    let second = finish(&mut app, &mesh, ());
     let second = last(&app);
     assert_eq!((second.source, second.error), (HullSource::Shared, Some(error)));
 }
@@ -58,9 +53,11 @@ fn a_fixed_body_is_skipped() {
 }
 
 #[test]
-fn an_entity_that_had_a_collider_is_skipped() {
+fn an_entity_that_had_a_collider_keeps_it_and_is_skipped() {
     let (app, entity) = ending_of(Collider::ball(0.5));
     assert_eq!(seen(&app).skipped, [(entity, SkipReason::HasCollider)]);
+    assert!(collider(&app, entity).as_ball().is_some());
+    assert_eq!(counters(&app).had_collider, 1);
 }
 
 #[test]
@@ -130,8 +127,7 @@ fn a_failure_names_entity_name_and_asset() {
     let path = "of_no_other_test.mesh";
     let handle: Handle<Mesh> = app.world().resource::<AssetServer>().load(path);
     let parent = app.world_mut().spawn((Name::new("old chair"), Transform::default())).id();
-    let entity = spawn_with(&mut app, &handle, ChildOf(parent));
-    update_until_finished(&mut app, &[entity]);
+    let entity = finish(&mut app, &handle, ChildOf(parent));
     let lines = Log::lines_with(path);
     assert_eq!(lines.len(), 1, "{lines:?}");
     let expected = format!("no convex decomposition for {entity} \"old chair\" ({path}): ");

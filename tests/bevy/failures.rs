@@ -74,8 +74,7 @@ fn a_mesh_that_is_repaired_is_decomposed() {
 fn what_failed_without_a_tag_is_left_alone() {
     let mut app = app_without_rapier();
     let handle = add(&mut app, broken_cube());
-    let entity = spawn(&mut app, &handle);
-    update_until_finished(&mut app, &[entity]);
+    let entity = finish(&mut app, &handle, ());
     app.world_mut().entity_mut(entity).remove::<ConvexDecomposition>();
     repair(&mut app, &handle);
     update_times(&mut app, 5);
@@ -100,8 +99,7 @@ fn a_body_without_mass_gets_its_triangles_when_it_becomes_fixed() {
 fn a_mesh_that_can_not_be_loaded_fails_and_recovers_when_it_is_there() {
     let mut app = app();
     let handle: Handle<Mesh> = app.world().resource::<AssetServer>().load("nowhere.mesh");
-    let entity = spawn(&mut app, &handle);
-    update_until_finished(&mut app, &[entity]);
+    let entity = finish(&mut app, &handle, ());
     assert_eq!(failure(&app, entity), DecompositionError::NotLoaded);
     let cube = cuboid([0.0; 3], [1.0; 3]);
     app.world_mut().resource_mut::<Assets<Mesh>>().insert(handle.id(), cube).unwrap();
@@ -141,10 +139,7 @@ fn a_fixed_body_fails_as_clearly_as_others() {
         (lines(), |failure| matches!(failure, DecompositionError::NotTriangles("lines"))),
     ] as [(Mesh, fn(DecompositionError) -> bool); 3]
     {
-        let mut app = app();
-        let handle = add(&mut app, mesh);
-        let entity = spawn_with(&mut app, &handle, (automatic(), RigidBody::Fixed));
-        update_until_finished(&mut app, &[entity]);
+        let (app, entity) = finished(mesh, (automatic(), RigidBody::Fixed));
         let failure = failure(&app, entity);
         assert!(is_expected(failure.clone()), "{failure:?}");
         assert!(!has_collider(&app, entity));
@@ -154,7 +149,7 @@ fn a_fixed_body_fails_as_clearly_as_others() {
 }
 
 #[test]
-fn all_that_share_a_bad_mesh_fail_and_one_line_is_logged() {
+fn all_that_share_a_bad_mesh_fail_the_later_at_once_and_one_line_is_logged() {
     Log::install();
     let mut app = app();
     // No other test has a mesh of two vertices, and all share the log.
@@ -162,7 +157,10 @@ fn all_that_share_a_bad_mesh_fail_and_one_line_is_logged() {
     let entities: Vec<Entity> = (0..5).map(|_| spawn(&mut app, &bad)).collect();
     update_until_finished(&mut app, &entities);
     assert_eq!((counters(&app).failed, counters(&app).running), (5, 0));
-    assert_eq!(failed(&app).len(), 5);
+    let later = spawn(&mut app, &bad);
+    app.update();
+    assert_eq!(status(&app, later), status(&app, entities[0]));
+    assert_eq!((counters(&app).failed, failed(&app).len()), (6, 6));
     update_times(&mut app, 20);
     let lines = Log::lines_with("2 vertices");
     assert_eq!(lines.len(), 1, "{lines:?}");
@@ -174,8 +172,7 @@ fn all_with_a_bad_density_fail_and_one_line_is_logged() {
     Log::install();
     let mut app = app_with(unhurried());
     let mesh = add(&mut app, unit_cube());
-    let first = spawn(&mut app, &mesh);
-    update_until_finished(&mut app, &[first]);
+    let first = finish(&mut app, &mesh, ());
     // No other test has this density: the text says the mass.
     let tag = tag().with_density(-1.25e-7);
     let entities: Vec<Entity> =
@@ -199,29 +196,4 @@ fn all_whose_mesh_can_not_be_loaded_fail_and_one_line_is_logged() {
     let lines = Log::lines_with(&DecompositionError::NotLoaded.to_string());
     let lines: Vec<_> = lines.iter().filter(|line| line.contains("23 entities")).collect();
     assert_eq!(lines.len(), 1, "{lines:?}");
-}
-
-#[test]
-fn a_failure_that_is_known_is_not_logged_again() {
-    Log::install();
-    let mut app = app();
-    // No other test has a mesh of four vertices and no triangle.
-    let bad = add(&mut app, mesh(vec![[0.0; 3]; 4], Vec::new()));
-    for _ in 0..3 {
-        let entity = spawn(&mut app, &bad);
-        update_until_finished(&mut app, &[entity]);
-    }
-    assert_eq!(counters(&app).failed, 3);
-    assert_eq!(Log::lines_with("4 vertices").len(), 1);
-}
-
-#[test]
-fn a_mesh_that_failed_fails_again_at_once() {
-    let mut app = app();
-    let mesh = add(&mut app, mesh(vec![[1.0; 3]; 3], vec![0, 1, 2]));
-    let first = spawn(&mut app, &mesh);
-    update_until_finished(&mut app, &[first]);
-    let second = spawn(&mut app, &mesh);
-    app.update();
-    assert_eq!(status(&app, second), status(&app, first));
 }

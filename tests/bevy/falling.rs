@@ -35,10 +35,7 @@ fn a_tagged_mesh_gets_a_collider_and_falls_onto_the_floor() {
 
 #[test]
 fn mass_is_that_of_the_mesh_at_the_density_given() {
-    let mut app = app();
-    let mesh = add(&mut app, cuboid([0.0; 3], [1.0, 2.0, 3.0]));
-    let body = spawn_with(&mut app, &mesh, RigidBody::Dynamic);
-    update_until_finished(&mut app, &[body]);
+    let (app, body) = finished(cuboid([0.0; 3], [1.0, 2.0, 3.0]), RigidBody::Dynamic);
     let properties = mass(&app, body);
     assert!((properties.mass / (6.0 * DENSITY) - 1.0).abs() < 1e-3);
     assert_near(properties.local_center_of_mass, [0.5, 1.0, 1.5], 1e-3);
@@ -46,10 +43,7 @@ fn mass_is_that_of_the_mesh_at_the_density_given() {
 
 #[test]
 fn a_convex_mesh_is_one_hull() {
-    let mut app = app();
-    let mesh = add(&mut app, cuboid([-1.0; 3], [1.0; 3]));
-    let body = spawn(&mut app, &mesh);
-    update_until_finished(&mut app, &[body]);
+    let (app, body) = finished(cuboid([-1.0; 3], [1.0; 3]), ());
     assert!(collider(&app, body).as_convex_polyhedron().is_some());
     assert_eq!(ready(&app), [(body, 1)]);
     assert_eq!(counters(&app).convex, 1);

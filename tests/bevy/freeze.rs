@@ -117,15 +117,28 @@ fn velocity(app: &App, body: Entity) -> Vec3 {
 }
 
 #[test]
-fn a_velocity_that_is_set_while_the_body_is_frozen_survives() {
-    let mut app = app();
-    let (body, mesh) = frozen_body(&mut app, Velocity::linear(Vec3::X));
-    app.world_mut().get_mut::<Velocity>(body).unwrap().linear = Vec3::Z;
-    update_times(&mut app, 10);
-    // It is kept, and does not move the body.
-    assert_near(translation(&app, body), Vec3::ZERO, 1e-6);
-    give_mesh(&mut app, body, &mesh);
-    assert_near(velocity(&app, body), Vec3::Z, 1e-3);
+fn a_velocity_that_is_set_while_the_body_is_frozen_comes_after_the_release() {
+    type Change = fn(&mut EntityWorldMut);
+    let turned: Change = |body| body.get_mut::<Velocity>().unwrap().linear = Vec3::Z;
+    let stopped: Change = |body| _ = body.insert(Velocity::zero());
+    let pushed: Change = |body| _ = body.insert(Velocity::linear(Vec3::Y));
+    for (before, change, expected) in [
+        (Some(Vec3::X), turned, Vec3::Z),
+        (Some(Vec3::X), stopped, Vec3::ZERO),
+        (None, pushed, Vec3::Y),
+    ] {
+        let mut app = app();
+        let (body, mesh) = match before {
+            Some(velocity) => frozen_body(&mut app, Velocity::linear(velocity)),
+            None => frozen_body(&mut app, ()),
+        };
+        change(&mut app.world_mut().entity_mut(body));
+        update_times(&mut app, 10);
+        // It is kept, and does not move the body.
+        assert_near(translation(&app, body), Vec3::ZERO, 1e-6);
+        give_mesh(&mut app, body, &mesh);
+        assert_near(velocity(&app, body), expected, 1e-3);
+    }
 }
 
 #[test]
@@ -136,26 +149,6 @@ fn a_velocity_that_comes_in_the_frame_of_the_release_survives() {
     app.world_mut().entity_mut(body).remove::<ConvexDecomposition>();
     update_times(&mut app, 3);
     assert_near(velocity(&app, body), Vec3::Z, 1e-3);
-}
-
-#[test]
-fn a_body_that_gets_a_velocity_while_it_is_frozen_has_it_afterwards() {
-    let mut app = app();
-    let (body, mesh) = frozen_body(&mut app, ());
-    app.world_mut().entity_mut(body).insert(Velocity::linear(Vec3::Y));
-    update_times(&mut app, 3);
-    give_mesh(&mut app, body, &mesh);
-    assert_near(velocity(&app, body), Vec3::Y, 1e-3);
-}
-
-#[test]
-fn a_body_that_is_stopped_while_it_is_frozen_stays_where_it_is() {
-    let mut app = app();
-    let (body, mesh) = frozen_body(&mut app, Velocity::linear(Vec3::X));
-    app.world_mut().entity_mut(body).insert(Velocity::zero());
-    update_times(&mut app, 3);
-    give_mesh(&mut app, body, &mesh);
-    assert_near(velocity(&app, body), Vec3::ZERO, 1e-6);
 }
 
 /// Steps that one frame takes when the one before it was long.

@@ -1,11 +1,13 @@
 //! Scenes as Bevy's own glTF loader spawns them.
 
+use base64::prelude::{BASE64_STANDARD, Engine as _};
 use bevy::gltf::GltfAssetLabel;
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
 use hullwright::bevy::prelude::*;
+use serde_json::{Value, json};
 
 use crate::app::*;
 use scenes::HeadlessScenes;
@@ -168,67 +170,67 @@ fn morph_targets_and_skins_of_a_file_are_taken_in_their_rest_pose() {
     assert!(app.world().get::<Transform>(body).unwrap().translation.y < 2.9);
 }
 
-/// A unit cube whose one morph target, fully applied, and whose one joint both move it far away.
-fn morphing_and_skinned_cube() -> String {
-    use base64::prelude::{BASE64_STANDARD, Engine as _};
-    use serde_json::json;
-    const FLOAT: u32 = 5126;
-    const BYTE: u32 = 5121;
-    const SHORT: u32 = 5123;
-    let cube = cuboid([0.0; 3], [1.0; 3]);
-    let positions = cube.attribute(Mesh::ATTRIBUTE_POSITION).unwrap().as_float3().unwrap();
-    let floats = |values: &[f32]| values.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
-    let inverse_bind = Mat4::IDENTITY.to_cols_array();
-    let parts: [(Vec<u8>, u32, &str, usize); 6] = [
-        (floats(positions.as_flattened()), FLOAT, "VEC3", 8),
-        (floats(&[5.0; 24]), FLOAT, "VEC3", 8),
-        (vec![0; 32], BYTE, "VEC4", 8),
-        (floats(&[1.0, 0.0, 0.0, 0.0].repeat(8)), FLOAT, "VEC4", 8),
-        (floats(&inverse_bind), FLOAT, "MAT4", 1),
-        (
-            cube.indices().unwrap().iter().flat_map(|i| (i as u16).to_le_bytes()).collect(),
-            SHORT,
-            "SCALAR",
-            36,
-        ),
-    ];
-    let (mut bytes, mut views, mut accessors) = (Vec::new(), Vec::new(), Vec::new());
-    for (index, (part, component, kind, count)) in parts.into_iter().enumerate() {
-        views.push(json!({"buffer": 0, "byteOffset": bytes.len(), "byteLength": part.len()}));
+const FLOAT: u32 = 5126;
+const BYTE: u32 = 5121;
+const SHORT: u32 = 5123;
+pub const INTEGER: u32 = 5125;
+
+/// A file of these nodes, meshes and skins, whose accessors are given by bytes, type of number and type.
+pub fn gltf_file(accessors: &[(Vec<u8>, u32, &str)], mut file: Value) -> String {
+    let (mut bytes, mut views, mut written) = (Vec::new(), Vec::new(), Vec::new());
+    for (index, (part, number, kind)) in accessors.iter().enumerate() {
+        let numbers = [("SCALAR", 1), ("VEC3", 3), ("VEC4", 4), ("MAT4", 16)];
+        let numbers = numbers.iter().find(|(name, _)| name == kind).unwrap().1;
+        let size = [(BYTE, 1), (SHORT, 2)].iter().find(|(name, _)| name == number);
+        let count = part.len() / numbers / size.map_or(4, |(_, size)| *size);
         let mut accessor =
-            json!({"bufferView": index, "componentType": component, "type": kind, "count": count});
-        if kind == "VEC3" {
-            let (low, high) = if index == 0 { (0.0, 1.0) } else { (5.0, 5.0) };
-            (accessor["min"], accessor["max"]) =
-                (json!([low, low, low]), json!([high, high, high]));
+            json!({"bufferView": index, "componentType": number, "type": kind, "count": count});
+        if *kind == "VEC3" {
+            let bound = |pick: fn(f32, f32) -> f32| {
+                let floats =
+                    part.chunks_exact(4).map(|x| f32::from_le_bytes(x.try_into().unwrap()));
+                [0, 1, 2].map(|axis| floats.clone().skip(axis).step_by(3).reduce(pick).unwrap())
+            };
+            (accessor["min"], accessor["max"]) = (json!(bound(f32::min)), json!(bound(f32::max)));
         }
-        accessors.push(accessor);
+        views.push(json!({"buffer": 0, "byteOffset": bytes.len(), "byteLength": part.len()}));
+        written.push(accessor);
         bytes.extend(part);
     }
-    let data = BASE64_STANDARD.encode(&bytes);
-    json!({
-        "asset": {"version": "2.0"},
-        "scene": 0,
+    let uri = format!("data:application/octet-stream;base64,{}", BASE64_STANDARD.encode(&bytes));
+    file["asset"] = json!({"version": "2.0"});
+    file["scene"] = json!(0);
+    file["accessors"] = json!(written);
+    file["bufferViews"] = json!(views);
+    file["buffers"] = json!([{"byteLength": bytes.len(), "uri": uri}]);
+    file.to_string()
+}
+
+pub fn float_accessor<'a>(values: &[f32], kind: &'a str) -> (Vec<u8>, u32, &'a str) {
+    (values.iter().flat_map(|x| x.to_le_bytes()).collect(), FLOAT, kind)
+}
+
+/// A unit cube whose one morph target, fully applied, and whose one joint both move it far away.
+fn morphing_and_skinned_cube() -> String {
+    let cube = unit_cube();
+    let positions = cube.attribute(Mesh::ATTRIBUTE_POSITION).unwrap().as_float3().unwrap();
+    let indices = cube.indices().unwrap().iter().flat_map(|i| (i as u16).to_le_bytes());
+    let accessors = [
+        float_accessor(positions.as_flattened(), "VEC3"),
+        float_accessor(&[5.0; 24], "VEC3"),
+        (vec![0; 32], BYTE, "VEC4"),
+        float_accessor(&[1.0, 0.0, 0.0, 0.0].repeat(8), "VEC4"),
+        float_accessor(&Mat4::IDENTITY.to_cols_array(), "MAT4"),
+        (indices.collect(), SHORT, "SCALAR"),
+    ];
+    let attributes = json!({"POSITION": 0, "JOINTS_0": 2, "WEIGHTS_0": 3});
+    let primitive = json!({"attributes": attributes, "targets": [{"POSITION": 1}], "indices": 5});
+    let joint = json!({"name": "joint", "translation": [50.0, 0.0, 0.0]});
+    let file = json!({
         "scenes": [{"nodes": [0, 1]}],
-        "nodes": [
-            {"name": "cube", "mesh": 0, "skin": 0},
-            {"name": "joint", "translation": [50.0, 0.0, 0.0]},
-        ],
+        "nodes": [{"name": "cube", "mesh": 0, "skin": 0}, joint],
         "skins": [{"joints": [1], "inverseBindMatrices": 4}],
-        "meshes": [{
-            "weights": [0.5],
-            "primitives": [{
-                "attributes": {"POSITION": 0, "JOINTS_0": 2, "WEIGHTS_0": 3},
-                "targets": [{"POSITION": 1}],
-                "indices": 5,
-            }],
-        }],
-        "accessors": accessors,
-        "bufferViews": views,
-        "buffers": [{
-            "byteLength": bytes.len(),
-            "uri": format!("data:application/octet-stream;base64,{data}"),
-        }],
-    })
-    .to_string()
+        "meshes": [{"weights": [0.5], "primitives": [primitive]}],
+    });
+    gltf_file(&accessors, file)
 }

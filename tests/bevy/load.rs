@@ -206,10 +206,7 @@ fn after_ten_thousand_changes_each_collider_is_that_of_its_mesh_and_nothing_is_l
 /// Decomposes one model with a cache on disk; what became of it.
 fn source_with(directory: &std::path::Path) -> DecompositionStatus {
     let settings = HullwrightSettings { disk_cache: Some(directory.into()), ..default() };
-    let mut app = app_with(settings);
-    let mesh = add(&mut app, model("u_prism"));
-    let entity = spawn(&mut app, &mesh);
-    update_until_finished(&mut app, &[entity]);
+    let (app, entity) = finished_with(settings, model("u_prism"), ());
     status(&app, entity)
 }
 

@@ -9,10 +9,7 @@ use hullwright::bevy::{DecompositionError, DecompositionShape, DecompositionStat
 use crate::app::*;
 
 fn failure_of(mesh: Mesh) -> DecompositionError {
-    let mut app = app();
-    let mesh = add(&mut app, mesh);
-    let entity = spawn(&mut app, &mesh);
-    update_until_finished(&mut app, &[entity]);
+    let (app, entity) = finished(mesh, ());
     let DecompositionStatus::Failed(failure) = status(&app, entity) else {
         panic!("it did not fail");
     };
@@ -23,10 +20,7 @@ fn failure_of(mesh: Mesh) -> DecompositionError {
 }
 
 fn assert_is_read_as_unit_cube(mesh: Mesh) {
-    let mut app = app();
-    let mesh = add(&mut app, mesh);
-    let entity = spawn(&mut app, &mesh);
-    update_until_finished(&mut app, &[entity]);
+    let (app, entity) = finished(mesh, ());
     assert_is_unit_cube(&app, entity);
 }
 
@@ -121,24 +115,9 @@ fn a_mesh_without_indices_is_read() {
 
 #[test]
 fn a_strip_is_read() {
-    // A well-known strip around a cube.
-    let positions: Vec<[f32; 3]> = [
-        [0., 1., 1.],
-        [1., 1., 1.],
-        [0., 0., 1.],
-        [1., 0., 1.],
-        [1., 0., 0.],
-        [1., 1., 1.],
-        [1., 1., 0.],
-        [0., 1., 1.],
-        [0., 1., 0.],
-        [0., 0., 1.],
-        [0., 0., 0.],
-        [1., 0., 0.],
-        [0., 1., 0.],
-        [1., 1., 0.],
-    ]
-    .to_vec();
+    // A well-known strip around a cube; the bits of a number are the coordinates of a corner.
+    let strip = [6, 7, 4, 5, 1, 7, 3, 6, 2, 4, 0, 1, 2, 3];
+    let positions = strip.map(|corner| [0, 1, 2].map(|axis| (corner >> axis & 1) as f32)).to_vec();
     let count = positions.len() as u16;
     let plain = empty(PrimitiveTopology::TriangleStrip)
         .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions);

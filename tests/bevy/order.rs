@@ -93,8 +93,7 @@ fn assert_it_works(mut app: App) {
     app.finish();
     app.cleanup();
     let mesh = add(&mut app, model("u_prism"));
-    let entity = spawn(&mut app, &mesh);
-    update_until_finished(&mut app, &[entity]);
+    let entity = finish(&mut app, &mesh, ());
     assert!(is_ready(&app, entity));
 }
 

@@ -42,8 +42,7 @@ fn a_mirrored_entity_has_mirrored_points() {
     for scale in [[-1.0, 1.0, 1.0], [1.0, -1.0, 1.0], [-1.0, -1.0, -1.0], [-1.0, 1.0, -2.0]] {
         let transform =
             Transform::from_scale(scale.into()).with_rotation(Quat::from_rotation_y(1.0));
-        let entity = spawn_with(&mut app, &mesh, transform);
-        update_until_finished(&mut app, &[entity]);
+        let entity = finish(&mut app, &mesh, transform);
         app.update();
         // Where Rapier puts the collider, its points lie where the mesh is drawn.
         let pose = app.world().get::<GlobalTransform>(entity).unwrap().compute_transform();
@@ -89,13 +88,10 @@ fn a_turned_child_below_a_stretched_body_lies_where_it_is_drawn() {
 
 #[test]
 fn a_changed_scale_bakes_the_points_anew_without_a_new_decomposition() {
-    let mut app = app_with(at_once());
-    let mesh = add(&mut app, model("u_prism"));
-    let entity = spawn(&mut app, &mesh);
-    update_until_finished(&mut app, &[entity]);
+    let (mut app, entity) = finished_with(at_once(), model("u_prism"), ());
     let (low, high) = bounds(&app, entity);
     let scale = Vec3::new(2.0, 1.0, 0.5);
-    app.world_mut().get_mut::<Transform>(entity).unwrap().scale = scale;
+    set_scale(&mut app, entity, scale);
     update_until_ready_times(&mut app, 2);
     let (new_low, new_high) = bounds(&app, entity);
     assert_near(new_low, low * scale, 1e-2);
@@ -108,8 +104,7 @@ fn a_scale_that_keeps_changing_is_baked_once_it_rests() {
     let mut app =
         app_with(HullwrightSettings { scale_delay: Duration::from_millis(40), ..default() });
     let mesh = add(&mut app, unit_cube());
-    let entity = spawn(&mut app, &mesh);
-    update_until_finished(&mut app, &[entity]);
+    let entity = finish(&mut app, &mesh, ());
     for step in 0..10 {
         app.world_mut().get_mut::<Transform>(entity).unwrap().scale =
             Vec3::splat(1.0 + step as f32);
@@ -121,11 +116,8 @@ fn a_scale_that_keeps_changing_is_baked_once_it_rests() {
 
 #[test]
 fn a_moved_and_turned_entity_keeps_its_collider() {
-    let mut app = app_with(at_once());
-    let mesh = add(&mut app, unit_cube());
     let transform = Transform::from_scale(Vec3::new(0.3, 7.0, 1.7));
-    let entity = spawn_with(&mut app, &mesh, transform);
-    update_until_finished(&mut app, &[entity]);
+    let (mut app, entity) = finished_with(at_once(), unit_cube(), transform);
     for step in 0..50 {
         let mut transform = app.world_mut().get_mut::<Transform>(entity).unwrap();
         transform.rotate_local_x(0.37);
@@ -142,15 +134,12 @@ const BOUND: f32 = 1.5;
 
 #[test]
 fn a_bound_in_metres_is_kept_in_metres() {
-    let mut app = app_with(at_once());
-    let mesh = add(&mut app, model("u_prism"));
     // A bound so large that one hull keeps it, until the body grows.
     let tag = tag().with_max_error(MaxError::Metres(BOUND));
-    let small = spawn_with(&mut app, &mesh, tag);
-    update_until_finished(&mut app, &[small]);
+    let (mut app, small) = finished_with(at_once(), model("u_prism"), tag);
     let hulls = |app: &App| ready(app).last().unwrap().1;
     assert_eq!(hulls(&app), 1);
-    app.world_mut().get_mut::<Transform>(small).unwrap().scale = Vec3::splat(8.0);
+    set_scale(&mut app, small, Vec3::splat(8.0));
     update_until_ready_times(&mut app, 2);
     assert_eq!(counters(&app).decomposed, 2);
     assert!(hulls(&app) > 1);
@@ -168,7 +157,7 @@ fn a_scale_that_changes_while_the_job_is_at_work_is_baked_in_the_end() {
     assert!(matches!(status(&app, running), DecompositionStatus::Running { .. }));
     assert_eq!(status(&app, queued), DecompositionStatus::Waiting(WaitReason::InQueue));
     for entity in [running, queued] {
-        app.world_mut().get_mut::<Transform>(entity).unwrap().scale = Vec3::splat(2.0);
+        set_scale(&mut app, entity, Vec3::splat(2.0));
     }
     update_times(&mut app, 200);
     for entity in [running, queued] {
@@ -190,15 +179,15 @@ fn a_scale_of_zero_fails_and_recovers() {
     assert!(matches!(status(&app, flat_first), DecompositionStatus::Failed(_)));
     assert!(is_ready(&app, flat_later));
 
-    app.world_mut().get_mut::<Transform>(flat_first).unwrap().scale = Vec3::splat(2.0);
-    app.world_mut().get_mut::<Transform>(flat_later).unwrap().scale = flat;
+    set_scale(&mut app, flat_first, Vec3::splat(2.0));
+    set_scale(&mut app, flat_later, flat);
     update_until(&mut app, |app| {
         is_ready(app, flat_first)
             && matches!(status(app, flat_later), DecompositionStatus::Failed(_))
     });
     assert_near(bounds(&app, flat_first).1, [2.0; 3], 1e-2);
 
-    app.world_mut().get_mut::<Transform>(flat_later).unwrap().scale = Vec3::ONE;
+    set_scale(&mut app, flat_later, Vec3::ONE);
     update_until(&mut app, |app| is_ready(app, flat_later));
     assert_near(bounds(&app, flat_later).1, [1.0; 3], 1e-2);
 }
@@ -211,18 +200,15 @@ fn a_scale_that_grows_while_a_flat_job_is_at_work_recovers() {
     let entity = spawn_with(&mut app, &mesh, flat);
     update_times(&mut app, 2);
     assert!(matches!(status(&app, entity), DecompositionStatus::Running { .. }));
-    app.world_mut().get_mut::<Transform>(entity).unwrap().scale = Vec3::ONE;
+    set_scale(&mut app, entity, Vec3::ONE);
     update_times(&mut app, 200);
     assert!(is_ready(&app, entity));
 }
 
 #[test]
 fn a_changed_scale_does_not_try_a_bad_mesh_again() {
-    let mut app = app_with(at_once());
-    let bad = add(&mut app, mesh(vec![[1.0; 3]; 3], vec![0, 1, 2]));
-    let entity = spawn(&mut app, &bad);
-    update_until_finished(&mut app, &[entity]);
-    app.world_mut().get_mut::<Transform>(entity).unwrap().scale = Vec3::splat(2.0);
+    let (mut app, entity) = finished_with(at_once(), mesh(vec![[1.0; 3]; 3], vec![0, 1, 2]), ());
+    set_scale(&mut app, entity, Vec3::splat(2.0));
     update_times(&mut app, 5);
     assert_eq!(failed(&app).len(), 1);
     assert_eq!(counters(&app).failed, 1);
@@ -232,8 +218,7 @@ fn a_changed_scale_does_not_try_a_bad_mesh_again() {
 fn a_modified_mesh_is_decomposed_anew() {
     let mut app = app();
     let handle = add(&mut app, unit_cube());
-    let entity = spawn(&mut app, &handle);
-    update_until_finished(&mut app, &[entity]);
+    let entity = finish(&mut app, &handle, ());
     let positions: Vec<[f32; 3]> =
         (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2 & 1].map(|x| 3.0 * x as f32)).collect();
     app.world_mut()
@@ -251,8 +236,7 @@ fn another_mesh_in_its_place_is_decomposed() {
     let mut app = app();
     let small = add(&mut app, unit_cube());
     let large = add(&mut app, cuboid([0.0; 3], [5.0; 3]));
-    let entity = spawn(&mut app, &small);
-    update_until_finished(&mut app, &[entity]);
+    let entity = finish(&mut app, &small, ());
     app.world_mut().entity_mut(entity).insert(Mesh3d(large));
     update_until_ready_times(&mut app, 2);
     assert_near(bounds(&app, entity).1, [5.0; 3], 1e-2);
@@ -260,22 +244,16 @@ fn another_mesh_in_its_place_is_decomposed() {
 
 #[test]
 fn mass_properties_that_were_there_stay() {
-    let mut app = app();
-    let mesh = add(&mut app, unit_cube());
     let own = ColliderMassProperties::Mass(7.0);
-    let entity = spawn_with(&mut app, &mesh, own);
-    update_until_finished(&mut app, &[entity]);
+    let (app, entity) = finished(unit_cube(), own);
     assert_eq!(app.world().get::<ColliderMassProperties>(entity), Some(&own));
     assert_eq!(status(&app, entity), DecompositionStatus::Ready(HullSource::Decomposed));
 }
 
 #[test]
 fn an_untagged_collider_follows_later_changes_of_scale() {
-    let mut app = app();
-    let mesh = add(&mut app, unit_cube());
     let start = Transform::from_scale(Vec3::new(2.0, 1.0, -3.0));
-    let entity = spawn_with(&mut app, &mesh, start);
-    update_until_finished(&mut app, &[entity]);
+    let (mut app, entity) = finished(unit_cube(), start);
     app.world_mut().entity_mut(entity).remove::<ConvexDecomposition>();
     update_times(&mut app, 2);
     let size = |app: &App| {
@@ -296,15 +274,12 @@ fn an_untagged_collider_follows_later_changes_of_scale() {
 /// Each movement began the work anew, for as long as the collider of the old scale was there.
 #[test]
 fn a_body_whose_scale_changes_while_it_moves_gets_its_new_collider() {
-    let mut app = app_with(sliced());
-    let mesh = add(&mut app, model("u_prism"));
     let body = (RigidBody::Dynamic, GravityScale(0.0), Velocity::linear(Vec3::X));
     // In metres of the world, so that another scale is another decomposition.
     let metres = tag().with_max_error(MaxError::Metres(0.02));
-    let entity = spawn_with(&mut app, &mesh, (body, metres));
-    update_until_finished(&mut app, &[entity]);
+    let (mut app, entity) = finished_with(sliced(), model("u_prism"), (body, metres));
     let before = bounds(&app, entity);
-    app.world_mut().get_mut::<Transform>(entity).unwrap().scale = Vec3::splat(2.0);
+    set_scale(&mut app, entity, Vec3::splat(2.0));
     update_times(&mut app, 2);
     let moves_at = translation(&app, entity);
     let mut frames = 0;

@@ -27,7 +27,12 @@ fn is_tagged(app: &App, entity: Entity) -> bool {
 }
 
 fn cube(app: &mut App) -> Handle<Mesh> {
-    add(app, cuboid([0.0; 3], [1.0; 3]))
+    add(app, unit_cube())
+}
+
+fn tag_and_finish(app: &mut App, nodes: &[Entity]) {
+    update_times(app, 2);
+    update_until_finished(app, nodes);
 }
 
 #[test]
@@ -37,8 +42,7 @@ fn every_mesh_of_a_scene_gets_a_collider_of_its_own() {
     let root = root(&mut app, ConvexDecompositionHierarchy::new(tag()));
     let chair = node(&mut app, root, "chair", &[&cube, &other]);
     let table = node(&mut app, chair, "table", &[&cube]);
-    update_times(&mut app, 2);
-    update_until_finished(&mut app, &[chair, table]);
+    tag_and_finish(&mut app, &[chair, table]);
     // Both primitives of the chair, without the table below it.
     assert_eq!(collider(&app, chair).as_compound().unwrap().shapes().count(), 2);
     assert!(collider(&app, table).as_convex_polyhedron().is_some());
@@ -70,8 +74,7 @@ fn an_excluded_mesh_is_no_part_of_the_mesh_above_it() {
     let root = root(&mut app, hierarchy);
     let table = node(&mut app, root, "table", &[&cube]);
     node(&mut app, table, "lamp", &[&aside]);
-    update_times(&mut app, 2);
-    update_until_finished(&mut app, &[table]);
+    tag_and_finish(&mut app, &[table]);
     assert_near(bounds(&app, table).1, [1.0; 3], 1e-3);
 }
 
@@ -145,8 +148,7 @@ fn colliders_below_a_body_move_with_it_and_feel_like_it() {
     let right = node(&mut app, body, "right", &[&cube]);
     let own = Friction::coefficient(0.1);
     app.world_mut().entity_mut(right).insert((Transform::from_xyz(3.0, 0.0, 0.0), own));
-    update_times(&mut app, 2);
-    update_until_finished(&mut app, &[left, right]);
+    tag_and_finish(&mut app, &[left, right]);
     app.update();
     let world = app.world_mut();
     for (entity, friction) in [(left, Friction::coefficient(0.9)), (right, own)] {
@@ -234,11 +236,9 @@ fn a_mesh_that_comes_later_starts_none_of_the_others_anew() {
     let root = root(&mut app, ConvexDecompositionHierarchy::new(tag()).without("lamp"));
     let first = node(&mut app, root, "first", &[&cube]);
     node(&mut app, root, "lamp", &[&cube]);
-    update_times(&mut app, 2);
-    update_until_finished(&mut app, &[first]);
+    tag_and_finish(&mut app, &[first]);
     let late = node(&mut app, root, "late", &[&cube]);
-    update_times(&mut app, 2);
-    update_until_finished(&mut app, &[late]);
+    tag_and_finish(&mut app, &[late]);
     update_times(&mut app, 3);
     assert_eq!(ready(&app), [(first, 1), (late, 1)]);
 }
@@ -252,8 +252,7 @@ fn what_an_observer_of_the_tag_makes_a_body_is_hulls_at_once() {
     let mesh = add(&mut app, model("l_prism"));
     let root = root(&mut app, ConvexDecompositionHierarchy::new(automatic()).without("floor"));
     let [chair, table] = ["chair", "table"].map(|name| node(&mut app, root, name, &[&mesh]));
-    update_times(&mut app, 2);
-    update_until_finished(&mut app, &[chair, table]);
+    tag_and_finish(&mut app, &[chair, table]);
     // No triangles came before the body did.
     assert_eq!((ready(&app).len(), seen(&app).all(), counters(&app).triangle_meshes), (2, 2, 0));
     update_times(&mut app, 30);

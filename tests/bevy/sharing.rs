@@ -10,52 +10,6 @@ use hullwright::bevy::{HullSource, SkipReason};
 use crate::app::*;
 
 #[test]
-fn an_entity_that_has_a_collider_keeps_it() {
-    let mut app = app();
-    let mesh = add(&mut app, model("u_prism"));
-    let entity = spawn_with(&mut app, &mesh, Collider::ball(0.5));
-    update_until_finished(&mut app, &[entity]);
-    assert_eq!(status(&app, entity), DecompositionStatus::Skipped(SkipReason::HasCollider));
-    assert!(collider(&app, entity).as_ball().is_some());
-    assert_eq!(counters(&app).had_collider, 1);
-}
-
-#[test]
-fn a_fixed_body_gets_the_triangles() {
-    let mut app = app();
-    let mesh = add(&mut app, model("u_prism"));
-    let entity = spawn_with(&mut app, &mesh, (automatic(), RigidBody::Fixed));
-    update_until_finished(&mut app, &[entity]);
-    assert_eq!(status(&app, entity), DecompositionStatus::Skipped(SkipReason::FixedBody));
-    assert!(collider(&app, entity).as_trimesh().is_some());
-    assert_eq!((counters(&app).triangle_meshes, counters(&app).decomposed), (1, 0));
-}
-
-#[test]
-fn a_fixed_body_gets_hulls_if_the_settings_say_so() {
-    let mut app = app_with(HullwrightSettings { exact_static_colliders: false, ..default() });
-    let mesh = add(&mut app, model("u_prism"));
-    let entity = spawn_with(&mut app, &mesh, (automatic(), RigidBody::Fixed));
-    update_until_finished(&mut app, &[entity]);
-    assert!(collider(&app, entity).as_compound().is_some());
-}
-
-#[test]
-fn a_body_that_is_no_longer_fixed_gets_hulls_and_back() {
-    let mut app = app();
-    let mesh = add(&mut app, model("u_prism"));
-    let body = app.world_mut().spawn((RigidBody::Fixed, Transform::default())).id();
-    let child = spawn_with(&mut app, &mesh, (automatic(), ChildOf(body)));
-    update_until_finished(&mut app, &[child]);
-    assert!(collider(&app, child).as_trimesh().is_some());
-    app.world_mut().entity_mut(body).insert(RigidBody::Dynamic);
-    update_until(&mut app, |app| collider(app, child).as_compound().is_some());
-    assert!(app.world().get::<ColliderMassProperties>(child).is_some());
-    app.world_mut().entity_mut(body).insert(RigidBody::Fixed);
-    update_until(&mut app, |app| collider(app, child).as_trimesh().is_some());
-}
-
-#[test]
 fn entities_with_the_same_mesh_share_one_job_while_it_is_in_flight() {
     let mut app = app();
     let mesh = add(&mut app, model("gear"));
@@ -112,8 +66,7 @@ fn other_parameters_are_another_decomposition() {
 fn a_known_mesh_has_its_collider_after_one_frame() {
     let mut app = app();
     let mesh = add(&mut app, model("gear"));
-    let first = spawn(&mut app, &mesh);
-    update_until_finished(&mut app, &[first]);
+    let first = finish(&mut app, &mesh, ());
     let second = spawn(&mut app, &mesh);
     app.update();
     assert_eq!(status(&app, second), DecompositionStatus::Ready(HullSource::Shared));
@@ -127,8 +80,7 @@ fn a_cache_without_room_keeps_nothing() {
     let mut app = app_with(HullwrightSettings { cache_bytes: 0, ..default() });
     let mesh = add(&mut app, model("u_prism"));
     for _ in 0..2 {
-        let entity = spawn(&mut app, &mesh);
-        update_until_finished(&mut app, &[entity]);
+        let entity = finish(&mut app, &mesh, ());
         assert!(has_collider(&app, entity));
     }
     let counters = counters(&app);
@@ -137,16 +89,12 @@ fn a_cache_without_room_keeps_nothing() {
 
 #[test]
 fn a_small_cache_drops_what_was_not_used_for_longest() {
-    let mut app = app();
-    let mesh = add(&mut app, model("u_prism"));
-    let entity = spawn(&mut app, &mesh);
-    update_until_finished(&mut app, &[entity]);
+    let (mut app, entity) = finished(model("u_prism"), ());
     let one = counters(&app).cached_bytes;
     assert!(one > 0);
     app.world_mut().resource_mut::<HullwrightSettings>().cache_bytes = one + one / 2;
     let other = add(&mut app, unit_cube());
-    let entity = spawn(&mut app, &other);
-    update_until_finished(&mut app, &[entity]);
+    let entity = finish(&mut app, &other, ());
     let after = counters(&app);
     assert!(after.cached_bytes <= one + one / 2);
     assert!(after.cached >= 1);
@@ -159,10 +107,7 @@ fn the_cache_on_disk_spares_the_next_start_the_work() {
         HullwrightSettings { disk_cache: Some(directory.path().join("cache")), ..default() };
     let mut found = Vec::new();
     for expected in [HullSource::Decomposed, HullSource::Disk] {
-        let mut app = app_with(settings.clone());
-        let mesh = add(&mut app, model("u_prism"));
-        let entity = spawn(&mut app, &mesh);
-        update_until_finished(&mut app, &[entity]);
+        let (app, entity) = finished_with(settings.clone(), model("u_prism"), ());
         assert_eq!(status(&app, entity), DecompositionStatus::Ready(expected));
         assert_eq!(counters(&app).from_disk, usize::from(expected == HullSource::Disk));
         found.push((hulls(&app, entity), mass(&app, entity)));
@@ -175,10 +120,7 @@ fn a_damaged_cache_on_disk_is_as_good_as_none() {
     let directory = tempfile::tempdir().unwrap();
     let settings = HullwrightSettings { disk_cache: Some(directory.path().into()), ..default() };
     for _ in 0..2 {
-        let mut app = app_with(settings.clone());
-        let mesh = add(&mut app, model("u_prism"));
-        let entity = spawn(&mut app, &mesh);
-        update_until_finished(&mut app, &[entity]);
+        let (app, entity) = finished_with(settings.clone(), model("u_prism"), ());
         assert_eq!(status(&app, entity), DecompositionStatus::Ready(HullSource::Decomposed));
         for file in std::fs::read_dir(directory.path()).unwrap() {
             std::fs::write(file.unwrap().path(), b"no hulls").unwrap();
@@ -225,8 +167,7 @@ fn the_nearest_to_a_focus_goes_first() {
 fn no_more_colliders_are_attached_per_frame_than_allowed() {
     let mut app = app_with(HullwrightSettings { max_attached_per_frame: 3, ..default() });
     let mesh = add(&mut app, model("u_prism"));
-    let first = spawn(&mut app, &mesh);
-    update_until_finished(&mut app, &[first]);
+    let first = finish(&mut app, &mesh, ());
     let entities: Vec<Entity> = (0..7).map(|_| spawn(&mut app, &mesh)).collect();
     let finished = |app: &App| entities.iter().filter(|e| status(app, **e).is_finished()).count();
     let mut before = 0;

@@ -79,8 +79,7 @@ fn a_collider_that_is_far_may_be_dropped_and_comes_back() {
     let mut app = app_with(settings);
     let cube = add(&mut app, unit_cube());
     let focus = app.world_mut().spawn((Transform::default(), DecompositionFocus)).id();
-    let entity = spawn(&mut app, &cube);
-    update_until_finished(&mut app, &[entity]);
+    let entity = finish(&mut app, &cube, ());
     // At the border it neither comes nor goes.
     place(&mut app, focus, 11.0);
     update_times(&mut app, 3);
@@ -131,12 +130,13 @@ fn a_higher_priority_goes_before_a_shorter_distance() {
 #[test]
 fn hulls_that_are_boxes_become_boxes_on_request() {
     for (primitives, boxes) in [(false, 0), (true, 2)] {
-        let mut app = app_with(HullwrightSettings { primitives, ..default() });
         // An L is two boxes.
-        let mesh = add(&mut app, model("l_prism"));
         let scale = Transform::from_scale(Vec3::splat(2.0));
-        let entity = spawn_with(&mut app, &mesh, (RigidBody::Dynamic, scale));
-        update_until_finished(&mut app, &[entity]);
+        let (app, entity) = finished_with(
+            HullwrightSettings { primitives, ..default() },
+            model("l_prism"),
+            (RigidBody::Dynamic, scale),
+        );
         let compound = collider(&app, entity).raw.as_compound().unwrap();
         let found = compound.shapes().iter().filter(|(_, part)| part.as_cuboid().is_some());
         assert_eq!((found.count(), compound.shapes().len()), (boxes, 2));

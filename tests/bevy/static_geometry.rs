@@ -13,12 +13,14 @@ fn triangles_of(more: impl Bundle) -> Option<SkipReason> {
 }
 
 fn triangles_by(tag: ConvexDecomposition, more: impl Bundle) -> Option<SkipReason> {
-    let mut app = app();
-    let mesh = add(&mut app, model("u_prism"));
-    let entity = spawn_with(&mut app, &mesh, (tag, more));
-    update_until_finished(&mut app, &[entity]);
+    let (app, entity) = finished(model("u_prism"), (tag, more));
     let reason = reason(&app, entity);
-    assert_eq!(counters(&app).triangle_meshes, usize::from(reason.is_some()));
+    let is_mesh = reason.is_some();
+    let counters = counters(&app);
+    assert_eq!(
+        (counters.triangle_meshes, counters.decomposed),
+        (usize::from(is_mesh), usize::from(!is_mesh))
+    );
     reason
 }
 
@@ -59,11 +61,10 @@ fn a_tag_may_ask_for_either() {
 #[test]
 fn the_settings_may_want_hulls_everywhere() {
     let settings = HullwrightSettings { exact_static_colliders: false, ..default() };
-    let mut app = app_with(settings);
-    let mesh = add(&mut app, model("u_prism"));
-    let entity = spawn_with(&mut app, &mesh, automatic());
-    update_until_finished(&mut app, &[entity]);
-    assert_eq!(reason(&app, entity), None);
+    let (mut app, entity) = finished_with(settings, model("u_prism"), automatic());
+    let mesh = add(&mut app, model("l_prism"));
+    let fixed = finish(&mut app, &mesh, (automatic(), RigidBody::Fixed));
+    assert_eq!([entity, fixed].map(|entity| reason(&app, entity)), [None; 2]);
 }
 
 #[test]
@@ -71,14 +72,14 @@ fn bodies_and_sensors_that_come_and_go_change_it() {
     let mut app = app();
     let mesh = add(&mut app, model("u_prism"));
     let above = app.world_mut().spawn(Transform::default()).id();
-    let entity = spawn_with(&mut app, &mesh, (automatic(), ChildOf(above)));
-    update_until_finished(&mut app, &[entity]);
+    let entity = finish(&mut app, &mesh, (automatic(), ChildOf(above)));
     let mut expect = |changed, change: fn(&mut EntityWorldMut), expected| {
         change(&mut app.world_mut().entity_mut(changed));
         update_until(&mut app, |app| {
             status(app, entity).is_finished()
                 && collider(app, entity).as_trimesh().is_some() == expected
         });
+        assert!(expected || app.world().get::<ColliderMassProperties>(entity).is_some());
     };
     expect(above, |_| {}, true);
     expect(above, |body| _ = body.insert(RigidBody::Dynamic), false);
@@ -93,10 +94,7 @@ fn bodies_and_sensors_that_come_and_go_change_it() {
 
 #[test]
 fn internal_edges_are_fixed() {
-    let mut app = app();
-    let mesh = add(&mut app, unit_cube());
-    let entity = spawn_with(&mut app, &mesh, automatic());
-    update_until_finished(&mut app, &[entity]);
+    let (app, entity) = finished(unit_cube(), automatic());
     let flags = collider(&app, entity).raw.as_trimesh().unwrap().flags();
     assert!(flags.contains(TriMeshFlags::FIX_INTERNAL_EDGES));
 }
@@ -117,10 +115,8 @@ fn floor(is_turned: bool) -> Mesh {
 #[test]
 fn a_box_slides_over_a_floor_of_triangles_without_a_bump() {
     for is_turned in [false, true] {
-        let mut app = app();
-        let mesh = add(&mut app, floor(is_turned));
-        let ground = spawn_with(&mut app, &mesh, (automatic(), Friction::coefficient(0.0)));
-        update_until_finished(&mut app, &[ground]);
+        let (mut app, ground) =
+            finished(floor(is_turned), (automatic(), Friction::coefficient(0.0)));
         let half = 0.2;
         let sliding = (
             RigidBody::Dynamic,

@@ -13,10 +13,7 @@ use crate::app::*;
 
 /// Hulls of a model by a tag.
 fn hulls_by(name: &str, tag: ConvexDecomposition) -> Vec<Vec<Vec3>> {
-    let mut app = app();
-    let mesh = add(&mut app, model(name));
-    let entity = spawn_with(&mut app, &mesh, tag);
-    update_until_finished(&mut app, &[entity]);
+    let (app, entity) = finished(model(name), tag);
     assert_eq!(status(&app, entity), DecompositionStatus::Ready(HullSource::Decomposed));
     hulls(&app, entity)
 }
@@ -65,11 +62,8 @@ fn one_hull_on_request_is_that_of_all_points_without_a_decomposition() {
 
 #[test]
 fn the_bound_is_the_one_that_the_tag_says() {
-    let mut app = app();
-    let mesh = add(&mut app, model("u_prism"));
     let tag = tag().with_max_error(0.05);
-    let entity = spawn_with(&mut app, &mesh, tag);
-    update_until_finished(&mut app, &[entity]);
+    let (app, entity) = finished(model("u_prism"), tag);
     assert_eq!(counters(&app).last_bound, Some(0.05));
     assert!(counters(&app).last_protrusion.unwrap() <= 0.05);
 }
@@ -89,8 +83,7 @@ fn a_setting_that_means_nothing_is_an_error_that_names_it() {
         (tag().with_max_hulls(0), "max_hulls"),
         (tag().with_max_vertices(3), "max_vertices"),
     ] {
-        let entity = spawn_with(&mut app, &mesh, tag);
-        update_until_finished(&mut app, &[entity]);
+        let entity = finish(&mut app, &mesh, tag);
         let DecompositionStatus::Failed(DecompositionError::Mesh(error)) = status(&app, entity)
         else {
             panic!("{name}: {:?}", status(&app, entity));
@@ -145,11 +138,8 @@ fn saved_scenes_know_types_by_paths_without_modules() {
 
 #[test]
 fn the_mass_that_a_tag_says_is_that_of_the_world() {
-    let mut app = app();
-    let mesh = add(&mut app, unit_cube());
     let scale = Transform::from_scale(Vec3::new(1.0, 2.0, 3.0));
-    let entity = spawn_with(&mut app, &mesh, (tag().with_mass(5.0), scale));
-    update_until_finished(&mut app, &[entity]);
+    let (app, entity) = finished(unit_cube(), (tag().with_mass(5.0), scale));
     assert!((mass(&app, entity).mass - 5.0).abs() < 1e-4);
 }
 

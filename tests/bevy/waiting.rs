@@ -35,32 +35,13 @@ fn a_tag_before_there_is_any_mesh_waits_for_it() {
 fn all_meshes_below_a_tag_are_one_input() {
     let mut app = app();
     // The two halves of a box, each an open fragment, one of them moved into its place.
-    let lower = mesh(
-        vec![
-            [0., 0., 0.],
-            [1., 0., 0.],
-            [1., 0., 1.],
-            [0., 0., 1.],
-            [0., 1., 0.],
-            [1., 1., 0.],
-            [1., 1., 1.],
-            [0., 1., 1.],
-        ],
-        vec![0, 1, 2, 0, 2, 3, 0, 4, 5, 0, 5, 1, 1, 5, 6, 1, 6, 2],
-    );
-    let upper = mesh(
-        vec![
-            [0., -1., 0.],
-            [1., -1., 0.],
-            [1., -1., 1.],
-            [0., -1., 1.],
-            [0., 0., 0.],
-            [1., 0., 0.],
-            [1., 0., 1.],
-            [0., 0., 1.],
-        ],
-        vec![2, 6, 7, 2, 7, 3, 3, 7, 4, 3, 4, 0, 4, 7, 6, 4, 6, 5],
-    );
+    let halves = [cuboid([0.0; 3], [1.0; 3]), cuboid([0.0, -1.0, 0.0], [1.0, 0.0, 1.0])];
+    let [lower, upper] = halves.map(|whole| {
+        let positions = whole.attribute(Mesh::ATTRIBUTE_POSITION).unwrap().as_float3().unwrap();
+        let indices: Vec<u32> = whole.indices().unwrap().iter().map(|index| index as u32).collect();
+        let half = if positions[0][1] == 0.0 { &indices[..18] } else { &indices[18..] };
+        mesh(positions.to_vec(), half.to_vec())
+    });
     let (lower, upper) = (add(&mut app, lower), add(&mut app, upper));
     let parent = app.world_mut().spawn((Transform::default(), tag(), RigidBody::Dynamic)).id();
     app.world_mut().spawn((Mesh3d(lower), ChildOf(parent)));
@@ -92,8 +73,7 @@ fn what_has_a_tag_or_a_body_of_its_own_or_is_left_out_is_not_part_of_the_input()
 fn meshes_that_are_left_out_do_not_start_the_work_anew_when_they_come() {
     let mut app = app();
     let cube = add(&mut app, unit_cube());
-    let parent = spawn(&mut app, &cube);
-    update_until_finished(&mut app, &[parent]);
+    let parent = finish(&mut app, &cube, ());
     let excluded = app.world_mut().spawn((NoConvexDecomposition, ChildOf(parent))).id();
     app.world_mut().spawn((Mesh3d(cube.clone()), ChildOf(excluded)));
     app.world_mut().spawn((Mesh3d(cube.clone()), RigidBody::Dynamic, ChildOf(parent)));
@@ -176,10 +156,7 @@ fn changing_the_tag_begins_anew() {
 
 #[test]
 fn the_collider_stays_when_the_tag_is_removed_later() {
-    let mut app = app();
-    let mesh = add(&mut app, unit_cube());
-    let entity = spawn(&mut app, &mesh);
-    update_until_finished(&mut app, &[entity]);
+    let (mut app, entity) = finished(unit_cube(), ());
     let before = status(&app, entity);
     app.world_mut().entity_mut(entity).remove::<ConvexDecomposition>();
     update_times(&mut app, 3);

@@ -3,7 +3,8 @@
 use std::f64::consts::{PI, TAU};
 
 use hullwright::io::read_mesh;
-use hullwright::{ColliderError, MassSource, Parameters, TriangleMesh, rapier};
+use hullwright::rapier::ColliderError;
+use hullwright::{MassSource, Parameters, TriangleMesh, rapier};
 use rapier3d::prelude::*;
 
 use crate::world::{DENSITY, Prop, World};
@@ -114,22 +115,4 @@ fn the_same_collider_in_one_call() {
 
     let nothing = rapier::collider_from_mesh(&TriangleMesh::default(), DENSITY, &parameters);
     assert!(matches!(nothing.err(), Some(ColliderError::Mesh(_))));
-}
-
-#[test]
-fn a_single_hull_is_no_compound() {
-    let block = hullwright::hull::convex_hull(&[
-        [0.0; 3],
-        [1.0, 0.0, 0.0],
-        [0.0, 1.0, 0.0],
-        [0.0, 0.0, 1.0],
-    ])
-    .unwrap();
-    let prop = Prop::mesh((block.points, block.triangles));
-    let shape = rapier::shape(&prop.decomposition.hulls, [1.0; 3]).unwrap();
-    assert!(shape.as_convex_polyhedron().is_some());
-    let error = rapier::shape(&[], [1.0; 3]).err();
-    assert_eq!(error, Some(ColliderError::NoHulls));
-    let error = rapier::shape(&prop.decomposition.hulls, [1.0, 0.0, 1.0]).err();
-    assert!(matches!(error, Some(ColliderError::InvalidScale { .. })));
 }

@@ -15,11 +15,12 @@ use crate::bevy::cache::{ColliderGeometry, GeometryCache};
 use crate::bevy::content::ContentKey;
 use crate::bevy::error::DecompositionError;
 use crate::bevy::mesh_data::read_parts;
+use crate::bevy::outcomes::Outcomes;
 use crate::bevy::pool::pool;
 use crate::bevy::queue::{Completed, Failed, Job, WorkQueue, Worker};
 use crate::bevy::request::{ColliderRequest, InputId};
 use crate::bevy::settings::{Execution, HullwrightSettings};
-use crate::bevy::status::{DecompositionCounters, DecompositionStatus, HullSource};
+use crate::bevy::status::{DecompositionStatus, HullSource};
 use crate::bevy::task::{
     BuiltCollider, DecompositionTask, SharedProgress, TaskInput, contain_panics,
 };
@@ -28,22 +29,20 @@ use crate::bevy::task::{
 /// allow.
 pub fn start_jobs(
     mut queue: ResMut<WorkQueue>,
-    mut counters: ResMut<DecompositionCounters>,
     settings: Res<HullwrightSettings>,
     sources: Sources,
     priority: Priority,
-    mut statuses: Query<&mut DecompositionStatus>,
+    mut outcomes: Outcomes,
 ) {
     let queue = &mut *queue;
     let mut budget = queue.frame_time.budget(&settings);
-    let most = most_jobs(&settings);
-    if queue.jobs.len() < most {
+    if queue.jobs.len() < most_jobs(&settings) {
         priority.sort(&mut queue.to_start);
     }
     let mut left = EntityHashSet::default();
     for index in 0..queue.to_start.len() {
         let Some(&entity) = queue.to_start.get(index) else { break };
-        match start(queue, &settings, &sources, entity, most, &mut budget) {
+        match start(queue, &settings, &sources, entity, &mut budget) {
             Started::Waits => {}
             Started::Ended => {
                 left.insert(entity);
@@ -53,14 +52,13 @@ pub fn start_jobs(
                 if let Some(unfinished) = queue.unfinished.get_mut(&entity) {
                     unfinished.is_running = true;
                 }
-                if let Ok(mut status) = statuses.get_mut(entity) {
-                    *status = DecompositionStatus::Running { progress: 0.0 };
-                }
+                outcomes.show(entity, DecompositionStatus::Running { progress: 0.0 });
             }
         }
     }
     queue.to_start.retain(|entity| !left.contains(entity));
     queue.frame_time.spend(&budget);
+    let counters = &mut outcomes.counters;
     if !queue.is_idle() || !counters.show_idle() {
         counters.running = queue.jobs.len();
         counters.queued = queue.to_start.len();
@@ -80,7 +78,7 @@ fn most_jobs(settings: &HullwrightSettings) -> usize {
 /// Jobs that are done within a frame wait in the pool, so that its threads do not wait for the next frame.
 const QUICK_JOBS: usize = 32;
 
-/// How many more jobs there may be for a request that takes no decomposition. Nobody's own limit is exceeded.
+/// How many more jobs there may be for a request that takes no decomposition. A limit from the settings is not exceeded.
 fn quick_jobs(settings: &HullwrightSettings, request: &ColliderRequest) -> usize {
     let is_baked = request.scene.is_some() || matches!(*request.input, InputId::Baked(_));
     let is_quick = is_baked || request.why_triangles().is_some();
@@ -103,7 +101,6 @@ fn start(
     settings: &HullwrightSettings,
     sources: &Sources,
     entity: Entity,
-    most: usize,
     budget: &mut Budget,
 ) -> Started {
     let Some(request) = queue.request(entity).cloned() else { return Started::Ended };
@@ -124,7 +121,7 @@ fn start(
             Started::Ended
         }
         NextStep::StartJob
-            if queue.jobs.len() >= most + quick_jobs(settings, &request)
+            if queue.jobs.len() >= most_jobs(settings) + quick_jobs(settings, &request)
                 || !budget.allows_one() =>
         {
             Started::Waits

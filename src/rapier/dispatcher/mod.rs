@@ -1,5 +1,5 @@
-//! A query dispatcher for Rapier whose contacts don't depend on the unit of length, and which knows the
-//! seams of a compound.
+//! A query dispatcher for Rapier whose contacts don't depend on the unit of length, and which drops contacts at
+//! the seams of a compound.
 //!
 //! Parry's search for the closest points of two convex shapes, GJK, compares squared lengths and
 //! squared areas with constants: two points nearer than 1.1 mm count as one, and three points that
@@ -8,8 +8,6 @@
 //! search runs on enlarged shapes. The factor is a power of two, by which coordinates are
 //! multiplied without rounding: what changes is how they compare with the constants.
 
-mod ball;
-mod convex;
 mod scaled;
 mod seams;
 
@@ -25,6 +23,7 @@ use rapier3d::parry::query::{
 };
 use rapier3d::parry::shape::{Shape, ShapeType};
 
+use self::scaled::Pair;
 use self::seams::{Side, drop_inner_contacts};
 
 /// Computes contacts of convex shapes, alone or in compounds, as well for a thimble as for a house.
@@ -116,7 +115,8 @@ where
         prediction: Real,
         manifold: &mut ContactManifold<M, C>,
     ) -> Result<(), Unsupported> {
-        let constraints = (normal_constraints1, normal_constraints2);
+        let pair = Pair { shape1: g1, shape2: g2, pos12: *pos12, prediction };
+        let forbidden = [normal_constraints1, normal_constraints2];
         let done = match (g1.shape_type(), g2.shape_type()) {
             (ShapeType::Ball, ShapeType::Ball)
             | (ShapeType::Cuboid, ShapeType::Cuboid)
@@ -129,11 +129,9 @@ where
             {
                 false
             }
-            (ShapeType::Ball, _) => {
-                ball::contact(&pos12.inverse(), g2, g1, prediction, manifold, true)
-            }
-            (_, ShapeType::Ball) => ball::contact(pos12, g1, g2, prediction, manifold, false),
-            _ => convex::contacts(pos12, g1, g2, constraints, prediction, manifold),
+            (ShapeType::Ball, _) => pair.flipped().contact_of_ball(manifold, true),
+            (_, ShapeType::Ball) => pair.contact_of_ball(manifold, false),
+            _ => pair.contacts_of_faces(forbidden, manifold),
         };
         if done {
             return Ok(());
