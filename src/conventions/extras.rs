@@ -143,16 +143,6 @@ fn all_keys() -> String {
 
 impl ExtrasTag {
     /// What its hulls are made with; `None` where no hulls are made. `base` is for what it says nothing of.
-    ///
-    /// ```
-    /// use hullwright::conventions::read_extras;
-    /// use hullwright::{Length, Parameters};
-    ///
-    /// let (tag, _) = read_extras(r#"{"collider": "hulls", "max_error": "0.02m"}"#);
-    /// let base = Parameters::default();
-    /// let expected = Parameters::default().max_error(Length::units(0.02));
-    /// assert_eq!(tag.and_then(|tag| tag.parameters(&base)), Some(expected));
-    /// ```
     pub fn parameters(&self, base: &Parameters) -> Option<Parameters> {
         let mut tuned = base.clone();
         let bounded = &mut tuned.bounded;

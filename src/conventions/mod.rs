@@ -32,16 +32,6 @@ pub enum ColliderKind {
 impl ColliderKind {
     /// What hulls of this kind are made with; `None` where no hulls are made. `base` is for what the artist
     /// says nothing of.
-    ///
-    /// ```
-    /// use hullwright::conventions::ColliderKind;
-    /// use hullwright::{Method, Parameters};
-    ///
-    /// let base = Parameters::default();
-    /// assert_eq!(ColliderKind::Hulls.parameters(&base), Some(base.clone()));
-    /// assert_eq!(ColliderKind::ConvexHull.parameters(&base), Some(base.clone().method(Method::Hull)));
-    /// assert_eq!(ColliderKind::Triangles.parameters(&base), None);
-    /// ```
     pub fn parameters(self, base: &Parameters) -> Option<Parameters> {
         match self {
             Self::Decomposition | Self::Hulls => Some(base.clone()),
@@ -76,13 +66,6 @@ pub enum NameTag<'a> {
 
 impl NameTag<'_> {
     /// What the collider is made of; `None` for no collider.
-    ///
-    /// ```
-    /// use hullwright::conventions::{ColliderKind, NameTag};
-    ///
-    /// assert_eq!(NameTag::Body(ColliderKind::Hulls).kind(), Some(ColliderKind::Hulls));
-    /// assert_eq!(NameTag::LeftOut.kind(), None);
-    /// ```
     pub fn kind(self) -> Option<ColliderKind> {
         match self {
             Self::Collider(kind) | Self::ColliderOnly(kind) | Self::Body(kind) => Some(kind),
@@ -135,13 +118,6 @@ pub fn node_tag(name: &str) -> Option<NameTag<'_>> {
 }
 
 /// What the name of a mesh asks for, where that of its node asks for nothing.
-///
-/// ```
-/// use hullwright::conventions::{ColliderKind, NameTag, mesh_tag};
-///
-/// assert_eq!(mesh_tag("chair-col"), Some(NameTag::Collider(ColliderKind::Triangles)));
-/// assert_eq!(mesh_tag("chair-noimp"), None);
-/// ```
 pub fn mesh_tag(name: &str) -> Option<NameTag<'_>> {
     piece_tag(name).or_else(|| suffix_tag(name, &MESH_SUFFIXES))
 }
@@ -170,13 +146,6 @@ fn suffix_tag(name: &str, suffixes: &[(&str, NameTag<'static>)]) -> Option<NameT
 
 /// The mesh that a piece belongs to: that of the whole rest of its name, else of the rest up to its last
 /// underscore, whatever comes after it. `exists` tells whether there is a mesh of a name.
-///
-/// ```
-/// use hullwright::conventions::whole_of;
-///
-/// assert_eq!(whole_of("chair_01", |name| name == "chair"), "chair");
-/// assert_eq!(whole_of("chair_01", |name| name == "chair_01"), "chair_01");
-/// ```
 pub fn whole_of(rest: &str, exists: impl Fn(&str) -> bool) -> &str {
     match rest.rsplit_once('_') {
         Some((head, _)) if !exists(rest) => head,
@@ -185,10 +154,6 @@ pub fn whole_of(rest: &str, exists: impl Fn(&str) -> bool) -> &str {
 }
 
 /// Blender gives a copy the name of the original with `.001`.
-///
-/// ```
-/// assert_eq!(hullwright::conventions::without_copy_number("chair.001"), "chair");
-/// ```
 pub fn without_copy_number(name: &str) -> &str {
     match name.rsplit_once('.') {
         Some((rest, number)) if is_number(number) => rest,

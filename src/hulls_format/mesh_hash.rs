@@ -49,23 +49,11 @@ impl MeshHash {
     }
 
     /// From the bytes of a hash.
-    ///
-    /// ```
-    /// use hullwright::hulls_format::MeshHash;
-    ///
-    /// assert_eq!(MeshHash::from_bytes([7; 32]).as_bytes(), &[7; 32]);
-    /// ```
     pub const fn from_bytes(bytes: [u8; 32]) -> Self {
         Self(bytes)
     }
 
     /// The bytes of the hash.
-    ///
-    /// ```
-    /// use hullwright::hulls_format::MeshHash;
-    ///
-    /// assert_eq!(MeshHash::from_bytes([0xab; 32]).as_bytes()[0], 0xab);
-    /// ```
     pub const fn as_bytes(&self) -> &[u8; 32] {
         &self.0
     }

@@ -167,18 +167,6 @@ pub enum HullsFileError {
 
 impl HullsFile {
     /// What is worth keeping of a decomposition, without mass properties.
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// # let (parameters, control) = (hullwright::Parameters::default(), hullwright::Control::new());
-    /// let decomposition = hullwright::decompose(&mesh, &parameters, &control)?;
-    /// let file = hullwright::hulls_format::HullsFile::new("tetrahedron", &decomposition);
-    /// assert_eq!((file.hulls.len(), file.mass_properties), (1, None));
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     pub fn new(name: impl Into<String>, decomposition: &Decomposition) -> Self {
         let Decomposition { hulls, report, .. } = decomposition;
         let bounded = report.bounded.as_ref();
@@ -209,21 +197,6 @@ impl HullsFile {
     }
 
     /// The same with mass properties of the mesh.
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// # let (parameters, control) = (hullwright::Parameters::default(), hullwright::Control::new());
-    /// # let decomposition = hullwright::decompose(&mesh, &parameters, &control)?;
-    /// use hullwright::hulls_format::HullsFile;
-    ///
-    /// let properties = hullwright::mass_properties(&mesh, &decomposition.hulls, 1.0)?;
-    /// let file = HullsFile::new("tetrahedron", &decomposition).with_mass_properties(properties);
-    /// assert!(file.is_current() && file.mass_properties.is_some());
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     #[must_use]
     pub fn with_mass_properties(mut self, properties: MassProperties) -> Self {
         self.mass_properties = Some(properties);
@@ -231,20 +204,6 @@ impl HullsFile {
     }
 
     /// Whether the library decomposes in the same way as the one that wrote the file.
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// # let (parameters, control) = (hullwright::Parameters::default(), hullwright::Control::new());
-    /// # let decomposition = hullwright::decompose(&mesh, &parameters, &control)?;
-    /// let mut file = hullwright::hulls_format::HullsFile::new("tetrahedron", &decomposition);
-    /// assert!(file.is_current());
-    /// file.algorithm_version -= 1;
-    /// assert!(!file.is_current());
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     pub fn is_current(&self) -> bool {
         self.algorithm_version == crate::ALGORITHM_VERSION
     }
@@ -253,20 +212,6 @@ impl HullsFile {
     ///
     /// # Errors
     /// [`HullsFileError::Invalid`] if a hull, a text or a list has more parts than 32 bits count.
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// # let (parameters, control) = (hullwright::Parameters::default(), hullwright::Control::new());
-    /// # let decomposition = hullwright::decompose(&mesh, &parameters, &control)?;
-    /// use hullwright::hulls_format::HullsFile;
-    ///
-    /// let file = HullsFile::new("tetrahedron", &decomposition);
-    /// assert_eq!(HullsFile::from_bytes(&file.to_bytes()?)?, file);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
     pub fn to_bytes(&self) -> Result<Vec<u8>, HullsFileError> {
         write::to_bytes(self)
     }
@@ -275,12 +220,6 @@ impl HullsFile {
     ///
     /// # Errors
     /// [`HullsFileError`] says what is wrong with them.
-    ///
-    /// ```
-    /// use hullwright::hulls_format::{HullsFile, HullsFileError};
-    ///
-    /// assert_eq!(HullsFile::from_bytes(b"no hulls"), Err(HullsFileError::NotHulls));
-    /// ```
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, HullsFileError> {
         read::from_bytes(bytes)
     }
@@ -318,13 +257,6 @@ impl HullsFile {
     /// # Errors
     /// [`HullsFileError::File`] if it can't be read, [`HullsFileError::At`] if it does not hold
     /// what it should.
-    ///
-    /// ```
-    /// use hullwright::hulls_format::HullsFile;
-    ///
-    /// let error = HullsFile::read("missing.hulls").expect_err("there is no such file");
-    /// assert!(error.to_string().starts_with("missing.hulls: "));
-    /// ```
     pub fn read(path: impl AsRef<Path>) -> Result<Self, HullsFileError> {
         let path = path.as_ref();
         let bytes = std::fs::read(path).map_err(|error| file_error(path, &error))?;

@@ -72,21 +72,6 @@ pub enum SceneLookup<'a> {
 
 impl BakedMesh {
     /// The hulls of `mesh` by `parameters`; its name is theirs. O(triangles).
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// use hullwright::hulls_format::{BakedMesh, HullsFile, MeshHash};
-    /// use hullwright::{Control, Parameters, decompose};
-    ///
-    /// let parameters = Parameters::default();
-    /// let made = decompose(&mesh, &parameters, &Control::new())?;
-    /// let baked = BakedMesh::new(&mesh, &parameters, HullsFile::new("rock", &made));
-    /// assert_eq!((baked.hash, baked.names), (MeshHash::of(&mesh), vec!["rock".to_owned()]));
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     pub fn new<'a>(
         mesh: impl Into<crate::MeshView<'a>>,
         parameters: &Parameters,
@@ -97,20 +82,6 @@ impl BakedMesh {
     }
 
     /// The same with the names of nodes that show the mesh, each once.
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// # use hullwright::{Control, Parameters, decompose, hulls_format::{BakedMesh, HullsFile}};
-    /// # let parameters = Parameters::default();
-    /// # let made = decompose(&mesh, &parameters, &Control::new())?;
-    /// let baked = BakedMesh::new(&mesh, &parameters, HullsFile::new("rock", &made));
-    /// let baked = baked.with_names(["rock".to_owned(), "rock left of the gate".to_owned()]);
-    /// assert_eq!(baked.names, ["rock", "rock left of the gate"]);
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     #[must_use]
     pub fn with_names(mut self, names: impl IntoIterator<Item = String>) -> Self {
         for name in names {
@@ -124,31 +95,12 @@ impl BakedMesh {
 
 impl HullScene {
     /// A scene of meshes.
-    ///
-    /// ```
-    /// use hullwright::hulls_format::HullScene;
-    ///
-    /// assert_eq!(HullScene::new("level", Vec::new()).name, "level");
-    /// ```
     pub fn new(name: impl Into<String>, meshes: Vec<BakedMesh>) -> Self {
         Self { name: name.into(), meshes }
     }
 
     /// What there is of a mesh with this content and one of these names, by these parameters.
     /// O(meshes).
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// use hullwright::Parameters;
-    /// use hullwright::hulls_format::{HullScene, MeshHash, SceneLookup};
-    ///
-    /// let scene = HullScene::new("level", Vec::new());
-    /// let found = scene.look_up(MeshHash::of(&mesh), &Parameters::default(), &["rock"]);
-    /// assert_eq!(found, SceneLookup::Missing);
-    /// ```
     pub fn look_up(
         &self,
         hash: MeshHash,
@@ -178,14 +130,6 @@ impl HullScene {
     ///
     /// # Errors
     /// [`HullsFileError::Invalid`] if a text or a list has more parts than 32 bits count.
-    ///
-    /// ```
-    /// use hullwright::hulls_format::HullScene;
-    ///
-    /// let scene = HullScene::new("level", Vec::new());
-    /// assert_eq!(HullScene::from_bytes(&scene.to_bytes()?)?, scene);
-    /// # Ok::<(), hullwright::hulls_format::HullsFileError>(())
-    /// ```
     pub fn to_bytes(&self) -> Result<Vec<u8>, HullsFileError> {
         let mut bytes = begin(SCENE_MAGIC, ALGORITHM_VERSION);
         text(&mut bytes, &self.name)?;
@@ -208,12 +152,6 @@ impl HullScene {
     ///
     /// # Errors
     /// [`HullsFileError`] says what is wrong with them.
-    ///
-    /// ```
-    /// use hullwright::hulls_format::{HullScene, HullsFileError};
-    ///
-    /// assert_eq!(HullScene::from_bytes(b"no hulls"), Err(HullsFileError::NotScene));
-    /// ```
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, HullsFileError> {
         if bytes.starts_with(&MAGIC) {
             return Err(HullsFileError::IsSingle);
@@ -233,16 +171,6 @@ impl HullScene {
     ///
     /// # Errors
     /// As [`to_bytes`](Self::to_bytes), and [`HullsFileError::File`] if writing fails.
-    ///
-    /// ```
-    /// use hullwright::hulls_format::HullScene;
-    ///
-    /// # let directory = tempfile::tempdir()?;
-    /// # let path = directory.path().join("level.hullscene");
-    /// HullScene::new("level", Vec::new()).write(&path)?;
-    /// assert_eq!(HullScene::read(&path)?.name, "level");
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), HullsFileError> {
         let path = path.as_ref();
         let bytes = self.to_bytes().map_err(|error| error.at(path))?;
@@ -254,13 +182,6 @@ impl HullScene {
     /// # Errors
     /// [`HullsFileError::File`] if it can't be read, [`HullsFileError::At`] if it does not hold
     /// what it should.
-    ///
-    /// ```
-    /// use hullwright::hulls_format::{HullScene, HullsFileError};
-    ///
-    /// let missing = HullScene::read("no such file.hullscene");
-    /// assert!(matches!(missing, Err(HullsFileError::File { .. })));
-    /// ```
     pub fn read(path: impl AsRef<Path>) -> Result<Self, HullsFileError> {
         let path = path.as_ref();
         let bytes = std::fs::read(path).map_err(|error| file_error(path, &error))?;

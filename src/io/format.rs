@@ -20,21 +20,9 @@ pub enum Format {
 
 impl Format {
     /// All formats.
-    ///
-    /// ```
-    /// use hullwright::io::Format;
-    ///
-    /// assert!(Format::ALL.iter().all(|format| !format.suffixes().is_empty()));
-    /// ```
     pub const ALL: &'static [Self] = &[Self::Obj, Self::Off, Self::Ply, Self::Stl, Self::Gltf];
 
     /// The format that a file name's suffix stands for, in upper or lower case.
-    ///
-    /// ```
-    /// use hullwright::io::Format;
-    ///
-    /// assert_eq!(Format::from_path("scene.gltf"), Some(Format::Gltf));
-    /// ```
     pub fn from_path(path: impl AsRef<Path>) -> Option<Self> {
         let suffix = path.as_ref().extension()?;
         let names = |known: &&str| suffix.eq_ignore_ascii_case(known);
@@ -42,10 +30,6 @@ impl Format {
     }
 
     /// The format's name.
-    ///
-    /// ```
-    /// assert_eq!(hullwright::io::Format::Gltf.name(), "glTF");
-    /// ```
     pub fn name(self) -> &'static str {
         match self {
             Self::Obj => "OBJ",
@@ -57,10 +41,6 @@ impl Format {
     }
 
     /// The suffixes that stand for it, in lower case, without a dot.
-    ///
-    /// ```
-    /// assert_eq!(hullwright::io::Format::Gltf.suffixes(), ["gltf", "glb"]);
-    /// ```
     pub fn suffixes(self) -> &'static [&'static str] {
         match self {
             Self::Obj => &["obj"],
@@ -72,10 +52,6 @@ impl Format {
     }
 
     /// The suffixes of all formats, for a message.
-    ///
-    /// ```
-    /// assert_eq!(hullwright::io::Format::suffix_list(), "obj, off, ply, stl, gltf or glb");
-    /// ```
     pub fn suffix_list() -> String {
         or_list(
             Self::ALL.iter().flat_map(|format| format.suffixes()).map(|&suffix| suffix.to_owned()),
@@ -95,31 +71,15 @@ pub enum HullFormat {
 
 impl HullFormat {
     /// All formats.
-    ///
-    /// ```
-    /// use hullwright::io::HullFormat;
-    ///
-    /// assert!(HullFormat::ALL.contains(&HullFormat::Glb));
-    /// ```
     pub const ALL: &'static [Self] = &[Self::Obj, Self::Glb];
 
     /// The format that a file name's suffix stands for, in upper or lower case.
-    ///
-    /// ```
-    /// use hullwright::io::HullFormat;
-    ///
-    /// assert_eq!(HullFormat::from_path("hulls.GLB"), Some(HullFormat::Glb));
-    /// ```
     pub fn from_path(path: impl AsRef<Path>) -> Option<Self> {
         let suffix = path.as_ref().extension()?;
         Self::ALL.iter().copied().find(|format| suffix.eq_ignore_ascii_case(format.suffix()))
     }
 
     /// The suffix that stands for it, in lower case, without a dot.
-    ///
-    /// ```
-    /// assert_eq!(hullwright::io::HullFormat::Glb.suffix(), "glb");
-    /// ```
     pub fn suffix(self) -> &'static str {
         match self {
             Self::Obj => "obj",
@@ -128,10 +88,6 @@ impl HullFormat {
     }
 
     /// The suffixes of all formats, for a message.
-    ///
-    /// ```
-    /// assert_eq!(hullwright::io::HullFormat::suffix_list(), ".obj or .glb");
-    /// ```
     pub fn suffix_list() -> String {
         or_list(Self::ALL.iter().map(|format| format!(".{}", format.suffix())))
     }

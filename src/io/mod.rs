@@ -142,14 +142,6 @@ fn read_mesh_file(path: &Path) -> Result<MeshFile, FileError> {
 ///
 /// # Errors
 /// As [`read_mesh`]; a glTF file that names buffers in other files is an error too.
-///
-/// ```
-/// use hullwright::io::{Format, read_mesh_from_bytes};
-///
-/// let file = read_mesh_from_bytes(Format::Obj, b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")?;
-/// assert_eq!(file.mesh.triangles, [[0, 1, 2]]);
-/// # Ok::<(), hullwright::Error>(())
-/// ```
 pub fn read_mesh_from_bytes(format: Format, bytes: &[u8]) -> Result<MeshFile, Error> {
     parse(format, bytes, None)
         .map_err(|reason| Error::file(Path::new(&format!("{} in memory", format.name())), reason))
@@ -164,12 +156,6 @@ pub fn read_mesh_from_bytes(format: Format, bytes: &[u8]) -> Result<MeshFile, Er
 ///
 /// # Errors
 /// As [`read_mesh`].
-///
-/// ```
-/// let meshes = hullwright::io::read_own_meshes("assets/props.glb")?;
-/// assert!(meshes.iter().all(|named| !named.mesh.triangles.is_empty()));
-/// # Ok::<(), hullwright::Error>(())
-/// ```
 pub fn read_own_meshes(path: impl AsRef<Path>) -> Result<Vec<NamedMesh>, Error> {
     let path = path.as_ref();
     if Format::from_path(path) == Some(Format::Gltf) {
@@ -205,18 +191,6 @@ fn parse(format: Format, bytes: &[u8], directory: Option<&Path>) -> Result<MeshF
 ///
 /// # Errors
 /// As [`read_mesh`], and if there is no triangle in the file.
-///
-/// ```
-/// # let mesh = hullwright::TriangleMesh::new(
-/// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-/// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-/// # );
-/// # let directory = tempfile::tempdir().expect("a temporary directory");
-/// let path = directory.path().join("hulls.obj");
-/// hullwright::io::write_hulls(&path, [&mesh])?;
-/// assert_eq!(hullwright::io::read_hulls(&path)?[0].name, "hull_0");
-/// # Ok::<(), hullwright::Error>(())
-/// ```
 pub fn read_hulls(path: impl AsRef<Path>) -> Result<Vec<NamedMesh>, Error> {
     let path = path.as_ref();
     if is_hulls_file(path) {
@@ -230,10 +204,6 @@ pub fn read_hulls(path: impl AsRef<Path>) -> Result<Vec<NamedMesh>, Error> {
 }
 
 /// Whether a file name's suffix is `hulls`, in upper or lower case.
-///
-/// ```
-/// assert!(hullwright::io::is_hulls_file("mug.HULLS"));
-/// ```
 pub fn is_hulls_file(path: impl AsRef<Path>) -> bool {
     path.as_ref().extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case("hulls"))
 }

@@ -37,13 +37,6 @@ pub fn read_scene(path: impl AsRef<Path>) -> Result<Vec<SceneMesh>, Error> {
 ///
 /// # Errors
 /// As [`read_mesh`]; a file that names buffers in other files is an error too.
-///
-/// ```
-/// let bytes = std::fs::read("assets/props.glb")?;
-/// let meshes = hullwright::io::read_scene_from_bytes(&bytes)?;
-/// assert_eq!(meshes, hullwright::io::read_scene("assets/props.glb")?);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
 pub fn read_scene_from_bytes(bytes: &[u8]) -> Result<Vec<SceneMesh>, Error> {
     gltf::read_scene(unmarked(bytes), None)
         .map_err(|reason| Error::file(Path::new("glTF in memory"), reason))

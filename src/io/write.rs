@@ -57,11 +57,6 @@ pub fn write_hulls<'a, H: Into<MeshView<'a>>>(
 /// # Errors
 /// [`Error::File`] if the suffix is neither that of a [`HullFormat`] nor `hulls`, or if the directory
 /// does not exist.
-///
-/// ```
-/// assert!(hullwright::io::check_output("hulls.glb").is_ok());
-/// assert!(hullwright::io::check_output("hulls.fbx").is_err());
-/// ```
 pub fn check_output(path: impl AsRef<Path>) -> Result<(), Error> {
     let path = path.as_ref();
     if !super::is_hulls_file(path) {

@@ -109,21 +109,6 @@ pub fn mass_properties<'a>(
 ///
 /// # Errors
 /// As [`mass_properties`].
-///
-/// ```
-/// use hullwright::{MassSource, MeshView, Openings, Parameters, mass_properties_with};
-///
-/// // Three sides of a tetrahedron: the fourth is a flat opening.
-/// let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-/// let mesh = MeshView::new(&positions, &[[0, 1, 3], [1, 2, 3], [2, 0, 3]]);
-/// let solid = mass_properties_with(mesh, &[], 600.0, &Parameters::default())?;
-/// assert_eq!(solid.source, MassSource::Mesh);
-/// assert!((solid.mass - 100.0).abs() < 1e-9);
-/// let keep = Parameters::default().openings(Openings::Keep);
-/// let shell = mass_properties_with(mesh, &[], 600.0, &keep)?;
-/// assert_eq!(shell.source, MassSource::ConvexHull);
-/// # Ok::<(), hullwright::Error>(())
-/// ```
 pub fn mass_properties_with<'a>(
     mesh: impl Into<MeshView<'a>>,
     hulls: &[Hull],
@@ -190,16 +175,6 @@ fn check_density(density: f64) -> Result<(), Error> {
 
 impl MassProperties {
     /// The same body of another mass.
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// let properties = hullwright::mass_properties(&mesh, &[], 1.0)?.with_mass(5.0);
-    /// assert_eq!(properties.mass, 5.0);
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     #[must_use]
     pub fn with_mass(mut self, mass: f64) -> Self {
         let factor = mass / self.mass;
@@ -210,16 +185,6 @@ impl MassProperties {
 
     /// The body after its coordinates are multiplied by `scale`, at the same density. A negative
     /// factor mirrors it.
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// let properties = hullwright::mass_properties(&mesh, &[], 6.0)?.scaled([2.0, 1.0, 1.0]);
-    /// assert!((properties.mass - 2.0).abs() < 1e-9);
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     #[must_use]
     pub fn scaled(mut self, scale: [f64; 3]) -> Self {
         let volume = (scale[0] * scale[1] * scale[2]).abs();
@@ -236,16 +201,6 @@ impl MassProperties {
     }
 
     /// Principal moments of inertia and their axes.
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// let principal = hullwright::mass_properties(&mesh, &[], 1.0)?.principal_inertia();
-    /// assert!(principal.moments[0] <= principal.moments[2]);
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     #[cfg(feature = "nalgebra")]
     pub fn principal_inertia(&self) -> PrincipalInertia {
         principal::principal_inertia(self.inertia)

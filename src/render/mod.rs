@@ -55,16 +55,6 @@ const LARGEST_SIDE: usize = 4096;
 ///
 /// # Errors
 /// [`Error::InvalidParameter`] unless both sides are 1 to 4096 pixels.
-///
-/// ```
-/// # let mesh = hullwright::TriangleMesh::new(
-/// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-/// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-/// # );
-/// let picture = hullwright::render::render(&[hullwright::render::Panel::mesh(&mesh)], 32, 16)?;
-/// assert_eq!(picture.pixels().len(), 32 * 16);
-/// # Ok::<(), hullwright::Error>(())
-/// ```
 pub fn render(panels: &[Panel], width: usize, height: usize) -> Result<Picture, Error> {
     render_with(panels, width, height, &Layout::default())
 }
@@ -73,20 +63,6 @@ pub fn render(panels: &[Panel], width: usize, height: usize) -> Result<Picture, 
 ///
 /// # Errors
 /// [`Error::InvalidParameter`] unless both sides are 1 to 4096 pixels.
-///
-/// ```
-/// # let mesh = hullwright::TriangleMesh::new(
-/// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-/// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-/// # );
-/// use hullwright::render::{Layout, Panel, UpAxis, render_with};
-///
-/// let mut layout = Layout::default();
-/// layout.view.up = UpAxis::Z;
-/// let picture = render_with(&[Panel::mesh(&mesh)], 32, 16, &layout)?;
-/// assert_eq!((picture.width(), picture.height()), (32, 16));
-/// # Ok::<(), hullwright::Error>(())
-/// ```
 pub fn render_with(
     panels: &[Panel],
     width: usize,

@@ -26,12 +26,6 @@ const TONES: [(f64, f64); 4] = [(0.74, 0.125), (0.66, 0.135), (0.82, 0.105), (0.
 const CHROMA_STEP: f64 = 0.005;
 
 /// The colour of hull or group number `index`. Deterministic, and O(1).
-///
-/// ```
-/// use hullwright::render::palette::colour;
-///
-/// assert_ne!(colour(0), colour(1));
-/// ```
 pub fn colour(index: usize) -> Colour {
     let (lightness, mut chroma) = TONES[index % TONES.len()];
     let hue = (FIRST_HUE + GOLDEN_ANGLE * index as f64).rem_euclid(360.0);
@@ -45,10 +39,6 @@ pub fn colour(index: usize) -> Colour {
 }
 
 /// A colour's channels in linear light, 0 to 1, as glTF wants them.
-///
-/// ```
-/// assert_eq!(hullwright::render::palette::linear([0, 0, 255]), [0.0, 0.0, 1.0]);
-/// ```
 pub fn linear(colour: Colour) -> [f32; 3] {
     colour.map(decode)
 }

@@ -51,35 +51,12 @@ pub struct Panel {
 
 impl Panel {
     /// A mesh in [`palette::CLAY`].
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// assert_eq!(hullwright::render::Panel::mesh(&mesh).parts.len(), 1);
-    /// ```
     pub fn mesh<'a>(mesh: impl Into<MeshView<'a>>) -> Self {
         let mesh = mesh.into().to_owned();
         Self { parts: vec![Part { mesh, colour: palette::CLAY }], explosion: 0.0 }
     }
 
     /// A mesh in [`palette::CLAY`], the caps that close its openings in [`palette::CAP`].
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// let closed = hullwright::close_openings(
-    ///     &mesh,
-    ///     &hullwright::Parameters::default(),
-    ///     &hullwright::Control::new(),
-    /// )?;
-    /// let panel = hullwright::render::Panel::closed_mesh(&closed);
-    /// assert_eq!(panel.parts.len(), 2);
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     pub fn closed_mesh(closed: &ClosedMesh) -> Self {
         let ClosedMesh { mesh, caps, .. } = closed;
         let surface = mesh.triangles.len().saturating_sub(*caps);
@@ -94,15 +71,6 @@ impl Panel {
     /// A mesh in as many colours as there are labels: one label per triangle, such as
     /// [`GroupedMesh::groups`](crate::GroupedMesh::groups). Label n has the colour of hull n.
     /// Triangles without a label are left out.
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// let panel = hullwright::render::Panel::labelled(&mesh, &[0, 0, 1, 1]);
-    /// assert_eq!(panel.parts.len(), 2);
-    /// ```
     pub fn labelled<'a>(mesh: impl Into<MeshView<'a>>, labels: &[u32]) -> Self {
         let mesh = mesh.into();
         let mut labelled: Vec<(u32, [u32; 3])> =
@@ -123,14 +91,6 @@ impl Panel {
     }
 
     /// Hulls in the colours of the palette, in order.
-    ///
-    /// ```
-    /// # let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    /// let hull = hullwright::convex_hull(&points)?;
-    /// let panel = hullwright::render::Panel::hulls(&[hull.clone(), hull]);
-    /// assert_ne!(panel.parts[0].colour, panel.parts[1].colour);
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     pub fn hulls<'h, H>(hulls: &'h [H]) -> Self
     where
         &'h H: Into<MeshView<'h>>,
@@ -144,12 +104,6 @@ impl Panel {
 
     /// The same with its parts moved apart; see [`explosion`](Self::explosion). 0.5 is a good
     /// value.
-    ///
-    /// ```
-    /// use hullwright::render::Panel;
-    ///
-    /// assert_eq!(Panel::default().exploded(0.5).explosion, 0.5);
-    /// ```
     #[must_use]
     pub fn exploded(mut self, explosion: f64) -> Self {
         self.explosion = explosion;

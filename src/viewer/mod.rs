@@ -67,38 +67,12 @@ pub struct HullSet<'a> {
 
 impl<'a> HullSet<'a> {
     /// Hulls under a name. Without a [`tree`](Self::tree) their errors are sampled.
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// use hullwright::{Control, Parameters, decompose, viewer::HullSet};
-    ///
-    /// let result = decompose(&mesh, &Parameters::default(), &Control::new())?;
-    /// let shown = HullSet::new("bounded", &result.hulls);
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     pub fn new(name: impl Into<String>, hulls: &'a [Hull]) -> Self {
         Self { name: name.into(), hulls, tree: None, facts: Vec::new() }
     }
 
     /// The joins of these very hulls: the page gets a slider from all hulls to one, and errors are
     /// verified.
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// use hullwright::{Control, MergeTree, Parameters, decompose, viewer::HullSet};
-    ///
-    /// let (parameters, control) = (Parameters::default(), Control::new());
-    /// let result = decompose(&mesh, &parameters, &control)?;
-    /// let tree = MergeTree::new(&mesh, &result, &parameters, &control)?;
-    /// let shown = HullSet::new("bounded", &result.hulls).tree(&tree);
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     #[must_use]
     pub fn tree(mut self, tree: &'a MergeTree) -> Self {
         self.tree = Some(tree);
@@ -106,10 +80,6 @@ impl<'a> HullSet<'a> {
     }
 
     /// A name and a value that are shown with the figures, such as `time` and `74 ms`.
-    ///
-    /// ```
-    /// let shown = hullwright::viewer::HullSet::new("bounded", &[]).fact("time", "74 ms");
-    /// ```
     #[must_use]
     pub fn fact(mut self, name: impl Into<String>, value: impl Into<String>) -> Self {
         self.facts.push((name.into(), value.into()));
@@ -120,15 +90,6 @@ impl<'a> HullSet<'a> {
 /// Hulls that some tool wrote, each as the convex hull that an engine makes of its points; one
 /// without a volume as it is. Those without triangles, or with a coordinate that is not finite,
 /// are left out.
-///
-/// ```
-/// # let mesh = hullwright::TriangleMesh::new(
-/// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-/// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-/// # );
-/// let named = hullwright::io::NamedMesh { name: "hull_0".into(), mesh };
-/// assert_eq!(hullwright::viewer::hulls_of(&[named])[0].shape.triangles.len(), 4);
-/// ```
 pub fn hulls_of(hulls: &[NamedMesh]) -> Vec<Hull> {
     let is_usable = |named: &&NamedMesh| {
         let TriangleMesh { positions, triangles, .. } = &named.mesh;
@@ -155,18 +116,6 @@ impl<'a> Page<'a> {
     ///
     /// # Errors
     /// As [`close_openings`](crate::close_openings).
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// use hullwright::{Control, Parameters, viewer::Page};
-    ///
-    /// let page = Page::new("tetrahedron", &mesh, &Parameters::default(), &Control::new())?;
-    /// assert!(page.to_html()?.contains("tetrahedron"));
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     pub fn new(
         title: impl Into<String>,
         mesh: impl Into<MeshView<'a>>,
@@ -183,15 +132,6 @@ impl<'a> Page<'a> {
     }
 
     /// Names parts of the mesh: each hull then says which of them it stands for.
-    ///
-    /// ```
-    /// use hullwright::{Control, Parameters, viewer::Page};
-    ///
-    /// let file = hullwright::io::read_mesh("assets/mug.glb")?;
-    /// let page = Page::new("mug", &file.mesh, &Parameters::default(), &Control::new())?;
-    /// let page = page.objects(&file.objects);
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     #[must_use]
     pub fn objects(mut self, objects: &[Object]) -> Self {
         self.document.name_objects(objects);
@@ -205,23 +145,6 @@ impl<'a> Page<'a> {
     ///
     /// # Errors
     /// As [`measure`](crate::measure::measure()).
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// use hullwright::{Control, Parameters, decompose};
-    /// use hullwright::viewer::{HullSet, Page};
-    ///
-    /// let (parameters, control) = (Parameters::default(), Control::new());
-    /// let mut page = Page::new("tetrahedron", &mesh, &parameters, &control)?;
-    /// let empty = page.to_html()?.len();
-    /// let result = decompose(&mesh, &parameters, &control)?;
-    /// page.add(HullSet::new("bounded", &result.hulls), &control)?;
-    /// assert!(page.to_html()?.len() > empty);
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     pub fn add(&mut self, set: HullSet<'_>, control: &Control) -> Result<(), Error> {
         let Self { subject, document, geometry } = self;
         let set = parallel::with(control.is_parallel(), || {
@@ -235,18 +158,6 @@ impl<'a> Page<'a> {
     ///
     /// # Errors
     /// [`Error::File`], without a path, if the figures can't be written as text.
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// use hullwright::{Control, Parameters, viewer::Page};
-    ///
-    /// let page = Page::new("tetrahedron", &mesh, &Parameters::default(), &Control::new())?;
-    /// assert!(page.to_html()?.ends_with("</html>\n"));
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     pub fn to_html(&self) -> Result<String, Error> {
         document::page(&self.document, &self.geometry)
             .map_err(|error| Error::file(Path::new("page"), error.to_string()))
@@ -256,21 +167,6 @@ impl<'a> Page<'a> {
     ///
     /// # Errors
     /// [`Error::File`] says what is wrong with the path.
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// # let directory = tempfile::tempdir()?;
-    /// # let path = directory.path().join("tetrahedron.html");
-    /// use hullwright::{Control, Parameters, viewer::Page};
-    ///
-    /// let page = Page::new("tetrahedron", &mesh, &Parameters::default(), &Control::new())?;
-    /// page.write(&path)?;
-    /// assert_eq!(std::fs::read_to_string(&path)?, page.to_html()?);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), Error> {
         let path = path.as_ref();
         let page = self.to_html()?;
