@@ -1,6 +1,6 @@
 //! For each triangle of one mesh the closest triangle of another, or that triangle's label.
 
-use super::Bvh;
+use super::hierarchy::Bvh;
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, add, area_normal, dot, length_squared, scale};

@@ -1,6 +1,6 @@
 //! The triangles near a face: in its box and in the slab around its plane.
 
-use super::Bvh;
+use super::hierarchy::Bvh;
 use super::tree::{Child, EMPTY, Node, STACK, WIDTH, child};
 use crate::geometry::vector::{Vector, dot};
 

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use serde_json::{Map, Value};
 
-use super::ColliderKind;
+use super::names::ColliderKind;
 use crate::parameters::{Length, Openings, Parameters, Preset};
 
 /// The key without which extras are somebody else's.

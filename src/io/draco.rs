@@ -11,9 +11,9 @@ use gltf::json::accessor::ComponentType;
 use gltf::json::mesh::Primitive;
 use gltf::json::{Index, buffer};
 
-use super::accessor::{Layout, number};
-use super::extension;
-use super::views::{BYTES_PER_ELEMENT, Views};
+use super::gltf_data::{BYTES_PER_ELEMENT, Views};
+use super::gltf_data::{Layout, number};
+use super::meshopt::extension_number;
 
 pub(super) const EXTENSION: &str = "KHR_draco_mesh_compression";
 
@@ -36,9 +36,9 @@ impl Reference {
             return Ok(None);
         };
         let parse = || {
-            let view = extension::number(found, "bufferView")?;
+            let view = extension_number(found, "bufferView")?;
             let attributes = found.get("attributes").ok_or("its `attributes` are missing")?;
-            let attribute = extension::number(attributes, "POSITION")?;
+            let attribute = extension_number(attributes, "POSITION")?;
             let narrow =
                 |number| u32::try_from(number).map_err(|_| format!("{number} is too many"));
             Ok(Self { view: narrow(view)?, attribute: narrow(attribute)?, is_normalized })

@@ -12,7 +12,6 @@ use meshoptimizer_rs::codec::{
 use meshoptimizer_rs::{Error, Limits, Workspace};
 use serde_json::Value;
 
-use super::extension::{number, optional_number};
 use super::text::quote;
 
 /// The names of the extension, before and after it was adopted by Khronos.
@@ -57,11 +56,11 @@ impl Compressed {
         let mode = word("mode").ok_or("its `mode` is missing")?;
         let filter = word("filter").unwrap_or("NONE");
         let compressed = Self {
-            buffer: number(extension, "buffer")?,
+            buffer: extension_number(extension, "buffer")?,
             offset: optional_number(extension, "byteOffset")?.unwrap_or(0),
-            length: number(extension, "byteLength")?,
-            stride: number(extension, "byteStride")?,
-            count: number(extension, "count")?,
+            length: extension_number(extension, "byteLength")?,
+            stride: extension_number(extension, "byteStride")?,
+            count: extension_number(extension, "count")?,
             mode: Mode::parse(mode)
                 .map_err(|_| format!("the mode {} is unknown", quote(mode.as_bytes())))?,
             filter: match filter {
@@ -126,4 +125,22 @@ pub(super) fn is_placeholder(buffer: &Buffer) -> bool {
         let fallback = extensions.others.get(*name).and_then(|extension| extension.get("fallback"));
         fallback.and_then(Value::as_bool) == Some(true)
     })
+}
+
+// Numbers in the JSON of glTF extensions that the crate `gltf` has no types for.
+
+/// A whole number that may be missing.
+pub(super) fn optional_number(extension: &Value, key: &str) -> Result<Option<usize>, String> {
+    let Some(value) = extension.get(key) else {
+        return Ok(None);
+    };
+    match value.as_u64().and_then(|number| usize::try_from(number).ok()) {
+        Some(number) => Ok(Some(number)),
+        None => Err(format!("its `{key}` should be a whole number")),
+    }
+}
+
+/// A whole number that must be there.
+pub(super) fn extension_number(extension: &Value, key: &str) -> Result<usize, String> {
+    optional_number(extension, key)?.ok_or_else(|| format!("its `{key}` is missing"))
 }

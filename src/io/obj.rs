@@ -12,9 +12,9 @@
 
 use std::borrow::Cow;
 
-use super::polygon::Triangulator;
+use super::mesh_file::{MeshFile, next_index};
+use super::text::Triangulator;
 use super::text::{Lines, at_line, coordinates, lines, name, number, words};
-use super::{MeshFile, next_index};
 
 pub(super) fn read(bytes: &[u8]) -> Result<MeshFile, String> {
     let mut file = MeshFile::default();

@@ -16,9 +16,9 @@ use ply_rs_bw::ply::{
     ScalarType,
 };
 
-use super::polygon::Triangulator;
+use super::mesh_file::{MeshFile, next_index};
+use super::text::Triangulator;
 use super::text::{at_line, lines, name, number, quote, words};
-use super::{MeshFile, next_index};
 use crate::geometry::TriangleMesh;
 
 const AXES: [&str; 3] = ["x", "y", "z"];

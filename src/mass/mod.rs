@@ -10,13 +10,11 @@
 //! 3. A mesh whose openings are closed is taken with them closed. Another open mesh has no inside. The union of its hulls is taken, by columns too.
 //! 4. Without hulls, its convex hull.
 
-mod columns;
 mod moments;
 #[cfg(feature = "nalgebra")]
 mod principal;
 
-use columns::moments_of_union;
-use moments::{Moments, inertia_of, second_of};
+use moments::{Moments, moments_of_union};
 
 #[cfg(feature = "nalgebra")]
 pub use principal::PrincipalInertia;
@@ -25,7 +23,7 @@ use crate::control::Control;
 use crate::decomposition::Hull;
 use crate::error::Error;
 use crate::geometry::MeshView;
-use crate::geometry::vector::Vector;
+use crate::geometry::vector::{Vector, add, cubed, scale, squared};
 use crate::hull::{HullBuilder, solid_hull};
 use crate::mesh::{Normalization, PreparedMesh};
 use crate::openings::OpeningSettings;
@@ -163,6 +161,54 @@ fn of_prepared(
     }
     let (hull, _) = solid_hull(&mut HullBuilder::new(), &mesh.positions, [0.0; 3], 0.0)?;
     finish(Moments::enclosed(hull.corners()), MassSource::ConvexHull)
+}
+
+impl Moments {
+    /// The mass properties of a solid whose coordinates were divided by `unit` after `origin` was
+    /// taken off.
+    pub fn mass_properties(
+        &self,
+        unit: f64,
+        origin: Vector,
+        density: f64,
+        source: MassSource,
+    ) -> MassProperties {
+        let centre = scale(self.first, 1.0 / self.volume);
+        let mut central = self.second;
+        for i in 0..3 {
+            for j in 0..3 {
+                central[i][j] -= self.volume * centre[i] * centre[j];
+            }
+        }
+        let mass = density * cubed(unit);
+        MassProperties {
+            mass: mass * self.volume,
+            centre: add(scale(centre, unit), origin),
+            inertia: inertia_of(central).map(|row| scale(row, mass * squared(unit))),
+            source,
+        }
+    }
+}
+
+/// The inertia tensor of central second moments, and the other way round up to a factor of 2:
+/// trace times identity, minus the matrix.
+fn inertia_of(second: [Vector; 3]) -> [Vector; 3] {
+    let trace = second[0][0] + second[1][1] + second[2][2];
+    let mut inertia = second.map(|row| scale(row, -1.0));
+    for (i, row) in inertia.iter_mut().enumerate() {
+        row[i] += trace;
+    }
+    inertia
+}
+
+/// The central second moments of an inertia tensor.
+fn second_of(inertia: [Vector; 3]) -> [Vector; 3] {
+    let half_trace = (inertia[0][0] + inertia[1][1] + inertia[2][2]) / 2.0;
+    let mut second = inertia.map(|row| scale(row, -1.0));
+    for (i, row) in second.iter_mut().enumerate() {
+        row[i] += half_trace;
+    }
+    second
 }
 
 fn check_density(density: f64) -> Result<(), Error> {

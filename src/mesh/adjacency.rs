@@ -10,7 +10,7 @@
 //! themselves are neighbours too: that is how a surface without two sides (a Möbius strip) closes.
 
 use super::TriangleMesh;
-use super::edges::{Edge, SortedHalfEdges, ascends};
+use super::connectivity::{Edge, SortedHalfEdges, ascends};
 use crate::geometry::vector::{Vector, area_normal, dot, normalize};
 
 /// Stands in the neighbour list where an edge has no other triangle.

@@ -8,8 +8,8 @@
 
 use robust::{Coord, orient2d};
 
-use super::components::{Connectivity, PatchKind};
-use super::edges::SortedHalfEdges;
+use super::connectivity::SortedHalfEdges;
+use super::connectivity::{Connectivity, PatchKind};
 use crate::geometry::vector::{
     Vector, add, area_normal, dot, length, maximum, minimum, scale, subtract,
 };

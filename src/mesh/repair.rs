@@ -5,13 +5,14 @@
 //! them, winding is made consistent and outward, and connected components are found. Holes,
 //! non-manifold edges and intersections stay: they are normal input.
 
+use super::TriangleMesh;
 use super::canonical_order::{MeshOrder, rotated, triangle_key, used_vertices, vertices_by_place};
-use super::components::Connectivity;
+use super::connectivity::Connectivity;
+use super::connectivity::SortedHalfEdges;
 use super::degenerate::{drop_degenerate, drop_duplicates};
-use super::edges::SortedHalfEdges;
 use super::orientation::orient;
+use super::prepared::{Normalization, PreparedMesh, compact};
 use super::weld::weld;
-use super::{Normalization, PreparedMesh, TriangleMesh, compact};
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::MeshView;

@@ -23,9 +23,10 @@ use std::borrow::Cow;
 
 use meshoptimizer_rs::{Limits, Positions, SimplifyOptions, SimplifySettings, Workspace};
 
-use super::area::is_degenerate;
+use super::TriangleMesh;
+use super::degenerate::is_degenerate;
+use super::prepared::compact;
 use super::weld::WELD_TOLERANCE;
-use super::{TriangleMesh, compact};
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, area_normal, length};

@@ -1,19 +1,127 @@
 //! Which caps are closed, and why others are not.
 
-use super::boundary::Loop;
-use super::cap::Cap;
-use super::crossing::is_cut;
+use super::boundary::{Loop, boundary_loops};
+use super::cap::{Candidate, Cap, candidates, is_cut};
 use super::look::{is_seen_into, points};
-use super::report::OpeningOutcome;
-use super::{OpeningSettings, flatness_in_diagonals};
+use super::report::{Opening, OpeningOutcome};
 use crate::bvh::Bvh;
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, add, distance, scale};
 use crate::geometry::{MeshView, Sidedness};
 use crate::mesh::PreparedMesh;
+use crate::mesh::canonical_order::MeshOrder;
 use crate::parallel;
-use crate::parameters::{Openings, UpAxis};
+use crate::parameters::{BoundedParameters, Length, Method, Openings, Parameters, UpAxis};
+
+/// What of [`Parameters`](crate::Parameters) openings depend on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct OpeningSettings {
+    pub openings: Openings,
+    /// How far a loop's vertices may be from its plane.
+    pub flatness: Length,
+    pub up_axis: UpAxis,
+    /// Whether closed components that nothing can reach stay.
+    pub keep_cavities: bool,
+    pub order: MeshOrder,
+}
+
+impl From<&Parameters> for OpeningSettings {
+    /// The paper's method takes the mesh as it is. For one hull this says what the mass is that of.
+    fn from(parameters: &Parameters) -> Self {
+        let BoundedParameters { openings, up_axis, max_error: flatness, keep_cavities, .. } =
+            parameters.bounded;
+        match parameters.method {
+            Method::Bounded | Method::Hull => {
+                Self { openings, flatness, up_axis, keep_cavities, order: MeshOrder::Place }
+            }
+            Method::Surface => Self {
+                openings: Openings::Keep,
+                flatness,
+                up_axis,
+                keep_cavities: true,
+                order: MeshOrder::Input,
+            },
+        }
+    }
+}
+
+/// Triangles that close openings, and what became of each.
+pub(super) struct Closing {
+    pub triangles: Vec<[u32; 3]>,
+    /// Those within the solid.
+    pub hidden: Vec<[u32; 3]>,
+    pub openings: Vec<Opening>,
+}
+
+/// Decides for each opening of a repaired mesh. `source` tells which sides of faces are drawn.
+///
+/// # Errors
+/// [`Error::Cancelled`].
+pub(super) fn close(
+    prepared: &PreparedMesh,
+    source: MeshView<'_>,
+    settings: &OpeningSettings,
+    control: &Control,
+) -> Result<Closing, Error> {
+    let (positions, triangles) = (&prepared.mesh.positions, &prepared.mesh.triangles);
+    let loops = boundary_loops(positions, triangles);
+    control.check()?;
+    let flatness = flatness_in_diagonals(prepared, settings);
+    let mut closing = Closing { triangles: Vec::new(), hidden: Vec::new(), openings: Vec::new() };
+    let mut caps: Vec<(Cap, OpeningOutcome)> = Vec::new();
+    let mut is_crack = vec![false; loops.len()];
+    for candidate in candidates(positions, &loops, flatness) {
+        let left =
+            |loop_index: usize, outcome| Opening::left(&loops[loop_index], prepared, outcome);
+        match candidate {
+            Candidate::Crack { loop_index, triangles } => {
+                is_crack[loop_index] = true;
+                closing.triangles.extend(triangles);
+            }
+            Candidate::NotFlat { loop_index } => {
+                closing.openings.push(left(loop_index, OpeningOutcome::NotFlat));
+            }
+            Candidate::NotSimple { loop_index } => {
+                closing.openings.push(left(loop_index, OpeningOutcome::NotSimple));
+            }
+            Candidate::Cap(cap) => caps.push((cap, OpeningOutcome::Closed)),
+        }
+    }
+    control.check()?;
+    if !caps.is_empty() {
+        decide(prepared, source, &loops, &mut caps, settings, control)?;
+    }
+    leave_fragments(prepared, &loops, &is_crack, &mut caps);
+    let is_left = |outcome: &OpeningOutcome| !outcome.is_closed();
+    if closing.openings.iter().any(|opening| is_left(&opening.outcome))
+        || caps.iter().any(|(_, outcome)| is_left(outcome))
+    {
+        for (_, outcome) in &mut caps {
+            if *outcome == OpeningOutcome::ClosedWithin {
+                *outcome = OpeningOutcome::SolidBeyond;
+            }
+        }
+    } else {
+        close_exposed(prepared, &mut caps, control)?;
+    }
+    for (cap, outcome) in &caps {
+        match outcome {
+            OpeningOutcome::Closed => closing.triangles.extend_from_slice(&cap.triangles),
+            OpeningOutcome::ClosedWithin => closing.hidden.extend_from_slice(&cap.triangles),
+            _ => {}
+        }
+        closing.openings.push(Opening::of_cap(cap, &loops, prepared, *outcome));
+    }
+    Ok(closing)
+}
+
+fn flatness_in_diagonals(prepared: &PreparedMesh, settings: &OpeningSettings) -> f64 {
+    let diagonal = prepared.normalization.diagonal;
+    settings.flatness.of_diagonal(diagonal) / diagonal
+}
+
+// Which caps are closed, and why others are not.
 
 /// A cap that meets the surface around it at less than this, in radians (30°), closes a sheet onto itself.
 const SHEET_ANGLE: f64 = std::f64::consts::PI / 6.0;
@@ -304,4 +412,51 @@ fn is_lowest(
     let lowest = positions.iter().map(|point| point[axis]).fold(f64::INFINITY, f64::min);
     let mut rim = cap.loops.iter().flat_map(|&index| &loops[index].vertices);
     rim.all(|&vertex| positions[vertex as usize][axis] <= lowest + flatness)
+}
+
+// Whether caps are worth it: on a mesh of fragments they are not.
+
+/// Where caps close less than this share of what stays open, by length, there is little to win: a mesh of
+/// fragments takes a few hulls more with a few caps.
+const LEAST_CLOSED: f64 = 0.1;
+
+/// Leaves the caps of components most of whose boundary, by length, stays open, and all of them where nearly
+/// all of the mesh's boundary does: with a few caps such a mesh is no solid.
+pub(super) fn leave_fragments(
+    prepared: &PreparedMesh,
+    loops: &[Loop],
+    is_crack: &[bool],
+    caps: &mut [(Cap, OpeningOutcome)],
+) {
+    let mut outcomes = vec![OpeningOutcome::NotFlat; loops.len()];
+    for (cap, outcome) in caps.iter() {
+        cap.loops.iter().for_each(|&index| outcomes[index] = *outcome);
+    }
+    let component_of = |own: &Loop| {
+        let neighbour = own.neighbours.first().copied().unwrap_or_default();
+        prepared.components[neighbour as usize] as usize
+    };
+    let components = prepared.closed.len();
+    let (mut closed, mut left) = (vec![0.0; components], vec![0.0; components]);
+    let mut within = 0.0;
+    for ((own, outcome), _) in loops.iter().zip(outcomes).zip(is_crack).filter(|own| !own.1) {
+        let length = own.length(&prepared.mesh.positions);
+        match outcome {
+            OpeningOutcome::SolidBeyond | OpeningOutcome::ClosedWithin => within += length,
+            OpeningOutcome::Closed => closed[component_of(own)] += length,
+            _ => left[component_of(own)] += length,
+        }
+    }
+    let sum = |lengths: &[f64]| lengths.iter().sum::<f64>();
+    let all_left = sum(&left) + if sum(&left) > 0.0 { within } else { 0.0 };
+    let is_little = sum(&closed) < LEAST_CLOSED * all_left;
+    for (cap, outcome) in caps.iter_mut() {
+        let is_fragment = cap.loops.iter().any(|&index| {
+            let component = component_of(&loops[index]);
+            left[component] > closed[component]
+        });
+        if outcome.is_closed() && (is_fragment || is_little) {
+            *outcome = OpeningOutcome::Fragment;
+        }
+    }
 }

@@ -1,9 +1,10 @@
 //! Where the viewer stands, and how what is seen is fitted into a panel.
 
-use super::{UpAxis, View};
+use super::panel::View;
 use crate::geometry::vector::{
     Vector, add, bounds, cross, distance, dot, normalize, scale, subtract,
 };
+use crate::parameters::UpAxis;
 
 /// Share of a panel that stays free on each side.
 const MARGIN: f64 = 0.08;

@@ -25,7 +25,6 @@
 //! bytes.
 
 mod camera;
-mod layout;
 pub mod palette;
 mod panel;
 mod picture;
@@ -39,9 +38,8 @@ use crate::error::Error;
 use crate::geometry::vector::{Vector, add};
 pub use crate::parameters::UpAxis;
 use camera::{Camera, Projection};
-pub use layout::{Layout, View};
 pub use palette::Colour;
-pub use panel::{Panel, Part};
+pub use panel::{Layout, Panel, Part, View};
 pub use picture::Picture;
 use raster::{SeenTriangle, rasterize};
 use shade::{BACKGROUND, SUPERSAMPLING, Shader};

@@ -26,82 +26,27 @@
 //! | file | contents |
 //! |---|---|
 //! | `subject` | the mesh: repaired, its openings closed, its surface sampled |
+//! | `errors` | uncovered distance and overlap, join after join |
 //! | `hull_set` | hulls and all that they are joined to: shapes, figures, errors point by point |
-//! | `samples` | the points of a surface that an error is given at |
-//! | `uncovered` | how far the surface is outside of the hulls, join after join |
-//! | `overlap` | volume of intersection over union, join after join |
-//! | `geometry` | arrays of numbers as compressed text |
 //! | `document` | what the page reads, and how it is put into the page |
 
 mod document;
-mod geometry;
+mod errors;
 mod hull_set;
-mod overlap;
-mod samples;
 mod subject;
-mod uncovered;
 
 use std::path::Path;
 
 use crate::control::Control;
-use crate::decomposition::Hull;
 use crate::error::Error;
-use crate::geometry::{MeshView, TriangleMesh};
-use crate::hull::{ConvexHull, convex_hull};
-use crate::io::{NamedMesh, Object};
-use crate::merge_tree::MergeTree;
+use crate::geometry::MeshView;
+use crate::io::Object;
 use crate::parallel;
 use crate::parameters::Parameters;
-use document::Document;
-use geometry::Geometry;
+use document::{Document, Geometry};
 use subject::Subject;
 
-/// Hulls to be shown: of a method or of any tool.
-#[derive(Debug, Clone)]
-pub struct HullSet<'a> {
-    name: String,
-    hulls: &'a [Hull],
-    tree: Option<&'a MergeTree>,
-    facts: Vec<(String, String)>,
-}
-
-impl<'a> HullSet<'a> {
-    /// Hulls under a name. Without a [`tree`](Self::tree) their errors are sampled.
-    pub fn new(name: impl Into<String>, hulls: &'a [Hull]) -> Self {
-        Self { name: name.into(), hulls, tree: None, facts: Vec::new() }
-    }
-
-    /// The joins of these very hulls: the page gets a slider from all hulls to one, and errors are
-    /// verified.
-    #[must_use]
-    pub fn tree(mut self, tree: &'a MergeTree) -> Self {
-        self.tree = Some(tree);
-        self
-    }
-
-    /// A name and a value that are shown with the figures, such as `time` and `74 ms`.
-    #[must_use]
-    pub fn fact(mut self, name: impl Into<String>, value: impl Into<String>) -> Self {
-        self.facts.push((name.into(), value.into()));
-        self
-    }
-}
-
-/// Hulls that some tool wrote, each as the convex hull that an engine makes of its points; one
-/// without a volume as it is. Those without triangles, or with a coordinate that is not finite,
-/// are left out.
-pub fn hulls_of(hulls: &[NamedMesh]) -> Vec<Hull> {
-    let is_usable = |named: &&NamedMesh| {
-        let TriangleMesh { positions, triangles, .. } = &named.mesh;
-        !triangles.is_empty() && positions.iter().flatten().all(|x| x.is_finite())
-    };
-    let hull = |named: &NamedMesh| {
-        let TriangleMesh { positions, triangles, .. } = &named.mesh;
-        let as_it_is = || ConvexHull::from((positions.clone(), triangles.clone()));
-        Hull::from(convex_hull(positions).unwrap_or_else(|_| as_it_is()))
-    };
-    hulls.iter().filter(is_usable).map(hull).collect()
-}
+pub use hull_set::{HullSet, hulls_of};
 
 /// A page about one mesh. See the [module](self).
 pub struct Page<'a> {
