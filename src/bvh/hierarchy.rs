@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 
 use super::closest_point::{Best, ClosestPoint};
 use super::tree::{EMPTY, Tree, WIDTH};
-use super::winding_number::{self, Moments};
+use super::winding_number::{self, Expansions};
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::Vector;
@@ -18,7 +18,7 @@ pub(crate) const INSIDE: f64 = 0.5;
 pub(crate) struct Bvh {
     pub(super) tree: Tree,
     /// Made on demand: most hierarchies are never asked for a winding number.
-    moments: OnceLock<Vec<Moments>>,
+    moments: OnceLock<Vec<Expansions>>,
     /// For each triangle of the mesh its slot in the tree's blocks, or [`EMPTY`].
     slots: Vec<u32>,
 }

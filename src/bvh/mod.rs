@@ -5,18 +5,19 @@
 //!
 //! | file | contents |
 //! |---|---|
-//! | `tree`, `build` | the four-wide tree and its construction, O(n log n) |
+//! | `tree` | the four-wide tree and its construction, O(n log n) |
 //! | `closest_point` | distances by branch and bound |
 //! | `winding_number` | winding numbers by multipole expansion |
-//! | `inside_nearby` | the way to the inside of an open surface |
+//! | `hierarchy` | [`Bvh`]: the tree, and what it answers of one point |
+//! | `rays` | the winding number of a closed mesh by a ray; the first hit of a ray; triangles near a box |
 //! | `near_plane` | the triangles near a face |
 //! | `closest_triangles` | for each triangle of a mesh the closest one of another |
-//! | `crossings` | what a closed mesh encloses |
-//! | `ray` | the first hit of a ray, and triangles near a box |
 //!
-//! Queries do not depend on threads; but for the first winding number, which makes the expansions, they
-//! allocate nothing and take no lock. Coordinates should be of the order of 1: boxes and expansions are in single
-//! precision.
+//! Queries are thread-safe. They neither allocate nor lock, except the first winding number, which computes the
+//! expansions. Coordinates should be of the order of 1: boxes and expansions are in single precision.
+//!
+//! There are three answers to "inside": [`Bvh::winding_number`] for any mesh, [`Bvh::crossings`] for a closed
+//! one, and [`Bvh::is_inside`], the first above one half.
 
 #![expect(clippy::needless_range_loop, reason = "an index is a lane or an axis of several arrays")]
 

@@ -1,4 +1,4 @@
-//! What a closed mesh encloses, by the triangles that a ray from a point crosses.
+//! Rays: the winding number of a closed mesh, and the first triangle that is hit.
 //!
 //! Where triangles run along each edge as often one way as the other, the winding number is the number of times
 //! that a ray leaves the mesh, less that of its entering. A ray meets few boxes, and no solid angle is needed: a fraction of
@@ -93,42 +93,26 @@ impl Bvh {
         let tree = &self.tree;
         let relative = subtract(point, tree.centre).map(|x| x as f32);
         let slopes = SLOPES.map(|slope| slope as f32);
-        let mut stack = [0_u32; STACK];
-        let mut height = 1;
         let mut crossings = 0;
-        while height > 0 {
-            height -= 1;
-            match child(stack[height]) {
-                Child::Empty => {}
-                Child::Block(block) => {
-                    let near = near(&tree.blocks[block], relative, slopes);
-                    for lane in 0..WIDTH {
-                        if near[lane] && tree.blocks[block].triangles[lane] != EMPTY {
-                            crossings += crossing(&tree.corners[block * WIDTH + lane], point);
-                        }
+        tree.visit_blocks(
+            |node| meets(&tree.nodes[node], relative, slopes),
+            |block| {
+                let near = near(&tree.blocks[block], relative, slopes);
+                for lane in 0..WIDTH {
+                    if near[lane] && tree.blocks[block].triangles[lane] != EMPTY {
+                        crossings += crossing(&tree.corners[block * WIDTH + lane], point);
                     }
                 }
-                Child::Node(node) => {
-                    let node = &tree.nodes[node];
-                    let meets = meets(node, relative, slopes);
-                    for (place, reference) in node.children.into_iter().enumerate() {
-                        if meets[place] && reference != EMPTY {
-                            stack[height] = reference;
-                            height += 1;
-                        }
-                    }
-                }
-            }
-        }
+                true
+            },
+        );
         crossings
     }
 }
 
-// The first triangle that a ray hits.
-//
-// Boxes are tested by slabs (Kay and Kajiya, "Ray Tracing Complex Scenes", 1986), triangles in double
+// First hit: boxes are tested by slabs (Kay and Kajiya, "Ray Tracing Complex Scenes", 1986), triangles in double
 // precision (Möller and Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997). A ray
-// through a common edge may hit both triangles or neither: ask many rays. Typically O(log n).
+// through a common edge may hit both triangles or neither: shoot many. Typically O(log n).
 
 /// Where a ray meets the mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -206,38 +190,6 @@ impl Bvh {
             }
         }
         best
-    }
-
-    /// The triangles whose boxes, as far as the tree knows them, come within `margin` of a box.
-    pub(crate) fn triangles_near_box(&self, low: Vector, high: Vector, margin: f64) -> Vec<u32> {
-        let tree = &self.tree;
-        let low = subtract(low, tree.centre).map(|x| x - margin - f64::from(tree.margin));
-        let high = subtract(high, tree.centre).map(|x| x + margin + f64::from(tree.margin));
-        let mut found = Vec::new();
-        let mut open = vec![0_u32];
-        while let Some(reference) = open.pop() {
-            match child(reference) {
-                Child::Empty => {}
-                Child::Node(node) => {
-                    let Some(node) = tree.nodes.get(node) else { continue };
-                    for place in 0..WIDTH {
-                        let overlaps = (0..3).all(|axis| {
-                            f64::from(node.min[axis][place]) <= high[axis]
-                                && f64::from(node.max[axis][place]) >= low[axis]
-                        });
-                        if node.children[place] != EMPTY && overlaps {
-                            open.push(node.children[place]);
-                        }
-                    }
-                }
-                Child::Block(block) => {
-                    let triangles = tree.blocks[block].triangles.iter();
-                    found.extend(triangles.filter(|&&triangle| triangle != EMPTY));
-                }
-            }
-        }
-        found.sort_unstable();
-        found
     }
 }
 
@@ -367,21 +319,5 @@ mod tests {
         assert!(!outside.is_back && (outside.distance - 2.0).abs() < 0.05);
         let second = bvh.first_hit(along.map(|x| -3.0 * x), along, 3.0, |_, _| true).unwrap();
         assert!(second.is_back);
-    }
-
-    #[test]
-    fn triangles_near_a_box_are_among_those_found() {
-        let mesh = uv_sphere(16, [0.0; 3], 1.0);
-        let bvh = Bvh::new(&mesh.positions, &mesh.triangles);
-        let (low, high) = ([0.5, -0.2, -0.2], [1.5, 0.2, 0.2]);
-        let found = bvh.triangles_near_box(low, high, 0.0);
-        for (t, triangle) in (0_u32..).zip(&mesh.triangles) {
-            let is_in = triangle.iter().any(|&v| {
-                let point = mesh.positions[v as usize];
-                (0..3).all(|axis| low[axis] <= point[axis] && point[axis] <= high[axis])
-            });
-            assert!(!is_in || found.contains(&t));
-        }
-        assert!(found.len() < mesh.triangles.len() / 2);
     }
 }

@@ -86,6 +86,41 @@ pub(super) struct Tree {
     pub margin: f32,
 }
 
+impl Tree {
+    /// Visits the blocks below all children that `enters` picks by a node's index, until `visit` returns
+    /// false. Whether it never did.
+    #[inline(always)]
+    pub(super) fn visit_blocks(
+        &self,
+        mut enters: impl FnMut(usize) -> [bool; WIDTH],
+        mut visit: impl FnMut(usize) -> bool,
+    ) -> bool {
+        let mut stack = [0_u32; STACK];
+        let mut height = 1;
+        while height > 0 {
+            height -= 1;
+            match child(stack[height]) {
+                Child::Empty => {}
+                Child::Block(block) => {
+                    if !visit(block) {
+                        return false;
+                    }
+                }
+                Child::Node(node) => {
+                    let entered = enters(node);
+                    for (place, reference) in self.nodes[node].children.into_iter().enumerate() {
+                        if entered[place] && reference != EMPTY {
+                            stack[height] = reference;
+                            height += 1;
+                        }
+                    }
+                }
+            }
+        }
+        true
+    }
+}
+
 /// A single instruction, unlike `f32::min`, which handles NaN; no argument here is NaN.
 #[inline(always)]
 pub(super) fn smaller(a: f32, b: f32) -> f32 {
@@ -97,11 +132,9 @@ pub(super) fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
-// Construction of the tree, top down, by the surface area heuristic with bins (Wald, "On Fast
-// Construction of SAH-based Bounding Volume Hierarchies", 2007).
-//
-// A node splits its largest range until it has four children. Small ranges are split between full
-// blocks, so that few lanes stay empty. O(n log n).
+// Construction, top down, by the surface area heuristic with bins (Wald, "On Fast Construction of SAH-based
+// Bounding Volume Hierarchies", 2007). A node splits its largest range until it has four children. Small
+// ranges are split between full blocks, so that few lanes stay empty. O(n log n).
 
 /// Nodes over more triangles than this check for cancellation: building a smaller part takes less
 /// than a millisecond.
@@ -217,22 +250,26 @@ impl Tree {
         let blocks = primitives.len() * 2 / TRIANGLES_PER_TWO_BLOCKS + 1;
         tree.blocks.reserve(blocks);
         tree.corners.reserve(WIDTH * blocks);
-        tree.build(&mut primitives, bounds, MAX_LEVELS, &corners, is_cancelled);
-        tree
+        let mut builder = Builder { tree, corners, is_cancelled };
+        builder.build(&mut primitives, bounds, MAX_LEVELS);
+        builder.tree
     }
+}
 
+/// A tree under construction.
+struct Builder<'a, C> {
+    tree: Tree,
+    /// A triangle's corners, if it can be used.
+    corners: C,
+    is_cancelled: &'a dyn Fn() -> bool,
+}
+
+impl<C: Fn(usize) -> Option<[Vector; 3]>> Builder<'_, C> {
     /// Appends a node over the primitives and returns its index.
-    fn build(
-        &mut self,
-        primitives: &mut [Primitive],
-        bounds: Box3,
-        levels: u32,
-        corners: &impl Fn(usize) -> Option<[Vector; 3]>,
-        is_cancelled: &dyn Fn() -> bool,
-    ) -> u32 {
-        let index = self.nodes.len() as u32;
-        self.nodes.push(Node::NO_CHILDREN);
-        if primitives.len() > CANCELLABLE && is_cancelled() {
+    fn build(&mut self, primitives: &mut [Primitive], bounds: Box3, levels: u32) -> u32 {
+        let index = self.tree.nodes.len() as u32;
+        self.tree.nodes.push(Node::NO_CHILDREN);
+        if primitives.len() > CANCELLABLE && (self.is_cancelled)() {
             return index;
         }
         let mut ranges = [(0, primitives.len(), bounds); WIDTH];
@@ -263,11 +300,11 @@ impl Tree {
         for (place, &(start, end, bounds)) in ranges[..count].iter().enumerate() {
             let part = &mut primitives[start..end];
             let reference = if part.len() <= WIDTH {
-                self.append_block(part, corners)
+                self.append_block(part)
             } else {
-                self.build(part, bounds, levels.saturating_sub(1), corners, is_cancelled)
+                self.build(part, bounds, levels.saturating_sub(1))
             };
-            let node = &mut self.nodes[index as usize];
+            let node = &mut self.tree.nodes[index as usize];
             node.children[place] = reference;
             for axis in 0..3 {
                 node.min[axis][place] = bounds.min[axis];
@@ -277,32 +314,31 @@ impl Tree {
         index
     }
 
-    fn append_block(
-        &mut self,
-        primitives: &mut [Primitive],
-        corners: &impl Fn(usize) -> Option<[Vector; 3]>,
-    ) -> u32 {
+    fn append_block(&mut self, primitives: &mut [Primitive]) -> u32 {
         primitives.sort_unstable_by_key(|primitive| primitive.triangle);
         let mut block = Block { corners: [[[0.0; WIDTH]; 3]; 3], triangles: [EMPTY; WIDTH] };
         for lane in 0..WIDTH {
             let index = primitives[if lane < primitives.len() { lane } else { 0 }].triangle;
-            let Some([a, b, c]) = corners(index as usize) else {
+            let Some([a, b, c]) = (self.corners)(index as usize) else {
                 continue;
             };
             if lane < primitives.len() {
                 block.triangles[lane] = index;
             }
-            self.corners.push([a, b, c]);
-            let relative =
-                [subtract(a, self.centre), subtract(b, self.centre), subtract(c, self.centre)];
+            self.tree.corners.push([a, b, c]);
+            let relative = [
+                subtract(a, self.tree.centre),
+                subtract(b, self.tree.centre),
+                subtract(c, self.tree.centre),
+            ];
             for axis in 0..3 {
                 for corner in 0..3 {
                     block.corners[corner][axis][lane] = relative[corner][axis] as f32;
                 }
             }
         }
-        self.blocks.push(block);
-        LEAF | (self.blocks.len() - 1) as u32
+        self.tree.blocks.push(block);
+        LEAF | (self.tree.blocks.len() - 1) as u32
     }
 }
 

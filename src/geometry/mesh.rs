@@ -1,4 +1,4 @@
-//! Triangle meshes: one that is borrowed, which every function takes, and one that is owned.
+//! Boxes, coordinates, and triangle meshes: one that is borrowed, which every function takes, and one that is owned.
 
 use super::vector::{Vector, cross, dot};
 
@@ -68,8 +68,6 @@ mod sealed {
     }
 }
 
-// Axis-aligned boxes.
-
 /// An axis-aligned box, in the input's units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -79,8 +77,6 @@ pub struct Bounds {
     /// The greatest coordinates.
     pub max: [f64; 3],
 }
-
-// Triangle meshes: one that is borrowed, which every function takes, and one that is owned.
 
 /// Which sides of a triangle a renderer draws. Files say so by material.
 #[non_exhaustive]

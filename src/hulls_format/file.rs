@@ -1,4 +1,4 @@
-//! `.hulls`: one decomposition.
+//! `.hulls`: one decomposition, written, and read without trust.
 
 use std::path::Path;
 
@@ -249,8 +249,6 @@ pub(super) fn file_error(path: &Path, error: &std::io::Error) -> HullsFileError 
     HullsFileError::File { path: path.display().to_string(), reason: error.to_string() }
 }
 
-// Writes the bytes of a `.hulls` file.
-
 /// A header whose length is not known yet.
 pub(super) fn begin(magic: [u8; 8], algorithm_version: u32) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(HEADER + CHECKSUM);
@@ -325,8 +323,6 @@ fn optional(bytes: &mut Vec<u8>, value: Option<f64>) {
 fn number(bytes: &mut Vec<u8>, value: f64) {
     bytes.extend(value.to_le_bytes());
 }
-
-// Reads the bytes of a `.hulls` file, and believes nothing.
 
 /// The bytes of a hull without points: a component, three numbers, no error, two counts.
 const LEAST_HULL: usize = 4 + 3 * 8 + 1 + 2 * 4;

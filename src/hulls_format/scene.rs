@@ -1,4 +1,4 @@
-//! Names a mesh by its content.
+//! `.hullscene`: the hulls of all meshes of a scene in one file, each mesh known by its content.
 
 use std::fmt;
 use std::path::Path;
@@ -92,8 +92,6 @@ fn rotated([a, b, c]: [[u8; CORNER]; 3]) -> [[u8; CORNER]; 3] {
         [c, a, b]
     }
 }
-
-// `.hullscene`: the hulls of all meshes of a scene in one file.
 
 /// The hulls of all meshes of a scene.
 ///

@@ -22,7 +22,7 @@ use gltf::json::scene::Node;
 use gltf::json::validation::Checked;
 use gltf::json::{Extras, Index, Root};
 
-use super::draco::{self, Geometry, Reference};
+use super::draco::{self, DracoMesh, Reference};
 use super::gltf_data::{Accessors, Buffers, Views};
 use super::mesh_file::{MeshFile, SceneMesh, SceneNode, next_index, scene_meshes};
 use super::meshopt;
@@ -130,7 +130,7 @@ struct Scene<'a> {
     root: &'a Root,
     accessors: Accessors<'a>,
     /// A mesh may be placed many times, and a Draco stream may be used by many primitives.
-    decompressed: BTreeMap<Reference, Rc<Geometry>>,
+    decompressed: BTreeMap<Reference, Rc<DracoMesh>>,
     file: MeshFile,
 }
 
@@ -304,7 +304,7 @@ impl Scene<'_> {
         }
     }
 
-    fn decompressed(&mut self, reference: Reference) -> Result<Rc<Geometry>, String> {
+    fn decompressed(&mut self, reference: Reference) -> Result<Rc<DracoMesh>, String> {
         if let Some(geometry) = self.decompressed.get(&reference) {
             return Ok(Rc::clone(geometry));
         }
@@ -372,9 +372,7 @@ fn triangles(
     })
 }
 
-// Affine transforms of glTF nodes.
-
-/// A 3×3 matrix, by columns, and a translation.
+/// The affine transform of a node: a 3×3 matrix, by columns, and a translation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Transform {
     pub columns: [Vector; 3],

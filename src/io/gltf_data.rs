@@ -1,4 +1,8 @@
-//! The numbers behind a glTF document: buffers, the views of them, decompressed where they are compressed, and accessors.
+//! The numbers behind a glTF document: buffers (the chunk of a GLB, data URIs, files beside it), views of them,
+//! decompressed where they are compressed, and accessors.
+//!
+//! The crate's own iterators panic where an accessor reaches beyond its buffer, where a stride is shorter than
+//! an element, or where a type is unknown. Here each number is checked instead.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -146,8 +150,6 @@ fn read_beside(uri: &str, length: u64, directory: Option<&Path>) -> Result<Vec<u
     read().map_err(|error| format!("{quoted}: {error}"))
 }
 
-// The bytes of glTF buffer views, decompressed where they are compressed.
-
 /// All streams of a file together may grow to this many bytes, however short they are: a million
 /// elements, since short streams of simple meshes grow most.
 const GROWTH_FOR_FREE: usize = 1 << 24;
@@ -255,14 +257,9 @@ pub(super) fn size(number: u64) -> Result<usize, String> {
     usize::try_from(number).map_err(|_| format!("{number} bytes are too many"))
 }
 
-// Reads glTF accessors: positions and indices out of buffers.
-//
-// The crate's own iterators panic where an accessor reaches beyond its buffer, where a stride is
-// shorter than an element, or where a type is unknown. Here each number is checked instead.
-
 /// Elements of one kind that lie in a buffer one after the other.
 #[derive(Clone, Copy)]
-pub(super) struct Layout {
+pub(super) struct ElementLayout {
     pub(super) component: ComponentType,
     pub(super) components: usize,
     pub(super) is_normalized: bool,
@@ -290,7 +287,8 @@ impl<'a> Accessors<'a> {
             if component == ComponentType::U32 {
                 return Err("positions can't be 32-bit integers".into());
             }
-            let layout = Layout { component, components: 3, is_normalized: accessor.normalized };
+            let layout =
+                ElementLayout { component, components: 3, is_normalized: accessor.normalized };
             accessors.elements(accessor, layout, |element| {
                 [0, 1, 2].map(|axis| number(element, axis, layout))
             })
@@ -305,7 +303,7 @@ impl<'a> Accessors<'a> {
             if !is_index(component) {
                 return Err("indices must be unsigned integers".into());
             }
-            let layout = Layout { component, components: 1, is_normalized: false };
+            let layout = ElementLayout { component, components: 1, is_normalized: false };
             accessors.elements(accessor, layout, |element| number(element, 0, layout) as u32)
         };
         read(self).map_err(at_accessor(index))
@@ -330,7 +328,7 @@ impl<'a> Accessors<'a> {
     fn elements<T: Clone>(
         &mut self,
         accessor: &Accessor,
-        layout: Layout,
+        layout: ElementLayout,
         decode: impl Fn(&[u8]) -> T,
     ) -> Result<Vec<T>, String> {
         let count = size(accessor.count.0)?;
@@ -353,7 +351,7 @@ impl<'a> Accessors<'a> {
             else {
                 return Err("the type of its sparse indices is unknown".into());
             };
-            let index_layout = Layout { component, components: 1, is_normalized: false };
+            let index_layout = ElementLayout { component, components: 1, is_normalized: false };
             let changes = size(sparse.count.0)?;
             let offset = size(sparse.indices.byte_offset.0)?;
             let targets: Vec<usize> = self
@@ -377,7 +375,7 @@ impl<'a> Accessors<'a> {
         view: Index<buffer::View>,
         offset: usize,
         count: usize,
-        layout: Layout,
+        layout: ElementLayout,
     ) -> Result<impl Iterator<Item = &[u8]>, String> {
         let element_length = layout.component.size() * layout.components;
         let stride = match self.views.stride(view)? {
@@ -416,7 +414,7 @@ fn is_index(component: ComponentType) -> bool {
 }
 
 /// A component of an element. What is not there is 0, as in an accessor without a buffer view.
-pub(super) fn number(element: &[u8], index: usize, layout: Layout) -> f64 {
+pub(super) fn number(element: &[u8], index: usize, layout: ElementLayout) -> f64 {
     let at = index * layout.component.size();
     let bytes = element.get(at..).unwrap_or_default();
     let mut four = [0; 4];

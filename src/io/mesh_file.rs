@@ -106,8 +106,6 @@ fn or_list(words: impl Iterator<Item = String>) -> String {
     }
 }
 
-// x
-
 /// A named part of a mesh file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Object {
@@ -201,9 +199,7 @@ pub(super) fn next_index(positions: &[[f64; 3]], more: usize) -> Result<u32, Str
     }
 }
 
-// A mesh of a scene, with all that artists say of it: names and extras.
-
-/// A mesh of a scene, in the space that it was modelled in.
+/// A mesh of a scene, in the space that it was modelled in, with the names and extras that artists gave it.
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneMesh {

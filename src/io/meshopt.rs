@@ -127,9 +127,7 @@ pub(super) fn is_placeholder(buffer: &Buffer) -> bool {
     })
 }
 
-// Numbers in the JSON of glTF extensions that the crate `gltf` has no types for.
-
-/// A whole number that may be missing.
+/// A whole number of an extension, which may be missing. The crate `gltf` has no types for extensions.
 pub(super) fn optional_number(extension: &Value, key: &str) -> Result<Option<usize>, String> {
     let Some(value) = extension.get(key) else {
         return Ok(None);
@@ -140,7 +138,7 @@ pub(super) fn optional_number(extension: &Value, key: &str) -> Result<Option<usi
     }
 }
 
-/// A whole number that must be there.
+/// A whole number of an extension, which must be there.
 pub(super) fn extension_number(extension: &Value, key: &str) -> Result<usize, String> {
     optional_number(extension, key)?.ok_or_else(|| format!("its `{key}` is missing"))
 }

@@ -1,4 +1,4 @@
-//! Reads files.
+//! Reads files: a whole mesh, its meshes one by one, or a hull set.
 
 use std::path::Path;
 
@@ -126,8 +126,6 @@ fn read_hulls_file(path: &Path) -> Result<Vec<NamedMesh>, Error> {
     });
     Ok(hulls.collect())
 }
-
-// Reads the meshes of a file one by one, with all that artists say of them.
 
 /// Reads the meshes of a scene one by one, each in the space that it was modelled in.
 ///

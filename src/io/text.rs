@@ -91,9 +91,7 @@ pub(super) fn at_line(line: usize) -> impl Fn(String) -> String {
     move |reason| format!("line {line}: {reason}")
 }
 
-// Polygons into triangles.
-//
-// A triangle stays as it is. A quadrilateral is cut along the diagonal from its first vertex,
+// Polygons: a triangle stays as it is. A quadrilateral is cut along the diagonal from its first vertex,
 // or along the other one where the first does not lie inside. Larger polygons are seen along the axis
 // that their normal is closest to and go through ear clipping and Delaunay refinement (crate
 // `earcut`), which handles concave ones and makes no slivers at vertices in the middle of a

@@ -81,8 +81,6 @@ fn output_format(path: &Path) -> Result<HullFormat, Error> {
     })
 }
 
-// Hulls as Wavefront OBJ.
-
 /// Hulls as [`write_hulls`](super::write_hulls) describes.
 pub(super) fn obj_from_hulls<'a, H: Into<MeshView<'a>>>(
     hulls: impl IntoIterator<Item = H>,
@@ -104,8 +102,6 @@ pub(super) fn obj_from_hulls<'a, H: Into<MeshView<'a>>>(
     }
     text
 }
-
-// Hulls as GLB, binary glTF 2.0.
 
 /// glTF's codes for component types and for what a buffer view is for.
 const UNSIGNED_SHORT: u32 = 5123;

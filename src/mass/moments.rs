@@ -1,4 +1,4 @@
-//! Volume, first and second moments of solids, and the mass properties that follow from them.
+//! Volume, first and second moments of solids.
 
 use robust::{Coord, orient2d};
 
@@ -35,7 +35,7 @@ impl Moments {
     }
 }
 
-// Moments of the union of overlapping solids, which the divergence theorem would count twice.
+// The union of overlapping solids, which the divergence theorem would count twice, by columns.
 //
 // The bounding box is cut into columns along x. The line through the middle of each meets the
 // surfaces at points where the winding number rises or falls by one; it is inside where the

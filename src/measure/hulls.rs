@@ -61,8 +61,6 @@ pub(super) fn is_closed(positions: &[Vector], triangles: &[[u32; 3]]) -> bool {
     is_unique && !edges.is_empty() && edges.iter().all(has_twin)
 }
 
-// What a hull's triangles say about it: are they those of a convex body?
-
 /// A hull on its own.
 #[non_exhaustive]
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -191,8 +189,6 @@ impl<'a> Climber<'a> {
     }
 }
 
-// Hulls as convex solids, and their union.
-
 /// Points this far outside count as in a hull, and only points farther inside than this as
 /// inside it: hulls that share a face do so only up to rounding, to `f32` in many files.
 pub(crate) const TOLERANCE: f64 = 1e-6;
@@ -205,7 +201,7 @@ const NEEDLE: f64 = 1e-20;
 const FARTHEST: f64 = 1e9;
 
 /// A hull in normalised coordinates.
-pub(crate) struct Part {
+pub(crate) struct MeasuredHull {
     pub check: HullCheck,
     pub min: Vector,
     pub max: Vector,
@@ -216,7 +212,7 @@ pub(crate) struct Part {
     planes: Vec<(Vector, f64)>,
 }
 
-impl Part {
+impl MeasuredHull {
     /// `None` if there are no triangles, or if an index or a coordinate can't be used.
     pub(crate) fn new(hull: &MeshView<'_>, normalization: &Normalization) -> Option<Self> {
         let points: Vec<Vector> =
@@ -268,7 +264,7 @@ fn plane([a, b, c]: [Vector; 3]) -> Option<(Vector, f64)> {
 
 /// All hulls together.
 pub(crate) struct Union {
-    parts: Vec<Part>,
+    parts: Vec<MeasuredHull>,
     points: Vec<Vector>,
     triangles: Vec<[u32; 3]>,
     /// The part of each triangle.
@@ -276,7 +272,7 @@ pub(crate) struct Union {
 }
 
 impl Union {
-    pub(crate) fn new(parts: Vec<Part>) -> Self {
+    pub(crate) fn new(parts: Vec<MeasuredHull>) -> Self {
         let (mut points, mut triangles, mut owners) = (Vec::new(), Vec::new(), Vec::new());
         for (owner, part) in parts.iter().enumerate() {
             let first = points.len() as u32;
@@ -287,7 +283,7 @@ impl Union {
         Self { parts, points, triangles, owners }
     }
 
-    pub(super) fn parts(&self) -> &[Part] {
+    pub(super) fn parts(&self) -> &[MeasuredHull] {
         &self.parts
     }
 

@@ -69,8 +69,6 @@ impl MeasureOptions {
     }
 }
 
-// What is found.
-
 /// Distances of sampled points, as shares of the mesh's diagonal.
 #[non_exhaustive]
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

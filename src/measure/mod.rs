@@ -44,7 +44,7 @@ use crate::mesh::{Normalization, TriangleMesh};
 use crate::openings::OpeningSettings;
 use crate::openings::prepare::prepare_closed;
 use crate::parallel::{self, map_indices};
-use hulls::{Part, Union, open_share};
+use hulls::{MeasuredHull, Union, open_share};
 use sampling::{Surface, in_unit_cube};
 
 pub use hulls::HullCheck;
@@ -110,11 +110,11 @@ fn judge(
     if hulls.is_empty() {
         return Err(Error::NoHulls);
     }
-    let parts: Vec<Option<Part>> =
-        map_indices(hulls.len(), |index| Part::new(&hulls[index], &normalization));
+    let parts: Vec<Option<MeasuredHull>> =
+        map_indices(hulls.len(), |index| MeasuredHull::new(&hulls[index], &normalization));
     let checks: Vec<Option<HullCheck>> =
         parts.iter().map(|part| part.as_ref().map(|part| part.check)).collect();
-    let parts: Vec<Part> = parts.into_iter().flatten().collect();
+    let parts: Vec<MeasuredHull> = parts.into_iter().flatten().collect();
     if parts.is_empty() {
         let reason = "like all others, it has no triangles, an index out of range, or a coordinate \
                       that is not finite";

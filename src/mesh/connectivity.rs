@@ -1,5 +1,12 @@
-//! The half-edges of a mesh, sorted by edge, without a hash map.
+//! Which triangles share edges: half-edges sorted by edge, and the components and patches that they connect.
+//!
+//! A *component* is connected over shared edges of any kind. A *patch* is connected over manifold
+//! edges alone, those with exactly two triangles: only there it is clear which triangle goes on
+//! with which, so winding is made consistent within a patch and not beyond. Two boxes that share
+//! an edge are one component of two patches.
 
+/// All half-edges, sorted by edge without a hash map.
+///
 /// Half-edge `3 t + k` runs from vertex `k` of triangle `t` to its next vertex.
 ///
 /// Half-edges are sorted by the smaller vertex of their edge (by counting), then by the larger
@@ -81,14 +88,7 @@ pub(crate) fn ascends(triangles: &[[u32; 3]], half_edge: u32) -> bool {
     triangle[k] < triangle[(k + 1) % 3]
 }
 
-// Connected components, and the patches that they consist of.
-//
-// A *component* is connected over shared edges of any kind. A *patch* is connected over manifold
-// edges alone, those with exactly two triangles: only there it is clear which triangle goes on
-// with which, so winding is made consistent within a patch and not beyond. Two boxes that share
-// an edge are one component of two patches.
-
-/// What the edges tell about a mesh.
+/// The patches and components of a mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Connectivity {
     /// For each triangle its patch; patches are numbered by their first triangle.

@@ -1,4 +1,4 @@
-//! Whether a triangle has an area, within rounding.
+//! Triangles that carry no surface: those without area, and those that are there already.
 
 use std::cmp::Ordering;
 
@@ -24,7 +24,7 @@ pub(super) fn is_degenerate(positions: &[Vector], triangle: [u32; 3]) -> bool {
     length_squared(area_normal(a, b, c)) < LEAST_HEIGHT * LEAST_HEIGHT * longest_squared
 }
 
-// Caps: triangles without area whose middle vertex lies on their longest side.
+// Caps are triangles without area whose middle vertex lies on their longest side.
 //
 // Triangulators of polygons with vertices along an edge leave them. To drop a cap would tear the
 // surface, since its other side knows the long edge and not the middle vertex. So the triangle
@@ -126,8 +126,6 @@ fn longest_side(positions: &[Vector], triangle: [u32; 3]) -> usize {
     }
     longest
 }
-
-// Triangles that carry no surface: those without area, and those that are there already.
 
 /// The candidates that have an area, in their order, each with its number in the input; and how many
 /// have none. Where one that has none would leave a gap, what is beyond it is split.

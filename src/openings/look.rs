@@ -7,8 +7,6 @@
 
 use super::cap::Cap;
 use crate::bvh::Bvh;
-use crate::control::Control;
-use crate::error::Error;
 use crate::geometry::vector::{Vector, add, scale, subtract};
 
 /// Rays start from so many points, spread over the cap by area.
@@ -37,24 +35,19 @@ const PLASTIC: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_2];
 
 /// Whether more than `MOST_SEEN` of the rays from a cap inward see a front, or a way out, or more than
 /// `MOST_CAPPED` leave the solid through another cap. Triangles from number `surface` on are caps; `counts`
-/// tells which triangles are there.
-///
-/// # Errors
-/// [`Error::Cancelled`].
+/// says which triangles are there.
 pub(super) fn is_seen_into(
     cap: &Cap,
     positions: &[Vector],
     bvh: &Bvh,
     surface: usize,
     counts: impl Fn(u32) -> bool,
-    control: &Control,
-) -> Result<bool, Error> {
+) -> bool {
     let inward = scale(cap.normal, -1.0);
     let is_more =
         |count: usize, share: f64| count as f64 > share * (POINTS * RAYS_PER_POINT) as f64;
     let (mut seen, mut capped) = (0, 0);
     for (number, point) in points(cap, positions).into_iter().enumerate() {
-        control.check()?;
         for ray in 0..RAYS_PER_POINT {
             let direction = direction(cap, inward, number * RAYS_PER_POINT + ray);
             match leaves_through(bvh, point, direction, &counts) {
@@ -63,10 +56,10 @@ pub(super) fn is_seen_into(
             }
         }
         if is_more(seen, MOST_SEEN) || is_more(capped, MOST_CAPPED) {
-            return Ok(true);
+            return true;
         }
     }
-    Ok(false)
+    false
 }
 
 /// Through which triangle a ray that starts in the solid leaves it, if it does: through one back more than

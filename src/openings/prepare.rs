@@ -1,6 +1,10 @@
-//! Repair, closing, and repair again: the mesh that the stages after it work on.
+//! The mesh that the stages after it work on: repaired, its openings closed, without nested shells.
+//!
+//! ```text
+//! repair → judge the openings → cap those that are closed → repair → judge again
+//! ```
 
-use super::decide::{Closing, OpeningSettings, close};
+use super::decide::{Closing, OpeningSettings, judge};
 use super::nested::drop_nested;
 use super::report::Opening;
 use crate::control::Control;
@@ -15,7 +19,7 @@ use crate::parameters::{Openings, Parameters};
 /// straight side: that is a crack, which the next pass zips.
 const PASSES: usize = 3;
 
-/// What is done to a repaired mesh before it is decomposed.
+/// A repaired mesh with its openings closed.
 pub(crate) struct Closed {
     pub prepared: PreparedMesh,
     pub openings: Vec<Opening>,
@@ -65,14 +69,14 @@ pub(crate) fn close_prepared(
         if settings.openings == Openings::Keep || is_closed(&prepared) {
             break;
         }
-        let mut closing = close(&prepared, source, settings, control)?;
-        // What was left is judged again.
+        let mut closing = judge(&prepared, source, settings, control)?;
+        // The next pass judges again what this one leaves.
         openings.retain(|opening| opening.outcome.is_closed());
         openings.append(&mut closing.openings);
         if closing.triangles.is_empty() && closing.hidden.is_empty() {
             break;
         }
-        prepared = with_caps(prepared, source, &closing, control)?;
+        prepared = cap(prepared, source, &closing, control)?;
         has_caps = true;
     }
     hide(&mut prepared);
@@ -84,7 +88,7 @@ pub(crate) fn close_prepared(
 }
 
 /// The repaired mesh with more triangles, repaired.
-fn with_caps(
+fn cap(
     before: PreparedMesh,
     source: MeshView<'_>,
     closing: &Closing,
@@ -125,8 +129,6 @@ fn hide(prepared: &mut PreparedMesh) {
         prepared.retain(|source, _| source != HIDDEN_CAP);
     }
 }
-
-// The mesh with its openings closed, for who wants to see it or to go on with it.
 
 /// A mesh with its openings closed: what the promises of a decomposition are about.
 #[non_exhaustive]

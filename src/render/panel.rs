@@ -135,8 +135,6 @@ fn middle(points: impl Iterator<Item = Vector>) -> Option<Vector> {
     bounds.map(|(min, max)| scale(add(min, max), 0.5))
 }
 
-// Where panels are in the picture, and where the viewer stands.
-
 /// Where the viewer stands.
 #[non_exhaustive]
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -175,8 +175,6 @@ fn harmless(json: &str) -> String {
     text
 }
 
-// Arrays of numbers one after the other, compressed, as text.
-
 /// Where an array begins in the bytes, and how many numbers it has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub(super) struct Array {
@@ -195,7 +193,7 @@ pub(super) struct Points {
 /// Typed arrays have to begin at a multiple of the size of their numbers.
 const ALIGNMENT: usize = 4;
 
-/// The arrays of a page.
+/// The arrays of a page, one after the other. They are compressed and stored as text.
 #[derive(Debug, Default)]
 pub(super) struct Geometry {
     bytes: Vec<u8>,

@@ -1,11 +1,12 @@
-//! How far the points of the surface are outside of all hulls. A joint hull holds more than the two
-//! that it replaces, so that distances only fall from join to join: few of them, which are stored
-//! as changes.
+//! Errors of all hulls together, join after join: uncovered distances, and intersection over union.
+//!
+//! A joint hull holds more than the two that it replaces, so that uncovered distances only fall from join to
+//! join, and few of them do: they are stored as changes.
 
 use super::subject::{Subject, byte, bytes};
 use crate::bvh::Bvh;
 use crate::geometry::vector::{Vector, add, bounds, maximum, minimum};
-use crate::measure::hulls::{Part, TOLERANCE, Union};
+use crate::measure::hulls::{MeasuredHull, TOLERANCE, Union};
 use crate::measure::sampling::in_unit_cube;
 use crate::parallel::{map, map_indices};
 
@@ -29,7 +30,7 @@ pub(super) struct Uncovered {
 /// `parts` are the leaves, then the joint hulls in the order of `joined`.
 pub(super) fn uncovered(
     subject: &Subject<'_>,
-    mut parts: Vec<Part>,
+    mut parts: Vec<MeasuredHull>,
     leaves: usize,
     joined: &[[usize; 2]],
 ) -> Uncovered {
@@ -70,7 +71,7 @@ pub(super) fn uncovered(
 }
 
 /// Whether a point is farther than this from the box around a hull.
-fn is_beyond(part: &Part, point: Vector, distance: f64) -> bool {
+fn is_beyond(part: &MeasuredHull, point: Vector, distance: f64) -> bool {
     (0..3).any(|axis| {
         part.min[axis] - point[axis] > distance || point[axis] - part.max[axis] > distance
     })
@@ -81,16 +82,13 @@ fn distance(bvh: &Bvh, point: Vector, limit: f64) -> f64 {
     bvh.closest_point(point, limit).map_or(limit, |closest| closest.distance)
 }
 
-// Volume of intersection over union, join after join: by points in the joint bounding box, each
-// of which is asked once for each hull.
-
 /// Points in the box. Shares scatter by less than half a percent.
 const POINTS: usize = 1 << 16;
 
-/// For each state, from all leaves down to one hull, the volume that the solid and the hulls share
-/// over the volume of both together. `parts` are the leaves, then the joint hulls.
+/// For each state, from all leaves down to one hull, the volume of intersection over union of the solid and
+/// the hulls, by points in the joint bounding box. Each point is tested once against each hull. `parts` are the leaves, then the joint hulls.
 pub(super) fn overlaps(
-    parts: &[Part],
+    parts: &[MeasuredHull],
     leaves: usize,
     joined: &[[usize; 2]],
     subject: &Subject<'_>,

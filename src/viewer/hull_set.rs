@@ -11,7 +11,7 @@ use crate::error::Error;
 use crate::geometry::vector::Vector;
 use crate::hull::{ConvexHull, convex_hull};
 use crate::io::NamedMesh;
-use crate::measure::hulls::Part;
+use crate::measure::hulls::MeasuredHull;
 use crate::measure::{Measurement, measure};
 use crate::merge_tree::MergeTree;
 use crate::mesh::TriangleMesh;
@@ -63,8 +63,6 @@ pub fn hulls_of(hulls: &[NamedMesh]) -> Vec<Hull> {
     };
     hulls.iter().filter(is_usable).map(hull).collect()
 }
-
-// Hulls and all that they are joined to: shapes, figures, and errors point by point.
 
 /// Points on all hulls and joint hulls, unless their corners alone are more.
 const MOST_SAMPLES: usize = 120_000;
@@ -139,8 +137,9 @@ pub(super) fn shown(
 }
 
 /// Hulls as solids that points can be asked of.
-fn parts(hulls: &[&Hull], subject: &Subject<'_>) -> Result<Vec<Part>, Error> {
-    let parts = parallel::map(hulls, |&hull| Part::new(&hull.into(), &subject.normalization));
+fn parts(hulls: &[&Hull], subject: &Subject<'_>) -> Result<Vec<MeasuredHull>, Error> {
+    let parts =
+        parallel::map(hulls, |&hull| MeasuredHull::new(&hull.into(), &subject.normalization));
     let reason = "it has no triangles, an index out of range, or a coordinate that is not finite";
     let usable = parts.into_iter().enumerate();
     usable.map(|(hull, part)| part.ok_or(Error::UnusableHull { hull, reason })).collect()

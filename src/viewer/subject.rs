@@ -97,9 +97,8 @@ pub(super) fn corners(mesh: &TriangleMesh) -> Vec<[Vector; 3]> {
     mesh.triangles.iter().map(|[a, b, c]| [corner(a), corner(b), corner(c)]).collect()
 }
 
-// The points of a surface that an error is given at: each triangle has a regular lattice of them,
-// the finer the larger it is. The page divides triangles in the same way, so that only a byte per
-// point is stored.
+// The points at which errors are given: each triangle has a regular lattice of them, the finer the larger it
+// is. The page divides triangles in the same way, so that only a byte per point is stored.
 
 /// Distance of neighbouring points in diagonals, where there is room for as many points as that
 /// takes: a protrusion between them is drawn a third too small at worst.
