@@ -49,7 +49,7 @@ impl Positions<'_> {
 }
 
 mod sealed {
-    use super::Positions;
+    use crate::geometry::mesh::Positions;
 
     pub trait Sealed: Sized {
         fn positions(positions: &[[Self; 3]]) -> Positions<'_>;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::decomposition::{Decomposition, Hull, HullErrors, Provenance};
+use crate::decomposition::{ALGORITHM_VERSION, Decomposition, Hull, HullErrors, Provenance};
 use crate::hull::ConvexHull;
 use crate::mass::{MassProperties, MassSource};
 
@@ -153,7 +153,7 @@ impl HullsFile {
 
     /// Whether the library decomposes in the same way as the one that wrote the file.
     pub fn is_current(&self) -> bool {
-        self.algorithm_version == crate::ALGORITHM_VERSION
+        self.algorithm_version == ALGORITHM_VERSION
     }
 
     /// The bytes of the file. O(size).

@@ -157,7 +157,7 @@ pub enum SceneLookup<'a> {
 impl BakedMesh {
     /// The hulls of `mesh` by `parameters`; its name is theirs. O(triangles).
     pub fn new<'a>(
-        mesh: impl Into<crate::MeshView<'a>>,
+        mesh: impl Into<MeshView<'a>>,
         parameters: &Parameters,
         hulls: HullsFile,
     ) -> Self {

@@ -106,6 +106,11 @@ fn or_list(words: impl Iterator<Item = String>) -> String {
     }
 }
 
+/// Whether a file name's suffix is `hulls`, in upper or lower case.
+pub fn is_hulls_file(path: impl AsRef<Path>) -> bool {
+    path.as_ref().extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case("hulls"))
+}
+
 /// A named part of a mesh file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Object {

@@ -30,9 +30,10 @@ mod stl;
 mod text;
 mod write;
 
-pub use mesh_file::{Format, HullFormat, MeshFile, NamedMesh, Object, SceneMesh, SceneNode};
+pub use mesh_file::{
+    Format, HullFormat, MeshFile, NamedMesh, Object, SceneMesh, SceneNode, is_hulls_file,
+};
 pub use read::{
-    is_hulls_file, read_hulls, read_mesh, read_mesh_from_bytes, read_own_meshes, read_scene,
-    read_scene_from_bytes,
+    read_hulls, read_mesh, read_mesh_from_bytes, read_own_meshes, read_scene, read_scene_from_bytes,
 };
 pub use write::{check_output, write_hulls};

@@ -12,7 +12,7 @@
 
 use std::borrow::Cow;
 
-use super::mesh_file::{MeshFile, next_index};
+use super::mesh_file::{MeshFile, Object, next_index};
 use super::text::Triangulator;
 use super::text::{Lines, at_line, coordinates, lines, name, number, words};
 
@@ -91,7 +91,7 @@ fn divide(file: &mut MeshFile, parts: Vec<(String, usize)>) {
         let triangles = start..next_start;
         let name = std::mem::replace(&mut current, name);
         if !triangles.is_empty() {
-            file.objects.push(super::Object { name, triangles });
+            file.objects.push(Object { name, triangles });
         }
         start = next_start;
     }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::mesh_file::{Format, MeshFile, NamedMesh, SceneMesh, split_objects};
+use super::mesh_file::{Format, MeshFile, NamedMesh, SceneMesh, is_hulls_file, split_objects};
 use super::{gltf, obj, off, ply, stl};
 use crate::error::{Error, FileError};
 use crate::geometry::TriangleMesh;
@@ -106,11 +106,6 @@ pub fn read_hulls(path: impl AsRef<Path>) -> Result<Vec<NamedMesh>, Error> {
         return Err(Error::file(path, "it holds no triangles, so no hulls".to_owned()));
     }
     Ok(split_objects(&file))
-}
-
-/// Whether a file name's suffix is `hulls`, in upper or lower case.
-pub fn is_hulls_file(path: impl AsRef<Path>) -> bool {
-    path.as_ref().extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case("hulls"))
 }
 
 fn read_hulls_file(path: &Path) -> Result<Vec<NamedMesh>, Error> {

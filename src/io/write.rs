@@ -7,7 +7,7 @@ use std::path::Path;
 use gltf::binary::{Glb, Header};
 use serde_json::{Value, json};
 
-use super::mesh_file::HullFormat;
+use super::mesh_file::{HullFormat, is_hulls_file};
 use crate::atomic_write;
 use crate::error::Error;
 use crate::geometry::MeshView;
@@ -63,7 +63,7 @@ pub fn write_hulls<'a, H: Into<MeshView<'a>>>(
 /// does not exist.
 pub fn check_output(path: impl AsRef<Path>) -> Result<(), Error> {
     let path = path.as_ref();
-    if !super::is_hulls_file(path) {
+    if !is_hulls_file(path) {
         output_format(path)?;
     }
     let directory = atomic_write::directory(path);

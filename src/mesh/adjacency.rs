@@ -9,8 +9,8 @@
 //! over has no neighbour. Two triangles that run the same way along an edge that they have to
 //! themselves are neighbours too: that is how a surface without two sides (a Möbius strip) closes.
 
-use super::TriangleMesh;
 use super::connectivity::{Edge, SortedHalfEdges, ascends};
+use crate::geometry::TriangleMesh;
 use crate::geometry::vector::{Vector, area_normal, dot, normalize};
 
 /// Stands in the neighbour list where an edge has no other triangle.

@@ -13,7 +13,7 @@ pub(crate) mod weld;
 
 pub use crate::geometry::TriangleMesh;
 pub(crate) use prepared::{CAP, HIDDEN_CAP};
-pub use prepared::{Normalization, PreparedMesh};
+pub use prepared::{Normalization, PreparedMesh, Repairs};
 
 #[cfg(test)]
 mod tests {

@@ -2,7 +2,6 @@
 
 use std::borrow::Cow;
 
-use super::repair::Repairs;
 use crate::geometry::TriangleMesh;
 use crate::geometry::vector::{Vector, add, bounds, length, scale, subtract};
 
@@ -46,6 +45,29 @@ impl Normalization {
     pub fn restore(&self, point: Vector) -> Vector {
         add(scale(point, self.diagonal), self.centre)
     }
+}
+
+/// What was repaired in the input, as counts.
+#[non_exhaustive]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Repairs {
+    /// Vertices that were welded to another.
+    pub welded_vertices: usize,
+    /// Vertices that no triangle uses.
+    pub unused_vertices: usize,
+    /// Triangles dropped because they use a coordinate that is not finite.
+    pub non_finite_triangles: usize,
+    /// Triangles dropped because they have no area.
+    pub degenerate_triangles: usize,
+    /// Triangles dropped because another has the same vertices.
+    pub duplicate_triangles: usize,
+    /// Triangles that were turned around.
+    pub flipped_triangles: usize,
+    /// Edges with more than two triangles, which stay.
+    pub non_manifold_edges: usize,
+    /// Edges with one triangle, which stay open.
+    pub open_edges: usize,
 }
 
 /// What repair hands to the stages after it.
