@@ -5,7 +5,7 @@ use hullwright::{
     BoundedReport, Control, Decomposition, Hull, Length, MeshView, Parameters, decompose,
 };
 
-use crate::shapes::Mesh;
+use crate::common::Mesh;
 
 pub fn run_with((positions, triangles): &Mesh, parameters: &Parameters) -> Decomposition {
     decompose(MeshView::new(positions, triangles), parameters, &Control::new()).unwrap()

@@ -1,13 +1,11 @@
-//! What the command line promises about `bake`, and about `.hulls` files in other commands.
-#![cfg(feature = "cli")]
+//! `hullwright bake`, and `.hulls` files in other commands.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
 
 use hullwright::hulls_format::{HullScene, HullsFile};
 use hullwright::io::read_own_meshes;
 
-const ASSETS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets");
+use crate::{Place, asset};
 
 const TETRAHEDRON: &str =
     "v 0 0 0\nv 6 0 0\nv 0 6 0\nv 0 0 6\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
@@ -43,44 +41,13 @@ const GLTF: &str = r#"{
     "buffers": [{ "uri": "two.bin", "byteLength": 60 }]
 }"#;
 
-struct Place(tempfile::TempDir);
-
-impl Place {
-    fn new() -> Self {
-        let place = Self(tempfile::tempdir().unwrap());
-        std::fs::write(place.path("tetrahedron.obj"), TETRAHEDRON).unwrap();
-        std::fs::write(place.path("two.gltf"), GLTF).unwrap();
-        let corners = [[0.0_f32; 3], [6.0, 0.0, 0.0], [0.0, 6.0, 0.0], [0.0, 0.0, 6.0]];
-        let mut buffer: Vec<u8> = corners.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
-        buffer.extend([0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3]);
-        std::fs::write(place.path("two.bin"), buffer).unwrap();
-        place
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn run(&self, arguments: &[&str]) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_hullwright"))
-            .current_dir(self.0.path())
-            .args(arguments)
-            .output()
-            .unwrap()
-    }
-
-    fn succeed(&self, arguments: &[&str]) -> String {
-        let output = self.run(arguments);
-        let error = String::from_utf8(output.stderr).unwrap();
-        assert_eq!((output.status.code(), error.as_str()), (Some(0), ""));
-        String::from_utf8(output.stdout).unwrap()
-    }
-
-    fn fail(&self, arguments: &[&str], code: i32) -> String {
-        let output = self.run(arguments);
-        assert_eq!(output.status.code(), Some(code));
-        String::from_utf8(output.stderr).unwrap()
-    }
+fn place() -> Place {
+    let place = Place::new(&[("tetrahedron.obj", TETRAHEDRON), ("two.gltf", GLTF)]);
+    let corners = [[0.0_f32; 3], [6.0, 0.0, 0.0], [0.0, 6.0, 0.0], [0.0, 0.0, 6.0]];
+    let mut buffer: Vec<u8> = corners.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+    buffer.extend([0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3]);
+    place.write("two.bin", buffer);
+    place
 }
 
 fn names(directory: &Path) -> Vec<String> {
@@ -93,7 +60,7 @@ fn names(directory: &Path) -> Vec<String> {
 
 #[test]
 fn each_gltf_mesh_gets_a_file_in_its_own_space() {
-    let place = Place::new();
+    let place = place();
     let shown = place.succeed(&["bake", "--per-mesh", "two.gltf", "-o", "new/baked"]);
     assert_eq!(shown.lines().count(), 2);
     assert!(shown.contains("1 hull, 4 vertices"), "{shown}");
@@ -112,7 +79,7 @@ fn each_gltf_mesh_gets_a_file_in_its_own_space() {
 
 #[test]
 fn other_formats_are_one_mesh_and_names_stay_unique() {
-    let place = Place::new();
+    let place = place();
     std::fs::create_dir(place.path("more")).unwrap();
     std::fs::copy(place.path("tetrahedron.obj"), place.path("more/Tetrahedron.obj")).unwrap();
     let meshes = ["tetrahedron.obj", "more/Tetrahedron.obj"];
@@ -129,8 +96,8 @@ fn other_formats_are_one_mesh_and_names_stay_unique() {
 
 #[test]
 fn the_same_bytes_for_any_number_of_threads() {
-    let place = Place::new();
-    let mug = format!("{ASSETS}/mug.glb");
+    let place = place();
+    let mug = asset("mug.glb");
     place.succeed(&["bake", "--per-mesh", &mug, "-o", "one", "--threads", "1"]);
     place.succeed(&["bake", "--per-mesh", &mug, "-o", "two", "--threads", "2"]);
     let names = names(&place.path("one"));
@@ -143,8 +110,8 @@ fn the_same_bytes_for_any_number_of_threads() {
 
 #[test]
 fn what_can_not_be_baked_is_named_and_the_rest_is_baked() {
-    let place = Place::new();
-    std::fs::write(place.path("flat.obj"), "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n").unwrap();
+    let place = place();
+    place.write("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
     let error =
         place.fail(&["bake", "--per-mesh", "flat.obj", "tetrahedron.obj", "-o", "baked"], 1);
     assert!(error.contains("flat.obj") && error.contains("no usable triangle"), "{error}");
@@ -163,7 +130,7 @@ fn what_can_not_be_baked_is_named_and_the_rest_is_baked() {
 
 #[test]
 fn a_scene_is_one_file_beside_it_and_is_kept_where_nothing_changed() {
-    let place = Place::new();
+    let place = place();
     let shown = place.succeed(&["bake", "two.gltf"]);
     // Both meshes of the file have the same triangles.
     assert_eq!(shown, "wrote two.hullscene: 1 mesh, 1 hull, 4 vertices\n");
@@ -183,8 +150,8 @@ fn a_scene_is_one_file_beside_it_and_is_kept_where_nothing_changed() {
 
 #[test]
 fn a_scene_is_baked_as_its_artist_says() {
-    let place = Place::new();
-    let props = format!("{ASSETS}/props.glb");
+    let place = place();
+    let props = asset("props.glb");
     place.succeed(&["bake", &props, "-o", "all"]);
     place.succeed(&["bake", &props, "-o", "tagged", "--tagged-only"]);
     let read = |directory: &str| {
@@ -207,7 +174,7 @@ fn a_scene_is_baked_as_its_artist_says() {
 
 #[test]
 fn a_folder_of_scenes_keeps_its_structure() {
-    let place = Place::new();
+    let place = place();
     std::fs::create_dir_all(place.path("levels/one")).unwrap();
     for name in ["two.gltf", "two.bin", "tetrahedron.obj"] {
         std::fs::copy(place.path(name), place.path("levels/one").join(name)).unwrap();
@@ -229,8 +196,8 @@ fn a_folder_of_scenes_keeps_its_structure() {
 
 #[test]
 fn what_of_a_scene_can_not_be_baked_is_named_and_the_rest_is_baked() {
-    let place = Place::new();
-    std::fs::write(place.path("flat.obj"), "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n").unwrap();
+    let place = place();
+    place.write("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
     let error = place.fail(&["bake", "flat.obj", "tetrahedron.obj"], 1);
     assert!(error.contains("flat.obj, mesh `flat`"), "{error}");
     assert!(place.path("tetrahedron.hullscene").exists());
@@ -238,14 +205,12 @@ fn what_of_a_scene_can_not_be_baked_is_named_and_the_rest_is_baked() {
 
 #[test]
 fn decompose_writes_a_hulls_file_which_measure_and_inspect_read() {
-    let place = Place::new();
+    let place = place();
     let shown = place.succeed(&["decompose", "tetrahedron.obj", "-o", "t.hulls"]);
     assert!(shown.contains("wrote t.hulls: 1 hull, 4 vertices"), "{shown}");
     assert_eq!(HullsFile::read(place.path("t.hulls")).unwrap().name, "tetrahedron");
 
-    let line = place.succeed(&["measure", "tetrahedron.obj", "t.hulls", "--json"]);
-    let measured: serde_json::Value = serde_json::from_str(&line).unwrap();
-    assert_eq!(measured["hulls"], 1);
+    assert_eq!(place.json(&["measure", "tetrahedron.obj", "t.hulls"])["hulls"], 1);
 
     let shown = place.succeed(&["inspect", "t.hulls"]);
     for part in ["tetrahedron", "hulls", "mass", "36"] {
@@ -254,7 +219,7 @@ fn decompose_writes_a_hulls_file_which_measure_and_inspect_read() {
 
     let mut bytes = std::fs::read(place.path("t.hulls")).unwrap();
     bytes.truncate(100);
-    std::fs::write(place.path("t.hulls"), bytes).unwrap();
+    place.write("t.hulls", bytes);
     for command in [&["inspect", "t.hulls"][..], &["measure", "tetrahedron.obj", "t.hulls"]] {
         let error = place.fail(command, 1);
         assert!(error.contains("t.hulls") && error.contains("100 bytes"), "{error}");

@@ -1,19 +1,10 @@
-//! `hullwright curve`, by running the program.
-#![cfg(feature = "cli")]
+//! `hullwright curve`.
 
-use std::process::{Command, Output};
-
-const MUG: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/mug.glb");
-
-fn curve(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_hullwright")).arg("curve").args(arguments).output().unwrap()
-}
+use crate::{Place, asset};
 
 #[test]
 fn the_curve_ends_with_one_hull_and_its_error_never_falls() {
-    let output = curve(&[MUG, "--json"]);
-    assert!(output.status.success());
-    let line: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let line = Place::new(&[]).json(&["curve", &asset("mug.glb")]);
     let points = line["curve"].as_array().unwrap();
     let last = points.last().unwrap();
     assert_eq!(last["hulls"], 1);
@@ -27,17 +18,15 @@ fn the_curve_ends_with_one_hull_and_its_error_never_falls() {
 
 #[test]
 fn the_table_has_a_row_for_each_number_of_hulls() {
-    let output = curve(&[MUG]);
-    let shown = String::from_utf8(output.stdout).unwrap();
+    let shown = Place::new(&[]).succeed(&["curve", &asset("mug.glb")]);
     assert!(shown.lines().next().unwrap().contains("error"));
     assert!(shown.lines().last().unwrap().trim_start().starts_with("1 "), "{shown}");
 }
 
 #[test]
 fn the_plot_is_an_svg_and_nothing_else_is_drawn() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("curve.svg");
-    assert!(curve(&[MUG, "-o", path.to_str().unwrap()]).status.success());
-    assert!(std::fs::read_to_string(&path).unwrap().starts_with("<svg"));
-    assert_eq!(curve(&[MUG, "-o", "curve.png"]).status.code(), Some(2));
+    let (place, mug) = (Place::new(&[]), asset("mug.glb"));
+    place.succeed(&["curve", &mug, "-o", "curve.svg"]);
+    assert!(std::fs::read_to_string(place.path("curve.svg")).unwrap().starts_with("<svg"));
+    place.fail(&["curve", &mug, "-o", "curve.png"], 2);
 }

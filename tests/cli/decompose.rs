@@ -1,12 +1,9 @@
-//! What the command line promises about `decompose`.
-#![cfg(feature = "cli")]
-
-use std::path::PathBuf;
-use std::process::Command;
+//! `hullwright decompose`.
 
 use hullwright::io::read_hulls;
 use serde_json::Value;
-use tempfile::TempDir;
+
+use crate::Place;
 
 /// A prism over an L: two convex pieces.
 const L_PRISM: &str = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\n\
@@ -14,44 +11,24 @@ const L_PRISM: &str = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\n\
                        f 6 5 4 3 2 1\nf 7 8 9 10 11 12\nf 1 2 8 7\nf 2 3 9 8\nf 3 4 10 9\n\
                        f 4 5 11 10\nf 5 6 12 11\nf 6 1 7 12\n";
 
-struct Place(TempDir);
+fn place() -> Place {
+    Place::new(&[("l.obj", L_PRISM)])
+}
 
 impl Place {
-    fn new() -> Self {
-        let directory = tempfile::tempdir().unwrap();
-        std::fs::write(directory.path().join("l.obj"), L_PRISM).unwrap();
-        Self(directory)
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
     /// What decomposing the prism prints to standard output.
     fn decompose(&self, arguments: &[&str]) -> String {
-        let output = Command::new(env!("CARGO_BIN_EXE_hullwright"))
-            .current_dir(self.0.path())
-            .args(["decompose", "l.obj"])
-            .args(arguments)
-            .output()
-            .unwrap();
-        let error = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(0), "{error}");
-        // There is no terminal, so no progress either.
-        assert_eq!(error, "");
-        String::from_utf8(output.stdout).unwrap()
+        self.succeed(&[&["decompose", "l.obj"], arguments].concat())
     }
 
-    fn json(&self, arguments: &[&str]) -> Value {
-        let line = self.decompose(&[&["--json"], arguments].concat());
-        assert_eq!(line.lines().count(), 1);
-        serde_json::from_str(&line).unwrap()
+    fn decompose_json(&self, arguments: &[&str]) -> Value {
+        self.json(&[&["decompose", "l.obj"], arguments].concat())
     }
 }
 
 #[test]
 fn the_table_has_the_columns_of_the_papers_table_1() {
-    let place = Place::new();
+    let place = place();
     let shown = place.decompose(&["--method", "surface"]);
     let header = shown.lines().next().unwrap();
     for column in
@@ -64,8 +41,8 @@ fn the_table_has_the_columns_of_the_papers_table_1() {
 
 #[test]
 fn json_is_one_line_with_all_fields() {
-    let place = Place::new();
-    let line = place.json(&["--method", "surface"]);
+    let place = place();
+    let line = place.decompose_json(&["--method", "surface"]);
     assert_eq!(line["mesh"], "l.obj");
     assert_eq!(line["method"], "surface");
     assert_eq!(line["triangles"], 20);
@@ -76,7 +53,7 @@ fn json_is_one_line_with_all_fields() {
         assert!(line[number].is_number(), "{number}: {}", line[number]);
     }
     assert!(line.get("search").is_none());
-    let search = &place.json(&["--search", "--method", "surface"])["search"];
+    let search = &place.decompose_json(&["--search", "--method", "surface"])["search"];
     assert_eq!(search.as_array().map(Vec::len), Some(5));
     assert!(search[0]["thresholds"][0]["outcome"].is_string());
 }
@@ -116,9 +93,9 @@ fn json_has_the_same_keys_for_every_method() {
         "deadline_reached",
         "stage_seconds",
     ];
-    let place = Place::new();
+    let place = place();
     for method in ["bounded", "surface"] {
-        let line = place.json(&["--method", method, "-o", "hulls.obj"]);
+        let line = place.decompose_json(&["--method", method, "-o", "hulls.obj"]);
         let keys: Vec<&String> = line.as_object().unwrap().keys().collect();
         assert_eq!(keys, expected, "{method}");
         assert_eq!(line["patches"].is_null(), method == "surface");
@@ -129,13 +106,13 @@ fn json_has_the_same_keys_for_every_method() {
 
 #[test]
 fn the_default_is_the_bounded_method_with_what_it_verified() {
-    let place = Place::new();
+    let place = place();
     let shown = place.decompose(&[]);
     let header = shown.lines().next().unwrap();
     for column in ["hulls", "vertices", "bound", "protrusion at most", "uncovered at most"] {
         assert!(header.contains(column), "{header}");
     }
-    let line = place.json(&["--max-error", "5%"]);
+    let line = place.decompose_json(&["--max-error", "5%"]);
     assert_eq!(line["method"], "bounded");
     assert_eq!(line["hulls"], 2);
     let number = |name: &str| line[name].as_f64().unwrap();
@@ -148,15 +125,15 @@ fn the_default_is_the_bounded_method_with_what_it_verified() {
 
 #[test]
 fn the_cap_on_hulls_holds_and_says_what_it_costs() {
-    let place = Place::new();
-    let line = place.json(&["--max-hulls", "1"]);
+    let place = place();
+    let line = place.decompose_json(&["--max-hulls", "1"]);
     assert_eq!(line["hulls"], 1);
     assert!(line["protrusion_max"].as_f64() > line["bound"].as_f64());
 }
 
 #[test]
 fn search_shows_every_resolution_and_what_became_of_it() {
-    let place = Place::new();
+    let place = place();
     let shown = place.decompose(&["--paper", "--search", "--maximum-resolutions", "250,777"]);
     assert!(shown.lines().any(|line| line.trim_start().starts_with("250 ")), "{shown}");
     assert!(shown.lines().any(|line| line.trim_start().starts_with("777 ")), "{shown}");
@@ -165,7 +142,7 @@ fn search_shows_every_resolution_and_what_became_of_it() {
 
 #[test]
 fn hulls_are_written_and_announced() {
-    let place = Place::new();
+    let place = place();
     for name in ["hulls.obj", "hulls.glb"] {
         let shown = place.decompose(&["-o", name]);
         assert!(shown.contains(&format!("wrote {name}: 2 hulls, ")), "{shown}");
@@ -175,7 +152,7 @@ fn hulls_are_written_and_announced() {
 
 #[test]
 fn the_number_of_threads_changes_nothing() {
-    let place = Place::new();
+    let place = place();
     place.decompose(&["--output", "one.obj", "--threads", "1"]);
     place.decompose(&["--output", "four.obj", "--threads", "4"]);
     place.decompose(&["--output", "all.obj"]);
@@ -186,21 +163,16 @@ fn the_number_of_threads_changes_nothing() {
 
 #[test]
 fn parameters_reach_the_method() {
-    let place = Place::new();
-    let coarse = place.json(&["--paper", "--planar-thresholds", "1", "--unit", "100d"]);
+    let place = place();
+    let coarse = place.decompose_json(&["--paper", "--planar-thresholds", "1", "--unit", "100d"]);
     assert_eq!(coarse["planar_threshold"], 1.0);
-    assert_eq!(place.json(&["--paper"])["hulls"], 2);
+    assert_eq!(place.decompose_json(&["--paper"])["hulls"], 2);
 }
 
 #[test]
 fn a_mesh_of_nothing_but_a_line_is_exit_code_1() {
-    let place = Place::new();
-    std::fs::write(place.path("line.obj"), "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n").unwrap();
-    let output = Command::new(env!("CARGO_BIN_EXE_hullwright"))
-        .args(["decompose", place.path("line.obj").to_str().unwrap()])
-        .output()
-        .unwrap();
-    assert_eq!(output.status.code(), Some(1));
-    let error = String::from_utf8(output.stderr).unwrap();
+    let place = place();
+    place.write("line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+    let error = place.fail(&["decompose", "line.obj"], 1);
     assert!(error.contains("line.obj: no usable triangle"), "{error}");
 }

@@ -1,5 +1,4 @@
 //! Whatever stops the command, the file that it writes is the old one or the new one, never a part.
-#![cfg(all(feature = "cli", unix))]
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -8,14 +7,16 @@ use std::time::{Duration, Instant};
 use hullwright::hulls_format::HullsFile;
 use hullwright::io::read_hulls;
 
+use crate::{PROGRAM, asset};
+
 /// Kills, spread over the time that a whole run takes. Wherever they fall on another machine, the promise is
 /// the same.
 const KILLS: u32 = 16;
 
 fn decompose(output: &Path) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_hullwright"));
+    let mut command = Command::new(PROGRAM);
     command
-        .args(["decompose", concat!(env!("CARGO_MANIFEST_DIR"), "/assets/mug.glb"), "-o"])
+        .args(["decompose", &asset("mug.glb"), "-o"])
         .arg(output)
         .stdout(Stdio::null())
         .stderr(Stdio::null());

@@ -1,10 +1,8 @@
-//! What the command line promises about `measure`.
-#![cfg(feature = "cli")]
-
-use std::path::Path;
-use std::process::{Command, Output};
+//! `hullwright measure`.
 
 use serde_json::Value;
+
+use crate::{Place, value};
 
 /// Corners of a box from 0 to the given size, after `base` other vertices of the file.
 fn cuboid(size: [f64; 3], base: usize) -> String {
@@ -23,19 +21,11 @@ fn cuboid(size: [f64; 3], base: usize) -> String {
     text
 }
 
-fn measure(mesh: &str, hulls: &str, more: &[&str]) -> Output {
-    let directory = tempfile::tempdir().unwrap();
-    let (mesh_path, hulls_path) =
-        (directory.path().join("mesh.obj"), directory.path().join("hulls.obj"));
-    std::fs::write(&mesh_path, mesh).unwrap();
-    std::fs::write(&hulls_path, hulls).unwrap();
-    run(&mesh_path, &hulls_path, more)
+fn place(mesh: &str, hulls: &str) -> Place {
+    Place::new(&[("mesh.obj", mesh), ("hulls.obj", hulls)])
 }
 
-fn run(mesh: &Path, hulls: &Path, more: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_hullwright"));
-    command.arg("measure").arg(mesh).arg(hulls).args(more).output().unwrap()
-}
+const MEASURE: [&str; 3] = ["measure", "mesh.obj", "hulls.obj"];
 
 fn two_hulls() -> String {
     format!("o a\n{}o b\n{}", cuboid([1.0, 1.0, 1.0], 0), cuboid([0.5, 1.0, 1.5], 8))
@@ -43,14 +33,8 @@ fn two_hulls() -> String {
 
 #[test]
 fn the_table_has_every_figure() {
-    let output = measure(&cuboid([1.0; 3], 0), &two_hulls(), &[]);
-    assert_eq!(output.status.code(), Some(0));
-    assert!(output.stderr.is_empty());
-    let shown = String::from_utf8(output.stdout).unwrap();
-    let value = |name: &str| {
-        let line = shown.lines().find(|line| line.starts_with(name)).expect(name);
-        line[name.len()..].trim().to_owned()
-    };
+    let shown = place(&cuboid([1.0; 3], 0), &two_hulls()).succeed(&MEASURE);
+    let value = |name: &str| value(&shown, name);
     assert_eq!(value("hulls"), "2");
     assert_eq!(value("vertices"), "16");
     assert_eq!(value("convex"), "all, off by at most 0.0000");
@@ -65,11 +49,7 @@ fn the_table_has_every_figure() {
 
 #[test]
 fn json_is_one_line_with_figures_and_counts() {
-    let output = measure(&cuboid([1.0; 3], 0), &two_hulls(), &["--json"]);
-    assert_eq!(output.status.code(), Some(0));
-    let text = String::from_utf8(output.stdout).unwrap();
-    assert_eq!(text.lines().count(), 1);
-    let json: Value = serde_json::from_str(&text).unwrap();
+    let json = place(&cuboid([1.0; 3], 0), &two_hulls()).json(&MEASURE);
     let near = |pointer: &str, expected: f64| {
         let found = json.pointer(pointer).and_then(Value::as_f64).expect(pointer);
         assert!((found - expected).abs() < 2e-3, "{pointer}: {found}");
@@ -94,13 +74,11 @@ fn json_is_one_line_with_figures_and_counts() {
 #[test]
 fn what_is_wrong_with_hulls_is_shown() {
     let sheet = "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n";
-    let output = measure(sheet, sheet, &[]);
-    assert_eq!(output.status.code(), Some(0));
-    let shown = String::from_utf8(output.stdout).unwrap();
+    let place = place(sheet, sheet);
+    let shown = place.succeed(&MEASURE);
     assert!(shown.lines().any(|line| line.starts_with("not closed") && line.ends_with("1 of 1")));
     assert!(shown.contains("100.0 % of the mesh's edges are open"));
-    let output = measure(sheet, sheet, &["--json"]);
-    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let json = place.json(&MEASURE);
     assert!(
         json["iou"].is_null() && json["uncovered_volume"].is_null() && json["overlap"].is_null()
     );
@@ -109,14 +87,10 @@ fn what_is_wrong_with_hulls_is_shown() {
 #[test]
 fn a_file_without_hulls_is_named_in_one_line() {
     let points = "v 0 0 0\nv 1 0 0\nv 1 1 0\n";
-    let output = measure(&cuboid([1.0; 3], 0), points, &[]);
-    assert_eq!(output.status.code(), Some(1));
-    let error = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(error.lines().count(), 1);
-    assert!(error.starts_with("error: ") && error.contains("hulls.obj"), "{error}");
-    let output = measure("v 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n", &cuboid([1.0; 3], 0), &[]);
-    assert_eq!(output.status.code(), Some(1));
-    assert!(String::from_utf8(output.stderr).unwrap().contains("mesh.obj"));
-    let missing = Path::new("does_not_exist.obj");
-    assert_eq!(run(missing, missing, &[]).status.code(), Some(1));
+    let cube = cuboid([1.0; 3], 0);
+    let error = place(&cube, points).fail_in_one_line(&MEASURE, 1);
+    assert!(error.contains("hulls.obj"), "{error}");
+    let place = place("v 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n", &cube);
+    assert!(place.fail(&MEASURE, 1).contains("mesh.obj"));
+    place.fail(&["measure", "does_not_exist.obj", "does_not_exist.obj"], 1);
 }

@@ -1,12 +1,8 @@
 //! Compressed glTF: Draco and meshoptimizer's codecs, each with quantised attributes too.
-#![cfg(feature = "io")]
-
-#[path = "common/glb.rs"]
-mod glb;
 
 use std::path::{Path, PathBuf};
 
-use glb::glb;
+use crate::glb::glb;
 use hullwright::io::{Format, MeshFile, read_mesh, read_mesh_from_bytes, read_own_meshes};
 use hullwright::{Control, Parameters, decompose};
 use meshoptimizer_rs::Workspace;

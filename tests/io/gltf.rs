@@ -1,10 +1,6 @@
 //! What the glTF reader promises, on documents made by hand.
-#![cfg(feature = "io")]
 
-#[path = "common/glb.rs"]
-mod glb;
-
-use glb::glb;
+use crate::glb::glb;
 use hullwright::Error;
 use hullwright::io::{Format, MeshFile, read_hulls, read_mesh, read_mesh_from_bytes};
 use serde_json::{Value, json};

@@ -1,6 +1,5 @@
 //! Readers never panic, whatever the bytes: valid files of every format with bytes changed,
 //! inserted, dropped or cut off, by a fixed seed.
-#![cfg(feature = "io")]
 
 use hullwright::Error;
 use hullwright::io::{Format, MeshFile, NamedMesh, read_mesh, read_mesh_from_bytes, write_hulls};

@@ -1,5 +1,4 @@
 //! What the writers of hull sets promise.
-#![cfg(feature = "io")]
 
 use hullwright::TriangleMesh;
 use hullwright::io::{NamedMesh, check_output, read_hulls, read_mesh, write_hulls};

@@ -1,7 +1,5 @@
 //! Promises of `decompose`, whatever the method; those of the paper's method among them.
 
-mod common;
-
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
@@ -10,37 +8,10 @@ use hullwright::{
     ResolutionOutcome, Stage, decompose,
 };
 
-use common::{Mesh, l_prism, prism};
+use crate::common::{Mesh, cuboid, fine_torus as torus, join, l_prism, prism};
 
 fn cube(low: [f64; 3], size: f64) -> Mesh {
-    let (mut mesh, fill) = (Vec::new(), [[0, 1, 2], [0, 2, 3]]);
-    mesh.extend([[0.0, 0.0], [size, 0.0], [size, size], [0.0, size]]);
-    let (positions, triangles) = prism(&mesh, &fill, size);
-    let moved = positions.iter().map(|p| [0, 1, 2].map(|axis| p[axis] + low[axis])).collect();
-    (moved, triangles)
-}
-
-fn torus(n: u32, m: u32) -> Mesh {
-    let angle = |i: u32, of: u32| f64::from(i) * std::f64::consts::TAU / f64::from(of);
-    let mut positions = Vec::new();
-    let mut triangles = Vec::new();
-    for i in 0..n {
-        for j in 0..m {
-            let (u, v) = (angle(i, n), angle(j, m));
-            let ring = 1.0 + 0.3 * v.cos();
-            positions.push([ring * u.cos(), ring * u.sin(), 0.3 * v.sin()]);
-            let at = |i: u32, j: u32| (i % n) * m + j % m;
-            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-            triangles.extend([[a, b, c], [a, c, d]]);
-        }
-    }
-    (positions, triangles)
-}
-
-fn join(a: &Mesh, b: &Mesh) -> Mesh {
-    let offset = a.0.len() as u32;
-    let triangles = b.1.iter().map(|t| t.map(|v| v + offset));
-    (a.0.iter().chain(&b.0).copied().collect(), a.1.iter().copied().chain(triangles).collect())
+    cuboid(low, low.map(|x| x + size))
 }
 
 fn run((positions, triangles): &Mesh) -> Decomposition {
@@ -75,7 +46,7 @@ fn a_tetrahedron_is_one_hull() {
 
 #[test]
 fn disjoint_boxes_are_two_hulls_of_two_components() {
-    let result = run(&join(&cube([0.0; 3], 1.0), &cube([3.0, 0.0, 0.0], 1.0)));
+    let result = run(&join(&[cube([0.0; 3], 1.0), cube([3.0, 0.0, 0.0], 1.0)]));
     assert_eq!(result.hulls.len(), 2);
     assert_eq!(
         result.hulls.iter().map(|hull| hull.provenance.component).collect::<Vec<_>>(),
@@ -359,7 +330,7 @@ fn slices_give_the_same_and_progress_never_falls() {
 
 #[test]
 fn the_method_hull_makes_the_one_hull_of_all_points() {
-    let apart = join(&cube([0.0; 3], 1.0), &cube([3.0, 0.0, 0.0], 1.0));
+    let apart = join(&[cube([0.0; 3], 1.0), cube([3.0, 0.0, 0.0], 1.0)]);
     for (positions, triangles) in [torus(24, 12), l_prism(), apart] {
         let expected = hullwright::convex_hull(&positions).unwrap();
         let parameters = Parameters::default().method(Method::Hull).max_vertices(None);

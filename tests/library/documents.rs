@@ -96,7 +96,7 @@ fn tests_that_the_rest_of_the_document_names_are_there() {
 
 #[test]
 fn a_test_that_is_not_there_is_noticed() {
-    assert!(missing("`limits.rs`: `past_the_time_limit_a_slice_ends_early`").is_empty());
-    assert_eq!(missing("`limits.rs`: `methods`").len(), 1, "a function that is no test");
+    assert!(missing("`library/limits.rs`: `past_the_time_limit_a_slice_ends_early`").is_empty());
+    assert_eq!(missing("`library/limits.rs`: `methods`").len(), 1, "a function that is no test");
     assert_eq!(missing("`nowhere.rs`").len(), 1);
 }

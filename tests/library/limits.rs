@@ -1,10 +1,8 @@
 //! Limits for meshes from strangers.
 
-mod common;
-
 use std::time::{Duration, Instant};
 
-use common::l_prism;
+use crate::common::l_prism;
 use hullwright::{Control, Decomposer, Error, MeshView, Method, Parameters, decompose};
 
 fn methods() -> [Parameters; 2] {

@@ -5,25 +5,10 @@ use std::f64::consts::PI;
 
 use hullwright::{MassProperties, MeshView, convex_hull, mass_properties};
 
+use crate::common::Random;
+
 type Point = [f64; 3];
 type Matrix = [[f64; 3]; 3];
-
-/// SplitMix64 (Steele, Lea, Flood 2014), from -1 to 1.
-struct Random(u64);
-
-impl Random {
-    fn signed(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
-
-    fn point(&mut self) -> Point {
-        [(); 3].map(|()| self.signed())
-    }
-}
 
 fn of(positions: &[Point], triangles: &[[u32; 3]], density: f64) -> MassProperties {
     mass_properties(MeshView::new(positions, triangles), &[], density).unwrap()

@@ -1,39 +1,12 @@
 //! What `measure` promises: known answers, and that no hull set makes it panic.
-//!
-//! One long file: every promise is about the same function.
-
-mod common;
 
 use hullwright::measure::{MeasureOptions, Measurement, measure};
 use hullwright::{Control, Error, MeshView};
 
-use common::{Mesh, l_prism, prism};
-
-/// An axis-aligned box, wound outward.
-fn cuboid(min: [f64; 3], max: [f64; 3]) -> Mesh {
-    let corner =
-        |index: u32, axis: usize| if index >> axis & 1 == 1 { max[axis] } else { min[axis] };
-    let positions = (0..8).map(|index| [0, 1, 2].map(|axis| corner(index, axis))).collect();
-    let quads =
-        [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
-    let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-    (positions, triangles)
-}
+use crate::common::{Mesh, cuboid, join, l_prism, prism, turned};
 
 fn unit_cube() -> Mesh {
     cuboid([0.0; 3], [1.0; 3])
-}
-
-fn join(mut mesh: Mesh, other: &Mesh) -> Mesh {
-    let first = mesh.0.len() as u32;
-    mesh.0.extend(&other.0);
-    mesh.1.extend(other.1.iter().map(|triangle| triangle.map(|index| first + index)));
-    mesh
-}
-
-fn flipped(mut mesh: Mesh) -> Mesh {
-    mesh.1.iter_mut().for_each(|triangle| triangle.swap(0, 1));
-    mesh
 }
 
 fn shapes(hulls: &[Mesh]) -> Vec<MeshView<'_>> {
@@ -150,7 +123,7 @@ fn what_is_inside_another_hull_is_no_boundary() {
     let (left, right) = (cuboid([0.0; 3], [1.0; 3]), cuboid([3.0, 0.0, 0.0], [4.0, 1.0, 1.0]));
     let all = cuboid([0.0; 3], [4.0, 1.0, 1.0]);
     let within = cuboid([1.6, 0.4, 0.4], [2.4, 0.6, 0.6]);
-    let mesh = join(left, &right);
+    let mesh = join(&[left, right]);
     let alone = judged(&mesh, std::slice::from_ref(&all));
     let both = judged(&mesh, &[all, within]);
     assert!(both.samples.boundary < both.samples.hull);
@@ -184,7 +157,7 @@ fn the_hull_of_a_u_fills_its_gap() {
 #[test]
 fn a_cavity_is_solid_unless_it_is_kept() {
     let outer = cuboid([0.0; 3], [1.0; 3]);
-    let hollow = join(outer.clone(), &flipped(cuboid([0.25; 3], [0.75; 3])));
+    let hollow = join(&[outer.clone(), turned(&cuboid([0.25; 3], [0.75; 3]))]);
     let filled = judged(&hollow, std::slice::from_ref(&outer));
     assert_near(filled.iou.unwrap(), 1.0, COUNTING);
     let mut options = MeasureOptions::default();
@@ -227,7 +200,7 @@ fn a_hole_does_not_turn_the_solid_inside_out() {
 #[test]
 fn a_mesh_inside_out_is_turned_around() {
     let hulls = [cuboid([0.1; 3], [1.2; 3])];
-    let (outward, inward) = (judged(&unit_cube(), &hulls), judged(&flipped(unit_cube()), &hulls));
+    let (outward, inward) = (judged(&unit_cube(), &hulls), judged(&turned(&unit_cube()), &hulls));
     assert_eq!(inward.iou, outward.iou);
     assert_near(inward.protrusion.mean, outward.protrusion.mean, 1e-9);
 }
@@ -247,7 +220,7 @@ fn an_l_is_not_convex() {
 #[test]
 fn a_hull_wound_inward_or_anyhow_is_flagged_and_judged_by_its_points() {
     let expected = judged(&unit_cube(), &[cuboid([0.1; 3], [1.2; 3])]);
-    let inward = flipped(cuboid([0.1; 3], [1.2; 3]));
+    let inward = turned(&cuboid([0.1; 3], [1.2; 3]));
     let mut mixed = cuboid([0.1; 3], [1.2; 3]);
     mixed.1[3].swap(0, 1);
     let mut torn = cuboid([0.1; 3], [1.2; 3]);
@@ -386,10 +359,10 @@ fn triangles_of_the_mesh_that_are_not_finite_are_left_out() {
 /// A needle thinner than repair's welding is dropped by `decompose`, and was held against its hulls.
 #[test]
 fn a_needle_that_repair_takes_for_a_line_leaves_nothing_uncovered() {
-    let mesh = join(unit_cube(), &cuboid([0.5, 0.5, 1.5], [0.5 + 1e-7, 0.5 + 1e-7, 4.5]));
+    let mesh = join(&[unit_cube(), cuboid([0.5, 0.5, 1.5], [0.5 + 1e-7, 0.5 + 1e-7, 4.5])]);
     let found = judged(&mesh, &[unit_cube()]);
     assert!(found.uncovered.max < 1e-6, "{:?}", found.uncovered);
-    let plate = join(unit_cube(), &cuboid([0.0, 0.0, 1.5], [1.0, 1.0, 1.5 + 1e-7]));
+    let plate = join(&[unit_cube(), cuboid([0.0, 0.0, 1.5], [1.0, 1.0, 1.5 + 1e-7])]);
     assert!(judged(&plate, &[unit_cube()]).uncovered.max > 0.1, "a plate is a surface");
 }
 
@@ -424,7 +397,7 @@ fn options_that_mean_nothing_are_errors() {
 
 #[test]
 fn size_and_place_do_not_matter() {
-    let mesh = join(unit_cube(), &cuboid([2.0, 0.0, 0.0], [3.0, 0.5, 0.7]));
+    let mesh = join(&[unit_cube(), cuboid([2.0, 0.0, 0.0], [3.0, 0.5, 0.7])]);
     let hulls = [cuboid([-0.1; 3], [1.1; 3]), cuboid([1.9, 0.1, 0.1], [3.0, 0.7, 0.7])];
     let expected = judged(&mesh, &hulls);
     for (factor, shift) in [(1e-6, 0.0), (1e6, 0.0), (1.0, 3000.0)] {
@@ -506,7 +479,7 @@ fn an_open_box_wound_inward_is_a_sheet_without_an_inside() {
     open.1.truncate(10);
     let inside = cuboid([0.25; 3], [0.75; 3]);
     let wound_outward = judged(&open, std::slice::from_ref(&inside));
-    let wound_inward = judged(&flipped(open), &[inside]);
+    let wound_inward = judged(&turned(&open), &[inside]);
     assert_near(wound_outward.protrusion.max, 0.0, ROUNDING);
     assert!(wound_inward.protrusion.max > 0.1);
 }

@@ -1,5 +1,4 @@
 //! What a page holds.
-#![cfg(feature = "viewer")]
 
 use hullwright::internals::shapes::{cuboid, join};
 use hullwright::io::Object;
