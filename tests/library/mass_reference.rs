@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-use hullwright::{MassProperties, MeshView, convex_hull, mass_properties};
+use hullwright::{MassProperties, MassSource, MeshView, convex_hull, mass_properties};
 
 use crate::common::Random;
 
@@ -89,6 +89,7 @@ fn a_box_at_any_turn_has_the_inertia_of_its_sides() {
             .collect();
         let hull = convex_hull(&corners).unwrap();
         let found = of(&hull.points, &hull.triangles, 1.0);
+        assert_eq!(found.source, MassSource::Mesh);
         let mass = sides.iter().product::<f64>();
         assert!((found.mass - mass).abs() < 1e-9 * mass, "{round}");
         // Axes of the box, as they are turned.

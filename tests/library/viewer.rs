@@ -82,7 +82,7 @@ fn no_name_can_end_the_block_of_data() {
 
 #[test]
 fn the_template_has_one_place_for_the_data_and_forbids_all_requests() {
-    let template = include_str!("../src/viewer/template.html");
+    let template = include_str!("../../src/viewer/template.html");
     assert_eq!(template.matches("<!--data-->").count(), 1);
     assert!(template.contains("default-src 'none'"));
     assert!(template.len() < 1 << 20, "{} bytes", template.len());
