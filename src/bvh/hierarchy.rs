@@ -1,4 +1,4 @@
-//! The hierarchy over a mesh, and what it answers by its tree alone.
+//! The hierarchy over a mesh, and its queries about one point.
 
 use std::convert::Infallible;
 use std::sync::OnceLock;
@@ -17,7 +17,7 @@ pub(crate) const INSIDE: f64 = 0.5;
 #[derive(Debug, Clone)]
 pub(crate) struct Bvh {
     pub(super) tree: Tree,
-    /// Made on demand: most hierarchies are never asked for a winding number.
+    /// Computed by the first winding number: most hierarchies answer none.
     moments: OnceLock<Vec<Expansions>>,
     /// For each triangle of the mesh its slot in the tree's blocks, or [`EMPTY`].
     slots: Vec<u32>,

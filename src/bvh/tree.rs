@@ -11,14 +11,14 @@ use crate::geometry::vector::{Vector, add, length, maximum, minimum, scale, subt
 pub(super) const WIDTH: usize = 4;
 
 /// Marks a reference to a block of triangles; the other bits are the block's index.
-pub(super) const LEAF: u32 = 1 << 31;
+const LEAF: u32 = 1 << 31;
 
 /// A child, or a triangle of a block, that does not exist.
 pub(super) const EMPTY: u32 = u32::MAX;
 
 /// Deepest level of the tree. Halving 2^32 triangles down to blocks of four takes 30 levels, and
 /// the builder halves where the surface area heuristic would need more.
-pub(super) const MAX_LEVELS: u32 = 30;
+const MAX_LEVELS: u32 = 30;
 
 /// Entries of a traversal stack: each level leaves at most three siblings, the deepest pushes four.
 pub(super) const STACK: usize = WIDTH + (WIDTH - 1) * MAX_LEVELS as usize;
@@ -45,7 +45,7 @@ pub(super) enum Child {
 }
 
 impl Node {
-    pub(super) const NO_CHILDREN: Self = Self {
+    const NO_CHILDREN: Self = Self {
         min: [[f32::INFINITY; WIDTH]; 3],
         max: [[f32::NEG_INFINITY; WIDTH]; 3],
         children: [EMPTY; WIDTH],

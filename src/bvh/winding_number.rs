@@ -257,9 +257,6 @@ impl Block {
 }
 
 /// The expansions of every node's children, parallel to [`Tree::nodes`]. O(n).
-///
-/// # Errors
-/// Those of `check`.
 pub(super) fn moments<E>(
     tree: &Tree,
     check: &impl Fn() -> Result<(), E>,

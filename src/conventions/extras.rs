@@ -1,5 +1,5 @@
-//! glTF extras (custom properties in Blender) by which artists ask for colliders and tune them:
-//! `{"collider": "convex_decomposition", "max_error": 0.01, "density": 500}`. Nothing here knows entities.
+//! glTF extras (custom properties in Blender) that give a mesh a collider and tune it:
+//! `{"collider": "convex_decomposition", "max_error": 0.01, "density": 500}`. No entities here.
 
 use std::str::FromStr;
 
@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 use super::names::ColliderKind;
 use crate::parameters::{Length, Openings, Parameters, Preset};
 
-/// The key without which extras are somebody else's.
+/// The key that makes extras ours.
 const COLLIDER: &str = "collider";
 
 /// The settings that may stand beside it, and what they take.
@@ -59,7 +59,7 @@ pub enum Body {
     Kinematic,
 }
 
-/// What extras ask for. Where a setting is `None`, the scene's own counts.
+/// The collider that extras request. `None` leaves a setting to the scene.
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ExtrasTag {
@@ -128,7 +128,7 @@ pub fn read_extras(text: &str) -> (Option<ExtrasTag>, Vec<Complaint>) {
     (Some(tag), complaints)
 }
 
-/// Where nobody else can be meant.
+/// A complaint about settings that only we have, where the collider is missing.
 fn settings_without_collider(extras: &Map<String, Value>) -> Option<Complaint> {
     let ours = ["max_error", "max_hulls", "max_vertices", "keep_cavities"];
     let key = ours.into_iter().find(|key| extras.contains_key(*key))?;
@@ -174,7 +174,7 @@ impl ExtrasTag {
     }
 }
 
-/// What [`Parameters::validate`](crate::Parameters::validate) asks for.
+/// The least that [`Parameters::validate`](crate::Parameters::validate) accepts.
 const LEAST_VERTICES: u32 = 8;
 
 fn positive(value: &Value) -> Option<f64> {

@@ -1,4 +1,4 @@
-//! Names and glTF extras by which artists ask for colliders: Godot 4's suffixes, our `-convdecomp` beside them,
+//! Names and glTF extras that give meshes colliders: Godot 4's suffixes, our `-convdecomp` beside them,
 //! Unreal's prefixes, and `{"collider": "convex_decomposition"}`. The Bevy plugin and `hullwright bake` follow
 //! the same rules.
 
@@ -8,4 +8,4 @@ mod names;
 
 #[cfg(any(feature = "bevy_gltf", feature = "io"))]
 pub use extras::{Body, Complaint, ExtrasTag, Fallback, read_extras};
-pub use names::*;
+pub use names::{ColliderKind, NameTag, mesh_tag, node_tag, whole_of, without_copy_number};

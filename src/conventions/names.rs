@@ -1,4 +1,4 @@
-//! What the names of nodes and meshes ask for.
+//! Colliders by the names of nodes and meshes.
 
 use crate::parameters::{Method, Parameters};
 
@@ -36,7 +36,7 @@ impl ColliderKind {
     }
 }
 
-/// What a name asks for.
+/// The collider that a name requests.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NameTag<'a> {
     /// A collider for this mesh, which is still drawn.
@@ -97,7 +97,7 @@ const PREFIXES: [(&str, ColliderKind); 4] = [
     ("UCP_", ColliderKind::Capsule),
 ];
 
-/// What the name of a node asks for.
+/// The collider that the name of a node requests.
 ///
 /// ```
 /// use hullwright::conventions::{ColliderKind, NameTag, node_tag};
@@ -109,7 +109,7 @@ pub fn node_tag(name: &str) -> Option<NameTag<'_>> {
     piece_tag(name).or_else(|| suffix_tag(name, &NODE_SUFFIXES))
 }
 
-/// What the name of a mesh asks for, where that of its node asks for nothing.
+/// The collider that the name of a mesh requests, where that of its node requests none.
 pub fn mesh_tag(name: &str) -> Option<NameTag<'_>> {
     piece_tag(name).or_else(|| suffix_tag(name, &MESH_SUFFIXES))
 }
@@ -137,7 +137,7 @@ fn suffix_tag(name: &str, suffixes: &[(&str, NameTag<'static>)]) -> Option<NameT
 }
 
 /// The mesh that a piece belongs to: that of the whole rest of its name, else of the rest up to its last
-/// underscore, whatever comes after it. `exists` tells whether there is a mesh of a name.
+/// underscore, whatever comes after it. `exists` says whether there is a mesh of a name.
 pub fn whole_of(rest: &str, exists: impl Fn(&str) -> bool) -> &str {
     match rest.rsplit_once('_') {
         Some((head, _)) if !exists(rest) => head,

@@ -32,7 +32,7 @@ pub enum Positions<'a> {
 }
 
 impl Positions<'_> {
-    pub(super) fn len(&self) -> usize {
+    fn len(&self) -> usize {
         match self {
             Self::Single(positions) => positions.len(),
             Self::Double(positions) => positions.len(),
@@ -40,7 +40,7 @@ impl Positions<'_> {
     }
 
     #[inline]
-    pub(super) fn get(&self, vertex: usize) -> Option<[f64; 3]> {
+    fn get(&self, vertex: usize) -> Option<[f64; 3]> {
         match self {
             Self::Single(positions) => positions.get(vertex).map(|point| point.map(f64::from)),
             Self::Double(positions) => positions.get(vertex).copied(),

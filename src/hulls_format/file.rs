@@ -34,7 +34,7 @@ pub struct HullsFile {
     pub source_triangles: u64,
     /// Diagonal of the mesh's bounding box, in its units.
     pub diagonal: f64,
-    /// The bound that was asked for, in units; `None` if the method has none.
+    /// The requested bound, in units; `None` if the method has none.
     pub bound: Option<f64>,
     /// What was verified against the mesh; `None` if the method verifies nothing.
     pub verified: Option<VerifiedErrors>,

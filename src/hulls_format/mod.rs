@@ -19,7 +19,7 @@
 //! | name of the mesh, name of the method | texts |
 //! | vertices and triangles of the mesh | `u64` each |
 //! | diagonal of the mesh | `f64` |
-//! | bound that was asked for | optional `f64` |
+//! | requested bound | optional `f64` |
 //! | verified errors: protrusion, uncovered distance | optional, `f64` each |
 //! | mass properties: what from (byte), mass, centre, inertia (xx, yy, zz, xy, xz, yz) | optional, `f64` each |
 //! | number of hulls | `u32` |

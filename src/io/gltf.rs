@@ -57,21 +57,17 @@ pub(super) fn read(bytes: &[u8], directory: Option<&Path>) -> Result<MeshFile, S
     read_with(bytes, directory, |scene| scene.read())
 }
 
-/// Each mesh of the document once, in its own space, whether a scene shows it or not.
-pub(super) fn read_own_space(bytes: &[u8], directory: Option<&Path>) -> Result<MeshFile, String> {
-    read_with(bytes, directory, |scene| scene.read_own_space())
-}
-
-/// The same with the names and extras of meshes and nodes.
+/// Each mesh of the document once, in its own space, whether a scene shows it or not, with its extras and those of
+/// its nodes.
 pub(super) fn read_scene(bytes: &[u8], directory: Option<&Path>) -> Result<Vec<SceneMesh>, String> {
     let mut of_objects = Vec::new();
     let file = read_with(bytes, directory, |scene| {
-        for (index, said) in said_of_meshes(scene.root).into_iter().enumerate() {
+        for (index, notes) in extras_and_nodes(scene.root).into_iter().enumerate() {
             let objects = scene.file.objects.len();
             scene.add_own_space(index)?;
             // A mesh without triangles is no object.
             if scene.file.objects.len() > objects {
-                of_objects.push(said);
+                of_objects.push(notes);
             }
         }
         Ok(())
@@ -180,10 +176,6 @@ impl Scene<'_> {
             }
         }
         Ok(())
-    }
-
-    fn read_own_space(&mut self) -> Result<(), String> {
-        (0..self.root.meshes.len()).try_for_each(|index| self.add_own_space(index))
     }
 
     fn add_own_space(&mut self, index: usize) -> Result<(), String> {
@@ -324,17 +316,17 @@ impl Scene<'_> {
 }
 
 /// Each mesh's extras, and the nodes that show it.
-fn said_of_meshes(root: &Root) -> Vec<(Option<String>, Vec<SceneNode>)> {
+fn extras_and_nodes(root: &Root) -> Vec<(Option<String>, Vec<SceneNode>)> {
     let text = |extras: &Extras| Some(extras.as_ref()?.get().to_owned());
-    let mut said: Vec<_> =
+    let mut notes: Vec<_> =
         root.meshes.iter().map(|mesh| (text(&mesh.extras), Vec::new())).collect();
     for node in &root.nodes {
-        if let Some((_, nodes)) = node.mesh.and_then(|mesh| said.get_mut(mesh.value())) {
+        if let Some((_, nodes)) = node.mesh.and_then(|mesh| notes.get_mut(mesh.value())) {
             let name = node.name.clone().unwrap_or_default();
             nodes.push(SceneNode { name, extras: text(&node.extras) });
         }
     }
-    said
+    notes
 }
 
 fn transform(node: &Node) -> Transform {
@@ -374,19 +366,19 @@ fn triangles(
 
 /// The affine transform of a node: a 3×3 matrix, by columns, and a translation.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Transform {
+struct Transform {
     pub columns: [Vector; 3],
     pub translation: Vector,
 }
 
 impl Transform {
-    pub(super) const IDENTITY: Self = Self {
+    const IDENTITY: Self = Self {
         columns: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         translation: [0.0; 3],
     };
 
     /// From a 4×4 matrix by columns, whose last row is taken as (0, 0, 0, 1).
-    pub(super) fn from_matrix(matrix: [f32; 16]) -> Self {
+    fn from_matrix(matrix: [f32; 16]) -> Self {
         let (columns, _) = matrix.as_chunks::<4>();
         let column = |index: usize| {
             let [x, y, z, _] = columns[index];
@@ -396,7 +388,7 @@ impl Transform {
     }
 
     /// First scaled, then rotated by a quaternion (x, y, z, w), then moved.
-    pub(super) fn from_parts(translation: [f32; 3], rotation: [f32; 4], size: [f32; 3]) -> Self {
+    fn from_parts(translation: [f32; 3], rotation: [f32; 4], size: [f32; 3]) -> Self {
         let [x, y, z, w] = rotation.map(f64::from);
         let length_squared = x * x + y * y + z * z + w * w;
         // A quaternion of length 0 or infinite turns nothing.
@@ -421,12 +413,12 @@ impl Transform {
         }
     }
 
-    pub(super) fn apply(&self, point: Vector) -> Vector {
+    fn apply(&self, point: Vector) -> Vector {
         add(self.turn(point), self.translation)
     }
 
     /// Whether left and right change places.
-    pub(super) fn is_mirroring(&self) -> bool {
+    fn is_mirroring(&self) -> bool {
         let [a, b, c] = self.columns;
         dot(cross(a, b), c) < 0.0
     }

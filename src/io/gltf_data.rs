@@ -21,7 +21,7 @@ use percent_encoding::percent_decode_str;
 use super::meshopt::{Compressed, is_placeholder};
 use super::text::quote;
 
-/// Buffers are loaded when geometry first asks for them, so that a missing file with nothing but
+/// Buffers are loaded when geometry first needs them, so that a missing file with nothing but
 /// images in it does no harm.
 pub(super) struct Buffers<'a> {
     root: &'a Root,
@@ -39,7 +39,7 @@ impl<'a> Buffers<'a> {
         Self { root, chunk, directory, loaded: vec![None; root.buffers.len()] }
     }
 
-    pub(super) fn bytes_loaded(&self) -> usize {
+    fn bytes_loaded(&self) -> usize {
         self.loaded.iter().flatten().map(|bytes| bytes.len()).sum()
     }
 
@@ -68,12 +68,7 @@ impl<'a> Buffers<'a> {
     }
 
     /// A part of a buffer.
-    pub(super) fn slice(
-        &mut self,
-        index: usize,
-        offset: usize,
-        length: usize,
-    ) -> Result<&[u8], String> {
+    fn slice(&mut self, index: usize, offset: usize, length: usize) -> Result<&[u8], String> {
         let buffer = self.get(index)?;
         let end = offset.checked_add(length);
         end.and_then(|end| buffer.get(offset..end)).ok_or_else(|| {
@@ -119,8 +114,8 @@ fn decode_data(data: &str) -> Result<Vec<u8>, String> {
     }
 }
 
-/// Whether a decoded URI names a file in the document's folder or below. Others are refused: a file that
-/// somebody uploads could name any file of the machine. Backslashes and drive letters count on every
+/// Whether a decoded URI names a file in the document's folder or below. Others are refused: an uploaded
+/// file could name any file of the machine. Backslashes and drive letters count on every
 /// platform, so that a document is read on all or on none.
 fn stays_beside(name: &str) -> bool {
     !name.contains(':')
@@ -139,7 +134,7 @@ fn read_beside(uri: &str, length: u64, directory: Option<&Path>) -> Result<Vec<u
     let directory = directory.ok_or_else(|| format!("it is in another file, {quoted}"))?;
     let path = directory.join(name.as_ref());
     let read = || {
-        // Opening a pipe would wait for somebody to write into it.
+        // Opening a pipe would block until something is written into it.
         if !path.metadata()?.is_file() {
             return Err(std::io::Error::other("this is no file"));
         }

@@ -17,7 +17,7 @@ pub enum Format {
     Ply,
     /// Stereolithography, text or binary.
     Stl,
-    /// glTF 2.0 as JSON, or as GLB: the content tells.
+    /// glTF 2.0, as JSON or as GLB, by content.
     Gltf,
 }
 

@@ -1,7 +1,7 @@
 //! `EXT_meshopt_compression` and `KHR_meshopt_compression`: buffer views that hold streams of
 //! meshoptimizer's codecs.
 //!
-//! The first knows the vertex codec of version 0 alone and no filter for colours. Here both are
+//! The first has only version 0 of the vertex codec, and no filter for colours. Here both are
 //! read in the same way, as the library's own decoders do.
 
 use gltf::json::{Buffer, buffer};
@@ -128,7 +128,7 @@ pub(super) fn is_placeholder(buffer: &Buffer) -> bool {
 }
 
 /// A whole number of an extension, which may be missing. The crate `gltf` has no types for extensions.
-pub(super) fn optional_number(extension: &Value, key: &str) -> Result<Option<usize>, String> {
+fn optional_number(extension: &Value, key: &str) -> Result<Option<usize>, String> {
     let Some(value) = extension.get(key) else {
         return Ok(None);
     };

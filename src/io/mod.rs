@@ -7,11 +7,11 @@
 //! | meshopt in glTF | crate `meshoptimizer-rs`, its codecs and filters |
 //! | PLY | crate `ply-rs-bw` for the header and binary elements; text elements here, since it refuses numbers such as `.5` and `nan` |
 //! | OBJ | this module: `tobj` refuses sound files, makes faces of polylines and says no line in its errors |
-//! | OFF | this module: `off-rs` holds `f32` and knows one form of header |
+//! | OFF | this module: `off-rs` holds `f32` and reads one form of header |
 //! | STL | this module: `stl_io` holds `f32`, drops all solids but the first, and goes by the first word alone |
 //!
-//! All readers keep three promises on any input: no panic, no allocation that a count in the file
-//! asks for and the file's size does not justify, and errors that say what is wrong and where.
+//! All readers keep three promises on any input: no panic, no allocation beyond what the
+//! file's size justifies, whatever its counts say, and errors that say what is wrong and where.
 //! Coordinates that are written as text keep their full `f64` precision, and `nan` and `inf` are
 //! let through, since repair counts and drops them. Points and lines are left out. Polygons,
 //! concave ones too, are triangulated by ear clipping and Delaunay refinement (crate `earcut`);

@@ -5,7 +5,7 @@
 //!
 //! The crate `ply-rs-bw` (4.0) reads the header and binary elements, one at a time. Two things
 //! are done here instead. First, counts are compared with the file's size before anything is
-//! read: an element without properties takes no bytes, so that a count could ask for any amount
+//! read: an element without properties takes no bytes, so that a count could cause any amount
 //! of work. Second, text elements are read here, since the crate's grammar refuses numbers like
 //! `.5`, `1.` and `nan` that other programs write, and its `float` properties would round text
 //! to `f32`.

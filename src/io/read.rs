@@ -62,16 +62,8 @@ pub fn read_mesh_from_bytes(format: Format, bytes: &[u8]) -> Result<MeshFile, Er
 /// # Errors
 /// As [`read_mesh`].
 pub fn read_own_meshes(path: impl AsRef<Path>) -> Result<Vec<NamedMesh>, Error> {
-    let path = path.as_ref();
-    if Format::from_path(path) == Some(Format::Gltf) {
-        let bytes = std::fs::read(path).map_err(|error| Error::file(path, error))?;
-        let file = gltf::read_own_space(unmarked(&bytes), path.parent())
-            .map_err(|reason| Error::file(path, reason))?;
-        return Ok(split_objects(&file));
-    }
-    let MeshFile { mesh, .. } = read_mesh(path)?;
-    let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    Ok(vec![NamedMesh { name, mesh }])
+    let meshes = read_scene(path)?.into_iter();
+    Ok(meshes.map(|SceneMesh { name, mesh, .. }| NamedMesh { name, mesh }).collect())
 }
 
 /// Without the mark that some editors put before UTF-8 text, which would hide the first line.

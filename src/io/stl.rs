@@ -1,4 +1,4 @@
-//! STL, binary and text, told apart by more than the first word.
+//! STL, binary and text, distinguished by more than the first word.
 //!
 //! A file whose length is exactly what its binary header announces is binary, even if it begins
 //! with `solid` as many do. Otherwise it is text if it begins with `solid` and soon has a facet

@@ -11,7 +11,7 @@ use super::mesh_file::{HullFormat, is_hulls_file};
 use crate::atomic_write;
 use crate::error::Error;
 use crate::geometry::MeshView;
-use crate::geometry::vector::{Vector, add, maximum, minimum, scale, subtract};
+use crate::geometry::vector::{Vector, add, bounds, scale, subtract};
 use crate::render::palette::{colour, linear};
 
 /// Writes hulls to a file, for example `write_hulls(path, &decomposition.hulls)`. A file that is
@@ -82,9 +82,7 @@ fn output_format(path: &Path) -> Result<HullFormat, Error> {
 }
 
 /// Hulls as [`write_hulls`](super::write_hulls) describes.
-pub(super) fn obj_from_hulls<'a, H: Into<MeshView<'a>>>(
-    hulls: impl IntoIterator<Item = H>,
-) -> String {
+fn obj_from_hulls<'a, H: Into<MeshView<'a>>>(hulls: impl IntoIterator<Item = H>) -> String {
     let mut text = String::new();
     let mut first_vertex = 1;
     for (index, hull) in hulls.into_iter().enumerate() {
@@ -119,7 +117,7 @@ const MOST_SHORT_INDICES: usize = 65_535;
 /// Hulls as [`write_hulls`](super::write_hulls) describes. There are no normals, so that viewers
 /// shade the faces flat. The error, in words, is a file of more than 4 GiB or a coordinate that
 /// is too large for `f32`.
-pub(super) fn glb_from_hulls<'a, H: Into<MeshView<'a>>>(
+fn glb_from_hulls<'a, H: Into<MeshView<'a>>>(
     hulls: impl IntoIterator<Item = H>,
 ) -> Result<Vec<u8>, String> {
     let hulls: Vec<MeshView> = hulls.into_iter().map(Into::into).collect();
@@ -133,15 +131,10 @@ pub(super) fn glb_from_hulls<'a, H: Into<MeshView<'a>>>(
     assemble(json, parts.bytes)
 }
 
+/// The middle of the bounding box.
 fn centre(hulls: &[MeshView]) -> Vector {
-    let mut points = hulls.iter().flat_map(|hull| hull.positions());
-    let Some(first) = points.next() else {
-        return [0.0; 3];
-    };
-    let (least, greatest) = points.fold((first, first), |(least, greatest), point| {
-        (minimum(least, point), maximum(greatest, point))
-    });
-    add(scale(least, 0.5), scale(greatest, 0.5))
+    let (low, high) = bounds(hulls.iter().flat_map(|hull| hull.positions()));
+    if low[0] > high[0] { [0.0; 3] } else { add(scale(low, 0.5), scale(high, 0.5)) }
 }
 
 /// The growing arrays of the document.

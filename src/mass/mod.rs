@@ -6,7 +6,7 @@
 //! 1. A mesh whose components are all closed: what it encloses, exactly, by the divergence
 //!    theorem. Cavities are taken off.
 //! 2. Where such a mesh overlaps itself, as a handle that is stuck into a mug, the overlap counts
-//!    once: columns through the mesh tell by the winding number what is inside.
+//!    once, by the winding number along columns through the mesh.
 //! 3. A mesh whose openings are closed is taken with them closed. Another open mesh has no inside. The union of its hulls is taken, by columns too.
 //! 4. Without hulls, its convex hull.
 

@@ -91,7 +91,7 @@ pub struct HullCheck {
 const SLIVER: f64 = 1e-4;
 
 /// Above this number of pairs of a triangle and a point, which takes a tenth of a second, only the
-/// points that are corners of the convex hull are asked, by climbing.
+/// corners of the convex hull are compared, by climbing.
 const MOST_PAIRS: usize = 100_000_000;
 
 /// The average of points; the origin where there is none.

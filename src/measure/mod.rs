@@ -1,7 +1,7 @@
 //! Judges any set of hulls, ours or another tool's, against the mesh that they stand for.
 //!
-//! [`measure`] says how far the hulls are outside of the solid (*protrusion*: things stop before they
-//! touch), how far the mesh's surface lies outside the hulls (*uncovered distance*: things sink in), and
+//! [`measure`] says how far the hulls are outside of the solid (*protrusion*: objects stop before they
+//! touch), how far the mesh's surface lies outside the hulls (*uncovered distance*: objects sink in), and
 //! how much of the solid no hull holds (*uncovered volume*). All lengths are relative to the diagonal of the
 //! bounding box of the vertices that the mesh's triangles use.
 //!
@@ -12,7 +12,7 @@
 //!   what is there both ways round, and open parts of a mesh that is inside out as a whole, enclose
 //!   nothing. Openings are closed as [`MeasureOptions::openings`] says. So holes, open sheets,
 //!   self-intersections and cavities are no obstacle.
-//! - The **surface** is the mesh's triangles, but for those without area: what is thinner than 1e-6 of the
+//! - The **surface** is the mesh's triangles, except those without area: what is thinner than 1e-6 of the
 //!   diagonal in two directions is a line, which repair drops and nothing has to cover.
 //! - A **hull** is the convex hull of its points: that is what a physics engine collides with,
 //!   whatever its triangles say. What they say is checked on its own: see [`HullCheck`].
@@ -23,7 +23,7 @@
 //! # Sampling
 //!
 //! Points are the same on every run, on any number of threads: evenly spread sequences, not random
-//! numbers, unless [`MeasureOptions::random_seed`] asks for some. A maximum is that of the sampled
+//! numbers, unless [`MeasureOptions::random_seed`] is set. A maximum is that of the sampled
 //! points; the true one may be higher, by more the sharper the spike. [`MeasureOptions`] has the numbers
 //! of points, [`Measurement::samples`] says what became of them.
 

@@ -20,7 +20,7 @@ pub const NO_NEIGHBOUR: u32 = u32::MAX;
 /// not by angle, since the number of pairs grows with the square.
 const MOST_PAIRED_BY_ANGLE: usize = 64;
 
-/// Who is next to whom.
+/// Adjacency of triangles across edges.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Adjacency {
     /// For each triangle its unit normal, or zero where it has no area.
@@ -31,7 +31,7 @@ pub struct Adjacency {
 }
 
 impl Adjacency {
-    /// Linear time but for the sort of the edges at a vertex.
+    /// Linear time, except for the sort of the edges at a vertex.
     pub fn new(mesh: &TriangleMesh) -> Self {
         let triangles = &mesh.triangles;
         let normals: Vec<Vector> = triangles

@@ -207,7 +207,7 @@ fn open_unbalanced_patches(
     }
 }
 
-/// Disjoint sets, where each element also knows whether it is turned against its set's first.
+/// Disjoint sets that also record whether each element is turned against the first of its set.
 struct ParityForest {
     /// For each element its parent; the highest bit says whether it is turned against it.
     links: Vec<u32>,

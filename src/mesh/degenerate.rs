@@ -6,7 +6,7 @@ use super::canonical_order::{MeshOrder, triangle_key};
 use super::connectivity::SortedHalfEdges;
 use crate::geometry::vector::{Vector, area_normal, length_squared, subtract};
 
-/// A triangle that is less high than this over its longest side, in diagonals of the bounding
+/// A triangle that is less high than this over its longest side, as a fraction of the diagonal of the bounding
 /// box, has no area. It is below the rounding of coordinates in single precision, where the
 /// normal of such a triangle means nothing.
 const LEAST_HEIGHT: f64 = 1e-8;
@@ -27,7 +27,7 @@ pub(super) fn is_degenerate(positions: &[Vector], triangle: [u32; 3]) -> bool {
 // Caps are triangles without area whose middle vertex lies on their longest side.
 //
 // Triangulators of polygons with vertices along an edge leave them. To drop a cap would tear the
-// surface, since its other side knows the long edge and not the middle vertex. So the triangle
+// surface, since its other side has the long edge and not the middle vertex. So the triangle
 // beyond the long edge is split at the middle vertex first: then nothing is missing without
 // the cap.
 

@@ -17,7 +17,7 @@ use crate::geometry::vector::{
 /// A patch with holes counts as solid if its volume differs by less than this share of itself
 /// wherever in its bounding box the holes' lids meet, and however large lids on so long a border
 /// can be. Small holes pass. A box without a lid (0.2)
-/// does not: which of its sides is meant, its author knows better.
+/// does not: either of its sides may be the outer one.
 const NEARLY_CLOSED: f64 = 0.1;
 
 /// A patch whose volume is below this share of area times extent is flat, and volumes whose sum is
@@ -168,7 +168,7 @@ impl Solids {
     }
 }
 
-/// A solid of negative volume, and the ray along x that tells what it lies in.
+/// A solid of negative volume, and the origin of the ray along x that finds what it lies in.
 struct Query {
     patch: usize,
     origin: Vector,

@@ -1,4 +1,4 @@
-//! What repair hands to the stages after it.
+//! A repaired mesh, as all stages after repair take it.
 
 use std::borrow::Cow;
 
@@ -70,7 +70,7 @@ pub struct Repairs {
     pub open_edges: usize,
 }
 
-/// What repair hands to the stages after it.
+/// A repaired mesh, as all stages after repair take it.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PreparedMesh {
     /// Welded, oriented, normalised, and in an order of its own.
@@ -91,7 +91,7 @@ pub struct PreparedMesh {
     pub closed: Vec<bool>,
     /// What was changed in the input.
     pub repairs: Repairs,
-    /// Triangles that close openings within the solid: they tell inside from outside, and are no surface.
+    /// Triangles that close openings within the solid: they bound the inside, but are no surface.
     pub hidden_caps: Vec<[u32; 3]>,
 }
 

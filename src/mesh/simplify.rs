@@ -45,10 +45,10 @@ const WORK_PER_TRIANGLE: u64 = 1 << 13;
 /// What meshes of a few triangles may take, in bytes and visits.
 const LEAST_LIMIT: u32 = 1 << 20;
 
-/// The library can't be stopped. Up to so many triangles it takes some milliseconds, and is waited for.
+/// The library can't be stopped. Up to so many triangles it takes some milliseconds and runs on the calling thread.
 const WAITED_FOR: usize = 1 << 13;
 
-/// The simplifier sees coordinates rounded to a multiple of one over this, in diagonals. Of a mesh in double
+/// The simplifier sees coordinates rounded to a multiple of the diagonal over this. Of a mesh in double
 /// precision that was moved by a thousand of its sizes fewer digits are left than single precision keeps
 /// of the one that was not, and edges that cost the same would collapse in another order. (A coordinate
 /// between two multiples can still fall either way, but hardly one does.)
@@ -92,13 +92,9 @@ const LOST_COMPONENT_TRIANGLES: usize = 12;
 /// a flat triangle, seen from both sides, 0.21.
 const LEAST_AREA_KEPT: f64 = 0.25;
 
-/// Fewer triangles: `target`, or more where the module's head says so. Never none.
+/// Fewer triangles: `target`, or more, see the module's head. Never none.
 ///
 /// `components` holds the component of each triangle. Time O(n log n) in the number of triangles.
-///
-/// # Errors
-/// [`Error::Simplification`] where memory or work would exceed what meshes of this size need, and
-/// [`Error::Cancelled`].
 pub(crate) fn simplify(
     mesh: &TriangleMesh,
     components: &[u32],

@@ -27,7 +27,7 @@ const AREA_TOLERANCE: f64 = 1e-6;
 /// flatness.
 const SAME_PLANE: f64 = 0.995;
 
-/// Corners nearer to the plane than this lie in it, in diagonals: the rounding of single precision and
+/// Corners nearer to the plane than this fraction of the diagonal lie in it: the rounding of single precision and
 /// welding stay below.
 const IN_PLANE: f64 = 1e-5;
 
@@ -296,12 +296,12 @@ impl Cap {
     }
 
     /// The height of a point over the plane, along the normal.
-    pub(super) fn height(&self, point: Vector) -> f64 {
+    fn height(&self, point: Vector) -> f64 {
         dot(self.normal, subtract(point, self.point))
     }
 
     /// Whether a point of the plane is on the cap, farther than `margin` from its rim.
-    pub(super) fn holds(&self, point: [f64; 2], margin: f64) -> bool {
+    fn holds(&self, point: [f64; 2], margin: f64) -> bool {
         let is_in_odd =
             self.outlines.iter().filter(|outline| is_in_outline(outline, point)).count() % 2;
         is_in_odd == 1

@@ -20,7 +20,8 @@ const SHEET_ANGLE: f64 = std::f64::consts::PI / 6.0;
 /// The same where all openings are to be closed: a sheet that is flat has no solid on it.
 const FLAT_ANGLE: f64 = SHEET_ANGLE / 6.0;
 
-/// This far beyond a cap, in diagonals, a point is on one side of it: above rounding, below what matters.
+/// A point this far beyond a cap, as a fraction of the diagonal, is on one side of it: above rounding, below
+/// visible sizes.
 const BEYOND: f64 = 1e-6;
 
 /// Where caps close less than this share of what stays open, by length, there is little to win: a mesh of
@@ -71,9 +72,6 @@ pub(super) struct Closing {
 type JudgedCap = (Cap, OpeningOutcome);
 
 /// Judges each opening of a repaired mesh. The materials of `source` say which sides of faces are drawn.
-///
-/// # Errors
-/// [`Error::Cancelled`].
 pub(super) fn judge(
     prepared: &PreparedMesh,
     source: MeshView<'_>,
@@ -155,9 +153,6 @@ impl Judge<'_> {
     }
 
     /// Rules 3 to 6.
-    ///
-    /// # Errors
-    /// [`Error::Cancelled`].
     fn judge_caps(&self, caps: &mut [JudgedCap]) -> Result<(), Error> {
         let capped = Capped::new(self, caps)?;
         capped.judge_shapes(caps)?;
@@ -208,9 +203,6 @@ impl Judge<'_> {
     }
 
     /// Rule 8: of the caps within the solid, those that reach out of it become surface. All openings are closed.
-    ///
-    /// # Errors
-    /// [`Error::Cancelled`].
     fn close_exposed(&self, caps: &mut [JudgedCap]) -> Result<(), Error> {
         if caps.iter().all(|(_, outcome)| *outcome != OpeningOutcome::ClosedWithin) {
             return Ok(());
@@ -303,9 +295,6 @@ impl<'a> Capped<'a> {
     }
 
     /// Leaves caps by their shape and that of the surface around them.
-    ///
-    /// # Errors
-    /// [`Error::Cancelled`].
     fn judge_shapes(&self, caps: &mut [JudgedCap]) -> Result<(), Error> {
         let &Judge { prepared, settings, control, ref loops, flatness, .. } = self.judge;
         let (positions, triangles) = (&prepared.mesh.positions, &prepared.mesh.triangles);
@@ -333,9 +322,6 @@ impl<'a> Capped<'a> {
     }
 
     /// Leaves caps through which something is seen with all others closed. Whether there were any.
-    ///
-    /// # Errors
-    /// [`Error::Cancelled`].
     fn leave_seen(&self, caps: &mut [JudgedCap]) -> Result<bool, Error> {
         let surface = self.surface();
         let is_closed: Vec<bool> = caps.iter().map(|(_, outcome)| outcome.is_closed()).collect();
@@ -361,9 +347,6 @@ impl<'a> Capped<'a> {
     }
 
     /// Separates caps within the solid from those on it.
-    ///
-    /// # Errors
-    /// [`Error::Cancelled`].
     fn mark_within(&self, caps: &mut [JudgedCap]) -> Result<(), Error> {
         let Self { judge, open, .. } = self;
         let positions = judge.positions();
@@ -383,9 +366,6 @@ impl<'a> Capped<'a> {
     }
 
     /// Leaves those of the caps within the solid that would empty it. Whether there were any.
-    ///
-    /// # Errors
-    /// [`Error::Cancelled`].
     fn leave_emptied(&self, caps: &mut [JudgedCap]) -> Result<bool, Error> {
         let Self { judge, open, .. } = self;
         let positions = self.judge.positions();

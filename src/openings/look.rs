@@ -1,9 +1,8 @@
 //! What is seen through an opening: the backs of faces, or their fronts.
 //!
-//! Whoever looks at the back of a face that is drawn from one side sees nothing. So where all that a cap
-//! looks at is backs, nobody is meant to look in, and the surface is the skin of a solid. Fronts, or
-//! a way out, say that the inside is a room; but for the fronts of other solids that are stuck into
-//! this one, which the ray leaves again through their backs.
+//! The back of a face that is drawn from one side is invisible. So where only backs are seen from a cap, the
+//! surface is the skin of a solid. Fronts, or a way out, mean that the inside is a room; except the fronts of
+//! other solids that are stuck into this one, which the ray leaves again through their backs.
 
 use super::cap::Cap;
 use crate::bvh::Bvh;
@@ -18,14 +17,14 @@ const RAYS_PER_POINT: usize = 4;
 /// Through the opening of a solid no more than this share of the rays sees anything.
 const MOST_SEEN: f64 = 0.05;
 
-/// Where more of the rays than this only see another cap, there is too little surface to tell: between the rim
+/// Where more of the rays than this only see another cap, there is too little surface to decide: between the rim
 /// of a cup and that of its liner a little below.
 const MOST_CAPPED: f64 = 0.5;
 
-/// A ray through more faces than this sees too much to tell.
+/// A ray through more faces than this decides nothing.
 const MOST_HITS: usize = 32;
 
-/// A hit nearer than this, in diagonals, is on the rim that the ray starts from.
+/// A hit nearer than this fraction of the diagonal is on the rim that the ray starts from.
 const START: f64 = 1e-7;
 
 /// Steps of the additive recurrences that spread points evenly: 1/φ, and 1/ρ, 1/ρ² for the plastic

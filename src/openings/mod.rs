@@ -1,4 +1,4 @@
-//! Openings: the sides that a modeller leaves out since nobody sees them.
+//! Openings: the sides that modellers leave out because they are never seen.
 //!
 //! A crate without a bottom is a shell to every decomposer, and takes many thin hulls. Here the flat
 //! openings of the repaired mesh are found, and those are closed through which only the backs of

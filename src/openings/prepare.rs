@@ -41,9 +41,6 @@ impl Closed {
 ///
 /// Takes as long as repair where nothing is open; otherwise some hundred rays for each flat opening, and
 /// repair once more where one is closed.
-///
-/// # Errors
-/// As [`prepare`].
 pub(crate) fn prepare_closed(
     source: MeshView<'_>,
     settings: &OpeningSettings,
@@ -53,9 +50,6 @@ pub(crate) fn prepare_closed(
 }
 
 /// The same for a mesh that is repaired already.
-///
-/// # Errors
-/// As [`prepare`].
 pub(crate) fn close_prepared(
     mut prepared: PreparedMesh,
     source: MeshView<'_>,
@@ -76,7 +70,7 @@ pub(crate) fn close_prepared(
         if closing.triangles.is_empty() && closing.hidden.is_empty() {
             break;
         }
-        prepared = cap(prepared, source, &closing, control)?;
+        prepared = cap_and_repair(prepared, source, &closing, control)?;
         has_caps = true;
     }
     hide(&mut prepared);
@@ -87,8 +81,8 @@ pub(crate) fn close_prepared(
     Ok(Closed { prepared, openings, nested_components, has_caps })
 }
 
-/// The repaired mesh with more triangles, repaired.
-fn cap(
+/// Adds the triangles that close openings, and repairs the whole.
+fn cap_and_repair(
     before: PreparedMesh,
     source: MeshView<'_>,
     closing: &Closing,

@@ -95,7 +95,7 @@ impl Opening {
         Self::new(points.len(), cap.area, mean(&points), prepared, outcome)
     }
 
-    /// Area and centre in diagonals.
+    /// Area and centre are normalised.
     fn new(
         edges: usize,
         area: f64,

@@ -38,7 +38,7 @@ pub fn colour(index: usize) -> Colour {
     }
 }
 
-/// A colour's channels in linear light, 0 to 1, as glTF wants them.
+/// A colour's channels in linear light, 0 to 1, as glTF has them.
 pub fn linear(colour: Colour) -> [f32; 3] {
     colour.map(decode)
 }

@@ -21,7 +21,7 @@ const TEMPLATE: &str = include_str!("template.html");
 /// Where in the template the data goes.
 const PLACE: &str = "<!--data-->";
 
-/// Colours that are told apart; hulls beyond them have them again.
+/// Distinguishable colours; hulls beyond them repeat them.
 const COLOURS: usize = 128;
 
 /// All that the page shows. Lengths are shares of the diagonal unless said otherwise.
@@ -235,7 +235,7 @@ impl Geometry {
     }
 
     /// Deflated in zlib's format, in base64.
-    pub(super) fn to_text(&self) -> std::io::Result<String> {
+    fn to_text(&self) -> std::io::Result<String> {
         let mut encoder = ZlibEncoder::new(Vec::new(), Compression::best());
         encoder.write_all(&self.bytes)?;
         Ok(STANDARD.encode(encoder.finish()?))

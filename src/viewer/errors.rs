@@ -19,7 +19,7 @@ pub(super) struct Change {
 
 /// Uncovered distances, as [`bytes`] has them.
 pub(super) struct Uncovered {
-    /// The greatest, in diagonals.
+    /// The greatest, as a fraction of the diagonal.
     pub most: f64,
     /// For each sample of the surface that of all leaves.
     pub values: Vec<u8>,

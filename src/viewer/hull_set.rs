@@ -68,9 +68,6 @@ pub fn hulls_of(hulls: &[NamedMesh]) -> Vec<Hull> {
 const MOST_SAMPLES: usize = 120_000;
 
 /// Prepares hulls for the page. `objects` are the parts of the source that have a name.
-///
-/// # Errors
-/// As [`measure`].
 pub(super) fn shown(
     set: HullSet<'_>,
     subject: &Subject<'_>,
@@ -136,7 +133,7 @@ pub(super) fn shown(
     })
 }
 
-/// Hulls as solids that points can be asked of.
+/// Hulls as solids.
 fn parts(hulls: &[&Hull], subject: &Subject<'_>) -> Result<Vec<MeasuredHull>, Error> {
     let parts =
         parallel::map(hulls, |&hull| MeasuredHull::new(&hull.into(), &subject.normalization));

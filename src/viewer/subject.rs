@@ -33,13 +33,13 @@ pub(super) struct Subject<'a> {
     pub openings: Vec<Opening>,
     /// How hulls are measured.
     pub options: MeasureOptions,
-    /// The bound, in diagonals.
+    /// The bound, as a fraction of the diagonal.
     pub bound: f64,
     /// The solid.
     bvh: Bvh,
 }
 
-/// A point nearer to the surface than this, in diagonals, is on it: rounding of hulls to `f32`.
+/// A point nearer to the surface than this fraction of the diagonal is on it: rounding of hulls to `f32`.
 const ON_SURFACE: f64 = 1e-6;
 
 impl<'a> Subject<'a> {
@@ -154,7 +154,7 @@ pub(super) fn points(corners: &[[Vector; 3]], divisions: &[u8]) -> Vec<Vector> {
     points
 }
 
-/// What a function gives for each point, asked once for each place: triangles share corners, and joint
+/// Applies a function to each point, once for each place: triangles share corners, and joint
 /// hulls have those of their parts.
 pub(super) fn map_places(
     points: &[Vector],
