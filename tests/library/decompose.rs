@@ -8,7 +8,7 @@ use hullwright::{
     ResolutionOutcome, Stage, decompose,
 };
 
-use crate::common::{Mesh, cuboid, fine_torus as torus, join, l_prism, prism};
+use crate::common::{Mesh, cuboid, fine_torus as torus, join, l_prism};
 
 fn cube(low: [f64; 3], size: f64) -> Mesh {
     cuboid(low, low.map(|x| x + size))
