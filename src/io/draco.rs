@@ -11,8 +11,7 @@ use gltf::json::accessor::ComponentType;
 use gltf::json::mesh::Primitive;
 use gltf::json::{Index, buffer};
 
-use super::gltf_data::{BYTES_PER_ELEMENT, Views};
-use super::gltf_data::{ElementLayout, number};
+use super::gltf_data::{BYTES_PER_ELEMENT, ElementLayout, Views, number};
 use super::meshopt::extension_number;
 
 pub(super) const EXTENSION: &str = "KHR_draco_mesh_compression";

@@ -13,8 +13,7 @@
 use std::borrow::Cow;
 
 use super::mesh_file::{MeshFile, Object, next_index};
-use super::text::Triangulator;
-use super::text::{Lines, at_line, coordinates, lines, name, number, words};
+use super::text::{Lines, Triangulator, at_line, coordinates, lines, name, number, words};
 
 pub(super) fn read(bytes: &[u8]) -> Result<MeshFile, String> {
     let mut file = MeshFile::default();

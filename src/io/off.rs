@@ -8,8 +8,9 @@
 //! in a form other than the one that was asked for.
 
 use super::mesh_file::{MeshFile, next_index};
-use super::text::Triangulator;
-use super::text::{at_line, coordinates, lines, number, quote, without_comment, words};
+use super::text::{
+    Triangulator, at_line, coordinates, lines, number, quote, without_comment, words,
+};
 
 /// A vertex is at least `0 0 0` and the line's end, a face at least `0` and the line's end.
 const SHORTEST_VERTEX: usize = 6;

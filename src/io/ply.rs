@@ -17,8 +17,7 @@ use ply_rs_bw::ply::{
 };
 
 use super::mesh_file::{MeshFile, next_index};
-use super::text::Triangulator;
-use super::text::{at_line, lines, name, number, quote, words};
+use super::text::{Triangulator, at_line, lines, name, number, quote, words};
 use crate::geometry::TriangleMesh;
 
 const AXES: [&str; 3] = ["x", "y", "z"];

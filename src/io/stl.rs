@@ -11,8 +11,7 @@
 //! STL has no shared vertices: each triangle brings three of its own.
 
 use super::mesh_file::{MeshFile, next_index};
-use super::text::Triangulator;
-use super::text::{at_line, coordinates, lines, name, quote, words};
+use super::text::{Triangulator, at_line, coordinates, lines, name, quote, words};
 
 /// A binary file begins with a comment of this length, and the number of triangles as `u32`.
 const COMMENT: usize = 80;

@@ -8,8 +8,7 @@
 
 use robust::{Coord, orient2d};
 
-use super::connectivity::SortedHalfEdges;
-use super::connectivity::{Connectivity, PatchKind};
+use super::connectivity::{Connectivity, PatchKind, SortedHalfEdges};
 use crate::geometry::vector::{
     Vector, add, area_normal, dot, length, maximum, minimum, scale, subtract,
 };

@@ -6,17 +6,15 @@
 //! non-manifold edges and intersections stay: they are normal input.
 
 use super::canonical_order::{MeshOrder, rotated, triangle_key, used_vertices, vertices_by_place};
-use super::connectivity::Connectivity;
-use super::connectivity::SortedHalfEdges;
+use super::connectivity::{Connectivity, SortedHalfEdges};
 use super::degenerate::{drop_degenerate, drop_duplicates};
 use super::orientation::orient;
 use super::prepared::{Normalization, PreparedMesh, Repairs, compact};
 use super::weld::weld;
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::MeshView;
-use crate::geometry::TriangleMesh;
 use crate::geometry::vector::Vector;
+use crate::geometry::{MeshView, TriangleMesh};
 
 /// Coordinates beyond this count as not finite: sums and diagonals have to stay finite.
 const LARGEST_COORDINATE: f64 = 1e300;

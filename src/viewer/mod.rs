@@ -1,7 +1,7 @@
 //! A page that shows a mesh and its hulls in any browser (feature `viewer`).
 //!
 //! A [`Page`] holds a mesh and one or more [`HullSet`]s, which are shown side by side. With a
-//! [`MergeTree`] the page has a slider from all hulls down to one. It is one HTML file that loads
+//! [`MergeTree`](crate::MergeTree) the page has a slider from all hulls down to one. It is one HTML file that loads
 //! nothing: the viewer is built from `viewer/` in the repository, the geometry follows as text.
 //!
 //! ```
