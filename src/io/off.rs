@@ -2,10 +2,6 @@
 //!
 //! The first line may lack the keyword, or run into the counts (`OFF490 518 0`), as in files that
 //! are around.
-//!
-//! Not read by the crate `off-rs` (2.0), which holds coordinates as `f32`, takes only files whose
-//! first line is exactly `OFF`, and refuses faces with fewer than three vertices or with colours
-//! in a form other than the one that was asked for.
 
 use super::mesh_file::{MeshFile, next_index};
 use super::text::{

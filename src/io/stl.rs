@@ -4,10 +4,6 @@
 //! with `solid` as many do. Otherwise it is text if it begins with `solid` and soon has a facet
 //! or an end, and else binary.
 //!
-//! Not read by the crate `stl_io` (0.11), which goes by the first six bytes alone, so that it
-//! refuses binary files that begin with `solid ` and text with a tab after it, holds coordinates
-//! as `f32`, and drops all solids after the first.
-//!
 //! STL has no shared vertices: each triangle brings three of its own.
 
 use super::mesh_file::{MeshFile, next_index};

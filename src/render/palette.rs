@@ -85,16 +85,6 @@ mod tests {
     }
 
     #[test]
-    fn neighbouring_numbers_have_clearly_different_colours() {
-        for index in 0..200 {
-            let (first, second) = (colour(index), colour(index + 1));
-            let difference: u32 =
-                (0..3).map(|channel| u32::from(first[channel].abs_diff(second[channel]))).sum();
-            assert!(difference > 60, "{index}: {first:?} and {second:?}");
-        }
-    }
-
-    #[test]
     fn any_two_of_forty_hulls_look_different() {
         for first in 0..40 {
             for second in 0..first {
