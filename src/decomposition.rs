@@ -2,7 +2,7 @@
 
 use crate::geometry::MeshView;
 use crate::hull::ConvexHull;
-use crate::mesh::repair::Repairs;
+use crate::mesh::Repairs;
 use crate::openings::Opening;
 
 /// Changes whenever the same input and parameters may give another result.

@@ -4,9 +4,9 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{area_normal, cross, cubed, dot, length, maximum, minimum, squared};
 use crate::geometry::{Bounds, MeshView};
-use crate::mesh::PreparedMesh;
 use crate::mesh::canonical_order::MeshOrder;
-use crate::mesh::repair::{Repairs, prepare};
+use crate::mesh::repair::prepare;
+use crate::mesh::{PreparedMesh, Repairs};
 use crate::openings::prepare::close_prepared;
 use crate::openings::{Opening, OpeningSettings};
 use crate::parameters::Parameters;
@@ -45,15 +45,6 @@ pub struct Inspection {
 
 impl Inspection {
     /// Whether all components are closed as they come, so that the mesh has an inside.
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// assert!(hullwright::inspect(&mesh)?.is_closed());
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     pub fn is_closed(&self) -> bool {
         self.closed_components == self.components
     }
@@ -85,21 +76,6 @@ pub fn inspect<'a>(mesh: impl Into<MeshView<'a>>) -> Result<Inspection, Error> {
 ///
 /// # Errors
 /// As [`inspect`].
-///
-/// ```
-/// use hullwright::{Openings, Parameters};
-///
-/// // Three sides of a tetrahedron: the fourth is a flat opening.
-/// let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-/// let triangles = [[0, 1, 3], [1, 2, 3], [2, 0, 3]];
-/// let mesh = hullwright::MeshView::new(&positions, &triangles);
-/// let found = hullwright::inspect_with(mesh, &Parameters::default())?;
-/// assert_eq!(found.openings.len(), 1);
-/// assert!((found.volume - 1.0 / 6.0).abs() < 1e-9);
-/// let kept = hullwright::inspect_with(mesh, &Parameters::default().openings(Openings::Keep))?;
-/// assert_eq!(kept.volume, 0.0);
-/// # Ok::<(), hullwright::Error>(())
-/// ```
 pub fn inspect_with<'a>(
     mesh: impl Into<MeshView<'a>>,
     parameters: &Parameters,

@@ -38,24 +38,14 @@
 //!
 //! | you have | you want | use |
 //! |---|---|---|
-//! | positions and triangles | convex hulls | [`decompose`] |
-//! | the same, on a thread that may not block | convex hulls, in slices | [`Decomposer`] |
-//! | the same | the paper's own hulls, or the one hull of all points | [`surface::decompose`](surface::decompose()), [`single_hull()`] |
-//! | users who choose | a method and its parameters as one value, or as text | [`Method`] |
-//! | a decomposition, or hulls of any tool | fewer hulls, a curve of hulls against error | [`MergeTree`] |
-//! | a mesh and hulls of any tool | protrusion, uncovered distance, intersection over union | [`measure::measure`] |
-//! | a mesh | mass, centre and inertia | [`mass_properties()`] |
-//! | a mesh | what repair finds in it | [`inspect()`] |
-//! | points | their convex hull | [`convex_hull()`] |
-//! | a mesh file | any of these | [`io`](io/index.html) (feature `io`) |
-//! | hulls | a file that games load | [`hulls_format`] |
-//! | a glTF scene | the hulls of all its meshes in one file | [`bake`](bake/index.html) (features `bake`, `io`) |
-//! | hulls | OBJ or GLB | [`io::write_hulls`](io/fn.write_hulls.html) (feature `io`) |
-//! | hulls of another tool, as OBJ | ours | [`io::read_hulls`](io/fn.read_hulls.html), then [`Hull::from`] of their [`convex_hull()`] |
-//! | a mesh, Rapier | a compound collider with the mesh's mass | [`rapier`](rapier/index.html) (feature `rapier`) |
-//! | a mesh, Bevy | the same in the background | [`bevy`](bevy/index.html) (feature `bevy`) |
-//! | a mesh and hulls | a picture of them | [`render`](render/index.html) (feature `io`) |
-//! | a mesh and hulls | a page to look at them from all sides | [`viewer`](viewer/index.html) (feature `viewer`) |
+//! | a mesh, or a mesh file ([`io`](io/index.html)) | convex hulls | [`decompose`]; [`Decomposer`] in time slices |
+//! | the same | the paper's own hulls; the one hull of all points; the choice as one value | [`surface::decompose`](surface::decompose()); [`single_hull()`]; [`Method`] |
+//! | a decomposition, or hulls of any tool | fewer hulls | [`MergeTree`] |
+//! | a mesh and hulls of any tool | their errors | [`measure::measure`] |
+//! | a mesh | mass, centre and inertia; a report on its defects | [`mass_properties()`]; [`inspect()`] |
+//! | hulls | a file that games load | [`hulls_format`]; [`bake`](bake/index.html) for a scene |
+//! | a mesh, Rapier or Bevy | a collider with the mesh's mass | [`rapier`](rapier/index.html), [`bevy`](bevy/index.html) |
+//! | a mesh and hulls | a picture, a page to look at them | [`render`](render/index.html), [`viewer`](viewer/index.html) |
 //!
 //! # Methods
 //!
@@ -70,8 +60,8 @@
 //!
 //! # Two distances
 //!
-//! - **Protrusion**: how far a hull is outside of the solid. Things stop before they touch.
-//! - **Uncovered distance**: how far the mesh's surface is outside of every hull. Things sink in.
+//! - **Protrusion**: how far a hull is outside of the solid. Objects stop before they touch.
+//! - **Uncovered distance**: how far the mesh's surface is outside of every hull. Objects sink in.
 //!
 //! Both are at most [`Parameters::max_error`], unless a limit on hulls forces more; the report says how
 //! much. *Uncovered volume* is the share of the solid that no
@@ -79,7 +69,7 @@
 //!
 //! # Conventions
 //!
-//! - **Units** are the input's. A [`Length`] is a share of the diagonal of the bounding box of the vertices
+//! - **Units** are the input's. A [`Length`] is a fraction of the diagonal of the bounding box of the vertices
 //!   that triangles use, or a number of the input's units.
 //! - **Winding**: right- and left-handed input both work. A closed mesh that encloses a negative volume is
 //!   turned around. Triangles of hulls run counter-clockwise seen from outside, in a right-handed frame.
@@ -107,25 +97,10 @@
 //!
 //! # Inside
 //!
-//! Imports go down this list only.
-//!
-//! | module | what it does | section of the paper |
-//! |---|---|---|
-//! | `bevy`, `rapier`, the command | use the public items alone | |
-//! | `viewer` | pages of the results of the functions below | |
-//! | `bake`, `merge_tree`, `measure`, `mass`, `inspect` | the functions above | |
-//! | `conventions` | names and extras by which artists ask for colliders | |
-//! | `io`, `render`, `hulls_format` | files and pictures | |
-//! | `method` | a method and its parameters as one value | |
-//! | `decompose`, `single_hull` | the functions above | |
-//! | `bounded` | the default method, one stage per file | |
-//! | `surface` | the paper's method, one section per file | 3.4 to 3.6 |
-//! | `decomposition` | results and reports | |
-//! | `openings` | closes what a modeller left open | |
-//! | `bvh` | closest point and generalized winding number | |
-//! | `hull` | quickhull in double precision, least thickness, hull simplification | 3.6 |
-//! | `mesh` | weld, orient, components, adjacency, simplify, convex grouping | 3.2 to 3.4.1 |
-//! | `parameters`, `control`, `error`, `parallel`, `geometry` | the ground floor | |
+//! Imports go down only: `bevy`, `rapier` and the command use the public items; below them are `viewer`, the public
+//! functions (`decompose`, `merge_tree`, `measure`, `mass`, `inspect`, `bake`), files and pictures (`io`, `render`,
+//! `hulls_format`), the methods (`bounded`, `surface`), and what they share (`stages`, `solid`, `openings`, `bvh`, `hull`, `mesh`,
+//! `parameters`, `control`, `error`, `parallel`, `geometry`). `CONTRIBUTING.md` has the table.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
@@ -190,7 +165,7 @@ pub use inspect::{Inspection, inspect, inspect_with};
 pub use mass::PrincipalInertia;
 pub use mass::{MassProperties, MassSource, mass_properties, mass_properties_with};
 pub use merge_tree::{CurvePoint, Join, MergeTree};
-pub use mesh::repair::Repairs;
+pub use mesh::Repairs;
 pub use method::{Method, MethodReport};
 pub use openings::{ClosedMesh, Opening, OpeningOutcome, close_openings};
 pub use parameters::{Length, Openings, Parameters, ParseError, Preset, UpAxis};

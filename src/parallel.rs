@@ -146,7 +146,7 @@ impl<S, R, E> Fold<S, R, E> {
     }
 }
 
-/// What a mutex guards, also after a panic: only results are kept in these that are true whoever found them.
+/// Locks a mutex, also after a panic: the results that these guard are valid whichever thread found them.
 pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -163,7 +163,7 @@ pub(crate) fn join<A: Send, B: Send>(
     (first(), second())
 }
 
-/// How often a thread that waits for work that can't be stopped asks whether it should.
+/// Time between two checks for a stop while work runs that can't be stopped.
 const ASK_EVERY: Duration = Duration::from_millis(1);
 
 /// Runs work that can't be stopped on a thread of its own, which is left to itself once `control` stops. In a browser,

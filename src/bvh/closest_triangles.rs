@@ -1,6 +1,6 @@
 //! For each triangle of one mesh the closest triangle of another, or that triangle's label.
 
-use super::Bvh;
+use super::hierarchy::Bvh;
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, add, area_normal, dot, length_squared, scale};
@@ -11,9 +11,6 @@ const PER_TASK: usize = 2048;
 
 /// For each triangle the triangle of `bvh` closest to its centre; `u32::MAX` if that is empty.
 /// O(n log m) for n triangles and m of `bvh`.
-///
-/// # Errors
-/// [`Error::Cancelled`].
 pub(crate) fn closest_triangles(
     positions: &[Vector],
     triangles: &[[u32; 3]],
@@ -57,9 +54,6 @@ const MIXED: u32 = u32::MAX;
 /// A triangle whose three corners belong to queried triangles of a single label and a similar
 /// normal inherits that label without a query. On the Princeton meshes this saves 4 of 10 queries
 /// and changes 3 of 10,000 labels. O(n log m) for n triangles and m of `bvh`.
-///
-/// # Errors
-/// [`Error::Cancelled`].
 pub(crate) fn closest_labels(
     positions: &[Vector],
     triangles: &[[u32; 3]],

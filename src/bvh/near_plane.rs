@@ -1,8 +1,8 @@
-//! The triangles near a face: in its box and in the slab around its plane.
+//! The triangles near a face (in its box and in the slab around its plane), or near a box.
 
-use super::Bvh;
-use super::tree::{Child, EMPTY, Node, STACK, WIDTH, child};
-use crate::geometry::vector::{Vector, dot};
+use super::hierarchy::Bvh;
+use super::tree::{EMPTY, Node, WIDTH};
+use crate::geometry::vector::{Vector, dot, subtract};
 
 /// A box cut to a slab: points between `min` and `max`, at most `half_width` from a plane.
 #[derive(Debug, Clone, Copy)]
@@ -65,35 +65,63 @@ impl Bvh {
     ) -> bool {
         found.clear();
         let tree = &self.tree;
-        let mut stack = [0_u32; STACK];
-        let mut height = 1;
-        while height > 0 {
-            height -= 1;
-            match child(stack[height]) {
-                Child::Empty => {}
-                Child::Block(block) => {
-                    for lane in 0..WIDTH {
-                        let corners = &tree.corners[block * WIDTH + lane];
-                        if tree.blocks[block].triangles[lane] != EMPTY && slab.meets(corners) {
-                            found.push(*corners);
-                        }
-                    }
-                    if found.len() > most {
-                        return false;
+        tree.visit_blocks(
+            |node| slab.meets_children(&tree.nodes[node], tree.centre),
+            |block| {
+                for lane in 0..WIDTH {
+                    let corners = &tree.corners[block * WIDTH + lane];
+                    if tree.blocks[block].triangles[lane] != EMPTY && slab.meets(corners) {
+                        found.push(*corners);
                     }
                 }
-                Child::Node(index) => {
-                    let node = &tree.nodes[index];
-                    let meets = slab.meets_children(node, tree.centre);
-                    for (place, reference) in node.children.into_iter().enumerate() {
-                        if meets[place] && reference != EMPTY {
-                            stack[height] = reference;
-                            height += 1;
-                        }
-                    }
-                }
-            }
+                found.len() <= most
+            },
+        )
+    }
+
+    /// The triangles whose boxes come within `margin` of a box, and others near it.
+    pub(crate) fn triangles_near_box(&self, low: Vector, high: Vector, margin: f64) -> Vec<u32> {
+        let tree = &self.tree;
+        let low = subtract(low, tree.centre).map(|x| x - margin - f64::from(tree.margin));
+        let high = subtract(high, tree.centre).map(|x| x + margin + f64::from(tree.margin));
+        let mut found = Vec::new();
+        let overlaps = |node: &Node, place: usize| {
+            (0..3).all(|axis| {
+                f64::from(node.min[axis][place]) <= high[axis]
+                    && f64::from(node.max[axis][place]) >= low[axis]
+            })
+        };
+        tree.visit_blocks(
+            |node| [0, 1, 2, 3].map(|place| overlaps(&tree.nodes[node], place)),
+            |block| {
+                let triangles = tree.blocks[block].triangles.iter();
+                found.extend(triangles.filter(|&&triangle| triangle != EMPTY));
+                true
+            },
+        );
+        found.sort_unstable();
+        found
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::shapes::uv_sphere;
+
+    #[test]
+    fn triangles_near_a_box_are_among_those_found() {
+        let mesh = uv_sphere(16, [0.0; 3], 1.0);
+        let bvh = Bvh::new(&mesh.positions, &mesh.triangles);
+        let (low, high) = ([0.5, -0.2, -0.2], [1.5, 0.2, 0.2]);
+        let found = bvh.triangles_near_box(low, high, 0.0);
+        for (t, triangle) in (0_u32..).zip(&mesh.triangles) {
+            let is_in = triangle.iter().any(|&v| {
+                let point = mesh.positions[v as usize];
+                (0..3).all(|axis| low[axis] <= point[axis] && point[axis] <= high[axis])
+            });
+            assert!(!is_in || found.contains(&t));
         }
-        true
+        assert!(found.len() < mesh.triangles.len() / 2);
     }
 }

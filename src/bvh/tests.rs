@@ -1,6 +1,6 @@
 use super::closest_point::closest_point_on_triangle;
 use super::*;
-use crate::geometry::vector::{add, cross, dot, length, length_squared, scale, subtract};
+use crate::geometry::vector::{Vector, add, cross, dot, length, length_squared, scale, subtract};
 use std::f64::consts::TAU;
 
 type Mesh = (Vec<Vector>, Vec<[u32; 3]>);

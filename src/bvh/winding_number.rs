@@ -10,7 +10,7 @@
 
 use std::f64::consts::TAU;
 
-use super::tree::{Block, Child, EMPTY, STACK, Tree, WIDTH, child};
+use super::tree::{Block, Child, EMPTY, Tree, WIDTH, child};
 use crate::geometry::Turns;
 use crate::geometry::vector::{
     Vector, add, cross, distance, length, length_squared, scale, subtract,
@@ -33,7 +33,7 @@ const NOWHERE: f32 = 1e6;
 /// Expansions of up to four children, relative to the tree's centre.
 #[derive(Debug, Clone)]
 #[repr(align(64))]
-pub(super) struct Moments {
+pub(super) struct Expansions {
     centre: [[f32; WIDTH]; 3],
     /// Squared distance beyond which the expansion is used.
     reach: [f32; WIDTH],
@@ -126,7 +126,7 @@ impl Cluster {
 
     /// Writes the harmonic part of the expansion. With d from the point to the centre, u = d/|d|:
     /// 4π w = v·u / |d|² - 3 uᵀF u / |d|³ + 15/2 S(u,u,u) / |d|⁴, F and S without their traces.
-    fn write(&self, moments: &mut Moments, place: usize, tree_centre: Vector) {
+    fn write(&self, moments: &mut Expansions, place: usize, tree_centre: Vector) {
         let per_solid_angle = 1.0 / (2.0 * TAU);
         let reach = ACCURACY * self.radius;
         moments.reach[place] = (reach * reach) as f32;
@@ -179,7 +179,7 @@ impl Cluster {
     }
 }
 
-impl Moments {
+impl Expansions {
     fn new() -> Self {
         Self {
             centre: [[NOWHERE; WIDTH]; 3],
@@ -257,14 +257,11 @@ impl Block {
 }
 
 /// The expansions of every node's children, parallel to [`Tree::nodes`]. O(n).
-///
-/// # Errors
-/// Those of `check`.
 pub(super) fn moments<E>(
     tree: &Tree,
     check: &impl Fn() -> Result<(), E>,
-) -> Result<Vec<Moments>, E> {
-    let mut moments = vec![Moments::new(); tree.nodes.len()];
+) -> Result<Vec<Expansions>, E> {
+    let mut moments = vec![Expansions::new(); tree.nodes.len()];
     let mut clusters = vec![Cluster::NOTHING; tree.nodes.len()];
     // Nodes precede their children.
     for (index, node) in tree.nodes.iter().enumerate().rev() {
@@ -309,28 +306,17 @@ fn cluster_of_block(tree: &Tree, block: usize) -> Cluster {
 }
 
 /// The winding number of the mesh about a point. On the surface it is finite but arbitrary.
-pub(super) fn winding_number(tree: &Tree, moments: &[Moments], point: Vector) -> f64 {
+pub(super) fn winding_number(tree: &Tree, moments: &[Expansions], point: Vector) -> f64 {
     let relative = subtract(point, tree.centre).map(|x| x as f32);
     let mut sums = [0.0_f32; WIDTH];
     let mut turns = Turns::NONE;
-    let mut stack = [0_u32; STACK];
-    let mut height = 1;
-    while height > 0 {
-        height -= 1;
-        match child(stack[height]) {
-            Child::Empty => {}
-            Child::Block(block) => tree.blocks[block].add_solid_angles(relative, &mut turns),
-            Child::Node(node) => {
-                let far = moments[node].add_far(relative, &mut sums);
-                for (place, reference) in tree.nodes[node].children.into_iter().enumerate() {
-                    if !far[place] {
-                        stack[height] = reference;
-                        height += 1;
-                    }
-                }
-            }
-        }
-    }
+    tree.visit_blocks(
+        |node| moments[node].add_far(relative, &mut sums).map(|is_far| !is_far),
+        |block| {
+            tree.blocks[block].add_solid_angles(relative, &mut turns);
+            true
+        },
+    );
     let far = sums.iter().map(|&sum| f64::from(sum)).sum::<f64>();
     turns.total() + far
 }

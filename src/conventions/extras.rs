@@ -1,16 +1,16 @@
-//! glTF extras (custom properties in Blender) by which artists ask for colliders and tune them:
-//! `{"collider": "convex_decomposition", "max_error": 0.01, "density": 500}`. Nothing here knows entities.
+//! glTF extras (custom properties in Blender) that give a mesh a collider and tune it:
+//! `{"collider": "convex_decomposition", "max_error": 0.01, "density": 500}`. No entities here.
 
 use std::str::FromStr;
 
 use serde_json::{Map, Value};
 
-use super::ColliderKind;
+use super::names::ColliderKind;
 use crate::method::Method;
 use crate::parameters::{Length, Openings, Preset};
 use crate::surface::SurfaceParameters;
 
-/// The key without which extras are somebody else's.
+/// The key that makes extras ours.
 const COLLIDER: &str = "collider";
 
 /// The settings that may stand beside it, and what they take.
@@ -61,7 +61,7 @@ pub enum Body {
     Kinematic,
 }
 
-/// What extras ask for. Where a setting is `None`, the scene's own counts.
+/// The collider that extras request. `None` leaves a setting to the scene.
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ExtrasTag {
@@ -130,7 +130,7 @@ pub fn read_extras(text: &str) -> (Option<ExtrasTag>, Vec<Complaint>) {
     (Some(tag), complaints)
 }
 
-/// Where nobody else can be meant.
+/// A complaint about settings that only we have, where the collider is missing.
 fn settings_without_collider(extras: &Map<String, Value>) -> Option<Complaint> {
     let ours = ["max_error", "max_hulls", "max_vertices", "keep_cavities"];
     let key = ours.into_iter().find(|key| extras.contains_key(*key))?;
@@ -145,15 +145,6 @@ fn all_keys() -> String {
 
 impl ExtrasTag {
     /// What its hulls are made with; `None` where no hulls are made. `base` is for what it says nothing of.
-    ///
-    /// ```
-    /// use hullwright::conventions::read_extras;
-    /// use hullwright::{Length, Method, Parameters};
-    ///
-    /// let (tag, _) = read_extras(r#"{"collider": "hulls", "max_error": "0.02m"}"#);
-    /// let expected = Method::from(Parameters::default().max_error(Length::units(0.02)));
-    /// assert_eq!(tag.and_then(|tag| tag.parameters(&Method::default())), Some(expected));
-    /// ```
     pub fn parameters(&self, base: &Method) -> Option<Method> {
         let kind = self.kind?;
         let mut parameters = base.for_bounded();
@@ -194,7 +185,7 @@ impl ExtrasTag {
     }
 }
 
-/// What [`Parameters::validate`](crate::Parameters::validate) asks for.
+/// The least that [`Parameters::validate`](crate::Parameters::validate) accepts.
 const LEAST_VERTICES: u32 = 8;
 
 fn positive(value: &Value) -> Option<f64> {

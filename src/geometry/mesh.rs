@@ -1,8 +1,82 @@
-//! Triangle meshes: one that is borrowed, which every function takes, and one that is owned.
+//! Boxes, coordinates, and triangle meshes: one that is borrowed, which every function takes, and one that is owned.
 
-use super::Coordinate;
-use super::coordinate::Positions;
 use super::vector::{Vector, cross, dot};
+
+/// A coordinate: `f32` or `f64`.
+pub trait Coordinate: Copy + sealed::Sealed {
+    /// The same number in double precision.
+    fn to_f64(self) -> f64;
+}
+
+impl Coordinate for f32 {
+    #[inline]
+    fn to_f64(self) -> f64 {
+        f64::from(self)
+    }
+}
+
+impl Coordinate for f64 {
+    #[inline]
+    fn to_f64(self) -> f64 {
+        self
+    }
+}
+
+/// Positions of one of the two types, so that what takes them needs no type parameter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Positions<'a> {
+    /// In single precision.
+    Single(&'a [[f32; 3]]),
+    /// In double precision.
+    Double(&'a [[f64; 3]]),
+}
+
+impl Positions<'_> {
+    fn len(&self) -> usize {
+        match self {
+            Self::Single(positions) => positions.len(),
+            Self::Double(positions) => positions.len(),
+        }
+    }
+
+    #[inline]
+    fn get(&self, vertex: usize) -> Option<[f64; 3]> {
+        match self {
+            Self::Single(positions) => positions.get(vertex).map(|point| point.map(f64::from)),
+            Self::Double(positions) => positions.get(vertex).copied(),
+        }
+    }
+}
+
+mod sealed {
+    use crate::geometry::mesh::Positions;
+
+    pub trait Sealed: Sized {
+        fn positions(positions: &[[Self; 3]]) -> Positions<'_>;
+    }
+
+    impl Sealed for f32 {
+        fn positions(positions: &[[Self; 3]]) -> Positions<'_> {
+            Positions::Single(positions)
+        }
+    }
+
+    impl Sealed for f64 {
+        fn positions(positions: &[[Self; 3]]) -> Positions<'_> {
+            Positions::Double(positions)
+        }
+    }
+}
+
+/// An axis-aligned box, in the input's units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Bounds {
+    /// The least coordinates.
+    pub min: [f64; 3],
+    /// The greatest coordinates.
+    pub max: [f64; 3],
+}
 
 /// Which sides of a triangle a renderer draws. Files say so by material.
 #[non_exhaustive]
@@ -40,78 +114,39 @@ pub struct MeshView<'a> {
 
 impl<'a> MeshView<'a> {
     /// Positions in `f32` or `f64`, in any unit, and triangles that index them.
-    ///
-    /// ```
-    /// let positions = [[0.0_f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-    /// let mesh = hullwright::MeshView::new(&positions, &[[0, 1, 2]]);
-    /// assert_eq!(mesh.triangles().len(), 1);
-    /// ```
     pub fn new<C: Coordinate>(positions: &'a [[C; 3]], triangles: &'a [[u32; 3]]) -> Self {
         Self { positions: C::positions(positions), triangles, sidedness: &[] }
     }
 
     /// The same mesh with a sidedness for each triangle; empty where it is not known.
-    ///
-    /// ```
-    /// use hullwright::{MeshView, Sidedness};
-    ///
-    /// let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-    /// let mesh = MeshView::new(&positions, &[[0, 1, 2]]).with_sidedness(&[Sidedness::Two]);
-    /// assert_eq!(mesh.sidedness(0), Some(Sidedness::Two));
-    /// ```
     #[must_use]
     pub fn with_sidedness(self, sidedness: &'a [Sidedness]) -> Self {
         Self { sidedness, ..self }
     }
 
     /// Number of vertices.
-    ///
-    /// ```
-    /// let mesh = hullwright::MeshView::new(&[[0.0_f32; 3]; 5], &[[0, 1, 2]]);
-    /// assert_eq!(mesh.vertex_count(), 5);
-    /// ```
     pub fn vertex_count(&self) -> usize {
         self.positions.len()
     }
 
     /// A vertex, or `None` where there is none of this number.
-    ///
-    /// ```
-    /// let mesh = hullwright::MeshView::new(&[[0.5_f32; 3]], &[]);
-    /// assert_eq!((mesh.position(0), mesh.position(1)), (Some([0.5; 3]), None));
-    /// ```
     #[inline]
     pub fn position(&self, vertex: u32) -> Option<[f64; 3]> {
         self.positions.get(vertex as usize)
     }
 
     /// All vertices, in double precision.
-    ///
-    /// ```
-    /// let mesh = hullwright::MeshView::new(&[[0.5_f32; 3]], &[]);
-    /// assert!(mesh.positions().eq([[0.5_f64; 3]]));
-    /// ```
     pub fn positions(&self) -> impl ExactSizeIterator<Item = [f64; 3]> + Clone + use<'a> {
         let positions = self.positions;
         (0..positions.len()).map(move |vertex| positions.get(vertex).unwrap_or_default())
     }
 
     /// The triangles.
-    ///
-    /// ```
-    /// let mesh = hullwright::MeshView::new(&[[0.0_f32; 3]; 3], &[[0, 1, 2]]);
-    /// assert_eq!(mesh.triangles(), [[0, 1, 2]]);
-    /// ```
     pub fn triangles(&self) -> &'a [[u32; 3]] {
         self.triangles
     }
 
     /// Which sides of a triangle are drawn, where that is known.
-    ///
-    /// ```
-    /// let mesh = hullwright::MeshView::new(&[[0.0_f32; 3]; 3], &[[0, 1, 2]]);
-    /// assert_eq!(mesh.sidedness(0), None);
-    /// ```
     pub fn sidedness(&self, triangle: u32) -> Option<Sidedness> {
         self.sidedness.get(triangle as usize).copied()
     }
@@ -122,11 +157,6 @@ impl<'a> MeshView<'a> {
     }
 
     /// A copy that owns what it holds. O(size).
-    ///
-    /// ```
-    /// let mesh = hullwright::MeshView::new(&[[0.5_f32; 3]; 3], &[[0, 1, 2]]);
-    /// assert_eq!(mesh.to_owned().positions, [[0.5_f64; 3]; 3]);
-    /// ```
     pub fn to_owned(&self) -> TriangleMesh {
         TriangleMesh {
             positions: self.positions().collect(),
@@ -143,20 +173,6 @@ impl<'a> MeshView<'a> {
 }
 
 /// A mesh that is owned: vertices in double precision, and triangles that index them.
-///
-/// ```
-/// use hullwright::{Control, Parameters, TriangleMesh, decompose};
-///
-/// # fn main() -> Result<(), hullwright::Error> {
-/// let mesh = TriangleMesh::new(
-///     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-///     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-/// );
-/// let result = decompose(&mesh, &Parameters::default(), &Control::new())?;
-/// assert_eq!(result.hulls.len(), 1);
-/// # Ok(())
-/// # }
-/// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct TriangleMesh {
     /// Vertices, in any unit.
@@ -169,11 +185,6 @@ pub struct TriangleMesh {
 
 impl TriangleMesh {
     /// A mesh of which it is not known which sides are drawn.
-    ///
-    /// ```
-    /// let mesh = hullwright::TriangleMesh::new(vec![[0.0; 3]; 3], vec![[0, 1, 2]]);
-    /// assert_eq!(mesh.triangles.len(), 1);
-    /// ```
     pub fn new(positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Self {
         Self { positions, triangles, sidedness: Vec::new() }
     }
@@ -196,11 +207,6 @@ impl TriangleMesh {
     }
 
     /// The mesh as every function takes it.
-    ///
-    /// ```
-    /// let mesh = hullwright::TriangleMesh::new(vec![[0.0; 3]; 3], vec![[0, 1, 2]]);
-    /// assert_eq!(mesh.view().vertex_count(), 3);
-    /// ```
     pub fn view(&self) -> MeshView<'_> {
         MeshView::new(&self.positions, &self.triangles).with_sidedness(&self.sidedness)
     }

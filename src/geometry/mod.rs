@@ -1,12 +1,8 @@
-//! The ground floor: vectors, boxes, coordinates, meshes.
+//! The ground floor: vectors, boxes, meshes.
 
-mod bounds;
-mod coordinate;
 mod mesh;
 mod turns;
 pub mod vector;
 
-pub use bounds::Bounds;
-pub use coordinate::Coordinate;
-pub use mesh::{MeshView, Sidedness, TriangleMesh};
+pub use mesh::{Bounds, Coordinate, MeshView, Sidedness, TriangleMesh};
 pub(crate) use turns::Turns;

@@ -1,13 +1,97 @@
-//! `.hullscene`: the hulls of all meshes of a scene in one file.
+//! `.hullscene`: the hulls of all meshes of a scene in one file, each mesh known by its content.
 
+use std::fmt;
 use std::path::Path;
 
-use super::mesh_hash::MeshHash;
-use super::read::{Reader, open};
-use super::write::{begin, count, seal, text};
-use super::{HullsFile, HullsFileError, MAGIC, SCENE_MAGIC, file_error};
+use sha2::{Digest, Sha256};
+
+use super::file::{
+    HullsFile, HullsFileError, MAGIC, Reader, SCENE_MAGIC, begin, count, file_error, open, seal,
+    text,
+};
 use crate::decomposition::ALGORITHM_VERSION;
+use crate::geometry::MeshView;
 use crate::method::Method;
+
+/// Hash of the corners of a mesh's triangles, in single precision, in the file's order.
+///
+/// It does not depend on how vertices are shared, numbered or left over, nor on the corner that a
+/// triangle begins with: readers of files differ in that, and a decomposition does not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct MeshHash([u8; 32]);
+
+/// Hashes of other things never equal these.
+const CONTEXT: &str = "hullwright 2026-11 corners of triangles in f32";
+
+/// A corner's bytes.
+const CORNER: usize = 12;
+
+/// Triangles that are handed to the hasher at once.
+const TRIANGLES_AT_ONCE: usize = 256;
+
+impl MeshHash {
+    /// Hashes a mesh. O(triangles).
+    ///
+    /// ```
+    /// use hullwright::{MeshView, hulls_format::MeshHash};
+    ///
+    /// let positions = [[0.0_f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [9.0, 9.0, 9.0]];
+    /// let hash = MeshHash::of(MeshView::new(&positions, &[[0, 1, 2]]));
+    /// assert_eq!(hash, MeshHash::of(MeshView::new(&positions[..3], &[[1, 2, 0]])));
+    /// assert_ne!(hash, MeshHash::of(MeshView::new(&positions[..3], &[[1, 0, 2]])));
+    /// ```
+    pub fn of<'a>(mesh: impl Into<MeshView<'a>>) -> Self {
+        let mesh = mesh.into();
+        let mut hasher = Sha256::new_with_prefix(CONTEXT);
+        let mut bytes = Vec::with_capacity(3 * CORNER * TRIANGLES_AT_ONCE);
+        for triangles in mesh.triangles().chunks(TRIANGLES_AT_ONCE) {
+            bytes.clear();
+            for triangle in triangles {
+                let corners = triangle.map(|vertex| corner(mesh.at(vertex)));
+                rotated(corners).iter().for_each(|corner| bytes.extend(corner));
+            }
+            hasher.update(&bytes);
+        }
+        Self(hasher.finalize().into())
+    }
+
+    /// From the bytes of a hash.
+    pub const fn from_bytes(bytes: [u8; 32]) -> Self {
+        Self(bytes)
+    }
+
+    /// The bytes of the hash.
+    pub const fn as_bytes(&self) -> &[u8; 32] {
+        &self.0
+    }
+}
+
+/// In hexadecimal digits.
+impl fmt::Display for MeshHash {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.iter().try_for_each(|byte| write!(formatter, "{byte:02x}"))
+    }
+}
+
+fn corner(point: [f64; 3]) -> [u8; CORNER] {
+    let mut bytes = [0; CORNER];
+    for (bytes, x) in bytes.as_chunks_mut::<4>().0.iter_mut().zip(point) {
+        // The negative zero is the same place.
+        *bytes = (x as f32 + 0.0).to_le_bytes();
+    }
+    bytes
+}
+
+/// Beginning with the least corner, wound as before.
+fn rotated([a, b, c]: [[u8; CORNER]; 3]) -> [[u8; CORNER]; 3] {
+    if a <= b && a <= c {
+        [a, b, c]
+    } else if b <= c {
+        [b, c, a]
+    } else {
+        [c, a, b]
+    }
+}
 
 /// The hulls of all meshes of a scene.
 ///
@@ -73,23 +157,8 @@ pub enum SceneLookup<'a> {
 
 impl BakedMesh {
     /// The hulls of `mesh` by `parameters`; its name is theirs. O(triangles).
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// use hullwright::hulls_format::{BakedMesh, HullsFile, MeshHash};
-    /// use hullwright::{Control, Parameters, decompose};
-    ///
-    /// let parameters = Parameters::default();
-    /// let made = decompose(&mesh, &parameters, &Control::new())?;
-    /// let baked = BakedMesh::new(&mesh, parameters, HullsFile::new("rock", &made));
-    /// assert_eq!((baked.hash, baked.names), (MeshHash::of(&mesh), vec!["rock".to_owned()]));
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     pub fn new<'a>(
-        mesh: impl Into<crate::MeshView<'a>>,
+        mesh: impl Into<MeshView<'a>>,
         parameters: impl Into<Method>,
         hulls: HullsFile,
     ) -> Self {
@@ -98,20 +167,6 @@ impl BakedMesh {
     }
 
     /// The same with the names of nodes that show the mesh, each once.
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// # use hullwright::{Control, Parameters, decompose, hulls_format::{BakedMesh, HullsFile}};
-    /// # let parameters = Parameters::default();
-    /// # let made = decompose(&mesh, &parameters, &Control::new())?;
-    /// let baked = BakedMesh::new(&mesh, parameters, HullsFile::new("rock", &made));
-    /// let baked = baked.with_names(["rock".to_owned(), "rock left of the gate".to_owned()]);
-    /// assert_eq!(baked.names, ["rock", "rock left of the gate"]);
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     #[must_use]
     pub fn with_names(mut self, names: impl IntoIterator<Item = String>) -> Self {
         for name in names {
@@ -125,32 +180,18 @@ impl BakedMesh {
 
 impl HullScene {
     /// A scene of meshes.
-    ///
-    /// ```
-    /// use hullwright::hulls_format::HullScene;
-    ///
-    /// assert_eq!(HullScene::new("level", Vec::new()).name, "level");
-    /// ```
     pub fn new(name: impl Into<String>, meshes: Vec<BakedMesh>) -> Self {
         Self { name: name.into(), meshes }
     }
 
     /// What there is of a mesh with this content and one of these names, by these parameters.
     /// O(meshes).
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// use hullwright::Method;
-    /// use hullwright::hulls_format::{HullScene, MeshHash, SceneLookup};
-    ///
-    /// let scene = HullScene::new("level", Vec::new());
-    /// let found = scene.look_up(MeshHash::of(&mesh), &Method::default(), &["rock"]);
-    /// assert_eq!(found, SceneLookup::Missing);
-    /// ```
-    pub fn look_up(&self, hash: MeshHash, parameters: &Method, names: &[&str]) -> SceneLookup<'_> {
+    pub fn look_up(
+        &self,
+        hash: MeshHash,
+        parameters: &Method,
+        names: &[&str],
+    ) -> SceneLookup<'_> {
         let of_content = || self.meshes.iter().filter(|baked| baked.hash == hash);
         let found = of_content().find(|baked| baked.parameters == *parameters);
         if let Some(baked) = found {
@@ -174,14 +215,6 @@ impl HullScene {
     ///
     /// # Errors
     /// [`HullsFileError::Invalid`] if a text or a list has more parts than 32 bits count.
-    ///
-    /// ```
-    /// use hullwright::hulls_format::HullScene;
-    ///
-    /// let scene = HullScene::new("level", Vec::new());
-    /// assert_eq!(HullScene::from_bytes(&scene.to_bytes()?)?, scene);
-    /// # Ok::<(), hullwright::hulls_format::HullsFileError>(())
-    /// ```
     pub fn to_bytes(&self) -> Result<Vec<u8>, HullsFileError> {
         let mut bytes = begin(SCENE_MAGIC, ALGORITHM_VERSION);
         text(&mut bytes, &self.name)?;
@@ -204,12 +237,6 @@ impl HullScene {
     ///
     /// # Errors
     /// [`HullsFileError`] says what is wrong with them.
-    ///
-    /// ```
-    /// use hullwright::hulls_format::{HullScene, HullsFileError};
-    ///
-    /// assert_eq!(HullScene::from_bytes(b"no hulls"), Err(HullsFileError::NotScene));
-    /// ```
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, HullsFileError> {
         if bytes.starts_with(&MAGIC) {
             return Err(HullsFileError::IsSingle);
@@ -229,16 +256,6 @@ impl HullScene {
     ///
     /// # Errors
     /// As [`to_bytes`](Self::to_bytes), and [`HullsFileError::File`] if writing fails.
-    ///
-    /// ```
-    /// use hullwright::hulls_format::HullScene;
-    ///
-    /// # let directory = tempfile::tempdir()?;
-    /// # let path = directory.path().join("level.hullscene");
-    /// HullScene::new("level", Vec::new()).write(&path)?;
-    /// assert_eq!(HullScene::read(&path)?.name, "level");
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), HullsFileError> {
         let path = path.as_ref();
         let bytes = self.to_bytes().map_err(|error| error.at(path))?;
@@ -250,13 +267,6 @@ impl HullScene {
     /// # Errors
     /// [`HullsFileError::File`] if it can't be read, [`HullsFileError::At`] if it does not hold
     /// what it should.
-    ///
-    /// ```
-    /// use hullwright::hulls_format::{HullScene, HullsFileError};
-    ///
-    /// let missing = HullScene::read("no such file.hullscene");
-    /// assert!(matches!(missing, Err(HullsFileError::File { .. })));
-    /// ```
     pub fn read(path: impl AsRef<Path>) -> Result<Self, HullsFileError> {
         let path = path.as_ref();
         let bytes = std::fs::read(path).map_err(|error| file_error(path, &error))?;
@@ -288,7 +298,7 @@ mod tests {
     use super::*;
     use crate::control::Control;
     use crate::decompose::decompose;
-    use crate::hulls_format::{CHECKSUM, HEADER};
+    use crate::hulls_format::file::{CHECKSUM, HEADER};
     use crate::mesh::TriangleMesh;
     use crate::mesh::shapes::cuboid;
     use crate::parameters::{Length, Parameters};

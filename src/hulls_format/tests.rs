@@ -5,6 +5,7 @@ use std::sync::LazyLock;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
+use super::file::{CHECKSUM, HEADER, MAGIC};
 use super::*;
 use crate::control::Control;
 use crate::geometry::MeshView;

@@ -11,9 +11,8 @@ use gltf::json::accessor::ComponentType;
 use gltf::json::mesh::Primitive;
 use gltf::json::{Index, buffer};
 
-use super::accessor::{Layout, number};
-use super::extension;
-use super::views::{BYTES_PER_ELEMENT, Views};
+use super::gltf_data::{BYTES_PER_ELEMENT, ElementLayout, Views, number};
+use super::meshopt::extension_number;
 
 pub(super) const EXTENSION: &str = "KHR_draco_mesh_compression";
 
@@ -36,9 +35,9 @@ impl Reference {
             return Ok(None);
         };
         let parse = || {
-            let view = extension::number(found, "bufferView")?;
+            let view = extension_number(found, "bufferView")?;
             let attributes = found.get("attributes").ok_or("its `attributes` are missing")?;
-            let attribute = extension::number(attributes, "POSITION")?;
+            let attribute = extension_number(attributes, "POSITION")?;
             let narrow =
                 |number| u32::try_from(number).map_err(|_| format!("{number} is too many"));
             Ok(Self { view: narrow(view)?, attribute: narrow(attribute)?, is_normalized })
@@ -48,14 +47,14 @@ impl Reference {
 }
 
 /// What a stream holds. Each index is below the number of positions.
-pub(super) struct Geometry {
+pub(super) struct DracoMesh {
     pub(super) positions: Vec<[f64; 3]>,
     /// Three for each triangle.
     pub(super) indices: Vec<u32>,
 }
 
 /// Decodes a stream, if that takes no more than what is left to grow.
-pub(super) fn decode(reference: Reference, views: &mut Views<'_>) -> Result<Geometry, String> {
+pub(super) fn decode(reference: Reference, views: &mut Views<'_>) -> Result<DracoMesh, String> {
     let view: Index<buffer::View> = Index::new(reference.view);
     let (stream, allowance) = views.get_with_allowance(view)?;
     let geometry = decode_stream(stream, reference, allowance).map_err(|reason| {
@@ -73,7 +72,7 @@ fn decode_stream(
     stream: &[u8],
     reference: Reference,
     allowance: usize,
-) -> Result<Geometry, String> {
+) -> Result<DracoMesh, String> {
     let most = (allowance / BYTES_PER_ELEMENT) as u64;
     let limits = DecodeLimits::default()
         .with_max_points(most)
@@ -91,7 +90,7 @@ fn decode_stream(
     let indices: Vec<u32> = mesh.faces().iter().flatten().map(|point| point.0).collect();
     match indices.iter().find(|index| **index as usize >= count) {
         Some(index) => Err(format!("its index {index} is beyond its {count} vertices")),
-        None => Ok(Geometry { positions, indices }),
+        None => Ok(DracoMesh { positions, indices }),
     }
 }
 
@@ -101,7 +100,7 @@ fn positions(
     is_normalized: bool,
 ) -> Result<Vec<[f64; 3]>, String> {
     let component = component(attribute.data_type())?;
-    let layout = Layout { component, components: 3, is_normalized };
+    let layout = ElementLayout { component, components: 3, is_normalized };
     if usize::from(attribute.num_components()) != layout.components {
         return Err(format!("its positions have {} components", attribute.num_components()));
     }

@@ -22,16 +22,13 @@ use gltf::json::scene::Node;
 use gltf::json::validation::Checked;
 use gltf::json::{Extras, Index, Root};
 
-use super::accessor::Accessors;
-use super::buffers::Buffers;
-use super::draco::{self, Geometry, Reference};
+use super::draco::{self, DracoMesh, Reference};
+use super::gltf_data::{Accessors, Buffers, Views};
+use super::mesh_file::{MeshFile, SceneMesh, SceneNode, next_index, scene_meshes};
 use super::meshopt;
-use super::scene_mesh::{SceneMesh, SceneNode, scene_meshes};
 use super::text::quote;
-use super::transform::Transform;
-use super::views::Views;
-use super::{MeshFile, next_index};
 use crate::geometry::Sidedness;
+use crate::geometry::vector::{Vector, add, cross, dot, scale};
 
 /// A small file can place a mesh any number of times. A scene may have this many vertices and
 /// this many triangles, and one more for each byte that was read and for each element that was
@@ -60,21 +57,17 @@ pub(super) fn read(bytes: &[u8], directory: Option<&Path>) -> Result<MeshFile, S
     read_with(bytes, directory, |scene| scene.read())
 }
 
-/// Each mesh of the document once, in its own space, whether a scene shows it or not.
-pub(super) fn read_own_space(bytes: &[u8], directory: Option<&Path>) -> Result<MeshFile, String> {
-    read_with(bytes, directory, |scene| scene.read_own_space())
-}
-
-/// The same with the names and extras of meshes and nodes.
+/// Each mesh of the document once, in its own space, whether a scene shows it or not, with its extras and those of
+/// its nodes.
 pub(super) fn read_scene(bytes: &[u8], directory: Option<&Path>) -> Result<Vec<SceneMesh>, String> {
     let mut of_objects = Vec::new();
     let file = read_with(bytes, directory, |scene| {
-        for (index, said) in said_of_meshes(scene.root).into_iter().enumerate() {
+        for (index, notes) in extras_and_nodes(scene.root).into_iter().enumerate() {
             let objects = scene.file.objects.len();
             scene.add_own_space(index)?;
             // A mesh without triangles is no object.
             if scene.file.objects.len() > objects {
-                of_objects.push(said);
+                of_objects.push(notes);
             }
         }
         Ok(())
@@ -133,7 +126,7 @@ struct Scene<'a> {
     root: &'a Root,
     accessors: Accessors<'a>,
     /// A mesh may be placed many times, and a Draco stream may be used by many primitives.
-    decompressed: BTreeMap<Reference, Rc<Geometry>>,
+    decompressed: BTreeMap<Reference, Rc<DracoMesh>>,
     file: MeshFile,
 }
 
@@ -183,10 +176,6 @@ impl Scene<'_> {
             }
         }
         Ok(())
-    }
-
-    fn read_own_space(&mut self) -> Result<(), String> {
-        (0..self.root.meshes.len()).try_for_each(|index| self.add_own_space(index))
     }
 
     fn add_own_space(&mut self, index: usize) -> Result<(), String> {
@@ -307,7 +296,7 @@ impl Scene<'_> {
         }
     }
 
-    fn decompressed(&mut self, reference: Reference) -> Result<Rc<Geometry>, String> {
+    fn decompressed(&mut self, reference: Reference) -> Result<Rc<DracoMesh>, String> {
         if let Some(geometry) = self.decompressed.get(&reference) {
             return Ok(Rc::clone(geometry));
         }
@@ -327,17 +316,17 @@ impl Scene<'_> {
 }
 
 /// Each mesh's extras, and the nodes that show it.
-fn said_of_meshes(root: &Root) -> Vec<(Option<String>, Vec<SceneNode>)> {
+fn extras_and_nodes(root: &Root) -> Vec<(Option<String>, Vec<SceneNode>)> {
     let text = |extras: &Extras| Some(extras.as_ref()?.get().to_owned());
-    let mut said: Vec<_> =
+    let mut notes: Vec<_> =
         root.meshes.iter().map(|mesh| (text(&mesh.extras), Vec::new())).collect();
     for node in &root.nodes {
-        if let Some((_, nodes)) = node.mesh.and_then(|mesh| said.get_mut(mesh.value())) {
+        if let Some((_, nodes)) = node.mesh.and_then(|mesh| notes.get_mut(mesh.value())) {
             let name = node.name.clone().unwrap_or_default();
             nodes.push(SceneNode { name, extras: text(&node.extras) });
         }
     }
-    said
+    notes
 }
 
 fn transform(node: &Node) -> Transform {
@@ -373,4 +362,107 @@ fn triangles(
             return Err(format!("{} indices don't make whole triangles", indices.len()));
         }
     })
+}
+
+/// The affine transform of a node: a 3×3 matrix, by columns, and a translation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Transform {
+    pub columns: [Vector; 3],
+    pub translation: Vector,
+}
+
+impl Transform {
+    const IDENTITY: Self = Self {
+        columns: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        translation: [0.0; 3],
+    };
+
+    /// From a 4×4 matrix by columns, whose last row is taken as (0, 0, 0, 1).
+    fn from_matrix(matrix: [f32; 16]) -> Self {
+        let (columns, _) = matrix.as_chunks::<4>();
+        let column = |index: usize| {
+            let [x, y, z, _] = columns[index];
+            [x, y, z].map(f64::from)
+        };
+        Self { columns: [column(0), column(1), column(2)], translation: column(3) }
+    }
+
+    /// First scaled, then rotated by a quaternion (x, y, z, w), then moved.
+    fn from_parts(translation: [f32; 3], rotation: [f32; 4], size: [f32; 3]) -> Self {
+        let [x, y, z, w] = rotation.map(f64::from);
+        let length_squared = x * x + y * y + z * z + w * w;
+        // A quaternion of length 0 or infinite turns nothing.
+        let s = if length_squared.is_normal() { 2.0 / length_squared } else { 0.0 };
+        let rotated = [
+            [1.0 - s * (y * y + z * z), s * (x * y + z * w), s * (x * z - y * w)],
+            [s * (x * y - z * w), 1.0 - s * (x * x + z * z), s * (y * z + x * w)],
+            [s * (x * z + y * w), s * (y * z - x * w), 1.0 - s * (x * x + y * y)],
+        ];
+        let mut columns = rotated;
+        for (column, factor) in columns.iter_mut().zip(size) {
+            *column = scale(*column, f64::from(factor));
+        }
+        Self { columns, translation: translation.map(f64::from) }
+    }
+
+    /// First `inner`, then this one.
+    pub(super) fn after(&self, inner: &Self) -> Self {
+        Self {
+            columns: inner.columns.map(|column| self.turn(column)),
+            translation: self.apply(inner.translation),
+        }
+    }
+
+    fn apply(&self, point: Vector) -> Vector {
+        add(self.turn(point), self.translation)
+    }
+
+    /// Whether left and right change places.
+    fn is_mirroring(&self) -> bool {
+        let [a, b, c] = self.columns;
+        dot(cross(a, b), c) < 0.0
+    }
+
+    fn turn(&self, direction: Vector) -> Vector {
+        let [a, b, c] = self.columns;
+        let [x, y, z] = direction;
+        add(add(scale(a, x), scale(b, y)), scale(c, z))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::vector::distance;
+
+    #[test]
+    fn scale_comes_before_rotation_and_translation() {
+        let half = std::f32::consts::FRAC_1_SQRT_2;
+        let quarter_turn_about_z = [0.0, 0.0, half, half];
+        let transform =
+            Transform::from_parts([10.0, 0.0, 0.0], quarter_turn_about_z, [2.0, 1.0, -1.0]);
+        assert!(distance(transform.apply([1.0, 0.0, 5.0]), [10.0, 2.0, -5.0]) < 1e-6);
+        assert!(transform.is_mirroring());
+        assert!(!transform.after(&transform).is_mirroring());
+    }
+
+    #[test]
+    fn a_child_is_placed_before_its_parent() {
+        let parent = Transform::from_parts([1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0], [2.0; 3]);
+        let mut matrix = [0.0; 16];
+        for diagonal in [0, 5, 10, 15] {
+            matrix[diagonal] = 1.0;
+        }
+        matrix[13] = 3.0;
+        let child = Transform::from_matrix(matrix);
+        assert_eq!(parent.after(&child).apply([0.0; 3]), [1.0, 6.0, 0.0]);
+    }
+
+    #[test]
+    fn an_unnormalised_quaternion_only_turns() {
+        let transform = Transform::from_parts([0.0; 3], [0.0, 0.0, 3.0, 0.0], [1.0; 3]);
+        assert_eq!(transform.apply([1.0, 2.0, 3.0]), [-1.0, -2.0, 3.0]);
+        let broken = Transform::from_parts([0.0; 3], [0.0; 4], [1.0; 3]);
+        assert_eq!(broken, Transform::IDENTITY);
+    }
 }

@@ -1,7 +1,7 @@
 //! `EXT_meshopt_compression` and `KHR_meshopt_compression`: buffer views that hold streams of
 //! meshoptimizer's codecs.
 //!
-//! The first knows the vertex codec of version 0 alone and no filter for colours. Here both are
+//! The first has only version 0 of the vertex codec, and no filter for colours. Here both are
 //! read in the same way, as the library's own decoders do.
 
 use gltf::json::{Buffer, buffer};
@@ -12,7 +12,6 @@ use meshoptimizer_rs::codec::{
 use meshoptimizer_rs::{Error, Limits, Workspace};
 use serde_json::Value;
 
-use super::extension::{number, optional_number};
 use super::text::quote;
 
 /// The names of the extension, before and after it was adopted by Khronos.
@@ -57,11 +56,11 @@ impl Compressed {
         let mode = word("mode").ok_or("its `mode` is missing")?;
         let filter = word("filter").unwrap_or("NONE");
         let compressed = Self {
-            buffer: number(extension, "buffer")?,
+            buffer: extension_number(extension, "buffer")?,
             offset: optional_number(extension, "byteOffset")?.unwrap_or(0),
-            length: number(extension, "byteLength")?,
-            stride: number(extension, "byteStride")?,
-            count: number(extension, "count")?,
+            length: extension_number(extension, "byteLength")?,
+            stride: extension_number(extension, "byteStride")?,
+            count: extension_number(extension, "count")?,
             mode: Mode::parse(mode)
                 .map_err(|_| format!("the mode {} is unknown", quote(mode.as_bytes())))?,
             filter: match filter {
@@ -126,4 +125,20 @@ pub(super) fn is_placeholder(buffer: &Buffer) -> bool {
         let fallback = extensions.others.get(*name).and_then(|extension| extension.get("fallback"));
         fallback.and_then(Value::as_bool) == Some(true)
     })
+}
+
+/// A whole number of an extension, which may be missing. The crate `gltf` has no types for extensions.
+fn optional_number(extension: &Value, key: &str) -> Result<Option<usize>, String> {
+    let Some(value) = extension.get(key) else {
+        return Ok(None);
+    };
+    match value.as_u64().and_then(|number| usize::try_from(number).ok()) {
+        Some(number) => Ok(Some(number)),
+        None => Err(format!("its `{key}` should be a whole number")),
+    }
+}
+
+/// A whole number of an extension, which must be there.
+pub(super) fn extension_number(extension: &Value, key: &str) -> Result<usize, String> {
+    optional_number(extension, key)?.ok_or_else(|| format!("its `{key}` is missing"))
 }

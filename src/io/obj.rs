@@ -3,18 +3,11 @@
 //! Positive and negative indices, polygons, faces before their vertices, continued lines and any
 //! text encoding are read; texture coordinates, normals, colours, weights, materials, points,
 //! lines and curves are skipped.
-//!
-//! Not read by `tobj` (4.0), the usual crate: its errors don't say where, it refuses files with a
-//! comment that is not UTF-8 and files where only some vertices have colours, makes surfaces of
-//! polylines (`l`), knows no continued lines, drops vertices that no face uses, so that they
-//! could not be reported, and overflows on a relative texture index before the first one. It
-//! also took six times as long on a million triangles (0.76 s to 0.13 s).
 
 use std::borrow::Cow;
 
-use super::polygon::Triangulator;
-use super::text::{Lines, at_line, coordinates, lines, name, number, words};
-use super::{MeshFile, next_index};
+use super::mesh_file::{MeshFile, Object, next_index};
+use super::text::{Lines, Triangulator, at_line, coordinates, lines, name, number, words};
 
 pub(super) fn read(bytes: &[u8]) -> Result<MeshFile, String> {
     let mut file = MeshFile::default();
@@ -91,7 +84,7 @@ fn divide(file: &mut MeshFile, parts: Vec<(String, usize)>) {
         let triangles = start..next_start;
         let name = std::mem::replace(&mut current, name);
         if !triangles.is_empty() {
-            file.objects.push(super::Object { name, triangles });
+            file.objects.push(Object { name, triangles });
         }
         start = next_start;
     }

@@ -2,14 +2,11 @@
 //!
 //! The first line may lack the keyword, or run into the counts (`OFF490 518 0`), as in files that
 //! are around.
-//!
-//! Not read by the crate `off-rs` (2.0), which holds coordinates as `f32`, takes only files whose
-//! first line is exactly `OFF`, and refuses faces with fewer than three vertices or with colours
-//! in a form other than the one that was asked for.
 
-use super::polygon::Triangulator;
-use super::text::{at_line, coordinates, lines, number, quote, without_comment, words};
-use super::{MeshFile, next_index};
+use super::mesh_file::{MeshFile, next_index};
+use super::text::{
+    Triangulator, at_line, coordinates, lines, number, quote, without_comment, words,
+};
 
 /// A vertex is at least `0 0 0` and the line's end, a face at least `0` and the line's end.
 const SHORTEST_VERTEX: usize = 6;

@@ -1,18 +1,13 @@
-//! STL, binary and text, told apart by more than the first word.
+//! STL, binary and text, distinguished by more than the first word.
 //!
 //! A file whose length is exactly what its binary header announces is binary, even if it begins
 //! with `solid` as many do. Otherwise it is text if it begins with `solid` and soon has a facet
 //! or an end, and else binary.
 //!
-//! Not read by the crate `stl_io` (0.11), which goes by the first six bytes alone, so that it
-//! refuses binary files that begin with `solid ` and text with a tab after it, holds coordinates
-//! as `f32`, and drops all solids after the first.
-//!
 //! STL has no shared vertices: each triangle brings three of its own.
 
-use super::polygon::Triangulator;
-use super::text::{at_line, coordinates, lines, name, quote, words};
-use super::{MeshFile, next_index};
+use super::mesh_file::{MeshFile, next_index};
+use super::text::{Triangulator, at_line, coordinates, lines, name, quote, words};
 
 /// A binary file begins with a comment of this length, and the number of triangles as `u32`.
 const COMMENT: usize = 80;

@@ -1,4 +1,8 @@
-//! What the readers of text formats share: numbered lines, words, numbers.
+//! What the readers of text formats share: lines, words, numbers, and polygons into triangles.
+
+use earcut::{Earcut, Refiner};
+
+use crate::geometry::vector::{Vector, add, area_normal, cross, dot, subtract};
 
 /// Longest piece of a file that an error message repeats, in characters.
 const LONGEST_QUOTE: usize = 40;
@@ -87,9 +91,131 @@ pub(super) fn at_line(line: usize) -> impl Fn(String) -> String {
     move |reason| format!("line {line}: {reason}")
 }
 
+// Polygons: a triangle stays as it is. A quadrilateral is cut along the diagonal from its first vertex,
+// or along the other one where the first does not lie inside. Larger polygons are seen along the axis
+// that their normal is closest to and go through ear clipping and Delaunay refinement (crate
+// `earcut`), which handles concave ones and makes no slivers at vertices in the middle of a
+// straight side. A polygon for which that finds nothing (no area, a coordinate that is not
+// finite), or with more than [`LARGEST_CLIPPED`] vertices, becomes a fan.
+
+/// Ear clipping may take the square of the number of vertices on polygons made to that end.
+const LARGEST_CLIPPED: usize = 10_000;
+
+/// The other diagonal is tried where a half has less than this share of a quadrilateral's area,
+/// which is what rounding makes of three vertices on a straight line.
+const LEAST_HALF: f64 = 1e-6;
+
+/// Triangulates polygons, one after the other, with the same scratch memory.
+pub(super) struct Triangulator {
+    earcut: Earcut<f64>,
+    refiner: Refiner,
+    flat: Vec<[f64; 2]>,
+    found: Vec<u32>,
+}
+
+impl Triangulator {
+    pub(super) fn new() -> Self {
+        Self { earcut: Earcut::new(), refiner: Refiner::new(), flat: Vec::new(), found: Vec::new() }
+    }
+
+    /// Appends the triangles of the polygon with these corners, wound as it is. Fewer than three
+    /// corners give none. All corners must be below the number of positions.
+    pub(super) fn append(
+        &mut self,
+        positions: &[Vector],
+        corners: &[u32],
+        triangles: &mut Vec<[u32; 3]>,
+    ) {
+        match *corners {
+            [a, b, c] => triangles.push([a, b, c]),
+            [a, b, c, d] => triangles.extend(cut_quadrilateral(positions, [a, b, c, d])),
+            _ if self.clip_ears(positions, corners) => {
+                let (found, _) = self.found.as_chunks::<3>();
+                triangles.extend(found.iter().map(|found| found.map(|i| corners[i as usize])));
+            }
+            [first, ref others @ ..] => {
+                triangles.extend(others.windows(2).map(|pair| [first, pair[0], pair[1]]));
+            }
+            [] => {}
+        }
+    }
+
+    /// Whether it found triangles, which then stand in `found`.
+    fn clip_ears(&mut self, positions: &[Vector], corners: &[u32]) -> bool {
+        if corners.len() < 3 || corners.len() > LARGEST_CLIPPED {
+            return false;
+        }
+        let origin = positions[corners[0] as usize];
+        let local = |corner: u32| subtract(positions[corner as usize], origin);
+        let normal = normal(corners.iter().map(|corner| local(*corner)));
+        if !normal.iter().all(|part| part.is_finite()) {
+            return false;
+        }
+        let size = normal.map(f64::abs);
+        let axes = if size[0] > size[1] && size[0] > size[2] {
+            [1, 2]
+        } else if size[1] > size[2] {
+            [2, 0]
+        } else {
+            [0, 1]
+        };
+        self.flat.clear();
+        self.flat.extend(corners.iter().map(|corner| axes.map(|axis| local(*corner)[axis])));
+        self.earcut.earcut_slice(&self.flat, &[], &mut self.found);
+        self.refiner.refine(&mut self.found, &self.flat);
+        self.wind_as(normal[3 - axes[0] - axes[1]] > 0.0);
+        !self.found.is_empty()
+    }
+
+    /// Ear clipping winds its triangles its own way: turns them counter-clockwise or clockwise.
+    fn wind_as(&mut self, counter_clockwise: bool) {
+        let (found, _) = self.found.as_chunks_mut::<3>();
+        let area: f64 = found
+            .iter()
+            .map(|triangle| {
+                let [a, b, c] = triangle.map(|corner| self.flat[corner as usize]);
+                (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+            })
+            .sum();
+        if (area > 0.0) != counter_clockwise {
+            found.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+        }
+    }
+}
+
+/// Twice the vector area of a closed polygon (Newell), which only needs to begin near the origin
+/// to be precise.
+fn normal(points: impl Iterator<Item = Vector> + Clone) -> Vector {
+    let following = points.clone().skip(1);
+    points.zip(following).fold([0.0; 3], |sum, (a, b)| add(sum, cross(a, b)))
+}
+
+fn cut_quadrilateral(positions: &[Vector], corners: [u32; 4]) -> [[u32; 3]; 2] {
+    let [a, b, c, d] = corners;
+    let area = |corners: [u32; 3]| {
+        let [a, b, c] = corners.map(|corner| positions[corner as usize]);
+        area_normal(a, b, c)
+    };
+    let by_first = [[a, b, c], [a, c, d]];
+    let by_second = [[a, b, d], [b, c, d]];
+    let whole = add(area(by_first[0]), area(by_first[1]));
+    // Negative where a part of the cut lies outside.
+    let smaller_half = |cut: [[u32; 3]; 2]| {
+        let [first, second] = cut.map(|half| dot(area(half), whole));
+        first.min(second)
+    };
+    let sliver = LEAST_HALF * dot(whole, whole);
+    if smaller_half(by_first) < sliver && smaller_half(by_second) > smaller_half(by_first) {
+        by_second
+    } else {
+        by_first
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::vector::length;
 
     #[test]
     fn all_line_endings_count_once() {
@@ -110,5 +236,102 @@ mod tests {
         let error = number::<f64>(&[0xff; 1000]).unwrap_err();
         assert!(error.chars().count() < 100, "{error}");
         assert!(!quote(b"a\nb\0c").contains(['\n', '\0']));
+    }
+
+    fn triangulate(positions: &[Vector]) -> Vec<[u32; 3]> {
+        let corners: Vec<u32> = (0..positions.len() as u32).collect();
+        let mut triangles = Vec::new();
+        Triangulator::new().append(positions, &corners, &mut triangles);
+        triangles
+    }
+
+    fn areas(positions: &[Vector]) -> Vec<Vector> {
+        triangulate(positions)
+            .iter()
+            .map(|triangle| {
+                let [a, b, c] = triangle.map(|corner| positions[corner as usize]);
+                area_normal(a, b, c)
+            })
+            .collect()
+    }
+
+    /// The same outline in a plane along no axis.
+    fn tilted(outline: &[[f64; 2]]) -> Vec<Vector> {
+        let place = |[x, y]: &[f64; 2]| [x + 0.3 * y, y - 0.2 * x, 0.7 * x - 0.4 * y + 1000.0];
+        outline.iter().map(place).collect()
+    }
+
+    const LETTER_E: [[f64; 2]; 12] = [
+        [0.0, 0.0],
+        [6.0, 0.0],
+        [6.0, 2.0],
+        [2.0, 2.0],
+        [2.0, 4.0],
+        [4.0, 4.0],
+        [4.0, 6.0],
+        [2.0, 6.0],
+        [2.0, 8.0],
+        [6.0, 8.0],
+        [6.0, 10.0],
+        [0.0, 10.0],
+    ];
+
+    fn assert_tiles(outline: &[[f64; 2]], expected_triangles: usize) {
+        for mirrored in [false, true] {
+            let mut points = tilted(outline);
+            if mirrored {
+                points.reverse();
+            }
+            let areas = areas(&points);
+            assert_eq!(areas.len(), expected_triangles);
+            let whole = normal(points.iter().map(|point| subtract(*point, points[0])));
+            let total: f64 = areas.iter().map(|area| length(*area)).sum();
+            assert!((total - length(whole)).abs() < 1e-9 * total, "pieces overlap");
+            for area in &areas {
+                assert!(dot(*area, whole) > 1e-6, "turned around or without area");
+            }
+        }
+    }
+
+    #[test]
+    fn a_concave_polygon_is_tiled_without_overlap_and_keeps_its_winding() {
+        assert_tiles(&LETTER_E, 10);
+    }
+
+    #[test]
+    fn vertices_on_straight_sides_are_all_used_and_make_no_slivers() {
+        let square = [
+            [0.0, 0.0],
+            [1.0, 0.0],
+            [2.0, 0.0],
+            [2.0, 1.0],
+            [2.0, 2.0],
+            [1.0, 2.0],
+            [0.0, 2.0],
+            [0.0, 1.0],
+        ];
+        assert_tiles(&square, 6);
+        assert_tiles(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 2.0]], 2);
+        assert_tiles(&[[1.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 0.0]], 2);
+    }
+
+    #[test]
+    fn a_concave_quadrilateral_is_cut_inside() {
+        let dart = [[0.0, 0.0], [4.0, 0.0], [1.0, 1.0], [0.0, 4.0]];
+        for shift in 0..4 {
+            let mut turned = dart;
+            turned.rotate_left(shift);
+            assert_tiles(&turned, 2);
+        }
+    }
+
+    #[test]
+    fn what_has_no_inside_becomes_a_fan() {
+        let line: Vec<Vector> = (0..6).map(|i| [f64::from(i), 0.0, 0.0]).collect();
+        assert_eq!(triangulate(&line).len(), 4);
+        assert_eq!(triangulate(&[[f64::NAN; 3]; 5]).len(), 3);
+        assert_eq!(triangulate(&[[1e300, -1e300, 1e300]; 7]).len(), 5);
+        assert!(triangulate(&line[..2]).is_empty());
+        assert!(triangulate(&[]).is_empty());
     }
 }

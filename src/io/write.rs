@@ -1,14 +1,18 @@
-//! Writes hull sets, all or nothing.
+//! Writes hull sets as OBJ and GLB, all or nothing.
 
+use std::borrow::Cow;
+use std::fmt::Write;
 use std::path::Path;
 
+use gltf::binary::{Glb, Header};
+use serde_json::{Value, json};
+
+use super::mesh_file::{HullFormat, is_hulls_file};
 use crate::atomic_write;
 use crate::error::Error;
 use crate::geometry::MeshView;
-
-use super::format::HullFormat;
-use super::write_glb::glb_from_hulls;
-use super::write_obj::obj_from_hulls;
+use crate::geometry::vector::{Vector, add, bounds, scale, subtract};
+use crate::render::palette::{colour, linear};
 
 /// Writes hulls to a file, for example `write_hulls(path, &decomposition.hulls)`. A file that is
 /// already there is replaced; if anything goes wrong it stays as it was.
@@ -57,14 +61,9 @@ pub fn write_hulls<'a, H: Into<MeshView<'a>>>(
 /// # Errors
 /// [`Error::File`] if the suffix is neither that of a [`HullFormat`] nor `hulls`, or if the directory
 /// does not exist.
-///
-/// ```
-/// assert!(hullwright::io::check_output("hulls.glb").is_ok());
-/// assert!(hullwright::io::check_output("hulls.fbx").is_err());
-/// ```
 pub fn check_output(path: impl AsRef<Path>) -> Result<(), Error> {
     let path = path.as_ref();
-    if !super::is_hulls_file(path) {
+    if !is_hulls_file(path) {
         output_format(path)?;
     }
     let directory = atomic_write::directory(path);
@@ -80,4 +79,203 @@ fn output_format(path: &Path) -> Result<HullFormat, Error> {
     HullFormat::from_path(path).ok_or_else(|| {
         Error::file(path, format!("hulls can be written as {}", HullFormat::suffix_list()))
     })
+}
+
+/// Hulls as [`write_hulls`](super::write_hulls) describes.
+fn obj_from_hulls<'a, H: Into<MeshView<'a>>>(hulls: impl IntoIterator<Item = H>) -> String {
+    let mut text = String::new();
+    let mut first_vertex = 1;
+    for (index, hull) in hulls.into_iter().enumerate() {
+        let hull = hull.into();
+        // Writing to a string can't fail.
+        let _ = writeln!(text, "o hull_{index}");
+        for [x, y, z] in hull.positions() {
+            let _ = writeln!(text, "v {x:?} {y:?} {z:?}");
+        }
+        for triangle in hull.triangles() {
+            let [a, b, c] = triangle.map(|vertex| first_vertex + vertex as usize);
+            let _ = writeln!(text, "f {a} {b} {c}");
+        }
+        first_vertex += hull.vertex_count();
+    }
+    text
+}
+
+/// glTF's codes for component types and for what a buffer view is for.
+const UNSIGNED_SHORT: u32 = 5123;
+const UNSIGNED_INT: u32 = 5125;
+const FLOAT: u32 = 5126;
+const VERTICES: u32 = 34962;
+const INDICES: u32 = 34963;
+
+/// Moderately glossy, so that edges show in any light.
+const ROUGHNESS: f64 = 0.6;
+
+/// The greatest 16-bit integer may not be used as an index.
+const MOST_SHORT_INDICES: usize = 65_535;
+
+/// Hulls as [`write_hulls`](super::write_hulls) describes. There are no normals, so that viewers
+/// shade the faces flat. The error, in words, is a file of more than 4 GiB or a coordinate that
+/// is too large for `f32`.
+fn glb_from_hulls<'a, H: Into<MeshView<'a>>>(
+    hulls: impl IntoIterator<Item = H>,
+) -> Result<Vec<u8>, String> {
+    let hulls: Vec<MeshView> = hulls.into_iter().map(Into::into).collect();
+    // Rounded first, since what is taken off each vertex must be what the node adds.
+    let centre = centre(&hulls).map(|part| part as f32);
+    let mut parts = Parts::default();
+    for hull in &hulls {
+        parts.add(hull, centre)?;
+    }
+    let json = parts.document(centre).to_string().into_bytes();
+    assemble(json, parts.bytes)
+}
+
+/// The middle of the bounding box.
+fn centre(hulls: &[MeshView]) -> Vector {
+    let (low, high) = bounds(hulls.iter().flat_map(|hull| hull.positions()));
+    if low[0] > high[0] { [0.0; 3] } else { add(scale(low, 0.5), scale(high, 0.5)) }
+}
+
+/// The growing arrays of the document.
+#[derive(Default)]
+struct Parts {
+    bytes: Vec<u8>,
+    views: Vec<Value>,
+    accessors: Vec<Value>,
+    materials: Vec<Value>,
+    meshes: Vec<Value>,
+    nodes: Vec<Value>,
+}
+
+impl Parts {
+    fn add(&mut self, hull: &MeshView, centre: [f32; 3]) -> Result<(), String> {
+        let index = self.meshes.len();
+        let name = format!("hull_{index}");
+        let positions = self.add_positions(hull, centre.map(f64::from))?;
+        let indices = self.add_indices(hull);
+        let [red, green, blue] = linear(colour(index));
+        self.materials.push(json!({
+            "name": name,
+            "pbrMetallicRoughness": {
+                "baseColorFactor": [red, green, blue, 1.0],
+                "metallicFactor": 0.0,
+                "roughnessFactor": ROUGHNESS,
+            },
+        }));
+        self.meshes.push(json!({
+            "name": name,
+            "primitives": [{
+                "attributes": { "POSITION": positions },
+                "indices": indices,
+                "material": index,
+            }],
+        }));
+        self.nodes.push(json!({ "name": name, "mesh": index }));
+        Ok(())
+    }
+
+    /// The index of the accessor.
+    fn add_positions(&mut self, hull: &MeshView, centre: Vector) -> Result<usize, String> {
+        let positions =
+            hull.positions().map(|point| subtract(point, centre).map(|part| part as f32));
+        let mut least = [f32::INFINITY; 3];
+        let mut greatest = [f32::NEG_INFINITY; 3];
+        let start = self.bytes.len();
+        for position in positions {
+            for axis in 0..3 {
+                least[axis] = least[axis].min(position[axis]);
+                greatest[axis] = greatest[axis].max(position[axis]);
+                self.bytes.extend(position[axis].to_le_bytes());
+            }
+        }
+        if !least.iter().chain(&greatest).all(|part| part.is_finite()) {
+            return Err("GLB has 32-bit coordinates, and some are too large for that".into());
+        }
+        let view = self.close_view(start, VERTICES);
+        self.accessors.push(json!({
+            "bufferView": view,
+            "componentType": FLOAT,
+            "count": hull.vertex_count(),
+            "type": "VEC3",
+            "min": least,
+            "max": greatest,
+        }));
+        Ok(self.accessors.len() - 1)
+    }
+
+    /// The index of the accessor.
+    fn add_indices(&mut self, hull: &MeshView) -> usize {
+        let is_short = hull.vertex_count() <= MOST_SHORT_INDICES;
+        let start = self.bytes.len();
+        for index in hull.triangles().iter().flatten() {
+            if is_short {
+                self.bytes.extend((*index as u16).to_le_bytes());
+            } else {
+                self.bytes.extend(index.to_le_bytes());
+            }
+        }
+        let view = self.close_view(start, INDICES);
+        self.accessors.push(json!({
+            "bufferView": view,
+            "componentType": if is_short { UNSIGNED_SHORT } else { UNSIGNED_INT },
+            "count": hull.triangles().len() * 3,
+            "type": "SCALAR",
+        }));
+        self.accessors.len() - 1
+    }
+
+    /// Makes a buffer view of the bytes since `start`. What follows is aligned to four bytes.
+    fn close_view(&mut self, start: usize, target: u32) -> usize {
+        self.views.push(json!({
+            "buffer": 0,
+            "byteOffset": start,
+            "byteLength": self.bytes.len() - start,
+            "target": target,
+        }));
+        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
+        self.views.len() - 1
+    }
+
+    fn document(&mut self, centre: [f32; 3]) -> Value {
+        let mut document = json!({
+            "asset": { "version": "2.0", "generator": concat!("hullwright ", env!("CARGO_PKG_VERSION")) },
+            "scene": 0,
+        });
+        let children: Vec<usize> = (0..self.nodes.len()).collect();
+        let root = self.nodes.len();
+        if children.is_empty() {
+            // Arrays and buffers may not be empty.
+            document["scenes"] = json!([{ "name": "hulls", "nodes": [0] }]);
+            document["nodes"] = json!([{ "name": "hulls" }]);
+            return document;
+        }
+        self.nodes.push(json!({ "name": "hulls", "translation": centre, "children": children }));
+        document["scenes"] = json!([{ "name": "hulls", "nodes": [root] }]);
+        document["buffers"] = json!([{ "byteLength": self.bytes.len() }]);
+        for (name, array) in [
+            ("nodes", &mut self.nodes),
+            ("meshes", &mut self.meshes),
+            ("materials", &mut self.materials),
+            ("accessors", &mut self.accessors),
+            ("bufferViews", &mut self.views),
+        ] {
+            document[name] = Value::Array(std::mem::take(array));
+        }
+        document
+    }
+}
+
+fn assemble(json: Vec<u8>, bytes: Vec<u8>) -> Result<Vec<u8>, String> {
+    let length = json.len().saturating_add(bytes.len());
+    if u32::try_from(length.saturating_add(64)).is_err() {
+        return Err(format!("its {length} bytes are more than a GLB can have"));
+    }
+    let glb = Glb {
+        // The length is filled in when it is written.
+        header: Header { magic: *b"glTF", version: 2, length: 0 },
+        json: Cow::Owned(json),
+        bin: (!bytes.is_empty()).then_some(Cow::Owned(bytes)),
+    };
+    glb.to_vec().map_err(|error| error.to_string())
 }

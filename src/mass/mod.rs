@@ -6,17 +6,15 @@
 //! 1. A mesh whose components are all closed: what it encloses, exactly, by the divergence
 //!    theorem. Cavities are taken off.
 //! 2. Where such a mesh overlaps itself, as a handle that is stuck into a mug, the overlap counts
-//!    once: columns through the mesh tell by the winding number what is inside.
+//!    once, by the winding number along columns through the mesh.
 //! 3. A mesh whose openings are closed is taken with them closed. Another open mesh has no inside. The union of its hulls is taken, by columns too.
 //! 4. Without hulls, its convex hull.
 
-mod columns;
 mod moments;
 #[cfg(feature = "nalgebra")]
 mod principal;
 
-use columns::moments_of_union;
-use moments::{Moments, inertia_of, second_of};
+use moments::{Moments, moments_of_union};
 
 #[cfg(feature = "nalgebra")]
 pub use principal::PrincipalInertia;
@@ -25,7 +23,7 @@ use crate::control::Control;
 use crate::decomposition::Hull;
 use crate::error::Error;
 use crate::geometry::MeshView;
-use crate::geometry::vector::Vector;
+use crate::geometry::vector::{Vector, add, cubed, scale, squared};
 use crate::hull::{HullBuilder, solid_hull};
 use crate::mesh::{Normalization, PreparedMesh};
 use crate::openings::OpeningSettings;
@@ -109,21 +107,6 @@ pub fn mass_properties<'a>(
 ///
 /// # Errors
 /// As [`mass_properties`].
-///
-/// ```
-/// use hullwright::{MassSource, MeshView, Openings, Parameters, mass_properties_with};
-///
-/// // Three sides of a tetrahedron: the fourth is a flat opening.
-/// let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-/// let mesh = MeshView::new(&positions, &[[0, 1, 3], [1, 2, 3], [2, 0, 3]]);
-/// let solid = mass_properties_with(mesh, &[], 600.0, &Parameters::default())?;
-/// assert_eq!(solid.source, MassSource::Mesh);
-/// assert!((solid.mass - 100.0).abs() < 1e-9);
-/// let keep = Parameters::default().openings(Openings::Keep);
-/// let shell = mass_properties_with(mesh, &[], 600.0, &keep)?;
-/// assert_eq!(shell.source, MassSource::ConvexHull);
-/// # Ok::<(), hullwright::Error>(())
-/// ```
 pub fn mass_properties_with<'a>(
     mesh: impl Into<MeshView<'a>>,
     hulls: &[Hull],
@@ -180,6 +163,54 @@ fn of_prepared(
     finish(Moments::enclosed(hull.corners()), MassSource::ConvexHull)
 }
 
+impl Moments {
+    /// The mass properties of a solid whose coordinates were divided by `unit` after `origin` was
+    /// taken off.
+    pub fn mass_properties(
+        &self,
+        unit: f64,
+        origin: Vector,
+        density: f64,
+        source: MassSource,
+    ) -> MassProperties {
+        let centre = scale(self.first, 1.0 / self.volume);
+        let mut central = self.second;
+        for i in 0..3 {
+            for j in 0..3 {
+                central[i][j] -= self.volume * centre[i] * centre[j];
+            }
+        }
+        let mass = density * cubed(unit);
+        MassProperties {
+            mass: mass * self.volume,
+            centre: add(scale(centre, unit), origin),
+            inertia: inertia_of(central).map(|row| scale(row, mass * squared(unit))),
+            source,
+        }
+    }
+}
+
+/// The inertia tensor of central second moments, and the other way round up to a factor of 2:
+/// trace times identity, minus the matrix.
+fn inertia_of(second: [Vector; 3]) -> [Vector; 3] {
+    let trace = second[0][0] + second[1][1] + second[2][2];
+    let mut inertia = second.map(|row| scale(row, -1.0));
+    for (i, row) in inertia.iter_mut().enumerate() {
+        row[i] += trace;
+    }
+    inertia
+}
+
+/// The central second moments of an inertia tensor.
+fn second_of(inertia: [Vector; 3]) -> [Vector; 3] {
+    let half_trace = (inertia[0][0] + inertia[1][1] + inertia[2][2]) / 2.0;
+    let mut second = inertia.map(|row| scale(row, -1.0));
+    for (i, row) in second.iter_mut().enumerate() {
+        row[i] += half_trace;
+    }
+    second
+}
+
 fn check_density(density: f64) -> Result<(), Error> {
     if density.is_finite() && density > 0.0 {
         return Ok(());
@@ -190,16 +221,6 @@ fn check_density(density: f64) -> Result<(), Error> {
 
 impl MassProperties {
     /// The same body of another mass.
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// let properties = hullwright::mass_properties(&mesh, &[], 1.0)?.with_mass(5.0);
-    /// assert_eq!(properties.mass, 5.0);
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     #[must_use]
     pub fn with_mass(mut self, mass: f64) -> Self {
         let factor = mass / self.mass;
@@ -210,16 +231,6 @@ impl MassProperties {
 
     /// The body after its coordinates are multiplied by `scale`, at the same density. A negative
     /// factor mirrors it.
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// let properties = hullwright::mass_properties(&mesh, &[], 6.0)?.scaled([2.0, 1.0, 1.0]);
-    /// assert!((properties.mass - 2.0).abs() < 1e-9);
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     #[must_use]
     pub fn scaled(mut self, scale: [f64; 3]) -> Self {
         let volume = (scale[0] * scale[1] * scale[2]).abs();
@@ -236,16 +247,6 @@ impl MassProperties {
     }
 
     /// Principal moments of inertia and their axes.
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// let principal = hullwright::mass_properties(&mesh, &[], 1.0)?.principal_inertia();
-    /// assert!(principal.moments[0] <= principal.moments[2]);
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     #[cfg(feature = "nalgebra")]
     pub fn principal_inertia(&self) -> PrincipalInertia {
         principal::principal_inertia(self.inertia)

@@ -1,7 +1,7 @@
 //! Judges any set of hulls, ours or another tool's, against the mesh that they stand for.
 //!
-//! [`measure`] says how far the hulls are outside of the solid (*protrusion*: things stop before they
-//! touch), how far the mesh's surface lies outside the hulls (*uncovered distance*: things sink in), and
+//! [`measure`] says how far the hulls are outside of the solid (*protrusion*: objects stop before they
+//! touch), how far the mesh's surface lies outside the hulls (*uncovered distance*: objects sink in), and
 //! how much of the solid no hull holds (*uncovered volume*). All lengths are relative to the diagonal of the
 //! bounding box of the vertices that the mesh's triangles use.
 //!
@@ -12,7 +12,7 @@
 //!   what is there both ways round, and open parts of a mesh that is inside out as a whole, enclose
 //!   nothing. Openings are closed as [`MeasureOptions::openings`] says. So holes, open sheets,
 //!   self-intersections and cavities are no obstacle.
-//! - The **surface** is the mesh's triangles, but for those without area: what is thinner than 1e-6 of the
+//! - The **surface** is the mesh's triangles, except those without area: what is thinner than 1e-6 of the
 //!   diagonal in two directions is a line, which repair drops and nothing has to cover.
 //! - A **hull** is the convex hull of its points: that is what a physics engine collides with,
 //!   whatever its triangles say. What they say is checked on its own: see [`HullCheck`].
@@ -23,34 +23,32 @@
 //! # Sampling
 //!
 //! Points are the same on every run, on any number of threads: evenly spread sequences, not random
-//! numbers, unless [`MeasureOptions::random_seed`] asks for some. A maximum is that of the sampled
+//! numbers, unless [`MeasureOptions::random_seed`] is set. A maximum is that of the sampled
 //! points; the true one may be higher, by more the sharper the spike. [`MeasureOptions`] has the numbers
 //! of points, [`Measurement::samples`] says what became of them.
 
-mod check;
-mod edges;
+pub(crate) mod hulls;
 mod measurement;
-mod options;
 pub(crate) mod sampling;
-pub(crate) mod solid;
 
-use crate::bvh::Bvh;
+use crate::bvh::{Bvh, INSIDE};
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::MeshView;
-use crate::geometry::vector::{Vector, add, bounds, maximum, minimum};
+use crate::geometry::vector::{
+    Vector, add, bounds, distance, length, maximum, minimum, scale, subtract,
+};
 use crate::mesh::canonical_order::MeshOrder;
 use crate::mesh::repair::Survey;
 use crate::mesh::{Normalization, TriangleMesh};
 use crate::openings::OpeningSettings;
 use crate::openings::prepare::prepare_closed;
 use crate::parallel::{self, map_indices};
-
-pub use check::HullCheck;
-pub use measurement::{Distances, Measurement, SampleCounts};
-pub use options::MeasureOptions;
+use hulls::{MeasuredHull, Union, open_share};
 use sampling::{Surface, in_unit_cube};
-use solid::{Part, Union};
+
+pub use hulls::HullCheck;
+pub use measurement::{Distances, MeasureOptions, Measurement, SampleCounts};
 
 /// A mesh with a larger share of open edges has no volume to speak of.
 const MOST_OPEN_EDGES: f64 = 0.005;
@@ -112,11 +110,11 @@ fn judge(
     if hulls.is_empty() {
         return Err(Error::NoHulls);
     }
-    let parts: Vec<Option<Part>> =
-        map_indices(hulls.len(), |index| Part::new(&hulls[index], &normalization));
+    let parts: Vec<Option<MeasuredHull>> =
+        map_indices(hulls.len(), |index| MeasuredHull::new(&hulls[index], &normalization));
     let checks: Vec<Option<HullCheck>> =
         parts.iter().map(|part| part.as_ref().map(|part| part.check)).collect();
-    let parts: Vec<Part> = parts.into_iter().flatten().collect();
+    let parts: Vec<MeasuredHull> = parts.into_iter().flatten().collect();
     if parts.is_empty() {
         let reason = "like all others, it has no triangles, an index out of range, or a coordinate \
                       that is not finite";
@@ -127,7 +125,7 @@ fn judge(
     let bvh = Bvh::new(&mesh.solid.positions, &mesh.solid.triangles);
     let mut samples = SampleCounts::default();
     control.check()?;
-    let open_edges = edges::open_share(&mesh.positions, &mesh.triangles);
+    let open_edges = open_share(&mesh.positions, &mesh.triangles);
     let protrusion = protrusion(&union, &bvh, open_edges > 0.0, options, &mut samples);
     control.check()?;
     let uncovered = uncovered(&mesh, &union, options, &mut samples);
@@ -230,13 +228,51 @@ fn protrusion(
         if bvh.is_inside(point) {
             return Some(0.0);
         }
-        let to_surface = distance(bvh, point);
-        Some(if is_open { bvh.distance_to_inside(point, to_surface) } else { to_surface })
+        let to_surface = distance_to_surface(bvh, point);
+        Some(if is_open { distance_to_inside(bvh, point, to_surface) } else { to_surface })
     });
     let distances: Vec<f64> = distances.into_iter().flatten().collect();
     samples.hull = count;
     samples.boundary = distances.len();
     Distances::of(distances)
+}
+
+/// Steps of Newton's method along the gradient: the winding number is smooth away from the surface,
+/// so that most searches take two or three.
+const STEPS: usize = 8;
+
+/// Differences for the gradient, as a share of the distance to the surface.
+const DIFFERENCE: f64 = 0.01;
+
+/// How far beyond the level of the inside a step aims: a point on it need not count.
+const BEYOND: f64 = 0.005;
+
+/// The distance from a point outside to a point inside that is nearer than `limit`, the distance
+/// to the surface; `limit` where none is found. An upper bound on the distance to the nearest one.
+fn distance_to_inside(bvh: &Bvh, point: Vector, limit: f64) -> f64 {
+    let step = DIFFERENCE * limit;
+    let mut at = point;
+    for _ in 0..STEPS {
+        let number = bvh.winding_number(at);
+        if number > INSIDE {
+            return distance(at, point);
+        }
+        let slope = [0, 1, 2].map(|axis| {
+            let mut beside = at;
+            beside[axis] += step;
+            (bvh.winding_number(beside) - number) / step
+        });
+        let steepness = length(slope);
+        if steepness <= 0.0 {
+            return limit;
+        }
+        let way = ((INSIDE + BEYOND - number) / steepness).min(0.5 * limit);
+        at = add(at, scale(slope, way / steepness));
+        if length(subtract(at, point)) >= limit {
+            return limit;
+        }
+    }
+    limit
 }
 
 /// How far the mesh lies outside all hulls.
@@ -253,12 +289,12 @@ fn uncovered(
     samples.mesh = count;
     Distances::of(map_indices(count, |index| {
         let (point, _) = surface.point(index, count, options.random_seed);
-        if union.multiplicity(point) > 0 { 0.0 } else { distance(&bvh, point) }
+        if union.multiplicity(point) > 0 { 0.0 } else { distance_to_surface(&bvh, point) }
     }))
 }
 
 /// Distance to a mesh that has triangles, so that there always is one.
-fn distance(bvh: &Bvh, point: Vector) -> f64 {
+fn distance_to_surface(bvh: &Bvh, point: Vector) -> f64 {
     bvh.closest_point(point, f64::INFINITY).map_or(0.0, |closest| closest.distance)
 }
 
@@ -298,4 +334,27 @@ fn volumes(
         volumes.with_multiplicity += multiplicity;
     }
     volumes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn above_the_mouth_of_a_box_without_a_lid_the_inside_is_nearer_than_the_surface() {
+        let corner = |i: u32| [0, 1, 2].map(|axis| f64::from(i >> axis & 1) - 0.5);
+        let positions: Vec<Vector> = (0..8).map(corner).collect();
+        let walls = [[0, 2, 1], [1, 2, 3], [0, 1, 4], [1, 5, 4], [2, 6, 3], [3, 6, 7]];
+        let triangles = [&walls[..], &[[0, 4, 2], [2, 4, 6], [1, 3, 5], [3, 7, 5]]].concat();
+        let bvh = Bvh::new(&positions, &triangles);
+        let above = [0.0, 0.0, 0.51];
+        assert!(!bvh.is_inside(above) && bvh.is_inside([0.0, 0.0, 0.49]));
+        let to_surface = bvh.closest_point(above, f64::INFINITY).unwrap().distance;
+        let to_inside = distance_to_inside(&bvh, above, to_surface);
+        assert!(to_surface > 0.49 && (0.01..0.03).contains(&to_inside), "{to_inside}");
+        // Beside a wall nothing inside is nearer than the wall.
+        let beside = [0.6, 0.0, 0.0];
+        let to_wall = bvh.closest_point(beside, f64::INFINITY).unwrap().distance;
+        assert_eq!(distance_to_inside(&bvh, beside, to_wall), to_wall);
+    }
 }

@@ -9,8 +9,8 @@
 //! over has no neighbour. Two triangles that run the same way along an edge that they have to
 //! themselves are neighbours too: that is how a surface without two sides (a Möbius strip) closes.
 
-use super::TriangleMesh;
-use super::edges::{Edge, SortedHalfEdges, ascends};
+use super::connectivity::{Edge, SortedHalfEdges, ascends};
+use crate::geometry::TriangleMesh;
 use crate::geometry::vector::{Vector, area_normal, dot, normalize};
 
 /// Stands in the neighbour list where an edge has no other triangle.
@@ -20,7 +20,7 @@ pub const NO_NEIGHBOUR: u32 = u32::MAX;
 /// not by angle, since the number of pairs grows with the square.
 const MOST_PAIRED_BY_ANGLE: usize = 64;
 
-/// Who is next to whom.
+/// Adjacency of triangles across edges.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Adjacency {
     /// For each triangle its unit normal, or zero where it has no area.
@@ -31,7 +31,7 @@ pub struct Adjacency {
 }
 
 impl Adjacency {
-    /// Linear time but for the sort of the edges at a vertex.
+    /// Linear time, except for the sort of the edges at a vertex.
     pub fn new(mesh: &TriangleMesh) -> Self {
         let triangles = &mesh.triangles;
         let normals: Vec<Vector> = triangles

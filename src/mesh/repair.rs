@@ -6,16 +6,15 @@
 //! non-manifold edges and intersections stay: they are normal input.
 
 use super::canonical_order::{MeshOrder, rotated, triangle_key, used_vertices, vertices_by_place};
-use super::components::Connectivity;
+use super::connectivity::{Connectivity, SortedHalfEdges};
 use super::degenerate::{drop_degenerate, drop_duplicates};
-use super::edges::SortedHalfEdges;
 use super::orientation::orient;
+use super::prepared::{Normalization, PreparedMesh, Repairs, compact};
 use super::weld::weld;
-use super::{Normalization, PreparedMesh, TriangleMesh, compact};
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::MeshView;
 use crate::geometry::vector::Vector;
+use crate::geometry::{MeshView, TriangleMesh};
 
 /// Coordinates beyond this count as not finite: sums and diagonals have to stay finite.
 const LARGEST_COORDINATE: f64 = 1e300;
@@ -25,29 +24,6 @@ const MOST_TRIANGLES: usize = u32::MAX as usize / 3;
 
 /// One number is kept for "none".
 const MOST_VERTICES: usize = u32::MAX as usize - 1;
-
-/// What was repaired in the input, as counts.
-#[non_exhaustive]
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Repairs {
-    /// Vertices that were welded to another.
-    pub welded_vertices: usize,
-    /// Vertices that no triangle uses.
-    pub unused_vertices: usize,
-    /// Triangles dropped because they use a coordinate that is not finite.
-    pub non_finite_triangles: usize,
-    /// Triangles dropped because they have no area.
-    pub degenerate_triangles: usize,
-    /// Triangles dropped because another has the same vertices.
-    pub duplicate_triangles: usize,
-    /// Triangles that were turned around.
-    pub flipped_triangles: usize,
-    /// Edges with more than two triangles, which stay.
-    pub non_manifold_edges: usize,
-    /// Edges with one triangle, which stay open.
-    pub open_edges: usize,
-}
 
 /// Repairs and normalises a mesh. See the module's head for what is done; the counts of it are in
 /// the result. Almost linear time.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::TriangleMesh;
+use crate::geometry::TriangleMesh;
 use crate::geometry::vector::{Vector, add, scale};
 
 /// An axis-aligned box, outward. Vertex number is x + 2 y + 4 z; the last two triangles are the

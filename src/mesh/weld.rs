@@ -7,7 +7,7 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, length_squared, subtract};
 
-/// Vertices that are no farther apart are one, in diagonals of the bounding box. Coordinates in
+/// Vertices that are no farther apart are one, as a fraction of the bounding-box diagonal. Coordinates in
 /// single precision are rounded by up to 3e-8 of a box that is centred at the origin, a rotated or
 /// moved copy by several times that. The smallest triangle of an even mesh of a hundred million
 /// is a hundred times larger than this.
@@ -29,9 +29,6 @@ const NONE: u32 = u32::MAX;
 /// [`WELD_TOLERANCE`]. The first vertex at a place stands for the others.
 ///
 /// Positions are normalised. Linear time, unless more vertices than usual lie in one cell.
-///
-/// # Errors
-/// [`Error::Cancelled`].
 pub(crate) fn weld(positions: &[Vector], control: &Control) -> Result<Vec<u32>, Error> {
     let slots = (positions.len() * SLOTS_PER_VERTEX).next_power_of_two().max(2);
     let shift = 64 - slots.trailing_zeros();

@@ -5,7 +5,7 @@
 //! vertices of its neighbours on it, is a loop without width.
 
 use crate::geometry::vector::{Vector, distance, dot, normalize, subtract};
-use crate::mesh::edges::{SortedHalfEdges, ascends};
+use crate::mesh::connectivity::{SortedHalfEdges, ascends};
 
 /// A simple closed polygon along the boundary.
 #[derive(Debug, Clone, PartialEq)]

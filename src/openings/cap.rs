@@ -8,6 +8,7 @@
 use earcut::Earcut;
 
 use super::boundary::Loop;
+use crate::bvh::Bvh;
 use crate::geometry::vector::{
     Vector, add, area_normal, bounds, cross, distance, dot, length, normalize, scale, subtract,
 };
@@ -22,13 +23,20 @@ const MOST_VERTICES: usize = 10_000;
 /// Triangles of a polygon that does not cross itself add up to its area within this share.
 const AREA_TOLERANCE: f64 = 1e-6;
 
-/// Loops in one plane have normals that differ by less: 0.1 radians. How far apart they may be is
-/// the flatness's to say.
+/// Cosine of the angle between the normals of loops in one plane: 0.1 radians. Their distance is at most the
+/// flatness.
 const SAME_PLANE: f64 = 0.995;
 
-/// What a loop, or a loop with holes, becomes.
+/// Corners nearer to the plane than this fraction of the diagonal lie in it: the rounding of single precision and
+/// welding stay below.
+const IN_PLANE: f64 = 1e-5;
+
+/// Points that are tried along the line in which a triangle cuts the plane.
+const POINTS: u32 = 5;
+
+/// What fills a loop, or a loop with holes, or why nothing does.
 #[derive(Debug, Clone)]
-pub(super) enum Candidate {
+pub(super) enum LoopFill {
     Crack { loop_index: usize, triangles: Vec<[u32; 3]> },
     Cap(Cap),
     NotFlat { loop_index: usize },
@@ -53,7 +61,7 @@ pub(super) struct Cap {
 }
 
 /// The plane of a loop.
-struct Plane {
+struct LoopPlane {
     normal: Vector,
     point: Vector,
     area: f64,
@@ -61,25 +69,25 @@ struct Plane {
     deviation: f64,
 }
 
-/// What the loops become. `flatness` in diagonals. O(l²) for l flat loops, and their triangulation.
-pub(super) fn candidates(positions: &[Vector], loops: &[Loop], flatness: f64) -> Vec<Candidate> {
+/// What fills each loop. `flatness` is a fraction of the diagonal. O(l²) for l flat loops, and their triangulation.
+pub(super) fn fill_loops(positions: &[Vector], loops: &[Loop], flatness: f64) -> Vec<LoopFill> {
     let points_of = |found: &Loop| -> Vec<Vector> {
         found.vertices.iter().map(|&vertex| positions[vertex as usize]).collect()
     };
     let points: Vec<Vec<Vector>> = loops.iter().map(points_of).collect();
     let mut found = Vec::new();
-    let mut planes: Vec<Option<Plane>> = Vec::new();
+    let mut planes: Vec<Option<LoopPlane>> = Vec::new();
     for (loop_index, (points, own)) in points.iter().zip(loops).enumerate() {
         if is_crack(points) {
             let triangles = zip_crack(points, &own.vertices);
-            found.push(Candidate::Crack { loop_index, triangles });
+            found.push(LoopFill::Crack { loop_index, triangles });
             planes.push(None);
             continue;
         }
-        let plane = Plane::of(points);
+        let plane = LoopPlane::of(points);
         let is_flat = plane.deviation <= flatness && plane.area > 0.0;
         if !is_flat {
-            found.push(Candidate::NotFlat { loop_index });
+            found.push(LoopFill::NotFlat { loop_index });
         }
         planes.push(is_flat.then_some(plane));
     }
@@ -92,14 +100,14 @@ pub(super) fn candidates(positions: &[Vector], loops: &[Loop], flatness: f64) ->
         let mut own = vec![loop_index];
         own.extend((0..loops.len()).filter(|&inner| outer[inner] == Some(loop_index)));
         match triangulate(plane, own, loops, &points) {
-            Some(cap) => found.push(Candidate::Cap(cap)),
-            None => found.push(Candidate::NotSimple { loop_index }),
+            Some(cap) => found.push(LoopFill::Cap(cap)),
+            None => found.push(LoopFill::NotSimple { loop_index }),
         }
     }
     found
 }
 
-impl Plane {
+impl LoopPlane {
     /// By the polygon's vector area (Newell), through the middle of its box.
     fn of(points: &[Vector]) -> Self {
         let (low, high) = bounds(points.iter().copied());
@@ -188,7 +196,7 @@ fn zip_crack(points: &[Vector], vertices: &[u32]) -> Vec<[u32; 3]> {
 /// For each loop the least one that it is a hole of.
 fn outer_loops(
     points: &[Vec<Vector>],
-    planes: &[Option<Plane>],
+    planes: &[Option<LoopPlane>],
     flatness: f64,
 ) -> Vec<Option<usize>> {
     let is_hole = |inner: usize, outer: usize| {
@@ -213,7 +221,7 @@ fn outer_loops(
 }
 
 fn triangulate(
-    plane: &Plane,
+    plane: &LoopPlane,
     own: Vec<usize>,
     loops: &[Loop],
     points: &[Vec<Vector>],
@@ -288,12 +296,12 @@ impl Cap {
     }
 
     /// The height of a point over the plane, along the normal.
-    pub(super) fn height(&self, point: Vector) -> f64 {
+    fn height(&self, point: Vector) -> f64 {
         dot(self.normal, subtract(point, self.point))
     }
 
     /// Whether a point of the plane is on the cap, farther than `margin` from its rim.
-    pub(super) fn holds(&self, point: [f64; 2], margin: f64) -> bool {
+    fn holds(&self, point: [f64; 2], margin: f64) -> bool {
         let is_in_odd =
             self.outlines.iter().filter(|outline| is_in_outline(outline, point)).count() % 2;
         is_in_odd == 1
@@ -339,4 +347,46 @@ fn distance_to_side(point: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let share = ((arm[0] * along[0] + arm[1] * along[1]) / squared).clamp(0.0, 1.0);
     let share = if share.is_nan() { 0.0 } else { share };
     libm::hypot(arm[0] - share * along[0], arm[1] - share * along[1])
+}
+
+/// Whether a triangle for which `counts` holds goes through the cap, farther than `margin` from its
+/// rim.
+pub(super) fn is_cut(
+    cap: &Cap,
+    (positions, triangles): (&[Vector], &[[u32; 3]]),
+    bvh: &Bvh,
+    margin: f64,
+    counts: impl Fn(u32) -> bool,
+) -> bool {
+    let corners = cap.triangles.as_flattened().iter().map(|&vertex| positions[vertex as usize]);
+    let (low, high) = bounds(corners);
+    let near = bvh.triangles_near_box(low, high, IN_PLANE);
+    near.into_iter().filter(|&triangle| counts(triangle)).any(|triangle| {
+        // The tree may hold caps too, which are not in `triangles`.
+        let Some(corners) = triangles.get(triangle as usize) else { return false };
+        let corners = corners.map(|vertex| positions[vertex as usize]);
+        let Some([from, to]) = line_in_plane(cap, corners) else { return false };
+        (0..POINTS).any(|number| {
+            let share = (f64::from(number) + 0.5) / f64::from(POINTS);
+            let point = add(from, scale(subtract(to, from), share));
+            cap.holds(cap.flatten(point), margin)
+        })
+    })
+}
+
+/// Where a triangle that has corners on both sides of the plane cuts it.
+fn line_in_plane(cap: &Cap, corners: [Vector; 3]) -> Option<[Vector; 2]> {
+    let heights = corners.map(|corner| cap.height(corner));
+    let is_above = heights.iter().any(|&height| height > IN_PLANE);
+    let is_below = heights.iter().any(|&height| height < -IN_PLANE);
+    if !is_above || !is_below {
+        return None;
+    }
+    let mut points = (0..3).filter_map(|side| {
+        let (a, b) = (side, (side + 1) % 3);
+        let crosses = (heights[a] > 0.0) != (heights[b] > 0.0);
+        let share = heights[a] / (heights[a] - heights[b]);
+        crosses.then(|| add(corners[a], scale(subtract(corners[b], corners[a]), share)))
+    });
+    Some([points.next()?, points.next()?])
 }

@@ -1,14 +1,11 @@
 //! What is seen through an opening: the backs of faces, or their fronts.
 //!
-//! Whoever looks at the back of a face that is drawn from one side sees nothing. So where all that a cap
-//! looks at is backs, nobody is meant to look in, and the surface is the skin of a solid. Fronts, or
-//! a way out, say that the inside is a room; but for the fronts of other solids that are stuck into
-//! this one, which the ray leaves again through their backs.
+//! The back of a face that is drawn from one side is invisible. So where only backs are seen from a cap, the
+//! surface is the skin of a solid. Fronts, or a way out, mean that the inside is a room; except the fronts of
+//! other solids that are stuck into this one, which the ray leaves again through their backs.
 
 use super::cap::Cap;
 use crate::bvh::Bvh;
-use crate::control::Control;
-use crate::error::Error;
 use crate::geometry::vector::{Vector, add, scale, subtract};
 
 /// Rays start from so many points, spread over the cap by area.
@@ -20,14 +17,14 @@ const RAYS_PER_POINT: usize = 4;
 /// Through the opening of a solid no more than this share of the rays sees anything.
 const MOST_SEEN: f64 = 0.05;
 
-/// Where more of the rays than this only see another cap, there is too little surface to tell: between the rim
+/// Where more of the rays than this only see another cap, there is too little surface to decide: between the rim
 /// of a cup and that of its liner a little below.
 const MOST_CAPPED: f64 = 0.5;
 
-/// A ray through more faces than this sees too much to tell.
+/// A ray through more faces than this decides nothing.
 const MOST_HITS: usize = 32;
 
-/// A hit nearer than this, in diagonals, is on the rim that the ray starts from.
+/// A hit nearer than this fraction of the diagonal is on the rim that the ray starts from.
 const START: f64 = 1e-7;
 
 /// Steps of the additive recurrences that spread points evenly: 1/φ, and 1/ρ, 1/ρ² for the plastic
@@ -37,24 +34,19 @@ const PLASTIC: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_2];
 
 /// Whether more than `MOST_SEEN` of the rays from a cap inward see a front, or a way out, or more than
 /// `MOST_CAPPED` leave the solid through another cap. Triangles from number `surface` on are caps; `counts`
-/// tells which triangles are there.
-///
-/// # Errors
-/// [`Error::Cancelled`].
+/// says which triangles are there.
 pub(super) fn is_seen_into(
     cap: &Cap,
     positions: &[Vector],
     bvh: &Bvh,
     surface: usize,
     counts: impl Fn(u32) -> bool,
-    control: &Control,
-) -> Result<bool, Error> {
+) -> bool {
     let inward = scale(cap.normal, -1.0);
     let is_more =
         |count: usize, share: f64| count as f64 > share * (POINTS * RAYS_PER_POINT) as f64;
     let (mut seen, mut capped) = (0, 0);
     for (number, point) in points(cap, positions).into_iter().enumerate() {
-        control.check()?;
         for ray in 0..RAYS_PER_POINT {
             let direction = direction(cap, inward, number * RAYS_PER_POINT + ray);
             match leaves_through(bvh, point, direction, &counts) {
@@ -63,10 +55,10 @@ pub(super) fn is_seen_into(
             }
         }
         if is_more(seen, MOST_SEEN) || is_more(capped, MOST_CAPPED) {
-            return Ok(true);
+            return true;
         }
     }
-    Ok(false)
+    false
 }
 
 /// Through which triangle a ray that starts in the solid leaves it, if it does: through one back more than

@@ -13,7 +13,7 @@ use crate::mesh::PreparedMesh;
 /// Points on a component's triangles that are tried, at most.
 const SAMPLES: usize = 24;
 
-/// How far to both sides of the surface it is asked what is inside, in diagonals: more than welding moves a
+/// Distance of the samples from the surface, on both sides, as a fraction of the diagonal: more than welding moves a
 /// surface, less than any wall that counts.
 const STEP: f64 = 1e-4;
 
@@ -23,9 +23,6 @@ const PASSES: usize = 4;
 /// Drops the closed components that are within the solid. Returns how many.
 ///
 /// Components whose box lies in no other's are passed over, and most others end with the first sample.
-///
-/// # Errors
-/// [`Error::Cancelled`].
 pub(super) fn drop_nested(prepared: &mut PreparedMesh, control: &Control) -> Result<usize, Error> {
     let mut dropped = 0;
     for _ in 0..PASSES {

@@ -1,20 +1,25 @@
-//! Repair, closing, and repair again: the mesh that the stages after it work on.
+//! The mesh that the stages after it work on: repaired, its openings closed, without nested shells.
+//!
+//! ```text
+//! repair → judge the openings → cap those that are closed → repair → judge again
+//! ```
 
+use super::decide::{Closing, OpeningSettings, judge};
 use super::nested::drop_nested;
-use super::{Closing, Opening, OpeningSettings, close};
+use super::report::Opening;
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::MeshView;
+use crate::geometry::{MeshView, TriangleMesh};
 use crate::mesh::canonical_order::MeshOrder;
 use crate::mesh::repair::prepare;
-use crate::mesh::{CAP, HIDDEN_CAP, PreparedMesh, TriangleMesh};
-use crate::parameters::Openings;
+use crate::mesh::{CAP, HIDDEN_CAP, PreparedMesh};
+use crate::parameters::{Openings, Parameters};
 
 /// Caps have the vertices of their loops, and ear clipping leaves out those in the middle of a
 /// straight side: that is a crack, which the next pass zips.
 const PASSES: usize = 3;
 
-/// What is done to a repaired mesh before it is decomposed.
+/// A repaired mesh with its openings closed.
 pub(crate) struct Closed {
     pub prepared: PreparedMesh,
     pub openings: Vec<Opening>,
@@ -36,9 +41,6 @@ impl Closed {
 ///
 /// Takes as long as repair where nothing is open; otherwise some hundred rays for each flat opening, and
 /// repair once more where one is closed.
-///
-/// # Errors
-/// As [`prepare`].
 pub(crate) fn prepare_closed(
     source: MeshView<'_>,
     settings: &OpeningSettings,
@@ -48,9 +50,6 @@ pub(crate) fn prepare_closed(
 }
 
 /// The same for a mesh that is repaired already.
-///
-/// # Errors
-/// As [`prepare`].
 pub(crate) fn close_prepared(
     mut prepared: PreparedMesh,
     source: MeshView<'_>,
@@ -64,14 +63,14 @@ pub(crate) fn close_prepared(
         if settings.openings == Openings::Keep || is_closed(&prepared) {
             break;
         }
-        let mut closing = close(&prepared, source, settings, control)?;
-        // What was left is judged again.
+        let mut closing = judge(&prepared, source, settings, control)?;
+        // The next pass judges again what this one leaves.
         openings.retain(|opening| opening.outcome.is_closed());
         openings.append(&mut closing.openings);
         if closing.triangles.is_empty() && closing.hidden.is_empty() {
             break;
         }
-        prepared = with_caps(prepared, source, &closing, control)?;
+        prepared = cap_and_repair(prepared, source, &closing, control)?;
         has_caps = true;
     }
     hide(&mut prepared);
@@ -82,8 +81,8 @@ pub(crate) fn close_prepared(
     Ok(Closed { prepared, openings, nested_components, has_caps })
 }
 
-/// The repaired mesh with more triangles, repaired.
-fn with_caps(
+/// Adds the triangles that close openings, and repairs the whole.
+fn cap_and_repair(
     before: PreparedMesh,
     source: MeshView<'_>,
     closing: &Closing,
@@ -123,4 +122,79 @@ fn hide(prepared: &mut PreparedMesh) {
     if !prepared.hidden_caps.is_empty() {
         prepared.retain(|source, _| source != HIDDEN_CAP);
     }
+}
+
+/// A mesh with its openings closed: what the promises of a decomposition are about.
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq)]
+pub struct ClosedMesh {
+    /// The repaired surface, then the caps; in the input's units.
+    pub mesh: TriangleMesh,
+    /// How many of the triangles, the last ones, are caps. Those within the solid are left out.
+    pub caps: usize,
+    /// The openings, closed and left.
+    pub openings: Vec<Opening>,
+    /// Closed components within the solid, which nothing can reach and which are left out.
+    pub nested_components: usize,
+}
+
+/// Repairs a mesh and closes its openings as [`decompose`](crate::decompose) does with these parameters.
+/// Almost linear time.
+///
+/// # Errors
+/// As [`inspect`](crate::inspect()), and [`Error::Cancelled`].
+///
+/// ```
+/// use hullwright::{Control, MeshView, Parameters, close_openings};
+///
+/// // Three sides of a tetrahedron: the fourth is a flat opening.
+/// let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+/// let triangles = [[0, 1, 3], [1, 2, 3], [2, 0, 3]];
+/// let mesh = MeshView::new(&positions, &triangles);
+/// let closed = close_openings(mesh, &Parameters::default(), &Control::new())?;
+/// assert_eq!((closed.mesh.triangles.len(), closed.caps), (4, 1));
+/// # Ok::<(), hullwright::Error>(())
+/// ```
+pub fn close_openings<'a>(
+    mesh: impl Into<MeshView<'a>>,
+    parameters: &Parameters,
+    control: &Control,
+) -> Result<ClosedMesh, Error> {
+    parameters.validate()?;
+    let settings = OpeningSettings::from(parameters);
+    let closed = prepare_closed(mesh.into(), &settings, control)?;
+    let Closed { prepared, openings, nested_components, .. } = closed;
+    let restore = |&point| prepared.normalization.restore(point);
+    let positions = prepared.mesh.positions.iter().map(restore).collect();
+    let (triangles, caps) = caps_last(&prepared);
+    let mesh = TriangleMesh::new(positions, triangles);
+    Ok(ClosedMesh { mesh, caps, openings, nested_components })
+}
+
+/// The triangles of the surface, caps last, and the number of those.
+pub(crate) fn caps_last(prepared: &PreparedMesh) -> (Vec<[u32; 3]>, usize) {
+    let sources = prepared.source_triangles.iter();
+    let (caps, mut triangles): (Vec<_>, Vec<_>) =
+        sources.zip(&prepared.mesh.triangles).partition(|&(&source, _)| source == CAP);
+    let count = caps.len();
+    triangles.extend(caps);
+    (triangles.into_iter().map(|(_, &triangle)| triangle).collect(), count)
+}
+
+/// The surface that the promises are about, and the triangles by whose winding number a point is in the
+/// solid; over the same vertices, in the input's units.
+///
+/// # Errors
+/// As [`close_openings`].
+pub fn surface_and_solid(
+    mesh: MeshView<'_>,
+    parameters: &Parameters,
+    control: &Control,
+) -> Result<(TriangleMesh, Vec<[u32; 3]>), Error> {
+    let settings = OpeningSettings::from(parameters);
+    let Closed { prepared, .. } = prepare_closed(mesh, &settings, control)?;
+    let solid = prepared.triangles_of_solid().into_owned();
+    let restore = |&point| prepared.normalization.restore(point);
+    let positions = prepared.mesh.positions.iter().map(restore).collect();
+    Ok((TriangleMesh::new(positions, prepared.mesh.triangles), solid))
 }

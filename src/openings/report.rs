@@ -50,19 +50,11 @@ pub enum OpeningOutcome {
 
 impl OpeningOutcome {
     /// Whether a cap closes it.
-    ///
-    /// ```
-    /// assert!(!hullwright::OpeningOutcome::NotFlat.is_closed());
-    /// ```
     pub fn is_closed(self) -> bool {
         matches!(self, Self::Closed | Self::ClosedWithin)
     }
 
     /// In words.
-    ///
-    /// ```
-    /// assert_eq!(hullwright::OpeningOutcome::NotFlat.describe(), "left: not flat within the bound");
-    /// ```
     pub fn describe(self) -> &'static str {
         match self {
             Self::Closed => "closed",
@@ -103,7 +95,7 @@ impl Opening {
         Self::new(points.len(), cap.area, mean(&points), prepared, outcome)
     }
 
-    /// Area and centre in diagonals.
+    /// Area and centre are normalised.
     fn new(
         edges: usize,
         area: f64,

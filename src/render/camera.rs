@@ -1,9 +1,10 @@
 //! Where the viewer stands, and how what is seen is fitted into a panel.
 
-use super::{UpAxis, View};
+use super::panel::View;
 use crate::geometry::vector::{
     Vector, add, bounds, cross, distance, dot, normalize, scale, subtract,
 };
+use crate::parameters::UpAxis;
 
 /// Share of a panel that stays free on each side.
 const MARGIN: f64 = 0.08;
@@ -12,7 +13,7 @@ const MARGIN: f64 = 0.08;
 /// comes close to it.
 const DISTANCE_SLACK: f64 = 1.05;
 
-/// Least and greatest vertical field of view in degrees: less is as good as parallel projection,
+/// Least and greatest vertical field of view in degrees: less looks like parallel projection,
 /// more distorts.
 const FIELD_OF_VIEW_RANGE: (f64, f64) = (0.5, 90.0);
 

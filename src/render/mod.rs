@@ -25,24 +25,23 @@
 //! bytes.
 
 mod camera;
-mod layout;
 pub mod palette;
 mod panel;
-mod picture;
 mod raster;
 mod shade;
+
+use std::path::Path;
 
 #[cfg(feature = "parallel")]
 use rayon::prelude::*;
 
+use crate::atomic_write;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, add};
 pub use crate::parameters::UpAxis;
 use camera::{Camera, Projection};
-pub use layout::{Layout, View};
 pub use palette::Colour;
-pub use panel::{Panel, Part};
-pub use picture::Picture;
+pub use panel::{Layout, Panel, Part, View};
 use raster::{SeenTriangle, rasterize};
 use shade::{BACKGROUND, SUPERSAMPLING, Shader};
 
@@ -55,16 +54,6 @@ const LARGEST_SIDE: usize = 4096;
 ///
 /// # Errors
 /// [`Error::InvalidParameter`] unless both sides are 1 to 4096 pixels.
-///
-/// ```
-/// # let mesh = hullwright::TriangleMesh::new(
-/// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-/// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-/// # );
-/// let picture = hullwright::render::render(&[hullwright::render::Panel::mesh(&mesh)], 32, 16)?;
-/// assert_eq!(picture.pixels().len(), 32 * 16);
-/// # Ok::<(), hullwright::Error>(())
-/// ```
 pub fn render(panels: &[Panel], width: usize, height: usize) -> Result<Picture, Error> {
     render_with(panels, width, height, &Layout::default())
 }
@@ -73,20 +62,6 @@ pub fn render(panels: &[Panel], width: usize, height: usize) -> Result<Picture, 
 ///
 /// # Errors
 /// [`Error::InvalidParameter`] unless both sides are 1 to 4096 pixels.
-///
-/// ```
-/// # let mesh = hullwright::TriangleMesh::new(
-/// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-/// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-/// # );
-/// use hullwright::render::{Layout, Panel, UpAxis, render_with};
-///
-/// let mut layout = Layout::default();
-/// layout.view.up = UpAxis::Z;
-/// let picture = render_with(&[Panel::mesh(&mesh)], 32, 16, &layout)?;
-/// assert_eq!((picture.width(), picture.height()), (32, 16));
-/// # Ok::<(), hullwright::Error>(())
-/// ```
 pub fn render_with(
     panels: &[Panel],
     width: usize,
@@ -183,6 +158,68 @@ fn draw_panel(
     for (row, line) in pixels.chunks(place.width).enumerate() {
         let start = (place.top + row) * picture.width + place.left;
         picture.pixels[start..start + place.width].copy_from_slice(line);
+    }
+}
+
+/// Pixels in sRGB, 8 bits per channel.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Picture {
+    width: usize,
+    height: usize,
+    pixels: Vec<Colour>,
+}
+
+impl Picture {
+    /// Width in pixels.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Height in pixels.
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// The colour of a pixel, counted from the top left; `None` outside.
+    pub fn pixel(&self, column: usize, row: usize) -> Option<Colour> {
+        let inside = column < self.width && row < self.height;
+        inside.then(|| self.pixels.get(row * self.width + column).copied())?
+    }
+
+    /// All pixels, row by row from the top.
+    pub fn pixels(&self) -> &[Colour] {
+        &self.pixels
+    }
+
+    /// The bytes of a PNG file.
+    ///
+    /// # Errors
+    /// [`Error::File`], without a path, if the encoder refuses.
+    pub fn to_png(&self) -> Result<Vec<u8>, Error> {
+        let refused = |reason: String| Error::file(Path::new("PNG"), reason);
+        let mut bytes = Vec::new();
+        // Sides are at most [`LARGEST_SIDE`].
+        let mut encoder = png::Encoder::new(&mut bytes, self.width as u32, self.height as u32);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        encoder.set_compression(png::Compression::High);
+        let written = encoder.write_header().and_then(|mut writer| {
+            writer.write_image_data(self.pixels.as_flattened())?;
+            writer.finish()
+        });
+        written.map_err(|error| refused(error.to_string()))?;
+        Ok(bytes)
+    }
+
+    /// Writes a PNG file.
+    ///
+    /// # Errors
+    /// [`Error::File`] says what is wrong with the path.
+    pub fn write_png(&self, path: impl AsRef<Path>) -> Result<(), Error> {
+        let path = path.as_ref();
+        let bytes = self.to_png()?;
+        atomic_write::write(path, &bytes).map_err(|error| Error::file(path, error))
     }
 }
 

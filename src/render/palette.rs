@@ -26,12 +26,6 @@ const TONES: [(f64, f64); 4] = [(0.74, 0.125), (0.66, 0.135), (0.82, 0.105), (0.
 const CHROMA_STEP: f64 = 0.005;
 
 /// The colour of hull or group number `index`. Deterministic, and O(1).
-///
-/// ```
-/// use hullwright::render::palette::colour;
-///
-/// assert_ne!(colour(0), colour(1));
-/// ```
 pub fn colour(index: usize) -> Colour {
     let (lightness, mut chroma) = TONES[index % TONES.len()];
     let hue = (FIRST_HUE + GOLDEN_ANGLE * index as f64).rem_euclid(360.0);
@@ -44,11 +38,7 @@ pub fn colour(index: usize) -> Colour {
     }
 }
 
-/// A colour's channels in linear light, 0 to 1, as glTF wants them.
-///
-/// ```
-/// assert_eq!(hullwright::render::palette::linear([0, 0, 255]), [0.0, 0.0, 1.0]);
-/// ```
+/// A colour's channels in linear light, 0 to 1, as glTF has them.
 pub fn linear(colour: Colour) -> [f32; 3] {
     colour.map(decode)
 }
@@ -92,16 +82,6 @@ mod tests {
         colours.sort_unstable();
         colours.dedup();
         assert_eq!(colours.len(), 100);
-    }
-
-    #[test]
-    fn neighbouring_numbers_have_clearly_different_colours() {
-        for index in 0..200 {
-            let (first, second) = (colour(index), colour(index + 1));
-            let difference: u32 =
-                (0..3).map(|channel| u32::from(first[channel].abs_diff(second[channel]))).sum();
-            assert!(difference > 60, "{index}: {first:?} and {second:?}");
-        }
     }
 
     #[test]

@@ -4,6 +4,7 @@ use super::palette::{self, Colour};
 use crate::geometry::vector::{Vector, add, maximum, minimum, scale, subtract};
 use crate::geometry::{MeshView, TriangleMesh};
 use crate::openings::ClosedMesh;
+use crate::parameters::UpAxis;
 
 /// Coordinates beyond this would overflow when squared: what uses them is not drawn.
 const LARGEST_COORDINATE: f64 = 1e100;
@@ -51,35 +52,12 @@ pub struct Panel {
 
 impl Panel {
     /// A mesh in [`palette::CLAY`].
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// assert_eq!(hullwright::render::Panel::mesh(&mesh).parts.len(), 1);
-    /// ```
     pub fn mesh<'a>(mesh: impl Into<MeshView<'a>>) -> Self {
         let mesh = mesh.into().to_owned();
         Self { parts: vec![Part { mesh, colour: palette::CLAY }], explosion: 0.0 }
     }
 
     /// A mesh in [`palette::CLAY`], the caps that close its openings in [`palette::CAP`].
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// let closed = hullwright::close_openings(
-    ///     &mesh,
-    ///     &hullwright::Parameters::default(),
-    ///     &hullwright::Control::new(),
-    /// )?;
-    /// let panel = hullwright::render::Panel::closed_mesh(&closed);
-    /// assert_eq!(panel.parts.len(), 2);
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     pub fn closed_mesh(closed: &ClosedMesh) -> Self {
         let ClosedMesh { mesh, caps, .. } = closed;
         let surface = mesh.triangles.len().saturating_sub(*caps);
@@ -94,15 +72,6 @@ impl Panel {
     /// A mesh in as many colours as there are labels: one label per triangle, such as
     /// [`GroupedMesh::groups`](crate::GroupedMesh::groups). Label n has the colour of hull n.
     /// Triangles without a label are left out.
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// let panel = hullwright::render::Panel::labelled(&mesh, &[0, 0, 1, 1]);
-    /// assert_eq!(panel.parts.len(), 2);
-    /// ```
     pub fn labelled<'a>(mesh: impl Into<MeshView<'a>>, labels: &[u32]) -> Self {
         let mesh = mesh.into();
         let mut labelled: Vec<(u32, [u32; 3])> =
@@ -123,14 +92,6 @@ impl Panel {
     }
 
     /// Hulls in the colours of the palette, in order.
-    ///
-    /// ```
-    /// # let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    /// let hull = hullwright::convex_hull(&points)?;
-    /// let panel = hullwright::render::Panel::hulls(&[hull.clone(), hull]);
-    /// assert_ne!(panel.parts[0].colour, panel.parts[1].colour);
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     pub fn hulls<'h, H>(hulls: &'h [H]) -> Self
     where
         &'h H: Into<MeshView<'h>>,
@@ -144,12 +105,6 @@ impl Panel {
 
     /// The same with its parts moved apart; see [`explosion`](Self::explosion). 0.5 is a good
     /// value.
-    ///
-    /// ```
-    /// use hullwright::render::Panel;
-    ///
-    /// assert_eq!(Panel::default().exploded(0.5).explosion, 0.5);
-    /// ```
     #[must_use]
     pub fn exploded(mut self, explosion: f64) -> Self {
         self.explosion = explosion;
@@ -178,4 +133,38 @@ fn middle(points: impl Iterator<Item = Vector>) -> Option<Vector> {
         Some((min, max)) => Some((minimum(min, point), maximum(max, point))),
     });
     bounds.map(|(min, max)| scale(add(min, max), 0.5))
+}
+
+/// Where the viewer stands.
+#[non_exhaustive]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct View {
+    /// Angle about the up axis in degrees: 0 looks at the front, greater ones from the right.
+    pub azimuth: f64,
+    /// Angle above the horizon in degrees.
+    pub elevation: f64,
+    /// Angle from one side of the scene's bounding sphere to the other, in degrees; clamped to
+    /// 0.5 to 90. Small is like parallel projection.
+    pub field_of_view: f64,
+    /// Which axis points up.
+    pub up: UpAxis,
+}
+
+impl Default for View {
+    fn default() -> Self {
+        Self { azimuth: 35.0, elevation: 26.0, field_of_view: 22.0, up: UpAxis::Y }
+    }
+}
+
+/// How panels are laid out.
+#[non_exhaustive]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Layout {
+    /// Panels per row; `None` for a single row.
+    pub columns: Option<usize>,
+    /// Whether each panel is fitted on its own. Otherwise all panels that are not exploded are
+    /// shown at the same scale, so that they can be compared.
+    pub separate_frames: bool,
+    /// Where the viewer stands, for all panels.
+    pub view: View,
 }

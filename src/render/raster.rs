@@ -18,7 +18,7 @@ const TIE: f64 = 1e-5;
 /// no crack between neighbours.
 const OVERHANG: f64 = 1e-6;
 
-/// Twice the least area, in squared samples, of a triangle that can be told from a line.
+/// Twice the least area, in squared samples, of a triangle that is drawn: below it is a line.
 const LEAST_AREA: f64 = 1e-9;
 
 /// A triangle in the camera's space.

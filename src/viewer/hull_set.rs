@@ -1,30 +1,73 @@
-//! Hulls and all that they are joined to: shapes, figures, and errors point by point.
+//! Hulls to be shown, and all that they are joined to: shapes, figures, and errors point by point.
 
 use std::ops::Range;
 
-use super::document::{HullEntry, SetEntry, StateEntry, UncoveredEntry};
-use super::geometry::Geometry;
-use super::overlap::overlaps;
-use super::samples;
-use super::subject::{Subject, corners};
-use super::uncovered::uncovered;
-use super::{HullSet, MergeTree};
+use super::document::{Geometry, HullEntry, SetEntry, StateEntry, UncoveredEntry};
+use super::errors::{overlaps, uncovered};
+use super::subject::{Subject, bytes, corners, divisions, map_places, points, points_of};
 use crate::control::Control;
 use crate::decomposition::Hull;
 use crate::error::Error;
 use crate::geometry::vector::Vector;
-use crate::measure::solid::Part;
+use crate::hull::{ConvexHull, convex_hull};
+use crate::io::NamedMesh;
+use crate::measure::hulls::MeasuredHull;
 use crate::measure::{Measurement, measure};
+use crate::merge_tree::MergeTree;
 use crate::mesh::TriangleMesh;
 use crate::parallel;
+
+/// Hulls to be shown: of a method or of any tool.
+#[derive(Debug, Clone)]
+pub struct HullSet<'a> {
+    name: String,
+    hulls: &'a [Hull],
+    tree: Option<&'a MergeTree>,
+    facts: Vec<(String, String)>,
+}
+
+impl<'a> HullSet<'a> {
+    /// Hulls under a name. Without a [`tree`](Self::tree) their errors are sampled.
+    pub fn new(name: impl Into<String>, hulls: &'a [Hull]) -> Self {
+        Self { name: name.into(), hulls, tree: None, facts: Vec::new() }
+    }
+
+    /// The joins of these very hulls: the page gets a slider from all hulls to one, and errors are
+    /// verified.
+    #[must_use]
+    pub fn tree(mut self, tree: &'a MergeTree) -> Self {
+        self.tree = Some(tree);
+        self
+    }
+
+    /// A name and a value that are shown with the figures, such as `time` and `74 ms`.
+    #[must_use]
+    pub fn fact(mut self, name: impl Into<String>, value: impl Into<String>) -> Self {
+        self.facts.push((name.into(), value.into()));
+        self
+    }
+}
+
+/// Hulls that some tool wrote, each as the convex hull that an engine makes of its points; one
+/// without a volume as it is. Those without triangles, or with a coordinate that is not finite,
+/// are left out.
+pub fn hulls_of(hulls: &[NamedMesh]) -> Vec<Hull> {
+    let is_usable = |named: &&NamedMesh| {
+        let TriangleMesh { positions, triangles, .. } = &named.mesh;
+        !triangles.is_empty() && positions.iter().flatten().all(|x| x.is_finite())
+    };
+    let hull = |named: &NamedMesh| {
+        let TriangleMesh { positions, triangles, .. } = &named.mesh;
+        let as_it_is = || ConvexHull::from((positions.clone(), triangles.clone()));
+        Hull::from(convex_hull(positions).unwrap_or_else(|_| as_it_is()))
+    };
+    hulls.iter().filter(is_usable).map(hull).collect()
+}
 
 /// Points on all hulls and joint hulls, unless their corners alone are more.
 const MOST_SAMPLES: usize = 120_000;
 
 /// Prepares hulls for the page. `objects` are the parts of the source that have a name.
-///
-/// # Errors
-/// As [`measure`].
 pub(super) fn shown(
     set: HullSet<'_>,
     subject: &Subject<'_>,
@@ -46,15 +89,15 @@ pub(super) fn shown(
 
     let shapes: Vec<TriangleMesh> = hulls.iter().map(|hull| normalized(hull, subject)).collect();
     let faces: Vec<[Vector; 3]> = shapes.iter().flat_map(corners).collect();
-    let divisions = samples::divisions(&faces, MOST_SAMPLES);
-    let points = samples::points(&faces, &divisions);
-    let protrusions = samples::map_places(&points, |point| subject.distance(point));
+    let divisions = divisions(&faces, MOST_SAMPLES);
+    let points = points(&faces, &divisions);
+    let protrusions = map_places(&points, |point| subject.distance(point));
     control.check()?;
     let most_of_each = most_of_each(&shapes, &divisions, &protrusions);
     let uncovered = uncovered(subject, parts, set.hulls.len(), &joined);
     control.check()?;
 
-    let (protrusion_most, protrusion_bytes) = samples::bytes(&protrusions);
+    let (protrusion_most, protrusion_bytes) = bytes(&protrusions);
     let positions: Vec<Vector> =
         shapes.iter().flat_map(|shape| shape.positions.iter().copied()).collect();
     let triangles = shapes.iter().flat_map(|shape| shape.triangles.iter().flatten().copied());
@@ -90,9 +133,10 @@ pub(super) fn shown(
     })
 }
 
-/// Hulls as solids that points can be asked of.
-fn parts(hulls: &[&Hull], subject: &Subject<'_>) -> Result<Vec<Part>, Error> {
-    let parts = parallel::map(hulls, |&hull| Part::new(&hull.into(), &subject.normalization));
+/// Hulls as solids.
+fn parts(hulls: &[&Hull], subject: &Subject<'_>) -> Result<Vec<MeasuredHull>, Error> {
+    let parts =
+        parallel::map(hulls, |&hull| MeasuredHull::new(&hull.into(), &subject.normalization));
     let reason = "it has no triangles, an index out of range, or a coordinate that is not finite";
     let usable = parts.into_iter().enumerate();
     usable.map(|(hull, part)| part.ok_or(Error::UnusableHull { hull, reason })).collect()
@@ -114,7 +158,7 @@ fn most_of_each(shapes: &[TriangleMesh], divisions: &[u8], protrusions: &[f64]) 
     let (mut divisions, mut protrusions) = (divisions.iter(), protrusions.iter());
     let of_shape = |shape: &TriangleMesh| {
         let own = divisions.by_ref().take(shape.triangles.len());
-        let points = own.map(|&parts| samples::points_of(parts)).sum();
+        let points = own.map(|&parts| points_of(parts)).sum();
         protrusions.by_ref().take(points).copied().fold(0.0, f64::max)
     };
     shapes.iter().map(of_shape).collect()

@@ -1,7 +1,7 @@
 //! A page that shows a mesh and its hulls in any browser (feature `viewer`).
 //!
 //! A [`Page`] holds a mesh and one or more [`HullSet`]s, which are shown side by side. With a
-//! [`MergeTree`] the page has a slider from all hulls down to one. It is one HTML file that loads
+//! [`MergeTree`](crate::MergeTree) the page has a slider from all hulls down to one. It is one HTML file that loads
 //! nothing: the viewer is built from `viewer/` in the repository, the geometry follows as text.
 //!
 //! ```
@@ -26,121 +26,27 @@
 //! | file | contents |
 //! |---|---|
 //! | `subject` | the mesh: repaired, its openings closed, its surface sampled |
+//! | `errors` | uncovered distance and overlap, join after join |
 //! | `hull_set` | hulls and all that they are joined to: shapes, figures, errors point by point |
-//! | `samples` | the points of a surface that an error is given at |
-//! | `uncovered` | how far the surface is outside of the hulls, join after join |
-//! | `overlap` | volume of intersection over union, join after join |
-//! | `geometry` | arrays of numbers as compressed text |
 //! | `document` | what the page reads, and how it is put into the page |
 
 mod document;
-mod geometry;
+mod errors;
 mod hull_set;
-mod overlap;
-mod samples;
 mod subject;
-mod uncovered;
 
 use std::path::Path;
 
 use crate::control::Control;
-use crate::decomposition::Hull;
 use crate::error::Error;
-use crate::geometry::{MeshView, TriangleMesh};
-use crate::hull::{ConvexHull, convex_hull};
-use crate::io::{NamedMesh, Object};
-use crate::merge_tree::MergeTree;
+use crate::geometry::MeshView;
+use crate::io::Object;
 use crate::parallel;
 use crate::parameters::Parameters;
-use document::Document;
-use geometry::Geometry;
+use document::{Document, Geometry};
 use subject::Subject;
 
-/// Hulls to be shown: of a method or of any tool.
-#[derive(Debug, Clone)]
-pub struct HullSet<'a> {
-    name: String,
-    hulls: &'a [Hull],
-    tree: Option<&'a MergeTree>,
-    facts: Vec<(String, String)>,
-}
-
-impl<'a> HullSet<'a> {
-    /// Hulls under a name. Without a [`tree`](Self::tree) their errors are sampled.
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// use hullwright::{Control, Parameters, decompose, viewer::HullSet};
-    ///
-    /// let result = decompose(&mesh, &Parameters::default(), &Control::new())?;
-    /// let shown = HullSet::new("bounded", &result.hulls);
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
-    pub fn new(name: impl Into<String>, hulls: &'a [Hull]) -> Self {
-        Self { name: name.into(), hulls, tree: None, facts: Vec::new() }
-    }
-
-    /// The joins of these very hulls: the page gets a slider from all hulls to one, and errors are
-    /// verified.
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// use hullwright::{Control, MergeTree, Parameters, decompose, viewer::HullSet};
-    ///
-    /// let (parameters, control) = (Parameters::default(), Control::new());
-    /// let result = decompose(&mesh, &parameters, &control)?;
-    /// let tree = MergeTree::new(&mesh, &result, &parameters, &control)?;
-    /// let shown = HullSet::new("bounded", &result.hulls).tree(&tree);
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
-    #[must_use]
-    pub fn tree(mut self, tree: &'a MergeTree) -> Self {
-        self.tree = Some(tree);
-        self
-    }
-
-    /// A name and a value that are shown with the figures, such as `time` and `74 ms`.
-    ///
-    /// ```
-    /// let shown = hullwright::viewer::HullSet::new("bounded", &[]).fact("time", "74 ms");
-    /// ```
-    #[must_use]
-    pub fn fact(mut self, name: impl Into<String>, value: impl Into<String>) -> Self {
-        self.facts.push((name.into(), value.into()));
-        self
-    }
-}
-
-/// Hulls that some tool wrote, each as the convex hull that an engine makes of its points; one
-/// without a volume as it is. Those without triangles, or with a coordinate that is not finite,
-/// are left out.
-///
-/// ```
-/// # let mesh = hullwright::TriangleMesh::new(
-/// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-/// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-/// # );
-/// let named = hullwright::io::NamedMesh { name: "hull_0".into(), mesh };
-/// assert_eq!(hullwright::viewer::hulls_of(&[named])[0].shape.triangles.len(), 4);
-/// ```
-pub fn hulls_of(hulls: &[NamedMesh]) -> Vec<Hull> {
-    let is_usable = |named: &&NamedMesh| {
-        let TriangleMesh { positions, triangles, .. } = &named.mesh;
-        !triangles.is_empty() && positions.iter().flatten().all(|x| x.is_finite())
-    };
-    let hull = |named: &NamedMesh| {
-        let TriangleMesh { positions, triangles, .. } = &named.mesh;
-        let as_it_is = || ConvexHull::from((positions.clone(), triangles.clone()));
-        Hull::from(convex_hull(positions).unwrap_or_else(|_| as_it_is()))
-    };
-    hulls.iter().filter(is_usable).map(hull).collect()
-}
+pub use hull_set::{HullSet, hulls_of};
 
 /// A page about one mesh. See the [module](self).
 pub struct Page<'a> {
@@ -155,18 +61,6 @@ impl<'a> Page<'a> {
     ///
     /// # Errors
     /// As [`close_openings`](crate::close_openings).
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// use hullwright::{Control, Parameters, viewer::Page};
-    ///
-    /// let page = Page::new("tetrahedron", &mesh, &Parameters::default(), &Control::new())?;
-    /// assert!(page.to_html()?.contains("tetrahedron"));
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     pub fn new(
         title: impl Into<String>,
         mesh: impl Into<MeshView<'a>>,
@@ -183,15 +77,6 @@ impl<'a> Page<'a> {
     }
 
     /// Names parts of the mesh: each hull then says which of them it stands for.
-    ///
-    /// ```
-    /// use hullwright::{Control, Parameters, viewer::Page};
-    ///
-    /// let file = hullwright::io::read_mesh("assets/mug.glb")?;
-    /// let page = Page::new("mug", &file.mesh, &Parameters::default(), &Control::new())?;
-    /// let page = page.objects(&file.objects);
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     #[must_use]
     pub fn objects(mut self, objects: &[Object]) -> Self {
         self.document.name_objects(objects);
@@ -205,23 +90,6 @@ impl<'a> Page<'a> {
     ///
     /// # Errors
     /// As [`measure`](crate::measure::measure()).
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// use hullwright::{Control, Parameters, decompose};
-    /// use hullwright::viewer::{HullSet, Page};
-    ///
-    /// let (parameters, control) = (Parameters::default(), Control::new());
-    /// let mut page = Page::new("tetrahedron", &mesh, &parameters, &control)?;
-    /// let empty = page.to_html()?.len();
-    /// let result = decompose(&mesh, &parameters, &control)?;
-    /// page.add(HullSet::new("bounded", &result.hulls), &control)?;
-    /// assert!(page.to_html()?.len() > empty);
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     pub fn add(&mut self, set: HullSet<'_>, control: &Control) -> Result<(), Error> {
         let Self { subject, document, geometry } = self;
         let set = parallel::with(control.is_parallel(), || {
@@ -235,18 +103,6 @@ impl<'a> Page<'a> {
     ///
     /// # Errors
     /// [`Error::File`], without a path, if the figures can't be written as text.
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// use hullwright::{Control, Parameters, viewer::Page};
-    ///
-    /// let page = Page::new("tetrahedron", &mesh, &Parameters::default(), &Control::new())?;
-    /// assert!(page.to_html()?.ends_with("</html>\n"));
-    /// # Ok::<(), hullwright::Error>(())
-    /// ```
     pub fn to_html(&self) -> Result<String, Error> {
         document::page(&self.document, &self.geometry)
             .map_err(|error| Error::file(Path::new("page"), error.to_string()))
@@ -256,21 +112,6 @@ impl<'a> Page<'a> {
     ///
     /// # Errors
     /// [`Error::File`] says what is wrong with the path.
-    ///
-    /// ```
-    /// # let mesh = hullwright::TriangleMesh::new(
-    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
-    /// # );
-    /// # let directory = tempfile::tempdir()?;
-    /// # let path = directory.path().join("tetrahedron.html");
-    /// use hullwright::{Control, Parameters, viewer::Page};
-    ///
-    /// let page = Page::new("tetrahedron", &mesh, &Parameters::default(), &Control::new())?;
-    /// page.write(&path)?;
-    /// assert_eq!(std::fs::read_to_string(&path)?, page.to_html()?);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), Error> {
         let path = path.as_ref();
         let page = self.to_html()?;

@@ -1,18 +1,18 @@
 //! The mesh that a page is about: repaired, its openings closed, its surface sampled.
 
+use std::collections::HashMap;
+
 use crate::bvh::Bvh;
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::MeshView;
-use crate::geometry::vector::Vector;
+use crate::geometry::vector::{Vector, add, distance, scale, subtract};
 use crate::measure::MeasureOptions;
 use crate::mesh::{Normalization, TriangleMesh};
-use crate::openings::closed_mesh::caps_last;
-use crate::openings::prepare::prepare_closed;
+use crate::openings::prepare::{caps_last, prepare_closed};
 use crate::openings::{Opening, OpeningSettings};
+use crate::parallel;
 use crate::parameters::Parameters;
-
-use super::samples;
 
 /// Points on the surface, unless its corners alone are more.
 const MOST_SAMPLES: usize = 150_000;
@@ -33,13 +33,13 @@ pub(super) struct Subject<'a> {
     pub openings: Vec<Opening>,
     /// How hulls are measured.
     pub options: MeasureOptions,
-    /// The bound, in diagonals.
+    /// The bound, as a fraction of the diagonal.
     pub bound: f64,
     /// The solid.
     bvh: Bvh,
 }
 
-/// A point nearer to the surface than this, in diagonals, is on it: rounding of hulls to `f32`.
+/// A point nearer to the surface than this fraction of the diagonal is on it: rounding of hulls to `f32`.
 const ON_SURFACE: f64 = 1e-6;
 
 impl<'a> Subject<'a> {
@@ -54,7 +54,7 @@ impl<'a> Subject<'a> {
         let (triangles, caps) = caps_last(prepared);
         let surface = TriangleMesh::new(prepared.mesh.positions.clone(), triangles);
         let corners = corners(&surface);
-        let divisions = samples::divisions(&corners, MOST_SAMPLES);
+        let divisions = divisions(&corners, MOST_SAMPLES);
         let bound = parameters.max_error;
         let options = MeasureOptions {
             openings: settings.openings,
@@ -68,7 +68,7 @@ impl<'a> Subject<'a> {
             source,
             normalization,
             caps,
-            samples: samples::points(&corners, &divisions),
+            samples: points(&corners, &divisions),
             divisions,
             bvh: Bvh::with_control(&surface.positions, &solid, control)?,
             surface,
@@ -95,4 +95,92 @@ impl<'a> Subject<'a> {
 pub(super) fn corners(mesh: &TriangleMesh) -> Vec<[Vector; 3]> {
     let corner = |&vertex: &u32| mesh.positions.get(vertex as usize).copied().unwrap_or_default();
     mesh.triangles.iter().map(|[a, b, c]| [corner(a), corner(b), corner(c)]).collect()
+}
+
+// The points at which errors are given: each triangle has a regular lattice of them, the finer the larger it
+// is. The page divides triangles in the same way, so that only a byte per point is stored.
+
+/// Distance of neighbouring points in diagonals, where there is room for as many points as that
+/// takes: a protrusion between them is drawn a third too small at worst.
+const SPACING: f64 = 1.0 / 64.0;
+
+/// Factor by which the spacing grows until the points are few enough.
+const COARSER: f64 = 1.25;
+
+/// The most parts that an edge is divided into: needles would have points without end.
+const MOST_PARTS: usize = 32;
+
+/// For each triangle the number of parts that its edges are divided into, with at most `most`
+/// points in all, or the corners alone.
+pub(super) fn divisions(corners: &[[Vector; 3]], most: usize) -> Vec<u8> {
+    let mut spacing = SPACING;
+    loop {
+        let parts: Vec<u8> = corners.iter().map(|&corners| parts(corners, spacing)).collect();
+        let points: usize = parts.iter().map(|&parts| points_of(parts)).sum();
+        if points <= most || parts.iter().all(|&parts| parts == 1) {
+            return parts;
+        }
+        spacing *= COARSER;
+    }
+}
+
+fn parts([a, b, c]: [Vector; 3], spacing: f64) -> u8 {
+    let longest = distance(a, b).max(distance(b, c)).max(distance(c, a));
+    (longest / spacing).ceil().clamp(1.0, MOST_PARTS as f64) as u8
+}
+
+/// Points of a triangle whose edges are divided into so many parts.
+pub(super) fn points_of(parts: u8) -> usize {
+    let parts = usize::from(parts);
+    (parts + 1) * (parts + 2) / 2
+}
+
+/// All points, triangle by triangle: along the second edge within along the first. Corners are what they
+/// are, without rounding, so that triangles share them.
+pub(super) fn points(corners: &[[Vector; 3]], divisions: &[u8]) -> Vec<Vector> {
+    let mut points = Vec::new();
+    for (&[a, b, c], &parts) in corners.iter().zip(divisions) {
+        let (to_b, to_c) = (subtract(b, a), subtract(c, a));
+        let share = |part: u8| f64::from(part) / f64::from(parts);
+        for i in 0..=parts {
+            let start = add(a, scale(to_b, share(i)));
+            points.extend((0..=parts - i).map(|j| match (i == parts, j == parts) {
+                (true, _) => b,
+                (_, true) => c,
+                _ => add(start, scale(to_c, share(j))),
+            }));
+        }
+    }
+    points
+}
+
+/// Applies a function to each point, once for each place: triangles share corners, and joint
+/// hulls have those of their parts.
+pub(super) fn map_places(
+    points: &[Vector],
+    function: impl Fn(Vector) -> f64 + Sync + Send,
+) -> Vec<f64> {
+    let mut numbers: HashMap<[u64; 3], usize> = HashMap::new();
+    let mut places = Vec::new();
+    let mut number = |point: &Vector| {
+        *numbers.entry(point.map(f64::to_bits)).or_insert_with(|| {
+            places.push(*point);
+            places.len() - 1
+        })
+    };
+    let numbers: Vec<usize> = points.iter().map(&mut number).collect();
+    let values = parallel::map(&places, |&place| function(place));
+    numbers.into_iter().map(|number| values[number]).collect()
+}
+
+/// The greatest of some errors, and each error as a byte: the square root of its share of the
+/// greatest, since what is small is looked at most closely.
+pub(super) fn bytes(errors: &[f64]) -> (f64, Vec<u8>) {
+    let most = errors.iter().copied().fold(0.0, f64::max);
+    (most, errors.iter().map(|&error| byte(error, most)).collect())
+}
+
+/// One error as a byte.
+pub(super) fn byte(error: f64, most: f64) -> u8 {
+    if most > 0.0 { (f64::from(u8::MAX) * (error / most).sqrt()).round() as u8 } else { 0 }
 }

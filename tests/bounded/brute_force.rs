@@ -9,8 +9,8 @@ use std::rc::Rc;
 
 use hullwright::Hull;
 
+use crate::common::Mesh;
 use crate::independent::oracle::{Convex, Triangle, distance_to, minus, norm, winding_number};
-use crate::shapes::Mesh;
 
 pub fn triangles((positions, indices): &Mesh) -> Vec<Triangle> {
     Triangle::all(positions, indices)

@@ -5,10 +5,10 @@ use std::time::Instant;
 use hullwright::internals::surface_and_solid;
 use hullwright::{Control, MeshView, Parameters, Preset, decompose};
 
+use crate::common::Mesh;
 use crate::independent::exact::{Faults, faults};
 use crate::independent::sampling::sample;
 use crate::judge::{assert_promise, report, run};
-use crate::shapes::Mesh;
 
 /// Points on hulls, and on the surface, of each model: a second or two in all.
 const SAMPLES: usize = 10_000;

@@ -2,8 +2,8 @@
 
 use hullwright::{Length, Parameters};
 
+use crate::common::{ball, torus, u_prism};
 use crate::judge::{assert_promise, judge, report, run_with};
-use crate::shapes::{ball, torus, u_prism};
 
 fn with_max_vertices(most: usize) -> Parameters {
     let mut parameters = Parameters::default();

@@ -2,8 +2,8 @@
 
 use hullwright::{Control, Error, MeshView, Parameters, Preset, decompose};
 
+use crate::common::{Mesh, cuboid, join, l_prism, turned};
 use crate::judge::assert_promise;
-use crate::shapes::{Mesh, cuboid, join, l_prism, turned};
 
 fn with_preset(preset: Preset) -> Parameters {
     let mut parameters = Parameters::default();

@@ -1,7 +1,7 @@
 //! Meshes of more than 100,000 triangles, which are searched through reduced ones.
 
+use crate::common::{CUP_PROFILE, Mesh, cuboid, finely, join, lathe};
 use crate::judge::{assert_promise, contains, lost, report, run};
-use crate::shapes::{CUP_PROFILE, Mesh, cuboid, finely, join, lathe};
 
 /// A cup with a wavy rim, and beside it a ribbon narrower than a tenth of the bound.
 fn fine_cup() -> Mesh {

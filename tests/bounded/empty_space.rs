@@ -2,8 +2,8 @@
 
 use hullwright::Parameters;
 
+use crate::common::{both_ways, cuboid, cup, join, l_prism, plus_prism, torus, turned};
 use crate::judge::{assert_promise, contains, judge, run, run_with};
-use crate::shapes::{both_ways, cuboid, cup, join, l_prism, plus_prism, torus, turned};
 
 #[test]
 fn a_thin_walled_cup_stays_hollow() {

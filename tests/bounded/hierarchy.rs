@@ -2,8 +2,8 @@
 
 use hullwright::{Control, Decomposition, Error, MergeTree, MeshView, Parameters};
 
+use crate::common::{Mesh, l_prism, torus, u_prism};
 use crate::judge::{judge, run};
-use crate::shapes::{Mesh, l_prism, torus, u_prism};
 
 fn hierarchy_of(mesh: &Mesh) -> (Decomposition, MergeTree) {
     let result = run(mesh);

@@ -2,10 +2,10 @@
 
 use hullwright::{Parameters, Preset};
 
-use crate::judge::{assert_promise, judge, report, run, run_with};
-use crate::shapes::{
+use crate::common::{
     ball, both_ways, cuboid, cup, join, l_prism, lathe, plus_prism, torus, u_prism,
 };
+use crate::judge::{assert_promise, judge, report, run, run_with};
 
 #[test]
 fn an_l_prism_is_two_boxes() {

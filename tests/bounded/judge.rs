@@ -3,7 +3,7 @@
 use hullwright::measure::{MeasureOptions, Measurement, measure};
 use hullwright::{Control, Decomposition, Hull, Length, MeshView, Parameters, Report, decompose};
 
-use crate::shapes::Mesh;
+use crate::common::Mesh;
 
 pub fn run_with((positions, triangles): &Mesh, parameters: &Parameters) -> Decomposition {
     decompose(MeshView::new(positions, triangles), parameters, &Control::new()).unwrap()

@@ -18,6 +18,8 @@ mod brute_force;
 #[cfg(feature = "io")]
 mod bundled_models;
 mod caps;
+// The unused rest is for other tests.
+#[allow(dead_code)]
 #[path = "../common/mod.rs"]
 mod common;
 mod degenerate_input;
@@ -26,12 +28,10 @@ mod empty_space;
 mod exact_shapes;
 mod hierarchy;
 mod hull_counts;
-// The unused rest is for other tests.
 #[allow(dead_code)]
 #[path = "../independent/mod.rs"]
 mod independent;
 mod judge;
 mod promise;
 mod running;
-mod shapes;
 mod verified;

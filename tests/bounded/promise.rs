@@ -2,8 +2,8 @@
 
 use hullwright::{Length, Parameters, Preset};
 
+use crate::common::{cuboid, cup, join, lathe, open_sheet, torus, turned, u_prism};
 use crate::judge::{assert_promise, judge, report, run, run_with, with_bound};
-use crate::shapes::{cuboid, cup, join, lathe, open_sheet, torus, turned, u_prism};
 
 #[test]
 fn the_promise_holds_for_every_bound() {

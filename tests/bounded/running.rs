@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 
 use hullwright::{Control, Decomposer, Error, MeshView, Parameters, Preset, decompose};
 
+use crate::common::{cup, torus};
 use crate::judge::{assert_promise, run};
-use crate::shapes::{cup, torus};
 
 #[test]
 fn one_two_and_four_threads_give_the_same() {

@@ -4,11 +4,11 @@
 use hullwright::{Hull, Length, Parameters};
 
 use crate::brute_force::{protrusion, sampled_protrusion, triangles, uncovered};
-use crate::independent::oracle::Triangle;
-use crate::judge::{report, run_with, with_bound};
-use crate::shapes::{
+use crate::common::{
     Mesh, cuboid, cup, join, l_prism, lathe, open_sheet, plus_prism, torus, u_prism,
 };
+use crate::independent::oracle::Triangle;
+use crate::judge::{report, run_with, with_bound};
 
 /// Brute force finds the maximum but for this share of the bound.
 const TOLERANCE: f64 = 0.05;

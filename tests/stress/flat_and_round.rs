@@ -4,9 +4,10 @@ use std::f64::consts::{PI, TAU};
 
 use hullwright::convex_hull;
 
+use crate::common::Random;
+use crate::common::{Mesh, lathe};
 use crate::independent::exact::{Faults, faults};
-use crate::shapes::{Mesh, lathe};
-use crate::{Random, assert_sound, placed};
+use crate::{assert_sound, placed};
 
 /// A flat side that is askew, so that none of its points is exactly in its plane, and of a million points.
 #[test]

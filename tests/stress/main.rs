@@ -9,27 +9,25 @@
 //! | `noise` | noise and jitter as large as the tolerances |
 //! | `topology` | surfaces that bound no solid, or touch themselves |
 
+// The unused rest is for other tests.
+#[allow(dead_code)]
 #[path = "../common/mod.rs"]
 mod common;
 mod flat_and_round;
-// The unused rest is for other tests.
 #[allow(dead_code)]
 #[path = "../independent/mod.rs"]
 mod independent;
 mod noise;
 mod range;
-#[allow(dead_code)]
-#[path = "../bounded/shapes.rs"]
-mod shapes;
 mod thin;
 mod topology;
 
 use hullwright::internals::surface_and_solid;
 use hullwright::{Control, Decomposition, MeshView, Parameters, decompose};
 
+use common::Mesh;
 use independent::exact::{Faults, faults};
 use independent::sampling::sample;
-use shapes::Mesh;
 
 /// Points on hulls, and on the surface.
 const SAMPLES: usize = 2_000;
@@ -70,21 +68,4 @@ fn assert_sound(name: &str, mesh: &Mesh) -> Decomposition {
     assert!(uncovered <= bounded.uncovered_max + rounding, "{name}: {sampled:?} {bounded:?}");
     assert!(sampled.beyond_verified <= ROUNDING, "{name}: {sampled:?} {bounded:?}");
     found
-}
-
-/// SplitMix64 (Steele, Lea, Flood 2014), from -1 to 1.
-struct Random(u64);
-
-impl Random {
-    fn signed(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
-
-    fn below(&mut self, end: usize) -> usize {
-        ((0.5 + 0.5 * self.signed()) * end as f64) as usize
-    }
 }

@@ -1,7 +1,8 @@
 //! Noise and jitter of every size: some of it always meets a tolerance.
 
-use crate::shapes::{Mesh, ball, cup, l_prism, u_prism};
-use crate::{Random, assert_sound, placed};
+use crate::common::Random;
+use crate::common::{Mesh, ball, cup, l_prism, u_prism};
+use crate::{assert_sound, placed};
 
 fn jittered(mesh: &Mesh, size: f64, seed: u64) -> Mesh {
     let mut random = Random(seed);

@@ -2,8 +2,8 @@
 
 use hullwright::{Control, Error, MeshView, Parameters, convex_hull, decompose};
 
+use crate::common::{Mesh, cuboid, torus, u_prism};
 use crate::independent::exact::{Faults, faults};
-use crate::shapes::{Mesh, cuboid, torus, u_prism};
 use crate::{assert_sound, placed};
 
 /// Squares and cubes of lengths leave the range of `f32` at 1e±13, and thresholds in absolute units show.

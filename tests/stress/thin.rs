@@ -2,7 +2,7 @@
 
 use hullwright::{Control, Error, MeshView, Parameters, decompose};
 
-use crate::shapes::{cuboid, join, lathe, u_prism};
+use crate::common::{cuboid, join, lathe, u_prism};
 use crate::{assert_sound, placed};
 
 fn askew([x, y, z]: [f64; 3]) -> [f64; 3] {

@@ -1,0 +1,530 @@
+//! `.hulls`: one decomposition, written, and read without trust.
+
+use std::path::Path;
+
+use crate::decomposition::{ALGORITHM_VERSION, Decomposition, Hull, HullErrors, Provenance};
+use crate::hull::ConvexHull;
+use crate::mass::{MassProperties, MassSource};
+use crate::method::MethodReport;
+
+/// Version of the format that is written, and the newest that is read.
+pub const FORMAT_VERSION: u32 = 1;
+
+pub(super) const MAGIC: [u8; 8] = *b"\x89HULLS\r\n";
+
+pub(super) const SCENE_MAGIC: [u8; 8] = *b"\x89HULSC\r\n";
+
+/// Magic number, two versions, length of the body.
+pub(super) const HEADER: usize = 24;
+
+pub(super) const CHECKSUM: usize = 4;
+
+/// Hulls, and what a game needs to know of how they came about.
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq)]
+pub struct HullsFile {
+    /// The mesh's name; may be empty.
+    pub name: String,
+    /// [`ALGORITHM_VERSION`](crate::ALGORITHM_VERSION) of the library that decomposed.
+    pub algorithm_version: u32,
+    /// The method's name.
+    pub method: String,
+    /// Vertices of the mesh.
+    pub source_vertices: u64,
+    /// Triangles of the mesh.
+    pub source_triangles: u64,
+    /// Diagonal of the mesh's bounding box, in its units.
+    pub diagonal: f64,
+    /// The requested bound, in units; `None` if the method has none.
+    pub bound: Option<f64>,
+    /// What was verified against the mesh; `None` if the method verifies nothing.
+    pub verified: Option<VerifiedErrors>,
+    /// Mass properties of the mesh.
+    pub mass_properties: Option<MassProperties>,
+    /// The hulls. Which triangles of the mesh they stand for is not kept:
+    /// [`source_triangles`](crate::Provenance::source_triangles) is empty.
+    pub hulls: Vec<Hull>,
+}
+
+/// Distances that were verified against the mesh, in its units.
+#[non_exhaustive]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VerifiedErrors {
+    /// No point of a hull's surface is farther outside the solid.
+    pub protrusion_max: f64,
+    /// No point of the mesh's surface is farther outside every hull.
+    pub uncovered_max: f64,
+}
+
+/// Why a `.hulls` file can't be read or written.
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum HullsFileError {
+    /// The bytes don't begin as a `.hulls` file does.
+    #[error("it is no .hulls file")]
+    NotHulls,
+    /// It holds a scene, where a single mesh is expected.
+    #[error("it is a .hullscene file, which holds the meshes of a scene instead of one")]
+    IsScene,
+    /// The bytes don't begin as a `.hullscene` file does.
+    #[error("it is no .hullscene file")]
+    NotScene,
+    /// It holds a single mesh, where a scene is expected.
+    #[error(
+        "it is a .hulls file, which holds one mesh and not what it was made from; bake the scene \
+         anew, or load it as a single mesh"
+    )]
+    IsSingle,
+    /// A newer library wrote it.
+    #[error("its format has version {found}, but this library reads up to {FORMAT_VERSION}")]
+    NewerVersion {
+        /// The file's version.
+        found: u32,
+    },
+    /// Its length is not the one that its header says.
+    #[error("it has {found} bytes instead of {expected}")]
+    WrongLength {
+        /// The length by its header.
+        expected: u64,
+        /// The length that it has.
+        found: u64,
+    },
+    /// Its bytes have changed since it was written.
+    #[error("its checksum does not match: it is damaged")]
+    Damaged,
+    /// A value means nothing, though the checksum matches.
+    #[error("{0}")]
+    Invalid(&'static str),
+    /// The file system refused.
+    #[error("{path}: {reason}")]
+    File {
+        /// The path, as given.
+        path: String,
+        /// What it said.
+        reason: String,
+    },
+    /// Something is wrong with the file at a path.
+    #[error("{path}: {error}")]
+    At {
+        /// The path, as given.
+        path: String,
+        /// What is wrong.
+        #[source]
+        error: Box<HullsFileError>,
+    },
+}
+
+impl HullsFile {
+    /// What is worth keeping of a decomposition, without mass properties.
+    pub fn new<R: Clone + Into<MethodReport>>(
+        name: impl Into<String>,
+        decomposition: &Decomposition<R>,
+    ) -> Self {
+        let Decomposition { hulls, run, report, .. } = decomposition;
+        let report: MethodReport = report.clone().into();
+        let bounded = report.bounded();
+        Self {
+            name: name.into(),
+            algorithm_version: run.algorithm_version,
+            method: report.name().into(),
+            source_vertices: run.source_vertices as u64,
+            source_triangles: run.source_triangles as u64,
+            diagonal: run.diagonal,
+            bound: bounded.map(|bounded| bounded.bound),
+            verified: bounded.map(|bounded| VerifiedErrors {
+                protrusion_max: bounded.protrusion_max,
+                uncovered_max: bounded.uncovered_max,
+            }),
+            mass_properties: None,
+            hulls: hulls
+                .iter()
+                .map(|hull| Hull {
+                    provenance: Provenance {
+                        component: hull.provenance.component,
+                        source_triangles: Vec::new(),
+                    },
+                    ..hull.clone()
+                })
+                .collect(),
+        }
+    }
+
+    /// The same with mass properties of the mesh.
+    #[must_use]
+    pub fn with_mass_properties(mut self, properties: MassProperties) -> Self {
+        self.mass_properties = Some(properties);
+        self
+    }
+
+    /// Whether the library decomposes in the same way as the one that wrote the file.
+    pub fn is_current(&self) -> bool {
+        self.algorithm_version == ALGORITHM_VERSION
+    }
+
+    /// The bytes of the file. O(size).
+    ///
+    /// # Errors
+    /// [`HullsFileError::Invalid`] if a hull, a text or a list has more parts than 32 bits count.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, HullsFileError> {
+        let mut bytes = begin(MAGIC, self.algorithm_version);
+        text(&mut bytes, &self.name)?;
+        text(&mut bytes, &self.method)?;
+        bytes.extend(self.source_vertices.to_le_bytes());
+        bytes.extend(self.source_triangles.to_le_bytes());
+        number(&mut bytes, self.diagonal);
+        optional(&mut bytes, self.bound);
+        bytes.push(self.verified.is_some().into());
+        if let Some(verified) = self.verified {
+            number(&mut bytes, verified.protrusion_max);
+            number(&mut bytes, verified.uncovered_max);
+        }
+        bytes.push(self.mass_properties.is_some().into());
+        if let Some(properties) = &self.mass_properties {
+            mass(&mut bytes, properties);
+        }
+        count(&mut bytes, self.hulls.len())?;
+        for hull in &self.hulls {
+            write_hull(&mut bytes, hull)?;
+        }
+
+        Ok(seal(bytes))
+    }
+
+    /// Reads the bytes of a file. O(size).
+    ///
+    /// # Errors
+    /// [`HullsFileError`] says what is wrong with them.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, HullsFileError> {
+        if bytes.starts_with(&SCENE_MAGIC) {
+            return Err(HullsFileError::IsScene);
+        }
+        let (algorithm_version, mut reader) = open(bytes, MAGIC)?;
+        let file = reader.file(algorithm_version)?;
+        reader.end()?;
+        Ok(file)
+    }
+
+    /// Writes the file, all or nothing: a file that is already there is replaced in one step.
+    ///
+    /// # Errors
+    /// As [`to_bytes`](Self::to_bytes), and [`HullsFileError::File`] if writing fails.
+    ///
+    /// ```
+    /// use hullwright::hulls_format::HullsFile;
+    ///
+    /// # let mesh = hullwright::TriangleMesh::new(
+    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+    /// # );
+    /// # let (parameters, control) = (hullwright::Parameters::default(), hullwright::Control::new());
+    /// # let decomposition = hullwright::decompose(&mesh, &parameters, &control)?;
+    /// # let directory = tempfile::tempdir()?;
+    /// let file = HullsFile::new("tetrahedron", &decomposition);
+    /// let path = directory.path().join("tetrahedron.hulls");
+    /// file.write(&path)?;
+    /// assert_eq!(HullsFile::read(&path)?, file);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[cfg(feature = "fs")]
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), HullsFileError> {
+        let path = path.as_ref();
+        let bytes = self.to_bytes().map_err(|error| error.at(path))?;
+        crate::atomic_write::write(path, &bytes).map_err(|error| file_error(path, &error))
+    }
+
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// [`HullsFileError::File`] if it can't be read, [`HullsFileError::At`] if it does not hold
+    /// what it should.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, HullsFileError> {
+        let path = path.as_ref();
+        let bytes = std::fs::read(path).map_err(|error| file_error(path, &error))?;
+        Self::from_bytes(&bytes).map_err(|error| error.at(path))
+    }
+}
+
+impl HullsFileError {
+    pub(super) fn at(self, path: &Path) -> Self {
+        Self::At { path: path.display().to_string(), error: Box::new(self) }
+    }
+}
+
+pub(super) fn file_error(path: &Path, error: &std::io::Error) -> HullsFileError {
+    HullsFileError::File { path: path.display().to_string(), reason: error.to_string() }
+}
+
+/// A header whose length is not known yet.
+pub(super) fn begin(magic: [u8; 8], algorithm_version: u32) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(HEADER + CHECKSUM);
+    bytes.extend(magic);
+    bytes.extend(FORMAT_VERSION.to_le_bytes());
+    bytes.extend(algorithm_version.to_le_bytes());
+    bytes.extend([0; 8]);
+    bytes
+}
+
+/// The header's length, and the checksum.
+pub(super) fn seal(mut bytes: Vec<u8>) -> Vec<u8> {
+    let length = (bytes.len() - HEADER) as u64;
+    bytes[HEADER - 8..HEADER].copy_from_slice(&length.to_le_bytes());
+    let checksum = crc32fast::hash(&bytes);
+    bytes.extend(checksum.to_le_bytes());
+    bytes
+}
+
+fn write_hull(bytes: &mut Vec<u8>, hull: &Hull) -> Result<(), HullsFileError> {
+    let Hull { shape, provenance, errors } = hull;
+    bytes.extend(provenance.component.to_le_bytes());
+    for value in [shape.volume(), errors.added_thickness, errors.simplification_growth] {
+        number(bytes, value);
+    }
+    optional(bytes, errors.protrusion_max);
+    count(bytes, shape.points.len())?;
+    count(bytes, shape.triangles.len())?;
+    shape.points.iter().flatten().for_each(|x| number(bytes, *x));
+    bytes.extend(shape.triangles.iter().flatten().flat_map(|index| index.to_le_bytes()));
+    Ok(())
+}
+
+fn mass(bytes: &mut Vec<u8>, properties: &MassProperties) {
+    bytes.push(source_code(properties.source));
+    number(bytes, properties.mass);
+    properties.centre.iter().for_each(|x| number(bytes, *x));
+    let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = properties.inertia;
+    for value in [xx, yy, zz, xy, xz, yz] {
+        number(bytes, value);
+    }
+}
+
+/// Codes are never given to another source.
+fn source_code(source: MassSource) -> u8 {
+    match source {
+        MassSource::Mesh => 0,
+        MassSource::MeshUnion => 1,
+        MassSource::HullUnion => 2,
+        MassSource::ConvexHull => 3,
+    }
+}
+
+pub(super) fn text(bytes: &mut Vec<u8>, text: &str) -> Result<(), HullsFileError> {
+    count(bytes, text.len())?;
+    bytes.extend(text.as_bytes());
+    Ok(())
+}
+
+pub(super) fn count(bytes: &mut Vec<u8>, count: usize) -> Result<(), HullsFileError> {
+    let count = u32::try_from(count)
+        .map_err(|_| HullsFileError::Invalid("there is more of something than 32 bits count"))?;
+    bytes.extend(count.to_le_bytes());
+    Ok(())
+}
+
+fn optional(bytes: &mut Vec<u8>, value: Option<f64>) {
+    bytes.push(value.is_some().into());
+    value.into_iter().for_each(|value| number(bytes, value));
+}
+
+fn number(bytes: &mut Vec<u8>, value: f64) {
+    bytes.extend(value.to_le_bytes());
+}
+
+/// The bytes of a hull without points: a component, three numbers, no error, two counts.
+const LEAST_HULL: usize = 4 + 3 * 8 + 1 + 2 * 4;
+
+const POINT: usize = 3 * 8;
+
+const TRIANGLE: usize = 3 * 4;
+
+type Read<T> = Result<T, HullsFileError>;
+
+/// Checks the header and the checksum. The algorithm's version, and a reader of the body.
+pub(super) fn open(bytes: &[u8], magic: [u8; 8]) -> Read<(u32, Reader<'_>)> {
+    if !bytes.starts_with(&magic) {
+        return Err(HullsFileError::NotHulls);
+    }
+    let wrong_length =
+        |expected| HullsFileError::WrongLength { expected, found: bytes.len() as u64 };
+    if bytes.len() < HEADER + CHECKSUM {
+        return Err(wrong_length((HEADER + CHECKSUM) as u64));
+    }
+    let mut header = Reader { rest: &bytes[magic.len()..HEADER] };
+    let version = header.u32()?;
+    if version > FORMAT_VERSION {
+        return Err(HullsFileError::NewerVersion { found: version });
+    }
+    if version == 0 {
+        return Err(HullsFileError::Invalid("there is no version 0 of the format"));
+    }
+    let algorithm_version = header.u32()?;
+    let expected = header.u64()?.saturating_add((HEADER + CHECKSUM) as u64);
+    if expected != bytes.len() as u64 {
+        return Err(wrong_length(expected));
+    }
+    let (content, mut checksum) = {
+        let (content, checksum) = bytes.split_at(bytes.len() - CHECKSUM);
+        (content, Reader { rest: checksum })
+    };
+    if crc32fast::hash(content) != checksum.u32()? {
+        return Err(HullsFileError::Damaged);
+    }
+    Ok((algorithm_version, Reader { rest: &content[HEADER..] }))
+}
+
+/// The rest of what is read.
+pub(super) struct Reader<'a> {
+    rest: &'a [u8],
+}
+
+impl<'a> Reader<'a> {
+    /// Nothing may be left.
+    pub(super) fn end(&self) -> Read<()> {
+        if self.rest.is_empty() {
+            Ok(())
+        } else {
+            Err(HullsFileError::Invalid("there is more after the last hull"))
+        }
+    }
+
+    fn file(&mut self, algorithm_version: u32) -> Read<HullsFile> {
+        let name = self.text()?;
+        let method = self.text()?;
+        let source_vertices = self.u64()?;
+        let source_triangles = self.u64()?;
+        let diagonal = self.at_least_zero()?;
+        let bound = self.optional(Self::at_least_zero)?;
+        let verified = self.optional(|reader| {
+            Ok(VerifiedErrors {
+                protrusion_max: reader.at_least_zero()?,
+                uncovered_max: reader.at_least_zero()?,
+            })
+        })?;
+        let mass_properties = self.optional(Self::mass)?;
+        let count = self.count(LEAST_HULL)?;
+        let hulls = (0..count).map(|_| self.hull()).collect::<Read<_>>()?;
+        Ok(HullsFile {
+            name,
+            algorithm_version,
+            method,
+            source_vertices,
+            source_triangles,
+            diagonal,
+            bound,
+            verified,
+            mass_properties,
+            hulls,
+        })
+    }
+
+    fn hull(&mut self) -> Read<Hull> {
+        let component = self.u32()?;
+        let volume = self.at_least_zero()?;
+        let added_thickness = self.at_least_zero()?;
+        let simplification_growth = self.at_least_zero()?;
+        let protrusion_max = self.optional(Self::at_least_zero)?;
+        // Both before what they count: each is checked against all that is left.
+        let points = self.count(POINT)?;
+        let triangles = self.count(TRIANGLE)?;
+        if volume == 0.0 || points < 4 || triangles < 4 {
+            return Err(HullsFileError::Invalid("a hull has no volume"));
+        }
+        if self.rest.len() < points * POINT + triangles * TRIANGLE {
+            return Err(TOO_SHORT);
+        }
+        let points = (0..points).map(|_| self.point()).collect::<Read<Vec<_>>>()?;
+        let triangles = (0..triangles)
+            .map(|_| Ok([self.u32()?, self.u32()?, self.u32()?]))
+            .collect::<Read<Vec<_>>>()?;
+        if triangles.as_flattened().iter().any(|index| *index as usize >= points.len()) {
+            return Err(HullsFileError::Invalid("a triangle names a point that is not there"));
+        }
+        Ok(Hull {
+            shape: ConvexHull { points, triangles },
+            provenance: Provenance { component, source_triangles: Vec::new() },
+            errors: HullErrors { added_thickness, simplification_growth, protrusion_max },
+        })
+    }
+
+    fn mass(&mut self) -> Read<MassProperties> {
+        let source = match self.u8()? {
+            0 => MassSource::Mesh,
+            1 => MassSource::MeshUnion,
+            2 => MassSource::HullUnion,
+            3 => MassSource::ConvexHull,
+            _ => return Err(HullsFileError::Invalid("it is unknown what the mass is of")),
+        };
+        let mass = self.at_least_zero()?;
+        if mass == 0.0 {
+            return Err(HullsFileError::Invalid("the mass is zero"));
+        }
+        let centre = self.point()?;
+        let [[xx, yy, zz], [xy, xz, yz]] = [self.point()?, self.point()?];
+        let inertia = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
+        Ok(MassProperties { mass, centre, inertia, source })
+    }
+
+    fn optional<T>(&mut self, read: impl FnOnce(&mut Self) -> Read<T>) -> Read<Option<T>> {
+        match self.u8()? {
+            0 => Ok(None),
+            1 => read(self).map(Some),
+            _ => Err(HullsFileError::Invalid("it is unknown whether a value is there")),
+        }
+    }
+
+    pub(super) fn text(&mut self) -> Read<String> {
+        let length = self.count(1)?;
+        let text = std::str::from_utf8(self.take(length)?)
+            .map_err(|_| HullsFileError::Invalid("a text is not UTF-8"))?;
+        Ok(text.to_owned())
+    }
+
+    fn point(&mut self) -> Read<[f64; 3]> {
+        Ok([self.finite()?, self.finite()?, self.finite()?])
+    }
+
+    fn at_least_zero(&mut self) -> Read<f64> {
+        let value = self.finite()?;
+        if value >= 0.0 { Ok(value) } else { Err(HullsFileError::Invalid("a number is negative")) }
+    }
+
+    fn finite(&mut self) -> Read<f64> {
+        let value = f64::from_le_bytes(self.array()?);
+        if value.is_finite() {
+            Ok(value)
+        } else {
+            Err(HullsFileError::Invalid("a number is not finite"))
+        }
+    }
+
+    /// A count of things that take at least `size` bytes each, for which there must be room.
+    pub(super) fn count(&mut self, size: usize) -> Read<usize> {
+        let count = self.u32()? as usize;
+        if count <= self.rest.len() / size { Ok(count) } else { Err(TOO_SHORT) }
+    }
+
+    fn u8(&mut self) -> Read<u8> {
+        self.array().map(u8::from_le_bytes)
+    }
+
+    fn u32(&mut self) -> Read<u32> {
+        self.array().map(u32::from_le_bytes)
+    }
+
+    fn u64(&mut self) -> Read<u64> {
+        self.array().map(u64::from_le_bytes)
+    }
+
+    pub(super) fn array<const N: usize>(&mut self) -> Read<[u8; N]> {
+        let (array, rest) = self.rest.split_first_chunk().ok_or(TOO_SHORT)?;
+        self.rest = rest;
+        Ok(*array)
+    }
+
+    pub(super) fn take(&mut self, length: usize) -> Read<&'a [u8]> {
+        let (taken, rest) = self.rest.split_at_checked(length).ok_or(TOO_SHORT)?;
+        self.rest = rest;
+        Ok(taken)
+    }
+}
+
+const TOO_SHORT: HullsFileError = HullsFileError::Invalid("it counts more than it holds");

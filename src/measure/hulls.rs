@@ -1,0 +1,366 @@
+//! The hulls: each on its own, and all together.
+
+use crate::geometry::MeshView;
+use crate::geometry::vector::{
+    Vector, add, area_normal, bounds, cross, cubed, distance, dot, length, length_squared, scale,
+    squared, subtract,
+};
+use crate::hull::convex_hull;
+use crate::mesh::Normalization;
+
+/// An index for each position, the same for the same position.
+fn weld(positions: &[Vector]) -> Vec<u32> {
+    // Adding zero turns -0 into 0.
+    let key = |index: u32| positions[index as usize].map(|x| (x + 0.0).to_bits());
+    let mut order: Vec<u32> = (0..positions.len() as u32).collect();
+    order.sort_unstable_by_key(|&index| key(index));
+    let mut welded = vec![0; positions.len()];
+    let mut first = 0;
+    for (place, &index) in order.iter().enumerate() {
+        if place == 0 || key(index) != key(first) {
+            first = index;
+        }
+        welded[index as usize] = first;
+    }
+    welded
+}
+
+/// The directed edges of triangles with three different corners, sorted.
+fn directed_edges(positions: &[Vector], triangles: &[[u32; 3]]) -> Vec<(u32, u32)> {
+    let welded = weld(positions);
+    let mut edges: Vec<(u32, u32)> = triangles
+        .iter()
+        .map(|triangle| triangle.map(|index| welded[index as usize]))
+        .filter(|&[a, b, c]| a != b && b != c && c != a)
+        .flat_map(|[a, b, c]| [(a, b), (b, c), (c, a)])
+        .collect();
+    edges.sort_unstable();
+    edges
+}
+
+/// Share of the edges that only one triangle uses. O(n log n).
+pub(super) fn open_share(positions: &[Vector], triangles: &[[u32; 3]]) -> f64 {
+    let mut edges = directed_edges(positions, triangles);
+    for (a, b) in &mut edges {
+        (*a, *b) = (*a.min(b), *a.max(b));
+    }
+    edges.sort_unstable();
+    let (mut all, mut open) = (0, 0);
+    for same in edges.chunk_by(|a, b| a == b) {
+        all += 1;
+        open += usize::from(same.len() == 1);
+    }
+    if all == 0 { 0.0 } else { open as f64 / f64::from(all) }
+}
+
+/// Whether each edge has exactly two triangles, in opposite directions. O(n log n).
+pub(super) fn is_closed(positions: &[Vector], triangles: &[[u32; 3]]) -> bool {
+    let edges = directed_edges(positions, triangles);
+    let is_unique = edges.windows(2).all(|pair| pair[0] != pair[1]);
+    let has_twin = |&(a, b): &(u32, u32)| edges.binary_search(&(b, a)).is_ok();
+    is_unique && !edges.is_empty() && edges.iter().all(has_twin)
+}
+
+/// A hull on its own.
+#[non_exhaustive]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct HullCheck {
+    /// Its points.
+    pub vertices: usize,
+    /// Its triangles.
+    pub triangles: usize,
+    /// The farthest that one of its points lies in front of one of its triangles, as a share of
+    /// the mesh's diagonal. In front is where the average of its points is not, so winding does
+    /// not matter. Slivers, whose height over the longest side is below 1e-4 of the hull's
+    /// diagonal, are left out, since their normals are noise.
+    pub concavity: f64,
+    /// Volume within its triangles as they are wound, in cubed units of the mesh: negative if they
+    /// face inward.
+    pub volume: f64,
+    /// Whether each edge, its vertices welded by position, has exactly two triangles in opposite
+    /// directions.
+    pub is_closed: bool,
+    /// Whether its points lie in a plane, on a line, or on a spot, up to 2e-7 of their extent. Such
+    /// a hull holds nothing, but its triangles still count as boundary.
+    pub is_flat: bool,
+}
+
+/// A triangle is a sliver if its height over its longest side is below this share of the hull's
+/// diagonal.
+const SLIVER: f64 = 1e-4;
+
+/// Above this number of pairs of a triangle and a point, which takes a tenth of a second, only the
+/// corners of the convex hull are compared, by climbing.
+const MOST_PAIRS: usize = 100_000_000;
+
+/// The average of points; the origin where there is none.
+pub(super) fn average(points: &[Vector]) -> Vector {
+    let sum = points.iter().fold([0.0; 3], |sum, &point| add(sum, point));
+    scale(sum, 1.0 / points.len().max(1) as f64)
+}
+
+/// Checks a hull in normalised coordinates whose indices all exist. `corners` are those of the
+/// convex hull of the points, with its triangles, where there is one.
+pub(super) fn check(
+    points: &[Vector],
+    triangles: &[[u32; 3]],
+    hull: Option<(&[Vector], &[[u32; 3]])>,
+    diagonal: f64,
+    mesh_diagonal: f64,
+) -> HullCheck {
+    let middle = average(points);
+    let climber = match hull {
+        Some((corners, faces)) if points.len().saturating_mul(triangles.len()) > MOST_PAIRS => {
+            Some(Climber::new(corners, faces))
+        }
+        _ => None,
+    };
+    let mut start = 0;
+    let mut farthest = |normal: Vector| match &climber {
+        Some(climber) => {
+            start = climber.climb(normal, start);
+            dot(normal, climber.points[start])
+        }
+        None => points.iter().map(|&point| dot(normal, point)).fold(f64::NEG_INFINITY, f64::max),
+    };
+    let mut six_volumes = 0.0;
+    let mut concavity = 0.0_f64;
+    for triangle in triangles {
+        let [a, b, c] = triangle.map(|index| subtract(points[index as usize], middle));
+        six_volumes += dot(a, cross(b, c));
+        let normal = area_normal(a, b, c);
+        let area = length(normal);
+        let sides = [subtract(b, a), subtract(c, b), subtract(a, c)].map(length_squared);
+        let longest = sides[0].max(sides[1]).max(sides[2]).sqrt();
+        if area <= SLIVER * diagonal * longest || area == 0.0 {
+            continue;
+        }
+        let towards_outside = if dot(normal, a) < 0.0 { -1.0 } else { 1.0 };
+        let normal = scale(normal, towards_outside / area);
+        let height = dot(normal, points[triangle[0] as usize]);
+        concavity = concavity.max(farthest(normal) - height);
+    }
+    HullCheck {
+        vertices: points.len(),
+        triangles: triangles.len(),
+        concavity,
+        volume: six_volumes / 6.0 * cubed(mesh_diagonal),
+        is_closed: is_closed(points, triangles),
+        is_flat: hull.is_none(),
+    }
+}
+
+/// Finds the point of a convex polyhedron that is farthest in a direction, by going to a better
+/// neighbour as long as there is one.
+struct Climber<'a> {
+    points: &'a [Vector],
+    /// Neighbours of all vertices, one vertex after the other.
+    neighbours: Vec<u32>,
+    /// Where each vertex's neighbours begin, and the end of all.
+    starts: Vec<usize>,
+}
+
+impl<'a> Climber<'a> {
+    fn new(points: &'a [Vector], triangles: &[[u32; 3]]) -> Self {
+        let mut edges: Vec<(u32, u32)> =
+            triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]).collect();
+        edges.sort_unstable();
+        let starts = (0..=points.len())
+            .map(|vertex| edges.partition_point(|&(from, _)| (from as usize) < vertex))
+            .collect();
+        Self { points, neighbours: edges.into_iter().map(|(_, to)| to).collect(), starts }
+    }
+
+    fn climb(&self, direction: Vector, mut vertex: usize) -> usize {
+        let mut height = dot(direction, self.points[vertex]);
+        loop {
+            let before = vertex;
+            for &next in &self.neighbours[self.starts[before]..self.starts[before + 1]] {
+                let next_height = dot(direction, self.points[next as usize]);
+                if next_height > height {
+                    (vertex, height) = (next as usize, next_height);
+                }
+            }
+            if vertex == before {
+                return vertex;
+            }
+        }
+    }
+}
+
+/// Points this far outside count as in a hull, and only points farther inside than this as
+/// inside it: hulls that share a face do so only up to rounding, to `f32` in many files.
+pub(crate) const TOLERANCE: f64 = 1e-6;
+
+/// A face whose squared sine at a corner is below this has no normal to speak of in double
+/// precision, and its neighbours bound the solid just as well.
+const NEEDLE: f64 = 1e-20;
+
+/// In diagonals of the mesh. A hull farther away has lost its shape to rounding.
+const FARTHEST: f64 = 1e9;
+
+/// A hull in normalised coordinates.
+pub(crate) struct MeasuredHull {
+    pub check: HullCheck,
+    pub min: Vector,
+    pub max: Vector,
+    /// The convex hull of its points, or its own triangles where that has no volume.
+    pub points: Vec<Vector>,
+    pub triangles: Vec<[u32; 3]>,
+    /// Outward unit normal and height of each face; empty without volume.
+    planes: Vec<(Vector, f64)>,
+}
+
+impl MeasuredHull {
+    /// `None` if there are no triangles, or if an index or a coordinate can't be used.
+    pub(crate) fn new(hull: &MeshView<'_>, normalization: &Normalization) -> Option<Self> {
+        let points: Vec<Vector> =
+            hull.positions().map(|point| normalization.normalize(point)).collect();
+        let exists = |&index: &u32| (index as usize) < points.len();
+        let is_usable = !hull.triangles().is_empty()
+            && hull.triangles().iter().flatten().all(exists)
+            && points.iter().flatten().all(|x| x.abs() < FARTHEST);
+        if !is_usable {
+            return None;
+        }
+        let (min, max) = bounds(points.iter().copied());
+        let convex = convex_hull(&points).ok();
+        let check = check(
+            &points,
+            hull.triangles(),
+            convex.as_ref().map(|convex| (&convex.points[..], &convex.triangles[..])),
+            distance(min, max),
+            normalization.diagonal,
+        );
+        let Some(convex) = convex else {
+            let (triangles, planes) = (hull.triangles().to_vec(), Vec::new());
+            return Some(Self { check, min, max, points, triangles, planes });
+        };
+        let planes = convex.corners().filter_map(plane).collect();
+        let (points, triangles) = (convex.points, convex.triangles);
+        Some(Self { check, min, max, points, triangles, planes })
+    }
+
+    /// Whether `point` lies behind all faces moved outward by `margin`.
+    pub(crate) fn holds(&self, point: Vector, margin: f64) -> bool {
+        !self.planes.is_empty()
+            && (0..3).all(|axis| {
+                point[axis] >= self.min[axis] - margin && point[axis] <= self.max[axis] + margin
+            })
+            && self.planes.iter().all(|&(normal, height)| dot(normal, point) <= height + margin)
+    }
+}
+
+fn plane([a, b, c]: [Vector; 3]) -> Option<(Vector, f64)> {
+    let normal = area_normal(a, b, c);
+    let area = length(normal);
+    let longest = distance(a, b).max(distance(b, c)).max(distance(c, a));
+    (area * area > NEEDLE * squared(squared(longest))).then(|| {
+        let normal = scale(normal, 1.0 / area);
+        (normal, dot(normal, a))
+    })
+}
+
+/// All hulls together.
+pub(crate) struct Union {
+    parts: Vec<MeasuredHull>,
+    points: Vec<Vector>,
+    triangles: Vec<[u32; 3]>,
+    /// The part of each triangle.
+    owners: Vec<u32>,
+}
+
+impl Union {
+    pub(crate) fn new(parts: Vec<MeasuredHull>) -> Self {
+        let (mut points, mut triangles, mut owners) = (Vec::new(), Vec::new(), Vec::new());
+        for (owner, part) in parts.iter().enumerate() {
+            let first = points.len() as u32;
+            points.extend_from_slice(&part.points);
+            triangles.extend(part.triangles.iter().map(|triangle| triangle.map(|i| first + i)));
+            owners.resize(triangles.len(), owner as u32);
+        }
+        Self { parts, points, triangles, owners }
+    }
+
+    pub(super) fn parts(&self) -> &[MeasuredHull] {
+        &self.parts
+    }
+
+    /// The surfaces of all hulls.
+    pub(crate) fn surface(&self) -> (&[Vector], &[[u32; 3]]) {
+        (&self.points, &self.triangles)
+    }
+
+    /// In how many hulls the point is.
+    pub(crate) fn multiplicity(&self, point: Vector) -> usize {
+        self.parts.iter().filter(|part| part.holds(point, TOLERANCE)).count()
+    }
+
+    /// Whether a point on a triangle of [`surface`](Self::surface) is inside a hull that is not
+    /// the triangle's own.
+    pub(super) fn is_inside_another(&self, point: Vector, triangle: usize) -> bool {
+        let owner = self.owners[triangle] as usize;
+        self.parts
+            .iter()
+            .enumerate()
+            .any(|(index, part)| index != owner && part.holds(point, -TOLERANCE))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hull::convex_hull;
+
+    const POSITIONS: [Vector; 5] =
+        [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [-0.0, 0.0, 0.0]];
+    const TETRAHEDRON: [[u32; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 4, 3]];
+
+    #[test]
+    fn a_tetrahedron_with_a_split_corner_is_closed() {
+        assert!(is_closed(&POSITIONS, &TETRAHEDRON));
+        assert_eq!(open_share(&POSITIONS, &TETRAHEDRON), 0.0);
+    }
+
+    #[test]
+    fn a_missing_face_opens_three_of_six_edges() {
+        assert!(!is_closed(&POSITIONS, &TETRAHEDRON[1..]));
+        assert_eq!(open_share(&POSITIONS, &TETRAHEDRON[1..]), 0.5);
+    }
+
+    #[test]
+    fn a_flipped_face_is_not_closed_but_has_no_open_edge() {
+        let mut flipped = TETRAHEDRON;
+        flipped[2].swap(0, 1);
+        assert!(!is_closed(&POSITIONS, &flipped));
+        assert_eq!(open_share(&POSITIONS, &flipped), 0.0);
+    }
+
+    #[test]
+    fn triangles_without_three_corners_have_no_edges() {
+        assert_eq!(open_share(&POSITIONS, &[[0, 4, 1]]), 0.0);
+        assert!(!is_closed(&POSITIONS, &[[0, 4, 1]]));
+    }
+
+    #[test]
+    fn climbing_finds_the_farthest_corner() {
+        // Spread over a sphere along a spiral, stretched.
+        let points: Vec<Vector> = (0..300)
+            .map(|index| {
+                let z = 1.0 - (f64::from(index) + 0.5) / 150.0;
+                let angle = 2.4 * f64::from(index);
+                let radius = (1.0 - z * z).sqrt();
+                [3.0 * radius * angle.cos(), radius * angle.sin(), 0.2 * z]
+            })
+            .collect();
+        let hull = convex_hull(&points).unwrap();
+        let climber = Climber::new(&hull.points, &hull.triangles);
+        let mut start = 0;
+        for &direction in &points {
+            start = climber.climb(direction, start);
+            let farthest = points.iter().map(|&point| dot(direction, point)).fold(0.0, f64::max);
+            assert!((dot(direction, hull.points[start]) - farthest).abs() < 1e-6);
+        }
+    }
+}

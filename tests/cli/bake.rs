@@ -1,0 +1,227 @@
+//! `hullwright bake`, and `.hulls` files in other commands.
+
+use std::path::Path;
+
+use hullwright::hulls_format::{HullScene, HullsFile};
+use hullwright::io::read_own_meshes;
+
+use crate::{Place, asset};
+
+const TETRAHEDRON: &str =
+    "v 0 0 0\nv 6 0 0\nv 0 6 0\nv 0 0 6\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+
+/// Two nodes that place and stretch one mesh, whose two primitives are a tetrahedron's halves, and
+/// another mesh without a name that no node shows.
+const GLTF: &str = r#"{
+    "asset": { "version": "2.0" },
+    "scene": 0,
+    "scenes": [{ "nodes": [0, 1] }],
+    "nodes": [
+        { "name": "left", "mesh": 0, "translation": [-50, 0, 0], "scale": [2, 3, 4] },
+        { "name": "right", "mesh": 0, "translation": [50, 0, 0] }
+    ],
+    "meshes": [
+        { "name": "Cube/1", "primitives": [
+            { "attributes": { "POSITION": 0 }, "indices": 1 },
+            { "attributes": { "POSITION": 0 }, "indices": 2 }
+        ] },
+        { "primitives": [{ "attributes": { "POSITION": 0 }, "indices": 3 }] }
+    ],
+    "accessors": [
+        { "bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3",
+          "min": [0, 0, 0], "max": [6, 6, 6] },
+        { "bufferView": 1, "componentType": 5121, "count": 6, "type": "SCALAR" },
+        { "bufferView": 1, "byteOffset": 6, "componentType": 5121, "count": 6, "type": "SCALAR" },
+        { "bufferView": 1, "componentType": 5121, "count": 12, "type": "SCALAR" }
+    ],
+    "bufferViews": [
+        { "buffer": 0, "byteLength": 48 },
+        { "buffer": 0, "byteOffset": 48, "byteLength": 12 }
+    ],
+    "buffers": [{ "uri": "two.bin", "byteLength": 60 }]
+}"#;
+
+fn place() -> Place {
+    let place = Place::new(&[("tetrahedron.obj", TETRAHEDRON), ("two.gltf", GLTF)]);
+    let corners = [[0.0_f32; 3], [6.0, 0.0, 0.0], [0.0, 6.0, 0.0], [0.0, 0.0, 6.0]];
+    let mut buffer: Vec<u8> = corners.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+    buffer.extend([0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3]);
+    place.write("two.bin", buffer);
+    place
+}
+
+fn names(directory: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(directory).unwrap();
+    let mut names: Vec<_> =
+        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn each_gltf_mesh_gets_a_file_in_its_own_space() {
+    let place = place();
+    let shown = place.succeed(&["bake", "--per-mesh", "two.gltf", "-o", "new/baked"]);
+    assert_eq!(shown.lines().count(), 2);
+    assert!(shown.contains("1 hull, 4 vertices"), "{shown}");
+    assert_eq!(names(&place.path("new/baked")), ["Cube_1.hulls", "mesh_1.hulls"]);
+
+    let file = HullsFile::read(place.path("new/baked/Cube_1.hulls")).unwrap();
+    assert_eq!(file.name, "Cube/1");
+    assert!(file.is_current());
+    // Both primitives, neither moved nor stretched.
+    assert_eq!((file.hulls.len(), file.source_triangles), (1, 4));
+    let hull = &file.hulls[0];
+    assert!((hull.shape.volume() - 36.0).abs() < 1e-6);
+    assert!((hull.shape.bounds().unwrap().max[0] - 6.0).abs() < 1e-6);
+    assert!((file.mass_properties.unwrap().mass - 36.0).abs() < 1e-6);
+}
+
+#[test]
+fn other_formats_are_one_mesh_and_names_stay_unique() {
+    let place = place();
+    std::fs::create_dir(place.path("more")).unwrap();
+    std::fs::copy(place.path("tetrahedron.obj"), place.path("more/Tetrahedron.obj")).unwrap();
+    let meshes = ["tetrahedron.obj", "more/Tetrahedron.obj"];
+    place
+        .succeed(&[&["bake", "--per-mesh", "-o", "baked", "--density", "2"], &meshes[..]].concat());
+    assert_eq!(names(&place.path("baked")), ["Tetrahedron_2.hulls", "tetrahedron.hulls"]);
+    let file = HullsFile::read(place.path("baked/tetrahedron.hulls")).unwrap();
+    assert!((file.mass_properties.unwrap().mass - 72.0).abs() < 1e-6);
+
+    // Again: the same files, not more.
+    place.succeed(&[&["bake", "--per-mesh", "-o", "baked"], &meshes[..]].concat());
+    assert_eq!(names(&place.path("baked")).len(), 2);
+}
+
+#[test]
+fn the_same_bytes_for_any_number_of_threads() {
+    let place = place();
+    let mug = asset("mug.glb");
+    place.succeed(&["bake", "--per-mesh", &mug, "-o", "one", "--threads", "1"]);
+    place.succeed(&["bake", "--per-mesh", &mug, "-o", "two", "--threads", "2"]);
+    let names = names(&place.path("one"));
+    assert_eq!(names.len(), read_own_meshes(&mug).unwrap().len());
+    for name in names {
+        let read = |directory: &str| std::fs::read(place.path(directory).join(&name)).unwrap();
+        assert_eq!(read("one"), read("two"));
+    }
+}
+
+#[test]
+fn what_can_not_be_baked_is_named_and_the_rest_is_baked() {
+    let place = place();
+    place.write("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+    let error =
+        place.fail(&["bake", "--per-mesh", "flat.obj", "tetrahedron.obj", "-o", "baked"], 1);
+    assert!(error.contains("flat.obj") && error.contains("no usable triangle"), "{error}");
+    assert_eq!(error.lines().count(), 1);
+    assert_eq!(names(&place.path("baked")), ["tetrahedron.hulls"]);
+
+    let error = place.fail(&["bake", "missing.obj", "-o", "nothing"], 1);
+    assert!(error.contains("missing.obj"), "{error}");
+    assert!(!place.path("nothing").exists());
+    place.fail(&["bake", "-o", "baked"], 2);
+    place.fail(&["bake", "tetrahedron.obj", "--density", "2"], 2);
+    let density = ["bake", "--per-mesh", "tetrahedron.obj", "-o", "baked", "--density", "-1"];
+    let error = place.fail(&density, 2);
+    assert!(error.contains("density"), "{error}");
+}
+
+#[test]
+fn a_scene_is_one_file_beside_it_and_is_kept_where_nothing_changed() {
+    let place = place();
+    let shown = place.succeed(&["bake", "two.gltf"]);
+    // Both meshes of the file have the same triangles.
+    assert_eq!(shown, "wrote two.hullscene: 1 mesh, 1 hull, 4 vertices\n");
+    let scene = HullScene::read(place.path("two.hullscene")).unwrap();
+    assert_eq!(scene.name, "two");
+    assert_eq!(scene.meshes[0].names, ["Cube/1", "left", "right", "mesh_1"]);
+    // A density is the tags' matter.
+    assert!((scene.meshes[0].hulls.mass_properties.unwrap().mass - 36.0).abs() < 1e-6);
+
+    let before = std::fs::read(place.path("two.hullscene")).unwrap();
+    let shown = place.succeed(&["bake", "two.gltf"]);
+    assert!(shown.contains("1 mesh (1 as before)"), "{shown}");
+    assert_eq!(std::fs::read(place.path("two.hullscene")).unwrap(), before);
+    let shown = place.succeed(&["bake", "two.gltf", "--max-error", "1%"]);
+    assert!(!shown.contains("as before"), "{shown}");
+}
+
+#[test]
+fn a_scene_is_baked_as_its_artist_says() {
+    let place = place();
+    let props = asset("props.glb");
+    place.succeed(&["bake", &props, "-o", "all"]);
+    place.succeed(&["bake", &props, "-o", "tagged", "--tagged-only"]);
+    let read = |directory: &str| {
+        let scene = HullScene::read(place.path(directory).join("props.hullscene")).unwrap();
+        let nodes = scene.meshes.into_iter().flat_map(|baked| {
+            let method = baked.parameters.name();
+            baked.names.into_iter().map(move |name| (name, method))
+        });
+        nodes.collect::<std::collections::BTreeMap<_, _>>()
+    };
+    let (all, tagged) = (read("all"), read("tagged"));
+    assert!(all.contains_key("leaf") && !tagged.contains_key("leaf"));
+    let expected = [("mug-convdecomp", "bounded"), ("lamp", "bounded"), ("UCX_table_01", "hull")];
+    for (name, method) in expected {
+        assert_eq!((all.get(name), tagged.get(name)), (Some(&method), Some(&method)), "{name}");
+    }
+    // Its pieces stand for it.
+    assert!(!all.contains_key("table"));
+}
+
+#[test]
+fn a_folder_of_scenes_keeps_its_structure() {
+    let place = place();
+    std::fs::create_dir_all(place.path("levels/one")).unwrap();
+    for name in ["two.gltf", "two.bin", "tetrahedron.obj"] {
+        std::fs::copy(place.path(name), place.path("levels/one").join(name)).unwrap();
+        std::fs::copy(place.path(name), place.path("levels").join(name)).unwrap();
+    }
+    let shown = place.succeed(&["bake", "levels", "-o", "baked"]);
+    assert_eq!(shown.lines().count(), 2);
+    assert_eq!(names(&place.path("baked")), ["one", "two.hullscene"]);
+    assert_eq!(names(&place.path("baked/one")), ["two.hullscene"]);
+
+    place.succeed(&["bake", "levels"]);
+    assert!(place.path("levels/one/two.hullscene").exists());
+    std::fs::create_dir(place.path("empty")).unwrap();
+    let error = place.fail(&["bake", "empty"], 1);
+    assert!(error.contains("no glTF or GLB file"), "{error}");
+    let error = place.fail(&["bake", "two.gltf", "levels/two.gltf", "-o", "baked"], 2);
+    assert!(error.contains("two scenes"), "{error}");
+}
+
+#[test]
+fn what_of_a_scene_can_not_be_baked_is_named_and_the_rest_is_baked() {
+    let place = place();
+    place.write("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+    let error = place.fail(&["bake", "flat.obj", "tetrahedron.obj"], 1);
+    assert!(error.contains("flat.obj, mesh `flat`"), "{error}");
+    assert!(place.path("tetrahedron.hullscene").exists());
+}
+
+#[test]
+fn decompose_writes_a_hulls_file_which_measure_and_inspect_read() {
+    let place = place();
+    let shown = place.succeed(&["decompose", "tetrahedron.obj", "-o", "t.hulls"]);
+    assert!(shown.contains("wrote t.hulls: 1 hull, 4 vertices"), "{shown}");
+    assert_eq!(HullsFile::read(place.path("t.hulls")).unwrap().name, "tetrahedron");
+
+    assert_eq!(place.json(&["measure", "tetrahedron.obj", "t.hulls"])["hulls"], 1);
+
+    let shown = place.succeed(&["inspect", "t.hulls"]);
+    for part in ["tetrahedron", "hulls", "mass", "36"] {
+        assert!(shown.contains(part), "{part} in {shown}");
+    }
+
+    let mut bytes = std::fs::read(place.path("t.hulls")).unwrap();
+    bytes.truncate(100);
+    place.write("t.hulls", bytes);
+    for command in [&["inspect", "t.hulls"][..], &["measure", "tetrahedron.obj", "t.hulls"]] {
+        let error = place.fail(command, 1);
+        assert!(error.contains("t.hulls") && error.contains("100 bytes"), "{error}");
+    }
+}

@@ -1,0 +1,126 @@
+//! `hullwright inspect`, errors and exit codes.
+
+use std::process::Command;
+
+use crate::{PROGRAM, Place, value};
+
+const BOX: &str = "o box\nv 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\nv 0 0 1\nv 2 0 1\nv 2 1 1\nv 0 1 1\n\
+                   f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+
+#[test]
+fn inspect_shows_what_a_mesh_holds() {
+    let shown = Place::new(&[("box.obj", BOX)]).succeed(&["inspect", "box.obj"]);
+    let value = |name: &str| value(&shown, name);
+    assert_eq!(value("objects"), "1");
+    assert_eq!(value("vertices"), "8");
+    assert_eq!(value("triangles"), "12");
+    assert_eq!(value("bounds to"), "2, 1, 1");
+    assert_eq!(value("diagonal"), "2.44949");
+    assert_eq!(value("components"), "1");
+    assert_eq!(value("open edges"), "0");
+    assert_eq!(value("closed"), "yes");
+    assert_eq!(value("volume"), "2");
+    assert_eq!(value("repairs"), "none needed");
+}
+
+#[test]
+fn inspect_shows_repairs_and_holes() {
+    let broken = BOX.replace("f 4 1 5 8\n", "f 1 2 2\nf 1 2 6\nv nan 0 0\nf 1 2 9\nv 7 7 7\n");
+    let place = Place::new(&[("broken.obj", &broken)]);
+    let shown = place.succeed(&["inspect", "broken.obj"]);
+    for expected in [
+        "closed              no",
+        "openings            1 closed",
+        "volume              2",
+        "13, 10 after repair",
+        "1 triangle that is not finite dropped",
+        "1 triangle without area dropped",
+        "1 duplicate triangle dropped",
+    ] {
+        assert!(shown.contains(expected), "{expected} is missing in\n{shown}");
+    }
+    let kept = place.succeed(&["inspect", "broken.obj", "--openings", "keep"]);
+    assert!(kept.contains("nothing is closed"));
+}
+
+#[test]
+fn files_that_hold_no_mesh_end_with_one_line_and_exit_code_1() {
+    let place = Place::new(&[]);
+    for (name, content, expected) in [
+        ("empty.obj", "", "no vertices"),
+        ("points.obj", "v 0 0 0\n", "the mesh is empty: 1 vertices, 0 triangles"),
+        ("beyond.obj", "v 0 0 0\nf 1 1 2\n", "line 2"),
+        ("lying.off", "OFF\n4000000000 1 0\n", "line 2"),
+        ("cut.ply", "ply\nformat ascii 1.0\n", "end_header"),
+        ("cut.stl", "solid x\nfacet normal 0 0 1\n", "inside of solid"),
+        ("noise.glb", "glTF\0\0\0\0", "header"),
+        ("noise.gltf", "{\"asset\":{\"version\":\"2.0\"},\n\"nodes\":3}", "line 2"),
+        ("mesh.xyz", "0 0 0", "suffix"),
+    ] {
+        place.write(name, content);
+        for command in ["inspect", "decompose"] {
+            let error = place.fail_in_one_line(&[command, name], 1);
+            assert!(error.contains(name) && error.contains(expected), "{error}");
+        }
+    }
+    let line = "OFF\n3 1 0\n0 0 0\n1 0 0\n2 0 0\n3 0 1 2\n";
+    place.write("line.off", line);
+    let error = place.fail_in_one_line(&["inspect", "line.off"], 1);
+    assert!(error.contains("no usable triangle"), "{error}");
+    let error = place.fail_in_one_line(&["inspect", "missing.obj"], 1);
+    assert!(error.contains("missing.obj"), "{error}");
+}
+
+#[test]
+fn wrong_usage_is_exit_code_2_and_comes_before_any_work() {
+    let place = Place::new(&[]);
+    for arguments in [
+        &["decompose", "missing.obj", "--simplification-quality", "2"][..],
+        &["decompose", "missing.obj", "--maximum-resolutions", "100,0"],
+        &["decompose", "missing.obj", "--planar-thresholds=-0.1"],
+        &["decompose", "missing.obj", "--max-vertices", "7"],
+        &["decompose", "missing.obj", "--unit", "0d"],
+    ] {
+        let error = place.fail_in_one_line(arguments, 2);
+        assert!(error.contains("parameter `"), "{error}");
+    }
+    for arguments in [
+        &[][..],
+        &["compose"],
+        &["decompose"],
+        &["decompose", "missing.obj", "--no-such-argument"],
+        &["decompose", "missing.obj", "--output", "hulls.stl"],
+        &["decompose", "missing.obj", "--threads", "0"],
+        &["decompose", "missing.obj", "--threads", "1000000"],
+        &["decompose", "missing.obj", "--unit", "long"],
+        &["decompose", "missing.obj", "--method", "none"],
+        &["decompose", "missing.obj", "--max-vertices", "all"],
+    ] {
+        let output = place.run(arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(output.stdout.is_empty() && !output.stderr.is_empty());
+    }
+}
+
+#[test]
+fn an_output_directory_that_does_not_exist_is_noticed_before_any_work() {
+    let arguments = ["decompose", "missing.obj", "--output", "no/such/place/hulls.obj"];
+    assert!(Place::new(&[]).fail_in_one_line(&arguments, 1).contains("does not exist"));
+}
+
+#[test]
+fn a_reader_that_has_gone_away_is_no_error() {
+    let place = Place::new(&[("box.obj", BOX)]);
+    for arguments in [&["inspect", "box.obj"][..], &["--help"], &["--version"]] {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let output = Command::new(PROGRAM)
+            .current_dir(place.0.path())
+            .args(arguments)
+            .stdout(writer)
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}");
+        assert!(output.stderr.is_empty());
+    }
+}

@@ -1,0 +1,13 @@
+//! What the public functions promise.
+
+// The unused rest is for other tests.
+#[allow(dead_code)]
+#[path = "../common/mod.rs"]
+mod common;
+mod decompose;
+mod documents;
+mod limits;
+mod mass_reference;
+mod measure;
+#[cfg(feature = "viewer")]
+mod viewer;
