@@ -346,11 +346,20 @@ impl HullBuilder {
     /// The farthest that one of the points lies in front of a face, in their units; negative if
     /// all are inside.
     pub(crate) fn farthest_outside(&self, points: &[[f64; 3]]) -> f64 {
+        let mut farthest = f64::NEG_INFINITY;
         let (blocks, rest) = points.as_chunks::<4>();
-        let blocks = blocks.iter().map(|&block| self.farthest_of(block));
-        // A point and its copy: a single lane would not vectorise.
-        let farthest = blocks.chain(rest.iter().map(|&point| self.farthest_of([point; 2])));
-        farthest.fold(f64::NEG_INFINITY, f64::max) / self.hull.frame.factor
+        for &block in blocks {
+            farthest = farthest.max(self.farthest_of(block));
+        }
+        let (pairs, rest) = rest.as_chunks::<2>();
+        for &pair in pairs {
+            farthest = farthest.max(self.farthest_of(pair));
+        }
+        for &point in rest {
+            // With a copy of itself: a single lane would not vectorise.
+            farthest = farthest.max(self.farthest_of([point; 2]));
+        }
+        farthest / self.hull.frame.factor
     }
 
     /// The same in the frame, for a few points at once, so that the loop vectorises.
