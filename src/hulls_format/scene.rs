@@ -186,12 +186,7 @@ impl HullScene {
 
     /// What there is of a mesh with this content and one of these names, by these parameters.
     /// O(meshes).
-    pub fn look_up(
-        &self,
-        hash: MeshHash,
-        parameters: &Method,
-        names: &[&str],
-    ) -> SceneLookup<'_> {
+    pub fn look_up(&self, hash: MeshHash, parameters: &Method, names: &[&str]) -> SceneLookup<'_> {
         let of_content = || self.meshes.iter().filter(|baked| baked.hash == hash);
         let found = of_content().find(|baked| baked.parameters == *parameters);
         if let Some(baked) = found {

@@ -72,12 +72,12 @@ macro_rules! named {
         }
 
         impl std::str::FromStr for $type {
-            type Err = $crate::parameters::ParseError;
+            type Err = $crate::parameters::text::ParseError;
 
             fn from_str(text: &str) -> Result<Self, Self::Err> {
                 match text {
                     $($name => Ok(Self::$variant),)+
-                    _ => Err($crate::parameters::ParseError::new(text, $expected)),
+                    _ => Err($crate::parameters::text::ParseError::new(text, $expected)),
                 }
             }
         }
