@@ -24,6 +24,9 @@ use crate::error::Error;
 use crate::geometry::{MeshView, TriangleMesh};
 use crate::input::{Input, admit};
 use crate::mesh::PreparedMesh;
+use crate::mesh::repair::prepare as repair;
+use crate::openings::OpeningSettings;
+use crate::openings::prepare::close_prepared as close_openings;
 use crate::parameters::Parameters;
 use crate::solid::Solid;
 use crate::stages::{FINISH, FINISHED, LIMIT, PREPARED, SEARCHED, Stages, nth};
@@ -93,7 +96,10 @@ pub(crate) async fn pipeline(
     control: &Control,
 ) -> Result<Decomposition, Error> {
     let mut stages = Stages::new(control);
-    let mut input = Input::repaired_and_closed(mesh, &parameters.into(), &mut stages).await?;
+    let openings = &OpeningSettings::from(parameters);
+    let repaired = stages.run(Stage::Repair, || repair(mesh, openings.order, control)).await?;
+    let close = || close_openings(repaired, mesh, openings, control);
+    let mut input = Input::closed(mesh, stages.run(Stage::Openings, close).await?);
     let prepared = &mut input.prepared;
     round(&mut prepared.mesh);
     let mut deadline = Deadline::new(control);

@@ -1,13 +1,12 @@
-//! What every method begins with, checks, repair and openings, and the report on that.
+//! What every method begins with: checks, the prepared mesh, and the report on it.
 
-use crate::control::{Control, Stage};
+use crate::control::Control;
 use crate::decomposition::{ALGORITHM_VERSION, RunReport};
 use crate::error::Error;
 use crate::geometry::MeshView;
 use crate::mesh::PreparedMesh;
-use crate::mesh::repair::prepare as repair;
-use crate::openings::prepare::close_prepared as close_openings;
-use crate::openings::{Opening, OpeningSettings};
+use crate::openings::Opening;
+use crate::openings::prepare::Closed;
 use crate::stages::Stages;
 
 /// What is checked before the mesh is copied or looked at.
@@ -33,27 +32,21 @@ pub(crate) struct Input {
 }
 
 impl Input {
-    /// The first two stages.
-    ///
-    /// # Errors
-    /// As [`repair`], and [`Error::Cancelled`].
-    pub(crate) async fn repaired_and_closed(
-        mesh: MeshView<'_>,
-        settings: &OpeningSettings,
-        stages: &mut Stages,
-    ) -> Result<Self, Error> {
-        let control = &stages.control();
-        let repaired = stages.run(Stage::Repair, || repair(mesh, settings.order, control)).await?;
-        let closed = stages
-            .run(Stage::Openings, || close_openings(repaired, mesh, settings, control))
-            .await?;
-        Ok(Self {
-            prepared: closed.prepared,
-            source_vertices: mesh.vertex_count(),
-            source_triangles: mesh.triangles().len(),
-            openings: closed.openings,
-            nested_components: closed.nested_components,
-        })
+    /// A repaired mesh whose openings are closed.
+    pub(crate) fn closed(source: MeshView<'_>, closed: Closed) -> Self {
+        let Closed { prepared, openings, nested_components, .. } = closed;
+        Self { openings, nested_components, ..Self::as_it_is(source, prepared) }
+    }
+
+    /// A repaired mesh whose openings stay.
+    pub(crate) fn as_it_is(source: MeshView<'_>, prepared: PreparedMesh) -> Self {
+        Self {
+            prepared,
+            source_vertices: source.vertex_count(),
+            source_triangles: source.triangles().len(),
+            openings: Vec::new(),
+            nested_components: 0,
+        }
     }
 
     /// What is reported once all stages are done.

@@ -1,6 +1,6 @@
 //! The one hull of all points, for what is convex enough.
 
-use crate::control::Control;
+use crate::control::{Control, Stage};
 use crate::decomposer::run_to_end;
 use crate::decomposition::Decomposition;
 use crate::error::Error;
@@ -9,7 +9,7 @@ use crate::input::{Input, admit};
 use crate::mesh::PreparedMesh;
 use crate::mesh::canonical_order::MeshOrder;
 use crate::mesh::grouping::Grouping;
-use crate::openings::OpeningSettings;
+use crate::mesh::repair::prepare as repair;
 use crate::parameters::check_max_vertices;
 use crate::stages::{HULL, PREPARED, Stages};
 use crate::surface::pieces::Pieces;
@@ -48,8 +48,8 @@ pub(crate) async fn pipeline(
 ) -> Result<Decomposition<()>, Error> {
     let mut stages = Stages::new(control);
     // Neither a cap nor what lies inside changes the hull of all points.
-    let settings = OpeningSettings::as_it_is(MeshOrder::Place);
-    let input = Input::repaired_and_closed(mesh, &settings, &mut stages).await?;
+    let repaired = stages.run(Stage::Repair, || repair(mesh, MeshOrder::Place, control)).await?;
+    let input = Input::as_it_is(mesh, repaired);
     stages.begin(HULL, PREPARED..1.0);
     let PreparedMesh { mesh, components, normalization, .. } = &input.prepared;
     let grouping = Grouping { labels: vec![0; mesh.triangles.len()], count: 1 };

@@ -40,14 +40,6 @@ pub(crate) struct OpeningSettings {
     pub order: MeshOrder,
 }
 
-impl OpeningSettings {
-    /// For methods that take the mesh as it is.
-    pub(crate) fn as_it_is(order: MeshOrder) -> Self {
-        let kept = Parameters::default().openings(Openings::Keep).keep_cavities(true);
-        Self { order, ..Self::from(&kept) }
-    }
-}
-
 impl From<&Parameters> for OpeningSettings {
     fn from(parameters: &Parameters) -> Self {
         let &Parameters { openings, up_axis, max_error, keep_cavities, .. } = parameters;

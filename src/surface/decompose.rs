@@ -14,7 +14,7 @@ use crate::geometry::MeshView;
 use crate::input::{Input, admit};
 use crate::mesh::PreparedMesh;
 use crate::mesh::canonical_order::MeshOrder;
-use crate::openings::OpeningSettings;
+use crate::mesh::repair::prepare as repair;
 use crate::parameters::Length;
 use crate::stages::{PREPARED, SURFACE, Stages};
 
@@ -41,8 +41,8 @@ pub(crate) async fn pipeline(
     control: &Control,
 ) -> Result<Decomposition<SurfaceReport>, Error> {
     let mut stages = Stages::new(control);
-    let settings = OpeningSettings::as_it_is(MeshOrder::Input);
-    let input = Input::repaired_and_closed(mesh, &settings, &mut stages).await?;
+    let repaired = stages.run(Stage::Repair, || repair(mesh, MeshOrder::Input, control)).await?;
+    let input = Input::as_it_is(mesh, repaired);
     let prepared = &input.prepared;
     let normalization = &prepared.normalization;
     let unit = match parameters.unit {
