@@ -102,8 +102,11 @@ impl Policy for Lenient<'_> {
         work::count(work::PART);
         let &mut Self { solid, bound, .. } = self;
         let radius = part.radius;
-        let at = solid.locate(part.centre);
         let reach = LENIENCE * radius;
+        if solid.is_deep(part.centre, reach - bound) {
+            return Verdict::Settled;
+        }
+        let at = solid.locate(part.centre);
         if at.upper + reach <= bound
             || radius > LONG * bound && at.upper_of_face(part.corners, bound) <= bound
         {

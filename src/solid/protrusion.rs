@@ -260,6 +260,9 @@ impl Policy for Exact<'_> {
         let &Part { corners, centre, radius } = part;
         let (known, enough) = (self.known, self.enough());
         let to_own_surface = enough - displacement;
+        if solid.is_deep(centre, radius - to_own_surface) {
+            return Verdict::Settled;
+        }
         let at = solid.locate(centre);
         if at.upper_of_face(corners, to_own_surface) <= to_own_surface
             || at.depth().is_some_and(|depth| radius - depth <= to_own_surface)
@@ -342,7 +345,6 @@ fn enough(known: f64, bound: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bounded::settings::Settings;
     use crate::bvh::Bvh;
     use crate::clustering::cluster;
     use crate::geometry::vector::{add, cross, normalize, scale};
@@ -351,7 +353,6 @@ mod tests {
     use crate::mesh::canonical_order::MeshOrder;
     use crate::mesh::repair::prepare;
     use crate::mesh::shapes::{cuboid, hemisphere, join, torus, uv_sphere};
-    use crate::parameters::{Length, Parameters};
     use crate::solid::Boundary;
 
     fn solid_of(mesh: &TriangleMesh, boundary: Boundary, bound: f64) -> Solid {
@@ -505,9 +506,7 @@ mod tests {
     fn searched(mesh: &TriangleMesh) -> (Vec<Vector>, Solid, Bvh) {
         let control = Control::new();
         let prepared = prepare(mesh.view(), MeshOrder::Place, &control).unwrap();
-        let parameters = Parameters::default().max_error(Length::share(BOUND));
-        let settings = Settings::of_preset(&parameters, 1.0).swap_remove(0);
-        let clustered = cluster(&prepared, &settings, &control).unwrap();
+        let clustered = cluster(&prepared, BOUND, 4.0 * BOUND, &control).unwrap();
         let solid = Solid::new(&prepared, clustered, (BOUND, false), &control).unwrap();
         let TriangleMesh { positions, triangles, .. } = prepared.mesh;
         let source = Bvh::new(&positions, &triangles);

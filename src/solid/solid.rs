@@ -160,6 +160,13 @@ impl Solid {
         self.grid.locate(point)
     }
 
+    /// Whether a point is at least so deep inside that its block shows it: no cell is filled for that.
+    #[inline]
+    pub(super) fn is_deep(&self, point: Vector, depth: f64) -> bool {
+        let ball = self.grid.ball(point);
+        ball.is_some_and(|ball| ball.side == Side::Inside && ball.radius >= depth)
+    }
+
     /// Bounds on the distance of a point from the source. `guess` is a triangle of the solid that may be near
     /// and makes it faster. `None` if the solid has no surface. O(log n).
     pub(super) fn measure(&self, point: Vector, guess: u32) -> Option<SourceDistance> {
