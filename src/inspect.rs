@@ -2,7 +2,7 @@
 
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::{area_normal, cross, cubed, dot, length, maximum, minimum, squared};
+use crate::geometry::vector::{Vector, area_normal, cubed, squared};
 use crate::geometry::{Bounds, MeshView};
 use crate::mesh::canonical_order::MeshOrder;
 use crate::mesh::repair::prepare;
@@ -106,11 +106,11 @@ pub fn inspect_with<'a>(
     })
 }
 
-fn bounds(points: impl Iterator<Item = [f64; 3]>) -> Bounds {
+fn bounds(points: impl Iterator<Item = Vector>) -> Bounds {
     let everywhere = Bounds { min: [f64::INFINITY; 3], max: [f64::NEG_INFINITY; 3] };
     points.fold(everywhere, |bounds, point| Bounds {
-        min: minimum(bounds.min, point),
-        max: maximum(bounds.max, point),
+        min: Vector::from(bounds.min).min(point).to_array(),
+        max: Vector::from(bounds.max).max(point).to_array(),
     })
 }
 
@@ -118,15 +118,15 @@ fn bounds(points: impl Iterator<Item = [f64; 3]>) -> Bounds {
 fn measure(prepared: &PreparedMesh) -> (f64, f64) {
     let (mut twice_area, mut six_volumes) = (0.0, 0.0);
     for (triangle, component) in prepared.mesh.triangles.iter().zip(&prepared.components) {
-        let [a, b, c] = triangle.map(|vertex| prepared.mesh.positions[vertex as usize]);
-        twice_area += length(area_normal(a, b, c));
+        let [a, b, c] = triangle.map(|vertex| prepared.mesh.points()[vertex as usize]);
+        twice_area += area_normal(a, b, c).length();
         if prepared.closed[*component as usize] {
-            six_volumes += dot(a, cross(b, c));
+            six_volumes += a.dot(b.cross(c));
         }
     }
     for triangle in &prepared.hidden_caps {
-        let [a, b, c] = triangle.map(|vertex| prepared.mesh.positions[vertex as usize]);
-        six_volumes += dot(a, cross(b, c));
+        let [a, b, c] = triangle.map(|vertex| prepared.mesh.points()[vertex as usize]);
+        six_volumes += a.dot(b.cross(c));
     }
     (twice_area / 2.0, six_volumes / 6.0)
 }

@@ -29,7 +29,7 @@ mod tests {
     use super::DONE;
     use crate::control::Control;
     use crate::decompose::decompose;
-    use crate::geometry::vector::add;
+    use crate::geometry::vector::Vector;
     use crate::geometry::{MeshView, TriangleMesh};
     use crate::mesh::shapes::{cuboid, hemisphere, join, torus, turn, uv_sphere};
     use crate::parameters::{Length, Parameters, Preset};
@@ -58,9 +58,11 @@ mod tests {
     /// So many rings that few triangles are left for each.
     fn rings() -> TriangleMesh {
         let ring = |k: u32| {
-            let place = [k % 3, k / 3 % 3, k / 9].map(|step| 2.8 * f64::from(step));
+            let place = Vector::from([k % 3, k / 3 % 3, k / 9].map(|step| 2.8 * f64::from(step)));
             let mut mesh = torus(20, 10);
-            mesh.positions.iter_mut().for_each(|point| *point = add(*point, place));
+            mesh.positions
+                .iter_mut()
+                .for_each(|point| *point = (Vector::from(*point) + place).to_array());
             mesh
         };
         join(&(0..27).map(ring).collect::<Vec<TriangleMesh>>())

@@ -28,9 +28,8 @@ pub(super) fn primitive_around(
     data: &MeshData,
     map: &Affine3A,
 ) -> Result<SharedShape, ColliderError> {
-    let points: Vec<Vector> = used_points(data)
-        .map(|point| Vector::from(map.transform_point3(point.into()).to_array()))
-        .collect();
+    let points: Vec<Vector> =
+        used_points(data).map(|point| map.transform_point3(point.into())).collect();
     let (middle, half) = bounding_box(&points).ok_or(Error::NothingUsable {
         triangles: data.triangles.len(),
         degenerate: 0,

@@ -3,7 +3,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::geometry::vector::{Vector, add, area_normal, length_squared, scale, subtract};
+use crate::geometry::vector::{Vector, area_normal};
 use crate::mesh::TriangleMesh;
 use crate::mesh::refine::edge;
 
@@ -50,7 +50,7 @@ pub(super) fn cut(
         let height = height(*point);
         if height.abs() <= flatness { 0.0 } else { height }
     };
-    let heights: Vec<f64> = mesh.mesh.positions.iter().map(side).collect();
+    let heights: Vec<f64> = mesh.mesh.points().iter().map(side).collect();
     let segments = segments(&mesh.mesh.triangles, &heights);
     let reached = reached(&segments, starts, &mesh.walls);
     let mut middles: BTreeMap<(u32, u32), u32> = BTreeMap::new();
@@ -142,9 +142,9 @@ fn vertex_at(
         return a;
     }
     *middles.entry(port).or_insert_with(|| {
-        let [p, q] = [a, b].map(|vertex| mesh.positions[vertex as usize]);
+        let [p, q] = [a, b].map(|vertex| mesh.points()[vertex as usize]);
         let share = heights[a as usize] / (heights[a as usize] - heights[b as usize]);
-        mesh.positions.push(add(p, scale(subtract(q, p), share)));
+        mesh.positions.push((p + (q - p) * share).to_array());
         mesh.positions.len() as u32 - 1
     })
 }
@@ -178,10 +178,10 @@ fn split(cut: &mut CutMesh, chords: &BTreeMap<u32, [u32; 2]>, middles: &BTreeMap
                 let (first, second) = (first.min(second), first.max(second));
                 let inner = outline[first..=second].to_vec();
                 let outer = [&outline[second..], &outline[..=first]].concat();
-                fill(inner, &cut.mesh.positions, &mut triangles);
-                fill(outer, &cut.mesh.positions, &mut triangles);
+                fill(inner, cut.mesh.points(), &mut triangles);
+                fill(outer, cut.mesh.points(), &mut triangles);
             }
-            _ if outline.len() > 3 => fill(outline, &cut.mesh.positions, &mut triangles),
+            _ if outline.len() > 3 => fill(outline, cut.mesh.points(), &mut triangles),
             _ => triangles.push(triangle),
         }
         let parts = triangles.len() - before;
@@ -202,7 +202,7 @@ fn fill(mut outline: Vec<u32>, positions: &[Vector], triangles: &mut Vec<[u32; 3
             |k: usize| [outline[(k + count - 1) % count], outline[k], outline[(k + 1) % count]];
         let area = |triangle: [u32; 3]| {
             let [a, b, c] = triangle.map(|vertex| positions[vertex as usize]);
-            length_squared(area_normal(a, b, c))
+            area_normal(a, b, c).length_squared()
         };
         let largest = (0..count).map(|k| area(corner(k))).fold(0.0, f64::max);
         let best = (0..count)

@@ -13,9 +13,7 @@
 
 use super::cuts::{CutMesh, cut};
 use super::settings::Settings;
-use crate::geometry::vector::{
-    Vector, area_normal, cross, distance, dot, length, normalize, scale, subtract,
-};
+use crate::geometry::vector::{Vector, area_normal};
 use crate::mesh::TriangleMesh;
 use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
 use crate::mesh::refine::{edge, refine};
@@ -174,7 +172,7 @@ struct GroupPlane {
 impl GroupPlane {
     #[inline]
     fn height(&self, point: Vector) -> f64 {
-        dot(self.normal, point) - self.offset
+        self.normal.dot(point) - self.offset
     }
 }
 
@@ -193,14 +191,14 @@ struct PlanarGroups {
 /// Groups triangles by planes. O(n log n).
 fn planar_groups(mesh: &TriangleMesh, adjacency: &Adjacency, flatness: f64) -> PlanarGroups {
     let count = mesh.triangles.len();
-    let corners = |t: usize| mesh.triangles[t].map(|vertex| mesh.positions[vertex as usize]);
+    let corners = |t: usize| mesh.triangles[t].map(|vertex| mesh.points()[vertex as usize]);
     let normals: Vec<Vector> = (0..count)
         .map(|t| {
             let [a, b, c] = corners(t);
             area_normal(a, b, c)
         })
         .collect();
-    let areas: Vec<f64> = normals.iter().map(|&normal| length(normal)).collect();
+    let areas: Vec<f64> = normals.iter().map(|&normal| normal.length()).collect();
     let mut order: Vec<u32> = (0..count as u32).collect();
     order.sort_by(|&a, &b| areas[b as usize].total_cmp(&areas[a as usize]).then(a.cmp(&b)));
     let (labels, planes, vertices) = (vec![u32::MAX; count], Vec::new(), Vec::new());
@@ -211,10 +209,9 @@ fn planar_groups(mesh: &TriangleMesh, adjacency: &Adjacency, flatness: f64) -> P
             continue;
         }
         let label = groups.planes.len() as u32;
-        let normal =
-            scale(normals[start as usize], 1.0 / areas[start as usize].max(f64::MIN_POSITIVE));
+        let normal = normals[start as usize] * (1.0 / areas[start as usize].max(f64::MIN_POSITIVE));
         let [a, ..] = corners(start as usize);
-        let plane = GroupPlane { normal, offset: dot(normal, a) };
+        let plane = GroupPlane { normal, offset: normal.dot(a) };
         let mut vertices = Vec::new();
         groups.labels[start as usize] = label;
         stack.push(start);
@@ -226,7 +223,7 @@ fn planar_groups(mesh: &TriangleMesh, adjacency: &Adjacency, flatness: f64) -> P
                 }
                 let points = corners(other as usize);
                 let is_flat = points.iter().all(|&point| plane.height(point).abs() <= flatness);
-                let cosine_by_area = dot(normals[other as usize], normal);
+                let cosine_by_area = normals[other as usize].dot(normal);
                 let area = areas[other as usize];
                 if is_flat
                     && (cosine_by_area >= MIN_COSINE * area || is_sliver(points, area, flatness))
@@ -246,7 +243,7 @@ fn planar_groups(mesh: &TriangleMesh, adjacency: &Adjacency, flatness: f64) -> P
 
 /// Whether a triangle's height over its longest side is so small that its normal means little.
 fn is_sliver([a, b, c]: [Vector; 3], doubled_area: f64, flatness: f64) -> bool {
-    let longest = distance(a, b).max(distance(b, c)).max(distance(c, a));
+    let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
     doubled_area <= SLIVER * flatness * longest
 }
 
@@ -293,8 +290,8 @@ fn notches(
             }
             let Some(depth) = depth(mesh, groups, pair, ends) else { continue };
             if depth > least_depth {
-                let [a, b] = ends.map(|vertex| mesh.positions[vertex as usize]);
-                let weight = depth * length(subtract(b, a));
+                let [a, b] = ends.map(|vertex| mesh.points()[vertex as usize]);
+                let weight = depth * b.distance(a);
                 notches.push(Notch { edge: edge(ends[0], ends[1]), planes: pair, depth, weight });
             }
         }
@@ -312,24 +309,23 @@ fn depth(
     pair: [u32; 2],
     ends: [u32; 2],
 ) -> Option<f64> {
-    let [from, to] = ends.map(|vertex| mesh.positions[vertex as usize]);
-    let along = normalize(subtract(to, from));
+    let [from, to] = ends.map(|vertex| mesh.points()[vertex as usize]);
+    let along = (to - from).normalize_or_zero();
     let normals = pair.map(|group| groups.planes[group as usize].normal);
     // Into each face, at right angles to the edge.
-    let inward = [cross(normals[0], along), cross(along, normals[1])];
+    let inward = [normals[0].cross(along), along.cross(normals[1])];
     // Reflex where the second face rises in front of the first.
-    if dot(normals[0], inward[1]) <= 0.0 && dot(normals[1], inward[0]) <= 0.0 {
+    if normals[0].dot(inward[1]) <= 0.0 && normals[1].dot(inward[0]) <= 0.0 {
         return None;
     }
     let width = |side: usize| {
-        let extent =
-            |&vertex: &u32| dot(inward[side], subtract(mesh.positions[vertex as usize], from));
+        let extent = |&vertex: &u32| inward[side].dot(mesh.points()[vertex as usize] - from);
         groups.vertices[pair[side] as usize].iter().map(extent).fold(0.0, f64::max)
     };
     let widths = [width(0), width(1)];
     let far = [0, 1].map(|side| inward[side].map(|x| widths[side] * x));
-    let doubled_area = length(cross(far[0], far[1]));
-    let chord = length(subtract(far[0], far[1]));
+    let doubled_area = far[0].cross(far[1]).length();
+    let chord = far[0].distance(far[1]);
     Some(if chord > 0.0 { doubled_area / chord } else { widths[0] })
 }
 
@@ -344,7 +340,7 @@ fn unify_planes(mesh: &TriangleMesh, groups: &PlanarGroups, notches: &mut [Notch
         let is_in = |other: u32| {
             let plane = groups.planes[other as usize];
             let near = |position: Vector| plane.height(position).abs() <= groups.flatness;
-            groups.vertices[group as usize].iter().all(|&v| near(mesh.positions[v as usize]))
+            groups.vertices[group as usize].iter().all(|&v| near(mesh.points()[v as usize]))
         };
         let same = (0..place).find(|&other| names[other] == used[other] && is_in(used[other]));
         names.push(same.map_or(group, |other| used[other]));

@@ -15,7 +15,7 @@ use super::witness::{Effort, Witness, find_witness};
 use crate::control::Control;
 use crate::decomposition::Hull;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, add, bounds, scale};
+use crate::geometry::vector::{Vector, bounds};
 use crate::hull::{ConvexHull, HullBuilder, joint_hull, limit_vertices};
 use crate::mesh::PreparedMesh;
 use crate::parallel;
@@ -236,7 +236,7 @@ impl<'a> Pairs<'a> {
         for other in others {
             let [a, b] = [joined.0, joined.1].map(|part| {
                 let witness = self.witnesses.remove(&ordered(part, other)).unwrap_or_default();
-                (witness, witness.bound([&nodes[other as usize].hull.points, &node.hull.points]))
+                (witness, witness.bound([nodes[other as usize].hull.points(), node.hull.points()]))
             });
             let (witness, bound) = if a.1 >= b.1 { a } else { b };
             self.witnesses.insert((other, new), witness);
@@ -252,7 +252,7 @@ impl<'a> Pairs<'a> {
 
     fn find_witness(&self, nodes: &[Node], (a, b): Pair, effort: Effort) -> (Witness, f64) {
         let pair = [a as usize, b as usize];
-        let hulls = pair.map(|part| &nodes[part].hull.points[..]);
+        let hulls = pair.map(|part| &nodes[part].hull.points()[..]);
         find_witness(hulls, pair.map(|part| self.centres[part]), self.solid, effort)
     }
 
@@ -276,8 +276,8 @@ impl<'a> Pairs<'a> {
 }
 
 fn centre(node: &Node) -> Vector {
-    let (min, max) = bounds(node.hull.points.iter().copied());
-    scale(add(min, max), 0.5)
+    let (min, max) = bounds(node.hull.points().iter().copied());
+    (min + max) * 0.5
 }
 
 #[cfg(test)]
@@ -306,7 +306,7 @@ mod tests {
         let (mut positions, mut triangles) = (Vec::new(), Vec::new());
         for Node { hull, .. } in nodes {
             let first = positions.len() as u32;
-            positions.extend_from_slice(&hull.points);
+            positions.extend_from_slice(hull.points());
             triangles.extend(hull.triangles.iter().map(|triangle| triangle.map(|v| v + first)));
         }
         Solid::of_surface(&positions, &triangles, Boundary::default(), bound, &Control::new())

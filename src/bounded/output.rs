@@ -64,9 +64,9 @@ fn grouped(patches: &Patches, hulls: &[FinalHull], normalization: &Normalization
             groups[patch as usize] = index;
         }
     }
-    let positions = patches.mesh.positions.iter();
+    let positions = patches.mesh.points().iter();
     GroupedMesh {
-        positions: positions.map(|&point| normalization.restore(point)).collect(),
+        positions: positions.map(|&point| normalization.restore(point).into()).collect(),
         triangles: patches.mesh.triangles.clone(),
         groups: patches.labels.iter().map(|&patch| groups[patch as usize]).collect(),
     }
@@ -86,7 +86,8 @@ pub(crate) struct NormalizedHull<'a> {
 impl NormalizedHull<'_> {
     /// The hull in the input's units.
     pub(crate) fn restored(self, normalization: &Normalization) -> Hull {
-        let points = self.hull.points.iter().map(|&point| normalization.restore(point)).collect();
+        let points =
+            self.hull.points().iter().map(|&point| normalization.restore(point).into()).collect();
         let mut source_triangles = self.source_triangles;
         source_triangles.sort_unstable();
         source_triangles.dedup();
@@ -119,7 +120,8 @@ pub(super) fn normalized(
         let reason = "a triangle names a point that it does not have";
         return Err(Error::UnusableHull { hull: index, reason });
     }
-    let points = shape.points.iter().map(|&point| normalization.normalize(point)).collect();
+    let points =
+        shape.points().iter().map(|&point| normalization.normalize(point).into()).collect();
     let protrusion = errors.protrusion_max.map(|protrusion| protrusion / normalization.diagonal);
     Ok((ConvexHull { points, triangles: shape.triangles.clone() }, protrusion))
 }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use fixedbitset::FixedBitSet;
 
-use crate::geometry::vector::{Vector, add, bounds, distance};
+use crate::geometry::vector::{Vector, bounds};
 use crate::hull::growing_hull::GrowingHull;
 use crate::mesh::TriangleMesh;
 
@@ -82,7 +82,7 @@ impl Index<u32> for Patches {
 /// Two points that are far apart: the farthest from the first point, and the farthest from that.
 pub(super) fn far_pair(points: &[Vector]) -> Vec<Vector> {
     let farthest = |from: Vector| {
-        points.iter().copied().max_by(|&a, &b| distance(a, from).total_cmp(&distance(b, from)))
+        points.iter().copied().max_by(|&a, &b| a.distance(from).total_cmp(&b.distance(from)))
     };
     let first = points.first().and_then(|&point| farthest(point));
     let second = first.and_then(farthest);
@@ -167,11 +167,11 @@ impl Piece {
     /// The hull of some patches.
     pub fn new(patches: &Patches, set: &PatchSet) -> Self {
         let mut points = Vec::new();
-        let mut outward = [0.0; 3];
+        let mut outward = Vector::ZERO;
         for patch in set.iter() {
             let patch = &patches[patch];
             points.extend_from_slice(&patch.points);
-            outward = add(outward, patch.outward);
+            outward += patch.outward;
         }
         let hull = GrowingHull::new(&points, outward);
         Self { patches: set.clone(), hull, vertices: Vec::new(), inner_points: Vec::new() }

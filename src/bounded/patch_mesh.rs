@@ -12,7 +12,7 @@ use crate::bvh::closest_triangles::closest_triangles;
 use crate::clustering::Clustered;
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, add, area_normal, length, scale};
+use crate::geometry::vector::{Vector, area_normal};
 use crate::hull::HullBuilder;
 use crate::mesh::refine::refine;
 use crate::mesh::simplify::simplify;
@@ -82,9 +82,9 @@ impl PatchMesh {
         let mut mesh = simplified.mesh;
         let origins = refine(&mut mesh, settings.bound.longest_edge());
         let components = select(&origins, &simplified.components);
-        let bvh = Bvh::new(&mesh.positions, &mesh.triangles);
+        let bvh = Bvh::new(mesh.points(), &mesh.triangles);
         let mut represented: Vec<Vec<u32>> = vec![Vec::new(); mesh.triangles.len()];
-        let closest = closest_triangles(&surface.positions, &surface.triangles, &bvh, control)?;
+        let closest = closest_triangles(surface.points(), &surface.triangles, &bvh, control)?;
         for (triangle, closest) in closest.into_iter().enumerate() {
             if let Some(list) = represented.get_mut(closest as usize) {
                 list.push(triangle as u32);
@@ -126,12 +126,12 @@ impl PatchMesh {
             .copied()
             .collect();
         points.extend(surface.positions_of(own.iter().copied()));
-        let mut outward = [0.0; 3];
+        let mut outward = Vector::ZERO;
         let mut area = 0.0;
         for &triangle in triangles {
             let normal = self.normal(triangle);
-            outward = add(outward, normal);
-            area += 0.5 * length(normal);
+            outward += normal;
+            area += 0.5 * normal.length();
         }
         points = reducer.vertices_of(&points).unwrap_or(points);
         let component = triangles.first().map_or(0, |&triangle| components[triangle as usize]);
@@ -149,17 +149,17 @@ impl PatchMesh {
         if let &[triangle] = triangles {
             return centre(self.corners(triangle));
         }
-        let (mut sum, mut area) = ([0.0; 3], f64::MIN_POSITIVE);
+        let (mut sum, mut area) = (Vector::ZERO, f64::MIN_POSITIVE);
         for &triangle in triangles {
-            let weight = length(self.normal(triangle));
-            sum = add(sum, scale(centre(self.corners(triangle)), weight));
+            let weight = self.normal(triangle).length();
+            sum += centre(self.corners(triangle)) * weight;
             area += weight;
         }
-        scale(sum, 1.0 / area)
+        sum * (1.0 / area)
     }
 
     pub(super) fn corners(&self, triangle: u32) -> [Vector; 3] {
-        self.mesh.triangles[triangle as usize].map(|vertex| self.mesh.positions[vertex as usize])
+        self.mesh.triangles[triangle as usize].map(|vertex| self.mesh.points()[vertex as usize])
     }
 
     /// Twice the area of a triangle times its unit normal.

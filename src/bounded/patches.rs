@@ -14,9 +14,7 @@ use super::settings::Settings;
 use crate::clustering::Clustered;
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::{
-    Vector, add, diagonal, dot, length, length_squared, scale, subtract,
-};
+use crate::geometry::vector::{Vector, diagonal};
 use crate::hull::HullBuilder;
 use crate::hull::growing_hull::GrowingHull;
 use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
@@ -49,7 +47,7 @@ const MAX_COMPARED: usize = 16;
 const POWER_STEPS: usize = 30;
 
 /// Start of the power iteration: oblique, since flat groups are often orthogonal to an axis.
-const POWER_START: Vector = [1.0, 0.7, 0.4];
+const POWER_START: Vector = Vector::new(1.0, 0.7, 0.4);
 
 /// A patch and its triangles of the patch mesh.
 type Part = (Patch, Vec<u32>);
@@ -264,11 +262,11 @@ impl Division<'_> {
             return None;
         }
         let mut tester = FitTester::new(solid, bound.search());
-        let coarse = GrowingHull::new(&vertices, [0.0; 3]);
+        let coarse = GrowingHull::new(&vertices, Vector::ZERO);
         if coarse.is_solid && !tester.fits(&coarse, false) {
             return None;
         }
-        let thickness = coarse.volume / length_squared(subtract(coarse.max, coarse.min));
+        let thickness = coarse.volume / coarse.max.distance_squared(coarse.min);
         let tolerance = match coarse.is_solid {
             true => bound.tolerance().min(TOLERANCE_OF_THICKNESS * thickness),
             false => bound.tolerance(),
@@ -335,7 +333,7 @@ impl Division<'_> {
 }
 
 fn area(mesh: &PatchMesh) -> f64 {
-    (0..mesh.mesh.triangles.len() as u32).map(|t| 0.5 * length(mesh.normal(t))).sum()
+    (0..mesh.mesh.triangles.len() as u32).map(|t| 0.5 * mesh.normal(t).length()).sum()
 }
 
 /// Whether triangles extend farther than `largest`, and not because a single one does.
@@ -364,20 +362,20 @@ fn units(mesh: &PatchMesh, triangles: &[u32]) -> Vec<Vec<u32>> {
 fn halves(mesh: &PatchMesh, triangles: &[u32]) -> (Vec<u32>, Vec<u32>) {
     let units = units(mesh, triangles);
     let centres: Vec<Vector> = units.iter().map(|unit| mesh.centre_of(unit)).collect();
-    let sum = centres.iter().fold([0.0; 3], |sum, &centre| add(sum, centre));
-    let mean = scale(sum, 1.0 / units.len() as f64);
-    let mut covariance = [[0.0; 3]; 3];
+    let sum = centres.iter().fold(Vector::ZERO, |sum, &centre| sum + centre);
+    let mean = sum * (1.0 / units.len() as f64);
+    let mut covariance = [Vector::ZERO; 3];
     for &centre in &centres {
-        let away = subtract(centre, mean);
-        for (row, &x) in covariance.iter_mut().zip(&away) {
-            for (entry, &y) in row.iter_mut().zip(&away) {
+        let away = centre - mean;
+        for (row, &x) in covariance.iter_mut().zip(&away.to_array()) {
+            for (entry, &y) in row.as_mut().iter_mut().zip(&away.to_array()) {
                 *entry += x * y;
             }
         }
     }
     let axis = principal_axis(covariance);
     let mut order: Vec<(f64, usize)> =
-        (0..units.len()).map(|unit| (dot(axis, subtract(centres[unit], mean)), unit)).collect();
+        (0..units.len()).map(|unit| (axis.dot(centres[unit] - mean), unit)).collect();
     order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let half = order.partition_point(|entry| entry.0 < 0.0).clamp(1, order.len().max(2) - 1);
     let part = |entries: &[(f64, usize)]| {
@@ -393,12 +391,12 @@ fn halves(mesh: &PatchMesh, triangles: &[u32]) -> (Vec<u32>, Vec<u32>) {
 fn principal_axis(covariance: [Vector; 3]) -> Vector {
     let mut axis = POWER_START;
     for _ in 0..POWER_STEPS {
-        let next = covariance.map(|row| dot(row, axis));
-        let length = length(next);
+        let next = Vector::from(covariance.map(|row| row.dot(axis)));
+        let length = next.length();
         if length <= 0.0 {
             break;
         }
-        axis = scale(next, 1.0 / length);
+        axis = next * (1.0 / length);
     }
     axis
 }
@@ -406,6 +404,7 @@ fn principal_axis(covariance: [Vector; 3]) -> Vector {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::vector::as_vectors;
     use crate::mesh::TriangleMesh;
     use crate::mesh::shapes::{cuboid, join};
     use crate::solid::Boundary;
@@ -414,13 +413,21 @@ mod tests {
 
     /// Conflicts of two cubes that are more than a cube apart, with a patch for each triangle.
     fn two_cubes() -> Vec<PatchSet> {
-        let mesh = join(&[cuboid([0.0; 3], [0.2; 3]), cuboid([0.45, 0.0, 0.0], [0.65, 0.2, 0.2])]);
+        let mesh = join(&[
+            cuboid(Vector::ZERO, Vector::splat(0.2)),
+            cuboid(Vector::new(0.45, 0.0, 0.0), Vector::new(0.65, 0.2, 0.2)),
+        ]);
         let TriangleMesh { positions, triangles, .. } = &mesh;
-        let solid =
-            Solid::of_surface(positions, triangles, Boundary::default(), BOUND, &Control::new());
+        let solid = Solid::of_surface(
+            as_vectors(positions),
+            triangles,
+            Boundary::default(),
+            BOUND,
+            &Control::new(),
+        );
         let patch = |corners: &[u32; 3]| {
             let representatives: Vec<Vector> =
-                corners.iter().map(|&vertex| positions[vertex as usize]).collect();
+                corners.iter().map(|&vertex| positions[vertex as usize]).map(Into::into).collect();
             Patch { representatives, ..Patch::default() }
         };
         let patches: Vec<Patch> = triangles.iter().map(patch).collect();

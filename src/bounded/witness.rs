@@ -6,7 +6,7 @@
 //! the position, so its depth is subtracted. That makes each bound valid for all hulls that contain
 //! the two, once the plane has moved.
 
-use crate::geometry::vector::{Vector, add, cross, dot, length, normalize, scale, subtract};
+use crate::geometry::vector::Vector;
 use crate::solid::Solid;
 
 /// A point outside of the solid, and the direction in which it is near to a joint hull's surface.
@@ -43,7 +43,7 @@ impl Witness {
             return 0.0;
         }
         let [a, b] = hulls.map(|points| support(points, self.normal));
-        self.distance - (a.1.max(b.1) - dot(self.normal, self.point)).max(0.0)
+        self.distance - (a.1.max(b.1) - self.normal.dot(self.point)).max(0.0)
     }
 }
 
@@ -60,23 +60,23 @@ pub(super) fn find_witness(
         Effort::Many => (12, &ALONG[..]),
     };
     let mut best = (Witness::default(), 0.0);
-    let along = subtract(centres[1], centres[0]);
-    let size = length(along);
+    let along = centres[1] - centres[0];
+    let size = along.length();
     if size == 0.0 {
         return best;
     }
-    let along = scale(along, 1.0 / size);
+    let along = along * (1.0 / size);
     let axis = (0..3).min_by(|&i, &j| along[i].abs().total_cmp(&along[j].abs())).unwrap_or(0);
-    let mut unit = [0.0; 3];
+    let mut unit = Vector::ZERO;
     unit[axis] = 1.0;
-    let first = normalize(cross(along, unit));
-    let second = cross(along, first);
+    let first = along.cross(unit).normalize_or_zero();
+    let second = along.cross(first);
     for index in 0..count {
         let angle = std::f64::consts::TAU * f64::from(index) / f64::from(count);
-        let across = add(scale(first, libm::cos(angle)), scale(second, libm::sin(angle)));
+        let across = first * libm::cos(angle) + second * libm::sin(angle);
         let Some((normal, [from, to])) = bridge(hulls, across, along) else { continue };
         for &share in shares {
-            let point = add(from, scale(subtract(to, from), share));
+            let point = from + (to - from) * share;
             let Some(distance) = solid.outside(point, best.1) else { continue };
             if distance.lower <= best.1 {
                 continue;
@@ -96,25 +96,25 @@ fn bridge(hulls: [&[Vector]; 2], across: Vector, along: Vector) -> Option<(Vecto
     let mut normal = across;
     let mut ends = hulls.map(|points| support(points, normal).0);
     for _ in 0..STEPS {
-        let gap = subtract(ends[1], ends[0]);
-        let advance = dot(gap, along);
+        let gap = ends[1] - ends[0];
+        let advance = gap.dot(along);
         if advance <= 0.0 {
             return None;
         }
-        normal = subtract(across, scale(along, dot(gap, across) / advance));
+        normal = across - along * (gap.dot(across) / advance);
         let last = std::mem::replace(&mut ends, hulls.map(|points| support(points, normal).0));
         if ends == last {
             break;
         }
     }
-    Some((normalize(normal), ends))
+    Some((normal.normalize_or_zero(), ends))
 }
 
 /// The farthest point in a direction, and how far it is.
 fn support(points: &[Vector], direction: Vector) -> (Vector, f64) {
-    let mut best = ([0.0; 3], f64::NEG_INFINITY);
+    let mut best = (Vector::ZERO, f64::NEG_INFINITY);
     for &point in points {
-        let height = dot(point, direction);
+        let height = point.dot(direction);
         if height > best.1 {
             best = (point, height);
         }

@@ -8,7 +8,7 @@
 use super::tree::{
     BOUND_SLACK, Block, Child, EMPTY, Node, STACK, Tree, WIDTH, child, larger, smaller,
 };
-use crate::geometry::vector::{Vector, add, cross, dot, length_squared, scale, subtract};
+use crate::geometry::vector::Vector;
 
 /// The point of the mesh closest to a query point.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -133,26 +133,26 @@ fn closest_point_on_sliver(a: Vector, ab: Vector, ac: Vector) -> Vector {
     /// Below this squared sine rounding destroys the normal; the triangle's width is negligible.
     const NEEDLE: f64 = 1e-20;
 
-    let (b, c) = (add(a, ab), add(a, ac));
+    let (b, c) = (a + ab, a + ac);
     let mut nearest = a;
     for (from, to) in [(a, b), (b, c), (c, a)] {
-        let along = subtract(to, from);
-        let squared = length_squared(along);
-        let share = (-dot(from, along) / squared).clamp(0.0, 1.0);
+        let along = to - from;
+        let squared = along.length_squared();
+        let share = (-from.dot(along) / squared).clamp(0.0, 1.0);
         // Of an edge without length the share is NaN, and another edge has the same end.
-        let point = add(from, scale(along, share));
-        if length_squared(point) < length_squared(nearest) {
+        let point = from + along * share;
+        if point.length_squared() < nearest.length_squared() {
             nearest = point;
         }
     }
-    let normal = cross(ab, ac);
-    let squared = length_squared(normal);
-    if squared > NEEDLE * length_squared(ab) * length_squared(ac) {
+    let normal = ab.cross(ac);
+    let squared = normal.length_squared();
+    if squared > NEEDLE * ab.length_squared() * ac.length_squared() {
         let inside = [(a, b), (b, c), (c, a)]
             .iter()
-            .all(|&(from, to)| dot(cross(normal, subtract(to, from)), from) <= 0.0);
-        let foot = scale(normal, dot(normal, a) / squared);
-        if inside && length_squared(foot) < length_squared(nearest) {
+            .all(|&(from, to)| normal.cross(to - from).dot(from) <= 0.0);
+        let foot = normal * (normal.dot(a) / squared);
+        if inside && foot.length_squared() < nearest.length_squared() {
             nearest = foot;
         }
     }
@@ -161,14 +161,14 @@ fn closest_point_on_sliver(a: Vector, ab: Vector, ac: Vector) -> Vector {
 
 /// The point of a triangle closest to the origin.
 pub(crate) fn closest_point_on_triangle(a: Vector, b: Vector, c: Vector) -> Vector {
-    let (ab, ac) = (subtract(b, a), subtract(c, a));
-    let sides = length_squared(ab) * length_squared(ac);
-    let cosine = dot(ab, ac);
+    let (ab, ac) = (b - a, c - a);
+    let sides = ab.length_squared() * ac.length_squared();
+    let cosine = ab.dot(ac);
     if sides - cosine * cosine <= SLIVER * sides {
         closest_point_on_sliver(a, ab, ac)
     } else {
-        let (v, w) = weights(a, ab, ac);
-        add(a, add(scale(ab, v), scale(ac, w)))
+        let (v, w) = weights(a.to_array(), ab.to_array(), ac.to_array());
+        a + (ab * v + ac * w)
     }
 }
 
@@ -189,14 +189,14 @@ fn sort_descending(entries: &mut [u64; WIDTH]) {
 impl Tree {
     #[inline(always)]
     fn relative(&self, point: Vector) -> [f32; 3] {
-        subtract(point, self.centre).map(|x| x as f32)
+        (point - self.centre).as_vec3().to_array()
     }
 
     /// The point of the triangle in a slot that is closest to `point`, relative to it.
     #[inline(always)]
     fn closest_on(&self, slot: usize, point: Vector) -> Vector {
         let [a, b, c] = self.corners[slot];
-        closest_point_on_triangle(subtract(a, point), subtract(b, point), subtract(c, point))
+        closest_point_on_triangle(a - point, b - point, c - point)
     }
 
     #[inline(always)]
@@ -212,7 +212,7 @@ impl Tree {
             if triangle == best.triangle {
                 continue;
             }
-            let squared = length_squared(self.closest_on(slot, point));
+            let squared = self.closest_on(slot, point).length_squared();
             if squared < best.squared || (squared == best.squared && triangle < best.triangle) {
                 *best = Best { squared, triangle, slot };
             }
@@ -277,7 +277,7 @@ impl Tree {
         Some(ClosestPoint {
             distance: best.squared.sqrt(),
             triangle: best.triangle,
-            point: add(point, self.closest_on(best.slot, point)),
+            point: point + self.closest_on(best.slot, point),
         })
     }
 
@@ -289,7 +289,7 @@ impl Tree {
     /// Improves on `best` by the triangle in a slot.
     pub(super) fn guess(&self, point: Vector, slot: usize, best: &mut Best) {
         let block = &self.blocks[slot / WIDTH];
-        let squared = length_squared(self.closest_on(slot, point));
+        let squared = self.closest_on(slot, point).length_squared();
         if squared <= best.squared {
             *best = Best { squared, triangle: block.triangles[slot % WIDTH], slot };
         }
@@ -297,7 +297,7 @@ impl Tree {
 
     /// The distance to the triangle in a slot.
     pub(super) fn distance_to_triangle(&self, point: Vector, slot: usize) -> f64 {
-        length_squared(self.closest_on(slot, point)).sqrt()
+        self.closest_on(slot, point).length_squared().sqrt()
     }
 
     pub(super) fn is_within(&self, point: Vector, limit: f64) -> bool {

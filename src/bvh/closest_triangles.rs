@@ -3,7 +3,7 @@
 use super::hierarchy::Bvh;
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, add, area_normal, dot, length_squared, scale};
+use crate::geometry::vector::{Vector, area_normal};
 use crate::parallel;
 
 /// Triangles of a task, and between two checks for cancellation: about a millisecond of queries.
@@ -105,23 +105,24 @@ pub(crate) fn closest_labels(
 
 /// Whether two normals are less than 60 degrees apart.
 fn is_similar(a: Vector, b: Vector) -> bool {
-    let product = dot(a, b);
-    product > 0.0 && 4.0 * product * product > length_squared(a) * length_squared(b)
+    let product = a.dot(b);
+    product > 0.0 && 4.0 * product * product > a.length_squared() * b.length_squared()
 }
 
 fn centre([a, b, c]: [Vector; 3]) -> Vector {
-    scale(add(add(a, b), c), 1.0 / 3.0)
+    (a + b + c) * (1.0 / 3.0)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::vector::as_vectors;
     use crate::mesh::TriangleMesh;
     use crate::mesh::shapes::{cuboid, torus};
 
     /// Eight sectors around the torus.
     fn sector(mesh: &TriangleMesh, triangle: [u32; 3]) -> u32 {
-        let [x, y, _] = centre(triangle.map(|vertex| mesh.positions[vertex as usize]));
+        let [x, y, _] = centre(triangle.map(|vertex| mesh.points()[vertex as usize])).to_array();
         u32::from(x > 0.0) + 2 * u32::from(y > 0.0) + 4 * u32::from(x.abs() > y.abs())
     }
 
@@ -129,11 +130,11 @@ mod tests {
     fn labels_without_a_query_rarely_differ_from_those_with_one() {
         let (coarse, fine) = (torus(48, 16), torus(200, 70));
         let labels: Vec<u32> = coarse.triangles.iter().map(|&t| sector(&coarse, t)).collect();
-        let bvh = Bvh::new(&coarse.positions, &coarse.triangles);
+        let bvh = Bvh::new(coarse.points(), &coarse.triangles);
         let control = Control::new();
         let found =
-            closest_labels(&fine.positions, &fine.triangles, &bvh, &labels, &control).unwrap();
-        let queried = closest_triangles(&fine.positions, &fine.triangles, &bvh, &control).unwrap();
+            closest_labels(fine.points(), &fine.triangles, &bvh, &labels, &control).unwrap();
+        let queried = closest_triangles(fine.points(), &fine.triangles, &bvh, &control).unwrap();
         let different =
             found.iter().zip(queried).filter(|&(&label, t)| label != labels[t as usize]).count();
         assert_eq!(found.len(), fine.triangles.len());
@@ -150,9 +151,8 @@ mod tests {
         cube.triangles.sort_by_key(is_top);
         let labels: Vec<u32> = cube.triangles.iter().map(|t| u32::from(is_top(t))).collect();
         assert_eq!(labels.iter().sum::<u32>(), 2);
-        let bvh = Bvh::new(&cube.positions, &cube.triangles);
-        let found =
-            closest_labels(&cube.positions, &cube.triangles, &bvh, &labels, &Control::new());
+        let bvh = Bvh::new(cube.points(), &cube.triangles);
+        let found = closest_labels(cube.points(), &cube.triangles, &bvh, &labels, &Control::new());
         assert_eq!(found.unwrap(), labels);
     }
 
@@ -160,7 +160,7 @@ mod tests {
     fn an_empty_hierarchy_has_no_labels() {
         let bvh = Bvh::new(&[], &[]);
         let TriangleMesh { positions, triangles, .. } = torus(8, 4);
-        let found = closest_labels(&positions, &triangles, &bvh, &[], &Control::new());
+        let found = closest_labels(as_vectors(&positions), &triangles, &bvh, &[], &Control::new());
         assert!(found.unwrap().iter().all(|&label| label == u32::MAX));
     }
 }

@@ -2,7 +2,7 @@
 
 use super::hierarchy::Bvh;
 use super::tree::{EMPTY, Node, WIDTH};
-use crate::geometry::vector::{Vector, dot, subtract};
+use crate::geometry::vector::Vector;
 
 /// A box cut to a slab: points between `min` and `max`, at most `half_width` from a plane.
 #[derive(Debug, Clone, Copy)]
@@ -22,7 +22,7 @@ impl Slab {
     /// Which children of a node may reach into the slab.
     #[inline]
     fn meets_children(&self, node: &Node, origin: Vector) -> [bool; WIDTH] {
-        let offset = self.offset - dot(self.normal, origin);
+        let offset = self.offset - self.normal.dot(origin);
         let mut meets = [true; WIDTH];
         let (mut height, mut reach) = ([0.0; WIDTH], [0.0; WIDTH]);
         for k in 0..3 {
@@ -47,7 +47,7 @@ impl Slab {
             corners.iter().all(|corner| corner[k] < self.min[k])
                 || corners.iter().all(|corner| corner[k] > self.max[k])
         });
-        let heights = corners.map(|corner| dot(self.normal, corner) - self.offset);
+        let heights = corners.map(|corner| self.normal.dot(corner) - self.offset);
         !is_apart
             && heights.iter().any(|&height| height <= self.half_width)
             && heights.iter().any(|&height| height >= -self.half_width)
@@ -82,8 +82,8 @@ impl Bvh {
     /// The triangles whose boxes come within `margin` of a box, and others near it.
     pub(crate) fn triangles_near_box(&self, low: Vector, high: Vector, margin: f64) -> Vec<u32> {
         let tree = &self.tree;
-        let low = subtract(low, tree.centre).map(|x| x - margin - f64::from(tree.margin));
-        let high = subtract(high, tree.centre).map(|x| x + margin + f64::from(tree.margin));
+        let low = (low - tree.centre).map(|x| x - margin - f64::from(tree.margin));
+        let high = (high - tree.centre).map(|x| x + margin + f64::from(tree.margin));
         let mut found = Vec::new();
         let overlaps = |node: &Node, place: usize| {
             (0..3).all(|axis| {
@@ -112,12 +112,12 @@ mod tests {
     #[test]
     fn triangles_near_a_box_are_among_those_found() {
         let mesh = uv_sphere(16, [0.0; 3], 1.0);
-        let bvh = Bvh::new(&mesh.positions, &mesh.triangles);
-        let (low, high) = ([0.5, -0.2, -0.2], [1.5, 0.2, 0.2]);
+        let bvh = Bvh::new(mesh.points(), &mesh.triangles);
+        let (low, high) = (Vector::new(0.5, -0.2, -0.2), Vector::new(1.5, 0.2, 0.2));
         let found = bvh.triangles_near_box(low, high, 0.0);
         for (t, triangle) in (0_u32..).zip(&mesh.triangles) {
             let is_in = triangle.iter().any(|&v| {
-                let point = mesh.positions[v as usize];
+                let point = mesh.points()[v as usize];
                 (0..3).all(|axis| low[axis] <= point[axis] && point[axis] <= high[axis])
             });
             assert!(!is_in || found.contains(&t));

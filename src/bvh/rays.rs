@@ -10,7 +10,7 @@
 
 use super::hierarchy::Bvh;
 use super::tree::{Block, Child, EMPTY, Node, STACK, Tree, WIDTH, child, larger, smaller};
-use crate::geometry::vector::{Vector, cross, dot, subtract};
+use crate::geometry::vector::Vector;
 
 /// Slopes of the ray, which runs along the first axis: oblique, since the sides of many shapes are along axes. Not
 /// negative.
@@ -60,7 +60,7 @@ fn near(block: &Block, point: [f32; 3], slopes: [f32; 2]) -> [bool; WIDTH] {
 fn crossing(corners: &[Vector; 3], point: Vector) -> i32 {
     // Along the ray, and across it.
     let relative = corners.map(|corner| {
-        let [x, y, z] = subtract(corner, point);
+        let [x, y, z] = (corner - point).to_array();
         [x, y - SLOPES[0] * x, z - SLOPES[1] * x]
     });
     let mut turns = 0;
@@ -91,7 +91,7 @@ impl Bvh {
     /// less how often it enters.
     pub(crate) fn crossings(&self, point: Vector) -> i32 {
         let tree = &self.tree;
-        let relative = subtract(point, tree.centre).map(|x| x as f32);
+        let relative = (point - tree.centre).as_vec3().to_array();
         let slopes = SLOPES.map(|slope| slope as f32);
         let mut crossings = 0;
         tree.visit_blocks(
@@ -202,9 +202,9 @@ struct Ray {
 
 impl Ray {
     fn new(tree: &Tree, origin: Vector, direction: Vector, start: f64) -> Self {
-        let origin = subtract(origin, tree.centre).map(|x| x as f32);
+        let origin = (origin - tree.centre).as_vec3().to_array();
         let start = start as f32 - SLAB_SLACK;
-        Self { origin, inverse: direction.map(|x| (1.0 / x) as f32), start }
+        Self { origin, inverse: direction.to_array().map(|x| (1.0 / x) as f32), start }
     }
 
     /// Where the ray, from its start on, enters and leaves the children's boxes: the other way round where it
@@ -228,19 +228,19 @@ impl Ray {
 
 /// How far along a ray a triangle is, and whether the ray leaves through its back.
 fn intersect(origin: Vector, direction: Vector, [a, b, c]: [Vector; 3]) -> Option<(f64, bool)> {
-    let (ab, ac) = (subtract(b, a), subtract(c, a));
-    let across = cross(direction, ac);
-    let determinant = dot(ab, across);
+    let (ab, ac) = (b - a, c - a);
+    let across = direction.cross(ac);
+    let determinant = ab.dot(across);
     if determinant == 0.0 {
         return None;
     }
     let inverse = 1.0 / determinant;
-    let arm = subtract(origin, a);
-    let v = dot(arm, across) * inverse;
-    let turned = cross(arm, ab);
-    let w = dot(direction, turned) * inverse;
+    let arm = origin - a;
+    let v = arm.dot(across) * inverse;
+    let turned = arm.cross(ab);
+    let w = direction.dot(turned) * inverse;
     let is_inside = v >= 0.0 && w >= 0.0 && v + w <= 1.0;
-    let distance = dot(ac, turned) * inverse;
+    let distance = ac.dot(turned) * inverse;
     // The determinant is positive where the ray runs against the normal.
     (is_inside && distance >= 0.0).then_some((distance, determinant < 0.0))
 }
@@ -248,7 +248,6 @@ fn intersect(origin: Vector, direction: Vector, [a, b, c]: [Vector; 3]) -> Optio
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::vector::normalize;
     use crate::mesh::shapes::{cuboid, join, torus, turn, uv_sphere};
 
     #[test]
@@ -266,11 +265,11 @@ mod tests {
         }
         let meshes = [boxes(), oblique, torus(24, 12), uv_sphere(16, [0.1, 0.0, 0.2], 0.5)];
         for mesh in meshes {
-            let bvh = Bvh::new(&mesh.positions, &mesh.triangles);
+            let bvh = Bvh::new(mesh.points(), &mesh.triangles);
             let mut inside = 0;
             for index in 0..4000_u32 {
                 // Every other point is of a lattice, as corners and sides are.
-                let point = [0.819_173, 0.671_044, 0.549_700].map(|step| {
+                let point = Vector::new(0.819_173, 0.671_044, 0.549_700).map(|step| {
                     let share = 2.0 * (step * f64::from(index)).fract() - 1.0;
                     if index % 2 == 0 { (share * 10.0).round() / 10.0 } else { share }
                 });
@@ -287,18 +286,18 @@ mod tests {
     /// A direction for each number, all over the sphere.
     fn direction(number: u32) -> Vector {
         let x = f64::from(number);
-        normalize([(x * 0.7).sin(), (x * 1.3).cos(), (x * 2.1).sin()])
+        Vector::new((x * 0.7).sin(), (x * 1.3).cos(), (x * 2.1).sin()).normalize_or_zero()
     }
 
     #[test]
     fn the_first_hit_is_that_of_trying_all_triangles() {
         let mesh = uv_sphere(16, [0.1, 0.2, 0.3], 0.5);
-        let bvh = Bvh::new(&mesh.positions, &mesh.triangles);
+        let bvh = Bvh::new(mesh.points(), &mesh.triangles);
         let mut hits = 0;
         for number in 0..500 {
             let origin = direction(1000 + number).map(|x| 0.7 * x);
             let along = direction(number);
-            let corners = |t: &[u32; 3]| t.map(|v| mesh.positions[v as usize]);
+            let corners = |t: &[u32; 3]| t.map(|v| mesh.points()[v as usize]);
             let all = mesh.triangles.iter().filter_map(|t| intersect(origin, along, corners(t)));
             let nearest = all.map(|(distance, _)| distance).fold(f64::INFINITY, f64::min);
             let found = bvh.first_hit(origin, along, 0.0, |_, _| true);
@@ -311,9 +310,9 @@ mod tests {
     #[test]
     fn from_within_the_back_is_hit_and_from_outside_the_front() {
         let mesh = uv_sphere(16, [0.0; 3], 1.0);
-        let bvh = Bvh::new(&mesh.positions, &mesh.triangles);
+        let bvh = Bvh::new(mesh.points(), &mesh.triangles);
         let along = direction(3);
-        let within = bvh.first_hit([0.0; 3], along, 0.0, |_, _| true).unwrap();
+        let within = bvh.first_hit(Vector::ZERO, along, 0.0, |_, _| true).unwrap();
         assert!(within.is_back && (within.distance - 1.0).abs() < 0.05);
         let outside = bvh.first_hit(along.map(|x| -3.0 * x), along, 0.0, |_, _| true).unwrap();
         assert!(!outside.is_back && (outside.distance - 2.0).abs() < 0.05);

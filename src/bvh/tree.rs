@@ -5,7 +5,7 @@
 //! Volume Hierarchies for Fast SIMD Ray Tracing of Incoherent Rays", 2008). Boxes are rounded
 //! outward: a distance to a box is a lower bound for distances in double precision too.
 
-use crate::geometry::vector::{Vector, add, length, maximum, minimum, scale, subtract};
+use crate::geometry::vector::Vector;
 
 /// Children of a node, and triangles of a block: as many `f32` as a 128-bit register holds.
 pub(super) const WIDTH: usize = 4;
@@ -209,16 +209,16 @@ impl Tree {
         is_cancelled: &dyn Fn() -> bool,
     ) -> Self {
         let corners = |index: usize| corners_of(positions, triangles, index);
-        let mut min = [f64::INFINITY; 3];
-        let mut max = [f64::NEG_INFINITY; 3];
+        let mut min = Vector::INFINITY;
+        let mut max = Vector::NEG_INFINITY;
         for index in 0..triangles.len() {
             if let Some([a, b, c]) = corners(index) {
-                min = minimum(minimum(min, a), minimum(b, c));
-                max = maximum(maximum(max, a), maximum(b, c));
+                min = min.min(a).min(b.min(c));
+                max = max.max(a).max(b.max(c));
             }
         }
         let mut tree = Self {
-            centre: [0.0; 3],
+            centre: Vector::ZERO,
             nodes: Vec::new(),
             blocks: Vec::new(),
             corners: Vec::new(),
@@ -228,16 +228,16 @@ impl Tree {
             tree.nodes.push(Node::NO_CHILDREN);
             return tree;
         }
-        tree.centre = scale(add(min, max), 0.5);
-        let margin = length(subtract(max, tree.centre)) * MARGIN;
+        tree.centre = (min + max) * 0.5;
+        let margin = max.distance(tree.centre) * MARGIN;
         tree.margin = margin as f32;
 
         let mut primitives = Vec::with_capacity(triangles.len());
         let mut bounds = Box3::NOTHING;
         for index in 0..triangles.len() {
             if let Some([a, b, c]) = corners(index) {
-                let min = subtract(minimum(minimum(a, b), c), tree.centre);
-                let max = subtract(maximum(maximum(a, b), c), tree.centre);
+                let min = a.min(b).min(c) - tree.centre;
+                let max = a.max(b).max(c) - tree.centre;
                 let primitive = Primitive {
                     bounds: Box3 { min: single(min, -margin), max: single(max, margin) },
                     triangle: index as u32,
@@ -326,11 +326,7 @@ impl<C: Fn(usize) -> Option<[Vector; 3]>> Builder<'_, C> {
                 block.triangles[lane] = index;
             }
             self.tree.corners.push([a, b, c]);
-            let relative = [
-                subtract(a, self.tree.centre),
-                subtract(b, self.tree.centre),
-                subtract(c, self.tree.centre),
-            ];
+            let relative = [a - self.tree.centre, b - self.tree.centre, c - self.tree.centre];
             for axis in 0..3 {
                 for corner in 0..3 {
                     block.corners[corner][axis][lane] = relative[corner][axis] as f32;
@@ -356,7 +352,7 @@ fn corners_of(positions: &[Vector], triangles: &[[u32; 3]], index: usize) -> Opt
 
 #[inline(always)]
 fn single(a: Vector, margin: f64) -> [f32; LANES] {
-    let [x, y, z] = a;
+    let [x, y, z] = a.to_array();
     [(x + margin) as f32, (y + margin) as f32, (z + margin) as f32, 0.0]
 }
 

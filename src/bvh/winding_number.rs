@@ -12,9 +12,7 @@ use std::f64::consts::TAU;
 
 use super::tree::{Block, Child, EMPTY, Tree, WIDTH, child};
 use crate::geometry::Turns;
-use crate::geometry::vector::{
-    Vector, add, cross, distance, length, length_squared, scale, subtract,
-};
+use crate::geometry::vector::Vector;
 
 /// β of the paper: beyond β times its radius a cluster is expanded. The error falls with the
 /// fourth power of β; at 1.5 it is 0.001 in the median, far from the one half that decides.
@@ -64,18 +62,18 @@ const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 
 
 impl Cluster {
     const NOTHING: Self = Self {
-        centre: [0.0; 3],
+        centre: Vector::ZERO,
         area: 0.0,
         radius: 0.0,
-        vector: [0.0; 3],
-        first: [[0.0; 3]; 3],
+        vector: Vector::ZERO,
+        first: [Vector::ZERO; 3],
         second: [[0.0; 6]; 3],
     };
 
     fn triangle([a, b, c]: [Vector; 3]) -> Self {
-        let centre = scale(add(add(a, b), c), 1.0 / 3.0);
-        let vector = scale(cross(subtract(b, a), subtract(c, a)), 0.5);
-        let (a, b, c) = (subtract(a, centre), subtract(b, centre), subtract(c, centre));
+        let centre = (a + b + c) * (1.0 / 3.0);
+        let vector = (b - a).cross(c - a) * 0.5;
+        let (a, b, c) = (a - centre, b - centre, c - centre);
         let mut second = [[0.0; 6]; 3];
         for (pair, (j, k)) in PAIRS.into_iter().enumerate() {
             let product = (a[j] * a[k] + b[j] * b[k] + c[j] * c[k]) / 12.0;
@@ -83,13 +81,13 @@ impl Cluster {
                 second[i][pair] = vector[i] * product;
             }
         }
-        let squared = length_squared(a).max(length_squared(b)).max(length_squared(c));
+        let squared = a.length_squared().max(b.length_squared()).max(c.length_squared());
         Self {
             centre,
-            area: length(vector),
+            area: vector.length(),
             radius: squared.sqrt(),
             vector,
-            first: [[0.0; 3]; 3],
+            first: [Vector::ZERO; 3],
             second,
         }
     }
@@ -99,17 +97,17 @@ impl Cluster {
         let mut union = Self::NOTHING;
         for part in parts {
             union.area += part.area;
-            union.centre = add(union.centre, scale(part.centre, part.area));
+            union.centre += part.centre * part.area;
         }
         union.centre = if union.area > 0.0 {
-            scale(union.centre, 1.0 / union.area)
+            union.centre * (1.0 / union.area)
         } else {
-            parts.first().map_or([0.0; 3], |part| part.centre)
+            parts.first().map_or(Vector::ZERO, |part| part.centre)
         };
         for part in parts {
-            let arm = subtract(part.centre, union.centre);
-            union.radius = union.radius.max(part.radius + length(arm));
-            union.vector = add(union.vector, part.vector);
+            let arm = part.centre - union.centre;
+            union.radius = union.radius.max(part.radius + arm.length());
+            union.vector += part.vector;
             for i in 0..3 {
                 let (vector, first) = (part.vector[i], part.first[i]);
                 for (pair, (j, k)) in PAIRS.into_iter().enumerate() {
@@ -118,7 +116,7 @@ impl Cluster {
                         + first[k] * arm[j]
                         + vector * (arm[j] * arm[k]);
                 }
-                union.first[i] = add(union.first[i], add(first, scale(arm, vector)));
+                union.first[i] += first + arm * vector;
             }
         }
         union
@@ -130,7 +128,7 @@ impl Cluster {
         let per_solid_angle = 1.0 / (2.0 * TAU);
         let reach = ACCURACY * self.radius;
         moments.reach[place] = (reach * reach) as f32;
-        let centre = subtract(self.centre, tree_centre);
+        let centre = self.centre - tree_centre;
         for axis in 0..3 {
             moments.centre[axis][place] = centre[axis] as f32;
             moments.dipole[axis][place] = (self.vector[axis] * per_solid_angle) as f32;
@@ -276,12 +274,12 @@ pub(super) fn moments<E>(
                 Child::Node(node) => clusters[node],
                 Child::Block(block) => cluster_of_block(tree, block),
             };
-            let farthest = [0, 1, 2].map(|axis| {
+            let farthest = Vector::from_array([0, 1, 2].map(|axis| {
                 let centre = cluster.centre[axis] - tree.centre[axis];
                 let below = centre - f64::from(node.min[axis][place]);
                 below.max(f64::from(node.max[axis][place]) - centre)
-            });
-            cluster.radius = cluster.radius.min(length(farthest));
+            }));
+            cluster.radius = cluster.radius.min(farthest.length());
             cluster.write(&mut moments[index], place, tree.centre);
             parts[count] = cluster;
             count += 1;
@@ -301,13 +299,13 @@ fn cluster_of_block(tree: &Tree, block: usize) -> Cluster {
     }
     let mut cluster = Cluster::union(&parts[..count]);
     let corners = corners.iter().flatten();
-    cluster.radius = corners.map(|&corner| distance(corner, cluster.centre)).fold(0.0, f64::max);
+    cluster.radius = corners.map(|&corner| corner.distance(cluster.centre)).fold(0.0, f64::max);
     cluster
 }
 
 /// The winding number of the mesh about a point. On the surface it is finite but arbitrary.
 pub(super) fn winding_number(tree: &Tree, moments: &[Expansions], point: Vector) -> f64 {
-    let relative = subtract(point, tree.centre).map(|x| x as f32);
+    let relative = (point - tree.centre).as_vec3().to_array();
     let mut sums = [0.0_f32; WIDTH];
     let mut turns = Turns::NONE;
     tree.visit_blocks(

@@ -15,7 +15,7 @@ use super::vertex_clusters::{VertexClusters, representatives};
 use crate::bvh::closest_point::closest_point_on_triangle;
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, distance, length_squared, subtract};
+use crate::geometry::vector::{Vector, into_arrays};
 use crate::mesh::refine::refine;
 use crate::mesh::{PreparedMesh, TriangleMesh};
 use crate::parallel;
@@ -144,10 +144,10 @@ impl Clustered {
         if vertices.longest().max(around.longest()) > MAX_CLUSTER.max(share) {
             return Ok(None);
         }
-        let position = |vertex: u32| surface.positions[vertex as usize];
+        let position = |vertex: u32| surface.points()[vertex as usize];
         let positions: Vec<Vector> = chosen.iter().map(|&vertex| position(vertex)).collect();
         let moved = |(vertex, &cluster): (usize, &u32)| {
-            distance(surface.positions[vertex], positions[cluster as usize])
+            surface.points()[vertex].distance(positions[cluster as usize])
         };
         let displacement = labels.iter().enumerate().map(moved).fold(0.0, f64::max);
         let (triangles, representatives) = reduced(&surface, clusters);
@@ -159,7 +159,11 @@ impl Clustered {
         Ok(Some(Self {
             surface: Arc::new(surface),
             parents: Arc::new(parents),
-            mesh: TriangleMesh { positions, triangles, ..TriangleMesh::default() },
+            mesh: TriangleMesh {
+                positions: into_arrays(positions),
+                triangles,
+                ..TriangleMesh::default()
+            },
             components,
             representatives,
             vertices,
@@ -179,8 +183,8 @@ impl Clustered {
         let mut nearest = (f64::INFINITY, u32::MAX, u32::MAX);
         for cluster in vertices {
             for &vertex in self.vertices.list(cluster) {
-                let away = subtract(self.surface.positions[vertex as usize], point);
-                let squared = length_squared(away);
+                let away = self.surface.points()[vertex as usize] - point;
+                let squared = away.length_squared();
                 if squared < nearest.0 {
                     nearest = (squared, vertex, cluster);
                 }
@@ -216,9 +220,8 @@ impl Clustered {
     /// The squared distance to a triangle of `surface`.
     pub(crate) fn squared_distance_to(&self, point: Vector, triangle: u32) -> f64 {
         let corners = self.surface.triangles[triangle as usize];
-        let [a, b, c] =
-            corners.map(|vertex| subtract(self.surface.positions[vertex as usize], point));
-        length_squared(closest_point_on_triangle(a, b, c))
+        let [a, b, c] = corners.map(|vertex| self.surface.points()[vertex as usize] - point);
+        closest_point_on_triangle(a, b, c).length_squared()
     }
 }
 
@@ -289,7 +292,6 @@ impl IndexLists {
 mod tests {
     use super::*;
     use crate::bvh::Bvh;
-    use crate::geometry::vector::{add, length, scale};
     use crate::mesh::Normalization;
     use crate::mesh::canonical_order::MeshOrder;
     use crate::mesh::repair::prepare;
@@ -327,17 +329,17 @@ mod tests {
         // Four cells long, on one triangle of a torus with a diagonal of about 2.6.
         let mut mesh = torus(400, 160);
         let [a, b, c] = mesh.triangles.swap_remove(0);
-        let at = mesh.positions[a as usize];
-        let out = [at[0], at[1], 0.0];
-        let tip = add(at, scale(out, 0.1 / length(out)));
+        let at = mesh.points()[a as usize];
+        let out = Vector::new(at[0], at[1], 0.0);
+        let tip = at + out * (0.1 / out.length());
         let new = mesh.positions.len() as u32;
-        mesh.positions.push(tip);
+        mesh.positions.push(tip.to_array());
         mesh.triangles.extend([[a, b, new], [b, c, new], [c, a, new]]);
         let clustered = clustered(&mesh).unwrap();
-        let normalization = Normalization::of(mesh.positions.iter().copied());
+        let normalization = Normalization::of(mesh.points().iter().copied());
         let is_tip = |&vertex: &u32| {
-            let position = clustered.mesh.positions[vertex as usize];
-            distance(normalization.restore(position), tip) < 1e-6
+            let position = clustered.mesh.points()[vertex as usize];
+            normalization.restore(position).distance(tip) < 1e-6
         };
         assert!(clustered.mesh.triangles.as_flattened().iter().any(is_tip));
     }
@@ -359,9 +361,9 @@ mod tests {
         for (triangle, &representative) in surface.triangles.iter().zip(&clustered.representatives)
         {
             let corners =
-                mesh.triangles[representative as usize].map(|v| mesh.positions[v as usize]);
-            let corner = surface.positions[triangle[0] as usize];
-            let nearest = corners.map(|other| distance(corner, other)).into_iter();
+                mesh.triangles[representative as usize].map(|v| mesh.points()[v as usize]);
+            let corner = surface.points()[triangle[0] as usize];
+            let nearest = corners.map(|other| corner.distance(other)).into_iter();
             assert!(nearest.fold(f64::INFINITY, f64::min) <= 2.0 * clustered.displacement);
         }
     }
@@ -370,13 +372,13 @@ mod tests {
     fn distances_to_the_source_are_exact_or_hardly_too_large() {
         let clustered = clustered(&torus(400, 160)).unwrap();
         let (mesh, surface) = (&clustered.mesh, &clustered.surface);
-        let own = Bvh::new(&mesh.positions, &mesh.triangles);
-        let source = Bvh::new(&surface.positions, &surface.triangles);
+        let own = Bvh::new(mesh.points(), &mesh.triangles);
+        let source = Bvh::new(surface.points(), &surface.triangles);
         for i in 0..2000 {
             // Points all around the surface, at most a bound away from it.
-            let from = surface.positions[37 * i % surface.positions.len()];
-            let away = [0, 1, 2].map(|k| ((i * (k + 3)) as f64).sin());
-            let point = add(from, scale(away, 0.5 * BOUND));
+            let from = surface.points()[37 * i % surface.positions.len()];
+            let away = Vector::from_array([0, 1, 2].map(|k| ((i * (k + 3)) as f64).sin()));
+            let point = from + away * (0.5 * BOUND);
             let near = own.closest_point(point, f64::INFINITY).unwrap();
             let corners = mesh.triangles[near.triangle as usize];
             let (found, triangle) = clustered.closest_around(corners, point, near.distance);
@@ -391,12 +393,12 @@ mod tests {
     fn a_ribbon_narrower_than_a_cell_stays() {
         let ribbon = cuboid([2.0, -1.0, 0.0], [2.001, 1.0, 0.001]);
         let mesh = join(&[torus(400, 160), ribbon]);
-        let normalization = Normalization::of(mesh.positions.iter().copied());
+        let normalization = Normalization::of(mesh.points().iter().copied());
         let clustered = clustered(&mesh).unwrap();
         let triangles = clustered.mesh.triangles.iter().zip(&clustered.components);
         let of_ribbon = triangles.filter(|(_, component)| **component == 1);
         let ends = of_ribbon.flat_map(|(triangle, _)| triangle);
-        let along = ends.map(|&vertex| clustered.mesh.positions[vertex as usize][1]);
+        let along = ends.map(|&vertex| clustered.mesh.points()[vertex as usize][1]);
         let (low, high) =
             along.fold((0.0, 0.0), |(low, high): (f64, f64), y| (low.min(y), high.max(y)));
         assert!((high - low) * normalization.diagonal > 1.98);

@@ -8,9 +8,7 @@
 
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::{
-    Vector, add, area_normal, bounds, dot, length, length_squared, scale, subtract,
-};
+use crate::geometry::vector::{Vector, area_normal, bounds};
 use crate::mesh::TriangleMesh;
 use crate::parallel;
 
@@ -19,7 +17,8 @@ const MAX_CELLS: f64 = (1_u64 << 29) as f64;
 
 /// Octants are bounded by the planes normal to these axes. The axes are oblique: many meshes have
 /// sides along the coordinate axes, and noise in their normals would divide each side.
-const AXES: [Vector; 3] = [[0.51, 0.71, 0.48], [-0.83, 0.27, 0.49], [0.22, -0.65, 0.73]];
+const AXES: [Vector; 3] =
+    [Vector::new(0.51, 0.71, 0.48), Vector::new(-0.83, 0.27, 0.49), Vector::new(0.22, -0.65, 0.73)];
 
 /// Share of the squared distance to the cluster's centroid that counts as error: of vertices that
 /// fit their planes equally well, the most central one is best. Small enough not to round edges.
@@ -42,29 +41,29 @@ impl VertexClusters {
         size: f64,
         control: &Control,
     ) -> Result<Option<Self>, Error> {
-        let (min, max) = bounds(surface.positions.iter().copied());
-        let counts = subtract(max, min).map(|extent| (extent / size).floor() + 1.0);
-        if counts.iter().product::<f64>() > MAX_CELLS {
+        let (min, max) = bounds(surface.points().iter().copied());
+        let counts = (max - min).map(|extent| (extent / size).floor() + 1.0);
+        if counts.to_array().iter().product::<f64>() > MAX_CELLS {
             return Ok(None);
         }
-        let [width, height, _] = counts.map(|count| count as u64);
-        let mut normals = vec![[0.0; 3]; surface.positions.len()];
+        let [width, height, _] = counts.to_array().map(|count| count as u64);
+        let mut normals = vec![Vector::ZERO; surface.positions.len()];
         for triangle in &surface.triangles {
-            let [a, b, c] = triangle.map(|vertex| surface.positions[vertex as usize]);
+            let [a, b, c] = triangle.map(|vertex| surface.points()[vertex as usize]);
             let normal = area_normal(a, b, c);
             for &vertex in triangle {
-                normals[vertex as usize] = add(normals[vertex as usize], normal);
+                normals[vertex as usize] += normal;
             }
         }
         control.check()?;
-        let vertices = (0_u64..).zip(surface.positions.iter().zip(&normals));
+        let vertices = (0_u64..).zip(surface.points().iter().zip(&normals));
         let mut keys: Vec<u64> = vertices
             .map(|(vertex, (&position, &normal))| {
-                let [x, y, z] = subtract(position, min).map(|x| (x / size) as u64);
+                let [x, y, z] = (position - min).to_array().map(|x| (x / size) as u64);
                 let cell = (z * height + y) * width + x;
                 let octant = AXES
                     .iter()
-                    .fold(0, |octant, &axis| 2 * octant + u64::from(dot(axis, normal) > 0.0));
+                    .fold(0, |octant, &axis| 2 * octant + u64::from(axis.dot(normal) > 0.0));
                 (cell * 8 + octant) << 32 | vertex
             })
             .collect();
@@ -87,8 +86,8 @@ impl VertexClusters {
     pub(super) fn separate_long(&mut self, surface: &TriangleMesh, longest: f64) {
         let is_long = |&[a, b, c]: &[u32; 3]| {
             let squared = |from: u32, to: u32| {
-                let [from, to] = [from, to].map(|vertex| surface.positions[vertex as usize]);
-                length_squared(subtract(to, from))
+                let [from, to] = [from, to].map(|vertex| surface.points()[vertex as usize]);
+                to.distance_squared(from)
             };
             squared(a, b).max(squared(b, c)).max(squared(c, a)) > longest * longest
         };
@@ -171,12 +170,12 @@ struct Quadric {
 
 impl Quadric {
     fn add_plane(&mut self, normal: Vector, point: Vector) {
-        let area = length(normal);
+        let area = normal.length();
         if area <= 0.0 {
             return;
         }
-        let [x, y, z] = scale(normal, 1.0 / area);
-        let offset = -dot([x, y, z], point);
+        let [x, y, z] = (normal * (1.0 / area)).to_array();
+        let offset = -Vector::new(x, y, z).dot(point);
         let squares = [x * x, y * y, z * z, x * y, y * z, z * x];
         let others = [x * offset, y * offset, z * offset, offset * offset];
         let terms = squares.into_iter().chain(others);
@@ -184,7 +183,7 @@ impl Quadric {
             *coefficient += area * term;
         }
         self.weight += area;
-        self.weighted_sum = add(self.weighted_sum, scale(point, area));
+        self.weighted_sum += point * area;
     }
 
     fn add_all(&mut self, other: &Self) {
@@ -192,15 +191,15 @@ impl Quadric {
             *coefficient += term;
         }
         self.weight += other.weight;
-        self.weighted_sum = add(self.weighted_sum, other.weighted_sum);
+        self.weighted_sum += other.weighted_sum;
     }
 
-    fn error(&self, [x, y, z]: Vector) -> f64 {
+    fn error(&self, Vector { x, y, z }: Vector) -> f64 {
         let [xx, yy, zz, xy, yz, zx, ox, oy, oz, one] = self.coefficients;
         let squares = xx * x * x + yy * y * y + zz * z * z;
         let products = xy * x * y + yz * y * z + zx * z * x;
-        let away = subtract([x, y, z], scale(self.weighted_sum, 1.0 / self.weight));
-        let to_centre = CENTRE_WEIGHT * self.weight * length_squared(away);
+        let away = Vector::new(x, y, z) - self.weighted_sum * (1.0 / self.weight);
+        let to_centre = CENTRE_WEIGHT * self.weight * away.length_squared();
         squares + 2.0 * (products + ox * x + oy * y + oz * z) + one + to_centre
     }
 }
@@ -217,18 +216,18 @@ pub(super) fn representatives(
         first[cluster as usize] = vertex;
     }
     let origins: Vec<Vector> =
-        first.iter().map(|&vertex| surface.positions[vertex as usize]).collect();
+        first.iter().map(|&vertex| surface.points()[vertex as usize]).collect();
     let quadrics = |triangles: &[[u32; 3]]| {
         let mut quadrics = vec![Quadric::default(); clusters.count];
         for (index, triangle) in triangles.iter().enumerate() {
             if index.is_multiple_of(TRIANGLES_PER_CHECK) {
                 control.check()?;
             }
-            let [a, b, c] = triangle.map(|vertex| surface.positions[vertex as usize]);
+            let [a, b, c] = triangle.map(|vertex| surface.points()[vertex as usize]);
             let normal = area_normal(a, b, c);
             let [first, second, third] = triangle.map(|vertex| clusters.labels[vertex as usize]);
             let mut add = |cluster: u32, corner: Vector| {
-                let point = subtract(corner, origins[cluster as usize]);
+                let point = corner - origins[cluster as usize];
                 quadrics[cluster as usize].add_plane(normal, point);
             };
             add(first, a);
@@ -250,8 +249,8 @@ pub(super) fn representatives(
     }
     let mut best: Vec<(f64, u32)> =
         first.into_iter().map(|vertex| (f64::INFINITY, vertex)).collect();
-    for ((vertex, &position), &cluster) in (0..).zip(&surface.positions).zip(&clusters.labels) {
-        let away = subtract(position, origins[cluster as usize]);
+    for ((vertex, &position), &cluster) in (0..).zip(surface.points()).zip(&clusters.labels) {
+        let away = position - origins[cluster as usize];
         let error = quadrics[cluster as usize].error(away);
         let best = &mut best[cluster as usize];
         if error < best.0 {

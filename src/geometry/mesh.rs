@@ -1,6 +1,6 @@
 //! Boxes, coordinates, and triangle meshes: one that is borrowed, which every function takes, and one that is owned.
 
-use super::vector::{Vector, cross, dot};
+use super::vector::{Vector, as_vectors};
 
 /// A coordinate: `f32` or `f64`.
 pub trait Coordinate: Copy + sealed::Sealed {
@@ -141,6 +141,11 @@ impl<'a> MeshView<'a> {
         (0..positions.len()).map(move |vertex| positions.get(vertex).unwrap_or_default())
     }
 
+    /// All vertices.
+    pub(crate) fn points(&self) -> impl ExactSizeIterator<Item = Vector> + Clone + use<'a> {
+        self.positions().map(Vector::from)
+    }
+
     /// The triangles.
     pub fn triangles(&self) -> &'a [[u32; 3]] {
         self.triangles
@@ -168,7 +173,7 @@ impl<'a> MeshView<'a> {
     /// A vertex that is known to exist; the origin where it does not.
     #[inline]
     pub(crate) fn at(&self, vertex: u32) -> Vector {
-        self.positions.get(vertex as usize).unwrap_or_default()
+        self.position(vertex).unwrap_or_default().into()
     }
 }
 
@@ -206,6 +211,12 @@ impl TriangleMesh {
         Self::new(positions.collect(), triangles)
     }
 
+    /// The vertices as vectors.
+    #[inline]
+    pub(crate) fn points(&self) -> &[Vector] {
+        as_vectors(&self.positions)
+    }
+
     /// The mesh as every function takes it.
     pub fn view(&self) -> MeshView<'_> {
         MeshView::new(&self.positions, &self.triangles).with_sidedness(&self.sidedness)
@@ -217,14 +228,14 @@ impl TriangleMesh {
         let mut vertices: Vec<u32> = triangles.flat_map(corners).collect();
         vertices.sort_unstable();
         vertices.dedup();
-        vertices.iter().map(|&vertex| self.positions[vertex as usize]).collect()
+        vertices.iter().map(|&vertex| self.points()[vertex as usize]).collect()
     }
 
     /// Whether the signed volume under the surface, seen from the origin, is not positive.
     pub(crate) fn encloses_nothing(&self) -> bool {
         let six_volumes = self.triangles.iter().map(|triangle| {
-            let [a, b, c] = triangle.map(|vertex| self.positions[vertex as usize]);
-            dot(a, cross(b, c))
+            let [a, b, c] = triangle.map(|vertex| self.points()[vertex as usize]);
+            a.dot(b.cross(c))
         });
         six_volumes.sum::<f64>() <= 0.0
     }

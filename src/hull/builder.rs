@@ -3,7 +3,7 @@
 use super::face::{Face, FacePlane, Margins, NONE, after, before, edge_of, face_of};
 use super::point_set::{Frame, Shape, finite_bounds, first_simplex, height_of, is_finite};
 use super::quickhull::{HullState, OutsideSet, Scratch};
-use crate::geometry::vector::{Vector, add, cubed, distance, dot, length, scale, subtract};
+use crate::geometry::vector::{Vector, as_arrays, as_vectors, cubed, into_arrays, into_vectors};
 
 /// A point is left out if it is closer to the hull than this fraction of the extent of the points.
 /// Positions that come from `f32` are uncertain by about 6e-8 of their size, so a finer tolerance
@@ -67,7 +67,7 @@ impl HullBuilder {
     /// Unless the result is [`Shape::Solid`] there is no hull: the points lie within the tolerance
     /// of a plane, a line or a point.
     pub fn build(&mut self, points: &[[f64; 3]]) -> Shape {
-        self.take_points(points);
+        self.take_points(as_vectors(points));
         let (hull, scratch) = (&mut self.hull, &mut self.scratch);
         let (shape, simplex) = first_simplex(&hull.points, hull.tolerance);
         if shape != Shape::Solid {
@@ -89,7 +89,7 @@ impl HullBuilder {
     }
 
     /// Replaces the hull by finite points without faces.
-    fn take_points(&mut self, points: &[[f64; 3]]) {
+    fn take_points(&mut self, points: &[Vector]) {
         let hull = &mut self.hull;
         hull.faces.clear();
         hull.growth.clear();
@@ -102,8 +102,8 @@ impl HullBuilder {
         }
         let bounds = bounds.or_else(|| finite_bounds(&hull.originals)).unwrap_or_default();
         let frame = Frame::around(bounds);
-        let [low, high] = bounds.map(|corner| scale(corner, frame.factor));
-        let extent = Some(distance(low, high)).filter(|extent| extent.is_finite());
+        let [low, high] = bounds.map(|corner| corner * frame.factor);
+        let extent = Some(low.distance(high)).filter(|extent| extent.is_finite());
         let relative = self.tolerance.unwrap_or(DEFAULT_TOLERANCE) * extent.unwrap_or(0.0);
         hull.frame = frame;
         hull.tolerance = relative.max(self.least_tolerance * frame.factor);
@@ -127,7 +127,7 @@ impl HullBuilder {
         }
         hull.generation += 1;
         let first = hull.points.len();
-        hull.originals.extend(points.iter().filter(|point| is_finite(point)));
+        hull.originals.extend(as_vectors(points).iter().filter(|point| is_finite(point)));
         let frame = hull.frame;
         hull.points.extend(hull.originals[first..].iter().map(|&point| frame.inward(point)));
         hull.next_outside.resize(hull.points.len(), NONE);
@@ -138,7 +138,7 @@ impl HullBuilder {
 
     /// The same for finite points of which many lie in the hull: those are not kept, nor those
     /// within the tolerance of it.
-    pub(crate) fn insert_outside(&mut self, points: &[[f64; 3]]) {
+    pub(crate) fn insert_outside(&mut self, points: &[Vector]) {
         let (hull, scratch) = (&mut self.hull, &mut self.scratch);
         if hull.faces.is_empty() {
             return;
@@ -160,8 +160,8 @@ impl HullBuilder {
         let (vertices, triangles) = self.extract();
         let hull = &mut self.hull;
         hull.points.clear();
-        hull.points.extend(vertices.iter().map(|&vertex| hull.frame.inward(vertex)));
-        hull.originals = vertices;
+        hull.points.extend(vertices.iter().map(|&vertex| hull.frame.inward(Vector::from(vertex))));
+        hull.originals = into_vectors(vertices);
         for ((face, growth), triangle) in hull.faces.iter_mut().zip(&mut hull.growth).zip(triangles)
         {
             face.vertices = triangle;
@@ -173,8 +173,8 @@ impl HullBuilder {
     }
 
     /// Builds the hull of points, for its vertices alone; `None` if there is no hull.
-    pub(crate) fn vertices_of(&mut self, points: &[[f64; 3]]) -> Option<Vec<[f64; 3]>> {
-        (self.build(points) == Shape::Solid).then(|| self.extract().0)
+    pub(crate) fn vertices_of(&mut self, points: &[Vector]) -> Option<Vec<Vector>> {
+        (self.build(as_arrays(points)) == Shape::Solid).then(|| self.extract().0).map(into_vectors)
     }
 }
 
@@ -263,12 +263,12 @@ impl HullState {
             }
         }
         let &[start, end] = ends.as_slice() else { return false };
-        let along = subtract(end, start);
+        let along = end - start;
         let position = self.points[face.vertices[edge] as usize];
-        let share = dot(subtract(position, start), along) / dot(along, along);
-        let foot = add(start, scale(along, share));
+        let share = (position - start).dot(along) / along.dot(along);
+        let foot = start + along * share;
         (0.0..=1.0).contains(&share)
-            && distance(position, foot) <= self.tolerance.min(1e-3 * length(along))
+            && position.distance(foot) <= self.tolerance.min(1e-3 * along.length())
     }
 }
 
@@ -296,7 +296,7 @@ impl HullBuilder {
                 *number
             }));
         }
-        (vertices, triangles)
+        (into_arrays(vertices), triangles)
     }
 
     /// For each of the points, if all were finite, a triangle of `extract` that it is a corner of.
@@ -338,14 +338,14 @@ impl HullBuilder {
         let limit = tolerance * frame.factor;
         !faces.is_empty()
             && points.iter().all(|&point| {
-                let point = frame.inward(point);
+                let point = frame.inward(Vector::from(point));
                 faces.iter().all(|face| face.distance(point) <= limit)
             })
     }
 
     /// The farthest that one of the points lies in front of a face, in their units; negative if
     /// all are inside.
-    pub(crate) fn farthest_outside(&self, points: &[[f64; 3]]) -> f64 {
+    pub(crate) fn farthest_outside(&self, points: &[Vector]) -> f64 {
         let mut farthest = f64::NEG_INFINITY;
         let (blocks, rest) = points.as_chunks::<4>();
         for &block in blocks {
@@ -366,7 +366,7 @@ impl HullBuilder {
     #[inline]
     fn farthest_of<const N: usize>(&self, points: [Vector; N]) -> f64 {
         let points = points.map(|point| self.hull.frame.inward(point));
-        let [x, y, z] = [0, 1, 2].map(|axis| points.map(|point| point[axis]));
+        let [x, y, z] = [points.map(|p| p.x), points.map(|p| p.y), points.map(|p| p.z)];
         let mut farthest = [f64::NEG_INFINITY; N];
         for face in &self.hull.faces {
             let Face { plane: FacePlane { normal, offset }, inverse, .. } = *face;
@@ -405,23 +405,23 @@ impl HullBuilder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::vector::{area_normal, normalize};
+    use crate::geometry::vector::area_normal;
     use crate::mesh::shapes::{cuboid, uv_sphere};
 
     /// Points inside a ball, and points around it.
     fn ball() -> (Vec<Vector>, Vec<Vector>) {
         let sphere = |n, radius| uv_sphere(n, [0.0; 3], radius).positions;
-        ([sphere(14, 0.5), sphere(14, 1.0)].concat(), sphere(5, 1.3))
+        (into_vectors([sphere(14, 0.5), sphere(14, 1.0)].concat()), into_vectors(sphere(5, 1.3)))
     }
 
     fn built(points: &[Vector]) -> HullBuilder {
         let mut builder = HullBuilder::new();
-        assert_eq!(builder.build(points), Shape::Solid);
+        assert_eq!(builder.build(as_arrays(points)), Shape::Solid);
         builder
     }
 
     fn sorted(mut points: Vec<Vector>) -> Vec<Vector> {
-        points.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        points.sort_by(|a, b| a.to_array().partial_cmp(&b.to_array()).unwrap());
         points
     }
 
@@ -447,12 +447,12 @@ mod tests {
         let mut whole = built(&points);
         let mut sparing = whole.clone();
         let more: Vec<Vector> =
-            far.iter().flat_map(|&point| [scale(point, 0.1), point, scale(point, 0.6)]).collect();
-        whole.insert(&more);
+            far.iter().flat_map(|&point| [point * 0.1, point, point * 0.6]).collect();
+        whole.insert(as_arrays(&more));
         sparing.insert_outside(&more);
         assert_eq!(sparing.hull.points.len(), points.len() + far.len());
-        let vertices = sorted(sparing.extract().0);
-        assert_eq!(vertices, sorted(whole.extract().0));
+        let vertices = sorted(into_vectors(sparing.extract().0));
+        assert_eq!(vertices, sorted(into_vectors(whole.extract().0)));
         assert!(far.iter().all(|point| vertices.contains(point)));
     }
 
@@ -463,7 +463,7 @@ mod tests {
         let height = |point: &Vector| {
             let heights = builder
                 .all_faces()
-                .map(|[a, b, c]| dot(normalize(area_normal(a, b, c)), subtract(*point, a)));
+                .map(|[a, b, c]| area_normal(a, b, c).normalize_or_zero().dot(*point - a));
             heights.fold(f64::NEG_INFINITY, f64::max)
         };
         for count in 1..far.len() {
@@ -477,11 +477,12 @@ mod tests {
     #[test]
     fn volume_vertices_and_heights_are_those_of_the_points_at_any_scale() {
         for size in [1e-6, 0.3, 1.0, 1e6] {
-            let corners = cuboid([0.0; 3], [2.0 * size, 3.0 * size, 5.0 * size]).positions;
-            let points = [corners.clone(), vec![[size; 3]]].concat();
+            let corners =
+                into_vectors(cuboid([0.0; 3], [2.0 * size, 3.0 * size, 5.0 * size]).positions);
+            let points = [corners.clone(), vec![Vector::splat(size)]].concat();
             let mut builder = built(&points);
             assert!((builder.volume() / (30.0 * size.powi(3)) - 1.0).abs() < 1e-12, "{size}");
-            let height = builder.farthest_outside(&[[size, size, 7.0 * size]]);
+            let height = builder.farthest_outside(&[Vector::new(size, size, 7.0 * size)]);
             assert!((height / (2.0 * size) - 1.0).abs() < 1e-12, "{size}");
             assert_eq!(sorted(builder.vertices_of(&points).unwrap()), sorted(corners));
             assert!(builder.vertices_of(&points[..3]).is_none(), "a triangle has no hull");

@@ -4,7 +4,7 @@ use super::builder::HullBuilder;
 use super::point_set::Shape;
 use crate::bvh::closest_point::closest_point_on_triangle;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, area_normal, bounds, cross, dot, length, scale, subtract};
+use crate::geometry::vector::{Vector, area_normal, as_vectors, bounds};
 use crate::geometry::{Bounds, MeshView};
 
 /// A closed convex polyhedron of triangles, wound counter-clockwise seen from outside.
@@ -59,7 +59,7 @@ impl ConvexHull {
     /// The vertices as any type of point that is made from an array, such as those of glam, mint
     /// and nalgebra, in single precision: rounded, and so convex only up to rounding.
     pub fn points_as<P: From<[f32; 3]>>(&self) -> impl ExactSizeIterator<Item = P> + '_ {
-        self.points.iter().map(|point| P::from(point.map(|x| x as f32)))
+        self.points().iter().map(|point| P::from(point.as_vec3().to_array()))
     }
 
     /// The corners of each triangle. Triangles with an index out of range are left out.
@@ -70,46 +70,61 @@ impl ConvexHull {
         })
     }
 
+    /// The vertices as vectors.
+    #[inline]
+    pub(crate) fn points(&self) -> &[Vector] {
+        as_vectors(&self.points)
+    }
+
+    /// The corners of each triangle as vectors.
+    pub(crate) fn faces(&self) -> impl Iterator<Item = [Vector; 3]> + '_ {
+        self.corners().map(|corners| corners.map(Vector::from))
+    }
+
     /// Enclosed volume, in cubed units. O(triangles).
     pub fn volume(&self) -> f64 {
         // Seen from a vertex, so that far from the origin no digits are lost.
-        let Some(&apex) = self.points.first() else {
+        let Some(&apex) = self.points().first() else {
             return 0.0;
         };
-        let volumes = self
-            .corners()
-            .map(|[a, b, c]| dot(subtract(a, apex), cross(subtract(b, apex), subtract(c, apex))));
+        let volumes = self.faces().map(|[a, b, c]| (a - apex).dot((b - apex).cross(c - apex)));
         volumes.sum::<f64>() / 6.0
     }
 
     /// Axis-aligned bounding box; `None` without points. O(points).
     pub fn bounds(&self) -> Option<Bounds> {
-        let (min, max) = bounds(self.points.iter().copied());
-        (!self.points.is_empty()).then_some(Bounds { min, max })
+        let (min, max) = bounds(self.points().iter().copied());
+        (!self.points.is_empty()).then_some(Bounds { min: min.to_array(), max: max.to_array() })
     }
 
     /// The unit normal and offset of each triangle's plane; zero for triangles without area.
     pub fn planes(&self) -> Vec<([f64; 3], f64)> {
+        let planes = self.face_planes().into_iter();
+        planes.map(|(normal, offset)| (normal.to_array(), offset)).collect()
+    }
+
+    /// The same, with vectors.
+    pub(crate) fn face_planes(&self) -> Vec<(Vector, f64)> {
         let plane = |[a, b, c]: [Vector; 3]| {
             let normal = area_normal(a, b, c);
-            let area = length(normal);
+            let area = normal.length();
             if area > 0.0 {
-                let normal = scale(normal, 1.0 / area);
-                (normal, dot(normal, a))
+                let normal = normal * (1.0 / area);
+                (normal, normal.dot(a))
             } else {
-                ([0.0; 3], 0.0)
+                (Vector::ZERO, 0.0)
             }
         };
-        self.corners().map(plane).collect()
+        self.faces().map(plane).collect()
     }
 
     /// Distance of a point to the hull, 0 inside. `planes` are the hull's. O(triangles).
-    pub(super) fn distance_outside(&self, planes: &[([f64; 3], f64)], point: [f64; 3]) -> f64 {
+    pub(super) fn distance_outside(&self, planes: &[(Vector, f64)], point: Vector) -> f64 {
         // The nearest point is on a face that the point is in front of.
-        let visible = self.corners().zip(planes).filter(|(_, plane)| dot(plane.0, point) > plane.1);
+        let visible = self.faces().zip(planes).filter(|(_, plane)| plane.0.dot(point) > plane.1);
         let distances = visible.map(|(corners, _)| {
-            let [a, b, c] = corners.map(|corner| subtract(corner, point));
-            length(closest_point_on_triangle(a, b, c))
+            let [a, b, c] = corners.map(|corner| corner - point);
+            closest_point_on_triangle(a, b, c).length()
         });
         distances.min_by(f64::total_cmp).unwrap_or(0.0)
     }
@@ -117,8 +132,8 @@ impl ConvexHull {
     /// Whether no vertex of another hull is in front of a face, up to the rounding of tests.
     #[cfg(test)]
     pub(super) fn holds(&self, other: &Self) -> bool {
-        self.planes().iter().all(|&(normal, offset)| {
-            other.points.iter().all(|&point| dot(normal, point) - offset <= 1e-9)
+        self.face_planes().iter().all(|&(normal, offset)| {
+            other.points().iter().all(|&point| normal.dot(point) - offset <= 1e-9)
         })
     }
 }

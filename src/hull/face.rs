@@ -6,7 +6,7 @@
 
 use robust::{Coord3D, orient3d};
 
-use crate::geometry::vector::{Vector, cross, dot, length_squared, scale, subtract};
+use crate::geometry::vector::{Vector, as_arrays};
 
 /// No point, face or half-edge.
 pub(super) const NONE: u32 = u32::MAX;
@@ -25,7 +25,7 @@ impl FacePlane {
     /// the plane, and the distance to it times the doubled area.
     #[inline]
     pub(super) fn height(&self, point: Vector) -> f64 {
-        let [x, y, z] = self.normal;
+        let [x, y, z] = self.normal.to_array();
         // Loads the fields in the pairs in which they were stored, so that stores are forwarded.
         (x * point[0] + y * point[1]) + (z * point[2] - self.offset)
     }
@@ -49,7 +49,7 @@ pub(super) struct Face {
 impl Face {
     /// A place without a face: no point lies in front of it.
     pub(super) const RETIRED: Self = Self {
-        plane: FacePlane { normal: [0.0; 3], offset: f64::INFINITY },
+        plane: FacePlane { normal: Vector::ZERO, offset: f64::INFINITY },
         inverse: 0.0,
         vertices: [NONE; 3],
         twins: [NONE; 3],
@@ -59,8 +59,8 @@ impl Face {
     /// the second.
     #[inline]
     pub(super) fn spanned(vertices: [u32; 3], [a, b]: [Vector; 2], last: Vector) -> Self {
-        let normal = cross(a, b);
-        let plane = FacePlane { normal, offset: dot(normal, last) };
+        let normal = a.cross(b);
+        let plane = FacePlane { normal, offset: normal.dot(last) };
         Self { plane, inverse: 0.0, vertices, twins: [NONE; 3] }
     }
 
@@ -82,7 +82,7 @@ impl Face {
     ) -> bool {
         let [a, b, c] = self.vertices;
         // The product of the edges' lengths is bounded by the mean of the squares, without roots.
-        let [first, second] = [a, b].map(|end| length_squared(given.edge(c, end)));
+        let [first, second] = [a, b].map(|end| given.edge(c, end).length_squared());
         let error = f64::EPSILON * HEIGHT_ERROR * largest * 0.5 * (first + second);
         if height > error {
             true
@@ -167,7 +167,7 @@ impl Margins {
     /// For more points.
     pub(super) fn including(self, points: &[Vector], tolerance: f64) -> Self {
         let larger = |largest: f64, x: &f64| largest.max(x.abs());
-        Self::new(points.as_flattened().iter().fold(self.largest, larger), tolerance)
+        Self::new(as_arrays(points).as_flattened().iter().fold(self.largest, larger), tolerance)
     }
 
     /// Whether a height over a face is a distance of more than the tolerance.
@@ -191,7 +191,7 @@ pub(super) fn is_not_behind(height: f64, plane: &FacePlane) -> bool {
 
 #[inline]
 fn is_farther(height: f64, plane: &FacePlane, squared_distance: f64) -> bool {
-    height * height.abs() > squared_distance * length_squared(plane.normal)
+    height * height.abs() > squared_distance * plane.normal.length_squared()
 }
 
 /// The points as given, with the power of two that brings them near 1.
@@ -208,13 +208,13 @@ impl GivenPoints<'_> {
     /// From one point to another.
     #[inline]
     pub(super) fn edge(&self, start: u32, end: u32) -> Vector {
-        subtract(self.scaled(end), self.scaled(start))
+        self.scaled(end) - self.scaled(start)
     }
 
     /// Exact: scaling by a power of two rounds nothing.
     #[inline]
     fn scaled(&self, point: u32) -> Vector {
-        scale(self.points[point as usize], self.factor)
+        self.points[point as usize] * self.factor
     }
 
     /// Whether a point lies strictly on the outer side of a counter-clockwise triangle, exactly.
@@ -231,7 +231,7 @@ impl GivenPoints<'_> {
     /// Negative for a point in front of a counter-clockwise triangle, 0 in its plane, exactly.
     fn orientation(&self, [a, b, c]: [u32; 3], point: u32) -> f64 {
         let corner = |index: u32| {
-            let [x, y, z] = self.scaled(index);
+            let [x, y, z] = self.scaled(index).to_array();
             Coord3D { x, y, z }
         };
         orient3d(corner(a), corner(b), corner(c), corner(point))
@@ -258,15 +258,14 @@ pub(super) fn inverse_root(number: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::vector::{add, length};
 
     /// Planes of triangles of any size and direction, and a point of each.
     fn planes() -> impl Iterator<Item = (FacePlane, Vector)> {
-        let corners = [[0.3, -0.2, 0.1], [-0.4, 0.5, 0.2], [0.1, 0.3, -0.6]];
+        let corners = [[0.3, -0.2, 0.1], [-0.4, 0.5, 0.2], [0.1, 0.3, -0.6]].map(Vector::from);
         [1.0, 0.1, 1e-3].into_iter().flat_map(move |size| {
             (0..3).map(move |turn| {
-                let [a, b, c] = [0, 1, 2].map(|k| scale(corners[(k + turn) % 3], size));
-                let face = Face::spanned([0, 1, 2], [subtract(a, c), subtract(b, c)], c);
+                let [a, b, c] = [0, 1, 2].map(|k| corners[(k + turn) % 3] * size);
+                let face = Face::spanned([0, 1, 2], [a - c, b - c], c);
                 (face.plane, c)
             })
         })
@@ -280,10 +279,10 @@ mod tests {
             // Not much larger than the longest normal requires.
             assert!(margins.high < 100.0 * tolerance && margins.error < 1e-12);
             for (plane, on_it) in planes() {
-                let area = length(plane.normal);
+                let area = plane.normal.length();
                 assert!(margins.high / area > tolerance && margins.low / area < -CERTAINLY_BEHIND);
-                let unit = scale(plane.normal, 1.0 / area);
-                let height_at = |distance: f64| plane.height(add(on_it, scale(unit, distance)));
+                let unit = plane.normal * (1.0 / area);
+                let height_at = |distance: f64| plane.height(on_it + unit * distance);
                 for share in [-10.0, -1.0, 0.0, 0.9, 1.1, 10.0] {
                     let is_beyond = margins.is_beyond(height_at(share * tolerance), &plane);
                     assert_eq!(is_beyond, share > 1.0, "{share} tolerances of {tolerance}");

@@ -2,7 +2,7 @@
 //! of the larger hull, which takes a quarter of the time of building them anew.
 
 use super::{HullBuilder, Shape};
-use crate::geometry::vector::{Vector, add, maximum, minimum};
+use crate::geometry::vector::{Vector, as_arrays, into_vectors};
 use crate::work;
 
 /// The hull of the points inserted so far.
@@ -36,7 +36,7 @@ impl GrowingHull {
 
     /// The vertices, or all points of a hull without volume.
     pub fn vertices(&mut self) -> Vec<Vector> {
-        if self.is_solid { self.builder.extract().0 } else { self.points.clone() }
+        if self.is_solid { into_vectors(self.builder.extract().0) } else { self.points.clone() }
     }
 
     /// Grows to the hull of the union with other points. Returns whether it had volume before: if
@@ -44,16 +44,16 @@ impl GrowingHull {
     pub fn insert(&mut self, points: &[Vector], outward: Vector) -> bool {
         work::count(work::POINT * points.len() as u64);
         for &point in points {
-            self.min = minimum(self.min, point);
-            self.max = maximum(self.max, point);
+            self.min = self.min.min(point);
+            self.max = self.max.max(point);
         }
-        self.outward = add(self.outward, outward);
+        self.outward += outward;
         if self.is_solid {
             self.builder.insert_outside(points);
             return true;
         }
         self.points.extend_from_slice(points);
-        self.is_solid = self.builder.build(&self.points) == Shape::Solid;
+        self.is_solid = self.builder.build(as_arrays(&self.points)) == Shape::Solid;
         if self.is_solid {
             self.builder.forget_inner_points();
             self.points.clear();
@@ -64,14 +64,14 @@ impl GrowingHull {
     /// Whether the hull has volume, and no point is farther than `tolerance` in front of a face. Within
     /// [`SEARCH_TOLERANCE`] inserting them changes nothing.
     pub fn contains(&self, points: &[Vector], tolerance: f64) -> bool {
-        self.is_solid && self.builder.contains_all(points, tolerance)
+        self.is_solid && self.builder.contains_all(as_arrays(points), tolerance)
     }
 
     pub fn new(points: &[Vector], outward: Vector) -> Self {
         let mut hull = Self {
             builder: HullBuilder::new().with_least_tolerance(SEARCH_TOLERANCE),
-            min: [f64::INFINITY; 3],
-            max: [f64::NEG_INFINITY; 3],
+            min: Vector::INFINITY,
+            max: Vector::NEG_INFINITY,
             ..Self::default()
         };
         hull.insert(points, outward);

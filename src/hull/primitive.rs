@@ -7,9 +7,7 @@
 
 use super::convex_hull::ConvexHull;
 use super::solid_hull::any_across;
-use crate::geometry::vector::{
-    Vector, add, area_normal, bounds, cross, distance, dot, length, normalize, scale, subtract,
-};
+use crate::geometry::vector::{Vector, area_normal, bounds};
 
 /// A simple shape.
 #[non_exhaustive]
@@ -54,7 +52,7 @@ pub fn fit_primitive(hull: &ConvexHull, slack: Slack) -> Option<Primitive> {
     if !(slack.outside >= 0.0 && slack.inside >= 0.0) || hull.points.is_empty() {
         return None;
     }
-    let planes = hull.planes();
+    let planes = hull.face_planes();
     let axes = axes(hull);
     let cuboid = axes.and_then(|axes| cuboid(hull, &planes, axes, slack));
     let ball = ball(hull, &planes, slack);
@@ -76,44 +74,43 @@ const UPRIGHT: f64 = 0.087;
 /// The normals of the largest parallel faces, and of the largest upright to them.
 fn axes(hull: &ConvexHull) -> Option<[Vector; 3]> {
     let faces: Vec<(Vector, f64)> = hull
-        .corners()
+        .faces()
         .map(|[a, b, c]| area_normal(a, b, c))
-        .map(|normal| (normalize(normal), length(normal)))
+        .map(|normal| (normal.normalize_or_zero(), normal.length()))
         .collect();
     let area = |normal: Vector| -> f64 {
-        let parallel = faces.iter().filter(|(other, _)| dot(*other, normal).abs() > PARALLEL);
+        let parallel = faces.iter().filter(|(other, _)| other.dot(normal).abs() > PARALLEL);
         parallel.map(|(_, area)| area).sum()
     };
     let largest = |candidates: &mut dyn Iterator<Item = Vector>| {
         candidates.map(|normal| (normal, area(normal))).max_by(|a, b| a.1.total_cmp(&b.1))
     };
     let (first, _) = largest(&mut faces.iter().map(|(normal, _)| *normal))?;
-    let upright =
-        faces.iter().map(|(normal, _)| *normal).filter(|n| dot(*n, first).abs() < UPRIGHT);
+    let upright = faces.iter().map(|(normal, _)| *normal).filter(|n| n.dot(first).abs() < UPRIGHT);
     let (second, _) = largest(&mut { upright })?;
-    let second = normalize(subtract(second, scale(first, dot(second, first))));
-    Some([first, second, cross(first, second)])
+    let second = (second - first * second.dot(first)).normalize_or_zero();
+    Some([first, second, first.cross(second)])
 }
 
 /// The direction between the two vertices that are farthest apart.
 fn longest_chord(hull: &ConvexHull) -> Option<Vector> {
-    let pairs = hull.points.iter().enumerate();
-    let pairs =
-        pairs.flat_map(|(index, a)| hull.points[index + 1..].iter().map(|b| subtract(*b, *a)));
-    let longest = pairs.max_by(|a, b| dot(*a, *a).total_cmp(&dot(*b, *b)))?;
-    Some(normalize(longest))
+    let pairs = hull.points().iter().enumerate();
+    let pairs = pairs.flat_map(|(index, a)| hull.points()[index + 1..].iter().map(|b| *b - *a));
+    let longest = pairs.max_by(|a, b| a.dot(*a).total_cmp(&b.dot(*b)))?;
+    Some(longest.normalize_or_zero())
 }
 
 /// The hull's extent along axes: their middle in space, and halves.
 fn extent(hull: &ConvexHull, axes: [Vector; 3]) -> (Vector, Vector) {
-    let (low, high) = bounds(hull.points.iter().map(|point| axes.map(|axis| dot(axis, *point))));
-    let middle = scale(add(low, high), 0.5);
-    (in_space(middle, axes), scale(subtract(high, low), 0.5))
+    let (low, high) =
+        bounds(hull.points().iter().map(|point| Vector::from(axes.map(|axis| axis.dot(*point)))));
+    let middle = (low + high) * 0.5;
+    (in_space(middle, axes), (high - low) * 0.5)
 }
 
 fn in_space(point: Vector, axes: [Vector; 3]) -> Vector {
     let [x, y, z] = axes;
-    add(add(scale(x, point[0]), scale(y, point[1])), scale(z, point[2]))
+    x * point[0] + y * point[1] + z * point[2]
 }
 
 /// The hull is inside of it.
@@ -125,19 +122,27 @@ fn cuboid(
 ) -> Option<Fit> {
     let (centre, half) = extent(hull, axes);
     let corner = |index: usize| {
-        let signed =
-            [0, 1, 2].map(|axis| if index >> axis & 1 == 1 { half[axis] } else { -half[axis] });
-        add(centre, in_space(signed, axes))
+        let signed = Vector::from_array(
+            [0, 1, 2].map(|axis| if index >> axis & 1 == 1 { half[axis] } else { -half[axis] }),
+        );
+        centre + in_space(signed, axes)
     };
     let distances = (0..8).map(|index| hull.distance_outside(planes, corner(index)));
     let outside = distances.fold(0.0, f64::max);
-    let is_usable = half.iter().all(|half| *half > 0.0) && outside <= slack.outside;
-    is_usable.then_some((Primitive::Cuboid { centre, axes, half }, outside))
+    let is_usable = half.to_array().iter().all(|half| *half > 0.0) && outside <= slack.outside;
+    is_usable.then_some((
+        Primitive::Cuboid {
+            centre: centre.to_array(),
+            axes: axes.map(Into::into),
+            half: half.to_array(),
+        },
+        outside,
+    ))
 }
 
 /// How far a point is behind the nearest plane.
 fn depth(planes: &[(Vector, f64)], point: Vector) -> f64 {
-    let depths = planes.iter().map(|(normal, offset)| offset - dot(*normal, point));
+    let depths = planes.iter().map(|(normal, offset)| offset - normal.dot(point));
     depths.fold(f64::INFINITY, f64::min)
 }
 
@@ -149,33 +154,33 @@ fn radius(farthest: f64, depth: f64, slack: Slack) -> Option<f64> {
 }
 
 fn ball(hull: &ConvexHull, planes: &[(Vector, f64)], slack: Slack) -> Option<Fit> {
-    let (low, high) = bounds(hull.points.iter().copied());
-    let centre = scale(add(low, high), 0.5);
-    let farthest = hull.points.iter().map(|point| distance(*point, centre)).fold(0.0, f64::max);
+    let (low, high) = bounds(hull.points().iter().copied());
+    let centre = (low + high) * 0.5;
+    let farthest = hull.points().iter().map(|point| point.distance(centre)).fold(0.0, f64::max);
     let depth = depth(planes, centre);
     let radius = radius(farthest, depth, slack)?;
-    Some((Primitive::Ball { centre, radius }, farthest - depth))
+    Some((Primitive::Ball { centre: centre.to_array(), radius }, farthest - depth))
 }
 
 fn capsule(hull: &ConvexHull, planes: &[(Vector, f64)], axis: Vector, slack: Slack) -> Option<Fit> {
     let second = any_across(axis);
-    let (centre, half) = extent(hull, [axis, second, cross(axis, second)]);
+    let (centre, half) = extent(hull, [axis, second, axis.cross(second)]);
     let across = |point: &Vector| {
-        let from_centre = subtract(*point, centre);
-        length(subtract(from_centre, scale(axis, dot(axis, from_centre))))
+        let from_centre = *point - centre;
+        from_centre.distance(axis * axis.dot(from_centre))
     };
-    let widest = hull.points.iter().map(across).fold(0.0, f64::max);
+    let widest = hull.points().iter().map(across).fold(0.0, f64::max);
     let along = half[0] - widest;
     if along <= 0.0 {
         return None;
     }
-    let ends = [-along, along].map(|along| add(centre, scale(axis, along)));
+    let ends = [-along, along].map(|along| centre + axis * along);
     let to_segment = |point: &Vector| {
-        let place = dot(axis, subtract(*point, centre)).clamp(-along, along);
-        distance(*point, add(centre, scale(axis, place)))
+        let place = axis.dot(*point - centre).clamp(-along, along);
+        point.distance(centre + axis * place)
     };
-    let farthest = hull.points.iter().map(to_segment).fold(0.0, f64::max);
+    let farthest = hull.points().iter().map(to_segment).fold(0.0, f64::max);
     let depth = ends.map(|end| depth(planes, end)).into_iter().fold(f64::INFINITY, f64::min);
     let radius = radius(farthest, depth, slack)?;
-    Some((Primitive::Capsule { ends, radius }, farthest - depth))
+    Some((Primitive::Capsule { ends: ends.map(Into::into), radius }, farthest - depth))
 }

@@ -19,7 +19,7 @@ use super::face::{
 };
 use super::point_set::Frame;
 use crate::bvh::closest_point::closest_point_on_triangle;
-use crate::geometry::vector::{Vector, length_squared, subtract};
+use crate::geometry::vector::Vector;
 
 /// A hull, and all that it needs to go on growing: what a copy copies.
 #[derive(Debug, Default)]
@@ -178,7 +178,7 @@ fn in_front_of(point: Vector, planes: &[FacePlane], margins: Margins) -> Option<
         if margins.is_beyond(height, plane) {
             return Some(InFront { face, height, is_beyond: true });
         }
-        let distance = height * inverse_root(length_squared(plane.normal));
+        let distance = height * inverse_root(plane.normal.length_squared());
         if distance > least {
             least = distance;
             best = Some(InFront { face, height, is_beyond: false });
@@ -452,7 +452,7 @@ impl HullState {
     fn measure_new_faces(&mut self) {
         for (face, growth) in self.faces.iter_mut().zip(&self.growth) {
             if growth.generation == self.generation {
-                face.inverse = inverse_root(length_squared(face.plane.normal));
+                face.inverse = inverse_root(face.plane.normal.length_squared());
             }
         }
     }
@@ -637,8 +637,8 @@ impl HullState {
         let position = self.points[point as usize];
         let [a, b, c] = self.faces[face as usize]
             .vertices
-            .map(|vertex| subtract(self.points[vertex as usize], position));
-        length_squared(closest_point_on_triangle(a, b, c))
+            .map(|vertex| self.points[vertex as usize] - position);
+        closest_point_on_triangle(a, b, c).length_squared()
     }
 
     /// The squared distance of a point to the nearest of the faces that it is not behind, and a

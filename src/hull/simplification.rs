@@ -19,7 +19,7 @@ use super::point_set::{Shape, first_simplex};
 use super::quickhull::HullState;
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, add, cubed, dot, scale, subtract};
+use crate::geometry::vector::{Vector, as_arrays, cubed};
 
 /// A new vertex lies this far in front of the faces that it replaces, in the builder's frame (where
 /// a hull's extent is between 1 and 2): more than the tolerance, so that they vanish.
@@ -185,7 +185,7 @@ pub(crate) fn collapse_edges(
                 continue;
             }
             trial.clone_from(&builder);
-            trial.insert(&[frame.outward(cheapest.point)]);
+            trial.insert(&[frame.outward(cheapest.point).to_array()]);
             // Each collapse saves a vertex, unless rounding comes in between.
             if trial.triangle_count() < builder.triangle_count() {
                 let mut misfits =
@@ -217,9 +217,9 @@ pub(crate) fn collapse_edges(
 
 /// How far the farthest point of a hull is from another one. O(vertices · triangles).
 fn growth(hull: &ConvexHull, old: &ConvexHull) -> f64 {
-    let planes = old.planes();
+    let planes = old.face_planes();
     // The distance to a convex set is a convex function, and so largest at a vertex.
-    let distances = hull.points.iter().map(|&point| old.distance_outside(&planes, point));
+    let distances = hull.points().iter().map(|&point| old.distance_outside(&planes, point));
     distances.fold(0.0, f64::max)
 }
 
@@ -255,11 +255,11 @@ fn collapse(
     let [fan, other_fan] = [a, b].map(|vertex| fans[vertex as usize].as_slice());
     let face = |&index: &u32| &hull.faces[index as usize];
     constraints.clear();
-    let mut outward = [0.0; 3];
+    let mut outward = Vector::ZERO;
     let others = other_fan.iter().map(face).filter(|face| !face.vertices.contains(&a));
     for face in fan.iter().map(face).chain(others).filter(|face| face.inverse > 0.0) {
-        let normal = scale(face.plane.normal, face.inverse);
-        outward = add(outward, normal);
+        let normal = face.plane.normal * face.inverse;
+        outward += normal;
         constraints.push(Constraint {
             normal,
             offset: face.plane.offset * face.inverse + CLEARANCE,
@@ -274,11 +274,11 @@ fn collapse(
         return nowhere;
     }
     let ways = STARTS.iter().filter_map(|&share| {
-        let start = add(scale(a, 1.0 - share), scale(b, share));
+        let start = a * (1.0 - share) + b * share;
         let point = projected(start, constraints, outward)?;
-        let volumes = constraints.iter().map(|constraint| {
-            constraint.area * (dot(constraint.normal, point) - constraint.offset)
-        });
+        let volumes = constraints
+            .iter()
+            .map(|constraint| constraint.area * (constraint.normal.dot(point) - constraint.offset));
         Some(Collapse { edge, volume: volumes.sum::<f64>() / 3.0, point, round })
     });
     ways.min_by(|a, b| a.volume.total_cmp(&b.volume)).unwrap_or(nowhere)
@@ -292,12 +292,12 @@ fn projected(from: Vector, constraints: &mut [Constraint], outward: Vector) -> O
     for _ in 0..SWEEPS {
         let mut is_done = true;
         for constraint in &mut *constraints {
-            let missing = constraint.offset - dot(constraint.normal, point);
+            let missing = constraint.offset - constraint.normal.dot(point);
             let push = (constraint.push + missing).max(0.0);
             let more = push - constraint.push;
             if more != 0.0 {
                 is_done &= more.abs() < CLEARANCE;
-                point = add(point, scale(constraint.normal, more));
+                point += constraint.normal * more;
                 constraint.push = push;
             }
         }
@@ -306,14 +306,14 @@ fn projected(from: Vector, constraints: &mut [Constraint], outward: Vector) -> O
         }
     }
     let by = constraints.iter().map(|constraint| {
-        let missing = constraint.offset - dot(constraint.normal, point);
-        if missing > 0.0 { missing / dot(constraint.normal, outward) } else { 0.0 }
+        let missing = constraint.offset - constraint.normal.dot(point);
+        if missing > 0.0 { missing / constraint.normal.dot(outward) } else { 0.0 }
     });
     let by = by.fold(0.0, f64::max);
-    let point = add(point, scale(outward, by));
+    let point = point + outward * by;
     // Moving outward does not lead in front of faces that look away from the others.
     let is_in_front = |constraint: &Constraint| {
-        dot(constraint.normal, point) >= constraint.offset - 0.5 * CLEARANCE
+        constraint.normal.dot(point) >= constraint.offset - 0.5 * CLEARANCE
     };
     constraints.iter().all(is_in_front).then_some(point)
 }
@@ -344,7 +344,7 @@ pub(crate) fn limit_vertices(
     let collapsed = collapse_edges(collapsible, 0.0, max_vertices, control, &mut fits)?;
     let collapsed = collapsed.map(|(collapsed, _)| collapsed);
     // For very few vertices the cheapest collapses, one by one, don't lead to the best hull.
-    let prominent = most_prominent(builder, &hull.points, max_vertices, control)?;
+    let prominent = most_prominent(builder, hull.points(), max_vertices, control)?;
     let fewer = [thin, collapsed, prominent].into_iter().flatten();
     let fewer = fewer.filter(|fewer| fewer.points.len() <= max_vertices).filter_map(|fewer| {
         let grown = grown_over(fewer, &hull)?;
@@ -374,7 +374,7 @@ fn thinned(
         control.check()?;
         tolerance *= 2.0;
     }
-    most_prominent(builder, &hull.points, MANY_VERTICES, control)
+    most_prominent(builder, hull.points(), MANY_VERTICES, control)
 }
 
 /// The hull of the vertices that stand out of each other by more than `tolerance`, in the points'
@@ -394,19 +394,19 @@ pub(crate) fn most_prominent(
     let (_, simplex) = first_simplex(points, 0.0);
     let corners = simplex.iter().filter_map(|&index| points.get(index as usize).copied());
     let first: Vec<Vector> = corners.collect();
-    if builder.build(&first) != Shape::Solid || first.len() > max_vertices {
+    if builder.build(as_arrays(&first)) != Shape::Solid || first.len() > max_vertices {
         return Ok(None);
     }
     for _ in first.len()..max_vertices {
         control.check()?;
-        let planes = ConvexHull::from(builder.extract()).planes();
+        let planes = ConvexHull::from(builder.extract()).face_planes();
         let height = |point: Vector| {
-            let heights = planes.iter().map(|&(normal, offset)| dot(normal, point) - offset);
+            let heights = planes.iter().map(|&(normal, offset)| normal.dot(point) - offset);
             heights.fold(f64::NEG_INFINITY, f64::max)
         };
         let heights = points.iter().map(|&point| (height(point), point));
         let Some((_, farthest)) = heights.max_by(|a, b| a.0.total_cmp(&b.0)) else { break };
-        builder.insert(&[farthest]);
+        builder.insert(&[farthest.to_array()]);
         if builder.new_faces().next().is_none() {
             // It is in the hull up to the tolerance, and so are all others.
             break;
@@ -418,23 +418,23 @@ pub(crate) fn most_prominent(
 /// Lets a hull grow about its centre until it holds another one. The factor is exact: the largest,
 /// over the planes, of the other hull's extent in front of the centre over its own.
 fn grown_over(mut kept: ConvexHull, hull: &ConvexHull) -> Option<ConvexHull> {
-    let sum = kept.points.iter().fold([0.0; 3], |sum, &point| add(sum, point));
-    let centre = scale(sum, 1.0 / kept.points.len() as f64);
+    let sum = kept.points().iter().fold(Vector::ZERO, |sum, &point| sum + point);
+    let centre = sum * (1.0 / kept.points.len() as f64);
     let mut factor: f64 = 1.0;
-    for (normal, offset) in kept.planes() {
-        let own = offset - dot(normal, centre);
-        let extents = hull.points.iter().map(|&point| dot(normal, subtract(point, centre)));
+    for (normal, offset) in kept.face_planes() {
+        let own = offset - normal.dot(centre);
+        let extents = hull.points().iter().map(|&point| normal.dot(point - centre));
         let wanted = extents.fold(f64::NEG_INFINITY, f64::max);
         if own > 0.0 {
             factor = factor.max(wanted / own);
-        } else if normal != [0.0; 3] {
+        } else if normal != Vector::ZERO {
             return None;
         }
     }
     if factor > 1.0 {
         let factor = factor * (1.0 + ROUNDING);
         for point in &mut kept.points {
-            *point = add(centre, scale(subtract(*point, centre), factor));
+            *point = (centre + (Vector::from(*point) - centre) * factor).to_array();
         }
     }
     Some(kept)
@@ -443,7 +443,6 @@ fn grown_over(mut kept: ConvexHull, hull: &ConvexHull) -> Option<ConvexHull> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::vector::length;
     use crate::hull::convex_hull::convex_hull;
     use crate::mesh::shapes::cuboid;
 
@@ -478,11 +477,11 @@ mod tests {
     #[test]
     fn no_face_that_does_not_fit_is_made_and_errors_end_it() {
         let full = prism(40, 1.0);
-        let is_old = |&[x, y, _]: &Vector| x < 0.0 || x.hypot(y) < 1.0 + 1e-5;
+        let is_old = |&Vector { x, y, .. }: &Vector| x < 0.0 || x.hypot(y) < 1.0 + 1e-5;
         let on_the_left = |face: [Vector; 3]| Ok(face.iter().all(is_old));
         let (fewer, _) = collapsed(&full, 1e-3, on_the_left).unwrap().unwrap();
         assert!(fewer.points.len() < full.points.len());
-        assert!(fewer.points.iter().all(is_old));
+        assert!(fewer.points().iter().all(is_old));
         assert_eq!(collapsed(&full, 1e-3, |_| Err(Error::Cancelled)), Err(Error::Cancelled));
     }
 
@@ -525,7 +524,7 @@ mod tests {
         let full = ball(300);
         for count in [6, 7, 20, 64] {
             let mut builder = HullBuilder::new();
-            let found = most_prominent(&mut builder, &full.points, count, &Control::new());
+            let found = most_prominent(&mut builder, full.points(), count, &Control::new());
             let found = found.unwrap().unwrap();
             assert_eq!(found.points.len(), count);
             assert!(full.holds(&found));
@@ -540,7 +539,7 @@ mod tests {
             assert!(limited.points.len() <= most);
             assert!(limited.holds(&full), "{most}");
             assert!(limited.holds(&limited), "{most} is convex");
-            let farthest = limited.points.iter().map(|&p| length(p)).fold(0.0, f64::max);
+            let farthest = limited.points().iter().map(|&p| p.length()).fold(0.0, f64::max);
             assert!(farthest - 1.0 <= growth + 1e-9);
             assert!(growth < most_growth, "{most}: {growth}");
         }
@@ -552,7 +551,9 @@ mod tests {
         let full = ball(1500);
         for factor in [1e200, 1e-170] {
             let mut full = full.clone();
-            full.points.iter_mut().for_each(|point| *point = scale(*point, factor));
+            full.points
+                .iter_mut()
+                .for_each(|point| *point = (Vector::from(*point) * factor).to_array());
             for most in [64, 600] {
                 assert!(limited(&full, most).0.points.len() <= most, "{factor:e}");
             }

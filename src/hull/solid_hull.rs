@@ -12,9 +12,7 @@ use super::builder::HullBuilder;
 use super::convex_hull::ConvexHull;
 use super::point_set::{Shape, is_finite};
 use crate::error::Error;
-use crate::geometry::vector::{
-    Vector, add, cross, diagonal, distance, dot, normalize, scale, subtract,
-};
+use crate::geometry::vector::{Vector, as_arrays, as_vectors, diagonal};
 
 /// The least width of a hull, as a fraction of the diagonal of its own bounding box. Parry flattens
 /// plates thinner than about 6e-4 of their diagonal; this leaves room for rounding to `f32`.
@@ -52,12 +50,13 @@ pub fn solid_hull(
     least_thickness: f64,
 ) -> Result<(ConvexHull, f64), Error> {
     let shape = builder.build(points);
-    let wanted = (MINIMUM_THICKNESS * diagonal(points.iter().copied().filter(is_finite)))
-        .max(least_thickness);
+    let wanted = (MINIMUM_THICKNESS
+        * diagonal(as_vectors(points).iter().copied().filter(is_finite)))
+    .max(least_thickness);
     if shape == Shape::Solid && builder.simplex_height() >= HEIGHT_PER_WIDTH * wanted {
         return Ok((builder.extract().into(), 0.0));
     }
-    thicken(builder, shape, points, outward, wanted)
+    thicken(builder, shape, as_vectors(points), Vector::from(outward), wanted)
 }
 
 /// The hull of two hulls.
@@ -69,15 +68,15 @@ pub(crate) fn joint_hull(
     first: &ConvexHull,
     second: &ConvexHull,
 ) -> Result<ConvexHull, Error> {
-    let points: Vec<Vector> = first.points.iter().chain(&second.points).copied().collect();
-    Ok(solid_hull(builder, &points, [0.0; 3], 0.0)?.0)
+    let points: Vec<Vector> = first.points().iter().chain(second.points()).copied().collect();
+    Ok(solid_hull(builder, as_arrays(&points), [0.0; 3], 0.0)?.0)
 }
 
 #[cold]
 fn thicken(
     builder: &mut HullBuilder,
     mut shape: Shape,
-    points: &[[f64; 3]],
+    points: &[Vector],
     outward: Vector,
     wanted: f64,
 ) -> Result<(ConvexHull, f64), Error> {
@@ -85,7 +84,7 @@ fn thicken(
     if points.is_empty() {
         return Err(Error::NoHull { reason: "no point is finite" });
     }
-    let outward = normalize(outward);
+    let outward = outward.normalize_or_zero();
     let mut added: f64 = 0.0;
     for _ in 0..=DIMENSIONS {
         let (width, direction) = thin_direction(builder, shape, &points, outward);
@@ -95,7 +94,7 @@ fn thicken(
         let missing = wanted - width;
         added = added.max(missing);
         points = pushed(&points, direction, outward, missing);
-        shape = builder.build(&points);
+        shape = builder.build(as_arrays(&points));
     }
     match shape {
         Shape::Solid => Ok((builder.extract().into(), added)),
@@ -114,21 +113,20 @@ fn thin_direction(
         return builder.width().unwrap_or((0.0, outward));
     }
     let (first, second) = far_pair(points);
-    let along = normalize(subtract(second, first));
+    let along = (second - first).normalize_or_zero();
     let direction = match shape {
         Shape::Flat => {
-            let away = |point: &Vector| cross(along, subtract(*point, first));
-            let longest =
-                points.iter().map(away).max_by(|a, b| dot(*a, *a).total_cmp(&dot(*b, *b)));
-            normalize(longest.unwrap_or(outward))
+            let away = |point: &Vector| along.cross(*point - first);
+            let longest = points.iter().map(away).max_by(|a, b| a.dot(*a).total_cmp(&b.dot(*b)));
+            longest.unwrap_or(outward).normalize_or_zero()
         }
         Shape::Linear => {
             // Across the line, along the surface's normal if that leads across.
-            let across = subtract(outward, scale(along, dot(outward, along)));
-            if dot(across, across) > 0.25 { normalize(across) } else { any_across(along) }
+            let across = outward - along * outward.dot(along);
+            if across.dot(across) > 0.25 { across.normalize_or_zero() } else { any_across(along) }
         }
-        _ if outward != [0.0; 3] => outward,
-        _ => [0.0, 0.0, 1.0],
+        _ if outward != Vector::ZERO => outward,
+        _ => Vector::Z,
     };
     (0.0, direction)
 }
@@ -137,7 +135,7 @@ fn thin_direction(
 fn pushed(points: &[Vector], direction: Vector, outward: Vector, distance: f64) -> Vec<Vector> {
     /// Less than this cosine and the surface's normal says nothing about the side.
     const UNCERTAIN: f64 = 1e-3;
-    let along = dot(direction, outward);
+    let along = direction.dot(outward);
     let (from, to) = if along > UNCERTAIN {
         (0.0, -distance)
     } else if along < -UNCERTAIN {
@@ -145,16 +143,16 @@ fn pushed(points: &[Vector], direction: Vector, outward: Vector, distance: f64) 
     } else {
         (-0.5 * distance, 0.5 * distance)
     };
-    let moved = |by: f64| points.iter().map(move |&point| add(point, scale(direction, by)));
+    let moved = |by: f64| points.iter().map(move |&point| point + direction * by);
     moved(from).chain(moved(to)).collect()
 }
 
 /// Some unit vector at right angles to a unit vector.
 pub(super) fn any_across(along: Vector) -> Vector {
     let least = (0..3).min_by(|&a, &b| along[a].abs().total_cmp(&along[b].abs())).unwrap_or(0);
-    let mut axis = [0.0; 3];
+    let mut axis = Vector::ZERO;
     axis[least] = 1.0;
-    normalize(cross(along, axis))
+    along.cross(axis).normalize_or_zero()
 }
 
 /// A point and the one farthest from it.
@@ -162,7 +160,7 @@ fn far_pair(points: &[Vector]) -> (Vector, Vector) {
     let first = points.first().copied().unwrap_or_default();
     let farthest = |from: Vector| {
         let by_distance =
-            |a: &&Vector, b: &&Vector| distance(from, **a).total_cmp(&distance(from, **b));
+            |a: &&Vector, b: &&Vector| from.distance(**a).total_cmp(&from.distance(**b));
         points.iter().max_by(by_distance).copied().unwrap_or(from)
     };
     let second = farthest(first);
@@ -199,13 +197,14 @@ pub fn single_precision(
     points: &[[f64; 3]],
     builder: &mut HullBuilder,
 ) -> Result<SinglePrecisionHull, Error> {
-    let mut points = rounded(points)?;
-    let largest = points.iter().flatten().fold(0.0f64, |largest, x| largest.max(x.abs()));
+    let mut points = rounded(as_vectors(points))?;
+    let largest =
+        as_arrays(&points).iter().flatten().fold(0.0f64, |largest, x| largest.max(x.abs()));
     let mut least_thickness = LEAST_ULPS * f64::from(f32::EPSILON) * largest;
     for _ in 0..ATTEMPTS {
-        let (solid, _) = solid_hull(builder, &points, [0.0; 3], least_thickness)?;
-        points = rounded(&solid.points)?;
-        if builder.build(&points) == Shape::Solid {
+        let (solid, _) = solid_hull(builder, as_arrays(&points), [0.0; 3], least_thickness)?;
+        points = rounded(solid.points())?;
+        if builder.build(as_arrays(&points)) == Shape::Solid {
             let hull = ConvexHull::from(builder.extract());
             return Ok((hull.points_as().collect(), hull.triangles));
         }
@@ -214,10 +213,10 @@ pub fn single_precision(
     Err(Error::NoHull { reason: "rounding to f32 leaves no volume" })
 }
 
-fn rounded(points: &[[f64; 3]]) -> Result<Vec<[f64; 3]>, Error> {
-    let round = |point: &[f64; 3]| point.map(|x| f64::from(x as f32));
+fn rounded(points: &[Vector]) -> Result<Vec<Vector>, Error> {
+    let round = |point: &Vector| point.map(|x| f64::from(x as f32));
     let points: Vec<_> = points.iter().map(round).collect();
-    if points.iter().flatten().all(|x| x.is_finite()) {
+    if as_arrays(&points).iter().flatten().all(|x| x.is_finite()) {
         Ok(points)
     } else {
         Err(Error::NoHull { reason: "a coordinate is beyond the range of f32" })

@@ -47,7 +47,7 @@ impl MeshHash {
         for triangles in mesh.triangles().chunks(TRIANGLES_AT_ONCE) {
             bytes.clear();
             for triangle in triangles {
-                let corners = triangle.map(|vertex| corner(mesh.at(vertex)));
+                let corners = triangle.map(|vertex| corner(mesh.at(vertex).to_array()));
                 rotated(corners).iter().for_each(|corner| bytes.extend(corner));
             }
             hasher.update(&bytes);

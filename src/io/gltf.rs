@@ -28,7 +28,7 @@ use super::mesh_file::{MeshFile, SceneMesh, SceneNode, next_index, scene_meshes}
 use super::meshopt;
 use super::text::quote;
 use crate::geometry::Sidedness;
-use crate::geometry::vector::{Vector, add, cross, dot, scale};
+use crate::geometry::vector::Vector;
 
 /// A small file can place a mesh any number of times. A scene may have this many vertices and
 /// this many triangles, and one more for each byte that was read and for each element that was
@@ -254,10 +254,9 @@ impl Scene<'_> {
                 let count = positions.len();
                 self.check_growth("vertices", self.file.mesh.positions.len(), count)?;
                 let first = next_index(&self.file.mesh.positions, count)?;
-                self.file
-                    .mesh
-                    .positions
-                    .extend(positions.iter().map(|point| transform.apply(*point)));
+                self.file.mesh.positions.extend(
+                    positions.iter().map(|&point| transform.apply(point.into()).to_array()),
+                );
                 placed.push(Placed { source, first, count });
                 (first, count)
             }
@@ -372,17 +371,15 @@ struct Transform {
 }
 
 impl Transform {
-    const IDENTITY: Self = Self {
-        columns: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-        translation: [0.0; 3],
-    };
+    const IDENTITY: Self =
+        Self { columns: [Vector::X, Vector::Y, Vector::Z], translation: Vector::ZERO };
 
     /// From a 4×4 matrix by columns, whose last row is taken as (0, 0, 0, 1).
     fn from_matrix(matrix: [f32; 16]) -> Self {
         let (columns, _) = matrix.as_chunks::<4>();
         let column = |index: usize| {
             let [x, y, z, _] = columns[index];
-            [x, y, z].map(f64::from)
+            Vector::new(x.into(), y.into(), z.into())
         };
         Self { columns: [column(0), column(1), column(2)], translation: column(3) }
     }
@@ -397,12 +394,13 @@ impl Transform {
             [1.0 - s * (y * y + z * z), s * (x * y + z * w), s * (x * z - y * w)],
             [s * (x * y - z * w), 1.0 - s * (x * x + z * z), s * (y * z + x * w)],
             [s * (x * z + y * w), s * (y * z - x * w), 1.0 - s * (x * x + y * y)],
-        ];
+        ]
+        .map(Vector::from);
         let mut columns = rotated;
         for (column, factor) in columns.iter_mut().zip(size) {
-            *column = scale(*column, f64::from(factor));
+            *column = Vector::from(*column) * f64::from(factor);
         }
-        Self { columns, translation: translation.map(f64::from) }
+        Self { columns, translation: Vector::from(translation.map(f64::from)) }
     }
 
     /// First `inner`, then this one.
@@ -414,26 +412,25 @@ impl Transform {
     }
 
     fn apply(&self, point: Vector) -> Vector {
-        add(self.turn(point), self.translation)
+        self.turn(point) + self.translation
     }
 
     /// Whether left and right change places.
     fn is_mirroring(&self) -> bool {
         let [a, b, c] = self.columns;
-        dot(cross(a, b), c) < 0.0
+        a.cross(b).dot(c) < 0.0
     }
 
     fn turn(&self, direction: Vector) -> Vector {
         let [a, b, c] = self.columns;
-        let [x, y, z] = direction;
-        add(add(scale(a, x), scale(b, y)), scale(c, z))
+        let [x, y, z] = direction.to_array();
+        a * x + b * y + c * z
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::vector::distance;
 
     #[test]
     fn scale_comes_before_rotation_and_translation() {
@@ -441,7 +438,10 @@ mod tests {
         let quarter_turn_about_z = [0.0, 0.0, half, half];
         let transform =
             Transform::from_parts([10.0, 0.0, 0.0], quarter_turn_about_z, [2.0, 1.0, -1.0]);
-        assert!(distance(transform.apply([1.0, 0.0, 5.0]), [10.0, 2.0, -5.0]) < 1e-6);
+        assert!(
+            transform.apply(Vector::new(1.0, 0.0, 5.0)).distance(Vector::new(10.0, 2.0, -5.0))
+                < 1e-6
+        );
         assert!(transform.is_mirroring());
         assert!(!transform.after(&transform).is_mirroring());
     }
@@ -455,13 +455,13 @@ mod tests {
         }
         matrix[13] = 3.0;
         let child = Transform::from_matrix(matrix);
-        assert_eq!(parent.after(&child).apply([0.0; 3]), [1.0, 6.0, 0.0]);
+        assert_eq!(parent.after(&child).apply(Vector::ZERO), Vector::new(1.0, 6.0, 0.0));
     }
 
     #[test]
     fn an_unnormalised_quaternion_only_turns() {
         let transform = Transform::from_parts([0.0; 3], [0.0, 0.0, 3.0, 0.0], [1.0; 3]);
-        assert_eq!(transform.apply([1.0, 2.0, 3.0]), [-1.0, -2.0, 3.0]);
+        assert_eq!(transform.apply(Vector::new(1.0, 2.0, 3.0)), Vector::new(-1.0, -2.0, 3.0));
         let broken = Transform::from_parts([0.0; 3], [0.0; 4], [1.0; 3]);
         assert_eq!(broken, Transform::IDENTITY);
     }

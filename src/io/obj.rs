@@ -4,6 +4,7 @@
 //! text encoding are read; texture coordinates, normals, colours, weights, materials, points,
 //! lines and curves are skipped.
 
+use crate::geometry::vector::as_vectors;
 use std::borrow::Cow;
 
 use super::mesh_file::{MeshFile, Object, next_index};
@@ -27,7 +28,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<MeshFile, String> {
                     let corner = corner(word, vertices_so_far, file.mesh.positions.len());
                     corners.push(corner.map_err(at_line(line))?);
                 }
-                triangulator.append(&file.mesh.positions, &corners, &mut file.mesh.triangles);
+                triangulator.append(
+                    as_vectors(&file.mesh.positions),
+                    &corners,
+                    &mut file.mesh.triangles,
+                );
             }
             Some(b"o") => objects.push((text_after_keyword(&text), file.mesh.triangles.len())),
             Some(b"g") => groups.push((text_after_keyword(&text), file.mesh.triangles.len())),

@@ -7,6 +7,7 @@ use super::mesh_file::{MeshFile, next_index};
 use super::text::{
     Triangulator, at_line, coordinates, lines, number, quote, without_comment, words,
 };
+use crate::geometry::vector::as_vectors;
 
 /// A vertex is at least `0 0 0` and the line's end, a face at least `0` and the line's end.
 const SHORTEST_VERTEX: usize = 6;
@@ -40,7 +41,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<MeshFile, String> {
         let (line, text) =
             lines.next().ok_or_else(|| format!("it ends after {face} of {faces} faces"))?;
         read_face(text, vertices, &mut corners).map_err(at_line(line))?;
-        triangulator.append(&file.mesh.positions, &corners, &mut file.mesh.triangles);
+        triangulator.append(as_vectors(&file.mesh.positions), &corners, &mut file.mesh.triangles);
     }
     file.close_object("", 0);
     Ok(file)

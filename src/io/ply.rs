@@ -10,6 +10,7 @@
 //! `.5`, `1.` and `nan` that other programs write, and its `float` properties would round text
 //! to `f32`.
 
+use crate::geometry::vector::as_vectors;
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{
     ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType,
@@ -276,7 +277,7 @@ impl MeshBuilder {
 
     fn triangulate(&mut self, corners: &[u32]) {
         let TriangleMesh { positions, triangles, .. } = &mut self.file.mesh;
-        self.triangulator.append(positions, corners, triangles);
+        self.triangulator.append(as_vectors(positions), corners, triangles);
     }
 
     fn finish(mut self) -> Result<MeshFile, String> {

@@ -2,7 +2,7 @@
 
 use earcut::{Earcut, Refiner};
 
-use crate::geometry::vector::{Vector, add, area_normal, cross, dot, subtract};
+use crate::geometry::vector::{Vector, area_normal};
 
 /// Longest piece of a file that an error message repeats, in characters.
 const LONGEST_QUOTE: usize = 40;
@@ -146,9 +146,9 @@ impl Triangulator {
             return false;
         }
         let origin = positions[corners[0] as usize];
-        let local = |corner: u32| subtract(positions[corner as usize], origin);
+        let local = |corner: u32| positions[corner as usize] - origin;
         let normal = normal(corners.iter().map(|corner| local(*corner)));
-        if !normal.iter().all(|part| part.is_finite()) {
+        if !normal.is_finite() {
             return false;
         }
         let size = normal.map(f64::abs);
@@ -187,7 +187,7 @@ impl Triangulator {
 /// to be precise.
 fn normal(points: impl Iterator<Item = Vector> + Clone) -> Vector {
     let following = points.clone().skip(1);
-    points.zip(following).fold([0.0; 3], |sum, (a, b)| add(sum, cross(a, b)))
+    points.zip(following).fold(Vector::ZERO, |sum, (a, b)| sum + a.cross(b))
 }
 
 fn cut_quadrilateral(positions: &[Vector], corners: [u32; 4]) -> [[u32; 3]; 2] {
@@ -198,13 +198,13 @@ fn cut_quadrilateral(positions: &[Vector], corners: [u32; 4]) -> [[u32; 3]; 2] {
     };
     let by_first = [[a, b, c], [a, c, d]];
     let by_second = [[a, b, d], [b, c, d]];
-    let whole = add(area(by_first[0]), area(by_first[1]));
+    let whole = area(by_first[0]) + area(by_first[1]);
     // Negative where a part of the cut lies outside.
     let smaller_half = |cut: [[u32; 3]; 2]| {
-        let [first, second] = cut.map(|half| dot(area(half), whole));
+        let [first, second] = cut.map(|half| area(half).dot(whole));
         first.min(second)
     };
-    let sliver = LEAST_HALF * dot(whole, whole);
+    let sliver = LEAST_HALF * whole.dot(whole);
     if smaller_half(by_first) < sliver && smaller_half(by_second) > smaller_half(by_first) {
         by_second
     } else {
@@ -215,7 +215,6 @@ fn cut_quadrilateral(positions: &[Vector], corners: [u32; 4]) -> [[u32; 3]; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::vector::length;
 
     #[test]
     fn all_line_endings_count_once() {
@@ -257,7 +256,8 @@ mod tests {
 
     /// The same outline in a plane along no axis.
     fn tilted(outline: &[[f64; 2]]) -> Vec<Vector> {
-        let place = |[x, y]: &[f64; 2]| [x + 0.3 * y, y - 0.2 * x, 0.7 * x - 0.4 * y + 1000.0];
+        let place =
+            |[x, y]: &[f64; 2]| Vector::new(x + 0.3 * y, y - 0.2 * x, 0.7 * x - 0.4 * y + 1000.0);
         outline.iter().map(place).collect()
     }
 
@@ -284,11 +284,11 @@ mod tests {
             }
             let areas = areas(&points);
             assert_eq!(areas.len(), expected_triangles);
-            let whole = normal(points.iter().map(|point| subtract(*point, points[0])));
-            let total: f64 = areas.iter().map(|area| length(*area)).sum();
-            assert!((total - length(whole)).abs() < 1e-9 * total, "pieces overlap");
+            let whole = normal(points.iter().map(|point| *point - points[0]));
+            let total: f64 = areas.iter().map(|area| area.length()).sum();
+            assert!((total - whole.length()).abs() < 1e-9 * total, "pieces overlap");
             for area in &areas {
-                assert!(dot(*area, whole) > 1e-6, "turned around or without area");
+                assert!(area.dot(whole) > 1e-6, "turned around or without area");
             }
         }
     }
@@ -327,10 +327,10 @@ mod tests {
 
     #[test]
     fn what_has_no_inside_becomes_a_fan() {
-        let line: Vec<Vector> = (0..6).map(|i| [f64::from(i), 0.0, 0.0]).collect();
+        let line: Vec<Vector> = (0..6).map(|i| Vector::new(f64::from(i), 0.0, 0.0)).collect();
         assert_eq!(triangulate(&line).len(), 4);
-        assert_eq!(triangulate(&[[f64::NAN; 3]; 5]).len(), 3);
-        assert_eq!(triangulate(&[[1e300, -1e300, 1e300]; 7]).len(), 5);
+        assert_eq!(triangulate(&[Vector::NAN; 5]).len(), 3);
+        assert_eq!(triangulate(&[Vector::new(1e300, -1e300, 1e300); 7]).len(), 5);
         assert!(triangulate(&line[..2]).is_empty());
         assert!(triangulate(&[]).is_empty());
     }

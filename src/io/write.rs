@@ -11,7 +11,7 @@ use super::mesh_file::{HullFormat, is_hulls_file};
 use crate::atomic_write;
 use crate::error::Error;
 use crate::geometry::MeshView;
-use crate::geometry::vector::{Vector, add, bounds, scale, subtract};
+use crate::geometry::vector::{Vector, bounds};
 use crate::render::palette::{colour, linear};
 
 /// Writes hulls to a file, for example `write_hulls(path, &decomposition.hulls)`. A file that is
@@ -89,7 +89,7 @@ fn obj_from_hulls<'a, H: Into<MeshView<'a>>>(hulls: impl IntoIterator<Item = H>)
         let hull = hull.into();
         // Writing to a string can't fail.
         let _ = writeln!(text, "o hull_{index}");
-        for [x, y, z] in hull.positions() {
+        for Vector { x, y, z } in hull.points() {
             let _ = writeln!(text, "v {x:?} {y:?} {z:?}");
         }
         for triangle in hull.triangles() {
@@ -122,7 +122,7 @@ fn glb_from_hulls<'a, H: Into<MeshView<'a>>>(
 ) -> Result<Vec<u8>, String> {
     let hulls: Vec<MeshView> = hulls.into_iter().map(Into::into).collect();
     // Rounded first, since what is taken off each vertex must be what the node adds.
-    let centre = centre(&hulls).map(|part| part as f32);
+    let centre = centre(&hulls).as_vec3().to_array();
     let mut parts = Parts::default();
     for hull in &hulls {
         parts.add(hull, centre)?;
@@ -133,8 +133,8 @@ fn glb_from_hulls<'a, H: Into<MeshView<'a>>>(
 
 /// The middle of the bounding box.
 fn centre(hulls: &[MeshView]) -> Vector {
-    let (low, high) = bounds(hulls.iter().flat_map(|hull| hull.positions()));
-    if low[0] > high[0] { [0.0; 3] } else { add(scale(low, 0.5), scale(high, 0.5)) }
+    let (low, high) = bounds(hulls.iter().flat_map(|hull| hull.points()));
+    if low[0] > high[0] { Vector::ZERO } else { low * 0.5 + high * 0.5 }
 }
 
 /// The growing arrays of the document.
@@ -152,7 +152,7 @@ impl Parts {
     fn add(&mut self, hull: &MeshView, centre: [f32; 3]) -> Result<(), String> {
         let index = self.meshes.len();
         let name = format!("hull_{index}");
-        let positions = self.add_positions(hull, centre.map(f64::from))?;
+        let positions = self.add_positions(hull, Vector::from(centre.map(f64::from)))?;
         let indices = self.add_indices(hull);
         let [red, green, blue] = linear(colour(index));
         self.materials.push(json!({
@@ -177,8 +177,7 @@ impl Parts {
 
     /// The index of the accessor.
     fn add_positions(&mut self, hull: &MeshView, centre: Vector) -> Result<usize, String> {
-        let positions =
-            hull.positions().map(|point| subtract(point, centre).map(|part| part as f32));
+        let positions = hull.points().map(|point| (point - centre).as_vec3().to_array());
         let mut least = [f32::INFINITY; 3];
         let mut greatest = [f32::NEG_INFINITY; 3];
         let start = self.bytes.len();

@@ -23,7 +23,7 @@ use crate::control::Control;
 use crate::decomposition::Hull;
 use crate::error::Error;
 use crate::geometry::MeshView;
-use crate::geometry::vector::{Vector, add, cubed, scale, squared};
+use crate::geometry::vector::{Vector, cubed, squared};
 use crate::hull::{HullBuilder, solid_hull};
 use crate::mesh::{Normalization, PreparedMesh};
 use crate::openings::OpeningSettings;
@@ -131,7 +131,7 @@ fn of_prepared(
         |moments: Moments, source| Ok(moments.mass_properties(diagonal, origin, density, source));
     if prepared.closed.iter().all(|closed| *closed) {
         let solid = prepared.triangles_of_solid();
-        let corners: Vec<_> = solid.iter().map(|t| t.map(|v| mesh.positions[v as usize])).collect();
+        let corners: Vec<_> = solid.iter().map(|t| t.map(|v| mesh.points()[v as usize])).collect();
         let enclosed = Moments::enclosed(corners.iter().copied());
         if enclosed.volume > LEAST_VOLUME {
             let estimate = moments_of_union(&corners, CHECK_RESOLUTION).volume;
@@ -149,7 +149,7 @@ fn of_prepared(
     }
     let of_hull = |hull: &Hull| {
         let points: Vec<Vector> =
-            hull.shape.points.iter().map(|&p| normalization.normalize(p)).collect();
+            hull.shape.points().iter().map(|&p| normalization.normalize(p)).collect();
         let corner = |vertex: u32| points.get(vertex as usize).copied();
         let corners = |[a, b, c]: [u32; 3]| Some([corner(a)?, corner(b)?, corner(c)?]);
         hull.shape.triangles.iter().filter_map(|&t| corners(t)).collect::<Vec<_>>()
@@ -160,7 +160,7 @@ fn of_prepared(
         return finish(of_hulls, MassSource::HullUnion);
     }
     let (hull, _) = solid_hull(&mut HullBuilder::new(), &mesh.positions, [0.0; 3], 0.0)?;
-    finish(Moments::enclosed(hull.corners()), MassSource::ConvexHull)
+    finish(Moments::enclosed(hull.faces()), MassSource::ConvexHull)
 }
 
 impl Moments {
@@ -173,7 +173,7 @@ impl Moments {
         density: f64,
         source: MassSource,
     ) -> MassProperties {
-        let centre = scale(self.first, 1.0 / self.volume);
+        let centre = self.first * (1.0 / self.volume);
         let mut central = self.second;
         for i in 0..3 {
             for j in 0..3 {
@@ -183,8 +183,8 @@ impl Moments {
         let mass = density * cubed(unit);
         MassProperties {
             mass: mass * self.volume,
-            centre: add(scale(centre, unit), origin),
-            inertia: inertia_of(central).map(|row| scale(row, mass * squared(unit))),
+            centre: (centre * unit + origin).to_array(),
+            inertia: inertia_of(central).map(|row| row * (mass * squared(unit))).map(Into::into),
             source,
         }
     }
@@ -194,7 +194,7 @@ impl Moments {
 /// trace times identity, minus the matrix.
 fn inertia_of(second: [Vector; 3]) -> [Vector; 3] {
     let trace = second[0][0] + second[1][1] + second[2][2];
-    let mut inertia = second.map(|row| scale(row, -1.0));
+    let mut inertia = second.map(|row| -row);
     for (i, row) in inertia.iter_mut().enumerate() {
         row[i] += trace;
     }
@@ -204,7 +204,7 @@ fn inertia_of(second: [Vector; 3]) -> [Vector; 3] {
 /// The central second moments of an inertia tensor.
 fn second_of(inertia: [Vector; 3]) -> [Vector; 3] {
     let half_trace = (inertia[0][0] + inertia[1][1] + inertia[2][2]) / 2.0;
-    let mut second = inertia.map(|row| scale(row, -1.0));
+    let mut second = inertia.map(|row| -row);
     for (i, row) in second.iter_mut().enumerate() {
         row[i] += half_trace;
     }
@@ -234,7 +234,7 @@ impl MassProperties {
     #[must_use]
     pub fn scaled(mut self, scale: [f64; 3]) -> Self {
         let volume = (scale[0] * scale[1] * scale[2]).abs();
-        let mut second = second_of(self.inertia);
+        let mut second = second_of(self.inertia.map(Into::into));
         for i in 0..3 {
             for j in 0..3 {
                 second[i][j] *= volume * scale[i] * scale[j];
@@ -242,14 +242,14 @@ impl MassProperties {
             self.centre[i] *= scale[i];
         }
         self.mass *= volume;
-        self.inertia = inertia_of(second);
+        self.inertia = inertia_of(second).map(Into::into);
         self
     }
 
     /// Principal moments of inertia and their axes.
     #[cfg(feature = "nalgebra")]
     pub fn principal_inertia(&self) -> PrincipalInertia {
-        principal::principal_inertia(self.inertia)
+        principal::principal_inertia(self.inertia.map(Into::into))
     }
 }
 

@@ -2,9 +2,7 @@
 
 use robust::{Coord, orient2d};
 
-use crate::geometry::vector::{
-    Vector, add, bounds, cross, cubed, dot, maximum, minimum, scale, subtract,
-};
+use crate::geometry::vector::{Vector, bounds, cubed};
 
 /// Integrals over a solid of 1, of x, and of the products of two coordinates.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -20,10 +18,10 @@ impl Moments {
     pub fn enclosed(corners: impl Iterator<Item = [Vector; 3]>) -> Self {
         let mut sum = Self::default();
         for [a, b, c] in corners {
-            let six_volumes = dot(a, cross(b, c));
-            let total = add(add(a, b), c);
+            let six_volumes = a.dot(b.cross(c));
+            let total = a + b + c;
             sum.volume += six_volumes / 6.0;
-            sum.first = add(sum.first, scale(total, six_volumes / 24.0));
+            sum.first += total * (six_volumes / 24.0);
             for i in 0..3 {
                 for j in 0..3 {
                     let products = a[i] * a[j] + b[i] * b[j] + c[i] * c[j] + total[i] * total[j];
@@ -56,7 +54,7 @@ struct Crossing {
 /// `resolution²` columns. O(triangles + columns that they cover).
 pub(super) fn moments_of_union(triangles: &[[Vector; 3]], resolution: usize) -> Moments {
     let (low, high) = bounds(triangles.as_flattened().iter().copied());
-    let grid = Grid { low, cell: subtract(high, low).map(|x| x / resolution as f64), resolution };
+    let grid = Grid { low, cell: (high - low).map(|x| x / resolution as f64), resolution };
     if !(grid.cell[1] > 0.0 && grid.cell[2] > 0.0) {
         return Moments::default();
     }
@@ -102,8 +100,8 @@ impl Grid {
 
     fn meet(&self, triangle: [Vector; 3], crossings: &mut Vec<Crossing>) {
         let [a, b, c] = triangle;
-        let normal = cross(subtract(b, a), subtract(c, a));
-        let (low, high) = (minimum(minimum(a, b), c), maximum(maximum(a, b), c));
+        let normal = (b - a).cross(c - a);
+        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
         for row in self.range(2, low[2], high[2]) {
             for place in self.range(1, low[1], high[1]) {
                 let (y, z) = (self.middle(1, place), self.middle(2, row));
@@ -124,24 +122,22 @@ impl Grid {
 
     fn add(&self, column: u32, from: f64, to: f64, moments: &mut Moments) {
         let (row, place) = (column as usize / self.resolution, column as usize % self.resolution);
-        let [_, dy, dz] = self.cell;
+        let [_, dy, dz] = self.cell.to_array();
         let (y, z) = (self.middle(1, place), self.middle(2, row));
         let area = dy * dz;
         let length = (to - from) * area;
         let x = (to * to - from * from) / 2.0 * area;
         let xx = (cubed(to) - cubed(from)) / 3.0 * area;
         moments.volume += length;
-        for (sum, value) in moments.first.iter_mut().zip([x, y * length, z * length]) {
+        for (sum, value) in moments.first.as_mut().iter_mut().zip([x, y * length, z * length]) {
             *sum += value;
         }
         let yy = (y * y + dy * dy / 12.0) * length;
         let zz = (z * z + dz * dz / 12.0) * length;
         let (xy, xz, yz) = (x * y, x * z, y * z * length);
         let products = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
-        for (sum, value) in
-            moments.second.as_flattened_mut().iter_mut().zip(products.as_flattened())
-        {
-            *sum += value;
+        for (sum, row) in moments.second.iter_mut().zip(products) {
+            *sum += Vector::from(row);
         }
     }
 }
@@ -168,7 +164,7 @@ mod tests {
     }
 
     fn corners(mesh: &TriangleMesh) -> Vec<[Vector; 3]> {
-        mesh.triangles.iter().map(|t| t.map(|v| mesh.positions[v as usize])).collect()
+        mesh.triangles.iter().map(|t| t.map(|v| mesh.points()[v as usize])).collect()
     }
 
     fn assert_close(found: f64, expected: f64, tolerance: f64) {

@@ -61,7 +61,7 @@ mod tests {
         let wanted = [1.0, 2.0, 5.0];
         let diagonal = Matrix3::from_diagonal(&wanted.into());
         let tensor = turned.matrix() * diagonal * turned.matrix().transpose();
-        let rows = [0, 1, 2].map(|i| [0, 1, 2].map(|j| tensor[(i, j)]));
+        let rows = [0, 1, 2].map(|i| Vector::from([0, 1, 2].map(|j| tensor[(i, j)])));
         let found = principal_inertia(rows);
         for (moment, expected) in found.moments.into_iter().zip(wanted) {
             assert!((moment - expected).abs() < 1e-12);
@@ -78,11 +78,13 @@ mod tests {
 
     #[test]
     fn what_is_round_or_has_no_size_still_gets_a_frame() {
-        for tensor in [[[0.0; 3]; 3], [[f64::NAN; 3]; 3]] {
+        for tensor in [[Vector::ZERO; 3], [Vector::NAN; 3]] {
             let found = principal_inertia(tensor);
             assert!((found.rotation.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() < 1e-12);
         }
-        let round = principal_inertia([[2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]]);
+        let round = principal_inertia(
+            [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]].map(Vector::from),
+        );
         assert_eq!((round.moments, round.rotation), ([2.0; 3], [0.0, 0.0, 0.0, 1.0]));
     }
 }

@@ -20,7 +20,7 @@ fn assert_close(found: f64, expected: f64, tolerance: f64) {
 }
 
 /// Mass and inertia within `share`, everything off the diagonal next to 0.
-fn assert_properties(found: &MassProperties, volume: f64, inertia: [f64; 3], share: f64) {
+fn assert_properties(found: &MassProperties, volume: f64, inertia: Vector, share: f64) {
     assert_close(found.mass, DENSITY * volume, share * DENSITY * volume);
     for (i, row) in found.inertia.into_iter().enumerate() {
         let size = DENSITY * inertia[i];
@@ -30,22 +30,22 @@ fn assert_properties(found: &MassProperties, volume: f64, inertia: [f64; 3], sha
     }
 }
 
-fn box_inertia([x, y, z]: [f64; 3]) -> [f64; 3] {
+fn box_inertia(Vector { x, y, z }: Vector) -> Vector {
     let mass = x * y * z;
-    [y * y + z * z, x * x + z * z, x * x + y * y].map(|sum| mass * sum / 12.0)
+    Vector::from_array([y * y + z * z, x * x + z * z, x * x + y * y].map(|sum| mass * sum / 12.0))
 }
 
 #[test]
 fn a_torus_is_within_a_hundredth() {
     let mesh = torus(96, 64);
-    let reach = |axis: usize| mesh.positions.iter().map(|p| p[axis]).fold(0.0, f64::max);
+    let reach = |axis: usize| mesh.points().iter().map(|p| p[axis]).fold(0.0, f64::max);
     let (small, large) = (reach(2), reach(0) - reach(2));
     let volume = TAU * PI * large * small * small;
     let along = volume * (large * large + 0.75 * small * small);
     let across = volume * (large * large / 2.0 + 0.625 * small * small);
     let found = of(&mesh);
     assert_eq!(found.source, MassSource::Mesh);
-    assert_properties(&found, volume, [across, across, along], 0.01);
+    assert_properties(&found, volume, Vector::new(across, across, along), 0.01);
 }
 
 #[test]
@@ -53,8 +53,8 @@ fn a_cavity_is_taken_off() {
     let hollow = join(&[cuboid([-2.0; 3], [2.0; 3]), turn(cuboid([-1.5; 3], [1.5; 3]))]);
     let found = of(&hollow);
     assert_eq!(found.source, MassSource::Mesh);
-    let [outer, inner] = [4.0, 3.0].map(|side| box_inertia([side; 3])[0]);
-    assert_properties(&found, 64.0 - 27.0, [outer - inner; 3], 1e-9);
+    let [outer, inner] = [4.0, 3.0].map(|side| box_inertia(Vector::splat(side))[0]);
+    assert_properties(&found, 64.0 - 27.0, Vector::splat(outer - inner), 1e-9);
 }
 
 #[test]
@@ -70,8 +70,12 @@ fn an_overlap_counts_once() {
         [cuboid([-2.0, -0.5, -0.5], [2.0, 0.5, 0.5]), cuboid([-0.5, -2.0, -0.5], [0.5, 2.0, 0.5])];
     let found = of(&join(&bars));
     assert_eq!(found.source, MassSource::MeshUnion);
-    let bar = [box_inertia([4.0, 1.0, 1.0]), box_inertia([1.0, 4.0, 1.0]), box_inertia([1.0; 3])];
-    let inertia = [0, 1, 2].map(|i| bar[0][i] + bar[1][i] - bar[2][i]);
+    let bar = [
+        box_inertia(Vector::new(4.0, 1.0, 1.0)),
+        box_inertia(Vector::new(1.0, 4.0, 1.0)),
+        box_inertia(Vector::ONE),
+    ];
+    let inertia = Vector::from_array([0, 1, 2].map(|i| bar[0][i] + bar[1][i] - bar[2][i]));
     assert_properties(&found, 7.0, inertia, 0.01);
 }
 
@@ -84,7 +88,7 @@ fn an_open_mesh_takes_the_union_of_its_hulls_or_its_own() {
         |mesh, hulls: &[Hull]| mass_properties_with(mesh, hulls, DENSITY, &keep).unwrap();
     let found = of_shell(&bar, &[]);
     assert_eq!(found.source, MassSource::ConvexHull);
-    assert_properties(&found, 2.0, box_inertia([2.0, 1.0, 1.0]), 1e-9);
+    assert_properties(&found, 2.0, box_inertia(Vector::new(2.0, 1.0, 1.0)), 1e-9);
 
     let hull = |low, high| {
         let mesh = cuboid(low, high);
@@ -94,7 +98,7 @@ fn an_open_mesh_takes_the_union_of_its_hulls_or_its_own() {
     let hulls = [hull([0.0; 3], [1.5, 1.0, 1.0]), hull([0.5, 0.0, 0.0], [2.0, 1.0, 1.0])].concat();
     let found = of_shell(&bar, &hulls);
     assert_eq!(found.source, MassSource::HullUnion);
-    assert_properties(&found, 2.0, box_inertia([2.0, 1.0, 1.0]), 0.01);
+    assert_properties(&found, 2.0, box_inertia(Vector::new(2.0, 1.0, 1.0)), 0.01);
 
     assert_eq!(of_shell(&hemisphere(16), &[]).source, MassSource::ConvexHull);
     assert_eq!(of(&bar).source, MassSource::Mesh, "its flat opening is closed");

@@ -2,8 +2,7 @@
 
 use crate::geometry::MeshView;
 use crate::geometry::vector::{
-    Vector, add, area_normal, bounds, cross, cubed, distance, dot, length, length_squared, scale,
-    squared, subtract,
+    Vector, area_normal, as_arrays, bounds, cubed, into_vectors, squared,
 };
 use crate::hull::convex_hull;
 use crate::mesh::Normalization;
@@ -11,7 +10,7 @@ use crate::mesh::Normalization;
 /// An index for each position, the same for the same position.
 fn weld(positions: &[Vector]) -> Vec<u32> {
     // Adding zero turns -0 into 0.
-    let key = |index: u32| positions[index as usize].map(|x| (x + 0.0).to_bits());
+    let key = |index: u32| positions[index as usize].to_array().map(|x| (x + 0.0).to_bits());
     let mut order: Vec<u32> = (0..positions.len() as u32).collect();
     order.sort_unstable_by_key(|&index| key(index));
     let mut welded = vec![0; positions.len()];
@@ -96,8 +95,8 @@ const MOST_PAIRS: usize = 100_000_000;
 
 /// The average of points; the origin where there is none.
 pub(super) fn average(points: &[Vector]) -> Vector {
-    let sum = points.iter().fold([0.0; 3], |sum, &point| add(sum, point));
-    scale(sum, 1.0 / points.len().max(1) as f64)
+    let sum = points.iter().fold(Vector::ZERO, |sum, &point| sum + point);
+    sum * (1.0 / points.len().max(1) as f64)
 }
 
 /// Checks a hull in normalised coordinates whose indices all exist. `corners` are those of the
@@ -120,25 +119,25 @@ pub(super) fn check(
     let mut farthest = |normal: Vector| match &climber {
         Some(climber) => {
             start = climber.climb(normal, start);
-            dot(normal, climber.points[start])
+            normal.dot(climber.points[start])
         }
-        None => points.iter().map(|&point| dot(normal, point)).fold(f64::NEG_INFINITY, f64::max),
+        None => points.iter().map(|&point| normal.dot(point)).fold(f64::NEG_INFINITY, f64::max),
     };
     let mut six_volumes = 0.0;
     let mut concavity = 0.0_f64;
     for triangle in triangles {
-        let [a, b, c] = triangle.map(|index| subtract(points[index as usize], middle));
-        six_volumes += dot(a, cross(b, c));
+        let [a, b, c] = triangle.map(|index| points[index as usize] - middle);
+        six_volumes += a.dot(b.cross(c));
         let normal = area_normal(a, b, c);
-        let area = length(normal);
-        let sides = [subtract(b, a), subtract(c, b), subtract(a, c)].map(length_squared);
+        let area = normal.length();
+        let sides = [b - a, c - b, a - c].map(Vector::length_squared);
         let longest = sides[0].max(sides[1]).max(sides[2]).sqrt();
         if area <= SLIVER * diagonal * longest || area == 0.0 {
             continue;
         }
-        let towards_outside = if dot(normal, a) < 0.0 { -1.0 } else { 1.0 };
-        let normal = scale(normal, towards_outside / area);
-        let height = dot(normal, points[triangle[0] as usize]);
+        let towards_outside = if normal.dot(a) < 0.0 { -1.0 } else { 1.0 };
+        let normal = normal * (towards_outside / area);
+        let height = normal.dot(points[triangle[0] as usize]);
         concavity = concavity.max(farthest(normal) - height);
     }
     HullCheck {
@@ -173,11 +172,11 @@ impl<'a> Climber<'a> {
     }
 
     fn climb(&self, direction: Vector, mut vertex: usize) -> usize {
-        let mut height = dot(direction, self.points[vertex]);
+        let mut height = direction.dot(self.points[vertex]);
         loop {
             let before = vertex;
             for &next in &self.neighbours[self.starts[before]..self.starts[before + 1]] {
-                let next_height = dot(direction, self.points[next as usize]);
+                let next_height = direction.dot(self.points[next as usize]);
                 if next_height > height {
                     (vertex, height) = (next as usize, next_height);
                 }
@@ -216,30 +215,30 @@ impl MeasuredHull {
     /// `None` if there are no triangles, or if an index or a coordinate can't be used.
     pub(crate) fn new(hull: &MeshView<'_>, normalization: &Normalization) -> Option<Self> {
         let points: Vec<Vector> =
-            hull.positions().map(|point| normalization.normalize(point)).collect();
+            hull.points().map(|point| normalization.normalize(point)).collect();
         let exists = |&index: &u32| (index as usize) < points.len();
         let is_usable = !hull.triangles().is_empty()
             && hull.triangles().iter().flatten().all(exists)
-            && points.iter().flatten().all(|x| x.abs() < FARTHEST);
+            && points.iter().all(|point| point.abs().cmplt(Vector::splat(FARTHEST)).all());
         if !is_usable {
             return None;
         }
         let (min, max) = bounds(points.iter().copied());
-        let convex = convex_hull(&points).ok();
+        let convex = convex_hull(as_arrays(&points)).ok();
         let check = check(
             &points,
             hull.triangles(),
-            convex.as_ref().map(|convex| (&convex.points[..], &convex.triangles[..])),
-            distance(min, max),
+            convex.as_ref().map(|convex| (&convex.points()[..], &convex.triangles[..])),
+            min.distance(max),
             normalization.diagonal,
         );
         let Some(convex) = convex else {
             let (triangles, planes) = (hull.triangles().to_vec(), Vec::new());
             return Some(Self { check, min, max, points, triangles, planes });
         };
-        let planes = convex.corners().filter_map(plane).collect();
+        let planes = convex.faces().filter_map(plane).collect();
         let (points, triangles) = (convex.points, convex.triangles);
-        Some(Self { check, min, max, points, triangles, planes })
+        Some(Self { check, min, max, points: into_vectors(points), triangles, planes })
     }
 
     /// Whether `point` lies behind all faces moved outward by `margin`.
@@ -248,17 +247,17 @@ impl MeasuredHull {
             && (0..3).all(|axis| {
                 point[axis] >= self.min[axis] - margin && point[axis] <= self.max[axis] + margin
             })
-            && self.planes.iter().all(|&(normal, height)| dot(normal, point) <= height + margin)
+            && self.planes.iter().all(|&(normal, height)| normal.dot(point) <= height + margin)
     }
 }
 
 fn plane([a, b, c]: [Vector; 3]) -> Option<(Vector, f64)> {
     let normal = area_normal(a, b, c);
-    let area = length(normal);
-    let longest = distance(a, b).max(distance(b, c)).max(distance(c, a));
+    let area = normal.length();
+    let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
     (area * area > NEEDLE * squared(squared(longest))).then(|| {
-        let normal = scale(normal, 1.0 / area);
-        (normal, dot(normal, a))
+        let normal = normal * (1.0 / area);
+        (normal, normal.dot(a))
     })
 }
 
@@ -314,7 +313,7 @@ mod tests {
     use crate::hull::convex_hull;
 
     const POSITIONS: [Vector; 5] =
-        [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [-0.0, 0.0, 0.0]];
+        [Vector::ZERO, Vector::X, Vector::Y, Vector::Z, Vector::new(-0.0, 0.0, 0.0)];
     const TETRAHEDRON: [[u32; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 4, 3]];
 
     #[test]
@@ -351,16 +350,16 @@ mod tests {
                 let z = 1.0 - (f64::from(index) + 0.5) / 150.0;
                 let angle = 2.4 * f64::from(index);
                 let radius = (1.0 - z * z).sqrt();
-                [3.0 * radius * angle.cos(), radius * angle.sin(), 0.2 * z]
+                Vector::new(3.0 * radius * angle.cos(), radius * angle.sin(), 0.2 * z)
             })
             .collect();
-        let hull = convex_hull(&points).unwrap();
-        let climber = Climber::new(&hull.points, &hull.triangles);
+        let hull = convex_hull(as_arrays(&points)).unwrap();
+        let climber = Climber::new(hull.points(), &hull.triangles);
         let mut start = 0;
         for &direction in &points {
             start = climber.climb(direction, start);
-            let farthest = points.iter().map(|&point| dot(direction, point)).fold(0.0, f64::max);
-            assert!((dot(direction, hull.points[start]) - farthest).abs() < 1e-6);
+            let farthest = points.iter().map(|&point| direction.dot(point)).fold(0.0, f64::max);
+            assert!((direction.dot(hull.points()[start]) - farthest).abs() < 1e-6);
         }
     }
 }

@@ -35,9 +35,7 @@ use crate::bvh::{Bvh, INSIDE};
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::MeshView;
-use crate::geometry::vector::{
-    Vector, add, bounds, distance, length, maximum, minimum, scale, subtract,
-};
+use crate::geometry::vector::{Vector, bounds};
 use crate::mesh::canonical_order::MeshOrder;
 use crate::mesh::repair::Survey;
 use crate::mesh::{Normalization, TriangleMesh};
@@ -122,7 +120,7 @@ fn judge(
     }
 
     let union = Union::new(parts);
-    let bvh = Bvh::new(&mesh.solid.positions, &mesh.solid.triangles);
+    let bvh = Bvh::new(mesh.solid.points(), &mesh.solid.triangles);
     let mut samples = SampleCounts::default();
     control.check()?;
     let open_edges = open_share(&mesh.positions, &mesh.triangles);
@@ -184,7 +182,7 @@ impl Mesh {
         let mut usable: Vec<[u32; 3]> = candidates.iter().map(|&t| triangles[t as usize]).collect();
         let corners = usable.iter().flatten().map(|&index| source.at(index));
         let (min, max) = bounds(corners.map(|corner| normalization.normalize(corner)));
-        let positions = source.positions().map(|point| normalization.normalize(point)).collect();
+        let positions = source.points().map(|point| normalization.normalize(point)).collect();
         if is_changed {
             let in_source = |triangle: &[u32; 3]| {
                 triangle.map(|vertex| prepared.source_vertices[vertex as usize])
@@ -200,7 +198,7 @@ impl Mesh {
         let place =
             |&point: &Vector| normalization.normalize(prepared.normalization.restore(point));
         let solid = TriangleMesh {
-            positions: prepared.mesh.positions.iter().map(place).collect(),
+            positions: prepared.mesh.points().iter().map(place).map(Into::into).collect(),
             triangles: prepared.triangles_of_solid().into_owned(),
             ..TriangleMesh::default()
         };
@@ -255,20 +253,20 @@ fn distance_to_inside(bvh: &Bvh, point: Vector, limit: f64) -> f64 {
     for _ in 0..STEPS {
         let number = bvh.winding_number(at);
         if number > INSIDE {
-            return distance(at, point);
+            return at.distance(point);
         }
-        let slope = [0, 1, 2].map(|axis| {
+        let slope = Vector::from_array([0, 1, 2].map(|axis| {
             let mut beside = at;
             beside[axis] += step;
             (bvh.winding_number(beside) - number) / step
-        });
-        let steepness = length(slope);
+        }));
+        let steepness = slope.length();
         if steepness <= 0.0 {
             return limit;
         }
         let way = ((INSIDE + BEYOND - number) / steepness).min(0.5 * limit);
-        at = add(at, scale(slope, way / steepness));
-        if length(subtract(at, point)) >= limit {
+        at += slope * (way / steepness);
+        if at.distance(point) >= limit {
             return limit;
         }
     }
@@ -315,12 +313,12 @@ fn volumes(
 ) -> Volumes {
     let (mut min, mut max) = (mesh.min, mesh.max);
     for part in union.parts() {
-        (min, max) = (minimum(min, part.min), maximum(max, part.max));
+        (min, max) = (min.min(part.min), max.max(part.max));
     }
     let answers = map_indices(options.volume_samples, |index| {
         let share = in_unit_cube(index, options.random_seed);
-        let offset = [0, 1, 2].map(|axis| share[axis] * (max[axis] - min[axis]));
-        let point = add(min, offset);
+        let offset = Vector::from(share) * (max - min);
+        let point = min + offset;
         (union.multiplicity(point), bvh.is_inside(point))
     });
     let mut volumes = Volumes { shared: 0, with_multiplicity: 0 };
@@ -342,18 +340,19 @@ mod tests {
 
     #[test]
     fn above_the_mouth_of_a_box_without_a_lid_the_inside_is_nearer_than_the_surface() {
-        let corner = |i: u32| [0, 1, 2].map(|axis| f64::from(i >> axis & 1) - 0.5);
+        let corner =
+            |i: u32| Vector::from_array([0, 1, 2].map(|axis| f64::from(i >> axis & 1) - 0.5));
         let positions: Vec<Vector> = (0..8).map(corner).collect();
         let walls = [[0, 2, 1], [1, 2, 3], [0, 1, 4], [1, 5, 4], [2, 6, 3], [3, 6, 7]];
         let triangles = [&walls[..], &[[0, 4, 2], [2, 4, 6], [1, 3, 5], [3, 7, 5]]].concat();
         let bvh = Bvh::new(&positions, &triangles);
-        let above = [0.0, 0.0, 0.51];
-        assert!(!bvh.is_inside(above) && bvh.is_inside([0.0, 0.0, 0.49]));
+        let above = Vector::new(0.0, 0.0, 0.51);
+        assert!(!bvh.is_inside(above) && bvh.is_inside(Vector::new(0.0, 0.0, 0.49)));
         let to_surface = bvh.closest_point(above, f64::INFINITY).unwrap().distance;
         let to_inside = distance_to_inside(&bvh, above, to_surface);
         assert!(to_surface > 0.49 && (0.01..0.03).contains(&to_inside), "{to_inside}");
         // Beside a wall nothing inside is nearer than the wall.
-        let beside = [0.6, 0.0, 0.0];
+        let beside = Vector::new(0.6, 0.0, 0.0);
         let to_wall = bvh.closest_point(beside, f64::INFINITY).unwrap().distance;
         assert_eq!(distance_to_inside(&bvh, beside, to_wall), to_wall);
     }

@@ -6,7 +6,7 @@
 //!
 //! With a seed, points are independent random ones instead, by index too.
 
-use crate::geometry::vector::{Vector, add, area_normal, length, scale, subtract};
+use crate::geometry::vector::{Vector, area_normal};
 
 /// 1/φ and 1/φ² for the root φ of x³ = x + 1, the best known choice in two dimensions
 /// (M. Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018).
@@ -25,21 +25,21 @@ fn random(seed: u64, index: usize) -> Vector {
     const INCREMENT: u64 = 0x9e37_79b9_7f4a_7c15;
     const MANTISSA_BITS: u32 = 53;
 
-    [1, 2, 3].map(|number| {
+    Vector::from_array([1, 2, 3].map(|number| {
         let count = (index as u64).wrapping_mul(3).wrapping_add(number);
         let mut bits = seed.wrapping_add(count.wrapping_mul(INCREMENT));
         bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         bits ^= bits >> 31;
         (bits >> (u64::BITS - MANTISSA_BITS)) as f64 / (1_u64 << MANTISSA_BITS) as f64
-    })
+    }))
 }
 
 /// A point of the unit cube.
 pub(crate) fn in_unit_cube(index: usize, seed: Option<u64>) -> Vector {
     match seed {
         Some(seed) => random(seed, index),
-        None => SPACE_STEPS.map(|step| fraction(index, step)),
+        None => Vector::from(SPACE_STEPS.map(|step| fraction(index, step))),
     }
 }
 
@@ -59,7 +59,7 @@ impl<'a> Surface<'a> {
             .iter()
             .map(|triangle| {
                 let [a, b, c] = triangle.map(|index| positions[index as usize]);
-                area += 0.5 * length(area_normal(a, b, c));
+                area += 0.5 * area_normal(a, b, c).length();
                 area
             })
             .collect();
@@ -73,13 +73,14 @@ impl<'a> Surface<'a> {
     /// The point `index` of `count` on the surface, and its triangle. Without a seed, each share of
     /// the area of 1 / `count`, in the order of the triangles, has one point. O(log n).
     pub(super) fn point(&self, index: usize, count: usize, seed: Option<u64>) -> (Vector, usize) {
-        let [mut u, mut v, share] = match seed {
+        let [mut u, mut v, share] = (match seed {
             Some(seed) => random(seed, index),
             None => {
                 let [u, v] = PLANE_STEPS.map(|step| fraction(index, step));
-                [u, v, (index as f64 + 0.5) / count as f64]
+                Vector::new(u, v, (index as f64 + 0.5) / count as f64)
             }
-        };
+        })
+        .to_array();
         let area = self.area() * share;
         let triangle =
             self.cumulative_area.partition_point(|&upto| upto < area).min(self.triangles.len() - 1);
@@ -87,19 +88,23 @@ impl<'a> Surface<'a> {
         if u + v > 1.0 {
             (u, v) = (1.0 - u, 1.0 - v);
         }
-        let along = add(scale(subtract(b, a), u), scale(subtract(c, a), v));
-        (add(a, along), triangle)
+        let along = (b - a) * u + (c - a) * v;
+        (a + along, triangle)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::vector::{dot, maximum, minimum};
 
     /// Areas 0.5, 0, and 1.5, in different planes.
-    const POSITIONS: [Vector; 5] =
-        [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 3.0], [0.0, 0.0, 1.5]];
+    const POSITIONS: [Vector; 5] = [
+        Vector::ZERO,
+        Vector::X,
+        Vector::Y,
+        Vector::new(0.0, 0.0, 3.0),
+        Vector::new(0.0, 0.0, 1.5),
+    ];
     const TRIANGLES: [[u32; 3]; 3] = [[0, 1, 2], [0, 4, 3], [0, 2, 3]];
 
     #[test]
@@ -114,7 +119,7 @@ mod tests {
                 0 => assert!(point[2] == 0.0 && point[0] + point[1] <= 1.0),
                 _ => assert!(point[0] == 0.0 && point[1] + point[2] / 3.0 <= 1.0),
             }
-            assert!(point.iter().all(|&x| x >= 0.0));
+            assert!(point.to_array().iter().all(|&x| x >= 0.0));
         }
         assert_eq!(counts, [250, 0, 750]);
     }
@@ -122,7 +127,7 @@ mod tests {
     #[test]
     fn points_of_a_triangle_average_to_its_centre() {
         let surface = Surface::new(&POSITIONS, &TRIANGLES[..1]);
-        let sum = (0..999).fold([0.0; 3], |sum, index| add(sum, surface.point(index, 999, None).0));
+        let sum = (0..999).fold(Vector::ZERO, |sum, index| sum + surface.point(index, 999, None).0);
         for coordinate in [sum[0], sum[1]] {
             assert!((coordinate / 999.0 - 1.0 / 3.0).abs() < 3e-3);
         }
@@ -131,7 +136,7 @@ mod tests {
     #[test]
     fn without_area_there_still_is_a_point() {
         let surface = Surface::new(&POSITIONS, &[[1, 1, 1]]);
-        assert_eq!(surface.point(5, 10, None), ([1.0, 0.0, 0.0], 0));
+        assert_eq!(surface.point(5, 10, None), (Vector::X, 0));
     }
 
     #[test]
@@ -141,7 +146,7 @@ mod tests {
         for index in 0..10_000 {
             let (point, triangle) = surface.point(index, 10_000, Some(7));
             assert_eq!(surface.point(index, 20, Some(7)), (point, triangle));
-            assert!(point.iter().all(|&x| x >= 0.0));
+            assert!(point.to_array().iter().all(|&x| x >= 0.0));
             in_first += usize::from(triangle == 0);
         }
         // 2,500 are expected; five standard deviations of chance are 217.
@@ -152,11 +157,11 @@ mod tests {
     #[test]
     fn the_unit_cube_is_filled_evenly() {
         let points: Vec<Vector> = (0..4096).map(|index| in_unit_cube(index, None)).collect();
-        let min = points.iter().copied().fold([1.0; 3], minimum);
-        let max = points.iter().copied().fold([0.0; 3], maximum);
-        assert!(min.iter().all(|&x| (0.0..0.001).contains(&x)));
-        assert!(max.iter().all(|&x| (0.999..1.0).contains(&x)));
-        let below = points.iter().filter(|&&point| dot(point, [1.0; 3]) < 1.0).count();
+        let min = points.iter().copied().fold(Vector::ONE, Vector::min);
+        let max = points.iter().copied().fold(Vector::ZERO, Vector::max);
+        assert!(min.to_array().iter().all(|&x| (0.0..0.001).contains(&x)));
+        assert!(max.to_array().iter().all(|&x| (0.999..1.0).contains(&x)));
+        let below = points.iter().filter(|&&point| point.dot(Vector::ONE) < 1.0).count();
         assert!((below as f64 / 4096.0 - 1.0 / 6.0).abs() < 5e-3);
     }
 }

@@ -11,7 +11,7 @@
 
 use super::connectivity::{Edge, SortedHalfEdges, ascends};
 use crate::geometry::TriangleMesh;
-use crate::geometry::vector::{Vector, area_normal, dot, normalize};
+use crate::geometry::vector::{Vector, area_normal};
 
 /// Stands in the neighbour list where an edge has no other triangle.
 pub const NO_NEIGHBOUR: u32 = u32::MAX;
@@ -37,8 +37,8 @@ impl Adjacency {
         let normals: Vec<Vector> = triangles
             .iter()
             .map(|triangle| {
-                let [a, b, c] = triangle.map(|vertex| mesh.positions[vertex as usize]);
-                normalize(area_normal(a, b, c))
+                let [a, b, c] = triangle.map(|vertex| mesh.points()[vertex as usize]);
+                area_normal(a, b, c).normalize_or_zero()
             })
             .collect();
         let neighbours = neighbours(triangles, mesh.positions.len(), &normals);
@@ -84,7 +84,7 @@ fn pair_flattest_first(
     let mut pairs = Vec::with_capacity(forward.len() * backward.len());
     for &a in &forward {
         for &b in &backward {
-            let cosine = dot(normals[a as usize / 3], normals[b as usize / 3]);
+            let cosine = normals[a as usize / 3].dot(normals[b as usize / 3]);
             pairs.push((cosine, a.min(b), a.max(b)));
         }
     }
@@ -101,10 +101,11 @@ fn pair_flattest_first(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::vector::into_arrays;
 
     fn mesh(positions: &[Vector], triangles: &[[u32; 3]]) -> TriangleMesh {
         TriangleMesh {
-            positions: positions.to_vec(),
+            positions: into_arrays(positions.to_vec()),
             triangles: triangles.to_vec(),
             ..TriangleMesh::default()
         }
@@ -122,7 +123,7 @@ mod tests {
     #[test]
     fn a_tetrahedron_knows_its_neighbours_edge_by_edge() {
         let tetrahedron = mesh(
-            &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(Vector::from),
             &[[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
         );
         let adjacency = Adjacency::new(&tetrahedron);
@@ -131,15 +132,15 @@ mod tests {
             [3, 2, 1, 0, 2, 3, 0, 3, 1, 0, 1, 2],
             "across (v0, v1), (v1, v2), (v2, v0)"
         );
-        assert_eq!(adjacency.normals[0], [0.0, 0.0, -1.0]);
-        assert_eq!(adjacency.normals[1], [0.0, -1.0, 0.0]);
+        assert_eq!(adjacency.normals[0], Vector::new(0.0, 0.0, -1.0));
+        assert_eq!(adjacency.normals[1], Vector::new(0.0, -1.0, 0.0));
         assert_symmetric(&adjacency);
     }
 
     #[test]
     fn open_edges_have_no_neighbour() {
         let square = mesh(
-            &[[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]],
+            &[[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]].map(Vector::from),
             &[[0, 1, 2], [0, 2, 3]],
         );
         let none = NO_NEIGHBOUR;
@@ -149,12 +150,12 @@ mod tests {
     /// Triangles on one common edge from vertex 0 to vertex 1, like pages of a book. A page's
     /// angle is in degrees; a page runs along the edge if `forward`, else against it.
     fn book(pages: &[(f64, bool)]) -> TriangleMesh {
-        let mut positions = vec![[0.0; 3], [0.0, 0.0, 1.0]];
+        let mut positions = vec![Vector::ZERO, Vector::Z];
         let mut triangles = Vec::new();
         for &(degrees, forward) in pages {
             let (sine, cosine) = degrees.to_radians().sin_cos();
             let outer = positions.len() as u32;
-            positions.push([cosine, sine, 0.5]);
+            positions.push(Vector::new(cosine, sine, 0.5));
             triangles.push(if forward { [0, 1, outer] } else { [1, 0, outer] });
         }
         mesh(&positions, &triangles)

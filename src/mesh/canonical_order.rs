@@ -32,7 +32,8 @@ pub(super) fn used_vertices(used: &[bool]) -> Vec<u32> {
 pub(super) fn vertices_by_place(positions: &[Vector], used: &[bool]) -> Vec<u32> {
     let half = 1_i64 << (BITS - 1);
     let part = |x: f64| ((x * STEPS).round() as i64 + half).clamp(0, 2 * half - 1) as u64;
-    let key = |[x, y, z]: Vector| spread(part(x)) << 2 | spread(part(y)) << 1 | spread(part(z));
+    let key =
+        |Vector { x, y, z }: Vector| spread(part(x)) << 2 | spread(part(y)) << 1 | spread(part(z));
     let in_use = (0_u32..).zip(used).filter(|&(_, &used)| used);
     let mut keyed: Vec<(u64, u32)> =
         in_use.map(|(vertex, _)| (key(positions[vertex as usize]), vertex)).collect();
@@ -80,7 +81,8 @@ mod tests {
     #[test]
     fn vertices_are_sorted_by_place_and_not_by_rounding() {
         let noise = 1e-12;
-        let mut positions = [[0.25, 0.1, 0.0], [0.25, -0.1, 0.0], [-0.5, 0.5, 0.5], [0.0; 3]];
+        let mut positions =
+            [[0.25, 0.1, 0.0], [0.25, -0.1, 0.0], [-0.5, 0.5, 0.5], [0.0; 3]].map(Vector::from);
         let expected = vertices_by_place(&positions, &[true; 4]);
         positions[0][0] += noise;
         positions[1][0] -= noise;
@@ -90,7 +92,7 @@ mod tests {
 
     #[test]
     fn vertices_closer_than_a_step_are_sorted_exactly() {
-        let positions = [[2e-9, 0.0, 0.0], [1e-9, 0.0, 0.0], [1e-9, -1e-9, 0.0]];
+        let positions = [[2e-9, 0.0, 0.0], [1e-9, 0.0, 0.0], [1e-9, -1e-9, 0.0]].map(Vector::from);
         assert_eq!(vertices_by_place(&positions, &[true; 3]), [2, 1, 0]);
     }
 

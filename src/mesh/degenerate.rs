@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use super::canonical_order::{MeshOrder, triangle_key};
 use super::connectivity::SortedHalfEdges;
-use crate::geometry::vector::{Vector, area_normal, length_squared, subtract};
+use crate::geometry::vector::{Vector, area_normal};
 
 /// A triangle that is less high than this over its longest side, as a fraction of the diagonal of the bounding
 /// box, has no area. It is below the rounding of coordinates in single precision, where the
@@ -18,10 +18,9 @@ pub(super) fn is_degenerate(positions: &[Vector], triangle: [u32; 3]) -> bool {
         return true;
     }
     let [a, b, c] = triangle.map(|vertex| positions[vertex as usize]);
-    let longest_squared = length_squared(subtract(b, a))
-        .max(length_squared(subtract(c, b)))
-        .max(length_squared(subtract(a, c)));
-    length_squared(area_normal(a, b, c)) < LEAST_HEIGHT * LEAST_HEIGHT * longest_squared
+    let longest_squared =
+        b.distance_squared(a).max(c.distance_squared(b)).max(a.distance_squared(c));
+    area_normal(a, b, c).length_squared() < LEAST_HEIGHT * LEAST_HEIGHT * longest_squared
 }
 
 // Caps are triangles without area whose middle vertex lies on their longest side.
@@ -117,7 +116,7 @@ fn split_once(
 /// The `k` for which the side from vertex `k` to the next is longest.
 fn longest_side(positions: &[Vector], triangle: [u32; 3]) -> usize {
     let [a, b, c] = triangle.map(|vertex| positions[vertex as usize]);
-    let squares = [subtract(b, a), subtract(c, b), subtract(a, c)].map(length_squared);
+    let squares = [b - a, c - b, a - c].map(Vector::length_squared);
     let mut longest = 0;
     for k in 1..3 {
         if squares[k] > squares[longest] {
@@ -237,6 +236,7 @@ fn is_ascending([a, b, c]: [u32; 3]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::vector::into_vectors;
 
     /// Vertices 0 and 1 end a line along x that the others divide evenly; the last is off it.
     fn line(inner: u32) -> Vec<Vector> {
@@ -244,7 +244,7 @@ mod tests {
         let step = 1.0 / f64::from(inner + 1);
         positions.extend((1..=inner).map(|i| [f64::from(i) * step, 0.0, 0.0]));
         positions.push([0.5, -1.0, 0.0]);
-        positions
+        into_vectors(positions)
     }
 
     #[test]

@@ -9,7 +9,7 @@
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::TriangleMesh;
-use crate::geometry::vector::{Vector, add, dot, length_squared, scale, subtract};
+use crate::geometry::vector::Vector;
 
 use super::adjacency::{Adjacency, NO_NEIGHBOUR};
 
@@ -89,7 +89,7 @@ pub(crate) fn grow(
                     continue;
                 }
                 let far = farther_vertex(mesh, current, neighbour);
-                let position = mesh.positions[far as usize];
+                let position = mesh.points()[far as usize];
                 if plane.distance(position) <= angular_threshold && planes.allow(far, position) {
                     queue.push(neighbour);
                 }
@@ -104,7 +104,7 @@ pub(crate) fn grow(
 fn plane(mesh: &TriangleMesh, adjacency: &Adjacency, triangle: u32) -> Plane {
     let normal = adjacency.normals[triangle as usize];
     let [a, ..] = mesh.triangles[triangle as usize];
-    Plane { normal, offset: dot(normal, mesh.positions[a as usize]) }
+    Plane { normal, offset: normal.dot(mesh.points()[a as usize]) }
 }
 
 /// The vertex of `neighbour` that `current` does not have. For a flap, which has none, any.
@@ -139,7 +139,7 @@ pub fn members(labels: &[u32], count: usize) -> Vec<Vec<u32>> {
 
 /// Corners of a triangle.
 pub fn corners(mesh: &TriangleMesh, triangle: u32) -> [Vector; 3] {
-    mesh.triangles[triangle as usize].map(|vertex| mesh.positions[vertex as usize])
+    mesh.triangles[triangle as usize].map(|vertex| mesh.points()[vertex as usize])
 }
 
 /// The vertices of a group, ascending, each once.
@@ -183,7 +183,7 @@ struct Plane {
 impl Plane {
     #[inline]
     fn distance(&self, point: Vector) -> f64 {
-        dot(self.normal, point) - self.offset
+        self.normal.dot(point) - self.offset
     }
 }
 
@@ -243,7 +243,7 @@ impl Planes {
 
     /// Adds a plane, and a point of it.
     #[inline]
-    fn push(&mut self, Plane { normal: [x, y, z], offset }: Plane, point: Vector) {
+    fn push(&mut self, Plane { normal: Vector { x, y, z }, offset }: Plane, point: Vector) {
         let place = self.count % BLOCK;
         let lane = self.count / BLOCK % ROW;
         if place == 0 {
@@ -306,7 +306,7 @@ impl Planes {
     /// The first block from `start` on with a plane that has the point too far in front of it, and
     /// how far.
     fn first_refusal(&self, start: usize, position: Vector) -> Option<(usize, f64)> {
-        let point = position.map(|x| x as f32);
+        let point = position.as_vec3().to_array();
         let threshold = (self.threshold - ROUNDING) as f32;
         for (index, row) in self.rows.iter().enumerate().skip(start / ROW) {
             let excess = row.bounds.excess(point, threshold);
@@ -372,11 +372,12 @@ impl Bounds {
 
     /// Sets the bound of a block that is full. The centre should be near its planes.
     fn set(&mut self, lane: usize, [x, y, z, offset]: &[[f64; BLOCK]; 4], centre: Vector) {
-        let normals: [Vector; BLOCK] = std::array::from_fn(|lane| [x[lane], y[lane], z[lane]]);
-        let sum = normals.iter().fold([0.0; 3], |sum, &normal| add(sum, normal));
-        let normal = scale(sum, 1.0 / BLOCK as f64);
-        let spread = |&other: &Vector| length_squared(subtract(other, normal));
-        let height = normals.iter().zip(offset).map(|(&n, o)| dot(n, centre) - o);
+        let normals: [Vector; BLOCK] =
+            std::array::from_fn(|lane| Vector::new(x[lane], y[lane], z[lane]));
+        let sum = normals.iter().fold(Vector::ZERO, |sum, &normal| sum + normal);
+        let normal = sum * (1.0 / BLOCK as f64);
+        let spread = |&other: &Vector| other.distance_squared(normal);
+        let height = normals.iter().zip(offset).map(|(&n, o)| n.dot(centre) - o);
         for axis in 0..3 {
             self.normal[axis][lane] = normal[axis] as f32;
             self.centre[axis][lane] = centre[axis] as f32;
@@ -526,7 +527,7 @@ mod tests {
                     planes.push(own);
                     for neighbour in adjacency.triangle_neighbours(current) {
                         let far = farther_vertex(&mesh, current, neighbour);
-                        let far = mesh.positions[far as usize];
+                        let far = mesh.points()[far as usize];
                         if labels[neighbour as usize] == UNGROUPED
                             && own.distance(far) <= 0.01
                             && planes.iter().all(|plane| plane.distance(far) <= p)

@@ -57,7 +57,7 @@ mod tests {
                 }
             };
             let PreparedMesh { mesh, components, closed, repairs, .. } = prepared;
-            prop_assert!(!mesh.triangles.iter().any(|&t| is_degenerate(&mesh.positions, t)));
+            prop_assert!(!mesh.triangles.iter().any(|&t| is_degenerate(mesh.points(), t)));
             prop_assert_eq!(mesh.positions.len(), prepared.source_vertices.len());
 
             let adjacency = Adjacency::new(&mesh);

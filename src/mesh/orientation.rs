@@ -9,9 +9,7 @@
 use robust::{Coord, orient2d};
 
 use super::connectivity::{Connectivity, PatchKind, SortedHalfEdges};
-use crate::geometry::vector::{
-    Vector, add, area_normal, dot, length, maximum, minimum, scale, subtract,
-};
+use crate::geometry::vector::{Vector, area_normal};
 
 /// A patch with holes counts as solid if its volume differs by less than this share of itself
 /// wherever in its bounding box the holes' lids meet, and however large lids on so long a border
@@ -70,7 +68,7 @@ fn make_consistent(
     let mut areas = vec![[0.0; 2]; connectivity.kinds.len()];
     for (t, &triangle) in triangles.iter().enumerate() {
         let [a, b, c] = corners(positions, triangle);
-        let area = length(area_normal(a, b, c));
+        let area = area_normal(a, b, c).length();
         areas[connectivity.patches[t] as usize][usize::from(reversed[t])] += area;
     }
     connectivity
@@ -95,7 +93,7 @@ fn borders(positions: &[Vector], triangles: &[[u32; 3]], connectivity: &Connecti
         if edge.len() == 1 {
             let (triangle, k) = (edge.half_edge(0) as usize / 3, edge.half_edge(0) as usize % 3);
             let [a, b] = [k, (k + 1) % 3].map(|k| positions[triangles[triangle][k] as usize]);
-            borders[connectivity.patches[triangle] as usize] += length(subtract(a, b));
+            borders[connectivity.patches[triangle] as usize] += a.distance(b);
         }
     });
     borders
@@ -117,38 +115,38 @@ impl Solids {
         turned: &[bool],
     ) -> Self {
         let count = connectivity.kinds.len();
-        let mut boxes = vec![[[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]]; count];
+        let mut boxes = vec![[Vector::INFINITY, Vector::NEG_INFINITY]; count];
         for (&triangle, &patch) in triangles.iter().zip(&connectivity.patches) {
             let [low, high] = &mut boxes[patch as usize];
             for corner in corners(positions, triangle) {
-                *low = minimum(*low, corner);
-                *high = maximum(*high, corner);
+                *low = low.min(corner);
+                *high = high.max(corner);
             }
         }
         let mut volumes = vec![0.0; count];
-        let mut vector_areas = vec![[0.0; 3]; count];
+        let mut vector_areas = vec![Vector::ZERO; count];
         let mut areas = vec![0.0; count];
         for (t, &triangle) in triangles.iter().enumerate() {
             let patch = connectivity.patches[t] as usize;
             let [low, high] = boxes[patch];
-            let centre = scale(add(low, high), 0.5);
+            let centre = (low + high) * 0.5;
             let [a, b, c] = corners(positions, triangle);
             let sign = if turned[t] { -1.0 } else { 1.0 };
-            let normal = scale(area_normal(a, b, c), sign);
-            volumes[patch] += dot(normal, subtract(a, centre));
-            vector_areas[patch] = add(vector_areas[patch], normal);
-            areas[patch] += length(normal);
+            let normal = area_normal(a, b, c) * sign;
+            volumes[patch] += normal.dot(a - centre);
+            vector_areas[patch] += normal;
+            areas[patch] += normal.length();
         }
         let borders = borders(positions, triangles, connectivity);
         for patch in 0..count {
             let [low, high] = boxes[patch];
-            let half = scale(subtract(high, low), 0.5);
+            let half = (high - low) * 0.5;
             // The lids of a tube cancel, so the length of its border counts too: no lids on it are
             // larger than a circle.
             let largest_lid = 2.0 * borders[patch] * borders[patch] / (4.0 * std::f64::consts::PI);
             let uncertain =
-                dot(vector_areas[patch].map(f64::abs), half).max(largest_lid * length(half));
-            let has_volume = volumes[patch].abs() > FLAT * areas[patch] * length(half);
+                vector_areas[patch].map(f64::abs).dot(half).max(largest_lid * half.length());
+            let has_volume = volumes[patch].abs() > FLAT * areas[patch] * half.length();
             let solid = match connectivity.kinds[patch] {
                 PatchKind::Closed => has_volume,
                 PatchKind::Open => has_volume && uncertain < NEARLY_CLOSED * volumes[patch].abs(),
@@ -188,7 +186,7 @@ fn inverted_solids(
         if solids.volumes[patch] < 0.0 && !has_query[patch] {
             has_query[patch] = true;
             let [a, b, c] = corners(positions, triangle);
-            let origin = scale(add(a, add(b, c)), 1.0 / 3.0);
+            let origin = (a + (b + c)) * (1.0 / 3.0);
             queries.push(Query { patch, origin });
         }
     }
@@ -205,8 +203,8 @@ fn inverted_solids(
         if turned[t] {
             std::mem::swap(&mut b, &mut c);
         }
-        let low = minimum(a, minimum(b, c));
-        let high = maximum(a, maximum(b, c));
+        let low = a.min(b.min(c));
+        let high = a.max(b.max(c));
         let first = queries.partition_point(|query| query.origin[1] < low[1]);
         for (index, query) in queries.iter().enumerate().skip(first) {
             if query.origin[1] > high[1] {
@@ -256,7 +254,7 @@ fn crossing(origin: Vector, [a, b, c]: [Vector; 3]) -> i32 {
     if side == 0 || side != side_of(b, c, origin) || side != side_of(c, a, origin) {
         return 0;
     }
-    let in_front = dot(area_normal(a, b, c), subtract(origin, a));
+    let in_front = area_normal(a, b, c).dot(origin - a);
     let ahead = if side > 0 { in_front < 0.0 } else { in_front > 0.0 };
     if ahead { side } else { 0 }
 }
@@ -278,20 +276,20 @@ fn side_of(from: Vector, to: Vector, point: Vector) -> i32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::vector::cross;
+    use crate::geometry::vector::as_vectors;
     use crate::mesh::TriangleMesh;
     use crate::mesh::shapes::{cuboid, hemisphere, join, mobius_strip, torus, turn, uv_sphere};
 
     fn oriented(mesh: &TriangleMesh) -> (TriangleMesh, usize) {
         let mut mesh = mesh.clone();
         let connectivity = Connectivity::new(&mesh.triangles, mesh.positions.len());
-        let turned = orient(&mesh.positions, &mut mesh.triangles, &connectivity);
+        let turned = orient(as_vectors(&mesh.positions), &mut mesh.triangles, &connectivity);
         (mesh, turned.iter().filter(|&&turned| turned).count())
     }
 
     fn volume(mesh: &TriangleMesh) -> f64 {
-        let corners = mesh.triangles.iter().map(|&t| corners(&mesh.positions, t));
-        corners.map(|[a, b, c]| dot(a, cross(b, c)) / 6.0).sum()
+        let corners = mesh.triangles.iter().map(|&t| corners(mesh.points(), t));
+        corners.map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum()
     }
 
     fn cube(half: f64) -> TriangleMesh {

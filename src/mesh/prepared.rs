@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use crate::geometry::TriangleMesh;
-use crate::geometry::vector::{Vector, add, bounds, length, scale, subtract};
+use crate::geometry::vector::{Vector, bounds};
 
 /// Stands in [`PreparedMesh::source_triangles`] for a triangle that closes an opening.
 pub(crate) const CAP: u32 = u32::MAX;
@@ -26,24 +26,24 @@ impl Normalization {
     /// inverse would not be finite, as for a single point.
     pub(crate) fn of(points: impl Iterator<Item = Vector>) -> Self {
         let (low, high) = bounds(points);
-        let extent = subtract(high, low);
+        let extent = high - low;
         let longest = extent[0].max(extent[1]).max(extent[2]);
         if longest < f64::MIN_POSITIVE {
-            return Self { centre: [0.0; 3], diagonal: 0.0 };
+            return Self { centre: Vector::ZERO, diagonal: 0.0 };
         }
         Self {
-            centre: add(scale(low, 0.5), scale(high, 0.5)),
-            diagonal: longest * length(scale(extent, 1.0 / longest)),
+            centre: low * 0.5 + high * 0.5,
+            diagonal: longest * (extent * (1.0 / longest)).length(),
         }
     }
 
     pub(crate) fn normalize(&self, point: Vector) -> Vector {
-        scale(subtract(point, self.centre), 1.0 / self.diagonal)
+        (point - self.centre) * (1.0 / self.diagonal)
     }
 
     /// A point of the pipeline's space in the input's units.
     pub fn restore(&self, point: Vector) -> Vector {
-        add(scale(point, self.diagonal), self.centre)
+        point * self.diagonal + self.centre
     }
 }
 

@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::geometry::vector::{Vector, add, length_squared, scale, subtract};
+use crate::geometry::vector::Vector;
 use crate::mesh::TriangleMesh;
 
 /// Refinement adds at most about this many triangles: more than patches of a coarse mesh need, and
@@ -25,13 +25,13 @@ pub(crate) fn refine(mesh: &mut TriangleMesh, longest: f64) -> Vec<u32> {
         let mut middles: BTreeMap<(u32, u32), u32> = BTreeMap::new();
         let mut is_end = vec![false; mesh.positions.len()];
         for triangle in &mesh.triangles {
-            let (edge, squared) = longest_edge(&mesh.positions, *triangle);
+            let (edge, squared) = longest_edge(mesh.points(), *triangle);
             if squared > limit && !middles.contains_key(&edge) {
-                let [a, b] = [edge.0, edge.1].map(|vertex| mesh.positions[vertex as usize]);
+                let [a, b] = [edge.0, edge.1].map(|vertex| mesh.points()[vertex as usize]);
                 middles.insert(edge, mesh.positions.len() as u32);
                 is_end[edge.0 as usize] = true;
                 is_end[edge.1 as usize] = true;
-                mesh.positions.push(scale(add(a, b), 0.5));
+                mesh.positions.push(((a + b) * 0.5).to_array());
             }
         }
         if middles.is_empty() {
@@ -65,8 +65,8 @@ fn split(
                 .filter_map(|k| {
                     let [a, b] = [triangle[k], triangle[(k + 1) % 3]];
                     let middle = *middles.get(&edge(a, b))?;
-                    let [p, q] = [a, b].map(|vertex| mesh.positions[vertex as usize]);
-                    Some((length_squared(subtract(p, q)), k, middle))
+                    let [p, q] = [a, b].map(|vertex| mesh.points()[vertex as usize]);
+                    Some((p.distance_squared(q), k, middle))
                 })
                 .max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
             match halved {
@@ -93,8 +93,7 @@ pub(crate) fn edge(a: u32, b: u32) -> (u32, u32) {
 
 fn longest_edge(positions: &[Vector], triangle: [u32; 3]) -> ((u32, u32), f64) {
     let [a, b, c] = triangle;
-    let squared =
-        |a: u32, b: u32| length_squared(subtract(positions[a as usize], positions[b as usize]));
+    let squared = |a: u32, b: u32| positions[a as usize].distance_squared(positions[b as usize]);
     let mut longest = (edge(a, b), squared(a, b));
     for (from, to) in [(b, c), (c, a)] {
         let candidate = (edge(from, to), squared(from, to));
@@ -117,7 +116,7 @@ mod tests {
         let parents = refine(&mut mesh, 0.2);
         assert_eq!(parents.len(), mesh.triangles.len());
         for &triangle in &mesh.triangles {
-            assert!(longest_edge(&mesh.positions, triangle).1 <= 0.04 + 1e-12);
+            assert!(longest_edge(mesh.points(), triangle).1 <= 0.04 + 1e-12);
         }
         assert!(Adjacency::new(&mesh).neighbours.iter().all(|&n| n != NO_NEIGHBOUR));
     }

@@ -13,7 +13,7 @@ use super::prepared::{Normalization, PreparedMesh, Repairs, compact};
 use super::weld::weld;
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::Vector;
+use crate::geometry::vector::{Vector, as_vectors};
 use crate::geometry::{MeshView, TriangleMesh};
 
 /// Coordinates beyond this count as not finite: sums and diagonals have to stay finite.
@@ -47,7 +47,7 @@ pub fn prepare(
         return Err(nothing_usable(triangles.len(), repairs.non_finite_triangles));
     }
     let normalized: Vec<Vector> =
-        source.positions().map(|point| survey.normalization.normalize(point)).collect();
+        source.points().map(|point| survey.normalization.normalize(point)).collect();
     control.check()?;
 
     let welded = Welded::new(&normalized, &survey.used, order, control)?;
@@ -79,8 +79,11 @@ pub fn prepare(
     repairs.unused_vertices = vertices - source_vertices.len() - repairs.welded_vertices;
     drop(welded);
     let normalization = Normalization::of(source_vertices.iter().map(|&v| source.at(v)));
-    let positions =
-        source_vertices.iter().map(|&vertex| normalization.normalize(source.at(vertex))).collect();
+    let positions = source_vertices
+        .iter()
+        .map(|&vertex| normalization.normalize(source.at(vertex)))
+        .map(Into::into)
+        .collect();
     let mut mesh = TriangleMesh::new(positions, kept);
 
     let half_edges = SortedHalfEdges::new(&mesh.triangles, mesh.positions.len());
@@ -89,7 +92,7 @@ pub fn prepare(
     repairs.open_edges = connectivity.open_edges;
     repairs.non_manifold_edges = connectivity.non_manifold_edges;
     control.check()?;
-    let turned = orient(&mesh.positions, &mut mesh.triangles, &connectivity);
+    let turned = orient(as_vectors(&mesh.positions), &mut mesh.triangles, &connectivity);
     if order == MeshOrder::Place {
         mesh.triangles.iter_mut().for_each(|triangle| *triangle = rotated(*triangle));
     }
@@ -201,7 +204,7 @@ impl Survey {
         for (t, triangle) in (0_u32..).zip(triangles) {
             let [a, b, c] = triangle.map(|vertex| source.at(vertex));
             let is_finite = |x: f64| x.abs() <= LARGEST_COORDINATE;
-            if ![a, b, c].as_flattened().iter().all(|&x| is_finite(x)) {
+            if ![a, b, c].iter().all(|point| point.to_array().into_iter().all(is_finite)) {
                 non_finite_triangles += 1;
             } else if a != b && b != c && c != a {
                 candidates.push(t);

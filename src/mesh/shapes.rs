@@ -3,11 +3,12 @@
 use std::f64::consts::{PI, TAU};
 
 use crate::geometry::TriangleMesh;
-use crate::geometry::vector::{Vector, add, scale};
+use crate::geometry::vector::{Vector, as_vectors};
 
 /// An axis-aligned box, outward. Vertex number is x + 2 y + 4 z; the last two triangles are the
 /// lid at the greatest z.
-pub fn cuboid(low: Vector, high: Vector) -> TriangleMesh {
+pub fn cuboid(low: impl Into<Vector>, high: impl Into<Vector>) -> TriangleMesh {
+    let (low, high) = (low.into(), high.into());
     let pick = |bit: usize, axis: usize| if bit == 0 { low[axis] } else { high[axis] };
     TriangleMesh {
         positions: (0..8).map(|v| [pick(v & 1, 0), pick(v & 2, 1), pick(v & 4, 2)]).collect(),
@@ -30,11 +31,12 @@ pub fn cuboid(low: Vector, high: Vector) -> TriangleMesh {
 }
 
 /// A sphere of `2 n (n - 1)` triangles, outward.
-pub fn uv_sphere(n: u32, centre: Vector, radius: f64) -> TriangleMesh {
+pub fn uv_sphere(n: u32, centre: impl Into<Vector>, radius: f64) -> TriangleMesh {
+    let centre = centre.into();
     let mut mesh = TriangleMesh::default();
     let mut point = |theta: f64, phi: f64| {
-        let direction = [theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()];
-        mesh.positions.push(add(centre, scale(direction, radius)));
+        let direction = Vector::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
+        mesh.positions.push((centre + direction * radius).to_array());
     };
     let step = PI / f64::from(n);
     point(0.0, 0.0);
@@ -60,7 +62,7 @@ pub fn uv_sphere(n: u32, centre: Vector, radius: f64) -> TriangleMesh {
 /// The upper half of a sphere of radius 1, outward; `n` is even.
 pub fn hemisphere(n: u32) -> TriangleMesh {
     let mut mesh = uv_sphere(n, [0.0; 3], 1.0);
-    let positions = &mesh.positions;
+    let positions = as_vectors(&mesh.positions);
     mesh.triangles.retain(|triangle| triangle.iter().all(|&v| positions[v as usize][2] > -1e-9));
     mesh
 }

@@ -29,7 +29,7 @@ use super::weld::WELD_TOLERANCE;
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::TriangleMesh;
-use crate::geometry::vector::{Vector, area_normal, length};
+use crate::geometry::vector::{Vector, area_normal};
 use crate::parallel::leave_if_stopped;
 
 /// Far above any error that a mesh of diagonal 1 can have: only the target stops simplification.
@@ -164,7 +164,7 @@ fn collapse_edges_of_all(
 /// Positions as the library sees them.
 fn rounded(positions: &[Vector]) -> Vec<[f32; 3]> {
     let rounded = |x: f64| ((x * GRID).round() / GRID) as f32;
-    positions.iter().map(|position| position.map(rounded)).collect()
+    positions.iter().map(|position| position.to_array().map(rounded)).collect()
 }
 
 /// The one call to the library: triangles of the same vertices, `target` of them if possible,
@@ -206,7 +206,7 @@ impl<'a> Separated<'a> {
     fn new(mesh: &'a TriangleMesh, components: &[u32]) -> Self {
         let vertices = mesh.positions.len();
         let mut separated = Self {
-            positions: Cow::Borrowed(&mesh.positions),
+            positions: Cow::Borrowed(mesh.points()),
             triangles: Cow::Borrowed(&mesh.triangles),
             owners: Vec::new(),
             copied: Vec::new(),
@@ -235,7 +235,7 @@ impl<'a> Separated<'a> {
         copies.dedup();
         let positions = separated.positions.to_mut();
         for &(vertex, component) in &copies {
-            positions.push(mesh.positions[vertex as usize]);
+            positions.push(mesh.points()[vertex as usize]);
             separated.owners.push(component);
             separated.copied.push(vertex);
         }
@@ -306,7 +306,7 @@ fn measure(mesh: &Separated<'_>, triangles: &[[u32; 3]], count: usize) -> Vec<Me
 
 fn doubled_area(positions: &[Vector], triangle: [u32; 3]) -> f64 {
     let [a, b, c] = triangle.map(|vertex| positions[vertex as usize]);
-    length(area_normal(a, b, c))
+    area_normal(a, b, c).length()
 }
 
 fn is_lost(before: Measure, after: Measure) -> bool {
@@ -389,11 +389,11 @@ mod tests {
         let mesh = &simplified.mesh;
         assert_eq!(mesh.triangles.len(), simplified.components.len());
         assert_eq!(mesh.positions.len(), simplified.source_vertices.len());
-        for (position, &vertex) in mesh.positions.iter().zip(&simplified.source_vertices) {
-            assert_eq!(position, &source.positions[vertex as usize]);
+        for (position, &vertex) in mesh.points().iter().zip(&simplified.source_vertices) {
+            assert_eq!(position, &source.points()[vertex as usize]);
         }
         for &triangle in &mesh.triangles {
-            assert!(!is_degenerate(&mesh.positions, triangle));
+            assert!(!is_degenerate(mesh.points(), triangle));
         }
         let mut used = vec![false; mesh.positions.len()];
         for &vertex in mesh.triangles.as_flattened() {
@@ -481,7 +481,7 @@ mod tests {
         let simplified = simplify(&source, &components, 60, &Control::new()).unwrap();
         for (triangle, &component) in simplified.mesh.triangles.iter().zip(&simplified.components) {
             let height =
-                triangle.iter().map(|&v| simplified.mesh.positions[v as usize][2]).sum::<f64>();
+                triangle.iter().map(|&v| simplified.mesh.points()[v as usize][2]).sum::<f64>();
             assert_eq!(component, u32::from(height > 0.3));
         }
     }

@@ -5,7 +5,7 @@
 
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, length_squared, subtract};
+use crate::geometry::vector::Vector;
 
 /// Vertices that are no farther apart are one, as a fraction of the bounding-box diagonal. Coordinates in
 /// single precision are rounded by up to 3e-8 of a box that is centred at the origin, a rotated or
@@ -44,16 +44,16 @@ pub(crate) fn weld(positions: &[Vector], control: &Control) -> Result<Vec<u32>, 
         if vertex.is_multiple_of(VERTICES_PER_CHECK) {
             control.check()?;
         }
-        let low = position.map(|x| floor((x - WELD_TOLERANCE) / cell_size));
-        let high = position.map(|x| floor((x + WELD_TOLERANCE) / cell_size));
+        let low = position.to_array().map(|x| floor((x - WELD_TOLERANCE) / cell_size));
+        let high = position.to_array().map(|x| floor((x + WELD_TOLERANCE) / cell_size));
         let mut found = NONE;
         for x in low[0]..=high[0] {
             for y in low[1]..=high[1] {
                 for z in low[2]..=high[2] {
                     let mut candidate = heads[slot_of([x, y, z])];
                     while candidate != NONE {
-                        let offset = subtract(positions[candidate as usize], position);
-                        if candidate < found && length_squared(offset) <= tolerance_squared {
+                        let offset = positions[candidate as usize] - position;
+                        if candidate < found && offset.length_squared() <= tolerance_squared {
                             found = candidate;
                         }
                         candidate = next[candidate as usize];
@@ -62,7 +62,7 @@ pub(crate) fn weld(positions: &[Vector], control: &Control) -> Result<Vec<u32>, 
             }
         }
         if found == NONE {
-            let slot = slot_of(position.map(|x| floor(x / cell_size)));
+            let slot = slot_of(position.to_array().map(|x| floor(x / cell_size)));
             next[vertex] = heads[slot];
             heads[slot] = vertex as u32;
         } else {
@@ -98,15 +98,15 @@ mod tests {
 
     #[test]
     fn the_first_vertex_stands_for_the_others() {
-        let a = [0.1, 0.2, 0.3];
-        let near = [0.1 + 0.9 * WELD_TOLERANCE, 0.2, 0.3];
-        let far = [0.1 + 1.1 * WELD_TOLERANCE, 0.2, 0.3];
+        let a = Vector::new(0.1, 0.2, 0.3);
+        let near = Vector::new(0.1 + 0.9 * WELD_TOLERANCE, 0.2, 0.3);
+        let far = Vector::new(0.1 + 1.1 * WELD_TOLERANCE, 0.2, 0.3);
         assert_eq!(weld_all(&[a, near, far, a]), [0, 0, 2, 0]);
     }
 
     #[test]
     fn vertices_exactly_the_tolerance_apart_are_one() {
-        assert_eq!(weld_all(&[[0.0; 3], [WELD_TOLERANCE, 0.0, 0.0]]), [0, 0]);
+        assert_eq!(weld_all(&[Vector::ZERO, Vector::new(WELD_TOLERANCE, 0.0, 0.0)]), [0, 0]);
     }
 
     #[test]
@@ -114,11 +114,11 @@ mod tests {
         let border = 5.0 * CELL_SIDE * WELD_TOLERANCE;
         for sign in [-1.0, 1.0] {
             let epsilon = 0.4 * WELD_TOLERANCE;
-            let below = [sign * border - epsilon; 3];
-            let above = [sign * border + epsilon, sign * border, sign * border];
+            let below = Vector::splat(sign * border - epsilon);
+            let above = Vector::new(sign * border + epsilon, sign * border, sign * border);
             assert_eq!(weld_all(&[below, above]), [0, 0]);
         }
-        assert_eq!(weld_all(&[[0.0; 3], [-0.0; 3]]), [0, 0]);
+        assert_eq!(weld_all(&[Vector::ZERO, Vector::splat(-0.0)]), [0, 0]);
     }
 
     #[test]
@@ -130,9 +130,9 @@ mod tests {
                 for k in 0..9 {
                     let step = 7.3 * WELD_TOLERANCE;
                     let jitter = f64::from((i * 31 + j * 17 + k * 7) % 5) * 0.35 * WELD_TOLERANCE;
-                    let point = [f64::from(i) * step, f64::from(j) * step, f64::from(k) * step];
+                    let point = Vector::new(f64::from(i), f64::from(j), f64::from(k)) * step;
                     positions.push(point);
-                    positions.push([point[0] + jitter, point[1] - jitter, point[2]]);
+                    positions.push(point + Vector::new(jitter, -jitter, 0.0));
                 }
             }
         }
@@ -140,7 +140,7 @@ mod tests {
         for (vertex, &position) in positions.iter().enumerate() {
             let first = (0..vertex).find(|&other| {
                 expected[other] == other as u32
-                    && length_squared(subtract(positions[other], position))
+                    && positions[other].distance_squared(position)
                         <= WELD_TOLERANCE * WELD_TOLERANCE
             });
             expected.push(first.unwrap_or(vertex) as u32);

@@ -4,7 +4,7 @@
 //! closes the surface runs the other way: the loops here do. A T-junction, a long edge with
 //! vertices of its neighbours on it, is a loop without width.
 
-use crate::geometry::vector::{Vector, distance, dot, normalize, subtract};
+use crate::geometry::vector::Vector;
 use crate::mesh::connectivity::{SortedHalfEdges, ascends};
 
 /// A simple closed polygon along the boundary.
@@ -21,7 +21,7 @@ impl Loop {
     pub(super) fn length(&self, positions: &[Vector]) -> f64 {
         let next = self.vertices.iter().cycle().skip(1);
         let at = |vertex: &u32| positions[*vertex as usize];
-        self.vertices.iter().zip(next).map(|(a, b)| distance(at(a), at(b))).sum()
+        self.vertices.iter().zip(next).map(|(a, b)| at(a).distance(at(b))).sum()
     }
 }
 
@@ -80,8 +80,8 @@ pub(super) fn boundary_loops(positions: &[Vector], triangles: &[[u32; 3]]) -> Ve
 /// The cosine between going back and going on.
 fn sharpness(positions: &[Vector], last: CapEdge, next: CapEdge) -> f64 {
     let at = |vertex: u32| positions[vertex as usize];
-    let back = normalize(subtract(at(last.from), at(last.to)));
-    dot(back, normalize(subtract(at(next.to), at(next.from))))
+    let back = (at(last.from) - at(last.to)).normalize_or_zero();
+    back.dot((at(next.to) - at(next.from)).normalize_or_zero())
 }
 
 /// Ascending by where they begin, then by where they end.
@@ -111,7 +111,7 @@ mod tests {
     use crate::mesh::shapes::{cuboid, join};
 
     fn loops(mesh: &TriangleMesh) -> Vec<Loop> {
-        boundary_loops(&mesh.positions, &mesh.triangles)
+        boundary_loops(mesh.points(), &mesh.triangles)
     }
 
     #[test]

@@ -9,9 +9,7 @@ use earcut::Earcut;
 
 use super::boundary::Loop;
 use crate::bvh::Bvh;
-use crate::geometry::vector::{
-    Vector, add, area_normal, bounds, cross, distance, dot, length, normalize, scale, subtract,
-};
+use crate::geometry::vector::{Vector, area_normal, bounds};
 use crate::mesh::weld::WELD_TOLERANCE;
 
 /// A loop no wider than this is a crack: each of its sides lies within the weld distance of the true edge.
@@ -111,19 +109,19 @@ impl LoopPlane {
     /// By the polygon's vector area (Newell), through the middle of its box.
     fn of(points: &[Vector]) -> Self {
         let (low, high) = bounds(points.iter().copied());
-        let point = scale(add(low, high), 0.5);
-        let local = |index: usize| subtract(points[index % points.len()], point);
+        let point = (low + high) * 0.5;
+        let local = |index: usize| points[index % points.len()] - point;
         let twice = (0..points.len())
-            .fold([0.0; 3], |sum, index| add(sum, cross(local(index), local(index + 1))));
-        let normal = normalize(twice);
-        let heights = points.iter().map(|&p| dot(normal, subtract(p, point)));
+            .fold(Vector::ZERO, |sum, index| sum + local(index).cross(local(index + 1)));
+        let normal = twice.normalize_or_zero();
+        let heights = points.iter().map(|&p| normal.dot(p - point));
         let (lowest, highest) =
             heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), h| (a.min(h), b.max(h)));
         let middle = 0.5 * (lowest + highest);
         Self {
             normal,
-            point: add(point, scale(normal, middle)),
-            area: 0.5 * length(twice),
+            point: point + normal * middle,
+            area: 0.5 * twice.length(),
             deviation: 0.5 * (highest - lowest),
         }
     }
@@ -131,7 +129,7 @@ impl LoopPlane {
     /// Right-handed with the normal.
     fn axes(&self) -> [Vector; 2] {
         let size = self.normal.map(f64::abs);
-        let mut least = [0.0; 3];
+        let mut least = Vector::ZERO;
         let axis = if size[0] <= size[1] && size[0] <= size[2] {
             0
         } else if size[1] <= size[2] {
@@ -140,15 +138,15 @@ impl LoopPlane {
             2
         };
         least[axis] = 1.0;
-        let first = normalize(cross(self.normal, least));
-        [first, cross(self.normal, first)]
+        let first = self.normal.cross(least).normalize_or_zero();
+        [first, self.normal.cross(first)]
     }
 }
 
 /// The farthest pair's line, found by going to the farthest vertex twice.
 fn ends(points: &[Vector]) -> (usize, usize) {
     let farthest = |from: usize| {
-        let far = |&index: &usize| distance(points[index], points[from]);
+        let far = |&index: &usize| points[index].distance(points[from]);
         (0..points.len()).max_by(|a, b| far(a).total_cmp(&far(b)).then(b.cmp(a))).unwrap_or(from)
     };
     let first = farthest(0);
@@ -160,10 +158,10 @@ fn is_crack(points: &[Vector]) -> bool {
         return true;
     }
     let (first, second) = ends(points);
-    let along = normalize(subtract(points[second], points[first]));
+    let along = (points[second] - points[first]).normalize_or_zero();
     points.iter().all(|&point| {
-        let arm = subtract(point, points[first]);
-        length(cross(along, arm)) <= CRACK_WIDTH
+        let arm = point - points[first];
+        along.cross(arm).length() <= CRACK_WIDTH
     })
 }
 
@@ -171,8 +169,8 @@ fn is_crack(points: &[Vector]) -> bool {
 fn zip_crack(points: &[Vector], vertices: &[u32]) -> Vec<[u32; 3]> {
     let count = vertices.len();
     let (first, second) = ends(points);
-    let along = subtract(points[second], points[first]);
-    let share = |index: usize| dot(along, points[index % count]);
+    let along = points[second] - points[first];
+    let share = |index: usize| along.dot(points[index % count]);
     // Both sides from the first end to the second.
     let (mut left, mut right) = (first, first + count);
     let end = if second > first { second } else { second + count };
@@ -202,11 +200,11 @@ fn outer_loops(
     let is_hole = |inner: usize, outer: usize| {
         let (Some(own), Some(around)) = (&planes[inner], &planes[outer]) else { return false };
         own.area < around.area
-            && dot(own.normal, around.normal) < -SAME_PLANE
-            && dot(around.normal, subtract(own.point, around.point)).abs() <= flatness
+            && own.normal.dot(around.normal) < -SAME_PLANE
+            && around.normal.dot(own.point - around.point).abs() <= flatness
             && {
                 let axes = around.axes();
-                let flat = |&p: &Vector| in_axes(axes, subtract(p, around.point));
+                let flat = |&p: &Vector| in_axes(axes, p - around.point);
                 let outline: Vec<[f64; 2]> = points[outer].iter().map(flat).collect();
                 points[inner].iter().all(|point| is_in_outline(&outline, flat(point)))
             }
@@ -227,7 +225,7 @@ fn triangulate(
     points: &[Vec<Vector>],
 ) -> Option<Cap> {
     let axes = plane.axes();
-    let flat = |&p: &Vector| in_axes(axes, subtract(p, plane.point));
+    let flat = |&p: &Vector| in_axes(axes, p - plane.point);
     let outlines: Vec<Vec<[f64; 2]>> =
         own.iter().map(|&index| points[index].iter().map(flat).collect()).collect();
     let vertices: Vec<u32> =
@@ -274,7 +272,7 @@ fn signed_area(outline: &[[f64; 2]]) -> f64 {
 }
 
 fn in_axes(axes: [Vector; 2], point: Vector) -> [f64; 2] {
-    axes.map(|axis| dot(axis, point))
+    axes.map(|axis| axis.dot(point))
 }
 
 /// By the crossings of a ray along the first axis.
@@ -292,12 +290,12 @@ fn is_in_outline(outline: &[[f64; 2]], point: [f64; 2]) -> bool {
 impl Cap {
     /// Where a point is in the plane's axes.
     pub(super) fn flatten(&self, point: Vector) -> [f64; 2] {
-        in_axes(self.axes, subtract(point, self.point))
+        in_axes(self.axes, point - self.point)
     }
 
     /// The height of a point over the plane, along the normal.
     fn height(&self, point: Vector) -> f64 {
-        dot(self.normal, subtract(point, self.point))
+        self.normal.dot(point - self.point)
     }
 
     /// Whether a point of the plane is on the cap, farther than `margin` from its rim.
@@ -324,9 +322,9 @@ impl Cap {
             let next = own.vertices.iter().cycle().skip(1);
             for ((&from, &to), &neighbour) in own.vertices.iter().zip(next).zip(&own.neighbours) {
                 let [a, b, c] = triangles[neighbour as usize].map(|v| positions[v as usize]);
-                let normal = normalize(area_normal(a, b, c));
-                let angle = libm::acos((-dot(normal, self.normal)).clamp(-1.0, 1.0));
-                angles.push((angle, distance(positions[from as usize], positions[to as usize])));
+                let normal = area_normal(a, b, c).normalize_or_zero();
+                let angle = libm::acos((-normal.dot(self.normal)).clamp(-1.0, 1.0));
+                angles.push((angle, positions[from as usize].distance(positions[to as usize])));
             }
         }
         angles.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
@@ -368,7 +366,7 @@ pub(super) fn is_cut(
         let Some([from, to]) = line_in_plane(cap, corners) else { return false };
         (0..POINTS).any(|number| {
             let share = (f64::from(number) + 0.5) / f64::from(POINTS);
-            let point = add(from, scale(subtract(to, from), share));
+            let point = from + (to - from) * share;
             cap.holds(cap.flatten(point), margin)
         })
     })
@@ -386,7 +384,7 @@ fn line_in_plane(cap: &Cap, corners: [Vector; 3]) -> Option<[Vector; 2]> {
         let (a, b) = (side, (side + 1) % 3);
         let crosses = (heights[a] > 0.0) != (heights[b] > 0.0);
         let share = heights[a] / (heights[a] - heights[b]);
-        crosses.then(|| add(corners[a], scale(subtract(corners[b], corners[a]), share)))
+        crosses.then(|| corners[a] + (corners[b] - corners[a]) * share)
     });
     Some([points.next()?, points.next()?])
 }

@@ -7,7 +7,7 @@ use super::report::{Opening, OpeningOutcome};
 use crate::bvh::Bvh;
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, add, distance, scale};
+use crate::geometry::vector::Vector;
 use crate::geometry::{MeshView, Sidedness};
 use crate::mesh::PreparedMesh;
 use crate::mesh::canonical_order::MeshOrder;
@@ -65,7 +65,7 @@ pub(super) fn judge(
     settings: &OpeningSettings,
     control: &Control,
 ) -> Result<Closing, Error> {
-    let loops = boundary_loops(&prepared.mesh.positions, &prepared.mesh.triangles);
+    let loops = boundary_loops(prepared.mesh.points(), &prepared.mesh.triangles);
     control.check()?;
     let diagonal = prepared.normalization.diagonal;
     let flatness = settings.flatness.of_diagonal(diagonal) / diagonal;
@@ -85,7 +85,7 @@ struct Judge<'a> {
 
 impl Judge<'_> {
     fn positions(&self) -> &[Vector] {
-        &self.prepared.mesh.positions
+        self.prepared.mesh.points()
     }
 
     fn closing(&self) -> Result<Closing, Error> {
@@ -168,7 +168,7 @@ impl Judge<'_> {
         let (mut closed, mut left) = (vec![0.0; components], vec![0.0; components]);
         let mut within = 0.0;
         for ((own, outcome), _) in loops.iter().zip(outcomes).zip(is_crack).filter(|own| !own.1) {
-            let length = own.length(&prepared.mesh.positions);
+            let length = own.length(prepared.mesh.points());
             match outcome {
                 OpeningOutcome::SolidBeyond | OpeningOutcome::ClosedWithin => within += length,
                 OpeningOutcome::Closed => closed[component_of(own)] += length,
@@ -200,9 +200,9 @@ impl Judge<'_> {
         let solid = Bvh::with_control(positions, &triangles, self.control)?;
         for (cap, outcome) in caps {
             self.control.check()?;
-            let beyond = scale(cap.normal, BEYOND);
+            let beyond = cap.normal * BEYOND;
             if *outcome == OpeningOutcome::ClosedWithin
-                && !points(cap, positions).iter().all(|&point| solid.is_inside(add(point, beyond)))
+                && !points(cap, positions).iter().all(|&point| solid.is_inside(point + beyond))
             {
                 *outcome = OpeningOutcome::Closed;
             }
@@ -218,7 +218,7 @@ impl Judge<'_> {
         for own in cap.loops.iter().map(|&index| &loops[index]) {
             let next = own.vertices.iter().cycle().skip(1);
             for ((&from, &to), &neighbour) in own.vertices.iter().zip(next).zip(&own.neighbours) {
-                let side = distance(positions[from as usize], positions[to as usize]);
+                let side = positions[from as usize].distance(positions[to as usize]);
                 let source_triangle = prepared.source_triangles[neighbour as usize];
                 whole += side;
                 if prepared.is_both_ways[neighbour as usize]
@@ -284,7 +284,7 @@ impl<'a> Capped<'a> {
     /// Leaves caps by their shape and that of the surface around them.
     fn judge_shapes(&self, caps: &mut [JudgedCap]) -> Result<(), Error> {
         let &Judge { prepared, settings, control, ref loops, flatness, .. } = self.judge;
-        let (positions, triangles) = (&prepared.mesh.positions, &prepared.mesh.triangles);
+        let (positions, triangles) = (prepared.mesh.points(), &prepared.mesh.triangles);
         let is_own_solid =
             |triangle: u32| prepared.closed[prepared.components[triangle as usize] as usize];
         let is_of_surface = |t: u32| self.cap_of(t).is_none() && !is_own_solid(t);
@@ -388,7 +388,7 @@ fn is_solid_beyond(
 ) -> bool {
     let points = points(cap, positions);
     let is_inside = |point: Vector| {
-        let outward = |distance: f64| add(point, scale(cap.normal, distance));
+        let outward = |distance: f64| point + cap.normal * distance;
         // Near the backs of several parts the winding number is ambiguous.
         let middle = || open.first_hit(point, cap.normal, flatness, |_, _| true);
         solid.is_inside(outward(flatness))

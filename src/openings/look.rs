@@ -6,7 +6,7 @@
 
 use super::cap::Cap;
 use crate::bvh::Bvh;
-use crate::geometry::vector::{Vector, add, scale, subtract};
+use crate::geometry::vector::Vector;
 
 /// Rays start from so many points, spread over the cap by area.
 const POINTS: usize = 32;
@@ -42,7 +42,7 @@ pub(super) fn is_seen_into(
     surface: usize,
     counts: impl Fn(u32) -> bool,
 ) -> bool {
-    let inward = scale(cap.normal, -1.0);
+    let inward = -cap.normal;
     let is_more =
         |count: usize, share: f64| count as f64 > share * (POINTS * RAYS_PER_POINT) as f64;
     let (mut seen, mut capped) = (0, 0);
@@ -112,7 +112,7 @@ pub(super) fn points(cap: &Cap, positions: &[Vector]) -> Vec<Vector> {
             if v + w > 1.0 {
                 (v, w) = (1.0 - v, 1.0 - w);
             }
-            Some(add(a, add(scale(subtract(b, a), v), scale(subtract(c, a), w))))
+            Some(a + ((b - a) * v + (c - a) * w))
         })
         .collect()
 }
@@ -122,9 +122,7 @@ fn direction(cap: &Cap, inward: Vector, number: usize) -> Vector {
     let height_squared = spread(GOLDEN, number);
     let turn = std::f64::consts::TAU * (number as f64 + 0.5) / (POINTS * RAYS_PER_POINT) as f64;
     let radius = (1.0 - height_squared).sqrt();
-    let across = add(
-        scale(cap.axes[0], radius * libm::cos(turn)),
-        scale(cap.axes[1], radius * libm::sin(turn)),
-    );
-    add(scale(inward, height_squared.sqrt()), across)
+    let across =
+        cap.axes[0] * (radius * libm::cos(turn)) + cap.axes[1] * (radius * libm::sin(turn));
+    inward * height_squared.sqrt() + across
 }

@@ -7,7 +7,7 @@
 use crate::bvh::Bvh;
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, add, area_normal, bounds, normalize, scale};
+use crate::geometry::vector::{Vector, area_normal, bounds};
 use crate::mesh::PreparedMesh;
 
 /// Points on a component's triangles that are tried, at most.
@@ -34,7 +34,7 @@ pub(super) fn drop_nested(prepared: &mut PreparedMesh, control: &Control) -> Res
             break;
         }
         let bvh =
-            Bvh::with_control(&prepared.mesh.positions, &prepared.triangles_of_solid(), control)?;
+            Bvh::with_control(prepared.mesh.points(), &prepared.triangles_of_solid(), control)?;
         bvh.expect_winding_numbers(control)?;
         let mut is_dropped = vec![false; prepared.closed.len()];
         for (component, triangles) in candidates {
@@ -59,7 +59,7 @@ fn boxed_in(prepared: &PreparedMesh) -> Vec<(usize, Vec<u32>)> {
     }
     let corners = |triangles: &Vec<u32>| {
         let vertices = triangles.iter().flat_map(|&t| prepared.mesh.triangles[t as usize]);
-        vertices.map(|vertex| prepared.mesh.positions[vertex as usize]).collect::<Vec<Vector>>()
+        vertices.map(|vertex| prepared.mesh.points()[vertex as usize]).collect::<Vec<Vector>>()
     };
     let boxes: Vec<(Vector, Vector)> = members.iter().map(|own| bounds(corners(own))).collect();
     let is_boxed_in = |own: usize| {
@@ -80,11 +80,11 @@ fn is_nested(prepared: &PreparedMesh, triangles: &[u32], bvh: &Bvh) -> bool {
     let step = triangles.len().div_ceil(SAMPLES).max(1);
     let sides = |&triangle: &u32| {
         let [a, b, c] = prepared.mesh.triangles[triangle as usize]
-            .map(|vertex| prepared.mesh.positions[vertex as usize]);
-        let centre = scale(add(a, add(b, c)), 1.0 / 3.0);
-        let normal = scale(normalize(area_normal(a, b, c)), STEP);
-        let behind = bvh.is_inside(add(centre, scale(normal, -1.0)));
-        behind.then(|| bvh.is_inside(add(centre, normal)))
+            .map(|vertex| prepared.mesh.points()[vertex as usize]);
+        let centre = (a + (b + c)) * (1.0 / 3.0);
+        let normal = area_normal(a, b, c).normalize_or_zero() * STEP;
+        let behind = bvh.is_inside(centre + -normal);
+        behind.then(|| bvh.is_inside(centre + normal))
     };
     let mut samples = triangles.iter().step_by(step);
     let Some(Some(first)) = samples.next().map(sides) else { return false };
@@ -97,8 +97,7 @@ fn is_nested(prepared: &PreparedMesh, triangles: &[u32], bvh: &Bvh) -> bool {
 
 /// Six times the volume that triangles enclose.
 fn signed_volume(prepared: &PreparedMesh, triangles: &[u32]) -> f64 {
-    use crate::geometry::vector::{cross, dot};
     let corners =
-        |&t: &u32| prepared.mesh.triangles[t as usize].map(|v| prepared.mesh.positions[v as usize]);
-    triangles.iter().map(corners).map(|[a, b, c]| dot(a, cross(b, c))).sum()
+        |&t: &u32| prepared.mesh.triangles[t as usize].map(|v| prepared.mesh.points()[v as usize]);
+    triangles.iter().map(corners).map(|[a, b, c]| a.dot(b.cross(c))).sum()
 }

@@ -88,7 +88,7 @@ fn cap_and_repair(
     closing: &Closing,
     control: &Control,
 ) -> Result<PreparedMesh, Error> {
-    let positions = before.source_vertices.iter().map(|&vertex| source.at(vertex)).collect();
+    let positions = before.source_vertices.iter().map(|&vertex| source.at(vertex).into()).collect();
     let surface = before.mesh.triangles.len() + closing.triangles.len();
     let triangles =
         [before.mesh.triangles.as_slice(), &closing.triangles, &closing.hidden].concat();
@@ -165,7 +165,7 @@ pub fn close_openings<'a>(
     let closed = prepare_closed(mesh.into(), &settings, control)?;
     let Closed { prepared, openings, nested_components, .. } = closed;
     let restore = |&point| prepared.normalization.restore(point);
-    let positions = prepared.mesh.positions.iter().map(restore).collect();
+    let positions = prepared.mesh.points().iter().map(restore).map(Into::into).collect();
     let (triangles, caps) = caps_last(&prepared);
     let mesh = TriangleMesh::new(positions, triangles);
     Ok(ClosedMesh { mesh, caps, openings, nested_components })
@@ -195,6 +195,6 @@ pub fn surface_and_solid(
     let Closed { prepared, .. } = prepare_closed(mesh, &settings, control)?;
     let solid = prepared.triangles_of_solid().into_owned();
     let restore = |&point| prepared.normalization.restore(point);
-    let positions = prepared.mesh.positions.iter().map(restore).collect();
+    let positions = prepared.mesh.points().iter().map(restore).map(Into::into).collect();
     Ok((TriangleMesh::new(positions, prepared.mesh.triangles), solid))
 }

@@ -2,7 +2,7 @@
 
 use super::boundary::Loop;
 use super::cap::Cap;
-use crate::geometry::vector::{Vector, add, cross, length, scale, subtract};
+use crate::geometry::vector::Vector;
 use crate::mesh::PreparedMesh;
 
 /// An opening of the mesh: a loop of open edges, with the loops that are holes in its cap.
@@ -74,13 +74,14 @@ impl OpeningOutcome {
 impl Opening {
     pub(super) fn left(own: &Loop, prepared: &PreparedMesh, outcome: OpeningOutcome) -> Self {
         let points: Vec<Vector> =
-            own.vertices.iter().map(|&v| prepared.mesh.positions[v as usize]).collect();
+            own.vertices.iter().map(|&v| prepared.mesh.points()[v as usize]).collect();
         let centre = mean(&points);
         let next = points.iter().cycle().skip(1);
-        let twice = points.iter().zip(next).fold([0.0; 3], |sum, (&a, &b)| {
-            add(sum, cross(subtract(a, centre), subtract(b, centre)))
-        });
-        Self::new(points.len(), 0.5 * length(twice), centre, prepared, outcome)
+        let twice = points
+            .iter()
+            .zip(next)
+            .fold(Vector::ZERO, |sum, (&a, &b)| sum + (a - centre).cross(b - centre));
+        Self::new(points.len(), 0.5 * twice.length(), centre, prepared, outcome)
     }
 
     pub(super) fn of_cap(
@@ -91,7 +92,7 @@ impl Opening {
     ) -> Self {
         let vertices = cap.loops.iter().flat_map(|&index| &loops[index].vertices);
         let points: Vec<Vector> =
-            vertices.map(|&vertex| prepared.mesh.positions[vertex as usize]).collect();
+            vertices.map(|&vertex| prepared.mesh.points()[vertex as usize]).collect();
         Self::new(points.len(), cap.area, mean(&points), prepared, outcome)
     }
 
@@ -105,11 +106,11 @@ impl Opening {
     ) -> Self {
         let normalization = &prepared.normalization;
         let area = area * normalization.diagonal * normalization.diagonal;
-        Self { edges, area, centre: normalization.restore(centre), outcome }
+        Self { edges, area, centre: normalization.restore(centre).to_array(), outcome }
     }
 }
 
 fn mean(points: &[Vector]) -> Vector {
-    let sum = points.iter().fold([0.0; 3], |sum, &point| add(sum, point));
-    scale(sum, 1.0 / points.len().max(1) as f64)
+    let sum = points.iter().fold(Vector::ZERO, |sum, &point| sum + point);
+    sum * (1.0 / points.len().max(1) as f64)
 }

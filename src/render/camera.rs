@@ -1,9 +1,7 @@
 //! Where the viewer stands, and how what is seen is fitted into a panel.
 
 use super::panel::View;
-use crate::geometry::vector::{
-    Vector, add, bounds, cross, distance, dot, normalize, scale, subtract,
-};
+use crate::geometry::vector::{Vector, bounds};
 use crate::parameters::UpAxis;
 
 /// Share of a panel that stays free on each side.
@@ -34,20 +32,23 @@ impl Camera {
     /// A camera that sees all `points`.
     pub(super) fn facing(points: impl Iterator<Item = Vector> + Clone, view: &View) -> Self {
         let (min, max) = bounds(points.clone());
-        let (mut centre, mut radius) = ([0.0; 3], 0.0);
+        let (mut centre, mut radius) = (Vector::ZERO, 0.0);
         if min[0] <= max[0] {
-            centre = scale(add(min, max), 0.5);
-            radius = points.map(|point| distance(point, centre)).fold(0.0, f64::max);
+            centre = (min + max) * 0.5;
+            radius = points.map(|point| point.distance(centre)).fold(0.0, f64::max);
         }
         if radius <= 0.0 {
             radius = 1.0;
         }
         let (azimuth_sine, azimuth_cosine) = view.azimuth.to_radians().sin_cos();
         let (elevation_sine, elevation_cosine) = view.elevation.to_radians().sin_cos();
-        let towards_viewer =
-            [azimuth_sine * elevation_cosine, elevation_sine, azimuth_cosine * elevation_cosine];
-        let right = [azimuth_cosine, 0.0, -azimuth_sine];
-        let up = normalize(cross(towards_viewer, right));
+        let towards_viewer = Vector::new(
+            azimuth_sine * elevation_cosine,
+            elevation_sine,
+            azimuth_cosine * elevation_cosine,
+        );
+        let right = Vector::new(azimuth_cosine, 0.0, -azimuth_sine);
+        let up = towards_viewer.cross(right).normalize_or_zero();
         let upright = |axis| match view.up {
             UpAxis::Y => axis,
             UpAxis::Z => turn_z_up(axis),
@@ -66,8 +67,8 @@ impl Camera {
 
     /// A point of the scene in the camera's space.
     pub(super) fn see(&self, point: Vector) -> Vector {
-        let point = scale(subtract(point, self.centre), 1.0 / self.radius);
-        [dot(point, self.right), dot(point, self.up), dot(point, self.towards_viewer)]
+        let point = (point - self.centre) * (1.0 / self.radius);
+        Vector::new(point.dot(self.right), point.dot(self.up), point.dot(self.towards_viewer))
     }
 
     /// Distance from the viewer along the line of sight of a point in the camera's space.
@@ -78,7 +79,7 @@ impl Camera {
 
 /// Where an axis of a Y-up view lies in a Z-up scene: a quarter turn about x.
 fn turn_z_up(axis: Vector) -> Vector {
-    [axis[0], -axis[2], axis[1]]
+    Vector::new(axis[0], -axis[2], axis[1])
 }
 
 /// Perspective onto a raster: what is seen is centred and as large as fits.
@@ -129,17 +130,17 @@ impl Projection {
         let inverse_depth = 1.0 / self.camera.depth(seen);
         let x = (seen[0] * inverse_depth - self.middle[0]) * self.magnification;
         let y = (seen[1] * inverse_depth - self.middle[1]) * self.magnification;
-        [self.half_size[0] + x, self.half_size[1] - y, inverse_depth]
+        Vector::new(self.half_size[0] + x, self.half_size[1] - y, inverse_depth)
     }
 
     /// The point in the camera's space that [`project`](Self::project) maps here.
     pub(super) fn unproject(&self, x: f64, y: f64, inverse_depth: f64) -> Vector {
         let depth = 1.0 / inverse_depth;
-        [
+        Vector::new(
             ((x - self.half_size[0]) / self.magnification + self.middle[0]) * depth,
             ((self.half_size[1] - y) / self.magnification + self.middle[1]) * depth,
             self.camera.distance - depth,
-        ]
+        )
     }
 
     /// Size on the raster of a unit length at the given depth.
@@ -149,7 +150,7 @@ impl Projection {
 
     /// Where the viewer stands, in the camera's space.
     pub(super) fn viewer(&self) -> Vector {
-        [0.0, 0.0, self.camera.distance]
+        Vector::new(0.0, 0.0, self.camera.distance)
     }
 }
 
@@ -158,7 +159,9 @@ mod tests {
     use super::*;
 
     fn corners() -> Vec<Vector> {
-        (0..8).map(|corner| [0, 1, 2].map(|axis| f64::from((corner >> axis) & 1))).collect()
+        (0..8)
+            .map(|corner| Vector::from_array([0, 1, 2].map(|axis| f64::from((corner >> axis) & 1))))
+            .collect()
     }
 
     #[test]
@@ -167,7 +170,7 @@ mod tests {
         let seen: Vec<Vector> = corners().into_iter().map(|point| camera.see(point)).collect();
         let projection = Projection::fitting(camera, seen.iter().copied(), 200, 100);
         for point in seen {
-            let [x, y, _] = projection.project(point);
+            let [x, y, _] = projection.project(point).to_array();
             assert!((x / 200.0 - 0.5).abs() <= 0.5 - MARGIN + 1e-9);
             assert!((y / 100.0 - 0.5).abs() <= 0.5 - MARGIN + 1e-9);
         }
@@ -179,17 +182,17 @@ mod tests {
         let seen: Vec<Vector> = corners().into_iter().map(|point| camera.see(point)).collect();
         let projection = Projection::fitting(camera, seen.iter().copied(), 200, 100);
         for point in seen {
-            let [x, y, inverse_depth] = projection.project(point);
-            assert!(distance(projection.unproject(x, y, inverse_depth), point) < 1e-12);
+            let [x, y, inverse_depth] = projection.project(point).to_array();
+            assert!(projection.unproject(x, y, inverse_depth).distance(point) < 1e-12);
         }
     }
 
     #[test]
     fn up_is_up_for_both_conventions() {
-        for (up, axis) in [(UpAxis::Y, [0.0, 1.0, 0.0]), (UpAxis::Z, [0.0, 0.0, 1.0])] {
+        for (up, axis) in [(UpAxis::Y, Vector::Y), (UpAxis::Z, Vector::Z)] {
             let view = View { up, ..View::default() };
-            let camera = Camera::facing([[0.0; 3], axis].into_iter(), &view);
-            let (foot, tip) = (camera.see([0.0; 3]), camera.see(axis));
+            let camera = Camera::facing([Vector::ZERO, axis].into_iter(), &view);
+            let (foot, tip) = (camera.see(Vector::ZERO), camera.see(axis));
             assert!(tip[1] > foot[1] && (tip[0] - foot[0]).abs() < 1e-12);
         }
     }

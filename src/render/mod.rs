@@ -37,7 +37,7 @@ use rayon::prelude::*;
 
 use crate::atomic_write;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, add};
+use crate::geometry::vector::Vector;
 pub use crate::parameters::UpAxis;
 use camera::{Camera, Projection};
 pub use palette::Colour;
@@ -114,9 +114,7 @@ struct Place {
 }
 
 fn moved_points<'p>(parts: &'p [(&Part, Vector)]) -> impl Iterator<Item = Vector> + 'p {
-    parts
-        .iter()
-        .flat_map(|(part, way)| part.corners().flatten().map(move |corner| add(corner, *way)))
+    parts.iter().flat_map(|(part, way)| part.corners().flatten().map(move |corner| corner + *way))
 }
 
 /// Draws parts, fitted so that all points of `frame` are in the panel.
@@ -138,7 +136,7 @@ fn draw_panel(
     let mut triangles = Vec::new();
     for (index, (part, way)) in (0u32..).zip(parts) {
         triangles.extend(part.corners().map(|corners| {
-            let corners = corners.map(|corner| camera.see(add(corner, *way)));
+            let corners = corners.map(|corner| camera.see(corner + *way));
             SeenTriangle::new(corners, index, projection.viewer())
         }));
     }

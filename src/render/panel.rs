@@ -1,7 +1,7 @@
 //! What is seen: parts of one colour, in panels.
 
 use super::palette::{self, Colour};
-use crate::geometry::vector::{Vector, add, maximum, minimum, scale, subtract};
+use crate::geometry::vector::Vector;
 use crate::geometry::{MeshView, TriangleMesh};
 use crate::openings::ClosedMesh;
 use crate::parameters::UpAxis;
@@ -23,10 +23,10 @@ impl Part {
     /// The corners of the triangles that can be drawn.
     pub(super) fn corners(&self) -> impl Iterator<Item = [Vector; 3]> + Clone {
         self.mesh.triangles.iter().filter_map(|triangle| {
-            let mut corners = [[0.0; 3]; 3];
+            let mut corners = [Vector::ZERO; 3];
             for (corner, index) in corners.iter_mut().zip(triangle) {
-                let position = *self.mesh.positions.get(*index as usize)?;
-                if !position.iter().all(|value| value.abs() <= LARGEST_COORDINATE) {
+                let position = *self.mesh.points().get(*index as usize)?;
+                if !position.abs().cmple(Vector::splat(LARGEST_COORDINATE)).all() {
                     return None;
                 }
                 *corner = position;
@@ -120,7 +120,7 @@ impl Panel {
         let explosion = if self.explosion.is_finite() { self.explosion } else { 0.0 };
         let way = |part: &Part| {
             let middle = part.middle().unwrap_or(middle_of_all);
-            scale(subtract(middle, middle_of_all), explosion)
+            (middle - middle_of_all) * explosion
         };
         self.parts.iter().map(|part| (part, way(part))).collect()
     }
@@ -130,9 +130,9 @@ impl Panel {
 fn middle(points: impl Iterator<Item = Vector>) -> Option<Vector> {
     let bounds = points.fold(None, |bounds, point| match bounds {
         None => Some((point, point)),
-        Some((min, max)) => Some((minimum(min, point), maximum(max, point))),
+        Some((min, max)) => Some((min.min(point), max.max(point))),
     });
-    bounds.map(|(min, max)| scale(add(min, max), 0.5))
+    bounds.map(|(min, max)| (min + max) * 0.5)
 }
 
 /// Where the viewer stands.

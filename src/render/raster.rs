@@ -3,9 +3,7 @@
 use std::ops::Range;
 
 use super::camera::Projection;
-use crate::geometry::vector::{
-    Vector, area_normal, dot, maximum, minimum, normalize, scale, subtract,
-};
+use crate::geometry::vector::{Vector, area_normal};
 
 /// The triangle of a sample that shows only background.
 pub(super) const NOTHING: u32 = u32::MAX;
@@ -33,9 +31,9 @@ pub(super) struct SeenTriangle {
 
 impl SeenTriangle {
     pub(super) fn new(corners: [Vector; 3], part: u32, viewer: Vector) -> Self {
-        let normal = normalize(area_normal(corners[0], corners[1], corners[2]));
-        let faces_away = dot(normal, subtract(viewer, corners[0])) < 0.0;
-        Self { corners, normal: scale(normal, if faces_away { -1.0 } else { 1.0 }), part }
+        let normal = area_normal(corners[0], corners[1], corners[2]).normalize_or_zero();
+        let faces_away = normal.dot(viewer - corners[0]) < 0.0;
+        Self { corners, normal: normal * (if faces_away { -1.0 } else { 1.0 }), part }
     }
 }
 
@@ -105,8 +103,8 @@ fn draw(samples: &mut Samples, index: u32, corners: [Vector; 3]) {
     if !area.is_finite() || area.abs() < LEAST_AREA {
         return;
     }
-    let least = minimum(minimum(a, b), c);
-    let greatest = maximum(maximum(a, b), c);
+    let least = a.min(b).min(c);
+    let greatest = a.max(b).max(c);
     let weights = [Linear::edge(b, c, area), Linear::edge(c, a, area), Linear::edge(a, b, area)];
     let depth_slope: f64 =
         (0..3).map(|corner| weights[corner].per_column * corners[corner][2]).sum();
@@ -150,7 +148,7 @@ mod tests {
 
     /// A camera straight in front of the square from -1 to 1 at z = 0.
     fn front(width: usize, height: usize) -> Projection {
-        let square = [[-1.0, -1.0, 0.0], [1.0, 1.0, 0.0]];
+        let square = [[-1.0, -1.0, 0.0], [1.0, 1.0, 0.0]].map(Vector::from);
         let view = View { azimuth: 0.0, elevation: 0.0, ..View::default() };
         let camera = Camera::facing(square.into_iter(), &view);
         let seen = square.map(|point| camera.see(point));
@@ -158,9 +156,10 @@ mod tests {
     }
 
     fn square_at(z: f64, half: f64) -> [SeenTriangle; 2] {
-        let corners = [[-half, -half, z], [half, -half, z], [half, half, z], [-half, half, z]];
+        let corners = [[-half, -half, z], [half, -half, z], [half, half, z], [-half, half, z]]
+            .map(Vector::from);
         let triangle = |a: usize, b: usize, c: usize| {
-            SeenTriangle::new([corners[a], corners[b], corners[c]], 0, [0.0, 0.0, 9.0])
+            SeenTriangle::new([corners[a], corners[b], corners[c]], 0, Vector::new(0.0, 0.0, 9.0))
         };
         [triangle(0, 1, 2), triangle(0, 2, 3)]
     }
@@ -196,12 +195,12 @@ mod tests {
             SeenTriangle::new(
                 [square[0].corners[0], square[0].corners[1], square[1].corners[2]],
                 1,
-                [0.0, 0.0, 9.0],
+                Vector::new(0.0, 0.0, 9.0),
             ),
             SeenTriangle::new(
                 [square[0].corners[1], square[0].corners[2], square[1].corners[2]],
                 1,
-                [0.0, 0.0, 9.0],
+                Vector::new(0.0, 0.0, 9.0),
             ),
         ];
         let samples = rasterize(&[square, turned].concat(), &front(64, 64), 64, 64);
@@ -212,9 +211,13 @@ mod tests {
     fn degenerate_and_far_away_triangles_do_no_harm() {
         let far = 1e60;
         let triangles = [
-            SeenTriangle::new([[0.0; 3]; 3], 0, [0.0, 0.0, 9.0]),
-            SeenTriangle::new([[f64::NAN; 3]; 3], 0, [0.0, 0.0, 9.0]),
-            SeenTriangle::new([[far, far, 0.0], [-far, far, 0.0], [2.0 * far; 3]], 0, [0.0; 3]),
+            SeenTriangle::new([Vector::ZERO; 3], 0, Vector::new(0.0, 0.0, 9.0)),
+            SeenTriangle::new([Vector::NAN; 3], 0, Vector::new(0.0, 0.0, 9.0)),
+            SeenTriangle::new(
+                [Vector::new(far, far, 0.0), Vector::new(-far, far, 0.0), Vector::splat(2.0 * far)],
+                0,
+                Vector::ZERO,
+            ),
         ];
         let samples = rasterize(&triangles, &front(16, 16), 16, 16);
         assert_eq!(samples.triangle.len(), 256);

@@ -3,7 +3,7 @@
 use super::camera::Projection;
 use super::palette::{Colour, encode, linear};
 use super::raster::{NOTHING, Samples, SeenTriangle};
-use crate::geometry::vector::{Vector, dot, length_squared, normalize, subtract};
+use crate::geometry::vector::Vector;
 
 /// Samples per pixel along each axis.
 pub(super) const SUPERSAMPLING: usize = 3;
@@ -12,7 +12,7 @@ pub(super) const SUPERSAMPLING: usize = 3;
 pub(super) const BACKGROUND: Colour = [246, 247, 250];
 
 /// Towards the light, in the camera's space: over the viewer's left shoulder.
-const TOWARDS_LIGHT: Vector = [-0.5, 0.85, 0.65];
+const TOWARDS_LIGHT: Vector = Vector::new(-0.5, 0.85, 0.65);
 
 /// Light on a surface that faces away from the light: nothing turns black.
 const AMBIENT_LIGHT: f64 = 0.42;
@@ -79,7 +79,7 @@ impl<'a> Shader<'a> {
             projection,
             colours: colours.map(light).collect(),
             background: light(BACKGROUND),
-            towards_light: normalize(TOWARDS_LIGHT),
+            towards_light: TOWARDS_LIGHT.normalize_or_zero(),
             probes: probes(),
         }
     }
@@ -116,7 +116,7 @@ impl<'a> Shader<'a> {
         let Some((triangle, point)) = self.look(x, y) else {
             return self.background;
         };
-        let wrapped = 0.5 + 0.5 * dot(triangle.normal, self.towards_light);
+        let wrapped = 0.5 + 0.5 * triangle.normal.dot(self.towards_light);
         let light = (AMBIENT_LIGHT + DIRECT_LIGHT * wrapped * wrapped)
             * (1.0 - self.occlusion(x, y, triangle.normal, point))
             * (1.0 - self.edge(x, y, triangle, point));
@@ -148,12 +148,12 @@ impl<'a> Shader<'a> {
             let Some((_, other)) = self.look(probe_x as usize, probe_y as usize) else {
                 continue;
             };
-            let towards = subtract(other, point);
-            let squared = length_squared(towards);
+            let towards = other - point;
+            let squared = towards.length_squared();
             if squared > OCCLUSION_RADIUS * OCCLUSION_RADIUS {
                 continue;
             }
-            let rise = (dot(towards, normal) - OCCLUSION_BIAS).max(0.0);
+            let rise = (towards.dot(normal) - OCCLUSION_BIAS).max(0.0);
             shade += rise / (squared + OCCLUSION_BIAS * OCCLUSION_BIAS).max(f64::MIN_POSITIVE);
         }
         // The sum has the unit of one over a length: the radius makes it a number.
@@ -180,11 +180,11 @@ impl<'a> Shader<'a> {
                 None => OUTLINE,
                 Some((other, _)) if other.part != triangle.part => OUTLINE,
                 Some((other, other_point)) => {
-                    let behind = -dot(subtract(other_point, point), triangle.normal);
+                    let behind = -(other_point - point).dot(triangle.normal);
                     if behind > STEP && other_point[2] < point[2] {
                         OUTLINE
                     } else {
-                        CREASE * crease(dot(triangle.normal, other.normal))
+                        CREASE * crease(triangle.normal.dot(other.normal))
                     }
                 }
             };

@@ -17,7 +17,7 @@ use std::f64::consts::TAU;
 
 use crate::bvh::SLOPES;
 use crate::geometry::Turns;
-use crate::geometry::vector::{Vector, add, distance, dot, length, scale, subtract};
+use crate::geometry::vector::Vector;
 
 /// A group whose radius is below this share of the distance to its ball counts as a whole: that is
 /// too much by less than a factor of 4, of edges that are far away.
@@ -46,14 +46,14 @@ struct Edge {
 
 impl Edge {
     fn middle(&self) -> Vector {
-        scale(add(self.start, self.end), 0.5)
+        (self.start + self.end) * 0.5
     }
 
     fn distance(&self, point: Vector) -> f64 {
-        let (arm, along) = (subtract(point, self.start), subtract(self.end, self.start));
-        let squared = dot(along, along);
-        let share = if squared > 0.0 { (dot(arm, along) / squared).clamp(0.0, 1.0) } else { 0.0 };
-        length(subtract(arm, scale(along, share)))
+        let (arm, along) = (point - self.start, self.end - self.start);
+        let squared = along.dot(along);
+        let share = if squared > 0.0 { (arm.dot(along) / squared).clamp(0.0, 1.0) } else { 0.0 };
+        arm.distance(along * share)
     }
 }
 
@@ -97,7 +97,7 @@ impl Boundary {
                 let (start, end) = if excess > 0 { (start, end) } else { (end, start) };
                 let (&start, &end) = (positions.get(start as usize)?, positions.get(end as usize)?);
                 let count = u32::try_from(excess.unsigned_abs()).unwrap_or(u32::MAX);
-                let (weight, length) = (f64::from(count) / FULL, distance(start, end));
+                let (weight, length) = (f64::from(count) / FULL, start.distance(end));
                 (length > 0.0 && count > 0).then_some(Edge { start, end, count, weight, length })
             })
             .collect();
@@ -132,7 +132,7 @@ impl Boundary {
         let mut slope = Slope { gradient: 0.0, clearance: f64::INFINITY };
         let mut next = 0;
         while let Some(group) = self.groups.get(next) {
-            let away = (distance(point, group.centre) - group.radius).max(nearest);
+            let away = (point.distance(group.centre) - group.radius).max(nearest);
             if group.radius <= FAR * away {
                 slope.add(group.length, group.weight, away);
                 next = group.after;
@@ -193,18 +193,18 @@ impl Slope {
 fn build(edges: &mut [Edge], range: std::ops::Range<usize>, groups: &mut Vec<Group>) {
     let Some(own) = edges.get_mut(range.clone()) else { return };
     let count = own.len();
-    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    let (mut low, mut high) = (Vector::INFINITY, Vector::NEG_INFINITY);
     for edge in own.iter() {
         for end in [edge.start, edge.end] {
-            low = [0, 1, 2].map(|axis| low[axis].min(end[axis]));
-            high = [0, 1, 2].map(|axis| high[axis].max(end[axis]));
+            low = end.min(low);
+            high = end.max(high);
         }
     }
-    let extent = subtract(high, low);
+    let extent = high - low;
     let place = groups.len();
     groups.push(Group {
-        centre: scale(add(low, high), 0.5),
-        radius: 0.5 * length(extent),
+        centre: (low + high) * 0.5,
+        radius: 0.5 * extent.length(),
         length: own.iter().map(|edge| edge.weight * edge.length).sum(),
         weight: own.iter().map(|edge| edge.weight).sum(),
         edges: range.clone(),
@@ -244,7 +244,8 @@ struct SweptEdges {
 impl SweptEdges {
     /// Edges from point to point, in lanes.
     fn all(edges: impl Iterator<Item = (Vector, Vector)>) -> Vec<Self> {
-        let behind = scale([1.0, SLOPES[0], SLOPES[1]], FAR_BEHIND).map(|x| [x; LANES]);
+        let behind =
+            (Vector::new(1.0, SLOPES[0], SLOPES[1]) * FAR_BEHIND).to_array().map(|x| [x; LANES]);
         let mut all: Vec<Self> = Vec::new();
         for (number, (start, end)) in edges.enumerate() {
             if number % LANES == 0 {
@@ -263,9 +264,9 @@ impl SweptEdges {
 
 /// The winding number of swept edges about a point; `None` if the ray hits one. O(n).
 fn swept_winding_number(edges: &[SweptEdges], point: Vector) -> Option<f64> {
-    let ray = [1.0, SLOPES[0], SLOPES[1]];
-    let ray_length = length(ray);
-    let along = scale(ray, 1.0 / ray_length);
+    let ray = Vector::new(1.0, SLOPES[0], SLOPES[1]);
+    let ray_length = ray.length();
+    let along = ray * (1.0 / ray_length);
     let mut turns = [Turns::NONE; LANES];
     for edges in edges {
         let (real, imaginary) = half_solid_angles(edges, point, along, 1.0 / ray_length)?;
@@ -289,14 +290,15 @@ fn half_solid_angles(
     let (mut real, mut imaginary) = ([0.0; LANES], [0.0; LANES]);
     let mut is_hit = false;
     for lane in 0..LANES {
-        let arm = |end: &[[f64; LANES]; 3]| [0, 1, 2].map(|axis| end[axis][lane] - point[axis]);
+        let arm =
+            |end: &[[f64; LANES]; 3]| Vector::new(end[0][lane], end[1][lane], end[2][lane]) - point;
         let (a, b) = (arm(&edges.start), arm(&edges.end));
         let dot = |a: Vector, b: Vector| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let (of_a, of_b) = (dot(a, a).sqrt(), dot(b, b).sqrt());
         let product = of_a * of_b;
         real[lane] = product + dot(a, b) - (dot(a, along) * of_b + dot(b, along) * of_a);
         // As seen along the ray.
-        let across = |[x, y, z]: Vector| [y - SLOPES[0] * x, z - SLOPES[1] * x];
+        let across = |Vector { x, y, z }: Vector| [y - SLOPES[0] * x, z - SLOPES[1] * x];
         let (a, b) = (across(a), across(b));
         imaginary[lane] = scale * (a[0] * b[1] - a[1] * b[0]);
         let noise = ON_RAY * product;
@@ -308,11 +310,11 @@ fn half_solid_angles(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::vector::normalize;
 
     /// A sheet of one small square: four edges where the surface ends.
     fn sheet() -> Boundary {
-        let corners = [[0.0, 0.0, 0.0], [0.01, 0.0, 0.0], [0.01, 0.01, 0.0], [0.0, 0.01, 0.0]];
+        let corners = [[0.0, 0.0, 0.0], [0.01, 0.0, 0.0], [0.01, 0.01, 0.0], [0.0, 0.01, 0.0]]
+            .map(Vector::from);
         Boundary::new(&corners, &[[0, 1, 2], [0, 2, 3]])
     }
 
@@ -324,16 +326,16 @@ mod tests {
     fn nowhere_within_a_way_is_the_slope_steeper_than_what_is_said_of_it() {
         let boundary = sheet();
         for (from, to) in [
-            ([0.5, 0.2, 0.1], [0.0; 3]),
-            ([0.5, 0.2, 0.1], [0.5, 0.0, 0.0]),
-            ([0.02, 0.03, 0.0], [0.01, 0.01, 0.0]),
-            ([-1.0, 0.0, 2.0], [0.0, 0.01, 0.0]),
+            (Vector::new(0.5, 0.2, 0.1), Vector::ZERO),
+            (Vector::new(0.5, 0.2, 0.1), Vector::new(0.5, 0.0, 0.0)),
+            (Vector::new(0.02, 0.03, 0.0), Vector::new(0.01, 0.01, 0.0)),
+            (Vector::new(-1.0, 0.0, 2.0), Vector::new(0.0, 0.01, 0.0)),
         ] {
             let slope = slope_at(&boundary, from);
-            let direction = normalize(subtract(to, from));
+            let direction = (to - from).normalize_or_zero();
             for share in [0.01, 0.1, 0.3, 0.5, 0.9] {
                 let way = share * slope.clearance;
-                let there = slope_at(&boundary, add(from, scale(direction, way)));
+                let there = slope_at(&boundary, from + direction * way);
                 let said = slope.at_distance(way);
                 assert!(there.gradient <= said.gradient * (1.0 + 1e-12), "{from:?} {share}");
                 assert!(there.clearance >= said.clearance * (1.0 - 1e-12), "{from:?} {share}");
@@ -345,7 +347,7 @@ mod tests {
     #[test]
     fn the_change_over_a_way_is_the_integral_of_the_slope() {
         const STEPS: usize = 10_000;
-        let slope = slope_at(&sheet(), [0.5, 0.2, 0.1]);
+        let slope = slope_at(&sheet(), Vector::new(0.5, 0.2, 0.1));
         for share in [0.01, 0.3, 0.9] {
             let way = share * slope.clearance;
             let step = way / STEPS as f64;

@@ -11,7 +11,7 @@ use super::grid::Location;
 use super::solid::{CERTAINLY_BEYOND, FaceCache, FaceKey, Solid};
 use super::subdivide::{Face, Part, Policy, Scratch, Suspects, Verdict, centre, halves, subdivide};
 use super::surface::Side;
-use crate::geometry::vector::{Vector, add, area_normal, length_squared, squared};
+use crate::geometry::vector::{Vector, area_normal, as_arrays, squared};
 use crate::hull::growing_hull::GrowingHull;
 use crate::hull::{HullBuilder, LEAST_THICKNESS, solid_hull};
 use crate::work;
@@ -206,7 +206,7 @@ impl<'a> FitTester<'a> {
         Self {
             solid,
             bound,
-            trial: GrowingHull::new(&[], [0.0; 3]),
+            trial: GrowingHull::new(&[], Vector::ZERO),
             thickener: HullBuilder::new(),
             faces: Vec::new(),
             scratch: Scratch::default(),
@@ -239,7 +239,7 @@ impl<'a> FitTester<'a> {
                 Some(false) => is_refused = true,
                 None => {
                     let [a, b, c] = face;
-                    let size = length_squared(area_normal(a, b, c));
+                    let size = area_normal(a, b, c).length_squared();
                     faces.push(UntestedFace { size, key, face });
                 }
             }
@@ -251,10 +251,13 @@ impl<'a> FitTester<'a> {
             } else {
                 hull.builder.all_faces().all(&mut collect);
             }
-        } else if let Ok((flat, _)) =
-            solid_hull(&mut self.thickener, &hull.points, hull.outward, LEAST_THICKNESS)
-        {
-            flat.corners().all(&mut collect);
+        } else if let Ok((flat, _)) = solid_hull(
+            &mut self.thickener,
+            as_arrays(&hull.points),
+            hull.outward.to_array(),
+            LEAST_THICKNESS,
+        ) {
+            flat.faces().all(&mut collect);
         }
         let contains = |&(point, _): &(Vector, f64)| hull.builder.farthest_outside(&[point]) <= 0.0;
         is_refused |= hull.is_solid && self.solid.cavities.iter().any(contains);
@@ -312,10 +315,10 @@ impl<'a> FitTester<'a> {
     ) -> bool {
         let mut points = std::mem::take(&mut self.points);
         points.clear();
-        let mut outward = [0.0; 3];
+        let mut outward = Vector::ZERO;
         for (part, part_outward) in parts {
             points.extend_from_slice(part);
-            outward = add(outward, part_outward);
+            outward += part_outward;
         }
         self.attempts += 1;
         let mut trial = std::mem::take(&mut self.trial);
@@ -336,7 +339,7 @@ mod tests {
     use super::*;
     use crate::control::Control;
     use crate::geometry::TriangleMesh;
-    use crate::geometry::vector::{scale, subtract};
+    use crate::geometry::vector::{as_vectors, into_vectors};
     use crate::mesh::canonical_order::MeshOrder;
     use crate::mesh::repair::prepare;
     use crate::mesh::shapes::{cuboid, hemisphere, join, torus};
@@ -347,14 +350,15 @@ mod tests {
 
     fn solid_of(mesh: &TriangleMesh, boundary: Boundary) -> Solid {
         let TriangleMesh { positions, triangles, .. } = mesh;
-        Solid::of_surface(positions, triangles, boundary, BOUND, &Control::new()).unwrap()
+        Solid::of_surface(as_vectors(positions), triangles, boundary, BOUND, &Control::new())
+            .unwrap()
     }
 
     #[test]
     fn no_answer_depends_on_where_earlier_hulls_protruded() {
         let two = join(&[torus(24, 12), cuboid([0.2, 0.2, -0.1], [0.5, 0.6, 0.9])]);
         let bowl = hemisphere(10);
-        let rim = || Boundary::new(&bowl.positions, &bowl.triangles);
+        let rim = || Boundary::new(bowl.points(), &bowl.triangles);
         let no_rim = Boundary::default;
         let meshes: [(&TriangleMesh, &dyn Fn() -> Boundary); 2] = [(&two, &no_rim), (&bowl, &rim)];
         for (mesh, boundary) in meshes {
@@ -366,8 +370,8 @@ mod tests {
             for start in (0..count).step_by(count / 24 + 1) {
                 for size in [6, 12, 22, 34, 60] {
                     let points: Vec<Vector> =
-                        (start..start + size).map(|k| mesh.positions[k % count]).collect();
-                    let hull = GrowingHull::new(&points, [0.0; 3]);
+                        (start..start + size).map(|k| mesh.points()[k % count]).collect();
+                    let hull = GrowingHull::new(&points, Vector::ZERO);
                     let alone = FitTester::new(&other, BOUND).fits(&hull, false);
                     assert_eq!(tester.fits(&hull, false), alone);
                     if alone { fitting += 1 } else { refused += 1 }
@@ -383,19 +387,23 @@ mod tests {
         let solid = solid_of(&join(&[cube(0.0), cube(1.0 + 4.0 * BOUND)]), Boundary::default());
         let mut tester = FitTester::new(&solid, BOUND);
         assert_eq!(tester.bound(), BOUND);
-        let (near, far) = (cube(0.0).positions, cube(1.0 + 4.0 * BOUND).positions);
-        let mut hull = GrowingHull::new(&near[..5], [0.0; 3]);
+        let (near, far) =
+            (into_vectors(cube(0.0).positions), into_vectors(cube(1.0 + 4.0 * BOUND).positions));
+        let mut hull = GrowingHull::new(&near[..5], Vector::ZERO);
         assert!(hull.is_solid);
         let volume = hull.current_volume();
         let mut try_insert = |hull: &mut GrowingHull, points: &[Vector]| {
-            tester.try_insert(hull, std::iter::once((points, [0.0; 3])))
+            tester.try_insert(hull, std::iter::once((points, Vector::ZERO)))
         };
         assert!(!try_insert(&mut hull, &far), "across a gap of four bounds");
         assert_eq!(hull.current_volume(), volume);
         assert!(try_insert(&mut hull, &near[5..]));
         assert!((hull.current_volume() - 1.0).abs() < 1e-12);
-        assert!(try_insert(&mut hull, &[[1.0 + 0.9 * BOUND, 0.5, 0.5]]), "within the bound");
-        assert!(!try_insert(&mut hull, &[[1.0 + 1.5 * BOUND, 0.1, 0.1]]), "beyond it");
+        assert!(
+            try_insert(&mut hull, &[Vector::new(1.0 + 0.9 * BOUND, 0.5, 0.5)]),
+            "within the bound"
+        );
+        assert!(!try_insert(&mut hull, &[Vector::new(1.0 + 1.5 * BOUND, 0.1, 0.1)]), "beyond it");
         assert_eq!(tester.attempts, 4);
     }
 
@@ -418,11 +426,17 @@ mod tests {
         /// Without what only coarse solids do.
         fn dense(name: &'static str, mesh: &TriangleMesh, bound: f64) -> Self {
             let TriangleMesh { positions, triangles, .. } = mesh;
-            let boundary = Boundary::new(positions, triangles);
-            let mut solid =
-                Solid::of_surface(positions, triangles, boundary, bound, &Control::new()).unwrap();
+            let boundary = Boundary::new(as_vectors(positions), triangles);
+            let mut solid = Solid::of_surface(
+                as_vectors(positions),
+                triangles,
+                boundary,
+                bound,
+                &Control::new(),
+            )
+            .unwrap();
             solid.is_coarse = false;
-            Self { name, solid, corners: positions.clone() }
+            Self { name, solid, corners: into_vectors(positions.clone()) }
         }
 
         fn coarse(name: &'static str, mesh: &TriangleMesh, bound: f64) -> Self {
@@ -430,7 +444,7 @@ mod tests {
             let prepared = prepare(mesh.view(), MeshOrder::Place, &control).unwrap();
             let solid = Solid::new(&prepared, None, (bound, false), &control).unwrap();
             assert!(solid.is_coarse());
-            Self { name, solid, corners: prepared.mesh.positions }
+            Self { name, solid, corners: into_vectors(prepared.mesh.positions) }
         }
 
         fn all(bound: f64) -> [Self; 4] {
@@ -467,7 +481,7 @@ mod tests {
             let weights = (0..=SAMPLES).flat_map(|i| (0..=SAMPLES - i).map(move |j| (i, j)));
             let points = weights.map(|(i, j)| {
                 let rest = share(SAMPLES - i - j);
-                add(add(scale(a, share(i)), scale(b, share(j))), scale(c, rest))
+                a * share(i) + b * share(j) + c * rest
             });
             points.map(|point| self.outside(point, OPEN_INSIDE - DOUBTFUL)).fold(0.0, f64::max)
         }
@@ -518,9 +532,9 @@ mod tests {
                     case.faces().zip([0.0, 0.5, 0.95, 1.05, 1.4, 3.0].into_iter().cycle())
                 {
                     let [a, b, c] = face;
-                    let away = subtract(a, scale(add(b, c), 0.5));
-                    let size = length_squared(away).sqrt().max(1e-12);
-                    let point = add(a, scale(away, share * bound / size));
+                    let away = a - (b + c) * 0.5;
+                    let size = away.length_squared().sqrt().max(1e-12);
+                    let point = a + away * (share * bound / size);
                     let fits = case.solid.point_fits(point, bound);
                     let for_certain = case.outside(point, OPEN_INSIDE - DOUBTFUL);
                     let perhaps = case.outside(point, OPEN_INSIDE + DOUBTFUL);

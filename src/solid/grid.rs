@@ -10,12 +10,13 @@
 //! is. So one number for a block, and the turns between its centre and a cell, bound the number at any point of the
 //! block. Neighbours share their turns, where no surface is between them.
 
+use glam::Vec3;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use super::boundary::Slope;
 use super::surface::{OPEN_INSIDE, Side, Surface, Winding};
-use crate::geometry::vector::{Vector, bounds, length_squared, subtract};
+use crate::geometry::vector::{Vector, bounds};
 use crate::parallel;
 use crate::work;
 
@@ -69,24 +70,10 @@ const OUTSIDE: f32 = -1.0;
 const UNKNOWN_INSIDE: f32 = f32::INFINITY;
 
 /// A point in single precision, relative to the corner of the first cell.
-type Relative = [f32; 3];
+type Relative = glam::Vec3;
 
 /// Column, row and layer of a cell.
 type Place = [usize; 3];
-
-fn minus(a: Relative, b: Relative) -> Relative {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-#[inline]
-fn dot(a: Relative, b: Relative) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-#[inline]
-fn length(a: Relative) -> f32 {
-    dot(a, a).sqrt()
-}
 
 /// Single precision numbers as bits, written by any thread.
 fn load(bits: &AtomicU32) -> f32 {
@@ -125,7 +112,7 @@ impl Cell {
     }
 
     fn nearest(&self) -> Relative {
-        [0, 1, 2].map(|k| load(&self.nearest[k]))
+        Vec3::from_array([0, 1, 2].map(|k| load(&self.nearest[k])))
     }
 }
 
@@ -204,7 +191,9 @@ impl Grid {
             size *= GROWTH;
         }
         let dimensions = extent.map(|e| (e / size).ceil() as usize + BORDER as usize);
-        let origin = [0, 1, 2].map(|k| 0.5 * (min[k] + max[k]) - 0.5 * size * dimensions[k] as f64);
+        let origin = Vector::from_array(
+            [0, 1, 2].map(|k| 0.5 * (min[k] + max[k]) - 0.5 * size * dimensions[k] as f64),
+        );
         let [x, y, z] = dimensions.map(|cells| cells.div_ceil(BLOCK));
         let mut blocks = Vec::new();
         blocks.resize_with(x * y * z, OnceLock::new);
@@ -217,8 +206,8 @@ impl Grid {
     pub fn locate(&self, point: Vector) -> Location<'_> {
         let (relative, place) = self.place(point);
         let cell = self.cell(place);
-        let away = length(minus(relative, self.centre(place)));
-        let upper = length(minus(relative, cell.nearest()));
+        let away = relative.distance(self.centre(place));
+        let upper = relative.distance(cell.nearest());
         let upper = if upper.is_nan() { f64::INFINITY } else { f64::from(upper) };
         let lower = f64::from(load(&cell.distance) - away);
         Location { grid: self, cell, place, relative, away, lower, upper }
@@ -230,7 +219,7 @@ impl Grid {
         let (relative, place) = self.place(point);
         let block = self.block_of(place);
         let centre = self.block_centre(place);
-        let away = length(minus(relative, centre));
+        let away = relative.distance(centre);
         let distance = match block.distance.load(Ordering::Relaxed) {
             EMPTY => self.fill_block(block, centre),
             bits => f32::from_bits(bits),
@@ -260,7 +249,7 @@ impl Grid {
                     EMPTY => self.fill_block(block, centre),
                     bits => f32::from_bits(bits),
                 };
-                let away = FREE * length(minus(self.centre(place), centre));
+                let away = FREE * self.centre(place).distance(centre);
                 match distance {
                     far if far - away > limit => true,
                     near if near + away <= limit => false,
@@ -299,29 +288,27 @@ impl Grid {
 
     #[inline]
     fn place(&self, point: Vector) -> (Relative, Place) {
-        let relative = [0, 1, 2].map(|k| (point[k] - self.origin[k]) as f32);
-        let place = [0, 1, 2].map(|k| {
-            let x = (relative[k] * self.inverse_size).max(0.0) as usize;
-            x.min(self.dimensions[k] - 1)
-        });
+        let relative = (point - self.origin).as_vec3();
+        let place = (relative * self.inverse_size).to_array().map(|x| x.max(0.0) as usize);
+        let place = [0, 1, 2].map(|k| place[k].min(self.dimensions[k] - 1));
         (relative, place)
     }
 
     #[inline]
     fn absolute(&self, relative: Relative) -> Vector {
-        [0, 1, 2].map(|k| self.origin[k] + f64::from(relative[k]))
+        self.origin + relative.as_dvec3()
     }
 
     #[inline]
     fn centre(&self, place: Place) -> Relative {
-        place.map(|x| (x as f32 + 0.5) * self.size)
+        Vec3::from(place.map(|x| (x as f32 + 0.5) * self.size))
     }
 
     /// The centre of a cell's block.
     #[inline]
     fn block_centre(&self, place: Place) -> Relative {
         let size = BLOCK as f32 * self.size;
-        place.map(|place| ((place >> BLOCK_BITS) as f32 + 0.5) * size)
+        Vec3::from(place.map(|place| ((place >> BLOCK_BITS) as f32 + 0.5) * size))
     }
 
     #[inline]
@@ -360,16 +347,16 @@ impl Grid {
     fn fill(&self, cell: &Cell, place: Place, hint: &AtomicU32) {
         work::count(work::CELL);
         let centre = self.centre(place);
-        let (mut nearest, mut distance) = ([f32::NAN; 3], f32::INFINITY);
+        let (mut nearest, mut distance) = (Vec3::NAN, f32::INFINITY);
         let (absolute, guess) = (self.absolute(centre), hint.load(Ordering::Relaxed));
         let tree = &self.surface.tree;
         if let Some(closest) = tree.closest_point_near(absolute, f64::INFINITY, guess) {
             nearest = self.place(closest.point).0;
-            distance = length(minus(centre, nearest));
+            distance = centre.distance(nearest);
             cell.triangle.store(closest.triangle, Ordering::Relaxed);
             hint.store(closest.triangle, Ordering::Relaxed);
         }
-        cell.nearest.iter().zip(nearest).for_each(|(bits, x)| store(bits, x));
+        cell.nearest.iter().zip(nearest.to_array()).for_each(|(bits, x)| store(bits, x));
         cell.distance.store(distance.max(f32::MIN_POSITIVE).to_bits(), Ordering::Release);
     }
 
@@ -494,7 +481,7 @@ impl Grid {
 
     /// Whether the surface crosses neither of the balls around two cells' centres that extend up to it.
     fn is_free(&self, place: Place, distance: f32, other: Place, cell: &Cell) -> bool {
-        let apart = length(minus(self.centre(place), self.centre(other)));
+        let apart = self.centre(place).distance(self.centre(other));
         distance + load(&cell.distance) > FREE * apart
     }
 
@@ -565,7 +552,7 @@ impl Grid {
     #[cold]
     fn compute_turns(&self, cell: &Cell, place: Place, known: &BlockWinding) -> Option<i32> {
         let centre = self.centre(place);
-        let way = f64::from(length(minus(centre, self.block_centre(place))));
+        let way = f64::from(centre.distance(self.block_centre(place)));
         let change = known.slope.change(way);
         // Also where another cell has the answer: what is known must not depend on which was first.
         if change > MOST_CHANGE {
@@ -605,7 +592,7 @@ impl Grid {
                 return Some(turns);
             }
             let other_known = self.winding_of(self.known_block(other)?, centre);
-            let way = f64::from(length(minus(self.centre(place), centre)));
+            let way = f64::from(self.centre(place).distance(centre));
             let difference = other_known.number + f64::from(turns) - known.number;
             (other_known.slope.change(way) + change <= MOST_CHANGE)
                 .then(|| difference.round() as i32)
@@ -684,8 +671,8 @@ impl Location<'_> {
     #[inline]
     pub fn distance_to_tangent(&self) -> f64 {
         let nearest = self.cell.nearest();
-        let normal = minus(self.grid.centre(self.place), nearest);
-        let height = dot(minus(self.relative, nearest), normal) / length(normal);
+        let normal = self.grid.centre(self.place) - nearest;
+        let height = (self.relative - nearest).dot(normal) / normal.length();
         if height.is_nan() { f64::INFINITY } else { f64::from(height) }
     }
 
@@ -707,7 +694,7 @@ impl Location<'_> {
             return f64::INFINITY;
         }
         let nearest = self.grid.absolute(nearest);
-        let [a, b, c] = face.map(|corner| length_squared(subtract(corner, nearest)));
+        let [a, b, c] = face.map(|corner| corner.distance_squared(nearest));
         let to_point = a.max(b).max(c).sqrt() + ROUNDING;
         if to_point <= enough {
             return to_point;
@@ -723,7 +710,7 @@ impl Location<'_> {
         }
         let centre = grid.block_centre(place);
         let known = grid.winding_of(grid.block_of(place), centre);
-        let way = f64::from(length(minus(relative, centre)));
+        let way = f64::from(relative.distance(centre));
         let change = known.slope.change(way);
         if change.is_infinite() {
             return None;
@@ -751,7 +738,7 @@ impl Grid {
 mod tests {
     use super::*;
     use crate::bvh::Bvh;
-    use crate::geometry::vector::{add, length, scale};
+    use crate::geometry::vector::into_vectors;
     use crate::mesh::shapes::{cuboid, join, turn};
     use crate::solid::Boundary;
 
@@ -764,13 +751,15 @@ mod tests {
         };
         let small = turn(without_lid([-0.3, -0.2, -0.1], [0.5, 0.2, 0.1]));
         let mesh = join(&[without_lid([-0.4, -0.3, -0.2], [0.4, 0.3, 0.2]), small]);
-        (mesh.positions, mesh.triangles)
+        (into_vectors(mesh.positions), mesh.triangles)
     }
 
     /// Evenly spread over the boxes and around them.
     fn spread(number: u32) -> Vector {
-        [0.819_173, 0.671_044, 0.549_700]
-            .map(|step: f64| 1.2 * (0.5 + step * f64::from(number)).fract() - 0.6)
+        Vector::from_array(
+            [0.819_173, 0.671_044, 0.549_700]
+                .map(|step: f64| 1.2 * (0.5 + step * f64::from(number)).fract() - 0.6),
+        )
     }
 
     fn surface() -> (Vec<Vector>, Surface) {
@@ -810,7 +799,7 @@ mod tests {
             inside += 1;
             for k in 0..10 {
                 let way = spread(17 * k + number);
-                let there = add(point, scale(way, 0.999 * depth / length(way)));
+                let there = point + way * (0.999 * depth / way.length());
                 let number_there = surface.winding_number(there);
                 assert!(number_there > OPEN_INSIDE - 1e-5, "{point:?}: {number_there}");
             }

@@ -12,7 +12,7 @@ use super::subdivide::{Face, Part, Policy, Scratch, Suspects, Verdict, subdivide
 use super::surface::Side;
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, dot};
+use crate::geometry::vector::Vector;
 use crate::hull::ConvexHull;
 use crate::parallel;
 use crate::work;
@@ -67,7 +67,7 @@ pub(crate) fn protrusion(
     if exact.cavities_exceed(hull) {
         return Ok(exact.known);
     }
-    let faces: Vec<Face> = hull.corners().collect();
+    let faces: Vec<Face> = hull.faces().collect();
     exact.run(&faces, None)
 }
 
@@ -95,7 +95,7 @@ pub(crate) fn keeps_bound(
 ) -> Result<bool, Error> {
     // Most hulls that protrude do so at one of few points.
     let fits = |face| solid.centre_fits(face, bound) && solid.quarters_fit(face, bound);
-    let faces: Vec<Face> = hull.corners().collect();
+    let faces: Vec<Face> = hull.faces().collect();
     if !faces.iter().copied().all(fits) {
         return Ok(false);
     }
@@ -208,8 +208,8 @@ impl<'a> Exact<'a> {
         if cavities.is_empty() {
             return false;
         }
-        let planes = hull.planes();
-        let contains = |point| planes.iter().all(|&(normal, offset)| dot(normal, point) <= offset);
+        let planes = hull.face_planes();
+        let contains = |point| planes.iter().all(|&(normal, offset)| normal.dot(point) <= offset);
         for &(point, depth) in cavities {
             if depth > self.known && contains(point) {
                 self.known = depth;
@@ -347,7 +347,7 @@ mod tests {
     use super::*;
     use crate::bvh::Bvh;
     use crate::clustering::cluster;
-    use crate::geometry::vector::{add, cross, normalize, scale};
+    use crate::geometry::vector::{as_arrays, as_vectors, into_vectors};
     use crate::hull::convex_hull;
     use crate::mesh::TriangleMesh;
     use crate::mesh::canonical_order::MeshOrder;
@@ -357,7 +357,8 @@ mod tests {
 
     fn solid_of(mesh: &TriangleMesh, boundary: Boundary, bound: f64) -> Solid {
         let TriangleMesh { positions, triangles, .. } = mesh;
-        Solid::of_surface(positions, triangles, boundary, bound, &Control::new()).unwrap()
+        Solid::of_surface(as_vectors(positions), triangles, boundary, bound, &Control::new())
+            .unwrap()
     }
 
     fn keeps(hull: &ConvexHull, solid: &Solid, bound: f64, suspects: &SharedSuspects) -> bool {
@@ -387,7 +388,7 @@ mod tests {
             // The centres of the faces are no higher than a third of this.
             corners.push([0.5, 0.5, 1.0 + share * bound]);
             let hull = convex_hull(&corners).unwrap();
-            assert!(hull.corners().all(|face| solid.centre_fits(face, bound)));
+            assert!(hull.faces().all(|face| solid.centre_fits(face, bound)));
             assert_eq!(keeps(&hull, &solid, bound, &suspects), share <= 1.0, "{share}");
         }
     }
@@ -398,7 +399,7 @@ mod tests {
         let mut solid = solid_of(&mesh, Boundary::default(), 0.02);
         let hull = convex_hull(&mesh.positions).unwrap();
         assert!(keeps(&hull, &solid, 0.02, &SharedSuspects::default()));
-        solid.cavities = vec![([0.5; 3], 0.1)];
+        solid.cavities = vec![(Vector::splat(0.5), 0.1)];
         assert!(!keeps(&hull, &solid, 0.02, &SharedSuspects::default()));
     }
 
@@ -410,8 +411,8 @@ mod tests {
         windows
             .filter_map(|(start, size)| {
                 let points: Vec<Vector> =
-                    (start..start + size).map(|k| mesh.positions[k % count]).collect();
-                convex_hull(&points).ok()
+                    (start..start + size).map(|k| mesh.points()[k % count]).collect();
+                convex_hull(as_arrays(&points)).ok()
             })
             .collect()
     }
@@ -421,7 +422,7 @@ mod tests {
         let bound = 0.03;
         let two = join(&[torus(24, 12), cuboid([0.2, 0.2, -0.1], [0.5, 0.6, 0.9])]);
         let bowl = hemisphere(10);
-        let rim = Boundary::new(&bowl.positions, &bowl.triangles);
+        let rim = Boundary::new(bowl.points(), &bowl.triangles);
         for (mesh, boundary) in [(two, Boundary::default()), (bowl, rim)] {
             let solid = solid_of(&mesh, boundary, bound);
             let suspects = SharedSuspects::default();
@@ -450,13 +451,16 @@ mod tests {
         }
         let control = Control::new();
         let bound = 0.01;
-        let boundary = Boundary::new(&positions, &triangles);
-        let solid = Solid::of_surface(&positions, &triangles, boundary, bound, &control).unwrap();
+        let boundary = Boundary::new(as_vectors(&positions), &triangles);
+        let solid =
+            Solid::of_surface(as_vectors(&positions), &triangles, boundary, bound, &control)
+                .unwrap();
         let depth = 0.9;
-        let corners = [[0.5, 0.0, 0.0], [0.5, 1.0, 0.0], [0.5, 0.5, -depth], [0.6, 0.5, -0.1]];
-        let hull = convex_hull(&corners).unwrap();
+        let corners = [[0.5, 0.0, 0.0], [0.5, 1.0, 0.0], [0.5, 0.5, -depth], [0.6, 0.5, -0.1]]
+            .map(Vector::from);
+        let hull = convex_hull(as_arrays(&corners)).unwrap();
         assert_eq!(solid.side(corners[2]), Side::Outside);
-        assert_eq!(solid.side([0.5, 0.5, -0.3]), Side::Inside);
+        assert_eq!(solid.side(Vector::new(0.5, 0.5, -0.3)), Side::Inside);
         let found = protrusion(&hull, &solid, bound, f64::INFINITY, &control).unwrap();
         assert!(found >= depth, "{found}");
     }
@@ -468,15 +472,19 @@ mod tests {
 
     fn solid_of_hull(hull: &ConvexHull, bound: f64) -> Solid {
         let boundary = Boundary::default();
-        Solid::of_surface(&hull.points, &hull.triangles, boundary, bound, &Control::new()).unwrap()
+        Solid::of_surface(hull.points(), &hull.triangles, boundary, bound, &Control::new()).unwrap()
     }
 
     #[test]
     fn a_hull_protrudes_into_the_cavities_that_it_contains_and_into_no_other() {
-        let shell = cube([0.0; 3]);
+        let shell = cube(Vector::ZERO);
         let bound = 0.02;
         let mut solid = solid_of_hull(&shell, bound);
-        solid.cavities = vec![([0.5; 3], 0.1), ([0.5, 0.5, 0.2], 0.15), ([1.5; 3], 0.3)];
+        solid.cavities = vec![
+            (Vector::splat(0.5), 0.1),
+            (Vector::new(0.5, 0.5, 0.2), 0.15),
+            (Vector::splat(1.5), 0.3),
+        ];
         let of = |hull| protrusion(hull, &solid, bound, f64::INFINITY, &Control::new()).unwrap();
         // A result is too large by a share at most.
         assert!((0.15..0.16).contains(&of(&shell)), "{}", of(&shell));
@@ -489,7 +497,7 @@ mod tests {
 
     #[test]
     fn a_shifted_hull_protrudes_by_its_shift() {
-        let (inner, outer) = (cube([0.0; 3]), cube([0.25; 3]));
+        let (inner, outer) = (cube(Vector::ZERO), cube(Vector::splat(0.25)));
         let (control, bound) = (Control::new(), 0.02);
         let solid = solid_of_hull(&inner, bound);
         let of = |hull| protrusion(hull, &solid, bound, f64::INFINITY, &control).unwrap();
@@ -509,21 +517,22 @@ mod tests {
         let clustered = cluster(&prepared, BOUND, 4.0 * BOUND, &control).unwrap();
         let solid = Solid::new(&prepared, clustered, (BOUND, false), &control).unwrap();
         let TriangleMesh { positions, triangles, .. } = prepared.mesh;
-        let source = Bvh::new(&positions, &triangles);
-        (positions, solid, source)
+        let source = Bvh::new(as_vectors(&positions), &triangles);
+        (into_vectors(positions), solid, source)
     }
 
     /// A pyramid that is within a round shape but for its tip.
     fn spike(at: Vector, height: f64, width: f64) -> ConvexHull {
-        let outward = normalize(at);
-        let across = normalize(cross(outward, [0.48, 0.6, 0.64]));
-        let along = cross(outward, across);
+        let outward = at.normalize_or_zero();
+        let across = outward.cross(Vector::new(0.48, 0.6, 0.64)).normalize_or_zero();
+        let along = outward.cross(across);
         let base = [[1.0, 0.0], [-0.5, 0.8], [-0.5, -0.8]].map(|[x, y]| {
-            let foot = add(at, scale(outward, -0.1));
-            add(foot, add(scale(across, x * width), scale(along, y * width)))
+            let foot = at + outward * -0.1;
+            foot + (across * (x * width) + along * (y * width))
         });
-        let tip = add(at, scale(outward, height));
-        convex_hull(&[base[0], base[1], base[2], tip]).unwrap()
+        let tip = at + outward * height;
+        convex_hull(&[base[0].to_array(), base[1].to_array(), base[2].to_array(), tip.to_array()])
+            .unwrap()
     }
 
     #[test]
@@ -548,7 +557,7 @@ mod tests {
                 for share in [0.2, 0.4, 0.6, 0.7, 0.8, 0.9, 0.98, 1.01, 1.02, 1.03, 1.2, 1.5, 2.0] {
                     let (height, width) = (share * BOUND, [0.02, 0.08][step % 2]);
                     let hull = spike(at, height, width);
-                    let tip = add(at, scale(normalize(at), height));
+                    let tip = at + at.normalize_or_zero() * height;
                     let expected = source.closest_point(tip, f64::INFINITY).unwrap().distance;
                     let of = |limit| protrusion(&hull, &solid, BOUND, limit, &control).unwrap();
                     let found = of(f64::INFINITY);
@@ -567,7 +576,7 @@ mod tests {
 
     #[test]
     fn what_protrudes_farther_than_the_limit_is_told_to() {
-        let (inner, outer) = (cube([0.0; 3]), cube([0.0, 0.0, 0.25]));
+        let (inner, outer) = (cube(Vector::ZERO), cube(Vector::new(0.0, 0.0, 0.25)));
         let solid = solid_of_hull(&inner, BOUND);
         // The first is what is not resolved, the last what the centres of the faces protrude.
         for limit in [UNRESOLVED * BOUND, BOUND, 0.2, 0.25 - 1e-9] {
@@ -578,9 +587,9 @@ mod tests {
 
     #[test]
     fn a_cavity_hides_no_protrusion_elsewhere() {
-        let (inner, outer) = (cube([0.0; 3]), cube([0.0, 0.0, 0.25]));
+        let (inner, outer) = (cube(Vector::ZERO), cube(Vector::new(0.0, 0.0, 0.25)));
         let mut solid = solid_of_hull(&inner, BOUND);
-        solid.cavities = vec![([0.5; 3], 0.1)];
+        solid.cavities = vec![(Vector::splat(0.5), 0.1)];
         for limit in [0.1, 0.2, f64::INFINITY] {
             let found = protrusion(&outer, &solid, BOUND, limit, &Control::new()).unwrap();
             assert!(found > limit.min(0.25 - 1e-9), "{found}, {limit}");
@@ -593,14 +602,19 @@ mod tests {
         for share in [0.98, 1.02] {
             let above = 0.1 + 2.0 * share * BOUND;
             let plates = join(&[
-                cuboid([0.0; 3], [1.0, 1.0, 0.1]),
-                cuboid([0.0, 0.0, above], [1.0, 1.0, above + 0.1]),
+                cuboid(Vector::ZERO, Vector::new(1.0, 1.0, 0.1)),
+                cuboid(Vector::new(0.0, 0.0, above), Vector::new(1.0, 1.0, above + 0.1)),
             ]);
             let TriangleMesh { positions, triangles, .. } = &plates;
             let control = Control::new();
-            let solid =
-                Solid::of_surface(positions, triangles, Boundary::default(), BOUND, &control)
-                    .unwrap();
+            let solid = Solid::of_surface(
+                as_vectors(positions),
+                triangles,
+                Boundary::default(),
+                BOUND,
+                &control,
+            )
+            .unwrap();
             let hull = convex_hull(positions).unwrap();
             let found = protrusion(&hull, &solid, BOUND, BOUND, &control).unwrap();
             assert!(found >= share * BOUND, "{found}");
@@ -610,11 +624,11 @@ mod tests {
 
     #[test]
     fn what_is_left_when_parts_are_too_many_counts_with_its_distance_and_its_radius() {
-        let solid = solid_of_hull(&cube([0.0; 3]), 0.02);
+        let solid = solid_of_hull(&cube(Vector::ZERO), 0.02);
         let above = |z: f64| [[0.2, 0.2, z], [0.8, 0.2, z], [0.2, 0.8, z]];
-        let to_corner = Part::new(above(0.0)).radius;
+        let to_corner = Part::new(above(0.0).map(Into::into)).radius;
         for height in [0.0, 0.5, 2.0] {
-            let upper = upper_distance(&Part::new(above(1.0 + height)), &solid);
+            let upper = upper_distance(&Part::new(above(1.0 + height).map(Into::into)), &solid);
             assert!((upper - (height + to_corner)).abs() < 1e-9, "{height}: {upper}");
         }
     }

@@ -15,9 +15,7 @@ use std::ops::RangeInclusive;
 
 use crate::bvh::Bvh;
 use crate::bvh::near_plane::Slab;
-use crate::geometry::vector::{
-    Vector, add, area_normal, bounds, cross, dot, length, normalize, scale, subtract,
-};
+use crate::geometry::vector::{Vector, area_normal, bounds};
 
 /// A face near more triangles is halved first: subtracting many triangles takes longer. The limit
 /// is a share of the parts that halving down to the height would end with, within a range.
@@ -67,23 +65,22 @@ impl Frame {
     /// `None` for a needle.
     fn new([a, b, c]: [Vector; 3]) -> Option<Self> {
         let normal = area_normal(a, b, c);
-        let longest = [subtract(b, a), subtract(c, b), subtract(a, c)]
-            .into_iter()
-            .max_by(|p, q| length(*p).total_cmp(&length(*q)))?;
-        if length(normal) <= NEEDLE * length(longest) {
+        let longest =
+            [b - a, c - b, a - c].into_iter().max_by(|p, q| p.length().total_cmp(&q.length()))?;
+        if normal.length() <= NEEDLE * longest.length() {
             return None;
         }
-        let (normal, along) = (normalize(normal), normalize(longest));
-        Some(Self { origin: a, axes: [along, cross(normal, along)], normal })
+        let (normal, along) = (normal.normalize_or_zero(), longest.normalize_or_zero());
+        Some(Self { origin: a, axes: [along, normal.cross(along)], normal })
     }
 
     fn flat(&self, point: Vector) -> Point {
-        let arm = subtract(point, self.origin);
-        self.axes.map(|axis| dot(axis, arm))
+        let arm = point - self.origin;
+        self.axes.map(|axis| axis.dot(arm))
     }
 
     fn restore(&self, [x, y]: Point) -> Vector {
-        add(self.origin, add(scale(self.axes[0], x), scale(self.axes[1], y)))
+        self.origin + (self.axes[0] * x + self.axes[1] * y)
     }
 }
 
@@ -110,7 +107,7 @@ impl Remainder {
             min: min.map(|x| x - height),
             max: max.map(|x| x + height),
             normal: frame.normal,
-            offset: dot(frame.normal, frame.origin),
+            offset: frame.normal.dot(frame.origin),
             half_width: height,
         };
         if !bvh.triangles_in_slab(&slab, most, &mut self.triangles) {
@@ -205,8 +202,7 @@ impl Remainder {
 
     /// The part of a triangle that is at most `height` from the plane, projected onto it.
     fn shadow(&self, corners: [Vector; 3], height: f64) -> Result<Polygon, TooManyVertices> {
-        let heights =
-            corners.map(|corner| dot(self.frame.normal, subtract(corner, self.frame.origin)));
+        let heights = corners.map(|corner| self.frame.normal.dot(corner - self.frame.origin));
         let points = corners.map(|corner| self.frame.flat(corner));
         let mut shadow = Polygon::EMPTY;
         for k in 0..3 {
@@ -400,7 +396,6 @@ fn turn(a: Point, b: Point, c: Point) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::vector::distance;
     use crate::mesh::shapes::{cuboid, join, uv_sphere};
 
     /// A point of a triangle by two shares.
@@ -408,13 +403,13 @@ mod tests {
         if u + v > 1.0 {
             (u, v) = (1.0 - u, 1.0 - v);
         }
-        add(a, add(scale(subtract(b, a), u), scale(subtract(c, a), v)))
+        a + ((b - a) * u + (c - a) * v)
     }
 
     fn contains([a, b, c]: [Vector; 3], point: Vector) -> bool {
-        let whole = length(area_normal(a, b, c));
+        let whole = area_normal(a, b, c).length();
         let parts = [[point, b, c], [a, point, c], [a, b, point]]
-            .map(|[a, b, c]| length(area_normal(a, b, c)));
+            .map(|[a, b, c]| area_normal(a, b, c).length());
         parts.iter().sum::<f64>() <= whole + 1e-9
     }
 
@@ -425,18 +420,20 @@ mod tests {
             uv_sphere(8, [0.1, 0.0, 0.2], 0.15),
             cuboid([0.0, -0.05, 0.1], [0.1, 0.05, 0.4]),
         ]);
-        let bvh = Bvh::new(&mesh.positions, &mesh.triangles);
+        let bvh = Bvh::new(mesh.points(), &mesh.triangles);
         let mut remainder = Remainder::default();
         let share = |k: u32, step: f64| (0.5 + step * f64::from(k)).fract();
         let mut found = 0;
         for index in 0..300_u32 {
             let corner = |k: u32| {
-                [0.754_877, 0.569_840, 0.430_159].map(|step| share(7 * index + k, step) - 0.5)
+                Vector::from(
+                    [0.754_877, 0.569_840, 0.430_159].map(|step| share(7 * index + k, step) - 0.5),
+                )
             };
             // Every other face lies in a side of the box.
             let mut face = [corner(1), corner(2), corner(3)];
             if index % 2 == 0 {
-                face = face.map(|[x, y, _]| [x, y, 0.1]);
+                face = face.map(|corner: Vector| corner.with_z(0.1));
             }
             let height = 0.01;
             if !remainder.find(face, 1.0, height, &bvh) {
@@ -452,9 +449,9 @@ mod tests {
                     .iter()
                     .find(|(_, fan)| fan.iter().any(|&triangle| contains(triangle, point)));
                 match own {
-                    None => assert!(distance(point, nearest) <= height, "{index}, {sample}"),
+                    None => assert!(point.distance(nearest) <= height, "{index}, {sample}"),
                     Some(&(centre, _)) => {
-                        let is_clear = distance(point, nearest) > 1e-6;
+                        let is_clear = point.distance(nearest) > 1e-6;
                         assert!(!is_clear || bvh.encloses(point) == bvh.encloses(centre));
                     }
                 }
@@ -468,12 +465,12 @@ mod tests {
         let height = 0.01;
         // As far into the slab as rounding goes.
         let tip = height - NARROW * MAX_PARTS as f64 - 1e-11;
-        let positions = [[0.1, 0.1, tip], [0.2, 0.1, 1.0], [0.1, 0.2, 1.0]];
+        let positions = [[0.1, 0.1, tip], [0.2, 0.1, 1.0], [0.1, 0.2, 1.0]].map(Vector::from);
         let bvh = Bvh::new(&positions, &[[0, 1, 2]]);
-        let face = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]];
+        let face = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]].map(Vector::from);
         let mut remainder = Remainder::default();
         assert!(remainder.find(face, 1.5, height, &bvh));
-        let area = |[a, b, c]: [Vector; 3]| length(area_normal(a, b, c));
+        let area = |[a, b, c]: [Vector; 3]| area_normal(a, b, c).length();
         let left: f64 = remainder.parts().flat_map(|(_, fan)| fan.map(area)).sum();
         assert!((left - area(face)).abs() < 1e-9, "{left}");
     }

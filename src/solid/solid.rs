@@ -13,7 +13,7 @@ use crate::bvh::Bvh;
 use crate::clustering::Clustered;
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, add, scale};
+use crate::geometry::vector::{Vector, as_vectors};
 use crate::mesh::{PreparedMesh, TriangleMesh};
 
 /// Meshes of up to this many triangles are coarse: their patches follow from the shape, and large faces are compared
@@ -68,7 +68,7 @@ impl Solid {
         if let Some(clustered) = clustered {
             let TriangleMesh { positions, triangles, .. } = &clustered.mesh;
             let solid = Self::of_surface(
-                positions,
+                as_vectors(positions),
                 triangles.as_slice(),
                 Boundary::default(),
                 bound,
@@ -83,9 +83,9 @@ impl Solid {
         let is_as_given = triangles.len() == mesh.triangles.len();
         let boundary = match is_as_given && prepared.closed.iter().all(|&closed| closed) {
             true => Boundary::default(),
-            false => Boundary::new(&mesh.positions, &triangles),
+            false => Boundary::new(mesh.points(), &triangles),
         };
-        let mut solid = Self::of_surface(&mesh.positions, &triangles, boundary, bound, control)?;
+        let mut solid = Self::of_surface(mesh.points(), &triangles, boundary, bound, control)?;
         solid.is_coarse = mesh.triangles.len() <= COARSE;
         if keep_cavities {
             solid.cavities = solid.cavities(bound, control)?;
@@ -240,7 +240,7 @@ impl Solid {
     /// Whether the point halfway between two others does not fit, so that no hull that fits contains
     /// both. Points at a quarter of the way find more conflicts, and save no hulls.
     pub fn separates(&self, a: Vector, b: Vector, bound: f64) -> bool {
-        !self.point_fits(scale(add(a, b), 0.5), bound)
+        !self.point_fits((a + b) * 0.5, bound)
     }
 
     /// Cavities: empty space that is cut off from the outside, or connected to it only through mouths
@@ -318,8 +318,9 @@ impl FaceCache {
     /// The key of a face under a bound, the same from whichever corner the face begins. Two faces
     /// share a key with a probability of 2⁻⁶³.
     pub(super) fn key(face: [Vector; 3], bound: f64) -> FaceKey {
-        let hashes = face
-            .map(|corner| corner.into_iter().fold(HASH_START, |hash, x| mixed(hash ^ x.to_bits())));
+        let hashes = face.map(|corner| {
+            corner.to_array().into_iter().fold(HASH_START, |hash, x| mixed(hash ^ x.to_bits()))
+        });
         let sum = hashes.into_iter().fold(0_u64, u64::wrapping_add);
         FaceKey(mixed(sum ^ bound.to_bits()) & !FITS)
     }
@@ -361,11 +362,11 @@ mod tests {
     fn a_face_is_cached_from_each_of_its_corners_and_under_one_bound() {
         let cache = FaceCache::new();
         let key = |face| FaceCache::key(face, 0.02);
-        let [a, b, c] = [[0.0, 1.0, 2.0], [0.5, -1.0, 2.0], [3.0, 0.25, 0.125]];
+        let [a, b, c] = [[0.0, 1.0, 2.0], [0.5, -1.0, 2.0], [3.0, 0.25, 0.125]].map(Vector::from);
         assert_eq!(cache.get(key([a, b, c])), None);
         cache.insert(key([a, b, c]), true);
         assert_eq!(cache.get(key([b, c, a])), Some(true));
-        assert_eq!(cache.get(key([b, c, [3.0, 0.25, 0.126]])), None);
+        assert_eq!(cache.get(key([b, c, Vector::new(3.0, 0.25, 0.126)])), None);
         assert_eq!(cache.get(FaceCache::key([a, b, c], 0.01)), None);
         cache.insert(key([b, c, a]), false);
         assert_eq!(cache.get(key([a, b, c])), Some(false));

@@ -7,9 +7,7 @@
 use super::remainder::Remainder;
 use super::solid::Solid;
 use super::surface::Side;
-use crate::geometry::vector::{
-    Vector, add, area_normal, bounds, dot, length_squared, scale, squared, subtract,
-};
+use crate::geometry::vector::{Vector, area_normal, bounds, squared};
 
 /// The corners of a face, or of a part of one.
 pub(super) type Face = [Vector; 3];
@@ -26,7 +24,7 @@ impl Part {
     #[inline]
     pub fn new(corners: Face) -> Self {
         let centre = centre(corners);
-        let [a, b, c] = corners.map(|corner| length_squared(subtract(centre, corner)));
+        let [a, b, c] = corners.map(|corner| centre.distance_squared(corner));
         Self { corners, centre, radius: a.max(b).max(c).sqrt() }
     }
 }
@@ -109,22 +107,22 @@ pub(super) fn subdivide(
 
 #[inline]
 pub(crate) fn centre([a, b, c]: [Vector; 3]) -> Vector {
-    scale(add(add(a, b), c), 1.0 / 3.0)
+    (a + b + c) * (1.0 / 3.0)
 }
 
 /// The halves of a triangle across its longest side.
 #[inline]
 pub(super) fn halves([a, b, c]: [Vector; 3]) -> [[Vector; 3]; 2] {
-    let squared = |a: Vector, b: Vector| length_squared(subtract(a, b));
+    let squared = |a: Vector, b: Vector| a.distance_squared(b);
     let (ab, bc, ca) = (squared(a, b), squared(b, c), squared(c, a));
     if ab >= bc && ab >= ca {
-        let middle = scale(add(a, b), 0.5);
+        let middle = (a + b) * 0.5;
         [[a, middle, c], [middle, b, c]]
     } else if bc >= ca {
-        let middle = scale(add(b, c), 0.5);
+        let middle = (b + c) * 0.5;
         [[a, b, middle], [a, middle, c]]
     } else {
-        let middle = scale(add(c, a), 0.5);
+        let middle = (c + a) * 0.5;
         [[a, b, middle], [middle, b, c]]
     }
 }
@@ -135,7 +133,7 @@ pub(super) fn is_within_sides([a, b, c]: [Vector; 3], point: Vector) -> bool {
     let normal = area_normal(a, b, c);
     [area_normal(a, b, point), area_normal(b, c, point), area_normal(c, a, point)]
         .into_iter()
-        .all(|part| dot(part, normal) >= 0.0)
+        .all(|part| part.dot(normal) >= 0.0)
 }
 
 /// A suspect farther than this outside the box of all faces, in diagonals, is passed by: its line hardly ever
@@ -207,13 +205,13 @@ impl Suspects {
 #[inline]
 fn crossing([a, b, c]: [Vector; 3], point: Vector, direction: Vector) -> Option<Vector> {
     let normal = area_normal(a, b, c);
-    let slope = dot(normal, direction);
-    let flattest = squared(LEAST_SLOPE) * length_squared(normal) * length_squared(direction);
+    let slope = normal.dot(direction);
+    let flattest = squared(LEAST_SLOPE) * normal.length_squared() * direction.length_squared();
     if squared(slope) < flattest {
         return None;
     }
-    let share = dot(normal, subtract(a, point)) / slope;
-    let hit = add(point, scale(direction, share));
+    let share = normal.dot(a - point) / slope;
+    let hit = point + direction * share;
     is_within_sides([a, b, c], hit).then_some(hit)
 }
 
@@ -222,20 +220,20 @@ mod tests {
     use super::*;
 
     const MOST: usize = 16;
-    const FACE: [Vector; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    const FACE: [Vector; 3] = [Vector::ZERO, Vector::X, Vector::Y];
 
     fn moved(face: [Vector; 3], by: Vector) -> [Vector; 3] {
-        face.map(|corner| add(corner, by))
+        face.map(|corner| corner + by)
     }
 
     #[test]
     fn a_face_is_asked_above_and_below_where_another_protruded() {
         let mut suspects = Suspects::new(MOST);
-        suspects.remember([0.2, 0.3, 0.0], FACE);
+        suspects.remember(Vector::new(0.2, 0.3, 0.0), FACE);
         let faces = [
-            moved(FACE, [5.0, 0.0, 0.0]),
-            moved(FACE, [0.1, 0.1, -0.5]),
-            moved(FACE, [0.0, 0.0, 0.5]),
+            moved(FACE, Vector::new(5.0, 0.0, 0.0)),
+            moved(FACE, Vector::new(0.1, 0.1, -0.5)),
+            moved(FACE, Vector::new(0.0, 0.0, 0.5)),
         ];
         let mut asked = Vec::new();
         let found = suspects.find(
@@ -247,14 +245,14 @@ mod tests {
             },
         );
         assert_eq!(found, Some(2));
-        assert_eq!(asked, [[0.2, 0.3, -0.5], [0.2, 0.3, 0.5]]);
+        assert_eq!(asked, [[0.2, 0.3, -0.5], [0.2, 0.3, 0.5]].map(Vector::from));
     }
 
     #[test]
     fn the_suspect_that_was_met_last_is_asked_first_and_old_ones_are_forgotten() {
         let mut suspects = Suspects::new(MOST);
         for k in 0..2 * MOST {
-            suspects.remember([0.01 * k as f64, 0.1, 0.0], FACE);
+            suspects.remember(Vector::new(0.01 * k as f64, 0.1, 0.0), FACE);
         }
         let asked_until = |suspects: &mut Suspects, x: f64| {
             let mut asked = 0;
@@ -275,7 +273,7 @@ mod tests {
 
     #[test]
     fn a_line_along_a_face_crosses_it_nowhere() {
-        assert_eq!(crossing(FACE, [0.2, 0.2, 0.0], [1.0, 0.0, 0.0]), None);
-        assert_eq!(crossing(FACE, [0.2, 0.2, 0.1], [1.0, 0.0, 0.0]), None);
+        assert_eq!(crossing(FACE, Vector::new(0.2, 0.2, 0.0), Vector::X), None);
+        assert_eq!(crossing(FACE, Vector::new(0.2, 0.2, 0.1), Vector::X), None);
     }
 }

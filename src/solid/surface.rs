@@ -101,7 +101,7 @@ impl Winding {
 mod tests {
     use super::*;
     use crate::bvh::SLOPES;
-    use crate::geometry::vector::{add, cross, dot, length, scale, subtract};
+    use crate::geometry::vector::{as_vectors, into_vectors};
     use crate::mesh::shapes::cuboid;
 
     /// Evenly spread in [-1, 1), another for each number.
@@ -111,8 +111,11 @@ mod tests {
 
     /// Loose triangles that face anyhow, so that their winding numbers add up and cancel.
     fn loose_triangles(seed: u32) -> (Vec<Vector>, Vec<[u32; 3]>) {
-        let point =
-            |k: u32| [0, 1, 2].map(|axis| 0.4 * spread(seed + 7 * k * k + 3 * k + 11 * axis));
+        let point = |k: u32| {
+            Vector::from_array(
+                [0, 1, 2].map(|axis| 0.4 * spread(seed + 7 * k * k + 3 * k + 11 * axis)),
+            )
+        };
         ((0..120).map(point).collect(), (0..40).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect())
     }
 
@@ -133,7 +136,9 @@ mod tests {
             let (positions, triangles) = loose_triangles(seed);
             let surface = surface_of(&positions, &triangles);
             for number in 0..4000 {
-                let at = [0, 1, 2].map(|axis| 0.4 * spread(5 * number * number + axis));
+                let at = Vector::from_array(
+                    [0, 1, 2].map(|axis| 0.4 * spread(5 * number * number + axis)),
+                );
                 inside += usize::from(ask(&surface, at, distance_to(&surface, at)));
             }
         }
@@ -146,8 +151,8 @@ mod tests {
             let Some(depth) = surface.depth(at, away, 0.0) else { return false };
             assert!(depth <= away);
             for k in 0..20 {
-                let way = [0, 1, 2].map(|axis| spread(17 * k + 5 * axis));
-                let point = add(at, scale(way, 0.999 * depth / length(way)));
+                let way = Vector::from_array([0, 1, 2].map(|axis| spread(17 * k + 5 * axis)));
+                let point = at + way * (0.999 * depth / way.length());
                 let number_there = surface.winding_number(point);
                 assert!(number_there > OPEN_INSIDE - 1e-9, "{at:?}");
             }
@@ -178,10 +183,10 @@ mod tests {
     /// The sum of all triangles' solid angles, one by one.
     fn summed(positions: &[Vector], triangles: &[[u32; 3]], point: Vector) -> f64 {
         let half_angle = |triangle: &[u32; 3]| {
-            let [a, b, c] = triangle.map(|corner| subtract(positions[corner as usize], point));
-            let [of_a, of_b, of_c] = [a, b, c].map(length);
-            let real = of_a * of_b * of_c + dot(a, b) * of_c + dot(b, c) * of_a + dot(c, a) * of_b;
-            f64::atan2(dot(a, cross(b, c)), real)
+            let [a, b, c] = triangle.map(|corner| positions[corner as usize] - point);
+            let [of_a, of_b, of_c] = [a, b, c].map(Vector::length);
+            let real = of_a * of_b * of_c + a.dot(b) * of_c + b.dot(c) * of_a + c.dot(a) * of_b;
+            f64::atan2(a.dot(b.cross(c)), real)
         };
         triangles.iter().map(half_angle).sum::<f64>() / std::f64::consts::TAU
     }
@@ -191,7 +196,7 @@ mod tests {
         // A box without a lid, and loose triangles, some of them twice.
         let open_box = {
             let mesh = cuboid([-0.5, -0.4, -0.3], [0.5, 0.4, 0.3]);
-            (mesh.positions, mesh.triangles[2..].to_vec())
+            (into_vectors(mesh.positions), mesh.triangles[2..].to_vec())
         };
         let loose = |seed, count| {
             let (positions, mut triangles) = loose_triangles(seed);
@@ -200,20 +205,21 @@ mod tests {
         };
         let mut twice = loose(0, 20);
         twice.1.extend_from_within(..4);
-        let slopes = [1.0, SLOPES[0], SLOPES[1]];
+        let slopes = Vector::new(1.0, SLOPES[0], SLOPES[1]);
         for (positions, triangles) in [open_box, twice, loose(1000, 24)] {
             let surface = surface_of(&positions, &triangles);
-            let beyond = surface.boundary.winding_number_beyond([0.01, 0.02, 0.03]);
+            let beyond = surface.boundary.winding_number_beyond(Vector::new(0.01, 0.02, 0.03));
             assert!(beyond.is_some(), "few edges");
             for number in 0..3000 {
-                let spot = [0, 1, 2].map(|axis| 0.6 * spread(5 * number * number + axis));
+                let spot =
+                    Vector::from([0, 1, 2].map(|axis| 0.6 * spread(5 * number * number + axis)));
                 // From every third point the ray passes through a corner, from another through an edge.
                 let [a, b, _] = triangles[number as usize % triangles.len()];
                 let (a, b) = (positions[a as usize], positions[b as usize]);
                 let point = match number % 3 {
                     0 => spot,
-                    1 => subtract(a, scale(slopes, 0.7)),
-                    _ => subtract(scale(add(a, b), 0.5), scale(slopes, 0.3)),
+                    1 => a - slopes * 0.7,
+                    _ => (a + b) * 0.5 - slopes * 0.3,
                 };
                 if distance_to(&surface, point) > 1e-6 {
                     let expected = summed(&positions, &triangles, point);
@@ -247,18 +253,18 @@ mod tests {
                 [corners[0], corners[2], corners[3]],
             ]);
         }
-        let Surface { tree, boundary } = surface_of(&positions, &triangles);
+        let Surface { tree, boundary } = surface_of(as_vectors(&positions), &triangles);
         for x in [0.0, 0.2, 0.4, 0.46] {
-            let (at, step) = ([x, 0.0, -0.05], 1e-3);
+            let (at, step) = (Vector::new(x, 0.0, -0.05), 1e-3);
             let away = tree.closest_point(at, f64::INFINITY).unwrap().distance;
-            let slope = [0, 1, 2].map(|axis| {
+            let slope = Vector::from_array([0, 1, 2].map(|axis| {
                 let [mut below, mut above] = [at; 2];
                 below[axis] -= step;
                 above[axis] += step;
                 (tree.winding_number(above) - tree.winding_number(below)) / (2.0 * step)
-            });
+            }));
             let gradient = boundary.slope(at, away, f64::INFINITY).gradient;
-            assert!(length(slope) <= gradient, "{x}: {} {gradient}", length(slope));
+            assert!(slope.length() <= gradient, "{x}: {} {gradient}", slope.length());
         }
     }
 

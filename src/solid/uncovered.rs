@@ -9,7 +9,7 @@ use crate::bvh::Bvh;
 use crate::bvh::closest_point::closest_point_on_triangle;
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, add, bounds, distance, dot, length, scale, subtract};
+use crate::geometry::vector::{Vector, bounds};
 use crate::hull::ConvexHull;
 use crate::mesh::TriangleMesh;
 
@@ -28,7 +28,7 @@ struct FacePlane {
 impl FacePlane {
     #[inline]
     fn height(&self, point: Vector) -> f64 {
-        dot(self.normal, point) - self.offset
+        self.normal.dot(point) - self.offset
     }
 }
 
@@ -42,7 +42,7 @@ pub(crate) struct HullDistance<'a> {
 
 impl<'a> HullDistance<'a> {
     pub(crate) fn new(hull: &'a ConvexHull) -> Self {
-        let planes = (0..).zip(hull.planes());
+        let planes = (0..).zip(hull.face_planes());
         let planes = planes.map(|(face, (normal, offset))| FacePlane { normal, offset, face });
         Self { hull, planes: planes.collect(), bvh: OnceLock::new() }
     }
@@ -70,12 +70,12 @@ impl<'a> HullDistance<'a> {
         }
         // Above a face and not beyond its edges, that face is the closest part of the hull.
         let corners = self.hull.triangles[face as usize];
-        let [a, b, c] = corners.map(|corner| subtract(self.hull.points[corner as usize], point));
-        let to_face = length(closest_point_on_triangle(a, b, c));
+        let [a, b, c] = corners.map(|corner| self.hull.points()[corner as usize] - point);
+        let to_face = closest_point_on_triangle(a, b, c).length();
         if to_face <= beyond + ROUNDING {
             return to_face;
         }
-        let bvh = self.bvh.get_or_init(|| Bvh::new(&self.hull.points, &self.hull.triangles));
+        let bvh = self.bvh.get_or_init(|| Bvh::new(self.hull.points(), &self.hull.triangles));
         bvh.closest_point(point, f64::INFINITY).map_or(beyond, |closest| closest.distance)
     }
 }
@@ -140,9 +140,9 @@ const FINE: usize = 8;
 impl Group {
     fn all(points: &[Vector], size: usize) -> Vec<Self> {
         let groups = points.chunks(size).map(|points| {
-            let sum = points.iter().fold([0.0; 3], |sum, &point| add(sum, point));
-            let centre = scale(sum, 1.0 / points.len() as f64);
-            let radius = points.iter().map(|&point| distance(centre, point)).fold(0.0, f64::max);
+            let sum = points.iter().fold(Vector::ZERO, |sum, &point| sum + point);
+            let centre = sum * (1.0 / points.len() as f64);
+            let radius = points.iter().map(|&point| centre.distance(point)).fold(0.0, f64::max);
             Self { centre, radius }
         });
         groups.collect()
@@ -160,11 +160,11 @@ impl PointGroups {
     /// O(n log n).
     pub(crate) fn new(points: &[Vector]) -> Self {
         let (min, max) = bounds(points.iter().copied());
-        let extent = subtract(max, min).into_iter().fold(0.0, f64::max);
+        let extent = (max - min).to_array().into_iter().fold(0.0, f64::max);
         let cells = f64::from(1_u32 << BITS);
         let place = |x: f64| (x / extent * cells).clamp(0.0, cells - 1.0) as u32;
         let number = |point: Vector| {
-            let [x, y, z] = subtract(point, min).map(place);
+            let [x, y, z] = (point - min).to_array().map(place);
             (0..BITS).rev().fold(0, |number, bit| {
                 number << 3 | (x >> bit & 1) << 2 | (y >> bit & 1) << 1 | (z >> bit & 1)
             })
@@ -218,7 +218,7 @@ pub(crate) fn uncovered_distance(
             let value = match known.iter().find(|entry| entry.0 == owner) {
                 Some(entry) => entry.1,
                 None => {
-                    let value = hull.distance(surface.positions[vertex as usize], f64::INFINITY);
+                    let value = hull.distance(surface.points()[vertex as usize], f64::INFINITY);
                     known.push((owner, value));
                     value
                 }
@@ -227,7 +227,7 @@ pub(crate) fn uncovered_distance(
         }
         if outside > worst {
             control.check()?;
-            let corners = triangle.map(|vertex| surface.positions[vertex as usize]);
+            let corners = triangle.map(|vertex| surface.points()[vertex as usize]);
             worst = worst.max(outside_all(corners, hulls, worst, outside, MAX_DIVISIONS));
         }
     }
@@ -251,7 +251,7 @@ fn outside_all(
         return least;
     }
     let [a, b, c] = corners;
-    let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(p, q)| scale(add(p, q), 0.5));
+    let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(p, q)| (p + q) * 0.5);
     [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
         .into_iter()
         .fold(0.0, |most: f64, part| {
@@ -262,6 +262,7 @@ fn outside_all(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::vector::into_arrays;
     use crate::hull::convex_hull;
     use crate::mesh::shapes::cuboid;
 
@@ -274,11 +275,11 @@ mod tests {
         let cube = cube();
         let to_cube = HullDistance::new(&cube);
         for (point, expected) in [
-            ([0.5; 3], 0.0),
-            ([0.2, 0.7, 1.0], 0.0),
-            ([0.2, 0.7, 1.25], 0.25),
-            ([1.3, 1.4, 0.5], 0.5),
-            ([1.2, -0.4, 1.4], 0.6),
+            (Vector::splat(0.5), 0.0),
+            (Vector::new(0.2, 0.7, 1.0), 0.0),
+            (Vector::new(0.2, 0.7, 1.25), 0.25),
+            (Vector::new(1.3, 1.4, 0.5), 0.5),
+            (Vector::new(1.2, -0.4, 1.4), 0.6),
         ] {
             for limit in [expected + 1e-9, 1.0, f64::INFINITY] {
                 let found = to_cube.distance(point, limit);
@@ -293,7 +294,7 @@ mod tests {
         let to_cube = HullDistance::new(&cube);
         // A quarter above two faces, and 0.35 from their edge.
         for limit in [0.0, 0.1, 0.25, 0.3, 0.35] {
-            assert!(to_cube.distance([1.25, 1.25, 0.5], limit) > limit, "{limit}");
+            assert!(to_cube.distance(Vector::new(1.25, 1.25, 0.5), limit) > limit, "{limit}");
         }
     }
 
@@ -307,7 +308,7 @@ mod tests {
                 let z = 1.0 - (2.0 * f64::from(i) + 1.0) / 3000.0;
                 let angle = f64::from(i) * 2.4;
                 let ring = (1.0 - z * z).sqrt();
-                scale([ring * angle.cos(), ring * angle.sin(), z], 0.8)
+                Vector::new(ring * angle.cos(), ring * angle.sin(), z) * 0.8
             })
             .collect();
         let to_cube = HullDistance::new(&cube);
@@ -332,7 +333,7 @@ mod tests {
     fn uncovered(positions: &[Vector], owners: &[u32], hulls: &[ConvexHull]) -> f64 {
         let triangles = [[0, 1, 2], [0, 3, 1]];
         let surface = TriangleMesh {
-            positions: positions.to_vec(),
+            positions: into_arrays(positions.to_vec()),
             triangles: triangles[..owners.len()].to_vec(),
             ..TriangleMesh::default()
         };
@@ -343,11 +344,11 @@ mod tests {
     #[test]
     fn a_triangle_is_as_far_outside_as_its_farthest_corner() {
         let hulls = boxes(&[[0.0, 1.0]]);
-        let inside = [[0.1, 0.2, 0.3], [0.9, 0.2, 0.3], [0.5, 0.8, 1.0]];
+        let inside = [[0.1, 0.2, 0.3], [0.9, 0.2, 0.3], [0.5, 0.8, 1.0]].map(Vector::from);
         assert_eq!(uncovered(&inside, &[0], &hulls), TOLERANCE);
         for corner in 0..3 {
             let mut positions = inside;
-            positions[corner] = [1.3, 1.4, 0.5];
+            positions[corner] = Vector::new(1.3, 1.4, 0.5);
             let found = uncovered(&positions, &[0], &hulls);
             // An upper bound, and no more than a part's size too large.
             assert!((0.5 - 1e-12..0.51).contains(&found), "{corner}: {found}");
@@ -357,7 +358,8 @@ mod tests {
     #[test]
     fn a_vertex_counts_for_each_hull_that_owns_a_triangle_there() {
         // The first triangle is in the first box, and both share two vertices.
-        let positions = [[0.9, 0.5, 0.5], [0.9, 0.6, 0.5], [0.2, 0.5, 0.5], [1.6, 0.5, 0.5]];
+        let positions =
+            [[0.9, 0.5, 0.5], [0.9, 0.6, 0.5], [0.2, 0.5, 0.5], [1.6, 0.5, 0.5]].map(Vector::from);
         let near = boxes(&[[0.0, 1.0], [0.95, 2.0]]);
         let found = uncovered(&positions, &[0, 1], &near);
         assert!(found <= 0.01, "{found}");
@@ -369,13 +371,13 @@ mod tests {
 
     #[test]
     fn a_triangle_that_hulls_cover_together_is_covered_up_to_the_gap_between_them() {
-        let positions = [[0.1, 0.1, 0.5], [1.9, 0.1, 0.5], [1.9, 0.9, 0.5]];
+        let positions = [[0.1, 0.1, 0.5], [1.9, 0.1, 0.5], [1.9, 0.9, 0.5]].map(Vector::from);
         for owner in [0, 1] {
             let found = uncovered(&positions, &[owner], &boxes(&[[0.0, 1.0], [1.0, 2.0]]));
             assert!(found < 0.01, "{found}");
             let found = uncovered(&positions, &[owner], &boxes(&[[0.0, 1.0], [1.2, 2.0]]));
             assert!((0.1..0.11).contains(&found), "{found}");
-            let outside = [[0.1, 0.1, 0.5], [2.5, 0.1, 0.5], [1.9, 0.9, 0.5]];
+            let outside = [[0.1, 0.1, 0.5], [2.5, 0.1, 0.5], [1.9, 0.9, 0.5]].map(Vector::from);
             let found = uncovered(&outside, &[owner], &boxes(&[[0.0, 1.0], [1.2, 2.0]]));
             assert!((0.5 - 1e-12..0.51).contains(&found), "{found}");
         }
@@ -383,7 +385,7 @@ mod tests {
 
     #[test]
     fn a_triangle_without_a_hull_counts_as_covered() {
-        let positions = [[5.0, 0.0, 0.0], [6.0, 0.0, 0.0], [5.0, 1.0, 0.0]];
+        let positions = [[5.0, 0.0, 0.0], [6.0, 0.0, 0.0], [5.0, 1.0, 0.0]].map(Vector::from);
         assert_eq!(uncovered(&positions, &[u32::MAX], &boxes(&[[0.0, 1.0]])), TOLERANCE);
     }
 

@@ -7,7 +7,7 @@
 //! *with respect to the group*: the area-weighted mean of the normals of the group's own
 //! triangles at M.
 
-use crate::geometry::vector::{Vector, add, area_normal, diagonal, dot, length, normalize};
+use crate::geometry::vector::{Vector, area_normal, as_arrays, diagonal};
 use crate::hull::{ConvexHull, HullBuilder, Shape};
 use crate::mesh::TriangleMesh;
 use crate::mesh::grouping::group_vertices;
@@ -39,11 +39,11 @@ pub struct CostScratch {
 pub fn cost(mesh: &TriangleMesh, group: &[u32], scratch: &mut CostScratch) -> f64 {
     let vertices = group_vertices(mesh, group);
     let points: Vec<Vector> =
-        vertices.iter().map(|&vertex| mesh.positions[vertex as usize]).collect();
-    if scratch.builder.build(&points) != Shape::Solid {
+        vertices.iter().map(|&vertex| mesh.points()[vertex as usize]).collect();
+    if scratch.builder.build(as_arrays(&points)) != Shape::Solid {
         return 0.0;
     }
-    let planes = ConvexHull::from(scratch.builder.extract()).planes();
+    let planes = ConvexHull::from(scratch.builder.extract()).face_planes();
     scratch.add_normals(mesh, group, &vertices);
     scratch.builder.faces_of_points(&mut scratch.faces);
     let mut greatest: f64 = 0.0;
@@ -51,10 +51,10 @@ pub fn cost(mesh: &TriangleMesh, group: &[u32], scratch: &mut CostScratch) -> f6
         scratch.normals.iter().zip(&points).zip(&scratch.faces)
     {
         // A vertex whose triangles cancel out has no normal, and so no distance.
-        if length(normal) <= CANCELLED * areas {
+        if normal.length() <= CANCELLED * areas {
             continue;
         }
-        let normal = normalize(normal);
+        let normal = normal.normalize_or_zero();
         // A vertex of the hull is on its face, and leaves there at once if the face is ahead.
         let own = face.and_then(|face| planes.get(face as usize));
         let exit = own.map_or(f64::INFINITY, |&plane| exit_through(point, normal, plane));
@@ -75,15 +75,15 @@ impl CostScratch {
             self.places[vertex as usize] = place;
         }
         self.normals.clear();
-        self.normals.resize(vertices.len(), ([0.0; 3], 0.0));
+        self.normals.resize(vertices.len(), (Vector::ZERO, 0.0));
         for &triangle in group {
             let corners = mesh.triangles[triangle as usize];
-            let [a, b, c] = corners.map(|vertex| mesh.positions[vertex as usize]);
+            let [a, b, c] = corners.map(|vertex| mesh.points()[vertex as usize]);
             let normal = area_normal(a, b, c);
-            let area = length(normal);
+            let area = normal.length();
             for vertex in corners {
                 let (sum, areas) = &mut self.normals[self.places[vertex as usize] as usize];
-                *sum = add(*sum, normal);
+                *sum += normal;
                 *areas += area;
             }
         }
@@ -103,7 +103,7 @@ fn distance_to_exit(
     let mut beyond = f64::INFINITY;
     for &plane in planes {
         let (normal, offset) = plane;
-        if offset - dot(normal, point) > beyond * dot(normal, direction).max(0.0) {
+        if offset - normal.dot(point) > beyond * normal.dot(direction).max(0.0) {
             continue;
         }
         nearest = nearest.min(exit_through(point, direction, plane));
@@ -119,9 +119,9 @@ fn distance_to_exit(
 /// How far a ray runs until it passes a plane; infinite if it never does.
 #[inline]
 fn exit_through(point: Vector, direction: Vector, (normal, offset): (Vector, f64)) -> f64 {
-    let towards = dot(normal, direction);
+    let towards = normal.dot(direction);
     if towards > PARALLEL {
-        ((offset - dot(normal, point)) / towards).max(0.0)
+        ((offset - normal.dot(point)) / towards).max(0.0)
     } else {
         f64::INFINITY
     }
@@ -130,7 +130,6 @@ fn exit_through(point: Vector, direction: Vector, (normal, offset): (Vector, f64
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::vector::scale;
     use crate::mesh::shapes::cuboid;
 
     fn whole(mesh: &TriangleMesh) -> f64 {
@@ -153,13 +152,13 @@ mod tests {
     #[test]
     fn a_vertex_between_triangles_back_to_back_has_no_distance_whatever_the_rounding() {
         // A tetrahedron around the end of a fin, both of whose sides are there.
-        let tip = [0.31, 0.27, 0.17];
+        let tip = Vector::new(0.31, 0.27, 0.17);
         let positions =
-            [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], tip, [0.4, 0.2, 0.3]];
+            [Vector::ZERO, Vector::X, Vector::Y, Vector::Z, tip, Vector::new(0.4, 0.2, 0.3)];
         let mut triangles = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
         triangles.extend([[0, 4, 5], [4, 0, 5]]);
         for factor in [1.0, 1e-6, 0.3, 7e5] {
-            let positions = positions.iter().map(|&point| scale(point, factor)).collect();
+            let positions = positions.iter().map(|&point| point * factor).map(Into::into).collect();
             let found = whole(&TriangleMesh {
                 positions,
                 triangles: triangles.clone(),

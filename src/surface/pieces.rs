@@ -7,7 +7,7 @@ use crate::bvh::closest_triangles::closest_labels;
 use crate::control::{Control, Stage};
 use crate::decomposition::{GroupedMesh, Hull, HullErrors, Provenance};
 use crate::error::Error;
-use crate::geometry::vector::{Vector, add, area_normal};
+use crate::geometry::vector::{Vector, area_normal, as_arrays, as_vectors};
 use crate::hull::{ConvexHull, HullBuilder, LEAST_THICKNESS, limit_vertices, solid_hull};
 use crate::mesh::grouping::{Grouping, corners, group_vertices, members};
 use crate::mesh::{Normalization, PreparedMesh, TriangleMesh};
@@ -43,18 +43,20 @@ impl Pieces<'_> {
             control.check()?;
             let vertices = group_vertices(mesh, group);
             let points: Vec<Vector> =
-                vertices.iter().map(|&vertex| mesh.positions[vertex as usize]).collect();
-            let outward = group.iter().fold([0.0; 3], |sum, &triangle| {
+                vertices.iter().map(|&vertex| mesh.points()[vertex as usize]).collect();
+            let outward = group.iter().fold(Vector::ZERO, |sum, &triangle| {
                 let [a, b, c] = corners(mesh, triangle);
-                add(sum, area_normal(a, b, c))
+                sum + area_normal(a, b, c)
             });
-            let (solid, added) = solid_hull(&mut builder, &points, outward, LEAST_THICKNESS)?;
+            let (solid, added) =
+                solid_hull(&mut builder, as_arrays(&points), outward.to_array(), LEAST_THICKNESS)?;
             let (solid, growth) = match max_vertices {
                 Some(most) => limit_vertices(&mut builder, solid, most, control)?,
                 None => (solid, 0.0),
             };
             let component = group.first().map_or(0, |&triangle| self.components[triangle as usize]);
-            let points = solid.points.iter().map(|&point| normalization.restore(point)).collect();
+            let points =
+                solid.points().iter().map(|&point| normalization.restore(point).into()).collect();
             hulls.push(Hull {
                 shape: ConvexHull { points, triangles: solid.triangles },
                 provenance: Provenance { component, source_triangles: Vec::new() },
@@ -83,10 +85,10 @@ impl Pieces<'_> {
         let labels = if self.mesh.triangles == prepared.mesh.triangles {
             Cow::Borrowed(&self.grouping.labels)
         } else {
-            let bvh = Bvh::new(&self.mesh.positions, &self.mesh.triangles);
+            let bvh = Bvh::new(self.mesh.points(), &self.mesh.triangles);
             let TriangleMesh { positions, triangles, .. } = &prepared.mesh;
             let grouped = &self.grouping.labels;
-            Cow::Owned(closest_labels(positions, triangles, &bvh, grouped, control)?)
+            Cow::Owned(closest_labels(as_vectors(positions), triangles, &bvh, grouped, control)?)
         };
         for (&label, &source) in labels.iter().zip(&prepared.source_triangles) {
             if let Some(hull) = hulls.get_mut(label as usize) {
@@ -121,9 +123,9 @@ impl Pieces<'_> {
 
     /// The mesh and its groups, in the input's units.
     pub(crate) fn grouped_mesh(&self, normalization: &Normalization) -> GroupedMesh {
-        let positions = self.mesh.positions.iter();
+        let positions = self.mesh.points().iter();
         GroupedMesh {
-            positions: positions.map(|&point| normalization.restore(point)).collect(),
+            positions: positions.map(|&point| normalization.restore(point).into()).collect(),
             triangles: self.mesh.triangles.clone(),
             groups: self.grouping.labels.clone(),
         }

@@ -119,7 +119,7 @@ impl Document {
             source_vertices: subject.source.vertex_count(),
             source_triangles: subject.source.triangles().len(),
             caps: subject.caps,
-            positions: geometry.push_points(&surface.positions),
+            positions: geometry.push_points(surface.points()),
             triangles: geometry.push_u32(surface.triangles.iter().flatten().copied()),
             divisions: geometry.push_u8(subject.divisions.iter().copied()),
         };
@@ -185,8 +185,8 @@ pub(super) struct Array {
 /// Points as 16-bit shares of their bounding box: off by less than a hundred-thousandth of it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct Points {
-    pub min: Vector,
-    pub size: Vector,
+    pub min: [f64; 3],
+    pub size: [f64; 3],
     pub shares: Array,
 }
 
@@ -222,16 +222,16 @@ impl Geometry {
     pub(super) fn push_points(&mut self, points: &[Vector]) -> Points {
         let (mut min, max) = bounds(points.iter().copied());
         if points.is_empty() {
-            min = [0.0; 3];
+            min = Vector::ZERO;
         }
-        let size = [0, 1, 2].map(|axis| (max[axis] - min[axis]).max(f64::MIN_POSITIVE));
+        let size = (max - min).max(Vector::splat(f64::MIN_POSITIVE));
         let share = |point: &Vector| {
             [0, 1, 2].map(|axis| {
                 (f64::from(u16::MAX) * (point[axis] - min[axis]) / size[axis]).round() as u16
             })
         };
         let shares = self.push_u16(points.iter().flat_map(share));
-        Points { min, size, shares }
+        Points { min: min.to_array(), size: size.to_array(), shares }
     }
 
     /// Deflated in zlib's format, in base64.

@@ -5,7 +5,7 @@
 
 use super::subject::{Subject, byte, bytes};
 use crate::bvh::Bvh;
-use crate::geometry::vector::{Vector, add, bounds, maximum, minimum};
+use crate::geometry::vector::{Vector, bounds};
 use crate::measure::hulls::{MeasuredHull, TOLERANCE, Union};
 use crate::measure::sampling::in_unit_cube;
 use crate::parallel::{map, map_indices};
@@ -93,14 +93,14 @@ pub(super) fn overlaps(
     joined: &[[usize; 2]],
     subject: &Subject<'_>,
 ) -> Vec<f64> {
-    let (mut min, mut max) = bounds(subject.surface.positions.iter().copied());
+    let (mut min, mut max) = bounds(subject.surface.points().iter().copied());
     for part in parts {
-        (min, max) = (minimum(min, part.min), maximum(max, part.max));
+        (min, max) = (min.min(part.min), max.max(part.max));
     }
     let points: Vec<Vector> = (0..POINTS)
         .map(|index| {
             let share = in_unit_cube(index, None);
-            add(min, [0, 1, 2].map(|axis| share[axis] * (max[axis] - min[axis])))
+            min + Vector::from(share) * (max - min)
         })
         .collect();
     let is_in_solid = map_indices(POINTS, |index| subject.contains(points[index]));

@@ -99,7 +99,7 @@ pub(super) fn shown(
 
     let (protrusion_most, protrusion_bytes) = bytes(&protrusions);
     let positions: Vec<Vector> =
-        shapes.iter().flat_map(|shape| shape.positions.iter().copied()).collect();
+        shapes.iter().flat_map(|shape| shape.points().iter().copied()).collect();
     let triangles = shapes.iter().flat_map(|shape| shape.triangles.iter().flatten().copied());
     let entries =
         hulls.iter().zip(&shapes).zip(most_of_each).map(|((hull, shape), sampled)| HullEntry {
@@ -143,8 +143,8 @@ fn parts(hulls: &[&Hull], subject: &Subject<'_>) -> Result<Vec<MeasuredHull>, Er
 }
 
 fn normalized(hull: &Hull, subject: &Subject<'_>) -> TriangleMesh {
-    let points = hull.shape.points.iter();
-    let positions = points.map(|&point| subject.normalization.normalize(point)).collect();
+    let points = hull.shape.points().iter();
+    let positions = points.map(|&point| subject.normalization.normalize(point).into()).collect();
     TriangleMesh::new(positions, hull.shape.triangles.clone())
 }
 

@@ -6,7 +6,7 @@ use crate::bvh::Bvh;
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::MeshView;
-use crate::geometry::vector::{Vector, add, distance, scale, subtract};
+use crate::geometry::vector::Vector;
 use crate::measure::MeasureOptions;
 use crate::mesh::{Normalization, TriangleMesh};
 use crate::openings::prepare::{caps_last, prepare_closed};
@@ -70,7 +70,7 @@ impl<'a> Subject<'a> {
             caps,
             samples: points(&corners, &divisions),
             divisions,
-            bvh: Bvh::with_control(&surface.positions, &solid, control)?,
+            bvh: Bvh::with_control(surface.points(), &solid, control)?,
             surface,
             options,
             bound: bound.of_diagonal(normalization.diagonal) / normalization.diagonal,
@@ -93,7 +93,7 @@ impl<'a> Subject<'a> {
 
 /// The corners of each triangle, all of which exist.
 pub(super) fn corners(mesh: &TriangleMesh) -> Vec<[Vector; 3]> {
-    let corner = |&vertex: &u32| mesh.positions.get(vertex as usize).copied().unwrap_or_default();
+    let corner = |&vertex: &u32| mesh.points().get(vertex as usize).copied().unwrap_or_default();
     mesh.triangles.iter().map(|[a, b, c]| [corner(a), corner(b), corner(c)]).collect()
 }
 
@@ -125,7 +125,7 @@ pub(super) fn divisions(corners: &[[Vector; 3]], most: usize) -> Vec<u8> {
 }
 
 fn parts([a, b, c]: [Vector; 3], spacing: f64) -> u8 {
-    let longest = distance(a, b).max(distance(b, c)).max(distance(c, a));
+    let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
     (longest / spacing).ceil().clamp(1.0, MOST_PARTS as f64) as u8
 }
 
@@ -140,14 +140,14 @@ pub(super) fn points_of(parts: u8) -> usize {
 pub(super) fn points(corners: &[[Vector; 3]], divisions: &[u8]) -> Vec<Vector> {
     let mut points = Vec::new();
     for (&[a, b, c], &parts) in corners.iter().zip(divisions) {
-        let (to_b, to_c) = (subtract(b, a), subtract(c, a));
+        let (to_b, to_c) = (b - a, c - a);
         let share = |part: u8| f64::from(part) / f64::from(parts);
         for i in 0..=parts {
-            let start = add(a, scale(to_b, share(i)));
+            let start = a + to_b * share(i);
             points.extend((0..=parts - i).map(|j| match (i == parts, j == parts) {
                 (true, _) => b,
                 (_, true) => c,
-                _ => add(start, scale(to_c, share(j))),
+                _ => start + to_c * share(j),
             }));
         }
     }
@@ -163,7 +163,7 @@ pub(super) fn map_places(
     let mut numbers: HashMap<[u64; 3], usize> = HashMap::new();
     let mut places = Vec::new();
     let mut number = |point: &Vector| {
-        *numbers.entry(point.map(f64::to_bits)).or_insert_with(|| {
+        *numbers.entry(point.to_array().map(f64::to_bits)).or_insert_with(|| {
             places.push(*point);
             places.len() - 1
         })

@@ -53,7 +53,7 @@ pub(super) fn fill(
             .find(|piece| piece.patches.iter().all(|patch| whole.patches.contains(patch)));
         let Some(owner) = owner else { break };
         let vertices = whole.hull.clone().vertices();
-        owner.hull.insert(&vertices, [0.0; 3]);
+        owner.hull.insert(&vertices, Vector::ZERO);
         owner.hull.volume = owner.hull.current_volume();
         owner.inner_points.extend(vertices);
         let count = hollow.len();
@@ -87,7 +87,7 @@ fn grow_over(
                 return Ok(());
             }
             let Some(piece) = pieces.get_mut(index) else { continue };
-            if tester.try_insert(&mut piece.hull, [(&single[..], [0.0; 3])].into_iter()) {
+            if tester.try_insert(&mut piece.hull, [(&single[..], Vector::ZERO)].into_iter()) {
                 piece.hull.volume = piece.hull.current_volume();
                 piece.inner_points.push(point);
                 let hull = &piece.hull;
@@ -111,8 +111,9 @@ fn hollow(pieces: &[Piece], solid: &Solid) -> Vec<Vector> {
     };
     (0..POINTS)
         .map(point)
-        .filter(|&point| !pieces.iter().any(|piece| contains(&piece.hull, point)))
-        .filter(|&point| solid.side(point) == Side::Inside)
+        .filter(|&point| !pieces.iter().any(|piece| contains(&piece.hull, Vector::from(point))))
+        .filter(|&point| solid.side(Vector::from(point)) == Side::Inside)
+        .map(Into::into)
         .collect()
 }
 

@@ -4,7 +4,6 @@
 use crate::bounded::patch::{Patch, PatchSet, Patches, Piece};
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::{add, distance, scale};
 use crate::hull::growing_hull::GrowingHull;
 use crate::solid::FitTester;
 
@@ -137,7 +136,7 @@ fn distance_to(hull: &GrowingHull, patch: &Patch) -> f64 {
     if hull.is_solid {
         hull.builder.farthest_outside(&patch.representatives)
     } else {
-        distance(scale(add(hull.min, hull.max), 0.5), scale(add(patch.min, patch.max), 0.5))
+        ((hull.min + hull.max) * 0.5).distance((patch.min + patch.max) * 0.5)
     }
 }
 

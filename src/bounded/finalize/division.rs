@@ -12,7 +12,7 @@ use crate::bounded::joins::{Cost, Pair, PairQueue, are_near};
 use crate::bounded::patch::{Patch, PatchSet, Piece};
 use crate::bounded::search::Search;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, add, bounds, scale};
+use crate::geometry::vector::{Vector, as_arrays, bounds};
 use crate::hull::{ConvexHull, HullBuilder, LEAST_THICKNESS, joint_hull, solid_hull};
 use crate::parallel;
 use crate::solid::centre;
@@ -97,7 +97,7 @@ impl Division<'_> {
         if members.len() > 1 {
             let box_centre = |&patch: &u32| {
                 let Patch { min, max, .. } = patches[patch];
-                scale(add(min, max), 0.5)
+                (min + max) * 0.5
             };
             let (first, second) = halves(&mut members, box_centre);
             for half in [second, first] {
@@ -121,7 +121,7 @@ impl Division<'_> {
         let surface = &patches.surface;
         let triangle_centre = |&triangle: &u32| {
             let corners = surface.triangles[triangle as usize];
-            centre(corners.map(|vertex| surface.positions[vertex as usize]))
+            centre(corners.map(|vertex| surface.points()[vertex as usize]))
         };
         let (first, second) = halves(&mut triangles, triangle_centre);
         for half in [second, first] {
@@ -139,13 +139,14 @@ impl Division<'_> {
         if !solid.is_closed() || points.len() <= max_vertices {
             return Ok(None);
         }
-        let (uncapped, _) = solid_hull(&mut self.builder, &points, [0.0; 3], LEAST_THICKNESS)?;
+        let (uncapped, _) =
+            solid_hull(&mut self.builder, as_arrays(&points), [0.0; 3], LEAST_THICKNESS)?;
         let (count, bound) = (uncapped.points.len(), settings.bound.protrusion());
         if count <= max_vertices || protrusion(&uncapped, solid, bound, bound, control)? > bound {
             return Ok(None);
         }
-        let sum = uncapped.points.iter().fold([0.0; 3], |sum, &point| add(sum, point));
-        Ok(Some(scale(sum, 1.0 / count as f64)))
+        let sum = uncapped.points().iter().fold(Vector::ZERO, |sum, &point| sum + point);
+        Ok(Some(sum * (1.0 / count as f64)))
     }
 }
 
@@ -168,7 +169,7 @@ struct Entry {
 
 impl Entry {
     fn new(hull: FinalHull) -> Self {
-        let (min, max) = bounds(hull.hull.points.iter().copied());
+        let (min, max) = bounds(hull.hull.points().iter().copied());
         let volume = hull.hull.volume();
         Self { hull, volume, corners: [min, max] }
     }

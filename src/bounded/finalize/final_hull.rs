@@ -10,7 +10,7 @@ use crate::bounded::patch::{PatchSet, Patches, Piece};
 use crate::bounded::search::Search;
 use crate::bounded::settings::{MAX_UNCOVERED, MAX_UNCOVERED_UNDER_CAP, Settings};
 use crate::error::Error;
-use crate::geometry::vector::{Vector, add, area_normal};
+use crate::geometry::vector::{Vector, area_normal, as_arrays};
 use crate::hull::growing_hull::GrowingHull;
 use crate::hull::{ConvexHull, HullBuilder, LEAST_THICKNESS, solid_hull};
 use crate::solid::{PointGroups, distance_outside};
@@ -123,7 +123,7 @@ pub(super) fn make_hull(
         None => Piece::new(patches, set).hull,
         Some(triangles) => hull_of_triangles(patches, triangles),
     };
-    hull.insert(inner_points, [0.0; 3]);
+    hull.insert(inner_points, Vector::ZERO);
     let mut required = represents.surface_points(patches);
     required.extend_from_slice(inner_points);
     let required = extreme_points(builder, required);
@@ -144,11 +144,11 @@ pub(super) fn make_hull(
 
 fn hull_of_triangles(Patches { surface, .. }: &Patches, triangles: &[u32]) -> GrowingHull {
     let corners = |&triangle: &u32| {
-        surface.triangles[triangle as usize].map(|vertex| surface.positions[vertex as usize])
+        surface.triangles[triangle as usize].map(|vertex| surface.points()[vertex as usize])
     };
     let points: Vec<Vector> = triangles.iter().flat_map(corners).collect();
     let normals = triangles.iter().map(corners).map(|[a, b, c]| area_normal(a, b, c));
-    GrowingHull::new(&points, normals.fold([0.0; 3], add))
+    GrowingHull::new(&points, normals.fold(Vector::ZERO, |a, b| a + b))
 }
 
 /// The hull with all vertices that are needed to cover the `required` points, and the thickness
@@ -166,7 +166,7 @@ fn full_hull(
     let thick =
         |builder: &mut HullBuilder, points: &[Vector]| -> Result<(ConvexHull, f64), Error> {
             control.check()?;
-            solid_hull(builder, points, outward, LEAST_THICKNESS)
+            solid_hull(builder, as_arrays(points), outward.to_array(), LEAST_THICKNESS)
         };
     let (mut full, mut added_thickness) = thick(builder, &hull.vertices())?;
     let mut uncovered = distance_outside(&full, &points, max_uncovered, control)?;

@@ -15,7 +15,7 @@
 use crate::bounded::search::Search;
 use crate::bounded::settings::{MAX_UNCOVERED, MAX_UNCOVERED_UNDER_CAP};
 use crate::error::Error;
-use crate::geometry::vector::{Vector, add, distance, scale, subtract};
+use crate::geometry::vector::Vector;
 use crate::hull::{
     ConvexHull, HullBuilder, LEAST_THICKNESS, coarser, collapse_edges, limit_vertices,
     most_prominent, solid_hull,
@@ -147,7 +147,7 @@ impl Attempts<'_> {
                 return Ok(simplified);
             }
         }
-        let inner = most_prominent(self.builder, &original.hull.points, max_vertices, control)?;
+        let inner = most_prominent(self.builder, original.hull.points(), max_vertices, control)?;
         let hull = inner.unwrap_or_else(|| original.hull.clone());
         let protrusion = protrusion(&hull, solid, bound, bound, control)?;
         let uncovered = distance_outside(&hull, &original.points, f64::INFINITY, control)?;
@@ -162,7 +162,7 @@ impl Attempts<'_> {
         let tolerance = share * self.context.search.settings.bound.uncovered();
         let Some(coarse) = coarser(&original.hull, tolerance) else { return Ok(None) };
         let (_, added) =
-            solid_hull(self.builder, &coarse.points, original.outward, LEAST_THICKNESS)?;
+            solid_hull(self.builder, &coarse.points, original.outward.to_array(), LEAST_THICKNESS)?;
         let min_volume = MIN_VOLUME_SHARE * original.hull.volume();
         Ok((added == 0.0 && coarse.volume() >= min_volume).then_some(coarse))
     }
@@ -223,13 +223,13 @@ impl Attempts<'_> {
 /// A hull with its vertices moved towards its centre, the farthest by `by`; `None` if nothing would
 /// be left.
 fn shrunk(hull: &ConvexHull, by: f64) -> Option<ConvexHull> {
-    let sum = hull.points.iter().fold([0.0; 3], |sum, &point| add(sum, point));
-    let centre = scale(sum, 1.0 / hull.points.len() as f64);
-    let farthest = hull.points.iter().map(|&point| distance(point, centre)).fold(0.0, f64::max);
+    let sum = hull.points().iter().fold(Vector::ZERO, |sum, &point| sum + point);
+    let centre = sum * (1.0 / hull.points.len() as f64);
+    let farthest = hull.points().iter().map(|&point| point.distance(centre)).fold(0.0, f64::max);
     let factor = 1.0 - by / farthest;
-    let moved = |&point: &Vector| add(centre, scale(subtract(point, centre), factor));
+    let moved = |&point: &Vector| centre + (point - centre) * factor;
     (farthest > by).then(|| ConvexHull {
-        points: hull.points.iter().map(moved).collect(),
+        points: hull.points().iter().map(moved).map(Into::into).collect(),
         triangles: hull.triangles.clone(),
     })
 }

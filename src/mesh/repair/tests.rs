@@ -1,15 +1,15 @@
 //! Tests of `repair`.
 
 use super::*;
-use crate::geometry::vector::{cross, dot, length_squared, subtract};
+use crate::geometry::vector::as_arrays;
 use crate::mesh::shapes::{cuboid, join, torus, turn};
 
 fn repaired(mesh: &TriangleMesh) -> PreparedMesh {
     prepare(mesh.view(), MeshOrder::Place, &Control::new()).expect("usable")
 }
 
-fn refused(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Error {
-    prepare(MeshView::new(positions, triangles), MeshOrder::Place, &Control::new())
+fn refused(positions: &[Vector], triangles: &[[u32; 3]]) -> Error {
+    prepare(MeshView::new(as_arrays(positions), triangles), MeshOrder::Place, &Control::new())
         .expect_err("unusable")
 }
 
@@ -24,7 +24,8 @@ fn soup(mesh: &TriangleMesh) -> TriangleMesh {
             .triangles
             .as_flattened()
             .iter()
-            .map(|&v| mesh.positions[v as usize])
+            .map(|&v| mesh.points()[v as usize])
+            .map(Into::into)
             .collect(),
         triangles: (0..mesh.triangles.len() as u32)
             .map(|t| [3 * t, 3 * t + 1, 3 * t + 2])
@@ -35,16 +36,21 @@ fn soup(mesh: &TriangleMesh) -> TriangleMesh {
 
 fn moved(mesh: &TriangleMesh, factor: f64, offset: f64) -> TriangleMesh {
     TriangleMesh {
-        positions: mesh.positions.iter().map(|p| p.map(|x| x * factor + offset)).collect(),
+        positions: mesh
+            .points()
+            .iter()
+            .map(|p| p.map(|x| x * factor + offset))
+            .map(Into::into)
+            .collect(),
         triangles: mesh.triangles.clone(),
         ..TriangleMesh::default()
     }
 }
 
 fn volume(mesh: &TriangleMesh) -> f64 {
-    let corners = |t: &[u32; 3]| t.map(|v| mesh.positions[v as usize]);
+    let corners = |t: &[u32; 3]| t.map(|v| mesh.points()[v as usize]);
     let tetrahedra = mesh.triangles.iter().map(corners);
-    tetrahedra.map(|[a, b, c]| dot(a, cross(b, c)) / 6.0).sum()
+    tetrahedra.map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum()
 }
 
 fn sorted(numbers: &[u32]) -> Vec<u32> {
@@ -57,10 +63,10 @@ fn sorted(numbers: &[u32]) -> Vec<u32> {
 fn a_clean_box_only_moves_to_the_origin_with_a_diagonal_of_one() {
     let prepared = repaired(&cuboid([1.0, 2.0, 3.0], [3.0, 5.0, 9.0]));
     assert_eq!(prepared.repairs, Repairs::default());
-    assert_eq!(prepared.normalization.centre, [2.0, 3.5, 6.0]);
+    assert_eq!(prepared.normalization.centre, Vector::new(2.0, 3.5, 6.0));
     assert!((prepared.normalization.diagonal - 7.0).abs() < 1e-12);
-    let corner = prepared.mesh.positions[7];
-    for (x, expected) in corner.into_iter().zip([1.0 / 7.0, 1.5 / 7.0, 3.0 / 7.0]) {
+    let corner = prepared.mesh.points()[7];
+    for (x, expected) in corner.to_array().into_iter().zip([1.0 / 7.0, 1.5 / 7.0, 3.0 / 7.0]) {
         assert!((x - expected).abs() < 1e-15);
     }
     assert_eq!(sorted(&prepared.source_triangles), Vec::from_iter(0..12));
@@ -71,7 +77,7 @@ fn a_clean_box_only_moves_to_the_origin_with_a_diagonal_of_one() {
 
 #[test]
 fn single_precision_gives_the_same() {
-    let positions: Vec<[f32; 3]> = cube().positions.iter().map(|p| p.map(|x| x as f32)).collect();
+    let positions: Vec<[f32; 3]> = cube().points().iter().map(|p| p.as_vec3().to_array()).collect();
     let prepared =
         prepare(MeshView::new(&positions, &cube().triangles), MeshOrder::Place, &Control::new());
     assert_eq!(prepared, Ok(repaired(&cube())));
@@ -79,12 +85,15 @@ fn single_precision_gives_the_same() {
 
 #[test]
 fn nothing_is_refused_in_clear_words() {
-    let no_vertices: [[f64; 3]; 0] = [];
+    let no_vertices: [Vector; 0] = [];
     assert_eq!(
         refused(&no_vertices, &[]).to_string(),
         "the mesh is empty: 0 vertices, 0 triangles"
     );
-    assert_eq!(refused(&[[0.0; 3]], &[]).to_string(), "the mesh is empty: 1 vertices, 0 triangles");
+    assert_eq!(
+        refused(&[Vector::ZERO], &[]).to_string(),
+        "the mesh is empty: 1 vertices, 0 triangles"
+    );
 }
 
 #[test]
@@ -104,7 +113,7 @@ fn a_sidedness_is_given_for_all_triangles_or_for_none() {
 #[test]
 fn an_index_out_of_range_is_named() {
     assert_eq!(
-        refused(&[[0.0; 3]; 3], &[[0, 1, 2], [0, 3, 1]]),
+        refused(&[Vector::ZERO; 3], &[[0, 1, 2], [0, 3, 1]]),
         Error::IndexOutOfRange { triangle: 1, index: 3, vertices: 3 }
     );
 }
@@ -114,12 +123,12 @@ fn a_point_a_line_and_nan_are_not_usable() {
     let nan = f64::NAN;
     let unusable =
         |degenerate, non_finite| Error::NothingUsable { triangles: 1, degenerate, non_finite };
-    assert_eq!(refused(&[[2.0; 3]; 3], &[[0, 1, 2]]), unusable(1, 0));
-    let line = [[0.0; 3], [1.0; 3], [2.0; 3]];
+    assert_eq!(refused(&[Vector::splat(2.0); 3], &[[0, 1, 2]]), unusable(1, 0));
+    let line = [Vector::ZERO, Vector::ONE, Vector::splat(2.0)];
     assert_eq!(refused(&line, &[[0, 1, 2]]), unusable(1, 0));
-    let holes = [[0.0; 3], [1.0, nan, 0.0], [f64::INFINITY, 0.0, 0.0]];
+    let holes = [[0.0; 3], [1.0, nan, 0.0], [f64::INFINITY, 0.0, 0.0]].map(Vector::from);
     assert_eq!(refused(&holes, &[[0, 1, 2]]), unusable(0, 1));
-    let tiny = [[0.0; 3], [1e-320, 0.0, 0.0], [0.0, 1e-320, 0.0]];
+    let tiny = [[0.0; 3], [1e-320, 0.0, 0.0], [0.0, 1e-320, 0.0]].map(Vector::from);
     assert_eq!(refused(&tiny, &[[0, 1, 2]]), unusable(1, 0));
 }
 
@@ -141,8 +150,8 @@ fn any_size_that_numbers_can_hold_is_the_same_mesh() {
     for factor in [1e-300, 1e-20, 1e-6, 1e7, 1e30, 1e200, 1e299] {
         let prepared = repaired(&moved(&cube(), factor, 0.0));
         assert_eq!(prepared.repairs, Repairs::default(), "times {factor}");
-        for (a, b) in prepared.mesh.positions.iter().zip(&expected.mesh.positions) {
-            assert!(length_squared(subtract(*a, *b)) < 1e-28, "times {factor}");
+        for (a, b) in prepared.mesh.points().iter().zip(expected.mesh.points()) {
+            assert!(a.distance_squared(*b) < 1e-28, "times {factor}");
         }
     }
 }
@@ -173,8 +182,8 @@ fn soup_with_rounded_coordinates_is_welded_to_one_of_it() {
     let prepared = repaired(&mesh);
     assert_eq!(prepared.mesh.positions.len(), 24 * 12);
     assert_eq!(prepared.closed, [true]);
-    for (&position, &source) in prepared.mesh.positions.iter().zip(&prepared.source_vertices) {
-        let expected = prepared.normalization.normalize(mesh.positions[source as usize]);
+    for (&position, &source) in prepared.mesh.points().iter().zip(&prepared.source_vertices) {
+        let expected = prepared.normalization.normalize(mesh.points()[source as usize]);
         assert_eq!(position, expected);
     }
 }
@@ -291,8 +300,8 @@ fn the_order_of_the_input_does_not_matter() {
         // Each vertex, triangle and corner comes at another place.
         let place = |vertex: u32| vertex * step % vertices;
         let mut shuffled = TriangleMesh::new(vec![[0.0; 3]; mesh.positions.len()], Vec::new());
-        for (vertex, &position) in (0_u32..).zip(&mesh.positions) {
-            shuffled.positions[place(vertex) as usize] = position;
+        for (vertex, &position) in (0_u32..).zip(mesh.points()) {
+            shuffled.positions[place(vertex) as usize] = position.to_array();
         }
         let mut triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|t| t.map(place)).collect();
         triangles.iter_mut().for_each(|t| t.rotate_left(step as usize % 3));

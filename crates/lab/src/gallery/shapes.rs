@@ -4,9 +4,7 @@ use std::f64::consts::TAU;
 
 use hullwright::TriangleMesh;
 use hullwright::internals::shapes::{cuboid, join, mobius_strip, torus, turn, uv_sphere};
-use hullwright::internals::vector::{
-    Vector, add, cross, distance, dot, normalize, scale, subtract,
-};
+use hullwright::internals::vector::Vector;
 
 /// A shape, its name, and what is hard about it.
 pub struct Trouble {
@@ -80,7 +78,7 @@ fn y_up(mut mesh: TriangleMesh) -> TriangleMesh {
 
 fn moved(mut mesh: TriangleMesh, by: Vector) -> TriangleMesh {
     for point in &mut mesh.positions {
-        *point = add(*point, by);
+        *point = (Vector::from(*point) + by).to_array();
     }
     mesh
 }
@@ -131,23 +129,23 @@ fn without_bottom() -> TriangleMesh {
 fn tube(path: &[Vector], radius: f64, n: usize, is_ring: bool) -> TriangleMesh {
     let count = path.len();
     let mut mesh = TriangleMesh::default();
-    let start = subtract(path[1], path[0]);
+    let start = path[1] - path[0];
     // Any way that is not along the path.
-    let mut side = if start[2].abs() < start[1].abs() { [0.0, 0.0, 1.0] } else { [0.0, 1.0, 0.0] };
+    let mut side = if start[2].abs() < start[1].abs() { Vector::Z } else { Vector::Y };
     for index in 0..count {
         let (before, after) = if is_ring {
             (path[(index + count - 1) % count], path[(index + 1) % count])
         } else {
             (path[index.saturating_sub(1)], path[(index + 1).min(count - 1)])
         };
-        let along = normalize(subtract(after, before));
+        let along = (after - before).normalize_or_zero();
         // The side of the last ring, turned as little as possible.
-        side = normalize(subtract(side, scale(along, dot(side, along))));
-        let other = cross(along, side);
+        side = (side - along * side.dot(along)).normalize_or_zero();
+        let other = along.cross(side);
         for step in 0..n {
             let (sine, cosine) = (TAU * step as f64 / n as f64).sin_cos();
-            let way = add(scale(side, cosine), scale(other, sine));
-            mesh.positions.push(add(path[index], scale(way, radius)));
+            let way = side * cosine + other * sine;
+            mesh.positions.push((path[index] + way * radius).to_array());
         }
     }
     let at = |ring: usize, step: usize| ((ring % count) * n + step % n) as u32;
@@ -164,8 +162,8 @@ fn tube(path: &[Vector], radius: f64, n: usize, is_ring: bool) -> TriangleMesh {
 }
 
 fn best_shift(mesh: &TriangleMesh, rings: usize, n: usize) -> usize {
-    let last = mesh.positions[(rings - 1) * n];
-    let gap = |shift: &usize| distance(mesh.positions[*shift], last);
+    let last = Vector::from(mesh.positions[(rings - 1) * n]);
+    let gap = |shift: &usize| Vector::from(mesh.positions[*shift]).distance(last);
     (0..n).min_by(|a, b| gap(a).total_cmp(&gap(b))).unwrap_or(0)
 }
 
@@ -175,7 +173,7 @@ fn pipe() -> TriangleMesh {
         .map(|step| {
             let angle = TAU / 4.0 * f64::from(step) / 16.0;
             // One end faces the viewer.
-            [-angle.cos(), 0.0, angle.sin()]
+            Vector::new(-angle.cos(), 0.0, angle.sin())
         })
         .collect();
     let n = 24;
@@ -199,17 +197,17 @@ fn spikes() -> TriangleMesh {
     for index in 0..20 {
         let height = 1.0 - 2.0 * (f64::from(index) + 0.5) / 20.0;
         let (radius, angle) = ((1.0 - height * height).sqrt(), golden * f64::from(index));
-        let way = [radius * angle.cos(), height, radius * angle.sin()];
-        let across = if way[1].abs() < 0.9 { [0.0, 1.0, 0.0] } else { [1.0, 0.0, 0.0] };
-        let side = normalize(cross(way, across));
-        let other = cross(way, side);
+        let way = Vector::new(radius * angle.cos(), height, radius * angle.sin());
+        let across = if way[1].abs() < 0.9 { Vector::Y } else { Vector::X };
+        let side = way.cross(across).normalize_or_zero();
+        let other = way.cross(side);
         let corner = |step: u32| {
             let (sine, cosine) = (TAU * f64::from(step) / 6.0).sin_cos();
-            let around = add(scale(side, cosine), scale(other, sine));
-            add(scale(way, 0.42), scale(around, 0.1))
+            let around = side * cosine + other * sine;
+            way * 0.42 + around * 0.1
         };
-        let mut spike = TriangleMesh::new((0..6).map(corner).collect(), Vec::new());
-        spike.positions.push(way);
+        let mut spike = TriangleMesh::new((0..6).map(corner).map(Into::into).collect(), Vec::new());
+        spike.positions.push(way.to_array());
         spike.triangles.extend((0..6).map(|a| [a, (a + 1) % 6, 6]));
         spike.triangles.extend((1..5).map(|a| [0, a + 1, a]));
         parts.push(spike);
@@ -229,7 +227,7 @@ fn knot() -> TriangleMesh {
         .map(|step| {
             let t = TAU * f64::from(step) / 120.0;
             let r = 2.0 + (3.0 * t).cos();
-            [r * (2.0 * t).cos() / 3.0, r * (2.0 * t).sin() / 3.0, (3.0 * t).sin() / 3.0]
+            Vector::new(r * (2.0 * t).cos() / 3.0, r * (2.0 * t).sin() / 3.0, (3.0 * t).sin() / 3.0)
         })
         .collect();
     tube(&path, 0.14, 12, true)
@@ -237,7 +235,7 @@ fn knot() -> TriangleMesh {
 
 fn links() -> TriangleMesh {
     let one = torus(36, 14);
-    let other = moved(y_up(torus(36, 14)), [1.0, 0.0, 0.0]);
+    let other = moved(y_up(torus(36, 14)), Vector::X);
     join(&[one, other])
 }
 

@@ -16,11 +16,11 @@
 //! are not computed to the end and not kept: an edge that is too costly stays so until one of its
 //! ends changes.
 
+use hullwright::internals::vector::Vector;
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
 use hullwright::hull::ConvexHull;
-use hullwright::internals::vector::distance;
 use hullwright::internals::{Adjacency, Grouping, NO_NEIGHBOUR, TriangleMesh};
 use hullwright::{Control, Error};
 
@@ -269,7 +269,8 @@ fn sides(mesh: &TriangleMesh, adjacency: &Adjacency, triangle: u32) -> Vec<Borde
     let mut borders = Vec::with_capacity(3);
     for (side, neighbour) in adjacency.triangle_neighbours(triangle).into_iter().enumerate() {
         if neighbour != NO_NEIGHBOUR && neighbour != triangle {
-            let length = distance(corners[side], corners[(side + 1) % 3]);
+            let length =
+                Vector::from(corners[side]).distance(Vector::from(corners[(side + 1) % 3]));
             add(&mut borders, Border { neighbour, length, known: Depth::NONE });
         }
     }

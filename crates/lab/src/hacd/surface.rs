@@ -4,9 +4,7 @@ use std::collections::HashMap;
 
 use hullwright::hull::{ConvexHull, HullBuilder, Shape};
 use hullwright::internals::TriangleMesh;
-use hullwright::internals::vector::{
-    Vector, add, area_normal, distance, dot, length, maximum, minimum, normalize, subtract,
-};
+use hullwright::internals::vector::{Vector, area_normal, as_arrays, into_vectors};
 
 /// A plane that the ray runs along cannot be left through it.
 const PARALLEL: f64 = 1e-9;
@@ -40,7 +38,7 @@ pub(super) struct Surface {
 impl Surface {
     pub(super) fn triangle(mesh: &TriangleMesh, triangle: u32) -> Self {
         let corners = mesh.triangles[triangle as usize];
-        let [a, b, c] = corners.map(|vertex| mesh.positions[vertex as usize]);
+        let [a, b, c] = corners.map(|vertex| Vector::from(mesh.positions[vertex as usize]));
         let normal = area_normal(a, b, c);
         let mut vertices = corners.map(|vertex| (vertex, normal)).to_vec();
         vertices.sort_unstable_by_key(|&(vertex, _)| vertex);
@@ -49,16 +47,16 @@ impl Surface {
             vertices,
             hull_points: vec![a, b, c],
             deepest: Depth { depth: 0.0, vertex: corners[0] },
-            perimeter: distance(a, b) + distance(b, c) + distance(c, a),
-            area: length(normal) / 2.0,
-            low: minimum(minimum(a, b), c),
-            high: maximum(maximum(a, b), c),
+            perimeter: a.distance(b) + b.distance(c) + c.distance(a),
+            area: normal.length() / 2.0,
+            low: a.min(b).min(c),
+            high: a.max(b).max(c),
         }
     }
 
     /// D_S of the union with another surface.
     pub(super) fn joint_diagonal(&self, other: &Self) -> f64 {
-        length(subtract(maximum(self.high, other.high), minimum(self.low, other.low)))
+        self.high.max(other.high).distance(self.low.min(other.low))
     }
 
     /// E_shape of the union with another surface, along a border of the given length: 1 for a
@@ -87,7 +85,7 @@ impl Surface {
 
     /// The sum of area normals at a vertex; none where it is not the surface's.
     fn normal_at(&self, vertex: u32) -> Vector {
-        self.place(vertex).map_or([0.0; 3], |place| self.vertices[place].1)
+        self.place(vertex).map_or(Vector::ZERO, |place| self.vertices[place].1)
     }
 
     /// Takes in another surface. `hull` is that of both, or nothing where both are flat.
@@ -100,7 +98,7 @@ impl Surface {
     ) {
         self.vertices = union(&self.vertices, &other.vertices).collect();
         self.hull_points = match hull {
-            Some(hull) => hull.points,
+            Some(hull) => into_vectors(hull.points),
             None => {
                 let mut points = std::mem::take(&mut self.hull_points);
                 points.extend(other.hull_points);
@@ -117,8 +115,8 @@ impl Surface {
         self.deepest = deepest;
         self.perimeter = (self.perimeter + other.perimeter - 2.0 * shared).max(0.0);
         self.area += other.area;
-        self.low = minimum(self.low, other.low);
-        self.high = maximum(self.high, other.high);
+        self.low = self.low.min(other.low);
+        self.high = self.high.max(other.high);
     }
 }
 
@@ -132,7 +130,7 @@ fn union<'a>(
         (Some(&&(a, normal)), Some(&&(b, other))) if a == b => {
             first.next();
             second.next();
-            Some((a, add(normal, other)))
+            Some((a, normal + other))
         }
         (Some((a, _)), Some((b, _))) if a < b => first.next().copied(),
         (_, Some(_)) => second.next().copied(),
@@ -184,7 +182,9 @@ impl<'a> Judge<'a> {
         let vertices = (0..).zip(&mesh.positions);
         Self {
             mesh,
-            vertex_at: vertices.map(|(vertex, &position)| (bits(position), vertex)).collect(),
+            vertex_at: vertices
+                .map(|(vertex, &position)| (bits(Vector::from(position)), vertex))
+                .collect(),
             builder: HullBuilder::new(),
             points: Vec::new(),
             places: vec![NOWHERE; mesh.positions.len()],
@@ -198,7 +198,7 @@ impl<'a> Judge<'a> {
         self.points.clear();
         self.points.extend(&first.hull_points);
         self.points.extend(&second.hull_points);
-        let shape = self.builder.build(&self.points);
+        let shape = self.builder.build(as_arrays(&self.points));
         (shape == Shape::Solid).then(|| self.builder.extract().into())
     }
 
@@ -214,14 +214,15 @@ impl<'a> Judge<'a> {
     ) -> Depth {
         let mut found = Depth { depth: 0.0, vertex: first.deepest.vertex };
         let Some(hull) = hull else { return found };
-        let planes = hull.planes();
+        let planes: Vec<(Vector, f64)> =
+            hull.planes().into_iter().map(|(normal, offset)| (normal.into(), offset)).collect();
         self.index_faces(hull);
         let mut judge = |vertex: u32, normal: Vector| {
-            let direction = normalize(normal);
+            let direction = normal.normalize_or_zero();
             let depth = if self.leaves_at_once(vertex, direction, &planes) {
                 0.0
             } else {
-                let point = self.mesh.positions[vertex as usize];
+                let point = Vector::from(self.mesh.positions[vertex as usize]);
                 distance_to_exit(point, direction, &planes, found.depth.max(NEGLIGIBLE))
             };
             if depth > found.depth {
@@ -231,12 +232,12 @@ impl<'a> Judge<'a> {
         };
         // The deepest so far come first: the deeper the start, the less is left for the others.
         let _ = [first.deepest, second.deepest].into_iter().all(|Depth { vertex, .. }| {
-            let normal = add(first.normal_at(vertex), second.normal_at(vertex));
+            let normal = first.normal_at(vertex) + second.normal_at(vertex);
             judge(vertex, normal)
         }) && union(&first.vertices, &second.vertices)
             .all(|(vertex, normal)| judge(vertex, normal));
         for &point in &hull.points {
-            if let Some(&vertex) = self.vertex_at.get(&bits(point)) {
+            if let Some(&vertex) = self.vertex_at.get(&bits(Vector::from(point))) {
                 self.places[vertex as usize] = NOWHERE;
             }
         }
@@ -246,7 +247,7 @@ impl<'a> Judge<'a> {
     /// Finds each vertex of the hull in the mesh, and its faces.
     fn index_faces(&mut self, hull: &ConvexHull) {
         for (place, &point) in (0..).zip(&hull.points) {
-            if let Some(&vertex) = self.vertex_at.get(&bits(point)) {
+            if let Some(&vertex) = self.vertex_at.get(&bits(Vector::from(point))) {
                 self.places[vertex as usize] = place;
             }
         }
@@ -280,12 +281,12 @@ impl<'a> Judge<'a> {
         }
         let range = self.ends[place as usize] as usize..self.ends[place as usize + 1] as usize;
         let mut faces = self.incident[range].iter();
-        faces.any(|&face| dot(planes[face as usize].0, direction) > PARALLEL)
+        faces.any(|&face| planes[face as usize].0.dot(direction) > PARALLEL)
     }
 }
 
 fn bits(point: Vector) -> [u64; 3] {
-    point.map(f64::to_bits)
+    point.to_array().map(f64::to_bits)
 }
 
 /// How far a ray from a point inside a hull runs until it leaves, or anything up to `enough`
@@ -298,9 +299,9 @@ fn distance_to_exit(
 ) -> f64 {
     let mut nearest = f64::INFINITY;
     for &(normal, offset) in planes {
-        let towards = dot(normal, direction);
+        let towards = normal.dot(direction);
         if towards > PARALLEL {
-            nearest = nearest.min(((offset - dot(normal, point)) / towards).max(0.0));
+            nearest = nearest.min(((offset - normal.dot(point)) / towards).max(0.0));
             if nearest <= enough {
                 return nearest;
             }

@@ -2,7 +2,6 @@
 
 use hullwright::MeshView;
 use hullwright::internals::shapes::{cuboid, join, torus, turn};
-use hullwright::internals::vector::distance;
 use hullwright::internals::{Adjacency, CostScratch, Grouping, TriangleMesh, cost, members};
 
 use super::collapse::{Threshold, collapse};
@@ -144,7 +143,7 @@ fn a_cube_is_one_surface_without_border() {
         let corners = mesh.triangles[next as usize].map(|v| mesh.positions[v as usize]);
         let sides = adjacency.triangle_neighbours(next);
         let shared = (0..3).filter(|&side| inside.contains(&sides[side]));
-        let length = shared.map(|s| distance(corners[s], corners[(s + 1) % 3])).sum();
+        let length = shared.map(|s| corners[s].distance(corners[(s + 1) % 3])).sum();
         whole = joined(&mut judge, &whole, &all[next as usize], length);
         inside.push(next);
     }
@@ -257,7 +256,7 @@ fn border(mesh: &TriangleMesh, adjacency: &Adjacency, first: &Surface, second: &
     let shared = sides.filter(|&(triangle, side, _)| {
         second.triangles.contains(&adjacency.triangle_neighbours(triangle)[side])
     });
-    shared.map(|(_, side, c)| distance(c[side], c[(side + 1) % 3])).sum()
+    shared.map(|(_, side, c)| c[side].distance(c[(side + 1) % 3])).sum()
 }
 
 #[test]
