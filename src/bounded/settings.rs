@@ -4,7 +4,7 @@
 use std::ops::RangeInclusive;
 
 use crate::parameters::{Length, Parameters, Preset};
-use crate::solid::{COARSE, MIN_SEARCH_SHARE};
+use crate::solid::COARSE;
 
 /// The search uses this share of the bound. The rest is a margin for what the search's fit test
 /// overlooks. With 0.94 or more the search ends with 2 to 4 % fewer hulls, but verification divides
@@ -14,8 +14,6 @@ const SEARCH_SHARE: f64 = 0.9;
 /// The last round of dissolving uses this share of the bound. With more, as many hulls fail
 /// verification, and are divided, as the round saves; with 0.97 it saves fewer.
 const LAST_ROUND_SHARE: f64 = 0.985;
-
-const _: () = assert!(MIN_SEARCH_SHARE <= SEARCH_SHARE && LAST_ROUND_SHARE <= 1.0);
 
 /// Distance, in bounds, by which the surface may lie outside a hull that leaves out vertices. A
 /// fraction of the bound, since gaps under objects are more visible than protrusions; without it

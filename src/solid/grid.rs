@@ -34,9 +34,6 @@ const MIN_EXTENT: f64 = 1e-6;
 /// outside the mesh, and one for rounding.
 const BORDER: f64 = 3.0;
 
-/// Half the diagonal of a cell over its side.
-const HALF_DIAGONAL: f64 = 0.8660254037844387;
-
 /// More than the rounding of distances to single precision, as a fraction of the diagonal, and of winding numbers.
 pub(super) const ROUNDING: f64 = 1e-6;
 
@@ -170,16 +167,6 @@ pub(super) struct Ball {
     pub side: Side,
 }
 
-/// What is true for all points of a cell.
-pub(super) enum CellClass {
-    /// Inside the solid, or near it.
-    Near,
-    /// Outside the solid, and far from it.
-    Far,
-    /// Unknown, or different from point to point.
-    Mixed,
-}
-
 impl Grid {
     /// A grid over a surface: cells whose half diagonal is half the bound, or larger ones where those were too many.
     pub fn new(surface: Surface, positions: &[Vector], bound: f64) -> Self {
@@ -259,6 +246,13 @@ impl Grid {
             is_free.collect::<Vec<bool>>()
         });
         layers.concat()
+    }
+
+    /// The greatest distance from any point of a face to a triangle of the surface.
+    #[inline]
+    pub fn upper_to_triangle(&self, face: [Vector; 3], triangle: u32) -> f64 {
+        let [a, b, c] = face.map(|corner| self.surface.tree.distance_to_triangle(corner, triangle));
+        a.max(b).max(c)
     }
 
     /// The cells that share a side with a cell, by their indices; `None` beyond the border.
@@ -389,30 +383,6 @@ impl Grid {
         let ball = if is_inside { radius } else { -radius };
         store(&block.ball, ball);
         ball
-    }
-
-    /// What is true for all points of a cell: that they are in the solid or at most `near` away from it, or that they
-    /// are outside and farther than `far`.
-    #[inline]
-    pub fn class_at(&self, point: Vector, near: f64, far: f64) -> CellClass {
-        let (_, place) = self.place(point);
-        let cell = self.cell(place);
-        let half = HALF_DIAGONAL * f64::from(self.size);
-        let distance = f64::from(load(&cell.distance));
-        if distance + half <= near {
-            return CellClass::Near;
-        }
-        if distance <= half && distance - half <= far && half > near {
-            return CellClass::Mixed;
-        }
-        let is_inside = self.is_inside(cell, place);
-        if is_inside && (half <= near || half - f64::from(self.depth_of(cell, place)) <= near) {
-            CellClass::Near
-        } else if !is_inside && distance - half > far {
-            CellClass::Far
-        } else {
-            CellClass::Mixed
-        }
     }
 
     /// Whether a cell's centre is inside.
@@ -725,15 +695,6 @@ impl Location<'_> {
     }
 }
 
-impl Grid {
-    /// The greatest distance from any point of a face to a triangle of the surface.
-    #[inline]
-    pub fn upper_to_triangle(&self, face: [Vector; 3], triangle: u32) -> f64 {
-        let [a, b, c] = face.map(|corner| self.surface.tree.distance_to_triangle(corner, triangle));
-        a.max(b).max(c)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -777,7 +738,7 @@ mod tests {
                 let point = spread(number);
                 let closest = grid.surface.tree.closest_point(point, f64::INFINITY).unwrap();
                 // Fit tests need the sides of cells as well.
-                grid.class_at(point, 0.018, 0.03);
+                let _ = grid.locate(point).side();
                 (number, grid.locate(point).depth_at_distance(point, closest.distance, 0.0))
             })
             .collect();

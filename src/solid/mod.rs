@@ -30,7 +30,7 @@ mod uncovered;
 pub(crate) use boundary::Boundary;
 pub(crate) use fit::FitTester;
 pub(crate) use protrusion::{SharedSuspects, keeps_bound, protrusion};
-pub(crate) use solid::{COARSE, MIN_SEARCH_SHARE, Solid};
+pub(crate) use solid::{COARSE, Solid};
 pub(crate) use subdivide::{Scratch, centre};
 pub(crate) use surface::Side;
 pub(crate) use uncovered::{HullDistance, PointGroups, distance_outside, uncovered_distance};

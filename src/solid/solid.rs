@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::boundary::Boundary;
-use super::grid::{Ball, CellClass, Grid, Location, ROUNDING};
+use super::grid::{Ball, Grid, Location, ROUNDING};
 use super::surface::{Side, Surface};
 use crate::bvh::Bvh;
 use crate::clustering::Clustered;
@@ -20,9 +20,6 @@ use crate::mesh::{PreparedMesh, TriangleMesh};
 /// with the triangles near them. Denser ones are simplified.
 pub(crate) const COARSE: usize = 2400;
 
-/// Only verification tests less than this fraction of the bound, so that cells of the grid can be classified by it.
-pub(crate) const MIN_SEARCH_SHARE: f64 = 0.9;
-
 /// A point outside whose upper bound exceeds the bound by this factor is beyond it: the excess of the upper bound is a
 /// fraction of a cell, and most cells measure 0.58 of the bound. Less is decided by the tree.
 pub(super) const CERTAINLY_BEYOND: f64 = 1.5;
@@ -30,8 +27,6 @@ pub(super) const CERTAINLY_BEYOND: f64 = 1.5;
 /// The source mesh as a solid, or a reduced one that represents it.
 pub(crate) struct Solid {
     pub(super) grid: Grid,
-    /// The bound that the grid is made for.
-    bound: f64,
     pub(super) is_coarse: bool,
     /// The deepest point of each cavity that no hull may contain, and its distance from the surface.
     pub(super) cavities: Vec<(Vector, f64)>,
@@ -111,7 +106,6 @@ impl Solid {
         }
         Ok(Self {
             grid: Grid::new(surface, positions, bound),
-            bound,
             is_coarse: triangles.len() <= COARSE,
             cavities: Vec::new(),
             face_cache: FaceCache::new(),
@@ -210,20 +204,13 @@ impl Solid {
         }
     }
 
-    /// Whether a point is in the solid or at most `bound` away from it, for a bound between
-    /// [`MIN_SEARCH_SHARE`] of the solid's bound and all of it.
+    /// Whether a point is in the solid or at most `bound` away from it.
     #[inline]
     pub fn point_fits(&self, point: Vector, bound: f64) -> bool {
         match self.grid.ball(point) {
             Some(Ball { side: Side::Inside, .. }) => return true,
             Some(Ball { radius, .. }) if radius > bound => return false,
             _ => {}
-        }
-        let (near, far) = (MIN_SEARCH_SHARE * self.bound, CERTAINLY_BEYOND * self.bound);
-        match self.grid.class_at(point, near, far) {
-            CellClass::Near => return true,
-            CellClass::Far => return false,
-            CellClass::Mixed => {}
         }
         let at = self.locate(point);
         if at.upper <= bound {
