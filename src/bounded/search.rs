@@ -78,5 +78,5 @@ fn solid_of(
     control: &Control,
 ) -> Result<Solid, Error> {
     let Settings { bound, keep_cavities, .. } = *settings;
-    Solid::new(prepared, clustered, (bound.protrusion(), keep_cavities), control)
+    Solid::new(prepared, clustered, bound.protrusion(), keep_cavities, control)
 }

@@ -8,7 +8,7 @@
 //! centres, largest first, then where earlier hulls have protruded, then completely.
 
 use super::grid::Location;
-use super::solid::{CERTAINLY_BEYOND, FaceCache, FaceKey, Solid};
+use super::solid::{FaceCache, FaceKey, Solid};
 use super::subdivide::{Face, Part, Policy, Scratch, Suspects, Verdict, centre, halves, subdivide};
 use super::surface::Side;
 use crate::geometry::vector::{Vector, area_normal, as_arrays, squared};
@@ -60,7 +60,7 @@ impl Lenient<'_> {
         let centre = part.centre;
         match at.side() {
             Some(Side::Inside) => {}
-            Some(Side::Outside) if at.upper > CERTAINLY_BEYOND * bound => {
+            Some(Side::Outside) if at.lower > bound => {
                 return Some(self.protrudes(centre));
             }
             Some(Side::Outside) => {
@@ -103,9 +103,6 @@ impl Policy for Lenient<'_> {
         let &mut Self { solid, bound, .. } = self;
         let radius = part.radius;
         let reach = LENIENCE * radius;
-        if solid.is_deep(part.centre, reach - bound) {
-            return Verdict::Settled;
-        }
         let at = solid.locate(part.centre);
         if at.upper + reach <= bound
             || radius > LONG * bound && at.upper_of_face(part.corners, bound) <= bound
@@ -124,12 +121,14 @@ impl Policy for Lenient<'_> {
                 && reach - at.lower <= bound
                 && at.side() == Some(Side::Inside)
         };
-        let is_deep =
-            || !solid.is_closed() && at.depth().is_some_and(|depth| reach - depth <= bound);
-        if radius <= SMALL * bound || is_deep() || is_inside() {
+        let is_ball_inside = || {
+            let is_coarse_and_open = solid.is_coarse() && !solid.is_closed();
+            is_coarse_and_open && at.depth().is_some_and(|depth| reach - depth <= bound)
+        };
+        if radius <= SMALL * bound || is_ball_inside() || is_inside() {
             Verdict::Settled
         } else {
-            Verdict::Halve
+            Verdict::Open
         }
     }
 
@@ -139,7 +138,7 @@ impl Policy for Lenient<'_> {
 
     fn judge_outside(&mut self, centre: Vector) -> Verdict {
         if self.solid.tree().is_within(centre, self.bound) {
-            Verdict::Halve
+            Verdict::Open
         } else {
             self.protrudes(centre)
         }
@@ -442,7 +441,7 @@ mod tests {
         fn coarse(name: &'static str, mesh: &TriangleMesh, bound: f64) -> Self {
             let control = Control::new();
             let prepared = prepare(mesh.view(), MeshOrder::Place, &control).unwrap();
-            let solid = Solid::new(&prepared, None, (bound, false), &control).unwrap();
+            let solid = Solid::new(&prepared, None, bound, false, &control).unwrap();
             assert!(solid.is_coarse());
             Self { name, solid, corners: into_vectors(prepared.mesh.positions) }
         }

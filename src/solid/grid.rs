@@ -1,8 +1,8 @@
-//! A grid in front of a surface. Its cells know the closest point of the surface to their centre, and on which side they
-//! are: that answers most questions of a fit test without the tree.
+//! A grid in front of a surface. Its cells hold the closest point of the surface to their centre, and their side: that
+//! answers most questions of a fit test without the tree.
 //!
 //! A cell is filled when it is first needed. The faces of hulls touch few cells, so that a mesh costs what its shape does,
-//! however small the bound. Blocks of 64 cells know how far the surface is from their centre: that settles most points
+//! however small the bound. Blocks of 64 cells hold the distance of their centre from the surface: that settles most points
 //! far from it, and their cells stay empty. What a cell holds depends on the cell alone, so that threads may fill it at
 //! the same time, and no result depends on which was first. Distances are exact up to single precision.
 //!
@@ -40,6 +40,10 @@ pub(super) const ROUNDING: f64 = 1e-6;
 /// The surface does not pass between the centres of two cells if their distances from it add up to more than
 /// the distance between them, times this: a margin for rounding.
 const FREE: f32 = 1.01;
+
+/// A cell whose centre is farther than this from the surface, as a multiple of its side, is crossed by none of it on the
+/// way to a neighbour: half a side, and a margin.
+const FREE_OF_SIDES: f32 = 0.8;
 
 /// In an open surface, a depth below this fraction of the distance to it is not worth a sum over the boundary.
 const LEAST_DEPTH: f64 = 0.1;
@@ -200,7 +204,7 @@ impl Grid {
         Location { grid: self, cell, place, relative, away, lower, upper }
     }
 
-    /// The ball around a point that its block knows of. In an open solid the inside may end where no surface is.
+    /// The ball around a point that follows from its block. In an open solid the inside may end where no surface is.
     #[inline]
     pub fn ball(&self, point: Vector) -> Option<Ball> {
         let (relative, place) = self.place(point);
@@ -227,7 +231,7 @@ impl Grid {
     /// Fills few more cells than those near the limit. O(cells).
     pub fn free_cells(&self, bound: f64) -> Vec<bool> {
         let [width, height, depth] = self.dimensions;
-        let limit = (bound as f32).max(0.8 * self.size);
+        let limit = (bound as f32).max(FREE_OF_SIDES * self.size);
         let layers = parallel::map_indices(depth, |z| {
             let cells = (0..height).flat_map(|y| (0..width).map(move |x| [x, y, z]));
             let is_free = cells.map(|place| {
@@ -528,7 +532,7 @@ impl Grid {
         if change > MOST_CHANGE {
             return None;
         }
-        let turns = self.turns_of_another(cell, place, (known, change)).unwrap_or_else(|| {
+        let turns = self.turns_of_another(cell, place, known, change).unwrap_or_else(|| {
             let number = self.surface.winding_number(self.absolute(centre));
             (number - known.number).round() as i32
         });
@@ -545,7 +549,8 @@ impl Grid {
         &self,
         cell: &Cell,
         place: Place,
-        (known, change): (&BlockWinding, f64),
+        known: &BlockWinding,
+        change: f64,
     ) -> Option<i32> {
         let own_centre = self.block_centre(place);
         self.others(place).find_map(|other| {
@@ -672,7 +677,7 @@ impl Location<'_> {
         self.grid.upper_to_triangle(face, self.triangle()).min(to_point)
     }
 
-    /// What the cell and its block know about the winding number of an open surface.
+    /// Bounds on the winding number of an open surface, by the cell and its block.
     fn winding(&self) -> Option<Winding> {
         let Self { grid, cell, place, relative, .. } = *self;
         if self.away >= load(&cell.distance) {

@@ -63,7 +63,7 @@ pub(crate) fn protrusion(
     control: &Control,
 ) -> Result<f64, Error> {
     let unresolved = if solid.is_closed() { UNRESOLVED } else { UNRESOLVED_IN_OPEN };
-    let mut exact = Exact::new(solid, (bound, limit), unresolved * bound, control);
+    let mut exact = Exact::new(solid, bound, limit, unresolved * bound, control);
     if exact.cavities_exceed(hull) {
         return Ok(exact.known);
     }
@@ -99,7 +99,7 @@ pub(crate) fn keeps_bound(
     if !faces.iter().copied().all(fits) {
         return Ok(false);
     }
-    let new = || Exact::new(solid, (bound, bound), (1.0 - RESOLUTION) * bound, control);
+    let new = || Exact::new(solid, bound, bound, (1.0 - RESOLUTION) * bound, control);
     let exceeds_at = |face, point| {
         let mut exact = new();
         solid.outside(point, bound).is_some()
@@ -153,7 +153,8 @@ impl<'a> Exact<'a> {
     /// Protrusions of no more than `unresolved` are not resolved.
     fn new(
         solid: &'a Solid,
-        (bound, limit): (f64, f64),
+        bound: f64,
+        limit: f64,
         unresolved: f64,
         control: &'a Control,
     ) -> Self {
@@ -260,9 +261,6 @@ impl Policy for Exact<'_> {
         let &Part { corners, centre, radius } = part;
         let (known, enough) = (self.known, self.enough());
         let to_own_surface = enough - displacement;
-        if solid.is_deep(centre, radius - to_own_surface) {
-            return Verdict::Settled;
-        }
         let at = solid.locate(centre);
         if at.upper_of_face(corners, to_own_surface) <= to_own_surface
             || at.depth().is_some_and(|depth| radius - depth <= to_own_surface)
@@ -277,7 +275,7 @@ impl Policy for Exact<'_> {
             && displacement == 0.0
             && solid.tree().distance_to_triangle(centre, guess) <= known
         {
-            return Verdict::Halve;
+            return Verdict::Open;
         }
         let Some(distance) = solid.measure(centre, guess) else {
             return self.stop(End::Exceeds(f64::INFINITY));
@@ -312,7 +310,7 @@ impl Policy for Exact<'_> {
                 }
             }
         }
-        if may_halve { Verdict::Halve } else { Verdict::Settled }
+        if may_halve { Verdict::Open } else { Verdict::Settled }
     }
 
     fn near(&self) -> f64 {
@@ -320,7 +318,7 @@ impl Policy for Exact<'_> {
     }
 
     fn judge_outside(&mut self, _: Vector) -> Verdict {
-        Verdict::Halve
+        Verdict::Open
     }
 }
 
@@ -515,7 +513,7 @@ mod tests {
         let control = Control::new();
         let prepared = prepare(mesh.view(), MeshOrder::Place, &control).unwrap();
         let clustered = cluster(&prepared, BOUND, 4.0 * BOUND, &control).unwrap();
-        let solid = Solid::new(&prepared, clustered, (BOUND, false), &control).unwrap();
+        let solid = Solid::new(&prepared, clustered, BOUND, false, &control).unwrap();
         let TriangleMesh { positions, triangles, .. } = prepared.mesh;
         let source = Bvh::new(as_vectors(&positions), &triangles);
         (into_vectors(positions), solid, source)

@@ -22,17 +22,17 @@ use crate::geometry::vector::{Vector, area_normal, bounds};
 const TRIANGLES_PER_PART: f64 = 0.25;
 const MAX_TRIANGLES: RangeInclusive<f64> = 24.0..=256.0;
 
-/// A face of a smaller radius, in heights, is halved: it ends with few parts.
+/// A face of a smaller radius, as a multiple of the height, is halved: it ends with few parts.
 const MIN_RADIUS: f64 = 12.0;
 
-/// The same for parts.
+/// A face that falls into more parts is halved instead: each further triangle takes time for all of them.
 const MAX_PARTS: usize = 64;
 
-/// Parts and triangles narrower than this, in diagonals, have no area: their points are as near to
+/// Parts and triangles narrower than this, as a fraction of the diagonal, have no area: their points are as near to
 /// a neighbouring part.
 const NARROW: f64 = 4.0 * ON_LINE;
 
-/// A face of a smaller height over its longest side, in diagonals, is halved instead.
+/// A face of a smaller height over its longest side, as a fraction of the diagonal, is halved instead.
 const NEEDLE: f64 = 1e-7;
 
 /// Scratch memory, and the remaining parts of the last face.
@@ -131,7 +131,7 @@ impl Remainder {
     }
 
     /// What the triangles cover of a face, the largest first.
-    fn cast_shadows(&mut self, face: &Polygon, height: f64) -> Result<(), TooManyVertices> {
+    fn cast_shadows(&mut self, face: &Polygon, height: f64) -> Result<(), TooComplex> {
         self.shadows.clear();
         for &corners in &self.triangles {
             let polygon = self.shadow(corners, height)?;
@@ -163,7 +163,7 @@ impl Remainder {
     }
 
     /// Takes away from all parts what a triangle covers.
-    fn subtract(&mut self, shadow: &Shadow) -> Result<(), TooManyVertices> {
+    fn subtract(&mut self, shadow: &Shadow) -> Result<(), TooComplex> {
         let Shadow { polygon: shadow, size } = shadow;
         let is_narrow = *size < 0.0;
         self.sides.clear();
@@ -197,11 +197,11 @@ impl Remainder {
             }
         }
         self.parts.append(&mut self.other);
-        if self.parts.len() > MAX_PARTS { Err(TooManyVertices) } else { Ok(()) }
+        if self.parts.len() > MAX_PARTS { Err(TooComplex) } else { Ok(()) }
     }
 
     /// The part of a triangle that is at most `height` from the plane, projected onto it.
-    fn shadow(&self, corners: [Vector; 3], height: f64) -> Result<Polygon, TooManyVertices> {
+    fn shadow(&self, corners: [Vector; 3], height: f64) -> Result<Polygon, TooComplex> {
         let heights = corners.map(|corner| self.frame.normal.dot(corner - self.frame.origin));
         let points = corners.map(|corner| self.frame.flat(corner));
         let mut shadow = Polygon::EMPTY;
@@ -233,7 +233,7 @@ impl Remainder {
 /// A point of a face's plane.
 type Point = [f64; 2];
 
-/// Vertices at most. Each cut adds one.
+/// Vertices at most: a triangle within a slab has up to seven, and a cut adds one to a polygon. Others are too complex.
 const MAX_VERTICES: usize = 9;
 
 /// Points this near to a line, in diagonals, are on it: more than rounding, far less than any
@@ -250,8 +250,8 @@ struct Polygon {
     high: Point,
 }
 
-/// A polygon that has no room for another vertex.
-struct TooManyVertices;
+/// A polygon has no room for another vertex, or a face falls into too many parts.
+struct TooComplex;
 
 impl Polygon {
     const EMPTY: Self = Self {
@@ -261,8 +261,8 @@ impl Polygon {
         high: [f64::NEG_INFINITY; 2],
     };
 
-    fn push(&mut self, point: Point) -> Result<(), TooManyVertices> {
-        let place = self.vertices.get_mut(self.count).ok_or(TooManyVertices)?;
+    fn push(&mut self, point: Point) -> Result<(), TooComplex> {
+        let place = self.vertices.get_mut(self.count).ok_or(TooComplex)?;
         *place = point;
         self.count += 1;
         self.low = [0, 1].map(|axis| self.low[axis].min(point[axis]));
@@ -329,7 +329,7 @@ impl Polygon {
     }
 
     /// The parts on the left and on the right of a line; `None` where there is none.
-    fn split(&self, line: &Line) -> Result<(Option<Self>, Option<Self>), TooManyVertices> {
+    fn split(&self, line: &Line) -> Result<(Option<Self>, Option<Self>), TooComplex> {
         let mut heights = [0.0; MAX_VERTICES];
         let (mut any_left, mut any_right) = (false, false);
         for (height, &point) in heights.iter_mut().zip(self.vertices()) {

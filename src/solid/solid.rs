@@ -20,10 +20,6 @@ use crate::mesh::{PreparedMesh, TriangleMesh};
 /// with the triangles near them. Denser ones are simplified.
 pub(crate) const COARSE: usize = 2400;
 
-/// A point outside whose upper bound exceeds the bound by this factor is beyond it: the excess of the upper bound is a
-/// fraction of a cell, and most cells measure 0.58 of the bound. Less is decided by the tree.
-pub(super) const CERTAINLY_BEYOND: f64 = 1.5;
-
 /// The source mesh as a solid, or a reduced one that represents it.
 pub(crate) struct Solid {
     pub(super) grid: Grid,
@@ -57,7 +53,8 @@ impl Solid {
     pub fn new(
         prepared: &PreparedMesh,
         clustered: Option<Arc<Clustered>>,
-        (bound, keep_cavities): (f64, bool),
+        bound: f64,
+        keep_cavities: bool,
         control: &Control,
     ) -> Result<Self, Error> {
         if let Some(clustered) = clustered {
@@ -154,13 +151,6 @@ impl Solid {
         self.grid.locate(point)
     }
 
-    /// Whether a point is at least so deep inside that its block shows it: no cell is filled for that.
-    #[inline]
-    pub(super) fn is_deep(&self, point: Vector, depth: f64) -> bool {
-        let ball = self.grid.ball(point);
-        ball.is_some_and(|ball| ball.side == Side::Inside && ball.radius >= depth)
-    }
-
     /// Bounds on the distance of a point from the source. `guess` is a triangle of the solid that may be near
     /// and makes it faster. `None` if the solid has no surface. O(log n).
     pub(super) fn measure(&self, point: Vector, guess: u32) -> Option<SourceDistance> {
@@ -219,7 +209,7 @@ impl Solid {
         let is_within = || self.tree().is_within(point, bound);
         match at.side() {
             Some(Side::Inside) => true,
-            Some(Side::Outside) => at.upper <= CERTAINLY_BEYOND * bound && is_within(),
+            Some(Side::Outside) => at.lower <= bound && is_within(),
             None => is_within() || self.side(point) == Side::Inside,
         }
     }

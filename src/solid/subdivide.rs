@@ -33,7 +33,8 @@ impl Part {
 pub(super) enum Verdict {
     /// It does not matter any more.
     Settled,
-    Halve,
+    /// Its parts have to be judged.
+    Open,
     /// The question is answered. The policy holds the answer.
     Stop,
 }
@@ -58,14 +59,14 @@ pub(crate) struct Scratch {
 }
 
 /// Halves faces until each part is settled, or the policy stops; then the rest stays on the stack. If `around` is a point
-/// of a face, only the parts that contain it are judged, a few of hundreds. Returns whether all is settled.
+/// of a face, only the parts that contain it are judged, a few of hundreds.
 pub(super) fn subdivide(
     solid: &Solid,
     faces: impl Iterator<Item = Face>,
     around: Option<Vector>,
     policy: &mut impl Policy,
     Scratch { stack, remainder }: &mut Scratch,
-) -> bool {
+) {
     let matters = |&part: &Face| around.is_none_or(|point| is_within_sides(part, point));
     stack.clear();
     stack.extend(faces.map(|face| (face, solid.is_coarse())));
@@ -73,8 +74,8 @@ pub(super) fn subdivide(
         let part = Part::new(corners);
         match policy.judge(&part) {
             Verdict::Settled => continue,
-            Verdict::Stop => return false,
-            Verdict::Halve => {}
+            Verdict::Stop => return,
+            Verdict::Open => {}
         }
         let is_taken_apart =
             may_be_crossed && remainder.find(corners, part.radius, policy.near(), solid.tree());
@@ -95,14 +96,13 @@ pub(super) fn subdivide(
                 }
                 match policy.judge_outside(centre) {
                     Verdict::Settled => continue,
-                    Verdict::Stop => return false,
-                    Verdict::Halve => {}
+                    Verdict::Stop => return,
+                    Verdict::Open => {}
                 }
             }
             stack.extend(triangles.map(|part| (part, false)));
         }
     }
-    true
 }
 
 #[inline]

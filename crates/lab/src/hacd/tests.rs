@@ -143,7 +143,8 @@ fn a_cube_is_one_surface_without_border() {
         let corners = mesh.triangles[next as usize].map(|v| mesh.positions[v as usize]);
         let sides = adjacency.triangle_neighbours(next);
         let shared = (0..3).filter(|&side| inside.contains(&sides[side]));
-        let length = shared.map(|s| corners[s].distance(corners[(s + 1) % 3])).sum();
+        let end = |s: usize| Vector::from(corners[s % 3]);
+        let length = shared.map(|s| end(s).distance(end(s + 1))).sum();
         whole = joined(&mut judge, &whole, &all[next as usize], length);
         inside.push(next);
     }
@@ -256,7 +257,8 @@ fn border(mesh: &TriangleMesh, adjacency: &Adjacency, first: &Surface, second: &
     let shared = sides.filter(|&(triangle, side, _)| {
         second.triangles.contains(&adjacency.triangle_neighbours(triangle)[side])
     });
-    shared.map(|(_, side, c)| c[side].distance(c[(side + 1) % 3])).sum()
+    let end = |c: [[f64; 3]; 3], side: usize| Vector::from(c[side % 3]);
+    shared.map(|(_, side, c)| end(c, side).distance(end(c, side + 1))).sum()
 }
 
 #[test]
