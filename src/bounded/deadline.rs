@@ -10,7 +10,7 @@ use super::settings::Settings;
 use crate::control::Control;
 use crate::error::Error;
 
-/// Where less time is left than preparing has taken, times this, the surface is divided as by the fastest
+/// Where less time is left than the solid has taken, times this, the surface is divided as by the fastest
 /// preset.
 const HURRIED_BELOW: f64 = 2.3;
 

@@ -47,8 +47,8 @@ pub(crate) struct Patches {
     /// A partition of the patches: parts of one group whose joint hull fits. Merging starts from them, where
     /// there are no conflicts among their patches.
     pub seeds: Vec<Vec<u32>>,
-    /// For each patch those that no hull can contain together with it, by the search's bound. Empty until pieces
-    /// have merged.
+    /// For each patch those that are not joined with it: a point between the two is outside by more than the search's
+    /// bound.
     pub conflicts: Vec<PatchSet>,
     /// The source, its long triangles halved.
     pub surface: Arc<TriangleMesh>,

@@ -1,7 +1,7 @@
 //! The solid: how far is this point from it, and on which side? Does this hull stay within the bound?
 //!
-//! [`Solid`] is the only door. A second solid is another `Surface` behind the same grid: it has to give the
-//! closest point, the side of a point, and how far the inside extends around it.
+//! [`Solid`] is the only door. A second solid is another surface, as triangles, for [`Solid::of_surface`]: how far these may
+//! be off adds to [`Solid::displacement`].
 //!
 //! | file | contents |
 //! |---|---|

@@ -1,11 +1,11 @@
 //! Finalizing: pieces become hulls with thickness and few vertices, each verified against the
-//! source and divided where it does not keep the bound.
+//! source and divided where it does not keep the bound. A single triangle may not keep it where a hull must be thicker
+//! than the bound: then the report says so.
 //!
 //! Takes a cover, gives the hulls of the result. Lengths are fractions of the diagonal.
 //!
 //! | file | contents |
 //! |---|---|
-//! | `verify/` | protrusion and uncovered distance, as upper bounds |
 //! | `hull_simplification` | vertices are saved |
 //! | `final_hull` | the final hull of some patches, and what it represents |
 //! | `division` | pieces whose hull does not keep the bound are halved, and halves join again |
