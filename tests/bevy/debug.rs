@@ -60,7 +60,7 @@ fn hulls_are_drawn_until_they_are_switched_off_and_again_when_on() {
         app.add_plugins((MeshPlugin, GizmoPlugin));
     });
     let cube = add(&mut app, unit_cube());
-    let entity = finish(&mut app, &cube, ());
+    let _ = finish(&mut app, &cube, ());
     let lines = |app: &mut App, is_drawn| {
         app.world_mut().resource_mut::<HullwrightDebug>().is_drawn = is_drawn;
         update_times(app, 3);

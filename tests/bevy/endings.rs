@@ -38,7 +38,7 @@ fn ready_says_hulls_verified_error_source_and_time() {
     let error = first.error.expect("a verified error");
     assert!(error.max() <= 0.02, "{error:?}");
 
-    let second = finish(&mut app, &mesh, ());
+    let _ = finish(&mut app, &mesh, ());
     let second = last(&app);
     assert_eq!((second.source, second.error), (HullSource::Shared, Some(error)));
 }

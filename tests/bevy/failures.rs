@@ -172,7 +172,7 @@ fn all_with_a_bad_density_fail_and_one_line_is_logged() {
     Log::install();
     let mut app = app_with(unhurried());
     let mesh = add(&mut app, unit_cube());
-    let first = finish(&mut app, &mesh, ());
+    let _ = finish(&mut app, &mesh, ());
     // No other test has this density: the text says the mass.
     let tag = tag().with_density(-1.25e-7);
     let entities: Vec<Entity> =

@@ -3,9 +3,8 @@
 use std::time::Duration;
 
 use bevy::prelude::*;
-use bevy_rapier3d::prelude::*;
+use hullwright::bevy::HullSource;
 use hullwright::bevy::prelude::*;
-use hullwright::bevy::{HullSource, SkipReason};
 
 use crate::app::*;
 
@@ -89,12 +88,12 @@ fn a_cache_without_room_keeps_nothing() {
 
 #[test]
 fn a_small_cache_drops_what_was_not_used_for_longest() {
-    let (mut app, entity) = finished(model("u_prism"), ());
+    let (mut app, _) = finished(model("u_prism"), ());
     let one = counters(&app).cached_bytes;
     assert!(one > 0);
     app.world_mut().resource_mut::<HullwrightSettings>().cache_bytes = one + one / 2;
     let other = add(&mut app, unit_cube());
-    let entity = finish(&mut app, &other, ());
+    let _ = finish(&mut app, &other, ());
     let after = counters(&app);
     assert!(after.cached_bytes <= one + one / 2);
     assert!(after.cached >= 1);
@@ -167,7 +166,7 @@ fn the_nearest_to_a_focus_goes_first() {
 fn no_more_colliders_are_attached_per_frame_than_allowed() {
     let mut app = app_with(HullwrightSettings { max_attached_per_frame: 3, ..default() });
     let mesh = add(&mut app, model("u_prism"));
-    let first = finish(&mut app, &mesh, ());
+    let _ = finish(&mut app, &mesh, ());
     let entities: Vec<Entity> = (0..7).map(|_| spawn(&mut app, &mesh)).collect();
     let finished = |app: &App| entities.iter().filter(|e| status(app, **e).is_finished()).count();
     let mut before = 0;

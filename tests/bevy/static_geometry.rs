@@ -115,8 +115,7 @@ fn floor(is_turned: bool) -> Mesh {
 #[test]
 fn a_box_slides_over_a_floor_of_triangles_without_a_bump() {
     for is_turned in [false, true] {
-        let (mut app, ground) =
-            finished(floor(is_turned), (automatic(), Friction::coefficient(0.0)));
+        let (mut app, _) = finished(floor(is_turned), (automatic(), Friction::coefficient(0.0)));
         let half = 0.2;
         let sliding = (
             RigidBody::Dynamic,

@@ -63,7 +63,7 @@ fn one_hull_on_request_is_that_of_all_points_without_a_decomposition() {
 #[test]
 fn the_bound_is_the_one_that_the_tag_says() {
     let tag = tag().with_max_error(0.05);
-    let (app, entity) = finished(model("u_prism"), tag);
+    let (app, _) = finished(model("u_prism"), tag);
     assert_eq!(counters(&app).last_bound, Some(0.05));
     assert!(counters(&app).last_protrusion.unwrap() <= 0.05);
 }
