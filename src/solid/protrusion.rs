@@ -459,8 +459,16 @@ mod tests {
         let hull = convex_hull(as_arrays(&corners)).unwrap();
         assert_eq!(solid.side(corners[2]), Side::Outside);
         assert_eq!(solid.side(Vector::new(0.5, 0.5, -0.3)), Side::Inside);
+        // No point of the solid is nearer to the tip than the nearest of a lattice, but for its spacing.
+        let steps = || (0..50).map(|k| 0.02 * f64::from(k));
+        let lattice = steps()
+            .flat_map(|x| steps().flat_map(move |y| steps().map(move |z| Vector::new(x, y, -z))));
+        let inside = lattice.filter(|&point| solid.side(point) == Side::Inside);
+        let nearest = inside.map(|point| point.distance(corners[2])).fold(depth, f64::min);
+        let least = nearest - 0.02 * 3f64.sqrt();
+        assert!(least > bound, "{least}");
         let found = protrusion(&hull, &solid, bound, f64::INFINITY, &control).unwrap();
-        assert!(found >= depth, "{found}");
+        assert!(found >= least, "{found}, {least}");
     }
 
     fn cube(low: Vector) -> ConvexHull {

@@ -2,6 +2,7 @@
 
 use hullwright::MeshView;
 use hullwright::internals::shapes::{cuboid, join, torus, turn};
+use hullwright::internals::vector::Vector;
 use hullwright::internals::{Adjacency, CostScratch, Grouping, TriangleMesh, cost, members};
 
 use super::collapse::{Threshold, collapse};
