@@ -260,7 +260,7 @@ mod tests {
         let mut found = String::from("model patches merge cover hulls\n");
         for name in ["chair", "dog", "gear", "lamp", "mug", "table", "teapot", "torus"] {
             let mesh = crate::io::read_mesh(&assets.join(format!("{name}.glb"))).unwrap();
-            let [patches, merged, covered, hulls] = counts(mesh.view());
+            let [patches, merged, covered, hulls] = counts(mesh.mesh.view());
             assert!(patches >= merged && merged >= covered, "{name}");
             writeln!(found, "{name} {patches} {merged} {covered} {hulls}").unwrap();
         }
