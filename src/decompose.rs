@@ -259,7 +259,7 @@ mod tests {
         let (assets, record) = (root.join("assets"), root.join("tests/data/stages.txt"));
         let mut found = String::from("model patches merge cover hulls\n");
         for name in ["chair", "dog", "gear", "lamp", "mug", "table", "teapot", "torus"] {
-            let mesh = crate::io::read_mesh(&assets.join(format!("{name}.glb"))).unwrap();
+            let mesh = crate::io::read_mesh(assets.join(format!("{name}.glb"))).unwrap();
             let [patches, merged, covered, hulls] = counts(mesh.mesh.view());
             assert!(patches >= merged && merged >= covered, "{name}");
             writeln!(found, "{name} {patches} {merged} {covered} {hulls}").unwrap();

@@ -322,10 +322,12 @@ mod tests {
             assert_eq!(method.to_string(), text);
         }
         assert_eq!(TEXTS[5].parse(), Ok(Method::from(SurfaceParameters::paper())));
-        let mut surface = SurfaceParameters::default();
-        surface.maximum_resolutions = vec![250, 500];
-        surface.planar_thresholds = vec![0.01, 0.25];
-        surface.unit = Length::units(1.5);
+        let surface = SurfaceParameters {
+            maximum_resolutions: vec![250, 500],
+            planar_thresholds: vec![0.01, 0.25],
+            unit: Length::units(1.5),
+            ..SurfaceParameters::default()
+        };
         assert_eq!(TEXTS[7].parse(), Ok(Method::Surface(surface)));
         let hull = Parameters::default().max_vertices(16).openings(Openings::Keep);
         assert_eq!(TEXTS[10].parse(), Ok(Method::Hull(hull)));

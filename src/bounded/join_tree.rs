@@ -252,7 +252,7 @@ impl<'a> Pairs<'a> {
 
     fn find_witness(&self, nodes: &[Node], (a, b): Pair, effort: Effort) -> (Witness, f64) {
         let pair = [a as usize, b as usize];
-        let hulls = pair.map(|part| &nodes[part].hull.points()[..]);
+        let hulls = pair.map(|part| nodes[part].hull.points());
         find_witness(hulls, pair.map(|part| self.centres[part]), self.solid, effort)
     }
 

@@ -438,9 +438,9 @@ mod tests {
     fn patches_conflict_where_there_is_a_gap_between_them() {
         let conflicts = two_cubes();
         let half = conflicts.len() / 2;
-        for a in 0..2 * half {
+        for (a, of_a) in conflicts.iter().enumerate() {
             for b in 0..2 * half {
-                let is_conflict = conflicts[a].contains(b as u32);
+                let is_conflict = of_a.contains(b as u32);
                 assert_eq!(is_conflict, (a < half) != (b < half), "{a} and {b}");
             }
         }

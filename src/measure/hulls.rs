@@ -228,7 +228,7 @@ impl MeasuredHull {
         let check = check(
             &points,
             hull.triangles(),
-            convex.as_ref().map(|convex| (&convex.points()[..], &convex.triangles[..])),
+            convex.as_ref().map(|convex| (convex.points(), &convex.triangles[..])),
             min.distance(max),
             normalization.diagonal,
         );
