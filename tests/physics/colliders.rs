@@ -88,7 +88,8 @@ fn what_leaves_no_body_is_an_error() {
 #[test]
 fn parrys_shapes_become_ours_and_back() {
     let positions = [[0.0_f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    let mesh = MeshView::new(&positions, &[[0, 2, 1], [0, 1, 3]]);
+    // Parry numbers vertices in the order of their first use.
+    let mesh = MeshView::new(&positions, &[[0, 1, 2], [0, 2, 3]]);
     let shape = rapier::triangle_mesh(mesh, TriMeshFlags::FIX_INTERNAL_EDGES).unwrap();
     assert_eq!(TriangleMesh::from(&shape), mesh.to_owned());
     let hull = hullwright::convex_hull(&positions.map(|point| point.map(f64::from))).unwrap();
