@@ -79,11 +79,8 @@ impl Shared {
         threshold: f64,
         surface: &SurfaceParameters,
     ) -> Result<Option<Found>, String> {
-        let parameters = HacdParameters {
-            concavity_threshold: threshold,
-            surface: surface.clone(),
-            ..HacdParameters::default()
-        };
+        let parameters =
+            HacdParameters { concavity_threshold: threshold, surface: surface.clone() };
         let control =
             Control::new().with_parallel(false).with_deadline(Instant::now() + self.limits.time);
         let start = Instant::now();
