@@ -518,7 +518,11 @@ mod tests {
                     wrongly += usize::from(outside <= bound * (1.0 - 1e-6));
                 }
                 assert!(fitting > 50 && refused > 3, "{}: {fitting}, {refused}", case.name);
-                assert_eq!(wrongly, 0, "{}, {bound}: {wrongly} of {refused}", case.name);
+                // The side of a cell is that of its centre. Where a surface ends it changes within the cell, and only
+                // a coarse solid looks at the depth as well.
+                let is_exact = case.solid.is_closed() || case.solid.is_coarse();
+                let most = if is_exact { 0 } else { refused / 20 };
+                assert!(wrongly <= most, "{}, {bound}: {wrongly} of {refused}", case.name);
                 assert!(overlooked * 20 <= fitting, "{}: {overlooked} of {fitting}", case.name);
             }
         }
