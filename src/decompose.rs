@@ -128,7 +128,7 @@ pub(crate) async fn pipeline(
     let deadline_reached = deadline.is_cut_short() || stages.is_late();
     stages.begin(FINISH, FINISHED..1.0);
     let Found { patches, hulls, .. } = &best;
-    let asked = settings.bound.protrusion();
+    let asked = settings.bound.verified();
     let restore = || Ok(BoundedResult::new(prepared, patches, hulls, asked));
     let BoundedResult { hulls, grouped, report } = stages.run(Stage::Finalize, restore).await?;
     Ok(Decomposition { hulls, grouped, run: input.report(stages, deadline_reached), report })
@@ -181,7 +181,7 @@ async fn limit(
     stages: &mut Stages,
     deadline: &mut Deadline,
 ) -> Result<Found, Error> {
-    let mut bounds = BoundSearch::new(settings.bound.protrusion());
+    let mut bounds = BoundSearch::new(settings.bound.verified());
     stages.begin(LIMIT, SEARCHED..SEARCHED);
     let mut best = joined(found, settings, stages).await?;
     while let Some(bound) = bounds.next_bound(best.hulls.error()) {

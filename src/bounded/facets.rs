@@ -71,7 +71,7 @@ pub(super) struct Facets {
 
 /// Divides a surface into facets.
 pub(super) fn facets(mesh: &TriangleMesh, settings: &Settings) -> Facets {
-    let bound = settings.bound.protrusion();
+    let bound = settings.bound.verified();
     let flatness = FLATNESS * bound;
     let adjacency = Adjacency::new(mesh);
     let groups = planar_groups(mesh, &adjacency, flatness);

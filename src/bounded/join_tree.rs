@@ -84,7 +84,7 @@ impl JoinTree {
             let protrusion = match verified {
                 Some(protrusion) => protrusion,
                 None => {
-                    protrusion(&hull, &solid, settings.bound.protrusion(), f64::INFINITY, control)?
+                    protrusion(&hull, &solid, settings.bound.verified(), f64::INFINITY, control)?
                 }
             };
             leaves.push((hull, protrusion));
@@ -265,7 +265,7 @@ impl<'a> Pairs<'a> {
             Some(most) => limit_vertices(&mut builder, hull, most, self.control)?,
             None => (hull, 0.0),
         };
-        let bound = self.settings.bound.protrusion();
+        let bound = self.settings.bound.verified();
         // It contains both and so protrudes at least as far; the upper bounds alone may disagree.
         let protrusion = protrusion(&hull, self.solid, bound, f64::INFINITY, self.control)?
             .max(first.protrusion)
@@ -318,7 +318,7 @@ mod tests {
         let (settings, control) =
             (Settings::after_search(&Parameters::default(), 1.0), Control::new());
         let mut nodes = boxes();
-        let solid = solid_of(&nodes, settings.bound.protrusion());
+        let solid = solid_of(&nodes, settings.bound.verified());
         let mut pairs = Pairs::new(&nodes, &solid, &settings, &control).unwrap();
         let mut left: Vec<u32> = (0..BOXES as u32).collect();
         while let Some(node) = pairs.pop(&nodes).unwrap() {
@@ -347,7 +347,7 @@ mod tests {
         let (settings, control) =
             (Settings::after_search(&Parameters::default(), 1.0), Control::new());
         let nodes = boxes();
-        let solid = solid_of(&nodes, settings.bound.protrusion());
+        let solid = solid_of(&nodes, settings.bound.verified());
         let pairs = Pairs::new(&nodes, &solid, &settings, &control).unwrap();
         let mut sum = [0.0; 2];
         for b in 0..BOXES as u32 {

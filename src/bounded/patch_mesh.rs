@@ -75,7 +75,7 @@ impl PatchMesh {
         let mut simplified = simplify(source, source_components, settings.triangles, control)?;
         control.check()?;
         // Patches of a surface that is another one would not fit, and end as single triangles.
-        if simplified.error > settings.bound.protrusion() && settings.triangles < COARSE {
+        if simplified.error > settings.bound.verified() && settings.triangles < COARSE {
             simplified = simplify(source, source_components, COARSE, control)?;
             control.check()?;
         }

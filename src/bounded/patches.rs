@@ -225,7 +225,7 @@ impl Division<'_> {
         let (mesh, bound) = (&self.mesh.mesh, self.settings.bound);
         let mut threshold = bound.grouping_threshold();
         let mut grouping = group(mesh, adjacency, threshold, threshold, self.control)?;
-        while grouping.count > MAX_GROUPS && threshold < bound.protrusion() {
+        while grouping.count > MAX_GROUPS && threshold < bound.verified() {
             threshold *= THRESHOLD_GROWTH;
             grouping = group(mesh, adjacency, threshold, threshold, self.control)?;
         }

@@ -55,7 +55,7 @@ fn clustered(
     let Settings { bound, keep_cavities, .. } = settings;
     match keep_cavities {
         true => Ok(None),
-        false => cluster(prepared, bound.protrusion(), bound.longest_edge(), control),
+        false => cluster(prepared, bound.verified(), bound.longest_edge(), control),
     }
 }
 
@@ -78,5 +78,5 @@ fn solid_of(
     control: &Control,
 ) -> Result<Solid, Error> {
     let Settings { bound, keep_cavities, .. } = *settings;
-    Solid::new(prepared, clustered, bound.protrusion(), keep_cavities, control)
+    Solid::new(prepared, clustered, bound.verified(), keep_cavities, control)
 }

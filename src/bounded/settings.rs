@@ -92,7 +92,7 @@ impl Bound {
     }
 
     /// The bound on the protrusion of the hulls that are returned.
-    pub(crate) fn protrusion(self) -> f64 {
+    pub(crate) fn verified(self) -> f64 {
         self.protrusion
     }
 

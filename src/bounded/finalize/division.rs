@@ -63,7 +63,7 @@ impl Division<'_> {
             // Points in a hollow are many. If its halves had to hold them too, they would break the cap on
             // vertices again, down to single triangles.
             let extends_over_hollow = points > 1;
-            let protrudes = hull.protrusion > settings.bound.protrusion();
+            let protrudes = hull.protrusion > settings.bound.verified();
             if points > 0 && (extends_over_hollow || protrudes) {
                 // A piece that extends over a hollow does without it first.
                 let represents = Represented { inner_points: Vec::new(), ..hull.represents };
@@ -110,7 +110,7 @@ impl Division<'_> {
             // The patch mesh's triangle may protrude where the source's does not. A patch that
             // represents nothing of the source can be dropped.
             if hull.represents.part.is_some() {
-                let bound = settings.bound.protrusion();
+                let bound = settings.bound.verified();
                 hull.protrusion = protrusion(&hull.hull, solid, bound, f64::INFINITY, control)?;
                 self.done.push(hull);
             } else if !triangles.is_empty() {
@@ -141,7 +141,7 @@ impl Division<'_> {
         }
         let (uncapped, _) =
             solid_hull(&mut self.builder, as_arrays(&points), [0.0; 3], LEAST_THICKNESS)?;
-        let (count, bound) = (uncapped.points.len(), settings.bound.protrusion());
+        let (count, bound) = (uncapped.points.len(), settings.bound.verified());
         if count <= max_vertices || protrusion(&uncapped, solid, bound, bound, control)? > bound {
             return Ok(None);
         }
@@ -182,7 +182,7 @@ pub(super) fn remerge(
     hulls: Vec<FinalHull>,
 ) -> Result<Vec<FinalHull>, Error> {
     let &Search { patches, settings, control, .. } = &context.search;
-    let gap = settings.bound.protrusion();
+    let gap = settings.bound.verified();
     let mut entries: Vec<Entry> = hulls.into_iter().map(Entry::new).collect();
     let mut queue = PairQueue::new(entries.len());
     let count = entries.len() as u32;
@@ -243,7 +243,7 @@ fn cheapest(
     let pairs: Vec<Pair> = candidates.iter().map(|&(_, pair, ())| pair).collect();
     let keeps = |&pair: &Pair| {
         let joint = hull_of_pair(entries, pair)?;
-        keeps_bound(&joint, solid, settings.bound.protrusion(), suspects, control)
+        keeps_bound(&joint, solid, settings.bound.verified(), suspects, control)
     };
     let mut verdicts = parallel::map_until(&pairs, keeps, |verdict| !matches!(verdict, Ok(false)));
     let Some(last) = verdicts.pop() else { return Ok(None) };

@@ -91,7 +91,7 @@ pub(crate) struct FinalHull {
 impl FinalHull {
     /// Whether it may be returned.
     pub(super) fn keeps_bound(&self, settings: &Settings) -> bool {
-        self.protrusion <= settings.bound.protrusion()
+        self.protrusion <= settings.bound.verified()
             && self.uncovered <= MAX_UNCOVERED_UNDER_CAP * settings.bound.uncovered()
     }
 }

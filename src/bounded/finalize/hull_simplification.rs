@@ -90,7 +90,7 @@ pub(super) fn simplify_hull(
         return attempts.keeping_cap();
     }
     let &Search { solid, settings, control, .. } = &context.search;
-    let bound = settings.bound.protrusion();
+    let bound = settings.bound.verified();
     let protrusion = protrusion(&original.hull, solid, bound, bound, control)?;
     let Original { hull, uncovered, .. } = original;
     Ok(Simplified { hull, growth: 0.0, protrusion, uncovered })
@@ -127,7 +127,7 @@ impl Attempts<'_> {
     fn keeping_cap(&mut self) -> Result<Simplified, Error> {
         let (original, max_vertices) = (self.original, self.max_vertices);
         let &Search { solid, settings, control, .. } = &self.context.search;
-        let (bound, uncovered_bound) = (settings.bound.protrusion(), settings.bound.uncovered());
+        let (bound, uncovered_bound) = (settings.bound.verified(), settings.bound.uncovered());
         let max_uncovered = (MAX_UNCOVERED * uncovered_bound).max(original.uncovered);
         let max_under_cap = (MAX_UNCOVERED_UNDER_CAP * uncovered_bound).max(original.uncovered);
         for share in COARSER {
@@ -213,7 +213,7 @@ impl Attempts<'_> {
         if uncovered > max_uncovered {
             return Ok(None);
         }
-        let bound = settings.bound.protrusion();
+        let bound = settings.bound.verified();
         let protrusion = protrusion(&hull, solid, bound, bound, control)?;
         let simplified = Simplified { hull, growth, protrusion, uncovered };
         Ok((protrusion <= bound).then_some(simplified))
