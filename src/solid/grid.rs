@@ -211,10 +211,7 @@ impl Grid {
         let block = self.block_of(place);
         let centre = self.block_centre(place);
         let away = relative.distance(centre);
-        let distance = match block.distance.load(Ordering::Relaxed) {
-            EMPTY => self.fill_block(block, centre),
-            bits => f32::from_bits(bits),
-        };
+        let distance = self.block_distance(block, centre);
         if away >= distance {
             return None;
         }
@@ -227,7 +224,7 @@ impl Grid {
         (radius > 0.0).then_some(Ball { radius, side })
     }
 
-    /// For each cell its centre, and whether the surface is farther from it than `bound` and than the sides of the cell.
+    /// For each cell whether the surface is farther from its centre than `bound` and than the sides of the cell.
     /// Fills few more cells than those near the limit. O(cells).
     pub fn free_cells(&self, bound: f64) -> Vec<bool> {
         let [width, height, depth] = self.dimensions;
@@ -236,12 +233,8 @@ impl Grid {
             let cells = (0..height).flat_map(|y| (0..width).map(move |x| [x, y, z]));
             let is_free = cells.map(|place| {
                 let (block, centre) = (self.block_of(place), self.block_centre(place));
-                let distance = match block.distance.load(Ordering::Relaxed) {
-                    EMPTY => self.fill_block(block, centre),
-                    bits => f32::from_bits(bits),
-                };
                 let away = FREE * self.centre(place).distance(centre);
-                match distance {
+                match self.block_distance(block, centre) {
                     far if far - away > limit => true,
                     near if near + away <= limit => false,
                     _ => load(&self.cell(place).distance) > limit,
@@ -358,7 +351,15 @@ impl Grid {
         cell.distance.store(distance.max(f32::MIN_POSITIVE).to_bits(), Ordering::Release);
     }
 
-    /// The distance of a block's centre.
+    /// The distance of a block's centre from the surface.
+    #[inline]
+    fn block_distance(&self, block: &Block, centre: Relative) -> f32 {
+        match block.distance.load(Ordering::Relaxed) {
+            EMPTY => self.fill_block(block, centre),
+            bits => f32::from_bits(bits),
+        }
+    }
+
     #[cold]
     fn fill_block(&self, block: &Block, centre: Relative) -> f32 {
         work::count(work::CELL);

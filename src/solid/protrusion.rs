@@ -287,8 +287,7 @@ impl Policy for Exact<'_> {
         let is_enough_inside = solid.is_closed() && radius - distance.lower <= enough;
         if distance.upper > known || is_enough_inside || !may_halve || !solid.is_closed() {
             let is_inside = if solid.is_closed() {
-                let side = at.side_at_distance(distance.own);
-                side.unwrap_or_else(|| solid.side(centre)) == Side::Inside
+                solid.side_of_measured(centre, &at, &distance) == Side::Inside
             } else {
                 match self.side_in_open(part, &at, &distance) {
                     OpenSide::AllInside => return Verdict::Settled,

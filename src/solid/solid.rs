@@ -167,18 +167,24 @@ impl Solid {
 
     /// The side of a measured point. Inside the source it is inside, or not farther outside than
     /// [`displacement`](Self::displacement).
-    pub(super) fn side_of_measured(&self, point: Vector, distance: &SourceDistance) -> Side {
-        let known = self.locate(point).side_at_distance(distance.own);
-        known.unwrap_or_else(|| self.side(point))
+    #[inline]
+    pub(super) fn side_of_measured(
+        &self,
+        point: Vector,
+        at: &Location<'_>,
+        distance: &SourceDistance,
+    ) -> Side {
+        at.side_at_distance(distance.own).unwrap_or_else(|| self.side(point))
     }
 
     /// Bounds on the distance from the source to a point outside, if it may be more than `least`.
     pub fn outside(&self, point: Vector, least: f64) -> Option<SourceDistance> {
-        if self.locate(point).upper + ROUNDING + self.displacement() <= least {
+        let at = self.locate(point);
+        if at.upper + ROUNDING + self.displacement() <= least {
             return None;
         }
         let distance = self.measure(point, u32::MAX)?;
-        let is_outside = || self.side_of_measured(point, &distance) == Side::Outside;
+        let is_outside = || self.side_of_measured(point, &at, &distance) == Side::Outside;
         (distance.upper > least && is_outside()).then_some(distance)
     }
 
