@@ -128,8 +128,8 @@ pub(crate) async fn pipeline(
     let deadline_reached = deadline.is_cut_short() || stages.is_late();
     stages.begin(FINISH, FINISHED..1.0);
     let Found { patches, hulls, .. } = &best;
-    let asked = settings.bound.verified();
-    let restore = || Ok(BoundedResult::new(prepared, patches, hulls, asked));
+    let bound = settings.bound.verified();
+    let restore = || Ok(BoundedResult::new(prepared, patches, hulls, bound));
     let BoundedResult { hulls, grouped, report } = stages.run(Stage::Finalize, restore).await?;
     Ok(Decomposition { hulls, grouped, run: input.report(stages, deadline_reached), report })
 }

@@ -3,7 +3,7 @@
 //! Each state is a valid result, with an error that is verified like that of the final hulls. Most pairs are only
 //! ever known by a lower bound of their joint hull's protrusion: a joint hull is built and verified once its
 //! pair's bound is the least. O(k² + k · joins) lower bounds for k hulls, and usually few joint hulls per join.
-//! The cap on hulls and [`MergeTree`](crate::MergeTree) stand on it.
+//! The limit on hulls and [`MergeTree`](crate::MergeTree) stand on it.
 
 use std::collections::HashMap;
 
@@ -11,6 +11,7 @@ use super::joins::{Cost, Pair, PairQueue, ordered};
 use super::output::normalized;
 use super::search::solid;
 use super::settings::Settings;
+use super::uncovered::{HullDistance, uncovered_distance};
 use super::witness::{Effort, Witness, find_witness};
 use crate::control::Control;
 use crate::decomposition::Hull;
@@ -20,10 +21,8 @@ use crate::hull::{ConvexHull, HullBuilder, joint_hull, limit_vertices};
 use crate::mesh::PreparedMesh;
 use crate::parallel;
 use crate::parameters::Parameters;
-use crate::solid::HullDistance;
 use crate::solid::Solid;
 use crate::solid::protrusion;
-use crate::solid::uncovered_distance;
 
 /// A hull of the tree, final or joint. Lengths are fractions of the diagonal.
 #[derive(Debug, Clone)]
@@ -31,7 +30,7 @@ pub(crate) struct Node {
     pub hull: ConvexHull,
     /// No point of its surface is farther than this from the solid.
     pub protrusion: f64,
-    /// How far it grew to keep the cap on vertices.
+    /// How far it grew to keep the limit on vertices.
     pub growth: f64,
     /// The nodes that it joins; `None` for a leaf.
     pub joined: Option<Pair>,

@@ -1,10 +1,10 @@
-//! The cap on hulls: hulls join, even beyond the bound, until few enough are left.
+//! The limit on hulls: hulls join, even beyond the bound, until few enough are left.
 //!
-//! Takes the final hulls of a pass, gives at most as many as the cap allows, and the bound of the next pass.
+//! Takes the final hulls of a pass, gives at most as many as the limit allows, and the bound of the next pass.
 //!
 //! Joining one pair after the other ends with more error than a search under a larger bound, which
 //! divides the surface anew. So the search is repeated under larger bounds, and of all results that
-//! keep the cap the one with the least error stays. Of 56 caps on 18 meshes, a slightly smaller
+//! keep the limit the one with the least error stays. Of 56 limits on 18 meshes, a slightly smaller
 //! bound than the error ends with as few hulls for 16, with an error that is 1.13 times smaller at
 //! most; with three searches instead of six it does for 41. The three others take a third more time.
 

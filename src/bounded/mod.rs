@@ -19,6 +19,7 @@
 //! | `deadline` | what is left out where time is short |
 //! | `joins` | pairs that may join |
 //! | `join_tree`, `witness` | hulls join beyond the bound, the pair that protrudes least first |
+//! | `uncovered` | how far the source lies outside the hulls |
 //! | `output` | results in the input's units |
 
 pub(crate) mod cover;
@@ -36,4 +37,5 @@ mod patch_mesh;
 pub(crate) mod patches;
 pub(crate) mod search;
 pub(crate) mod settings;
+mod uncovered;
 mod witness;

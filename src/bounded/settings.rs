@@ -1,5 +1,5 @@
 //! What the stages work with: the bound and shares of it, and how finely a preset divides the
-//! surface. Lengths are in diagonals.
+//! surface. Lengths are fractions of the diagonal.
 
 use std::ops::RangeInclusive;
 
@@ -15,36 +15,36 @@ const SEARCH_SHARE: f64 = 0.9;
 /// verification, and are divided, as the round saves; with 0.97 it saves fewer.
 const LAST_ROUND_SHARE: f64 = 0.985;
 
-/// Distance, in bounds, by which the surface may lie outside a hull that leaves out vertices. A
-/// fraction of the bound, since gaps under objects are more visible than protrusions; without it
+/// Distance, as a fraction of the bound, by which the surface may lie outside a hull that leaves out
+/// vertices: gaps under objects are more visible than protrusions; without it
 /// hulls would keep every vertex.
 pub(super) const MAX_UNCOVERED: f64 = 0.05;
 
-/// The same where only the cap on vertices is violated. Beyond it the hull is divided instead: with half of
+/// The same for a hull that exceeds only the limit on vertices. Beyond it the hull is divided instead: with half of
 /// the bound the teapot's foot goes, and it tips over.
-pub(super) const MAX_UNCOVERED_UNDER_CAP: f64 = 0.15;
+pub(super) const MAX_UNCOVERED_UNDER_LIMIT: f64 = 0.15;
 
-/// What patches may leave out, and the uncovered distance that counts as covered, in bounds: half
-/// of what a hull may leave out in the end. With all of it, a model of a teapot left 0.36 % of its
+/// What patches may leave out, and the uncovered distance that counts as covered, as a fraction of the
+/// bound: half of what a hull may leave out in the end. With all of it, a model of a teapot left 0.36 % of its
 /// diagonal uncovered at its foot, and tipped over in a simulation.
 const PATCH_SHARE_OF_UNCOVERED: f64 = 0.5 * MAX_UNCOVERED;
 
-/// A smaller bound, in diagonals, is less than single precision and the minimum thickness of hulls
+/// A smaller bound, as a fraction of the diagonal, is less than single precision and the minimum thickness of hulls
 /// leave of a shape.
 const MIN_BOUND: f64 = 1e-5;
 
 /// Half a diagonal is more than any hull of the mesh can protrude.
 const MAX_BOUND: f64 = 0.5;
 
-/// Longest edge of a simplified mesh that is divided into patches, in bounds. Patches end at its edges:
+/// Longest edge of a simplified mesh that is divided into patches, as a multiple of the bound. Patches end at its edges:
 /// longer ones would keep hulls from ending where the shape does.
 const LONGEST_EDGE: f64 = 4.0;
 
-/// Limits of the same, in diagonals. Small bounds would ask for many triangles that only take time;
+/// Limits of the same, as fractions of the diagonal. Small bounds would take many triangles, and more time;
 /// under large bounds features of the shape are no larger than 16 % of the diagonal.
 const LONGEST_EDGE_LIMITS: RangeInclusive<f64> = 0.04..=0.16;
 
-/// Planar and angular threshold of the grouping, in bounds: the hull of a group should fit with
+/// Planar and angular threshold of the grouping, as a fraction of the bound: the hull of a group should fit with
 /// room to spare, since groups whose hulls do not fit are halved.
 const GROUPING_THRESHOLD: f64 = 0.1;
 
@@ -81,14 +81,14 @@ const FINE: [PresetSettings; 3] = [
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Bound {
     protrusion: f64,
-    /// The bound that was asked for, also where [`Settings::with_bound`] allows more protrusion.
-    asked: f64,
+    /// The requested bound, also where [`Settings::with_bound`] allows more protrusion.
+    requested: f64,
 }
 
 impl Bound {
     fn new(bound: f64) -> Self {
         let bound = bound.clamp(MIN_BOUND, MAX_BOUND);
-        Self { protrusion: bound, asked: bound }
+        Self { protrusion: bound, requested: bound }
     }
 
     /// The bound on the protrusion of the hulls that are returned.
@@ -108,13 +108,13 @@ impl Bound {
 
     /// The bound whose shares, [`MAX_UNCOVERED`] above all, may stay uncovered.
     pub(crate) fn uncovered(self) -> f64 {
-        self.asked
+        self.requested
     }
 
     /// Points of a patch this near to the hull of its other points are left out, and uncovered surface
     /// nearer to a hull counts as covered.
     pub(crate) fn tolerance(self) -> f64 {
-        PATCH_SHARE_OF_UNCOVERED * self.asked
+        PATCH_SHARE_OF_UNCOVERED * self.requested
     }
 
     /// Longest edge of the mesh that is divided into patches.
@@ -186,7 +186,7 @@ impl Settings {
 
     /// The same under another bound on protrusions. No more may stay uncovered.
     pub(crate) fn with_bound(&self, bound: f64) -> Self {
-        let bound = Bound { asked: self.bound.asked, ..Bound::new(bound) };
+        let bound = Bound { requested: self.bound.requested, ..Bound::new(bound) };
         Self { bound, ..*self }
     }
 }

@@ -8,7 +8,7 @@
 //!
 //! Edges far away count by groups: a sum takes O(log n) typically.
 //!
-//! Of few edges the winding number itself is known, but for rounding. From a point, an edge that is swept to infinity
+//! Of few edges the winding number itself is known, except for rounding. From a point, an edge that is swept to infinity
 //! in a direction is a spherical triangle of the edge's ends and the direction. Its angle jumps where the ray the other
 //! way passes the edge, and so do the [crossings](crate::bvh::Bvh::crossings) of that ray with the triangles that end
 //! there: together they are the winding number of an open surface. Very near the jump neither is known.

@@ -7,8 +7,9 @@
 //! The test is lenient: verification decides the result. A hull's faces are looked up in the cache, then tested by their
 //! centres, largest first, then where earlier hulls have protruded, then completely.
 
+use super::face_cache::{FaceCache, FaceKey};
 use super::grid::Location;
-use super::solid::{FaceCache, FaceKey, Solid};
+use super::solid::Solid;
 use super::subdivide::{Face, Part, Policy, Scratch, Suspects, Verdict, centre, halves, subdivide};
 use super::surface::Side;
 use crate::geometry::vector::{Vector, area_normal, as_arrays, squared};

@@ -591,9 +591,9 @@ pub(super) struct Location<'a> {
     relative: Relative,
     /// The distance from the cell's centre.
     away: f32,
-    /// At most the distance from the surface, but for [`ROUNDING`]; negative if nothing is known.
+    /// At most the distance from the surface, except for [`ROUNDING`]; negative if nothing is known.
     pub lower: f64,
-    /// At least that distance, but for [`ROUNDING`].
+    /// At least that distance, except for [`ROUNDING`].
     pub upper: f64,
 }
 

@@ -226,7 +226,7 @@ impl<'a> Exact<'a> {
 
     fn side_in_open(&self, part: &Part, at: &Location<'_>, distance: &SourceDistance) -> OpenSide {
         // From the ball that is inside no point of the part is farther than the rest.
-        let needed = part.radius - self.enough();
+        let needed = part.radius - (self.enough() - self.displacement);
         if needed <= 0.0 {
             return match self.solid.side(part.centre) {
                 Side::Inside => OpenSide::AllInside,
@@ -458,7 +458,7 @@ mod tests {
         let hull = convex_hull(as_arrays(&corners)).unwrap();
         assert_eq!(solid.side(corners[2]), Side::Outside);
         assert_eq!(solid.side(Vector::new(0.5, 0.5, -0.3)), Side::Inside);
-        // No point of the solid is nearer to the tip than the nearest of a lattice, but for its spacing.
+        // No point of the solid is nearer to the tip than the nearest of a lattice, up to its spacing.
         let steps = || (0..50).map(|k| 0.02 * f64::from(k));
         let lattice = steps()
             .flat_map(|x| steps().flat_map(move |y| steps().map(move |z| Vector::new(x, y, -z))));
@@ -506,7 +506,7 @@ mod tests {
         let (control, bound) = (Control::new(), 0.02);
         let solid = solid_of_hull(&inner, bound);
         let of = |hull| protrusion(hull, &solid, bound, f64::INFINITY, &control).unwrap();
-        // A hull that is the solid protrudes by nothing: less than the share that is not resolved is not told.
+        // A hull that is the solid protrudes by nothing: less than the share that is not resolved is not reported.
         assert!(of(&inner) <= (UNRESOLVED + RESOLUTION) * bound + f64::EPSILON, "{}", of(&inner));
         // The farthest corner is shifted by a quarter along each axis.
         let farthest = 0.25 * 3f64.sqrt();
@@ -526,7 +526,7 @@ mod tests {
         (into_vectors(positions), solid, source)
     }
 
-    /// A pyramid that is within a round shape but for its tip.
+    /// A pyramid that is within a round shape except for its tip.
     fn spike(at: Vector, height: f64, width: f64) -> ConvexHull {
         let outward = at.normalize_or_zero();
         let across = outward.cross(Vector::new(0.48, 0.6, 0.64)).normalize_or_zero();
@@ -580,7 +580,32 @@ mod tests {
     }
 
     #[test]
-    fn what_protrudes_farther_than_the_limit_is_told_to() {
+    fn against_a_second_solid_a_hull_protrudes_by_its_distance_and_how_far_that_solid_may_be_off() {
+        let boxes = [cube(Vector::ZERO), cube(Vector::new(1.2, 0.0, 0.0))];
+        let shapes = boxes.each_ref().map(|hull| hull.points.clone()).concat();
+        let whole = convex_hull(&shapes).unwrap();
+        let meshes = [0.0, 1.2].map(|x| cuboid([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]));
+        let first = solid_of(&join(&meshes), Boundary::default(), BOUND);
+        // The gap is filled, as where nothing can enter it.
+        let mut second = solid_of_hull(&whole, BOUND);
+        let shifted = cube(Vector::new(0.0, 0.0, 0.25));
+        let of = |solid: &Solid, hull| {
+            protrusion(hull, solid, BOUND, f64::INFINITY, &Control::new()).unwrap()
+        };
+        assert!((0.1..0.11).contains(&of(&first, &whole)), "half the gap");
+        for displacement in [0.0, 0.3 * BOUND, 0.9 * BOUND] {
+            second.displacement = displacement;
+            let (unmoved, moved) = (of(&second, &whole), of(&second, &shifted));
+            let least = (UNRESOLVED * BOUND).max(displacement);
+            let most = enough(least, BOUND) + displacement;
+            assert!((displacement..=most).contains(&unmoved), "{displacement}: {unmoved}");
+            let expected = 0.25 + displacement;
+            assert!((expected..1.05 * expected).contains(&moved), "{displacement}: {moved}");
+        }
+    }
+
+    #[test]
+    fn what_protrudes_farther_than_the_limit_is_reported_to() {
         let (inner, outer) = (cube(Vector::ZERO), cube(Vector::new(0.0, 0.0, 0.25)));
         let solid = solid_of_hull(&inner, BOUND);
         // The first is what is not resolved, the last what the centres of the faces protrude.

@@ -236,8 +236,8 @@ type Point = [f64; 2];
 /// Vertices at most: a triangle within a slab has up to seven, and a cut adds one to a polygon. Others are too complex.
 const MAX_VERTICES: usize = 9;
 
-/// Points this near to a line, in diagonals, are on it: more than rounding, far less than any
-/// bound.
+/// Points this near to a line, as a fraction of the diagonal, are on it: more than rounding, far less
+/// than any bound.
 const ON_LINE: f64 = 1e-9;
 
 /// A convex polygon in a plane, counter-clockwise, of few vertices and without memory of its own.

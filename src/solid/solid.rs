@@ -4,17 +4,17 @@
 //! Where the mesh was clustered, the surface is that of the reduced mesh, and distances to the source follow from it.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::boundary::Boundary;
+use super::face_cache::FaceCache;
 use super::grid::{Ball, Grid, Location, ROUNDING};
 use super::surface::{Side, Surface};
 use crate::bvh::Bvh;
 use crate::clustering::Clustered;
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, as_vectors};
-use crate::mesh::{PreparedMesh, TriangleMesh};
+use crate::geometry::vector::Vector;
+use crate::mesh::PreparedMesh;
 
 /// Meshes of up to this many triangles are coarse: their patches follow from the shape, and large faces are compared
 /// with the triangles near them. Denser ones are simplified.
@@ -30,6 +30,7 @@ pub(crate) struct Solid {
     pub(super) face_cache: FaceCache,
     /// Where the solid is that of a reduced mesh: what it represents.
     pub clustered: Option<Arc<Clustered>>,
+    pub(super) displacement: f64,
 }
 
 /// Bounds on the distance between a point and the source.
@@ -58,15 +59,11 @@ impl Solid {
         control: &Control,
     ) -> Result<Self, Error> {
         if let Some(clustered) = clustered {
-            let TriangleMesh { positions, triangles, .. } = &clustered.mesh;
-            let solid = Self::of_surface(
-                as_vectors(positions),
-                triangles.as_slice(),
-                Boundary::default(),
-                bound,
-                control,
-            )?;
-            return Ok(Self { clustered: Some(clustered), is_coarse: false, ..solid });
+            let (mesh, boundary) = (&clustered.mesh, Boundary::default());
+            let solid = Self::of_surface(mesh.points(), &mesh.triangles, boundary, bound, control)?;
+            let displacement = clustered.displacement;
+            let clustered = Some(clustered);
+            return Ok(Self { clustered, displacement, is_coarse: false, ..solid });
         }
         let mesh = &prepared.mesh;
         let triangles = prepared.triangles_of_solid();
@@ -107,6 +104,7 @@ impl Solid {
             cavities: Vec::new(),
             face_cache: FaceCache::new(),
             clustered: None,
+            displacement: 0.0,
         })
     }
 
@@ -135,7 +133,7 @@ impl Solid {
     /// No point of the solid's own surface is farther than this from the source, and what is inside the solid is
     /// inside the source or no farther outside.
     pub fn displacement(&self) -> f64 {
-        self.clustered.as_ref().map_or(0.0, |clustered| clustered.displacement)
+        self.displacement
     }
 
     /// The side of a point, by the surface. O(log n).
@@ -157,7 +155,7 @@ impl Solid {
         let closest = self.tree().closest_point_near(point, f64::INFINITY, guess)?;
         let (own, triangle) = (closest.distance, closest.triangle);
         let (upper, triangle) = match &self.clustered {
-            None => (own, triangle),
+            None => (own + self.displacement, triangle),
             Some(clustered) => {
                 clustered.closest_around(clustered.mesh.triangles[triangle as usize], point, own)
             }
@@ -192,7 +190,7 @@ impl Solid {
     pub(super) fn upper_of_face(&self, face: [Vector; 3], distance: &SourceDistance) -> f64 {
         let triangle = distance.triangle;
         match &self.clustered {
-            None => self.grid.upper_to_triangle(face, triangle),
+            None => self.grid.upper_to_triangle(face, triangle) + self.displacement,
             Some(clustered) => {
                 let [a, b, c] = face.map(|corner| clustered.squared_distance_to(corner, triangle));
                 a.max(b).max(c).sqrt()
@@ -267,91 +265,5 @@ impl Solid {
             cavities.extend(deepest.filter(|&(point, _)| self.side(point) == Side::Outside));
         }
         Ok(cavities)
-    }
-}
-
-/// Entries; a power of two. Half a megabyte is enough for the faces that recur in a mesh's search,
-/// and fits a second-level cache.
-const ENTRIES: usize = 1 << 16;
-
-/// The lowest bit of an entry: whether the face fits. The other bits are its key.
-const FITS: u64 = 1;
-
-/// A cache of which faces fit under which bound. Hulls that grow again from almost the same patches
-/// share most of their faces; the cache saves 14 % of all instructions.
-///
-/// A direct-mapped table of fixed size, shared by all threads without locks. An entry repeats what
-/// the fit test returned. So the result does not depend on which thread was first, nor on what
-/// has been overwritten.
-pub(super) struct FaceCache {
-    entries: Vec<AtomicU64>,
-}
-
-/// A face under a bound.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct FaceKey(u64);
-
-impl FaceCache {
-    pub(super) fn new() -> Self {
-        let mut entries = Vec::new();
-        entries.resize_with(ENTRIES, || AtomicU64::new(0));
-        Self { entries }
-    }
-
-    /// The key of a face under a bound, the same from whichever corner the face begins. Two faces
-    /// share a key with a probability of 2⁻⁶³.
-    pub(super) fn key(face: [Vector; 3], bound: f64) -> FaceKey {
-        let hashes = face.map(|corner| {
-            corner.to_array().into_iter().fold(HASH_START, |hash, x| mixed(hash ^ x.to_bits()))
-        });
-        let sum = hashes.into_iter().fold(0_u64, u64::wrapping_add);
-        FaceKey(mixed(sum ^ bound.to_bits()) & !FITS)
-    }
-
-    /// Whether the face fits, if that is known.
-    pub(super) fn get(&self, FaceKey(key): FaceKey) -> Option<bool> {
-        let entry = self.entry(key)?.load(Ordering::Relaxed);
-        (entry & !FITS == key && entry != 0).then_some(entry & FITS != 0)
-    }
-
-    pub(super) fn insert(&self, FaceKey(key): FaceKey, fits: bool) {
-        if let Some(entry) = self.entry(key) {
-            entry.store(key | u64::from(fits), Ordering::Relaxed);
-        }
-    }
-
-    fn entry(&self, key: u64) -> Option<&AtomicU64> {
-        self.entries.get((key >> 40) as usize & (ENTRIES - 1))
-    }
-}
-
-/// The golden ratio in 64 bits: any odd number with evenly spread bits would do.
-const HASH_START: u64 = 0x9e37_79b9_7f4a_7c15;
-
-/// Spreads differences over all bits (the finalizer of MurmurHash3).
-fn mixed(mut bits: u64) -> u64 {
-    bits ^= bits >> 33;
-    bits = bits.wrapping_mul(0xff51_afd7_ed55_8ccd);
-    bits ^= bits >> 33;
-    bits = bits.wrapping_mul(0xc4ce_b9fe_1a85_ec53);
-    bits ^ bits >> 33
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_face_is_cached_from_each_of_its_corners_and_under_one_bound() {
-        let cache = FaceCache::new();
-        let key = |face| FaceCache::key(face, 0.02);
-        let [a, b, c] = [[0.0, 1.0, 2.0], [0.5, -1.0, 2.0], [3.0, 0.25, 0.125]].map(Vector::from);
-        assert_eq!(cache.get(key([a, b, c])), None);
-        cache.insert(key([a, b, c]), true);
-        assert_eq!(cache.get(key([b, c, a])), Some(true));
-        assert_eq!(cache.get(key([b, c, Vector::new(3.0, 0.25, 0.126)])), None);
-        assert_eq!(cache.get(FaceCache::key([a, b, c], 0.01)), None);
-        cache.insert(key([b, c, a]), false);
-        assert_eq!(cache.get(key([a, b, c])), Some(false));
     }
 }

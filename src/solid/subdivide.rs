@@ -136,7 +136,7 @@ pub(super) fn is_within_sides([a, b, c]: [Vector; 3], point: Vector) -> bool {
         .all(|part| part.dot(normal) >= 0.0)
 }
 
-/// A suspect farther than this outside the box of all faces, in diagonals, is passed by: its line hardly ever
+/// A suspect farther than this outside the box of all faces, as a fraction of the diagonal, is skipped: its line hardly ever
 /// crosses one of them, and this is known in fewer steps.
 const MARGIN: f64 = 0.02;
 
@@ -173,7 +173,7 @@ impl Suspects {
         self.list.insert(0, Suspect { point, outward: area_normal(a, b, c) });
     }
 
-    /// The first of the faces that protrudes at a suspect, by its index. A face is asked at the point above or
+    /// The first of the faces that protrudes at a suspect, by its index. A face is tested at the point above or
     /// below a suspect. O(suspects · faces), and what `protrudes` takes.
     pub(super) fn find<T>(
         &mut self,
@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn a_face_is_asked_above_and_below_where_another_protruded() {
+    fn a_face_is_tested_above_and_below_where_another_protruded() {
         let mut suspects = Suspects::new(MOST);
         suspects.remember(Vector::new(0.2, 0.3, 0.0), FACE);
         let faces = [
@@ -235,40 +235,40 @@ mod tests {
             moved(FACE, Vector::new(0.1, 0.1, -0.5)),
             moved(FACE, Vector::new(0.0, 0.0, 0.5)),
         ];
-        let mut asked = Vec::new();
+        let mut tested = Vec::new();
         let found = suspects.find(
             &faces,
             |&face| face,
             |_, point| {
-                asked.push(point);
+                tested.push(point);
                 point[2] > 0.0
             },
         );
         assert_eq!(found, Some(2));
-        assert_eq!(asked, [[0.2, 0.3, -0.5], [0.2, 0.3, 0.5]].map(Vector::from));
+        assert_eq!(tested, [[0.2, 0.3, -0.5], [0.2, 0.3, 0.5]].map(Vector::from));
     }
 
     #[test]
-    fn the_suspect_that_was_met_last_is_asked_first_and_old_ones_are_forgotten() {
+    fn the_suspect_that_was_met_last_is_tested_first_and_old_ones_are_forgotten() {
         let mut suspects = Suspects::new(MOST);
         for k in 0..2 * MOST {
             suspects.remember(Vector::new(0.01 * k as f64, 0.1, 0.0), FACE);
         }
-        let asked_until = |suspects: &mut Suspects, x: f64| {
-            let mut asked = 0;
+        let tested_until = |suspects: &mut Suspects, x: f64| {
+            let mut tested = 0;
             let found = suspects.find(
                 &[FACE],
                 |&face| face,
                 |_, point| {
-                    asked += 1;
+                    tested += 1;
                     (point[0] - x).abs() < 1e-9
                 },
             );
-            (found.is_some(), asked)
+            (found.is_some(), tested)
         };
-        assert_eq!(asked_until(&mut suspects, 0.05), (false, MOST));
-        assert_eq!(asked_until(&mut suspects, 0.2), (true, 12));
-        assert_eq!(asked_until(&mut suspects, 0.2), (true, 1));
+        assert_eq!(tested_until(&mut suspects, 0.05), (false, MOST));
+        assert_eq!(tested_until(&mut suspects, 0.2), (true, 12));
+        assert_eq!(tested_until(&mut suspects, 0.2), (true, 1));
     }
 
     #[test]

@@ -45,7 +45,7 @@ impl Surface {
         if is_inside { Side::Inside } else { Side::Outside }
     }
 
-    /// The winding number about a point. It is exact but for rounding where the boundary has
+    /// The winding number about a point. It is exact except for rounding where the boundary has
     /// few edges: continued from its boundary to infinity, away from a ray, the surface winds about the
     /// point as often as the ray crosses it, and what was added is known in closed form.
     pub fn winding_number(&self, point: Vector) -> f64 {
@@ -128,9 +128,9 @@ mod tests {
         surface.tree.closest_point(point, f64::INFINITY).unwrap().distance
     }
 
-    /// Calls `ask` at many points around loose triangles, with the distance to them. It returns whether a point is
+    /// Calls `check` at many points around loose triangles, with the distance to them. It returns whether a point is
     /// inside: enough must be.
-    fn at_many_points(ask: impl Fn(&Surface, Vector, f64) -> bool) {
+    fn at_many_points(check: impl Fn(&Surface, Vector, f64) -> bool) {
         let mut inside = 0;
         for seed in [0, 1000, 2000] {
             let (positions, triangles) = loose_triangles(seed);
@@ -139,7 +139,7 @@ mod tests {
                 let at = Vector::from_array(
                     [0, 1, 2].map(|axis| 0.4 * spread(5 * number * number + axis)),
                 );
-                inside += usize::from(ask(&surface, at, distance_to(&surface, at)));
+                inside += usize::from(check(&surface, at, distance_to(&surface, at)));
             }
         }
         assert!(inside > 100, "{inside}");

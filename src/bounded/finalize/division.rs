@@ -60,7 +60,7 @@ impl Division<'_> {
                 self.done.push(hull);
                 continue;
             }
-            // Points in a hollow are many. If its halves had to hold them too, they would break the cap on
+            // Points in a hollow are many. If its halves had to hold them too, they would exceed the limit on
             // vertices again, down to single triangles.
             let extends_over_hollow = points > 1;
             let protrudes = hull.protrusion > settings.bound.verified();
@@ -130,7 +130,7 @@ impl Division<'_> {
         Ok(())
     }
 
-    /// The middle of a hull that would keep the bound without the cap on vertices. If all parts of the
+    /// The middle of a hull that would keep the bound without the limit on vertices. If all parts of the
     /// hull contain it, they fill the hull; parts of the surface alone would leave it hollow.
     fn middle(&mut self, hull: &FinalHull) -> Result<Option<Vector>, Error> {
         let &Search { patches, solid, settings, control } = &self.context.search;
@@ -139,13 +139,13 @@ impl Division<'_> {
         if !solid.is_closed() || points.len() <= max_vertices {
             return Ok(None);
         }
-        let (uncapped, _) =
+        let (unlimited, _) =
             solid_hull(&mut self.builder, as_arrays(&points), [0.0; 3], LEAST_THICKNESS)?;
-        let (count, bound) = (uncapped.points.len(), settings.bound.verified());
-        if count <= max_vertices || protrusion(&uncapped, solid, bound, bound, control)? > bound {
+        let (count, bound) = (unlimited.points.len(), settings.bound.verified());
+        if count <= max_vertices || protrusion(&unlimited, solid, bound, bound, control)? > bound {
             return Ok(None);
         }
-        let sum = uncapped.points().iter().fold(Vector::ZERO, |sum, &point| sum + point);
+        let sum = unlimited.points().iter().fold(Vector::ZERO, |sum, &point| sum + point);
         Ok(Some(sum * (1.0 / count as f64)))
     }
 }
@@ -222,7 +222,7 @@ fn cost(
     let &Search { settings, control, .. } = &context.search;
     control.check()?;
     let joint = hull_of_pair(entries, pair)?;
-    // Simplification hardly ever keeps the cap of a hull that violates it here.
+    // Simplification hardly ever keeps the limit of a hull that exceeds it here.
     if settings.max_vertices.is_some_and(|most| joint.points.len() > most) {
         return Ok(None);
     }

@@ -8,12 +8,12 @@ use std::ops::Range;
 use super::hull_simplification::{FinalizeContext, Original, Simplified, simplify_hull};
 use crate::bounded::patch::{PatchSet, Patches, Piece};
 use crate::bounded::search::Search;
-use crate::bounded::settings::{MAX_UNCOVERED, MAX_UNCOVERED_UNDER_CAP, Settings};
+use crate::bounded::settings::{MAX_UNCOVERED, MAX_UNCOVERED_UNDER_LIMIT, Settings};
+use crate::bounded::uncovered::{PointGroups, distance_outside};
 use crate::error::Error;
 use crate::geometry::vector::{Vector, area_normal, as_arrays};
 use crate::hull::growing_hull::GrowingHull;
 use crate::hull::{ConvexHull, HullBuilder, LEAST_THICKNESS, solid_hull};
-use crate::solid::{PointGroups, distance_outside};
 
 /// Numbers of points for which building their hull pays before computing how far they are outside
 /// another one. For fewer the distances are as fast; of more, the hull has thousands of vertices.
@@ -92,7 +92,7 @@ impl FinalHull {
     /// Whether it may be returned.
     pub(super) fn keeps_bound(&self, settings: &Settings) -> bool {
         self.protrusion <= settings.bound.verified()
-            && self.uncovered <= MAX_UNCOVERED_UNDER_CAP * settings.bound.uncovered()
+            && self.uncovered <= MAX_UNCOVERED_UNDER_LIMIT * settings.bound.uncovered()
     }
 }
 

@@ -1,19 +1,20 @@
-//! Hull simplification: as many vertices are saved as a small volume allows, and as many as the cap
+//! Hull simplification: as many vertices are saved as a small volume allows, and as many as the limit
 //! requires, within the bound. Physics engines pay for each vertex of a hull.
 //!
 //! The first attempt that keeps the bound is taken:
 //!
 //! 1. the hull without vertices that hardly protrude, its edges collapsed outward, or as it is;
 //! 2. the full hull with edges collapsed;
-//! 3. the full hull, unless it violates the cap;
+//! 3. the full hull, unless it exceeds the limit;
 //! 4. as 1, leaving out vertices that protrude more;
-//! 5. the hull capped by growing, and that hull shrunk a little.
+//! 5. the hull grown to the limit, and that hull shrunk a little.
 //!
 //! If all fail, the most prominent vertices remain. They may violate the bound: then the hull is
 //! divided.
 
 use crate::bounded::search::Search;
-use crate::bounded::settings::{MAX_UNCOVERED, MAX_UNCOVERED_UNDER_CAP};
+use crate::bounded::settings::{MAX_UNCOVERED, MAX_UNCOVERED_UNDER_LIMIT};
+use crate::bounded::uncovered::{PointGroups, distance_outside};
 use crate::error::Error;
 use crate::geometry::vector::Vector;
 use crate::hull::{
@@ -22,21 +23,20 @@ use crate::hull::{
 };
 use crate::solid::Scratch;
 use crate::solid::protrusion;
-use crate::solid::{PointGroups, distance_outside};
 
 /// A hull without vertices that hardly protrude must keep at least this share of its volume: of a
 /// thin plate hardly any vertex protrudes, and what is left can be a tetrahedron.
 const MIN_VOLUME_SHARE: f64 = 0.95;
 
-/// Where the cap cannot be kept otherwise, vertices that protrude by less than these fractions of the
-/// bound are left out: more than [`MAX_UNCOVERED`], less than half of [`MAX_UNCOVERED_UNDER_CAP`].
+/// Where the limit cannot be kept otherwise, vertices that protrude by less than these fractions of the
+/// bound are left out: more than [`MAX_UNCOVERED`], less than half of [`MAX_UNCOVERED_UNDER_LIMIT`].
 const COARSER: [f64; 2] = [0.1, 0.2];
 
-/// By these fractions of the bound a hull that was capped by growing shrinks again: less than
-/// [`MAX_UNCOVERED_UNDER_CAP`], which it may leave uncovered.
+/// By these fractions of the bound a hull that was grown to the limit shrinks again: less than
+/// [`MAX_UNCOVERED_UNDER_LIMIT`], which it may leave uncovered.
 const SHRINKING: [f64; 2] = [0.2, 0.4];
 
-/// A hull of more vertices does not collapse from the full hull to keep a cap once the coarser hull
+/// A hull of more vertices does not collapse from the full hull to keep a limit once the coarser hull
 /// has failed: collapsing is quadratic in the vertices and hardly gives another result.
 const MAX_COLLAPSIBLE: usize = 256;
 
@@ -87,7 +87,7 @@ pub(super) fn simplify_hull(
         return Ok(simplified);
     }
     if original.hull.points.len() > max_vertices {
-        return attempts.keeping_cap();
+        return attempts.within_limit();
     }
     let &Search { solid, settings, control, .. } = &context.search;
     let bound = settings.bound.verified();
@@ -123,27 +123,27 @@ impl Attempts<'_> {
         if is_hopeless { Ok(None) } else { self.collapsed(&original.hull, max_uncovered) }
     }
 
-    /// Attempts 4 and 5, for a hull that only violates the cap.
-    fn keeping_cap(&mut self) -> Result<Simplified, Error> {
+    /// Attempts 4 and 5, for a hull that only exceeds the limit.
+    fn within_limit(&mut self) -> Result<Simplified, Error> {
         let (original, max_vertices) = (self.original, self.max_vertices);
         let &Search { solid, settings, control, .. } = &self.context.search;
         let (bound, uncovered_bound) = (settings.bound.verified(), settings.bound.uncovered());
         let max_uncovered = (MAX_UNCOVERED * uncovered_bound).max(original.uncovered);
-        let max_under_cap = (MAX_UNCOVERED_UNDER_CAP * uncovered_bound).max(original.uncovered);
+        let max_under_limit = (MAX_UNCOVERED_UNDER_LIMIT * uncovered_bound).max(original.uncovered);
         for share in COARSER {
             let Some(coarse) = self.without_small(share)? else { continue };
-            if let Some(simplified) = self.collapsed_or_as_is(coarse, max_under_cap)? {
+            if let Some(simplified) = self.collapsed_or_as_is(coarse, max_under_limit)? {
                 return Ok(simplified);
             }
         }
-        let (capped, growth) =
+        let (grown, growth) =
             limit_vertices(self.builder, original.hull.clone(), max_vertices, control)?;
-        if let Some(simplified) = self.accepted(capped.clone(), growth, max_uncovered)? {
+        if let Some(simplified) = self.accepted(grown.clone(), growth, max_uncovered)? {
             return Ok(simplified);
         }
         for share in SHRINKING {
-            let Some(smaller) = shrunk(&capped, share * uncovered_bound) else { break };
-            if let Some(simplified) = self.accepted(smaller, growth, max_under_cap)? {
+            let Some(smaller) = shrunk(&grown, share * uncovered_bound) else { break };
+            if let Some(simplified) = self.accepted(smaller, growth, max_under_limit)? {
                 return Ok(simplified);
             }
         }
@@ -198,7 +198,7 @@ impl Attempts<'_> {
         }
     }
 
-    /// A hull, if it keeps the cap and the bound.
+    /// A hull, if it keeps the limit and the bound.
     fn accepted(
         &self,
         hull: ConvexHull,

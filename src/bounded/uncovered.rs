@@ -289,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_farther_than_the_limit_is_told_to_be() {
+    fn what_is_farther_than_the_limit_is_reported_to_be() {
         let cube = cube();
         let to_cube = HullDistance::new(&cube);
         // A quarter above two faces, and 0.35 from their edge.
