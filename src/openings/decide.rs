@@ -1,4 +1,5 @@
-//! Which caps are closed, and why others are not.
+//! Which caps are closed, and why others are not: the rules of `docs/openings.md`, by the same numbers. The first
+//! follows from `fill_loops`.
 
 use super::boundary::{Loop, boundary_loops};
 use super::cap::{Cap, LoopFill, fill_loops, is_cut};
@@ -139,7 +140,7 @@ impl Judge<'_> {
         Ok(closing)
     }
 
-    /// Rules 3 to 6.
+    /// Rules 2 to 6. The checks of rule 5 are repeated until no more caps fall.
     fn judge_caps(&self, caps: &mut [JudgedCap]) -> Result<(), Error> {
         let capped = Capped::new(self, caps)?;
         capped.judge_shapes(caps)?;
@@ -189,7 +190,7 @@ impl Judge<'_> {
         }
     }
 
-    /// Rule 8: of the caps within the solid, those that reach out of it become surface. All openings are closed.
+    /// The end of rule 6: of the caps within the solid, those that reach out of it become surface. All openings are closed.
     fn close_exposed(&self, caps: &mut [JudgedCap]) -> Result<(), Error> {
         if caps.iter().all(|(_, outcome)| *outcome != OpeningOutcome::ClosedWithin) {
             return Ok(());

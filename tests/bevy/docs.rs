@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use bevy::reflect::Typed;
+use bevy::reflect::structs::Struct;
 use hullwright::bevy::prelude::*;
 
 /// A file of the repository.
@@ -28,12 +29,6 @@ fn every_block_of_the_page_about_scenes_is_part_of_its_example() {
 }
 
 #[test]
-fn the_plugins_page_begins_with_the_program_of_the_readme() {
-    let (page, readme) = (read("docs/bevy.md"), read("README.md"));
-    assert_eq!(blocks(&page, "```rust,ignore\n")[0], blocks(&readme, "```rust\n")[0]);
-}
-
-#[test]
 fn every_row_of_the_table_of_what_is_skipped_names_a_counter() {
     let page = read("docs/bevy-scenes.md");
     let (_, section) = page.split_once("\n## What is skipped\n").unwrap();
@@ -49,5 +44,29 @@ fn every_row_of_the_table_of_what_is_skipped_names_a_counter() {
             None => counters.field(name).is_some(),
         };
         assert!(is_known, "{row}");
+    }
+}
+
+#[test]
+fn the_table_of_settings_has_their_defaults() {
+    let page = read("docs/bevy/settings.md");
+    let settings = HullwrightSettings::default();
+    let info = HullwrightSettings::type_info().as_struct().unwrap();
+    for (index, field) in info.iter().enumerate() {
+        let value = format!("{:?}", settings.field_at(index).unwrap());
+        let value = match value.as_str() {
+            "Some(5s)" => "5 s",
+            "1ms" => "1 ms",
+            "100ms" => "0.1 s",
+            "67108864" => "64 MiB",
+            "268435456" => "256 MiB",
+            "0.0" => "0",
+            value => value,
+        };
+        let row = page.lines().rfind(|line| line.starts_with(&format!("| `{}` |", field.name())));
+        let cell = row.unwrap().trim_end_matches(" |").rsplit("| ").next().unwrap();
+        let cell =
+            cell.replace('`', "").replace("FallbackCollider::", "").replace("Execution::", "");
+        assert!(cell.split("; ").next() == Some(value), "{}: {cell}, not {value}", field.name());
     }
 }

@@ -5,8 +5,6 @@
 //! |---|---|
 //! | `cases` | the shapes |
 
-// The lists are for pictures.
-#[allow(dead_code)]
 mod cases;
 
 use cases::*;
@@ -311,4 +309,36 @@ fn a_cap_that_the_surface_goes_through_is_left() {
     let found = run(&joined(&[tile, wall]), &Parameters::default());
     assert!(outcomes(&found).contains(&OpeningOutcome::Cut), "{:?}", outcomes(&found));
     assert!(outcomes(&found).iter().all(|outcome| !outcome.is_closed()));
+}
+
+#[test]
+fn the_page_about_openings_has_the_rows_of_all_cases_and_the_words_of_all_outcomes() {
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/openings.md");
+    let page = std::fs::read_to_string(page).unwrap();
+    let keep = Parameters::default().openings(Openings::Keep);
+    for (name, mesh) in solids().into_iter().chain(hollows()) {
+        let [kept, found] = [run(&mesh, &keep), run(&mesh, &Parameters::default())];
+        let mut openings: Vec<_> = outcomes(&found).iter().map(|own| own.describe()).collect();
+        openings.sort_unstable();
+        openings.dedup();
+        let openings = if openings.is_empty() { "none".into() } else { openings.join("; ") };
+        let row =
+            format!("\n| {name} | {} | {} | {openings} |\n", kept.hulls.len(), found.hulls.len());
+        assert!(page.contains(&row), "the page lacks {row}");
+    }
+    let text = page.split_whitespace().collect::<Vec<_>>().join(" ");
+    for outcome in [
+        OpeningOutcome::ClosedWithin,
+        OpeningOutcome::NotFlat,
+        OpeningOutcome::NotSimple,
+        OpeningOutcome::Sheet,
+        OpeningOutcome::Cut,
+        OpeningOutcome::TwoSided,
+        OpeningOutcome::SeenInto,
+        OpeningOutcome::SolidBeyond,
+        OpeningOutcome::Fragment,
+    ] {
+        let words = outcome.describe().trim_start_matches("left: ");
+        assert!(text.contains(&format!("*{words}*")), "{words}");
+    }
 }

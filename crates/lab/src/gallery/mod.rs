@@ -10,7 +10,9 @@ use hullwright::io::read_mesh;
 use hullwright::measure::{MeasureOptions, Measurement, measure};
 use hullwright::render::{Layout, Panel, render_with};
 use hullwright::viewer::hulls_of;
-use hullwright::{Control, Hull, MeshView, Parameters, TriangleMesh, close_openings, decompose};
+use hullwright::{
+    ALGORITHM_VERSION, Control, Hull, MeshView, Parameters, TriangleMesh, close_openings, decompose,
+};
 
 use crate::report::html_report::{self, STYLE};
 use crate::report::table::escape;
@@ -43,13 +45,10 @@ const EXPLOSION: f64 = 0.25;
 const FOLDER: &str = "gallery";
 
 const INTRODUCTION: &str = "Every bundled model, and a dozen shapes of trouble. From left to right: the mesh, \
-    the hulls of the default method, and those of V-HACD as Parry has it, both with their default \
-    parameters; hulls are moved apart a little. Lengths are shares of the mesh's diagonal, as \
-    `hullwright measure` samples them: *error* is the larger of protrusion (hulls outside of the \
-    solid) and uncovered distance (mesh outside of the hulls); *IoU* is the volume of the intersection \
-    over that of the union.";
-
-const HOW: &str = "All of it is made by `cargo lab gallery`.";
+    the hulls of the default method, and those of Parry's V-HACD, both with default parameters, moved \
+    apart. `hullwright measure` samples the figures: *error* is the larger of protrusion and uncovered \
+    distance, as a percentage of the bounding-box diagonal; *IoU* is the volume of the intersection over that \
+    of the union.";
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Arguments { output, assets } = arguments;
@@ -168,15 +167,19 @@ fn file_name(name: &str) -> String {
 type Parts = [(&'static str, Vec<Entry>); 2];
 
 fn markdown(parts: &Parts) -> String {
-    let mut text = format!("# Gallery\n\n{INTRODUCTION}\n\n{HOW}\n");
+    let how =
+        format!("`cargo lab gallery` made this page, with algorithm version {ALGORITHM_VERSION}.");
+    let mut text = format!("# Gallery\n\n{INTRODUCTION}\n\n{how}\n");
     for (title, entries) in parts {
         text += &format!("\n## {title}\n");
         for entry in entries {
             let Entry { name, words, picture, triangles, .. } = entry;
             text += &format!("\n### {name}\n\n{words} {triangles} triangles.\n\n");
-            text += &format!("![{}]({picture})\n\n", entry.alternative());
-            text += &format!("| {} |\n|{}\n", HEADER.join(" | "), "---|".repeat(HEADER.len()));
-            entry.rows().iter().for_each(|row| text += &format!("| {} |\n", row.join(" | ")));
+            text += &format!("![{name}]({picture})\n\n");
+            let made = entry.rows().into_iter().map(|[method, hulls, vertices, error, iou]| {
+                format!("{method}: {hulls} hulls, {vertices} vertices, error {error}, IoU {iou}.")
+            });
+            text += &format!("{}\n", made.collect::<Vec<_>>().join("  \n"));
         }
     }
     text
