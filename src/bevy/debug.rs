@@ -10,9 +10,9 @@ use bevy_rapier3d::rapier::geometry::SharedShape;
 use bevy_rapier3d::rapier::math::Pose;
 use bevy_rapier3d::rapier::parry::shape::TypedShape;
 
-use super::plugin::HullwrightSystems;
-use super::request::AttachedCollider;
-use super::status::DecompositionCounters;
+use crate::bevy::jobs::request::AttachedCollider;
+use crate::bevy::plugin::HullwrightSystems;
+use crate::bevy::tag::status::DecompositionCounters;
 
 /// Draws the hulls of all colliders that the plugin made, and keeps its diagnostics.
 ///

@@ -60,72 +60,36 @@
 // | `debug` (feature) | hulls drawn, and numbers among the diagnostics |
 // | `plugin` | the systems and their order |
 
-mod artists;
-mod attach;
-mod baked;
-mod baked_scene;
-mod budget;
-mod cache;
-mod change_detection;
-mod contacts;
-mod content;
-mod convert;
+mod collider;
 #[cfg(feature = "debug")]
 mod debug;
-mod decomposition_priority;
-mod describe;
-mod disk_cache;
-mod error;
-mod events;
-mod failures;
-mod fallback_collider;
-mod freeze;
-mod hierarchy;
-mod hierarchy_progress;
-mod hierarchy_status;
-mod mesh_data;
-mod nodes;
-mod outcomes;
-mod parameters;
-mod placement;
+mod jobs;
 mod plugin;
-mod pool;
-mod primitive;
-mod progress;
-mod queue;
-mod request;
-mod resolve;
-mod scene_processor;
-#[cfg(feature = "io")]
-mod scene_recipe;
-mod scheduler;
-mod settings;
-mod skip;
-mod static_geometry;
-mod status;
+mod scene;
 mod tag;
-mod task;
 
-pub use baked::{BakedDecomposition, BakedHulls, HullsLoader, LoadHullsError};
-pub use baked_scene::{BakedScene, FromBakedScene, HullSceneLoader};
 #[cfg(feature = "debug")]
 pub use debug::{HullGizmos, HullwrightDebug, HullwrightDebugPlugin};
-pub use decomposition_priority::DecompositionPriority;
-pub use error::DecompositionError;
-pub use events::{
+pub use jobs::baked::{BakedDecomposition, BakedHulls, HullsLoader, LoadHullsError};
+pub use jobs::baked_scene::{BakedScene, FromBakedScene, HullSceneLoader};
+pub use jobs::scene_processor::{HullSceneProcessor, HullSceneSaver};
+pub use plugin::{HullwrightPlugin, HullwrightSystems};
+pub use scene::hierarchy::ConvexDecompositionHierarchy;
+pub use scene::hierarchy_status::{HierarchyFinished, HierarchyReport, HierarchyStatus};
+pub use scene::progress::{DecompositionProgress, all_decompositions_done, decompositions_pending};
+pub use tag::components::{
+    ConvexDecomposition, DEFAULT_DENSITY, DecompositionFocus, DecompositionOpenings,
+    DecompositionPreset, DecompositionShape, MaxError, NoConvexDecomposition,
+};
+pub use tag::decomposition_priority::DecompositionPriority;
+pub use tag::error::DecompositionError;
+pub use tag::events::{
     DecompositionCancelled, DecompositionFailed, DecompositionReady, DecompositionSkipped,
     VerifiedError,
 };
-pub use hierarchy::ConvexDecompositionHierarchy;
-pub use hierarchy_status::{HierarchyFinished, HierarchyReport, HierarchyStatus};
-pub use plugin::{HullwrightPlugin, HullwrightSystems};
-pub use progress::{DecompositionProgress, all_decompositions_done, decompositions_pending};
-pub use scene_processor::{HullSceneProcessor, HullSceneSaver};
-pub use settings::{Execution, FallbackCollider, HullwrightSettings};
-pub use status::{DecompositionCounters, DecompositionStatus, HullSource, SkipReason, WaitReason};
-pub use tag::{
-    ConvexDecomposition, DEFAULT_DENSITY, DecompositionFocus, DecompositionOpenings,
-    DecompositionPreset, DecompositionShape, MaxError, NoConvexDecomposition,
+pub use tag::settings::{Execution, FallbackCollider, HullwrightSettings};
+pub use tag::status::{
+    DecompositionCounters, DecompositionStatus, HullSource, SkipReason, WaitReason,
 };
 
 /// What most users need.

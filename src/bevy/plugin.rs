@@ -4,32 +4,37 @@ use bevy::asset::AssetEventSystems;
 use bevy::prelude::*;
 use bevy_rapier3d::plugin::PhysicsSet;
 
-use super::attach::attach;
-use super::baked::{BakedDecomposition, BakedHulls, HullsLoader};
-use super::baked_scene::{BakedScene, FromBakedScene, HullSceneLoader};
-use super::cache::GeometryCache;
-use super::change_detection::{detect_assets, detect_bodies, detect_scales, detect_tags, on_untag};
-use super::contacts::set_dispatcher;
-use super::decomposition_priority::DecompositionPriority;
-use super::events::{
+use crate::bevy::collider::attach::attach;
+use crate::bevy::collider::changes::{
+    detect_assets, detect_bodies, detect_scales, detect_tags, on_untag,
+};
+use crate::bevy::collider::contacts::set_dispatcher;
+use crate::bevy::collider::failures::report_failures;
+use crate::bevy::collider::fallback_collider::{attach_fallbacks, remove_fallbacks};
+use crate::bevy::collider::freeze::{Frozen, freeze, freeze_new, release};
+use crate::bevy::collider::resolve::resolve;
+use crate::bevy::collider::skip::{FarFromFocus, drop_far, start_near};
+use crate::bevy::jobs::baked::{BakedDecomposition, BakedHulls, HullsLoader};
+use crate::bevy::jobs::baked_scene::{BakedScene, FromBakedScene, HullSceneLoader};
+use crate::bevy::jobs::cache::GeometryCache;
+use crate::bevy::jobs::finish::finish_jobs;
+use crate::bevy::jobs::queue::WorkQueue;
+use crate::bevy::jobs::request::AttachedFallback;
+use crate::bevy::jobs::scene_processor::{HullSceneProcessor, HullSceneSaver};
+use crate::bevy::jobs::start::start_jobs;
+use crate::bevy::scene::hierarchy::{ConvexDecompositionHierarchy, tag_hierarchies};
+use crate::bevy::scene::hierarchy_progress::finish_hierarchies;
+use crate::bevy::scene::hierarchy_status::{HierarchyStatus, HierarchyWork};
+use crate::bevy::scene::progress::{DecompositionProgress, sum_up_progress};
+use crate::bevy::tag::components::{
+    ConvexDecomposition, DecompositionFocus, NoConvexDecomposition,
+};
+use crate::bevy::tag::decomposition_priority::DecompositionPriority;
+use crate::bevy::tag::events::{
     DecompositionCancelled, DecompositionFailed, DecompositionReady, DecompositionSkipped,
 };
-use super::failures::report_failures;
-use super::fallback_collider::{attach_fallbacks, remove_fallbacks};
-use super::freeze::{Frozen, freeze, freeze_new, release};
-use super::hierarchy::{ConvexDecompositionHierarchy, tag_hierarchies};
-use super::hierarchy_progress::finish_hierarchies;
-use super::hierarchy_status::{HierarchyStatus, HierarchyWork};
-use super::progress::{DecompositionProgress, sum_up_progress};
-use super::queue::WorkQueue;
-use super::request::AttachedFallback;
-use super::resolve::resolve;
-use super::scene_processor::{HullSceneProcessor, HullSceneSaver};
-use super::scheduler::{finish_jobs, start_jobs};
-use super::settings::HullwrightSettings;
-use super::skip::{FarFromFocus, drop_far, start_near};
-use super::status::{DecompositionCounters, DecompositionStatus};
-use super::tag::{ConvexDecomposition, DecompositionFocus, NoConvexDecomposition};
+use crate::bevy::tag::settings::HullwrightSettings;
+use crate::bevy::tag::status::{DecompositionCounters, DecompositionStatus};
 
 /// Gives entities with [`ConvexDecomposition`] their colliders.
 ///
@@ -75,7 +80,7 @@ impl Plugin for HullwrightPlugin {
             .add_observer(on_untag::<ConvexDecomposition>)
             .add_observer(on_untag::<BakedDecomposition>);
         #[cfg(feature = "bevy_gltf")]
-        app.add_observer(super::hierarchy_progress::on_scene_spawned);
+        app.add_observer(crate::bevy::scene::hierarchy_progress::on_scene_spawned);
         // Where Rapier runs in fixed steps: a body that is tagged before them does not fall.
         app.add_systems(
             FixedUpdate,
@@ -107,7 +112,7 @@ impl Plugin for HullwrightPlugin {
                     detect_assets,
                     detect_scales,
                     #[cfg(feature = "bevy_gltf")]
-                    super::skip::detect_shown.run_if(skips_hidden),
+                    crate::bevy::collider::skip::detect_shown.run_if(skips_hidden),
                     start_near.run_if(any_with_component::<FarFromFocus>),
                     drop_far.run_if(drops_far),
                 )

@@ -1,0 +1,231 @@
+//! Where Rapier puts an entity's collider, and what is left to bake into its points.
+//!
+//! Rapier places a collider by a rotation and a translation. All else that the entity's transform
+//! does, scale, mirroring and the shear that a non-uniform scale gives to turned children, goes
+//! into the points, so that the collider lies where the mesh is drawn.
+
+use bevy::ecs::system::SystemParam;
+use bevy::math::{Affine3A, DMat3, DVec3, Mat3A, Vec3A};
+use bevy::prelude::*;
+use bevy_rapier3d::prelude::RigidBody;
+
+use crate::rapier::ColliderError;
+use crate::{Hull, MassProperties};
+
+/// The part of an entity's transform that is baked.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Placement {
+    /// From the tagged entity's space to the collider's.
+    pub map: Affine3A,
+    /// Tells whether the scale has changed since.
+    pub stretch: Stretch,
+}
+
+/// The scale and shear of a transform, whatever its rotation and translation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Stretch {
+    /// Products of the columns with each other.
+    products: [f32; 6],
+    is_mirrored: bool,
+}
+
+/// A map, as exact as it is applied.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub(crate) struct MapKey([u32; 12]);
+
+/// Smaller changes are rounding errors of turned transforms. bevy_rapier draws the line there too.
+const TOLERANCE: f32 = 1e-4;
+
+/// Bits of a number's mantissa that a map keeps: steps of 1.2e-4, as [`TOLERANCE`].
+const KEPT_BITS: u32 = 13;
+
+/// Bits of the mantissa of an `f32`.
+const MANTISSA_BITS: u32 = 23;
+
+impl Stretch {
+    pub(crate) fn of(transform: &GlobalTransform) -> Self {
+        let matrix = transform.affine().matrix3;
+        let Mat3A { x_axis: x, y_axis: y, z_axis: z } = matrix;
+        Self {
+            products: [x.dot(x), y.dot(y), z.dot(z), x.dot(y), x.dot(z), y.dot(z)],
+            is_mirrored: matrix.determinant() < 0.0,
+        }
+    }
+
+    /// The factors along the axes, as Bevy takes them from a transform; `None` if any is none.
+    pub(crate) fn scale(&self) -> Option<Vec3> {
+        let [x, y, z, ..] = self.products.map(f32::sqrt);
+        let scale = Vec3::new(if self.is_mirrored { -x } else { x }, y, z);
+        scale.recip().is_finite().then_some(scale)
+    }
+
+    /// Whether two transforms differ in scale by more than rounding errors.
+    pub(crate) fn differs(&self, other: &Self) -> bool {
+        let [x, y, z, ..] = self.products;
+        // Products of lengths: twice the relative error of the lengths.
+        let sizes = [x, y, z, (x * y).sqrt(), (x * z).sqrt(), (y * z).sqrt()];
+        self.is_mirrored != other.is_mirrored
+            || (self.products.iter().zip(other.products).zip(sizes))
+                .any(|((a, b), size)| (a - b).abs() > 2.0 * TOLERANCE * size)
+    }
+}
+
+impl MapKey {
+    pub(crate) fn new(map: &Affine3A) -> Self {
+        Self(map.to_cols_array().map(f32::to_bits))
+    }
+}
+
+/// What placements are computed from.
+#[derive(SystemParam)]
+pub(crate) struct Placements<'w, 's> {
+    global: TransformHelper<'w, 's>,
+    transforms: Query<'w, 's, &'static Transform>,
+    parents: Query<'w, 's, &'static ChildOf>,
+    bodies: Query<'w, 's, &'static RigidBody>,
+}
+
+impl Placements<'_, '_> {
+    /// The body that moves an entity: its own or the nearest above it.
+    pub(crate) fn body(&self, entity: Entity) -> Option<(Entity, RigidBody)> {
+        let body = |entity| Some((entity, *self.bodies.get(entity).ok()?));
+        body(entity).or_else(|| self.parents.iter_ancestors(entity).find_map(body))
+    }
+
+    /// From an entity's space to that of one above it.
+    pub(crate) fn relative(&self, entity: Entity, above: Entity) -> Affine3A {
+        let mut map = Affine3A::IDENTITY;
+        let mut current = entity;
+        while current != above {
+            if let Ok(transform) = self.transforms.get(current) {
+                map = transform.compute_affine() * map;
+            }
+            let Ok(parent) = self.parents.get(current) else { break };
+            current = parent.parent();
+        }
+        map
+    }
+
+    pub(crate) fn placement(&self, entity: Entity) -> Placement {
+        let global = self.global_transform(entity);
+        let stretch = Stretch::of(&global);
+        let map = match self.body(entity) {
+            Some((body, _)) if body != entity => {
+                let body_scale = without_rotation(&self.global_transform(body));
+                let to_body = Affine3A::from_mat3(body_scale.into());
+                let wanted = to_body * self.relative(entity, body);
+                snap_near(self.offset(entity, body).inverse() * wanted, wanted.translation)
+            }
+            _ => snap(Affine3A::from_mat3(without_rotation(&global).into())),
+        };
+        Placement { map, stretch }
+    }
+
+    /// The scale that an entity has now, also before Bevy propagates it.
+    pub(crate) fn stretch(&self, entity: Entity) -> Stretch {
+        Stretch::of(&self.global_transform(entity))
+    }
+
+    fn global_transform(&self, entity: Entity) -> GlobalTransform {
+        self.global.compute_global_transform(entity).unwrap_or_default()
+    }
+
+    /// Where bevy_rapier puts the collider of an entity below a body, in the body's frame: it
+    /// multiplies the local transforms up to the body's scale.
+    fn offset(&self, entity: Entity, body: Entity) -> Affine3A {
+        let mut offset = Transform::IDENTITY;
+        let mut current = entity;
+        while current != body {
+            if let Ok(transform) = self.transforms.get(current) {
+                offset = *transform * offset;
+            }
+            let Ok(parent) = self.parents.get(current) else { break };
+            current = parent.parent();
+        }
+        if let Ok(transform) = self.transforms.get(body) {
+            offset = Transform::from_scale(transform.scale) * offset;
+        }
+        Affine3A::from_rotation_translation(offset.rotation, offset.translation)
+    }
+}
+
+/// The linear part of a transform in the frame of the rotation that Rapier takes from it.
+fn without_rotation(transform: &GlobalTransform) -> Mat3A {
+    let (_, rotation, _) = transform.to_scale_rotation_translation();
+    Mat3A::from_quat(rotation.inverse()) * transform.affine().matrix3
+}
+
+/// Removes rounding errors, so that equal scales have equal maps.
+fn snap(map: Affine3A) -> Affine3A {
+    snap_near(map, Vec3A::ZERO)
+}
+
+fn snap_near(map: Affine3A, reference: Vec3A) -> Affine3A {
+    let matrix = map.matrix3;
+    let size = matrix.to_cols_array().into_iter().fold(0.0, |size: f32, x| size.max(x.abs()));
+    let round = |x: f32| if x.abs() <= TOLERANCE * size { 0.0 } else { round_mantissa(x) };
+    let round_column = |column: Vec3A| Vec3A::from(column.to_array().map(round));
+    let translation = map.translation;
+    let is_error = translation.abs().max_element() <= TOLERANCE * reference.length();
+    Affine3A {
+        matrix3: Mat3A::from_cols(
+            round_column(matrix.x_axis),
+            round_column(matrix.y_axis),
+            round_column(matrix.z_axis),
+        ),
+        translation: if is_error { Vec3A::ZERO } else { translation },
+    }
+}
+
+fn round_mantissa(x: f32) -> f32 {
+    let step = 1 << (MANTISSA_BITS - KEPT_BITS);
+    let bits = x.to_bits();
+    if x.is_finite() { f32::from_bits((bits + step / 2) & !(step - 1)) } else { x }
+}
+
+/// The points of hulls, moved by a map.
+pub(crate) fn map_hulls(
+    hulls: &[Hull],
+    map: &Affine3A,
+) -> Result<Vec<Vec<[f64; 3]>>, ColliderError> {
+    check(map)?;
+    let place = map_point(map);
+    Ok(hulls
+        .iter()
+        .map(|hull| hull.shape.points.iter().map(|point| place(*point)).collect())
+        .collect())
+}
+
+/// Mass properties of a body of the same density after it is moved by a map.
+pub(crate) fn map_mass(properties: &MassProperties, map: &Affine3A) -> MassProperties {
+    let linear = map.matrix3.as_dmat3();
+    let volume = linear.determinant().abs();
+    let inertia = DMat3::from_cols_array_2d(&properties.inertia);
+    // Inertia is the trace of the second moments minus the second moments; these map as a
+    // quadratic form.
+    let trace = inertia.x_axis.x + inertia.y_axis.y + inertia.z_axis.z;
+    let second = DMat3::from_diagonal(DVec3::splat(trace / 2.0)) - inertia;
+    let second = linear * second * linear.transpose() * volume;
+    let trace = second.x_axis.x + second.y_axis.y + second.z_axis.z;
+    let inertia = DMat3::from_diagonal(DVec3::splat(trace)) - second;
+    let mut mapped = *properties;
+    mapped.mass *= volume;
+    mapped.centre = map_point(map)(properties.centre);
+    mapped.inertia = inertia.to_cols_array_2d();
+    mapped
+}
+
+/// A map that flattens leaves no body.
+fn check(map: &Affine3A) -> Result<(), ColliderError> {
+    let determinant = map.matrix3.determinant();
+    if map.is_finite() && determinant.is_normal() {
+        return Ok(());
+    }
+    let scale = [map.matrix3.x_axis, map.matrix3.y_axis, map.matrix3.z_axis].map(Vec3A::length);
+    Err(ColliderError::InvalidScale { scale })
+}
+
+fn map_point(map: &Affine3A) -> impl Fn([f64; 3]) -> [f64; 3] + use<> {
+    let (linear, offset) = (map.matrix3.as_dmat3(), map.translation.as_dvec3());
+    move |point| (linear * DVec3::from(point) + offset).to_array()
+}

@@ -1,0 +1,367 @@
+//! From the tag's flat settings to the library's parameters, and what the plugin needs to know of
+//! these: the only file that looks into them.
+
+use sha2::{Digest, Sha256};
+
+use crate::surface::SurfaceParameters;
+use crate::{Length, Method, Openings, Parameters, Preset};
+
+use crate::bevy::jobs::primitive::PrimitiveKind;
+use crate::bevy::tag::components::{
+    ConvexDecomposition, DecompositionOpenings, DecompositionPreset, DecompositionShape, MaxError,
+};
+use crate::bevy::tag::status::SkipReason;
+
+/// What is made of a mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Goal {
+    /// Hulls by this method.
+    Hulls(Method),
+    /// The triangles as they are, and why.
+    Triangles(SkipReason),
+    /// A box, ball or capsule around it.
+    Primitive(PrimitiveKind),
+}
+
+impl Goal {
+    /// What a tag asks for, if it gets no triangles.
+    pub(crate) fn of(tag: &ConvexDecomposition) -> Self {
+        match tag.shape {
+            DecompositionShape::Cuboid => Self::Primitive(PrimitiveKind::Cuboid),
+            DecompositionShape::Ball => Self::Primitive(PrimitiveKind::Ball),
+            DecompositionShape::Capsule => Self::Primitive(PrimitiveKind::Capsule),
+            DecompositionShape::ConvexHull => {
+                let base = tag.flat_parameters().into();
+                let hull = crate::conventions::ColliderKind::ConvexHull.parameters(&base);
+                Self::Hulls(hull.unwrap_or(base))
+            }
+            DecompositionShape::Auto
+            | DecompositionShape::Hulls
+            | DecompositionShape::Triangles => Self::Hulls(tag.to_parameters()),
+        }
+    }
+
+    pub(crate) fn parameters(&self) -> Option<&Method> {
+        match self {
+            Self::Hulls(parameters) => Some(parameters),
+            Self::Triangles(_) | Self::Primitive(_) => None,
+        }
+    }
+
+    /// Why there are triangles instead of hulls.
+    pub(crate) fn why_triangles(&self) -> Option<SkipReason> {
+        match self {
+            Self::Triangles(reason) => Some(*reason),
+            Self::Hulls(_) | Self::Primitive(_) => None,
+        }
+    }
+
+    /// For one part of a larger mesh: what is open on it is closed by the other parts.
+    pub(crate) fn keep_openings_of_part(&mut self) {
+        if let Self::Hulls(Method::Bounded(parameters) | Method::Hull(parameters)) = self
+            && parameters.openings == Openings::Auto
+        {
+            parameters.openings = Openings::Keep;
+        }
+    }
+
+    /// Hashes what is made, whichever mesh it is made of.
+    pub(crate) fn hash(&self, hasher: &mut Sha256) {
+        match self {
+            Self::Triangles(_) => hasher.update([0]),
+            Self::Hulls(_) => hasher.update([1]),
+            Self::Primitive(PrimitiveKind::Cuboid) => hasher.update([2]),
+            Self::Primitive(PrimitiveKind::Ball) => hasher.update([3]),
+            Self::Primitive(PrimitiveKind::Capsule) => hasher.update([4]),
+        };
+        if let Self::Hulls(parameters) = self {
+            hash_parameters(parameters, hasher);
+        }
+    }
+}
+
+impl ConvexDecomposition {
+    /// What the library is asked to do: [`parameters`](Self::parameters) if they are given, else
+    /// the tag's own settings.
+    ///
+    /// ```
+    /// use hullwright::bevy::prelude::*;
+    ///
+    /// let tag = ConvexDecomposition::default().with_max_hulls(16);
+    /// assert_eq!(tag.to_parameters(), hullwright::Parameters::default().max_hulls(16).into());
+    /// ```
+    pub fn to_parameters(&self) -> Method {
+        self.parameters.clone().unwrap_or_else(|| self.flat_parameters().into())
+    }
+
+    fn flat_parameters(&self) -> Parameters {
+        Parameters::default()
+            .max_error(self.max_error.into())
+            .preset(self.preset.into())
+            .max_hulls(self.max_hulls.map(|cap| cap as usize))
+            .max_vertices(self.max_vertices.map(|cap| cap as usize))
+            .keep_cavities(self.keep_cavities)
+            .openings(self.openings.into())
+    }
+}
+
+impl From<MaxError> for Length {
+    fn from(max_error: MaxError) -> Self {
+        match max_error {
+            MaxError::Share(share) => Self::Share(as_written(share)),
+            MaxError::Metres(metres) => Self::Units(as_written(metres)),
+        }
+    }
+}
+
+/// The shortest decimal that rounds to a number: 0.02 and not 0.0199999996, so that hulls are those
+/// that the library and the command line make with the bound that the user wrote.
+fn as_written(x: f32) -> f64 {
+    x.to_string().parse().unwrap_or(f64::from(x))
+}
+
+impl From<Length> for MaxError {
+    fn from(length: Length) -> Self {
+        match length {
+            Length::Share(share) => Self::Share(share as f32),
+            Length::Units(metres) => Self::Metres(metres as f32),
+        }
+    }
+}
+
+impl From<Preset> for DecompositionPreset {
+    fn from(preset: Preset) -> Self {
+        match preset {
+            Preset::Fast => Self::Fast,
+            Preset::Balanced => Self::Balanced,
+            Preset::Fine => Self::Fine,
+        }
+    }
+}
+
+impl From<Openings> for DecompositionOpenings {
+    fn from(openings: Openings) -> Self {
+        match openings {
+            Openings::Auto => Self::Auto,
+            Openings::Keep => Self::Keep,
+            Openings::Close => Self::Close,
+        }
+    }
+}
+
+impl From<DecompositionPreset> for Preset {
+    fn from(preset: DecompositionPreset) -> Self {
+        match preset {
+            DecompositionPreset::Fast => Self::Fast,
+            DecompositionPreset::Balanced => Self::Balanced,
+            DecompositionPreset::Fine => Self::Fine,
+        }
+    }
+}
+
+impl From<DecompositionOpenings> for Openings {
+    fn from(openings: DecompositionOpenings) -> Self {
+        match openings {
+            DecompositionOpenings::Auto => Self::Auto,
+            DecompositionOpenings::Keep => Self::Keep,
+            DecompositionOpenings::Close => Self::Close,
+        }
+    }
+}
+
+/// Whether the result depends on how large the mesh is in the world.
+pub(crate) fn has_absolute_length(method: &Method) -> bool {
+    let length = match method {
+        Method::Bounded(parameters) | Method::Hull(parameters) => parameters.max_error,
+        Method::Surface(parameters) => parameters.unit,
+    };
+    matches!(length, Length::Units(_))
+}
+
+/// Hashes every parameter, field by field, so that the keys of caches on disk depend on no text or
+/// layout. The patterns name all fields: a new one does not compile until it is hashed here. In place of
+/// another method's parameters stand the defaults, as in the keys of caches that hold them.
+fn hash_parameters(method: &Method, hasher: &mut Sha256) {
+    let (mut bounded, mut surface) = (Parameters::default(), SurfaceParameters::default());
+    match method {
+        Method::Bounded(parameters) | Method::Hull(parameters) => bounded = parameters.clone(),
+        Method::Surface(parameters) => {
+            bounded.max_vertices = parameters.max_vertices;
+            surface = parameters.clone();
+        }
+    }
+    let Parameters { max_error, preset, max_hulls, max_vertices, keep_cavities, openings, up_axis } =
+        &bounded;
+    let SurfaceParameters {
+        simplification_quality,
+        maximum_resolutions,
+        planar_thresholds,
+        angular_threshold,
+        concavity_cost_threshold,
+        resolution_cut_off,
+        unit,
+        significant_diagonal,
+        max_vertices: _,
+    } = &surface;
+    let mut hash = FieldHasher(hasher);
+    hash.text(method.name());
+    hash.length(max_error);
+    hash.text(preset.name());
+    hash.cap(*max_hulls);
+    hash.number(u64::from(*keep_cavities));
+    hash.text(openings.name());
+    hash.text(up_axis.name());
+    hash.real(*simplification_quality);
+    hash.number(maximum_resolutions.len() as u64);
+    maximum_resolutions.iter().for_each(|resolution| hash.number(*resolution as u64));
+    hash.number(planar_thresholds.len() as u64);
+    planar_thresholds.iter().for_each(|threshold| hash.real(*threshold));
+    hash.real(*angular_threshold);
+    hash.real(*concavity_cost_threshold);
+    hash.number(*resolution_cut_off as u64);
+    hash.length(unit);
+    hash.real(*significant_diagonal);
+    hash.cap(*max_vertices);
+}
+
+/// Fields as bytes, none of which can be taken for two others.
+struct FieldHasher<'a>(&'a mut Sha256);
+
+impl FieldHasher<'_> {
+    fn number(&mut self, number: u64) {
+        self.0.update(number.to_le_bytes());
+    }
+
+    fn real(&mut self, real: f64) {
+        self.number(real.to_bits());
+    }
+
+    fn text(&mut self, text: &str) {
+        self.number(text.len() as u64);
+        self.0.update(text.as_bytes());
+    }
+
+    fn cap(&mut self, cap: Option<usize>) {
+        self.number(u64::from(cap.is_some()));
+        self.number(cap.unwrap_or_default() as u64);
+    }
+
+    fn length(&mut self, length: &Length) {
+        let (kind, value) = match length {
+            Length::Share(value) => (0, value),
+            Length::Units(value) => (1, value),
+        };
+        self.number(kind);
+        self.real(*value);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_default_tag_asks_for_the_librarys_default() {
+        assert_eq!(ConvexDecomposition::default().to_parameters(), Method::default());
+    }
+
+    #[test]
+    fn every_setting_of_the_tag_is_a_parameter() {
+        let tag = ConvexDecomposition::default()
+            .with_max_error(0.013)
+            .with_preset(DecompositionPreset::Fine)
+            .with_max_hulls(7)
+            .with_max_vertices(20)
+            .with_keep_cavities(true)
+            .with_openings(DecompositionOpenings::Keep);
+        let expected = Parameters::default()
+            .max_error(Length::share(0.013))
+            .preset(Preset::Fine)
+            .max_hulls(7)
+            .max_vertices(20)
+            .keep_cavities(true)
+            .openings(Openings::Keep);
+        assert_eq!(tag.to_parameters(), expected.into());
+        let metres = tag.with_max_error(MaxError::Metres(0.1)).flat_parameters();
+        assert_eq!(metres.max_error, Length::units(0.1));
+    }
+
+    #[test]
+    fn a_bound_that_is_no_number_stays_none_and_is_refused() {
+        for share in [f32::NAN, f32::INFINITY, -0.5, 0.0] {
+            let tag = ConvexDecomposition::default().with_max_error(share);
+            assert!(tag.to_parameters().validate().is_err(), "{share}");
+        }
+    }
+
+    #[test]
+    fn other_parameters_have_another_hash() {
+        let hash = |method: Method| -> [u8; 32] {
+            let mut hasher = Sha256::new();
+            hash_parameters(&method, &mut hasher);
+            hasher.finalize().into()
+        };
+        let same = hash(Method::default());
+        assert_eq!(same, hash(Method::default()));
+        let changes: [fn(&mut Parameters); 9] = [
+            |p| p.openings = Openings::Close,
+            |p| p.up_axis = crate::UpAxis::Z,
+            |p| p.max_error = Length::share(0.03),
+            |p| p.max_error = Length::units(0.02),
+            |p| p.preset = Preset::Fast,
+            |p| p.max_hulls = Some(0),
+            |p| p.keep_cavities = true,
+            |p| p.max_vertices = None,
+            |_| {},
+        ];
+        let bounded = changes.map(|change| {
+            let mut parameters = Parameters::default();
+            change(&mut parameters);
+            parameters
+        });
+        let changes: [fn(&mut SurfaceParameters); 10] = [
+            |p| p.simplification_quality = 0.7,
+            |p| p.maximum_resolutions.push(1),
+            |p| p.planar_thresholds.push(1.0),
+            |p| p.angular_threshold = 0.5,
+            |p| p.concavity_cost_threshold = 0.5,
+            |p| p.resolution_cut_off = 4,
+            |p| p.unit = Length::units(1.0),
+            |p| p.significant_diagonal = 0.5,
+            |p| p.max_vertices = None,
+            |_| {},
+        ];
+        let surface = changes.map(|change| {
+            let mut parameters = SurfaceParameters::default();
+            change(&mut parameters);
+            parameters
+        });
+        let mut methods: Vec<Method> = bounded.clone().map(Method::Bounded).into();
+        methods.extend(bounded.map(Method::Hull));
+        methods.extend(surface.map(Method::Surface));
+        let count = methods.len();
+        let mut hashes: Vec<[u8; 32]> = methods.into_iter().map(hash).collect();
+        hashes.sort_unstable();
+        hashes.dedup();
+        assert_eq!(hashes.len(), count);
+    }
+
+    #[test]
+    fn keys_of_caches_on_disk_stay_what_they_are() {
+        for (text, expected) in KEYS {
+            let mut hasher = Sha256::new();
+            hash_parameters(&text.parse().unwrap(), &mut hasher);
+            let hash: String = hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+            assert_eq!(hash[..16], *expected, "{text}");
+        }
+    }
+
+    /// Computed by hand from the layout that version 0.1 has.
+    const KEYS: [(&str, &str); 5] = [
+        ("", "3211bdd0ccd190b3"),
+        ("max_error=1% preset=fine max_hulls=32 keep_cavities=true", "2c3dd7790ddaf23b"),
+        ("method=surface max_vertices=none", "5988c0db962c82cd"),
+        ("method=surface maximum_resolutions=250,500 unit=1.5m", "25cda2332a0d6d47"),
+        ("method=hull max_vertices=16 openings=keep up_axis=z", "87f079ead0363924"),
+    ];
+}
