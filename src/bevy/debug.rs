@@ -10,9 +10,9 @@ use bevy_rapier3d::rapier::geometry::SharedShape;
 use bevy_rapier3d::rapier::math::Pose;
 use bevy_rapier3d::rapier::parry::shape::TypedShape;
 
-use crate::bevy::jobs::request::AttachedCollider;
-use crate::bevy::plugin::HullwrightSystems;
-use crate::bevy::tag::status::DecompositionCounters;
+use super::collider::work::AttachedCollider;
+use super::tag::outcomes::DecompositionCounters;
+use super::tag::settings::HullwrightSystems;
 
 /// Draws the hulls of all colliders that the plugin made, and keeps its diagnostics.
 ///
@@ -42,51 +42,69 @@ impl Default for HullwrightDebug {
 #[type_path = "hullwright"]
 pub struct HullGizmos;
 
-impl HullwrightDebugPlugin {
+/// Declares diagnostics: their paths, units and values.
+macro_rules! diagnostics {
+    ($($(#[doc = $doc:literal])* $name:ident = $path:literal, $unit:literal, $value:expr;)*) => {
+        impl HullwrightDebugPlugin {
+            $($(#[doc = $doc])*
+            pub const $name: DiagnosticPath = DiagnosticPath::const_new($path);)*
+        }
+
+        const MEASURES: &[(DiagnosticPath, &str, fn(&DecompositionCounters) -> Option<f64>)] =
+            &[$((HullwrightDebugPlugin::$name, $unit, $value)),*];
+    };
+}
+
+diagnostics! {
     /// Jobs at work.
-    pub const RUNNING: DiagnosticPath = DiagnosticPath::const_new("hullwright/running");
+    RUNNING = "hullwright/running", "", |of| Some(of.running as f64);
     /// Entities that wait, for their meshes or in the queue.
-    pub const WAITING: DiagnosticPath = DiagnosticPath::const_new("hullwright/waiting");
+    WAITING = "hullwright/waiting", "", |of| Some((of.queued + of.waiting_for_mesh) as f64);
     /// Decompositions made so far.
-    pub const DECOMPOSED: DiagnosticPath = DiagnosticPath::const_new("hullwright/decomposed");
+    DECOMPOSED = "hullwright/decomposed", "", |of| Some(of.decomposed as f64);
     /// Colliders whose hulls were made for another entity.
-    pub const SHARED: DiagnosticPath = DiagnosticPath::const_new("hullwright/shared");
+    SHARED = "hullwright/shared", "", |of| Some(of.shared as f64);
     /// Colliders whose hulls came from the cache on disk.
-    pub const FROM_DISK: DiagnosticPath = DiagnosticPath::const_new("hullwright/from_disk");
+    FROM_DISK = "hullwright/from_disk", "", |of| Some(of.from_disk as f64);
     /// Colliders of baked hulls.
-    pub const BAKED: DiagnosticPath = DiagnosticPath::const_new("hullwright/baked");
+    BAKED = "hullwright/baked", "", |of| Some(of.baked as f64);
     /// Colliders that are a single hull.
-    pub const CONVEX: DiagnosticPath = DiagnosticPath::const_new("hullwright/convex");
+    CONVEX = "hullwright/convex", "", |of| Some(of.convex as f64);
     /// Triangle meshes for fixed bodies.
-    pub const TRIANGLE_MESHES: DiagnosticPath =
-        DiagnosticPath::const_new("hullwright/triangle_meshes");
+    TRIANGLE_MESHES = "hullwright/triangle_meshes", "", |of| Some(of.triangle_meshes as f64);
     /// Entities skipped because they had a collider.
-    pub const HAD_COLLIDER: DiagnosticPath = DiagnosticPath::const_new("hullwright/had_collider");
+    HAD_COLLIDER = "hullwright/had_collider", "", |of| Some(of.had_collider as f64);
     /// Entities skipped because they are hidden.
-    pub const HIDDEN: DiagnosticPath = DiagnosticPath::const_new("hullwright/hidden");
+    HIDDEN = "hullwright/hidden", "", |of| Some(of.hidden as f64);
     /// Entities skipped because they are too small.
-    pub const TOO_SMALL: DiagnosticPath = DiagnosticPath::const_new("hullwright/too_small");
+    TOO_SMALL = "hullwright/too_small", "", |of| Some(of.too_small as f64);
     /// Entities skipped because every focus is too far.
-    pub const TOO_FAR: DiagnosticPath = DiagnosticPath::const_new("hullwright/too_far");
+    TOO_FAR = "hullwright/too_far", "", |of| Some(of.too_far as f64);
     /// Entities that failed.
-    pub const FAILED: DiagnosticPath = DiagnosticPath::const_new("hullwright/failed");
+    FAILED = "hullwright/failed", "", |of| Some(of.failed as f64);
     /// Entities whose work was cancelled.
-    pub const CANCELLED: DiagnosticPath = DiagnosticPath::const_new("hullwright/cancelled");
+    CANCELLED = "hullwright/cancelled", "", |of| Some(of.cancelled as f64);
     /// Decompositions in the cache in memory.
-    pub const CACHED_COUNT: DiagnosticPath = DiagnosticPath::const_new("hullwright/cached_count");
+    CACHED_COUNT = "hullwright/cached_count", "", |of| Some(of.cached as f64);
     /// Size of the cache in memory, in MiB.
-    pub const CACHED: DiagnosticPath = DiagnosticPath::const_new("hullwright/cached");
+    CACHED = "hullwright/cached", " MiB", |of| Some(of.cached_bytes as f64 / MEBIBYTE);
     /// The bound of the decomposition that was made last, in percent of its mesh's diagonal.
-    pub const BOUND: DiagnosticPath = DiagnosticPath::const_new("hullwright/bound");
+    BOUND = "hullwright/bound", " %", |of| of.last_bound.map(percent);
     /// The verified protrusion of its hulls, in percent of its mesh's diagonal.
-    pub const PROTRUSION: DiagnosticPath = DiagnosticPath::const_new("hullwright/protrusion");
+    PROTRUSION = "hullwright/protrusion", " %", |of| of.last_protrusion.map(percent);
+}
+
+const MEBIBYTE: f64 = 1024.0 * 1024.0;
+
+fn percent(share: f32) -> f64 {
+    100.0 * f64::from(share)
 }
 
 impl Plugin for HullwrightDebugPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<HullwrightDebug>().register_type::<HullwrightDebug>();
         for (path, unit, _) in MEASURES {
-            app.register_diagnostic(Diagnostic::new(path).with_suffix(unit));
+            app.register_diagnostic(Diagnostic::new(path.clone()).with_suffix(*unit));
         }
         app.configure_sets(
             PostUpdate,
@@ -192,40 +210,10 @@ fn draw_edges(
     }
 }
 
-const MEBIBYTE: f64 = 1024.0 * 1024.0;
-
-/// Diagnostics with their units.
-type Measure = (DiagnosticPath, &'static str, fn(&DecompositionCounters) -> Option<f64>);
-
-const MEASURES: [Measure; 18] = [
-    (HullwrightDebugPlugin::RUNNING, "", |of| Some(of.running as f64)),
-    (HullwrightDebugPlugin::WAITING, "", |of| Some((of.queued + of.waiting_for_mesh) as f64)),
-    (HullwrightDebugPlugin::DECOMPOSED, "", |of| Some(of.decomposed as f64)),
-    (HullwrightDebugPlugin::SHARED, "", |of| Some(of.shared as f64)),
-    (HullwrightDebugPlugin::FROM_DISK, "", |of| Some(of.from_disk as f64)),
-    (HullwrightDebugPlugin::BAKED, "", |of| Some(of.baked as f64)),
-    (HullwrightDebugPlugin::CONVEX, "", |of| Some(of.convex as f64)),
-    (HullwrightDebugPlugin::TRIANGLE_MESHES, "", |of| Some(of.triangle_meshes as f64)),
-    (HullwrightDebugPlugin::HAD_COLLIDER, "", |of| Some(of.had_collider as f64)),
-    (HullwrightDebugPlugin::HIDDEN, "", |of| Some(of.hidden as f64)),
-    (HullwrightDebugPlugin::TOO_SMALL, "", |of| Some(of.too_small as f64)),
-    (HullwrightDebugPlugin::TOO_FAR, "", |of| Some(of.too_far as f64)),
-    (HullwrightDebugPlugin::FAILED, "", |of| Some(of.failed as f64)),
-    (HullwrightDebugPlugin::CANCELLED, "", |of| Some(of.cancelled as f64)),
-    (HullwrightDebugPlugin::CACHED_COUNT, "", |of| Some(of.cached as f64)),
-    (HullwrightDebugPlugin::CACHED, " MiB", |of| Some(of.cached_bytes as f64 / MEBIBYTE)),
-    (HullwrightDebugPlugin::BOUND, " %", |of| of.last_bound.map(percent)),
-    (HullwrightDebugPlugin::PROTRUSION, " %", |of| of.last_protrusion.map(percent)),
-];
-
-fn percent(share: f32) -> f64 {
-    100.0 * f64::from(share)
-}
-
 fn measure(mut diagnostics: Diagnostics, counters: Res<DecompositionCounters>) {
     for (path, _, value) in MEASURES {
         if let Some(value) = value(&counters) {
-            diagnostics.add_measurement(&path, || value);
+            diagnostics.add_measurement(path, || value);
         }
     }
 }

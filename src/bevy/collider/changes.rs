@@ -1,25 +1,19 @@
-//! What makes an entity's collider out of date: a new tag, a changed mesh, a changed scale. All of
-//! it by Bevy's change detection, so that finished entities cost next to nothing.
+//! What makes an entity's collider out of date: a new tag, a changed mesh, a changed scale, a body that came or went,
+//! a focus that came near or left. Mostly by Bevy's change detection, so that finished entities cost next to
+//! nothing.
 
 use bevy::asset::AssetEvent;
 use bevy::ecs::system::SystemParam;
-use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::{ColliderScale, RigidBody, Sensor};
 
-use crate::bevy::collider::placement::Stretch;
-use crate::bevy::collider::static_geometry::StaticGeometry;
-use crate::bevy::jobs::baked::{BakedDecomposition, BakedHulls};
-use crate::bevy::jobs::cache::GeometryCache;
-use crate::bevy::jobs::content::ContentKey;
-use crate::bevy::jobs::queue::WorkQueue;
-use crate::bevy::jobs::request::{
-    AttachedCollider, ColliderRequest, FailedRequest, InputBoundary, InputId,
-};
-use crate::bevy::tag::components::ConvexDecomposition;
-use crate::bevy::tag::outcomes::Outcomes;
+use super::placement::{Placements, Stretch};
+use super::resolve::Distances;
+use super::work::{AttachedCollider, FailedRequest, FarFromFocus, InputBoundary, Work, detach};
+use crate::bevy::jobs::baked::BakedDecomposition;
+use crate::bevy::tag::ConvexDecomposition;
+use crate::bevy::tag::outcomes::{DecompositionStatus, Outcomes, SkipReason, WaitReason};
 use crate::bevy::tag::settings::HullwrightSettings;
-use crate::bevy::tag::status::{DecompositionStatus, WaitReason};
 
 type ChangedTag = Or<(Changed<ConvexDecomposition>, Changed<BakedDecomposition>)>;
 type Tagged = Or<(With<ConvexDecomposition>, With<BakedDecomposition>)>;
@@ -43,25 +37,23 @@ impl MeshOwners<'_, '_> {
 
 /// Tags that are new or changed, and meshes that replaced another.
 pub(crate) fn detect_tags(
-    mut queue: ResMut<WorkQueue>,
+    mut work: Work,
     changed_tags: Query<Entity, ChangedTag>,
     changed_meshes: Query<Entity, Changed<Mesh3d>>,
     owners: MeshOwners,
-    mut statuses: Query<&mut DecompositionStatus>,
+    mut outcomes: Outcomes,
 ) {
-    let mut restart = |queue: &mut WorkQueue, entity| {
-        queue.restart(entity);
-        if let Ok(mut status) = statuses.get_mut(entity) {
-            status.set_if_neq(DecompositionStatus::Waiting(WaitReason::ForMesh));
-        }
+    let mut restart = |work: &mut Work, entity| {
+        work.restart(entity);
+        outcomes.show(entity, DecompositionStatus::Waiting(WaitReason::ForMesh));
     };
     for entity in &changed_tags {
-        restart(&mut queue, entity);
+        restart(&mut work, entity);
     }
     for mesh in &changed_meshes {
         let owner = owners.owner(mesh);
-        if let Some(entity) = owner.filter(|entity| !queue.is_to_be_resolved(*entity)) {
-            restart(&mut queue, entity);
+        if let Some(entity) = owner.filter(|entity| !work.unfinished.is_unresolved(*entity)) {
+            restart(&mut work, entity);
         }
     }
 }
@@ -71,7 +63,7 @@ type ChangedBody = Or<(Changed<RigidBody>, Changed<ChildOf>, Added<Sensor>)>;
 
 /// Bodies, parents and sensors that came, changed or went.
 #[derive(SystemParam)]
-pub(crate) struct BodyChanges<'w, 's> {
+pub(super) struct BodyChanges<'w, 's> {
     changed: Query<'w, 's, Entity, ChangedBody>,
     bodies: RemovedComponents<'w, 's, RigidBody>,
     parents: RemovedComponents<'w, 's, ChildOf>,
@@ -92,100 +84,64 @@ type MayBeStatic = (
 );
 
 /// What never moves gets triangles, all else hulls.
-pub(crate) fn detect_bodies(
-    mut queue: ResMut<WorkQueue>,
+pub(super) fn detect_bodies(
+    mut work: Work,
     mut changes: BodyChanges,
     children: Query<&Children>,
     tags: Query<MayBeStatic, Without<BakedDecomposition>>,
-    geometry: StaticGeometry,
+    placements: Placements,
 ) {
     for above in changes.entities() {
         for entity in std::iter::once(above).chain(children.iter_descendants(above)) {
             let Ok((tag, attached, failed)) = tags.get(entity) else { continue };
-            let request = queue.request(entity).map(|request| request.why_triangles());
-            let present = request
-                .or_else(|| failed.map(|failed| failed.request.why_triangles()))
+            let requested = work.unfinished.requested(entity);
+            let present = (requested.or_else(|| Some(&failed?.requested)))
+                .map(|requested| requested.request.why_triangles())
                 .or_else(|| attached.map(|attached| attached.why_triangles));
-            let wanted = geometry.why_triangles(entity, tag.shape);
+            let wanted = placements.why_triangles(entity, tag.shape);
             if present.is_some_and(|present| present != wanted) {
-                queue.restart(entity);
+                work.restart(entity);
             }
         }
     }
 }
 
-/// Meshes and baked hulls whose content changed.
-pub(crate) fn detect_assets(
-    mut queue: ResMut<WorkQueue>,
-    cache: Res<GeometryCache>,
-    mut mesh_events: MessageReader<AssetEvent<Mesh>>,
-    mut baked_events: MessageReader<AssetEvent<BakedHulls>>,
-    users: InputUsers,
+/// What failed has at most the collider of an earlier input.
+type AttachedNow = (Tagged, Without<FailedRequest>);
+
+/// Meshes or baked hulls whose content came, changed or went.
+pub(super) fn detect_assets<A: Asset>(
+    mut work: Work,
+    mut events: MessageReader<AssetEvent<A>>,
+    attached: Query<(Entity, &AttachedCollider), AttachedNow>,
+    failed: Query<(Entity, &FailedRequest)>,
 ) {
-    for event in mesh_events.read() {
-        match event {
-            AssetEvent::Modified { id } => {
-                queue.forget_mesh(*id);
-                users.restart(&mut queue, |input| input.uses_mesh(*id));
-            }
-            AssetEvent::Added { id } => {
-                users.restart_if_asset_was_missing(&mut queue, |input| input.uses_mesh(*id));
-            }
-            AssetEvent::Removed { id } => queue.forget_mesh(*id),
-            _ => {}
+    for event in events.read() {
+        let (AssetEvent::Added { id } | AssetEvent::Modified { id } | AssetEvent::Removed { id }) =
+            event
+        else {
+            continue;
+        };
+        let asset = id.untyped();
+        let is_added = matches!(event, AssetEvent::Added { .. });
+        let failed = failed.iter().filter(|(_, failed)| {
+            (failed.lacks_asset() || !is_added) && failed.requested.request.input.uses(asset)
+        });
+        let failed = failed.map(|(entity, _)| entity);
+        if !is_added {
+            work.jobs.forget_asset(asset);
         }
-    }
-    let forget_baked = |queue: &mut WorkQueue, id| {
-        cache.remove(ContentKey::Baked(id));
-        queue.known.remove(&InputId::Baked(id));
-    };
-    for event in baked_events.read() {
-        match event {
-            AssetEvent::Modified { id } => {
-                forget_baked(&mut queue, *id);
-                users.restart(&mut queue, |input| *input == InputId::Baked(*id));
+        let outdated: Vec<Entity> = match event {
+            AssetEvent::Added { .. } => failed.collect(),
+            AssetEvent::Modified { .. } => {
+                let attached = attached.iter().filter(|(_, attached)| attached.input.uses(asset));
+                let attached = attached.map(|(entity, _)| entity);
+                work.unfinished.users(asset).chain(attached).chain(failed).collect()
             }
-            AssetEvent::Added { id } => {
-                users.restart_if_asset_was_missing(&mut queue, |input| {
-                    *input == InputId::Baked(*id)
-                });
-            }
-            AssetEvent::Removed { id } => forget_baked(&mut queue, *id),
-            _ => {}
-        }
-    }
-}
-
-/// Entities by the input of their collider, whether it is attached, failed or not finished.
-#[derive(SystemParam)]
-pub(crate) struct InputUsers<'w, 's> {
-    /// What failed has at most the collider of an earlier input.
-    attached: Query<'w, 's, (Entity, &'static AttachedCollider), (Tagged, Without<FailedRequest>)>,
-    failed: Query<'w, 's, (Entity, &'static FailedRequest)>,
-}
-
-impl InputUsers<'_, '_> {
-    /// Restarts all that use an input, the unfinished too.
-    fn restart(&self, queue: &mut WorkQueue, uses: impl Fn(&InputId) -> bool) {
-        let asks = |request: &ColliderRequest| uses(&request.input);
-        let unfinished: Vec<Entity> = (queue.unfinished.iter())
-            .filter(|(_, unfinished)| unfinished.request.as_ref().is_some_and(|r| asks(r)))
-            .map(|(entity, _)| *entity)
-            .collect();
-        let attached = self.attached.iter().filter(|(_, attached)| uses(&attached.input));
-        let failed = self.failed.iter().filter(|(_, failed)| asks(&failed.request));
-        let finished = attached.map(|(entity, _)| entity).chain(failed.map(|(entity, _)| entity));
-        for entity in unfinished.into_iter().chain(finished) {
-            queue.restart(entity);
-        }
-    }
-
-    /// Restarts those that failed because an asset was missing.
-    fn restart_if_asset_was_missing(&self, queue: &mut WorkQueue, uses: impl Fn(&InputId) -> bool) {
-        for (entity, failed) in &self.failed {
-            if failed.lacks_asset() && uses(&failed.request.input) {
-                queue.restart(entity);
-            }
+            _ => continue,
+        };
+        for entity in outdated {
+            work.restart(entity);
         }
     }
 }
@@ -196,47 +152,34 @@ type AttachedOrFailed = AnyOf<(&'static AttachedCollider, &'static FailedRequest
 type MovedAndTagged = (Changed<GlobalTransform>, Tagged);
 
 /// Scales that changed, once they have not changed for a while.
-pub(crate) fn detect_scales(
-    mut queue: ResMut<WorkQueue>,
+pub(super) fn detect_scales(
+    mut work: Work,
     settings: Res<HullwrightSettings>,
     moved: Query<(Entity, &GlobalTransform, AttachedOrFailed), MovedAndTagged>,
 ) {
-    let now = Instant::now();
     for (entity, transform, (attached, failed)) in &moved {
         // The work takes the scale that there is when it begins; one that changes later is noticed when it
         // ends. Begun anew for each movement until the new collider is there, it would never end.
-        if queue.unfinished.contains_key(&entity) {
+        if work.unfinished.contains(entity) {
             continue;
         }
         let baked = match failed {
-            Some(failed) => failed.depends_on_scale().then_some(&failed.request.stretch),
+            Some(failed) => failed.depends_on_scale().then_some(&failed.requested.stretch),
             None => attached.map(|attached| &attached.stretch),
         };
-        let Some(baked) = baked else { continue };
-        let stretch = Stretch::of(transform);
-        let pending = queue.rescaling.get(&entity);
-        let last = pending.map_or(baked, |(stretch, _)| stretch);
-        if stretch.differs(last) {
-            queue.rescaling.insert(entity, (stretch, now));
+        if let Some(baked) = baked {
+            work.unfinished.detect_scale(entity, baked, Stretch::of(transform));
         }
     }
-    if queue.rescaling.is_empty() {
-        return;
-    }
-    let is_due = |since: Instant| now.duration_since(since) >= settings.scale_delay;
-    let due: Vec<Entity> = (queue.rescaling.iter())
-        .filter(|(_, (_, since))| is_due(*since))
-        .map(|(entity, _)| *entity)
-        .collect();
-    for entity in due {
-        queue.restart(entity);
+    for entity in work.unfinished.rescaled(settings.scale_delay) {
+        work.restart(entity);
     }
 }
 
 /// A removed tag cancels its work, also when the entity is despawned.
-pub(crate) fn on_untag<T: Component>(
+pub(super) fn on_untag<T: Component>(
     removed: On<Remove<T>>,
-    mut queue: ResMut<WorkQueue>,
+    mut work: Work,
     results: Query<(Has<FailedRequest>, Option<&AttachedCollider>)>,
     both_tags: Query<(), (With<ConvexDecomposition>, With<BakedDecomposition>)>,
     mut outcomes: Outcomes,
@@ -246,8 +189,8 @@ pub(crate) fn on_untag<T: Component>(
     // The other tag takes over. If it goes in the same instant, as all do when an entity is despawned, the
     // work is cancelled where it is resolved.
     if both_tags.contains(entity) {
-        if queue.unfinished.contains_key(&entity) || has_failed {
-            queue.restart(entity);
+        if work.unfinished.contains(entity) || has_failed {
+            work.restart(entity);
         }
         return;
     }
@@ -259,7 +202,81 @@ pub(crate) fn on_untag<T: Component>(
         let relative = ColliderScale::Relative(scale.recip());
         outcomes.commands.entity(entity).try_insert(relative);
     }
-    if queue.forget(entity) {
+    if work.forget(entity) {
         outcomes.cancelled(entity);
+    }
+}
+
+/// Entities whose distance is looked at in one frame: some ten microseconds. With ten thousand each has
+/// its turn every twentieth frame.
+const LOOKED_AT_PER_FRAME: usize = 512;
+
+/// A collider is dropped this much farther than the radius within which it is made, so that it does not
+/// come and go at the border.
+const DROP_MARGIN: f32 = 1.25;
+
+/// Entities that have come near start.
+pub(super) fn start_near(
+    mut commands: Commands,
+    mut work: Work,
+    distances: Distances,
+    far: Query<Entity, (With<FarFromFocus>, With<ConvexDecomposition>)>,
+    mut next: Local<usize>,
+) {
+    let radius = distances.settings.focus_radius;
+    for entity in turn(&mut next, far.iter()) {
+        if !radius.is_some_and(|radius| distances.is_beyond(entity, radius)) {
+            commands.entity(entity).try_remove::<FarFromFocus>();
+            work.restart(entity);
+        }
+    }
+}
+
+/// Colliders that are far go, if the settings say so.
+pub(super) fn drop_far(
+    mut work: Work,
+    distances: Distances,
+    attached: Query<(Entity, &AttachedCollider), With<ConvexDecomposition>>,
+    mut outcomes: Outcomes,
+    mut next: Local<usize>,
+) {
+    let Some(radius) = distances.settings.focus_radius else { return };
+    for (entity, attached) in turn(&mut next, attached.iter()) {
+        if !distances.is_beyond(entity, radius * DROP_MARGIN) {
+            continue;
+        }
+        work.forget(entity);
+        let mut commands = outcomes.commands.entity(entity);
+        detach::<AttachedCollider>(&mut commands, attached.owns_mass);
+        commands.try_insert(FarFromFocus);
+        outcomes.skipped(entity, SkipReason::TooFar);
+    }
+}
+
+/// Those whose turn it is: so many, from where the last ones ended.
+fn turn<T>(next: &mut usize, all: impl ExactSizeIterator<Item = T>) -> impl Iterator<Item = T> {
+    let start = if *next < all.len() { *next } else { 0 };
+    *next = (start + LOOKED_AT_PER_FRAME).min(all.len());
+    all.skip(start).take(*next - start)
+}
+
+/// What was skipped since it was hidden starts when it is shown.
+#[cfg(feature = "bevy_gltf")]
+pub(super) fn detect_shown(
+    mut work: Work,
+    changed: Query<(Entity, &Visibility), Changed<Visibility>>,
+    children: Query<&Children>,
+    statuses: Query<&DecompositionStatus>,
+) {
+    const HIDDEN: DecompositionStatus = DecompositionStatus::Skipped(SkipReason::Hidden);
+    for (entity, visibility) in &changed {
+        if *visibility == Visibility::Hidden {
+            continue;
+        }
+        for entity in std::iter::once(entity).chain(children.iter_descendants(entity)) {
+            if statuses.get(entity) == Ok(&HIDDEN) {
+                work.restart(entity);
+            }
+        }
     }
 }

@@ -5,16 +5,17 @@
 //! into the points, so that the collider lies where the mesh is drawn.
 
 use bevy::ecs::system::SystemParam;
-use bevy::math::{Affine3A, DMat3, DVec3, Mat3A, Vec3A};
+use bevy::math::{Affine3A, Mat3A, Vec3A};
 use bevy::prelude::*;
-use bevy_rapier3d::prelude::RigidBody;
+use bevy_rapier3d::prelude::{RigidBody, Sensor};
 
-use crate::rapier::ColliderError;
-use crate::{Hull, MassProperties};
+use crate::bevy::tag::DecompositionShape;
+use crate::bevy::tag::outcomes::SkipReason;
+use crate::bevy::tag::settings::HullwrightSettings;
 
 /// The part of an entity's transform that is baked.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Placement {
+pub(super) struct Placement {
     /// From the tagged entity's space to the collider's.
     pub map: Affine3A,
     /// Tells whether the scale has changed since.
@@ -29,10 +30,6 @@ pub(crate) struct Stretch {
     is_mirrored: bool,
 }
 
-/// A map, as exact as it is applied.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(crate) struct MapKey([u32; 12]);
-
 /// Smaller changes are rounding errors of turned transforms. bevy_rapier draws the line there too.
 const TOLERANCE: f32 = 1e-4;
 
@@ -43,7 +40,7 @@ const KEPT_BITS: u32 = 13;
 const MANTISSA_BITS: u32 = 23;
 
 impl Stretch {
-    pub(crate) fn of(transform: &GlobalTransform) -> Self {
+    pub(super) fn of(transform: &GlobalTransform) -> Self {
         let matrix = transform.affine().matrix3;
         let Mat3A { x_axis: x, y_axis: y, z_axis: z } = matrix;
         Self {
@@ -53,14 +50,14 @@ impl Stretch {
     }
 
     /// The factors along the axes, as Bevy takes them from a transform; `None` if any is none.
-    pub(crate) fn scale(&self) -> Option<Vec3> {
+    pub(super) fn scale(&self) -> Option<Vec3> {
         let [x, y, z, ..] = self.products.map(f32::sqrt);
         let scale = Vec3::new(if self.is_mirrored { -x } else { x }, y, z);
         scale.recip().is_finite().then_some(scale)
     }
 
     /// Whether two transforms differ in scale by more than rounding errors.
-    pub(crate) fn differs(&self, other: &Self) -> bool {
+    pub(super) fn differs(&self, other: &Self) -> bool {
         let [x, y, z, ..] = self.products;
         // Products of lengths: twice the relative error of the lengths.
         let sizes = [x, y, z, (x * y).sqrt(), (x * z).sqrt(), (y * z).sqrt()];
@@ -70,43 +67,62 @@ impl Stretch {
     }
 }
 
-impl MapKey {
-    pub(crate) fn new(map: &Affine3A) -> Self {
-        Self(map.to_cols_array().map(f32::to_bits))
-    }
-}
-
-/// What placements are computed from.
+/// What placements are computed from, and whether colliders ever move.
 #[derive(SystemParam)]
-pub(crate) struct Placements<'w, 's> {
+pub(super) struct Placements<'w, 's> {
     global: TransformHelper<'w, 's>,
     transforms: Query<'w, 's, &'static Transform>,
     parents: Query<'w, 's, &'static ChildOf>,
     bodies: Query<'w, 's, &'static RigidBody>,
+    sensors: Query<'w, 's, (), With<Sensor>>,
+    settings: Res<'w, HullwrightSettings>,
 }
 
 impl Placements<'_, '_> {
     /// The body that moves an entity: its own or the nearest above it.
-    pub(crate) fn body(&self, entity: Entity) -> Option<(Entity, RigidBody)> {
+    pub(super) fn body(&self, entity: Entity) -> Option<(Entity, RigidBody)> {
         let body = |entity| Some((entity, *self.bodies.get(entity).ok()?));
         body(entity).or_else(|| self.parents.iter_ancestors(entity).find_map(body))
     }
 
-    /// From an entity's space to that of one above it.
-    pub(crate) fn relative(&self, entity: Entity, above: Entity) -> Affine3A {
-        let mut map = Affine3A::IDENTITY;
-        let mut current = entity;
-        while current != above {
-            if let Ok(transform) = self.transforms.get(current) {
-                map = transform.compute_affine() * map;
-            }
-            let Ok(parent) = self.parents.get(current) else { break };
-            current = parent.parent();
+    /// Why an entity gets its triangles: what never moves does. `None` for what its tag says.
+    pub(super) fn why_triangles(
+        &self,
+        entity: Entity,
+        shape: DecompositionShape,
+    ) -> Option<SkipReason> {
+        match shape {
+            DecompositionShape::Triangles => return Some(SkipReason::TrianglesRequested),
+            DecompositionShape::Auto if self.settings.exact_static_colliders => {}
+            _ => return None,
         }
-        map
+        let body = self.body(entity);
+        let is_sensor = |entity| self.sensors.contains(entity);
+        if is_sensor(entity) || body.is_some_and(|(body, _)| is_sensor(body)) {
+            return None;
+        }
+        match body {
+            None => Some(SkipReason::NoBody),
+            Some((_, RigidBody::Fixed)) => Some(SkipReason::FixedBody),
+            Some(_) => None,
+        }
     }
 
-    pub(crate) fn placement(&self, entity: Entity) -> Placement {
+    /// From an entity's space to that of one above it.
+    pub(super) fn relative(&self, entity: Entity, above: Entity) -> Affine3A {
+        let put = |map, transform: &Transform| transform.compute_affine() * map;
+        self.transforms_below(above, entity).fold(Affine3A::IDENTITY, put)
+    }
+
+    /// The transforms of an entity and those above it, up to one that is left out.
+    fn transforms_below(&self, above: Entity, entity: Entity) -> impl Iterator<Item = &Transform> {
+        std::iter::once(entity)
+            .chain(self.parents.iter_ancestors(entity))
+            .take_while(move |entity| *entity != above)
+            .filter_map(|entity| self.transforms.get(entity).ok())
+    }
+
+    pub(super) fn placement(&self, entity: Entity) -> Placement {
         let global = self.global_transform(entity);
         let stretch = Stretch::of(&global);
         let map = match self.body(entity) {
@@ -114,15 +130,15 @@ impl Placements<'_, '_> {
                 let body_scale = without_rotation(&self.global_transform(body));
                 let to_body = Affine3A::from_mat3(body_scale.into());
                 let wanted = to_body * self.relative(entity, body);
-                snap_near(self.offset(entity, body).inverse() * wanted, wanted.translation)
+                snap(self.offset(entity, body).inverse() * wanted, wanted.translation)
             }
-            _ => snap(Affine3A::from_mat3(without_rotation(&global).into())),
+            _ => snap(Affine3A::from_mat3(without_rotation(&global).into()), Vec3A::ZERO),
         };
         Placement { map, stretch }
     }
 
     /// The scale that an entity has now, also before Bevy propagates it.
-    pub(crate) fn stretch(&self, entity: Entity) -> Stretch {
+    pub(super) fn stretch(&self, entity: Entity) -> Stretch {
         Stretch::of(&self.global_transform(entity))
     }
 
@@ -133,18 +149,10 @@ impl Placements<'_, '_> {
     /// Where bevy_rapier puts the collider of an entity below a body, in the body's frame: it
     /// multiplies the local transforms up to the body's scale.
     fn offset(&self, entity: Entity, body: Entity) -> Affine3A {
-        let mut offset = Transform::IDENTITY;
-        let mut current = entity;
-        while current != body {
-            if let Ok(transform) = self.transforms.get(current) {
-                offset = *transform * offset;
-            }
-            let Ok(parent) = self.parents.get(current) else { break };
-            current = parent.parent();
-        }
-        if let Ok(transform) = self.transforms.get(body) {
-            offset = Transform::from_scale(transform.scale) * offset;
-        }
+        let put = |offset, transform: &Transform| *transform * offset;
+        let offset = self.transforms_below(body, entity).fold(Transform::IDENTITY, put);
+        let scale = self.transforms.get(body).map_or(Vec3::ONE, |transform| transform.scale);
+        let offset = Transform::from_scale(scale) * offset;
         Affine3A::from_rotation_translation(offset.rotation, offset.translation)
     }
 }
@@ -156,11 +164,7 @@ fn without_rotation(transform: &GlobalTransform) -> Mat3A {
 }
 
 /// Removes rounding errors, so that equal scales have equal maps.
-fn snap(map: Affine3A) -> Affine3A {
-    snap_near(map, Vec3A::ZERO)
-}
-
-fn snap_near(map: Affine3A, reference: Vec3A) -> Affine3A {
+fn snap(map: Affine3A, reference: Vec3A) -> Affine3A {
     let matrix = map.matrix3;
     let size = matrix.to_cols_array().into_iter().fold(0.0, |size: f32, x| size.max(x.abs()));
     let round = |x: f32| if x.abs() <= TOLERANCE * size { 0.0 } else { round_mantissa(x) };
@@ -181,51 +185,4 @@ fn round_mantissa(x: f32) -> f32 {
     let step = 1 << (MANTISSA_BITS - KEPT_BITS);
     let bits = x.to_bits();
     if x.is_finite() { f32::from_bits((bits + step / 2) & !(step - 1)) } else { x }
-}
-
-/// The points of hulls, moved by a map.
-pub(crate) fn map_hulls(
-    hulls: &[Hull],
-    map: &Affine3A,
-) -> Result<Vec<Vec<[f64; 3]>>, ColliderError> {
-    check(map)?;
-    let place = map_point(map);
-    Ok(hulls
-        .iter()
-        .map(|hull| hull.shape.points.iter().map(|point| place(*point)).collect())
-        .collect())
-}
-
-/// Mass properties of a body of the same density after it is moved by a map.
-pub(crate) fn map_mass(properties: &MassProperties, map: &Affine3A) -> MassProperties {
-    let linear = map.matrix3.as_dmat3();
-    let volume = linear.determinant().abs();
-    let inertia = DMat3::from_cols_array_2d(&properties.inertia);
-    // Inertia is the trace of the second moments minus the second moments; these map as a
-    // quadratic form.
-    let trace = inertia.x_axis.x + inertia.y_axis.y + inertia.z_axis.z;
-    let second = DMat3::from_diagonal(DVec3::splat(trace / 2.0)) - inertia;
-    let second = linear * second * linear.transpose() * volume;
-    let trace = second.x_axis.x + second.y_axis.y + second.z_axis.z;
-    let inertia = DMat3::from_diagonal(DVec3::splat(trace)) - second;
-    let mut mapped = *properties;
-    mapped.mass *= volume;
-    mapped.centre = map_point(map)(properties.centre);
-    mapped.inertia = inertia.to_cols_array_2d();
-    mapped
-}
-
-/// A map that flattens leaves no body.
-fn check(map: &Affine3A) -> Result<(), ColliderError> {
-    let determinant = map.matrix3.determinant();
-    if map.is_finite() && determinant.is_normal() {
-        return Ok(());
-    }
-    let scale = [map.matrix3.x_axis, map.matrix3.y_axis, map.matrix3.z_axis].map(Vec3A::length);
-    Err(ColliderError::InvalidScale { scale })
-}
-
-fn map_point(map: &Affine3A) -> impl Fn([f64; 3]) -> [f64; 3] + use<> {
-    let (linear, offset) = (map.matrix3.as_dmat3(), map.translation.as_dvec3());
-    move |point| (linear * DVec3::from(point) + offset).to_array()
 }

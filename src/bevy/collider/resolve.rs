@@ -1,303 +1,253 @@
-//! From a tag to a request: which meshes, which scale, which kind of collider, and whether there is
-//! anything to do at all.
+//! From a tag to a request: which meshes, which scale, which kind of collider, and whether there is anything to do
+//! at all. What is hidden, too small to matter, or too far from every focus is skipped on request.
 
 use std::sync::Arc;
 
-use bevy::asset::{AssetId, LoadState, UntypedAssetId};
+use bevy::asset::{LoadState, UntypedAssetId};
+use bevy::ecs::query::QueryData;
 use bevy::ecs::system::SystemParam;
 use bevy::math::Affine3A;
+use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::Collider;
 
-use crate::bevy::collider::placement::{MapKey, Placements};
-use crate::bevy::collider::skip::{FarFromFocus, SkipRules, is_too_small};
-use crate::bevy::collider::static_geometry::StaticGeometry;
-use crate::bevy::jobs::baked::{BakedDecomposition, BakedHulls};
-use crate::bevy::jobs::baked_scene::{BakedScene, FromBakedScene};
-use crate::bevy::jobs::cache::GeometryCache;
-use crate::bevy::jobs::content::{ContentKey, goal_hash};
-use crate::bevy::jobs::mesh_data::MeshPart;
-use crate::bevy::jobs::queue::{Completed, Failed, WorkQueue};
-use crate::bevy::jobs::request::{
-    AttachedCollider, AttachedFallback, ColliderRequest, FailedRequest, InputBoundary, InputId,
+use super::placement::{Placement, Placements, Stretch};
+use super::waiting::Fallbacks;
+use super::work::{
+    AttachedCollider, AttachedFallback, FailedRequest, FarFromFocus, InputBoundary, Requested, Work,
 };
-use crate::bevy::jobs::task::BuiltCollider;
-use crate::bevy::tag::components::ConvexDecomposition;
-use crate::bevy::tag::describe::{Descriptions, entities};
-use crate::bevy::tag::error::DecompositionError;
-use crate::bevy::tag::outcomes::Outcomes;
-use crate::bevy::tag::parameters::{Goal, has_absolute_length};
+use crate::bevy::jobs::FrameTime;
+use crate::bevy::jobs::baked::{BakedDecomposition, BakedHulls, BakedScene, FromBakedScene};
+use crate::bevy::jobs::request::{ColliderRequest, InputId, MapKey, MeshPart};
+use crate::bevy::tag::outcomes::{
+    DecompositionError, DecompositionStatus, Descriptions, Outcomes, SkipReason, WaitReason,
+    entities,
+};
+use crate::bevy::tag::parameters::Goal;
 use crate::bevy::tag::settings::{FallbackCollider, HullwrightSettings};
-use crate::bevy::tag::status::{DecompositionStatus, HullSource, SkipReason, WaitReason};
+use crate::bevy::tag::{ConvexDecomposition, DecompositionFocus};
 
 /// Everything from which requests follow.
 #[derive(SystemParam)]
-pub(crate) struct Scene<'w, 's> {
-    tags: Query<'w, 's, TagComponents>,
+pub(super) struct Scene<'w, 's> {
+    tags: Query<'w, 's, Tag>,
     boundaries: Query<'w, 's, (), InputBoundary>,
     meshes_on: Query<'w, 's, &'static Mesh3d>,
     children: Query<'w, 's, &'static Children>,
     parents: Query<'w, 's, &'static ChildOf>,
     transforms: Query<'w, 's, &'static Transform>,
-    failed: Query<'w, 's, (), With<FailedRequest>>,
+    #[cfg(feature = "bevy_gltf")]
+    visibilities: Query<'w, 's, &'static Visibility>,
     placements: Placements<'w, 's>,
-    geometry: StaticGeometry<'w, 's>,
-    skip_rules: SkipRules<'w, 's>,
-    descriptions: Descriptions<'w, 's>,
+    distances: Distances<'w, 's>,
     meshes: Res<'w, Assets<Mesh>>,
     baked: Res<'w, Assets<BakedHulls>>,
     scenes: Res<'w, Assets<BakedScene>>,
-    from_scenes: Query<'w, 's, &'static FromBakedScene>,
     server: Option<Res<'w, AssetServer>>,
 }
 
-type TagComponents = (
-    Option<&'static ConvexDecomposition>,
-    Option<&'static BakedDecomposition>,
-    Has<Collider>,
-    Has<AttachedCollider>,
-    Has<AttachedFallback>,
-);
+#[derive(QueryData)]
+struct Tag {
+    tag: Option<&'static ConvexDecomposition>,
+    baked: Option<&'static BakedDecomposition>,
+    scene: Option<&'static FromBakedScene>,
+    has_collider: Has<Collider>,
+    is_attached: Has<AttachedCollider>,
+    is_fallback: Has<AttachedFallback>,
+    has_failed: Has<FailedRequest>,
+}
 
 /// The next state of an entity.
 enum Resolution {
     /// It is gone, or has no tag any more.
     Gone,
-    /// What it is made of is not there yet.
-    Later(Missing),
+    /// What it is made of is not there yet: this asset, or any mesh at all.
+    Later(Option<UntypedAssetId>),
     Skipped(SkipReason),
-    Failed(Box<ColliderRequest>, DecompositionError),
-    Request(Box<ColliderRequest>),
-}
-
-/// What an entity waits for.
-enum Missing {
-    /// There is no mesh on it or below it.
-    Mesh,
-    /// This asset is not loaded.
-    Asset(UntypedAssetId),
-}
-
-impl Missing {
-    fn asset(&self) -> Option<UntypedAssetId> {
-        match self {
-            Self::Mesh => None,
-            Self::Asset(id) => Some(*id),
-        }
-    }
-}
-
-impl Resolution {
-    fn not_loaded(request: Box<ColliderRequest>) -> Self {
-        Self::Failed(request, DecompositionError::NotLoaded)
-    }
+    /// What it requests can't be loaded.
+    NotLoaded(Requested),
+    Request(Requested),
 }
 
 /// Resolves entities whose meshes are not known yet, each at most once per frame.
-pub(crate) fn resolve(
-    mut queue: ResMut<WorkQueue>,
-    settings: Res<HullwrightSettings>,
-    cache: Res<GeometryCache>,
+pub(super) fn resolve(
+    mut work: Work,
+    mut frame: ResMut<FrameTime>,
+    mut fallbacks: ResMut<Fallbacks>,
     scene: Scene,
+    descriptions: Descriptions,
     mut outcomes: Outcomes,
 ) {
-    let mut budget = queue.frame_time.budget(&settings);
+    let settings = &scene.distances.settings;
+    let mut budget = frame.budget(settings);
     let mut overdue = Vec::new();
-    for _ in 0..queue.to_resolve.len() {
+    for _ in 0..work.unfinished.unresolved() {
         if !budget.allows_one() {
             break;
         }
-        let Some(entity) = queue.to_resolve.pop_front() else { break };
-        let resolution = scene.resolution(entity, &settings);
-        if scene.failed.contains(entity) && !matches!(resolution, Resolution::Later(_)) {
+        let Some(entity) = work.unfinished.pop_unresolved() else { break };
+        let tag = scene.tags.get(entity).ok();
+        let resolution = tag.as_ref().map_or(Resolution::Gone, |tag| scene.resolution(entity, tag));
+        if tag.as_ref().is_some_and(|tag| tag.has_failed)
+            && !matches!(resolution, Resolution::Later(_))
+        {
             outcomes.commands.entity(entity).try_remove::<FailedRequest>();
         }
         match resolution {
             Resolution::Gone => {
-                queue.unfinished.remove(&entity);
+                work.unfinished.end(entity);
                 outcomes.cancelled(entity);
             }
-            Resolution::Later(missing) => {
-                queue.to_resolve.push_back(entity);
-                if is_overdue(&mut queue, entity, &settings) {
-                    overdue.push((entity, missing));
+            Resolution::Later(asset) => {
+                if work.unfinished.resolve_later(entity, settings.warn_without_mesh_after) {
+                    overdue.push((entity, asset));
                 }
             }
             Resolution::Skipped(reason) => {
-                queue.unfinished.remove(&entity);
+                work.unfinished.end(entity);
                 if reason == SkipReason::TooFar {
                     outcomes.commands.entity(entity).try_insert(FarFromFocus);
                 }
                 outcomes.skipped(entity, reason);
             }
-            Resolution::Failed(request, error) => {
-                queue.failed.push(Failed { entity, error, is_known: false });
-                set_request(&mut queue, entity, request.into());
+            Resolution::NotLoaded(requested) => {
+                work.unfinished.resolve(entity, requested);
+                work.jobs.fail(entity, DecompositionError::NotLoaded);
             }
-            Resolution::Request(request) => {
-                let request: Arc<ColliderRequest> = Arc::from(request);
-                set_request(&mut queue, entity, request.clone());
-                match known_result(&queue, &cache, &request) {
-                    Some(Ok(built)) => {
-                        queue.completed.push_back(Completed { entity, request, built });
-                    }
-                    Some(Err(error)) => {
-                        queue.failed.push(Failed { entity, error, is_known: true });
-                    }
-                    None => {
-                        queue.to_start.push(entity);
-                        if scene.wants_fallback(entity, &settings) {
-                            queue.fallbacks.waiting.push_back(entity);
-                        }
-                        outcomes.show(entity, DecompositionStatus::Waiting(WaitReason::InQueue));
+            Resolution::Request(requested) => {
+                let request = requested.request.clone();
+                work.unfinished.resolve(entity, requested);
+                if work.jobs.submit(entity, request.clone()) {
+                    outcomes.show(entity, DecompositionStatus::Waiting(WaitReason::InQueue));
+                    // Before its first collider.
+                    if let Some(TagItem {
+                        tag: Some(tag), baked: None, has_collider: false, ..
+                    }) = tag
+                        && let kind = tag.fallback_collider.unwrap_or(settings.fallback_collider)
+                        && kind != FallbackCollider::None
+                    {
+                        fallbacks.push(entity, request, kind);
                     }
                 }
             }
         }
     }
-    queue.frame_time.spend(&budget);
-    log_overdue(&overdue, &scene.descriptions);
-}
-
-/// Whether an entity has waited for longer than most do, which is said once.
-fn is_overdue(queue: &mut WorkQueue, entity: Entity, settings: &HullwrightSettings) -> bool {
-    let (Some(patience), Some(unfinished)) =
-        (settings.warn_without_mesh_after, queue.unfinished.get_mut(&entity))
-    else {
-        return false;
-    };
-    let is_overdue = !unfinished.is_wait_logged && unfinished.since.elapsed() >= patience;
-    unfinished.is_wait_logged |= is_overdue;
-    is_overdue
-}
-
-/// One line for those that have no mesh, and one for those whose asset is not loaded.
-fn log_overdue(overdue: &[(Entity, Missing)], descriptions: &Descriptions) {
-    let log = |of_kind: fn(&Missing) -> bool, why: &str| {
-        let mut all = overdue.iter().filter(|(_, missing)| of_kind(missing)).peekable();
-        if let Some((entity, missing)) = all.peek() {
-            let first = descriptions.entity(*entity, missing.asset());
+    outcomes.counters.waiting_for_mesh = work.unfinished.unresolved();
+    // One line for those that have no mesh, and one for those whose asset is not loaded.
+    for (is_asset, why) in
+        [(false, "there is no Mesh3d on it or below it"), (true, "the asset is not loaded")]
+    {
+        let mut all = overdue.iter().filter(|(_, asset)| asset.is_some() == is_asset).peekable();
+        if let Some((entity, asset)) = all.peek() {
+            let first = descriptions.entity(*entity, *asset);
             let who = entities(all.count(), &first);
             log::warn!("no convex decomposition yet for {who}: {why}");
         }
-    };
-    log(|missing| missing.asset().is_none(), "there is no Mesh3d on it or below it");
-    log(|missing| missing.asset().is_some(), "the asset is not loaded");
-}
-
-fn set_request(queue: &mut WorkQueue, entity: Entity, request: Arc<ColliderRequest>) {
-    if let Some(unfinished) = queue.unfinished.get_mut(&entity) {
-        unfinished.request = Some(request);
     }
 }
 
-/// A result that is there without any work.
-fn known_result(
-    queue: &WorkQueue,
-    cache: &GeometryCache,
-    request: &ColliderRequest,
-) -> Option<Result<BuiltCollider, DecompositionError>> {
-    let key = match queue.known.get(&request.input)? {
-        Ok(key) => *key,
-        Err(error) => return Some(Err(error.clone())),
-    };
-    let (geometry, shape) = cache.shape(key, request.map_key())?;
-    let source = match key {
-        ContentKey::Mesh { .. } => HullSource::Shared,
-        ContentKey::Baked(_) => HullSource::Baked,
-    };
-    Some(Ok(BuiltCollider { key, geometry, shape, source }))
-}
-
 impl Scene<'_, '_> {
-    fn resolution(&self, entity: Entity, settings: &HullwrightSettings) -> Resolution {
-        let Ok((tag, baked, has_collider, is_attached, is_fallback)) = self.tags.get(entity) else {
-            return Resolution::Gone;
-        };
-        if has_collider && !is_attached && !is_fallback {
+    fn resolution(&self, entity: Entity, tag: &TagItem) -> Resolution {
+        if tag.has_collider && !tag.is_attached && !tag.is_fallback {
             return Resolution::Skipped(SkipReason::HasCollider);
         }
-        match (baked, tag) {
+        match (tag.baked, tag.tag) {
             (Some(baked), _) => self.baked_request(entity, baked),
-            (None, Some(tag)) => match self.skip_rules.reason(entity) {
+            (None, Some(of_meshes)) => match self.reason_to_skip(entity) {
                 Some(reason) => Resolution::Skipped(reason),
-                None => self.mesh_request(entity, tag, settings),
+                None => self.mesh_request(entity, of_meshes, tag.scene),
             },
             (None, None) => Resolution::Gone,
         }
     }
 
-    fn baked_request(&self, entity: Entity, baked: &BakedDecomposition) -> Resolution {
-        let id = baked.hulls.id();
-        let is_missing = !self.baked.contains(id);
-        if is_missing && !self.failed_to_load(id.untyped()) {
-            return Resolution::Later(Missing::Asset(id.untyped()));
+    /// Why an entity is skipped, whatever its mesh.
+    fn reason_to_skip(&self, entity: Entity) -> Option<SkipReason> {
+        let settings = &self.distances.settings;
+        if settings.skip_hidden && self.is_hidden(entity) {
+            return Some(SkipReason::Hidden);
         }
-        let placement = self.placements.placement(entity);
-        let request = Box::new(ColliderRequest {
+        let radius = settings.focus_radius?;
+        self.distances.is_beyond(entity, radius).then_some(SkipReason::TooFar)
+    }
+
+    /// As Bevy draws it, also before it has worked that out. Without a renderer nothing is hidden.
+    fn is_hidden(&self, entity: Entity) -> bool {
+        #[cfg(feature = "bevy_gltf")]
+        {
+            let above = std::iter::once(entity).chain(self.parents.iter_ancestors(entity));
+            let own = above.map_while(|entity| self.visibilities.get(entity).ok());
+            own.copied().find(|own| *own != Visibility::Inherited) == Some(Visibility::Hidden)
+        }
+        #[cfg(not(feature = "bevy_gltf"))]
+        {
+            let _ = entity;
+            false
+        }
+    }
+
+    fn baked_request(&self, entity: Entity, baked: &BakedDecomposition) -> Resolution {
+        let id = baked.hulls.id().untyped();
+        let is_missing = !self.baked.contains(&baked.hulls);
+        if is_missing && !self.failed_to_load(id) {
+            return Resolution::Later(Some(id));
+        }
+        let Placement { map, stretch } = self.placements.placement(entity);
+        let request = ColliderRequest {
             input: Arc::new(InputId::Baked(id)),
             parts: Vec::new(),
             goal: None,
             scene: None,
             map_before: Affine3A::IDENTITY,
-            map: placement.map,
-            stretch: placement.stretch,
-        });
-        if is_missing { Resolution::not_loaded(request) } else { Resolution::Request(request) }
+            map,
+        };
+        request_unless(is_missing, request, stretch)
     }
 
     fn mesh_request(
         &self,
         entity: Entity,
         tag: &ConvexDecomposition,
-        settings: &HullwrightSettings,
+        scene: Option<&FromBakedScene>,
     ) -> Resolution {
         let mut parts = Vec::new();
         self.collect(entity, entity, &mut parts);
         if parts.is_empty() {
-            return Resolution::Later(Missing::Mesh);
+            return Resolution::Later(None);
         }
         let missing = parts.iter().map(|part| part.mesh).find(|mesh| !self.meshes.contains(*mesh));
         if let Some(mesh) = missing.filter(|mesh| !self.failed_to_load(mesh.untyped())) {
-            return Resolution::Later(Missing::Asset(mesh.untyped()));
+            return Resolution::Later(Some(mesh.untyped()));
         }
-        let scene = self.from_scenes.get(entity).ok().map(|from| from.0.id());
-        if let Some(scene) = scene.filter(|scene| self.is_still_loading(*scene)) {
-            return Resolution::Later(Missing::Asset(scene.untyped()));
+        let scene_id = scene.map(|scene| scene.0.id().untyped());
+        if let (Some(FromBakedScene(scene)), Some(id)) = (scene, scene_id)
+            && !self.scenes.contains(scene)
+            && !self.failed_to_load(id)
+        {
+            return Resolution::Later(Some(id));
         }
         let placement = self.placements.placement(entity);
         let goal = self.goal(entity, tag);
-        if is_too_small(&parts, &placement, &self.meshes, settings) {
+        if self.is_too_small(&parts, &placement.map) {
             return Resolution::Skipped(SkipReason::TooSmall);
         }
         // A bound in metres means metres of the world, so the mesh is scaled first.
-        let (map_before, map) = match goal.parameters().is_some_and(has_absolute_length) {
+        let (map_before, map) = match goal.has_absolute_length() {
             true => (placement.map, Affine3A::IDENTITY),
             false => (Affine3A::IDENTITY, placement.map),
         };
-        let input = InputId::Meshes {
+        let input = Arc::new(InputId::Meshes {
             parts: parts.iter().map(|part| (part.mesh, MapKey::new(&part.to_input))).collect(),
-            goal: goal_hash(&goal),
+            goal: goal.hash(),
             map_before: MapKey::new(&map_before),
-        };
-        let request = Box::new(ColliderRequest {
-            input: Arc::new(input),
-            parts,
-            goal: Some(goal),
-            scene,
-            map_before,
-            map,
-            stretch: placement.stretch,
         });
-        if missing.is_some() {
-            Resolution::not_loaded(request)
-        } else {
-            Resolution::Request(request)
-        }
+        let request =
+            ColliderRequest { input, parts, goal: Some(goal), scene: scene_id, map_before, map };
+        request_unless(missing.is_some(), request, placement.stretch)
     }
 
     fn goal(&self, entity: Entity, tag: &ConvexDecomposition) -> Goal {
-        if let Some(reason) = self.geometry.why_triangles(entity, tag.shape) {
+        if let Some(reason) = self.placements.why_triangles(entity, tag.shape) {
             return Goal::Triangles(reason);
         }
         let mut goal = Goal::of(tag);
@@ -338,9 +288,25 @@ impl Scene<'_, '_> {
         }
     }
 
-    /// Whether a scene is neither there nor lost.
-    fn is_still_loading(&self, scene: AssetId<BakedScene>) -> bool {
-        !self.scenes.contains(scene) && !self.failed_to_load(scene.untyped())
+    /// Whether meshes are smaller in the world than the settings say. O(vertices), where they say something.
+    fn is_too_small(&self, parts: &[MeshPart], map: &Affine3A) -> bool {
+        let min_size = self.distances.settings.min_size;
+        if min_size <= 0.0 {
+            return false;
+        }
+        let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for part in parts {
+            let mesh = self.meshes.get(part.mesh);
+            let positions = mesh.and_then(|mesh| mesh.try_attribute(Mesh::ATTRIBUTE_POSITION).ok());
+            // What is wrong with it is said elsewhere.
+            let Some(VertexAttributeValues::Float32x3(positions)) = positions else { return false };
+            let to_world = *map * part.to_input;
+            for position in positions {
+                let point = to_world.transform_point3(Vec3::from(*position));
+                (low, high) = (low.min(point), high.max(point));
+            }
+        }
+        low.distance(high) < min_size
     }
 
     /// Whether an asset that is not there will not come.
@@ -348,10 +314,28 @@ impl Scene<'_, '_> {
         let state = self.server.as_ref().and_then(|server| server.get_load_state(id));
         matches!(state, Some(LoadState::Failed(_)))
     }
+}
 
-    /// Whether an entity gets a fallback before its first collider.
-    fn wants_fallback(&self, entity: Entity, settings: &HullwrightSettings) -> bool {
-        let Ok((Some(tag), None, false, ..)) = self.tags.get(entity) else { return false };
-        tag.fallback_collider.unwrap_or(settings.fallback_collider) != FallbackCollider::None
+fn request_unless(is_missing: bool, request: ColliderRequest, stretch: Stretch) -> Resolution {
+    let requested = Requested { request: Arc::new(request), stretch };
+    if is_missing { Resolution::NotLoaded(requested) } else { Resolution::Request(requested) }
+}
+
+/// Where entities and focuses are, and how far the settings let them be apart.
+#[derive(SystemParam)]
+pub(super) struct Distances<'w, 's> {
+    pub settings: Res<'w, HullwrightSettings>,
+    focuses: Query<'w, 's, Entity, With<DecompositionFocus>>,
+    transforms: TransformHelper<'w, 's>,
+}
+
+impl Distances<'_, '_> {
+    /// Whether all focuses are farther away; without a focus nothing is.
+    pub(super) fn is_beyond(&self, entity: Entity, radius: f32) -> bool {
+        let place =
+            |entity| Some(self.transforms.compute_global_transform(entity).ok()?.translation());
+        let Some(own) = place(entity) else { return false };
+        let mut focuses = self.focuses.iter().filter_map(place).peekable();
+        focuses.peek().is_some() && focuses.all(|focus| focus.distance(own) > radius)
     }
 }

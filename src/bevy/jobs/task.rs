@@ -1,29 +1,28 @@
-//! One decomposition, from its triangles to a shape, in steps: on a thread in the background, or
-//! step by step on the main thread.
+//! One decomposition, from its triangles to a shape, in steps: on a thread in the background, or step by step on
+//! the main thread.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use bevy::math::Affine3A;
+use bevy::math::{Affine3A, DMat3, DVec3, Vec3A};
 use bevy_rapier3d::rapier::geometry::{SharedShape, TriMeshFlags};
+use bevy_rapier3d::rapier::math::{Pose, Vector};
 
-use crate::hulls_format::HullsFile;
-use crate::{Control, Decomposer, Error, MeshView, Method, MethodReport, mass_properties_with};
-
-use crate::bevy::collider::placement::{MapKey, map_hulls};
-use crate::bevy::jobs::baked_scene::SceneGeometry;
-use crate::bevy::jobs::cache::{ColliderGeometry, GeometryCache, WorkClaim};
-use crate::bevy::jobs::content::ContentKey;
-use crate::bevy::jobs::disk_cache::DiskCache;
-use crate::bevy::jobs::mesh_data::MeshData;
-use crate::bevy::jobs::primitive::primitive_around;
-use crate::bevy::tag::error::DecompositionError;
-use crate::bevy::tag::parameters::Goal;
+use super::baked::SceneGeometry;
+use super::cache::{BuiltCollider, ColliderGeometry, DiskCache, GeometryCache, WorkClaim};
+use super::request::{ContentKey, MapKey, MeshData};
+use crate::bevy::tag::outcomes::{DecompositionError, HullSource};
+use crate::bevy::tag::parameters::{Goal, PrimitiveKind};
 use crate::bevy::tag::settings::HullwrightSettings;
-use crate::bevy::tag::status::HullSource;
+use crate::hulls_format::HullsFile;
+use crate::rapier::ColliderError;
+use crate::{
+    Control, Decomposer, Error, Hull, MassProperties, MeshView, Method, MethodReport,
+    mass_properties_with,
+};
 
 /// What a task starts from.
-pub(crate) enum TaskInput {
+pub(super) enum TaskInput {
     /// A mesh, and what to make of it.
     Mesh {
         data: MeshData,
@@ -35,25 +34,22 @@ pub(crate) enum TaskInput {
     Geometry { key: ContentKey, geometry: Arc<ColliderGeometry>, source: HullSource },
 }
 
+/// How a task ends.
+pub(super) type TaskResult = Result<TaskOutput, DecompositionError>;
+
+/// How a step ends; `None` if there are more.
+type StepResult = Result<Option<TaskOutput>, DecompositionError>;
+
 /// What a task ends with.
 #[derive(Debug)]
-pub(crate) enum TaskOutput {
+pub(super) enum TaskOutput {
     Built(BuiltCollider),
     /// Another job is at work on the same content.
     InProgress(ContentKey),
 }
 
-/// A shape that is ready, with what it was made of.
-#[derive(Debug, Clone)]
-pub(crate) struct BuiltCollider {
-    pub key: ContentKey,
-    pub geometry: Arc<ColliderGeometry>,
-    pub shape: SharedShape,
-    pub source: HullSource,
-}
-
 /// Work that can be interrupted between its steps.
-pub(crate) struct DecompositionTask {
+pub(super) struct DecompositionTask {
     /// What the first step takes.
     input: Option<TaskInput>,
     /// What later steps go on with.
@@ -74,19 +70,19 @@ struct MeshInProgress {
 }
 
 impl DecompositionTask {
-    pub(crate) fn new(
+    pub(super) fn new(
         input: TaskInput,
         map: Affine3A,
         cache: GeometryCache,
         settings: &HullwrightSettings,
     ) -> Self {
-        let disk_cache = DiskCache::new(settings, &cache.written);
+        let disk_cache = cache.on_disk(settings);
         let HullwrightSettings { cache_bytes, primitives, .. } = *settings;
         Self { input: Some(input), work: None, map, cache, cache_bytes, disk_cache, primitives }
     }
 
     /// Runs to the end.
-    pub(crate) fn run(mut self, control: &Control) -> Result<TaskOutput, DecompositionError> {
+    pub(super) fn run(mut self, control: &Control) -> TaskResult {
         loop {
             if control.is_cancelled() {
                 return Err(Error::Cancelled.into());
@@ -98,13 +94,10 @@ impl DecompositionTask {
     }
 
     /// Runs one step; `None` if there are more.
-    pub(crate) fn step(
-        &mut self,
-        control: &Control,
-    ) -> Result<Option<TaskOutput>, DecompositionError> {
+    pub(super) fn step(&mut self, control: &Control) -> StepResult {
         match self.input.take() {
             Some(TaskInput::Geometry { key, geometry, source }) => {
-                self.build(key, geometry, source).map(Some)
+                self.build(key, geometry, source)
             }
             Some(TaskInput::Mesh { data, goal, baked }) => {
                 self.start(data, &goal, baked.as_deref(), control)
@@ -119,39 +112,34 @@ impl DecompositionTask {
         goal: &Goal,
         baked: Option<&SceneGeometry>,
         control: &Control,
-    ) -> Result<Option<TaskOutput>, DecompositionError> {
+    ) -> StepResult {
         let key = ContentKey::of_mesh(&data, goal);
-        if let Some(geometry) = baked.and_then(|baked| baked.get(key)) {
-            return self.build(key, geometry.clone(), HullSource::Baked).map(Some);
+        if let Some(geometry) = baked.and_then(|baked| baked.get(&key)) {
+            return self.build(key, geometry.clone(), HullSource::Baked);
         }
         if let Some(geometry) = self.cache.geometry(key) {
-            return self.build(key, geometry, HullSource::Shared).map(Some);
+            return self.build(key, geometry, HullSource::Shared);
         }
         let Some(claim) = self.cache.claim(key) else {
             return Ok(Some(TaskOutput::InProgress(key)));
         };
-        let method = match goal {
-            Goal::Hulls(method) => method,
-            Goal::Triangles(_) => {
-                let geometry = Arc::new(ColliderGeometry::Triangles(data));
-                return self.build(key, geometry, HullSource::Decomposed).map(Some);
-            }
-            Goal::Primitive(kind) => {
-                let geometry = Arc::new(ColliderGeometry::Primitive(*kind, data));
-                return self.build(key, geometry, HullSource::Decomposed).map(Some);
+        let geometry = match goal {
+            Goal::Triangles(_) => ColliderGeometry::Triangles(data).into(),
+            Goal::Primitive(kind) => ColliderGeometry::Primitive(*kind, data).into(),
+            Goal::Hulls(method) => {
+                if let Some(file) = self.disk_cache.as_ref().and_then(|cache| cache.read(key)) {
+                    return self.build(key, ColliderGeometry::of_hulls(file), HullSource::Disk);
+                }
+                let (decomposer, method) =
+                    (method.decomposer(data.view(), control)?, method.clone());
+                self.work = Some(MeshInProgress { decomposer, method, data, key, claim });
+                return Ok(None);
             }
         };
-        let from_disk = self.disk_cache.as_ref().and_then(|cache| cache.read(key));
-        if let Some(file) = from_disk {
-            let geometry = Arc::new(ColliderGeometry::Hulls(Box::new(file)));
-            return self.build(key, geometry, HullSource::Disk).map(Some);
-        }
-        let decomposer = method.decomposer(data.view(), control)?;
-        self.work = Some(MeshInProgress { decomposer, method: method.clone(), data, key, claim });
-        Ok(None)
+        self.build(key, geometry, HullSource::Decomposed)
     }
 
-    fn decompose(&mut self) -> Result<Option<TaskOutput>, DecompositionError> {
+    fn decompose(&mut self) -> StepResult {
         let mut work = self.work.take().ok_or(Error::Finished)?;
         let Some(decomposition) = work.decomposer.step()? else {
             self.work = Some(work);
@@ -164,11 +152,10 @@ impl DecompositionTask {
         if let Some(cache) = &self.disk_cache {
             cache.write(key, &file);
         }
-        let geometry = Arc::new(ColliderGeometry::Hulls(Box::new(file)));
-        let output = self.build(key, geometry, HullSource::Decomposed);
+        let output = self.build(key, ColliderGeometry::of_hulls(file), HullSource::Decomposed);
         // Only now that the cache has the result: whoever waits for the claim looks there.
         drop(claim);
-        output.map(Some)
+        output
     }
 
     fn build(
@@ -176,12 +163,11 @@ impl DecompositionTask {
         key: ContentKey,
         geometry: Arc<ColliderGeometry>,
         source: HullSource,
-    ) -> Result<TaskOutput, DecompositionError> {
+    ) -> StepResult {
         let shape = shape_of(&geometry, &self.map, self.primitives)?;
-        let map = MapKey::new(&self.map);
-        self.cache.insert(key, &geometry, map, &shape);
-        self.cache.shrink_to(self.cache_bytes);
-        Ok(TaskOutput::Built(BuiltCollider { key, geometry, shape, source }))
+        let built = BuiltCollider { key, geometry, shape, source };
+        self.cache.insert(&built, MapKey::new(&self.map), self.cache_bytes);
+        Ok(Some(TaskOutput::Built(built)))
     }
 }
 
@@ -223,29 +209,127 @@ fn triangle_mesh(data: &MeshData, map: &Affine3A) -> Result<SharedShape, Decompo
     Ok(SharedShape::new(crate::rapier::triangle_mesh(mesh, TRIANGLE_FLAGS)?))
 }
 
+/// The least thickness of a box, as a share of its longest side: a plane is a thin one.
+const THINNEST: f32 = 1e-3;
+
+/// The shape around a mesh that is moved by `map`, along the axes of the collider. O(size).
+///
+/// # Errors
+/// If no point is finite, or all are one spot.
+pub(crate) fn primitive_around(
+    kind: PrimitiveKind,
+    data: &MeshData,
+    map: &Affine3A,
+) -> Result<SharedShape, ColliderError> {
+    let points: Vec<Vector> =
+        data.used_points().map(|point| map.transform_point3(point.into())).collect();
+    let (middle, half) = bounding_box(&points).ok_or(Error::NothingUsable {
+        triangles: data.triangles.len(),
+        degenerate: 0,
+        non_finite: 0,
+    })?;
+    let half = half.max(Vector::splat(THINNEST * half.max_element()));
+    let distances =
+        |from: &dyn Fn(Vector) -> f32| points.iter().map(|p| from(*p)).fold(0.0, f32::max);
+    let shape = match kind {
+        PrimitiveKind::Cuboid => SharedShape::cuboid(half.x, half.y, half.z),
+        // By the vertices, which lie on the surface of the ball that was meant, and not by the box, which
+        // is smaller where no vertex lies on an axis.
+        PrimitiveKind::Ball => SharedShape::ball(distances(&|point| (point - middle).length())),
+        PrimitiveKind::Capsule => {
+            let axis = longest_axis(half);
+            let radius = distances(&|point| (point - middle).reject_from_normalized(axis).length());
+            let end = axis * (half.dot(axis) - radius).max(0.0);
+            SharedShape::capsule(-end, end, radius)
+        }
+    };
+    Ok(match middle == Vector::ZERO {
+        true => shape,
+        false => SharedShape::compound(vec![(Pose::from_translation(middle), shape)]),
+    })
+}
+
+fn longest_axis(half: Vector) -> Vector {
+    match half.max_element() {
+        longest if longest == half.x => Vector::X,
+        longest if longest == half.y => Vector::Y,
+        _ => Vector::Z,
+    }
+}
+
+/// Middle and half sides of the box around points; `None` if that is no more than one spot.
+fn bounding_box(points: &[Vector]) -> Option<(Vector, Vector)> {
+    let low = points.iter().fold(Vector::INFINITY, |low, point| low.min(*point));
+    let high = points.iter().fold(Vector::NEG_INFINITY, |high, point| high.max(*point));
+    let half = (high - low) / 2.0;
+    (half.is_finite() && half.max_element() > 0.0).then_some((low + half, half))
+}
+
+/// The points of hulls, moved by a map.
+fn map_hulls(hulls: &[Hull], map: &Affine3A) -> Result<Vec<Vec<[f64; 3]>>, ColliderError> {
+    check(map)?;
+    let place = map_point(map);
+    Ok(hulls
+        .iter()
+        .map(|hull| hull.shape.points.iter().map(|point| place(*point)).collect())
+        .collect())
+}
+
+/// Mass properties of a body of the same density after it is moved by a map.
+pub(crate) fn map_mass(properties: &MassProperties, map: &Affine3A) -> MassProperties {
+    let linear = map.matrix3.as_dmat3();
+    let volume = linear.determinant().abs();
+    let inertia = DMat3::from_cols_array_2d(&properties.inertia);
+    // Inertia is the trace of the second moments minus the second moments; these map as a
+    // quadratic form.
+    let trace = inertia.x_axis.x + inertia.y_axis.y + inertia.z_axis.z;
+    let second = DMat3::from_diagonal(DVec3::splat(trace / 2.0)) - inertia;
+    let second = linear * second * linear.transpose() * volume;
+    let trace = second.x_axis.x + second.y_axis.y + second.z_axis.z;
+    let inertia = DMat3::from_diagonal(DVec3::splat(trace)) - second;
+    let mut mapped = *properties;
+    mapped.mass *= volume;
+    mapped.centre = map_point(map)(properties.centre);
+    mapped.inertia = inertia.to_cols_array_2d();
+    mapped
+}
+
+/// A map that flattens leaves no body.
+fn check(map: &Affine3A) -> Result<(), ColliderError> {
+    let determinant = map.matrix3.determinant();
+    if map.is_finite() && determinant.is_normal() {
+        return Ok(());
+    }
+    let scale = [map.matrix3.x_axis, map.matrix3.y_axis, map.matrix3.z_axis].map(Vec3A::length);
+    Err(ColliderError::InvalidScale { scale })
+}
+
+fn map_point(map: &Affine3A) -> impl Fn([f64; 3]) -> [f64; 3] + use<> {
+    let (linear, offset) = (map.matrix3.as_dmat3(), map.translation.as_dvec3());
+    move |point| (linear * DVec3::from(point) + offset).to_array()
+}
+
 /// Contains a panic to one job: it costs a collider, not the game.
-pub(crate) fn contain_panics(
-    run: impl FnOnce() -> Result<TaskOutput, DecompositionError>,
-) -> Result<TaskOutput, DecompositionError> {
+pub(super) fn contain_panics(run: impl FnOnce() -> TaskResult) -> TaskResult {
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(run))
         .unwrap_or(Err(DecompositionError::Panicked))
 }
 
 /// A share of the work that another thread can read.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct SharedProgress(Arc<AtomicU32>);
+pub(super) struct SharedProgress(Arc<AtomicU32>);
 
 impl SharedProgress {
     /// A control that reports here. One thread per job: several run at once, and the game needs
     /// threads too.
-    pub(crate) fn control(&self) -> Control {
+    pub(super) fn control(&self) -> Control {
         let cell = self.0.clone();
         Control::new().with_parallel(false).with_progress(move |progress| {
             cell.store(progress.fraction.to_bits(), Ordering::Relaxed)
         })
     }
 
-    pub(crate) fn get(&self) -> f32 {
+    pub(super) fn get(&self) -> f32 {
         f32::from_bits(self.0.load(Ordering::Relaxed))
     }
 }

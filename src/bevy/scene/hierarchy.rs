@@ -1,19 +1,13 @@
-//! A whole scene tagged at once: which of its meshes, by a default, by names, by extras.
+//! What users say of a whole scene, and how far it is: the component, its status, and the event in which it ends.
 
-use std::collections::BTreeMap;
+use std::time::Duration;
 
-use bevy::ecs::entity::EntityHashSet;
-use bevy::ecs::system::SystemParam;
-use bevy::platform::collections::{HashMap, HashSet};
+use bevy::platform::collections::HashMap;
+use bevy::platform::time::Instant;
 use bevy::prelude::*;
 
-use crate::bevy::jobs::baked_scene::{BakedScene, FromBakedScene};
-use crate::bevy::scene::artists::{Treatment, treatment};
-use crate::bevy::scene::hierarchy_status::{HierarchyStatus, HierarchyWork};
-use crate::bevy::scene::nodes::{Nodes, TaggedByHierarchy};
-use crate::bevy::tag::components::{ConvexDecomposition, NoConvexDecomposition};
-use crate::bevy::tag::describe::{Descriptions, entities};
-use crate::conventions::{NameTag, mesh_tag, node_tag, without_copy_number};
+use crate::bevy::jobs::baked::BakedScene;
+use crate::bevy::tag::ConvexDecomposition;
 
 /// Tags the meshes below this entity, such as all of a glTF scene, also those that come later.
 ///
@@ -127,194 +121,101 @@ mod by_name {
     }
 }
 
-/// Errors in extras, with the entities that have them. Each is logged once.
-#[derive(Default)]
-pub(crate) struct Complaints {
-    known: HashSet<String>,
-    new: BTreeMap<String, Vec<Entity>>,
+/// How far the meshes below a [`ConvexDecompositionHierarchy`](crate::bevy::ConvexDecompositionHierarchy) are.
+#[derive(Component, Reflect, Debug, Clone, Copy, PartialEq, Default)]
+#[reflect(Component, Default, Clone, PartialEq)]
+#[type_path = "hullwright"]
+pub enum HierarchyStatus {
+    /// There is no mesh below it yet.
+    #[default]
+    Waiting,
+    /// Some of its meshes are not finished.
+    Running,
+    /// All of them are.
+    Finished(HierarchyReport),
 }
 
-impl Complaints {
-    fn log(&mut self, descriptions: &Descriptions) {
-        for (text, of) in std::mem::take(&mut self.new) {
-            if let Some(first) = of.first().filter(|_| self.known.insert(text.clone())) {
-                let who = entities(of.len(), &descriptions.entity(*first, None));
-                log::warn!("glTF extras of {who}: {text}");
-            }
-        }
-    }
-}
-
-type NewMesh = (With<Mesh3d>, Or<(Added<Mesh3d>, Changed<ChildOf>)>);
-
-/// Hierarchies, and what is new about them.
-#[derive(SystemParam)]
-pub(crate) struct Hierarchies<'w, 's> {
-    all: Query<'w, 's, (&'static ConvexDecompositionHierarchy, &'static mut HierarchyWork)>,
-    changed: Query<'w, 's, Entity, Changed<ConvexDecompositionHierarchy>>,
-    new_meshes: Query<'w, 's, Entity, NewMesh>,
-}
-
-impl Hierarchies<'_, '_> {
-    /// Those that are new or changed, and those with new meshes.
-    fn to_tag(&self, nodes: &Nodes) -> EntityHashSet {
-        let mut roots: EntityHashSet = self.changed.iter().collect();
-        for mesh in &self.new_meshes {
-            let mut above = std::iter::once(mesh).chain(nodes.parents.iter_ancestors(mesh));
-            roots.extend(above.find(|entity| self.all.contains(*entity)));
-        }
-        roots
+impl HierarchyStatus {
+    /// Whether nothing more will come, unless something changes.
+    pub fn is_finished(&self) -> bool {
+        matches!(self, Self::Finished(_))
     }
 }
 
-/// Tags what is new below a hierarchy, and all below one that is new or changed.
-pub(crate) fn tag_hierarchies(
-    mut commands: Commands,
-    mut hierarchies: Hierarchies,
-    nodes: Nodes,
-    descriptions: Descriptions,
-    mut complaints: Local<Complaints>,
-) {
-    if hierarchies.all.is_empty() {
-        return;
-    }
-    for root in hierarchies.to_tag(&nodes) {
-        if let Ok((hierarchy, mut work)) = hierarchies.all.get_mut(root) {
-            let all = nodes.nodes_with_meshes(root);
-            let rules = Rules::new(&nodes, root, hierarchy, &all);
-            rules.tag(&mut commands, all, &mut work, &mut complaints);
-        }
-    }
-    complaints.log(&descriptions);
+/// What became of the meshes of a scene. Those with a tag of their own are not counted.
+#[non_exhaustive]
+#[derive(Reflect, Debug, Clone, Copy, PartialEq, Default)]
+#[reflect(Default, Clone, PartialEq)]
+#[type_path = "hullwright"]
+pub struct HierarchyReport {
+    /// With a collider of hulls.
+    pub ready: usize,
+    /// Tagged, but without a decomposition: [`DecompositionStatus::Skipped`](crate::bevy::DecompositionStatus::Skipped) says why.
+    pub skipped: usize,
+    /// Without a collider: [`DecompositionStatus::Failed`](crate::bevy::DecompositionStatus::Failed) says why.
+    pub failed: usize,
+    /// Despawned or untagged before they were ready.
+    pub cancelled: usize,
+    /// Not tagged at all: by a name, an extra, or without a default.
+    pub left_out: usize,
+    /// Of those that are ready: from the baked scene.
+    pub from_baked: usize,
+    /// Of those that are ready: made anew, since the baked scene has another state of them. The log says
+    /// which and why.
+    pub stale: usize,
+    /// Of those that are ready: made anew, since the baked scene does not know them. The log says which.
+    pub missing: usize,
+    /// Whether the scene itself could not be loaded: it has no meshes, and `AssetServer::get_load_state` of its
+    /// handle says why.
+    pub is_lost: bool,
+    /// From the first mesh to the last collider, by the clock on the wall.
+    pub time: Duration,
 }
 
-/// What becomes of each node of a scene.
-struct Rules<'a, 'w, 's> {
-    nodes: &'a Nodes<'w, 's>,
-    root: Entity,
-    hierarchy: &'a ConvexDecompositionHierarchy,
-    /// Names of meshes with pieces made by the artist.
-    with_pieces: HashSet<&'a str>,
+/// All meshes below a [`ConvexDecompositionHierarchy`](crate::bevy::ConvexDecompositionHierarchy) are finished. Once for each scene; again only after
+/// meshes were added or the hierarchy was changed.
+#[derive(EntityEvent, Debug, Clone)]
+pub struct HierarchyFinished {
+    /// The entity with the hierarchy.
+    pub entity: Entity,
+    /// What became of its meshes.
+    pub report: HierarchyReport,
 }
 
-impl<'a, 'w, 's> Rules<'a, 'w, 's> {
-    fn new(
-        nodes: &'a Nodes<'w, 's>,
-        root: Entity,
-        hierarchy: &'a ConvexDecompositionHierarchy,
-        all: &[Entity],
-    ) -> Self {
-        let with_pieces = match hierarchy.follows_artists {
-            true => nodes.meshes_with_pieces(all),
-            false => HashSet::default(),
-        };
-        Self { nodes, root, hierarchy, with_pieces }
-    }
+/// What of a scene is not finished.
+#[derive(Component, Debug, Default)]
+pub(crate) struct HierarchyWork {
+    /// Tagged by the hierarchy.
+    pub nodes: Vec<Entity>,
+    pub unfinished: Vec<Entity>,
+    pub left_out: usize,
+    pub is_open: bool,
+    pub start: Option<Instant>,
+    pub scene: SceneState,
+}
 
-    /// The first rule that matches a node.
-    fn treatment(&self, node: Entity, complaints: &mut Complaints) -> Treatment {
-        let by_name = &self.hierarchy.by_name;
-        let mut names = self.nodes.names_of(node).into_iter().flatten();
-        if let Some(tag) = names.find_map(|name| by_name.get(name)) {
-            return tag.clone().into();
+/// What is known of the scene that Bevy spawns below a hierarchy.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) enum SceneState {
+    /// It was never spawned: its meshes come from somewhere else, or later.
+    #[default]
+    Unknown,
+    Spawned,
+}
+
+impl HierarchyWork {
+    /// The hierarchy has tagged its meshes, for the first time or again.
+    pub(super) fn begin(&mut self, nodes: Vec<Entity>, left_out: usize, has_meshes: bool) {
+        self.unfinished.clone_from(&nodes);
+        (self.nodes, self.left_out, self.is_open) = (nodes, left_out, true);
+        if self.start.is_none() && has_meshes {
+            self.start = Some(Instant::now());
         }
-        let by_artist = match self.hierarchy.follows_artists {
-            true => self.by_artist(node, complaints),
-            false => None,
-        };
-        by_artist.unwrap_or_else(|| self.hierarchy.default_tag.clone().into())
     }
 
-    /// The tag on which names and extras build.
-    fn base(&self) -> ConvexDecomposition {
-        self.hierarchy.default_tag.clone().unwrap_or_default()
-    }
-
-    /// By extras and names; `None` where they say nothing.
-    fn by_artist(&self, node: Entity, complaints: &mut Complaints) -> Option<Treatment> {
-        if self.nodes.is_left_out(node, self.root) {
-            return Some(treatment(NameTag::LeftOut, self.base()));
-        }
-        if let Some(by_extras) = self.by_extras(node, complaints) {
-            return Some(by_extras);
-        }
-        let [own, of_mesh] = self.nodes.names_of(node);
-        if let Some(tag) = own.and_then(node_tag).or_else(|| of_mesh.and_then(mesh_tag)) {
-            return Some(treatment(tag, self.base()));
-        }
-        let has_pieces = |name: &str| {
-            [name, without_copy_number(name)].iter().any(|name| self.with_pieces.contains(*name))
-        };
-        [own, of_mesh].into_iter().flatten().any(has_pieces).then(|| None.into())
-    }
-
-    /// By the extras of a node or of its mesh.
-    #[cfg(feature = "bevy_gltf")]
-    fn by_extras(&self, node: Entity, complaints: &mut Complaints) -> Option<Treatment> {
-        self.nodes.extras_of(node).find_map(|text| {
-            let (tag, wrong) = crate::conventions::read_extras(text);
-            for text in wrong {
-                complaints.new.entry(text).or_default().push(node);
-            }
-            Some(crate::bevy::scene::artists::with_extras(&tag?, self.base()))
-        })
-    }
-
-    #[cfg(not(feature = "bevy_gltf"))]
-    fn by_extras(&self, _node: Entity, _complaints: &mut Complaints) -> Option<Treatment> {
-        None
-    }
-
-    /// Tags all nodes with meshes.
-    fn tag(
-        &self,
-        commands: &mut Commands,
-        all: Vec<Entity>,
-        work: &mut HierarchyWork,
-        complaints: &mut Complaints,
-    ) {
-        let Self { nodes, hierarchy, .. } = self;
-        let has_meshes = !all.is_empty();
-        let (mut tagged, mut left_out) = (Vec::new(), 0);
-        for node in all {
-            if nodes.own_tags.contains(node) {
-                continue;
-            }
-            let Treatment { tag, is_drawn, body } = self.treatment(node, complaints);
-            nodes.show(commands, node, is_drawn);
-            if let Some(body) = body {
-                commands.entity(node).try_insert_if_new(body);
-            }
-            match (&tag, &hierarchy.baked) {
-                (Some(_), Some(baked)) => {
-                    commands.entity(node).try_insert(FromBakedScene(baked.clone()));
-                }
-                _ => {
-                    commands.entity(node).try_remove::<FromBakedScene>();
-                }
-            }
-            match tag {
-                Some(_) => tagged.push(node),
-                None => left_out += 1,
-            }
-            // What is tagged anew starts anew.
-            if nodes.tagged.get(node).is_ok_and(|before| before == tag.as_ref()) {
-                continue;
-            }
-            let mut node = commands.entity(node);
-            match tag {
-                Some(tag) => {
-                    node.try_remove::<NoConvexDecomposition>();
-                    node.try_insert((tag, TaggedByHierarchy));
-                }
-                None => {
-                    node.try_remove::<ConvexDecomposition>();
-                    // Else it would be part of the input of a node above it.
-                    node.try_insert((NoConvexDecomposition, TaggedByHierarchy));
-                }
-            }
-        }
-        work.begin(tagged, left_out, has_meshes);
+    /// Whether its meshes are still to come.
+    pub(super) fn is_to_come(&self) -> bool {
+        self.is_open && self.start.is_none()
     }
 }
 

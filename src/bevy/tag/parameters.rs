@@ -3,14 +3,25 @@
 
 use sha2::{Digest, Sha256};
 
+#[cfg(feature = "bevy_gltf")]
+use crate::conventions::Fallback;
 use crate::surface::SurfaceParameters;
-use crate::{Length, Method, Openings, Parameters, Preset};
+use crate::{ALGORITHM_VERSION, Length, Method, Openings, Parameters, Preset};
 
-use crate::bevy::jobs::primitive::PrimitiveKind;
-use crate::bevy::tag::components::{
+use super::outcomes::SkipReason;
+#[cfg(feature = "bevy_gltf")]
+use super::settings::FallbackCollider;
+use super::{
     ConvexDecomposition, DecompositionOpenings, DecompositionPreset, DecompositionShape, MaxError,
 };
-use crate::bevy::tag::status::SkipReason;
+
+/// Which of Rapier's own shapes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum PrimitiveKind {
+    Cuboid,
+    Ball,
+    Capsule,
+}
 
 /// What is made of a mesh.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,6 +67,16 @@ impl Goal {
         }
     }
 
+    /// Whether the result depends on how large the mesh is in the world.
+    pub(crate) fn has_absolute_length(&self) -> bool {
+        let length = match self {
+            Self::Hulls(Method::Bounded(of) | Method::Hull(of)) => of.max_error,
+            Self::Hulls(Method::Surface(of)) => of.unit,
+            Self::Triangles(_) | Self::Primitive(_) => return false,
+        };
+        matches!(length, Length::Units(_))
+    }
+
     /// For one part of a larger mesh: what is open on it is closed by the other parts.
     pub(crate) fn keep_openings_of_part(&mut self) {
         if let Self::Hulls(Method::Bounded(parameters) | Method::Hull(parameters)) = self
@@ -65,18 +86,20 @@ impl Goal {
         }
     }
 
-    /// Hashes what is made, whichever mesh it is made of.
-    pub(crate) fn hash(&self, hasher: &mut Sha256) {
-        match self {
-            Self::Triangles(_) => hasher.update([0]),
-            Self::Hulls(_) => hasher.update([1]),
-            Self::Primitive(PrimitiveKind::Cuboid) => hasher.update([2]),
-            Self::Primitive(PrimitiveKind::Ball) => hasher.update([3]),
-            Self::Primitive(PrimitiveKind::Capsule) => hasher.update([4]),
-        };
+    /// Hash of what is made, whichever mesh it is made of.
+    pub(crate) fn hash(&self) -> [u8; 32] {
+        let mut hasher = Sha256::new_with_prefix(ALGORITHM_VERSION.to_le_bytes());
+        hasher.update([match self {
+            Self::Triangles(_) => 0,
+            Self::Hulls(_) => 1,
+            Self::Primitive(PrimitiveKind::Cuboid) => 2,
+            Self::Primitive(PrimitiveKind::Ball) => 3,
+            Self::Primitive(PrimitiveKind::Capsule) => 4,
+        }]);
         if let Self::Hulls(parameters) = self {
-            hash_parameters(parameters, hasher);
+            hash_parameters(parameters, &mut hasher);
         }
+        hasher.finalize().into()
     }
 }
 
@@ -129,54 +152,28 @@ impl From<Length> for MaxError {
     }
 }
 
-impl From<Preset> for DecompositionPreset {
-    fn from(preset: Preset) -> Self {
-        match preset {
-            Preset::Fast => Self::Fast,
-            Preset::Balanced => Self::Balanced,
-            Preset::Fine => Self::Fine,
+/// Conversions between enums with the same variants.
+macro_rules! same_variants {
+    ($($from:ident => $to:ident { $($variant:ident),* })*) => {$(
+        impl From<$from> for $to {
+            fn from(value: $from) -> Self {
+                match value {
+                    $($from::$variant => Self::$variant),*
+                }
+            }
         }
-    }
+    )*};
 }
 
-impl From<Openings> for DecompositionOpenings {
-    fn from(openings: Openings) -> Self {
-        match openings {
-            Openings::Auto => Self::Auto,
-            Openings::Keep => Self::Keep,
-            Openings::Close => Self::Close,
-        }
-    }
+same_variants! {
+    Preset => DecompositionPreset { Fast, Balanced, Fine }
+    DecompositionPreset => Preset { Fast, Balanced, Fine }
+    Openings => DecompositionOpenings { Auto, Keep, Close }
+    DecompositionOpenings => Openings { Auto, Keep, Close }
 }
 
-impl From<DecompositionPreset> for Preset {
-    fn from(preset: DecompositionPreset) -> Self {
-        match preset {
-            DecompositionPreset::Fast => Self::Fast,
-            DecompositionPreset::Balanced => Self::Balanced,
-            DecompositionPreset::Fine => Self::Fine,
-        }
-    }
-}
-
-impl From<DecompositionOpenings> for Openings {
-    fn from(openings: DecompositionOpenings) -> Self {
-        match openings {
-            DecompositionOpenings::Auto => Self::Auto,
-            DecompositionOpenings::Keep => Self::Keep,
-            DecompositionOpenings::Close => Self::Close,
-        }
-    }
-}
-
-/// Whether the result depends on how large the mesh is in the world.
-pub(crate) fn has_absolute_length(method: &Method) -> bool {
-    let length = match method {
-        Method::Bounded(parameters) | Method::Hull(parameters) => parameters.max_error,
-        Method::Surface(parameters) => parameters.unit,
-    };
-    matches!(length, Length::Units(_))
-}
+#[cfg(feature = "bevy_gltf")]
+same_variants! { Fallback => FallbackCollider { None, ConvexHull, BoundingBox } }
 
 /// Hashes every parameter, field by field, so that the keys of caches on disk depend on no text or
 /// layout. The patterns name all fields: a new one does not compile until it is hashed here. In place of

@@ -1,4 +1,4 @@
-//! Settings for all entities.
+//! What concerns all entities: the settings, and the sets in which the plugin's systems run.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -96,17 +96,6 @@ pub enum FallbackCollider {
     BoundingBox,
 }
 
-#[cfg(feature = "bevy_gltf")]
-impl From<crate::conventions::Fallback> for FallbackCollider {
-    fn from(fallback: crate::conventions::Fallback) -> Self {
-        match fallback {
-            crate::conventions::Fallback::None => Self::None,
-            crate::conventions::Fallback::ConvexHull => Self::ConvexHull,
-            crate::conventions::Fallback::BoundingBox => Self::BoundingBox,
-        }
-    }
-}
-
 /// Where work is done.
 #[derive(Reflect, Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[type_path = "hullwright"]
@@ -161,4 +150,20 @@ impl Default for HullwrightSettings {
             drop_far: false,
         }
     }
+}
+
+/// The plugin's systems, in `PostUpdate` before Bevy propagates transforms and before Rapier's
+/// `PhysicsSet::SyncBackend`.
+#[derive(SystemSet, Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum HullwrightSystems {
+    /// New and changed tags, meshes and scales are detected.
+    DetectChanges,
+    /// Jobs finish and start.
+    RunJobs,
+    /// Colliders are attached and events sent.
+    Attach,
+    /// Hulls are drawn and counters become diagnostics, by `HullwrightDebugPlugin`; after Bevy
+    /// propagates transforms.
+    #[cfg(feature = "debug")]
+    Debug,
 }
