@@ -142,7 +142,8 @@ fn draw(
 ) {
     for (collider, attached, transform) in &colliders {
         let to_world = transform.affine() * attached.map.inverse();
-        let parts = parts(&collider.raw);
+        let single = [(Pose::IDENTITY, collider.raw.clone())];
+        let parts = collider.raw.as_compound().map_or(&single[..], |compound| compound.shapes());
         for (index, (pose, shape)) in parts.iter().enumerate() {
             let hue = (index as f32 * HUE_STEP).fract() * 360.0;
             let colour = Color::from(Hsla::hsl(hue, 0.9, 0.6));
@@ -152,58 +153,42 @@ fn draw(
     }
 }
 
-fn parts(shape: &SharedShape) -> Vec<(Pose, SharedShape)> {
-    match shape.as_compound() {
-        Some(compound) => compound.shapes().to_vec(),
-        None => vec![(Pose::IDENTITY, shape.clone())],
-    }
-}
-
 fn draw_edges(
     gizmos: &mut Gizmos<HullGizmos>,
     shape: &SharedShape,
     to_world: &Affine3A,
     colour: Color,
 ) {
-    let mut line = |a: Vec3, b: Vec3| {
-        gizmos.line(to_world.transform_point3(a), to_world.transform_point3(b), colour);
+    let mut line = |a: Option<&Vec3>, b: Option<&Vec3>| {
+        if let (Some(a), Some(b)) = (a, b) {
+            gizmos.line(to_world.transform_point3(*a), to_world.transform_point3(*b), colour);
+        }
     };
     match shape.as_typed_shape() {
         TypedShape::ConvexPolyhedron(hull) => {
-            let points = hull.points();
-            let corners = hull.vertices_adj_to_face();
+            let (points, corners) = (hull.points(), hull.vertices_adj_to_face());
             for face in hull.faces() {
                 let first = face.first_vertex_or_edge as usize;
                 let count = face.num_vertices_or_edges as usize;
                 let Some(corners) = corners.get(first..first + count) else { continue };
-                let next = corners.iter().cycle().skip(1);
-                for (a, b) in corners.iter().zip(next) {
-                    if let (Some(a), Some(b)) = (points.get(*a as usize), points.get(*b as usize)) {
-                        line(*a, *b);
-                    }
+                for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+                    line(points.get(*a as usize), points.get(*b as usize));
                 }
             }
         }
         TypedShape::TriMesh(mesh) => {
             for triangle in mesh.triangles() {
-                line(triangle.a, triangle.b);
-                line(triangle.b, triangle.c);
-                line(triangle.c, triangle.a);
+                for (a, b) in
+                    [(triangle.a, triangle.b), (triangle.b, triangle.c), (triangle.c, triangle.a)]
+                {
+                    line(Some(&a), Some(&b));
+                }
             }
         }
-        TypedShape::Cuboid(_) => {
-            let bounds = shape.compute_local_aabb();
-            let [low, high] = [bounds.mins, bounds.maxs];
-            let corner = |index: usize| {
-                let pick = |bit: usize, low: f32, high: f32| {
-                    if index >> bit & 1 == 1 { high } else { low }
-                };
-                Vec3::new(pick(0, low.x, high.x), pick(1, low.y, high.y), pick(2, low.z, high.z))
-            };
-            for from in 0..8_usize {
-                for to in (0..3).map(|bit| from | 1 << bit).filter(|to| *to != from) {
-                    line(corner(from), corner(to));
-                }
+        TypedShape::Cuboid(cuboid) => {
+            let (points, edges) = cuboid.to_outline();
+            for [a, b] in edges {
+                line(points.get(a as usize), points.get(b as usize));
             }
         }
         _ => {}

@@ -10,8 +10,7 @@ use crate::app::*;
 
 #[test]
 fn entities_with_the_same_mesh_share_one_job_while_it_is_in_flight() {
-    let mut app = app();
-    let mesh = add(&mut app, model("gear"));
+    let (mut app, mesh) = with_mesh(app(), model("gear"));
     let entities: Vec<Entity> = (0..10).map(|_| spawn(&mut app, &mesh)).collect();
     update_until_finished(&mut app, &entities);
     let counters = counters(&app);
@@ -53,8 +52,7 @@ fn entities_of_several_scales_share_one_decomposition() {
 
 #[test]
 fn other_parameters_are_another_decomposition() {
-    let mut app = app();
-    let mesh = add(&mut app, model("u_prism"));
+    let (mut app, mesh) = with_mesh(app(), model("u_prism"));
     let first = spawn(&mut app, &mesh);
     let second = spawn_with(&mut app, &mesh, tag().with_preset(DecompositionPreset::Fast));
     update_until_finished(&mut app, &[first, second]);
@@ -63,8 +61,7 @@ fn other_parameters_are_another_decomposition() {
 
 #[test]
 fn a_known_mesh_has_its_collider_after_one_frame() {
-    let mut app = app();
-    let mesh = add(&mut app, model("gear"));
+    let (mut app, mesh) = with_mesh(app(), model("gear"));
     let first = finish(&mut app, &mesh, ());
     let second = spawn(&mut app, &mesh);
     app.update();
@@ -153,7 +150,7 @@ fn the_nearest_to_a_focus_goes_first() {
         .into_iter()
         .map(|x| {
             let mesh = add(&mut app, cuboid([0.0; 3], [1.0 + x; 3]));
-            app.world_mut().spawn((Mesh3d(mesh), at(x), tag())).id()
+            app.put((Mesh3d(mesh), at(x), tag()))
         })
         .collect();
     update_until_finished(&mut app, &entities);
@@ -180,8 +177,7 @@ fn no_more_colliders_are_attached_per_frame_than_allowed() {
 
 #[test]
 fn without_threads_the_work_goes_on_in_slices() {
-    let mut app = app_with(sliced());
-    let mesh = add(&mut app, model("u_prism"));
+    let (mut app, mesh) = with_mesh(app_with(sliced()), model("u_prism"));
     let entity = spawn(&mut app, &mesh);
     let mut frames = 0;
     update_until(&mut app, |app| {

@@ -139,35 +139,32 @@ impl BakedScene {
         self.geometry.clone()
     }
 
-    /// Whether it has hulls for this content.
-    pub(crate) fn contains(&self, key: ContentKey) -> bool {
-        self.geometry.contains_key(&key)
-    }
-
-    /// Why there are no hulls for a mesh with this content and one of these names.
-    pub(crate) fn reason_of_absence(
+    /// Why there are no hulls for a mesh with this content and one of these names; `None` if there are.
+    pub(crate) fn absence(
         &self,
         key: ContentKey,
         parameters: &Method,
         names: &[&str],
     ) -> Option<Absence> {
         let ContentKey::Mesh { mesh, .. } = key else { return None };
-        match self.scene.look_up(mesh, parameters, names) {
+        if self.geometry.contains_key(&key) {
+            return None;
+        }
+        Some(match self.scene.look_up(mesh, parameters, names) {
             // Without mass properties it counts as missing.
-            SceneLookup::Found(_) if self.contains(key) => None,
-            SceneLookup::Found(_) | SceneLookup::Missing => Some(Absence::Missing),
+            SceneLookup::Found(_) | SceneLookup::Missing => Absence::Missing,
             SceneLookup::OtherAlgorithm(_) => {
-                Some(Absence::Stale("another version of Hullwright baked it".into()))
+                Absence::Stale("another version of Hullwright baked it".into())
             }
-            SceneLookup::OtherParameters(baked) => Some(Absence::Stale(format!(
+            SceneLookup::OtherParameters(baked) => Absence::Stale(format!(
                 "it was baked with {}, not with {}",
                 words(&baked.parameters),
                 words(parameters)
-            ))),
+            )),
             SceneLookup::OtherContent(_) => {
-                Some(Absence::Stale("the mesh has changed since it was baked".into()))
+                Absence::Stale("the mesh has changed since it was baked".into())
             }
-        }
+        })
     }
 }
 

@@ -6,7 +6,7 @@
 
 use std::fs::{DirEntry, File, Metadata};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicI64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime};
 
@@ -67,7 +67,7 @@ pub(crate) struct BuiltCollider {
 #[derive(Clone, Default)]
 pub(super) struct GeometryCache {
     memory: Arc<Mutex<Memory>>,
-    written: WrittenBytes,
+    unseen: UnseenBytes,
 }
 
 #[derive(Default)]
@@ -145,8 +145,8 @@ impl GeometryCache {
 
     /// The cache on disk; `None` if the settings name no directory.
     pub(super) fn on_disk(&self, settings: &HullwrightSettings) -> Option<DiskCache> {
-        let (directory, written) = (settings.disk_cache.clone()?, self.written.clone());
-        Some(DiskCache { directory, budget: settings.disk_cache_bytes, written })
+        let (directory, unseen) = (settings.disk_cache.clone()?, self.unseen.clone());
+        Some(DiskCache { directory, budget: settings.disk_cache_bytes, unseen })
     }
 }
 
@@ -197,19 +197,12 @@ impl Drop for WorkClaim {
 pub(super) struct DiskCache {
     directory: PathBuf,
     budget: u64,
-    written: WrittenBytes,
+    unseen: UnseenBytes,
 }
 
-/// Bytes written since the directory was looked at last, in this process; clones share it.
-#[derive(Debug, Clone)]
-struct WrittenBytes(Arc<AtomicU64>);
-
-/// The first file that is written looks at what earlier runs left.
-impl Default for WrittenBytes {
-    fn default() -> Self {
-        Self(Arc::new(AtomicU64::new(u64::MAX / 2)))
-    }
-}
+/// Bytes that may be written before the directory is looked at again, in this process; clones share it. The first
+/// file that is written looks at what earlier runs left.
+type UnseenBytes = Arc<AtomicI64>;
 
 /// The directory is looked at once this share of the budget has been written, so that a thousand files
 /// are not looked at for each that is written. The cache is larger than its budget by as much.
@@ -256,10 +249,9 @@ impl DiskCache {
             log::warn!("{} could not be cached: {error}", path.display());
             return;
         }
-        let bytes = std::fs::metadata(&path).map_or(0, |metadata| metadata.len());
-        let before = self.written.0.fetch_add(bytes, Ordering::Relaxed);
-        if before.saturating_add(bytes) >= self.budget / UNSEEN_SHARE {
-            self.written.0.store(0, Ordering::Relaxed);
+        let bytes = std::fs::metadata(&path).map_or(0, |metadata| metadata.len() as i64);
+        if self.unseen.fetch_sub(bytes, Ordering::Relaxed) <= bytes {
+            self.unseen.store((self.budget / UNSEEN_SHARE) as i64, Ordering::Relaxed);
             self.evict(SystemTime::now());
         }
     }
@@ -314,7 +306,7 @@ mod tests {
     use super::*;
 
     fn cache(directory: &Path, budget: u64) -> DiskCache {
-        DiskCache { directory: directory.into(), budget, written: WrittenBytes::default() }
+        DiskCache { directory: directory.into(), budget, unseen: UnseenBytes::default() }
     }
 
     /// Files of 100 bytes, used at these seconds.

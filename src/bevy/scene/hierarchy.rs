@@ -191,16 +191,8 @@ pub(crate) struct HierarchyWork {
     pub left_out: usize,
     pub is_open: bool,
     pub start: Option<Instant>,
-    pub scene: SceneState,
-}
-
-/// What is known of the scene that Bevy spawns below a hierarchy.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) enum SceneState {
-    /// It was never spawned: its meshes come from somewhere else, or later.
-    #[default]
-    Unknown,
-    Spawned,
+    /// Whether Bevy has spawned its scene; otherwise its meshes come from somewhere else, or later.
+    pub is_spawned: bool,
 }
 
 impl HierarchyWork {

@@ -12,7 +12,7 @@ use bevy::prelude::*;
 
 use self::hierarchy::{
     ConvexDecompositionHierarchy, HierarchyFinished, HierarchyReport, HierarchyStatus,
-    HierarchyWork, SceneState,
+    HierarchyWork,
 };
 use self::tagging::{Nodes, tag_hierarchies};
 use super::collider::CollidersAttached;
@@ -66,27 +66,16 @@ struct Scenes<'w, 's> {
 }
 
 impl Scenes<'_, '_> {
-    /// Whether Bevy has still to spawn meshes below an entity.
-    #[cfg(feature = "bevy_gltf")]
-    fn is_to_be_spawned(&self, entity: Entity, state: SceneState) -> bool {
-        self.roots.contains(entity) && state == SceneState::Unknown && !self.is_lost(entity)
-    }
-
-    #[cfg(not(feature = "bevy_gltf"))]
-    fn is_to_be_spawned(&self, _entity: Entity, _state: SceneState) -> bool {
-        false
-    }
-
-    /// Whether the scene of an entity could not be loaded. Bevy spawns one whose textures are missing.
-    #[cfg(feature = "bevy_gltf")]
-    fn is_lost(&self, entity: Entity) -> bool {
-        let (Ok(root), Some(server)) = (self.roots.get(entity), &self.server) else { return false };
-        matches!(server.get_load_state(&root.0), Some(LoadState::Failed(_)))
-    }
-
-    #[cfg(not(feature = "bevy_gltf"))]
-    fn is_lost(&self, _entity: Entity) -> bool {
-        false
+    /// Whether Bevy has a scene to spawn below an entity, and whether that could not be loaded. Bevy spawns one
+    /// whose textures are missing.
+    fn is_scene_or_lost(&self, entity: Entity) -> (bool, bool) {
+        #[cfg(feature = "bevy_gltf")]
+        if let Ok(root) = self.roots.get(entity) {
+            let state = self.server.as_ref().and_then(|server| server.get_load_state(&root.0));
+            return (true, matches!(state, Some(LoadState::Failed(_))));
+        }
+        let _ = entity;
+        (false, false)
     }
 
     /// Counts what came from a baked scene, and returns what did not and why, as a sentence without subject.
@@ -109,23 +98,23 @@ impl Scenes<'_, '_> {
             else {
                 continue;
             };
-            if baked.contains(key) {
+            let names: Vec<&str> = self.nodes.names_of(node).into_iter().flatten().collect();
+            let Some(absence) = baked.absence(key, parameters, &names) else {
                 report.from_baked += 1;
                 continue;
-            }
-            let names: Vec<&str> = self.nodes.names_of(node).into_iter().flatten().collect();
-            let name = names.first().copied().unwrap_or("a mesh without a name");
-            match baked.reason_of_absence(key, parameters, &names) {
-                None => report.from_baked += 1,
-                Some(Absence::Stale(why)) => {
+            };
+            let why = match absence {
+                Absence::Stale(why) => {
                     report.stale += 1;
-                    lines.push(format!("`{name}` ({node}): {why}"));
+                    why
                 }
-                Some(Absence::Missing) => {
+                Absence::Missing => {
                     report.missing += 1;
-                    lines.push(format!("`{name}` ({node}): it is not in the file"));
+                    "it is not in the file".into()
                 }
-            }
+            };
+            let name = names.first().copied().unwrap_or("a mesh without a name");
+            lines.push(format!("`{name}` ({node}): {why}"));
         }
         if lines.is_empty() {
             return None;
@@ -159,9 +148,10 @@ fn finish_hierarchies(
         let is_running =
             |node: &Entity| statuses.get(*node).is_ok_and(|status| !status.is_finished());
         work.unfinished.retain(is_running);
-        let has_begun = work.start.is_some() || work.scene == SceneState::Spawned;
-        let is_lost = scenes.is_lost(entity);
-        if scenes.is_to_be_spawned(entity, work.scene) || !(has_begun || is_lost) {
+        let (is_scene, is_lost) = scenes.is_scene_or_lost(entity);
+        let is_to_be_spawned = is_scene && !work.is_spawned && !is_lost;
+        let has_begun = work.start.is_some() || work.is_spawned;
+        if is_to_be_spawned || !(has_begun || is_lost) {
             status.set_if_neq(HierarchyStatus::Waiting);
             continue;
         }
@@ -202,7 +192,7 @@ fn on_scene_spawned(
     mut works: Query<&mut HierarchyWork>,
 ) {
     if let Ok(mut work) = works.get_mut(spawned.entity) {
-        work.scene = SceneState::Spawned;
+        work.is_spawned = true;
     }
 }
 

@@ -85,33 +85,30 @@ impl Nodes<'_, '_> {
             .collect()
     }
 
-    /// Whether the meshes right below are the primitives of one glTF mesh, whose name they have then,
-    /// and not meshes of their own.
-    #[cfg(feature = "bevy_gltf")]
-    fn is_gltf_node(&self, entity: Entity) -> bool {
-        let Ok(children) = self.children.get(entity) else { return false };
-        let meshes = children.iter().filter(|child| self.meshes.contains(*child));
-        let mut names = meshes.map(|mesh| Some(self.extras.get(mesh).ok()?.2?.0.as_str()));
-        let Some(Some(first)) = names.next() else { return false };
-        names.all(|name| name == Some(first))
+    /// The name of the glTF mesh that an entity is a primitive of.
+    fn mesh_name(&self, entity: Entity) -> Option<&str> {
+        #[cfg(feature = "bevy_gltf")]
+        return self.extras.get(entity).ok()?.2.map(|name| name.0.as_str());
+        #[cfg(not(feature = "bevy_gltf"))]
+        return (entity, None).1;
     }
 
-    #[cfg(not(feature = "bevy_gltf"))]
-    fn is_gltf_node(&self, _entity: Entity) -> bool {
-        false
+    /// Whether the meshes right below are the primitives of one glTF mesh, whose name they have then,
+    /// and not meshes of their own.
+    fn is_gltf_node(&self, entity: Entity) -> bool {
+        let children = self.children.get(entity).into_iter().flatten().copied();
+        let meshes = children.filter(|child| self.meshes.contains(*child));
+        let mut names = meshes.map(|mesh| self.mesh_name(mesh));
+        let Some(Some(first)) = names.next() else { return false };
+        names.all(|name| name == Some(first))
     }
 
     /// The node's own name, and the one that its primitives have of their mesh.
     pub(super) fn names_of(&self, node: Entity) -> [Option<&str>; 2] {
         let own = self.names.get(node).ok().map(Name::as_str);
-        #[cfg(feature = "bevy_gltf")]
-        let of_mesh = {
-            let on = |entity| self.extras.get(entity).ok()?.2.map(|name| name.0.as_str());
-            on(node).or_else(|| self.children.get(node).ok()?.iter().find_map(on))
-        };
-        #[cfg(not(feature = "bevy_gltf"))]
-        let of_mesh = None;
-        [own, of_mesh]
+        let primitives = self.children.get(node).into_iter().flatten().copied();
+        let mut entities = std::iter::once(node).chain(primitives);
+        [own, entities.find_map(|entity| self.mesh_name(entity))]
     }
 
     /// The extras of a node, of its mesh, and of its primitives.
@@ -159,16 +156,12 @@ impl Nodes<'_, '_> {
             self.meshes.get(*child).is_ok_and(|(_, transform)| is_identity(transform))
         });
         for mesh in std::iter::once(node).filter(is_mesh).chain(primitives) {
-            match (is_drawn, self.hidden.contains(mesh)) {
-                (false, _) => {
-                    commands.entity(mesh).try_insert((Visibility::Hidden, HiddenByHierarchy));
-                }
-                (true, true) => {
-                    let mut mesh = commands.entity(mesh);
-                    mesh.try_remove::<HiddenByHierarchy>();
-                    mesh.try_insert(Visibility::Inherited);
-                }
-                (true, false) => {}
+            let is_hidden = self.hidden.contains(mesh);
+            let mut mesh = commands.entity(mesh);
+            if !is_drawn {
+                mesh.try_insert((Visibility::Hidden, HiddenByHierarchy));
+            } else if is_hidden {
+                mesh.try_remove::<HiddenByHierarchy>().try_insert(Visibility::Inherited);
             }
         }
     }
@@ -231,7 +224,11 @@ pub(super) fn tag_hierarchies(
     for root in hierarchies.to_tag(&nodes) {
         if let Ok((hierarchy, mut work)) = hierarchies.all.get_mut(root) {
             let all = nodes.nodes_with_meshes(root);
-            let rules = Rules::new(&nodes, root, hierarchy, &all);
+            let with_pieces = match hierarchy.follows_artists {
+                true => nodes.meshes_with_pieces(&all),
+                false => HashSet::default(),
+            };
+            let rules = Rules { nodes: &nodes, root, hierarchy, with_pieces };
             rules.tag(&mut commands, all, &mut work, &mut complaints);
         }
     }
@@ -247,20 +244,7 @@ struct Rules<'a, 'w, 's> {
     with_pieces: HashSet<&'a str>,
 }
 
-impl<'a, 'w, 's> Rules<'a, 'w, 's> {
-    fn new(
-        nodes: &'a Nodes<'w, 's>,
-        root: Entity,
-        hierarchy: &'a ConvexDecompositionHierarchy,
-        all: &[Entity],
-    ) -> Self {
-        let with_pieces = match hierarchy.follows_artists {
-            true => nodes.meshes_with_pieces(all),
-            false => HashSet::default(),
-        };
-        Self { nodes, root, hierarchy, with_pieces }
-    }
-
+impl Rules<'_, '_, '_> {
     /// The first rule that matches a node.
     fn treatment(&self, node: Entity, complaints: &mut Complaints) -> Treatment {
         let by_name = &self.hierarchy.by_name;
@@ -268,10 +252,8 @@ impl<'a, 'w, 's> Rules<'a, 'w, 's> {
         if let Some(tag) = names.find_map(|name| by_name.get(name)) {
             return tag.clone().into();
         }
-        let by_artist = match self.hierarchy.follows_artists {
-            true => self.by_artist(node, complaints),
-            false => None,
-        };
+        let follows_artists = self.hierarchy.follows_artists;
+        let by_artist = follows_artists.then(|| self.by_artist(node, complaints)).flatten();
         by_artist.unwrap_or_else(|| self.hierarchy.default_tag.clone().into())
     }
 
@@ -299,20 +281,17 @@ impl<'a, 'w, 's> Rules<'a, 'w, 's> {
     }
 
     /// By the extras of a node or of its mesh.
-    #[cfg(feature = "bevy_gltf")]
     fn by_extras(&self, node: Entity, complaints: &mut Complaints) -> Option<Treatment> {
-        self.nodes.extras_of(node).find_map(|text| {
+        #[cfg(feature = "bevy_gltf")]
+        return self.nodes.extras_of(node).find_map(|text| {
             let (tag, wrong) = crate::conventions::read_extras(text);
             for text in wrong {
                 complaints.new.entry(text).or_default().push(node);
             }
             Some(with_extras(&tag?, self.base()))
-        })
-    }
-
-    #[cfg(not(feature = "bevy_gltf"))]
-    fn by_extras(&self, _node: Entity, _complaints: &mut Complaints) -> Option<Treatment> {
-        None
+        });
+        #[cfg(not(feature = "bevy_gltf"))]
+        return (node, complaints, None).2;
     }
 
     /// Tags all nodes with meshes.
@@ -332,35 +311,30 @@ impl<'a, 'w, 's> Rules<'a, 'w, 's> {
             }
             let Treatment { tag, is_drawn, body } = self.treatment(node, complaints);
             nodes.show(commands, node, is_drawn);
+            let mut commands = commands.entity(node);
             if let Some(body) = body {
-                commands.entity(node).try_insert_if_new(body);
+                commands.try_insert_if_new(body);
             }
-            match (&tag, &hierarchy.baked) {
-                (Some(_), Some(baked)) => {
-                    commands.entity(node).try_insert(FromBakedScene(baked.clone()));
-                }
-                _ => {
-                    commands.entity(node).try_remove::<FromBakedScene>();
-                }
-            }
-            match tag {
+            match hierarchy.baked.clone().filter(|_| tag.is_some()) {
+                Some(baked) => commands.try_insert(FromBakedScene(baked)),
+                None => commands.try_remove::<FromBakedScene>(),
+            };
+            // What is tagged anew starts anew.
+            let is_as_before = nodes.tagged.get(node).is_ok_and(|before| before == tag.as_ref());
+            match &tag {
                 Some(_) => tagged.push(node),
                 None => left_out += 1,
             }
-            // What is tagged anew starts anew.
-            if nodes.tagged.get(node).is_ok_and(|before| before == tag.as_ref()) {
-                continue;
-            }
-            let mut node = commands.entity(node);
             match tag {
+                _ if is_as_before => {}
                 Some(tag) => {
-                    node.try_remove::<NoConvexDecomposition>();
-                    node.try_insert((tag, TaggedByHierarchy));
+                    commands.try_remove::<NoConvexDecomposition>();
+                    commands.try_insert((tag, TaggedByHierarchy));
                 }
                 None => {
-                    node.try_remove::<ConvexDecomposition>();
+                    commands.try_remove::<ConvexDecomposition>();
                     // Else it would be part of the input of a node above it.
-                    node.try_insert((NoConvexDecomposition, TaggedByHierarchy));
+                    commands.try_insert((NoConvexDecomposition, TaggedByHierarchy));
                 }
             }
         }
@@ -370,12 +344,12 @@ impl<'a, 'w, 's> Rules<'a, 'w, 's> {
 
 /// What becomes of a node with a mesh.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Treatment {
+struct Treatment {
     /// `None` for no collider.
-    pub tag: Option<ConvexDecomposition>,
-    pub is_drawn: bool,
+    tag: Option<ConvexDecomposition>,
+    is_drawn: bool,
     /// The body that it becomes, if it is none.
-    pub body: Option<RigidBody>,
+    body: Option<RigidBody>,
 }
 
 impl From<Option<ConvexDecomposition>> for Treatment {
@@ -385,7 +359,7 @@ impl From<Option<ConvexDecomposition>> for Treatment {
 }
 
 /// What becomes of a node with such a name; `base` is the tag that the scene has for such nodes.
-pub(super) fn treatment(name_tag: NameTag, base: ConvexDecomposition) -> Treatment {
+fn treatment(name_tag: NameTag, base: ConvexDecomposition) -> Treatment {
     let (tag, is_drawn, body) = match name_tag {
         NameTag::Collider(kind) => (made_of(kind, base), true, None),
         NameTag::ColliderOnly(kind) => (made_of(kind, base), false, None),
@@ -410,38 +384,29 @@ fn made_of(kind: ColliderKind, base: ConvexDecomposition) -> ConvexDecomposition
     }
 }
 
-/// What becomes of a node with such extras; `base` is the tag that the scene has.
+/// What becomes of a node with such extras; `base` is the tag that the scene has. No collider where they exclude one.
 #[cfg(feature = "bevy_gltf")]
-pub(super) fn with_extras(extras: &ExtrasTag, base: ConvexDecomposition) -> Treatment {
+fn with_extras(extras: &ExtrasTag, base: ConvexDecomposition) -> Treatment {
     let body = extras.body.map(|body| match body {
         Body::Dynamic => RigidBody::Dynamic,
         Body::Fixed => RigidBody::Fixed,
         Body::Kinematic => RigidBody::KinematicPositionBased,
     });
-    Treatment { tag: tag_of_extras(extras, base), is_drawn: true, body }
-}
-
-/// The scene's tag with the settings of extras; `None` where these exclude a collider.
-#[cfg(feature = "bevy_gltf")]
-fn tag_of_extras(extras: &ExtrasTag, base: ConvexDecomposition) -> Option<ConvexDecomposition> {
-    let mut tag = made_of(extras.kind?, base);
-    if let Some(max_error) = extras.max_error {
-        tag.max_error = max_error.into();
-    }
-    if let Some(preset) = extras.preset {
-        tag.preset = preset.into();
-    }
-    if let Some(openings) = extras.openings {
-        tag.openings = openings.into();
-    }
-    tag.max_hulls = extras.max_hulls.or(tag.max_hulls);
-    tag.max_vertices = extras.max_vertices.or(tag.max_vertices);
-    tag.keep_cavities = extras.keep_cavities.unwrap_or(tag.keep_cavities);
-    tag.density = extras.density.unwrap_or(tag.density);
-    // One stands for the other.
-    if extras.density.is_some() || extras.mass.is_some() {
-        tag.mass = extras.mass;
-    }
-    tag.fallback_collider = extras.fallback.map(Into::into).or(tag.fallback_collider);
-    Some(tag)
+    let tag = extras.kind.map(|kind| {
+        let tag = made_of(kind, base);
+        ConvexDecomposition {
+            max_error: extras.max_error.map_or(tag.max_error, Into::into),
+            preset: extras.preset.map_or(tag.preset, Into::into),
+            openings: extras.openings.map_or(tag.openings, Into::into),
+            max_hulls: extras.max_hulls.or(tag.max_hulls),
+            max_vertices: extras.max_vertices.or(tag.max_vertices),
+            keep_cavities: extras.keep_cavities.unwrap_or(tag.keep_cavities),
+            density: extras.density.unwrap_or(tag.density),
+            // One stands for the other.
+            mass: extras.density.map_or(extras.mass.or(tag.mass), |_| extras.mass),
+            fallback_collider: extras.fallback.map(Into::into).or(tag.fallback_collider),
+            ..tag
+        }
+    });
+    Treatment { tag, is_drawn: true, body }
 }

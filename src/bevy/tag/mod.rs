@@ -182,12 +182,12 @@ impl Default for ConvexDecomposition {
 
 /// Setters: the same tag with another value in one field.
 macro_rules! setters {
-    ($($(#[doc = $doc:literal])* $setter:ident($field:ident: $type:ty);)*) => {
+    ($($(#[doc = $doc:literal])* $setter:ident($field:ident: $type:ty) = $value:expr;)*) => {
         impl ConvexDecomposition {
             $($(#[doc = $doc])*
             #[must_use]
             pub fn $setter(mut self, $field: $type) -> Self {
-                self.$field = $field.into();
+                self.$field = $value;
                 self
             })*
         }
@@ -196,43 +196,28 @@ macro_rules! setters {
 
 setters! {
     /// The same within another bound. A number is a share of the mesh's diagonal.
-    with_max_error(max_error: impl Into<MaxError>);
+    with_max_error(max_error: impl Into<MaxError>) = max_error.into();
     /// The same with more or less work.
-    with_preset(preset: DecompositionPreset);
+    with_preset(preset: DecompositionPreset) = preset;
     /// The same with a limit on hulls; `None` for no limit.
-    with_max_hulls(max_hulls: impl Into<Option<u32>>);
+    with_max_hulls(max_hulls: impl Into<Option<u32>>) = max_hulls.into();
     /// The same with a limit on the vertices of a hull; `None` for no limit.
-    with_max_vertices(max_vertices: impl Into<Option<u32>>);
+    with_max_vertices(max_vertices: impl Into<Option<u32>>) = max_vertices.into();
     /// The same with cavities that stay empty, or not.
-    with_keep_cavities(keep_cavities: bool);
+    with_keep_cavities(keep_cavities: bool) = keep_cavities;
     /// The same with openings that are closed or kept.
-    with_openings(openings: DecompositionOpenings);
+    with_openings(openings: DecompositionOpenings) = openings;
     /// The same made of something else.
-    with_shape(shape: DecompositionShape);
+    with_shape(shape: DecompositionShape) = shape;
     /// The same with a mass instead of a density; `None` for the density.
-    with_mass(mass: impl Into<Option<f32>>);
+    with_mass(mass: impl Into<Option<f32>>) = mass.into();
     /// The same with a density.
-    with_density(density: f32);
+    with_density(density: f32) = density;
     /// The same with another collider until its own is ready.
-    with_fallback_collider(fallback_collider: FallbackCollider);
-}
-
-impl ConvexDecomposition {
+    with_fallback_collider(fallback_collider: FallbackCollider) = Some(fallback_collider);
     /// The same with the library's own parameters, or another of its methods with its parameters, which replace
-    /// all settings of the decomposition:
-    ///
-    /// ```
-    /// use hullwright::bevy::prelude::*;
-    /// use hullwright::surface::SurfaceParameters;
-    ///
-    /// let by_the_paper = ConvexDecomposition::default().with_parameters(SurfaceParameters::paper());
-    /// assert_eq!(by_the_paper.to_parameters(), SurfaceParameters::paper().into());
-    /// ```
-    #[must_use]
-    pub fn with_parameters(mut self, parameters: impl Into<Method>) -> Self {
-        self.parameters = Some(parameters.into());
-        self
-    }
+    /// all settings of the decomposition: `.with_parameters(SurfaceParameters::paper())`.
+    with_parameters(parameters: impl Into<Method>) = Some(parameters.into());
 }
 
 impl From<DecompositionPreset> for ConvexDecomposition {
@@ -293,7 +278,7 @@ mod tests {
     }
 
     #[test]
-    fn a_tag_is_written_and_read() {
+    fn tags_are_written_and_read() {
         let tag = ConvexDecomposition::from(DecompositionPreset::Fine)
             .with_density(3.0)
             .with_max_error(MaxError::Metres(0.02))
@@ -304,13 +289,10 @@ mod tests {
             .with_shape(DecompositionShape::Capsule)
             .with_mass(2.0)
             .with_fallback_collider(FallbackCollider::ConvexHull);
-        assert_eq!(written_and_read(&tag), tag);
-        let by_the_paper = tag.with_parameters(crate::surface::SurfaceParameters::paper());
-        assert_eq!(written_and_read(&by_the_paper), by_the_paper);
-    }
-
-    #[test]
-    fn tags_without_fields_are_written_and_read() {
+        let by_the_paper = tag.clone().with_parameters(crate::surface::SurfaceParameters::paper());
+        for tag in [tag, by_the_paper] {
+            assert_eq!(written_and_read(&tag), tag);
+        }
         assert_eq!(written_and_read(&NoConvexDecomposition), NoConvexDecomposition);
         assert_eq!(written_and_read(&DecompositionFocus), DecompositionFocus);
     }

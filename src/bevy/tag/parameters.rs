@@ -106,13 +106,6 @@ impl Goal {
 impl ConvexDecomposition {
     /// What the library is asked to do: [`parameters`](Self::parameters) if they are given, else
     /// the tag's own settings.
-    ///
-    /// ```
-    /// use hullwright::bevy::prelude::*;
-    ///
-    /// let tag = ConvexDecomposition::default().with_max_hulls(16);
-    /// assert_eq!(tag.to_parameters(), hullwright::Parameters::default().max_hulls(16).into());
-    /// ```
     pub fn to_parameters(&self) -> Method {
         self.parameters.clone().unwrap_or_else(|| self.flat_parameters().into())
     }
@@ -300,39 +293,30 @@ mod tests {
         };
         let same = hash(Method::default());
         assert_eq!(same, hash(Method::default()));
-        let changes: [fn(&mut Parameters); 9] = [
-            |p| p.openings = Openings::Close,
-            |p| p.up_axis = crate::UpAxis::Z,
-            |p| p.max_error = Length::share(0.03),
-            |p| p.max_error = Length::units(0.02),
-            |p| p.preset = Preset::Fast,
-            |p| p.max_hulls = Some(0),
-            |p| p.keep_cavities = true,
-            |p| p.max_vertices = None,
-            |_| {},
+        let bounded = [
+            Parameters::default(),
+            Parameters { openings: Openings::Close, ..Parameters::default() },
+            Parameters { up_axis: crate::UpAxis::Z, ..Parameters::default() },
+            Parameters { max_error: Length::share(0.03), ..Parameters::default() },
+            Parameters { max_error: Length::units(0.02), ..Parameters::default() },
+            Parameters { preset: Preset::Fast, ..Parameters::default() },
+            Parameters { max_hulls: Some(0), ..Parameters::default() },
+            Parameters { keep_cavities: true, ..Parameters::default() },
+            Parameters { max_vertices: None, ..Parameters::default() },
         ];
-        let bounded = changes.map(|change| {
-            let mut parameters = Parameters::default();
-            change(&mut parameters);
-            parameters
-        });
-        let changes: [fn(&mut SurfaceParameters); 10] = [
-            |p| p.simplification_quality = 0.7,
-            |p| p.maximum_resolutions.push(1),
-            |p| p.planar_thresholds.push(1.0),
-            |p| p.angular_threshold = 0.5,
-            |p| p.concavity_cost_threshold = 0.5,
-            |p| p.resolution_cut_off = 4,
-            |p| p.unit = Length::units(1.0),
-            |p| p.significant_diagonal = 0.5,
-            |p| p.max_vertices = None,
-            |_| {},
+        let surface = SurfaceParameters::default;
+        let surface = [
+            surface(),
+            SurfaceParameters { simplification_quality: 0.7, ..surface() },
+            SurfaceParameters { maximum_resolutions: vec![1], ..surface() },
+            SurfaceParameters { planar_thresholds: vec![1.0], ..surface() },
+            SurfaceParameters { angular_threshold: 0.5, ..surface() },
+            SurfaceParameters { concavity_cost_threshold: 0.5, ..surface() },
+            SurfaceParameters { resolution_cut_off: 4, ..surface() },
+            SurfaceParameters { unit: Length::units(1.0), ..surface() },
+            SurfaceParameters { significant_diagonal: 0.5, ..surface() },
+            SurfaceParameters { max_vertices: None, ..surface() },
         ];
-        let surface = changes.map(|change| {
-            let mut parameters = SurfaceParameters::default();
-            change(&mut parameters);
-            parameters
-        });
         let mut methods: Vec<Method> = bounded.clone().map(Method::Bounded).into();
         methods.extend(bounded.map(Method::Hull));
         methods.extend(surface.map(Method::Surface));
