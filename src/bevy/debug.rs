@@ -141,7 +141,7 @@ fn draw(
     colliders: Query<(&Collider, &AttachedCollider, &GlobalTransform)>,
 ) {
     for (collider, attached, transform) in &colliders {
-        let to_world = transform.affine() * attached.map.inverse();
+        let to_world = transform.affine() * attached.requested.request.to_collider().inverse();
         let single = [(Pose::IDENTITY, collider.raw.clone())];
         let parts = collider.raw.as_compound().map_or(&single[..], |compound| compound.shapes());
         for (index, (pose, shape)) in parts.iter().enumerate() {

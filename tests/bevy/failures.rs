@@ -230,13 +230,9 @@ fn ready_says_hulls_verified_error_source_and_time() {
 struct Last(Option<DecompositionReady>);
 
 #[test]
-fn a_fixed_body_is_skipped() {
+fn a_fixed_body_and_an_entity_that_had_a_collider_are_skipped() {
     let (app, entity) = ending_of((automatic(), RigidBody::Fixed));
     assert_eq!(seen(&app).skipped, [(entity, SkipReason::FixedBody)]);
-}
-
-#[test]
-fn an_entity_that_had_a_collider_keeps_it_and_is_skipped() {
     let (app, entity) = ending_of(Collider::ball(0.5));
     assert_eq!(seen(&app).skipped, [(entity, SkipReason::HasCollider)]);
     assert!(collider(&app, entity).as_ball().is_some());

@@ -8,27 +8,22 @@ use hullwright::bevy::prelude::*;
 use crate::app::*;
 
 #[test]
-fn a_tag_before_the_mesh_is_loaded_waits_for_it() {
-    let mut app = app();
-    let handle = app.world().resource::<Assets<Mesh>>().reserve_handle();
-    let entity = spawn(&mut app, &handle);
-    update_times(&mut app, 5);
-    assert_eq!(status(&app, entity), DecompositionStatus::Waiting(WaitReason::ForMesh));
-    app.world_mut().resource_mut::<Assets<Mesh>>().insert(handle.id(), model("u_prism")).unwrap();
-    update_until_finished(&mut app, &[entity]);
-    assert!(has_collider(&app, entity));
-}
-
-#[test]
-fn a_tag_before_there_is_any_mesh_waits_for_it() {
-    let mut app = app();
-    let entity = app.put((Transform::default(), tag()));
-    update_times(&mut app, 5);
-    assert_eq!(status(&app, entity), DecompositionStatus::Waiting(WaitReason::ForMesh));
-    let mesh = add(&mut app, model("u_prism"));
-    app.edit(entity).insert(Mesh3d(mesh));
-    update_until_finished(&mut app, &[entity]);
-    assert!(has_collider(&app, entity));
+fn a_tag_before_the_mesh_is_loaded_or_before_there_is_any_waits_for_it() {
+    for is_reserved in [true, false] {
+        let mut app = app();
+        let handle = app.world().resource::<Assets<Mesh>>().reserve_handle();
+        let entity = app.put((Transform::default(), tag()));
+        if is_reserved {
+            app.edit(entity).insert(Mesh3d(handle.clone()));
+        }
+        update_times(&mut app, 5);
+        assert_eq!(status(&app, entity), DecompositionStatus::Waiting(WaitReason::ForMesh));
+        let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
+        meshes.insert(handle.id(), model("u_prism")).unwrap();
+        app.edit(entity).insert_if_new(Mesh3d(handle));
+        update_until_finished(&mut app, &[entity]);
+        assert!(has_collider(&app, entity));
+    }
 }
 
 #[test]
@@ -122,24 +117,21 @@ fn progress_rises_and_never_falls() {
 }
 
 #[test]
-fn removing_the_tag_cancels_the_work() {
-    let (mut app, entity) = app_at_work();
-    app.edit(entity).remove::<ConvexDecomposition>();
-    assert_eq!(status(&app, entity), DecompositionStatus::Cancelled);
-    app.update();
-    let counters = counters(&app);
-    assert_eq!((counters.cancelled, counters.running), (1, 0));
-    update_times(&mut app, 20);
-    assert!(!has_collider(&app, entity));
-}
-
-#[test]
-fn despawning_cancels_the_work() {
-    let (mut app, entity) = app_at_work();
-    app.world_mut().despawn(entity);
-    app.update();
-    let counters = counters(&app);
-    assert_eq!((counters.cancelled, counters.running), (1, 0));
+fn removing_the_tag_or_despawning_cancels_the_work() {
+    for is_despawned in [false, true] {
+        let (mut app, entity) = app_at_work();
+        if is_despawned {
+            app.world_mut().despawn(entity);
+        } else {
+            app.edit(entity).remove::<ConvexDecomposition>();
+            assert_eq!(status(&app, entity), DecompositionStatus::Cancelled);
+        }
+        app.update();
+        let counters = counters(&app);
+        assert_eq!((counters.cancelled, counters.running), (1, 0));
+        update_times(&mut app, 20);
+        assert!(app.get::<Collider>(entity).is_none());
+    }
 }
 
 #[test]

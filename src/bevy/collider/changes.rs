@@ -94,10 +94,10 @@ pub(super) fn detect_bodies(
     for above in changes.entities() {
         for entity in std::iter::once(above).chain(children.iter_descendants(above)) {
             let Ok((tag, attached, failed)) = tags.get(entity) else { continue };
-            let requested = work.unfinished.requested(entity);
-            let present = (requested.or_else(|| Some(&failed?.requested)))
-                .map(|requested| requested.request.why_triangles())
-                .or_else(|| attached.map(|attached| attached.why_triangles));
+            let present = (work.unfinished.requested(entity))
+                .or(failed.map(|failed| &failed.requested))
+                .or(attached.map(|attached| &attached.requested))
+                .map(|requested| requested.request.why_triangles());
             let wanted = placements.why_triangles(entity, tag.shape);
             if present.is_some_and(|present| present != wanted) {
                 work.restart(entity);
@@ -125,7 +125,7 @@ pub(super) fn detect_assets<A: Asset>(
         let asset = id.untyped();
         let is_added = matches!(event, AssetEvent::Added { .. });
         let failed = failed.iter().filter(|(_, failed)| {
-            (failed.lacks_asset() || !is_added) && failed.requested.request.input.uses(asset)
+            (failed.lacks_asset() || !is_added) && failed.requested.uses(asset)
         });
         let failed = failed.map(|(entity, _)| entity);
         if !is_added {
@@ -134,7 +134,8 @@ pub(super) fn detect_assets<A: Asset>(
         let outdated: Vec<Entity> = match event {
             AssetEvent::Added { .. } => failed.collect(),
             AssetEvent::Modified { .. } => {
-                let attached = attached.iter().filter(|(_, attached)| attached.input.uses(asset));
+                let attached =
+                    attached.iter().filter(|(_, attached)| attached.requested.uses(asset));
                 let attached = attached.map(|(entity, _)| entity);
                 work.unfinished.users(asset).chain(attached).chain(failed).collect()
             }
@@ -165,7 +166,7 @@ pub(super) fn detect_scales(
         }
         let baked = match failed {
             Some(failed) => failed.depends_on_scale().then_some(&failed.requested.stretch),
-            None => attached.map(|attached| &attached.stretch),
+            None => attached.map(|attached| &attached.requested.stretch),
         };
         if let Some(baked) = baked {
             work.unfinished.detect_scale(entity, baked, Stretch::of(transform));
@@ -198,7 +199,7 @@ pub(super) fn on_untag<T: Component>(
         outcomes.commands.entity(entity).try_remove::<FailedRequest>();
     }
     // From now on the collider is Rapier's own, which scales it by what comes on top of what is baked.
-    if let Some(scale) = attached.and_then(|attached| attached.stretch.scale()) {
+    if let Some(scale) = attached.and_then(|attached| attached.requested.stretch.scale()) {
         let relative = ColliderScale::Relative(scale.recip());
         outcomes.commands.entity(entity).try_insert(relative);
     }

@@ -36,7 +36,7 @@ use self::work::{
 use super::jobs::baked::{BakedDecomposition, BakedHulls};
 use super::jobs::cache::{BuiltCollider, ColliderGeometry};
 use super::jobs::task::map_mass;
-use super::jobs::{Completed, Failed, FrameTime, Jobs, finish_jobs, start_jobs};
+use super::jobs::{Completed, Failed, Frame, Jobs, finish_jobs, start_jobs};
 use super::tag::outcomes::{
     DecompositionCounters, DecompositionError, DecompositionReady, Descriptions, Outcomes,
     VerifiedError, entities,
@@ -133,13 +133,12 @@ fn set_dispatcher(
 /// Attaches colliders that are ready, within the frame's budget.
 fn attach(
     mut work: Work,
-    mut frame: ResMut<FrameTime>,
-    settings: Res<HullwrightSettings>,
+    Frame { mut time, settings }: Frame,
     targets: Targets,
     mut sleepers: Sleepers,
     mut outcomes: Outcomes,
 ) {
-    let mut budget = frame.budget(&settings);
+    let mut budget = time.budget(&settings);
     for _ in 0..settings.max_attached_per_frame.max(1) {
         if !budget.allows_one() {
             break;
@@ -150,7 +149,7 @@ fn attach(
             work.jobs.fail(entity, error);
             continue;
         }
-        let Some((time, _)) = work.unfinished.end(entity) else { continue };
+        let Some((duration, _)) = work.unfinished.end(entity) else { continue };
         let present = targets.placements.stretch(entity);
         work.unfinished.detect_scale(entity, &requested.stretch, present);
         if let Some((body, _)) = targets.placements.body(entity) {
@@ -166,7 +165,7 @@ fn attach(
             ColliderGeometry::Hulls(file) => (file.hulls.len(), verified_error(file)),
         };
         let source = built.source;
-        outcomes.ready(DecompositionReady { entity, hulls, error, source, time });
+        outcomes.ready(DecompositionReady { entity, hulls, error, source, time: duration });
     }
 }
 
@@ -210,7 +209,7 @@ fn report_failures(
 
 /// Bodies that may sleep.
 #[derive(SystemParam)]
-pub(crate) struct Sleepers<'w, 's> {
+struct Sleepers<'w, 's> {
     components: Query<'w, 's, &'static mut Sleeping>,
     handles: Query<'w, 's, (&'static RapierRigidBodyHandle, &'static RapierContextEntityLink)>,
     bodies: Query<'w, 's, &'static mut RapierRigidBodySet>,
@@ -259,23 +258,16 @@ impl Targets<'_, '_> {
         requested: &Requested,
         built: &BuiltCollider,
     ) -> Result<(), DecompositionError> {
-        let Requested { request, stretch } = requested;
         let Ok(target) = self.targets.get(entity) else { return Ok(()) };
         let owned = target.attached.map(|attached| attached.owns_mass);
         let owned = owned.or_else(|| target.fallback.map(|fallback| fallback.owns_mass));
         let owns_mass = owned.unwrap_or(!target.has_mass);
         let mass = match owns_mass {
-            true => mass_of(&built.geometry, target.tag, target.baked, &request.map)?,
+            true => mass_of(&built.geometry, target.tag, target.baked, &requested.request.map)?,
             false => None,
         };
         let mut commands = commands.entity(entity);
-        let record = AttachedCollider {
-            input: request.input.clone(),
-            stretch: *stretch,
-            map: request.map * request.map_before,
-            why_triangles: request.why_triangles(),
-            owns_mass,
-        };
+        let record = AttachedCollider { requested: requested.clone(), owns_mass };
         attach_shape(&mut commands, built.shape.clone(), record);
         if target.fallback.is_some() {
             commands.try_remove::<AttachedFallback>();

@@ -16,7 +16,7 @@ use super::waiting::Fallbacks;
 use super::work::{
     AttachedCollider, AttachedFallback, FailedRequest, FarFromFocus, InputBoundary, Requested, Work,
 };
-use crate::bevy::jobs::FrameTime;
+use crate::bevy::jobs::Frame;
 use crate::bevy::jobs::baked::{BakedDecomposition, BakedHulls, BakedScene, FromBakedScene};
 use crate::bevy::jobs::request::{ColliderRequest, InputId, MapKey, MeshPart};
 use crate::bevy::tag::outcomes::{
@@ -40,6 +40,7 @@ pub(super) struct Scene<'w, 's> {
     visibilities: Query<'w, 's, &'static Visibility>,
     placements: Placements<'w, 's>,
     distances: Distances<'w, 's>,
+    descriptions: Descriptions<'w, 's>,
     meshes: Res<'w, Assets<Mesh>>,
     baked: Res<'w, Assets<BakedHulls>>,
     scenes: Res<'w, Assets<BakedScene>>,
@@ -72,14 +73,12 @@ enum Resolution {
 /// Resolves entities whose meshes are not known yet, each at most once per frame.
 pub(super) fn resolve(
     mut work: Work,
-    mut frame: ResMut<FrameTime>,
+    Frame { mut time, settings }: Frame,
     mut fallbacks: ResMut<Fallbacks>,
     scene: Scene,
-    descriptions: Descriptions,
     mut outcomes: Outcomes,
 ) {
-    let settings = &scene.distances.settings;
-    let mut budget = frame.budget(settings);
+    let mut budget = time.budget(&settings);
     let mut overdue = Vec::new();
     for _ in 0..work.unfinished.unresolved() {
         if !budget.allows_one() {
@@ -139,7 +138,7 @@ pub(super) fn resolve(
     {
         let mut all = overdue.iter().filter(|(_, asset)| asset.is_some() == is_asset).peekable();
         if let Some((entity, asset)) = all.peek() {
-            let first = descriptions.entity(*entity, *asset);
+            let first = scene.descriptions.entity(*entity, *asset);
             let who = entities(all.count(), &first);
             log::warn!("no convex decomposition yet for {who}: {why}");
         }

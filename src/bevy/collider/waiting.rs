@@ -19,7 +19,7 @@ use super::work::{
 use crate::bevy::jobs::baked::BakedDecomposition;
 use crate::bevy::jobs::request::{ColliderRequest, MeshData, read_parts};
 use crate::bevy::jobs::task::primitive_around;
-use crate::bevy::jobs::{FrameTime, pool};
+use crate::bevy::jobs::{Frame, pool};
 use crate::bevy::tag::ConvexDecomposition;
 use crate::bevy::tag::outcomes::DecompositionStatus;
 use crate::bevy::tag::parameters::PrimitiveKind;
@@ -182,15 +182,20 @@ impl Fallbacks {
     }
 }
 
+/// What fallback colliders are made from, and the entities that get them.
+#[derive(SystemParam)]
+pub(super) struct Targets<'w, 's> {
+    meshes: Res<'w, Assets<Mesh>>,
+    tags: Query<'w, 's, (&'static ConvexDecomposition, Has<Collider>, Has<ColliderMassProperties>)>,
+}
+
 /// Makes fallback colliders for entities in the queue, within the frame's budget.
 pub(super) fn attach_fallbacks(
     mut commands: Commands,
     mut fallbacks: ResMut<Fallbacks>,
-    mut frame: ResMut<FrameTime>,
+    Frame { mut time, settings }: Frame,
     unfinished: Res<Unfinished>,
-    settings: Res<HullwrightSettings>,
-    meshes: Res<Assets<Mesh>>,
-    tags: Query<(&ConvexDecomposition, Has<Collider>, Has<ColliderMassProperties>)>,
+    Targets { meshes, tags }: Targets,
 ) {
     let fallbacks = &mut *fallbacks;
     // An entity that was forgotten, or requests something else by now, has no use for it.
@@ -205,14 +210,15 @@ pub(super) fn attach_fallbacks(
             commands.try_insert(ColliderMassProperties::Density(tag.density));
         }
     };
-    let mut budget = frame.budget(&settings);
+    let mut budget = time.budget(&settings);
     while !fallbacks.waiting.is_empty() && budget.allows_one() {
         let Some((entity, request, kind)) = fallbacks.waiting.pop_front() else { break };
         if !is_wanted(entity, &request) {
             continue;
         }
-        let map = request.map * request.map_before;
-        let Ok(data) = read_parts(&request.parts, &map, &meshes) else { continue };
+        let Ok(data) = read_parts(&request.parts, &request.to_collider(), &meshes) else {
+            continue;
+        };
         let shape = match (kind, settings.execution) {
             (FallbackCollider::None, _) => None,
             (FallbackCollider::BoundingBox, _) => {

@@ -7,7 +7,6 @@ use std::time::Duration;
 use bevy::asset::UntypedAssetId;
 use bevy::ecs::entity::EntityHashMap;
 use bevy::ecs::system::{EntityCommands, SystemParam};
-use bevy::math::Affine3A;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::{Collider, ColliderMassProperties, ColliderScale, RigidBody};
@@ -16,8 +15,8 @@ use bevy_rapier3d::rapier::geometry::SharedShape;
 use super::placement::Stretch;
 use crate::bevy::jobs::Jobs;
 use crate::bevy::jobs::baked::BakedDecomposition;
-use crate::bevy::jobs::request::{ColliderRequest, InputId};
-use crate::bevy::tag::outcomes::{DecompositionError, SkipReason};
+use crate::bevy::jobs::request::ColliderRequest;
+use crate::bevy::tag::outcomes::DecompositionError;
 use crate::bevy::tag::parameters::Goal;
 use crate::bevy::tag::{ConvexDecomposition, NoConvexDecomposition};
 
@@ -31,24 +30,21 @@ pub(super) type InputBoundary = Or<(
 
 /// What an entity requests, at the scale that it had then.
 #[derive(Debug, Clone)]
-pub(super) struct Requested {
+pub(crate) struct Requested {
     pub request: Arc<ColliderRequest>,
     pub stretch: Stretch,
+}
+
+impl Requested {
+    pub(super) fn uses(&self, asset: UntypedAssetId) -> bool {
+        self.request.input.uses(asset)
+    }
 }
 
 /// On entities with a collider of the plugin's: what it was made from.
 #[derive(Component, Debug, Clone)]
 pub(crate) struct AttachedCollider {
-    pub input: Arc<InputId>,
-    pub stretch: Stretch,
-    /// From the entity's space to the collider's.
-    #[cfg_attr(
-        not(feature = "debug"),
-        expect(dead_code, reason = "drawn with the feature `debug`")
-    )]
-    pub map: Affine3A,
-    /// Why it is a triangle mesh instead of hulls.
-    pub why_triangles: Option<SkipReason>,
+    pub requested: Requested,
     /// Whether the plugin set the mass properties, or found them set.
     pub owns_mass: bool,
 }
@@ -155,9 +151,7 @@ impl Unfinished {
 
     /// Entities whose request uses an asset.
     pub(super) fn users(&self, asset: UntypedAssetId) -> impl Iterator<Item = Entity> {
-        let uses = move |entry: &Entry| {
-            entry.requested.as_ref().is_some_and(|of| of.request.input.uses(asset))
-        };
+        let uses = move |entry: &Entry| entry.requested.as_ref().is_some_and(|of| of.uses(asset));
         self.entries.iter().filter(move |(_, entry)| uses(entry)).map(|(entity, _)| *entity)
     }
 

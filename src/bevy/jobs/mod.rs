@@ -286,6 +286,13 @@ enum NextStep {
     Wait,
 }
 
+/// What a system needs to keep within its time.
+#[derive(SystemParam)]
+pub(super) struct Frame<'w> {
+    pub time: ResMut<'w, FrameTime>,
+    pub settings: Res<'w, HullwrightSettings>,
+}
+
 /// What the systems of this frame have taken so far.
 #[derive(Resource, Debug, Default)]
 pub(super) struct FrameTime {
@@ -335,16 +342,15 @@ const PROGRESS_STEP: f32 = 0.01;
 /// a budget.
 pub(super) fn finish_jobs(
     mut jobs: ResMut<Jobs>,
-    mut frame: ResMut<FrameTime>,
-    settings: Res<HullwrightSettings>,
+    Frame { mut time, settings }: Frame,
     mut outcomes: Outcomes,
 ) {
-    frame.spent = Duration::ZERO;
+    time.spent = Duration::ZERO;
     if jobs.running.is_empty() {
         return;
     }
     let jobs = &mut *jobs;
-    let mut budget = frame.budget(&settings);
+    let mut budget = time.budget(&settings);
     let mut index = 0;
     while let Some(job) = jobs.running.get_mut(index) {
         let Some(result) = result_of(job, &mut budget) else {
@@ -418,13 +424,12 @@ fn are_jobs_busy(jobs: Res<Jobs>, counters: Res<DecompositionCounters>) -> bool 
 /// Starts jobs for those in the queue, the nearest to a focus first, as far as jobs and time allow.
 pub(super) fn start_jobs(
     mut jobs: ResMut<Jobs>,
-    mut frame: ResMut<FrameTime>,
-    settings: Res<HullwrightSettings>,
+    Frame { mut time, settings }: Frame,
     sources: Sources,
     mut outcomes: Outcomes,
 ) {
     let jobs = &mut *jobs;
-    let mut budget = frame.budget(&settings);
+    let mut budget = time.budget(&settings);
     let mut waiting = std::mem::take(&mut jobs.waiting);
     if jobs.running.len() < most_jobs(&settings) {
         sources.sort(&mut waiting);

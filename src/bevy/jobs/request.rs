@@ -34,6 +34,11 @@ impl ColliderRequest {
         self.goal.as_ref()?.why_triangles()
     }
 
+    /// From the entity's space to the collider's.
+    pub(crate) fn to_collider(&self) -> Affine3A {
+        self.map * self.map_before
+    }
+
     pub(crate) fn map_key(&self) -> MapKey {
         MapKey::new(&self.map)
     }
@@ -168,18 +173,14 @@ fn append(data: &mut MeshData, mesh: &Mesh, map: &Affine3A) -> Result<(), Decomp
 
     let start = data.triangles.len();
     let triangles = &mut data.triangles;
-    match (indices, is_strip) {
-        (None, false) => list(triangles, 0..count),
-        (None, true) => strip(triangles, 0..count, None),
-        (Some(Indices::U16(indices)), false) => {
-            list(triangles, indices.iter().map(|i| (*i).into()))
+    match indices {
+        None => fill(triangles, is_strip, 0..count, None),
+        Some(Indices::U16(indices)) => {
+            let restart = Some(u16::MAX.into());
+            fill(triangles, is_strip, indices.iter().map(|i| (*i).into()), restart);
         }
-        (Some(Indices::U32(indices)), false) => list(triangles, indices.iter().copied()),
-        (Some(Indices::U16(indices)), true) => {
-            strip(triangles, indices.iter().map(|i| (*i).into()), Some(u16::MAX.into()));
-        }
-        (Some(Indices::U32(indices)), true) => {
-            strip(triangles, indices.iter().copied(), Some(u32::MAX));
+        Some(Indices::U32(indices)) => {
+            fill(triangles, is_strip, indices.iter().copied(), Some(u32::MAX));
         }
     }
     for (index, triangle) in data.triangles[start..].iter_mut().enumerate() {
@@ -206,16 +207,22 @@ fn append(data: &mut MeshData, mesh: &Mesh, map: &Affine3A) -> Result<(), Decomp
     Ok(())
 }
 
-fn list(triangles: &mut Vec<[u32; 3]>, mut vertices: impl Iterator<Item = u32>) {
-    triangles.reserve(vertices.size_hint().0 / 3);
-    while let (Some(a), Some(b), Some(c)) = (vertices.next(), vertices.next(), vertices.next()) {
-        triangles.push([a, b, c]);
+/// Adds the triangles of a list or a strip. Every second triangle of a strip is wound the other way round. The index
+/// `restart` begins a new one.
+fn fill(
+    triangles: &mut Vec<[u32; 3]>,
+    is_strip: bool,
+    mut vertices: impl Iterator<Item = u32>,
+    restart: Option<u32>,
+) {
+    if !is_strip {
+        triangles.reserve(vertices.size_hint().0 / 3);
+        while let (Some(a), Some(b), Some(c)) = (vertices.next(), vertices.next(), vertices.next())
+        {
+            triangles.push([a, b, c]);
+        }
+        return;
     }
-}
-
-/// Every second triangle of a strip is wound the other way round. The index `restart` begins a new
-/// one.
-fn strip(triangles: &mut Vec<[u32; 3]>, vertices: impl Iterator<Item = u32>, restart: Option<u32>) {
     let mut length = 0;
     let (mut a, mut b) = (0, 0);
     for c in vertices {
@@ -272,16 +279,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_strip_turns_every_second_triangle_and_restarts() {
-        let mut triangles = Vec::new();
-        strip(&mut triangles, [0, 1, 2, 3, 9, 4, 5, 6].into_iter(), Some(9));
-        assert_eq!(triangles, [[0, 1, 2], [2, 1, 3], [4, 5, 6]]);
-    }
-
-    #[test]
-    fn a_list_leaves_out_an_unfinished_triangle() {
-        let mut triangles = Vec::new();
-        list(&mut triangles, 0..5);
-        assert_eq!(triangles, [[0, 1, 2]]);
+    fn a_strip_turns_every_second_triangle_and_restarts_and_a_list_leaves_out_an_unfinished_one() {
+        let mut strip = Vec::new();
+        fill(&mut strip, true, [0, 1, 2, 3, 9, 4, 5, 6].into_iter(), Some(9));
+        assert_eq!(strip, [[0, 1, 2], [2, 1, 3], [4, 5, 6]]);
+        let mut list = Vec::new();
+        fill(&mut list, false, 0..5, None);
+        assert_eq!(list, [[0, 1, 2]]);
     }
 }

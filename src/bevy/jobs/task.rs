@@ -17,7 +17,7 @@ use crate::bevy::tag::settings::HullwrightSettings;
 use crate::hulls_format::HullsFile;
 use crate::rapier::ColliderError;
 use crate::{
-    Control, Decomposer, Error, Hull, MassProperties, MeshView, Method, MethodReport,
+    Control, Decomposer, Error, MassProperties, MeshView, Method, MethodReport,
     mass_properties_with,
 };
 
@@ -176,25 +176,28 @@ fn shape_of(
     map: &Affine3A,
     primitives: bool,
 ) -> Result<SharedShape, DecompositionError> {
+    let matrix = map.matrix3;
+    let scale = [matrix.x_axis.x, matrix.y_axis.y, matrix.z_axis.z];
+    let is_scale = *map == Affine3A::from_scale(scale.into());
     match geometry {
-        ColliderGeometry::Hulls(file) if primitives && is_scale(map) => {
-            let scale = [map.matrix3.x_axis.x, map.matrix3.y_axis.y, map.matrix3.z_axis.z];
+        ColliderGeometry::Hulls(file) if primitives && is_scale => {
             Ok(crate::rapier::shape_with_primitives(file, scale)?)
         }
         ColliderGeometry::Hulls(file) => {
-            let hulls = map_hulls(&file.hulls, map)?;
+            // A map that flattens leaves no body.
+            if !(map.is_finite() && matrix.determinant().is_normal()) {
+                let scale = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(Vec3A::length);
+                return Err(ColliderError::InvalidScale { scale }.into());
+            }
+            let (place, hulls) = (map_point(map), file.hulls.iter());
+            let hulls: Vec<Vec<[f64; 3]>> = hulls
+                .map(|hull| hull.shape.points.iter().map(|point| place(*point)).collect())
+                .collect();
             Ok(crate::rapier::shape_from_points(&hulls, [1.0; 3])?)
         }
         ColliderGeometry::Triangles(data) => triangle_mesh(data, map),
         ColliderGeometry::Primitive(kind, data) => Ok(primitive_around(*kind, data, map)?),
     }
-}
-
-/// Whether a map does nothing but scale along the axes.
-fn is_scale(map: &Affine3A) -> bool {
-    let matrix = map.matrix3;
-    let diagonal = [matrix.x_axis.x, matrix.y_axis.y, matrix.z_axis.z];
-    *map == Affine3A::from_scale(diagonal.into())
 }
 
 /// Without it, what slides over a floor stumbles over the edges between its triangles. Two-sided, since
@@ -237,7 +240,10 @@ pub(crate) fn primitive_around(
         // is smaller where no vertex lies on an axis.
         PrimitiveKind::Ball => SharedShape::ball(distances(&|point| (point - middle).length())),
         PrimitiveKind::Capsule => {
-            let axis = longest_axis(half);
+            // Of equal sides the first.
+            let by_length = |a: &Vector, b: &Vector| half.dot(*a).total_cmp(&half.dot(*b));
+            let axis = [Vector::Z, Vector::Y, Vector::X].into_iter().max_by(by_length);
+            let axis = axis.unwrap_or(Vector::X);
             let radius = distances(&|point| (point - middle).reject_from_normalized(axis).length());
             let end = axis * (half.dot(axis) - radius).max(0.0);
             SharedShape::capsule(-end, end, radius)
@@ -249,30 +255,12 @@ pub(crate) fn primitive_around(
     })
 }
 
-fn longest_axis(half: Vector) -> Vector {
-    match half.max_element() {
-        longest if longest == half.x => Vector::X,
-        longest if longest == half.y => Vector::Y,
-        _ => Vector::Z,
-    }
-}
-
 /// Middle and half sides of the box around points; `None` if that is no more than one spot.
 fn bounding_box(points: &[Vector]) -> Option<(Vector, Vector)> {
     let low = points.iter().fold(Vector::INFINITY, |low, point| low.min(*point));
     let high = points.iter().fold(Vector::NEG_INFINITY, |high, point| high.max(*point));
     let half = (high - low) / 2.0;
     (half.is_finite() && half.max_element() > 0.0).then_some((low + half, half))
-}
-
-/// The points of hulls, moved by a map.
-fn map_hulls(hulls: &[Hull], map: &Affine3A) -> Result<Vec<Vec<[f64; 3]>>, ColliderError> {
-    check(map)?;
-    let place = map_point(map);
-    Ok(hulls
-        .iter()
-        .map(|hull| hull.shape.points.iter().map(|point| place(*point)).collect())
-        .collect())
 }
 
 /// Mass properties of a body of the same density after it is moved by a map.
@@ -292,16 +280,6 @@ pub(crate) fn map_mass(properties: &MassProperties, map: &Affine3A) -> MassPrope
     mapped.centre = map_point(map)(properties.centre);
     mapped.inertia = inertia.to_cols_array_2d();
     mapped
-}
-
-/// A map that flattens leaves no body.
-fn check(map: &Affine3A) -> Result<(), ColliderError> {
-    let determinant = map.matrix3.determinant();
-    if map.is_finite() && determinant.is_normal() {
-        return Ok(());
-    }
-    let scale = [map.matrix3.x_axis, map.matrix3.y_axis, map.matrix3.z_axis].map(Vec3A::length);
-    Err(ColliderError::InvalidScale { scale })
 }
 
 fn map_point(map: &Affine3A) -> impl Fn([f64; 3]) -> [f64; 3] + use<> {
@@ -339,14 +317,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_panic_is_an_error_that_says_so() {
+    fn a_panic_is_an_error_that_says_so_and_an_error_stays_what_it_is() {
         let result = contain_panics(|| panic!("on purpose, in a test"));
         assert!(matches!(result, Err(DecompositionError::Panicked)));
         assert!(DecompositionError::Panicked.to_string().contains("panicked"));
-    }
-
-    #[test]
-    fn an_error_stays_what_it_is() {
         let result = contain_panics(|| Err(DecompositionError::NoPositions));
         assert!(matches!(result, Err(DecompositionError::NoPositions)));
     }

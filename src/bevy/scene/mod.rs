@@ -92,9 +92,10 @@ impl Scenes<'_, '_> {
         let mut lines = Vec::new();
         for &node in nodes {
             let Ok((attached, tag)) = self.attached.get(node) else { continue };
-            let Some(key) = self.jobs.key_of(&attached.input) else { continue };
+            let request = &attached.requested.request;
+            let Some(key) = self.jobs.key_of(&request.input) else { continue };
             let goal = Goal::of(tag);
-            let Some(parameters) = goal.parameters().filter(|_| attached.why_triangles.is_none())
+            let Some(parameters) = goal.parameters().filter(|_| request.why_triangles().is_none())
             else {
                 continue;
             };
