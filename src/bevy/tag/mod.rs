@@ -43,10 +43,10 @@ pub struct ConvexDecomposition {
     pub max_error: MaxError,
     /// How much work is put into few hulls.
     pub preset: DecompositionPreset,
-    /// Most hulls, at least 1; `None` for no cap. Where it forces hulls to join beyond the bound,
+    /// Most hulls, at least 1; `None` for no limit. Where it forces hulls to join beyond the bound,
     /// those that protrude least do. Default `None`.
     pub max_hulls: Option<u32>,
-    /// Most vertices of a hull, at least 8; `None` for no cap. Default 64.
+    /// Most vertices of a hull, at least 8; `None` for no limit. Default 64.
     pub max_vertices: Option<u32>,
     /// Whether cavities that nothing from outside can enter stay empty. Default false.
     pub keep_cavities: bool,

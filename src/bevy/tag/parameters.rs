@@ -114,8 +114,8 @@ impl ConvexDecomposition {
         Parameters::default()
             .max_error(self.max_error.into())
             .preset(self.preset.into())
-            .max_hulls(self.max_hulls.map(|cap| cap as usize))
-            .max_vertices(self.max_vertices.map(|cap| cap as usize))
+            .max_hulls(self.max_hulls.map(|limit| limit as usize))
+            .max_vertices(self.max_vertices.map(|limit| limit as usize))
             .keep_cavities(self.keep_cavities)
             .openings(self.openings.into())
     }
@@ -197,7 +197,7 @@ fn hash_parameters(method: &Method, hasher: &mut Sha256) {
     hash.text(method.name());
     hash.length(max_error);
     hash.text(preset.name());
-    hash.cap(*max_hulls);
+    hash.limit(*max_hulls);
     hash.number(u64::from(*keep_cavities));
     hash.text(openings.name());
     hash.text(up_axis.name());
@@ -211,7 +211,7 @@ fn hash_parameters(method: &Method, hasher: &mut Sha256) {
     hash.number(*resolution_cut_off as u64);
     hash.length(unit);
     hash.real(*significant_diagonal);
-    hash.cap(*max_vertices);
+    hash.limit(*max_vertices);
 }
 
 /// Fields as bytes, none of which can be taken for two others.
@@ -231,9 +231,9 @@ impl FieldHasher<'_> {
         self.0.update(text.as_bytes());
     }
 
-    fn cap(&mut self, cap: Option<usize>) {
-        self.number(u64::from(cap.is_some()));
-        self.number(cap.unwrap_or_default() as u64);
+    fn limit(&mut self, limit: Option<usize>) {
+        self.number(u64::from(limit.is_some()));
+        self.number(limit.unwrap_or_default() as u64);
     }
 
     fn length(&mut self, length: &Length) {
