@@ -10,9 +10,9 @@ use bevy_rapier3d::rapier::geometry::SharedShape;
 use bevy_rapier3d::rapier::math::Pose;
 use bevy_rapier3d::rapier::parry::shape::TypedShape;
 
-use super::plugin::HullwrightSystems;
-use super::request::AttachedCollider;
-use super::status::DecompositionCounters;
+use super::collider::work::AttachedCollider;
+use super::tag::outcomes::DecompositionCounters;
+use super::tag::settings::HullwrightSystems;
 
 /// Draws the hulls of all colliders that the plugin made, and keeps its diagnostics.
 ///
@@ -42,51 +42,69 @@ impl Default for HullwrightDebug {
 #[type_path = "hullwright"]
 pub struct HullGizmos;
 
-impl HullwrightDebugPlugin {
+/// Declares diagnostics: their paths, units and values.
+macro_rules! diagnostics {
+    ($($(#[doc = $doc:literal])* $name:ident = $path:literal, $unit:literal, $value:expr;)*) => {
+        impl HullwrightDebugPlugin {
+            $($(#[doc = $doc])*
+            pub const $name: DiagnosticPath = DiagnosticPath::const_new($path);)*
+        }
+
+        const MEASURES: &[(DiagnosticPath, &str, fn(&DecompositionCounters) -> Option<f64>)] =
+            &[$((HullwrightDebugPlugin::$name, $unit, $value)),*];
+    };
+}
+
+diagnostics! {
     /// Jobs at work.
-    pub const RUNNING: DiagnosticPath = DiagnosticPath::const_new("hullwright/running");
+    RUNNING = "hullwright/running", "", |of| Some(of.running as f64);
     /// Entities that wait, for their meshes or in the queue.
-    pub const WAITING: DiagnosticPath = DiagnosticPath::const_new("hullwright/waiting");
+    WAITING = "hullwright/waiting", "", |of| Some((of.queued + of.waiting_for_mesh) as f64);
     /// Decompositions made so far.
-    pub const DECOMPOSED: DiagnosticPath = DiagnosticPath::const_new("hullwright/decomposed");
+    DECOMPOSED = "hullwright/decomposed", "", |of| Some(of.decomposed as f64);
     /// Colliders whose hulls were made for another entity.
-    pub const SHARED: DiagnosticPath = DiagnosticPath::const_new("hullwright/shared");
+    SHARED = "hullwright/shared", "", |of| Some(of.shared as f64);
     /// Colliders whose hulls came from the cache on disk.
-    pub const FROM_DISK: DiagnosticPath = DiagnosticPath::const_new("hullwright/from_disk");
+    FROM_DISK = "hullwright/from_disk", "", |of| Some(of.from_disk as f64);
     /// Colliders of baked hulls.
-    pub const BAKED: DiagnosticPath = DiagnosticPath::const_new("hullwright/baked");
+    BAKED = "hullwright/baked", "", |of| Some(of.baked as f64);
     /// Colliders that are a single hull.
-    pub const CONVEX: DiagnosticPath = DiagnosticPath::const_new("hullwright/convex");
+    CONVEX = "hullwright/convex", "", |of| Some(of.convex as f64);
     /// Triangle meshes for fixed bodies.
-    pub const TRIANGLE_MESHES: DiagnosticPath =
-        DiagnosticPath::const_new("hullwright/triangle_meshes");
+    TRIANGLE_MESHES = "hullwright/triangle_meshes", "", |of| Some(of.triangle_meshes as f64);
     /// Entities skipped because they had a collider.
-    pub const HAD_COLLIDER: DiagnosticPath = DiagnosticPath::const_new("hullwright/had_collider");
+    HAD_COLLIDER = "hullwright/had_collider", "", |of| Some(of.had_collider as f64);
     /// Entities skipped because they are hidden.
-    pub const HIDDEN: DiagnosticPath = DiagnosticPath::const_new("hullwright/hidden");
+    HIDDEN = "hullwright/hidden", "", |of| Some(of.hidden as f64);
     /// Entities skipped because they are too small.
-    pub const TOO_SMALL: DiagnosticPath = DiagnosticPath::const_new("hullwright/too_small");
+    TOO_SMALL = "hullwright/too_small", "", |of| Some(of.too_small as f64);
     /// Entities skipped because every focus is too far.
-    pub const TOO_FAR: DiagnosticPath = DiagnosticPath::const_new("hullwright/too_far");
+    TOO_FAR = "hullwright/too_far", "", |of| Some(of.too_far as f64);
     /// Entities that failed.
-    pub const FAILED: DiagnosticPath = DiagnosticPath::const_new("hullwright/failed");
+    FAILED = "hullwright/failed", "", |of| Some(of.failed as f64);
     /// Entities whose work was cancelled.
-    pub const CANCELLED: DiagnosticPath = DiagnosticPath::const_new("hullwright/cancelled");
+    CANCELLED = "hullwright/cancelled", "", |of| Some(of.cancelled as f64);
     /// Decompositions in the cache in memory.
-    pub const CACHED_COUNT: DiagnosticPath = DiagnosticPath::const_new("hullwright/cached_count");
+    CACHED_COUNT = "hullwright/cached_count", "", |of| Some(of.cached as f64);
     /// Size of the cache in memory, in MiB.
-    pub const CACHED: DiagnosticPath = DiagnosticPath::const_new("hullwright/cached");
+    CACHED = "hullwright/cached", " MiB", |of| Some(of.cached_bytes as f64 / MEBIBYTE);
     /// The bound of the decomposition that was made last, in percent of its mesh's diagonal.
-    pub const BOUND: DiagnosticPath = DiagnosticPath::const_new("hullwright/bound");
+    BOUND = "hullwright/bound", " %", |of| of.last_bound.map(percent);
     /// The verified protrusion of its hulls, in percent of its mesh's diagonal.
-    pub const PROTRUSION: DiagnosticPath = DiagnosticPath::const_new("hullwright/protrusion");
+    PROTRUSION = "hullwright/protrusion", " %", |of| of.last_protrusion.map(percent);
+}
+
+const MEBIBYTE: f64 = 1024.0 * 1024.0;
+
+fn percent(share: f32) -> f64 {
+    100.0 * f64::from(share)
 }
 
 impl Plugin for HullwrightDebugPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<HullwrightDebug>().register_type::<HullwrightDebug>();
         for (path, unit, _) in MEASURES {
-            app.register_diagnostic(Diagnostic::new(path).with_suffix(unit));
+            app.register_diagnostic(Diagnostic::new(path.clone()).with_suffix(*unit));
         }
         app.configure_sets(
             PostUpdate,
@@ -123,8 +141,9 @@ fn draw(
     colliders: Query<(&Collider, &AttachedCollider, &GlobalTransform)>,
 ) {
     for (collider, attached, transform) in &colliders {
-        let to_world = transform.affine() * attached.map.inverse();
-        let parts = parts(&collider.raw);
+        let to_world = transform.affine() * attached.requested.request.to_collider().inverse();
+        let single = [(Pose::IDENTITY, collider.raw.clone())];
+        let parts = collider.raw.as_compound().map_or(&single[..], |compound| compound.shapes());
         for (index, (pose, shape)) in parts.iter().enumerate() {
             let hue = (index as f32 * HUE_STEP).fract() * 360.0;
             let colour = Color::from(Hsla::hsl(hue, 0.9, 0.6));
@@ -134,98 +153,52 @@ fn draw(
     }
 }
 
-fn parts(shape: &SharedShape) -> Vec<(Pose, SharedShape)> {
-    match shape.as_compound() {
-        Some(compound) => compound.shapes().to_vec(),
-        None => vec![(Pose::IDENTITY, shape.clone())],
-    }
-}
-
 fn draw_edges(
     gizmos: &mut Gizmos<HullGizmos>,
     shape: &SharedShape,
     to_world: &Affine3A,
     colour: Color,
 ) {
-    let mut line = |a: Vec3, b: Vec3| {
-        gizmos.line(to_world.transform_point3(a), to_world.transform_point3(b), colour);
+    let mut line = |a: Option<&Vec3>, b: Option<&Vec3>| {
+        if let (Some(a), Some(b)) = (a, b) {
+            gizmos.line(to_world.transform_point3(*a), to_world.transform_point3(*b), colour);
+        }
     };
     match shape.as_typed_shape() {
         TypedShape::ConvexPolyhedron(hull) => {
-            let points = hull.points();
-            let corners = hull.vertices_adj_to_face();
+            let (points, corners) = (hull.points(), hull.vertices_adj_to_face());
             for face in hull.faces() {
                 let first = face.first_vertex_or_edge as usize;
                 let count = face.num_vertices_or_edges as usize;
                 let Some(corners) = corners.get(first..first + count) else { continue };
-                let next = corners.iter().cycle().skip(1);
-                for (a, b) in corners.iter().zip(next) {
-                    if let (Some(a), Some(b)) = (points.get(*a as usize), points.get(*b as usize)) {
-                        line(*a, *b);
-                    }
+                for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+                    line(points.get(*a as usize), points.get(*b as usize));
                 }
             }
         }
         TypedShape::TriMesh(mesh) => {
             for triangle in mesh.triangles() {
-                line(triangle.a, triangle.b);
-                line(triangle.b, triangle.c);
-                line(triangle.c, triangle.a);
+                for (a, b) in
+                    [(triangle.a, triangle.b), (triangle.b, triangle.c), (triangle.c, triangle.a)]
+                {
+                    line(Some(&a), Some(&b));
+                }
             }
         }
-        TypedShape::Cuboid(_) => {
-            let bounds = shape.compute_local_aabb();
-            let [low, high] = [bounds.mins, bounds.maxs];
-            let corner = |index: usize| {
-                let pick = |bit: usize, low: f32, high: f32| {
-                    if index >> bit & 1 == 1 { high } else { low }
-                };
-                Vec3::new(pick(0, low.x, high.x), pick(1, low.y, high.y), pick(2, low.z, high.z))
-            };
-            for from in 0..8_usize {
-                for to in (0..3).map(|bit| from | 1 << bit).filter(|to| *to != from) {
-                    line(corner(from), corner(to));
-                }
+        TypedShape::Cuboid(cuboid) => {
+            let (points, edges) = cuboid.to_outline();
+            for [a, b] in edges {
+                line(points.get(a as usize), points.get(b as usize));
             }
         }
         _ => {}
     }
 }
 
-const MEBIBYTE: f64 = 1024.0 * 1024.0;
-
-/// Diagnostics with their units.
-type Measure = (DiagnosticPath, &'static str, fn(&DecompositionCounters) -> Option<f64>);
-
-const MEASURES: [Measure; 18] = [
-    (HullwrightDebugPlugin::RUNNING, "", |of| Some(of.running as f64)),
-    (HullwrightDebugPlugin::WAITING, "", |of| Some((of.queued + of.waiting_for_mesh) as f64)),
-    (HullwrightDebugPlugin::DECOMPOSED, "", |of| Some(of.decomposed as f64)),
-    (HullwrightDebugPlugin::SHARED, "", |of| Some(of.shared as f64)),
-    (HullwrightDebugPlugin::FROM_DISK, "", |of| Some(of.from_disk as f64)),
-    (HullwrightDebugPlugin::BAKED, "", |of| Some(of.baked as f64)),
-    (HullwrightDebugPlugin::CONVEX, "", |of| Some(of.convex as f64)),
-    (HullwrightDebugPlugin::TRIANGLE_MESHES, "", |of| Some(of.triangle_meshes as f64)),
-    (HullwrightDebugPlugin::HAD_COLLIDER, "", |of| Some(of.had_collider as f64)),
-    (HullwrightDebugPlugin::HIDDEN, "", |of| Some(of.hidden as f64)),
-    (HullwrightDebugPlugin::TOO_SMALL, "", |of| Some(of.too_small as f64)),
-    (HullwrightDebugPlugin::TOO_FAR, "", |of| Some(of.too_far as f64)),
-    (HullwrightDebugPlugin::FAILED, "", |of| Some(of.failed as f64)),
-    (HullwrightDebugPlugin::CANCELLED, "", |of| Some(of.cancelled as f64)),
-    (HullwrightDebugPlugin::CACHED_COUNT, "", |of| Some(of.cached as f64)),
-    (HullwrightDebugPlugin::CACHED, " MiB", |of| Some(of.cached_bytes as f64 / MEBIBYTE)),
-    (HullwrightDebugPlugin::BOUND, " %", |of| of.last_bound.map(percent)),
-    (HullwrightDebugPlugin::PROTRUSION, " %", |of| of.last_protrusion.map(percent)),
-];
-
-fn percent(share: f32) -> f64 {
-    100.0 * f64::from(share)
-}
-
 fn measure(mut diagnostics: Diagnostics, counters: Res<DecompositionCounters>) {
     for (path, _, value) in MEASURES {
         if let Some(value) = value(&counters) {
-            diagnostics.add_measurement(&path, || value);
+            diagnostics.add_measurement(path, || value);
         }
     }
 }

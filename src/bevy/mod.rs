@@ -34,115 +34,103 @@
 //! | many entities | the nearest first; how many are done | [`DecompositionFocus`], [`DecompositionPriority`], [`DecompositionCounters`] |
 //! | the feature `debug` | hulls drawn, counters among the diagnostics | `HullwrightDebugPlugin` |
 
-// Modules, by layers; each uses those above it and the public API of the rest of the crate only:
+// Five concepts, each with a plugin of its own. Imports go down this table only; what a concept owns is private to
+// it, and others use verbs on it.
 //
-// | module | what |
-// |---|---|
-// | `error`, `status`, `events`, `settings` | what users read, and what all entities share |
-// | `tag`, `decomposition_priority`, `baked`, `baked_scene` | components that request a collider |
-// | `scene_recipe` (feature `io`), `scene_processor` | scenes that are baked when they are loaded, or at build time |
-// | `parameters` | from the tag's flat settings to the library's parameters |
-// | `artists`, `nodes`, `hierarchy` | whole scenes, tagged by names and extras |
-// | `mesh_data`, `convert`, `placement` | triangles of meshes, and the scale that is baked |
-// | `primitive`, `static_geometry` | boxes, balls and capsules; which colliders are triangle meshes |
-// | `content`, `cache`, `disk_cache` | known results by content |
-// | `task` | one decomposition, in steps |
-// | `request`, `budget`, `queue` | requests of entities, and the state of all work |
-// | `outcomes` | statuses, counters and the events in which tags end |
-// | `describe` | entities by id, name and asset, for the log |
-// | `change_detection` | what makes a collider out of date |
-// | `skip` | what is hidden, too small or too far |
-// | `resolve` | from tags to requests |
-// | `pool`, `scheduler` | jobs start and finish |
-// | `fallback_collider`, `freeze` | colliders and bodies that wait |
-// | `attach`, `failures` | results and errors reach their entities |
-// | `hierarchy_status`, `hierarchy_progress`, `progress` | how far scenes and all work are |
-// | `debug` (feature) | hulls drawn, and numbers among the diagnostics |
-// | `plugin` | the systems and their order |
+// | concept | owns, and alone writes | what |
+// |---|---|---|
+// | `debug` (feature) | gizmos, diagnostics | hulls drawn, and numbers among the diagnostics |
+// | `scene` | `HierarchyStatus`, `HierarchyWork`, `TaggedByHierarchy`, `HiddenByHierarchy`, `DecompositionProgress` | whole scenes, tagged by names and extras, and how far all work is |
+// | `collider` | `Unfinished`, `Fallbacks`, `AttachedCollider`, `AttachedFallback`, `FailedRequest`, `FarFromFocus`, `Frozen` | from tags to requests, from results to colliders; what is out of date; bodies that wait |
+// | `jobs` | `Jobs` with the caches, `FrameTime`, the assets `BakedHulls` and `BakedScene` | requests wait, become jobs, end in results |
+// | `tag` | `DecompositionStatus`, the events and counters of endings, by `Outcomes` alone | what users say, and what they are told |
+//
+// `scene` writes tags as users do. In the counters `jobs` and `collider` write how much runs and waits.
 
-mod artists;
-mod attach;
-mod baked;
-mod baked_scene;
-mod budget;
-mod cache;
-mod change_detection;
-mod contacts;
-mod content;
-mod convert;
+mod collider;
 #[cfg(feature = "debug")]
 mod debug;
-mod decomposition_priority;
-mod describe;
-mod disk_cache;
-mod error;
-mod events;
-mod failures;
-mod fallback_collider;
-mod freeze;
-mod hierarchy;
-mod hierarchy_progress;
-mod hierarchy_status;
-mod mesh_data;
-mod nodes;
-mod outcomes;
-mod parameters;
-mod placement;
-mod plugin;
-mod pool;
-mod primitive;
-mod progress;
-mod queue;
-mod request;
-mod resolve;
-mod scene_processor;
-#[cfg(feature = "io")]
-mod scene_recipe;
-mod scheduler;
-mod settings;
-mod skip;
-mod static_geometry;
-mod status;
+mod jobs;
+mod scene;
 mod tag;
-mod task;
 
-pub use baked::{BakedDecomposition, BakedHulls, HullsLoader, LoadHullsError};
-pub use baked_scene::{BakedScene, FromBakedScene, HullSceneLoader};
+use bevy::asset::AssetEventSystems;
+use bevy::prelude::*;
+use bevy_rapier3d::plugin::PhysicsSet;
+
 #[cfg(feature = "debug")]
 pub use debug::{HullGizmos, HullwrightDebug, HullwrightDebugPlugin};
-pub use decomposition_priority::DecompositionPriority;
-pub use error::DecompositionError;
-pub use events::{
-    DecompositionCancelled, DecompositionFailed, DecompositionReady, DecompositionSkipped,
-    VerifiedError,
+pub use jobs::baked::{
+    BakedDecomposition, BakedHulls, BakedScene, FromBakedScene, HullSceneLoader,
+    HullSceneProcessor, HullSceneSaver, HullsLoader, LoadHullsError,
 };
-pub use hierarchy::ConvexDecompositionHierarchy;
-pub use hierarchy_status::{HierarchyFinished, HierarchyReport, HierarchyStatus};
-pub use plugin::{HullwrightPlugin, HullwrightSystems};
-pub use progress::{DecompositionProgress, all_decompositions_done, decompositions_pending};
-pub use scene_processor::{HullSceneProcessor, HullSceneSaver};
-pub use settings::{Execution, FallbackCollider, HullwrightSettings};
-pub use status::{DecompositionCounters, DecompositionStatus, HullSource, SkipReason, WaitReason};
+pub use scene::hierarchy::{
+    ConvexDecompositionHierarchy, HierarchyFinished, HierarchyReport, HierarchyStatus,
+};
+pub use scene::{DecompositionProgress, all_decompositions_done, decompositions_pending};
+pub use tag::outcomes::{
+    DecompositionCancelled, DecompositionCounters, DecompositionError, DecompositionFailed,
+    DecompositionReady, DecompositionSkipped, DecompositionStatus, HullSource, SkipReason,
+    VerifiedError, WaitReason,
+};
+pub use tag::settings::{Execution, FallbackCollider, HullwrightSettings, HullwrightSystems};
 pub use tag::{
     ConvexDecomposition, DEFAULT_DENSITY, DecompositionFocus, DecompositionOpenings,
-    DecompositionPreset, DecompositionShape, MaxError, NoConvexDecomposition,
+    DecompositionPreset, DecompositionPriority, DecompositionShape, MaxError,
+    NoConvexDecomposition,
 };
 
 /// What most users need.
 pub mod prelude {
     pub use super::{
-        BakedDecomposition, ConvexDecomposition, ConvexDecompositionHierarchy,
+        BakedDecomposition, BakedScene, ConvexDecomposition, ConvexDecompositionHierarchy,
         DecompositionCancelled, DecompositionCounters, DecompositionFailed, DecompositionFocus,
-        DecompositionOpenings, DecompositionPreset, DecompositionReady, DecompositionShape,
-        DecompositionSkipped, DecompositionStatus, FallbackCollider, HullSource, HullwrightPlugin,
-        HullwrightSettings, HullwrightSystems, MaxError, NoConvexDecomposition, SkipReason,
-        VerifiedError,
-    };
-    pub use super::{
-        BakedScene, DecompositionPriority, DecompositionProgress, FromBakedScene,
-        HierarchyFinished, HierarchyReport, HierarchyStatus, all_decompositions_done,
+        DecompositionOpenings, DecompositionPreset, DecompositionPriority, DecompositionProgress,
+        DecompositionReady, DecompositionShape, DecompositionSkipped, DecompositionStatus,
+        FallbackCollider, FromBakedScene, HierarchyFinished, HierarchyReport, HierarchyStatus,
+        HullSource, HullwrightPlugin, HullwrightSettings, HullwrightSystems, MaxError,
+        NoConvexDecomposition, SkipReason, VerifiedError, all_decompositions_done,
         decompositions_pending,
     };
+}
+
+/// Gives entities with [`ConvexDecomposition`] their colliders.
+///
+/// Needs Bevy's `AssetPlugin`, and Rapier's plugin needs `TransformPlugin`; `MinimalPlugins` are
+/// enough otherwise. The order of plugins does not matter.
+#[derive(Debug, Clone, Default)]
+pub struct HullwrightPlugin {
+    /// The initial settings. If they are the default, settings that were inserted before stay.
+    pub settings: HullwrightSettings,
+}
+
+impl Plugin for HullwrightPlugin {
+    fn build(&self, app: &mut App) {
+        if self.settings != HullwrightSettings::default() {
+            app.insert_resource(self.settings.clone());
+        }
+        app.configure_sets(
+            PostUpdate,
+            (
+                HullwrightSystems::DetectChanges,
+                HullwrightSystems::RunJobs,
+                HullwrightSystems::Attach,
+            )
+                .chain()
+                .before(TransformSystems::Propagate)
+                .before(PhysicsSet::SyncBackend)
+                // Bevy's UI and Rapier's soft bodies write assets after transforms and before the
+                // events about them, so these can't come first. A mesh that was modified is seen in
+                // the next frame, by its event and by the mark that Bevy then sets on `Mesh3d`.
+                .before(AssetEventSystems),
+        );
+        app.add_plugins((
+            tag::TagPlugin,
+            jobs::JobsPlugin,
+            collider::ColliderPlugin,
+            scene::ScenePlugin,
+        ));
+    }
 }
 
 /// The pages' programs run as tests, except the one in `docs/bevy.md`, which needs a window: it is the README's.

@@ -39,6 +39,17 @@ const KINDS: [(&str, Option<ColliderKind>); 8] = [
     ("none", None),
 ];
 
+/// What `fallback` may say.
+const FALLBACKS: [(&str, Fallback); 3] = [
+    ("none", Fallback::None),
+    ("convex_hull", Fallback::ConvexHull),
+    ("bounding_box", Fallback::BoundingBox),
+];
+
+/// What `body` may say.
+const BODIES: [(&str, Body); 3] =
+    [("dynamic", Body::Dynamic), ("fixed", Body::Fixed), ("kinematic", Body::Kinematic)];
+
 /// A collider until the entity's own is ready.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fallback {
@@ -110,13 +121,12 @@ pub fn read_extras(text: &str) -> (Option<ExtrasTag>, Vec<Complaint>) {
         complaints.extend(settings_without_collider(&extras));
         return (None, complaints);
     };
-    let named = |(name, _): &&(&str, _)| collider.as_str() == Some(name);
-    let Some((_, kind)) = KINDS.iter().find(named) else {
+    let Some(kind) = named(collider, &KINDS) else {
         let kinds: Vec<String> = KINDS.iter().map(|(name, _)| format!("\"{name}\"")).collect();
         complaints.push(format!("\"{COLLIDER}\" is {collider}; it may be {}", kinds.join(", ")));
         return (None, complaints);
     };
-    let mut tag = ExtrasTag { kind: *kind, ..ExtrasTag::default() };
+    let mut tag = ExtrasTag { kind, ..ExtrasTag::default() };
     for (key, value) in extras.iter().filter(|(key, _)| *key != COLLIDER) {
         let Some((_, expected)) = SETTINGS.iter().find(|(name, _)| name == key) else {
             complaints.push(format!("\"{key}\" is no setting of a collider; {}", all_keys()));
@@ -177,8 +187,8 @@ impl ExtrasTag {
             "openings" => self.openings = Some(parsed(value)?),
             "density" => self.density = Some(positive(value)? as f32),
             "mass" => self.mass = Some(positive(value)? as f32),
-            "fallback" => self.fallback = Some(fallback(value)?),
-            "body" => self.body = Some(body(value)?),
+            "fallback" => self.fallback = Some(named(value, &FALLBACKS)?),
+            "body" => self.body = Some(named(value, &BODIES)?),
             _ => return None,
         }
         Some(())
@@ -226,22 +236,10 @@ fn parsed<T: FromStr>(value: &Value) -> Option<T> {
     value.as_str()?.parse().ok()
 }
 
-fn fallback(value: &Value) -> Option<Fallback> {
-    match value.as_str()? {
-        "none" => Some(Fallback::None),
-        "convex_hull" => Some(Fallback::ConvexHull),
-        "bounding_box" => Some(Fallback::BoundingBox),
-        _ => None,
-    }
-}
-
-fn body(value: &Value) -> Option<Body> {
-    match value.as_str()? {
-        "dynamic" => Some(Body::Dynamic),
-        "fixed" => Some(Body::Fixed),
-        "kinematic" => Some(Body::Kinematic),
-        _ => None,
-    }
+/// The value of a name in a table.
+fn named<T: Copy>(value: &Value, table: &[(&str, T)]) -> Option<T> {
+    let name = value.as_str()?;
+    table.iter().find(|(known, _)| *known == name).map(|(_, value)| *value)
 }
 
 #[cfg(test)]

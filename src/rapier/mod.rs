@@ -33,20 +33,17 @@
 
 // This module uses the public API of the rest of the crate only.
 
-mod check;
-mod convert;
 mod dispatcher;
-mod prepare;
-mod primitives;
+mod seams;
 mod shape;
 
 use rapier3d::geometry::ColliderBuilder;
 
-pub use convert::{convex_polyhedron, triangle_mesh};
 pub use dispatcher::ContactDispatcher;
-pub use prepare::ColliderError;
-pub use primitives::shape_with_primitives;
-pub use shape::{collider, mass_properties, shape, shape_from_points};
+pub use shape::{
+    ColliderError, collider, convex_polyhedron, mass_properties, shape, shape_from_points,
+    shape_with_primitives, triangle_mesh,
+};
 
 use crate::{Control, MeshView, Parameters};
 

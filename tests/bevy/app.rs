@@ -1,8 +1,10 @@
 //! An app without a window, and meshes to put into it.
 
+use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use bevy::asset::{AssetPlugin, RenderAssetUsages};
+use bevy::asset::{AssetPath, AssetPlugin, RenderAssetUsages};
+use bevy::ecs::component::Mutable;
 use bevy::mesh::{Indices, Mesh, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
@@ -73,6 +75,37 @@ fn start(mut app: App) -> App {
     app
 }
 
+/// What tests do with entities, in few words.
+pub trait Entities {
+    fn put(&mut self, bundle: impl Bundle) -> Entity;
+    fn edit(&mut self, entity: Entity) -> EntityWorldMut<'_>;
+    fn get<C: Component>(&self, entity: Entity) -> Option<&C>;
+    fn change<C: Component<Mutability = Mutable>>(&mut self, entity: Entity) -> Mut<'_, C>;
+    fn load<A: Asset>(&self, path: impl Into<AssetPath<'static>>) -> Handle<A>;
+}
+
+impl Entities for App {
+    fn put(&mut self, bundle: impl Bundle) -> Entity {
+        self.world_mut().spawn(bundle).id()
+    }
+
+    fn edit(&mut self, entity: Entity) -> EntityWorldMut<'_> {
+        self.world_mut().entity_mut(entity)
+    }
+
+    fn get<C: Component>(&self, entity: Entity) -> Option<&C> {
+        self.world().get(entity)
+    }
+
+    fn change<C: Component<Mutability = Mutable>>(&mut self, entity: Entity) -> Mut<'_, C> {
+        self.world_mut().get_mut(entity).unwrap()
+    }
+
+    fn load<A: Asset>(&self, path: impl Into<AssetPath<'static>>) -> Handle<A> {
+        self.world().resource::<AssetServer>().load(path)
+    }
+}
+
 pub fn assets() -> String {
     concat!(env!("CARGO_MANIFEST_DIR"), "/assets").into()
 }
@@ -124,9 +157,13 @@ pub fn unit_cube() -> Mesh {
 }
 
 pub fn assert_is_unit_cube(app: &App, entity: Entity) {
-    let (low, high) = bounds(app, entity);
-    assert_near(low, [0.0; 3], 1e-3);
-    assert_near(high, [1.0; 3], 1e-3);
+    assert_bounds(app, entity, [0.0; 3], [1.0; 3], 1e-3);
+}
+
+/// An app, and a mesh in it.
+pub fn with_mesh(mut app: App, mesh: Mesh) -> (App, Handle<Mesh>) {
+    let handle = add(&mut app, mesh);
+    (app, handle)
 }
 
 pub fn add(app: &mut App, mesh: Mesh) -> Handle<Mesh> {
@@ -165,14 +202,13 @@ pub fn finished(mesh: Mesh, more: impl Bundle) -> (App, Entity) {
 }
 
 pub fn finished_with(settings: HullwrightSettings, mesh: Mesh, more: impl Bundle) -> (App, Entity) {
-    let mut app = app_with(settings);
-    let mesh = add(&mut app, mesh);
+    let (mut app, mesh) = with_mesh(app_with(settings), mesh);
     let entity = finish(&mut app, &mesh, more);
     (app, entity)
 }
 
 pub fn set_scale(app: &mut App, entity: Entity, scale: Vec3) {
-    app.world_mut().get_mut::<Transform>(entity).unwrap().scale = scale;
+    app.change::<Transform>(entity).scale = scale;
 }
 
 /// One step of one job per frame on the main thread, so that each frame has one possible outcome.
@@ -186,7 +222,7 @@ pub fn sliced() -> HullwrightSettings {
 }
 
 pub fn status(app: &App, entity: Entity) -> DecompositionStatus {
-    app.world().get::<DecompositionStatus>(entity).unwrap().clone()
+    app.get::<DecompositionStatus>(entity).unwrap().clone()
 }
 
 pub fn is_ready(app: &App, entity: Entity) -> bool {
@@ -212,11 +248,11 @@ pub fn counters(app: &App) -> DecompositionCounters {
 }
 
 pub fn collider(app: &App, entity: Entity) -> &Collider {
-    app.world().get::<Collider>(entity).expect("a collider")
+    app.get::<Collider>(entity).expect("a collider")
 }
 
 pub fn has_collider(app: &App, entity: Entity) -> bool {
-    app.world().get::<Collider>(entity).is_some()
+    app.get::<Collider>(entity).is_some()
 }
 
 /// The points of each hull of a collider.
@@ -232,20 +268,32 @@ pub fn hulls(app: &App, entity: Entity) -> Vec<Vec<Vec3>> {
 
 /// The mass properties of an entity's collider, which come from its mesh.
 pub fn mass(app: &App, entity: Entity) -> MassProperties {
-    match app.world().get::<ColliderMassProperties>(entity) {
+    match app.get::<ColliderMassProperties>(entity) {
         Some(ColliderMassProperties::MassProperties(properties)) => *properties,
         other => panic!("no mass properties: {other:?}"),
     }
 }
 
 pub fn translation(app: &App, entity: Entity) -> Vec3 {
-    app.world().get::<Transform>(entity).expect("a transform").translation
+    app.get::<Transform>(entity).expect("a transform").translation
 }
 
 /// The corners of a collider's bounding box.
 pub fn bounds(app: &App, entity: Entity) -> (Vec3, Vec3) {
     let bounds = collider(app, entity).raw.compute_local_aabb();
     (bounds.mins, bounds.maxs)
+}
+
+pub fn assert_bounds(
+    app: &App,
+    entity: Entity,
+    low: impl Into<Vec3>,
+    high: impl Into<Vec3>,
+    tolerance: f32,
+) {
+    let found = bounds(app, entity);
+    assert_near(found.0, low, tolerance);
+    assert_near(found.1, high, tolerance);
 }
 
 pub fn assert_near(found: Vec3, expected: impl Into<Vec3>, tolerance: f32) {
@@ -279,4 +327,32 @@ pub fn update_until_ready_times(app: &mut App, times: usize) {
 
 pub fn update_times(app: &mut App, times: usize) {
     (0..times).for_each(|_| app.update());
+}
+
+/// Keeps what is logged, by all tests together.
+pub struct Log;
+
+static LINES: Mutex<Vec<String>> = Mutex::new(Vec::new());
+
+impl Log {
+    pub fn install() {
+        // Only the first succeeds, and one is enough.
+        let _ = log::set_logger(&Self).map(|()| log::set_max_level(log::LevelFilter::Warn));
+    }
+
+    pub fn lines_with(text: &str) -> Vec<String> {
+        LINES.lock().unwrap().iter().filter(|line| line.contains(text)).cloned().collect()
+    }
+}
+
+impl log::Log for Log {
+    fn enabled(&self, _: &log::Metadata<'_>) -> bool {
+        true
+    }
+
+    fn log(&self, record: &log::Record<'_>) {
+        LINES.lock().unwrap().push(record.args().to_string());
+    }
+
+    fn flush(&self) {}
 }

@@ -8,7 +8,6 @@ use serde_json::{Value, json};
 
 use crate::app::*;
 use crate::gltf::{INTEGER, app_with_gltf, float_accessor, gltf_file, update_until_ready};
-use crate::log::Log;
 
 /// A file with one node per name, each with the same mesh, an L, and perhaps extras.
 fn file(nodes: &[(&str, Option<&str>)]) -> String {
@@ -45,7 +44,7 @@ pub fn app_with_nodes(
     std::fs::write(directory.path().join("it.gltf"), file(nodes)).unwrap();
     let mut app = app_with_gltf(directory.path().display().to_string(), add);
     let scene = GltfAssetLabel::Scene(0).from_asset("it.gltf");
-    let scene = app.world().resource::<AssetServer>().load(scene);
+    let scene = app.load(scene);
     app.world_mut().spawn((
         WorldAssetRoot(scene),
         RigidBody::Dynamic,
@@ -72,7 +71,7 @@ fn node(app: &mut App, name: &str) -> Entity {
 /// What became of a node: its shape in a word, and whether its mesh is drawn.
 fn outcome(app: &mut App, name: &str) -> (&'static str, bool) {
     let node = node(app, name);
-    let shape = match app.world().get::<Collider>(node).map(|collider| &collider.raw) {
+    let shape = match app.get::<Collider>(node).map(|collider| &collider.raw) {
         None => "none",
         Some(shape) => {
             let parts = shape.as_compound().map_or(1, |compound| compound.shapes().len());
@@ -87,8 +86,8 @@ fn outcome(app: &mut App, name: &str) -> (&'static str, bool) {
             }
         }
     };
-    let primitive = app.world().get::<Children>(node).unwrap()[0];
-    let is_hidden = |entity| app.world().get(entity) == Some(&Visibility::Hidden);
+    let primitive = app.get::<Children>(node).unwrap()[0];
+    let is_hidden = |entity| app.get(entity) == Some(&Visibility::Hidden);
     (shape, !is_hidden(primitive) && !is_hidden(node))
 }
 
@@ -131,7 +130,7 @@ fn a_rigid_suffix_makes_a_body_of_one_hull() {
         ConvexDecompositionHierarchy::tagged_only(),
     );
     let body = node(&mut app, "crate-rigid");
-    assert_eq!(app.world().get(body), Some(&RigidBody::Dynamic));
+    assert_eq!(app.get(body), Some(&RigidBody::Dynamic));
 }
 
 #[test]
@@ -155,7 +154,7 @@ fn extras_make_bodies_that_move_on_their_own() {
         ("piece", None, "hulls"),
     ] {
         let node = node(&mut app, name);
-        assert_eq!(app.world().get::<RigidBody>(node).copied(), body, "{name}");
+        assert_eq!(app.get::<RigidBody>(node).copied(), body, "{name}");
         assert_eq!(outcome(&mut app, name).0, shape, "{name}");
     }
     // Each ended once: no body came after its collider.
@@ -223,7 +222,7 @@ fn extras_choose_and_tune_the_collider() {
     );
     let tag_of = |app: &mut App, name: &str| {
         let node = node(app, name);
-        app.world().get::<ConvexDecomposition>(node).cloned()
+        app.get::<ConvexDecomposition>(node).cloned()
     };
     let base = tag().with_mass(9.0);
     let tuned = tag().with_max_error(0.01).with_density(500.0);

@@ -24,7 +24,7 @@ fn app_loading(bytes: &[u8]) -> (App, Handle<BakedHulls>, tempfile::TempDir) {
     std::fs::write(directory.path().join("it.hulls"), bytes).unwrap();
     let path = directory.path().to_str().unwrap().to_owned();
     let app = app_with_assets(default(), path);
-    let handle = app.world().resource::<AssetServer>().load("it.hulls");
+    let handle = app.load("it.hulls");
     (app, handle, directory)
 }
 
@@ -32,8 +32,7 @@ fn app_loading(bytes: &[u8]) -> (App, Handle<BakedHulls>, tempfile::TempDir) {
 fn a_baked_file_becomes_a_collider_with_its_mass() {
     let (mut app, handle, _directory) = app_loading(&baked().to_bytes().unwrap());
     let scale = Transform::from_scale(Vec3::splat(2.0));
-    let entity =
-        app.world_mut().spawn((BakedDecomposition::new(handle), RigidBody::Dynamic, scale)).id();
+    let entity = app.put((BakedDecomposition::new(handle), RigidBody::Dynamic, scale));
     update_until_finished(&mut app, &[entity]);
     assert_eq!(status(&app, entity), DecompositionStatus::Ready(HullSource::Baked));
     assert_eq!(collider(&app, entity).as_compound().unwrap().shapes().count(), 3);
@@ -48,7 +47,7 @@ fn a_file_of_an_older_algorithm_loads_as_before() {
     let mut older = baked();
     older.algorithm_version = 1;
     let (mut app, handle, _directory) = app_loading(&older.to_bytes().unwrap());
-    let entity = app.world_mut().spawn((BakedDecomposition::new(handle), RigidBody::Dynamic)).id();
+    let entity = app.put((BakedDecomposition::new(handle), RigidBody::Dynamic));
     update_until_finished(&mut app, &[entity]);
     assert_eq!(status(&app, entity), DecompositionStatus::Ready(HullSource::Baked));
     assert_eq!(collider(&app, entity).as_compound().unwrap().shapes().count(), 3);
@@ -64,7 +63,7 @@ fn corrupt_cut_off_and_newer_files_fail() {
     newer[8] = 99;
     for bytes in [corrupt, good[..good.len() / 2].to_vec(), newer, Vec::new()] {
         let (mut app, handle, _directory) = app_loading(&bytes);
-        let entity = app.world_mut().spawn(BakedDecomposition::new(handle)).id();
+        let entity = app.put(BakedDecomposition::new(handle));
         update_until_finished(&mut app, &[entity]);
         assert!(matches!(status(&app, entity), DecompositionStatus::Failed(_)));
         assert!(!has_collider(&app, entity));
@@ -77,7 +76,7 @@ fn the_mass_of_a_baked_body_may_be_set() {
     let handle = app.world_mut().resource_mut::<Assets<BakedHulls>>().add(BakedHulls(baked()));
     let baked = BakedDecomposition { mass: Some(5.0), ..BakedDecomposition::new(handle) };
     let scale = Transform::from_scale(Vec3::splat(3.0));
-    let entity = app.world_mut().spawn((baked, scale)).id();
+    let entity = app.put((baked, scale));
     update_until_finished(&mut app, &[entity]);
     let properties = mass(&app, entity);
     assert!((properties.mass - 5.0).abs() < 1e-4);

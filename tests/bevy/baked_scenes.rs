@@ -11,7 +11,6 @@ use hullwright::{Control, Length, Parameters};
 
 use crate::app::*;
 use crate::gltf::app_with_scene_in;
-use crate::log::Log;
 
 /// What `hullwright bake` writes.
 fn bake(scene: &Path, options: &BakeOptions) -> HullScene {
@@ -40,10 +39,10 @@ fn load(
 ) -> (App, HierarchyReport) {
     let directory = place.path().display().to_string();
     let (mut app, root) = app_with_scene_in(directory, "scene.glb", hierarchy);
-    let baked = app.world().resource::<AssetServer>().load("scene.hullscene");
-    app.world_mut().get_mut::<ConvexDecompositionHierarchy>(root).unwrap().baked = Some(baked);
-    update_until(&mut app, |app| app.world().get::<HierarchyStatus>(root).unwrap().is_finished());
-    match app.world().get::<HierarchyStatus>(root) {
+    let baked = app.load("scene.hullscene");
+    app.change::<ConvexDecompositionHierarchy>(root).baked = Some(baked);
+    update_until(&mut app, |app| app.get::<HierarchyStatus>(root).unwrap().is_finished());
+    match app.get::<HierarchyStatus>(root) {
         Some(HierarchyStatus::Finished(report)) => {
             let report = *report;
             (app, report)

@@ -27,8 +27,7 @@ fn measured(app: &App, path: &DiagnosticPath) -> Option<f64> {
 
 #[test]
 fn a_server_without_gizmos_has_the_counters_among_its_diagnostics() {
-    let mut app = debug_app(|_| {});
-    let cube = add(&mut app, unit_cube());
+    let (mut app, cube) = with_mesh(debug_app(|_| {}), unit_cube());
     let entities = [spawn(&mut app, &cube), spawn(&mut app, &cube)];
     update_until_finished(&mut app, &entities);
     update_times(&mut app, 3);

@@ -1,4 +1,4 @@
-//! Bodies are frozen until their colliders are ready.
+//! What an entity has until its collider is ready: a body that is frozen, a fallback collider.
 
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
@@ -7,13 +7,12 @@ use hullwright::bevy::prelude::*;
 use crate::app::*;
 
 fn locked(app: &App, body: Entity) -> LockedAxes {
-    app.world().get::<LockedAxes>(body).copied().unwrap_or(LockedAxes::empty())
+    app.get::<LockedAxes>(body).copied().unwrap_or(LockedAxes::empty())
 }
 
 #[test]
 fn a_body_is_frozen_until_its_collider_is_ready_and_then_falls() {
-    let mut app = app_with(sliced());
-    let mesh = add(&mut app, model("u_prism"));
+    let (mut app, mesh) = with_mesh(app_with(sliced()), model("u_prism"));
     let start = Transform::from_xyz(0.0, 5.0, 0.0);
     let own_locks = LockedAxes::TRANSLATION_LOCKED_Z;
     let body = spawn_with(
@@ -60,13 +59,12 @@ fn a_body_that_is_not_frozen_falls_at_once() {
 
 #[test]
 fn a_body_is_released_when_the_work_fails_or_is_cancelled() {
-    let mut app = app();
-    let bad = add(&mut app, mesh(vec![[1.0; 3]; 3], vec![0, 1, 2]));
+    let (mut app, bad) = with_mesh(app(), mesh(vec![[1.0; 3]; 3], vec![0, 1, 2]));
     let failed = spawn_with(&mut app, &bad, RigidBody::Dynamic);
-    let waiting = app.world_mut().spawn((Transform::default(), tag(), RigidBody::Dynamic)).id();
+    let waiting = app.put((Transform::default(), tag(), RigidBody::Dynamic));
     update_until_finished(&mut app, &[failed]);
     assert_eq!(locked(&app, waiting), LockedAxes::all());
-    app.world_mut().entity_mut(waiting).remove::<ConvexDecomposition>();
+    app.edit(waiting).remove::<ConvexDecomposition>();
     update_times(&mut app, 2);
     for body in [failed, waiting] {
         assert!(locked(&app, body).is_empty());
@@ -76,23 +74,20 @@ fn a_body_is_released_when_the_work_fails_or_is_cancelled() {
 #[test]
 fn a_sleeping_body_wakes_when_its_collider_arrives() {
     let mut app = app_with(HullwrightSettings { freeze_until_ready: false, ..default() });
-    let body = app
-        .world_mut()
-        .spawn((
-            RigidBody::Dynamic,
-            AdditionalMassProperties::Mass(1.0),
-            GravityScale(0.0),
-            Sleeping { sleeping: true, ..default() },
-            Transform::default(),
-        ))
-        .id();
+    let body = app.put((
+        RigidBody::Dynamic,
+        AdditionalMassProperties::Mass(1.0),
+        GravityScale(0.0),
+        Sleeping { sleeping: true, ..default() },
+        Transform::default(),
+    ));
     update_times(&mut app, 10);
-    assert!(app.world().get::<Sleeping>(body).unwrap().sleeping);
+    assert!(app.get::<Sleeping>(body).unwrap().sleeping);
     let mesh = add(&mut app, unit_cube());
-    app.world_mut().entity_mut(body).insert((Mesh3d(mesh), tag()));
+    app.edit(body).insert((Mesh3d(mesh), tag()));
     update_until_finished(&mut app, &[body]);
     update_times(&mut app, 2);
-    assert!(!app.world().get::<Sleeping>(body).unwrap().sleeping);
+    assert!(!app.get::<Sleeping>(body).unwrap().sleeping);
 }
 
 /// A body that is frozen, since its mesh is not there yet, and the handle of that mesh.
@@ -113,7 +108,7 @@ fn give_mesh(app: &mut App, body: Entity, handle: &Handle<Mesh>) {
 }
 
 fn velocity(app: &App, body: Entity) -> Vec3 {
-    app.world().get::<Velocity>(body).unwrap().linear
+    app.get::<Velocity>(body).unwrap().linear
 }
 
 #[test]
@@ -132,7 +127,7 @@ fn a_velocity_that_is_set_while_the_body_is_frozen_comes_after_the_release() {
             Some(velocity) => frozen_body(&mut app, Velocity::linear(velocity)),
             None => frozen_body(&mut app, ()),
         };
-        change(&mut app.world_mut().entity_mut(body));
+        change(&mut app.edit(body));
         update_times(&mut app, 10);
         // It is kept, and does not move the body.
         assert_near(translation(&app, body), Vec3::ZERO, 1e-6);
@@ -145,8 +140,8 @@ fn a_velocity_that_is_set_while_the_body_is_frozen_comes_after_the_release() {
 fn a_velocity_that_comes_in_the_frame_of_the_release_survives() {
     let mut app = app();
     let (body, _) = frozen_body(&mut app, Velocity::linear(Vec3::X));
-    app.world_mut().get_mut::<Velocity>(body).unwrap().linear = Vec3::Z;
-    app.world_mut().entity_mut(body).remove::<ConvexDecomposition>();
+    app.change::<Velocity>(body).linear = Vec3::Z;
+    app.edit(body).remove::<ConvexDecomposition>();
     update_times(&mut app, 3);
     assert_near(velocity(&app, body), Vec3::Z, 1e-3);
 }
@@ -193,4 +188,75 @@ fn a_body_that_is_tagged_before_a_fixed_step_does_not_move_before_it_is_ready() 
     update_times(&mut app, 10);
     let at = translation(&app, body);
     assert!(at.y < 4.9 && at.x > 0.2, "it does not fall, or lost its velocity: {at}");
+}
+
+/// An app with a tagged mesh in the queue, while another keeps the only job busy.
+fn app_with_one_in_the_queue(
+    settings: HullwrightSettings,
+    tag: ConvexDecomposition,
+) -> (App, Entity) {
+    let mut app = app_with(HullwrightSettings { max_jobs: 1, ..settings });
+    let busy = add(&mut app, model("dog"));
+    spawn(&mut app, &busy);
+    update_until(&mut app, |app| counters(app).running == 1);
+    let mesh = add(&mut app, model("u_prism"));
+    let entity = spawn_with(&mut app, &mesh, (tag, RigidBody::Dynamic));
+    (app, entity)
+}
+
+/// Waits for the fallback and then for the collider in its place.
+fn assert_falls_back(
+    settings: HullwrightSettings,
+    kind: FallbackCollider,
+    is_it: impl Fn(&Collider) -> bool,
+) {
+    let (mut app, entity) = app_with_one_in_the_queue(settings, tag().with_fallback_collider(kind));
+    update_until(&mut app, |app| has_collider(app, entity));
+    assert!(!status(&app, entity).is_finished());
+    assert!(is_it(collider(&app, entity)));
+    let fallback = bounds(&app, entity);
+    update_until_finished(&mut app, &[entity]);
+    assert_eq!(hulls(&app, entity).len(), 3);
+    assert_bounds(&app, entity, fallback.0, fallback.1, 2e-2);
+    assert!(mass(&app, entity).mass > 0.0);
+}
+
+#[test]
+fn the_bounding_box_is_the_collider_until_the_hulls_are_ready() {
+    assert_falls_back(sliced(), FallbackCollider::BoundingBox, |collider| {
+        collider.as_compound().is_some_and(|parts| parts.shapes().count() == 1)
+    });
+}
+
+#[test]
+fn the_convex_hull_is_the_collider_until_the_hulls_are_ready() {
+    for settings in [sliced(), default()] {
+        assert_falls_back(settings, FallbackCollider::ConvexHull, |collider| {
+            collider.as_convex_polyhedron().is_some()
+        });
+    }
+}
+
+#[test]
+fn there_is_no_fallback_by_default() {
+    let (mut app, entity) = app_with_one_in_the_queue(sliced(), tag());
+    let mut frames = 0;
+    while !is_ready(&app, entity) {
+        assert!(!has_collider(&app, entity), "in frame {frames}");
+        app.update();
+        frames += 1;
+    }
+    assert!(frames > 3, "it never waited");
+}
+
+#[test]
+fn a_fallback_is_removed_with_the_tag() {
+    let settings =
+        HullwrightSettings { fallback_collider: FallbackCollider::BoundingBox, ..sliced() };
+    let (mut app, entity) = app_with_one_in_the_queue(settings, tag());
+    update_until(&mut app, |app| has_collider(app, entity));
+    app.edit(entity).remove::<ConvexDecomposition>();
+    update_times(&mut app, 2);
+    assert!(!has_collider(&app, entity));
+    assert!(app.get::<ColliderMassProperties>(entity).is_none());
 }

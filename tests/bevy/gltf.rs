@@ -27,16 +27,13 @@ pub fn app_with_scene_in(
 ) -> (App, Entity) {
     let mut app = app_with_gltf(directory, |_| {});
     let scene = GltfAssetLabel::Scene(0).from_asset(file.to_owned());
-    let scene = app.world().resource::<AssetServer>().load(scene);
-    let body = app
-        .world_mut()
-        .spawn((
-            WorldAssetRoot(scene),
-            RigidBody::Dynamic,
-            Transform::from_xyz(0.0, 3.0, 0.0),
-            hierarchy,
-        ))
-        .id();
+    let scene = app.load(scene);
+    let body = app.put((
+        WorldAssetRoot(scene),
+        RigidBody::Dynamic,
+        Transform::from_xyz(0.0, 3.0, 0.0),
+        hierarchy,
+    ));
     (app, body)
 }
 
@@ -75,9 +72,9 @@ fn a_lamp_of_four_materials_is_one_input() {
     let (lamp, hulls) = ready[0];
     assert!(hulls > 1);
     assert_ne!(lamp, body);
-    assert_eq!(app.world().get::<Children>(lamp).map(|children| children.len()), Some(4));
+    assert_eq!(app.get::<Children>(lamp).map(|children| children.len()), Some(4));
     update_times(&mut app, 30);
-    assert!(app.world().get::<Transform>(body).unwrap().translation.y < 2.9);
+    assert!(app.get::<Transform>(body).unwrap().translation.y < 2.9);
 }
 
 #[test]
@@ -102,8 +99,8 @@ fn a_chair_of_ten_nodes_is_one_body() {
 fn a_scene_that_can_not_be_loaded_ends_in_a_report_that_says_so() {
     let hierarchy = ConvexDecompositionHierarchy::default();
     let (mut app, root) = app_with_scene_in(assets(), "nowhere.glb", hierarchy);
-    update_until(&mut app, |app| app.world().get::<HierarchyStatus>(root).unwrap().is_finished());
-    let status = app.world().get::<HierarchyStatus>(root);
+    update_until(&mut app, |app| app.get::<HierarchyStatus>(root).unwrap().is_finished());
+    let status = app.get::<HierarchyStatus>(root);
     let Some(HierarchyStatus::Finished(report)) = status else { panic!("{status:?}") };
     assert!(report.is_lost && report.ready + report.failed == 0, "{report:?}");
     // A body that waits for such a scene is no reason to stay on the loading screen.
@@ -129,7 +126,7 @@ fn an_artists_tags_are_followed_and_nothing_else_is_decomposed() {
     // Pieces are not drawn, and all else is.
     let mut drawn = app.world_mut().query_filtered::<(&ChildOf, &Visibility), With<Mesh3d>>();
     for (parent, visibility) in drawn.iter(app.world()) {
-        let name = app.world().get::<Name>(parent.parent()).unwrap().to_string();
+        let name = app.get::<Name>(parent.parent()).unwrap().to_string();
         assert_eq!(*visibility == Visibility::Hidden, pieces.contains(&name), "{name}");
     }
 
@@ -137,11 +134,11 @@ fn an_artists_tags_are_followed_and_nothing_else_is_decomposed() {
     assert_eq!(counters(&app).decomposed, 2);
     let ready = ready(&app).to_vec();
     for (entity, hulls) in ready {
-        let name = app.world().get::<Name>(entity).unwrap().to_string();
+        let name = app.get::<Name>(entity).unwrap().to_string();
         assert_eq!(hulls == 1, pieces.contains(&name), "{name}: {hulls} hulls");
     }
     update_times(&mut app, 30);
-    assert!(app.world().get::<Transform>(body).unwrap().translation.y < 2.9);
+    assert!(app.get::<Transform>(body).unwrap().translation.y < 2.9);
 }
 
 #[test]
@@ -163,11 +160,9 @@ fn morph_targets_and_skins_of_a_file_are_taken_in_their_rest_pose() {
     let ready = ready(&app).to_vec();
     let (entity, hulls) = ready[0];
     assert_eq!((ready.len(), hulls), (1, 1));
-    let (low, high) = bounds(&app, entity);
-    assert_near(low, [0.0; 3], 1e-3);
-    assert_near(high, [1.0; 3], 1e-3);
+    assert_bounds(&app, entity, [0.0; 3], [1.0; 3], 1e-3);
     update_times(&mut app, 30);
-    assert!(app.world().get::<Transform>(body).unwrap().translation.y < 2.9);
+    assert!(app.get::<Transform>(body).unwrap().translation.y < 2.9);
 }
 
 const FLOAT: u32 = 5126;

@@ -1,6 +1,8 @@
 //! A storm of changes: whatever happens to entities and meshes while jobs are at work, in the end each
 //! collider should be that of its mesh, its tag and its scale, and nothing left behind.
 
+use std::collections::VecDeque;
+
 use bevy::mesh::Mesh;
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
@@ -98,20 +100,20 @@ impl Storm {
                 self.app.world_mut().despawn(entity);
             }
             2 => {
-                self.app.world_mut().entity_mut(entity).remove::<ConvexDecomposition>();
+                self.app.edit(entity).remove::<ConvexDecomposition>();
             }
             3 => {
                 let share = [0.01, 0.02, 0.04][self.random.below(3)];
-                self.app.world_mut().entity_mut(entity).insert(tag().with_max_error(share));
+                self.app.edit(entity).insert(tag().with_max_error(share));
             }
             4 => {
                 let scale = Vec3::splat(self.random.size());
-                self.app.world_mut().get_mut::<Transform>(entity).unwrap().scale = scale;
+                self.app.change::<Transform>(entity).scale = scale;
             }
             5 => {
                 let number = self.random.below(MESHES);
                 let handle = self.meshes[number].0.clone();
-                self.app.world_mut().entity_mut(entity).insert(Mesh3d(handle));
+                self.app.edit(entity).insert(Mesh3d(handle));
                 self.entities[index].1 = number;
             }
             6 => {
@@ -124,7 +126,7 @@ impl Storm {
             }
             _ => {
                 // Moved: no reason for anything.
-                let mut transform = self.app.world_mut().get_mut::<Transform>(entity).unwrap();
+                let mut transform = self.app.change::<Transform>(entity);
                 transform.translation.x += 1.0;
             }
         }
@@ -146,11 +148,11 @@ impl Storm {
     fn assert_colliders_are_those_of_their_meshes(&self) {
         let mut checked = 0;
         for &(entity, number) in &self.entities {
-            if self.app.world().get::<ConvexDecomposition>(entity).is_none() {
+            if self.app.get::<ConvexDecomposition>(entity).is_none() {
                 continue;
             }
             assert!(is_ready(&self.app, entity), "{:?}", status(&self.app, entity));
-            let scale = self.app.world().get::<Transform>(entity).unwrap().scale.x;
+            let scale = self.app.get::<Transform>(entity).unwrap().scale.x;
             let extent = self.meshes[number].1 * scale;
             let (low, high) = bounds(&self.app, entity);
             // A collider that follows its mesh by a hull may be off by a bound.
@@ -176,7 +178,7 @@ fn after_ten_thousand_changes_each_collider_is_that_of_its_mesh_and_nothing_is_l
             .entities
             .iter()
             .map(|(entity, _)| *entity)
-            .filter(|entity| storm.app.world().get::<ConvexDecomposition>(*entity).is_some())
+            .filter(|entity| storm.app.get::<ConvexDecomposition>(*entity).is_some())
             .collect();
         // What changed in the last frame is not seen yet.
         update_times(&mut storm.app, 3);
@@ -281,4 +283,89 @@ fn several_apps_may_use_one_cache_at_the_same_time() {
     // One entry, and no temporary file.
     assert_eq!(entries(folder.path()).len(), 1);
     assert!(HullsFile::read(&entries(folder.path())[0]).is_ok());
+}
+
+const STREAMED_FRAMES: usize = 1000;
+
+/// Streamed in per frame: 10,000 in all.
+const STREAMED: usize = 10;
+
+/// Frames that an entity lives: some are gone before their collider is there.
+const LIVES: [usize; 5] = [1, 2, 5, 20, 60];
+
+/// One new mesh per this many entities; the others repeat it.
+const REPEATS: usize = 25;
+
+/// Every so many frames the work is waited for, so that some is done on a slow machine too.
+const BREATH: usize = 100;
+
+/// Too small for the meshes of a hundred frames.
+const CACHE_BYTES: usize = 1 << 20;
+
+const DISK_BYTES: u64 = 1 << 18;
+
+fn count<T: Component>(app: &mut App) -> usize {
+    let world = app.world_mut();
+    world.query_filtered::<(), With<T>>().iter(world).count()
+}
+
+#[test]
+fn ten_thousand_entities_streamed_in_and_out_leave_nothing_behind() {
+    let directory = tempfile::tempdir().unwrap();
+    let mut app = app_with(HullwrightSettings {
+        cache_bytes: CACHE_BYTES,
+        disk_cache: Some(directory.path().into()),
+        disk_cache_bytes: DISK_BYTES,
+        ..default()
+    });
+    app.update();
+    let entities_before = app.world().entities().count_spawned();
+    let mut living: Vec<VecDeque<Entity>> = LIVES.map(|_| VecDeque::new()).into();
+    let mut mesh = None;
+    for number in 0..STREAMED_FRAMES * STREAMED {
+        if number % REPEATS == 0 {
+            let size = 1.0 + number as f32 / 1000.0;
+            mesh = Some(add(&mut app, cuboid([0.0; 3], [size, 1.0, 1.0])));
+        }
+        let place = Transform::from_xyz(10.0 * (number % 97) as f32, 0.0, number as f32);
+        let mesh = mesh.as_ref().unwrap();
+        let entity = spawn_with(&mut app, mesh, (RigidBody::Dynamic, place));
+        living[number % LIVES.len()].push_back(entity);
+        if number % STREAMED < STREAMED - 1 {
+            continue;
+        }
+        app.update();
+        if (number / STREAMED) % BREATH == BREATH - 1 {
+            let present: Vec<Entity> = living.iter().flatten().copied().collect();
+            update_until_finished(&mut app, &present);
+        }
+        for (living, life) in living.iter_mut().zip(LIVES) {
+            while living.len() > life * STREAMED / LIVES.len() {
+                app.world_mut().despawn(living.pop_front().unwrap());
+            }
+        }
+    }
+    let seen = counters(&app);
+    assert!(seen.cancelled > 0 && seen.decomposed > 10 && seen.shared > 100, "{seen:?}");
+    assert!(seen.cached_bytes <= CACHE_BYTES);
+
+    drop(mesh);
+    for entity in living.into_iter().flatten() {
+        app.world_mut().despawn(entity);
+    }
+    // A job that was cancelled at its end may still be writing its file.
+    update_times(&mut app, 10);
+    let left = counters(&app);
+    assert_eq!((left.running, left.queued, left.waiting_for_mesh), (0, 0, 0));
+    assert_eq!(app.world().entities().count_spawned(), entities_before);
+    assert_eq!(app.world().resource::<Assets<Mesh>>().len(), 0);
+    assert_eq!(count::<DecompositionStatus>(&mut app) + count::<Collider>(&mut app), 0);
+    assert!(app.world().resource::<DecompositionProgress>().is_done());
+    let world = app.world_mut();
+    let (bodies, colliders) =
+        world.query::<(&RapierRigidBodySet, &RapierContextColliders)>().single(world).unwrap();
+    assert_eq!((bodies.bodies.len(), colliders.colliders.len()), (0, 0));
+    let files = std::fs::read_dir(directory.path()).unwrap();
+    let bytes: u64 = files.map(|file| file.unwrap().metadata().unwrap().len()).sum();
+    assert!(bytes > 0 && bytes <= DISK_BYTES + DISK_BYTES / 8, "{bytes} bytes on disk");
 }

@@ -87,12 +87,11 @@ fn an_index_out_of_range_fails() {
 
 #[test]
 fn a_density_that_means_nothing_fails() {
-    let mut app = app();
-    let mesh = add(&mut app, unit_cube());
+    let (mut app, mesh) = with_mesh(app(), unit_cube());
     for shape in [DecompositionShape::Hulls, DecompositionShape::Ball] {
         for tag in [tag().with_density(0.0), tag().with_mass(-1.0)] {
             let tag = tag.with_shape(shape);
-            let entity = app.world_mut().spawn((Mesh3d(mesh.clone()), tag)).id();
+            let entity = app.put((Mesh3d(mesh.clone()), tag));
             update_until_finished(&mut app, &[entity]);
             assert!(matches!(status(&app, entity), DecompositionStatus::Failed(_)));
             assert!(!has_collider(&app, entity));

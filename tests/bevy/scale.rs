@@ -15,8 +15,7 @@ fn at_once() -> HullwrightSettings {
 
 #[test]
 fn a_scaled_entity_has_scaled_points_and_mass_and_is_not_scaled_again() {
-    let mut app = app();
-    let mesh = add(&mut app, unit_cube());
+    let (mut app, mesh) = with_mesh(app(), unit_cube());
     let transform = Transform::from_scale(Vec3::new(2.0, 3.0, 4.0))
         .with_rotation(Quat::from_euler(EulerRot::XYZ, 0.3, 1.1, -0.7));
     let entity = spawn_with(&mut app, &mesh, (RigidBody::Dynamic, transform));
@@ -25,7 +24,7 @@ fn a_scaled_entity_has_scaled_points_and_mass_and_is_not_scaled_again() {
     let (low, high) = bounds(&app, entity);
     assert_near(low, [0.0; 3], 1e-3);
     assert_near(high, [2.0, 3.0, 4.0], 4e-3);
-    assert_eq!(app.world().get::<ColliderScale>(entity), Some(&ColliderScale::Absolute(Vec3::ONE)));
+    assert_eq!(app.get::<ColliderScale>(entity), Some(&ColliderScale::Absolute(Vec3::ONE)));
     let mass = mass(&app, entity);
     assert!((mass.mass / (24.0 * DENSITY) - 1.0).abs() < 2e-3);
     assert_near(mass.local_center_of_mass, [1.0, 1.5, 2.0], 5e-3);
@@ -37,15 +36,14 @@ fn a_scaled_entity_has_scaled_points_and_mass_and_is_not_scaled_again() {
 
 #[test]
 fn a_mirrored_entity_has_mirrored_points() {
-    let mut app = app();
-    let mesh = add(&mut app, cuboid([0.0; 3], [1.0, 2.0, 3.0]));
+    let (mut app, mesh) = with_mesh(app(), cuboid([0.0; 3], [1.0, 2.0, 3.0]));
     for scale in [[-1.0, 1.0, 1.0], [1.0, -1.0, 1.0], [-1.0, -1.0, -1.0], [-1.0, 1.0, -2.0]] {
         let transform =
             Transform::from_scale(scale.into()).with_rotation(Quat::from_rotation_y(1.0));
         let entity = finish(&mut app, &mesh, transform);
         app.update();
         // Where Rapier puts the collider, its points lie where the mesh is drawn.
-        let pose = app.world().get::<GlobalTransform>(entity).unwrap().compute_transform();
+        let pose = app.get::<GlobalTransform>(entity).unwrap().compute_transform();
         let drawn = [Vec3::ZERO, Vec3::new(1.0, 2.0, 3.0)].map(|p| transform.transform_point(p));
         let (low, high) = bounds(&app, entity);
         let centre = pose.rotation * ((low + high) / 2.0) + pose.translation;
@@ -56,24 +54,23 @@ fn a_mirrored_entity_has_mirrored_points() {
 
 #[test]
 fn a_turned_child_below_a_stretched_body_lies_where_it_is_drawn() {
-    let mut app = app();
-    let mesh = add(&mut app, unit_cube());
+    let (mut app, mesh) = with_mesh(app(), unit_cube());
     let of_body = Transform::from_xyz(1.0, 2.0, 3.0)
         .with_rotation(Quat::from_rotation_x(0.4))
         .with_scale(Vec3::new(3.0, 1.0, 1.0));
     let of_child = Transform::from_xyz(0.5, 0.0, 0.0).with_rotation(Quat::from_rotation_z(0.7));
-    let body = app.world_mut().spawn((RigidBody::Fixed, of_body)).id();
+    let body = app.put((RigidBody::Fixed, of_body));
     let child = spawn_with(&mut app, &mesh, (of_child, ChildOf(body)));
     app.world_mut().resource_mut::<HullwrightSettings>().exact_static_colliders = false;
     update_until_finished(&mut app, &[child]);
     update_times(&mut app, 2);
 
-    let drawn = app.world().get::<GlobalTransform>(child).unwrap().affine();
+    let drawn = app.get::<GlobalTransform>(child).unwrap().affine();
     let corners: Vec<Vec3> = (0..8)
         .map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2 & 1) as f32))
         .map(|corner| drawn.transform_point3(corner))
         .collect();
-    let handle = app.world().get::<RapierColliderHandle>(child).unwrap().0;
+    let handle = app.get::<RapierColliderHandle>(child).unwrap().0;
     let world = app.world_mut();
     let colliders = world.query::<&RapierContextColliders>().single(world).unwrap();
     let collider = &colliders.colliders[handle];
@@ -106,8 +103,7 @@ fn a_scale_that_keeps_changing_is_baked_once_it_rests() {
     let mesh = add(&mut app, unit_cube());
     let entity = finish(&mut app, &mesh, ());
     for step in 0..10 {
-        app.world_mut().get_mut::<Transform>(entity).unwrap().scale =
-            Vec3::splat(1.0 + step as f32);
+        app.change::<Transform>(entity).scale = Vec3::splat(1.0 + step as f32);
         app.update();
     }
     update_until(&mut app, |app| (bounds(app, entity).1 - Vec3::splat(10.0)).length() < 0.05);
@@ -119,7 +115,7 @@ fn a_moved_and_turned_entity_keeps_its_collider() {
     let transform = Transform::from_scale(Vec3::new(0.3, 7.0, 1.7));
     let (mut app, entity) = finished_with(at_once(), unit_cube(), transform);
     for step in 0..50 {
-        let mut transform = app.world_mut().get_mut::<Transform>(entity).unwrap();
+        let mut transform = app.change::<Transform>(entity);
         transform.rotate_local_x(0.37);
         transform.rotate_y(0.11);
         transform.translation = Vec3::splat(100.0 * step as f32);
@@ -147,8 +143,7 @@ fn a_bound_in_metres_is_kept_in_metres() {
 
 #[test]
 fn a_scale_that_changes_while_the_job_is_at_work_is_baked_in_the_end() {
-    let mut app = app_with(sliced());
-    let mesh = add(&mut app, unit_cube());
+    let (mut app, mesh) = with_mesh(app_with(sliced()), unit_cube());
     let [running, queued] = [1.0, 3.0].map(|scale| {
         let transform = Transform::from_scale(Vec3::splat(scale));
         spawn_with(&mut app, &mesh, transform)
@@ -169,12 +164,11 @@ fn a_scale_that_changes_while_the_job_is_at_work_is_baked_in_the_end() {
 
 #[test]
 fn a_scale_of_zero_fails_and_recovers() {
-    let mut app = app_with(at_once());
-    let mesh = add(&mut app, unit_cube());
+    let (mut app, mesh) = with_mesh(app_with(at_once()), unit_cube());
     let flat = Vec3::new(1.0, 0.0, 1.0);
     let of_scale = |scale| (Mesh3d(mesh.clone()), tag(), Transform::from_scale(scale));
-    let flat_first = app.world_mut().spawn(of_scale(flat)).id();
-    let flat_later = app.world_mut().spawn(of_scale(Vec3::ONE)).id();
+    let flat_first = app.put(of_scale(flat));
+    let flat_later = app.put(of_scale(Vec3::ONE));
     update_until_finished(&mut app, &[flat_first, flat_later]);
     assert!(matches!(status(&app, flat_first), DecompositionStatus::Failed(_)));
     assert!(is_ready(&app, flat_later));
@@ -194,8 +188,7 @@ fn a_scale_of_zero_fails_and_recovers() {
 
 #[test]
 fn a_scale_that_grows_while_a_flat_job_is_at_work_recovers() {
-    let mut app = app_with(sliced());
-    let mesh = add(&mut app, unit_cube());
+    let (mut app, mesh) = with_mesh(app_with(sliced()), unit_cube());
     let flat = Transform::from_scale(Vec3::new(1.0, 0.0, 1.0));
     let entity = spawn_with(&mut app, &mesh, flat);
     update_times(&mut app, 2);
@@ -216,8 +209,7 @@ fn a_changed_scale_does_not_try_a_bad_mesh_again() {
 
 #[test]
 fn a_modified_mesh_is_decomposed_anew() {
-    let mut app = app();
-    let handle = add(&mut app, unit_cube());
+    let (mut app, handle) = with_mesh(app(), unit_cube());
     let entity = finish(&mut app, &handle, ());
     let positions: Vec<[f32; 3]> =
         (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2 & 1].map(|x| 3.0 * x as f32)).collect();
@@ -233,11 +225,10 @@ fn a_modified_mesh_is_decomposed_anew() {
 
 #[test]
 fn another_mesh_in_its_place_is_decomposed() {
-    let mut app = app();
-    let small = add(&mut app, unit_cube());
+    let (mut app, small) = with_mesh(app(), unit_cube());
     let large = add(&mut app, cuboid([0.0; 3], [5.0; 3]));
     let entity = finish(&mut app, &small, ());
-    app.world_mut().entity_mut(entity).insert(Mesh3d(large));
+    app.edit(entity).insert(Mesh3d(large));
     update_until_ready_times(&mut app, 2);
     assert_near(bounds(&app, entity).1, [5.0; 3], 1e-2);
 }
@@ -246,7 +237,7 @@ fn another_mesh_in_its_place_is_decomposed() {
 fn mass_properties_that_were_there_stay() {
     let own = ColliderMassProperties::Mass(7.0);
     let (app, entity) = finished(unit_cube(), own);
-    assert_eq!(app.world().get::<ColliderMassProperties>(entity), Some(&own));
+    assert_eq!(app.get::<ColliderMassProperties>(entity), Some(&own));
     assert_eq!(status(&app, entity), DecompositionStatus::Ready(HullSource::Decomposed));
 }
 
@@ -254,18 +245,18 @@ fn mass_properties_that_were_there_stay() {
 fn an_untagged_collider_follows_later_changes_of_scale() {
     let start = Transform::from_scale(Vec3::new(2.0, 1.0, -3.0));
     let (mut app, entity) = finished(unit_cube(), start);
-    app.world_mut().entity_mut(entity).remove::<ConvexDecomposition>();
+    app.edit(entity).remove::<ConvexDecomposition>();
     update_times(&mut app, 2);
     let size = |app: &App| {
         let (low, high) = bounds(app, entity);
         high - low
     };
     assert_near(size(&app), [2.0, 1.0, 3.0], 1e-3);
-    app.world_mut().get_mut::<Transform>(entity).unwrap().scale *= 2.0;
+    app.change::<Transform>(entity).scale *= 2.0;
     update_times(&mut app, 3);
     assert_near(size(&app), [4.0, 2.0, 6.0], 1e-3);
     // The tag takes it back.
-    app.world_mut().entity_mut(entity).insert(tag());
+    app.edit(entity).insert(tag());
     update_until_finished(&mut app, &[entity]);
     update_times(&mut app, 2);
     assert_near(size(&app), [4.0, 2.0, 6.0], 1e-3);

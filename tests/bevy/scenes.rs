@@ -1,5 +1,6 @@
-//! Whole scenes: a default, names, exclusions, suffixes and extras.
+//! Whole scenes: a default, names, exclusions, suffixes and extras; how far they are, and the one event at their end.
 
+use bevy::ecs::system::RunSystemOnce;
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
 use hullwright::bevy::prelude::*;
@@ -8,10 +9,7 @@ use crate::app::*;
 
 /// A node as Bevy's glTF loader spawns it: named, with its primitives as children.
 fn node(app: &mut App, parent: Entity, name: &str, meshes: &[&Handle<Mesh>]) -> Entity {
-    let node = app
-        .world_mut()
-        .spawn((Name::new(name.to_owned()), Transform::default(), ChildOf(parent)))
-        .id();
+    let node = app.put((Name::new(name.to_owned()), Transform::default(), ChildOf(parent)));
     for mesh in meshes {
         app.world_mut().spawn((Mesh3d((*mesh).clone()), ChildOf(node)));
     }
@@ -19,11 +17,11 @@ fn node(app: &mut App, parent: Entity, name: &str, meshes: &[&Handle<Mesh>]) -> 
 }
 
 fn root(app: &mut App, hierarchy: ConvexDecompositionHierarchy) -> Entity {
-    app.world_mut().spawn((Transform::default(), hierarchy)).id()
+    app.put((Transform::default(), hierarchy))
 }
 
 fn is_tagged(app: &App, entity: Entity) -> bool {
-    app.world().get::<ConvexDecomposition>(entity).is_some()
+    app.get::<ConvexDecomposition>(entity).is_some()
 }
 
 fn cube(app: &mut App) -> Handle<Mesh> {
@@ -60,8 +58,8 @@ fn names_override_and_exclude() {
     let [chair, table, lamp] =
         ["chair", "table", "lamp"].map(|name| node(&mut app, root, name, &[&cube]));
     update_times(&mut app, 2);
-    assert_eq!(app.world().get::<ConvexDecomposition>(chair), Some(&tag()));
-    assert_eq!(app.world().get::<ConvexDecomposition>(table), Some(&other));
+    assert_eq!(app.get::<ConvexDecomposition>(chair), Some(&tag()));
+    assert_eq!(app.get::<ConvexDecomposition>(table), Some(&other));
     assert!(!is_tagged(&app, lamp));
 }
 
@@ -93,8 +91,7 @@ fn only_what_is_tagged_by_name_or_artist_if_there_is_no_default() {
 
 #[test]
 fn pieces_made_by_the_artist_stand_for_the_mesh_that_they_name() {
-    let mut app = app();
-    let mesh = add(&mut app, model("u_prism"));
+    let (mut app, mesh) = with_mesh(app(), model("u_prism"));
     let root = root(&mut app, ConvexDecompositionHierarchy::default());
     let whole = node(&mut app, root, "chair", &[&mesh]);
     let piece = node(&mut app, root, "UCX_chair_01", &[&mesh]);
@@ -113,10 +110,10 @@ fn what_comes_later_is_tagged_too_and_own_tags_stay() {
     let late = node(&mut app, root, "late", &[&cube]);
     let own = node(&mut app, root, "own", &[&cube]);
     let own_tag = tag().with_density(5.0);
-    app.world_mut().entity_mut(own).insert(own_tag.clone());
+    app.edit(own).insert(own_tag.clone());
     update_times(&mut app, 2);
     assert!(is_tagged(&app, late));
-    assert_eq!(app.world().get::<ConvexDecomposition>(own), Some(&own_tag));
+    assert_eq!(app.get::<ConvexDecomposition>(own), Some(&own_tag));
 }
 
 #[test]
@@ -124,30 +121,27 @@ fn colliders_below_a_body_move_with_it_and_feel_like_it() {
     let mut app = app();
     let cube = cube(&mut app);
     let groups = CollisionGroups::new(Group::GROUP_2, Group::GROUP_3);
-    let body = app
-        .world_mut()
-        .spawn((
-            Transform::from_xyz(0.0, 5.0, 0.0),
-            RigidBody::Dynamic,
-            Friction::coefficient(0.9),
-            Restitution::coefficient(0.4),
-            groups,
-            SolverGroups::new(Group::GROUP_4, Group::GROUP_5),
-            Sensor,
-            (
-                ActiveEvents::COLLISION_EVENTS,
-                ActiveHooks::FILTER_CONTACT_PAIRS,
-                ActiveCollisionTypes::all(),
-                ContactForceEventThreshold(7.0),
-                ContactSkin(0.01),
-            ),
-            ConvexDecompositionHierarchy::new(tag()),
-        ))
-        .id();
+    let body = app.put((
+        Transform::from_xyz(0.0, 5.0, 0.0),
+        RigidBody::Dynamic,
+        Friction::coefficient(0.9),
+        Restitution::coefficient(0.4),
+        groups,
+        SolverGroups::new(Group::GROUP_4, Group::GROUP_5),
+        Sensor,
+        (
+            ActiveEvents::COLLISION_EVENTS,
+            ActiveHooks::FILTER_CONTACT_PAIRS,
+            ActiveCollisionTypes::all(),
+            ContactForceEventThreshold(7.0),
+            ContactSkin(0.01),
+        ),
+        ConvexDecompositionHierarchy::new(tag()),
+    ));
     let left = node(&mut app, body, "left", &[&cube]);
     let right = node(&mut app, body, "right", &[&cube]);
     let own = Friction::coefficient(0.1);
-    app.world_mut().entity_mut(right).insert((Transform::from_xyz(3.0, 0.0, 0.0), own));
+    app.edit(right).insert((Transform::from_xyz(3.0, 0.0, 0.0), own));
     tag_and_finish(&mut app, &[left, right]);
     app.update();
     let world = app.world_mut();
@@ -175,8 +169,8 @@ fn colliders_below_a_body_move_with_it_and_feel_like_it() {
     assert_near(rapier_body.mass_properties().local_mprops.local_com, [2.0, 0.5, 0.5], 1e-2);
     let before = world.get::<Transform>(body).unwrap().translation.y;
     update_times(&mut app, 30);
-    assert!(app.world().get::<Transform>(body).unwrap().translation.y < before - 0.5);
-    assert_near(app.world().get::<Transform>(right).unwrap().translation, [3.0, 0.0, 0.0], 1e-5);
+    assert!(app.get::<Transform>(body).unwrap().translation.y < before - 0.5);
+    assert_near(app.get::<Transform>(right).unwrap().translation, [3.0, 0.0, 0.0], 1e-5);
 }
 
 #[cfg(feature = "bevy_gltf")]
@@ -189,10 +183,10 @@ fn extras_tag_nodes_and_meshes() {
     let yes = || r#"{"collider": "convex_decomposition"}"#.to_owned();
     let [by_node, by_mesh, neither] =
         ["a", "b", "c"].map(|name| node(&mut app, root, name, &[&cube]));
-    app.world_mut().entity_mut(by_node).insert(GltfExtras { value: yes() });
-    let primitive = app.world().get::<Children>(by_mesh).unwrap()[0];
-    app.world_mut().entity_mut(primitive).insert(GltfMeshExtras { value: yes() });
-    app.world_mut().entity_mut(neither).insert(GltfExtras { value: "{".into() });
+    app.edit(by_node).insert(GltfExtras { value: yes() });
+    let primitive = app.get::<Children>(by_mesh).unwrap()[0];
+    app.edit(primitive).insert(GltfMeshExtras { value: yes() });
+    app.edit(neither).insert(GltfExtras { value: "{".into() });
     update_times(&mut app, 2);
     let tagged = [by_node, by_mesh, neither].map(|entity| is_tagged(&app, entity));
     assert_eq!(tagged, [true, true, false]);
@@ -221,8 +215,7 @@ fn meshes_right_below_the_root_that_are_no_primitives_are_inputs_of_their_own() 
     let mut app = app();
     let (cube, other) = (cube(&mut app), add(&mut app, cuboid([2.0; 3], [3.0; 3])));
     let root = root(&mut app, ConvexDecompositionHierarchy::new(tag()));
-    let children = [&cube, &other]
-        .map(|mesh| app.world_mut().spawn((Mesh3d(mesh.clone()), ChildOf(root))).id());
+    let children = [&cube, &other].map(|mesh| app.put((Mesh3d(mesh.clone()), ChildOf(root))));
     update_times(&mut app, 2);
     assert!(!is_tagged(&app, root));
     update_until_finished(&mut app, &children);
@@ -257,4 +250,138 @@ fn what_an_observer_of_the_tag_makes_a_body_is_hulls_at_once() {
     assert_eq!((ready(&app).len(), seen(&app).all(), counters(&app).triangle_meshes), (2, 2, 0));
     update_times(&mut app, 30);
     assert!(translation(&app, chair).y < -0.1 && translation(&app, table).y < -0.1);
+}
+
+#[derive(Resource, Default)]
+struct Finished(Vec<(Entity, HierarchyReport)>);
+
+fn observed(app: &mut App) {
+    app.init_resource::<Finished>();
+    app.add_observer(|event: On<HierarchyFinished>, mut finished: ResMut<Finished>| {
+        finished.0.push((event.entity, event.report));
+    });
+}
+
+fn finished(app: &App) -> Vec<(Entity, HierarchyReport)> {
+    app.world().resource::<Finished>().0.clone()
+}
+
+fn progress(app: &App) -> DecompositionProgress {
+    *app.world().resource::<DecompositionProgress>()
+}
+
+fn all_done(app: &mut App) -> bool {
+    let pending = app.world_mut().run_system_once(decompositions_pending).unwrap();
+    let done = app.world_mut().run_system_once(all_decompositions_done).unwrap();
+    assert_ne!(done, pending);
+    done
+}
+
+fn scene(app: &mut App, meshes: &[(&str, &Handle<Mesh>)]) -> Entity {
+    let root = root(app, ConvexDecompositionHierarchy::new(tag()).without("lamp"));
+    for (name, mesh) in meshes {
+        node(app, root, name, &[*mesh]);
+    }
+    root
+}
+
+#[test]
+fn progress_goes_from_0_to_1_and_never_back() {
+    let mut app = app_with(sliced());
+    assert!(all_done(&mut app) && progress(&app).is_done());
+    for round in 0..2 {
+        let meshes = ["u_prism", "l_prism"].map(|name| add(&mut app, model(name)));
+        for mesh in &meshes {
+            spawn_with(&mut app, mesh, tag().with_max_error(0.02 + 0.001 * round as f32));
+        }
+        // Already before the plugin's systems have seen them.
+        assert!(!all_done(&mut app));
+        let mut seen = Vec::new();
+        while !all_done(&mut app) {
+            app.update();
+            let now = progress(&app);
+            assert_eq!(now.total, 2);
+            assert!(now.finished <= 2 && now.is_done() == all_done(&mut app));
+            seen.push(now.fraction);
+        }
+        assert!(seen.is_sorted() && seen[0] < 0.5, "{seen:?}");
+        assert!(seen.iter().filter(|fraction| **fraction == 1.0).count() == 1, "{seen:?}");
+        assert!(seen.len() > 4);
+    }
+}
+
+#[test]
+fn despawned_entities_do_not_hold_progress_back() {
+    let (mut app, mesh) = with_mesh(app_with(sliced()), model("dog"));
+    let entities =
+        [1.0, 2.0].map(|x| spawn_with(&mut app, &mesh, Transform::from_xyz(x, 0.0, 0.0)));
+    update_times(&mut app, 3);
+    assert!(!progress(&app).is_done());
+    for entity in entities {
+        app.world_mut().despawn(entity);
+    }
+    update_times(&mut app, 2);
+    assert!(all_done(&mut app) && progress(&app).is_done() && progress(&app).fraction == 1.0);
+}
+
+#[test]
+fn a_scene_ends_in_one_event_with_its_counts() {
+    let mut app = app();
+    observed(&mut app);
+    let good = add(&mut app, model("u_prism"));
+    let bad = add(&mut app, mesh(vec![[1.0; 3]; 3], vec![0, 1, 2]));
+    let meshes = [("chair", &good), ("table", &good), ("broken", &bad), ("lamp", &good)];
+    let root = scene(&mut app, &meshes);
+    let other = scene(&mut app, &[("mug", &good)]);
+    update_until(&mut app, |app| finished(app).len() == 2);
+    update_times(&mut app, 20);
+    let mut found = finished(&app);
+    found.sort_by_key(|(entity, _)| *entity != root);
+    assert_eq!(found.len(), 2);
+    let (entity, report) = found[0];
+    assert_eq!(entity, root);
+    let counts = [report.ready, report.skipped, report.failed, report.cancelled, report.left_out];
+    assert_eq!(counts, [2, 0, 1, 0, 1]);
+    assert_eq!((found[1].0, found[1].1.ready), (other, 1));
+    assert!(report.time > std::time::Duration::ZERO && !report.is_lost);
+    assert_eq!(app.get::<HierarchyStatus>(root), Some(&HierarchyStatus::Finished(report)));
+}
+
+#[test]
+fn a_scene_ends_again_only_when_something_is_added() {
+    let mut app = app();
+    observed(&mut app);
+    let mesh = add(&mut app, model("u_prism"));
+    let root = scene(&mut app, &[("chair", &mesh)]);
+    update_until(&mut app, |app| finished(app).len() == 1);
+    node(&mut app, root, "late", &[&mesh]);
+    update_until(&mut app, |app| finished(app).len() == 2);
+    assert_eq!(finished(&app)[1].1.ready, 2);
+}
+
+#[test]
+fn a_scene_without_meshes_yet_is_waited_for() {
+    let mut app = app();
+    observed(&mut app);
+    let root = scene(&mut app, &[]);
+    update_times(&mut app, 5);
+    assert_eq!(app.get::<HierarchyStatus>(root), Some(&HierarchyStatus::Waiting));
+    assert!(!all_done(&mut app) && !progress(&app).is_done());
+    app.world_mut().despawn(root);
+    update_times(&mut app, 2);
+    assert!(all_done(&mut app) && progress(&app).is_done());
+}
+
+#[test]
+fn despawned_meshes_of_a_scene_count_as_cancelled() {
+    let mut app = app_with(sliced());
+    observed(&mut app);
+    let mesh = add(&mut app, model("dog"));
+    let root = scene(&mut app, &[("dog", &mesh), ("other", &mesh)]);
+    update_times(&mut app, 3);
+    let dog = app.get::<Children>(root).unwrap()[0];
+    app.world_mut().despawn(dog);
+    update_until(&mut app, |app| finished(app).len() == 1);
+    let report = finished(&app)[0].1;
+    assert_eq!((report.ready, report.cancelled), (1, 1));
 }

@@ -1,9 +1,10 @@
-//! What is skipped on request: each with its counter.
+//! What is skipped on request, each with its counter, and what never moves, which gets its triangles.
 
 use std::time::Duration;
 
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
+use bevy_rapier3d::rapier::parry::shape::TriMeshFlags;
 use hullwright::bevy::SkipReason;
 use hullwright::bevy::prelude::*;
 
@@ -17,7 +18,7 @@ fn skipped(app: &App, entity: Entity) -> Option<SkipReason> {
 }
 
 fn place(app: &mut App, entity: Entity, x: f32) {
-    app.world_mut().get_mut::<Transform>(entity).unwrap().translation.x = x;
+    app.change::<Transform>(entity).translation.x = x;
 }
 
 #[test]
@@ -38,14 +39,14 @@ fn what_is_too_small_in_the_world_gets_no_collider() {
 fn what_is_hidden_starts_when_it_is_shown() {
     let mut app = app_with(HullwrightSettings { skip_hidden: true, ..default() });
     let cube = add(&mut app, unit_cube());
-    let room = app.world_mut().spawn((Transform::default(), Visibility::Hidden)).id();
+    let room = app.put((Transform::default(), Visibility::Hidden));
     let inside = spawn_with(&mut app, &cube, (ChildOf(room), Visibility::Inherited));
     let shown = spawn_with(&mut app, &cube, (ChildOf(room), Visibility::Visible));
     update_until_finished(&mut app, &[inside, shown]);
     assert_eq!(skipped(&app, inside), Some(SkipReason::Hidden));
     assert!(is_ready(&app, shown));
     assert_eq!(counters(&app).hidden, 1);
-    app.world_mut().entity_mut(room).insert(Visibility::Visible);
+    app.edit(room).insert(Visibility::Visible);
     update_until(&mut app, |app| is_ready(app, inside));
 }
 
@@ -53,7 +54,7 @@ fn what_is_hidden_starts_when_it_is_shown() {
 fn what_is_far_from_every_focus_starts_when_one_is_near() {
     let mut app = app_with(HullwrightSettings { focus_radius: Some(10.0), ..default() });
     let cube = add(&mut app, unit_cube());
-    let focus = app.world_mut().spawn((Transform::default(), DecompositionFocus)).id();
+    let focus = app.put((Transform::default(), DecompositionFocus));
     let at = |x: f32| (Transform::from_xyz(x, 0.0, 0.0), RigidBody::Dynamic);
     let near = spawn_with(&mut app, &cube, at(9.0));
     let far = spawn_with(&mut app, &cube, at(50.0));
@@ -76,9 +77,8 @@ fn what_is_far_from_every_focus_starts_when_one_is_near() {
 #[test]
 fn a_collider_that_is_far_may_be_dropped_and_comes_back() {
     let settings = HullwrightSettings { focus_radius: Some(10.0), drop_far: true, ..default() };
-    let mut app = app_with(settings);
-    let cube = add(&mut app, unit_cube());
-    let focus = app.world_mut().spawn((Transform::default(), DecompositionFocus)).id();
+    let (mut app, cube) = with_mesh(app_with(settings), unit_cube());
+    let focus = app.put((Transform::default(), DecompositionFocus));
     let entity = finish(&mut app, &cube, ());
     // At the border it neither comes nor goes.
     place(&mut app, focus, 11.0);
@@ -87,7 +87,7 @@ fn a_collider_that_is_far_may_be_dropped_and_comes_back() {
     place(&mut app, focus, 100.0);
     update_until(&mut app, |app| !has_collider(app, entity));
     assert_eq!(skipped(&app, entity), Some(SkipReason::TooFar));
-    assert!(app.world().get::<ColliderMassProperties>(entity).is_none());
+    assert!(app.get::<ColliderMassProperties>(entity).is_none());
     place(&mut app, focus, 0.0);
     update_until(&mut app, |app| has_collider(app, entity));
     assert!(is_ready(&app, entity));
@@ -140,5 +140,131 @@ fn hulls_that_are_boxes_become_boxes_on_request() {
         let compound = collider(&app, entity).raw.as_compound().unwrap();
         let found = compound.shapes().iter().filter(|(_, part)| part.as_cuboid().is_some());
         assert_eq!((found.count(), compound.shapes().len()), (boxes, 2));
+    }
+}
+
+/// Whether an entity with this ends with triangles, and why.
+fn triangles_of(more: impl Bundle) -> Option<SkipReason> {
+    triangles_by(automatic(), more)
+}
+
+fn triangles_by(tag: ConvexDecomposition, more: impl Bundle) -> Option<SkipReason> {
+    let (app, entity) = finished(model("u_prism"), (tag, more));
+    let reason = reason(&app, entity);
+    let is_mesh = reason.is_some();
+    let counters = counters(&app);
+    assert_eq!(
+        (counters.triangle_meshes, counters.decomposed),
+        (usize::from(is_mesh), usize::from(!is_mesh))
+    );
+    reason
+}
+
+fn reason(app: &App, entity: Entity) -> Option<SkipReason> {
+    let is_mesh = collider(app, entity).as_trimesh().is_some();
+    match status(app, entity) {
+        DecompositionStatus::Skipped(reason) if is_mesh => Some(reason),
+        DecompositionStatus::Ready(_) if !is_mesh => None,
+        other => panic!("{other:?}, and triangles: {is_mesh}"),
+    }
+}
+
+#[test]
+fn triangles_without_a_body_and_on_a_fixed_one_hulls_for_all_that_moves() {
+    assert_eq!(triangles_of(()), Some(SkipReason::NoBody));
+    assert_eq!(triangles_of(RigidBody::Fixed), Some(SkipReason::FixedBody));
+    for body in
+        [RigidBody::Dynamic, RigidBody::KinematicPositionBased, RigidBody::KinematicVelocityBased]
+    {
+        assert_eq!(triangles_of(body), None);
+    }
+}
+
+#[test]
+fn a_sensor_gets_hulls_whatever_its_body() {
+    assert_eq!(triangles_of((RigidBody::Fixed, Sensor)), None);
+    assert_eq!(triangles_of(Sensor), None);
+}
+
+#[test]
+fn a_tag_may_ask_for_either() {
+    let shaped = |shape| automatic().with_shape(shape);
+    assert_eq!(triangles_by(shaped(DecompositionShape::Hulls), RigidBody::Fixed), None);
+    let asked = triangles_by(shaped(DecompositionShape::Triangles), RigidBody::Dynamic);
+    assert_eq!(asked, Some(SkipReason::TrianglesRequested));
+}
+
+#[test]
+fn the_settings_may_want_hulls_everywhere() {
+    let settings = HullwrightSettings { exact_static_colliders: false, ..default() };
+    let (mut app, entity) = finished_with(settings, model("u_prism"), automatic());
+    let mesh = add(&mut app, model("l_prism"));
+    let fixed = finish(&mut app, &mesh, (automatic(), RigidBody::Fixed));
+    assert_eq!([entity, fixed].map(|entity| reason(&app, entity)), [None; 2]);
+}
+
+#[test]
+fn bodies_and_sensors_that_come_and_go_change_it() {
+    let (mut app, mesh) = with_mesh(app(), model("u_prism"));
+    let above = app.put(Transform::default());
+    let entity = finish(&mut app, &mesh, (automatic(), ChildOf(above)));
+    let mut expect = |changed, change: fn(&mut EntityWorldMut), expected| {
+        change(&mut app.edit(changed));
+        update_until(&mut app, |app| {
+            status(app, entity).is_finished()
+                && collider(app, entity).as_trimesh().is_some() == expected
+        });
+        assert!(expected || app.get::<ColliderMassProperties>(entity).is_some());
+    };
+    expect(above, |_| {}, true);
+    expect(above, |body| _ = body.insert(RigidBody::Dynamic), false);
+    expect(above, |body| _ = body.insert(RigidBody::Fixed), true);
+    expect(entity, |collider| _ = collider.insert(Sensor), false);
+    expect(entity, |collider| _ = collider.remove::<Sensor>(), true);
+    expect(above, |body| _ = body.insert(RigidBody::Dynamic), false);
+    expect(above, |body| _ = body.remove::<RigidBody>(), true);
+    expect(above, |body| _ = body.insert(RigidBody::Dynamic), false);
+    expect(entity, |collider| _ = collider.remove::<ChildOf>(), true);
+}
+
+#[test]
+fn internal_edges_are_fixed() {
+    let (app, entity) = finished(unit_cube(), automatic());
+    let flags = collider(&app, entity).raw.as_trimesh().unwrap().flags();
+    assert!(flags.contains(TriMeshFlags::FIX_INTERNAL_EDGES));
+}
+
+/// A floor of small triangles at height 0, wound one way or the other.
+fn floor(is_turned: bool) -> Mesh {
+    const SIDE: u32 = 20;
+    let positions = (0..SIDE * SIDE)
+        .map(|i| [(i % SIDE) as f32 * 0.5 - 2.0, 0.0, (i / SIDE) as f32 * 0.5 - 5.0]);
+    let squares = (0..SIDE - 1).flat_map(|z| (0..SIDE - 1).map(move |x| z * SIDE + x));
+    let triangles = squares.flat_map(|a| {
+        let (b, c, d) = (a + SIDE, a + 1, a + SIDE + 1);
+        if is_turned { [a, c, b, c, d, b] } else { [a, b, c, c, b, d] }
+    });
+    mesh(positions.collect(), triangles.collect())
+}
+
+#[test]
+fn a_box_slides_over_a_floor_of_triangles_without_a_bump() {
+    for is_turned in [false, true] {
+        let (mut app, _) = finished(floor(is_turned), (automatic(), Friction::coefficient(0.0)));
+        let half = 0.2;
+        let sliding = (
+            RigidBody::Dynamic,
+            Collider::cuboid(half, half, half),
+            Friction::coefficient(0.0),
+            Velocity::linear(Vec3::X * 3.0),
+            Transform::from_xyz(0.0, half, 0.0),
+        );
+        let body = app.put(sliding);
+        for _ in 0..60 {
+            app.update();
+            let at = translation(&app, body);
+            assert!((at.y - half).abs() < 0.02, "turned: {is_turned}, at {at}");
+        }
+        assert!((translation(&app, body).x - 3.0).abs() < 0.2);
     }
 }

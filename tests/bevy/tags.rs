@@ -36,8 +36,7 @@ fn no_hull_has_more_vertices_than_the_tag_allows() {
 /// Not what a search for one hull ends with: that of all points.
 #[test]
 fn one_hull_on_request_is_that_of_all_points_without_a_decomposition() {
-    let mut app = app();
-    let mesh = add(&mut app, model("l_prism"));
+    let (mut app, mesh) = with_mesh(app(), model("l_prism"));
     let shape = tag().with_shape(DecompositionShape::ConvexHull);
     let entity = spawn_with(&mut app, &mesh, shape.clone());
     let capped = add(&mut app, model("torus"));
@@ -76,8 +75,7 @@ fn a_tag_by_hand_may_have_the_papers_method() {
 
 #[test]
 fn a_setting_that_means_nothing_is_an_error_that_names_it() {
-    let mut app = app();
-    let mesh = add(&mut app, unit_cube());
+    let (mut app, mesh) = with_mesh(app(), unit_cube());
     for (tag, name) in [
         (tag().with_max_error(-1.0), "max_error"),
         (tag().with_max_hulls(0), "max_hulls"),
@@ -193,13 +191,13 @@ fn a_primitive_of_a_larger_mesh_keeps_its_openings() {
         cube
     };
     let (mesh, lid) = (add(&mut app, open()), add(&mut app, cuboid([3.0; 3], [4.0; 3])));
-    let alone = app.world_mut().spawn(Transform::default()).id();
+    let alone = app.put(Transform::default());
     let alone = spawn_with(&mut app, &mesh, (Transform::default(), ChildOf(alone)));
-    let node = app.world_mut().spawn(Transform::default()).id();
+    let node = app.put(Transform::default());
     let among = spawn_with(&mut app, &mesh, (Transform::default(), ChildOf(node)));
     app.world_mut().spawn((Mesh3d(lid), Transform::default(), ChildOf(node)));
     // A neighbour with a place of its own is another mesh.
-    let aside = app.world_mut().spawn(Transform::default()).id();
+    let aside = app.put(Transform::default());
     let beside = spawn_with(&mut app, &mesh, (Transform::default(), ChildOf(aside)));
     app.world_mut().spawn((Mesh3d(mesh.clone()), Transform::from_xyz(5., 0., 0.), ChildOf(aside)));
     update_until_finished(&mut app, &[alone, among, beside]);

@@ -8,27 +8,22 @@ use hullwright::bevy::prelude::*;
 use crate::app::*;
 
 #[test]
-fn a_tag_before_the_mesh_is_loaded_waits_for_it() {
-    let mut app = app();
-    let handle = app.world().resource::<Assets<Mesh>>().reserve_handle();
-    let entity = spawn(&mut app, &handle);
-    update_times(&mut app, 5);
-    assert_eq!(status(&app, entity), DecompositionStatus::Waiting(WaitReason::ForMesh));
-    app.world_mut().resource_mut::<Assets<Mesh>>().insert(handle.id(), model("u_prism")).unwrap();
-    update_until_finished(&mut app, &[entity]);
-    assert!(has_collider(&app, entity));
-}
-
-#[test]
-fn a_tag_before_there_is_any_mesh_waits_for_it() {
-    let mut app = app();
-    let entity = app.world_mut().spawn((Transform::default(), tag())).id();
-    update_times(&mut app, 5);
-    assert_eq!(status(&app, entity), DecompositionStatus::Waiting(WaitReason::ForMesh));
-    let mesh = add(&mut app, model("u_prism"));
-    app.world_mut().entity_mut(entity).insert(Mesh3d(mesh));
-    update_until_finished(&mut app, &[entity]);
-    assert!(has_collider(&app, entity));
+fn a_tag_before_the_mesh_is_loaded_or_before_there_is_any_waits_for_it() {
+    for is_reserved in [true, false] {
+        let mut app = app();
+        let handle = app.world().resource::<Assets<Mesh>>().reserve_handle();
+        let entity = app.put((Transform::default(), tag()));
+        if is_reserved {
+            app.edit(entity).insert(Mesh3d(handle.clone()));
+        }
+        update_times(&mut app, 5);
+        assert_eq!(status(&app, entity), DecompositionStatus::Waiting(WaitReason::ForMesh));
+        let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
+        meshes.insert(handle.id(), model("u_prism")).unwrap();
+        app.edit(entity).insert_if_new(Mesh3d(handle));
+        update_until_finished(&mut app, &[entity]);
+        assert!(has_collider(&app, entity));
+    }
 }
 
 #[test]
@@ -43,7 +38,7 @@ fn all_meshes_below_a_tag_are_one_input() {
         mesh(positions.to_vec(), half.to_vec())
     });
     let (lower, upper) = (add(&mut app, lower), add(&mut app, upper));
-    let parent = app.world_mut().spawn((Transform::default(), tag(), RigidBody::Dynamic)).id();
+    let parent = app.put((Transform::default(), tag(), RigidBody::Dynamic));
     app.world_mut().spawn((Mesh3d(lower), ChildOf(parent)));
     app.world_mut().spawn((Mesh3d(upper), Transform::from_xyz(0., 1., 0.), ChildOf(parent)));
     update_until_finished(&mut app, &[parent]);
@@ -55,11 +50,10 @@ fn all_meshes_below_a_tag_are_one_input() {
 
 #[test]
 fn what_has_a_tag_or_a_body_of_its_own_or_is_left_out_is_not_part_of_the_input() {
-    let mut app = app();
-    let cube = add(&mut app, unit_cube());
-    let parent = app.world_mut().spawn((Mesh3d(cube.clone()), tag())).id();
+    let (mut app, cube) = with_mesh(app(), unit_cube());
+    let parent = app.put((Mesh3d(cube.clone()), tag()));
     let aside = |x| Transform::from_xyz(x, 0.0, 0.0);
-    let own = app.world_mut().spawn((Mesh3d(cube.clone()), aside(5.), tag(), ChildOf(parent))).id();
+    let own = app.put((Mesh3d(cube.clone()), aside(5.), tag(), ChildOf(parent)));
     app.world_mut().spawn((Mesh3d(cube.clone()), aside(7.), RigidBody::Dynamic, ChildOf(parent)));
     app.world_mut().spawn((Mesh3d(cube), aside(9.), NoConvexDecomposition, ChildOf(parent)));
     update_until_finished(&mut app, &[parent, own]);
@@ -71,10 +65,9 @@ fn what_has_a_tag_or_a_body_of_its_own_or_is_left_out_is_not_part_of_the_input()
 /// Such as hulls that a game draws over the model when they are ready.
 #[test]
 fn meshes_that_are_left_out_do_not_start_the_work_anew_when_they_come() {
-    let mut app = app();
-    let cube = add(&mut app, unit_cube());
+    let (mut app, cube) = with_mesh(app(), unit_cube());
     let parent = finish(&mut app, &cube, ());
-    let excluded = app.world_mut().spawn((NoConvexDecomposition, ChildOf(parent))).id();
+    let excluded = app.put((NoConvexDecomposition, ChildOf(parent)));
     app.world_mut().spawn((Mesh3d(cube.clone()), ChildOf(excluded)));
     app.world_mut().spawn((Mesh3d(cube.clone()), RigidBody::Dynamic, ChildOf(parent)));
     update_times(&mut app, 5);
@@ -101,8 +94,7 @@ fn the_status_says_that_others_go_first() {
 
 /// An app in which a job is at work on an entity.
 fn app_at_work() -> (App, Entity) {
-    let mut app = app();
-    let mesh = add(&mut app, model("dog"));
+    let (mut app, mesh) = with_mesh(app(), model("dog"));
     let entity = spawn(&mut app, &mesh);
     update_until(&mut app, |app| counters(app).running == 1);
     (app, entity)
@@ -125,30 +117,27 @@ fn progress_rises_and_never_falls() {
 }
 
 #[test]
-fn removing_the_tag_cancels_the_work() {
-    let (mut app, entity) = app_at_work();
-    app.world_mut().entity_mut(entity).remove::<ConvexDecomposition>();
-    assert_eq!(status(&app, entity), DecompositionStatus::Cancelled);
-    app.update();
-    let counters = counters(&app);
-    assert_eq!((counters.cancelled, counters.running), (1, 0));
-    update_times(&mut app, 20);
-    assert!(!has_collider(&app, entity));
-}
-
-#[test]
-fn despawning_cancels_the_work() {
-    let (mut app, entity) = app_at_work();
-    app.world_mut().despawn(entity);
-    app.update();
-    let counters = counters(&app);
-    assert_eq!((counters.cancelled, counters.running), (1, 0));
+fn removing_the_tag_or_despawning_cancels_the_work() {
+    for is_despawned in [false, true] {
+        let (mut app, entity) = app_at_work();
+        if is_despawned {
+            app.world_mut().despawn(entity);
+        } else {
+            app.edit(entity).remove::<ConvexDecomposition>();
+            assert_eq!(status(&app, entity), DecompositionStatus::Cancelled);
+        }
+        app.update();
+        let counters = counters(&app);
+        assert_eq!((counters.cancelled, counters.running), (1, 0));
+        update_times(&mut app, 20);
+        assert!(app.get::<Collider>(entity).is_none());
+    }
 }
 
 #[test]
 fn changing_the_tag_begins_anew() {
     let (mut app, entity) = app_at_work();
-    app.world_mut().entity_mut(entity).insert(tag().with_max_hulls(1));
+    app.edit(entity).insert(tag().with_max_hulls(1));
     update_until_finished(&mut app, &[entity]);
     assert!(collider(&app, entity).as_convex_polyhedron().is_some());
     assert_eq!(ready(&app), [(entity, 1)]);
@@ -158,7 +147,7 @@ fn changing_the_tag_begins_anew() {
 fn the_collider_stays_when_the_tag_is_removed_later() {
     let (mut app, entity) = finished(unit_cube(), ());
     let before = status(&app, entity);
-    app.world_mut().entity_mut(entity).remove::<ConvexDecomposition>();
+    app.edit(entity).remove::<ConvexDecomposition>();
     update_times(&mut app, 3);
     assert!(has_collider(&app, entity));
     assert_eq!(status(&app, entity), before);

@@ -1,0 +1,340 @@
+//! From a tag to a request: which meshes, which scale, which kind of collider, and whether there is anything to do
+//! at all. What is hidden, too small to matter, or too far from every focus is skipped on request.
+
+use std::sync::Arc;
+
+use bevy::asset::{LoadState, UntypedAssetId};
+use bevy::ecs::query::QueryData;
+use bevy::ecs::system::SystemParam;
+use bevy::math::Affine3A;
+use bevy::mesh::VertexAttributeValues;
+use bevy::prelude::*;
+use bevy_rapier3d::prelude::Collider;
+
+use super::placement::{Placement, Placements, Stretch};
+use super::waiting::Fallbacks;
+use super::work::{
+    AttachedCollider, AttachedFallback, FailedRequest, FarFromFocus, InputBoundary, Requested, Work,
+};
+use crate::bevy::jobs::Frame;
+use crate::bevy::jobs::baked::{BakedDecomposition, BakedHulls, BakedScene, FromBakedScene};
+use crate::bevy::jobs::request::{ColliderRequest, InputId, MapKey, MeshPart};
+use crate::bevy::tag::outcomes::{
+    DecompositionError, DecompositionStatus, Descriptions, Outcomes, SkipReason, WaitReason,
+    entities,
+};
+use crate::bevy::tag::parameters::Goal;
+use crate::bevy::tag::settings::{FallbackCollider, HullwrightSettings};
+use crate::bevy::tag::{ConvexDecomposition, DecompositionFocus};
+
+/// Everything from which requests follow.
+#[derive(SystemParam)]
+pub(super) struct Scene<'w, 's> {
+    tags: Query<'w, 's, Tag>,
+    boundaries: Query<'w, 's, (), InputBoundary>,
+    meshes_on: Query<'w, 's, &'static Mesh3d>,
+    children: Query<'w, 's, &'static Children>,
+    parents: Query<'w, 's, &'static ChildOf>,
+    transforms: Query<'w, 's, &'static Transform>,
+    #[cfg(feature = "bevy_gltf")]
+    visibilities: Query<'w, 's, &'static Visibility>,
+    placements: Placements<'w, 's>,
+    distances: Distances<'w, 's>,
+    descriptions: Descriptions<'w, 's>,
+    meshes: Res<'w, Assets<Mesh>>,
+    baked: Res<'w, Assets<BakedHulls>>,
+    scenes: Res<'w, Assets<BakedScene>>,
+    server: Option<Res<'w, AssetServer>>,
+}
+
+#[derive(QueryData)]
+struct Tag {
+    tag: Option<&'static ConvexDecomposition>,
+    baked: Option<&'static BakedDecomposition>,
+    scene: Option<&'static FromBakedScene>,
+    has_collider: Has<Collider>,
+    is_attached: Has<AttachedCollider>,
+    is_fallback: Has<AttachedFallback>,
+    has_failed: Has<FailedRequest>,
+}
+
+/// The next state of an entity.
+enum Resolution {
+    /// It is gone, or has no tag any more.
+    Gone,
+    /// What it is made of is not there yet: this asset, or any mesh at all.
+    Later(Option<UntypedAssetId>),
+    Skipped(SkipReason),
+    /// What it requests can't be loaded.
+    NotLoaded(Requested),
+    Request(Requested),
+}
+
+/// Resolves entities whose meshes are not known yet, each at most once per frame.
+pub(super) fn resolve(
+    mut work: Work,
+    Frame { mut time, settings }: Frame,
+    mut fallbacks: ResMut<Fallbacks>,
+    scene: Scene,
+    mut outcomes: Outcomes,
+) {
+    let mut budget = time.budget(&settings);
+    let mut overdue = Vec::new();
+    for _ in 0..work.unfinished.unresolved() {
+        if !budget.allows_one() {
+            break;
+        }
+        let Some(entity) = work.unfinished.pop_unresolved() else { break };
+        let tag = scene.tags.get(entity).ok();
+        let resolution = tag.as_ref().map_or(Resolution::Gone, |tag| scene.resolution(entity, tag));
+        if tag.as_ref().is_some_and(|tag| tag.has_failed)
+            && !matches!(resolution, Resolution::Later(_))
+        {
+            outcomes.commands.entity(entity).try_remove::<FailedRequest>();
+        }
+        match resolution {
+            Resolution::Gone => {
+                work.unfinished.end(entity);
+                outcomes.cancelled(entity);
+            }
+            Resolution::Later(asset) => {
+                if work.unfinished.resolve_later(entity, settings.warn_without_mesh_after) {
+                    overdue.push((entity, asset));
+                }
+            }
+            Resolution::Skipped(reason) => {
+                work.unfinished.end(entity);
+                if reason == SkipReason::TooFar {
+                    outcomes.commands.entity(entity).try_insert(FarFromFocus);
+                }
+                outcomes.skipped(entity, reason);
+            }
+            Resolution::NotLoaded(requested) => {
+                work.unfinished.resolve(entity, requested);
+                work.jobs.fail(entity, DecompositionError::NotLoaded);
+            }
+            Resolution::Request(requested) => {
+                let request = requested.request.clone();
+                work.unfinished.resolve(entity, requested);
+                if work.jobs.submit(entity, request.clone()) {
+                    outcomes.show(entity, DecompositionStatus::Waiting(WaitReason::InQueue));
+                    // Before its first collider.
+                    if let Some(TagItem {
+                        tag: Some(tag), baked: None, has_collider: false, ..
+                    }) = tag
+                        && let kind = tag.fallback_collider.unwrap_or(settings.fallback_collider)
+                        && kind != FallbackCollider::None
+                    {
+                        fallbacks.push(entity, request, kind);
+                    }
+                }
+            }
+        }
+    }
+    outcomes.counters.waiting_for_mesh = work.unfinished.unresolved();
+    // One line for those that have no mesh, and one for those whose asset is not loaded.
+    for (is_asset, why) in
+        [(false, "there is no Mesh3d on it or below it"), (true, "the asset is not loaded")]
+    {
+        let mut all = overdue.iter().filter(|(_, asset)| asset.is_some() == is_asset).peekable();
+        if let Some((entity, asset)) = all.peek() {
+            let first = scene.descriptions.entity(*entity, *asset);
+            let who = entities(all.count(), &first);
+            log::warn!("no convex decomposition yet for {who}: {why}");
+        }
+    }
+}
+
+impl Scene<'_, '_> {
+    fn resolution(&self, entity: Entity, tag: &TagItem) -> Resolution {
+        if tag.has_collider && !tag.is_attached && !tag.is_fallback {
+            return Resolution::Skipped(SkipReason::HasCollider);
+        }
+        match (tag.baked, tag.tag) {
+            (Some(baked), _) => self.baked_request(entity, baked),
+            (None, Some(of_meshes)) => match self.reason_to_skip(entity) {
+                Some(reason) => Resolution::Skipped(reason),
+                None => self.mesh_request(entity, of_meshes, tag.scene),
+            },
+            (None, None) => Resolution::Gone,
+        }
+    }
+
+    /// Why an entity is skipped, whatever its mesh.
+    fn reason_to_skip(&self, entity: Entity) -> Option<SkipReason> {
+        let settings = &self.distances.settings;
+        if settings.skip_hidden && self.is_hidden(entity) {
+            return Some(SkipReason::Hidden);
+        }
+        let radius = settings.focus_radius?;
+        self.distances.is_beyond(entity, radius).then_some(SkipReason::TooFar)
+    }
+
+    /// As Bevy draws it, also before it has worked that out. Without a renderer nothing is hidden.
+    fn is_hidden(&self, entity: Entity) -> bool {
+        #[cfg(feature = "bevy_gltf")]
+        {
+            let above = std::iter::once(entity).chain(self.parents.iter_ancestors(entity));
+            let own = above.map_while(|entity| self.visibilities.get(entity).ok());
+            own.copied().find(|own| *own != Visibility::Inherited) == Some(Visibility::Hidden)
+        }
+        #[cfg(not(feature = "bevy_gltf"))]
+        {
+            let _ = entity;
+            false
+        }
+    }
+
+    fn baked_request(&self, entity: Entity, baked: &BakedDecomposition) -> Resolution {
+        let id = baked.hulls.id().untyped();
+        let is_missing = !self.baked.contains(&baked.hulls);
+        if is_missing && !self.failed_to_load(id) {
+            return Resolution::Later(Some(id));
+        }
+        let Placement { map, stretch } = self.placements.placement(entity);
+        let request = ColliderRequest {
+            input: Arc::new(InputId::Baked(id)),
+            parts: Vec::new(),
+            goal: None,
+            scene: None,
+            map_before: Affine3A::IDENTITY,
+            map,
+        };
+        request_unless(is_missing, request, stretch)
+    }
+
+    fn mesh_request(
+        &self,
+        entity: Entity,
+        tag: &ConvexDecomposition,
+        scene: Option<&FromBakedScene>,
+    ) -> Resolution {
+        let mut parts = Vec::new();
+        self.collect(entity, entity, &mut parts);
+        if parts.is_empty() {
+            return Resolution::Later(None);
+        }
+        let missing = parts.iter().map(|part| part.mesh).find(|mesh| !self.meshes.contains(*mesh));
+        if let Some(mesh) = missing.filter(|mesh| !self.failed_to_load(mesh.untyped())) {
+            return Resolution::Later(Some(mesh.untyped()));
+        }
+        let scene_id = scene.map(|scene| scene.0.id().untyped());
+        if let (Some(FromBakedScene(scene)), Some(id)) = (scene, scene_id)
+            && !self.scenes.contains(scene)
+            && !self.failed_to_load(id)
+        {
+            return Resolution::Later(Some(id));
+        }
+        let placement = self.placements.placement(entity);
+        let goal = self.goal(entity, tag);
+        if self.is_too_small(&parts, &placement.map) {
+            return Resolution::Skipped(SkipReason::TooSmall);
+        }
+        // A bound in metres means metres of the world, so the mesh is scaled first.
+        let (map_before, map) = match goal.has_absolute_length() {
+            true => (placement.map, Affine3A::IDENTITY),
+            false => (Affine3A::IDENTITY, placement.map),
+        };
+        let input = Arc::new(InputId::Meshes {
+            parts: parts.iter().map(|part| (part.mesh, MapKey::new(&part.to_input))).collect(),
+            goal: goal.hash(),
+            map_before: MapKey::new(&map_before),
+        });
+        let request =
+            ColliderRequest { input, parts, goal: Some(goal), scene: scene_id, map_before, map };
+        request_unless(missing.is_some(), request, placement.stretch)
+    }
+
+    fn goal(&self, entity: Entity, tag: &ConvexDecomposition) -> Goal {
+        if let Some(reason) = self.placements.why_triangles(entity, tag.shape) {
+            return Goal::Triangles(reason);
+        }
+        let mut goal = Goal::of(tag);
+        if self.is_primitive_among_others(entity) {
+            goal.keep_openings_of_part();
+        }
+        goal
+    }
+
+    /// Whether an entity is one of several primitives of a glTF mesh, which Bevy spawns as children of one
+    /// node without transforms of their own.
+    fn is_primitive_among_others(&self, entity: Entity) -> bool {
+        let is_primitive = |entity: Entity| {
+            let transform = self.transforms.get(entity);
+            self.meshes_on.contains(entity)
+                && transform.is_ok_and(|transform| *transform == Transform::IDENTITY)
+        };
+        let Ok(siblings) = self.parents.get(entity).and_then(|of| self.children.get(of.parent()))
+        else {
+            return false;
+        };
+        is_primitive(entity) && siblings.iter().filter(|child| is_primitive(*child)).count() > 1
+    }
+
+    /// The meshes on an entity and below it, in the order of the children.
+    fn collect(&self, top: Entity, entity: Entity, parts: &mut Vec<MeshPart>) {
+        if entity != top && self.boundaries.contains(entity) {
+            return;
+        }
+        if let Ok(mesh) = self.meshes_on.get(entity) {
+            let to_input = self.placements.relative(entity, top);
+            parts.push(MeshPart { mesh: mesh.id(), to_input });
+        }
+        if let Ok(children) = self.children.get(entity) {
+            for child in children {
+                self.collect(top, *child, parts);
+            }
+        }
+    }
+
+    /// Whether meshes are smaller in the world than the settings say. O(vertices), where they say something.
+    fn is_too_small(&self, parts: &[MeshPart], map: &Affine3A) -> bool {
+        let min_size = self.distances.settings.min_size;
+        if min_size <= 0.0 {
+            return false;
+        }
+        let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for part in parts {
+            let mesh = self.meshes.get(part.mesh);
+            let positions = mesh.and_then(|mesh| mesh.try_attribute(Mesh::ATTRIBUTE_POSITION).ok());
+            // What is wrong with it is said elsewhere.
+            let Some(VertexAttributeValues::Float32x3(positions)) = positions else { return false };
+            let to_world = *map * part.to_input;
+            for position in positions {
+                let point = to_world.transform_point3(Vec3::from(*position));
+                (low, high) = (low.min(point), high.max(point));
+            }
+        }
+        low.distance(high) < min_size
+    }
+
+    /// Whether an asset that is not there will not come.
+    fn failed_to_load(&self, id: UntypedAssetId) -> bool {
+        let state = self.server.as_ref().and_then(|server| server.get_load_state(id));
+        matches!(state, Some(LoadState::Failed(_)))
+    }
+}
+
+fn request_unless(is_missing: bool, request: ColliderRequest, stretch: Stretch) -> Resolution {
+    let requested = Requested { request: Arc::new(request), stretch };
+    if is_missing { Resolution::NotLoaded(requested) } else { Resolution::Request(requested) }
+}
+
+/// Where entities and focuses are, and how far the settings let them be apart.
+#[derive(SystemParam)]
+pub(super) struct Distances<'w, 's> {
+    pub settings: Res<'w, HullwrightSettings>,
+    focuses: Query<'w, 's, Entity, With<DecompositionFocus>>,
+    transforms: TransformHelper<'w, 's>,
+}
+
+impl Distances<'_, '_> {
+    /// Whether all focuses are farther away; without a focus nothing is.
+    pub(super) fn is_beyond(&self, entity: Entity, radius: f32) -> bool {
+        let place =
+            |entity| Some(self.transforms.compute_global_transform(entity).ok()?.translation());
+        let Some(own) = place(entity) else { return false };
+        let mut focuses = self.focuses.iter().filter_map(place).peekable();
+        focuses.peek().is_some() && focuses.all(|focus| focus.distance(own) > radius)
+    }
+}

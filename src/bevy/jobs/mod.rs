@@ -1,0 +1,547 @@
+//! Work for entities: requests wait, the first of them become jobs, jobs end in results. Nothing waits for a job.
+
+pub(super) mod baked;
+pub(super) mod cache;
+pub(super) mod request;
+pub(super) mod task;
+
+use std::cmp::Reverse;
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::time::Duration;
+
+use bevy::asset::UntypedAssetId;
+use bevy::ecs::system::SystemParam;
+use bevy::platform::collections::HashMap;
+use bevy::platform::time::Instant;
+use bevy::prelude::*;
+use bevy::tasks::{AsyncComputeTaskPool, Task, TaskPool, block_on, poll_once};
+
+use self::baked::{
+    BakedDecomposition, BakedHulls, BakedScene, FromBakedScene, HullSceneLoader,
+    HullSceneProcessor, HullSceneSaver, HullsLoader,
+};
+use self::cache::{BuiltCollider, ColliderGeometry, GeometryCache};
+use self::request::{ColliderRequest, ContentKey, InputId, MapKey, read_parts};
+use self::task::{
+    DecompositionTask, SharedProgress, TaskInput, TaskOutput, TaskResult, contain_panics,
+};
+use super::tag::outcomes::{
+    DecompositionCounters, DecompositionError, DecompositionStatus, HullSource, Outcomes,
+    WaitReason,
+};
+use super::tag::settings::{Execution, HullwrightSettings, HullwrightSystems};
+use super::tag::{DecompositionFocus, DecompositionPriority};
+use crate::{Control, MethodReport};
+
+/// Runs jobs, and loads what was baked.
+pub(super) struct JobsPlugin;
+
+impl Plugin for JobsPlugin {
+    fn build(&self, app: &mut App) {
+        self.finish(app);
+        app.init_resource::<Jobs>()
+            .init_resource::<FrameTime>()
+            .register_type::<BakedDecomposition>()
+            .register_type::<FromBakedScene>()
+            .add_systems(
+                PostUpdate,
+                (finish_jobs, start_jobs.run_if(are_jobs_busy))
+                    .chain()
+                    .in_set(HullwrightSystems::RunJobs),
+            );
+    }
+
+    /// Again at the end, where Bevy's plugin for assets came after ours.
+    fn finish(&self, app: &mut App) {
+        let world = app.world();
+        if !world.contains_resource::<AssetServer>()
+            || world.contains_resource::<Assets<BakedHulls>>()
+        {
+            return;
+        }
+        // Meshes are Bevy's own; without its plugin for them, as on a server, they are set up here. A second
+        // time would drop all meshes.
+        if !world.contains_resource::<Assets<Mesh>>() {
+            app.init_asset::<Mesh>();
+        }
+        app.init_asset::<BakedHulls>()
+            .register_asset_reflect::<BakedHulls>()
+            .register_asset_loader(HullsLoader);
+        // What concerns Bevy's processor does nothing where there is none.
+        app.init_asset::<BakedScene>()
+            .register_asset_reflect::<BakedScene>()
+            .register_asset_loader(HullSceneLoader)
+            .register_asset_processor(HullSceneProcessor::from(HullSceneSaver))
+            .set_default_asset_processor::<HullSceneProcessor>("hullscene");
+    }
+}
+
+/// A result on its way to its entity.
+pub(super) struct Completed {
+    pub entity: Entity,
+    pub built: BuiltCollider,
+}
+
+/// An error on its way to its entity.
+#[derive(Debug)]
+pub(super) struct Failed {
+    pub entity: Entity,
+    pub error: DecompositionError,
+    /// Whether the same input failed before, which was logged then.
+    pub is_known: bool,
+}
+
+/// Work for one or several entities that request the same.
+struct Job {
+    input: Arc<InputId>,
+    map: MapKey,
+    entities: Vec<(Entity, Arc<ColliderRequest>)>,
+    control: Control,
+    progress: SharedProgress,
+    shown_progress: f32,
+    worker: Worker,
+}
+
+enum Worker {
+    Background(Task<TaskResult>),
+    Slices(Box<DecompositionTask>),
+}
+
+/// All work, from request to result.
+#[derive(Resource, Default)]
+pub(super) struct Jobs {
+    waiting: Vec<(Entity, Arc<ColliderRequest>)>,
+    running: Vec<Job>,
+    completed: VecDeque<Completed>,
+    failed: Vec<Failed>,
+    /// Results of inputs that need no look into them.
+    known: HashMap<Arc<InputId>, Result<ContentKey, DecompositionError>>,
+    cache: GeometryCache,
+}
+
+impl Jobs {
+    /// Takes the request of an entity. Whether it waits for a job: what is known has its result at once.
+    pub(super) fn submit(&mut self, entity: Entity, request: Arc<ColliderRequest>) -> bool {
+        let known = self.known_result(&request);
+        let waits = known.is_none();
+        match known {
+            Some(known) => self.end(entity, known),
+            None => self.waiting.push((entity, request)),
+        }
+        waits
+    }
+
+    /// Drops what is done for this entity. A job that is for no other is cancelled: if it has not started it is
+    /// dropped, otherwise it stops at its next check.
+    pub(super) fn forget(&mut self, entity: Entity) {
+        self.waiting.retain(|(other, _)| *other != entity);
+        self.completed.retain(|completed| completed.entity != entity);
+        self.failed.retain(|failed| failed.entity != entity);
+        for job in &mut self.running {
+            job.entities.retain(|(other, _)| *other != entity);
+        }
+        for job in self.running.extract_if(.., |job| job.entities.is_empty()) {
+            job.control.cancel();
+        }
+    }
+
+    /// Forgets what was made from an asset.
+    pub(super) fn forget_asset(&mut self, asset: UntypedAssetId) {
+        self.known.retain(|input, _| !input.uses(asset));
+        self.cache.remove(ContentKey::Baked(asset));
+    }
+
+    /// An error of an entity that needs no job to be found.
+    pub(super) fn fail(&mut self, entity: Entity, error: DecompositionError) {
+        self.failed.push(Failed { entity, error, is_known: false });
+    }
+
+    pub(super) fn pop_completed(&mut self) -> Option<Completed> {
+        self.completed.pop_front()
+    }
+
+    pub(super) fn take_failed(&mut self) -> Vec<Failed> {
+        std::mem::take(&mut self.failed)
+    }
+
+    /// What an input turned out to be, once it has a result.
+    pub(super) fn key_of(&self, input: &InputId) -> Option<ContentKey> {
+        self.known.get(input)?.as_ref().ok().copied()
+    }
+
+    /// How many entities' work the jobs that run have done so far.
+    pub(super) fn progress(&self) -> f32 {
+        self.running.iter().map(|job| job.shown_progress * job.entities.len() as f32).sum()
+    }
+
+    pub(super) fn is_idle(&self) -> bool {
+        self.waiting.is_empty()
+            && self.running.is_empty()
+            && self.completed.is_empty()
+            && self.failed.is_empty()
+    }
+
+    /// A result that is there without any work.
+    fn known_result(
+        &self,
+        request: &ColliderRequest,
+    ) -> Option<Result<BuiltCollider, DecompositionError>> {
+        match self.known.get(&request.input)? {
+            Ok(key) => self.cache.built(*key, request.map_key()).map(Ok),
+            Err(error) => Some(Err(error.clone())),
+        }
+    }
+
+    fn end(&mut self, entity: Entity, result: Result<BuiltCollider, DecompositionError>) {
+        match result {
+            Ok(built) => self.completed.push_back(Completed { entity, built }),
+            Err(error) => self.failed.push(Failed { entity, error, is_known: true }),
+        }
+    }
+
+    /// Fails an input, and the entities that requested it.
+    fn fail_input(
+        &mut self,
+        input: &Arc<InputId>,
+        entities: impl IntoIterator<Item = Entity>,
+        error: DecompositionError,
+    ) {
+        // Another scale may succeed, and a missing asset may be loaded later.
+        if !matches!(error, DecompositionError::Collider(_) | DecompositionError::NotLoaded) {
+            self.known.insert(input.clone(), Err(error.clone()));
+        }
+        for entity in entities {
+            self.fail(entity, error.clone());
+        }
+    }
+
+    /// Whether the entity of a request has to wait for what runs.
+    fn next_step(&self, request: &ColliderRequest) -> NextStep {
+        let has_same_input = |job: &Job| job.input == request.input;
+        let has_same_map = |job: &Job| job.map == request.map_key();
+        let same = self.running.iter().position(|job| has_same_input(job) && has_same_map(job));
+        if let Some(job) = same {
+            return NextStep::Join(job);
+        }
+        if let Some(known) = self.known_result(request) {
+            return NextStep::End(known);
+        }
+        let has_to_wait = match self.key_of(&request.input) {
+            Some(key) => self.cache.geometry(key).is_none() && self.cache.is_claimed(key),
+            None => self.running.iter().any(has_same_input),
+        };
+        if has_to_wait { NextStep::Wait } else { NextStep::StartJob }
+    }
+
+    fn start(
+        &mut self,
+        settings: &HullwrightSettings,
+        entity: Entity,
+        request: &Arc<ColliderRequest>,
+        input: TaskInput,
+    ) {
+        let progress = SharedProgress::default();
+        let control = progress.control();
+        let task = DecompositionTask::new(input, request.map, self.cache.clone(), settings);
+        let worker = match settings.execution {
+            Execution::Slices => Worker::Slices(Box::new(task)),
+            Execution::Background => {
+                let control = control.clone();
+                let run = move || task.run(&control);
+                Worker::Background(pool().spawn(async move { contain_panics(run) }))
+            }
+        };
+        self.running.push(Job {
+            input: request.input.clone(),
+            map: request.map_key(),
+            entities: vec![(entity, request.clone())],
+            control,
+            progress,
+            shown_progress: 0.0,
+            worker,
+        });
+    }
+
+    /// The first entity of a job gets what was made for it, the others share it.
+    fn complete(&mut self, job: Job, built: &BuiltCollider) {
+        self.known.insert(job.input, Ok(built.key));
+        for (place, (entity, _)) in job.entities.into_iter().enumerate() {
+            let mut built = built.clone();
+            if place > 0 && built.source == HullSource::Decomposed {
+                built.source = HullSource::Shared;
+            }
+            self.completed.push_back(Completed { entity, built });
+        }
+    }
+}
+
+enum NextStep {
+    /// A job with this index makes the same.
+    Join(usize),
+    /// It is known what comes of it.
+    End(Result<BuiltCollider, DecompositionError>),
+    StartJob,
+    /// Another job is at work on the same input.
+    Wait,
+}
+
+/// What a system needs to keep within its time.
+#[derive(SystemParam)]
+pub(super) struct Frame<'w> {
+    pub time: ResMut<'w, FrameTime>,
+    pub settings: Res<'w, HullwrightSettings>,
+}
+
+/// What the systems of this frame have taken so far.
+#[derive(Resource, Debug, Default)]
+pub(super) struct FrameTime {
+    spent: Duration,
+}
+
+impl FrameTime {
+    /// The time that a system may take: what the others have left of the frame's budget.
+    pub(super) fn budget(&mut self, settings: &HullwrightSettings) -> Budget<'_> {
+        let length = settings.frame_budget.saturating_sub(self.spent);
+        Budget { frame: self, start: Instant::now(), length, has_started: false }
+    }
+}
+
+/// The time that one system may take in this frame. What it has taken counts when this is dropped.
+pub(super) struct Budget<'a> {
+    frame: &'a mut FrameTime,
+    start: Instant,
+    length: Duration,
+    has_started: bool,
+}
+
+impl Budget<'_> {
+    /// Whether there is time for another piece of work; for the first there always is.
+    pub(super) fn allows_one(&mut self) -> bool {
+        let allows = !self.has_started || self.start.elapsed() < self.length;
+        self.has_started = true;
+        allows
+    }
+}
+
+impl Drop for Budget<'_> {
+    fn drop(&mut self) {
+        self.frame.spent += self.start.elapsed();
+    }
+}
+
+/// Bevy's task pool plugin makes it; without that plugin it is made here.
+pub(super) fn pool() -> &'static AsyncComputeTaskPool {
+    AsyncComputeTaskPool::get_or_init(TaskPool::default)
+}
+
+/// Smaller steps of progress are not worth a change of the status.
+const PROGRESS_STEP: f32 = 0.01;
+
+/// Takes the results of finished jobs, and shows the progress of the others. The first system of a frame that has
+/// a budget.
+pub(super) fn finish_jobs(
+    mut jobs: ResMut<Jobs>,
+    Frame { mut time, settings }: Frame,
+    mut outcomes: Outcomes,
+) {
+    time.spent = Duration::ZERO;
+    if jobs.running.is_empty() {
+        return;
+    }
+    let jobs = &mut *jobs;
+    let mut budget = time.budget(&settings);
+    let mut index = 0;
+    while let Some(job) = jobs.running.get_mut(index) {
+        let Some(result) = result_of(job, &mut budget) else {
+            let progress = job.progress.get();
+            if progress >= job.shown_progress + PROGRESS_STEP {
+                job.shown_progress = progress;
+                for (entity, _) in &job.entities {
+                    outcomes.show(*entity, DecompositionStatus::Running { progress });
+                }
+            }
+            index += 1;
+            continue;
+        };
+        let job = jobs.running.remove(index);
+        match result {
+            Ok(TaskOutput::Built(built)) => {
+                count_decomposition(&mut outcomes.counters, &built);
+                jobs.complete(job, &built);
+            }
+            // Another job is at work on the same content: these entities wait for its result.
+            Ok(TaskOutput::InProgress(key)) => {
+                jobs.known.insert(job.input, Ok(key));
+                for (entity, request) in job.entities {
+                    outcomes.show(entity, DecompositionStatus::Waiting(WaitReason::InQueue));
+                    jobs.waiting.push((entity, request));
+                }
+            }
+            Err(error) => {
+                let entities = job.entities.into_iter().map(|(entity, _)| entity);
+                jobs.fail_input(&job.input, entities, error);
+            }
+        }
+    }
+}
+
+fn result_of(job: &mut Job, budget: &mut Budget) -> Option<TaskResult> {
+    match &mut job.worker {
+        Worker::Background(task) if task.is_finished() => block_on(poll_once(task)),
+        Worker::Background(_) => None,
+        Worker::Slices(task) => {
+            while budget.allows_one() {
+                let result = task.step(&job.control).transpose();
+                if result.is_some() {
+                    return result;
+                }
+            }
+            None
+        }
+    }
+}
+
+fn count_decomposition(counters: &mut DecompositionCounters, built: &BuiltCollider) {
+    let (HullSource::Decomposed, ColliderGeometry::Hulls(file)) = (built.source, &*built.geometry)
+    else {
+        return;
+    };
+    // One hull on request is none.
+    if file.method == MethodReport::Hull.name() {
+        return;
+    }
+    let share = |length: f64| (length / file.diagonal) as f32;
+    counters.decomposed += 1;
+    counters.last_bound = file.bound.map(share);
+    counters.last_protrusion = file.verified.map(|errors| share(errors.protrusion_max));
+}
+
+fn are_jobs_busy(jobs: Res<Jobs>, counters: Res<DecompositionCounters>) -> bool {
+    !jobs.is_idle() || counters.running + counters.queued > 0
+}
+
+/// Starts jobs for those in the queue, the nearest to a focus first, as far as jobs and time allow.
+pub(super) fn start_jobs(
+    mut jobs: ResMut<Jobs>,
+    Frame { mut time, settings }: Frame,
+    sources: Sources,
+    mut outcomes: Outcomes,
+) {
+    let jobs = &mut *jobs;
+    let mut budget = time.budget(&settings);
+    let mut waiting = std::mem::take(&mut jobs.waiting);
+    if jobs.running.len() < most_jobs(&settings) {
+        sources.sort(&mut waiting);
+    }
+    for (entity, request) in waiting {
+        match jobs.next_step(&request) {
+            NextStep::End(result) => {
+                jobs.end(entity, result);
+                continue;
+            }
+            NextStep::StartJob
+                if jobs.running.len() < most_jobs(&settings) + quick_jobs(&settings, &request)
+                    && budget.allows_one() =>
+            {
+                match sources.task_input(jobs, &request) {
+                    Ok(input) => jobs.start(&settings, entity, &request, input),
+                    Err(error) => jobs.fail_input(&request.input, [entity], error),
+                }
+            }
+            NextStep::Join(job) => {
+                if let Some(job) = jobs.running.get_mut(job) {
+                    job.entities.push((entity, request));
+                }
+            }
+            NextStep::StartJob | NextStep::Wait => {
+                jobs.waiting.push((entity, request));
+                continue;
+            }
+        }
+        outcomes.show(entity, DecompositionStatus::Running { progress: 0.0 });
+    }
+    let counters = &mut outcomes.counters;
+    (counters.running, counters.queued) = (jobs.running.len(), jobs.waiting.len());
+    (counters.cached, counters.cached_bytes) = jobs.cache.size();
+}
+
+fn most_jobs(settings: &HullwrightSettings) -> usize {
+    match (settings.execution, settings.max_jobs) {
+        (Execution::Slices, _) => 1,
+        (Execution::Background, 0) => pool().thread_num().saturating_sub(1).max(1),
+        (Execution::Background, most) => most,
+    }
+}
+
+/// Jobs that are done within a frame wait in the pool, so that its threads do not wait for the next frame.
+const QUICK_JOBS: usize = 32;
+
+/// How many more jobs there may be for a request that takes no decomposition. A limit from the settings is not exceeded.
+fn quick_jobs(settings: &HullwrightSettings, request: &ColliderRequest) -> usize {
+    let is_baked = request.scene.is_some() || matches!(*request.input, InputId::Baked(_));
+    let is_quick = is_baked || request.why_triangles().is_some();
+    let has_pool = settings.execution == Execution::Background && settings.max_jobs == 0;
+    if is_quick && has_pool { QUICK_JOBS } else { 0 }
+}
+
+/// What jobs are made from, and who goes first.
+#[derive(SystemParam)]
+pub(super) struct Sources<'w, 's> {
+    meshes: Res<'w, Assets<Mesh>>,
+    baked: Res<'w, Assets<BakedHulls>>,
+    scenes: Res<'w, Assets<BakedScene>>,
+    focuses: Query<'w, 's, Entity, With<DecompositionFocus>>,
+    priorities: Query<'w, 's, &'static DecompositionPriority>,
+    transforms: TransformHelper<'w, 's>,
+}
+
+impl Sources<'_, '_> {
+    /// By priority, then by distance to the nearest focus. Stable, so that without a focus those that came first
+    /// go first. Entities without a transform go last among those of their priority.
+    fn sort(&self, waiting: &mut [(Entity, Arc<ColliderRequest>)]) {
+        // Also in the frame in which they are spawned, when `GlobalTransform` is not known yet.
+        let place =
+            |entity| Some(self.transforms.compute_global_transform(entity).ok()?.translation());
+        let focuses: Vec<Vec3> = self.focuses.iter().filter_map(place).collect();
+        if focuses.is_empty() && self.priorities.is_empty() {
+            return;
+        }
+        let distance = |place: Vec3| {
+            focuses.iter().map(|focus| focus.distance_squared(place)).fold(f32::INFINITY, f32::min)
+        };
+        waiting.sort_by_cached_key(|(entity, _)| {
+            let priority = self.priorities.get(*entity).copied().unwrap_or_default();
+            let nearest = place(*entity).map_or(f32::INFINITY, distance);
+            // The bits of numbers without a sign have their order.
+            (Reverse(priority), nearest.to_bits())
+        });
+    }
+
+    fn task_input(
+        &self,
+        jobs: &Jobs,
+        request: &ColliderRequest,
+    ) -> Result<TaskInput, DecompositionError> {
+        if let InputId::Baked(id) = *request.input {
+            let (key, source) = (ContentKey::Baked(id), HullSource::Baked);
+            let of_asset = || {
+                let BakedHulls(file) = self.baked.get(id.try_typed().ok()?)?;
+                Some(ColliderGeometry::of_hulls(file.clone()))
+            };
+            let geometry = jobs.cache.geometry(key).or_else(of_asset);
+            let geometry = geometry.ok_or(DecompositionError::NotLoaded)?;
+            return Ok(TaskInput::Geometry { key, geometry, source });
+        }
+        if let Some(key) = jobs.key_of(&request.input)
+            && let Some(geometry) = jobs.cache.geometry(key)
+        {
+            return Ok(TaskInput::Geometry { key, geometry, source: HullSource::Shared });
+        }
+        let data = read_parts(&request.parts, &request.map_before, &self.meshes)?;
+        // Only baked hulls have no goal, and they are found above.
+        let goal = request.goal.clone().ok_or(DecompositionError::NotLoaded)?;
+        let scene = request.scene.and_then(|scene| self.scenes.get(scene.try_typed().ok()?));
+        Ok(TaskInput::Mesh { data, goal, baked: scene.map(BakedScene::geometry) })
+    }
+}

@@ -1,0 +1,327 @@
+//! One decomposition, from its triangles to a shape, in steps: on a thread in the background, or step by step on
+//! the main thread.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use bevy::math::{Affine3A, DMat3, DVec3, Vec3A};
+use bevy_rapier3d::rapier::geometry::{SharedShape, TriMeshFlags};
+use bevy_rapier3d::rapier::math::{Pose, Vector};
+
+use super::baked::SceneGeometry;
+use super::cache::{BuiltCollider, ColliderGeometry, DiskCache, GeometryCache, WorkClaim};
+use super::request::{ContentKey, MapKey, MeshData};
+use crate::bevy::tag::outcomes::{DecompositionError, HullSource};
+use crate::bevy::tag::parameters::{Goal, PrimitiveKind};
+use crate::bevy::tag::settings::HullwrightSettings;
+use crate::hulls_format::HullsFile;
+use crate::rapier::ColliderError;
+use crate::{
+    Control, Decomposer, Error, MassProperties, MeshView, Method, MethodReport,
+    mass_properties_with,
+};
+
+/// What a task starts from.
+pub(super) enum TaskInput {
+    /// A mesh, and what to make of it.
+    Mesh {
+        data: MeshData,
+        goal: Goal,
+        /// Where its hulls may be found.
+        baked: Option<Arc<SceneGeometry>>,
+    },
+    /// Known geometry, of which another shape is wanted.
+    Geometry { key: ContentKey, geometry: Arc<ColliderGeometry>, source: HullSource },
+}
+
+/// How a task ends.
+pub(super) type TaskResult = Result<TaskOutput, DecompositionError>;
+
+/// How a step ends; `None` if there are more.
+type StepResult = Result<Option<TaskOutput>, DecompositionError>;
+
+/// What a task ends with.
+#[derive(Debug)]
+pub(super) enum TaskOutput {
+    Built(BuiltCollider),
+    /// Another job is at work on the same content.
+    InProgress(ContentKey),
+}
+
+/// Work that can be interrupted between its steps.
+pub(super) struct DecompositionTask {
+    /// What the first step takes.
+    input: Option<TaskInput>,
+    /// What later steps go on with.
+    work: Option<MeshInProgress>,
+    map: Affine3A,
+    cache: GeometryCache,
+    cache_bytes: usize,
+    disk_cache: Option<DiskCache>,
+    primitives: bool,
+}
+
+struct MeshInProgress {
+    decomposer: Decomposer<MethodReport>,
+    method: Method,
+    data: MeshData,
+    key: ContentKey,
+    claim: WorkClaim,
+}
+
+impl DecompositionTask {
+    pub(super) fn new(
+        input: TaskInput,
+        map: Affine3A,
+        cache: GeometryCache,
+        settings: &HullwrightSettings,
+    ) -> Self {
+        let disk_cache = cache.on_disk(settings);
+        let HullwrightSettings { cache_bytes, primitives, .. } = *settings;
+        Self { input: Some(input), work: None, map, cache, cache_bytes, disk_cache, primitives }
+    }
+
+    /// Runs to the end.
+    pub(super) fn run(mut self, control: &Control) -> TaskResult {
+        loop {
+            if control.is_cancelled() {
+                return Err(Error::Cancelled.into());
+            }
+            if let Some(output) = self.step(control)? {
+                return Ok(output);
+            }
+        }
+    }
+
+    /// Runs one step; `None` if there are more.
+    pub(super) fn step(&mut self, control: &Control) -> StepResult {
+        match self.input.take() {
+            Some(TaskInput::Geometry { key, geometry, source }) => {
+                self.build(key, geometry, source)
+            }
+            Some(TaskInput::Mesh { data, goal, baked }) => {
+                self.start(data, &goal, baked.as_deref(), control)
+            }
+            None => self.decompose(),
+        }
+    }
+
+    fn start(
+        &mut self,
+        data: MeshData,
+        goal: &Goal,
+        baked: Option<&SceneGeometry>,
+        control: &Control,
+    ) -> StepResult {
+        let key = ContentKey::of_mesh(&data, goal);
+        if let Some(geometry) = baked.and_then(|baked| baked.get(&key)) {
+            return self.build(key, geometry.clone(), HullSource::Baked);
+        }
+        if let Some(geometry) = self.cache.geometry(key) {
+            return self.build(key, geometry, HullSource::Shared);
+        }
+        let Some(claim) = self.cache.claim(key) else {
+            return Ok(Some(TaskOutput::InProgress(key)));
+        };
+        let geometry = match goal {
+            Goal::Triangles(_) => ColliderGeometry::Triangles(data).into(),
+            Goal::Primitive(kind) => ColliderGeometry::Primitive(*kind, data).into(),
+            Goal::Hulls(method) => {
+                if let Some(file) = self.disk_cache.as_ref().and_then(|cache| cache.read(key)) {
+                    return self.build(key, ColliderGeometry::of_hulls(file), HullSource::Disk);
+                }
+                let (decomposer, method) =
+                    (method.decomposer(data.view(), control)?, method.clone());
+                self.work = Some(MeshInProgress { decomposer, method, data, key, claim });
+                return Ok(None);
+            }
+        };
+        self.build(key, geometry, HullSource::Decomposed)
+    }
+
+    fn decompose(&mut self) -> StepResult {
+        let mut work = self.work.take().ok_or(Error::Finished)?;
+        let Some(decomposition) = work.decomposer.step()? else {
+            self.work = Some(work);
+            return Ok(None);
+        };
+        let MeshInProgress { data, key, claim, method, .. } = work;
+        let hulls = &decomposition.hulls;
+        let mass = mass_properties_with(data.view(), hulls, 1.0, &method.solid())?;
+        let file = HullsFile::new("", &decomposition).with_mass_properties(mass);
+        if let Some(cache) = &self.disk_cache {
+            cache.write(key, &file);
+        }
+        let output = self.build(key, ColliderGeometry::of_hulls(file), HullSource::Decomposed);
+        // Only now that the cache has the result: whoever waits for the claim looks there.
+        drop(claim);
+        output
+    }
+
+    fn build(
+        &self,
+        key: ContentKey,
+        geometry: Arc<ColliderGeometry>,
+        source: HullSource,
+    ) -> StepResult {
+        let shape = shape_of(&geometry, &self.map, self.primitives)?;
+        let built = BuiltCollider { key, geometry, shape, source };
+        self.cache.insert(&built, MapKey::new(&self.map), self.cache_bytes);
+        Ok(Some(TaskOutput::Built(built)))
+    }
+}
+
+fn shape_of(
+    geometry: &ColliderGeometry,
+    map: &Affine3A,
+    primitives: bool,
+) -> Result<SharedShape, DecompositionError> {
+    let matrix = map.matrix3;
+    let scale = [matrix.x_axis.x, matrix.y_axis.y, matrix.z_axis.z];
+    let is_scale = *map == Affine3A::from_scale(scale.into());
+    match geometry {
+        ColliderGeometry::Hulls(file) if primitives && is_scale => {
+            Ok(crate::rapier::shape_with_primitives(file, scale)?)
+        }
+        ColliderGeometry::Hulls(file) => {
+            // A map that flattens leaves no body.
+            if !(map.is_finite() && matrix.determinant().is_normal()) {
+                let scale = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(Vec3A::length);
+                return Err(ColliderError::InvalidScale { scale }.into());
+            }
+            let (place, hulls) = (map_point(map), file.hulls.iter());
+            let hulls: Vec<Vec<[f64; 3]>> = hulls
+                .map(|hull| hull.shape.points.iter().map(|point| place(*point)).collect())
+                .collect();
+            Ok(crate::rapier::shape_from_points(&hulls, [1.0; 3])?)
+        }
+        ColliderGeometry::Triangles(data) => triangle_mesh(data, map),
+        ColliderGeometry::Primitive(kind, data) => Ok(primitive_around(*kind, data, map)?),
+    }
+}
+
+/// Without it, what slides over a floor stumbles over the edges between its triangles. Two-sided, since
+/// with one side things fall through triangles that a modeller wound the wrong way round.
+const TRIANGLE_FLAGS: TriMeshFlags = TriMeshFlags::FIX_INTERNAL_EDGES_TWO_SIDED;
+
+/// Rapier's triangle mesh, for what doesn't move.
+fn triangle_mesh(data: &MeshData, map: &Affine3A) -> Result<SharedShape, DecompositionError> {
+    let place = |point: &[f32; 3]| map.transform_point3((*point).into()).to_array();
+    let points: Vec<[f32; 3]> = data.positions.iter().map(place).collect();
+    let mesh = MeshView::new(&points, &data.triangles);
+    Ok(SharedShape::new(crate::rapier::triangle_mesh(mesh, TRIANGLE_FLAGS)?))
+}
+
+/// The least thickness of a box, as a share of its longest side: a plane is a thin one.
+const THINNEST: f32 = 1e-3;
+
+/// The shape around a mesh that is moved by `map`, along the axes of the collider. O(size).
+///
+/// # Errors
+/// If no point is finite, or all are one spot.
+pub(crate) fn primitive_around(
+    kind: PrimitiveKind,
+    data: &MeshData,
+    map: &Affine3A,
+) -> Result<SharedShape, ColliderError> {
+    let points: Vec<Vector> =
+        data.used_points().map(|point| map.transform_point3(point.into())).collect();
+    let (middle, half) = bounding_box(&points).ok_or(Error::NothingUsable {
+        triangles: data.triangles.len(),
+        degenerate: 0,
+        non_finite: 0,
+    })?;
+    let half = half.max(Vector::splat(THINNEST * half.max_element()));
+    let distances =
+        |from: &dyn Fn(Vector) -> f32| points.iter().map(|p| from(*p)).fold(0.0, f32::max);
+    let shape = match kind {
+        PrimitiveKind::Cuboid => SharedShape::cuboid(half.x, half.y, half.z),
+        // By the vertices, which lie on the surface of the ball that was meant, and not by the box, which
+        // is smaller where no vertex lies on an axis.
+        PrimitiveKind::Ball => SharedShape::ball(distances(&|point| (point - middle).length())),
+        PrimitiveKind::Capsule => {
+            // Of equal sides the first.
+            let by_length = |a: &Vector, b: &Vector| half.dot(*a).total_cmp(&half.dot(*b));
+            let axis = [Vector::Z, Vector::Y, Vector::X].into_iter().max_by(by_length);
+            let axis = axis.unwrap_or(Vector::X);
+            let radius = distances(&|point| (point - middle).reject_from_normalized(axis).length());
+            let end = axis * (half.dot(axis) - radius).max(0.0);
+            SharedShape::capsule(-end, end, radius)
+        }
+    };
+    Ok(match middle == Vector::ZERO {
+        true => shape,
+        false => SharedShape::compound(vec![(Pose::from_translation(middle), shape)]),
+    })
+}
+
+/// Middle and half sides of the box around points; `None` if that is no more than one spot.
+fn bounding_box(points: &[Vector]) -> Option<(Vector, Vector)> {
+    let low = points.iter().fold(Vector::INFINITY, |low, point| low.min(*point));
+    let high = points.iter().fold(Vector::NEG_INFINITY, |high, point| high.max(*point));
+    let half = (high - low) / 2.0;
+    (half.is_finite() && half.max_element() > 0.0).then_some((low + half, half))
+}
+
+/// Mass properties of a body of the same density after it is moved by a map.
+pub(crate) fn map_mass(properties: &MassProperties, map: &Affine3A) -> MassProperties {
+    let linear = map.matrix3.as_dmat3();
+    let volume = linear.determinant().abs();
+    let inertia = DMat3::from_cols_array_2d(&properties.inertia);
+    // Inertia is the trace of the second moments minus the second moments; these map as a
+    // quadratic form.
+    let trace = inertia.x_axis.x + inertia.y_axis.y + inertia.z_axis.z;
+    let second = DMat3::from_diagonal(DVec3::splat(trace / 2.0)) - inertia;
+    let second = linear * second * linear.transpose() * volume;
+    let trace = second.x_axis.x + second.y_axis.y + second.z_axis.z;
+    let inertia = DMat3::from_diagonal(DVec3::splat(trace)) - second;
+    let mut mapped = *properties;
+    mapped.mass *= volume;
+    mapped.centre = map_point(map)(properties.centre);
+    mapped.inertia = inertia.to_cols_array_2d();
+    mapped
+}
+
+fn map_point(map: &Affine3A) -> impl Fn([f64; 3]) -> [f64; 3] + use<> {
+    let (linear, offset) = (map.matrix3.as_dmat3(), map.translation.as_dvec3());
+    move |point| (linear * DVec3::from(point) + offset).to_array()
+}
+
+/// Contains a panic to one job: it costs a collider, not the game.
+pub(super) fn contain_panics(run: impl FnOnce() -> TaskResult) -> TaskResult {
+    std::panic::catch_unwind(std::panic::AssertUnwindSafe(run))
+        .unwrap_or(Err(DecompositionError::Panicked))
+}
+
+/// A share of the work that another thread can read.
+#[derive(Debug, Clone, Default)]
+pub(super) struct SharedProgress(Arc<AtomicU32>);
+
+impl SharedProgress {
+    /// A control that reports here. One thread per job: several run at once, and the game needs
+    /// threads too.
+    pub(super) fn control(&self) -> Control {
+        let cell = self.0.clone();
+        Control::new().with_parallel(false).with_progress(move |progress| {
+            cell.store(progress.fraction.to_bits(), Ordering::Relaxed)
+        })
+    }
+
+    pub(super) fn get(&self) -> f32 {
+        f32::from_bits(self.0.load(Ordering::Relaxed))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_is_an_error_that_says_so_and_an_error_stays_what_it_is() {
+        let result = contain_panics(|| panic!("on purpose, in a test"));
+        assert!(matches!(result, Err(DecompositionError::Panicked)));
+        assert!(DecompositionError::Panicked.to_string().contains("panicked"));
+        let result = contain_panics(|| Err(DecompositionError::NoPositions));
+        assert!(matches!(result, Err(DecompositionError::NoPositions)));
+    }
+}

@@ -1,0 +1,278 @@
+//! Whole scenes, tagged at once and ended together, and how far all work is.
+
+pub(super) mod hierarchy;
+pub(super) mod tagging;
+
+use std::time::Duration;
+
+#[cfg(feature = "bevy_gltf")]
+use bevy::asset::LoadState;
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+
+use self::hierarchy::{
+    ConvexDecompositionHierarchy, HierarchyFinished, HierarchyReport, HierarchyStatus,
+    HierarchyWork,
+};
+use self::tagging::{Nodes, tag_hierarchies};
+use super::collider::CollidersAttached;
+use super::collider::changes::detect_tags;
+use super::collider::work::{AttachedCollider, Unfinished};
+use super::jobs::Jobs;
+use super::jobs::baked::{Absence, BakedScene};
+use super::tag::ConvexDecomposition;
+use super::tag::outcomes::DecompositionStatus;
+use super::tag::parameters::Goal;
+use super::tag::settings::HullwrightSystems;
+
+/// Tags whole scenes, and sums up how far they and all else are.
+pub(super) struct ScenePlugin;
+
+impl Plugin for ScenePlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<DecompositionProgress>()
+            .register_type::<ConvexDecompositionHierarchy>()
+            .register_type::<HierarchyStatus>()
+            .register_type::<DecompositionProgress>();
+        #[cfg(feature = "bevy_gltf")]
+        app.add_observer(on_scene_spawned);
+        app.add_systems(
+            PostUpdate,
+            (
+                tag_hierarchies.before(detect_tags).in_set(HullwrightSystems::DetectChanges),
+                (finish_hierarchies.run_if(any_with_component::<HierarchyWork>), sum_up_progress)
+                    .chain()
+                    .after(CollidersAttached)
+                    .in_set(HullwrightSystems::Attach),
+            ),
+        );
+    }
+}
+
+/// Meshes that the log names one by one; of more it says how many.
+const MOST_LOGGED: usize = 20;
+
+/// What is known of scenes, and from what the colliders below them were made.
+#[derive(SystemParam)]
+struct Scenes<'w, 's> {
+    #[cfg(feature = "bevy_gltf")]
+    roots: Query<'w, 's, &'static WorldAssetRoot>,
+    #[cfg(feature = "bevy_gltf")]
+    server: Option<Res<'w, AssetServer>>,
+    baked: Res<'w, Assets<BakedScene>>,
+    jobs: Res<'w, Jobs>,
+    nodes: Nodes<'w, 's>,
+    attached: Query<'w, 's, (&'static AttachedCollider, &'static ConvexDecomposition)>,
+}
+
+impl Scenes<'_, '_> {
+    /// Whether Bevy has a scene to spawn below an entity, and whether that could not be loaded. Bevy spawns one
+    /// whose textures are missing.
+    fn is_scene_or_lost(&self, entity: Entity) -> (bool, bool) {
+        #[cfg(feature = "bevy_gltf")]
+        if let Ok(root) = self.roots.get(entity) {
+            let state = self.server.as_ref().and_then(|server| server.get_load_state(&root.0));
+            return (true, matches!(state, Some(LoadState::Failed(_))));
+        }
+        let _ = entity;
+        (false, false)
+    }
+
+    /// Counts what came from a baked scene, and returns what did not and why, as a sentence without subject.
+    fn compare(
+        &self,
+        handle: &Handle<BakedScene>,
+        nodes: &[Entity],
+        report: &mut HierarchyReport,
+    ) -> Option<String> {
+        let Some(baked) = self.baked.get(handle) else {
+            report.missing = report.ready;
+            return Some("could not be loaded: its meshes were decomposed".into());
+        };
+        let mut lines = Vec::new();
+        for &node in nodes {
+            let Ok((attached, tag)) = self.attached.get(node) else { continue };
+            let request = &attached.requested.request;
+            let Some(key) = self.jobs.key_of(&request.input) else { continue };
+            let goal = Goal::of(tag);
+            let Some(parameters) = goal.parameters().filter(|_| request.why_triangles().is_none())
+            else {
+                continue;
+            };
+            let names: Vec<&str> = self.nodes.names_of(node).into_iter().flatten().collect();
+            let Some(absence) = baked.absence(key, parameters, &names) else {
+                report.from_baked += 1;
+                continue;
+            };
+            let why = match absence {
+                Absence::Stale(why) => {
+                    report.stale += 1;
+                    why
+                }
+                Absence::Missing => {
+                    report.missing += 1;
+                    "it is not in the file".into()
+                }
+            };
+            let name = names.first().copied().unwrap_or("a mesh without a name");
+            lines.push(format!("`{name}` ({node}): {why}"));
+        }
+        if lines.is_empty() {
+            return None;
+        }
+        let more = lines.len().saturating_sub(MOST_LOGGED);
+        lines.truncate(MOST_LOGGED);
+        if more > 0 {
+            lines.push(format!("and {more} more"));
+        }
+        let lines = lines.join("; ");
+        Some(format!("has no hulls for: {lines}. They were decomposed; bake it anew"))
+    }
+}
+
+/// Ends the hierarchies all of whose meshes are finished.
+fn finish_hierarchies(
+    mut commands: Commands,
+    mut hierarchies: Query<(
+        Entity,
+        &ConvexDecompositionHierarchy,
+        &mut HierarchyWork,
+        &mut HierarchyStatus,
+    )>,
+    statuses: Query<&DecompositionStatus>,
+    scenes: Scenes,
+) {
+    for (entity, hierarchy, mut work, mut status) in &mut hierarchies {
+        if !work.is_open {
+            continue;
+        }
+        let is_running =
+            |node: &Entity| statuses.get(*node).is_ok_and(|status| !status.is_finished());
+        work.unfinished.retain(is_running);
+        let (is_scene, is_lost) = scenes.is_scene_or_lost(entity);
+        let is_to_be_spawned = is_scene && !work.is_spawned && !is_lost;
+        let has_begun = work.start.is_some() || work.is_spawned;
+        if is_to_be_spawned || !(has_begun || is_lost) {
+            status.set_if_neq(HierarchyStatus::Waiting);
+            continue;
+        }
+        if !work.unfinished.is_empty() {
+            status.set_if_neq(HierarchyStatus::Running);
+            continue;
+        }
+        let mut report = HierarchyReport {
+            left_out: work.left_out,
+            is_lost,
+            time: work.start.map_or(Duration::ZERO, |start| start.elapsed()),
+            ..default()
+        };
+        for &node in &work.nodes {
+            match statuses.get(node) {
+                Ok(DecompositionStatus::Ready(_)) => report.ready += 1,
+                Ok(DecompositionStatus::Skipped(_)) => report.skipped += 1,
+                Ok(DecompositionStatus::Failed(_)) => report.failed += 1,
+                _ => report.cancelled += 1,
+            }
+        }
+        if let Some(handle) = &hierarchy.baked
+            && let Some(difference) = scenes.compare(handle, &work.nodes, &mut report)
+        {
+            let path = handle.path().map_or_else(|| "the baked scene".into(), ToString::to_string);
+            log::warn!("{path} of {entity} {difference}");
+        }
+        (work.is_open, work.start) = (false, None);
+        *status = HierarchyStatus::Finished(report);
+        commands.trigger(HierarchyFinished { entity, report });
+    }
+}
+
+/// Bevy has spawned the scene below a hierarchy.
+#[cfg(feature = "bevy_gltf")]
+fn on_scene_spawned(
+    spawned: On<bevy::world_serialization::WorldInstanceReady>,
+    mut works: Query<&mut HierarchyWork>,
+) {
+    if let Ok(mut work) = works.get_mut(spawned.entity) {
+        work.is_spawned = true;
+    }
+}
+
+/// How far all work is, from the first tag since everything was finished.
+///
+/// It is up to date after the plugin's systems, in `PostUpdate`. Whether all is done says
+/// [`all_decompositions_done`] also for what was tagged since.
+#[derive(Resource, Reflect, Debug, Clone, Copy, PartialEq, Default)]
+#[reflect(Resource, Default, Clone, PartialEq)]
+#[type_path = "hullwright"]
+pub struct DecompositionProgress {
+    /// Entities that are finished, however they ended.
+    pub finished: usize,
+    /// Entities in all; scenes that are not there yet count as one.
+    pub total: usize,
+    /// Share of the work that is done, from 0 to 1, with jobs at work by their own progress. It never
+    /// falls until all is finished.
+    pub fraction: f32,
+}
+
+impl DecompositionProgress {
+    /// Whether all is finished, or there was nothing to do.
+    pub fn is_done(&self) -> bool {
+        self.finished == self.total
+    }
+}
+
+/// A run condition: nothing that is tagged waits or is at work, and no scene below a
+/// [`ConvexDecompositionHierarchy`](crate::bevy::ConvexDecompositionHierarchy) is still to come. It looks
+/// at every tagged entity, so it also knows those of this frame. O(tagged entities).
+///
+/// ```
+/// use bevy::prelude::*;
+/// use hullwright::bevy::prelude::*;
+///
+/// # let mut app = App::new();
+/// app.add_systems(Update, start_level.run_if(all_decompositions_done));
+/// # fn start_level() {}
+/// ```
+pub fn all_decompositions_done(
+    statuses: Query<&DecompositionStatus>,
+    hierarchies: Query<&HierarchyStatus>,
+) -> bool {
+    hierarchies.iter().all(HierarchyStatus::is_finished)
+        && statuses.iter().all(DecompositionStatus::is_finished)
+}
+
+/// A run condition: the opposite of [`all_decompositions_done`], for what a loading screen shows.
+pub fn decompositions_pending(
+    statuses: Query<&DecompositionStatus>,
+    hierarchies: Query<&HierarchyStatus>,
+) -> bool {
+    !all_decompositions_done(statuses, hierarchies)
+}
+
+/// What must not reach 1 before all is finished.
+const ALMOST: f32 = 0.999;
+
+/// Sums up the work.
+fn sum_up_progress(
+    mut unfinished: ResMut<Unfinished>,
+    jobs: Res<Jobs>,
+    mut progress: ResMut<DecompositionProgress>,
+    hierarchies: Query<&HierarchyWork>,
+) {
+    let to_come = hierarchies.iter().filter(|work| work.is_to_come()).count();
+    let open = unfinished.len() + to_come;
+    if open == 0 {
+        unfinished.begin_anew();
+        if !progress.is_done() || progress.fraction < 1.0 {
+            let total = progress.total;
+            *progress = DecompositionProgress { finished: total, total, fraction: 1.0 };
+        }
+        return;
+    }
+    let total = unfinished.entered() + to_come;
+    let (finished, running) = (total - open, jobs.progress());
+    let fraction = ((finished as f32 + running) / total as f32).min(ALMOST);
+    let least = if progress.is_done() { 0.0 } else { progress.fraction };
+    let now = DecompositionProgress { finished, total, fraction: fraction.max(least) };
+    progress.set_if_neq(now);
+}

@@ -1,0 +1,412 @@
+//! Tags the nodes of scenes: which have meshes, what they and their meshes are called, what their extras say, and
+//! which tag follows from that, by a default, by names, by the artist.
+
+use std::collections::BTreeMap;
+
+use bevy::ecs::entity::EntityHashSet;
+use bevy::ecs::system::SystemParam;
+use bevy::platform::collections::HashSet;
+use bevy::prelude::*;
+use bevy_rapier3d::prelude::RigidBody;
+
+use super::hierarchy::{ConvexDecompositionHierarchy, HierarchyWork};
+use crate::bevy::jobs::baked::{BakedDecomposition, FromBakedScene};
+use crate::bevy::tag::outcomes::{Descriptions, entities};
+use crate::bevy::tag::{ConvexDecomposition, DecompositionShape, NoConvexDecomposition};
+#[cfg(feature = "bevy_gltf")]
+use crate::conventions::{Body, ExtrasTag};
+use crate::conventions::{
+    ColliderKind, NameTag, mesh_tag, node_tag, whole_of, without_copy_number,
+};
+
+/// Set on what a hierarchy tagged, so that another setting can take it back.
+#[derive(Component, Debug, Clone, Copy)]
+pub(super) struct TaggedByHierarchy;
+
+/// Set on what a hierarchy hides, so that another setting can show it again.
+#[cfg(feature = "bevy_gltf")]
+#[derive(Component, Debug, Clone, Copy)]
+pub(super) struct HiddenByHierarchy;
+
+/// Bevy spawns the primitives of a mesh below their node, without a transform of their own.
+fn is_identity(transform: Option<&Transform>) -> bool {
+    transform.is_none_or(|transform| *transform == Transform::IDENTITY)
+}
+
+/// All of a scene that says what becomes of its meshes.
+#[derive(SystemParam)]
+pub(super) struct Nodes<'w, 's> {
+    meshes: Query<'w, 's, (Entity, Option<&'static Transform>), With<Mesh3d>>,
+    names: Query<'w, 's, &'static Name>,
+    pub parents: Query<'w, 's, &'static ChildOf>,
+    children: Query<'w, 's, &'static Children>,
+    pub own_tags: Query<'w, 's, (), OwnTag>,
+    /// What hierarchies said before; `None` for no collider.
+    pub tagged: Query<'w, 's, Option<&'static ConvexDecomposition>, With<TaggedByHierarchy>>,
+    #[cfg(feature = "bevy_gltf")]
+    hidden: Query<'w, 's, (), With<HiddenByHierarchy>>,
+    #[cfg(feature = "bevy_gltf")]
+    extras: Query<'w, 's, Extras>,
+}
+
+/// Tagged, but not by a hierarchy.
+type OwnTag = (
+    Or<(With<ConvexDecomposition>, With<BakedDecomposition>, With<NoConvexDecomposition>)>,
+    Without<TaggedByHierarchy>,
+);
+
+#[cfg(feature = "bevy_gltf")]
+type Extras = (
+    Option<&'static bevy::gltf::GltfExtras>,
+    Option<&'static bevy::gltf::GltfMeshExtras>,
+    Option<&'static bevy::gltf::GltfMeshName>,
+);
+
+impl Nodes<'_, '_> {
+    /// The entities that stand for one mesh each: those with a `Mesh3d`, or the parents of
+    /// primitives.
+    pub(super) fn nodes_with_meshes(&self, root: Entity) -> Vec<Entity> {
+        let mut seen = EntityHashSet::default();
+        let is_root_node = self.is_gltf_node(root);
+        let below = std::iter::once(root).chain(self.children.iter_descendants(root));
+        let meshes = below.filter_map(|entity| self.meshes.get(entity).ok());
+        meshes
+            .map(|(entity, transform)| match self.parents.get(entity) {
+                Ok(parent)
+                    if entity != root
+                        && (parent.parent() != root || is_root_node)
+                        && is_identity(transform) =>
+                {
+                    parent.parent()
+                }
+                _ => entity,
+            })
+            .filter(|node| seen.insert(*node))
+            .collect()
+    }
+
+    /// The name of the glTF mesh that an entity is a primitive of.
+    fn mesh_name(&self, entity: Entity) -> Option<&str> {
+        #[cfg(feature = "bevy_gltf")]
+        return self.extras.get(entity).ok()?.2.map(|name| name.0.as_str());
+        #[cfg(not(feature = "bevy_gltf"))]
+        return (entity, None).1;
+    }
+
+    /// Whether the meshes right below are the primitives of one glTF mesh, whose name they have then,
+    /// and not meshes of their own.
+    fn is_gltf_node(&self, entity: Entity) -> bool {
+        let children = self.children.get(entity).into_iter().flatten().copied();
+        let meshes = children.filter(|child| self.meshes.contains(*child));
+        let mut names = meshes.map(|mesh| self.mesh_name(mesh));
+        let Some(Some(first)) = names.next() else { return false };
+        names.all(|name| name == Some(first))
+    }
+
+    /// The node's own name, and the one that its primitives have of their mesh.
+    pub(super) fn names_of(&self, node: Entity) -> [Option<&str>; 2] {
+        let own = self.names.get(node).ok().map(Name::as_str);
+        let primitives = self.children.get(node).into_iter().flatten().copied();
+        let mut entities = std::iter::once(node).chain(primitives);
+        [own, entities.find_map(|entity| self.mesh_name(entity))]
+    }
+
+    /// The extras of a node, of its mesh, and of its primitives.
+    #[cfg(feature = "bevy_gltf")]
+    pub(super) fn extras_of(&self, node: Entity) -> impl Iterator<Item = &str> {
+        let children = self.children.get(node).into_iter().flatten().copied();
+        let primitives = children.filter(|child| self.meshes.contains(*child));
+        let with_extras = std::iter::once(node).chain(primitives);
+        with_extras.filter_map(|entity| self.extras.get(entity).ok()).flat_map(
+            |(of_node, of_mesh, _)| {
+                let texts = [of_node.map(|of| &of.value), of_mesh.map(|of| &of.value)];
+                texts.into_iter().flatten().map(String::as_str)
+            },
+        )
+    }
+
+    /// Whether a node or one above it is none of the game's.
+    pub(super) fn is_left_out(&self, node: Entity, root: Entity) -> bool {
+        std::iter::once(node)
+            .chain(self.parents.iter_ancestors(node))
+            .take_while(|entity| *entity != root)
+            .filter_map(|entity| self.names.get(entity).ok())
+            .any(|name| node_tag(name) == Some(NameTag::LeftOut))
+    }
+
+    /// The names of meshes that have pieces made by the artist.
+    pub(super) fn meshes_with_pieces(&self, nodes: &[Entity]) -> HashSet<&str> {
+        let names = || nodes.iter().flat_map(|node| self.names_of(*node)).flatten();
+        let all: HashSet<&str> = names().map(without_copy_number).collect();
+        names()
+            .filter_map(|name| match node_tag(name)? {
+                NameTag::PieceOf { rest, .. } => Some(whole_of(rest, |name| all.contains(name))),
+                _ => None,
+            })
+            .collect()
+    }
+
+    /// Hides the meshes of a node, or shows those that were hidden.
+    #[cfg(feature = "bevy_gltf")]
+    pub(super) fn show(&self, commands: &mut Commands, node: Entity, is_drawn: bool) {
+        let children = self.children.get(node).into_iter().flatten().copied();
+        // What else is below the node stays as it is.
+        let is_mesh = |entity: &Entity| self.meshes.contains(*entity);
+        let primitives = children.filter(|child| {
+            self.meshes.get(*child).is_ok_and(|(_, transform)| is_identity(transform))
+        });
+        for mesh in std::iter::once(node).filter(is_mesh).chain(primitives) {
+            let is_hidden = self.hidden.contains(mesh);
+            let mut mesh = commands.entity(mesh);
+            if !is_drawn {
+                mesh.try_insert((Visibility::Hidden, HiddenByHierarchy));
+            } else if is_hidden {
+                mesh.try_remove::<HiddenByHierarchy>().try_insert(Visibility::Inherited);
+            }
+        }
+    }
+
+    #[cfg(not(feature = "bevy_gltf"))]
+    pub(super) fn show(&self, _commands: &mut Commands, _node: Entity, _is_drawn: bool) {}
+}
+
+/// Errors in extras, with the entities that have them. Each is logged once.
+#[derive(Default)]
+pub(super) struct Complaints {
+    known: HashSet<String>,
+    new: BTreeMap<String, Vec<Entity>>,
+}
+
+impl Complaints {
+    fn log(&mut self, descriptions: &Descriptions) {
+        for (text, of) in std::mem::take(&mut self.new) {
+            if let Some(first) = of.first().filter(|_| self.known.insert(text.clone())) {
+                let who = entities(of.len(), &descriptions.entity(*first, None));
+                log::warn!("glTF extras of {who}: {text}");
+            }
+        }
+    }
+}
+
+type NewMesh = (With<Mesh3d>, Or<(Added<Mesh3d>, Changed<ChildOf>)>);
+
+/// Hierarchies, and what is new about them.
+#[derive(SystemParam)]
+pub(super) struct Hierarchies<'w, 's> {
+    all: Query<'w, 's, (&'static ConvexDecompositionHierarchy, &'static mut HierarchyWork)>,
+    changed: Query<'w, 's, Entity, Changed<ConvexDecompositionHierarchy>>,
+    new_meshes: Query<'w, 's, Entity, NewMesh>,
+}
+
+impl Hierarchies<'_, '_> {
+    /// Those that are new or changed, and those with new meshes.
+    fn to_tag(&self, nodes: &Nodes) -> EntityHashSet {
+        let mut roots: EntityHashSet = self.changed.iter().collect();
+        for mesh in &self.new_meshes {
+            let mut above = std::iter::once(mesh).chain(nodes.parents.iter_ancestors(mesh));
+            roots.extend(above.find(|entity| self.all.contains(*entity)));
+        }
+        roots
+    }
+}
+
+/// Tags what is new below a hierarchy, and all below one that is new or changed.
+pub(super) fn tag_hierarchies(
+    mut commands: Commands,
+    mut hierarchies: Hierarchies,
+    nodes: Nodes,
+    descriptions: Descriptions,
+    mut complaints: Local<Complaints>,
+) {
+    if hierarchies.all.is_empty() {
+        return;
+    }
+    for root in hierarchies.to_tag(&nodes) {
+        if let Ok((hierarchy, mut work)) = hierarchies.all.get_mut(root) {
+            let all = nodes.nodes_with_meshes(root);
+            let with_pieces = match hierarchy.follows_artists {
+                true => nodes.meshes_with_pieces(&all),
+                false => HashSet::default(),
+            };
+            let rules = Rules { nodes: &nodes, root, hierarchy, with_pieces };
+            rules.tag(&mut commands, all, &mut work, &mut complaints);
+        }
+    }
+    complaints.log(&descriptions);
+}
+
+/// What becomes of each node of a scene.
+struct Rules<'a, 'w, 's> {
+    nodes: &'a Nodes<'w, 's>,
+    root: Entity,
+    hierarchy: &'a ConvexDecompositionHierarchy,
+    /// Names of meshes with pieces made by the artist.
+    with_pieces: HashSet<&'a str>,
+}
+
+impl Rules<'_, '_, '_> {
+    /// The first rule that matches a node.
+    fn treatment(&self, node: Entity, complaints: &mut Complaints) -> Treatment {
+        let by_name = &self.hierarchy.by_name;
+        let mut names = self.nodes.names_of(node).into_iter().flatten();
+        if let Some(tag) = names.find_map(|name| by_name.get(name)) {
+            return tag.clone().into();
+        }
+        let follows_artists = self.hierarchy.follows_artists;
+        let by_artist = follows_artists.then(|| self.by_artist(node, complaints)).flatten();
+        by_artist.unwrap_or_else(|| self.hierarchy.default_tag.clone().into())
+    }
+
+    /// The tag on which names and extras build.
+    fn base(&self) -> ConvexDecomposition {
+        self.hierarchy.default_tag.clone().unwrap_or_default()
+    }
+
+    /// By extras and names; `None` where they say nothing.
+    fn by_artist(&self, node: Entity, complaints: &mut Complaints) -> Option<Treatment> {
+        if self.nodes.is_left_out(node, self.root) {
+            return Some(treatment(NameTag::LeftOut, self.base()));
+        }
+        if let Some(by_extras) = self.by_extras(node, complaints) {
+            return Some(by_extras);
+        }
+        let [own, of_mesh] = self.nodes.names_of(node);
+        if let Some(tag) = own.and_then(node_tag).or_else(|| of_mesh.and_then(mesh_tag)) {
+            return Some(treatment(tag, self.base()));
+        }
+        let has_pieces = |name: &str| {
+            [name, without_copy_number(name)].iter().any(|name| self.with_pieces.contains(*name))
+        };
+        [own, of_mesh].into_iter().flatten().any(has_pieces).then(|| None.into())
+    }
+
+    /// By the extras of a node or of its mesh.
+    fn by_extras(&self, node: Entity, complaints: &mut Complaints) -> Option<Treatment> {
+        #[cfg(feature = "bevy_gltf")]
+        return self.nodes.extras_of(node).find_map(|text| {
+            let (tag, wrong) = crate::conventions::read_extras(text);
+            for text in wrong {
+                complaints.new.entry(text).or_default().push(node);
+            }
+            Some(with_extras(&tag?, self.base()))
+        });
+        #[cfg(not(feature = "bevy_gltf"))]
+        return (node, complaints, None).2;
+    }
+
+    /// Tags all nodes with meshes.
+    fn tag(
+        &self,
+        commands: &mut Commands,
+        all: Vec<Entity>,
+        work: &mut HierarchyWork,
+        complaints: &mut Complaints,
+    ) {
+        let Self { nodes, hierarchy, .. } = self;
+        let has_meshes = !all.is_empty();
+        let (mut tagged, mut left_out) = (Vec::new(), 0);
+        for node in all {
+            if nodes.own_tags.contains(node) {
+                continue;
+            }
+            let Treatment { tag, is_drawn, body } = self.treatment(node, complaints);
+            nodes.show(commands, node, is_drawn);
+            let mut commands = commands.entity(node);
+            if let Some(body) = body {
+                commands.try_insert_if_new(body);
+            }
+            match hierarchy.baked.clone().filter(|_| tag.is_some()) {
+                Some(baked) => commands.try_insert(FromBakedScene(baked)),
+                None => commands.try_remove::<FromBakedScene>(),
+            };
+            // What is tagged anew starts anew.
+            let is_as_before = nodes.tagged.get(node).is_ok_and(|before| before == tag.as_ref());
+            match &tag {
+                Some(_) => tagged.push(node),
+                None => left_out += 1,
+            }
+            match tag {
+                _ if is_as_before => {}
+                Some(tag) => {
+                    commands.try_remove::<NoConvexDecomposition>();
+                    commands.try_insert((tag, TaggedByHierarchy));
+                }
+                None => {
+                    commands.try_remove::<ConvexDecomposition>();
+                    // Else it would be part of the input of a node above it.
+                    commands.try_insert((NoConvexDecomposition, TaggedByHierarchy));
+                }
+            }
+        }
+        work.begin(tagged, left_out, has_meshes);
+    }
+}
+
+/// What becomes of a node with a mesh.
+#[derive(Debug, Clone, PartialEq)]
+struct Treatment {
+    /// `None` for no collider.
+    tag: Option<ConvexDecomposition>,
+    is_drawn: bool,
+    /// The body that it becomes, if it is none.
+    body: Option<RigidBody>,
+}
+
+impl From<Option<ConvexDecomposition>> for Treatment {
+    fn from(tag: Option<ConvexDecomposition>) -> Self {
+        Self { tag, is_drawn: true, body: None }
+    }
+}
+
+/// What becomes of a node with such a name; `base` is the tag that the scene has for such nodes.
+fn treatment(name_tag: NameTag, base: ConvexDecomposition) -> Treatment {
+    let (tag, is_drawn, body) = match name_tag {
+        NameTag::Collider(kind) => (made_of(kind, base), true, None),
+        NameTag::ColliderOnly(kind) => (made_of(kind, base), false, None),
+        NameTag::Body(kind) => (made_of(kind, base), true, Some(RigidBody::Dynamic)),
+        // The mass of the whole is not that of a piece.
+        NameTag::PieceOf { kind, .. } => (made_of(kind, base.with_mass(None)), false, None),
+        NameTag::LeftOut => return Treatment { tag: None, is_drawn: false, body: None },
+    };
+    Treatment { tag: Some(tag), is_drawn, body }
+}
+
+fn made_of(kind: ColliderKind, base: ConvexDecomposition) -> ConvexDecomposition {
+    match kind {
+        // As the scene says for what moves and what does not.
+        ColliderKind::Decomposition => base,
+        ColliderKind::Hulls => base.with_shape(DecompositionShape::Hulls),
+        ColliderKind::Triangles => base.with_shape(DecompositionShape::Triangles),
+        ColliderKind::ConvexHull => base.with_shape(DecompositionShape::ConvexHull),
+        ColliderKind::Cuboid => base.with_shape(DecompositionShape::Cuboid),
+        ColliderKind::Ball => base.with_shape(DecompositionShape::Ball),
+        ColliderKind::Capsule => base.with_shape(DecompositionShape::Capsule),
+    }
+}
+
+/// What becomes of a node with such extras; `base` is the tag that the scene has. No collider where they exclude one.
+#[cfg(feature = "bevy_gltf")]
+fn with_extras(extras: &ExtrasTag, base: ConvexDecomposition) -> Treatment {
+    let body = extras.body.map(|body| match body {
+        Body::Dynamic => RigidBody::Dynamic,
+        Body::Fixed => RigidBody::Fixed,
+        Body::Kinematic => RigidBody::KinematicPositionBased,
+    });
+    let tag = extras.kind.map(|kind| {
+        let tag = made_of(kind, base);
+        ConvexDecomposition {
+            max_error: extras.max_error.map_or(tag.max_error, Into::into),
+            preset: extras.preset.map_or(tag.preset, Into::into),
+            openings: extras.openings.map_or(tag.openings, Into::into),
+            max_hulls: extras.max_hulls.or(tag.max_hulls),
+            max_vertices: extras.max_vertices.or(tag.max_vertices),
+            keep_cavities: extras.keep_cavities.unwrap_or(tag.keep_cavities),
+            density: extras.density.unwrap_or(tag.density),
+            // One stands for the other.
+            mass: extras.density.map_or(extras.mass.or(tag.mass), |_| extras.mass),
+            fallback_collider: extras.fallback.map(Into::into).or(tag.fallback_collider),
+            ..tag
+        }
+    });
+    Treatment { tag, is_drawn: true, body }
+}

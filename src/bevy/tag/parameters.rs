@@ -1,0 +1,348 @@
+//! From the tag's flat settings to the library's parameters, and what the plugin needs to know of
+//! these: the only file that looks into them.
+
+use sha2::{Digest, Sha256};
+
+#[cfg(feature = "bevy_gltf")]
+use crate::conventions::Fallback;
+use crate::surface::SurfaceParameters;
+use crate::{ALGORITHM_VERSION, Length, Method, Openings, Parameters, Preset};
+
+use super::outcomes::SkipReason;
+#[cfg(feature = "bevy_gltf")]
+use super::settings::FallbackCollider;
+use super::{
+    ConvexDecomposition, DecompositionOpenings, DecompositionPreset, DecompositionShape, MaxError,
+};
+
+/// Which of Rapier's own shapes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum PrimitiveKind {
+    Cuboid,
+    Ball,
+    Capsule,
+}
+
+/// What is made of a mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Goal {
+    /// Hulls by this method.
+    Hulls(Method),
+    /// The triangles as they are, and why.
+    Triangles(SkipReason),
+    /// A box, ball or capsule around it.
+    Primitive(PrimitiveKind),
+}
+
+impl Goal {
+    /// What a tag asks for, if it gets no triangles.
+    pub(crate) fn of(tag: &ConvexDecomposition) -> Self {
+        match tag.shape {
+            DecompositionShape::Cuboid => Self::Primitive(PrimitiveKind::Cuboid),
+            DecompositionShape::Ball => Self::Primitive(PrimitiveKind::Ball),
+            DecompositionShape::Capsule => Self::Primitive(PrimitiveKind::Capsule),
+            DecompositionShape::ConvexHull => {
+                let base = tag.flat_parameters().into();
+                let hull = crate::conventions::ColliderKind::ConvexHull.parameters(&base);
+                Self::Hulls(hull.unwrap_or(base))
+            }
+            DecompositionShape::Auto
+            | DecompositionShape::Hulls
+            | DecompositionShape::Triangles => Self::Hulls(tag.to_parameters()),
+        }
+    }
+
+    pub(crate) fn parameters(&self) -> Option<&Method> {
+        match self {
+            Self::Hulls(parameters) => Some(parameters),
+            Self::Triangles(_) | Self::Primitive(_) => None,
+        }
+    }
+
+    /// Why there are triangles instead of hulls.
+    pub(crate) fn why_triangles(&self) -> Option<SkipReason> {
+        match self {
+            Self::Triangles(reason) => Some(*reason),
+            Self::Hulls(_) | Self::Primitive(_) => None,
+        }
+    }
+
+    /// Whether the result depends on how large the mesh is in the world.
+    pub(crate) fn has_absolute_length(&self) -> bool {
+        let length = match self {
+            Self::Hulls(Method::Bounded(of) | Method::Hull(of)) => of.max_error,
+            Self::Hulls(Method::Surface(of)) => of.unit,
+            Self::Triangles(_) | Self::Primitive(_) => return false,
+        };
+        matches!(length, Length::Units(_))
+    }
+
+    /// For one part of a larger mesh: what is open on it is closed by the other parts.
+    pub(crate) fn keep_openings_of_part(&mut self) {
+        if let Self::Hulls(Method::Bounded(parameters) | Method::Hull(parameters)) = self
+            && parameters.openings == Openings::Auto
+        {
+            parameters.openings = Openings::Keep;
+        }
+    }
+
+    /// Hash of what is made, whichever mesh it is made of.
+    pub(crate) fn hash(&self) -> [u8; 32] {
+        let mut hasher = Sha256::new_with_prefix(ALGORITHM_VERSION.to_le_bytes());
+        hasher.update([match self {
+            Self::Triangles(_) => 0,
+            Self::Hulls(_) => 1,
+            Self::Primitive(PrimitiveKind::Cuboid) => 2,
+            Self::Primitive(PrimitiveKind::Ball) => 3,
+            Self::Primitive(PrimitiveKind::Capsule) => 4,
+        }]);
+        if let Self::Hulls(parameters) = self {
+            hash_parameters(parameters, &mut hasher);
+        }
+        hasher.finalize().into()
+    }
+}
+
+impl ConvexDecomposition {
+    /// What the library is asked to do: [`parameters`](Self::parameters) if they are given, else
+    /// the tag's own settings.
+    pub fn to_parameters(&self) -> Method {
+        self.parameters.clone().unwrap_or_else(|| self.flat_parameters().into())
+    }
+
+    fn flat_parameters(&self) -> Parameters {
+        Parameters::default()
+            .max_error(self.max_error.into())
+            .preset(self.preset.into())
+            .max_hulls(self.max_hulls.map(|limit| limit as usize))
+            .max_vertices(self.max_vertices.map(|limit| limit as usize))
+            .keep_cavities(self.keep_cavities)
+            .openings(self.openings.into())
+    }
+}
+
+impl From<MaxError> for Length {
+    fn from(max_error: MaxError) -> Self {
+        match max_error {
+            MaxError::Share(share) => Self::Share(as_written(share)),
+            MaxError::Metres(metres) => Self::Units(as_written(metres)),
+        }
+    }
+}
+
+/// The shortest decimal that rounds to a number: 0.02 and not 0.0199999996, so that hulls are those
+/// that the library and the command line make with the bound that the user wrote.
+fn as_written(x: f32) -> f64 {
+    x.to_string().parse().unwrap_or(f64::from(x))
+}
+
+impl From<Length> for MaxError {
+    fn from(length: Length) -> Self {
+        match length {
+            Length::Share(share) => Self::Share(share as f32),
+            Length::Units(metres) => Self::Metres(metres as f32),
+        }
+    }
+}
+
+/// Conversions between enums with the same variants.
+macro_rules! same_variants {
+    ($($from:ident => $to:ident { $($variant:ident),* })*) => {$(
+        impl From<$from> for $to {
+            fn from(value: $from) -> Self {
+                match value {
+                    $($from::$variant => Self::$variant),*
+                }
+            }
+        }
+    )*};
+}
+
+same_variants! {
+    Preset => DecompositionPreset { Fast, Balanced, Fine }
+    DecompositionPreset => Preset { Fast, Balanced, Fine }
+    Openings => DecompositionOpenings { Auto, Keep, Close }
+    DecompositionOpenings => Openings { Auto, Keep, Close }
+}
+
+#[cfg(feature = "bevy_gltf")]
+same_variants! { Fallback => FallbackCollider { None, ConvexHull, BoundingBox } }
+
+/// Hashes every parameter, field by field, so that the keys of caches on disk depend on no text or
+/// layout. The patterns name all fields: a new one does not compile until it is hashed here. In place of
+/// another method's parameters stand the defaults, as in the keys of caches that hold them.
+fn hash_parameters(method: &Method, hasher: &mut Sha256) {
+    let (mut bounded, mut surface) = (Parameters::default(), SurfaceParameters::default());
+    match method {
+        Method::Bounded(parameters) | Method::Hull(parameters) => bounded = parameters.clone(),
+        Method::Surface(parameters) => {
+            bounded.max_vertices = parameters.max_vertices;
+            surface = parameters.clone();
+        }
+    }
+    let Parameters { max_error, preset, max_hulls, max_vertices, keep_cavities, openings, up_axis } =
+        &bounded;
+    let SurfaceParameters {
+        simplification_quality,
+        maximum_resolutions,
+        planar_thresholds,
+        angular_threshold,
+        concavity_cost_threshold,
+        resolution_cut_off,
+        unit,
+        significant_diagonal,
+        max_vertices: _,
+    } = &surface;
+    let mut hash = FieldHasher(hasher);
+    hash.text(method.name());
+    hash.length(max_error);
+    hash.text(preset.name());
+    hash.limit(*max_hulls);
+    hash.number(u64::from(*keep_cavities));
+    hash.text(openings.name());
+    hash.text(up_axis.name());
+    hash.real(*simplification_quality);
+    hash.number(maximum_resolutions.len() as u64);
+    maximum_resolutions.iter().for_each(|resolution| hash.number(*resolution as u64));
+    hash.number(planar_thresholds.len() as u64);
+    planar_thresholds.iter().for_each(|threshold| hash.real(*threshold));
+    hash.real(*angular_threshold);
+    hash.real(*concavity_cost_threshold);
+    hash.number(*resolution_cut_off as u64);
+    hash.length(unit);
+    hash.real(*significant_diagonal);
+    hash.limit(*max_vertices);
+}
+
+/// Fields as bytes, none of which can be taken for two others.
+struct FieldHasher<'a>(&'a mut Sha256);
+
+impl FieldHasher<'_> {
+    fn number(&mut self, number: u64) {
+        self.0.update(number.to_le_bytes());
+    }
+
+    fn real(&mut self, real: f64) {
+        self.number(real.to_bits());
+    }
+
+    fn text(&mut self, text: &str) {
+        self.number(text.len() as u64);
+        self.0.update(text.as_bytes());
+    }
+
+    fn limit(&mut self, limit: Option<usize>) {
+        self.number(u64::from(limit.is_some()));
+        self.number(limit.unwrap_or_default() as u64);
+    }
+
+    fn length(&mut self, length: &Length) {
+        let (kind, value) = match length {
+            Length::Share(value) => (0, value),
+            Length::Units(value) => (1, value),
+        };
+        self.number(kind);
+        self.real(*value);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_default_tag_asks_for_the_librarys_default() {
+        assert_eq!(ConvexDecomposition::default().to_parameters(), Method::default());
+    }
+
+    #[test]
+    fn every_setting_of_the_tag_is_a_parameter() {
+        let tag = ConvexDecomposition::default()
+            .with_max_error(0.013)
+            .with_preset(DecompositionPreset::Fine)
+            .with_max_hulls(7)
+            .with_max_vertices(20)
+            .with_keep_cavities(true)
+            .with_openings(DecompositionOpenings::Keep);
+        let expected = Parameters::default()
+            .max_error(Length::share(0.013))
+            .preset(Preset::Fine)
+            .max_hulls(7)
+            .max_vertices(20)
+            .keep_cavities(true)
+            .openings(Openings::Keep);
+        assert_eq!(tag.to_parameters(), expected.into());
+        let metres = tag.with_max_error(MaxError::Metres(0.1)).flat_parameters();
+        assert_eq!(metres.max_error, Length::units(0.1));
+    }
+
+    #[test]
+    fn a_bound_that_is_no_number_stays_none_and_is_refused() {
+        for share in [f32::NAN, f32::INFINITY, -0.5, 0.0] {
+            let tag = ConvexDecomposition::default().with_max_error(share);
+            assert!(tag.to_parameters().validate().is_err(), "{share}");
+        }
+    }
+
+    #[test]
+    fn other_parameters_have_another_hash() {
+        let hash = |method: Method| -> [u8; 32] {
+            let mut hasher = Sha256::new();
+            hash_parameters(&method, &mut hasher);
+            hasher.finalize().into()
+        };
+        let same = hash(Method::default());
+        assert_eq!(same, hash(Method::default()));
+        let bounded = [
+            Parameters::default(),
+            Parameters { openings: Openings::Close, ..Parameters::default() },
+            Parameters { up_axis: crate::UpAxis::Z, ..Parameters::default() },
+            Parameters { max_error: Length::share(0.03), ..Parameters::default() },
+            Parameters { max_error: Length::units(0.02), ..Parameters::default() },
+            Parameters { preset: Preset::Fast, ..Parameters::default() },
+            Parameters { max_hulls: Some(0), ..Parameters::default() },
+            Parameters { keep_cavities: true, ..Parameters::default() },
+            Parameters { max_vertices: None, ..Parameters::default() },
+        ];
+        let surface = SurfaceParameters::default;
+        let surface = [
+            surface(),
+            SurfaceParameters { simplification_quality: 0.7, ..surface() },
+            SurfaceParameters { maximum_resolutions: vec![1], ..surface() },
+            SurfaceParameters { planar_thresholds: vec![1.0], ..surface() },
+            SurfaceParameters { angular_threshold: 0.5, ..surface() },
+            SurfaceParameters { concavity_cost_threshold: 0.5, ..surface() },
+            SurfaceParameters { resolution_cut_off: 4, ..surface() },
+            SurfaceParameters { unit: Length::units(1.0), ..surface() },
+            SurfaceParameters { significant_diagonal: 0.5, ..surface() },
+            SurfaceParameters { max_vertices: None, ..surface() },
+        ];
+        let mut methods: Vec<Method> = bounded.clone().map(Method::Bounded).into();
+        methods.extend(bounded.map(Method::Hull));
+        methods.extend(surface.map(Method::Surface));
+        let count = methods.len();
+        let mut hashes: Vec<[u8; 32]> = methods.into_iter().map(hash).collect();
+        hashes.sort_unstable();
+        hashes.dedup();
+        assert_eq!(hashes.len(), count);
+    }
+
+    #[test]
+    fn keys_of_caches_on_disk_stay_what_they_are() {
+        for (text, expected) in KEYS {
+            let mut hasher = Sha256::new();
+            hash_parameters(&text.parse().unwrap(), &mut hasher);
+            let hash: String = hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+            assert_eq!(hash[..16], *expected, "{text}");
+        }
+    }
+
+    /// Computed by hand from the layout that version 0.1 has.
+    const KEYS: [(&str, &str); 5] = [
+        ("", "3211bdd0ccd190b3"),
+        ("max_error=1% preset=fine max_hulls=32 keep_cavities=true", "2c3dd7790ddaf23b"),
+        ("method=surface max_vertices=none", "5988c0db962c82cd"),
+        ("method=surface maximum_resolutions=250,500 unit=1.5m", "25cda2332a0d6d47"),
+        ("method=hull max_vertices=16 openings=keep up_axis=z", "87f079ead0363924"),
+    ];
+}

@@ -1,0 +1,169 @@
+//! What concerns all entities: the settings, and the sets in which the plugin's systems run.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use bevy::prelude::*;
+
+/// The plugin's settings; may be changed at any time.
+///
+/// ```
+/// use hullwright::bevy::prelude::*;
+///
+/// # let mut app = bevy::prelude::App::new();
+/// let settings = HullwrightSettings {
+///     fallback_collider: FallbackCollider::BoundingBox,
+///     disk_cache: Some("cache/hulls".into()),
+///     ..Default::default()
+/// };
+/// app.insert_resource(settings);
+/// ```
+#[derive(Resource, Reflect, Debug, Clone, PartialEq)]
+#[reflect(Resource, Default, Clone, PartialEq)]
+#[type_path = "hullwright"]
+pub struct HullwrightSettings {
+    /// The collider that an entity has until its own is ready, unless the tag says otherwise.
+    /// Default: none.
+    pub fallback_collider: FallbackCollider,
+    /// Whether a dynamic body is frozen until its colliders are ready, so that it does not fall
+    /// through the floor. Its `LockedAxes` and `Velocity` are restored afterwards. Default true.
+    pub freeze_until_ready: bool,
+    /// An entity that has waited for this long for a mesh is logged, once: most likely nobody will give
+    /// it one. `None` for never. Default 5 s.
+    pub warn_without_mesh_after: Option<Duration>,
+    /// Whether what never moves, on fixed bodies and without a body, gets its exact triangle mesh instead
+    /// of hulls: nothing is gained by hulls there. Sensors get hulls, since triangles have no inside.
+    /// [`ConvexDecomposition::shape`](crate::bevy::ConvexDecomposition::shape) decides for one entity. Default
+    /// true.
+    pub exact_static_colliders: bool,
+    /// Most jobs at once; 0 for as many as Bevy's pool for background work has threads, of which
+    /// one is left to others where there are more, and some more for what takes no decomposition. Default 0.
+    pub max_jobs: usize,
+    /// Time per frame that the plugin's systems may spend on reading meshes and attaching
+    /// colliders. One of each goes through even if it takes longer. Default 1 ms.
+    pub frame_budget: Duration,
+    /// Most colliders attached per frame: what Bevy and Rapier do with them comes on top of the
+    /// budget. Default 64.
+    pub max_attached_per_frame: usize,
+    /// Where the work is done. Default: in the background where there are threads.
+    pub execution: Execution,
+    /// A changed scale is baked once it has not changed for this long. Default 0.1 s.
+    pub scale_delay: Duration,
+    /// Size of the cache in memory, in bytes; 0 for none. Default 64 MiB.
+    pub cache_bytes: usize,
+    /// Directory of a cache on disk, made if need be; `None` for none. Several processes may share
+    /// it. Default `None`.
+    pub disk_cache: Option<PathBuf>,
+    /// Whether new worlds of Rapier get a [`ContactDispatcher`](crate::rapier::ContactDispatcher), without
+    /// which small things sink into each other. It concerns all colliders of the world. Set it to `false`
+    /// if a world has a dispatcher of its own. Default `true`.
+    pub contact_dispatcher: bool,
+    /// Size of the cache on disk, in bytes: the files that were used least recently are removed. It
+    /// may be larger by a sixteenth for a while. Default 256 MiB.
+    pub disk_cache_bytes: u64,
+    /// Meshes whose bounding box has a shorter diagonal than this in the world get no collider:
+    /// [`SkipReason::TooSmall`](crate::bevy::SkipReason::TooSmall). Default 0: none is too small.
+    pub min_size: f32,
+    /// Whether what is hidden by `Visibility` gets no collider until it is shown:
+    /// [`SkipReason::Hidden`](crate::bevy::SkipReason::Hidden). With the feature `bevy_gltf` only.
+    /// Default false.
+    pub skip_hidden: bool,
+    /// Whether hulls that are boxes, balls or capsules within what the verified errors leave of the bound become
+    /// these: see [`shape_with_primitives`](crate::rapier::shape_with_primitives). For colliders that are made
+    /// from then on, and not those whose scale differs along the axes. Default false.
+    pub primitives: bool,
+    /// What is farther than this from every [`DecompositionFocus`](crate::bevy::DecompositionFocus)
+    /// gets no collider until it is near: [`SkipReason::TooFar`](crate::bevy::SkipReason::TooFar).
+    /// Dynamic bodies are frozen until then. Without a focus nothing is far. Default `None`: nothing is.
+    pub focus_radius: Option<f32>,
+    /// Whether a collider is dropped when it is farther than 1.25 times
+    /// [`focus_radius`](Self::focus_radius); its hulls stay in the cache. Default false.
+    pub drop_far: bool,
+}
+
+/// The collider that an entity has until its own is ready.
+#[derive(Reflect, Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[reflect(Default, Clone, PartialEq)]
+#[type_path = "hullwright"]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum FallbackCollider {
+    /// None.
+    #[default]
+    None,
+    /// The convex hull of the mesh, made in the background too, but soon.
+    ConvexHull,
+    /// The box along the mesh's axes.
+    BoundingBox,
+}
+
+/// Where work is done.
+#[derive(Reflect, Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[type_path = "hullwright"]
+pub enum Execution {
+    /// On Bevy's `AsyncComputeTaskPool`.
+    Background,
+    /// On the main thread in slices, which end when the frame's budget is spent. A slice is a stage
+    /// of the decomposition, or one resolution or threshold of the paper's method, so a frame may
+    /// take longer than its budget.
+    Slices,
+}
+
+/// Room for some 1,700 meshes of ten hulls: a hull of 24 vertices takes about 4 kB with its shape.
+const DEFAULT_CACHE_BYTES: usize = 64 << 20;
+
+/// Room for some 20,000 meshes of ten hulls, of about 12 kB each.
+const DEFAULT_DISK_CACHE_BYTES: u64 = 256 << 20;
+
+/// A sixteenth of a frame at 60 Hz.
+const DEFAULT_FRAME_BUDGET: Duration = Duration::from_millis(1);
+
+/// With a few microseconds each, about as long as the budget.
+const DEFAULT_MAX_ATTACHED: usize = 64;
+
+/// Longer than the pause between two frames of an animated scale, shorter than one notices.
+const DEFAULT_SCALE_DELAY: Duration = Duration::from_millis(100);
+
+/// Longer than most scenes take to load.
+const DEFAULT_PATIENCE: Duration = Duration::from_secs(5);
+
+impl Default for HullwrightSettings {
+    fn default() -> Self {
+        let has_threads = !cfg!(target_arch = "wasm32");
+        Self {
+            fallback_collider: FallbackCollider::None,
+            freeze_until_ready: true,
+            warn_without_mesh_after: Some(DEFAULT_PATIENCE),
+            exact_static_colliders: true,
+            max_jobs: 0,
+            frame_budget: DEFAULT_FRAME_BUDGET,
+            max_attached_per_frame: DEFAULT_MAX_ATTACHED,
+            execution: if has_threads { Execution::Background } else { Execution::Slices },
+            scale_delay: DEFAULT_SCALE_DELAY,
+            cache_bytes: DEFAULT_CACHE_BYTES,
+            disk_cache: None,
+            contact_dispatcher: true,
+            disk_cache_bytes: DEFAULT_DISK_CACHE_BYTES,
+            min_size: 0.0,
+            skip_hidden: false,
+            primitives: false,
+            focus_radius: None,
+            drop_far: false,
+        }
+    }
+}
+
+/// The plugin's systems, in `PostUpdate` before Bevy propagates transforms and before Rapier's
+/// `PhysicsSet::SyncBackend`.
+#[derive(SystemSet, Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum HullwrightSystems {
+    /// New and changed tags, meshes and scales are detected.
+    DetectChanges,
+    /// Jobs finish and start.
+    RunJobs,
+    /// Colliders are attached and events sent.
+    Attach,
+    /// Hulls are drawn and counters become diagnostics, by `HullwrightDebugPlugin`; after Bevy
+    /// propagates transforms.
+    #[cfg(feature = "debug")]
+    Debug,
+}
