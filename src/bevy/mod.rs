@@ -133,7 +133,7 @@ impl Plugin for HullwrightPlugin {
     }
 }
 
-/// The pages' programs run as tests, except the one in `docs/bevy.md`, which needs a window: it is the README's.
+/// The pages' programs run as tests.
 #[cfg(doctest)]
 mod pages {
     #[doc = include_str!("../../docs/bevy.md")]
