@@ -125,7 +125,7 @@ fn text(found: &Measurement) -> String {
     ]);
     let samples = &found.samples;
     let mut text = format!(
-        "{}\n\nlengths are shares of the mesh's diagonal, {}\n\
+        "{}\n\nlengths are fractions of the mesh's diagonal, {}\n\
          points: {} on hulls ({} of them on the boundary of all), {} on the mesh, {} in space",
         pairs(rows),
         // Single precision prints seven digits.

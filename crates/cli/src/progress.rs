@@ -1,4 +1,4 @@
-//! A progress bar on standard error, for a person who waits longer than a second.
+//! A progress bar on standard error, shown after a second.
 
 use std::io::IsTerminal;
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
@@ -8,7 +8,7 @@ use std::time::Duration;
 use hullwright::Control;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// Work that is done sooner shows no bar.
+/// Shorter work shows no bar.
 const PATIENCE: Duration = Duration::from_secs(1);
 
 /// How finely the bar can move.
@@ -16,13 +16,13 @@ const STEPS: u64 = 1000;
 
 const TEMPLATE: &str = "{bar:32} {percent:>3} %  {msg}";
 
-/// Where nobody knows how much is left.
+/// For work of unknown length.
 const SPINNER: &str = "{spinner} {msg}, {elapsed}";
 
-/// Between two looks of a spinner.
+/// Between two frames of a spinner.
 const TICK: Duration = Duration::from_millis(100);
 
-/// Does work that tells nothing of how far it is; a person who waits sees what is going on.
+/// Runs work that reports no progress, under a spinner if it takes long.
 pub fn waiting<T>(message: &'static str, work: impl FnOnce() -> T) -> T {
     let bar = LateBar::new(SPINNER, Some(TICK));
     if let Some(Waiting { bar, .. }) = &bar.waiting {

@@ -8,7 +8,7 @@ use crate::Vector;
 /// The triangle of a sample that shows only background.
 pub(super) const NOTHING: u32 = u32::MAX;
 
-/// A surface must be nearer by this share of its depth to hide one that was drawn before: hulls
+/// A surface must be nearer by this fraction of its depth to hide one that was drawn before: hulls
 /// often share a plane, and rounding must not make them flicker.
 const TIE: f64 = 1e-5;
 

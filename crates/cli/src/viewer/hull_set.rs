@@ -154,7 +154,7 @@ fn most_of_each(hulls: &[&Hull], divisions: &[u8], protrusions: &[f64]) -> Vec<f
     hulls.iter().map(of_hull).collect()
 }
 
-/// The figures of each state, from all hulls down to one. Lengths are shares of the diagonal.
+/// The figures of each state, from all hulls down to one. Lengths are fractions of the diagonal.
 fn states(
     set: &HullSet<'_>,
     hulls: &[&Hull],

@@ -69,7 +69,7 @@ pub(super) fn corners(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<[Ve
 // The points at which errors are given: each triangle has a regular lattice of them, the finer the larger it
 // is. The page divides triangles in the same way, so that only a byte per point is stored.
 
-/// Distance of neighbouring points in diagonals, where there is room for as many points as that
+/// Distance of neighbouring points as a fraction of the diagonal, where there is room for as many points as that
 /// takes: a protrusion between them is drawn a third too small at worst.
 const SPACING: f64 = 1.0 / 64.0;
 
@@ -142,8 +142,8 @@ pub(super) fn map_places(
     numbers.into_iter().map(|number| values[number]).collect()
 }
 
-/// The greatest of some errors, and each error as a byte: the square root of its share of the
-/// greatest, since what is small is looked at most closely.
+/// The greatest of some errors, and each error as a byte: the square root of its ratio to the
+/// greatest, since small errors need the finest steps.
 pub(super) fn bytes(errors: &[f64]) -> (f64, Vec<u8>) {
     let most = errors.iter().copied().fold(0.0, f64::max);
     (most, errors.iter().map(|&error| byte(error, most)).collect())
