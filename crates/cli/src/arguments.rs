@@ -13,7 +13,7 @@ pub fn mesh_help() -> String {
 /// How many threads work.
 #[derive(clap::Args)]
 pub struct ThreadArguments {
-    /// Number of threads; 1 does everything one after the other. Default: all processors
+    /// Number of threads. Default: all processors
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_THREADS))]
     threads: Option<u16>,
 }
@@ -36,6 +36,29 @@ impl ThreadArguments {
     }
 }
 
+/// How the solid of a mesh is seen.
+#[derive(clap::Args)]
+pub struct SolidArguments {
+    /// What becomes of flat openings: auto (default), keep or close; as in `decompose`
+    #[arg(long, value_name = "WHICH", default_value_t)]
+    openings: Openings,
+
+    /// The bound that hulls are made with: an opening counts as flat within it
+    #[arg(long, value_name = "ERROR", default_value = "2%")]
+    max_error: Length,
+
+    /// Which axis points up, y or z; as in `decompose`
+    #[arg(long, value_name = "AXIS", default_value_t)]
+    up_axis: UpAxis,
+}
+
+impl SolidArguments {
+    pub fn parameters(&self) -> Parameters {
+        let &Self { openings, max_error, up_axis } = self;
+        Parameters::default().openings(openings).max_error(max_error).up_axis(up_axis)
+    }
+}
+
 /// Above the options of the paper's method, which come last.
 pub const SURFACE_HEADING: &str = "The paper's method (--method surface)";
 
@@ -43,15 +66,15 @@ pub const SURFACE_HEADING: &str = "The paper's method (--method surface)";
 #[derive(clap::Args)]
 #[command(next_help_heading = "Parameters")]
 pub struct ParameterArguments {
-    /// bounded (default), surface (the paper's), or hull (one hull of all points)
+    /// bounded (default), surface (the paper's) or hull (that of all points)
     #[arg(long, value_name = "NAME", value_parser = parse_method)]
     method: Option<Method>,
 
-    /// The bound: 2% (default) of the bounding-box diagonal, or 0.02m in the mesh's units
+    /// The bound: 2% (default) of the bounding-box diagonal, or 0.02m in units
     #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
     max_error: Option<Length>,
 
-    /// Limit on hulls. Where it forces them above the bound, the table says how far
+    /// Limit on hulls; if it forces them above the bound, the table says so
     #[arg(long, value_name = "N", value_parser = parse_count)]
     max_hulls: Option<usize>,
 
@@ -69,11 +92,11 @@ pub struct ParameterArguments {
     #[arg(long, value_name = "WHICH")]
     openings: Option<Openings>,
 
-    /// y (default) or z: where materials are double-sided, auto closes openings at the bottom alone
+    /// y (default) or z: auto closes double-sided openings at the bottom alone
     #[arg(long, value_name = "AXIS")]
     up_axis: Option<UpAxis>,
 
-    /// Cavities with mouths narrower than twice the bound, or with none, stay empty
+    /// Cavities stay empty whose mouths are narrower than twice the bound
     #[arg(long)]
     keep_cavities: bool,
 
@@ -85,7 +108,7 @@ pub struct ParameterArguments {
 #[derive(clap::Args)]
 #[command(next_help_heading = SURFACE_HEADING)]
 struct SurfaceArguments {
-    /// Exactly the paper: its method and values, and no limit on vertices
+    /// Exactly the paper: its values, and no limit on vertices
     #[arg(long)]
     paper: bool,
 
@@ -93,27 +116,27 @@ struct SurfaceArguments {
     #[arg(long, value_name = "Q", allow_negative_numbers = true)]
     simplification_quality: Option<f64>,
 
-    /// Maximum resolutions in triangles. Paper: 250,500,1000,2000,3000
+    /// In triangles. Paper: 250,500,1000,2000,3000
     #[arg(long, value_name = "R", value_delimiter = ',')]
     maximum_resolutions: Option<Vec<usize>>,
 
-    /// Planar thresholds in units. Paper: 0.01,0.2,0.4,0.6,0.8,1
+    /// In units. Paper: 0.01,0.2,0.4,0.6,0.8,1
     #[arg(long, value_name = "P", value_delimiter = ',', allow_negative_numbers = true)]
     planar_thresholds: Option<Vec<f64>>,
 
-    /// Angular threshold in units. Paper: 0.01
+    /// In units. Paper: 0.01
     #[arg(long, value_name = "A", allow_negative_numbers = true)]
     angular_threshold: Option<f64>,
 
-    /// Concavity cost that is good enough, of a group's diagonal. Paper: 0.05
+    /// Cost that is low enough, per group diagonal. Paper: 0.05
     #[arg(long, value_name = "ε", allow_negative_numbers = true)]
     concavity_cost_threshold: Option<f64>,
 
-    /// With fewer pieces than this, higher resolutions are skipped; 0 never skips. Paper: 5
+    /// With fewer pieces, skip the rest; 0: never skip. Paper: 5
     #[arg(long, value_name = "μ")]
     resolution_cut_off: Option<usize>,
 
-    /// The length that counts as 1 for P and A: of the diagonal (0.446d), or in the mesh's units (1.5)
+    /// The unit: 0.446d of the diagonal, or 1.5 of the mesh's
     #[arg(long, value_name = "LENGTH", value_parser = parse_unit, allow_negative_numbers = true)]
     unit: Option<Length>,
 

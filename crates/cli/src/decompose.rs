@@ -22,7 +22,7 @@ pub struct Arguments {
     #[arg(help = mesh_help())]
     mesh: PathBuf,
 
-    /// Write the hulls: .obj, .glb (a colour each), or .hulls (for a game, see `bake`)
+    /// Write the hulls: .obj, .glb (a colour each) or .hulls (for games, see `bake`)
     #[arg(short, long, value_name = "OUT", value_parser = parse_output)]
     output: Option<PathBuf>,
 
@@ -36,7 +36,7 @@ pub struct Arguments {
     #[command(flatten)]
     parameters: ParameterArguments,
 
-    /// Show the whole search: every resolution and threshold, and what became of it
+    /// Show what became of every resolution and threshold
     #[arg(long, help_heading = crate::arguments::SURFACE_HEADING)]
     search: bool,
 }

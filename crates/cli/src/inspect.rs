@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use hullwright::hulls_format::HullsFile;
 use hullwright::io::{is_hulls_file, read_mesh};
-use hullwright::{Inspection, Length, Opening, Openings, Parameters, UpAxis};
+use hullwright::{Inspection, Opening};
 use hullwright_cli::terminal::{Failure, print};
 
-use crate::arguments::mesh_help;
+use crate::arguments::{SolidArguments, mesh_help};
 use crate::progress::waiting;
 use crate::report::{columns, openings, pairs, repairs, vertices};
 
@@ -17,17 +17,8 @@ pub struct Arguments {
     #[arg(help = format!("{}; or a .hulls file", mesh_help()))]
     mesh: PathBuf,
 
-    /// What becomes of flat openings: auto (default), keep or close; as in `decompose`
-    #[arg(long, value_name = "WHICH", default_value_t)]
-    openings: Openings,
-
-    /// An opening counts as flat within this; as in `decompose`
-    #[arg(long, value_name = "ERROR", default_value = "2%")]
-    max_error: Length,
-
-    /// Which axis points up, y or z; as in `decompose`
-    #[arg(long, value_name = "AXIS", default_value_t)]
-    up_axis: UpAxis,
+    #[command(flatten)]
+    solid: SolidArguments,
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -35,10 +26,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return print(&pairs(hulls_file_rows(&HullsFile::read(&arguments.mesh)?)));
     }
     let file = waiting("reading", || read_mesh(&arguments.mesh))?;
-    let parameters = Parameters::default()
-        .openings(arguments.openings)
-        .max_error(arguments.max_error)
-        .up_axis(arguments.up_axis);
+    let parameters = arguments.solid.parameters();
     let found = waiting("inspecting", || hullwright::inspect_with(&file, &parameters))
         .map_err(|error| format!("{}: {error}", arguments.mesh.display()))?;
     print(&pairs(rows(&found, file.objects.len())))?;

@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
+use hullwright::Control;
 use hullwright::io::{read_hulls, read_mesh};
 use hullwright::measure::{Distances, MeasureOptions, Measurement, measure};
-use hullwright::{Control, Length, Openings, UpAxis};
 use hullwright_cli::terminal::{Failure, print, print_json};
 use serde_json::{Value, json};
 
-use crate::arguments::mesh_help;
+use crate::arguments::{SolidArguments, mesh_help};
 use crate::progress::waiting;
 use crate::report::{NOTHING, pairs};
 
@@ -30,26 +30,14 @@ pub struct Arguments {
     #[arg(long)]
     json: bool,
 
-    /// What becomes of flat openings of the mesh: auto (default), keep or close; as in `decompose`
-    #[arg(long, value_name = "WHICH", default_value_t)]
-    openings: Openings,
-
-    /// The error that the hulls were made with: an opening counts as flat within it
-    #[arg(long, value_name = "ERROR", default_value = "2%")]
-    max_error: Length,
-
-    /// Which axis points up, y or z; as in `decompose`
-    #[arg(long, value_name = "AXIS", default_value_t)]
-    up_axis: UpAxis,
+    #[command(flatten)]
+    solid: SolidArguments,
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mesh = waiting("reading", || read_mesh(&arguments.mesh))?;
     let hulls = waiting("reading", || read_hulls(&arguments.hulls))?;
-    let mut options = MeasureOptions::default();
-    options.openings = arguments.openings;
-    options.flatness = arguments.max_error;
-    options.up_axis = arguments.up_axis;
+    let options = MeasureOptions::from(&arguments.solid.parameters());
     let judged = waiting("measuring", || measure(&mesh, &hulls, &options, &Control::new()));
     let found = judged.map_err(|error| {
         let path = match error {
