@@ -1,15 +1,15 @@
 //! Draws the pictures of `docs/algorithm.md` into a folder:
-//! `cargo run --release --example algorithm --features io -- docs/pictures`.
+//! `cargo run --release --package hullwright-cli --example algorithm -- docs/pictures`.
 
 use std::error::Error;
 use std::path::Path;
 
-use hullwright::io::read_mesh;
-use hullwright::render::{Layout, Panel, Part, palette, render_with};
+use hullwright::io::{palette, read_mesh};
 use hullwright::{
     Control, Decomposition, Hull, Length, MeshView, Parameters, TriangleMesh, close_openings,
     decompose,
 };
+use hullwright_cli::render::{Layout, Panel, Part, render_with};
 
 /// Size of a panel in pixels.
 const PANEL: (usize, usize) = (310, 270);
@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Err("usage: algorithm FOLDER".into());
     };
     let asset = |name: &str| {
-        let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
+        let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets");
         read_mesh(assets.join(name))
     };
     let (stairs, table) = (stairs(), asset("table.glb")?);

@@ -1,5 +1,5 @@
 //! Draws the README's animation: a dog bursts into its hulls, closes again and falls as one body.
-//! `cargo run --release --example animation --features io,rapier -- docs/pictures/burst.png [MESH]`.
+//! `cargo run --release --package hullwright-cli --example animation -- docs/pictures/burst.png [MESH]`.
 //!
 //! It writes an animated PNG of at most 256 colours, in which each frame holds only what changes. The
 //! same machine writes the same bytes.
@@ -11,10 +11,10 @@ use std::fs::File;
 use std::io::BufWriter;
 
 use color_quant::NeuQuant;
+use hullwright::io::palette::{CLAY, Colour, colour};
 use hullwright::io::read_mesh;
-use hullwright::render::palette::{CLAY, Colour, colour};
-use hullwright::render::{Layout, Panel, Part, Picture, render_with};
 use hullwright::{Control, Parameters, TriangleMesh, decompose, mass_properties, rapier};
+use hullwright_cli::render::{Layout, Panel, Part, Picture, render_with};
 use rapier3d::prelude::*;
 
 /// Size of the picture, in pixels.
@@ -67,7 +67,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let Some(output) = arguments.next() else {
         return Err("usage: animation OUT.png [MESH]".into());
     };
-    let dog = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/dog.glb");
+    let dog = concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets/dog.glb");
     let mesh = standing(read_mesh(arguments.next().unwrap_or_else(|| dog.into()))?.mesh);
     let hulls = decompose(&mesh, &Parameters::default(), &Control::new())?.hulls;
 

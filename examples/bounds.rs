@@ -1,11 +1,11 @@
 //! Draws what a bound means, a row each for a mug, a building and a terrain: the mesh and its hulls within
-//! three bounds, moved apart: `cargo run --release --example bounds --features io -- OUT.png`.
+//! three bounds, moved apart: `cargo run --release --package hullwright-cli --example bounds -- OUT.png`.
 
 use std::error::Error;
 
 use hullwright::io::read_mesh;
-use hullwright::render::{Layout, Panel, render_with};
 use hullwright::{Control, Length, Parameters, TriangleMesh, decompose};
+use hullwright_cli::render::{Layout, Panel, render_with};
 
 /// Size of a panel in pixels.
 const PANEL: (usize, usize) = (300, 230);
@@ -15,7 +15,7 @@ const EXPLOSION: f64 = 0.25;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let output = std::env::args().nth(1).ok_or("usage: bounds OUT.png")?;
-    let mug = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/mug.glb");
+    let mug = concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets/mug.glb");
     let (five, two, one) = (Length::share(0.05), Length::share(0.02), Length::share(0.01));
     let rows = [
         ("mug", read_mesh(mug)?.mesh, [five, two, one]),

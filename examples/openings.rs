@@ -1,13 +1,13 @@
 //! Draws what becomes of openings, a row for each mesh: the mesh with its caps in red, the hulls with all
 //! openings kept, and those with openings closed, moved apart:
-//! `cargo run --release --example openings --features io -- OUT.png MESH…`.
+//! `cargo run --release --package hullwright-cli --example openings -- OUT.png MESH…`.
 
 use std::error::Error;
 use std::path::Path;
 
 use hullwright::io::read_mesh;
-use hullwright::render::{Layout, Panel, render_with};
 use hullwright::{Control, Openings, Parameters, close_openings, decompose};
+use hullwright_cli::render::{Layout, Panel, render_with};
 
 /// Size of a panel in pixels.
 const PANEL: (usize, usize) = (460, 340);

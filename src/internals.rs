@@ -1,10 +1,7 @@
 //! Parts of the decomposition for the laboratory in `crates/lab`: it runs HACD on the same mesh
-//! repair, simplification and group merging as the methods here. The command prints as it does.
+//! repair, simplification and group merging as the methods here.
 //!
 //! There is no promise of stability: any version may change or drop what is here.
-
-#[cfg(feature = "io")]
-pub mod terminal;
 
 pub use crate::geometry::vector;
 pub use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};

@@ -41,11 +41,11 @@
 //! | a mesh, or a mesh file ([`io`](io/index.html)) | convex hulls | [`decompose`]; [`Decomposer`] in time slices |
 //! | the same | the paper's own hulls; the one hull of all points; the choice as one value | [`surface::decompose`](surface::decompose()); [`single_hull()`]; [`Method`] |
 //! | a decomposition, or hulls of any tool | fewer hulls | [`MergeTree`] |
-//! | a mesh and hulls of any tool | their errors | [`measure::measure`] |
+//! | a mesh and hulls of any tool | their errors | [`measure::measure`]; point by point [`measure::MeasuredMesh`] |
 //! | a mesh | mass, centre and inertia; a report on its defects | [`mass_properties()`]; [`inspect()`] |
 //! | hulls | a file that games load | [`hulls_format`]; [`bake`](bake/index.html) for a scene |
 //! | a mesh, Rapier or Bevy | a collider with the mesh's mass | [`rapier`](rapier/index.html), [`bevy`](bevy/index.html) |
-//! | a mesh and hulls | a picture, a page to look at them | [`render`](render/index.html), [`viewer`](viewer/index.html) |
+//! | a mesh and hulls | a picture, a page to look at them | the command `hullwright view`, or its crate `hullwright-cli` |
 //!
 //! # Methods
 //!
@@ -85,21 +85,18 @@
 //! | feature | what it adds |
 //! |---|---|
 //! | `parallel` (default) | independent parts of the work run on rayon's pool; the result stays the same |
-//! | `io` | readers of OBJ, OFF, PLY, STL, glTF and GLB; writers of OBJ and GLB; pictures |
+//! | `io` | readers of OBJ, OFF, PLY, STL, glTF and GLB; writers of OBJ and GLB |
 //! | `serde` | parameters, reports and measurements can be written and read, for example by serde_json |
-//! | `bake` (in `cli` and `bevy`) | meshes by content, scenes in one `.hullscene` file |
+//! | `bake` (in `bevy`) | meshes by content, scenes in one `.hullscene` file |
 //! | `fs` (in `io` and `bake`) | `.hulls` files are written to disk, all or nothing |
 //! | `nalgebra` (in `rapier`) | principal axes of inertia |
 //! | `rapier` | colliders and mass properties for rapier3d 0.36 |
 //! | `bevy`, `bevy_gltf`, `debug` | the plugin for Bevy 0.20 with bevy_rapier3d 0.37; tags in glTF extras; hulls drawn as gizmos |
-//! | `viewer` | pages that show a mesh and its hulls in a browser |
-//! | `cli` | the command `hullwright` |
 //!
 //! # Inside
 //!
-//! Imports go down only: `bevy`, `rapier` and the command use the public items; below them are `viewer`, the public
-//! functions (`decompose`, `merge_tree`, `measure`, `mass`, `inspect`, `bake`), files and pictures (`io`, `render`,
-//! `hulls_format`), the methods (`bounded`, `surface`), and what they share (`stages`, `solid`, `openings`, `bvh`, `hull`, `mesh`,
+//! Imports go down only: `bevy` and `rapier` use the public items; below them are the public functions (`decompose`,
+//! `merge_tree`, `measure`, `mass`, `inspect`, `bake`), files (`io`, `hulls_format`), the methods (`bounded`, `surface`), and what they share (`stages`, `solid`, `openings`, `bvh`, `hull`, `mesh`,
 //! `parameters`, `control`, `error`, `parallel`, `geometry`). `CONTRIBUTING.md` has the table.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
@@ -140,14 +137,10 @@ mod parallel;
 mod parameters;
 #[cfg(feature = "rapier")]
 pub mod rapier;
-#[cfg(feature = "io")]
-pub mod render;
 mod single_hull;
 mod solid;
 mod stages;
 pub mod surface;
-#[cfg(feature = "viewer")]
-pub mod viewer;
 mod work;
 
 pub use control::{Control, Progress, Stage};

@@ -80,7 +80,7 @@ impl Method {
     }
 
     /// Parameters by which [`mass_properties_with`](crate::mass_properties_with()),
-    /// [`MergeTree`](crate::MergeTree) and `viewer::Page` see the mesh as this method does. The paper's method
+    /// [`MergeTree`](crate::MergeTree) and the command's pages see the mesh as this method does. The paper's method
     /// closes no opening and leaves nothing out.
     pub fn solid(&self) -> Parameters {
         match self {

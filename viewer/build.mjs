@@ -7,7 +7,7 @@ import { fileURLToPath } from "node:url";
 import { build } from "esbuild";
 
 const here = (path) => fileURLToPath(new URL(path, import.meta.url));
-const TEMPLATE = here("../src/viewer/template.html");
+const TEMPLATE = here("../crates/cli/src/viewer/template.html");
 
 async function bundle(entry) {
   const { outputFiles } = await build({
@@ -45,11 +45,11 @@ const page = readFileSync(here("src/page.html"), "utf8")
 
 if (process.argv.includes("--check")) {
   if (readFileSync(TEMPLATE, "utf8") !== page) {
-    console.error("src/viewer/template.html is not what viewer/ builds: run `npm run build` there");
+    console.error("template.html is not what viewer/ builds: run `npm run build` there");
     process.exit(1);
   }
-  console.log("src/viewer/template.html is what viewer/ builds");
+  console.log("template.html is what viewer/ builds");
 } else {
   writeFileSync(TEMPLATE, page);
-  console.log(`src/viewer/template.html: ${page.length} characters`);
+  console.log(`template.html: ${page.length} characters`);
 }

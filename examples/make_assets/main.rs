@@ -1,4 +1,4 @@
-//! Makes the models in `assets/`: `cargo run --example make_assets --features io [FOLDER]`.
+//! Makes the models in `assets/`: `cargo run --package hullwright-cli --example make_assets [FOLDER]`.
 //!
 //! Writes a GLB for each model and a picture of all of them, and prints the table that
 //! `assets/README.md` holds. The same code gives the same bytes; the example's tests compare them
@@ -19,7 +19,7 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use hullwright::TriangleMesh;
-use hullwright::render::{Layout, Panel, Part, render_with};
+use hullwright_cli::render::{Layout, Panel, Part, render_with};
 use model::Model;
 
 /// Panels per row and pixels per panel of the picture.
@@ -62,7 +62,7 @@ fn table_row(model: &Model) -> String {
     )
 }
 
-fn draw(models: &[Model]) -> Result<hullwright::render::Picture, hullwright::Error> {
+fn draw(models: &[Model]) -> Result<hullwright_cli::render::Picture, hullwright::Error> {
     let shapes: Vec<shape::Shape> = models.iter().map(Model::flattened).collect();
     let panel = |(model, shape): (&Model, _)| {
         let shape: &shape::Shape = shape;
@@ -88,7 +88,7 @@ fn draw(models: &[Model]) -> Result<hullwright::render::Picture, hullwright::Err
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let bundled = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("assets");
+    let bundled = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../assets");
     let folder = std::env::args_os().nth(1).map_or(bundled, PathBuf::from);
     std::fs::create_dir_all(&folder)?;
     let models = models();

@@ -6,7 +6,7 @@ use super::*;
 use crate::shape::Shape;
 
 fn committed(name: &str) -> Vec<u8> {
-    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("assets");
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../assets");
     std::fs::read(folder.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 

@@ -24,6 +24,7 @@ mod mesh_file;
 mod meshopt;
 mod obj;
 mod off;
+pub mod palette;
 mod ply;
 mod read;
 mod stl;
@@ -36,4 +37,4 @@ pub use mesh_file::{
 pub use read::{
     read_hulls, read_mesh, read_mesh_from_bytes, read_own_meshes, read_scene, read_scene_from_bytes,
 };
-pub use write::{check_output, write_hulls};
+pub use write::{check_output, write_file, write_hulls};

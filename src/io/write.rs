@@ -8,11 +8,11 @@ use gltf::binary::{Glb, Header};
 use serde_json::{Value, json};
 
 use super::mesh_file::{HullFormat, is_hulls_file};
+use super::palette::{colour, linear};
 use crate::atomic_write;
 use crate::error::Error;
 use crate::geometry::MeshView;
 use crate::geometry::vector::{Vector, bounds};
-use crate::render::palette::{colour, linear};
 
 /// Writes hulls to a file, for example `write_hulls(path, &decomposition.hulls)`. A file that is
 /// already there is replaced; if anything goes wrong it stays as it was.
@@ -21,7 +21,7 @@ use crate::render::palette::{colour, linear};
 /// many digits as it takes to read back the same `f64`.
 ///
 /// The suffix `glb` gives a binary glTF 2.0 with one node, mesh and colour (see
-/// [`palette`](crate::render::palette)) per hull, named in the same way. Its coordinates are `f32`,
+/// [`palette`](super::palette)) per hull, named in the same way. Its coordinates are `f32`,
 /// relative to the centre of all hulls, so that hulls far from the origin keep their shape; a
 /// node `hulls` above the others moves them there.
 ///
@@ -52,7 +52,16 @@ pub fn write_hulls<'a, H: Into<MeshView<'a>>>(
         HullFormat::Obj => obj_from_hulls(hulls).into_bytes(),
         HullFormat::Glb => glb_from_hulls(hulls).map_err(|reason| Error::file(path, reason))?,
     };
-    atomic_write::write(path, &bytes).map_err(|error| Error::file(path, error))
+    write_file(path, &bytes)
+}
+
+/// Writes a file all or nothing: one that is already there is replaced in one step, or stays as it was.
+///
+/// # Errors
+/// [`Error::File`] if the directory does not exist, or if writing fails.
+pub fn write_file(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(), Error> {
+    let path = path.as_ref();
+    atomic_write::write(path, bytes).map_err(|error| Error::file(path, error))
 }
 
 /// Checks what [`write_hulls`] or [`HullsFile::write`](crate::hulls_format::HullsFile::write) would

@@ -190,7 +190,7 @@ impl<'a> Climber<'a> {
 
 /// Points this far outside count as in a hull, and only points farther inside than this as
 /// inside it: hulls that share a face do so only up to rounding, to `f32` in many files.
-pub(crate) const TOLERANCE: f64 = 1e-6;
+const TOLERANCE: f64 = 1e-6;
 
 /// A face whose squared sine at a corner is below this has no normal to speak of in double
 /// precision, and its neighbours bound the solid just as well.
@@ -200,7 +200,7 @@ const NEEDLE: f64 = 1e-20;
 const FARTHEST: f64 = 1e9;
 
 /// A hull in normalised coordinates.
-pub(crate) struct MeasuredHull {
+pub(super) struct MeasuredHull {
     pub check: HullCheck,
     pub min: Vector,
     pub max: Vector,
@@ -213,7 +213,7 @@ pub(crate) struct MeasuredHull {
 
 impl MeasuredHull {
     /// `None` if there are no triangles, or if an index or a coordinate can't be used.
-    pub(crate) fn new(hull: &MeshView<'_>, normalization: &Normalization) -> Option<Self> {
+    pub(super) fn new(hull: &MeshView<'_>, normalization: &Normalization) -> Option<Self> {
         let points: Vec<Vector> =
             hull.points().map(|point| normalization.normalize(point)).collect();
         let exists = |&index: &u32| (index as usize) < points.len();
@@ -242,7 +242,7 @@ impl MeasuredHull {
     }
 
     /// Whether `point` lies behind all faces moved outward by `margin`.
-    pub(crate) fn holds(&self, point: Vector, margin: f64) -> bool {
+    pub(super) fn holds(&self, point: Vector, margin: f64) -> bool {
         !self.planes.is_empty()
             && (0..3).all(|axis| {
                 point[axis] >= self.min[axis] - margin && point[axis] <= self.max[axis] + margin
@@ -262,7 +262,7 @@ fn plane([a, b, c]: [Vector; 3]) -> Option<(Vector, f64)> {
 }
 
 /// All hulls together.
-pub(crate) struct Union {
+pub(super) struct Union {
     parts: Vec<MeasuredHull>,
     points: Vec<Vector>,
     triangles: Vec<[u32; 3]>,
@@ -271,7 +271,7 @@ pub(crate) struct Union {
 }
 
 impl Union {
-    pub(crate) fn new(parts: Vec<MeasuredHull>) -> Self {
+    pub(super) fn new(parts: Vec<MeasuredHull>) -> Self {
         let (mut points, mut triangles, mut owners) = (Vec::new(), Vec::new(), Vec::new());
         for (owner, part) in parts.iter().enumerate() {
             let first = points.len() as u32;
@@ -287,12 +287,12 @@ impl Union {
     }
 
     /// The surfaces of all hulls.
-    pub(crate) fn surface(&self) -> (&[Vector], &[[u32; 3]]) {
+    pub(super) fn surface(&self) -> (&[Vector], &[[u32; 3]]) {
         (&self.points, &self.triangles)
     }
 
     /// In how many hulls the point is.
-    pub(crate) fn multiplicity(&self, point: Vector) -> usize {
+    pub(super) fn multiplicity(&self, point: Vector) -> usize {
         self.parts.iter().filter(|part| part.holds(point, TOLERANCE)).count()
     }
 

@@ -51,6 +51,14 @@ impl Default for MeasureOptions {
     }
 }
 
+/// Judges against the mesh as a decomposition with these parameters sees it.
+impl From<&Parameters> for MeasureOptions {
+    fn from(parameters: &Parameters) -> Self {
+        let &Parameters { openings, max_error: flatness, up_axis, keep_cavities, .. } = parameters;
+        Self { openings, flatness, up_axis, keep_cavities, ..Self::default() }
+    }
+}
+
 impl MeasureOptions {
     pub(super) fn validate(&self) -> Result<(), Error> {
         for (name, count) in

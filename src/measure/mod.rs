@@ -25,11 +25,13 @@
 //! Points are the same on every run, on any number of threads: evenly spread sequences, not random
 //! numbers, unless [`MeasureOptions::random_seed`] is set. A maximum is that of the sampled
 //! points; the true one may be higher, by more the sharper the spike. [`MeasureOptions`] has the numbers
-//! of points, [`Measurement::samples`] says what became of them.
+//! of points, [`Measurement::samples`] says what became of them. For points of your own there are [`MeasuredMesh`] and
+//! [`MeasuredHulls`].
 
-pub(crate) mod hulls;
+mod hulls;
 mod measurement;
-pub(crate) mod sampling;
+mod pointwise;
+mod sampling;
 
 use crate::bvh::{Bvh, INSIDE};
 use crate::control::Control;
@@ -47,6 +49,7 @@ use sampling::{Surface, in_unit_cube};
 
 pub use hulls::HullCheck;
 pub use measurement::{Distances, MeasureOptions, Measurement, SampleCounts};
+pub use pointwise::{MeasuredHulls, MeasuredMesh};
 
 /// A mesh with a larger share of open edges has no volume to speak of.
 const MOST_OPEN_EDGES: f64 = 0.005;

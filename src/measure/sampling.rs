@@ -36,7 +36,7 @@ fn random(seed: u64, index: usize) -> Vector {
 }
 
 /// A point of the unit cube.
-pub(crate) fn in_unit_cube(index: usize, seed: Option<u64>) -> Vector {
+pub(super) fn in_unit_cube(index: usize, seed: Option<u64>) -> Vector {
     match seed {
         Some(seed) => random(seed, index),
         None => Vector::from(SPACE_STEPS.map(|step| fraction(index, step))),

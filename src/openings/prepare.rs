@@ -162,17 +162,21 @@ pub fn close_openings<'a>(
 ) -> Result<ClosedMesh, Error> {
     parameters.validate()?;
     let settings = OpeningSettings::from(parameters);
-    let closed = prepare_closed(mesh.into(), &settings, control)?;
-    let Closed { prepared, openings, nested_components, .. } = closed;
-    let restore = |&point| prepared.normalization.restore(point);
-    let positions = prepared.mesh.points().iter().map(restore).map(Into::into).collect();
-    let (triangles, caps) = caps_last(&prepared);
-    let mesh = TriangleMesh::new(positions, triangles);
-    Ok(ClosedMesh { mesh, caps, openings, nested_components })
+    prepare_closed(mesh.into(), &settings, control).map(ClosedMesh::from)
+}
+
+impl From<Closed> for ClosedMesh {
+    fn from(Closed { prepared, openings, nested_components, .. }: Closed) -> Self {
+        let restore = |&point| prepared.normalization.restore(point);
+        let positions = prepared.mesh.points().iter().map(restore).map(Into::into).collect();
+        let (triangles, caps) = caps_last(&prepared);
+        let mesh = TriangleMesh::new(positions, triangles);
+        Self { mesh, caps, openings, nested_components }
+    }
 }
 
 /// The triangles of the surface, caps last, and the number of those.
-pub(crate) fn caps_last(prepared: &PreparedMesh) -> (Vec<[u32; 3]>, usize) {
+fn caps_last(prepared: &PreparedMesh) -> (Vec<[u32; 3]>, usize) {
     let sources = prepared.source_triangles.iter();
     let (caps, mut triangles): (Vec<_>, Vec<_>) =
         sources.zip(&prepared.mesh.triangles).partition(|&(&source, _)| source == CAP);

@@ -1,8 +1,8 @@
 //! What the writers of hull sets promise.
 
 use hullwright::TriangleMesh;
+use hullwright::io::palette::{colour, linear};
 use hullwright::io::{NamedMesh, check_output, read_hulls, read_mesh, write_hulls};
-use hullwright::render::palette::{colour, linear};
 
 fn tetrahedron(corner: [f64; 3], size: f64) -> NamedMesh {
     let [x, y, z] = corner;

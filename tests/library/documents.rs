@@ -68,14 +68,19 @@ fn code(text: &str) -> Vec<(&str, &str)> {
 }
 
 /// What is wrong with tests that a part of a document names: files that are not there, tests that are not in
-/// them. Files are below `tests`, unless they are sources.
+/// them. Files are below `tests`, unless they are sources; those of the command below its own.
 fn missing_tests(text: &str) -> Vec<String> {
     let mut missing = Vec::new();
     let mut file = None;
     for (_, code) in code(text) {
         if code.ends_with(".rs") {
             let is_source = code.starts_with("src/") || code.starts_with("fuzz/");
-            let path = Path::new(ROOT).join(if is_source { "" } else { "tests" }).join(code);
+            let folder = match code.split('/').next() {
+                _ if is_source => "",
+                Some("cli") => "crates/cli/tests",
+                _ => "tests",
+            };
+            let path = Path::new(ROOT).join(folder).join(code);
             match std::fs::read_to_string(path) {
                 Err(_) => missing.push(format!("{code}: there is no such file")),
                 Ok(source) if !is_source && !source.contains("#[test]") => {

@@ -9,5 +9,3 @@ mod documents;
 mod limits;
 mod mass_reference;
 mod measure;
-#[cfg(feature = "viewer")]
-mod viewer;

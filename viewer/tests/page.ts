@@ -32,7 +32,7 @@ export function view(mesh: string, name: string, ...options: string[]): string {
 
 /** The page's data in the template as it is now: the program may have been built with the one before. */
 function withTemplate(page: string): string {
-  const template = readFileSync(join(root, "src/viewer/template.html"), "utf8");
+  const template = readFileSync(join(root, "crates/cli/src/viewer/template.html"), "utf8");
   const begin = page.indexOf('<script type="application/json" id="data">');
   const end = page.indexOf("</script>", page.indexOf('id="geometry">')) + "</script>".length;
   return template.replace("<!--data-->", () => page.slice(begin, end));

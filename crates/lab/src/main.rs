@@ -30,7 +30,7 @@ use experiments::{
     agreement, budgets, cancel, corpus, identical, openings, presets, props, stages, table1,
     targets, turned, versus_paper, volume,
 };
-use hullwright::internals::terminal::Failure;
+use hullwright_cli::terminal::Failure;
 use runs::worker;
 
 /// Experiments with Hullwright: benchmarks, stability, and the paper's comparisons

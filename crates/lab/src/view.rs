@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use hullwright::internals::terminal::{Failure, print, time};
 use hullwright::io::{MeshFile, NamedMesh, read_hulls, read_mesh};
-use hullwright::viewer::{HullSet, Page, hulls_of};
 use hullwright::{Control, Error, Hull, MergeTree, Parameters, decompose};
+use hullwright_cli::terminal::{Failure, print, time};
+use hullwright_cli::viewer::{HullSet, Page, hulls_of};
 
 use crate::runs::data_folder::DataFolder;
 use crate::runs::external_tools::ExternalTools;

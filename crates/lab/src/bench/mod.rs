@@ -8,7 +8,7 @@ mod plan;
 mod plots;
 mod summary;
 
-use hullwright::internals::terminal::{Failure, print, time};
+use hullwright_cli::terminal::{Failure, print, time};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};

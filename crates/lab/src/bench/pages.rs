@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use hullwright::Control;
-use hullwright::internals::terminal::Failure;
 use hullwright::io::read_mesh;
+use hullwright_cli::terminal::Failure;
 
 use crate::report::html_report::{self, PageLink};
 use crate::runs::meshes::Mesh;

@@ -3,9 +3,9 @@
 //! A ball rolls and a box slides without friction over tiles and over decomposed floors, at several
 //! speeds and headings. On one flat box both go straight on and stay down.
 
-use hullwright::internals::terminal::{Failure, print};
 use hullwright::rapier::{ContactDispatcher, shape, shape_from_points};
 use hullwright::{Control, Length, Parameters, TriangleMesh, decompose};
+use hullwright_cli::terminal::{Failure, print};
 use rapier3d::parry::shape::{Compound, CompoundFlags};
 use rapier3d::prelude::*;
 

@@ -6,10 +6,10 @@
 
 use std::path::PathBuf;
 
-use hullwright::internals::terminal::{Failure, print};
 use hullwright::io::read_mesh;
 use hullwright::rapier::{ContactDispatcher, shape_from_points};
 use hullwright::{Control, Parameters, decompose};
+use hullwright_cli::terminal::{Failure, print};
 use parry3d::math::{Pose, Rotation, Vector};
 use parry3d::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
 use parry3d::shape::{Ball, ConvexPolyhedron, Cuboid, Shape};

@@ -11,9 +11,9 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use hullwright::Error;
-use hullwright::internals::terminal::{Failure, print};
 use hullwright::io::{MeshFile, NamedMesh, read_hulls, read_mesh};
 use hullwright::measure::MeasureOptions;
+use hullwright_cli::terminal::{Failure, print};
 
 use crate::runs::data_folder::{DataFolder, ToolResult};
 use crate::runs::judge::{Judged, judge};

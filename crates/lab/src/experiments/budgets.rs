@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use hullwright::internals::terminal::{Failure, print};
 use hullwright::io::{MeshFile, read_mesh};
 use hullwright::{Control, Error, Parameters, TriangleMesh, decompose};
+use hullwright_cli::terminal::{Failure, print};
 
 use crate::runs::limits::{peak_memory, reset_peak_memory};
 use crate::runs::meshes;

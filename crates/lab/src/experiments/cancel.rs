@@ -4,9 +4,9 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use hullwright::internals::terminal::{Failure, print};
 use hullwright::io::{MeshFile, read_mesh};
 use hullwright::{Control, Error, Parameters, Stage, decompose};
+use hullwright_cli::terminal::{Failure, print};
 
 use crate::runs::meshes;
 

@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use hullwright::internals::terminal::{Failure, print};
 use hullwright::io::read_mesh;
 use hullwright::measure::MeasureOptions;
 use hullwright::{Control, Error, Parameters, decompose};
+use hullwright_cli::terminal::{Failure, print};
 
 use crate::runs::judge::{Verified, judge};
 use crate::runs::meshes::collect;

@@ -1,6 +1,6 @@
 //! `cargo lab identical`: whether two builds of the command write the same hulls.
 
-use hullwright::internals::terminal::{Failure, print};
+use hullwright_cli::terminal::{Failure, print};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 

@@ -9,11 +9,11 @@ mod cases;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use hullwright::internals::terminal::{Failure, print};
 use hullwright::io::read_mesh;
 use hullwright::measure::{MeasureOptions, measure};
-use hullwright::render::{Layout, Panel, render_with};
 use hullwright::{Control, Openings, Parameters, TriangleMesh, close_openings, decompose};
+use hullwright_cli::render::{Layout, Panel, render_with};
+use hullwright_cli::terminal::{Failure, print};
 
 use crate::runs::meshes::find;
 use crate::statistics::median;

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use hullwright::internals::terminal::{Failure, print};
 use hullwright::io::{MeshFile, read_mesh};
 use hullwright::{Control, Length, Parameters, Preset, decompose};
+use hullwright_cli::terminal::{Failure, print};
 
 use crate::runs::meshes::find;
 use crate::statistics::{geometric_mean, median, range};

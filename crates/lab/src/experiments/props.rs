@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use hullwright::internals::terminal::{Failure, print};
 use hullwright::io::read_mesh;
 use hullwright::measure::{MeasureOptions, measure};
 use hullwright::{Control, Decomposition, Length, Parameters, Preset, decompose};
+use hullwright_cli::terminal::{Failure, print};
 
 use crate::runs::meshes::find;
 use crate::statistics::{mean, median};

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use hullwright::internals::terminal::{Failure, print};
 use hullwright::io::read_mesh;
 use hullwright::{Control, Parameters, Preset, decompose};
+use hullwright_cli::terminal::{Failure, print};
 
 use crate::runs::meshes;
 use crate::statistics::median;

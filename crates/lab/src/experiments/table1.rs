@@ -12,10 +12,10 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use hullwright::internals::terminal::{Failure, print};
 use hullwright::io::{MeshFile, read_mesh};
 use hullwright::surface::{self, SurfaceParameters, SurfaceReport};
 use hullwright::{Control, Length};
+use hullwright_cli::terminal::{Failure, print};
 
 use crate::report::table::Table;
 use crate::runs::data_folder::{DataFolder, PaperRow};

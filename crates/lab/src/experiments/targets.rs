@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use hullwright::internals::terminal::{Failure, print};
 use hullwright::io::read_mesh;
 use hullwright::measure::MeasureOptions;
 use hullwright::{Control, Preset, decompose};
+use hullwright_cli::terminal::{Failure, print};
 use meshoptimizer_rs::{Positions, SimplifyOptions, SimplifySettings, Workspace};
 
 use crate::runs::data_folder::{DataFolder, ToolResult};

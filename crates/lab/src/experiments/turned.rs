@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use hullwright::internals::terminal::{Failure, print};
 use hullwright::io::read_mesh;
 use hullwright::{Control, Length, MeshView, Openings, Parameters, decompose};
+use hullwright_cli::terminal::{Failure, print};
 
 use crate::runs::meshes::{find, folder};
 use crate::stability::variations::{Mesh, ROTATIONS, Variation};

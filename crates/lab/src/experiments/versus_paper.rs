@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use hullwright::internals::terminal::{Failure, print};
 use hullwright::io::{MeshFile, read_mesh};
 use hullwright::measure::MeasureOptions;
 use hullwright::surface::{self, SurfaceParameters, SurfaceReport};
 use hullwright::{Control, Decomposition, Length, MergeTree, Method, decompose};
+use hullwright_cli::terminal::{Failure, print};
 
 use crate::runs::judge::judge;
 use crate::runs::meshes::find;

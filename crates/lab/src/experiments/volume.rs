@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use hullwright::internals::terminal::{Failure, print};
 use hullwright::io::{MeshFile, read_mesh};
 use hullwright::measure::MeasureOptions;
 use hullwright::{Control, Decomposition, decompose};
+use hullwright_cli::terminal::{Failure, print};
 
 use crate::runs::data_folder::{DataFolder, ToolResult};
 use crate::runs::judge::{Judged, judge};

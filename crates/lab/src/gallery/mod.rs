@@ -5,14 +5,14 @@ mod shapes;
 
 use std::path::{Path, PathBuf};
 
-use hullwright::internals::terminal::{Failure, print};
 use hullwright::io::read_mesh;
 use hullwright::measure::{MeasureOptions, Measurement, measure};
-use hullwright::render::{Layout, Panel, render_with};
-use hullwright::viewer::hulls_of;
 use hullwright::{
     ALGORITHM_VERSION, Control, Hull, MeshView, Parameters, TriangleMesh, close_openings, decompose,
 };
+use hullwright_cli::render::{Layout, Panel, render_with};
+use hullwright_cli::terminal::{Failure, print};
+use hullwright_cli::viewer::hulls_of;
 
 use crate::report::html_report::{self, STYLE};
 use crate::report::table::escape;

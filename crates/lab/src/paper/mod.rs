@@ -8,7 +8,7 @@ mod comparison;
 mod figures;
 mod work;
 
-use hullwright::internals::terminal::{Failure, print};
+use hullwright_cli::terminal::{Failure, print};
 use std::path::PathBuf;
 use std::time::Duration;
 

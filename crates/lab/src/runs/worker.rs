@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use hullwright::internals::terminal::{Failure, print};
 use hullwright::io::{MeshFile, NamedMesh, read_hulls, read_mesh};
 use hullwright::measure::MeasureOptions;
 use hullwright::{Control, Error, Hull, Method, TriangleMesh};
+use hullwright_cli::terminal::{Failure, print};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 

@@ -4,7 +4,7 @@ mod summary;
 pub mod variations;
 pub mod worker;
 
-use hullwright::internals::terminal::{Failure, print};
+use hullwright_cli::terminal::{Failure, print};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;

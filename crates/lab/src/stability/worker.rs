@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 
 use cpu_time::ProcessTime;
-use hullwright::internals::terminal::{Failure, print};
 use hullwright::io::read_mesh;
 use hullwright::measure::MeasureOptions;
 use hullwright::{Control, Error, MeshView};
+use hullwright_cli::terminal::{Failure, print};
 use serde::{Deserialize, Serialize};
 
 use super::variations::{Mesh, Variation};

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-use hullwright::internals::terminal::{Failure, print, time};
+use hullwright_cli::terminal::{Failure, print, time};
 use serde_json::json;
 
 use row::Row;

@@ -6,10 +6,10 @@ use std::time::Instant;
 
 use cpu_time::ProcessTime;
 use hullwright::internals::surface_and_solid;
-use hullwright::internals::terminal::{Failure, print};
 use hullwright::io::{MeshFile, read_mesh};
 use hullwright::measure::MeasureOptions;
 use hullwright::{Control, Decomposition, Error, Parameters, decompose};
+use hullwright_cli::terminal::{Failure, print};
 use serde::{Deserialize, Serialize};
 
 use super::row::Row;

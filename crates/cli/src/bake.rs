@@ -1,0 +1,357 @@
+//! `hullwright bake`: scenes and meshes into files that a game loads instead of decomposing.
+
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+
+use hullwright::bake::{BakeJob, BakeOptions, bake_jobs};
+use hullwright::hulls_format::{HullScene, MeshHash, SceneLookup};
+use hullwright::io::{Format, NamedMesh, read_own_meshes, read_scene};
+use hullwright::{Control, Method};
+use hullwright_cli::terminal::{Failure, count, print, print_error};
+
+use crate::arguments::{ParameterArguments, ThreadArguments};
+use crate::decompose::{DEFAULT_DENSITY, hulls_file, wrote};
+use crate::progress::LateBar;
+use crate::report::vertices;
+
+/// Bake scenes into .hullscene files: the hulls of every mesh with error bound and mass properties
+#[derive(clap::Args)]
+#[command(
+    after_help = "One file per scene, named after it: each mesh in the space that it was modelled in (no \
+    node's transform is applied), all its primitives together, known by its content. Names and extras \
+    are followed as the Bevy plugin's `ConvexDecompositionHierarchy` follows them. What an earlier file \
+    holds of the same content and parameters is kept. Of a folder, all glTF and GLB files below it."
+)]
+pub struct Arguments {
+    #[arg(help = format!("The scenes: {}, or folders", Format::suffix_list()), required = true, value_name = "SCENE")]
+    scenes: Vec<PathBuf>,
+
+    /// The directory that gets the files; it is made if it does not exist. Default: beside each scene
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+
+    /// A .hulls file for each mesh, named after it, instead of one file per scene. Names and extras count
+    /// for nothing
+    #[arg(long)]
+    per_mesh: bool,
+
+    /// Only what an artist's name or extra asks for, as `ConvexDecompositionHierarchy::tagged_only`
+    #[arg(long, conflicts_with = "per_mesh")]
+    tagged_only: bool,
+
+    /// Mass per cubed unit; in a scene the plugin's tags say it. Default: 1
+    #[arg(long, value_name = "DENSITY", requires = "per_mesh", allow_negative_numbers = true)]
+    density: Option<f64>,
+
+    #[command(flatten)]
+    threads: ThreadArguments,
+
+    #[command(flatten)]
+    parameters: ParameterArguments,
+}
+
+/// A file to be baked.
+struct Source {
+    path: PathBuf,
+    /// From the folder that was named to the one that the file is in.
+    below: PathBuf,
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let method = arguments.parameters.checked()?.method;
+    let mut sources = Vec::new();
+    for path in &arguments.scenes {
+        if path.is_dir() {
+            let before = sources.len();
+            add_folder(path, Path::new(""), &mut sources)?;
+            if sources.len() == before {
+                return Err(
+                    format!("{}: there is no glTF or GLB file in it", path.display()).into()
+                );
+            }
+        } else {
+            sources.push(Source { path: path.clone(), below: PathBuf::new() });
+        }
+    }
+    if arguments.per_mesh {
+        bake_meshes(arguments, &sources, &method)
+    } else {
+        bake_scenes(arguments, &sources, &method)
+    }
+}
+
+/// In the order of names, so that the same folder gives the same lines everywhere.
+fn add_folder(folder: &Path, below: &Path, sources: &mut Vec<Source>) -> Result<(), Failure> {
+    let failure = |error: std::io::Error| format!("{}: {error}", folder.display());
+    let entries = std::fs::read_dir(folder).map_err(failure)?;
+    let mut paths =
+        entries.map(|entry| Ok(entry?.path())).collect::<Result<Vec<_>, _>>().map_err(failure)?;
+    paths.sort();
+    for path in paths {
+        // A link to a folder above would never end.
+        if path.is_dir() && !path.is_symlink() {
+            let name = path.file_name().unwrap_or_default();
+            add_folder(&path, &below.join(name), sources)?;
+        } else if Format::from_path(&path) == Some(Format::Gltf) {
+            sources.push(Source { path, below: below.to_owned() });
+        }
+    }
+    Ok(())
+}
+
+/// Where a file made of a source goes: beside it, or into the directory that was named, where folders
+/// keep their structure.
+fn output_of(arguments: &Arguments, source: &Source, name: &str) -> PathBuf {
+    match &arguments.output {
+        Some(directory) => directory.join(&source.below).join(name),
+        None => source.path.with_file_name(name),
+    }
+}
+
+fn make_directory(output: &Path) -> Result<(), String> {
+    let Some(directory) = output.parent() else { return Ok(()) };
+    std::fs::create_dir_all(directory).map_err(|error| format!("{}: {error}", directory.display()))
+}
+
+/// Lines to standard output, then failures: all but the last here, the last as the program's own error.
+fn report(lines: &[String], mut failures: Vec<String>) -> Result<(), Failure> {
+    if !lines.is_empty() {
+        print(&lines.join("\n"))?;
+    }
+    let last = failures.pop();
+    failures.iter().for_each(|reason| print_error(reason));
+    last.map_or(Ok(()), |reason| Err(Failure::Work(reason)))
+}
+
+/// The suffix of a baked scene.
+const SUFFIX: &str = "hullscene";
+
+/// A scene, and what is to be done for it.
+struct Scene<'a> {
+    source: &'a Source,
+    jobs: Vec<BakeJob>,
+    output: PathBuf,
+}
+
+/// Each scene into a `.hullscene` file.
+fn bake_scenes(arguments: &Arguments, sources: &[Source], method: &Method) -> Result<(), Failure> {
+    let options = BakeOptions::new(method.clone()).tagged_only(arguments.tagged_only);
+    let scenes = scenes(arguments, sources, &options)?;
+    let pool = arguments.threads.pool()?;
+    let bar = LateBar::start();
+    let parts = scenes.iter().map(|scene| scene.jobs.len()).sum();
+    let (mut lines, mut failures) = (Vec::new(), Vec::new());
+    let mut done = 0;
+    for scene in &scenes {
+        let control = |index: usize| {
+            let control = bar.control_of_part(done + index, parts);
+            control.with_parallel(arguments.threads.is_parallel())
+        };
+        match pool.install(|| bake_scene(scene, control, &mut failures)) {
+            Ok(line) => lines.push(line),
+            Err(reason) => failures.push(reason),
+        }
+        done += scene.jobs.len();
+    }
+    bar.finish();
+    report(&lines, failures)
+}
+
+/// Reads all files, so that a misspelt name ends the work before it begins.
+fn scenes<'a>(
+    arguments: &Arguments,
+    sources: &'a [Source],
+    options: &BakeOptions,
+) -> Result<Vec<Scene<'a>>, Failure> {
+    let mut outputs = HashSet::new();
+    let mut scenes = Vec::new();
+    for source in sources {
+        let meshes = read_scene(&source.path)?;
+        if meshes.is_empty() {
+            return Err(format!("{}: it holds no triangles", source.path.display()).into());
+        }
+        let name = source.path.with_extension(SUFFIX);
+        let name = name.file_name().unwrap_or_default().to_string_lossy();
+        let output = output_of(arguments, source, &name);
+        if !outputs.insert(output.clone()) {
+            let reason = format!("two scenes would be written to {}", output.display());
+            return Err(Failure::Usage(reason));
+        }
+        scenes.push(Scene { source, jobs: bake_jobs(meshes, options), output });
+    }
+    Ok(scenes)
+}
+
+fn bake_scene(
+    scene: &Scene<'_>,
+    control: impl Fn(usize) -> Control,
+    failures: &mut Vec<String>,
+) -> Result<String, String> {
+    let Scene { source, jobs, output } = scene;
+    // One that can't be read is replaced.
+    let earlier = HullScene::read(output).ok();
+    let mut meshes = Vec::new();
+    let mut kept = 0;
+    for (index, job) in jobs.iter().enumerate() {
+        let known = earlier.as_ref().and_then(|earlier| {
+            match earlier.look_up(MeshHash::of(&job.mesh), &job.parameters, &[]) {
+                SceneLookup::Found(baked) if baked.names == job.names => Some(baked.clone()),
+                _ => None,
+            }
+        });
+        kept += usize::from(known.is_some());
+        match known.map_or_else(|| job.run(&control(index)), Ok) {
+            Ok(baked) => meshes.push(baked),
+            Err(error) => {
+                let name = job.names.first().map_or("", String::as_str);
+                failures.push(format!("{}, mesh `{name}`: {error}", source.path.display()));
+            }
+        }
+    }
+    let name = source.path.file_stem().unwrap_or_default().to_string_lossy();
+    let baked = HullScene::new(name, meshes);
+    make_directory(output)?;
+    baked.write(output).map_err(|error| error.to_string())?;
+    Ok(wrote_scene(scene, &baked, kept))
+}
+
+fn wrote_scene(scene: &Scene<'_>, baked: &HullScene, kept: usize) -> String {
+    let hulls: usize = baked.meshes.iter().map(|baked| baked.hulls.hulls.len()).sum();
+    let vertices: usize = baked.meshes.iter().map(|baked| vertices(&baked.hulls.hulls)).sum();
+    let as_before = match kept {
+        0 => String::new(),
+        kept => format!(" ({kept} as before)"),
+    };
+    format!(
+        "wrote {}: {}{as_before}, {}, {}",
+        scene.output.display(),
+        count(baked.meshes.len(), "mesh", "meshes"),
+        count(hulls, "hull", "hulls"),
+        count(vertices, "vertex", "vertices")
+    )
+}
+
+/// A file name longer than this is refused by some file systems, suffix and number included.
+const LONGEST_NAME: usize = 200;
+
+/// A mesh of its own.
+struct MeshJob<'a> {
+    source: &'a Path,
+    mesh: NamedMesh,
+    output: PathBuf,
+}
+
+/// Each mesh into a `.hulls` file of its own.
+fn bake_meshes(arguments: &Arguments, sources: &[Source], method: &Method) -> Result<(), Failure> {
+    let density = arguments.density.unwrap_or(DEFAULT_DENSITY);
+    if !(density.is_finite() && density > 0.0) {
+        return Err(Failure::Usage(format!("the density must be positive, not {density}")));
+    }
+    let pool = arguments.threads.pool()?;
+    let jobs = mesh_jobs(arguments, sources)?;
+    let bar = LateBar::start();
+    let mut lines = Vec::new();
+    let mut failures = Vec::new();
+    for (index, job) in jobs.iter().enumerate() {
+        let control = bar.control_of_part(index, jobs.len());
+        let control = control.with_parallel(arguments.threads.is_parallel());
+        match pool.install(|| bake_mesh(job, density, method, &control)) {
+            Ok(line) => lines.push(line),
+            Err(reason) => {
+                let MeshJob { source, mesh, .. } = job;
+                failures.push(format!("{}, mesh `{}`: {reason}", source.display(), mesh.name));
+            }
+        }
+    }
+    bar.finish();
+    report(&lines, failures)
+}
+
+/// Reads all files, so that a misspelt name ends the work before it begins.
+fn mesh_jobs<'a>(
+    arguments: &Arguments,
+    sources: &'a [Source],
+) -> Result<Vec<MeshJob<'a>>, Failure> {
+    let mut names = HashSet::new();
+    let mut jobs = Vec::new();
+    for source in sources {
+        let meshes = read_own_meshes(&source.path)?;
+        if meshes.is_empty() {
+            return Err(format!("{}: it holds no triangles", source.path.display()).into());
+        }
+        for mesh in meshes {
+            let name = unique(&file_name(&mesh.name), &mut names);
+            let output = output_of(arguments, source, &format!("{name}.hulls"));
+            jobs.push(MeshJob { source: &source.path, mesh, output });
+        }
+    }
+    Ok(jobs)
+}
+
+fn bake_mesh(
+    job: &MeshJob<'_>,
+    density: f64,
+    method: &Method,
+    control: &Control,
+) -> Result<String, String> {
+    let NamedMesh { name, mesh } = &job.mesh;
+    let decomposition = method.decompose(mesh, control).map_err(|error| error.to_string())?;
+    let file = hulls_file(name.as_str(), mesh.view(), &decomposition, &method.solid(), density)
+        .map_err(|error| error.to_string())?;
+    make_directory(&job.output)?;
+    file.write(&job.output).map_err(|error| error.to_string())?;
+    Ok(wrote(&job.output, &file.hulls))
+}
+
+/// The name with what any file system may object to replaced.
+fn file_name(name: &str) -> String {
+    let is_harmless = |c: char| c.is_alphanumeric() || "-_. ()+".contains(c);
+    let mut harmless = String::new();
+    for c in name.chars() {
+        let c = if is_harmless(c) { c } else { '_' };
+        if harmless.len() + c.len_utf8() > LONGEST_NAME {
+            break;
+        }
+        harmless.push(c);
+    }
+    let harmless = harmless.trim_matches([' ', '.']);
+    if harmless.is_empty() { "mesh".into() } else { harmless.into() }
+}
+
+/// The name, with a number after it if it is taken. Upper and lower case are one to some file
+/// systems.
+fn unique(name: &str, taken: &mut HashSet<String>) -> String {
+    let mut candidate = name.to_owned();
+    let mut number = 1;
+    while !taken.insert(candidate.to_lowercase()) {
+        number += 1;
+        candidate = format!("{name}_{number}");
+    }
+    candidate
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn file_names_are_harmless() {
+        for (name, expected) in [
+            ("Mug.001", "Mug.001"),
+            ("../up/and\\away", "_up_and_away"),
+            ("", "mesh"),
+            ("..", "mesh"),
+            ("Стул: 3?", "Стул_ 3_"),
+        ] {
+            assert_eq!(file_name(name), expected);
+        }
+        assert!(file_name(&"x".repeat(1000)).len() <= LONGEST_NAME);
+    }
+
+    #[test]
+    fn names_are_used_once() {
+        let mut taken = HashSet::new();
+        let names = ["Cube", "cube", "Cube_2", "Cube"].map(|name| unique(name, &mut taken));
+        assert_eq!(names, ["Cube", "cube_2", "Cube_2_2", "Cube_3"]);
+    }
+}

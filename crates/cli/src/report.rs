@@ -1,0 +1,354 @@
+//! A decomposition for people, as tables, and for programs, as one line of JSON; the surface method's search, and the
+//! curve of hulls against error.
+
+use std::path::Path;
+
+use comfy_table::{CellAlignment, Table, presets};
+use hullwright::surface::{ResolutionOutcome, SurfaceReport, ThresholdOutcome};
+use hullwright::{
+    CurvePoint, Decomposition, Hull, MethodReport, Opening, OpeningOutcome, Repairs, Report,
+};
+use hullwright_cli::terminal::{count, time};
+use serde_json::{Map, Value, json};
+
+/// The columns of the paper's Table 1.
+const SUMMARY_HEADER: [&str; 8] =
+    ["pieces", "average pieces", "time", "cost", "p", "r", "final polygons", "initial polygons"];
+
+/// Lengths are percentages of the mesh's diagonal. What is called at most is verified, not sampled.
+const BOUNDED_HEADER: [&str; 7] =
+    ["hulls", "vertices", "time", "bound", "protrusion at most", "uncovered at most", "triangles"];
+
+const SEARCH_HEADER: [&str; 7] =
+    ["r", "target", "polygons", "p", "pieces", "cost", "what became of it"];
+
+/// Spaces before and after each column.
+const PADDING: (u16, u16) = (0, 2);
+
+/// Stands where there is no number.
+pub const NOTHING: &str = "–";
+
+/// Vertices of all hulls.
+pub fn vertices(hulls: &[Hull]) -> usize {
+    hulls.iter().map(|hull| hull.shape.points.len()).sum()
+}
+
+/// A table with one row, and lines about an exceeded bound, repairs and openings if there were any.
+///
+/// `seconds` is the wall-clock time of the decomposition, without reading and writing.
+pub fn summary(decomposition: &Decomposition<MethodReport>, seconds: f64) -> String {
+    let Decomposition { hulls, run, report, .. } = decomposition;
+    let pieces = hulls.len().to_string();
+    let seconds = time(seconds);
+    let mut text = match (report.surface(), report.bounded()) {
+        (Some(surface), _) => {
+            let row = [
+                pieces,
+                format!("{:.1}", surface.average_pieces),
+                seconds,
+                cost(surface.cost),
+                surface.planar_threshold.to_string(),
+                surface.resolution.to_string(),
+                surface.polygons.to_string(),
+                surface.initial_polygons.to_string(),
+            ];
+            right_aligned(&SUMMARY_HEADER, [row]).trim_fmt()
+        }
+        (None, bounded) => {
+            let percent = |length: fn(&Report) -> f64| match bounded {
+                Some(bounded) => percent_of(length(bounded), run.diagonal),
+                None => NOTHING.into(),
+            };
+            let row = [
+                pieces,
+                vertices(hulls).to_string(),
+                seconds,
+                percent(|bounded| bounded.bound),
+                percent(|bounded| bounded.protrusion_max),
+                percent(|bounded| bounded.uncovered_max),
+                run.source_triangles.to_string(),
+            ];
+            right_aligned(&BOUNDED_HEADER, [row]).trim_fmt()
+        }
+    };
+    if let Some(bounded) = report.bounded().filter(|bounded| bounded.protrusion_max > bounded.bound)
+    {
+        let protrusion = percent_of(bounded.protrusion_max, run.diagonal);
+        let reason = reason_to_exceed(hulls, bounded.bound);
+        text += &format!("\nprotrusion: {protrusion}, above the bound: {reason}");
+    }
+    let repairs = repairs(&run.repairs);
+    if !repairs.is_empty() {
+        text += &format!("\nrepaired: {}", repairs.join(", "));
+    }
+    if let Some(openings) = openings(&run.openings) {
+        text += &format!("\nopenings: {openings}");
+    }
+    if run.deadline_reached {
+        text += "\nthe deadline cut the search short";
+    }
+    text
+}
+
+/// A length as a percentage of the diagonal.
+fn percent_of(length: f64, diagonal: f64) -> String {
+    format!("{:.3} %", 100.0 * length / diagonal)
+}
+
+/// Why hulls protrude by more than the bound.
+fn reason_to_exceed(hulls: &[Hull], bound: f64) -> &'static str {
+    let exceeds = |hull: &&Hull| hull.errors.protrusion_max.is_some_and(|most| most > bound);
+    match hulls.iter().filter(exceeds).all(|hull| hull.errors.added_thickness > 0.0) {
+        true => "a flat part has to be thicker to be a hull",
+        false => "the limit on hulls forces it",
+    }
+}
+
+/// Hulls against error.
+pub fn curve(curve: &[CurvePoint], diagonal: f64) -> String {
+    let percent = |length| percent_of(length, diagonal);
+    let rows = curve.iter().map(|point| {
+        [
+            point.hulls.to_string(),
+            percent(point.error),
+            percent(point.protrusion_max),
+            percent(point.uncovered_max),
+        ]
+    });
+    let header = ["hulls", "error", "protrusion at most", "uncovered at most"];
+    right_aligned(&header, rows).trim_fmt()
+}
+
+/// What was changed in the input. Open and non-manifold edges stay, so they are no repair.
+pub fn repairs(repairs: &Repairs) -> Vec<String> {
+    [
+        (repairs.welded_vertices, "vertex welded", "vertices welded"),
+        (repairs.unused_vertices, "unused vertex dropped", "unused vertices dropped"),
+        (
+            repairs.non_finite_triangles,
+            "triangle that is not finite dropped",
+            "triangles that are not finite dropped",
+        ),
+        (
+            repairs.degenerate_triangles,
+            "triangle without area dropped",
+            "triangles without area dropped",
+        ),
+        (repairs.duplicate_triangles, "duplicate triangle dropped", "duplicate triangles dropped"),
+        (repairs.flipped_triangles, "triangle turned around", "triangles turned around"),
+    ]
+    .into_iter()
+    .filter(|(number, ..)| *number > 0)
+    .map(|(number, singular, plural)| count(number, singular, plural))
+    .collect()
+}
+
+/// How many openings were closed and left, and why, if there are any.
+pub fn openings(openings: &[Opening]) -> Option<String> {
+    let mut counts: Vec<(OpeningOutcome, usize)> = Vec::new();
+    for opening in openings {
+        match counts.iter_mut().find(|(outcome, _)| *outcome == opening.outcome) {
+            Some((_, count)) => *count += 1,
+            None => counts.push((opening.outcome, 1)),
+        }
+    }
+    counts.sort_by_key(|&(outcome, count)| (!outcome.is_closed(), std::cmp::Reverse(count)));
+    let texts: Vec<String> =
+        counts.iter().map(|(outcome, count)| format!("{count} {}", outcome.describe())).collect();
+    (!texts.is_empty()).then(|| texts.join(", "))
+}
+
+/// Every resolution, and below it its thresholds.
+pub fn search(report: &MethodReport) -> String {
+    match report.surface() {
+        Some(surface) => search_table(surface).trim_fmt() + "\n",
+        None => "this method does not search\n".into(),
+    }
+}
+
+fn search_table(surface: &SurfaceReport) -> Table {
+    let mut rows = Vec::new();
+    for resolution in &surface.resolutions {
+        let mut row = [""; 7].map(String::from);
+        row[0] = resolution.resolution.to_string();
+        row[1] = resolution.target.to_string();
+        row[2] = resolution.polygons.to_string();
+        row[6] = of_resolution(resolution.outcome).1.into();
+        rows.push(row);
+        for threshold in &resolution.thresholds {
+            let mut row = [""; 7].map(String::from);
+            row[3] = threshold.planar_threshold.to_string();
+            if threshold.outcome != ThresholdOutcome::NotTried {
+                row[4] = threshold.pieces.to_string();
+                row[5] = cost(threshold.cost);
+            }
+            row[6] = of_threshold(threshold.outcome).1.into();
+            rows.push(row);
+        }
+    }
+    let mut table = right_aligned(&SEARCH_HEADER, rows);
+    if let Some(words) = table.column_mut(SEARCH_HEADER.len() - 1) {
+        words.set_cell_alignment(CellAlignment::Left);
+    }
+    table
+}
+
+/// Text under a header.
+pub fn columns<const N: usize>(
+    header: &[&str; N],
+    rows: impl IntoIterator<Item = [String; N]>,
+) -> String {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING).set_header(*header).add_rows(rows);
+    aligned(table, CellAlignment::Left).trim_fmt()
+}
+
+/// Names and values, one pair a line.
+pub fn pairs(rows: impl IntoIterator<Item = (&'static str, String)>) -> String {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    table.add_rows(rows.into_iter().map(|(name, value)| [name.to_owned(), value]));
+    aligned(table, CellAlignment::Left).trim_fmt()
+}
+
+fn right_aligned<const N: usize>(
+    header: &[&str; N],
+    rows: impl IntoIterator<Item = [String; N]>,
+) -> Table {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING).set_header(*header).add_rows(rows);
+    aligned(table, CellAlignment::Right)
+}
+
+fn aligned(mut table: Table, alignment: CellAlignment) -> Table {
+    for column in table.column_iter_mut() {
+        column.set_padding(PADDING);
+        column.set_cell_alignment(alignment);
+    }
+    table
+}
+
+fn cost(cost: f64) -> String {
+    format!("{cost:.4}")
+}
+
+/// One line of JSON. Lengths are in the mesh's units. What belongs to another method is null.
+///
+/// `seconds` is the wall-clock time of the decomposition, without reading and writing.
+pub fn json(
+    mesh: &Path,
+    decomposition: &Decomposition<MethodReport>,
+    seconds: f64,
+    with_search: bool,
+) -> Value {
+    let Decomposition { hulls, run, report, .. } = decomposition;
+    let (bounded, surface) = (report.bounded(), report.surface());
+    let closed = |is_closed: bool| {
+        run.openings.iter().filter(move |opening| opening.outcome.is_closed() == is_closed)
+    };
+    let area = |is_closed| closed(is_closed).map(|opening| opening.area).sum::<f64>();
+    let stages = run.times.iter().map(|time| (time.stage.name().into(), time.seconds.into()));
+    let mut line = json!({
+        "mesh": mesh.display().to_string(),
+        "method": report.name(),
+        "triangles": run.source_triangles,
+        "hulls": hulls.len(),
+        "vertices": vertices(hulls),
+        "seconds": seconds,
+        "bound": bounded.map(|bounded| bounded.bound),
+        "protrusion_max": bounded.map(|bounded| bounded.protrusion_max),
+        "uncovered_max": bounded.map(|bounded| bounded.uncovered_max),
+        "patches": bounded.map(|bounded| bounded.patches),
+        "cost": surface.map(|surface| surface.cost),
+        "planar_threshold": surface.map(|surface| surface.planar_threshold),
+        "resolution": surface.map(|surface| surface.resolution),
+        "repairs": run.repairs,
+        // Areas are in squared units.
+        "openings": {
+            "closed": closed(true).count(),
+            "left": closed(false).count(),
+            "closed_area": area(true),
+            "left_area": area(false),
+            "list": run.openings,
+        },
+        "algorithm_version": run.algorithm_version,
+        "version": env!("CARGO_PKG_VERSION"),
+        "average_pieces": surface.map(|surface| surface.average_pieces),
+        "pieces_before_merging": surface.map(|surface| surface.pieces_before_merging),
+        "polygons": surface.map(|found| found.polygons).or(bounded.map(|found| found.polygons)),
+        "initial_polygons": surface.map(|surface| surface.initial_polygons),
+        "unit": surface.map(|surface| surface.unit),
+        "source_vertices": run.source_vertices,
+        "diagonal": run.diagonal,
+        "components": run.components,
+        "closed_components": run.closed_components,
+        // What several hulls hold counts several times.
+        "volume_sum": hulls.iter().map(|hull| hull.shape.volume()).sum::<f64>(),
+        "thickened_hulls": hulls.iter().filter(|hull| hull.errors.added_thickness > 0.0).count(),
+        "grown_hulls":
+            hulls.iter().filter(|hull| hull.errors.simplification_growth > 0.0).count(),
+        "deadline_reached": run.deadline_reached,
+        // In the order of the work.
+        "stage_seconds": stages.collect::<Map<String, Value>>(),
+    });
+    if let (Some(surface), true, Some(line)) = (surface, with_search, line.as_object_mut()) {
+        line.insert("search".into(), search_json(surface));
+    }
+    line
+}
+
+/// Without pieces and cost where a threshold was not tried.
+fn search_json(surface: &SurfaceReport) -> Value {
+    let resolutions = surface.resolutions.iter().map(|resolution| {
+        let thresholds = resolution.thresholds.iter().map(|threshold| {
+            let is_tried = threshold.outcome != ThresholdOutcome::NotTried;
+            json!({
+                "planar_threshold": threshold.planar_threshold,
+                "pieces": is_tried.then_some(threshold.pieces),
+                "cost": is_tried.then_some(threshold.cost),
+                "outcome": of_threshold(threshold.outcome).0,
+            })
+        });
+        json!({
+            "resolution": resolution.resolution,
+            "target": resolution.target,
+            "polygons": resolution.polygons,
+            "outcome": of_resolution(resolution.outcome).0,
+            "thresholds": thresholds.collect::<Value>(),
+        })
+    });
+    resolutions.collect()
+}
+
+/// What became of a resolution: a name for programs, and words for people.
+fn of_resolution(of: ResolutionOutcome) -> (&'static str, &'static str) {
+    use ResolutionOutcome::*;
+    match of {
+        Selected => ("selected", "selected: least cost of those left"),
+        CostlierThanSelected => ("costlier_than_selected", "dropped: another costs less"),
+        TooManyPieces => ("too_many_pieces", "dropped: more than 1.5 times the average pieces"),
+        CutOff => ("cut_off", "skipped: an earlier one has fewer pieces than the cut-off"),
+        SameAsBefore => ("same_as_before", "skipped: the same mesh as the one before"),
+        DeadlineReached => ("deadline_reached", "skipped: deadline"),
+        _ => ("other", "other"),
+    }
+}
+
+/// What became of a threshold, likewise.
+fn of_threshold(of: ThresholdOutcome) -> (&'static str, &'static str) {
+    use ThresholdOutcome::*;
+    match of {
+        Candidate => ("candidate", "candidate: fewest pieces under ε"),
+        CandidateAtOnce => ("candidate_at_once", "candidate: next to no cost, taken at once"),
+        CandidateByFailSafe => {
+            ("candidate_by_fail_safe", "candidate: least cost, since none is under ε")
+        }
+        MorePieces => ("more_pieces", "under ε, but another has fewer pieces"),
+        TooCostly => ("too_costly", "not under ε"),
+        AbortedAboveThreshold => ("aborted_above_threshold", "given up: average above 3 ε"),
+        AbortedAboveLeast => ("aborted_above_least", "given up: average above 3 times the least"),
+        SingleGroup => ("single_group", "a single group: ends this search"),
+        NotTried => ("not_tried", "not tried"),
+        _ => ("other", "other"),
+    }
+}

@@ -1,0 +1,210 @@
+//! `hullwright view`: a page to look at a mesh and its hulls from all sides, or a picture of both.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use hullwright::io::{MeshFile, read_hulls, read_mesh, write_file};
+use hullwright::{Control, Error, Hull, MergeTree, Method};
+use hullwright_cli::render::{Layout, Panel, Picture, render_with};
+use hullwright_cli::terminal::{Failure, count, print, time};
+use hullwright_cli::viewer::{HullSet, Page, hulls_of};
+
+use crate::arguments::{Chosen, ParameterArguments, ThreadArguments, mesh_help, parse_method};
+use crate::progress::{LateBar, waiting};
+
+/// Write a page, or a picture, that shows a mesh and its hulls
+#[derive(clap::Args)]
+#[command(
+    after_help = "The page is one HTML file that opens in any browser and loads nothing: the mesh, its hulls, \
+    a slider from all hulls down to one, errors as colours, other methods or other tools' hulls side by \
+    side. Press ? on the page for its keys. A picture has the mesh, its hulls, and the hulls moved apart; \
+    a row for each method or tool."
+)]
+pub struct Arguments {
+    #[arg(help = mesh_help())]
+    mesh: PathBuf,
+
+    /// Write to this file: .html for a page, .png for a picture. Default: a page in the current folder,
+    /// named after the mesh
+    #[arg(short, long, value_name = "PAGE")]
+    output: Option<PathBuf>,
+
+    /// Open the page in the default browser, or the picture in its viewer
+    #[arg(long)]
+    open: bool,
+
+    /// Show another method too: surface (the paper's) or bounded; may be repeated
+    #[arg(long, value_name = "METHOD", value_parser = parse_method)]
+    compare: Vec<Method>,
+
+    /// Show the hulls of any tool too: a .hulls file, or one per object of the file: obj, stl, gltf or
+    /// glb; may be repeated
+    #[arg(long, value_name = "FILE")]
+    hulls: Vec<PathBuf>,
+
+    /// No slider: hulls are not joined, which takes long for many hundreds of them
+    #[arg(long)]
+    no_merge: bool,
+
+    #[command(flatten)]
+    threads: ThreadArguments,
+
+    #[command(flatten)]
+    parameters: ParameterArguments,
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let chosen = arguments.parameters.checked()?;
+    let output = output(arguments)?;
+    let file = waiting("reading", || read_mesh(&arguments.mesh))?;
+    // All files first, so that a misspelt name ends the work before it begins.
+    let mut others = Vec::new();
+    for path in &arguments.hulls {
+        others.push(Shown::read(path)?);
+    }
+    let pool = arguments.threads.pool()?;
+    let bar = LateBar::start();
+    let control = bar.control().with_parallel(arguments.threads.is_parallel());
+    let is_picture = output.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case("png"));
+    let merges = !arguments.no_merge && !is_picture;
+    let work = Work { file: &file, chosen: &chosen, merges, control: &control };
+    let drawn = pool.install(|| {
+        let sets = work.sets(&arguments.compare, others)?;
+        let drawn = match is_picture {
+            true => work.picture(&sets)?.to_png(),
+            false => {
+                work.page(file_name(&arguments.mesh), &sets)?.to_html().map(String::into_bytes)
+            }
+        };
+        Ok::<_, Error>((drawn?, sets))
+    });
+    bar.finish();
+    let (drawn, sets) = drawn.map_err(|error| format!("{}: {error}", arguments.mesh.display()))?;
+    waiting("writing", || write_file(&output, &drawn))?;
+    let hulls = |set: &Shown| format!("{}: {}", set.name, count(set.hulls.len(), "hull", "hulls"));
+    let summary: Vec<String> = sets.iter().map(hulls).collect();
+    print(&format!("wrote {}: {}", output.display(), summary.join(", ")))?;
+    if arguments.open {
+        open::that_detached(&output)
+            .map_err(|error| format!("{}: nothing opens it: {error}", output.display()))?;
+    }
+    Ok(())
+}
+
+/// Where it goes, if there is such a folder.
+fn output(arguments: &Arguments) -> Result<PathBuf, Failure> {
+    let default = || PathBuf::from(file_name(&arguments.mesh)).with_extension("html");
+    let output = arguments.output.clone().unwrap_or_else(default);
+    match output.parent() {
+        Some(folder) if folder != Path::new("") && !folder.is_dir() => {
+            Err(format!("{}: there is no such folder", folder.display()).into())
+        }
+        _ => Ok(output),
+    }
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// Hulls of a method, or of some tool.
+struct Shown {
+    name: String,
+    hulls: Vec<Hull>,
+    tree: Option<MergeTree>,
+    fact: Option<(&'static str, String)>,
+}
+
+impl Shown {
+    /// Hulls of a file, as far as they can be used.
+    fn read(path: &Path) -> Result<Self, Failure> {
+        let named = waiting("reading", || read_hulls(path))?;
+        let hulls = hulls_of(&named);
+        if hulls.is_empty() {
+            return Err(format!("{}: none of its hulls can be used", path.display()).into());
+        }
+        let left_out = named.len() - hulls.len();
+        let fact = (left_out > 0).then(|| ("left out as unusable:", left_out.to_string()));
+        Ok(Self { name: file_name(path), hulls, tree: None, fact })
+    }
+}
+
+/// Pixels of a picture's panel, where there are few rows.
+const PANEL: usize = 500;
+
+/// Panels in a row: the mesh, its hulls, its hulls moved apart.
+const COLUMNS: usize = 3;
+
+/// Most pixels of a picture from top to bottom.
+const HIGHEST: usize = 4096;
+
+/// How far hulls move away from the centre, as a fraction of their distance.
+const EXPLOSION: f64 = 0.5;
+
+/// What a page or a picture is made of.
+struct Work<'a> {
+    file: &'a MeshFile,
+    chosen: &'a Chosen,
+    /// Whether hulls are joined down to one.
+    merges: bool,
+    control: &'a Control,
+}
+
+impl<'a> Work<'a> {
+    /// The hulls of the chosen method, of others, and of files.
+    fn sets(&self, others: &[Method], files: Vec<Shown>) -> Result<Vec<Shown>, Error> {
+        let &Self { file, chosen, merges, control } = self;
+        let solid = chosen.solid();
+        let main = std::iter::once(chosen.method.clone());
+        let mut sets = Vec::new();
+        for method in main.chain(others.iter().map(|method| chosen.like(method))) {
+            let start = Instant::now();
+            let result = method.decompose(file, control)?;
+            let seconds = start.elapsed().as_secs_f64();
+            let name = match &method {
+                Method::Bounded(parameters) => format!("bounded, {}", parameters.max_error),
+                _ => method.name().to_owned(),
+            };
+            let tree = match merges && method == chosen.method {
+                true => Some(MergeTree::new(file, &result, &solid, control)?),
+                false => None,
+            };
+            let fact = Some(("time", time(seconds)));
+            sets.push(Shown { name, hulls: result.hulls, tree, fact });
+        }
+        sets.extend(files);
+        for set in sets.iter_mut().filter(|set| merges && set.tree.is_none()) {
+            set.tree = Some(MergeTree::from_hulls(file, &set.hulls, &solid, control)?);
+        }
+        Ok(sets)
+    }
+
+    fn page(&self, title: String, sets: &[Shown]) -> Result<Page<'a>, Error> {
+        let page = Page::new(title, self.file, &self.chosen.solid(), self.control)?;
+        let mut page = page.objects(&self.file.objects);
+        for Shown { name, hulls, tree, fact } in sets {
+            let mut set = HullSet::new(name, hulls);
+            if let Some(tree) = tree {
+                set = set.tree(tree);
+            }
+            if let Some((name, value)) = fact {
+                set = set.fact(*name, value);
+            }
+            page.add(set, self.control)?;
+        }
+        Ok(page)
+    }
+
+    fn picture(&self, sets: &[Shown]) -> Result<Picture, Error> {
+        let row = |Shown { hulls, .. }: &Shown| {
+            [Panel::mesh(self.file), Panel::hulls(hulls), Panel::hulls(hulls).exploded(EXPLOSION)]
+        };
+        let panels: Vec<Panel> = sets.iter().flat_map(row).collect();
+        let rows = sets.len().max(1);
+        let side = PANEL.min(HIGHEST / rows).max(1);
+        let mut layout = Layout::default();
+        layout.columns = Some(COLUMNS);
+        layout.view.up = self.chosen.solid().up_axis;
+        render_with(&panels, COLUMNS * side, rows * side, &layout)
+    }
+}

@@ -1,0 +1,203 @@
+//! `hullwright decompose`.
+
+use hullwright::io::read_hulls;
+use serde_json::Value;
+
+use crate::Place;
+
+/// A prism over an L: two convex pieces.
+const L_PRISM: &str = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\n\
+                       v 0 0 1\nv 2 0 1\nv 2 1 1\nv 1 1 1\nv 1 2 1\nv 0 2 1\n\
+                       f 6 5 4 3 2 1\nf 7 8 9 10 11 12\nf 1 2 8 7\nf 2 3 9 8\nf 3 4 10 9\n\
+                       f 4 5 11 10\nf 5 6 12 11\nf 6 1 7 12\n";
+
+fn place() -> Place {
+    Place::new(&[("l.obj", L_PRISM)])
+}
+
+impl Place {
+    /// What decomposing the prism prints to standard output.
+    fn decompose(&self, arguments: &[&str]) -> String {
+        self.succeed(&[&["decompose", "l.obj"], arguments].concat())
+    }
+
+    fn decompose_json(&self, arguments: &[&str]) -> Value {
+        self.json(&[&["decompose", "l.obj"], arguments].concat())
+    }
+}
+
+#[test]
+fn the_table_has_the_columns_of_the_papers_table_1() {
+    let place = place();
+    let shown = place.decompose(&["--method", "surface"]);
+    let header = shown.lines().next().unwrap();
+    for column in
+        ["pieces", "average pieces", "time", "cost", "p", "r", "final polygons", "initial polygons"]
+    {
+        assert!(header.contains(column), "{header}");
+    }
+    assert!(shown.lines().nth(1).unwrap().trim_start().starts_with("2 "), "{shown}");
+}
+
+#[test]
+fn json_is_one_line_with_all_fields() {
+    let place = place();
+    let line = place.decompose_json(&["--method", "surface"]);
+    assert_eq!(line["mesh"], "l.obj");
+    assert_eq!(line["method"], "surface");
+    assert_eq!(line["triangles"], 20);
+    assert_eq!(line["hulls"], 2);
+    assert_eq!(line["algorithm_version"], hullwright::ALGORITHM_VERSION);
+    assert_eq!(line["repairs"]["open_edges"], 0);
+    for number in ["vertices", "seconds", "cost", "planar_threshold", "resolution", "volume_sum"] {
+        assert!(line[number].is_number(), "{number}: {}", line[number]);
+    }
+    assert!(line.get("search").is_none());
+    let search = &place.decompose_json(&["--search", "--method", "surface"])["search"];
+    assert_eq!(search.as_array().map(Vec::len), Some(5));
+    assert!(search[0]["thresholds"][0]["outcome"].is_string());
+}
+
+#[test]
+fn json_has_the_same_keys_for_every_method() {
+    let expected = [
+        "mesh",
+        "method",
+        "triangles",
+        "hulls",
+        "vertices",
+        "seconds",
+        "bound",
+        "protrusion_max",
+        "uncovered_max",
+        "patches",
+        "cost",
+        "planar_threshold",
+        "resolution",
+        "repairs",
+        "openings",
+        "algorithm_version",
+        "version",
+        "average_pieces",
+        "pieces_before_merging",
+        "polygons",
+        "initial_polygons",
+        "unit",
+        "source_vertices",
+        "diagonal",
+        "components",
+        "closed_components",
+        "volume_sum",
+        "thickened_hulls",
+        "grown_hulls",
+        "deadline_reached",
+        "stage_seconds",
+    ];
+    let place = place();
+    for method in ["bounded", "surface"] {
+        let line = place.decompose_json(&["--method", method, "-o", "hulls.obj"]);
+        let keys: Vec<&String> = line.as_object().unwrap().keys().collect();
+        assert_eq!(keys, expected, "{method}");
+        assert_eq!(line["patches"].is_null(), method == "surface");
+        assert_eq!(line["cost"].is_null(), method == "bounded");
+        assert_eq!(read_hulls(place.path("hulls.obj")).unwrap().len(), 2);
+    }
+}
+
+#[test]
+fn the_default_is_the_bounded_method_with_what_it_verified() {
+    let place = place();
+    let shown = place.decompose(&[]);
+    let header = shown.lines().next().unwrap();
+    for column in ["hulls", "vertices", "bound", "protrusion at most", "uncovered at most"] {
+        assert!(header.contains(column), "{header}");
+    }
+    let line = place.decompose_json(&["--max-error", "5%"]);
+    assert_eq!(line["method"], "bounded");
+    assert_eq!(line["hulls"], 2);
+    let number = |name: &str| line[name].as_f64().unwrap();
+    assert!((number("bound") / number("diagonal") - 0.05).abs() < 1e-12);
+    assert!(number("protrusion_max") <= number("bound"));
+    assert!(number("uncovered_max") <= number("bound"));
+    assert!(line["patches"].as_u64() > Some(0));
+    assert!(line["stage_seconds"]["merge"].is_number());
+}
+
+#[test]
+fn the_limit_on_hulls_holds_and_the_table_says_what_it_costs() {
+    let place = place();
+    let line = place.decompose_json(&["--max-hulls", "1"]);
+    assert_eq!(line["hulls"], 1);
+    let number = |name: &str| line[name].as_f64().unwrap();
+    assert!(number("protrusion_max") > number("bound"));
+    let percent = 100.0 * number("protrusion_max") / number("diagonal");
+    let said = format!("protrusion: {percent:.3} %, above the bound: the limit on hulls forces it");
+    let shown = place.decompose(&["--max-hulls", "1"]);
+    assert!(shown.lines().any(|line| line == said), "{said} in {shown}");
+    assert!(!place.decompose(&["--max-hulls", "2"]).contains("above the bound"));
+}
+
+#[test]
+fn a_sheet_that_is_thicker_than_the_bound_is_said_in_the_table() {
+    let place = Place::new(&[("sheet.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")]);
+    let shown = place.succeed(&["decompose", "sheet.obj", "--max-error", "0.001%"]);
+    let said = "above the bound: a flat part has to be thicker to be a hull";
+    assert!(shown.contains(said), "{shown}");
+}
+
+#[test]
+fn the_help_fits_on_a_screen_and_the_papers_options_come_last() {
+    let help = place().decompose(&["--help"]);
+    assert!(help.lines().count() <= 45, "{} lines:\n{help}", help.lines().count());
+    assert!(help.lines().all(|line| line.chars().count() <= 100), "{help}");
+    let (others, paper) = help.split_once("The paper's method (--method surface):").unwrap();
+    for option in ["--paper", "--search", "--simplification-quality", "--unit"] {
+        assert!(paper.contains(option) && !others.contains(option), "{option} in\n{help}");
+    }
+}
+
+#[test]
+fn search_shows_every_resolution_and_what_became_of_it() {
+    let place = place();
+    let shown = place.decompose(&["--paper", "--search", "--maximum-resolutions", "250,777"]);
+    assert!(shown.lines().any(|line| line.trim_start().starts_with("250 ")), "{shown}");
+    assert!(shown.lines().any(|line| line.trim_start().starts_with("777 ")), "{shown}");
+    assert!(shown.contains("selected") && shown.contains("candidate"), "{shown}");
+}
+
+#[test]
+fn hulls_are_written_and_announced() {
+    let place = place();
+    for name in ["hulls.obj", "hulls.glb"] {
+        let shown = place.decompose(&["-o", name]);
+        assert!(shown.contains(&format!("wrote {name}: 2 hulls, ")), "{shown}");
+        assert_eq!(read_hulls(place.path(name)).unwrap().len(), 2);
+    }
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let place = place();
+    place.decompose(&["--output", "one.obj", "--threads", "1"]);
+    place.decompose(&["--output", "four.obj", "--threads", "4"]);
+    place.decompose(&["--output", "all.obj"]);
+    let read = |name| std::fs::read(place.path(name)).unwrap();
+    assert!(read("one.obj") == read("four.obj"));
+    assert!(read("one.obj") == read("all.obj"));
+}
+
+#[test]
+fn parameters_reach_the_method() {
+    let place = place();
+    let coarse = place.decompose_json(&["--paper", "--planar-thresholds", "1", "--unit", "100d"]);
+    assert_eq!(coarse["planar_threshold"], 1.0);
+    assert_eq!(place.decompose_json(&["--paper"])["hulls"], 2);
+}
+
+#[test]
+fn a_mesh_of_nothing_but_a_line_is_exit_code_1() {
+    let place = place();
+    place.write("line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+    let error = place.fail(&["decompose", "line.obj"], 1);
+    assert!(error.contains("line.obj: no usable triangle"), "{error}");
+}
