@@ -112,7 +112,6 @@ pub mod bake;
 pub mod bevy;
 mod bounded;
 mod bvh;
-mod clock;
 mod clustering;
 mod control;
 #[cfg(feature = "bake")]
@@ -124,7 +123,6 @@ mod error;
 mod geometry;
 pub mod hull;
 pub mod hulls_format;
-mod input;
 mod inspect;
 #[doc(hidden)]
 pub mod internals;
@@ -142,7 +140,6 @@ mod parameters;
 pub mod rapier;
 #[cfg(feature = "io")]
 pub mod render;
-mod single_hull;
 mod solid;
 mod stages;
 pub mod surface;
@@ -166,7 +163,6 @@ pub use mass::PrincipalInertia;
 pub use mass::{MassProperties, MassSource, mass_properties, mass_properties_with};
 pub use merge_tree::{CurvePoint, Join, MergeTree};
 pub use mesh::Repairs;
-pub use method::{Method, MethodReport};
+pub use method::{Method, MethodReport, single_hull};
 pub use openings::{ClosedMesh, Opening, OpeningOutcome, close_openings};
 pub use parameters::{Length, Openings, Parameters, ParseError, Preset, UpAxis};
-pub use single_hull::single_hull;

@@ -6,8 +6,8 @@ use std::path::Path;
 use sha2::{Digest, Sha256};
 
 use super::file::{
-    HullsFile, HullsFileError, MAGIC, Reader, SCENE_MAGIC, begin, count, file_error, open, seal,
-    text,
+    HullsFile, HullsFileError, Reader, SCENE_MAGIC, begin, count, open, read_bytes, seal, text,
+    write_bytes,
 };
 use crate::decomposition::ALGORITHM_VERSION;
 use crate::geometry::MeshView;
@@ -190,11 +190,9 @@ impl HullScene {
         let of_content = || self.meshes.iter().filter(|baked| baked.hash == hash);
         let found = of_content().find(|baked| baked.parameters == *parameters);
         if let Some(baked) = found {
-            let is_current = baked.hulls.is_current();
-            return if is_current {
-                SceneLookup::Found(baked)
-            } else {
-                SceneLookup::OtherAlgorithm(baked)
+            return match baked.hulls.is_current() {
+                true => SceneLookup::Found(baked),
+                false => SceneLookup::OtherAlgorithm(baked),
             };
         }
         if let Some(baked) = of_content().next() {
@@ -233,13 +231,7 @@ impl HullScene {
     /// # Errors
     /// [`HullsFileError`] says what is wrong with them.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, HullsFileError> {
-        if bytes.starts_with(&MAGIC) {
-            return Err(HullsFileError::IsSingle);
-        }
-        let (_, mut reader) = open(bytes, SCENE_MAGIC).map_err(|error| match error {
-            HullsFileError::NotHulls => HullsFileError::NotScene,
-            error => error,
-        })?;
+        let (_, mut reader) = open(bytes, SCENE_MAGIC)?;
         let name = reader.text()?;
         let meshes = reader.count(LEAST_MESH)?;
         let meshes = (0..meshes).map(|_| baked_mesh(&mut reader)).collect::<Result<_, _>>()?;
@@ -252,9 +244,7 @@ impl HullScene {
     /// # Errors
     /// As [`to_bytes`](Self::to_bytes), and [`HullsFileError::File`] if writing fails.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), HullsFileError> {
-        let path = path.as_ref();
-        let bytes = self.to_bytes().map_err(|error| error.at(path))?;
-        crate::atomic_write::write(path, &bytes).map_err(|error| file_error(path, &error))
+        write_bytes(path.as_ref(), self.to_bytes())
     }
 
     /// Reads a file.
@@ -263,9 +253,7 @@ impl HullScene {
     /// [`HullsFileError::File`] if it can't be read, [`HullsFileError::At`] if it does not hold
     /// what it should.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, HullsFileError> {
-        let path = path.as_ref();
-        let bytes = std::fs::read(path).map_err(|error| file_error(path, &error))?;
-        Self::from_bytes(&bytes).map_err(|error| error.at(path))
+        read_bytes(path.as_ref(), Self::from_bytes)
     }
 }
 
@@ -335,7 +323,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mesh_is_found_by_content_and_parameters_and_else_it_is_said_why_not() {
+    fn a_mesh_is_found_by_content_and_parameters_or_the_lookup_has_the_reason() {
         let scene = scene();
         let (default, fine) =
             (Method::default(), Parameters::default().max_error(Length::share(0.01)).into());
@@ -355,7 +343,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_of_one_mesh_and_a_scene_are_told_apart() {
+    fn a_file_of_one_mesh_is_no_scene_and_a_scene_no_file_of_one_mesh() {
         let single = scene().meshes[0].hulls.to_bytes().unwrap();
         assert_eq!(HullScene::from_bytes(&single), Err(HullsFileError::IsSingle));
         let bytes = scene().to_bytes().unwrap();
@@ -373,7 +361,7 @@ mod tests {
             damaged[at] ^= 0x55;
             let algorithm = 12..16;
             assert!(HullScene::from_bytes(&damaged).is_err(), "byte {at}");
-            // With a checksum that matches the reader goes on to what the bytes say.
+            // With a checksum that matches the reader goes on to the body.
             let end = damaged.len() - CHECKSUM;
             let checksum = crc32fast::hash(&damaged[..end]);
             damaged[end..].copy_from_slice(&checksum.to_le_bytes());

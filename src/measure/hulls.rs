@@ -2,7 +2,7 @@
 
 use crate::geometry::MeshView;
 use crate::geometry::vector::{
-    Vector, area_normal, as_arrays, bounds, cubed, into_vectors, squared,
+    Vector, area_normal, as_arrays, bounds, cubed, into_vectors, mean, squared,
 };
 use crate::hull::convex_hull;
 use crate::mesh::Normalization;
@@ -69,7 +69,7 @@ pub struct HullCheck {
     pub vertices: usize,
     /// Its triangles.
     pub triangles: usize,
-    /// The farthest that one of its points lies in front of one of its triangles, as a share of
+    /// The farthest that one of its points lies in front of one of its triangles, as a fraction of
     /// the mesh's diagonal. In front is where the average of its points is not, so winding does
     /// not matter. Slivers, whose height over the longest side is below 1e-4 of the hull's
     /// diagonal, are left out, since their normals are noise.
@@ -93,12 +93,6 @@ const SLIVER: f64 = 1e-4;
 /// corners of the convex hull are compared, by climbing.
 const MOST_PAIRS: usize = 100_000_000;
 
-/// The average of points; the origin where there is none.
-pub(super) fn average(points: &[Vector]) -> Vector {
-    let sum = points.iter().fold(Vector::ZERO, |sum, &point| sum + point);
-    sum * (1.0 / points.len().max(1) as f64)
-}
-
 /// Checks a hull in normalised coordinates whose indices all exist. `corners` are those of the
 /// convex hull of the points, with its triangles, where there is one.
 pub(super) fn check(
@@ -108,7 +102,7 @@ pub(super) fn check(
     diagonal: f64,
     mesh_diagonal: f64,
 ) -> HullCheck {
-    let middle = average(points);
+    let middle = mean(points);
     let climber = match hull {
         Some((corners, faces)) if points.len().saturating_mul(triangles.len()) > MOST_PAIRS => {
             Some(Climber::new(corners, faces))
@@ -196,7 +190,7 @@ pub(crate) const TOLERANCE: f64 = 1e-6;
 /// precision, and its neighbours bound the solid just as well.
 const NEEDLE: f64 = 1e-20;
 
-/// In diagonals of the mesh. A hull farther away has lost its shape to rounding.
+/// As a multiple of the mesh's diagonal. A hull farther away has lost its shape to rounding.
 const FARTHEST: f64 = 1e9;
 
 /// A hull in normalised coordinates.

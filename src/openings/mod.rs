@@ -6,16 +6,10 @@
 //!
 //! | file | contents |
 //! |---|---|
-//! | `boundary` | the boundary as simple loops |
+//! | `opening` | the boundary as simple loops; what became of each opening |
 //! | `cap` | flat polygons over loops, and zips for cracks |
-//! | `crossing` | whether the surface goes through a cap |
-//! | `look` | what is seen through an opening |
-//! | `decide` | rules 3 to 6 below, for each cap |
-//! | `fragments` | rule 7 |
-//! | `nested` | closed components that nothing can reach |
-//! | `report` | what became of each opening |
-//! | `prepare` | the repaired mesh with its caps |
-//! | `closed_mesh` | the same as a public result |
+//! | `decide` | rules 3 to 8 below, for each cap |
+//! | `prepare` | the repaired mesh with its caps, without nested shells |
 //!
 //! The rules, in this order:
 //!
@@ -35,17 +29,14 @@
 //! 8. Where nothing else stays open, those of 6 are closed after all, as a leg's end within a table's top, but
 //!    are no surface: the mesh is closed then, and nothing can touch them. One that reaches out of the solid is.
 //!
-//! A closed mesh whose normals all point inward is no opening's matter: repair turns it around, since
-//! exporters that mirror are more common than rooms without a door.
+//! A closed mesh whose normals all point inward has no opening: repair turns it around, since exporters that
+//! mirror are more common than rooms without a door.
 
-mod boundary;
 mod cap;
 mod decide;
-mod look;
-mod nested;
+mod opening;
 pub(crate) mod prepare;
-mod report;
 
 pub(crate) use decide::OpeningSettings;
+pub use opening::{Opening, OpeningOutcome};
 pub use prepare::{ClosedMesh, close_openings, surface_and_solid};
-pub use report::{Opening, OpeningOutcome};
