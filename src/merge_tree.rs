@@ -89,8 +89,8 @@ impl MergeTree {
         Self::build(mesh.into(), &decomposition.hulls, known, parameters, control)
     }
 
-    /// Joins hulls of any tool, each taken as the convex hull that it is. Those whose errors are not
-    /// known are verified first. Of `parameters` the bound says how finely the solid is sampled, and
+    /// Joins hulls of any tool, each taken as the convex hull that it is. Those without
+    /// verified errors are verified first. Of `parameters` the bound says how finely the solid is sampled, and
     /// the limit on vertices holds for joint hulls.
     ///
     /// # Errors

@@ -205,7 +205,7 @@ impl FromStr for Parameters {
     }
 }
 
-/// A length: a share of the mesh's bounding-box diagonal, or a number of its own units.
+/// A length: a fraction of the mesh's bounding-box diagonal, or in its own units.
 ///
 /// As text it is `2%` or `0.02m`; the `m` stands for the mesh's units, also where
 /// those are millimetres.
@@ -221,14 +221,14 @@ impl FromStr for Parameters {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Length {
-    /// This many bounding-box diagonals.
+    /// As a fraction of the bounding-box diagonal.
     Share(f64),
-    /// This many of the mesh's units.
+    /// In the mesh's units.
     Units(f64),
 }
 
 impl Length {
-    /// A share of the bounding-box diagonal: 0.02 for 2 %.
+    /// A fraction of the bounding-box diagonal: 0.02 for 2 %.
     pub const fn share(share: f64) -> Self {
         Self::Share(share)
     }

@@ -19,7 +19,7 @@ pub(super) const HEADER: usize = 24;
 
 pub(super) const CHECKSUM: usize = 4;
 
-/// Hulls, and what a game needs to know of how they came about.
+/// Hulls, and what a game needs of how they came about.
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq)]
 pub struct HullsFile {
@@ -257,7 +257,7 @@ pub(super) fn read_bytes<T>(path: &Path, parse: impl FnOnce(&[u8]) -> Read<T>) -
     parse(&bytes).map_err(|error| error.at(path))
 }
 
-/// A header whose length is not known yet.
+/// A header whose length is still to be set.
 pub(super) fn begin(magic: [u8; 8], algorithm_version: u32) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(HEADER + CHECKSUM);
     bytes.extend(magic);

@@ -1,4 +1,4 @@
-//! `.hullscene`: the hulls of all meshes of a scene in one file, each mesh known by its content.
+//! `.hullscene`: the hulls of all meshes of a scene in one file, each mesh found by its content.
 
 use std::fmt;
 use std::path::Path;
@@ -272,7 +272,7 @@ fn baked_mesh(reader: &mut Reader<'_>) -> Result<BakedMesh, HullsFileError> {
     Ok(BakedMesh { names, hash, parameters, hulls })
 }
 
-const NO_PARAMETERS: &str = "a mesh's parameters are none that this library knows";
+const NO_PARAMETERS: &str = "a mesh's parameters are none that this library has";
 
 #[cfg(test)]
 mod tests {

@@ -24,8 +24,8 @@
 //!
 //! Points are the same on every run, on any number of threads: evenly spread sequences, not random
 //! numbers, unless [`MeasureOptions::random_seed`] is set. A maximum is that of the sampled
-//! points; the true one may be higher, by more the sharper the spike. [`MeasureOptions`] has the numbers
-//! of points, [`Measurement::samples`] what became of them.
+//! points; the true one may be higher, by more the sharper the spike. [`MeasureOptions`] says how
+//! many, [`Measurement::samples`] what became of them.
 
 pub(crate) mod hulls;
 pub(crate) mod sampling;
@@ -42,7 +42,7 @@ use crate::openings::OpeningSettings;
 use crate::openings::prepare::prepare_closed;
 use crate::parallel::{self, map_indices};
 use crate::parameters::{Length, Openings, Parameters, UpAxis};
-use hulls::{MeasuredHull, Union, open_share};
+use hulls::{Edges, MeasuredHull, Union};
 use sampling::{Surface, in_unit_cube};
 
 pub use hulls::HullCheck;
@@ -166,7 +166,7 @@ pub struct Measurement {
     /// Hulls that can be judged.
     pub hulls: usize,
     /// Hulls that can't, and are left out: without triangles, with an index out of range, or with
-    /// a coordinate that is not finite or more than 1e9 diagonals away.
+    /// a coordinate that is not finite or farther away than 1e9 times the diagonal.
     pub unusable_hulls: usize,
     /// Vertices of all hulls.
     pub vertices: usize,
@@ -279,7 +279,7 @@ fn judge(
     let bvh = Bvh::new(mesh.solid.points(), &mesh.solid.triangles);
     let mut samples = SampleCounts::default();
     control.check()?;
-    let open_edges = open_share(&mesh.positions, &mesh.triangles);
+    let open_edges = Edges::of(&mesh.positions, &mesh.triangles).open_share;
     let protrusion = protrusion(&union, &bvh, open_edges > 0.0, options, &mut samples);
     control.check()?;
     let uncovered = uncovered(&mesh, &union, options, &mut samples);
@@ -405,20 +405,20 @@ fn distance_to_inside(bvh: &Bvh, point: Vector, limit: f64) -> f64 {
     let step = DIFFERENCE * limit;
     let mut at = point;
     for _ in 0..STEPS {
-        let number = bvh.winding_number(at);
-        if number > INSIDE {
+        let winding = bvh.winding_number(at);
+        if winding > INSIDE {
             return at.distance(point);
         }
         let slope = Vector::from_array([0, 1, 2].map(|axis| {
             let mut beside = at;
             beside[axis] += step;
-            (bvh.winding_number(beside) - number) / step
+            (bvh.winding_number(beside) - winding) / step
         }));
         let steepness = slope.length();
         if steepness <= 0.0 {
             return limit;
         }
-        let way = ((INSIDE + BEYOND - number) / steepness).min(0.5 * limit);
+        let way = ((INSIDE + BEYOND - winding) / steepness).min(0.5 * limit);
         at += slope * (way / steepness);
         if at.distance(point) >= limit {
             return limit;

@@ -45,20 +45,19 @@ pub(super) struct Cap {
     /// Indices of its loops, the outer one first.
     pub loops: Vec<usize>,
     pub triangles: Vec<[u32; 3]>,
-    /// Unit normal, outward if the surface around it is.
-    pub normal: Vector,
-    /// A point of its plane.
-    pub point: Vector,
+    pub plane: LoopPlane,
     pub area: f64,
-    /// Two axes of the plane; with the normal they are right-handed.
-    pub axes: [Vector; 2],
-    /// The loops in these axes, from `point`.
-    pub outlines: Vec<Vec<[f64; 2]>>,
+    /// The loops in the axes of the plane.
+    outlines: Vec<Vec<[f64; 2]>>,
 }
 
 /// The plane of a loop.
-struct LoopPlane {
-    normal: Vector,
+#[derive(Clone, Copy)]
+pub(super) struct LoopPlane {
+    /// Unit normal, outward if the surface around the loop is.
+    pub normal: Vector,
+    /// Two axes of the plane; with the normal they are right-handed.
+    pub axes: [Vector; 2],
     point: Vector,
     area: f64,
     /// The farthest that a vertex is from it.
@@ -112,19 +111,20 @@ impl LoopPlane {
         let (lowest, highest) =
             heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), h| (a.min(h), b.max(h)));
         let middle = 0.5 * (lowest + highest);
+        let least = Vector::AXES[normal.abs().min_position()];
+        let first = normal.cross(least).normalize_or_zero();
         Self {
             normal,
+            axes: [first, normal.cross(first)],
             point: point + normal * middle,
             area: 0.5 * twice.length(),
             deviation: 0.5 * (highest - lowest),
         }
     }
 
-    /// Right-handed with the normal.
-    fn axes(&self) -> [Vector; 2] {
-        let least = Vector::AXES[self.normal.abs().min_position()];
-        let first = self.normal.cross(least).normalize_or_zero();
-        [first, self.normal.cross(first)]
+    /// Where a point is in the axes.
+    pub fn flatten(&self, point: Vector) -> [f64; 2] {
+        self.axes.map(|axis| axis.dot(point - self.point))
     }
 }
 
@@ -185,10 +185,9 @@ fn outer_loops(
             && own.normal.dot(around.normal) < -SAME_PLANE
             && around.normal.dot(own.point - around.point).abs() <= flatness
             && {
-                let axes = around.axes();
-                let flat = |&p: &Vector| in_axes(axes, p - around.point);
-                let outline: Vec<[f64; 2]> = points[outer].iter().map(flat).collect();
-                points[inner].iter().all(|point| is_in_outline(&outline, flat(point)))
+                let outline: Vec<[f64; 2]> =
+                    points[outer].iter().map(|&point| around.flatten(point)).collect();
+                points[inner].iter().all(|&point| is_in_outline(&outline, around.flatten(point)))
             }
     };
     (0..planes.len())
@@ -206,10 +205,8 @@ fn triangulate(
     loops: &[Loop],
     points: &[Vec<Vector>],
 ) -> Option<Cap> {
-    let axes = plane.axes();
-    let flat = |&p: &Vector| in_axes(axes, p - plane.point);
-    let outlines: Vec<Vec<[f64; 2]>> =
-        own.iter().map(|&index| points[index].iter().map(flat).collect()).collect();
+    let flat = |&index: &usize| points[index].iter().map(|&point| plane.flatten(point)).collect();
+    let outlines: Vec<Vec<[f64; 2]>> = own.iter().map(flat).collect();
     let vertices: Vec<u32> =
         own.iter().flat_map(|&index| loops[index].vertices.iter().copied()).collect();
     if vertices.len() > MOST_VERTICES {
@@ -236,23 +233,11 @@ fn triangulate(
         triangles.push(if area < 0.0 { [a, c, b] } else { [a, b, c] });
     }
     let is_whole = expected > 0.0 && (sum - expected).abs() <= AREA_TOLERANCE * expected;
-    is_whole.then_some(Cap {
-        loops: own,
-        triangles,
-        normal: plane.normal,
-        point: plane.point,
-        area: expected,
-        axes,
-        outlines,
-    })
+    is_whole.then_some(Cap { loops: own, triangles, plane: *plane, area: expected, outlines })
 }
 
 fn signed_area(outline: &[[f64; 2]]) -> f64 {
     0.5 * sides(outline).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum::<f64>()
-}
-
-fn in_axes(axes: [Vector; 2], point: Vector) -> [f64; 2] {
-    axes.map(|axis| axis.dot(point))
 }
 
 /// By the crossings of a ray along the first axis.
@@ -267,11 +252,6 @@ fn is_in_outline(outline: &[[f64; 2]], point: [f64; 2]) -> bool {
 }
 
 impl Cap {
-    /// Where a point is in the plane's axes.
-    pub(super) fn flatten(&self, point: Vector) -> [f64; 2] {
-        in_axes(self.axes, point - self.point)
-    }
-
     /// Whether a point of the plane is on the cap, farther than `margin` from its rim.
     fn holds(&self, point: [f64; 2], margin: f64) -> bool {
         let is_in_odd =
@@ -289,7 +269,7 @@ impl Cap {
         let angle = |(neighbour, length): (u32, f64)| {
             let [a, b, c] = mesh.corners(mesh.triangles[neighbour as usize]);
             let normal = area_normal(a, b, c).normalize_or_zero();
-            (libm::acos((-normal.dot(self.normal)).clamp(-1.0, 1.0)), length)
+            (libm::acos((-normal.dot(self.plane.normal)).clamp(-1.0, 1.0)), length)
         };
         let mut angles: Vec<(f64, f64)> = rim.map(angle).collect();
         angles.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
@@ -330,14 +310,14 @@ pub(super) fn is_cut(
         (0..POINTS).any(|index| {
             let share = (f64::from(index) + 0.5) / f64::from(POINTS);
             let point = from + (to - from) * share;
-            cap.holds(cap.flatten(point), margin)
+            cap.holds(cap.plane.flatten(point), margin)
         })
     })
 }
 
 /// Where a triangle that has corners on both sides of the plane cuts it.
 fn line_in_plane(cap: &Cap, corners: [Vector; 3]) -> Option<[Vector; 2]> {
-    let heights = corners.map(|corner| cap.normal.dot(corner - cap.point));
+    let heights = corners.map(|corner| cap.plane.normal.dot(corner - cap.plane.point));
     let is_above = heights.iter().any(|&height| height > IN_PLANE);
     let is_below = heights.iter().any(|&height| height < -IN_PLANE);
     if !is_above || !is_below {

@@ -238,7 +238,7 @@ impl Judge<'_> {
         triangles.extend(caps.iter().flat_map(|(cap, _)| &cap.triangles));
         let solid = Bvh::with_control(positions, &triangles, self.control)?;
         self.update(caps, |_, (cap, outcome)| {
-            let beyond = cap.normal * BEYOND;
+            let beyond = cap.plane.normal * BEYOND;
             let is_hidden =
                 || points(cap, positions).iter().all(|&point| solid.is_inside(point + beyond));
             let is_exposed = *outcome == OpeningOutcome::ClosedWithin && !is_hidden();
@@ -396,9 +396,9 @@ fn is_solid_beyond(
 ) -> bool {
     let points = points(cap, positions);
     let is_inside = |point: Vector| {
-        let outward = |distance: f64| point + cap.normal * distance;
+        let outward = |distance: f64| point + cap.plane.normal * distance;
         // Near the backs of several parts the winding number is ambiguous.
-        let middle = || open.first_hit(point, cap.normal, flatness, |_, _| true);
+        let middle = || open.first_hit(point, cap.plane.normal, flatness, |_, _| true);
         solid.is_inside(outward(flatness))
             || middle().is_some_and(|hit| solid.is_inside(outward(0.5 * hit.distance)))
     };
@@ -473,7 +473,7 @@ fn points(cap: &Cap, positions: &[Vector]) -> Vec<Vector> {
         .triangles
         .iter()
         .map(|triangle| {
-            let [a, b, c] = corners(triangle).map(|corner| cap.flatten(corner));
+            let [a, b, c] = corners(triangle).map(|corner| cap.plane.flatten(corner));
             0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs()
         })
         .collect();
@@ -501,7 +501,7 @@ fn direction(cap: &Cap, index: usize) -> Vector {
     let height_squared = spread(GOLDEN, index);
     let turn = std::f64::consts::TAU * (index as f64 + 0.5) / (POINTS * RAYS_PER_POINT) as f64;
     let radius = (1.0 - height_squared).sqrt();
-    let across =
-        cap.axes[0] * (radius * libm::cos(turn)) + cap.axes[1] * (radius * libm::sin(turn));
-    -cap.normal * height_squared.sqrt() + across
+    let across = cap.plane.axes[0] * (radius * libm::cos(turn))
+        + cap.plane.axes[1] * (radius * libm::sin(turn));
+    -cap.plane.normal * height_squared.sqrt() + across
 }

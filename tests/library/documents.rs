@@ -30,7 +30,7 @@ fn missing(text: &str) -> Vec<String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut missing = Vec::new();
     for Named { file, test } in named(text) {
-        // Paths are below `tests`, but for those of the sources.
+        // Paths are below `tests`, except those of the sources.
         let is_source = file.starts_with("src/") || file.starts_with("fuzz/");
         let base = if is_source { root.to_path_buf() } else { root.join("tests") };
         let Ok(source) = std::fs::read_to_string(base.join(file)) else {
