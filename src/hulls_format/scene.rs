@@ -23,10 +23,7 @@ pub struct MeshHash([u8; 32]);
 /// Hashes of other things never equal these.
 const CONTEXT: &str = "hullwright 2026-11 corners of triangles in f32";
 
-/// A corner's bytes.
-const CORNER: usize = 12;
-
-/// Triangles that are handed to the hasher at once.
+/// Triangles that are hashed at once.
 const TRIANGLES_AT_ONCE: usize = 256;
 
 impl MeshHash {
@@ -43,12 +40,17 @@ impl MeshHash {
     pub fn of<'a>(mesh: impl Into<MeshView<'a>>) -> Self {
         let mesh = mesh.into();
         let mut hasher = Sha256::new_with_prefix(CONTEXT);
-        let mut bytes = Vec::with_capacity(3 * CORNER * TRIANGLES_AT_ONCE);
+        let mut bytes = Vec::with_capacity(3 * 3 * size_of::<f32>() * TRIANGLES_AT_ONCE);
         for triangles in mesh.triangles().chunks(TRIANGLES_AT_ONCE) {
             bytes.clear();
             for triangle in triangles {
-                let corners = triangle.map(|vertex| corner(mesh.at(vertex).to_array()));
-                rotated(corners).iter().for_each(|corner| bytes.extend(corner));
+                // The negative zero is the same place.
+                let coordinate = |x: f64| (x as f32 + 0.0).to_le_bytes();
+                let mut corners = triangle.map(|v| mesh.at(v).to_array().map(coordinate));
+                // Beginning with the least corner, wound as before.
+                let least = (0..3).min_by_key(|&index| corners[index]).unwrap_or_default();
+                corners.rotate_left(least);
+                bytes.extend(corners.as_flattened().as_flattened());
             }
             hasher.update(&bytes);
         }
@@ -70,26 +72,6 @@ impl MeshHash {
 impl fmt::Display for MeshHash {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.0.iter().try_for_each(|byte| write!(formatter, "{byte:02x}"))
-    }
-}
-
-fn corner(point: [f64; 3]) -> [u8; CORNER] {
-    let mut bytes = [0; CORNER];
-    for (bytes, x) in bytes.as_chunks_mut::<4>().0.iter_mut().zip(point) {
-        // The negative zero is the same place.
-        *bytes = (x as f32 + 0.0).to_le_bytes();
-    }
-    bytes
-}
-
-/// Beginning with the least corner, wound as before.
-fn rotated([a, b, c]: [[u8; CORNER]; 3]) -> [[u8; CORNER]; 3] {
-    if a <= b && a <= c {
-        [a, b, c]
-    } else if b <= c {
-        [b, c, a]
-    } else {
-        [c, a, b]
     }
 }
 

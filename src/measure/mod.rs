@@ -277,14 +277,15 @@ fn judge(
 
     let union = Union::new(parts);
     let bvh = Bvh::new(mesh.solid.points(), &mesh.solid.triangles);
-    let mut samples = SampleCounts::default();
     control.check()?;
     let open_edges = Edges::of(&mesh.positions, &mesh.triangles).open_share;
-    let protrusion = protrusion(&union, &bvh, open_edges > 0.0, options, &mut samples);
+    let boundary = protrusions(&union, &bvh, open_edges > 0.0, options);
+    let samples_of_boundary = boundary.len();
+    let protrusion = Distances::of(boundary);
     control.check()?;
-    let uncovered = uncovered(&mesh, &union, options, &mut samples);
+    let uncovered = uncovered(&mesh, &union, options);
     control.check()?;
-    let volumes = volumes(&mesh, &union, &bvh, options, &mut samples);
+    let volumes = Volumes::of(&mesh, &union, &bvh, options);
     let share = |part: usize, of: usize| (of > 0).then(|| part as f64 / of as f64);
     let share_of_closed =
         |part, of| if open_edges > MOST_OPEN_EDGES { None } else { share(part, of) };
@@ -300,12 +301,20 @@ fn judge(
         protrusion,
         uncovered,
         hausdorff: protrusion.max.max(uncovered.max),
-        uncovered_volume: share_of_closed(samples.solid - volumes.shared, samples.solid),
-        iou: share_of_closed(volumes.shared, samples.union),
-        overlap: share(volumes.with_multiplicity, samples.in_hulls),
+        uncovered_volume: share_of_closed(volumes.solid - volumes.shared, volumes.solid),
+        iou: share_of_closed(volumes.shared, volumes.union),
+        overlap: share(volumes.with_multiplicity, volumes.in_hulls),
         open_edges,
         diagonal: normalization.diagonal,
-        samples,
+        samples: SampleCounts {
+            hull: options.hull_samples,
+            boundary: samples_of_boundary,
+            mesh: options.mesh_samples,
+            volume: options.volume_samples,
+            solid: volumes.solid,
+            in_hulls: volumes.in_hulls,
+            union: volumes.union,
+        },
         checks,
     })
 }
@@ -360,15 +369,9 @@ impl Mesh {
     }
 }
 
-/// How far the hulls' boundary lies outside the solid. Where the surface is open, the inside ends
+/// How far points on the hulls' boundary lie outside the solid. Where the surface is open, the inside ends
 /// where no surface is, and may be nearer than that.
-fn protrusion(
-    union: &Union,
-    bvh: &Bvh,
-    is_open: bool,
-    options: &MeasureOptions,
-    samples: &mut SampleCounts,
-) -> Distances {
+fn protrusions(union: &Union, bvh: &Bvh, is_open: bool, options: &MeasureOptions) -> Vec<f64> {
     let (positions, triangles) = union.surface();
     let surface = Surface::new(positions, triangles);
     let count = options.hull_samples;
@@ -383,10 +386,7 @@ fn protrusion(
         let to_surface = distance_to_surface(bvh, point);
         Some(if is_open { distance_to_inside(bvh, point, to_surface) } else { to_surface })
     });
-    let distances: Vec<f64> = distances.into_iter().flatten().collect();
-    samples.hull = count;
-    samples.boundary = distances.len();
-    Distances::of(distances)
+    distances.into_iter().flatten().collect()
 }
 
 /// Steps of Newton's method along the gradient: the winding number is smooth away from the surface,
@@ -428,17 +428,11 @@ fn distance_to_inside(bvh: &Bvh, point: Vector, limit: f64) -> f64 {
 }
 
 /// How far the mesh lies outside all hulls.
-fn uncovered(
-    mesh: &Mesh,
-    union: &Union,
-    options: &MeasureOptions,
-    samples: &mut SampleCounts,
-) -> Distances {
+fn uncovered(mesh: &Mesh, union: &Union, options: &MeasureOptions) -> Distances {
     let surface = Surface::new(&mesh.positions, &mesh.triangles);
     let (positions, triangles) = union.surface();
     let bvh = Bvh::new(positions, triangles);
     let count = options.mesh_samples;
-    samples.mesh = count;
     Distances::of(map_indices(count, |index| {
         let (point, _) = surface.point(index, count, options.random_seed);
         if union.multiplicity(point) > 0 { 0.0 } else { distance_to_surface(&bvh, point) }
@@ -450,42 +444,40 @@ fn distance_to_surface(bvh: &Bvh, point: Vector) -> f64 {
     bvh.closest_point(point, f64::INFINITY).map_or(0.0, |closest| closest.distance)
 }
 
-/// Numbers of points in the joint bounding box.
+/// Counts of points in the joint bounding box.
+#[derive(Default)]
 struct Volumes {
+    solid: usize,
+    in_hulls: usize,
+    /// In the solid or in a hull.
+    union: usize,
     /// In the solid and in a hull.
     shared: usize,
     /// In hulls, counted once for each.
     with_multiplicity: usize,
 }
 
-fn volumes(
-    mesh: &Mesh,
-    union: &Union,
-    bvh: &Bvh,
-    options: &MeasureOptions,
-    samples: &mut SampleCounts,
-) -> Volumes {
-    let (mut min, mut max) = (mesh.min, mesh.max);
-    for part in union.parts() {
-        (min, max) = (min.min(part.min), max.max(part.max));
+impl Volumes {
+    fn of(mesh: &Mesh, union: &Union, bvh: &Bvh, options: &MeasureOptions) -> Self {
+        let (mut min, mut max) = (mesh.min, mesh.max);
+        for part in union.parts() {
+            (min, max) = (min.min(part.min), max.max(part.max));
+        }
+        let answers = map_indices(options.volume_samples, |index| {
+            let point = min + in_unit_cube(index, options.random_seed) * (max - min);
+            (union.multiplicity(point), bvh.is_inside(point))
+        });
+        let mut volumes = Self::default();
+        for (multiplicity, is_in_solid) in answers {
+            let is_in_hulls = multiplicity > 0;
+            volumes.solid += usize::from(is_in_solid);
+            volumes.in_hulls += usize::from(is_in_hulls);
+            volumes.union += usize::from(is_in_solid || is_in_hulls);
+            volumes.shared += usize::from(is_in_solid && is_in_hulls);
+            volumes.with_multiplicity += multiplicity;
+        }
+        volumes
     }
-    let answers = map_indices(options.volume_samples, |index| {
-        let share = in_unit_cube(index, options.random_seed);
-        let offset = Vector::from(share) * (max - min);
-        let point = min + offset;
-        (union.multiplicity(point), bvh.is_inside(point))
-    });
-    let mut volumes = Volumes { shared: 0, with_multiplicity: 0 };
-    samples.volume = answers.len();
-    for (multiplicity, is_in_solid) in answers {
-        let is_in_hulls = multiplicity > 0;
-        samples.solid += usize::from(is_in_solid);
-        samples.in_hulls += usize::from(is_in_hulls);
-        samples.union += usize::from(is_in_solid || is_in_hulls);
-        volumes.shared += usize::from(is_in_solid && is_in_hulls);
-        volumes.with_multiplicity += multiplicity;
-    }
-    volumes
 }
 
 #[cfg(test)]

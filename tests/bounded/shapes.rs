@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use hullwright::{Control, Parameters, Preset, decompose};
 
 use crate::common::{
-    Mesh, ball, both_ways, cuboid, cup, is_filled, join, l_prism, lathe, plus_prism, polygon,
+    Mesh, ball, both_ways, comb, cuboid, cup, is_filled, join, l_prism, lathe, plus_prism, polygon,
     prism, run, run_with, torus, turned, u_prism, view,
 };
 use crate::{judge, promised, promised_with, with_bound};
@@ -107,18 +107,6 @@ fn plates_and_rods_far_thinner_than_the_bound_keep_their_volume() {
 /// As fractions of the diagonal.
 const BOUNDS: [f64; 4] = [0.02, 0.005, 0.001, 0.0002];
 
-fn comb(teeth: u32) -> Mesh {
-    let mut outline = vec![[0.0, 0.0], [f64::from(2 * teeth - 1), 0.0]];
-    for tooth in (0..teeth).rev() {
-        let x = f64::from(2 * tooth);
-        outline.extend([[x + 1.0, 4.0], [x, 4.0]]);
-        if tooth > 0 {
-            outline.extend([[x, 1.0], [x - 1.0, 1.0]]);
-        }
-    }
-    prism(&outline, 1.0)
-}
-
 fn stairs(steps: u32) -> Mesh {
     let size = f64::from(steps);
     let mut outline = vec![[0.0, 0.0], [size, 0.0]];
@@ -161,7 +149,7 @@ fn plain_prisms_have_the_known_number_of_hulls_at_any_bound() {
         ("T", prism(&polygon(&t), 1.0), 2),
         ("U", prism(&polygon(&u), 1.0), 3),
         ("frame", frame(), 4),
-        ("comb", comb(5), 6),
+        ("comb", comb(5, 4.0, 1.0), 6),
         ("stairs", stairs(6), 6),
     ];
     for (name, mesh, expected) in shapes {

@@ -73,7 +73,7 @@ fn ears(outline: &[[f64; 2]]) -> Vec<[u32; 3]> {
             turn(a, b, c) > 1e-12
                 && rest.iter().all(|&p| [a, b, c].contains(&p) || is_outside(p, [a, b, c]))
         };
-        let k = (0..count).find(is_ear).expect("a simple polygon has an ear");
+        let k = (1..=count).map(|k| k % count).find(is_ear).expect("a simple polygon has an ear");
         triangles.push(corner(k));
         rest.remove(k);
     }
@@ -122,6 +122,19 @@ pub fn plus_prism() -> Mesh {
         0.0, 2.0, 0.0, 1.0, 1.0, 1.0,
     ]);
     prism(&outline, 1.0)
+}
+
+/// A prism over a comb: a base of height 1 with teeth up to `top`, a gap as wide as a tooth between them.
+pub fn comb(teeth: u32, top: f64, height: f64) -> Mesh {
+    let mut outline = vec![[0.0, 0.0], [f64::from(2 * teeth - 1), 0.0]];
+    for tooth in (0..teeth).rev() {
+        let x = f64::from(2 * tooth);
+        outline.extend([[x + 1.0, top], [x, top]]);
+        if tooth > 0 {
+            outline.extend([[x, 1.0], [x - 1.0, 1.0]]);
+        }
+    }
+    prism(&outline, height)
 }
 
 /// Rotates a closed polygon in the half-plane (radius, height) about the z axis.

@@ -2,7 +2,7 @@
 
 use rapier3d::prelude::*;
 
-use crate::common::Mesh;
+use crate::common::comb;
 use crate::world::{Prop, World};
 
 #[test]
@@ -102,7 +102,10 @@ fn a_ball_stays_in_a_large_bowl() {
 
 #[test]
 fn a_box_slides_over_the_seams_of_a_decomposed_floor() {
-    let floor = Prop::mesh(comb(9, 1.0, 0.5));
+    // Its top is at height 0. No two of its tines fit into one hull.
+    let (mut positions, triangles) = comb(10, 3.0, 0.5);
+    positions.iter_mut().for_each(|[_, y, z]| (*y, *z) = (-*z, *y));
+    let floor = Prop::mesh((positions, triangles));
     assert!(floor.decomposition.hulls.len() >= 5, "a floor with seams");
     let slide = |collider: ColliderBuilder| {
         let mut world = World::new(1.0);
@@ -192,46 +195,4 @@ fn a_ball_lies_on_the_missing_side_of_a_crate_and_falls_into_a_bin_that_is_seen_
         let tolerance = if is_lined { 0.05 } else { 0.01 };
         assert!((end - height).abs() < tolerance, "{is_open_above} {is_lined}: {end}");
     }
-}
-
-/// A plate with its top at height 0 and square notches of `size` along one side, `count` of them:
-/// no two of its tines fit into one hull.
-fn comb(count: u32, size: f64, thickness: f64) -> Mesh {
-    let at = |x: u32, y: u32, z: u32| {
-        [f64::from(x) * size, -f64::from(y) * thickness, f64::from(z) * size]
-    };
-    let mut positions = Vec::new();
-    let mut triangles: Vec<[u32; 3]> = Vec::new();
-    let mut quad = |corners: [[f64; 3]; 4]| {
-        let first = positions.len() as u32;
-        positions.extend(corners);
-        triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
-    };
-    let width = 2 * count + 1;
-    let is_solid = |x: i64, z: i64| {
-        let inside = (0..i64::from(width)).contains(&x) && (0..3).contains(&z);
-        // One row of squares is whole, of the others every second square.
-        inside && (z == 0 || x % 2 == 0)
-    };
-    for (x, z) in (0..width).flat_map(|x| (0..3).map(move |z| (x, z))) {
-        let (column, row) = (i64::from(x), i64::from(z));
-        if !is_solid(column, row) {
-            continue;
-        }
-        quad([at(x, 0, z), at(x, 0, z + 1), at(x + 1, 0, z + 1), at(x + 1, 0, z)]);
-        quad([at(x, 1, z), at(x + 1, 1, z), at(x + 1, 1, z + 1), at(x, 1, z + 1)]);
-        if !is_solid(column, row - 1) {
-            quad([at(x, 0, z), at(x + 1, 0, z), at(x + 1, 1, z), at(x, 1, z)]);
-        }
-        if !is_solid(column, row + 1) {
-            quad([at(x + 1, 0, z + 1), at(x, 0, z + 1), at(x, 1, z + 1), at(x + 1, 1, z + 1)]);
-        }
-        if !is_solid(column - 1, row) {
-            quad([at(x, 0, z + 1), at(x, 0, z), at(x, 1, z), at(x, 1, z + 1)]);
-        }
-        if !is_solid(column + 1, row) {
-            quad([at(x + 1, 0, z), at(x + 1, 0, z + 1), at(x + 1, 1, z + 1), at(x + 1, 1, z)]);
-        }
-    }
-    (positions, triangles)
 }
