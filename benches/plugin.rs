@@ -42,8 +42,8 @@ struct Watch {
     start: Instant,
     taken: Duration,
     /// The same by the processor's clock, which stands still while another program runs; where
-    /// Linux says so and somebody asks.
-    asks_processor: bool,
+    /// Linux has it and it is switched on.
+    by_processor: bool,
     processor_start: Duration,
     processor_taken: Duration,
 }
@@ -57,7 +57,7 @@ fn processor_time() -> Duration {
 
 impl Watch {
     fn begin(mut watch: ResMut<Self>) {
-        if watch.asks_processor {
+        if watch.by_processor {
             watch.processor_start = processor_time();
         }
         watch.start = Instant::now();
@@ -65,7 +65,7 @@ impl Watch {
 
     fn end(mut watch: ResMut<Self>) {
         watch.taken = watch.start.elapsed();
-        if watch.asks_processor {
+        if watch.by_processor {
             watch.processor_taken = processor_time() - watch.processor_start;
         }
     }
@@ -100,7 +100,7 @@ fn app_with(add: impl FnOnce(&mut App)) -> App {
     app.insert_resource(Watch {
         start: Instant::now(),
         taken: Duration::ZERO,
-        asks_processor: false,
+        by_processor: false,
         processor_start: Duration::ZERO,
         processor_taken: Duration::ZERO,
     });
@@ -229,7 +229,7 @@ fn many_meshes() {
         let handle = add(&mut app, mesh);
         spawn_body(&mut app, &handle, number);
     }
-    app.world_mut().resource_mut::<Watch>().asks_processor = true;
+    app.world_mut().resource_mut::<Watch>().by_processor = true;
     let mut processor_times = Vec::new();
     let start = Instant::now();
     let mut times = Vec::new();

@@ -3,7 +3,7 @@
 //! First a mesh of a million triangles, made by subdivision of a bundled one, with the peak of
 //! the process's memory. Then every mesh of the folder that `HULLWRIGHT_MESHES`
 //! names, or of `assets`: the median over all meshes, the slowest, and which share each stage
-//! takes. Reading files is not counted. Memory and time on the processor are told on Linux only.
+//! takes. Reading files is not counted. Memory and time on the processor are printed on Linux only.
 
 use std::collections::HashMap;
 use std::error::Error;

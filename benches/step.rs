@@ -7,7 +7,7 @@
 //! do, and the kinds take turns. The error of a set of hulls is the larger of its protrusion and its
 //! uncovered distance, as `measure` samples them; V-HACD runs at
 //! the resolutions named, with its own defaults else. Ours runs at its default error, and with
-//! each model's error under V-HACD to spend, as a user would who is content with that. The errors of "ours,
+//! each model's error under V-HACD to spend, as a user does for whom that is enough. The errors of "ours,
 //! primitives" are those of the hulls; the primitives stay within the bound too. A second heap is of models that
 //! are made of boxes.
 
@@ -43,7 +43,7 @@ const STEPS: usize = 300;
 /// The first is its default.
 const VHACD_RESOLUTIONS: [u32; 2] = [64, 128];
 
-/// Heaps; medians over them are told.
+/// Heaps; medians over them are printed.
 const ROUNDS: usize = 9;
 
 struct Model {

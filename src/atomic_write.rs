@@ -15,7 +15,7 @@ pub(crate) fn directory(path: &Path) -> &Path {
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".hullwright-");
-    // Temporary files are private by default; this one becomes the file that was asked for.
+    // Temporary files are private by default; this one becomes the requested file.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let mut file = builder.tempfile_in(directory(path))?;

@@ -32,9 +32,9 @@ use crate::method::Method;
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq)]
 pub struct BakeOptions {
-    /// For meshes of which the artist says nothing else.
+    /// For meshes without an artist's own parameters.
     pub parameters: Method,
-    /// Whether only those are baked that an artist's name or extra asks for. Default false.
+    /// Whether only meshes are baked that an artist's name or extra tags. Default false.
     pub tagged_only: bool,
     /// Whether names and extras are followed, see [`conventions`](crate::conventions). Default true.
     pub follows_artists: bool,
@@ -47,7 +47,7 @@ impl Default for BakeOptions {
 }
 
 impl BakeOptions {
-    /// All meshes, with these parameters, or this method, where the artist says nothing else.
+    /// All meshes, with these parameters, or this method, where the artist gives none.
     pub fn new(parameters: impl Into<Method>) -> Self {
         Self { parameters: parameters.into(), ..Self::default() }
     }
@@ -172,8 +172,7 @@ fn meshes_with_pieces(meshes: &[SceneMesh]) -> HashSet<String> {
     wholes.collect()
 }
 
-/// Engines hold single precision and don't know which sides are drawn; their meshes shall have the same
-/// hulls.
+/// Engines hold single precision, and not which sides are drawn; their meshes have the same hulls.
 fn in_single_precision(mesh: &mut TriangleMesh) {
     for x in mesh.positions.as_flattened_mut() {
         *x = f64::from(*x as f32);

@@ -5,10 +5,15 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use crate::clock::Instant;
 use crate::error::Error;
 
-/// What the decomposition is busy with.
+// The clock, also in a browser, where that of the standard library panics.
+#[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
+pub(crate) use std::time::Instant;
+#[cfg(all(target_family = "wasm", target_os = "unknown"))]
+pub(crate) use web_time::Instant;
+
+/// A stage of a decomposition.
 #[non_exhaustive]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -16,7 +21,7 @@ use crate::error::Error;
 pub enum Stage {
     /// Welding, repair, components.
     Repair,
-    /// Openings are closed, and what lies within the solid is left out.
+    /// Flat openings are closed, and what lies within the solid is left out.
     Openings,
     /// The solid of the default method, and the mesh that it divides.
     Solid,
@@ -42,10 +47,6 @@ pub enum Stage {
 
 impl Stage {
     /// The stage's name in plain words.
-    ///
-    /// ```
-    /// assert_eq!(hullwright::Stage::Repair.name(), "repair");
-    /// ```
     pub fn name(self) -> &'static str {
         match self {
             Self::Repair => "repair",
@@ -80,18 +81,12 @@ pub struct Progress {
     pub fraction: f32,
 }
 
-impl Progress {
-    pub(crate) fn new(stage: Stage, fraction: f32) -> Self {
-        Self { stage, fraction }
-    }
-}
-
 type Listener = Arc<dyn Fn(Progress) + Send + Sync>;
 
-/// How work is executed: who hears of its progress, what stops it, and whether it runs in parallel.
+/// How work is executed: where progress is reported, what stops it, and whether it runs in parallel.
 /// Clone it, keep one copy to cancel with, give the other to [`decompose`](crate::decompose).
 ///
-/// `Control::default()` reports to nobody, never stops, and runs in parallel.
+/// `Control::default()` reports nothing, never stops, and runs in parallel.
 ///
 /// ```
 /// use std::time::{Duration, Instant};
@@ -114,25 +109,13 @@ pub struct Control {
 }
 
 impl Control {
-    /// Reports to nobody and never stops until [`cancel`](Self::cancel) is called.
-    ///
-    /// ```
-    /// let control = hullwright::Control::new();
-    /// assert!(control.is_parallel() && !control.is_cancelled() && !control.is_past_deadline());
-    /// ```
+    /// Reports nothing, never stops until [`cancel`](Self::cancel) is called, and runs in parallel.
     pub fn new() -> Self {
         Self::default()
     }
 
     /// Calls `listener` whenever the work has come further. It may be called from any thread of
     /// the pool, and should return at once.
-    ///
-    /// ```
-    /// let control = hullwright::Control::new().with_progress(|progress| {
-    ///     assert!((0.0..=1.0).contains(&progress.fraction));
-    /// });
-    /// # drop(control);
-    /// ```
     #[must_use]
     pub fn with_progress(mut self, listener: impl Fn(Progress) + Send + Sync + 'static) -> Self {
         self.listener = Some(Arc::new(listener));
@@ -140,7 +123,7 @@ impl Control {
     }
 
     /// At `deadline` the best valid result so far is returned. It is soft: optional work is left out, and what
-    /// the result needs is finished, with its bound and caps. Where little time is left, the surface is divided
+    /// the result needs is finished, with its bound and limits. Where little time is left, the surface is divided
     /// as coarsely as by [`Preset::Fast`](crate::Preset::Fast), and the search ends so that there is time to
     /// verify what it has found. That takes about half of the time without a deadline: a result within less is
     /// late. For a hard stop see [`with_time_limit`](Self::with_time_limit).
@@ -151,13 +134,6 @@ impl Control {
     ///
     /// In a browser, where [`std::time::Instant`] panics, it is an `Instant` of the crate
     /// `web-time` 1, which is also that of `bevy::platform::time`.
-    ///
-    /// ```
-    /// use std::time::{Duration, Instant};
-    ///
-    /// let control = hullwright::Control::new().with_deadline(Instant::now() + Duration::from_secs(60));
-    /// assert!(!control.is_past_deadline());
-    /// ```
     #[must_use]
     pub fn with_deadline(mut self, deadline: Instant) -> Self {
         self.deadline = Some(deadline);
@@ -170,7 +146,7 @@ impl Control {
     /// ```
     /// use std::time::{Duration, Instant};
     ///
-    /// // What a stranger has sent may take a second, or two if that yields a result.
+    /// // An upload may take a second, or two if that yields a result.
     /// let now = Instant::now();
     /// let control = hullwright::Control::new()
     ///     .with_deadline(now + Duration::from_secs(1))
@@ -185,18 +161,7 @@ impl Control {
     }
 
     /// Meshes with more triangles are refused before any of them is looked at, with
-    /// [`Error::TooLarge`]. It is the limit of memory: `docs/reliability.md` has the bytes per
-    /// triangle.
-    ///
-    /// ```
-    /// use hullwright::{Control, Error, MeshView, Parameters, decompose};
-    ///
-    /// let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    /// let mesh = MeshView::new(&positions, &[[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]);
-    /// let control = Control::new().with_max_triangles(3);
-    /// let result = decompose(mesh, &Parameters::default(), &control);
-    /// assert_eq!(result, Err(Error::TooLarge { what: "triangles", count: 4, limit: 3 }));
-    /// ```
+    /// [`Error::TooLarge`]. It limits memory: `docs/reliability.md` has the bytes per triangle.
     #[must_use]
     pub fn with_max_triangles(mut self, limit: usize) -> Self {
         self.max_triangles = Some(limit);
@@ -205,11 +170,6 @@ impl Control {
 
     /// Whether independent parts of the work run on rayon's current pool (feature `parallel`), as
     /// they do by default. The result does not depend on it.
-    ///
-    /// ```
-    /// let control = hullwright::Control::new().with_parallel(false);
-    /// assert!(!control.is_parallel());
-    /// ```
     #[must_use]
     pub fn with_parallel(mut self, is_parallel: bool) -> Self {
         self.is_serial = !is_parallel;
@@ -217,42 +177,21 @@ impl Control {
     }
 
     /// Whether independent parts of the work run on rayon's current pool.
-    ///
-    /// ```
-    /// assert!(hullwright::Control::new().is_parallel());
-    /// ```
     pub fn is_parallel(&self) -> bool {
         !self.is_serial
     }
 
-    /// Asks the work to stop. It returns [`Error::Cancelled`] soon after. Works on every clone.
-    ///
-    /// ```
-    /// let control = hullwright::Control::new();
-    /// control.clone().cancel();
-    /// assert!(control.is_cancelled());
-    /// ```
+    /// Stops the work, also that of every clone: it returns [`Error::Cancelled`] soon after.
     pub fn cancel(&self) {
         self.cancelled.store(true, Ordering::Relaxed);
     }
 
     /// Whether [`cancel`](Self::cancel) was called on this control or a clone of it.
-    ///
-    /// ```
-    /// assert!(!hullwright::Control::new().is_cancelled());
-    /// ```
     pub fn is_cancelled(&self) -> bool {
         self.cancelled.load(Ordering::Relaxed)
     }
 
     /// Whether the deadline has passed.
-    ///
-    /// ```
-    /// use std::time::Instant;
-    ///
-    /// let control = hullwright::Control::new().with_deadline(Instant::now());
-    /// assert!(control.is_past_deadline());
-    /// ```
     pub fn is_past_deadline(&self) -> bool {
         self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
     }
@@ -274,7 +213,7 @@ impl Control {
         self.deadline.map(|deadline| deadline.saturating_duration_since(Instant::now()))
     }
 
-    /// An error once somebody has cancelled, or time is up.
+    /// An error once the work is cancelled, or past the time limit.
     pub(crate) fn check(&self) -> Result<(), Error> {
         if self.is_cancelled() {
             Err(Error::Cancelled)
@@ -297,7 +236,7 @@ impl Control {
 
     pub(crate) fn report(&self, stage: Stage, fraction: f32) {
         if let Some(listener) = &self.listener {
-            listener(Progress::new(stage, fraction));
+            listener(Progress { stage, fraction });
         }
     }
 }
@@ -342,12 +281,8 @@ mod tests {
         assert_eq!(past(Control::new().with_deadline(later)), Ok(()));
         let limited = Control::new().with_deadline(later).with_time_limit(now);
         assert_eq!(past(limited), Err(Error::DeadlineExceeded));
-        assert!(
-            Control::new()
-                .with_deadline(later)
-                .time_left()
-                .is_some_and(|left| left > Duration::ZERO)
-        );
+        let left = Control::new().with_deadline(later).time_left();
+        assert!(left.is_some_and(|left| left > Duration::ZERO));
         assert_eq!(Control::new().time_left(), None);
     }
 }

@@ -44,8 +44,8 @@ pub struct HullErrors {
     /// farther than this from the hull before.
     pub simplification_growth: f64,
     /// Protrusion: no point of the hull's surface is farther than this outside the solid. It is
-    /// verified against the source. An upper bound: of closed meshes never below 0.29 of the bound that
-    /// was asked for and too large by at most 4 % of it, of open and of very dense ones never below 0.79;
+    /// verified against the source. An upper bound: of closed meshes never below 0.29 of the requested
+    /// bound and too large by at most 4 % of it, of open and of very dense ones never below 0.79;
     /// where a closer look would take long it may be as large as the bound. `None` for methods that verify nothing.
     pub protrusion_max: Option<f64>,
 }
@@ -105,14 +105,6 @@ pub struct Decomposition<R = Report> {
     pub report: R,
 }
 
-impl<R> Decomposition<R> {
-    /// The same with a report of another type.
-    pub(crate) fn map_report<S>(self, report: impl FnOnce(R) -> S) -> Decomposition<S> {
-        let Self { hulls, grouped, run, report: own } = self;
-        Decomposition { hulls, grouped, run, report: report(own) }
-    }
-}
-
 /// Wall-clock time of a stage.
 #[non_exhaustive]
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -156,13 +148,13 @@ pub struct RunReport {
     pub times: Vec<StageTime>,
 }
 
-/// What [`decompose`](crate::decompose()) promised, and what it verified against the source. Lengths are in the
+/// What [`decompose`](crate::decompose()) promises, and what it verified against the source. Lengths are in the
 /// input's units.
 #[non_exhaustive]
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Report {
-    /// The bound that was asked for, in units, kept between 0.001 % and 50 % of the diagonal.
+    /// The requested bound, in units, kept between 0.001 % and 50 % of the diagonal.
     pub bound: f64,
     /// Protrusion: no point of a hull's surface is farther than this outside the solid. An upper
     /// bound: see [`HullErrors::protrusion_max`]. Above `bound` only where a limit on hulls

@@ -75,7 +75,7 @@ pub enum Error {
     /// coordinate that is not finite.
     #[error("hull {hull} can't be used: {reason}")]
     UnusableHull {
-        /// Its number.
+        /// Its index.
         hull: usize,
         /// What is wrong.
         reason: &'static str,
@@ -137,6 +137,11 @@ impl From<String> for FileError {
 }
 
 impl Error {
+    /// A parameter with a value that means nothing.
+    pub(crate) fn parameter(name: &'static str, reason: impl Into<String>) -> Self {
+        Self::InvalidParameter { name, reason: reason.into() }
+    }
+
     /// A file that could not be read or written.
     #[cfg(feature = "io")]
     pub(crate) fn file(path: &std::path::Path, source: impl Into<FileError>) -> Self {

@@ -109,7 +109,6 @@ pub mod bake;
 pub mod bevy;
 mod bounded;
 mod bvh;
-mod clock;
 mod clustering;
 mod control;
 #[cfg(feature = "bake")]
@@ -121,7 +120,6 @@ mod error;
 mod geometry;
 pub mod hull;
 pub mod hulls_format;
-mod input;
 mod inspect;
 #[doc(hidden)]
 pub mod internals;
@@ -137,7 +135,6 @@ mod parallel;
 mod parameters;
 #[cfg(feature = "rapier")]
 pub mod rapier;
-mod single_hull;
 mod solid;
 mod stages;
 pub mod surface;
@@ -159,7 +156,6 @@ pub use mass::PrincipalInertia;
 pub use mass::{MassProperties, MassSource, mass_properties, mass_properties_with};
 pub use merge_tree::{CurvePoint, Join, MergeTree};
 pub use mesh::Repairs;
-pub use method::{Method, MethodReport};
+pub use method::{Method, MethodReport, single_hull};
 pub use openings::{ClosedMesh, Opening, OpeningOutcome, close_openings};
 pub use parameters::{Length, Openings, Parameters, ParseError, Preset, UpAxis};
-pub use single_hull::single_hull;

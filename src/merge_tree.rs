@@ -63,8 +63,8 @@ pub struct CurvePoint {
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Join {
-    /// The two that give way. The hulls that the tree was made of have the first numbers, then
-    /// come the joint ones, in the order of the joins.
+    /// Indices of the two that give way. The hulls that the tree was made of come first, then the
+    /// joint ones, in the order of the joins.
     pub joined: [usize; 2],
     /// The joint hull, with its verified protrusion.
     pub hull: Hull,
@@ -89,8 +89,8 @@ impl MergeTree {
         Self::build(mesh.into(), &decomposition.hulls, known, parameters, control)
     }
 
-    /// Joins hulls of any tool, each taken as the convex hull that it is. Those whose errors are not
-    /// known are verified first. Of `parameters` the bound says how finely the solid is sampled, and
+    /// Joins hulls of any tool, each taken as the convex hull that it is. Those without
+    /// verified errors are verified first. Of `parameters` the bound says how finely the solid is sampled, and
     /// the limit on vertices holds for joint hulls.
     ///
     /// # Errors
@@ -148,18 +148,14 @@ impl MergeTree {
     /// The hulls of the state with at most `most` hulls: `most`, or all there are, or one if
     /// `most` is 0.
     pub fn at_hulls(&self, most: usize) -> Vec<Hull> {
-        let joins = self.leaves.len().saturating_sub(most.max(1));
-        self.hulls(joins)
+        self.hulls(self.leaves.len().saturating_sub(most.max(1)))
     }
 
     /// The fewest hulls whose error, in units, is at most `error`; the decomposition's own hulls
     /// if theirs is larger already.
     pub fn at_error(&self, error: f64) -> Vec<Hull> {
-        let joins = (0..=self.tree.joins())
-            .rev()
-            .find(|&joins| self.point(joins).error <= error)
-            .unwrap_or(0);
-        self.hulls(joins)
+        let keeps = |joins: &usize| self.point(*joins).error <= error;
+        self.hulls((0..=self.tree.joins()).rev().find(keeps).unwrap_or(0))
     }
 
     fn point(&self, joins: usize) -> CurvePoint {
@@ -173,6 +169,7 @@ impl MergeTree {
             uncovered_max: self.uncovered,
         }
     }
+
     fn hulls(&self, joins: usize) -> Vec<Hull> {
         self.tree.state(joins).into_iter().filter_map(|index| self.hull(index)).collect()
     }
@@ -188,14 +185,11 @@ impl MergeTree {
         }
         let largest =
             |value: fn(&Hull) -> f64| members.iter().map(|&hull| value(hull)).fold(0.0, f64::max);
-        let source_triangles = members
-            .iter()
-            .flat_map(|hull| hull.provenance.source_triangles.iter().copied())
-            .collect();
+        let source = members.iter().flat_map(|hull| &hull.provenance.source_triangles);
         let joint = NormalizedHull {
             hull: &node.hull,
             component: first.provenance.component,
-            source_triangles,
+            source_triangles: source.copied().collect(),
             added_thickness: 0.0,
             simplification_growth: node.growth,
             protrusion: node.protrusion,

@@ -1,18 +1,24 @@
 //! A method and its parameters as one value, for programs that let users choose: the command, the plugin's
-//! tag, baked files and caches.
+//! tag, baked files and caches. And the simplest method, one hull.
 
 use std::fmt;
 use std::str::FromStr;
 
-use crate::control::Control;
+use crate::control::{Control, Stage};
 use crate::decompose;
-use crate::decomposer::Decomposer;
+use crate::decomposer::{Decomposer, Input, admit, run_to_end};
 use crate::decomposition::{Decomposition, Report};
 use crate::error::Error;
 use crate::geometry::MeshView;
-use crate::input::admit;
-use crate::parameters::{Field, Openings, Parameters, ParseError, differing, items};
-use crate::single_hull;
+use crate::mesh::PreparedMesh;
+use crate::mesh::canonical_order::MeshOrder;
+use crate::mesh::grouping::Grouping;
+use crate::mesh::repair::prepare as repair;
+use crate::parameters::{
+    Field, Openings, Parameters, ParseError, check_max_vertices, differing, items,
+};
+use crate::stages::{HULL as HULL_STAGES, PREPARED, Stages};
+use crate::surface::pieces::Pieces;
 use crate::surface::{self, SurfaceParameters, SurfaceReport};
 
 /// A method with its parameters.
@@ -38,7 +44,7 @@ pub enum Method {
     Bounded(Parameters),
     /// The paper's method: [`surface::decompose`](crate::surface::decompose()).
     Surface(SurfaceParameters),
-    /// The one hull of all points, whatever the bound: [`single_hull`](crate::single_hull()). `max_vertices`
+    /// The one hull of all points, whatever the bound: [`single_hull()`]. `max_vertices`
     /// holds for it. The other parameters describe the solid that its mass is computed from.
     Hull(Parameters),
 }
@@ -110,19 +116,10 @@ impl Method {
         mesh: impl Into<MeshView<'a>>,
         control: &Control,
     ) -> Result<Decomposition<MethodReport>, Error> {
-        match self {
-            Self::Bounded(parameters) => {
-                decompose::decompose(mesh, parameters, control).map(with_method_report)
-            }
-            Self::Surface(parameters) => {
-                surface::decompose(mesh, parameters, control).map(with_method_report)
-            }
-            Self::Hull(parameters) => {
-                parameters.validate()?;
-                single_hull::single_hull(mesh, parameters.max_vertices, control)
-                    .map(with_method_report)
-            }
-        }
+        let mesh = mesh.into();
+        self.validate()?;
+        admit(mesh, control)?;
+        run_to_end(self.pipeline(mesh, control))
     }
 
     /// The same in time slices.
@@ -138,29 +135,33 @@ impl Method {
         self.validate()?;
         admit(mesh, control)?;
         let (method, mesh, control) = (self.clone(), mesh.to_owned(), control.clone());
-        Ok(Decomposer::of(async move {
-            let (mesh, control) = (mesh.view(), &control);
-            match &method {
-                Self::Bounded(parameters) => {
-                    decompose::pipeline(mesh, parameters, control).await.map(with_method_report)
-                }
-                Self::Surface(parameters) => {
-                    let work = surface::decompose::pipeline(mesh, parameters, control);
-                    work.await.map(with_method_report)
-                }
-                Self::Hull(Parameters { max_vertices, .. }) => {
-                    let work = single_hull::pipeline(mesh, *max_vertices, control);
-                    work.await.map(with_method_report)
-                }
+        Ok(Decomposer::of(async move { method.pipeline(mesh.view(), &control).await }))
+    }
+
+    async fn pipeline(
+        &self,
+        mesh: MeshView<'_>,
+        control: &Control,
+    ) -> Result<Decomposition<MethodReport>, Error> {
+        Ok(match self {
+            Self::Bounded(parameters) => {
+                decompose::pipeline(mesh, parameters, control).await?.into_method_report()
             }
-        }))
+            Self::Surface(parameters) => {
+                surface::decompose::pipeline(mesh, parameters, control).await?.into_method_report()
+            }
+            Self::Hull(parameters) => {
+                hull_of_all(mesh, parameters.max_vertices, control).await?.into_method_report()
+            }
+        })
     }
 }
 
-fn with_method_report<R: Into<MethodReport>>(
-    decomposition: Decomposition<R>,
-) -> Decomposition<MethodReport> {
-    decomposition.map_report(Into::into)
+impl<R: Into<MethodReport>> Decomposition<R> {
+    fn into_method_report(self) -> Decomposition<MethodReport> {
+        let Self { hulls, grouped, run, report } = self;
+        Decomposition { hulls, grouped, run, report: report.into() }
+    }
 }
 
 impl MethodReport {
@@ -196,29 +197,23 @@ impl Default for Method {
     }
 }
 
-impl From<Parameters> for Method {
-    fn from(parameters: Parameters) -> Self {
-        Self::Bounded(parameters)
-    }
+/// The variant that holds a value of a type.
+macro_rules! from {
+    ($($type:ty => $whole:ident::$variant:ident),+) => {
+        $(impl From<$type> for $whole {
+            fn from(part: $type) -> Self {
+                Self::$variant(part)
+            }
+        })+
+    };
 }
 
-impl From<SurfaceParameters> for Method {
-    fn from(parameters: SurfaceParameters) -> Self {
-        Self::Surface(parameters)
-    }
-}
-
-impl From<Report> for MethodReport {
-    fn from(report: Report) -> Self {
-        Self::Bounded(report)
-    }
-}
-
-impl From<SurfaceReport> for MethodReport {
-    fn from(report: SurfaceReport) -> Self {
-        Self::Surface(report)
-    }
-}
+from!(
+    Parameters => Method::Bounded,
+    SurfaceParameters => Method::Surface,
+    Report => MethodReport::Bounded,
+    SurfaceReport => MethodReport::Surface
+);
 
 impl From<()> for MethodReport {
     fn from((): ()) -> Self {
@@ -274,6 +269,51 @@ impl FromStr for Method {
             _ => Err(ParseError::new(name, "bounded, surface or hull")),
         }
     }
+}
+
+/// The one hull of all points that triangles use, with at most `max_vertices` vertices, whatever the error: nothing
+/// is verified. O(n log n).
+///
+/// # Errors
+/// As [`decompose`](crate::decompose()).
+///
+/// ```
+/// # let mesh = hullwright::TriangleMesh::new(
+/// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+/// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+/// # );
+/// let result = hullwright::single_hull(&mesh, Some(64), &hullwright::Control::new())?;
+/// assert_eq!(result.hulls.len(), 1);
+/// # Ok::<(), hullwright::Error>(())
+/// ```
+pub fn single_hull<'a>(
+    mesh: impl Into<MeshView<'a>>,
+    max_vertices: Option<usize>,
+    control: &Control,
+) -> Result<Decomposition<()>, Error> {
+    let mesh = mesh.into();
+    check_max_vertices(max_vertices)?;
+    admit(mesh, control)?;
+    run_to_end(hull_of_all(mesh, max_vertices, control))
+}
+
+/// With a yield between stages.
+async fn hull_of_all(
+    mesh: MeshView<'_>,
+    max_vertices: Option<usize>,
+    control: &Control,
+) -> Result<Decomposition<()>, Error> {
+    let mut stages = Stages::new(control);
+    // Neither a cap nor what lies inside changes the hull of all points.
+    let repaired = stages.run(Stage::Repair, || repair(mesh, MeshOrder::Place, control)).await?;
+    let input = Input::as_it_is(mesh, repaired);
+    stages.begin(HULL_STAGES, PREPARED..1.0);
+    let PreparedMesh { mesh, components, normalization, .. } = &input.prepared;
+    let grouping = Grouping { labels: vec![0; mesh.triangles.len()], count: 1 };
+    let whole = Pieces { mesh, components, grouping: &grouping };
+    let hulls = whole.finish(&input.prepared, max_vertices, &mut stages).await?;
+    let grouped = whole.grouped_mesh(normalization);
+    Ok(Decomposition { hulls, grouped, run: input.report(stages, false), report: () })
 }
 
 #[cfg(test)]

@@ -19,8 +19,8 @@ pub(crate) fn map<T: Sync, R: Send>(
     map_indices(items.len(), |index| function(&items[index]))
 }
 
-/// Tasks that many items are divided into, at least: left to itself, rayon leaves a few items together, and
-/// a thread that has the larger ones keeps the others waiting.
+/// Tasks that many items are divided into, at least: by itself rayon leaves a few items together, and the thread
+/// with the larger ones ends last.
 #[cfg(feature = "parallel")]
 const TASKS: usize = 64;
 
@@ -38,8 +38,8 @@ pub(crate) fn map_indices<R: Send>(
     (0..count).map(function).collect()
 }
 
-/// Applies `function` to every item, those of the greatest `size` first: of few and unequal items one large
-/// one that comes last would keep all other threads waiting.
+/// Applies `function` to every item, those of the greatest `size` first: of few and unequal items a large one that
+/// came last would leave all other threads idle.
 pub(crate) fn map_largest_first<T: Sync, R: Send>(
     items: &[T],
     size: impl Fn(&T) -> usize,
@@ -85,9 +85,8 @@ pub(crate) fn map_until<T: Sync, R: Send>(
     results.into_iter().map(|(_, result)| result).collect()
 }
 
-/// Goes through items in order: `function` is applied to those that the state of the moment needs, and `add` takes
-/// the results into it. What is not needed must not become so. Other threads run ahead of an item as long as it takes,
-/// and may do so in vain.
+/// A fold over items in order: `function` is applied to those for which `needs` holds in the state so far, and `add`
+/// adds its result to the state. What is not needed must not become so. Other threads run ahead, and may do so in vain.
 ///
 /// # Errors
 /// The first error of `function`.
@@ -99,7 +98,7 @@ pub(crate) fn fold_ahead<T: Sync, S: Send, R: Send, E: Send>(
     add: impl Fn(&mut S, R) + Sync + Send,
 ) -> Result<S, E> {
     let next = AtomicUsize::new(0);
-    let fold = Mutex::new(Fold { state: Ok(state), done: 0, waiting: BTreeMap::new() });
+    let fold = Mutex::new(Fold { state: Ok(state), done: 0, ahead: BTreeMap::new() });
     map_indices(threads().min(items.len()), |_| {
         loop {
             let index = next.fetch_add(1, Ordering::Relaxed);
@@ -110,7 +109,7 @@ pub(crate) fn fold_ahead<T: Sync, S: Send, R: Send, E: Send>(
             };
             let result = is_needed.then(|| function(item));
             let mut fold = lock(&fold);
-            fold.waiting.insert(index, result);
+            fold.ahead.insert(index, result);
             fold.add_ready(items, &needs, &add);
         }
     });
@@ -121,18 +120,18 @@ pub(crate) fn fold_ahead<T: Sync, S: Send, R: Send, E: Send>(
 struct Fold<S, R, E> {
     state: Result<S, E>,
     done: usize,
-    waiting: BTreeMap<usize, Option<Result<R, E>>>,
+    ahead: BTreeMap<usize, Option<Result<R, E>>>,
 }
 
 impl<S, R, E> Fold<S, R, E> {
-    /// Adds what no longer waits for an item before it.
+    /// Adds the results of items all of whose predecessors are done.
     fn add_ready<T>(
         &mut self,
         items: &[T],
         needs: impl Fn(&S, &T) -> bool,
         add: impl Fn(&mut S, R),
     ) {
-        while let Some(result) = self.waiting.remove(&self.done) {
+        while let Some(result) = self.ahead.remove(&self.done) {
             if let (Ok(state), Some(result)) = (&mut self.state, result)
                 && needs(state, &items[self.done])
             {
@@ -164,7 +163,7 @@ pub(crate) fn join<A: Send, B: Send>(
 }
 
 /// Time between two checks for a stop while work runs that can't be stopped.
-const ASK_EVERY: Duration = Duration::from_millis(1);
+const CHECK_EVERY: Duration = Duration::from_millis(1);
 
 /// Runs work that can't be stopped on a thread of its own, which is left to itself once `control` stops. In a browser,
 /// which has no such threads, it is done whole.
@@ -186,7 +185,7 @@ pub(crate) fn leave_if_stopped<R: Send + 'static>(
         return Ok(Some(work()));
     }
     loop {
-        match receiver.recv_timeout(ASK_EVERY) {
+        match receiver.recv_timeout(CHECK_EVERY) {
             Ok(result) => return Ok(Some(result)),
             Err(RecvTimeoutError::Timeout) => control.check()?,
             Err(RecvTimeoutError::Disconnected) => return Ok(None),

@@ -8,8 +8,7 @@ use std::ops::Range;
 use std::task::Poll;
 use std::time::Duration;
 
-use crate::clock::Instant;
-use crate::control::{Control, Stage};
+use crate::control::{Control, Instant, Stage};
 use crate::decomposition::StageTime;
 use crate::error::Error;
 use crate::parallel;

@@ -5,11 +5,13 @@
 //! digests anew.
 #![cfg(feature = "io")]
 
-use std::fmt::Write;
-use std::path::Path;
+// The unused rest is for other tests.
+#[allow(dead_code)]
+mod common;
 
-use hullwright::io::read_mesh;
-use hullwright::{Control, Decomposition, Parameters, TriangleMesh, decompose};
+use std::fmt::Write;
+
+use hullwright::{Control, Decomposition, Parameters, decompose};
 
 const DIGESTS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/digests.txt");
 
@@ -39,25 +41,10 @@ fn digest(decomposition: &Decomposition) -> String {
     format!("{:016x}", digest.0)
 }
 
-fn models() -> Vec<(String, TriangleMesh)> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
-    let mut models: Vec<_> = std::fs::read_dir(folder)
-        .unwrap()
-        .map(|entry| entry.unwrap().path())
-        .filter(|path| path.extension().is_some_and(|extension| extension == "glb"))
-        .map(|path| {
-            let name = path.file_stem().unwrap().to_string_lossy().into_owned();
-            (name, read_mesh(path).unwrap().mesh)
-        })
-        .collect();
-    models.sort_by(|a, b| a.0.cmp(&b.0));
-    models
-}
-
 /// One line per model: its name and its digest.
 fn digests(control: &Control) -> String {
     let mut lines = String::new();
-    for (name, mesh) in models() {
+    for (name, mesh) in common::bundled_models() {
         let result = decompose(&mesh, &Parameters::default(), control).unwrap();
         writeln!(lines, "{name} {}", digest(&result)).unwrap();
     }

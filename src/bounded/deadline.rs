@@ -96,7 +96,7 @@ impl Deadline {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::clock::Instant;
+    use crate::control::Instant;
     use crate::parameters::Parameters;
 
     fn minute() -> Duration {

@@ -10,7 +10,7 @@ use crate::method::MethodReport;
 /// Version of the format that is written, and the newest that is read.
 pub const FORMAT_VERSION: u32 = 1;
 
-pub(super) const MAGIC: [u8; 8] = *b"\x89HULLS\r\n";
+const MAGIC: [u8; 8] = *b"\x89HULLS\r\n";
 
 pub(super) const SCENE_MAGIC: [u8; 8] = *b"\x89HULSC\r\n";
 
@@ -19,7 +19,7 @@ pub(super) const HEADER: usize = 24;
 
 pub(super) const CHECKSUM: usize = 4;
 
-/// Hulls, and what a game needs to know of how they came about.
+/// Hulls, and what a game needs of how they came about.
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq)]
 pub struct HullsFile {
@@ -136,16 +136,7 @@ impl HullsFile {
                 uncovered_max: bounded.uncovered_max,
             }),
             mass_properties: None,
-            hulls: hulls
-                .iter()
-                .map(|hull| Hull {
-                    provenance: Provenance {
-                        component: hull.provenance.component,
-                        source_triangles: Vec::new(),
-                    },
-                    ..hull.clone()
-                })
-                .collect(),
+            hulls: hulls.iter().map(without_sources).collect(),
         }
     }
 
@@ -195,9 +186,6 @@ impl HullsFile {
     /// # Errors
     /// [`HullsFileError`] says what is wrong with them.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, HullsFileError> {
-        if bytes.starts_with(&SCENE_MAGIC) {
-            return Err(HullsFileError::IsScene);
-        }
         let (algorithm_version, mut reader) = open(bytes, MAGIC)?;
         let file = reader.file(algorithm_version)?;
         reader.end()?;
@@ -227,9 +215,7 @@ impl HullsFile {
     /// ```
     #[cfg(feature = "fs")]
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), HullsFileError> {
-        let path = path.as_ref();
-        let bytes = self.to_bytes().map_err(|error| error.at(path))?;
-        crate::atomic_write::write(path, &bytes).map_err(|error| file_error(path, &error))
+        write_bytes(path.as_ref(), self.to_bytes())
     }
 
     /// Reads a file.
@@ -238,23 +224,40 @@ impl HullsFile {
     /// [`HullsFileError::File`] if it can't be read, [`HullsFileError::At`] if it does not hold
     /// what it should.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, HullsFileError> {
-        let path = path.as_ref();
-        let bytes = std::fs::read(path).map_err(|error| file_error(path, &error))?;
-        Self::from_bytes(&bytes).map_err(|error| error.at(path))
+        read_bytes(path.as_ref(), Self::from_bytes)
     }
+}
+
+fn without_sources(hull: &Hull) -> Hull {
+    let Hull { shape, provenance: Provenance { component, .. }, errors } = hull;
+    let provenance = Provenance { component: *component, source_triangles: Vec::new() };
+    Hull { shape: shape.clone(), provenance, errors: *errors }
 }
 
 impl HullsFileError {
-    pub(super) fn at(self, path: &Path) -> Self {
+    fn at(self, path: &Path) -> Self {
         Self::At { path: path.display().to_string(), error: Box::new(self) }
+    }
+
+    fn system(path: &Path, error: &std::io::Error) -> Self {
+        Self::File { path: path.display().to_string(), reason: error.to_string() }
     }
 }
 
-pub(super) fn file_error(path: &Path, error: &std::io::Error) -> HullsFileError {
-    HullsFileError::File { path: path.display().to_string(), reason: error.to_string() }
+/// Writes the bytes of a file, all or nothing. Errors name it.
+#[cfg(feature = "fs")]
+pub(super) fn write_bytes(path: &Path, bytes: Read<Vec<u8>>) -> Read<()> {
+    let bytes = bytes.map_err(|error| error.at(path))?;
+    crate::atomic_write::write(path, &bytes).map_err(|error| HullsFileError::system(path, &error))
 }
 
-/// A header whose length is not known yet.
+/// Reads a file as `parse` reads its bytes. Errors name it.
+pub(super) fn read_bytes<T>(path: &Path, parse: impl FnOnce(&[u8]) -> Read<T>) -> Read<T> {
+    let bytes = std::fs::read(path).map_err(|error| HullsFileError::system(path, &error))?;
+    parse(&bytes).map_err(|error| error.at(path))
+}
+
+/// A header whose length is still to be set.
 pub(super) fn begin(magic: [u8; 8], algorithm_version: u32) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(HEADER + CHECKSUM);
     bytes.extend(magic);
@@ -341,7 +344,13 @@ type Read<T> = Result<T, HullsFileError>;
 /// Checks the header and the checksum. The algorithm's version, and a reader of the body.
 pub(super) fn open(bytes: &[u8], magic: [u8; 8]) -> Read<(u32, Reader<'_>)> {
     if !bytes.starts_with(&magic) {
-        return Err(HullsFileError::NotHulls);
+        let is_other = bytes.starts_with(&MAGIC) || bytes.starts_with(&SCENE_MAGIC);
+        return Err(match (magic == SCENE_MAGIC, is_other) {
+            (false, false) => HullsFileError::NotHulls,
+            (false, true) => HullsFileError::IsScene,
+            (true, false) => HullsFileError::NotScene,
+            (true, true) => HullsFileError::IsSingle,
+        });
     }
     let wrong_length =
         |expected| HullsFileError::WrongLength { expected, found: bytes.len() as u64 };
@@ -353,22 +362,22 @@ pub(super) fn open(bytes: &[u8], magic: [u8; 8]) -> Read<(u32, Reader<'_>)> {
     if version > FORMAT_VERSION {
         return Err(HullsFileError::NewerVersion { found: version });
     }
-    if version == 0 {
-        return Err(HullsFileError::Invalid("there is no version 0 of the format"));
-    }
+    valid(version > 0, "there is no version 0 of the format")?;
     let algorithm_version = header.u32()?;
     let expected = header.u64()?.saturating_add((HEADER + CHECKSUM) as u64);
     if expected != bytes.len() as u64 {
         return Err(wrong_length(expected));
     }
-    let (content, mut checksum) = {
-        let (content, checksum) = bytes.split_at(bytes.len() - CHECKSUM);
-        (content, Reader { rest: checksum })
-    };
-    if crc32fast::hash(content) != checksum.u32()? {
+    let (content, checksum) = bytes.split_at(bytes.len() - CHECKSUM);
+    if crc32fast::hash(content) != (Reader { rest: checksum }).u32()? {
         return Err(HullsFileError::Damaged);
     }
     Ok((algorithm_version, Reader { rest: &content[HEADER..] }))
+}
+
+/// An error for a value that means nothing.
+fn valid(is_valid: bool, what: &'static str) -> Read<()> {
+    if is_valid { Ok(()) } else { Err(HullsFileError::Invalid(what)) }
 }
 
 /// The rest of what is read.
@@ -379,11 +388,7 @@ pub(super) struct Reader<'a> {
 impl<'a> Reader<'a> {
     /// Nothing may be left.
     pub(super) fn end(&self) -> Read<()> {
-        if self.rest.is_empty() {
-            Ok(())
-        } else {
-            Err(HullsFileError::Invalid("there is more after the last hull"))
-        }
+        valid(self.rest.is_empty(), "there is more after the last hull")
     }
 
     fn file(&mut self, algorithm_version: u32) -> Read<HullsFile> {
@@ -425,19 +430,15 @@ impl<'a> Reader<'a> {
         // Both before what they count: each is checked against all that is left.
         let points = self.count(POINT)?;
         let triangles = self.count(TRIANGLE)?;
-        if volume == 0.0 || points < 4 || triangles < 4 {
-            return Err(HullsFileError::Invalid("a hull has no volume"));
-        }
-        if self.rest.len() < points * POINT + triangles * TRIANGLE {
-            return Err(TOO_SHORT);
-        }
+        valid(volume != 0.0 && points >= 4 && triangles >= 4, "a hull has no volume")?;
+        valid(self.rest.len() >= points * POINT + triangles * TRIANGLE, TOO_SHORT)?;
         let points = (0..points).map(|_| self.point()).collect::<Read<Vec<_>>>()?;
         let triangles = (0..triangles)
             .map(|_| Ok([self.u32()?, self.u32()?, self.u32()?]))
             .collect::<Read<Vec<_>>>()?;
-        if triangles.as_flattened().iter().any(|index| *index as usize >= points.len()) {
-            return Err(HullsFileError::Invalid("a triangle names a point that is not there"));
-        }
+        let exists = |index: &u32| (*index as usize) < points.len();
+        let all_exist = triangles.as_flattened().iter().all(exists);
+        valid(all_exist, "a triangle names a point that is not there")?;
         Ok(Hull {
             shape: ConvexHull { points, triangles },
             provenance: Provenance { component, source_triangles: Vec::new() },
@@ -454,9 +455,7 @@ impl<'a> Reader<'a> {
             _ => return Err(HullsFileError::Invalid("it is unknown what the mass is of")),
         };
         let mass = self.at_least_zero()?;
-        if mass == 0.0 {
-            return Err(HullsFileError::Invalid("the mass is zero"));
-        }
+        valid(mass != 0.0, "the mass is zero")?;
         let centre = self.point()?;
         let [[xx, yy, zz], [xy, xz, yz]] = [self.point()?, self.point()?];
         let inertia = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
@@ -484,22 +483,18 @@ impl<'a> Reader<'a> {
 
     fn at_least_zero(&mut self) -> Read<f64> {
         let value = self.finite()?;
-        if value >= 0.0 { Ok(value) } else { Err(HullsFileError::Invalid("a number is negative")) }
+        valid(value >= 0.0, "a number is negative").map(|()| value)
     }
 
     fn finite(&mut self) -> Read<f64> {
         let value = f64::from_le_bytes(self.array()?);
-        if value.is_finite() {
-            Ok(value)
-        } else {
-            Err(HullsFileError::Invalid("a number is not finite"))
-        }
+        valid(value.is_finite(), "a number is not finite").map(|()| value)
     }
 
     /// A count of things that take at least `size` bytes each, for which there must be room.
     pub(super) fn count(&mut self, size: usize) -> Read<usize> {
         let count = self.u32()? as usize;
-        if count <= self.rest.len() / size { Ok(count) } else { Err(TOO_SHORT) }
+        valid(count <= self.rest.len() / size, TOO_SHORT).map(|()| count)
     }
 
     fn u8(&mut self) -> Read<u8> {
@@ -515,16 +510,234 @@ impl<'a> Reader<'a> {
     }
 
     pub(super) fn array<const N: usize>(&mut self) -> Read<[u8; N]> {
-        let (array, rest) = self.rest.split_first_chunk().ok_or(TOO_SHORT)?;
+        let (array, rest) =
+            self.rest.split_first_chunk().ok_or(HullsFileError::Invalid(TOO_SHORT))?;
         self.rest = rest;
         Ok(*array)
     }
 
     pub(super) fn take(&mut self, length: usize) -> Read<&'a [u8]> {
-        let (taken, rest) = self.rest.split_at_checked(length).ok_or(TOO_SHORT)?;
+        let (taken, rest) =
+            self.rest.split_at_checked(length).ok_or(HullsFileError::Invalid(TOO_SHORT))?;
         self.rest = rest;
         Ok(taken)
     }
 }
 
-const TOO_SHORT: HullsFileError = HullsFileError::Invalid("it counts more than it holds");
+const TOO_SHORT: &str = "it counts more than it holds";
+
+#[cfg(test)]
+mod tests {
+    use std::sync::LazyLock;
+
+    use proptest::prelude::*;
+    use proptest::test_runner::RngSeed;
+
+    use super::*;
+    use crate::control::Control;
+    use crate::geometry::MeshView;
+    use crate::mass::mass_properties;
+    use crate::mesh::TriangleMesh;
+    use crate::mesh::shapes::{cuboid, join};
+    use crate::method::Method;
+    use crate::surface::SurfaceParameters;
+
+    fn bars() -> TriangleMesh {
+        join(&[cuboid([0.0; 3], [3.0, 1.0, 1.0]), cuboid([5.0, 0.0, 0.0], [6.0, 2.0, 0.5])])
+    }
+
+    fn file(method: &Method) -> HullsFile {
+        let TriangleMesh { positions, triangles, .. } = bars();
+        let mesh = MeshView::new(&positions, &triangles);
+        let decomposition = method.decompose(mesh, &Control::new()).unwrap();
+        let properties = mass_properties(mesh, &decomposition.hulls, 2.0).unwrap();
+        HullsFile::new("bars", &decomposition).with_mass_properties(properties)
+    }
+
+    fn full() -> HullsFile {
+        static FULL: LazyLock<HullsFile> = LazyLock::new(|| file(&Method::default()));
+        let mut file = FULL.clone();
+        file.bound = Some(0.25);
+        file.verified = Some(VerifiedErrors { protrusion_max: 0.125, uncovered_max: 0.0 });
+        file
+    }
+
+    /// The bytes with a checksum that matches, so that the reader goes on to the body.
+    fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
+        let end = bytes.len() - CHECKSUM;
+        let checksum = crc32fast::hash(&bytes[..end]);
+        bytes[end..].copy_from_slice(&checksum.to_le_bytes());
+        bytes
+    }
+
+    fn changed(at: usize, by: &[u8]) -> Result<HullsFile, HullsFileError> {
+        let mut bytes = full().to_bytes().unwrap();
+        bytes[at..at + by.len()].copy_from_slice(by);
+        HullsFile::from_bytes(&sealed(bytes))
+    }
+
+    #[test]
+    fn what_is_written_is_read_again_exactly() {
+        for file in [full(), file(&Method::default()), file(&SurfaceParameters::paper().into())] {
+            assert_eq!(file.hulls.len(), 2);
+            assert!(file.is_current());
+            let bytes = file.to_bytes().unwrap();
+            assert_eq!(HullsFile::from_bytes(&bytes), Ok(file));
+        }
+        let mut bare = full();
+        (bare.bound, bare.verified, bare.mass_properties) = (None, None, None);
+        bare.hulls.clear();
+        assert_eq!(HullsFile::from_bytes(&bare.to_bytes().unwrap()), Ok(bare));
+    }
+
+    #[test]
+    fn the_bounded_methods_promise_is_kept_with_the_hulls() {
+        let file = file(&Method::default());
+        assert!(file.bound.is_some_and(|bound| bound > 0.0));
+        let paper = self::file(&SurfaceParameters::paper().into());
+        assert_eq!((paper.bound, paper.verified), (None, None));
+        assert_eq!(paper.method, "surface");
+    }
+
+    #[test]
+    fn the_format_does_not_change_unnoticed() {
+        let bytes = full().to_bytes().unwrap();
+        let header = b"\x89HULLS\r\n\x01\0\0\0";
+        assert!(bytes.starts_with(header));
+        assert_eq!(&bytes[HEADER..HEADER + 8], b"\x04\0\0\0bars");
+        // Names, counts, diagonal, bound, errors, mass properties, number of hulls; two boxes.
+        let body =
+            (4 + 4) + (4 + 7) + 16 + 8 + 9 + 17 + (2 + 10 * 8) + 4 + 2 * (45 + 8 * 24 + 12 * 12);
+        assert_eq!(bytes.len(), HEADER + body + CHECKSUM);
+    }
+
+    #[test]
+    fn every_cut_is_noticed() {
+        let bytes = full().to_bytes().unwrap();
+        for length in 0..bytes.len() {
+            let error = HullsFile::from_bytes(&bytes[..length]).unwrap_err();
+            let expected = if length < MAGIC.len() {
+                matches!(error, HullsFileError::NotHulls)
+            } else {
+                matches!(error, HullsFileError::WrongLength { .. })
+            };
+            assert!(expected, "{length}: {error}");
+            if length >= HEADER + CHECKSUM {
+                // Length and checksum may be false with the rest.
+                let mut short = bytes[..length].to_vec();
+                let body = (length - HEADER - CHECKSUM) as u64;
+                short[HEADER - 8..HEADER].copy_from_slice(&body.to_le_bytes());
+                assert!(HullsFile::from_bytes(&sealed(short)).is_err(), "{length}");
+            }
+        }
+        let mut longer = bytes;
+        longer.push(0);
+        assert!(matches!(HullsFile::from_bytes(&longer), Err(HullsFileError::WrongLength { .. })));
+    }
+
+    #[test]
+    fn every_flipped_bit_is_noticed() {
+        let bytes = full().to_bytes().unwrap();
+        for bit in 0..8 * bytes.len() {
+            let mut damaged = bytes.clone();
+            damaged[bit / 8] ^= 1 << (bit % 8);
+            assert!(HullsFile::from_bytes(&damaged).is_err(), "bit {bit}");
+        }
+    }
+
+    #[test]
+    fn a_newer_file_is_refused_as_newer_whatever_else_it_holds() {
+        let mut bytes = full().to_bytes().unwrap();
+        bytes[8..12].copy_from_slice(&(FORMAT_VERSION + 1).to_le_bytes());
+        bytes.truncate(60);
+        let error = HullsFile::from_bytes(&bytes).unwrap_err();
+        assert_eq!(error, HullsFileError::NewerVersion { found: FORMAT_VERSION + 1 });
+        assert!(changed(8, &[0; 4]).is_err());
+    }
+
+    #[test]
+    fn a_text_file_is_no_hulls_format() {
+        for bytes in [&b""[..], b"o hull_0\nv 0 0 0\n", &[0x89]] {
+            assert_eq!(HullsFile::from_bytes(bytes), Err(HullsFileError::NotHulls));
+        }
+    }
+
+    #[test]
+    fn false_counts_allocate_nothing() {
+        let file = full();
+        let hulls = HEADER + (4 + 4) + (4 + 7) + 16 + 8 + 9 + 17 + (2 + 10 * 8);
+        assert_eq!(file.to_bytes().unwrap()[hulls..hulls + 4], 2_u32.to_le_bytes());
+        let first_hull = hulls + 4;
+        for count in [HEADER, hulls, first_hull + 37, first_hull + 41] {
+            let result = changed(count, &u32::MAX.to_le_bytes());
+            assert!(matches!(result, Err(HullsFileError::Invalid(_))), "{count}");
+        }
+    }
+
+    #[test]
+    fn numbers_and_indices_that_mean_nothing_are_refused() {
+        let bytes = full().to_bytes().unwrap();
+        let end = bytes.len() - CHECKSUM;
+        let beyond = changed(end - 4, &8_u32.to_le_bytes());
+        assert!(matches!(beyond, Err(HullsFileError::Invalid(why)) if why.contains("triangle")));
+        let last_point = end - 12 * 12 - 8;
+        for value in [f64::NAN, f64::INFINITY] {
+            let result = changed(last_point, &value.to_le_bytes());
+            assert!(matches!(result, Err(HullsFileError::Invalid(why)) if why.contains("finite")));
+        }
+        let volume = end - 12 * 12 - 8 * 24 - 8 - 9 - 24;
+        assert!(changed(volume, &(-1.0_f64).to_le_bytes()).is_err());
+        assert!(changed(volume, &0.0_f64.to_le_bytes()).is_err());
+        assert!(changed(volume, &7.0_f64.to_le_bytes()).is_ok());
+        assert!(changed(HEADER + 4, &[0xFF]).is_err(), "UTF-8");
+    }
+
+    #[test]
+    fn files_are_written_whole_and_errors_name_them() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("bars.hulls");
+        full().write(&path).unwrap();
+        assert_eq!(HullsFile::read(&path), Ok(full()));
+        assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 1);
+
+        std::fs::write(&path, b"not this").unwrap();
+        let error = HullsFile::read(&path).unwrap_err().to_string();
+        assert!(error.contains("bars.hulls") && error.contains("no .hulls file"), "{error}");
+        let missing = directory.path().join("missing").join("x.hulls");
+        assert!(matches!(HullsFile::read(&missing), Err(HullsFileError::File { .. })));
+        assert!(matches!(full().write(&missing), Err(HullsFileError::File { .. })));
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { rng_seed: RngSeed::Fixed(1), ..Default::default() })]
+
+        #[test]
+        fn any_bytes_are_read_or_refused(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
+            let _ = HullsFile::from_bytes(&bytes);
+            let start = full().to_bytes().unwrap()[..HEADER].to_vec();
+            let mut sealed_bytes = [start, bytes.clone(), vec![0; CHECKSUM]].concat();
+            sealed_bytes[HEADER - 8..HEADER].copy_from_slice(&(bytes.len() as u64).to_le_bytes());
+            prop_assert!(HullsFile::from_bytes(&sealed(sealed_bytes)).is_err());
+        }
+
+        #[test]
+        fn false_bytes_with_a_good_checksum_are_a_sound_file_or_an_error(
+            changes in prop::collection::vec((HEADER..1000_usize, any::<u8>()), 1..8),
+        ) {
+            let mut bytes = full().to_bytes().unwrap();
+            for (at, value) in changes {
+                let at = at.min(bytes.len() - CHECKSUM - 1);
+                bytes[at] = value;
+            }
+            if let Ok(file) = HullsFile::from_bytes(&sealed(bytes)) {
+                for hull in &file.hulls {
+                    prop_assert!(hull.shape.points.iter().flatten().all(|x| x.is_finite()));
+                    let count = hull.shape.points.len() as u32;
+                    prop_assert!(hull.shape.triangles.iter().flatten().all(|index| *index < count));
+                }
+                let again = HullsFile::from_bytes(&file.to_bytes().unwrap());
+                prop_assert_eq!(again, Ok(file));
+            }
+        }
+    }
+}

@@ -42,8 +42,6 @@
 mod file;
 #[cfg(feature = "bake")]
 mod scene;
-#[cfg(test)]
-mod tests;
 
 pub use file::{FORMAT_VERSION, HullsFile, HullsFileError, VerifiedErrors};
 #[cfg(feature = "bake")]

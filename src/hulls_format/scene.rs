@@ -1,4 +1,4 @@
-//! `.hullscene`: the hulls of all meshes of a scene in one file, each mesh known by its content.
+//! `.hullscene`: the hulls of all meshes of a scene in one file, each mesh found by its content.
 
 use std::fmt;
 use std::path::Path;
@@ -6,8 +6,8 @@ use std::path::Path;
 use sha2::{Digest, Sha256};
 
 use super::file::{
-    HullsFile, HullsFileError, MAGIC, Reader, SCENE_MAGIC, begin, count, file_error, open, seal,
-    text,
+    HullsFile, HullsFileError, Reader, SCENE_MAGIC, begin, count, open, read_bytes, seal, text,
+    write_bytes,
 };
 use crate::decomposition::ALGORITHM_VERSION;
 use crate::geometry::MeshView;
@@ -23,10 +23,7 @@ pub struct MeshHash([u8; 32]);
 /// Hashes of other things never equal these.
 const CONTEXT: &str = "hullwright 2026-11 corners of triangles in f32";
 
-/// A corner's bytes.
-const CORNER: usize = 12;
-
-/// Triangles that are handed to the hasher at once.
+/// Triangles that are hashed at once.
 const TRIANGLES_AT_ONCE: usize = 256;
 
 impl MeshHash {
@@ -43,12 +40,17 @@ impl MeshHash {
     pub fn of<'a>(mesh: impl Into<MeshView<'a>>) -> Self {
         let mesh = mesh.into();
         let mut hasher = Sha256::new_with_prefix(CONTEXT);
-        let mut bytes = Vec::with_capacity(3 * CORNER * TRIANGLES_AT_ONCE);
+        let mut bytes = Vec::with_capacity(3 * 3 * size_of::<f32>() * TRIANGLES_AT_ONCE);
         for triangles in mesh.triangles().chunks(TRIANGLES_AT_ONCE) {
             bytes.clear();
             for triangle in triangles {
-                let corners = triangle.map(|vertex| corner(mesh.at(vertex).to_array()));
-                rotated(corners).iter().for_each(|corner| bytes.extend(corner));
+                // The negative zero is the same place.
+                let coordinate = |x: f64| (x as f32 + 0.0).to_le_bytes();
+                let mut corners = triangle.map(|v| mesh.at(v).to_array().map(coordinate));
+                // Beginning with the least corner, wound as before.
+                let least = (0..3).min_by_key(|&index| corners[index]).unwrap_or_default();
+                corners.rotate_left(least);
+                bytes.extend(corners.as_flattened().as_flattened());
             }
             hasher.update(&bytes);
         }
@@ -70,26 +72,6 @@ impl MeshHash {
 impl fmt::Display for MeshHash {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.0.iter().try_for_each(|byte| write!(formatter, "{byte:02x}"))
-    }
-}
-
-fn corner(point: [f64; 3]) -> [u8; CORNER] {
-    let mut bytes = [0; CORNER];
-    for (bytes, x) in bytes.as_chunks_mut::<4>().0.iter_mut().zip(point) {
-        // The negative zero is the same place.
-        *bytes = (x as f32 + 0.0).to_le_bytes();
-    }
-    bytes
-}
-
-/// Beginning with the least corner, wound as before.
-fn rotated([a, b, c]: [[u8; CORNER]; 3]) -> [[u8; CORNER]; 3] {
-    if a <= b && a <= c {
-        [a, b, c]
-    } else if b <= c {
-        [b, c, a]
-    } else {
-        [c, a, b]
     }
 }
 
@@ -190,11 +172,9 @@ impl HullScene {
         let of_content = || self.meshes.iter().filter(|baked| baked.hash == hash);
         let found = of_content().find(|baked| baked.parameters == *parameters);
         if let Some(baked) = found {
-            let is_current = baked.hulls.is_current();
-            return if is_current {
-                SceneLookup::Found(baked)
-            } else {
-                SceneLookup::OtherAlgorithm(baked)
+            return match baked.hulls.is_current() {
+                true => SceneLookup::Found(baked),
+                false => SceneLookup::OtherAlgorithm(baked),
             };
         }
         if let Some(baked) = of_content().next() {
@@ -233,13 +213,7 @@ impl HullScene {
     /// # Errors
     /// [`HullsFileError`] says what is wrong with them.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, HullsFileError> {
-        if bytes.starts_with(&MAGIC) {
-            return Err(HullsFileError::IsSingle);
-        }
-        let (_, mut reader) = open(bytes, SCENE_MAGIC).map_err(|error| match error {
-            HullsFileError::NotHulls => HullsFileError::NotScene,
-            error => error,
-        })?;
+        let (_, mut reader) = open(bytes, SCENE_MAGIC)?;
         let name = reader.text()?;
         let meshes = reader.count(LEAST_MESH)?;
         let meshes = (0..meshes).map(|_| baked_mesh(&mut reader)).collect::<Result<_, _>>()?;
@@ -252,9 +226,7 @@ impl HullScene {
     /// # Errors
     /// As [`to_bytes`](Self::to_bytes), and [`HullsFileError::File`] if writing fails.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), HullsFileError> {
-        let path = path.as_ref();
-        let bytes = self.to_bytes().map_err(|error| error.at(path))?;
-        crate::atomic_write::write(path, &bytes).map_err(|error| file_error(path, &error))
+        write_bytes(path.as_ref(), self.to_bytes())
     }
 
     /// Reads a file.
@@ -263,9 +235,7 @@ impl HullScene {
     /// [`HullsFileError::File`] if it can't be read, [`HullsFileError::At`] if it does not hold
     /// what it should.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, HullsFileError> {
-        let path = path.as_ref();
-        let bytes = std::fs::read(path).map_err(|error| file_error(path, &error))?;
-        Self::from_bytes(&bytes).map_err(|error| error.at(path))
+        read_bytes(path.as_ref(), Self::from_bytes)
     }
 }
 
@@ -284,7 +254,7 @@ fn baked_mesh(reader: &mut Reader<'_>) -> Result<BakedMesh, HullsFileError> {
     Ok(BakedMesh { names, hash, parameters, hulls })
 }
 
-const NO_PARAMETERS: &str = "a mesh's parameters are none that this library knows";
+const NO_PARAMETERS: &str = "a mesh's parameters are none that this library has";
 
 #[cfg(test)]
 mod tests {
@@ -335,7 +305,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mesh_is_found_by_content_and_parameters_and_else_it_is_said_why_not() {
+    fn a_mesh_is_found_by_content_and_parameters_or_the_lookup_has_the_reason() {
         let scene = scene();
         let (default, fine) =
             (Method::default(), Parameters::default().max_error(Length::share(0.01)).into());
@@ -355,7 +325,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_of_one_mesh_and_a_scene_are_told_apart() {
+    fn a_file_of_one_mesh_is_no_scene_and_a_scene_no_file_of_one_mesh() {
         let single = scene().meshes[0].hulls.to_bytes().unwrap();
         assert_eq!(HullScene::from_bytes(&single), Err(HullsFileError::IsSingle));
         let bytes = scene().to_bytes().unwrap();
@@ -373,7 +343,7 @@ mod tests {
             damaged[at] ^= 0x55;
             let algorithm = 12..16;
             assert!(HullScene::from_bytes(&damaged).is_err(), "byte {at}");
-            // With a checksum that matches the reader goes on to what the bytes say.
+            // With a checksum that matches the reader goes on to the body.
             let end = damaged.len() - CHECKSUM;
             let checksum = crc32fast::hash(&damaged[..end]);
             damaged[end..].copy_from_slice(&checksum.to_le_bytes());

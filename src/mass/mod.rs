@@ -7,17 +7,15 @@
 //!    theorem. Cavities are taken off.
 //! 2. Where such a mesh overlaps itself, as a handle that is stuck into a mug, the overlap counts
 //!    once, by the winding number along columns through the mesh.
-//! 3. A mesh whose openings are closed is taken with them closed. Another open mesh has no inside. The union of its hulls is taken, by columns too.
+//! 3. A mesh whose openings are closed is taken with them closed. Another open mesh has no inside: the union of its
+//!    hulls is taken, by columns too.
 //! 4. Without hulls, its convex hull.
 
 mod moments;
-#[cfg(feature = "nalgebra")]
-mod principal;
 
 use moments::{Moments, moments_of_union};
-
 #[cfg(feature = "nalgebra")]
-pub use principal::PrincipalInertia;
+use nalgebra::{Matrix3, Rotation3, SymmetricEigen, UnitQuaternion};
 
 use crate::control::Control;
 use crate::decomposition::Hull;
@@ -28,7 +26,7 @@ use crate::hull::{HullBuilder, solid_hull};
 use crate::mesh::{Normalization, PreparedMesh};
 use crate::openings::OpeningSettings;
 use crate::openings::prepare::prepare_closed;
-use crate::parameters::Parameters;
+use crate::parameters::{Parameters, check_positive};
 
 /// What mass properties were computed from.
 #[non_exhaustive]
@@ -71,7 +69,7 @@ const RESOLUTION: usize = 192;
 /// the coarse grid is no better. Mass properties then still agree within about 1 %.
 const OVERLAP: f64 = 0.01;
 
-/// A closed mesh with less volume than this, in cubed diagonals, is a folded sheet.
+/// A closed mesh with less volume than this, as a fraction of the cubed diagonal, is a folded sheet.
 const LEAST_VOLUME: f64 = 1e-9;
 
 /// Mass properties of a mesh with a uniform `density` (mass per cubed unit). `hulls` are its
@@ -113,7 +111,7 @@ pub fn mass_properties_with<'a>(
     density: f64,
     parameters: &Parameters,
 ) -> Result<MassProperties, Error> {
-    check_density(density)?;
+    check_positive("density", density)?;
     // What a body is made of does not depend on what can get into it.
     let settings = OpeningSettings { keep_cavities: true, ..OpeningSettings::from(parameters) };
     let closed = prepare_closed(mesh.into(), &settings, &Control::new())?;
@@ -131,7 +129,7 @@ fn of_prepared(
         |moments: Moments, source| Ok(moments.mass_properties(diagonal, origin, density, source));
     if prepared.closed.iter().all(|closed| *closed) {
         let solid = prepared.triangles_of_solid();
-        let corners: Vec<_> = solid.iter().map(|t| t.map(|v| mesh.points()[v as usize])).collect();
+        let corners: Vec<_> = solid.iter().map(|&triangle| mesh.corners(triangle)).collect();
         let enclosed = Moments::enclosed(corners.iter().copied());
         if enclosed.volume > LEAST_VOLUME {
             let estimate = moments_of_union(&corners, CHECK_RESOLUTION).volume;
@@ -184,39 +182,23 @@ impl Moments {
         MassProperties {
             mass: mass * self.volume,
             centre: (centre * unit + origin).to_array(),
-            inertia: inertia_of(central).map(|row| row * (mass * squared(unit))).map(Into::into),
+            inertia: trace_less(central, 1.0)
+                .map(|row| row * (mass * squared(unit)))
+                .map(Into::into),
             source,
         }
     }
 }
 
-/// The inertia tensor of central second moments, and the other way round up to a factor of 2:
-/// trace times identity, minus the matrix.
-fn inertia_of(second: [Vector; 3]) -> [Vector; 3] {
-    let trace = second[0][0] + second[1][1] + second[2][2];
-    let mut inertia = second.map(|row| -row);
-    for (i, row) in inertia.iter_mut().enumerate() {
+/// The inertia tensor of central second moments, their trace times the identity minus the moments; and with half
+/// the trace the moments of a tensor.
+fn trace_less(matrix: [Vector; 3], share: f64) -> [Vector; 3] {
+    let trace = (matrix[0][0] + matrix[1][1] + matrix[2][2]) * share;
+    let mut result = matrix.map(|row| -row);
+    for (i, row) in result.iter_mut().enumerate() {
         row[i] += trace;
     }
-    inertia
-}
-
-/// The central second moments of an inertia tensor.
-fn second_of(inertia: [Vector; 3]) -> [Vector; 3] {
-    let half_trace = (inertia[0][0] + inertia[1][1] + inertia[2][2]) / 2.0;
-    let mut second = inertia.map(|row| -row);
-    for (i, row) in second.iter_mut().enumerate() {
-        row[i] += half_trace;
-    }
-    second
-}
-
-fn check_density(density: f64) -> Result<(), Error> {
-    if density.is_finite() && density > 0.0 {
-        return Ok(());
-    }
-    let reason = format!("must be positive, not {density}");
-    Err(Error::InvalidParameter { name: "density", reason })
+    result
 }
 
 impl MassProperties {
@@ -234,7 +216,7 @@ impl MassProperties {
     #[must_use]
     pub fn scaled(mut self, scale: [f64; 3]) -> Self {
         let volume = (scale[0] * scale[1] * scale[2]).abs();
-        let mut second = second_of(self.inertia.map(Into::into));
+        let mut second = trace_less(self.inertia.map(Into::into), 0.5);
         for i in 0..3 {
             for j in 0..3 {
                 second[i][j] *= volume * scale[i] * scale[j];
@@ -242,16 +224,220 @@ impl MassProperties {
             self.centre[i] *= scale[i];
         }
         self.mass *= volume;
-        self.inertia = inertia_of(second).map(Into::into);
+        self.inertia = trace_less(second, 1.0).map(Into::into);
         self
     }
 
     /// Principal moments of inertia and their axes.
     #[cfg(feature = "nalgebra")]
     pub fn principal_inertia(&self) -> PrincipalInertia {
-        principal::principal_inertia(self.inertia.map(Into::into))
+        principal_inertia(self.inertia.map(Into::into))
+    }
+}
+
+/// Principal moments of inertia, and the frame of their axes.
+#[cfg(feature = "nalgebra")]
+#[non_exhaustive]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct PrincipalInertia {
+    /// Moments about the principal axes, ascending; none negative.
+    pub moments: [f64; 3],
+    /// The axes, unit vectors that form a right-handed frame in this order.
+    pub axes: [[f64; 3]; 3],
+    /// The rotation that takes the coordinate axes to `axes`, as a quaternion (x, y, z, w).
+    pub rotation: [f64; 4],
+}
+
+/// Far more steps than three rows ever took; an unbounded loop could hang on what is not finite.
+#[cfg(feature = "nalgebra")]
+const MOST_STEPS: usize = 1000;
+
+/// By nalgebra's symmetric eigendecomposition, in double precision.
+#[cfg(feature = "nalgebra")]
+fn principal_inertia(inertia: [Vector; 3]) -> PrincipalInertia {
+    let matrix = Matrix3::from_fn(|i, j| (inertia[i][j] + inertia[j][i]) / 2.0);
+    let size = matrix.amax();
+    // A diagonal tensor needs no turning: noise would turn it.
+    let eigen = (size.is_finite() && size > 0.0)
+        .then(|| SymmetricEigen::try_new(matrix / size, f64::EPSILON, MOST_STEPS))
+        .flatten();
+    let (values, vectors) = match eigen {
+        Some(eigen) => (eigen.eigenvalues * size, eigen.eigenvectors),
+        None => (matrix.diagonal(), Matrix3::identity()),
+    };
+    let mut order = [0, 1, 2];
+    order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
+    let mut columns = order.map(|index| vectors.column(index).into_owned());
+    for column in &mut columns[..2] {
+        // Of the two directions of an axis, the one along the coordinate axis that is nearest.
+        if column[column.iamax()] < 0.0 {
+            *column = -*column;
+        }
+    }
+    columns[2] = columns[0].cross(&columns[1]);
+    let rotation = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&columns));
+    let quaternion = UnitQuaternion::from_rotation_matrix(&rotation);
+    PrincipalInertia {
+        moments: order.map(|index| values[index].max(0.0)),
+        axes: columns.map(Into::into),
+        rotation: quaternion.coords.into(),
     }
 }
 
 #[cfg(test)]
-mod tests;
+mod tests {
+    use super::*;
+    use crate::decompose::decompose;
+    use crate::mesh::TriangleMesh;
+    use crate::mesh::shapes::{cuboid, hemisphere, join, turn};
+    use crate::parameters::{Openings, Parameters};
+
+    /// A density that is not 1, so that a forgotten one shows.
+    const DENSITY: f64 = 3.0;
+
+    fn of(mesh: &TriangleMesh) -> MassProperties {
+        mass_properties(mesh, &[], DENSITY).unwrap()
+    }
+
+    fn assert_close(found: f64, expected: f64, tolerance: f64) {
+        assert!((found - expected).abs() <= tolerance, "{found}, not {expected}");
+    }
+
+    /// Mass and inertia within `share`, everything off the diagonal next to 0.
+    fn assert_properties(found: &MassProperties, volume: f64, inertia: Vector, share: f64) {
+        assert_close(found.mass, DENSITY * volume, share * DENSITY * volume);
+        for (i, row) in found.inertia.into_iter().enumerate() {
+            let size = DENSITY * inertia[i];
+            for (j, found) in row.into_iter().enumerate() {
+                assert_close(found, if i == j { size } else { 0.0 }, share * size);
+            }
+        }
+    }
+
+    fn box_inertia(Vector { x, y, z }: Vector) -> Vector {
+        let mass = x * y * z;
+        Vector::from_array(
+            [y * y + z * z, x * x + z * z, x * x + y * y].map(|sum| mass * sum / 12.0),
+        )
+    }
+
+    #[test]
+    fn a_cavity_is_taken_off() {
+        let hollow = join(&[cuboid([-2.0; 3], [2.0; 3]), turn(cuboid([-1.5; 3], [1.5; 3]))]);
+        let found = of(&hollow);
+        assert_eq!(found.source, MassSource::Mesh);
+        let [outer, inner] = [4.0, 3.0].map(|side| box_inertia(Vector::splat(side))[0]);
+        assert_properties(&found, 64.0 - 27.0, Vector::splat(outer - inner), 1e-9);
+    }
+
+    #[test]
+    fn winding_does_not_matter() {
+        let mesh = cuboid([0.0; 3], [1.0, 2.0, 3.0]);
+        let (found, turned) = (of(&mesh), of(&turn(mesh)));
+        assert_close(found.mass, turned.mass, 1e-12);
+    }
+
+    #[test]
+    fn an_overlap_counts_once() {
+        let bars = [
+            cuboid([-2.0, -0.5, -0.5], [2.0, 0.5, 0.5]),
+            cuboid([-0.5, -2.0, -0.5], [0.5, 2.0, 0.5]),
+        ];
+        let found = of(&join(&bars));
+        assert_eq!(found.source, MassSource::MeshUnion);
+        let sides = [Vector::new(4.0, 1.0, 1.0), Vector::new(1.0, 4.0, 1.0), Vector::ONE];
+        let bar = sides.map(box_inertia);
+        let inertia = Vector::from_array([0, 1, 2].map(|i| bar[0][i] + bar[1][i] - bar[2][i]));
+        assert_properties(&found, 7.0, inertia, 0.01);
+    }
+
+    #[test]
+    fn an_open_mesh_takes_the_union_of_its_hulls_or_its_own() {
+        let mut bar = cuboid([0.0; 3], [2.0, 1.0, 1.0]);
+        bar.triangles.pop();
+        let keep = Parameters::default().openings(Openings::Keep);
+        let of_shell =
+            |mesh, hulls: &[Hull]| mass_properties_with(mesh, hulls, DENSITY, &keep).unwrap();
+        let found = of_shell(&bar, &[]);
+        assert_eq!(found.source, MassSource::ConvexHull);
+        assert_properties(&found, 2.0, box_inertia(Vector::new(2.0, 1.0, 1.0)), 1e-9);
+
+        let hull = |low, high| {
+            decompose(&cuboid(low, high), &Parameters::default(), &Control::new()).unwrap().hulls
+        };
+        let hulls =
+            [hull([0.0; 3], [1.5, 1.0, 1.0]), hull([0.5, 0.0, 0.0], [2.0, 1.0, 1.0])].concat();
+        let found = of_shell(&bar, &hulls);
+        assert_eq!(found.source, MassSource::HullUnion);
+        assert_properties(&found, 2.0, box_inertia(Vector::new(2.0, 1.0, 1.0)), 0.01);
+
+        assert_eq!(of_shell(&hemisphere(16), &[]).source, MassSource::ConvexHull);
+        assert_eq!(of(&bar).source, MassSource::Mesh, "its flat opening is closed");
+    }
+
+    #[test]
+    fn scaling_the_properties_is_scaling_the_mesh() {
+        let mut mesh =
+            join(&[cuboid([0.0; 3], [1.0, 2.0, 3.0]), cuboid([2.0; 3], [3.0, 2.5, 4.0])]);
+        let scale = [-2.0, 0.5, 3.0];
+        let expected = of(&mesh).scaled(scale);
+        for point in &mut mesh.positions {
+            *point = [0, 1, 2].map(|i| point[i] * scale[i]);
+        }
+        let found = of(&mesh);
+        assert_close(found.mass, expected.mass, 1e-9);
+        for i in 0..3 {
+            assert_close(found.centre[i], expected.centre[i], 1e-9);
+            for j in 0..3 {
+                assert_close(found.inertia[i][j], expected.inertia[i][j], 1e-8);
+            }
+        }
+        let heavier = found.with_mass(2.0 * found.mass);
+        assert_close(heavier.inertia[0][1], 2.0 * found.inertia[0][1], 1e-9);
+    }
+
+    #[test]
+    fn a_density_of_nothing_is_an_error() {
+        let mesh = cuboid([0.0; 3], [1.0; 3]);
+        for density in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            let result = mass_properties(&mesh, &[], density);
+            assert!(matches!(result, Err(Error::InvalidParameter { name: "density", .. })));
+        }
+    }
+
+    #[cfg(feature = "nalgebra")]
+    #[test]
+    fn a_turned_box_finds_its_axes_again() {
+        let turned = Rotation3::from_euler_angles(0.3, -0.7, 1.1);
+        let wanted = [1.0, 2.0, 5.0];
+        let diagonal = Matrix3::from_diagonal(&wanted.into());
+        let tensor = turned.matrix() * diagonal * turned.matrix().transpose();
+        let rows = [0, 1, 2].map(|i| Vector::from([0, 1, 2].map(|j| tensor[(i, j)])));
+        let found = principal_inertia(rows);
+        for (moment, expected) in found.moments.into_iter().zip(wanted) {
+            assert!((moment - expected).abs() < 1e-12);
+        }
+        for (axis, column) in found.axes.into_iter().zip(turned.matrix().column_iter()) {
+            assert!((column.dot(&nalgebra::Vector3::from(axis)).abs() - 1.0).abs() < 1e-12);
+        }
+        let quaternion =
+            UnitQuaternion::from_quaternion(nalgebra::Quaternion::from(found.rotation));
+        for (axis, unit) in found.axes.into_iter().zip(Matrix3::identity().column_iter()) {
+            assert!((quaternion * unit - nalgebra::Vector3::from(axis)).norm() < 1e-12);
+        }
+    }
+
+    #[cfg(feature = "nalgebra")]
+    #[test]
+    fn what_is_round_or_has_no_size_still_gets_a_frame() {
+        for tensor in [[Vector::ZERO; 3], [Vector::NAN; 3]] {
+            let found = principal_inertia(tensor);
+            assert!((found.rotation.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() < 1e-12);
+        }
+        let round = principal_inertia(
+            [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]].map(Vector::from),
+        );
+        assert_eq!((round.moments, round.rotation), ([2.0; 3], [0.0, 0.0, 0.0, 1.0]));
+    }
+}

@@ -54,8 +54,8 @@ struct Crossing {
 /// `resolution²` columns. O(triangles + columns that they cover).
 pub(super) fn moments_of_union(triangles: &[[Vector; 3]], resolution: usize) -> Moments {
     let (low, high) = bounds(triangles.as_flattened().iter().copied());
-    let grid = Grid { low, cell: (high - low).map(|x| x / resolution as f64), resolution };
-    if !(grid.cell[1] > 0.0 && grid.cell[2] > 0.0) {
+    let grid = Grid { low, spacing: (high - low).map(|x| x / resolution as f64), resolution };
+    if !(grid.spacing[1] > 0.0 && grid.spacing[2] > 0.0) {
         return Moments::default();
     }
     let mut crossings = Vec::new();
@@ -80,18 +80,19 @@ pub(super) fn moments_of_union(triangles: &[[Vector; 3]], resolution: usize) -> 
 
 struct Grid {
     low: Vector,
-    cell: Vector,
+    /// Between the middles of columns.
+    spacing: Vector,
     resolution: usize,
 }
 
 impl Grid {
     fn middle(&self, axis: usize, index: usize) -> f64 {
-        self.low[axis] + self.cell[axis] * (index as f64 + 0.5)
+        self.low[axis] + self.spacing[axis] * (index as f64 + 0.5)
     }
 
-    /// The cells along an axis whose middles may lie between two coordinates.
+    /// The columns along an axis whose middles may lie between two coordinates.
     fn range(&self, axis: usize, from: f64, to: f64) -> std::ops::Range<usize> {
-        let index = |x: f64| (x - self.low[axis]) / self.cell[axis] - 0.5;
+        let index = |x: f64| (x - self.low[axis]) / self.spacing[axis] - 0.5;
         // One more on either side, against rounding. `as` saturates.
         let first = (index(from).floor() - 1.0) as usize;
         let last = (index(to).ceil() + 2.0) as usize;
@@ -122,7 +123,7 @@ impl Grid {
 
     fn add(&self, column: u32, from: f64, to: f64, moments: &mut Moments) {
         let (row, place) = (column as usize / self.resolution, column as usize % self.resolution);
-        let [_, dy, dz] = self.cell.to_array();
+        let [_, dy, dz] = self.spacing.to_array();
         let (y, z) = (self.middle(1, place), self.middle(2, row));
         let area = dy * dz;
         let length = (to - from) * area;

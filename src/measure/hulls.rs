@@ -2,62 +2,43 @@
 
 use crate::geometry::MeshView;
 use crate::geometry::vector::{
-    Vector, area_normal, as_arrays, bounds, cubed, into_vectors, squared,
+    Vector, area_normal, as_arrays, bounds, cubed, into_vectors, mean, squared,
 };
 use crate::hull::convex_hull;
 use crate::mesh::Normalization;
+use crate::mesh::connectivity::{SortedHalfEdges, ascends};
 
-/// An index for each position, the same for the same position.
-fn weld(positions: &[Vector]) -> Vec<u32> {
-    // Adding zero turns -0 into 0.
-    let key = |index: u32| positions[index as usize].to_array().map(|x| (x + 0.0).to_bits());
-    let mut order: Vec<u32> = (0..positions.len() as u32).collect();
-    order.sort_unstable_by_key(|&index| key(index));
-    let mut welded = vec![0; positions.len()];
-    let mut first = 0;
-    for (place, &index) in order.iter().enumerate() {
-        if place == 0 || key(index) != key(first) {
-            first = index;
-        }
-        welded[index as usize] = first;
-    }
-    welded
+/// The edges of triangles with three different corners, vertices welded by position.
+pub(super) struct Edges {
+    /// Share of them that only one triangle uses.
+    pub open_share: f64,
+    /// Whether each has exactly two triangles, in opposite directions, and there is one.
+    pub is_closed: bool,
 }
 
-/// The directed edges of triangles with three different corners, sorted.
-fn directed_edges(positions: &[Vector], triangles: &[[u32; 3]]) -> Vec<(u32, u32)> {
-    let welded = weld(positions);
-    let mut edges: Vec<(u32, u32)> = triangles
-        .iter()
-        .map(|triangle| triangle.map(|index| welded[index as usize]))
-        .filter(|&[a, b, c]| a != b && b != c && c != a)
-        .flat_map(|[a, b, c]| [(a, b), (b, c), (c, a)])
-        .collect();
-    edges.sort_unstable();
-    edges
-}
-
-/// Share of the edges that only one triangle uses. O(n log n).
-pub(super) fn open_share(positions: &[Vector], triangles: &[[u32; 3]]) -> f64 {
-    let mut edges = directed_edges(positions, triangles);
-    for (a, b) in &mut edges {
-        (*a, *b) = (*a.min(b), *a.max(b));
+impl Edges {
+    /// O(n log n).
+    pub fn of(positions: &[Vector], triangles: &[[u32; 3]]) -> Self {
+        // Adding zero turns -0 into 0.
+        let key = |point: Vector| point.to_array().map(|x| (x + 0.0).to_bits());
+        let mut places: Vec<[u64; 3]> = positions.iter().map(|&point| key(point)).collect();
+        places.sort_unstable();
+        places.dedup();
+        let place =
+            |vertex: u32| places.partition_point(|place| *place < key(positions[vertex as usize]));
+        let welded = triangles.iter().map(|triangle| triangle.map(|vertex| place(vertex) as u32));
+        let triangles: Vec<[u32; 3]> =
+            welded.filter(|&[a, b, c]| a != b && b != c && c != a).collect();
+        let (mut all, mut open, mut is_closed) = (0, 0, !triangles.is_empty());
+        SortedHalfEdges::new(&triangles, places.len()).for_each_edge(|edge| {
+            all += 1;
+            open += usize::from(edge.len() == 1);
+            let ascending = edge.half_edges().filter(|&half_edge| ascends(&triangles, half_edge));
+            is_closed &= edge.len() == 2 && ascending.count() == 1;
+        });
+        let open_share = if all == 0 { 0.0 } else { open as f64 / f64::from(all) };
+        Self { open_share, is_closed }
     }
-    edges.sort_unstable();
-    let (mut all, mut open) = (0, 0);
-    for same in edges.chunk_by(|a, b| a == b) {
-        all += 1;
-        open += usize::from(same.len() == 1);
-    }
-    if all == 0 { 0.0 } else { open as f64 / f64::from(all) }
-}
-
-/// Whether each edge has exactly two triangles, in opposite directions. O(n log n).
-pub(super) fn is_closed(positions: &[Vector], triangles: &[[u32; 3]]) -> bool {
-    let edges = directed_edges(positions, triangles);
-    let is_unique = edges.windows(2).all(|pair| pair[0] != pair[1]);
-    let has_twin = |&(a, b): &(u32, u32)| edges.binary_search(&(b, a)).is_ok();
-    is_unique && !edges.is_empty() && edges.iter().all(has_twin)
 }
 
 /// A hull on its own.
@@ -69,7 +50,7 @@ pub struct HullCheck {
     pub vertices: usize,
     /// Its triangles.
     pub triangles: usize,
-    /// The farthest that one of its points lies in front of one of its triangles, as a share of
+    /// The farthest that one of its points lies in front of one of its triangles, as a fraction of
     /// the mesh's diagonal. In front is where the average of its points is not, so winding does
     /// not matter. Slivers, whose height over the longest side is below 1e-4 of the hull's
     /// diagonal, are left out, since their normals are noise.
@@ -93,12 +74,6 @@ const SLIVER: f64 = 1e-4;
 /// corners of the convex hull are compared, by climbing.
 const MOST_PAIRS: usize = 100_000_000;
 
-/// The average of points; the origin where there is none.
-pub(super) fn average(points: &[Vector]) -> Vector {
-    let sum = points.iter().fold(Vector::ZERO, |sum, &point| sum + point);
-    sum * (1.0 / points.len().max(1) as f64)
-}
-
 /// Checks a hull in normalised coordinates whose indices all exist. `corners` are those of the
 /// convex hull of the points, with its triangles, where there is one.
 pub(super) fn check(
@@ -108,7 +83,7 @@ pub(super) fn check(
     diagonal: f64,
     mesh_diagonal: f64,
 ) -> HullCheck {
-    let middle = average(points);
+    let middle = mean(points);
     let climber = match hull {
         Some((corners, faces)) if points.len().saturating_mul(triangles.len()) > MOST_PAIRS => {
             Some(Climber::new(corners, faces))
@@ -145,7 +120,7 @@ pub(super) fn check(
         triangles: triangles.len(),
         concavity,
         volume: six_volumes / 6.0 * cubed(mesh_diagonal),
-        is_closed: is_closed(points, triangles),
+        is_closed: Edges::of(points, triangles).is_closed,
         is_flat: hull.is_none(),
     }
 }
@@ -196,7 +171,7 @@ const TOLERANCE: f64 = 1e-6;
 /// precision, and its neighbours bound the solid just as well.
 const NEEDLE: f64 = 1e-20;
 
-/// In diagonals of the mesh. A hull farther away has lost its shape to rounding.
+/// As a multiple of the mesh's diagonal. A hull farther away has lost its shape to rounding.
 const FARTHEST: f64 = 1e9;
 
 /// A hull in normalised coordinates.
@@ -317,29 +292,18 @@ mod tests {
     const TETRAHEDRON: [[u32; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 4, 3]];
 
     #[test]
-    fn a_tetrahedron_with_a_split_corner_is_closed() {
-        assert!(is_closed(&POSITIONS, &TETRAHEDRON));
-        assert_eq!(open_share(&POSITIONS, &TETRAHEDRON), 0.0);
-    }
-
-    #[test]
-    fn a_missing_face_opens_three_of_six_edges() {
-        assert!(!is_closed(&POSITIONS, &TETRAHEDRON[1..]));
-        assert_eq!(open_share(&POSITIONS, &TETRAHEDRON[1..]), 0.5);
-    }
-
-    #[test]
-    fn a_flipped_face_is_not_closed_but_has_no_open_edge() {
+    fn edges_are_open_that_only_one_triangle_uses_and_closed_with_two_in_opposite_directions() {
         let mut flipped = TETRAHEDRON;
         flipped[2].swap(0, 1);
-        assert!(!is_closed(&POSITIONS, &flipped));
-        assert_eq!(open_share(&POSITIONS, &flipped), 0.0);
-    }
-
-    #[test]
-    fn triangles_without_three_corners_have_no_edges() {
-        assert_eq!(open_share(&POSITIONS, &[[0, 4, 1]]), 0.0);
-        assert!(!is_closed(&POSITIONS, &[[0, 4, 1]]));
+        for (name, triangles, is_closed, open_share) in [
+            ("a split corner", &TETRAHEDRON[..], true, 0.0),
+            ("three of six edges without a second face", &TETRAHEDRON[1..], false, 0.5),
+            ("a flipped face", &flipped, false, 0.0),
+            ("no three corners", &[[0, 4, 1]], false, 0.0),
+        ] {
+            let edges = Edges::of(&POSITIONS, triangles);
+            assert_eq!((edges.is_closed, edges.open_share), (is_closed, open_share), "{name}");
+        }
     }
 
     #[test]

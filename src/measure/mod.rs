@@ -1,4 +1,4 @@
-//! Judges any set of hulls, ours or another tool's, against the mesh that they stand for.
+//! Measures any set of hulls, of this library or another tool, against the mesh that they stand for.
 //!
 //! [`measure`] says how far the hulls are outside of the solid (*protrusion*: objects stop before they
 //! touch), how far the mesh's surface lies outside the hulls (*uncovered distance*: objects sink in), and
@@ -14,8 +14,8 @@
 //!   self-intersections and cavities are no obstacle.
 //! - The **surface** is the mesh's triangles, except those without area: what is thinner than 1e-6 of the
 //!   diagonal in two directions is a line, which repair drops and nothing has to cover.
-//! - A **hull** is the convex hull of its points: that is what a physics engine collides with,
-//!   whatever its triangles say. What they say is checked on its own: see [`HullCheck`].
+//! - A **hull** is the convex hull of its points: that is what a physics engine collides with, whatever its
+//!   triangles. These are checked on their own: see [`HullCheck`].
 //! - A point is **in** a hull up to a tolerance of 1e-6, and **inside** it beyond the same
 //!   tolerance. So hulls that touch leave no gap, and do not swallow each other's faces.
 //! - The **boundary** of the hulls is the surface of all hulls without what is inside another.
@@ -29,7 +29,6 @@
 //! [`MeasuredHulls`].
 
 mod hulls;
-mod measurement;
 mod pointwise;
 mod sampling;
 
@@ -44,18 +43,183 @@ use crate::mesh::{Normalization, TriangleMesh};
 use crate::openings::OpeningSettings;
 use crate::openings::prepare::prepare_closed;
 use crate::parallel::{self, map_indices};
-use hulls::{MeasuredHull, Union, open_share};
+use crate::parameters::{Length, Openings, Parameters, UpAxis};
+use hulls::{Edges, MeasuredHull, Union};
 use sampling::{Surface, in_unit_cube};
 
 pub use hulls::HullCheck;
-pub use measurement::{Distances, MeasureOptions, Measurement, SampleCounts};
 pub use pointwise::{MeasuredHulls, MeasuredMesh};
+
+/// How closely [`measure()`] looks.
+///
+/// Start from [`MeasureOptions::default`] and set fields.
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasureOptions {
+    /// Points on the surface of all hulls, at least one. Default 50,000.
+    pub hull_samples: usize,
+    /// Points on the mesh, at least one. Default 50,000.
+    pub mesh_samples: usize,
+    /// Points in the bounding box of mesh and hulls. Default 200,000.
+    pub volume_samples: usize,
+    /// Farthest that a vertex of a convex hull may lie in front of a face of it, as a fraction of
+    /// the mesh's diagonal. Default 1e-6: what rounding to `f32` does.
+    pub convexity_tolerance: f64,
+    /// Where it is given, points are independent random ones with this seed. That shows how far
+    /// figures of other tools scatter, most of which sample so. Default `None`: evenly spread.
+    pub random_seed: Option<u64>,
+    /// What becomes of openings. Take what the hulls were made with: everything is judged against the mesh
+    /// with those closed that are. Default [`Openings::Auto`].
+    pub openings: Openings,
+    /// How far an opening's vertices may be from a plane. Take the bound that the hulls were made with.
+    /// Default 2 % of the diagonal.
+    pub flatness: Length,
+    /// Which axis points up: see [`Parameters::up_axis`](crate::Parameters::up_axis).
+    pub up_axis: UpAxis,
+    /// Whether closed components that nothing can reach stay: see
+    /// [`Parameters::keep_cavities`](crate::Parameters::keep_cavities). Default false.
+    pub keep_cavities: bool,
+}
+
+impl Default for MeasureOptions {
+    fn default() -> Self {
+        Self {
+            hull_samples: 50_000,
+            mesh_samples: 50_000,
+            volume_samples: 200_000,
+            convexity_tolerance: 1e-6,
+            random_seed: None,
+            openings: Openings::Auto,
+            flatness: Parameters::default().max_error,
+            up_axis: UpAxis::Y,
+            keep_cavities: false,
+        }
+    }
+}
+
+/// Judges against the mesh as a decomposition with these parameters sees it.
+impl From<&Parameters> for MeasureOptions {
+    fn from(parameters: &Parameters) -> Self {
+        let &Parameters { openings, max_error: flatness, up_axis, keep_cavities, .. } = parameters;
+        Self { openings, flatness, up_axis, keep_cavities, ..Self::default() }
+    }
+}
+
+impl MeasureOptions {
+    fn validate(&self) -> Result<(), Error> {
+        for (name, count) in
+            [("hull_samples", self.hull_samples), ("mesh_samples", self.mesh_samples)]
+        {
+            if count == 0 {
+                return Err(Error::parameter(name, "must not be 0"));
+            }
+        }
+        let tolerance = self.convexity_tolerance;
+        if tolerance.is_finite() && tolerance >= 0.0 {
+            return Ok(());
+        }
+        Err(Error::parameter("convexity_tolerance", format!("must be at least 0, not {tolerance}")))
+    }
+}
+
+/// Distances of sampled points, as fractions of the mesh's diagonal.
+#[non_exhaustive]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Distances {
+    /// Their average.
+    pub mean: f64,
+    /// The distance that 1 % of the points exceed.
+    pub p99: f64,
+    /// The greatest.
+    pub max: f64,
+}
+
+impl Distances {
+    fn of(mut values: Vec<f64>) -> Self {
+        const HUNDREDTHS: usize = 99;
+
+        values.sort_unstable_by(f64::total_cmp);
+        let Some(&max) = values.last() else {
+            return Self::default();
+        };
+        let p99 = values[(values.len() - 1) * HUNDREDTHS / 100];
+        Self { mean: values.iter().sum::<f64>() / values.len() as f64, p99, max }
+    }
+}
+
+/// What became of the sampled points.
+#[non_exhaustive]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct SampleCounts {
+    /// Points on the surface of all hulls.
+    pub hull: usize,
+    /// Those of them that are not inside another hull: they give [`Measurement::protrusion`].
+    pub boundary: usize,
+    /// Points on the mesh: they give [`Measurement::uncovered`].
+    pub mesh: usize,
+    /// Points in the bounding box of mesh and hulls.
+    pub volume: usize,
+    /// Those of them in the solid: they give [`Measurement::uncovered_volume`].
+    pub solid: usize,
+    /// Those of them in a hull: they give [`Measurement::overlap`].
+    pub in_hulls: usize,
+    /// Those of them in the solid or in a hull: they give [`Measurement::iou`].
+    pub union: usize,
+}
+
+/// How well hulls stand for a mesh. Lengths are fractions of [`diagonal`](Self::diagonal).
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Measurement {
+    /// Hulls that can be judged.
+    pub hulls: usize,
+    /// Hulls that can't, and are left out: without triangles, with an index out of range, or with
+    /// a coordinate that is not finite or farther away than 1e9 times the diagonal.
+    pub unusable_hulls: usize,
+    /// Vertices of all hulls.
+    pub vertices: usize,
+    /// Hulls with a vertex in front of one of their own faces by more than
+    /// [`MeasureOptions::convexity_tolerance`].
+    pub non_convex_hulls: usize,
+    /// The farthest that any vertex lies in front of a face of its own hull.
+    pub worst_concavity: f64,
+    /// Hulls whose triangles do not close up, or are not wound the same way all over.
+    pub open_hulls: usize,
+    /// Hulls that enclose no or, being wound inward, a negative volume.
+    pub non_positive_volumes: usize,
+    /// How far the boundary of the hulls lies outside the solid.
+    pub protrusion: Distances,
+    /// How far the mesh lies outside all hulls.
+    pub uncovered: Distances,
+    /// The larger of the two maxima.
+    pub hausdorff: f64,
+    /// Share of the solid that no hull holds. `None` where more than 0.5 % of the mesh's edges
+    /// are open, or no point is in the solid.
+    pub uncovered_volume: Option<f64>,
+    /// Volume that solid and hulls share, over the volume of both together. `None` where more
+    /// than 0.5 % of the mesh's edges are open, or no point is in either.
+    pub iou: Option<f64>,
+    /// Sum of the hulls' volumes over the volume of their union. `None` where no point is in a
+    /// hull.
+    pub overlap: Option<f64>,
+    /// Share of the mesh's edges that only one triangle uses, its vertices welded by position.
+    pub open_edges: f64,
+    /// Diagonal of the bounding box of the vertices that triangles use, in the mesh's units.
+    pub diagonal: f64,
+    /// What became of the sampled points.
+    pub samples: SampleCounts,
+    /// Every hull on its own, in the order given; `None` for those that can't be judged.
+    pub checks: Vec<Option<HullCheck>>,
+}
 
 /// A mesh with a larger share of open edges has no volume to speak of.
 const MOST_OPEN_EDGES: f64 = 0.005;
 
-/// Judges hulls against a mesh. Triangles with a coordinate that is not finite are left out; of
-/// duplicate and degenerate triangles the solid has no need.
+/// Measures hulls against a mesh. Triangles with a coordinate that is not finite are left out; duplicate and
+/// degenerate ones change nothing.
 ///
 /// O((n + s) log n) for n triangles and s samples, times the number of hulls whose bounding boxes
 /// overlap.
@@ -80,7 +244,7 @@ const MOST_OPEN_EDGES: f64 = 0.005;
 /// let hulls = decompose(&mesh, &Parameters::default(), &control)?.hulls;
 /// let found = measure(&mesh, &hulls, &MeasureOptions::default(), &control)?;
 /// assert!(found.protrusion.max < 1e-6 && found.uncovered.max < 1e-6);
-/// // Shares of the diagonal; a report has the mesh's units.
+/// // Fractions of the diagonal; a report has the mesh's units.
 /// let in_units = found.hausdorff * found.diagonal;
 /// assert!(in_units < 1e-6);
 /// # Ok(())
@@ -124,14 +288,15 @@ fn judge(
 
     let union = Union::new(parts);
     let bvh = Bvh::new(mesh.solid.points(), &mesh.solid.triangles);
-    let mut samples = SampleCounts::default();
     control.check()?;
-    let open_edges = open_share(&mesh.positions, &mesh.triangles);
-    let protrusion = protrusion(&union, &bvh, open_edges > 0.0, options, &mut samples);
+    let open_edges = Edges::of(&mesh.positions, &mesh.triangles).open_share;
+    let boundary = protrusions(&union, &bvh, open_edges > 0.0, options);
+    let samples_of_boundary = boundary.len();
+    let protrusion = Distances::of(boundary);
     control.check()?;
-    let uncovered = uncovered(&mesh, &union, options, &mut samples);
+    let uncovered = uncovered(&mesh, &union, options);
     control.check()?;
-    let volumes = volumes(&mesh, &union, &bvh, options, &mut samples);
+    let volumes = Volumes::of(&mesh, &union, &bvh, options);
     let share = |part: usize, of: usize| (of > 0).then(|| part as f64 / of as f64);
     let share_of_closed =
         |part, of| if open_edges > MOST_OPEN_EDGES { None } else { share(part, of) };
@@ -147,12 +312,20 @@ fn judge(
         protrusion,
         uncovered,
         hausdorff: protrusion.max.max(uncovered.max),
-        uncovered_volume: share_of_closed(samples.solid - volumes.shared, samples.solid),
-        iou: share_of_closed(volumes.shared, samples.union),
-        overlap: share(volumes.with_multiplicity, samples.in_hulls),
+        uncovered_volume: share_of_closed(volumes.solid - volumes.shared, volumes.solid),
+        iou: share_of_closed(volumes.shared, volumes.union),
+        overlap: share(volumes.with_multiplicity, volumes.in_hulls),
         open_edges,
         diagonal: normalization.diagonal,
-        samples,
+        samples: SampleCounts {
+            hull: options.hull_samples,
+            boundary: samples_of_boundary,
+            mesh: options.mesh_samples,
+            volume: options.volume_samples,
+            solid: volumes.solid,
+            in_hulls: volumes.in_hulls,
+            union: volumes.union,
+        },
         checks,
     })
 }
@@ -200,24 +373,16 @@ impl Mesh {
         }
         let place =
             |&point: &Vector| normalization.normalize(prepared.normalization.restore(point));
-        let solid = TriangleMesh {
-            positions: prepared.mesh.points().iter().map(place).map(Into::into).collect(),
-            triangles: prepared.triangles_of_solid().into_owned(),
-            ..TriangleMesh::default()
-        };
+        let positions_of_solid = prepared.mesh.points().iter().map(place).map(Into::into).collect();
+        let solid =
+            TriangleMesh::new(positions_of_solid, prepared.triangles_of_solid().into_owned());
         Ok((Self { positions, triangles: usable, solid, min, max }, normalization))
     }
 }
 
-/// How far the hulls' boundary lies outside the solid. Where the surface is open, the inside ends
+/// How far points on the hulls' boundary lie outside the solid. Where the surface is open, the inside ends
 /// where no surface is, and may be nearer than that.
-fn protrusion(
-    union: &Union,
-    bvh: &Bvh,
-    is_open: bool,
-    options: &MeasureOptions,
-    samples: &mut SampleCounts,
-) -> Distances {
+fn protrusions(union: &Union, bvh: &Bvh, is_open: bool, options: &MeasureOptions) -> Vec<f64> {
     let (positions, triangles) = union.surface();
     let surface = Surface::new(positions, triangles);
     let count = options.hull_samples;
@@ -232,17 +397,14 @@ fn protrusion(
         let to_surface = distance_to_surface(bvh, point);
         Some(if is_open { distance_to_inside(bvh, point, to_surface) } else { to_surface })
     });
-    let distances: Vec<f64> = distances.into_iter().flatten().collect();
-    samples.hull = count;
-    samples.boundary = distances.len();
-    Distances::of(distances)
+    distances.into_iter().flatten().collect()
 }
 
 /// Steps of Newton's method along the gradient: the winding number is smooth away from the surface,
 /// so that most searches take two or three.
 const STEPS: usize = 8;
 
-/// Differences for the gradient, as a share of the distance to the surface.
+/// Differences for the gradient, as a fraction of the distance to the surface.
 const DIFFERENCE: f64 = 0.01;
 
 /// How far beyond the level of the inside a step aims: a point on it need not count.
@@ -254,20 +416,20 @@ fn distance_to_inside(bvh: &Bvh, point: Vector, limit: f64) -> f64 {
     let step = DIFFERENCE * limit;
     let mut at = point;
     for _ in 0..STEPS {
-        let number = bvh.winding_number(at);
-        if number > INSIDE {
+        let winding = bvh.winding_number(at);
+        if winding > INSIDE {
             return at.distance(point);
         }
         let slope = Vector::from_array([0, 1, 2].map(|axis| {
             let mut beside = at;
             beside[axis] += step;
-            (bvh.winding_number(beside) - number) / step
+            (bvh.winding_number(beside) - winding) / step
         }));
         let steepness = slope.length();
         if steepness <= 0.0 {
             return limit;
         }
-        let way = ((INSIDE + BEYOND - number) / steepness).min(0.5 * limit);
+        let way = ((INSIDE + BEYOND - winding) / steepness).min(0.5 * limit);
         at += slope * (way / steepness);
         if at.distance(point) >= limit {
             return limit;
@@ -277,17 +439,11 @@ fn distance_to_inside(bvh: &Bvh, point: Vector, limit: f64) -> f64 {
 }
 
 /// How far the mesh lies outside all hulls.
-fn uncovered(
-    mesh: &Mesh,
-    union: &Union,
-    options: &MeasureOptions,
-    samples: &mut SampleCounts,
-) -> Distances {
+fn uncovered(mesh: &Mesh, union: &Union, options: &MeasureOptions) -> Distances {
     let surface = Surface::new(&mesh.positions, &mesh.triangles);
     let (positions, triangles) = union.surface();
     let bvh = Bvh::new(positions, triangles);
     let count = options.mesh_samples;
-    samples.mesh = count;
     Distances::of(map_indices(count, |index| {
         let (point, _) = surface.point(index, count, options.random_seed);
         if union.multiplicity(point) > 0 { 0.0 } else { distance_to_surface(&bvh, point) }
@@ -299,42 +455,40 @@ fn distance_to_surface(bvh: &Bvh, point: Vector) -> f64 {
     bvh.closest_point(point, f64::INFINITY).map_or(0.0, |closest| closest.distance)
 }
 
-/// Numbers of points in the joint bounding box.
+/// Counts of points in the joint bounding box.
+#[derive(Default)]
 struct Volumes {
+    solid: usize,
+    in_hulls: usize,
+    /// In the solid or in a hull.
+    union: usize,
     /// In the solid and in a hull.
     shared: usize,
     /// In hulls, counted once for each.
     with_multiplicity: usize,
 }
 
-fn volumes(
-    mesh: &Mesh,
-    union: &Union,
-    bvh: &Bvh,
-    options: &MeasureOptions,
-    samples: &mut SampleCounts,
-) -> Volumes {
-    let (mut min, mut max) = (mesh.min, mesh.max);
-    for part in union.parts() {
-        (min, max) = (min.min(part.min), max.max(part.max));
+impl Volumes {
+    fn of(mesh: &Mesh, union: &Union, bvh: &Bvh, options: &MeasureOptions) -> Self {
+        let (mut min, mut max) = (mesh.min, mesh.max);
+        for part in union.parts() {
+            (min, max) = (min.min(part.min), max.max(part.max));
+        }
+        let answers = map_indices(options.volume_samples, |index| {
+            let point = min + in_unit_cube(index, options.random_seed) * (max - min);
+            (union.multiplicity(point), bvh.is_inside(point))
+        });
+        let mut volumes = Self::default();
+        for (multiplicity, is_in_solid) in answers {
+            let is_in_hulls = multiplicity > 0;
+            volumes.solid += usize::from(is_in_solid);
+            volumes.in_hulls += usize::from(is_in_hulls);
+            volumes.union += usize::from(is_in_solid || is_in_hulls);
+            volumes.shared += usize::from(is_in_solid && is_in_hulls);
+            volumes.with_multiplicity += multiplicity;
+        }
+        volumes
     }
-    let answers = map_indices(options.volume_samples, |index| {
-        let share = in_unit_cube(index, options.random_seed);
-        let offset = Vector::from(share) * (max - min);
-        let point = min + offset;
-        (union.multiplicity(point), bvh.is_inside(point))
-    });
-    let mut volumes = Volumes { shared: 0, with_multiplicity: 0 };
-    samples.volume = answers.len();
-    for (multiplicity, is_in_solid) in answers {
-        let is_in_hulls = multiplicity > 0;
-        samples.solid += usize::from(is_in_solid);
-        samples.in_hulls += usize::from(is_in_hulls);
-        samples.union += usize::from(is_in_solid || is_in_hulls);
-        volumes.shared += usize::from(is_in_solid && is_in_hulls);
-        volumes.with_multiplicity += multiplicity;
-    }
-    volumes
 }
 
 #[cfg(test)]

@@ -25,8 +25,8 @@ fn random(seed: u64, index: usize) -> Vector {
     const INCREMENT: u64 = 0x9e37_79b9_7f4a_7c15;
     const MANTISSA_BITS: u32 = 53;
 
-    Vector::from_array([1, 2, 3].map(|number| {
-        let count = (index as u64).wrapping_mul(3).wrapping_add(number);
+    Vector::from_array([1, 2, 3].map(|axis| {
+        let count = (index as u64).wrapping_mul(3).wrapping_add(axis);
         let mut bits = seed.wrapping_add(count.wrapping_mul(INCREMENT));
         bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

@@ -7,18 +7,19 @@
 
 use earcut::Earcut;
 
-use super::boundary::Loop;
+use super::opening::{Loop, OpeningOutcome, sides};
 use crate::bvh::Bvh;
+use crate::geometry::TriangleMesh;
 use crate::geometry::vector::{Vector, area_normal, bounds};
 use crate::mesh::weld::WELD_TOLERANCE;
 
 /// A loop no wider than this is a crack: each of its sides lies within the weld distance of the true edge.
 const CRACK_WIDTH: f64 = 2.0 * WELD_TOLERANCE;
 
-/// Ear clipping may take the square of the number of vertices on polygons made to that end.
+/// On polygons made to that end, ear clipping takes the square of the number of vertices.
 const MOST_VERTICES: usize = 10_000;
 
-/// Triangles of a polygon that does not cross itself add up to its area within this share.
+/// Triangles of a polygon that does not cross itself add up to its area within this fraction.
 const AREA_TOLERANCE: f64 = 1e-6;
 
 /// Cosine of the angle between the normals of loops in one plane: 0.1 radians. Their distance is at most the
@@ -33,34 +34,30 @@ const IN_PLANE: f64 = 1e-5;
 const POINTS: u32 = 5;
 
 /// What fills a loop, or a loop with holes, or why nothing does.
-#[derive(Debug, Clone)]
 pub(super) enum LoopFill {
     Crack { loop_index: usize, triangles: Vec<[u32; 3]> },
     Cap(Cap),
-    NotFlat { loop_index: usize },
-    NotSimple { loop_index: usize },
+    Left { loop_index: usize, outcome: OpeningOutcome },
 }
 
 /// A flat polygon over one loop and its holes.
-#[derive(Debug, Clone)]
 pub(super) struct Cap {
     /// Indices of its loops, the outer one first.
     pub loops: Vec<usize>,
     pub triangles: Vec<[u32; 3]>,
-    /// Unit normal, outward if the surface around it is.
-    pub normal: Vector,
-    /// A point of its plane.
-    pub point: Vector,
+    pub plane: LoopPlane,
     pub area: f64,
-    /// Two axes of the plane; with the normal they are right-handed.
-    pub axes: [Vector; 2],
-    /// The loops in these axes, from `point`.
-    pub outlines: Vec<Vec<[f64; 2]>>,
+    /// The loops in the axes of the plane.
+    outlines: Vec<Vec<[f64; 2]>>,
 }
 
 /// The plane of a loop.
-struct LoopPlane {
-    normal: Vector,
+#[derive(Clone, Copy)]
+pub(super) struct LoopPlane {
+    /// Unit normal, outward if the surface around the loop is.
+    pub normal: Vector,
+    /// Two axes of the plane; with the normal they are right-handed.
+    pub axes: [Vector; 2],
     point: Vector,
     area: f64,
     /// The farthest that a vertex is from it.
@@ -73,6 +70,7 @@ pub(super) fn fill_loops(positions: &[Vector], loops: &[Loop], flatness: f64) ->
         found.vertices.iter().map(|&vertex| positions[vertex as usize]).collect()
     };
     let points: Vec<Vec<Vector>> = loops.iter().map(points_of).collect();
+    let left = |loop_index, outcome| LoopFill::Left { loop_index, outcome };
     let mut found = Vec::new();
     let mut planes: Vec<Option<LoopPlane>> = Vec::new();
     for (loop_index, (points, own)) in points.iter().zip(loops).enumerate() {
@@ -85,22 +83,17 @@ pub(super) fn fill_loops(positions: &[Vector], loops: &[Loop], flatness: f64) ->
         let plane = LoopPlane::of(points);
         let is_flat = plane.deviation <= flatness && plane.area > 0.0;
         if !is_flat {
-            found.push(LoopFill::NotFlat { loop_index });
+            found.push(left(loop_index, OpeningOutcome::NotFlat));
         }
         planes.push(is_flat.then_some(plane));
     }
     let outer = outer_loops(&points, &planes, flatness);
     for (loop_index, plane) in planes.iter().enumerate() {
-        let Some(plane) = plane else { continue };
-        if outer[loop_index].is_some() {
-            continue;
-        }
+        let Some(plane) = plane.as_ref().filter(|_| outer[loop_index].is_none()) else { continue };
         let mut own = vec![loop_index];
         own.extend((0..loops.len()).filter(|&inner| outer[inner] == Some(loop_index)));
-        match triangulate(plane, own, loops, &points) {
-            Some(cap) => found.push(LoopFill::Cap(cap)),
-            None => found.push(LoopFill::NotSimple { loop_index }),
-        }
+        let cap = triangulate(plane, own, loops, &points);
+        found.push(cap.map_or(left(loop_index, OpeningOutcome::NotSimple), LoopFill::Cap));
     }
     found
 }
@@ -118,28 +111,20 @@ impl LoopPlane {
         let (lowest, highest) =
             heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), h| (a.min(h), b.max(h)));
         let middle = 0.5 * (lowest + highest);
+        let least = Vector::AXES[normal.abs().min_position()];
+        let first = normal.cross(least).normalize_or_zero();
         Self {
             normal,
+            axes: [first, normal.cross(first)],
             point: point + normal * middle,
             area: 0.5 * twice.length(),
             deviation: 0.5 * (highest - lowest),
         }
     }
 
-    /// Right-handed with the normal.
-    fn axes(&self) -> [Vector; 2] {
-        let size = self.normal.map(f64::abs);
-        let mut least = Vector::ZERO;
-        let axis = if size[0] <= size[1] && size[0] <= size[2] {
-            0
-        } else if size[1] <= size[2] {
-            1
-        } else {
-            2
-        };
-        least[axis] = 1.0;
-        let first = self.normal.cross(least).normalize_or_zero();
-        [first, self.normal.cross(first)]
+    /// Where a point is in the axes.
+    pub fn flatten(&self, point: Vector) -> [f64; 2] {
+        self.axes.map(|axis| axis.dot(point - self.point))
     }
 }
 
@@ -159,10 +144,7 @@ fn is_crack(points: &[Vector]) -> bool {
     }
     let (first, second) = ends(points);
     let along = (points[second] - points[first]).normalize_or_zero();
-    points.iter().all(|&point| {
-        let arm = point - points[first];
-        along.cross(arm).length() <= CRACK_WIDTH
-    })
+    points.iter().all(|&point| along.cross(point - points[first]).length() <= CRACK_WIDTH)
 }
 
 /// Triangles without area between the two sides of a crack: repair splits what is beyond them.
@@ -203,10 +185,9 @@ fn outer_loops(
             && own.normal.dot(around.normal) < -SAME_PLANE
             && around.normal.dot(own.point - around.point).abs() <= flatness
             && {
-                let axes = around.axes();
-                let flat = |&p: &Vector| in_axes(axes, p - around.point);
-                let outline: Vec<[f64; 2]> = points[outer].iter().map(flat).collect();
-                points[inner].iter().all(|point| is_in_outline(&outline, flat(point)))
+                let outline: Vec<[f64; 2]> =
+                    points[outer].iter().map(|&point| around.flatten(point)).collect();
+                points[inner].iter().all(|&point| is_in_outline(&outline, around.flatten(point)))
             }
     };
     (0..planes.len())
@@ -224,10 +205,8 @@ fn triangulate(
     loops: &[Loop],
     points: &[Vec<Vector>],
 ) -> Option<Cap> {
-    let axes = plane.axes();
-    let flat = |&p: &Vector| in_axes(axes, p - plane.point);
-    let outlines: Vec<Vec<[f64; 2]>> =
-        own.iter().map(|&index| points[index].iter().map(flat).collect()).collect();
+    let flat = |&index: &usize| points[index].iter().map(|&point| plane.flatten(point)).collect();
+    let outlines: Vec<Vec<[f64; 2]>> = own.iter().map(flat).collect();
     let vertices: Vec<u32> =
         own.iter().flat_map(|&index| loops[index].vertices.iter().copied()).collect();
     if vertices.len() > MOST_VERTICES {
@@ -254,31 +233,16 @@ fn triangulate(
         triangles.push(if area < 0.0 { [a, c, b] } else { [a, b, c] });
     }
     let is_whole = expected > 0.0 && (sum - expected).abs() <= AREA_TOLERANCE * expected;
-    is_whole.then_some(Cap {
-        loops: own,
-        triangles,
-        normal: plane.normal,
-        point: plane.point,
-        area: expected,
-        axes,
-        outlines,
-    })
+    is_whole.then_some(Cap { loops: own, triangles, plane: *plane, area: expected, outlines })
 }
 
 fn signed_area(outline: &[[f64; 2]]) -> f64 {
-    let next = outline.iter().cycle().skip(1);
-    let twice: f64 = outline.iter().zip(next).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum();
-    0.5 * twice
-}
-
-fn in_axes(axes: [Vector; 2], point: Vector) -> [f64; 2] {
-    axes.map(|axis| axis.dot(point))
+    0.5 * sides(outline).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum::<f64>()
 }
 
 /// By the crossings of a ray along the first axis.
 fn is_in_outline(outline: &[[f64; 2]], point: [f64; 2]) -> bool {
-    let next = outline.iter().cycle().skip(1);
-    let crossings = outline.iter().zip(next).filter(|(a, b)| {
+    let crossings = sides(outline).filter(|(a, b)| {
         (a[1] > point[1]) != (b[1] > point[1]) && {
             let share = (point[1] - a[1]) / (b[1] - a[1]);
             point[0] < a[0] + share * (b[0] - a[0])
@@ -288,45 +252,26 @@ fn is_in_outline(outline: &[[f64; 2]], point: [f64; 2]) -> bool {
 }
 
 impl Cap {
-    /// Where a point is in the plane's axes.
-    pub(super) fn flatten(&self, point: Vector) -> [f64; 2] {
-        in_axes(self.axes, point - self.point)
-    }
-
-    /// The height of a point over the plane, along the normal.
-    fn height(&self, point: Vector) -> f64 {
-        self.normal.dot(point - self.point)
-    }
-
     /// Whether a point of the plane is on the cap, farther than `margin` from its rim.
     fn holds(&self, point: [f64; 2], margin: f64) -> bool {
         let is_in_odd =
             self.outlines.iter().filter(|outline| is_in_outline(outline, point)).count() % 2;
         is_in_odd == 1
             && self.outlines.iter().all(|outline| {
-                let next = outline.iter().cycle().skip(1);
-                outline.iter().zip(next).all(|(a, b)| distance_to_side(point, *a, *b) > margin)
+                sides(outline).all(|(&a, &b)| distance_to_side(point, a, b) > margin)
             })
     }
 
     /// The median over the rim, by length, of the angle inside of the solid between the cap and the
     /// surface, in radians: 0 where the surface folds back onto the cap, π where it goes straight on.
-    pub(super) fn rim_angle(
-        &self,
-        positions: &[Vector],
-        triangles: &[[u32; 3]],
-        loops: &[Loop],
-    ) -> f64 {
-        let mut angles: Vec<(f64, f64)> = Vec::new();
-        for own in self.loops.iter().map(|&index| &loops[index]) {
-            let next = own.vertices.iter().cycle().skip(1);
-            for ((&from, &to), &neighbour) in own.vertices.iter().zip(next).zip(&own.neighbours) {
-                let [a, b, c] = triangles[neighbour as usize].map(|v| positions[v as usize]);
-                let normal = area_normal(a, b, c).normalize_or_zero();
-                let angle = libm::acos((-normal.dot(self.normal)).clamp(-1.0, 1.0));
-                angles.push((angle, positions[from as usize].distance(positions[to as usize])));
-            }
-        }
+    pub(super) fn rim_angle(&self, mesh: &TriangleMesh, loops: &[Loop]) -> f64 {
+        let rim = self.loops.iter().flat_map(|&index| loops[index].sides(mesh.points()));
+        let angle = |(neighbour, length): (u32, f64)| {
+            let [a, b, c] = mesh.corners(mesh.triangles[neighbour as usize]);
+            let normal = area_normal(a, b, c).normalize_or_zero();
+            (libm::acos((-normal.dot(self.plane.normal)).clamp(-1.0, 1.0)), length)
+        };
+        let mut angles: Vec<(f64, f64)> = rim.map(angle).collect();
         angles.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         let whole: f64 = angles.iter().map(|angle| angle.1).sum();
         let mut sum = 0.0;
@@ -347,34 +292,32 @@ fn distance_to_side(point: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     libm::hypot(arm[0] - share * along[0], arm[1] - share * along[1])
 }
 
-/// Whether a triangle for which `counts` holds goes through the cap, farther than `margin` from its
-/// rim.
+/// Whether a triangle of a mesh for which `counts` holds goes through the cap, farther than `margin` from its rim.
 pub(super) fn is_cut(
     cap: &Cap,
-    (positions, triangles): (&[Vector], &[[u32; 3]]),
+    mesh: &TriangleMesh,
     bvh: &Bvh,
     margin: f64,
     counts: impl Fn(u32) -> bool,
 ) -> bool {
-    let corners = cap.triangles.as_flattened().iter().map(|&vertex| positions[vertex as usize]);
+    let corners = cap.triangles.iter().flat_map(|&triangle| mesh.corners(triangle));
     let (low, high) = bounds(corners);
     let near = bvh.triangles_near_box(low, high, IN_PLANE);
     near.into_iter().filter(|&triangle| counts(triangle)).any(|triangle| {
-        // The tree may hold caps too, which are not in `triangles`.
-        let Some(corners) = triangles.get(triangle as usize) else { return false };
-        let corners = corners.map(|vertex| positions[vertex as usize]);
-        let Some([from, to]) = line_in_plane(cap, corners) else { return false };
-        (0..POINTS).any(|number| {
-            let share = (f64::from(number) + 0.5) / f64::from(POINTS);
+        // The tree may hold caps too, which are not in the mesh.
+        let Some(&triangle) = mesh.triangles.get(triangle as usize) else { return false };
+        let Some([from, to]) = line_in_plane(cap, mesh.corners(triangle)) else { return false };
+        (0..POINTS).any(|index| {
+            let share = (f64::from(index) + 0.5) / f64::from(POINTS);
             let point = from + (to - from) * share;
-            cap.holds(cap.flatten(point), margin)
+            cap.holds(cap.plane.flatten(point), margin)
         })
     })
 }
 
 /// Where a triangle that has corners on both sides of the plane cuts it.
 fn line_in_plane(cap: &Cap, corners: [Vector; 3]) -> Option<[Vector; 2]> {
-    let heights = corners.map(|corner| cap.height(corner));
+    let heights = corners.map(|corner| cap.plane.normal.dot(corner - cap.plane.point));
     let is_above = heights.iter().any(|&height| height > IN_PLANE);
     let is_below = heights.iter().any(|&height| height < -IN_PLANE);
     if !is_above || !is_below {

@@ -1,10 +1,13 @@
 //! Which caps are closed, and why others are not: the rules of `docs/openings.md`, by the same numbers. The first
 //! follows from `fill_loops`.
+//!
+//! What is seen through an opening decides most: the backs of faces, or their fronts. The back of a face that is drawn
+//! from one side is invisible. So where only backs are seen from a cap, the surface is the skin of a solid. Fronts, or a
+//! way out, mean that the inside is a room; except the fronts of other solids that are stuck into this one, which the
+//! ray leaves again through their backs.
 
-use super::boundary::{Loop, boundary_loops};
 use super::cap::{Cap, LoopFill, fill_loops, is_cut};
-use super::look::{is_seen_into, points};
-use super::report::{Opening, OpeningOutcome};
+use super::opening::{Loop, Opening, OpeningOutcome, boundary_loops};
 use crate::bvh::Bvh;
 use crate::control::Control;
 use crate::error::Error;
@@ -25,9 +28,33 @@ const FLAT_ANGLE: f64 = SHEET_ANGLE / 6.0;
 /// visible sizes.
 const BEYOND: f64 = 1e-6;
 
-/// Where caps close less than this share of what stays open, by length, there is little to win: a mesh of
+/// Where caps close less than this fraction of what stays open, by length, little is gained: a mesh of
 /// fragments takes a few hulls more with a few caps.
 const LEAST_CLOSED: f64 = 0.1;
+
+/// Points that rays start from, spread over the cap by area.
+const POINTS: usize = 32;
+
+/// Rays from each point, spread over the half-space within as light from a matt surface is.
+const RAYS_PER_POINT: usize = 4;
+
+/// Through the opening of a solid no more than this fraction of the rays sees anything.
+const MOST_SEEN: f64 = 0.05;
+
+/// Where more of the rays than this only see another cap, there is too little surface to decide: between the rim
+/// of a cup and that of its liner a little below.
+const MOST_CAPPED: f64 = 0.5;
+
+/// A ray through more faces than this decides nothing.
+const MOST_HITS: usize = 32;
+
+/// A hit nearer than this fraction of the diagonal is on the rim that the ray starts from.
+const START: f64 = 1e-7;
+
+/// Steps of the additive recurrences that spread points evenly: 1/φ, and 1/ρ, 1/ρ² for the plastic
+/// number ρ (Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences", 2018).
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+const PLASTIC: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_2];
 
 /// The part of [`Parameters`](crate::Parameters) that openings depend on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -95,19 +122,14 @@ impl Judge<'_> {
         let mut caps: Vec<JudgedCap> = Vec::new();
         let mut is_crack = vec![false; self.loops.len()];
         for fill in fill_loops(self.positions(), &self.loops, self.flatness) {
-            let left = |loop_index: usize, outcome| {
-                Opening::left(&self.loops[loop_index], self.prepared, outcome)
-            };
             match fill {
                 LoopFill::Crack { loop_index, triangles } => {
                     is_crack[loop_index] = true;
                     closing.triangles.extend(triangles);
                 }
-                LoopFill::NotFlat { loop_index } => {
-                    closing.openings.push(left(loop_index, OpeningOutcome::NotFlat));
-                }
-                LoopFill::NotSimple { loop_index } => {
-                    closing.openings.push(left(loop_index, OpeningOutcome::NotSimple));
+                LoopFill::Left { loop_index, outcome } => {
+                    let own = &self.loops[loop_index];
+                    closing.openings.push(Opening::left(own, self.prepared, outcome));
                 }
                 LoopFill::Cap(cap) => caps.push((cap, OpeningOutcome::Closed)),
             }
@@ -117,17 +139,13 @@ impl Judge<'_> {
             self.judge_caps(&mut caps)?;
         }
         self.leave_fragments(&is_crack, &mut caps);
-        let is_left = |outcome: &OpeningOutcome| !outcome.is_closed();
-        if closing.openings.iter().any(|opening| is_left(&opening.outcome))
-            || caps.iter().any(|(_, outcome)| is_left(outcome))
-        {
-            for (_, outcome) in &mut caps {
-                if *outcome == OpeningOutcome::ClosedWithin {
-                    *outcome = OpeningOutcome::SolidBeyond;
-                }
-            }
-        } else {
+        let mut outcomes =
+            caps.iter().map(|cap| cap.1).chain(closing.openings.iter().map(|o| o.outcome));
+        if outcomes.all(OpeningOutcome::is_closed) {
             self.close_exposed(&mut caps)?;
+        } else {
+            let within = caps.iter_mut().filter(|cap| cap.1 == OpeningOutcome::ClosedWithin);
+            within.for_each(|cap| cap.1 = OpeningOutcome::SolidBeyond);
         }
         for (cap, outcome) in &caps {
             match outcome {
@@ -135,9 +153,30 @@ impl Judge<'_> {
                 OpeningOutcome::ClosedWithin => closing.hidden.extend_from_slice(&cap.triangles),
                 _ => {}
             }
-            closing.openings.push(Opening::of_cap(cap, &self.loops, self.prepared, *outcome));
+            let vertices = cap.loops.iter().flat_map(|&index| &self.loops[index].vertices);
+            let opening = Opening::new(vertices.copied(), cap.area, self.prepared, *outcome);
+            closing.openings.push(opening);
         }
         Ok(closing)
+    }
+
+    /// Judges caps anew. `outcome` gives the new one, or `None` where it stays. Whether any has changed.
+    fn update(
+        &self,
+        caps: &mut [JudgedCap],
+        outcome: impl Fn(usize, &JudgedCap) -> Option<OpeningOutcome> + Sync + Send,
+    ) -> Result<bool, Error> {
+        let found = parallel::map_indices(caps.len(), |index| {
+            self.control.check()?;
+            Ok(outcome(index, &caps[index]))
+        });
+        let mut has_changed = false;
+        for ((_, before), found) in caps.iter_mut().zip(found) {
+            let after = found?.unwrap_or(*before);
+            has_changed |= after != *before;
+            *before = after;
+        }
+        Ok(has_changed)
     }
 
     /// Rules 2 to 6. The checks of rule 5 are repeated until no more caps fall.
@@ -169,7 +208,7 @@ impl Judge<'_> {
         let (mut closed, mut left) = (vec![0.0; components], vec![0.0; components]);
         let mut within = 0.0;
         for ((own, outcome), _) in loops.iter().zip(outcomes).zip(is_crack).filter(|own| !own.1) {
-            let length = own.length(prepared.mesh.points());
+            let length: f64 = own.sides(prepared.mesh.points()).map(|side| side.1).sum();
             match outcome {
                 OpeningOutcome::SolidBeyond | OpeningOutcome::ClosedWithin => within += length,
                 OpeningOutcome::Closed => closed[component_of(own)] += length,
@@ -199,33 +238,28 @@ impl Judge<'_> {
         let mut triangles = self.prepared.triangles_of_solid().into_owned();
         triangles.extend(caps.iter().flat_map(|(cap, _)| &cap.triangles));
         let solid = Bvh::with_control(positions, &triangles, self.control)?;
-        for (cap, outcome) in caps {
-            self.control.check()?;
-            let beyond = cap.normal * BEYOND;
-            if *outcome == OpeningOutcome::ClosedWithin
-                && !points(cap, positions).iter().all(|&point| solid.is_inside(point + beyond))
-            {
-                *outcome = OpeningOutcome::Closed;
-            }
-        }
+        self.update(caps, |_, (cap, outcome)| {
+            let beyond = cap.plane.normal * BEYOND;
+            let is_hidden =
+                || points(cap, positions).iter().all(|&point| solid.is_inside(point + beyond));
+            let is_exposed = *outcome == OpeningOutcome::ClosedWithin && !is_hidden();
+            is_exposed.then_some(OpeningOutcome::Closed)
+        })?;
         Ok(())
     }
 
     /// Whether most of the surface around a cap, by the length of its rim, is drawn from both sides.
     fn is_two_sided(&self, cap: &Cap) -> bool {
-        let Self { prepared, source, loops, .. } = self;
-        let positions = self.positions();
+        let Self { prepared, source, .. } = self;
         let (mut two, mut whole) = (0.0, 0.0);
-        for own in cap.loops.iter().map(|&index| &loops[index]) {
-            let next = own.vertices.iter().cycle().skip(1);
-            for ((&from, &to), &neighbour) in own.vertices.iter().zip(next).zip(&own.neighbours) {
-                let side = positions[from as usize].distance(positions[to as usize]);
+        for own in cap.loops.iter().map(|&index| &self.loops[index]) {
+            for (neighbour, length) in own.sides(self.positions()) {
                 let source_triangle = prepared.source_triangles[neighbour as usize];
-                whole += side;
+                whole += length;
                 if prepared.is_both_ways[neighbour as usize]
                     || source.sidedness(source_triangle) == Some(Sidedness::Two)
                 {
-                    two += side;
+                    two += length;
                 }
             }
         }
@@ -284,28 +318,24 @@ impl<'a> Capped<'a> {
 
     /// Leaves caps by their shape and that of the surface around them.
     fn judge_shapes(&self, caps: &mut [JudgedCap]) -> Result<(), Error> {
-        let &Judge { prepared, settings, control, ref loops, flatness, .. } = self.judge;
-        let (positions, triangles) = (prepared.mesh.points(), &prepared.mesh.triangles);
+        let &Judge { prepared, settings, ref loops, flatness, .. } = self.judge;
+        let mesh = &prepared.mesh;
         let is_own_solid =
             |triangle: u32| prepared.closed[prepared.components[triangle as usize] as usize];
         let is_of_surface = |t: u32| self.cap_of(t).is_none() && !is_own_solid(t);
         let is_auto = settings.openings == Openings::Auto;
         let least_angle = if is_auto { SHEET_ANGLE } else { FLAT_ANGLE };
-        let judged = parallel::map(caps, |(cap, _)| {
-            control.check()?;
-            Ok(if cap.rim_angle(positions, triangles, loops) < least_angle {
+        self.judge.update(caps, |_, (cap, _)| {
+            Some(if cap.rim_angle(mesh, loops) < least_angle {
                 OpeningOutcome::Sheet
-            } else if is_cut(cap, (positions, triangles), &self.bvh, flatness, is_of_surface) {
+            } else if is_cut(cap, mesh, &self.bvh, flatness, is_of_surface) {
                 OpeningOutcome::Cut
             } else if is_auto && self.judge.is_two_sided(cap) && !self.judge.is_lowest(cap) {
                 OpeningOutcome::TwoSided
             } else {
                 OpeningOutcome::Closed
             })
-        });
-        for ((_, outcome), judged) in caps.iter_mut().zip(judged) {
-            *outcome = judged?;
-        }
+        })?;
         Ok(())
     }
 
@@ -314,49 +344,33 @@ impl<'a> Capped<'a> {
         let surface = self.surface();
         let is_closed: Vec<bool> = caps.iter().map(|(_, outcome)| outcome.is_closed()).collect();
         let positions = self.judge.positions();
-        let are_seen = parallel::map_indices(caps.len(), |index| {
-            self.judge.control.check()?;
+        self.judge.update(caps, |index, (cap, _)| {
             let counts =
                 |t: u32| self.cap_of(t).is_none_or(|owner| owner != index && is_closed[owner]);
-            let cap = &caps[index].0;
-            if !is_closed[index] {
-                return Ok(false);
-            }
-            Ok(is_seen_into(cap, positions, &self.bvh, surface, counts))
-        });
-        let mut changed = false;
-        for ((_, outcome), is_seen) in caps.iter_mut().zip(are_seen) {
-            if is_seen? {
-                *outcome = OpeningOutcome::SeenInto;
-                changed = true;
-            }
-        }
-        Ok(changed)
+            let is_seen =
+                is_closed[index] && is_seen_into(cap, positions, &self.bvh, surface, counts);
+            is_seen.then_some(OpeningOutcome::SeenInto)
+        })
     }
 
     /// Separates caps within the solid from those on it.
     fn mark_within(&self, caps: &mut [JudgedCap]) -> Result<(), Error> {
         let Self { judge, open, .. } = self;
-        let positions = judge.positions();
-        let are_within = parallel::map(caps, |(cap, outcome)| {
-            self.judge.control.check()?;
-            let is_within = || is_solid_beyond(cap, positions, [open, open], judge.flatness);
-            Ok(outcome.is_closed().then(is_within))
-        });
-        for ((_, outcome), is_within) in caps.iter_mut().zip(are_within) {
-            match is_within? {
-                Some(true) => *outcome = OpeningOutcome::ClosedWithin,
-                Some(false) => *outcome = OpeningOutcome::Closed,
-                None => {}
-            }
-        }
+        judge.update(caps, |_, (cap, outcome)| {
+            let is_within =
+                || is_solid_beyond(cap, judge.positions(), [open, open], judge.flatness);
+            outcome.is_closed().then(|| match is_within() {
+                true => OpeningOutcome::ClosedWithin,
+                false => OpeningOutcome::Closed,
+            })
+        })?;
         Ok(())
     }
 
     /// Leaves those of the caps within the solid that would empty it. Whether there were any.
     fn leave_emptied(&self, caps: &mut [JudgedCap]) -> Result<bool, Error> {
         let Self { judge, open, .. } = self;
-        let positions = self.judge.positions();
+        let positions = judge.positions();
         let is_closed: Vec<bool> = caps.iter().map(|(_, outcome)| outcome.is_closed()).collect();
         if caps.iter().all(|(_, outcome)| *outcome != OpeningOutcome::ClosedWithin) {
             return Ok(false);
@@ -364,18 +378,12 @@ impl<'a> Capped<'a> {
         let is_there = |&(t, _): &(u32, &[u32; 3])| self.cap_of(t).is_none_or(|cap| is_closed[cap]);
         let kept: Vec<[u32; 3]> =
             (0_u32..).zip(&self.triangles).filter(is_there).map(|(_, &corners)| corners).collect();
-        let closed = Bvh::with_control(positions, &kept, self.judge.control)?;
-        let mut changed = false;
-        for (cap, outcome) in caps {
-            self.judge.control.check()?;
-            if *outcome == OpeningOutcome::ClosedWithin
-                && !is_solid_beyond(cap, positions, [open, &closed], judge.flatness)
-            {
-                *outcome = OpeningOutcome::SolidBeyond;
-                changed = true;
-            }
-        }
-        Ok(changed)
+        let closed = Bvh::with_control(positions, &kept, judge.control)?;
+        judge.update(caps, |_, (cap, outcome)| {
+            let is_emptied = *outcome == OpeningOutcome::ClosedWithin
+                && !is_solid_beyond(cap, positions, [open, &closed], judge.flatness);
+            is_emptied.then_some(OpeningOutcome::SolidBeyond)
+        })
     }
 }
 
@@ -389,9 +397,9 @@ fn is_solid_beyond(
 ) -> bool {
     let points = points(cap, positions);
     let is_inside = |point: Vector| {
-        let outward = |distance: f64| point + cap.normal * distance;
+        let outward = |distance: f64| point + cap.plane.normal * distance;
         // Near the backs of several parts the winding number is ambiguous.
-        let middle = || open.first_hit(point, cap.normal, flatness, |_, _| true);
+        let middle = || open.first_hit(point, cap.plane.normal, flatness, |_, _| true);
         solid.is_inside(outward(flatness))
             || middle().is_some_and(|hit| solid.is_inside(outward(0.5 * hit.distance)))
     };
@@ -403,4 +411,98 @@ fn is_solid_beyond(
         }
     }
     inside > outside
+}
+
+/// Whether more than `MOST_SEEN` of the rays from a cap inward see a front, or a way out, or more than
+/// `MOST_CAPPED` leave the solid through another cap. Triangles from index `surface` on are caps; `counts`
+/// says which triangles are there.
+fn is_seen_into(
+    cap: &Cap,
+    positions: &[Vector],
+    bvh: &Bvh,
+    surface: usize,
+    counts: impl Fn(u32) -> bool,
+) -> bool {
+    let is_more =
+        |count: usize, share: f64| count as f64 > share * (POINTS * RAYS_PER_POINT) as f64;
+    let (mut seen, mut capped) = (0, 0);
+    for (index, point) in points(cap, positions).into_iter().enumerate() {
+        for ray in 0..RAYS_PER_POINT {
+            let direction = direction(cap, index * RAYS_PER_POINT + ray);
+            match leaves_through(bvh, point, direction, &counts) {
+                None => seen += 1,
+                Some(triangle) => capped += usize::from(triangle as usize >= surface),
+            }
+        }
+        if is_more(seen, MOST_SEEN) || is_more(capped, MOST_CAPPED) {
+            return true;
+        }
+    }
+    false
+}
+
+/// Through which triangle a ray that starts in the solid leaves it, if it does: through one back more than
+/// fronts. A part of another solid that is stuck into this one shows its front, and then its own back.
+fn leaves_through(
+    bvh: &Bvh,
+    origin: Vector,
+    direction: Vector,
+    counts: impl Fn(u32) -> bool,
+) -> Option<u32> {
+    let mut solids = 1;
+    let mut start = START;
+    for _ in 0..MOST_HITS {
+        let hit = bvh.first_hit(origin, direction, start, |triangle, _| counts(triangle))?;
+        solids += if hit.is_back { -1 } else { 1 };
+        if solids == 0 {
+            return Some(hit.triangle);
+        }
+        start = hit.distance;
+    }
+    None
+}
+
+/// An element of an additive recurrence.
+fn spread(step: f64, index: usize) -> f64 {
+    (0.5 + step * (index + 1) as f64).fract()
+}
+
+/// Points of a cap, spread evenly by area.
+fn points(cap: &Cap, positions: &[Vector]) -> Vec<Vector> {
+    let corners = |triangle: &[u32; 3]| triangle.map(|vertex| positions[vertex as usize]);
+    let areas: Vec<f64> = cap
+        .triangles
+        .iter()
+        .map(|triangle| {
+            let [a, b, c] = corners(triangle).map(|corner| cap.plane.flatten(corner));
+            0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs()
+        })
+        .collect();
+    let whole: f64 = areas.iter().sum();
+    let (mut triangle, mut before) = (0, 0.0);
+    (0..POINTS)
+        .filter_map(|index| {
+            let target = whole * (index as f64 + 0.5) / POINTS as f64;
+            while triangle + 1 < areas.len() && before + areas[triangle] < target {
+                before += areas[triangle];
+                triangle += 1;
+            }
+            let [a, b, c] = corners(cap.triangles.get(triangle)?);
+            let [mut v, mut w] = PLASTIC.map(|step| spread(step, index));
+            if v + w > 1.0 {
+                (v, w) = (1.0 - v, 1.0 - w);
+            }
+            Some(a + ((b - a) * v + (c - a) * w))
+        })
+        .collect()
+}
+
+/// A direction inward, with a density that is proportional to the cosine with the normal.
+fn direction(cap: &Cap, index: usize) -> Vector {
+    let height_squared = spread(GOLDEN, index);
+    let turn = std::f64::consts::TAU * (index as f64 + 0.5) / (POINTS * RAYS_PER_POINT) as f64;
+    let radius = (1.0 - height_squared).sqrt();
+    let across = cap.plane.axes[0] * (radius * libm::cos(turn))
+        + cap.plane.axes[1] * (radius * libm::sin(turn));
+    -cap.plane.normal * height_squared.sqrt() + across
 }

@@ -6,25 +6,19 @@
 //!
 //! | file | contents |
 //! |---|---|
-//! | `boundary` | the boundary as simple loops |
+//! | `opening` | the boundary as simple loops; what became of each opening |
 //! | `cap` | flat polygons over loops, zips for cracks, and whether the surface goes through a cap |
-//! | `look` | what is seen through an opening |
-//! | `decide` | the rules of `docs/openings.md`, by the same numbers |
-//! | `nested` | closed components that nothing can reach |
-//! | `report` | what became of each opening |
-//! | `prepare` | the repaired mesh with its caps, also as a public result |
+//! | `decide` | the rules of `docs/openings.md`, by the same numbers, and what is seen through an opening |
+//! | `prepare` | the repaired mesh with its caps, without nested shells; also as a public result |
 //!
-//! A closed mesh whose normals all point inward is no opening's matter: repair turns it around, since
-//! exporters that mirror are more common than rooms without a door.
+//! A closed mesh whose normals all point inward has no opening: repair turns it around, since exporters that
+//! mirror are more common than rooms without a door.
 
-mod boundary;
 mod cap;
 mod decide;
-mod look;
-mod nested;
+mod opening;
 pub(crate) mod prepare;
-mod report;
 
 pub(crate) use decide::OpeningSettings;
+pub use opening::{Opening, OpeningOutcome};
 pub use prepare::{ClosedMesh, close_openings, surface_and_solid};
-pub use report::{Opening, OpeningOutcome};

@@ -1,14 +1,20 @@
 //! The mesh that the stages after it work on: repaired, its openings closed, without nested shells.
 //!
 //! ```text
-//! repair → judge the openings → cap those that are closed → repair → judge again
+//! repair → judge the openings → cap those that are closed → repair → judge again → drop nested shells
 //! ```
+//!
+//! A nested shell is a closed component that nothing outside can reach. One all of whose surface has solid on both
+//! sides, such as a board within a wall, adds nothing. One with solid all around it and nothing within is a cavity, as
+//! the inner faces of a crate are: no body gets there, so it is filled. Components that overlap others in part stay as
+//! they are.
 
 use super::decide::{Closing, OpeningSettings, judge};
-use super::nested::drop_nested;
-use super::report::Opening;
+use super::opening::Opening;
+use crate::bvh::Bvh;
 use crate::control::Control;
 use crate::error::Error;
+use crate::geometry::vector::{Vector, area_normal, bounds, six_volumes};
 use crate::geometry::{MeshView, TriangleMesh};
 use crate::mesh::canonical_order::MeshOrder;
 use crate::mesh::repair::prepare;
@@ -18,6 +24,16 @@ use crate::parameters::{Openings, Parameters};
 /// Caps have the vertices of their loops, and ear clipping leaves out those in the middle of a
 /// straight side: that is a crack, which the next pass zips.
 const PASSES: usize = 3;
+
+/// Points on a component's triangles that are tried, at most.
+const SAMPLES: usize = 24;
+
+/// Distance of the samples from the surface, on both sides, as a fraction of the diagonal: more than welding moves a
+/// surface, less than any wall that counts.
+const STEP: f64 = 1e-4;
+
+/// Filling a cavity puts what lay loose in it within the solid: that is found in the next pass.
+const NESTED_PASSES: usize = 4;
 
 /// A repaired mesh with its openings closed.
 pub(crate) struct Closed {
@@ -34,6 +50,12 @@ impl Closed {
     pub(crate) fn is_changed(&self) -> bool {
         self.nested_components > 0 || self.has_caps
     }
+
+    /// Some of its triangles, in the input's units.
+    fn restored(&self, triangles: Vec<[u32; 3]>) -> TriangleMesh {
+        let restore = |&point| self.prepared.normalization.restore(point).into();
+        TriangleMesh::new(self.prepared.mesh.points().iter().map(restore).collect(), triangles)
+    }
 }
 
 /// Repairs a mesh, closes its openings, and drops what is within the solid. In `source_triangles` caps
@@ -49,7 +71,7 @@ pub(crate) fn prepare_closed(
     close_prepared(prepare(source, settings.order, control)?, source, settings, control)
 }
 
-/// The same for a mesh that is repaired already.
+/// The same for a mesh that is repaired.
 pub(crate) fn close_prepared(
     mut prepared: PreparedMesh,
     source: MeshView<'_>,
@@ -115,13 +137,85 @@ fn cap_and_repair(
 
 /// Takes caps within the solid out of the surface.
 fn hide(prepared: &mut PreparedMesh) {
-    let sources = prepared.source_triangles.iter();
-    let hidden = prepared.mesh.triangles.iter().zip(sources);
-    let hidden = hidden.filter(|&(_, &source)| source == HIDDEN_CAP);
+    let all = prepared.mesh.triangles.iter().zip(&prepared.source_triangles);
+    let hidden = all.filter(|&(_, &source)| source == HIDDEN_CAP);
     prepared.hidden_caps = hidden.map(|(&triangle, _)| triangle).collect();
     if !prepared.hidden_caps.is_empty() {
         prepared.retain(|source, _| source != HIDDEN_CAP);
     }
+}
+
+/// Drops the closed components that are within the solid. Returns how many.
+///
+/// Components whose box lies in no other's are passed over, and most others end with the first sample.
+fn drop_nested(prepared: &mut PreparedMesh, control: &Control) -> Result<usize, Error> {
+    let mut dropped = 0;
+    for _ in 0..NESTED_PASSES {
+        if prepared.closed.len() < 2 {
+            break;
+        }
+        let candidates = boxed_in(prepared);
+        if candidates.is_empty() {
+            break;
+        }
+        let bvh =
+            Bvh::with_control(prepared.mesh.points(), &prepared.triangles_of_solid(), control)?;
+        bvh.expect_winding_numbers(control)?;
+        let mut is_dropped = vec![false; prepared.closed.len()];
+        for (component, triangles) in candidates {
+            control.check()?;
+            is_dropped[component] = is_nested(prepared, &triangles, &bvh);
+        }
+        let found = is_dropped.iter().filter(|&&is_dropped| is_dropped).count();
+        if found == 0 {
+            break;
+        }
+        dropped += found;
+        prepared.retain(|_, component| !is_dropped[component as usize]);
+    }
+    Ok(dropped)
+}
+
+/// Closed components whose box lies in that of another component, with their triangles.
+fn boxed_in(prepared: &PreparedMesh) -> Vec<(usize, Vec<u32>)> {
+    let mut members: Vec<Vec<u32>> = vec![Vec::new(); prepared.closed.len()];
+    for (triangle, &component) in (0_u32..).zip(&prepared.components) {
+        members[component as usize].push(triangle);
+    }
+    let corners = |&t: &u32| prepared.mesh.corners(prepared.mesh.triangles[t as usize]);
+    let boxes: Vec<(Vector, Vector)> =
+        members.iter().map(|own| bounds(own.iter().flat_map(corners))).collect();
+    let is_boxed_in = |own: usize| {
+        let (low, high) = boxes[own];
+        boxes.iter().enumerate().any(|(other, (other_low, other_high))| {
+            other != own && (0..3).all(|i| other_low[i] <= low[i] && high[i] <= other_high[i])
+        })
+    };
+    let is_candidate =
+        |own: &usize| prepared.closed[*own] && !members[*own].is_empty() && is_boxed_in(*own);
+    let found: Vec<usize> = (0..members.len()).filter(is_candidate).collect();
+    found.into_iter().map(|own| (own, std::mem::take(&mut members[own]))).collect()
+}
+
+/// Whether all samples have solid on both sides, or all on the side behind the surface with nothing in front
+/// of it while the component is wound inward.
+fn is_nested(prepared: &PreparedMesh, triangles: &[u32], bvh: &Bvh) -> bool {
+    let step = triangles.len().div_ceil(SAMPLES).max(1);
+    let sides = |&triangle: &u32| {
+        let [a, b, c] = prepared.mesh.corners(prepared.mesh.triangles[triangle as usize]);
+        let centre = (a + (b + c)) * (1.0 / 3.0);
+        let normal = area_normal(a, b, c).normalize_or_zero() * STEP;
+        let behind = bvh.is_inside(centre + -normal);
+        behind.then(|| bvh.is_inside(centre + normal))
+    };
+    let mut samples = triangles.iter().step_by(step);
+    let Some(Some(first)) = samples.next().map(sides) else { return false };
+    let is_cavity = !first;
+    let corners = |&t: &u32| prepared.mesh.corners(prepared.mesh.triangles[t as usize]);
+    if is_cavity && six_volumes(triangles.iter().map(corners)) > 0.0 {
+        return false;
+    }
+    samples.all(|triangle| sides(triangle) == Some(first))
 }
 
 /// A mesh with its openings closed: what the promises of a decomposition are about.
@@ -166,23 +260,22 @@ pub fn close_openings<'a>(
 }
 
 impl From<Closed> for ClosedMesh {
-    fn from(Closed { prepared, openings, nested_components, .. }: Closed) -> Self {
-        let restore = |&point| prepared.normalization.restore(point);
-        let positions = prepared.mesh.points().iter().map(restore).map(Into::into).collect();
-        let (triangles, caps) = caps_last(&prepared);
-        let mesh = TriangleMesh::new(positions, triangles);
+    fn from(closed: Closed) -> Self {
+        let (triangles, caps) = caps_last(&closed.prepared);
+        let mesh = closed.restored(triangles);
+        let Closed { openings, nested_components, .. } = closed;
         Self { mesh, caps, openings, nested_components }
     }
 }
 
 /// The triangles of the surface, caps last, and the number of those.
 fn caps_last(prepared: &PreparedMesh) -> (Vec<[u32; 3]>, usize) {
-    let sources = prepared.source_triangles.iter();
-    let (caps, mut triangles): (Vec<_>, Vec<_>) =
-        sources.zip(&prepared.mesh.triangles).partition(|&(&source, _)| source == CAP);
-    let count = caps.len();
-    triangles.extend(caps);
-    (triangles.into_iter().map(|(_, &triangle)| triangle).collect(), count)
+    let all = prepared.mesh.triangles.iter().copied().zip(&prepared.source_triangles);
+    let (caps, surface): (Vec<_>, Vec<_>) = all.partition(|&(_, &source)| source == CAP);
+    (
+        surface.into_iter().chain(caps.iter().copied()).map(|(triangle, _)| triangle).collect(),
+        caps.len(),
+    )
 }
 
 /// The surface that the promises are about, and the triangles by whose winding number a point is in the
@@ -195,10 +288,7 @@ pub fn surface_and_solid(
     parameters: &Parameters,
     control: &Control,
 ) -> Result<(TriangleMesh, Vec<[u32; 3]>), Error> {
-    let settings = OpeningSettings::from(parameters);
-    let Closed { prepared, .. } = prepare_closed(mesh, &settings, control)?;
-    let solid = prepared.triangles_of_solid().into_owned();
-    let restore = |&point| prepared.normalization.restore(point);
-    let positions = prepared.mesh.points().iter().map(restore).map(Into::into).collect();
-    Ok((TriangleMesh::new(positions, prepared.mesh.triangles), solid))
+    let closed = prepare_closed(mesh, &OpeningSettings::from(parameters), control)?;
+    let solid = closed.prepared.triangles_of_solid().into_owned();
+    Ok((closed.restored(closed.prepared.mesh.triangles.clone()), solid))
 }

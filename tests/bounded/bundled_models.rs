@@ -3,17 +3,17 @@
 use std::time::Instant;
 
 use hullwright::internals::surface_and_solid;
-use hullwright::{Control, MeshView, Parameters, Preset, decompose};
+use hullwright::{Control, Parameters, Preset, decompose};
 
-use crate::common::Mesh;
+use crate::common::{self, Mesh, run, view};
 use crate::independent::exact::{Faults, faults};
 use crate::independent::sampling::sample;
-use crate::judge::{assert_promise, report, run};
+use crate::{assert_promise, promised};
 
 /// Points on hulls, and on the surface, of each model: a second or two in all.
 const SAMPLES: usize = 10_000;
 
-/// In diagonals: coordinates of files are in single precision.
+/// As a fraction of the diagonal: coordinates of files are in single precision.
 const ROUNDING: f64 = 1e-6;
 
 /// Hulls of each model under the default parameters. A change is a change of the algorithm, and of
@@ -36,33 +36,22 @@ const HULLS: [(&str, usize); 15] = [
     ("u_prism", 3),
 ];
 
-fn models() -> Vec<(String, Mesh)> {
-    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
-    let paths = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
-    let mut models: Vec<(String, Mesh)> = paths
-        .filter(|path| path.extension().is_some_and(|extension| extension == "glb"))
-        .map(|path| {
-            let file = hullwright::io::read_mesh(&path).unwrap();
-            let name = path.file_stem().unwrap().to_string_lossy().into_owned();
-            (name, (file.mesh.positions, file.mesh.triangles))
-        })
-        .collect();
-    models.sort_by(|a, b| a.0.cmp(&b.0));
-    models
+fn models() -> impl Iterator<Item = (String, Mesh)> {
+    let models = common::bundled_models().into_iter();
+    models.map(|(name, mesh)| (name, (mesh.positions, mesh.triangles)))
 }
 
 #[test]
 fn a_dense_sampling_without_the_crates_code_finds_no_more_than_what_is_verified() {
     for (name, mesh) in models() {
         let found = run(&mesh);
-        let bounded = report(&found);
+        let bounded = &found.report;
         for hull in &found.hulls {
             let (points, triangles) = hull.shape.to_single_precision().unwrap();
             assert_eq!(faults(&points, &triangles), Faults::default(), "{name}");
         }
-        let view = MeshView::new(&mesh.0, &mesh.1);
         let (surface, solid) =
-            surface_and_solid(view, &Parameters::default(), &Control::new()).unwrap();
+            surface_and_solid(view(&mesh), &Parameters::default(), &Control::new()).unwrap();
         let sampled = sample(&found, &surface, &solid, SAMPLES);
         assert!(sampled.samples > 2 * SAMPLES && sampled.undecided == 0, "{name}: {sampled:?}");
         let uncovered = sampled.uncovered * found.run.diagonal;
@@ -75,15 +64,13 @@ fn a_dense_sampling_without_the_crates_code_finds_no_more_than_what_is_verified(
 
 #[test]
 fn the_promise_holds_with_as_many_hulls_as_before() {
-    let mut found = Vec::new();
-    for (name, mesh) in models() {
-        let result = run(&mesh);
-        assert_promise(&name, &mesh, &result);
-        found.push((name, result.hulls.len()));
-    }
-    let expected: Vec<(String, usize)> =
-        HULLS.into_iter().map(|(name, hulls)| (name.to_owned(), hulls)).collect();
-    assert_eq!(found, expected);
+    let found: Vec<(String, usize)> = models()
+        .map(|(name, mesh)| {
+            let hulls = promised(&name, &mesh).hulls.len();
+            (name, hulls)
+        })
+        .collect();
+    assert_eq!(found, HULLS.map(|(name, hulls)| (name.to_owned(), hulls)));
 }
 
 #[test]
@@ -91,8 +78,7 @@ fn past_the_deadline_hulls_are_as_few_as_those_of_fast() {
     let past = Control::new().with_deadline(Instant::now());
     let hulls = |mesh: &Mesh, preset: Preset, control: &Control| {
         let parameters = Parameters::default().preset(preset);
-        let view = MeshView::new(&mesh.0, &mesh.1);
-        let result = decompose(view, &parameters, control).unwrap();
+        let result = decompose(view(mesh), &parameters, control).unwrap();
         assert_promise("deadline", mesh, &result);
         (result.hulls.len(), result.run.deadline_reached)
     };

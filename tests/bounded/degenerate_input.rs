@@ -1,27 +1,18 @@
 //! Degenerate input under every preset: a result that keeps the promise, or a typed error.
 
-use hullwright::{Control, Error, MeshView, Parameters, Preset, decompose};
+use hullwright::{Control, Error, Parameters, Preset, decompose};
 
-use crate::common::{Mesh, cuboid, join, l_prism, turned};
-use crate::judge::assert_promise;
+use crate::common::{Mesh, cuboid, join, l_prism, turned, view};
+use crate::promised_with;
 
-fn with_preset(preset: Preset) -> Parameters {
-    let mut parameters = Parameters::default();
-    parameters.preset = preset;
-    parameters
-}
-
-fn for_each_preset(check: impl Fn(&Parameters)) {
-    [Preset::Fast, Preset::Balanced, Preset::Fine].map(with_preset).iter().for_each(check);
+fn presets() -> [Parameters; 3] {
+    [Preset::Fast, Preset::Balanced, Preset::Fine].map(|p| Parameters::default().preset(p))
 }
 
 fn assert_kept(name: &str, mesh: &Mesh) {
-    for_each_preset(|parameters| {
-        let result =
-            decompose(MeshView::new(&mesh.0, &mesh.1), parameters, &Control::new()).unwrap();
-        assert!(!result.hulls.is_empty(), "{name}");
-        assert_promise(name, mesh, &result);
-    });
+    for parameters in presets() {
+        assert!(!promised_with(name, mesh, &parameters).hulls.is_empty(), "{name}");
+    }
 }
 
 #[test]
@@ -29,12 +20,11 @@ fn meshes_without_area_are_a_typed_error() {
     let point = (vec![[1.0; 3]], vec![[0, 0, 0]]);
     let line = (vec![[0.0; 3], [1.0; 3], [2.0; 3]], vec![[0, 1, 2]]);
     let infinite = (vec![[f64::NAN; 3], [1.0; 3], [2.0; 3]], vec![[0, 1, 2]]);
-    for (positions, triangles) in [point, line, infinite] {
-        for_each_preset(|parameters| {
-            let result =
-                decompose(MeshView::new(&positions, &triangles), parameters, &Control::new());
+    for mesh in [point, line, infinite] {
+        for parameters in presets() {
+            let result = decompose(view(&mesh), &parameters, &Control::new());
             assert!(matches!(result, Err(Error::NothingUsable { .. })), "{result:?}");
-        });
+        }
     }
 }
 
@@ -44,22 +34,18 @@ fn a_single_triangle_is_a_thin_hull() {
 }
 
 #[test]
-fn a_solid_turned_inside_out_keeps_the_promise() {
-    assert_kept("inside out", &turned(&l_prism()));
-}
-
-#[test]
-fn overlapping_and_nested_solids_keep_the_promise() {
+fn solids_inside_out_overlapping_nested_and_needles_keep_the_promise() {
     let outer = cuboid([0.0; 3], [1.0; 3]);
-    assert_kept("overlapping", &join(&[outer.clone(), cuboid([0.5; 3], [1.5; 3])]));
-    assert_kept("nested", &join(&[outer, cuboid([0.25; 3], [0.75; 3])]));
-}
-
-#[test]
-fn needles_and_specks_keep_the_promise() {
     let needle = cuboid([0.0; 3], [1.0, 1e-5, 1e-5]);
-    let speck = cuboid([0.5, 0.5, 0.5], [0.5 + 1e-7, 0.5 + 1e-7, 0.5 + 1e-7]);
-    assert_kept("needle and speck", &join(&[needle, speck, l_prism()]));
+    let speck = cuboid([0.5; 3], [0.5 + 1e-7; 3]);
+    for (name, mesh) in [
+        ("inside out", turned(&l_prism())),
+        ("overlapping", join(&[outer.clone(), cuboid([0.5; 3], [1.5; 3])])),
+        ("nested", join(&[outer, cuboid([0.25; 3], [0.75; 3])])),
+        ("needle and speck", join(&[needle, speck, l_prism()])),
+    ] {
+        assert_kept(name, &mesh);
+    }
 }
 
 #[test]

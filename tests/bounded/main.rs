@@ -1,37 +1,71 @@
-//! Promises of the bounded method, each judged by means of the tests' own.
+//! Promises of the default method, each judged by means of the tests' own.
 //!
 //! | file | promises |
 //! |---|---|
-//! | `promise` | the bound is kept, for every bound, preset and kind of mesh |
-//! | `verified` | what is verified agrees with brute force |
-//! | `bundled_models` | the bundled models keep it, with as many hulls as before |
+//! | `promise` | the bound is kept, for every bound, preset and kind of mesh, also a very dense one |
 //! | `degenerate_input` | degenerate input has a result that keeps it, or a typed error |
-//! | `dense_meshes` | meshes of very many triangles keep it and lose none |
-//! | `hull_counts` | simple shapes have few hulls |
-//! | `exact_shapes` | prisms have the known number of hulls at any bound |
-//! | `empty_space` | solids are filled, and empty space stays empty |
-//! | `caps` | caps on vertices and hulls are kept |
-//! | `running` | threads, slices, progress, cancellation, deadlines |
-//! | `hierarchy` | joins down to one hull |
+//! | `bundled_models` | the bundled models keep it, with as many hulls as before |
+//! | `verified` | what is verified agrees with brute force |
+//! | `shapes` | simple shapes have few hulls, which fill the solid and leave empty what is empty |
+//! | `limits` | limits on vertices and hulls are kept; joins down to one hull |
 
-mod brute_force;
 #[cfg(feature = "io")]
 mod bundled_models;
-mod caps;
 // The unused rest is for other tests.
 #[allow(dead_code)]
 #[path = "../common/mod.rs"]
 mod common;
 mod degenerate_input;
-mod dense_meshes;
-mod empty_space;
-mod exact_shapes;
-mod hierarchy;
-mod hull_counts;
 #[allow(dead_code)]
 #[path = "../independent/mod.rs"]
 mod independent;
-mod judge;
+mod limits;
 mod promise;
-mod running;
+mod shapes;
 mod verified;
+
+use hullwright::measure::{MeasureOptions, Measurement, measure};
+use hullwright::{Control, Decomposition, Hull, Length, Parameters};
+
+use common::{Mesh, run_with, view};
+
+/// The default parameters with another bound, as a fraction of the diagonal.
+fn with_bound(bound: f64) -> Parameters {
+    Parameters::default().max_error(Length::share(bound))
+}
+
+/// A decomposition by default, which keeps the promise.
+fn promised(name: &str, mesh: &Mesh) -> Decomposition {
+    promised_with(name, mesh, &Parameters::default())
+}
+
+/// A decomposition, which keeps the promise.
+fn promised_with(name: &str, mesh: &Mesh, parameters: &Parameters) -> Decomposition {
+    let result = run_with(mesh, parameters);
+    assert_promise(name, mesh, &result);
+    result
+}
+
+/// The hulls against dense samples of mesh and hulls.
+fn judge(mesh: &Mesh, hulls: &[Hull]) -> Measurement {
+    let mut options = MeasureOptions::default();
+    options.volume_samples = 50_000;
+    measure(view(mesh), hulls, &options, &Control::new()).unwrap()
+}
+
+/// The promise: verified errors are within the bound, dense samples within the verified errors, and
+/// hulls are convex and have volume.
+fn assert_promise(name: &str, mesh: &Mesh, result: &Decomposition) {
+    let report = &result.report;
+    let measured = judge(mesh, &result.hulls);
+    let diagonal = measured.diagonal;
+    let rounding = 1e-6 * diagonal;
+    assert!(report.protrusion_max <= report.bound + rounding, "{name}: {report:?}");
+    assert!(report.uncovered_max <= report.bound + rounding, "{name}: {report:?}");
+    let (protrusion, uncovered) =
+        (measured.protrusion.max * diagonal, measured.uncovered.max * diagonal);
+    assert!(protrusion <= report.protrusion_max + rounding, "{name}: {protrusion} {report:?}");
+    assert!(uncovered <= report.uncovered_max + rounding, "{name}: {uncovered} {report:?}");
+    assert_eq!(measured.non_convex_hulls, 0, "{name}");
+    assert_eq!(measured.non_positive_volumes, 0, "{name}");
+}

@@ -1,13 +1,92 @@
-//! Meshes and random numbers that several of the tests use.
+//! Meshes, decompositions and random numbers that several of the tests use.
 
-pub type Mesh = (Vec<[f64; 3]>, Vec<[u32; 3]>);
+use hullwright::{Control, Decomposition, Hull, MeshView, Parameters, decompose};
 
-/// A prism over a polygon in the x-y plane, counter-clockwise, given with the triangles that fill
-/// it.
-pub fn prism(outline: &[[f64; 2]], fill: &[[u32; 3]], height: f64) -> Mesh {
+pub type Point = [f64; 3];
+pub type Mesh = (Vec<Point>, Vec<[u32; 3]>);
+
+pub fn view((positions, triangles): &Mesh) -> MeshView<'_> {
+    MeshView::new(positions, triangles)
+}
+
+pub fn run_with(mesh: &Mesh, parameters: &Parameters) -> Decomposition {
+    decompose(view(mesh), parameters, &Control::new()).unwrap()
+}
+
+pub fn run(mesh: &Mesh) -> Decomposition {
+    run_with(mesh, &Parameters::default())
+}
+
+/// The bundled models, by name.
+#[cfg(feature = "io")]
+pub fn bundled_models() -> Vec<(String, hullwright::TriangleMesh)> {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
+    let paths = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let mut models: Vec<_> = paths
+        .filter(|path| path.extension().is_some_and(|extension| extension == "glb"))
+        .map(|path| {
+            let name = path.file_stem().unwrap().to_string_lossy().into_owned();
+            (name, hullwright::io::read_mesh(path).unwrap().mesh)
+        })
+        .collect();
+    models.sort_by(|a, b| a.0.cmp(&b.0));
+    models
+}
+
+/// Whether a point is in a hull, or nearly.
+pub fn contains(hull: &Hull, point: Point) -> bool {
+    hull.shape.triangles.iter().all(|triangle| {
+        let [a, b, c] = triangle.map(|v| hull.shape.points[v as usize]);
+        let [u, v, w] =
+            [[b, a], [c, a], [point, a]].map(|[p, q]| [p[0] - q[0], p[1] - q[1], p[2] - q[2]]);
+        let normal =
+            [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+        normal[0] * w[0] + normal[1] * w[1] + normal[2] * w[2] <= 1e-9
+    })
+}
+
+pub fn is_filled(decomposition: &Decomposition, point: Point) -> bool {
+    decomposition.hulls.iter().any(|hull| contains(hull, point))
+}
+
+/// A polygon from the coordinates of its corners, x and y in turn.
+pub fn polygon(coordinates: &[f64]) -> Vec<[f64; 2]> {
+    coordinates.as_chunks::<2>().0.to_vec()
+}
+
+/// Fills a simple polygon, counter-clockwise, by cutting off ears.
+fn ears(outline: &[[f64; 2]]) -> Vec<[u32; 3]> {
+    let turn = |a: u32, b: u32, c: u32| {
+        let [a, b, c] = [a, b, c].map(|v| outline[v as usize]);
+        (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+    };
+    let mut rest: Vec<u32> = (0..outline.len() as u32).collect();
+    let mut triangles = Vec::new();
+    while rest.len() > 3 {
+        let count = rest.len();
+        let corner = |k: usize| [rest[(k + count - 1) % count], rest[k], rest[(k + 1) % count]];
+        let is_outside = |p: u32, [a, b, c]: [u32; 3]| {
+            [turn(a, b, p), turn(b, c, p), turn(c, a, p)].iter().any(|&turn| turn < -1e-12)
+        };
+        let is_ear = |&k: &usize| {
+            let [a, b, c] = corner(k);
+            turn(a, b, c) > 1e-12
+                && rest.iter().all(|&p| [a, b, c].contains(&p) || is_outside(p, [a, b, c]))
+        };
+        let k = (1..=count).map(|k| k % count).find(is_ear).expect("a simple polygon has an ear");
+        triangles.push(corner(k));
+        rest.remove(k);
+    }
+    triangles.push([rest[0], rest[1], rest[2]]);
+    triangles
+}
+
+/// A prism over a simple polygon in the x-y plane, counter-clockwise.
+pub fn prism(outline: &[[f64; 2]], height: f64) -> Mesh {
     let count = outline.len() as u32;
     let at = |z: f64| outline.iter().map(move |&[x, y]| [x, y, z]);
     let positions = at(0.0).chain(at(height)).collect();
+    let fill = ears(outline);
     let top = fill.iter().map(|t| t.map(|v| v + count));
     let bottom = fill.iter().map(|&[a, b, c]| [a, c, b]);
     let walls = (0..count).flat_map(|a| {
@@ -19,13 +98,12 @@ pub fn prism(outline: &[[f64; 2]], fill: &[[u32; 3]], height: f64) -> Mesh {
 
 /// Two legs of length 2 and width 1, of height 1.
 pub fn l_prism() -> Mesh {
-    let outline = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
-    prism(&outline, &[[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]], 1.0)
+    prism(&polygon(&[0.0, 0.0, 2.0, 0.0, 2.0, 1.0, 1.0, 1.0, 1.0, 2.0, 0.0, 2.0]), 1.0)
 }
 
-pub fn cuboid(low: [f64; 3], high: [f64; 3]) -> Mesh {
+pub fn cuboid(low: Point, high: Point) -> Mesh {
     let (mut positions, triangles) =
-        prism(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], &[[0, 1, 2], [0, 2, 3]], 1.0);
+        prism(&polygon(&[0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 1.0]), 1.0);
     for point in &mut positions {
         *point = [0, 1, 2].map(|k| low[k] + point[k] * (high[k] - low[k]));
     }
@@ -33,47 +111,30 @@ pub fn cuboid(low: [f64; 3], high: [f64; 3]) -> Mesh {
 }
 
 pub fn u_prism() -> Mesh {
-    let outline = [
-        [0.0, 0.0],
-        [3.0, 0.0],
-        [3.0, 2.0],
-        [2.0, 2.0],
-        [2.0, 1.0],
-        [1.0, 1.0],
-        [1.0, 2.0],
-        [0.0, 2.0],
-    ];
-    prism(&outline, &[[0, 5, 6], [0, 6, 7], [0, 1, 4], [0, 4, 5], [1, 2, 3], [1, 3, 4]], 1.0)
+    let outline =
+        polygon(&[0.0, 0.0, 3.0, 0.0, 3.0, 2.0, 2.0, 2.0, 2.0, 1.0, 1.0, 1.0, 1.0, 2.0, 0.0, 2.0]);
+    prism(&outline, 1.0)
 }
 
 pub fn plus_prism() -> Mesh {
-    let outline = [
-        [1.0, 0.0],
-        [2.0, 0.0],
-        [2.0, 1.0],
-        [3.0, 1.0],
-        [3.0, 2.0],
-        [2.0, 2.0],
-        [2.0, 3.0],
-        [1.0, 3.0],
-        [1.0, 2.0],
-        [0.0, 2.0],
-        [0.0, 1.0],
-        [1.0, 1.0],
-    ];
-    let fill = [
-        [0, 1, 2],
-        [0, 2, 11],
-        [2, 3, 4],
-        [2, 4, 5],
-        [5, 6, 7],
-        [5, 7, 8],
-        [8, 9, 10],
-        [8, 10, 11],
-        [11, 2, 5],
-        [11, 5, 8],
-    ];
-    prism(&outline, &fill, 1.0)
+    let outline = polygon(&[
+        1.0, 0.0, 2.0, 0.0, 2.0, 1.0, 3.0, 1.0, 3.0, 2.0, 2.0, 2.0, 2.0, 3.0, 1.0, 3.0, 1.0, 2.0,
+        0.0, 2.0, 0.0, 1.0, 1.0, 1.0,
+    ]);
+    prism(&outline, 1.0)
+}
+
+/// A prism over a comb: a base of height 1 with teeth up to `top`, a gap as wide as a tooth between them.
+pub fn comb(teeth: u32, top: f64, height: f64) -> Mesh {
+    let mut outline = vec![[0.0, 0.0], [f64::from(2 * teeth - 1), 0.0]];
+    for tooth in (0..teeth).rev() {
+        let x = f64::from(2 * tooth);
+        outline.extend([[x + 1.0, top], [x, top]]);
+        if tooth > 0 {
+            outline.extend([[x, 1.0], [x - 1.0, 1.0]]);
+        }
+    }
+    prism(&outline, height)
 }
 
 /// Rotates a closed polygon in the half-plane (radius, height) about the z axis.
@@ -95,14 +156,14 @@ pub fn lathe(profile: &[[f64; 2]], sides: u32) -> Mesh {
 }
 
 pub fn torus() -> Mesh {
-    fine_torus(32, 16)
+    ring(1.0, 0.3, 32, 16)
 }
 
-/// Of `sides` rings of `parts` vertices.
-pub fn fine_torus(sides: u32, parts: u32) -> Mesh {
+/// A torus of two radii, of `sides` rings of `parts` vertices.
+pub fn ring(large: f64, small: f64, sides: u32, parts: u32) -> Mesh {
     let ring = (0..parts).map(|i| {
         let angle = f64::from(i) * std::f64::consts::TAU / f64::from(parts);
-        [1.0 + 0.3 * angle.cos(), 0.3 * angle.sin()]
+        [large + small * angle.cos(), small * angle.sin()]
     });
     lathe(&ring.collect::<Vec<_>>(), sides)
 }
@@ -165,9 +226,8 @@ pub fn turned((positions, triangles): &Mesh) -> Mesh {
 }
 
 /// A mesh with each triangle in both orientations.
-pub fn both_ways((positions, triangles): &Mesh) -> Mesh {
-    let turned = triangles.iter().map(|&[a, b, c]| [b, a, c]);
-    (positions.clone(), triangles.iter().copied().chain(turned).collect())
+pub fn both_ways(mesh: &Mesh) -> Mesh {
+    (mesh.0.clone(), [mesh.1.clone(), turned(mesh).1].concat())
 }
 
 /// SplitMix64 (Steele, Lea, Flood 2014).
@@ -188,7 +248,7 @@ impl Random {
     }
 
     /// In the cube from -1 to 1.
-    pub fn point(&mut self) -> [f64; 3] {
+    pub fn point(&mut self) -> Point {
         [(); 3].map(|()| self.signed())
     }
 }

@@ -1,7 +1,6 @@
 //! Promises of `decompose`, whatever the method; those of the paper's method among them.
 
 use std::sync::{Arc, Mutex};
-use std::time::Instant;
 
 use hullwright::surface::{self, ResolutionOutcome, SurfaceParameters, SurfaceReport};
 use hullwright::{
@@ -9,19 +8,23 @@ use hullwright::{
     decompose, single_hull,
 };
 
-use crate::common::{Mesh, cuboid, fine_torus as torus, join, l_prism};
+use crate::common::{Mesh, cuboid, join, l_prism, ring, run, turned, view};
 
 fn cube(low: [f64; 3], size: f64) -> Mesh {
     cuboid(low, low.map(|x| x + size))
 }
 
-fn run((positions, triangles): &Mesh) -> Decomposition {
-    decompose(MeshView::new(positions, triangles), &Parameters::default(), &Control::new()).unwrap()
+fn torus(sides: u32, parts: u32) -> Mesh {
+    ring(1.0, 0.3, sides, parts)
 }
 
-fn run_surface((positions, triangles): &Mesh) -> Decomposition<SurfaceReport> {
-    let mesh = MeshView::new(positions, triangles);
-    surface::decompose(mesh, &SurfaceParameters::default(), &Control::new()).unwrap()
+fn run_surface(
+    mesh: &Mesh,
+    change: impl FnOnce(&mut SurfaceParameters),
+) -> Decomposition<SurfaceReport> {
+    let mut parameters = SurfaceParameters::default();
+    change(&mut parameters);
+    surface::decompose(view(mesh), &parameters, &Control::new()).unwrap()
 }
 
 fn both_methods() -> [Method; 2] {
@@ -40,49 +43,37 @@ fn a_cube_is_one_hull_of_its_volume() {
 fn disjoint_boxes_are_two_hulls_of_two_components() {
     let result = run(&join(&[cube([0.0; 3], 1.0), cube([3.0, 0.0, 0.0], 1.0)]));
     assert_eq!(result.hulls.len(), 2);
-    assert_eq!(
-        result.hulls.iter().map(|hull| hull.provenance.component).collect::<Vec<_>>(),
-        [0, 1]
-    );
+    let components = result.hulls.iter().map(|hull| hull.provenance.component);
+    assert_eq!(components.collect::<Vec<_>>(), [0, 1]);
     assert_eq!(result.run.components, 2);
 }
 
 #[test]
 fn an_l_prism_is_two_groups() {
-    assert_eq!(run_surface(&l_prism()).report.pieces, 2);
+    assert_eq!(run_surface(&l_prism(), |_| {}).report.pieces, 2);
 }
 
 #[test]
-fn each_source_triangle_belongs_to_exactly_one_hull() {
+fn each_source_triangle_belongs_to_exactly_one_hull_and_each_hull_has_volume_and_a_label() {
     let mesh = torus(64, 32);
     let result = run(&mesh);
-    let mut all: Vec<u32> = result
-        .hulls
-        .iter()
-        .flat_map(|hull| hull.provenance.source_triangles.iter().copied())
-        .collect();
+    let source = result.hulls.iter().flat_map(|hull| &hull.provenance.source_triangles);
+    let mut all: Vec<u32> = source.copied().collect();
     all.sort_unstable();
     assert_eq!(all, (0..mesh.1.len() as u32).collect::<Vec<_>>());
-}
-
-#[test]
-fn labels_name_hulls_and_each_hull_has_volume() {
-    let result = run(&torus(48, 24));
-    assert_eq!(result.grouped.groups.len(), result.grouped.triangles.len());
-    for index in 0..result.hulls.len() as u32 {
-        assert!(result.grouped.groups.contains(&index));
-    }
-    assert!(result.grouped.groups.iter().all(|&label| (label as usize) < result.hulls.len()));
     assert!(result.hulls.iter().all(|hull| hull.shape.volume() > 0.0));
+    assert_eq!(result.grouped.groups.len(), result.grouped.triangles.len());
+    let mut labels = result.grouped.groups;
+    labels.sort_unstable();
+    labels.dedup();
+    assert_eq!(labels, (0..result.hulls.len() as u32).collect::<Vec<_>>());
 }
 
 #[test]
 fn left_handed_input_gives_the_same_hulls() {
-    let (positions, triangles) = torus(32, 16);
-    let flipped: Vec<[u32; 3]> = triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
-    let expected = run(&(positions.clone(), triangles.clone()));
-    let result = run(&(positions, flipped));
-    assert_eq!(result.run.repairs.flipped_triangles, triangles.len());
+    let mesh = torus(32, 16);
+    let (expected, result) = (run(&mesh), run(&turned(&mesh)));
+    assert_eq!(result.run.repairs.flipped_triangles, mesh.1.len());
     assert!(result.hulls.iter().all(|hull| hull.shape.volume() > 0.0));
     assert_eq!(result.hulls.len(), expected.hulls.len());
     for (hull, expected) in result.hulls.iter().zip(&expected.hulls) {
@@ -92,19 +83,18 @@ fn left_handed_input_gives_the_same_hulls() {
 }
 
 /// The same groups, whatever the vertices' and triangles' places.
-fn labels((positions, triangles): &Mesh, method: &Method) -> Vec<u32> {
-    let mesh = MeshView::new(positions, triangles);
-    method.decompose(mesh, &Control::new()).unwrap().grouped.groups
+fn labels(mesh: &Mesh, method: &Method) -> Vec<u32> {
+    method.decompose(view(mesh), &Control::new()).unwrap().grouped.groups
 }
 
 #[test]
 fn scale_changes_nothing() {
-    let (positions, triangles) = torus(40, 20);
+    let mesh = torus(40, 20);
     for method in both_methods() {
-        let expected = labels(&(positions.clone(), triangles.clone()), &method);
+        let expected = labels(&mesh, &method);
         for scale in [1e-6, 1e6] {
-            let scaled = positions.iter().map(|p| p.map(|x| x * scale)).collect();
-            let labels = labels(&(scaled, triangles.clone()), &method);
+            let scaled = mesh.0.iter().map(|p| p.map(|x| x * scale)).collect();
+            let labels = labels(&(scaled, mesh.1.clone()), &method);
             assert_eq!(labels, expected, "{method}, scale {scale}");
         }
     }
@@ -131,9 +121,8 @@ fn far_from_the_origin_the_groups_are_the_same() {
 fn single_precision_input_works_and_hulls_come_in_single_precision() {
     let (positions, triangles) = l_prism();
     let single: Vec<[f32; 3]> = positions.iter().map(|p| p.map(|x| x as f32)).collect();
-    let result =
-        decompose(MeshView::new(&single, &triangles), &Parameters::default(), &Control::new())
-            .unwrap();
+    let mesh = MeshView::new(&single, &triangles);
+    let result = decompose(mesh, &Parameters::default(), &Control::new()).unwrap();
     for hull in &result.hulls {
         let (points, triangles) = hull.shape.to_single_precision().unwrap();
         assert!(points.len() >= 4 && triangles.len() >= 4);
@@ -142,24 +131,18 @@ fn single_precision_input_works_and_hulls_come_in_single_precision() {
 
 #[test]
 fn threads_change_nothing() {
-    let (positions, triangles) = torus(64, 32);
-    let parameters = Parameters::default();
-    let control = |is_parallel| Control::new().with_parallel(is_parallel);
-    let serial =
-        decompose(MeshView::new(&positions, &triangles), &parameters, &control(false)).unwrap();
-    let mut parallel =
-        decompose(MeshView::new(&positions, &triangles), &parameters, &control(true)).unwrap();
+    let mesh = torus(64, 32);
+    let [serial, mut parallel] = [false, true].map(|is_parallel| {
+        let control = Control::new().with_parallel(is_parallel);
+        decompose(view(&mesh), &Parameters::default(), &control).unwrap()
+    });
     parallel.run.times = serial.run.times.clone();
     assert_eq!(serial, parallel);
 }
 
 #[test]
 fn resolutions_come_back_in_ascending_order_and_one_is_selected() {
-    let (positions, triangles) = torus(64, 32);
-    let mut parameters = SurfaceParameters::default();
-    parameters.maximum_resolutions = vec![1000, 250, 500, 250];
-    let mesh = MeshView::new(&positions, &triangles);
-    let found = surface::decompose(mesh, &parameters, &Control::new()).unwrap();
+    let found = run_surface(&torus(64, 32), |p| p.maximum_resolutions = vec![1000, 250, 500, 250]);
     let resolutions = found.report.resolutions;
     assert_eq!(resolutions.iter().map(|r| r.resolution).collect::<Vec<_>>(), [250, 500, 1000]);
     let selected = resolutions.iter().filter(|r| r.outcome == ResolutionOutcome::Selected);
@@ -183,7 +166,7 @@ fn simple_shapes_skip_higher_resolutions() {
             mesh.1.extend([[a, b, b + 1], [a, b + 1, a + 1]]);
         }
     }
-    let report = run_surface(&mesh).report;
+    let report = run_surface(&mesh, |_| {}).report;
     let outcomes: Vec<_> = report.resolutions.iter().map(|r| r.outcome).collect();
     assert!(report.pieces < 5, "{}", report.pieces);
     assert_eq!(outcomes[2..], [ResolutionOutcome::CutOff; 3]);
@@ -192,19 +175,14 @@ fn simple_shapes_skip_higher_resolutions() {
 
 #[test]
 fn the_unit_may_be_absolute() {
-    let (positions, triangles) = torus(32, 16);
-    let mut parameters = SurfaceParameters::default();
-    parameters.unit = Length::Units(1.5);
-    let mesh = MeshView::new(&positions, &triangles);
-    let found = surface::decompose(mesh, &parameters, &Control::new()).unwrap();
+    let found = run_surface(&torus(32, 16), |p| p.unit = Length::Units(1.5));
     assert!((found.report.unit - 1.5).abs() < 1e-12);
 }
 
 #[test]
 fn values_that_mean_nothing_are_errors() {
-    let (positions, triangles) = cube([0.0; 3], 1.0);
-    let mesh = MeshView::new(&positions, &triangles);
-    let control = Control::new();
+    let mesh = &cube([0.0; 3], 1.0);
+    let (mesh, control) = (view(mesh), Control::new());
     let is_rejected = |method: Method| {
         let result = method.decompose(mesh, &control);
         assert_eq!(result.err(), method.validate().err());
@@ -259,92 +237,55 @@ fn unusable_input_is_a_typed_error() {
 }
 
 #[test]
-fn cancelling_stops_with_a_typed_error() {
-    let (positions, triangles) = torus(32, 16);
-    let control = Control::new();
-    control.cancel();
-    for method in both_methods() {
-        let result = method.decompose(MeshView::new(&positions, &triangles), &control);
-        assert_eq!(result, Err(Error::Cancelled));
-    }
-}
-
-#[test]
-fn after_the_deadline_the_best_so_far_is_returned() {
-    let (positions, triangles) = torus(64, 32);
-    for method in both_methods() {
-        let control = Control::new().with_parallel(false).with_deadline(Instant::now());
-        let mesh = MeshView::new(&positions, &triangles);
-        let result = method.decompose(mesh, &control).unwrap();
-        assert!(result.run.deadline_reached);
-        assert!(!result.hulls.is_empty());
-    }
-}
-
-/// It starts no threshold after the deadline, and needs one for a result.
-#[cfg(feature = "parallel")]
-#[test]
-fn the_surface_method_on_threads_may_have_nothing_at_the_deadline() {
-    let (positions, triangles) = torus(64, 32);
-    let mesh = MeshView::new(&positions, &triangles);
-    let control = Control::new().with_deadline(Instant::now());
-    let threads = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
-    let parameters = SurfaceParameters::default();
-    let result = threads.install(|| surface::decompose(mesh, &parameters, &control));
-    assert_eq!(result, Err(Error::DeadlineExceeded));
-    let result = threads.install(|| decompose(mesh, &Parameters::default(), &control)).unwrap();
-    assert!(result.run.deadline_reached && !result.hulls.is_empty());
-}
-
-#[test]
 fn slices_give_the_same_and_progress_never_falls() {
-    let (positions, triangles) = torus(32, 16);
-    let seen = Arc::new(Mutex::new(Vec::new()));
-    let listener = Arc::clone(&seen);
-    let control = Control::new().with_progress(move |progress| {
-        listener.lock().unwrap().push((progress.stage, progress.fraction));
-    });
-    let control = control.with_parallel(false);
-    let parameters = SurfaceParameters::default();
-    let method = Method::from(parameters.clone());
-    let mesh = MeshView::new(&positions, &triangles);
-    let mut decomposer = method.decomposer(mesh, &control).unwrap();
-    let mut slices = 0;
-    let sliced = loop {
-        slices += 1;
-        if let Some(result) = decomposer.step().unwrap() {
-            break result;
-        }
-    };
-    assert!(slices > 7);
-    assert_eq!(decomposer.step(), Err(Error::Finished));
-    let whole = surface::decompose(mesh, &parameters, &Control::new()).unwrap();
-    assert_eq!((sliced.hulls, sliced.grouped), (whole.hulls, whole.grouped));
-    assert_eq!(sliced.report, MethodReport::Surface(whole.report));
-    let seen = seen.lock().unwrap();
-    assert!(seen.windows(2).all(|pair| pair[0].1 <= pair[1].1));
-    assert_eq!(seen.last().map(|last| last.1), Some(1.0));
-    let simplifying = seen.iter().filter(|progress| progress.0 == Stage::Simplify).count();
-    assert_eq!(simplifying, parameters.maximum_resolutions.len());
+    let mesh = torus(32, 16);
+    for (method, least_slices) in both_methods().into_iter().zip([5, 8]) {
+        let seen = Arc::new(Mutex::new(Vec::new()));
+        let listener = Arc::clone(&seen);
+        let control = Control::new().with_parallel(false).with_progress(move |progress| {
+            listener.lock().unwrap().push((progress.stage, progress.fraction));
+        });
+        let mut decomposer = method.decomposer(view(&mesh), &control).unwrap();
+        let mut slices = 1;
+        let sliced = loop {
+            match decomposer.step().unwrap() {
+                Some(result) => break result,
+                None => slices += 1,
+            }
+        };
+        assert!(slices >= least_slices, "{slices}");
+        assert_eq!(decomposer.step(), Err(Error::Finished));
+        let whole = method.decompose(view(&mesh), &Control::new()).unwrap();
+        assert_eq!(sliced.report, whole.report);
+        assert_eq!((sliced.hulls, sliced.grouped), (whole.hulls, whole.grouped));
+        let seen = seen.lock().unwrap();
+        assert!(seen.windows(2).all(|pair| pair[0].1 <= pair[1].1));
+        assert_eq!(seen.last().map(|last| last.1), Some(1.0));
+        let simplifying = seen.iter().filter(|progress| progress.0 == Stage::Simplify).count();
+        let resolutions = match &method {
+            Method::Surface(parameters) => parameters.maximum_resolutions.len(),
+            _ => 0,
+        };
+        assert_eq!(simplifying, resolutions);
+    }
 }
 
 #[test]
 fn the_single_hull_is_that_of_all_points() {
     let apart = join(&[cube([0.0; 3], 1.0), cube([3.0, 0.0, 0.0], 1.0)]);
-    for (positions, triangles) in [torus(24, 12), l_prism(), apart] {
-        let expected = hullwright::convex_hull(&positions).unwrap();
-        let mesh = MeshView::new(&positions, &triangles);
-        let made = single_hull(mesh, None, &Control::new()).unwrap();
+    for mesh in [torus(24, 12), l_prism(), apart] {
+        let expected = hullwright::convex_hull(&mesh.0).unwrap();
+        let made = single_hull(view(&mesh), None, &Control::new()).unwrap();
         assert_eq!(made.hulls.len(), 1);
         let hull = &made.hulls[0];
         assert!((hull.shape.volume() / expected.volume() - 1.0).abs() < 1e-9);
-        assert_eq!(hull.provenance.source_triangles.len(), triangles.len());
+        assert_eq!(hull.provenance.source_triangles.len(), mesh.1.len());
         let method = Method::Hull(Parameters::default().max_vertices(None));
-        let same = method.decompose(mesh, &Control::new()).unwrap();
+        let same = method.decompose(view(&mesh), &Control::new()).unwrap();
         assert_eq!((same.hulls, same.report), (made.hulls, MethodReport::Hull));
-        let capped = single_hull(mesh, Some(8), &Control::new()).unwrap();
-        let capped = &capped.hulls[0];
-        assert!(capped.shape.points.len() <= 8 && capped.shape.volume() >= expected.volume());
-        assert!(capped.errors.simplification_growth > 0.0 || expected.points.len() <= 8);
+        let limited = single_hull(view(&mesh), Some(8), &Control::new()).unwrap();
+        let limited = &limited.hulls[0];
+        assert!(limited.shape.points.len() <= 8 && limited.shape.volume() >= expected.volume());
+        assert!(limited.errors.simplification_growth > 0.0 || expected.points.len() <= 8);
     }
 }

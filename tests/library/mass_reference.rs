@@ -5,9 +5,8 @@ use std::f64::consts::PI;
 
 use hullwright::{MassProperties, MassSource, MeshView, convex_hull, mass_properties};
 
-use crate::common::Random;
+use crate::common::{Point, Random};
 
-type Point = [f64; 3];
 type Matrix = [[f64; 3]; 3];
 
 fn of(positions: &[Point], triangles: &[[u32; 3]], density: f64) -> MassProperties {

@@ -1,25 +1,36 @@
 //! What `measure` promises: known answers, and that no hull set makes it panic.
 
 use hullwright::measure::{MeasureOptions, Measurement, measure};
-use hullwright::{Control, Error, MeshView};
+use hullwright::{Control, Error, MeshView, Openings};
 
-use crate::common::{Mesh, cuboid, join, l_prism, prism, turned};
+use crate::common::{Mesh, cuboid, join, l_prism, polygon, prism, turned, view};
 
 fn unit_cube() -> Mesh {
     cuboid([0.0; 3], [1.0; 3])
 }
 
-fn shapes(hulls: &[Mesh]) -> Vec<MeshView<'_>> {
-    hulls.iter().map(|(points, triangles)| MeshView::new(points, triangles)).collect()
+fn try_measure(
+    mesh: &Mesh,
+    hulls: &[Mesh],
+    options: &MeasureOptions,
+    control: &Control,
+) -> Result<Measurement, Error> {
+    let hulls: Vec<MeshView<'_>> = hulls.iter().map(view).collect();
+    measure(view(mesh), &hulls, options, control)
 }
 
 fn judged(mesh: &Mesh, hulls: &[Mesh]) -> Measurement {
-    judged_with(mesh, hulls, &MeasureOptions::default())
+    judged_with(mesh, hulls, |_| {})
 }
 
-fn judged_with(mesh: &Mesh, hulls: &[Mesh], options: &MeasureOptions) -> Measurement {
-    let view = MeshView::new(&mesh.0, &mesh.1);
-    measure(view, &shapes(hulls), options, &Control::new()).unwrap()
+fn judged_with(
+    mesh: &Mesh,
+    hulls: &[Mesh],
+    change: impl FnOnce(&mut MeasureOptions),
+) -> Measurement {
+    let mut options = MeasureOptions::default();
+    change(&mut options);
+    try_measure(mesh, hulls, &options, &Control::new()).unwrap()
 }
 
 #[track_caller]
@@ -68,7 +79,7 @@ fn a_crack_beside_a_triangle_without_area_is_no_hole() {
 }
 
 #[test]
-fn a_hull_grown_on_one_side_is_phantom_by_that_much() {
+fn a_hull_grown_on_one_side_protrudes_by_that_much() {
     let found = judged(&unit_cube(), &[cuboid([0.0; 3], [1.25, 1.0, 1.0])]);
     assert_near(found.protrusion.max, 0.25 / 3_f64.sqrt(), ROUNDING);
     assert_near(found.protrusion.p99, 0.25 / 3_f64.sqrt(), ROUNDING);
@@ -83,7 +94,7 @@ fn a_hull_grown_on_one_side_is_phantom_by_that_much() {
 }
 
 #[test]
-fn a_missing_half_is_exposed_and_hollow() {
+fn a_missing_half_is_uncovered_and_hollow() {
     let found = judged(&unit_cube(), &[cuboid([0.0; 3], [0.5, 1.0, 1.0])]);
     assert_near(found.uncovered.max, 0.5 / 3_f64.sqrt(), ROUNDING);
     assert_near(found.uncovered.mean, (0.5 + 4.0 * 0.5 * 0.25) / 6.0 / 3_f64.sqrt(), 1e-4);
@@ -134,18 +145,9 @@ fn what_is_inside_another_hull_is_no_boundary() {
 #[test]
 fn the_hull_of_a_u_fills_its_gap() {
     // Legs of width 1 and height 3 on a base of height 1, gap of width 2 and height 3.
-    let polygon = [
-        [0.0, 0.0],
-        [4.0, 0.0],
-        [4.0, 4.0],
-        [3.0, 4.0],
-        [3.0, 1.0],
-        [1.0, 1.0],
-        [1.0, 4.0],
-        [0.0, 4.0],
-    ];
-    let caps = [[0, 1, 4], [0, 4, 5], [1, 2, 3], [1, 3, 4], [0, 5, 6], [0, 6, 7]];
-    let found = judged(&prism(&polygon, &caps, 5.0), &[cuboid([0.0; 3], [4.0, 4.0, 5.0])]);
+    let outline =
+        polygon(&[0.0, 0.0, 4.0, 0.0, 4.0, 4.0, 3.0, 4.0, 3.0, 1.0, 1.0, 1.0, 1.0, 4.0, 0.0, 4.0]);
+    let found = judged(&prism(&outline, 5.0), &[cuboid([0.0; 3], [4.0, 4.0, 5.0])]);
     // Farthest is the middle of the mouth, half a gap from both legs.
     let diagonal = (16.0_f64 + 16.0 + 25.0).sqrt();
     assert_near(found.protrusion.max, 1.0 / diagonal, 1e-3);
@@ -160,12 +162,11 @@ fn a_cavity_is_solid_unless_it_is_kept() {
     let hollow = join(&[outer.clone(), turned(&cuboid([0.25; 3], [0.75; 3]))]);
     let filled = judged(&hollow, std::slice::from_ref(&outer));
     assert_near(filled.iou.unwrap(), 1.0, COUNTING);
-    let mut options = MeasureOptions::default();
-    options.keep_cavities = true;
-    let found = judged_with(&hollow, &[outer], &options);
+    let kept = |hull| judged_with(&hollow, &[hull], |options| options.keep_cavities = true);
+    let found = kept(outer);
     assert_near(found.iou.unwrap(), 7.0 / 8.0, COUNTING);
     assert_near(found.protrusion.max, 0.0, ROUNDING);
-    let inner = judged_with(&hollow, &[cuboid([0.25; 3], [0.75; 3])], &options);
+    let inner = kept(cuboid([0.25; 3], [0.75; 3]));
     assert_eq!(inner.iou, Some(0.0));
     assert_eq!(inner.uncovered_volume, Some(1.0));
 }
@@ -186,14 +187,13 @@ fn an_open_sheet_has_distances_but_no_volume() {
 
 #[test]
 fn a_hole_does_not_turn_the_solid_inside_out() {
-    let (positions, triangles) = unit_cube();
-    let open: Mesh = (positions, triangles[1..].to_vec());
-    let mut options = MeasureOptions::default();
-    options.openings = hullwright::Openings::Keep;
-    let found = judged_with(&open, &[cuboid([0.1; 3], [0.9; 3])], &options);
+    let mut open = unit_cube();
+    open.1.remove(0);
+    let hull = [cuboid([0.1; 3], [0.9; 3])];
+    let found = judged_with(&open, &hull, |options| options.openings = Openings::Keep);
     assert_near(found.protrusion.max, 0.0, ROUNDING);
     assert_eq!(found.iou, None);
-    let closed = judged(&open, &[cuboid([0.1; 3], [0.9; 3])]);
+    let closed = judged(&open, &hull);
     assert_near(closed.iou.unwrap(), 0.512, COUNTING);
 }
 
@@ -271,10 +271,8 @@ fn garbage_among_hulls_is_counted_and_left_out() {
     let judged: Vec<bool> = found.checks.iter().map(Option::is_some).collect();
     assert_eq!(judged, [false, false, true, false, false, false, false]);
 
-    let options = MeasureOptions::default();
-    let (positions, triangles) = unit_cube();
-    let mesh = MeshView::new(&positions, &triangles);
-    let error = |hulls: &[Mesh]| measure(mesh, &shapes(hulls), &options, &Control::new()).err();
+    let (options, control) = (MeasureOptions::default(), Control::new());
+    let error = |hulls: &[Mesh]| try_measure(&unit_cube(), hulls, &options, &control).err();
     assert!(matches!(error(&garbage), Some(Error::UnusableHull { hull: 0, .. })));
     assert_eq!(error(&[]), Some(Error::NoHulls));
 }
@@ -295,13 +293,8 @@ fn a_mesh_that_can_not_be_judged_is_an_error() {
     let (positions, triangles) = unit_cube();
     let cube = [unit_cube()];
     let run = |positions: &[[f64; 3]], triangles: &[[u32; 3]]| {
-        measure(
-            MeshView::new(positions, triangles),
-            &shapes(&cube),
-            &MeasureOptions::default(),
-            &Control::new(),
-        )
-        .map(|_| ())
+        let mesh = (positions.to_vec(), triangles.to_vec());
+        try_measure(&mesh, &cube, &MeasureOptions::default(), &Control::new()).map(|_| ())
     };
     assert_eq!(run(&[], &triangles), Err(Error::EmptyMesh { vertices: 0, triangles: 12 }));
     assert_eq!(run(&positions, &[]), Err(Error::EmptyMesh { vertices: 8, triangles: 0 }));
@@ -316,12 +309,13 @@ fn a_mesh_that_can_not_be_judged_is_an_error() {
 }
 
 #[test]
-fn far_corners_of_triangles_without_area_are_not_of_the_mesh() {
-    let far = [[1e30, 0.0, 0.0], [1e308, -1e308, 0.0]];
-    for corner in far {
+fn triangles_that_are_not_finite_or_without_area_are_left_out_with_their_corners() {
+    let [far, farther, infinite] =
+        [[1e30, 0.0, 0.0], [1e308, -1e308, 0.0], [f64::INFINITY, 0.0, 0.0]];
+    for (corner, triangle) in [(far, [8, 8, 0]), (farther, [8, 8, 0]), (infinite, [0, 1, 8])] {
         let (mut positions, mut triangles) = unit_cube();
         positions.push(corner);
-        triangles.push([8, 8, 0]);
+        triangles.push(triangle);
         let found = judged(&(positions, triangles), &[unit_cube()]);
         assert_eq!(found, judged(&unit_cube(), &[unit_cube()]));
     }
@@ -329,31 +323,17 @@ fn far_corners_of_triangles_without_area_are_not_of_the_mesh() {
 
 #[test]
 fn random_points_are_the_same_for_a_seed_on_any_number_of_threads_and_others_for_another() {
-    let wide: Mesh =
-        (unit_cube().0.iter().map(|&[x, y, z]| [1.2 * x, y, z]).collect(), unit_cube().1);
+    let wide = [cuboid([0.0; 3], [1.2, 1.0, 1.0])];
     let of = |seed: u64, parallel: bool| {
         let mut options = MeasureOptions::default();
         options.random_seed = Some(seed);
-        let (positions, triangles) = unit_cube();
-        let hulls = shapes(std::slice::from_ref(&wide));
         let control = Control::new().with_parallel(parallel);
-        measure(MeshView::new(&positions, &triangles), &hulls, &options, &control).unwrap()
+        try_measure(&unit_cube(), &wide, &options, &control).unwrap()
     };
     assert_eq!(of(1, true), of(1, false));
     assert_ne!(of(1, true), of(2, true));
-    let even = judged(&unit_cube(), std::slice::from_ref(&wide));
-    assert!(
-        (of(1, true).protrusion.mean - even.protrusion.mean).abs() < 0.02 * even.protrusion.mean
-    );
-}
-
-#[test]
-fn triangles_of_the_mesh_that_are_not_finite_are_left_out() {
-    let (mut positions, mut triangles) = unit_cube();
-    positions.push([f64::INFINITY, 0.0, 0.0]);
-    triangles.push([0, 1, 8]);
-    let found = judged(&(positions, triangles), &[unit_cube()]);
-    assert_eq!(found, judged(&unit_cube(), &[unit_cube()]));
+    let even = judged(&unit_cube(), &wide).protrusion.mean;
+    assert!((of(1, true).protrusion.mean - even).abs() < 0.02 * even);
 }
 
 /// A needle thinner than repair's welding is dropped by `decompose`, and was held against its hulls.
@@ -375,17 +355,10 @@ fn vertices_that_no_triangle_uses_do_not_count_for_the_diagonal() {
 
 #[test]
 fn options_that_mean_nothing_are_errors() {
-    let (positions, triangles) = unit_cube();
-    let cube = [unit_cube()];
     let name = |change: fn(&mut MeasureOptions)| {
         let mut options = MeasureOptions::default();
         change(&mut options);
-        match measure(
-            MeshView::new(&positions, &triangles),
-            &shapes(&cube),
-            &options,
-            &Control::new(),
-        ) {
+        match try_measure(&unit_cube(), &[unit_cube()], &options, &Control::new()) {
             Err(Error::InvalidParameter { name, .. }) => name,
             other => panic!("{other:?}"),
         }
@@ -417,25 +390,20 @@ fn size_and_place_do_not_matter() {
 #[test]
 fn threads_do_not_matter() {
     let hulls = [cuboid([-0.1; 3], [0.6, 1.1, 1.0]), cuboid([0.5, 0.1, 0.0], [1.0, 1.0, 1.2])];
-    let (positions, triangles) = unit_cube();
     let of = |is_parallel| {
         let control = Control::new().with_parallel(is_parallel);
-        let mesh = MeshView::new(&positions, &triangles);
-        measure(mesh, &shapes(&hulls), &MeasureOptions::default(), &control).unwrap()
+        try_measure(&unit_cube(), &hulls, &MeasureOptions::default(), &control).unwrap()
     };
     assert_eq!(of(true), of(false));
 }
 
 #[test]
 fn the_counts_of_samples_are_stated() {
-    let mut options = MeasureOptions::default();
-    (options.hull_samples, options.mesh_samples, options.volume_samples) = (1000, 500, 2000);
-    let (positions, triangles) = unit_cube();
     let hulls = [unit_cube(), cuboid([2.0, 0.0, 0.0], [3.0, 1.0, 1.0])];
-    let samples =
-        measure(MeshView::new(&positions, &triangles), &shapes(&hulls), &options, &Control::new())
-            .unwrap()
-            .samples;
+    let found = judged_with(&unit_cube(), &hulls, |options| {
+        (options.hull_samples, options.mesh_samples, options.volume_samples) = (1000, 500, 2000);
+    });
+    let samples = found.samples;
     assert_eq!((samples.hull, samples.boundary), (1000, 1000));
     assert_eq!((samples.mesh, samples.volume), (500, 2000));
     assert_near(samples.solid as f64 / 2000.0, 1.0 / 3.0, 0.01);
@@ -445,16 +413,7 @@ fn the_counts_of_samples_are_stated() {
 
 #[test]
 fn without_samples_in_space_there_are_no_volumes() {
-    let mut options = MeasureOptions::default();
-    options.volume_samples = 0;
-    let (positions, triangles) = unit_cube();
-    let found = measure(
-        MeshView::new(&positions, &triangles),
-        &shapes(&[unit_cube()]),
-        &options,
-        &Control::new(),
-    )
-    .unwrap();
+    let found = judged_with(&unit_cube(), &[unit_cube()], |options| options.volume_samples = 0);
     assert_eq!((found.iou, found.uncovered_volume, found.overlap), (None, None, None));
 }
 

@@ -193,32 +193,35 @@ pub fn open_corner() -> TriangleMesh {
 
 /// A cup whose liner is not welded to its wall.
 pub fn cup_with_loose_liner() -> TriangleMesh {
-    joined(&[
-        ring(4, (0.0, 1.0), (2.0, 1.0)),
-        turned(disc(4, 0.0, 1.0)),
-        turned(ring(4, (0.2, 0.8), (2.0, 0.8))),
-        disc(4, 0.2, 0.8),
-    ])
+    cup_with_liner(2.0)
 }
 
 /// A cup whose liner ends below its rim.
 pub fn cup_with_short_liner() -> TriangleMesh {
+    cup_with_liner(1.8)
+}
+
+fn cup_with_liner(end: f64) -> TriangleMesh {
     joined(&[
         ring(4, (0.0, 1.0), (2.0, 1.0)),
         turned(disc(4, 0.0, 1.0)),
-        turned(ring(4, (0.2, 0.8), (1.8, 0.8))),
+        turned(ring(4, (0.2, 0.8), (end, 0.8))),
         disc(4, 0.2, 0.8),
     ])
 }
 
 /// A bowl of one sheet, drawn from within.
 pub fn bowl_from_within() -> TriangleMesh {
-    turned(joined(&[turned(disc(12, 0.0, 0.6)), ring(12, (0.0, 0.6), (0.8, 1.0))]))
+    turned(bowl())
 }
 
 /// A bowl of one sheet, drawn from both sides.
 pub fn bowl_from_both_sides() -> TriangleMesh {
-    both_sided(joined(&[turned(disc(12, 0.0, 0.6)), ring(12, (0.0, 0.6), (0.8, 1.0))]))
+    both_sided(bowl())
+}
+
+fn bowl() -> TriangleMesh {
+    joined(&[turned(disc(12, 0.0, 0.6)), ring(12, (0.0, 0.6), (0.8, 1.0))])
 }
 
 /// A tent of one sheet.

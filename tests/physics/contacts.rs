@@ -45,7 +45,7 @@ fn bodies_on_faces(hull: &dyn Shape, size: f32, depth: f32) -> Vec<(SharedShape,
         .collect()
 }
 
-/// Scaled by a power of two, a contact has the same bits but for the exponent: so what is right at 16 m, where
+/// Scaled by a power of two, a contact has the same bits except the exponent: so what is right at 16 m, where
 /// Parry's tolerances are small, is right at a millimetre.
 #[test]
 fn contacts_are_right_and_the_same_from_a_millimetre_to_sixteen_metres() {

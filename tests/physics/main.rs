@@ -4,10 +4,12 @@
 //! models and meshes made here; lengths are metres.
 
 mod bodies;
-mod colliders;
+// The unused rest is for other tests.
+#[allow(dead_code)]
+#[path = "../common/mod.rs"]
+mod common;
 mod contacts;
 mod hanging;
-mod openings;
 mod resting;
 mod seams;
 mod shapes;

@@ -2,6 +2,7 @@
 
 use rapier3d::prelude::*;
 
+use crate::common::{Mesh, lathe, polygon};
 use crate::world::{Prop, World};
 
 #[test]
@@ -130,24 +131,12 @@ fn mirrored_and_stretched_bodies_rest_where_they_should() {
 }
 
 /// A round dish, 10 m wide, its middle at height 0 and its rim at 0.6 m, on a flat bottom.
-fn dish() -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
-    const SIDES: u32 = 16;
-    // Radius and height, from the middle of the top over the rim to the middle of the bottom.
-    let profile = [[2.0, 0.0], [4.0, 0.2], [5.0, 0.6], [5.5, 0.6], [5.5, -0.5]];
-    let mut positions = vec![[0.0, 0.0, 0.0], [0.0, -0.5, 0.0]];
-    for side in 0..SIDES {
-        let (sine, cosine) = (std::f64::consts::TAU * f64::from(side) / f64::from(SIDES)).sin_cos();
-        positions.extend(profile.map(|[radius, height]| [radius * cosine, height, radius * sine]));
-    }
-    let rings = profile.len() as u32;
-    let mut triangles = Vec::new();
-    for side in 0..SIDES {
-        let [a, b] = [2 + rings * side, 2 + rings * ((side + 1) % SIDES)];
-        triangles.extend([[0, b, a], [1, a + rings - 1, b + rings - 1]]);
-        for ring in 0..rings - 1 {
-            let [a, b] = [a + ring, b + ring];
-            triangles.extend([[a, b, b + 1], [a, b + 1, a + 1]]);
-        }
-    }
+fn dish() -> Mesh {
+    // Radius and height, from the middle of the bottom over the rim to the middle of the top.
+    let profile =
+        polygon(&[0.0, -0.5, 5.5, -0.5, 5.5, 0.6, 5.0, 0.6, 4.0, 0.2, 2.0, 0.0, 0.0, 0.0]);
+    let (mut positions, triangles) = lathe(&profile, 16);
+    // From around z to around y.
+    positions.iter_mut().for_each(|point| point.rotate_left(1));
     (positions, triangles)
 }

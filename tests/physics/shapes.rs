@@ -1,7 +1,8 @@
-//! Concave things do what only concave things can.
+//! Concave things do what only concave things can, and what modellers leave open is solid or not as a player expects.
 
 use rapier3d::prelude::*;
 
+use crate::common::comb;
 use crate::world::{Prop, World};
 
 #[test]
@@ -69,10 +70,9 @@ fn a_mug_hangs_by_its_handle_on_a_hook() {
     assert!(off.x.abs() < 0.01, "{off}");
 }
 
-/// Drops a ball into the bundled bowl, both as many times as large, and sees where it ends.
-fn assert_a_ball_stays_in_a_bowl(scale: f32, seconds: f32, world: World) {
+/// A ball that falls into the bundled bowl, both as many times as large, ends on its bottom.
+fn assert_a_ball_stays_in_a_bowl(scale: f32, seconds: f32, mut world: World) {
     let bowl = Prop::model("bowl");
-    let mut world = world;
     let bowl_body = world.dynamic_at([0.0, 0.001 * scale, 0.0], bowl.scaled_collider([scale; 3]));
     let radius = 0.008;
     let ball = world.dynamic_at(
@@ -102,7 +102,10 @@ fn a_ball_stays_in_a_large_bowl() {
 
 #[test]
 fn a_box_slides_over_the_seams_of_a_decomposed_floor() {
-    let floor = Prop::mesh(comb(9, 1.0, 0.5));
+    // Its top is at height 0. No two of its tines fit into one hull.
+    let (mut positions, triangles) = comb(10, 3.0, 0.5);
+    positions.iter_mut().for_each(|[_, y, z]| (*y, *z) = (-*z, *y));
+    let floor = Prop::mesh((positions, triangles));
     assert!(floor.decomposition.hulls.len() >= 5, "a floor with seams");
     let slide = |collider: ColliderBuilder| {
         let mut world = World::new(1.0);
@@ -159,50 +162,37 @@ fn a_fast_ball_does_not_end_inside_a_solid() {
         // Rapier may let a ball at this speed sink in for a step, but out it must come again.
         let place = world.place(*ball);
         assert!(!solid.shape().contains_point(solid.position(), place), "{place}");
-        // Who missed is 300 m/s away by now.
+        // A ball that missed is far away by now.
         hits += usize::from(world.place(*ball).length() < 100.0);
     }
     assert!(hits >= 12, "{hits} hits");
 }
 
-/// A plate with its top at height 0 and square notches of `size` along one side, `count` of them:
-/// no two of its tines fit into one hull.
-fn comb(count: u32, size: f64, thickness: f64) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
-    let at = |x: u32, y: u32, z: u32| {
-        [f64::from(x) * size, -f64::from(y) * thickness, f64::from(z) * size]
-    };
-    let mut positions = Vec::new();
-    let mut triangles: Vec<[u32; 3]> = Vec::new();
-    let mut quad = |corners: [[f64; 3]; 4]| {
-        let first = positions.len() as u32;
-        positions.extend(corners);
-        triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
-    };
-    let width = 2 * count + 1;
-    let is_solid = |x: i64, z: i64| {
-        let inside = (0..i64::from(width)).contains(&x) && (0..3).contains(&z);
-        // One row of cells is whole, of the others every second cell.
-        inside && (z == 0 || x % 2 == 0)
-    };
-    for (x, z) in (0..width).flat_map(|x| (0..3).map(move |z| (x, z))) {
-        let (column, row) = (i64::from(x), i64::from(z));
-        if !is_solid(column, row) {
-            continue;
-        }
-        quad([at(x, 0, z), at(x, 0, z + 1), at(x + 1, 0, z + 1), at(x + 1, 0, z)]);
-        quad([at(x, 1, z), at(x + 1, 1, z), at(x + 1, 1, z + 1), at(x, 1, z + 1)]);
-        if !is_solid(column, row - 1) {
-            quad([at(x, 0, z), at(x + 1, 0, z), at(x + 1, 1, z), at(x, 1, z)]);
-        }
-        if !is_solid(column, row + 1) {
-            quad([at(x + 1, 0, z + 1), at(x, 0, z + 1), at(x, 1, z + 1), at(x + 1, 1, z + 1)]);
-        }
-        if !is_solid(column - 1, row) {
-            quad([at(x, 0, z + 1), at(x, 0, z), at(x, 1, z), at(x, 1, z + 1)]);
-        }
-        if !is_solid(column + 1, row) {
-            quad([at(x + 1, 0, z), at(x + 1, 0, z + 1), at(x + 1, 1, z + 1), at(x + 1, 1, z)]);
-        }
+/// A box without the side at its top (`true`) or bottom, drawn from outside, or from inside.
+fn open_box(is_open_above: bool, is_lined: bool) -> Prop {
+    let corners = |i: usize| [(i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2 & 1) as f64];
+    let positions: Vec<[f64; 3]> = (0..8).map(corners).collect();
+    let mut quads = vec![[0, 4, 6, 2], [1, 3, 7, 5], [0, 2, 3, 1], [4, 5, 7, 6]];
+    quads.push(if is_open_above { [0, 1, 5, 4] } else { [2, 6, 7, 3] });
+    if is_lined {
+        quads.iter_mut().for_each(|quad| quad.reverse());
     }
-    (positions, triangles)
+    let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+    Prop::mesh((positions, triangles.collect()))
+}
+
+#[test]
+fn a_ball_lies_on_the_missing_side_of_a_crate_and_falls_into_a_bin_that_is_seen_from_within() {
+    let radius = 0.1;
+    for (is_open_above, is_lined, height) in
+        [(false, false, 1.0), (true, false, 1.0), (true, true, 0.0)]
+    {
+        let mut world = World::new(1.0);
+        world.fixed(open_box(is_open_above, is_lined).collider());
+        let ball = world.dynamic_at([0.52, 2.0, 0.49], ColliderBuilder::ball(radius));
+        world.run(3.0);
+        let end = world.place(ball).y - radius;
+        let tolerance = if is_lined { 0.05 } else { 0.01 };
+        assert!((end - height).abs() < tolerance, "{is_open_above} {is_lined}: {end}");
+    }
 }

@@ -10,6 +10,8 @@ use hullwright::{
 };
 use rapier3d::prelude::*;
 
+use crate::common::Mesh;
+
 /// Water. Only how mass is distributed matters here.
 pub const DENSITY: f64 = 1000.0;
 
@@ -31,7 +33,7 @@ impl Prop {
         })
     }
 
-    /// One of the bundled models, with a bound as a share of its diagonal.
+    /// One of the bundled models, with a bound as a fraction of its diagonal.
     pub fn model_bounded(name: &str, share: f64) -> Self {
         Self::model_within(name, &Parameters::default().max_error(Length::share(share)))
     }
@@ -41,7 +43,7 @@ impl Prop {
         Self::new(read_mesh(path).unwrap().mesh, parameters)
     }
 
-    pub fn mesh((positions, triangles): (Vec<[f64; 3]>, Vec<[u32; 3]>)) -> Self {
+    pub fn mesh((positions, triangles): Mesh) -> Self {
         Self::new(TriangleMesh::new(positions, triangles), &Parameters::default())
     }
 

@@ -1,10 +1,11 @@
-//! The boundary of a surface as simple loops.
+//! Openings: the boundary of a surface as simple loops, and what became of each.
 //!
 //! A half-edge is on the boundary where more triangles run along its edge one way than the other. What
 //! closes the surface runs the other way: the loops here do. A T-junction, a long edge with
 //! vertices of its neighbours on it, is a loop without width.
 
-use crate::geometry::vector::Vector;
+use crate::geometry::vector::{Vector, mean};
+use crate::mesh::PreparedMesh;
 use crate::mesh::connectivity::{SortedHalfEdges, ascends};
 
 /// A simple closed polygon along the boundary.
@@ -17,12 +18,17 @@ pub(super) struct Loop {
 }
 
 impl Loop {
-    /// In diagonals.
-    pub(super) fn length(&self, positions: &[Vector]) -> f64 {
-        let next = self.vertices.iter().cycle().skip(1);
-        let at = |vertex: &u32| positions[*vertex as usize];
-        self.vertices.iter().zip(next).map(|(a, b)| at(a).distance(at(b))).sum()
+    /// For each side its triangle of the surface, and its length.
+    pub(super) fn sides(&self, positions: &[Vector]) -> impl Iterator<Item = (u32, f64)> {
+        let length = |a: u32, b: u32| positions[a as usize].distance(positions[b as usize]);
+        let lengths = sides(&self.vertices).map(move |(&a, &b)| length(a, b));
+        self.neighbours.iter().copied().zip(lengths)
     }
+}
+
+/// The sides of a closed polygon.
+pub(super) fn sides<T>(corners: &[T]) -> impl Iterator<Item = (&T, &T)> {
+    corners.iter().zip(corners.iter().cycle().skip(1))
 }
 
 /// A half-edge that would close the surface.
@@ -104,6 +110,99 @@ fn cap_edges(positions: &[Vector], triangles: &[[u32; 3]]) -> Vec<CapEdge> {
     edges
 }
 
+/// An opening of the mesh: a loop of open edges, with the loops that are holes in its cap.
+#[non_exhaustive]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Opening {
+    /// Open edges around it, those of holes included.
+    pub edges: usize,
+    /// Area of its cap, in squared units. Where there is no cap, the length of the vector area.
+    pub area: f64,
+    /// Middle of its vertices, in units.
+    pub centre: [f64; 3],
+    /// Whether it was closed, or why not.
+    pub outcome: OpeningOutcome,
+}
+
+/// What became of an opening.
+#[non_exhaustive]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
+pub enum OpeningOutcome {
+    /// A cap closes it.
+    Closed,
+    /// A cap closes it, within the solid, where nothing can touch it.
+    ClosedWithin,
+    /// Left: its vertices are farther from a plane than the bound.
+    NotFlat,
+    /// Left: its outline crosses itself, or has more than 10,000 vertices.
+    NotSimple,
+    /// Left: a cap would lie on the surface around it, at less than 30° in the median.
+    Sheet,
+    /// Left: the surface goes through the cap.
+    Cut,
+    /// Left: its surface is drawn from both sides, and it does not lie in the lowest plane.
+    TwoSided,
+    /// Left: the fronts of faces are seen through it, or a way out.
+    SeenInto,
+    /// Left: what is beyond it is inside already, and would not be with a cap.
+    SolidBeyond,
+    /// Left: most of the boundary of its component stays open.
+    Fragment,
+}
+
+impl OpeningOutcome {
+    /// Whether a cap closes it.
+    pub fn is_closed(self) -> bool {
+        matches!(self, Self::Closed | Self::ClosedWithin)
+    }
+
+    /// In words.
+    pub fn describe(self) -> &'static str {
+        match self {
+            Self::Closed => "closed",
+            Self::ClosedWithin => "closed within the solid",
+            Self::NotFlat => "left: not flat within the bound",
+            Self::NotSimple => "left: its outline crosses itself",
+            Self::Sheet => "left: a cap would lie on the sheet around it",
+            Self::Cut => "left: the surface goes through it",
+            Self::TwoSided => "left: drawn from both sides, and not at the bottom",
+            Self::SeenInto => "left: the inside is seen through it",
+            Self::SolidBeyond => "left: the solid goes on beyond it",
+            Self::Fragment => "left: most of the part around it stays open",
+        }
+    }
+}
+
+impl Opening {
+    /// Of the vertices around it. The area is normalised.
+    pub(super) fn new(
+        vertices: impl Iterator<Item = u32>,
+        area: f64,
+        prepared: &PreparedMesh,
+        outcome: OpeningOutcome,
+    ) -> Self {
+        let points = prepared.mesh.points();
+        let points: Vec<Vector> = vertices.map(|vertex| points[vertex as usize]).collect();
+        let normalization = &prepared.normalization;
+        let area = area * normalization.diagonal * normalization.diagonal;
+        let centre = normalization.restore(mean(&points)).to_array();
+        Self { edges: points.len(), area, centre, outcome }
+    }
+
+    /// Of a loop without a cap.
+    pub(super) fn left(own: &Loop, prepared: &PreparedMesh, outcome: OpeningOutcome) -> Self {
+        let points: Vec<Vector> =
+            own.vertices.iter().map(|&v| prepared.mesh.points()[v as usize]).collect();
+        let centre = mean(&points);
+        let twice =
+            sides(&points).fold(Vector::ZERO, |sum, (&a, &b)| sum + (a - centre).cross(b - centre));
+        Self::new(own.vertices.iter().copied(), 0.5 * twice.length(), prepared, outcome)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -130,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn loops_that_touch_are_told_apart() {
+    fn loops_that_touch_stay_apart() {
         // Two open boxes side by side which share an edge of their rims.
         let mut first = cuboid([0.0; 3], [1.0; 3]);
         let mut second = cuboid([1.0, 1.0, 0.0], [2.0, 2.0, 1.0]);
@@ -151,7 +250,7 @@ mod tests {
     #[test]
     fn a_t_junction_is_a_loop_without_width() {
         let mut mesh = cuboid([0.0; 3], [1.0; 3]);
-        // The lid's edge from 4 to 5 has a vertex that the side below does not know.
+        // The lid's edge from 4 to 5 has a vertex that the side below does not have.
         mesh.positions.push([0.5, 0.0, 1.0]);
         mesh.triangles[10] = [4, 8, 7];
         mesh.triangles.push([8, 5, 7]);

@@ -1,0 +1,182 @@
+//! Simple shapes have as few hulls as a person would use; prisms have the known number at any bound. Hulls fill the
+//! solid and leave empty what is empty.
+
+use std::time::{Duration, Instant};
+
+use hullwright::{Control, Parameters, Preset, decompose};
+
+use crate::common::{
+    Mesh, ball, both_ways, comb, cuboid, cup, is_filled, join, l_prism, lathe, plus_prism, polygon,
+    prism, run, run_with, torus, turned, u_prism, view,
+};
+use crate::{judge, promised, promised_with, with_bound};
+
+#[test]
+fn simple_shapes_have_as_few_hulls_as_a_person_would_use() {
+    let cylinder = lathe(&[[0.005, 0.0], [1.0, 0.0], [1.0, 3.0], [0.005, 3.0]], 96);
+    // A hull of 64 vertices needs nearly all of the bound.
+    let ball = ball(40, 80);
+    // Without remerging, a cube with both orientations of each triangle is 244 hulls.
+    let double_cube = both_ways(&cuboid([0.0; 3], [1.0; 3]));
+    for (name, mesh, expected) in [
+        ("L", l_prism(), 2..=2),
+        ("U", u_prism(), 3..=3),
+        ("plus", plus_prism(), 2..=2),
+        ("torus", torus(), 1..=9),
+        ("cylinder", cylinder, 1..=1),
+        ("ball", ball, 1..=1),
+        ("double cube", double_cube, 1..=30),
+    ] {
+        let result = promised(name, &mesh);
+        assert!(expected.contains(&result.hulls.len()), "{name}: {}", result.hulls.len());
+        assert!(result.hulls.iter().all(|hull| hull.shape.points.len() <= 64), "{name}");
+        assert!(name != "cylinder" || result.report.patches == 1);
+        let judged = judge(&mesh, &result.hulls);
+        assert!(name != "L" || judged.iou.unwrap() > 0.97);
+        if ["L", "torus", "plus"].contains(&name) {
+            let hollow = judged.uncovered_volume.unwrap();
+            assert!(hollow <= 0.01, "{name}: {hollow}");
+        }
+    }
+}
+
+#[test]
+fn duplicate_triangles_change_nothing() {
+    let (positions, mut triangles) = l_prism();
+    triangles.extend(triangles.clone());
+    assert_eq!(run(&(positions, triangles)).hulls.len(), 2);
+}
+
+#[test]
+fn long_needles_are_no_reason_to_divide() {
+    // Divided by size, a tube of 300 facets becomes 5,000 patches.
+    let tube = lathe(&[[0.2, -0.5], [0.22, -0.5], [0.22, 0.5], [0.2, 0.5]], 300);
+    let patches = promised("tube", &tube).report.patches;
+    assert!(patches < 1500, "{patches}");
+}
+
+#[test]
+fn a_finer_preset_has_no_more_hulls() {
+    for mesh in [torus(), cup(), plus_prism()] {
+        let counts = [Preset::Fast, Preset::Balanced, Preset::Fine]
+            .map(|preset| run_with(&mesh, &Parameters::default().preset(preset)).hulls.len());
+        assert!(counts.is_sorted_by(|coarse, fine| coarse >= fine), "{counts:?}");
+    }
+}
+
+#[test]
+fn a_thin_walled_cup_stays_hollow() {
+    let result = promised("cup", &cup());
+    // A marble in the cup touches nothing above the floor.
+    for z in [0.5, 1.0, 1.9] {
+        assert!(!is_filled(&result, [0.0, 0.0, z]), "{z}");
+    }
+}
+
+#[test]
+fn a_box_of_both_orientations_is_a_sheet_and_stays_hollow() {
+    // Models whose sides are drawn from both sides have a winding number of 0 everywhere: hulls
+    // that fill their inside protrude.
+    let result = promised("double box", &both_ways(&cuboid([0.0; 3], [1.0, 1.2, 1.4])));
+    assert!(!is_filled(&result, [0.5, 0.6, 0.7]));
+}
+
+#[test]
+fn a_cavity_fills_unless_it_is_to_be_kept() {
+    let hollow = join(&[l_prism(), turned(&cuboid([0.4; 3], [0.6; 3]))]);
+    assert!(is_filled(&promised("filled", &hollow), [0.5; 3]));
+    let parameters = Parameters::default().keep_cavities(true);
+    assert!(!is_filled(&promised_with("kept", &hollow, &parameters), [0.5; 3]));
+    // Without cavities, keeping them changes nothing.
+    assert_eq!(run_with(&l_prism(), &parameters).hulls, run(&l_prism()).hulls);
+}
+
+#[test]
+fn plates_and_rods_far_thinner_than_the_bound_keep_their_volume() {
+    // All corners but four hardly protrude from the hull of the others, a tetrahedron with a third
+    // of the plate's volume.
+    for extent in [[1.0, 1.0, 0.001], [1.0, 1.0, 0.0003], [1.0, 0.001, 0.001]] {
+        let plate = cuboid([0.0; 3], extent);
+        let result = run(&plate);
+        assert_eq!(result.hulls.len(), 1);
+        let share = result.hulls[0].shape.volume() / extent.iter().product::<f64>();
+        assert!(share > 0.95, "{extent:?}: {share}");
+    }
+}
+
+/// As fractions of the diagonal.
+const BOUNDS: [f64; 4] = [0.02, 0.005, 0.001, 0.0002];
+
+fn stairs(steps: u32) -> Mesh {
+    let size = f64::from(steps);
+    let mut outline = vec![[0.0, 0.0], [size, 0.0]];
+    for step in 0..steps {
+        let (x, y) = (size - f64::from(step), f64::from(step) + 1.0);
+        outline.extend([[x, y], [x - 1.0, y]]);
+    }
+    outline.pop();
+    outline.push([0.0, size]);
+    prism(&outline, 0.5 * size)
+}
+
+/// A square frame around a square hole.
+fn frame() -> Mesh {
+    let square = |low: f64, high: f64| [[low, low], [high, low], [high, high], [low, high]];
+    let ring: Vec<[f64; 2]> = square(0.0, 4.0).into_iter().chain(square(1.0, 3.0)).collect();
+    let at = |z: f64| ring.iter().map(move |&[x, y]| [x, y, z]);
+    let positions: Vec<[f64; 3]> = at(0.0).chain(at(1.0)).collect();
+    let mut triangles = Vec::new();
+    for a in 0..4_u32 {
+        let b = (a + 1) % 4;
+        let mut quad = |[p, q, r, s]: [u32; 4]| triangles.extend([[p, q, r], [p, r, s]]);
+        quad([a, b, b + 8, a + 8]);
+        quad([b + 4, a + 4, a + 12, b + 12]);
+        quad([a + 8, b + 8, b + 12, a + 12]);
+        quad([b, a, a + 4, b + 4]);
+    }
+    (positions, triangles)
+}
+
+#[test]
+fn plain_prisms_have_the_known_number_of_hulls_at_any_bound() {
+    let rectangle = [0.0, 0.0, 3.0, 0.0, 3.0, 2.0, 0.0, 2.0];
+    let l = [0.0, 0.0, 3.0, 0.0, 3.0, 1.0, 1.0, 1.0, 1.0, 3.0, 0.0, 3.0];
+    let t = [0.0, 2.0, 1.0, 2.0, 1.0, 0.0, 2.0, 0.0, 2.0, 2.0, 3.0, 2.0, 3.0, 3.0, 0.0, 3.0];
+    let u = [0.0, 0.0, 3.0, 0.0, 3.0, 3.0, 2.0, 3.0, 2.0, 1.0, 1.0, 1.0, 1.0, 3.0, 0.0, 3.0];
+    let shapes: [(&str, Mesh, usize); 7] = [
+        ("box", prism(&polygon(&rectangle), 1.0), 1),
+        ("L", prism(&polygon(&l), 1.0), 2),
+        ("T", prism(&polygon(&t), 1.0), 2),
+        ("U", prism(&polygon(&u), 1.0), 3),
+        ("frame", frame(), 4),
+        ("comb", comb(5, 4.0, 1.0), 6),
+        ("stairs", stairs(6), 6),
+    ];
+    for (name, mesh, expected) in shapes {
+        for bound in BOUNDS {
+            let result = run_with(&mesh, &with_bound(bound));
+            let report = result.report;
+            assert!(report.protrusion_max <= report.bound, "{name} at {bound}");
+            assert!(report.uncovered_max <= report.bound, "{name} at {bound}");
+            assert!(result.hulls.len() <= expected, "{name} at {bound}: {}", result.hulls.len());
+            if name != "stairs" {
+                for hull in &result.hulls {
+                    assert_eq!(hull.shape.points.len(), 8, "{name} at {bound}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn an_open_tile_with_a_relief_is_verified_at_once() {
+    // Steps without the side that nobody sees: a closed mesh except the floor.
+    let (positions, mut triangles) = stairs(6);
+    triangles.retain(|triangle| !triangle.iter().all(|&v| positions[v as usize][1] == 0.0));
+    let control = Control::new().with_deadline(Instant::now() + Duration::from_secs(20));
+    let mesh = (positions, triangles);
+    let result = decompose(view(&mesh), &Parameters::default(), &control).unwrap();
+    let report = &result.report;
+    assert!(!result.run.deadline_reached);
+    assert!(report.protrusion_max <= report.bound && report.uncovered_max <= report.bound);
+}
