@@ -47,5 +47,5 @@ pub(crate) mod prepare;
 mod report;
 
 pub(crate) use decide::OpeningSettings;
-pub use prepare::{ClosedMesh, close_openings, surface_and_solid};
+pub use prepare::{ClosedMesh, close_openings};
 pub use report::{Opening, OpeningOutcome};

@@ -132,6 +132,9 @@ pub struct ClosedMesh {
     pub mesh: TriangleMesh,
     /// How many of the triangles, the last ones, are caps. Those within the solid are left out.
     pub caps: usize,
+    /// The triangles by whose winding number a point is inside, over the vertices of `mesh`: the surface, sheets
+    /// both ways round, and the caps within the solid.
+    pub solid: Vec<[u32; 3]>,
     /// The openings, closed and left.
     pub openings: Vec<Opening>,
     /// Closed components within the solid, which nothing can reach and which are left out.
@@ -168,7 +171,8 @@ pub fn close_openings<'a>(
     let positions = prepared.mesh.points().iter().map(restore).map(Into::into).collect();
     let (triangles, caps) = caps_last(&prepared);
     let mesh = TriangleMesh::new(positions, triangles);
-    Ok(ClosedMesh { mesh, caps, openings, nested_components })
+    let solid = prepared.triangles_of_solid().into_owned();
+    Ok(ClosedMesh { mesh, caps, solid, openings, nested_components })
 }
 
 /// The triangles of the surface, caps last, and the number of those.
@@ -179,22 +183,4 @@ pub(crate) fn caps_last(prepared: &PreparedMesh) -> (Vec<[u32; 3]>, usize) {
     let count = caps.len();
     triangles.extend(caps);
     (triangles.into_iter().map(|(_, &triangle)| triangle).collect(), count)
-}
-
-/// The surface that the promises are about, and the triangles by whose winding number a point is in the
-/// solid; over the same vertices, in the input's units.
-///
-/// # Errors
-/// As [`close_openings`].
-pub fn surface_and_solid(
-    mesh: MeshView<'_>,
-    parameters: &Parameters,
-    control: &Control,
-) -> Result<(TriangleMesh, Vec<[u32; 3]>), Error> {
-    let settings = OpeningSettings::from(parameters);
-    let Closed { prepared, .. } = prepare_closed(mesh, &settings, control)?;
-    let solid = prepared.triangles_of_solid().into_owned();
-    let restore = |&point| prepared.normalization.restore(point);
-    let positions = prepared.mesh.points().iter().map(restore).map(Into::into).collect();
-    Ok((TriangleMesh::new(positions, prepared.mesh.triangles), solid))
 }

@@ -2,8 +2,7 @@
 
 use std::time::Instant;
 
-use hullwright::internals::surface_and_solid;
-use hullwright::{Control, MeshView, Parameters, Preset, decompose};
+use hullwright::{Control, MeshView, Parameters, Preset, close_openings, decompose};
 
 use crate::common::Mesh;
 use crate::independent::exact::{Faults, faults};
@@ -61,9 +60,8 @@ fn a_dense_sampling_without_the_crates_code_finds_no_more_than_what_is_verified(
             assert_eq!(faults(&points, &triangles), Faults::default(), "{name}");
         }
         let view = MeshView::new(&mesh.0, &mesh.1);
-        let (surface, solid) =
-            surface_and_solid(view, &Parameters::default(), &Control::new()).unwrap();
-        let sampled = sample(&found, &surface, &solid, SAMPLES);
+        let closed = close_openings(view, &Parameters::default(), &Control::new()).unwrap();
+        let sampled = sample(&found, &closed.mesh, &closed.solid, SAMPLES);
         assert!(sampled.samples > 2 * SAMPLES && sampled.undecided == 0, "{name}: {sampled:?}");
         let uncovered = sampled.uncovered * found.run.diagonal;
         let rounding = ROUNDING * found.run.diagonal;

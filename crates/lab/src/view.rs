@@ -3,17 +3,17 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use hullwright::internals::terminal::{Failure, print, time};
+use crate::terminal::{Failure, print, time};
+use crate::viewer::{HullSet, Page, hulls_of};
 use hullwright::io::{MeshFile, NamedMesh, read_hulls, read_mesh};
-use hullwright::viewer::{HullSet, Page, hulls_of};
 use hullwright::{Control, Error, Hull, MergeTree, Parameters, decompose};
 
-use crate::runs::data_folder::DataFolder;
-use crate::runs::external_tools::ExternalTools;
-use crate::runs::limits::Limits;
-use crate::runs::meshes::{self, Mesh};
-use crate::runs::methods::Run;
-use crate::runs::vhacd;
+use crate::harness::Limits;
+use crate::tools::data_folder::DataFolder;
+use crate::tools::external_tools::ExternalTools;
+use crate::tools::meshes::{self, Mesh};
+use crate::tools::methods::Run;
+use crate::tools::vhacd;
 
 /// Write a page that shows ours, V-HACD's and CoACD's hulls of a mesh side by side
 ///
@@ -128,7 +128,7 @@ fn coacd(
     let scratch = scratch.map_err(|error| format!("no temporary file: {error}"))?;
     let run = Run::Coacd { threshold: COACD_THRESHOLD };
     match tools.run(&run, &mesh.name, &mesh.path, scratch.path(), LIMITS)? {
-        Ok(worked) => Ok(Ok((read_hulls(scratch.path())?, worked.seconds))),
+        Ok((seconds, _)) => Ok(Ok((read_hulls(scratch.path())?, seconds))),
         Err((_, reason)) => Ok(Err(reason)),
     }
 }

@@ -171,11 +171,9 @@ fn the_other_experiments_print_a_line_for_each_mesh() {
     let root = tempfile::tempdir().unwrap();
     let folder = folder_with_a_mesh(root.path());
     let mesh = format!("{folder}/l.obj");
-    for (arguments, expected) in [
-        (["stages", &mesh], "20 triangles"),
-        (["cancel", &mesh], "whole, stops within"),
-        (["corpus", &folder], "of the bound"),
-    ] {
+    for (arguments, expected) in
+        [(["stages", &mesh], "20 triangles"), (["corpus", &folder], "of the bound")]
+    {
         let output = lab(&arguments);
         assert!(output.status.success(), "{arguments:?}");
         let shown = text(&output);
@@ -220,15 +218,36 @@ fn a_sweep_tells_what_became_of_each_mesh_goes_on_and_says_what_has_changed() {
 }
 
 #[test]
+fn targets_are_met_mesh_by_mesh_against_other_tools() {
+    let root = tempfile::tempdir().unwrap();
+    let folder = folder_with_a_mesh(root.path());
+    std::fs::rename(folder, root.path().join("meshes")).unwrap();
+    std::fs::create_dir(root.path().join("peers")).unwrap();
+    let table = "mesh\tmethod\tseconds\thulls\thaus\tiou\nl.obj\tcoacd-1.0\t9.5\t4\t0.03\t0.9\n";
+    std::fs::write(root.path().join("peers/results.tsv"), table).unwrap();
+    let data = root.path().to_str().unwrap();
+    for bound in ["0.02", "coacd", "vhacd", "coacd-hulls"] {
+        let output = lab(&["targets", data, "--bound", bound]);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let shown = text(&output);
+        assert!(shown.contains("| no more hulls than theirs | 100 % of 1 |"), "{bound}: {shown}");
+        assert!(shown.contains("| broken promises | 0 |"), "{shown}");
+    }
+    let meshes = format!("{data}/meshes");
+    let props = lab(&["targets", data, "--meshes", &meshes, "--props"]);
+    assert!(text(&props).contains("| meshes | 0 |"), "of 20 triangles it is no prop");
+}
+
+#[test]
 fn a_folder_without_the_tables_is_one_line_on_standard_error() {
     let root = tempfile::tempdir().unwrap();
     let folder = root.path().to_str().unwrap();
-    for (command, table) in [
-        ("table1", "paper/table1.tsv"),
-        ("targets", "peers/results.tsv"),
-        ("agreement", "peers/results.tsv"),
+    let report = format!("{folder}/report");
+    for (arguments, table) in [
+        (&["paper", folder, "-o", &report][..], "paper/table1.tsv"),
+        (&["targets", folder], "peers/results.tsv"),
     ] {
-        let output = lab(&[command, folder]);
+        let output = lab(arguments);
         assert_eq!(output.status.code(), Some(1));
         let error = String::from_utf8(output.stderr).unwrap();
         assert_eq!(error.lines().count(), 1, "{error}");

@@ -5,17 +5,18 @@ mod shapes;
 
 use std::path::{Path, PathBuf};
 
-use hullwright::internals::terminal::{Failure, print};
+use crate::pictures;
+use crate::render::{Layout, Panel};
+use crate::terminal::{Failure, print};
+use crate::viewer::hulls_of;
 use hullwright::io::read_mesh;
 use hullwright::measure::{MeasureOptions, Measurement, measure};
-use hullwright::render::{Layout, Panel, render_with};
-use hullwright::viewer::hulls_of;
 use hullwright::{Control, Hull, MeshView, Parameters, TriangleMesh, close_openings, decompose};
 
 use crate::report::html_report::{self, STYLE};
 use crate::report::table::escape;
-use crate::runs::methods::Run;
-use crate::runs::vhacd;
+use crate::tools::methods::Run;
+use crate::tools::vhacd;
 
 /// Draw the gallery: the bundled models and shapes of trouble, ours beside V-HACD's
 ///
@@ -112,10 +113,8 @@ impl Entry {
             Panel::hulls(&theirs).exploded(EXPLOSION),
         ];
         let file = format!("{FOLDER}/{}.png", file_name(name));
-        let mut layout = Layout::default();
-        layout.separate_frames = true;
-        render_with(&panels, panels.len() * PANEL.0, PANEL.1, &layout)?
-            .write_png(output.join(&file))?;
+        let elevation = Layout::default().view.elevation;
+        pictures::write(&output.join(&file), vec![panels.to_vec()], PANEL, elevation)?;
         let entry = Self {
             name: name.into(),
             words: words.into(),

@@ -16,15 +16,13 @@
 //! are not computed to the end and not kept: an edge that is too costly stays so until one of its
 //! ends changes.
 
-use hullwright::internals::vector::Vector;
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
-use hullwright::hull::ConvexHull;
-use hullwright::internals::{Adjacency, Grouping, NO_NEIGHBOUR, TriangleMesh};
-use hullwright::{Control, Error};
+use hullwright::{Control, ConvexHull, Error, TriangleMesh};
 
 use super::surface::{Depth, Judge, Surface};
+use super::{Neighbours, corners};
 
 /// The share of β that the shape factor of a disc of diameter ℓ has, as in equation (4).
 const SHAPE_SHARE: f64 = 0.1;
@@ -91,15 +89,15 @@ struct DualGraph<'a> {
     last: Option<([u32; 2], [u32; 2], Option<ConvexHull>)>,
 }
 
-/// Groups the triangles of a mesh. There are fewer collapses than triangles, and at least one
+/// Groups the triangles of a mesh: the group of each, and the number of groups. There are fewer collapses than triangles, and at least one
 /// judgement for each, at O(vertices · hull faces) of the union.
 pub(super) fn collapse(
     mesh: &TriangleMesh,
-    adjacency: &Adjacency,
+    neighbours: &Neighbours,
     threshold: Threshold,
     control: &Control,
-) -> Result<Grouping, Error> {
-    let mut graph = DualGraph::new(mesh, adjacency, threshold);
+) -> Result<(Vec<u32>, usize), Error> {
+    let mut graph = DualGraph::new(mesh, neighbours, threshold);
     let mut collapses: usize = 0;
     while let Some((edge, depth)) = graph.cheapest() {
         graph.collapse(edge, depth);
@@ -113,14 +111,14 @@ pub(super) fn collapse(
             }
         }
     }
-    Ok(graph.grouping())
+    Ok(graph.groups())
 }
 
 impl<'a> DualGraph<'a> {
-    fn new(mesh: &'a TriangleMesh, adjacency: &Adjacency, threshold: Threshold) -> Self {
+    fn new(mesh: &'a TriangleMesh, neighbours: &Neighbours, threshold: Threshold) -> Self {
         let count = mesh.triangles.len();
         let surfaces = (0..count as u32).map(|t| Surface::triangle(mesh, t)).collect();
-        let borders = (0..count as u32).map(|t| sides(mesh, adjacency, t)).collect();
+        let borders = (0..count as u32).map(|t| sides(mesh, neighbours, t)).collect();
         let mut graph = Self {
             mesh,
             threshold,
@@ -240,7 +238,7 @@ impl<'a> DualGraph<'a> {
     }
 
     /// Labels in the order of each surface's first triangle.
-    fn grouping(&self) -> Grouping {
+    fn groups(&self) -> (Vec<u32>, usize) {
         let mut groups: Vec<&[u32]> =
             self.surfaces.iter().map(|s| &s.triangles[..]).filter(|t| !t.is_empty()).collect();
         groups.sort_unstable_by_key(|triangles| triangles.iter().min().copied());
@@ -250,7 +248,7 @@ impl<'a> DualGraph<'a> {
                 labels[triangle as usize] = label;
             }
         }
-        Grouping { labels, count: groups.len() }
+        (labels, groups.len())
     }
 }
 
@@ -264,13 +262,12 @@ impl Threshold {
 }
 
 /// The borders of a triangle.
-fn sides(mesh: &TriangleMesh, adjacency: &Adjacency, triangle: u32) -> Vec<Border> {
-    let corners = mesh.triangles[triangle as usize].map(|v| mesh.positions[v as usize]);
+fn sides(mesh: &TriangleMesh, neighbours: &Neighbours, triangle: u32) -> Vec<Border> {
+    let corners = corners(mesh, triangle);
     let mut borders = Vec::with_capacity(3);
-    for (side, neighbour) in adjacency.triangle_neighbours(triangle).into_iter().enumerate() {
-        if neighbour != NO_NEIGHBOUR && neighbour != triangle {
-            let length =
-                Vector::from(corners[side]).distance(Vector::from(corners[(side + 1) % 3]));
+    for (side, neighbour) in neighbours[triangle as usize].into_iter().enumerate() {
+        if let Some(neighbour) = neighbour.filter(|&neighbour| neighbour != triangle) {
+            let length = corners[side].distance(corners[(side + 1) % 3]);
             add(&mut borders, Border { neighbour, length, known: Depth::NONE });
         }
     }

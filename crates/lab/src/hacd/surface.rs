@@ -2,9 +2,11 @@
 
 use std::collections::HashMap;
 
+use hullwright::TriangleMesh;
 use hullwright::hull::{ConvexHull, HullBuilder, Shape};
-use hullwright::internals::TriangleMesh;
-use hullwright::internals::vector::{Vector, area_normal, as_arrays, into_vectors};
+
+use super::corners;
+use crate::shapes::Vector;
 
 /// A plane that the ray runs along cannot be left through it.
 const PARALLEL: f64 = 1e-9;
@@ -37,9 +39,9 @@ pub(super) struct Surface {
 
 impl Surface {
     pub(super) fn triangle(mesh: &TriangleMesh, triangle: u32) -> Self {
+        let [a, b, c] = corners(mesh, triangle);
+        let normal = (b - a).cross(c - a);
         let corners = mesh.triangles[triangle as usize];
-        let [a, b, c] = corners.map(|vertex| Vector::from(mesh.positions[vertex as usize]));
-        let normal = area_normal(a, b, c);
         let mut vertices = corners.map(|vertex| (vertex, normal)).to_vec();
         vertices.sort_unstable_by_key(|&(vertex, _)| vertex);
         Self {
@@ -98,7 +100,7 @@ impl Surface {
     ) {
         self.vertices = union(&self.vertices, &other.vertices).collect();
         self.hull_points = match hull {
-            Some(hull) => into_vectors(hull.points),
+            Some(hull) => hull.points.into_iter().map(Vector::from).collect(),
             None => {
                 let mut points = std::mem::take(&mut self.hull_points);
                 points.extend(other.hull_points);
@@ -165,7 +167,7 @@ pub(super) struct Judge<'a> {
     /// The vertex at a position, by the position's bits.
     vertex_at: HashMap<[u64; 3], u32>,
     builder: HullBuilder,
-    points: Vec<Vector>,
+    points: Vec<[f64; 3]>,
     /// For each vertex of the mesh its place in the hull, or [`NOWHERE`]. All are [`NOWHERE`]
     /// between calls.
     places: Vec<u32>,
@@ -196,9 +198,9 @@ impl<'a> Judge<'a> {
     /// The hull of two surfaces, from the vertices of their hulls. `None` where they are flat.
     pub(super) fn joint_hull(&mut self, first: &Surface, second: &Surface) -> Option<ConvexHull> {
         self.points.clear();
-        self.points.extend(&first.hull_points);
-        self.points.extend(&second.hull_points);
-        let shape = self.builder.build(as_arrays(&self.points));
+        let points = first.hull_points.iter().chain(&second.hull_points);
+        self.points.extend(points.map(Vector::to_array));
+        let shape = self.builder.build(&self.points);
         (shape == Shape::Solid).then(|| self.builder.extract().into())
     }
 

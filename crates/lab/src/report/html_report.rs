@@ -8,15 +8,18 @@ use serde_json::{Value, json};
 use super::table::{Table, escape};
 
 /// What a report says, whatever it is about.
-pub struct Report<'a> {
-    pub title: &'a str,
+#[derive(Default)]
+pub struct Report {
+    pub title: &'static str,
+    /// Of its Markdown file, without the suffix.
+    pub name: &'static str,
     /// Paragraphs before everything else.
     pub words: Vec<String>,
-    pub machine: &'a BTreeMap<String, Value>,
-    pub plots: &'a [Plot],
-    pub tables: &'a [Table],
+    pub machine: BTreeMap<String, Value>,
+    pub plots: Vec<Plot>,
+    pub tables: Vec<Table>,
     /// Pages beside the report, with their names.
-    pub pages: &'a [PageLink],
+    pub pages: Vec<PageLink>,
 }
 
 /// A page beside the report.
@@ -41,18 +44,18 @@ pub struct Plot {
 /// The colours and letters of the viewer's pages, for reports.
 pub const STYLE: &str = include_str!("style.css");
 
-impl Report<'_> {
+impl Report {
     /// Writes `index.html`, `NAME.md`, `summary.json` and the plots.
-    pub fn write(&self, folder: &Path, name: &str) -> Result<(), String> {
+    pub fn write(&self, folder: &Path) -> Result<(), String> {
         write(&folder.join("index.html"), &self.to_html())?;
-        write(&folder.join(format!("{name}.md")), &self.to_markdown())?;
+        write(&folder.join(format!("{}.md", self.name)), &self.to_markdown())?;
         let summary = json!({
             "title": self.title,
             "machine": self.machine,
             "tables": self.tables.iter().map(Table::to_json).collect::<Vec<_>>(),
         });
         write(&folder.join("summary.json"), &format!("{summary:#}\n"))?;
-        for plot in self.plots {
+        for plot in &self.plots {
             write(&folder.join(plot.file), &plot.svg)?;
         }
         Ok(())
@@ -60,7 +63,7 @@ impl Report<'_> {
 
     fn machine_table(&self) -> Table {
         let mut table = Table::new("Machine and settings", "", &["what", "value"]);
-        for (name, value) in self.machine {
+        for (name, value) in &self.machine {
             let value = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
             table.rows.push(vec![name.replace('_', " "), value]);
         }
@@ -137,26 +140,25 @@ mod tests {
             svg: "<svg><text>inside</text></svg>".into(),
             is_extra: false,
         };
-        let machine = BTreeMap::from([("processor".to_owned(), json!("fast"))]);
         let report = Report {
             title: "T & T",
+            name: "benchmark",
             words: vec!["Word.".into()],
-            machine: &machine,
-            plots: &[plot],
-            tables: &[Table::new("Tab", "", &["x"])],
-            pages: &[],
+            machine: BTreeMap::from([("processor".to_owned(), json!("fast"))]),
+            plots: vec![plot],
+            tables: vec![Table::new("Tab", "", &["x"])],
+            pages: Vec::new(),
         };
         let page = report.to_html();
         assert!(page.contains("<text>inside</text>") && page.contains("T &amp; T"));
         for loads in ["src=", "href=", "url(", "@import"] {
             assert!(!page.contains(loads), "{loads}");
         }
-        let link = PageLink { name: "a <b>".into(), file: "pages/a.html".into() };
-        let with_pages = Report { pages: &[link], words: Vec::new(), ..report };
-        assert!(with_pages.to_html().contains("<a href=\"pages/a.html\">a &lt;b&gt;</a>"));
-        let report = Report { pages: &[], ..with_pages };
         let folder = tempfile::tempdir().unwrap();
-        report.write(folder.path(), "benchmark").unwrap();
+        report.write(folder.path()).unwrap();
+        let link = PageLink { name: "a <b>".into(), file: "pages/a.html".into() };
+        let with_pages = Report { pages: vec![link], ..report };
+        assert!(with_pages.to_html().contains("<a href=\"pages/a.html\">a &lt;b&gt;</a>"));
         for file in ["index.html", "benchmark.md", "summary.json", "a.svg"] {
             assert!(folder.path().join(file).is_file(), "{file}");
         }

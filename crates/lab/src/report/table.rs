@@ -91,6 +91,10 @@ pub fn number_or_nothing(value: Option<f64>) -> String {
     value.map_or_else(|| NOTHING.into(), number)
 }
 
+pub fn count(value: Option<usize>) -> String {
+    value.map_or_else(|| NOTHING.into(), |count| count.to_string())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

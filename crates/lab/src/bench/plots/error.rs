@@ -10,9 +10,7 @@ use super::chart::{
 };
 use crate::bench::curves::versus;
 use crate::bench::summary::Results;
-use crate::runs::judge::Judged;
-use crate::runs::methods::Run;
-use crate::runs::record::{Row, Worked};
+use crate::harness::Row;
 use crate::statistics::{geometric_mean, median};
 
 /// A setting's geometric means over meshes.
@@ -26,7 +24,7 @@ struct Mean {
 /// done. Methods that ran on few meshes are left out: their means would be those of other meshes.
 fn means<'a>(results: &Results<'a>) -> Vec<(&'a str, Vec<Mean>)> {
     let done = |rows: &[&'a Row]| -> BTreeMap<&'a str, &'a Row> {
-        let done = rows.iter().filter(|row| row.done().is_some());
+        let done = rows.iter().filter(|row| row.is_done());
         done.map(|row| (row.mesh.as_str(), *row)).collect()
     };
     let mut done: Vec<_> =
@@ -40,14 +38,14 @@ fn means<'a>(results: &Results<'a>) -> Vec<(&'a str, Vec<Mean>)> {
         let of = |figure: fn(&Row) -> Option<f64>| {
             geometric_mean(rows.iter().filter_map(|(_, row)| figure(row)).map(|x| x.max(LEAST)))
         };
-        let mean = (|| {
-            Some(Mean {
-                seconds: of(|row| Some(row.done()?.0.seconds))?,
-                error: of(|row| Some(row.done()?.1.hausdorff))?,
-                hulls: of(|row| Some(row.done()?.1.hulls as f64))?,
-            })
-        })();
-        let Some(mean) = mean else { continue };
+        let (Some(seconds), Some(error), Some(hulls)) = (
+            of(|row| row.seconds),
+            of(|row| row.hausdorff),
+            of(|row| row.hulls.map(|hulls| hulls as f64)),
+        ) else {
+            continue;
+        };
+        let mean = Mean { seconds, error, hulls };
         match means.iter_mut().find(|(other, _)| other == method) {
             Some((_, list)) => list.push(mean),
             None => means.push((method, vec![mean])),
@@ -71,19 +69,33 @@ fn front(mut points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     points
 }
 
+/// A line of each method through its settings' means, and a dot for each.
+macro_rules! lines {
+    ($chart:expr, $means:expr, $point:expr) => {
+        for (method, list) in $means {
+            let points: Vec<(f64, f64)> = list.iter().map($point).collect();
+            let colour = colour(method);
+            $chart
+                .draw_series(LineSeries::new(front(points.clone()), colour.stroke_width(2)))?
+                .label(display_name(method))
+                .legend(move |(x, y)| Circle::new((x + 8, y), 4, colour.filled()));
+            $chart.draw_series(points.iter().map(|&at| Circle::new(at, 4, colour.filled())))?;
+        }
+    };
+}
+
 /// What the axes of errors say.
 const ERROR: &str = "error: Hausdorff distance / diagonal";
 
 /// What the plot says: how the medians of our default and of the nearest rival's compare.
 pub(super) fn error_time_title(results: &Results<'_>) -> String {
+    let defaults = results.defaults();
     let default = |name: &str| {
-        let variants = results.variants();
-        let (_, rows) = variants.iter().find(|((method, setting), _)| {
-            *method == name && Run::parse(method, setting).is_some_and(|run| run.is_default())
-        })?;
-        let done: Vec<_> = rows.iter().filter_map(|row| row.done()).collect();
-        let of = |figure: fn(&(&Worked, &Judged)) -> f64| median(done.iter().map(figure).collect());
-        (!done.is_empty()).then(|| (of(|run| run.1.hausdorff), of(|run| run.0.seconds)))
+        let (_, rows) = defaults.iter().find(|(method, _)| *method == name)?;
+        let of = |figure: fn(&&&Row) -> Option<f64>| {
+            median(rows.iter().filter_map(|row| figure(&row)).collect())
+        };
+        Some((of(|row| row.hausdorff), of(|row| row.seconds)))
     };
     let rival = RIVALS.iter().find_map(|&(rival, name)| Some((name, default(rival)?)));
     let (Some(ours), Some((name, theirs))) = (default("bounded"), rival) else {
@@ -124,9 +136,10 @@ pub(super) fn error_time(area: &Area<'_>, results: &Results<'_>, with_runs: bool
     let runs: Vec<(&str, f64, f64)> = results
         .rows
         .iter()
+        .filter(|row| row.is_done())
         .filter_map(|row| {
-            let (worked, judged) = row.done()?;
-            Some((row.method.as_str(), worked.seconds.max(LEAST), judged.hausdorff.max(LEAST)))
+            let (seconds, error) = row.seconds.zip(row.hausdorff)?;
+            Some((row.method.as_str(), seconds.max(LEAST), error.max(LEAST)))
         })
         .collect();
     let means = means(results);
@@ -152,15 +165,7 @@ pub(super) fn error_time(area: &Area<'_>, results: &Results<'_>, with_runs: bool
             }
         }
     }
-    for (method, list) in &means {
-        let points: Vec<(f64, f64)> = list.iter().map(|mean| (mean.seconds, mean.error)).collect();
-        let colour = colour(method);
-        chart
-            .draw_series(LineSeries::new(front(points.clone()), colour.stroke_width(2)))?
-            .label(display_name(method))
-            .legend(move |(x, y)| Circle::new((x + 8, y), 4, colour.filled()));
-        chart.draw_series(points.iter().map(|&point| Circle::new(point, 4, colour.filled())))?;
-    }
+    lines!(chart, &means, |mean: &Mean| (mean.seconds, mean.error));
     legend!(chart, SeriesLabelPosition::LowerLeft);
     Ok(())
 }
@@ -170,15 +175,7 @@ pub(super) fn hulls_error(area: &Area<'_>, results: &Results<'_>) -> Result<()> 
     let all = means.iter().flat_map(|(_, list)| list);
     let (x, y) = (room(all.clone().map(|m| m.error)), room(all.map(|m| m.hulls)));
     let mut chart = log_chart!(area, x, y, ERROR, "hulls");
-    for (method, list) in &means {
-        let points: Vec<(f64, f64)> = list.iter().map(|mean| (mean.error, mean.hulls)).collect();
-        let colour = colour(method);
-        chart.draw_series(points.iter().map(|&point| Circle::new(point, 4, colour.filled())))?;
-        chart
-            .draw_series(LineSeries::new(front(points), colour.stroke_width(2)))?
-            .label(display_name(method))
-            .legend(move |(x, y)| Circle::new((x + 8, y), 4, colour.filled()));
-    }
+    lines!(chart, &means, |mean: &Mean| (mean.error, mean.hulls));
     legend!(chart, SeriesLabelPosition::LowerLeft);
     Ok(())
 }

@@ -4,18 +4,13 @@ use plotters::prelude::*;
 
 use super::chart::{Area, BACKGROUND, GRID, LABEL_SIZE, Result, display_name, legend, quiet};
 use crate::bench::summary::Results;
-use crate::runs::methods::Run;
 
 /// For each method its stages in the order of the work, with mean seconds.
 pub(super) fn stage_seconds<'a>(results: &Results<'a>) -> Vec<(&'a str, Vec<(String, f64)>)> {
     let mut found = Vec::new();
-    for ((method, setting), rows) in results.variants() {
-        if !Run::parse(method, setting).is_some_and(|run| run.is_default()) {
-            continue;
-        }
-        let done: Vec<_> = rows.iter().filter_map(|row| row.done()).collect();
+    for (method, done) in results.defaults() {
         let mut sums: Vec<(String, f64)> = Vec::new();
-        for (name, seconds) in done.iter().flat_map(|(worked, _)| &worked.stages) {
+        for (name, seconds) in done.iter().flat_map(|row| &row.stages) {
             let share = seconds / done.len() as f64;
             match sums.iter_mut().find(|(other, _)| other == name) {
                 Some((_, sum)) => *sum += share,

@@ -1,7 +1,5 @@
 //! Time against triangles.
 
-use std::collections::BTreeMap;
-
 use plotters::prelude::*;
 
 use super::chart::{
@@ -9,27 +7,15 @@ use super::chart::{
     draw, label, legend, log_chart, quiet,
 };
 use crate::bench::summary::Results;
-use crate::runs::methods::Run;
-use crate::runs::record::Row;
+use crate::harness::Row;
 use crate::statistics::power_law;
 
 /// Scaling: each method's default setting, and the power law fitted to it.
 pub(super) fn time_triangles(results: &Results<'_>, size: (u32, u32)) -> Result<(String, String)> {
     let mut clouds: Vec<(&str, Vec<(f64, f64)>)> = Vec::new();
-    let triangles: BTreeMap<&str, usize> = results
-        .rows
-        .iter()
-        .filter_map(|row| Some((row.mesh.as_str(), row.worked.as_ref()?.triangles)))
-        .filter(|(_, triangles)| *triangles > 0)
-        .collect();
-    for ((method, setting), rows) in results.variants() {
-        if Run::parse(method, setting).is_some_and(|run| run.is_default()) {
-            let point = |row: &&Row| {
-                let seconds = row.done()?.0.seconds.max(LEAST);
-                Some((*triangles.get(row.mesh.as_str())? as f64, seconds))
-            };
-            clouds.push((method, rows.iter().filter_map(point).collect()));
-        }
+    for (method, rows) in results.defaults() {
+        let point = |row: &&Row| Some((row.triangles? as f64, row.seconds?.max(LEAST)));
+        clouds.push((method, rows.iter().filter_map(point).collect()));
     }
     let laws: Vec<Option<(f64, f64)>> = clouds.iter().map(|(_, cloud)| power_law(cloud)).collect();
     let named = || clouds.iter().zip(&laws).filter_map(|((name, _), law)| Some((*name, (*law)?)));

@@ -1,0 +1,225 @@
+//! The methods, and the values that each one's own setting takes.
+
+use hullwright::surface::SurfaceParameters;
+use hullwright::{Length, Method, Parameters, Preset};
+use serde::{Deserialize, Serialize};
+
+use crate::hacd::HacdParameters;
+
+/// A method with its setting.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Run {
+    /// The paper's method, exactly.
+    Surface,
+    /// Ours, with this largest error as a fraction of the diagonal, and at most so many hulls.
+    Bounded { error: f64, preset: Preset, max_hulls: Option<usize> },
+    /// β.
+    Hacd { threshold: f64 },
+    /// Parry's, as Rapier calls it.
+    Vhacd { concavity: f64, resolution: u32 },
+    /// Parry's, asked for at most so many hulls, however concave they are. It turns the number
+    /// into a depth of cuts, so that it counts as the next power of two.
+    VhacdHulls { hulls: u32 },
+    /// V-HACD 4 from its own library, through the script of [`external_tools`](super::external_tools).
+    Vhacd4 { hulls: u32 },
+    /// CoACD, through the script of [`external_tools`](super::external_tools).
+    Coacd { threshold: f64 },
+    /// CoACD's hulls as somebody else computed them, with its default threshold.
+    CoacdFiles,
+}
+
+/// The version of Parry whose V-HACD runs here, from the lock file that it was built with.
+fn parry_version() -> String {
+    let lock = include_str!("../../../../Cargo.lock");
+    let versions = lock.split("name = \"parry3d\"\nversion = \"").skip(1);
+    let mut versions = versions.filter_map(|rest| rest.split('"').next());
+    versions.find(|version| version.starts_with("0.31.")).unwrap_or("0.31").to_owned()
+}
+
+/// Steps of two: curves are interpolated in logarithms.
+const BOUNDED_ERRORS: [f64; 5] = [0.005, 0.01, 0.02, 0.04, 0.08];
+/// The middle of those, around the default.
+const QUICK_BOUNDED_ERRORS: [f64; 3] = [0.01, 0.02, 0.04];
+/// Around ε of the paper's own method, for want of a value of its own; 0.4 for hulls as few as
+/// those of the others.
+const HACD_THRESHOLDS: [f64; 4] = [0.02, 0.05, 0.1, 0.4];
+/// Concavities of Parry's V-HACD at its default resolution, and at twice that. (Four times that
+/// takes 3 s a mesh, for a tenth less error.)
+const VHACD: [(u32, &[f64]); 2] = [(64, &[0.0025, 0.01, 0.04]), (128, &[0.0025, 0.01])];
+/// Its default number of hulls, and a quarter of it.
+const VHACD4_HULLS: [u32; 2] = [16, 64];
+/// Around its default, 0.05.
+const COACD_THRESHOLDS: [f64; 4] = [0.02, 0.05, 0.1, 0.2];
+
+impl Run {
+    /// Ours with its defaults and this bound.
+    pub fn bounded(error: f64) -> Self {
+        Self::Bounded { error, preset: Preset::Balanced, max_hulls: None }
+    }
+
+    /// Everything that this program can run itself, each method's default setting first.
+    pub fn own() -> Vec<Self> {
+        let mut runs = vec![Self::Surface];
+        runs.extend(BOUNDED_ERRORS.map(Self::bounded));
+        runs.extend(HACD_THRESHOLDS.map(|threshold| Self::Hacd { threshold }));
+        for (resolution, concavities) in VHACD {
+            let run = |&concavity: &f64| Self::Vhacd { concavity, resolution };
+            runs.extend(concavities.iter().map(run));
+        }
+        runs
+    }
+
+    /// What `bench --quick` runs.
+    pub fn quick() -> Vec<Self> {
+        let mut runs = vec![Self::Surface];
+        runs.extend(QUICK_BOUNDED_ERRORS.map(Self::bounded));
+        runs.push(Self::VHACD_DEFAULT);
+        runs
+    }
+
+    /// Through Python.
+    pub fn vhacd4() -> Vec<Self> {
+        VHACD4_HULLS.map(|hulls| Self::Vhacd4 { hulls }).to_vec()
+    }
+
+    /// Through Python.
+    pub fn coacd() -> Vec<Self> {
+        COACD_THRESHOLDS.map(|threshold| Self::Coacd { threshold }).to_vec()
+    }
+
+    /// Parry's defaults.
+    pub const VHACD_DEFAULT: Self = Self::Vhacd { concavity: 0.01, resolution: 64 };
+
+    /// The setting that stands for the method in tables of one row per method.
+    pub fn is_default(&self) -> bool {
+        match *self {
+            Self::Surface | Self::CoacdFiles => true,
+            Self::Bounded { .. } => *self == Self::bounded(0.02),
+            Self::Hacd { threshold } | Self::Coacd { threshold } => threshold == 0.05,
+            Self::Vhacd { .. } => *self == Self::VHACD_DEFAULT,
+            Self::Vhacd4 { hulls } => hulls == 64,
+            Self::VhacdHulls { .. } => false,
+        }
+    }
+
+    pub fn method(&self) -> &'static str {
+        match self {
+            Self::Surface => "surface",
+            Self::Bounded { .. } => "bounded",
+            Self::Hacd { .. } => "hacd",
+            Self::Vhacd { .. } => "vhacd",
+            Self::VhacdHulls { .. } => "vhacd-hulls",
+            Self::Vhacd4 { .. } => "vhacd4",
+            Self::Coacd { .. } => "coacd",
+            Self::CoacdFiles => "coacd-files",
+        }
+    }
+
+    pub fn setting(&self) -> String {
+        match self {
+            Self::Surface => "paper".into(),
+            Self::Bounded { error, preset, max_hulls } => {
+                let hulls = max_hulls.map_or_else(String::new, |hulls| format!(", hulls {hulls}"));
+                match preset {
+                    Preset::Balanced => format!("error {error}{hulls}"),
+                    preset => format!("error {error}{hulls}, {preset}"),
+                }
+            }
+            Self::Hacd { threshold } => format!("beta {threshold}"),
+            Self::Vhacd { concavity, resolution } => {
+                format!("concavity {concavity}, resolution {resolution}")
+            }
+            Self::VhacdHulls { hulls } => format!("at most {hulls} hulls"),
+            Self::Vhacd4 { hulls } => format!("hulls {hulls}, flood fill"),
+            Self::Coacd { threshold } => format!("threshold {threshold}"),
+            Self::CoacdFiles => "threshold 0.05, from files".into(),
+        }
+    }
+
+    /// The reverse of `method` and `setting`.
+    pub fn parse(method: &str, setting: &str) -> Option<Self> {
+        let numbers: Vec<f64> =
+            setting.split([' ', ',']).filter_map(|word| word.parse().ok()).collect();
+        let number = numbers.first().copied();
+        Some(match method {
+            "surface" => Self::Surface,
+            "bounded" => Self::Bounded {
+                error: number?,
+                preset: setting
+                    .rsplit(' ')
+                    .next()
+                    .and_then(|word| word.parse().ok())
+                    .unwrap_or_default(),
+                max_hulls: numbers.get(1).map(|&hulls| hulls as usize),
+            },
+            "hacd" => Self::Hacd { threshold: number? },
+            "vhacd" => Self::Vhacd { concavity: number?, resolution: *numbers.get(1)? as u32 },
+            "vhacd-hulls" => Self::VhacdHulls { hulls: number? as u32 },
+            "vhacd4" => Self::Vhacd4 { hulls: number? as u32 },
+            "coacd" => Self::Coacd { threshold: number? },
+            "coacd-files" => Self::CoacdFiles,
+            _ => return None,
+        })
+    }
+
+    /// Version of what runs. `packages` are the versions that Python has of `coacd` and `vhacdx`.
+    pub fn version(&self, packages: &[String; 2]) -> String {
+        let ours = env!("CARGO_PKG_VERSION");
+        match self {
+            Self::Surface | Self::Bounded { .. } | Self::Hacd { .. } => {
+                format!("hullwright {ours}, algorithm {}", hullwright::ALGORITHM_VERSION)
+            }
+            Self::Vhacd { .. } | Self::VhacdHulls { .. } => format!("parry3d {}", parry_version()),
+            Self::Vhacd4 { .. } => format!("vhacdx {}", packages[1]),
+            Self::Coacd { .. } => format!("coacd {}", packages[0]),
+            Self::CoacdFiles => "coacd 1.0.14".into(),
+        }
+    }
+
+    /// Our own methods, with their parameters.
+    pub fn own_method(&self) -> Option<Method> {
+        match *self {
+            Self::Surface => Some(SurfaceParameters::paper().into()),
+            Self::Bounded { error, preset, max_hulls } => {
+                let mut parameters = bounded(error).preset(preset);
+                parameters.max_hulls = max_hulls;
+                Some(parameters.into())
+            }
+            _ => None,
+        }
+    }
+
+    pub fn hacd_parameters(&self) -> Option<HacdParameters> {
+        let Self::Hacd { threshold } = *self else { return None };
+        Some(HacdParameters { concavity_threshold: threshold, ..HacdParameters::default() })
+    }
+}
+
+/// The defaults, but for the error.
+pub fn bounded(error: f64) -> Parameters {
+    Parameters::default().max_error(Length::Share(error))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_is_what_its_name_says() {
+        let mut all = Run::own();
+        all.extend([Run::bounded(0.0075), Run::VhacdHulls { hulls: 7 }, Run::CoacdFiles]);
+        all.push(Run::Bounded { error: 0.01, preset: Preset::Fast, max_hulls: Some(7) });
+        all.push(Run::Bounded { error: 0.01, preset: Preset::Fine, max_hulls: None });
+        all.extend(Run::vhacd4());
+        all.extend(Run::coacd());
+        for run in all {
+            assert_eq!(Run::parse(run.method(), &run.setting()), Some(run));
+        }
+        assert_eq!(Run::parse("magic", "1"), None);
+    }
+
+    #[test]
+    fn the_lock_file_names_parry() {
+        assert!(parry_version().starts_with("0.31."));
+    }
+}
