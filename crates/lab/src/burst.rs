@@ -10,6 +10,7 @@ use std::io::BufWriter;
 use std::path::Path;
 
 use color_quant::NeuQuant;
+use glam::DVec3;
 use hullwright::io::read_mesh;
 use hullwright::{Control, Parameters, TriangleMesh, decompose, mass_properties, rapier};
 use rapier3d::prelude::*;
@@ -61,8 +62,6 @@ const DENSITY: f64 = 100.0;
 /// One pixel of this many is looked at for the table of colours.
 const SAMPLING: i32 = 10;
 
-type Point = [f64; 3];
-
 pub fn draw(output: &Path, mesh: &Path) -> Result<(), Failure> {
     let mesh = standing(read_mesh(mesh)?.mesh);
     let hulls = decompose(&mesh, &Parameters::default(), &Control::new())?.hulls;
@@ -71,8 +70,9 @@ pub fn draw(output: &Path, mesh: &Path) -> Result<(), Failure> {
     let mut frames = vec![vec![(mesh.clone(), CLAY)]; pictures(STANDS)];
     let coloured = |apart: f64| -> Vec<(TriangleMesh, Colour)> {
         let parts = hulls.iter().enumerate().map(|(index, hull)| {
-            let way = middle(&hull.shape.points).map(|x| x * apart);
-            let moved = hull.shape.points.iter().map(|point| add(*point, way)).collect();
+            let way = middle(&hull.shape.points) * apart;
+            let moved = hull.shape.points.iter().map(|&point| (DVec3::from(point) + way).into());
+            let moved = moved.collect();
             (TriangleMesh::new(moved, hull.shape.triangles.clone()), colour(index))
         });
         parts.collect()
@@ -87,7 +87,7 @@ pub fn draw(output: &Path, mesh: &Path) -> Result<(), Failure> {
     let properties = mass_properties(&mesh, &hulls, DENSITY)?;
     let collider = rapier::collider(&hulls, &properties, [1.0; 3]);
     let collider = collider.map_err(|error| error.to_string())?;
-    let floor = lowest(&mesh);
+    let floor = bounds(&mesh.positions).0.y;
     for pose in fall(collider, start, floor as f32) {
         poses.push(pose);
         frames.push(coloured(0.0));
@@ -106,9 +106,8 @@ pub fn draw(output: &Path, mesh: &Path) -> Result<(), Failure> {
 fn standing(mut mesh: TriangleMesh) -> TriangleMesh {
     let centre = middle(&mesh.positions);
     let (low, high) = bounds(&mesh.positions);
-    let diagonal = [0, 1, 2].map(|axis| high[axis] - low[axis]).iter().map(|x| x * x).sum::<f64>();
     for point in &mut mesh.positions {
-        *point = [0, 1, 2].map(|axis| (point[axis] - centre[axis]) / diagonal.sqrt());
+        *point = ((DVec3::from(*point) - centre) / low.distance(high)).into();
     }
     mesh
 }
@@ -154,7 +153,7 @@ fn picture(
     pose: &Pose,
     floor: f64,
 ) -> Result<Picture, hullwright::Error> {
-    let place = |point: Point| {
+    let place = |point: [f64; 3]| {
         let moved = *pose * Vector::from(point.map(|x| x as f32));
         moved.to_array().map(f64::from)
     };
@@ -242,21 +241,14 @@ fn changed(before: Option<&Vec<u8>>, frame: &[u8]) -> [usize; 4] {
     })
 }
 
-fn bounds(points: &[Point]) -> (Point, Point) {
-    points.iter().fold(([f64::MAX; 3], [f64::MIN; 3]), |(low, high), point| {
-        ([0, 1, 2].map(|i| low[i].min(point[i])), [0, 1, 2].map(|i| high[i].max(point[i])))
-    })
+/// Least and greatest corner.
+fn bounds(points: &[[f64; 3]]) -> (DVec3, DVec3) {
+    let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let points = points.iter().map(|&point| DVec3::from(point));
+    points.fold(nothing, |(low, high), point| (low.min(point), high.max(point)))
 }
 
-fn middle(points: &[Point]) -> Point {
+fn middle(points: &[[f64; 3]]) -> DVec3 {
     let (low, high) = bounds(points);
-    [0, 1, 2].map(|axis| (low[axis] + high[axis]) / 2.0)
-}
-
-fn lowest(mesh: &TriangleMesh) -> f64 {
-    bounds(&mesh.positions).0[1]
-}
-
-fn add(a: Point, b: Point) -> Point {
-    [0, 1, 2].map(|axis| a[axis] + b[axis])
+    (low + high) / 2.0
 }

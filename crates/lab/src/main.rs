@@ -28,13 +28,12 @@ mod sweep;
 mod targets;
 mod tools;
 mod versus_paper;
-mod view;
 
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use hullwright::internals::terminal;
-use hullwright::{render, viewer};
+use hullwright::render;
 use terminal::Failure;
 
 /// Experiments with Hullwright: benchmarks, stability, and the paper's comparisons
@@ -57,7 +56,6 @@ enum Command {
     Openings(openings::Arguments),
     Identical(identical::Arguments),
     Stages(stages::Arguments),
-    View(view::Arguments),
     Gallery(gallery::Arguments),
     Pictures(pictures::Arguments),
     Assets(assets::Arguments),
@@ -78,7 +76,6 @@ fn main() -> ExitCode {
         Command::Openings(arguments) => openings::run(&arguments),
         Command::Identical(arguments) => identical::run(&arguments),
         Command::Stages(arguments) => stages::run(&arguments),
-        Command::View(arguments) => view::run(&arguments),
         Command::Gallery(arguments) => gallery::run(&arguments),
         Command::Pictures(arguments) => pictures::run(&arguments),
         Command::Assets(arguments) => assets::run(&arguments),

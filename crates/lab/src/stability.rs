@@ -7,8 +7,8 @@ use std::path::PathBuf;
 use crate::harness::row::Figure;
 use crate::harness::session::limits;
 use crate::harness::{Judge, Row, Session, Status, Task};
-use crate::report::html_report::Report;
-use crate::report::table::{NOTHING, Table, count, number};
+use crate::report::Report;
+use crate::report::{NOTHING, Table, count, number};
 use crate::statistics::{median, range};
 use crate::terminal::Failure;
 use crate::tools::meshes;
@@ -103,10 +103,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 /// Whether a hull is not convex or has no volume, or the error is above the bound.
 fn breaks_promise(row: &Row) -> bool {
     let (Status::Done, Some(error)) = (row.status, row.hausdorff) else { return false };
-    let bound = match row.run() {
-        Some(Run::Bounded { error, .. }) => error * (1.0 + ERROR_SLACK),
-        _ => f64::INFINITY,
-    };
+    let bound = row.bound.map_or(f64::INFINITY, |bound| bound * (1.0 + ERROR_SLACK));
     let is_faulty = |count: Option<usize>| count.is_some_and(|count| count > 0);
     is_faulty(row.non_convex_hulls) || is_faulty(row.hulls_without_volume) || error > bound
 }

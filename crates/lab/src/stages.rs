@@ -86,45 +86,19 @@ fn milliseconds(meshes: &[PathBuf], parameters: &Parameters) -> Result<(), Failu
 }
 
 /// Parts of the work, and the functions that do it. Some are parts of others: `fit tests` is all of
-/// them, in whatever stage; cells of the `grid` are filled while others ask; `trees` are those of repair,
-/// too. A function that the compiler has put into its caller counts as nothing.
-const PARTS: [(&str, &[&str]); 12] = [
-    ("all", &["hullwright::decompose::decompose"]),
-    (
-        "repair",
-        &["hullwright::mesh::repair::prepare", "hullwright::openings::prepare::close_prepared"],
-    ),
-    (
-        "simplification",
-        &[
-            "hullwright::bounded::clustering::cluster",
-            "hullwright::bounded::patch_mesh::PatchMesh::new",
-        ],
-    ),
-    ("trees", &["hullwright::bvh::Bvh::until"]),
-    (
-        "grid",
-        &[
-            "hullwright::bounded::containment::distance_grid::filled::FilledGrid::new",
-            "hullwright::bounded::containment::distance_grid::filled::FilledGrid::flood",
-            "hullwright::bounded::containment::distance_grid::filled::FilledGrid::classify_cells",
-            "hullwright::bounded::containment::distance_grid::lazy::LazyGrid::fill",
-            "hullwright::bounded::containment::distance_grid::lazy::LazyGrid::compute_reach",
-        ],
-    ),
-    ("patches", &["hullwright::bounded::patches::divide_into_patches"]),
-    ("conflicts", &["hullwright::bounded::patches::conflicts::Conflicts::find_out"]),
-    ("merge", &["hullwright::bounded::merge::merge"]),
-    ("cover", &["hullwright::bounded::cover::cover"]),
-    ("finalize", &["hullwright::bounded::finalize::finalize"]),
-    (
-        "verification",
-        &[
-            "hullwright::bounded::finalize::verify::protrusion::protrusion",
-            "hullwright::bounded::finalize::uncovered",
-        ],
-    ),
-    ("fit tests", &["hullwright::bounded::containment::fit_tester::FitTester::fits"]),
+/// them, in whatever stage; cells of the grid are filled by what needs them. A function that the compiler has
+/// put into its caller counts as nothing.
+const PARTS: [(&str, &str); 10] = [
+    ("all", "decompose::decompose"),
+    ("repair", "mesh::repair::prepare"),
+    ("openings", "openings::prepare::close_prepared"),
+    ("solid", "bounded::search::solid_and_patch_mesh"),
+    ("patches", "bounded::patches::divide_into_patches"),
+    ("merge", "bounded::merge::merge"),
+    ("cover", "bounded::cover::cover"),
+    ("finalize", "bounded::finalize::finalize"),
+    ("verification", "solid::protrusion::protrusion"),
+    ("fit tests", "solid::fit::FitTester::fits"),
 ];
 
 /// A line with the millions of instructions of each part.
@@ -152,8 +126,8 @@ fn instructions(mesh: &Path, preset: Preset) -> Result<String, Failure> {
         .map_err(|error| format!("callgrind_annotate: {error}"))?;
     let table = String::from_utf8_lossy(&output.stdout);
     let mut line = String::new();
-    for (part, functions) in PARTS {
-        let count: u64 = functions.iter().map(|function| count_of(&table, function)).sum();
+    for (part, function) in PARTS {
+        let count = count_of(&table, &format!("hullwright::{function}"));
         line += &format!("{part} {:.1}  ", count as f64 / 1e6);
     }
     Ok(format!("{line} {}", mesh.display()))

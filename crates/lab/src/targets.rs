@@ -7,7 +7,7 @@ use hullwright::{Control, Preset, decompose};
 
 use crate::harness::session::limits;
 use crate::harness::{Judge, Row, Session, Task};
-use crate::report::table::{Table, count, number_or_nothing};
+use crate::report::{Table, number_or_nothing};
 use crate::statistics::{geometric_mean, mean, median, range};
 use crate::terminal::{Failure, print};
 use crate::tools::data_folder::{DataFolder, ToolResult};
@@ -130,7 +130,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     }
     pairs.retain(|pair| pair.ours.is_done() && pair.vhacd.is_done());
-    print(&format!("\n{}{}", rows(&pairs).to_markdown(), summary(&pairs).to_markdown()))
+    print(&format!("\n{}", summary(&pairs).to_markdown()))
 }
 
 /// The meshes, and what CoACD returned for them.
@@ -187,42 +187,6 @@ impl Pair {
     fn distance(&self) -> Option<f64> {
         Some(self.ours.hausdorff? / self.coacd.as_ref()?.hausdorff?)
     }
-}
-
-fn rows(pairs: &[Pair]) -> Table {
-    let header = [
-        "mesh",
-        "hulls",
-        "V-HACD's",
-        "CoACD's",
-        "Hausdorff",
-        "uncovered",
-        "uncovered volume",
-        "IoU",
-        "CoACD's IoU",
-        "seconds",
-        "over V-HACD's",
-        "broken",
-    ];
-    let mut table = Table::new("Mesh by mesh", "", &header);
-    for pair in pairs {
-        let Pair { ours, vhacd, coacd } = pair;
-        table.rows.push(vec![
-            ours.mesh.clone(),
-            count(ours.hulls),
-            count(vhacd.hulls),
-            count(coacd.as_ref().map(|coacd| coacd.hulls)),
-            number_or_nothing(ours.hausdorff),
-            number_or_nothing(ours.uncovered_max),
-            number_or_nothing(ours.uncovered_volume),
-            number_or_nothing(ours.iou),
-            number_or_nothing(coacd.as_ref().and_then(|coacd| coacd.iou)),
-            number_or_nothing(ours.seconds_all_threads),
-            number_or_nothing(pair.time()),
-            ours.faults(),
-        ]);
-    }
-    table
 }
 
 fn summary(pairs: &[Pair]) -> Table {

@@ -154,14 +154,14 @@ pub fn skin(rings: &[Vec<Point>], along: bool, around: bool) -> Vec<[Point; 3]> 
     corners
 }
 
-/// A profile of (radius, height) turned about the y axis. It starts and ends on the axis, so the
+/// A profile, radii and heights in turn, about the y axis. It starts and ends on the axis, so the
 /// result is closed. `bands` gives the material of each piece of the profile.
-pub fn lathe(profile: &[[f64; 2]], segments: usize, bands: impl Fn(usize) -> usize) -> Shape {
+pub fn lathe(profile: &[f64], segments: usize, bands: impl Fn(usize) -> usize) -> Shape {
     let angle =
         |segment: usize| std::f64::consts::TAU * (segment % segments) as f64 / segments as f64;
     let mut corners = Vec::new();
     let mut materials = Vec::new();
-    for (band, ends) in profile.windows(2).enumerate() {
+    for (band, ends) in profile.as_chunks::<2>().0.windows(2).enumerate() {
         let rings: Vec<Vec<Point>> = (0..segments)
             .map(|segment| {
                 let (sine, cosine) = angle(segment).sin_cos();

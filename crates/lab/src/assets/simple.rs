@@ -13,36 +13,26 @@ const RUBBER: Material = Material::new("rubber", [214, 96, 72]);
 const BEAM: f64 = 0.5;
 
 /// A prism whose outline is given in beams.
-fn beams(name: &'static str, purpose: &'static str, outline: &[[f64; 2]]) -> Model {
-    let outline: Vec<[f64; 2]> =
-        outline.iter().map(|point| point.map(|value| value * BEAM)).collect();
+fn beams(name: &'static str, purpose: &'static str, outline: &[f64]) -> Model {
+    let points = outline.as_chunks::<2>().0.iter();
+    let outline: Vec<[f64; 2]> = points.map(|point| point.map(|value| value * BEAM)).collect();
     Model::single(name, purpose, vec![STONE], prism(&outline, BEAM).grounded())
 }
 
 pub fn l_prism() -> Model {
-    let outline = [[0., 0.], [2., 0.], [2., 1.], [1., 1.], [1., 2.], [0., 2.]];
+    let outline = [0., 0., 2., 0., 2., 1., 1., 1., 1., 2., 0., 2.];
     beams("l_prism", "the least concave solid: 12 vertices, two boxes", &outline)
 }
 
 pub fn u_prism() -> Model {
-    let outline = [[0., 0.], [3., 0.], [3., 2.], [2., 2.], [2., 1.], [1., 1.], [1., 2.], [0., 2.]];
+    let outline = [0., 0., 3., 0., 3., 2., 2., 2., 2., 1., 1., 1., 1., 2., 0., 2.];
     beams("u_prism", "three boxes and a gap that must stay open", &outline)
 }
 
 pub fn plus() -> Model {
     let outline = [
-        [1., 0.],
-        [2., 0.],
-        [2., 1.],
-        [3., 1.],
-        [3., 2.],
-        [2., 2.],
-        [2., 3.],
-        [1., 3.],
-        [1., 2.],
-        [0., 2.],
-        [0., 1.],
-        [1., 1.],
+        1., 0., 2., 0., 2., 1., 3., 1., 3., 2., 2., 2., 2., 3., 1., 3., 1., 2., 0., 2., 0., 1., 1.,
+        1.,
     ];
     beams("plus", "four notches; a bar and two stubs at the least", &outline)
 }

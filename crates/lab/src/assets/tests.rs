@@ -53,39 +53,6 @@ fn components(shape: &Shape) -> usize {
     }
 }
 
-/// The triangles of a file, as a glTF reader sees them, node transforms applied.
-fn read(bytes: &[u8]) -> Shape {
-    let file = gltf::Gltf::from_slice(bytes).unwrap();
-    let blob = file.blob.clone().unwrap();
-    let mut corners = Vec::new();
-    let identity = [[1., 0., 0., 0.], [0., 1., 0., 0.], [0., 0., 1., 0.], [0., 0., 0., 1.]];
-    let mut open: Vec<(gltf::Node, [[f32; 4]; 4])> =
-        file.default_scene().unwrap().nodes().map(|node| (node, identity)).collect();
-    while let Some((node, parent)) = open.pop() {
-        let own = node.transform().matrix();
-        let matrix: [[f32; 4]; 4] = std::array::from_fn(|column| {
-            std::array::from_fn(|row| (0..4).map(|k| parent[k][row] * own[column][k]).sum())
-        });
-        let place = |[x, y, z]: [f32; 3]| {
-            [0, 1, 2].map(|row| {
-                let [a, b, c, d] = [0, 1, 2, 3].map(|column| matrix[column][row]);
-                f64::from(a * x + b * y + c * z + d)
-            })
-        };
-        for primitive in node.mesh().iter().flat_map(|mesh| mesh.primitives()) {
-            let reader = primitive.reader(|_| Some(&blob));
-            let positions: Vec<[f32; 3]> = reader.read_positions().unwrap().collect();
-            assert_eq!(reader.read_normals().unwrap().count(), positions.len());
-            let indices: Vec<u32> = reader.read_indices().unwrap().into_u32().collect();
-            corners.extend(indices.chunks(3).map(|triangle| {
-                [0, 1, 2].map(|corner| place(positions[triangle[corner] as usize]))
-            }));
-        }
-        open.extend(node.children().map(|child| (child, matrix)));
-    }
-    Shape::from_corners(corners)
-}
-
 #[test]
 fn the_committed_files_are_what_the_code_makes() {
     for model in models() {
@@ -115,10 +82,19 @@ fn files_are_small() {
 }
 
 #[test]
-fn a_gltf_reader_sees_every_triangle_in_its_place() {
+fn a_gltf_reader_sees_every_triangle_in_its_place_and_a_normal_at_each_corner() {
     for model in models() {
-        let (shape, expected) = (read(&glb::glb(&model)), model.flattened());
-        assert_eq!(shape.triangles.len(), expected.triangles.len(), "{}", model.name);
+        let bytes = glb::glb(&model);
+        let file = gltf::Gltf::from_slice(&bytes).unwrap();
+        for primitive in file.meshes().flat_map(|mesh| mesh.primitives()) {
+            let reader = primitive.reader(|_| file.blob.as_deref());
+            let positions = reader.read_positions().unwrap().count();
+            assert_eq!(reader.read_normals().unwrap().count(), positions, "{}", model.name);
+        }
+        let mesh = hullwright::io::parse(&bytes, hullwright::io::Format::Gltf).unwrap().mesh;
+        let expected = model.flattened();
+        assert_eq!(mesh.triangles.len(), expected.triangles.len(), "{}", model.name);
+        let shape = Shape { positions: mesh.positions, ..Shape::default() };
         let (bounds, expected) = (shape.bounds(), expected.bounds());
         for axis in 0..3 {
             assert!((bounds.0[axis] - expected.0[axis]).abs() < 1e-5, "{}", model.name);

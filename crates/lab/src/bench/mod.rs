@@ -2,27 +2,24 @@
 //! plots.
 
 mod curves;
-mod plots;
+mod plot;
 mod summary;
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use hullwright::Control;
-use hullwright::io::read_mesh;
 use serde_json::json;
 
 use summary::Results;
 
 use crate::harness::session::{FULL, limits};
 use crate::harness::{Session, Task, row};
-use crate::report::html_report::{PageLink, Report, create_folder, write};
+use crate::report::{Report, create_folder, write};
 use crate::terminal::Failure;
 use crate::tools::data_folder::DataFolder;
 use crate::tools::external_tools::ExternalTools;
 use crate::tools::meshes::{self, Mesh};
 use crate::tools::methods::Run;
-use crate::view::ComparisonPage;
 
 /// Compare methods on every mesh below folders: time against error
 ///
@@ -73,14 +70,10 @@ pub struct Arguments {
     #[arg(long)]
     report_only: bool,
 
-    /// Copy the small plots into this folder too, under the names of the large ones: docs/pictures for
+    /// Copy the small plot into this folder too, under the name of the large one: docs/pictures for
     /// the README
     #[arg(long, value_name = "DIR")]
     pictures: Option<PathBuf>,
-
-    /// Write a page for each mesh of the folders too, with ours and V-HACD's hulls side by side
-    #[arg(long, requires = "folders")]
-    pages: bool,
 }
 
 /// How many meshes `--quick` takes, at least one of each folder: with about a second for each of its
@@ -93,7 +86,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let tools = folder.map(|folder| ExternalTools::new(folder, &arguments.python));
     let mut session = Session::open(&arguments.output, limits)?;
     (session.retries, session.tools) = (arguments.retry, tools.as_ref());
-    let mut pages = Vec::new();
     if !arguments.report_only {
         let mut meshes = meshes::find(&arguments.folders)?;
         if arguments.quick {
@@ -104,13 +96,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
         session.rows(&meshes, |mesh| tasks(arguments, tools.as_ref(), mesh))?;
     }
-    if arguments.pages {
-        let names: BTreeSet<&str> = session.journal().iter().map(|row| row.mesh.as_str()).collect();
-        let mut meshes = meshes::find(&arguments.folders)?;
-        meshes.retain(|mesh| names.contains(mesh.name.as_str()));
-        pages = write_pages(&arguments.output, &meshes)?;
-    }
-    Ok(report(&session, pages, arguments.pictures.as_deref())?)
+    Ok(report(&session, arguments.pictures.as_deref())?)
 }
 
 /// Every setting of the methods that are asked for.
@@ -124,12 +110,8 @@ fn tasks(arguments: &Arguments, tools: Option<&ExternalTools>, mesh: &Mesh) -> V
     runs.into_iter().map(|run| Task::new(run, FULL)).collect()
 }
 
-/// Writes the report of what the journal holds, and copies its small plots.
-fn report(
-    session: &Session<'_>,
-    pages: Vec<PageLink>,
-    pictures: Option<&Path>,
-) -> Result<(), String> {
+/// Writes the report of what the journal holds, and copies its small plot.
+fn report(session: &Session<'_>, pictures: Option<&Path>) -> Result<(), String> {
     let results = Results::new(session.journal());
     if results.rows.is_empty() {
         return Err("there is nothing to report".into());
@@ -154,7 +136,7 @@ fn report(
          methods that group a surface."
             .into(),
     ];
-    let plots = plots::plots(&results)?;
+    let plots = plot::plots(&results)?;
     if let Some(pictures) = pictures {
         create_folder(pictures)?;
         for plot in plots.iter().filter(|plot| plot.is_extra) {
@@ -165,7 +147,7 @@ fn report(
     write(&session.output.join("versus.csv"), &versus_csv(&results)?)?;
     let tables = results.tables();
     let (title, name) = ("Time against error", "benchmark");
-    session.report(Report { title, name, words, plots, tables, pages, ..Report::default() })
+    session.report(Report { title, name, words, plots, tables, ..Report::default() })
 }
 
 /// Wins and losses mesh by mesh: our hulls over another method's at equal error, our error over
@@ -184,28 +166,4 @@ fn versus_csv(results: &Results<'_>) -> Result<String, String> {
         })
         .collect();
     row::to_csv(&rows)
-}
-
-/// The folder of the pages, in that of the report.
-const PAGES: &str = "pages";
-
-/// Writes the pages of all meshes that can be decomposed, and returns their names.
-fn write_pages(report: &Path, meshes: &[Mesh]) -> Result<Vec<PageLink>, Failure> {
-    create_folder(&report.join(PAGES))?;
-    let mut links = Vec::new();
-    for mesh in meshes {
-        // What fails has a row in the tables that says so.
-        let Ok(file) = read_mesh(&mesh.path) else { continue };
-        let control = Control::new();
-        let Ok(mut page) = ComparisonPage::new(&mesh.name, &file, &control) else { continue };
-        if page.add_ours().and_then(|()| page.add_vhacd()).is_err() {
-            continue;
-        }
-        // All that means something in an address is replaced.
-        let plain = |c: char| if c.is_alphanumeric() || "-.".contains(c) { c } else { '_' };
-        let file = format!("{PAGES}/{}.html", mesh.name.chars().map(plain).collect::<String>());
-        page.write(&report.join(&file))?;
-        links.push(PageLink { name: mesh.name.clone(), file });
-    }
-    Ok(links)
 }

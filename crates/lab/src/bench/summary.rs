@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::curves::{Comparison, Curve, Point, versus};
 use crate::harness::row::Figure;
 use crate::harness::{Row, Status};
-use crate::report::table::{NOTHING, Table, number, number_or_nothing};
+use crate::report::{NOTHING, Table, number, number_or_nothing};
 use crate::statistics::{geometric_mean, mean, median};
 
 /// Rows by method and setting, methods in the order of [`METHODS`].
@@ -43,13 +43,6 @@ impl<'a> Results<'a> {
 
     fn only(&self, is_wanted: impl Fn(&Row) -> bool) -> Self {
         Self { rows: self.rows.iter().copied().filter(|row| is_wanted(row)).collect() }
-    }
-
-    /// What there is on the meshes that CoACD's hull files are for, if not on all.
-    pub fn shared_with_files(&self) -> Option<Self> {
-        let meshes = self.only(|row| row.method == "coacd-files" && row.is_done()).meshes();
-        let is_some = !meshes.is_empty() && meshes != self.meshes();
-        is_some.then(|| self.only(|row| meshes.contains(row.mesh.as_str())))
     }
 
     pub fn variants(&self) -> Variants<'a> {
@@ -117,19 +110,36 @@ impl<'a> Results<'a> {
             self.against(),
             success(&variants),
         ];
-        if let Some(shared) = self.shared_with_files() {
-            let count = shared.meshes().len();
-            let note = format!("Over the {count} meshes of `coacd-files`, as far as done.");
-            tables.push(medians("Medians where CoACD ran", &note, &shared.variants()));
-        }
         let folders: BTreeSet<&str> = self.rows.iter().map(|row| row.folder()).collect();
         for name in folders {
             let rows = self.only(|row| row.folder() == name && row.is_default()).variants();
             let title = format!("Medians in {name}");
             tables.push(medians(&title, "Each method's default setting.", &rows));
         }
-        tables.push(self.where_others_win());
+        tables.extend([self.where_others_win(), self.stages()]);
         tables
+    }
+
+    /// Mean seconds of each stage of each method's default setting.
+    fn stages(&self) -> Table {
+        let mut table =
+            Table::new("Time by stage", "Mean seconds, one thread.", &["method", "stages"]);
+        for (method, rows) in self.defaults() {
+            let mut stages: Vec<(&str, f64)> = Vec::new();
+            for (name, seconds) in rows.iter().flat_map(|row| &row.stages) {
+                let share = seconds / rows.len() as f64;
+                match stages.iter_mut().find(|(other, _)| other == name) {
+                    Some((_, sum)) => *sum += share,
+                    None => stages.push((name, share)),
+                }
+            }
+            let stages: Vec<String> = stages
+                .iter()
+                .map(|(name, seconds)| format!("{name} {}", number(*seconds)))
+                .collect();
+            table.rows.push(vec![method.into(), stages.join(", ")]);
+        }
+        table
     }
 
     /// Ratios and wins of every method against every other.

@@ -149,24 +149,14 @@ fn candidates(
     };
     let mut meshes: Vec<_> = simplified.iter().enumerate().collect();
     meshes.dedup_by(|finer, coarser| finer.1.1 == coarser.1.1);
-    // As long as μ may cut off all higher resolutions, one after the other.
+    // One after the other, since μ may cut off all higher resolutions.
     let mut found: Vec<Candidate> = Vec::with_capacity(meshes.len());
-    for (done, mesh) in meshes.iter().enumerate() {
-        let candidate = candidate_of(*mesh)?;
+    for mesh in meshes {
+        let candidate = candidate_of(mesh)?;
         let may_cut_off = candidate.resolution >= LEAST_CUT_OFF_RESOLUTION;
         let cuts_off = may_cut_off && candidate.pieces < parameters.surface.resolution_cut_off;
         found.push(candidate);
         if cuts_off {
-            break;
-        }
-        if may_cut_off && control.is_parallel() && rayon::current_num_threads() > 1 {
-            use rayon::prelude::*;
-            let rest = meshes[done + 1..].par_iter().map(|mesh| candidate_of(*mesh));
-            let rest: Vec<Candidate> = rest.collect::<Result<_, Error>>()?;
-            // What a cut-off would have left out is left out.
-            let last = rest.iter().position(|c| c.pieces < parameters.surface.resolution_cut_off);
-            let reached = last.map_or(rest.len(), |last| last + 1);
-            found.extend(rest.into_iter().take(reached));
             break;
         }
     }

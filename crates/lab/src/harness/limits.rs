@@ -1,8 +1,8 @@
 //! A process with limits on time and memory: whatever a method does, it ends, and only itself.
 
-use std::io::{BufRead, BufReader, Read};
+use std::fs::File;
+use std::io::{Read, Seek};
 use std::process::{Child, Command, Stdio};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
 use sysinfo::{Pid, ProcessRefreshKind, ProcessesToUpdate, System};
@@ -12,7 +12,7 @@ pub use super::row::Status;
 /// How long and how large a process may be.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// Longest time until the first line of output, and from each line to the next or the end.
+    /// Longest time until the first output, and from each to the next or the end.
     pub time: Duration,
     /// Largest resident memory, in bytes.
     pub memory: u64,
@@ -34,8 +34,8 @@ pub struct Ended {
 /// enough that looking costs it nothing.
 const LOOK_EVERY: Duration = Duration::from_millis(20);
 
-/// What is kept of standard error: far more than a message of an error or a panic.
-const MOST_ERROR_BYTES: u64 = 1 << 20;
+/// What is read of an output: far more than rows, or a message of an error or a panic.
+const MOST_BYTES: u64 = 1 << 24;
 
 /// Exit code of a Rust program that panicked.
 const PANICKED: i32 = 101;
@@ -44,102 +44,68 @@ const PANICKED: i32 = 101;
 /// standard error; any other end but success is a crash.
 pub fn run(mut command: Command, limits: Limits) -> Result<Ended, String> {
     let program = command.get_program().to_string_lossy().into_owned();
-    command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
-    let mut child = command.spawn().map_err(|error| format!("{program}: {error}"))?;
-    let lines = lines_of(&mut child);
-    let errors = child.stderr.take().map(|stderr| {
-        std::thread::spawn(move || {
-            let mut bytes = Vec::new();
-            // What can't be read is not needed.
-            let _ = stderr.take(MOST_ERROR_BYTES).read_to_end(&mut bytes);
-            String::from_utf8_lossy(&bytes).into_owned()
-        })
-    });
-
-    let mut ended =
-        Ended { status: Status::Done, lines: Vec::new(), reason: String::new(), peak_memory: None };
-    let stopped = watch(&mut child, &lines, limits, &mut ended);
+    let say = |error: std::io::Error| format!("{program}: {error}");
+    // Files and no pipes: a process that is killed may leave helpers that hold a pipe open.
+    let [mut output, mut errors] =
+        [tempfile::tempfile().map_err(say)?, tempfile::tempfile().map_err(say)?];
+    command.stdin(Stdio::null());
+    command.stdout(output.try_clone().map_err(say)?).stderr(errors.try_clone().map_err(say)?);
+    let mut child = command.spawn().map_err(say)?;
+    let (stopped, peak_memory) = watch(&mut child, &output, limits);
     if stopped.is_some() {
         let _ = child.kill();
     }
-    let exit = child.wait().map_err(|error| format!("{program}: {error}"))?;
-    // Its helpers may hold the pipe open after it was killed, so they are not waited for then.
-    let said = match (stopped.is_none(), errors) {
-        (true, Some(errors)) => errors.join().unwrap_or_default(),
-        _ => String::new(),
+    let exit = child.wait().map_err(say)?;
+    let output = text(&mut output);
+    // A last line that was cut off is no line.
+    let whole = output.rfind('\n').map_or("", |end| &output[..end]);
+    let lines = whole.lines().map(str::to_owned).collect();
+    let errors = text(&mut errors);
+    let (status, reason) = match (stopped, exit.code()) {
+        (Some(Status::OutOfMemory), _) => {
+            (Status::OutOfMemory, format!("over {} MB", limits.memory >> 20))
+        }
+        (Some(status), _) => (status, format!("over {} s", limits.time.as_secs_f64())),
+        (None, Some(0)) => (Status::Done, String::new()),
+        (None, Some(1)) => (Status::Error, last_line(&errors)),
+        (None, Some(PANICKED)) => (Status::Crash, panic_message(&errors)),
+        (None, _) => {
+            let reason = last_line(&errors);
+            (Status::Crash, if reason.is_empty() { exit.to_string() } else { reason })
+        }
     };
-    ended.reason = last_line(&said);
-    match (stopped, exit.code()) {
-        (Some(status), _) => {
-            ended.status = status;
-            ended.reason = match status {
-                Status::OutOfMemory => format!("over {} MB", limits.memory >> 20),
-                _ => format!("over {} s", limits.time.as_secs_f64()),
-            };
-        }
-        (None, Some(0)) => ended.reason.clear(),
-        (None, Some(1)) => ended.status = Status::Error,
-        (None, code) => {
-            ended.status = Status::Crash;
-            if code == Some(PANICKED) {
-                ended.reason = panic_message(&said);
-            } else if ended.reason.is_empty() {
-                ended.reason = exit.to_string();
-            }
-        }
-    }
-    Ok(ended)
+    Ok(Ended { status, lines, reason, peak_memory })
 }
 
-fn lines_of(child: &mut Child) -> Receiver<String> {
-    let (sender, lines) = channel();
-    if let Some(stdout) = child.stdout.take() {
-        std::thread::spawn(move || {
-            for line in BufReader::new(stdout).lines().map_while(Result::ok) {
-                if sender.send(line).is_err() {
-                    break;
-                }
-            }
-        });
-    }
-    lines
-}
-
-/// Waits for the end of output. Why the process must be stopped, if it must.
-fn watch(
-    child: &mut Child,
-    lines: &Receiver<String>,
-    limits: Limits,
-    ended: &mut Ended,
-) -> Option<Status> {
+/// Waits for the end of a process: why it must be stopped, if it must, and its peak of memory.
+fn watch(child: &mut Child, output: &File, limits: Limits) -> (Option<Status>, Option<u64>) {
     // Where the system does not tell, memory has no limit.
     let mut system = System::new().ok();
-    let mut start = Instant::now();
-    loop {
-        match lines.recv_timeout(LOOK_EVERY) {
-            Ok(line) => {
-                ended.lines.push(line);
-                start = Instant::now();
-            }
-            Err(RecvTimeoutError::Timeout) => {}
-            Err(RecvTimeoutError::Disconnected) => {
-                // Output is closed; the process itself may still hang.
-                if matches!(child.try_wait(), Ok(Some(_)) | Err(_)) {
-                    return None;
-                }
-                std::thread::sleep(LOOK_EVERY);
-            }
+    let (mut start, mut length, mut peak) = (Instant::now(), 0, None);
+    while !matches!(child.try_wait(), Ok(Some(_)) | Err(_)) {
+        std::thread::sleep(LOOK_EVERY);
+        let now = output.metadata().map_or(0, |file| file.len());
+        if now > length {
+            (start, length) = (Instant::now(), now);
         }
         let memory = system.as_mut().and_then(|system| resident_memory(system, child.id()));
         // What is over the limit is part of the peak, whenever that is read.
-        ended.peak_memory = ended.peak_memory.max(memory).max(peak_memory(child.id()));
+        peak = peak.max(memory).max(peak_memory(child.id()));
         if memory.is_some_and(|bytes| bytes > limits.memory) {
-            return Some(Status::OutOfMemory);
+            return (Some(Status::OutOfMemory), peak);
         }
         if start.elapsed() > limits.time {
-            return Some(Status::TimeOut);
+            return (Some(Status::TimeOut), peak);
         }
     }
+    (None, peak)
+}
+
+/// What was written to a file; what can't be read is not needed.
+fn text(file: &mut File) -> String {
+    let mut bytes = Vec::new();
+    let _ = file.rewind().and_then(|()| file.take(MOST_BYTES).read_to_end(&mut bytes));
+    String::from_utf8_lossy(&bytes).into_owned()
 }
 
 /// Resident memory of a process now, in bytes.

@@ -138,13 +138,10 @@ impl Row {
         self.status == Status::Done && self.hausdorff.is_some()
     }
 
-    pub fn run(&self) -> Option<Run> {
-        Run::parse(&self.method, &self.setting)
-    }
-
     /// Whether the method ran with its default setting.
     pub fn is_default(&self) -> bool {
-        self.run().is_some_and(|run| run.is_default())
+        let is_this = |run: &Run| (run.method(), &run.setting()) == (&self.method, &self.setting);
+        Run::defaults().iter().any(is_this)
     }
 
     /// The folder that the mesh is in.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -14,7 +14,7 @@ use super::journal::Journal;
 use super::limits::{self, Limits};
 use super::row::{Row, Status};
 use super::worker::Work;
-use crate::report::html_report::{Report, create_folder, write};
+use crate::report::{Report, create_folder};
 use crate::terminal::{Failure, print, time};
 use crate::tools::external_tools::ExternalTools;
 use crate::tools::meshes::Mesh;
@@ -57,12 +57,6 @@ impl Task {
     }
 }
 
-/// The file that says on what machine the tasks ran, and how long they took together.
-const MACHINE: &str = "machine.json";
-const SECONDS: &str = "seconds_of_all_sessions";
-/// What each session ran, in words: limits, version and time may differ between them.
-const SESSIONS: &str = "sessions";
-
 pub struct Session<'a> {
     pub output: PathBuf,
     pub limits: Limits,
@@ -72,8 +66,6 @@ pub struct Session<'a> {
     /// Runs nothing.
     pub only_reports: bool,
     journal: Journal,
-    start: Instant,
-    has_run: bool,
     /// Removed at the end, where nothing is kept.
     _folder: Option<TempDir>,
 }
@@ -89,8 +81,6 @@ impl<'a> Session<'a> {
             retries: false,
             only_reports: false,
             journal: Journal::open(&output.join("runs.jsonl"))?,
-            start: Instant::now(),
-            has_run: false,
             _folder: None,
         })
     }
@@ -145,11 +135,6 @@ impl<'a> Session<'a> {
         {
             return Ok(known.cloned());
         }
-        if !self.has_run {
-            self.has_run = true;
-            // Before the work too: it may be stopped.
-            self.write_machine()?;
-        }
         let row = self.execute(mesh, task, blank)?;
         print(&progress(place, &row))?;
         self.journal.add(row.clone())?;
@@ -200,38 +185,9 @@ impl<'a> Session<'a> {
         Ok(row)
     }
 
-    /// Writes a report with what is known of the machine and of all sessions.
-    pub fn report(&self, mut report: Report) -> Result<(), String> {
-        report.machine = if self.has_run { self.write_machine()? } else { self.recorded() };
-        report.write(&self.output)
-    }
-
-    fn recorded(&self) -> BTreeMap<String, Value> {
-        let text = std::fs::read_to_string(self.output.join(MACHINE)).unwrap_or_default();
-        serde_json::from_str(&text).unwrap_or_else(|_| describe(self.limits))
-    }
-
-    /// Adds this session to what is known. Called again, it replaces what it wrote.
-    fn write_machine(&self) -> Result<BTreeMap<String, Value>, String> {
-        let seconds = self.start.elapsed().as_secs_f64().round();
-        let session = format!(
-            "algorithm version {}, limit of {} s, session {}",
-            hullwright::ALGORITHM_VERSION,
-            self.limits.time.as_secs_f64(),
-            std::process::id(),
-        );
-        let mut sessions: BTreeMap<String, f64> = self
-            .recorded()
-            .remove(SESSIONS)
-            .and_then(|sessions| serde_json::from_value(sessions).ok())
-            .unwrap_or_default();
-        sessions.insert(session, seconds);
-        let mut machine = describe(self.limits);
-        machine.insert(SECONDS.into(), json!(sessions.values().sum::<f64>()));
-        machine.insert(SESSIONS.into(), json!(sessions));
-        let text = serde_json::to_string_pretty(&machine).unwrap_or_default();
-        write(&self.output.join(MACHINE), &text)?;
-        Ok(machine)
+    /// Writes a report, with what times depend on.
+    pub fn report(&self, report: Report) -> Result<(), String> {
+        Report { machine: describe(self.limits), ..report }.write(&self.output)
     }
 }
 

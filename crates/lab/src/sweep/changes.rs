@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::summary::is_over;
 use crate::harness::{Row, Status};
-use crate::report::table::{NOTHING, Table, count, number_or_nothing};
+use crate::report::{NOTHING, Table, count, number_or_nothing};
 
 /// A share of the uncovered volume that is seen.
 const VOLUME: f64 = 0.005;

@@ -7,8 +7,8 @@ use std::path::PathBuf;
 
 use crate::harness::session::{FULL, limits};
 use crate::harness::{Judge, Session, Task, row};
-use crate::report::html_report::{Report, write};
-use crate::report::table::Table;
+use crate::report::Table;
+use crate::report::{Report, write};
 use crate::terminal::{Failure, print};
 use crate::tools::meshes;
 use crate::tools::methods::Run;

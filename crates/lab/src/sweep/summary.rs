@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::harness::row::Figure;
 use crate::harness::{Row, Status};
-use crate::report::table::{NOTHING, Table, count, number, number_or_nothing};
+use crate::report::{NOTHING, Table, count, number, number_or_nothing};
 use crate::statistics::quantile;
 
 /// Rows of a table of the worst.

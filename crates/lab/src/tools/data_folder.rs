@@ -7,7 +7,7 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
 /// A folder with any of:
-/// - `meshes`, and `meshes/SOURCES.tsv`, which says what each of them shows;
+/// - `meshes`;
 /// - `paper/table1.tsv`, the paper's Table 1 with the names of its meshes;
 /// - `peers/results.tsv`, what other tools returned, with CoACD's hulls in `peers/coacd`, and the meshes of
 ///   glTF scenes flattened in `peers/src`;
@@ -50,13 +50,6 @@ impl PaperRow {
     }
 }
 
-#[derive(Deserialize)]
-struct Source {
-    file: String,
-    #[serde(rename = "origin and licence")]
-    origin: String,
-}
-
 impl DataFolder {
     /// A mesh by its name, such as `princeton/3.off`.
     pub fn mesh(&self, name: &str) -> PathBuf {
@@ -85,13 +78,6 @@ impl DataFolder {
 
     pub fn table1(&self) -> Result<Vec<PaperRow>, String> {
         read(&self.0.join("paper/table1.tsv"))
-    }
-
-    /// The meshes that show one kind of thing, such as cups.
-    pub fn meshes_of_kind(&self, kind: &str) -> Result<Vec<String>, String> {
-        let sources: Vec<Source> = read(&self.0.join("meshes/SOURCES.tsv"))?;
-        let is_kind = |source: &Source| source.origin.split(';').next() == Some(kind);
-        Ok(sources.into_iter().filter(is_kind).map(|source| source.file).collect())
     }
 }
 

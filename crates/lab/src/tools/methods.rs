@@ -17,9 +17,6 @@ pub enum Run {
     Hacd { threshold: f64 },
     /// Parry's, as Rapier calls it.
     Vhacd { concavity: f64, resolution: u32 },
-    /// Parry's, asked for at most so many hulls, however concave they are. It turns the number
-    /// into a depth of cuts, so that it counts as the next power of two.
-    VhacdHulls { hulls: u32 },
     /// V-HACD 4 from its own library, through the script of [`external_tools`](super::external_tools).
     Vhacd4 { hulls: u32 },
     /// CoACD, through the script of [`external_tools`](super::external_tools).
@@ -90,16 +87,17 @@ impl Run {
     /// Parry's defaults.
     pub const VHACD_DEFAULT: Self = Self::Vhacd { concavity: 0.01, resolution: 64 };
 
-    /// The setting that stands for the method in tables of one row per method.
-    pub fn is_default(&self) -> bool {
-        match *self {
-            Self::Surface | Self::CoacdFiles => true,
-            Self::Bounded { .. } => *self == Self::bounded(0.02),
-            Self::Hacd { threshold } | Self::Coacd { threshold } => threshold == 0.05,
-            Self::Vhacd { .. } => *self == Self::VHACD_DEFAULT,
-            Self::Vhacd4 { hulls } => hulls == 64,
-            Self::VhacdHulls { .. } => false,
-        }
+    /// The settings that stand for their methods in tables of one row per method.
+    pub fn defaults() -> [Self; 7] {
+        [
+            Self::bounded(0.02),
+            Self::Surface,
+            Self::Hacd { threshold: 0.05 },
+            Self::VHACD_DEFAULT,
+            Self::Vhacd4 { hulls: 64 },
+            Self::Coacd { threshold: 0.05 },
+            Self::CoacdFiles,
+        ]
     }
 
     pub fn method(&self) -> &'static str {
@@ -108,7 +106,6 @@ impl Run {
             Self::Bounded { .. } => "bounded",
             Self::Hacd { .. } => "hacd",
             Self::Vhacd { .. } => "vhacd",
-            Self::VhacdHulls { .. } => "vhacd-hulls",
             Self::Vhacd4 { .. } => "vhacd4",
             Self::Coacd { .. } => "coacd",
             Self::CoacdFiles => "coacd-files",
@@ -129,37 +126,10 @@ impl Run {
             Self::Vhacd { concavity, resolution } => {
                 format!("concavity {concavity}, resolution {resolution}")
             }
-            Self::VhacdHulls { hulls } => format!("at most {hulls} hulls"),
             Self::Vhacd4 { hulls } => format!("hulls {hulls}, flood fill"),
             Self::Coacd { threshold } => format!("threshold {threshold}"),
             Self::CoacdFiles => "threshold 0.05, from files".into(),
         }
-    }
-
-    /// The reverse of `method` and `setting`.
-    pub fn parse(method: &str, setting: &str) -> Option<Self> {
-        let numbers: Vec<f64> =
-            setting.split([' ', ',']).filter_map(|word| word.parse().ok()).collect();
-        let number = numbers.first().copied();
-        Some(match method {
-            "surface" => Self::Surface,
-            "bounded" => Self::Bounded {
-                error: number?,
-                preset: setting
-                    .rsplit(' ')
-                    .next()
-                    .and_then(|word| word.parse().ok())
-                    .unwrap_or_default(),
-                max_hulls: numbers.get(1).map(|&hulls| hulls as usize),
-            },
-            "hacd" => Self::Hacd { threshold: number? },
-            "vhacd" => Self::Vhacd { concavity: number?, resolution: *numbers.get(1)? as u32 },
-            "vhacd-hulls" => Self::VhacdHulls { hulls: number? as u32 },
-            "vhacd4" => Self::Vhacd4 { hulls: number? as u32 },
-            "coacd" => Self::Coacd { threshold: number? },
-            "coacd-files" => Self::CoacdFiles,
-            _ => return None,
-        })
     }
 
     /// Version of what runs. `packages` are the versions that Python has of `coacd` and `vhacdx`.
@@ -169,7 +139,7 @@ impl Run {
             Self::Surface | Self::Bounded { .. } | Self::Hacd { .. } => {
                 format!("hullwright {ours}, algorithm {}", hullwright::ALGORITHM_VERSION)
             }
-            Self::Vhacd { .. } | Self::VhacdHulls { .. } => format!("parry3d {}", parry_version()),
+            Self::Vhacd { .. } => format!("parry3d {}", parry_version()),
             Self::Vhacd4 { .. } => format!("vhacdx {}", packages[1]),
             Self::Coacd { .. } => format!("coacd {}", packages[0]),
             Self::CoacdFiles => "coacd 1.0.14".into(),
@@ -203,20 +173,6 @@ pub fn bounded(error: f64) -> Parameters {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_run_is_what_its_name_says() {
-        let mut all = Run::own();
-        all.extend([Run::bounded(0.0075), Run::VhacdHulls { hulls: 7 }, Run::CoacdFiles]);
-        all.push(Run::Bounded { error: 0.01, preset: Preset::Fast, max_hulls: Some(7) });
-        all.push(Run::Bounded { error: 0.01, preset: Preset::Fine, max_hulls: None });
-        all.extend(Run::vhacd4());
-        all.extend(Run::coacd());
-        for run in all {
-            assert_eq!(Run::parse(run.method(), &run.setting()), Some(run));
-        }
-        assert_eq!(Run::parse("magic", "1"), None);
-    }
 
     #[test]
     fn the_lock_file_names_parry() {

@@ -9,16 +9,8 @@ pub use parry3d::transformation::vhacd::VHACDParameters;
 
 /// What a run asks of V-HACD; `None` for other methods.
 pub fn parameters(run: &Run) -> Option<VHACDParameters> {
-    let default = VHACDParameters::default();
-    match *run {
-        Run::Vhacd { concavity, resolution } => {
-            Some(VHACDParameters { concavity: concavity as f32, resolution, ..default })
-        }
-        Run::VhacdHulls { hulls } => {
-            Some(VHACDParameters { concavity: 0.0, max_convex_hulls: hulls, ..default })
-        }
-        _ => None,
-    }
+    let Run::Vhacd { concavity, resolution } = *run else { return None };
+    Some(VHACDParameters { concavity: concavity as f32, resolution, ..VHACDParameters::default() })
 }
 
 /// Hulls in the mesh's units, in single precision as Parry computes.

@@ -1,4 +1,7 @@
-//! Tables that can be shown as HTML, Markdown and JSON.
+//! Tables as Markdown and JSON, and reports of them.
+
+use std::collections::BTreeMap;
+use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
@@ -36,21 +39,6 @@ impl Table {
         text + "\n"
     }
 
-    pub fn to_html(&self) -> String {
-        let line = |cells: &[String], tag: &str| {
-            let cells: String =
-                cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escape(cell))).collect();
-            format!("<tr>{cells}</tr>\n")
-        };
-        let rows: String = self.rows.iter().map(|row| line(row, "td")).collect();
-        format!(
-            "<h3>{}</h3>\n<p>{}</p>\n<table>\n<thead>{}</thead>\n<tbody>\n{rows}</tbody>\n</table>\n",
-            escape(&self.title),
-            escape(&self.note),
-            line(&self.header, "th"),
-        )
-    }
-
     pub fn to_json(&self) -> Value {
         let row = |row: &Vec<String>| -> Value {
             let cells = self.header.iter().cloned().zip(row);
@@ -67,10 +55,6 @@ fn value(cell: &str) -> Value {
         _ if cell == NOTHING => Value::Null,
         _ => json!(cell),
     }
-}
-
-pub fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 /// A number in about three digits.
@@ -95,18 +79,79 @@ pub fn count(value: Option<usize>) -> String {
     value.map_or_else(|| NOTHING.into(), |count| count.to_string())
 }
 
+/// What a report says, whatever it is about.
+#[derive(Default)]
+pub struct Report {
+    pub title: &'static str,
+    /// Of its Markdown file, without the suffix.
+    pub name: &'static str,
+    /// Paragraphs before everything else.
+    pub words: Vec<String>,
+    pub machine: BTreeMap<String, Value>,
+    pub plots: Vec<Plot>,
+    pub tables: Vec<Table>,
+}
+
+/// A plot, and the name of its file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plot {
+    pub file: &'static str,
+    pub title: &'static str,
+    pub note: String,
+    pub svg: String,
+    /// Whether it repeats another one for other pages, and so is left out of the report's own.
+    pub is_extra: bool,
+}
+
+impl Report {
+    /// Writes `NAME.md`, `summary.json` and the plots.
+    pub fn write(&self, folder: &Path) -> Result<(), String> {
+        write(&folder.join(format!("{}.md", self.name)), &self.to_markdown())?;
+        let summary = json!({
+            "title": self.title,
+            "machine": self.machine,
+            "tables": self.tables.iter().map(Table::to_json).collect::<Vec<_>>(),
+        });
+        write(&folder.join("summary.json"), &format!("{summary:#}\n"))?;
+        self.plots.iter().try_for_each(|plot| write(&folder.join(plot.file), &plot.svg))
+    }
+
+    fn to_markdown(&self) -> String {
+        let mut text = format!("# {}\n\n", self.title);
+        self.words.iter().for_each(|words| text += &format!("{words}\n\n"));
+        for Plot { title, file, note, .. } in self.plots.iter().filter(|plot| !plot.is_extra) {
+            text += &format!("![{title}]({file})\n\n{note}\n\n");
+        }
+        self.tables.iter().for_each(|table| text += &table.to_markdown());
+        let mut machine = Table::new("Machine and settings", "", &["what", "value"]);
+        for (name, value) in &self.machine {
+            let value = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+            machine.rows.push(vec![name.replace('_', " "), value]);
+        }
+        text + &machine.to_markdown()
+    }
+}
+
+/// Makes the folder of a report, if it is not there.
+pub fn create_folder(path: &Path) -> Result<(), String> {
+    std::fs::create_dir_all(path).map_err(|error| format!("{}: {error}", path.display()))
+}
+
+/// Writes a text file.
+pub fn write(path: &Path, text: &str) -> Result<(), String> {
+    std::fs::write(path, text).map_err(|error| format!("{}: {error}", path.display()))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn a_table_says_the_same_in_every_format() {
+    fn a_table_says_the_same_in_both_formats() {
         let mut table = Table::new("T", "about <it>", &["method", "hulls"]);
         table.rows.push(vec!["surface".into(), number(12.345)]);
         table.rows.push(vec!["other".into(), NOTHING.into()]);
         assert!(table.to_markdown().contains("| surface | 12.3 |"));
-        assert!(table.to_html().contains("<td>12.3</td>"));
-        assert!(table.to_html().contains("about &lt;it&gt;"));
         assert_eq!(table.to_json()["rows"][0]["hulls"], 12.3);
         assert_eq!(table.to_json()["rows"][1]["hulls"], Value::Null);
     }
