@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use hullwright::io::{Format, read_mesh_from_bytes};
+
 use super::shape::Shape;
 use super::*;
 
@@ -91,7 +93,7 @@ fn a_gltf_reader_sees_every_triangle_in_its_place_and_a_normal_at_each_corner() 
             let positions = reader.read_positions().unwrap().count();
             assert_eq!(reader.read_normals().unwrap().count(), positions, "{}", model.name);
         }
-        let mesh = hullwright::io::parse(&bytes, hullwright::io::Format::Gltf).unwrap().mesh;
+        let mesh = read_mesh_from_bytes(Format::Gltf, &bytes).unwrap().mesh;
         let expected = model.flattened();
         assert_eq!(mesh.triangles.len(), expected.triangles.len(), "{}", model.name);
         let shape = Shape { positions: mesh.positions, ..Shape::default() };

@@ -68,7 +68,8 @@ pub fn plots(results: &Results<'_>) -> std::result::Result<Vec<Plot>, String> {
                 join those that no other setting of the method beats.";
     let plot = |file, note: String, size, with_runs| {
         let svg = draw(size, results, with_runs).map_err(|error| format!("a plot: {error}"))?;
-        Ok(Plot { file, title: "Error against time", note, svg, is_extra: !with_runs })
+        let title = "Error against time";
+        Ok::<_, String>(Plot { file, title, note, svg, is_extra: !with_runs })
     };
     Ok(vec![
         plot("error-time.svg", format!("Every run (dots). {note}"), LARGE, true)?,

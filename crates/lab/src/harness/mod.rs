@@ -10,6 +10,5 @@ pub mod row;
 pub mod session;
 pub mod worker;
 
-pub use limits::Limits;
 pub use row::{Row, Status};
 pub use session::{Judge, Session, Task};
