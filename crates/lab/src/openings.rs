@@ -7,16 +7,16 @@
 mod cases;
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
-use hullwright::io::read_mesh;
-use hullwright::measure::{MeasureOptions, measure};
-use hullwright::{Control, Openings, Parameters, TriangleMesh, decompose};
+use hullwright::{Control, Openings, Parameters, Preset, TriangleMesh, decompose};
 
+use crate::harness::session::{FULL, limits};
+use crate::harness::{Row, Session, Task};
 use crate::pictures::{self, FROM_ABOVE, FROM_BELOW};
 use crate::statistics::median;
 use crate::terminal::{Failure, print};
 use crate::tools::meshes::find;
+use crate::tools::methods::Run;
 
 /// Compare hulls and time with openings kept and with openings closed, on every mesh where one is closed
 #[derive(clap::Args)]
@@ -38,77 +38,50 @@ const PANEL: (usize, usize) = (220, 180);
 const EXPLOSION: f64 = 0.3;
 
 /// Meshes with one hull more may come out either way; with more it counts as worse.
-const ONE_MORE: usize = 1;
+const ONE_MORE: f64 = 1.0;
 
-/// What is summed over the meshes: with openings kept, and closed.
-#[derive(Default)]
-struct Totals {
-    hulls: [usize; 2],
-    seconds: [f64; 2],
-    ratios: Vec<f64>,
-    worse: usize,
-    broken: usize,
-    closed: usize,
-    left: usize,
-}
+/// Longest time of a run in seconds, and most memory in megabytes: as in the benchmark.
+const LIMITS: (f64, u64) = (300.0, 4096);
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(folder) = &arguments.cases {
         draw(&cases::solids(), FROM_BELOW, &folder.join("opening-cases-solid.png"))?;
         return draw(&cases::hollows(), FROM_ABOVE, &folder.join("opening-cases-hollow.png"));
     }
-    let mut totals = Totals::default();
-    for mesh in find(&arguments.folders)? {
-        let Ok(file) = read_mesh(&mesh.path) else { continue };
-        let control = Control::new();
-        let timed = |openings: Openings| {
-            let start = Instant::now();
-            let parameters = Parameters::default().openings(openings);
-            decompose(&file, &parameters, &control)
-                .map(|found| (found, start.elapsed().as_secs_f64()))
-        };
-        let Ok((closed, after)) = timed(Openings::Auto) else { continue };
-        let openings = &closed.run.openings;
-        let count = openings.iter().filter(|opening| opening.outcome.is_closed()).count();
-        if count == 0 {
-            continue;
+    let mut session = Session::temporary(limits(LIMITS.0, LIMITS.1)?)?;
+    let task = |openings| {
+        Task::new(Run::Bounded { error: 0.02, preset: Preset::Balanced, openings }, FULL)
+    };
+    let detail = |row: &Row, name: &str| row.details.get(name).copied().unwrap_or(0.0);
+    let mut pairs = Vec::new();
+    let meshes = find(&arguments.folders)?;
+    for (number, mesh) in meshes.iter().enumerate() {
+        let place = (number + 1, meshes.len());
+        let Some(closed) = session.row(place, mesh, &task(Openings::Auto))? else { continue };
+        if detail(&closed, "openings_closed") > 0.0
+            && let Some(kept) = session.row(place, mesh, &task(Openings::Keep))?
+        {
+            pairs.push((kept, closed));
         }
-        let (kept, before) = timed(Openings::Keep)?;
-        let hulls = [kept.hulls.len(), closed.hulls.len()];
-        totals.hulls = [totals.hulls[0] + hulls[0], totals.hulls[1] + hulls[1]];
-        totals.seconds = [totals.seconds[0] + before, totals.seconds[1] + after];
-        totals.ratios.push(after / before);
-        totals.worse += usize::from(hulls[1] > hulls[0] + ONE_MORE);
-        totals.closed += count;
-        totals.left += openings.len() - count;
-        let judged = measure(&file, &closed.hulls, &MeasureOptions::default(), &control)?;
-        let bound = closed.report.bound;
-        totals.broken += usize::from(judged.hausdorff * judged.diagonal > bound * (1.0 + 1e-6));
-        print(&format!(
-            "{:4} → {:3} hulls {:8.1} → {:7.1} ms {count:4} closed {:4} left  {}",
-            hulls[0],
-            hulls[1],
-            1e3 * before,
-            1e3 * after,
-            openings.len() - count,
-            mesh.path.display()
-        ))?;
     }
-    let Totals { hulls, seconds, ratios, worse, broken, closed, left } = totals;
-    if ratios.is_empty() {
+    if pairs.is_empty() {
         return print("no opening was closed");
     }
-    let ratio_of_hulls = hulls[1] as f64 / hulls[0] as f64;
+    let sum = |of: &dyn Fn(&(Row, Row)) -> f64| pairs.iter().map(of).sum::<f64>();
+    let hulls = |row: &Row| row.hulls.unwrap_or(0) as f64;
+    let seconds = |row: &Row| row.seconds_all_threads.unwrap_or(0.0);
+    let [before, after] = [sum(&|pair| hulls(&pair.0)), sum(&|pair| hulls(&pair.1))];
+    let worse = pairs.iter().filter(|pair| hulls(&pair.1) > hulls(&pair.0) + ONE_MORE).count();
     print(&format!(
-        "{} meshes, {closed} openings closed, {left} left: {} → {} hulls ({ratio_of_hulls:.3} times), {:.2} → {:.2} s \
-         ({:.2} times, median {:.2}), {worse} with more than one hull more, {broken} broken promises",
-        ratios.len(),
-        hulls[0],
-        hulls[1],
-        seconds[0],
-        seconds[1],
-        seconds[1] / seconds[0],
-        median(ratios),
+        "{} meshes, {} openings closed, {} left: {before} → {after} hulls ({:.3} times), in {:.2} times the time \
+         (median {:.2}), {worse} with more than one hull more, {} broken promises",
+        pairs.len(),
+        sum(&|pair| detail(&pair.1, "openings_closed")),
+        sum(&|pair| detail(&pair.1, "openings_left")),
+        after / before,
+        sum(&|pair| seconds(&pair.1)) / sum(&|pair| seconds(&pair.0)),
+        median(pairs.iter().map(|pair| seconds(&pair.1) / seconds(&pair.0)).collect()),
+        pairs.iter().filter(|pair| !pair.1.broken.is_empty()).count(),
     ))
 }
 

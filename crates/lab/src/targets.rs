@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use hullwright::io::read_mesh;
-use hullwright::{Control, Preset, decompose};
+use hullwright::{Control, Openings, Preset, decompose};
 
 use crate::harness::session::limits;
 use crate::harness::{Judge, Row, Session, Task};
@@ -124,7 +124,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             print(&format!("{}: nothing to compare with", mesh.name))?;
             continue;
         };
-        let run = Run::Bounded { error, preset: arguments.preset, max_hulls: None };
+        let run = Run::Bounded { error, preset: arguments.preset, openings: Openings::Auto };
         if let Some(ours) = session.row(place, mesh, &Task::new(run, JUDGE))? {
             pairs.push(Pair { ours, vhacd, coacd: coacd.clone() });
         }

@@ -195,15 +195,21 @@ fn decompose(run: &Run, mesh: MeshView<'_>, is_parallel: bool) -> Result<Output,
     Ok(Output {
         stages: times.collect(),
         cost,
-        details: surface.map_or_else(Vec::new, |report| {
-            vec![
+        details: match surface {
+            Some(report) => vec![
                 ("planar_threshold", report.planar_threshold),
                 ("resolution", report.resolution as f64),
                 ("average_pieces", report.average_pieces),
                 ("polygons", report.polygons as f64),
                 ("initial_polygons", report.initial_polygons as f64),
-            ]
-        }),
+            ],
+            None => {
+                let openings = &found.run.openings;
+                let closed = openings.iter().filter(|one| one.outcome.is_closed()).count();
+                let left = openings.len() - closed;
+                vec![("openings_closed", closed as f64), ("openings_left", left as f64)]
+            }
+        },
         hulls: hull_meshes(&found.hulls),
         found: Some(found),
     })

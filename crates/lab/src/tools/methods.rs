@@ -1,7 +1,7 @@
 //! The methods, and the values that each one's own setting takes.
 
 use hullwright::surface::SurfaceParameters;
-use hullwright::{Length, Method, Parameters, Preset};
+use hullwright::{Length, Method, Openings, Parameters, Preset};
 use serde::{Deserialize, Serialize};
 
 use crate::hacd::HacdParameters;
@@ -11,8 +11,8 @@ use crate::hacd::HacdParameters;
 pub enum Run {
     /// The paper's method, exactly.
     Surface,
-    /// Ours, with this largest error as a fraction of the diagonal, and at most so many hulls.
-    Bounded { error: f64, preset: Preset, max_hulls: Option<usize> },
+    /// Ours, with this largest error as a fraction of the diagonal.
+    Bounded { error: f64, preset: Preset, openings: Openings },
     /// β.
     Hacd { threshold: f64 },
     /// Parry's, as Rapier calls it.
@@ -51,7 +51,7 @@ const COACD_THRESHOLDS: [f64; 4] = [0.02, 0.05, 0.1, 0.2];
 impl Run {
     /// Ours with its defaults and this bound.
     pub fn bounded(error: f64) -> Self {
-        Self::Bounded { error, preset: Preset::Balanced, max_hulls: None }
+        Self::Bounded { error, preset: Preset::Balanced, openings: Openings::Auto }
     }
 
     /// Everything that this program can run itself, each method's default setting first.
@@ -115,12 +115,15 @@ impl Run {
     pub fn setting(&self) -> String {
         match self {
             Self::Surface => "paper".into(),
-            Self::Bounded { error, preset, max_hulls } => {
-                let hulls = max_hulls.map_or_else(String::new, |hulls| format!(", hulls {hulls}"));
-                match preset {
-                    Preset::Balanced => format!("error {error}{hulls}"),
-                    preset => format!("error {error}{hulls}, {preset}"),
+            Self::Bounded { error, preset, openings } => {
+                let mut setting = format!("error {error}");
+                if *preset != Preset::Balanced {
+                    setting += &format!(", {preset}");
                 }
+                if *openings != Openings::Auto {
+                    setting += &format!(", openings {openings}");
+                }
+                setting
             }
             Self::Hacd { threshold } => format!("beta {threshold}"),
             Self::Vhacd { concavity, resolution } => {
@@ -150,10 +153,8 @@ impl Run {
     pub fn own_method(&self) -> Option<Method> {
         match *self {
             Self::Surface => Some(SurfaceParameters::paper().into()),
-            Self::Bounded { error, preset, max_hulls } => {
-                let mut parameters = bounded(error).preset(preset);
-                parameters.max_hulls = max_hulls;
-                Some(parameters.into())
+            Self::Bounded { error, preset, openings } => {
+                Some(bounded(error).preset(preset).openings(openings).into())
             }
             _ => None,
         }
