@@ -3,6 +3,7 @@
 
 use std::path::PathBuf;
 
+use crate::harness::row::Figure;
 use crate::harness::session::{FULL, limits};
 use crate::harness::{Row, Session, Task};
 use crate::report::Report;
@@ -120,7 +121,7 @@ impl Experiments {
         let note = format!("The paper's method on {} Princeton meshes.", all.len());
         let header = ["what", "least", "median", "mean", "most"];
         let mut table = Table::new("Table 1 over all Princeton meshes", &note, &header);
-        let figures: [(&str, fn(&Row) -> Option<f64>); 4] = [
+        let figures: [Figure; 4] = [
             ("pieces", |row| Some(row.hulls? as f64)),
             ("average pieces", |row| row.details.get("average_pieces").copied()),
             ("seconds", |row| row.seconds),

@@ -9,6 +9,9 @@ use super::data_folder::{DataFolder, ToolResult};
 use super::methods::Run;
 use crate::harness::limits::{self, Limits, Status};
 
+/// Seconds and peak memory of a run of the script, or how it failed.
+type Ran = Result<(f64, Option<u64>), (Status, String)>;
+
 /// What there is of other tools.
 pub struct ExternalTools {
     pub folder: DataFolder,
@@ -71,7 +74,7 @@ impl ExternalTools {
         self.coacd_seconds.get(mesh).copied()
     }
 
-    /// Runs the script: seconds and peak memory, or how it failed. Hulls are in `out`.
+    /// Runs the script. Hulls are in `out`.
     pub fn run(
         &self,
         run: &Run,
@@ -79,7 +82,7 @@ impl ExternalTools {
         mesh: &Path,
         out: &Path,
         limits: Limits,
-    ) -> Result<Result<(f64, Option<u64>), (Status, String)>, String> {
+    ) -> Result<Ran, String> {
         let (kind, value) = match run {
             Run::Coacd { threshold } => ("coacd", threshold.to_string()),
             Run::Vhacd4 { hulls } => ("vhacd", hulls.to_string()),
