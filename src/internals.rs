@@ -1,3 +1,4 @@
+<<<<<<< HEAD
 //! Parts of the decomposition for the laboratory in `crates/lab`: it runs HACD on the same mesh
 //! repair, simplification and group merging as the methods here.
 //!
@@ -17,3 +18,11 @@ pub use crate::surface::pieces::Pieces;
 pub use crate::surface::resolution_selection::{
     LEAST_CUT_OFF_RESOLUTION, Level, Levels, MOST_PIECES_FACTOR,
 };
+=======
+//! What the command and the laboratory print.
+//!
+//! There is no promise of stability: any version may change or drop what is here.
+
+#[cfg(feature = "io")]
+pub mod terminal;
+>>>>>>> lab

@@ -121,8 +121,6 @@ mod geometry;
 pub mod hull;
 pub mod hulls_format;
 mod inspect;
-#[doc(hidden)]
-pub mod internals;
 #[cfg(feature = "io")]
 pub mod io;
 mod mass;

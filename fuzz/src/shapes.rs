@@ -2,12 +2,11 @@
 
 use arbitrary::{Result, Unstructured};
 use hullwright::hull::{DEFAULT_TOLERANCE, HullBuilder, Shape};
-use hullwright::internals::surface_and_solid;
 use hullwright::measure::{MeasureOptions, measure};
 use hullwright::surface::SurfaceParameters;
 use hullwright::{
-    Control, Error, Length, MeshView, Method, Openings, Parameters, Preset, convex_hull,
-    mass_properties,
+    Control, Error, Length, MeshView, Method, Openings, Parameters, Preset, close_openings,
+    convex_hull, mass_properties,
 };
 
 use super::independent::exact::{Faults, faults};
@@ -65,8 +64,8 @@ fn try_soup(bytes: &mut Unstructured<'_>) -> Result<usize> {
     }
     if let Some(bounded) = found.report.bounded() {
         let rounding = ROUNDING * found.run.diagonal;
-        let (surface, solid) = surface_and_solid(mesh, &parameters, &control).expect("it was done");
-        let sampled = sample(&found, &surface, &solid, 50);
+        let closed = close_openings(mesh, &parameters, &control).expect("it was done");
+        let sampled = sample(&found, &closed.mesh, &closed.solid, 50);
         let uncovered = sampled.uncovered * found.run.diagonal;
         assert!(uncovered <= bounded.uncovered_max + rounding, "{sampled:?} {bounded:?}");
         assert!(sampled.beyond_verified <= ROUNDING, "{sampled:?} {bounded:?}");

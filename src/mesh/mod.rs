@@ -9,7 +9,8 @@ mod orientation;
 mod prepared;
 pub(crate) mod refine;
 pub(crate) mod repair;
-pub mod shapes;
+#[cfg(test)]
+pub(crate) mod shapes;
 pub(crate) mod simplify;
 pub(crate) mod weld;
 

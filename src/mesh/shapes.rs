@@ -1,4 +1,4 @@
-//! Small meshes of known shape, for the tests here and in the laboratory.
+//! Small meshes of known shape, for tests.
 
 use std::f64::consts::{PI, TAU};
 

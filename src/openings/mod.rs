@@ -21,4 +21,4 @@ pub(crate) mod prepare;
 
 pub(crate) use decide::OpeningSettings;
 pub use opening::{Opening, OpeningOutcome};
-pub use prepare::{ClosedMesh, close_openings, surface_and_solid};
+pub use prepare::{ClosedMesh, close_openings};

@@ -226,6 +226,9 @@ pub struct ClosedMesh {
     pub mesh: TriangleMesh,
     /// How many of the triangles, the last ones, are caps. Those within the solid are left out.
     pub caps: usize,
+    /// The triangles by whose winding number a point is inside, over the vertices of `mesh`: the surface, sheets
+    /// both ways round, and the caps within the solid.
+    pub solid: Vec<[u32; 3]>,
     /// The openings, closed and left.
     pub openings: Vec<Opening>,
     /// Closed components within the solid, which nothing can reach and which are left out.
@@ -263,8 +266,9 @@ impl From<Closed> for ClosedMesh {
     fn from(closed: Closed) -> Self {
         let (triangles, caps) = caps_last(&closed.prepared);
         let mesh = closed.restored(triangles);
+        let solid = closed.prepared.triangles_of_solid().into_owned();
         let Closed { openings, nested_components, .. } = closed;
-        Self { mesh, caps, openings, nested_components }
+        Self { mesh, caps, solid, openings, nested_components }
     }
 }
 
@@ -276,19 +280,4 @@ fn caps_last(prepared: &PreparedMesh) -> (Vec<[u32; 3]>, usize) {
         surface.into_iter().chain(caps.iter().copied()).map(|(triangle, _)| triangle).collect(),
         caps.len(),
     )
-}
-
-/// The surface that the promises are about, and the triangles by whose winding number a point is in the
-/// solid; over the same vertices, in the input's units.
-///
-/// # Errors
-/// As [`close_openings`].
-pub fn surface_and_solid(
-    mesh: MeshView<'_>,
-    parameters: &Parameters,
-    control: &Control,
-) -> Result<(TriangleMesh, Vec<[u32; 3]>), Error> {
-    let closed = prepare_closed(mesh, &OpeningSettings::from(parameters), control)?;
-    let solid = closed.prepared.triangles_of_solid().into_owned();
-    Ok((closed.restored(closed.prepared.mesh.triangles.clone()), solid))
 }

@@ -31,16 +31,19 @@
 //! | `resolution_selection` | 3.5, selection among the resolutions |
 //! | `group_merging` | 3.6, group merging |
 //! | `pieces` | 3.6, hulls of the groups |
+//! | `building_blocks` | the parts of the method around the grouping, for other groupings |
 
-pub(crate) mod cost;
+mod building_blocks;
+mod cost;
 pub(crate) mod decompose;
-pub(crate) mod group_merging;
+mod group_merging;
 mod parameters;
 pub(crate) mod pieces;
 mod report;
-pub(crate) mod resolution_selection;
+mod resolution_selection;
 mod threshold_selection;
 
+pub use building_blocks::{SimplifiedMeshes, average_cost};
 pub use decompose::decompose;
 pub use parameters::SurfaceParameters;
 pub use report::{

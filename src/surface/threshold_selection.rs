@@ -28,7 +28,7 @@ use super::parameters::SurfaceParameters;
 use super::report::{ThresholdOutcome, ThresholdReport};
 
 /// Groups of at most this many polygons are left out of the average.
-const TOO_SMALL_TO_COUNT: usize = 2;
+pub(super) const TOO_SMALL_TO_COUNT: usize = 2;
 
 /// A running average above this many times ε and times the least average so far is given up.
 const ABORT_FACTOR: f64 = 3.0;

@@ -2,8 +2,7 @@
 
 use std::time::Instant;
 
-use hullwright::internals::surface_and_solid;
-use hullwright::{Control, Parameters, Preset, decompose};
+use hullwright::{Control, Parameters, Preset, close_openings, decompose};
 
 use crate::common::{self, Mesh, run, view};
 use crate::independent::exact::{Faults, faults};
@@ -50,9 +49,8 @@ fn a_dense_sampling_without_the_crates_code_finds_no_more_than_what_is_verified(
             let (points, triangles) = hull.shape.to_single_precision().unwrap();
             assert_eq!(faults(&points, &triangles), Faults::default(), "{name}");
         }
-        let (surface, solid) =
-            surface_and_solid(view(&mesh), &Parameters::default(), &Control::new()).unwrap();
-        let sampled = sample(&found, &surface, &solid, SAMPLES);
+        let closed = close_openings(view(&mesh), &Parameters::default(), &Control::new()).unwrap();
+        let sampled = sample(&found, &closed.mesh, &closed.solid, SAMPLES);
         assert!(sampled.samples > 2 * SAMPLES && sampled.undecided == 0, "{name}: {sampled:?}");
         let uncovered = sampled.uncovered * found.run.diagonal;
         let rounding = ROUNDING * found.run.diagonal;

@@ -1,4 +1,4 @@
-//! What rolls or slides over the seams of a compound goes straight on. `cargo lab seams` measures more floors,
+//! What rolls or slides over the seams of a compound goes straight on. `docs/reliability.md` has more floors,
 //! speeds and headings.
 
 use hullwright::rapier::shape_from_points;

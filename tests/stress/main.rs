@@ -22,8 +22,7 @@ mod range;
 mod thin;
 mod topology;
 
-use hullwright::internals::surface_and_solid;
-use hullwright::{Control, Decomposition, MeshView, Parameters, decompose};
+use hullwright::{Control, Decomposition, MeshView, Parameters, close_openings, decompose};
 
 use common::Mesh;
 use independent::exact::{Faults, faults};
@@ -62,8 +61,8 @@ fn assert_sound(name: &str, mesh: &Mesh) -> Decomposition {
     let rounding = ROUNDING * found.run.diagonal;
     assert!(bounded.protrusion_max <= bounded.bound + rounding, "{name}: {bounded:?}");
     assert!(bounded.uncovered_max <= bounded.bound + rounding, "{name}: {bounded:?}");
-    let (surface, solid) = surface_and_solid(mesh, &parameters, &control).unwrap();
-    let sampled = sample(&found, &surface, &solid, SAMPLES);
+    let closed = close_openings(mesh, &parameters, &control).unwrap();
+    let sampled = sample(&found, &closed.mesh, &closed.solid, SAMPLES);
     let uncovered = sampled.uncovered * found.run.diagonal;
     assert!(uncovered <= bounded.uncovered_max + rounding, "{name}: {sampled:?} {bounded:?}");
     assert!(sampled.beyond_verified <= ROUNDING, "{name}: {sampled:?} {bounded:?}");

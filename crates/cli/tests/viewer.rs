@@ -1,6 +1,5 @@
 //! What a page holds.
 
-use hullwright::internals::shapes::{cuboid, join};
 use hullwright::io::Object;
 use hullwright::{
     Control, Error, Hull, MergeTree, Parameters, TriangleMesh, convex_hull, decompose,
@@ -8,9 +7,13 @@ use hullwright::{
 use hullwright_cli::viewer::{HullSet, Page};
 use serde_json::Value;
 
+use crate::common::{cuboid, join};
+
 /// Two boxes apart: two hulls, and one join.
 fn pair() -> TriangleMesh {
-    join(&[cuboid([0.0; 3], [1.0; 3]), cuboid([2.0, 0.0, 0.0], [3.0, 1.0, 1.0])])
+    let parts = [cuboid([0.0; 3], [1.0; 3]), cuboid([2.0, 0.0, 0.0], [3.0, 1.0, 1.0])];
+    let (positions, triangles) = join(&parts);
+    TriangleMesh::new(positions, triangles)
 }
 
 fn page_of(mesh: &TriangleMesh, title: &str, names: &[&str]) -> String {

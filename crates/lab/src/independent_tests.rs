@@ -1,12 +1,12 @@
 //! Tests of what judges hulls without the crate's code.
 
-use hullwright::internals::shapes::cuboid;
 use hullwright::{Control, Hull, Parameters, TriangleMesh, convex_hull, decompose};
 
 use crate::independent::exact::{Faults, faults};
 use crate::independent::nearest::Tree;
 use crate::independent::oracle::{Triangle, distance_to};
 use crate::independent::sampling::{Sampled, sample};
+use crate::shapes::cuboid;
 
 /// Of the bound's samples.
 const SAMPLES: usize = 30_000;

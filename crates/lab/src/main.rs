@@ -1,37 +1,39 @@
 //! The laboratory: benchmarks, the stability report, the experiments of the paper that the surface
-//! method comes from, and HACD to compare with. Run as `cargo lab COMMAND`.
+//! method comes from, HACD to compare with, and what makes assets and pictures. Run as `cargo lab COMMAND`.
 //!
 //! Exit code 0 is success, 1 an error in the input or the work, 2 wrong usage.
 
+mod assets;
 mod bench;
-mod contact;
-mod experiments;
+mod burst;
 mod gallery;
 mod hacd;
+mod harness;
+mod identical;
 // The unused rest is for tests.
 #[allow(dead_code)]
 #[path = "../../../tests/independent/mod.rs"]
 mod independent;
 #[cfg(test)]
 mod independent_tests;
+mod openings;
 mod paper;
+mod pictures;
 mod report;
-mod runs;
+mod shapes;
 mod stability;
+mod stages;
 mod statistics;
 mod sweep;
-mod view;
+mod targets;
+mod tools;
+mod versus_paper;
 
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use contact::{seams, small};
-use experiments::{
-    agreement, budgets, cancel, corpus, identical, openings, presets, props, stages, table1,
-    targets, turned, versus_paper, volume,
-};
 use hullwright_cli::terminal::Failure;
-use runs::worker;
+use hullwright_cli::{render, terminal};
 
 /// Experiments with Hullwright: benchmarks, stability, and the paper's comparisons
 #[derive(Parser)]
@@ -44,63 +46,39 @@ struct CommandLine {
 #[derive(Subcommand)]
 enum Command {
     Bench(bench::Arguments),
-    #[command(hide = true)]
-    BenchRun(worker::Arguments),
     Sweep(sweep::Arguments),
-    #[command(hide = true)]
-    SweepRun(sweep::worker::Arguments),
+    Corpus(sweep::CorpusArguments),
     Stability(stability::Arguments),
-    #[command(hide = true)]
-    StabilityRun(stability::worker::Arguments),
-    Paper(paper::Arguments),
-    Table1(table1::Arguments),
     Targets(targets::Arguments),
-    Agreement(agreement::Arguments),
-    Budgets(budgets::Arguments),
-    Corpus(corpus::Arguments),
-    Identical(identical::Arguments),
-    Openings(openings::Arguments),
-    Presets(presets::Arguments),
-    Props(props::Arguments),
-    Stages(stages::Arguments),
-    Cancel(cancel::Arguments),
-    Turned(turned::Arguments),
+    Paper(paper::Arguments),
     VersusPaper(versus_paper::Arguments),
-    Volume(volume::Arguments),
-    SmallContacts(small::Arguments),
-    Seams(seams::Arguments),
-    View(view::Arguments),
+    Openings(openings::Arguments),
+    Identical(identical::Arguments),
+    Stages(stages::Arguments),
     Gallery(gallery::Arguments),
+    Pictures(pictures::Arguments),
+    Assets(assets::Arguments),
+    #[command(hide = true)]
+    Run(harness::worker::Arguments),
 }
 
 fn main() -> ExitCode {
     let CommandLine { command } = CommandLine::parse();
     let result = match command {
         Command::Bench(arguments) => bench::run(&arguments),
-        Command::BenchRun(arguments) => worker::run(&arguments),
         Command::Sweep(arguments) => sweep::run(&arguments),
-        Command::SweepRun(arguments) => sweep::worker::run(&arguments),
+        Command::Corpus(arguments) => sweep::corpus(&arguments),
         Command::Stability(arguments) => stability::run(&arguments),
-        Command::StabilityRun(arguments) => stability::worker::run(&arguments),
-        Command::Paper(arguments) => paper::run(&arguments),
-        Command::Table1(arguments) => table1::run(&arguments),
         Command::Targets(arguments) => targets::run(&arguments),
-        Command::Budgets(arguments) => budgets::run(&arguments),
-        Command::Agreement(arguments) => agreement::run(&arguments),
-        Command::Corpus(arguments) => corpus::run(&arguments),
-        Command::Identical(arguments) => identical::run(&arguments),
-        Command::Openings(arguments) => openings::run(&arguments),
-        Command::Presets(arguments) => presets::run(&arguments),
-        Command::Props(arguments) => props::run(&arguments),
-        Command::Stages(arguments) => stages::run(&arguments),
-        Command::Cancel(arguments) => cancel::run(&arguments),
-        Command::Turned(arguments) => turned::run(&arguments),
+        Command::Paper(arguments) => paper::run(&arguments),
         Command::VersusPaper(arguments) => versus_paper::run(&arguments),
-        Command::Volume(arguments) => volume::run(&arguments),
-        Command::SmallContacts(arguments) => small::run(&arguments),
-        Command::Seams(arguments) => seams::run(&arguments),
-        Command::View(arguments) => view::run(&arguments),
+        Command::Openings(arguments) => openings::run(&arguments),
+        Command::Identical(arguments) => identical::run(&arguments),
+        Command::Stages(arguments) => stages::run(&arguments),
         Command::Gallery(arguments) => gallery::run(&arguments),
+        Command::Pictures(arguments) => pictures::run(&arguments),
+        Command::Assets(arguments) => assets::run(&arguments),
+        Command::Run(arguments) => harness::worker::run(&arguments),
     };
     let (reason, code) = match result {
         Ok(()) => return ExitCode::SUCCESS,

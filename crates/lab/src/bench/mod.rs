@@ -1,31 +1,25 @@
-//! `cargo lab bench`: every mesh × every method × a sweep of each method's own setting, every run in
-//! a process of its own, one at a time; then tables, curves and plots.
+//! `cargo lab bench`: every mesh × every method × a sweep of each method's own setting; then tables, curves and
+//! plots.
 
 mod curves;
-mod export;
-mod pages;
-mod plan;
-mod plots;
+mod plot;
 mod summary;
 
-use hullwright_cli::terminal::{Failure, print, time};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
 
-use serde_json::{Value, json};
+use serde_json::json;
 
 use summary::Results;
 
-use crate::report::html_report::{self, PageLink, Report};
-use crate::runs::data_folder::DataFolder;
-use crate::runs::execute::{blank_row, execute};
-use crate::runs::external_tools::ExternalTools;
-use crate::runs::journal::{Entry, Journal};
-use crate::runs::limits::Limits;
-use crate::runs::machine;
-use crate::runs::meshes::{self, Mesh};
-use crate::runs::record::{Row, Status};
+use crate::harness::session::{FULL, limits};
+use crate::harness::{Session, Task, row};
+use crate::report::{Report, create_folder, write};
+use crate::terminal::Failure;
+use crate::tools::data_folder::DataFolder;
+use crate::tools::external_tools::ExternalTools;
+use crate::tools::meshes::{self, Mesh};
+use crate::tools::methods::Run;
 
 /// Compare methods on every mesh below folders: time against error
 ///
@@ -76,118 +70,64 @@ pub struct Arguments {
     #[arg(long)]
     report_only: bool,
 
-    /// Copy the small plots into this folder too, under the names of the large ones: docs/pictures for
+    /// Copy the small plot into this folder too, under the name of the large one: docs/pictures for
     /// the README
     #[arg(long, value_name = "DIR")]
     pictures: Option<PathBuf>,
-
-    /// Write a page for each mesh of the folders too, with ours and V-HACD's hulls side by side
-    #[arg(long, requires = "folders")]
-    pages: bool,
 }
 
+/// How many meshes `--quick` takes, at least one of each folder: with about a second for each of its
+/// runs it stays below two minutes.
+const QUICK_MESHES: usize = 12;
+
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let time = Duration::try_from_secs_f64(arguments.time_limit)
-        .map_err(|_| Failure::Usage("the time limit must be a time".into()))?;
-    let limits = Limits { time, memory: arguments.memory_limit.saturating_mul(1 << 20) };
-    let output = &arguments.output;
-    html_report::create_folder(output)?;
-    let mut journal = Journal::open(&output.join("runs.jsonl"))?;
+    let limits = limits(arguments.time_limit, arguments.memory_limit)?;
+    let folder = arguments.external_tools.clone().map(DataFolder);
+    let tools = folder.map(|folder| ExternalTools::new(folder, &arguments.python));
+    let mut session = Session::open(&arguments.output, limits)?;
+    (session.retries, session.tools) = (arguments.retry, tools.as_ref());
     if !arguments.report_only {
         let mut meshes = meshes::find(&arguments.folders)?;
         if arguments.quick {
-            meshes = meshes::spread_over_folders(meshes, plan::QUICK_MESHES);
+            meshes = meshes::spread_over_folders(meshes, QUICK_MESHES);
         }
-        let folder = arguments.external_tools.clone().map(DataFolder);
-        let tools = folder.map(|folder| ExternalTools::new(folder, &arguments.python));
         for missing in tools.iter().flat_map(ExternalTools::missing) {
             eprintln!("{missing}: its runs are left out");
         }
-        let start = Instant::now();
-        let before = recorded_machine(output);
-        // Before the work too: it may be stopped.
-        record(output, &before, arguments, limits, 0.0)?;
-        work(arguments, &meshes, tools.as_ref(), limits, &mut journal)?;
-        let seconds = start.elapsed().as_secs_f64();
-        record(output, &before, arguments, limits, seconds)?;
+        session.rows(&meshes, |mesh| tasks(arguments, tools.as_ref(), mesh))?;
     }
-    let links = match arguments.pages {
-        true => pages::write(output, &benched(&arguments.folders, journal.rows())?)?,
-        false => Vec::new(),
-    };
-    Ok(report(output, journal.rows(), &links, arguments.pictures.as_deref())?)
+    Ok(report(&session, arguments.pictures.as_deref())?)
 }
 
-/// The meshes below the folders that the journal has a run of.
-fn benched(folders: &[PathBuf], rows: &[Row]) -> Result<Vec<Mesh>, String> {
-    let names: BTreeSet<&str> = rows.iter().map(|row| row.mesh.as_str()).collect();
-    let mut meshes = meshes::find(folders)?;
-    meshes.retain(|mesh| names.contains(mesh.name.as_str()));
-    Ok(meshes)
+/// Every setting of the methods that are asked for.
+fn tasks(arguments: &Arguments, tools: Option<&ExternalTools>, mesh: &Mesh) -> Vec<Task> {
+    let mut runs = if arguments.quick { Run::quick() } else { Run::own() };
+    if let Some(tools) = tools.filter(|_| !arguments.quick) {
+        runs.extend(tools.runs(&mesh.name));
+    }
+    let only = &arguments.only;
+    runs.retain(|run| only.is_empty() || only.iter().any(|method| method == run.method()));
+    runs.into_iter().map(|run| Task::new(run, FULL)).collect()
 }
 
-/// The file that says on what machine the runs were done, and how long they all took.
-const MACHINE: &str = "machine.json";
-const SECONDS: &str = "seconds_of_the_whole_benchmark";
-/// What each session ran, in words: methods, limits, version and time may differ between them.
-const SESSIONS: &str = "sessions";
-
-/// Writes what is known of this machine and session, and of the sessions `before`, where the
-/// benchmark was stopped and went on.
-fn record(
-    output: &Path,
-    before: &BTreeMap<String, Value>,
-    arguments: &Arguments,
-    limits: Limits,
-    seconds: f64,
-) -> Result<(), String> {
-    let mut machine = machine::describe(limits);
-    let earlier = before.get(SECONDS).and_then(Value::as_f64).unwrap_or(0.0);
-    machine.insert(SECONDS.into(), json!((earlier + seconds).round()));
-    let mut sessions: Vec<String> =
-        before.get(SESSIONS).and_then(Value::as_str).map(str::to_owned).into_iter().collect();
-    let methods =
-        if arguments.only.is_empty() { "all".to_owned() } else { arguments.only.join(", ") };
-    sessions.push(format!(
-        "{methods}: algorithm version {}, limit of {} s, {seconds:.0} s",
-        hullwright::ALGORITHM_VERSION,
-        limits.time.as_secs_f64(),
-    ));
-    machine.insert(SESSIONS.into(), json!(sessions.join("; ")));
-    let text = serde_json::to_string_pretty(&machine).unwrap_or_default();
-    html_report::write(&output.join(MACHINE), &text)
-}
-
-/// What is known of the sessions before; nothing at the first.
-fn recorded_machine(output: &Path) -> BTreeMap<String, Value> {
-    let text = std::fs::read_to_string(output.join(MACHINE)).unwrap_or_default();
-    serde_json::from_str(&text).unwrap_or_default()
-}
-
-/// Writes the report of what the journal holds, and copies its small plots.
-fn report(
-    output: &Path,
-    rows: &[Row],
-    pages: &[PageLink],
-    pictures: Option<&Path>,
-) -> Result<(), String> {
-    let results = Results::new(rows);
+/// Writes the report of what the journal holds, and copies its small plot.
+fn report(session: &Session<'_>, pictures: Option<&Path>) -> Result<(), String> {
+    let results = Results::new(session.journal());
     if results.rows.is_empty() {
         return Err("there is nothing to report".into());
     }
-    let mut machine = recorded_machine(output);
-    let versions: BTreeSet<&str> = results.rows.iter().map(|row| row.version.as_str()).collect();
-    machine.insert("versions".into(), json!(Vec::from_iter(versions).join("; ")));
-    let meshes: BTreeSet<&str> = results.rows.iter().map(|row| row.mesh.as_str()).collect();
+    let meshes = results.meshes();
     let folders: BTreeSet<&str> = meshes.iter().map(|mesh| meshes::folder(mesh)).collect();
+    let versions: BTreeSet<&str> = results.rows.iter().map(|row| row.version.as_str()).collect();
     let words = vec![
         format!(
-            "{} runs on {} meshes ({}), each in a process of its own, one at a time, with limits on \
-             time and memory. All hulls are judged by the same `measure`. Lengths are shares of \
+            "{} runs on {} meshes ({}) of {}, each in a process of its own, one at a time, with limits on \
+             time and memory. All hulls are judged by the same `measure`. Lengths are fractions of \
              the mesh's bounding-box diagonal; Hausdorff is the error that curves are drawn by.",
             results.rows.len(),
             meshes.len(),
-            Vec::from_iter(folders).join(", ")
+            Vec::from_iter(folders).join(", "),
+            Vec::from_iter(versions).join("; "),
         ),
         "Seconds are the median of up to three repeats on one thread, reading and writing left \
          out. CoACD and V-HACD 4 choose their threads themselves. Rows `coacd-files` are hull \
@@ -196,57 +136,34 @@ fn report(
          methods that group a surface."
             .into(),
     ];
-    let plots = plots::plots(&results)?;
+    let plots = plot::plots(&results)?;
     if let Some(pictures) = pictures {
-        html_report::create_folder(pictures)?;
+        create_folder(pictures)?;
         for plot in plots.iter().filter(|plot| plot.is_extra) {
-            html_report::write(&pictures.join(plot.file.replace("-small", "")), &plot.svg)?;
+            write(&pictures.join(plot.file.replace("-small", "")), &plot.svg)?;
         }
     }
+    write(&session.output.join("runs.csv"), &row::to_csv(&results.rows)?)?;
+    write(&session.output.join("versus.csv"), &versus_csv(&results)?)?;
     let tables = results.tables();
-    html_report::write(&output.join("runs.csv"), &export::csv(&results)?)?;
-    html_report::write(&output.join("versus.csv"), &export::versus_csv(&results)?)?;
-    let title = "Time against error";
-    let report = Report { title, words, machine: &machine, plots: &plots, tables: &tables, pages };
-    report.write(output, "benchmark")
+    let (title, name) = ("Time against error", "benchmark");
+    session.report(Report { title, name, words, plots, tables, ..Report::default() })
 }
 
-/// Runs what is not in the journal yet.
-fn work(
-    arguments: &Arguments,
-    meshes: &[Mesh],
-    tools: Option<&ExternalTools>,
-    limits: Limits,
-    journal: &mut Journal<Row>,
-) -> Result<(), Failure> {
-    let versions = tools.map_or_else(Default::default, |tools| tools.versions.clone());
-    for (number, mesh) in meshes.iter().enumerate() {
-        let runs = plan::runs(mesh, arguments.quick, tools, &arguments.only);
-        for run in runs {
-            let mut row = blank_row(mesh, &run, run.version(&versions));
-            let before = journal.get(&row.key());
-            if before.is_some_and(|row| row.status == Status::Done || !arguments.retry) {
-                continue;
-            }
-            let scratch = arguments.output.join("external-hulls.obj");
-            execute(&run, mesh, tools, limits, &scratch, &mut row)?;
-            print(&progress(number + 1, meshes.len(), &row))?;
-            journal.add(row)?;
-        }
-    }
-    Ok(())
-}
-
-fn progress(number: usize, of: usize, row: &Row) -> String {
-    let Row { mesh, method, setting, .. } = row;
-    let what = match row.done() {
-        Some((worked, judged)) => format!(
-            "{:>4} hulls  error {:.4}  {}",
-            judged.hulls,
-            judged.hausdorff,
-            time(worked.seconds)
-        ),
-        None => format!("{}: {}", row.status.name(), row.reason),
-    };
-    format!("{number:>3}/{of}  {mesh:<40} {method:<8} {setting:<32} {what}")
+/// Wins and losses mesh by mesh: our hulls over another method's at equal error, our error over
+/// its at equal hulls; empty where the curves don't meet.
+fn versus_csv(results: &Results<'_>) -> Result<String, String> {
+    let (name, versus) = results.versus();
+    let rows: Vec<_> = versus
+        .into_iter()
+        .map(|(mesh, method, found)| {
+            json!({
+                "mesh": mesh,
+                "other method": method,
+                format!("{name} hulls over theirs"): found.hulls,
+                format!("{name} error over theirs"): found.error,
+            })
+        })
+        .collect();
+    row::to_csv(&rows)
 }

@@ -3,17 +3,18 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::curves::{Comparison, Curve, Point, versus};
-use crate::report::table::{NOTHING, Table, number, number_or_nothing};
-use crate::runs::judge::Judged;
-use crate::runs::meshes;
-use crate::runs::methods::Run;
-use crate::runs::record::{Row, Status, Worked};
+use crate::harness::row::Figure;
+use crate::harness::{Row, Status};
+use crate::report::{NOTHING, Table, number, number_or_nothing};
 use crate::statistics::{geometric_mean, mean, median};
 
-/// Rows by method and setting, methods in the order of the plan.
+/// Rows by method and setting, methods in the order of [`METHODS`].
 pub struct Results<'a> {
     pub rows: Vec<&'a Row>,
 }
+
+/// Methods with their settings, and the rows of each.
+pub type Variants<'a> = Vec<((&'a str, &'a str), Vec<&'a Row>)>;
 
 /// Ratios closer to 1 than this count as equal: the three digits of the tables would not show them.
 const EQUAL: f64 = 0.005;
@@ -22,13 +23,16 @@ const EQUAL: f64 = 0.005;
 pub const METHODS: [&str; 7] =
     ["bounded", "surface", "hacd", "vhacd", "vhacd4", "coacd", "coacd-files"];
 
+fn place(method: &str) -> Option<usize> {
+    METHODS.iter().position(|&other| other == method)
+}
+
 impl<'a> Results<'a> {
     /// Of several rows of one mesh, method and setting, with different versions, the last counts.
     pub fn new(rows: &'a [Row]) -> Self {
-        let place = |row: &Row| METHODS.iter().position(|&method| method == row.method);
         let mut latest: BTreeMap<(Option<usize>, &str, &str), &Row> = BTreeMap::new();
         for row in rows {
-            latest.insert((place(row), &row.setting, &row.mesh), row);
+            latest.insert((place(&row.method), &row.setting, &row.mesh), row);
         }
         Self { rows: latest.into_values().collect() }
     }
@@ -37,26 +41,12 @@ impl<'a> Results<'a> {
         self.rows.iter().map(|row| row.mesh.as_str()).collect()
     }
 
-    /// What there is on the meshes that CoACD's hull files are for, if not on all.
-    pub fn shared_with_files(&self) -> Option<Self> {
-        let is_file = |row: &&&Row| row.method == "coacd-files" && row.done().is_some();
-        let meshes: BTreeSet<&str> =
-            self.rows.iter().filter(is_file).map(|row| row.mesh.as_str()).collect();
-        if meshes.is_empty() || meshes == self.meshes() {
-            return None;
-        }
-        let rows = self.rows.iter().filter(|row| meshes.contains(row.mesh.as_str()));
-        Some(Self { rows: rows.copied().collect() })
+    fn only(&self, is_wanted: impl Fn(&Row) -> bool) -> Self {
+        Self { rows: self.rows.iter().copied().filter(|row| is_wanted(row)).collect() }
     }
 
-    pub fn methods(&self) -> Vec<&'a str> {
-        let used: BTreeSet<&str> = self.rows.iter().map(|row| row.method.as_str()).collect();
-        METHODS.into_iter().filter(|method| used.contains(method)).collect()
-    }
-
-    /// Methods with their settings, and the rows of each.
-    pub fn variants(&self) -> Vec<((&'a str, &'a str), Vec<&'a Row>)> {
-        let mut variants: Vec<((&str, &str), Vec<&Row>)> = Vec::new();
+    pub fn variants(&self) -> Variants<'a> {
+        let mut variants: Variants<'a> = Vec::new();
         for row in &self.rows {
             let name = (row.method.as_str(), row.setting.as_str());
             match variants.iter_mut().find(|(other, _)| *other == name) {
@@ -65,21 +55,26 @@ impl<'a> Results<'a> {
             }
         }
         let order = |(method, setting): (&str, &str)| {
-            let place = METHODS.iter().position(|&other| other == method);
             let numbers = setting.split([' ', ',']).filter_map(|word| word.parse::<f64>().ok());
             // V-HACD's resolution first, then its concavity.
-            (place, numbers.rev().map(|x| (x * 1e6) as u64).collect::<Vec<_>>())
+            (place(method), numbers.rev().map(|x| (x * 1e6) as u64).collect::<Vec<_>>())
         };
         variants.sort_by_key(|(name, _)| order(*name));
         variants
     }
 
+    /// Each method's default setting, as far as done.
+    pub fn defaults(&self) -> Vec<(&'a str, Vec<&'a Row>)> {
+        let variants = self.only(|row| row.is_default() && row.is_done()).variants();
+        variants.into_iter().map(|((method, _), rows)| (method, rows)).collect()
+    }
+
     /// The curve of each method on each mesh.
     pub fn curves(&self) -> BTreeMap<&'a str, BTreeMap<&'a str, Curve>> {
         let mut points: BTreeMap<&str, BTreeMap<&str, Vec<Point>>> = BTreeMap::new();
-        for row in &self.rows {
-            let Some((_, judged)) = row.done() else { continue };
-            let point = Point { hulls: judged.hulls as f64, error: judged.hausdorff };
+        for row in self.rows.iter().filter(|row| row.is_done()) {
+            let (Some(hulls), Some(error)) = (row.hulls, row.hausdorff) else { continue };
+            let point = Point { hulls: hulls as f64, error };
             points.entry(&row.method).or_default().entry(&row.mesh).or_default().push(point);
         }
         let curves = |meshes: BTreeMap<&'a str, Vec<Point>>| {
@@ -88,42 +83,61 @@ impl<'a> Results<'a> {
         points.into_iter().map(|(method, meshes)| (method, curves(meshes))).collect()
     }
 
-    pub fn tables(&self) -> Vec<Table> {
-        let mut tables = vec![self.medians(), self.means(), self.against(), self.success()];
-        if let Some(shared) = self.shared_with_files() {
-            let count = shared.meshes().len();
-            let mut table = shared.medians();
-            table.title = "Medians where CoACD ran".into();
-            table.note = format!("Over the {count} meshes of `coacd-files`, as far as done.");
-            tables.push(table);
+    /// Our method's name, and how it stands against each other method on each mesh.
+    pub fn versus(&self) -> (&'static str, Vec<(&'a str, &'a str, Comparison)>) {
+        let curves = self.curves();
+        let name = if curves.contains_key("bounded") { "bounded" } else { "surface" };
+        let mut found = Vec::new();
+        let own = curves.get(name);
+        for (&other, meshes) in curves.iter().filter(|(method, _)| **method != name) {
+            for (&mesh, theirs) in meshes {
+                let Some(own) = own.and_then(|own| own.get(mesh)) else { continue };
+                found.push((mesh, other, versus(own, theirs)));
+            }
         }
-        tables.extend(self.folders());
-        tables.extend(self.where_others_win());
+        (name, found)
+    }
+
+    pub fn tables(&self) -> Vec<Table> {
+        let all = "Over all meshes that a setting has done.";
+        let medians = |title: &str, note: &str, variants: &Variants<'a>| {
+            figures(title, note, variants, |values| median(values.to_vec()))
+        };
+        let variants = self.variants();
+        let mut tables = vec![
+            medians("Medians", all, &variants),
+            figures("Means", all, &variants, mean),
+            self.against(),
+            success(&variants),
+        ];
+        let folders: BTreeSet<&str> = self.rows.iter().map(|row| row.folder()).collect();
+        for name in folders {
+            let rows = self.only(|row| row.folder() == name && row.is_default()).variants();
+            let title = format!("Medians in {name}");
+            tables.push(medians(&title, "Each method's default setting.", &rows));
+        }
+        tables.extend([self.where_others_win(), self.stages()]);
         tables
     }
 
-    fn medians(&self) -> Table {
-        self.figures("Medians", "Over all meshes that a setting has done.", |values| {
-            median(values.to_vec())
-        })
-    }
-
-    fn means(&self) -> Table {
-        self.figures("Means", "Over all meshes that a setting has done.", mean)
-    }
-
-    fn figures(&self, title: &str, note: &str, of: fn(&[f64]) -> f64) -> Table {
-        let mut header = vec!["method", "setting", "meshes"];
-        header.extend(FIGURES.iter().map(|(name, _)| *name));
-        let mut table = Table::new(title, note, &header);
-        for ((method, setting), rows) in self.variants() {
-            let done: Vec<_> = rows.iter().filter_map(|row| row.done()).collect();
-            let mut cells = vec![method.to_owned(), setting.to_owned(), done.len().to_string()];
-            for (_, figure) in FIGURES {
-                let values: Vec<f64> = done.iter().filter_map(|(w, j)| figure(w, j)).collect();
-                cells.push(number_or_nothing((!values.is_empty()).then(|| of(&values))));
+    /// Mean seconds of each stage of each method's default setting.
+    fn stages(&self) -> Table {
+        let mut table =
+            Table::new("Time by stage", "Mean seconds, one thread.", &["method", "stages"]);
+        for (method, rows) in self.defaults() {
+            let mut stages: Vec<(&str, f64)> = Vec::new();
+            for (name, seconds) in rows.iter().flat_map(|row| &row.stages) {
+                let share = seconds / rows.len() as f64;
+                match stages.iter_mut().find(|(other, _)| other == name) {
+                    Some((_, sum)) => *sum += share,
+                    None => stages.push((name, share)),
+                }
             }
-            table.rows.push(cells);
+            let stages: Vec<String> = stages
+                .iter()
+                .map(|(name, seconds)| format!("{name} {}", number(*seconds)))
+                .collect();
+            table.rows.push(vec![method.into(), stages.join(", ")]);
         }
         table
     }
@@ -152,7 +166,9 @@ impl<'a> Results<'a> {
                     than asked counts as it is. Not reached: no setting of the first comes so far.";
         let mut table = Table::new("Against each other", note, &header);
         let curves = self.curves();
-        for (ours, theirs) in self.pairs() {
+        let pairs =
+            METHODS.iter().flat_map(|ours| METHODS.iter().map(move |theirs| (ours, theirs)));
+        for (&ours, &theirs) in pairs.filter(|(ours, theirs)| ours != theirs) {
             let (Some(own), Some(other)) = (curves.get(ours), curves.get(theirs)) else { continue };
             let both: Vec<Comparison> = other
                 .iter()
@@ -176,85 +192,13 @@ impl<'a> Results<'a> {
         table
     }
 
-    fn pairs(&self) -> Vec<(&'a str, &'a str)> {
-        let methods = self.methods();
-        let pair = |&ours: &&'a str| methods.iter().map(move |&theirs| (ours, theirs));
-        methods.iter().flat_map(pair).filter(|(ours, theirs)| ours != theirs).collect()
-    }
-
-    fn success(&self) -> Table {
-        let mut header = vec!["method", "setting", "meshes"];
-        header.extend(Status::ALL.iter().map(|status| status.name()));
-        header.extend(["hulls that are not convex", "without volume", "differs by threads"]);
-        let note = "How runs ended. Hulls are convex up to 1e-6 of the diagonal.";
-        let mut table = Table::new("Success", note, &header);
-        for ((method, setting), rows) in self.variants() {
-            let mut cells = vec![method.to_owned(), setting.to_owned(), rows.len().to_string()];
-            for status in Status::ALL {
-                cells.push(rows.iter().filter(|row| row.status == status).count().to_string());
-            }
-            let judged = || rows.iter().filter_map(|row| row.judged.as_ref());
-            cells.push(judged().map(|j| j.non_convex_hulls).sum::<usize>().to_string());
-            cells.push(judged().map(|j| j.non_positive_volumes).sum::<usize>().to_string());
-            let worked = || rows.iter().filter_map(|row| row.worked.as_ref());
-            cells.push(match worked().any(|worked| worked.same_with_all_threads.is_some()) {
-                true => worked()
-                    .filter(|worked| worked.same_with_all_threads == Some(false))
-                    .count()
-                    .to_string(),
-                false => NOTHING.into(),
-            });
-            table.rows.push(cells);
-        }
-        table
-    }
-
-    /// Each method's default setting, folder by folder.
-    fn folders(&self) -> Vec<Table> {
-        let folder = |row: &Row| meshes::folder(&row.mesh).to_owned();
-        let folders: BTreeSet<String> = self.rows.iter().map(|row| folder(row)).collect();
-        let mut tables = Vec::new();
-        for name in folders {
-            let mut header = vec!["method", "setting", "meshes"];
-            header.extend(FIGURES.iter().map(|(name, _)| *name));
-            let title = format!("Medians in {name}");
-            let mut table = Table::new(&title, "Each method's default setting.", &header);
-            for ((method, setting), rows) in self.variants() {
-                if !Run::parse(method, setting).is_some_and(|run| run.is_default()) {
-                    continue;
-                }
-                let rows = rows.into_iter().filter(|row| folder(row) == name);
-                let done: Vec<_> = rows.filter_map(Row::done).collect();
-                let mut cells = vec![method.to_owned(), setting.to_owned(), done.len().to_string()];
-                for (_, figure) in FIGURES {
-                    let values: Vec<f64> = done.iter().filter_map(|(w, j)| figure(w, j)).collect();
-                    let of = (!values.is_empty()).then(|| median(values));
-                    cells.push(number_or_nothing(of));
-                }
-                table.rows.push(cells);
-            }
-            tables.push(table);
-        }
-        tables
-    }
-
     /// Meshes on which another method needs fewer hulls than ours at equal error.
-    fn where_others_win(&self) -> Option<Table> {
-        let curves = self.curves();
-        let own = curves.get("bounded").or_else(|| curves.get("surface"))?;
-        let name = if curves.contains_key("bounded") { "bounded" } else { "surface" };
-        let mut losses: Vec<(f64, String, String)> = Vec::new();
-        for (other, meshes) in curves.iter().filter(|(method, _)| **method != name) {
-            for (mesh, theirs) in meshes {
-                let ratio = own.get(mesh).and_then(|own| versus(own, theirs).hulls);
-                if let Some(ratio) = ratio
-                    && ratio > 1.0 + EQUAL
-                {
-                    losses.push((ratio, (*mesh).to_owned(), (*other).to_owned()));
-                }
-            }
-        }
-        losses.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| (&a.1, &a.2).cmp(&(&b.1, &b.2))));
+    fn where_others_win(&self) -> Table {
+        let (name, versus) = self.versus();
+        let ratios =
+            versus.into_iter().filter_map(|(mesh, method, v)| Some((v.hulls?, mesh, method)));
+        let mut losses: Vec<_> = ratios.filter(|(ratio, ..)| *ratio > 1.0 + EQUAL).collect();
+        losses.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| (a.1, a.2).cmp(&(b.1, b.2))));
         let note = format!(
             "{} pairs of a mesh and another method that needs fewer hulls than {name} at equal \
              error; the {} widest gaps.",
@@ -264,31 +208,70 @@ impl<'a> Results<'a> {
         let header = ["mesh", "other method", "our hulls over theirs at equal error"];
         let mut table = Table::new("Where others win", &note, &header);
         for (ratio, mesh, other) in losses.into_iter().take(MOST_LOSSES) {
-            table.rows.push(vec![mesh, other, number(ratio)]);
+            table.rows.push(vec![mesh.into(), other.into(), number(ratio)]);
         }
-        Some(table)
+        table
     }
 }
 
 /// Rows of the table of losses, as many as fit a page; all of them are in `versus.csv`.
 const MOST_LOSSES: usize = 40;
 
-type Figure = fn(&Worked, &Judged) -> Option<f64>;
+fn figures(title: &str, note: &str, variants: &Variants<'_>, of: fn(&[f64]) -> f64) -> Table {
+    let mut header = vec!["method", "setting", "meshes"];
+    header.extend(FIGURES.iter().map(|(name, _)| *name));
+    let mut table = Table::new(title, note, &header);
+    for ((method, setting), rows) in variants {
+        let done: Vec<&&Row> = rows.iter().filter(|row| row.is_done()).collect();
+        let mut cells = vec![(*method).to_owned(), (*setting).to_owned(), done.len().to_string()];
+        for (_, figure) in FIGURES {
+            let values: Vec<f64> = done.iter().filter_map(|row| figure(row)).collect();
+            cells.push(number_or_nothing((!values.is_empty()).then(|| of(&values))));
+        }
+        table.rows.push(cells);
+    }
+    table
+}
+
+fn success(variants: &Variants<'_>) -> Table {
+    let mut header = vec!["method", "setting", "meshes"];
+    header.extend(Status::ALL.iter().map(|status| status.name()));
+    header.extend(["hulls that are not convex", "without volume", "differs by threads"]);
+    let note = "How runs ended. Hulls are convex up to 1e-6 of the diagonal.";
+    let mut table = Table::new("Success", note, &header);
+    for ((method, setting), rows) in variants {
+        let mut cells = vec![(*method).to_owned(), (*setting).to_owned(), rows.len().to_string()];
+        for status in Status::ALL {
+            cells.push(rows.iter().filter(|row| row.status == status).count().to_string());
+        }
+        let sum =
+            |of: fn(&Row) -> Option<usize>| rows.iter().filter_map(|row| of(row)).sum::<usize>();
+        cells.push(sum(|row| row.non_convex_hulls).to_string());
+        cells.push(sum(|row| row.hulls_without_volume).to_string());
+        let same: Vec<bool> = rows.iter().filter_map(|row| row.same_with_all_threads).collect();
+        cells.push(match same.is_empty() {
+            true => NOTHING.into(),
+            false => same.iter().filter(|same| !**same).count().to_string(),
+        });
+        table.rows.push(cells);
+    }
+    table
+}
 
 /// The columns of most tables.
-pub const FIGURES: [(&str, Figure); 14] = [
-    ("hulls", |_, judged| Some(judged.hulls as f64)),
-    ("vertices", |_, judged| Some(judged.vertices as f64)),
-    ("seconds", |worked, _| Some(worked.seconds)),
-    ("seconds, all threads", |worked, _| worked.seconds_all_threads),
-    ("MB", |worked, _| worked.peak_memory.map(|bytes| bytes as f64 / f64::from(1 << 20))),
-    ("Hausdorff", |_, judged| Some(judged.hausdorff)),
-    ("protrusion, mean", |_, judged| Some(judged.protrusion_mean)),
-    ("protrusion, p99", |_, judged| Some(judged.protrusion_p99)),
-    ("uncovered, mean", |_, judged| Some(judged.uncovered_mean)),
-    ("uncovered, max", |_, judged| Some(judged.uncovered_max)),
-    ("uncovered volume", |_, judged| judged.uncovered_volume),
-    ("IoU", |_, judged| judged.iou),
-    ("overlap", |_, judged| judged.overlap),
-    ("cost", |worked, _| worked.cost),
+const FIGURES: [Figure; 14] = [
+    ("hulls", |row| Some(row.hulls? as f64)),
+    ("vertices", |row| Some(row.vertices? as f64)),
+    ("seconds", |row| row.seconds),
+    ("seconds, all threads", |row| row.seconds_all_threads),
+    ("MB", Row::megabytes),
+    ("Hausdorff", |row| row.hausdorff),
+    ("protrusion, mean", |row| row.protrusion_mean),
+    ("protrusion, p99", |row| row.protrusion_p99),
+    ("uncovered, mean", |row| row.uncovered_mean),
+    ("uncovered, max", |row| row.uncovered_max),
+    ("uncovered volume", |row| row.uncovered_volume),
+    ("IoU", |row| row.iou),
+    ("overlap", |row| row.overlap),
+    ("cost", |row| row.cost),
 ];

@@ -5,24 +5,23 @@ mod shapes;
 
 use std::path::{Path, PathBuf};
 
+use crate::pictures;
+use crate::render::{Layout, Panel};
+use crate::terminal::{Failure, print};
 use hullwright::io::read_mesh;
 use hullwright::measure::{MeasureOptions, Measurement, measure};
 use hullwright::{
     ALGORITHM_VERSION, Control, Hull, MeshView, Parameters, TriangleMesh, close_openings, decompose,
 };
-use hullwright_cli::render::{Layout, Panel, render_with};
-use hullwright_cli::terminal::{Failure, print};
 use hullwright_cli::viewer::hulls_of;
 
-use crate::report::html_report::{self, STYLE};
-use crate::report::table::escape;
-use crate::runs::methods::Run;
-use crate::runs::vhacd;
+use crate::report;
+use crate::tools::methods::Run;
+use crate::tools::vhacd;
 
 /// Draw the gallery: the bundled models and shapes of trouble, ours beside V-HACD's
 ///
-/// Writes gallery.md, gallery.html and the pictures in gallery/ into a folder. The same input gives the same
-/// files.
+/// Writes gallery.md and the pictures in gallery/ into a folder. The same input gives the same files.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// The folder that the gallery goes to
@@ -52,7 +51,7 @@ const INTRODUCTION: &str = "Every bundled model, and a dozen shapes of trouble. 
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Arguments { output, assets } = arguments;
-    html_report::create_folder(&output.join(FOLDER))?;
+    report::create_folder(&output.join(FOLDER))?;
     let mut models = Vec::new();
     for (file, words) in MODELS {
         let mesh = read_mesh(assets.join(format!("{file}.glb")))?.mesh;
@@ -63,8 +62,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         troubles.push(Entry::new(shape.name, shape.words, &shape.mesh, output)?);
     }
     let parts = [("Models", models), ("Shapes of trouble", troubles)];
-    html_report::write(&output.join("gallery.md"), &markdown(&parts))?;
-    html_report::write(&output.join("gallery.html"), &html(&parts))?;
+    report::write(&output.join("gallery.md"), &markdown(&parts))?;
     Ok(())
 }
 
@@ -111,10 +109,8 @@ impl Entry {
             Panel::hulls(&theirs).exploded(EXPLOSION),
         ];
         let file = format!("{FOLDER}/{}.png", file_name(name));
-        let mut layout = Layout::default();
-        layout.separate_frames = true;
-        render_with(&panels, panels.len() * PANEL.0, PANEL.1, &layout)?
-            .write_png(output.join(&file))?;
+        let elevation = Layout::default().view.elevation;
+        pictures::write(&output.join(&file), vec![panels.to_vec()], PANEL, elevation)?;
         let entry = Self {
             name: name.into(),
             words: words.into(),
@@ -183,39 +179,4 @@ fn markdown(parts: &Parts) -> String {
         }
     }
     text
-}
-
-fn html(parts: &Parts) -> String {
-    let cells = |row: &[String], tag: &str| -> String {
-        row.iter().map(|cell| format!("<{tag}>{}</{tag}>", escape(cell))).collect()
-    };
-    let head = cells(&HEADER.map(String::from), "th");
-    let mut body = String::new();
-    for (title, entries) in parts {
-        body += &format!("<h2>{title}</h2>\n<div class=\"cards\">\n");
-        for entry in entries {
-            let Entry { name, words, picture, triangles, .. } = entry;
-            let rows: String =
-                entry.rows().iter().map(|row| format!("<tr>{}</tr>", cells(row, "td"))).collect();
-            body += &format!(
-                "<article>\n<img src=\"{picture}\" alt=\"{}\" width=\"{}\" height=\"{}\" loading=\"lazy\">\n\
-                 <h3>{}</h3>\n<p>{} {triangles} triangles.</p>\n\
-                 <table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>\n</article>\n",
-                escape(&entry.alternative()),
-                3 * PANEL.0,
-                PANEL.1,
-                escape(name),
-                escape(words),
-            );
-        }
-        body += "</div>\n";
-    }
-    let introduction = INTRODUCTION.replace(['*', '`'], "");
-    format!(
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>Gallery – Hullwright</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<h1>Gallery</h1>\n\
-         <p>{}</p>\n{body}</body>\n</html>\n",
-        escape(&introduction),
-    )
 }

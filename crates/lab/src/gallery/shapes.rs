@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use hullwright::TriangleMesh;
-use hullwright::internals::shapes::{cuboid, join, mobius_strip, torus, turn, uv_sphere};
-use hullwright::internals::vector::Vector;
+
+use crate::shapes::{Vector, cuboid, join, mobius_strip, torus, turn, uv_sphere};
 
 /// A shape, its name, and what is hard about it.
 pub struct Trouble {
@@ -192,7 +192,7 @@ fn pipe() -> TriangleMesh {
 }
 
 fn spikes() -> TriangleMesh {
-    let mut parts = vec![uv_sphere(16, [0.0; 3], 0.5)];
+    let mut parts = vec![uv_sphere(16, 0.5)];
     let golden = TAU / 2.0 * (3.0 - 5.0_f64.sqrt());
     for index in 0..20 {
         let height = 1.0 - 2.0 * (f64::from(index) + 0.5) / 20.0;
@@ -240,7 +240,7 @@ fn links() -> TriangleMesh {
 }
 
 fn hollow_ball() -> TriangleMesh {
-    y_up(join(&[uv_sphere(24, [0.0; 3], 1.0), turn(uv_sphere(16, [0.0; 3], 0.8))]))
+    y_up(join(&[uv_sphere(24, 1.0), turn(uv_sphere(16, 0.8))]))
 }
 
 /// The beams of a cube's lattice: three by three by three, holes between them.

@@ -10,21 +10,18 @@
 //!
 //! A collapse changes the costs of the edges at the node that remains, and no other. Of those an
 //! edge enters the queue with a lower bound that is cheap to have: the shape factor's part, and the
-//! depth that a vertex had in one of its surfaces, or in their union before one of them grew. Only
-//! an edge that comes to the front is judged, and goes back with its true cost. That is the same
+//! depth that a vertex had in one of its surfaces. Only an edge that comes to the front is judged, and goes back with its true cost. That is the same
 //! order of collapses as if all were judged at once. Costs of at least β are never needed, so they
 //! are not computed to the end and not kept: an edge that is too costly stays so until one of its
 //! ends changes.
 
-use hullwright::internals::vector::Vector;
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
-use hullwright::hull::ConvexHull;
-use hullwright::internals::{Adjacency, Grouping, NO_NEIGHBOUR, TriangleMesh};
-use hullwright::{Control, Error};
+use hullwright::{Control, Error, TriangleMesh};
 
 use super::surface::{Depth, Judge, Surface};
+use super::{Neighbours, corners};
 
 /// The share of β that the shape factor of a disc of diameter ℓ has, as in equation (4).
 const SHAPE_SHARE: f64 = 0.1;
@@ -68,14 +65,8 @@ impl PartialOrd for Edge {
     }
 }
 
-/// The border to a neighbour.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Border {
-    neighbour: u32,
-    length: f64,
-    /// The depth of a vertex in the union with the neighbour, or in one that was smaller.
-    known: Depth,
-}
+/// A neighbour, and the length of the border to it.
+type Border = (u32, f64);
 
 /// The dual graph.
 struct DualGraph<'a> {
@@ -87,19 +78,17 @@ struct DualGraph<'a> {
     versions: Vec<u32>,
     queue: BinaryHeap<Reverse<Edge>>,
     judge: Judge<'a>,
-    /// The hull that was judged last, which most often is that of the next collapse.
-    last: Option<([u32; 2], [u32; 2], Option<ConvexHull>)>,
 }
 
-/// Groups the triangles of a mesh. There are fewer collapses than triangles, and at least one
+/// Groups the triangles of a mesh: the group of each, and the number of groups. There are fewer collapses than triangles, and at least one
 /// judgement for each, at O(vertices · hull faces) of the union.
 pub(super) fn collapse(
     mesh: &TriangleMesh,
-    adjacency: &Adjacency,
+    neighbours: &Neighbours,
     threshold: Threshold,
     control: &Control,
-) -> Result<Grouping, Error> {
-    let mut graph = DualGraph::new(mesh, adjacency, threshold);
+) -> Result<(Vec<u32>, usize), Error> {
+    let mut graph = DualGraph::new(mesh, neighbours, threshold);
     let mut collapses: usize = 0;
     while let Some((edge, depth)) = graph.cheapest() {
         graph.collapse(edge, depth);
@@ -113,14 +102,14 @@ pub(super) fn collapse(
             }
         }
     }
-    Ok(graph.grouping())
+    Ok(graph.groups())
 }
 
 impl<'a> DualGraph<'a> {
-    fn new(mesh: &'a TriangleMesh, adjacency: &Adjacency, threshold: Threshold) -> Self {
+    fn new(mesh: &'a TriangleMesh, neighbours: &Neighbours, threshold: Threshold) -> Self {
         let count = mesh.triangles.len();
         let surfaces = (0..count as u32).map(|t| Surface::triangle(mesh, t)).collect();
-        let borders = (0..count as u32).map(|t| sides(mesh, adjacency, t)).collect();
+        let borders = (0..count as u32).map(|t| sides(mesh, neighbours, t)).collect();
         let mut graph = Self {
             mesh,
             threshold,
@@ -129,7 +118,6 @@ impl<'a> DualGraph<'a> {
             versions: vec![0; count],
             queue: BinaryHeap::new(),
             judge: Judge::new(mesh),
-            last: None,
         };
         for node in 0..count as u32 {
             graph.enqueue_edges_of(node, |other| other > node);
@@ -139,14 +127,13 @@ impl<'a> DualGraph<'a> {
 
     /// Puts the edges to the chosen neighbours of a node into the queue.
     fn enqueue_edges_of(&mut self, node: u32, is_chosen: impl Fn(u32) -> bool) {
-        for &Border { neighbour, length, known } in &self.borders[node as usize] {
+        for &(neighbour, length) in &self.borders[node as usize] {
             if !is_chosen(neighbour) {
                 continue;
             }
             let [first, second] = [node, neighbour].map(|node| &self.surfaces[node as usize]);
             let (diagonal, shape) = self.threshold.shape_cost(first, second, length);
-            let least = first.least_joint_depth(second).greater(known).in_larger_hull();
-            let cost = least / diagonal + shape;
+            let cost = first.least_joint_depth(second) / diagonal + shape;
             // Not where it is not a number either, as for surfaces without area.
             if cost < self.threshold.concavity {
                 let nodes = [node.min(neighbour), node.max(neighbour)];
@@ -180,14 +167,6 @@ impl<'a> DualGraph<'a> {
         if depth.depth < limit {
             let cost = depth.depth / diagonal + shape;
             self.queue.push(Reverse(Edge { cost, depth: Some(depth), ..edge }));
-            self.last = Some((edge.nodes, edge.versions, hull));
-        }
-        let [low, high] = edge.nodes;
-        for (node, neighbour) in [(low, high), (high, low)] {
-            let borders = &mut self.borders[node as usize];
-            if let Ok(place) = place_of(borders, neighbour) {
-                borders[place].known = depth;
-            }
         }
     }
 
@@ -195,12 +174,7 @@ impl<'a> DualGraph<'a> {
     fn collapse(&mut self, edge: Edge, depth: Depth) {
         let [low, high] = edge.nodes;
         let [first, second] = edge.nodes.map(|node| &self.surfaces[node as usize]);
-        let hull = match self.last.take() {
-            Some((nodes, versions, hull)) if (nodes, versions) == (edge.nodes, edge.versions) => {
-                hull
-            }
-            _ => self.judge.joint_hull(first, second),
-        };
+        let hull = self.judge.joint_hull(first, second);
         let (kept, gone) =
             if first.triangles.len() >= second.triangles.len() { (low, high) } else { (high, low) };
         let (keep, go) = (kept as usize, gone as usize);
@@ -208,39 +182,18 @@ impl<'a> DualGraph<'a> {
         let borders = std::mem::take(&mut self.borders[go]);
         self.versions[keep] += 1;
         self.versions[go] += 1;
-        // A depth is known no more where the normal of its vertex changes.
-        let keeper = &self.surfaces[keep];
-        let still = |border: &Border, other: &Surface| match other.contains(border.known.vertex) {
-            true => Depth::NONE,
-            false => border.known,
-        };
         remove(&mut self.borders[keep], gone);
-        for place in 0..self.borders[keep].len() {
-            let border = &mut self.borders[keep][place];
-            border.known = still(border, &absorbed);
-            let Border { neighbour, known, .. } = *border;
-            if let Ok(place) = place_of(&self.borders[neighbour as usize], kept) {
-                self.borders[neighbour as usize][place].known = known;
-            }
-        }
-        for border in borders {
-            let Border { neighbour, length, .. } = border;
-            if neighbour != kept {
-                let known = still(&border, keeper);
-                remove(&mut self.borders[neighbour as usize], gone);
-                add(
-                    &mut self.borders[neighbour as usize],
-                    Border { neighbour: kept, length, known },
-                );
-                add(&mut self.borders[keep], Border { neighbour, length, known });
-            }
+        for (neighbour, length) in borders.into_iter().filter(|border| border.0 != kept) {
+            remove(&mut self.borders[neighbour as usize], gone);
+            add(&mut self.borders[neighbour as usize], (kept, length));
+            add(&mut self.borders[keep], (neighbour, length));
         }
         self.surfaces[keep].absorb(absorbed, edge.length, hull, depth);
         self.enqueue_edges_of(kept, |_| true);
     }
 
     /// Labels in the order of each surface's first triangle.
-    fn grouping(&self) -> Grouping {
+    fn groups(&self) -> (Vec<u32>, usize) {
         let mut groups: Vec<&[u32]> =
             self.surfaces.iter().map(|s| &s.triangles[..]).filter(|t| !t.is_empty()).collect();
         groups.sort_unstable_by_key(|triangles| triangles.iter().min().copied());
@@ -250,7 +203,7 @@ impl<'a> DualGraph<'a> {
                 labels[triangle as usize] = label;
             }
         }
-        Grouping { labels, count: groups.len() }
+        (labels, groups.len())
     }
 }
 
@@ -264,21 +217,20 @@ impl Threshold {
 }
 
 /// The borders of a triangle.
-fn sides(mesh: &TriangleMesh, adjacency: &Adjacency, triangle: u32) -> Vec<Border> {
-    let corners = mesh.triangles[triangle as usize].map(|v| mesh.positions[v as usize]);
+fn sides(mesh: &TriangleMesh, neighbours: &Neighbours, triangle: u32) -> Vec<Border> {
+    let corners = corners(mesh, triangle);
     let mut borders = Vec::with_capacity(3);
-    for (side, neighbour) in adjacency.triangle_neighbours(triangle).into_iter().enumerate() {
-        if neighbour != NO_NEIGHBOUR && neighbour != triangle {
-            let length =
-                Vector::from(corners[side]).distance(Vector::from(corners[(side + 1) % 3]));
-            add(&mut borders, Border { neighbour, length, known: Depth::NONE });
+    for (side, neighbour) in neighbours[triangle as usize].into_iter().enumerate() {
+        if let Some(neighbour) = neighbour.filter(|&neighbour| neighbour != triangle) {
+            let length = corners[side].distance(corners[(side + 1) % 3]);
+            add(&mut borders, (neighbour, length));
         }
     }
     borders
 }
 
 fn place_of(borders: &[Border], neighbour: u32) -> Result<usize, usize> {
-    borders.binary_search_by_key(&neighbour, |border| border.neighbour)
+    borders.binary_search_by_key(&neighbour, |border| border.0)
 }
 
 fn remove(borders: &mut Vec<Border>, neighbour: u32) {
@@ -289,11 +241,8 @@ fn remove(borders: &mut Vec<Border>, neighbour: u32) {
 
 /// Two borders to the same neighbour are one, as long as both together.
 fn add(borders: &mut Vec<Border>, border: Border) {
-    match place_of(borders, border.neighbour) {
-        Ok(place) => {
-            borders[place].length += border.length;
-            borders[place].known = borders[place].known.greater(border.known);
-        }
+    match place_of(borders, border.0) {
+        Ok(place) => borders[place].1 += border.1,
         Err(place) => borders.insert(place, border),
     }
 }

@@ -15,34 +15,50 @@
 //!   be joined, since a pair that is a twentieth of the mesh wide has α E_shape > 2 β, whatever β.
 //! - The node with more triangles remains; of equal costs the pair with the lower numbers goes
 //!   first.
+//! - At an edge with more than two triangles, pairs in opposite directions are neighbours in their order.
 
-mod average_cost;
 mod collapse;
-mod parameters;
-mod selection;
 mod surface;
 
 use std::time::Instant;
 
-use hullwright::internals::{
-    LEAST_CUT_OFF_RESOLUTION, Level, Levels, MeshOrder, Pieces, merge_groups, prepare,
-    with_parallelism,
-};
-use hullwright::{Control, Error, Hull, MeshView, Stage};
+use hullwright::surface::{SimplifiedMeshes, SurfaceParameters, average_cost};
+use hullwright::{Control, Error, GroupedMesh, Hull, MeshView, Stage, TriangleMesh};
 
 use collapse::{Threshold, collapse};
-use selection::{Candidate, select};
 
-pub use average_cost::average_cost;
-pub use parameters::HacdParameters;
+use crate::shapes::Vector;
+
+/// Parameters of [`decompose`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct HacdParameters {
+    /// β: a collapse must cost less than this; a depth as a share of a surface's own diagonal.
+    /// Positive. The paper gives no value.
+    pub concavity_threshold: f64,
+    /// Q, R, μ, the guard of group merging and the limit on vertices, which are the same as in the paper's own
+    /// method. p, a, ε and their unit are not used.
+    pub surface: SurfaceParameters,
+}
+
+/// ε of the paper's own method, for want of another value.
+const DEFAULT_CONCAVITY_THRESHOLD: f64 = 0.05;
+
+impl Default for HacdParameters {
+    fn default() -> Self {
+        Self {
+            concavity_threshold: DEFAULT_CONCAVITY_THRESHOLD,
+            surface: SurfaceParameters::paper(),
+        }
+    }
+}
 
 /// Convex hulls, and the row that they would have in the paper's Table 1.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HacdDecomposition {
     /// The convex pieces.
     pub hulls: Vec<Hull>,
-    /// The group of each triangle of the simplified mesh.
-    pub groups: Vec<u32>,
+    /// The simplified mesh and its groups.
+    pub grouped: GroupedMesh,
     /// k: average number of pieces over the candidates of all resolutions.
     pub average_pieces: f64,
     /// Average concavity cost of the chosen candidate, equation (3).
@@ -55,6 +71,24 @@ pub struct HacdDecomposition {
     pub times: Vec<(Stage, f64)>,
 }
 
+/// The grouping of one resolution.
+#[derive(Debug, Clone, PartialEq)]
+struct Candidate {
+    /// Of the mesh among all.
+    place: usize,
+    resolution: usize,
+    /// The group of each triangle.
+    groups: Vec<u32>,
+    pieces: usize,
+    /// Average of equation (3).
+    cost: f64,
+}
+
+/// As in the paper's own method [3.5]: from this maximum resolution on fewer than μ pieces end the search, and
+/// candidates with more than this many times k pieces are left out.
+const LEAST_CUT_OFF_RESOLUTION: usize = 500;
+const MOST_PIECES_FACTOR: f64 = 1.5;
+
 /// Decomposes a triangle mesh.
 ///
 /// # Errors
@@ -64,88 +98,112 @@ pub fn decompose<'a>(
     parameters: &HacdParameters,
     control: &Control,
 ) -> Result<HacdDecomposition, Error> {
-    parameters.validate()?;
-    let surface = &parameters.surface;
+    let HacdParameters { concavity_threshold, surface } = parameters;
+    if !(concavity_threshold.is_finite() && *concavity_threshold > 0.0) {
+        let reason = format!("must be positive, not {concavity_threshold}");
+        return Err(Error::InvalidParameter { name: "concavity_threshold", reason });
+    }
     let mut times = Vec::new();
     let mut start = Instant::now();
     let mut lap = |stage| {
         times.push((stage, start.elapsed().as_secs_f64()));
         start = Instant::now();
     };
-
-    let prepared = prepare(mesh.into(), MeshOrder::Input, control)?;
-    lap(Stage::Repair);
-    let mut levels = Levels::new(surface);
-    while !levels.is_complete() {
-        levels.make_next(&prepared, surface, control)?;
-    }
-    let levels = levels.finish();
+    let simplified = SimplifiedMeshes::new(mesh, surface, control)?;
     lap(Stage::Simplify);
-    let found = candidates(&levels, parameters, control)?;
-    let (index, candidate, average_pieces) =
-        select(&found, surface.resolution_cut_off).ok_or(Error::DeadlineExceeded)?;
+    let candidates = candidates(&simplified, parameters, control)?;
+    let pieces: usize = candidates.iter().map(|candidate| candidate.pieces).sum();
+    let average_pieces = pieces as f64 / candidates.len().max(1) as f64;
+    let most = MOST_PIECES_FACTOR * average_pieces;
+    let few_enough = candidates.into_iter().filter(|candidate| candidate.pieces as f64 <= most);
+    let candidate = few_enough.min_by(|a, b| a.cost.total_cmp(&b.cost));
+    let candidate = candidate.ok_or(Error::DeadlineExceeded)?;
     lap(Stage::Search);
-
-    let level = &levels[index];
-    let significant = surface.significant_diagonal;
-    let grouping = merge_groups(&level.mesh, &level.adjacency, &candidate.grouping, significant);
-    lap(Stage::Merge);
-    let pieces = Pieces { mesh: &level.mesh, components: &level.components, grouping: &grouping };
-    let mut hulls = pieces.hulls(&prepared.normalization, surface.max_vertices, control)?;
+    let (hulls, grouped) =
+        simplified.hulls(candidate.place, &candidate.groups, surface, control)?;
     lap(Stage::Hulls);
-    with_parallelism(control.is_parallel(), || {
-        pieces.assign_source_triangles(&prepared, &mut hulls, control)
-    })?;
-    lap(Stage::Assign);
-
     Ok(HacdDecomposition {
         hulls,
-        groups: grouping.labels,
+        grouped,
         average_pieces,
         cost: candidate.cost,
-        resolution: level.resolution,
-        initial_polygons: prepared.mesh.triangles.len(),
+        resolution: candidate.resolution,
+        initial_polygons: simplified.initial_polygons(),
         times,
     })
 }
 
-/// The candidate of each resolution, as far as μ lets them be reached; `None` for a mesh that is
+/// The candidate of each resolution, as far as μ lets them be reached; none for a mesh that is
 /// the same as that of the resolution before.
 fn candidates(
-    levels: &[Level],
+    simplified: &SimplifiedMeshes,
     parameters: &HacdParameters,
     control: &Control,
-) -> Result<Vec<Option<Candidate>>, Error> {
-    let candidate_of = |level: &Level| -> Result<Option<Candidate>, Error> {
-        // Nothing was searched here, so only a repeated mesh is finished.
-        if level.is_finished() {
-            return Ok(None);
-        }
-        let length = selection::mean_triangle_diagonal(&level.mesh);
+) -> Result<Vec<Candidate>, Error> {
+    let candidate_of = |(place, (resolution, mesh)): (usize, (usize, &TriangleMesh))| {
+        let length = mean_triangle_diagonal(mesh);
         let threshold = Threshold { concavity: parameters.concavity_threshold, length };
-        let grouping = collapse(&level.mesh, &level.adjacency, threshold, control)?;
-        Ok(Some(Candidate::new(level, grouping)))
+        let (groups, pieces) = collapse(mesh, &neighbours(mesh), threshold, control)?;
+        let cost = average_cost(&grouped(mesh, &groups))?;
+        Ok(Candidate { place, resolution, groups, pieces, cost })
     };
-    // As long as μ may cut off all higher resolutions, one after the other.
-    let mut found = Vec::with_capacity(levels.len());
-    for (index, level) in levels.iter().enumerate() {
-        let candidate = candidate_of(level)?;
-        let cuts_off =
-            candidate.as_ref().is_some_and(|c| c.cuts_off(parameters.surface.resolution_cut_off));
-        let did_not_cut_off = !cuts_off && level.resolution >= LEAST_CUT_OFF_RESOLUTION;
+    let mut meshes: Vec<_> = simplified.iter().enumerate().collect();
+    meshes.dedup_by(|finer, coarser| finer.1.1 == coarser.1.1);
+    // One after the other, since μ may cut off all higher resolutions.
+    let mut found: Vec<Candidate> = Vec::with_capacity(meshes.len());
+    for mesh in meshes {
+        let candidate = candidate_of(mesh)?;
+        let may_cut_off = candidate.resolution >= LEAST_CUT_OFF_RESOLUTION;
+        let cuts_off = may_cut_off && candidate.pieces < parameters.surface.resolution_cut_off;
         found.push(candidate);
         if cuts_off {
             break;
         }
-        if did_not_cut_off && control.is_parallel() && rayon::current_num_threads() > 1 {
-            use rayon::prelude::*;
-            let rest: Result<Vec<_>, Error> =
-                levels[index + 1..].par_iter().map(&candidate_of).collect();
-            found.extend(rest?);
-            break;
-        }
     }
     Ok(found)
+}
+
+fn grouped(mesh: &TriangleMesh, groups: &[u32]) -> GroupedMesh {
+    let mut grouped = GroupedMesh::default();
+    grouped.positions.clone_from(&mesh.positions);
+    grouped.triangles.clone_from(&mesh.triangles);
+    grouped.groups = groups.to_vec();
+    grouped
+}
+
+/// For each triangle those across its edges, from each corner to the next.
+type Neighbours = Vec<[Option<u32>; 3]>;
+
+fn neighbours(mesh: &TriangleMesh) -> Neighbours {
+    let mut open: std::collections::HashMap<(u32, u32), Vec<(u32, usize)>> = Default::default();
+    let mut neighbours = vec![[None; 3]; mesh.triangles.len()];
+    for (triangle, corners) in (0_u32..).zip(&mesh.triangles) {
+        for side in 0..3 {
+            let (from, to) = (corners[side], corners[(side + 1) % 3]);
+            let waiting = open.get_mut(&(to, from)).and_then(Vec::pop);
+            if let Some((other, other_side)) = waiting {
+                neighbours[triangle as usize][side] = Some(other);
+                neighbours[other as usize][other_side] = Some(triangle);
+            } else {
+                open.entry((from, to)).or_default().push((triangle, side));
+            }
+        }
+    }
+    neighbours
+}
+
+fn corners(mesh: &TriangleMesh, triangle: u32) -> [Vector; 3] {
+    mesh.triangles[triangle as usize].map(|vertex| mesh.positions[vertex as usize].into())
+}
+
+/// Average diagonal of the triangles' bounding boxes.
+fn mean_triangle_diagonal(mesh: &TriangleMesh) -> f64 {
+    let count = mesh.triangles.len() as u32;
+    let diagonal = |triangle| {
+        let [a, b, c] = corners(mesh, triangle);
+        a.max(b).max(c).distance(a.min(b).min(c))
+    };
+    (0..count).map(diagonal).sum::<f64>() / f64::from(count.max(1))
 }
 
 #[cfg(test)]

@@ -1,10 +1,10 @@
 //! A surface of HACD: what a node of the dual graph stands for, and what equation (4) asks of it.
 
-use std::collections::HashMap;
-
+use hullwright::TriangleMesh;
 use hullwright::hull::{ConvexHull, HullBuilder, Shape};
-use hullwright::internals::TriangleMesh;
-use hullwright::internals::vector::{Vector, area_normal, as_arrays, into_vectors};
+
+use super::corners;
+use crate::shapes::Vector;
 
 /// A plane that the ray runs along cannot be left through it.
 const PARALLEL: f64 = 1e-9;
@@ -14,6 +14,13 @@ const NEGLIGIBLE: f64 = 1e-9;
 
 /// How much a hull may lack of another within it, by its tolerance, in a mesh of diagonal 1.
 const HULL_SLACK: f64 = 1e-6;
+
+/// How far a vertex is from its projection on the hull.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Depth {
+    pub depth: f64,
+    pub vertex: u32,
+}
 
 /// A set of adjacent triangles.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -37,9 +44,9 @@ pub(super) struct Surface {
 
 impl Surface {
     pub(super) fn triangle(mesh: &TriangleMesh, triangle: u32) -> Self {
+        let [a, b, c] = corners(mesh, triangle);
+        let normal = (b - a).cross(c - a);
         let corners = mesh.triangles[triangle as usize];
-        let [a, b, c] = corners.map(|vertex| Vector::from(mesh.positions[vertex as usize]));
-        let normal = area_normal(a, b, c);
         let mut vertices = corners.map(|vertex| (vertex, normal)).to_vec();
         vertices.sort_unstable_by_key(|&(vertex, _)| vertex);
         Self {
@@ -66,17 +73,14 @@ impl Surface {
         perimeter * perimeter / (4.0 * std::f64::consts::PI * (self.area + other.area))
     }
 
-    /// The depth that a union with another surface has at least: a larger hull is farther to
-    /// leave, unless the other surface changes the normal.
-    pub(super) fn least_joint_depth(&self, other: &Self) -> Depth {
-        let [first, second] = [(self, other), (other, self)].map(|(surface, other)| {
-            if other.contains(surface.deepest.vertex) { Depth::NONE } else { surface.deepest }
-        });
-        first.greater(second)
-    }
-
-    pub(super) fn contains(&self, vertex: u32) -> bool {
-        self.place(vertex).is_some()
+    /// The depth that a union with another surface has at least: a larger hull, which may lack a little of a
+    /// smaller one, is farther to leave, unless the other surface changes the normal.
+    pub(super) fn least_joint_depth(&self, other: &Self) -> f64 {
+        let kept = |surface: &Self, other: &Self| match other.place(surface.deepest.vertex) {
+            Some(_) => 0.0,
+            None => surface.deepest.depth,
+        };
+        (kept(self, other).max(kept(other, self)) - HULL_SLACK).max(0.0)
     }
 
     fn place(&self, vertex: u32) -> Option<usize> {
@@ -98,15 +102,13 @@ impl Surface {
     ) {
         self.vertices = union(&self.vertices, &other.vertices).collect();
         self.hull_points = match hull {
-            Some(hull) => into_vectors(hull.points),
+            Some(hull) => hull.points.into_iter().map(Vector::from).collect(),
             None => {
                 let mut points = std::mem::take(&mut self.hull_points);
                 points.extend(other.hull_points);
-                let order = |a: &Vector, b: &Vector| {
-                    let by_axis = |axis: usize| a[axis].total_cmp(&b[axis]);
-                    by_axis(0).then_with(|| by_axis(1)).then_with(|| by_axis(2))
-                };
-                points.sort_unstable_by(order);
+                points.sort_unstable_by(|a, b| {
+                    a.to_array().map(f64::to_bits).cmp(&b.to_array().map(f64::to_bits))
+                });
                 points.dedup();
                 points
             }
@@ -138,67 +140,24 @@ fn union<'a>(
     })
 }
 
-/// How far a vertex is from its projection on the hull.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct Depth {
-    pub depth: f64,
-    pub vertex: u32,
-}
-
-impl Depth {
-    /// Of no vertex, and so no bound for anything.
-    pub(super) const NONE: Self = Self { depth: 0.0, vertex: u32::MAX };
-
-    pub(super) fn greater(self, other: Self) -> Self {
-        if other.depth > self.depth { other } else { self }
-    }
-
-    /// What is left of it in a larger hull, which may lack a little of a smaller one.
-    pub(super) fn in_larger_hull(self) -> f64 {
-        (self.depth - HULL_SLACK).max(0.0)
-    }
-}
-
 /// What judges unions: memory that is reused, and the mesh.
 pub(super) struct Judge<'a> {
     mesh: &'a TriangleMesh,
-    /// The vertex at a position, by the position's bits.
-    vertex_at: HashMap<[u64; 3], u32>,
     builder: HullBuilder,
-    points: Vec<Vector>,
-    /// For each vertex of the mesh its place in the hull, or [`NOWHERE`]. All are [`NOWHERE`]
-    /// between calls.
-    places: Vec<u32>,
-    /// For each vertex of the hull the end of its faces in `incident`.
-    ends: Vec<u32>,
-    incident: Vec<u32>,
+    points: Vec<[f64; 3]>,
 }
-
-/// Not a vertex of the hull.
-const NOWHERE: u32 = u32::MAX;
 
 impl<'a> Judge<'a> {
     pub(super) fn new(mesh: &'a TriangleMesh) -> Self {
-        let vertices = (0..).zip(&mesh.positions);
-        Self {
-            mesh,
-            vertex_at: vertices
-                .map(|(vertex, &position)| (bits(Vector::from(position)), vertex))
-                .collect(),
-            builder: HullBuilder::new(),
-            points: Vec::new(),
-            places: vec![NOWHERE; mesh.positions.len()],
-            ends: Vec::new(),
-            incident: Vec::new(),
-        }
+        Self { mesh, builder: HullBuilder::new(), points: Vec::new() }
     }
 
     /// The hull of two surfaces, from the vertices of their hulls. `None` where they are flat.
     pub(super) fn joint_hull(&mut self, first: &Surface, second: &Surface) -> Option<ConvexHull> {
         self.points.clear();
-        self.points.extend(&first.hull_points);
-        self.points.extend(&second.hull_points);
-        let shape = self.builder.build(as_arrays(&self.points));
+        let points = first.hull_points.iter().chain(&second.hull_points);
+        self.points.extend(points.map(Vector::to_array));
+        let shape = self.builder.build(&self.points);
         (shape == Shape::Solid).then(|| self.builder.extract().into())
     }
 
@@ -206,7 +165,7 @@ impl<'a> Judge<'a> {
     /// vertex that lies at least `limit` deep. 0 where the union is flat, and so has no hull.
     /// O(hull faces · vertices that are not the hull's).
     pub(super) fn joint_depth(
-        &mut self,
+        &self,
         first: &Surface,
         second: &Surface,
         hull: Option<&ConvexHull>,
@@ -216,77 +175,24 @@ impl<'a> Judge<'a> {
         let Some(hull) = hull else { return found };
         let planes: Vec<(Vector, f64)> =
             hull.planes().into_iter().map(|(normal, offset)| (normal.into(), offset)).collect();
-        self.index_faces(hull);
-        let mut judge = |vertex: u32, normal: Vector| {
-            let direction = normal.normalize_or_zero();
-            let depth = if self.leaves_at_once(vertex, direction, &planes) {
-                0.0
-            } else {
-                let point = Vector::from(self.mesh.positions[vertex as usize]);
-                distance_to_exit(point, direction, &planes, found.depth.max(NEGLIGIBLE))
-            };
+        // The deepest so far come first: the deeper the start, the less is left for the others.
+        let deepest = [first, second].map(|surface| surface.deepest.vertex);
+        let deepest =
+            deepest.map(|vertex| (vertex, first.normal_at(vertex) + second.normal_at(vertex)));
+        for (vertex, normal) in deepest.into_iter().chain(union(&first.vertices, &second.vertices))
+        {
+            let point = self.mesh.positions[vertex as usize].into();
+            let enough = found.depth.max(NEGLIGIBLE);
+            let depth = distance_to_exit(point, normal.normalize_or_zero(), &planes, enough);
             if depth > found.depth {
                 found = Depth { depth, vertex };
             }
-            found.depth < limit
-        };
-        // The deepest so far come first: the deeper the start, the less is left for the others.
-        let _ = [first.deepest, second.deepest].into_iter().all(|Depth { vertex, .. }| {
-            let normal = first.normal_at(vertex) + second.normal_at(vertex);
-            judge(vertex, normal)
-        }) && union(&first.vertices, &second.vertices)
-            .all(|(vertex, normal)| judge(vertex, normal));
-        for &point in &hull.points {
-            if let Some(&vertex) = self.vertex_at.get(&bits(Vector::from(point))) {
-                self.places[vertex as usize] = NOWHERE;
+            if found.depth >= limit {
+                break;
             }
         }
         found
     }
-
-    /// Finds each vertex of the hull in the mesh, and its faces.
-    fn index_faces(&mut self, hull: &ConvexHull) {
-        for (place, &point) in (0..).zip(&hull.points) {
-            if let Some(&vertex) = self.vertex_at.get(&bits(Vector::from(point))) {
-                self.places[vertex as usize] = place;
-            }
-        }
-        self.ends.clear();
-        self.ends.resize(hull.points.len() + 1, 0);
-        for &vertex in hull.triangles.as_flattened() {
-            self.ends[vertex as usize] += 1;
-        }
-        let mut sum = 0;
-        for end in &mut self.ends {
-            sum += *end;
-            *end = sum;
-        }
-        self.incident.clear();
-        self.incident.resize(3 * hull.triangles.len(), 0);
-        // From its end each list is filled towards its start, which then stands in `ends`.
-        for (face, triangle) in (0..).zip(&hull.triangles) {
-            for &vertex in triangle {
-                let end = &mut self.ends[vertex as usize];
-                *end -= 1;
-                self.incident[*end as usize] = face;
-            }
-        }
-    }
-
-    /// Whether a ray from a vertex of the hull leaves through one of that vertex's own faces.
-    fn leaves_at_once(&self, vertex: u32, direction: Vector, planes: &[(Vector, f64)]) -> bool {
-        let place = self.places[vertex as usize];
-        if place == NOWHERE {
-            return false;
-        }
-        let range = self.ends[place as usize] as usize..self.ends[place as usize + 1] as usize;
-        let mut faces = self.incident[range].iter();
-        faces.any(|&face| planes[face as usize].0.dot(direction) > PARALLEL)
-    }
-}
-
-fn bits(point: Vector) -> [u64; 3] {
-    point.to_array().map(f64::to_bits)
 }
 
 /// How far a ray from a point inside a hull runs until it leaves, or anything up to `enough`

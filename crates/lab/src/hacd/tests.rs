@@ -1,48 +1,37 @@
 //! Costs and collapses that can be worked out by hand.
 
-use hullwright::MeshView;
-use hullwright::internals::shapes::{cuboid, join, torus, turn};
-use hullwright::internals::vector::Vector;
-use hullwright::internals::{Adjacency, CostScratch, Grouping, TriangleMesh, cost, members};
-
-use super::collapse::{Threshold, collapse};
-use super::selection::mean_triangle_diagonal;
 use super::surface::{Depth, Judge, Surface};
 use super::*;
+use crate::shapes::{cuboid, join, torus, turn};
 
 /// Two right triangles that make a square of side 1.
 fn square() -> TriangleMesh {
-    TriangleMesh {
-        positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]],
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
-        ..TriangleMesh::default()
-    }
+    let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    TriangleMesh::new(positions, vec![[0, 1, 2], [0, 2, 3]])
 }
 
 /// An L of two unit squares along the y axis, seen from within: a wall that looks along x and a
 /// floor that looks along z.
 fn wall_and_floor() -> TriangleMesh {
-    TriangleMesh {
-        positions: vec![
-            [0.0, 0.0, 1.0],
-            [0.0, 0.0, 0.0],
-            [1.0, 0.0, 0.0],
-            [0.0, 1.0, 1.0],
-            [0.0, 1.0, 0.0],
-            [1.0, 1.0, 0.0],
-        ],
-        triangles: vec![[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]],
-        ..TriangleMesh::default()
-    }
+    let line = |y: f64| [[0.0, y, 1.0], [0.0, y, 0.0], [1.0, y, 0.0]];
+    let positions = [line(0.0), line(1.0)].concat();
+    TriangleMesh::new(positions, vec![[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]])
 }
 
 /// Depth of the L's corner: its normal is (1, 0, 2) / √5, since the floor has two triangles there,
 /// and the hull ends at x + z = 1.
 const CORNER_DEPTH: f64 = 0.745_355_992_499_929_9;
 
-fn grouped(mesh: &TriangleMesh, concavity: f64) -> Grouping {
+fn groups(mesh: &TriangleMesh, concavity: f64) -> (Vec<u32>, usize) {
     let threshold = Threshold { concavity, length: mean_triangle_diagonal(mesh) };
-    collapse(mesh, &Adjacency::new(mesh), threshold, &Control::new()).unwrap()
+    collapse(mesh, &neighbours(mesh), threshold, &Control::new()).unwrap()
+}
+
+/// The triangles of each group, in ascending order.
+fn members((groups, count): &(Vec<u32>, usize)) -> Vec<Vec<u32>> {
+    let mut members = vec![Vec::new(); *count];
+    (0..).zip(groups).for_each(|(triangle, &group)| members[group as usize].push(triangle));
+    members
 }
 
 fn surfaces(mesh: &TriangleMesh) -> Vec<Surface> {
@@ -73,8 +62,7 @@ fn a_square_has_the_shape_factor_of_a_square() {
 
 #[test]
 fn coplanar_triangles_are_joined_however_small_the_threshold() {
-    let grouping = grouped(&square(), 1e-6);
-    assert_eq!(grouping, Grouping { labels: vec![0, 0], count: 1 });
+    assert_eq!(groups(&square(), 1e-6), (vec![0, 0], 1));
 }
 
 #[test]
@@ -103,14 +91,13 @@ fn an_l_is_one_surface_only_above_its_cost() {
         / 3.0_f64.sqrt()
         / (1.0 - f64::sqrt(2.0 / 3.0) / 10.0 * 36.0 / (8.0 * std::f64::consts::PI));
     assert!((0.48..0.49).contains(&least), "{least}");
-    let below = grouped(&wall_and_floor(), least - 0.001);
-    assert_eq!(below, Grouping { labels: vec![0, 0, 1, 1], count: 2 });
-    assert_eq!(grouped(&wall_and_floor(), least + 0.001).count, 1);
+    assert_eq!(groups(&wall_and_floor(), least - 0.001), (vec![0, 0, 1, 1], 2));
+    assert_eq!(groups(&wall_and_floor(), least + 0.001).1, 1);
 }
 
 #[test]
 fn an_l_seen_from_outside_is_convex() {
-    assert_eq!(grouped(&turn(wall_and_floor()), 1e-6).count, 1);
+    assert_eq!(groups(&turn(wall_and_floor()), 1e-6).1, 1);
 }
 
 #[test]
@@ -118,7 +105,7 @@ fn the_shape_factor_alone_can_forbid_a_collapse() {
     let mesh = square();
     let with_length = |length| {
         let threshold = Threshold { concavity: 0.05, length };
-        collapse(&mesh, &Adjacency::new(&mesh), threshold, &Control::new()).unwrap().count
+        collapse(&mesh, &neighbours(&mesh), threshold, &Control::new()).unwrap().1
     };
     // β ℓ / (10 √2) · 4/π < β as long as ℓ < 10 √2 π / 4 = 11.1.
     assert_eq!(with_length(11.0), 1);
@@ -128,26 +115,17 @@ fn the_shape_factor_alone_can_forbid_a_collapse() {
 #[test]
 fn a_cube_is_one_surface_without_border() {
     let mesh = cuboid([0.0; 3], [1.0; 3]);
-    assert_eq!(grouped(&mesh, 0.01).count, 1);
+    assert_eq!(groups(&mesh, 0.01).1, 1);
     let all = surfaces(&mesh);
     let mut whole = all[0].clone();
-    let adjacency = Adjacency::new(&mesh);
+    let neighbours = neighbours(&mesh);
     let mut judge = Judge::new(&mesh);
-    let mut inside = vec![0_u32];
-    while inside.len() < 12 {
-        // The next triangle with a neighbour inside, and the length of what they share.
-        let next = (0..12_u32).find(|t| {
-            !inside.contains(t)
-                && adjacency.triangle_neighbours(*t).iter().any(|n| inside.contains(n))
-        });
-        let next = next.unwrap();
-        let corners = mesh.triangles[next as usize].map(|v| mesh.positions[v as usize]);
-        let sides = adjacency.triangle_neighbours(next);
-        let shared = (0..3).filter(|&side| inside.contains(&sides[side]));
-        let end = |s: usize| Vector::from(corners[s % 3]);
-        let length = shared.map(|s| end(s).distance(end(s + 1))).sum();
-        whole = joined(&mut judge, &whole, &all[next as usize], length);
-        inside.push(next);
+    while whole.triangles.len() < 12 {
+        // The next triangle that shares a side, and the length of what they share.
+        let rest = all.iter().filter(|one| !whole.triangles.contains(&one.triangles[0]));
+        let shared = rest.map(|one| (one, border(&mesh, &neighbours, &whole, one)));
+        let (next, length) = shared.into_iter().find(|(_, length)| *length > 0.0).unwrap();
+        whole = joined(&mut judge, &whole, next, length);
     }
     assert!(whole.perimeter.abs() < 1e-9);
     assert!((whole.area - 6.0).abs() < 1e-12);
@@ -158,22 +136,21 @@ fn a_cube_is_one_surface_without_border() {
 #[test]
 fn fewer_surfaces_with_a_larger_threshold_and_each_triangle_in_one() {
     let mesh = torus(24, 12);
-    let counts: Vec<usize> = [0.01, 0.05, 0.2].map(|beta| grouped(&mesh, beta).count).to_vec();
+    let counts: Vec<usize> = [0.01, 0.05, 0.2].map(|beta| groups(&mesh, beta).1).to_vec();
     assert!(counts[0] > counts[1] && counts[1] > counts[2], "{counts:?}");
-    let grouping = grouped(&mesh, 0.05);
-    let used: std::collections::BTreeSet<u32> = grouping.labels.iter().copied().collect();
-    assert_eq!(used.len(), grouping.count);
-    assert_eq!(grouping.labels[0], 0);
+    let groups = groups(&mesh, 0.05);
+    assert!(members(&groups).iter().all(|group| !group.is_empty()));
+    assert_eq!(groups.0[0], 0);
 }
 
 #[test]
 fn no_surface_costs_beta_or_more() {
     let mesh = torus(24, 12);
     let beta = 0.05;
-    let Grouping { labels, count } = grouped(&mesh, beta);
-    let mut scratch = CostScratch::default();
-    for group in members(&labels, count) {
-        let cost = cost(&mesh, &group, &mut scratch);
+    for group in members(&groups(&mesh, beta)) {
+        let triangles = group.iter().map(|&triangle| mesh.triangles[triangle as usize]).collect();
+        let alone = TriangleMesh::new(mesh.positions.clone(), triangles);
+        let cost = average_cost(&grouped(&alone, &vec![0; group.len()])).unwrap();
         assert!(cost < beta, "{cost}");
     }
 }
@@ -200,7 +177,7 @@ fn threads_and_scale_change_nothing() {
     };
     let first = run(true, 1.0);
     assert_eq!(run(false, 1.0).hulls, first.hulls);
-    assert_eq!(run(true, 1024.0).groups, first.groups);
+    assert_eq!(run(true, 1024.0).grouped.groups, first.grouped.groups);
 }
 
 #[test]
@@ -221,13 +198,13 @@ fn a_deadline_in_the_past_is_an_error() {
 
 /// Judges every pair before every collapse, as slowly as it can be said.
 fn grouped_slowly(mesh: &TriangleMesh, threshold: Threshold) -> Vec<Vec<u32>> {
-    let adjacency = Adjacency::new(mesh);
+    let neighbours = neighbours(mesh);
     let mut judge = Judge::new(mesh);
     let mut all: Vec<Surface> = surfaces(mesh);
     loop {
         let mut best: Option<(f64, usize, usize, f64)> = None;
         for (i, j) in (0..all.len()).flat_map(|i| (i + 1..all.len()).map(move |j| (i, j))) {
-            let shared = border(mesh, &adjacency, &all[i], &all[j]);
+            let shared = border(mesh, &neighbours, &all[i], &all[j]);
             if shared == 0.0 {
                 continue;
             }
@@ -250,16 +227,16 @@ fn grouped_slowly(mesh: &TriangleMesh, threshold: Threshold) -> Vec<Vec<u32>> {
 }
 
 /// Length of the sides that two surfaces share.
-fn border(mesh: &TriangleMesh, adjacency: &Adjacency, first: &Surface, second: &Surface) -> f64 {
-    let sides = first.triangles.iter().flat_map(|&triangle| {
-        let corners = mesh.triangles[triangle as usize].map(|v| mesh.positions[v as usize]);
-        (0..3).map(move |side| (triangle, side, corners))
+fn border(mesh: &TriangleMesh, all: &Neighbours, first: &Surface, second: &Surface) -> f64 {
+    let sides = first.triangles.iter().flat_map(|&triangle| (0..3).map(move |k| (triangle, k)));
+    let shared = sides.filter(|&(triangle, side)| {
+        all[triangle as usize][side].is_some_and(|other| second.triangles.contains(&other))
     });
-    let shared = sides.filter(|&(triangle, side, _)| {
-        second.triangles.contains(&adjacency.triangle_neighbours(triangle)[side])
-    });
-    let end = |c: [[f64; 3]; 3], side: usize| Vector::from(c[side % 3]);
-    shared.map(|(_, side, c)| end(c, side).distance(end(c, side + 1))).sum()
+    let length = |(triangle, side): (u32, usize)| {
+        let corners = corners(mesh, triangle);
+        corners[side].distance(corners[(side + 1) % 3])
+    };
+    shared.map(length).sum()
 }
 
 #[test]
@@ -272,10 +249,10 @@ fn the_queue_gives_what_judging_every_pair_each_time_would() {
     }
     for concavity in [0.02, 0.05, 0.1] {
         let threshold = Threshold { concavity, length: mean_triangle_diagonal(&mesh) };
-        let found = collapse(&mesh, &Adjacency::new(&mesh), threshold, &Control::new()).unwrap();
-        let mut groups = members(&found.labels, found.count);
+        let found = collapse(&mesh, &neighbours(&mesh), threshold, &Control::new()).unwrap();
+        let mut groups = members(&found);
         groups.sort();
-        assert!(found.count > 1);
+        assert!(found.1 > 1);
         assert_eq!(groups, grouped_slowly(&mesh, threshold), "{concavity}");
     }
 }

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use super::row::Row;
-use crate::report::table::{NOTHING, Table, number_or_nothing};
-use crate::runs::record::Status;
+use super::summary::is_over;
+use crate::harness::{Row, Status};
+use crate::report::{NOTHING, Table, count, number_or_nothing};
 
 /// A share of the uncovered volume that is seen.
 const VOLUME: f64 = 0.005;
@@ -43,15 +43,13 @@ pub fn table(before: &[Row], after: &[Row], seconds: f64) -> Table {
 }
 
 fn changes(old: &Row, new: &Row, seconds: f64) -> Vec<[String; 3]> {
-    let outcome = |row: &Row| match (row.status, row.is_over(seconds)) {
+    let outcome = |row: &Row| match (row.status, is_over(row, seconds)) {
         (Status::Done, true) => "over the time".to_owned(),
         (status, _) => format!("{} {}", status.name(), row.reason).trim().to_owned(),
     };
     let ratio = |pair: Option<(f64, f64)>| {
         pair.is_some_and(|(a, b)| a.max(b) > SCATTER * a.min(b).max(f64::MIN_POSITIVE))
     };
-    let count = |count: Option<usize>| count.map_or_else(|| NOTHING.into(), |n| n.to_string());
-    let memory = |row: &Row| row.peak_memory.map(|bytes| bytes as f64 / f64::from(1 << 20));
     let times = old.processor_seconds.zip(new.processor_seconds);
     let volumes = old.uncovered_volume.zip(new.uncovered_volume);
     let has_other_volume = volumes.is_some_and(|(a, b)| (a - b).abs() > VOLUME)
@@ -73,8 +71,8 @@ fn changes(old: &Row, new: &Row, seconds: f64) -> Vec<[String; 3]> {
         ),
         (
             "MB",
-            ratio(memory(old).zip(memory(new))),
-            [old, new].map(|r| number_or_nothing(memory(r))),
+            ratio(old.megabytes().zip(new.megabytes())),
+            [old, new].map(|row| number_or_nothing(row.megabytes())),
         ),
     ];
     let changed = rows.into_iter().filter(|(_, is_changed, _)| *is_changed);
@@ -86,14 +84,8 @@ mod tests {
     use super::*;
 
     fn row(mesh: &str) -> Row {
-        let mesh = crate::runs::meshes::Mesh {
-            name: mesh.into(),
-            path: Default::default(),
-            bytes: 3,
-            hash: "0f".into(),
-        };
-        let blank = Row::blank(&mesh, "1");
-        Row { hulls: Some(3), processor_seconds: Some(0.1), ..blank }
+        let (hulls, processor_seconds) = (Some(3), Some(0.1));
+        Row { mesh: mesh.into(), hulls, processor_seconds, ..Row::default() }
     }
 
     #[test]

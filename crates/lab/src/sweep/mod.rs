@@ -1,26 +1,17 @@
-//! `cargo lab sweep`: every mesh below folders, each in a process of its own, and what became of it.
+//! `cargo lab sweep` and `corpus`: every mesh below folders, and what became of it.
 
 mod changes;
-mod row;
 mod summary;
-pub mod worker;
 
-use std::path::{Path, PathBuf};
-use std::process::Command;
-use std::time::Duration;
+use std::path::PathBuf;
 
-use hullwright_cli::terminal::{Failure, print, time};
-use serde_json::json;
-
-use row::Row;
-
-use crate::report::html_report::{Report, create_folder, write};
-use crate::runs::journal::{Entry, Journal};
-use crate::runs::limits::{self, Limits};
-use crate::runs::machine;
-use crate::runs::meshes::{self, Mesh};
-use crate::runs::methods::Run;
-use crate::runs::record::Status;
+use crate::harness::session::{FULL, limits};
+use crate::harness::{Judge, Session, Task, row};
+use crate::report::Table;
+use crate::report::{Report, write};
+use crate::terminal::{Failure, print};
+use crate::tools::meshes;
+use crate::tools::methods::Run;
 
 /// Decompose every mesh below folders, each in a process with limits, and report what became of it
 ///
@@ -57,73 +48,29 @@ pub struct Arguments {
     report_only: bool,
 }
 
+/// Fewer points than in the benchmark, since there are many meshes: shares of the volume are known to about a
+/// hundredth.
+const JUDGE: Judge = Judge {
+    is_timed: false,
+    surface_samples: 10_000,
+    volume_samples: 20_000,
+    by_brute_force: true,
+};
+
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let time = Duration::try_from_secs_f64(arguments.stop_after)
-        .map_err(|_| Failure::Usage("the time to stop after must be a time".into()))?;
-    let limits = Limits { time, memory: arguments.memory_limit.saturating_mul(1 << 20) };
+    let limits = limits(arguments.stop_after, arguments.memory_limit)?;
     let before = arguments.compare.as_deref().map(row::from_csv).transpose()?;
-    let output = &arguments.output;
-    create_folder(output)?;
-    let mut journal = Journal::open(&output.join("runs.jsonl"))?;
+    let mut session = Session::open(&arguments.output, limits)?;
+    session.only_reports = arguments.report_only;
     let meshes = meshes::find(&arguments.folders)?;
-    let version = Run::Bounded { error: 0.02 }.version(&Default::default());
-    let mut rows = Vec::new();
-    for (number, mesh) in meshes.iter().enumerate() {
-        let blank = Row::blank(mesh, &version);
-        if journal.get(&blank.key()).is_none() && !arguments.report_only {
-            let row = sweep(mesh, blank.clone(), limits)?;
-            print(&progress(number + 1, meshes.len(), &row))?;
-            journal.add(row)?;
-        }
-        rows.extend(journal.get(&blank.key()).cloned());
-    }
+    let rows = session.rows(&meshes, |_| vec![Task::new(Run::bounded(0.02), JUDGE)])?;
     if rows.is_empty() {
         return Err("there is nothing to report".into());
     }
-    Ok(report(arguments, limits, &rows, before.as_deref())?)
-}
-
-/// Runs one mesh, and says what became of it.
-fn sweep(mesh: &Mesh, mut row: Row, limits: Limits) -> Result<Row, String> {
-    let program = std::env::current_exe().map_err(|error| format!("this program: {error}"))?;
-    let mut command = Command::new(program);
-    command.arg("sweep-run").arg(&mesh.path);
-    let ended = limits::run(command, limits)?;
-    for line in &ended.lines {
-        let line = serde_json::from_str(line).map_err(|error| format!("a worker said: {error}"))?;
-        worker::take(line, &mut row);
-    }
-    // What it refuses it says itself, and ends well.
-    match ended.status {
-        Status::Done => {}
-        status if row.hulls.is_none() => (row.status, row.reason) = (status, ended.reason),
-        // It was decomposed, and a judge went wrong: that shows, but not as the method's failure.
-        status => row.broken = format!("judge: {}: {}", status.name(), ended.reason),
-    }
-    Ok(row)
-}
-
-fn progress(number: usize, of: usize, row: &Row) -> String {
-    let what = match (row.status, row.hulls, row.processor_seconds) {
-        (Status::Done, Some(hulls), Some(seconds)) => {
-            format!("{hulls:>4} hulls  {:>9}  {}", time(seconds), row.faults())
-        }
-        (status, ..) => format!("{}: {}", status.name(), row.reason),
-    };
-    format!("{number:>4}/{of}  {:<48} {what}", row.mesh)
-}
-
-fn report(
-    arguments: &Arguments,
-    limits: Limits,
-    rows: &[Row],
-    before: Option<&[Row]>,
-) -> Result<(), String> {
-    let output: &Path = &arguments.output;
-    write(&output.join("sweep.csv"), &row::to_csv(rows)?)?;
+    write(&session.output.join("sweep.csv"), &row::to_csv(&rows)?)?;
     let seconds = arguments.seconds;
-    let mut tables = summary::tables(rows, seconds);
-    tables.extend(before.map(|before| changes::table(before, rows, seconds)));
+    let mut tables = summary::tables(&rows, seconds);
+    tables.extend(before.map(|before| changes::table(&before, &rows, seconds)));
     let words = vec![
         format!(
             "{} meshes, each in a process of its own, with the default parameters, on one thread. A \
@@ -141,15 +88,35 @@ fn report(
          by `measure`. Uncovered volume and IoU are those of `measure`."
             .into(),
     ];
-    let mut machine = machine::describe(limits);
-    machine.insert("processor_seconds_of_a_time_out".into(), json!(seconds));
-    let report = Report {
-        title: "Sweep",
-        words,
-        machine: &machine,
-        plots: &[],
-        tables: &tables,
-        pages: &[],
-    };
-    report.write(output, "sweep")
+    let (title, name) = ("Sweep", "sweep");
+    Ok(session.report(Report { title, name, words, tables, ..Report::default() })?)
 }
+
+/// Decompose every mesh below a folder and count broken promises
+///
+/// A promise is broken where more was verified than was asked for, or more is sampled than was
+/// verified. As `sweep`, without brute force, and nothing is kept.
+#[derive(clap::Args)]
+pub struct CorpusArguments {
+    /// A folder that holds meshes
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+}
+
+/// Longest time, and most memory, of a mesh.
+const CORPUS_LIMITS: (f64, u64) = (300.0, 8192);
+
+pub fn corpus(arguments: &CorpusArguments) -> Result<(), Failure> {
+    let mut session = Session::temporary(limits(CORPUS_LIMITS.0, CORPUS_LIMITS.1)?)?;
+    let meshes = meshes::find(std::slice::from_ref(&arguments.folder))?;
+    let judge = Judge { is_timed: false, ..FULL };
+    let rows = session.rows(&meshes, |_| vec![Task::new(Run::bounded(0.02), judge)])?;
+    let tables = summary::tables(&rows, CORPUS_LIMITS.0);
+    let is_short = |table: &&Table| !table.rows.is_empty();
+    let text: String =
+        tables.iter().take(CORPUS_TABLES).filter(is_short).map(Table::to_markdown).collect();
+    print(&format!("\n{text}"))
+}
+
+/// Outcomes, tails, refusals, and what went wrong.
+const CORPUS_TABLES: usize = 4;

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use super::row::Row;
-use crate::report::table::{NOTHING, Table, number, number_or_nothing};
-use crate::runs::record::Status;
+use crate::harness::row::Figure;
+use crate::harness::{Row, Status};
+use crate::report::{NOTHING, Table, count, number, number_or_nothing};
 use crate::statistics::quantile;
 
 /// Rows of a table of the worst.
@@ -16,11 +16,16 @@ pub fn tables(rows: &[Row], seconds: f64) -> Vec<Table> {
         tails(rows),
         refusals(rows),
         wrong(rows, seconds),
-        worst(rows, "Slowest", "seconds", |row| row.processor_seconds),
-        worst(rows, "Most memory", "MB", megabytes),
-        worst(rows, "Most uncovered volume", "share", |row| row.uncovered_volume),
-        worst(rows, "Most hulls", "hulls", |row| row.hulls.map(|hulls| hulls as f64)),
+        worst(rows, "Slowest", ("seconds", |row| row.processor_seconds)),
+        worst(rows, "Most memory", ("MB", Row::megabytes)),
+        worst(rows, "Most uncovered volume", ("share", |row| row.uncovered_volume)),
+        worst(rows, "Most hulls", ("hulls", |row| row.hulls.map(|hulls| hulls as f64))),
     ]
+}
+
+/// Whether decomposing took more processor time than it may, though it was let go on.
+pub fn is_over(row: &Row, seconds: f64) -> bool {
+    row.status == Status::TimeOut || row.processor_seconds.is_some_and(|s| s > seconds)
 }
 
 /// Rows by folder, and all of them last.
@@ -54,7 +59,7 @@ fn outcomes(rows: &[Row], seconds: f64) -> Table {
     let mut table = Table::new("What became of them", note, &header);
     for (folder, rows) in groups(rows) {
         let status = |status| rows.iter().filter(|row| row.status == status).count();
-        let timed_out = rows.iter().filter(|row| row.is_over(seconds)).count();
+        let timed_out = rows.iter().filter(|row| is_over(row, seconds)).count();
         let late = timed_out - status(Status::TimeOut);
         let sum = |of: fn(&Row) -> Option<usize>| -> usize {
             rows.iter().filter_map(|row| of(row)).sum()
@@ -79,16 +84,10 @@ fn outcomes(rows: &[Row], seconds: f64) -> Table {
     table
 }
 
-fn megabytes(row: &Row) -> Option<f64> {
-    row.peak_memory.map(|bytes| bytes as f64 / f64::from(1 << 20))
-}
-
-type Figure = (&'static str, fn(&Row) -> Option<f64>);
-
 const FIGURES: [Figure; 8] = [
     ("processor seconds", |row| row.processor_seconds),
-    ("seconds on the wall", |row| row.wall_seconds),
-    ("peak memory, MB", megabytes),
+    ("seconds on the wall", |row| row.seconds),
+    ("peak memory, MB", Row::megabytes),
     ("hulls", |row| Some(row.hulls? as f64)),
     ("vertices of a hull, mean", |row| Some(row.vertices? as f64 / row.hulls? as f64)),
     ("sampled protrusion over the bound", |row| Some(row.protrusion_sampled? / row.bound?)),
@@ -132,7 +131,7 @@ fn wrong(rows: &[Row], seconds: f64) -> Table {
         let mut what = Vec::new();
         if !matches!(row.status, Status::Done | Status::Error) {
             what.push(format!("{}: {}", row.status.name(), row.reason));
-        } else if row.is_over(seconds) {
+        } else if is_over(row, seconds) {
             what.push(format!("{} s", number_or_nothing(row.processor_seconds)));
         }
         let faults = row.faults();
@@ -146,14 +145,13 @@ fn wrong(rows: &[Row], seconds: f64) -> Table {
     table
 }
 
-fn worst(rows: &[Row], title: &str, unit: &str, figure: fn(&Row) -> Option<f64>) -> Table {
+fn worst(rows: &[Row], title: &str, (unit, figure): Figure) -> Table {
     let mut found: Vec<(f64, &Row)> =
         rows.iter().filter_map(|row| Some((figure(row)?, row))).collect();
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut table =
         Table::new(title, "", &["mesh", unit, "triangles", "hulls", "processor seconds"]);
     for (value, row) in found.into_iter().take(WORST) {
-        let count = |count: Option<usize>| count.map_or_else(|| NOTHING.into(), |n| n.to_string());
         table.rows.push(vec![
             row.mesh.clone(),
             number(value),

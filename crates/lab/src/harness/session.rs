@@ -1,0 +1,242 @@
+//! A series of tasks, each in a process of its own, one at a time.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use sysinfo::{CpuRefreshKind, MemoryRefreshKind, RefreshKind, System};
+use tempfile::TempDir;
+
+use super::journal::Journal;
+use super::limits::{self, Limits};
+use super::row::{Row, Status};
+use super::worker::Work;
+use crate::report::{Report, create_folder};
+use crate::terminal::{Failure, print, time};
+use crate::tools::external_tools::ExternalTools;
+use crate::tools::meshes::Mesh;
+use crate::tools::methods::Run;
+use crate::tools::variations::Variation;
+
+/// A method with its setting, what is done to the mesh before, and how its hulls are judged.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Task {
+    pub run: Run,
+    pub variation: Variation,
+    pub judge: Judge,
+}
+
+/// How closely hulls are judged.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Judge {
+    /// Whether short runs are repeated, and again on all threads.
+    pub is_timed: bool,
+    /// Points on hulls, and as many on the mesh.
+    pub surface_samples: usize,
+    /// Points in space.
+    pub volume_samples: usize,
+    /// Exact predicates, and the bound by a sampling of our own.
+    pub by_brute_force: bool,
+}
+
+/// As many points as `measure` takes by default.
+pub const FULL: Judge = Judge {
+    is_timed: true,
+    surface_samples: 50_000,
+    volume_samples: 200_000,
+    by_brute_force: false,
+};
+
+impl Task {
+    /// A task on the mesh as it is.
+    pub fn new(run: Run, judge: Judge) -> Self {
+        Self { run, variation: Variation::None, judge }
+    }
+}
+
+pub struct Session<'a> {
+    pub output: PathBuf,
+    pub limits: Limits,
+    pub tools: Option<&'a ExternalTools>,
+    /// Repeats tasks that did not end well.
+    pub retries: bool,
+    /// Runs nothing.
+    pub only_reports: bool,
+    journal: Journal,
+    /// Removed at the end, where nothing is kept.
+    _folder: Option<TempDir>,
+}
+
+impl<'a> Session<'a> {
+    /// A session whose journal and report are in a folder.
+    pub fn open(output: &Path, limits: Limits) -> Result<Self, String> {
+        create_folder(output)?;
+        Ok(Self {
+            output: output.to_owned(),
+            limits,
+            tools: None,
+            retries: false,
+            only_reports: false,
+            journal: Journal::open(&output.join("runs.jsonl"))?,
+            _folder: None,
+        })
+    }
+
+    /// A session that keeps nothing.
+    pub fn temporary(limits: Limits) -> Result<Self, String> {
+        let folder = tempfile::tempdir().map_err(|error| format!("no scratch folder: {error}"))?;
+        let session = Self::open(folder.path(), limits)?;
+        Ok(Self { _folder: Some(folder), ..session })
+    }
+
+    /// All that the journal holds, of earlier versions and other meshes too.
+    pub fn journal(&self) -> &[Row] {
+        self.journal.rows()
+    }
+
+    /// The rows of all tasks of all meshes, from the journal or from running them.
+    pub fn rows(
+        &mut self,
+        meshes: &[Mesh],
+        tasks: impl Fn(&Mesh) -> Vec<Task>,
+    ) -> Result<Vec<Row>, Failure> {
+        let mut rows = Vec::new();
+        for (number, mesh) in meshes.iter().enumerate() {
+            for task in tasks(mesh) {
+                rows.extend(self.row((number + 1, meshes.len()), mesh, &task)?);
+            }
+        }
+        Ok(rows)
+    }
+
+    /// The row of one task. `place` is that of the mesh among all, which is printed.
+    pub fn row(
+        &mut self,
+        place: (usize, usize),
+        mesh: &Mesh,
+        task: &Task,
+    ) -> Result<Option<Row>, Failure> {
+        let versions = self.tools.map_or_else(Default::default, |tools| tools.versions.clone());
+        let blank = Row {
+            mesh: mesh.name.clone(),
+            mesh_bytes: mesh.bytes,
+            mesh_hash: mesh.hash.clone(),
+            method: task.run.method().into(),
+            setting: task.run.setting(),
+            variation: task.variation.name(),
+            version: task.run.version(&versions),
+            ..Row::default()
+        };
+        let known = self.journal.get(&blank.key());
+        if known.is_some_and(|row| row.status == Status::Done || !self.retries) || self.only_reports
+        {
+            return Ok(known.cloned());
+        }
+        let row = self.execute(mesh, task, blank)?;
+        print(&progress(place, &row))?;
+        self.journal.add(row.clone())?;
+        Ok(Some(row))
+    }
+
+    /// Runs a task: by a script where the method is no part of this program, and judges by this program.
+    fn execute(&self, mesh: &Mesh, task: &Task, mut row: Row) -> Result<Row, String> {
+        let scratch = self.output.join("external-hulls.obj");
+        let hulls = match (&task.run, self.tools) {
+            (Run::CoacdFiles, Some(tools)) => {
+                row.seconds = tools.coacd_seconds(&mesh.name);
+                row.taken_elsewhere = true;
+                Some(tools.folder.coacd_hulls(&mesh.name))
+            }
+            (Run::Coacd { .. } | Run::Vhacd4 { .. }, Some(tools)) => {
+                match tools.run(&task.run, &mesh.name, &mesh.path, &scratch, self.limits)? {
+                    Ok((seconds, memory)) => {
+                        (row.seconds, row.peak_memory) = (Some(seconds), memory);
+                    }
+                    Err((status, reason)) => return Ok(Row { status, reason, ..row }),
+                }
+                Some(scratch.clone())
+            }
+            _ => None,
+        };
+        let work = Work { mesh: mesh.path.clone(), hulls, task: task.clone(), row };
+        let text = serde_json::to_string(&work).map_err(|error| error.to_string())?;
+        let program = std::env::current_exe().map_err(|error| format!("this program: {error}"))?;
+        let mut command = Command::new(program);
+        command.arg("run").arg(text);
+        let ended = limits::run(command, self.limits)?;
+        let mut row = match ended.lines.last() {
+            Some(line) => serde_json::from_str(line).map_err(|e| format!("a worker said: {e}"))?,
+            None => work.row,
+        };
+        // Where there is none, nothing is left behind.
+        let _ = std::fs::remove_file(scratch);
+        match (ended.status, row.hulls.is_some(), row.status) {
+            (Status::Done, true, _) | (Status::Done, _, Status::Error) => {}
+            (Status::Done, ..) => {
+                (row.status, row.reason) = (Status::Error, "it ended without a result".into());
+            }
+            (status, false, _) => (row.status, row.reason) = (status, ended.reason),
+            // It was decomposed, and what came after went wrong: that is not the method's failure.
+            (status, true, _) => row.broken = format!("judge: {}: {}", status.name(), ended.reason),
+        }
+        Ok(row)
+    }
+
+    /// Writes a report, with what times depend on.
+    pub fn report(&self, report: Report) -> Result<(), String> {
+        Report { machine: describe(self.limits), ..report }.write(&self.output)
+    }
+}
+
+/// A limit in seconds and one in megabytes, as commands take them.
+pub fn limits(seconds: f64, megabytes: u64) -> Result<Limits, Failure> {
+    let time = Duration::try_from_secs_f64(seconds)
+        .map_err(|_| Failure::Usage("a limit must be a time".into()))?;
+    Ok(Limits { time, memory: megabytes.saturating_mul(1 << 20) })
+}
+
+fn progress((number, of): (usize, usize), row: &Row) -> String {
+    let Row { mesh, method, setting, variation, .. } = row;
+    let what = match (row.status, row.hulls) {
+        (Status::Done, Some(hulls)) => {
+            let distance = match (row.hausdorff, row.bound) {
+                (Some(found), Some(bound)) => format!("{:.3} of the bound", found / bound),
+                (Some(found), None) => format!("distance {found:.4}"),
+                _ => String::new(),
+            };
+            let seconds = time(row.seconds.unwrap_or(0.0));
+            let triangles = row.triangles.unwrap_or(0);
+            let faults = row.faults();
+            format!("{hulls:>4} hulls of {triangles} triangles  {distance}  {seconds}  {faults}")
+        }
+        (status, _) => format!("{}: {}", status.name(), row.reason),
+    };
+    format!("{number:>4}/{of}  {mesh:<44} {method:<8} {setting:<14} {variation:<12} {what}")
+}
+
+/// Processor, memory, system, version and limits: what times depend on.
+fn describe(limits: Limits) -> BTreeMap<String, Value> {
+    let parts = RefreshKind::nothing()
+        .with_cpu(CpuRefreshKind::nothing())
+        .with_memory(MemoryRefreshKind::nothing().with_ram());
+    let system = System::new_with_specifics(parts);
+    let memory = system.as_ref().map(|system| format!("{} kB", system.total_memory() >> 10));
+    let processor = system.as_ref().ok().and_then(|system| Some(system.cpus().first()?.brand()));
+    let processors = std::thread::available_parallelism().map_or(1, usize::from);
+    let rows = [
+        ("processor", json!(processor)),
+        ("processors", json!(processors)),
+        ("memory", json!(memory.ok())),
+        ("system", json!(format!("{} {}", std::env::consts::OS, std::env::consts::ARCH))),
+        ("kernel", json!(System::kernel_version().ok())),
+        ("hullwright", json!(env!("CARGO_PKG_VERSION"))),
+        ("algorithm_version", json!(hullwright::ALGORITHM_VERSION)),
+        ("optimised", json!(!cfg!(debug_assertions))),
+        ("time_limit_seconds", json!(limits.time.as_secs_f64())),
+        ("memory_limit_megabytes", json!(limits.memory >> 20)),
+    ];
+    rows.map(|(name, value)| (name.to_owned(), value)).into()
+}

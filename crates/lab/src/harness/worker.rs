@@ -1,0 +1,298 @@
+//! `lab run`: one task, in a process of its own. It prints its row after decomposing, and again after each
+//! judge, so that what is known stays known however the process ends.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use cpu_time::ProcessTime;
+use hullwright::io::{NamedMesh, read_hulls, read_mesh};
+use hullwright::measure::{MeasureOptions, measure};
+use hullwright::surface::average_cost;
+use hullwright::{
+    Control, Decomposition, Error, Hull, MeshView, Method, MethodReport, Parameters, TriangleMesh,
+    close_openings,
+};
+use serde::{Deserialize, Serialize};
+
+use super::limits::{peak_memory, reset_peak_memory};
+use super::row::{Row, Status};
+use super::session::{Judge, Task};
+use crate::hacd;
+use crate::independent::exact::faults;
+use crate::independent::sampling::{Sampled, sample};
+use crate::statistics::median;
+use crate::terminal::{Failure, print};
+use crate::tools::methods::Run;
+use crate::tools::vhacd;
+
+/// One task of an experiment, for its own use
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// A mesh, a task, and what is known of it, as JSON
+    work: String,
+}
+
+#[derive(Serialize, Deserialize)]
+pub struct Work {
+    pub mesh: PathBuf,
+    /// Only judge these.
+    pub hulls: Option<PathBuf>,
+    pub task: Task,
+    /// What is known before.
+    pub row: Row,
+}
+
+/// Short runs are repeated up to this often, enough for a median.
+const MOST_REPEATS: usize = 3;
+/// Runs that took this long together are not repeated: their times scatter by little.
+const ENOUGH_SECONDS: f64 = 0.5;
+
+/// Rounding of what was verified and of what is sampled, as a fraction of the bound.
+const ROUNDING: f64 = 1e-3;
+/// Where the bound is small, rounding of the coordinates themselves, as a fraction of the diagonal.
+const LEAST_ROUNDING: f64 = 1e-9;
+
+/// What a method returned.
+#[derive(Default)]
+struct Output {
+    hulls: Vec<NamedMesh>,
+    /// Of our own methods.
+    found: Option<Decomposition<MethodReport>>,
+    stages: Vec<(String, f64)>,
+    cost: Option<f64>,
+    details: Vec<(&'static str, f64)>,
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let work: Work = serde_json::from_str(&arguments.work).map_err(|error| error.to_string())?;
+    let mut row = work.row.clone();
+    match decompose_and_judge(&work, &mut row) {
+        Ok(()) => Ok(()),
+        // Without the path, so that equal reasons are equal.
+        Err(Error::File { source, .. }) => refuse(row, format!("file: {source}")),
+        Err(error) => refuse(row, error.to_string()),
+    }
+}
+
+fn refuse(row: Row, reason: String) -> Result<(), Failure> {
+    say(&Row { status: Status::Error, reason, ..row }).map_err(Into::into)
+}
+
+fn say(row: &Row) -> Result<(), String> {
+    let line = serde_json::to_string(row).map_err(|error| error.to_string())?;
+    print(&line).map_err(|_| "can't print".to_owned())
+}
+
+fn decompose_and_judge(work: &Work, row: &mut Row) -> Result<(), Error> {
+    // The parent has gone; nobody can be told.
+    let tell = |row: &Row| say(row).map_err(|_| Error::Cancelled);
+    let Work { task: Task { run, variation, judge }, .. } = work;
+    reset_peak_memory();
+    let file = read_mesh(&work.mesh)?;
+    row.triangles = Some(file.mesh.triangles.len());
+    if let Some(hulls) = &work.hulls {
+        judge_by_measure(run, file.mesh.view(), &read_hulls(hulls)?, judge, row)?;
+        return tell(row);
+    }
+    let (given, sound) = variation.apply(&file.mesh);
+    let repeats = if judge.is_timed { MOST_REPEATS } else { 1 };
+    let (output, times) = repeat(run, given.view(), 1, repeats)?;
+    let repeats = times.len();
+    row.seconds = Some(median(times.iter().map(|time| time.0).collect()));
+    row.processor_seconds = times.first().map(|time| time.1);
+    row.peak_memory = times.first().and_then(|time| time.2);
+    row.hulls = Some(output.hulls.len());
+    row.vertices = Some(output.hulls.iter().map(|hull| hull.mesh.positions.len()).sum());
+    row.stages = output.stages;
+    row.cost = output.cost;
+    row.details =
+        output.details.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
+    tell(row)?;
+
+    judge_by_measure(run, sound.view(), &output.hulls, judge, row)?;
+    if let Some(found) = &output.found
+        && let Some(report) = found.report.bounded()
+    {
+        row.set_verified(&found.run, report);
+        note_broken(row, "measured", row.protrusion_max, row.uncovered_max);
+        if judge.by_brute_force {
+            judge_by_brute_force(run, given.view(), found, judge, row)?;
+        }
+    }
+    tell(row)?;
+
+    // Parry has no such mode: its `parallel` feature is for something else.
+    if judge.is_timed && vhacd::parameters(run).is_none() {
+        let (again, times) = repeat(run, given.view(), 0, repeats)?;
+        row.seconds_all_threads = Some(median(times.iter().map(|time| time.0).collect()));
+        row.same_with_all_threads = Some(again.hulls == output.hulls);
+        tell(row)?;
+    }
+    Ok(())
+}
+
+/// Seconds on the wall and of the processor, and the peak of the memory.
+type Times = Vec<(f64, f64, Option<u64>)>;
+
+/// Decomposes on so many threads (0: all), up to `most` times.
+fn repeat(
+    run: &Run,
+    mesh: MeshView<'_>,
+    threads: usize,
+    most: usize,
+) -> Result<(Output, Times), Error> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.map_err(|error| invalid("threads", error.to_string()))?;
+    let mut times: Times = Vec::new();
+    loop {
+        let (wall, processor) = (Instant::now(), ProcessTime::now());
+        let output = pool.install(|| decompose(run, mesh, threads != 1))?;
+        let seconds = (wall.elapsed().as_secs_f64(), processor.elapsed().as_secs_f64());
+        times.push((seconds.0, seconds.1, peak_memory(std::process::id())));
+        let all: f64 = times.iter().map(|time| time.0).sum();
+        if times.len() >= most || all >= ENOUGH_SECONDS {
+            return Ok((output, times));
+        }
+    }
+}
+
+fn invalid(name: &'static str, reason: String) -> Error {
+    Error::InvalidParameter { name, reason }
+}
+
+fn decompose(run: &Run, mesh: MeshView<'_>, is_parallel: bool) -> Result<Output, Error> {
+    if let Some(parameters) = vhacd::parameters(run) {
+        let hulls = vhacd::decompose(mesh, &parameters);
+        return Ok(Output { hulls, ..Output::default() });
+    }
+    let control = Control::new().with_parallel(is_parallel);
+    if let Some(parameters) = run.hacd_parameters() {
+        let found = hacd::decompose(mesh, &parameters, &control)?;
+        let times = found.times.iter().map(|(stage, seconds)| (stage.name().into(), *seconds));
+        return Ok(Output {
+            stages: times.collect(),
+            cost: Some(found.cost),
+            details: vec![
+                ("resolution", found.resolution as f64),
+                ("average_pieces", found.average_pieces),
+                ("polygons", found.grouped.triangles.len() as f64),
+                ("initial_polygons", found.initial_polygons as f64),
+            ],
+            hulls: hull_meshes(&found.hulls),
+            found: None,
+        });
+    }
+    let method = run.own_method();
+    let method = method.ok_or_else(|| invalid("method", "runs elsewhere".into()))?;
+    let found = method.decompose(mesh, &control)?;
+    let surface = found.report.surface();
+    let times = found.run.times.iter().map(|time| (time.stage.name().into(), time.seconds));
+    let cost = match surface {
+        Some(report) => Some(report.cost),
+        None if found.grouped.triangles.is_empty() => None,
+        None => Some(average_cost(&found.grouped)?),
+    };
+    Ok(Output {
+        stages: times.collect(),
+        cost,
+        details: match surface {
+            Some(report) => vec![
+                ("planar_threshold", report.planar_threshold),
+                ("resolution", report.resolution as f64),
+                ("average_pieces", report.average_pieces),
+                ("polygons", report.polygons as f64),
+                ("initial_polygons", report.initial_polygons as f64),
+            ],
+            None => {
+                let openings = &found.run.openings;
+                let closed = openings.iter().filter(|one| one.outcome.is_closed()).count();
+                let left = openings.len() - closed;
+                vec![("openings_closed", closed as f64), ("openings_left", left as f64)]
+            }
+        },
+        hulls: hull_meshes(&found.hulls),
+        found: Some(found),
+    })
+}
+
+fn hull_meshes(hulls: &[Hull]) -> Vec<NamedMesh> {
+    let mesh =
+        |hull: &Hull| TriangleMesh::new(hull.shape.points.clone(), hull.shape.triangles.clone());
+    hulls.iter().map(|hull| NamedMesh { name: String::new(), mesh: mesh(hull) }).collect()
+}
+
+/// The parameters of a run of the bounded method.
+fn bounded_parameters(run: &Run) -> Option<Parameters> {
+    match run.own_method() {
+        Some(Method::Bounded(parameters)) => Some(parameters),
+        _ => None,
+    }
+}
+
+/// Judges hulls of any kind: ours against the mesh with those openings closed that the bound closes.
+fn judge_by_measure(
+    run: &Run,
+    mesh: MeshView<'_>,
+    hulls: &[NamedMesh],
+    judge: &Judge,
+    row: &mut Row,
+) -> Result<(), Error> {
+    let mut options = MeasureOptions::default();
+    (options.hull_samples, options.mesh_samples) = (judge.surface_samples, judge.surface_samples);
+    options.volume_samples = judge.volume_samples;
+    if let Some(parameters) = bounded_parameters(run) {
+        options.flatness = parameters.max_error;
+    }
+    row.set_measured(&measure(mesh, hulls, &options, &Control::new())?);
+    Ok(())
+}
+
+/// Judges our hulls by exact predicates in single precision, and the bound by a sampling that shares no code
+/// with the library.
+fn judge_by_brute_force(
+    run: &Run,
+    mesh: MeshView<'_>,
+    found: &Decomposition<MethodReport>,
+    judge: &Judge,
+    row: &mut Row,
+) -> Result<(), Error> {
+    let hulls: Vec<_> =
+        found.hulls.iter().map(|hull| hull.shape.to_single_precision().ok()).collect();
+    let all: Vec<_> =
+        hulls.iter().flatten().map(|(points, triangles)| faults(points, triangles)).collect();
+    row.open_hulls = Some(all.iter().filter(|faults| faults.is_open).count());
+    row.non_convex_hulls = Some(all.iter().filter(|faults| faults.is_not_convex).count());
+    row.hulls_without_volume = Some(all.iter().filter(|faults| faults.has_no_volume).count());
+    row.hulls_beyond_single = Some(hulls.iter().filter(|hull| hull.is_none()).count());
+
+    let Some(parameters) = bounded_parameters(run) else { return Ok(()) };
+    let closed = close_openings(mesh, &parameters, &Control::new())?;
+    let sampled = sample(found, &closed.mesh, &closed.solid, judge.surface_samples);
+    let Sampled { protrusion, uncovered, beyond_verified, samples, undecided } = sampled;
+    (row.protrusion_sampled, row.uncovered_sampled) = (Some(protrusion), Some(uncovered));
+    (row.samples, row.undecided_samples) = (Some(samples), Some(undecided));
+    note_broken(row, "sampled", Some(protrusion), Some(uncovered));
+    if beyond_verified > rounding(row) {
+        add(&mut row.broken, "a hull's own protrusion");
+    }
+    Ok(())
+}
+
+fn rounding(row: &Row) -> f64 {
+    (ROUNDING * row.bound.unwrap_or(0.0)).max(LEAST_ROUNDING)
+}
+
+/// Notes a promise that these distances break.
+fn note_broken(row: &mut Row, by: &str, protrusion: Option<f64>, uncovered: Option<f64>) {
+    let [protrusion, uncovered] = [protrusion, uncovered].map(|length| length.unwrap_or(0.0));
+    if row.exceeds(protrusion, uncovered, rounding(row)) {
+        add(&mut row.broken, by);
+    }
+}
+
+fn add(list: &mut String, what: &str) {
+    if !list.is_empty() {
+        *list += ", ";
+    }
+    *list += what;
+}

@@ -1,0 +1,8 @@
+//! What experiments run: meshes, what is done to them, and methods, ours and those of others.
+
+pub mod data_folder;
+pub mod external_tools;
+pub mod meshes;
+pub mod methods;
+pub mod variations;
+pub mod vhacd;

@@ -1,0 +1,252 @@
+//! The same mesh in other words: turned, scaled, moved, jittered, shuffled, flipped, doubled.
+
+use hullwright::TriangleMesh;
+use serde::{Deserialize, Serialize};
+
+/// What is done to a mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Variation {
+    /// Nothing.
+    None,
+    /// A rotation, by its number.
+    Rotation(u32),
+    /// All coordinates times this.
+    Scale(f64),
+    /// Moved along the diagonal of space by this multiple of the mesh's diagonal.
+    Offset(f64),
+    /// Each coordinate moved by up to this share of the diagonal, at random.
+    Jitter(f64),
+    /// Triangles and vertices in another order, by its number.
+    Shuffle(u32),
+    /// All triangles turned around.
+    FlipAll,
+    /// Half of the triangles, at random, turned around.
+    FlipHalf,
+    /// Every triangle twice.
+    Double,
+}
+
+/// Rotations of each mesh.
+pub const ROTATIONS: u32 = 24;
+const SCALES: [f64; 6] = [1e-9, 1e-6, 1e-3, 1e3, 1e6, 1e9];
+const OFFSETS: [f64; 3] = [1.0, 100.0, 1e4];
+const JITTERS: [f64; 2] = [1e-7, 1e-5];
+const SHUFFLES: u32 = 2;
+
+impl Variation {
+    /// All of them, the mesh as it is first.
+    pub fn all() -> Vec<Self> {
+        let mut all = vec![Self::None];
+        all.extend((0..ROTATIONS).map(Self::Rotation));
+        all.extend(SCALES.map(Self::Scale));
+        all.extend(OFFSETS.map(Self::Offset));
+        all.extend(JITTERS.map(Self::Jitter));
+        all.extend((0..SHUFFLES).map(Self::Shuffle));
+        all.extend([Self::FlipAll, Self::FlipHalf, Self::Double]);
+        all
+    }
+
+    /// Its name in journals; nothing for the mesh as it is.
+    pub fn name(self) -> String {
+        match self {
+            Self::None => String::new(),
+            Self::Rotation(number) => format!("rotated {number}"),
+            Self::Scale(factor) => format!("scaled by {factor:e}"),
+            Self::Offset(distance) => format!("moved by {distance} diagonals"),
+            Self::Jitter(size) => format!("jittered by {size:e} diagonals"),
+            Self::Shuffle(number) => format!("shuffled {number}"),
+            Self::FlipAll => "all triangles flipped".into(),
+            Self::FlipHalf => "half of the triangles flipped".into(),
+            Self::Double => "every triangle twice".into(),
+        }
+    }
+
+    /// The row of the table that it belongs to.
+    pub fn kind(self) -> String {
+        match self {
+            Self::None => "as it is".into(),
+            Self::Rotation(_) => "rotated".into(),
+            Self::Shuffle(_) => "shuffled".into(),
+            other => other.name(),
+        }
+    }
+
+    /// The mesh as given to the method, and the sound mesh in the same place that its hulls are
+    /// measured against.
+    pub fn apply(self, mesh: &TriangleMesh) -> (TriangleMesh, TriangleMesh) {
+        let diagonal = diagonal(&mesh.positions);
+        let moved = |place: &dyn Fn([f64; 3]) -> [f64; 3]| {
+            let positions = mesh.positions.iter().map(|&point| place(point)).collect();
+            TriangleMesh { positions, ..mesh.clone() }
+        };
+        let mut given = mesh.clone();
+        match self {
+            Self::None => {}
+            Self::Rotation(number) => {
+                let rows = rotation(number);
+                let turn = |p: [f64; 3]| rows.map(|r| r[0] * p[0] + r[1] * p[1] + r[2] * p[2]);
+                given = moved(&turn);
+            }
+            Self::Scale(factor) => given = moved(&|point| point.map(|x| x * factor)),
+            Self::Offset(distance) => {
+                let offset = distance * diagonal / 3.0_f64.sqrt();
+                given = moved(&|point| point.map(|x| x + offset));
+            }
+            Self::Jitter(size) => {
+                let mut random = Random(1);
+                for x in given.positions.as_flattened_mut() {
+                    *x += diagonal * size * (2.0 * random.unit() - 1.0);
+                }
+            }
+            Self::Shuffle(number) => shuffle(&mut given, &mut Random(1 + u64::from(number))),
+            Self::FlipAll => given.triangles.iter_mut().for_each(|t| t.swap(1, 2)),
+            Self::FlipHalf => {
+                let mut random = Random(1);
+                for triangle in &mut given.triangles {
+                    if random.unit() < 0.5 {
+                        triangle.swap(1, 2);
+                    }
+                }
+            }
+            Self::Double => {
+                given.triangles.extend_from_slice(&mesh.triangles);
+                given.sidedness.extend_from_slice(&mesh.sidedness);
+            }
+        }
+        let is_in_place = matches!(
+            self,
+            Self::None | Self::Shuffle(_) | Self::FlipAll | Self::FlipHalf | Self::Double
+        );
+        let sound = if is_in_place { mesh.clone() } else { given.clone() };
+        (given, sound)
+    }
+}
+
+/// SplitMix64 (Steele, Lea, Flood 2014): the same numbers everywhere and always.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// From 0 to 1.
+    fn unit(&mut self) -> f64 {
+        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+/// A rotation matrix by its rows, evenly drawn (Shoemake, "Uniform random rotations", 1992).
+fn rotation(number: u32) -> [[f64; 3]; 3] {
+    let mut random = Random(u64::from(number) + 1000);
+    let share = random.unit();
+    let [a, b] = [0, 1].map(|_| std::f64::consts::TAU * random.unit());
+    let (s, t) = ((1.0 - share).sqrt(), share.sqrt());
+    let [x, y, z, w] = [s * a.sin(), s * a.cos(), t * b.sin(), t * b.cos()];
+    [
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
+        [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
+        [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)],
+    ]
+}
+
+fn shuffle(mesh: &mut TriangleMesh, random: &mut Random) {
+    let count = mesh.positions.len();
+    let order = permutation(count, random);
+    let mut places = vec![0_u32; count];
+    for (new, &old) in (0..).zip(&order) {
+        places[old] = new;
+    }
+    mesh.positions = order.iter().map(|&old| mesh.positions[old]).collect();
+    // Each triangle also starts at another corner.
+    let renumbered = |triangle: [u32; 3], random: &mut Random| {
+        let mut triangle =
+            triangle.map(|vertex| places.get(vertex as usize).copied().unwrap_or(vertex));
+        triangle.rotate_left((random.next() % 3) as usize);
+        triangle
+    };
+    let order = permutation(mesh.triangles.len(), random);
+    mesh.triangles = order.iter().map(|&old| renumbered(mesh.triangles[old], random)).collect();
+    mesh.sidedness = order.iter().filter_map(|&old| mesh.sidedness.get(old).copied()).collect();
+}
+
+/// Fisher and Yates.
+fn permutation(count: usize, random: &mut Random) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..count).collect();
+    for last in (1..count).rev() {
+        order.swap(last, (random.next() % (last as u64 + 1)) as usize);
+    }
+    order
+}
+
+fn diagonal(positions: &[[f64; 3]]) -> f64 {
+    let extent = [0, 1, 2].map(|axis| {
+        let values = || positions.iter().map(|point| point[axis]).filter(|x| x.is_finite());
+        values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
+    });
+    extent.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tetrahedron() -> TriangleMesh {
+        TriangleMesh::new(
+            vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
+        )
+    }
+
+    fn volume(mesh: &TriangleMesh) -> f64 {
+        let six = mesh.triangles.iter().map(|triangle| {
+            let [a, b, c] = triangle.map(|vertex| mesh.positions[vertex as usize]);
+            a[0] * (b[1] * c[2] - b[2] * c[1])
+                + a[1] * (b[2] * c[0] - b[0] * c[2])
+                + a[2] * (b[0] * c[1] - b[1] * c[0])
+        });
+        six.sum::<f64>() / 6.0
+    }
+
+    #[test]
+    fn there_are_24_rotations_and_all_that_was_asked_for() {
+        let all = Variation::all();
+        assert_eq!(all.iter().filter(|v| matches!(v, Variation::Rotation(_))).count(), 24);
+        assert_eq!(all.len(), 41);
+    }
+
+    #[test]
+    fn rotating_moving_and_shuffling_keep_the_volume() {
+        let mesh = tetrahedron();
+        for variation in Variation::all() {
+            let (given, sound) = variation.apply(&mesh);
+            let expected = match variation {
+                Variation::Scale(factor) => factor.powi(3) / 6.0,
+                _ => 1.0 / 6.0,
+            };
+            let tolerance = if matches!(variation, Variation::Offset(_)) { 1e-3 } else { 1e-4 };
+            assert!((volume(&sound) / expected - 1.0).abs() < tolerance, "{variation:?}");
+            match variation {
+                Variation::FlipAll => assert!(volume(&given) < 0.0),
+                Variation::Double => assert_eq!(given.triangles.len(), 8),
+                _ => assert_eq!(given.triangles.len(), 4),
+            }
+        }
+    }
+
+    #[test]
+    fn a_shuffle_is_another_order_of_the_same() {
+        let (given, _) = Variation::Shuffle(0).apply(&tetrahedron());
+        assert_ne!(given, tetrahedron());
+        let mut positions = given.positions.clone();
+        positions.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        let mut expected = tetrahedron().positions;
+        expected.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        assert_eq!(positions, expected);
+    }
+}
