@@ -5,7 +5,7 @@
 //! vertices of its neighbours on it, is a loop without width.
 
 use crate::geometry::vector::Vector;
-use crate::mesh::connectivity::{SortedHalfEdges, ascends};
+use crate::mesh::adjacency::{SortedHalfEdges, ascends};
 
 /// A simple closed polygon along the boundary.
 #[derive(Debug, Clone, PartialEq)]

@@ -23,7 +23,7 @@ mod thin;
 mod topology;
 
 use hullwright::internals::surface_and_solid;
-use hullwright::{Control, Decomposition, MeshView, Parameters, decompose};
+use hullwright::{Control, Decomposition, Error, MeshView, Parameters, decompose};
 
 use common::Mesh;
 use independent::exact::{Faults, faults};
@@ -32,7 +32,7 @@ use independent::sampling::sample;
 /// Points on hulls, and on the surface.
 const SAMPLES: usize = 2_000;
 
-/// Rounding, in diagonals: that of coordinates in single precision.
+/// Rounding of coordinates in single precision, as a fraction of the diagonal.
 const ROUNDING: f64 = 1e-6;
 
 /// The coordinates as files and engines hold them.
@@ -45,13 +45,16 @@ fn placed(mesh: &Mesh, mut place: impl FnMut([f64; 3]) -> [f64; 3]) -> Mesh {
     (mesh.0.iter().map(|&point| place(point)).collect(), mesh.1.clone())
 }
 
+fn decomposed((positions, triangles): &Mesh) -> Result<Decomposition, Error> {
+    let mesh = MeshView::new(positions, triangles);
+    decompose(mesh, &Parameters::default(), &Control::new())
+}
+
 /// Decomposes a mesh in single precision. Hulls in single precision are exactly convex bodies, what is
 /// verified is within the bound, and what is sampled within what is verified, hull by hull.
 fn assert_sound(name: &str, mesh: &Mesh) -> Decomposition {
-    let (positions, triangles) = single(mesh);
-    let mesh = MeshView::new(&positions, &triangles);
-    let (parameters, control) = (Parameters::default(), Control::new());
-    let found = decompose(mesh, &parameters, &control).unwrap_or_else(|e| panic!("{name}: {e}"));
+    let mesh = single(mesh);
+    let found = decomposed(&mesh).unwrap_or_else(|error| panic!("{name}: {error}"));
     assert!(!found.hulls.is_empty(), "{name}");
     for hull in &found.hulls {
         let (points, triangles) =
@@ -62,7 +65,9 @@ fn assert_sound(name: &str, mesh: &Mesh) -> Decomposition {
     let rounding = ROUNDING * found.run.diagonal;
     assert!(bounded.protrusion_max <= bounded.bound + rounding, "{name}: {bounded:?}");
     assert!(bounded.uncovered_max <= bounded.bound + rounding, "{name}: {bounded:?}");
-    let (surface, solid) = surface_and_solid(mesh, &parameters, &control).unwrap();
+    let mesh = MeshView::new(&mesh.0, &mesh.1);
+    let (surface, solid) =
+        surface_and_solid(mesh, &Parameters::default(), &Control::new()).unwrap();
     let sampled = sample(&found, &surface, &solid, SAMPLES);
     let uncovered = sampled.uncovered * found.run.diagonal;
     assert!(uncovered <= bounded.uncovered_max + rounding, "{name}: {sampled:?} {bounded:?}");
