@@ -7,8 +7,7 @@
 use super::facets::{Facets, facets};
 use super::patch::Patch;
 use super::settings::Settings;
-use crate::bvh::Bvh;
-use crate::bvh::closest_triangles::closest_triangles;
+use crate::bvh::{Bvh, closest_triangles};
 use crate::clustering::Clustered;
 use crate::control::Control;
 use crate::error::Error;

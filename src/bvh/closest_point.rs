@@ -5,8 +5,9 @@
 //! evaluating every triangle, to the last bit. Typically O(log n). The closest point of a triangle
 //! is found by Voronoi regions (Ericson, "Real-Time Collision Detection", 2005, section 5.1.5).
 
+use super::hierarchy::Bvh;
 use super::tree::{
-    BOUND_SLACK, Block, Child, EMPTY, Node, STACK, Tree, WIDTH, child, larger, smaller,
+    BOUND_SLACK, Child, EMPTY, Leaf, Node, STACK, Tree, WIDTH, child, larger, smaller,
 };
 use crate::geometry::vector::Vector;
 
@@ -21,15 +22,15 @@ pub(crate) struct ClosestPoint {
 
 /// The nearest triangle so far.
 #[derive(Clone, Copy)]
-pub(super) struct Best {
-    pub squared: f64,
-    pub triangle: u32,
+struct Best {
+    squared: f64,
+    triangle: u32,
     /// Slot of its corners in the tree.
     slot: usize,
 }
 
 impl Best {
-    pub(super) fn none(limit: f64) -> Self {
+    fn none(limit: f64) -> Self {
         Self { squared: if limit < 0.0 { -1.0 } else { limit * limit }, triangle: EMPTY, slot: 0 }
     }
 }
@@ -50,15 +51,15 @@ fn squared_gaps(node: &Node, point: [f32; 3]) -> [f32; WIDTH] {
     squared
 }
 
-/// The same for the triangles of a block. Whatever point p of a triangle the weights give, the
+/// The same for the triangles of a leaf. Whatever point p of a triangle the weights give, the
 /// triangle lies beyond the plane perpendicular to p through its lowest corner. So rounding of the
 /// weights, even those of a sliver, loosens the bound but keeps it valid.
 #[inline(always)]
-fn squared_bounds(block: &Block, point: [f32; 3], margin: f32) -> [f32; WIDTH] {
+fn squared_bounds(leaf: &Leaf, point: [f32; 3], margin: f32) -> [f32; WIDTH] {
     let mut squared = [0.0; WIDTH];
     for lane in 0..WIDTH {
         let arm = |corner: usize| {
-            let [x, y, z] = &block.corners[corner];
+            let [x, y, z] = &leaf.corners[corner];
             [x[lane] - point[0], y[lane] - point[1], z[lane] - point[2]]
         };
         let (a, b, c) = (arm(0), arm(1), arm(2));
@@ -81,7 +82,7 @@ fn squared_bounds(block: &Block, point: [f32; 3], margin: f32) -> [f32; WIDTH] {
 
 /// The greatest squared gap of a box that may contain something as near as `squared`.
 #[inline(always)]
-fn reach(squared: f64) -> f32 {
+fn largest_gap(squared: f64) -> f32 {
     (squared * BOUND_SLACK) as f32
 }
 
@@ -200,14 +201,14 @@ impl Tree {
     }
 
     #[inline(always)]
-    fn improve(&self, block: usize, point: Vector, bounds: &[f32; WIDTH], best: &mut Best) {
-        let triangles = &self.blocks[block];
+    fn improve(&self, leaf: usize, point: Vector, bounds: &[f32; WIDTH], best: &mut Best) {
+        let triangles = &self.leaves[leaf];
         for lane in 0..WIDTH {
             let triangle = triangles.triangles[lane];
-            if bounds[lane] > reach(best.squared) || triangle == EMPTY {
+            if bounds[lane] > largest_gap(best.squared) || triangle == EMPTY {
                 continue;
             }
-            let slot = block * WIDTH + lane;
+            let slot = leaf * WIDTH + lane;
             // The best so far is often met again, above all a correct guess.
             if triangle == best.triangle {
                 continue;
@@ -227,25 +228,25 @@ impl Tree {
         // that entries compare like gaps.
         let mut stack = [0_u64; STACK + WIDTH];
         let mut height = 1;
-        let mut reach = reach(best.squared);
+        let mut largest_gap = largest_gap(best.squared);
         while height > 0 {
             height -= 1;
             let entry = stack[height];
-            if f32::from_bits((entry >> 32) as u32) > reach {
+            if f32::from_bits((entry >> 32) as u32) > largest_gap {
                 continue;
             }
             match child(entry as u32) {
                 Child::Empty => {}
-                Child::Block(block) => {
-                    let bounds = squared_bounds(&self.blocks[block], relative, self.margin);
+                Child::Leaf(leaf) => {
+                    let bounds = squared_bounds(&self.leaves[leaf], relative, self.margin);
                     let least =
                         smaller(smaller(bounds[0], bounds[1]), smaller(bounds[2], bounds[3]));
-                    if least <= reach {
-                        self.improve(block, point, &bounds, best);
+                    if least <= largest_gap {
+                        self.improve(leaf, point, &bounds, best);
                         if any && best.triangle != EMPTY {
                             return true;
                         }
-                        reach = self::reach(best.squared);
+                        largest_gap = self::largest_gap(best.squared);
                     }
                 }
                 Child::Node(node) => {
@@ -253,7 +254,7 @@ impl Tree {
                     let gaps = squared_gaps(node, relative);
                     let mut entries = [0; WIDTH];
                     for (place, &reference) in node.children.iter().enumerate() {
-                        let hit = (gaps[place] <= reach) & (reference != EMPTY);
+                        let hit = (gaps[place] <= largest_gap) & (reference != EMPTY);
                         let entry = u64::from(gaps[place].to_bits()) << 32 | u64::from(reference);
                         // The root is no child, so no hit is 0.
                         entries[place] = if hit { entry } else { 0 };
@@ -268,40 +269,54 @@ impl Tree {
         }
         best.triangle != EMPTY
     }
+}
 
-    /// The closest point of the mesh that improves on `best`.
-    pub(super) fn closest_point(&self, point: Vector, mut best: Best) -> Option<ClosestPoint> {
-        if !self.search(point, &mut best, false) {
-            return None;
-        }
-        Some(ClosestPoint {
+impl Bvh {
+    /// The point of the mesh closest to `point`, at most `limit` away (`f64::INFINITY` for no
+    /// limit). The smaller the limit, the faster.
+    pub(crate) fn closest_point(&self, point: Vector, limit: f64) -> Option<ClosestPoint> {
+        self.improved(point, Best::none(limit))
+    }
+
+    /// The same as [`closest_point`](Self::closest_point), faster if the triangle `guess` is near.
+    pub(crate) fn closest_point_near(
+        &self,
+        point: Vector,
+        limit: f64,
+        guess: u32,
+    ) -> Option<ClosestPoint> {
+        self.improved(point, self.guessed(point, limit, guess))
+    }
+
+    fn improved(&self, point: Vector, mut best: Best) -> Option<ClosestPoint> {
+        self.tree.search(point, &mut best, false).then(|| ClosestPoint {
             distance: best.squared.sqrt(),
             triangle: best.triangle,
-            point: point + self.closest_on(best.slot, point),
+            point: point + self.tree.closest_on(best.slot, point),
         })
     }
 
-    /// The triangle of [`closest_point`](Self::closest_point).
-    pub(super) fn closest_triangle(&self, point: Vector, mut best: Best) -> Option<u32> {
-        self.search(point, &mut best, false).then_some(best.triangle)
+    /// The triangle of [`closest_point_near`](Self::closest_point_near) without a limit.
+    pub(super) fn closest_triangle_near(&self, point: Vector, guess: u32) -> Option<u32> {
+        let mut best = self.guessed(point, f64::INFINITY, guess);
+        self.tree.search(point, &mut best, false).then_some(best.triangle)
     }
 
-    /// Improves on `best` by the triangle in a slot.
-    pub(super) fn guess(&self, point: Vector, slot: usize, best: &mut Best) {
-        let block = &self.blocks[slot / WIDTH];
-        let squared = self.closest_on(slot, point).length_squared();
-        if squared <= best.squared {
-            *best = Best { squared, triangle: block.triangles[slot % WIDTH], slot };
-        }
+    fn guessed(&self, point: Vector, limit: f64, guess: u32) -> Best {
+        let best = Best::none(limit);
+        let Some(slot) = self.slot(guess) else { return best };
+        let squared = self.tree.closest_on(slot, point).length_squared();
+        if squared <= best.squared { Best { squared, triangle: guess, slot } } else { best }
     }
 
-    /// The distance to the triangle in a slot.
-    pub(super) fn distance_to_triangle(&self, point: Vector, slot: usize) -> f64 {
-        self.closest_on(slot, point).length_squared().sqrt()
+    /// The distance to one triangle; infinite if it does not exist.
+    pub(crate) fn distance_to_triangle(&self, point: Vector, triangle: u32) -> f64 {
+        let slot = self.slot(triangle);
+        slot.map_or(f64::INFINITY, |slot| self.tree.closest_on(slot, point).length())
     }
 
-    pub(super) fn is_within(&self, point: Vector, limit: f64) -> bool {
-        let mut best = Best::none(limit);
-        self.search(point, &mut best, true)
+    /// Whether the mesh comes within `limit` of `point`. Faster than the distance.
+    pub(crate) fn is_within(&self, point: Vector, limit: f64) -> bool {
+        self.tree.search(point, &mut Best::none(limit), true)
     }
 }

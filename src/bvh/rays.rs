@@ -9,7 +9,7 @@
 //! between the two. Typically O(log n).
 
 use super::hierarchy::Bvh;
-use super::tree::{Block, Child, EMPTY, Node, STACK, Tree, WIDTH, child, larger, smaller};
+use super::tree::{Child, EMPTY, Leaf, Node, STACK, Tree, WIDTH, child, larger, smaller};
 use crate::geometry::vector::Vector;
 
 /// Slopes of the ray, which runs along the first axis: oblique, since the sides of many shapes are along axes. Not
@@ -37,16 +37,16 @@ fn meets(node: &Node, point: [f32; 3], slopes: [f32; 2]) -> [bool; WIDTH] {
     meets
 }
 
-/// Which triangles of a block the ray from a point may meet.
+/// Which triangles of a leaf the ray from a point may meet.
 #[inline(always)]
-fn near(block: &Block, point: [f32; 3], slopes: [f32; 2]) -> [bool; WIDTH] {
+fn near(leaf: &Leaf, point: [f32; 3], slopes: [f32; 2]) -> [bool; WIDTH] {
     let mut near = [true; WIDTH];
     for lane in 0..WIDTH {
-        let x = [0, 1, 2].map(|corner| block.corners[corner][0][lane] - point[0]);
+        let x = [0, 1, 2].map(|corner| leaf.corners[corner][0][lane] - point[0]);
         near[lane] = larger(larger(x[0], x[1]), x[2]) >= -MARGIN;
         for axis in 0..2 {
             let across = [0, 1, 2].map(|corner| {
-                block.corners[corner][axis + 1][lane] - point[axis + 1] - slopes[axis] * x[corner]
+                leaf.corners[corner][axis + 1][lane] - point[axis + 1] - slopes[axis] * x[corner]
             });
             let least = smaller(smaller(across[0], across[1]), across[2]);
             let most = larger(larger(across[0], across[1]), across[2]);
@@ -81,7 +81,7 @@ fn crossing(corners: &[Vector; 3], point: Vector) -> i32 {
 
 impl Bvh {
     /// Whether a point is inside a closed mesh: one along each edge of which triangles run as often one way as the
-    /// other. Of other meshes it says nothing. On the surface either may be the answer.
+    /// other. For other meshes the answer means nothing. On the surface either may be the answer.
     #[inline]
     pub(crate) fn encloses(&self, point: Vector) -> bool {
         self.crossings(point) > 0
@@ -94,13 +94,13 @@ impl Bvh {
         let relative = (point - tree.centre).as_vec3().to_array();
         let slopes = SLOPES.map(|slope| slope as f32);
         let mut crossings = 0;
-        tree.visit_blocks(
+        tree.visit_leaves(
             |node| meets(&tree.nodes[node], relative, slopes),
-            |block| {
-                let near = near(&tree.blocks[block], relative, slopes);
+            |leaf| {
+                let near = near(&tree.leaves[leaf], relative, slopes);
                 for lane in 0..WIDTH {
-                    if near[lane] && tree.blocks[block].triangles[lane] != EMPTY {
-                        crossings += crossing(&tree.corners[block * WIDTH + lane], point);
+                    if near[lane] && tree.leaves[leaf].triangles[lane] != EMPTY {
+                        crossings += crossing(&tree.corners[leaf * WIDTH + lane], point);
                     }
                 }
                 true
@@ -169,12 +169,12 @@ impl Bvh {
                         }
                     }
                 }
-                Child::Block(block) => {
-                    for (lane, &triangle) in tree.blocks[block].triangles.iter().enumerate() {
+                Child::Leaf(leaf) => {
+                    for (lane, &triangle) in tree.leaves[leaf].triangles.iter().enumerate() {
                         if triangle == EMPTY {
                             continue;
                         }
-                        let corners = tree.corners[block * WIDTH + lane];
+                        let corners = tree.corners[leaf * WIDTH + lane];
                         let Some((distance, is_back)) = intersect(origin, direction, corners)
                         else {
                             continue;
@@ -217,7 +217,7 @@ impl Ray {
             for place in 0..WIDTH {
                 let first = (node.min[axis][place] - SLAB_SLACK - origin) * inverse;
                 let second = (node.max[axis][place] + SLAB_SLACK - origin) * inverse;
-                // Where a ray runs within a plane, that is not a number, and says nothing.
+                // Where a ray runs within a plane, that is not a number, and is passed over.
                 near[place] = larger(smaller(first, second), near[place]);
                 far[place] = smaller(larger(first, second), far[place]);
             }

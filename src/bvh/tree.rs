@@ -1,4 +1,4 @@
-//! The tree's layout: nodes of four single-precision boxes over blocks of four triangles.
+//! The tree's layout: nodes of four single-precision boxes over leaves of four triangles.
 //!
 //! A node stores the boxes of its four children side by side, so that one visit tests all four
 //! with one vector instruction per operation (Dammertz, Hanika and Keller, "Shallow Bounding
@@ -7,16 +7,16 @@
 
 use crate::geometry::vector::Vector;
 
-/// Children of a node, and triangles of a block: as many `f32` as a 128-bit register holds.
+/// Children of a node, and triangles of a leaf: as many `f32` as a 128-bit register holds.
 pub(super) const WIDTH: usize = 4;
 
-/// Marks a reference to a block of triangles; the other bits are the block's index.
+/// Marks a reference to a leaf of triangles; the other bits are the leaf's index.
 const LEAF: u32 = 1 << 31;
 
-/// A child, or a triangle of a block, that does not exist.
+/// A child, or a triangle of a leaf, that does not exist.
 pub(super) const EMPTY: u32 = u32::MAX;
 
-/// Deepest level of the tree. Halving 2^32 triangles down to blocks of four takes 30 levels, and
+/// Deepest level of the tree. Halving 2^32 triangles down to leaves of four takes 30 levels, and
 /// the builder halves where the surface area heuristic would need more.
 const MAX_LEVELS: u32 = 30;
 
@@ -41,7 +41,7 @@ pub(super) struct Node {
 pub(super) enum Child {
     Empty,
     Node(usize),
-    Block(usize),
+    Leaf(usize),
 }
 
 impl Node {
@@ -58,7 +58,7 @@ pub(super) fn child(reference: u32) -> Child {
     if reference == EMPTY {
         Child::Empty
     } else if reference & LEAF != 0 {
-        Child::Block((reference & !LEAF) as usize)
+        Child::Leaf((reference & !LEAF) as usize)
     } else {
         Child::Node(reference as usize)
     }
@@ -68,7 +68,7 @@ pub(super) fn child(reference: u32) -> Child {
 /// without a triangle repeat the first.
 #[derive(Debug, Clone)]
 #[repr(align(32))]
-pub(super) struct Block {
+pub(super) struct Leaf {
     pub corners: [[[f32; WIDTH]; 3]; 3],
     /// Index of each triangle in the mesh, or [`EMPTY`].
     pub triangles: [u32; WIDTH],
@@ -79,18 +79,18 @@ pub(super) struct Block {
 pub(super) struct Tree {
     pub centre: Vector,
     pub nodes: Vec<Node>,
-    pub blocks: Vec<Block>,
-    /// Corners of the blocks' triangles in double precision, [`WIDTH`] triangles for each block.
+    pub leaves: Vec<Leaf>,
+    /// Corners of the leaves' triangles in double precision, [`WIDTH`] triangles for each leaf.
     pub corners: Vec<[Vector; 3]>,
     /// How far rounding to single precision may move a corner, a plane or a point.
     pub margin: f32,
 }
 
 impl Tree {
-    /// Visits the blocks below all children that `enters` picks by a node's index, until `visit` returns
+    /// Visits the leaves below all children that `enters` picks by a node's index, until `visit` returns
     /// false. Whether it never did.
     #[inline(always)]
-    pub(super) fn visit_blocks(
+    pub(super) fn visit_leaves(
         &self,
         mut enters: impl FnMut(usize) -> [bool; WIDTH],
         mut visit: impl FnMut(usize) -> bool,
@@ -101,8 +101,8 @@ impl Tree {
             height -= 1;
             match child(stack[height]) {
                 Child::Empty => {}
-                Child::Block(block) => {
-                    if !visit(block) {
+                Child::Leaf(leaf) => {
+                    if !visit(leaf) {
                         return false;
                     }
                 }
@@ -134,7 +134,7 @@ pub(super) fn larger(a: f32, b: f32) -> f32 {
 
 // Construction, top down, by the surface area heuristic with bins (Wald, "On Fast Construction of SAH-based
 // Bounding Volume Hierarchies", 2007). A node splits its largest range until it has four children. Small
-// ranges are split between full blocks, so that few lanes stay empty. O(n log n).
+// ranges are split between full leaves, so that few lanes stay empty. O(n log n).
 
 /// Nodes over more triangles than this check for cancellation: building a smaller part takes less
 /// than a millisecond.
@@ -143,18 +143,18 @@ const CANCELLABLE: usize = 4096;
 /// Bins of the surface area heuristic; more hardly improve a tree (Wald 2007, section 4).
 const BINS: usize = 16;
 
-/// Ranges up to this size are sorted and split between full blocks: they end as one node.
+/// Ranges up to this size are sorted and split between full leaves: they end as one node.
 const SORTED: usize = WIDTH * WIDTH;
 
-/// Margin of boxes and of planes across triangles, as a share of the mesh's reach (the greatest
+/// Margin of boxes and of planes across triangles, as a fraction of the mesh's radius (the greatest
 /// distance of a corner from the centre). It exceeds what rounding to single precision does to a
-/// point within three times the reach (at most 5 × 3 × 2^-24). For points farther away the error is
+/// point within three times the radius (at most 5 × 3 × 2^-24). For points farther away the error is
 /// relative to the distance, and [`BOUND_SLACK`](super::tree::BOUND_SLACK) covers it.
 const MARGIN: f64 = 1.0 / (1 << 19) as f64;
 
-/// Estimates for memory that is reserved: triangles per node, and full lanes per block on average.
+/// Estimates for memory that is reserved: triangles per node, and full lanes per leaf on average.
 const TRIANGLES_PER_NODE: usize = 6;
-const TRIANGLES_PER_TWO_BLOCKS: usize = 7;
+const TRIANGLES_PER_TWO_LEAVES: usize = 7;
 
 /// A triangle and its box.
 #[derive(Debug, Clone, Copy)]
@@ -220,7 +220,7 @@ impl Tree {
         let mut tree = Self {
             centre: Vector::ZERO,
             nodes: Vec::new(),
-            blocks: Vec::new(),
+            leaves: Vec::new(),
             corners: Vec::new(),
             margin: 0.0,
         };
@@ -247,9 +247,9 @@ impl Tree {
             }
         }
         tree.nodes.reserve(primitives.len() / TRIANGLES_PER_NODE + 1);
-        let blocks = primitives.len() * 2 / TRIANGLES_PER_TWO_BLOCKS + 1;
-        tree.blocks.reserve(blocks);
-        tree.corners.reserve(WIDTH * blocks);
+        let leaves = primitives.len() * 2 / TRIANGLES_PER_TWO_LEAVES + 1;
+        tree.leaves.reserve(leaves);
+        tree.corners.reserve(WIDTH * leaves);
         let mut builder = Builder { tree, corners, is_cancelled };
         builder.build(&mut primitives, bounds, MAX_LEVELS);
         builder.tree
@@ -300,7 +300,7 @@ impl<C: Fn(usize) -> Option<[Vector; 3]>> Builder<'_, C> {
         for (place, &(start, end, bounds)) in ranges[..count].iter().enumerate() {
             let part = &mut primitives[start..end];
             let reference = if part.len() <= WIDTH {
-                self.append_block(part)
+                self.append_leaf(part)
             } else {
                 self.build(part, bounds, levels.saturating_sub(1))
             };
@@ -314,27 +314,27 @@ impl<C: Fn(usize) -> Option<[Vector; 3]>> Builder<'_, C> {
         index
     }
 
-    fn append_block(&mut self, primitives: &mut [Primitive]) -> u32 {
+    fn append_leaf(&mut self, primitives: &mut [Primitive]) -> u32 {
         primitives.sort_unstable_by_key(|primitive| primitive.triangle);
-        let mut block = Block { corners: [[[0.0; WIDTH]; 3]; 3], triangles: [EMPTY; WIDTH] };
+        let mut leaf = Leaf { corners: [[[0.0; WIDTH]; 3]; 3], triangles: [EMPTY; WIDTH] };
         for lane in 0..WIDTH {
             let index = primitives[if lane < primitives.len() { lane } else { 0 }].triangle;
             let Some([a, b, c]) = (self.corners)(index as usize) else {
                 continue;
             };
             if lane < primitives.len() {
-                block.triangles[lane] = index;
+                leaf.triangles[lane] = index;
             }
             self.tree.corners.push([a, b, c]);
             let relative = [a - self.tree.centre, b - self.tree.centre, c - self.tree.centre];
             for axis in 0..3 {
                 for corner in 0..3 {
-                    block.corners[corner][axis][lane] = relative[corner][axis] as f32;
+                    leaf.corners[corner][axis][lane] = relative[corner][axis] as f32;
                 }
             }
         }
-        self.tree.blocks.push(block);
-        LEAF | (self.tree.blocks.len() - 1) as u32
+        self.tree.leaves.push(leaf);
+        LEAF | (self.tree.leaves.len() - 1) as u32
     }
 }
 
@@ -394,7 +394,7 @@ fn split(primitives: &mut [Primitive], halve: bool) -> (usize, Box3, Box3) {
     split_sorted(primitives, axis, halve)
 }
 
-/// Splits between full blocks, where the surface area heuristic is least; or, if `halve`, in the
+/// Splits between full leaves, where the surface area heuristic is least; or, if `halve`, in the
 /// middle.
 fn split_sorted(primitives: &mut [Primitive], axis: usize, halve: bool) -> (usize, Box3, Box3) {
     let order = |a: &Primitive, b: &Primitive| {
@@ -413,8 +413,8 @@ fn split_sorted(primitives: &mut [Primitive], axis: usize, halve: bool) -> (usiz
     for size in (WIDTH..primitives.len()).step_by(WIDTH) {
         let (low, high) = primitives.split_at(size);
         let (low, high) = (bounds_of(low), bounds_of(high));
-        let blocks = |count: usize| count.div_ceil(WIDTH) as f32;
-        let cost = low.area() * blocks(size) + high.area() * blocks(primitives.len() - size);
+        let leaves = |count: usize| count.div_ceil(WIDTH) as f32;
+        let cost = low.area() * leaves(size) + high.area() * leaves(primitives.len() - size);
         if cost < least {
             least = cost;
             best = (size, low, high);

@@ -10,7 +10,7 @@
 
 use std::f64::consts::TAU;
 
-use super::tree::{Block, Child, EMPTY, Tree, WIDTH, child};
+use super::tree::{Child, EMPTY, Leaf, Tree, WIDTH, child};
 use crate::geometry::Turns;
 use crate::geometry::vector::Vector;
 
@@ -34,7 +34,7 @@ const NOWHERE: f32 = 1e6;
 pub(super) struct Expansions {
     centre: [[f32; WIDTH]; 3],
     /// Squared distance beyond which the expansion is used.
-    reach: [f32; WIDTH],
+    far: [f32; WIDTH],
     dipole: [[f32; WIDTH]; 3],
     /// Coefficients of xx - zz, yy - zz, xy, xz, yz.
     quadrupole: [[f32; WIDTH]; 5],
@@ -126,8 +126,8 @@ impl Cluster {
     /// 4π w = v·u / |d|² - 3 uᵀF u / |d|³ + 15/2 S(u,u,u) / |d|⁴, F and S without their traces.
     fn write(&self, moments: &mut Expansions, place: usize, tree_centre: Vector) {
         let per_solid_angle = 1.0 / (2.0 * TAU);
-        let reach = ACCURACY * self.radius;
-        moments.reach[place] = (reach * reach) as f32;
+        let far = ACCURACY * self.radius;
+        moments.far[place] = (far * far) as f32;
         let centre = self.centre - tree_centre;
         for axis in 0..3 {
             moments.centre[axis][place] = centre[axis] as f32;
@@ -181,7 +181,7 @@ impl Expansions {
     fn new() -> Self {
         Self {
             centre: [[NOWHERE; WIDTH]; 3],
-            reach: [0.0; WIDTH],
+            far: [0.0; WIDTH],
             dipole: [[0.0; WIDTH]; 3],
             quadrupole: [[0.0; WIDTH]; 5],
             octupole: [[0.0; WIDTH]; 7],
@@ -214,14 +214,14 @@ impl Expansions {
                 + y * (o(2) * (yy - 3.0 * zz) + o(3) * (xx - zz))
                 + z * (o(4) * (3.0 * xx - zz) + o(5) * (3.0 * yy - zz) + o(6) * (x * y));
             let sum = inverse * inverse * (first + inverse * (second + inverse * third));
-            far[place] = squared > self.reach[place];
+            far[place] = squared > self.far[place];
             sums[place] += if far[place] { sum } else { 0.0 };
         }
         far
     }
 }
 
-impl Block {
+impl Leaf {
     /// Adds half of each triangle's solid angle.
     #[inline(always)]
     fn add_solid_angles(&self, point: [f32; 3], turns: &mut Turns) {
@@ -272,7 +272,7 @@ pub(super) fn moments<E>(
             let mut cluster = match child(reference) {
                 Child::Empty => continue,
                 Child::Node(node) => clusters[node],
-                Child::Block(block) => cluster_of_block(tree, block),
+                Child::Leaf(leaf) => cluster_of_leaf(tree, leaf),
             };
             let farthest = Vector::from_array([0, 1, 2].map(|axis| {
                 let centre = cluster.centre[axis] - tree.centre[axis];
@@ -289,10 +289,10 @@ pub(super) fn moments<E>(
     Ok(moments)
 }
 
-fn cluster_of_block(tree: &Tree, block: usize) -> Cluster {
-    let triangles = &tree.blocks[block].triangles;
+fn cluster_of_leaf(tree: &Tree, leaf: usize) -> Cluster {
+    let triangles = &tree.leaves[leaf].triangles;
     let count = triangles.iter().filter(|&&triangle| triangle != EMPTY).count();
-    let corners = &tree.corners[block * WIDTH..][..count];
+    let corners = &tree.corners[leaf * WIDTH..][..count];
     let mut parts = [Cluster::NOTHING; WIDTH];
     for (part, &corners) in parts.iter_mut().zip(corners) {
         *part = Cluster::triangle(corners);
@@ -308,10 +308,10 @@ pub(super) fn winding_number(tree: &Tree, moments: &[Expansions], point: Vector)
     let relative = (point - tree.centre).as_vec3().to_array();
     let mut sums = [0.0_f32; WIDTH];
     let mut turns = Turns::NONE;
-    tree.visit_blocks(
+    tree.visit_leaves(
         |node| moments[node].add_far(relative, &mut sums).map(|is_far| !is_far),
-        |block| {
-            tree.blocks[block].add_solid_angles(relative, &mut turns);
+        |leaf| {
+            tree.leaves[leaf].add_solid_angles(relative, &mut turns);
             true
         },
     );

@@ -20,20 +20,18 @@
 //! # Ok::<(), hullwright::Error>(())
 //! ```
 
-mod builder;
 mod convex_hull;
 mod face;
 pub(crate) mod growing_hull;
-mod point_set;
 mod primitive;
 mod quickhull;
 mod simplification;
-mod solid_hull;
 
-pub use builder::{DEFAULT_TOLERANCE, HullBuilder};
-pub use convex_hull::{ConvexHull, convex_hull};
-pub use point_set::Shape;
+pub use convex_hull::{
+    ConvexHull, MINIMUM_THICKNESS, SinglePrecisionHull, convex_hull, single_precision, solid_hull,
+};
+pub(crate) use convex_hull::{LEAST_THICKNESS, joint_hull};
+pub use growing_hull::{DEFAULT_TOLERANCE, HullBuilder};
 pub use primitive::{Primitive, Slack, fit_primitive};
+pub use quickhull::Shape;
 pub(crate) use simplification::{coarser, collapse_edges, limit_vertices, most_prominent};
-pub(crate) use solid_hull::{LEAST_THICKNESS, joint_hull};
-pub use solid_hull::{MINIMUM_THICKNESS, SinglePrecisionHull, single_precision, solid_hull};

@@ -5,8 +5,7 @@
 //! farther than d outside if its centre, or both ends of its segment, lie r - d behind every plane
 //! of the hull. And a hull is nowhere farther outside of a primitive than at its vertices.
 
-use super::convex_hull::ConvexHull;
-use super::solid_hull::any_across;
+use super::convex_hull::{ConvexHull, any_across};
 use crate::geometry::vector::{Vector, area_normal, bounds};
 
 /// A simple shape.

@@ -1,5 +1,5 @@
-//! Quickhull (Barber, Dobkin, Huhdanpaa, "The quickhull algorithm for convex hulls", 1996): a
-//! growing hull, and the steps by which it grows.
+//! Quickhull (Barber, Dobkin, Huhdanpaa, "The quickhull algorithm for convex hulls", 1996): the frame
+//! that brings points near 1, their first simplex, and the steps by which a hull grows from there.
 //!
 //! A point in front of faces is in the outside set of one of them. The furthest point of an outside
 //! set becomes the eye point: the visible faces make way for a cone between their outline, the
@@ -17,9 +17,132 @@ use super::face::{
     CERTAINLY_BEHIND, Face, FacePlane, GivenPoints, Margins, NONE, after, before, edge_of, face_of,
     half_edge, inverse_root, is_in_front, is_not_behind,
 };
-use super::point_set::Frame;
 use crate::bvh::closest_point::closest_point_on_triangle;
-use crate::geometry::vector::Vector;
+use crate::geometry::vector::{Vector, area_normal};
+
+/// In how many dimensions points extend, up to the hull's tolerance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shape {
+    /// They span a volume and have a hull.
+    Solid,
+    /// They lie in a plane.
+    Flat,
+    /// They lie on a line.
+    Linear,
+    /// They lie on one spot, or there are none.
+    Point,
+}
+
+/// Moves points to their centre and scales them by a power of two, which rounds nothing, so that
+/// their extent is between 1 and 2.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Frame {
+    pub centre: Vector,
+    pub factor: f64,
+}
+
+impl Frame {
+    /// The frame of points within bounds, which are inside out without points.
+    pub(super) fn around([low, high]: [Vector; 2]) -> Self {
+        const MANTISSA: u64 = (1 << (f64::MANTISSA_DIGITS - 1)) - 1;
+        /// 2 to the powers -1000 and 1000, clear of the ends of the range.
+        const LIMITS: [f64; 2] = [f64::from_bits(23 << 52), f64::from_bits(2023 << 52)];
+        let mut frame = Self { centre: Vector::ZERO, factor: 1.0 };
+        let centre = low * 0.5 + high * 0.5;
+        if centre.is_finite() {
+            frame.centre = centre;
+        }
+        let extent = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
+        if extent > 0.0 && extent.is_finite() {
+            let extent = extent.clamp(LIMITS[0], LIMITS[1]);
+            frame.factor = 1.0 / f64::from_bits(extent.to_bits() & !MANTISSA);
+        }
+        frame
+    }
+
+    /// A point in the frame.
+    #[inline]
+    pub(super) fn inward(&self, point: Vector) -> Vector {
+        (point - self.centre) * self.factor
+    }
+
+    /// A point of the frame in the points' units.
+    pub(super) fn outward(&self, point: Vector) -> Vector {
+        point * (1.0 / self.factor) + self.centre
+    }
+}
+
+/// Bounds of points, inside out without any; `None` if a coordinate is not finite.
+pub(super) fn finite_bounds(points: &[Vector]) -> Option<[Vector; 2]> {
+    let [mut low, mut high, mut zero] = [Vector::INFINITY, Vector::NEG_INFINITY, Vector::ZERO];
+    for &point in points {
+        (low, high) = (point.min(low), point.max(high));
+        // Becomes NaN where a coordinate is not finite.
+        zero += point * 0.0;
+    }
+    (zero == Vector::ZERO).then_some([low, high])
+}
+
+/// The first point for which `measure` is greatest.
+#[inline]
+fn farthest(points: &[Vector], measure: impl Fn(Vector) -> f64) -> (u32, f64) {
+    let mut best = (0, f64::NEG_INFINITY);
+    for (index, &point) in (0..).zip(points) {
+        let value = measure(point);
+        if value > best.1 {
+            best = (index, value);
+        }
+    }
+    best
+}
+
+/// Four points, far apart, that span a tetrahedron. For a lesser shape only as many of them count
+/// as it has dimensions, and one more. O(n).
+pub(super) fn first_simplex(points: &[Vector], tolerance: f64) -> (Shape, [u32; 4]) {
+    let [a, b] = farthest_extremes(points);
+    let corner = |index: u32| points[index as usize];
+    if points.is_empty() || corner(a).distance(corner(b)) <= tolerance {
+        return (Shape::Point, [a; 4]);
+    }
+    let direction = (corner(b) - corner(a)).normalize_or_zero();
+    let (c, from_line) =
+        farthest(points, |point| direction.cross(point - corner(a)).length_squared());
+    if from_line.sqrt() <= tolerance {
+        return (Shape::Linear, [a, b, a, a]);
+    }
+    let normal = area_normal(corner(a), corner(b), corner(c)).normalize_or_zero();
+    let (d, from_plane) = farthest(points, |point| normal.dot(point - corner(a)).abs());
+    if from_plane <= tolerance {
+        return (Shape::Flat, [a, b, c, a]);
+    }
+    (Shape::Solid, [a, b, c, d])
+}
+
+/// Of the six extreme points along the axes the two that are farthest apart.
+fn farthest_extremes(points: &[Vector]) -> [u32; 2] {
+    let extremes = [0, 1, 2].map(|axis| {
+        [farthest(points, |point| -point[axis]), farthest(points, |point| point[axis])]
+    });
+    let extremes = extremes.as_flattened();
+    let mut best = (0.0, [0, 0]);
+    for (place, &(first, _)) in extremes.iter().enumerate() {
+        for &(second, _) in &extremes[place + 1..] {
+            let Some((p, q)) = points.get(first as usize).zip(points.get(second as usize)) else {
+                continue;
+            };
+            let apart = p.distance_squared(*q);
+            if apart > best.0 {
+                best = (apart, [first, second]);
+            }
+        }
+    }
+    best.1
+}
+
+/// Height of a tetrahedron over its first three corners.
+pub(super) fn height_of([a, b, c, d]: [Vector; 4]) -> f64 {
+    area_normal(a, b, c).normalize_or_zero().dot(d - a).abs()
+}
 
 /// A hull, and all that it needs to go on growing: what a copy copies.
 #[derive(Debug, Default)]
@@ -40,9 +163,9 @@ pub(super) struct HullState {
     pub tolerance: f64,
     /// Whether points beyond sharp edges are left out too. Set by `build`.
     pub is_coarse: bool,
-    /// For all `points` and the tolerance. Whoever adds points includes them.
+    /// For all `points` and the tolerance; what adds points includes them.
     pub margins: Margins,
-    /// Number of insertions since `build`: tells the faces of the last one.
+    /// Number of insertions since `build`, by which the faces of the last one are known.
     pub generation: u32,
     /// Number of walks over faces since `build`.
     pub visit: u32,
@@ -115,8 +238,8 @@ pub(super) struct Scratch {
     cone: Cone,
     /// Places of retired faces.
     free: Vec<u32>,
-    /// For each point its number among the vertices, or none.
-    pub numbers: Vec<u32>,
+    /// For each point its index among the vertices, or none.
+    pub indices: Vec<u32>,
     /// Whether an eye point lay within the tolerance of a plane: without such points no vertex
     /// lies inside a flat side.
     pub has_flat_places: bool,
@@ -571,7 +694,7 @@ impl HullState {
         })
     }
 
-    /// Walks from face to neighbour: on from those for which `enter` says so, until it breaks.
+    /// Walks from face to neighbour: on from those for which `enter` is true, until it breaks.
     /// `ahead` is memory.
     fn walk<B>(
         &mut self,
@@ -672,5 +795,49 @@ impl HullState {
             return None;
         }
         visible.map(|visible| (least, visible))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tetrahedron_is_as_high_as_its_last_corner_is_above_the_others() {
+        for height in [0.0, 0.25, 1.0, 7.0] {
+            for side in [1.0, -1.0] {
+                let last = Vector::new(0.4, 0.9, side * height);
+                let corners =
+                    [Vector::ZERO, Vector::new(2.0, 0.0, 0.0), Vector::new(0.0, 3.0, 0.0), last];
+                assert!((height_of(corners) - height).abs() < 1e-15);
+            }
+        }
+    }
+
+    #[test]
+    fn one_coordinate_that_is_not_finite_is_noticed_wherever_it_is() {
+        for count in 1..8 {
+            let points: Vec<Vector> =
+                (0..count).map(|k| Vector::new(f64::from(k), 2.0, -3.0)).collect();
+            let last = f64::from(count - 1);
+            assert_eq!(
+                finite_bounds(&points),
+                Some([Vector::new(0.0, 2.0, -3.0), Vector::new(last, 2.0, -3.0)])
+            );
+            for place in 0..3 * points.len() {
+                for strange in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                    let mut points = points.clone();
+                    points[place / 3][place % 3] = strange;
+                    assert_eq!(finite_bounds(&points), None, "{strange} at {place}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn of_equals_the_first_is_farthest() {
+        let points = [0.0, 1.0, 1.0, 0.5].map(|x| Vector::new(x, 0.0, 1.0));
+        assert_eq!(farthest(&points, |point| point.x), (1, 1.0));
+        assert_eq!(farthest(&points, |point| -point.x), (0, 0.0));
     }
 }

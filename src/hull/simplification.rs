@@ -12,11 +12,10 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-use super::builder::HullBuilder;
 use super::convex_hull::ConvexHull;
 use super::face::{Face, after};
-use super::point_set::{Shape, first_simplex};
-use super::quickhull::HullState;
+use super::growing_hull::HullBuilder;
+use super::quickhull::{HullState, Shape, first_simplex};
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, as_arrays, cubed};
@@ -52,7 +51,7 @@ const ROUNDING: f64 = 1e-12;
 /// What an edge may make way for, in the builder's frame.
 #[derive(Debug, Clone, Copy)]
 struct Collapse {
-    /// The edge's vertices, the lower number first.
+    /// The edge's vertices, the lower index first.
     edge: (u32, u32),
     /// Added volume; infinite if no direction leads out of all faces, or if it is no edge any more.
     volume: f64,
@@ -223,7 +222,7 @@ fn growth(hull: &ConvexHull, old: &ConvexHull) -> f64 {
     distances.fold(0.0, f64::max)
 }
 
-/// The edges of some faces, the vertex of the lower number first.
+/// The edges of some faces, the vertex of the lower index first.
 fn edges<'a>(faces: impl Iterator<Item = &'a Face>) -> impl Iterator<Item = (u32, u32)> {
     faces
         .flat_map(|face| [0, 1, 2].map(|edge| (face.vertices[edge], face.vertices[after(edge)])))

@@ -16,16 +16,15 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::rc::Rc;
 
+use glam::{DAffine3, DMat3, DMat4};
 use gltf::json::accessor::Accessor;
 use gltf::json::mesh::{Mesh, Mode, Primitive, Semantic};
 use gltf::json::scene::Node;
 use gltf::json::validation::Checked;
 use gltf::json::{Extras, Index, Root};
 
-use super::draco::{self, DracoMesh, Reference};
-use super::gltf_data::{Accessors, Buffers, Views};
-use super::mesh_file::{MeshFile, SceneMesh, SceneNode, next_index, scene_meshes};
-use super::meshopt;
+use super::gltf_data::{DRACO, Data, DracoMesh, DracoStream, MESHOPT};
+use super::mesh_file::{MeshFile, SceneMesh, SceneNode, next_index, split_objects};
 use super::text::quote;
 use crate::geometry::Sidedness;
 use crate::geometry::vector::Vector;
@@ -39,7 +38,7 @@ const PLACED_FOR_FREE: usize = 1 << 22;
 const GLB_HEADER: usize = 12;
 
 /// Required extensions that are read, besides meshoptimizer's.
-const KNOWN_EXTENSIONS: [&str; 2] = ["KHR_mesh_quantization", draco::EXTENSION];
+const KNOWN_EXTENSIONS: [&str; 2] = ["KHR_mesh_quantization", DRACO];
 
 /// Required extensions that don't change where vertices are, by the beginning of their name.
 const HARMLESS_EXTENSIONS: [&str; 7] = [
@@ -60,19 +59,23 @@ pub(super) fn read(bytes: &[u8], directory: Option<&Path>) -> Result<MeshFile, S
 /// Each mesh of the document once, in its own space, whether a scene shows it or not, with its extras and those of
 /// its nodes.
 pub(super) fn read_scene(bytes: &[u8], directory: Option<&Path>) -> Result<Vec<SceneMesh>, String> {
-    let mut of_objects = Vec::new();
+    let mut notes_of_objects = Vec::new();
     let file = read_with(bytes, directory, |scene| {
         for (index, notes) in extras_and_nodes(scene.root).into_iter().enumerate() {
             let objects = scene.file.objects.len();
             scene.add_own_space(index)?;
             // A mesh without triangles is no object.
             if scene.file.objects.len() > objects {
-                of_objects.push(notes);
+                notes_of_objects.push(notes);
             }
         }
         Ok(())
     })?;
-    Ok(scene_meshes(&file, of_objects))
+    let meshes = split_objects(&file).into_iter().zip(notes_of_objects).map(|(named, notes)| {
+        let (extras, nodes) = notes;
+        SceneMesh { name: named.name, mesh: named.mesh, extras, nodes }
+    });
+    Ok(meshes.collect())
 }
 
 fn read_with(
@@ -88,10 +91,9 @@ fn read_with(
             return Err(format!("it requires the extension {extension}, which can't be read"));
         }
     }
-    let views = Views::new(&root, Buffers::new(&root, chunk, directory), bytes.len());
     let mut scene = Scene {
         root: &root,
-        accessors: Accessors::new(&root, views),
+        data: Data::new(&root, chunk, directory, bytes.len()),
         decompressed: BTreeMap::new(),
         file: MeshFile::default(),
     };
@@ -101,7 +103,7 @@ fn read_with(
 
 fn is_read_or_harmless(extension: &str) -> bool {
     KNOWN_EXTENSIONS.contains(&extension)
-        || meshopt::EXTENSIONS.contains(&extension)
+        || MESHOPT.contains(&extension)
         || HARMLESS_EXTENSIONS.iter().any(|harmless| extension.starts_with(harmless))
 }
 
@@ -114,19 +116,17 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
     }
     let glb = gltf::Glb::from_slice(&bytes[..length]).map_err(|error| format!("GLB: {error}"))?;
     match (glb.json, glb.bin) {
-        (std::borrow::Cow::Borrowed(json), None) => Ok((json, None)),
-        (std::borrow::Cow::Borrowed(json), Some(std::borrow::Cow::Borrowed(chunk))) => {
-            Ok((json, Some(chunk)))
-        }
+        (Cow::Borrowed(json), None) => Ok((json, None)),
+        (Cow::Borrowed(json), Some(Cow::Borrowed(chunk))) => Ok((json, Some(chunk))),
         _ => Err("GLB: its chunks could not be told apart".into()),
     }
 }
 
 struct Scene<'a> {
     root: &'a Root,
-    accessors: Accessors<'a>,
+    data: Data<'a>,
     /// A mesh may be placed many times, and a Draco stream may be used by many primitives.
-    decompressed: BTreeMap<Reference, Rc<DracoMesh>>,
+    decompressed: BTreeMap<DracoStream, Rc<DracoMesh>>,
     file: MeshFile,
 }
 
@@ -134,7 +134,7 @@ struct Scene<'a> {
 #[derive(Clone, Copy, PartialEq)]
 enum Source {
     Accessor(Index<Accessor>),
-    Draco(Reference),
+    Draco(DracoStream),
 }
 
 /// The vertices of a mesh that are in the scene already.
@@ -150,7 +150,7 @@ impl Scene<'_> {
         let nodes = &self.root.nodes;
         if nodes.is_empty() {
             for index in 0..self.root.meshes.len() {
-                self.add_mesh(Index::new(index as u32), None, &Transform::IDENTITY)?;
+                self.add_mesh(Index::new(index as u32), None, &DAffine3::IDENTITY)?;
             }
             return Ok(());
         }
@@ -160,14 +160,14 @@ impl Scene<'_> {
                 // Scenes may share trees, and a scene may name one twice.
                 continue;
             }
-            let mut open = vec![(tree, Transform::IDENTITY)];
+            let mut open = vec![(tree, DAffine3::IDENTITY)];
             while let Some((index, parent)) = open.pop() {
                 let node =
                     nodes.get(index.value()).ok_or_else(|| format!("there is no node {index}"))?;
                 if std::mem::replace(&mut is_reached[index.value()], true) {
                     return Err(format!("node {index} has two parents or is inside of itself"));
                 }
-                let transform = parent.after(&transform(node));
+                let transform = parent * transform(node);
                 if let Some(mesh) = node.mesh {
                     self.add_mesh(mesh, node.name.as_deref(), &transform)?;
                 }
@@ -181,7 +181,7 @@ impl Scene<'_> {
     fn add_own_space(&mut self, index: usize) -> Result<(), String> {
         let name = self.root.meshes.get(index).and_then(|mesh| mesh.name.clone());
         let name = name.filter(|name| !name.is_empty()).unwrap_or(format!("mesh_{index}"));
-        self.add_mesh(Index::new(index as u32), Some(&name), &Transform::IDENTITY)
+        self.add_mesh(Index::new(index as u32), Some(&name), &DAffine3::IDENTITY)
     }
 
     /// The roots of the default scene, or else of all scenes, or else of all nodes.
@@ -208,7 +208,7 @@ impl Scene<'_> {
         &mut self,
         index: Index<Mesh>,
         node_name: Option<&str>,
-        transform: &Transform,
+        transform: &DAffine3,
     ) -> Result<(), String> {
         let root = self.root;
         let mesh = root.get(index).ok_or_else(|| format!("there is no mesh {index}"))?;
@@ -227,7 +227,7 @@ impl Scene<'_> {
     fn add_primitive(
         &mut self,
         primitive: &Primitive,
-        transform: &Transform,
+        transform: &DAffine3,
         placed: &mut Vec<Placed>,
     ) -> Result<(), String> {
         let Checked::Valid(mode) = primitive.mode else {
@@ -240,23 +240,22 @@ impl Scene<'_> {
             return Ok(());
         };
         let is_normalized = self.root.get(*accessor).is_some_and(|accessor| accessor.normalized);
-        let reference = Reference::of(primitive, is_normalized)?;
-        let geometry = reference.map(|reference| self.decompressed(reference)).transpose()?;
-        let source = reference.map_or(Source::Accessor(*accessor), Source::Draco);
+        let stream = DracoStream::of(primitive, is_normalized)?;
+        let geometry = stream.map(|stream| self.decompressed(stream)).transpose()?;
+        let source = stream.map_or(Source::Accessor(*accessor), Source::Draco);
         let known = placed.iter().find(|known| known.source == source);
         let (first, count) = match known {
             Some(known) => (known.first, known.count),
             None => {
                 let positions = match &geometry {
                     Some(geometry) => Cow::Borrowed(&geometry.positions),
-                    None => Cow::Owned(self.accessors.positions(*accessor)?),
+                    None => Cow::Owned(self.data.positions(*accessor)?),
                 };
                 let count = positions.len();
                 self.check_growth("vertices", self.file.mesh.positions.len(), count)?;
                 let first = next_index(&self.file.mesh.positions, count)?;
-                self.file.mesh.positions.extend(
-                    positions.iter().map(|&point| transform.apply(point.into()).to_array()),
-                );
+                let places = positions.iter().map(|&p| transform.transform_point3(p.into()));
+                self.file.mesh.positions.extend(places.map(|place| place.to_array()));
                 placed.push(Placed { source, first, count });
                 (first, count)
             }
@@ -265,7 +264,7 @@ impl Scene<'_> {
         let mode = if geometry.is_some() { Mode::Triangles } else { mode };
         let indices = match (&geometry, primitive.indices) {
             (Some(geometry), _) => Cow::Borrowed(&geometry.indices),
-            (None, Some(accessor)) => Cow::Owned(self.accessors.indices(accessor)?),
+            (None, Some(accessor)) => Cow::Owned(self.data.indices(accessor)?),
             (None, None) => Cow::Owned((0..count as u32).collect()),
         };
         if let Some(index) = indices.iter().find(|index| **index as usize >= count) {
@@ -276,7 +275,8 @@ impl Scene<'_> {
         let more = indices.len() / corners;
         self.check_growth("triangles", self.file.mesh.triangles.len(), more)?;
         let triangles = triangles(mode, &indices)?;
-        let is_mirrored = transform.is_mirroring();
+        // Left and right change places.
+        let is_mirrored = transform.matrix3.determinant() < 0.0;
         self.file.mesh.triangles.extend(triangles.map(|triangle| {
             let [a, b, c] = triangle.map(|index| first + index);
             if is_mirrored { [a, c, b] } else { [a, b, c] }
@@ -295,18 +295,18 @@ impl Scene<'_> {
         }
     }
 
-    fn decompressed(&mut self, reference: Reference) -> Result<Rc<DracoMesh>, String> {
-        if let Some(geometry) = self.decompressed.get(&reference) {
+    fn decompressed(&mut self, stream: DracoStream) -> Result<Rc<DracoMesh>, String> {
+        if let Some(geometry) = self.decompressed.get(&stream) {
             return Ok(Rc::clone(geometry));
         }
-        let geometry = Rc::new(draco::decode(reference, self.accessors.views())?);
-        self.decompressed.insert(reference, Rc::clone(&geometry));
+        let geometry = Rc::new(self.data.draco(stream)?);
+        self.decompressed.insert(stream, Rc::clone(&geometry));
         Ok(geometry)
     }
 
     /// Refuses to let an array of the scene grow too long.
     fn check_growth(&mut self, what: &str, present: usize, more: usize) -> Result<(), String> {
-        let most = PLACED_FOR_FREE + self.accessors.views().elements_read();
+        let most = PLACED_FOR_FREE + self.data.elements_read();
         if present + more > most {
             return Err(format!("placed here once more, the scene has over {most} {what}"));
         }
@@ -328,14 +328,33 @@ fn extras_and_nodes(root: &Root) -> Vec<(Option<String>, Vec<SceneNode>)> {
     notes
 }
 
-fn transform(node: &Node) -> Transform {
+/// Of a 4×4 matrix the last row is taken as (0, 0, 0, 1).
+fn transform(node: &Node) -> DAffine3 {
     match node.matrix {
-        Some(matrix) => Transform::from_matrix(matrix),
-        None => Transform::from_parts(
+        Some(matrix) => DAffine3::from_mat4(DMat4::from_cols_array(&matrix.map(f64::from))),
+        None => transform_from_parts(
             node.translation.unwrap_or_default(),
             node.rotation.unwrap_or_default().0,
             node.scale.unwrap_or([1.0; 3]),
         ),
+    }
+}
+
+/// First scaled, then rotated by a quaternion (x, y, z, w), then moved.
+fn transform_from_parts(translation: [f32; 3], rotation: [f32; 4], size: [f32; 3]) -> DAffine3 {
+    let [x, y, z, w] = rotation.map(f64::from);
+    let length_squared = x * x + y * y + z * z + w * w;
+    // A quaternion of length 0 or infinite turns nothing.
+    let s = if length_squared.is_normal() { 2.0 / length_squared } else { 0.0 };
+    let columns = [
+        [1.0 - s * (y * y + z * z), s * (x * y + z * w), s * (x * z - y * w)],
+        [s * (x * y - z * w), 1.0 - s * (x * x + z * z), s * (y * z + x * w)],
+        [s * (x * z + y * w), s * (y * z - x * w), 1.0 - s * (x * x + y * y)],
+    ];
+    let [a, b, c] = [0, 1, 2].map(|axis| Vector::from(columns[axis]) * f64::from(size[axis]));
+    DAffine3 {
+        matrix3: DMat3::from_cols(a, b, c),
+        translation: Vector::from(translation.map(f64::from)),
     }
 }
 
@@ -363,71 +382,6 @@ fn triangles(
     })
 }
 
-/// The affine transform of a node: a 3×3 matrix, by columns, and a translation.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Transform {
-    pub columns: [Vector; 3],
-    pub translation: Vector,
-}
-
-impl Transform {
-    const IDENTITY: Self =
-        Self { columns: [Vector::X, Vector::Y, Vector::Z], translation: Vector::ZERO };
-
-    /// From a 4×4 matrix by columns, whose last row is taken as (0, 0, 0, 1).
-    fn from_matrix(matrix: [f32; 16]) -> Self {
-        let (columns, _) = matrix.as_chunks::<4>();
-        let column = |index: usize| {
-            let [x, y, z, _] = columns[index];
-            Vector::new(x.into(), y.into(), z.into())
-        };
-        Self { columns: [column(0), column(1), column(2)], translation: column(3) }
-    }
-
-    /// First scaled, then rotated by a quaternion (x, y, z, w), then moved.
-    fn from_parts(translation: [f32; 3], rotation: [f32; 4], size: [f32; 3]) -> Self {
-        let [x, y, z, w] = rotation.map(f64::from);
-        let length_squared = x * x + y * y + z * z + w * w;
-        // A quaternion of length 0 or infinite turns nothing.
-        let s = if length_squared.is_normal() { 2.0 / length_squared } else { 0.0 };
-        let rotated = [
-            [1.0 - s * (y * y + z * z), s * (x * y + z * w), s * (x * z - y * w)],
-            [s * (x * y - z * w), 1.0 - s * (x * x + z * z), s * (y * z + x * w)],
-            [s * (x * z + y * w), s * (y * z - x * w), 1.0 - s * (x * x + y * y)],
-        ]
-        .map(Vector::from);
-        let mut columns = rotated;
-        for (column, factor) in columns.iter_mut().zip(size) {
-            *column = Vector::from(*column) * f64::from(factor);
-        }
-        Self { columns, translation: Vector::from(translation.map(f64::from)) }
-    }
-
-    /// First `inner`, then this one.
-    pub(super) fn after(&self, inner: &Self) -> Self {
-        Self {
-            columns: inner.columns.map(|column| self.turn(column)),
-            translation: self.apply(inner.translation),
-        }
-    }
-
-    fn apply(&self, point: Vector) -> Vector {
-        self.turn(point) + self.translation
-    }
-
-    /// Whether left and right change places.
-    fn is_mirroring(&self) -> bool {
-        let [a, b, c] = self.columns;
-        a.cross(b).dot(c) < 0.0
-    }
-
-    fn turn(&self, direction: Vector) -> Vector {
-        let [a, b, c] = self.columns;
-        let [x, y, z] = direction.to_array();
-        a * x + b * y + c * z
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -437,32 +391,16 @@ mod tests {
         let half = std::f32::consts::FRAC_1_SQRT_2;
         let quarter_turn_about_z = [0.0, 0.0, half, half];
         let transform =
-            Transform::from_parts([10.0, 0.0, 0.0], quarter_turn_about_z, [2.0, 1.0, -1.0]);
-        assert!(
-            transform.apply(Vector::new(1.0, 0.0, 5.0)).distance(Vector::new(10.0, 2.0, -5.0))
-                < 1e-6
-        );
-        assert!(transform.is_mirroring());
-        assert!(!transform.after(&transform).is_mirroring());
-    }
-
-    #[test]
-    fn a_child_is_placed_before_its_parent() {
-        let parent = Transform::from_parts([1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0], [2.0; 3]);
-        let mut matrix = [0.0; 16];
-        for diagonal in [0, 5, 10, 15] {
-            matrix[diagonal] = 1.0;
-        }
-        matrix[13] = 3.0;
-        let child = Transform::from_matrix(matrix);
-        assert_eq!(parent.after(&child).apply(Vector::ZERO), Vector::new(1.0, 6.0, 0.0));
+            transform_from_parts([10.0, 0.0, 0.0], quarter_turn_about_z, [2.0, 1.0, -1.0]);
+        let placed = transform.transform_point3(Vector::new(1.0, 0.0, 5.0));
+        assert!(placed.distance(Vector::new(10.0, 2.0, -5.0)) < 1e-6);
     }
 
     #[test]
     fn an_unnormalised_quaternion_only_turns() {
-        let transform = Transform::from_parts([0.0; 3], [0.0, 0.0, 3.0, 0.0], [1.0; 3]);
-        assert_eq!(transform.apply(Vector::new(1.0, 2.0, 3.0)), Vector::new(-1.0, -2.0, 3.0));
-        let broken = Transform::from_parts([0.0; 3], [0.0; 4], [1.0; 3]);
-        assert_eq!(broken, Transform::IDENTITY);
+        let transform = transform_from_parts([0.0; 3], [0.0, 0.0, 3.0, 0.0], [1.0; 3]);
+        let placed = transform.transform_point3(Vector::new(1.0, 2.0, 3.0));
+        assert_eq!(placed, Vector::new(-1.0, -2.0, 3.0));
+        assert_eq!(transform_from_parts([0.0; 3], [0.0; 4], [1.0; 3]), DAffine3::IDENTITY);
     }
 }

@@ -32,33 +32,30 @@ impl Format {
         Self::ALL.iter().copied().find(|format| format.suffixes().iter().any(names))
     }
 
+    fn name_and_suffixes(self) -> (&'static str, &'static [&'static str]) {
+        match self {
+            Self::Obj => ("OBJ", &["obj"]),
+            Self::Off => ("OFF", &["off"]),
+            Self::Ply => ("PLY", &["ply"]),
+            Self::Stl => ("STL", &["stl"]),
+            Self::Gltf => ("glTF", &["gltf", "glb"]),
+        }
+    }
+
     /// The format's name.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Obj => "OBJ",
-            Self::Off => "OFF",
-            Self::Ply => "PLY",
-            Self::Stl => "STL",
-            Self::Gltf => "glTF",
-        }
+        self.name_and_suffixes().0
     }
 
     /// The suffixes that stand for it, in lower case, without a dot.
     pub fn suffixes(self) -> &'static [&'static str] {
-        match self {
-            Self::Obj => &["obj"],
-            Self::Off => &["off"],
-            Self::Ply => &["ply"],
-            Self::Stl => &["stl"],
-            Self::Gltf => &["gltf", "glb"],
-        }
+        self.name_and_suffixes().1
     }
 
     /// The suffixes of all formats, for a message.
     pub fn suffix_list() -> String {
-        or_list(
-            Self::ALL.iter().flat_map(|format| format.suffixes()).map(|&suffix| suffix.to_owned()),
-        )
+        let suffixes = Self::ALL.iter().flat_map(|format| format.suffixes());
+        or_list(suffixes.map(|&suffix| suffix.to_owned()))
     }
 }
 
@@ -123,7 +120,7 @@ pub struct Object {
 /// What a mesh file holds, in its own units, neither welded nor repaired.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct MeshFile {
-    /// All vertices and triangles. A coordinate may be infinite or not a number if the file says so;
+    /// All vertices and triangles. A coordinate may be infinite or not a number if it is so in the file;
     /// each index is below the number of positions.
     pub mesh: TriangleMesh,
     /// The parts that hold triangles, in the file's order, which together hold all triangles: the
@@ -168,8 +165,7 @@ impl<'a> From<&'a NamedMesh> for MeshView<'a> {
 pub(super) fn split_objects(file: &MeshFile) -> Vec<NamedMesh> {
     const UNSEEN: u32 = u32::MAX;
     let mut new_index = vec![UNSEEN; file.mesh.positions.len()];
-    let mut hulls = Vec::with_capacity(file.objects.len());
-    for object in &file.objects {
+    let own = |object: &Object| {
         let source = &file.mesh.triangles[object.triangles.clone()];
         let mut positions = Vec::new();
         let triangles = source
@@ -191,9 +187,9 @@ pub(super) fn split_objects(file: &MeshFile) -> Vec<NamedMesh> {
         let sidedness = file.mesh.sidedness.get(object.triangles.clone());
         let sidedness = sidedness.unwrap_or_default().to_vec();
         let mesh = TriangleMesh { positions, triangles, sidedness };
-        hulls.push(NamedMesh { name: object.name.clone(), mesh });
-    }
-    hulls
+        NamedMesh { name: object.name.clone(), mesh }
+    };
+    file.objects.iter().map(own).collect()
 }
 
 /// The index of the first of `more` new vertices, if all of them can have an index.
@@ -226,20 +222,4 @@ pub struct SceneNode {
     pub name: String,
     /// Its extras: custom properties, as JSON.
     pub extras: Option<String>,
-}
-
-/// The meshes of a file whose objects are the meshes with these indices and extras.
-pub(super) fn scene_meshes(
-    file: &MeshFile,
-    of_objects: Vec<(Option<String>, Vec<SceneNode>)>,
-) -> Vec<SceneMesh> {
-    let meshes = split_objects(file).into_iter().zip(of_objects);
-    meshes
-        .map(|(named, (extras, nodes))| SceneMesh {
-            name: named.name,
-            mesh: named.mesh,
-            extras,
-            nodes,
-        })
-        .collect()
 }

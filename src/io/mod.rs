@@ -6,35 +6,177 @@
 //! | Draco in glTF | crate `draco-core`, the decoder alone |
 //! | meshopt in glTF | crate `meshoptimizer-rs`, its codecs and filters |
 //! | PLY | crate `ply-rs-bw` for the header and binary elements; text elements here, since it refuses numbers such as `.5` and `nan` |
-//! | OBJ | this module: `tobj` refuses sound files, makes faces of polylines and says no line in its errors |
+//! | OBJ | this module: `tobj` refuses sound files, makes faces of polylines and names no line in its errors |
 //! | OFF | this module: `off-rs` holds `f32` and reads one form of header |
 //! | STL | this module: `stl_io` holds `f32`, drops all solids but the first, and goes by the first word alone |
 //!
 //! All readers keep three promises on any input: no panic, no allocation beyond what the
-//! file's size justifies, whatever its counts say, and errors that say what is wrong and where.
+//! file's size justifies, whatever its counts are, and errors with what is wrong and where.
 //! Coordinates that are written as text keep their full `f64` precision, and `nan` and `inf` are
 //! let through, since repair counts and drops them. Points and lines are left out. Polygons,
 //! concave ones too, are triangulated by ear clipping and Delaunay refinement (crate `earcut`);
 //! those without an inside become fans.
 
-mod draco;
 mod gltf;
 mod gltf_data;
 mod mesh_file;
-mod meshopt;
 mod obj;
 mod off;
 pub mod palette;
 mod ply;
-mod read;
 mod stl;
 mod text;
 mod write;
 
+use std::path::Path;
+
+use crate::error::{Error, FileError};
+use crate::geometry::TriangleMesh;
+use crate::hulls_format::HullsFile;
+
 pub use mesh_file::{
     Format, HullFormat, MeshFile, NamedMesh, Object, SceneMesh, SceneNode, is_hulls_file,
 };
-pub use read::{
-    read_hulls, read_mesh, read_mesh_from_bytes, read_own_meshes, read_scene, read_scene_from_bytes,
-};
 pub use write::{check_output, write_file, write_hulls};
+
+/// Reads a mesh file; its suffix names the format.
+///
+/// Of a glTF file all meshes of the default scene are read (of all scenes where none is the
+/// default, of all nodes where there is no scene) with the nodes' transforms applied. Skins and
+/// morph targets are not: a mesh stands as it was modelled. Geometry may be quantised
+/// (`KHR_mesh_quantization`) and compressed (`KHR_draco_mesh_compression`,
+/// `EXT_meshopt_compression`, `KHR_meshopt_compression`).
+///
+/// A glTF file may name other files beside it. Of files that strangers send, hand over the bytes:
+/// [`read_mesh_from_bytes`] opens no other file.
+///
+/// A file may be fine and hold no triangles, such as a point cloud.
+///
+/// # Errors
+/// [`Error::File`] if the suffix is that of no [`Format`], if the file can't be read, or if it does
+/// not hold what it should.
+///
+/// ```
+/// let file = hullwright::io::read_mesh("assets/mug.glb")?;
+/// assert_eq!(file.mesh.triangles.len(), 1020);
+/// # Ok::<(), hullwright::Error>(())
+/// ```
+pub fn read_mesh(path: impl AsRef<Path>) -> Result<MeshFile, Error> {
+    let path = path.as_ref();
+    read_mesh_file(path).map_err(|source| Error::file(path, source))
+}
+
+fn read_mesh_file(path: &Path) -> Result<MeshFile, FileError> {
+    let Some(format) = Format::from_path(path) else {
+        return Err(format!("its suffix is not {}", Format::suffix_list()).into());
+    };
+    let bytes = std::fs::read(path)?;
+    Ok(parse(format, &bytes, path.parent())?)
+}
+
+/// Reads a mesh file that is already in memory.
+///
+/// # Errors
+/// As [`read_mesh`]; a glTF file that names buffers in other files is an error too.
+pub fn read_mesh_from_bytes(format: Format, bytes: &[u8]) -> Result<MeshFile, Error> {
+    parse(format, bytes, None)
+        .map_err(|reason| Error::file(Path::new(&format!("{} in memory", format.name())), reason))
+}
+
+/// Reads the meshes of a file one by one, each in the space that it was modelled in: what a game
+/// places any number of times and decomposes once.
+///
+/// Of a glTF file, each mesh that holds triangles, whether a scene shows it or not, without the
+/// nodes' transforms, all its primitives together; one without a name is called `mesh_` and its
+/// index. A file of another format is one mesh, named after the file.
+///
+/// # Errors
+/// As [`read_mesh`].
+pub fn read_own_meshes(path: impl AsRef<Path>) -> Result<Vec<NamedMesh>, Error> {
+    let meshes = read_scene(path)?.into_iter();
+    Ok(meshes.map(|SceneMesh { name, mesh, .. }| NamedMesh { name, mesh }).collect())
+}
+
+/// Without the mark that some editors put before UTF-8 text, which would hide the first line.
+fn unmarked(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes)
+}
+
+fn parse(format: Format, bytes: &[u8], directory: Option<&Path>) -> Result<MeshFile, String> {
+    let bytes = unmarked(bytes);
+    match format {
+        Format::Obj => obj::read(bytes),
+        Format::Off => off::read(bytes),
+        Format::Ply => ply::read(bytes),
+        Format::Stl => stl::read(bytes),
+        Format::Gltf => gltf::read(bytes, directory),
+    }
+}
+
+/// Reads a set of hulls: each object of a mesh file is one, see [`MeshFile::objects`]; a
+/// [`.hulls`](crate::hulls_format) file holds just them. Each becomes a [`Hull`](crate::Hull) by
+/// `Hull::from(convex_hull(&named.mesh.positions)?)`.
+///
+/// # Errors
+/// As [`read_mesh`], and if there is no triangle in the file.
+pub fn read_hulls(path: impl AsRef<Path>) -> Result<Vec<NamedMesh>, Error> {
+    let path = path.as_ref();
+    if is_hulls_file(path) {
+        return read_hulls_file(path);
+    }
+    let file = read_mesh(path)?;
+    if file.objects.is_empty() {
+        return Err(Error::file(path, "it holds no triangles, so no hulls".to_owned()));
+    }
+    Ok(mesh_file::split_objects(&file))
+}
+
+fn read_hulls_file(path: &Path) -> Result<Vec<NamedMesh>, Error> {
+    let bytes = std::fs::read(path).map_err(|error| Error::file(path, error))?;
+    let file =
+        HullsFile::from_bytes(&bytes).map_err(|error| Error::file(path, error.to_string()))?;
+    if file.hulls.is_empty() {
+        return Err(Error::file(path, "it holds no hulls".to_owned()));
+    }
+    let hulls = file.hulls.into_iter().enumerate().map(|(index, hull)| NamedMesh {
+        name: format!("hull_{index}"),
+        mesh: TriangleMesh::new(hull.shape.points, hull.shape.triangles),
+    });
+    Ok(hulls.collect())
+}
+
+/// Reads the meshes of a scene one by one, each in the space that it was modelled in.
+///
+/// Of a glTF file, each mesh that holds triangles, whether a node shows it or not. A file of another
+/// format is one mesh, named after the file, that no node shows.
+///
+/// # Errors
+/// As [`read_mesh`].
+///
+/// ```
+/// let meshes = hullwright::io::read_scene("assets/props.glb")?;
+/// let nodes: Vec<&str> =
+///     meshes.iter().flat_map(|mesh| &mesh.nodes).map(|node| node.name.as_str()).collect();
+/// assert!(nodes.contains(&"mug-convdecomp"));
+/// # Ok::<(), hullwright::Error>(())
+/// ```
+pub fn read_scene(path: impl AsRef<Path>) -> Result<Vec<SceneMesh>, Error> {
+    let path = path.as_ref();
+    if Format::from_path(path) == Some(Format::Gltf) {
+        let bytes = std::fs::read(path).map_err(|error| Error::file(path, error))?;
+        return gltf::read_scene(unmarked(&bytes), path.parent())
+            .map_err(|reason| Error::file(path, reason));
+    }
+    let MeshFile { mesh, .. } = read_mesh(path)?;
+    let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    Ok(vec![SceneMesh { name, mesh, extras: None, nodes: Vec::new() }])
+}
+
+/// Reads the meshes of a glTF or GLB file that is already in memory, as [`read_scene`].
+///
+/// # Errors
+/// As [`read_mesh`]; a file that names buffers in other files is an error too.
+pub fn read_scene_from_bytes(bytes: &[u8]) -> Result<Vec<SceneMesh>, Error> {
+    gltf::read_scene(unmarked(bytes), None)
+        .map_err(|reason| Error::file(Path::new("glTF in memory"), reason))
+}

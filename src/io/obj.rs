@@ -4,11 +4,10 @@
 //! text encoding are read; texture coordinates, normals, colours, weights, materials, points,
 //! lines and curves are skipped.
 
-use crate::geometry::vector::as_vectors;
 use std::borrow::Cow;
 
 use super::mesh_file::{MeshFile, Object, next_index};
-use super::text::{Lines, Triangulator, at_line, coordinates, lines, name, number, words};
+use super::text::{Triangulator, at_line, coordinates, lines, name, number, words};
 
 pub(super) fn read(bytes: &[u8]) -> Result<MeshFile, String> {
     let mut file = MeshFile::default();
@@ -28,11 +27,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<MeshFile, String> {
                     let corner = corner(word, vertices_so_far, file.mesh.positions.len());
                     corners.push(corner.map_err(at_line(line))?);
                 }
-                triangulator.append(
-                    as_vectors(&file.mesh.positions),
-                    &corners,
-                    &mut file.mesh.triangles,
-                );
+                triangulator.append(&mut file.mesh, &corners);
             }
             Some(b"o") => objects.push((text_after_keyword(&text), file.mesh.triangles.len())),
             Some(b"g") => groups.push((text_after_keyword(&text), file.mesh.triangles.len())),
@@ -97,28 +92,19 @@ fn divide(file: &mut MeshFile, parts: Vec<(String, usize)>) {
 
 /// Lines of vertices and faces may go on after a backslash. A comment's or a name's backslash is
 /// left alone, since it may end a Windows path.
-fn logical_lines(bytes: &[u8]) -> LogicalLines<'_> {
-    LogicalLines(lines(bytes))
-}
-
-struct LogicalLines<'a>(Lines<'a>);
-
-impl<'a> Iterator for LogicalLines<'a> {
-    type Item = (usize, Cow<'a, [u8]>);
-
-    fn next(&mut self) -> Option<Self::Item> {
-        let (number, first) = self.0.next()?;
+fn logical_lines(bytes: &[u8]) -> impl Iterator<Item = (usize, Cow<'_, [u8]>)> {
+    let mut lines = lines(bytes);
+    std::iter::from_fn(move || {
+        let (number, first) = lines.next()?;
         let mut text = Cow::Borrowed(first);
         if matches!(first.trim_ascii_start().first(), Some(b'v' | b'f')) {
             while let Some(begun) = text.trim_ascii_end().strip_suffix(b"\\") {
-                let mut joined = begun.to_vec();
-                joined.push(b' ');
-                joined.extend_from_slice(self.0.next().map_or(&[], |(_, next)| next));
-                text = Cow::Owned(joined);
+                let next = lines.next().map_or(&[][..], |(_, next)| next);
+                text = Cow::Owned([begun, b" ", next].concat());
             }
         }
         Some((number, text))
-    }
+    })
 }
 
 #[cfg(test)]
@@ -137,18 +123,25 @@ mod tests {
             assert_eq!(read_faces(face), Ok(vec![[0, 1, 2]]), "{face}");
         }
         assert_eq!(read_faces("f -4 -3 -2\nv 9 9 9\nf -1 -2 -3"), Ok(vec![[0, 1, 2], [4, 3, 2]]));
+        let early = read(format!("f 1 2 3\n{FOUR_VERTICES}").as_bytes()).unwrap();
+        assert_eq!(early.mesh.triangles, [[0, 1, 2]], "before its vertices");
     }
 
     #[test]
     fn indices_that_name_no_vertex_are_errors_with_their_line() {
-        for (face, index) in [("f 1 2 5", "5"), ("f 1 2 0", "0"), ("f -5 1 2", "-5")] {
+        let far = "f 1 2 99999999999999999999";
+        let least = format!("f 1 2 {}", i64::MIN);
+        for (face, index) in [
+            ("f 1 2 5", "5"),
+            ("f 1 2 0", "0"),
+            ("f -5 1 2", "-5"),
+            (&least, &least[6..]),
+            (far, &far[6..]),
+            ("f 1 2 x", "`x`"),
+        ] {
             let error = read_faces(face).unwrap_err();
             assert!(error.starts_with("line 5: ") && error.contains(index), "{error}");
         }
-        let largest = format!("f 1 2 {}", i64::MIN);
-        assert!(read_faces(&largest).is_err());
-        assert!(read_faces("f 1 2 99999999999999999999").is_err());
-        assert!(read_faces("f 1 2 x").is_err());
     }
 
     #[test]
@@ -182,12 +175,6 @@ mod tests {
             named(&format!("o x\ng a\n{face}g b\n{face}o y\no z\n{face}")),
             [("x".into(), 0..2), ("z".into(), 2..3)]
         );
-    }
-
-    #[test]
-    fn faces_may_come_before_their_vertices() {
-        let file = read(b"f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0").unwrap();
-        assert_eq!(file.mesh.triangles, [[0, 1, 2]]);
     }
 
     #[test]

@@ -5,9 +5,8 @@
 
 use super::mesh_file::{MeshFile, next_index};
 use super::text::{
-    Triangulator, at_line, coordinates, lines, number, quote, without_comment, words,
+    Triangulator, at_line, coordinates, known_vertex, lines, number, quote, without_comment, words,
 };
-use crate::geometry::vector::as_vectors;
 
 /// A vertex is at least `0 0 0` and the line's end, a face at least `0` and the line's end.
 const SHORTEST_VERTEX: usize = 6;
@@ -41,7 +40,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<MeshFile, String> {
         let (line, text) =
             lines.next().ok_or_else(|| format!("it ends after {face} of {faces} faces"))?;
         read_face(text, vertices, &mut corners).map_err(at_line(line))?;
-        triangulator.append(as_vectors(&file.mesh.positions), &corners, &mut file.mesh.triangles);
+        triangulator.append(&mut file.mesh, &corners);
     }
     file.close_object("", 0);
     Ok(file)
@@ -97,13 +96,7 @@ fn read_face(text: &[u8], vertices: usize, corners: &mut Vec<u32>) -> Result<(),
         let word = words
             .next()
             .ok_or_else(|| format!("the face should have {count} vertices, here are {found}"))?;
-        let corner: u32 = number(word)?;
-        if corner as usize >= vertices {
-            return Err(format!(
-                "the face uses vertex {corner}, but there are only {vertices}, counted from 0"
-            ));
-        }
-        corners.push(corner);
+        corners.push(known_vertex(number(word)?, vertices)?);
     }
     Ok(())
 }
@@ -134,36 +127,31 @@ mod tests {
     }
 
     #[test]
-    fn lying_counts_are_errors_before_memory_is_taken() {
-        let error = read(format!("OFF\n4000000000 1 0\n{BODY}").as_bytes()).unwrap_err();
-        assert!(error.starts_with("line 2: 4000000000 vertices"), "{error}");
-        assert!(read(format!("OFF\n3 {} 0\n{BODY}", usize::MAX).as_bytes()).is_err());
-        let error = read(format!("OFF\n3 2 0\n{BODY}").as_bytes()).unwrap_err();
-        assert_eq!(error, "it ends after 1 of 2 faces");
-        assert!(read(b"OFF\n3 1 0\n0 0 0\n1 0 0\n4294967295 0 1 2\n").is_err());
-        let error = read(format!("OFF\n3 1 0\n{}", BODY.replace("3 0", "9 0")).as_bytes());
-        assert_eq!(error.unwrap_err(), "line 6: the face should have 9 vertices, here are 3");
-    }
-
-    #[test]
-    fn what_is_no_text_off_is_refused_in_words() {
-        for (bytes, expected) in [
-            (&b""[..], "empty"),
-            (b"OFF\n", "counts are missing"),
-            (b"OFF BINARY\n\x01\0\0\0", "binary"),
-            (b"4OFF\n1 0 0\n", "dimensions"),
-            (b"\xff\xd8\xff\xe0 JFIF", "where OFF should"),
-            (b"OFF\n3\n", "number of faces"),
-            (b"OFF\n3 -1 0\n", "`-1`"),
+    fn lying_counts_and_what_is_no_text_off_are_errors_before_memory_is_taken() {
+        let most = usize::MAX;
+        for (text, expected) in [
+            (String::new(), "it is empty"),
+            ("OFF\n".into(), "the counts are missing"),
+            ("OFF BINARY\n\x01\0\0\0".into(), "binary OFF"),
+            ("4OFF\n1 0 0\n".into(), "dimensions"),
+            ("OFF\n3\n".into(), "the number of faces is missing"),
+            ("OFF\n3 -1 0\n".into(), "`-1`"),
+            (format!("OFF\n4000000000 1 0\n{BODY}"), "line 2: 4000000000 vertices"),
+            (format!("OFF\n3 {most} 0\n{BODY}"), "faces are announced"),
+            (format!("OFF\n3 2 0\n{BODY}"), "it ends after 1 of 2 faces"),
+            ("OFF\n3 1 0\n0 0 0\n1 0 0\n4294967295 0 1 2\n".into(), "it ends after 0 of 1 faces"),
+            (
+                format!("OFF\n3 1 0\n{}", BODY.replace("3 0", "9 0")),
+                "line 6: the face should have 9 vertices, here are 3",
+            ),
+            (
+                format!("OFF\n3 1 0\n{}", BODY.replace("1 2\n", "1 3\n")),
+                "line 6: the face uses vertex 3",
+            ),
         ] {
-            let error = read(bytes).unwrap_err();
+            let error = read(text.as_bytes()).unwrap_err();
             assert!(error.contains(expected), "{error}");
         }
-    }
-
-    #[test]
-    fn an_index_out_of_range_is_an_error_with_its_line() {
-        let error = read(b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n").unwrap_err();
-        assert!(error.starts_with("line 6: the face uses vertex 3"), "{error}");
+        assert!(read(b"\xff\xd8\xff\xe0 JFIF").unwrap_err().contains("where OFF should"));
     }
 }

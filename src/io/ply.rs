@@ -10,7 +10,6 @@
 //! `.5`, `1.` and `nan` that other programs write, and its `float` properties would round text
 //! to `f32`.
 
-use crate::geometry::vector::as_vectors;
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{
     ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType,
@@ -18,8 +17,7 @@ use ply_rs_bw::ply::{
 };
 
 use super::mesh_file::{MeshFile, next_index};
-use super::text::{Triangulator, at_line, lines, name, number, quote, words};
-use crate::geometry::TriangleMesh;
+use super::text::{Triangulator, at_line, known_vertex, lines, name, number, quote, words};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 const CORNER_LISTS: [&str; 2] = ["vertex_indices", "vertex_index"];
@@ -159,7 +157,7 @@ fn scalar(property: &Property) -> f64 {
         Property::UInt(value) => f64::from(*value),
         Property::Float(value) => f64::from(*value),
         Property::Double(value) => *value,
-        // The header says that it is a number, so that the parser can't hand over a list.
+        // By the header it is a number, so that it can't be a list.
         _ => f64::NAN,
     }
 }
@@ -258,14 +256,11 @@ impl MeshBuilder {
             "face" => {
                 let corners =
                     element.corners.ok_or("the corners of a face must be whole numbers from 0")?;
-                if let Some(corner) = corners.iter().find(|c| **c as usize >= self.vertices) {
-                    return Err(format!(
-                        "the face uses vertex {corner}, but there are only {}, counted from 0",
-                        self.vertices
-                    ));
+                for &corner in &corners {
+                    known_vertex(corner, self.vertices)?;
                 }
                 if self.file.mesh.positions.len() == self.vertices {
-                    self.triangulate(&corners);
+                    self.triangulator.append(&mut self.file.mesh, &corners);
                 } else {
                     self.early_faces.push(corners);
                 }
@@ -275,15 +270,10 @@ impl MeshBuilder {
         Ok(())
     }
 
-    fn triangulate(&mut self, corners: &[u32]) {
-        let TriangleMesh { positions, triangles, .. } = &mut self.file.mesh;
-        self.triangulator.append(as_vectors(positions), corners, triangles);
-    }
-
     fn finish(mut self) -> Result<MeshFile, String> {
         next_index(&self.file.mesh.positions, 0)?;
-        for corners in std::mem::take(&mut self.early_faces) {
-            self.triangulate(&corners);
+        for corners in &self.early_faces {
+            self.triangulator.append(&mut self.file.mesh, corners);
         }
         self.file.close_object("", 0);
         Ok(self.file)

@@ -8,7 +8,6 @@
 
 use super::mesh_file::{MeshFile, next_index};
 use super::text::{Triangulator, at_line, coordinates, lines, name, quote, words};
-use crate::geometry::vector::as_vectors;
 
 /// A binary file begins with a comment of this length, and the number of triangles as `u32`.
 const COMMENT: usize = 80;
@@ -103,11 +102,7 @@ fn read_text(bytes: &[u8]) -> Result<MeshFile, String> {
                     let reason = format!("the facet has only {} vertices", corners.len());
                     return Err(at_line(line)(reason));
                 }
-                triangulator.append(
-                    as_vectors(&file.mesh.positions),
-                    &corners,
-                    &mut file.mesh.triangles,
-                );
+                triangulator.append(&mut file.mesh, &corners);
                 is_in_facet = false;
             }
             b"endsolid" if !is_in_facet => match solid.take() {

@@ -2,36 +2,26 @@
 
 use earcut::{Earcut, Refiner};
 
-use crate::geometry::vector::{Vector, area_normal};
+use crate::geometry::TriangleMesh;
+use crate::geometry::vector::{Vector, area_normal, as_vectors};
 
 /// Longest piece of a file that an error message repeats, in characters.
 const LONGEST_QUOTE: usize = 40;
 
 /// The lines of a text with their numbers from 1. Lines end with LF, CR LF, or CR alone as on
 /// old Macs.
-pub(super) fn lines(bytes: &[u8]) -> Lines<'_> {
-    Lines { rest: bytes, number: 0 }
-}
-
-pub(super) struct Lines<'a> {
-    rest: &'a [u8],
-    number: usize,
-}
-
-impl<'a> Iterator for Lines<'a> {
-    type Item = (usize, &'a [u8]);
-
-    fn next(&mut self) -> Option<Self::Item> {
-        if self.rest.is_empty() {
+pub(super) fn lines(mut rest: &[u8]) -> impl Iterator<Item = (usize, &[u8])> {
+    let mut number = 0;
+    std::iter::from_fn(move || {
+        if rest.is_empty() {
             return None;
         }
-        self.number += 1;
+        number += 1;
         let is_end = |byte: &u8| matches!(byte, b'\n' | b'\r');
-        let length = self.rest.iter().position(is_end).unwrap_or(self.rest.len());
-        let (line, rest) = self.rest.split_at(length);
-        self.rest = rest.strip_prefix(b"\r\n").or_else(|| rest.get(1..)).unwrap_or_default();
-        Some((self.number, line))
-    }
+        let (line, others) = rest.split_at(rest.iter().position(is_end).unwrap_or(rest.len()));
+        rest = others.strip_prefix(b"\r\n").or_else(|| others.get(1..)).unwrap_or_default();
+        Some((number, line))
+    })
 }
 
 /// The words of a line.
@@ -86,6 +76,14 @@ pub(super) fn coordinates<'a>(words: impl Iterator<Item = &'a [u8]>) -> Result<[
     Ok(coordinates)
 }
 
+/// A face's corner, counted from 0, if there are so many vertices.
+pub(super) fn known_vertex(corner: u32, vertices: usize) -> Result<u32, String> {
+    if (corner as usize) < vertices {
+        return Ok(corner);
+    }
+    Err(format!("the face uses vertex {corner}, but there are only {vertices}, counted from 0"))
+}
+
 /// Puts the line's number before the reason.
 pub(super) fn at_line(line: usize) -> impl Fn(String) -> String {
     move |reason| format!("line {line}: {reason}")
@@ -120,12 +118,9 @@ impl Triangulator {
 
     /// Appends the triangles of the polygon with these corners, wound as it is. Fewer than three
     /// corners give none. All corners must be below the number of positions.
-    pub(super) fn append(
-        &mut self,
-        positions: &[Vector],
-        corners: &[u32],
-        triangles: &mut Vec<[u32; 3]>,
-    ) {
+    pub(super) fn append(&mut self, mesh: &mut TriangleMesh, corners: &[u32]) {
+        let TriangleMesh { positions, triangles, .. } = mesh;
+        let positions = as_vectors(positions);
         match *corners {
             [a, b, c] => triangles.push([a, b, c]),
             [a, b, c, d] => triangles.extend(cut_quadrilateral(positions, [a, b, c, d])),
@@ -215,6 +210,7 @@ fn cut_quadrilateral(positions: &[Vector], corners: [u32; 4]) -> [[u32; 3]; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::vector::into_arrays;
 
     #[test]
     fn all_line_endings_count_once() {
@@ -239,19 +235,15 @@ mod tests {
 
     fn triangulate(positions: &[Vector]) -> Vec<[u32; 3]> {
         let corners: Vec<u32> = (0..positions.len() as u32).collect();
-        let mut triangles = Vec::new();
-        Triangulator::new().append(positions, &corners, &mut triangles);
-        triangles
+        let mut mesh = TriangleMesh::new(into_arrays(positions.to_vec()), Vec::new());
+        Triangulator::new().append(&mut mesh, &corners);
+        mesh.triangles
     }
 
     fn areas(positions: &[Vector]) -> Vec<Vector> {
-        triangulate(positions)
-            .iter()
-            .map(|triangle| {
-                let [a, b, c] = triangle.map(|corner| positions[corner as usize]);
-                area_normal(a, b, c)
-            })
-            .collect()
+        let corners = |t: &[u32; 3]| t.map(|corner| positions[corner as usize]);
+        let triangles = triangulate(positions);
+        triangles.iter().map(corners).map(|[a, b, c]| area_normal(a, b, c)).collect()
     }
 
     /// The same outline in a plane along no axis.
@@ -261,20 +253,10 @@ mod tests {
         outline.iter().map(place).collect()
     }
 
-    const LETTER_E: [[f64; 2]; 12] = [
-        [0.0, 0.0],
-        [6.0, 0.0],
-        [6.0, 2.0],
-        [2.0, 2.0],
-        [2.0, 4.0],
-        [4.0, 4.0],
-        [4.0, 6.0],
-        [2.0, 6.0],
-        [2.0, 8.0],
-        [6.0, 8.0],
-        [6.0, 10.0],
-        [0.0, 10.0],
-    ];
+    /// Corners by their two coordinates, each a digit.
+    fn outline<const N: usize>(corners: [&str; N]) -> [[f64; 2]; N] {
+        corners.map(|corner| [0, 1].map(|axis| f64::from(corner.as_bytes()[axis] - b'0')))
+    }
 
     fn assert_tiles(outline: &[[f64; 2]], expected_triangles: usize) {
         for mirrored in [false, true] {
@@ -295,29 +277,20 @@ mod tests {
 
     #[test]
     fn a_concave_polygon_is_tiled_without_overlap_and_keeps_its_winding() {
-        assert_tiles(&LETTER_E, 10);
+        let letter_e = ["00", "60", "62", "22", "24", "44", "46", "26", "28", "68", "69", "09"];
+        assert_tiles(&outline(letter_e), 10);
     }
 
     #[test]
     fn vertices_on_straight_sides_are_all_used_and_make_no_slivers() {
-        let square = [
-            [0.0, 0.0],
-            [1.0, 0.0],
-            [2.0, 0.0],
-            [2.0, 1.0],
-            [2.0, 2.0],
-            [1.0, 2.0],
-            [0.0, 2.0],
-            [0.0, 1.0],
-        ];
-        assert_tiles(&square, 6);
-        assert_tiles(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 2.0]], 2);
-        assert_tiles(&[[1.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 0.0]], 2);
+        assert_tiles(&outline(["00", "10", "20", "21", "22", "12", "02", "01"]), 6);
+        assert_tiles(&outline(["00", "10", "20", "22"]), 2);
+        assert_tiles(&outline(["10", "20", "22", "00"]), 2);
     }
 
     #[test]
     fn a_concave_quadrilateral_is_cut_inside() {
-        let dart = [[0.0, 0.0], [4.0, 0.0], [1.0, 1.0], [0.0, 4.0]];
+        let dart = outline(["00", "40", "11", "04"]);
         for shift in 0..4 {
             let mut turned = dart;
             turned.rotate_left(shift);

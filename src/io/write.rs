@@ -1,6 +1,7 @@
 //! Writes hull sets as OBJ and GLB, all or nothing.
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -65,7 +66,7 @@ pub fn write_file(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(), Error> {
 }
 
 /// Checks what [`write_hulls`] or [`HullsFile::write`](crate::hulls_format::HullsFile::write) would
-/// complain about before there is anything to write.
+/// refuse, before there is anything to write.
 ///
 /// # Errors
 /// [`Error::File`] if the suffix is neither that of a [`HullFormat`] nor `hulls`, or if the directory
@@ -133,8 +134,8 @@ fn glb_from_hulls<'a, H: Into<MeshView<'a>>>(
     // Rounded first, since what is taken off each vertex must be what the node adds.
     let centre = centre(&hulls).as_vec3().to_array();
     let mut parts = Parts::default();
-    for hull in &hulls {
-        parts.add(hull, centre)?;
+    for (index, hull) in hulls.iter().enumerate() {
+        parts.add(index, hull, centre)?;
     }
     let json = parts.document(centre).to_string().into_bytes();
     assemble(json, parts.bytes)
@@ -146,129 +147,116 @@ fn centre(hulls: &[MeshView]) -> Vector {
     if low[0] > high[0] { Vector::ZERO } else { low * 0.5 + high * 0.5 }
 }
 
-/// The growing arrays of the document.
+/// The growing arrays of the document, by their names.
 #[derive(Default)]
 struct Parts {
     bytes: Vec<u8>,
-    views: Vec<Value>,
-    accessors: Vec<Value>,
-    materials: Vec<Value>,
-    meshes: Vec<Value>,
-    nodes: Vec<Value>,
+    arrays: BTreeMap<&'static str, Vec<Value>>,
 }
 
 impl Parts {
-    fn add(&mut self, hull: &MeshView, centre: [f32; 3]) -> Result<(), String> {
-        let index = self.meshes.len();
+    /// Appends to an array. The index there.
+    fn push(&mut self, array: &'static str, value: Value) -> usize {
+        let array = self.arrays.entry(array).or_default();
+        array.push(value);
+        array.len() - 1
+    }
+
+    fn add(&mut self, index: usize, hull: &MeshView, centre: [f32; 3]) -> Result<(), String> {
         let name = format!("hull_{index}");
         let positions = self.add_positions(hull, Vector::from(centre.map(f64::from)))?;
         let indices = self.add_indices(hull);
         let [red, green, blue] = linear(colour(index));
-        self.materials.push(json!({
+        let material = json!({
             "name": name,
             "pbrMetallicRoughness": {
                 "baseColorFactor": [red, green, blue, 1.0],
                 "metallicFactor": 0.0,
                 "roughnessFactor": ROUGHNESS,
             },
-        }));
-        self.meshes.push(json!({
-            "name": name,
-            "primitives": [{
-                "attributes": { "POSITION": positions },
-                "indices": indices,
-                "material": index,
-            }],
-        }));
-        self.nodes.push(json!({ "name": name, "mesh": index }));
+        });
+        let primitive = json!({
+            "attributes": { "POSITION": positions },
+            "indices": indices,
+            "material": self.push("materials", material),
+        });
+        let mesh = self.push("meshes", json!({ "name": name, "primitives": [primitive] }));
+        self.push("nodes", json!({ "name": name, "mesh": mesh }));
         Ok(())
     }
 
     /// The index of the accessor.
     fn add_positions(&mut self, hull: &MeshView, centre: Vector) -> Result<usize, String> {
-        let positions = hull.points().map(|point| (point - centre).as_vec3().to_array());
-        let mut least = [f32::INFINITY; 3];
-        let mut greatest = [f32::NEG_INFINITY; 3];
+        let positions = hull.points().map(|point| (point - centre).as_vec3());
+        let (mut min, mut max) = (glam::Vec3::INFINITY, glam::Vec3::NEG_INFINITY);
         let start = self.bytes.len();
         for position in positions {
-            for axis in 0..3 {
-                least[axis] = least[axis].min(position[axis]);
-                greatest[axis] = greatest[axis].max(position[axis]);
-                self.bytes.extend(position[axis].to_le_bytes());
-            }
+            // In this order, coordinates that are not numbers are passed over.
+            (min, max) = (position.min(min), position.max(max));
+            self.bytes.extend(position.to_array().into_iter().flat_map(f32::to_le_bytes));
         }
-        if !least.iter().chain(&greatest).all(|part| part.is_finite()) {
+        if !(min.is_finite() && max.is_finite()) {
             return Err("GLB has 32-bit coordinates, and some are too large for that".into());
         }
-        let view = self.close_view(start, VERTICES);
-        self.accessors.push(json!({
-            "bufferView": view,
+        let accessor = json!({
+            "bufferView": self.close_view(start, VERTICES),
             "componentType": FLOAT,
             "count": hull.vertex_count(),
             "type": "VEC3",
-            "min": least,
-            "max": greatest,
-        }));
-        Ok(self.accessors.len() - 1)
+            "min": min.to_array(),
+            "max": max.to_array(),
+        });
+        Ok(self.push("accessors", accessor))
     }
 
     /// The index of the accessor.
     fn add_indices(&mut self, hull: &MeshView) -> usize {
-        let is_short = hull.vertex_count() <= MOST_SHORT_INDICES;
         let start = self.bytes.len();
-        for index in hull.triangles().iter().flatten() {
-            if is_short {
-                self.bytes.extend((*index as u16).to_le_bytes());
-            } else {
-                self.bytes.extend(index.to_le_bytes());
-            }
-        }
-        let view = self.close_view(start, INDICES);
-        self.accessors.push(json!({
-            "bufferView": view,
-            "componentType": if is_short { UNSIGNED_SHORT } else { UNSIGNED_INT },
+        let indices = hull.triangles().as_flattened().iter();
+        let component = if hull.vertex_count() <= MOST_SHORT_INDICES {
+            self.bytes.extend(indices.flat_map(|&index| (index as u16).to_le_bytes()));
+            UNSIGNED_SHORT
+        } else {
+            self.bytes.extend(indices.flat_map(|index| index.to_le_bytes()));
+            UNSIGNED_INT
+        };
+        let accessor = json!({
+            "bufferView": self.close_view(start, INDICES),
+            "componentType": component,
             "count": hull.triangles().len() * 3,
             "type": "SCALAR",
-        }));
-        self.accessors.len() - 1
+        });
+        self.push("accessors", accessor)
     }
 
     /// Makes a buffer view of the bytes since `start`. What follows is aligned to four bytes.
     fn close_view(&mut self, start: usize, target: u32) -> usize {
-        self.views.push(json!({
-            "buffer": 0,
-            "byteOffset": start,
-            "byteLength": self.bytes.len() - start,
-            "target": target,
-        }));
+        let length = self.bytes.len() - start;
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
-        self.views.len() - 1
+        let view =
+            json!({ "buffer": 0, "byteOffset": start, "byteLength": length, "target": target });
+        self.push("bufferViews", view)
     }
 
     fn document(&mut self, centre: [f32; 3]) -> Value {
+        let mut top = json!({ "name": "hulls" });
+        let hulls = self.arrays.get("nodes").map_or(0, Vec::len);
+        // Arrays and buffers may not be empty.
+        if hulls > 0 {
+            top["translation"] = json!(centre);
+            top["children"] = (0..hulls).collect();
+            self.push("buffers", json!({ "byteLength": self.bytes.len() }));
+        }
+        let top = self.push("nodes", top);
         let mut document = json!({
             "asset": { "version": "2.0", "generator": concat!("hullwright ", env!("CARGO_PKG_VERSION")) },
             "scene": 0,
+            "scenes": [{ "name": "hulls", "nodes": [top] }],
         });
-        let children: Vec<usize> = (0..self.nodes.len()).collect();
-        let root = self.nodes.len();
-        if children.is_empty() {
-            // Arrays and buffers may not be empty.
-            document["scenes"] = json!([{ "name": "hulls", "nodes": [0] }]);
-            document["nodes"] = json!([{ "name": "hulls" }]);
-            return document;
-        }
-        self.nodes.push(json!({ "name": "hulls", "translation": centre, "children": children }));
-        document["scenes"] = json!([{ "name": "hulls", "nodes": [root] }]);
-        document["buffers"] = json!([{ "byteLength": self.bytes.len() }]);
-        for (name, array) in [
-            ("nodes", &mut self.nodes),
-            ("meshes", &mut self.meshes),
-            ("materials", &mut self.materials),
-            ("accessors", &mut self.accessors),
-            ("bufferViews", &mut self.views),
-        ] {
-            document[name] = Value::Array(std::mem::take(array));
+        for array in ["buffers", "nodes", "meshes", "materials", "accessors", "bufferViews"] {
+            if let Some(values) = self.arrays.remove(array) {
+                document[array] = Value::Array(values);
+            }
         }
         document
     }

@@ -6,7 +6,7 @@
 
 use crate::geometry::vector::Vector;
 
-/// Places are compared in steps of 2^-20 diagonals first, about the weld distance: what differs by rounding
+/// Places are compared in steps of 2^-20 of the diagonal first, about the weld distance: what differs by rounding
 /// alone, as a copy in other units, is in the same order.
 const STEPS: f64 = (1_u64 << 20) as f64;
 
@@ -16,7 +16,7 @@ const BITS: u32 = 21;
 /// In which order repair leaves vertices and triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MeshOrder {
-    /// That of the input. The paper's method takes it so: its groups depend on where they begin.
+    /// That of the input, for the paper's method: its groups depend on where they begin.
     Input,
     /// By place.
     Place,

@@ -3,8 +3,8 @@
 //! the default method divides them into patches.
 //!
 //! As the paper has it, the test looks one way only: the new vertex against the planes of the
-//! group, at the moment when the neighbour is considered. A polygon that waits in the queue is
-//! not tested again when its turn comes.
+//! group, at the moment when the neighbour is considered. A polygon in the queue is not
+//! tested again when its turn comes.
 
 use crate::control::Control;
 use crate::error::Error;
@@ -16,7 +16,7 @@ use super::adjacency::{Adjacency, NO_NEIGHBOUR};
 /// No group yet.
 const UNGROUPED: u32 = u32::MAX;
 
-/// Polygons between two looks at the control: fewer would cost time, more would delay a stop.
+/// Polygons between two checks of the control: fewer would cost time, more would delay a stop.
 const POLYGONS_PER_CHECK: usize = 256;
 
 /// A group label per triangle, and the number of groups. Labels count up in the order in which
@@ -33,8 +33,8 @@ pub struct Grouping {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Grown {
     pub grouping: Grouping,
-    /// From the planar threshold that was asked for up to just below this one, growing would have
-    /// taken the same course: each refusal was by more.
+    /// From its planar threshold up to just below this one, growing would have taken the same
+    /// course: each refusal was by more.
     pub same_below: f64,
 }
 
@@ -49,7 +49,7 @@ pub(crate) fn group(
     grow(mesh, adjacency, planar_threshold, angular_threshold, control).map(|grown| grown.grouping)
 }
 
-/// As [`group`], telling for which thresholds it holds.
+/// As [`group`], with the thresholds for which it holds.
 pub(crate) fn grow(
     mesh: &TriangleMesh,
     adjacency: &Adjacency,
@@ -98,7 +98,7 @@ pub(crate) fn grow(
         groups += 1;
     }
     let grouping = Grouping { labels, count: groups as usize };
-    Ok(Grown { grouping, same_below: planes.least_refusal() })
+    Ok(Grown { grouping, same_below: planes.least_refusal })
 }
 
 fn plane(mesh: &TriangleMesh, adjacency: &Adjacency, triangle: u32) -> Plane {
@@ -111,12 +111,10 @@ fn plane(mesh: &TriangleMesh, adjacency: &Adjacency, triangle: u32) -> Plane {
 fn farther_vertex(mesh: &TriangleMesh, current: u32, neighbour: u32) -> u32 {
     let own = mesh.triangles[current as usize];
     let [first, second, third] = mesh.triangles[neighbour as usize];
-    if !own.contains(&first) {
-        first
-    } else if !own.contains(&second) {
-        second
-    } else {
-        third
+    match (own.contains(&first), own.contains(&second)) {
+        (false, _) => first,
+        (true, false) => second,
+        (true, true) => third,
     }
 }
 
@@ -188,24 +186,24 @@ impl Plane {
 }
 
 /// Planes that are compared in one go, so that the compiler can use wide registers.
-const BLOCK: usize = 8;
+const BATCH: usize = 8;
 
-/// Blocks whose bounds are looked at in one go.
+/// Batches whose bounds are looked at in one go.
 const ROW: usize = 4;
 
 /// The planes of the forming group, and how vertices compared with them.
 struct Planes {
     threshold: f64,
-    /// In blocks: normals by coordinate, then offsets. The rest of the last block is behind
+    /// In batches: normals by coordinate, then offsets. The rest of the last batch is behind
     /// everything.
-    blocks: Vec<[[f64; BLOCK]; 4]>,
-    /// What mostly suffices to tell that nothing is in the way.
+    batches: Vec<[[f64; BATCH]; 4]>,
+    /// What mostly suffices to see that nothing is in the way.
     rows: Vec<Row>,
     count: usize,
-    /// The block that refused last will often refuse again.
+    /// The batch that refused last will often refuse again.
     refusing: Option<usize>,
     group: u32,
-    /// For each vertex the last group that it was compared with, and how many blocks, all of them full, allow
+    /// For each vertex the last group that it was compared with, and how many batches, all of them full, allow
     /// it.
     known: Vec<(u32, u32)>,
     /// The least distance of all that were too large.
@@ -215,14 +213,14 @@ struct Planes {
 /// In place of a group: none yet.
 const NO_GROUP: u32 = u32::MAX;
 
-/// In place of a number of blocks: the group has refused the vertex.
+/// In place of a number of batches: the group has refused the vertex.
 const REFUSED: u32 = u32::MAX;
 
 impl Planes {
     fn new(threshold: f64, vertices: usize) -> Self {
         Self {
             threshold,
-            blocks: Vec::new(),
+            batches: Vec::new(),
             rows: Vec::new(),
             count: 0,
             refusing: None,
@@ -235,7 +233,7 @@ impl Planes {
     /// Forgets the planes of the group before.
     fn start_group(&mut self, group: u32) {
         self.group = group;
-        self.blocks.clear();
+        self.batches.clear();
         self.rows.clear();
         self.count = 0;
         self.refusing = None;
@@ -244,23 +242,23 @@ impl Planes {
     /// Adds a plane, and a point of it.
     #[inline]
     fn push(&mut self, Plane { normal: Vector { x, y, z }, offset }: Plane, point: Vector) {
-        let place = self.count % BLOCK;
-        let lane = self.count / BLOCK % ROW;
+        let place = self.count % BATCH;
+        let lane = self.count / BATCH % ROW;
         if place == 0 {
-            let none = [0.0; BLOCK];
-            self.blocks.push([none, none, none, [f64::INFINITY; BLOCK]]);
+            let none = [0.0; BATCH];
+            self.batches.push([none, none, none, [f64::INFINITY; BATCH]]);
             if lane == 0 {
                 self.rows.push(Row::EMPTY);
             }
         }
-        if let (Some(block), Some(row)) = (self.blocks.last_mut(), self.rows.last_mut()) {
+        if let (Some(batch), Some(row)) = (self.batches.last_mut(), self.rows.last_mut()) {
             for (axis, value) in [x, y, z, offset].into_iter().enumerate() {
-                block[axis][place] = value;
-                row.blocks[lane][axis][place] = value as f32;
+                batch[axis][place] = value;
+                row.batches[lane][axis][place] = value as f32;
             }
             row.bounds.height[lane] = f32::INFINITY;
-            if place + 1 == BLOCK {
-                row.bounds.set(lane, block, point);
+            if place + 1 == BATCH {
+                row.bounds.set(lane, batch, point);
             }
         }
         self.count += 1;
@@ -287,23 +285,18 @@ impl Planes {
             self.known[vertex as usize].1 = REFUSED;
             return false;
         }
-        self.known[vertex as usize].1 = (self.count / BLOCK) as u32;
+        self.known[vertex as usize].1 = (self.count / BATCH) as u32;
         true
     }
 
-    /// The least distance by which a vertex was refused so far, in any group.
-    fn least_refusal(&self) -> f64 {
-        self.least_refusal
-    }
-
-    /// How far the point is in front of a plane of a block, if that is too far.
+    /// How far the point is in front of a plane of a batch, if that is too far.
     #[inline]
     fn refusal(&self, place: usize, position: Vector) -> Option<f64> {
-        let farthest = farthest(&self.blocks[place], position);
+        let farthest = farthest(&self.batches[place], position);
         (farthest > self.threshold).then_some(farthest)
     }
 
-    /// The first block from `start` on with a plane that has the point too far in front of it, and
+    /// The first batch from `start` on with a plane that has the point too far in front of it, and
     /// how far.
     fn first_refusal(&self, start: usize, position: Vector) -> Option<(usize, f64)> {
         let point = position.as_vec3().to_array();
@@ -318,7 +311,7 @@ impl Planes {
                 let place = index * ROW + lane;
                 if excess[lane] > 0.0
                     && place >= start
-                    && is_any_above(&row.blocks[lane], point, threshold)
+                    && is_any_above(&row.batches[lane], point, threshold)
                     && let Some(farthest) = self.refusal(place, position)
                 {
                     return Some((place, farthest));
@@ -329,21 +322,21 @@ impl Planes {
     }
 }
 
-/// A few blocks in single precision.
+/// A few batches in single precision.
 struct Row {
     bounds: Bounds,
-    blocks: [[[f32; BLOCK]; 4]; ROW],
+    batches: [[[f32; BATCH]; 4]; ROW],
 }
 
 impl Row {
     const EMPTY: Self = {
-        let none = [0.0; BLOCK];
-        Self { bounds: Bounds::EMPTY, blocks: [[none, none, none, [f32::INFINITY; BLOCK]]; ROW] }
+        let none = [0.0; BATCH];
+        Self { bounds: Bounds::EMPTY, batches: [[none, none, none, [f32::INFINITY; BATCH]]; ROW] }
     };
 }
 
-/// Distances from the planes of a block are bounded by that from a plane between them; here for
-/// a few blocks side by side, in single precision and with room for its rounding.
+/// Distances from the planes of a batch are bounded by that from a plane between them; here for
+/// a few batches side by side, in single precision and with room for its rounding.
 ///
 /// With a mean normal m and a point c, n · x − o = m · (x − c) + (n − m) · (x − c) + (n · c − o),
 /// where the second term is at most the spread of the normals times ‖x − c‖.
@@ -353,7 +346,7 @@ struct Bounds {
     centre: [[f32; ROW]; 3],
     /// Greatest squared ‖n − m‖.
     squared_spread: [f32; ROW],
-    /// Greatest n · c − o. Infinite where a block is not full, and less than anything where there is
+    /// Greatest n · c − o. Infinite where a batch is not full, and less than anything where there is
     /// none.
     height: [f32; ROW],
 }
@@ -370,12 +363,12 @@ impl Bounds {
         height: [f32::NEG_INFINITY; ROW],
     };
 
-    /// Sets the bound of a block that is full. The centre should be near its planes.
-    fn set(&mut self, lane: usize, [x, y, z, offset]: &[[f64; BLOCK]; 4], centre: Vector) {
-        let normals: [Vector; BLOCK] =
+    /// Sets the bound of a batch that is full. The centre should be near its planes.
+    fn set(&mut self, lane: usize, [x, y, z, offset]: &[[f64; BATCH]; 4], centre: Vector) {
+        let normals: [Vector; BATCH] =
             std::array::from_fn(|lane| Vector::new(x[lane], y[lane], z[lane]));
         let sum = normals.iter().fold(Vector::ZERO, |sum, &normal| sum + normal);
-        let normal = sum * (1.0 / BLOCK as f64);
+        let normal = sum * (1.0 / BATCH as f64);
         let spread = |&other: &Vector| other.distance_squared(normal);
         let height = normals.iter().zip(offset).map(|(&n, o)| n.dot(centre) - o);
         for axis in 0..3 {
@@ -386,7 +379,7 @@ impl Bounds {
         self.height[lane] = height.fold(f64::NEG_INFINITY, f64::max) as f32;
     }
 
-    /// For each block a number that is positive unless no distance can be above the threshold.
+    /// For each batch a number that is positive unless no distance can be above the threshold.
     #[inline]
     fn excess(&self, [x, y, z]: [f32; 3], threshold: f32) -> [f32; ROW] {
         std::array::from_fn(|lane| {
@@ -402,11 +395,11 @@ impl Bounds {
     }
 }
 
-/// The distance of a point from the plane of a block that it is farthest in front of.
+/// The distance of a point from the plane of a batch that it is farthest in front of.
 #[inline]
-fn farthest([x, y, z, offset]: &[[f64; BLOCK]; 4], point: Vector) -> f64 {
-    let mut distances = [0.0; BLOCK];
-    for lane in 0..BLOCK {
+fn farthest([x, y, z, offset]: &[[f64; BATCH]; 4], point: Vector) -> f64 {
+    let mut distances = [0.0; BATCH];
+    for lane in 0..BATCH {
         distances[lane] =
             x[lane] * point[0] + y[lane] * point[1] + z[lane] * point[2] - offset[lane];
     }
@@ -417,11 +410,11 @@ fn farthest([x, y, z, offset]: &[[f64; BLOCK]; 4], point: Vector) -> f64 {
     larger(larger(quarters[0], quarters[2]), larger(quarters[1], quarters[3]))
 }
 
-/// Whether a distance of a point from the planes of a block is above the threshold.
+/// Whether a distance of a point from the planes of a batch is above the threshold.
 #[inline]
-fn is_any_above([x, y, z, offset]: &[[f32; BLOCK]; 4], point: [f32; 3], threshold: f32) -> bool {
+fn is_any_above([x, y, z, offset]: &[[f32; BATCH]; 4], point: [f32; 3], threshold: f32) -> bool {
     let mut any = false;
-    for lane in 0..BLOCK {
+    for lane in 0..BATCH {
         let distance = x[lane] * point[0] + y[lane] * point[1] + z[lane] * point[2] - offset[lane];
         // Not a choice between ways, which would be taken lane by lane.
         any |= distance > threshold;
@@ -431,18 +424,14 @@ fn is_any_above([x, y, z, offset]: &[[f32; BLOCK]; 4], point: [f32; 3], threshol
 
 #[inline]
 fn largest([a, b, c, d]: [f32; 4]) -> f32 {
+    let larger = |a: f32, b: f32| if a > b { a } else { b };
     larger(larger(a, c), larger(b, d))
-}
-
-#[inline]
-fn larger(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::shapes::{cuboid, join};
+    use crate::mesh::shapes::{cuboid, join, torus};
 
     fn groups_of(mesh: &TriangleMesh, p: f64, a: f64) -> Grouping {
         group(mesh, &Adjacency::new(mesh), p, a, &Control::new()).unwrap()
@@ -450,54 +439,32 @@ mod tests {
 
     /// A strip of two unit squares along x whose second one rises by `rise` at its end.
     fn strip(rise: f64) -> TriangleMesh {
-        let positions = vec![
-            [0.0, 0.0, 0.0],
-            [1.0, 0.0, 0.0],
-            [2.0, 0.0, rise],
-            [0.0, 1.0, 0.0],
-            [1.0, 1.0, 0.0],
-            [2.0, 1.0, rise],
-        ];
-        TriangleMesh {
-            positions,
-            triangles: vec![[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]],
-            ..TriangleMesh::default()
+        let row = |y: f64| [[0.0, y, 0.0], [1.0, y, 0.0], [2.0, y, rise]];
+        let triangles = vec![[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]];
+        TriangleMesh::new([row(0.0), row(1.0)].concat(), triangles)
+    }
+
+    #[test]
+    fn bending_outward_goes_on_and_bending_inward_stops_where_a_threshold_does_not_allow_it() {
+        let cube = cuboid([0.0; 3], [1.0; 3]);
+        let boxes = join(&[cube.clone(), cuboid([2.0; 3], [3.0; 3])]);
+        for (mesh, p, a, count) in [
+            (cube, 0.01, 0.01, 1),
+            (boxes, 1.0, 1.0, 2),
+            (strip(-0.5), 0.01, 0.01, 1),
+            (strip(0.5), 0.01, 0.01, 2),
+            (strip(0.05), 0.1, 0.1, 1),
+            (strip(0.05), 0.01, 0.1, 2),
+            (strip(0.05), 0.1, 0.01, 2),
+        ] {
+            assert_eq!(groups_of(&mesh, p, a).count, count, "{p}, {a}");
         }
-    }
-
-    #[test]
-    fn a_cube_is_one_group() {
-        assert_eq!(groups_of(&cuboid([0.0; 3], [1.0; 3]), 0.01, 0.01).count, 1);
-    }
-
-    #[test]
-    fn disjoint_boxes_are_two_groups() {
-        let boxes = join(&[cuboid([0.0; 3], [1.0; 3]), cuboid([2.0; 3], [3.0; 3])]);
-        assert_eq!(groups_of(&boxes, 1.0, 1.0).count, 2);
-    }
-
-    #[test]
-    fn bending_outward_goes_on_and_bending_inward_stops() {
-        assert_eq!(groups_of(&strip(-0.5), 0.01, 0.01).count, 1);
-        assert_eq!(groups_of(&strip(0.5), 0.01, 0.01).count, 2);
-    }
-
-    #[test]
-    fn both_thresholds_must_allow_a_bend() {
-        assert_eq!(groups_of(&strip(0.05), 0.1, 0.1).count, 1);
-        assert_eq!(groups_of(&strip(0.05), 0.01, 0.1).count, 2);
-        assert_eq!(groups_of(&strip(0.05), 0.1, 0.01).count, 2);
-    }
-
-    #[test]
-    fn every_triangle_has_a_group_below_the_count() {
-        let grouping = groups_of(&strip(0.5), 0.01, 0.01);
-        assert_eq!(grouping.labels, [0, 0, 1, 1]);
+        assert_eq!(groups_of(&strip(0.5), 0.01, 0.01).labels, [0, 0, 1, 1]);
     }
 
     #[test]
     fn thresholds_up_to_the_least_refusal_give_the_same_groups() {
-        let mesh = crate::mesh::shapes::torus(24, 12);
+        let mesh = torus(24, 12);
         let adjacency = Adjacency::new(&mesh);
         for p in [0.0, 0.001, 0.01, 0.05, 0.1] {
             let grown = grow(&mesh, &adjacency, p, 0.01, &Control::new()).unwrap();
@@ -509,8 +476,8 @@ mod tests {
 
     #[test]
     fn what_is_remembered_of_vertices_changes_no_answer() {
-        // As the paper says it: each vertex against each plane, each time.
-        let mesh = crate::mesh::shapes::torus(40, 20);
+        // As in the paper: each vertex against each plane, each time.
+        let mesh = torus(40, 20);
         let adjacency = Adjacency::new(&mesh);
         for p in [0.0, 0.003, 0.02, 0.1] {
             let mut labels = vec![UNGROUPED; mesh.triangles.len()];
@@ -547,7 +514,7 @@ mod tests {
     fn cancelling_stops_it() {
         let control = Control::new();
         control.cancel();
-        let mesh = crate::mesh::shapes::torus(32, 16);
+        let mesh = torus(32, 16);
         let result = group(&mesh, &Adjacency::new(&mesh), 0.0, 0.0, &control);
         assert_eq!(result, Err(Error::Cancelled));
     }

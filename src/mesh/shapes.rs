@@ -10,24 +10,12 @@ use crate::geometry::vector::{Vector, as_vectors};
 pub fn cuboid(low: impl Into<Vector>, high: impl Into<Vector>) -> TriangleMesh {
     let (low, high) = (low.into(), high.into());
     let pick = |bit: usize, axis: usize| if bit == 0 { low[axis] } else { high[axis] };
-    TriangleMesh {
-        positions: (0..8).map(|v| [pick(v & 1, 0), pick(v & 2, 1), pick(v & 4, 2)]).collect(),
-        triangles: vec![
-            [0, 2, 3],
-            [0, 3, 1],
-            [0, 1, 5],
-            [0, 5, 4],
-            [2, 6, 7],
-            [2, 7, 3],
-            [0, 4, 6],
-            [0, 6, 2],
-            [1, 3, 7],
-            [1, 7, 5],
-            [4, 5, 7],
-            [4, 7, 6],
-        ],
-        ..TriangleMesh::default()
-    }
+    let sides =
+        [[0, 2, 3, 1], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5], [4, 5, 7, 6]];
+    TriangleMesh::new(
+        (0..8).map(|v| [pick(v & 1, 0), pick(v & 2, 1), pick(v & 4, 2)]).collect(),
+        sides.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
+    )
 }
 
 /// A sphere of `2 n (n - 1)` triangles, outward.

@@ -23,8 +23,7 @@ use std::borrow::Cow;
 
 use meshoptimizer_rs::{Limits, Positions, SimplifyOptions, SimplifySettings, Workspace};
 
-use super::degenerate::is_degenerate;
-use super::prepared::compact;
+use super::repair::{compact, is_degenerate};
 use super::weld::WELD_TOLERANCE;
 use crate::control::Control;
 use crate::error::Error;
@@ -48,7 +47,7 @@ const LEAST_LIMIT: u32 = 1 << 20;
 /// The library can't be stopped. Up to so many triangles it takes some milliseconds and runs on the calling thread.
 const WAITED_FOR: usize = 1 << 13;
 
-/// The simplifier sees coordinates rounded to a multiple of the diagonal over this. Of a mesh in double
+/// The simplifier gets coordinates rounded to a multiple of the diagonal over this. Of a mesh in double
 /// precision that was moved by a thousand of its sizes fewer digits are left than single precision keeps
 /// of the one that was not, and edges that cost the same would collapse in another order. (A coordinate
 /// between two multiples can still fall either way, but hardly one does.)
@@ -120,19 +119,9 @@ pub(crate) fn simplify(
         *vertex = separated.source_vertex(*vertex);
     }
     let source_vertices = compact(&mut triangles, mesh.positions.len());
-    Ok(SimplifiedMesh {
-        mesh: TriangleMesh {
-            positions: source_vertices
-                .iter()
-                .map(|&vertex| mesh.positions[vertex as usize])
-                .collect(),
-            triangles,
-            ..TriangleMesh::default()
-        },
-        source_vertices,
-        components,
-        error,
-    })
+    let positions = source_vertices.iter().map(|&vertex| mesh.positions[vertex as usize]).collect();
+    let mesh = TriangleMesh::new(positions, triangles);
+    Ok(SimplifiedMesh { mesh, source_vertices, components, error })
 }
 
 fn limits(triangles: usize) -> Limits {
@@ -161,7 +150,7 @@ fn collapse_edges_of_all(
     leave_if_stopped(collapse, control)?.unwrap_or_else(failed)
 }
 
-/// Positions as the library sees them.
+/// Positions as the library gets them.
 fn rounded(positions: &[Vector]) -> Vec<[f32; 3]> {
     let rounded = |x: f64| ((x * GRID).round() / GRID) as f32;
     positions.iter().map(|position| position.to_array().map(rounded)).collect()
@@ -190,8 +179,8 @@ fn collapse_edges(
 
 /// A mesh whose components share no vertex: where they touch, all but one have a copy.
 ///
-/// The library sees that copies are at the same place and does not move them. A shared vertex it
-/// would move, and with it the triangles of one component into the other.
+/// The library finds copies by their place and does not move them. It would move a shared vertex, and
+/// with it the triangles of one component into the other.
 struct Separated<'a> {
     positions: Cow<'a, [Vector]>,
     triangles: Cow<'a, [[u32; 3]]>,
@@ -352,28 +341,38 @@ mod tests {
 
     #[test]
     fn the_target_is_the_count_times_q_until_it_is_at_most_r() {
-        // 11258, 9006, 7204, 5763, 4610, 3688, 2950, 2360, 1888, 1510, 1208, 966, 772, 617, 493
-        assert_eq!(simplification_target(11_258, 0.8, 3000), 2950);
-        assert_eq!(simplification_target(11_258, 0.8, 2000), 1888);
-        assert_eq!(simplification_target(11_258, 0.8, 1000), 966);
-        assert_eq!(simplification_target(11_258, 0.8, 500), 493);
+        for (triangles, quality, maximum, target) in [
+            // 11258, 9006, 7204, 5763, 4610, 3688, 2950, 2360, 1888, 1510, 1208, 966, 772, 617, 493
+            (11_258, 0.8, 3000, 2950),
+            (11_258, 0.8, 2000, 1888),
+            (11_258, 0.8, 1000, 966),
+            (11_258, 0.8, 500, 493),
+            // What is small enough stays.
+            (500, 0.8, 500, 500),
+            (12, 0.8, 500, 12),
+            // A quality of one means no simplification.
+            (11_258, 1.0, 500, 11_258),
+            // Each step takes away a triangle at least.
+            (1000, 0.999_999, 3, 3),
+            (1000, 1e-9, 3, 0),
+        ] {
+            assert_eq!(simplification_target(triangles, quality, maximum), target);
+        }
     }
 
-    #[test]
-    fn what_is_small_enough_stays() {
-        assert_eq!(simplification_target(500, 0.8, 500), 500);
-        assert_eq!(simplification_target(12, 0.8, 500), 12);
-    }
-
-    #[test]
-    fn a_quality_of_one_means_no_simplification() {
-        assert_eq!(simplification_target(11_258, 1.0, 500), 11_258);
-    }
-
-    #[test]
-    fn each_step_takes_away_a_triangle_at_least() {
-        assert_eq!(simplification_target(1000, 0.999_999, 3), 3);
-        assert_eq!(simplification_target(1000, 1e-9, 3), 0);
+    /// Simplified to a target, each vertex one of the source, and each used by a triangle with area.
+    fn simplified(source: &TriangleMesh, components: &[u32], target: usize) -> SimplifiedMesh {
+        let simplified = simplify(source, components, target, &Control::new()).unwrap();
+        let mesh = &simplified.mesh;
+        assert_eq!(mesh.triangles.len(), simplified.components.len());
+        assert_eq!(mesh.positions.len(), simplified.source_vertices.len());
+        for (position, &vertex) in mesh.points().iter().zip(&simplified.source_vertices) {
+            assert_eq!(position, &source.points()[vertex as usize]);
+        }
+        assert!(!mesh.triangles.iter().any(|&triangle| is_degenerate(mesh.points(), triangle)));
+        let used = |vertex: u32| mesh.triangles.as_flattened().contains(&vertex);
+        assert!((0..mesh.positions.len() as u32).all(used));
+        simplified
     }
 
     /// Several meshes as the components of one.
@@ -385,30 +384,12 @@ mod tests {
         (join(parts), components)
     }
 
-    fn assert_sound(simplified: &SimplifiedMesh, source: &TriangleMesh) {
-        let mesh = &simplified.mesh;
-        assert_eq!(mesh.triangles.len(), simplified.components.len());
-        assert_eq!(mesh.positions.len(), simplified.source_vertices.len());
-        for (position, &vertex) in mesh.points().iter().zip(&simplified.source_vertices) {
-            assert_eq!(position, &source.points()[vertex as usize]);
-        }
-        for &triangle in &mesh.triangles {
-            assert!(!is_degenerate(mesh.points(), triangle));
-        }
-        let mut used = vec![false; mesh.positions.len()];
-        for &vertex in mesh.triangles.as_flattened() {
-            used[vertex as usize] = true;
-        }
-        assert!(!used.contains(&false));
-    }
-
     #[test]
     fn a_sphere_reaches_its_target_and_stays_closed() {
         let source = uv_sphere(40, [0.0; 3], 0.28);
         let components = vec![0; source.triangles.len()];
         for target in [2000, 1000, 250] {
-            let simplified = simplify(&source, &components, target, &Control::new()).unwrap();
-            assert_sound(&simplified, &source);
+            let simplified = simplified(&source, &components, target);
             let reached = simplified.mesh.triangles.len();
             assert!(reached <= target && reached + 10 > target, "{reached}");
             let adjacency = Adjacency::new(&simplified.mesh);
@@ -420,8 +401,7 @@ mod tests {
     fn a_target_that_is_reached_already_changes_nothing() {
         let source = uv_sphere(8, [0.0; 3], 0.28);
         let components = vec![0; source.triangles.len()];
-        let simplified =
-            simplify(&source, &components, source.triangles.len(), &Control::new()).unwrap();
+        let simplified = simplified(&source, &components, source.triangles.len());
         assert_eq!(simplified.mesh, source);
         assert_eq!(simplified.error, 0.0);
     }
@@ -435,8 +415,7 @@ mod tests {
             parts.push(uv_sphere(8, centre, 0.004));
         }
         let (source, components) = join_components(&parts);
-        let simplified = simplify(&source, &components, 50, &Control::new()).unwrap();
-        assert_sound(&simplified, &source);
+        let simplified = simplified(&source, &components, 50);
         let measure_all = |mesh: &TriangleMesh, components: &[u32]| {
             measure(&Separated::new(mesh, components), &mesh.triangles, 13)
         };
@@ -457,8 +436,7 @@ mod tests {
             source.triangles.push([3 * i, 3 * i + 1, 3 * i + 2]);
         }
         let components: Vec<u32> = (0..100).collect();
-        let simplified = simplify(&source, &components, 10, &Control::new()).unwrap();
-        assert_sound(&simplified, &source);
+        let simplified = simplified(&source, &components, 10);
         let mut left = simplified.components;
         left.sort_unstable();
         assert_eq!(left, components);
@@ -478,7 +456,7 @@ mod tests {
         source.triangles.extend(moved);
         let components: Vec<u32> =
             (0..source.triangles.len()).map(|t| u32::from(t >= half)).collect();
-        let simplified = simplify(&source, &components, 60, &Control::new()).unwrap();
+        let simplified = simplified(&source, &components, 60);
         for (triangle, &component) in simplified.mesh.triangles.iter().zip(&simplified.components) {
             let height =
                 triangle.iter().map(|&v| simplified.mesh.points()[v as usize][2]).sum::<f64>();

@@ -1,7 +1,7 @@
 //! Vertices at the same place become one.
 //!
-//! A hash grid whose cells are much larger than the tolerance: nearly every vertex looks into its
-//! own cell alone, and only one whose tolerance ball touches another cell looks there too.
+//! A hash grid whose cells are much larger than the tolerance: nearly every vertex is compared
+//! with those of its own cell alone, and only one whose tolerance ball touches another cell with those there too.
 
 use crate::control::Control;
 use crate::error::Error;
@@ -13,14 +13,14 @@ use crate::geometry::vector::Vector;
 /// is a hundred times larger than this.
 pub(crate) const WELD_TOLERANCE: f64 = 1e-6;
 
-/// Side of a cell in tolerances: at 32 one vertex in six looks into a second cell, and a cell
+/// Side of a cell over the tolerance: at 32 one vertex in six is near a second cell, and a cell
 /// still holds few vertices where the mesh is finest.
 const CELL_SIDE: f64 = 32.0;
 
 /// Slots of the hash table per vertex.
 const SLOTS_PER_VERTEX: usize = 2;
 
-/// Vertices between two looks at the control.
+/// Vertices between two checks of the control.
 const VERTICES_PER_CHECK: usize = 16_384;
 
 const NONE: u32 = u32::MAX;

@@ -6,7 +6,7 @@
 
 use crate::geometry::vector::{Vector, mean};
 use crate::mesh::PreparedMesh;
-use crate::mesh::connectivity::{SortedHalfEdges, ascends};
+use crate::mesh::adjacency::{SortedHalfEdges, ascends};
 
 /// A simple closed polygon along the boundary.
 #[derive(Debug, Clone, PartialEq)]

@@ -13,8 +13,7 @@
 
 use std::ops::RangeInclusive;
 
-use crate::bvh::Bvh;
-use crate::bvh::near_plane::Slab;
+use crate::bvh::{Bvh, Slab};
 use crate::geometry::vector::{Vector, area_normal, bounds};
 
 /// A face near more triangles is halved first: subtracting many triangles takes longer. The limit

@@ -2,8 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::bvh::Bvh;
-use crate::bvh::closest_triangles::closest_labels;
+use crate::bvh::{Bvh, closest_labels};
 use crate::control::{Control, Stage};
 use crate::decomposition::{GroupedMesh, Hull, HullErrors, Provenance};
 use crate::error::Error;

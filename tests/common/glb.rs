@@ -16,3 +16,9 @@ pub fn glb(document: &Value, chunk: &[u8]) -> Vec<u8> {
     bytes.extend(chunk);
     bytes
 }
+
+/// The document of a GLB and its binary chunk.
+pub fn parts(glb: &[u8]) -> (Value, &[u8]) {
+    let json_end = 20 + u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
+    (serde_json::from_slice(&glb[20..json_end]).unwrap(), &glb[json_end + 8..])
+}

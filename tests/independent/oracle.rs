@@ -23,7 +23,7 @@ pub fn middle(a: Point, b: Point) -> Point {
     [0, 1, 2].map(|k| 0.5 * (a[k] + b[k]))
 }
 
-/// A triangle, with a ball around it that tells most triangles apart from the nearest.
+/// A triangle, with a ball around it by which most triangles are known not to be the nearest.
 #[derive(Clone, Copy)]
 pub struct Triangle {
     pub corners: [Point; 3],

@@ -8,7 +8,7 @@ use hullwright::{Decomposition, TriangleMesh};
 use super::nearest::Tree;
 use super::oracle::{Convex, Point, Triangle, cross, middle, minus, norm, winding_number};
 
-/// Corners and middles of the surface's triangles are asked of this many of them, evenly spread.
+/// Corners and middles are samples for this many of the surface's triangles, evenly spread.
 const MOST_TRIANGLES: usize = 20_000;
 
 /// Solid angles that are summed for one mesh: some seconds. Points beyond that stay undecided.
@@ -17,7 +17,7 @@ const MOST_SOLID_ANGLES: usize = 100_000_000;
 /// As the library defines the inside.
 const INSIDE: f64 = 0.5;
 
-/// What the samples say, in diagonals.
+/// What the samples show; lengths are fractions of the diagonal.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Sampled {
     /// The farthest that a sample of a hull is outside of the solid.
@@ -29,7 +29,7 @@ pub struct Sampled {
     pub beyond_verified: f64,
     /// Points on hulls and on the surface.
     pub samples: usize,
-    /// Points of hulls of which there was no time to say whether they are inside.
+    /// Points of hulls of which it was not decided in time whether they are inside.
     pub undecided: usize,
 }
 

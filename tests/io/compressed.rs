@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::glb::glb;
+use crate::glb::{glb, parts};
 use hullwright::io::{Format, MeshFile, read_mesh, read_mesh_from_bytes, read_own_meshes};
 use hullwright::{Control, Parameters, decompose};
 use meshoptimizer_rs::Workspace;
@@ -299,8 +299,8 @@ fn streams_that_grow_without_end_are_an_error() {
 /// A file that another program compressed, taken apart.
 fn taken_apart(file: &str) -> (Value, Vec<u8>) {
     let bytes = std::fs::read(path("tests/data").join(file)).unwrap();
-    let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
-    (serde_json::from_slice(&bytes[20..20 + length]).unwrap(), bytes[28 + length..].to_vec())
+    let (document, chunk) = parts(&bytes);
+    (document, chunk.to_vec())
 }
 
 #[test]
@@ -333,7 +333,7 @@ fn a_draco_stream_that_does_not_fit_its_description_is_an_error_that_says_what_t
 }
 
 #[test]
-fn a_draco_stream_is_placed_as_often_as_nodes_ask() {
+fn a_draco_stream_is_placed_once_for_each_node_and_primitive() {
     let (mut document, chunk) = taken_apart("mug_draco.glb");
     document["nodes"] = json!([{ "mesh": 0 }, { "mesh": 0, "translation": [1.0, 0.0, 0.0] }]);
     document["scenes"] = json!([{ "nodes": [0, 1] }]);

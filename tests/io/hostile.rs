@@ -2,7 +2,10 @@
 //! inserted, dropped or cut off, by a fixed seed.
 
 use hullwright::Error;
-use hullwright::io::{Format, MeshFile, NamedMesh, read_mesh, read_mesh_from_bytes, write_hulls};
+use hullwright::io::{Format, MeshFile, read_mesh, read_mesh_from_bytes, write_hulls};
+
+use crate::glb::parts;
+use crate::writers::tetrahedron;
 
 /// Damaged files per valid file.
 const ATTEMPTS: u64 = 4_000;
@@ -20,7 +23,7 @@ impl Random {
 }
 
 /// Bytes that matter to some format: signs, digits, separators, extremes.
-const TELLING: &[u8] = b"-+.eE0129 \n\r\t/\\#\"{}[],:\x00\x01\x7f\x80\xff";
+const SPECIAL: &[u8] = b"-+.eE0129 \n\r\t/\\#\"{}[],:\x00\x01\x7f\x80\xff";
 
 fn damage(valid: &[u8], random: &mut Random) -> Vec<u8> {
     let mut bytes = valid.to_vec();
@@ -29,8 +32,8 @@ fn damage(valid: &[u8], random: &mut Random) -> Vec<u8> {
         match random.below(7) {
             0 => bytes.truncate(at),
             1 if at < bytes.len() => bytes[at] ^= 1 << random.below(8),
-            2 if at < bytes.len() => bytes[at] = TELLING[random.below(TELLING.len())],
-            3 => bytes.insert(at, TELLING[random.below(TELLING.len())]),
+            2 if at < bytes.len() => bytes[at] = SPECIAL[random.below(SPECIAL.len())],
+            3 => bytes.insert(at, SPECIAL[random.below(SPECIAL.len())]),
             4 => {
                 let end = (at + 1 + random.below(8)).min(bytes.len());
                 bytes.drain(at.min(end)..end);
@@ -62,20 +65,27 @@ fn assert_indices_name_vertices(file: &MeshFile) {
     assert_eq!(end, file.mesh.triangles.len());
 }
 
+/// Whether damaged bytes are refused as a file; what is read has sound indices.
+fn is_refused(format: Format, bytes: &[u8]) -> bool {
+    match read_mesh_from_bytes(format, bytes) {
+        Ok(file) => {
+            assert_indices_name_vertices(&file);
+            false
+        }
+        Err(Error::File { source, .. }) => {
+            assert!(!source.to_string().is_empty());
+            true
+        }
+        Err(error) => panic!("unexpected kind of error: {error}"),
+    }
+}
+
 fn torture(format: Format, valid: &[u8]) {
     let file = read_mesh_from_bytes(format, valid).expect("the file is valid before it is damaged");
     assert!(!file.mesh.triangles.is_empty());
     let mut random = Random(0x9e37_79b9_7f4a_7c15);
     for _ in 0..ATTEMPTS {
-        match read_mesh_from_bytes(format, &damage(valid, &mut random)) {
-            Ok(file) => assert_indices_name_vertices(&file),
-            Err(error) => {
-                let Error::File { source, .. } = error else {
-                    panic!("unexpected kind of error: {error}");
-                };
-                assert!(!source.to_string().is_empty());
-            }
-        }
+        is_refused(format, &damage(valid, &mut random));
     }
 }
 
@@ -135,14 +145,12 @@ fn ply_binary() {
     for is_little in [true, false] {
         let endian = if is_little { "little" } else { "big" };
         let mut bytes = ply_header(&format!("binary_{endian}_endian")).into_bytes();
-        for number in PLY_VERTICES.iter().flatten() {
-            bytes.extend(if is_little { number.to_le_bytes() } else { number.to_be_bytes() });
-        }
+        let in_order =
+            |number: u32| if is_little { number.to_le_bytes() } else { number.to_be_bytes() };
+        bytes.extend(PLY_VERTICES.iter().flatten().flat_map(|x| in_order(x.to_bits())));
         for face in PLY_FACES {
             bytes.push(face.len() as u8);
-            for corner in face {
-                bytes.extend(if is_little { corner.to_le_bytes() } else { corner.to_be_bytes() });
-            }
+            bytes.extend(face.iter().flat_map(|&corner| in_order(corner as u32)));
             bytes.push(0);
         }
         torture(Format::Ply, &bytes);
@@ -166,20 +174,10 @@ fn stl_binary() {
     torture(Format::Stl, &bytes);
 }
 
-fn a_tetrahedron() -> NamedMesh {
-    NamedMesh {
-        name: String::new(),
-        mesh: hullwright::TriangleMesh::new(
-            vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-            vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
-        ),
-    }
-}
-
 fn glb() -> Vec<u8> {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("hulls.glb");
-    write_hulls(&path, &[a_tetrahedron(), a_tetrahedron()]).unwrap();
+    write_hulls(&path, &[tetrahedron([0.0; 3], 1.0), tetrahedron([0.0; 3], 1.0)]).unwrap();
     std::fs::read(path).unwrap()
 }
 
@@ -199,7 +197,7 @@ fn glb_with_other_numbers() {
 }
 
 fn with_other_numbers(whole: &[u8]) {
-    let json_end = 20 + u32::from_le_bytes(whole[12..16].try_into().unwrap()) as usize;
+    let json_end = whole.len() - parts(whole).1.len() - 8;
     let numbers: Vec<usize> = (20..json_end)
         .filter(|at| whole[*at].is_ascii_digit() && !whole[at - 1].is_ascii_digit())
         .collect();
@@ -214,9 +212,7 @@ fn with_other_numbers(whole: &[u8]) {
             // A number may not begin with a zero.
             bytes[start] = bytes[start].max(b'1');
         }
-        if let Ok(file) = read_mesh_from_bytes(Format::Gltf, &bytes) {
-            assert_indices_name_vertices(&file);
-        }
+        is_refused(Format::Gltf, &bytes);
     }
 }
 
@@ -240,8 +236,7 @@ fn compressed(file: &str) -> Vec<u8> {
 fn compressed_streams() {
     for file in COMPRESSED {
         let whole = compressed(file);
-        let json_end = 20 + u32::from_le_bytes(whole[12..16].try_into().unwrap()) as usize;
-        let chunk = json_end + 8;
+        let chunk = whole.len() - parts(&whole).1.len();
         let mut random = Random(0x2545_f491_4f6c_dd1d);
         let mut refused = 0;
         for _ in 0..ATTEMPTS {
@@ -250,11 +245,7 @@ fn compressed_streams() {
             // The description stays true to the length.
             stream.resize(whole.len() - chunk, 0);
             bytes[chunk..].copy_from_slice(&stream);
-            match read_mesh_from_bytes(Format::Gltf, &bytes) {
-                Ok(file) => assert_indices_name_vertices(&file),
-                Err(Error::File { .. }) => refused += 1,
-                Err(error) => panic!("unexpected kind of error: {error}"),
-            }
+            refused += u64::from(is_refused(Format::Gltf, &bytes));
         }
         assert!(refused > ATTEMPTS / 10, "{file}: only {refused} damaged streams were refused");
     }

@@ -1,10 +1,13 @@
 //! What the writers of hull sets promise.
 
+use std::path::PathBuf;
+
+use crate::glb::parts;
 use hullwright::TriangleMesh;
 use hullwright::io::palette::{colour, linear};
 use hullwright::io::{NamedMesh, check_output, read_hulls, read_mesh, write_hulls};
 
-fn tetrahedron(corner: [f64; 3], size: f64) -> NamedMesh {
+pub fn tetrahedron(corner: [f64; 3], size: f64) -> NamedMesh {
     let [x, y, z] = corner;
     NamedMesh {
         name: String::new(),
@@ -15,17 +18,23 @@ fn tetrahedron(corner: [f64; 3], size: f64) -> NamedMesh {
     }
 }
 
+/// A folder, and a file in it that hulls have been written to.
+fn written(name: &str, hulls: &[NamedMesh]) -> (tempfile::TempDir, PathBuf) {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join(name);
+    write_hulls(&path, hulls).unwrap();
+    (directory, path)
+}
+
 fn two_hulls() -> Vec<NamedMesh> {
     vec![tetrahedron([0.1, -0.2, 1.0 / 3.0], 0.7), tetrahedron([1e-9, 2e5, 3.0], 1e3)]
 }
 
 #[test]
 fn obj_reads_back_bit_for_bit() {
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("hulls.obj");
     let hulls = two_hulls();
-    write_hulls(&path, &hulls).unwrap();
-    let back = read_hulls(&path).unwrap();
+    let (_directory, path) = written("hulls.obj", &hulls);
+    let back = read_hulls(path).unwrap();
     assert_eq!(back.len(), 2);
     for (index, (hull, back)) in hulls.iter().zip(&back).enumerate() {
         assert_eq!(back.name, format!("hull_{index}"));
@@ -38,11 +47,9 @@ fn obj_reads_back_bit_for_bit() {
 
 #[test]
 fn glb_reads_back_with_names_winding_and_places() {
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("hulls.glb");
     let hulls = two_hulls();
-    write_hulls(&path, &hulls).unwrap();
-    let file = read_mesh(&path).unwrap();
+    let (_directory, path) = written("hulls.glb", &hulls);
+    let file = read_mesh(path).unwrap();
     let names: Vec<&str> = file.objects.iter().map(|object| object.name.as_str()).collect();
     assert_eq!(names, ["hull_0", "hull_1"]);
     assert_eq!(file.mesh.triangles[..4], hulls[0].mesh.triangles);
@@ -57,11 +64,8 @@ fn glb_reads_back_with_names_winding_and_places() {
 
 #[test]
 fn glb_keeps_the_shape_of_hulls_far_from_the_origin() {
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("far.glb");
-    let far = tetrahedron([1e7, -2e7, 3e7], 1.0);
-    write_hulls(&path, [&far]).unwrap();
-    let back = &read_hulls(&path).unwrap()[0];
+    let (_directory, path) = written("far.glb", &[tetrahedron([1e7, -2e7, 3e7], 1.0)]);
+    let back = &read_hulls(path).unwrap()[0];
     let corner = back.mesh.positions[0];
     for position in &back.mesh.positions {
         for axis in 0..3 {
@@ -73,12 +77,9 @@ fn glb_keeps_the_shape_of_hulls_far_from_the_origin() {
 
 #[test]
 fn glb_states_bounds_and_one_colour_per_hull() {
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("hulls.glb");
-    write_hulls(&path, &two_hulls()).unwrap();
-    let bytes = std::fs::read(&path).unwrap();
-    let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
-    let document: serde_json::Value = serde_json::from_slice(&bytes[20..20 + length]).unwrap();
+    let (_directory, path) = written("hulls.glb", &two_hulls());
+    let bytes = std::fs::read(path).unwrap();
+    let (document, _) = parts(&bytes);
     assert_eq!(bytes.len() % 4, 0);
     assert_eq!(document["asset"]["version"], "2.0");
     for index in 0..2 {
@@ -96,9 +97,7 @@ fn glb_states_bounds_and_one_colour_per_hull() {
 
 #[test]
 fn a_set_of_no_hulls_is_a_valid_file_without_triangles() {
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("none.glb");
-    write_hulls(&path, &Vec::<NamedMesh>::new()).unwrap();
+    let (_directory, path) = written("none.glb", &[]);
     assert!(read_mesh(&path).unwrap().mesh.triangles.is_empty());
     assert!(read_hulls(&path).unwrap_err().to_string().contains("no hulls"));
 }
@@ -128,9 +127,7 @@ fn a_file_is_replaced_at_once_and_nothing_is_left_beside_it() {
 
 #[test]
 fn what_fails_leaves_the_old_file_alone() {
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("hulls.glb");
-    write_hulls(&path, &two_hulls()).unwrap();
+    let (directory, path) = written("hulls.glb", &two_hulls());
     let before = std::fs::read(&path).unwrap();
     let too_large = tetrahedron([0.0; 3], 1e300);
     assert!(write_hulls(&path, [&too_large]).unwrap_err().to_string().contains("32-bit"));

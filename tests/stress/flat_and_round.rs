@@ -2,30 +2,32 @@
 
 use std::f64::consts::{PI, TAU};
 
-use hullwright::convex_hull;
+use hullwright::{ConvexHull, convex_hull};
 
-use crate::common::Random;
-use crate::common::{Mesh, lathe};
+use crate::common::{Mesh, Random, lathe};
 use crate::independent::exact::{Faults, faults};
 use crate::{assert_sound, placed};
+
+/// The hull of points, which is exactly convex.
+fn exact_hull(points: &[[f64; 3]]) -> ConvexHull {
+    let hull = convex_hull(points).unwrap();
+    assert_eq!(faults(&hull.points, &hull.triangles), Faults::default());
+    hull
+}
 
 /// A flat side that is askew, so that none of its points is exactly in its plane, and of a million points.
 #[test]
 fn a_million_coplanar_points_are_the_corners_of_a_pyramid() {
     const SIDE: usize = 1000;
     let mut points = vec![[0.2, 0.3, 2.0]];
-    for index in 0..SIDE * SIDE {
-        let last = (SIDE - 1) as f64;
-        let (x, y) = ((index % SIDE) as f64 / last, (index / SIDE) as f64 / last);
-        points.push([x, y, (0.3 * x - 0.7 * y) / 3.0]);
-    }
-    let hull = convex_hull(&points).unwrap();
-    assert_eq!(hull.points.len(), 5);
-    assert_eq!(faults(&hull.points, &hull.triangles), Faults::default());
+    points.extend((0..SIDE * SIDE).map(|index| {
+        let [x, y] = [index % SIDE, index / SIDE].map(|k| k as f64 / (SIDE - 1) as f64);
+        [x, y, (0.3 * x - 0.7 * y) / 3.0]
+    }));
+    assert_eq!(exact_hull(&points).points.len(), 5);
     let rounded: Vec<[f64; 3]> = points.iter().map(|p| p.map(|x| f64::from(x as f32))).collect();
-    let hull = convex_hull(&rounded).unwrap();
-    assert_eq!(faults(&hull.points, &hull.triangles), Faults::default());
-    assert!(hull.points.len() < 20, "{}", hull.points.len());
+    let corners = exact_hull(&rounded).points.len();
+    assert!(corners < 20, "{corners}");
 }
 
 /// A box whose lid is askew and of so many triangles in a plane.
@@ -91,8 +93,7 @@ fn prisms_of_up_to_4096_sides_are_one_hull() {
     for sides in [3, 17, 64, 512, 4096] {
         for turn in [0.0, 0.1] {
             let mesh = regular_prism(sides, turn);
-            let hull = convex_hull(&mesh.0).unwrap();
-            assert_eq!(faults(&hull.points, &hull.triangles), Faults::default(), "{sides}");
+            let hull = exact_hull(&mesh.0);
             if sides <= 512 {
                 assert_eq!(hull.points.len() as u32, 2 * sides);
             }
@@ -124,7 +125,7 @@ fn tens_of_thousands_of_cospherical_points_have_an_exact_hull() {
     }
 }
 
-/// Quads of a lathe are coplanar but for rounding, so that flat and curved can not be told apart.
+/// Quads of a lathe are coplanar except for rounding, so that flat and curved can not be told apart.
 #[test]
 fn a_ring_of_coplanar_quads_at_any_turn_keeps_the_promise() {
     let ring = lathe(&[[0.7, 0.0], [1.0, 0.0], [1.0, 0.3], [0.7, 0.3]], 48);

@@ -31,7 +31,7 @@ use independent::sampling::sample;
 /// Points on hulls, and on the surface.
 const SAMPLES: usize = 2_000;
 
-/// Rounding, in diagonals: that of coordinates in single precision.
+/// Rounding of coordinates in single precision, as a fraction of the diagonal.
 const ROUNDING: f64 = 1e-6;
 
 /// The coordinates as files and engines hold them.
@@ -44,13 +44,16 @@ fn placed(mesh: &Mesh, mut place: impl FnMut([f64; 3]) -> [f64; 3]) -> Mesh {
     (mesh.0.iter().map(|&point| place(point)).collect(), mesh.1.clone())
 }
 
+fn decomposed((positions, triangles): &Mesh) -> Result<Decomposition, Error> {
+    let mesh = MeshView::new(positions, triangles);
+    decompose(mesh, &Parameters::default(), &Control::new())
+}
+
 /// Decomposes a mesh in single precision. Hulls in single precision are exactly convex bodies, what is
 /// verified is within the bound, and what is sampled within what is verified, hull by hull.
 fn assert_sound(name: &str, mesh: &Mesh) -> Decomposition {
-    let (positions, triangles) = single(mesh);
-    let mesh = MeshView::new(&positions, &triangles);
-    let (parameters, control) = (Parameters::default(), Control::new());
-    let found = decompose(mesh, &parameters, &control).unwrap_or_else(|e| panic!("{name}: {e}"));
+    let mesh = single(mesh);
+    let found = decomposed(&mesh).unwrap_or_else(|error| panic!("{name}: {error}"));
     assert!(!found.hulls.is_empty(), "{name}");
     for hull in &found.hulls {
         let (points, triangles) =

@@ -1,7 +1,6 @@
 //! Noise and jitter of every size: some of it always meets a tolerance.
 
-use crate::common::Random;
-use crate::common::{Mesh, ball, cup, l_prism, u_prism};
+use crate::common::{Mesh, Random, ball, cup, l_prism, u_prism};
 use crate::{assert_sound, placed};
 
 fn jittered(mesh: &Mesh, size: f64, seed: u64) -> Mesh {
@@ -63,9 +62,9 @@ fn lattice_soups_keep_the_promise() {
     }
 }
 
-/// The same in a plane but for next to nothing: sheets that cross, as thick as rounding.
+/// The same in a plane, up to next to nothing: sheets that cross, as thick as rounding.
 #[test]
-fn soups_that_are_flat_but_for_noise_keep_the_promise() {
+fn soups_that_are_flat_up_to_noise_keep_the_promise() {
     let mut random = Random(17);
     for exponent in [-12, -8, -7, -6, -4, -2, 0] {
         let positions = (0..60)

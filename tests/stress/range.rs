@@ -1,10 +1,10 @@
 //! Coordinates of any size, anywhere.
 
-use hullwright::{Control, Error, MeshView, Parameters, convex_hull, decompose};
+use hullwright::{Error, convex_hull};
 
 use crate::common::{Mesh, cuboid, torus, u_prism};
 use crate::independent::exact::{Faults, faults};
-use crate::{assert_sound, placed};
+use crate::{assert_sound, decomposed, placed};
 
 /// Squares and cubes of lengths leave the range of `f32` at 1e±13, and thresholds in absolute units show.
 #[test]
@@ -77,20 +77,16 @@ fn a_far_outlier_does_not_break_the_rest() {
 #[test]
 fn an_outlier_that_leaves_only_a_line_is_a_typed_error() {
     for distance in [1e12, 1e30, 3e38] {
-        let (positions, triangles) = u_with_an_outlier(distance);
-        let mesh = MeshView::new(&positions, &triangles);
-        let result = decompose(mesh, &Parameters::default(), &Control::new());
+        let result = decomposed(&u_with_an_outlier(distance));
         assert!(matches!(result, Err(Error::NothingUsable { .. })), "{distance:e}: {result:?}");
     }
 }
 
-/// Double precision reaches beyond what engines can hold: that is said, not rounded to infinity.
+/// Double precision reaches beyond what engines can hold: that is an error, not rounded to infinity.
 #[test]
-fn what_is_beyond_single_precision_has_hulls_that_say_so() {
+fn what_is_beyond_single_precision_has_hulls_whose_rounding_is_an_error() {
     for scale in [1e39, 1e150, 1e300] {
-        let (positions, triangles) = placed(&cuboid([0.0; 3], [1.0; 3]), |p| p.map(|x| x * scale));
-        let mesh = MeshView::new(&positions, &triangles);
-        let found = decompose(mesh, &Parameters::default(), &Control::new()).unwrap();
+        let found = decomposed(&cuboid([0.0; 3], [scale; 3])).unwrap();
         let shape = &found.hulls[0].shape;
         assert_eq!(faults(&shape.points, &shape.triangles), Faults::default(), "{scale:e}");
         assert!(matches!(shape.to_single_precision(), Err(Error::NoHull { .. })), "{scale:e}");
@@ -101,14 +97,13 @@ fn what_is_beyond_single_precision_has_hulls_that_say_so() {
 #[test]
 fn what_is_below_double_precision_is_a_typed_error_or_a_hull() {
     for scale in [1e-290, 1e-300, 1e-307, 1e-310, 5e-324] {
-        let (positions, triangles) = placed(&cuboid([0.0; 3], [1.0; 3]), |p| p.map(|x| x * scale));
-        let mesh = MeshView::new(&positions, &triangles);
-        match decompose(mesh, &Parameters::default(), &Control::new()) {
+        let mesh = cuboid([0.0; 3], [scale; 3]);
+        match decomposed(&mesh) {
             Ok(found) => assert_eq!(found.hulls.len(), 1, "{scale:e}"),
             Err(error) => {
                 assert!(matches!(error, Error::NothingUsable { .. }), "{scale:e}: {error}")
             }
         }
-        let _ = convex_hull(&positions);
+        let _ = convex_hull(&mesh.0);
     }
 }

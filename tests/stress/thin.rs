@@ -1,9 +1,9 @@
 //! Needles and plates: what is thin has normals that are all noise.
 
-use hullwright::{Control, Error, MeshView, Parameters, decompose};
+use hullwright::Error;
 
 use crate::common::{cuboid, join, lathe, u_prism};
-use crate::{assert_sound, placed};
+use crate::{assert_sound, decomposed, placed};
 
 fn askew([x, y, z]: [f64; 3]) -> [f64; 3] {
     [0.6 * x - 0.8 * y, 0.48 * x + 0.36 * y - 0.8 * z, 0.64 * x + 0.48 * y + 0.6 * z]
@@ -23,9 +23,7 @@ fn needles_of_millionths_in_any_direction_are_bodies() {
 #[test]
 fn a_needle_that_welding_makes_a_line_is_a_typed_error() {
     for width in [5e-7, 1e-7, 1e-12] {
-        let (positions, triangles) = placed(&cuboid([0.0; 3], [1.0, width, width]), askew);
-        let mesh = MeshView::new(&positions, &triangles);
-        let result = decompose(mesh, &Parameters::default(), &Control::new());
+        let result = decomposed(&placed(&cuboid([0.0; 3], [1.0, width, width]), askew));
         assert!(matches!(result, Err(Error::NothingUsable { .. })), "{width}: {result:?}");
     }
 }

@@ -3,8 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::assert_sound;
-use crate::common::Random;
-use crate::common::{Mesh, cuboid, join, turned};
+use crate::common::{Mesh, Random, cuboid, join, turned};
 
 /// A strip or tube over a grid: `wrap` says which vertex follows the last of a row.
 fn grid(n: u32, m: u32, at: impl Fn(f64, f64) -> [f64; 3], wrap: impl Fn(u32) -> u32) -> Mesh {
