@@ -6,7 +6,7 @@ use crate::geometry::vector::{
 };
 use crate::hull::convex_hull;
 use crate::mesh::Normalization;
-use crate::mesh::connectivity::{SortedHalfEdges, ascends};
+use crate::mesh::adjacency::{SortedHalfEdges, ascends};
 
 /// The edges of triangles with three different corners, vertices welded by position.
 pub(super) struct Edges {

@@ -9,9 +9,10 @@ use hullwright::{
 };
 
 use crate::burst;
-use crate::render::{Layout, Panel, Part, palette, render_with};
+use crate::render::{Layout, Panel, Part, render_with};
 use crate::shapes::{cuboid, join};
 use crate::terminal::{Failure, print};
+use hullwright::io::palette;
 
 /// Draw the pictures of the documents
 #[derive(clap::Args)]

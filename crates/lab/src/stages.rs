@@ -5,7 +5,6 @@ use std::process::{Command, Stdio};
 
 use hullwright::io::read_mesh;
 use hullwright::{Control, Parameters, Preset, decompose};
-use hullwright_cli::terminal::{Failure, print};
 
 use crate::statistics::median;
 use crate::terminal::{Failure, print};

@@ -123,10 +123,6 @@ impl Entry {
         Ok(entry)
     }
 
-    fn alternative(&self) -> String {
-        format!("{}: the mesh, our hulls, V-HACD's hulls", self.name)
-    }
-
     fn rows(&self) -> Vec<[String; 5]> {
         let row = |name: &str, of: &Measurement| {
             [
@@ -142,8 +138,6 @@ impl Entry {
         rows
     }
 }
-
-const HEADER: [&str; 5] = ["", "hulls", "vertices", "error", "IoU"];
 
 fn vhacd_hulls(mesh: MeshView<'_>) -> Vec<Hull> {
     let parameters = vhacd::parameters(&Run::VHACD_DEFAULT);
