@@ -22,7 +22,7 @@ mod range;
 mod thin;
 mod topology;
 
-use hullwright::{Control, Decomposition, MeshView, Parameters, close_openings, decompose};
+use hullwright::{Control, Decomposition, Error, MeshView, Parameters, close_openings, decompose};
 
 use common::Mesh;
 use independent::exact::{Faults, faults};
@@ -64,7 +64,8 @@ fn assert_sound(name: &str, mesh: &Mesh) -> Decomposition {
     let rounding = ROUNDING * found.run.diagonal;
     assert!(bounded.protrusion_max <= bounded.bound + rounding, "{name}: {bounded:?}");
     assert!(bounded.uncovered_max <= bounded.bound + rounding, "{name}: {bounded:?}");
-    let closed = close_openings(mesh, &parameters, &control).unwrap();
+    let view = MeshView::new(&mesh.0, &mesh.1);
+    let closed = close_openings(view, &Parameters::default(), &Control::new()).unwrap();
     let sampled = sample(&found, &closed.mesh, &closed.solid, SAMPLES);
     let uncovered = sampled.uncovered * found.run.diagonal;
     assert!(uncovered <= bounded.uncovered_max + rounding, "{name}: {sampled:?} {bounded:?}");

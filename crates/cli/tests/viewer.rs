@@ -7,13 +7,15 @@ use hullwright::{
 use hullwright_cli::viewer::{HullSet, Page};
 use serde_json::Value;
 
-use crate::common::{cuboid, join};
-
 /// Two boxes apart: two hulls, and one join.
 fn pair() -> TriangleMesh {
-    let parts = [cuboid([0.0; 3], [1.0; 3]), cuboid([2.0, 0.0, 0.0], [3.0, 1.0, 1.0])];
-    let (positions, triangles) = join(&parts);
-    TriangleMesh::new(positions, triangles)
+    let corners = |x: f64| {
+        (0..8).map(move |k| [x + f64::from(k & 1), f64::from(k >> 1 & 1), f64::from(k >> 2)])
+    };
+    let boxes = [0.0, 2.0].map(|x| convex_hull(&corners(x).collect::<Vec<_>>()).unwrap());
+    let second = boxes[1].triangles.iter().map(|corners| corners.map(|k| k + 8));
+    let triangles = boxes[0].triangles.iter().copied().chain(second).collect();
+    TriangleMesh::new([&boxes[0].points[..], &boxes[1].points].concat(), triangles)
 }
 
 fn page_of(mesh: &TriangleMesh, title: &str, names: &[&str]) -> String {
