@@ -163,10 +163,11 @@ async fn run_pass(
         .run(Stage::Patches, || divide_into_patches(patch_mesh, &solid, settings, control))
         .await?;
     let search = Search { solid: &solid, patches: &patches, settings, control };
-    let control = &deadline.for_search(control, stages.taken());
+    let until_verifying = &deadline.for_search(control, stages.taken());
     let pieces = stages.run(Stage::Merge, || merge(&search)).await?;
-    let cover = stages.run(Stage::Cover, || cover(&Search { control, ..search }, pieces)).await?;
-    deadline.end_search(control);
+    let hurried = &Search { control: until_verifying, ..search };
+    let cover = stages.run(Stage::Cover, || cover(hurried, pieces)).await?;
+    deadline.end_search(until_verifying);
     let hulls = stages.run(Stage::Finalize, || finalize(&search, cover)).await?;
     Ok(Found { solid, patches, hulls })
 }
@@ -188,8 +189,8 @@ async fn limit(
             break;
         }
         let settings = settings.with_bound(bound);
-        let share = |share| SEARCHED + (FINISHED - SEARCHED) * bounds.progress(share);
-        let (begin, middle, end) = (share(0.0), share(0.9), share(1.0));
+        let progress = |done| SEARCHED + (FINISHED - SEARCHED) * bounds.progress(done);
+        let (begin, middle, end) = (progress(0.0), progress(0.9), progress(1.0));
         stages.begin_pass(begin..middle, true);
         let pass = run_pass(prepared, None, &settings, stages, deadline).await;
         let Some(mut found) = deadline.end_pass(pass)? else { break };
@@ -215,7 +216,7 @@ async fn joined(found: Found, settings: &Settings, stages: &mut Stages) -> Resul
     Ok(Found { solid, patches, hulls: FinalHulls { hulls, uncovered } })
 }
 
-/// Coordinates are rounded to 2^-38 of the diagonal. A mesh in other units, which differs in the last
+/// The end of repair: coordinates are rounded to 2^-38 of the diagonal. A mesh in other units, which differs in the last
 /// bits, then breaks ties of symmetric shapes the same way.
 const ROUNDING: f64 = (1_u64 << 38) as f64;
 

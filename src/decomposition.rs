@@ -45,7 +45,8 @@ pub struct HullErrors {
     pub simplification_growth: f64,
     /// Protrusion: no point of the hull's surface is farther than this outside the solid. It is
     /// verified against the source. An upper bound: of closed meshes never below 0.29 of the requested
-    /// bound and too large by at most 4 % of it, of open and of very dense ones never below 0.79;
+    /// bound and too large by at most 4 % of it, of open ones never below 0.79, of very dense ones never below what
+    /// reducing them has moved vertices by;
     /// where a closer look would take long it may be as large as the bound. `None` for methods that verify nothing.
     pub protrusion_max: Option<f64>,
 }

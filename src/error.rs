@@ -90,11 +90,12 @@ pub enum Error {
     /// [`Control::cancel`](crate::Control::cancel) was called.
     #[error("cancelled")]
     Cancelled,
-    /// The deadline passed before there was any valid result:
-    /// [`Control::with_deadline`](crate::Control::with_deadline) says when that can be.
-    #[error("the deadline passed before there was any result")]
+    /// The time limit passed, or the deadline before there was any valid result: see
+    /// [`Control::with_time_limit`](crate::Control::with_time_limit) and
+    /// [`Control::with_deadline`](crate::Control::with_deadline).
+    #[error("the time ran out before there was a result")]
     DeadlineExceeded,
-    /// [`Decomposer::step`](crate::Decomposer::step) was called after the result or an error.
+    /// There is nothing left to run: [`Decomposer::step`](crate::Decomposer::step) was called after the result or an error.
     #[error("the work is already finished")]
     Finished,
     /// A file could not be read or written, or does not hold what its suffix says.

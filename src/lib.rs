@@ -95,9 +95,8 @@
 //!
 //! # Inside
 //!
-//! Imports go down only: `bevy` and `rapier` use the public items; below them are the public functions (`decompose`,
-//! `merge_tree`, `measure`, `mass`, `inspect`, `bake`), files (`io`, `hulls_format`), the methods (`bounded`, `surface`), and what they share (`stages`, `solid`, `openings`, `bvh`, `hull`, `mesh`,
-//! `parameters`, `control`, `error`, `parallel`, `geometry`). `CONTRIBUTING.md` has the table.
+//! Imports go down only: `bevy` and `rapier` use the public items; below them are the public functions, files, the two
+//! methods (`bounded`, `surface`), and what these share, from `solid` down to `geometry`. `CONTRIBUTING.md` has the table.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 

@@ -40,7 +40,7 @@ pub struct MergeTree {
     leaves: Vec<Hull>,
     /// Restores the tree's lengths, which are fractions of the diagonal.
     normalization: Normalization,
-    /// In units.
+    /// In the units of the mesh.
     uncovered: f64,
 }
 
@@ -53,9 +53,9 @@ pub struct CurvePoint {
     pub hulls: usize,
     /// The larger of the two errors below: the bound that this state keeps.
     pub error: f64,
-    /// No point of a hull's surface is farther than this outside the solid. In units.
+    /// No point of a hull's surface is farther than this outside the solid. In the units of the mesh.
     pub protrusion_max: f64,
-    /// No point of the surface is farther than this outside every hull. In units.
+    /// No point of the surface is farther than this outside every hull. In the units of the mesh.
     pub uncovered_max: f64,
 }
 

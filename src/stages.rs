@@ -1,7 +1,7 @@
 //! How stages run: one after the other, each reported, timed, and stopped where `Control` says so.
 //!
-//! A decomposition is one `async` function. [`Stages::run`] is its only `await` that may return
-//! `Pending`: whoever polls it may do something else between two stages.
+//! A decomposition is one `async` function. [`Stages::run`] and [`Stages::run_slice`] are its only
+//! `await`s that may return `Pending`: whoever polls it may do something else between two stages.
 
 use std::future::poll_fn;
 use std::ops::Range;

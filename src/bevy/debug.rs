@@ -14,7 +14,8 @@ use super::collider::work::AttachedCollider;
 use super::tag::outcomes::DecompositionCounters;
 use super::tag::settings::HullwrightSystems;
 
-/// Draws the hulls of all colliders that the plugin made, and keeps its diagnostics.
+/// Draws the hulls and boxes of colliders that the plugin made, and keeps its diagnostics. Balls, capsules and fallback
+/// colliders are not drawn.
 ///
 /// Beside [`HullwrightPlugin`](crate::bevy::HullwrightPlugin). Lines are drawn where Bevy's `GizmoPlugin`
 /// and `GizmoRenderPlugin` are, as in `DefaultPlugins`; on a server without them there are the

@@ -10,12 +10,11 @@ use super::settings::Settings;
 use crate::control::Control;
 use crate::error::Error;
 
-/// Where less time is left than the solid has taken, times this, the surface is divided as by the fastest
+/// Where less time is left than this multiple of the solid's time, the surface is divided as by the fastest
 /// preset.
 const HURRIED_BELOW: f64 = 2.3;
 
-/// Before a deadline, as much time as the stages before merging have taken, times this, is kept for
-/// finalizing, which takes 0.35 times as long in the median, and 1.5 times for one mesh of ten.
+/// Before a deadline, this multiple of the time of the stages before merging is kept for finalizing, which takes 0.35 times as long in the median, and 1.5 times for one mesh of ten.
 const KEPT_FOR_FINALIZING: f64 = 1.0;
 
 /// The deadline of a control, and whether it has cut the work short.

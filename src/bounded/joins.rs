@@ -85,7 +85,7 @@ impl<C: Ord, K> PairQueue<C, K> {
         left.map(|((cost, pair), known)| (cost, pair, known)).collect()
     }
 
-    /// Two hulls give way to their joint hull. Returns its index, the next one.
+    /// Replaces two hulls by their joint hull. Returns its index, the next one.
     pub(super) fn join(&mut self, (a, b): Pair) -> u32 {
         self.is_left[a as usize] = false;
         self.is_left[b as usize] = false;

@@ -11,7 +11,7 @@ use crate::geometry::vector::{Vector, bounds};
 use crate::hull::growing_hull::GrowingHull;
 use crate::mesh::TriangleMesh;
 
-/// A part of the surface that is not divided any further.
+/// A part of the surface that the search does not divide.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Patch {
     /// Vertices of its hull, except those nearer to it than the patch tolerance; all of its points

@@ -1,5 +1,5 @@
-//! The surface is divided into patches: the paper's groups (section 3.4.1) of a simplified mesh, or facets of
-//! a coarse one, halved until the hull of each patch, or of a part that contains it, fits.
+//! The surface is divided into patches: the paper's groups (section 3.4.1) of the patch mesh, halved between its
+//! facets until the hull of each patch, or of a part that contains it, fits.
 //!
 //! Takes the patch mesh and the solid, gives [`Patches`] with their neighbours, seeds and conflicts.
 //! Components whose hull fits, above all convex ones, are one patch each. O(n log n) for n triangles, two fit

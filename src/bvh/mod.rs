@@ -14,8 +14,8 @@
 //! Queries are thread-safe. They neither allocate nor lock, except the first winding number, which computes the
 //! expansions. Coordinates should be of the order of 1: boxes and expansions are in single precision.
 //!
-//! There are three queries for "inside": [`Bvh::winding_number`] for any mesh, [`Bvh::crossings`] for a closed
-//! one, and [`Bvh::is_inside`], the first above one half.
+//! There are four queries for "inside": [`Bvh::winding_number`] for any mesh and [`Bvh::is_inside`], the same above one
+//! half; [`Bvh::crossings`] for a closed mesh and [`Bvh::encloses`], the same above zero.
 
 #![expect(clippy::needless_range_loop, reason = "an index is a lane or an axis of several arrays")]
 

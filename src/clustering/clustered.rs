@@ -30,7 +30,7 @@ const CELL: f64 = 0.4;
 /// Clustering must leave less than this share of the triangles to be worth its own time.
 const MAX_KEPT_SHARE: f64 = 0.5;
 
-/// A triangle with a side longer than this, in cells, does not collapse: it cannot lie within one
+/// A triangle with a side longer than this, as a multiple of a cell's side, does not collapse: it cannot lie within one
 /// cell (whose diagonal is 1.73), so that collapsing it would cut off a feature.
 const LONG: f64 = 2.0;
 
@@ -65,8 +65,7 @@ pub(crate) struct Clustered {
     pub displacement: f64,
 }
 
-/// The reduced mesh of a prepared one that needs it. Where cavities are kept there is none: a
-/// narrow cavity could close.
+/// The reduced mesh of a prepared one that needs it.
 pub(crate) fn cluster(
     prepared: &PreparedMesh,
     bound: f64,

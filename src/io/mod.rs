@@ -6,9 +6,9 @@
 //! | Draco in glTF | crate `draco-core`, the decoder alone |
 //! | meshopt in glTF | crate `meshoptimizer-rs`, its codecs and filters |
 //! | PLY | crate `ply-rs-bw` for the header and binary elements; text elements here, since it refuses numbers such as `.5` and `nan` |
-//! | OBJ | this module: `tobj` refuses sound files, makes faces of polylines and names no line in its errors |
-//! | OFF | this module: `off-rs` holds `f32` and reads one form of header |
-//! | STL | this module: `stl_io` holds `f32`, drops all solids but the first, and goes by the first word alone |
+//! | OBJ | `obj`, since the crate `tobj` refuses sound files, makes faces of polylines and names no line in its errors |
+//! | OFF | `off`, since the crate `off-rs` holds `f32` and reads one form of header |
+//! | STL | `stl`, since the crate `stl_io` holds `f32`, drops all solids but the first, and goes by the first word alone |
 //!
 //! All readers keep three promises on any input: no panic, no allocation beyond what the
 //! file's size justifies, whatever its counts are, and errors with what is wrong and where.

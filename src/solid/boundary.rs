@@ -230,7 +230,8 @@ const LANES: usize = 4;
 /// An edge that is this near to the ray, in radians, may be on either side of it: far more than rounding.
 const ON_RAY: f64 = 1e-9;
 
-/// Where edges that fill up the lanes are, in lengths of the ray, behind the ray's start: their angle is zero.
+/// Where edges that fill up the lanes are behind the ray's start, as a multiple of the ray's direction: their angle is
+/// zero.
 const FAR_BEHIND: f64 = -1e3;
 
 /// Edges that are swept. Axis by axis.

@@ -1,7 +1,8 @@
 //! The solid: how far is this point from it, and on which side? Does this hull stay within the bound?
 //!
-//! [`Solid`] is the only door. A second solid is another surface, as triangles, for [`Solid::of_surface`], and how far these
-//! may be off: its displacement.
+//! [`Solid`] answers both; the tree and the grid stay inside. A second solid is another surface, as triangles, for
+//! [`Solid::of_surface`], and how far these may be off, as its `displacement`. `Solid::clustered` is for reduced meshes
+//! alone: a second solid has none, as where cavities are kept.
 //!
 //! | file | contents |
 //! |---|---|
@@ -21,7 +22,7 @@ mod fit;
 mod grid;
 mod protrusion;
 mod remainder;
-#[expect(clippy::module_inception, reason = "the room is named after its door")]
+#[expect(clippy::module_inception, reason = "the folder is named after its main type")]
 mod solid;
 mod subdivide;
 mod surface;

@@ -99,7 +99,7 @@ fn distance_to_exit(
     enough: f64,
 ) -> f64 {
     let mut nearest = f64::INFINITY;
-    // Most planes are left later than the nearest so far, which needs no division to tell.
+    // Most planes are left later than the nearest so far, which is decided without a division.
     let mut beyond = f64::INFINITY;
     for &plane in planes {
         let (normal, offset) = plane;

@@ -162,7 +162,7 @@ impl SurfaceParameters {
 }
 
 impl Default for SurfaceParameters {
-    /// The paper's values, with at most 64 vertices a hull, as physics engines want them.
+    /// The paper's values, with at most 64 vertices a hull, the limit of physics engines.
     fn default() -> Self {
         Self { max_vertices: Some(DEFAULT_MAX_VERTICES), ..Self::paper() }
     }

@@ -70,7 +70,7 @@ impl Pieces<'_> {
     }
 
     /// Gives each source triangle to the hull whose group holds the simplified triangle nearest to
-    /// its centre, up to what `closest_labels` does not ask. O(n log m) for n source and m simplified
+    /// its centre, for no more triangles than `closest_labels` compares. O(n log m) for n source and m simplified
     /// triangles.
     ///
     /// # Errors

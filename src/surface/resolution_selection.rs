@@ -24,7 +24,7 @@ use super::threshold_selection::{Candidate, ThresholdSearch, Thresholds};
 /// From this maximum resolution on the cut-off μ may act.
 pub const LEAST_CUT_OFF_RESOLUTION: usize = 500;
 
-/// Costs that differ by less, in diagonals of groups, are equal: that is rounding. The costs of convex
+/// Costs that differ by less, as fractions of a group's diagonal, are equal: that is rounding. The costs of convex
 /// groups are nothing else.
 const EQUAL_COSTS: f64 = 1e-9;
 

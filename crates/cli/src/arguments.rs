@@ -1,5 +1,7 @@
 //! The parameters of a decomposition as command line arguments.
 
+use std::path::Path;
+
 use hullwright::io::Format;
 use hullwright::surface::SurfaceParameters;
 use hullwright::{Length, Method, Openings, Parameters, Preset, UpAxis};
@@ -70,17 +72,17 @@ pub struct ParameterArguments {
     #[arg(long, value_name = "NAME", value_parser = parse_method)]
     method: Option<Method>,
 
-    /// The bound: 2% (default) of the bounding-box diagonal, or 0.02m in units
-    #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
+    /// The bound: 2% (default) of the bounding-box diagonal, or 0.02m in the mesh's unit
+    #[arg(long, value_name = "ERROR", allow_hyphen_values = true)]
     max_error: Option<Length>,
 
-    /// Limit on hulls; if it forces them above the bound, the table says so
-    #[arg(long, value_name = "N", value_parser = parse_count)]
-    max_hulls: Option<usize>,
+    /// Limit on hulls, or none (default); it may force them above the bound, as `decompose` says
+    #[arg(long, value_name = "N", value_parser = parse_limit, allow_hyphen_values = true)]
+    max_hulls: Option<Limit>,
 
-    /// Limit on the vertices of a hull, at least 8, or none
-    #[arg(long, value_name = "N", value_parser = parse_max_vertices)]
-    max_vertices: Option<MaxVertices>,
+    /// Limit on the vertices of a hull: 64 (default), at least 8, or none
+    #[arg(long, value_name = "N", value_parser = parse_limit, allow_hyphen_values = true)]
+    max_vertices: Option<Limit>,
 
     /// balanced (default); fast: a fifth more hulls in two thirds of the time; fine: some fewer in
     /// three times the time
@@ -120,11 +122,11 @@ struct SurfaceArguments {
     #[arg(long, value_name = "R", value_delimiter = ',')]
     maximum_resolutions: Option<Vec<usize>>,
 
-    /// In units. Paper: 0.01,0.2,0.4,0.6,0.8,1
+    /// In the unit of --unit. Paper: 0.01,0.2,0.4,0.6,0.8,1
     #[arg(long, value_name = "P", value_delimiter = ',', allow_negative_numbers = true)]
     planar_thresholds: Option<Vec<f64>>,
 
-    /// In units. Paper: 0.01
+    /// In the unit of --unit. Paper: 0.01
     #[arg(long, value_name = "A", allow_negative_numbers = true)]
     angular_threshold: Option<f64>,
 
@@ -136,19 +138,19 @@ struct SurfaceArguments {
     #[arg(long, value_name = "μ")]
     resolution_cut_off: Option<usize>,
 
-    /// The unit: 0.446d of the diagonal, or 1.5 of the mesh's
+    /// The unit: 0.446d (default) of the diagonal, or 1.5 of the mesh's
     #[arg(long, value_name = "LENGTH", value_parser = parse_unit, allow_negative_numbers = true)]
     unit: Option<Length>,
 
-    /// Groups of one or two polygons are merged if smaller than this fraction of the diagonal
+    /// Groups of one or two polygons are merged if smaller than this fraction (default 0.1) of the diagonal
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
     significant_diagonal: Option<f64>,
 }
 
-/// A limit on vertices: `None` where there is none. (A plain `Option` would mean to clap that the
+/// A limit on hulls or vertices: `None` where there is none. (A plain `Option` would mean to clap that the
 /// argument may be missing.)
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct MaxVertices(Option<usize>);
+struct Limit(Option<usize>);
 
 /// What the arguments say.
 #[derive(Debug, PartialEq)]
@@ -194,11 +196,11 @@ impl ParameterArguments {
             surface = SurfaceParameters::paper();
             parameters.max_vertices = surface.max_vertices;
         }
-        if let Some(MaxVertices(limit)) = self.max_vertices {
+        if let Some(Limit(limit)) = self.max_vertices {
             (parameters.max_vertices, surface.max_vertices) = (limit, limit);
         }
         set(&mut parameters.max_error, &self.max_error);
-        set(&mut parameters.max_hulls, &self.max_hulls.map(Some));
+        set(&mut parameters.max_hulls, &self.max_hulls.map(|Limit(limit)| limit));
         set(&mut parameters.preset, &self.preset);
         set(&mut parameters.openings, &self.openings);
         set(&mut parameters.up_axis, &self.up_axis);
@@ -248,16 +250,23 @@ fn parse_unit(text: &str) -> Result<Length, String> {
     Ok(unit(length))
 }
 
-fn parse_count(text: &str) -> Result<usize, String> {
-    text.parse().map_err(|_| "a whole number is expected".into())
-}
-
-fn parse_max_vertices(text: &str) -> Result<MaxVertices, String> {
+fn parse_limit(text: &str) -> Result<Limit, String> {
     if text == "none" {
-        return Ok(MaxVertices(None));
+        return Ok(Limit(None));
     }
     let limit = text.parse().map_err(|_| "a whole number or `none` is expected")?;
-    Ok(MaxVertices(Some(limit)))
+    Ok(Limit(Some(limit)))
+}
+
+/// Refuses an output that is the input: the mesh would be lost.
+pub fn check_not_input(output: &Path, input: &Path) -> Result<(), Failure> {
+    let same = std::fs::canonicalize(output).ok().zip(std::fs::canonicalize(input).ok());
+    match same {
+        Some((output, input)) if output == input => {
+            Err(Failure::Usage(format!("{}: the mesh itself is there", input.display())))
+        }
+        _ => Ok(()),
+    }
 }
 
 #[cfg(test)]
@@ -325,6 +334,7 @@ mod tests {
         assert_eq!(chosen.solid().max_error, Length::Share(0.05));
         assert_eq!(parse("--max-error 0.02m").unwrap().parameters.max_error, Length::Units(0.02));
         assert_eq!(parse("--unit 1.5").unwrap().surface.unit, Length::Units(1.5));
+        assert_eq!(parse("--max-hulls none").unwrap().parameters.max_hulls, None);
         assert_eq!(parse("--paper --max-vertices 32").unwrap().surface.max_vertices, Some(32));
     }
 
@@ -337,6 +347,8 @@ mod tests {
             "--max-error x%",
             "--unit d",
             "--max-vertices many",
+            "--max-hulls -3",
+            "--max-error -1%",
             "--planar-thresholds 1,x",
         ] {
             assert!(parse(line).is_err(), "{line}");

@@ -39,7 +39,7 @@ pub struct Arguments {
     #[arg(long, conflicts_with = "per_mesh")]
     tagged_only: bool,
 
-    /// Mass per cubed unit; in a scene the plugin's tags say it. Default: 1
+    /// Mass per cubed unit, with --per-mesh; in a scene the plugin's tags set it. Default: 1
     #[arg(long, value_name = "DENSITY", requires = "per_mesh", allow_negative_numbers = true)]
     density: Option<f64>,
 

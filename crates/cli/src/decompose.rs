@@ -8,7 +8,7 @@ use hullwright::io::{HullFormat, check_output, is_hulls_file, read_mesh, write_h
 use hullwright::{Decomposition, Error, Hull, MeshView, MethodReport, Parameters};
 use hullwright_cli::terminal::{Failure, count, print, print_json};
 
-use crate::arguments::{ParameterArguments, ThreadArguments, mesh_help};
+use crate::arguments::{ParameterArguments, ThreadArguments, check_not_input, mesh_help};
 use crate::progress::{LateBar, waiting};
 use crate::report;
 
@@ -54,6 +54,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let method = parameters.checked()?.method;
     if let Some(output) = output {
         check_output(output)?;
+        check_not_input(output, mesh)?;
     }
     let file = waiting("reading", || read_mesh(mesh))?;
     let pool = threads.pool()?;

@@ -33,7 +33,7 @@ pub struct Arguments {
     #[arg(long)]
     open: bool,
 
-    /// Show another method too: surface (the paper's) or bounded; may be repeated
+    /// Show another method too: bounded, surface (the paper's) or hull; may be repeated
     #[arg(long, value_name = "METHOD", value_parser = parse_method)]
     compare: Vec<Method>,
 
@@ -95,6 +95,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 fn output(arguments: &Arguments) -> Result<PathBuf, Failure> {
     let default = || PathBuf::from(file_name(&arguments.mesh)).with_extension("html");
     let output = arguments.output.clone().unwrap_or_else(default);
+    let suffix = output.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    if !["html", "htm", "png"].contains(&&*suffix) {
+        return Err(Failure::Usage(format!("{}: its suffix is not html or png", output.display())));
+    }
     match output.parent() {
         Some(folder) if folder != Path::new("") && !folder.is_dir() => {
             Err(format!("{}: there is no such folder", folder.display()).into())

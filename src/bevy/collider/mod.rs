@@ -344,7 +344,7 @@ fn mass_of(
         }
         ColliderGeometry::Hulls(file) => {
             let Some(properties) = file.mass_properties else { return Ok(None) };
-            // Baked hulls know their density, all others have one of 1.
+            // The mass of baked hulls includes their density; all others have a density of 1.
             let density = if baked.is_some() { 1.0 } else { f64::from(density) };
             let mapped = map_mass(&properties.with_mass(properties.mass * density), map);
             let mapped = given.map_or(mapped, |mass| mapped.with_mass(mass.into()));

@@ -19,7 +19,7 @@ use crate::bevy::tag::parameters::Goal;
 use crate::hulls_format::{HullScene, HullsFile, HullsFileError, SceneLookup};
 
 /// A decomposition that was made before, as `hullwright bake` does: the content of a `.hulls` file. To
-/// reflection it is one value, since the library's types know no engine.
+/// reflection it is one value, since the library's types name no engine.
 #[derive(Asset, Reflect, Debug, Clone)]
 #[reflect(opaque, Debug, Clone)]
 #[type_path = "hullwright"]
@@ -102,7 +102,7 @@ pub enum LoadHullsError {
 }
 
 /// The hulls of a scene's meshes, made before as `hullwright bake` does: the content of a `.hullscene`
-/// file. To reflection it is one value, since the library's types know no engine.
+/// file. To reflection it is one value, since the library's types name no engine.
 #[derive(Asset, Reflect, Debug, Clone)]
 #[reflect(opaque, Debug, Clone)]
 #[type_path = "hullwright"]

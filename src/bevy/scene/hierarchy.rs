@@ -163,7 +163,7 @@ pub struct HierarchyReport {
     /// Of those that are ready: made anew, since the baked scene has another state of them. The log says
     /// which and why.
     pub stale: usize,
-    /// Of those that are ready: made anew, since the baked scene does not know them. The log says which.
+    /// Of those that are ready: made anew, since the baked scene does not have them. The log says which.
     pub missing: usize,
     /// Whether the scene itself could not be loaded: it has no meshes, and `AssetServer::get_load_state` of its
     /// handle says why.

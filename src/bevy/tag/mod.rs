@@ -1,4 +1,4 @@
-//! What users say of an entity, and what they are told: the tag, the exclusion, the focus, the priority.
+//! What users set on an entity, and what is reported about it: the tag, the exclusion, the focus, the priority.
 
 pub(super) mod outcomes;
 pub(super) mod parameters;

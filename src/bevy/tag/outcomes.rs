@@ -1,4 +1,4 @@
-//! What users are told of an entity: its status, the counters, the log, and the one event in which its tag ends.
+//! What is reported about an entity: its status, the counters, the log, and the one event in which its tag ends.
 
 use std::time::Duration;
 
@@ -78,7 +78,7 @@ pub enum SkipReason {
     FixedBody,
     /// There is no body, so nothing moves it, and it got the triangle mesh itself.
     NoBody,
-    /// The tag asked for the triangle mesh.
+    /// The tag requests for the triangle mesh.
     TrianglesRequested,
     /// It is hidden, and [`skip_hidden`](crate::bevy::HullwrightSettings::skip_hidden) is set. It starts
     /// when it is shown.
@@ -212,7 +212,7 @@ pub struct DecompositionReady {
     pub time: Duration,
 }
 
-/// How far hulls and mesh are apart, as verified, in shares of the mesh's diagonal before scale.
+/// How far hulls and mesh are apart, as verified, as fractions of the mesh's diagonal before scale.
 #[derive(Reflect, Debug, Clone, Copy, PartialEq)]
 #[reflect(Debug, Clone, PartialEq)]
 #[type_path = "hullwright"]
@@ -230,7 +230,7 @@ impl VerifiedError {
     }
 }
 
-/// No decomposition was made. The entity has the collider that it had, or its triangles.
+/// No decomposition was made. `reason` says whether the entity has the collider that it had, its triangles, or none.
 #[derive(EntityEvent, Reflect, Debug, Clone, PartialEq)]
 #[reflect(Debug, Clone, PartialEq)]
 #[type_path = "hullwright"]

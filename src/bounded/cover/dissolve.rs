@@ -1,5 +1,5 @@
-//! Dissolving: other pieces take the patches that only one piece covers, and may let go of what is covered
-//! elsewhere. A local search for a smaller cover: O(p²) attempts for p pieces, within a budget of joint hulls.
+//! Dissolving: a piece disappears once others cover the patches that it alone covers. These may leave out what is
+//! covered elsewhere. A local search for a smaller cover: O(p²) attempts for p pieces, within a budget of joint hulls.
 
 use std::collections::HashMap;
 use std::sync::Mutex;

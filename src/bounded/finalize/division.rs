@@ -1,7 +1,7 @@
 //! Division and remerging.
 //!
 //! A piece whose hull does not keep the bound is halved until each part does, at last down to triangles of the
-//! source, which always do. Each halving costs a final hull. Then divided hulls join again as long as the joint
+//! source. Those do, unless a hull has to be thicker than the bound. Each halving costs a final hull. Then divided hulls join again as long as the joint
 //! hull keeps the bound, those that add the least volume first: a tenth of all meshes have divided hulls, and
 //! 7 % of those hulls can join again. O(k²) joint hulls at first for k hulls, fewer where most are far from each
 //! other, and O(k) for each join.
@@ -19,7 +19,7 @@ use crate::solid::centre;
 use crate::solid::protrusion;
 use crate::solid::{SharedSuspects, keeps_bound};
 
-/// The hulls of a piece, each of which keeps the bound.
+/// The hulls of a piece. Each keeps the bound, except single triangles whose hull has to be thicker.
 pub(super) fn hulls_of_piece(
     context: &FinalizeContext<'_>,
     piece: &Piece,

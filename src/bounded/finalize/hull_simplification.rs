@@ -29,11 +29,12 @@ use crate::solid::protrusion;
 const MIN_VOLUME_SHARE: f64 = 0.95;
 
 /// Where the limit cannot be kept otherwise, vertices that protrude by less than these fractions of the
-/// bound are left out: more than [`MAX_UNCOVERED`], less than half of [`MAX_UNCOVERED_UNDER_LIMIT`].
+/// bound are left out: more than [`MAX_UNCOVERED`]. A hull that then leaves more than
+/// [`MAX_UNCOVERED_UNDER_LIMIT`] uncovered is refused.
 const COARSER: [f64; 2] = [0.1, 0.2];
 
-/// By these fractions of the bound a hull that was grown to the limit shrinks again: less than
-/// [`MAX_UNCOVERED_UNDER_LIMIT`], which it may leave uncovered.
+/// By these fractions of the bound a hull that was grown to the limit shrinks again. It was larger than what it must
+/// contain: one that leaves more than [`MAX_UNCOVERED_UNDER_LIMIT`] uncovered is refused.
 const SHRINKING: [f64; 2] = [0.2, 0.4];
 
 /// A hull of more vertices does not collapse from the full hull to keep a limit once the coarser hull

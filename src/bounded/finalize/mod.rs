@@ -61,7 +61,7 @@ pub(crate) fn finalize(
     Ok(if before.uncovered < last.uncovered { before } else { last })
 }
 
-/// The hulls of pieces, each of which keeps the bound.
+/// The hulls of pieces: see [`hulls_of_piece`].
 struct VerifiedPieces<'a> {
     context: FinalizeContext<'a>,
     hulls: Vec<FinalHull>,

@@ -3,7 +3,7 @@
 use hullwright::io::read_hulls;
 use serde_json::Value;
 
-use crate::Place;
+use crate::{Place, asset};
 
 /// A prism over an L: two convex pieces.
 const L_PRISM: &str = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\n\
@@ -200,4 +200,18 @@ fn a_mesh_of_nothing_but_a_line_is_exit_code_1() {
     place.write("line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
     let error = place.fail(&["decompose", "line.obj"], 1);
     assert!(error.contains("line.obj: no usable triangle"), "{error}");
+}
+
+#[test]
+fn the_mesh_itself_is_not_overwritten() {
+    let place = place();
+    std::fs::copy(asset("plus.glb"), place.path("plus.glb")).unwrap();
+    for (command, output, reason) in
+        [("decompose", "./plus.glb", "the mesh itself"), ("view", "plus.glb", "html or png")]
+    {
+        let error = place.fail_in_one_line(&[command, "plus.glb", "-o", output], 2);
+        assert!(error.contains(reason), "{error}");
+    }
+    let bytes = |path| std::fs::read(path).unwrap();
+    assert_eq!(bytes(place.path("plus.glb")), bytes(asset("plus.glb").into()));
 }
