@@ -10,7 +10,7 @@
 //! | merge | `merge` | patches join into pieces |
 //! | cover | `cover/` | few pieces cover all patches, then shrink to those that they own |
 //! | finalize | `finalize/` | pieces become verified hulls with few vertices |
-//! | limit | `limit` | the limit on hulls: joins, and searches under larger bounds |
+//! | limit | `limit` | the limit on hulls: joins, and the larger bounds of further searches |
 //!
 //! | used by several stages | |
 //! |---|---|

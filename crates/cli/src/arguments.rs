@@ -348,7 +348,6 @@ mod tests {
             "--unit d",
             "--max-vertices many",
             "--max-hulls -3",
-            "--max-error -1%",
             "--planar-thresholds 1,x",
         ] {
             assert!(parse(line).is_err(), "{line}");
