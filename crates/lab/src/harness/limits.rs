@@ -43,6 +43,11 @@ const PANICKED: i32 = 101;
 /// Runs a command under limits. Exit code 1 is an error that the program reports in its last line of
 /// standard error; any other end but success is a crash.
 pub fn run(mut command: Command, limits: Limits) -> Result<Ended, String> {
+    // Without any time, whether a quick process ends in it would be chance.
+    if limits.time.is_zero() {
+        let (lines, reason) = (Vec::new(), "over 0 s".to_owned());
+        return Ok(Ended { status: Status::TimeOut, lines, reason, peak_memory: None });
+    }
     let program = command.get_program().to_string_lossy().into_owned();
     let say = |error: std::io::Error| format!("{program}: {error}");
     // Files and no pipes: a process that is killed may leave helpers that hold a pipe open.
