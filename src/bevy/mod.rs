@@ -43,7 +43,7 @@
 // | `scene` | `HierarchyStatus`, `HierarchyWork`, `TaggedByHierarchy`, `HiddenByHierarchy`, `DecompositionProgress` | whole scenes, tagged by names and extras, and how far all work is |
 // | `collider` | `Unfinished`, `Fallbacks`, `AttachedCollider`, `AttachedFallback`, `FailedRequest`, `FarFromFocus`, `Frozen` | from tags to requests, from results to colliders; what is out of date; bodies that wait |
 // | `jobs` | `Jobs` with the caches, `FrameTime`, the assets `BakedHulls` and `BakedScene` | requests wait, become jobs, end in results |
-// | `tag` | `DecompositionStatus`, the events and counters of endings, by `Outcomes` alone | what users say, and what they are told |
+// | `tag` | `DecompositionStatus`, the events and counters of endings, by `Outcomes` alone | what users set, and what is reported |
 //
 // `scene` writes tags as users do. In the counters `jobs` and `collider` write how much runs and waits.
 

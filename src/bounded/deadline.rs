@@ -14,7 +14,8 @@ use crate::error::Error;
 /// preset.
 const HURRIED_BELOW: f64 = 2.3;
 
-/// Before a deadline, this multiple of the time of the stages before merging is kept for finalizing, which takes 0.35 times as long in the median, and 1.5 times for one mesh of ten.
+/// Before a deadline, this multiple of the time of the stages before merging is kept for finalizing, which
+/// takes 0.35 times as long in the median, and 1.5 times for one mesh of ten.
 const KEPT_FOR_FINALIZING: f64 = 1.0;
 
 /// The deadline of a control, and whether it has cut the work short.

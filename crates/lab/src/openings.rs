@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 
 use hullwright::{Control, Openings, Parameters, Preset, TriangleMesh, decompose};
 
-use crate::harness::session::{FULL, limits};
-use crate::harness::{Row, Session, Task};
+use crate::harness::session::limits;
+use crate::harness::{FULL, Row, Session, Task};
 use crate::pictures::{self, FROM_ABOVE, FROM_BELOW};
 use crate::statistics::median;
 use crate::terminal::{Failure, print};

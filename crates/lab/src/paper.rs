@@ -4,8 +4,8 @@
 use std::path::PathBuf;
 
 use crate::harness::row::Figure;
-use crate::harness::session::{FULL, limits};
-use crate::harness::{Row, Session, Task};
+use crate::harness::session::limits;
+use crate::harness::{FULL, Row, Session, Task};
 use crate::report::Report;
 use crate::report::{Table, count, number, number_or_nothing};
 use crate::statistics::{mean, median, range};

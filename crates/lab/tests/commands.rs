@@ -225,7 +225,7 @@ fn a_folder_without_the_tables_is_one_line_on_standard_error() {
     assert_eq!(lab(&["no-such-command"]).status.code(), Some(2));
 }
 
-/// Scripts that stand for two builds: they write what they are told to the file that is their last
+/// Scripts that stand for two builds: they write fixed text to the file that is their last
 /// argument.
 #[cfg(unix)]
 #[test]

@@ -12,8 +12,8 @@ use serde_json::json;
 
 use summary::Results;
 
-use crate::harness::session::{FULL, limits};
-use crate::harness::{Session, Task, row};
+use crate::harness::session::limits;
+use crate::harness::{FULL, Session, Task, row};
 use crate::report::{Report, create_folder, write};
 use crate::terminal::Failure;
 use crate::tools::data_folder::DataFolder;
@@ -99,7 +99,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(report(&session, arguments.pictures.as_deref())?)
 }
 
-/// Every setting of the methods that are asked for.
+/// Every setting of the requested methods.
 fn tasks(arguments: &Arguments, tools: Option<&ExternalTools>, mesh: &Mesh) -> Vec<Task> {
     let mut runs = if arguments.quick { Run::quick() } else { Run::own() };
     if let Some(tools) = tools.filter(|_| !arguments.quick) {

@@ -11,4 +11,5 @@ pub mod session;
 pub mod worker;
 
 pub use row::{Row, Status};
-pub use session::{Judge, Session, Task};
+pub use session::Session;
+pub use worker::{FULL, Judge, Task};

@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use sysinfo::{CpuRefreshKind, MemoryRefreshKind, RefreshKind, System};
 use tempfile::TempDir;
@@ -13,49 +12,12 @@ use tempfile::TempDir;
 use super::journal::Journal;
 use super::limits::{self, Limits};
 use super::row::{Row, Status};
-use super::worker::Work;
+use super::worker::{Task, Work};
 use crate::report::{Report, create_folder};
 use crate::terminal::{Failure, print, time};
 use crate::tools::external_tools::ExternalTools;
 use crate::tools::meshes::Mesh;
 use crate::tools::methods::Run;
-use crate::tools::variations::Variation;
-
-/// A method with its setting, what is done to the mesh before, and how its hulls are judged.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Task {
-    pub run: Run,
-    pub variation: Variation,
-    pub judge: Judge,
-}
-
-/// How closely hulls are judged.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Judge {
-    /// Whether short runs are repeated, and again on all threads.
-    pub is_timed: bool,
-    /// Points on hulls, and as many on the mesh.
-    pub surface_samples: usize,
-    /// Points in space.
-    pub volume_samples: usize,
-    /// Exact predicates, and the bound by a sampling of our own.
-    pub by_brute_force: bool,
-}
-
-/// As many points as `measure` takes by default.
-pub const FULL: Judge = Judge {
-    is_timed: true,
-    surface_samples: 50_000,
-    volume_samples: 200_000,
-    by_brute_force: false,
-};
-
-impl Task {
-    /// A task on the mesh as it is.
-    pub fn new(run: Run, judge: Judge) -> Self {
-        Self { run, variation: Variation::None, judge }
-    }
-}
 
 pub struct Session<'a> {
     pub output: PathBuf,

@@ -16,14 +16,50 @@ use serde::{Deserialize, Serialize};
 
 use super::limits::{peak_memory, reset_peak_memory};
 use super::row::{Row, Status};
-use super::session::{Judge, Task};
 use crate::hacd;
 use crate::independent::exact::faults;
 use crate::independent::sampling::{Sampled, sample};
 use crate::statistics::median;
 use crate::terminal::{Failure, print};
 use crate::tools::methods::Run;
+use crate::tools::variations::Variation;
 use crate::tools::vhacd;
+
+/// A method with its setting, what is done to the mesh before, and how its hulls are judged.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Task {
+    pub run: Run,
+    pub variation: Variation,
+    pub judge: Judge,
+}
+
+/// How closely hulls are judged.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Judge {
+    /// Whether short runs are repeated, and again on all threads.
+    pub is_timed: bool,
+    /// Points on hulls, and as many on the mesh.
+    pub surface_samples: usize,
+    /// Points in space.
+    pub volume_samples: usize,
+    /// Exact predicates, and the bound by a sampling of our own.
+    pub by_brute_force: bool,
+}
+
+/// As many points as `measure` takes by default.
+pub const FULL: Judge = Judge {
+    is_timed: true,
+    surface_samples: 50_000,
+    volume_samples: 200_000,
+    by_brute_force: false,
+};
+
+impl Task {
+    /// A task on the mesh as it is.
+    pub fn new(run: Run, judge: Judge) -> Self {
+        Self { run, variation: Variation::None, judge }
+    }
+}
 
 /// One task of an experiment, for its own use
 #[derive(clap::Args)]

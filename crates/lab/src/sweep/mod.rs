@@ -5,8 +5,8 @@ mod summary;
 
 use std::path::PathBuf;
 
-use crate::harness::session::{FULL, limits};
-use crate::harness::{Judge, Session, Task, row};
+use crate::harness::session::limits;
+use crate::harness::{FULL, Judge, Session, Task, row};
 use crate::report::Table;
 use crate::report::{Report, write};
 use crate::terminal::{Failure, print};

@@ -166,7 +166,7 @@ impl Run {
     }
 }
 
-/// The defaults, but for the error.
+/// The defaults, except for the error.
 pub fn bounded(error: f64) -> Parameters {
     Parameters::default().max_error(Length::Share(error))
 }
