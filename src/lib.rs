@@ -134,6 +134,7 @@ mod parameters;
 pub mod rapier;
 mod solid;
 mod stages;
+mod summary;
 pub mod surface;
 mod work;
 
