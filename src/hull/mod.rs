@@ -19,6 +19,14 @@
 //! assert_eq!(builder.extract().0.len(), 9);
 //! # Ok::<(), hullwright::Error>(())
 //! ```
+//!
+//! | file | contents |
+//! |---|---|
+//! | `convex_hull` | the polyhedron; hulls of points with volume, also in `f32` |
+//! | `growing_hull` | [`HullBuilder`], and the hull that grows during the search |
+//! | `quickhull`, `face` | the first simplex, and the steps by which a hull grows; its triangles |
+//! | `simplification` | fewer vertices |
+//! | `primitive` | boxes, balls and capsules in place of hulls |
 
 mod convex_hull;
 mod face;

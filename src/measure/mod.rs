@@ -27,6 +27,13 @@
 //! points; the true one may be higher, by more the sharper the spike. [`MeasureOptions`] has the numbers
 //! of points, [`Measurement::samples`] says what became of them. For points of your own there are [`MeasuredMesh`] and
 //! [`MeasuredHulls`].
+//!
+//! | file | contents |
+//! |---|---|
+//! | `mod` | options, the measurement, and how figures follow from samples |
+//! | `sampling` | evenly spread points on a surface and in a box |
+//! | `hulls` | each hull on its own, and the union of all |
+//! | `pointwise` | errors of points that the caller chooses |
 
 mod hulls;
 mod pointwise;
