@@ -42,4 +42,4 @@ pub(crate) use convex_hull::{LEAST_THICKNESS, joint_hull};
 pub use growing_hull::{DEFAULT_TOLERANCE, HullBuilder};
 pub use primitive::{Primitive, Slack, fit_primitive};
 pub use quickhull::Shape;
-pub(crate) use simplification::{coarser, collapse_edges, limit_vertices, most_prominent};
+pub(crate) use simplification::{collapse_edges, limit_vertices, most_prominent, prominent};

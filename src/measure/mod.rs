@@ -52,7 +52,7 @@ use crate::openings::prepare::prepare_closed;
 use crate::parallel::{self, map_indices};
 use crate::parameters::{Length, Openings, Parameters, UpAxis};
 use hulls::{Edges, MeasuredHull, Union};
-use sampling::{Surface, in_unit_cube};
+use sampling::{SampledSurface, in_unit_cube};
 
 pub use hulls::HullCheck;
 pub use pointwise::{MeasuredHulls, MeasuredMesh};
@@ -391,7 +391,7 @@ impl Mesh {
 /// where no surface is, and may be nearer than that.
 fn protrusions(union: &Union, bvh: &Bvh, is_open: bool, options: &MeasureOptions) -> Vec<f64> {
     let (positions, triangles) = union.surface();
-    let surface = Surface::new(positions, triangles);
+    let surface = SampledSurface::new(positions, triangles);
     let count = options.hull_samples;
     let distances = map_indices(count, |index| {
         let (point, triangle) = surface.point(index, count, options.random_seed);
@@ -447,7 +447,7 @@ fn distance_to_inside(bvh: &Bvh, point: Vector, limit: f64) -> f64 {
 
 /// How far the mesh lies outside all hulls.
 fn uncovered(mesh: &Mesh, union: &Union, options: &MeasureOptions) -> Distances {
-    let surface = Surface::new(&mesh.positions, &mesh.triangles);
+    let surface = SampledSurface::new(&mesh.positions, &mesh.triangles);
     let (positions, triangles) = union.surface();
     let bvh = Bvh::new(positions, triangles);
     let count = options.mesh_samples;

@@ -221,10 +221,10 @@ impl ParameterArguments {
             .map_err(|error| Failure::Usage(error.to_string()))?;
         let mut used = vec![chosen.method.name()];
         used.extend(uses.others.iter().map(Method::name));
-        let is_foreign = |option: &str, methods: &[&str]| {
-            !(option == "max-error" && uses.bound) && !methods.iter().any(|own| used.contains(own))
+        let belongs = |option: &str, methods: &[&str]| {
+            (option == "max-error" && uses.bound) || methods.iter().any(|own| used.contains(own))
         };
-        match self.given().into_iter().find(|(option, methods)| is_foreign(option, methods)) {
+        match self.given().into_iter().find(|(option, methods)| !belongs(option, methods)) {
             Some((option, methods)) => Err(foreign(option, methods, &used)),
             None => Ok(chosen),
         }
@@ -251,9 +251,9 @@ impl ParameterArguments {
             ("unit", of_surface.unit.is_some()),
             ("significant-diagonal", of_surface.significant_diagonal.is_some()),
         ];
-        let groups: [(&[(&str, bool)], &[&str]); 3] =
-            [(&solid, WITH_SOLID), (&bounded, &[BOUNDED]), (&surface, &[SURFACE])];
-        let given = groups.into_iter().flat_map(|(options, methods)| {
+        let of_methods: [&[&str]; 3] = [WITH_SOLID, &[BOUNDED], &[SURFACE]];
+        let options = [&solid[..], &bounded, &surface].into_iter().zip(of_methods);
+        let given = options.flat_map(|(options, methods)| {
             let given = options.iter().filter(|(_, is_given)| *is_given);
             given.map(move |&(option, _)| (option, methods))
         });

@@ -52,7 +52,7 @@ pub struct Arguments {
 }
 
 /// A file to be baked.
-struct Source {
+struct InputFile {
     path: PathBuf,
     /// From the folder that was named to the one that the file is in.
     below: PathBuf,
@@ -60,16 +60,16 @@ struct Source {
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let method = arguments.parameters.checked(&Uses::default())?.method;
-    let (mut sources, mut results) = (Vec::new(), Results::default());
+    let (mut inputs, mut results) = (Vec::new(), Results::default());
     for path in &arguments.scenes {
         if !path.is_dir() {
-            sources.push(Source { path: path.clone(), below: PathBuf::new() });
+            inputs.push(InputFile { path: path.clone(), below: PathBuf::new() });
             continue;
         }
-        let before = sources.len();
-        match add_folder(path, Path::new(""), &mut sources) {
+        let before = inputs.len();
+        match add_folder(path, Path::new(""), &mut inputs) {
             Err(reason) => results.failures.push(reason),
-            Ok(()) if sources.len() == before => {
+            Ok(()) if inputs.len() == before => {
                 let reason = "there is no glTF or GLB file in it";
                 results.failures.push(format!("{}: {reason}", path.display()));
             }
@@ -77,8 +77,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     }
     match arguments.per_mesh {
-        true => bake_meshes(arguments, &sources, &method, &mut results)?,
-        false => bake_scenes(arguments, &sources, &method, &mut results)?,
+        true => bake_meshes(arguments, &inputs, &method, &mut results)?,
+        false => bake_scenes(arguments, &inputs, &method, &mut results)?,
     }
     results.report()
 }
@@ -108,7 +108,7 @@ impl Results {
 }
 
 /// In the order of names, so that the same folder gives the same lines everywhere.
-fn add_folder(folder: &Path, below: &Path, sources: &mut Vec<Source>) -> Result<(), String> {
+fn add_folder(folder: &Path, below: &Path, inputs: &mut Vec<InputFile>) -> Result<(), String> {
     let failure = |error: std::io::Error| format!("{}: {error}", folder.display());
     let entries = std::fs::read_dir(folder).map_err(failure)?;
     let mut paths =
@@ -118,20 +118,20 @@ fn add_folder(folder: &Path, below: &Path, sources: &mut Vec<Source>) -> Result<
         // A link to a folder above would never end.
         if path.is_dir() && !path.is_symlink() {
             let name = path.file_name().unwrap_or_default();
-            add_folder(&path, &below.join(name), sources)?;
+            add_folder(&path, &below.join(name), inputs)?;
         } else if Format::from_path(&path) == Some(Format::Gltf) {
-            sources.push(Source { path, below: below.to_owned() });
+            inputs.push(InputFile { path, below: below.to_owned() });
         }
     }
     Ok(())
 }
 
-/// Where a file made of a source goes: beside it, or into the directory that was named, where folders
+/// Where a file made of an input goes: beside it, or into the directory that was named, where folders
 /// keep their structure.
-fn output_of(arguments: &Arguments, source: &Source, name: &str) -> PathBuf {
+fn output_of(arguments: &Arguments, input: &InputFile, name: &str) -> PathBuf {
     match &arguments.output {
-        Some(directory) => directory.join(&source.below).join(name),
-        None => source.path.with_file_name(name),
+        Some(directory) => directory.join(&input.below).join(name),
+        None => input.path.with_file_name(name),
     }
 }
 
@@ -142,7 +142,7 @@ fn make_directory(output: &Path) -> Result<(), String> {
 
 /// A scene, and what is to be done for it.
 struct Scene<'a> {
-    source: &'a Source,
+    input: &'a InputFile,
     jobs: Vec<BakeJob>,
     output: PathBuf,
 }
@@ -150,12 +150,12 @@ struct Scene<'a> {
 /// Each scene into a `.hullscene` file.
 fn bake_scenes(
     arguments: &Arguments,
-    sources: &[Source],
+    inputs: &[InputFile],
     method: &Method,
     results: &mut Results,
 ) -> Result<(), Failure> {
     let options = BakeOptions::new(method.clone()).tagged_only(arguments.tagged_only);
-    let scenes = scenes(arguments, sources, &options, results)?;
+    let scenes = scenes(arguments, inputs, &options, results)?;
     let pool = arguments.threads.pool()?;
     let bar = LateBar::start();
     let parts = scenes.iter().map(|scene| scene.jobs.len()).sum();
@@ -175,40 +175,40 @@ fn bake_scenes(
 /// Reads all files that can be read.
 fn scenes<'a>(
     arguments: &Arguments,
-    sources: &'a [Source],
+    inputs: &'a [InputFile],
     options: &BakeOptions,
     results: &mut Results,
 ) -> Result<Vec<Scene<'a>>, Failure> {
     let mut outputs = HashSet::new();
     let mut scenes = Vec::new();
-    for source in sources {
-        let name = source.path.with_extension(SCENE_SUFFIX);
+    for input in inputs {
+        let name = input.path.with_extension(SCENE_SUFFIX);
         let name = name.file_name().unwrap_or_default().to_string_lossy();
-        let output = output_of(arguments, source, &name);
+        let output = output_of(arguments, input, &name);
         if !outputs.insert(output.clone()) {
             let reason = format!("two scenes would be written to {}", output.display());
             return Err(Failure::Usage(reason));
         }
-        if let Some(meshes) = results.keep(with_triangles(read_scene(&source.path), source)) {
-            scenes.push(Scene { source, jobs: bake_jobs(meshes, options), output });
+        if let Some(meshes) = results.keep(with_triangles(read_scene(&input.path), input)) {
+            scenes.push(Scene { input, jobs: bake_jobs(meshes, options), output });
         }
     }
     Ok(scenes)
 }
 
-/// What was read of a source, if there are triangles in it.
-fn with_triangles<T>(read: Result<Vec<T>, Error>, source: &Source) -> Result<Vec<T>, String> {
+/// What was read of an input, if there are triangles in it.
+fn with_triangles<T>(read: Result<Vec<T>, Error>, input: &InputFile) -> Result<Vec<T>, String> {
     match read {
         Err(error) => Err(error.to_string()),
         Ok(meshes) if meshes.is_empty() => {
-            Err(format!("{}: it holds no triangles", source.path.display()))
+            Err(format!("{}: it holds no triangles", input.path.display()))
         }
         Ok(meshes) => Ok(meshes),
     }
 }
 
 fn bake_scene(scene: &Scene<'_>, control: impl Fn(usize) -> Control, results: &mut Results) {
-    let Scene { source, jobs, output } = scene;
+    let Scene { input, jobs, output } = scene;
     // One that can't be read is replaced.
     let earlier = HullScene::read(output).ok();
     let mut meshes = Vec::new();
@@ -223,11 +223,11 @@ fn bake_scene(scene: &Scene<'_>, control: impl Fn(usize) -> Control, results: &m
         kept += usize::from(known.is_some());
         let baked = known.map_or_else(|| job.run(&control(index)), Ok).map_err(|error| {
             let name = job.names.first().map_or("", String::as_str);
-            format!("{}, mesh `{name}`: {error}", source.path.display())
+            format!("{}, mesh `{name}`: {error}", input.path.display())
         });
         meshes.extend(results.keep(baked));
     }
-    let name = source.path.file_stem().unwrap_or_default().to_string_lossy();
+    let name = input.path.file_stem().unwrap_or_default().to_string_lossy();
     let baked = HullScene::new(name, meshes);
     let written = make_directory(output)
         .and_then(|()| baked.write(output).map_err(|error| error.to_string()));
@@ -264,7 +264,7 @@ const LONGEST_NAME: usize = 200;
 
 /// A mesh of its own.
 struct MeshJob<'a> {
-    source: &'a Path,
+    input: &'a Path,
     mesh: NamedMesh,
     output: PathBuf,
 }
@@ -272,7 +272,7 @@ struct MeshJob<'a> {
 /// Each mesh into a `.hulls` file of its own.
 fn bake_meshes(
     arguments: &Arguments,
-    sources: &[Source],
+    inputs: &[InputFile],
     method: &Method,
     results: &mut Results,
 ) -> Result<(), Failure> {
@@ -281,14 +281,14 @@ fn bake_meshes(
         return Err(Failure::Usage(format!("the density must be positive, not {density}")));
     }
     let pool = arguments.threads.pool()?;
-    let jobs = mesh_jobs(arguments, sources, results);
+    let jobs = mesh_jobs(arguments, inputs, results);
     let bar = LateBar::start();
     for (index, job) in jobs.iter().enumerate() {
         let control = bar.control_of_part(index, jobs.len());
         let control = control.with_parallel(arguments.threads.is_parallel());
         let baked = pool.install(|| bake_mesh(job, density, method, &control)).map_err(|reason| {
-            let MeshJob { source, mesh, .. } = job;
-            format!("{}, mesh `{}`: {reason}", source.display(), mesh.name)
+            let MeshJob { input, mesh, .. } = job;
+            format!("{}, mesh `{}`: {reason}", input.display(), mesh.name)
         });
         let lines = results.keep(baked).unwrap_or_default();
         results.lines.extend(lines);
@@ -300,17 +300,17 @@ fn bake_meshes(
 /// Reads all files that can be read.
 fn mesh_jobs<'a>(
     arguments: &Arguments,
-    sources: &'a [Source],
+    inputs: &'a [InputFile],
     results: &mut Results,
 ) -> Vec<MeshJob<'a>> {
     let mut names = HashSet::new();
     let mut jobs = Vec::new();
-    for source in sources {
-        let meshes = results.keep(with_triangles(read_own_meshes(&source.path), source));
+    for input in inputs {
+        let meshes = results.keep(with_triangles(read_own_meshes(&input.path), input));
         for mesh in meshes.into_iter().flatten() {
             let name = unique(&file_name(&mesh.name), &mut names);
-            let output = output_of(arguments, source, &format!("{name}.hulls"));
-            jobs.push(MeshJob { source: &source.path, mesh, output });
+            let output = output_of(arguments, input, &format!("{name}.hulls"));
+            jobs.push(MeshJob { input: &input.path, mesh, output });
         }
     }
     jobs

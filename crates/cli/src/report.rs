@@ -155,7 +155,8 @@ pub fn json(
     let closed = |is_closed: bool| {
         run.openings.iter().filter(move |opening| opening.outcome.is_closed() == is_closed)
     };
-    let area = |is_closed| closed(is_closed).map(|opening| opening.area).fold(0.0, |sum, area| sum + area);
+    let area =
+        |is_closed| closed(is_closed).map(|opening| opening.area).fold(0.0, |sum, area| sum + area);
     let stages = run.times.iter().map(|time| (time.stage.name().into(), time.seconds.into()));
     let mut line = json!({
         "mesh": mesh.display().to_string(),

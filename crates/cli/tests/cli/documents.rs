@@ -26,7 +26,9 @@ fn add_keys(value: &Value, path: &str, keys: &mut BTreeSet<String>) {
         }
         Value::Object(fields) => {
             let dot = if path.is_empty() { "" } else { "." };
-            fields.iter().for_each(|(key, value)| add_keys(value, &format!("{path}{dot}{key}"), keys));
+            fields
+                .iter()
+                .for_each(|(key, value)| add_keys(value, &format!("{path}{dot}{key}"), keys));
         }
         Value::Array(values) => {
             values.iter().for_each(|value| add_keys(value, &format!("{path}[]"), keys));
