@@ -6,6 +6,8 @@
 use std::cmp::Reverse;
 use std::fmt::{self, Display, Formatter};
 
+#[cfg(feature = "bake")]
+use crate::decomposition::ALGORITHM_VERSION;
 use crate::decomposition::{Decomposition, Hull, Report, RunReport};
 #[cfg(feature = "bake")]
 use crate::hulls_format::HullScene;
@@ -153,7 +155,7 @@ impl Display for CurvePoint {
     }
 }
 
-/// A row for each figure, and one for each opening. Lengths in the mesh's units.
+/// A row for each figure, and one for each of the largest openings. Lengths in the mesh's units.
 impl Display for Inspection {
     fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
         let counts = |given: usize, left: usize| {
@@ -192,9 +194,16 @@ impl Display for Inspection {
             let &Opening { edges, area, centre, outcome } = opening;
             [edges.to_string(), number(area), point(centre), outcome.to_string()]
         };
+        let mut largest: Vec<&Opening> = self.openings.iter().collect();
+        largest.sort_by(|a, b| b.area.total_cmp(&a.area));
+        let rest = largest.split_off(largest.len().min(MOST_OPENINGS));
         let rows: Vec<[String; 4]> =
-            std::iter::once(header).chain(self.openings.iter().map(row)).collect();
-        write!(formatter, "\n\n{}", columns(&rows))
+            std::iter::once(header).chain(largest.into_iter().map(row)).collect();
+        write!(formatter, "\n\n{}", columns(&rows))?;
+        match rest.len() {
+            0 => Ok(()),
+            smaller => write!(formatter, "\nand {smaller} smaller"),
+        }
     }
 }
 
@@ -296,14 +305,16 @@ impl Display for HullScene {
     fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
         let meshes = &self.meshes;
         let hulls: usize = meshes.iter().map(|baked| baked.hulls.hulls.len()).sum();
+        let others = meshes.iter().filter(|baked| !baked.hulls.is_current()).count();
+        let algorithm = match others {
+            0 => ALGORITHM_VERSION.to_string(),
+            others => format!("another than this program's for {others} of {}", meshes.len()),
+        };
         let rows = pairs(&[
             ("scene", self.name.clone()),
             ("meshes", meshes.len().to_string()),
             ("hulls", hulls.to_string()),
-            ("of this algorithm", {
-                let current = meshes.iter().filter(|baked| baked.hulls.is_current()).count();
-                format!("{current} of {}", meshes.len())
-            }),
+            ("algorithm version", algorithm),
         ]);
         formatter.write_str(&rows)?;
         let length = |file: &HullsFile, value: Option<f64>| {
@@ -334,6 +345,9 @@ impl Display for HullScene {
         Ok(())
     }
 }
+
+/// Openings that are listed, the largest: scans have hundreds.
+const MOST_OPENINGS: usize = 20;
 
 /// Stands where there is no number.
 const NOTHING: &str = "–";
@@ -398,10 +412,13 @@ fn percentage(length: f64, diagonal: f64) -> String {
     if diagonal > 0.0 { relative(length / diagonal) } else { number(length) }
 }
 
+/// Less is rounding: a tenth of what makes a hull not convex by default.
+const ROUNDING: f64 = 1e-7;
+
 /// A fraction of the diagonal as a percentage. Three digits after the point show what samples resolve.
 fn relative(length: f64) -> String {
     let percent = 100.0 * length;
-    if percent > 0.0 && percent < 1e-3 {
+    if length > ROUNDING && percent < 1e-3 {
         format!("{percent:.1e} %")
     } else {
         format!("{percent:.3} %")
@@ -487,8 +504,8 @@ mod tests {
 
     #[test]
     fn lengths_are_percentages_and_tiny_ones_have_an_exponent() {
-        let texts = [0.0, 0.018_77, 2.54e-8].map(relative);
-        assert_eq!(texts, ["0.000 %", "1.877 %", "2.5e-6 %"]);
+        let texts = [0.0, 0.018_77, 2.54e-6, 1e-9].map(relative);
+        assert_eq!(texts, ["0.000 %", "1.877 %", "2.5e-4 %", "0.000 %"]);
         assert_eq!(percentage(0.5, 2.0), "25.000 %");
         assert_eq!(percentage(0.5, 0.0), "0.5");
         assert_eq!([share(Some(0.8842)), share(None)], ["88.4 %", "–"]);

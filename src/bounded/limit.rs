@@ -55,8 +55,8 @@ const NEXT_BOUND: f64 = 0.85;
 /// Less to gain than this factor is not worth a search.
 const LEAST_GAIN: f64 = 1.01;
 
-/// The search for the least bound that ends with few enough hulls.
-pub(crate) struct BoundSearch {
+/// A bracket around the least bound that ends with few enough hulls.
+pub(crate) struct BoundBracket {
     /// The largest bound that ended with too many hulls.
     refused: f64,
     /// Whether that is a bound of this search.
@@ -64,7 +64,7 @@ pub(crate) struct BoundSearch {
     searches: usize,
 }
 
-impl BoundSearch {
+impl BoundBracket {
     /// `bound` ended with too many hulls.
     pub(crate) fn new(bound: f64) -> Self {
         Self { refused: bound, is_near: false, searches: 0 }

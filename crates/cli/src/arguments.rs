@@ -90,7 +90,7 @@ pub struct ParameterArguments {
     #[arg(long, value_name = "NAME", value_parser = parse_method)]
     method: Option<Method>,
 
-    /// The bound: 2% (default) of the bounding-box diagonal, or 0.02m in the mesh's unit, whatever it is
+    /// The bound: 2% (default) of the bounding-box diagonal, or 0.02m in the mesh's unit
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     max_error: Option<Length>,
 
@@ -131,11 +131,11 @@ struct SurfaceArguments {
     #[arg(long)]
     paper: bool,
 
-    /// Triangles left by each step: 0.8
+    /// Fraction left by each step: 0.8
     #[arg(long, value_name = "Q", allow_negative_numbers = true)]
     simplification_quality: Option<f64>,
 
-    /// Triangles: 250,500,1000,2000,3000
+    /// Most triangles: 250,500,1000,2000,3000
     #[arg(long, value_name = "R", value_delimiter = ',')]
     maximum_resolutions: Option<Vec<usize>>,
 
@@ -147,15 +147,15 @@ struct SurfaceArguments {
     #[arg(long, value_name = "A", allow_negative_numbers = true)]
     angular_threshold: Option<f64>,
 
-    /// Low enough, per group diagonal: 0.05
+    /// Highest cost, per group diagonal: 0.05
     #[arg(long, value_name = "ε", allow_negative_numbers = true)]
     concavity_cost_threshold: Option<f64>,
 
-    /// Fewer pieces skip the rest: 5; 0: never
+    /// Fewer pieces end it: 5; 0: never
     #[arg(long, value_name = "μ")]
     resolution_cut_off: Option<usize>,
 
-    /// Of P and A: 44.6% of the diagonal
+    /// Unit of P and A: 44.6% of the diagonal
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
     unit: Option<Length>,
 

@@ -14,7 +14,7 @@ use crate::decompose::{DEFAULT_DENSITY, hulls_file, wrote};
 use crate::progress::LateBar;
 use crate::report::vertices;
 
-/// Bake scenes into .hullscene files: the hulls of every mesh with error bound and mass properties
+/// Bake scenes into .hullscene files: the hulls of every mesh, with errors and mass
 #[derive(clap::Args)]
 #[command(
     after_help = "One file per scene, named after it: each mesh in the space that it was modelled in (no \
@@ -31,12 +31,12 @@ pub struct Arguments {
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
 
-    /// A .hulls file for each mesh, named after it, instead of one file per scene. Names and extras count
-    /// for nothing
+    /// A .hulls file for each mesh, named after it, instead of one file per scene. Names and extras are
+    /// ignored
     #[arg(long)]
     per_mesh: bool,
 
-    /// Only what an artist's name or extra asks for, as `ConvexDecompositionHierarchy::tagged_only`
+    /// Only meshes with an artist's name or extra, as `ConvexDecompositionHierarchy::tagged_only`
     #[arg(long, conflicts_with = "per_mesh")]
     tagged_only: bool,
 

@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use hullwright::io::{read_mesh, write_file};
-use hullwright::{CurvePoint, MergeTree};
+use hullwright::{CurvePoint, Error, MergeTree};
 use hullwright_cli::terminal::{Failure, print, print_json};
 use plotters::prelude::*;
 use serde_json::json;
 
-use crate::arguments::{ParameterArguments, Uses, mesh_help};
+use crate::arguments::{ParameterArguments, ThreadArguments, Uses, mesh_help};
 use crate::progress::{LateBar, waiting};
 use crate::report;
 
@@ -31,6 +31,9 @@ pub struct Arguments {
     json: bool,
 
     #[command(flatten)]
+    threads: ThreadArguments,
+
+    #[command(flatten)]
     parameters: ParameterArguments,
 }
 
@@ -44,10 +47,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let chosen = arguments.parameters.checked(&Uses { bound: true, ..Uses::default() })?;
     let name = arguments.mesh.display().to_string();
     let file = waiting("reading", || read_mesh(&arguments.mesh))?;
+    let pool = arguments.threads.pool()?;
     let bar = LateBar::start();
-    let control = bar.control();
-    let curve = chosen.method.decompose(&file, &control).and_then(|result| {
-        MergeTree::new(&file, &result, &chosen.solid(), &control).map(|tree| (tree.curve(), result))
+    let control = bar.control().with_parallel(arguments.threads.is_parallel());
+    let curve = pool.install(|| {
+        let result = chosen.method.decompose(&file, &control)?;
+        let tree = MergeTree::new(&file, &result, &chosen.solid(), &control)?;
+        Ok::<_, Error>((tree.curve(), result))
     });
     bar.finish();
     let (curve, result) = curve.map_err(|error| format!("{name}: {error}"))?;

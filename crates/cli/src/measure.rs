@@ -1,4 +1,4 @@
-//! `hullwright measure`: judges hulls, ours or another tool's, against their mesh.
+//! `hullwright measure`: hulls of any tool against their mesh.
 
 use std::path::PathBuf;
 
@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use crate::arguments::{SolidArguments, mesh_help};
 use crate::progress::waiting;
 
-/// Judge a set of hulls, of any tool, against the mesh that they stand for
+/// Measure a set of hulls, of any tool, against their mesh
 #[derive(clap::Args)]
 #[command(
     after_help = "Protrusion is how far the hulls reach outside the solid, uncovered how far the \

@@ -80,6 +80,9 @@ fn files_that_hold_no_mesh_end_with_one_line_and_exit_code_1() {
     place.write("line.off", line);
     let error = place.fail_in_one_line(&["inspect", "line.off"], 1);
     assert!(error.contains("no usable triangle"), "{error}");
+    std::fs::create_dir(place.path("folder")).unwrap();
+    let error = place.fail_in_one_line(&["inspect", "folder"], 1);
+    assert!(error.contains("folder: it is a folder"), "{error}");
     let error = place.fail_in_one_line(&["inspect", "missing.obj"], 1);
     assert!(error.contains("missing.obj"), "{error}");
 }
