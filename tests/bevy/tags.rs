@@ -231,6 +231,7 @@ fn the_table_of_settings_names_every_field() {
 }
 
 #[test]
+#[expect(clippy::field_reassign_with_default, reason = "the templates have no names")]
 fn components_with_handles_are_made_from_asset_paths_as_in_bsn() {
     use bevy::ecs::template::{FromTemplate, SceneEntityReferences, Template, TemplateContext};
     type Of<T> = <T as FromTemplate>::Template;

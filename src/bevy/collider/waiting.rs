@@ -193,7 +193,7 @@ fn let_go(mut bodies: FrozenBodies) {
 #[derive(Resource, Default)]
 pub(super) struct Fallbacks {
     waiting: VecDeque<(Entity, Arc<ColliderRequest>, FallbackCollider)>,
-    tasks: Vec<(Entity, Arc<ColliderRequest>, Task<Option<Option<SharedShape>>>)>,
+    tasks: Vec<(Entity, Arc<ColliderRequest>, Task<Option<SharedShape>>)>,
 }
 
 impl Fallbacks {
@@ -271,7 +271,7 @@ pub(super) fn attach_fallbacks(
             return true;
         }
         if is_wanted(*entity, request)
-            && let Some(Some(Some(shape))) = block_on(poll_once(task))
+            && let Some(Some(shape)) = block_on(poll_once(task))
         {
             attach(*entity, shape);
         }

@@ -180,10 +180,10 @@ impl Jobs {
     pub(super) fn spawn<T: Send + 'static>(
         &mut self,
         settings: &HullwrightSettings,
-        run: impl FnOnce() -> T + Send + 'static,
+        run: impl FnOnce() -> Option<T> + Send + 'static,
     ) -> Task<Option<T>> {
         let pool = self.pool.get(&settings.budget);
-        pool.spawn(async move { contain_panics(|| Ok(run())).ok() })
+        pool.spawn(async move { contain_panics(|| Ok(run())).ok().flatten() })
     }
 
     /// An error of an entity that needs no job to be found.
