@@ -10,7 +10,6 @@ use bevy_rapier3d::rapier::geometry::SharedShape;
 use bevy_rapier3d::rapier::math::Pose;
 use bevy_rapier3d::rapier::parry::shape::TypedShape;
 
-use super::HullGizmos;
 use crate::bevy::collider::waiting::Frozen;
 use crate::bevy::collider::work::AttachedCollider;
 use crate::bevy::tag::DecompositionFocus;
@@ -61,6 +60,11 @@ impl Default for HullwrightDebug {
         }
     }
 }
+
+/// The lines' group, for their width and depth in Bevy's `GizmoConfigStore`.
+#[derive(Default, Reflect, GizmoConfigGroup)]
+#[type_path = "hullwright"]
+pub struct HullGizmos;
 
 const STALE: Color = Color::Srgba(Srgba::rgb(1.0, 0.85, 0.1));
 const PRIMITIVE: Color = Color::Srgba(Srgba::rgb(0.3, 0.5, 1.0));

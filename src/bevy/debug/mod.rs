@@ -6,7 +6,7 @@ use bevy::diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnost
 use bevy::gizmos::{AppGizmoBuilder, GizmoPlugin};
 use bevy::prelude::*;
 
-pub use self::draw::HullwrightDebug;
+pub use self::draw::{HullGizmos, HullwrightDebug};
 use self::draw::draw;
 use super::tag::outcomes::DecompositionCounters;
 use super::tag::settings::HullwrightSystems;
@@ -18,11 +18,6 @@ use super::tag::settings::HullwrightSystems;
 /// diagnostics alone.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct HullwrightDebugPlugin;
-
-/// The lines' group, for their width and depth in Bevy's `GizmoConfigStore`.
-#[derive(Default, Reflect, GizmoConfigGroup)]
-#[type_path = "hullwright"]
-pub struct HullGizmos;
 
 /// Declares diagnostics: their paths, units and values.
 macro_rules! diagnostics {
