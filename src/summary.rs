@@ -439,9 +439,11 @@ const DIGITS: i32 = 6;
 
 /// Plain within a few powers of ten, else with an exponent.
 fn number(value: f64) -> String {
-    let magnitude = if value == 0.0 { 0 } else { value.abs().log10().floor() as i32 };
+    let scientific = format!("{value:.*e}", DIGITS as usize - 1);
+    let exponent = scientific.split_once('e').and_then(|(_, exponent)| exponent.parse().ok());
+    let magnitude: i32 = exponent.unwrap_or_default();
     if !(-4..DIGITS + 3).contains(&magnitude) {
-        return format!("{value:.*e}", DIGITS as usize - 1);
+        return scientific;
     }
     let decimals = (DIGITS - 1 - magnitude).max(0) as usize;
     let text = format!("{value:.decimals$}");
