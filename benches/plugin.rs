@@ -264,29 +264,39 @@ fn baked_props() {
     let tag = || ConvexDecomposition::default().with_preset(DecompositionPreset::Fast);
     let method = tag().to_parameters();
     let meshes: Vec<Mesh> = (0..PROPS).map(mesh).collect();
-    let baked = meshes.iter().map(|mesh| {
+    let baked = meshes.iter().enumerate().map(|(number, mesh)| {
         let mesh = TriangleMesh::try_from(mesh).unwrap();
         let made = method.decompose(&mesh, &Control::new()).unwrap();
         let mass = mass_properties(&mesh, &made.hulls, 1.0).unwrap();
-        let file = HullsFile::new("prop", &made).with_mass_properties(mass);
+        let file = HullsFile::new(number.to_string(), &made).with_mass_properties(mass);
         BakedMesh::new(&mesh, method.clone(), file)
     });
     let scene = HullScene::new("props", baked.collect());
-    for (name, execution, max_jobs) in [
-        ("in the background", Execution::Background, 0),
-        ("with one job", Execution::Background, 1),
-        ("in slices", Execution::Slices, 0),
+    for (name, execution, max_jobs, is_by_name) in [
+        ("in the background", Execution::Background, 0, false),
+        ("with one job", Execution::Background, 1, false),
+        ("in slices, found by their meshes", Execution::Slices, 0, false),
+        ("in slices, found by their names", Execution::Slices, 0, true),
     ] {
         let mut app = app_with_bodies();
         let mut settings = app.world_mut().resource_mut::<HullwrightSettings>();
         (settings.budget.execution, settings.budget.max_jobs) = (execution, max_jobs);
+        if execution == Execution::Slices {
+            // The default where there are no threads.
+            settings.budget.frame_time = Duration::from_millis(4);
+        }
         let mut scenes = app.world_mut().resource_mut::<Assets<BakedScene>>();
         let scene = scenes.add(BakedScene::new(scene.clone()));
         for (number, mesh) in meshes.iter().enumerate() {
-            let mesh = Mesh3d(add(&mut app, mesh.clone()));
             let place = Transform::from_xyz(10.0 * number as f32, 0.0, 0.0);
-            let baked = FromBakedScene(scene.clone());
-            app.world_mut().spawn((mesh, RigidBody::Dynamic, place, tag(), baked));
+            let body = (RigidBody::Dynamic, place);
+            if is_by_name {
+                let baked = BakedDecomposition::new(scene.clone()).with_mesh(number.to_string());
+                app.world_mut().spawn((body, baked));
+            } else {
+                let mesh = Mesh3d(add(&mut app, mesh.clone()));
+                app.world_mut().spawn((body, mesh, tag(), FromBakedScene(scene.clone())));
+            }
         }
         let mut frames = 0;
         while !is_finished(&mut app) {

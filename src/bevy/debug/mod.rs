@@ -6,8 +6,8 @@ use bevy::diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnost
 use bevy::gizmos::{AppGizmoBuilder, GizmoPlugin};
 use bevy::prelude::*;
 
-pub use self::draw::{HullGizmos, HullwrightDebug};
 use self::draw::draw;
+pub use self::draw::{HullGizmos, HullwrightDebug};
 use super::tag::outcomes::DecompositionCounters;
 use super::tag::settings::HullwrightSystems;
 

@@ -1,7 +1,7 @@
 //! The plugin's own threads: Bevy compiles render pipelines on its pool for background work, and that has a single
 //! thread on most machines.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use bevy::tasks::{TaskPool, TaskPoolBuilder, available_parallelism};
 
@@ -12,8 +12,10 @@ const MOST_THREADS: usize = 4;
 
 /// Threads for decompositions.
 pub(super) fn decomposition_threads(budget: &BudgetSettings) -> usize {
+    // Asked of the system once: that reads files.
+    static DEFAULT: OnceLock<usize> = OnceLock::new();
     match budget.threads {
-        0 => (available_parallelism() / 2).clamp(1, MOST_THREADS),
+        0 => *DEFAULT.get_or_init(|| (available_parallelism() / 2).clamp(1, MOST_THREADS)),
         threads => threads,
     }
 }
@@ -51,7 +53,18 @@ fn lower_priority() {
     let priority = thread_priority::ThreadPriorityValue::try_from(PRIORITY);
     let lowered = priority.is_ok_and(|priority| {
         let priority = thread_priority::ThreadPriority::Crossplatform(priority);
-        thread_priority::set_current_thread_priority(priority).is_ok()
+        // A game's thread may be a real-time one, among which this priority could be the higher one.
+        #[cfg(unix)]
+        return thread_priority::set_thread_priority_and_policy(
+            thread_priority::thread_native_id(),
+            priority,
+            thread_priority::ThreadSchedulePolicy::Normal(
+                thread_priority::NormalThreadSchedulePolicy::Other,
+            ),
+        )
+        .is_ok();
+        #[cfg(not(unix))]
+        return thread_priority::set_current_thread_priority(priority).is_ok();
     });
     if !lowered {
         log::debug!("the threads for convex decompositions run with the priority of the game");

@@ -68,7 +68,8 @@ pub struct BudgetSettings {
     /// Most decompositions at once; 0 for one for each of the threads. What takes none does not count. Default 0.
     pub max_jobs: usize,
     /// Time per frame that the plugin's systems may spend on reading meshes and attaching
-    /// colliders. One of each goes through even if it takes longer. Default 1 ms.
+    /// colliders, and in slices on all work. One of each goes through even if it takes longer. Default 1 ms, and 4 ms
+    /// where there are no threads.
     pub frame_time: Duration,
     /// Most colliders attached per frame: what Bevy and Rapier do with them comes on top of the
     /// budget. Default 64.
@@ -147,6 +148,9 @@ const DEFAULT_DISK_CACHE_BYTES: u64 = 256 << 20;
 /// A sixteenth of a frame at 60 Hz.
 const DEFAULT_FRAME_TIME: Duration = Duration::from_millis(1);
 
+/// A quarter of a frame, where all work is done in it.
+const FRAME_TIME_WITHOUT_THREADS: Duration = Duration::from_millis(4);
+
 /// With a few microseconds each, about as long as the budget.
 const DEFAULT_MAX_ATTACHED: usize = 64;
 
@@ -180,7 +184,7 @@ impl Default for BudgetSettings {
             execution: if has_threads { Execution::Background } else { Execution::Slices },
             threads: 0,
             max_jobs: 0,
-            frame_time: DEFAULT_FRAME_TIME,
+            frame_time: if has_threads { DEFAULT_FRAME_TIME } else { FRAME_TIME_WITHOUT_THREADS },
             max_attached_per_frame: DEFAULT_MAX_ATTACHED,
         }
     }
