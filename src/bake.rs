@@ -116,6 +116,19 @@ pub fn bake_jobs(meshes: Vec<SceneMesh>, options: &BakeOptions) -> Vec<BakeJob> 
     jobs
 }
 
+/// What is wrong with the extras of a scene's meshes and nodes, each with the name of what has it. O(meshes).
+pub fn extras_complaints(meshes: &[SceneMesh]) -> Vec<String> {
+    let of = |name: &str, extras: &Option<String>| -> Vec<String> {
+        let wrong = extras.as_deref().map(|text| read_extras(text).1).unwrap_or_default();
+        wrong.into_iter().map(|text| format!("extras of `{name}`: {text}")).collect()
+    };
+    let of_mesh = |mesh: &SceneMesh| {
+        let nodes = mesh.nodes.iter().flat_map(|node| of(&node.name, &node.extras));
+        of(&mesh.name, &mesh.extras).into_iter().chain(nodes).collect::<Vec<_>>()
+    };
+    meshes.iter().flat_map(of_mesh).collect()
+}
+
 impl BakeJob {
     /// Decomposes the mesh. Its mass properties are at a density of 1.
     ///
@@ -151,7 +164,7 @@ impl BakeOptions {
         if node_tag(&node.name) == Some(NameTag::LeftOut) || names.iter().any(has_pieces) {
             return Some(None);
         }
-        // Complaints are the plugin's to make, for each node.
+        // Their complaints are told apart from this: `extras_complaints`.
         let extras = [&node.extras, &mesh.extras].into_iter().flatten();
         if let Some(tag) = extras.filter_map(|text| read_extras(text).0).next() {
             return Some(tag.parameters(&self.parameters));

@@ -95,7 +95,7 @@ pub use tag::{
 pub mod prelude {
     pub use super::{
         AbsentReason, BakedDecomposition, BakedScene, BudgetSettings, CacheSettings,
-        ColliderAbsent, ColliderPieceOf, ColliderReady, ConvexDecomposition,
+        ColliderAbsent, ColliderPieceOf, ColliderPieces, ColliderReady, ConvexDecomposition,
         ConvexDecompositionHierarchy, DecompositionCancelled, DecompositionCounters,
         DecompositionFailed, DecompositionFocus, DecompositionOpenings, DecompositionPreset,
         DecompositionPriority, DecompositionProgress, DecompositionReady, DecompositionShape,
@@ -105,6 +105,8 @@ pub mod prelude {
         SkipSettings, VerifiedDistances, WaitReason, all_decompositions_done,
         decompositions_pending,
     };
+    #[cfg(feature = "debug")]
+    pub use super::{HullwrightDebug, HullwrightDebugPlugin};
 }
 
 /// Gives entities with [`ConvexDecomposition`] their colliders.
@@ -113,7 +115,7 @@ pub mod prelude {
 /// enough otherwise. The order of plugins does not matter.
 #[derive(Debug, Clone, Default)]
 pub struct HullwrightPlugin {
-    /// The initial settings. If they are the default, settings that were inserted before stay.
+    /// The initial settings. If they are the default, but for the contacts, settings that were inserted before stay.
     pub settings: HullwrightSettings,
 }
 
@@ -128,8 +130,14 @@ impl HullwrightPlugin {
 
 impl Plugin for HullwrightPlugin {
     fn build(&self, app: &mut App) {
-        if self.settings != HullwrightSettings::default() {
+        // Worlds that keep their contacts are no reason to drop settings that were inserted before.
+        let with_contacts =
+            HullwrightSettings { contact_dispatcher: true, ..self.settings.clone() };
+        if with_contacts != HullwrightSettings::default() {
             app.insert_resource(self.settings.clone());
+        } else if !self.settings.contact_dispatcher {
+            app.init_resource::<HullwrightSettings>();
+            app.world_mut().resource_mut::<HullwrightSettings>().contact_dispatcher = false;
         }
         app.configure_sets(
             PostUpdate,

@@ -2,9 +2,13 @@
 
 use std::path::Path;
 
+use bevy::prelude::*;
 use bevy::reflect::Typed;
 use bevy::reflect::structs::Struct;
+use bevy_rapier3d::prelude::RigidBody;
 use hullwright::bevy::prelude::*;
+
+use crate::app::*;
 
 /// A file of the repository.
 fn read(path: &str) -> String {
@@ -76,4 +80,14 @@ fn the_table_of_settings_has_their_defaults() {
             cell.replace('`', "").replace("FallbackCollider::", "").replace("Execution::", "");
         assert!(cell.split("; ").next() == Some(value), "{}: {cell}, not {value}", field.name());
     }
+}
+
+#[test]
+fn the_first_program_prints_what_the_page_says() {
+    let page = read("docs/bevy.md");
+    let printed = page.split("It prints `").nth(1).unwrap().split('`').next().unwrap();
+    let torus = Mesh::from(Torus::default());
+    let (app, entity) = finished(torus, (RigidBody::Dynamic, ConvexDecomposition::default()));
+    let (of, made_of) = seen(&app).with_collider[0];
+    assert_eq!((of, format!("{made_of:?}").as_str()), (entity, printed));
 }

@@ -180,6 +180,7 @@ fn settings_from_before_the_plugin_stay_unless_it_has_its_own() {
         app.world().resource::<HullwrightSettings>().budget.max_jobs
     };
     assert_eq!(max_jobs(HullwrightPlugin::default()), 1);
+    assert_eq!(max_jobs(HullwrightPlugin::default().without_contact_dispatcher()), 1);
     let settings = with_jobs(3);
     assert_eq!(max_jobs(HullwrightPlugin { settings }), 3);
 }

@@ -3,11 +3,11 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use hullwright::bake::{BakeJob, BakeOptions, bake_jobs};
+use hullwright::bake::{BakeJob, BakeOptions, bake_jobs, extras_complaints};
 use hullwright::hulls_format::{HullScene, HullsFile, MeshHash, SceneLookup};
 use hullwright::io::{Format, NamedMesh, read_own_meshes, read_scene};
 use hullwright::{Control, Error, Method};
-use hullwright_cli::terminal::{Failure, count, print, print_error};
+use hullwright_cli::terminal::{Failure, count, print, print_error, print_warning};
 
 use crate::arguments::{ParameterArguments, SCENE_SUFFIX, ThreadArguments, Uses};
 use crate::decompose::{DEFAULT_DENSITY, hulls_file, wrote};
@@ -190,6 +190,9 @@ fn scenes<'a>(
             return Err(Failure::Usage(reason));
         }
         if let Some(meshes) = results.keep(with_triangles(read_scene(&input.path), input)) {
+            for complaint in extras_complaints(&meshes) {
+                print_warning(&format!("{}, {complaint}", input.path.display()));
+            }
             scenes.push(Scene { input, jobs: bake_jobs(meshes, options), output });
         }
     }

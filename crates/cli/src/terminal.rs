@@ -68,9 +68,18 @@ pub fn print_json(line: &serde_json::Value) -> Result<(), Failure> {
 
 /// Prints one line to standard error, whatever the reason holds.
 pub fn print_error(reason: &str) {
+    print_line("error", reason);
+}
+
+/// The same of what is wrong, and done all the same.
+pub fn print_warning(reason: &str) {
+    print_line("warning", reason);
+}
+
+fn print_line(kind: &str, reason: &str) {
     let line: Vec<&str> = reason.lines().map(str::trim).collect();
     // Where standard error is closed, nothing reads it.
-    let _ = writeln!(std::io::stderr(), "error: {}", line.join(" "));
+    let _ = writeln!(std::io::stderr(), "{kind}: {}", line.join(" "));
 }
 
 /// A count with its noun, such as "1 hull" or "2 hulls".

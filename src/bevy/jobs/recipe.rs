@@ -9,7 +9,7 @@ use bevy::prelude::*;
 
 use super::baked::{BakedScene, BakedSceneSettings, HullSceneLoader, LoadHullsError};
 use super::task::contain_panics;
-use crate::bake::{BakeOptions, bake_jobs};
+use crate::bake::{BakeOptions, bake_jobs, extras_complaints};
 use crate::hulls_format::HullScene;
 use crate::io::read_scene_from_bytes;
 use crate::{Control, Method};
@@ -88,6 +88,9 @@ async fn bake(bytes: &[u8], context: &mut LoadContext<'_>) -> Result<HullScene, 
         context.path().resolve_embed_str(&scene).map_err(|error| wrong(error.to_string()))?;
     let bytes = context.read_asset_bytes(&path).await.map_err(|error| wrong(error.to_string()))?;
     let meshes = read_scene_from_bytes(&bytes).map_err(|error| wrong(error.to_string()))?;
+    for complaint in extras_complaints(&meshes) {
+        log::warn!("{path}, {complaint}");
+    }
     let mut baked = Vec::new();
     for job in bake_jobs(meshes, &options) {
         // The others shall have their hulls all the same, and the hierarchy says what is missing.

@@ -202,6 +202,19 @@ pub enum DecompositionError {
     Panicked,
 }
 
+fn skipped(reason: SkipReason) -> &'static str {
+    match reason {
+        SkipReason::Hidden => "hidden",
+        SkipReason::TooSmall => "too small",
+        SkipReason::TooFar => "too far from every focus",
+        // These have a collider.
+        SkipReason::HasCollider => "one that has a collider",
+        SkipReason::FixedBody => "fixed",
+        SkipReason::NoBody => "no part of a body",
+        SkipReason::TrianglesRequested => "triangles on request",
+    }
+}
+
 /// More names would not help.
 const MOST_NAMES: usize = 8;
 
@@ -286,13 +299,13 @@ pub struct ColliderAbsent {
 #[type_path = "hullwright"]
 pub enum AbsentReason {
     /// The settings say so.
-    #[error("it is skipped: {0:?}")]
+    #[error("skipped, since it is {}", skipped(*.0))]
     Skipped(SkipReason),
     /// The work failed.
     #[error("{0}")]
     Failed(DecompositionError),
     /// The tag was removed, or the entity despawned, before.
-    #[error("the tag was removed")]
+    #[error("the tag was removed, or the entity despawned")]
     Cancelled,
 }
 

@@ -186,6 +186,19 @@ fn a_scene_is_baked_as_its_artist_says() {
 }
 
 #[test]
+fn a_wrong_extra_is_named_and_the_rest_holds() {
+    let place = place();
+    let extras = r#""name": "left", "extras": { "collider": "hulls", "max_eror": 0.01 },"#;
+    place.write("two.gltf", GLTF.replace(r#""name": "left","#, extras));
+    let output = place.run(&["bake", "two.gltf"]);
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success(), "{error}");
+    let expected = r#"warning: two.gltf, extras of `left`: "max_eror" is no setting of a collider"#;
+    assert!(error.starts_with(expected) && error.lines().count() == 1, "{error}");
+    assert!(place.path("two.hullscene").exists());
+}
+
+#[test]
 fn a_folder_of_scenes_keeps_its_structure() {
     let place = place();
     std::fs::create_dir_all(place.path("levels/one")).unwrap();
