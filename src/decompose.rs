@@ -102,7 +102,7 @@ pub(crate) async fn pipeline(
     let prepared = &mut input.prepared;
     round(&mut prepared.mesh);
     let mut deadline = Deadline::new(control);
-    let passes = Settings::of_preset(parameters, prepared.normalization.diagonal);
+    let passes = Settings::of_preset(parameters, &prepared.normalization);
     let most = parameters.max_hulls.unwrap_or(usize::MAX);
     let searched = if most == usize::MAX { FINISHED } else { SEARCHED };
     let mut best: Option<Found> = None;
@@ -237,7 +237,7 @@ mod tests {
         let (parameters, control) = (&Parameters::default(), &Control::new());
         let mut prepared = prepare_closed(mesh, &parameters.into(), control).unwrap().prepared;
         round(&mut prepared.mesh);
-        let settings = &Settings::of_preset(parameters, prepared.normalization.diagonal)[0];
+        let settings = &Settings::of_preset(parameters, &prepared.normalization)[0];
         let (solid, divided) = solid_and_patch_mesh(&prepared, None, settings, control).unwrap();
         let patches = &divide_into_patches(divided, &solid, settings, control).unwrap();
         let search = &Search { solid: &solid, patches, settings, control };

@@ -130,6 +130,7 @@ mod method;
 mod openings;
 mod parallel;
 mod parameters;
+mod probe;
 #[cfg(feature = "rapier")]
 pub mod rapier;
 mod solid;

@@ -3,7 +3,9 @@
 
 use std::ops::RangeInclusive;
 
+use crate::mesh::Normalization;
 use crate::parameters::{Length, Parameters, Preset};
+use crate::probe::ProbeSettings;
 use crate::solid::COARSE;
 
 /// The search uses this share of the bound. The rest is a margin for what the search's fit test
@@ -142,51 +144,61 @@ pub(crate) struct Settings {
     pub max_vertices: Option<usize>,
     pub max_hulls: Option<usize>,
     pub keep_cavities: bool,
+    pub probe: Option<ProbeSettings>,
 }
 
 impl Settings {
     /// One for each pass over the surface that the preset makes. At least one.
-    pub(crate) fn of_preset(parameters: &Parameters, diagonal: f64) -> Vec<Self> {
+    pub(crate) fn of_preset(parameters: &Parameters, normalization: &Normalization) -> Vec<Self> {
         let passes: &[PresetSettings] = match parameters.preset {
             Preset::Fast => &[FAST],
             Preset::Balanced => &[BALANCED],
             Preset::Fine => &FINE,
         };
-        passes.iter().map(|pass| Self::new(parameters, diagonal, pass)).collect()
+        passes.iter().map(|pass| Self::new(parameters, normalization, pass)).collect()
     }
 
     /// For stages after the search, which do not depend on the preset.
-    pub(crate) fn after_search(parameters: &Parameters, diagonal: f64) -> Self {
-        Self::new(parameters, diagonal, &BALANCED)
+    pub(crate) fn after_search(parameters: &Parameters, normalization: &Normalization) -> Self {
+        Self::new(parameters, normalization, &BALANCED)
     }
 
-    fn new(parameters: &Parameters, diagonal: f64, preset: &PresetSettings) -> Self {
+    fn new(
+        parameters: &Parameters,
+        normalization: &Normalization,
+        preset: &PresetSettings,
+    ) -> Self {
         let &Parameters { max_error, max_hulls, max_vertices, keep_cavities, .. } = parameters;
         let &PresetSettings { patch_size, dissolve_attempts, triangles } = preset;
-        let bound = match max_error {
+        let from = parameters.probe_from.iter();
+        let share = |length| match length {
             Length::Share(share) => share,
-            Length::Units(length) => length / diagonal,
+            Length::Units(length) => length / normalization.diagonal,
         };
         Self {
-            bound: Bound::new(bound),
+            bound: Bound::new(share(max_error)),
             triangles,
             patch_size,
             dissolve_attempts,
             max_vertices,
             max_hulls,
             keep_cavities,
+            probe: parameters.probe_radius.map(|radius| ProbeSettings {
+                radius: share(radius),
+                from: from.map(|&point| normalization.normalize(point.into())).collect(),
+            }),
         }
     }
 
     /// The same with as little search as the fastest preset has.
     pub(crate) fn hurried(&self) -> Self {
         let PresetSettings { patch_size, dissolve_attempts, .. } = FAST;
-        Self { patch_size, dissolve_attempts, ..*self }
+        Self { patch_size, dissolve_attempts, ..self.clone() }
     }
 
     /// The same under another bound on protrusions. No more may stay uncovered.
     pub(crate) fn with_bound(&self, bound: f64) -> Self {
         let bound = Bound { requested: self.bound.requested, ..Bound::new(bound) };
-        Self { bound, ..*self }
+        Self { bound, ..self.clone() }
     }
 }

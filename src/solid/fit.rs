@@ -54,6 +54,18 @@ impl Lenient<'_> {
         Verdict::Stop
     }
 
+    /// Judges a part whose centre is too far from the surface.
+    fn judge_by_probe(&mut self, part: &Part, reach: f64) -> Verdict {
+        let entered = self.solid.entered(part.centre).filter(|&entered| entered <= self.bound);
+        match entered {
+            None => self.protrudes(part.centre),
+            Some(entered) if part.radius <= SMALL * self.bound || entered + reach <= self.bound => {
+                Verdict::Settled
+            }
+            Some(_) => Verdict::Open,
+        }
+    }
+
     /// Judges a part whose centre may be farther than the bound from the surface; `None` if that is left open.
     #[inline]
     fn judge_beyond(&mut self, part: &Part, at: &Location<'_>, reach: f64) -> Option<Verdict> {
@@ -62,7 +74,7 @@ impl Lenient<'_> {
         match at.side() {
             Some(Side::Inside) => {}
             Some(Side::Outside) if at.lower > bound => {
-                return Some(self.protrudes(centre));
+                return Some(self.judge_by_probe(part, reach));
             }
             Some(Side::Outside) => {
                 let distance = solid.tree().distance_to_triangle(centre, at.triangle());
@@ -73,7 +85,7 @@ impl Lenient<'_> {
                     && at.distance_to_tangent() > CERTAIN * bound
                     && !solid.tree().is_within(centre, bound)
                 {
-                    return Some(self.protrudes(centre));
+                    return Some(self.judge_by_probe(part, reach));
                 }
             }
             // The grid is too coarse for the bound.
@@ -90,7 +102,7 @@ impl Lenient<'_> {
                         return Some(Verdict::Settled);
                     }
                 }
-                _ => return Some(self.protrudes(centre)),
+                _ => return Some(self.judge_by_probe(part, reach)),
             },
         }
         None
@@ -138,7 +150,8 @@ impl Policy for Lenient<'_> {
     }
 
     fn judge_outside(&mut self, centre: Vector) -> Verdict {
-        if self.solid.tree().is_within(centre, self.bound) {
+        let solid = self.solid;
+        if solid.tree().is_within(centre, self.bound) || solid.entered(centre).is_some_and(|entered| entered <= self.bound) {
             Verdict::Open
         } else {
             self.protrudes(centre)
