@@ -282,8 +282,8 @@ fn centre(node: &Node) -> Vector {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::Normalization;
     use crate::hull::convex_hull;
+    use crate::mesh::Normalization;
     use crate::parameters::Parameters;
     use crate::solid::Boundary;
 

@@ -14,21 +14,22 @@
 //!   ▓▓▓▓▓▓▓▓▓▓q▓▓▓▓▓▓▓▓▓▓
 //! ```
 //!
-//! Both bound the distance of a point from below. Parts are divided until no nearer one is left, or they are small. What
-//! is found depends on the point alone: so does the least of these bounds over all small parts, and it changes no
-//! faster than the point moves.
+//! The same holds for any other point of the surface. Where a ball rests on several edges, each has a plane, and what
+//! is left of a small part is a polytope. How far a point is from all such polytopes bounds the distance from all centres
+//! from below. This bound depends on the point alone, and changes no faster than it moves.
 
 use std::sync::OnceLock;
 
+use super::field::Field;
 use super::reach::{Cell, ProbeSettings, Reach};
 use crate::bvh::Bvh;
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, squared};
 
-/// Half the side of a part that is not divided, as a fraction of the bound: what is lost is at most a diagonal of such a
-/// part.
-const LEAST_HALF: f64 = 0.05;
+/// Half the side of a part that is not divided, as a fraction of the bound, at most: its planes are off by its squared
+/// half diagonal over the diameter.
+const LEAST_HALF: f64 = 0.2;
 
 /// A ball that is entered farther than this, as a fraction of the radius, shows nothing: only the distance from the mesh
 /// counts. Otherwise a ball smaller than the bound could vanish in hulls.
@@ -40,28 +41,43 @@ const ROUNDING: f64 = 1e-9;
 /// Children of a part from the nearest to a point to the farthest, as differences from the nearest.
 const NEAREST_FIRST: [usize; 8] = [0, 1, 2, 4, 3, 5, 6, 7];
 
+/// Steps of the dual ascent, each over all planes: two planes at right angles take one. Any number gives a valid bound.
+const STEPS: usize = 12;
+
 /// A part of a cell.
 struct Part {
     /// The closest point of the surface to its middle, and how far that is.
     nearest: Vector,
     distance: f64,
     triangle: u32,
-    children: OnceLock<Box<[Part; 8]>>,
+    within: OnceLock<Within>,
+}
+
+/// What is known about the inside of a part.
+enum Within {
+    Children(Box<[Part; 8]>),
+    /// Of a small part: centres are beyond all of these.
+    Planes(Vec<Plane>),
+}
+
+/// The points whose product with the unit normal is at least the offset.
+#[derive(Clone, Copy)]
+struct Plane {
+    normal: Vector,
+    offset: f64,
 }
 
 impl Part {
     fn new(tree: &Bvh, middle: Vector, guess: u32) -> Self {
-        let children = OnceLock::new();
+        let within = OnceLock::new();
         match tree.closest_point_near(middle, f64::INFINITY, guess) {
             Some(found) => Self {
                 nearest: found.point,
                 distance: found.distance,
                 triangle: found.triangle,
-                children,
+                within,
             },
-            None => {
-                Self { nearest: middle, distance: f64::INFINITY, triangle: u32::MAX, children }
-            }
+            None => Self { nearest: middle, distance: f64::INFINITY, triangle: u32::MAX, within },
         }
     }
 }
@@ -74,34 +90,141 @@ struct Cube {
 }
 
 impl Cube {
-    fn squared_distance(&self, point: Vector) -> f64 {
-        ((point - self.middle).abs() - Vector::splat(self.half)).max(Vector::ZERO).length_squared()
+    fn radius(&self) -> f64 {
+        self.half * 3f64.sqrt()
+    }
+
+    fn distance(&self, of: &Extent) -> f64 {
+        let beyond = (of.centre - self.middle).abs() - Vector::splat(self.half);
+        beyond.max(Vector::ZERO).length() - of.radius
+    }
+
+    /// The eighth, or the corner, on these sides.
+    fn towards(&self, index: usize) -> Vector {
+        let side = |axis: usize| if index >> axis & 1 == 1 { self.half } else { -self.half };
+        Vector::new(side(0), side(1), side(2))
     }
 
     fn child(&self, index: usize) -> Self {
-        let half = 0.5 * self.half;
-        let side = |axis: usize| if index >> axis & 1 == 1 { half } else { -half };
-        Self { middle: self.middle + Vector::new(side(0), side(1), side(2)), half }
+        Self { middle: self.middle + self.towards(index) * 0.5, half: 0.5 * self.half }
+    }
+
+    /// The plane that centres in the cube are beyond, since they stay `clear` away from a point of the surface.
+    fn plane(&self, on_surface: Vector, clear: f64) -> Option<Plane> {
+        let (along, radius) = (self.middle - on_surface, self.radius());
+        let distance = along.length();
+        if radius >= clear.min(distance) || !distance.is_finite() {
+            return None;
+        }
+        let normal = along * (1.0 / distance);
+        let height = (squared(clear) - squared(radius)).sqrt();
+        Some(Plane { normal, offset: normal.dot(on_surface) + height })
+    }
+
+    /// No point of the cube beyond all planes is nearer to any point of a part of a face than this. As much as `needed`
+    /// is enough.
+    fn distance_beyond(&self, planes: &[Plane], of: &Extent, needed: f64) -> f64 {
+        let point = of.centre;
+        // Of the cube, only its sides towards the point matter.
+        let arm = point - self.middle;
+        let side = |axis: usize| {
+            let mut normal = Vector::ZERO;
+            normal[axis] = -arm[axis].signum();
+            (arm[axis].abs() > self.half)
+                .then(|| Plane { normal, offset: normal.dot(self.middle) - self.half })
+        };
+        let sides = [side(0), side(1), side(2)];
+        let all = || planes.iter().copied().chain(sides.into_iter().flatten());
+        // The dual of the projection onto the planes, one after the other (Hildreth, "A quadratic programming
+        // procedure", 1957).
+        let mut weights = [0.0_f64; MAX_PLANES + 3];
+        let mut moved = Vector::ZERO;
+        let (mut squared_distance, mut beyond) = (0.0, 0.0_f64);
+        for _ in 0..STEPS {
+            for (plane, weight) in all().zip(&mut weights) {
+                let missing = plane.offset - plane.normal.dot(point + moved);
+                let more = missing.max(-*weight);
+                *weight += more;
+                moved += plane.normal * more;
+            }
+            let height = |plane: Plane| plane.offset - plane.normal.dot(point);
+            let raised: f64 =
+                all().zip(&weights).map(|(plane, weight)| weight * height(plane)).sum();
+            let before = squared_distance;
+            squared_distance = 2.0 * raised - moved.length_squared();
+            let gained = squared_distance - before;
+            // All points that are beyond are so along what was moved.
+            let distance = squared_distance.max(0.0).sqrt();
+            beyond = beyond.max(distance - of.along(moved));
+            if beyond >= needed || gained <= LEAST_GAIN * squared_distance {
+                break;
+            }
+        }
+        beyond
     }
 }
 
-/// A ball that moves from outside, and whether it can enter a point. See the module.
+/// The ascent ends with a step that gains less than this share.
+const LEAST_GAIN: f64 = 1e-3;
+
+/// Where balls are entered farther, as a multiple of the bound, samples hold no more than that.
+const SAMPLED: f64 = 1.5;
+
+/// Planes of a small part, at most: a ball rests on three points.
+const MAX_PLANES: usize = 6;
+
+/// A ball that moves from outside, and how far it is entered at a point. See the module.
 pub(crate) struct Probe {
     pub radius: f64,
+    /// The box of the mesh.
+    pub bounds: (Vector, Vector),
     /// Centres are this far from the solid's own surface at least.
     clear: f64,
     /// Half the side of a part that is not divided.
     least_half: f64,
+    bound: f64,
     reach: Reach,
     /// For each cell that may hold centres its place among `parts`.
     places: Vec<u32>,
     parts: Vec<OnceLock<Part>>,
+    field: Field,
+}
+
+/// A point, or a part of a face around it.
+pub(crate) struct Extent {
+    centre: Vector,
+    /// From the centre to the corners.
+    arms: [Vector; 3],
+    /// Their greatest length.
+    radius: f64,
+}
+
+impl Extent {
+    fn point(point: Vector) -> Self {
+        Self { centre: point, arms: [Vector::ZERO; 3], radius: 0.0 }
+    }
+
+    /// A part whose size counts as `factor` times its own.
+    pub fn of_part(centre: Vector, corners: [Vector; 3], factor: f64) -> Self {
+        let arms = corners.map(|corner| (corner - centre) * factor);
+        let radius = arms.iter().map(|arm| arm.length()).fold(0.0, f64::max);
+        Self { centre, arms, radius }
+    }
+
+    /// How far it extends in a direction, which need not be of unit length.
+    fn along(&self, direction: Vector) -> f64 {
+        if self.radius == 0.0 {
+            return 0.0;
+        }
+        let unit = direction.normalize_or_zero();
+        self.arms.iter().map(|arm| arm.dot(unit)).fold(0.0, f64::max)
+    }
 }
 
 /// A search for the nearest centre.
 struct Search<'a> {
     tree: &'a Bvh,
-    point: Vector,
+    of: &'a Extent,
     /// The least bound so far.
     nearest: f64,
     /// Once the bound is below this, it is near enough.
@@ -134,25 +257,55 @@ impl Probe {
         let mut parts = Vec::new();
         parts.resize_with(count as usize, OnceLock::new);
         let least_half = LEAST_HALF * bound.min(radius);
-        Ok(Self { radius, clear, least_half, reach, places, parts })
+        let field = Field::new(bounds, bound.min(radius));
+        Ok(Self { radius, bounds, clear, least_half, bound, reach, places, parts, field })
     }
 
-    /// Whether no ball is entered at a point by more than `bound`, and none by more than half its radius.
-    pub fn allows(&self, tree: &Bvh, point: Vector, bound: f64) -> bool {
-        let needed = self.radius - bound.min(self.most_entered());
-        self.clearance(tree, point, needed, needed) >= needed
-    }
-
-    /// How far balls are entered at a point, at most; `None` if that may be more than half their radius.
-    pub fn entered(&self, tree: &Bvh, point: Vector) -> Option<f64> {
-        let least = self.radius - self.most_entered();
-        let clearance = self.clearance(tree, point, self.radius, least);
-        (clearance >= least).then_some(self.radius - clearance)
+    /// Side of the cells that were flooded.
+    pub fn cell(&self) -> f64 {
+        self.reach.size
     }
 
     /// Balls that are entered farther than this show nothing.
     pub fn most_entered(&self) -> f64 {
         MOST_ENTERED * self.radius
+    }
+
+    /// Whether no ball is entered at a point by more than `bound`, and none by more than half its radius.
+    pub fn allows(&self, tree: &Bvh, point: Vector, bound: f64) -> bool {
+        let needed = self.radius - bound.min(self.most_entered());
+        let (least, most) = self.clearance_by_field(tree, point);
+        if least >= needed {
+            return true;
+        }
+        most >= needed && self.clearance(tree, &Extent::point(point), needed, needed) >= needed
+    }
+
+    /// How far balls are entered at a point, at most. Exact where that is more than `known`. `None` if it may be more
+    /// than half their radius.
+    pub fn entered(&self, tree: &Bvh, point: Vector, known: f64) -> Option<f64> {
+        let needed = self.radius - known.min(self.most_entered());
+        let (least, most) = self.clearance_by_field(tree, point);
+        if least >= needed {
+            return Some(self.radius - least);
+        }
+        let least = self.radius - self.most_entered();
+        if most < least {
+            return None;
+        }
+        let clearance = self.clearance(tree, &Extent::point(point), needed.min(most), least);
+        (clearance >= least).then_some(self.radius - clearance)
+    }
+
+    /// Whether no ball is entered by more than `bound` at any point of a part of a face. `false` if that is not known
+    /// at once.
+    pub fn allows_all(&self, tree: &Bvh, of: &Extent, bound: f64) -> bool {
+        let needed = self.radius - bound.min(self.most_entered());
+        let (least, most) = self.clearance_by_field(tree, of.centre);
+        if least - of.radius >= needed {
+            return true;
+        }
+        most >= needed && self.clearance(tree, of, needed, needed) >= needed
     }
 
     /// How far balls are entered that can be entered farther by `more`; `None` as in [`entered`](Self::entered).
@@ -161,17 +314,36 @@ impl Probe {
         (most <= self.most_entered()).then_some(most)
     }
 
-    /// No centre is nearer to a point. At most `most`; any value below `enough` if that is not reached.
-    fn clearance(&self, tree: &Bvh, point: Vector, most: f64, enough: f64) -> f64 {
-        let reach = &self.reach;
+    /// Bounds on [`clearance`](Self::clearance) by the nearest sample of the field.
+    fn clearance_by_field(&self, tree: &Bvh, point: Vector) -> (f64, f64) {
+        let Some(sample) = self.field.sample(point) else { return (0.0, f64::INFINITY) };
+        let away = sample.point.distance(point) + ROUNDING;
+        let least = self.radius - (SAMPLED * self.bound).min(self.most_entered());
+        let known = sample.value(|| {
+            let clearance = self.clearance(tree, &Extent::point(sample.point), self.radius, least);
+            if clearance < least { 0.0 } else { clearance }
+        });
+        let most = match known {
+            0.0 => least + away,
+            known if known + ROUNDING >= self.radius => f64::INFINITY,
+            known => known + away,
+        };
+        (known - away, most)
+    }
+
+    /// No centre is nearer to a point, or to any point of a part. At most `most`; any value below `enough` if that is
+    /// not reached.
+    fn clearance(&self, tree: &Bvh, of: &Extent, most: f64, enough: f64) -> f64 {
+        let (reach, point) = (&self.reach, of.centre);
         let half = 0.5 * reach.size;
         let own = reach.place(point);
         if reach.cells[reach.index(own)] == Cell::Open {
             return 0.0;
         }
-        let (low, high) = (reach.place(point - most), reach.place(point + most));
+        let way = Vector::splat(most + of.radius);
+        let (low, high) = (reach.place(point - way), reach.place(point + way));
         let mut near: Vec<(f64, u32, Vector)> = Vec::new();
-        let mut nearest = squared(most);
+        let mut nearest = most;
         for z in low[2]..=high[2] {
             for y in low[1]..=high[1] {
                 for x in low[0]..=high[0] {
@@ -181,7 +353,7 @@ impl Probe {
                         continue;
                     }
                     let middle = reach.centre([x, y, z]);
-                    let distance = Cube { middle, half }.squared_distance(point);
+                    let distance = Cube { middle, half }.distance(of);
                     if distance >= nearest {
                         continue;
                     }
@@ -190,16 +362,16 @@ impl Probe {
                         continue;
                     }
                     nearest = distance;
-                    if nearest < squared(enough) {
-                        return nearest.sqrt();
+                    if nearest < enough {
+                        return nearest;
                     }
                 }
             }
         }
         near.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let mut search = Search { tree, point, nearest: nearest.sqrt(), enough };
+        let mut search = Search { tree, of, nearest, enough };
         for (distance, place, middle) in near {
-            if distance.sqrt() >= search.nearest || search.nearest < enough {
+            if distance >= search.nearest || search.nearest < enough {
                 break;
             }
             let Some(part) = self.parts.get(place as usize) else { continue };
@@ -210,38 +382,58 @@ impl Probe {
     }
 
     fn descend(&self, part: &Part, cube: Cube, bound: f64, search: &mut Search<'_>) {
-        let point = search.point;
-        let radius = cube.half * 3f64.sqrt();
-        if part.distance + radius < self.clear {
+        let of = search.of;
+        if part.distance + cube.radius() < self.clear {
             return;
         }
-        let mut bound = bound.max(cube.squared_distance(point).sqrt());
-        if radius < self.clear && radius < part.distance && part.distance < f64::INFINITY {
-            let along = (cube.middle - part.nearest) / part.distance;
-            let plane = (squared(self.clear) - squared(radius)).sqrt();
-            bound = bound.max(plane - along.dot(point - part.nearest));
+        let mut bound = bound.max(cube.distance(of));
+        if bound >= search.nearest {
+            return;
+        }
+        if let Some(plane) = cube.plane(part.nearest, self.clear) {
+            bound = bound.max(cube.distance_beyond(&[plane], of, search.nearest));
         }
         if bound >= search.nearest {
             return;
         }
-        let to_middle = point.distance(cube.middle);
-        if cube.half <= self.least_half {
-            search.nearest = bound;
-        } else if part.distance >= self.clear && to_middle < search.enough {
-            search.nearest = to_middle.min(search.nearest);
-        } else {
-            let children = part.children.get_or_init(|| {
-                let child = |k| Part::new(search.tree, cube.child(k).middle, part.triangle);
-                Box::new(std::array::from_fn(child))
-            });
-            let side = |axis: usize| usize::from(point[axis] > cube.middle[axis]) << axis;
-            let nearest = side(0) | side(1) | side(2);
-            for index in NEAREST_FIRST.map(|difference| nearest ^ difference) {
-                self.descend(&children[index], cube.child(index), bound, search);
-                if search.nearest < search.enough {
-                    return;
+        match part.within.get_or_init(|| self.within(search.tree, part, cube)) {
+            Within::Planes(planes) => {
+                let beyond = match planes.len() {
+                    1 => 0.0,
+                    _ => cube.distance_beyond(planes, of, search.nearest),
+                };
+                search.nearest = search.nearest.min(bound.max(beyond));
+            }
+            Within::Children(children) => {
+                let side = |axis: usize| usize::from(of.centre[axis] > cube.middle[axis]) << axis;
+                let nearest = side(0) | side(1) | side(2);
+                for index in NEAREST_FIRST.map(|difference| nearest ^ difference) {
+                    self.descend(&children[index], cube.child(index), bound, search);
+                    if search.nearest < search.enough {
+                        return;
+                    }
                 }
             }
         }
+    }
+
+    fn within(&self, tree: &Bvh, part: &Part, cube: Cube) -> Within {
+        if cube.half > self.least_half {
+            let child = |k| Part::new(tree, cube.child(k).middle, part.triangle);
+            return Within::Children(Box::new(std::array::from_fn(child)));
+        }
+        // Corners above the same convex part of the surface have closest points no farther apart than they are.
+        let radius = cube.radius();
+        let mut points = vec![part.nearest];
+        for corner in 0..8 {
+            let corner = cube.middle + cube.towards(corner);
+            let closest = tree.closest_point_near(corner, f64::INFINITY, part.triangle);
+            let Some(closest) = closest.map(|closest| closest.point) else { continue };
+            let is_new = points.iter().all(|point| point.distance(closest) > radius);
+            if is_new && points.len() < MAX_PLANES {
+                points.push(closest);
+            }
+        }
+        Within::Planes(points.iter().filter_map(|&q| cube.plane(q, self.clear)).collect())
     }
 }

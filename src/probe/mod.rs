@@ -19,9 +19,11 @@
 //! |---|---|
 //! | `reach` | a grid of cells that may hold the centre of a ball, flooded from outside |
 //! | `clearance` | how near the centre of a ball can come to a point, by cells that are divided on demand |
+//! | `field` | samples of that distance |
 
 mod clearance;
+mod field;
 mod reach;
 
-pub(crate) use clearance::Probe;
+pub(crate) use clearance::{Extent, Probe};
 pub(crate) use reach::ProbeSettings;

@@ -55,15 +55,16 @@ impl Lenient<'_> {
     }
 
     /// Judges a part whose centre is too far from the surface.
-    fn judge_by_probe(&mut self, part: &Part, reach: f64) -> Verdict {
-        let entered = self.solid.entered(part.centre).filter(|&entered| entered <= self.bound);
-        match entered {
-            None => self.protrudes(part.centre),
-            Some(entered) if part.radius <= SMALL * self.bound || entered + reach <= self.bound => {
-                Verdict::Settled
-            }
-            Some(_) => Verdict::Open,
+    fn judge_by_probe(&mut self, part: &Part) -> Verdict {
+        let &mut Self { solid, bound, .. } = self;
+        let centre = part.centre;
+        if solid.probe_allows_all(|| part.extent(LENIENCE), bound) {
+            return Verdict::Settled;
         }
+        if !solid.probe_allows(centre, bound) {
+            return self.protrudes(centre);
+        }
+        if part.radius <= SMALL * bound { Verdict::Settled } else { Verdict::Open }
     }
 
     /// Judges a part whose centre may be farther than the bound from the surface; `None` if that is left open.
@@ -74,7 +75,7 @@ impl Lenient<'_> {
         match at.side() {
             Some(Side::Inside) => {}
             Some(Side::Outside) if at.lower > bound => {
-                return Some(self.judge_by_probe(part, reach));
+                return Some(self.judge_by_probe(part));
             }
             Some(Side::Outside) => {
                 let distance = solid.tree().distance_to_triangle(centre, at.triangle());
@@ -85,7 +86,7 @@ impl Lenient<'_> {
                     && at.distance_to_tangent() > CERTAIN * bound
                     && !solid.tree().is_within(centre, bound)
                 {
-                    return Some(self.judge_by_probe(part, reach));
+                    return Some(self.judge_by_probe(part));
                 }
             }
             // The grid is too coarse for the bound.
@@ -102,7 +103,7 @@ impl Lenient<'_> {
                         return Some(Verdict::Settled);
                     }
                 }
-                _ => return Some(self.judge_by_probe(part, reach)),
+                _ => return Some(self.judge_by_probe(part)),
             },
         }
         None
@@ -151,7 +152,7 @@ impl Policy for Lenient<'_> {
 
     fn judge_outside(&mut self, centre: Vector) -> Verdict {
         let solid = self.solid;
-        if solid.tree().is_within(centre, self.bound) || solid.entered(centre).is_some_and(|entered| entered <= self.bound) {
+        if solid.tree().is_within(centre, self.bound) || solid.probe_allows(centre, self.bound) {
             Verdict::Open
         } else {
             self.protrudes(centre)

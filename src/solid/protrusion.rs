@@ -300,7 +300,12 @@ impl Policy for Exact<'_> {
                     return Verdict::Settled;
                 }
             } else {
-                let entered = if distance.upper > known { solid.entered(centre) } else { None };
+                if distance.upper > known && solid.probe_allows_all(|| part.extent(1.0), enough) {
+                    return Verdict::Settled;
+                }
+                let settled = (enough - radius).clamp(0.0, known);
+                let entered =
+                    if distance.upper > known { solid.entered(centre, settled) } else { None };
                 let of_part = solid.upper_around(distance.upper, entered, radius);
                 if entered.is_some() && of_part <= enough {
                     return Verdict::Settled;
@@ -335,7 +340,7 @@ impl Policy for Exact<'_> {
 fn upper_distance(part: &Part, solid: &Solid) -> f64 {
     let distance = solid.measure(part.centre, NO_GUESS);
     distance.map_or(f64::INFINITY, |distance| {
-        solid.upper_around(distance.upper, solid.entered(part.centre), part.radius)
+        solid.upper_around(distance.upper, solid.entered(part.centre, 0.0), part.radius)
     })
 }
 

@@ -15,11 +15,19 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, bounds};
 use crate::mesh::PreparedMesh;
-use crate::probe::{Probe, ProbeSettings};
+use crate::parallel;
+use crate::probe::{Extent, Probe, ProbeSettings};
 
 /// Meshes of up to this many triangles are coarse: their patches follow from the shape, and large faces are compared
 /// with the triangles near them. Denser ones are simplified.
 pub(crate) const COARSE: usize = 2400;
+
+/// Points by which the volume is estimated that a probe does not reach: as many take a few milliseconds.
+const VOLUME_SAMPLES: usize = 1000;
+
+/// Irrational steps of a low-discrepancy sequence in three dimensions (Roberts, "The unreasonable
+/// effectiveness of quasirandom sequences", 2018).
+const STEPS: [f64; 3] = [0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_970_9];
 
 /// The source mesh as a solid, or a reduced one that represents it.
 pub(crate) struct Solid {
@@ -214,8 +222,33 @@ impl Solid {
     }
 
     /// How far balls are entered at a point outside that is far from the surface: see [`Probe::entered`].
-    pub(super) fn entered(&self, point: Vector) -> Option<f64> {
-        self.probe.as_ref()?.entered(self.tree(), point)
+    pub(super) fn entered(&self, point: Vector, known: f64) -> Option<f64> {
+        self.probe.as_ref()?.entered(self.tree(), point, known)
+    }
+
+    /// Whether no ball is entered by more than `bound` at a point outside that is far from the surface.
+    #[inline]
+    pub(super) fn probe_allows(&self, point: Vector, bound: f64) -> bool {
+        self.probe.as_ref().is_some_and(|probe| probe.allows(self.tree(), point, bound))
+    }
+
+    /// The same for all points of a part of a face. `false` if that is not known at once.
+    pub(super) fn probe_allows_all(&self, part: impl FnOnce() -> Extent, bound: f64) -> bool {
+        self.probe.as_ref().is_some_and(|probe| probe.allows_all(self.tree(), &part(), bound))
+    }
+
+    /// The volume outside the solid that a probe does not reach, in cubed diagonals, by evenly spread points in the box
+    /// of the mesh. O(1) queries.
+    pub fn unreachable_volume(&self) -> f64 {
+        let Some(probe) = &self.probe else { return 0.0 };
+        let (min, max) = probe.bounds;
+        let is_out_of_reach = parallel::map_indices(VOLUME_SAMPLES, |index| {
+            let share = STEPS.map(|step| (0.5 + step * index as f64).fract());
+            let point = min + Vector::from_array(share) * (max - min);
+            probe.allows(self.tree(), point, 0.0) && self.side(point) == Side::Outside
+        });
+        let count = is_out_of_reach.into_iter().filter(|&is| is).count();
+        (max - min).element_product() * count as f64 / VOLUME_SAMPLES as f64
     }
 
     /// No point of a part is farther than this from the source, or balls are entered no farther there. The distance
@@ -230,7 +263,7 @@ impl Solid {
     pub fn outside(&self, point: Vector, least: f64) -> Option<SourceDistance> {
         let mut distance = self.outside_source(point, least)?;
         if let Some(probe) = &self.probe {
-            let entered = probe.entered(self.tree(), point);
+            let entered = probe.entered(self.tree(), point, 0.0);
             // Where balls are entered too far, they are by half their radius at least.
             distance.lower = distance.lower.min(entered.unwrap_or(probe.most_entered()));
             distance.upper = distance.upper.min(entered.unwrap_or(f64::INFINITY));
@@ -264,8 +297,7 @@ impl Solid {
     /// Whether a point is in the solid or at most `bound` away from it, or no ball is entered there by more.
     #[inline]
     pub fn point_fits(&self, point: Vector, bound: f64) -> bool {
-        self.is_within(point, bound)
-            || self.probe.as_ref().is_some_and(|probe| probe.allows(self.tree(), point, bound))
+        self.is_within(point, bound) || self.probe_allows(point, bound)
     }
 
     #[inline]
