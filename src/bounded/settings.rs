@@ -190,6 +190,14 @@ impl Settings {
         }
     }
 
+    /// Hulls may be this far apart and join within a bound: a ball that rests on both edges of a wider gap sinks in by
+    /// more than the bound.
+    pub(crate) fn widest_gap(&self, bound: f64) -> f64 {
+        let radius = self.probe.as_ref().map_or(0.0, |probe| probe.radius);
+        let sunk = bound.min(radius);
+        bound.max(2.0 * (sunk * (2.0 * radius - sunk)).sqrt())
+    }
+
     /// The same with as little search as the fastest preset has.
     pub(crate) fn hurried(&self) -> Self {
         let PresetSettings { patch_size, dissolve_attempts, .. } = FAST;

@@ -29,7 +29,7 @@ use crate::geometry::vector::{Vector, squared};
 
 /// Half the side of a part that is not divided, as a fraction of the bound, at most: its planes are off by its squared
 /// half diagonal over the diameter.
-const LEAST_HALF: f64 = 0.2;
+const LEAST_HALF: f64 = 0.1;
 
 /// A ball that is entered farther than this, as a fraction of the radius, shows nothing: only the distance from the mesh
 /// counts. Otherwise a ball smaller than the bound could vanish in hulls.
@@ -171,7 +171,7 @@ const LEAST_GAIN: f64 = 1e-3;
 const SAMPLED: f64 = 1.5;
 
 /// Planes of a small part, at most: a ball rests on three points.
-const MAX_PLANES: usize = 6;
+const MAX_PLANES: usize = 8;
 
 /// A ball that moves from outside, and how far it is entered at a point. See the module.
 pub(crate) struct Probe {
@@ -219,6 +219,12 @@ impl Extent {
         let unit = direction.normalize_or_zero();
         self.arms.iter().map(|arm| arm.dot(unit)).fold(0.0, f64::max)
     }
+}
+
+/// The parts beside a part, those beside the one that it is a child of, and so on.
+struct Above<'a> {
+    parts: &'a [Part; 8],
+    above: Option<&'a Above<'a>>,
 }
 
 /// A search for the nearest centre.
@@ -376,12 +382,19 @@ impl Probe {
             }
             let Some(part) = self.parts.get(place as usize) else { continue };
             let part = part.get_or_init(|| Part::new(tree, middle, u32::MAX));
-            self.descend(part, Cube { middle, half }, 0.0, &mut search);
+            self.descend(part, Cube { middle, half }, 0.0, None, &mut search);
         }
         search.nearest
     }
 
-    fn descend(&self, part: &Part, cube: Cube, bound: f64, search: &mut Search<'_>) {
+    fn descend(
+        &self,
+        part: &Part,
+        cube: Cube,
+        bound: f64,
+        above: Option<&Above<'_>>,
+        search: &mut Search<'_>,
+    ) {
         let of = search.of;
         if part.distance + cube.radius() < self.clear {
             return;
@@ -396,7 +409,7 @@ impl Probe {
         if bound >= search.nearest {
             return;
         }
-        match part.within.get_or_init(|| self.within(search.tree, part, cube)) {
+        match part.within.get_or_init(|| self.within(search.tree, part, cube, above)) {
             Within::Planes(planes) => {
                 let beyond = match planes.len() {
                     1 => 0.0,
@@ -408,7 +421,8 @@ impl Probe {
                 let side = |axis: usize| usize::from(of.centre[axis] > cube.middle[axis]) << axis;
                 let nearest = side(0) | side(1) | side(2);
                 for index in NEAREST_FIRST.map(|difference| nearest ^ difference) {
-                    self.descend(&children[index], cube.child(index), bound, search);
+                    let above = Some(&Above { parts: children, above });
+                    self.descend(&children[index], cube.child(index), bound, above, search);
                     if search.nearest < search.enough {
                         return;
                     }
@@ -417,23 +431,26 @@ impl Probe {
         }
     }
 
-    fn within(&self, tree: &Bvh, part: &Part, cube: Cube) -> Within {
+    fn within(&self, tree: &Bvh, part: &Part, cube: Cube, above: Option<&Above<'_>>) -> Within {
         if cube.half > self.least_half {
             let child = |k| Part::new(tree, cube.child(k).middle, part.triangle);
             return Within::Children(Box::new(std::array::from_fn(child)));
         }
-        // Corners above the same convex part of the surface have closest points no farther apart than they are.
-        let radius = cube.radius();
+        // Those nearest first. Parts beside the same convex piece of the surface have points no farther apart than the
+        // parts are, and planes that say about the same.
+        let mut planes: Vec<Plane> = cube.plane(part.nearest, self.clear).into_iter().collect();
         let mut points = vec![part.nearest];
-        for corner in 0..8 {
-            let corner = cube.middle + cube.towards(corner);
-            let closest = tree.closest_point_near(corner, f64::INFINITY, part.triangle);
-            let Some(closest) = closest.map(|closest| closest.point) else { continue };
-            let is_new = points.iter().all(|point| point.distance(closest) > radius);
-            if is_new && points.len() < MAX_PLANES {
-                points.push(closest);
+        let mut next = above;
+        while let Some(Above { parts, above }) = next {
+            for point in parts.iter().map(|part| part.nearest) {
+                let is_new = || points.iter().all(|known| known.distance(point) > cube.radius());
+                if planes.len() < MAX_PLANES && is_new() {
+                    points.push(point);
+                    planes.extend(cube.plane(point, self.clear));
+                }
             }
+            next = *above;
         }
-        Within::Planes(points.iter().filter_map(|&q| cube.plane(q, self.clear)).collect())
+        Within::Planes(planes)
     }
 }
