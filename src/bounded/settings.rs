@@ -170,23 +170,23 @@ impl Settings {
     ) -> Self {
         let &Parameters { max_error, max_hulls, max_vertices, keep_cavities, .. } = parameters;
         let &PresetSettings { patch_size, dissolve_attempts, triangles } = preset;
-        let from = parameters.probe_from.iter();
-        let share = |length| match length {
+        let bound = match max_error {
             Length::Share(share) => share,
             Length::Units(length) => length / normalization.diagonal,
         };
         Self {
-            bound: Bound::new(share(max_error)),
+            bound: Bound::new(bound),
             triangles,
             patch_size,
             dissolve_attempts,
             max_vertices,
             max_hulls,
             keep_cavities,
-            probe: parameters.probe_radius.map(|radius| ProbeSettings {
-                radius: share(radius),
-                from: from.map(|&point| normalization.normalize(point.into())).collect(),
-            }),
+            probe: ProbeSettings::new(
+                parameters.probe_radius,
+                &parameters.probe_from,
+                normalization,
+            ),
         }
     }
 

@@ -411,13 +411,13 @@ fn probe(
     options: &MeasureOptions,
     control: &Control,
 ) -> Result<Option<Probe>, Error> {
-    let Some(radius) = options.probe_radius else { return Ok(None) };
-    let share =
-        |length: Length| length.of_diagonal(normalization.diagonal) / normalization.diagonal;
-    let from = options.probe_from.iter().map(|&point| normalization.normalize(point.into()));
-    let settings = ProbeSettings { radius: share(radius), from: from.collect() };
+    let MeasureOptions { probe_radius, probe_from, flatness, .. } = options;
+    let Some(settings) = ProbeSettings::new(*probe_radius, probe_from, normalization) else {
+        return Ok(None);
+    };
+    let bound = flatness.of_diagonal(normalization.diagonal) / normalization.diagonal;
     let bounds = bounds(mesh.solid.points().iter().copied());
-    Probe::new(bvh, bounds, &settings, 0.0, share(options.flatness), control).map(Some)
+    Probe::new(bvh, bounds, &settings, 0.0, bound, control).map(Some)
 }
 
 /// How far points on the hulls' boundary lie outside the solid. Where the surface is open, the inside ends

@@ -13,7 +13,9 @@ use crate::bvh::Bvh;
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::Vector;
+use crate::mesh::Normalization;
 use crate::parallel;
+use crate::parameters::Length;
 
 /// Cells along the radius.
 const CELLS_PER_RADIUS: f64 = 2.0;
@@ -41,6 +43,19 @@ pub(crate) struct ProbeSettings {
     pub radius: f64,
     /// Where it starts beside the outside.
     pub from: Vec<Vector>,
+}
+
+impl ProbeSettings {
+    /// Those of parameters, if there is a radius.
+    pub fn new(
+        radius: Option<Length>,
+        from: &[[f64; 3]],
+        normalization: &Normalization,
+    ) -> Option<Self> {
+        let diagonal = normalization.diagonal;
+        let from = from.iter().map(|&point| normalization.normalize(point.into())).collect();
+        radius.map(|radius| Self { radius: radius.of_diagonal(diagonal) / diagonal, from })
+    }
 }
 
 /// What is known of a cell.

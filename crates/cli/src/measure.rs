@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
-use hullwright::Control;
 use hullwright::io::{read_hulls, read_mesh};
 use hullwright::measure::{Distances, MeasureOptions, Measurement, measure};
+use hullwright::{Control, Length};
 use hullwright_cli::terminal::{Failure, print, print_json};
 use serde_json::{Value, json};
 
-use crate::arguments::{SolidArguments, mesh_help};
+use crate::arguments::{SolidArguments, mesh_help, parse_point};
 use crate::progress::waiting;
 use crate::report::{NOTHING, pairs};
 
@@ -32,12 +32,25 @@ pub struct Arguments {
 
     #[command(flatten)]
     solid: SolidArguments,
+
+    /// Judge protrusion in the space that a ball of this radius can reach from outside, 6% of the diagonal or 0.1m: how
+    /// far hulls enter it
+    #[arg(long, value_name = "RADIUS", allow_hyphen_values = true)]
+    probe_radius: Option<Length>,
+
+    /// Where the ball starts too, as x,y,z
+    #[arg(long, value_name = "POINT", value_parser = parse_point, allow_hyphen_values = true)]
+    probe_from: Vec<[f64; 3]>,
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mesh = waiting("reading", || read_mesh(&arguments.mesh))?;
     let hulls = waiting("reading", || read_hulls(&arguments.hulls))?;
-    let options = MeasureOptions::from(&arguments.solid.parameters());
+    let parameters = arguments.solid.parameters();
+    let parameters =
+        parameters.probe_radius(arguments.probe_radius).probe_from(&arguments.probe_from[..]);
+    parameters.validate().map_err(|error| Failure::Usage(error.to_string()))?;
+    let options = MeasureOptions::from(&parameters);
     let judged = waiting("measuring", || measure(&mesh, &hulls, &options, &Control::new()));
     let found = judged.map_err(|error| {
         let path = match error {

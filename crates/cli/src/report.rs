@@ -77,6 +77,16 @@ pub fn summary(decomposition: &Decomposition<MethodReport>, seconds: f64) -> Str
         let reason = reason_to_exceed(hulls, bounded.bound);
         text += &format!("\nprotrusion: {protrusion}, above the bound: {reason}");
     }
+    if let Some(probe) = report.bounded().and_then(|bounded| bounded.probe) {
+        let radius = percent_of(probe.radius, run.diagonal);
+        text += &format!(
+            "\nprobe: a ball of radius {radius} can't reach {:.3e} cubic units",
+            probe.unreachable_volume
+        );
+        if probe.cell > probe.radius {
+            text += ", and hardly any gap is known to be too narrow: the mesh is too large for so small a ball";
+        }
+    }
     let repairs = repairs(&run.repairs);
     if !repairs.is_empty() {
         text += &format!("\nrepaired: {}", repairs.join(", "));
@@ -259,6 +269,7 @@ pub fn json(
         "protrusion_max": bounded.map(|bounded| bounded.protrusion_max),
         "uncovered_max": bounded.map(|bounded| bounded.uncovered_max),
         "patches": bounded.map(|bounded| bounded.patches),
+        "probe": bounded.and_then(|bounded| bounded.probe),
         "cost": surface.map(|surface| surface.cost),
         "planar_threshold": surface.map(|surface| surface.planar_threshold),
         "resolution": surface.map(|surface| surface.resolution),

@@ -215,3 +215,20 @@ fn the_mesh_itself_is_not_overwritten() {
     let bytes = |path| std::fs::read(path).unwrap();
     assert_eq!(bytes(place.path("plus.glb")), bytes(asset("plus.glb").into()));
 }
+
+#[test]
+fn a_probe_fills_what_it_cannot_reach_and_says_so() {
+    let place = Place::new(&[]);
+    let chair = asset("chair.glb");
+    let hulls = |arguments: &[&str]| {
+        let line = place.json(&[&["decompose", &chair], arguments].concat());
+        (line["hulls"].as_u64().unwrap(), line["probe"]["unreachable_volume"].as_f64())
+    };
+    let ((without, none), (with, volume)) = (hulls(&[]), hulls(&["--probe-radius", "12%"]));
+    assert!(with < without && none.is_none(), "{with} of {without}");
+    assert!(volume.is_some_and(|volume| volume >= 0.0));
+    let shown = place.succeed(&["decompose", &chair, "--probe-radius", "0.1m"]);
+    assert!(shown.contains("probe: a ball of radius"), "{shown}");
+    let refused = place.fail(&["decompose", &chair, "--probe-radius", "-1m"], 2);
+    assert!(refused.contains("probe_radius"), "{refused}");
+}
