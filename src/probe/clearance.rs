@@ -167,8 +167,9 @@ impl Cube {
 /// The ascent ends with a step that gains less than this share.
 const LEAST_GAIN: f64 = 1e-3;
 
-/// Where balls are entered farther, as a multiple of the bound, samples hold no more than that.
-const SAMPLED: f64 = 1.5;
+/// Distances between samples along an axis, as fractions of the bound. No point is farther than a quarter of the bound from
+/// one of the finer field; the coarser one says at once where balls are entered far.
+const SPACINGS: [f64; 2] = [1.2, 0.29];
 
 /// Planes of a small part, at most: a ball rests on three points.
 const MAX_PLANES: usize = 8;
@@ -187,7 +188,7 @@ pub(crate) struct Probe {
     /// For each cell that may hold centres its place among `parts`.
     places: Vec<u32>,
     parts: Vec<OnceLock<Part>>,
-    field: Field,
+    fields: [Field; 2],
 }
 
 /// A point, or a part of a face around it.
@@ -263,8 +264,8 @@ impl Probe {
         let mut parts = Vec::new();
         parts.resize_with(count as usize, OnceLock::new);
         let least_half = LEAST_HALF * bound.min(radius);
-        let field = Field::new(bounds, bound.min(radius));
-        Ok(Self { radius, bounds, clear, least_half, bound, reach, places, parts, field })
+        let fields = SPACINGS.map(|spacing| Field::new(bounds, spacing * bound.min(radius)));
+        Ok(Self { radius, bounds, clear, least_half, bound, reach, places, parts, fields })
     }
 
     /// Side of the cells that were flooded.
@@ -277,10 +278,15 @@ impl Probe {
         MOST_ENTERED * self.radius
     }
 
+    /// Whether a ball may cover a point.
+    pub fn reaches(&self, tree: &Bvh, point: Vector) -> bool {
+        self.clearance(tree, &Extent::point(point), self.radius, self.radius) < self.radius
+    }
+
     /// Whether no ball is entered at a point by more than `bound`, and none by more than half its radius.
     pub fn allows(&self, tree: &Bvh, point: Vector, bound: f64) -> bool {
         let needed = self.radius - bound.min(self.most_entered());
-        let (least, most) = self.clearance_by_field(tree, point);
+        let (least, most) = self.clearance_by_fields(tree, point, needed);
         if least >= needed {
             return true;
         }
@@ -291,7 +297,7 @@ impl Probe {
     /// than half their radius.
     pub fn entered(&self, tree: &Bvh, point: Vector, known: f64) -> Option<f64> {
         let needed = self.radius - known.min(self.most_entered());
-        let (least, most) = self.clearance_by_field(tree, point);
+        let (least, most) = self.clearance_by_fields(tree, point, needed);
         if least >= needed {
             return Some(self.radius - least);
         }
@@ -307,7 +313,7 @@ impl Probe {
     /// at once.
     pub fn allows_all(&self, tree: &Bvh, of: &Extent, bound: f64) -> bool {
         let needed = self.radius - bound.min(self.most_entered());
-        let (least, most) = self.clearance_by_field(tree, of.centre);
+        let (least, most) = self.clearance_by_fields(tree, of.centre, needed);
         if least - of.radius >= needed {
             return true;
         }
@@ -320,11 +326,24 @@ impl Probe {
         (most <= self.most_entered()).then_some(most)
     }
 
-    /// Bounds on [`clearance`](Self::clearance) by the nearest sample of the field.
-    fn clearance_by_field(&self, tree: &Bvh, point: Vector) -> (f64, f64) {
-        let Some(sample) = self.field.sample(point) else { return (0.0, f64::INFINITY) };
+    /// Bounds on [`clearance`](Self::clearance) by the nearest samples of the fields: those of the finer one only where
+    /// the coarser one does not say whether it is at least `needed`.
+    fn clearance_by_fields(&self, tree: &Bvh, point: Vector, needed: f64) -> (f64, f64) {
+        let mut known = (0.0, f64::INFINITY);
+        for field in &self.fields {
+            known = self.clearance_by_field(tree, field, point);
+            if known.0 >= needed || known.1 < needed {
+                break;
+            }
+        }
+        known
+    }
+
+    fn clearance_by_field(&self, tree: &Bvh, field: &Field, point: Vector) -> (f64, f64) {
+        let Some(sample) = field.sample(point) else { return (0.0, f64::INFINITY) };
         let away = sample.point.distance(point) + ROUNDING;
-        let least = self.radius - (SAMPLED * self.bound).min(self.most_entered());
+        // Below that, no point for which this is the nearest sample is clear enough.
+        let least = (self.radius - self.bound - field.spacing).max(0.0);
         let known = sample.value(|| {
             let clearance = self.clearance(tree, &Extent::point(sample.point), self.radius, least);
             if clearance < least { 0.0 } else { clearance }
@@ -452,5 +471,79 @@ impl Probe {
             next = *above;
         }
         Within::Planes(planes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::shapes::{cuboid, join};
+
+    const BOUND: f64 = 0.02;
+
+    /// Two blocks beside each other, `gap` apart, their tops at a height of 0.
+    fn blocks(gap: f64) -> (Bvh, (Vector, Vector)) {
+        let block = |x: f64| cuboid([x, -0.3, -0.2], [x + 0.2, 0.3, 0.0]);
+        let mesh = join(&[block(-0.2 - 0.5 * gap), block(0.5 * gap)]);
+        let bounds =
+            (Vector::new(-0.2 - 0.5 * gap, -0.3, -0.2), Vector::new(0.2 + 0.5 * gap, 0.3, 0.0));
+        (Bvh::new(mesh.points(), &mesh.triangles), bounds)
+    }
+
+    fn probe(tree: &Bvh, bounds: (Vector, Vector), radius: f64) -> Probe {
+        let settings = ProbeSettings { radius, from: Vec::new() };
+        Probe::new(tree, bounds, &settings, 0.0, BOUND, &Control::new()).unwrap()
+    }
+
+    #[test]
+    fn between_two_edges_a_ball_is_entered_as_far_as_it_sinks_in() {
+        for radius in [0.04, 0.06, 0.12, 0.5] {
+            for share in [0.3, 0.8, 1.2, 1.7] {
+                let gap = share * radius;
+                let (tree, bounds) = blocks(gap);
+                let probe = probe(&tree, bounds, radius);
+                // Of the centre of a ball that rests on both edges.
+                let height = (squared(radius) - squared(0.5 * gap)).sqrt();
+                let sunk = radius - height;
+                for depth in [0.0, 0.2 * sunk, 0.7 * sunk] {
+                    let point = Vector::new(0.0, 0.013, -depth);
+                    let (found, expected) = (probe.entered(&tree, point, 0.0), sunk - depth);
+                    if expected > 0.5 * radius {
+                        assert_eq!(found, None, "{radius}, {share}");
+                        continue;
+                    }
+                    let found = found.unwrap();
+                    let most = expected + 0.06 * BOUND;
+                    assert!(
+                        (expected - 1e-9..most).contains(&found),
+                        "{radius}, {share}: {found} {expected}"
+                    );
+                    assert!(
+                        probe.allows(&tree, point, found)
+                            && !probe.allows(&tree, point, expected - 1e-3 * BOUND)
+                    );
+                }
+                assert!(!probe.reaches(&tree, Vector::new(0.0, 0.0, -1.01 * sunk - 0.06 * BOUND)));
+                assert!(probe.reaches(&tree, Vector::new(0.0, 0.0, -0.9 * sunk)));
+            }
+        }
+    }
+
+    #[test]
+    fn a_part_is_allowed_if_all_of_its_points_are_and_at_once_along_a_gap() {
+        let radius = 0.06;
+        let gap = 0.08;
+        let (tree, bounds) = blocks(gap);
+        let probe = probe(&tree, bounds, radius);
+        let sunk = radius - (squared(radius) - squared(0.5 * gap)).sqrt();
+        let part = |height: f64| {
+            let corners = [[-0.05, -0.2, height], [0.05, -0.2, height], [0.0, 0.25, height]]
+                .map(Vector::from);
+            let centre = (corners[0] + corners[1] + corners[2]) / 3.0;
+            Extent::of_part(centre, corners, 1.0)
+        };
+        assert!(probe.allows_all(&tree, &part(0.0), sunk + 0.06 * BOUND));
+        assert!(!probe.allows_all(&tree, &part(0.0), sunk - 0.01 * BOUND));
+        assert!(!probe.allows_all(&tree, &part(0.02), sunk + 0.06 * BOUND));
     }
 }

@@ -8,15 +8,14 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use crate::geometry::vector::Vector;
 
-/// Distance between samples along an axis, as a fraction of the bound: no point is farther than a quarter of the bound
-/// from one.
-const SPACING: f64 = 0.29;
-
 /// Samples at most. Where they are not enough they are farther apart, and decide less.
 const MAX_SAMPLES: f64 = 8_000_000.0;
 
 /// Factor by which they move apart until they are few enough.
 const GROWTH: f64 = 1.05;
+
+/// Samples beyond the box on each side: hulls may be a little outside.
+const MARGIN: f64 = 2.0;
 
 /// Samples of a block along each axis: blocks are allocated whole.
 const BLOCK: usize = 8;
@@ -30,7 +29,8 @@ type Block = [AtomicU32; SAMPLES];
 /// Samples over a box.
 pub(super) struct Field {
     origin: Vector,
-    spacing: f64,
+    /// Distance between samples along an axis.
+    pub spacing: f64,
     dimensions: [usize; 3],
     /// Blocks along the first two axes.
     stride: [usize; 2],
@@ -45,11 +45,11 @@ pub(super) struct Sample<'a> {
 }
 
 impl Field {
-    /// Samples for a bound, over a box and as far around it.
-    pub fn new((min, max): (Vector, Vector), bound: f64) -> Self {
-        let extent = max - min + Vector::splat(2.0 * bound);
+    /// Samples over a box and a bit around it, so far apart along each axis, or farther.
+    pub fn new((min, max): (Vector, Vector), mut spacing: f64) -> Self {
+        let margin = Vector::splat(MARGIN * spacing);
+        let extent = max - min + margin * 2.0;
         let count = |spacing: f64| (extent / spacing + 1.0).ceil();
-        let mut spacing = SPACING * bound;
         while count(spacing).element_product() > MAX_SAMPLES {
             spacing *= GROWTH;
         }
@@ -57,7 +57,7 @@ impl Field {
         let [x, y, z] = dimensions.map(|samples| samples.div_ceil(BLOCK));
         let mut blocks = Vec::new();
         blocks.resize_with(x * y * z, OnceLock::new);
-        let origin = min - Vector::splat(bound);
+        let origin = min - margin;
         Self { origin, spacing, dimensions, stride: [x, y], blocks }
     }
 

@@ -105,7 +105,7 @@ impl Reach {
         let origin = (min + max - count(size) * size) * 0.5;
         let dimensions = count(size).to_array().map(|count| count as usize);
         let mut reach = Self { origin, size, dimensions, cells: Vec::new() };
-        let [_, height, depth] = dimensions;
+        let [width, height, depth] = dimensions;
         let rows = parallel::map_indices(height * depth, |row| {
             control.check()?;
             Ok(reach.row(tree, row % height, row / height, clear))
@@ -118,11 +118,12 @@ impl Reach {
             }
         }
         let starts = reach.starts(from);
-        let is_reached = reach.flooded(&starts, |_, _, _| true);
+        let is_reached = reach.flooded(&starts, |_, _| true);
         control.check()?;
         reach.close_unless(|index| is_reached[index]);
-        let certain = |a: usize, b: usize, way: f64| {
-            f64::from(distances[a]) + f64::from(distances[b]) >= 2.0 * clear + way * size
+        let certain = |a: usize, b: usize| {
+            let is_beside = [1, width, width * height].contains(&a.abs_diff(b));
+            is_beside && f64::from(distances[a]) + f64::from(distances[b]) >= 2.0 * clear + size
         };
         let is_certain = reach.flooded(&starts, certain);
         reach.close_doubtful(tree, clear, &is_certain, control)?;
@@ -159,9 +160,8 @@ impl Reach {
         border.chain(from.iter().map(|&point| self.place(point))).collect()
     }
 
-    /// The cells that are not closed and connected to the starts, where the flood may pass between two cells, given
-    /// with their distance in cells.
-    fn flooded(&self, starts: &[Place], may_pass: impl Fn(usize, usize, f64) -> bool) -> Vec<bool> {
+    /// The cells that are not closed and connected to the starts, where the flood may pass between two cells.
+    fn flooded(&self, starts: &[Place], may_pass: impl Fn(usize, usize) -> bool) -> Vec<bool> {
         let mut is_reached = vec![false; self.cells.len()];
         let mut stack: Vec<usize> = Vec::new();
         for &start in starts {
@@ -172,9 +172,9 @@ impl Reach {
             }
         }
         while let Some(index) = stack.pop() {
-            self.neighbours(index, |other, way| {
+            self.neighbours(index, |other| {
                 let is_new = !is_reached[other] && self.cells[other] != Cell::Closed;
-                if is_new && may_pass(index, other, way) {
+                if is_new && may_pass(index, other) {
                     is_reached[other] = true;
                     stack.push(other);
                 }
@@ -191,16 +191,13 @@ impl Reach {
         }
     }
 
-    /// Calls `visit` with the cells that share a face, an edge or a corner with a cell, and their distance in cells.
-    fn neighbours(&self, index: usize, mut visit: impl FnMut(usize, f64)) {
+    /// Calls `visit` with the cells that share a face, an edge or a corner with a cell.
+    fn neighbours(&self, index: usize, mut visit: impl FnMut(usize)) {
         let [x, y, z] = self.place_of(index);
         let range = |x: usize, most: usize| x.saturating_sub(1)..(x + 2).min(most);
         for k in range(z, self.dimensions[2]) {
             for j in range(y, self.dimensions[1]) {
-                for i in range(x, self.dimensions[0]) {
-                    let differing = usize::from(i != x) + usize::from(j != y) + usize::from(k != z);
-                    visit(self.index([i, j, k]), (differing as f64).sqrt());
-                }
+                range(x, self.dimensions[0]).for_each(|i| visit(self.index([i, j, k])));
             }
         }
     }
@@ -215,7 +212,7 @@ impl Reach {
     ) -> Result<(), Error> {
         let mut is_known = is_certain.to_vec();
         for index in (0..self.cells.len()).filter(|&index| is_certain[index]) {
-            self.neighbours(index, |other, _| is_known[other] = true);
+            self.neighbours(index, |other| is_known[other] = true);
         }
         let is_doubtful = |&index: &usize| !is_known[index] && self.cells[index] != Cell::Closed;
         let doubtful: Vec<usize> = (0..self.cells.len()).filter(is_doubtful).collect();

@@ -230,10 +230,6 @@ impl<'a> FitTester<'a> {
         }
     }
 
-    pub fn bound(&self) -> f64 {
-        self.bound
-    }
-
     /// Whether a hull's surface is nowhere farther than the bound from the solid. Only the faces of
     /// the last insertion are tested if `only_new`.
     pub fn fits(&mut self, hull: &GrowingHull, only_new: bool) -> bool {

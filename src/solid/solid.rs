@@ -39,7 +39,7 @@ pub(crate) struct Solid {
     pub(super) face_cache: FaceCache,
     /// Where the solid is that of a reduced mesh: what it represents.
     pub clustered: Option<Arc<Clustered>>,
-    displacement: f64,
+    pub(super) displacement: f64,
     /// What moves in the scene, if that is known: what it does not reach may be filled.
     pub probe: Option<Probe>,
 }
@@ -245,7 +245,7 @@ impl Solid {
         let is_out_of_reach = parallel::map_indices(VOLUME_SAMPLES, |index| {
             let share = STEPS.map(|step| (0.5 + step * index as f64).fract());
             let point = min + Vector::from_array(share) * (max - min);
-            probe.allows(self.tree(), point, 0.0) && self.side(point) == Side::Outside
+            self.side(point) == Side::Outside && !probe.reaches(self.tree(), point)
         });
         let count = is_out_of_reach.into_iter().filter(|&is| is).count();
         (max - min).element_product() * count as f64 / VOLUME_SAMPLES as f64
