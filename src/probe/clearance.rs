@@ -126,41 +126,46 @@ impl Cube {
     fn distance_beyond(&self, planes: &[Plane], of: &Extent, needed: f64) -> f64 {
         let point = of.centre;
         // Of the cube, only its sides towards the point matter.
+        let mut all = [(Vector::ZERO, 0.0); MAX_PLANES + 3];
+        let mut count = 0;
+        for plane in planes.iter().take(MAX_PLANES) {
+            all[count] = (plane.normal, plane.offset - plane.normal.dot(point));
+            count += 1;
+        }
         let arm = point - self.middle;
-        let side = |axis: usize| {
-            let mut normal = Vector::ZERO;
-            normal[axis] = -arm[axis].signum();
-            (arm[axis].abs() > self.half)
-                .then(|| Plane { normal, offset: normal.dot(self.middle) - self.half })
-        };
-        let sides = [side(0), side(1), side(2)];
-        let all = || planes.iter().copied().chain(sides.into_iter().flatten());
+        for axis in 0..3 {
+            let height = arm[axis].abs() - self.half;
+            if height > 0.0 {
+                all[count].0[axis] = -arm[axis].signum();
+                all[count].1 = height;
+                count += 1;
+            }
+        }
         // The dual of the projection onto the planes, one after the other (Hildreth, "A quadratic programming
         // procedure", 1957).
+        let all = &all[..count];
         let mut weights = [0.0_f64; MAX_PLANES + 3];
         let mut moved = Vector::ZERO;
-        let (mut squared_distance, mut beyond) = (0.0, 0.0_f64);
+        let mut squared_distance = 0.0;
         for _ in 0..STEPS {
-            for (plane, weight) in all().zip(&mut weights) {
-                let missing = plane.offset - plane.normal.dot(point + moved);
-                let more = missing.max(-*weight);
+            for (&(normal, height), weight) in all.iter().zip(&mut weights) {
+                let more = (height - normal.dot(moved)).max(-*weight);
                 *weight += more;
-                moved += plane.normal * more;
+                moved += normal * more;
             }
-            let height = |plane: Plane| plane.offset - plane.normal.dot(point);
             let raised: f64 =
-                all().zip(&weights).map(|(plane, weight)| weight * height(plane)).sum();
+                all.iter().zip(&weights).map(|(&(_, height), weight)| weight * height).sum();
             let before = squared_distance;
             squared_distance = 2.0 * raised - moved.length_squared();
             let gained = squared_distance - before;
-            // All points that are beyond are so along what was moved.
-            let distance = squared_distance.max(0.0).sqrt();
-            beyond = beyond.max(distance - of.along(moved));
-            if beyond >= needed || gained <= LEAST_GAIN * squared_distance {
+            if squared_distance >= squared(needed + of.radius)
+                || gained <= LEAST_GAIN * squared_distance
+            {
                 break;
             }
         }
-        beyond
+        // All points that are beyond are so along what was moved.
+        squared_distance.max(0.0).sqrt() - of.along(moved)
     }
 }
 

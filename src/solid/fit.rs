@@ -396,7 +396,6 @@ mod tests {
         let cube = |x: f64| cuboid([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
         let solid = solid_of(&join(&[cube(0.0), cube(1.0 + 4.0 * BOUND)]), Boundary::default());
         let mut tester = FitTester::new(&solid, BOUND);
-        assert_eq!(tester.bound(), BOUND);
         let (near, far) =
             (into_vectors(cube(0.0).positions), into_vectors(cube(1.0 + 4.0 * BOUND).positions));
         let mut hull = GrowingHull::new(&near[..5], Vector::ZERO);
@@ -452,7 +451,7 @@ mod tests {
         fn coarse(name: &'static str, mesh: &TriangleMesh, bound: f64) -> Self {
             let control = Control::new();
             let prepared = prepare(mesh.view(), MeshOrder::Place, &control).unwrap();
-            let solid = Solid::new(&prepared, None, bound, false, &control).unwrap();
+            let solid = Solid::new(&prepared, None, bound, false, None, &control).unwrap();
             assert!(solid.is_coarse());
             Self { name, solid, corners: into_vectors(prepared.mesh.positions) }
         }
