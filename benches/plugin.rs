@@ -14,10 +14,13 @@ use bevy::asset::{AssetPlugin, RenderAssetUsages};
 use bevy::ecs::schedule::SingleThreadedExecutor;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
+use bevy::tasks::AsyncComputeTaskPool;
 use bevy_rapier3d::geometry::VHACDParameters;
 use bevy_rapier3d::prelude::*;
 use hullwright::bevy::prelude::*;
+use hullwright::hulls_format::{BakedMesh, HullScene, HullsFile};
 use hullwright::io::read_mesh;
+use hullwright::{Control, TriangleMesh, mass_properties};
 
 const MODELS: [&str; 10] =
     ["mug", "table", "chair", "lamp", "bowl", "plus", "torus", "gear", "l_prism", "u_prism"];
@@ -76,6 +79,8 @@ fn main() {
     falling();
     known_mesh();
     many_meshes();
+    baked_props();
+    bevys_own_tasks();
     rapiers_own();
 }
 
@@ -250,6 +255,103 @@ fn many_meshes() {
          plugin's systems take {median:.3} ms in the median frame, {longest:.3} ms in the longest \
          (target 2), {worked:.3} ms by the processor's clock, in frame {frame}"
     );
+}
+
+/// Meshes of a baked file.
+const PROPS: usize = 300;
+
+fn baked_props() {
+    let tag = || ConvexDecomposition::default().with_preset(DecompositionPreset::Fast);
+    let method = tag().to_parameters();
+    let meshes: Vec<Mesh> = (0..PROPS).map(mesh).collect();
+    let baked = meshes.iter().map(|mesh| {
+        let mesh = TriangleMesh::try_from(mesh).unwrap();
+        let made = method.decompose(&mesh, &Control::new()).unwrap();
+        let mass = mass_properties(&mesh, &made.hulls, 1.0).unwrap();
+        let file = HullsFile::new("prop", &made).with_mass_properties(mass);
+        BakedMesh::new(&mesh, method.clone(), file)
+    });
+    let scene = HullScene::new("props", baked.collect());
+    for (name, execution, max_jobs) in [
+        ("in the background", Execution::Background, 0),
+        ("with one job", Execution::Background, 1),
+        ("in slices", Execution::Slices, 0),
+    ] {
+        let mut app = app_with_bodies();
+        let mut settings = app.world_mut().resource_mut::<HullwrightSettings>();
+        (settings.budget.execution, settings.budget.max_jobs) = (execution, max_jobs);
+        let mut scenes = app.world_mut().resource_mut::<Assets<BakedScene>>();
+        let scene = scenes.add(BakedScene::new(scene.clone()));
+        for (number, mesh) in meshes.iter().enumerate() {
+            let mesh = Mesh3d(add(&mut app, mesh.clone()));
+            let place = Transform::from_xyz(10.0 * number as f32, 0.0, 0.0);
+            let baked = FromBakedScene(scene.clone());
+            app.world_mut().spawn((mesh, RigidBody::Dynamic, place, tag(), baked));
+        }
+        let mut frames = 0;
+        while !is_finished(&mut app) {
+            app.update();
+            frames += 1;
+            std::thread::sleep(PAUSE);
+        }
+        let counters = app.world().resource::<DecompositionCounters>();
+        assert_eq!((counters.baked, counters.decomposed), (PROPS, 0));
+        println!("{PROPS} baked props {name}: all are ready after {frames} frames (target 20)");
+    }
+}
+
+/// A sphere with bumps, of about `triangles` triangles.
+fn bumpy_sphere(triangles: usize) -> Mesh {
+    let rings = ((triangles / 4) as f32).sqrt() as u32;
+    let segments = 2 * rings;
+    let point = |ring: u32, segment: u32| {
+        let (up, around) = (
+            std::f32::consts::PI * ring as f32 / rings as f32,
+            std::f32::consts::TAU * segment as f32 / segments as f32,
+        );
+        let radius = 1.0 + 0.15 * (8.0 * up).sin() * (8.0 * around).sin();
+        [up.sin() * around.cos(), up.cos(), up.sin() * around.sin()].map(|x| radius * x)
+    };
+    let all = (0..=rings).flat_map(|ring| (0..segments).map(move |segment| (ring, segment)));
+    let positions: Vec<[f32; 3]> = all.map(|(ring, segment)| point(ring, segment)).collect();
+    let at = |ring: u32, segment: u32| ring * segments + segment % segments;
+    let quads = (0..rings).flat_map(|ring| (0..segments).map(move |segment| (ring, segment)));
+    let indices = quads.flat_map(|(ring, segment)| {
+        let [a, b] = [at(ring, segment), at(ring, segment + 1)];
+        let [c, d] = [at(ring + 1, segment), at(ring + 1, segment + 1)];
+        [a, b, c, b, d, c]
+    });
+    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
+        .with_inserted_indices(Indices::U32(indices.collect()))
+}
+
+/// How long a trivial task on Bevy's pool waits beside decompositions.
+fn bevys_own_tasks() {
+    let thirty = || (0..30).map(|number| mesh(10 * number)).collect::<Vec<_>>();
+    for (name, meshes) in
+        [("30 decompositions", thirty()), ("one of 93,000 triangles", vec![bumpy_sphere(93_000)])]
+    {
+        let mut app = app();
+        for mesh in meshes {
+            let mesh = add(&mut app, mesh);
+            spawn(&mut app, &mesh);
+        }
+        let mut waits = Vec::new();
+        while !is_finished(&mut app) {
+            app.update();
+            let start = Instant::now();
+            let task = AsyncComputeTaskPool::get().spawn(async move { start.elapsed() });
+            waits.push(bevy::tasks::block_on(task));
+            std::thread::sleep(PAUSE);
+        }
+        let longest = 1e3 * waits.iter().max().map_or(0.0, Duration::as_secs_f64);
+        let middle = 1e3 * median(&mut waits).as_secs_f64();
+        println!(
+            "a task of Bevy's own beside {name}: starts within {middle:.2} ms in the median, \
+             {longest:.2} ms at most (target 5)"
+        );
+    }
 }
 
 /// Frames until each of the meshes has a collider, with Rapier's plugin and without ours.

@@ -1,4 +1,4 @@
-//! Bevy's asset processor bakes a scene at build time: beside `level.glb` lies a recipe, `level.hullscene`, a
+//! Bevy's asset processor bakes a scene at build time: beside `level.glb` lies a recipe, `level.hullrecipe`, a
 //! line of JSON. The first start makes the hulls and writes them to the folder of processed assets; the second
 //! one loads them. No other line of the game differs from one with a file of `hullwright bake`:
 //! `cargo run --release --example asset_processor --features io,bevy [SCENE.glb]`.
@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     std::fs::create_dir_all(project.join("assets"))?;
     std::fs::copy(scene, project.join("assets/level.glb"))?;
-    std::fs::write(project.join("assets/level.hullscene"), RECIPE)?;
+    std::fs::write(project.join("assets/level.hullrecipe"), RECIPE)?;
     for time in ["first", "second"] {
         let start = Instant::now();
         let scene = load(&project)?;
@@ -56,7 +56,7 @@ fn load(project: &Path) -> Result<hullwright::hulls_format::HullScene, String> {
     ));
     app.finish();
     app.cleanup();
-    let handle: Handle<BakedScene> = app.world().resource::<AssetServer>().load("level.hullscene");
+    let handle: Handle<BakedScene> = app.world().resource::<AssetServer>().load("level.hullrecipe");
     let start = Instant::now();
     loop {
         app.update();
@@ -66,7 +66,7 @@ fn load(project: &Path) -> Result<hullwright::hulls_format::HullScene, String> {
         }
         let state = world.resource::<AssetServer>().load_state(&handle);
         if state.is_failed() || start.elapsed() > PATIENCE {
-            return Err(format!("level.hullscene: {state:?}"));
+            return Err(format!("level.hullrecipe: {state:?}"));
         }
         std::thread::sleep(Duration::from_millis(1));
     }

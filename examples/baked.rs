@@ -1,20 +1,21 @@
-//! Bakes a mesh as `hullwright bake` does, then starts a Bevy app without a window in which a
+//! Bakes a scene as `hullwright bake` does, then starts a Bevy app without a window in which a
 //! hundred bodies take their colliders from the file, without any decomposition:
-//! `cargo run --release --example baked --features io,bevy [MESH]`.
+//! `cargo run --release --example baked --features io,bevy [SCENE.glb]`.
 
 use std::time::Instant;
 
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
+use hullwright::Control;
+use hullwright::bake::{BakeOptions, bake_jobs};
 use hullwright::bevy::prelude::*;
-use hullwright::hulls_format::HullsFile;
-use hullwright::io::read_mesh;
-use hullwright::{Control, Parameters, decompose, mass_properties};
+use hullwright::hulls_format::HullScene;
+use hullwright::io::read_scene;
 
 const BODIES: usize = 100;
 
 /// kg per m³, if the mesh is in metres.
-const DENSITY: f64 = 500.0;
+const DENSITY: f32 = 500.0;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mug = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/mug.glb");
@@ -22,15 +23,17 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // Once, when the game is built.
     let start = Instant::now();
-    let mesh = read_mesh(&path)?;
-    let decomposition = decompose(&mesh, &Parameters::default(), &Control::new())?;
-    let mass = mass_properties(&mesh, &decomposition.hulls, DENSITY)?;
+    let jobs = bake_jobs(read_scene(&path)?, &BakeOptions::default());
+    let meshes = jobs.iter().map(|job| job.run(&Control::new())).collect::<Result<Vec<_>, _>>()?;
+    let name = meshes.first().and_then(|baked| baked.names.first()).cloned();
+    let name = name.ok_or("there is no mesh in it")?;
     let directory = std::env::temp_dir().join("hullwright-baked-example");
     std::fs::create_dir_all(&directory)?;
-    let file = HullsFile::new("example", &decomposition).with_mass_properties(mass);
-    file.write(directory.join("example.hulls"))?;
+    let scene = HullScene::new("example", meshes);
+    scene.write(directory.join("example.hullscene"))?;
     let seconds = start.elapsed().as_secs_f64();
-    println!("baked {path}: {} hulls, {seconds:.3} s", file.hulls.len());
+    let hulls: usize = scene.meshes.iter().map(|baked| baked.hulls.hulls.len()).sum();
+    println!("baked {path}: {} meshes, {hulls} hulls, {seconds:.3} s", scene.meshes.len());
 
     // Whenever the game starts.
     let mut app = App::new();
@@ -44,10 +47,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     app.finish();
     app.cleanup();
     let start = Instant::now();
-    let hulls = app.world().resource::<AssetServer>().load("example.hulls");
+    let scene = app.world().resource::<AssetServer>().load("example.hullscene");
+    let baked = BakedDecomposition::new(scene).with_mesh(name).with_density(DENSITY);
     for index in 0..BODIES {
         app.world_mut().spawn((
-            BakedDecomposition::new(hulls.clone()),
+            baked.clone(),
             RigidBody::Dynamic,
             Transform::from_xyz(index as f32, 0.0, 0.0),
         ));
@@ -67,9 +71,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!(
         "{} of {BODIES} bodies have their colliders after {milliseconds:.1} ms and {frames} \
          frames; {} decompositions, {} failures",
-        counters.baked + counters.shared,
-        counters.decomposed,
-        counters.failed
+        counters.baked, counters.decomposed, counters.failed
     );
     Ok(())
 }

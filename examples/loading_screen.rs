@@ -90,19 +90,17 @@ fn load(mut commands: Commands, server: Res<AssetServer>, level: Res<Level>) {
     commands.spawn((WorldAssetRoot(server.load(scene)), colliders));
 }
 
-/// Each prop is a body of its own, and a piece belongs to the node above it. What is no body stands still.
+/// Each prop is a body of its own, and a piece belongs to its mesh. What is no body stands still.
 fn make_body(
     tagged: On<Add<ConvexDecomposition>>,
     mut commands: Commands,
-    nodes: Query<(&Name, &ChildOf)>,
+    nodes: Query<(&Name, Option<&ColliderPieceOf>)>,
 ) {
-    let Ok((name, above)) = nodes.get(tagged.entity) else { return };
-    let body = match name.as_str() {
-        "floor" => return,
-        name if name.starts_with("UCX_") => above.parent(),
-        _ => tagged.entity,
-    };
-    commands.entity(body).insert(RigidBody::Dynamic);
+    let Ok((name, piece)) = nodes.get(tagged.entity) else { return };
+    if name.as_str() != "floor" {
+        let body = piece.map_or(tagged.entity, |piece| piece.0);
+        commands.entity(body).insert(RigidBody::Dynamic);
+    }
 }
 
 /// Nothing moves before all it may fall onto is there.

@@ -20,7 +20,9 @@
 use std::collections::{HashMap, HashSet};
 
 use crate::control::Control;
-use crate::conventions::{NameTag, mesh_tag, node_tag, read_extras, whole_of, without_copy_number};
+use crate::conventions::{
+    NameTag, is_coarser_level, mesh_tag, node_tag, read_extras, whole_of, without_copy_number,
+};
 use crate::error::Error;
 use crate::geometry::TriangleMesh;
 use crate::hulls_format::{BakedMesh, HullsFile, MeshHash};
@@ -78,6 +80,8 @@ pub struct BakeJob {
 /// those of its own name and extras, since a game may spawn it.
 pub fn bake_jobs(meshes: Vec<SceneMesh>, options: &BakeOptions) -> Vec<BakeJob> {
     let with_pieces = meshes_with_pieces(&meshes);
+    let node_names: Vec<String> =
+        meshes.iter().flat_map(|mesh| &mesh.nodes).map(|node| node.name.clone()).collect();
     let mut jobs: Vec<BakeJob> = Vec::new();
     let mut by_content: HashMap<MeshHash, Vec<usize>> = HashMap::new();
     for mut mesh in meshes {
@@ -86,9 +90,13 @@ pub fn bake_jobs(meshes: Vec<SceneMesh>, options: &BakeOptions) -> Vec<BakeJob> 
         let alone = [SceneNode::default()];
         let nodes = if mesh.nodes.is_empty() { &alone[..] } else { &mesh.nodes };
         for node in nodes {
-            let Some(parameters) = options.parameters_of(&mesh, node, &with_pieces) else {
-                continue;
-            };
+            let said = options.by_artist(&mesh, node, &with_pieces);
+            let is_coarser = || is_coarser_level(&node.name, node_names.iter().map(String::as_str));
+            let parameters = said.unwrap_or_else(|| {
+                let is_baked = !options.tagged_only && !is_coarser();
+                is_baked.then(|| options.parameters.clone())
+            });
+            let Some(parameters) = parameters else { continue };
             let known = by_content.entry(hash).or_default();
             let same = known.iter().copied().find(|job| jobs[*job].parameters == parameters);
             let job = same.unwrap_or_else(|| {
@@ -125,34 +133,31 @@ impl BakeJob {
 }
 
 impl BakeOptions {
-    /// `None` for what gets no hulls of its own. The rules are those of the plugin's hierarchy.
-    fn parameters_of(
+    /// What the artist says: nothing, or what a mesh is decomposed with, which is `None` for what gets no hulls of its
+    /// own. The rules are those of the plugin's hierarchy.
+    fn by_artist(
         &self,
         mesh: &SceneMesh,
         node: &SceneNode,
         with_pieces: &HashSet<String>,
-    ) -> Option<Method> {
-        if self.follows_artists {
-            let left_out = node_tag(&node.name) == Some(NameTag::LeftOut);
-            let extras = [&node.extras, &mesh.extras].into_iter().flatten();
-            // Complaints are the plugin's to make, for each node.
-            if let Some(tag) = extras.filter_map(|text| read_extras(text).0).next()
-                && !left_out
-            {
-                return tag.parameters(&self.parameters);
-            }
-            if let Some(tag) = node_tag(&node.name).or_else(|| mesh_tag(&mesh.name)) {
-                return tag.kind()?.parameters(&self.parameters);
-            }
-            let names = [node.name.as_str(), mesh.name.as_str()];
-            let has_pieces = |name: &&str| {
-                with_pieces.contains(*name) || with_pieces.contains(without_copy_number(name))
-            };
-            if names.iter().any(has_pieces) {
-                return None;
-            }
+    ) -> Option<Option<Method>> {
+        if !self.follows_artists {
+            return None;
         }
-        (!self.tagged_only).then(|| self.parameters.clone())
+        let names = [node.name.as_str(), mesh.name.as_str()];
+        let has_pieces = |name: &&str| {
+            with_pieces.contains(*name) || with_pieces.contains(without_copy_number(name))
+        };
+        if node_tag(&node.name) == Some(NameTag::LeftOut) || names.iter().any(has_pieces) {
+            return Some(None);
+        }
+        // Complaints are the plugin's to make, for each node.
+        let extras = [&node.extras, &mesh.extras].into_iter().flatten();
+        if let Some(tag) = extras.filter_map(|text| read_extras(text).0).next() {
+            return Some(tag.parameters(&self.parameters));
+        }
+        let tag = node_tag(&node.name).or_else(|| mesh_tag(&mesh.name))?;
+        Some(tag.kind().and_then(|kind| kind.parameters(&self.parameters)))
     }
 }
 

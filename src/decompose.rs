@@ -10,7 +10,7 @@ use crate::bounded::cover::cover;
 use crate::bounded::deadline::Deadline;
 use crate::bounded::finalize::final_hull::FinalHulls;
 use crate::bounded::finalize::finalize;
-use crate::bounded::limit::{BoundSearch, limit_hulls};
+use crate::bounded::limit::{BoundBracket, limit_hulls};
 use crate::bounded::merge::merge;
 use crate::bounded::output::BoundedResult;
 use crate::bounded::patch::Patches;
@@ -196,7 +196,7 @@ async fn limit(
     stages: &mut Stages,
     deadline: &mut Deadline,
 ) -> Result<Found, Error> {
-    let mut bounds = BoundSearch::new(settings.bound.verified());
+    let mut bounds = BoundBracket::new(settings.bound.verified());
     stages.begin(LIMIT, SEARCHED..SEARCHED);
     let mut best = joined(found, settings, stages).await?;
     while let Some(bound) = bounds.next_bound(best.hulls.error()) {

@@ -135,6 +135,7 @@ mod probe;
 pub mod rapier;
 mod solid;
 mod stages;
+mod summary;
 pub mod surface;
 mod work;
 

@@ -3,9 +3,10 @@
 use crate::bounded::join_tree::JoinTree;
 use crate::bounded::output::NormalizedHull;
 use crate::control::Control;
-use crate::decomposition::{Decomposition, Hull};
+use crate::decomposition::{ALGORITHM_VERSION, Decomposition, Hull};
 use crate::error::Error;
 use crate::geometry::MeshView;
+use crate::hulls_format::{HullsFile, VerifiedErrors, without_sources};
 use crate::mesh::Normalization;
 use crate::method::MethodReport;
 use crate::openings::OpeningSettings;
@@ -42,6 +43,8 @@ pub struct MergeTree {
     normalization: Normalization,
     /// In the units of the mesh.
     uncovered: f64,
+    /// What a file says of every state, without hulls.
+    file: HullsFile,
 }
 
 /// A state of a [`MergeTree`].
@@ -86,7 +89,14 @@ impl MergeTree {
     ) -> Result<Self, Error> {
         let report: MethodReport = decomposition.report.clone().into();
         let known = report.bounded().map(|report| report.uncovered_max);
-        Self::build(mesh.into(), &decomposition.hulls, known, parameters, control)
+        let tree = Self::build(mesh.into(), &decomposition.hulls, known, parameters, control)?;
+        let file = HullsFile {
+            algorithm_version: decomposition.run.algorithm_version,
+            method: report.name().into(),
+            bound: report.bounded().map(|report| report.bound),
+            ..tree.file
+        };
+        Ok(Self { file, ..tree })
     }
 
     /// Joins hulls of any tool, each taken as the convex hull that it is. Those without
@@ -124,7 +134,19 @@ impl MergeTree {
             JoinTree::from_hulls(&prepared, hulls, known, parameters, control)
         })?;
         let uncovered = uncovered.unwrap_or(found * normalization.diagonal);
-        Ok(Self { tree, leaves: hulls.to_vec(), normalization, uncovered })
+        let file = HullsFile {
+            name: String::new(),
+            algorithm_version: ALGORITHM_VERSION,
+            method: String::new(),
+            source_vertices: mesh.vertex_count() as u64,
+            source_triangles: mesh.triangles().len() as u64,
+            diagonal: normalization.diagonal,
+            bound: None,
+            verified: None,
+            mass_properties: None,
+            hulls: Vec::new(),
+        };
+        Ok(Self { tree, leaves: hulls.to_vec(), normalization, uncovered, file })
     }
 
     /// All states, from the decomposition's hulls down to one. The number of hulls falls from one
@@ -148,7 +170,7 @@ impl MergeTree {
     /// The hulls of the state with at most `most` hulls: `most`, or all there are, or one if
     /// `most` is 0.
     pub fn at_hulls(&self, most: usize) -> Vec<Hull> {
-        self.hulls(self.leaves.len().saturating_sub(most.max(1)))
+        self.hulls(self.joins_down_to(most))
     }
 
     /// The fewest hulls whose error, in units, is at most `error`; the decomposition's own hulls
@@ -156,6 +178,37 @@ impl MergeTree {
     pub fn at_error(&self, error: f64) -> Vec<Hull> {
         let keeps = |joins: &usize| self.point(*joins).error <= error;
         self.hulls((0..=self.tree.joins()).rev().find(keeps).unwrap_or(0))
+    }
+
+    /// The state of [`at_hulls`](Self::at_hulls) with its errors, as a file that games load. It has no mass properties
+    /// and, for hulls of another tool, no method and no bound. For the state within an error, `most` is the length of
+    /// [`at_error`](Self::at_error).
+    ///
+    /// ```
+    /// # let mesh = hullwright::TriangleMesh::new(
+    /// #     vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    /// #     vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
+    /// # );
+    /// # let (parameters, control) = (hullwright::Parameters::default(), hullwright::Control::new());
+    /// # let decomposition = hullwright::decompose(&mesh, &parameters, &control)?;
+    /// let tree = hullwright::MergeTree::new(&mesh, &decomposition, &parameters, &control)?;
+    /// let mass = hullwright::mass_properties(&mesh, &decomposition.hulls, 1.0)?;
+    /// let bytes = tree.to_file("rock", 4).with_mass_properties(mass).to_bytes()?;
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn to_file(&self, name: impl Into<String>, most: usize) -> HullsFile {
+        let joins = self.joins_down_to(most);
+        let CurvePoint { protrusion_max, uncovered_max, .. } = self.point(joins);
+        HullsFile {
+            name: name.into(),
+            verified: Some(VerifiedErrors { protrusion_max, uncovered_max }),
+            hulls: self.hulls(joins).into_iter().map(without_sources).collect(),
+            ..self.file.clone()
+        }
+    }
+
+    fn joins_down_to(&self, most: usize) -> usize {
+        self.leaves.len().saturating_sub(most.max(1))
     }
 
     fn point(&self, joins: usize) -> CurvePoint {

@@ -312,7 +312,7 @@ impl FromStr for Length {
     type Err = ParseError;
 
     fn from_str(text: &str) -> Result<Self, ParseError> {
-        let expected = "a share of the diagonal (2%) or a length in the mesh's units (0.02m)";
+        let expected = "a percentage of the diagonal (2%) or a length in the mesh's units (0.02m)";
         let wrong = || ParseError::new(text, expected);
         if let Some(percent) = text.strip_suffix('%') {
             let percent: f64 = percent.trim().parse().map_err(|_| wrong())?;
@@ -512,7 +512,7 @@ mod tests {
     fn a_number_without_a_unit_is_refused() {
         for text in ["2", "x%", "m", "%", ""] {
             let error = text.parse::<Length>().unwrap_err();
-            assert!(error.to_string().contains("a share of the diagonal"), "{error}");
+            assert!(error.to_string().contains("a percentage of the diagonal"), "{error}");
         }
     }
 }

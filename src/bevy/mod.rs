@@ -16,19 +16,24 @@
 //! # }
 //! ```
 //!
-//! Work runs on Bevy's `AsyncComputeTaskPool`; no frame waits for it. [`DecompositionStatus`] and
-//! the events [`DecompositionReady`], [`DecompositionSkipped`], [`DecompositionFailed`] and
-//! [`DecompositionCancelled`] report it: every tag ends in exactly one of them.
+//! Work runs on threads of the plugin's own, of a lower priority than the game's; no frame waits for it. Every tag ends
+//! in exactly one of two events: [`ColliderReady`], or [`ColliderAbsent`] with the reason. [`DecompositionStatus`] says
+//! the same at any time, and the finer events [`DecompositionReady`], [`DecompositionSkipped`], [`DecompositionFailed`]
+//! and [`DecompositionCancelled`] say more.
+//!
+//! In metres, Rapier's own contacts let small things sink into each other, so the plugin gives each world of Rapier a
+//! [`ContactDispatcher`](crate::rapier::ContactDispatcher).
+//! [`without_contact_dispatcher`](HullwrightPlugin::without_contact_dispatcher) leaves worlds as they are.
 //!
 //! | you have | you want | use |
 //! |---|---|---|
 //! | an app | the plugin | [`HullwrightPlugin`], [`HullwrightSettings`] |
 //! | a mesh, or a glTF node with meshes below it | a collider | [`ConvexDecomposition`] |
 //! | a whole scene | a collider per mesh, by names and extras | [`ConvexDecompositionHierarchy`] |
-//! | a `.hulls` file | a collider without any work | [`BakedDecomposition`] |
-//! | a `.hullscene` file | the same for a scene | [`ConvexDecompositionHierarchy::with_baked`] |
+//! | a `.hullscene` file | the colliders of a scene without any work | [`ConvexDecompositionHierarchy::with_baked`] |
+//! | the same, and no mesh | a collider | [`BakedDecomposition`] |
 //! | a body that waits for its hulls | a collider until then | [`FallbackCollider`] |
-//! | an entity | to know how far it is | [`DecompositionStatus`], and one event at its end |
+//! | an entity | to know whether its collider is there | [`ColliderReady`], [`ColliderAbsent`], [`DecompositionStatus`] |
 //! | a scene | to know when all of it is done | [`HierarchyFinished`], [`all_decompositions_done`] |
 //! | a loading screen | to show how far it is | [`DecompositionProgress`] |
 //! | many entities | the nearest first; how many are done | [`DecompositionFocus`], [`DecompositionPriority`], [`DecompositionCounters`] |
@@ -40,9 +45,9 @@
 // | concept | owns, and alone writes | what |
 // |---|---|---|
 // | `debug` (feature) | gizmos, diagnostics | hulls drawn, and numbers among the diagnostics |
-// | `scene` | `HierarchyStatus`, `HierarchyWork`, `TaggedByHierarchy`, `HiddenByHierarchy`, `DecompositionProgress` | whole scenes, tagged by names and extras, and how far all work is |
+// | `scene` | `HierarchyStatus`, `HierarchyWork`, `ColliderPieceOf`, `TaggedByHierarchy`, `HiddenByHierarchy`, `DecompositionProgress` | whole scenes, tagged by names and extras, and how far all work is |
 // | `collider` | `Unfinished`, `Fallbacks`, `AttachedCollider`, `AttachedFallback`, `FailedRequest`, `FarFromFocus`, `Frozen` | from tags to requests, from results to colliders; what is out of date; bodies that wait |
-// | `jobs` | `Jobs` with the caches, `FrameTime`, the assets `BakedHulls` and `BakedScene` | requests wait, become jobs, end in results |
+// | `jobs` | `Jobs` with the caches, `FrameTime`, the asset `BakedScene` | requests wait, become jobs, end in results |
 // | `tag` | `DecompositionStatus`, the events and counters of endings, by `Outcomes` alone | what users set, and what is reported |
 //
 // `scene` writes tags as users do. In the counters `jobs` and `collider` write how much runs and waits.
@@ -61,19 +66,25 @@ use bevy_rapier3d::plugin::PhysicsSet;
 #[cfg(feature = "debug")]
 pub use debug::{HullGizmos, HullwrightDebug, HullwrightDebugPlugin};
 pub use jobs::baked::{
-    BakedDecomposition, BakedHulls, BakedScene, FromBakedScene, HullSceneLoader,
-    HullSceneProcessor, HullSceneSaver, HullsLoader, LoadHullsError,
+    BakedDecomposition, BakedScene, BakedSceneSettings, FromBakedScene, HullSceneLoader,
+    LoadHullsError,
 };
+#[cfg(feature = "io")]
+pub use jobs::recipe::{HullRecipeLoader, HullRecipeProcessor, HullSceneSaver};
 pub use scene::hierarchy::{
     ConvexDecompositionHierarchy, HierarchyFinished, HierarchyReport, HierarchyStatus,
 };
+pub use scene::pieces::{ColliderPieceOf, ColliderPieces};
 pub use scene::{DecompositionProgress, all_decompositions_done, decompositions_pending};
 pub use tag::outcomes::{
-    DecompositionCancelled, DecompositionCounters, DecompositionError, DecompositionFailed,
-    DecompositionReady, DecompositionSkipped, DecompositionStatus, HullSource, SkipReason,
-    VerifiedError, WaitReason,
+    AbsentReason, ColliderAbsent, ColliderReady, DecompositionCancelled, DecompositionCounters,
+    DecompositionError, DecompositionFailed, DecompositionReady, DecompositionSkipped,
+    DecompositionStatus, HullSource, MadeOf, SkipReason, VerifiedDistances, WaitReason,
 };
-pub use tag::settings::{Execution, FallbackCollider, HullwrightSettings, HullwrightSystems};
+pub use tag::settings::{
+    BudgetSettings, CacheSettings, Execution, FallbackCollider, HullwrightSettings,
+    HullwrightSystems, SkipSettings,
+};
 pub use tag::{
     ConvexDecomposition, DEFAULT_DENSITY, DecompositionFocus, DecompositionOpenings,
     DecompositionPreset, DecompositionPriority, DecompositionShape, MaxError,
@@ -83,13 +94,15 @@ pub use tag::{
 /// What most users need.
 pub mod prelude {
     pub use super::{
-        BakedDecomposition, BakedScene, ConvexDecomposition, ConvexDecompositionHierarchy,
-        DecompositionCancelled, DecompositionCounters, DecompositionFailed, DecompositionFocus,
-        DecompositionOpenings, DecompositionPreset, DecompositionPriority, DecompositionProgress,
-        DecompositionReady, DecompositionShape, DecompositionSkipped, DecompositionStatus,
-        FallbackCollider, FromBakedScene, HierarchyFinished, HierarchyReport, HierarchyStatus,
-        HullSource, HullwrightPlugin, HullwrightSettings, HullwrightSystems, MaxError,
-        NoConvexDecomposition, SkipReason, VerifiedError, all_decompositions_done,
+        AbsentReason, BakedDecomposition, BakedScene, BudgetSettings, CacheSettings,
+        ColliderAbsent, ColliderPieceOf, ColliderReady, ConvexDecomposition,
+        ConvexDecompositionHierarchy, DecompositionCancelled, DecompositionCounters,
+        DecompositionFailed, DecompositionFocus, DecompositionOpenings, DecompositionPreset,
+        DecompositionPriority, DecompositionProgress, DecompositionReady, DecompositionShape,
+        DecompositionSkipped, DecompositionStatus, Execution, FallbackCollider, FromBakedScene,
+        HierarchyFinished, HierarchyReport, HierarchyStatus, HullSource, HullwrightPlugin,
+        HullwrightSettings, HullwrightSystems, MadeOf, MaxError, NoConvexDecomposition, SkipReason,
+        SkipSettings, VerifiedDistances, WaitReason, all_decompositions_done,
         decompositions_pending,
     };
 }
@@ -102,6 +115,15 @@ pub mod prelude {
 pub struct HullwrightPlugin {
     /// The initial settings. If they are the default, settings that were inserted before stay.
     pub settings: HullwrightSettings,
+}
+
+impl HullwrightPlugin {
+    /// The same, but worlds of Rapier keep their own contacts.
+    #[must_use]
+    pub fn without_contact_dispatcher(mut self) -> Self {
+        self.settings.contact_dispatcher = false;
+        self
+    }
 }
 
 impl Plugin for HullwrightPlugin {
@@ -140,6 +162,10 @@ mod pages {
     struct Index;
     #[doc = include_str!("../../docs/bevy/bounds.md")]
     struct Bounds;
+    #[doc = include_str!("../../docs/bevy/behaviour.md")]
+    struct Behaviour;
+    #[doc = include_str!("../../docs/bevy/artists.md")]
+    struct Artists;
     #[doc = include_str!("../../docs/bevy/fixed-timestep.md")]
     struct FixedTimestep;
     #[doc = include_str!("../../docs/bevy/migration.md")]

@@ -10,6 +10,9 @@
 //! 3. Triangles are split along planes, those that resolve the most notches first.
 //!
 //! O(n log n) for n triangles and each plane.
+//!
+//! Where a constant says how many hulls another value gives, they are those of 196 shared and bundled meshes of up to
+//! 2,400 triangles, which have 2,507 hulls in all.
 
 use super::cuts::{CutMesh, cut};
 use super::settings::Settings;
@@ -30,7 +33,8 @@ const LEAST_DEPTH: f64 = 1.5;
 /// planes, and facets are divided further.
 const SHALLOW: f64 = 2.0;
 
-/// The weight of a notch's second plane: all notches are resolved by one plane first.
+/// The weight of a notch's second plane: all notches are resolved by one plane first. With 0 there are 2,512 hulls, with
+/// 1 there are 2,509: that it is small matters more than how small.
 const SECOND_WEIGHT: f64 = 0.3;
 
 /// Longest edge where there are shallow notches, as a fraction of the diagonal. With 0.15 the same 19 props had 288
@@ -41,8 +45,13 @@ const LONGEST_EDGE: f64 = 0.25;
 /// surfaces have a notch at each edge, and their facets are small without cuts.
 const MAX_PLANES: usize = 48;
 
-/// No cut once there are this many triangles for each of the mesh's own, and some.
+/// No cut once there are this many triangles for each of the mesh's own, and [`MAX_ADDED`] more: the time of the stages
+/// after this one grows with the triangles. With 1, and none added, there are 2,528 hulls. With 2 one mesh has other
+/// hulls, with 6 none: it is as small as does not cost hulls.
 const MAX_GROWTH: usize = 3;
+
+/// Small meshes may grow by more, a box with many notches above all. With 200 five meshes have other hulls, as many in
+/// all; with 4,000 none has.
 const MAX_ADDED: usize = 1000;
 
 /// Notches beyond this number are left out, the least important first: they make a surface that
@@ -50,10 +59,12 @@ const MAX_ADDED: usize = 1000;
 const MAX_NOTCHES: usize = 512;
 
 /// Cosine of the greatest angle between a triangle and its group's plane. Slivers are in the plane
-/// by their vertices, whatever their normal.
+/// by their vertices, whatever their normal. With 0.7 no mesh has other hulls, with 0.98 three have, as many in all: the
+/// vertices' distance from the plane decides first.
 const MIN_COSINE: f64 = 0.9;
 
-/// A triangle of a height below this multiple of the flatness is a sliver.
+/// A triangle of a height below this multiple of the flatness is a sliver: its vertices may be off by the flatness on
+/// either side, so its normal means nothing. With 1 two meshes have other hulls, with 4 none.
 const SLIVER: f64 = 2.0;
 
 /// A surface divided into facets.

@@ -8,7 +8,7 @@
 //! bound than the error ends with as few hulls for 16, with an error that is 1.13 times smaller at
 //! most; with three searches instead of six it does for 41. The three others take a third more time.
 
-use super::finalize::final_hull::{FinalHull, Represented};
+use super::finalize::final_hull::{FinalHull, Owned};
 use super::join_tree::JoinTree;
 use super::search::Search;
 use crate::error::Error;
@@ -31,10 +31,10 @@ pub(crate) fn limit_hulls(
         let largest = |value: fn(&FinalHull) -> f64| {
             members.iter().map(|&hull| value(hull)).fold(0.0, f64::max)
         };
-        let represented: Vec<&Represented> = members.iter().map(|hull| &hull.represents).collect();
+        let owned: Vec<&Owned> = members.iter().map(|hull| &hull.owned).collect();
         limited.push(FinalHull {
             hull: node.hull.clone(),
-            represents: Represented::union(&represented, patches),
+            owned: Owned::union(&owned, patches),
             added_thickness: largest(|hull| hull.added_thickness),
             simplification_growth: node.growth.max(largest(|hull| hull.simplification_growth)),
             protrusion: node.protrusion,
@@ -55,8 +55,8 @@ const NEXT_BOUND: f64 = 0.85;
 /// Less to gain than this factor is not worth a search.
 const LEAST_GAIN: f64 = 1.01;
 
-/// The search for the least bound that ends with few enough hulls.
-pub(crate) struct BoundSearch {
+/// A bracket around the least bound that ends with few enough hulls.
+pub(crate) struct BoundBracket {
     /// The largest bound that ended with too many hulls.
     refused: f64,
     /// Whether that is a bound of this search.
@@ -64,7 +64,7 @@ pub(crate) struct BoundSearch {
     searches: usize,
 }
 
-impl BoundSearch {
+impl BoundBracket {
     /// `bound` ended with too many hulls.
     pub(crate) fn new(bound: f64) -> Self {
         Self { refused: bound, is_near: false, searches: 0 }

@@ -43,7 +43,7 @@ impl BoundedResult {
                 hull: &hull.hull,
                 component: hull.component,
                 source_triangles: hull
-                    .represents
+                    .owned
                     .triangles(patches)
                     .map(source)
                     .filter(|&triangle| triangle != CAP)
@@ -62,7 +62,7 @@ impl BoundedResult {
 fn grouped(patches: &Patches, hulls: &[FinalHull], normalization: &Normalization) -> GroupedMesh {
     let mut groups = vec![0; patches.count()];
     for (index, hull) in (0_u32..).zip(hulls) {
-        for patch in hull.represents.patches.iter() {
+        for patch in hull.owned.patches.iter() {
             groups[patch as usize] = index;
         }
     }

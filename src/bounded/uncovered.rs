@@ -1,6 +1,6 @@
 //! Verification: how far the source lies outside the hulls, as an upper bound.
 //!
-//! Points that are close together are compared with a hull as a group, since most planes of a hull have none of them in
+//! Points that are close together are compared with a hull as a bucket, since most planes of a hull have none of them in
 //! front. With single points, the decomposition of a ball of a million triangles takes 7.3 s instead of 3.0 s.
 
 use std::sync::OnceLock;
@@ -81,33 +81,33 @@ impl<'a> HullDistance<'a> {
 }
 
 /// The greatest distance of the points outside a hull, 0 if it contains all. If it exceeds `limit`,
-/// any value above `limit` may be returned. O(points + groups · faces), typically far less.
+/// any value above `limit` may be returned. O(points + buckets · faces), typically far less.
 ///
 /// # Errors
 /// [`Error::Cancelled`].
 pub(crate) fn distance_outside(
     hull: &ConvexHull,
-    points: &PointGroups,
+    points: &PointBuckets,
     limit: f64,
     control: &Control,
 ) -> Result<f64, Error> {
     let hull = HullDistance::new(hull);
     let mut farthest: f64 = 0.0;
-    let (mut of_coarse, mut of_fine) = (Vec::new(), Vec::new());
-    let fine = points.fine.chunks(COARSE / FINE).zip(points.points.chunks(COARSE));
-    for (coarse, (groups, points)) in points.coarse.iter().zip(fine) {
+    let (mut of_large, mut of_small) = (Vec::new(), Vec::new());
+    let small = points.small.chunks(LARGE / SMALL).zip(points.points.chunks(LARGE));
+    for (large, (buckets, points)) in points.large.iter().zip(small) {
         control.check()?;
-        coarse.planes_in_reach(&hull.planes, &mut of_coarse);
-        if of_coarse.is_empty() {
+        large.planes_in_reach(&hull.planes, &mut of_large);
+        if of_large.is_empty() {
             continue;
         }
-        for (fine, points) in groups.iter().zip(points.chunks(FINE)) {
-            fine.planes_in_reach(&of_coarse, &mut of_fine);
-            if of_fine.is_empty() {
+        for (small, points) in buckets.iter().zip(points.chunks(SMALL)) {
+            small.planes_in_reach(&of_large, &mut of_small);
+            if of_small.is_empty() {
                 continue;
             }
             for &point in points {
-                farthest = farthest.max(hull.distance_by(&of_fine, point, limit));
+                farthest = farthest.max(hull.distance_by(&of_small, point, limit));
                 if farthest > limit {
                     return Ok(farthest);
                 }
@@ -117,38 +117,38 @@ pub(crate) fn distance_outside(
     Ok(farthest)
 }
 
-/// Points in groups of points that are close together.
-pub(crate) struct PointGroups {
+/// Points in buckets of points that are close together.
+pub(crate) struct PointBuckets {
     /// In the order of a space-filling curve.
     points: Vec<Vector>,
-    /// Of [`COARSE`] points each, and of [`FINE`].
-    coarse: Vec<Group>,
-    fine: Vec<Group>,
+    /// Of [`LARGE`] points each, and of [`SMALL`].
+    large: Vec<Bucket>,
+    small: Vec<Bucket>,
 }
 
 /// A ball around consecutive points.
-struct Group {
+struct Bucket {
     centre: Vector,
     radius: f64,
 }
 
-/// Points of a coarse group, and of a fine group within it. Testing a group against a plane takes
-/// as long as a point: a fine group needs several points, and a coarse one several fine groups.
-const COARSE: usize = 128;
-const FINE: usize = 8;
+/// Points of a large bucket, and of a small bucket within it. Testing a bucket against a plane takes
+/// as long as a point: a small bucket needs several points, and a large one several small buckets.
+const LARGE: usize = 128;
+const SMALL: usize = 8;
 
-impl Group {
+impl Bucket {
     fn all(points: &[Vector], size: usize) -> Vec<Self> {
-        let groups = points.chunks(size).map(|points| {
+        let buckets = points.chunks(size).map(|points| {
             let sum = points.iter().fold(Vector::ZERO, |sum, &point| sum + point);
             let centre = sum * (1.0 / points.len() as f64);
             let radius = points.iter().map(|&point| centre.distance(point)).fold(0.0, f64::max);
             Self { centre, radius }
         });
-        groups.collect()
+        buckets.collect()
     }
 
-    /// Collects the planes that a point of the group may be in front of.
+    /// Collects the planes that a point of the bucket may be in front of.
     fn planes_in_reach(&self, planes: &[FacePlane], in_reach: &mut Vec<FacePlane>) {
         let may_matter = |plane: &&FacePlane| plane.height(self.centre) + self.radius > -ROUNDING;
         in_reach.clear();
@@ -156,7 +156,7 @@ impl Group {
     }
 }
 
-impl PointGroups {
+impl PointBuckets {
     /// O(n log n).
     pub(crate) fn new(points: &[Vector]) -> Self {
         let (min, max) = bounds(points.iter().copied());
@@ -173,12 +173,12 @@ impl PointGroups {
             points.iter().map(|&point| (number(point), point)).collect();
         numbered.sort_by_key(|&(number, _)| number);
         let points: Vec<Vector> = numbered.into_iter().map(|(_, point)| point).collect();
-        let (coarse, fine) = (Group::all(&points, COARSE), Group::all(&points, FINE));
-        Self { points, coarse, fine }
+        let (large, small) = (Bucket::all(&points, LARGE), Bucket::all(&points, SMALL));
+        Self { points, large, small }
     }
 }
 
-/// The Morton curve's grid has 2 to this many cells along each axis: finer than groups, and three
+/// The Morton curve's grid has 2 to this many cells along each axis: finer than buckets, and three
 /// coordinates fit a 32-bit key.
 const BITS: u32 = 8;
 
@@ -299,7 +299,7 @@ mod tests {
     }
 
     #[test]
-    fn grouped_points_are_as_far_outside_as_single_ones() {
+    fn points_in_buckets_are_as_far_outside_as_single_ones() {
         // Points on a sphere around a cube, whose corners extend beyond it.
         let corners = (0..8).map(|i| [0, 1, 2].map(|k| f64::from(i >> k & 1) - 0.5));
         let cube = convex_hull(&corners.collect::<Vec<_>>()).unwrap();
@@ -316,8 +316,8 @@ mod tests {
             points.iter().map(|&p| to_cube.distance(p, f64::INFINITY)).fold(0.0, f64::max)
         };
         for points in [&points[..], &points[..50], &points[1400..1600], &[]] {
-            let groups = PointGroups::new(points);
-            let found = distance_outside(&cube, &groups, f64::INFINITY, &Control::new()).unwrap();
+            let buckets = PointBuckets::new(points);
+            let found = distance_outside(&cube, &buckets, f64::INFINITY, &Control::new()).unwrap();
             assert_eq!(found, expected(points));
         }
         assert!((expected(&points) - 0.3).abs() < 1e-3);

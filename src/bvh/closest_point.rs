@@ -222,7 +222,7 @@ impl Tree {
 
     /// Improves on `best`; if `any`, stops at the first triangle within its limit.
     #[inline(always)]
-    fn search(&self, point: Vector, best: &mut Best, any: bool) -> bool {
+    fn traverse(&self, point: Vector, best: &mut Best, any: bool) -> bool {
         let relative = self.relative(point);
         // Entries hold a squared gap's bits above a child's reference. Gaps are not negative, so
         // that entries compare like gaps.
@@ -289,7 +289,7 @@ impl Bvh {
     }
 
     fn improved(&self, point: Vector, mut best: Best) -> Option<ClosestPoint> {
-        self.tree.search(point, &mut best, false).then(|| ClosestPoint {
+        self.tree.traverse(point, &mut best, false).then(|| ClosestPoint {
             distance: best.squared.sqrt(),
             triangle: best.triangle,
             point: point + self.tree.closest_on(best.slot, point),
@@ -299,7 +299,7 @@ impl Bvh {
     /// The triangle of [`closest_point_near`](Self::closest_point_near) without a limit.
     pub(super) fn closest_triangle_near(&self, point: Vector, guess: u32) -> Option<u32> {
         let mut best = self.guessed(point, f64::INFINITY, guess);
-        self.tree.search(point, &mut best, false).then_some(best.triangle)
+        self.tree.traverse(point, &mut best, false).then_some(best.triangle)
     }
 
     fn guessed(&self, point: Vector, limit: f64, guess: u32) -> Best {
@@ -317,6 +317,6 @@ impl Bvh {
 
     /// Whether the mesh comes within `limit` of `point`. Faster than the distance.
     pub(crate) fn is_within(&self, point: Vector, limit: f64) -> bool {
-        self.tree.search(point, &mut Best::none(limit), true)
+        self.tree.traverse(point, &mut Best::none(limit), true)
     }
 }

@@ -143,8 +143,11 @@ pub fn read_extras(text: &str) -> (Option<ExtrasTag>, Vec<Complaint>) {
 /// A complaint about settings that only we have, where the collider is missing.
 fn settings_without_collider(extras: &Map<String, Value>) -> Option<Complaint> {
     let ours = ["max_error", "max_hulls", "max_vertices", "keep_cavities"];
-    let key = ours.into_iter().find(|key| extras.contains_key(*key))?;
-    Some(format!("\"{key}\" says nothing without \"{COLLIDER}\"; {}", all_keys()))
+    let has_body = extras.get("body").is_some_and(|body| named(body, &BODIES).is_some());
+    let key = ours.into_iter().find(|key| extras.contains_key(*key));
+    let key = key.or(has_body.then_some("body"))?;
+    let missing = format!("add \"{COLLIDER}\": \"convex_decomposition\"");
+    Some(format!("\"{key}\" says nothing without \"{COLLIDER}\": {missing}; {}", all_keys()))
 }
 
 fn all_keys() -> String {
@@ -348,7 +351,13 @@ mod tests {
 
     #[test]
     fn a_setting_that_can_only_be_ours_complains_where_the_collider_is_missing() {
-        let (tag, complaints) = read_extras(r#"{"max_error": 0.01}"#);
-        assert_eq!((tag, complaints.len()), (None, 1));
+        for text in [r#"{"max_error": 0.01}"#, r#"{"body": "dynamic"}"#] {
+            let (tag, complaints) = read_extras(text);
+            assert_eq!((tag, complaints.len()), (None, 1));
+            let missing = r#"add "collider": "convex_decomposition""#;
+            assert!(complaints[0].contains(missing), "{complaints:?}");
+        }
+        // Somebody else's.
+        assert_eq!(read_extras(r#"{"body": "female"}"#), (None, Vec::new()));
     }
 }

@@ -8,4 +8,7 @@ mod names;
 
 #[cfg(any(feature = "bevy_gltf", feature = "io"))]
 pub use extras::{Body, Complaint, ExtrasTag, Fallback, read_extras};
-pub use names::{ColliderKind, NameTag, mesh_tag, node_tag, whole_of, without_copy_number};
+pub use names::{
+    ColliderKind, NameTag, is_coarser_level, level_of_detail, mesh_tag, node_tag, whole_of,
+    without_copy_number,
+};

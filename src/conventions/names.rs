@@ -156,6 +156,38 @@ pub fn without_copy_number(name: &str) -> &str {
     }
 }
 
+/// The level of detail that a name ends in, and what comes before it: `tree_LOD2` is level 2 of `tree`. `None` for a
+/// name without.
+///
+/// ```
+/// use hullwright::conventions::level_of_detail;
+///
+/// assert_eq!(level_of_detail("tree_LOD2"), Some(("tree", 2)));
+/// assert_eq!(level_of_detail("tree"), None);
+/// ```
+pub fn level_of_detail(name: &str) -> Option<(&str, u32)> {
+    let name = without_copy_number(name);
+    let before_number = name.trim_end_matches(|c: char| c.is_ascii_digit());
+    let level = name.get(before_number.len()..)?.parse().ok()?;
+    let at = before_number.len().checked_sub(LEVEL.len())?;
+    let (stem, mark) = before_number.split_at_checked(at)?;
+    let stem = stem.strip_suffix(['_', '-', '.', ' '])?;
+    (mark.eq_ignore_ascii_case(LEVEL) && !stem.is_empty()).then_some((stem, level))
+}
+
+/// What stands before the number of a level of detail, as Unreal, Unity and Blender's exporters write it.
+const LEVEL: &str = "lod";
+
+/// Whether a name is that of a coarser level of detail of a mesh that `others` have, too. A coarse level alone is all
+/// that there is of the mesh.
+pub fn is_coarser_level<'a>(name: &str, others: impl IntoIterator<Item = &'a str>) -> bool {
+    let Some((stem, level)) = level_of_detail(name) else { return false };
+    others.into_iter().any(|other| match level_of_detail(other) {
+        Some((of, finer)) => finer < level && of.eq_ignore_ascii_case(stem),
+        None => level > 0 && without_copy_number(other).eq_ignore_ascii_case(stem),
+    })
+}
+
 fn is_number(text: &str) -> bool {
     !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit())
 }
@@ -193,6 +225,30 @@ mod tests {
                 assert_eq!(node_tag(&spelled), Some(tag), "{spelled}");
             }
         }
+    }
+
+    #[test]
+    fn a_level_of_detail_is_coarser_where_there_is_a_finer_one() {
+        for (name, expected) in [
+            ("tree_LOD0", Some(("tree", 0))),
+            ("old tree_lod12", Some(("old tree", 12))),
+            ("tree-LOD1.003", Some(("tree", 1))),
+            ("tree_LOD", None),
+            ("LOD1", None),
+            ("melodies1", None),
+            ("tree_LOD99999999999", None),
+            ("ß_LOD1", Some(("ß", 1))),
+            ("ßlod1", None),
+        ] {
+            assert_eq!(level_of_detail(name), expected, "{name}");
+        }
+        assert!(is_coarser_level("tree_LOD1", ["rock", "tree_LOD0"]));
+        assert!(is_coarser_level("tree_LOD2", ["Tree"]));
+        for others in [&["tree_LOD2"][..], &["bush_LOD0"], &[]] {
+            assert!(!is_coarser_level("tree_LOD1", others.iter().copied()), "{others:?}");
+        }
+        // Both are the finest.
+        assert!(!is_coarser_level("tree_LOD0", ["tree", "tree_LOD0"]));
     }
 
     #[test]

@@ -19,6 +19,14 @@
 //! assert_eq!(builder.extract().0.len(), 9);
 //! # Ok::<(), hullwright::Error>(())
 //! ```
+//!
+//! | file | contents |
+//! |---|---|
+//! | `convex_hull` | the polyhedron; hulls of points with volume, also in `f32` |
+//! | `growing_hull` | [`HullBuilder`], and the hull that grows during the search |
+//! | `quickhull`, `face` | the first simplex, and the steps by which a hull grows; its triangles |
+//! | `simplification` | fewer vertices |
+//! | `primitive` | boxes, balls and capsules in place of hulls |
 
 mod convex_hull;
 mod face;
@@ -34,4 +42,4 @@ pub(crate) use convex_hull::{LEAST_THICKNESS, joint_hull};
 pub use growing_hull::{DEFAULT_TOLERANCE, HullBuilder};
 pub use primitive::{Primitive, Slack, fit_primitive};
 pub use quickhull::Shape;
-pub(crate) use simplification::{coarser, collapse_edges, limit_vertices, most_prominent};
+pub(crate) use simplification::{collapse_edges, limit_vertices, most_prominent, prominent};

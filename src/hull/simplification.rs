@@ -4,7 +4,7 @@
 //!   hulls, in Sander, Gu, Gortler, Hoppe, Snyder, "Silhouette clipping", 2000). An edge makes way
 //!   for a point near it that lies in front of all faces at its two ends: the hull of the old one
 //!   and that point has lost both ends, and holds all that it held.
-//! - [`coarser`] leaves out vertices that hardly stand out, [`most_prominent`] all except those that
+//! - [`prominent`] leaves out vertices that hardly stand out, [`most_prominent`] all except those that
 //!   stand out most: their hulls are smaller.
 //! - [`limit_vertices`] tries all of them for a given number of vertices, lets their hulls grow about
 //!   their centres until they hold the old hull, and takes the one that grew least.
@@ -378,7 +378,7 @@ fn thinned(
 
 /// The hull of the vertices that stand out of each other by more than `tolerance`, in the points'
 /// units: the others are at most that far in front of a face. `None` if none is left.
-pub(crate) fn coarser(hull: &ConvexHull, tolerance: f64) -> Option<ConvexHull> {
+pub(crate) fn prominent(hull: &ConvexHull, tolerance: f64) -> Option<ConvexHull> {
     let mut builder = HullBuilder::new().with_least_tolerance(tolerance);
     (builder.build(&hull.points) == Shape::Solid).then(|| builder.extract().into())
 }

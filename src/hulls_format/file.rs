@@ -27,7 +27,7 @@ pub struct HullsFile {
     pub name: String,
     /// [`ALGORITHM_VERSION`](crate::ALGORITHM_VERSION) of the library that decomposed.
     pub algorithm_version: u32,
-    /// The method's name.
+    /// The method's name; empty where another tool made the hulls.
     pub method: String,
     /// Vertices of the mesh.
     pub source_vertices: u64,
@@ -136,7 +136,7 @@ impl HullsFile {
                 uncovered_max: bounded.uncovered_max,
             }),
             mass_properties: None,
-            hulls: hulls.iter().map(without_sources).collect(),
+            hulls: hulls.iter().cloned().map(without_sources).collect(),
         }
     }
 
@@ -228,10 +228,10 @@ impl HullsFile {
     }
 }
 
-fn without_sources(hull: &Hull) -> Hull {
-    let Hull { shape, provenance: Provenance { component, .. }, errors } = hull;
-    let provenance = Provenance { component: *component, source_triangles: Vec::new() };
-    Hull { shape: shape.clone(), provenance, errors: *errors }
+/// The same hull as a file keeps it.
+pub(crate) fn without_sources(mut hull: Hull) -> Hull {
+    hull.provenance.source_triangles = Vec::new();
+    hull
 }
 
 impl HullsFileError {

@@ -43,6 +43,7 @@ mod file;
 #[cfg(feature = "bake")]
 mod scene;
 
+pub(crate) use file::without_sources;
 pub use file::{FORMAT_VERSION, HullsFile, HullsFileError, VerifiedErrors};
 #[cfg(feature = "bake")]
 pub use scene::{BakedMesh, HullScene, MeshHash, SceneLookup};

@@ -68,7 +68,11 @@ pub fn read_mesh(path: impl AsRef<Path>) -> Result<MeshFile, Error> {
 
 fn read_mesh_file(path: &Path) -> Result<MeshFile, FileError> {
     let Some(format) = Format::from_path(path) else {
-        return Err(format!("its suffix is not {}", Format::suffix_list()).into());
+        let reason = match path.is_dir() {
+            true => "it is a folder, not a mesh file".to_owned(),
+            false => format!("its suffix is not {}", Format::suffix_list()),
+        };
+        return Err(reason.into());
     };
     let bytes = std::fs::read(path)?;
     Ok(parse(format, &bytes, path.parent())?)

@@ -27,6 +27,13 @@
 //! points; the true one may be higher, by more the sharper the spike. [`MeasureOptions`] has the numbers
 //! of points, [`Measurement::samples`] says what became of them. For points of your own there are [`MeasuredMesh`] and
 //! [`MeasuredHulls`].
+//!
+//! | file | contents |
+//! |---|---|
+//! | `mod` | options, the measurement, and how figures follow from samples |
+//! | `sampling` | evenly spread points on a surface and in a box |
+//! | `hulls` | each hull on its own, and the union of all |
+//! | `pointwise` | errors of points that the caller chooses |
 
 mod hulls;
 mod pointwise;
@@ -46,7 +53,7 @@ use crate::parallel::{self, map_indices};
 use crate::parameters::{Length, Openings, Parameters, UpAxis, check_positive};
 use crate::probe::{Probe, ProbeSettings};
 use hulls::{Edges, MeasuredHull, Union};
-use sampling::{Surface, in_unit_cube};
+use sampling::{SampledSurface, in_unit_cube};
 
 pub use hulls::HullCheck;
 pub use pointwise::{MeasuredHulls, MeasuredMesh};
@@ -430,7 +437,7 @@ fn protrusions(
     options: &MeasureOptions,
 ) -> Vec<f64> {
     let (positions, triangles) = union.surface();
-    let surface = Surface::new(positions, triangles);
+    let surface = SampledSurface::new(positions, triangles);
     let count = options.hull_samples;
     let distances = map_indices(count, |index| {
         let (point, triangle) = surface.point(index, count, options.random_seed);
@@ -489,7 +496,7 @@ fn distance_to_inside(bvh: &Bvh, point: Vector, limit: f64) -> f64 {
 
 /// How far the mesh lies outside all hulls.
 fn uncovered(mesh: &Mesh, union: &Union, options: &MeasureOptions) -> Distances {
-    let surface = Surface::new(&mesh.positions, &mesh.triangles);
+    let surface = SampledSurface::new(&mesh.positions, &mesh.triangles);
     let (positions, triangles) = union.surface();
     let bvh = Bvh::new(positions, triangles);
     let count = options.mesh_samples;

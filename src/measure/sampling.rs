@@ -44,14 +44,14 @@ pub(super) fn in_unit_cube(index: usize, seed: Option<u64>) -> Vector {
 }
 
 /// A triangle surface that can be sampled by area.
-pub(super) struct Surface<'a> {
+pub(super) struct SampledSurface<'a> {
     positions: &'a [Vector],
     triangles: &'a [[u32; 3]],
     /// Area of all triangles up to and including this one.
     cumulative_area: Vec<f64>,
 }
 
-impl<'a> Surface<'a> {
+impl<'a> SampledSurface<'a> {
     /// All indices must exist. O(n).
     pub(super) fn new(positions: &'a [Vector], triangles: &'a [[u32; 3]]) -> Self {
         let mut area = 0.0;
@@ -109,7 +109,7 @@ mod tests {
 
     #[test]
     fn each_triangle_has_points_by_its_area() {
-        let surface = Surface::new(&POSITIONS, &TRIANGLES);
+        let surface = SampledSurface::new(&POSITIONS, &TRIANGLES);
         assert_eq!(surface.area(), 2.0);
         let mut counts = [0; 3];
         for index in 0..1000 {
@@ -126,7 +126,7 @@ mod tests {
 
     #[test]
     fn points_of_a_triangle_average_to_its_centre() {
-        let surface = Surface::new(&POSITIONS, &TRIANGLES[..1]);
+        let surface = SampledSurface::new(&POSITIONS, &TRIANGLES[..1]);
         let sum = (0..999).fold(Vector::ZERO, |sum, index| sum + surface.point(index, 999, None).0);
         for coordinate in [sum[0], sum[1]] {
             assert!((coordinate / 999.0 - 1.0 / 3.0).abs() < 3e-3);
@@ -135,13 +135,13 @@ mod tests {
 
     #[test]
     fn without_area_there_still_is_a_point() {
-        let surface = Surface::new(&POSITIONS, &[[1, 1, 1]]);
+        let surface = SampledSurface::new(&POSITIONS, &[[1, 1, 1]]);
         assert_eq!(surface.point(5, 10, None), (Vector::X, 0));
     }
 
     #[test]
     fn random_points_are_the_same_for_a_seed_and_spread_by_area() {
-        let surface = Surface::new(&POSITIONS, &TRIANGLES);
+        let surface = SampledSurface::new(&POSITIONS, &TRIANGLES);
         let mut in_first = 0;
         for index in 0..10_000 {
             let (point, triangle) = surface.point(index, 10_000, Some(7));

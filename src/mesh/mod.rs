@@ -1,4 +1,14 @@
 //! The input as the pipeline works on it: repaired, normalised, simplified.
+//!
+//! | file | contents |
+//! |---|---|
+//! | `repair` | any triangle soup as a clean, normalised mesh; counts of what was changed |
+//! | `weld`, `orientation`, `canonical_order` | its steps: vertices at one place, winding, an order by place |
+//! | `adjacency` | half-edges, neighbours, components and shells |
+//! | `grouping` | the paper's convex groups of triangles |
+//! | `refine` | long edges halved |
+//! | `simplify` | fewer triangles, nearly the same surface |
+//! | `shapes` | small meshes for tests |
 
 pub(crate) mod adjacency;
 pub(crate) mod canonical_order;

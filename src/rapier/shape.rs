@@ -88,12 +88,12 @@ fn scaled_hulls<P: AsRef<[[f64; 3]]>>(
 
 /// A hull that Parry refuses is tried again with these tolerances, as shares of its extent: Parry
 /// loses faces to slivers. From 50 times the usual tolerance to what shows on a hull a metre wide.
-const COARSER: [f64; 3] = [1e-5, 1e-4, 1e-3];
+const TOLERANCES: [f64; 3] = [1e-5, 1e-4, 1e-3];
 
 /// The same hull with fewer and fewer slivers, for those that Parry refuses.
-fn coarser(points: &[[f32; 3]]) -> impl Iterator<Item = SinglePrecisionHull> {
+fn with_fewer_vertices(points: &[[f32; 3]]) -> impl Iterator<Item = SinglePrecisionHull> {
     let points: Vec<_> = points.iter().map(|point| point.map(f64::from)).collect();
-    COARSER.into_iter().filter_map(move |tolerance| {
+    TOLERANCES.into_iter().filter_map(move |tolerance| {
         single_precision(&points, &mut HullBuilder::new().with_tolerance(tolerance)).ok()
     })
 }
@@ -136,7 +136,10 @@ pub fn shape_from_points<P: AsRef<[[f64; 3]]>>(
 /// The hull, or if Parry refuses it a slightly simpler one.
 fn part(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Option<SharedShape> {
     polyhedron(points, triangles)
-        .or_else(|| coarser(points).find_map(|(points, triangles)| polyhedron(&points, &triangles)))
+        .or_else(|| {
+            with_fewer_vertices(points)
+                .find_map(|(points, triangles)| polyhedron(&points, &triangles))
+        })
         .map(SharedShape::new)
 }
 

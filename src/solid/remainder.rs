@@ -10,6 +10,9 @@
 //! end at them: they come last, when little is left that they could divide.
 //!
 //! O(triangles near the face · parts).
+//!
+//! The limits below trade the time of this against that of halving. What they give was measured on 196 shared and bundled
+//! meshes of up to 2,400 triangles, in processor time of whole decompositions; 2,507 hulls are theirs.
 
 use std::ops::RangeInclusive;
 
@@ -17,21 +20,27 @@ use crate::bvh::{Bvh, Slab};
 use crate::geometry::vector::{Vector, area_normal, bounds};
 
 /// A face near more triangles is halved first: subtracting many triangles takes longer. The limit
-/// is a share of the parts that halving down to the height would end with, within a range.
+/// is a share of the parts that halving down to the height would end with, within a range. With 0.06 there is 1 hull more
+/// in 3 % less time, with 1 there are 2 more in 7 % more.
 const TRIANGLES_PER_PART: f64 = 0.25;
+
+/// The range. A quarter or four times as many change the time by 1 %, and no number of hulls.
 const MAX_TRIANGLES: RangeInclusive<f64> = 24.0..=256.0;
 
-/// A face of a smaller radius, as a multiple of the height, is halved: it ends with few parts.
+/// A face of a smaller radius, as a multiple of the height, is halved: it ends with few parts. With 6 there are 3 hulls
+/// fewer in 4 % more time, with 24 there is 1 more in 4 % less.
 const MIN_RADIUS: f64 = 12.0;
 
-/// A face that falls into more parts is halved instead: each further triangle takes time for all of them.
+/// A face that falls into more parts is halved instead: each further triangle takes time for all of them. A limit that
+/// few faces meet: 16 or 256 change no number of hulls, and the time by less than 1 %.
 const MAX_PARTS: usize = 64;
 
 /// Parts and triangles narrower than this, as a fraction of the diagonal, have no area: their points are as near to
 /// a neighbouring part.
 const NARROW: f64 = 4.0 * ON_LINE;
 
-/// A face of a smaller height over its longest side, as a fraction of the diagonal, is halved instead.
+/// A face of a smaller height over its longest side, as a fraction of the diagonal, is halved instead: rounding by 1e-16
+/// of the diagonal turns its normal by about [`ON_LINE`].
 const NEEDLE: f64 = 1e-7;
 
 /// Scratch memory, and the remaining parts of the last face.

@@ -1,5 +1,6 @@
 //! An app without a window, and meshes to put into it.
 
+use std::path::Path;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
@@ -10,7 +11,6 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_rapier3d::prelude::*;
 use bevy_rapier3d::rapier::geometry::SharedShape;
-use hullwright::bevy::Execution;
 use hullwright::bevy::prelude::*;
 use hullwright::io::read_mesh;
 
@@ -62,6 +62,12 @@ fn new_app(settings: HullwrightSettings, file_path: String, add: impl FnOnce(&mu
     });
     app.add_observer(|event: On<DecompositionCancelled>, mut seen: ResMut<Seen>| {
         seen.cancelled.push(event.entity);
+    });
+    app.add_observer(|event: On<ColliderReady>, mut seen: ResMut<Seen>| {
+        seen.with_collider.push((event.entity, event.made_of));
+    });
+    app.add_observer(|event: On<ColliderAbsent>, mut seen: ResMut<Seen>| {
+        seen.without_collider.push((event.entity, event.reason.clone()));
     });
     add(&mut app);
     app
@@ -117,12 +123,16 @@ pub struct Seen {
     pub failed: Vec<(Entity, String)>,
     pub skipped: Vec<(Entity, SkipReason)>,
     pub cancelled: Vec<Entity>,
+    pub with_collider: Vec<(Entity, MadeOf)>,
+    pub without_collider: Vec<(Entity, AbsentReason)>,
 }
 
 impl Seen {
-    /// Events of all kinds.
+    /// Events of all kinds. For each there is one that says whether there is a collider.
     pub fn all(&self) -> usize {
-        self.ready.len() + self.failed.len() + self.skipped.len() + self.cancelled.len()
+        let all = self.ready.len() + self.failed.len() + self.skipped.len() + self.cancelled.len();
+        assert_eq!(self.with_collider.len() + self.without_collider.len(), all);
+        all
     }
 }
 
@@ -211,11 +221,29 @@ pub fn set_scale(app: &mut App, entity: Entity, scale: Vec3) {
     app.change::<Transform>(entity).scale = scale;
 }
 
+/// At most so many decompositions at once.
+pub fn with_jobs(max_jobs: usize) -> HullwrightSettings {
+    HullwrightSettings { budget: BudgetSettings { max_jobs, ..default() }, ..default() }
+}
+
+/// With a cache on disk.
+pub fn with_disk_cache(directory: &Path) -> HullwrightSettings {
+    let disk = Some(directory.into());
+    HullwrightSettings { cache: CacheSettings { disk, ..default() }, ..default() }
+}
+
+pub fn skipping(skip: SkipSettings) -> HullwrightSettings {
+    HullwrightSettings { skip, ..default() }
+}
+
 /// One step of one job per frame on the main thread, so that each frame has one possible outcome.
 pub fn sliced() -> HullwrightSettings {
     HullwrightSettings {
-        execution: Execution::Slices,
-        frame_budget: Duration::ZERO,
+        budget: BudgetSettings {
+            execution: Execution::Slices,
+            frame_time: Duration::ZERO,
+            ..default()
+        },
         scale_delay: Duration::ZERO,
         ..default()
     }

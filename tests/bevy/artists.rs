@@ -11,21 +11,25 @@ use crate::gltf::{INTEGER, app_with_gltf, float_accessor, gltf_file, update_unti
 
 /// A file with one node per name, each with the same mesh, an L, and perhaps extras.
 fn file(nodes: &[(&str, Option<&str>)]) -> String {
+    let nodes = nodes.iter().enumerate().map(|(at, (name, extras))| {
+        let mut node = json!({"name": name, "mesh": 0, "translation": [3 * at, 0, 0]});
+        if let Some(extras) = extras {
+            node["extras"] = serde_json::from_str(extras).unwrap();
+        }
+        node
+    });
+    let roots = (0..nodes.len()).collect();
+    file_of(nodes.collect(), roots)
+}
+
+/// A file with such nodes, some of which are the scene's own. Their mesh 0 is an L of extent 2.
+pub fn file_of(nodes: Vec<Value>, roots: Vec<usize>) -> String {
     let l = model("l_prism");
     let positions = l.attribute(Mesh::ATTRIBUTE_POSITION).unwrap().as_float3().unwrap();
     let indices: Vec<u32> = l.indices().unwrap().iter().map(|index| index as u32).collect();
-    let nodes: Vec<Value> = (nodes.iter().enumerate())
-        .map(|(at, (name, extras))| {
-            let mut node = json!({"name": name, "mesh": 0, "translation": [3 * at, 0, 0]});
-            if let Some(extras) = extras {
-                node["extras"] = serde_json::from_str(extras).unwrap();
-            }
-            node
-        })
-        .collect();
     let primitive = json!({"attributes": {"POSITION": 0}, "indices": 1});
     let file = json!({
-        "scenes": [{"nodes": (0..nodes.len()).collect::<Vec<_>>()}],
+        "scenes": [{"nodes": roots}],
         "nodes": nodes,
         "meshes": [{"name": "L", "primitives": [primitive]}],
     });
@@ -62,7 +66,19 @@ pub fn app_with_nodes(
     (app, directory)
 }
 
-fn node(app: &mut App, name: &str) -> Entity {
+/// An app that has loaded such a file below an entity with these components, once all tags have ended.
+pub fn app_with_file(file: String, root: impl Bundle) -> (App, tempfile::TempDir) {
+    let directory = tempfile::tempdir().unwrap();
+    std::fs::write(directory.path().join("it.gltf"), file).unwrap();
+    let mut app = app_with_gltf(directory.path().display().to_string(), |_| {});
+    let scene = app.load(GltfAssetLabel::Scene(0).from_asset("it.gltf"));
+    app.put((WorldAssetRoot(scene), root));
+    update_until_ready(&mut app);
+    update_times(&mut app, 3);
+    (app, directory)
+}
+
+pub fn node(app: &mut App, name: &str) -> Entity {
     let mut names = app.world_mut().query::<(Entity, &Name, Has<Mesh3d>)>();
     let found = names.iter(app.world()).find(|(_, found, _)| found.as_str() == name);
     found.unwrap_or_else(|| panic!("no node {name}")).0

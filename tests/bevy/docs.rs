@@ -50,10 +50,17 @@ fn every_row_of_the_table_of_what_is_skipped_names_a_counter() {
 #[test]
 fn the_table_of_settings_has_their_defaults() {
     let page = read("docs/bevy/settings.md");
+    // Fields of another type have the same names.
+    let (page, _) = page.split_once("## `HullwrightDebug`").unwrap();
     let settings = HullwrightSettings::default();
-    let info = HullwrightSettings::type_info().as_struct().unwrap();
-    for (index, field) in info.iter().enumerate() {
-        let value = format!("{:?}", settings.field_at(index).unwrap());
+    let groups: [&dyn Struct; 4] = [&settings, &settings.budget, &settings.cache, &settings.skip];
+    let groups = groups.map(|group| (group, group.get_represented_struct_info().unwrap()));
+    let fields = groups.iter().flat_map(|(group, info)| {
+        info.iter().enumerate().map(|(index, field)| (field, group.field_at(index).unwrap()))
+    });
+    let is_group = |name: &str| ["budget", "cache", "skip"].contains(&name);
+    for (field, value) in fields.filter(|(field, _)| !is_group(field.name())) {
+        let value = format!("{value:?}");
         let value = match value.as_str() {
             "Some(5s)" => "5 s",
             "1ms" => "1 ms",

@@ -7,8 +7,8 @@ use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
 use hullwright::Error;
+use hullwright::bevy::DecompositionError;
 use hullwright::bevy::prelude::*;
-use hullwright::bevy::{BakedHulls, DecompositionError, HullSource};
 
 use crate::app::*;
 use crate::baked::baked;
@@ -44,11 +44,12 @@ fn app_without_rapier() -> App {
 
 /// No time limit per frame, so that all of one kind fail in the same.
 fn unhurried() -> HullwrightSettings {
-    HullwrightSettings {
-        frame_budget: Duration::from_secs(60),
+    let budget = BudgetSettings {
+        frame_time: Duration::from_secs(60),
         max_attached_per_frame: usize::MAX,
         ..default()
-    }
+    };
+    HullwrightSettings { budget, ..default() }
 }
 
 #[test]
@@ -107,12 +108,12 @@ fn a_mesh_that_can_not_be_loaded_fails_and_recovers_when_it_is_there() {
 #[test]
 fn baked_hulls_that_can_not_be_loaded_fail_and_recover_when_they_are_there() {
     let mut app = app();
-    let handle = app.load("nowhere.hulls");
+    let handle = app.load("nowhere.hullscene");
     let entity = app.put(BakedDecomposition::new(handle.clone()));
     update_until_finished(&mut app, &[entity]);
     assert_eq!(failure(&app, entity), DecompositionError::NotLoaded);
-    let mut all = app.world_mut().resource_mut::<Assets<BakedHulls>>();
-    all.insert(handle.id(), BakedHulls(baked())).unwrap();
+    let mut all = app.world_mut().resource_mut::<Assets<BakedScene>>();
+    all.insert(handle.id(), BakedScene::new(baked())).unwrap();
     update_until(&mut app, |app| {
         status(app, entity) == DecompositionStatus::Ready(HullSource::Baked)
     });
@@ -205,7 +206,7 @@ fn ending_of(more: impl Bundle) -> (App, Entity) {
 }
 
 #[test]
-fn ready_says_hulls_verified_error_source_and_time() {
+fn ready_says_hulls_verified_distances_source_and_time() {
     let mut app = app();
     app.init_resource::<Last>();
     app.add_observer(|ready: On<DecompositionReady>, mut last: ResMut<Last>| {
@@ -218,12 +219,12 @@ fn ready_says_hulls_verified_error_source_and_time() {
     assert_eq!((first.entity, first.hulls), (entity, hulls(&app, entity).len()));
     assert_eq!(first.source, HullSource::Decomposed);
     assert!(first.time > Duration::ZERO);
-    let error = first.error.expect("a verified error");
-    assert!(error.max() <= 0.02, "{error:?}");
+    let verified = first.verified.expect("verified distances");
+    assert!(verified.max() <= 0.02, "{verified:?}");
 
     let _ = finish(&mut app, &mesh, ());
     let second = last(&app);
-    assert_eq!((second.source, second.error), (HullSource::Shared, Some(error)));
+    assert_eq!((second.source, second.verified), (HullSource::Shared, Some(verified)));
 }
 
 #[derive(Resource, Default)]
@@ -272,7 +273,7 @@ fn a_tag_that_is_removed_in_time_is_cancelled() {
 #[test]
 fn an_entity_with_both_tags_goes_on_with_the_other_or_is_cancelled_once() {
     let (mut app, mesh) = with_mesh(app_with(sliced()), model("u_prism"));
-    let handle = app.world().resource::<Assets<BakedHulls>>().reserve_handle();
+    let handle = app.world().resource::<Assets<BakedScene>>().reserve_handle();
     let both = || BakedDecomposition::new(handle.clone());
     let [goes_on, despawned] = [both(), both()].map(|baked| spawn_with(&mut app, &mesh, baked));
     app.update();

@@ -6,8 +6,12 @@ use hullwright::bevy::prelude::*;
 
 use crate::app::*;
 
-fn locked(app: &App, body: Entity) -> LockedAxes {
-    app.get::<LockedAxes>(body).copied().unwrap_or(LockedAxes::empty())
+/// What Rapier itself moves a body with.
+fn velocity_in_rapier(app: &App, body: Entity) -> Vec3 {
+    let handle = app.get::<RapierRigidBodyHandle>(body).expect("a body").0;
+    let context = app.get::<RapierContextEntityLink>(body).expect("a body").0;
+    let set = app.get::<RapierRigidBodySet>(context).expect("a world");
+    set.bodies.get(handle).expect("a body").linvel()
 }
 
 #[test]
@@ -22,7 +26,7 @@ fn a_body_is_frozen_until_its_collider_is_ready_and_then_falls() {
             RigidBody::Dynamic,
             AdditionalMassProperties::Mass(1.0),
             start,
-            Velocity::linear(Vec3::X),
+            Velocity { linear: Vec3::X, angular: Vec3::Y },
             own_locks,
         ),
     );
@@ -31,17 +35,78 @@ fn a_body_is_frozen_until_its_collider_is_ready_and_then_falls() {
         app.update();
         if !status(&app, body).is_finished() {
             frozen_frames += 1;
-            assert_eq!(locked(&app, body), LockedAxes::all());
-            assert_near(translation(&app, body), start.translation, 1e-6);
+            assert_eq!(app.get::<Transform>(body), Some(&start));
+            // What a user reads or saves is the body's own.
+            assert_eq!(app.get::<LockedAxes>(body), Some(&own_locks));
+            assert_eq!(velocity(&app, body), Vec3::X);
         }
     }
     assert!(frozen_frames > 3, "it was ready at once");
     update_times(&mut app, 30);
-    assert_eq!(locked(&app, body), own_locks);
     let moved = translation(&app, body) - start.translation;
     assert!(moved.y < -0.5, "it does not fall: {moved}");
     assert!(moved.x > 0.2, "its velocity was lost: {moved}");
     assert!(moved.z.abs() < 1e-3, "its axes were unlocked: {moved}");
+    assert_ne!(app.get::<Transform>(body).unwrap().rotation, Quat::IDENTITY);
+}
+
+#[test]
+fn a_frozen_body_stays_where_it_is_for_as_long_as_it_takes_and_falls_afterwards() {
+    let mut app = app();
+    let handle = app.world().resource::<Assets<Mesh>>().reserve_handle();
+    let body = spawn_with(&mut app, &handle, RigidBody::Dynamic);
+    // Longer than Rapier takes to let a body sleep.
+    update_times(&mut app, 200);
+    assert_eq!(translation(&app, body), Vec3::ZERO);
+    give_mesh(&mut app, body, &handle);
+    update_times(&mut app, 30);
+    assert!(translation(&app, body).y < -0.5);
+}
+
+#[test]
+fn a_clone_of_a_frozen_body_and_one_that_was_saved_while_it_was_frozen_are_free_in_the_end() {
+    let mut app = app();
+    let handle = app.world().resource::<Assets<Mesh>>().reserve_handle();
+    let push = Velocity::linear(Vec3::X);
+    // They are in one place, and do not touch.
+    let alone = CollisionGroups::new(Group::NONE, Group::NONE);
+    let locks = LockedAxes::TRANSLATION_LOCKED_Z;
+    let more = (push, locks, AdditionalMassProperties::Mass(1.0), alone);
+    let body = spawn_with(&mut app, &handle, (RigidBody::Dynamic, Transform::default(), more));
+    update_times(&mut app, 10);
+    let clone = app.edit(body).clone_and_spawn();
+    // A save has the components that reflection knows.
+    let registry = app.world().resource::<AppTypeRegistry>().clone();
+    let saved: Vec<Box<dyn PartialReflect>> = {
+        let registry = registry.read();
+        let entity = app.world().entity(body);
+        let all = registry.iter().filter_map(|it| it.data::<ReflectComponent>());
+        all.filter_map(|component| component.reflect(entity)?.to_dynamic().ok()).collect()
+    };
+    let loaded = app.put(());
+    for component in &saved {
+        let info = component.get_represented_type_info().expect("a type");
+        let registry = registry.read();
+        let data = registry.get_type_data::<ReflectComponent>(info.type_id()).expect("a component");
+        // As scenes are loaded: what is computed is not.
+        if !info.type_path().contains("GlobalTransform") {
+            data.insert(&mut app.edit(loaded), &**component, &registry);
+        }
+    }
+    app.edit(loaded).insert(Mesh3d(handle.clone()));
+    update_times(&mut app, 10);
+    for entity in [body, clone, loaded] {
+        assert_eq!(translation(&app, entity), Vec3::ZERO, "it is not frozen");
+    }
+    let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
+    meshes.insert(handle.id(), unit_cube()).unwrap();
+    update_until_finished(&mut app, &[body, clone, loaded]);
+    update_times(&mut app, 30);
+    for (what, entity) in [("it", body), ("its clone", clone), ("the one from a file", loaded)] {
+        let moved = translation(&app, entity);
+        assert!(moved.y < -0.5 && moved.x > 0.1 && moved.z.abs() < 1e-3, "{what}: {moved}");
+        assert_eq!(app.get::<LockedAxes>(entity), Some(&LockedAxes::TRANSLATION_LOCKED_Z));
+    }
 }
 
 #[test]
@@ -60,14 +125,16 @@ fn a_body_that_is_not_frozen_falls_at_once() {
 #[test]
 fn a_body_is_released_when_the_work_fails_or_is_cancelled() {
     let (mut app, bad) = with_mesh(app(), mesh(vec![[1.0; 3]; 3], vec![0, 1, 2]));
-    let failed = spawn_with(&mut app, &bad, RigidBody::Dynamic);
-    let waiting = app.put((Transform::default(), tag(), RigidBody::Dynamic));
+    let body = || (RigidBody::Dynamic, AdditionalMassProperties::Mass(1.0), Transform::default());
+    let failed = spawn_with(&mut app, &bad, body());
+    let waiting = app.put((tag(), body()));
     update_until_finished(&mut app, &[failed]);
-    assert_eq!(locked(&app, waiting), LockedAxes::all());
+    update_times(&mut app, 30);
+    assert_eq!(translation(&app, waiting), Vec3::ZERO);
     app.edit(waiting).remove::<ConvexDecomposition>();
-    update_times(&mut app, 2);
+    update_times(&mut app, 30);
     for body in [failed, waiting] {
-        assert!(locked(&app, body).is_empty());
+        assert!(translation(&app, body).y < -0.5);
     }
 }
 
@@ -96,7 +163,7 @@ fn frozen_body(app: &mut App, more: impl Bundle) -> (Entity, Handle<Mesh>) {
     let body = (RigidBody::Dynamic, GravityScale(0.0), Transform::default());
     let body = spawn_with(app, &handle, (body, more));
     update_times(app, 3);
-    assert_eq!(locked(app, body), LockedAxes::all());
+    assert_eq!(translation(app, body), Vec3::ZERO);
     (body, handle)
 }
 
@@ -133,6 +200,7 @@ fn a_velocity_that_is_set_while_the_body_is_frozen_comes_after_the_release() {
         assert_near(translation(&app, body), Vec3::ZERO, 1e-6);
         give_mesh(&mut app, body, &mesh);
         assert_near(velocity(&app, body), expected, 1e-3);
+        assert_near(velocity_in_rapier(&app, body), expected, 1e-3);
     }
 }
 
@@ -195,7 +263,9 @@ fn app_with_one_in_the_queue(
     settings: HullwrightSettings,
     tag: ConvexDecomposition,
 ) -> (App, Entity) {
-    let mut app = app_with(HullwrightSettings { max_jobs: 1, ..settings });
+    let mut settings = settings;
+    settings.budget.max_jobs = 1;
+    let mut app = app_with(settings);
     let busy = add(&mut app, model("dog"));
     spawn(&mut app, &busy);
     update_until(&mut app, |app| counters(app).running == 1);

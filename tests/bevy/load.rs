@@ -66,11 +66,10 @@ struct Storm {
 impl Storm {
     fn new(seed: u64) -> Self {
         let settings = HullwrightSettings {
-            max_jobs: 2,
             scale_delay: std::time::Duration::ZERO,
             // So little that it is full all the time.
-            cache_bytes: 8 << 10,
-            ..default()
+            cache: CacheSettings { memory_bytes: 8 << 10, ..default() },
+            ..with_jobs(2)
         };
         let mut storm = Self {
             app: app_with(settings),
@@ -207,8 +206,7 @@ fn after_ten_thousand_changes_each_collider_is_that_of_its_mesh_and_nothing_is_l
 
 /// Decomposes one model with a cache on disk; what became of it.
 fn source_with(directory: &std::path::Path) -> DecompositionStatus {
-    let settings = HullwrightSettings { disk_cache: Some(directory.into()), ..default() };
-    let (app, entity) = finished_with(settings, model("u_prism"), ());
+    let (app, entity) = finished_with(with_disk_cache(directory), model("u_prism"), ());
     status(&app, entity)
 }
 
@@ -266,6 +264,21 @@ fn a_cache_that_can_not_be_written_does_no_harm() {
     }
 }
 
+#[test]
+fn a_cache_that_can_not_be_written_is_logged_once() {
+    Log::install();
+    let folder = tempfile::tempdir().unwrap();
+    let blocked = folder.path().join("blocked by a file");
+    std::fs::write(&blocked, "").unwrap();
+    let mut app = app_with(with_disk_cache(&blocked));
+    for size in [1.0, 2.0, 3.0] {
+        let mesh = add(&mut app, cuboid([0.0; 3], [size; 3]));
+        let _ = finish(&mut app, &mesh, ());
+    }
+    assert_eq!(counters(&app).decomposed, 3);
+    assert_eq!(Log::lines_with("blocked by a file").len(), 1);
+}
+
 /// Several apps at once stand for several processes: they share nothing but the folder.
 #[test]
 fn several_apps_may_use_one_cache_at_the_same_time() {
@@ -313,9 +326,11 @@ fn count<T: Component>(app: &mut App) -> usize {
 fn ten_thousand_entities_streamed_in_and_out_leave_nothing_behind() {
     let directory = tempfile::tempdir().unwrap();
     let mut app = app_with(HullwrightSettings {
-        cache_bytes: CACHE_BYTES,
-        disk_cache: Some(directory.path().into()),
-        disk_cache_bytes: DISK_BYTES,
+        cache: CacheSettings {
+            memory_bytes: CACHE_BYTES,
+            disk: Some(directory.path().into()),
+            disk_bytes: DISK_BYTES,
+        },
         ..default()
     });
     app.update();

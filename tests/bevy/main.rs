@@ -10,13 +10,18 @@ mod contacts;
 #[cfg(feature = "debug")]
 mod debug;
 mod docs;
+mod endings;
 mod failures;
 mod freeze;
 #[cfg(feature = "bevy_gltf")]
 mod gltf;
+#[cfg(feature = "bevy_gltf")]
+mod levels;
 mod load;
 mod meshes;
 mod order;
+#[cfg(feature = "bevy_gltf")]
+mod pieces;
 mod scale;
 mod scenes;
 mod sharing;

@@ -23,8 +23,7 @@ fn entities_with_the_same_mesh_share_one_job_while_it_is_in_flight() {
 #[test]
 fn meshes_with_the_same_content_and_entities_of_several_scales_share_one_decomposition() {
     for (max_jobs, is_one_mesh) in [(1, false), (4, false), (4, true)] {
-        let (mut app, mesh) =
-            with_mesh(app_with(HullwrightSettings { max_jobs, ..default() }), model("gear"));
+        let (mut app, mesh) = with_mesh(app_with(with_jobs(max_jobs)), model("gear"));
         let entities = [1.0, 2.0, 3.0, 4.0].map(|scale| match is_one_mesh {
             true => spawn_with(&mut app, &mesh, Transform::from_scale(Vec3::splat(scale))),
             false => {
@@ -62,7 +61,10 @@ fn a_known_mesh_has_its_collider_after_one_frame() {
 
 #[test]
 fn a_cache_without_room_keeps_nothing() {
-    let mut app = app_with(HullwrightSettings { cache_bytes: 0, ..default() });
+    let mut app = app_with(HullwrightSettings {
+        cache: CacheSettings { memory_bytes: 0, ..default() },
+        ..default()
+    });
     let mesh = add(&mut app, model("u_prism"));
     for _ in 0..2 {
         let entity = finish(&mut app, &mesh, ());
@@ -77,7 +79,7 @@ fn a_small_cache_drops_what_was_not_used_for_longest() {
     let (mut app, _) = finished(model("u_prism"), ());
     let one = counters(&app).cached_bytes;
     assert!(one > 0);
-    app.world_mut().resource_mut::<HullwrightSettings>().cache_bytes = one + one / 2;
+    app.world_mut().resource_mut::<HullwrightSettings>().cache.memory_bytes = one + one / 2;
     let other = add(&mut app, unit_cube());
     let _ = finish(&mut app, &other, ());
     let after = counters(&app);
@@ -88,8 +90,7 @@ fn a_small_cache_drops_what_was_not_used_for_longest() {
 #[test]
 fn the_cache_on_disk_spares_the_next_start_the_work() {
     let directory = tempfile::tempdir().unwrap();
-    let settings =
-        HullwrightSettings { disk_cache: Some(directory.path().join("cache")), ..default() };
+    let settings = with_disk_cache(&directory.path().join("cache"));
     let mut found = Vec::new();
     for expected in [HullSource::Decomposed, HullSource::Disk] {
         let (app, entity) = finished_with(settings.clone(), model("u_prism"), ());
@@ -103,7 +104,7 @@ fn the_cache_on_disk_spares_the_next_start_the_work() {
 #[test]
 fn a_damaged_cache_on_disk_is_as_good_as_none() {
     let directory = tempfile::tempdir().unwrap();
-    let settings = HullwrightSettings { disk_cache: Some(directory.path().into()), ..default() };
+    let settings = with_disk_cache(directory.path());
     for _ in 0..2 {
         let (app, entity) = finished_with(settings.clone(), model("u_prism"), ());
         assert_eq!(status(&app, entity), DecompositionStatus::Ready(HullSource::Decomposed));
@@ -115,7 +116,7 @@ fn a_damaged_cache_on_disk_is_as_good_as_none() {
 
 #[test]
 fn no_more_jobs_run_than_allowed() {
-    let mut app = app_with(HullwrightSettings { max_jobs: 2, ..default() });
+    let mut app = app_with(with_jobs(2));
     let entities: Vec<Entity> = (1..12)
         .map(|size| {
             let mesh = add(&mut app, cuboid([0.0; 3], [size as f32; 3]));
@@ -132,7 +133,7 @@ fn no_more_jobs_run_than_allowed() {
 
 #[test]
 fn the_nearest_to_a_focus_goes_first() {
-    let mut app = app_with(HullwrightSettings { max_jobs: 1, ..default() });
+    let mut app = app_with(with_jobs(1));
     let at = |x: f32| Transform::from_xyz(x, 0.0, 0.0);
     app.world_mut().spawn((at(10.0), DecompositionFocus));
     let entities: Vec<Entity> = [0.0, 30.0, 12.0, 9.0]
@@ -150,7 +151,10 @@ fn the_nearest_to_a_focus_goes_first() {
 
 #[test]
 fn no_more_colliders_are_attached_per_frame_than_allowed() {
-    let mut app = app_with(HullwrightSettings { max_attached_per_frame: 3, ..default() });
+    let mut app = app_with(HullwrightSettings {
+        budget: BudgetSettings { max_attached_per_frame: 3, ..default() },
+        ..default()
+    });
     let mesh = add(&mut app, model("u_prism"));
     let _ = finish(&mut app, &mesh, ());
     let entities: Vec<Entity> = (0..7).map(|_| spawn(&mut app, &mesh)).collect();
@@ -178,18 +182,40 @@ fn without_threads_the_work_goes_on_in_slices() {
 }
 
 #[test]
-fn what_takes_no_decomposition_does_not_wait_for_a_free_thread() {
-    const MESHES: usize = 20;
-    for (max_jobs, expected) in [(0, MESHES), (1, 1)] {
-        let settings =
-            HullwrightSettings { max_jobs, frame_budget: Duration::from_secs(9), ..default() };
-        let mut app = app_with(settings);
+fn what_takes_no_decomposition_does_not_wait_for_what_does() {
+    const MESHES: usize = 300;
+    let frame_time = Duration::from_secs(9);
+    for (max_jobs, execution) in
+        [(0, Execution::Background), (1, Execution::Background), (0, Execution::Slices)]
+    {
+        let budget = BudgetSettings { max_jobs, execution, frame_time, ..default() };
+        let mut app = app_with(HullwrightSettings { budget, ..default() });
         for number in 0..MESHES {
             let mesh = add(&mut app, cuboid([0.0; 3], [1.0 + number as f32, 1.0, 1.0]));
             spawn_with(&mut app, &mesh, automatic());
         }
-        update_until(&mut app, |app| counters(app).running > 0);
-        assert_eq!(counters(&app).running, expected);
-        update_until(&mut app, |app| seen(app).skipped.len() == MESHES);
+        let mut frames = 0;
+        while seen(&app).skipped.len() < MESHES {
+            app.update();
+            std::thread::sleep(Duration::from_millis(4));
+            frames += 1;
+        }
+        assert!(frames <= 20, "{frames} frames with {max_jobs} jobs, {execution:?}");
     }
+}
+
+#[test]
+fn a_decomposition_in_slices_does_not_hold_up_what_takes_none() {
+    let (mut app, slow) = with_mesh(app_with(sliced()), model("dog"));
+    let slow = spawn(&mut app, &slow);
+    update_times(&mut app, 2);
+    let quick: Vec<Entity> = (0..3)
+        .map(|number| {
+            let mesh = add(&mut app, cuboid([0.0; 3], [2.0 + number as f32, 1.0, 1.0]));
+            spawn_with(&mut app, &mesh, automatic())
+        })
+        .collect();
+    update_times(&mut app, quick.len() + 3);
+    assert!(quick.iter().all(|entity| status(&app, *entity).is_finished()));
+    assert!(!status(&app, slow).is_finished());
 }

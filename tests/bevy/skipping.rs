@@ -23,7 +23,7 @@ fn place(app: &mut App, entity: Entity, x: f32) {
 
 #[test]
 fn what_is_too_small_in_the_world_gets_no_collider() {
-    let mut app = app_with(HullwrightSettings { min_size: 1.0, ..default() });
+    let mut app = app_with(skipping(SkipSettings { min_size: 1.0, ..default() }));
     let cube = add(&mut app, unit_cube());
     // The diagonal of a unit cube is 1.73.
     let [small, large] = [0.5, 0.6]
@@ -37,7 +37,7 @@ fn what_is_too_small_in_the_world_gets_no_collider() {
 #[cfg(feature = "bevy_gltf")]
 #[test]
 fn what_is_hidden_starts_when_it_is_shown() {
-    let mut app = app_with(HullwrightSettings { skip_hidden: true, ..default() });
+    let mut app = app_with(skipping(SkipSettings { hidden: true, ..default() }));
     let cube = add(&mut app, unit_cube());
     let room = app.put((Transform::default(), Visibility::Hidden));
     let inside = spawn_with(&mut app, &cube, (ChildOf(room), Visibility::Inherited));
@@ -52,7 +52,7 @@ fn what_is_hidden_starts_when_it_is_shown() {
 
 #[test]
 fn what_is_far_from_every_focus_starts_when_one_is_near() {
-    let mut app = app_with(HullwrightSettings { focus_radius: Some(10.0), ..default() });
+    let mut app = app_with(skipping(SkipSettings { focus_radius: Some(10.0), ..default() }));
     let cube = add(&mut app, unit_cube());
     let focus = app.put((Transform::default(), DecompositionFocus));
     let at = |x: f32| (Transform::from_xyz(x, 0.0, 0.0), RigidBody::Dynamic);
@@ -76,7 +76,7 @@ fn what_is_far_from_every_focus_starts_when_one_is_near() {
 
 #[test]
 fn a_collider_that_is_far_may_be_dropped_and_comes_back() {
-    let settings = HullwrightSettings { focus_radius: Some(10.0), drop_far: true, ..default() };
+    let settings = skipping(SkipSettings { focus_radius: Some(10.0), drop_far: true, ..default() });
     let (mut app, cube) = with_mesh(app_with(settings), unit_cube());
     let focus = app.put((Transform::default(), DecompositionFocus));
     let entity = finish(&mut app, &cube, ());
@@ -96,22 +96,22 @@ fn a_collider_that_is_far_may_be_dropped_and_comes_back() {
 
 #[test]
 fn without_a_focus_or_a_radius_nothing_is_far() {
-    let mut app = app_with(HullwrightSettings { focus_radius: Some(1.0), ..default() });
+    let mut app = app_with(skipping(SkipSettings { focus_radius: Some(1.0), ..default() }));
     let cube = add(&mut app, unit_cube());
     let first = spawn_with(&mut app, &cube, Transform::from_xyz(50.0, 0.0, 0.0));
     update_until(&mut app, |app| is_ready(app, first));
     app.world_mut().spawn((Transform::default(), DecompositionFocus));
     let second = spawn_with(&mut app, &cube, Transform::from_xyz(50.0, 0.0, 0.0));
     update_until(&mut app, |app| skipped(app, second).is_some());
-    app.world_mut().resource_mut::<HullwrightSettings>().focus_radius = None;
+    app.world_mut().resource_mut::<HullwrightSettings>().skip.focus_radius = None;
     update_until(&mut app, |app| is_ready(app, second));
 }
 
 #[test]
 fn a_higher_priority_goes_before_a_shorter_distance() {
     // All are seen in the same frame, however slow the machine.
-    let frame_budget = Duration::MAX;
-    let mut app = app_with(HullwrightSettings { max_jobs: 1, frame_budget, ..default() });
+    let budget = BudgetSettings { max_jobs: 1, frame_time: Duration::MAX, ..default() };
+    let mut app = app_with(HullwrightSettings { budget, ..default() });
     app.world_mut().spawn((Transform::default(), DecompositionFocus));
     let mut entities = Vec::new();
     for (x, priority) in [(1.0, 0), (2.0, -1), (9.0, 7), (3.0, 0)] {

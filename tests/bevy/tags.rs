@@ -6,7 +6,7 @@ use bevy::reflect::structs::DynamicStruct;
 use bevy::reflect::tuple::DynamicTuple;
 use bevy::reflect::{FromReflect, TypePath};
 use hullwright::bevy::prelude::*;
-use hullwright::bevy::{BakedHulls, DecompositionError, HullSource, HullsLoader};
+use hullwright::bevy::{DecompositionError, HullSceneLoader};
 use hullwright::surface::SurfaceParameters;
 
 use crate::app::*;
@@ -110,6 +110,10 @@ fn saved_scenes_know_types_by_paths_without_modules() {
     let registry = app.world().resource::<AppTypeRegistry>().read();
     for name in [
         "BakedDecomposition",
+        "ColliderAbsent",
+        "ColliderPieceOf",
+        "ColliderPieces",
+        "ColliderReady",
         "ConvexDecomposition",
         "ConvexDecompositionHierarchy",
         "DecompositionCounters",
@@ -130,8 +134,8 @@ fn saved_scenes_know_types_by_paths_without_modules() {
         let path = format!("hullwright::{name}");
         assert!(registry.get_with_type_path(&path).is_some(), "{path} is not registered");
     }
-    assert_eq!(BakedHulls::type_path(), "hullwright::BakedHulls");
-    assert_eq!(HullsLoader::type_path(), "hullwright::HullsLoader");
+    assert_eq!(BakedScene::type_path(), "hullwright::BakedScene");
+    assert_eq!(HullSceneLoader::type_path(), "hullwright::HullSceneLoader");
 }
 
 #[test]
@@ -168,15 +172,15 @@ fn one_hull_or_a_box_ball_or_capsule_on_request() {
 
 #[test]
 fn settings_from_before_the_plugin_stay_unless_it_has_its_own() {
-    let slow = || HullwrightSettings { max_jobs: 1, ..default() };
+    let slow = || with_jobs(1);
     let max_jobs = |plugin: HullwrightPlugin| {
         let mut app = App::new();
         app.add_plugins((MinimalPlugins, bevy::asset::AssetPlugin::default()));
         app.insert_resource(slow()).add_plugins(plugin);
-        app.world().resource::<HullwrightSettings>().max_jobs
+        app.world().resource::<HullwrightSettings>().budget.max_jobs
     };
     assert_eq!(max_jobs(HullwrightPlugin::default()), 1);
-    let settings = HullwrightSettings { max_jobs: 3, ..default() };
+    let settings = with_jobs(3);
     assert_eq!(max_jobs(HullwrightPlugin { settings }), 3);
 }
 
@@ -215,10 +219,41 @@ fn the_table_of_settings_names_every_field() {
         BakedDecomposition::type_info(),
         ConvexDecompositionHierarchy::type_info(),
         HullwrightSettings::type_info(),
+        BudgetSettings::type_info(),
+        CacheSettings::type_info(),
+        SkipSettings::type_info(),
     ] {
         for field in info.as_struct().unwrap().iter() {
             let row = format!("\n| `{}` |", field.name());
             assert!(page.contains(&row), "{} of {}", field.name(), info.type_path());
         }
+    }
+}
+
+#[test]
+#[expect(clippy::field_reassign_with_default, reason = "the templates have no names")]
+fn components_with_handles_are_made_from_asset_paths_as_in_bsn() {
+    use bevy::ecs::template::{FromTemplate, SceneEntityReferences, Template, TemplateContext};
+    type Of<T> = <T as FromTemplate>::Template;
+
+    let mut app = app();
+    let path = || "mug.hullscene".into();
+    let mut by_name = Of::<BakedDecomposition>::default();
+    by_name.scene = path();
+    let mut by_mesh = Of::<FromBakedScene>::default();
+    by_mesh.0 = path();
+    let mut hierarchy = Of::<ConvexDecompositionHierarchy>::default();
+    hierarchy.baked = Some(path()).into();
+
+    let mut entity = app.world_mut().spawn_empty();
+    let mut references = SceneEntityReferences::default();
+    let mut context = TemplateContext::new(&mut entity, &mut references);
+    let handles = [
+        by_name.build_template(&mut context).unwrap().scene,
+        by_mesh.build_template(&mut context).unwrap().0,
+        hierarchy.build_template(&mut context).unwrap().baked.unwrap(),
+    ];
+    for handle in handles {
+        assert_eq!(handle.path().unwrap().to_string(), "mug.hullscene");
     }
 }

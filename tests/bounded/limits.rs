@@ -1,5 +1,6 @@
 //! Limits on vertices and on hulls, and joins of a finished decomposition, down to one hull.
 
+use hullwright::hulls_format::HullsFile;
 use hullwright::{Control, Decomposition, Error, MergeTree, Parameters};
 
 use crate::common::{Mesh, ball, l_prism, run, run_with, torus, u_prism, view};
@@ -80,6 +81,21 @@ fn every_state_is_valid_and_has_at_most_its_error() {
     }
     assert_eq!([1, 0, 99].map(|most| tree.at_hulls(most).len()), [1, 1, 3]);
     assert_eq!(tree.at_error(0.0).len(), 3);
+}
+
+#[test]
+fn a_state_is_a_file_with_its_hulls_and_errors() {
+    let (result, tree) = tree_of(&u_prism());
+    assert_eq!(tree.to_file("u", 99), HullsFile::new("u", &result));
+    for point in tree.curve() {
+        let file = tree.to_file("u", point.hulls);
+        assert_eq!(HullsFile::from_bytes(&file.to_bytes().unwrap()).as_ref(), Ok(&file));
+        assert_eq!(file.verified.unwrap().protrusion_max, point.protrusion_max);
+        let shapes = tree.at_hulls(point.hulls).into_iter().map(|hull| hull.shape);
+        assert!(file.hulls.iter().map(|hull| hull.shape.clone()).eq(shapes));
+        let is_beyond = point.protrusion_max > result.report.bound;
+        assert_eq!(file.exceeded_bound().is_some(), is_beyond);
+    }
 }
 
 /// Fields of hulls are public and may have been edited.

@@ -264,7 +264,7 @@ fn files_that_are_not_there_or_of_no_known_format_are_errors_with_their_path() {
         ("missing.obj", "missing.obj: "),
         ("missing.xyz", "suffix"),
         ("missing", "suffix"),
-        (".", "suffix"),
+        (".", "folder"),
     ] {
         let error = read_mesh(path).unwrap_err().to_string();
         assert!(error.contains(expected), "{error}");

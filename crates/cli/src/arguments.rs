@@ -42,27 +42,45 @@ impl ThreadArguments {
 #[derive(clap::Args)]
 pub struct SolidArguments {
     /// What becomes of flat openings: auto (default), keep or close; as in `decompose`
-    #[arg(long, value_name = "WHICH", default_value_t)]
-    openings: Openings,
+    #[arg(long, value_name = "WHICH")]
+    openings: Option<Openings>,
 
-    /// The bound that hulls are made with: an opening counts as flat within it
-    #[arg(long, value_name = "ERROR", default_value = "2%")]
-    max_error: Length,
+    /// The bound that hulls are made with, 2% (default) or 0.02m: an opening counts as flat within it
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    max_error: Option<Length>,
 
-    /// Which axis points up, y or z; as in `decompose`
-    #[arg(long, value_name = "AXIS", default_value_t)]
-    up_axis: UpAxis,
+    /// Which axis points up, y (default) or z; as in `decompose`
+    #[arg(long, value_name = "AXIS")]
+    up_axis: Option<UpAxis>,
 }
 
 impl SolidArguments {
-    pub fn parameters(&self) -> Parameters {
-        let &Self { openings, max_error, up_axis } = self;
-        Parameters::default().openings(openings).max_error(max_error).up_axis(up_axis)
+    /// What they say, if all values are in range.
+    pub fn parameters(&self) -> Result<Parameters, Failure> {
+        let mut parameters = Parameters::default();
+        set(&mut parameters.openings, &self.openings);
+        set(&mut parameters.max_error, &self.max_error);
+        set(&mut parameters.up_axis, &self.up_axis);
+        parameters.validate().map_err(|error| Failure::Usage(error.to_string()))?;
+        Ok(parameters)
+    }
+
+    /// An error for each of them, where there is no solid.
+    pub fn refuse(&self, reason: &str) -> Result<(), Failure> {
+        let given = [
+            ("openings", self.openings.is_some()),
+            ("max-error", self.max_error.is_some()),
+            ("up-axis", self.up_axis.is_some()),
+        ];
+        match given.iter().find(|(_, is_given)| *is_given) {
+            Some((option, _)) => Err(Failure::Usage(format!("--{option} has no effect: {reason}"))),
+            None => Ok(()),
+        }
     }
 }
 
 /// Above the options of the paper's method, which come last.
-pub const SURFACE_HEADING: &str = "The paper's method (--method surface)";
+pub const SURFACE_HEADING: &str = "The paper's method (--method surface), with defaults";
 
 /// The parameters of a decomposition.
 #[derive(clap::Args)]
@@ -73,32 +91,31 @@ pub struct ParameterArguments {
     method: Option<Method>,
 
     /// The bound: 2% (default) of the bounding-box diagonal, or 0.02m in the mesh's unit
-    #[arg(long, value_name = "ERROR", allow_hyphen_values = true)]
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     max_error: Option<Length>,
 
-    /// Limit on hulls, or none (default); it may force them above the bound, as `decompose` says
+    /// Limit on hulls, or none (default); may force them above the bound
     #[arg(long, value_name = "N", value_parser = parse_limit, allow_hyphen_values = true)]
     max_hulls: Option<Limit>,
 
-    /// Limit on the vertices of a hull: 64 (default), at least 8, or none
+    /// Limit on a hull's vertices: 64 (default), at least 8, or none
     #[arg(long, value_name = "N", value_parser = parse_limit, allow_hyphen_values = true)]
     max_vertices: Option<Limit>,
 
-    /// balanced (default); fast: a fifth more hulls in two thirds of the time; fine: some fewer in
+    /// fast: a fifth more hulls in two thirds of the time; balanced (default); fine: some fewer in
     /// three times the time
     #[arg(long, value_name = "NAME")]
     preset: Option<Preset>,
 
-    /// Flat openings, the sides that a modeller leaves out: auto (default) closes those through
-    /// which only the backs of faces are seen; keep; close
+    /// Flat openings: auto (default) closes those that show only the backs of faces; keep; close
     #[arg(long, value_name = "WHICH")]
     openings: Option<Openings>,
 
-    /// y (default) or z: auto closes double-sided openings at the bottom alone
+    /// y (default) or z: where auto looks for a bottom to close
     #[arg(long, value_name = "AXIS")]
     up_axis: Option<UpAxis>,
 
-    /// Cavities stay empty whose mouths are narrower than twice the bound
+    /// Leave cavities empty whose mouths are narrower than twice the bound
     #[arg(long)]
     keep_cavities: bool,
 
@@ -119,40 +136,40 @@ pub struct ParameterArguments {
 #[derive(clap::Args)]
 #[command(next_help_heading = SURFACE_HEADING)]
 struct SurfaceArguments {
-    /// Exactly the paper: its values, and no limit on vertices
+    /// As in the paper: no limit on vertices
     #[arg(long)]
     paper: bool,
 
-    /// Simplification target: the triangle count times Q, until it is at most R. Paper: 0.8
+    /// Fraction left by each step: 0.8
     #[arg(long, value_name = "Q", allow_negative_numbers = true)]
     simplification_quality: Option<f64>,
 
-    /// In triangles. Paper: 250,500,1000,2000,3000
+    /// Most triangles: 250,500,1000,2000,3000
     #[arg(long, value_name = "R", value_delimiter = ',')]
     maximum_resolutions: Option<Vec<usize>>,
 
-    /// In the unit of --unit. Paper: 0.01,0.2,0.4,0.6,0.8,1
+    /// In units: 0.01,0.2,0.4,0.6,0.8,1
     #[arg(long, value_name = "P", value_delimiter = ',', allow_negative_numbers = true)]
     planar_thresholds: Option<Vec<f64>>,
 
-    /// In the unit of --unit. Paper: 0.01
+    /// In units: 0.01
     #[arg(long, value_name = "A", allow_negative_numbers = true)]
     angular_threshold: Option<f64>,
 
-    /// Cost that is low enough, per group diagonal. Paper: 0.05
+    /// Highest cost, per group diagonal: 0.05
     #[arg(long, value_name = "ε", allow_negative_numbers = true)]
     concavity_cost_threshold: Option<f64>,
 
-    /// With fewer pieces, skip the rest; 0: never skip. Paper: 5
+    /// Fewer pieces end it: 5; 0: never
     #[arg(long, value_name = "μ")]
     resolution_cut_off: Option<usize>,
 
-    /// The unit: 0.446d (default) of the diagonal, or 1.5 of the mesh's
-    #[arg(long, value_name = "LENGTH", value_parser = parse_unit, allow_negative_numbers = true)]
+    /// Unit of P and A: 44.6% of the diagonal
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
     unit: Option<Length>,
 
-    /// Groups of one or two polygons are merged if smaller than this fraction (default 0.1) of the diagonal
-    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
+    /// Smaller groups of 1 or 2 faces merge: 10%
+    #[arg(long, value_name = "SHARE", value_parser = parse_share, allow_hyphen_values = true)]
     significant_diagonal: Option<f64>,
 }
 
@@ -186,16 +203,75 @@ impl Chosen {
     }
 }
 
+/// What a command does besides decomposing by the chosen method.
+#[derive(Default)]
+pub struct Uses<'a> {
+    /// It decomposes by these methods too.
+    pub others: &'a [Method],
+    /// It shows errors against the bound, whatever the method.
+    pub bound: bool,
+}
+
+const BOUNDED: &str = "bounded";
+const SURFACE: &str = "surface";
+const HULL: &str = "hull";
+
+/// The methods that have the parameters of the solid: the one hull takes its mass from it.
+const WITH_SOLID: &[&str] = &[BOUNDED, HULL];
+
 impl ParameterArguments {
-    /// What is chosen, if all values are in range.
-    pub fn checked(&self) -> Result<Chosen, Failure> {
+    /// What is chosen, if all values are in range and each belongs to a method that is used.
+    pub fn checked(&self, uses: &Uses<'_>) -> Result<Chosen, Failure> {
         let chosen = self.chosen();
         let checks = [chosen.parameters.validate(), chosen.surface.validate()];
         checks
             .into_iter()
             .collect::<Result<(), _>>()
             .map_err(|error| Failure::Usage(error.to_string()))?;
-        Ok(chosen)
+        let mut used = vec![chosen.method.name()];
+        used.extend(uses.others.iter().map(Method::name));
+        let belongs = |option: &str, methods: &[&str]| {
+            (option == "max-error" && uses.bound) || methods.iter().any(|own| used.contains(own))
+        };
+        match self.given().into_iter().find(|(option, methods)| !belongs(option, methods)) {
+            Some((option, methods)) => Err(foreign(option, methods, &used)),
+            None => Ok(chosen),
+        }
+    }
+
+    /// The options that were given, each with the methods that have it. All have a limit on vertices.
+    fn given(&self) -> Vec<(&'static str, &'static [&'static str])> {
+        let of_surface = &self.surface;
+        let solid = [
+            ("max-error", self.max_error.is_some()),
+            ("openings", self.openings.is_some()),
+            ("up-axis", self.up_axis.is_some()),
+            ("keep-cavities", self.keep_cavities),
+        ];
+        let bounded = [
+            ("max-hulls", self.max_hulls.is_some()),
+            ("preset", self.preset.is_some()),
+            ("probe-radius", self.probe_radius.is_some()),
+            ("probe-from", !self.probe_from.is_empty()),
+        ];
+        let surface = [
+            ("paper", of_surface.paper),
+            ("simplification-quality", of_surface.simplification_quality.is_some()),
+            ("maximum-resolutions", of_surface.maximum_resolutions.is_some()),
+            ("planar-thresholds", of_surface.planar_thresholds.is_some()),
+            ("angular-threshold", of_surface.angular_threshold.is_some()),
+            ("concavity-cost-threshold", of_surface.concavity_cost_threshold.is_some()),
+            ("resolution-cut-off", of_surface.resolution_cut_off.is_some()),
+            ("unit", of_surface.unit.is_some()),
+            ("significant-diagonal", of_surface.significant_diagonal.is_some()),
+        ];
+        let of_methods: [&[&str]; 3] = [WITH_SOLID, &[BOUNDED], &[SURFACE]];
+        let options = [&solid[..], &bounded, &surface].into_iter().zip(of_methods);
+        let given = options.flat_map(|(options, methods)| {
+            let given = options.iter().filter(|(_, is_given)| *is_given);
+            given.map(move |&(option, _)| (option, methods))
+        });
+        given.collect()
     }
 
     fn chosen(&self) -> Chosen {
@@ -258,14 +334,26 @@ fn set<T: Clone>(field: &mut T, argument: &Option<T>) {
     }
 }
 
-fn parse_unit(text: &str) -> Result<Length, String> {
-    let (number, unit): (&str, fn(f64) -> Length) = match text.strip_suffix('d') {
-        Some(number) => (number, Length::Share),
-        None => (text, Length::Units),
-    };
-    let length =
-        number.parse().map_err(|_| "a number is expected, with or without `d` after it")?;
-    Ok(unit(length))
+/// An error for an option of other methods than those that are used.
+fn foreign(option: &str, methods: &[&str], used: &[&str]) -> Failure {
+    let (methods, used) = (methods.join(" or "), used.join(" and "));
+    Failure::Usage(format!("--{option} is for --method {methods}, not for {used}"))
+}
+
+/// Refuses to show the search of a method that has none.
+pub fn check_is_surface(method: &Method) -> Result<(), Failure> {
+    match method {
+        Method::Surface(_) => Ok(()),
+        _ => Err(foreign("search", &[SURFACE], &[method.name()])),
+    }
+}
+
+/// The fraction of the diagonal of a percentage.
+fn parse_share(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(Length::Share(share)) => Ok(share),
+        _ => Err("a percentage of the diagonal (10%) is expected".into()),
+    }
 }
 
 fn parse_limit(text: &str) -> Result<Limit, String> {
@@ -275,6 +363,14 @@ fn parse_limit(text: &str) -> Result<Limit, String> {
     let limit = text.parse().map_err(|_| "a whole number or `none` is expected")?;
     Ok(Limit(Some(limit)))
 }
+
+/// Whether a path ends as baked scenes do.
+pub fn is_scene_file(path: &Path) -> bool {
+    path.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case(SCENE_SUFFIX))
+}
+
+/// The suffix of a baked scene.
+pub const SCENE_SUFFIX: &str = "hullscene";
 
 /// Refuses an output that is the input: the mesh would be lost.
 pub fn check_not_input(output: &Path, input: &Path) -> Result<(), Failure> {
@@ -324,8 +420,8 @@ mod tests {
              --probe-radius 6% --probe-from 1,-2,0.5 \
              --simplification-quality 0.5 --maximum-resolutions 100,200 \
              --planar-thresholds 0.1,0.3 --angular-threshold 0.02 \
-             --concavity-cost-threshold 0.1 --resolution-cut-off 7 --unit 0.446d \
-             --significant-diagonal 0.2 --max-vertices none";
+             --concavity-cost-threshold 0.1 --resolution-cut-off 7 --unit 44.6% \
+             --significant-diagonal 20% --max-vertices none";
         let parameters = Parameters::default()
             .max_error(Length::Share(0.05))
             .max_hulls(3)
@@ -354,7 +450,7 @@ mod tests {
         assert_eq!(chosen.like(&Method::default()), bounded);
         assert_eq!(chosen.solid().max_error, Length::Share(0.05));
         assert_eq!(parse("--max-error 0.02m").unwrap().parameters.max_error, Length::Units(0.02));
-        assert_eq!(parse("--unit 1.5").unwrap().surface.unit, Length::Units(1.5));
+        assert_eq!(parse("--unit 1.5m").unwrap().surface.unit, Length::Units(1.5));
         assert_eq!(parse("--max-hulls none").unwrap().parameters.max_hulls, None);
         assert_eq!(parse("--paper --max-vertices 32").unwrap().surface.max_vertices, Some(32));
     }
@@ -366,13 +462,53 @@ mod tests {
             "--preset best",
             "--max-error 2",
             "--max-error x%",
-            "--unit d",
+            "--unit 1.5",
+            "--significant-diagonal 0.1",
             "--max-vertices many",
             "--max-hulls -3",
             "--planar-thresholds 1,x",
         ] {
             assert!(parse(line).is_err(), "{line}");
         }
+    }
+
+    #[test]
+    fn an_option_of_a_method_that_is_not_used_is_refused_by_name() {
+        let refused = |line: &str, uses: &Uses<'_>| {
+            let words = std::iter::once("test").chain(line.split_whitespace());
+            match Only::try_parse_from(words).unwrap().arguments.checked(uses) {
+                Ok(_) => None,
+                Err(Failure::Usage(reason) | Failure::Work(reason)) => Some(reason),
+            }
+        };
+        let alone = Uses::default();
+        for (line, reason) in [
+            (
+                "--method surface --max-hulls 3",
+                "--max-hulls is for --method bounded, not for surface",
+            ),
+            (
+                "--method surface --max-error 1%",
+                "--max-error is for --method bounded or hull, not for surface",
+            ),
+            (
+                "--paper --openings keep",
+                "--openings is for --method bounded or hull, not for surface",
+            ),
+            ("--method hull --preset fast", "--preset is for --method bounded, not for hull"),
+            ("--unit 1m", "--unit is for --method surface, not for bounded"),
+            ("--method bounded --paper", "--paper is for --method surface, not for bounded"),
+        ] {
+            assert_eq!(refused(line, &alone).as_deref(), Some(reason));
+        }
+        for line in ["--method hull --openings keep --max-vertices 8", "--paper --unit 1m"] {
+            assert_eq!(refused(line, &alone), None);
+        }
+        let surface = [Method::Surface(SurfaceParameters::default())];
+        let comparing = Uses { others: &surface, bound: true };
+        assert_eq!(refused("--unit 1m --max-hulls 3", &comparing), None);
+        assert_eq!(refused("--method surface --max-error 1%", &comparing), None);
+        assert!(refused("--method surface --max-hulls 3", &comparing).is_some());
     }
 
     #[test]

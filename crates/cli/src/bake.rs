@@ -4,23 +4,24 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use hullwright::bake::{BakeJob, BakeOptions, bake_jobs};
-use hullwright::hulls_format::{HullScene, MeshHash, SceneLookup};
+use hullwright::hulls_format::{HullScene, HullsFile, MeshHash, SceneLookup};
 use hullwright::io::{Format, NamedMesh, read_own_meshes, read_scene};
-use hullwright::{Control, Method};
+use hullwright::{Control, Error, Method};
 use hullwright_cli::terminal::{Failure, count, print, print_error};
 
-use crate::arguments::{ParameterArguments, ThreadArguments};
+use crate::arguments::{ParameterArguments, SCENE_SUFFIX, ThreadArguments, Uses};
 use crate::decompose::{DEFAULT_DENSITY, hulls_file, wrote};
 use crate::progress::LateBar;
 use crate::report::vertices;
 
-/// Bake scenes into .hullscene files: the hulls of every mesh with error bound and mass properties
+/// Bake scenes into .hullscene files: the hulls of every mesh, with errors and mass
 #[derive(clap::Args)]
 #[command(
     after_help = "One file per scene, named after it: each mesh in the space that it was modelled in (no \
     node's transform is applied), all its primitives together, known by its content. Names and extras \
     are followed as the Bevy plugin's `ConvexDecompositionHierarchy` follows them. What an earlier file \
-    holds of the same content and parameters is kept. Of a folder, all glTF and GLB files below it."
+    holds of the same content and parameters is kept. Of a folder, all glTF and GLB files below it; what \
+    can't be baked is named at the end, and the rest is baked."
 )]
 pub struct Arguments {
     #[arg(help = format!("The scenes: {}, or folders", Format::suffix_list()), required = true, value_name = "SCENE")]
@@ -30,12 +31,12 @@ pub struct Arguments {
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
 
-    /// A .hulls file for each mesh, named after it, instead of one file per scene. Names and extras count
-    /// for nothing
+    /// A .hulls file for each mesh, named after it, instead of one file per scene. Names and extras are
+    /// ignored
     #[arg(long)]
     per_mesh: bool,
 
-    /// Only what an artist's name or extra asks for, as `ConvexDecompositionHierarchy::tagged_only`
+    /// Only meshes with an artist's name or extra, as `ConvexDecompositionHierarchy::tagged_only`
     #[arg(long, conflicts_with = "per_mesh")]
     tagged_only: bool,
 
@@ -51,37 +52,63 @@ pub struct Arguments {
 }
 
 /// A file to be baked.
-struct Source {
+struct InputFile {
     path: PathBuf,
     /// From the folder that was named to the one that the file is in.
     below: PathBuf,
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let method = arguments.parameters.checked()?.method;
-    let mut sources = Vec::new();
+    let method = arguments.parameters.checked(&Uses::default())?.method;
+    let (mut inputs, mut results) = (Vec::new(), Results::default());
     for path in &arguments.scenes {
-        if path.is_dir() {
-            let before = sources.len();
-            add_folder(path, Path::new(""), &mut sources)?;
-            if sources.len() == before {
-                return Err(
-                    format!("{}: there is no glTF or GLB file in it", path.display()).into()
-                );
+        if !path.is_dir() {
+            inputs.push(InputFile { path: path.clone(), below: PathBuf::new() });
+            continue;
+        }
+        let before = inputs.len();
+        match add_folder(path, Path::new(""), &mut inputs) {
+            Err(reason) => results.failures.push(reason),
+            Ok(()) if inputs.len() == before => {
+                let reason = "there is no glTF or GLB file in it";
+                results.failures.push(format!("{}: {reason}", path.display()));
             }
-        } else {
-            sources.push(Source { path: path.clone(), below: PathBuf::new() });
+            Ok(()) => {}
         }
     }
-    if arguments.per_mesh {
-        bake_meshes(arguments, &sources, &method)
-    } else {
-        bake_scenes(arguments, &sources, &method)
+    match arguments.per_mesh {
+        true => bake_meshes(arguments, &inputs, &method, &mut results)?,
+        false => bake_scenes(arguments, &inputs, &method, &mut results)?,
+    }
+    results.report()
+}
+
+/// What was done, and what could not be. One bad file of many does not end the work.
+#[derive(Default)]
+struct Results {
+    lines: Vec<String>,
+    failures: Vec<String>,
+}
+
+impl Results {
+    /// Keeps what succeeded.
+    fn keep<T>(&mut self, result: Result<T, String>) -> Option<T> {
+        result.map_err(|reason| self.failures.push(reason)).ok()
+    }
+
+    /// Lines to standard output, then failures: all but the last here, the last as the program's own error.
+    fn report(mut self) -> Result<(), Failure> {
+        if !self.lines.is_empty() {
+            print(&self.lines.join("\n"))?;
+        }
+        let last = self.failures.pop();
+        self.failures.iter().for_each(|reason| print_error(reason));
+        last.map_or(Ok(()), |reason| Err(Failure::Work(reason)))
     }
 }
 
 /// In the order of names, so that the same folder gives the same lines everywhere.
-fn add_folder(folder: &Path, below: &Path, sources: &mut Vec<Source>) -> Result<(), Failure> {
+fn add_folder(folder: &Path, below: &Path, inputs: &mut Vec<InputFile>) -> Result<(), String> {
     let failure = |error: std::io::Error| format!("{}: {error}", folder.display());
     let entries = std::fs::read_dir(folder).map_err(failure)?;
     let mut paths =
@@ -91,20 +118,20 @@ fn add_folder(folder: &Path, below: &Path, sources: &mut Vec<Source>) -> Result<
         // A link to a folder above would never end.
         if path.is_dir() && !path.is_symlink() {
             let name = path.file_name().unwrap_or_default();
-            add_folder(&path, &below.join(name), sources)?;
+            add_folder(&path, &below.join(name), inputs)?;
         } else if Format::from_path(&path) == Some(Format::Gltf) {
-            sources.push(Source { path, below: below.to_owned() });
+            inputs.push(InputFile { path, below: below.to_owned() });
         }
     }
     Ok(())
 }
 
-/// Where a file made of a source goes: beside it, or into the directory that was named, where folders
+/// Where a file made of an input goes: beside it, or into the directory that was named, where folders
 /// keep their structure.
-fn output_of(arguments: &Arguments, source: &Source, name: &str) -> PathBuf {
+fn output_of(arguments: &Arguments, input: &InputFile, name: &str) -> PathBuf {
     match &arguments.output {
-        Some(directory) => directory.join(&source.below).join(name),
-        None => source.path.with_file_name(name),
+        Some(directory) => directory.join(&input.below).join(name),
+        None => input.path.with_file_name(name),
     }
 }
 
@@ -113,81 +140,75 @@ fn make_directory(output: &Path) -> Result<(), String> {
     std::fs::create_dir_all(directory).map_err(|error| format!("{}: {error}", directory.display()))
 }
 
-/// Lines to standard output, then failures: all but the last here, the last as the program's own error.
-fn report(lines: &[String], mut failures: Vec<String>) -> Result<(), Failure> {
-    if !lines.is_empty() {
-        print(&lines.join("\n"))?;
-    }
-    let last = failures.pop();
-    failures.iter().for_each(|reason| print_error(reason));
-    last.map_or(Ok(()), |reason| Err(Failure::Work(reason)))
-}
-
-/// The suffix of a baked scene.
-const SUFFIX: &str = "hullscene";
-
 /// A scene, and what is to be done for it.
 struct Scene<'a> {
-    source: &'a Source,
+    input: &'a InputFile,
     jobs: Vec<BakeJob>,
     output: PathBuf,
 }
 
 /// Each scene into a `.hullscene` file.
-fn bake_scenes(arguments: &Arguments, sources: &[Source], method: &Method) -> Result<(), Failure> {
+fn bake_scenes(
+    arguments: &Arguments,
+    inputs: &[InputFile],
+    method: &Method,
+    results: &mut Results,
+) -> Result<(), Failure> {
     let options = BakeOptions::new(method.clone()).tagged_only(arguments.tagged_only);
-    let scenes = scenes(arguments, sources, &options)?;
+    let scenes = scenes(arguments, inputs, &options, results)?;
     let pool = arguments.threads.pool()?;
     let bar = LateBar::start();
     let parts = scenes.iter().map(|scene| scene.jobs.len()).sum();
-    let (mut lines, mut failures) = (Vec::new(), Vec::new());
     let mut done = 0;
     for scene in &scenes {
         let control = |index: usize| {
             let control = bar.control_of_part(done + index, parts);
             control.with_parallel(arguments.threads.is_parallel())
         };
-        match pool.install(|| bake_scene(scene, control, &mut failures)) {
-            Ok(line) => lines.push(line),
-            Err(reason) => failures.push(reason),
-        }
+        pool.install(|| bake_scene(scene, control, results));
         done += scene.jobs.len();
     }
     bar.finish();
-    report(&lines, failures)
+    Ok(())
 }
 
-/// Reads all files, so that a misspelt name ends the work before it begins.
+/// Reads all files that can be read.
 fn scenes<'a>(
     arguments: &Arguments,
-    sources: &'a [Source],
+    inputs: &'a [InputFile],
     options: &BakeOptions,
+    results: &mut Results,
 ) -> Result<Vec<Scene<'a>>, Failure> {
     let mut outputs = HashSet::new();
     let mut scenes = Vec::new();
-    for source in sources {
-        let meshes = read_scene(&source.path)?;
-        if meshes.is_empty() {
-            return Err(format!("{}: it holds no triangles", source.path.display()).into());
-        }
-        let name = source.path.with_extension(SUFFIX);
+    for input in inputs {
+        let name = input.path.with_extension(SCENE_SUFFIX);
         let name = name.file_name().unwrap_or_default().to_string_lossy();
-        let output = output_of(arguments, source, &name);
+        let output = output_of(arguments, input, &name);
         if !outputs.insert(output.clone()) {
             let reason = format!("two scenes would be written to {}", output.display());
             return Err(Failure::Usage(reason));
         }
-        scenes.push(Scene { source, jobs: bake_jobs(meshes, options), output });
+        if let Some(meshes) = results.keep(with_triangles(read_scene(&input.path), input)) {
+            scenes.push(Scene { input, jobs: bake_jobs(meshes, options), output });
+        }
     }
     Ok(scenes)
 }
 
-fn bake_scene(
-    scene: &Scene<'_>,
-    control: impl Fn(usize) -> Control,
-    failures: &mut Vec<String>,
-) -> Result<String, String> {
-    let Scene { source, jobs, output } = scene;
+/// What was read of an input, if there are triangles in it.
+fn with_triangles<T>(read: Result<Vec<T>, Error>, input: &InputFile) -> Result<Vec<T>, String> {
+    match read {
+        Err(error) => Err(error.to_string()),
+        Ok(meshes) if meshes.is_empty() => {
+            Err(format!("{}: it holds no triangles", input.path.display()))
+        }
+        Ok(meshes) => Ok(meshes),
+    }
+}
+
+fn bake_scene(scene: &Scene<'_>, control: impl Fn(usize) -> Control, results: &mut Results) {
+    let Scene { input, jobs, output } = scene;
     // One that can't be read is replaced.
     let earlier = HullScene::read(output).ok();
     let mut meshes = Vec::new();
@@ -200,19 +221,26 @@ fn bake_scene(
             }
         });
         kept += usize::from(known.is_some());
-        match known.map_or_else(|| job.run(&control(index)), Ok) {
-            Ok(baked) => meshes.push(baked),
-            Err(error) => {
-                let name = job.names.first().map_or("", String::as_str);
-                failures.push(format!("{}, mesh `{name}`: {error}", source.path.display()));
-            }
-        }
+        let baked = known.map_or_else(|| job.run(&control(index)), Ok).map_err(|error| {
+            let name = job.names.first().map_or("", String::as_str);
+            format!("{}, mesh `{name}`: {error}", input.path.display())
+        });
+        meshes.extend(results.keep(baked));
     }
-    let name = source.path.file_stem().unwrap_or_default().to_string_lossy();
+    let name = input.path.file_stem().unwrap_or_default().to_string_lossy();
     let baked = HullScene::new(name, meshes);
-    make_directory(output)?;
-    baked.write(output).map_err(|error| error.to_string())?;
-    Ok(wrote_scene(scene, &baked, kept))
+    let written = make_directory(output)
+        .and_then(|()| baked.write(output).map_err(|error| error.to_string()));
+    if results.keep(written).is_some() {
+        results.lines.push(wrote_scene(scene, &baked, kept));
+        let exceeded = baked.meshes.iter().filter_map(|baked| exceeded_bound(&baked.hulls));
+        results.lines.extend(exceeded);
+    }
+}
+
+/// Says by how much a mesh's hulls exceed their bound, and why.
+fn exceeded_bound(file: &HullsFile) -> Option<String> {
+    file.exceeded_bound().map(|line| format!("{}: {line}", file.name))
 }
 
 fn wrote_scene(scene: &Scene<'_>, baked: &HullScene, kept: usize) -> String {
@@ -236,71 +264,73 @@ const LONGEST_NAME: usize = 200;
 
 /// A mesh of its own.
 struct MeshJob<'a> {
-    source: &'a Path,
+    input: &'a Path,
     mesh: NamedMesh,
     output: PathBuf,
 }
 
 /// Each mesh into a `.hulls` file of its own.
-fn bake_meshes(arguments: &Arguments, sources: &[Source], method: &Method) -> Result<(), Failure> {
+fn bake_meshes(
+    arguments: &Arguments,
+    inputs: &[InputFile],
+    method: &Method,
+    results: &mut Results,
+) -> Result<(), Failure> {
     let density = arguments.density.unwrap_or(DEFAULT_DENSITY);
     if !(density.is_finite() && density > 0.0) {
         return Err(Failure::Usage(format!("the density must be positive, not {density}")));
     }
     let pool = arguments.threads.pool()?;
-    let jobs = mesh_jobs(arguments, sources)?;
+    let jobs = mesh_jobs(arguments, inputs, results);
     let bar = LateBar::start();
-    let mut lines = Vec::new();
-    let mut failures = Vec::new();
     for (index, job) in jobs.iter().enumerate() {
         let control = bar.control_of_part(index, jobs.len());
         let control = control.with_parallel(arguments.threads.is_parallel());
-        match pool.install(|| bake_mesh(job, density, method, &control)) {
-            Ok(line) => lines.push(line),
-            Err(reason) => {
-                let MeshJob { source, mesh, .. } = job;
-                failures.push(format!("{}, mesh `{}`: {reason}", source.display(), mesh.name));
-            }
-        }
+        let baked = pool.install(|| bake_mesh(job, density, method, &control)).map_err(|reason| {
+            let MeshJob { input, mesh, .. } = job;
+            format!("{}, mesh `{}`: {reason}", input.display(), mesh.name)
+        });
+        let lines = results.keep(baked).unwrap_or_default();
+        results.lines.extend(lines);
     }
     bar.finish();
-    report(&lines, failures)
+    Ok(())
 }
 
-/// Reads all files, so that a misspelt name ends the work before it begins.
+/// Reads all files that can be read.
 fn mesh_jobs<'a>(
     arguments: &Arguments,
-    sources: &'a [Source],
-) -> Result<Vec<MeshJob<'a>>, Failure> {
+    inputs: &'a [InputFile],
+    results: &mut Results,
+) -> Vec<MeshJob<'a>> {
     let mut names = HashSet::new();
     let mut jobs = Vec::new();
-    for source in sources {
-        let meshes = read_own_meshes(&source.path)?;
-        if meshes.is_empty() {
-            return Err(format!("{}: it holds no triangles", source.path.display()).into());
-        }
-        for mesh in meshes {
+    for input in inputs {
+        let meshes = results.keep(with_triangles(read_own_meshes(&input.path), input));
+        for mesh in meshes.into_iter().flatten() {
             let name = unique(&file_name(&mesh.name), &mut names);
-            let output = output_of(arguments, source, &format!("{name}.hulls"));
-            jobs.push(MeshJob { source: &source.path, mesh, output });
+            let output = output_of(arguments, input, &format!("{name}.hulls"));
+            jobs.push(MeshJob { input: &input.path, mesh, output });
         }
     }
-    Ok(jobs)
+    jobs
 }
 
+/// The lines about what was written.
 fn bake_mesh(
     job: &MeshJob<'_>,
     density: f64,
     method: &Method,
     control: &Control,
-) -> Result<String, String> {
+) -> Result<Vec<String>, String> {
     let NamedMesh { name, mesh } = &job.mesh;
     let decomposition = method.decompose(mesh, control).map_err(|error| error.to_string())?;
     let file = hulls_file(name.as_str(), mesh.view(), &decomposition, &method.solid(), density)
         .map_err(|error| error.to_string())?;
     make_directory(&job.output)?;
     file.write(&job.output).map_err(|error| error.to_string())?;
-    Ok(wrote(&job.output, &file.hulls))
+    let lines = [Some(wrote(&job.output, &file.hulls)), exceeded_bound(&file)];
+    Ok(lines.into_iter().flatten().collect())
 }
 
 /// The name with what any file system may object to replaced.

@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use hullwright::io::{read_mesh, write_file};
-use hullwright::{CurvePoint, MergeTree};
+use hullwright::{CurvePoint, Error, MergeTree};
 use hullwright_cli::terminal::{Failure, print, print_json};
 use plotters::prelude::*;
 use serde_json::json;
 
-use crate::arguments::{ParameterArguments, mesh_help};
+use crate::arguments::{ParameterArguments, ThreadArguments, Uses, mesh_help};
 use crate::progress::{LateBar, waiting};
 use crate::report;
 
@@ -31,6 +31,9 @@ pub struct Arguments {
     json: bool,
 
     #[command(flatten)]
+    threads: ThreadArguments,
+
+    #[command(flatten)]
     parameters: ParameterArguments,
 }
 
@@ -41,26 +44,32 @@ fn parse_output(text: &str) -> Result<PathBuf, String> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let chosen = arguments.parameters.checked()?;
+    let chosen = arguments.parameters.checked(&Uses { bound: true, ..Uses::default() })?;
     let name = arguments.mesh.display().to_string();
     let file = waiting("reading", || read_mesh(&arguments.mesh))?;
+    let pool = arguments.threads.pool()?;
     let bar = LateBar::start();
-    let control = bar.control();
-    let curve = chosen.method.decompose(&file, &control).and_then(|result| {
-        MergeTree::new(&file, &result, &chosen.solid(), &control)
-            .map(|tree| (tree.curve(), result.run.diagonal))
+    let control = bar.control().with_parallel(arguments.threads.is_parallel());
+    let curve = pool.install(|| {
+        let result = chosen.method.decompose(&file, &control)?;
+        let tree = MergeTree::new(&file, &result, &chosen.solid(), &control)?;
+        Ok::<_, Error>((tree.curve(), result))
     });
     bar.finish();
-    let (curve, diagonal) = curve.map_err(|error| format!("{name}: {error}"))?;
+    let (curve, result) = curve.map_err(|error| format!("{name}: {error}"))?;
+    let diagonal = result.run.diagonal;
     if let Some(output) = &arguments.output {
         draw(output, &curve, diagonal)
             .map_err(|error| format!("{}: can't be drawn: {error}", output.display()))?;
     }
     if arguments.json {
-        // Lengths are in the mesh's units.
-        return print_json(&json!({ "mesh": name, "diagonal": diagonal, "curve": curve }));
+        let bound = result.report.bounded().map(|report| report.bound);
+        return print_json(
+            &json!({ "mesh": name, "diagonal": diagonal, "bound": bound, "curve": curve }),
+        );
     }
-    print(&report::curve(&curve, diagonal))
+    print(&report::curve(&curve, diagonal))?;
+    result.exceeded_bound().map_or(Ok(()), |line| print(&line))
 }
 
 /// Size of the plot in pixels.

@@ -8,7 +8,10 @@ use hullwright::io::{HullFormat, check_output, is_hulls_file, read_mesh, write_h
 use hullwright::{Decomposition, Error, Hull, MeshView, MethodReport, Parameters};
 use hullwright_cli::terminal::{Failure, count, print, print_json};
 
-use crate::arguments::{ParameterArguments, ThreadArguments, check_not_input, mesh_help};
+use crate::arguments::{
+    ParameterArguments, SURFACE_HEADING, ThreadArguments, Uses, check_is_surface, check_not_input,
+    mesh_help,
+};
 use crate::progress::{LateBar, waiting};
 use crate::report;
 
@@ -36,8 +39,8 @@ pub struct Arguments {
     #[command(flatten)]
     parameters: ParameterArguments,
 
-    /// Show what became of every resolution and threshold
-    #[arg(long, help_heading = crate::arguments::SURFACE_HEADING)]
+    /// Show each resolution and threshold
+    #[arg(long, help_heading = SURFACE_HEADING)]
     search: bool,
 }
 
@@ -51,7 +54,10 @@ fn parse_output(text: &str) -> Result<PathBuf, String> {
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Arguments { mesh, output, json, threads, parameters, search } = arguments;
-    let method = parameters.checked()?.method;
+    let method = parameters.checked(&Uses::default())?.method;
+    if *search {
+        check_is_surface(&method)?;
+    }
     if let Some(output) = output {
         check_output(output)?;
         check_not_input(output, mesh)?;
@@ -78,8 +84,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if *json {
         return print_json(&report::json(mesh, &decomposition, seconds, *search));
     }
-    if *search {
-        print(&report::search(&decomposition.report))?;
+    if let (true, Some(surface)) = (*search, decomposition.report.surface()) {
+        print(&report::search(surface))?;
     }
     print(&report::summary(&decomposition, seconds))?;
     match output {

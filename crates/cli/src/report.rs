@@ -5,10 +5,8 @@ use std::path::Path;
 
 use comfy_table::{CellAlignment, Table, presets};
 use hullwright::surface::{ResolutionOutcome, SurfaceReport, ThresholdOutcome};
-use hullwright::{
-    CurvePoint, Decomposition, Hull, MethodReport, Opening, OpeningOutcome, Repairs, Report,
-};
-use hullwright_cli::terminal::{count, time};
+use hullwright::{CurvePoint, Decomposition, Hull, MethodReport, ProbeReport, Report};
+use hullwright_cli::terminal::time;
 use serde_json::{Map, Value, json};
 
 /// The columns of the paper's Table 1.
@@ -26,14 +24,14 @@ const SEARCH_HEADER: [&str; 7] =
 const PADDING: (u16, u16) = (0, 2);
 
 /// Stands where there is no number.
-pub const NOTHING: &str = "–";
+const NOTHING: &str = "–";
 
 /// Vertices of all hulls.
 pub fn vertices(hulls: &[Hull]) -> usize {
     hulls.iter().map(|hull| hull.shape.points.len()).sum()
 }
 
-/// A table with one row, and lines about an exceeded bound, repairs and openings if there were any.
+/// A table with one row, and a line for each remark on the work.
 ///
 /// `seconds` is the wall-clock time of the decomposition, without reading and writing.
 pub fn summary(decomposition: &Decomposition<MethodReport>, seconds: f64) -> String {
@@ -71,31 +69,22 @@ pub fn summary(decomposition: &Decomposition<MethodReport>, seconds: f64) -> Str
             right_aligned(&BOUNDED_HEADER, [row]).trim_fmt()
         }
     };
-    if let Some(bounded) = report.bounded().filter(|bounded| bounded.protrusion_max > bounded.bound)
-    {
-        let protrusion = percent_of(bounded.protrusion_max, run.diagonal);
-        let reason = reason_to_exceed(hulls, bounded.bound);
-        text += &format!("\nprotrusion: {protrusion}, above the bound: {reason}");
-    }
     if let Some(probe) = report.bounded().and_then(|bounded| bounded.probe) {
-        let radius = percent_of(probe.radius, run.diagonal);
-        text += &format!(
-            "\nprobe: a ball of radius {radius} can't reach {:.3e} cubic units",
-            probe.unreachable_volume
-        );
-        if probe.cell > probe.radius {
-            text += ", and hardly any gap is known to be too narrow: the mesh is too large for so small a ball";
-        }
+        text += &format!("\n{}", of_probe(&probe, run.diagonal));
     }
-    let repairs = repairs(&run.repairs);
-    if !repairs.is_empty() {
-        text += &format!("\nrepaired: {}", repairs.join(", "));
+    for line in decomposition.exceeded_bound().into_iter().chain(run.remarks()) {
+        text += &format!("\n{line}");
     }
-    if let Some(openings) = openings(&run.openings) {
-        text += &format!("\nopenings: {openings}");
-    }
-    if run.deadline_reached {
-        text += "\nthe deadline cut the search short";
+    text
+}
+
+/// What a probe found.
+fn of_probe(probe: &ProbeReport, diagonal: f64) -> String {
+    let radius = percent_of(probe.radius, diagonal);
+    let volume = probe.unreachable_volume;
+    let mut text = format!("probe: a ball of radius {radius} can't reach {volume:.3e} cubic units");
+    if probe.cell > probe.radius {
+        text += ", and may reach more than is known: the mesh is too large for so small a ball";
     }
     text
 }
@@ -103,15 +92,6 @@ pub fn summary(decomposition: &Decomposition<MethodReport>, seconds: f64) -> Str
 /// A length as a percentage of the diagonal.
 fn percent_of(length: f64, diagonal: f64) -> String {
     format!("{:.3} %", 100.0 * length / diagonal)
-}
-
-/// Why hulls protrude by more than the bound.
-fn reason_to_exceed(hulls: &[Hull], bound: f64) -> &'static str {
-    let exceeds = |hull: &&Hull| hull.errors.protrusion_max.is_some_and(|most| most > bound);
-    match hulls.iter().filter(exceeds).all(|hull| hull.errors.added_thickness > 0.0) {
-        true => "a flat part has to be thicker to be a hull",
-        false => "the limit on hulls forces it",
-    }
 }
 
 /// Hulls against error.
@@ -129,54 +109,8 @@ pub fn curve(curve: &[CurvePoint], diagonal: f64) -> String {
     right_aligned(&header, rows).trim_fmt()
 }
 
-/// What was changed in the input. Open and non-manifold edges stay, so they are no repair.
-pub fn repairs(repairs: &Repairs) -> Vec<String> {
-    [
-        (repairs.welded_vertices, "vertex welded", "vertices welded"),
-        (repairs.unused_vertices, "unused vertex dropped", "unused vertices dropped"),
-        (
-            repairs.non_finite_triangles,
-            "triangle that is not finite dropped",
-            "triangles that are not finite dropped",
-        ),
-        (
-            repairs.degenerate_triangles,
-            "triangle without area dropped",
-            "triangles without area dropped",
-        ),
-        (repairs.duplicate_triangles, "duplicate triangle dropped", "duplicate triangles dropped"),
-        (repairs.flipped_triangles, "triangle turned around", "triangles turned around"),
-    ]
-    .into_iter()
-    .filter(|(number, ..)| *number > 0)
-    .map(|(number, singular, plural)| count(number, singular, plural))
-    .collect()
-}
-
-/// How many openings were closed and left, and why, if there are any.
-pub fn openings(openings: &[Opening]) -> Option<String> {
-    let mut counts: Vec<(OpeningOutcome, usize)> = Vec::new();
-    for opening in openings {
-        match counts.iter_mut().find(|(outcome, _)| *outcome == opening.outcome) {
-            Some((_, count)) => *count += 1,
-            None => counts.push((opening.outcome, 1)),
-        }
-    }
-    counts.sort_by_key(|&(outcome, count)| (!outcome.is_closed(), std::cmp::Reverse(count)));
-    let texts: Vec<String> =
-        counts.iter().map(|(outcome, count)| format!("{count} {}", outcome.describe())).collect();
-    (!texts.is_empty()).then(|| texts.join(", "))
-}
-
 /// Every resolution, and below it its thresholds.
-pub fn search(report: &MethodReport) -> String {
-    match report.surface() {
-        Some(surface) => search_table(surface).trim_fmt() + "\n",
-        None => "this method does not search\n".into(),
-    }
-}
-
-fn search_table(surface: &SurfaceReport) -> Table {
+pub fn search(surface: &SurfaceReport) -> String {
     let mut rows = Vec::new();
     for resolution in &surface.resolutions {
         let mut row = [""; 7].map(String::from);
@@ -200,25 +134,7 @@ fn search_table(surface: &SurfaceReport) -> Table {
     if let Some(words) = table.column_mut(SEARCH_HEADER.len() - 1) {
         words.set_cell_alignment(CellAlignment::Left);
     }
-    table
-}
-
-/// Text under a header.
-pub fn columns<const N: usize>(
-    header: &[&str; N],
-    rows: impl IntoIterator<Item = [String; N]>,
-) -> String {
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING).set_header(*header).add_rows(rows);
-    aligned(table, CellAlignment::Left).trim_fmt()
-}
-
-/// Names and values, one pair a line.
-pub fn pairs(rows: impl IntoIterator<Item = (&'static str, String)>) -> String {
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING);
-    table.add_rows(rows.into_iter().map(|(name, value)| [name.to_owned(), value]));
-    aligned(table, CellAlignment::Left).trim_fmt()
+    table.trim_fmt() + "\n"
 }
 
 fn right_aligned<const N: usize>(
@@ -227,13 +143,9 @@ fn right_aligned<const N: usize>(
 ) -> Table {
     let mut table = Table::new();
     table.load_style(presets::NOTHING).set_header(*header).add_rows(rows);
-    aligned(table, CellAlignment::Right)
-}
-
-fn aligned(mut table: Table, alignment: CellAlignment) -> Table {
     for column in table.column_iter_mut() {
         column.set_padding(PADDING);
-        column.set_cell_alignment(alignment);
+        column.set_cell_alignment(CellAlignment::Right);
     }
     table
 }
@@ -242,7 +154,8 @@ fn cost(cost: f64) -> String {
     format!("{cost:.4}")
 }
 
-/// One line of JSON. Lengths are in the mesh's units. What belongs to another method is null.
+/// One line of JSON: `docs/command.md` lists its keys. Lengths are in the mesh's units. What belongs to another method
+/// is null.
 ///
 /// `seconds` is the wall-clock time of the decomposition, without reading and writing.
 pub fn json(
@@ -256,7 +169,8 @@ pub fn json(
     let closed = |is_closed: bool| {
         run.openings.iter().filter(move |opening| opening.outcome.is_closed() == is_closed)
     };
-    let area = |is_closed| closed(is_closed).map(|opening| opening.area).sum::<f64>();
+    let area =
+        |is_closed| closed(is_closed).map(|opening| opening.area).fold(0.0, |sum, area| sum + area);
     let stages = run.times.iter().map(|time| (time.stage.name().into(), time.seconds.into()));
     let mut line = json!({
         "mesh": mesh.display().to_string(),

@@ -9,7 +9,9 @@ use hullwright_cli::render::{Layout, Panel, Picture, render_with};
 use hullwright_cli::terminal::{Failure, count, print, time};
 use hullwright_cli::viewer::{HullSet, Page, hulls_of};
 
-use crate::arguments::{Chosen, ParameterArguments, ThreadArguments, mesh_help, parse_method};
+use crate::arguments::{
+    Chosen, ParameterArguments, ThreadArguments, Uses, mesh_help, parse_method,
+};
 use crate::progress::{LateBar, waiting};
 
 /// Write a page, or a picture, that shows a mesh and its hulls
@@ -54,7 +56,8 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let chosen = arguments.parameters.checked()?;
+    let uses = Uses { others: &arguments.compare, bound: true };
+    let chosen = arguments.parameters.checked(&uses)?;
     let output = output(arguments)?;
     let file = waiting("reading", || read_mesh(&arguments.mesh))?;
     // All files first, so that a misspelt name ends the work before it begins.
@@ -84,6 +87,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let hulls = |set: &Shown| format!("{}: {}", set.name, count(set.hulls.len(), "hull", "hulls"));
     let summary: Vec<String> = sets.iter().map(hulls).collect();
     print(&format!("wrote {}: {}", output.display(), summary.join(", ")))?;
+    for set in &sets {
+        if let Some(line) = &set.exceeded_bound {
+            print(&format!("{}: {line}", set.name))?;
+        }
+    }
     if arguments.open {
         open::that_detached(&output)
             .map_err(|error| format!("{}: nothing opens it: {error}", output.display()))?;
@@ -117,6 +125,7 @@ struct Shown {
     hulls: Vec<Hull>,
     tree: Option<MergeTree>,
     fact: Option<(&'static str, String)>,
+    exceeded_bound: Option<String>,
 }
 
 impl Shown {
@@ -129,7 +138,7 @@ impl Shown {
         }
         let left_out = named.len() - hulls.len();
         let fact = (left_out > 0).then(|| ("left out as unusable:", left_out.to_string()));
-        Ok(Self { name: file_name(path), hulls, tree: None, fact })
+        Ok(Self { name: file_name(path), hulls, tree: None, fact, exceeded_bound: None })
     }
 }
 
@@ -174,7 +183,8 @@ impl<'a> Work<'a> {
                 false => None,
             };
             let fact = Some(("time", time(seconds)));
-            sets.push(Shown { name, hulls: result.hulls, tree, fact });
+            let exceeded_bound = result.exceeded_bound();
+            sets.push(Shown { name, hulls: result.hulls, tree, fact, exceeded_bound });
         }
         sets.extend(files);
         for set in sets.iter_mut().filter(|set| merges && set.tree.is_none()) {
@@ -186,7 +196,7 @@ impl<'a> Work<'a> {
     fn page(&self, title: String, sets: &[Shown]) -> Result<Page<'a>, Error> {
         let page = Page::new(title, self.file, &self.chosen.solid(), self.control)?;
         let mut page = page.objects(&self.file.objects);
-        for Shown { name, hulls, tree, fact } in sets {
+        for Shown { name, hulls, tree, fact, .. } in sets {
             let mut set = HullSet::new(name, hulls);
             if let Some(tree) = tree {
                 set = set.tree(tree);

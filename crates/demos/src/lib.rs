@@ -117,7 +117,7 @@ impl Plugin for Stage {
         ))
         .insert_resource(View(self.view))
         .insert_resource(timestep(FRAMES_AT_ONCE))
-        .insert_resource(HullwrightDebug { is_drawn: false })
+        .insert_resource(HullwrightDebug { is_drawn: false, ..default() })
         .init_resource::<HullMaterials>()
         .init_resource::<ShownHulls>()
         .add_systems(Startup, set_up)

@@ -9,14 +9,20 @@ use bevy_rapier3d::prelude::{ColliderScale, RigidBody, Sensor};
 
 use super::placement::{Placements, Stretch};
 use super::resolve::Distances;
-use super::work::{AttachedCollider, FailedRequest, FarFromFocus, InputBoundary, Work, detach};
-use crate::bevy::jobs::baked::BakedDecomposition;
+use super::work::{
+    AttachedCollider, FailedRequest, FarFromFocus, InputBoundary, Requested, TooSmallAt, Work,
+    detach,
+};
+use crate::bevy::jobs::baked::{BakedDecomposition, BakedScene, FromBakedScene};
 use crate::bevy::tag::ConvexDecomposition;
 use crate::bevy::tag::outcomes::{DecompositionStatus, Outcomes, SkipReason, WaitReason};
 use crate::bevy::tag::settings::HullwrightSettings;
 
-type ChangedTag = Or<(Changed<ConvexDecomposition>, Changed<BakedDecomposition>)>;
 type Tagged = Or<(With<ConvexDecomposition>, With<BakedDecomposition>)>;
+type ChangedTag = (
+    Or<(Changed<ConvexDecomposition>, Changed<BakedDecomposition>, Changed<FromBakedScene>)>,
+    Tagged,
+);
 type MadeOfMeshes = (With<ConvexDecomposition>, Without<BakedDecomposition>);
 
 /// The tagged entities that meshes belong to.
@@ -109,7 +115,7 @@ pub(super) fn detect_bodies(
 /// What failed has at most the collider of an earlier input.
 type AttachedNow = (Tagged, Without<FailedRequest>);
 
-/// Meshes or baked hulls whose content came, changed or went.
+/// Meshes or baked scenes whose content came, changed or went.
 pub(super) fn detect_assets<A: Asset>(
     mut work: Work,
     mut events: MessageReader<AssetEvent<A>>,
@@ -147,7 +153,31 @@ pub(super) fn detect_assets<A: Asset>(
     }
 }
 
-type AttachedOrFailed = AnyOf<(&'static AttachedCollider, &'static FailedRequest)>;
+/// Baked scenes that came after what could be in them was made without them.
+pub(super) fn detect_late_scenes(
+    mut work: Work,
+    mut events: MessageReader<AssetEvent<BakedScene>>,
+    takers: Query<(Entity, &FromBakedScene, MadeBefore), With<ConvexDecomposition>>,
+) {
+    for event in events.read() {
+        let AssetEvent::Added { id } = event else { continue };
+        for (entity, FromBakedScene(scene), (attached, failed)) in &takers {
+            let requested = (work.unfinished.requested(entity))
+                .or(attached.map(|attached| &attached.requested))
+                .or(failed.map(|failed| &failed.requested));
+            let is_without = |requested: &Requested| {
+                let makes_hulls = requested.request.why_triangles().is_none();
+                makes_hulls && requested.request.input.scene().is_none()
+            };
+            if scene.id() == *id && requested.is_some_and(is_without) {
+                work.restart(entity);
+            }
+        }
+    }
+}
+
+type MadeBefore = (Option<&'static AttachedCollider>, Option<&'static FailedRequest>);
+type WithScale = AnyOf<(&'static AttachedCollider, &'static FailedRequest, &'static TooSmallAt)>;
 
 /// Untagged colliders are no longer ours.
 type MovedAndTagged = (Changed<GlobalTransform>, Tagged);
@@ -156,9 +186,9 @@ type MovedAndTagged = (Changed<GlobalTransform>, Tagged);
 pub(super) fn detect_scales(
     mut work: Work,
     settings: Res<HullwrightSettings>,
-    moved: Query<(Entity, &GlobalTransform, AttachedOrFailed), MovedAndTagged>,
+    moved: Query<(Entity, &GlobalTransform, WithScale), MovedAndTagged>,
 ) {
-    for (entity, transform, (attached, failed)) in &moved {
+    for (entity, transform, (attached, failed, small)) in &moved {
         // The work takes the scale that there is when it begins; one that changes later is noticed when it
         // ends. Begun anew for each movement until the new collider is there, it would never end.
         if work.unfinished.contains(entity) {
@@ -166,8 +196,9 @@ pub(super) fn detect_scales(
         }
         let baked = match failed {
             Some(failed) => failed.depends_on_scale().then_some(&failed.requested.stretch),
-            None => attached.map(|attached| &attached.requested.stretch),
+            None => small.map(|TooSmallAt(stretch)| stretch),
         };
+        let baked = baked.or(attached.map(|attached| &attached.requested.stretch));
         if let Some(baked) = baked {
             work.unfinished.detect_scale(entity, baked, Stretch::of(transform));
         }
@@ -204,7 +235,11 @@ pub(super) fn on_untag<T: Component>(
         outcomes.commands.entity(entity).try_insert(relative);
     }
     if work.forget(entity) {
-        outcomes.cancelled(entity);
+        match attached {
+            // It stays, unless the entity is despawned, which is known when it is resolved.
+            Some(_) => work.restart(entity),
+            None => outcomes.cancelled(entity),
+        }
     }
 }
 
@@ -224,7 +259,7 @@ pub(super) fn start_near(
     far: Query<Entity, (With<FarFromFocus>, With<ConvexDecomposition>)>,
     mut next: Local<usize>,
 ) {
-    let radius = distances.settings.focus_radius;
+    let radius = distances.settings.skip.focus_radius;
     for entity in turn(&mut next, far.iter()) {
         if !radius.is_some_and(|radius| distances.is_beyond(entity, radius)) {
             commands.entity(entity).try_remove::<FarFromFocus>();
@@ -241,7 +276,7 @@ pub(super) fn drop_far(
     mut outcomes: Outcomes,
     mut next: Local<usize>,
 ) {
-    let Some(radius) = distances.settings.focus_radius else { return };
+    let Some(radius) = distances.settings.skip.focus_radius else { return };
     for (entity, attached) in turn(&mut next, attached.iter()) {
         if !distances.is_beyond(entity, radius * DROP_MARGIN) {
             continue;

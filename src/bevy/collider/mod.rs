@@ -2,6 +2,7 @@
 //! one line of the log.
 
 pub(super) mod changes;
+pub(super) mod levels;
 pub(super) mod placement;
 pub(super) mod resolve;
 pub(super) mod waiting;
@@ -10,6 +11,7 @@ pub(super) mod work;
 use std::collections::BTreeMap;
 
 use bevy::ecs::query::QueryData;
+use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
 use bevy::ecs::system::{EntityCommands, SystemParam};
 use bevy::math::Affine3A;
 use bevy::prelude::*;
@@ -22,24 +24,25 @@ use bevy_rapier3d::prelude::{
 };
 
 use self::changes::{
-    detect_assets, detect_bodies, detect_scales, detect_tags, drop_far, on_untag, start_near,
+    detect_assets, detect_bodies, detect_late_scenes, detect_scales, detect_tags, drop_far,
+    on_untag, start_near,
 };
 use self::placement::Placements;
 use self::resolve::resolve;
 use self::waiting::{
-    Fallbacks, Frozen, attach_fallbacks, freeze, freeze_new, release, remove_fallbacks,
+    Fallbacks, Frozen, attach_fallbacks, freeze, freeze_new, hold_in, release, remove_fallbacks,
 };
 use self::work::{
     AttachedCollider, AttachedFallback, FailedRequest, FarFromFocus, Requested, Unfinished, Work,
-    attach_shape,
+    attach_shape, detach,
 };
-use super::jobs::baked::{BakedDecomposition, BakedHulls};
+use super::jobs::baked::{BakedDecomposition, BakedScene};
 use super::jobs::cache::{BuiltCollider, ColliderGeometry};
 use super::jobs::task::map_mass;
-use super::jobs::{Completed, Failed, Frame, Jobs, finish_jobs, start_jobs};
+use super::jobs::{Completed, Failed, Frame, Jobs, SlicesRun, finish_jobs, start_jobs};
 use super::tag::outcomes::{
-    DecompositionCounters, DecompositionError, DecompositionReady, Descriptions, Outcomes,
-    VerifiedError, entities,
+    DecompositionCounters, DecompositionError, DecompositionReady, Descriptions, MadeOf, Outcomes,
+    VerifiedDistances, entities,
 };
 use super::tag::settings::{HullwrightSettings, HullwrightSystems};
 use super::tag::{ConvexDecomposition, DEFAULT_DENSITY};
@@ -68,13 +71,14 @@ impl Plugin for ColliderPlugin {
                     detect_tags,
                     detect_bodies,
                     detect_assets::<Mesh>,
-                    detect_assets::<BakedHulls>,
+                    detect_assets::<BakedScene>,
+                    detect_late_scenes,
                     detect_scales,
                     #[cfg(feature = "bevy_gltf")]
                     changes::detect_shown
-                        .run_if(|settings: Res<HullwrightSettings>| settings.skip_hidden),
+                        .run_if(|settings: Res<HullwrightSettings>| settings.skip.hidden),
                     start_near.run_if(any_with_component::<FarFromFocus>),
-                    drop_far.run_if(|settings: Res<HullwrightSettings>| settings.drop_far),
+                    drop_far.run_if(|settings: Res<HullwrightSettings>| settings.skip.drop_far),
                 )
                     .chain()
                     .in_set(HullwrightSystems::DetectChanges),
@@ -101,7 +105,22 @@ impl Plugin for ColliderPlugin {
                     .in_set(CollidersAttached),
             ),
         )
-        .configure_sets(PostUpdate, CollidersAttached.in_set(HullwrightSystems::Attach));
+        .configure_sets(
+            PostUpdate,
+            CollidersAttached.before(SlicesRun).in_set(HullwrightSystems::Attach),
+        );
+        hold_in(app, PostUpdate);
+        hold_in(app, FixedUpdate);
+    }
+
+    /// Rapier may run in another schedule, which is known only now.
+    fn finish(&self, app: &mut App) {
+        let known = [PostUpdate.intern(), FixedUpdate.intern()];
+        let all = app.world().resource::<Schedules>().iter().map(|(_, schedule)| schedule);
+        let steps = |of: &&Schedule| of.graph().system_sets.contains(PhysicsSet::StepSimulation);
+        let others: Vec<InternedScheduleLabel> =
+            all.filter(steps).map(Schedule::label).filter(|label| !known.contains(label)).collect();
+        others.into_iter().for_each(|schedule| hold_in(app, schedule));
     }
 }
 
@@ -139,7 +158,7 @@ fn attach(
     mut outcomes: Outcomes,
 ) {
     let mut budget = time.budget(&settings);
-    for _ in 0..settings.max_attached_per_frame.max(1) {
+    for _ in 0..settings.budget.max_attached_per_frame.max(1) {
         if !budget.allows_one() {
             break;
         }
@@ -159,21 +178,24 @@ fn attach(
             outcomes.skipped(entity, reason);
             continue;
         }
-        let (hulls, error) = match &*built.geometry {
-            ColliderGeometry::Triangles(_) => (0, None),
-            ColliderGeometry::Primitive(..) => (1, None),
-            ColliderGeometry::Hulls(file) => (file.hulls.len(), verified_error(file)),
+        let (made_of, hulls, verified) = match &*built.geometry {
+            ColliderGeometry::Triangles(_) => (MadeOf::Triangles, 0, None),
+            ColliderGeometry::Primitive(..) => (MadeOf::Primitive, 1, None),
+            ColliderGeometry::Hulls(file) => {
+                let hulls = file.hulls.len();
+                (MadeOf::Hulls(hulls), hulls, verified_distances(file))
+            }
         };
-        let source = built.source;
-        outcomes.ready(DecompositionReady { entity, hulls, error, source, time: duration });
+        let (source, time) = (built.source, duration);
+        outcomes.ready(DecompositionReady { entity, hulls, verified, source, time }, made_of);
     }
 }
 
-fn verified_error(file: &HullsFile) -> Option<VerifiedError> {
+fn verified_distances(file: &HullsFile) -> Option<VerifiedDistances> {
     let errors = file.verified?;
     let share = |length: f64| (length / file.diagonal) as f32;
     let (protrusion, uncovered) = (share(errors.protrusion_max), share(errors.uncovered_max));
-    Some(VerifiedError { protrusion, uncovered })
+    Some(VerifiedDistances { protrusion, uncovered })
 }
 
 /// Reports failures. However many entities fail of the same in a frame, the log has one line.
@@ -181,6 +203,7 @@ fn report_failures(
     mut work: Work,
     placements: Placements,
     descriptions: Descriptions,
+    attached: Query<&AttachedCollider>,
     mut outcomes: Outcomes,
 ) {
     // By their text: how many, and the first of them.
@@ -199,6 +222,11 @@ fn report_failures(
                 work.unfinished.detect_scale(entity, &failed.requested.stretch, present);
             }
             outcomes.commands.entity(entity).try_insert(failed);
+        }
+        // One of another mesh or scale would be taken for this one.
+        if let Ok(attached) = attached.get(entity) {
+            let mut commands = outcomes.commands.entity(entity);
+            detach::<AttachedCollider>(&mut commands, attached.owns_mass);
         }
         outcomes.failed(entity, error);
     }
@@ -324,11 +352,11 @@ fn mass_of(
     baked: Option<&BakedDecomposition>,
     map: &Affine3A,
 ) -> Result<Option<ColliderMassProperties>, ColliderError> {
-    let density = tag.map_or(DEFAULT_DENSITY, |tag| tag.density);
-    // Of the whole collider in the world.
-    let given = match baked {
-        Some(baked) => baked.mass,
-        None => tag.and_then(|tag| tag.mass),
+    // The mass is of the whole collider in the world.
+    let (density, given) = match (baked, tag) {
+        (Some(baked), _) => (baked.density, baked.mass),
+        (None, Some(tag)) => (tag.density, tag.mass),
+        (None, None) => (DEFAULT_DENSITY, None),
     };
     match geometry {
         ColliderGeometry::Triangles(_) => Ok(None),
@@ -344,9 +372,7 @@ fn mass_of(
         }
         ColliderGeometry::Hulls(file) => {
             let Some(properties) = file.mass_properties else { return Ok(None) };
-            // The mass of baked hulls includes their density; all others have a density of 1.
-            let density = if baked.is_some() { 1.0 } else { f64::from(density) };
-            let mapped = map_mass(&properties.with_mass(properties.mass * density), map);
+            let mapped = map_mass(&properties.with_mass(properties.mass * f64::from(density)), map);
             let mapped = given.map_or(mapped, |mass| mapped.with_mass(mass.into()));
             rapier_mass(&mapped).map(Some)
         }

@@ -11,13 +11,15 @@ use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::Collider;
 
+use super::levels::Levels;
 use super::placement::{Placement, Placements, Stretch};
 use super::waiting::Fallbacks;
 use super::work::{
-    AttachedCollider, AttachedFallback, FailedRequest, FarFromFocus, InputBoundary, Requested, Work,
+    AttachedCollider, AttachedFallback, FailedRequest, FarFromFocus, InputBoundary, Requested,
+    TooSmallAt, Work, detach,
 };
 use crate::bevy::jobs::Frame;
-use crate::bevy::jobs::baked::{BakedDecomposition, BakedHulls, BakedScene, FromBakedScene};
+use crate::bevy::jobs::baked::{BakedDecomposition, BakedScene, FromBakedScene};
 use crate::bevy::jobs::request::{ColliderRequest, InputId, MapKey, MeshPart};
 use crate::bevy::tag::outcomes::{
     DecompositionError, DecompositionStatus, Descriptions, Outcomes, SkipReason, WaitReason,
@@ -36,13 +38,13 @@ pub(super) struct Scene<'w, 's> {
     children: Query<'w, 's, &'static Children>,
     parents: Query<'w, 's, &'static ChildOf>,
     transforms: Query<'w, 's, &'static Transform>,
+    levels: Levels<'w, 's>,
     #[cfg(feature = "bevy_gltf")]
     visibilities: Query<'w, 's, &'static Visibility>,
     placements: Placements<'w, 's>,
     distances: Distances<'w, 's>,
     descriptions: Descriptions<'w, 's>,
     meshes: Res<'w, Assets<Mesh>>,
-    baked: Res<'w, Assets<BakedHulls>>,
     scenes: Res<'w, Assets<BakedScene>>,
     server: Option<Res<'w, AssetServer>>,
 }
@@ -53,14 +55,15 @@ struct Tag {
     baked: Option<&'static BakedDecomposition>,
     scene: Option<&'static FromBakedScene>,
     has_collider: Has<Collider>,
-    is_attached: Has<AttachedCollider>,
+    attached: Option<&'static AttachedCollider>,
     is_fallback: Has<AttachedFallback>,
     has_failed: Has<FailedRequest>,
+    is_too_small: Has<TooSmallAt>,
 }
 
 /// The next state of an entity.
 enum Resolution {
-    /// It is gone, or has no tag any more.
+    /// It is gone, or has no tag any more, nor a collider of the plugin's.
     Gone,
     /// What it is made of is not there yet: this asset, or any mesh at all.
     Later(Option<UntypedAssetId>),
@@ -92,6 +95,9 @@ pub(super) fn resolve(
         {
             outcomes.commands.entity(entity).try_remove::<FailedRequest>();
         }
+        if tag.as_ref().is_some_and(|tag| tag.is_too_small) {
+            outcomes.commands.entity(entity).try_remove::<TooSmallAt>();
+        }
         match resolution {
             Resolution::Gone => {
                 work.unfinished.end(entity);
@@ -104,8 +110,19 @@ pub(super) fn resolve(
             }
             Resolution::Skipped(reason) => {
                 work.unfinished.end(entity);
-                if reason == SkipReason::TooFar {
-                    outcomes.commands.entity(entity).try_insert(FarFromFocus);
+                let mut commands = outcomes.commands.entity(entity);
+                match reason {
+                    SkipReason::TooFar => commands.try_insert(FarFromFocus),
+                    SkipReason::TooSmall => {
+                        commands.try_insert(TooSmallAt(scene.placements.stretch(entity)))
+                    }
+                    _ => &mut commands,
+                };
+                // One of another mesh or scale would be taken for this one.
+                if let Some(attached) = tag.and_then(|tag| tag.attached)
+                    && !reason.has_collider()
+                {
+                    detach::<AttachedCollider>(&mut commands, attached.owns_mass);
                 }
                 outcomes.skipped(entity, reason);
             }
@@ -147,7 +164,7 @@ pub(super) fn resolve(
 
 impl Scene<'_, '_> {
     fn resolution(&self, entity: Entity, tag: &TagItem) -> Resolution {
-        if tag.has_collider && !tag.is_attached && !tag.is_fallback {
+        if tag.has_collider && tag.attached.is_none() && !tag.is_fallback {
             return Resolution::Skipped(SkipReason::HasCollider);
         }
         match (tag.baked, tag.tag) {
@@ -156,6 +173,8 @@ impl Scene<'_, '_> {
                 Some(reason) => Resolution::Skipped(reason),
                 None => self.mesh_request(entity, of_meshes, tag.scene),
             },
+            // What it had is Rapier's own now.
+            (None, None) if tag.attached.is_some() => Resolution::Skipped(SkipReason::HasCollider),
             (None, None) => Resolution::Gone,
         }
     }
@@ -163,10 +182,10 @@ impl Scene<'_, '_> {
     /// Why an entity is skipped, whatever its mesh.
     fn reason_to_skip(&self, entity: Entity) -> Option<SkipReason> {
         let settings = &self.distances.settings;
-        if settings.skip_hidden && self.is_hidden(entity) {
+        if settings.skip.hidden && self.is_hidden(entity) {
             return Some(SkipReason::Hidden);
         }
-        let radius = settings.focus_radius?;
+        let radius = settings.skip.focus_radius?;
         self.distances.is_beyond(entity, radius).then_some(SkipReason::TooFar)
     }
 
@@ -186,17 +205,16 @@ impl Scene<'_, '_> {
     }
 
     fn baked_request(&self, entity: Entity, baked: &BakedDecomposition) -> Resolution {
-        let id = baked.hulls.id().untyped();
-        let is_missing = !self.baked.contains(&baked.hulls);
+        let id = baked.scene.id().untyped();
+        let is_missing = !self.scenes.contains(&baked.scene);
         if is_missing && !self.failed_to_load(id) {
             return Resolution::Later(Some(id));
         }
         let Placement { map, stretch } = self.placements.placement(entity);
         let request = ColliderRequest {
-            input: Arc::new(InputId::Baked(id)),
+            input: Arc::new(InputId::Baked { scene: id, mesh: baked.mesh.clone() }),
             parts: Vec::new(),
             goal: None,
-            scene: None,
             map_before: Affine3A::IDENTITY,
             map,
         };
@@ -218,15 +236,19 @@ impl Scene<'_, '_> {
         if let Some(mesh) = missing.filter(|mesh| !self.failed_to_load(mesh.untyped())) {
             return Resolution::Later(Some(mesh.untyped()));
         }
-        let scene_id = scene.map(|scene| scene.0.id().untyped());
-        if let (Some(FromBakedScene(scene)), Some(id)) = (scene, scene_id)
-            && !self.scenes.contains(scene)
-            && !self.failed_to_load(id)
+        let goal = self.goal(entity, tag);
+        let mut baked = None;
+        if let Some(FromBakedScene(scene)) = scene
+            && goal.parameters().is_some()
         {
-            return Resolution::Later(Some(id));
+            let id = scene.id().untyped();
+            if self.scenes.contains(scene) {
+                baked = Some(id);
+            } else if !self.failed_to_load(id) {
+                return Resolution::Later(Some(id));
+            }
         }
         let placement = self.placements.placement(entity);
-        let goal = self.goal(entity, tag);
         if self.is_too_small(&parts, &placement.map) {
             return Resolution::Skipped(SkipReason::TooSmall);
         }
@@ -239,9 +261,9 @@ impl Scene<'_, '_> {
             parts: parts.iter().map(|part| (part.mesh, MapKey::new(&part.to_input))).collect(),
             goal: goal.hash(),
             map_before: MapKey::new(&map_before),
+            scene: baked,
         });
-        let request =
-            ColliderRequest { input, parts, goal: Some(goal), scene: scene_id, map_before, map };
+        let request = ColliderRequest { input, parts, goal: Some(goal), map_before, map };
         request_unless(missing.is_some(), request, placement.stretch)
     }
 
@@ -271,9 +293,10 @@ impl Scene<'_, '_> {
         is_primitive(entity) && siblings.iter().filter(|child| is_primitive(*child)).count() > 1
     }
 
-    /// The meshes on an entity and below it, in the order of the children.
+    /// The meshes on an entity and below it, in the order of the children, of several levels of detail the finest.
     fn collect(&self, top: Entity, entity: Entity, parts: &mut Vec<MeshPart>) {
-        if entity != top && self.boundaries.contains(entity) {
+        let is_left_out = || self.boundaries.contains(entity) || self.levels.is_coarser(entity);
+        if entity != top && is_left_out() {
             return;
         }
         if let Ok(mesh) = self.meshes_on.get(entity) {
@@ -289,7 +312,7 @@ impl Scene<'_, '_> {
 
     /// Whether meshes are smaller in the world than the settings say. O(vertices), where they say something.
     fn is_too_small(&self, parts: &[MeshPart], map: &Affine3A) -> bool {
-        let min_size = self.distances.settings.min_size;
+        let min_size = self.distances.settings.skip.min_size;
         if min_size <= 0.0 {
             return false;
         }

@@ -4,105 +4,83 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use bevy::ecs::entity::EntityHashSet;
+use bevy::ecs::entity::{EntityHashMap, EntityHashSet};
+use bevy::ecs::schedule::ScheduleLabel;
 use bevy::ecs::system::SystemParam;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
 use bevy::tasks::{Task, block_on, poll_once};
-use bevy_rapier3d::prelude::{Collider, ColliderMassProperties, LockedAxes, RigidBody, Velocity};
+use bevy_rapier3d::plugin::PhysicsSet;
+use bevy_rapier3d::prelude::{
+    Collider, ColliderMassProperties, RapierContextEntityLink, RapierRigidBodyHandle,
+    RapierRigidBodySet, RigidBody,
+};
+use bevy_rapier3d::rapier::dynamics;
 use bevy_rapier3d::rapier::geometry::SharedShape;
+use bevy_rapier3d::rapier::math::Vector;
 
 use super::placement::Placements;
 use super::work::{
-    AttachedCollider, AttachedFallback, FarFromFocus, Unfinished, attach_shape, detach,
+    AttachedCollider, AttachedFallback, FarFromFocus, Unfinished, Work, attach_shape, detach,
 };
+use crate::bevy::jobs::Frame;
 use crate::bevy::jobs::baked::BakedDecomposition;
 use crate::bevy::jobs::request::{ColliderRequest, MeshData, read_parts};
-use crate::bevy::jobs::task::primitive_around;
-use crate::bevy::jobs::{Frame, pool};
+use crate::bevy::jobs::task::{contain_panics, primitive_around};
 use crate::bevy::tag::ConvexDecomposition;
 use crate::bevy::tag::outcomes::DecompositionStatus;
 use crate::bevy::tag::parameters::PrimitiveKind;
 use crate::bevy::tag::settings::{Execution, FallbackCollider, HullwrightSettings};
 use crate::hull::{HullBuilder, solid_hull};
 
-/// On a body that is frozen: the entities that it waits for, and what to restore.
-#[derive(Component, Debug)]
-pub(super) struct Frozen {
+/// On a body that is frozen: the entities that it waits for. It is held in Rapier alone and during steps alone, so that
+/// what users see, clone and save of it is their own.
+#[derive(Component, Debug, Default)]
+pub(crate) struct Frozen {
     for_entities: EntityHashSet,
-    locked: Option<LockedAxes>,
-    velocity: Option<Velocity>,
-    /// Whether the velocity that it has now was set when it was frozen, by another system than the one that
-    /// looks at it.
-    is_new: bool,
+    /// What it has before the step.
+    held: Option<Held>,
+}
+
+/// What a body is to have again after the step.
+#[derive(Debug, Clone, Copy)]
+struct Held {
+    velocity: [Vector; 2],
+    locked: dynamics::LockedAxes,
 }
 
 /// Tags of this frame, on what has no collider of its own.
 type NewTag = (Or<(Added<ConvexDecomposition>, Added<BakedDecomposition>)>, Without<Collider>);
-
-type FreeBody = (Option<&'static LockedAxes>, Option<&'static mut Velocity>);
 
 /// The bodies of entities that wait.
 #[derive(SystemParam)]
 pub(super) struct Bodies<'w, 's> {
     placements: Placements<'w, 's>,
     attached: Query<'w, 's, (), With<AttachedCollider>>,
-    frozen: Query<'w, 's, (&'static mut Frozen, Option<&'static mut Velocity>)>,
-    free: Query<'w, 's, FreeBody, Without<Frozen>>,
+    frozen: Query<'w, 's, &'static mut Frozen>,
 }
 
 impl Bodies<'_, '_> {
     /// Freezes the bodies of those that have no collider yet.
-    fn freeze_for(
-        &mut self,
-        entities: impl Iterator<Item = Entity>,
-        is_new: bool,
-        commands: &mut Commands,
-    ) {
-        let mut new: Vec<(Entity, Frozen)> = Vec::new();
+    fn freeze_for(&mut self, entities: impl Iterator<Item = Entity>, commands: &mut Commands) {
+        let mut new: EntityHashMap<Frozen> = EntityHashMap::default();
         for entity in entities {
             let Some((body, RigidBody::Dynamic)) = self.placements.body(entity) else { continue };
             if self.attached.contains(entity) {
                 continue;
             }
-            if let Ok((mut frozen, _)) = self.frozen.get_mut(body) {
-                frozen.for_entities.insert(entity);
-            } else if let Some((_, frozen)) = new.iter_mut().find(|(other, _)| *other == body) {
-                frozen.for_entities.insert(entity);
-            } else {
-                let (locked, mut velocity) = self.free.get_mut(body).unwrap_or_default();
-                let for_entities = EntityHashSet::from_iter([entity]);
-                let (locked, before) = (locked.copied(), velocity.as_deref().copied());
-                new.push((body, Frozen { for_entities, locked, velocity: before, is_new }));
-                if let Some(velocity) = &mut velocity {
-                    velocity.set_if_neq(Velocity::zero());
-                }
-            }
+            match self.frozen.get_mut(body) {
+                Ok(mut frozen) => frozen.for_entities.insert(entity),
+                Err(_) => new.entry(body).or_default().for_entities.insert(entity),
+            };
         }
         for (body, frozen) in new {
-            commands.entity(body).try_insert((frozen, LockedAxes::all()));
-        }
-    }
-
-    /// Keeps the velocities that are set while bodies are frozen.
-    fn keep_velocities(&mut self) {
-        for (mut frozen, velocity) in &mut self.frozen {
-            // Rapier leaves the velocity of a body that stands still alone, and a system does not see what it
-            // changed itself: another system has set it.
-            let Some(mut velocity) = velocity.filter(|velocity| velocity.is_changed()) else {
-                continue;
-            };
-            let is_own = std::mem::take(&mut frozen.is_new) && *velocity == Velocity::zero();
-            if !is_own {
-                frozen.velocity = Some(*velocity);
-                velocity.set_if_neq(Velocity::zero());
-            }
+            commands.entity(body).try_insert(frozen);
         }
     }
 }
 
-/// Freezes the bodies of entities that wait for their first collider, and keeps the velocities that are set
-/// while they are frozen.
+/// Freezes the bodies of entities that wait for their first collider.
 pub(super) fn freeze(
     mut commands: Commands,
     unfinished: Res<Unfinished>,
@@ -110,10 +88,9 @@ pub(super) fn freeze(
     far: Query<Entity, Added<FarFromFocus>>,
     mut bodies: Bodies,
 ) {
-    bodies.keep_velocities();
     if settings.freeze_until_ready {
         let waiting = unfinished.entities().chain(&far);
-        bodies.freeze_for(waiting, false, &mut commands);
+        bodies.freeze_for(waiting, &mut commands);
     }
 }
 
@@ -128,7 +105,7 @@ pub(super) fn freeze_new(
         let waits = |(entity, status): (Entity, &DecompositionStatus)| {
             (!status.is_finished()).then_some(entity)
         };
-        bodies.freeze_for(tagged.iter().filter_map(waits), true, &mut commands);
+        bodies.freeze_for(tagged.iter().filter_map(waits), &mut commands);
     }
 }
 
@@ -140,31 +117,83 @@ pub(super) fn release(
     mut commands: Commands,
     unfinished: Res<Unfinished>,
     far: Query<(), IsFar>,
-    mut frozen: Query<(Entity, &mut Frozen, Option<&LockedAxes>)>,
+    mut frozen: Query<(Entity, &mut Frozen)>,
 ) {
     let waits = |entity: &Entity| unfinished.contains(*entity) || far.contains(*entity);
-    for (body, mut frozen, locked) in &mut frozen {
+    for (body, mut frozen) in &mut frozen {
         frozen.for_entities.retain(waits);
-        if !frozen.for_entities.is_empty() {
-            continue;
-        }
-        let mut commands = commands.entity(body);
-        commands.try_remove::<Frozen>();
-        // Axes that were locked in the meantime stay locked.
-        if locked == Some(&LockedAxes::all()) {
-            commands.try_insert(frozen.locked.unwrap_or(LockedAxes::empty()));
-        }
-        if let Some(velocity) = frozen.velocity {
-            commands.try_insert(velocity);
+        if frozen.for_entities.is_empty() {
+            commands.entity(body).try_remove::<Frozen>();
         }
     }
+}
+
+/// Holds frozen bodies during the steps of a schedule.
+pub(super) fn hold_in(app: &mut App, schedule: impl ScheduleLabel) {
+    app.add_systems(
+        schedule,
+        (
+            hold.after(PhysicsSet::SyncBackend).before(PhysicsSet::StepSimulation),
+            let_go.after(PhysicsSet::StepSimulation).before(PhysicsSet::Writeback),
+        )
+            .chain()
+            .run_if(any_with_component::<Frozen>),
+    );
+}
+
+/// Frozen bodies, as Rapier has them.
+#[derive(SystemParam)]
+pub(super) struct FrozenBodies<'w, 's> {
+    frozen: Query<'w, 's, (&'static mut Frozen, BodyHandle)>,
+    sets: Query<'w, 's, &'static mut RapierRigidBodySet>,
+}
+
+type BodyHandle = (&'static RapierRigidBodyHandle, &'static RapierContextEntityLink);
+
+impl FrozenBodies<'_, '_> {
+    fn for_each(&mut self, run: impl Fn(&mut Option<Held>, &mut dynamics::RigidBody)) {
+        for (mut frozen, (handle, context)) in &mut self.frozen {
+            if let Ok(mut set) = self.sets.get_mut(context.0)
+                && let Some(body) = set.bodies.get_mut(handle.0)
+            {
+                run(&mut frozen.held, body);
+            }
+        }
+    }
+}
+
+/// Rapier moves by its velocity also what is locked. A clone may share its body with the original, and what is held by one
+/// of them is not held again.
+fn hold(mut bodies: FrozenBodies) {
+    bodies.for_each(|held, body| {
+        let (velocity, locked) = ([body.linvel(), body.angvel()], body.locked_axes());
+        let is_held = locked == dynamics::LockedAxes::all() && velocity == [Vector::ZERO; 2];
+        if body.is_dynamic() && !is_held {
+            *held = Some(Held { velocity, locked });
+            body.set_linvel(Vector::ZERO, false);
+            body.set_angvel(Vector::ZERO, false);
+            body.set_locked_axes(dynamics::LockedAxes::all(), false);
+        }
+    });
+}
+
+/// Awake, since it is to fall as soon as it is released.
+fn let_go(mut bodies: FrozenBodies) {
+    bodies.for_each(|held, body| {
+        if let Some(Held { velocity: [linear, angular], locked }) = held.take() {
+            body.set_locked_axes(locked, true);
+            body.wake_up(true);
+            body.set_linvel(linear, true);
+            body.set_angvel(angular, true);
+        }
+    });
 }
 
 /// Fallback colliders to be made, each for what its entity requests.
 #[derive(Resource, Default)]
 pub(super) struct Fallbacks {
     waiting: VecDeque<(Entity, Arc<ColliderRequest>, FallbackCollider)>,
-    jobs: Vec<(Entity, Arc<ColliderRequest>, Task<Option<SharedShape>>)>,
+    tasks: Vec<(Entity, Arc<ColliderRequest>, Task<Option<SharedShape>>)>,
 }
 
 impl Fallbacks {
@@ -178,7 +207,7 @@ impl Fallbacks {
     }
 
     pub(super) fn is_empty(&self) -> bool {
-        self.waiting.is_empty() && self.jobs.is_empty()
+        self.waiting.is_empty() && self.tasks.is_empty()
     }
 }
 
@@ -194,7 +223,7 @@ pub(super) fn attach_fallbacks(
     mut commands: Commands,
     mut fallbacks: ResMut<Fallbacks>,
     Frame { mut time, settings }: Frame,
-    unfinished: Res<Unfinished>,
+    Work { unfinished, mut jobs }: Work,
     Targets { meshes, tags }: Targets,
 ) {
     let fallbacks = &mut *fallbacks;
@@ -219,15 +248,17 @@ pub(super) fn attach_fallbacks(
         let Ok(data) = read_parts(&request.parts, &request.to_collider(), &meshes) else {
             continue;
         };
-        let shape = match (kind, settings.execution) {
+        let shape = match (kind, settings.budget.execution) {
             (FallbackCollider::None, _) => None,
             (FallbackCollider::BoundingBox, _) => {
                 primitive_around(PrimitiveKind::Cuboid, &data, &Affine3A::IDENTITY).ok()
             }
-            (FallbackCollider::ConvexHull, Execution::Slices) => convex_hull(&data),
+            (FallbackCollider::ConvexHull, Execution::Slices) => {
+                contain_panics(|| Ok(convex_hull(&data))).ok().flatten()
+            }
             (FallbackCollider::ConvexHull, Execution::Background) => {
-                let task = pool().spawn(async move { convex_hull(&data) });
-                fallbacks.jobs.push((entity, request, task));
+                let task = jobs.spawn(&settings, move || convex_hull(&data));
+                fallbacks.tasks.push((entity, request, task));
                 None
             }
         };
@@ -235,7 +266,7 @@ pub(super) fn attach_fallbacks(
             attach(entity, shape);
         }
     }
-    fallbacks.jobs.retain_mut(|(entity, request, task)| {
+    fallbacks.tasks.retain_mut(|(entity, request, task)| {
         if is_wanted(*entity, request) && !task.is_finished() {
             return true;
         }
@@ -254,7 +285,7 @@ pub(super) fn remove_fallbacks(
     fallbacks: Query<(Entity, &AttachedFallback, &DecompositionStatus)>,
 ) {
     for (entity, fallback, status) in &fallbacks {
-        if matches!(status, DecompositionStatus::Failed(_) | DecompositionStatus::Cancelled) {
+        if status.has_collider() == Some(false) {
             detach::<AttachedFallback>(&mut commands.entity(entity), fallback.owns_mass);
         }
     }

@@ -80,6 +80,10 @@ impl FailedRequest {
 #[derive(Component, Debug, Clone, Copy)]
 pub(super) struct FarFromFocus;
 
+/// On entities that are too small: the scale that they had then.
+#[derive(Component, Debug, Clone, Copy)]
+pub(super) struct TooSmallAt(pub Stretch);
+
 /// Gives an entity a collider, and records by `record` that it is the plugin's.
 pub(super) fn attach_shape(entity: &mut EntityCommands, shape: SharedShape, record: impl Bundle) {
     // The scale is in the points; bevy_rapier must not apply it again.
@@ -136,7 +140,7 @@ impl Unfinished {
         self.entries.is_empty() && self.rescaling.is_empty()
     }
 
-    pub(super) fn contains(&self, entity: Entity) -> bool {
+    pub(crate) fn contains(&self, entity: Entity) -> bool {
         self.entries.contains_key(&entity)
     }
 

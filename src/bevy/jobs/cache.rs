@@ -6,10 +6,11 @@
 
 use std::fs::{DirEntry, File, Metadata};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicI64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime};
 
+use bevy::asset::UntypedAssetId;
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy_rapier3d::rapier::geometry::SharedShape;
 use sha2::{Digest, Sha256};
@@ -67,7 +68,7 @@ pub(crate) struct BuiltCollider {
 #[derive(Clone, Default)]
 pub(super) struct GeometryCache {
     memory: Arc<Mutex<Memory>>,
-    unseen: UnseenBytes,
+    disk: Arc<DiskState>,
 }
 
 #[derive(Default)]
@@ -105,10 +106,7 @@ impl GeometryCache {
         let mut memory = self.lock();
         let entry = memory.touch(key)?;
         let (geometry, shape) = (entry.geometry.clone(), entry.shapes.get(&map)?.clone());
-        let source = match key {
-            ContentKey::Mesh { .. } => HullSource::Shared,
-            ContentKey::Baked(_) => HullSource::Baked,
-        };
+        let source = if key.is_baked() { HullSource::Baked } else { HullSource::Shared };
         Some(BuiltCollider { key, geometry, shape, source })
     }
 
@@ -123,8 +121,12 @@ impl GeometryCache {
         }
     }
 
-    pub(super) fn remove(&self, key: ContentKey) {
-        self.lock().remove(key);
+    /// Removes what was made from a baked scene.
+    pub(super) fn forget_asset(&self, asset: UntypedAssetId) {
+        let mut memory = self.lock();
+        let of_asset = |key: &&ContentKey| key.scene() == Some(asset);
+        let keys: Vec<ContentKey> = memory.entries.keys().filter(of_asset).copied().collect();
+        keys.into_iter().for_each(|key| memory.remove(key));
     }
 
     /// Claims the work on a content, unless another job has it.
@@ -145,8 +147,8 @@ impl GeometryCache {
 
     /// The cache on disk; `None` if the settings name no directory.
     pub(super) fn on_disk(&self, settings: &HullwrightSettings) -> Option<DiskCache> {
-        let (directory, unseen) = (settings.disk_cache.clone()?, self.unseen.clone());
-        Some(DiskCache { directory, budget: settings.disk_cache_bytes, unseen })
+        let (directory, state) = (settings.cache.disk.clone()?, self.disk.clone());
+        Some(DiskCache { directory, budget: settings.cache.disk_bytes, state })
     }
 }
 
@@ -197,12 +199,18 @@ impl Drop for WorkClaim {
 pub(super) struct DiskCache {
     directory: PathBuf,
     budget: u64,
-    unseen: UnseenBytes,
+    state: Arc<DiskState>,
 }
 
-/// Bytes that may be written before the directory is looked at again, in this process; clones share it. The first
-/// file that is written looks at what earlier runs left.
-type UnseenBytes = Arc<AtomicI64>;
+/// What this process knows of the directory.
+#[derive(Debug, Default)]
+struct DiskState {
+    /// Bytes that may be written before the directory is looked at again. The first file that is written looks at what
+    /// earlier runs left.
+    unseen: AtomicI64,
+    /// Whether the log says that files can't be written.
+    is_failure_logged: AtomicBool,
+}
 
 /// The directory is looked at once this share of the budget has been written, so that a thousand files
 /// are not looked at for each that is written. The cache is larger than its budget by as much.
@@ -220,7 +228,7 @@ const TEMPORARY: &str = ".hullwright-";
 
 impl DiskCache {
     fn path_of(&self, key: ContentKey) -> Option<PathBuf> {
-        let ContentKey::Mesh { mesh, goal } = key else { return None };
+        let ContentKey::Mesh { mesh, goal, scene: None } = key else { return None };
         let mut hasher = Sha256::new_with_prefix(mesh.as_bytes());
         hasher.update(goal);
         let name = MeshHash::from_bytes(hasher.finalize().into()).to_string();
@@ -239,19 +247,22 @@ impl DiskCache {
         (file.is_current() && file.mass_properties.is_some()).then_some(file)
     }
 
-    /// A file that can't be written is logged: the decomposition succeeded all the same.
+    /// The first file that can't be written is logged: the decomposition succeeded all the same.
     pub(super) fn write(&self, key: ContentKey, file: &HullsFile) {
         let Some(path) = self.path_of(key) else { return };
         let written = std::fs::create_dir_all(&self.directory)
             .map_err(|error| error.to_string())
             .and_then(|()| file.write(&path).map_err(|error| error.to_string()));
         if let Err(error) = written {
-            log::warn!("{} could not be cached: {error}", path.display());
+            if !self.state.is_failure_logged.swap(true, Ordering::Relaxed) {
+                log::warn!("{} could not be cached, and maybe others: {error}", path.display());
+            }
             return;
         }
         let bytes = std::fs::metadata(&path).map_or(0, |metadata| metadata.len() as i64);
-        if self.unseen.fetch_sub(bytes, Ordering::Relaxed) <= bytes {
-            self.unseen.store((self.budget / UNSEEN_SHARE) as i64, Ordering::Relaxed);
+        if self.state.unseen.fetch_sub(bytes, Ordering::Relaxed) <= bytes {
+            let unseen = (self.budget / UNSEEN_SHARE) as i64;
+            self.state.unseen.store(unseen, Ordering::Relaxed);
             self.evict(SystemTime::now());
         }
     }
@@ -306,7 +317,7 @@ mod tests {
     use super::*;
 
     fn cache(directory: &Path, budget: u64) -> DiskCache {
-        DiskCache { directory: directory.into(), budget, unseen: UnseenBytes::default() }
+        DiskCache { directory: directory.into(), budget, state: Arc::default() }
     }
 
     /// Files of 100 bytes, used at these seconds.

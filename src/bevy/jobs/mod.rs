@@ -2,6 +2,9 @@
 
 pub(super) mod baked;
 pub(super) mod cache;
+mod pool;
+#[cfg(feature = "io")]
+pub(super) mod recipe;
 pub(super) mod request;
 pub(super) mod task;
 
@@ -15,13 +18,13 @@ use bevy::ecs::system::SystemParam;
 use bevy::platform::collections::HashMap;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
-use bevy::tasks::{AsyncComputeTaskPool, Task, TaskPool, block_on, poll_once};
+use bevy::tasks::{Task, TaskPool, block_on, poll_once};
 
-use self::baked::{
-    BakedDecomposition, BakedHulls, BakedScene, FromBakedScene, HullSceneLoader,
-    HullSceneProcessor, HullSceneSaver, HullsLoader,
-};
+use self::baked::{BakedDecomposition, BakedScene, FromBakedScene, HullSceneLoader};
 use self::cache::{BuiltCollider, ColliderGeometry, GeometryCache};
+use self::pool::{Pool, decomposition_threads};
+#[cfg(feature = "io")]
+use self::recipe::{HullRecipeLoader, HullRecipeProcessor};
 use self::request::{ColliderRequest, ContentKey, InputId, MapKey, read_parts};
 use self::task::{
     DecompositionTask, SharedProgress, TaskInput, TaskOutput, TaskResult, contain_panics,
@@ -30,7 +33,7 @@ use super::tag::outcomes::{
     DecompositionCounters, DecompositionError, DecompositionStatus, HullSource, Outcomes,
     WaitReason,
 };
-use super::tag::settings::{Execution, HullwrightSettings, HullwrightSystems};
+use super::tag::settings::{BudgetSettings, Execution, HullwrightSettings, HullwrightSystems};
 use super::tag::{DecompositionFocus, DecompositionPriority};
 use crate::{Control, MethodReport};
 
@@ -46,17 +49,21 @@ impl Plugin for JobsPlugin {
             .register_type::<FromBakedScene>()
             .add_systems(
                 PostUpdate,
-                (finish_jobs, start_jobs.run_if(are_jobs_busy))
-                    .chain()
-                    .in_set(HullwrightSystems::RunJobs),
-            );
+                (
+                    (finish_jobs, start_jobs.run_if(are_jobs_busy))
+                        .chain()
+                        .in_set(HullwrightSystems::RunJobs),
+                    run_slices.in_set(SlicesRun),
+                ),
+            )
+            .configure_sets(PostUpdate, SlicesRun.in_set(HullwrightSystems::Attach));
     }
 
     /// Again at the end, where Bevy's plugin for assets came after ours.
     fn finish(&self, app: &mut App) {
         let world = app.world();
         if !world.contains_resource::<AssetServer>()
-            || world.contains_resource::<Assets<BakedHulls>>()
+            || world.contains_resource::<Assets<BakedScene>>()
         {
             return;
         }
@@ -65,17 +72,20 @@ impl Plugin for JobsPlugin {
         if !world.contains_resource::<Assets<Mesh>>() {
             app.init_asset::<Mesh>();
         }
-        app.init_asset::<BakedHulls>()
-            .register_asset_reflect::<BakedHulls>()
-            .register_asset_loader(HullsLoader);
-        // What concerns Bevy's processor does nothing where there is none.
         app.init_asset::<BakedScene>()
             .register_asset_reflect::<BakedScene>()
-            .register_asset_loader(HullSceneLoader)
-            .register_asset_processor(HullSceneProcessor::from(HullSceneSaver))
-            .set_default_asset_processor::<HullSceneProcessor>("hullscene");
+            .register_asset_loader(HullSceneLoader);
+        // What concerns Bevy's processor does nothing where there is none.
+        #[cfg(feature = "io")]
+        app.register_asset_loader(HullRecipeLoader)
+            .register_asset_processor(HullRecipeProcessor::from(recipe::HullSceneSaver))
+            .set_default_asset_processor::<HullRecipeProcessor>("hullrecipe");
     }
 }
+
+/// Decompositions go on in the main thread, with what is left of the frame's budget when all that is ready is attached.
+#[derive(SystemSet, Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) struct SlicesRun;
 
 /// A result on its way to its entity.
 pub(super) struct Completed {
@@ -100,11 +110,17 @@ struct Job {
     control: Control,
     progress: SharedProgress,
     shown_progress: f32,
+    /// Whether it takes no decomposition.
+    is_quick: bool,
     worker: Worker,
 }
 
 enum Worker {
-    Background(Task<TaskResult>),
+    /// The task, and the pool without which it would not end.
+    Background {
+        task: Task<TaskResult>,
+        _pool: Arc<TaskPool>,
+    },
     Slices(Box<DecompositionTask>),
 }
 
@@ -118,6 +134,14 @@ pub(super) struct Jobs {
     /// Results of inputs that need no look into them.
     known: HashMap<Arc<InputId>, Result<ContentKey, DecompositionError>>,
     cache: GeometryCache,
+    pool: Pool,
+}
+
+/// Threads are waited for when the pool goes, and shall not go on with what nobody takes.
+impl Drop for Jobs {
+    fn drop(&mut self) {
+        self.running.iter().for_each(|job| job.control.cancel());
+    }
 }
 
 impl Jobs {
@@ -149,7 +173,17 @@ impl Jobs {
     /// Forgets what was made from an asset.
     pub(super) fn forget_asset(&mut self, asset: UntypedAssetId) {
         self.known.retain(|input, _| !input.uses(asset));
-        self.cache.remove(ContentKey::Baked(asset));
+        self.cache.forget_asset(asset);
+    }
+
+    /// Runs something short in the background. A panic of it ends in nothing.
+    pub(super) fn spawn<T: Send + 'static>(
+        &mut self,
+        settings: &HullwrightSettings,
+        run: impl FnOnce() -> Option<T> + Send + 'static,
+    ) -> Task<Option<T>> {
+        let pool = self.pool.get(&settings.budget);
+        pool.spawn(async move { contain_panics(|| Ok(run())).ok().flatten() })
     }
 
     /// An error of an entity that needs no job to be found.
@@ -234,33 +268,81 @@ impl Jobs {
         if has_to_wait { NextStep::Wait } else { NextStep::StartJob }
     }
 
+    /// Whether a request takes no decomposition, as far as is known without a look at its mesh.
+    fn is_quick(&self, request: &ColliderRequest) -> bool {
+        let makes_hulls = request.goal.as_ref().is_some_and(|goal| goal.parameters().is_some());
+        !makes_hulls
+            || match self.key_of(&request.input) {
+                None => request.input.scene().is_some(),
+                Some(key) => key.is_baked() || self.cache.geometry(key).is_some(),
+            }
+    }
+
+    fn has_room(&self, budget: &BudgetSettings, is_quick: bool) -> bool {
+        let like_it = self.running.iter().filter(|job| job.is_quick == is_quick).count();
+        match (is_quick, budget.execution) {
+            // It ends where it starts.
+            (true, Execution::Slices) => true,
+            (true, Execution::Background) => like_it < QUICK_JOBS,
+            (false, _) => like_it < most_decompositions(budget),
+        }
+    }
+
+    /// Starts a job. In slices it takes its first step at once, which is its last if it is quick.
     fn start(
         &mut self,
         settings: &HullwrightSettings,
         entity: Entity,
         request: &Arc<ColliderRequest>,
         input: TaskInput,
+        outcomes: &mut Outcomes,
     ) {
         let progress = SharedProgress::default();
         let control = progress.control();
         let task = DecompositionTask::new(input, request.map, self.cache.clone(), settings);
-        let worker = match settings.execution {
-            Execution::Slices => Worker::Slices(Box::new(task)),
-            Execution::Background => {
-                let control = control.clone();
-                let run = move || task.run(&control);
-                Worker::Background(pool().spawn(async move { contain_panics(run) }))
-            }
-        };
-        self.running.push(Job {
+        let mut job = Job {
             input: request.input.clone(),
             map: request.map_key(),
             entities: vec![(entity, request.clone())],
-            control,
+            control: control.clone(),
             progress,
             shown_progress: 0.0,
-            worker,
-        });
+            is_quick: self.is_quick(request),
+            worker: match settings.budget.execution {
+                Execution::Slices => Worker::Slices(Box::new(task)),
+                Execution::Background => {
+                    let pool = self.pool.get(&settings.budget);
+                    let task = pool.spawn(task.run(control));
+                    Worker::Background { task, _pool: pool }
+                }
+            },
+        };
+        outcomes.show(entity, DecompositionStatus::Running { progress: 0.0 });
+        match job.take_step() {
+            Some(result) => self.end_job(job, result, outcomes),
+            None => self.running.push(job),
+        }
+    }
+
+    /// A job is done: its entities have a result, or wait again.
+    fn end_job(&mut self, job: Job, result: TaskResult, outcomes: &mut Outcomes) {
+        match result {
+            Ok(TaskOutput::Built(built)) => {
+                count_decomposition(&mut outcomes.counters, &built);
+                self.complete(job, &built);
+            }
+            Ok(TaskOutput::Wait(key)) => {
+                self.known.insert(job.input, Ok(key));
+                for (entity, request) in job.entities {
+                    outcomes.show(entity, DecompositionStatus::Waiting(WaitReason::InQueue));
+                    self.waiting.push((entity, request));
+                }
+            }
+            Err(error) => {
+                let entities = job.entities.into_iter().map(|(entity, _)| entity);
+                self.fail_input(&job.input, entities, error);
+            }
+        }
     }
 
     /// The first entity of a job gets what was made for it, the others share it.
@@ -272,6 +354,24 @@ impl Jobs {
                 built.source = HullSource::Shared;
             }
             self.completed.push_back(Completed { entity, built });
+        }
+    }
+}
+
+impl Job {
+    /// The result, if it ended in the background.
+    fn result(&mut self) -> Option<TaskResult> {
+        match &mut self.worker {
+            Worker::Background { task, .. } if task.is_finished() => block_on(poll_once(task)),
+            Worker::Background { .. } | Worker::Slices(_) => None,
+        }
+    }
+
+    /// One step in the main thread, and the result if it was the last.
+    fn take_step(&mut self) -> Option<TaskResult> {
+        match &mut self.worker {
+            Worker::Slices(task) => task.step(&self.control).transpose(),
+            Worker::Background { .. } => None,
         }
     }
 }
@@ -302,7 +402,7 @@ pub(super) struct FrameTime {
 impl FrameTime {
     /// The time that a system may take: what the others have left of the frame's budget.
     pub(super) fn budget(&mut self, settings: &HullwrightSettings) -> Budget<'_> {
-        let length = settings.frame_budget.saturating_sub(self.spent);
+        let length = settings.budget.frame_time.saturating_sub(self.spent);
         Budget { frame: self, start: Instant::now(), length, has_started: false }
     }
 }
@@ -330,11 +430,6 @@ impl Drop for Budget<'_> {
     }
 }
 
-/// Bevy's task pool plugin makes it; without that plugin it is made here.
-pub(super) fn pool() -> &'static AsyncComputeTaskPool {
-    AsyncComputeTaskPool::get_or_init(TaskPool::default)
-}
-
 /// Smaller steps of progress are not worth a change of the status.
 const PROGRESS_STEP: f32 = 0.01;
 
@@ -342,7 +437,7 @@ const PROGRESS_STEP: f32 = 0.01;
 /// a budget.
 pub(super) fn finish_jobs(
     mut jobs: ResMut<Jobs>,
-    Frame { mut time, settings }: Frame,
+    mut time: ResMut<FrameTime>,
     mut outcomes: Outcomes,
 ) {
     time.spent = Duration::ZERO;
@@ -350,54 +445,39 @@ pub(super) fn finish_jobs(
         return;
     }
     let jobs = &mut *jobs;
-    let mut budget = time.budget(&settings);
     let mut index = 0;
     while let Some(job) = jobs.running.get_mut(index) {
-        let Some(result) = result_of(job, &mut budget) else {
-            let progress = job.progress.get();
-            if progress >= job.shown_progress + PROGRESS_STEP {
-                job.shown_progress = progress;
-                for (entity, _) in &job.entities {
-                    outcomes.show(*entity, DecompositionStatus::Running { progress });
-                }
-            }
-            index += 1;
+        if let Some(result) = job.result() {
+            let job = jobs.running.remove(index);
+            jobs.end_job(job, result, &mut outcomes);
             continue;
-        };
-        let job = jobs.running.remove(index);
-        match result {
-            Ok(TaskOutput::Built(built)) => {
-                count_decomposition(&mut outcomes.counters, &built);
-                jobs.complete(job, &built);
-            }
-            // Another job is at work on the same content: these entities wait for its result.
-            Ok(TaskOutput::InProgress(key)) => {
-                jobs.known.insert(job.input, Ok(key));
-                for (entity, request) in job.entities {
-                    outcomes.show(entity, DecompositionStatus::Waiting(WaitReason::InQueue));
-                    jobs.waiting.push((entity, request));
-                }
-            }
-            Err(error) => {
-                let entities = job.entities.into_iter().map(|(entity, _)| entity);
-                jobs.fail_input(&job.input, entities, error);
+        }
+        let progress = job.progress.get();
+        if progress >= job.shown_progress + PROGRESS_STEP {
+            job.shown_progress = progress;
+            for (entity, _) in &job.entities {
+                outcomes.show(*entity, DecompositionStatus::Running { progress });
             }
         }
+        index += 1;
     }
 }
 
-fn result_of(job: &mut Job, budget: &mut Budget) -> Option<TaskResult> {
-    match &mut job.worker {
-        Worker::Background(task) if task.is_finished() => block_on(poll_once(task)),
-        Worker::Background(_) => None,
-        Worker::Slices(task) => {
-            while budget.allows_one() {
-                let result = task.step(&job.control).transpose();
-                if result.is_some() {
-                    return result;
-                }
-            }
-            None
+/// Goes on with jobs in the main thread while there is time.
+fn run_slices(mut jobs: ResMut<Jobs>, Frame { mut time, settings }: Frame, mut outcomes: Outcomes) {
+    let is_sliced = |job: &Job| matches!(job.worker, Worker::Slices(_));
+    // Not even looked at where there is none, so that nothing counts as changed.
+    let Some(mut index) = jobs.running.iter().position(is_sliced) else { return };
+    let jobs = &mut *jobs;
+    let mut budget = time.budget(&settings);
+    while let Some(job) = jobs.running.get_mut(index).filter(|job| is_sliced(job)) {
+        if !budget.allows_one() {
+            break;
+        }
+        if let Some(result) = job.take_step() {
+            let job = jobs.running.remove(index);
+            jobs.end_job(job, result, &mut outcomes);
+            index = jobs.running.iter().position(is_sliced).unwrap_or(index);
         }
     }
 }
@@ -431,45 +511,39 @@ pub(super) fn start_jobs(
     let jobs = &mut *jobs;
     let mut budget = time.budget(&settings);
     let mut waiting = std::mem::take(&mut jobs.waiting);
-    if jobs.running.len() < most_jobs(&settings) {
+    if jobs.has_room(&settings.budget, false) || jobs.has_room(&settings.budget, true) {
         sources.sort(&mut waiting);
     }
     for (entity, request) in waiting {
         match jobs.next_step(&request) {
-            NextStep::End(result) => {
-                jobs.end(entity, result);
-                continue;
-            }
-            NextStep::StartJob
-                if jobs.running.len() < most_jobs(&settings) + quick_jobs(&settings, &request)
-                    && budget.allows_one() =>
-            {
-                match sources.task_input(jobs, &request) {
-                    Ok(input) => jobs.start(&settings, entity, &request, input),
-                    Err(error) => jobs.fail_input(&request.input, [entity], error),
-                }
-            }
+            NextStep::End(result) => jobs.end(entity, result),
             NextStep::Join(job) => {
                 if let Some(job) = jobs.running.get_mut(job) {
                     job.entities.push((entity, request));
+                    outcomes.show(entity, DecompositionStatus::Running { progress: 0.0 });
                 }
             }
-            NextStep::StartJob | NextStep::Wait => {
-                jobs.waiting.push((entity, request));
-                continue;
+            NextStep::StartJob
+                if jobs.has_room(&settings.budget, jobs.is_quick(&request))
+                    && budget.allows_one() =>
+            {
+                match sources.task_input(jobs, &request) {
+                    Ok(input) => jobs.start(&settings, entity, &request, input, &mut outcomes),
+                    Err(error) => jobs.fail_input(&request.input, [entity], error),
+                }
             }
+            NextStep::StartJob | NextStep::Wait => jobs.waiting.push((entity, request)),
         }
-        outcomes.show(entity, DecompositionStatus::Running { progress: 0.0 });
     }
     let counters = &mut outcomes.counters;
     (counters.running, counters.queued) = (jobs.running.len(), jobs.waiting.len());
     (counters.cached, counters.cached_bytes) = jobs.cache.size();
 }
 
-fn most_jobs(settings: &HullwrightSettings) -> usize {
-    match (settings.execution, settings.max_jobs) {
+fn most_decompositions(budget: &BudgetSettings) -> usize {
+    match (budget.execution, budget.max_jobs) {
         (Execution::Slices, _) => 1,
-        (Execution::Background, 0) => pool().thread_num().saturating_sub(1).max(1),
+        (Execution::Background, 0) => decomposition_threads(budget),
         (Execution::Background, most) => most,
     }
 }
@@ -477,19 +551,10 @@ fn most_jobs(settings: &HullwrightSettings) -> usize {
 /// Jobs that are done within a frame wait in the pool, so that its threads do not wait for the next frame.
 const QUICK_JOBS: usize = 32;
 
-/// How many more jobs there may be for a request that takes no decomposition. A limit from the settings is not exceeded.
-fn quick_jobs(settings: &HullwrightSettings, request: &ColliderRequest) -> usize {
-    let is_baked = request.scene.is_some() || matches!(*request.input, InputId::Baked(_));
-    let is_quick = is_baked || request.why_triangles().is_some();
-    let has_pool = settings.execution == Execution::Background && settings.max_jobs == 0;
-    if is_quick && has_pool { QUICK_JOBS } else { 0 }
-}
-
 /// What jobs are made from, and who goes first.
 #[derive(SystemParam)]
 pub(super) struct Sources<'w, 's> {
     meshes: Res<'w, Assets<Mesh>>,
-    baked: Res<'w, Assets<BakedHulls>>,
     scenes: Res<'w, Assets<BakedScene>>,
     focuses: Query<'w, 's, Entity, With<DecompositionFocus>>,
     priorities: Query<'w, 's, &'static DecompositionPriority>,
@@ -523,25 +588,30 @@ impl Sources<'_, '_> {
         jobs: &Jobs,
         request: &ColliderRequest,
     ) -> Result<TaskInput, DecompositionError> {
-        if let InputId::Baked(id) = *request.input {
-            let (key, source) = (ContentKey::Baked(id), HullSource::Baked);
-            let of_asset = || {
-                let BakedHulls(file) = self.baked.get(id.try_typed().ok()?)?;
-                Some(ColliderGeometry::of_hulls(file.clone()))
-            };
-            let geometry = jobs.cache.geometry(key).or_else(of_asset);
+        if let InputId::Baked { scene: id, mesh } = &*request.input {
+            let scene = id.try_typed().ok().and_then(|id| self.scenes.get(id));
+            let scene = scene.ok_or(DecompositionError::NotLoaded)?;
+            let index = scene.index_of(mesh.as_deref())?;
+            let (key, source) = (ContentKey::Baked { scene: *id, index }, HullSource::Baked);
+            let geometry = jobs.cache.geometry(key).or_else(|| scene.geometry_of(index));
             let geometry = geometry.ok_or(DecompositionError::NotLoaded)?;
             return Ok(TaskInput::Geometry { key, geometry, source });
         }
         if let Some(key) = jobs.key_of(&request.input)
             && let Some(geometry) = jobs.cache.geometry(key)
         {
-            return Ok(TaskInput::Geometry { key, geometry, source: HullSource::Shared });
+            let source = if key.is_baked() { HullSource::Baked } else { HullSource::Shared };
+            return Ok(TaskInput::Geometry { key, geometry, source });
         }
         let data = read_parts(&request.parts, &request.map_before, &self.meshes)?;
         // Only baked hulls have no goal, and they are found above.
         let goal = request.goal.clone().ok_or(DecompositionError::NotLoaded)?;
-        let scene = request.scene.and_then(|scene| self.scenes.get(scene.try_typed().ok()?));
-        Ok(TaskInput::Mesh { data, goal, baked: scene.map(BakedScene::geometry) })
+        // Once it is known that the scene does not have it, it is not looked for there again.
+        let may_be_baked = jobs.key_of(&request.input).is_none_or(|key| key.is_baked());
+        let baked = request.input.scene().filter(|_| may_be_baked).and_then(|id| {
+            let scene = self.scenes.get(id.try_typed().ok()?)?;
+            Some((id, scene.geometry()))
+        });
+        Ok(TaskInput::Mesh { data, goal, baked })
     }
 }

@@ -20,8 +20,6 @@ pub(crate) struct ColliderRequest {
     pub parts: Vec<MeshPart>,
     /// `None` for baked hulls.
     pub goal: Option<Goal>,
-    /// The baked scene in which its hulls may be found.
-    pub scene: Option<UntypedAssetId>,
     /// Baked into the mesh before the work.
     pub map_before: Affine3A,
     /// Baked into the result.
@@ -53,24 +51,40 @@ pub(crate) enum InputId {
         goal: [u8; 32],
         /// Applied before the work.
         map_before: MapKey,
+        /// The baked scene in which their hulls may be found.
+        scene: Option<UntypedAssetId>,
     },
-    /// Baked hulls.
-    Baked(UntypedAssetId),
+    /// Hulls of a baked scene, whatever mesh they were made from.
+    Baked {
+        scene: UntypedAssetId,
+        /// The name of the mesh; `None` for the only one.
+        mesh: Option<String>,
+    },
 }
 
 impl InputId {
     pub(crate) fn uses(&self, asset: UntypedAssetId) -> bool {
         match self {
-            Self::Meshes { parts, .. } => parts.iter().any(|(mesh, _)| mesh.untyped() == asset),
-            Self::Baked(hulls) => *hulls == asset,
+            Self::Meshes { parts, scene, .. } => {
+                *scene == Some(asset) || parts.iter().any(|(mesh, _)| mesh.untyped() == asset)
+            }
+            Self::Baked { scene, .. } => *scene == asset,
         }
     }
 
-    /// The asset that stands for it in messages: its first mesh, or its baked hulls.
+    /// The baked scene in which its hulls are, or may be.
+    pub(crate) fn scene(&self) -> Option<UntypedAssetId> {
+        match self {
+            Self::Meshes { scene, .. } => *scene,
+            Self::Baked { scene, .. } => Some(*scene),
+        }
+    }
+
+    /// The asset that stands for it in messages: its first mesh, or its baked scene.
     pub(crate) fn asset(&self) -> Option<UntypedAssetId> {
         match self {
             Self::Meshes { parts, .. } => parts.first().map(|(mesh, _)| mesh.untyped()),
-            Self::Baked(hulls) => Some(*hulls),
+            Self::Baked { scene, .. } => Some(*scene),
         }
     }
 }
@@ -92,14 +106,37 @@ pub(crate) enum ContentKey {
         mesh: MeshHash,
         /// What is made of it: see [`Goal::hash`].
         goal: [u8; 32],
+        /// The baked scene that it comes from, which may have other hulls than a decomposition makes.
+        scene: Option<UntypedAssetId>,
     },
-    Baked(UntypedAssetId),
+    /// A mesh of a baked scene.
+    Baked { scene: UntypedAssetId, index: usize },
 }
 
 impl ContentKey {
     /// Hashes what determines a result. O(size).
     pub(super) fn of_mesh(data: &MeshData, goal: &Goal) -> Self {
-        Self::Mesh { mesh: MeshHash::of(data.view()), goal: goal.hash() }
+        Self::Mesh { mesh: MeshHash::of(data.view()), goal: goal.hash(), scene: None }
+    }
+
+    /// The same content, as a baked scene has it.
+    pub(super) fn in_scene(self, of: UntypedAssetId) -> Self {
+        match self {
+            Self::Mesh { mesh, goal, .. } => Self::Mesh { mesh, goal, scene: Some(of) },
+            Self::Baked { .. } => self,
+        }
+    }
+
+    /// The baked scene that it comes from.
+    pub(crate) fn scene(&self) -> Option<UntypedAssetId> {
+        match self {
+            Self::Mesh { scene, .. } => *scene,
+            Self::Baked { scene, .. } => Some(*scene),
+        }
+    }
+
+    pub(crate) fn is_baked(&self) -> bool {
+        self.scene().is_some()
     }
 }
 

@@ -4,7 +4,9 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use bevy::asset::UntypedAssetId;
 use bevy::math::{Affine3A, DMat3, DVec3, Vec3A};
+use bevy::tasks::futures_lite::future::yield_now;
 use bevy_rapier3d::rapier::geometry::{SharedShape, TriMeshFlags};
 use bevy_rapier3d::rapier::math::{Pose, Vector};
 
@@ -27,8 +29,8 @@ pub(super) enum TaskInput {
     Mesh {
         data: MeshData,
         goal: Goal,
-        /// Where its hulls may be found.
-        baked: Option<Arc<SceneGeometry>>,
+        /// Where its hulls may be found: then it is not decomposed, but waits again if they are not there.
+        baked: Option<(UntypedAssetId, Arc<SceneGeometry>)>,
     },
     /// Known geometry, of which another shape is wanted.
     Geometry { key: ContentKey, geometry: Arc<ColliderGeometry>, source: HullSource },
@@ -44,8 +46,9 @@ type StepResult = Result<Option<TaskOutput>, DecompositionError>;
 #[derive(Debug)]
 pub(super) enum TaskOutput {
     Built(BuiltCollider),
-    /// Another job is at work on the same content.
-    InProgress(ContentKey),
+    /// It has to wait for a decomposition: another job is at work on the same content, or it was not where it may have
+    /// been found.
+    Wait(ContentKey),
 }
 
 /// Work that can be interrupted between its steps.
@@ -56,7 +59,7 @@ pub(super) struct DecompositionTask {
     work: Option<MeshInProgress>,
     map: Affine3A,
     cache: GeometryCache,
-    cache_bytes: usize,
+    memory_bytes: usize,
     disk_cache: Option<DiskCache>,
     primitives: bool,
 }
@@ -77,51 +80,55 @@ impl DecompositionTask {
         settings: &HullwrightSettings,
     ) -> Self {
         let disk_cache = cache.on_disk(settings);
-        let HullwrightSettings { cache_bytes, primitives, .. } = *settings;
-        Self { input: Some(input), work: None, map, cache, cache_bytes, disk_cache, primitives }
+        let (memory_bytes, primitives) = (settings.cache.memory_bytes, settings.primitives);
+        Self { input: Some(input), work: None, map, cache, memory_bytes, disk_cache, primitives }
     }
 
-    /// Runs to the end.
-    pub(super) fn run(mut self, control: &Control) -> TaskResult {
+    /// Runs to the end, and lets other tasks of the thread run between its steps.
+    pub(super) async fn run(mut self, control: Control) -> TaskResult {
         loop {
             if control.is_cancelled() {
                 return Err(Error::Cancelled.into());
             }
-            if let Some(output) = self.step(control)? {
+            if let Some(output) = self.step(&control)? {
                 return Ok(output);
             }
+            yield_now().await;
         }
     }
 
-    /// Runs one step; `None` if there are more.
+    /// Runs one step; `None` if there are more. A panic is an error.
     pub(super) fn step(&mut self, control: &Control) -> StepResult {
-        match self.input.take() {
+        contain_panics(|| match self.input.take() {
             Some(TaskInput::Geometry { key, geometry, source }) => {
                 self.build(key, geometry, source)
             }
-            Some(TaskInput::Mesh { data, goal, baked }) => {
-                self.start(data, &goal, baked.as_deref(), control)
-            }
+            Some(TaskInput::Mesh { data, goal, baked }) => self.start(data, &goal, baked, control),
             None => self.decompose(),
-        }
+        })
     }
 
     fn start(
         &mut self,
         data: MeshData,
         goal: &Goal,
-        baked: Option<&SceneGeometry>,
+        baked: Option<(UntypedAssetId, Arc<SceneGeometry>)>,
         control: &Control,
     ) -> StepResult {
         let key = ContentKey::of_mesh(&data, goal);
-        if let Some(geometry) = baked.and_then(|baked| baked.get(&key)) {
-            return self.build(key, geometry.clone(), HullSource::Baked);
+        if let Some((scene, all)) = baked {
+            return match all.get(&key) {
+                Some(geometry) => {
+                    self.build(key.in_scene(scene), geometry.clone(), HullSource::Baked)
+                }
+                None => Ok(Some(TaskOutput::Wait(key))),
+            };
         }
         if let Some(geometry) = self.cache.geometry(key) {
             return self.build(key, geometry, HullSource::Shared);
         }
         let Some(claim) = self.cache.claim(key) else {
-            return Ok(Some(TaskOutput::InProgress(key)));
+            return Ok(Some(TaskOutput::Wait(key)));
         };
         let geometry = match goal {
             Goal::Triangles(_) => ColliderGeometry::Triangles(data).into(),
@@ -166,7 +173,7 @@ impl DecompositionTask {
     ) -> StepResult {
         let shape = shape_of(&geometry, &self.map, self.primitives)?;
         let built = BuiltCollider { key, geometry, shape, source };
-        self.cache.insert(&built, MapKey::new(&self.map), self.cache_bytes);
+        self.cache.insert(&built, MapKey::new(&self.map), self.memory_bytes);
         Ok(Some(TaskOutput::Built(built)))
     }
 }
@@ -287,8 +294,10 @@ fn map_point(map: &Affine3A) -> impl Fn([f64; 3]) -> [f64; 3] + use<> {
     move |point| (linear * DVec3::from(point) + offset).to_array()
 }
 
-/// Contains a panic to one job: it costs a collider, not the game.
-pub(super) fn contain_panics(run: impl FnOnce() -> TaskResult) -> TaskResult {
+/// Contains a panic to one job: it costs a collider, not the game. Where panics abort, as in browsers, nothing can.
+pub(crate) fn contain_panics<T>(
+    run: impl FnOnce() -> Result<T, DecompositionError>,
+) -> Result<T, DecompositionError> {
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(run))
         .unwrap_or(Err(DecompositionError::Panicked))
 }
@@ -314,14 +323,42 @@ impl SharedProgress {
 
 #[cfg(test)]
 mod tests {
+    use bevy::tasks::block_on;
+    use bevy::utils::default;
+
     use super::*;
 
+    /// A decomposition that panics at its first sign of progress.
+    fn panicking_task() -> (DecompositionTask, Control) {
+        let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let triangles = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+        let data = MeshData { positions, triangles };
+        let input = TaskInput::Mesh { data, goal: Goal::Hulls(Method::default()), baked: None };
+        let cache = GeometryCache::default();
+        let task = DecompositionTask::new(input, Affine3A::IDENTITY, cache, &default());
+        (task, Control::new().with_progress(|_| panic!("on purpose, in a test")))
+    }
+
     #[test]
-    fn a_panic_is_an_error_that_says_so_and_an_error_stays_what_it_is() {
-        let result = contain_panics(|| panic!("on purpose, in a test"));
-        assert!(matches!(result, Err(DecompositionError::Panicked)));
+    fn a_panic_is_an_error_that_says_so_in_the_background_and_in_slices() {
+        let (task, control) = panicking_task();
+        let result = block_on(task.run(control));
+        assert!(matches!(result, Err(DecompositionError::Panicked)), "{result:?}");
+        let (mut task, control) = panicking_task();
+        let result = (0..100).find_map(|_| task.step(&control).transpose());
+        assert!(matches!(result, Some(Err(DecompositionError::Panicked))), "{result:?}");
         assert!(DecompositionError::Panicked.to_string().contains("panicked"));
-        let result = contain_panics(|| Err(DecompositionError::NoPositions));
-        assert!(matches!(result, Err(DecompositionError::NoPositions)));
+    }
+
+    #[test]
+    fn what_panicked_can_be_tried_again() {
+        let (mut task, control) = panicking_task();
+        let cache = task.cache.clone();
+        while let Ok(None) = task.step(&control) {}
+        let (mut again, _) = panicking_task();
+        again.cache = cache;
+        let control = Control::new();
+        let result = (0..100).find_map(|_| again.step(&control).transpose());
+        assert!(matches!(result, Some(Ok(TaskOutput::Built(_)))), "{result:?}");
     }
 }

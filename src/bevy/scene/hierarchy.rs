@@ -30,7 +30,7 @@ use crate::bevy::tag::ConvexDecomposition;
 ///     .with_baked(server.load("level.hullscene"));
 /// # }
 /// ```
-#[derive(Component, Reflect, Debug, Clone, PartialEq)]
+#[derive(Component, Reflect, FromTemplate, Debug, Clone, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[type_path = "hullwright"]
 #[require(HierarchyStatus, HierarchyWork)]
@@ -51,6 +51,7 @@ pub struct ConvexDecompositionHierarchy {
     /// with other settings, is decomposed, and the log says so. Not in texts: paths belong to the code
     /// that loads them. Default `None`.
     #[cfg_attr(feature = "serde", serde(skip))]
+    #[template(built_in)]
     pub baked: Option<Handle<BakedScene>>,
 }
 
@@ -148,11 +149,15 @@ impl HierarchyStatus {
 #[reflect(Default, Clone, PartialEq)]
 #[type_path = "hullwright"]
 pub struct HierarchyReport {
-    /// With a collider of hulls.
+    /// With a collider, whatever it is made of.
+    pub with_collider: usize,
+    /// Tagged, but without a collider.
+    pub without_collider: usize,
+    /// With a collider of hulls, or a box, ball or capsule on request.
     pub ready: usize,
     /// Tagged, but without a decomposition: [`DecompositionStatus::Skipped`](crate::bevy::DecompositionStatus::Skipped) says why.
     pub skipped: usize,
-    /// Without a collider: [`DecompositionStatus::Failed`](crate::bevy::DecompositionStatus::Failed) says why.
+    /// Without a collider, since the work failed: [`DecompositionStatus::Failed`](crate::bevy::DecompositionStatus::Failed) says why.
     pub failed: usize,
     /// Despawned or untagged before they were ready.
     pub cancelled: usize,
@@ -203,6 +208,12 @@ impl HierarchyWork {
         if self.start.is_none() && has_meshes {
             self.start = Some(Instant::now());
         }
+    }
+
+    /// Some of what it tagged has started anew.
+    pub(super) fn reopen(&mut self) {
+        let nodes = std::mem::take(&mut self.nodes);
+        self.begin(nodes, self.left_out, true);
     }
 
     /// Whether its meshes are still to come.

@@ -1,6 +1,9 @@
 //! Whole scenes, tagged at once and ended together, and how far all work is.
 
 pub(super) mod hierarchy;
+#[cfg(feature = "bevy_gltf")]
+mod linked_levels;
+pub(super) mod pieces;
 pub(super) mod tagging;
 
 use std::time::Duration;
@@ -14,12 +17,13 @@ use self::hierarchy::{
     ConvexDecompositionHierarchy, HierarchyFinished, HierarchyReport, HierarchyStatus,
     HierarchyWork,
 };
+use self::pieces::{ColliderPieceOf, ColliderPieces};
 use self::tagging::{Nodes, tag_hierarchies};
 use super::collider::CollidersAttached;
 use super::collider::changes::detect_tags;
 use super::collider::work::{AttachedCollider, Unfinished};
-use super::jobs::Jobs;
 use super::jobs::baked::{Absence, BakedScene};
+use super::jobs::{Jobs, SlicesRun};
 use super::tag::ConvexDecomposition;
 use super::tag::outcomes::DecompositionStatus;
 use super::tag::parameters::Goal;
@@ -33,16 +37,26 @@ impl Plugin for ScenePlugin {
         app.init_resource::<DecompositionProgress>()
             .register_type::<ConvexDecompositionHierarchy>()
             .register_type::<HierarchyStatus>()
+            .register_type::<ColliderPieceOf>()
+            .register_type::<ColliderPieces>()
             .register_type::<DecompositionProgress>();
         #[cfg(feature = "bevy_gltf")]
         app.add_observer(on_scene_spawned);
+        #[cfg(feature = "bevy_gltf")]
+        linked_levels::mark_linked_levels(app);
         app.add_systems(
             PostUpdate,
             (
                 tag_hierarchies.before(detect_tags).in_set(HullwrightSystems::DetectChanges),
-                (finish_hierarchies.run_if(any_with_component::<HierarchyWork>), sum_up_progress)
+                (
+                    (reopen, finish_hierarchies)
+                        .chain()
+                        .run_if(any_with_component::<HierarchyWork>),
+                    sum_up_progress,
+                )
                     .chain()
                     .after(CollidersAttached)
+                    .before(SlicesRun)
                     .in_set(HullwrightSystems::Attach),
             ),
         );
@@ -100,11 +114,11 @@ impl Scenes<'_, '_> {
                 continue;
             };
             let names: Vec<&str> = self.nodes.names_of(node).into_iter().flatten().collect();
-            let Some(absence) = baked.absence(key, parameters, &names) else {
+            if key.is_baked() {
                 report.from_baked += 1;
                 continue;
-            };
-            let why = match absence {
+            }
+            let why = match baked.absence(key, parameters, &names) {
                 Absence::Stale(why) => {
                     report.stale += 1;
                     why
@@ -127,6 +141,24 @@ impl Scenes<'_, '_> {
         }
         let lines = lines.join("; ");
         Some(format!("has no hulls for: {lines}. They were decomposed; bake it anew"))
+    }
+}
+
+/// A baked scene that came late or changed has restarted what may be in it.
+fn reopen(
+    mut events: MessageReader<AssetEvent<BakedScene>>,
+    mut hierarchies: Query<(&ConvexDecompositionHierarchy, &mut HierarchyWork)>,
+    unfinished: Res<Unfinished>,
+) {
+    for event in events.read() {
+        let (AssetEvent::Added { id } | AssetEvent::Modified { id }) = event else { continue };
+        for (hierarchy, mut work) in &mut hierarchies {
+            let is_restarted = || work.nodes.iter().any(|node| unfinished.contains(*node));
+            let takes_it = hierarchy.baked.as_ref().is_some_and(|baked| baked.id() == *id);
+            if takes_it && !work.is_open && is_restarted() {
+                work.reopen();
+            }
+        }
     }
 }
 
@@ -167,10 +199,15 @@ fn finish_hierarchies(
             ..default()
         };
         for &node in &work.nodes {
-            match statuses.get(node) {
-                Ok(DecompositionStatus::Ready(_)) => report.ready += 1,
-                Ok(DecompositionStatus::Skipped(_)) => report.skipped += 1,
-                Ok(DecompositionStatus::Failed(_)) => report.failed += 1,
+            let status = statuses.get(node).ok();
+            match status.and_then(DecompositionStatus::has_collider) {
+                Some(true) => report.with_collider += 1,
+                _ => report.without_collider += 1,
+            }
+            match status {
+                Some(DecompositionStatus::Ready(_)) => report.ready += 1,
+                Some(DecompositionStatus::Skipped(_)) => report.skipped += 1,
+                Some(DecompositionStatus::Failed(_)) => report.failed += 1,
                 _ => report.cancelled += 1,
             }
         }

@@ -3,13 +3,15 @@
 
 use std::collections::BTreeMap;
 
-use bevy::ecs::entity::EntityHashSet;
+use bevy::ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy::ecs::system::SystemParam;
-use bevy::platform::collections::HashSet;
+use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::RigidBody;
 
 use super::hierarchy::{ConvexDecompositionHierarchy, HierarchyWork};
+use super::pieces::Pieces;
+use crate::bevy::collider::levels::Levels;
 use crate::bevy::jobs::baked::{BakedDecomposition, FromBakedScene};
 use crate::bevy::tag::outcomes::{Descriptions, entities};
 use crate::bevy::tag::{ConvexDecomposition, DecompositionShape, NoConvexDecomposition};
@@ -43,6 +45,9 @@ pub(super) struct Nodes<'w, 's> {
     pub own_tags: Query<'w, 's, (), OwnTag>,
     /// What hierarchies said before; `None` for no collider.
     pub tagged: Query<'w, 's, Option<&'static ConvexDecomposition>, With<TaggedByHierarchy>>,
+    from_scenes: Query<'w, 's, &'static FromBakedScene>,
+    levels: Levels<'w, 's>,
+    pieces: Pieces<'w, 's>,
     #[cfg(feature = "bevy_gltf")]
     hidden: Query<'w, 's, (), With<HiddenByHierarchy>>,
     #[cfg(feature = "bevy_gltf")]
@@ -134,16 +139,14 @@ impl Nodes<'_, '_> {
             .any(|name| node_tag(name) == Some(NameTag::LeftOut))
     }
 
-    /// The names of meshes that have pieces made by the artist.
-    pub(super) fn meshes_with_pieces(&self, nodes: &[Entity]) -> HashSet<&str> {
-        let names = || nodes.iter().flat_map(|node| self.names_of(*node)).flatten();
-        let all: HashSet<&str> = names().map(without_copy_number).collect();
-        names()
-            .filter_map(|name| match node_tag(name)? {
-                NameTag::PieceOf { rest, .. } => Some(whole_of(rest, |name| all.contains(name))),
-                _ => None,
-            })
-            .collect()
+    /// Whether a node is a coarser level of detail, by itself or by all its primitives.
+    fn is_coarser_level(&self, node: Entity) -> bool {
+        let children = self.children.get(node).into_iter().flatten().copied();
+        let mut primitives = children.filter(|child| self.meshes.contains(*child)).peekable();
+        self.levels.is_coarser(node)
+            || primitives.peek().is_some()
+                && !self.meshes.contains(node)
+                && primitives.all(|primitive| self.levels.is_drawn_far_only(primitive))
     }
 
     /// Hides the meshes of a node, or shows those that were hidden.
@@ -224,11 +227,11 @@ pub(super) fn tag_hierarchies(
     for root in hierarchies.to_tag(&nodes) {
         if let Ok((hierarchy, mut work)) = hierarchies.all.get_mut(root) {
             let all = nodes.nodes_with_meshes(root);
-            let with_pieces = match hierarchy.follows_artists {
-                true => nodes.meshes_with_pieces(&all),
-                false => HashSet::default(),
+            let wholes = match hierarchy.follows_artists {
+                true => Wholes::of_pieces(&nodes, &all),
+                false => Wholes::default(),
             };
-            let rules = Rules { nodes: &nodes, root, hierarchy, with_pieces };
+            let rules = Rules { nodes: &nodes, root, hierarchy, wholes };
             rules.tag(&mut commands, all, &mut work, &mut complaints);
         }
     }
@@ -240,8 +243,48 @@ struct Rules<'a, 'w, 's> {
     nodes: &'a Nodes<'w, 's>,
     root: Entity,
     hierarchy: &'a ConvexDecompositionHierarchy,
-    /// Names of meshes with pieces made by the artist.
-    with_pieces: HashSet<&'a str>,
+    wholes: Wholes,
+}
+
+/// Pieces made by the artist, and the meshes whose colliders they are.
+#[derive(Default)]
+struct Wholes {
+    by_piece: EntityHashMap<Entity>,
+    with_pieces: EntityHashSet,
+}
+
+impl Wholes {
+    fn of_pieces(nodes: &Nodes, all: &[Entity]) -> Self {
+        let names = || {
+            let of_node = |node: &Entity| nodes.names_of(*node).map(|name| (*node, name));
+            all.iter().flat_map(of_node).filter_map(|(node, name)| Some((node, name?)))
+        };
+        let mut by_name: HashMap<&str, Vec<(Entity, &str)>> = HashMap::default();
+        for (node, name) in names() {
+            by_name.entry(without_copy_number(name)).or_default().push((node, name));
+        }
+        let mut wholes = Self::default();
+        for (piece, name) in names() {
+            let Some(NameTag::PieceOf { rest, .. }) = node_tag(name) else { continue };
+            let rest = whole_of(rest, |name| by_name.contains_key(name));
+            let candidates = by_name.get(rest).into_iter().flatten();
+            let candidates = candidates.filter(|(whole, _)| *whole != piece);
+            // Of several with the name that above it, then the copy that it was copied with, then one beside it.
+            let (is_above, parent) = (
+                |whole| nodes.parents.iter_ancestors(piece).any(|above| above == whole),
+                |node| nodes.parents.get(node).ok().map(ChildOf::parent),
+            );
+            let copy = |name: &str| name.get(without_copy_number(name).len()..).map(str::to_owned);
+            let whole = candidates.min_by_key(|(whole, of)| {
+                (!is_above(*whole), copy(of) != copy(name), parent(*whole) != parent(piece))
+            });
+            if let Some((whole, _)) = whole {
+                wholes.by_piece.insert(piece, *whole);
+                wholes.with_pieces.insert(*whole);
+            }
+        }
+        wholes
+    }
 }
 
 impl Rules<'_, '_, '_> {
@@ -254,7 +297,10 @@ impl Rules<'_, '_, '_> {
         }
         let follows_artists = self.hierarchy.follows_artists;
         let by_artist = follows_artists.then(|| self.by_artist(node, complaints)).flatten();
-        by_artist.unwrap_or_else(|| self.hierarchy.default_tag.clone().into())
+        by_artist.unwrap_or_else(|| match self.nodes.is_coarser_level(node) {
+            true => None.into(),
+            false => self.hierarchy.default_tag.clone().into(),
+        })
     }
 
     /// The tag on which names and extras build.
@@ -267,17 +313,21 @@ impl Rules<'_, '_, '_> {
         if self.nodes.is_left_out(node, self.root) {
             return Some(treatment(NameTag::LeftOut, self.base()));
         }
-        if let Some(by_extras) = self.by_extras(node, complaints) {
-            return Some(by_extras);
-        }
         let [own, of_mesh] = self.nodes.names_of(node);
-        if let Some(tag) = own.and_then(node_tag).or_else(|| of_mesh.and_then(mesh_tag)) {
-            return Some(treatment(tag, self.base()));
+        let by_name = || own.and_then(node_tag).or_else(|| of_mesh.and_then(mesh_tag));
+        let by_name = || Some(treatment(by_name()?, self.base()));
+        let piece_of = self.wholes.by_piece.get(&node).copied();
+        let mut result = self.by_extras(node, complaints).or_else(by_name);
+        if let Some(result) = &mut result {
+            result.piece_of = piece_of;
+            result.is_drawn &= piece_of.is_none();
         }
-        let has_pieces = |name: &str| {
-            [name, without_copy_number(name)].iter().any(|name| self.with_pieces.contains(*name))
-        };
-        [own, of_mesh].into_iter().flatten().any(has_pieces).then(|| None.into())
+        if self.wholes.with_pieces.contains(&node) {
+            // Its pieces are its collider, whatever else is said of it.
+            let body = result.and_then(|result| result.body);
+            return Some(Treatment { body, ..None.into() });
+        }
+        result
     }
 
     /// By the extras of a node or of its mesh.
@@ -309,17 +359,21 @@ impl Rules<'_, '_, '_> {
             if nodes.own_tags.contains(node) {
                 continue;
             }
-            let Treatment { tag, is_drawn, body } = self.treatment(node, complaints);
+            let Treatment { tag, is_drawn, body, piece_of } = self.treatment(node, complaints);
             nodes.show(commands, node, is_drawn);
+            nodes.pieces.tie(commands, node, piece_of);
             let mut commands = commands.entity(node);
             if let Some(body) = body {
                 commands.try_insert_if_new(body);
             }
-            match hierarchy.baked.clone().filter(|_| tag.is_some()) {
-                Some(baked) => commands.try_insert(FromBakedScene(baked)),
-                None => commands.try_remove::<FromBakedScene>(),
-            };
-            // What is tagged anew starts anew.
+            let baked = hierarchy.baked.clone().filter(|_| tag.is_some()).map(FromBakedScene);
+            // What is set anew starts anew.
+            if baked.as_ref() != nodes.from_scenes.get(node).ok() {
+                match baked {
+                    Some(baked) => commands.try_insert(baked),
+                    None => commands.try_remove::<FromBakedScene>(),
+                };
+            }
             let is_as_before = nodes.tagged.get(node).is_ok_and(|before| before == tag.as_ref());
             match &tag {
                 Some(_) => tagged.push(node),
@@ -350,11 +404,13 @@ struct Treatment {
     is_drawn: bool,
     /// The body that it becomes, if it is none.
     body: Option<RigidBody>,
+    /// The mesh of whose collider it is a piece.
+    piece_of: Option<Entity>,
 }
 
 impl From<Option<ConvexDecomposition>> for Treatment {
     fn from(tag: Option<ConvexDecomposition>) -> Self {
-        Self { tag, is_drawn: true, body: None }
+        Self { tag, is_drawn: true, body: None, piece_of: None }
     }
 }
 
@@ -366,9 +422,9 @@ fn treatment(name_tag: NameTag, base: ConvexDecomposition) -> Treatment {
         NameTag::Body(kind) => (made_of(kind, base), true, Some(RigidBody::Dynamic)),
         // The mass of the whole is not that of a piece.
         NameTag::PieceOf { kind, .. } => (made_of(kind, base.with_mass(None)), false, None),
-        NameTag::LeftOut => return Treatment { tag: None, is_drawn: false, body: None },
+        NameTag::LeftOut => return Treatment { is_drawn: false, ..None.into() },
     };
-    Treatment { tag: Some(tag), is_drawn, body }
+    Treatment { is_drawn, body, ..Some(tag).into() }
 }
 
 fn made_of(kind: ColliderKind, base: ConvexDecomposition) -> ConvexDecomposition {
@@ -408,5 +464,5 @@ fn with_extras(extras: &ExtrasTag, base: ConvexDecomposition) -> Treatment {
             ..tag
         }
     });
-    Treatment { tag, is_drawn: true, body }
+    Treatment { body, ..tag.into() }
 }

@@ -7,8 +7,8 @@ pub(super) mod settings;
 use bevy::prelude::*;
 
 use self::outcomes::{
-    DecompositionCancelled, DecompositionCounters, DecompositionFailed, DecompositionReady,
-    DecompositionSkipped, DecompositionStatus,
+    ColliderAbsent, ColliderReady, DecompositionCancelled, DecompositionCounters,
+    DecompositionFailed, DecompositionReady, DecompositionSkipped, DecompositionStatus,
 };
 use self::settings::{FallbackCollider, HullwrightSettings};
 use crate::Method;
@@ -260,6 +260,8 @@ impl Plugin for TagPlugin {
             .register_type::<DecompositionFocus>()
             .register_type::<DecompositionPriority>()
             .register_type::<DecompositionStatus>()
+            .register_type::<ColliderReady>()
+            .register_type::<ColliderAbsent>()
             .register_type::<DecompositionReady>()
             .register_type::<DecompositionSkipped>()
             .register_type::<DecompositionFailed>()

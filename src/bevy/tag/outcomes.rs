@@ -42,6 +42,17 @@ impl DecompositionStatus {
     pub fn is_finished(&self) -> bool {
         !matches!(self, Self::Waiting(_) | Self::Running { .. })
     }
+
+    /// Whether the entity has a collider, whatever it is made of; `None` while it waits or its collider is made, when
+    /// it may have an earlier one or a [`FallbackCollider`](crate::bevy::FallbackCollider).
+    pub fn has_collider(&self) -> Option<bool> {
+        match self {
+            Self::Waiting(_) | Self::Running { .. } => None,
+            Self::Ready(_) => Some(true),
+            Self::Skipped(reason) => Some(reason.has_collider()),
+            Self::Failed(_) | Self::Cancelled => Some(false),
+        }
+    }
 }
 
 /// What an entity waits for.
@@ -72,7 +83,8 @@ pub enum HullSource {
 #[derive(Reflect, Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[type_path = "hullwright"]
 pub enum SkipReason {
-    /// The entity had a `Collider` already, which stays.
+    /// The entity had a `Collider` already, which stays. Also that of an earlier mesh or scale, where the tag was removed
+    /// before the new one was ready.
     HasCollider,
     /// The body is fixed, so it got the triangle mesh itself.
     FixedBody,
@@ -80,14 +92,23 @@ pub enum SkipReason {
     NoBody,
     /// The tag requests for the triangle mesh.
     TrianglesRequested,
-    /// It is hidden, and [`skip_hidden`](crate::bevy::HullwrightSettings::skip_hidden) is set. It starts
-    /// when it is shown.
+    /// It is hidden, and [`hidden`](crate::bevy::SkipSettings::hidden) is set. It starts when it is shown.
     Hidden,
-    /// It is smaller than [`min_size`](crate::bevy::HullwrightSettings::min_size).
+    /// It is smaller than [`min_size`](crate::bevy::SkipSettings::min_size).
     TooSmall,
     /// Every [`DecompositionFocus`](crate::bevy::DecompositionFocus) is farther away than
-    /// [`focus_radius`](crate::bevy::HullwrightSettings::focus_radius). It starts when one is near.
+    /// [`focus_radius`](crate::bevy::SkipSettings::focus_radius). It starts when one is near.
     TooFar,
+}
+
+impl SkipReason {
+    /// Whether the entity has a collider: its triangles, or the one that it had.
+    pub fn has_collider(self) -> bool {
+        match self {
+            Self::HasCollider | Self::FixedBody | Self::NoBody | Self::TrianglesRequested => true,
+            Self::Hidden | Self::TooSmall | Self::TooFar => false,
+        }
+    }
 }
 
 /// What the plugin has done and is doing.
@@ -125,6 +146,10 @@ pub struct DecompositionCounters {
     pub failed: usize,
     /// Entities whose work was cancelled.
     pub cancelled: usize,
+    /// Tags that ended in a collider, whatever it is made of.
+    pub with_collider: usize,
+    /// Tags that ended without one.
+    pub without_collider: usize,
     /// Decompositions in the cache in memory.
     pub cached: usize,
     /// Their size in bytes, about.
@@ -164,9 +189,32 @@ pub enum DecompositionError {
     /// Its hulls could not be made a collider.
     #[error("{0}")]
     Collider(ColliderError),
-    /// The background task panicked. The panic is contained to that task.
-    #[error("the background task panicked")]
+    /// The baked scene has no mesh of this name, or several and none was named.
+    #[error("{}", not_baked(name.as_deref(), names))]
+    NotBaked {
+        /// The name that was given.
+        name: Option<String>,
+        /// The first name of each mesh that it has.
+        names: Vec<String>,
+    },
+    /// The work panicked. The panic is contained to it.
+    #[error("the work on it panicked")]
     Panicked,
+}
+
+/// More names would not help.
+const MOST_NAMES: usize = 8;
+
+fn not_baked(name: Option<&str>, names: &[String]) -> String {
+    let some = names.iter().take(MOST_NAMES).map(|name| format!("`{name}`"));
+    let mut some = some.collect::<Vec<_>>().join(", ");
+    if names.len() > MOST_NAMES {
+        some += ", …";
+    }
+    match name {
+        Some(name) => format!("the baked scene has no mesh `{name}`, but {some}"),
+        None => format!("the baked scene has {} meshes, so name one: {some}", names.len()),
+    }
 }
 
 impl From<ColliderError> for DecompositionError {
@@ -184,8 +232,69 @@ impl From<Error> for DecompositionError {
     }
 }
 
-// Every tag ends in exactly one of these events: ready, skipped, failed or cancelled. What changes later, such as
-// the mesh or the scale, starts anew and ends in one again.
+// Every tag ends in exactly one of these two events, and in exactly one of the finer four: ready, skipped, failed or
+// cancelled. What changes later, such as the mesh or the scale, starts anew and ends in one of each again.
+
+/// The entity has a collider, whatever it is made of. Also after a changed scale or mesh.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use hullwright::bevy::prelude::*;
+///
+/// # let mut app = App::new();
+/// app.add_observer(|ready: On<ColliderReady>| println!("{}: {:?}", ready.entity, ready.made_of))
+///     .add_observer(|absent: On<ColliderAbsent>| println!("{}: {}", absent.entity, absent.reason));
+/// ```
+#[derive(EntityEvent, Reflect, Debug, Clone, PartialEq)]
+#[reflect(Debug, Clone, PartialEq)]
+#[type_path = "hullwright"]
+pub struct ColliderReady {
+    /// The tagged entity.
+    pub entity: Entity,
+    /// What its collider is made of.
+    pub made_of: MadeOf,
+}
+
+/// What a collider is made of.
+#[derive(Reflect, Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[type_path = "hullwright"]
+pub enum MadeOf {
+    /// So many hulls: [`DecompositionReady`] has more.
+    Hulls(usize),
+    /// The mesh's triangles, of what never moves or on request.
+    Triangles,
+    /// A box, a ball or a capsule around the mesh.
+    Primitive,
+    /// It had that collider before.
+    Existing,
+}
+
+/// The entity has no collider, and no earlier one of the plugin's stays behind.
+#[derive(EntityEvent, Reflect, Debug, Clone, PartialEq)]
+#[reflect(Debug, Clone, PartialEq)]
+#[type_path = "hullwright"]
+pub struct ColliderAbsent {
+    /// The entity that is or was tagged.
+    pub entity: Entity,
+    /// Why.
+    pub reason: AbsentReason,
+}
+
+/// Why there is no collider.
+#[derive(Reflect, Debug, Clone, PartialEq, thiserror::Error)]
+#[reflect(Debug, Clone, PartialEq)]
+#[type_path = "hullwright"]
+pub enum AbsentReason {
+    /// The settings say so.
+    #[error("it is skipped: {0:?}")]
+    Skipped(SkipReason),
+    /// The work failed.
+    #[error("{0}")]
+    Failed(DecompositionError),
+    /// The tag was removed, or the entity despawned, before.
+    #[error("the tag was removed")]
+    Cancelled,
+}
 
 /// The entity has its collider of hulls. Also after a changed scale or mesh.
 ///
@@ -204,26 +313,26 @@ pub struct DecompositionReady {
     pub entity: Entity,
     /// Hulls of the collider, at least 1.
     pub hulls: usize,
-    /// How far hulls and mesh are apart; `None` where nothing was verified, as by the paper's method.
-    pub error: Option<VerifiedError>,
+    /// How far hulls and mesh are apart at most; `None` where nothing was verified, as by the paper's method.
+    pub verified: Option<VerifiedDistances>,
     /// Where the hulls came from.
     pub source: HullSource,
     /// From the tag, or from what changed, to the collider, by the clock on the wall.
     pub time: Duration,
 }
 
-/// How far hulls and mesh are apart, as verified, as fractions of the mesh's diagonal before scale.
+/// How far hulls and mesh are apart at most, as verified, as shares of the mesh's diagonal before scale.
 #[derive(Reflect, Debug, Clone, Copy, PartialEq)]
 #[reflect(Debug, Clone, PartialEq)]
 #[type_path = "hullwright"]
-pub struct VerifiedError {
+pub struct VerifiedDistances {
     /// No point of a hull is farther outside the solid: things stop before they touch.
     pub protrusion: f32,
     /// No point of the surface is farther outside every hull: things sink in.
     pub uncovered: f32,
 }
 
-impl VerifiedError {
+impl VerifiedDistances {
     /// The larger of both, which is what the tag's bound is about.
     pub fn max(&self) -> f32 {
         self.protrusion.max(self.uncovered)
@@ -284,7 +393,7 @@ impl Outcomes<'_, '_> {
         }
     }
 
-    pub(crate) fn ready(&mut self, ready: DecompositionReady) {
+    pub(crate) fn ready(&mut self, ready: DecompositionReady, made_of: MadeOf) {
         match ready.source {
             HullSource::Decomposed => {}
             HullSource::Shared => self.counters.shared += 1,
@@ -292,8 +401,10 @@ impl Outcomes<'_, '_> {
             HullSource::Baked => self.counters.baked += 1,
         }
         self.counters.convex += usize::from(ready.hulls == 1);
-        self.end(ready.entity, DecompositionStatus::Ready(ready.source));
+        let entity = ready.entity;
+        self.end(entity, DecompositionStatus::Ready(ready.source));
         self.commands.trigger(ready);
+        self.has_collider(entity, made_of);
     }
 
     pub(crate) fn skipped(&mut self, entity: Entity, reason: SkipReason) {
@@ -308,18 +419,39 @@ impl Outcomes<'_, '_> {
         } += 1;
         self.end(entity, DecompositionStatus::Skipped(reason));
         self.commands.trigger(DecompositionSkipped { entity, reason });
+        match reason {
+            SkipReason::HasCollider => self.has_collider(entity, MadeOf::Existing),
+            SkipReason::FixedBody | SkipReason::NoBody | SkipReason::TrianglesRequested => {
+                self.has_collider(entity, MadeOf::Triangles);
+            }
+            SkipReason::Hidden | SkipReason::TooSmall | SkipReason::TooFar => {
+                self.has_none(entity, AbsentReason::Skipped(reason));
+            }
+        }
     }
 
     pub(crate) fn failed(&mut self, entity: Entity, error: DecompositionError) {
         self.counters.failed += 1;
         self.end(entity, DecompositionStatus::Failed(error.clone()));
-        self.commands.trigger(DecompositionFailed { entity, error });
+        self.commands.trigger(DecompositionFailed { entity, error: error.clone() });
+        self.has_none(entity, AbsentReason::Failed(error));
     }
 
     pub(crate) fn cancelled(&mut self, entity: Entity) {
         self.counters.cancelled += 1;
         self.end(entity, DecompositionStatus::Cancelled);
         self.commands.trigger(DecompositionCancelled { entity });
+        self.has_none(entity, AbsentReason::Cancelled);
+    }
+
+    fn has_collider(&mut self, entity: Entity, made_of: MadeOf) {
+        self.counters.with_collider += 1;
+        self.commands.trigger(ColliderReady { entity, made_of });
+    }
+
+    fn has_none(&mut self, entity: Entity, reason: AbsentReason) {
+        self.counters.without_collider += 1;
+        self.commands.trigger(ColliderAbsent { entity, reason });
     }
 }
 

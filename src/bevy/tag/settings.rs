@@ -13,7 +13,7 @@ use bevy::prelude::*;
 /// # let mut app = bevy::prelude::App::new();
 /// let settings = HullwrightSettings {
 ///     fallback_collider: FallbackCollider::BoundingBox,
-///     disk_cache: Some("cache/hulls".into()),
+///     cache: CacheSettings { disk: Some("cache/hulls".into()), ..Default::default() },
 ///     ..Default::default()
 /// };
 /// app.insert_resource(settings);
@@ -26,7 +26,7 @@ pub struct HullwrightSettings {
     /// Default: none.
     pub fallback_collider: FallbackCollider,
     /// Whether a dynamic body is frozen until its colliders are ready, so that it does not fall
-    /// through the floor. Its `LockedAxes` and `Velocity` are restored afterwards. Default true.
+    /// through the floor. Its components stay as they are: it is Rapier's own body that is held. Default true.
     pub freeze_until_ready: bool,
     /// An entity that has waited for this long for a mesh is logged, once: most likely nobody will give
     /// it one. `None` for never. Default 5 s.
@@ -36,42 +36,72 @@ pub struct HullwrightSettings {
     /// [`ConvexDecomposition::shape`](crate::bevy::ConvexDecomposition::shape) decides for one entity. Default
     /// true.
     pub exact_static_colliders: bool,
-    /// Most jobs at once; 0 for as many as Bevy's pool for background work has threads, of which
-    /// one is left to others where there are more, and some more for what takes no decomposition. Default 0.
-    pub max_jobs: usize,
-    /// Time per frame that the plugin's systems may spend on reading meshes and attaching
-    /// colliders. One of each goes through even if it takes longer. Default 1 ms.
-    pub frame_budget: Duration,
-    /// Most colliders attached per frame: what Bevy and Rapier do with them comes on top of the
-    /// budget. Default 64.
-    pub max_attached_per_frame: usize,
-    /// Where the work is done. Default: in the background where there are threads.
-    pub execution: Execution,
-    /// A changed scale is baked once it has not changed for this long. Default 0.1 s.
-    pub scale_delay: Duration,
-    /// Size of the cache in memory, in bytes; 0 for none. Default 64 MiB.
-    pub cache_bytes: usize,
-    /// Directory of a cache on disk, made if need be; `None` for none. Several processes may share
-    /// it. Default `None`.
-    pub disk_cache: Option<PathBuf>,
+    /// Whether hulls that are boxes, balls or capsules within what the verified distances leave of the bound become
+    /// these: see [`shape_with_primitives`](crate::rapier::shape_with_primitives). For colliders that are made
+    /// from then on, and not those whose scale differs along the axes. Default false.
+    pub primitives: bool,
     /// Whether new worlds of Rapier get a [`ContactDispatcher`](crate::rapier::ContactDispatcher), without
     /// which small things sink into each other. It concerns all colliders of the world. Set it to `false`
     /// if a world has a dispatcher of its own. Default `true`.
     pub contact_dispatcher: bool,
+    /// A changed scale is baked once it has not changed for this long. Default 0.1 s.
+    pub scale_delay: Duration,
+    /// Where the work is done, and how much of it at once.
+    pub budget: BudgetSettings,
+    /// What is kept of it.
+    pub cache: CacheSettings,
+    /// What gets no collider.
+    pub skip: SkipSettings,
+}
+
+/// Where the work is done, and how much of it at once.
+#[derive(Reflect, Debug, Clone, PartialEq)]
+#[reflect(Default, Clone, PartialEq)]
+#[type_path = "hullwright"]
+pub struct BudgetSettings {
+    /// Where the work is done. Default: in the background where there are threads.
+    pub execution: Execution,
+    /// Threads of the plugin's own, for work in the background; 0 for half of the processor's, from 1 to 4. One more is
+    /// for what takes no decomposition. They have a lower priority than the game's where the platform has that.
+    /// Default 0.
+    pub threads: usize,
+    /// Most decompositions at once; 0 for one for each of the threads. What takes none does not count. Default 0.
+    pub max_jobs: usize,
+    /// Time per frame that the plugin's systems may spend on reading meshes and attaching
+    /// colliders. One of each goes through even if it takes longer. Default 1 ms.
+    pub frame_time: Duration,
+    /// Most colliders attached per frame: what Bevy and Rapier do with them comes on top of the
+    /// budget. Default 64.
+    pub max_attached_per_frame: usize,
+}
+
+/// What is kept of the work.
+#[derive(Reflect, Debug, Clone, PartialEq)]
+#[reflect(Default, Clone, PartialEq)]
+#[type_path = "hullwright"]
+pub struct CacheSettings {
+    /// Size of the cache in memory, in bytes; 0 for none. Default 64 MiB.
+    pub memory_bytes: usize,
+    /// Directory of a cache on disk, made if need be; `None` for none. Several processes may share
+    /// it. Default `None`.
+    pub disk: Option<PathBuf>,
     /// Size of the cache on disk, in bytes: the files that were used least recently are removed. It
     /// may be larger by a sixteenth for a while. Default 256 MiB.
-    pub disk_cache_bytes: u64,
+    pub disk_bytes: u64,
+}
+
+/// What gets no collider.
+#[derive(Reflect, Debug, Clone, PartialEq, Default)]
+#[reflect(Default, Clone, PartialEq)]
+#[type_path = "hullwright"]
+pub struct SkipSettings {
     /// Meshes whose bounding box has a shorter diagonal than this in the world get no collider:
     /// [`SkipReason::TooSmall`](crate::bevy::SkipReason::TooSmall). Default 0: none is too small.
     pub min_size: f32,
     /// Whether what is hidden by `Visibility` gets no collider until it is shown:
     /// [`SkipReason::Hidden`](crate::bevy::SkipReason::Hidden). With the feature `bevy_gltf` only.
     /// Default false.
-    pub skip_hidden: bool,
-    /// Whether hulls that are boxes, balls or capsules within what the verified errors leave of the bound become
-    /// these: see [`shape_with_primitives`](crate::rapier::shape_with_primitives). For colliders that are made
-    /// from then on, and not those whose scale differs along the axes. Default false.
-    pub primitives: bool,
+    pub hidden: bool,
     /// What is farther than this from every [`DecompositionFocus`](crate::bevy::DecompositionFocus)
     /// gets no collider until it is near: [`SkipReason::TooFar`](crate::bevy::SkipReason::TooFar).
     /// Dynamic bodies are frozen until then. Without a focus nothing is far. Default `None`: nothing is.
@@ -100,7 +130,7 @@ pub enum FallbackCollider {
 #[derive(Reflect, Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[type_path = "hullwright"]
 pub enum Execution {
-    /// On Bevy's `AsyncComputeTaskPool`.
+    /// On threads of the plugin's own.
     Background,
     /// On the main thread in slices, which end when the frame's budget is spent. A slice is a stage
     /// of the decomposition, or one resolution or threshold of the paper's method, so a frame may
@@ -115,7 +145,7 @@ const DEFAULT_CACHE_BYTES: usize = 64 << 20;
 const DEFAULT_DISK_CACHE_BYTES: u64 = 256 << 20;
 
 /// A sixteenth of a frame at 60 Hz.
-const DEFAULT_FRAME_BUDGET: Duration = Duration::from_millis(1);
+const DEFAULT_FRAME_TIME: Duration = Duration::from_millis(1);
 
 /// With a few microseconds each, about as long as the budget.
 const DEFAULT_MAX_ATTACHED: usize = 64;
@@ -128,27 +158,37 @@ const DEFAULT_PATIENCE: Duration = Duration::from_secs(5);
 
 impl Default for HullwrightSettings {
     fn default() -> Self {
-        let has_threads = !cfg!(target_arch = "wasm32");
         Self {
             fallback_collider: FallbackCollider::None,
             freeze_until_ready: true,
             warn_without_mesh_after: Some(DEFAULT_PATIENCE),
             exact_static_colliders: true,
-            max_jobs: 0,
-            frame_budget: DEFAULT_FRAME_BUDGET,
-            max_attached_per_frame: DEFAULT_MAX_ATTACHED,
-            execution: if has_threads { Execution::Background } else { Execution::Slices },
-            scale_delay: DEFAULT_SCALE_DELAY,
-            cache_bytes: DEFAULT_CACHE_BYTES,
-            disk_cache: None,
-            contact_dispatcher: true,
-            disk_cache_bytes: DEFAULT_DISK_CACHE_BYTES,
-            min_size: 0.0,
-            skip_hidden: false,
             primitives: false,
-            focus_radius: None,
-            drop_far: false,
+            contact_dispatcher: true,
+            scale_delay: DEFAULT_SCALE_DELAY,
+            budget: BudgetSettings::default(),
+            cache: CacheSettings::default(),
+            skip: SkipSettings::default(),
         }
+    }
+}
+
+impl Default for BudgetSettings {
+    fn default() -> Self {
+        let has_threads = !cfg!(target_arch = "wasm32");
+        Self {
+            execution: if has_threads { Execution::Background } else { Execution::Slices },
+            threads: 0,
+            max_jobs: 0,
+            frame_time: DEFAULT_FRAME_TIME,
+            max_attached_per_frame: DEFAULT_MAX_ATTACHED,
+        }
+    }
+}
+
+impl Default for CacheSettings {
+    fn default() -> Self {
+        Self { memory_bytes: DEFAULT_CACHE_BYTES, disk: None, disk_bytes: DEFAULT_DISK_CACHE_BYTES }
     }
 }
 

@@ -6,7 +6,7 @@
 //! 7 % of those hulls can join again. O(k²) joint hulls at first for k hulls, fewer where most are far from each
 //! other, and O(k) for each join.
 
-use super::final_hull::{FinalHull, Represented, make_hull};
+use super::final_hull::{FinalHull, Owned, make_hull};
 use super::hull_simplification::FinalizeContext;
 use crate::bounded::joins::{Cost, Pair, PairQueue, are_near};
 use crate::bounded::patch::{Patch, PatchSet, Piece};
@@ -25,9 +25,8 @@ pub(super) fn hulls_of_piece(
     piece: &Piece,
 ) -> Result<Vec<FinalHull>, Error> {
     let Piece { patches, inner_points, .. } = piece;
-    let represents =
-        Represented { patches: patches.clone(), part: None, inner_points: inner_points.clone() };
-    let open = vec![Open { represents, may_fill: true }];
+    let owned = Owned { patches: patches.clone(), part: None, inner_points: inner_points.clone() };
+    let open = vec![Open { owned, may_fill: true }];
     let mut division = Division { context, builder: HullBuilder::new(), open, done: Vec::new() };
     division.run()?;
     Ok(division.done)
@@ -35,7 +34,7 @@ pub(super) fn hulls_of_piece(
 
 /// A part that is to become a hull.
 struct Open {
-    represents: Represented,
+    owned: Owned,
     /// Whether it may contain points inside; not once they have turned out to be in a cavity.
     may_fill: bool,
 }
@@ -51,11 +50,11 @@ impl Division<'_> {
     fn run(&mut self) -> Result<(), Error> {
         let &Search { settings, control, .. } = &self.context.search;
         let mut is_first = true;
-        while let Some(Open { represents, may_fill }) = self.open.pop() {
+        while let Some(Open { owned, may_fill }) = self.open.pop() {
             control.check()?;
             let is_first = std::mem::take(&mut is_first);
-            let points = represents.inner_points.len();
-            let hull = make_hull(self.context, represents, &mut self.builder)?;
+            let points = owned.inner_points.len();
+            let hull = make_hull(self.context, owned, &mut self.builder)?;
             if hull.keeps_bound(settings) {
                 self.done.push(hull);
                 continue;
@@ -66,11 +65,11 @@ impl Division<'_> {
             let protrudes = hull.protrusion > settings.bound.verified();
             if points > 0 && (extends_over_hollow || protrudes) {
                 // A piece that extends over a hollow does without it first.
-                let represents = Represented { inner_points: Vec::new(), ..hull.represents };
-                self.open.push(Open { represents, may_fill: is_first });
+                let owned = Owned { inner_points: Vec::new(), ..hull.owned };
+                self.open.push(Open { owned, may_fill: is_first });
                 continue;
             }
-            let mut inner_points = hull.represents.inner_points.clone();
+            let mut inner_points = hull.owned.inner_points.clone();
             if may_fill && inner_points.is_empty() {
                 inner_points.extend(self.middle(&hull)?);
             }
@@ -89,10 +88,10 @@ impl Division<'_> {
         let &Search { patches, solid, settings, control } = &self.context.search;
         let mut push = |patches: PatchSet, part: Option<Vec<u32>>| {
             let inner_points = inner_points.clone();
-            let represents = Represented { patches, part, inner_points };
-            self.open.push(Open { represents, may_fill });
+            let owned = Owned { patches, part, inner_points };
+            self.open.push(Open { owned, may_fill });
         };
-        let set = &hull.represents.patches;
+        let set = &hull.owned.patches;
         let mut members: Vec<u32> = set.iter().collect();
         if members.len() > 1 {
             let box_centre = |&patch: &u32| {
@@ -105,11 +104,11 @@ impl Division<'_> {
             }
             return Ok(());
         }
-        let mut triangles: Vec<u32> = hull.represents.triangles(patches).collect();
+        let mut triangles: Vec<u32> = hull.owned.triangles(patches).collect();
         if triangles.len() < 2 {
             // The patch mesh's triangle may protrude where the source's does not. A patch that
-            // represents nothing of the source can be dropped.
-            if hull.represents.part.is_some() {
+            // owns nothing of the source can be dropped.
+            if hull.owned.part.is_some() {
                 let bound = settings.bound.verified();
                 hull.protrusion = protrusion(&hull.hull, solid, bound, f64::INFINITY, control)?;
                 self.done.push(hull);
@@ -135,7 +134,7 @@ impl Division<'_> {
     fn middle(&mut self, hull: &FinalHull) -> Result<Option<Vector>, Error> {
         let &Search { patches, solid, settings, control } = &self.context.search;
         let Some(max_vertices) = settings.max_vertices else { return Ok(None) };
-        let points = hull.represents.surface_points(patches);
+        let points = hull.owned.surface_points(patches);
         if !solid.is_closed() || points.len() <= max_vertices {
             return Ok(None);
         }
@@ -200,9 +199,9 @@ pub(super) fn remerge(
             }
         }
         let Some(pair) = cheapest(context, &entries, &mut queue, &suspects)? else { break };
-        let [first, second] = [pair.0, pair.1].map(|hull| &entries[hull as usize].hull.represents);
-        let represents = Represented::union(&[first, second], patches);
-        let joint = make_hull(context, represents, &mut builder)?;
+        let [first, second] = [pair.0, pair.1].map(|hull| &entries[hull as usize].hull.owned);
+        let owned = Owned::union(&[first, second], patches);
+        let joint = make_hull(context, owned, &mut builder)?;
         if joint.keeps_bound(settings) {
             let new = queue.join(pair);
             entries.push(Entry::new(joint));

@@ -1,6 +1,6 @@
 //! A final hull: of some patches, or of a part of one, with thickness, few vertices, and verified.
 //!
-//! Takes what the hull represents, gives the hull with its errors. Lengths are fractions of the diagonal. Where it does not keep the bound,
+//! Takes what the hull owns, gives the hull with its errors. Lengths are fractions of the diagonal. Where it does not keep the bound,
 //! the caller divides it.
 
 use std::ops::Range;
@@ -9,7 +9,7 @@ use super::hull_simplification::{FinalizeContext, Original, Simplified, simplify
 use crate::bounded::patch::{PatchSet, Patches, Piece};
 use crate::bounded::search::Search;
 use crate::bounded::settings::{MAX_UNCOVERED, MAX_UNCOVERED_UNDER_LIMIT, Settings};
-use crate::bounded::uncovered::{PointGroups, distance_outside};
+use crate::bounded::uncovered::{PointBuckets, distance_outside};
 use crate::error::Error;
 use crate::geometry::vector::{Vector, area_normal, as_arrays};
 use crate::hull::growing_hull::GrowingHull;
@@ -23,23 +23,23 @@ const WORTH_A_HULL: Range<usize> = 64..8192;
 /// be left uncovered: of all it would have thousands of vertices that do not matter.
 const TOLERANCE_OF_MANY: f64 = 0.25;
 
-/// What a hull represents.
+/// What a hull owns: patches, or triangles of them where it was divided.
 #[derive(Clone)]
-pub(crate) struct Represented {
+pub(crate) struct Owned {
     pub patches: PatchSet,
-    /// The triangles of [`Patches::surface`] that it represents, where it represents its patches only in part.
+    /// The triangles of [`Patches::surface`] that it owns, where it owns its patches only in part.
     pub part: Option<Vec<u32>>,
     /// Points inside the solid that it contains too, so that no gap opens between it and the other
     /// parts of a hull that was divided.
     pub inner_points: Vec<Vector>,
 }
 
-impl Represented {
-    /// What several hulls represent together.
+impl Owned {
+    /// What several hulls own together.
     pub(in crate::bounded) fn union(parts: &[&Self], patches: &Patches) -> Self {
         let mut set = PatchSet::empty(patches.count());
         parts.iter().for_each(|part| set.union_with(&part.patches));
-        // Another hull may represent the rest of a divided patch.
+        // Another hull may own the rest of a divided patch.
         let triangles = || parts.iter().flat_map(|part| part.triangles(patches)).collect();
         let has_part = parts.iter().any(|part| part.part.is_some());
         Self {
@@ -74,7 +74,7 @@ impl Represented {
 /// A hull of the result, and what was verified about it.
 pub(crate) struct FinalHull {
     pub hull: ConvexHull,
-    pub represents: Represented,
+    pub owned: Owned,
     /// Thickness that a flat hull was given.
     pub added_thickness: f64,
     /// How far hull simplification made it grow.
@@ -82,7 +82,7 @@ pub(crate) struct FinalHull {
     /// No point of its surface is farther than this from the solid. While it may yet be divided, any value above
     /// the bound if that is exceeded.
     pub protrusion: f64,
-    /// No point of the surface that it represents is farther than this outside it.
+    /// No point of the surface that it owns is farther than this outside it.
     pub uncovered: f64,
     /// The component of the source that its first patch lies in.
     pub component: u32,
@@ -114,17 +114,17 @@ impl FinalHulls {
 /// [`FinalHull::keeps_bound`].
 pub(super) fn make_hull(
     context: &FinalizeContext<'_>,
-    represents: Represented,
+    owned: Owned,
     builder: &mut HullBuilder,
 ) -> Result<FinalHull, Error> {
     let patches = context.search.patches;
-    let Represented { patches: set, part, inner_points } = &represents;
+    let Owned { patches: set, part, inner_points } = &owned;
     let mut hull = match part {
         None => Piece::new(patches, set).hull,
         Some(triangles) => hull_of_triangles(patches, triangles),
     };
     hull.insert(inner_points, Vector::ZERO);
-    let mut required = represents.surface_points(patches);
+    let mut required = owned.surface_points(patches);
     required.extend_from_slice(inner_points);
     let required = extreme_points(builder, required);
     let (original, added_thickness) = full_hull(context, &mut hull, required, builder)?;
@@ -133,7 +133,7 @@ pub(super) fn make_hull(
         simplify_hull(context, original, builder)?;
     Ok(FinalHull {
         hull,
-        represents,
+        owned,
         added_thickness,
         simplification_growth: growth,
         protrusion,
@@ -162,7 +162,7 @@ fn full_hull(
     let &Search { settings, control, .. } = &context.search;
     let max_uncovered = MAX_UNCOVERED * settings.bound.uncovered();
     let outward = hull.outward;
-    let points = PointGroups::new(&required);
+    let points = PointBuckets::new(&required);
     let thick =
         |builder: &mut HullBuilder, points: &[Vector]| -> Result<(ConvexHull, f64), Error> {
             control.check()?;

@@ -14,12 +14,12 @@
 
 use crate::bounded::search::Search;
 use crate::bounded::settings::{MAX_UNCOVERED, MAX_UNCOVERED_UNDER_LIMIT};
-use crate::bounded::uncovered::{PointGroups, distance_outside};
+use crate::bounded::uncovered::{PointBuckets, distance_outside};
 use crate::error::Error;
 use crate::geometry::vector::Vector;
 use crate::hull::{
-    ConvexHull, HullBuilder, LEAST_THICKNESS, coarser, collapse_edges, limit_vertices,
-    most_prominent, solid_hull,
+    ConvexHull, HullBuilder, LEAST_THICKNESS, collapse_edges, limit_vertices, most_prominent,
+    prominent, solid_hull,
 };
 use crate::solid::Scratch;
 use crate::solid::protrusion;
@@ -37,7 +37,7 @@ const COARSER: [f64; 2] = [0.1, 0.2];
 /// contain: one that leaves more than [`MAX_UNCOVERED_UNDER_LIMIT`] uncovered is refused.
 const SHRINKING: [f64; 2] = [0.2, 0.4];
 
-/// A hull of more vertices does not collapse from the full hull to keep a limit once the coarser hull
+/// A hull of more vertices does not collapse from the full hull to keep a limit once the hull of prominent vertices
 /// has failed: collapsing is quadratic in the vertices and hardly gives another result.
 const MAX_COLLAPSIBLE: usize = 256;
 
@@ -55,7 +55,7 @@ pub(super) struct Original {
     /// How far the points that it must contain are outside it.
     pub uncovered: f64,
     /// The points that it must contain.
-    pub points: PointGroups,
+    pub points: PointBuckets,
     /// On which side a flat hull is outside.
     pub outward: Vector,
 }
@@ -112,15 +112,15 @@ impl Attempts<'_> {
         let original = self.original;
         let max_uncovered = (MAX_UNCOVERED * self.context.search.settings.bound.uncovered())
             .max(original.uncovered);
-        let coarse = self.without_small(MAX_UNCOVERED)?;
-        let has_coarse = coarse.is_some();
-        if let Some(coarse) = coarse
-            && let Some(simplified) = self.collapsed_or_as_is(coarse, max_uncovered)?
+        let prominent = self.without_small(MAX_UNCOVERED)?;
+        let has_prominent = prominent.is_some();
+        if let Some(prominent) = prominent
+            && let Some(simplified) = self.collapsed_or_as_is(prominent, max_uncovered)?
         {
             return Ok(Some(simplified));
         }
         let count = original.hull.points.len();
-        let is_hopeless = has_coarse && count > self.max_vertices && count > MAX_COLLAPSIBLE;
+        let is_hopeless = has_prominent && count > self.max_vertices && count > MAX_COLLAPSIBLE;
         if is_hopeless { Ok(None) } else { self.collapsed(&original.hull, max_uncovered) }
     }
 
@@ -132,8 +132,8 @@ impl Attempts<'_> {
         let max_uncovered = (MAX_UNCOVERED * uncovered_bound).max(original.uncovered);
         let max_under_limit = (MAX_UNCOVERED_UNDER_LIMIT * uncovered_bound).max(original.uncovered);
         for share in COARSER {
-            let Some(coarse) = self.without_small(share)? else { continue };
-            if let Some(simplified) = self.collapsed_or_as_is(coarse, max_under_limit)? {
+            let Some(prominent) = self.without_small(share)? else { continue };
+            if let Some(simplified) = self.collapsed_or_as_is(prominent, max_under_limit)? {
                 return Ok(simplified);
             }
         }
@@ -161,11 +161,15 @@ impl Attempts<'_> {
         self.context.search.control.check()?;
         let original = self.original;
         let tolerance = share * self.context.search.settings.bound.uncovered();
-        let Some(coarse) = coarser(&original.hull, tolerance) else { return Ok(None) };
-        let (_, added) =
-            solid_hull(self.builder, &coarse.points, original.outward.to_array(), LEAST_THICKNESS)?;
+        let Some(prominent) = prominent(&original.hull, tolerance) else { return Ok(None) };
+        let (_, added) = solid_hull(
+            self.builder,
+            &prominent.points,
+            original.outward.to_array(),
+            LEAST_THICKNESS,
+        )?;
         let min_volume = MIN_VOLUME_SHARE * original.hull.volume();
-        Ok((added == 0.0 && coarse.volume() >= min_volume).then_some(coarse))
+        Ok((added == 0.0 && prominent.volume() >= min_volume).then_some(prominent))
     }
 
     fn collapsed_or_as_is(

@@ -7,7 +7,7 @@
 //! | file | contents |
 //! |---|---|
 //! | `hull_simplification` | vertices are saved |
-//! | `final_hull` | the final hull of some patches, and what it represents |
+//! | `final_hull` | the final hull of some patches, and what it owns |
 //! | `division` | pieces whose hull does not keep the bound are halved, and halves join again |
 
 mod division;
@@ -19,11 +19,11 @@ use super::cover::coverage::assign_owners;
 use super::patch::{PatchSet, Piece};
 use super::search::Search;
 use super::settings::MAX_UNCOVERED;
-use super::uncovered::{HullDistance, PointGroups, distance_outside, uncovered_distance};
+use super::uncovered::{HullDistance, PointBuckets, distance_outside, uncovered_distance};
 use crate::error::Error;
 use crate::parallel;
 use division::{hulls_of_piece, remerge};
-use final_hull::{FinalHull, FinalHulls, Represented};
+use final_hull::{FinalHull, FinalHulls, Owned};
 use hull_simplification::FinalizeContext;
 
 /// Volume that saving a vertex may add, as a share of the mean volume of all pieces. With it, hulls
@@ -106,19 +106,19 @@ fn uncovered(search: &Search<'_>, hulls: &[FinalHull]) -> Result<f64, Error> {
     // Other hulls may contain what one has left out.
     let mut owners = vec![u32::MAX; patches.surface.triangles.len()];
     for (index, hull) in open {
-        let represents = &hull.represents;
-        if represents.part.is_some() {
-            represents.triangles(patches).for_each(|triangle| owners[triangle as usize] = index);
+        let owned = &hull.owned;
+        if owned.part.is_some() {
+            owned.triangles(patches).for_each(|triangle| owners[triangle as usize] = index);
             continue;
         }
-        for patch in represents.patches.iter() {
-            let own = Represented {
+        for patch in owned.patches.iter() {
+            let own = Owned {
                 patches: PatchSet::new(patches.count(), [patch]),
                 part: None,
                 inner_points: Vec::new(),
             };
-            let groups = PointGroups::new(&own.surface_points(patches));
-            let distance = distance_outside(&hull.hull, &groups, f64::INFINITY, control)?;
+            let points = PointBuckets::new(&own.surface_points(patches));
+            let distance = distance_outside(&hull.hull, &points, f64::INFINITY, control)?;
             if distance <= allowed {
                 uncovered = uncovered.max(distance);
             } else {

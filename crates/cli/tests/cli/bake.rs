@@ -118,6 +118,19 @@ fn what_can_not_be_baked_is_named_and_the_rest_is_baked() {
     assert_eq!(error.lines().count(), 1);
     assert_eq!(names(&place.path("baked")), ["tetrahedron.hulls"]);
 
+    // All that go wrong are named, in the order of the work.
+    place.write("cut.stl", "solid x\nfacet normal 0 0 1\n");
+    for more in [&["--per-mesh"][..], &[]] {
+        let files = ["bake", "missing.obj", "cut.stl", "tetrahedron.obj", "-o", "rest"];
+        let output = place.run(&[&files, more].concat());
+        assert_eq!(output.status.code(), Some(1));
+        let error = String::from_utf8(output.stderr).unwrap();
+        let lines: Vec<&str> = error.lines().collect();
+        assert!(lines.len() == 2, "{error}");
+        assert!(lines[0].contains("missing.obj") && lines[1].contains("cut.stl"), "{error}");
+    }
+    assert_eq!(names(&place.path("rest")), ["tetrahedron.hulls", "tetrahedron.hullscene"]);
+
     let error = place.fail(&["bake", "missing.obj", "-o", "nothing"], 1);
     assert!(error.contains("missing.obj"), "{error}");
     assert!(!place.path("nothing").exists());

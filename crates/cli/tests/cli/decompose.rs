@@ -1,9 +1,11 @@
 //! `hullwright decompose`.
 
+use std::process::Command;
+
 use hullwright::io::read_hulls;
 use serde_json::Value;
 
-use crate::{Place, asset};
+use crate::{PROGRAM, Place, asset};
 
 /// A prism over an L: two convex pieces.
 const L_PRISM: &str = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\n\
@@ -146,13 +148,61 @@ fn a_sheet_that_is_thicker_than_the_bound_is_said_in_the_table() {
 }
 
 #[test]
-fn the_help_fits_on_a_screen_and_the_papers_options_come_last() {
-    let help = place().decompose(&["--help"]);
-    assert!(help.lines().count() <= 45, "{} lines:\n{help}", help.lines().count());
-    assert!(help.lines().all(|line| line.chars().count() <= 100), "{help}");
-    let (others, paper) = help.split_once("The paper's method (--method surface):").unwrap();
-    for option in ["--paper", "--search", "--simplification-quality", "--unit"] {
-        assert!(paper.contains(option) && !others.contains(option), "{option} in\n{help}");
+fn the_help_fits_on_a_screen_of_80_columns_and_the_papers_options_come_last() {
+    for (command, most) in [
+        ("decompose", 50),
+        ("view", 70),
+        ("curve", 50),
+        ("bake", 70),
+        ("measure", 35),
+        ("inspect", 25),
+    ] {
+        let help = Command::new(PROGRAM).env("COLUMNS", "80").args([command, "--help"]).output();
+        let help = String::from_utf8(help.unwrap().stdout).unwrap();
+        let lines = help.lines().count();
+        assert!(lines <= most, "{lines} lines:\n{help}");
+        assert!(help.lines().all(|line| line.chars().count() <= 80), "{help}");
+        let Some((others, paper)) = help.split_once("The paper's method (--method surface)") else {
+            continue;
+        };
+        for option in ["--paper", "--simplification-quality", "--unit"] {
+            assert!(paper.contains(option) && !others.contains(option), "{option} in\n{help}");
+        }
+    }
+}
+
+#[test]
+fn an_option_of_another_method_is_refused_by_name() {
+    let place = place();
+    for (line, reason) in [
+        ("decompose l.obj --method surface --max-hulls 3", "--max-hulls is for --method bounded"),
+        ("decompose l.obj --search", "--search is for --method surface"),
+        ("bake l.obj --method hull --preset fine", "--preset is for --method bounded"),
+        ("curve l.obj --unit 1m", "--unit is for --method surface"),
+        ("view l.obj --compare surface --method hull --max-hulls 2", "not for hull and surface"),
+    ] {
+        let words: Vec<&str> = line.split(' ').collect();
+        let error = place.fail_in_one_line(&words, 2);
+        assert!(error.contains(reason), "{error}");
+    }
+}
+
+#[test]
+fn every_command_says_in_the_same_words_that_a_bound_is_exceeded() {
+    let place = place();
+    let shown = place.decompose(&["--max-hulls", "1", "-o", "l.hulls"]);
+    let line = shown.lines().find(|line| line.contains("above the bound")).unwrap();
+    for arguments in [
+        "view l.obj --max-hulls 1 -o l.png",
+        "curve l.obj --max-hulls 1",
+        "bake l.obj --max-hulls 1",
+        "bake l.obj --max-hulls 1 --per-mesh -o baked",
+        "inspect l.hulls",
+        "inspect l.hullscene",
+    ] {
+        let words: Vec<&str> = arguments.split(' ').collect();
+        let shown = place.succeed(&words);
+        assert!(shown.lines().any(|other| other.ends_with(line)), "{arguments}: {shown}");
     }
 }
 
@@ -189,7 +239,7 @@ fn the_number_of_threads_changes_nothing() {
 #[test]
 fn parameters_reach_the_method() {
     let place = place();
-    let coarse = place.decompose_json(&["--paper", "--planar-thresholds", "1", "--unit", "100d"]);
+    let coarse = place.decompose_json(&["--paper", "--planar-thresholds", "1", "--unit", "10000%"]);
     assert_eq!(coarse["planar_threshold"], 1.0);
     assert_eq!(place.decompose_json(&["--paper"])["hulls"], 2);
 }

@@ -11,7 +11,7 @@ const BOX: &str = "o box\nv 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\nv 0 0 1\nv 2 0 1\n
 fn inspect_shows_what_a_mesh_holds() {
     let shown = Place::new(&[("box.obj", BOX)]).succeed(&["inspect", "box.obj"]);
     let value = |name: &str| value(&shown, name);
-    assert_eq!(value("objects"), "1");
+    assert!(shown.starts_with("box.obj: 1 object\n"), "{shown}");
     assert_eq!(value("vertices"), "8");
     assert_eq!(value("triangles"), "12");
     assert_eq!(value("bounds to"), "2, 1, 1");
@@ -44,6 +44,19 @@ fn inspect_shows_repairs_and_holes() {
 }
 
 #[test]
+fn inspect_lists_the_meshes_of_a_baked_scene() {
+    let place = Place::new(&[("box.obj", BOX)]);
+    place.succeed(&["bake", "box.obj"]);
+    let shown = place.succeed(&["inspect", "box.hullscene"]);
+    assert_eq!(value(&shown, "meshes"), "1");
+    assert!(shown.lines().last().unwrap().ends_with("box"), "{shown}");
+    let error = place.fail_in_one_line(&["inspect", "box.hullscene", "--openings", "keep"], 2);
+    assert!(error.contains("--openings has no effect: box.hullscene holds hulls"), "{error}");
+    place.write("bad.hullscene", "x");
+    assert!(place.fail_in_one_line(&["inspect", "bad.hullscene"], 1).contains("bad.hullscene"));
+}
+
+#[test]
 fn files_that_hold_no_mesh_end_with_one_line_and_exit_code_1() {
     let place = Place::new(&[]);
     for (name, content, expected) in [
@@ -67,6 +80,9 @@ fn files_that_hold_no_mesh_end_with_one_line_and_exit_code_1() {
     place.write("line.off", line);
     let error = place.fail_in_one_line(&["inspect", "line.off"], 1);
     assert!(error.contains("no usable triangle"), "{error}");
+    std::fs::create_dir(place.path("folder")).unwrap();
+    let error = place.fail_in_one_line(&["inspect", "folder"], 1);
+    assert!(error.contains("folder: it is a folder"), "{error}");
     let error = place.fail_in_one_line(&["inspect", "missing.obj"], 1);
     assert!(error.contains("missing.obj"), "{error}");
 }
@@ -79,7 +95,7 @@ fn wrong_usage_is_exit_code_2_and_comes_before_any_work() {
         &["decompose", "missing.obj", "--maximum-resolutions", "100,0"],
         &["decompose", "missing.obj", "--planar-thresholds=-0.1"],
         &["decompose", "missing.obj", "--max-vertices", "7"],
-        &["decompose", "missing.obj", "--unit", "0d"],
+        &["decompose", "missing.obj", "--unit", "0m"],
     ] {
         let error = place.fail_in_one_line(arguments, 2);
         assert!(error.contains("parameter `"), "{error}");

@@ -3,6 +3,7 @@
 mod bake;
 mod curve;
 mod decompose;
+mod documents;
 mod inspect;
 #[cfg(unix)]
 mod interrupted;

@@ -1,47 +1,23 @@
-//! Every hull drawn in its own colour, and numbers among Bevy's diagnostics (feature `debug`).
+//! Colliders drawn, every hull in its own colour, and numbers among Bevy's diagnostics (feature `debug`).
 
-use bevy::color::{Color, Hsla};
+mod draw;
+
 use bevy::diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnostic};
 use bevy::gizmos::{AppGizmoBuilder, GizmoPlugin};
-use bevy::math::Affine3A;
 use bevy::prelude::*;
-use bevy_rapier3d::prelude::Collider;
-use bevy_rapier3d::rapier::geometry::SharedShape;
-use bevy_rapier3d::rapier::math::Pose;
-use bevy_rapier3d::rapier::parry::shape::TypedShape;
 
-use super::collider::work::AttachedCollider;
+use self::draw::draw;
+pub use self::draw::{HullGizmos, HullwrightDebug};
 use super::tag::outcomes::DecompositionCounters;
 use super::tag::settings::HullwrightSystems;
 
-/// Draws the hulls and boxes of colliders that the plugin made, and keeps its diagnostics. Balls, capsules and fallback
-/// colliders are not drawn.
+/// Draws colliders that the plugin made and marks what has none, by [`HullwrightDebug`], and keeps its diagnostics.
 ///
 /// Beside [`HullwrightPlugin`](crate::bevy::HullwrightPlugin). Lines are drawn where Bevy's `GizmoPlugin`
 /// and `GizmoRenderPlugin` are, as in `DefaultPlugins`; on a server without them there are the
 /// diagnostics alone.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct HullwrightDebugPlugin;
-
-/// Whether hulls are drawn; may be changed at any time.
-#[derive(Resource, Reflect, Debug, Clone, Copy, PartialEq, Eq)]
-#[reflect(Resource, Default, Clone, PartialEq)]
-#[type_path = "hullwright"]
-pub struct HullwrightDebug {
-    /// Default true.
-    pub is_drawn: bool,
-}
-
-impl Default for HullwrightDebug {
-    fn default() -> Self {
-        Self { is_drawn: true }
-    }
-}
-
-/// The lines' group, for their width and depth in Bevy's `GizmoConfigStore`.
-#[derive(Default, Reflect, GizmoConfigGroup)]
-#[type_path = "hullwright"]
-pub struct HullGizmos;
 
 /// Declares diagnostics: their paths, units and values.
 macro_rules! diagnostics {
@@ -130,69 +106,6 @@ impl Plugin for HullwrightDebugPlugin {
                     .run_if(|debug: Res<HullwrightDebug>| debug.is_drawn),
             );
         }
-    }
-}
-
-/// Turns of the colour wheel from one hull to the next: by the golden ratio neighbours differ and no
-/// colour repeats soon.
-const HUE_STEP: f32 = 0.618_034;
-
-fn draw(
-    mut gizmos: Gizmos<HullGizmos>,
-    colliders: Query<(&Collider, &AttachedCollider, &GlobalTransform)>,
-) {
-    for (collider, attached, transform) in &colliders {
-        let to_world = transform.affine() * attached.requested.request.to_collider().inverse();
-        let single = [(Pose::IDENTITY, collider.raw.clone())];
-        let parts = collider.raw.as_compound().map_or(&single[..], |compound| compound.shapes());
-        for (index, (pose, shape)) in parts.iter().enumerate() {
-            let hue = (index as f32 * HUE_STEP).fract() * 360.0;
-            let colour = Color::from(Hsla::hsl(hue, 0.9, 0.6));
-            let place = Affine3A::from_rotation_translation(pose.rotation, pose.translation);
-            draw_edges(&mut gizmos, shape, &(to_world * place), colour);
-        }
-    }
-}
-
-fn draw_edges(
-    gizmos: &mut Gizmos<HullGizmos>,
-    shape: &SharedShape,
-    to_world: &Affine3A,
-    colour: Color,
-) {
-    let mut line = |a: Option<&Vec3>, b: Option<&Vec3>| {
-        if let (Some(a), Some(b)) = (a, b) {
-            gizmos.line(to_world.transform_point3(*a), to_world.transform_point3(*b), colour);
-        }
-    };
-    match shape.as_typed_shape() {
-        TypedShape::ConvexPolyhedron(hull) => {
-            let (points, corners) = (hull.points(), hull.vertices_adj_to_face());
-            for face in hull.faces() {
-                let first = face.first_vertex_or_edge as usize;
-                let count = face.num_vertices_or_edges as usize;
-                let Some(corners) = corners.get(first..first + count) else { continue };
-                for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
-                    line(points.get(*a as usize), points.get(*b as usize));
-                }
-            }
-        }
-        TypedShape::TriMesh(mesh) => {
-            for triangle in mesh.triangles() {
-                for (a, b) in
-                    [(triangle.a, triangle.b), (triangle.b, triangle.c), (triangle.c, triangle.a)]
-                {
-                    line(Some(&a), Some(&b));
-                }
-            }
-        }
-        TypedShape::Cuboid(cuboid) => {
-            let (points, edges) = cuboid.to_outline();
-            for [a, b] in edges {
-                line(points.get(a as usize), points.get(b as usize));
-            }
-        }
-        _ => {}
     }
 }
 
