@@ -29,7 +29,8 @@ const GROWTH: f64 = 1.05;
 /// Cells along each axis beyond the radius around the mesh: the grid's border can be reached from far away.
 const BORDER: f64 = 2.0;
 
-/// Cells in doubt are divided into this many along each axis: openings count as closed from 0.55 diameters down.
+/// Cells in doubt are divided into this many along each axis: openings narrower than 0.89 diameters count as closed,
+/// instead of 0.57.
 const FINE: usize = 4;
 const PARTS: usize = FINE * FINE * FINE;
 
