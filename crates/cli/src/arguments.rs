@@ -119,12 +119,11 @@ pub struct ParameterArguments {
     #[arg(long)]
     keep_cavities: bool,
 
-    /// Hulls may fill what no ball of this radius can reach from outside: half the thickness of the thinnest thing that
-    /// moves, 6% of the diagonal or 0.1m
+    /// Fill what no ball of this radius can reach: 6% of the diagonal or 0.1m
     #[arg(long, value_name = "RADIUS", allow_hyphen_values = true)]
     probe_radius: Option<Length>,
 
-    /// Where such a ball starts too, as x,y,z: a point in a closed room that stays open
+    /// A point x,y,z where it starts too, as in a closed room
     #[arg(long, value_name = "POINT", value_parser = parse_point, allow_hyphen_values = true)]
     probe_from: Vec<[f64; 3]>,
 

@@ -32,8 +32,7 @@ pub struct Arguments {
     #[command(flatten)]
     solid: SolidArguments,
 
-    /// Judge protrusion in the space that a ball of this radius can reach from outside, 6% of the diagonal or 0.1m: how
-    /// far hulls enter it
+    /// Measure how far hulls enter balls of this radius: 6% of the diagonal or 0.1m
     #[arg(long, value_name = "RADIUS", allow_hyphen_values = true)]
     probe_radius: Option<Length>,
 
