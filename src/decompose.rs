@@ -19,8 +19,9 @@ use crate::bounded::search::{Search, solid_and_patch_mesh};
 use crate::bounded::settings::Settings;
 use crate::control::{Control, Stage};
 use crate::decomposer::{Decomposer, Input, admit, run_to_end};
-use crate::decomposition::Decomposition;
+use crate::decomposition::{Decomposition, ProbeReport};
 use crate::error::Error;
+use crate::geometry::vector::cubed;
 use crate::geometry::{MeshView, TriangleMesh};
 use crate::mesh::PreparedMesh;
 use crate::mesh::repair::prepare as repair;
@@ -102,7 +103,7 @@ pub(crate) async fn pipeline(
     let prepared = &mut input.prepared;
     round(&mut prepared.mesh);
     let mut deadline = Deadline::new(control);
-    let passes = Settings::of_preset(parameters, prepared.normalization.diagonal);
+    let passes = Settings::of_preset(parameters, &prepared.normalization);
     let most = parameters.max_hulls.unwrap_or(usize::MAX);
     let searched = if most == usize::MAX { FINISHED } else { SEARCHED };
     let mut best: Option<Found> = None;
@@ -126,9 +127,12 @@ pub(crate) async fn pipeline(
     }
     let deadline_reached = deadline.is_cut_short() || stages.is_late();
     stages.begin(FINISH, FINISHED..1.0);
-    let Found { patches, hulls, .. } = &best;
+    let Found { solid, patches, hulls } = &best;
     let bound = settings.bound.verified();
-    let restore = || Ok(BoundedResult::new(prepared, patches, hulls, bound));
+    let restore = || {
+        let probe = probe_report(solid, prepared);
+        Ok(BoundedResult::new(prepared, patches, hulls, bound, probe))
+    };
     let BoundedResult { hulls, grouped, report } = stages.run(Stage::Finalize, restore).await?;
     Ok(Decomposition { hulls, grouped, run: input.report(stages, deadline_reached), report })
 }
@@ -144,6 +148,17 @@ impl Found {
     fn count(&self) -> usize {
         self.hulls.hulls.len()
     }
+}
+
+/// What is reported of a probe.
+fn probe_report(solid: &Solid, prepared: &PreparedMesh) -> Option<ProbeReport> {
+    let probe = solid.probe.as_ref()?;
+    let diagonal = prepared.normalization.diagonal;
+    Some(ProbeReport {
+        radius: probe.radius * diagonal,
+        cell: probe.cell() * diagonal,
+        unreachable_volume: solid.unreachable_volume() * cubed(diagonal),
+    })
 }
 
 /// One pass, from the solid, unless an earlier pass has built it, to verified hulls.
@@ -237,7 +252,7 @@ mod tests {
         let (parameters, control) = (&Parameters::default(), &Control::new());
         let mut prepared = prepare_closed(mesh, &parameters.into(), control).unwrap().prepared;
         round(&mut prepared.mesh);
-        let settings = &Settings::of_preset(parameters, prepared.normalization.diagonal)[0];
+        let settings = &Settings::of_preset(parameters, &prepared.normalization)[0];
         let (solid, divided) = solid_and_patch_mesh(&prepared, None, settings, control).unwrap();
         let patches = &divide_into_patches(divided, &solid, settings, control).unwrap();
         let search = &Search { solid: &solid, patches, settings, control };

@@ -157,7 +157,8 @@ pub struct RunReport {
 pub struct Report {
     /// The requested bound, in units, kept between 0.001 % and 50 % of the diagonal.
     pub bound: f64,
-    /// Protrusion: no point of a hull's surface is farther than this outside the solid. An upper
+    /// Protrusion: no point of a hull's surface is farther than this outside the solid. With a probe, that or how far
+    /// balls are entered there, whichever is less. An upper
     /// bound: see [`HullErrors::protrusion_max`]. Above `bound` only where a limit on hulls
     /// forces it, or where a flat sheet has to be thicker to be a hull.
     pub protrusion_max: f64,
@@ -169,4 +170,21 @@ pub struct Report {
     pub patches: usize,
     /// Triangles of the simplified or refined mesh that was grouped.
     pub polygons: usize,
+    /// What a probe found, if there was one.
+    pub probe: Option<ProbeReport>,
+}
+
+/// What a probe found: see [`Parameters::probe_radius`](crate::Parameters::probe_radius).
+#[non_exhaustive]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct ProbeReport {
+    /// Its radius, in units.
+    pub radius: f64,
+    /// Side of the cells that were flooded, in units. Where it is above half the radius, memory was short of what the
+    /// mesh needs, and less is known to be out of reach.
+    pub cell: f64,
+    /// Volume in the bounding box that is outside the solid and that no ball can reach, in cubed units. An estimate by
+    /// 1,000 points.
+    pub unreachable_volume: f64,
 }

@@ -130,6 +130,7 @@ mod method;
 mod openings;
 mod parallel;
 mod parameters;
+mod probe;
 #[cfg(feature = "rapier")]
 pub mod rapier;
 mod solid;
@@ -142,8 +143,8 @@ pub use control::{Control, Progress, Stage};
 pub use decompose::decompose;
 pub use decomposer::Decomposer;
 pub use decomposition::{
-    ALGORITHM_VERSION, Decomposition, GroupedMesh, Hull, HullErrors, Provenance, Report, RunReport,
-    StageTime,
+    ALGORITHM_VERSION, Decomposition, GroupedMesh, Hull, HullErrors, ProbeReport, Provenance,
+    Report, RunReport, StageTime,
 };
 pub use error::{Error, FileError};
 pub use geometry::{Bounds, Coordinate, MeshView, Sidedness, TriangleMesh};

@@ -13,6 +13,7 @@ use crate::error::Error;
 /// | [`preset`](Self::preset) | `Fine`: some hulls fewer, three times the time | `Fast`: a fifth more hulls, two thirds of the time |
 /// | [`max_hulls`](Self::max_hulls) | the bound is kept more often | fewer hulls, an error beyond the bound |
 /// | [`max_vertices`](Self::max_vertices) | round hulls fit more closely | cheaper contacts |
+/// | [`probe_radius`](Self::probe_radius) | fewer hulls: wider gaps fill | gaps stay open for thinner bodies |
 ///
 /// Start from the default and set what differs:
 ///
@@ -67,6 +68,20 @@ pub struct Parameters {
     ///
     /// Where faces are drawn from both sides, [`Openings::Auto`] closes openings in the lowest plane alone.
     pub up_axis: UpAxis,
+    /// The radius of the smallest ball that may meet the hulls: half the thickness of the thinnest thing that moves;
+    /// `None` where nothing is known of that.
+    /// Unit: percent of the diagonal, or the mesh's own. Limits: above 0. Default: `None`.
+    ///
+    /// Hulls may fill what no such ball can reach: no ball that comes from outside without touching the mesh is
+    /// entered by a hull by more than [`max_error`](Self::max_error). Protrusion is then how far balls are entered,
+    /// or the distance from the solid where that is less; a ball that is entered by more than half its radius does not
+    /// count. The uncovered distance stays that from the mesh. `docs/probe.md` in the crate says which radius when.
+    /// Not together with `keep_cavities`.
+    pub probe_radius: Option<Length>,
+    /// Where the probe starts beside the outside, in the mesh's coordinates: points of closed rooms that stay
+    /// open. Limits: farther than the radius from the mesh, and outside the solid; only with `probe_radius`.
+    /// Default: none.
+    pub probe_from: Vec<[f64; 3]>,
 }
 
 /// The largest gap or overlap that players will not notice.
@@ -88,6 +103,8 @@ impl Default for Parameters {
             keep_cavities: false,
             openings: Openings::Auto,
             up_axis: UpAxis::Y,
+            probe_radius: None,
+            probe_from: Vec::new(),
         }
     }
 }
@@ -115,7 +132,9 @@ setters!(
     max_vertices: impl Into<Option<usize>>,
     keep_cavities: bool,
     openings: Openings,
-    up_axis: UpAxis
+    up_axis: UpAxis,
+    probe_radius: impl Into<Option<Length>>,
+    probe_from: impl Into<Vec<[f64; 3]>>
 );
 
 impl Parameters {
@@ -128,14 +147,36 @@ impl Parameters {
         if self.max_hulls == Some(0) {
             return Err(Error::parameter("max_hulls", "must be at least 1"));
         }
-        check_positive("max_error", self.max_error.value())
+        check_positive("max_error", self.max_error.value())?;
+        self.validate_probe()
     }
 
-    pub(crate) const KEYS: &'static str =
-        "max_error, preset, max_hulls, max_vertices, keep_cavities, openings, up_axis";
+    fn validate_probe(&self) -> Result<(), Error> {
+        let Some(radius) = self.probe_radius else {
+            return match self.probe_from.is_empty() {
+                true => Ok(()),
+                false => Err(Error::parameter("probe_from", "needs a probe_radius")),
+            };
+        };
+        check_positive("probe_radius", radius.value())?;
+        if self.keep_cavities {
+            let reason = "fills what nothing can reach, and keep_cavities forbids that";
+            return Err(Error::parameter("probe_radius", reason));
+        }
+        let is_finite = |point: &[f64; 3]| point.iter().all(|x| x.is_finite());
+        match self.probe_from.iter().position(|point| !is_finite(point)) {
+            None => Ok(()),
+            Some(index) => {
+                Err(Error::parameter("probe_from", format!("point {index} is not finite")))
+            }
+        }
+    }
+
+    pub(crate) const KEYS: &'static str = "max_error, preset, max_hulls, max_vertices, keep_cavities, \
+                                           openings, up_axis, probe_radius, probe_from";
 
     /// Every field as text.
-    pub(crate) fn fields(&self) -> [Field; 7] {
+    pub(crate) fn fields(&self) -> [Field; 9] {
         [
             ("max_error", self.max_error.to_string()),
             ("preset", self.preset.to_string()),
@@ -144,6 +185,8 @@ impl Parameters {
             ("keep_cavities", self.keep_cavities.to_string()),
             ("openings", self.openings.to_string()),
             ("up_axis", self.up_axis.to_string()),
+            ("probe_radius", self.probe_radius.map_or(NONE.into(), |radius| radius.to_string())),
+            ("probe_from", points_text(&self.probe_from)),
         ]
     }
 
@@ -157,6 +200,9 @@ impl Parameters {
             "keep_cavities" => self.keep_cavities = parse(value, "true or false")?,
             "openings" => self.openings = value.parse()?,
             "up_axis" => self.up_axis = value.parse()?,
+            "probe_radius" if value == NONE => self.probe_radius = None,
+            "probe_radius" => self.probe_radius = Some(value.parse()?),
+            "probe_from" => self.probe_from = parse_points(value)?,
             _ => return Ok(false),
         }
         Ok(true)
@@ -402,6 +448,24 @@ impl ParseError {
 
 /// The text of a limit that is not set.
 const NONE: &str = "none";
+
+/// Points as `x,y,z`, separated by semicolons.
+fn points_text(points: &[[f64; 3]]) -> String {
+    if points.is_empty() {
+        return NONE.into();
+    }
+    let texts: Vec<String> = points.iter().map(|[x, y, z]| format!("{x},{y},{z}")).collect();
+    texts.join(";")
+}
+
+fn parse_points(text: &str) -> Result<Vec<[f64; 3]>, ParseError> {
+    let wrong = || ParseError::new(text, "points as x,y,z;x,y,z or none");
+    let point = |text: &str| {
+        let numbers: Result<Vec<f64>, _> = text.split(',').map(str::parse).collect();
+        numbers.ok().and_then(|numbers| numbers.try_into().ok()).ok_or_else(wrong)
+    };
+    if text == NONE { Ok(Vec::new()) } else { text.split(';').map(point).collect() }
+}
 
 /// A key and its value.
 pub(crate) type Field = (&'static str, String);

@@ -97,6 +97,7 @@ impl Deadline {
 mod tests {
     use super::*;
     use crate::control::Instant;
+    use crate::mesh::Normalization;
     use crate::parameters::Parameters;
 
     fn minute() -> Duration {
@@ -106,7 +107,7 @@ mod tests {
     #[test]
     fn with_little_time_left_the_first_pass_is_hurried_and_a_further_one_ends() {
         let control = Control::new().with_deadline(Instant::now() + minute());
-        let settings = &Settings::of_preset(&Parameters::default(), 1.0)[0];
+        let settings = &Settings::of_preset(&Parameters::default(), &Normalization::UNIT)[0];
         let mut deadline = Deadline::new(&control);
         let calm = deadline.for_patches(settings, minute() / 10).unwrap();
         assert!(calm.dissolve_attempts > 0 && !deadline.is_cut_short());

@@ -75,7 +75,7 @@ impl JoinTree {
         parameters: &Parameters,
         control: &Control,
     ) -> Result<(Self, f64), Error> {
-        let settings = Settings::after_search(parameters, prepared.normalization.diagonal);
+        let settings = Settings::after_search(parameters, &prepared.normalization);
         let solid = solid(prepared, &settings, control)?;
         let mut leaves = Vec::with_capacity(hulls.len());
         for (index, hull) in hulls.iter().enumerate() {
@@ -283,6 +283,7 @@ fn centre(node: &Node) -> Vector {
 mod tests {
     use super::*;
     use crate::hull::convex_hull;
+    use crate::mesh::Normalization;
     use crate::parameters::Parameters;
     use crate::solid::Boundary;
 
@@ -315,7 +316,7 @@ mod tests {
     #[test]
     fn the_least_joint_hull_is_found_with_few_that_are_built() {
         let (settings, control) =
-            (Settings::after_search(&Parameters::default(), 1.0), Control::new());
+            (Settings::after_search(&Parameters::default(), &Normalization::UNIT), Control::new());
         let mut nodes = boxes();
         let solid = solid_of(&nodes, settings.bound.verified());
         let mut pairs = Pairs::new(&nodes, &solid, &settings, &control).unwrap();
@@ -344,7 +345,7 @@ mod tests {
     #[test]
     fn a_bound_is_never_above_what_is_verified() {
         let (settings, control) =
-            (Settings::after_search(&Parameters::default(), 1.0), Control::new());
+            (Settings::after_search(&Parameters::default(), &Normalization::UNIT), Control::new());
         let nodes = boxes();
         let solid = solid_of(&nodes, settings.bound.verified());
         let pairs = Pairs::new(&nodes, &solid, &settings, &control).unwrap();

@@ -45,6 +45,8 @@ struct Merging<'a> {
     /// Pairs that can't join: what contains both can't either.
     refused: BTreeSet<Pair>,
     queue: Queue,
+    /// Pieces farther apart do not join.
+    widest_gap: f64,
 }
 
 impl<'a> Merging<'a> {
@@ -69,6 +71,7 @@ impl<'a> Merging<'a> {
             links: vec![BTreeMap::new(); seeds.len()],
             refused: BTreeSet::new(),
             queue: PairQueue::new(seeds.len()),
+            widest_gap: search.settings.widest_gap(search.settings.bound.search()),
         };
         let pairs =
             patches.neighbours.iter().map(|&(a, b)| [a, b].map(|p| seed_of_patch[p as usize]));
@@ -82,7 +85,7 @@ impl<'a> Merging<'a> {
 
     /// Makes all pairs of near pieces candidates.
     fn consider_near(&mut self) {
-        let gap = self.tester.bound();
+        let gap = self.widest_gap;
         let corners = |piece: &Piece| [piece.hull.min, piece.hull.max];
         let left: Vec<u32> = self.queue.left().collect();
         for (index, &a) in left.iter().enumerate() {

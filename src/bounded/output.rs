@@ -2,7 +2,7 @@
 
 use super::finalize::final_hull::{FinalHull, FinalHulls};
 use super::patch::Patches;
-use crate::decomposition::{GroupedMesh, Hull, HullErrors, Provenance, Report};
+use crate::decomposition::{GroupedMesh, Hull, HullErrors, ProbeReport, Provenance, Report};
 use crate::error::Error;
 use crate::hull::ConvexHull;
 use crate::mesh::{CAP, Normalization, PreparedMesh};
@@ -16,12 +16,13 @@ pub(crate) struct BoundedResult {
 }
 
 impl BoundedResult {
-    /// `bound`: as a fraction of the diagonal.
+    /// `bound`: as a fraction of the diagonal. `probe` is in units.
     pub(crate) fn new(
         prepared: &PreparedMesh,
         patches: &Patches,
         FinalHulls { hulls, uncovered }: &FinalHulls,
         bound: f64,
+        probe: Option<ProbeReport>,
     ) -> Self {
         let normalization = prepared.normalization;
         let diagonal = normalization.diagonal;
@@ -32,6 +33,7 @@ impl BoundedResult {
             uncovered_max: uncovered * diagonal,
             patches: patches.count(),
             polygons: patches.mesh.triangles.len(),
+            probe,
         };
         let grouped = grouped(patches, hulls, &normalization);
         let hulls = parallel::map(hulls, |hull| {

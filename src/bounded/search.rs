@@ -77,6 +77,7 @@ fn solid_of(
     settings: &Settings,
     control: &Control,
 ) -> Result<Solid, Error> {
-    let Settings { bound, keep_cavities, .. } = *settings;
-    Solid::new(prepared, clustered, bound.verified(), keep_cavities, control)
+    let Settings { bound, keep_cavities, ref probe, .. } = *settings;
+    let bound = bound.verified();
+    Solid::new(prepared, clustered, bound, keep_cavities, probe.as_ref(), control)
 }

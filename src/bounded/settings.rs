@@ -3,7 +3,9 @@
 
 use std::ops::RangeInclusive;
 
+use crate::mesh::Normalization;
 use crate::parameters::{Length, Parameters, Preset};
+use crate::probe::ProbeSettings;
 use crate::solid::COARSE;
 
 /// The search uses this share of the bound. The rest is a margin for what the search's fit test
@@ -143,30 +145,35 @@ pub(crate) struct Settings {
     pub max_vertices: Option<usize>,
     pub max_hulls: Option<usize>,
     pub keep_cavities: bool,
+    pub probe: Option<ProbeSettings>,
 }
 
 impl Settings {
     /// One for each pass over the surface that the preset makes. At least one.
-    pub(crate) fn of_preset(parameters: &Parameters, diagonal: f64) -> Vec<Self> {
+    pub(crate) fn of_preset(parameters: &Parameters, normalization: &Normalization) -> Vec<Self> {
         let passes: &[PresetSettings] = match parameters.preset {
             Preset::Fast => &[FAST],
             Preset::Balanced => &[BALANCED],
             Preset::Fine => &FINE,
         };
-        passes.iter().map(|pass| Self::new(parameters, diagonal, pass)).collect()
+        passes.iter().map(|pass| Self::new(parameters, normalization, pass)).collect()
     }
 
     /// For stages after the search, which do not depend on the preset.
-    pub(crate) fn after_search(parameters: &Parameters, diagonal: f64) -> Self {
-        Self::new(parameters, diagonal, &BALANCED)
+    pub(crate) fn after_search(parameters: &Parameters, normalization: &Normalization) -> Self {
+        Self::new(parameters, normalization, &BALANCED)
     }
 
-    fn new(parameters: &Parameters, diagonal: f64, preset: &PresetSettings) -> Self {
+    fn new(
+        parameters: &Parameters,
+        normalization: &Normalization,
+        preset: &PresetSettings,
+    ) -> Self {
         let &Parameters { max_error, max_hulls, max_vertices, keep_cavities, .. } = parameters;
         let &PresetSettings { patch_size, dissolve_attempts, triangles } = preset;
         let bound = match max_error {
             Length::Share(share) => share,
-            Length::Units(length) => length / diagonal,
+            Length::Units(length) => length / normalization.diagonal,
         };
         Self {
             bound: Bound::new(bound),
@@ -176,18 +183,31 @@ impl Settings {
             max_vertices,
             max_hulls,
             keep_cavities,
+            probe: ProbeSettings::new(
+                parameters.probe_radius,
+                &parameters.probe_from,
+                normalization,
+            ),
         }
+    }
+
+    /// Hulls may be this far apart and join within a bound: a ball that rests on both edges of a wider gap sinks in by
+    /// more than the bound.
+    pub(crate) fn widest_gap(&self, bound: f64) -> f64 {
+        let radius = self.probe.as_ref().map_or(0.0, |probe| probe.radius);
+        let sunk = bound.min(radius);
+        bound.max(2.0 * (sunk * (2.0 * radius - sunk)).sqrt())
     }
 
     /// The same with as little search as the fastest preset has.
     pub(crate) fn hurried(&self) -> Self {
         let PresetSettings { patch_size, dissolve_attempts, .. } = FAST;
-        Self { patch_size, dissolve_attempts, ..*self }
+        Self { patch_size, dissolve_attempts, ..self.clone() }
     }
 
     /// The same under another bound on protrusions. No more may stay uncovered.
     pub(crate) fn with_bound(&self, bound: f64) -> Self {
         let bound = Bound { requested: self.bound.requested, ..Bound::new(bound) };
-        Self { bound, ..*self }
+        Self { bound, ..self.clone() }
     }
 }

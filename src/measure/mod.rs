@@ -50,7 +50,8 @@ use crate::mesh::{Normalization, TriangleMesh};
 use crate::openings::OpeningSettings;
 use crate::openings::prepare::prepare_closed;
 use crate::parallel::{self, map_indices};
-use crate::parameters::{Length, Openings, Parameters, UpAxis};
+use crate::parameters::{Length, Openings, Parameters, UpAxis, check_positive};
+use crate::probe::{Probe, ProbeSettings};
 use hulls::{Edges, MeasuredHull, Union};
 use sampling::{SampledSurface, in_unit_cube};
 
@@ -86,6 +87,12 @@ pub struct MeasureOptions {
     /// Whether closed components that nothing can reach stay: see
     /// [`Parameters::keep_cavities`](crate::Parameters::keep_cavities). Default false.
     pub keep_cavities: bool,
+    /// What moves in the scene: protrusion is then how far such balls are entered, or the distance from the solid where
+    /// that is less. See [`Parameters::probe_radius`](crate::Parameters::probe_radius). Default `None`.
+    pub probe_radius: Option<Length>,
+    /// Where it starts beside the outside: see [`Parameters::probe_from`](crate::Parameters::probe_from). Default
+    /// none.
+    pub probe_from: Vec<[f64; 3]>,
 }
 
 impl Default for MeasureOptions {
@@ -100,6 +107,8 @@ impl Default for MeasureOptions {
             flatness: Parameters::default().max_error,
             up_axis: UpAxis::Y,
             keep_cavities: false,
+            probe_radius: None,
+            probe_from: Vec::new(),
         }
     }
 }
@@ -108,7 +117,17 @@ impl Default for MeasureOptions {
 impl From<&Parameters> for MeasureOptions {
     fn from(parameters: &Parameters) -> Self {
         let &Parameters { openings, max_error: flatness, up_axis, keep_cavities, .. } = parameters;
-        Self { openings, flatness, up_axis, keep_cavities, ..Self::default() }
+        let keep_cavities = keep_cavities || !parameters.probe_from.is_empty();
+        let (probe_radius, probe_from) = (parameters.probe_radius, parameters.probe_from.clone());
+        Self {
+            openings,
+            flatness,
+            up_axis,
+            keep_cavities,
+            probe_radius,
+            probe_from,
+            ..Self::default()
+        }
     }
 }
 
@@ -120,6 +139,9 @@ impl MeasureOptions {
             if count == 0 {
                 return Err(Error::parameter(name, "must not be 0"));
             }
+        }
+        if let Some(radius) = self.probe_radius {
+            check_positive("probe_radius", radius.value())?;
         }
         let tolerance = self.convexity_tolerance;
         if tolerance.is_finite() && tolerance >= 0.0 {
@@ -297,7 +319,8 @@ fn judge(
     let bvh = Bvh::new(mesh.solid.points(), &mesh.solid.triangles);
     control.check()?;
     let open_edges = Edges::of(&mesh.positions, &mesh.triangles).open_share;
-    let boundary = protrusions(&union, &bvh, open_edges > 0.0, options);
+    let probe = probe(&mesh, &bvh, &normalization, options, control)?;
+    let boundary = protrusions(&union, &bvh, probe.as_ref(), open_edges > 0.0, options);
     let samples_of_boundary = boundary.len();
     let protrusion = Distances::of(boundary);
     control.check()?;
@@ -387,9 +410,32 @@ impl Mesh {
     }
 }
 
+/// The probe, if there is one.
+fn probe(
+    mesh: &Mesh,
+    bvh: &Bvh,
+    normalization: &Normalization,
+    options: &MeasureOptions,
+    control: &Control,
+) -> Result<Option<Probe>, Error> {
+    let MeasureOptions { probe_radius, probe_from, flatness, .. } = options;
+    let Some(settings) = ProbeSettings::new(*probe_radius, probe_from, normalization) else {
+        return Ok(None);
+    };
+    let bound = flatness.of_diagonal(normalization.diagonal) / normalization.diagonal;
+    let bounds = bounds(mesh.solid.points().iter().copied());
+    Probe::new(bvh, bounds, &settings, 0.0, bound, control).map(Some)
+}
+
 /// How far points on the hulls' boundary lie outside the solid. Where the surface is open, the inside ends
 /// where no surface is, and may be nearer than that.
-fn protrusions(union: &Union, bvh: &Bvh, is_open: bool, options: &MeasureOptions) -> Vec<f64> {
+fn protrusions(
+    union: &Union,
+    bvh: &Bvh,
+    probe: Option<&Probe>,
+    is_open: bool,
+    options: &MeasureOptions,
+) -> Vec<f64> {
     let (positions, triangles) = union.surface();
     let surface = SampledSurface::new(positions, triangles);
     let count = options.hull_samples;
@@ -402,7 +448,10 @@ fn protrusions(union: &Union, bvh: &Bvh, is_open: bool, options: &MeasureOptions
             return Some(0.0);
         }
         let to_surface = distance_to_surface(bvh, point);
-        Some(if is_open { distance_to_inside(bvh, point, to_surface) } else { to_surface })
+        let distance =
+            if is_open { distance_to_inside(bvh, point, to_surface) } else { to_surface };
+        let entered = probe.and_then(|probe| probe.entered(bvh, point, 0.0));
+        Some(entered.map_or(distance, |entered| entered.max(0.0).min(distance)))
     });
     distances.into_iter().flatten().collect()
 }

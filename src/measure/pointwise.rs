@@ -12,6 +12,7 @@ use crate::openings::prepare::prepare_closed;
 use crate::openings::{ClosedMesh, OpeningSettings};
 use crate::parallel;
 use crate::parameters::Parameters;
+use crate::probe::{Probe, ProbeSettings};
 
 /// A point nearer to the surface than this fraction of the diagonal is on it: rounding of hulls to `f32`.
 const ON_SURFACE: f64 = 1e-6;
@@ -41,6 +42,7 @@ pub struct MeasuredMesh {
     closed: ClosedMesh,
     normalization: Normalization,
     bvh: Bvh,
+    probe: Option<Probe>,
 }
 
 impl MeasuredMesh {
@@ -61,7 +63,13 @@ impl MeasuredMesh {
             let solid = prepared.triangles_of_solid();
             let bvh = Bvh::with_control(prepared.mesh.points(), &solid, control)?;
             let normalization = prepared.normalization;
-            Ok(Self { closed: closed.into(), normalization, bvh })
+            let Parameters { max_error, probe_radius, probe_from, .. } = parameters;
+            let bound = max_error.of_diagonal(normalization.diagonal) / normalization.diagonal;
+            let bounds = bounds(prepared.mesh.points().iter().copied());
+            let settings = ProbeSettings::new(*probe_radius, probe_from, &normalization);
+            let new = |settings| Probe::new(&bvh, bounds, &settings, 0.0, bound, control);
+            let probe = settings.map(new).transpose()?;
+            Ok(Self { closed: closed.into(), normalization, bvh, probe })
         })
     }
 
@@ -85,7 +93,8 @@ impl MeasuredMesh {
         self.bvh.is_inside(self.normalization.normalize(point.into()))
     }
 
-    /// How far a point is outside the solid: 0 inside, and within 1e-6 of the diagonal of its surface. O(log n).
+    /// How far a point is outside the solid: 0 inside, and within 1e-6 of the diagonal of its surface. With a
+    /// [probe](Parameters::probe_radius), that or how far balls are entered there, whichever is less. O(log n).
     pub fn distance(&self, point: [f64; 3]) -> f64 {
         let point = self.normalization.normalize(point.into());
         let closest = self.bvh.closest_point(point, f64::INFINITY);
@@ -93,7 +102,9 @@ impl MeasuredMesh {
         if distance <= ON_SURFACE || self.bvh.is_inside(point) {
             return 0.0;
         }
-        distance * self.normalization.diagonal
+        let entered = self.probe.as_ref().and_then(|probe| probe.entered(&self.bvh, point, 0.0));
+        let protrusion = entered.map_or(distance, |entered| entered.max(0.0).min(distance));
+        protrusion * self.normalization.diagonal
     }
 }
 

@@ -34,6 +34,10 @@ pub struct Normalization {
 }
 
 impl Normalization {
+    /// That of a mesh that is scaled already.
+    #[cfg(test)]
+    pub(crate) const UNIT: Self = Self { centre: Vector::ZERO, diagonal: 1.0 };
+
     /// Without overflow for coordinates up to half the largest number. The diagonal is 0 where its
     /// inverse would not be finite, as for a single point.
     pub(crate) fn of(points: impl Iterator<Item = Vector>) -> Self {

@@ -71,6 +71,8 @@ pub(crate) struct OpeningSettings {
 impl From<&Parameters> for OpeningSettings {
     fn from(parameters: &Parameters) -> Self {
         let &Parameters { openings, up_axis, max_error, keep_cavities, .. } = parameters;
+        // A probe may start in a cavity.
+        let keep_cavities = keep_cavities || !parameters.probe_from.is_empty();
         Self { openings, flatness: max_error, up_axis, keep_cavities, order: MeshOrder::Place }
     }
 }

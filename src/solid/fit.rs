@@ -54,6 +54,19 @@ impl Lenient<'_> {
         Verdict::Stop
     }
 
+    /// Judges a part whose centre is too far from the surface.
+    fn judge_by_probe(&mut self, part: &Part) -> Verdict {
+        let &mut Self { solid, bound, .. } = self;
+        let centre = part.centre;
+        if solid.probe_allows_all(|| part.extent(LENIENCE), bound) {
+            return Verdict::Settled;
+        }
+        if !solid.probe_allows(centre, bound) {
+            return self.protrudes(centre);
+        }
+        if part.radius <= SMALL * bound { Verdict::Settled } else { Verdict::Open }
+    }
+
     /// Judges a part whose centre may be farther than the bound from the surface; `None` if that is left open.
     #[inline]
     fn judge_beyond(&mut self, part: &Part, at: &Location<'_>, reach: f64) -> Option<Verdict> {
@@ -62,7 +75,7 @@ impl Lenient<'_> {
         match at.side() {
             Some(Side::Inside) => {}
             Some(Side::Outside) if at.lower > bound => {
-                return Some(self.protrudes(centre));
+                return Some(self.judge_by_probe(part));
             }
             Some(Side::Outside) => {
                 let distance = solid.tree().distance_to_triangle(centre, at.triangle());
@@ -73,7 +86,7 @@ impl Lenient<'_> {
                     && at.distance_to_tangent() > CERTAIN * bound
                     && !solid.tree().is_within(centre, bound)
                 {
-                    return Some(self.protrudes(centre));
+                    return Some(self.judge_by_probe(part));
                 }
             }
             // The grid is too coarse for the bound.
@@ -90,7 +103,7 @@ impl Lenient<'_> {
                         return Some(Verdict::Settled);
                     }
                 }
-                _ => return Some(self.protrudes(centre)),
+                _ => return Some(self.judge_by_probe(part)),
             },
         }
         None
@@ -138,7 +151,8 @@ impl Policy for Lenient<'_> {
     }
 
     fn judge_outside(&mut self, centre: Vector) -> Verdict {
-        if self.solid.tree().is_within(centre, self.bound) {
+        let solid = self.solid;
+        if solid.tree().is_within(centre, self.bound) || solid.probe_allows(centre, self.bound) {
             Verdict::Open
         } else {
             self.protrudes(centre)
@@ -214,10 +228,6 @@ impl<'a> FitTester<'a> {
             suspects: Suspects::new(MAX_SUSPECTS),
             attempts: 0,
         }
-    }
-
-    pub fn bound(&self) -> f64 {
-        self.bound
     }
 
     /// Whether a hull's surface is nowhere farther than the bound from the solid. Only the faces of
@@ -386,7 +396,6 @@ mod tests {
         let cube = |x: f64| cuboid([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
         let solid = solid_of(&join(&[cube(0.0), cube(1.0 + 4.0 * BOUND)]), Boundary::default());
         let mut tester = FitTester::new(&solid, BOUND);
-        assert_eq!(tester.bound(), BOUND);
         let (near, far) =
             (into_vectors(cube(0.0).positions), into_vectors(cube(1.0 + 4.0 * BOUND).positions));
         let mut hull = GrowingHull::new(&near[..5], Vector::ZERO);
@@ -442,7 +451,7 @@ mod tests {
         fn coarse(name: &'static str, mesh: &TriangleMesh, bound: f64) -> Self {
             let control = Control::new();
             let prepared = prepare(mesh.view(), MeshOrder::Place, &control).unwrap();
-            let solid = Solid::new(&prepared, None, bound, false, &control).unwrap();
+            let solid = Solid::new(&prepared, None, bound, false, None, &control).unwrap();
             assert!(solid.is_coarse());
             Self { name, solid, corners: into_vectors(prepared.mesh.positions) }
         }

@@ -1,8 +1,7 @@
 //! The solid: how far is this point from it, and on which side? Does this hull stay within the bound?
 //!
-//! [`Solid`] answers both; the tree and the grid stay inside. A second solid is another surface, as triangles, for
-//! [`Solid::of_surface`], and how far these may be off, as its `displacement`. `Solid::clustered` is for reduced meshes
-//! alone: a second solid has none, as where cavities are kept.
+//! [`Solid`] answers both; the tree and the grid stay inside. With a [probe](crate::probe), a point that is farther than
+//! the bound from the solid fits all the same where no ball is entered by more.
 //!
 //! | file | contents |
 //! |---|---|

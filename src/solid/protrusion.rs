@@ -300,8 +300,23 @@ impl Policy for Exact<'_> {
                     return Verdict::Settled;
                 }
             } else {
-                if distance.upper > known {
-                    self.raise(distance.upper, centre, corners);
+                if distance.upper > known && solid.probe_allows_all(|| part.extent(1.0), enough) {
+                    return Verdict::Settled;
+                }
+                let settled = (enough - radius).clamp(0.0, known);
+                let entered =
+                    if distance.upper > known { solid.entered(centre, settled) } else { None };
+                let of_part = solid.upper_around(distance.upper, entered, radius);
+                if entered.is_some() && of_part <= enough {
+                    return Verdict::Settled;
+                }
+                let mut protrusion = distance.upper.min(entered.unwrap_or(f64::INFINITY));
+                // Just beyond a ball's half, the distance from the mesh counts.
+                if solid.probe.is_some() && !may_halve && of_part > enough {
+                    protrusion = of_part;
+                }
+                if protrusion > known {
+                    self.raise(protrusion, centre, corners);
                 }
                 if self.known > limit {
                     let distance = self.known + radius;
@@ -324,7 +339,9 @@ impl Policy for Exact<'_> {
 /// No point of a part is farther than this from the source.
 fn upper_distance(part: &Part, solid: &Solid) -> f64 {
     let distance = solid.measure(part.centre, NO_GUESS);
-    distance.map_or(f64::INFINITY, |distance| distance.upper + part.radius)
+    distance.map_or(f64::INFINITY, |distance| {
+        solid.upper_around(distance.upper, solid.entered(part.centre, 0.0), part.radius)
+    })
 }
 
 /// The bound on a maximum that is at least `known`: near the promised bound as tight as it takes to
@@ -520,7 +537,7 @@ mod tests {
         let control = Control::new();
         let prepared = prepare(mesh.view(), MeshOrder::Place, &control).unwrap();
         let clustered = cluster(&prepared, BOUND, 4.0 * BOUND, &control).unwrap();
-        let solid = Solid::new(&prepared, clustered, BOUND, false, &control).unwrap();
+        let solid = Solid::new(&prepared, clustered, BOUND, false, None, &control).unwrap();
         let TriangleMesh { positions, triangles, .. } = prepared.mesh;
         let source = Bvh::new(as_vectors(&positions), &triangles);
         (into_vectors(positions), solid, source)

@@ -13,12 +13,21 @@ use crate::bvh::Bvh;
 use crate::clustering::Clustered;
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::Vector;
+use crate::geometry::vector::{Vector, bounds};
 use crate::mesh::PreparedMesh;
+use crate::parallel;
+use crate::probe::{Extent, Probe, ProbeSettings};
 
 /// Meshes of up to this many triangles are coarse: their patches follow from the shape, and large faces are compared
 /// with the triangles near them. Denser ones are simplified.
 pub(crate) const COARSE: usize = 2400;
+
+/// Points by which the volume is estimated that a probe does not reach: as many take a few milliseconds.
+const VOLUME_SAMPLES: usize = 1000;
+
+/// Irrational steps of a low-discrepancy sequence in three dimensions (Roberts, "The unreasonable
+/// effectiveness of quasirandom sequences", 2018).
+const STEPS: [f64; 3] = [0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_970_9];
 
 /// The source mesh as a solid, or a reduced one that represents it.
 pub(crate) struct Solid {
@@ -31,6 +40,8 @@ pub(crate) struct Solid {
     /// Where the solid is that of a reduced mesh: what it represents.
     pub clustered: Option<Arc<Clustered>>,
     pub(super) displacement: f64,
+    /// What moves in the scene, if that is known: what it does not reach may be filled.
+    pub probe: Option<Probe>,
 }
 
 /// Bounds on the distance between a point and the source.
@@ -46,12 +57,32 @@ pub(crate) struct SourceDistance {
 }
 
 impl Solid {
-    /// The solid of a mesh, or of the reduced mesh if there is one. With `keep_cavities`, hulls that contain a cavity
-    /// deeper than the bound do not fit. O(n log n) for n triangles, and a grid of at most 1.5 million cells.
+    /// The solid of a mesh, or of the reduced mesh if there is one, as a probe sees it if there is one. With
+    /// `keep_cavities`, hulls that contain a cavity deeper than the bound do not fit. O(n log n) for n triangles, and a
+    /// grid of at most 1.5 million cells.
     ///
     /// # Errors
-    /// [`Error::Cancelled`].
+    /// [`Error::Cancelled`]; [`Error::InvalidParameter`] where a probe can't start.
     pub fn new(
+        prepared: &PreparedMesh,
+        clustered: Option<Arc<Clustered>>,
+        bound: f64,
+        keep_cavities: bool,
+        probe: Option<&ProbeSettings>,
+        control: &Control,
+    ) -> Result<Self, Error> {
+        let mut solid = Self::without_probe(prepared, clustered, bound, keep_cavities, control)?;
+        if let Some(settings) = probe {
+            solid.check_starts(settings)?;
+            let (tree, displacement) = (solid.tree(), solid.displacement);
+            let bounds = bounds(prepared.mesh.points().iter().copied());
+            let probe = Probe::new(tree, bounds, settings, displacement, bound, control)?;
+            solid.probe = Some(probe);
+        }
+        Ok(solid)
+    }
+
+    fn without_probe(
         prepared: &PreparedMesh,
         clustered: Option<Arc<Clustered>>,
         bound: f64,
@@ -105,7 +136,22 @@ impl Solid {
             face_cache: FaceCache::new(),
             clustered: None,
             displacement: 0.0,
+            probe: None,
         })
+    }
+
+    /// Whether a probe can start at each of its points.
+    fn check_starts(&self, ProbeSettings { radius, from }: &ProbeSettings) -> Result<(), Error> {
+        for (index, &point) in from.iter().enumerate() {
+            let is_near = self.tree().is_within(point, radius + self.displacement);
+            let reason = match self.side(point) {
+                Side::Inside => "in the solid",
+                Side::Outside if is_near => "nearer to the mesh than the radius",
+                Side::Outside => continue,
+            };
+            return Err(Error::parameter("probe_from", format!("point {index} is {reason}")));
+        }
+        Ok(())
     }
 
     /// Whether the surface encloses the inside: see [`Surface::is_closed`].
@@ -175,8 +221,58 @@ impl Solid {
         at.side_at_distance(distance.own).unwrap_or_else(|| self.side(point))
     }
 
-    /// Bounds on the distance from the source to a point outside, if it may be more than `least`.
+    /// How far balls are entered at a point outside that is far from the surface: see [`Probe::entered`].
+    pub(super) fn entered(&self, point: Vector, known: f64) -> Option<f64> {
+        self.probe.as_ref()?.entered(self.tree(), point, known)
+    }
+
+    /// Whether no ball is entered by more than `bound` at a point outside that is far from the surface.
+    #[inline]
+    pub(super) fn probe_allows(&self, point: Vector, bound: f64) -> bool {
+        self.probe.as_ref().is_some_and(|probe| probe.allows(self.tree(), point, bound))
+    }
+
+    /// The same for all points of a part of a face. `false` if that is not known at once.
+    pub(super) fn probe_allows_all(&self, part: impl FnOnce() -> Extent, bound: f64) -> bool {
+        self.probe.as_ref().is_some_and(|probe| probe.allows_all(self.tree(), &part(), bound))
+    }
+
+    /// The volume outside the solid that a probe does not reach, in cubed diagonals, by evenly spread points in the box
+    /// of the mesh. O(1) queries.
+    pub fn unreachable_volume(&self) -> f64 {
+        let Some(probe) = &self.probe else { return 0.0 };
+        let (min, max) = probe.bounds;
+        let is_out_of_reach = parallel::map_indices(VOLUME_SAMPLES, |index| {
+            let share = STEPS.map(|step| (0.5 + step * index as f64).fract());
+            let point = min + Vector::from_array(share) * (max - min);
+            self.side(point) == Side::Outside && !probe.reaches(self.tree(), point)
+        });
+        let count = is_out_of_reach.into_iter().filter(|&is| is).count();
+        (max - min).element_product() * count as f64 / VOLUME_SAMPLES as f64
+    }
+
+    /// No point of a part is farther than this from the source, or balls are entered no farther there. The distance
+    /// from the part's centre and how far balls are entered there are given.
+    pub(super) fn upper_around(&self, upper: f64, entered: Option<f64>, radius: f64) -> f64 {
+        let entered = entered.zip(self.probe.as_ref());
+        let entered = entered.and_then(|(entered, probe)| probe.entered_around(entered, radius));
+        entered.map_or(f64::INFINITY, |entered| entered.max(0.0)).min(upper + radius)
+    }
+
+    /// Bounds on the protrusion of a point outside, if it may be more than `least`.
     pub fn outside(&self, point: Vector, least: f64) -> Option<SourceDistance> {
+        let mut distance = self.outside_source(point, least)?;
+        if let Some(probe) = &self.probe {
+            let entered = probe.entered(self.tree(), point, 0.0);
+            // Where balls are entered too far, they are by half their radius at least.
+            distance.lower = distance.lower.min(entered.unwrap_or(probe.most_entered()));
+            distance.upper = distance.upper.min(entered.unwrap_or(f64::INFINITY));
+        }
+        (distance.upper > least).then_some(distance)
+    }
+
+    /// Bounds on the distance from the source to a point outside, if it may be more than `least`.
+    fn outside_source(&self, point: Vector, least: f64) -> Option<SourceDistance> {
         let at = self.locate(point);
         if at.upper + ROUNDING + self.displacement() <= least {
             return None;
@@ -198,9 +294,14 @@ impl Solid {
         }
     }
 
-    /// Whether a point is in the solid or at most `bound` away from it.
+    /// Whether a point is in the solid or at most `bound` away from it, or no ball is entered there by more.
     #[inline]
     pub fn point_fits(&self, point: Vector, bound: f64) -> bool {
+        self.is_within(point, bound) || self.probe_allows(point, bound)
+    }
+
+    #[inline]
+    fn is_within(&self, point: Vector, bound: f64) -> bool {
         match self.grid.ball(point) {
             Some(Ball { side: Side::Inside, .. }) => return true,
             Some(Ball { radius, .. }) if radius > bound => return false,

@@ -8,6 +8,7 @@ use super::remainder::Remainder;
 use super::solid::Solid;
 use super::surface::Side;
 use crate::geometry::vector::{Vector, area_normal, bounds, squared};
+use crate::probe::Extent;
 
 /// The corners of a face, or of a part of one.
 pub(super) type Face = [Vector; 3];
@@ -26,6 +27,11 @@ impl Part {
         let centre = centre(corners);
         let [a, b, c] = corners.map(|corner| centre.distance_squared(corner));
         Self { corners, centre, radius: a.max(b).max(c).sqrt() }
+    }
+
+    /// The part for a probe, as if it were `factor` times as large.
+    pub fn extent(&self, factor: f64) -> Extent {
+        Extent::of_part(self.centre, self.corners, factor)
     }
 }
 

@@ -7,6 +7,7 @@
 //! | `bundled_models` | the bundled models keep it, with as many hulls as before |
 //! | `verified` | what is verified agrees with brute force |
 //! | `shapes` | simple shapes have few hulls, which fill the solid and leave empty what is empty |
+//! | `probe` | no ball that comes from outside is entered by more than the bound; what none reaches may fill |
 //! | `limits` | limits on vertices and hulls are kept; joins down to one hull |
 
 #[cfg(feature = "io")]
@@ -20,6 +21,7 @@ mod degenerate_input;
 #[path = "../independent/mod.rs"]
 mod independent;
 mod limits;
+mod probe;
 mod promise;
 mod shapes;
 mod verified;

@@ -6,4 +6,5 @@
 pub mod exact;
 pub mod nearest;
 pub mod oracle;
+pub mod paths;
 pub mod sampling;

@@ -119,6 +119,14 @@ pub struct ParameterArguments {
     #[arg(long)]
     keep_cavities: bool,
 
+    /// Fill what no ball of this radius can reach: 6% of the diagonal or 0.1m
+    #[arg(long, value_name = "RADIUS", allow_hyphen_values = true)]
+    probe_radius: Option<Length>,
+
+    /// A point x,y,z where it starts too, as in a closed room
+    #[arg(long, value_name = "POINT", value_parser = parse_point, allow_hyphen_values = true)]
+    probe_from: Vec<[f64; 3]>,
+
     #[command(flatten)]
     surface: SurfaceArguments,
 }
@@ -239,7 +247,12 @@ impl ParameterArguments {
             ("up-axis", self.up_axis.is_some()),
             ("keep-cavities", self.keep_cavities),
         ];
-        let bounded = [("max-hulls", self.max_hulls.is_some()), ("preset", self.preset.is_some())];
+        let bounded = [
+            ("max-hulls", self.max_hulls.is_some()),
+            ("preset", self.preset.is_some()),
+            ("probe-radius", self.probe_radius.is_some()),
+            ("probe-from", !self.probe_from.is_empty()),
+        ];
         let surface = [
             ("paper", of_surface.paper),
             ("simplification-quality", of_surface.simplification_quality.is_some()),
@@ -276,6 +289,8 @@ impl ParameterArguments {
         set(&mut parameters.openings, &self.openings);
         set(&mut parameters.up_axis, &self.up_axis);
         parameters.keep_cavities |= self.keep_cavities;
+        parameters.probe_radius = self.probe_radius;
+        parameters.probe_from.clone_from(&self.probe_from);
         set(&mut surface.simplification_quality, &given.simplification_quality);
         set(&mut surface.maximum_resolutions, &given.maximum_resolutions);
         set(&mut surface.planar_thresholds, &given.planar_thresholds);
@@ -292,6 +307,13 @@ impl ParameterArguments {
         };
         chosen
     }
+}
+
+/// A point as `x,y,z`.
+pub fn parse_point(text: &str) -> Result<[f64; 3], String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(str::parse).collect();
+    let point = numbers.ok().and_then(|numbers| numbers.try_into().ok());
+    point.ok_or_else(|| format!("`{text}`: a point as x,y,z is expected"))
 }
 
 /// The method of a name, with its defaults.
@@ -394,6 +416,7 @@ mod tests {
     #[test]
     fn every_parameter_can_be_set() {
         let line = "--max-error 5% --max-hulls 3 --preset fine --keep-cavities --openings keep --up-axis z \
+             --probe-radius 6% --probe-from 1,-2,0.5 \
              --simplification-quality 0.5 --maximum-resolutions 100,200 \
              --planar-thresholds 0.1,0.3 --angular-threshold 0.02 \
              --concavity-cost-threshold 0.1 --resolution-cut-off 7 --unit 44.6% \
@@ -405,7 +428,9 @@ mod tests {
             .max_vertices(None)
             .keep_cavities(true)
             .openings(Openings::Keep)
-            .up_axis(UpAxis::Z);
+            .up_axis(UpAxis::Z)
+            .probe_radius(Length::Share(0.06))
+            .probe_from([[1.0, -2.0, 0.5]]);
         let mut surface = SurfaceParameters::paper();
         surface.simplification_quality = 0.5;
         surface.maximum_resolutions = vec![100, 200];

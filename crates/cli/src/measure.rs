@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
-use hullwright::Control;
 use hullwright::io::{read_hulls, read_mesh};
 use hullwright::measure::{Distances, MeasureOptions, Measurement, measure};
+use hullwright::{Control, Length};
 use hullwright_cli::terminal::{Failure, print, print_json};
 use serde_json::{Value, json};
 
-use crate::arguments::{SolidArguments, mesh_help};
+use crate::arguments::{SolidArguments, mesh_help, parse_point};
 use crate::progress::waiting;
 
 /// Measure a set of hulls, of any tool, against their mesh
@@ -31,10 +31,20 @@ pub struct Arguments {
 
     #[command(flatten)]
     solid: SolidArguments,
+
+    /// Measure how far hulls enter balls of this radius: 6% of the diagonal or 0.1m
+    #[arg(long, value_name = "RADIUS", allow_hyphen_values = true)]
+    probe_radius: Option<Length>,
+
+    /// Where the ball starts too, as x,y,z
+    #[arg(long, value_name = "POINT", value_parser = parse_point, allow_hyphen_values = true)]
+    probe_from: Vec<[f64; 3]>,
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let solid = arguments.solid.parameters()?;
+    let solid = solid.probe_radius(arguments.probe_radius).probe_from(&arguments.probe_from[..]);
+    solid.validate().map_err(|error| Failure::Usage(error.to_string()))?;
     let mesh = waiting("reading", || read_mesh(&arguments.mesh))?;
     let hulls = waiting("reading", || read_hulls(&arguments.hulls))?;
     let options = MeasureOptions::from(&solid);

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use comfy_table::{CellAlignment, Table, presets};
 use hullwright::surface::{ResolutionOutcome, SurfaceReport, ThresholdOutcome};
-use hullwright::{CurvePoint, Decomposition, Hull, MethodReport, Report};
+use hullwright::{CurvePoint, Decomposition, Hull, MethodReport, ProbeReport, Report};
 use hullwright_cli::terminal::time;
 use serde_json::{Map, Value, json};
 
@@ -69,8 +69,22 @@ pub fn summary(decomposition: &Decomposition<MethodReport>, seconds: f64) -> Str
             right_aligned(&BOUNDED_HEADER, [row]).trim_fmt()
         }
     };
+    if let Some(probe) = report.bounded().and_then(|bounded| bounded.probe) {
+        text += &format!("\n{}", of_probe(&probe, run.diagonal));
+    }
     for line in decomposition.exceeded_bound().into_iter().chain(run.remarks()) {
         text += &format!("\n{line}");
+    }
+    text
+}
+
+/// What a probe found.
+fn of_probe(probe: &ProbeReport, diagonal: f64) -> String {
+    let radius = percent_of(probe.radius, diagonal);
+    let volume = probe.unreachable_volume;
+    let mut text = format!("probe: a ball of radius {radius} can't reach {volume:.3e} cubic units");
+    if probe.cell > probe.radius {
+        text += ", and may reach more than is known: the mesh is too large for so small a ball";
     }
     text
 }
@@ -169,6 +183,7 @@ pub fn json(
         "protrusion_max": bounded.map(|bounded| bounded.protrusion_max),
         "uncovered_max": bounded.map(|bounded| bounded.uncovered_max),
         "patches": bounded.map(|bounded| bounded.patches),
+        "probe": bounded.and_then(|bounded| bounded.probe),
         "cost": surface.map(|surface| surface.cost),
         "planar_threshold": surface.map(|surface| surface.planar_threshold),
         "resolution": surface.map(|surface| surface.resolution),

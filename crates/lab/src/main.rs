@@ -19,6 +19,7 @@ mod independent_tests;
 mod openings;
 mod paper;
 mod pictures;
+mod reach;
 mod report;
 mod shapes;
 mod stability;
@@ -54,6 +55,7 @@ enum Command {
     VersusPaper(versus_paper::Arguments),
     Openings(openings::Arguments),
     Identical(identical::Arguments),
+    Reach(reach::Arguments),
     Stages(stages::Arguments),
     Gallery(gallery::Arguments),
     Pictures(pictures::Arguments),
@@ -74,6 +76,7 @@ fn main() -> ExitCode {
         Command::VersusPaper(arguments) => versus_paper::run(&arguments),
         Command::Openings(arguments) => openings::run(&arguments),
         Command::Identical(arguments) => identical::run(&arguments),
+        Command::Reach(arguments) => reach::run(&arguments),
         Command::Stages(arguments) => stages::run(&arguments),
         Command::Gallery(arguments) => gallery::run(&arguments),
         Command::Pictures(arguments) => pictures::run(&arguments),

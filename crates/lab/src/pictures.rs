@@ -40,6 +40,13 @@ enum Picture {
         #[arg(required = true)]
         meshes: Vec<PathBuf>,
     },
+    /// docs/probe.md: a mesh, its hulls without a probe, and with radii of 3, 6 and 12 %
+    Probe {
+        #[arg(default_value = "docs/pictures/probe.png")]
+        output: PathBuf,
+        #[arg(default_value = "assets/gear.glb")]
+        mesh: PathBuf,
+    },
     /// The README's animation: a mesh bursts into its hulls, closes again and falls as one body
     Burst {
         #[arg(default_value = "docs/pictures/burst.png")]
@@ -62,6 +69,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             }
             write(output, rows, (460, 340), FROM_BELOW)
         }
+        Picture::Probe { output, mesh } => probe(output, mesh),
         Picture::Burst { output, mesh } => burst::draw(output, mesh),
     }
 }
@@ -206,6 +214,19 @@ fn bounds(output: &Path) -> Result<(), Failure> {
         rows.push(std::iter::once(Panel::mesh(&mesh)).chain(panels).collect());
     }
     write(output, rows, (300, 230), Layout::default().view.elevation)
+}
+
+/// A mesh, and its hulls by radius.
+fn probe(output: &Path, mesh: &Path) -> Result<(), Failure> {
+    let mesh = read_mesh(mesh)?.mesh;
+    let mut panels = vec![Panel::mesh(&mesh)];
+    for radius in [None, Some(0.03), Some(0.06), Some(0.12)] {
+        let parameters = Parameters::default().probe_radius(radius.map(Length::share));
+        let hulls = decompose(&mesh, &parameters, &Control::new())?.hulls;
+        print(&format!("{parameters}: {} hulls", hulls.len()))?;
+        panels.push(Panel::hulls(&hulls));
+    }
+    write(output, vec![panels], (300, 260), Layout::default().view.elevation)
 }
 
 /// A bungalow of two rooms, 8 by 6 metres, with walls of 20 cm and doors of 1 by 2 metres, in metres. The

@@ -180,8 +180,17 @@ fn hash_parameters(method: &Method, hasher: &mut Sha256) {
             surface = parameters.clone();
         }
     }
-    let Parameters { max_error, preset, max_hulls, max_vertices, keep_cavities, openings, up_axis } =
-        &bounded;
+    let Parameters {
+        max_error,
+        preset,
+        max_hulls,
+        max_vertices,
+        keep_cavities,
+        openings,
+        up_axis,
+        probe_radius,
+        probe_from,
+    } = &bounded;
     let SurfaceParameters {
         simplification_quality,
         maximum_resolutions,
@@ -212,6 +221,10 @@ fn hash_parameters(method: &Method, hasher: &mut Sha256) {
     hash.length(unit);
     hash.real(*significant_diagonal);
     hash.limit(*max_vertices);
+    if let Some(radius) = probe_radius {
+        hash.length(radius);
+        probe_from.iter().flatten().for_each(|coordinate| hash.real(*coordinate));
+    }
 }
 
 /// Fields as bytes, none of which can be taken for two others.

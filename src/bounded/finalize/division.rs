@@ -181,7 +181,7 @@ pub(super) fn remerge(
     hulls: Vec<FinalHull>,
 ) -> Result<Vec<FinalHull>, Error> {
     let &Search { patches, settings, control, .. } = &context.search;
-    let gap = settings.bound.verified();
+    let gap = settings.widest_gap(settings.bound.verified());
     let mut entries: Vec<Entry> = hulls.into_iter().map(Entry::new).collect();
     let mut queue = PairQueue::new(entries.len());
     let count = entries.len() as u32;

@@ -73,6 +73,7 @@ fn json_has_the_same_keys_for_every_method() {
         "protrusion_max",
         "uncovered_max",
         "patches",
+        "probe",
         "cost",
         "planar_threshold",
         "resolution",
@@ -150,11 +151,11 @@ fn a_sheet_that_is_thicker_than_the_bound_is_said_in_the_table() {
 #[test]
 fn the_help_fits_on_a_screen_of_80_columns_and_the_papers_options_come_last() {
     for (command, most) in [
-        ("decompose", 50),
-        ("view", 70),
-        ("curve", 50),
-        ("bake", 70),
-        ("measure", 35),
+        ("decompose", 54),
+        ("view", 74),
+        ("curve", 54),
+        ("bake", 74),
+        ("measure", 39),
         ("inspect", 25),
     ] {
         let help = Command::new(PROGRAM).env("COLUMNS", "80").args([command, "--help"]).output();
@@ -264,4 +265,21 @@ fn the_mesh_itself_is_not_overwritten() {
     }
     let bytes = |path| std::fs::read(path).unwrap();
     assert_eq!(bytes(place.path("plus.glb")), bytes(asset("plus.glb").into()));
+}
+
+#[test]
+fn a_probe_fills_what_it_cannot_reach_and_says_so() {
+    let place = Place::new(&[]);
+    let chair = asset("chair.glb");
+    let hulls = |arguments: &[&str]| {
+        let line = place.json(&[&["decompose", &chair], arguments].concat());
+        (line["hulls"].as_u64().unwrap(), line["probe"]["unreachable_volume"].as_f64())
+    };
+    let ((without, none), (with, volume)) = (hulls(&[]), hulls(&["--probe-radius", "12%"]));
+    assert!(with < without && none.is_none(), "{with} of {without}");
+    assert!(volume.is_some_and(|volume| volume >= 0.0));
+    let shown = place.succeed(&["decompose", &chair, "--probe-radius", "0.1m"]);
+    assert!(shown.contains("probe: a ball of radius"), "{shown}");
+    let refused = place.fail(&["decompose", &chair, "--probe-radius", "-1m"], 2);
+    assert!(refused.contains("probe_radius"), "{refused}");
 }
