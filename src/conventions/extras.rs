@@ -14,13 +14,14 @@ use crate::surface::SurfaceParameters;
 const COLLIDER: &str = "collider";
 
 /// The settings that may stand beside it, and what they take.
-const SETTINGS: [(&str, &str); 10] = [
+const SETTINGS: [(&str, &str); 11] = [
     ("max_error", "a positive number, a share of the diagonal, or a length such as \"0.02m\""),
     ("preset", "\"fast\", \"balanced\" or \"fine\""),
     ("max_hulls", "a whole number from 1"),
     ("max_vertices", "a whole number from 8"),
     ("keep_cavities", "true or false"),
     ("openings", "\"auto\", \"keep\" or \"close\""),
+    ("probe_radius", "a length such as \"0.1m\""),
     ("density", "a positive number"),
     ("mass", "a positive number"),
     ("fallback", "\"none\", \"convex_hull\" or \"bounding_box\""),
@@ -90,6 +91,8 @@ pub struct ExtrasTag {
     pub keep_cavities: Option<bool>,
     /// What becomes of flat openings.
     pub openings: Option<Openings>,
+    /// Half the thickness of the thinnest thing that moves, in units of the world; positive.
+    pub probe_radius: Option<f32>,
     /// Mass per cubed unit; positive.
     pub density: Option<f32>,
     /// Mass, instead of a density; positive.
@@ -166,6 +169,9 @@ impl ExtrasTag {
         parameters.openings = self.openings.unwrap_or(parameters.openings);
         parameters.keep_cavities = self.keep_cavities.unwrap_or(parameters.keep_cavities);
         parameters.max_hulls = self.max_hulls.map(|limit| limit as usize).or(parameters.max_hulls);
+        // In single precision, as engines have it, but as it is written.
+        let probe_radius = self.probe_radius.and_then(|radius| radius.to_string().parse().ok());
+        parameters.probe_radius = probe_radius.map(Length::Units).or(parameters.probe_radius);
         let max_vertices = self.max_vertices.map(|limit| limit as usize);
         parameters.max_vertices = max_vertices.or(parameters.max_vertices);
         kind.parameters(&match base {
@@ -188,6 +194,7 @@ impl ExtrasTag {
             "max_vertices" => self.max_vertices = Some(whole(value, LEAST_VERTICES)?),
             "keep_cavities" => self.keep_cavities = Some(boolean(value)?),
             "openings" => self.openings = Some(parsed(value)?),
+            "probe_radius" => self.probe_radius = Some(units(value)?),
             "density" => self.density = Some(positive(value)? as f32),
             "mass" => self.mass = Some(positive(value)? as f32),
             "fallback" => self.fallback = Some(named(value, &FALLBACKS)?),
@@ -235,6 +242,14 @@ fn length(value: &Value) -> Option<Length> {
     })
 }
 
+/// A length in units of the world, since a body that moves is no larger in a larger mesh.
+fn units(value: &Value) -> Option<f32> {
+    match length(value)? {
+        Length::Units(units) => Some(units as f32),
+        Length::Share(_) => None,
+    }
+}
+
 fn parsed<T: FromStr>(value: &Value) -> Option<T> {
     value.as_str()?.parse().ok()
 }
@@ -259,7 +274,7 @@ mod tests {
     fn every_setting_is_read() {
         let tag = read(
             r#"{"collider": "convex_decomposition", "max_error": 0.01, "preset": "fine", "max_hulls": 8,
-            "max_vertices": 32.0, "keep_cavities": 1, "openings": "keep", "density": 500, "mass": 2.5,
+            "max_vertices": 32.0, "keep_cavities": 1, "openings": "keep", "probe_radius": "0.1m", "density": 500, "mass": 2.5,
             "fallback": "bounding_box", "body": "dynamic"}"#,
         );
         let expected = ExtrasTag {
@@ -270,6 +285,7 @@ mod tests {
             max_vertices: Some(32),
             keep_cavities: Some(true),
             openings: Some(Openings::Keep),
+            probe_radius: Some(0.1),
             density: Some(500.0),
             mass: Some(2.5),
             fallback: Some(Fallback::BoundingBox),
@@ -309,6 +325,8 @@ mod tests {
             ("max_vertices", "7"),
             ("keep_cavities", "\"yes\""),
             ("openings", "[]"),
+            ("probe_radius", "0.1"),
+            ("probe_radius", "\"6%\""),
             ("density", "-1"),
             ("mass", "null"),
             ("fallback", "\"box\""),

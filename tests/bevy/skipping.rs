@@ -268,3 +268,34 @@ fn a_box_slides_over_a_floor_of_triangles_without_a_bump() {
         assert!((translation(&app, body).x - 3.0).abs() < 0.2);
     }
 }
+
+/// A comb: a back, and teeth of 0.1 with gaps of 0.1 between them.
+fn comb() -> Mesh {
+    let (mut positions, mut indices) = (Vec::new(), Vec::new());
+    let teeth = (0..6).map(|tooth| 0.2 * tooth as f32);
+    let teeth = teeth.map(|x| ([x, 0.0, 0.0], [x + 0.1, 1.0, 0.2]));
+    for (low, high) in std::iter::once(([0.0, -0.1, 0.0], [1.1, 0.0, 0.2])).chain(teeth) {
+        let part = cuboid(low, high);
+        let first = positions.len() as u32;
+        let points = part.attribute(Mesh::ATTRIBUTE_POSITION).unwrap().as_float3().unwrap();
+        positions.extend(points);
+        indices.extend(part.indices().unwrap().iter().map(|index| first + index as u32));
+    }
+    mesh(positions, indices)
+}
+
+#[test]
+fn gaps_that_nothing_can_enter_are_filled_by_settings_or_tag_in_metres_of_the_world() {
+    let mut settings = HullwrightSettings { probe_radius: Some(0.5), ..default() };
+    settings.scale_delay = Duration::ZERO;
+    let (mut app, comb) = with_mesh(app_with(settings), comb());
+    let by_settings = finish(&mut app, &comb, ());
+    let by_tag = finish(&mut app, &comb, tag().with_probe_radius(0.01));
+    let large = Transform::from_scale(Vec3::splat(100.0));
+    let large = finish(&mut app, &comb, large);
+    let count = |entity| hulls(&app, entity).len();
+    assert_eq!(count(by_settings), 1);
+    // Gaps of 0.1 let a ball of that radius in, and gaps of 10 m one of half a metre.
+    assert!(count(by_tag) >= 7 && count(large) >= 7, "{} {}", count(by_tag), count(large));
+    assert_eq!((counters(&app).decomposed, counters(&app).probed), (3, 3));
+}

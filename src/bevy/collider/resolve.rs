@@ -271,7 +271,7 @@ impl Scene<'_, '_> {
         if let Some(reason) = self.placements.why_triangles(entity, tag.shape) {
             return Goal::Triangles(reason);
         }
-        let mut goal = Goal::of(tag);
+        let mut goal = Goal::of(tag, self.distances.settings.probe_radius);
         if self.is_primitive_among_others(entity) {
             goal.keep_openings_of_part();
         }

@@ -39,6 +39,8 @@ diagnostics! {
     WAITING = "hullwright/waiting", "", |of| Some((of.queued + of.waiting_for_mesh) as f64);
     /// Decompositions made so far.
     DECOMPOSED = "hullwright/decomposed", "", |of| Some(of.decomposed as f64);
+    /// Decompositions made with a probe so far.
+    PROBED = "hullwright/probed", "", |of| Some(of.probed as f64);
     /// Colliders whose hulls were made for another entity.
     SHARED = "hullwright/shared", "", |of| Some(of.shared as f64);
     /// Colliders whose hulls came from the cache on disk.

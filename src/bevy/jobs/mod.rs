@@ -33,6 +33,7 @@ use super::tag::outcomes::{
     DecompositionCounters, DecompositionError, DecompositionStatus, HullSource, Outcomes,
     WaitReason,
 };
+use super::tag::parameters::Goal;
 use super::tag::settings::{BudgetSettings, Execution, HullwrightSettings, HullwrightSystems};
 use super::tag::{DecompositionFocus, DecompositionPriority};
 use crate::{Control, MethodReport};
@@ -328,7 +329,9 @@ impl Jobs {
     fn end_job(&mut self, job: Job, result: TaskResult, outcomes: &mut Outcomes) {
         match result {
             Ok(TaskOutput::Built(built)) => {
-                count_decomposition(&mut outcomes.counters, &built);
+                let goal = job.entities.first().and_then(|(_, request)| request.goal.as_ref());
+                let has_probe = goal.is_some_and(Goal::has_probe);
+                count_decomposition(&mut outcomes.counters, &built, has_probe);
                 self.complete(job, &built);
             }
             Ok(TaskOutput::Wait(key)) => {
@@ -482,7 +485,11 @@ fn run_slices(mut jobs: ResMut<Jobs>, Frame { mut time, settings }: Frame, mut o
     }
 }
 
-fn count_decomposition(counters: &mut DecompositionCounters, built: &BuiltCollider) {
+fn count_decomposition(
+    counters: &mut DecompositionCounters,
+    built: &BuiltCollider,
+    has_probe: bool,
+) {
     let (HullSource::Decomposed, ColliderGeometry::Hulls(file)) = (built.source, &*built.geometry)
     else {
         return;
@@ -493,6 +500,7 @@ fn count_decomposition(counters: &mut DecompositionCounters, built: &BuiltCollid
     }
     let share = |length: f64| (length / file.diagonal) as f32;
     counters.decomposed += 1;
+    counters.probed += usize::from(has_probe);
     counters.last_bound = file.bound.map(share);
     counters.last_protrusion = file.verified.map(|errors| share(errors.protrusion_max));
 }

@@ -76,7 +76,7 @@ struct Scenes<'w, 's> {
     baked: Res<'w, Assets<BakedScene>>,
     jobs: Res<'w, Jobs>,
     nodes: Nodes<'w, 's>,
-    attached: Query<'w, 's, (&'static AttachedCollider, &'static ConvexDecomposition)>,
+    attached: Query<'w, 's, &'static AttachedCollider, With<ConvexDecomposition>>,
 }
 
 impl Scenes<'_, '_> {
@@ -105,12 +105,10 @@ impl Scenes<'_, '_> {
         };
         let mut lines = Vec::new();
         for &node in nodes {
-            let Ok((attached, tag)) = self.attached.get(node) else { continue };
+            let Ok(attached) = self.attached.get(node) else { continue };
             let request = &attached.requested.request;
             let Some(key) = self.jobs.key_of(&request.input) else { continue };
-            let goal = Goal::of(tag);
-            let Some(parameters) = goal.parameters().filter(|_| request.why_triangles().is_none())
-            else {
+            let Some(parameters) = request.goal.as_ref().and_then(Goal::parameters) else {
                 continue;
             };
             let names: Vec<&str> = self.nodes.names_of(node).into_iter().flatten().collect();

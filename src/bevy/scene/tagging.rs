@@ -454,6 +454,7 @@ fn with_extras(extras: &ExtrasTag, base: ConvexDecomposition) -> Treatment {
             max_error: extras.max_error.map_or(tag.max_error, Into::into),
             preset: extras.preset.map_or(tag.preset, Into::into),
             openings: extras.openings.map_or(tag.openings, Into::into),
+            probe_radius: extras.probe_radius.or(tag.probe_radius),
             max_hulls: extras.max_hulls.or(tag.max_hulls),
             max_vertices: extras.max_vertices.or(tag.max_vertices),
             keep_cavities: extras.keep_cavities.unwrap_or(tag.keep_cavities),

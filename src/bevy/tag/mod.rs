@@ -53,6 +53,10 @@ pub struct ConvexDecomposition {
     /// What becomes of flat openings, the sides that a modeller leaves out. One primitive of a larger glTF
     /// mesh keeps them: the others close it. Default [`DecompositionOpenings::Auto`].
     pub openings: DecompositionOpenings,
+    /// Half the thickness of the thinnest thing that moves, in metres of the world; positive. Hulls may fill what no
+    /// ball of that radius can reach: fewer hulls. Not with cavities that are kept. `None` for what
+    /// [`HullwrightSettings`](crate::bevy::HullwrightSettings) says. Default `None`.
+    pub probe_radius: Option<f32>,
     /// What the collider is made of. Default [`DecompositionShape::Auto`].
     pub shape: DecompositionShape,
     /// Mass per cubed unit of the world; positive. Default 1.
@@ -171,6 +175,7 @@ impl Default for ConvexDecomposition {
             max_vertices: Some(DEFAULT_MAX_VERTICES),
             keep_cavities: false,
             openings: DecompositionOpenings::Auto,
+            probe_radius: None,
             shape: DecompositionShape::Auto,
             density: DEFAULT_DENSITY,
             mass: None,
@@ -207,6 +212,8 @@ setters! {
     with_keep_cavities(keep_cavities: bool) = keep_cavities;
     /// The same with openings that are closed or kept.
     with_openings(openings: DecompositionOpenings) = openings;
+    /// The same with the radius of what moves, in metres of the world; `None` for that of the settings.
+    with_probe_radius(probe_radius: impl Into<Option<f32>>) = probe_radius.into();
     /// The same made of something else.
     with_shape(shape: DecompositionShape) = shape;
     /// The same with a mass instead of a density; `None` for the density.
@@ -288,6 +295,7 @@ mod tests {
             .with_max_vertices(None)
             .with_keep_cavities(true)
             .with_openings(DecompositionOpenings::Close)
+            .with_probe_radius(0.1)
             .with_shape(DecompositionShape::Capsule)
             .with_mass(2.0)
             .with_fallback_collider(FallbackCollider::ConvexHull);

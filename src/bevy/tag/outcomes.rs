@@ -124,6 +124,8 @@ pub struct DecompositionCounters {
     pub running: usize,
     /// Decompositions made so far.
     pub decomposed: usize,
+    /// Those of them that were made with a probe, so that hulls may fill what it can't reach.
+    pub probed: usize,
     /// Colliders whose hulls were made for another entity.
     pub shared: usize,
     /// Colliders whose hulls came from the cache on disk.

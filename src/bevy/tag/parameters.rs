@@ -35,8 +35,19 @@ pub(crate) enum Goal {
 }
 
 impl Goal {
-    /// What a tag asks for, if it gets no triangles.
-    pub(crate) fn of(tag: &ConvexDecomposition) -> Self {
+    /// What a tag asks for, if it gets no triangles. Where it says nothing of a probe, `probe_radius` holds.
+    pub(crate) fn of(tag: &ConvexDecomposition, probe_radius: Option<f32>) -> Self {
+        let mut goal = Self::of_tag(tag);
+        if let (Self::Hulls(Method::Bounded(parameters)), None) = (&mut goal, &tag.parameters)
+            && parameters.probe_radius.is_none()
+            && !parameters.keep_cavities
+        {
+            parameters.probe_radius = probe_radius.map(metres);
+        }
+        goal
+    }
+
+    fn of_tag(tag: &ConvexDecomposition) -> Self {
         match tag.shape {
             DecompositionShape::Cuboid => Self::Primitive(PrimitiveKind::Cuboid),
             DecompositionShape::Ball => Self::Primitive(PrimitiveKind::Ball),
@@ -69,12 +80,21 @@ impl Goal {
 
     /// Whether the result depends on how large the mesh is in the world.
     pub(crate) fn has_absolute_length(&self) -> bool {
-        let length = match self {
-            Self::Hulls(Method::Bounded(of) | Method::Hull(of)) => of.max_error,
-            Self::Hulls(Method::Surface(of)) => of.unit,
-            Self::Triangles(_) | Self::Primitive(_) => return false,
-        };
-        matches!(length, Length::Units(_))
+        let is_absolute = |length: Length| matches!(length, Length::Units(_));
+        match self {
+            Self::Hulls(Method::Bounded(of) | Method::Hull(of)) => {
+                is_absolute(of.max_error) || of.probe_radius.is_some_and(is_absolute)
+            }
+            Self::Hulls(Method::Surface(of)) => is_absolute(of.unit),
+            Self::Triangles(_) | Self::Primitive(_) => false,
+        }
+    }
+
+    /// Whether hulls may fill what a probe can't reach.
+    pub(crate) fn has_probe(&self) -> bool {
+        self.parameters().is_some_and(
+            |method| matches!(method, Method::Bounded(of) if of.probe_radius.is_some()),
+        )
     }
 
     /// For one part of a larger mesh: what is open on it is closed by the other parts.
@@ -118,6 +138,7 @@ impl ConvexDecomposition {
             .max_vertices(self.max_vertices.map(|limit| limit as usize))
             .keep_cavities(self.keep_cavities)
             .openings(self.openings.into())
+            .probe_radius(self.probe_radius.map(metres))
     }
 }
 
@@ -125,9 +146,13 @@ impl From<MaxError> for Length {
     fn from(max_error: MaxError) -> Self {
         match max_error {
             MaxError::Share(share) => Self::Share(as_written(share)),
-            MaxError::Metres(metres) => Self::Units(as_written(metres)),
+            MaxError::Metres(length) => metres(length),
         }
     }
+}
+
+fn metres(length: f32) -> Length {
+    Length::Units(as_written(length))
 }
 
 /// The shortest decimal that rounds to a number: 0.02 and not 0.0199999996, so that hulls are those
@@ -276,17 +301,36 @@ mod tests {
             .with_max_hulls(7)
             .with_max_vertices(20)
             .with_keep_cavities(true)
-            .with_openings(DecompositionOpenings::Keep);
+            .with_openings(DecompositionOpenings::Keep)
+            .with_probe_radius(0.1);
         let expected = Parameters::default()
             .max_error(Length::share(0.013))
             .preset(Preset::Fine)
             .max_hulls(7)
             .max_vertices(20)
             .keep_cavities(true)
-            .openings(Openings::Keep);
+            .openings(Openings::Keep)
+            .probe_radius(Length::units(0.1));
         assert_eq!(tag.to_parameters(), expected.into());
         let metres = tag.with_max_error(MaxError::Metres(0.1)).flat_parameters();
         assert_eq!(metres.max_error, Length::units(0.1));
+    }
+
+    #[test]
+    fn the_probe_of_the_settings_is_for_tags_that_say_nothing_of_it_and_keep_no_cavities() {
+        let probe = |tag: ConvexDecomposition| match Goal::of(&tag, Some(0.2)) {
+            Goal::Hulls(Method::Bounded(parameters)) => parameters.probe_radius,
+            _ => None,
+        };
+        let tag = ConvexDecomposition::default;
+        assert_eq!(probe(tag()), Some(Length::units(0.2)));
+        assert_eq!(probe(tag().with_probe_radius(0.1)), Some(Length::units(0.1)));
+        assert_eq!(probe(tag().with_keep_cavities(true)), None);
+        assert_eq!(probe(tag().with_parameters(Parameters::default())), None);
+        assert!(Goal::of(&tag(), Some(0.2)).has_absolute_length());
+        // Both at once contradict each other.
+        let both = tag().with_probe_radius(0.1).with_keep_cavities(true);
+        assert!(both.to_parameters().validate().is_err());
     }
 
     #[test]
@@ -315,6 +359,9 @@ mod tests {
             Parameters { preset: Preset::Fast, ..Parameters::default() },
             Parameters { max_hulls: Some(0), ..Parameters::default() },
             Parameters { keep_cavities: true, ..Parameters::default() },
+            Parameters::default().probe_radius(Length::units(0.1)),
+            Parameters::default().probe_radius(Length::share(0.1)),
+            Parameters::default().probe_radius(Length::share(0.1)).probe_from(vec![[0.0; 3]]),
             Parameters { max_vertices: None, ..Parameters::default() },
         ];
         let surface = SurfaceParameters::default;

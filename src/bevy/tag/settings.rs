@@ -40,6 +40,10 @@ pub struct HullwrightSettings {
     /// these: see [`shape_with_primitives`](crate::rapier::shape_with_primitives). For colliders that are made
     /// from then on, and not those whose scale differs along the axes. Default false.
     pub primitives: bool,
+    /// Half the thickness of the thinnest thing that moves, in metres of the world; positive. Hulls may fill what no
+    /// ball of that radius can reach: fewer hulls. For tags that say nothing else and keep no cavities. `None` for gaps
+    /// that stay open whatever moves. Default `None`.
+    pub probe_radius: Option<f32>,
     /// Whether new worlds of Rapier get a [`ContactDispatcher`](crate::rapier::ContactDispatcher), without
     /// which small things sink into each other. It concerns all colliders of the world. Set it to `false`
     /// if a world has a dispatcher of its own. Default `true`.
@@ -168,6 +172,7 @@ impl Default for HullwrightSettings {
             warn_without_mesh_after: Some(DEFAULT_PATIENCE),
             exact_static_colliders: true,
             primitives: false,
+            probe_radius: None,
             contact_dispatcher: true,
             scale_delay: DEFAULT_SCALE_DELAY,
             budget: BudgetSettings::default(),
