@@ -36,6 +36,8 @@ impl FacePlane {
 pub(crate) struct HullDistance<'a> {
     hull: &'a ConvexHull,
     planes: Vec<FacePlane>,
+    /// Corners of its bounding box.
+    corners: [Vector; 2],
     /// Built on demand: most hulls never need it.
     bvh: OnceLock<Bvh>,
 }
@@ -44,7 +46,15 @@ impl<'a> HullDistance<'a> {
     pub(crate) fn new(hull: &'a ConvexHull) -> Self {
         let planes = (0..).zip(hull.face_planes());
         let planes = planes.map(|(face, (normal, offset))| FacePlane { normal, offset, face });
-        Self { hull, planes: planes.collect(), bvh: OnceLock::new() }
+        let (min, max) = bounds(hull.points().iter().copied());
+        Self { hull, planes: planes.collect(), corners: [min, max], bvh: OnceLock::new() }
+    }
+
+    /// Whether one of the points is certainly farther from the hull than `limit`, by its bounding box.
+    fn is_far_from(&self, points: &[Vector], limit: f64) -> bool {
+        let [min, max] = self.corners;
+        let gap = |point: Vector| (min - point).max(point - max).max_element();
+        points.iter().any(|&point| gap(point) > limit + ROUNDING)
     }
 
     /// The distance from a point to the hull, 0 inside. If it exceeds `limit`, any value above
@@ -244,6 +254,10 @@ fn outside_all(
     divisions: u32,
 ) -> f64 {
     let least = hulls.iter().fold(known, |least: f64, hull| {
+        // Most hulls are elsewhere: without this, scans take up to a fifth more instructions.
+        if hull.is_far_from(&corners, least) {
+            return least;
+        }
         let outside = corners.iter().map(|&corner| hull.distance(corner, least));
         least.min(outside.fold(0.0, f64::max))
     });

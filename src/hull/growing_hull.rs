@@ -14,6 +14,10 @@ use crate::work;
 /// would only turn noise into slivers; a coarser one would be seen in single precision.
 pub const DEFAULT_TOLERANCE: f64 = 2e-7;
 
+/// Points that are compared as one with each face before they are compared one by one with those nearby: about as many as
+/// a patch of a scan has.
+const POINTS_AT_ONCE: usize = 16;
+
 /// Builds convex hulls, one after the other, in memory that is reused.
 ///
 /// `build` starts a hull, `insert` adds points to it. Building takes O(n log n) expected time for
@@ -149,9 +153,7 @@ impl HullBuilder {
         }
         hull.generation += 1;
         let first = hull.points.len();
-        for &point in points {
-            hull.add_if_beyond(&mut scratch.queue, hull.frame.inward(point), point);
-        }
+        points.chunks(POINTS_AT_ONCE).for_each(|points| hull.add_those_beyond(scratch, points));
         if hull.points.len() > first {
             hull.margins = hull.margins.including(&hull.points[first..], hull.tolerance);
             hull.grow(scratch);
@@ -350,37 +352,7 @@ impl HullBuilder {
     /// The farthest that one of the points lies in front of a face, in their units; negative if
     /// all are inside.
     pub(crate) fn farthest_outside(&self, points: &[Vector]) -> f64 {
-        let mut farthest = f64::NEG_INFINITY;
-        let (blocks, rest) = points.as_chunks::<4>();
-        for &block in blocks {
-            farthest = farthest.max(self.farthest_of(block));
-        }
-        let (pairs, rest) = rest.as_chunks::<2>();
-        for &pair in pairs {
-            farthest = farthest.max(self.farthest_of(pair));
-        }
-        for &point in rest {
-            // With a copy of itself: a single lane would not vectorise.
-            farthest = farthest.max(self.farthest_of([point; 2]));
-        }
-        farthest / self.hull.frame.factor
-    }
-
-    /// The same in the frame, for a few points at once, so that the loop vectorises.
-    #[inline]
-    fn farthest_of<const N: usize>(&self, points: [Vector; N]) -> f64 {
-        let points = points.map(|point| self.hull.frame.inward(point));
-        let [x, y, z] = [points.map(|p| p.x), points.map(|p| p.y), points.map(|p| p.z)];
-        let mut farthest = [f64::NEG_INFINITY; N];
-        for face in &self.hull.faces {
-            let Face { plane: FacePlane { normal, offset }, inverse, .. } = *face;
-            for lane in 0..N {
-                let height = normal[0] * x[lane] + normal[1] * y[lane] + normal[2] * z[lane];
-                let distance = (height - offset) * inverse;
-                farthest[lane] = if distance > farthest[lane] { distance } else { farthest[lane] };
-            }
-        }
-        farthest.into_iter().fold(f64::NEG_INFINITY, f64::max)
+        farthest_outside(&self.hull.faces, 1, self.hull.frame, points)
     }
 
     /// Height of the first tetrahedron; the width is at least an eighth of it.
@@ -404,6 +376,75 @@ impl HullBuilder {
             .map(|face| (depth(face) / frame.factor, face.plane.normal.map(|x| x * face.inverse)));
         widths.min_by(|a, b| a.0.total_cmp(&b.0))
     }
+}
+
+/// The faces of a hull that goes on growing.
+#[derive(Debug, Default)]
+pub(crate) struct EarlierFaces {
+    faces: Vec<Face>,
+    frame: Frame,
+}
+
+/// A bound on how far points lie in front of a hull takes one of this many faces: an eighth of the time, and most
+/// bounds of far points are near the distance.
+const FACES_PER_BOUND: usize = 8;
+
+impl EarlierFaces {
+    /// Replaces them by the faces that a hull has now.
+    pub fn copy_from(&mut self, hull: &HullBuilder) {
+        self.faces.clone_from(&hull.hull.faces);
+        self.frame = hull.hull.frame;
+    }
+
+    /// See [`HullBuilder::farthest_outside`].
+    pub fn farthest_outside(&self, points: &[Vector]) -> f64 {
+        farthest_outside(&self.faces, 1, self.frame, points)
+    }
+
+    /// No more than that, by some of the faces.
+    pub fn least_outside(&self, points: &[Vector]) -> f64 {
+        farthest_outside(&self.faces, FACES_PER_BOUND, self.frame, points)
+    }
+}
+
+/// The farthest that one of the points lies in front of one of every `step` faces.
+fn farthest_outside(faces: &[Face], step: usize, frame: Frame, points: &[Vector]) -> f64 {
+    let mut farthest = f64::NEG_INFINITY;
+    let (blocks, rest) = points.as_chunks::<4>();
+    for &block in blocks {
+        farthest = farthest.max(farthest_of(faces, step, frame, block));
+    }
+    let (pairs, rest) = rest.as_chunks::<2>();
+    for &pair in pairs {
+        farthest = farthest.max(farthest_of(faces, step, frame, pair));
+    }
+    for &point in rest {
+        // With a copy of itself: a single lane would not vectorise.
+        farthest = farthest.max(farthest_of(faces, step, frame, [point; 2]));
+    }
+    farthest / frame.factor
+}
+
+/// The same in the frame, for a few points at once, so that the loop vectorises.
+#[inline]
+fn farthest_of<const N: usize>(
+    faces: &[Face],
+    step: usize,
+    frame: Frame,
+    points: [Vector; N],
+) -> f64 {
+    let points = points.map(|point| frame.inward(point));
+    let [x, y, z] = [points.map(|p| p.x), points.map(|p| p.y), points.map(|p| p.z)];
+    let mut farthest = [f64::NEG_INFINITY; N];
+    for face in faces.iter().step_by(step) {
+        let Face { plane: FacePlane { normal, offset }, inverse, .. } = *face;
+        for lane in 0..N {
+            let height = normal[0] * x[lane] + normal[1] * y[lane] + normal[2] * z[lane];
+            let distance = (height - offset) * inverse;
+            farthest[lane] = if distance > farthest[lane] { distance } else { farthest[lane] };
+        }
+    }
+    farthest.into_iter().fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// The hull of the points inserted so far.

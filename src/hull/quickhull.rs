@@ -238,6 +238,8 @@ pub(super) struct Scratch {
     cone: Cone,
     /// Places of retired faces.
     free: Vec<u32>,
+    /// Faces near some points.
+    near: Vec<u32>,
     /// For each point its index among the vertices, or none.
     pub indices: Vec<u32>,
     /// Whether an eye point lay within the tolerance of a plane: without such points no vertex
@@ -589,21 +591,41 @@ impl HullState {
 
 /// Outside sets between the steps.
 impl HullState {
-    /// Adds a new point to the outside set of the first face that it is farther in front of than the
-    /// tolerance, in a hull that has stopped growing. Drops it if there is none.
-    pub(super) fn add_if_beyond(&mut self, queue: &mut Queue, point: Vector, original: Vector) {
-        let tolerance = self.tolerance;
-        let beyond = (0..).zip(&self.faces).find_map(|(face, Face { plane, inverse, .. })| {
-            let height = plane.height(point);
-            (height > 0.0 && height * inverse > tolerance).then_some((face, height))
-        });
-        if let Some((face, height)) = beyond {
-            let index = self.points.len() as u32;
-            self.points.push(point);
-            self.originals.push(original);
-            self.next_outside.push(NONE);
-            self.outside_sets(queue).add(index, InFront { face, height, is_beyond: true });
+    /// Adds new points, close together, to the outside sets of the first faces that they are farther in front of than
+    /// the tolerance, in a hull that has stopped growing. Drops those without one.
+    pub(super) fn add_those_beyond(&mut self, scratch: &mut Scratch, points: &[Vector]) {
+        let Scratch { queue, near, .. } = scratch;
+        self.find_near(near, points);
+        for &original in points {
+            let point = self.frame.inward(original);
+            let beyond = near.iter().find_map(|&face| {
+                let Face { plane, inverse, .. } = &self.faces[face as usize];
+                let height = plane.height(point);
+                (height > 0.0 && height * inverse > self.tolerance).then_some((face, height))
+            });
+            if let Some((face, height)) = beyond {
+                let index = self.points.len() as u32;
+                self.points.push(point);
+                self.originals.push(original);
+                self.next_outside.push(NONE);
+                self.outside_sets(queue).add(index, InFront { face, height, is_beyond: true });
+            }
         }
+    }
+
+    /// Lists the faces that one of some points may be farther in front of than the tolerance, by a ball around them.
+    fn find_near(&self, near: &mut Vec<u32>, points: &[Vector]) {
+        let sum = points.iter().fold(Vector::ZERO, |sum, &point| sum + self.frame.inward(point));
+        let centre = sum * (1.0 / points.len() as f64);
+        let away = |&point: &Vector| self.frame.inward(point).distance_squared(centre);
+        let radius = match points.len() {
+            ..WORTH_A_BALL => f64::INFINITY,
+            _ => points.iter().map(away).fold(0.0, f64::max).sqrt(),
+        };
+        let least = self.tolerance - radius - DISTANCE_ERROR * self.margins.largest.max(1.0);
+        let faces = (0..).zip(&self.faces).filter(|(_, face)| face.distance(centre) > least);
+        near.clear();
+        near.extend(faces.map(|(index, _)| index));
     }
 
     /// Lets all points become furthest, necessary or not.
@@ -626,6 +648,9 @@ impl HullState {
         }
     }
 }
+
+/// Fewer points are compared with all faces: a ball around them is compared with all faces, too.
+const WORTH_A_BALL: usize = 8;
 
 /// More than the rounding errors of a distance between points whose coordinates are at most 1.
 const DISTANCE_ERROR: f64 = 16.0 * f64::EPSILON;

@@ -25,6 +25,13 @@ const PIECES_PER_ATTEMPT: usize = 16;
 /// hulls were tested. Most pieces are attempted again and again, in covers that have changed elsewhere.
 type Refusals = Mutex<HashMap<(PatchSet, PatchSet), usize>>;
 
+/// Pieces of the patches that a piece must keep: while one piece after the other is to be dissolved, most of the
+/// others must keep the same.
+type Cores = Mutex<HashMap<PatchSet, Piece>>;
+
+/// Cores that are remembered: a limit on memory, of which each takes some ten kilobytes.
+const MAX_CORES: usize = 1024;
+
 /// Dissolves pieces under a bound, those of least exclusive area first, until no piece can be
 /// dissolved or `budget` joint hulls have been tested.
 pub(super) fn dissolve(
@@ -34,7 +41,7 @@ pub(super) fn dissolve(
     budget: usize,
 ) -> Result<(), Error> {
     let &Search { solid, patches, control, .. } = search;
-    let refusals = Refusals::default();
+    let (refusals, cores) = (Refusals::default(), Cores::default());
     let mut spent = 0;
     'again: loop {
         let coverage = Coverage::new(patches.count(), pieces);
@@ -48,8 +55,8 @@ pub(super) fn dissolve(
             }
             let attempt = |&(_, k): &(f64, usize)| {
                 let tester = FitTester::new(solid, bound);
-                let refusals = &refusals;
-                let mut attempt = Attempt { patches, tester, refusals, known: 0, control };
+                let (refusals, cores) = (&refusals, &cores);
+                let mut attempt = Attempt { patches, tester, refusals, cores, known: 0, control };
                 let dissolved = attempt.dissolve(pieces, coverage.clone(), k);
                 (dissolved, attempt.tester.attempts + attempt.known)
             };
@@ -74,6 +81,7 @@ struct Attempt<'a> {
     patches: &'a Patches,
     tester: FitTester<'a>,
     refusals: &'a Refusals,
+    cores: &'a Cores,
     /// Joint hulls that were tested by earlier attempts, and would have been again.
     known: usize,
     control: &'a Control,
@@ -125,13 +133,27 @@ impl Attempt<'_> {
             return Ok(None);
         }
         let before = self.tester.attempts;
-        let mut piece = Piece::new(self.patches, core);
+        let mut piece = self.core(core);
         grow(self.patches, &mut piece, left, &mut self.tester, self.control)?;
         if piece.patches != *core {
             return Ok(Some(piece));
         }
         parallel::lock(self.refusals).insert(key, self.tester.attempts - before);
         Ok(None)
+    }
+
+    /// The piece of some patches, built or remembered.
+    fn core(&self, core: &PatchSet) -> Piece {
+        if let Some(piece) = parallel::lock(self.cores).get(core) {
+            return piece.clone();
+        }
+        let piece = Piece::new(self.patches, core);
+        let mut cores = parallel::lock(self.cores);
+        if cores.len() >= MAX_CORES {
+            cores.clear();
+        }
+        cores.insert(core.clone(), piece.clone());
+        piece
     }
 }
 

@@ -1,10 +1,15 @@
 //! Growing: a piece takes the patches that fit, nearest first. O(patches) distances and fit tests for each 15 % of
 //! its volume.
 
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use crate::bounded::joins::Cost;
 use crate::bounded::patch::{Patch, PatchSet, Patches, Piece};
 use crate::control::Control;
 use crate::error::Error;
-use crate::hull::growing_hull::GrowingHull;
+use crate::geometry::vector::Vector;
+use crate::hull::growing_hull::{EarlierFaces, GrowingHull};
 use crate::solid::FitTester;
 
 /// Maximum number of patches that are tried at once; 64 are no faster.
@@ -58,16 +63,13 @@ impl Growth<'_, '_> {
         let mut batch_size = 1;
         let mut batch: Vec<u32> = Vec::new();
         let mut refused_in_turn = 0;
+        let mut order = Order::default();
         while !self.open.is_empty() {
-            let hull = &self.piece.hull;
-            let distance = |index| (distance_to(hull, &patches[index]), index);
-            let mut order: Vec<(f64, u32)> = self.open.iter().map(distance).collect();
-            order.sort_by(|a, b| a.0.total_cmp(&b.0));
+            order.start(&self.piece.hull, patches, &self.open);
             let ordered_at = self.piece.hull.current_volume();
-            let mut order = order.into_iter();
             while self.piece.hull.current_volume() <= REORDER * ordered_at {
                 batch.clear();
-                for (_, index) in order.by_ref() {
+                while let Some(index) = order.next(patches) {
                     let is_free = self.open.contains(index)
                         && !batch.iter().any(|&b| patches.conflicts[b as usize].contains(index));
                     if !is_free {
@@ -131,12 +133,45 @@ impl Growth<'_, '_> {
     }
 }
 
-/// How far a patch is outside a hull, by its representatives.
-fn distance_to(hull: &GrowingHull, patch: &Patch) -> f64 {
-    if hull.is_solid {
-        hull.builder.farthest_outside(&patch.representatives)
-    } else {
-        ((hull.min + hull.max) * 0.5).distance((patch.min + patch.max) * 0.5)
+/// Patches in the order of their distances from a hull, by their representatives.
+///
+/// Few of the patches are tried before the hull has grown and they are ordered anew. So most distances are bounded by some
+/// of the hull's faces, and computed only where the bound is the least.
+#[derive(Default)]
+struct Order {
+    faces: EarlierFaces,
+    /// The nearest first. Of equal distances bounds come first, then lower indices.
+    heap: BinaryHeap<Reverse<(Cost, bool, u32)>>,
+}
+
+impl Order {
+    fn start(&mut self, hull: &GrowingHull, patches: &Patches, open: &PatchSet) {
+        let middle = |min: Vector, max: Vector| (min + max) * 0.5;
+        let centre = middle(hull.min, hull.max);
+        if hull.is_solid {
+            self.faces.copy_from(&hull.builder);
+        }
+        let entry = |index: u32| {
+            let patch = &patches[index];
+            let distance = match hull.is_solid {
+                true => self.faces.least_outside(&patch.representatives),
+                false => centre.distance(middle(patch.min, patch.max)),
+            };
+            Reverse((Cost(distance), !hull.is_solid, index))
+        };
+        self.heap = open.iter().map(entry).collect::<Vec<_>>().into();
+    }
+
+    /// Takes out the nearest patch.
+    fn next(&mut self, patches: &Patches) -> Option<u32> {
+        loop {
+            let Reverse((_, is_exact, index)) = self.heap.pop()?;
+            if is_exact {
+                return Some(index);
+            }
+            let distance = self.faces.farthest_outside(&patches[index].representatives);
+            self.heap.push(Reverse((Cost(distance), true, index)));
+        }
     }
 }
 
