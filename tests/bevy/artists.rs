@@ -161,15 +161,22 @@ fn extras_make_bodies_that_move_on_their_own() {
             ("piece", Some(r#"{"collider": "hulls"}"#)),
         ],
         ConvexDecompositionHierarchy::new(automatic()),
-        |_| {},
+        // Rapier may see new bodies before Bevy has computed where they are.
+        |app| {
+            app.configure_sets(
+                PostUpdate,
+                HullwrightSystems::DetectChanges.before(PhysicsSet::SyncBackend),
+            );
+        },
     );
-    for (name, body, shape) in [
+    for (at, (name, body, shape)) in (0u8..).zip([
         ("prop", Some(RigidBody::Dynamic), "hulls"),
         ("wall", Some(RigidBody::Fixed), "triangles"),
         ("lift", Some(RigidBody::KinematicPositionBased), "hulls"),
         ("piece", None, "hulls"),
-    ] {
+    ]) {
         let node = node(&mut app, name);
+        assert_eq!(translation(&app, node).x, 3.0 * f32::from(at), "{name}");
         assert_eq!(app.get::<RigidBody>(node).copied(), body, "{name}");
         assert_eq!(outcome(&mut app, name).0, shape, "{name}");
     }

@@ -43,8 +43,12 @@ impl Pieces<'_, '_> {
         if self.parents.iter_ancestors(piece).any(|above| above == whole) {
             return;
         }
-        let place = |entity| self.global.compute_global_transform(entity).unwrap_or_default();
-        let local = place(piece).reparented_to(&place(whole));
+        let local = self.place(piece).reparented_to(&self.place(whole));
         commands.try_insert((ChildOf(whole), local));
+    }
+
+    /// Where an entity is, also in the frame in which it is spawned.
+    pub(super) fn place(&self, entity: Entity) -> GlobalTransform {
+        self.global.compute_global_transform(entity).unwrap_or_default()
     }
 }

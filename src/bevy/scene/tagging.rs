@@ -365,6 +365,8 @@ impl Rules<'_, '_, '_> {
             let mut commands = commands.entity(node);
             if let Some(body) = body {
                 commands.try_insert_if_new(body);
+                // Rapier takes a new body's place from it, maybe before Bevy has computed it in this frame.
+                commands.try_insert(nodes.pieces.place(node));
             }
             let baked = hierarchy.baked.clone().filter(|_| tag.is_some()).map(FromBakedScene);
             // What is set anew starts anew.
