@@ -123,7 +123,7 @@ pub struct ParameterArguments {
     #[arg(long, value_name = "RADIUS", allow_hyphen_values = true)]
     probe_radius: Option<Length>,
 
-    /// A point x,y,z where it starts too, as in a closed room
+    /// A point x,y,z where it starts too
     #[arg(long, value_name = "POINT", value_parser = parse_point, allow_hyphen_values = true)]
     probe_from: Vec<[f64; 3]>,
 

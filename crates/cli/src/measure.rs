@@ -36,7 +36,7 @@ pub struct Arguments {
     #[arg(long, value_name = "RADIUS", allow_hyphen_values = true)]
     probe_radius: Option<Length>,
 
-    /// Where the ball starts too, as x,y,z
+    /// A point x,y,z where it starts too
     #[arg(long, value_name = "POINT", value_parser = parse_point, allow_hyphen_values = true)]
     probe_from: Vec<[f64; 3]>,
 }

@@ -151,11 +151,11 @@ fn a_sheet_that_is_thicker_than_the_bound_is_said_in_the_table() {
 #[test]
 fn the_help_fits_on_a_screen_of_80_columns_and_the_papers_options_come_last() {
     for (command, most) in [
-        ("decompose", 54),
-        ("view", 74),
-        ("curve", 54),
-        ("bake", 74),
-        ("measure", 39),
+        ("decompose", 50),
+        ("view", 70),
+        ("curve", 50),
+        ("bake", 70),
+        ("measure", 35),
         ("inspect", 25),
     ] {
         let help = Command::new(PROGRAM).env("COLUMNS", "80").args([command, "--help"]).output();
