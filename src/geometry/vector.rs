@@ -5,6 +5,17 @@ use std::f64::consts::TAU;
 /// A point or a direction.
 pub type Vector = glam::DVec3;
 
+/// Irrational steps of a low-discrepancy sequence in three dimensions (Roberts, "The unreasonable
+/// effectiveness of quasirandom sequences", 2018).
+const STEPS: Vector =
+    Vector::new(0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_970_9);
+
+/// Evenly spread points of a box.
+pub fn spread_in_box(index: usize, min: Vector, max: Vector) -> Vector {
+    let share = (Vector::splat(0.5) + STEPS * index as f64).map(f64::fract);
+    min + share * (max - min)
+}
+
 /// `x * x`. Unlike `powi`, whose rounding is left to the compiler, the same everywhere.
 #[inline]
 pub fn squared(x: f64) -> f64 {

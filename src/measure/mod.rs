@@ -32,12 +32,14 @@
 //! |---|---|
 //! | `mod` | options, the measurement, and how figures follow from samples |
 //! | `sampling` | evenly spread points on a surface and in a box |
+//! | `solid` | the solid that they are measured against |
 //! | `hulls` | each hull on its own, and the union of all |
 //! | `pointwise` | errors of points that the caller chooses |
 
 mod hulls;
 mod pointwise;
 mod sampling;
+mod solid;
 
 use crate::bvh::{Bvh, INSIDE};
 use crate::control::Control;
@@ -51,9 +53,10 @@ use crate::openings::OpeningSettings;
 use crate::openings::prepare::prepare_closed;
 use crate::parallel::{self, map_indices};
 use crate::parameters::{Length, Openings, Parameters, UpAxis, check_positive};
-use crate::probe::{Probe, ProbeSettings};
+use crate::probe::ProbeSettings;
 use hulls::{Edges, MeasuredHull, Union};
 use sampling::{SampledSurface, in_unit_cube};
+use solid::MeasuredSolid;
 
 pub use hulls::HullCheck;
 pub use pointwise::{MeasuredHulls, MeasuredMesh};
@@ -117,7 +120,6 @@ impl Default for MeasureOptions {
 impl From<&Parameters> for MeasureOptions {
     fn from(parameters: &Parameters) -> Self {
         let &Parameters { openings, max_error: flatness, up_axis, keep_cavities, .. } = parameters;
-        let keep_cavities = keep_cavities || !parameters.probe_from.is_empty();
         let (probe_radius, probe_from) = (parameters.probe_radius, parameters.probe_from.clone());
         Self {
             openings,
@@ -316,17 +318,19 @@ fn judge(
     }
 
     let union = Union::new(parts);
-    let bvh = Bvh::new(mesh.solid.points(), &mesh.solid.triangles);
-    control.check()?;
+    let MeasureOptions { probe_radius, probe_from, flatness, .. } = options;
+    let probe = ProbeSettings::new(*probe_radius, probe_from, &normalization);
+    let bound = flatness.of_diagonal(normalization.diagonal) / normalization.diagonal;
+    let (points, triangles) = (mesh.solid.points(), &mesh.solid.triangles);
+    let solid = MeasuredSolid::new(points, triangles, probe, bound, control)?;
     let open_edges = Edges::of(&mesh.positions, &mesh.triangles).open_share;
-    let probe = probe(&mesh, &bvh, &normalization, options, control)?;
-    let boundary = protrusions(&union, &bvh, probe.as_ref(), open_edges > 0.0, options);
+    let boundary = protrusions(&union, &solid, open_edges > 0.0, options);
     let samples_of_boundary = boundary.len();
     let protrusion = Distances::of(boundary);
     control.check()?;
     let uncovered = uncovered(&mesh, &union, options);
     control.check()?;
-    let volumes = Volumes::of(&mesh, &union, &bvh, options);
+    let volumes = Volumes::of(&mesh, &union, &solid.bvh, options);
     let share = |part: usize, of: usize| (of > 0).then(|| part as f64 / of as f64);
     let share_of_closed =
         |part, of| if open_edges > MOST_OPEN_EDGES { None } else { share(part, of) };
@@ -377,6 +381,8 @@ impl Mesh {
         control: &Control,
     ) -> Result<(Self, Normalization), Error> {
         let &MeasureOptions { openings, flatness, up_axis, keep_cavities, .. } = options;
+        // A probe may start in a cavity.
+        let keep_cavities = keep_cavities || !options.probe_from.is_empty();
         let settings =
             OpeningSettings { openings, flatness, up_axis, keep_cavities, order: MeshOrder::Place };
         let closed = prepare_closed(source, &settings, control)?;
@@ -410,35 +416,17 @@ impl Mesh {
     }
 }
 
-/// The probe, if there is one.
-fn probe(
-    mesh: &Mesh,
-    bvh: &Bvh,
-    normalization: &Normalization,
-    options: &MeasureOptions,
-    control: &Control,
-) -> Result<Option<Probe>, Error> {
-    let MeasureOptions { probe_radius, probe_from, flatness, .. } = options;
-    let Some(settings) = ProbeSettings::new(*probe_radius, probe_from, normalization) else {
-        return Ok(None);
-    };
-    let bound = flatness.of_diagonal(normalization.diagonal) / normalization.diagonal;
-    let bounds = bounds(mesh.solid.points().iter().copied());
-    Probe::new(bvh, bounds, &settings, 0.0, bound, control).map(Some)
-}
-
 /// How far points on the hulls' boundary lie outside the solid. Where the surface is open, the inside ends
 /// where no surface is, and may be nearer than that.
 fn protrusions(
     union: &Union,
-    bvh: &Bvh,
-    probe: Option<&Probe>,
+    solid: &MeasuredSolid,
     is_open: bool,
     options: &MeasureOptions,
 ) -> Vec<f64> {
     let (positions, triangles) = union.surface();
     let surface = SampledSurface::new(positions, triangles);
-    let count = options.hull_samples;
+    let (bvh, count) = (&solid.bvh, options.hull_samples);
     let distances = map_indices(count, |index| {
         let (point, triangle) = surface.point(index, count, options.random_seed);
         if union.is_inside_another(point, triangle) {
@@ -450,8 +438,7 @@ fn protrusions(
         let to_surface = distance_to_surface(bvh, point);
         let distance =
             if is_open { distance_to_inside(bvh, point, to_surface) } else { to_surface };
-        let entered = probe.and_then(|probe| probe.entered(bvh, point, 0.0));
-        Some(entered.map_or(distance, |entered| entered.max(0.0).min(distance)))
+        Some(solid.protrusion(point, distance))
     });
     distances.into_iter().flatten().collect()
 }

@@ -2,6 +2,7 @@
 //! or compares many sets of hulls with one mesh.
 
 use super::hulls::{MeasuredHull, Union};
+use super::solid::MeasuredSolid;
 use crate::bvh::Bvh;
 use crate::control::Control;
 use crate::error::Error;
@@ -12,7 +13,7 @@ use crate::openings::prepare::prepare_closed;
 use crate::openings::{ClosedMesh, OpeningSettings};
 use crate::parallel;
 use crate::parameters::Parameters;
-use crate::probe::{Probe, ProbeSettings};
+use crate::probe::ProbeSettings;
 
 /// A point nearer to the surface than this fraction of the diagonal is on it: rounding of hulls to `f32`.
 const ON_SURFACE: f64 = 1e-6;
@@ -41,8 +42,7 @@ const ON_SURFACE: f64 = 1e-6;
 pub struct MeasuredMesh {
     closed: ClosedMesh,
     normalization: Normalization,
-    bvh: Bvh,
-    probe: Option<Probe>,
+    solid: MeasuredSolid,
 }
 
 impl MeasuredMesh {
@@ -60,16 +60,13 @@ impl MeasuredMesh {
             let settings = OpeningSettings::from(parameters);
             let closed = prepare_closed(mesh.into(), &settings, control)?;
             let prepared = &closed.prepared;
-            let solid = prepared.triangles_of_solid();
-            let bvh = Bvh::with_control(prepared.mesh.points(), &solid, control)?;
             let normalization = prepared.normalization;
             let Parameters { max_error, probe_radius, probe_from, .. } = parameters;
             let bound = max_error.of_diagonal(normalization.diagonal) / normalization.diagonal;
-            let bounds = bounds(prepared.mesh.points().iter().copied());
-            let settings = ProbeSettings::new(*probe_radius, probe_from, &normalization);
-            let new = |settings| Probe::new(&bvh, bounds, &settings, 0.0, bound, control);
-            let probe = settings.map(new).transpose()?;
-            Ok(Self { closed: closed.into(), normalization, bvh, probe })
+            let probe = ProbeSettings::new(*probe_radius, probe_from, &normalization);
+            let (points, triangles) = (prepared.mesh.points(), prepared.triangles_of_solid());
+            let solid = MeasuredSolid::new(points, &triangles, probe, bound, control)?;
+            Ok(Self { closed: closed.into(), normalization, solid })
         })
     }
 
@@ -90,21 +87,19 @@ impl MeasuredMesh {
 
     /// Whether a point is in the solid. O(log n).
     pub fn contains(&self, point: [f64; 3]) -> bool {
-        self.bvh.is_inside(self.normalization.normalize(point.into()))
+        self.solid.bvh.is_inside(self.normalization.normalize(point.into()))
     }
 
     /// How far a point is outside the solid: 0 inside, and within 1e-6 of the diagonal of its surface. With a
     /// [probe](Parameters::probe_radius), that or how far balls are entered there, whichever is less. O(log n).
     pub fn distance(&self, point: [f64; 3]) -> f64 {
         let point = self.normalization.normalize(point.into());
-        let closest = self.bvh.closest_point(point, f64::INFINITY);
+        let closest = self.solid.bvh.closest_point(point, f64::INFINITY);
         let distance = closest.map_or(0.0, |closest| closest.distance);
-        if distance <= ON_SURFACE || self.bvh.is_inside(point) {
+        if distance <= ON_SURFACE || self.solid.bvh.is_inside(point) {
             return 0.0;
         }
-        let entered = self.probe.as_ref().and_then(|probe| probe.entered(&self.bvh, point, 0.0));
-        let protrusion = entered.map_or(distance, |entered| entered.max(0.0).min(distance));
-        protrusion * self.normalization.diagonal
+        self.solid.protrusion(point, distance) * self.normalization.diagonal
     }
 }
 

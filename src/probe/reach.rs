@@ -57,6 +57,29 @@ impl ProbeSettings {
         let from = from.iter().map(|&point| normalization.normalize(point.into())).collect();
         radius.map(|radius| Self { radius: radius.of_diagonal(diagonal) / diagonal, from })
     }
+
+    /// Whether a ball can start at each point, around a surface that is at most `displacement` away from the source.
+    ///
+    /// # Errors
+    /// [`Error::InvalidParameter`] names the first that is inside, or too near.
+    pub fn check_starts(
+        &self,
+        tree: &Bvh,
+        displacement: f64,
+        is_inside: impl Fn(Vector) -> bool,
+    ) -> Result<(), Error> {
+        for (index, &point) in self.from.iter().enumerate() {
+            let reason = if is_inside(point) {
+                "in the solid"
+            } else if tree.is_within(point, self.radius + displacement) {
+                "nearer to the mesh than the radius"
+            } else {
+                continue;
+            };
+            return Err(Error::parameter("probe_from", format!("point {index} is {reason}")));
+        }
+        Ok(())
+    }
 }
 
 /// What is known of a cell.

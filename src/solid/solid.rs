@@ -13,7 +13,7 @@ use crate::bvh::Bvh;
 use crate::clustering::Clustered;
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, bounds};
+use crate::geometry::vector::{Vector, bounds, spread_in_box};
 use crate::mesh::PreparedMesh;
 use crate::parallel;
 use crate::probe::{Extent, Probe, ProbeSettings};
@@ -24,10 +24,6 @@ pub(crate) const COARSE: usize = 2400;
 
 /// Points by which the volume is estimated that a probe does not reach: as many take a few milliseconds.
 const VOLUME_SAMPLES: usize = 1000;
-
-/// Irrational steps of a low-discrepancy sequence in three dimensions (Roberts, "The unreasonable
-/// effectiveness of quasirandom sequences", 2018).
-const STEPS: [f64; 3] = [0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_970_9];
 
 /// The source mesh as a solid, or a reduced one that represents it.
 pub(crate) struct Solid {
@@ -73,8 +69,9 @@ impl Solid {
     ) -> Result<Self, Error> {
         let mut solid = Self::without_probe(prepared, clustered, bound, keep_cavities, control)?;
         if let Some(settings) = probe {
-            solid.check_starts(settings)?;
             let (tree, displacement) = (solid.tree(), solid.displacement);
+            let is_inside = |point| solid.side(point) == Side::Inside;
+            settings.check_starts(tree, displacement, is_inside)?;
             let bounds = bounds(prepared.mesh.points().iter().copied());
             let probe = Probe::new(tree, bounds, settings, displacement, bound, control)?;
             solid.probe = Some(probe);
@@ -138,20 +135,6 @@ impl Solid {
             displacement: 0.0,
             probe: None,
         })
-    }
-
-    /// Whether a probe can start at each of its points.
-    fn check_starts(&self, ProbeSettings { radius, from }: &ProbeSettings) -> Result<(), Error> {
-        for (index, &point) in from.iter().enumerate() {
-            let is_near = self.tree().is_within(point, radius + self.displacement);
-            let reason = match self.side(point) {
-                Side::Inside => "in the solid",
-                Side::Outside if is_near => "nearer to the mesh than the radius",
-                Side::Outside => continue,
-            };
-            return Err(Error::parameter("probe_from", format!("point {index} is {reason}")));
-        }
-        Ok(())
     }
 
     /// Whether the surface encloses the inside: see [`Surface::is_closed`].
@@ -243,8 +226,7 @@ impl Solid {
         let Some(probe) = &self.probe else { return 0.0 };
         let (min, max) = probe.bounds;
         let is_out_of_reach = parallel::map_indices(VOLUME_SAMPLES, |index| {
-            let share = STEPS.map(|step| (0.5 + step * index as f64).fract());
-            let point = min + Vector::from_array(share) * (max - min);
+            let point = spread_in_box(index, min, max);
             self.side(point) == Side::Outside && !probe.reaches(self.tree(), point)
         });
         let count = is_out_of_reach.into_iter().filter(|&is| is).count();

@@ -8,13 +8,13 @@
 use crate::bounded::patch::Piece;
 use crate::bounded::search::Search;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, bounds};
+use crate::geometry::vector::{Vector, bounds, spread_in_box};
 use crate::hull::growing_hull::GrowingHull;
 use crate::solid::FitTester;
 use crate::solid::{Side, Solid};
 
 /// Points in the box around all pieces: a cavity of a hundredth of the box holds several.
-const POINTS: u32 = 600;
+const POINTS: usize = 600;
 
 /// A piece gets back what it contained if that holds at least this many points that are uncovered: a single one of
 /// [`POINTS`] may be a crack between hulls. With 1 two, with 4 three of 196 shared and bundled coarse meshes have other
@@ -27,10 +27,6 @@ const MAX_ATTEMPTS: usize = 48;
 
 /// Points this near to a hull count as covered. As a fraction of the diagonal.
 const COVERED: f64 = 1e-3;
-
-/// Irrational steps of a low-discrepancy sequence in three dimensions (Roberts, "The unreasonable
-/// effectiveness of quasirandom sequences", 2018).
-const STEPS: [f64; 3] = [0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_970_9];
 
 /// Extends pieces over points inside the solid that none contains. `before` are pieces that fit,
 /// before they shrank.
@@ -106,17 +102,10 @@ fn grow_over(
 fn hollow(pieces: &[Piece], solid: &Solid) -> Vec<Vector> {
     let corners = pieces.iter().flat_map(|piece| [piece.hull.min, piece.hull.max]);
     let (min, max) = bounds(corners);
-    let point = |index: u32| {
-        [0, 1, 2].map(|k| {
-            let share = (0.5 + STEPS[k] * f64::from(index)).fract();
-            min[k] + share * (max[k] - min[k])
-        })
-    };
     (0..POINTS)
-        .map(point)
-        .filter(|&point| !pieces.iter().any(|piece| contains(&piece.hull, Vector::from(point))))
-        .filter(|&point| solid.side(Vector::from(point)) == Side::Inside)
-        .map(Into::into)
+        .map(|index| spread_in_box(index, min, max))
+        .filter(|&point| !pieces.iter().any(|piece| contains(&piece.hull, point)))
+        .filter(|&point| solid.side(point) == Side::Inside)
         .collect()
 }
 
