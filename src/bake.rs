@@ -164,7 +164,7 @@ impl BakeOptions {
         if node_tag(&node.name) == Some(NameTag::LeftOut) || names.iter().any(has_pieces) {
             return Some(None);
         }
-        // Their complaints are told apart from this: `extras_complaints`.
+        // `extras_complaints` has what is wrong in them.
         let extras = [&node.extras, &mesh.extras].into_iter().flatten();
         if let Some(tag) = extras.filter_map(|text| read_extras(text).0).next() {
             return Some(tag.parameters(&self.parameters));

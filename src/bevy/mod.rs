@@ -115,7 +115,8 @@ pub mod prelude {
 /// enough otherwise. The order of plugins does not matter.
 #[derive(Debug, Clone, Default)]
 pub struct HullwrightPlugin {
-    /// The initial settings. If they are the default, but for the contacts, settings that were inserted before stay.
+    /// The initial settings. Settings that were inserted before stay, unless these differ from the default in more than
+    /// the contacts.
     pub settings: HullwrightSettings,
 }
 

@@ -83,27 +83,33 @@ impl BodyChanges<'_, '_> {
     }
 }
 
-type MayBeStatic = (
-    &'static ConvexDecomposition,
-    Option<&'static AttachedCollider>,
-    Option<&'static FailedRequest>,
-);
+/// What an entity's work came to before.
+type MadeBefore = (Option<&'static AttachedCollider>, Option<&'static FailedRequest>);
+
+/// What an entity requests, or has requested last. What failed has at most the collider of an earlier request.
+fn last_requested<'a>(
+    work: &'a Work,
+    entity: Entity,
+    (attached, failed): (Option<&'a AttachedCollider>, Option<&'a FailedRequest>),
+) -> Option<&'a Requested> {
+    (work.unfinished.requested(entity))
+        .or(failed.map(|failed| &failed.requested))
+        .or(attached.map(|attached| &attached.requested))
+}
 
 /// What never moves gets triangles, all else hulls.
 pub(super) fn detect_bodies(
     mut work: Work,
     mut changes: BodyChanges,
     children: Query<&Children>,
-    tags: Query<MayBeStatic, Without<BakedDecomposition>>,
+    tags: Query<(&ConvexDecomposition, MadeBefore), Without<BakedDecomposition>>,
     placements: Placements,
 ) {
     for above in changes.entities() {
         for entity in std::iter::once(above).chain(children.iter_descendants(above)) {
-            let Ok((tag, attached, failed)) = tags.get(entity) else { continue };
-            let present = (work.unfinished.requested(entity))
-                .or(failed.map(|failed| &failed.requested))
-                .or(attached.map(|attached| &attached.requested))
-                .map(|requested| requested.request.why_triangles());
+            let Ok((tag, before)) = tags.get(entity) else { continue };
+            let requested = last_requested(&work, entity, before);
+            let present = requested.map(|requested| requested.request.why_triangles());
             let wanted = placements.why_triangles(entity, tag.shape);
             if present.is_some_and(|present| present != wanted) {
                 work.restart(entity);
@@ -112,14 +118,11 @@ pub(super) fn detect_bodies(
     }
 }
 
-/// What failed has at most the collider of an earlier input.
-type AttachedNow = (Tagged, Without<FailedRequest>);
-
 /// Meshes or baked scenes whose content came, changed or went.
 pub(super) fn detect_assets<A: Asset>(
     mut work: Work,
     mut events: MessageReader<AssetEvent<A>>,
-    attached: Query<(Entity, &AttachedCollider), AttachedNow>,
+    attached: Query<(Entity, &AttachedCollider), Tagged>,
     failed: Query<(Entity, &FailedRequest)>,
 ) {
     for event in events.read() {
@@ -161,10 +164,8 @@ pub(super) fn detect_late_scenes(
 ) {
     for event in events.read() {
         let AssetEvent::Added { id } = event else { continue };
-        for (entity, FromBakedScene(scene), (attached, failed)) in &takers {
-            let requested = (work.unfinished.requested(entity))
-                .or(attached.map(|attached| &attached.requested))
-                .or(failed.map(|failed| &failed.requested));
+        for (entity, FromBakedScene(scene), before) in &takers {
+            let requested = last_requested(&work, entity, before);
             let is_without = |requested: &Requested| {
                 let makes_hulls = requested.request.why_triangles().is_none();
                 makes_hulls && requested.request.input.scene().is_none()
@@ -176,7 +177,6 @@ pub(super) fn detect_late_scenes(
     }
 }
 
-type MadeBefore = (Option<&'static AttachedCollider>, Option<&'static FailedRequest>);
 type WithScale = AnyOf<(&'static AttachedCollider, &'static FailedRequest, &'static TooSmallAt)>;
 
 /// Untagged colliders are no longer ours.
@@ -194,11 +194,10 @@ pub(super) fn detect_scales(
         if work.unfinished.contains(entity) {
             continue;
         }
-        let baked = match failed {
-            Some(failed) => failed.depends_on_scale().then_some(&failed.requested.stretch),
-            None => small.map(|TooSmallAt(stretch)| stretch),
-        };
-        let baked = baked.or(attached.map(|attached| &attached.requested.stretch));
+        let failed = failed.filter(|failed| failed.depends_on_scale());
+        let baked = (failed.map(|failed| &failed.requested.stretch))
+            .or(small.map(|TooSmallAt(stretch)| stretch))
+            .or(attached.map(|attached| &attached.requested.stretch));
         if let Some(baked) = baked {
             work.unfinished.detect_scale(entity, baked, Stretch::of(transform));
         }

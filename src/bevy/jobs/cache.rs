@@ -106,8 +106,7 @@ impl GeometryCache {
         let mut memory = self.lock();
         let entry = memory.touch(key)?;
         let (geometry, shape) = (entry.geometry.clone(), entry.shapes.get(&map)?.clone());
-        let source = if key.is_baked() { HullSource::Baked } else { HullSource::Shared };
-        Some(BuiltCollider { key, geometry, shape, source })
+        Some(BuiltCollider { key, geometry, shape, source: key.source_of_known() })
     }
 
     /// Keeps what was made with this map, and drops what was not used for longest until `limit` bytes are left.

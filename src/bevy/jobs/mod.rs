@@ -266,7 +266,10 @@ impl Jobs {
             Some(key) => self.cache.geometry(key).is_none() && self.cache.is_claimed(key),
             None => self.running.iter().any(has_same_input),
         };
-        if has_to_wait { NextStep::Wait } else { NextStep::StartJob }
+        match has_to_wait {
+            true => NextStep::Wait,
+            false => NextStep::StartJob { is_quick: self.is_quick(request) },
+        }
     }
 
     /// Whether a request takes no decomposition, as far as is known without a look at its mesh.
@@ -295,6 +298,7 @@ impl Jobs {
         settings: &HullwrightSettings,
         entity: Entity,
         request: &Arc<ColliderRequest>,
+        is_quick: bool,
         input: TaskInput,
         outcomes: &mut Outcomes,
     ) {
@@ -308,7 +312,7 @@ impl Jobs {
             control: control.clone(),
             progress,
             shown_progress: 0.0,
-            is_quick: self.is_quick(request),
+            is_quick,
             worker: match settings.budget.execution {
                 Execution::Slices => Worker::Slices(Box::new(task)),
                 Execution::Background => {
@@ -384,7 +388,9 @@ enum NextStep {
     Join(usize),
     /// It is known what comes of it.
     End(Result<BuiltCollider, DecompositionError>),
-    StartJob,
+    StartJob {
+        is_quick: bool,
+    },
     /// Another job is at work on the same input.
     Wait,
 }
@@ -519,7 +525,10 @@ pub(super) fn start_jobs(
     let jobs = &mut *jobs;
     let mut budget = time.budget(&settings);
     let mut waiting = std::mem::take(&mut jobs.waiting);
-    if jobs.has_room(&settings.budget, false) || jobs.has_room(&settings.budget, true) {
+    let is_quick = |(_, request): &(Entity, Arc<ColliderRequest>)| jobs.is_quick(request);
+    if jobs.has_room(&settings.budget, false)
+        || jobs.has_room(&settings.budget, true) && waiting.iter().any(is_quick)
+    {
         sources.sort(&mut waiting);
     }
     for (entity, request) in waiting {
@@ -531,16 +540,17 @@ pub(super) fn start_jobs(
                     outcomes.show(entity, DecompositionStatus::Running { progress: 0.0 });
                 }
             }
-            NextStep::StartJob
-                if jobs.has_room(&settings.budget, jobs.is_quick(&request))
-                    && budget.allows_one() =>
+            NextStep::StartJob { is_quick }
+                if jobs.has_room(&settings.budget, is_quick) && budget.allows_one() =>
             {
                 match sources.task_input(jobs, &request) {
-                    Ok(input) => jobs.start(&settings, entity, &request, input, &mut outcomes),
+                    Ok(input) => {
+                        jobs.start(&settings, entity, &request, is_quick, input, &mut outcomes);
+                    }
                     Err(error) => jobs.fail_input(&request.input, [entity], error),
                 }
             }
-            NextStep::StartJob | NextStep::Wait => jobs.waiting.push((entity, request)),
+            NextStep::StartJob { .. } | NextStep::Wait => jobs.waiting.push((entity, request)),
         }
     }
     let counters = &mut outcomes.counters;
@@ -608,8 +618,7 @@ impl Sources<'_, '_> {
         if let Some(key) = jobs.key_of(&request.input)
             && let Some(geometry) = jobs.cache.geometry(key)
         {
-            let source = if key.is_baked() { HullSource::Baked } else { HullSource::Shared };
-            return Ok(TaskInput::Geometry { key, geometry, source });
+            return Ok(TaskInput::Geometry { key, geometry, source: key.source_of_known() });
         }
         let data = read_parts(&request.parts, &request.map_before, &self.meshes)?;
         // Only baked hulls have no goal, and they are found above.

@@ -12,7 +12,7 @@ const MOST_THREADS: usize = 4;
 
 /// Threads for decompositions.
 pub(super) fn decomposition_threads(budget: &BudgetSettings) -> usize {
-    // Asked of the system once: that reads files.
+    // Looking it up reads files.
     static DEFAULT: OnceLock<usize> = OnceLock::new();
     match budget.threads {
         0 => *DEFAULT.get_or_init(|| (available_parallelism() / 2).clamp(1, MOST_THREADS)),
@@ -20,7 +20,7 @@ pub(super) fn decomposition_threads(budget: &BudgetSettings) -> usize {
     }
 }
 
-/// The pool, made when it is first asked for, and anew when the settings ask for other threads. Work that began on the
+/// The pool, made at its first use, and anew when the number of threads in the settings changes. Work that began on the
 /// old one ends there.
 #[derive(Default)]
 pub(super) struct Pool(Option<(usize, Arc<TaskPool>)>);

@@ -8,7 +8,7 @@ use bevy::math::Affine3A;
 use bevy::mesh::{Indices, MeshAccessError, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
 
-use crate::bevy::tag::outcomes::{DecompositionError, SkipReason};
+use crate::bevy::tag::outcomes::{DecompositionError, HullSource, SkipReason};
 use crate::bevy::tag::parameters::Goal;
 use crate::hulls_format::MeshHash;
 use crate::{ConvexHull, Error, MeshView, TriangleMesh};
@@ -137,6 +137,11 @@ impl ContentKey {
 
     pub(crate) fn is_baked(&self) -> bool {
         self.scene().is_some()
+    }
+
+    /// Where hulls come from that are known without any work.
+    pub(super) fn source_of_known(&self) -> HullSource {
+        if self.is_baked() { HullSource::Baked } else { HullSource::Shared }
     }
 }
 

@@ -351,6 +351,12 @@ mod tests {
     }
 
     #[test]
+    fn an_error_stays_what_it_is() {
+        let result = contain_panics(|| Err::<(), _>(DecompositionError::NoPositions));
+        assert!(matches!(result, Err(DecompositionError::NoPositions)), "{result:?}");
+    }
+
+    #[test]
     fn what_panicked_can_be_tried_again() {
         let (mut task, control) = panicking_task();
         let cache = task.cache.clone();
