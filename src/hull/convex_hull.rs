@@ -334,7 +334,10 @@ pub fn single_precision(
         as_arrays(&points).iter().flatten().fold(0.0f64, |largest, x| largest.max(x.abs()));
     let mut least_thickness = LEAST_ULPS * f64::from(f32::EPSILON) * largest;
     for _ in 0..ATTEMPTS {
-        let (solid, _) = solid_hull(builder, as_arrays(&points), [0.0; 3], least_thickness)?;
+        let (solid, added) = solid_hull(builder, as_arrays(&points), [0.0; 3], least_thickness)?;
+        if added == 0.0 {
+            return Ok((solid.points_as().collect(), solid.triangles));
+        }
         points = rounded(solid.points())?;
         if builder.build(as_arrays(&points)) == Shape::Solid {
             let hull = ConvexHull::from(builder.extract());

@@ -5,8 +5,6 @@
 //! So hulls are scaled, rounded and built anew here, and everything that Parry relies on is
 //! checked before it is called.
 
-use std::collections::HashSet;
-
 use rapier3d::dynamics::MassProperties as RapierMassProperties;
 use rapier3d::geometry::{ColliderBuilder, SharedShape};
 use rapier3d::parry::math::{Matrix, Pose, Rotation, Vector};
@@ -251,15 +249,16 @@ fn bounding_box(points: &[[f32; 3]]) -> (Pose, SharedShape) {
 /// Parry's `ConvexPolyhedron::from_convex_mesh` relies on this without looking: it indexes with what it is given,
 /// asserts that neighbours are wound alike, and reads the first face of what it made at every contact.
 fn is_closed(points: usize, triangles: &[[u32; 3]]) -> bool {
-    let mut edges = HashSet::with_capacity(3 * triangles.len());
-    for &[a, b, c] in triangles {
-        for (from, to) in [(a, b), (b, c), (c, a)] {
-            if from == to || from as usize >= points || !edges.insert((from, to)) {
-                return false;
-            }
-        }
-    }
-    !triangles.is_empty() && edges.iter().all(|&(from, to)| edges.contains(&(to, from)))
+    let edges = || triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
+    let mut forward: Vec<(u32, u32)> = edges().collect();
+    let mut back: Vec<(u32, u32)> = edges().map(|(from, to)| (to, from)).collect();
+    forward.sort_unstable();
+    back.sort_unstable();
+    let is_usable = |&(from, to): &(u32, u32)| from != to && (from as usize) < points;
+    !triangles.is_empty()
+        && forward == back
+        && forward.iter().all(is_usable)
+        && forward.windows(2).all(|pair| pair[0] != pair[1])
 }
 
 /// The same as [`shape`](shape()) of a file's hulls, with a box, ball or capsule for each hull that is one

@@ -1,7 +1,7 @@
 //! What a probe promises: no ball that comes from outside is entered by more than the bound, and what none can reach may
 //! be filled.
 
-use hullwright::measure::{MeasureOptions, measure};
+use hullwright::measure::{MeasureOptions, MeasuredMesh, measure};
 use hullwright::{
     Control, Decomposition, Error, Length, MergeTree, Openings, Parameters, decompose,
 };
@@ -234,8 +234,11 @@ fn what_makes_no_sense_is_refused_by_name() {
         ([0.15, 2.0, 2.0], "in the solid"),
         ([f64::NAN, 0.0, 0.0], "not finite"),
     ] {
-        let (name, reason) = refused(&with_radius(0.3).probe_from([point]));
+        let parameters = with_radius(0.3).probe_from([point]);
+        let (name, reason) = refused(&parameters);
         assert!(name == "probe_from" && reason.contains(expected), "{reason}");
+        let measured = MeasuredMesh::new(view(&room()), &parameters, &Control::new());
+        assert_eq!(measured.err(), Some(Error::InvalidParameter { name, reason }));
     }
     let (name, reason) = refused(&Parameters::default().probe_from([[9.0; 3]]));
     assert!(name == "probe_from" && reason.contains("probe_radius"), "{reason}");
