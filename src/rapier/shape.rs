@@ -249,16 +249,19 @@ fn bounding_box(points: &[[f32; 3]]) -> (Pose, SharedShape) {
 /// Parry's `ConvexPolyhedron::from_convex_mesh` relies on this without looking: it indexes with what it is given,
 /// asserts that neighbours are wound alike, and reads the first face of what it made at every contact.
 fn is_closed(points: usize, triangles: &[[u32; 3]]) -> bool {
-    let edges = || triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
-    let mut forward: Vec<(u32, u32)> = edges().collect();
-    let mut back: Vec<(u32, u32)> = edges().map(|(from, to)| (to, from)).collect();
-    forward.sort_unstable();
-    back.sort_unstable();
-    let is_usable = |&(from, to): &(u32, u32)| from != to && (from as usize) < points;
+    let edges = triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
+    // From the lesser vertex to the greater, and whether that is against its triangle. Sorted, the two sides of an edge
+    // stand together, and those of an edge that more triangles share do not alternate.
+    let mut edges: Vec<_> = edges.map(|(a, b)| (a.min(b), a.max(b), a > b)).collect();
+    edges.sort_unstable();
+    let exists = |&vertex: &u32| (vertex as usize) < points;
+    let is_pair = |pair: &[(u32, u32, bool)]| match *pair {
+        [(a, b, false), (c, d, true)] => (a, b) == (c, d),
+        _ => false,
+    };
     !triangles.is_empty()
-        && forward == back
-        && forward.iter().all(is_usable)
-        && forward.windows(2).all(|pair| pair[0] != pair[1])
+        && triangles.as_flattened().iter().all(exists)
+        && edges.chunks(2).all(is_pair)
 }
 
 /// The same as [`shape`](shape()) of a file's hulls, with a box, ball or capsule for each hull that is one
