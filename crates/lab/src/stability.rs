@@ -49,6 +49,7 @@ const JUDGE: Judge = Judge {
     surface_samples: 20_000,
     volume_samples: 20_000,
     by_brute_force: false,
+    probe_radius: None,
 };
 
 /// A measured error may be above the promised one by this share: `measure` samples points, and

@@ -81,6 +81,7 @@ const JUDGE: Judge = Judge {
     surface_samples: 20_000,
     volume_samples: 60_000,
     by_brute_force: false,
+    probe_radius: None,
 };
 
 const PROP: std::ops::RangeInclusive<usize> = 50..=2000;

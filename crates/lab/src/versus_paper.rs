@@ -31,8 +31,13 @@ pub struct Arguments {
 const LIMITS: (f64, u64) = (300.0, 4096);
 
 /// Samples only choose what is verified.
-const JUDGE: Judge =
-    Judge { is_timed: false, surface_samples: 5000, volume_samples: 1, by_brute_force: false };
+const JUDGE: Judge = Judge {
+    is_timed: false,
+    surface_samples: 5000,
+    volume_samples: 1,
+    by_brute_force: false,
+    probe_radius: None,
+};
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut session = Session::temporary(limits(LIMITS.0, LIMITS.1)?)?;

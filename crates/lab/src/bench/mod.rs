@@ -13,7 +13,7 @@ use serde_json::json;
 use summary::Results;
 
 use crate::harness::session::limits;
-use crate::harness::{FULL, Session, Task, row};
+use crate::harness::{FULL, Judge, Session, Task, row};
 use crate::report::{Report, create_folder, write};
 use crate::terminal::Failure;
 use crate::tools::data_folder::DataFolder;
@@ -53,6 +53,11 @@ pub struct Arguments {
     /// The Python that has the packages coacd, vhacdx and trimesh
     #[arg(long, value_name = "PROGRAM", default_value = "python3")]
     python: String,
+
+    /// Judge protrusion where a ball of this radius comes, and fill the rest: a fraction of the diagonal. Into a report
+    /// of its own
+    #[arg(long, value_name = "RADIUS")]
+    probe_radius: Option<f64>,
 
     /// Longest time of a run, in seconds
     #[arg(long, value_name = "SECONDS", default_value_t = 300.0)]
@@ -107,7 +112,8 @@ fn tasks(arguments: &Arguments, tools: Option<&ExternalTools>, mesh: &Mesh) -> V
     }
     let only = &arguments.only;
     runs.retain(|run| only.is_empty() || only.iter().any(|method| method == run.method()));
-    runs.into_iter().map(|run| Task::new(run, FULL)).collect()
+    let judge = Judge { probe_radius: arguments.probe_radius, ..FULL };
+    runs.into_iter().map(|run| Task::new(run, judge)).collect()
 }
 
 /// Writes the report of what the journal holds, and copies its small plot.

@@ -9,8 +9,8 @@ use hullwright::io::{NamedMesh, read_hulls, read_mesh};
 use hullwright::measure::{MeasureOptions, measure};
 use hullwright::surface::average_cost;
 use hullwright::{
-    Control, Decomposition, Error, Hull, MeshView, Method, MethodReport, Parameters, TriangleMesh,
-    close_openings,
+    Control, Decomposition, Error, Hull, Length, MeshView, Method, MethodReport, Parameters,
+    TriangleMesh, close_openings,
 };
 use serde::{Deserialize, Serialize};
 
@@ -42,8 +42,10 @@ pub struct Judge {
     pub surface_samples: usize,
     /// Points in space.
     pub volume_samples: usize,
-    /// Exact predicates, and the bound by a sampling of our own.
+    /// Exact predicates, and the bound by a sampling of our own, which knows no probe.
     pub by_brute_force: bool,
+    /// In diagonals. Protrusion counts where such a ball comes, and the bounded method fills the rest.
+    pub probe_radius: Option<f64>,
 }
 
 /// As many points as `measure` takes by default.
@@ -52,12 +54,30 @@ pub const FULL: Judge = Judge {
     surface_samples: 50_000,
     volume_samples: 200_000,
     by_brute_force: false,
+    probe_radius: None,
 };
 
 impl Task {
     /// A task on the mesh as it is.
     pub fn new(run: Run, judge: Judge) -> Self {
         Self { run, variation: Variation::None, judge }
+    }
+
+    /// Our own methods, with their parameters.
+    fn own_method(&self) -> Option<Method> {
+        let mut method = self.run.own_method()?;
+        if let Method::Bounded(parameters) = &mut method {
+            parameters.probe_radius = self.judge.probe_radius.map(Length::Share);
+        }
+        Some(method)
+    }
+
+    /// The parameters of the bounded method.
+    fn bounded_parameters(&self) -> Option<Parameters> {
+        match self.own_method() {
+            Some(Method::Bounded(parameters)) => Some(parameters),
+            _ => None,
+        }
     }
 }
 
@@ -122,17 +142,18 @@ fn say(row: &Row) -> Result<(), String> {
 fn decompose_and_judge(work: &Work, row: &mut Row) -> Result<(), Error> {
     // The parent has gone; nobody can be told.
     let tell = |row: &Row| say(row).map_err(|_| Error::Cancelled);
-    let Work { task: Task { run, variation, judge }, .. } = work;
+    let task = &work.task;
+    let Task { run, variation, judge } = task;
     reset_peak_memory();
     let file = read_mesh(&work.mesh)?;
     row.triangles = Some(file.mesh.triangles.len());
     if let Some(hulls) = &work.hulls {
-        judge_by_measure(run, file.mesh.view(), &read_hulls(hulls)?, judge, row)?;
+        judge_by_measure(task, file.mesh.view(), &read_hulls(hulls)?, row)?;
         return tell(row);
     }
     let (given, sound) = variation.apply(&file.mesh);
     let repeats = if judge.is_timed { MOST_REPEATS } else { 1 };
-    let (output, times) = repeat(run, given.view(), 1, repeats)?;
+    let (output, times) = repeat(task, given.view(), 1, repeats)?;
     let repeats = times.len();
     row.seconds = Some(median(times.iter().map(|time| time.0).collect()));
     row.processor_seconds = times.first().map(|time| time.1);
@@ -145,21 +166,21 @@ fn decompose_and_judge(work: &Work, row: &mut Row) -> Result<(), Error> {
         output.details.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
     tell(row)?;
 
-    judge_by_measure(run, sound.view(), &output.hulls, judge, row)?;
+    judge_by_measure(task, sound.view(), &output.hulls, row)?;
     if let Some(found) = &output.found
         && let Some(report) = found.report.bounded()
     {
         row.set_verified(&found.run, report);
         note_broken(row, "measured", row.protrusion_max, row.uncovered_max);
         if judge.by_brute_force {
-            judge_by_brute_force(run, given.view(), found, judge, row)?;
+            judge_by_brute_force(task, given.view(), found, row)?;
         }
     }
     tell(row)?;
 
     // Parry has no such mode: its `parallel` feature is for something else.
     if judge.is_timed && vhacd::parameters(run).is_none() {
-        let (again, times) = repeat(run, given.view(), 0, repeats)?;
+        let (again, times) = repeat(task, given.view(), 0, repeats)?;
         row.seconds_all_threads = Some(median(times.iter().map(|time| time.0).collect()));
         row.same_with_all_threads = Some(again.hulls == output.hulls);
         tell(row)?;
@@ -172,7 +193,7 @@ type Times = Vec<(f64, f64, Option<u64>)>;
 
 /// Decomposes on so many threads (0: all), up to `most` times.
 fn repeat(
-    run: &Run,
+    task: &Task,
     mesh: MeshView<'_>,
     threads: usize,
     most: usize,
@@ -182,7 +203,7 @@ fn repeat(
     let mut times: Times = Vec::new();
     loop {
         let (wall, processor) = (Instant::now(), ProcessTime::now());
-        let output = pool.install(|| decompose(run, mesh, threads != 1))?;
+        let output = pool.install(|| decompose(task, mesh, threads != 1))?;
         let seconds = (wall.elapsed().as_secs_f64(), processor.elapsed().as_secs_f64());
         times.push((seconds.0, seconds.1, peak_memory(std::process::id())));
         let all: f64 = times.iter().map(|time| time.0).sum();
@@ -196,7 +217,8 @@ fn invalid(name: &'static str, reason: String) -> Error {
     Error::InvalidParameter { name, reason }
 }
 
-fn decompose(run: &Run, mesh: MeshView<'_>, is_parallel: bool) -> Result<Output, Error> {
+fn decompose(task: &Task, mesh: MeshView<'_>, is_parallel: bool) -> Result<Output, Error> {
+    let run = &task.run;
     if let Some(parameters) = vhacd::parameters(run) {
         let hulls = vhacd::decompose(mesh, &parameters);
         return Ok(Output { hulls, ..Output::default() });
@@ -218,7 +240,7 @@ fn decompose(run: &Run, mesh: MeshView<'_>, is_parallel: bool) -> Result<Output,
             found: None,
         });
     }
-    let method = run.own_method();
+    let method = task.own_method();
     let method = method.ok_or_else(|| invalid("method", "runs elsewhere".into()))?;
     let found = method.decompose(mesh, &control)?;
     let surface = found.report.surface();
@@ -257,26 +279,19 @@ fn hull_meshes(hulls: &[Hull]) -> Vec<NamedMesh> {
     hulls.iter().map(|hull| NamedMesh { name: String::new(), mesh: mesh(hull) }).collect()
 }
 
-/// The parameters of a run of the bounded method.
-fn bounded_parameters(run: &Run) -> Option<Parameters> {
-    match run.own_method() {
-        Some(Method::Bounded(parameters)) => Some(parameters),
-        _ => None,
-    }
-}
-
 /// Judges hulls of any kind: ours against the mesh with those openings closed that the bound closes.
 fn judge_by_measure(
-    run: &Run,
+    task: &Task,
     mesh: MeshView<'_>,
     hulls: &[NamedMesh],
-    judge: &Judge,
     row: &mut Row,
 ) -> Result<(), Error> {
+    let judge = &task.judge;
     let mut options = MeasureOptions::default();
+    options.probe_radius = judge.probe_radius.map(Length::Share);
     (options.hull_samples, options.mesh_samples) = (judge.surface_samples, judge.surface_samples);
     options.volume_samples = judge.volume_samples;
-    if let Some(parameters) = bounded_parameters(run) {
+    if let Some(parameters) = task.bounded_parameters() {
         options.flatness = parameters.max_error;
     }
     row.set_measured(&measure(mesh, hulls, &options, &Control::new())?);
@@ -286,10 +301,9 @@ fn judge_by_measure(
 /// Judges our hulls by exact predicates in single precision, and the bound by a sampling that shares no code
 /// with the library.
 fn judge_by_brute_force(
-    run: &Run,
+    task: &Task,
     mesh: MeshView<'_>,
     found: &Decomposition<MethodReport>,
-    judge: &Judge,
     row: &mut Row,
 ) -> Result<(), Error> {
     let hulls: Vec<_> =
@@ -301,9 +315,9 @@ fn judge_by_brute_force(
     row.hulls_without_volume = Some(all.iter().filter(|faults| faults.has_no_volume).count());
     row.hulls_beyond_single = Some(hulls.iter().filter(|hull| hull.is_none()).count());
 
-    let Some(parameters) = bounded_parameters(run) else { return Ok(()) };
+    let Some(parameters) = task.bounded_parameters() else { return Ok(()) };
     let closed = close_openings(mesh, &parameters, &Control::new())?;
-    let sampled = sample(found, &closed.mesh, &closed.solid, judge.surface_samples);
+    let sampled = sample(found, &closed.mesh, &closed.solid, task.judge.surface_samples);
     let Sampled { protrusion, uncovered, beyond_verified, samples, undecided } = sampled;
     (row.protrusion_sampled, row.uncovered_sampled) = (Some(protrusion), Some(uncovered));
     (row.samples, row.undecided_samples) = (Some(samples), Some(undecided));

@@ -55,6 +55,7 @@ const JUDGE: Judge = Judge {
     surface_samples: 10_000,
     volume_samples: 20_000,
     by_brute_force: true,
+    probe_radius: None,
 };
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
