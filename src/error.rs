@@ -138,6 +138,26 @@ impl From<String> for FileError {
 }
 
 impl Error {
+    /// A name of the variant that stays the same when its message changes: for programs in other languages.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::EmptyMesh { .. } => "empty_mesh",
+            Self::IndexOutOfRange { .. } => "index_out_of_range",
+            Self::NothingUsable { .. } => "nothing_usable",
+            Self::TooLarge { .. } => "too_large",
+            Self::InvalidParameter { .. } => "invalid_parameter",
+            Self::SidednessCount { .. } => "sidedness_count",
+            Self::NoHull { .. } => "no_hull",
+            Self::NoHulls => "no_hulls",
+            Self::UnusableHull { .. } => "unusable_hull",
+            Self::Simplification { .. } => "simplification",
+            Self::Cancelled => "cancelled",
+            Self::DeadlineExceeded => "deadline_exceeded",
+            Self::Finished => "finished",
+            Self::File { .. } => "file",
+        }
+    }
+
     /// A parameter with a value that means nothing.
     pub(crate) fn parameter(name: &'static str, reason: impl Into<String>) -> Self {
         Self::InvalidParameter { name, reason: reason.into() }

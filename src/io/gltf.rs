@@ -13,7 +13,6 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::path::Path;
 use std::rc::Rc;
 
 use glam::{DAffine3, DMat3, DMat4};
@@ -23,7 +22,7 @@ use gltf::json::scene::Node;
 use gltf::json::validation::Checked;
 use gltf::json::{Extras, Index, Root};
 
-use super::gltf_data::{DRACO, Data, DracoMesh, DracoStream, MESHOPT};
+use super::gltf_data::{Beside, DRACO, Data, DracoMesh, DracoStream, MESHOPT};
 use super::mesh_file::{MeshFile, SceneMesh, SceneNode, next_index, split_objects};
 use super::text::quote;
 use crate::geometry::Sidedness;
@@ -52,15 +51,15 @@ const HARMLESS_EXTENSIONS: [&str; 7] = [
 ];
 
 /// All meshes of the scene, each node's transform applied.
-pub(super) fn read(bytes: &[u8], directory: Option<&Path>) -> Result<MeshFile, String> {
-    read_with(bytes, directory, |scene| scene.read())
+pub(super) fn read(bytes: &[u8], beside: Beside<'_>) -> Result<MeshFile, String> {
+    read_with(bytes, beside, |scene| scene.read())
 }
 
 /// Each mesh of the document once, in its own space, whether a scene shows it or not, with its extras and those of
 /// its nodes.
-pub(super) fn read_scene(bytes: &[u8], directory: Option<&Path>) -> Result<Vec<SceneMesh>, String> {
+pub(super) fn read_scene(bytes: &[u8], beside: Beside<'_>) -> Result<Vec<SceneMesh>, String> {
     let mut notes_of_objects = Vec::new();
-    let file = read_with(bytes, directory, |scene| {
+    let file = read_with(bytes, beside, |scene| {
         for (index, notes) in extras_and_nodes(scene.root).into_iter().enumerate() {
             let objects = scene.file.objects.len();
             scene.add_own_space(index)?;
@@ -80,7 +79,7 @@ pub(super) fn read_scene(bytes: &[u8], directory: Option<&Path>) -> Result<Vec<S
 
 fn read_with(
     bytes: &[u8],
-    directory: Option<&Path>,
+    beside: Beside<'_>,
     read: impl FnOnce(&mut Scene<'_>) -> Result<(), String>,
 ) -> Result<MeshFile, String> {
     let (json, chunk) = if bytes.starts_with(b"glTF") { split_glb(bytes)? } else { (bytes, None) };
@@ -93,7 +92,7 @@ fn read_with(
     }
     let mut scene = Scene {
         root: &root,
-        data: Data::new(&root, chunk, directory, bytes.len()),
+        data: Data::new(&root, chunk, beside, bytes.len()),
         decompressed: BTreeMap::new(),
         file: MeshFile::default(),
     };

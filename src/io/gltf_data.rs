@@ -54,12 +54,27 @@ const GROWTH_PER_BYTE: usize = 64;
 /// a decoder needs room to work. That of Draco takes up to 70 bytes for a triangle.
 const BYTES_PER_ELEMENT: usize = 16;
 
+/// Where the files are that a document names.
+#[derive(Clone, Copy)]
+pub(super) enum Beside<'a> {
+    Nothing,
+    Folder(&'a Path),
+    /// By decoded paths, relative to the document.
+    Files(&'a dyn Fn(&str) -> Option<Vec<u8>>),
+}
+
+impl<'a> From<Option<&'a Path>> for Beside<'a> {
+    fn from(folder: Option<&'a Path>) -> Self {
+        folder.map_or(Self::Nothing, Self::Folder)
+    }
+}
+
 /// What a document refers to, loaded and decompressed when geometry first needs it, so that a missing file with
 /// nothing but images in it does no harm.
 pub(super) struct Data<'a> {
     root: &'a Root,
     chunk: Option<&'a [u8]>,
-    directory: Option<&'a Path>,
+    beside: Beside<'a>,
     /// Bytes of the file itself, without the buffers beside it.
     file_length: usize,
     buffers: Vec<Option<Cow<'a, [u8]>>>,
@@ -73,19 +88,11 @@ impl<'a> Data<'a> {
     pub(super) fn new(
         root: &'a Root,
         chunk: Option<&'a [u8]>,
-        directory: Option<&'a Path>,
+        beside: Beside<'a>,
         file_length: usize,
     ) -> Self {
         let buffers = vec![None; root.buffers.len()];
-        Self {
-            root,
-            chunk,
-            directory,
-            file_length,
-            buffers,
-            decompressed: BTreeMap::new(),
-            growth: 0,
-        }
+        Self { root, chunk, beside, file_length, buffers, decompressed: BTreeMap::new(), growth: 0 }
     }
 
     fn bytes_read(&self) -> usize {
@@ -119,7 +126,7 @@ impl<'a> Data<'a> {
                     ));
                 }
                 let length = buffer.byte_length.0;
-                let bytes = load(buffer.uri.as_deref(), length, self.chunk, self.directory)
+                let bytes = load(buffer.uri.as_deref(), length, self.chunk, self.beside)
                     .map_err(|reason| format!("buffer {index}: {reason}"))?;
                 slot.insert(bytes)
             }
@@ -358,13 +365,13 @@ fn load<'a>(
     uri: Option<&str>,
     length: u64,
     chunk: Option<&'a [u8]>,
-    directory: Option<&Path>,
+    beside: Beside<'_>,
 ) -> Result<Cow<'a, [u8]>, String> {
     let mut bytes = match uri {
         None => Cow::Borrowed(chunk.ok_or("it should be in the binary chunk, which is missing")?),
         Some(uri) => Cow::Owned(match uri.strip_prefix("data:") {
             Some(data) => decode_data(data)?,
-            None => read_beside(uri, length, directory)?,
+            None => read_beside(uri, length, beside)?,
         }),
     };
     let available = bytes.len();
@@ -402,14 +409,18 @@ fn stays_beside(name: &str) -> bool {
 }
 
 /// Reads no more than `length` bytes of a file whose path is relative to the document.
-fn read_beside(uri: &str, length: u64, directory: Option<&Path>) -> Result<Vec<u8>, String> {
+fn read_beside(uri: &str, length: u64, beside: Beside<'_>) -> Result<Vec<u8>, String> {
     let name = percent_decode_str(uri).decode_utf8_lossy();
     let quoted = quote(name.as_bytes());
     if !stays_beside(&name) {
         return Err(format!("{quoted} is no path of a file beside or below the document"));
     }
-    let directory = directory.ok_or_else(|| format!("it is in another file, {quoted}"))?;
-    let path = directory.join(name.as_ref());
+    let missing = || format!("it is in another file, {quoted}");
+    let path = match beside {
+        Beside::Nothing => return Err(missing()),
+        Beside::Files(files) => return files(&name).ok_or_else(missing),
+        Beside::Folder(folder) => folder.join(name.as_ref()),
+    };
     let read = || {
         // Opening a pipe would block until something is written into it.
         if !path.metadata()?.is_file() {

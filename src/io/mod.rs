@@ -34,10 +34,12 @@ use crate::error::{Error, FileError};
 use crate::geometry::TriangleMesh;
 use crate::hulls_format::HullsFile;
 
+use gltf_data::Beside;
+
 pub use mesh_file::{
     Format, HullFormat, MeshFile, NamedMesh, Object, SceneMesh, SceneNode, is_hulls_file,
 };
-pub use write::{check_output, write_file, write_hulls};
+pub use write::{check_output, hulls_to_bytes, write_file, write_hulls};
 
 /// Reads a mesh file; its suffix names the format.
 ///
@@ -75,7 +77,7 @@ fn read_mesh_file(path: &Path) -> Result<MeshFile, FileError> {
         return Err(reason.into());
     };
     let bytes = std::fs::read(path)?;
-    Ok(parse(format, &bytes, path.parent())?)
+    Ok(parse(format, &bytes, path.parent().into())?)
 }
 
 /// Reads a mesh file that is already in memory.
@@ -83,8 +85,38 @@ fn read_mesh_file(path: &Path) -> Result<MeshFile, FileError> {
 /// # Errors
 /// As [`read_mesh`]; a glTF file that names buffers in other files is an error too.
 pub fn read_mesh_from_bytes(format: Format, bytes: &[u8]) -> Result<MeshFile, Error> {
-    parse(format, bytes, None)
-        .map_err(|reason| Error::file(Path::new(&format!("{} in memory", format.name())), reason))
+    parse(format, bytes, Beside::Nothing).map_err(|reason| in_memory(format, reason))
+}
+
+/// The same for a file that names others: `files` finds them by their paths, relative to the file, without escapes. Only
+/// buffers of glTF are looked up, and no path that leaves the file's folder.
+///
+/// # Errors
+/// As [`read_mesh`], also for a buffer that `files` does not find.
+///
+/// ```
+/// use hullwright::io::{Format, read_mesh_from_files};
+///
+/// let document = br#"{"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+///     "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+///     "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+///     "bufferViews": [{"buffer": 0, "byteLength": 36}],
+///     "buffers": [{"byteLength": 36, "uri": "a%20triangle.bin"}]}"#;
+/// let files = |path: &str| (path == "a triangle.bin").then(|| vec![0; 36]);
+/// let file = read_mesh_from_files(Format::Gltf, document, &files)?;
+/// assert_eq!(file.mesh.triangles.len(), 1);
+/// # Ok::<(), hullwright::Error>(())
+/// ```
+pub fn read_mesh_from_files(
+    format: Format,
+    bytes: &[u8],
+    files: &dyn Fn(&str) -> Option<Vec<u8>>,
+) -> Result<MeshFile, Error> {
+    parse(format, bytes, Beside::Files(files)).map_err(|reason| in_memory(format, reason))
+}
+
+fn in_memory(format: Format, reason: String) -> Error {
+    Error::file(Path::new(&format!("{} in memory", format.name())), reason)
 }
 
 /// Reads the meshes of a file one by one, each in the space that it was modelled in: what a game
@@ -106,14 +138,14 @@ fn unmarked(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes)
 }
 
-fn parse(format: Format, bytes: &[u8], directory: Option<&Path>) -> Result<MeshFile, String> {
+fn parse(format: Format, bytes: &[u8], beside: Beside<'_>) -> Result<MeshFile, String> {
     let bytes = unmarked(bytes);
     match format {
         Format::Obj => obj::read(bytes),
         Format::Off => off::read(bytes),
         Format::Ply => ply::read(bytes),
         Format::Stl => stl::read(bytes),
-        Format::Gltf => gltf::read(bytes, directory),
+        Format::Gltf => gltf::read(bytes, beside),
     }
 }
 
@@ -168,7 +200,7 @@ pub fn read_scene(path: impl AsRef<Path>) -> Result<Vec<SceneMesh>, Error> {
     let path = path.as_ref();
     if Format::from_path(path) == Some(Format::Gltf) {
         let bytes = std::fs::read(path).map_err(|error| Error::file(path, error))?;
-        return gltf::read_scene(unmarked(&bytes), path.parent())
+        return gltf::read_scene(unmarked(&bytes), path.parent().into())
             .map_err(|reason| Error::file(path, reason));
     }
     let MeshFile { mesh, .. } = read_mesh(path)?;
@@ -181,6 +213,6 @@ pub fn read_scene(path: impl AsRef<Path>) -> Result<Vec<SceneMesh>, Error> {
 /// # Errors
 /// As [`read_mesh`]; a file that names buffers in other files is an error too.
 pub fn read_scene_from_bytes(bytes: &[u8]) -> Result<Vec<SceneMesh>, Error> {
-    gltf::read_scene(unmarked(bytes), None)
+    gltf::read_scene(unmarked(bytes), Beside::Nothing)
         .map_err(|reason| Error::file(Path::new("glTF in memory"), reason))
 }

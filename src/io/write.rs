@@ -49,11 +49,31 @@ pub fn write_hulls<'a, H: Into<MeshView<'a>>>(
     hulls: impl IntoIterator<Item = H>,
 ) -> Result<(), Error> {
     let path = path.as_ref();
-    let bytes = match output_format(path)? {
-        HullFormat::Obj => obj_from_hulls(hulls).into_bytes(),
-        HullFormat::Glb => glb_from_hulls(hulls).map_err(|reason| Error::file(path, reason))?,
-    };
+    let bytes =
+        bytes_of(output_format(path)?, hulls).map_err(|reason| Error::file(path, reason))?;
     write_file(path, &bytes)
+}
+
+/// The bytes that [`write_hulls`] would write.
+///
+/// # Errors
+/// [`Error::File`] if the hulls are more than a file of the format can hold.
+pub fn hulls_to_bytes<'a, H: Into<MeshView<'a>>>(
+    format: HullFormat,
+    hulls: impl IntoIterator<Item = H>,
+) -> Result<Vec<u8>, Error> {
+    let path = format!("{} in memory", format.suffix());
+    bytes_of(format, hulls).map_err(|reason| Error::file(Path::new(&path), reason))
+}
+
+fn bytes_of<'a, H: Into<MeshView<'a>>>(
+    format: HullFormat,
+    hulls: impl IntoIterator<Item = H>,
+) -> Result<Vec<u8>, String> {
+    match format {
+        HullFormat::Obj => Ok(obj_from_hulls(hulls).into_bytes()),
+        HullFormat::Glb => glb_from_hulls(hulls),
+    }
 }
 
 /// Writes a file all or nothing: one that is already there is replaced in one step, or stays as it was.

@@ -67,18 +67,14 @@ export class Controls {
   private readonly keys: Record<string, () => void>;
 
   constructor(
-    private readonly page: Page,
+    private page: Page,
     private readonly panels: Panel[],
     private readonly stage: Stage,
     private readonly look: Look,
     private readonly isCalm: boolean,
   ) {
     this.keys = this.keyTable();
-    panels.forEach((panel, index) => {
-      panel.viewport.parentElement?.addEventListener("focusin", () => (this.current = index));
-    });
     for (const id of SWITCHES) find(id).addEventListener("click", () => this.toggle(id));
-    find("openings").hidden = page.document.mesh.caps === 0;
     find("up").addEventListener("click", () => this.turnUp());
     find("theme").addEventListener("click", () => this.theme());
     find("home").addEventListener("click", () => stage.home());
@@ -87,6 +83,17 @@ export class Controls {
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.repaint());
     document.addEventListener("keydown", (event) => this.press(event));
     this.listKeys();
+    this.replace(page);
+  }
+
+  /** The panels show another page. */
+  replace(page: Page) {
+    this.page = page;
+    this.current = 0;
+    this.panels.forEach((panel, index) => {
+      panel.viewport.parentElement?.addEventListener("focusin", () => (this.current = index));
+    });
+    find("openings").hidden = page.document.mesh.caps === 0;
     this.update();
   }
 
@@ -205,7 +212,9 @@ export class Controls {
     const on = event.target as HTMLElement;
     // Sliders and buttons keep their own keys.
     if (on.tagName === "INPUT" && key.startsWith("arrow")) return;
-    if (on.tagName === "BUTTON" && key === " ") return;
+    if (["BUTTON", "SUMMARY", "LABEL"].includes(on.tagName) && key === " ") return;
+    if (on.matches("select, input[type=number], input[type=checkbox]")) return;
+    if (document.querySelector("dialog[open]") && !this.help.open) return;
     if (this.help.open && key !== "?") return;
     const act = this.keys[key];
     if (!act) return;

@@ -131,8 +131,12 @@ async function inflate(base64: string): Promise<ArrayBuffer> {
 
 /** Reads the page's two blocks of data. */
 export async function readPage(): Promise<Page> {
-  const doc: Document = JSON.parse(text("data"));
-  const bytes = await inflate(text("geometry"));
+  return pageOf(text("data"), await inflate(text("geometry")));
+}
+
+/** A page of its text, which is JSON, and the bytes of its arrays. */
+export function pageOf(json: string, bytes: ArrayBuffer): Page {
+  const doc: Document = JSON.parse(json);
   const u8 = ({ offset, count }: ArrayPlace) => new Uint8Array(bytes, offset, count);
   const u16 = ({ offset, count }: ArrayPlace) => new Uint16Array(bytes, offset, count);
   const u32 = ({ offset, count }: ArrayPlace) => new Uint32Array(bytes, offset, count);

@@ -93,6 +93,16 @@ export class Panel {
     this.update();
   }
 
+  /** Removes it from the page, and frees what it drew with. */
+  dispose() {
+    this.viewport.parentElement?.remove();
+    this.root.traverse((object) => {
+      if (!(object instanceof Mesh || object instanceof LineSegments)) return;
+      object.geometry.dispose();
+      object.material.dispose();
+    });
+  }
+
   /** What is shown now. */
   get state(): State {
     return this.set.entry.states[this.joins];

@@ -90,10 +90,7 @@ export class Stage {
     private readonly look: Look,
     isCalm: boolean,
   ) {
-    const step = 3 * Math.max(1, Math.ceil(positions.length / 3 / POINTS));
-    for (let i = 0; i < positions.length; i += step) {
-      this.points.push([positions[i], positions[i + 1], positions[i + 2]]);
-    }
+    this.measure(positions);
     const { canvas, context, isHeavy } = openCanvas(place, triangles);
     this.canvas = canvas;
     this.renderer = new WebGLRenderer({ canvas, context });
@@ -115,6 +112,21 @@ export class Stage {
       if (this.isDirty) this.render();
     };
     requestAnimationFrame(frame);
+  }
+
+  /** The panels hold another mesh, of these positions. */
+  replace(positions: Float32Array) {
+    this.measure(positions);
+    this.draw();
+  }
+
+  private measure(positions: Float32Array) {
+    this.zooms.clear();
+    this.points.length = 0;
+    const step = 3 * Math.max(1, Math.ceil(positions.length / 3 / POINTS));
+    for (let i = 0; i < positions.length; i += step) {
+      this.points.push([positions[i], positions[i + 1], positions[i + 2]]);
+    }
   }
 
   /** Draws with the next frame. */

@@ -3,7 +3,9 @@
 //!
 //! There is no promise of stability beyond the command's: whoever draws from Rust pins the version.
 
+#[cfg(feature = "command")]
 pub mod render;
+#[cfg(feature = "command")]
 pub mod terminal;
 pub mod viewer;
 

@@ -241,6 +241,10 @@ impl Geometry {
         Points { min: min.to_array(), size: size.to_array(), shares }
     }
 
+    pub(super) fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
     /// Deflated in zlib's format, in base64.
     fn to_text(&self) -> std::io::Result<String> {
         let mut encoder = ZlibEncoder::new(Vec::new(), Compression::best());

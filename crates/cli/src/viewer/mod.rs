@@ -99,6 +99,16 @@ impl<'a> Page<'a> {
         document::page(&self.document, &self.geometry).map_err(|error| unwritable("page", error))
     }
 
+    /// What the page is filled with, for a viewer that has it from elsewhere: its text, and the bytes of its arrays.
+    ///
+    /// # Errors
+    /// As [`to_html`](Self::to_html).
+    pub fn data(&self) -> Result<(String, &[u8]), Error> {
+        let text =
+            serde_json::to_string(&self.document).map_err(|error| unwritable("page", error))?;
+        Ok((text, self.geometry.bytes()))
+    }
+
     /// Writes the page to a file, all or nothing.
     ///
     /// # Errors

@@ -1,0 +1,116 @@
+// The package as users get it: its tarball, installed into a fresh Vite project and into Node. Takes Vite from npm's
+// registry, whichever that is.
+
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { after, test } from "node:test";
+import { launch, openPage, PACKAGE, serve } from "./browser.mjs";
+import { root } from "./common.mjs";
+
+const folder = mkdtempSync(join(tmpdir(), "hullwright-"));
+after(() => rmSync(folder, { recursive: true, force: true }));
+const run = (program, args, cwd = folder) => execFileSync(program, args, { cwd, encoding: "utf8", stdio: ["ignore", "pipe", "inherit"] });
+
+const [{ filename, files }] = JSON.parse(run("npm", ["pack", "--json", "--pack-destination", folder], PACKAGE));
+const { devDependencies } = JSON.parse(readFileSync(`${PACKAGE}/package.json`, "utf8"));
+
+/** Chosen here: it is no dependency of the package, and takes long to install. */
+const VITE = "8.3.8";
+
+function project(name, dependencies, sources) {
+  const place = join(folder, name);
+  mkdirSync(place);
+  const own = { hullwright: `file:../${filename}`, ...dependencies };
+  writeFileSync(join(place, "package.json"), JSON.stringify({ name, private: true, type: "module", dependencies: own }));
+  for (const [file, text] of Object.entries(sources)) writeFileSync(join(place, file), text);
+  run("npm", ["install", "--no-audit", "--no-fund", "--loglevel=error"], place);
+  return place;
+}
+
+test("the tarball holds what its exports name, the licences and a description, and no source", () => {
+  const paths = files.map(({ path }) => path);
+  const { exports } = JSON.parse(readFileSync(`${PACKAGE}/package.json`, "utf8"));
+  const named = Object.values(exports).flatMap((entry) => (typeof entry === "string" ? entry : Object.values(entry)));
+  for (const path of [...named.map((path) => path.slice(2)), "README.md", "LICENSE-MIT", "LICENSE-APACHE"]) {
+    assert.ok(paths.includes(path), `${path} is missing`);
+  }
+  assert.ok(!paths.some((path) => /^(src|tests|build)\//.test(path)), String(paths));
+});
+
+test("a program of Node decomposes, and ends by itself", () => {
+  const place = project("node", {}, {
+    "main.mjs": `
+      import { readFile } from "node:fs/promises";
+      import { decompose, readMesh } from "hullwright";
+      const mesh = await readMesh(await readFile(process.argv[2]), "glb");
+      const { hulls } = await decompose(mesh);
+      console.log(hulls.length);`,
+  });
+  assert.ok(Number(run("node", ["main.mjs", root("assets/chair.glb")], place)) > 1);
+});
+
+test("a program of TypeScript is checked against the package's types, also without a bundler's rules", () => {
+  const place = project("types", { typescript: devDependencies.typescript, "@types/three": devDependencies["@types/three"], three: devDependencies.three, "@dimforge/rapier3d-compat": devDependencies["@dimforge/rapier3d-compat"] }, {
+    "main.ts": `
+      import RAPIER from "@dimforge/rapier3d-compat";
+      import { decompose, HullwrightError, type Decomposition } from "hullwright";
+      import { toRapier } from "hullwright/rapier";
+      import { toGeometries, fromGeometry } from "hullwright/three";
+      import { createPool } from "hullwright/files";
+      import { load } from "hullwright/direct";
+      import { BoxGeometry } from "three";
+      const result: Decomposition = await decompose(fromGeometry(new BoxGeometry()), { maxError: "2%", preset: "fast" });
+      const all: RAPIER.ColliderDesc[] = toRapier(RAPIER, result);
+      // @ts-expect-error: no such preset
+      decompose({ positions: [] }, { preset: "best" }).catch((error: HullwrightError) => error.code);
+      export { all, createPool, load, toGeometries };`,
+    "tsconfig.json": JSON.stringify({ compilerOptions: { module: "nodenext", target: "es2022", strict: true, noEmit: true, skipLibCheck: false, types: [], lib: ["es2023", "dom"] } }),
+  });
+  // Other packages' own errors are theirs.
+  let found = "";
+  try {
+    execFileSync("node", ["node_modules/typescript/bin/tsc"], { cwd: place, encoding: "utf8", stdio: ["ignore", "pipe", "inherit"] });
+  } catch ({ stdout }) {
+    found = stdout;
+  }
+  assert.deepEqual(found.split("\n").filter((line) => /^(main|node_modules\/hullwright)/.test(line)), []);
+});
+
+test("a Vite project without settings builds, and decomposes in Chromium, served from a folder below the root", async () => {
+  const place = project("vite", { vite: VITE, three: devDependencies.three }, {
+    "index.html": `<!doctype html><script type="module" src="/main.js"></script>`,
+    "main.js": `
+      import { decompose } from "hullwright";
+      import { fromGeometry, toGeometries } from "hullwright/three";
+      import { TorusGeometry } from "three";
+      const { hulls } = await decompose(fromGeometry(new TorusGeometry()));
+      document.body.textContent = String(toGeometries(hulls).length);`,
+  });
+  const dist = join(folder, "served", "below");
+  run("npx", ["vite", "build", "--base", "./", "--outDir", dist, "--emptyOutDir", "--logLevel", "error"], place);
+  const [server, browser] = [await serve(join(folder, "served")), await launch()];
+  try {
+    const page = await openPage(browser, `${server.address}/below/`);
+    await page.waitForFunction(() => Number(document.body.textContent) > 1, undefined, { timeout: 60_000 });
+  } finally {
+    await browser.close();
+    server.close();
+  }
+});
+
+test("Vite's development server, which bundles packages in another way, needs no settings either", async () => {
+  const { createServer } = await import(join(folder, "vite/node_modules/vite/dist/node/index.js"));
+  const server = await createServer({ root: join(folder, "vite"), logLevel: "error", server: { port: 0, host: "127.0.0.1" } });
+  await server.listen();
+  const browser = await launch();
+  try {
+    const page = await openPage(browser, server.resolvedUrls.local[0]);
+    await page.waitForFunction(() => Number(document.body.textContent) > 1, undefined, { timeout: 120_000 });
+  } finally {
+    await browser.close();
+    await server.close();
+  }
+});
