@@ -59,7 +59,8 @@ export function parameterText(options: Options & Parameters = {}): string {
 
 export function hullArrays(hulls: Hulls): HullArrays {
   const bytes = hulls instanceof Uint8Array ? hulls : (hulls as { hullsFile?: Uint8Array })?.hullsFile;
-  if (bytes) return bytes.slice();
+  // Unlike `slice`, which shares the memory of Node's `Buffer`.
+  if (bytes) return new Uint8Array(bytes);
   if (!Array.isArray(hulls)) return refuse("`hulls` is neither a decomposition nor a list of hulls");
   const counts = Uint32Array.from(hulls, ({ points }) => points.length / 3);
   const points = new Float64Array(hulls.reduce((sum, { points }) => sum + points.length, 0));
@@ -76,10 +77,9 @@ const SUFFIX = /\.(obj|off|ply|stl|gltf|glb)$/i;
 /** Of several files the one that names the others, or the only mesh. */
 export function namedFiles(files: MeshFiles, format?: MeshFormat): NamedFiles {
   // A copy, since what is handed over is gone.
-  const copy = (bytes: Uint8Array | ArrayBuffer) => Uint8Array.from(new Uint8Array(bytes as ArrayBuffer));
-  const view = (bytes: Uint8Array | ArrayBuffer) => (bytes instanceof Uint8Array ? bytes.slice() : copy(bytes));
+  const copy = (bytes: Uint8Array | ArrayBuffer) => new Uint8Array(bytes instanceof Uint8Array ? bytes : bytes.slice(0));
   if (files instanceof Uint8Array || files instanceof ArrayBuffer) {
-    return { format: format ?? refuse("bytes need a `format`"), main: view(files), others: [] };
+    return { format: format ?? refuse("bytes need a `format`"), main: copy(files), others: [] };
   }
   const paths = Object.keys(files ?? {});
   const isMesh = (path: string) => (format ? path.toLowerCase().endsWith(`.${format}`) : SUFFIX.test(path));
@@ -89,8 +89,8 @@ export function namedFiles(files: MeshFiles, format?: MeshFormat): NamedFiles {
   const others = paths.filter((path) => path !== meshes[0]);
   return {
     format: format ?? (SUFFIX.exec(meshes[0])?.[1] ?? "").toLowerCase(),
-    main: view(files[meshes[0]]),
+    main: copy(files[meshes[0]]),
     // Relative to the file that names them.
-    others: others.map((path) => [path.startsWith(folder) ? path.slice(folder.length) : path, view(files[path])]),
+    others: others.map((path) => [path.startsWith(folder) ? path.slice(folder.length) : path, copy(files[path])]),
   };
 }

@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { decompose, HullwrightError, readMesh } from "hullwright";
+import { decompose, HullwrightError, measure, readMesh } from "hullwright";
 import { bytesOf, root } from "./common.mjs";
 
 const text = (lines) => new TextEncoder().encode(lines);
@@ -97,4 +97,18 @@ test("what is no mesh is refused with a reason", async () => {
   await refused(new Uint8Array(3), "fbx", "invalid_argument", /fbx/);
   await refused({ "a.obj": new Uint8Array(3), "b.obj": new Uint8Array(3) }, undefined, "invalid_argument", /one mesh file/);
   await refused({ "notes.txt": new Uint8Array(3) }, undefined, "invalid_argument", /one mesh file/);
+});
+
+test("bytes stay the caller's, also those of Node's Buffer", async () => {
+  // As those of a file: not in the pool that Node never hands over.
+  const own = (array) => Buffer.from(array.slice().buffer);
+  const bytes = own(binaryStl());
+  const result = await decompose(await readMesh(bytes, "stl"));
+  const hulls = own(result.hullsFile);
+  for (let again = 0; again < 2; again++) {
+    const mesh = await readMesh(bytes, "stl");
+    assert.equal(mesh.indices.length, 3 * FACES.length);
+    const found = await measure(mesh, hulls);
+    assert.ok(found.hausdorff < 1e-6);
+  }
 });
