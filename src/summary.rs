@@ -28,6 +28,11 @@ impl<R: Clone + Into<MethodReport>> Decomposition<R> {
         let &Report { bound, protrusion_max, .. } = report.bounded()?;
         exceeded_bound(&self.hulls, bound, protrusion_max, self.run.diagonal)
     }
+
+    /// The [exceeded bound](Self::exceeded_bound), then the run's [remarks](RunReport::remarks), one line each.
+    pub fn remarks(&self) -> Vec<String> {
+        self.exceeded_bound().into_iter().chain(self.run.remarks()).collect()
+    }
 }
 
 impl HullsFile {
@@ -79,8 +84,7 @@ impl<R: Clone + Into<MethodReport>> Display for Decomposition<R> {
             MethodReport::Surface(report) => write!(formatter, "\n{report}")?,
             MethodReport::Hull => {}
         }
-        let lines = self.exceeded_bound().into_iter().chain(self.run.remarks());
-        lines.into_iter().try_for_each(|line| write!(formatter, "\n{line}"))
+        self.remarks().iter().try_for_each(|line| write!(formatter, "\n{line}"))
     }
 }
 

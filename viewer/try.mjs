@@ -1,21 +1,17 @@
 // Builds the page on which anyone tries the method, one file: `node try.mjs` writes `dist/try.html`. The module comes from
 // `npm run build` in `crates/web/npm`.
 
-import { createHash } from "node:crypto";
 import { mkdirSync, readdirSync, readFileSync, writeFileSync } from "node:fs";
 import { basename } from "node:path";
-import { fileURLToPath } from "node:url";
 import { gzipSync } from "node:zlib";
-import { build } from "esbuild";
+import { bundle, fill, here } from "./bundle.mjs";
 
-const here = (path) => fileURLToPath(new URL(path, import.meta.url));
 const MODULE = here("../crates/web/npm/build/page");
 const RAPIER = here("node_modules/@dimforge/rapier3d-compat/dist");
 
 const pack = (bytes) => gzipSync(bytes, { level: 9 }).toString("base64");
-const hash = (text) => `'sha256-${createHash("sha256").update(text).digest("base64")}'`;
 
-const made = (texts) => ({
+const made = (texts = {}) => ({
   name: "made",
   setup(build) {
     build.onResolve({ filter: /^#glue$/ }, () => ({ path: `${MODULE}/hullwright_web.js` }));
@@ -23,22 +19,6 @@ const made = (texts) => ({
     build.onLoad({ filter: /.*/, namespace: "texts" }, ({ path }) => ({ contents: texts[path], loader: "text" }));
   },
 });
-
-async function bundle(entry, texts = {}) {
-  const { outputFiles } = await build({
-    entryPoints: [here(entry)],
-    bundle: true,
-    minify: true,
-    write: false,
-    format: "iife",
-    target: "es2022",
-    charset: "utf8",
-    legalComments: "inline",
-    plugins: [made(texts)],
-    logLevel: "warning",
-  });
-  return outputFiles[0].text.trim();
-}
 
 /** Rapier's script without its module, which is inlined as base64 there, and its module. */
 function rapier() {
@@ -57,25 +37,13 @@ const data = {
   models: JSON.stringify(Object.fromEntries(models.map((file) => [basename(file, ".glb"), pack(readFileSync(here(`../assets/${file}`)))]))),
 };
 const style = await bundle("src/try/try.css");
-const worker = await bundle("src/try/worker.ts");
-const harmless = (text) => text.replaceAll("</script", "<\\/script").replaceAll("<!--", "<\\!--");
-const script = harmless(await bundle("src/try/try.ts", { "#worker": worker }));
-// Nothing is loaded. Rapier's script and the workers are made of the page's own text.
-const policy = [
-  "default-src 'none'",
-  `script-src ${hash(script)} 'wasm-unsafe-eval' blob:`,
-  "worker-src blob:",
-  `style-src ${hash(style)}`,
-  "base-uri 'none'",
-  "form-action 'none'",
-].join("; ");
+const worker = await bundle("src/try/worker.ts", [made()]);
+const script = await bundle("src/try/try.ts", [made({ "#worker": worker })]);
 const blocks = Object.entries(data).map(([id, text]) => `<script type="text/plain" id="${id}">${text}</script>`);
-const page = readFileSync(here("src/page.html"), "utf8")
-  .replace("<!--policy-->", () => policy)
-  .replace("<!--style-->", () => style)
+// Rapier's script and the workers are made of the page's own text.
+const page = fill({ style, script, scripts: " 'wasm-unsafe-eval' blob:", policies: ["worker-src blob:"] })
   .replace("<main>", () => `${readFileSync(here("src/try/try.html"), "utf8")}<main>`)
-  .replace("<!--data-->", () => blocks.join("\n"))
-  .replace("<!--script-->", () => script);
+  .replace("<!--data-->", () => blocks.join("\n"));
 mkdirSync(here("dist"), { recursive: true });
 writeFileSync(here("dist/try.html"), page);
 const sizes = { ...data, script, style };

@@ -1,5 +1,7 @@
 // What the page is about: the block of data that the program wrote, and its arrays of numbers.
 
+import { inflate } from "../../crates/web/npm/src/inflate";
+
 /** Where an array begins in the bytes, and how many numbers it has. */
 interface ArrayPlace {
   offset: number;
@@ -115,23 +117,15 @@ export function pointsOf(parts: number): number {
   return ((parts + 1) * (parts + 2)) / 2;
 }
 
-function text(id: string): string {
+export function text(id: string): string {
   const element = document.getElementById(id);
   if (!element?.textContent) throw new Error("This page holds no data.");
   return element.textContent;
 }
 
-async function inflate(base64: string): Promise<ArrayBuffer> {
-  const letters = atob(base64);
-  const bytes = new Uint8Array(letters.length);
-  for (let i = 0; i < bytes.length; i++) bytes[i] = letters.charCodeAt(i);
-  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
-  return new Response(stream).arrayBuffer();
-}
-
 /** Reads the page's two blocks of data. */
 export async function readPage(): Promise<Page> {
-  return pageOf(text("data"), await inflate(text("geometry")));
+  return pageOf(text("data"), await inflate(text("geometry"), "deflate"));
 }
 
 /** A page of its text, which is JSON, and the bytes of its arrays. */

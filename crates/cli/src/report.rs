@@ -72,7 +72,7 @@ pub fn summary(decomposition: &Decomposition<MethodReport>, seconds: f64) -> Str
     if let Some(probe) = report.bounded().and_then(|bounded| bounded.probe) {
         text += &format!("\n{}", of_probe(&probe, run.diagonal));
     }
-    for line in decomposition.exceeded_bound().into_iter().chain(run.remarks()) {
+    for line in decomposition.remarks() {
         text += &format!("\n{line}");
     }
     text

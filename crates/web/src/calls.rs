@@ -86,7 +86,7 @@ pub fn decompose(
     let report = json!({
         "report": to_value(result.report).unwrap_or_default(),
         "run": to_value(&result.run).unwrap_or_default(),
-        "remarks": result.exceeded_bound().into_iter().chain(result.run.remarks()).collect::<Vec<_>>(),
+        "remarks": result.remarks(),
         "mass": mass_report(&mass),
     });
     let file = HullsFile::new("", &result).with_mass_properties(mass);

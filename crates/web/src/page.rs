@@ -122,8 +122,7 @@ fn shown(
     }
     let (document, geometry) = page.data()?;
     let geometry = geometry.to_vec();
-    let remarks = result.exceeded_bound().into_iter().chain(result.run.remarks()).collect();
-    Ok(Shown { tree, mass, document, geometry, remarks })
+    Ok(Shown { tree, mass, document, geometry, remarks: result.remarks() })
 }
 
 fn milliseconds(seconds: f64) -> String {

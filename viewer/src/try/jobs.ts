@@ -6,12 +6,13 @@ import type { MeshArrays, NamedFiles } from "../../../crates/web/npm/src/argumen
 import { startThread } from "../../../crates/web/npm/src/thread";
 import type { Thread } from "../../../crates/web/npm/src/pool";
 import type { Hull, Mass, Progress, ReadMesh } from "../../../crates/web/npm/src/types";
+import { inflate } from "../../../crates/web/npm/src/inflate";
 import code from "#worker";
-import { unpack } from "./unpack";
+import { text } from "../data";
 
 export interface ShownData {
   document: string;
-  geometry: ArrayBuffer;
+  geometry: Uint8Array;
   remarks: string;
   mass: Mass;
 }
@@ -30,6 +31,8 @@ let module: Promise<WebAssembly.Module> | undefined;
 /** A worker that answers one call after the other. */
 export class Desk {
   private readonly thread: Promise<Thread>;
+  /** Sent with the first call. */
+  private first: WebAssembly.Module | undefined;
   private last: Promise<unknown> = Promise.resolve();
   private refuse: (error: unknown) => void = () => undefined;
   private settle: ((reply: any) => void) | undefined;
@@ -38,15 +41,13 @@ export class Desk {
   constructor() {
     this.ended.catch(() => undefined);
     this.thread = (async () => {
-      module ??= unpack("module").then((bytes) => WebAssembly.compile(bytes));
+      module ??= inflate(text("module"), "gzip").then((bytes) => WebAssembly.compile(bytes));
       const [thread, compiled] = [await startThread({ code }), await module];
       thread.listen((reply) => this.settle?.(reply), (message) => this.refuse(new HullwrightError("worker", message)));
       this.first = compiled;
       return thread;
     })();
   }
-
-  private first: WebAssembly.Module | undefined;
 
   call<K extends keyof Requests>(call: K, args: Parameters<Requests[K]>, onProgress?: (progress: Progress) => void): Promise<ReturnType<Requests[K]>> {
     const work = this.last.then(async () => {

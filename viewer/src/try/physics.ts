@@ -6,9 +6,10 @@ import {
 } from "three";
 import { toRapier } from "../../../crates/web/npm/src/rapier";
 import type { Hull, Mass } from "../../../crates/web/npm/src/types";
+import { inflate } from "../../../crates/web/npm/src/inflate";
 import { find } from "../controls";
+import { text } from "../data";
 import { words } from "../dom";
-import { unpack } from "./unpack";
 
 export interface Body {
   hulls: Hull[];
@@ -29,7 +30,7 @@ let rapier: Promise<any> | undefined;
 
 /** Rapier's script has its module from here. */
 async function loadRapier() {
-  const [script, module] = await Promise.all([unpack("rapier"), unpack("rapier-module")]);
+  const [script, module] = await Promise.all(["rapier", "rapier-module"].map((id) => inflate(text(id), "gzip")));
   Object.assign(globalThis, { rapierModule: module });
   const url = URL.createObjectURL(new Blob([script], { type: "text/javascript" }));
   const RAPIER = await import(/* @vite-ignore */ url);

@@ -2,15 +2,15 @@
 // of a setting, while the hulls before stay. What is drawn is the view of `hullwright view`.
 
 import { meshArrays, namedFiles, parameterText } from "../../../crates/web/npm/src/arguments";
-import type { Parameters, ReadMesh } from "../../../crates/web/npm/src/types";
+import { inflate } from "../../../crates/web/npm/src/inflate";
+import type { Mass, Parameters, ReadMesh } from "../../../crates/web/npm/src/types";
 import { find } from "../controls";
-import { pageOf } from "../data";
+import { Page, pageOf, text } from "../data";
 import { element, words } from "../dom";
 import { shared } from "../shaders";
 import { View } from "../view";
-import { Desk, ShownData } from "./jobs";
+import { Desk } from "./jobs";
 import { openPhysics } from "./physics";
-import { inflate } from "./unpack";
 
 /** Settings of the sliders, in percent of the diagonal. */
 const BOUNDS = [0.2, 0.3, 0.5, 0.75, 1, 1.5, 2, 3, 4, 5, 7, 10];
@@ -37,7 +37,7 @@ interface Subject {
 let kept: Desk | undefined;
 let working: Desk | undefined;
 let subject: Subject | undefined;
-let shown: ShownData | undefined;
+let shown: { page: Page; mass: Mass } | undefined;
 let view: View | undefined;
 
 function settings(): Parameters {
@@ -120,9 +120,9 @@ async function decompose(desk: Desk, { title, mesh }: Subject) {
   const made = await desk.call("show", [meshArrays(mesh), title, parameterText(settings()), input("compare").checked], onProgress);
   kept?.end(new Superseded());
   kept = desk;
-  shown = made;
+  const page = pageOf(made.document, made.geometry.buffer as ArrayBuffer);
+  shown = { page, mass: made.mass };
   subject = { title, mesh };
-  const page = pageOf(made.document, made.geometry);
   if (view) view.replace(page);
   else {
     view = new View(page);
@@ -173,11 +173,11 @@ const stem = (title: string) => title.replace(/\.[^.]*$/, "").replace(/[^\w.-]+/
 const count = () => view?.panels[0]?.state.hulls ?? 1;
 
 function connect() {
-  const models = JSON.parse(find("models").textContent ?? "{}") as Record<string, string>;
+  const models = JSON.parse(text("models")) as Record<string, string>;
   const select = find<HTMLSelectElement>("model");
   select.append(new Option("a bundled model", ""), ...Object.keys(models).map((name) => new Option(name, name)));
   const openModel = (name: string) =>
-    open(name, async () => ({ [`${name}.glb`]: new Uint8Array(await inflate(models[name])) }));
+    open(name, async () => ({ [`${name}.glb`]: new Uint8Array(await inflate(models[name], "gzip")) }));
   select.addEventListener("change", () => select.value && void openModel(select.value));
   input("files").addEventListener("change", () => {
     void openFiles([...(input("files").files ?? [])]);
@@ -216,14 +216,16 @@ function connect() {
   act("save-hulls", async () => kept && save(`${title()}.hulls`, await kept.call("file", [title(), count()])));
   act("save-glb", async () => kept && save(`${title()}-hulls.glb`, await kept.call("glb", [count()])));
   act("copy-tag", async () => {
-    const text = tag(settings(), view ? pageDiagonal() : 1);
-    await navigator.clipboard.writeText(text).catch(() => copyByHand(text));
-    say(`copied: ${text}`);
+    if (!shown) return;
+    const code = tag(settings(), shown.page.document.diagonal);
+    await navigator.clipboard.writeText(code).catch(() => copyByHand(code));
+    say(`copied: ${code}`);
   });
   act("drop", async () => {
-    if (!kept || !shown || !subject) return;
+    if (!kept || !shown) return;
+    const { mass, page: { document: { diagonal, colours } } } = shown;
     const hulls = await kept.call("hulls", [count()]);
-    await openPhysics({ hulls, mass: shown.mass, diagonal: pageDiagonal(), isZUp: view?.look.up === "z", colours: pageColours() });
+    await openPhysics({ hulls, mass, diagonal, isZUp: view?.look.up === "z", colours });
   });
 
   addEventListener("dragover", (event) => {
@@ -239,10 +241,6 @@ function connect() {
   select.value = FIRST;
   void openModel(FIRST);
 }
-
-const pageDocument = () => JSON.parse(shown!.document) as { diagonal: number; colours: [number, number, number][] };
-const pageDiagonal = () => pageDocument().diagonal;
-const pageColours = () => pageDocument().colours;
 
 /** Where the browser has no clipboard for pages from disk. */
 function copyByHand(text: string) {

@@ -19,7 +19,7 @@ const answers: Requests = {
     const onProgress = (stage: string, fraction: number) => self.postMessage({ progress: { stage, fraction } });
     shown = withMesh(mesh, (mesh) => new glue.Shown(mesh, title, parameters, compares, onProgress));
     const { document, geometry, remarks, mass } = shown;
-    return { document, geometry: geometry.buffer as ArrayBuffer, remarks, mass: parse(mass) };
+    return { document, geometry, remarks, mass: parse(mass) };
   },
   hulls: (most) => using(result().hulls(most), separate),
   file: (name, most) => result().file(name, most),
@@ -30,8 +30,7 @@ self.onmessage = ({ data: { module, call, args } }) => {
   try {
     if (module) start(module);
     const value = (answers[call as keyof Requests] as (...args: unknown[]) => unknown)(...args);
-    const buffers = value && (value as any).geometry ? [(value as any).geometry] : buffersIn(value);
-    self.postMessage({ value }, { transfer: buffers });
+    self.postMessage({ value }, { transfer: buffersIn(value) });
   } catch (error) {
     self.postMessage({ error: plain(error) });
   }

@@ -44,7 +44,7 @@ pub struct Judge {
     pub volume_samples: usize,
     /// Exact predicates, and the bound by a sampling of our own, which knows no probe.
     pub by_brute_force: bool,
-    /// In diagonals. Protrusion counts where such a ball comes, and the bounded method fills the rest.
+    /// As a fraction of the diagonal. Protrusion counts where such a ball comes, and the bounded method fills the rest.
     pub probe_radius: Option<f64>,
 }
 

@@ -11,7 +11,7 @@ export * from "./public.js";
 export const createPool: (options?: PoolOptions) => Pool = inlined(wasm, code);
 
 /** One worker for the functions below. It starts with the first call. */
-const shared = lazy(inlined(wasm, code));
+const shared = lazy(createPool);
 
 export const decompose: Pool["decompose"] = (...args) => shared().decompose(...args);
 export const measure: Pool["measure"] = (...args) => shared().measure(...args);

@@ -1,23 +1,17 @@
 // Worker and module as text within this file: no bundler and no server has to know of them.
 
-import { createPoolFrom, type PoolOptions, type ReadingPool, type Source } from "./pool.js";
+import { inflate } from "./inflate.js";
+import { createPoolFrom, type Pool, type PoolOptions, type ReadingPool, type Source } from "./pool.js";
 import { startThread } from "./thread.js";
-
-/** Base64 of gzip. */
-async function unpack(text: string): Promise<ArrayBuffer> {
-  const letters = atob(text);
-  const bytes = new Uint8Array(letters.length);
-  for (let i = 0; i < bytes.length; i++) bytes[i] = letters.charCodeAt(i);
-  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
-}
 
 /** Compiled once for all pools. */
 const compiled = new Map<string, Promise<WebAssembly.Module>>();
 
+/** Pools of a module, as base64 of gzip, and a worker's code. */
 export function inlined(module: string, code: string): (options?: PoolOptions) => ReadingPool {
   const source: Source = {
     module() {
-      const known = compiled.get(module) ?? unpack(module).then((bytes) => WebAssembly.compile(bytes));
+      const known = compiled.get(module) ?? inflate(module, "gzip").then((bytes) => WebAssembly.compile(bytes));
       compiled.set(module, known);
       return known;
     },
@@ -27,7 +21,7 @@ export function inlined(module: string, code: string): (options?: PoolOptions) =
 }
 
 /** A pool that is made when it is first used. */
-export function lazy(create: () => ReadingPool): () => ReadingPool {
-  let pool: ReadingPool | undefined;
+export function lazy<P extends Pool>(create: () => P): () => P {
+  let pool: P | undefined;
   return () => (pool ??= create());
 }

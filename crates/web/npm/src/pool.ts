@@ -168,19 +168,13 @@ export function createPoolFrom(source: Source, { size = 1 }: PoolOptions = {}): 
         if (busy) dismiss(busy);
         job.reject(signal?.reason);
         // The fresh worker starts now, before there is work for it.
-        if (busy && !isClosed && queue.length === 0) warm();
+        if (busy && !isClosed && queue.length === 0) seat();
         work();
       }
       signal?.addEventListener("abort", abort);
       queue.push(job);
       work();
     });
-  }
-
-  /** Starts a worker without a job. */
-  function warm() {
-    if (seats.length >= Math.max(1, size)) return;
-    seat();
   }
 
   return {

@@ -1,0 +1,9 @@
+// What is compressed within a script or a page.
+
+/** Decodes base64, and decompresses what it holds. */
+export async function inflate(base64: string, format: CompressionFormat): Promise<ArrayBuffer> {
+  const letters = atob(base64);
+  const bytes = new Uint8Array(letters.length);
+  for (let i = 0; i < bytes.length; i++) bytes[i] = letters.charCodeAt(i);
+  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream(format))).arrayBuffer();
+}
