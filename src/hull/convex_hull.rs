@@ -9,7 +9,7 @@
 //! fold slivers, and flatten what lies far from the origin. So the rounded points get a hull of their
 //! own.
 
-use super::growing_hull::HullBuilder;
+use super::growing_hull::{DEFAULT_TOLERANCE, HullBuilder};
 use super::quickhull::Shape;
 use crate::bvh::closest_point::closest_point_on_triangle;
 use crate::error::Error;
@@ -348,6 +348,34 @@ pub fn single_precision(
     Err(Error::NoHull { reason: "rounding to f32 leaves no volume" })
 }
 
+/// A hull with its vertices multiplied by `scale` and rounded to `f32`, its triangles as they are: where that is convex
+/// up to the tolerance of [`HullBuilder`] and thick enough, it needs no [`single_precision`]. Whether the triangles close
+/// is not looked at. O(vertices × triangles).
+pub(crate) fn rounded_hull(hull: &ConvexHull, scale: [f32; 3]) -> Option<SinglePrecisionHull> {
+    let scale = Vector::from(scale.map(f64::from));
+    let points: Vec<Vector> = hull.points().iter().map(|point| *point * scale).collect();
+    let points = rounded(&points).ok()?;
+    let extent = diagonal(points.iter().copied());
+    let largest =
+        as_arrays(&points).as_flattened().iter().fold(0.0f64, |most, x| most.max(x.abs()));
+    let thickness =
+        (MINIMUM_THICKNESS * extent).max(LEAST_ULPS * f64::from(f32::EPSILON) * largest);
+    let is_mirrored = scale.element_product() < 0.0;
+    let corner = |vertex: u32| points.get(vertex as usize).copied();
+    let is_face = |&[a, b, c]: &[u32; 3]| {
+        let [Some(a), Some(b), Some(c)] = [a, b, c].map(corner) else { return false };
+        let normal = area_normal(a, b, c).normalize_or_zero();
+        let heights = points.iter().map(|point| normal.dot(*point - a));
+        let (lowest, highest) =
+            heights.fold((0.0f64, 0.0f64), |(low, high), x| (low.min(x), high.max(x)));
+        highest <= DEFAULT_TOLERANCE * extent && -lowest >= HEIGHT_PER_WIDTH * thickness
+    };
+    let turned = |&[a, b, c]: &[u32; 3]| if is_mirrored { [a, c, b] } else { [a, b, c] };
+    let triangles: Vec<[u32; 3]> = hull.triangles.iter().map(turned).collect();
+    let points_as = || points.iter().map(|point| point.as_vec3().to_array()).collect();
+    triangles.iter().all(is_face).then(|| (points_as(), triangles))
+}
+
 fn rounded(points: &[Vector]) -> Result<Vec<Vector>, Error> {
     let round = |point: &Vector| point.map(|x| f64::from(x as f32));
     let points: Vec<_> = points.iter().map(round).collect();
@@ -355,5 +383,47 @@ fn rounded(points: &[Vector]) -> Result<Vec<Vector>, Error> {
         Ok(points)
     } else {
         Err(Error::NoHull { reason: "a coordinate is beyond the range of f32" })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cube() -> ConvexHull {
+        let corners =
+            [0, 1, 2, 3, 4, 5, 6, 7].map(|i| [0, 1, 2].map(|axis| f64::from(i >> axis & 1)));
+        convex_hull(&corners).unwrap()
+    }
+
+    #[test]
+    fn a_rounded_hull_that_is_convex_stays_as_it_is_scaled_and_mirrored() {
+        let hull = cube();
+        let (points, triangles) = rounded_hull(&hull, [1.0; 3]).unwrap();
+        assert!(hull.points_as::<[f32; 3]>().eq(points));
+        assert_eq!(triangles, hull.triangles);
+        let (points, triangles) = rounded_hull(&hull, [-2.0, 1.0, 3.0]).unwrap();
+        let points = points.iter().map(|point| point.map(f64::from)).collect();
+        let mirrored = ConvexHull { points, triangles };
+        assert!((mirrored.volume() - 6.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_hull_that_is_dented_thin_or_beyond_single_precision_or_names_no_vertex_does_not() {
+        let moved = |vertex: usize, to: [f64; 3]| {
+            let mut hull = cube();
+            hull.points[vertex] = to;
+            rounded_hull(&hull, [1.0; 3])
+        };
+        let [x, y, z] = cube().points[0];
+        assert!(moved(0, [x + 1e-9, y, z]).is_some());
+        assert_eq!(moved(0, [0.5, 0.5, 0.5]), None, "dented");
+        assert_eq!(moved(0, [f64::NAN, y, z]), None);
+        assert_eq!(moved(0, [1e39, y, z]), None);
+        assert_eq!(rounded_hull(&cube(), [1.0, 1.0, 1e-3]), None, "thin");
+        assert_eq!(rounded_hull(&cube(), [1.0, 1.0, 0.0]), None);
+        let mut broken = cube();
+        broken.triangles[0][0] = 8;
+        assert_eq!(rounded_hull(&broken, [1.0; 3]), None);
     }
 }

@@ -38,7 +38,7 @@ mod simplification;
 pub use convex_hull::{
     ConvexHull, MINIMUM_THICKNESS, SinglePrecisionHull, convex_hull, single_precision, solid_hull,
 };
-pub(crate) use convex_hull::{LEAST_THICKNESS, joint_hull};
+pub(crate) use convex_hull::{LEAST_THICKNESS, joint_hull, rounded_hull};
 pub use growing_hull::{DEFAULT_TOLERANCE, HullBuilder};
 pub use primitive::{Primitive, Slack, fit_primitive};
 pub use quickhull::Shape;

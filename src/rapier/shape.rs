@@ -11,7 +11,8 @@ use rapier3d::parry::math::{Matrix, Pose, Rotation, Vector};
 use rapier3d::parry::shape::{ConvexPolyhedron, TriMesh, TriMeshFlags};
 
 use crate::hull::{
-    HullBuilder, Primitive, SinglePrecisionHull, Slack, fit_primitive, single_precision,
+    HullBuilder, Primitive, SinglePrecisionHull, Slack, fit_primitive, rounded_hull,
+    single_precision,
 };
 use crate::hulls_format::HullsFile;
 use crate::{ConvexHull, Error, Hull, MassProperties, MeshView, TriangleMesh};
@@ -57,31 +58,19 @@ pub enum ColliderError {
     Mesh(#[from] Error),
 }
 
-/// The hulls of sets of points multiplied by `scale`, in single precision: convex and closed, with
-/// volume, wound outward. A negative factor mirrors. O(n log n) in the points.
+/// The hull of points multiplied by `scale`, in single precision: convex and closed, with volume, wound outward. A
+/// negative factor mirrors. O(n log n) in the points.
 ///
 /// # Errors
-/// [`ColliderError::NoHulls`], [`ColliderError::InvalidScale`], [`ColliderError::UnusableHull`].
-fn scaled_hulls<P: AsRef<[[f64; 3]]>>(
-    hulls: &[P],
+/// The reason of [`ColliderError::UnusableHull`].
+fn scaled_hull(
+    points: &[[f64; 3]],
     scale: [f32; 3],
-) -> Result<Vec<SinglePrecisionHull>, ColliderError> {
-    check_scale(scale)?;
-    if hulls.is_empty() {
-        return Err(ColliderError::NoHulls);
-    }
-    let mut builder = HullBuilder::new();
+    builder: &mut HullBuilder,
+) -> Result<SinglePrecisionHull, Error> {
     let [x, y, z] = scale.map(f64::from);
-    hulls
-        .iter()
-        .enumerate()
-        .map(|(hull, points)| {
-            let points = points.as_ref().iter();
-            let scaled: Vec<_> = points.map(|p| [p[0] * x, p[1] * y, p[2] * z]).collect();
-            single_precision(&scaled, &mut builder)
-                .map_err(|reason| ColliderError::UnusableHull { hull, reason })
-        })
-        .collect()
+    let scaled: Vec<_> = points.iter().map(|p| [p[0] * x, p[1] * y, p[2] * z]).collect();
+    single_precision(&scaled, builder)
 }
 
 /// A hull that Parry refuses is tried again with these tolerances, as shares of its extent: Parry
@@ -106,8 +95,10 @@ fn with_fewer_vertices(points: &[[f32; 3]]) -> impl Iterator<Item = SinglePrecis
 /// # Errors
 /// [`ColliderError`] says which hull or factor can't be used. It never panics.
 pub fn shape(hulls: &[Hull], scale: [f32; 3]) -> Result<SharedShape, ColliderError> {
-    let points: Vec<_> = hulls.iter().map(|hull| hull.shape.points.as_slice()).collect();
-    shape_from_points(&points, scale)
+    shape_of(hulls, scale, |hull, builder| {
+        let as_it_is = rounded_hull(&hull.shape, scale);
+        as_it_is.map_or_else(|| scaled_hull(&hull.shape.points, scale, builder), Ok)
+    })
 }
 
 /// The same as [`shape`] of bare points: one convex part per set, its convex hull.
@@ -118,7 +109,28 @@ pub fn shape_from_points<P: AsRef<[[f64; 3]]>>(
     hulls: &[P],
     scale: [f32; 3],
 ) -> Result<SharedShape, ColliderError> {
-    let hulls = scaled_hulls(hulls, scale)?;
+    shape_of(hulls, scale, |points, builder| scaled_hull(points.as_ref(), scale, builder))
+}
+
+/// One shape of all hulls, each made by `scaled`.
+///
+/// # Errors
+/// As [`shape`].
+fn shape_of<T>(
+    hulls: &[T],
+    scale: [f32; 3],
+    scaled: impl Fn(&T, &mut HullBuilder) -> Result<SinglePrecisionHull, Error>,
+) -> Result<SharedShape, ColliderError> {
+    check_scale(scale)?;
+    if hulls.is_empty() {
+        return Err(ColliderError::NoHulls);
+    }
+    let mut builder = HullBuilder::new();
+    let scaled = |(hull, of): (usize, &T)| {
+        let unusable = |reason| ColliderError::UnusableHull { hull, reason };
+        scaled(of, &mut builder).map_err(unusable)
+    };
+    let hulls: Vec<_> = hulls.iter().enumerate().map(scaled).collect::<Result<_, _>>()?;
     if let [(points, triangles)] = hulls.as_slice()
         && let Some(shape) = part(points, triangles)
     {
@@ -310,12 +322,10 @@ pub fn shape_with_primitives(
     for (hull, primitive) in file.hulls.iter().zip(primitives) {
         match primitive {
             Some(part) => parts.push(part),
-            None => match shape_from_points(&[&hull.shape.points], scale)?.as_compound() {
+            None => match shape(std::slice::from_ref(hull), scale)?.as_compound() {
                 // What Parry refused, as a box that is placed.
                 Some(placed) => parts.extend(placed.shapes().iter().cloned()),
-                None => {
-                    parts.push((Pose::IDENTITY, shape_from_points(&[&hull.shape.points], scale)?))
-                }
+                None => parts.push((Pose::IDENTITY, shape(std::slice::from_ref(hull), scale)?)),
             },
         }
     }
@@ -408,16 +418,16 @@ mod tests {
     use crate::MassSource;
     use crate::hull::ConvexHull;
 
-    fn unit_cube() -> [Vec<[f64; 3]>; 1] {
-        [(0..8_u8).map(|corner| [0, 1, 2].map(|axis| f64::from(corner >> axis & 1))).collect()]
+    fn unit_cube() -> Vec<[f64; 3]> {
+        (0..8_u8).map(|corner| [0, 1, 2].map(|axis| f64::from(corner >> axis & 1))).collect()
     }
 
     #[test]
     fn a_mirrored_hull_is_still_wound_outward() {
-        let scaled = scaled_hulls(&unit_cube(), [-2.0, 1.0, 3.0]).unwrap();
-        let (points, triangles) = &scaled[0];
+        let builder = &mut HullBuilder::new();
+        let (points, triangles) = scaled_hull(&unit_cube(), [-2.0, 1.0, 3.0], builder).unwrap();
         let points: Vec<[f64; 3]> = points.iter().map(|p| p.map(f64::from)).collect();
-        let hull = ConvexHull { points, triangles: triangles.clone() };
+        let hull = ConvexHull { points, triangles };
         assert!((hull.volume() - 6.0).abs() < 1e-6);
         for (found, expected) in hull.bounds().unwrap().min.into_iter().zip([-2.0, 0.0, 0.0]) {
             assert!((found - expected).abs() < 1e-6);
@@ -426,7 +436,7 @@ mod tests {
 
     #[test]
     fn a_mass_that_single_precision_can_not_hold_is_an_error() {
-        let cube = crate::hull::convex_hull(&unit_cube()[0]).unwrap();
+        let cube = crate::hull::convex_hull(&unit_cube()).unwrap();
         let of = |density| crate::mass_properties(&cube, &[], density).unwrap();
         assert_eq!(of(1.0).source, MassSource::Mesh);
         assert!(mass_properties(&of(1.0), [1.0; 3]).is_ok());

@@ -187,9 +187,10 @@ fn shape_of(
     let scale = [matrix.x_axis.x, matrix.y_axis.y, matrix.z_axis.z];
     let is_scale = *map == Affine3A::from_scale(scale.into());
     match geometry {
-        ColliderGeometry::Hulls(file) if primitives && is_scale => {
-            Ok(crate::rapier::shape_with_primitives(file, scale)?)
-        }
+        ColliderGeometry::Hulls(file) if is_scale => Ok(match primitives {
+            true => crate::rapier::shape_with_primitives(file, scale)?,
+            false => crate::rapier::shape(&file.hulls, scale)?,
+        }),
         ColliderGeometry::Hulls(file) => {
             // A map that flattens leaves no body.
             if !(map.is_finite() && matrix.determinant().is_normal()) {
