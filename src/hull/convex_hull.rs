@@ -348,10 +348,10 @@ pub fn single_precision(
     Err(Error::NoHull { reason: "rounding to f32 leaves no volume" })
 }
 
-/// A hull with its vertices multiplied by `scale` and rounded to `f32`, its triangles as they are: where that is convex
-/// up to the tolerance of [`HullBuilder`] and thick enough, it needs no [`single_precision`]. Whether the triangles close
-/// is not looked at. O(vertices × triangles).
-pub(crate) fn rounded_hull(hull: &ConvexHull, scale: [f32; 3]) -> Option<SinglePrecisionHull> {
+/// A hull with its vertices multiplied by `scale` and rounded to `f32`, its triangles as they are but wound outward. `None`
+/// unless it is convex as it stands, up to the tolerance of [`HullBuilder`], and not thin: then [`single_precision`] builds
+/// one. Whether the triangles close is not looked at. O(vertices × triangles).
+pub fn rounded_hull(hull: &ConvexHull, scale: [f32; 3]) -> Option<SinglePrecisionHull> {
     let scale = Vector::from(scale.map(f64::from));
     let points: Vec<Vector> = hull.points().iter().map(|point| *point * scale).collect();
     let points = rounded(&points).ok()?;

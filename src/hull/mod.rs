@@ -36,9 +36,10 @@ mod quickhull;
 mod simplification;
 
 pub use convex_hull::{
-    ConvexHull, MINIMUM_THICKNESS, SinglePrecisionHull, convex_hull, single_precision, solid_hull,
+    ConvexHull, MINIMUM_THICKNESS, SinglePrecisionHull, convex_hull, rounded_hull,
+    single_precision, solid_hull,
 };
-pub(crate) use convex_hull::{LEAST_THICKNESS, joint_hull, rounded_hull};
+pub(crate) use convex_hull::{LEAST_THICKNESS, joint_hull};
 pub use growing_hull::{DEFAULT_TOLERANCE, HullBuilder};
 pub use primitive::{Primitive, Slack, fit_primitive};
 pub use quickhull::Shape;

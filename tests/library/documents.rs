@@ -345,7 +345,7 @@ mod hulls {
                 demo += 1;
             }
         }
-        assert_eq!(demo, 8);
+        assert_eq!(demo, 3);
 
         let (_, shown) = text.split_once("\ncargo hulls assets/").unwrap();
         let (model, _) = shown.split_once(".glb").unwrap();

@@ -248,12 +248,12 @@ pub(super) fn attach_fallbacks(
         let Ok(data) = read_parts(&request.parts, &request.to_collider(), &meshes) else {
             continue;
         };
-        let shape = match (kind, settings.budget.execution) {
+        let shape = match (kind, settings.budget.execution.here()) {
             (FallbackCollider::None, _) => None,
             (FallbackCollider::BoundingBox, _) => {
                 primitive_around(PrimitiveKind::Cuboid, &data, &Affine3A::IDENTITY).ok()
             }
-            (FallbackCollider::ConvexHull, Execution::Slices) => {
+            (FallbackCollider::ConvexHull, Execution::Slices | Execution::Worker) => {
                 contain_panics(|| Ok(convex_hull(&data))).ok().flatten()
             }
             (FallbackCollider::ConvexHull, Execution::Background) => {

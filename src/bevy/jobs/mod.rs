@@ -7,6 +7,8 @@ mod pool;
 pub(super) mod recipe;
 pub(super) mod request;
 pub(super) mod task;
+#[cfg(target_arch = "wasm32")]
+mod worker;
 
 use std::cmp::Reverse;
 use std::collections::VecDeque;
@@ -284,9 +286,9 @@ impl Jobs {
 
     fn has_room(&self, budget: &BudgetSettings, is_quick: bool) -> bool {
         let like_it = self.running.iter().filter(|job| job.is_quick == is_quick).count();
-        match (is_quick, budget.execution) {
+        match (is_quick, budget.execution.here()) {
             // It ends where it starts.
-            (true, Execution::Slices) => true,
+            (true, Execution::Slices | Execution::Worker) => true,
             (true, Execution::Background) => like_it < QUICK_JOBS,
             (false, _) => like_it < most_decompositions(budget),
         }
@@ -305,6 +307,11 @@ impl Jobs {
         let progress = SharedProgress::default();
         let control = progress.control();
         let task = DecompositionTask::new(input, request.map, self.cache.clone(), settings);
+        #[cfg(target_arch = "wasm32")]
+        let task = match settings.budget.execution {
+            Execution::Worker => task.in_worker(&settings.budget.worker_folder, progress.clone()),
+            _ => task,
+        };
         let mut job = Job {
             input: request.input.clone(),
             map: request.map_key(),
@@ -313,8 +320,8 @@ impl Jobs {
             progress,
             shown_progress: 0.0,
             is_quick,
-            worker: match settings.budget.execution {
-                Execution::Slices => Worker::Slices(Box::new(task)),
+            worker: match settings.budget.execution.here() {
+                Execution::Slices | Execution::Worker => Worker::Slices(Box::new(task)),
                 Execution::Background => {
                     let pool = self.pool.get(&settings.budget);
                     let task = pool.spawn(task.run(control));
@@ -366,12 +373,18 @@ impl Jobs {
 }
 
 impl Job {
-    /// The result, if it ended in the background.
+    /// The result, if it ended in the background or in a worker.
     fn result(&mut self) -> Option<TaskResult> {
         match &mut self.worker {
             Worker::Background { task, .. } if task.is_finished() => block_on(poll_once(task)),
+            Worker::Slices(task) if task.awaits_worker() => task.step(&self.control).transpose(),
             Worker::Background { .. } | Worker::Slices(_) => None,
         }
+    }
+
+    /// Whether its next step is work for the main thread.
+    fn is_sliced(&self) -> bool {
+        matches!(&self.worker, Worker::Slices(task) if !task.awaits_worker())
     }
 
     /// One step in the main thread, and the result if it was the last.
@@ -446,13 +459,15 @@ const PROGRESS_STEP: f32 = 0.01;
 /// a budget.
 pub(super) fn finish_jobs(
     mut jobs: ResMut<Jobs>,
-    mut time: ResMut<FrameTime>,
+    Frame { mut time, settings }: Frame,
     mut outcomes: Outcomes,
 ) {
     time.spent = Duration::ZERO;
     if jobs.running.is_empty() {
         return;
     }
+    // Shapes of what workers answer are built here.
+    let _counted = time.budget(&settings);
     let jobs = &mut *jobs;
     let mut index = 0;
     while let Some(job) = jobs.running.get_mut(index) {
@@ -474,19 +489,18 @@ pub(super) fn finish_jobs(
 
 /// Goes on with jobs in the main thread while there is time.
 fn run_slices(mut jobs: ResMut<Jobs>, Frame { mut time, settings }: Frame, mut outcomes: Outcomes) {
-    let is_sliced = |job: &Job| matches!(job.worker, Worker::Slices(_));
     // Not even looked at where there is none, so that nothing counts as changed.
-    let Some(mut index) = jobs.running.iter().position(is_sliced) else { return };
+    let Some(mut index) = jobs.running.iter().position(Job::is_sliced) else { return };
     let jobs = &mut *jobs;
     let mut budget = time.budget(&settings);
-    while let Some(job) = jobs.running.get_mut(index).filter(|job| is_sliced(job)) {
+    while let Some(job) = jobs.running.get_mut(index).filter(|job| job.is_sliced()) {
         if !budget.allows_one() {
             break;
         }
         if let Some(result) = job.take_step() {
             let job = jobs.running.remove(index);
             jobs.end_job(job, result, &mut outcomes);
-            index = jobs.running.iter().position(is_sliced).unwrap_or(index);
+            index = jobs.running.iter().position(Job::is_sliced).unwrap_or(index);
         }
     }
 }
@@ -559,10 +573,10 @@ pub(super) fn start_jobs(
 }
 
 fn most_decompositions(budget: &BudgetSettings) -> usize {
-    match (budget.execution, budget.max_jobs) {
+    match (budget.execution.here(), budget.max_jobs) {
         (Execution::Slices, _) => 1,
-        (Execution::Background, 0) => decomposition_threads(budget),
-        (Execution::Background, most) => most,
+        (Execution::Background | Execution::Worker, 0) => decomposition_threads(budget),
+        (Execution::Background | Execution::Worker, most) => most,
     }
 }
 

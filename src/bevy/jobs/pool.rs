@@ -3,22 +3,30 @@
 
 use std::sync::{Arc, OnceLock};
 
-use bevy::tasks::{TaskPool, TaskPoolBuilder, available_parallelism};
+use bevy::tasks::{TaskPool, TaskPoolBuilder};
 
 use crate::bevy::tag::settings::BudgetSettings;
 
 /// More would take memory bandwidth from the game rather than end sooner.
 const MOST_THREADS: usize = 4;
 
-/// Threads for decompositions.
+/// Threads, or workers, for decompositions.
 pub(super) fn decomposition_threads(budget: &BudgetSettings) -> usize {
     // Looking it up reads files.
     static DEFAULT: OnceLock<usize> = OnceLock::new();
     match budget.threads {
-        0 => *DEFAULT.get_or_init(|| (available_parallelism() / 2).clamp(1, MOST_THREADS)),
+        0 => *DEFAULT.get_or_init(|| (processors() / 2).clamp(1, MOST_THREADS)),
         threads => threads,
     }
 }
+
+#[cfg(not(target_arch = "wasm32"))]
+fn processors() -> usize {
+    bevy::tasks::available_parallelism()
+}
+
+#[cfg(target_arch = "wasm32")]
+use super::worker::processors;
 
 /// The pool, made at its first use, and anew when the number of threads in the settings changes. Work that began on the
 /// old one ends there.

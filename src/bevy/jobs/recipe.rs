@@ -34,6 +34,13 @@ impl AssetLoader for HullRecipeLoader {
     ) -> Result<BakedScene, LoadHullsError> {
         let mut bytes = Vec::new();
         reader.read_to_end(&mut bytes).await?;
+        // Elsewhere it is read in the background.
+        #[cfg(target_arch = "wasm32")]
+        log::warn!(
+            "{}: frames wait while a recipe's scene is decomposed; ship the `.hullscene` that \
+             `hullwright bake` makes",
+            context.path()
+        );
         Ok(BakedScene::new(bake(&bytes, context).await?))
     }
 

@@ -13,6 +13,8 @@ use bevy_rapier3d::rapier::math::{Pose, Vector};
 use super::baked::SceneGeometry;
 use super::cache::{BuiltCollider, ColliderGeometry, DiskCache, GeometryCache, WorkClaim};
 use super::request::{ContentKey, MapKey, MeshData};
+#[cfg(target_arch = "wasm32")]
+use super::worker;
 use crate::bevy::tag::outcomes::{DecompositionError, HullSource};
 use crate::bevy::tag::parameters::{Goal, PrimitiveKind};
 use crate::bevy::tag::settings::HullwrightSettings;
@@ -62,14 +64,24 @@ pub(super) struct DecompositionTask {
     memory_bytes: usize,
     disk_cache: Option<DiskCache>,
     primitives: bool,
+    /// The folder of the files for workers, if one is to do it.
+    #[cfg(target_arch = "wasm32")]
+    worker: Option<(String, SharedProgress)>,
 }
 
 struct MeshInProgress {
-    decomposer: Decomposer<MethodReport>,
+    place: Place,
     method: Method,
     data: MeshData,
     key: ContentKey,
     claim: WorkClaim,
+}
+
+/// Where a mesh is decomposed.
+enum Place {
+    Here(Decomposer<MethodReport>),
+    #[cfg(target_arch = "wasm32")]
+    InWorker(worker::Call),
 }
 
 impl DecompositionTask {
@@ -81,7 +93,32 @@ impl DecompositionTask {
     ) -> Self {
         let disk_cache = cache.on_disk(settings);
         let (memory_bytes, primitives) = (settings.cache.memory_bytes, settings.primitives);
-        Self { input: Some(input), work: None, map, cache, memory_bytes, disk_cache, primitives }
+        Self {
+            input: Some(input),
+            work: None,
+            map,
+            cache,
+            memory_bytes,
+            disk_cache,
+            primitives,
+            #[cfg(target_arch = "wasm32")]
+            worker: None,
+        }
+    }
+
+    /// The same, but decomposed in a worker if there is one.
+    #[cfg(target_arch = "wasm32")]
+    pub(super) fn in_worker(mut self, folder: &str, progress: SharedProgress) -> Self {
+        self.worker = Some((folder.to_owned(), progress));
+        self
+    }
+
+    /// Whether a step does no more than ask.
+    pub(super) fn awaits_worker(&self) -> bool {
+        #[cfg(target_arch = "wasm32")]
+        return self.work.as_ref().is_some_and(|work| matches!(work.place, Place::InWorker(_)));
+        #[cfg(not(target_arch = "wasm32"))]
+        false
     }
 
     /// Runs to the end, and lets other tasks of the thread run between its steps.
@@ -104,7 +141,7 @@ impl DecompositionTask {
                 self.build(key, geometry, source)
             }
             Some(TaskInput::Mesh { data, goal, baked }) => self.start(data, &goal, baked, control),
-            None => self.decompose(),
+            None => self.decompose(control),
         })
     }
 
@@ -137,25 +174,61 @@ impl DecompositionTask {
                 if let Some(file) = self.disk_cache.as_ref().and_then(|cache| cache.read(key)) {
                     return self.build(key, ColliderGeometry::of_hulls(file), HullSource::Disk);
                 }
-                let (decomposer, method) =
-                    (method.decomposer(data.view(), control)?, method.clone());
-                self.work = Some(MeshInProgress { decomposer, method, data, key, claim });
+                let place = self.place(&data, method, control)?;
+                let method = method.clone();
+                self.work = Some(MeshInProgress { place, method, data, key, claim });
                 return Ok(None);
             }
         };
         self.build(key, geometry, HullSource::Decomposed)
     }
 
-    fn decompose(&mut self) -> StepResult {
+    fn place(
+        &self,
+        data: &MeshData,
+        method: &Method,
+        control: &Control,
+    ) -> Result<Place, DecompositionError> {
+        #[cfg(target_arch = "wasm32")]
+        if let (Some((folder, progress)), Method::Bounded(parameters)) = (&self.worker, method) {
+            let parameters = parameters.to_string();
+            let progress = progress.clone();
+            let heard = move |fraction| progress.set(fraction);
+            if let Some(call) = worker::Call::start(folder, data, parameters, heard) {
+                return Ok(Place::InWorker(call));
+            }
+        }
+        Ok(Place::Here(method.decomposer(data.view(), control)?))
+    }
+
+    fn decompose(&mut self, _control: &Control) -> StepResult {
         let mut work = self.work.take().ok_or(Error::Finished)?;
-        let Some(decomposition) = work.decomposer.step()? else {
+        let file = match &mut work.place {
+            Place::Here(decomposer) => match decomposer.step()? {
+                None => None,
+                Some(decomposition) => {
+                    let (data, solid) = (work.data.view(), work.method.solid());
+                    let mass = mass_properties_with(data, &decomposition.hulls, 1.0, &solid)?;
+                    Some(HullsFile::new("", &decomposition).with_mass_properties(mass))
+                }
+            },
+            #[cfg(target_arch = "wasm32")]
+            Place::InWorker(call) => match call.answer() {
+                worker::Answer::Pending => None,
+                worker::Answer::Hulls(file) => Some(*file),
+                worker::Answer::Trapped => return Err(DecompositionError::Panicked),
+                // An error is the same here, and has its type.
+                worker::Answer::Refused => {
+                    work.place = Place::Here(work.method.decomposer(work.data.view(), _control)?);
+                    None
+                }
+            },
+        };
+        let Some(file) = file else {
             self.work = Some(work);
             return Ok(None);
         };
-        let MeshInProgress { data, key, claim, method, .. } = work;
-        let hulls = &decomposition.hulls;
-        let mass = mass_properties_with(data.view(), hulls, 1.0, &method.solid())?;
-        let file = HullsFile::new("", &decomposition).with_mass_properties(mass);
+        let MeshInProgress { key, claim, .. } = work;
         if let Some(cache) = &self.disk_cache {
             cache.write(key, &file);
         }
@@ -315,6 +388,11 @@ impl SharedProgress {
         Control::new().with_parallel(false).with_progress(move |progress| {
             cell.store(progress.fraction.to_bits(), Ordering::Relaxed)
         })
+    }
+
+    #[cfg(target_arch = "wasm32")]
+    pub(super) fn set(&self, fraction: f32) {
+        self.0.store(fraction.to_bits(), Ordering::Relaxed);
     }
 
     pub(super) fn get(&self) -> f32 {

@@ -63,10 +63,13 @@ pub struct HullwrightSettings {
 #[reflect(Default, Clone, PartialEq)]
 #[type_path = "hullwright"]
 pub struct BudgetSettings {
-    /// Where the work is done. Default: in the background where there are threads.
+    /// Where the work is done. Default: in the background where there are threads, and in workers in a browser.
     pub execution: Execution,
-    /// Threads of the plugin's own, for work in the background; 0 for half of the processor's, from 1 to 4. One more is
-    /// for what takes no decomposition. They have a lower priority than the game's where the platform has that.
+    /// The address of the folder with the files for workers, relative to the page: `worker-core.js` and
+    /// `hullwright-core.wasm` of the npm package. Read when the first mesh is decomposed in one. Default `hullwright`.
+    pub worker_folder: String,
+    /// Threads of the plugin's own for work in the background, or workers; 0 for half of the processor's, from 1 to 4. One
+    /// more thread is for what takes no decomposition. They have a lower priority than the game's where the platform has that.
     /// Default 0.
     pub threads: usize,
     /// Most decompositions at once; 0 for one for each of the threads. What takes none does not count. Default 0.
@@ -141,6 +144,20 @@ pub enum Execution {
     /// of the decomposition, or one resolution or threshold of the paper's method, so a frame may
     /// take longer than its budget.
     Slices,
+    /// In a browser: decompositions in Web Workers, which run the module of the npm package from
+    /// [`BudgetSettings::worker_folder`], all else in slices. A panic ends a worker, not the game. Without the files, and
+    /// for the paper's method, as [`Slices`](Self::Slices); elsewhere as [`Background`](Self::Background).
+    Worker,
+}
+
+impl Execution {
+    /// What it is on this platform.
+    pub(crate) fn here(self) -> Self {
+        match self {
+            Self::Worker if cfg!(not(target_arch = "wasm32")) => Self::Background,
+            other => other,
+        }
+    }
 }
 
 /// Room for some 1,700 meshes of ten hulls: a hull of 24 vertices takes about 4 kB with its shape.
@@ -186,7 +203,8 @@ impl Default for BudgetSettings {
     fn default() -> Self {
         let has_threads = !cfg!(target_arch = "wasm32");
         Self {
-            execution: if has_threads { Execution::Background } else { Execution::Slices },
+            execution: if has_threads { Execution::Background } else { Execution::Worker },
+            worker_folder: "hullwright".into(),
             threads: 0,
             max_jobs: 0,
             frame_time: if has_threads { DEFAULT_FRAME_TIME } else { FRAME_TIME_WITHOUT_THREADS },
