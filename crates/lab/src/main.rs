@@ -48,7 +48,6 @@ struct CommandLine {
 enum Command {
     Bench(bench::Arguments),
     Sweep(sweep::Arguments),
-    Corpus(sweep::CorpusArguments),
     Stability(stability::Arguments),
     Targets(targets::Arguments),
     Paper(paper::Arguments),
@@ -69,7 +68,6 @@ fn main() -> ExitCode {
     let result = match command {
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Sweep(arguments) => sweep::run(&arguments),
-        Command::Corpus(arguments) => sweep::corpus(&arguments),
         Command::Stability(arguments) => stability::run(&arguments),
         Command::Targets(arguments) => targets::run(&arguments),
         Command::Paper(arguments) => paper::run(&arguments),

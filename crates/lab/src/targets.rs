@@ -100,7 +100,7 @@ struct Pair {
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let limits = limits(LIMITS.0, LIMITS.1)?;
-    let mut session = match &arguments.output {
+    let session = match &arguments.output {
         Some(output) => Session::open(output, limits)?,
         None => Session::temporary(limits)?,
     };
