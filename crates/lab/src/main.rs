@@ -6,6 +6,8 @@
 mod assets;
 mod bench;
 mod burst;
+mod concavity;
+mod floor;
 mod gallery;
 mod hacd;
 mod harness;
@@ -55,6 +57,8 @@ enum Command {
     Openings(openings::Arguments),
     Identical(identical::Arguments),
     Reach(reach::Arguments),
+    Floor(floor::Arguments),
+    Concavity(concavity::Arguments),
     Stages(stages::Arguments),
     Gallery(gallery::Arguments),
     Pictures(pictures::Arguments),
@@ -75,6 +79,8 @@ fn main() -> ExitCode {
         Command::Openings(arguments) => openings::run(&arguments),
         Command::Identical(arguments) => identical::run(&arguments),
         Command::Reach(arguments) => reach::run(&arguments),
+        Command::Floor(arguments) => floor::run(&arguments),
+        Command::Concavity(arguments) => concavity::run(&arguments),
         Command::Stages(arguments) => stages::run(&arguments),
         Command::Gallery(arguments) => gallery::run(&arguments),
         Command::Pictures(arguments) => pictures::run(&arguments),

@@ -74,7 +74,7 @@ const JUDGE: Judge = Judge {
 };
 
 /// Of meshes that are damaged or random, of which there are most. Corners and middles come on top.
-const QUICK_JUDGE: Judge = Judge { surface_samples: 4000, volume_samples: 2000, ..JUDGE };
+const QUICK_JUDGE: Judge = Judge { surface_samples: 2000, volume_samples: 2000, ..JUDGE };
 
 /// Damaged copies of larger meshes would take most of the time, and show nothing that small ones do not.
 const MOST_DAMAGED: usize = 100_000;
@@ -104,6 +104,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let seconds = arguments.seconds;
     let mut tables = summary::tables(&rows, seconds);
     tables.extend(before.map(|before| changes::table(&before, &rows, seconds)));
+    let samples = |of: fn(&Row) -> Option<usize>| rows.iter().filter_map(of).sum::<usize>();
     let words = vec![
         format!(
             "{} meshes, each in a process of its own, with the default parameters, on one thread; those above \
@@ -113,13 +114,16 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             limits.time.as_secs_f64(),
             limits.memory >> 20,
         ),
-        "A hull is sound if it is closed, convex and has volume, in single precision, as a physics engine gets \
-         it, by exact predicates. A mesh is beyond the bound if more was verified than the bound, or more is found \
-         than was verified: by samples with distances and winding numbers that share no code with the library's, \
-         hull by hull, or by `measure`."
-            .into(),
+        format!(
+            "A hull is sound if it is closed, convex and has volume, in single precision, as a physics engine gets it, \
+             by exact predicates. A mesh is beyond the bound if more was verified than the bound, or more is found than \
+             was verified: by samples with distances and winding numbers that share no code with the library's, hull \
+             by hull, or by `measure`. Of {} samples, whether {} are inside was not decided in time.",
+            samples(|row| row.samples),
+            samples(|row| row.undecided_samples),
+        ),
     ];
-    for table in &tables {
+    for table in tables.iter().filter(|table| !table.rows.is_empty()) {
         print(&format!("\n{}", table.to_markdown()))?;
     }
     let (title, name) = ("Sweep", "sweep");
