@@ -23,8 +23,8 @@ use crate::solid::centre;
 /// which compares all patches, takes seconds and gigabytes.
 const MOST_PIECES: usize = COARSE / 2;
 
-/// Such pieces are joined where they are nearer than about this share of the bound. What is made of them represents the
-/// source all the same.
+/// Such pieces are joined where they are nearer than about this share of the bound, or twice that until they are few
+/// enough, but not beyond the bound. What is made of them represents the source all the same.
 const CRACK: f64 = 0.1;
 
 /// The mesh, and the surface that its triangles represent.
@@ -88,7 +88,7 @@ impl PatchMesh {
         }
         if prepared.closed.len() > MOST_PIECES {
             let (joined, components) =
-                without_cracks(source, source_components, CRACK * settings.bound.verified());
+                without_cracks(source, source_components, settings.bound.verified());
             simplified = simplify(&joined, &components, settings.triangles, control)?;
             control.check()?;
         }
@@ -182,13 +182,25 @@ impl PatchMesh {
     }
 }
 
-/// The same triangles, with vertices in the same cell of a lattice as one, and their components: what is connected by
-/// then gets the label of its first triangle. O(n log n).
+/// The surface of pieces that are joined across cracks.
 fn without_cracks(
     source: &TriangleMesh,
     components: &[u32],
-    size: f64,
+    bound: f64,
 ) -> (TriangleMesh, Vec<u32>) {
+    let mut size = CRACK * bound;
+    loop {
+        let (mesh, labels, pieces) = joined(source, components, size);
+        size *= 2.0;
+        if pieces <= MOST_PIECES || size > bound {
+            return (mesh, labels);
+        }
+    }
+}
+
+/// The same triangles, with vertices in the same cell of a lattice as one, their components, and how many there are: what
+/// is connected by then gets the label of its first triangle. O(n log n).
+fn joined(source: &TriangleMesh, components: &[u32], size: f64) -> (TriangleMesh, Vec<u32>, usize) {
     let cell = |vertex: u32| {
         let place = source.points()[vertex as usize] / size;
         place.to_array().map(|x| x.floor() as i64)
@@ -226,13 +238,16 @@ fn without_cracks(
         }
     }
     let mut of_root = vec![u32::MAX; first.len()];
+    let mut pieces = 0;
     let components = joined.triangles.iter().zip(labels).map(|(triangle, label)| {
         let own = &mut of_root[root(&mut parents, triangle[0]) as usize];
-        *own = (*own).min(label);
+        if *own == u32::MAX {
+            (*own, pieces) = (label, pieces + 1);
+        }
         *own
     });
     let components = components.collect();
-    (joined, components)
+    (joined, components, pieces)
 }
 
 /// For each part of refined triangles what it represents: the first part of a triangle all of it,
