@@ -34,7 +34,7 @@ pub fn is_over(row: &Row, seconds: f64) -> bool {
 
 type Groups<'a> = Vec<(String, Vec<&'a Row>)>;
 
-fn those<'a>(rows: &'a [Row], is: impl Fn(&Row) -> bool) -> Vec<&'a Row> {
+fn those(rows: &[Row], is: impl Fn(&Row) -> bool) -> Vec<&Row> {
     rows.iter().filter(|row| is(row)).collect()
 }
 
