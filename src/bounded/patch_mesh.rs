@@ -23,9 +23,11 @@ use crate::solid::centre;
 /// which compares all patches, takes seconds and gigabytes.
 const MOST_PIECES: usize = COARSE / 2;
 
-/// Such pieces are joined where they are nearer than about this share of the bound, or twice that until they are few
-/// enough, but not beyond the bound. What is made of them represents the source all the same.
+/// Such pieces are joined where they are nearer than about this share of the bound, or twice that and so on until
+/// simplification leaves no more than so many times what it was asked for: it removes nothing around vertices where joined
+/// pieces cross. What is made of them represents the source all the same.
 const CRACK: f64 = 0.1;
+const MOST_OVER_TARGET: usize = 2;
 
 /// The mesh, and the surface that its triangles represent.
 pub(crate) struct PatchMesh {
@@ -87,10 +89,22 @@ impl PatchMesh {
             control.check()?;
         }
         if prepared.closed.len() > MOST_PIECES {
-            let (joined, components) =
-                without_cracks(source, source_components, settings.bound.verified());
-            simplified = simplify(&joined, &components, settings.triangles, control)?;
-            control.check()?;
+            let mut size = CRACK * settings.bound.verified();
+            while simplified.mesh.triangles.len() > MOST_OVER_TARGET * settings.triangles {
+                let (joined, labels) = joined(source, source_components, size);
+                // Far apart and small, they all vanish at once.
+                if joined.triangles.is_empty() {
+                    break;
+                }
+                match simplify(&joined, &labels, settings.triangles, control) {
+                    Ok(fewer) => simplified = fewer,
+                    // Many pieces that cross take the simplifier too long.
+                    Err(Error::Simplification { .. }) => {}
+                    Err(error) => return Err(error),
+                }
+                control.check()?;
+                size *= 2.0;
+            }
         }
         let mut mesh = simplified.mesh;
         let origins = refine(&mut mesh, settings.bound.longest_edge());
@@ -182,25 +196,9 @@ impl PatchMesh {
     }
 }
 
-/// The surface of pieces that are joined across cracks.
-fn without_cracks(
-    source: &TriangleMesh,
-    components: &[u32],
-    bound: f64,
-) -> (TriangleMesh, Vec<u32>) {
-    let mut size = CRACK * bound;
-    loop {
-        let (mesh, labels, pieces) = joined(source, components, size);
-        size *= 2.0;
-        if pieces <= MOST_PIECES || size > bound {
-            return (mesh, labels);
-        }
-    }
-}
-
-/// The same triangles, with vertices in the same cell of a lattice as one, their components, and how many there are: what
-/// is connected by then gets the label of its first triangle. O(n log n).
-fn joined(source: &TriangleMesh, components: &[u32], size: f64) -> (TriangleMesh, Vec<u32>, usize) {
+/// The same triangles, with vertices in the same cell of a lattice as one, and their components: what is connected by then
+/// gets the label of its first triangle. O(n log n).
+fn joined(source: &TriangleMesh, components: &[u32], size: f64) -> (TriangleMesh, Vec<u32>) {
     let cell = |vertex: u32| {
         let place = source.points()[vertex as usize] / size;
         place.to_array().map(|x| x.floor() as i64)
@@ -238,16 +236,13 @@ fn joined(source: &TriangleMesh, components: &[u32], size: f64) -> (TriangleMesh
         }
     }
     let mut of_root = vec![u32::MAX; first.len()];
-    let mut pieces = 0;
     let components = joined.triangles.iter().zip(labels).map(|(triangle, label)| {
         let own = &mut of_root[root(&mut parents, triangle[0]) as usize];
-        if *own == u32::MAX {
-            (*own, pieces) = (label, pieces + 1);
-        }
+        *own = (*own).min(label);
         *own
     });
     let components = components.collect();
-    (joined, components, pieces)
+    (joined, components)
 }
 
 /// For each part of refined triangles what it represents: the first part of a triangle all of it,
