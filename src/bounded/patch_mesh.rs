@@ -24,10 +24,9 @@ use crate::solid::centre;
 const MOST_PIECES: usize = COARSE / 2;
 
 /// Such pieces are joined where they are nearer than about this share of the bound, or twice that and so on until
-/// simplification leaves no more than so many times what it was asked for: it removes nothing around vertices where joined
-/// pieces cross. What is made of them represents the source all the same.
+/// simplification leaves no more than it was asked for: it removes nothing around vertices where joined pieces cross. What
+/// is made of them represents the source all the same.
 const CRACK: f64 = 0.1;
-const MOST_OVER_TARGET: usize = 2;
 
 /// The mesh, and the surface that its triangles represent.
 pub(crate) struct PatchMesh {
@@ -90,7 +89,7 @@ impl PatchMesh {
         }
         if prepared.closed.len() > MOST_PIECES {
             let mut size = CRACK * settings.bound.verified();
-            while simplified.mesh.triangles.len() > MOST_OVER_TARGET * settings.triangles {
+            while simplified.mesh.triangles.len() > settings.triangles {
                 let (joined, labels) = joined(source, source_components, size);
                 // Far apart and small, they all vanish at once.
                 if joined.triangles.is_empty() {
@@ -264,28 +263,36 @@ mod tests {
     use crate::mesh::shapes::uv_sphere;
     use crate::parameters::Parameters;
 
-    #[test]
-    fn a_surface_in_pieces_is_joined_before_it_is_divided() {
-        let whole = uv_sphere(60, [0.0; 3], 0.5);
-        // Each triangle by itself, a thousandth smaller than the gap it came from.
+    /// A sphere each of whose triangles is by itself, a thousandth smaller.
+    fn in_pieces(slices: u32) -> TriangleMesh {
+        let whole = uv_sphere(slices, [0.0; 3], 0.5);
         let positions = whole.triangles.iter().flat_map(|triangle| {
             let corners = triangle.map(|vertex| Vector::from(whole.positions[vertex as usize]));
             corners.map(|corner| corner.lerp(centre(corners), 1e-3).into())
         });
         let count = whole.triangles.len() as u32;
         let triangles = (0..count).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]);
-        let pieces = TriangleMesh::new(positions.collect(), triangles.collect());
+        TriangleMesh::new(positions.collect(), triangles.collect())
+    }
+
+    #[test]
+    fn a_surface_in_pieces_is_joined_before_it_is_divided() {
         let control = Control::new();
-        let prepared = prepare(pieces.view(), MeshOrder::Place, &control).unwrap();
-        assert_eq!(prepared.closed.len(), pieces.triangles.len());
         let settings = &Settings::of_preset(&Parameters::default(), &Normalization::UNIT)[0];
-        let divided = PatchMesh::new(&prepared, None, settings, &control).unwrap();
-        assert!(divided.mesh.triangles.len() <= 2 * settings.triangles);
-        let mut components = divided.components;
-        components.sort_unstable();
-        components.dedup();
-        assert!(components.len() < 100, "{}", components.len());
-        // All of the source is represented.
-        assert_eq!(divided.represented.concat().len(), divided.surface.triangles.len());
+        // A little more than what simplification is asked for, and much more.
+        for slices in [40, 60] {
+            let pieces = in_pieces(slices);
+            assert!(pieces.triangles.len() > settings.triangles);
+            let prepared = prepare(pieces.view(), MeshOrder::Place, &control).unwrap();
+            assert_eq!(prepared.closed.len(), pieces.triangles.len());
+            let divided = PatchMesh::new(&prepared, None, settings, &control).unwrap();
+            assert!(divided.mesh.triangles.len() <= 2 * settings.triangles);
+            let mut components = divided.components;
+            components.sort_unstable();
+            components.dedup();
+            assert!(components.len() < 100, "{}", components.len());
+            // All of the source is represented.
+            assert_eq!(divided.represented.concat().len(), divided.surface.triangles.len());
+        }
     }
 }
