@@ -19,6 +19,15 @@ use crate::mesh::{PreparedMesh, TriangleMesh};
 use crate::solid::COARSE;
 use crate::solid::centre;
 
+/// Simplification joins nothing, and each component is a patch or more. Of a surface in more pieces than this the search,
+/// which compares all patches, takes seconds and gigabytes.
+const MOST_PIECES: usize = COARSE / 2;
+
+/// Such pieces are joined where they are nearer than about this share of the bound, or twice that and so on until
+/// simplification leaves no more than it was asked for: it removes nothing around vertices where joined pieces cross. What
+/// is made of them represents the source all the same.
+const CRACK: f64 = 0.1;
+
 /// The mesh, and the surface that its triangles represent.
 pub(crate) struct PatchMesh {
     pub mesh: TriangleMesh,
@@ -77,6 +86,24 @@ impl PatchMesh {
         if simplified.error > settings.bound.verified() && settings.triangles < COARSE {
             simplified = simplify(source, source_components, COARSE, control)?;
             control.check()?;
+        }
+        if prepared.closed.len() > MOST_PIECES {
+            let mut size = CRACK * settings.bound.verified();
+            while simplified.mesh.triangles.len() > settings.triangles {
+                let (joined, labels) = joined(source, source_components, size);
+                // Far apart and small, they all vanish at once.
+                if joined.triangles.is_empty() {
+                    break;
+                }
+                match simplify(&joined, &labels, settings.triangles, control) {
+                    Ok(fewer) => simplified = fewer,
+                    // Many pieces that cross take the simplifier too long.
+                    Err(Error::Simplification { .. }) => {}
+                    Err(error) => return Err(error),
+                }
+                control.check()?;
+                size *= 2.0;
+            }
         }
         let mut mesh = simplified.mesh;
         let origins = refine(&mut mesh, settings.bound.longest_edge());
@@ -168,6 +195,55 @@ impl PatchMesh {
     }
 }
 
+/// The same triangles, with vertices in the same cell of a lattice as one, and their components: what is connected by then
+/// gets the label of its first triangle. O(n log n).
+fn joined(source: &TriangleMesh, components: &[u32], size: f64) -> (TriangleMesh, Vec<u32>) {
+    let cell = |vertex: u32| {
+        let place = source.points()[vertex as usize] / size;
+        place.to_array().map(|x| x.floor() as i64)
+    };
+    let mut cells: Vec<([i64; 3], u32)> =
+        (0..source.positions.len() as u32).map(|vertex| (cell(vertex), vertex)).collect();
+    cells.sort_unstable();
+    let mut first = vec![0; cells.len()];
+    for same in cells.chunk_by(|a, b| a.0 == b.0) {
+        same.iter().for_each(|&(_, vertex)| first[vertex as usize] = same[0].1);
+    }
+    let mut joined = source.clone();
+    joined.triangles = source.triangles.iter().map(|t| t.map(|v| first[v as usize])).collect();
+    let is_kept: Vec<bool> =
+        joined.triangles.iter().map(|&[a, b, c]| a != b && b != c && c != a).collect();
+    let mut kept = is_kept.iter();
+    joined.triangles.retain(|_| kept.next() == Some(&true));
+    let labels = components.iter().zip(&is_kept).filter(|(_, is_kept)| **is_kept);
+    let labels: Vec<u32> = labels.map(|(&label, _)| label).collect();
+
+    // Each vertex points toward a triangle's first vertex, the root of its component.
+    let mut parents: Vec<u32> = (0..first.len() as u32).collect();
+    let root = |parents: &mut [u32], mut vertex: u32| {
+        while parents[vertex as usize] != vertex {
+            let next = parents[parents[vertex as usize] as usize];
+            parents[vertex as usize] = next;
+            vertex = next;
+        }
+        vertex
+    };
+    for &[a, b, c] in &joined.triangles {
+        for other in [b, c] {
+            let [a, other] = [a, other].map(|vertex| root(&mut parents, vertex));
+            parents[a.max(other) as usize] = a.min(other);
+        }
+    }
+    let mut of_root = vec![u32::MAX; first.len()];
+    let components = joined.triangles.iter().zip(labels).map(|(triangle, label)| {
+        let own = &mut of_root[root(&mut parents, triangle[0]) as usize];
+        *own = (*own).min(label);
+        *own
+    });
+    let components = components.collect();
+    (joined, components)
+}
+
 /// For each part of refined triangles what it represents: the first part of a triangle all of it,
 /// the others nothing. Parts of the same origin follow each other.
 fn first_parts(origins: &[u32]) -> Vec<Vec<u32>> {
@@ -177,4 +253,46 @@ fn first_parts(origins: &[u32]) -> Vec<Vec<u32>> {
         if is_first { vec![origin] } else { Vec::new() }
     });
     represented.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::canonical_order::MeshOrder;
+    use crate::mesh::repair::{Normalization, prepare};
+    use crate::mesh::shapes::uv_sphere;
+    use crate::parameters::Parameters;
+
+    /// A sphere each of whose triangles is by itself, a thousandth smaller.
+    fn in_pieces(slices: u32) -> TriangleMesh {
+        let whole = uv_sphere(slices, [0.0; 3], 0.5);
+        let positions = whole.triangles.iter().flat_map(|triangle| {
+            let corners = triangle.map(|vertex| Vector::from(whole.positions[vertex as usize]));
+            corners.map(|corner| corner.lerp(centre(corners), 1e-3).into())
+        });
+        let count = whole.triangles.len() as u32;
+        let triangles = (0..count).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]);
+        TriangleMesh::new(positions.collect(), triangles.collect())
+    }
+
+    #[test]
+    fn a_surface_in_pieces_is_joined_before_it_is_divided() {
+        let control = Control::new();
+        let settings = &Settings::of_preset(&Parameters::default(), &Normalization::UNIT)[0];
+        // A little more than what simplification is asked for, and much more.
+        for slices in [40, 60] {
+            let pieces = in_pieces(slices);
+            assert!(pieces.triangles.len() > settings.triangles);
+            let prepared = prepare(pieces.view(), MeshOrder::Place, &control).unwrap();
+            assert_eq!(prepared.closed.len(), pieces.triangles.len());
+            let divided = PatchMesh::new(&prepared, None, settings, &control).unwrap();
+            assert!(divided.mesh.triangles.len() <= 2 * settings.triangles);
+            let mut components = divided.components;
+            components.sort_unstable();
+            components.dedup();
+            assert!(components.len() < 100, "{}", components.len());
+            // All of the source is represented.
+            assert_eq!(divided.represented.concat().len(), divided.surface.triangles.len());
+        }
+    }
 }

@@ -26,6 +26,9 @@ const AREA_TOLERANCE: f64 = 1e-6;
 /// flatness.
 const SAME_PLANE: f64 = 0.995;
 
+/// Of more loops none is looked for in another: that takes seconds, and it is a surface in pieces, which stays open.
+const MOST_PAIRED: usize = 4096;
+
 /// Corners nearer to the plane than this fraction of the diagonal lie in it: the rounding of single precision and
 /// welding stay below.
 const IN_PLANE: f64 = 1e-5;
@@ -64,7 +67,8 @@ pub(super) struct LoopPlane {
     deviation: f64,
 }
 
-/// What fills each loop. `flatness` is a fraction of the diagonal. O(l²) for l flat loops, and their triangulation.
+/// What fills each loop. `flatness` is a fraction of the diagonal. O(l²) for l flat loops up to [`MOST_PAIRED`], and
+/// their triangulation.
 pub(super) fn fill_loops(positions: &[Vector], loops: &[Loop], flatness: f64) -> Vec<LoopFill> {
     let points_of = |found: &Loop| -> Vec<Vector> {
         found.vertices.iter().map(|&vertex| positions[vertex as usize]).collect()
@@ -87,11 +91,20 @@ pub(super) fn fill_loops(positions: &[Vector], loops: &[Loop], flatness: f64) ->
         }
         planes.push(is_flat.then_some(plane));
     }
-    let outer = outer_loops(&points, &planes, flatness);
+    let outer = match loops.len() <= MOST_PAIRED {
+        true => outer_loops(&points, &planes, flatness),
+        false => vec![None; loops.len()],
+    };
+    let mut holes: Vec<Vec<usize>> = vec![Vec::new(); loops.len()];
+    for (inner, outer) in outer.iter().enumerate() {
+        if let Some(outer) = outer {
+            holes[*outer].push(inner);
+        }
+    }
     for (loop_index, plane) in planes.iter().enumerate() {
         let Some(plane) = plane.as_ref().filter(|_| outer[loop_index].is_none()) else { continue };
         let mut own = vec![loop_index];
-        own.extend((0..loops.len()).filter(|&inner| outer[inner] == Some(loop_index)));
+        own.append(&mut holes[loop_index]);
         let cap = triangulate(plane, own, loops, &points);
         found.push(cap.map_or(left(loop_index, OpeningOutcome::NotSimple), LoopFill::Cap));
     }

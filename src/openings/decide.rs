@@ -188,9 +188,10 @@ impl Judge<'_> {
         if self.settings.openings != Openings::Auto {
             return Ok(());
         }
-        while capped.leave_seen(caps)? {}
+        let mut met = vec![None; caps.len()];
+        while capped.leave_seen(caps, &mut met)? {}
         capped.mark_within(caps)?;
-        while capped.leave_emptied(caps)? || capped.leave_seen(caps)? {}
+        while capped.leave_emptied(caps)? || capped.leave_seen(caps, &mut met)? {}
         Ok(())
     }
 
@@ -341,18 +342,56 @@ impl<'a> Capped<'a> {
         Ok(())
     }
 
-    /// Leaves caps through which something is seen with all others closed. Whether there were any.
-    fn leave_seen(&self, caps: &mut [JudgedCap]) -> Result<bool, Error> {
-        let surface = self.surface();
+    /// Leaves caps through which something is seen with all others closed. Whether there were any. `met` keeps
+    /// [`Capped::met_from`] of each cap from call to call: rays that met only caps which are still closed see what they
+    /// saw, and with thousands of openings most of the time would be theirs.
+    fn leave_seen(
+        &self,
+        caps: &mut [JudgedCap],
+        met: &mut [Option<Vec<usize>>],
+    ) -> Result<bool, Error> {
         let is_closed: Vec<bool> = caps.iter().map(|(_, outcome)| outcome.is_closed()).collect();
-        let positions = self.judge.positions();
-        self.judge.update(caps, |index, (cap, _)| {
-            let counts =
-                |t: u32| self.cap_of(t).is_none_or(|owner| owner != index && is_closed[owner]);
-            let is_seen =
-                is_closed[index] && is_seen_into(cap, positions, &self.bvh, surface, counts);
-            is_seen.then_some(OpeningOutcome::SeenInto)
-        })
+        let is_known = |met: &[usize]| met.iter().all(|&cap| is_closed[cap]);
+        let found = parallel::map_indices(caps.len(), |index| {
+            self.judge.control.check()?;
+            let is_left = !is_closed[index] || met[index].as_deref().is_some_and(is_known);
+            Ok((!is_left).then(|| self.met_from(index, &caps[index].0, &is_closed)))
+        });
+        let mut has_changed = false;
+        for (index, found) in found.into_iter().enumerate() {
+            let Some(found) = found? else { continue };
+            if found.is_none() {
+                (caps[index].1, has_changed) = (OpeningOutcome::SeenInto, true);
+            }
+            met[index] = found;
+        }
+        Ok(has_changed)
+    }
+
+    /// The other caps that rays from a cap inward meet. `None` if more than `MOST_SEEN` of them see a front, or a way out,
+    /// or more than `MOST_CAPPED` leave the solid through another cap.
+    fn met_from(&self, index: usize, cap: &Cap, is_closed: &[bool]) -> Option<Vec<usize>> {
+        let is_more =
+            |count: usize, share: f64| count as f64 > share * (POINTS * RAYS_PER_POINT) as f64;
+        let is_there =
+            |t: u32| self.cap_of(t).is_none_or(|owner| owner != index && is_closed[owner]);
+        let (mut seen, mut capped, mut met) = (0, 0, Vec::new());
+        for (number, point) in points(cap, self.judge.positions()).into_iter().enumerate() {
+            for ray in 0..RAYS_PER_POINT {
+                let direction = direction(cap, number * RAYS_PER_POINT + ray);
+                let meets = |t: u32| met.extend(self.cap_of(t));
+                match leaves_through(&self.bvh, [point, direction], is_there, meets) {
+                    None => seen += 1,
+                    Some(triangle) => capped += usize::from(self.cap_of(triangle).is_some()),
+                }
+            }
+            if is_more(seen, MOST_SEEN) || is_more(capped, MOST_CAPPED) {
+                return None;
+            }
+        }
+        met.sort_unstable();
+        met.dedup();
+        Some(met)
     }
 
     /// Separates caps within the solid from those on it.
@@ -415,46 +454,20 @@ fn is_solid_beyond(
     inside > outside
 }
 
-/// Whether more than `MOST_SEEN` of the rays from a cap inward see a front, or a way out, or more than
-/// `MOST_CAPPED` leave the solid through another cap. Triangles from index `surface` on are caps; `counts`
-/// says which triangles are there.
-fn is_seen_into(
-    cap: &Cap,
-    positions: &[Vector],
-    bvh: &Bvh,
-    surface: usize,
-    counts: impl Fn(u32) -> bool,
-) -> bool {
-    let is_more =
-        |count: usize, share: f64| count as f64 > share * (POINTS * RAYS_PER_POINT) as f64;
-    let (mut seen, mut capped) = (0, 0);
-    for (index, point) in points(cap, positions).into_iter().enumerate() {
-        for ray in 0..RAYS_PER_POINT {
-            let direction = direction(cap, index * RAYS_PER_POINT + ray);
-            match leaves_through(bvh, point, direction, &counts) {
-                None => seen += 1,
-                Some(triangle) => capped += usize::from(triangle as usize >= surface),
-            }
-        }
-        if is_more(seen, MOST_SEEN) || is_more(capped, MOST_CAPPED) {
-            return true;
-        }
-    }
-    false
-}
-
 /// Through which triangle a ray that starts in the solid leaves it, if it does: through one back more than
-/// fronts. A part of another solid that is stuck into this one shows its front, and then its own back.
+/// fronts. A part of another solid that is stuck into this one shows its front, and then its own back. `counts` says which
+/// triangles are there, and `meets` is called for those on the way.
 fn leaves_through(
     bvh: &Bvh,
-    origin: Vector,
-    direction: Vector,
+    [origin, direction]: [Vector; 2],
     counts: impl Fn(u32) -> bool,
+    mut meets: impl FnMut(u32),
 ) -> Option<u32> {
     let mut solids = 1;
     let mut start = START;
     for _ in 0..MOST_HITS {
         let hit = bvh.first_hit(origin, direction, start, |triangle, _| counts(triangle))?;
+        meets(hit.triangle);
         solids += if hit.is_back { -1 } else { 1 };
         if solids == 0 {
             return Some(hit.triangle);

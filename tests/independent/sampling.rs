@@ -11,8 +11,9 @@ use super::oracle::{Convex, Point, Triangle, cross, middle, minus, norm, winding
 /// Corners and middles are samples for this many of the surface's triangles, evenly spread.
 const MOST_TRIANGLES: usize = 20_000;
 
-/// Solid angles that are summed for one mesh: some seconds. Points beyond that stay undecided.
-const MOST_SOLID_ANGLES: usize = 100_000_000;
+/// Solid angles that are summed for each point that was asked for: 10,000 points take some seconds at most. Points
+/// beyond that stay undecided.
+const SOLID_ANGLES: usize = 10_000;
 
 /// As the library defines the inside.
 const INSIDE: f64 = 0.5;
@@ -99,7 +100,7 @@ fn protrusion(
         ..Sampled::default()
     };
     let is_open = is_open(indices);
-    let mut left = MOST_SOLID_ANGLES / solid.len().max(1);
+    let mut left = SOLID_ANGLES.saturating_mul(count) / solid.len().max(1);
     for Sample { point, distance, verified } in samples {
         // Only what is outside may change what is known so far.
         let beyond = distance - verified;
@@ -191,7 +192,7 @@ fn special_points(triangles: &[Triangle], every: usize) -> impl Iterator<Item = 
 }
 
 /// So many points for a unit of area, spread over triangles.
-fn spread(triangles: &[Triangle], density: f64) -> impl Iterator<Item = Point> + '_ {
+pub fn spread(triangles: &[Triangle], density: f64) -> impl Iterator<Item = Point> + '_ {
     // Shares of a triangle are those of the additive recurrence of the plastic number (Roberts 2018).
     const STEPS: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_3];
     let mut due = 0.0;

@@ -6,6 +6,8 @@
 mod assets;
 mod bench;
 mod burst;
+mod concavity;
+mod floor;
 mod gallery;
 mod hacd;
 mod harness;
@@ -48,7 +50,6 @@ struct CommandLine {
 enum Command {
     Bench(bench::Arguments),
     Sweep(sweep::Arguments),
-    Corpus(sweep::CorpusArguments),
     Stability(stability::Arguments),
     Targets(targets::Arguments),
     Paper(paper::Arguments),
@@ -56,6 +57,8 @@ enum Command {
     Openings(openings::Arguments),
     Identical(identical::Arguments),
     Reach(reach::Arguments),
+    Floor(floor::Arguments),
+    Concavity(concavity::Arguments),
     Stages(stages::Arguments),
     Gallery(gallery::Arguments),
     Pictures(pictures::Arguments),
@@ -69,7 +72,6 @@ fn main() -> ExitCode {
     let result = match command {
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Sweep(arguments) => sweep::run(&arguments),
-        Command::Corpus(arguments) => sweep::corpus(&arguments),
         Command::Stability(arguments) => stability::run(&arguments),
         Command::Targets(arguments) => targets::run(&arguments),
         Command::Paper(arguments) => paper::run(&arguments),
@@ -77,6 +79,8 @@ fn main() -> ExitCode {
         Command::Openings(arguments) => openings::run(&arguments),
         Command::Identical(arguments) => identical::run(&arguments),
         Command::Reach(arguments) => reach::run(&arguments),
+        Command::Floor(arguments) => floor::run(&arguments),
+        Command::Concavity(arguments) => concavity::run(&arguments),
         Command::Stages(arguments) => stages::run(&arguments),
         Command::Gallery(arguments) => gallery::run(&arguments),
         Command::Pictures(arguments) => pictures::run(&arguments),

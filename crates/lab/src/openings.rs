@@ -48,7 +48,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         draw(&cases::solids(), FROM_BELOW, &folder.join("opening-cases-solid.png"))?;
         return draw(&cases::hollows(), FROM_ABOVE, &folder.join("opening-cases-hollow.png"));
     }
-    let mut session = Session::temporary(limits(LIMITS.0, LIMITS.1)?)?;
+    let session = Session::temporary(limits(LIMITS.0, LIMITS.1)?)?;
     let task = |openings| {
         Task::new(Run::Bounded { error: 0.02, preset: Preset::Balanced, openings }, FULL)
     };

@@ -66,7 +66,7 @@ const LEAST_SECONDS: f64 = 0.02;
 const WORST: usize = 10;
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let mut session = Session::open(&arguments.output, limits(LIMITS.0, LIMITS.1)?)?;
+    let session = Session::open(&arguments.output, limits(LIMITS.0, LIMITS.1)?)?;
     let meshes = meshes::spread(meshes::find(&arguments.folders)?, arguments.meshes);
     let only = &arguments.only;
     let mut runs = [Run::bounded(0.02), Run::Surface].to_vec();

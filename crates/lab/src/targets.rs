@@ -88,8 +88,8 @@ const PROP: std::ops::RangeInclusive<usize> = 50..=2000;
 
 /// The bounds between which CoACD's number of hulls is looked for, as fractions of the diagonal, and how often
 /// the interval is halved, by its logarithm: to 3 %.
-const BOUNDS: [f64; 2] = [0.002, 0.06];
-const HALVINGS: usize = 7;
+pub const BOUNDS: [f64; 2] = [0.002, 0.06];
+pub const HALVINGS: usize = 7;
 
 /// Ours and theirs on one mesh.
 struct Pair {
@@ -100,7 +100,7 @@ struct Pair {
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let limits = limits(LIMITS.0, LIMITS.1)?;
-    let mut session = match &arguments.output {
+    let session = match &arguments.output {
         Some(output) => Session::open(output, limits)?,
         None => Session::temporary(limits)?,
     };
@@ -154,7 +154,7 @@ fn meshes_of(arguments: &Arguments) -> Result<Vec<(Mesh, Option<ToolResult>)>, F
 }
 
 /// The smallest bound found that ends with no more hulls than `most`.
-fn bound_of_hulls(mesh: &Mesh, most: usize) -> Result<f64, Failure> {
+pub fn bound_of_hulls(mesh: &Mesh, most: usize) -> Result<f64, Failure> {
     let file = read_mesh(&mesh.path)?;
     let [mut low, mut high] = BOUNDS;
     for _ in 0..=HALVINGS {

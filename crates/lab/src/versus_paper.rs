@@ -40,7 +40,7 @@ const JUDGE: Judge = Judge {
 };
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let mut session = Session::temporary(limits(LIMITS.0, LIMITS.1)?)?;
+    let session = Session::temporary(limits(LIMITS.0, LIMITS.1)?)?;
     let header = [
         "bound",
         "meshes",

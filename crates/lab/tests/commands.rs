@@ -147,43 +147,44 @@ fn what_is_measured_stands_under_the_names_of_the_manual() {
 }
 
 #[test]
-fn the_other_experiments_print_a_line_for_each_mesh() {
+fn stages_print_a_line_for_each_mesh() {
     let place = Place::new();
-    let mesh = format!("{}/l.obj", place.meshes);
-    for (arguments, expected) in
-        [(["stages", &mesh], "20 triangles"), (["corpus", &place.meshes], "of the bound")]
-    {
-        let output = lab(&arguments);
-        assert!(output.status.success(), "{arguments:?}: {}", errors(&output));
-        let shown = text(&output);
-        let line = shown.lines().find(|line| line.contains("l.obj")).expect(&shown);
-        assert!(line.contains(expected), "{line}");
-        // The last column counts broken promises.
-        let all = shown.lines().find(|line| line.starts_with("| all | 1 | 1 |"));
-        assert!(arguments[0] == "stages" || all.unwrap().ends_with("| 0 |"), "{shown}");
-    }
+    let output = lab(&["stages", &format!("{}/l.obj", place.meshes)]);
+    assert!(output.status.success(), "{}", errors(&output));
+    let shown = text(&output);
+    let line = shown.lines().find(|line| line.contains("l.obj")).expect(&shown);
+    assert!(line.contains("20 triangles"), "{line}");
 }
 
 #[test]
 fn a_sweep_tells_what_became_of_each_mesh_goes_on_and_says_what_has_changed() {
     let place = Place::new().with_a_broken_file();
-    place.run("sweep", &[]);
+    // The L and the broken file, eleven damaged copies of the L, and three random meshes.
+    let options = ["--random", "3", "--jobs", "2"];
+    let shown = place.run("sweep", &options);
+    assert!(shown.contains("| all | 16 | 15 | 1 | 0 | 0 |"), "{shown}");
     let summary = place.summary();
-    let all = &summary["tables"][0]["rows"][1];
-    let of = |column: &str| all[column].as_f64().unwrap_or(f64::NAN);
-    assert_eq!([of("meshes"), of("done"), of("refused"), of("hulls")], [2.0, 1.0, 1.0, 2.0]);
-    for column in ["crashed", "timed out", "open", "not convex", "broken promises"] {
-        assert_eq!(of(column), 0.0, "{column}");
+    let rows = summary["tables"][0]["rows"].as_array().unwrap();
+    let number = |kind: &str, column: &str| {
+        let row = rows.iter().find(|row| row["kind"] == kind).expect(kind);
+        row[column].as_f64().unwrap_or(f64::NAN)
+    };
+    assert_eq!(number("no mesh in the file", "refused with a reason"), 1.0);
+    assert_eq!(number("solid", "meshes") + number("not solid", "meshes"), 15.0);
+    // As it is, scaled twice.
+    assert!(number("solid", "meshes") >= 3.0);
+    for column in ["crashed", "stopped", "not sound", "beyond the bound"] {
+        assert_eq!(number("all", column), 0.0, "{column}");
     }
     let table = place.file("sweep.csv");
     let l = table.lines().find(|line| line.starts_with("props/l.obj,")).unwrap();
-    assert!(l.contains(",done,") && l.contains(",20,2,"), "{l}");
-    assert_eq!(place.run("sweep", &[]), "", "nothing was left to do");
+    assert!(l.contains(",done,") && l.contains(",20,,2,"), "{l}");
+    assert!(place.run("sweep", &options).trim_start().starts_with("###"), "nothing was left to do");
 
-    // As if the L, of 20 triangles, had been one hull before.
+    // As if the L, of 20 triangles and a solid, had been one hull before.
     let before = place.root.path().join("before.csv");
-    std::fs::write(&before, table.replace(",20,2,", ",20,1,")).unwrap();
-    place.run("sweep", &["--compare", before.to_str().unwrap()]);
+    std::fs::write(&before, table.replacen(",20,,2,", ",20,,1,", 1)).unwrap();
+    place.run("sweep", &["--random", "3", "--compare", before.to_str().unwrap()]);
     let words = place.file("sweep.md");
     assert!(words.contains("| props/l.obj | hulls | 1 | 2 |"), "{words}");
 }

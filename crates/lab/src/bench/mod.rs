@@ -118,7 +118,8 @@ fn tasks(arguments: &Arguments, tools: Option<&ExternalTools>, mesh: &Mesh) -> V
 
 /// Writes the report of what the journal holds, and copies its small plot.
 fn report(session: &Session<'_>, pictures: Option<&Path>) -> Result<(), String> {
-    let results = Results::new(session.journal());
+    let rows = session.journal();
+    let results = Results::new(&rows);
     if results.rows.is_empty() {
         return Err("there is nothing to report".into());
     }

@@ -67,6 +67,8 @@ pub struct Row {
     /// Whether the time was taken on another machine.
     pub taken_elsewhere: bool,
     pub triangles: Option<usize>,
+    /// What is wrong with the mesh as it is given, by commas, where the task asks; empty for a solid.
+    pub kinds: String,
     pub hulls: Option<usize>,
     pub vertices: Option<usize>,
     /// Of decomposing alone, on one thread: the median over the repeats.
@@ -147,6 +149,11 @@ impl Row {
     /// The folder that the mesh is in.
     pub fn folder(&self) -> &str {
         meshes::folder(&self.mesh)
+    }
+
+    /// The mesh, and what was done to it.
+    pub fn name(&self) -> String {
+        format!("{} {}", self.mesh, self.variation).trim().to_owned()
     }
 
     pub fn megabytes(&self) -> Option<f64> {

@@ -1,10 +1,12 @@
-//! A series of tasks, each in a process of its own, one at a time.
+//! A series of tasks, each in a process of its own.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use rayon::prelude::*;
 use serde_json::{Value, json};
 use sysinfo::{CpuRefreshKind, MemoryRefreshKind, RefreshKind, System};
 use tempfile::TempDir;
@@ -27,7 +29,9 @@ pub struct Session<'a> {
     pub retries: bool,
     /// Runs nothing.
     pub only_reports: bool,
-    journal: Journal,
+    /// Tasks at once; one where others must not disturb the time on the wall.
+    pub jobs: usize,
+    journal: Mutex<Journal>,
     /// Removed at the end, where nothing is kept.
     _folder: Option<TempDir>,
 }
@@ -42,7 +46,8 @@ impl<'a> Session<'a> {
             tools: None,
             retries: false,
             only_reports: false,
-            journal: Journal::open(&output.join("runs.jsonl"))?,
+            jobs: 1,
+            journal: Mutex::new(Journal::open(&output.join("runs.jsonl"))?),
             _folder: None,
         })
     }
@@ -55,28 +60,42 @@ impl<'a> Session<'a> {
     }
 
     /// All that the journal holds, of earlier versions and other meshes too.
-    pub fn journal(&self) -> &[Row] {
-        self.journal.rows()
+    pub fn journal(&self) -> Vec<Row> {
+        self.lock().rows().to_vec()
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Journal> {
+        self.journal.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The rows of all tasks of all meshes, from the journal or from running them.
     pub fn rows(
-        &mut self,
+        &self,
         meshes: &[Mesh],
         tasks: impl Fn(&Mesh) -> Vec<Task>,
     ) -> Result<Vec<Row>, Failure> {
-        let mut rows = Vec::new();
-        for (number, mesh) in meshes.iter().enumerate() {
-            for task in tasks(mesh) {
-                rows.extend(self.row((number + 1, meshes.len()), mesh, &task)?);
-            }
-        }
-        Ok(rows)
+        let tasks = meshes.iter().flat_map(|mesh| tasks(mesh).into_iter().map(move |t| (mesh, t)));
+        let tasks: Vec<(&Mesh, Task)> = tasks.collect();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.jobs).build();
+        let pool = pool.map_err(|error| format!("the threads can't be started: {error}"))?;
+        let all = tasks.len();
+        // One after the other in the order of the list, whichever job takes them.
+        let row = |(number, (mesh, task)): (usize, &(&Mesh, Task))| {
+            self.row((number + 1, all), mesh, task).transpose()
+        };
+        let next = Mutex::new(tasks.iter().enumerate());
+        let take = || next.lock().unwrap_or_else(PoisonError::into_inner).next();
+        let work = |_| std::iter::from_fn(take).filter_map(|task| Some((task.0, row(task)?)));
+        let found: Vec<_> =
+            pool.install(|| (0..self.jobs).into_par_iter().flat_map_iter(work).collect());
+        let mut found: Vec<(usize, Result<Row, Failure>)> = found;
+        found.sort_by_key(|found| found.0);
+        found.into_iter().map(|found| found.1).collect()
     }
 
     /// The row of one task. `place` is that of the mesh among all, which is printed.
     pub fn row(
-        &mut self,
+        &self,
         place: (usize, usize),
         mesh: &Mesh,
         task: &Task,
@@ -92,14 +111,14 @@ impl<'a> Session<'a> {
             version: task.run.version(&versions),
             ..Row::default()
         };
-        let known = self.journal.get(&blank.key());
-        if known.is_some_and(|row| row.status == Status::Done || !self.retries) || self.only_reports
-        {
-            return Ok(known.cloned());
+        let known = self.lock().get(&blank.key()).cloned();
+        let is_enough = |row: &Row| row.status == Status::Done || !self.retries;
+        if known.as_ref().is_some_and(is_enough) || self.only_reports {
+            return Ok(known);
         }
         let row = self.execute(mesh, task, blank)?;
         print(&progress(place, &row))?;
-        self.journal.add(row.clone())?;
+        self.lock().add(row.clone())?;
         Ok(Some(row))
     }
 

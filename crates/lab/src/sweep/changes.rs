@@ -17,7 +17,7 @@ const LEAST_SECONDS: f64 = 0.02;
 
 /// Every mesh whose outcome is another, with what it was and what it is.
 pub fn table(before: &[Row], after: &[Row], seconds: f64) -> Table {
-    let old: BTreeMap<&str, &Row> = before.iter().map(|row| (row.mesh.as_str(), row)).collect();
+    let old: BTreeMap<String, &Row> = before.iter().map(|row| (row.name(), row)).collect();
     let note = format!(
         "Against {} meshes of version {}. Uncovered volume by more than {VOLUME}, time and memory \
          by more than a factor of {SCATTER}.",
@@ -26,18 +26,18 @@ pub fn table(before: &[Row], after: &[Row], seconds: f64) -> Table {
     );
     let mut table = Table::new("What has changed", &note, &["mesh", "what", "before", "now"]);
     for row in after {
-        let changes = match old.get(row.mesh.as_str()) {
+        let changes = match old.get(&row.name()) {
             None => vec![["mesh", "not there", row.status.name()].map(str::to_owned)],
             Some(old) => changes(old, row, seconds),
         };
         for change in changes {
-            table.rows.push(std::iter::once(row.mesh.clone()).chain(change).collect());
+            table.rows.push(std::iter::once(row.name()).chain(change).collect());
         }
     }
-    let new: BTreeMap<&str, &Row> = after.iter().map(|row| (row.mesh.as_str(), row)).collect();
-    for row in before.iter().filter(|row| !new.contains_key(row.mesh.as_str())) {
+    let new: BTreeMap<String, &Row> = after.iter().map(|row| (row.name(), row)).collect();
+    for row in before.iter().filter(|row| !new.contains_key(&row.name())) {
         let change = ["mesh", row.status.name(), "not there"].map(str::to_owned);
-        table.rows.push(std::iter::once(row.mesh.clone()).chain(change).collect());
+        table.rows.push(std::iter::once(row.name()).chain(change).collect());
     }
     table
 }

@@ -1,22 +1,26 @@
-//! `cargo lab sweep` and `corpus`: every mesh below folders, and what became of it.
+//! `cargo lab sweep`: every mesh below folders, the same damaged, and random ones, and what became of them.
 
 mod changes;
 mod summary;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
 
 use crate::harness::session::limits;
-use crate::harness::{FULL, Judge, Session, Task, row};
-use crate::report::Table;
-use crate::report::{Report, write};
+use crate::harness::{Judge, Row, Session, Status, Task, row};
+use crate::report::{Report, create_folder, write};
 use crate::terminal::{Failure, print};
-use crate::tools::meshes;
+use crate::tools::meshes::{self, Mesh};
 use crate::tools::methods::Run;
+use crate::tools::soup::{self, soup, to_obj};
+use crate::tools::variations::Variation;
 
-/// Decompose every mesh below folders, each in a process with limits, and report what became of it
+/// Decompose every mesh below folders, eleven damaged copies of each, and random ones, and count what became of
+/// them
 ///
-/// Hulls are judged by exact predicates in single precision, the bound by a dense sampling that shares no
-/// code with the library. Can be stopped, and goes on where it was.
+/// Each in a process with limits, on one thread. Hulls are judged by exact predicates in single precision, the
+/// bound by a sampling that shares no code with the library. Can be stopped, and goes on where it was.
 #[derive(clap::Args)]
 pub struct Arguments {
     #[arg(required = true, value_name = "DIR", help = meshes::folders_help())]
@@ -26,13 +30,24 @@ pub struct Arguments {
     #[arg(short, long, value_name = "REPORT")]
     output: PathBuf,
 
-    /// Processor time that decomposing may take, in seconds: more counts as a time-out
+    /// How many random meshes: soups, lattices, boxes, noisy spheres
+    #[arg(long, value_name = "N", default_value_t = 4500)]
+    random: u64,
+
+    /// Leave out the damaged copies
+    #[arg(long)]
+    undamaged: bool,
+
+    /// How many meshes at once
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=64))]
+    jobs: u16,
+
+    /// Processor time above which a mesh is listed as slow, in seconds
     #[arg(long, value_name = "SECONDS", default_value_t = 2.0)]
     seconds: f64,
 
-    /// Time on the wall after which a process is stopped, in seconds. Until then it goes on, so that the
-    /// table says by how much a time-out was one
-    #[arg(long, value_name = "SECONDS", default_value_t = 120.0)]
+    /// Time on the wall after which a process is stopped, in seconds
+    #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
     stop_after: f64,
 
     /// Most memory of a process, in megabytes
@@ -58,13 +73,30 @@ const JUDGE: Judge = Judge {
     probe_radius: None,
 };
 
+/// Of meshes that are damaged or random, of which there are most. Corners and middles come on top.
+const QUICK_JUDGE: Judge = Judge { surface_samples: 2000, volume_samples: 2000, ..JUDGE };
+
+/// Damaged copies of larger meshes would take most of the time, and show nothing that small ones do not.
+const MOST_DAMAGED: usize = 100_000;
+
+/// The folder of random meshes in a report, and in the names of meshes.
+const RANDOM: &str = "random";
+
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let limits = limits(arguments.stop_after, arguments.memory_limit)?;
     let before = arguments.compare.as_deref().map(row::from_csv).transpose()?;
     let mut session = Session::open(&arguments.output, limits)?;
-    session.only_reports = arguments.report_only;
+    (session.only_reports, session.jobs) = (arguments.report_only, arguments.jobs.into());
+    let run = Run::bounded(0.02);
     let meshes = meshes::find(&arguments.folders)?;
-    let rows = session.rows(&meshes, |_| vec![Task::new(Run::bounded(0.02), JUDGE)])?;
+    let mut rows = session.rows(&meshes, |_| vec![Task::new(run.clone(), JUDGE)])?;
+    if !arguments.undamaged {
+        let damaged = damaged(&meshes, &rows);
+        let task = |variation| Task { run: run.clone(), variation, judge: QUICK_JUDGE };
+        rows.extend(session.rows(&damaged, |_| Variation::damages().map(task).to_vec())?);
+    }
+    let random = random(arguments.random, &arguments.output.join(RANDOM))?;
+    rows.extend(session.rows(&random, |_| vec![Task::new(run.clone(), QUICK_JUDGE)])?);
     if rows.is_empty() {
         return Err("there is nothing to report".into());
     }
@@ -72,52 +104,55 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let seconds = arguments.seconds;
     let mut tables = summary::tables(&rows, seconds);
     tables.extend(before.map(|before| changes::table(&before, &rows, seconds)));
+    let samples = |of: fn(&Row) -> Option<usize>| rows.iter().filter_map(of).sum::<usize>();
     let words = vec![
         format!(
-            "{} meshes, each in a process of its own, with the default parameters, on one thread. A \
-             time-out is more than {seconds} s of processor time for decomposing, reading left out: \
-             time on the wall depends on what else a machine does. A process is stopped after {} s \
-             on the wall, or above {} MB.",
+            "{} meshes, each in a process of its own, with the default parameters, on one thread; those above \
+             {MOST_DAMAGED} triangles are not damaged. Times are processor time of decomposing alone. A process \
+             is stopped {} s after it last reported, or above {} MB.",
             rows.len(),
             limits.time.as_secs_f64(),
             limits.memory >> 20,
         ),
-        "Hulls are judged as a physics engine gets them, in single precision, and by exact \
-         predicates: closed, no vertex in front of any face by however little, and with volume. The \
-         bound is judged by dense sampling with distances and winding numbers by brute force, which \
-         share no code with the library's, hull by hull against what was verified of it; and again \
-         by `measure`. Uncovered volume and IoU are those of `measure`."
-            .into(),
+        format!(
+            "A hull is sound if it is closed, convex and has volume, in single precision, as a physics engine gets it, \
+             by exact predicates. A mesh is beyond the bound if more was verified than the bound, or more is found than \
+             was verified: by samples with distances and winding numbers that share no code with the library's, hull \
+             by hull, or by `measure`. Of {} samples, whether {} are inside was not decided in time.",
+            samples(|row| row.samples),
+            samples(|row| row.undecided_samples),
+        ),
     ];
+    for table in tables.iter().filter(|table| !table.rows.is_empty()) {
+        print(&format!("\n{}", table.to_markdown()))?;
+    }
     let (title, name) = ("Sweep", "sweep");
     Ok(session.report(Report { title, name, words, tables, ..Report::default() })?)
 }
 
-/// Decompose every mesh below a folder and count broken promises
-///
-/// A promise is broken where more was verified than was asked for, or more is sampled than was
-/// verified. As `sweep`, without brute force, and nothing is kept.
-#[derive(clap::Args)]
-pub struct CorpusArguments {
-    /// A folder that holds meshes
-    #[arg(value_name = "DIR")]
-    folder: PathBuf,
+/// The meshes whose damaged copies say something.
+fn damaged(meshes: &[Mesh], rows: &[Row]) -> Vec<Mesh> {
+    let is_taken = |mesh: &&Mesh| {
+        rows.iter().any(|row| {
+            row.mesh == mesh.name
+                && row.status == Status::Done
+                && row.triangles.is_some_and(|count| count <= MOST_DAMAGED)
+        })
+    };
+    meshes.iter().filter(is_taken).cloned().collect()
 }
 
-/// Longest time, and most memory, of a mesh.
-const CORPUS_LIMITS: (f64, u64) = (300.0, 8192);
-
-pub fn corpus(arguments: &CorpusArguments) -> Result<(), Failure> {
-    let mut session = Session::temporary(limits(CORPUS_LIMITS.0, CORPUS_LIMITS.1)?)?;
-    let meshes = meshes::find(std::slice::from_ref(&arguments.folder))?;
-    let judge = Judge { is_timed: false, ..FULL };
-    let rows = session.rows(&meshes, |_| vec![Task::new(Run::bounded(0.02), judge)])?;
-    let tables = summary::tables(&rows, CORPUS_LIMITS.0);
-    let is_short = |table: &&Table| !table.rows.is_empty();
-    let text: String =
-        tables.iter().take(CORPUS_TABLES).filter(is_short).map(Table::to_markdown).collect();
-    print(&format!("\n{text}"))
+/// So many random meshes, as files.
+fn random(count: u64, folder: &Path) -> Result<Vec<Mesh>, Failure> {
+    create_folder(folder)?;
+    let files: Vec<PathBuf> = (0..count)
+        .into_par_iter()
+        .map(|number| {
+            let kind = soup::KINDS[number as usize % soup::KINDS.len()];
+            let path = folder.join(format!("{number}_{}.obj", kind.replace(' ', "_")));
+            write(&path, &to_obj(&soup(number)))?;
+            Ok(path)
+        })
+        .collect::<Result<_, String>>()?;
+    if files.is_empty() { Ok(Vec::new()) } else { Ok(meshes::find(&files)?) }
 }
-
-/// Outcomes, tails, refusals, and what went wrong.
-const CORPUS_TABLES: usize = 4;

@@ -1,25 +1,29 @@
-//! Tables of a sweep: what became of the meshes, and the tails.
+//! Tables of a sweep: what became of the meshes, and the worst of them.
 
 use std::collections::BTreeMap;
 
+use super::RANDOM;
 use crate::harness::row::Figure;
 use crate::harness::{Row, Status};
 use crate::report::{NOTHING, Table, count, number, number_or_nothing};
 use crate::statistics::quantile;
+use crate::tools::kinds;
+use crate::tools::soup;
+use crate::tools::variations::Variation;
 
 /// Rows of a table of the worst.
 const WORST: usize = 10;
 
 pub fn tables(rows: &[Row], seconds: f64) -> Vec<Table> {
+    let note = "What is wrong with the meshes as they are given. A mesh may be in several rows; one of several \
+                components may be solid.";
     vec![
-        outcomes(rows, seconds),
+        outcomes(("By kind", "kind", note), by_kind(rows), seconds),
+        outcomes(("By origin", "meshes", ""), by_origin(rows), seconds),
         tails(rows),
         refusals(rows),
         wrong(rows, seconds),
-        worst(rows, "Slowest", ("seconds", |row| row.processor_seconds)),
-        worst(rows, "Most memory", ("MB", Row::megabytes)),
-        worst(rows, "Most uncovered volume", ("share", |row| row.uncovered_volume)),
-        worst(rows, "Most hulls", ("hulls", |row| row.hulls.map(|hulls| hulls as f64))),
+        slowest(rows),
     ]
 }
 
@@ -28,65 +32,99 @@ pub fn is_over(row: &Row, seconds: f64) -> bool {
     row.status == Status::TimeOut || row.processor_seconds.is_some_and(|s| s > seconds)
 }
 
-/// Rows by folder, and all of them last.
-fn groups(rows: &[Row]) -> Vec<(&str, Vec<&Row>)> {
-    let mut folders: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
-    for row in rows {
-        folders.entry(row.folder()).or_default().push(row);
+type Groups<'a> = Vec<(String, Vec<&'a Row>)>;
+
+fn those(rows: &[Row], is: impl Fn(&Row) -> bool) -> Vec<&Row> {
+    rows.iter().filter(|row| is(row)).collect()
+}
+
+fn by_kind(rows: &[Row]) -> Groups<'_> {
+    let is_read = |row: &Row| row.triangles.is_some();
+    let is_of = |row: &Row, kind: &str| row.kinds.split(", ").any(|one| one == kind);
+    let mut groups = vec![
+        ("all".into(), those(rows, |_| true)),
+        ("solid".into(), those(rows, |row| is_read(row) && !is_of(row, kinds::NOT_SOLID))),
+    ];
+    for kind in kinds::ALL {
+        groups.push((kind.into(), those(rows, |row| is_of(row, kind))));
     }
-    let mut groups = Vec::from_iter(folders);
-    groups.push(("all", rows.iter().collect()));
+    groups.push(("no mesh in the file".into(), those(rows, |row| !is_read(row))));
     groups
 }
 
-fn outcomes(rows: &[Row], seconds: f64) -> Table {
+fn by_origin(rows: &[Row]) -> Groups<'_> {
+    let is_random = |row: &Row| row.folder() == RANDOM;
+    let is_given = |row: &Row| !is_random(row) && row.variation.is_empty();
+    let mut groups = vec![("as they are".into(), those(rows, is_given))];
+    for damage in Variation::damages().map(Variation::name) {
+        let those = those(rows, |row| row.variation == damage);
+        groups.push((damage, those));
+    }
+    for kind in soup::KINDS {
+        let suffix = format!("_{}.obj", kind.replace(' ', "_"));
+        let is_it = |row: &Row| {
+            let file = row.mesh.rsplit('/').next().unwrap_or_default();
+            is_random(row) && file.trim_start_matches(char::is_numeric) == suffix
+        };
+        groups.push((format!("random: {kind}"), those(rows, is_it)));
+    }
+    groups
+}
+
+fn outcomes((title, first, note): (&str, &str, &str), groups: Groups<'_>, seconds: f64) -> Table {
+    let over = format!("above {seconds} s");
     let header = [
-        "folder",
+        first,
         "meshes",
         "done",
-        "refused",
+        "refused with a reason",
         "crashed",
-        "timed out",
-        "out of memory",
+        "stopped",
         "hulls",
-        "open",
-        "not convex",
-        "without volume",
-        "beyond single precision",
-        "broken promises",
+        "not sound",
+        "beyond the bound",
+        "median s",
+        "99 %",
+        "slowest",
+        &over,
     ];
-    let note = "A mesh that is done but over the time counts as timed out alone.";
-    let mut table = Table::new("What became of them", note, &header);
-    for (folder, rows) in groups(rows) {
+    let mut table = Table::new(title, note, &header);
+    for (name, rows) in groups.into_iter().filter(|group| !group.1.is_empty()) {
         let status = |status| rows.iter().filter(|row| row.status == status).count();
-        let timed_out = rows.iter().filter(|row| is_over(row, seconds)).count();
-        let late = timed_out - status(Status::TimeOut);
         let sum = |of: fn(&Row) -> Option<usize>| -> usize {
             rows.iter().filter_map(|row| of(row)).sum()
         };
         let counts = [
             rows.len(),
-            status(Status::Done) - late,
+            status(Status::Done),
             status(Status::Error),
             status(Status::Crash),
-            timed_out,
-            status(Status::OutOfMemory),
+            status(Status::TimeOut) + status(Status::OutOfMemory),
             sum(|row| row.hulls),
-            sum(|row| row.open_hulls),
-            sum(|row| row.non_convex_hulls),
-            sum(|row| row.hulls_without_volume),
-            sum(|row| row.hulls_beyond_single),
+            sum(|row| row.open_hulls)
+                + sum(|row| row.non_convex_hulls)
+                + sum(|row| row.hulls_without_volume)
+                + sum(|row| row.hulls_beyond_single),
             rows.iter().filter(|row| !row.broken.is_empty()).count(),
         ];
-        let cells = counts.map(|count| count.to_string());
-        table.rows.push(std::iter::once(folder.to_owned()).chain(cells).collect());
+        let times: Vec<f64> = rows.iter().filter_map(|row| row.processor_seconds).collect();
+        let mut cells = vec![name];
+        cells.extend(counts.map(|count| count.to_string()));
+        cells.extend(quantiles(&times, &[0.5, 0.99, 1.0]));
+        cells.push(rows.iter().filter(|row| is_over(row, seconds)).count().to_string());
+        table.rows.push(cells);
     }
     table
 }
 
-const FIGURES: [Figure; 8] = [
-    ("processor seconds", |row| row.processor_seconds),
-    ("seconds on the wall", |row| row.seconds),
+fn quantiles<'a>(values: &'a [f64], shares: &'a [f64]) -> impl Iterator<Item = String> + 'a {
+    shares.iter().map(|&share| match values.is_empty() {
+        true => NOTHING.into(),
+        false => number(quantile(values, share)),
+    })
+}
+
+const FIGURES: [Figure; 6] = [
     ("peak memory, MB", Row::megabytes),
     ("hulls", |row| Some(row.hulls? as f64)),
     ("vertices of a hull, mean", |row| Some(row.vertices? as f64 / row.hulls? as f64)),
@@ -96,16 +134,19 @@ const FIGURES: [Figure; 8] = [
 ];
 
 fn tails(rows: &[Row]) -> Table {
-    let header = ["folder", "figure", "meshes", "median", "90 %", "99 %", "most"];
+    let header = ["meshes", "figure", "number", "median", "90 %", "99 %", "most"];
     let mut table = Table::new("Figures and their tails", "", &header);
-    for (folder, rows) in groups(rows) {
+    let is_random = |row: &Row| row.folder() == RANDOM;
+    let groups = [
+        ("as they are", those(rows, |row| !is_random(row) && row.variation.is_empty())),
+        ("damaged", those(rows, |row| !row.variation.is_empty())),
+        ("random", those(rows, is_random)),
+    ];
+    for (group, rows) in groups.iter().filter(|group| !group.1.is_empty()) {
         for (name, figure) in FIGURES {
             let values: Vec<f64> = rows.iter().filter_map(|row| figure(row)).collect();
-            let mut cells = vec![folder.to_owned(), name.to_owned(), values.len().to_string()];
-            cells.extend([0.5, 0.9, 0.99, 1.0].map(|share| match values.is_empty() {
-                true => NOTHING.into(),
-                false => number(quantile(&values, share)),
-            }));
+            let mut cells = vec![(*group).into(), name.into(), values.len().to_string()];
+            cells.extend(quantiles(&values, &[0.5, 0.9, 0.99, 1.0]));
             table.rows.push(cells);
         }
     }
@@ -113,14 +154,13 @@ fn tails(rows: &[Row]) -> Table {
 }
 
 fn refusals(rows: &[Row]) -> Table {
-    let mut reasons: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    let mut reasons: BTreeMap<&str, Vec<String>> = BTreeMap::new();
     for row in rows.iter().filter(|row| row.status == Status::Error) {
-        reasons.entry(&row.reason).or_default().push(&row.mesh);
+        reasons.entry(&row.reason).or_default().push(row.name());
     }
-    let mut table = Table::new("Refused", "", &["reason", "mesh", "meshes"]);
+    let mut table = Table::new("Refused", "", &["reason", "the first", "meshes"]);
     for (reason, meshes) in reasons {
-        let first = meshes.first().copied().unwrap_or_default();
-        table.rows.push(vec![reason.into(), first.into(), meshes.len().to_string()]);
+        table.rows.push(vec![reason.into(), meshes[0].clone(), meshes.len().to_string()]);
     }
     table
 }
@@ -139,26 +179,21 @@ fn wrong(rows: &[Row], seconds: f64) -> Table {
             what.push(faults);
         }
         if !what.is_empty() {
-            table.rows.push(vec![row.mesh.clone(), what.join("; ")]);
+            table.rows.push(vec![row.name(), what.join("; ")]);
         }
     }
     table
 }
 
-fn worst(rows: &[Row], title: &str, (unit, figure): Figure) -> Table {
+fn slowest(rows: &[Row]) -> Table {
     let mut found: Vec<(f64, &Row)> =
-        rows.iter().filter_map(|row| Some((figure(row)?, row))).collect();
+        rows.iter().filter_map(|row| Some((row.processor_seconds?, row))).collect();
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let mut table =
-        Table::new(title, "", &["mesh", unit, "triangles", "hulls", "processor seconds"]);
-    for (value, row) in found.into_iter().take(WORST) {
-        table.rows.push(vec![
-            row.mesh.clone(),
-            number(value),
-            count(row.triangles),
-            count(row.hulls),
-            number_or_nothing(row.processor_seconds),
-        ]);
+    let header = ["mesh", "processor seconds", "triangles", "hulls", "kinds"];
+    let mut table = Table::new("Slowest", "", &header);
+    for (seconds, row) in found.into_iter().take(WORST) {
+        let (triangles, hulls) = (count(row.triangles), count(row.hulls));
+        table.rows.push(vec![row.name(), number(seconds), triangles, hulls, row.kinds.clone()]);
     }
     table
 }

@@ -2,7 +2,9 @@
 
 pub mod data_folder;
 pub mod external_tools;
+pub mod kinds;
 pub mod meshes;
 pub mod methods;
+pub mod soup;
 pub mod variations;
 pub mod vhacd;

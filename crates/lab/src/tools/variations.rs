@@ -1,7 +1,12 @@
-//! The same mesh in other words: turned, scaled, moved, jittered, shuffled, flipped, doubled.
+//! The same mesh in other words: turned, scaled, moved, jittered, shuffled; and damaged.
+
+use std::collections::HashMap;
 
 use hullwright::TriangleMesh;
 use serde::{Deserialize, Serialize};
+
+use crate::shapes::join;
+use crate::statistics::range;
 
 /// What is done to a mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -25,6 +30,18 @@ pub enum Variation {
     FlipHalf,
     /// Every triangle twice.
     Double,
+    /// A tenth of the triangles, at random, left out.
+    Lose,
+    /// Vertices in the same cube of a lattice become one: its step is this share of the diagonal.
+    Merge(f64),
+    /// Each triangle with vertices of its own, shrunk by this share toward its centre.
+    Split(f64),
+    /// About half of the vertices moved to a neighbour each, whatever that does.
+    Decimate,
+    /// Only triangles on one side of a plane through the middle.
+    Cut,
+    /// Joined to itself turned around the middle.
+    Join,
 }
 
 /// Rotations of each mesh.
@@ -47,6 +64,23 @@ impl Variation {
         all
     }
 
+    /// Damage of every sort that files show, and sizes far from 1.
+    pub fn damages() -> [Self; 11] {
+        [
+            Self::Lose,
+            Self::FlipHalf,
+            Self::Double,
+            Self::Jitter(1e-2),
+            Self::Merge(0.03),
+            Self::Split(1e-3),
+            Self::Decimate,
+            Self::Cut,
+            Self::Scale(1e-6),
+            Self::Scale(1e6),
+            Self::Join,
+        ]
+    }
+
     /// Its name in journals; nothing for the mesh as it is.
     pub fn name(self) -> String {
         match self {
@@ -59,6 +93,12 @@ impl Variation {
             Self::FlipAll => "all triangles flipped".into(),
             Self::FlipHalf => "half of the triangles flipped".into(),
             Self::Double => "every triangle twice".into(),
+            Self::Lose => "a tenth of the triangles lost".into(),
+            Self::Merge(step) => format!("vertices merged within {step} diagonals"),
+            Self::Split(share) => format!("triangles split, smaller by {share:e}"),
+            Self::Decimate => "decimated".into(),
+            Self::Cut => "cut open".into(),
+            Self::Join => "joined to itself turned".into(),
         }
     }
 
@@ -113,6 +153,29 @@ impl Variation {
                 given.triangles.extend_from_slice(&mesh.triangles);
                 given.sidedness.extend_from_slice(&mesh.sidedness);
             }
+            Self::Lose => keep(&mut given, &mut |random, _| random.unit() > 0.1),
+            Self::Merge(step) => {
+                let step = step * diagonal;
+                given = moved(&|point| point.map(|x| (x / step).round() * step));
+            }
+            Self::Split(share) => given = split(mesh, share),
+            Self::Decimate => decimate(&mut given),
+            Self::Cut => {
+                let (middle, [normal, ..]) = (middle(mesh), rotation(0));
+                keep(&mut given, &mut |_, corners| {
+                    let height = |p: [f64; 3]| (0..3).map(|k| normal[k] * (p[k] - middle[k])).sum();
+                    corners.map(height).iter().sum::<f64>() > 0.0
+                });
+            }
+            Self::Join => {
+                let (middle, rows) = (middle(mesh), rotation(0));
+                let turned = moved(&|point| {
+                    let p = [0, 1, 2].map(|k| point[k] - middle[k]);
+                    let row = |k: usize| rows[k][0] * p[0] + rows[k][1] * p[1] + rows[k][2] * p[2];
+                    [0, 1, 2].map(|k| middle[k] + row(k))
+                });
+                given = join(&[mesh.clone(), turned]);
+            }
         }
         let is_in_place = matches!(
             self,
@@ -124,9 +187,14 @@ impl Variation {
 }
 
 /// SplitMix64 (Steele, Lea, Flood 2014): the same numbers everywhere and always.
-struct Random(u64);
+pub struct Random(u64);
 
 impl Random {
+    /// Numbers of seeds side by side have nothing in common.
+    pub fn new(seed: u64) -> Self {
+        Self(Self(seed).next())
+    }
+
     fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -135,8 +203,13 @@ impl Random {
         z ^ (z >> 31)
     }
 
+    /// At least `low`, and less than `end`.
+    pub fn integer(&mut self, low: usize, end: usize) -> usize {
+        low + (self.next() % (end - low) as u64) as usize
+    }
+
     /// From 0 to 1.
-    fn unit(&mut self) -> f64 {
+    pub fn unit(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1_u64 << 53) as f64
     }
 }
@@ -184,10 +257,63 @@ fn permutation(count: usize, random: &mut Random) -> Vec<usize> {
     order
 }
 
+/// Keeps the triangles with these corners, or at random; without two, all of them.
+fn keep(mesh: &mut TriangleMesh, keeps: &mut dyn FnMut(&mut Random, [[f64; 3]; 3]) -> bool) {
+    let random = &mut Random(1);
+    let positions = &mesh.positions;
+    let kept: Vec<bool> = mesh
+        .triangles
+        .iter()
+        .map(|triangle| keeps(random, triangle.map(|vertex| positions[vertex as usize])))
+        .collect();
+    let (mut triangles, mut sides) = (kept.iter(), kept.iter());
+    mesh.triangles.retain(|_| triangles.next() == Some(&true));
+    mesh.sidedness.retain(|_| sides.next() == Some(&true));
+}
+
+fn split(mesh: &TriangleMesh, share: f64) -> TriangleMesh {
+    let positions = mesh.triangles.iter().flat_map(|triangle| {
+        let corners = triangle.map(|vertex| mesh.positions[vertex as usize]);
+        let centre = [0, 1, 2].map(|k| corners.iter().map(|corner| corner[k]).sum::<f64>() / 3.0);
+        corners.map(|corner| [0, 1, 2].map(|k| corner[k] + share * (centre[k] - corner[k])))
+    });
+    let triangles = (0..mesh.triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]);
+    TriangleMesh { positions: positions.collect(), triangles: triangles.collect(), ..mesh.clone() }
+}
+
+/// Collapses an edge of each triangle in a random order, unless one of its ends was collapsed before. Vertices at the same
+/// place move together.
+fn decimate(mesh: &mut TriangleMesh) {
+    let mut places: HashMap<[u64; 3], Vec<usize>> = HashMap::new();
+    for (vertex, point) in mesh.positions.iter().enumerate() {
+        places.entry(point.map(f64::to_bits)).or_default().push(vertex);
+    }
+    let mut is_used = vec![false; mesh.positions.len()];
+    let sources = mesh.positions.clone();
+    for index in permutation(mesh.triangles.len(), &mut Random(1)) {
+        let ends = [0, 1].map(|k| sources[mesh.triangles[index][k] as usize]);
+        let [from, to] = ends.map(|end| places[&end.map(f64::to_bits)].as_slice());
+        if !is_used[from[0]] && !is_used[to[0]] {
+            (is_used[from[0]], is_used[to[0]]) = (true, true);
+            from.iter().for_each(|&vertex| mesh.positions[vertex] = ends[1]);
+        }
+    }
+}
+
+/// Of the bounding box.
+fn middle(mesh: &TriangleMesh) -> [f64; 3] {
+    [0, 1, 2].map(|axis| {
+        let values = mesh.positions.iter().map(|point| point[axis]).filter(|x| x.is_finite());
+        let (low, high) = range(values);
+        f64::midpoint(low, high)
+    })
+}
+
 fn diagonal(positions: &[[f64; 3]]) -> f64 {
     let extent = [0, 1, 2].map(|axis| {
-        let values = || positions.iter().map(|point| point[axis]).filter(|x| x.is_finite());
-        values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
+        let values = positions.iter().map(|point| point[axis]).filter(|x| x.is_finite());
+        let (low, high) = range(values);
+        high - low
     });
     extent.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
@@ -195,6 +321,8 @@ fn diagonal(positions: &[[f64; 3]]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::shapes::uv_sphere;
+    use crate::tools::kinds::*;
 
     fn tetrahedron() -> TriangleMesh {
         TriangleMesh::new(
@@ -237,6 +365,38 @@ mod tests {
                 _ => assert_eq!(given.triangles.len(), 4),
             }
         }
+    }
+
+    #[test]
+    fn a_damaged_mesh_is_of_the_kind_that_its_damage_makes() {
+        // Welded, closed, and of so many triangles that chance hits some.
+        let mesh = uv_sphere(24, 1.0);
+        assert_eq!(kinds(&mesh), [""; 0]);
+        for damage in Variation::damages() {
+            let (given, _) = damage.apply(&mesh);
+            let found = kinds(&given);
+            let expected: &[&str] = match damage {
+                Variation::Lose => &[NOT_SOLID, OPEN],
+                Variation::Cut => &[NOT_SOLID, OPEN],
+                Variation::FlipHalf => &[NOT_SOLID, NOT_ORIENTED],
+                Variation::Double => &[NOT_SOLID, SELF_INTERSECTING, NON_MANIFOLD],
+                Variation::Merge(_) | Variation::Decimate => &[NOT_SOLID, DEGENERATE],
+                Variation::Split(_) => &[NOT_SOLID, OPEN, SEVERAL_COMPONENTS],
+                Variation::Join => &[NOT_SOLID, SELF_INTERSECTING],
+                _ => &[],
+            };
+            assert!(expected.iter().all(|kind| found.contains(kind)), "{damage:?}: {found:?}");
+            let may_stay_solid = matches!(damage, Variation::Jitter(_) | Variation::Scale(_));
+            assert!(may_stay_solid || found[0] == NOT_SOLID, "{damage:?}");
+            assert!(!given.triangles.is_empty() && given != mesh, "{damage:?}");
+        }
+        let (cut, _) = Variation::Cut.apply(&mesh);
+        let share = cut.triangles.len() as f64 / mesh.triangles.len() as f64;
+        assert!((0.3..0.7).contains(&share), "{share}");
+        // Of a mesh whose triangles share no vertex as much is left.
+        let (loose, _) = Variation::Split(0.0).apply(&mesh);
+        let [loose, welded] = [loose, mesh].map(|mesh| kinds(&Variation::Decimate.apply(&mesh).0));
+        assert_eq!(loose, welded);
     }
 
     #[test]
