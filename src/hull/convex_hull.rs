@@ -317,6 +317,9 @@ const LEAST_ULPS: f64 = 4.0;
 /// Thickness is rounded as well, so it may take a few attempts; each doubles it.
 const ATTEMPTS: usize = 4;
 
+/// From about 70 vertices on a hull is built in less time than all heights above its faces are computed.
+const MOST_HEIGHTS: usize = 10_000;
+
 /// Vertices and triangles in `f32`.
 pub type SinglePrecisionHull = (Vec<[f32; 3]>, Vec<[u32; 3]>);
 
@@ -350,8 +353,11 @@ pub fn single_precision(
 
 /// A hull with its vertices multiplied by `scale` and rounded to `f32`, its triangles as they are but wound outward. `None`
 /// unless it is convex as it stands, up to the tolerance of [`HullBuilder`], and not thin: then [`single_precision`] builds
-/// one. Whether the triangles close is not looked at. O(vertices × triangles).
+/// one. That costs vertices × triangles, so `None` beyond 10,000 of these too. Whether the triangles close is not looked at.
 pub fn rounded_hull(hull: &ConvexHull, scale: [f32; 3]) -> Option<SinglePrecisionHull> {
+    if hull.points.len() * hull.triangles.len() > MOST_HEIGHTS {
+        return None;
+    }
     let scale = Vector::from(scale.map(f64::from));
     let points: Vec<Vector> = hull.points().iter().map(|point| *point * scale).collect();
     let points = rounded(&points).ok()?;
@@ -425,5 +431,8 @@ mod tests {
         let mut broken = cube();
         broken.triangles[0][0] = 8;
         assert_eq!(rounded_hull(&broken, [1.0; 3]), None);
+        let mut large = cube();
+        large.points.resize(1000, [0.5; 3]);
+        assert_eq!(rounded_hull(&large, [1.0; 3]), None);
     }
 }

@@ -11,8 +11,8 @@ use rapier3d::parry::math::{Matrix, Pose, Rotation, Vector};
 use rapier3d::parry::shape::{ConvexPolyhedron, TriMesh, TriMeshFlags};
 
 use crate::hull::{
-    HullBuilder, Primitive, SinglePrecisionHull, Slack, fit_primitive, rounded_hull,
-    single_precision,
+    DEFAULT_TOLERANCE, HullBuilder, Primitive, SinglePrecisionHull, Slack, fit_primitive,
+    rounded_hull, single_precision,
 };
 use crate::hulls_format::HullsFile;
 use crate::{ConvexHull, Error, Hull, MassProperties, MeshView, TriangleMesh};
@@ -74,8 +74,8 @@ fn scaled_hull(
 }
 
 /// A hull that Parry refuses is tried again with these tolerances, as shares of its extent: Parry
-/// loses faces to slivers. From 50 times the usual tolerance to what shows on a hull a metre wide.
-const TOLERANCES: [f64; 3] = [1e-5, 1e-4, 1e-3];
+/// loses faces to slivers. From the usual one, for a hull that was not built here, to what shows on a hull a metre wide.
+const TOLERANCES: [f64; 4] = [DEFAULT_TOLERANCE, 1e-5, 1e-4, 1e-3];
 
 /// The same hull with fewer and fewer slivers, for those that Parry refuses.
 fn with_fewer_vertices(points: &[[f32; 3]]) -> impl Iterator<Item = SinglePrecisionHull> {
@@ -96,7 +96,8 @@ fn with_fewer_vertices(points: &[[f32; 3]]) -> impl Iterator<Item = SinglePrecis
 /// [`ColliderError`] says which hull or factor can't be used. It never panics.
 pub fn shape(hulls: &[Hull], scale: [f32; 3]) -> Result<SharedShape, ColliderError> {
     shape_of(hulls, scale, |hull, builder| {
-        let as_it_is = rounded_hull(&hull.shape, scale);
+        let as_it_is = rounded_hull(&hull.shape, scale)
+            .filter(|(points, triangles)| is_closed(points.len(), triangles));
         as_it_is.map_or_else(|| scaled_hull(&hull.shape.points, scale, builder), Ok)
     })
 }
@@ -415,8 +416,8 @@ pub fn convex_polyhedron(hull: &ConvexHull) -> Result<ConvexPolyhedron, Collider
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::MassSource;
     use crate::hull::ConvexHull;
+    use crate::{HullErrors, MassSource, Provenance};
 
     fn unit_cube() -> Vec<[f64; 3]> {
         (0..8_u8).map(|corner| [0, 1, 2].map(|axis| f64::from(corner >> axis & 1))).collect()
@@ -443,6 +444,28 @@ mod tests {
         for density in [1e-40, 1e60] {
             let result = mass_properties(&of(density), [1.0; 3]);
             assert!(matches!(result, Err(ColliderError::UnusableMass { .. })));
+        }
+    }
+
+    #[test]
+    fn a_hull_without_points_or_whose_triangles_do_not_close_is_built_or_refused() {
+        let hull = |points: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>| {
+            let shape = ConvexHull { points, triangles };
+            Hull { shape, provenance: Provenance::default(), errors: HullErrors::default() }
+        };
+        let empty = shape(&[hull(vec![], vec![])], [1.0; 3]);
+        assert!(matches!(empty, Err(ColliderError::UnusableHull { hull: 0, .. })));
+        // Each triangle has its own corners.
+        let solid = crate::hull::convex_hull(&unit_cube()).unwrap();
+        let corners = solid.triangles.as_flattened().iter();
+        let split: Vec<[f64; 3]> = corners.map(|&v| solid.points[v as usize]).collect();
+        let triangles = (0..solid.triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]);
+        let built = shape(&[hull(split, triangles.collect())], [1.0; 3]).unwrap();
+        let built = built.as_convex_polyhedron().unwrap();
+        assert_eq!(built.points().len(), solid.points.len());
+        for point in built.points() {
+            let is_same = |p: &[f64; 3]| p.map(|x| x as f32) == point.to_array();
+            assert!(solid.points.iter().any(is_same), "{point}");
         }
     }
 
