@@ -125,8 +125,8 @@ async function playTwice(name, mode) {
 function isRight({ mode, folder, replaced }, { baked, decomposed, left, failed, answers }, started) {
   if (left + failed > 0) return false;
   if (mode === "boxes") return baked + decomposed + started === 0;
-  // Of those that are replaced some are done before, and the new one after them.
-  const isDone = replaced ? decomposed > 1 && decomposed < DECOMPOSED : decomposed === DECOMPOSED;
+  // Of those that are replaced some may be done before, and the new one comes after them.
+  const isDone = replaced ? decomposed > 0 && decomposed < DECOMPOSED : decomposed === DECOMPOSED;
   if (baked !== BAKED || !isDone) return false;
   if (mode === "slices") return started === 0;
   if (folder === "hullwright") return started > 0 && answers >= decomposed;

@@ -335,10 +335,10 @@ impl Seat {
     fn new(script: &str) -> Result<Self, JsValue> {
         let worker = web_sys::Worker::new(script)?;
         ON_MESSAGE.with(|function| worker.set_onmessage(Some(function)));
-        ON_ERROR.with(|function| {
-            worker.set_onerror(Some(function));
-            worker.set_onmessageerror(Some(function));
-        });
+        // Chromium's workers have the event `messageerror`, but no `onmessageerror`.
+        for event in ["error", "messageerror"] {
+            ON_ERROR.with(|function| worker.add_event_listener_with_callback(event, function))?;
+        }
         Ok(Self { worker, call: None, since: Instant::now(), has_answered: false })
     }
 
