@@ -1,7 +1,7 @@
 //! The plugin in a browser: a game without a window, whose page counts and times the frames.
 //!
 //! 300 props take baked hulls by their names, and 50 are decomposed; or all have boxes instead, for comparison.
-#![cfg(target_arch = "wasm32")]
+#![cfg(all(target_family = "wasm", target_os = "unknown"))]
 
 use std::cell::Cell;
 use std::f32::consts::{PI, TAU};

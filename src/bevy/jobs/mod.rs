@@ -7,7 +7,7 @@ mod pool;
 pub(super) mod recipe;
 pub(super) mod request;
 pub(super) mod task;
-#[cfg(target_arch = "wasm32")]
+#[cfg(all(target_family = "wasm", target_os = "unknown"))]
 mod worker;
 
 use std::cmp::Reverse;
@@ -307,7 +307,7 @@ impl Jobs {
         let progress = SharedProgress::default();
         let control = progress.control();
         let task = DecompositionTask::new(input, request.map, self.cache.clone(), settings);
-        #[cfg(target_arch = "wasm32")]
+        #[cfg(all(target_family = "wasm", target_os = "unknown"))]
         let task = match settings.budget.execution {
             Execution::Worker => task.in_worker(&settings.budget.worker_folder, progress.clone()),
             _ => task,
@@ -576,7 +576,9 @@ fn most_decompositions(budget: &BudgetSettings) -> usize {
     match (budget.execution.here(), budget.max_jobs) {
         (Execution::Slices, _) => 1,
         (Execution::Background | Execution::Worker, 0) => decomposition_threads(budget),
-        (Execution::Background | Execution::Worker, most) => most,
+        (Execution::Background, most) => most,
+        // A worker has one call at a time.
+        (Execution::Worker, most) => most.min(decomposition_threads(budget)),
     }
 }
 

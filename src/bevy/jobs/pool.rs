@@ -20,12 +20,12 @@ pub(super) fn decomposition_threads(budget: &BudgetSettings) -> usize {
     }
 }
 
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
 fn processors() -> usize {
     bevy::tasks::available_parallelism()
 }
 
-#[cfg(target_arch = "wasm32")]
+#[cfg(all(target_family = "wasm", target_os = "unknown"))]
 use super::worker::processors;
 
 /// The pool, made at its first use, and anew when the number of threads in the settings changes. Work that began on the

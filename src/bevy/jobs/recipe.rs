@@ -35,7 +35,7 @@ impl AssetLoader for HullRecipeLoader {
         let mut bytes = Vec::new();
         reader.read_to_end(&mut bytes).await?;
         // Elsewhere it is read in the background.
-        #[cfg(target_arch = "wasm32")]
+        #[cfg(target_family = "wasm")]
         log::warn!(
             "{}: frames wait while a recipe's scene is decomposed; ship the `.hullscene` that \
              `hullwright bake` makes",

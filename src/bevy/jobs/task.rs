@@ -13,7 +13,7 @@ use bevy_rapier3d::rapier::math::{Pose, Vector};
 use super::baked::BakedScene;
 use super::cache::{BuiltCollider, ColliderGeometry, DiskCache, GeometryCache, WorkClaim};
 use super::request::{ContentKey, MapKey, MeshData};
-#[cfg(target_arch = "wasm32")]
+#[cfg(all(target_family = "wasm", target_os = "unknown"))]
 use super::worker;
 use crate::bevy::tag::outcomes::{DecompositionError, HullSource};
 use crate::bevy::tag::parameters::{Goal, PrimitiveKind};
@@ -65,7 +65,7 @@ pub(super) struct DecompositionTask {
     disk_cache: Option<DiskCache>,
     primitives: bool,
     /// The folder of the files for workers, if one is to do it.
-    #[cfg(target_arch = "wasm32")]
+    #[cfg(all(target_family = "wasm", target_os = "unknown"))]
     worker: Option<(String, SharedProgress)>,
 }
 
@@ -80,7 +80,7 @@ struct MeshInProgress {
 /// Where a mesh is decomposed.
 enum Place {
     Here(Decomposer<MethodReport>),
-    #[cfg(target_arch = "wasm32")]
+    #[cfg(all(target_family = "wasm", target_os = "unknown"))]
     InWorker(worker::Call),
 }
 
@@ -101,13 +101,13 @@ impl DecompositionTask {
             memory_bytes,
             disk_cache,
             primitives,
-            #[cfg(target_arch = "wasm32")]
+            #[cfg(all(target_family = "wasm", target_os = "unknown"))]
             worker: None,
         }
     }
 
     /// The same, but decomposed in a worker if there is one.
-    #[cfg(target_arch = "wasm32")]
+    #[cfg(all(target_family = "wasm", target_os = "unknown"))]
     pub(super) fn in_worker(mut self, folder: &str, progress: SharedProgress) -> Self {
         self.worker = Some((folder.to_owned(), progress));
         self
@@ -115,9 +115,9 @@ impl DecompositionTask {
 
     /// Whether a step does no more than ask.
     pub(super) fn awaits_worker(&self) -> bool {
-        #[cfg(target_arch = "wasm32")]
+        #[cfg(all(target_family = "wasm", target_os = "unknown"))]
         return self.work.as_ref().is_some_and(|work| matches!(work.place, Place::InWorker(_)));
-        #[cfg(not(target_arch = "wasm32"))]
+        #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
         false
     }
 
@@ -188,7 +188,7 @@ impl DecompositionTask {
         method: &Method,
         control: &Control,
     ) -> Result<Place, DecompositionError> {
-        #[cfg(target_arch = "wasm32")]
+        #[cfg(all(target_family = "wasm", target_os = "unknown"))]
         if let (Some((folder, progress)), Method::Bounded(parameters)) = (&self.worker, method) {
             let parameters = parameters.to_string();
             let progress = progress.clone();
@@ -211,12 +211,13 @@ impl DecompositionTask {
                     Some(HullsFile::new("", &decomposition).with_mass_properties(mass))
                 }
             },
-            #[cfg(target_arch = "wasm32")]
+            #[cfg(all(target_family = "wasm", target_os = "unknown"))]
             Place::InWorker(call) => match call.answer() {
                 worker::Answer::Pending => None,
                 worker::Answer::Hulls(file) => Some(*file),
                 worker::Answer::Trapped => return Err(DecompositionError::Panicked),
-                // An error is the same here, and has its type.
+                // An error of the method comes again here, with its type, unless the worker was short of memory. What
+                // had no worker is decomposed here.
                 worker::Answer::Refused => {
                     work.place = Place::Here(work.method.decomposer(work.data.view(), _control)?);
                     None
@@ -389,7 +390,7 @@ impl SharedProgress {
         })
     }
 
-    #[cfg(target_arch = "wasm32")]
+    #[cfg(all(target_family = "wasm", target_os = "unknown"))]
     pub(super) fn set(&self, fraction: f32) {
         self.0.store(fraction.to_bits(), Ordering::Relaxed);
     }

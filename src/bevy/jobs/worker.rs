@@ -6,7 +6,9 @@
 
 use std::cell::RefCell;
 use std::collections::HashMap;
+use std::time::Duration;
 
+use bevy::platform::time::Instant;
 use js_sys::{
     Array, Float32Array, Function, Object, Reflect, Uint8Array, Uint32Array, WebAssembly,
 };
@@ -19,6 +21,14 @@ use crate::hulls_format::HullsFile;
 /// The files of the npm package that a game ships.
 const FILES: [&str; 2] = ["worker-core.js", "hullwright-core.wasm"];
 
+/// So long a module may take to come, and a new worker to send its first sign of progress, which it sends before any
+/// work. Longer than a slow network takes for a megabyte; entities wait meanwhile.
+const LOAD_LIMIT: Duration = Duration::from_secs(30);
+
+/// A worker without a call is ended after once or twice this, since its memory never shrinks. Longer than pauses in a
+/// level that loads; a fresh worker takes some 10 ms of its own thread.
+const IDLE: Duration = Duration::from_secs(5);
+
 /// A decomposition in a worker. Dropped before it is done, it ends the worker.
 #[derive(Debug)]
 pub(super) struct Call(u64);
@@ -29,7 +39,7 @@ pub(super) enum Answer {
     Hulls(Box<HullsFile>),
     /// The worker's memory is not enough, or its code panicked.
     Trapped,
-    /// The method gave an error, or there are no workers: it is to be done here.
+    /// The method gave an error, or there is no worker for it: it is to be done here.
     Refused,
 }
 
@@ -48,16 +58,17 @@ type Listener = Box<dyn Fn(f32)>;
 struct Seat {
     worker: web_sys::Worker,
     call: Option<u64>,
-    has_module: bool,
-    // They live as long as the worker may call them.
-    _listeners: [Closure<dyn FnMut(MessageEvent)>; 2],
+    /// When it was started, or its last call ended.
+    since: Instant,
+    /// Whether script and module have run.
+    has_answered: bool,
 }
 
 #[derive(Default)]
 enum Module {
     #[default]
     NotAsked,
-    Loading,
+    Loading(Instant),
     Ready(WebAssembly::Module),
     Missing,
 }
@@ -66,6 +77,8 @@ enum Module {
 struct Workers {
     folder: String,
     module: Module,
+    /// Whether any worker has ever run.
+    has_answered: bool,
     seats: Vec<Seat>,
     calls: u64,
     waiting: Vec<(u64, Request)>,
@@ -75,6 +88,19 @@ struct Workers {
 
 thread_local! {
     static WORKERS: RefCell<Workers> = RefCell::default();
+    // For all workers, and never dropped: an event may come after its worker has been ended.
+    static ON_MESSAGE: Function =
+        listener(|workers, worker, event| workers.hear(worker, &event.data()));
+    static ON_ERROR: Function = listener(|workers, worker, event| {
+        let reason = get(event, "message").and_then(|message| message.as_string());
+        let reason = reason.unwrap_or_else(|| match event.type_().as_str() {
+            "messageerror" => "the worker sent what can't be read".into(),
+            _ => "the worker could not be started".into(),
+        });
+        // It is logged, and not an error of the page.
+        event.prevent_default();
+        workers.lose(worker, &reason);
+    });
 }
 
 /// Processors, as the browser says.
@@ -118,10 +144,12 @@ impl Call {
     pub(super) fn answer(&self) -> Answer {
         WORKERS.with_borrow_mut(|workers| {
             workers.send_waiting();
-            if matches!(workers.module, Module::Missing) {
-                return Answer::Refused;
-            }
-            workers.answers.remove(&self.0).unwrap_or(Answer::Pending)
+            workers.limit_loading();
+            let answer = workers.answers.remove(&self.0);
+            answer.unwrap_or(match workers.module {
+                Module::Missing => Answer::Refused,
+                _ => Answer::Pending,
+            })
         })
     }
 }
@@ -140,16 +168,18 @@ impl Drop for Call {
 impl Workers {
     /// Fetches and compiles the module.
     fn load(&mut self) {
-        self.module = Module::Loading;
+        self.module = Module::Loading(Instant::now());
         let Some(window) = web_sys::window() else { return self.give_up("there is no window") };
         let address = self.address(FILES[1]);
         let failed = Closure::once_into_js(move |error: JsValue| {
             WORKERS.with_borrow_mut(|workers| workers.give_up(&text(&error)));
         });
         let compiled = Closure::once_into_js(|module: JsValue| {
-            WORKERS.with_borrow_mut(|workers| match module.dyn_into() {
-                Ok(module) => workers.module = Module::Ready(module),
-                Err(_) => workers.give_up("what was fetched is no module"),
+            WORKERS.with_borrow_mut(|workers| match (&workers.module, module.dyn_into()) {
+                (Module::Loading(_), Ok(module)) => workers.module = Module::Ready(module),
+                // Too late.
+                (_, Ok(_)) => {}
+                (_, Err(_)) => workers.give_up("what was fetched is no module"),
             });
         });
         let fetched = Closure::once_into_js(|response: JsValue| -> Result<JsValue, JsValue> {
@@ -189,8 +219,35 @@ impl Workers {
             );
         }
         self.module = Module::Missing;
-        self.seats.drain(..).for_each(|seat| seat.worker.terminate());
+        self.seats.clear();
         self.waiting.clear();
+        self.progress.clear();
+    }
+
+    /// A worker is of no more use. Where none has ever run, none will.
+    fn lose(&mut self, worker: &JsValue, reason: &str) {
+        let Some(index) = self.seats.iter().position(|seat| seat.is(worker)) else { return };
+        if !self.has_answered {
+            return self.give_up(reason);
+        }
+        let Seat { call, .. } = self.seats.remove(index);
+        log::warn!("a mesh is decomposed in slices, since its worker has ended: {reason}");
+        if let Some(call) = call {
+            self.progress.remove(&call);
+            self.answers.insert(call, Answer::Refused);
+        }
+    }
+
+    /// A fetch, or a worker's script, may never come, without an error.
+    fn limit_loading(&mut self) {
+        let is_late = |since: Instant| since.elapsed() > LOAD_LIMIT;
+        if matches!(self.module, Module::Loading(since) if is_late(since)) {
+            self.give_up("the module does not load");
+        }
+        let is_silent = |seat: &&Seat| !seat.has_answered && is_late(seat.since);
+        if let Some(worker) = self.seats.iter().find(is_silent).map(|seat| seat.worker.clone()) {
+            self.lose(&worker, "the script does not load");
+        }
     }
 
     /// Sends what waits to workers that are free, or new. There are never more calls than workers may be.
@@ -226,18 +283,25 @@ impl Workers {
             ("args", arguments.into()),
             ("isHeard", JsValue::TRUE),
         ];
-        if !seat.has_module {
+        if !seat.has_answered {
             message.push(("module", module.clone().into()));
         }
         seat.worker.post_message_with_transfer(&object(&message), &request.buffers)?;
-        (seat.has_module, seat.call) = (true, Some(call));
+        seat.call = Some(call);
         Ok(())
     }
 
     /// Takes a message of a worker. An answer frees it.
     fn hear(&mut self, worker: &JsValue, message: &JsValue) {
-        let is_from = |seat: &&Seat| *AsRef::<JsValue>::as_ref(&seat.worker) == *worker;
-        let Some(call) = self.seats.iter().find(is_from).and_then(|seat| seat.call) else { return };
+        let Some(seat) = self.seats.iter_mut().find(|seat| seat.is(worker)) else { return };
+        let Some(call) = seat.call else { return };
+        let error = get(message, "error").unwrap_or_default();
+        let code = get(&error, "code").and_then(|code| code.as_string());
+        // The module can't be instantiated: it is not of the script's build, or memory is short.
+        if code.as_deref() == Some("worker") {
+            return self.lose(worker, &text(&error));
+        }
+        (seat.has_answered, self.has_answered) = (true, true);
         if let Some(progress) = get(message, "progress") {
             let fraction = get(&progress, "fraction").and_then(|fraction| fraction.as_f64());
             if let (Some(listener), Some(fraction)) = (self.progress.get(&call), fraction) {
@@ -245,58 +309,69 @@ impl Workers {
             }
             return;
         }
-        self.progress.remove(&call);
         let file = get(message, "value").and_then(|value| get(&value, "hullsFile"));
         let answer = match file.map(|file| HullsFile::from_bytes(&Uint8Array::new(&file).to_vec()))
         {
-            Some(Ok(file)) => Answer::Hulls(Box::new(file)),
-            // Another version of the package.
-            Some(Err(_)) => Answer::Refused,
-            None => {
-                let code = get(message, "error").and_then(|error| get(&error, "code"));
-                match code.and_then(|code| code.as_string()).as_deref() {
-                    Some("trap") => Answer::Trapped,
-                    _ => Answer::Refused,
-                }
-            }
+            Some(Ok(file)) if file.is_current() => Answer::Hulls(Box::new(file)),
+            Some(_) => return self.give_up("the module is of another version"),
+            None if code.as_deref() == Some("trap") => Answer::Trapped,
+            None => Answer::Refused,
         };
-        if matches!(answer, Answer::Trapped) {
-            self.end_worker_of(call);
+        match answer {
+            Answer::Trapped => self.end_worker_of(call),
+            _ => (seat.call, seat.since) = (None, Instant::now()),
         }
-        let seat = self.seats.iter_mut().find(|seat| seat.call == Some(call));
-        if let Some(seat) = seat {
-            seat.call = None;
-        }
+        self.progress.remove(&call);
         self.answers.insert(call, answer);
+        end_idle_later();
     }
 
     fn end_worker_of(&mut self, call: u64) {
-        for seat in self.seats.extract_if(.., |seat| seat.call == Some(call)) {
-            seat.worker.terminate();
-        }
+        self.seats.retain(|seat| seat.call != Some(call));
     }
 }
 
 impl Seat {
     fn new(script: &str) -> Result<Self, JsValue> {
         let worker = web_sys::Worker::new(script)?;
-        let of: JsValue = worker.clone().into();
-        let on_message = Closure::new(move |event: MessageEvent| {
-            WORKERS.with_borrow_mut(|workers| workers.hear(&of, &event.data()));
-        });
-        // The script is not there, or is none.
-        let on_error = Closure::new(|event: MessageEvent| {
-            let reason = get(&event, "message").and_then(|message| message.as_string());
-            let reason = reason.unwrap_or_else(|| "the worker could not be started".into());
-            WORKERS.with_borrow_mut(|workers| workers.give_up(&reason));
-        });
-        let function = |closure: &Closure<dyn FnMut(MessageEvent)>| -> Function {
-            closure.as_ref().unchecked_ref::<Function>().clone()
-        };
-        worker.set_onmessage(Some(&function(&on_message)));
-        worker.set_onerror(Some(&function(&on_error)));
-        let _listeners = [on_message, on_error];
-        Ok(Self { worker, call: None, has_module: false, _listeners })
+        ON_MESSAGE.with(|function| worker.set_onmessage(Some(function)));
+        // Chromium's workers have the event `messageerror`, but no `onmessageerror`.
+        for event in ["error", "messageerror"] {
+            ON_ERROR.with(|function| worker.add_event_listener_with_callback(event, function))?;
+        }
+        Ok(Self { worker, call: None, since: Instant::now(), has_answered: false })
+    }
+
+    fn is(&self, worker: &JsValue) -> bool {
+        *AsRef::<JsValue>::as_ref(&self.worker) == *worker
+    }
+}
+
+impl Drop for Seat {
+    fn drop(&mut self) {
+        self.worker.terminate();
+    }
+}
+
+/// Takes events of any worker.
+fn listener(take: fn(&mut Workers, &JsValue, &MessageEvent)) -> Function {
+    let closure = Closure::<dyn Fn(MessageEvent)>::new(move |event: MessageEvent| {
+        let worker = get(&event, "currentTarget").unwrap_or_default();
+        WORKERS.with_borrow_mut(|workers| take(workers, &worker, &event));
+    });
+    closure.into_js_value().unchecked_into()
+}
+
+/// By a timer, since frames may end before.
+fn end_idle_later() {
+    let end = Closure::once_into_js(|| {
+        let is_used = |seat: &Seat| seat.call.is_some() || seat.since.elapsed() < IDLE;
+        WORKERS.with_borrow_mut(|workers| workers.seats.retain(is_used));
+    });
+    if let Some(window) = web_sys::window() {
+        let (end, delay) = (end.unchecked_ref(), 2 * IDLE.as_millis() as i32);
+        // Without a timer they stay.
+        let _ = window.set_timeout_with_callback_and_timeout_and_arguments_0(end, delay);
     }
 }
 

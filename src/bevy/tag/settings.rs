@@ -72,7 +72,8 @@ pub struct BudgetSettings {
     /// more thread is for what takes no decomposition. They have a lower priority than the game's where the platform has that.
     /// Default 0.
     pub threads: usize,
-    /// Most decompositions at once; 0 for one for each of the threads. What takes none does not count. Default 0.
+    /// Most decompositions at once; 0 for one for each of the threads, and in workers never more than these. What takes none
+    /// does not count. Default 0.
     pub max_jobs: usize,
     /// Time per frame that the plugin's systems may spend on reading meshes and attaching
     /// colliders, and in slices on all work. One of each goes through even if it takes longer. Default 1 ms, and 4 ms
@@ -145,8 +146,9 @@ pub enum Execution {
     /// take longer than its budget.
     Slices,
     /// In a browser: decompositions in Web Workers, which run the module of the npm package from
-    /// [`BudgetSettings::worker_folder`], all else in slices. A panic ends a worker, not the game. Without the files, and
-    /// for the paper's method, as [`Slices`](Self::Slices); elsewhere as [`Background`](Self::Background).
+    /// [`BudgetSettings::worker_folder`], all else in slices. A panic ends a worker, not the game. Without the files, for
+    /// the paper's method, and in wasm outside a browser as [`Slices`](Self::Slices); elsewhere as
+    /// [`Background`](Self::Background).
     Worker,
 }
 
@@ -154,7 +156,8 @@ impl Execution {
     /// What it is on this platform.
     pub(crate) fn here(self) -> Self {
         match self {
-            Self::Worker if cfg!(not(target_arch = "wasm32")) => Self::Background,
+            Self::Worker if cfg!(not(target_family = "wasm")) => Self::Background,
+            Self::Worker if cfg!(not(target_os = "unknown")) => Self::Slices,
             other => other,
         }
     }
@@ -201,7 +204,7 @@ impl Default for HullwrightSettings {
 
 impl Default for BudgetSettings {
     fn default() -> Self {
-        let has_threads = !cfg!(target_arch = "wasm32");
+        let has_threads = !cfg!(target_family = "wasm");
         Self {
             execution: if has_threads { Execution::Background } else { Execution::Worker },
             worker_folder: "hullwright".into(),

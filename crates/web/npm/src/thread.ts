@@ -25,7 +25,8 @@ function webThread(script: { code: string } | { url: URL }): Thread {
     listen(onReply, onError) {
       worker.onmessage = ({ data }: MessageEvent<Reply>) => onReply(data);
       worker.onerror = (event) => onError(event.message || "the worker could not be started");
-      worker.onmessageerror = () => onError("the worker sent what can't be read");
+      // Chromium's workers have the event, but no `onmessageerror`.
+      worker.addEventListener("messageerror", () => onError("the worker sent what can't be read"));
     },
     hold: () => undefined,
     end: () => worker.terminate(),
