@@ -1,14 +1,20 @@
-//! The README's program for Rapier without Bevy. It reads `mug.glb` from the folder that it is run in.
+//! The README's program for Rust without an engine, and for Rapier. It reads `mug.glb` from the folder that it is run in.
 
-use rapier3d::prelude::*;
+use hullwright::{Control, Length, Parameters, decompose, mass_properties};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let mesh = hullwright::io::read_mesh("mug.glb")?; // or a MeshView of your own positions and triangles
-    // 500 kg per m³, if the mesh is in metres.
-    let collider = hullwright::rapier::collider_from_mesh(&mesh, 500.0, &Default::default())?;
-    let mut world = PhysicsWorld::new();
-    let (body, _) = world.insert(RigidBodyBuilder::dynamic(), collider);
-    world.step();
-    println!("{:.3} kg", world.bodies[body].mass());
+    // Or `TriangleMesh::new(positions, triangles)`, or a `MeshView` of what you have.
+    let mesh = hullwright::io::read_mesh("mug.glb")?;
+    let parameters = Parameters::default().max_error(Length::share(0.02)).max_hulls(32);
+    let made = decompose(&mesh, &parameters, &Control::new())?;
+    for hull in &made.hulls {
+        let (points, triangles) = hull.shape.to_single_precision()?;
+        println!("{} vertices, {} triangles", points.len(), triangles.len());
+    }
+
+    // For Rapier: one compound, with the mass of the mesh at 500 kg per m³.
+    let mass = mass_properties(&mesh, &made.hulls, 500.0)?;
+    let collider = hullwright::rapier::collider(&made.hulls, &mass, [1.0; 3])?.build();
+    println!("{:.2} kg", collider.mass());
     Ok(())
 }

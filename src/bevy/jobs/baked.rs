@@ -104,11 +104,9 @@ pub enum LoadHullsError {
 #[type_path = "hullwright"]
 pub struct BakedScene {
     scene: Arc<HullScene>,
-    geometry: Arc<SceneGeometry>,
+    /// Where the meshes are that may be used, by content.
+    usable: Arc<HashMap<ContentKey, usize>>,
 }
-
-/// What colliders are made of, by content.
-pub(super) type SceneGeometry = HashMap<ContentKey, Arc<ColliderGeometry>>;
 
 /// How a `.hullscene` file is taken. Bevy reads them from the file's `.meta`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
@@ -128,17 +126,16 @@ impl BakedScene {
     /// The same with settings.
     pub fn with_settings(scene: HullScene, settings: BakedSceneSettings) -> Self {
         let BakedSceneSettings { accepts_other_versions } = settings;
-        let usable = scene.meshes.iter().filter(|baked| {
+        let usable = scene.meshes.iter().enumerate().filter(|(_, baked)| {
             (accepts_other_versions || baked.hulls.is_current())
                 && baked.hulls.mass_properties.is_some()
         });
-        let geometry = usable.map(|baked| {
+        let usable = usable.map(|(index, baked)| {
             let goal = Goal::Hulls(baked.parameters.clone()).hash();
-            let key = ContentKey::Mesh { mesh: baked.hash, goal, scene: None };
-            (key, ColliderGeometry::of_hulls(baked.hulls.clone()))
+            (ContentKey::Mesh { mesh: baked.hash, goal, scene: None }, index)
         });
-        let geometry = Arc::new(geometry.collect());
-        Self { scene: Arc::new(scene), geometry }
+        let usable = Arc::new(usable.collect());
+        Self { scene: Arc::new(scene), usable }
     }
 
     /// What the file holds.
@@ -146,8 +143,9 @@ impl BakedScene {
         &self.scene
     }
 
-    pub(super) fn geometry(&self) -> Arc<SceneGeometry> {
-        self.geometry.clone()
+    /// The hulls of a mesh with this content, where they may be used.
+    pub(super) fn geometry(&self, key: ContentKey) -> Option<Arc<ColliderGeometry>> {
+        self.geometry_of(*self.usable.get(&key)?)
     }
 
     /// The place of the mesh with a name; of the only mesh without one.

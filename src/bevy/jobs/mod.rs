@@ -641,7 +641,7 @@ impl Sources<'_, '_> {
         let may_be_baked = jobs.key_of(&request.input).is_none_or(|key| key.is_baked());
         let baked = request.input.scene().filter(|_| may_be_baked).and_then(|id| {
             let scene = self.scenes.get(id.try_typed().ok()?)?;
-            Some((id, scene.geometry()))
+            Some((id, scene.clone()))
         });
         Ok(TaskInput::Mesh { data, goal, baked })
     }

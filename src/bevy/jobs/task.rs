@@ -10,7 +10,7 @@ use bevy::tasks::futures_lite::future::yield_now;
 use bevy_rapier3d::rapier::geometry::{SharedShape, TriMeshFlags};
 use bevy_rapier3d::rapier::math::{Pose, Vector};
 
-use super::baked::SceneGeometry;
+use super::baked::BakedScene;
 use super::cache::{BuiltCollider, ColliderGeometry, DiskCache, GeometryCache, WorkClaim};
 use super::request::{ContentKey, MapKey, MeshData};
 #[cfg(target_arch = "wasm32")]
@@ -32,7 +32,7 @@ pub(super) enum TaskInput {
         data: MeshData,
         goal: Goal,
         /// Where its hulls may be found: then it is not decomposed, but waits again if they are not there.
-        baked: Option<(UntypedAssetId, Arc<SceneGeometry>)>,
+        baked: Option<(UntypedAssetId, BakedScene)>,
     },
     /// Known geometry, of which another shape is wanted.
     Geometry { key: ContentKey, geometry: Arc<ColliderGeometry>, source: HullSource },
@@ -149,15 +149,14 @@ impl DecompositionTask {
         &mut self,
         data: MeshData,
         goal: &Goal,
-        baked: Option<(UntypedAssetId, Arc<SceneGeometry>)>,
+        baked: Option<(UntypedAssetId, BakedScene)>,
         control: &Control,
     ) -> StepResult {
         let key = ContentKey::of_mesh(&data, goal);
-        if let Some((scene, all)) = baked {
-            return match all.get(&key) {
-                Some(geometry) => {
-                    self.build(key.in_scene(scene), geometry.clone(), HullSource::Baked)
-                }
+        if let Some((id, scene)) = baked {
+            let own = key.in_scene(id);
+            return match self.cache.geometry(own).or_else(|| scene.geometry(key)) {
+                Some(geometry) => self.build(own, geometry, HullSource::Baked),
                 None => Ok(Some(TaskOutput::Wait(key))),
             };
         }

@@ -23,6 +23,5 @@ fn setup(mut commands: Commands, server: Res<AssetServer>) {
     let below = Transform::from_xyz(0.0, -2.0, 0.0);
     commands.spawn((floor, clay, below, Collider::cuboid(2.0, 0.1, 2.0)));
     let eye = Transform::from_xyz(0.0, 1.0, 5.0).looking_at(Vec3::NEG_Y, Vec3::Y);
-    commands.spawn((Camera3d::default(), eye));
-    commands.spawn((DirectionalLight::default(), eye));
+    commands.spawn((Camera3d::default(), DirectionalLight::default(), eye));
 }
