@@ -10,7 +10,7 @@ use crate::parameters::{
 
 /// The unit in which the paper's thresholds fit its own meshes: Princeton's segmentation
 /// benchmark has bounding-box diagonals of 1.0 to 3.0 with a median of 2.24. At the paper's own p
-/// and r this gives its numbers of pieces best (`docs/paper.md`, Calibration).
+/// and r this gives its numbers of pieces best (`crates/lab/reports/calibration.md`).
 const PAPER_UNIT: Length = Length::Share(1.0 / 2.24);
 
 /// Parameters of the paper's method, by its symbols.

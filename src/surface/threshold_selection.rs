@@ -9,7 +9,7 @@
 //! - The two abort rules: a running average is given up once it is above *both* limits, three
 //!   times ε and three times the least average so far. Read as "above either", the second rule
 //!   forbids what Table 1 reports: p = 0.01 leaves nearly convex groups, so that larger p would
-//!   have to stay below a third of what their rows cost (see `docs/paper.md` for the numbers).
+//!   have to stay below a third of what their rows cost (see `crates/lab/reports/calibration.md`).
 //!   The first threshold has nothing before it and is always computed to its end, so the
 //!   fail-safe never lacks a candidate; aborted thresholds can't enter it.
 //! - Pieces are counted before group merging, and of equal counts the earlier threshold stays,

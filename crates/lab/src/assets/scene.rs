@@ -5,7 +5,7 @@ use super::model::{Model, Node};
 use super::nature::leaf;
 use super::shape::{Point, cells};
 
-/// What each tag below asks for is said in `docs/bevy.md`.
+/// What each tag below asks for is said in `docs/bevy/artists.md`.
 pub fn props() -> Model {
     const TOP: f64 = 0.74;
     const HALF: [f64; 2] = [-0.5, 0.5];

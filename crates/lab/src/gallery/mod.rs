@@ -44,10 +44,10 @@ const EXPLOSION: f64 = 0.25;
 const FOLDER: &str = "gallery";
 
 const INTRODUCTION: &str = "Every bundled model, and a dozen shapes of trouble. From left to right: the mesh, \
-    the hulls of the default method, and those of Parry's V-HACD, both with default parameters, moved \
-    apart. `hullwright measure` samples the figures: *error* is the larger of protrusion and uncovered \
-    distance, as a percentage of the bounding-box diagonal; *IoU* is the volume of the intersection over that \
-    of the union.";
+    the hulls of the default method, and those of Parry's V-HACD with default parameters, moved apart. \
+    `hullwright measure` samples the figures, V-HACD's in the same order: *error* is the larger of protrusion \
+    and uncovered distance, as a percentage of the bounding-box diagonal; *IoU* is the volume of the \
+    intersection over that of the union.";
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Arguments { output, assets } = arguments;
@@ -123,20 +123,21 @@ impl Entry {
         Ok(entry)
     }
 
-    fn rows(&self) -> Vec<[String; 5]> {
-        let row = |name: &str, of: &Measurement| {
-            [
-                name.to_owned(),
-                of.hulls.to_string(),
-                of.vertices.to_string(),
-                percent(of.hausdorff),
-                of.iou.map_or_else(|| "–".into(), percent),
-            ]
-        };
-        let mut rows = vec![row("Hullwright", &self.ours)];
-        rows.extend(self.vhacd.as_ref().map(|vhacd| row("V-HACD", vhacd)));
-        rows
+    /// A line for each method.
+    fn lines(&self) -> Vec<String> {
+        let [hulls, vertices, error, iou] = figures(&self.ours);
+        let ours =
+            format!("Hullwright: {hulls} hulls, {vertices} vertices, error {error}, IoU {iou}.");
+        let vhacd = self.vhacd.as_ref();
+        let vhacd = vhacd.map(|vhacd| format!("V-HACD: {}.", figures(vhacd).join(", ")));
+        [ours].into_iter().chain(vhacd).collect()
     }
+}
+
+/// Hulls, vertices, error and intersection over union.
+fn figures(of: &Measurement) -> [String; 4] {
+    let iou = of.iou.map_or_else(|| "–".into(), percent);
+    [of.hulls.to_string(), of.vertices.to_string(), percent(of.hausdorff), iou]
 }
 
 fn vhacd_hulls(mesh: MeshView<'_>) -> Vec<Hull> {
@@ -166,10 +167,7 @@ fn markdown(parts: &Parts) -> String {
             let Entry { name, words, picture, triangles, .. } = entry;
             text += &format!("\n### {name}\n\n{words} {triangles} triangles.\n\n");
             text += &format!("![{name}]({picture})\n\n");
-            let made = entry.rows().into_iter().map(|[method, hulls, vertices, error, iou]| {
-                format!("{method}: {hulls} hulls, {vertices} vertices, error {error}, IoU {iou}.")
-            });
-            text += &format!("{}\n", made.collect::<Vec<_>>().join("  \n"));
+            text += &format!("{}\n", entry.lines().join("  \n"));
         }
     }
     text
