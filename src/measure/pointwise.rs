@@ -109,10 +109,10 @@ impl MeasuredMesh {
     /// and so it is around voids that are closed on all sides.
     ///
     /// It is approximate: a net over a grid whose cells are a quarter of the radius, or 2 % of the diagonal if that is
-    /// less; larger where the grid would have more than half a million samples. Nothing nearer than a cell to the mesh is
+    /// less; larger where the grid would have more than 200,000 samples. Nothing nearer than a cell to the mesh is
     /// drawn. What hulls must keep to is not this surface, but [`distance`](Self::distance).
     ///
-    /// O(samples), tenths of a second.
+    /// O(samples): on one thread tenths of a second, up to two seconds for the largest grid.
     ///
     /// # Errors
     /// [`Error::Cancelled`].

@@ -21,8 +21,8 @@ const CELLS_PER_RADIUS: f64 = 4.0;
 /// The side of a cell as a fraction of the diagonal, at most: a ball of any size shows the mesh's shape.
 const LARGEST_CELL: f64 = 0.02;
 
-/// Samples at most. Where they are not enough, cells are larger. They take 10 MB.
-const MAX_SAMPLES: f64 = 500_000.0;
+/// Samples at most. Where they are not enough, cells are larger. They take a second or two on one thread.
+const MAX_SAMPLES: f64 = 200_000.0;
 
 /// Factor by which cells grow until they are few enough.
 const GROWTH: f64 = 1.05;
