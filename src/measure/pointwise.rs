@@ -108,8 +108,8 @@ impl MeasuredMesh {
     /// that is off the mesh: what hulls may fill, for display. `None` without a probe. Where nothing is filled it is empty,
     /// and so it is around voids that are closed on all sides.
     ///
-    /// It is approximate: a net over a grid whose cells are a quarter of the radius, or 2 % of the diagonal if that is
-    /// less; larger where the grid would have more than 200,000 samples. Nothing nearer than a cell to the mesh is
+    /// It is approximate: a net over a grid whose cells are a sixth of the radius, or 1.25 % of the diagonal if that is
+    /// less; larger where the grid would have more than 200,000 samples. Nothing nearer than half a cell to the mesh is
     /// drawn. What hulls must keep to is not this surface, but [`distance`](Self::distance).
     ///
     /// O(samples): on one thread tenths of a second, up to two seconds for the largest grid.

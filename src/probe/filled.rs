@@ -16,10 +16,10 @@ use crate::geometry::vector::Vector;
 use crate::parallel;
 
 /// Cells along the radius: what balls roll over is round to the eye.
-const CELLS_PER_RADIUS: f64 = 4.0;
+const CELLS_PER_RADIUS: f64 = 6.0;
 
 /// The side of a cell as a fraction of the diagonal, at most: a ball of any size shows the mesh's shape.
-const LARGEST_CELL: f64 = 0.02;
+const LARGEST_CELL: f64 = 0.0125;
 
 /// Samples at most. Where they are not enough, cells are larger. They take a second or two on one thread.
 const MAX_SAMPLES: f64 = 200_000.0;
@@ -30,6 +30,9 @@ const GROWTH: f64 = 1.05;
 /// Cells beyond the mesh's box on each side: nothing outside it is filled.
 const MARGIN: f64 = 2.0;
 
+/// What is nearer to the mesh than this many cells is on it: more than a net over a flat face is off.
+const ON_MESH: f64 = 0.5;
+
 /// Half the side of the smallest parts of space that are told apart, in cells: their planes are off by 0.02 cells.
 const LEAST_HALF: f64 = 0.25;
 
@@ -39,9 +42,10 @@ const LEAST_HALF: f64 = 0.25;
 #[derive(Debug, Clone, PartialEq)]
 pub struct FilledSurface {
     /// Its triangles, counter-clockwise seen from where balls are. Open where it meets the mesh; empty where nothing is
-    /// filled, or nothing wider than a cell.
+    /// filled.
     pub mesh: TriangleMesh,
-    /// The side of a cell of the grid. The surface is off by about a quarter of that, and what is thinner may be missing.
+    /// The side of a cell of the grid. The surface is off by about a quarter of that. What is filled less than half a
+    /// cell high, or is narrower than a cell, is missing.
     pub cell: f64,
 }
 
@@ -77,13 +81,15 @@ pub(crate) fn filled(probe: &Probe, tree: &Bvh, control: &Control) -> Result<Fil
     Ok(FilledSurface { mesh: off_the_mesh(&net, tree, origin, cell), cell })
 }
 
-/// The triangles that are somewhere farther than a cell from the surface. Their corners nearer than that are moved onto it.
+/// The triangles that are somewhere off the surface. Their corners on it are moved there exactly.
 fn off_the_mesh(net: &SurfaceNetsBuffer, tree: &Bvh, origin: Vector, cell: f64) -> TriangleMesh {
     let points = parallel::map(&net.positions, |&position| {
         let point = origin + Vector::from(position.map(f64::from)) * cell;
-        match tree.closest_point(point, cell) {
-            Some(closest) => (closest.point, false),
-            None => (point, true),
+        // At edges and corners the net runs through the solid.
+        let is_on = |distance: f64| distance < ON_MESH * cell || tree.is_inside(point);
+        match tree.closest_point(point, f64::INFINITY) {
+            Some(closest) if is_on(closest.distance) => (closest.point, false),
+            _ => (point, true),
         }
     });
     let mut numbers = vec![None; points.len()];
@@ -153,7 +159,7 @@ mod tests {
         let lowest = found.mesh.positions.iter().map(|p| p[2]).fold(f64::INFINITY, f64::min);
         assert!((lowest + sunk).abs() < 0.5 * found.cell, "{lowest}, {sunk}, {}", found.cell);
         for &[x, y, z] in &found.mesh.positions {
-            assert!(x.abs().max(y.abs()) < 0.2 + 2.0 * found.cell, "{x}, {y}");
+            assert!(x.abs().max(y.abs()) < 0.2 + 2.0 * found.cell, "{x}, {y}, {z}");
             assert!(z < 0.5 * found.cell, "{z}");
         }
         // It hides the shaft, and is little larger.
