@@ -88,6 +88,7 @@
 //! | `io` | readers of OBJ, OFF, PLY, STL, glTF and GLB; writers of OBJ and GLB |
 //! | `serde` | parameters, reports and measurements can be written and read, for example by serde_json |
 //! | `bake` (in `bevy`) | meshes by content, scenes in one `.hullscene` file |
+//! | `fill` | the surface of what a probe does not reach, for display |
 //! | `fs` (in `io` and `bake`) | `.hulls` files are written to disk, all or nothing |
 //! | `nalgebra` (in `rapier`) | principal axes of inertia |
 //! | `rapier` | colliders and mass properties for rapier3d 0.36 |

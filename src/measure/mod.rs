@@ -58,6 +58,8 @@ use hulls::{Edges, MeasuredHull, Union};
 use sampling::{SampledSurface, in_unit_cube};
 use solid::MeasuredSolid;
 
+#[cfg(feature = "fill")]
+pub use crate::probe::FilledSurface;
 pub use hulls::HullCheck;
 pub use pointwise::{MeasuredHulls, MeasuredMesh};
 

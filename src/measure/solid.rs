@@ -4,6 +4,8 @@ use crate::bvh::Bvh;
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, bounds};
+#[cfg(feature = "fill")]
+use crate::probe::{FilledSurface, filled};
 use crate::probe::{Probe, ProbeSettings};
 
 pub(super) struct MeasuredSolid {
@@ -38,5 +40,14 @@ impl MeasuredSolid {
     pub fn protrusion(&self, point: Vector, distance: f64) -> f64 {
         let entered = self.probe.as_ref().and_then(|probe| probe.entered(&self.bvh, point, 0.0));
         entered.map_or(distance, |entered| entered.max(0.0).min(distance))
+    }
+
+    /// The surface of what the probe does not reach, if there is one.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
+    #[cfg(feature = "fill")]
+    pub fn filled(&self, control: &Control) -> Result<Option<FilledSurface>, Error> {
+        self.probe.as_ref().map(|probe| filled(probe, &self.bvh, control)).transpose()
     }
 }

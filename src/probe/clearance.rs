@@ -259,6 +259,22 @@ impl Probe {
     ) -> Result<Self, Error> {
         let clear = radius - displacement - ROUNDING;
         let reach = Reach::new(tree, bounds, radius, clear, from, control)?;
+        let least_half = LEAST_HALF * bound.min(radius);
+        Ok(Self::within_reach(reach, bounds, [radius, clear, least_half, bound]))
+    }
+
+    /// The same with larger parts, whose half side is `least_half`: for fewer places, known less exactly.
+    #[cfg(feature = "fill")]
+    pub(super) fn coarser(&self, least_half: f64) -> Self {
+        let sizes = [self.radius, self.clear, least_half, self.radius];
+        Self::within_reach(self.reach.clone(), self.bounds, sizes)
+    }
+
+    fn within_reach(
+        reach: Reach,
+        bounds: (Vector, Vector),
+        [radius, clear, least_half, bound]: [f64; 4],
+    ) -> Self {
         let mut count = 0;
         let mut number = |cell: &Cell| {
             let place = count;
@@ -268,9 +284,8 @@ impl Probe {
         let places = reach.cells.iter().map(&mut number).collect();
         let mut parts = Vec::new();
         parts.resize_with(count as usize, OnceLock::new);
-        let least_half = LEAST_HALF * bound.min(radius);
         let fields = SPACINGS.map(|spacing| Field::new(bounds, spacing * bound.min(radius)));
-        Ok(Self { radius, bounds, clear, least_half, bound, reach, places, parts, fields })
+        Self { radius, bounds, clear, least_half, bound, reach, places, parts, fields }
     }
 
     /// Side of the cells that were flooded.
@@ -286,6 +301,13 @@ impl Probe {
     /// Whether a ball may cover a point.
     pub fn reaches(&self, tree: &Bvh, point: Vector) -> bool {
         self.clearance(tree, &Extent::point(point), self.radius, self.radius) < self.radius
+    }
+
+    /// How much farther a point is from all centres than the radius, exact within `limit` of zero, and no farther from it.
+    #[cfg(feature = "fill")]
+    pub(super) fn beyond_reach(&self, tree: &Bvh, point: Vector, limit: f64) -> f64 {
+        let (most, enough) = (self.radius + limit, self.radius - limit);
+        self.clearance(tree, &Extent::point(point), most, enough).max(enough) - self.radius
     }
 
     /// Whether no ball is entered at a point by more than `bound`, and none by more than half its radius.

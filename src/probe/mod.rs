@@ -20,10 +20,17 @@
 //! | `reach` | a grid of cells that may hold the centre of a ball, flooded from outside |
 //! | `clearance` | how near the centre of a ball can come to a point, by cells that are divided on demand |
 //! | `field` | samples of that distance |
+//! | `filled` | the surface of what no ball reaches, for display |
 
 mod clearance;
 mod field;
+#[cfg(feature = "fill")]
+mod filled;
 mod reach;
 
 pub(crate) use clearance::{Extent, Probe};
+#[cfg(feature = "fill")]
+pub use filled::FilledSurface;
+#[cfg(feature = "fill")]
+pub(crate) use filled::filled;
 pub(crate) use reach::ProbeSettings;

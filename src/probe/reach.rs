@@ -97,6 +97,7 @@ pub(super) enum Cell {
 type Place = [usize; 3];
 
 /// The grid. See the module.
+#[derive(Clone)]
 pub(super) struct Reach {
     origin: Vector,
     /// Side of a cell.

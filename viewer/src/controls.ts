@@ -32,6 +32,7 @@ const KEYS: [string, string][] = [
   ["W", "wireframe"],
   ["C", "colours: hulls, errors"],
   ["O", "tint closed openings"],
+  ["F", "what the probe does not reach"],
   ["E", "move hulls apart"],
   ["Z", "which axis is up"],
   ["R", "look from the start"],
@@ -42,7 +43,7 @@ const KEYS: [string, string][] = [
 ];
 
 /** What is on or off. */
-const SWITCHES = ["mesh", "hulls", "wires", "errors", "openings"] as const;
+const SWITCHES = ["mesh", "hulls", "wires", "errors", "openings", "filled"] as const;
 type Switch = (typeof SWITCHES)[number];
 
 export const find = <E extends HTMLElement>(id: string) => document.getElementById(id) as E;
@@ -94,6 +95,7 @@ export class Controls {
       panel.viewport.parentElement?.addEventListener("focusin", () => (this.current = index));
     });
     find("openings").hidden = page.document.mesh.caps === 0;
+    find("filled").hidden = page.filled === null;
     this.update();
   }
 
@@ -113,6 +115,8 @@ export class Controls {
     if (what === "mesh" && !look.mesh && !look.hulls) look.hulls = true;
     if (what === "hulls" && !look.hulls) look.mesh = true;
     if (what === "openings" && look.openings) look.mesh = true;
+    // Hulls lie over what is filled, and would hide it.
+    if (what === "filled" && look.filled) Object.assign(look, { mesh: true, hulls: false });
     this.update();
   }
 
@@ -182,6 +186,7 @@ export class Controls {
       w: () => this.toggle("wires"),
       c: () => this.toggle("errors"),
       o: () => this.page.document.mesh.caps > 0 && this.toggle("openings"),
+      f: () => this.page.filled && this.toggle("filled"),
       e: () => this.explodeTo(shared.explosion.value > 0 ? 0 : APART),
       z: () => this.turnUp(),
       r: () => stage.home(),

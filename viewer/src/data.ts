@@ -72,6 +72,7 @@ interface Document {
     triangles: ArrayPlace;
     divisions: ArrayPlace;
   };
+  filled: { colour: [number, number, number]; positions: PointsPlace; triangles: ArrayPlace } | null;
   openings: { outcome: string; centre: number[] }[];
   names: string[];
   sets: SetEntry[];
@@ -109,6 +110,8 @@ export interface HullSet {
 export interface Page {
   document: Document;
   mesh: Surface;
+  /** What a probe does not reach. */
+  filled: { positions: Float32Array; triangles: Uint32Array } | null;
   sets: HullSet[];
 }
 
@@ -164,7 +167,8 @@ export function pageOf(json: string, bytes: ArrayBuffer): Page {
       },
     };
   });
-  return { document: doc, mesh: surface(doc.mesh), sets };
+  const filled = doc.filled && { positions: points(doc.filled.positions), triangles: u32(doc.filled.triangles) };
+  return { document: doc, mesh: surface(doc.mesh), filled, sets };
 }
 
 function places(entry: SetEntry, divisions: Uint8Array): HullPlace[] {

@@ -14,11 +14,15 @@ export interface Look {
   wires: boolean;
   errors: boolean;
   openings: boolean;
+  filled: boolean;
   up: "y" | "z";
 }
 
 /** Of hulls over the mesh: both are seen. */
 const OVER_MESH = 0.62;
+
+/** Of what a probe does not reach: the gaps below are seen. */
+const FILLED = 0.55;
 
 const linear = (rgb: readonly number[]): number[] =>
   new Color().setRGB(rgb[0] / 255, rgb[1] / 255, rgb[2] / 255, "srgb").toArray();
@@ -48,6 +52,7 @@ export class Panel {
   private readonly meshFaces: Mesh<BufferGeometry, ShaderMaterial>;
   private readonly meshCreases = new LineSegments(new BufferGeometry(), material("CREASES", 1));
   private readonly meshWires = new LineSegments(new BufferGeometry(), material("CREASES", 1));
+  private readonly filled = new Mesh(new BufferGeometry(), material("FACES", 1));
   /** What still has to be made before each of them is drawn: most are never seen. */
   private readonly stale = new Map<Mesh | LineSegments, () => BufferGeometry>();
 
@@ -70,11 +75,14 @@ export class Panel {
     this.stale.set(this.meshFaces, () => shapes.meshFaces(page, earth, red));
     this.stale.set(this.meshCreases, () => shapes.meshLines(page, false, earth));
     this.stale.set(this.meshWires, () => shapes.meshLines(page, true, earth));
+    this.stale.set(this.filled, () => shapes.filledFaces(page, linear(page.document.filled?.colour ?? clay)));
+    Object.assign(this.filled.material, { transparent: true, depthWrite: false });
+    this.filled.material.uniforms.opacity.value = FILLED;
     this.faces.material.uniforms.most.value = set.entry.protrusion_most;
     // Hulls hide each other, but not the mesh: their depth is drawn first, without a colour.
     this.depth.material.colorWrite = false;
     for (const [order, object] of [
-      this.meshFaces, this.meshCreases, this.meshWires, this.depth, this.faces, this.lines,
+      this.meshFaces, this.meshCreases, this.meshWires, this.depth, this.faces, this.lines, this.filled,
     ].entries()) {
       object.renderOrder = order;
       object.frustumCulled = false;
@@ -192,6 +200,7 @@ export class Panel {
     this.meshFaces.visible = look.mesh && (look.hulls || !wires);
     this.meshCreases.visible = look.mesh && !look.hulls && !wires;
     this.meshWires.visible = look.mesh && !look.hulls && wires;
+    this.filled.visible = look.filled && this.page.filled !== null;
     this.isMeshStale = true;
     this.root.rotation.x = look.up === "z" ? -Math.PI / 2 : 0;
     this.write(entry);

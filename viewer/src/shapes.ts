@@ -201,18 +201,29 @@ export function meshFaces(page: Page, clay: Colour, cap: Colour): BufferGeometry
   });
 }
 
-/** Edges of the mesh: creases alone, or those of all triangles. */
-export function meshLines(page: Page, all: boolean, clay: Colour): BufferGeometry {
-  const { positions, triangles } = page.mesh;
+/** What a probe does not reach. */
+export function filledFaces({ filled }: Page, colour: Colour): BufferGeometry {
+  const positions = filled?.positions ?? new Float32Array();
+  return plain(positions, filled?.triangles ?? [], colour);
+}
+
+/** One surface in one colour, which stays where it is. */
+function plain(positions: Float32Array, index: ArrayLike<number>, colour: Colour): BufferGeometry {
   const count = positions.length / 3;
-  const edges = surfaceEdges(positions, triangles, 0, triangles.length / 3, 0, all ? 2 : 0.8);
   const tint = new Float32Array(positions.length);
-  for (let v = 0; v < count; v++) tint.set(clay, 3 * v);
-  return geometry(new BufferAttribute(positions, 3), edges, {
+  for (let v = 0; v < count; v++) tint.set(colour, 3 * v);
+  return geometry(new BufferAttribute(positions, 3), index, {
     away: new BufferAttribute(new Float32Array(positions.length), 3),
     hull: new BufferAttribute(new Float32Array(count).fill(-1), 1),
     tint: new BufferAttribute(tint, 3),
   });
+}
+
+/** Edges of the mesh: creases alone, or those of all triangles. */
+export function meshLines(page: Page, all: boolean, clay: Colour): BufferGeometry {
+  const { positions, triangles } = page.mesh;
+  const edges = surfaceEdges(positions, triangles, 0, triangles.length / 3, 0, all ? 2 : 0.8);
+  return plain(positions, edges, clay);
 }
 
 /** Edges of each hull, found when they are first asked for. */

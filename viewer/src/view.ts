@@ -15,7 +15,7 @@ export class View {
 
   constructor(page: Page) {
     const isCalm = matchMedia("(prefers-reduced-motion: reduce)").matches;
-    this.look = { mesh: false, hulls: true, wires: false, errors: false, openings: true, up: page.document.up };
+    this.look = { mesh: false, hulls: true, wires: false, errors: false, openings: true, filled: false, up: page.document.up };
     paint();
     this.fill(page);
     const triangles = this.panels.reduce((sum, panel) => sum + panel.triangles, 0);

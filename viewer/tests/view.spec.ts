@@ -194,6 +194,21 @@ test("closed openings are tinted where there are any", async ({ page }) => {
   await page.screenshot({ path: `${shots}open.png` });
 });
 
+test("what a probe does not reach is drawn over the mesh, by button and by key, and only with a probe", async ({ page }) => {
+  await opened(page, mug);
+  await expect(page.locator("#filled")).toBeHidden();
+  await page.keyboard.press("f");
+  expect(await page.locator("#filled").getAttribute("aria-pressed")).toBe("false");
+  await opened(page, view(asset("gear.glb"), "gear.html", "--probe-radius", "6%"));
+  const shown = () => page.locator("#filled").getAttribute("aria-pressed");
+  await changes(page, () => page.locator("#filled").click());
+  expect(await shown()).toBe("true");
+  expect(await page.locator("#mesh").getAttribute("aria-pressed")).toBe("true");
+  await page.screenshot({ path: `${shots}gear-filled.png` });
+  await changes(page, () => page.keyboard.press("f"));
+  expect(await shown()).toBe("false");
+});
+
 test("two methods stand side by side, seen by one camera, each with its slider", async ({ page }) => {
   await opened(page, compared);
   await expect(page.locator(".panel")).toHaveCount(2);

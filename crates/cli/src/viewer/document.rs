@@ -12,7 +12,8 @@ use serde::Serialize;
 use super::subject::Subject;
 use crate::{Vector, bounds};
 use hullwright::io::Object;
-use hullwright::io::palette::{CAP, CLAY, Colour, colour};
+use hullwright::io::palette::{CAP, CLAY, Colour, FILLED, colour};
+use hullwright::measure::FilledSurface;
 use hullwright::{ClosedMesh, Opening};
 
 /// The viewer, as `npm run build` in `viewer/` makes it. The data comes before [`PLACE`].
@@ -37,6 +38,8 @@ pub(super) struct Document {
     clay: Colour,
     cap: Colour,
     mesh: MeshEntry,
+    /// With a probe, unless nothing is filled.
+    filled: Option<FilledEntry>,
     openings: Vec<Opening>,
     /// The names of the mesh's parts.
     names: Vec<String>,
@@ -56,6 +59,14 @@ struct MeshEntry {
     positions: Points,
     triangles: Array,
     divisions: Array,
+}
+
+/// The surface of what a probe does not reach.
+#[derive(Debug, Serialize)]
+struct FilledEntry {
+    colour: Colour,
+    positions: Points,
+    triangles: Array,
 }
 
 /// Hulls, joint hulls after them.
@@ -134,11 +145,29 @@ impl Document {
             clay: CLAY,
             cap: CAP,
             mesh,
+            filled: None,
             openings: openings.clone(),
             names: Vec::new(),
             sets: Vec::new(),
             objects: Vec::new(),
         }
+    }
+
+    pub(super) fn show_filled(
+        &mut self,
+        FilledSurface { mesh, .. }: &FilledSurface,
+        subject: &Subject<'_>,
+        geometry: &mut Geometry,
+    ) {
+        if mesh.triangles.is_empty() {
+            return;
+        }
+        let points = mesh.positions.iter().map(|&point| Vector::from(point));
+        self.filled = Some(FilledEntry {
+            colour: FILLED,
+            positions: geometry.push_points(points, subject),
+            triangles: geometry.push_u32(mesh.triangles.iter().flatten().copied()),
+        });
     }
 
     /// A single part is the whole, and is not worth a word.

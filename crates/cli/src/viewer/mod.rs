@@ -55,7 +55,7 @@ pub struct Page<'a> {
 
 impl<'a> Page<'a> {
     /// A page without hulls yet. Of `parameters` the bound and the openings count: errors are shown
-    /// against that bound, and the mesh with those openings closed.
+    /// against that bound, and the mesh with those openings closed; with a probe, what it does not reach is shown too.
     ///
     /// # Errors
     /// As [`close_openings`](hullwright::close_openings).
@@ -67,7 +67,10 @@ impl<'a> Page<'a> {
     ) -> Result<Self, Error> {
         let subject = Subject::new(mesh.into(), parameters, control)?;
         let mut geometry = Geometry::default();
-        let document = Document::new(title.into(), &subject, &mut geometry);
+        let mut document = Document::new(title.into(), &subject, &mut geometry);
+        if let Some(filled) = subject.mesh.filled(control)? {
+            document.show_filled(&filled, &subject, &mut geometry);
+        }
         Ok(Self { subject, document, geometry })
     }
 
