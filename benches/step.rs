@@ -8,7 +8,7 @@
 //! uncovered distance, as `measure` samples them; V-HACD runs at
 //! the resolutions named, with its own defaults else. Ours runs at its default error, and with
 //! each model's error under V-HACD to spend, as a user does for whom that is enough. The errors of "ours,
-//! primitives" are those of the hulls; the primitives stay within the bound too. A second heap is of models that
+//! primitives" are those of the hulls; the primitives stay within the bound too. Errors of "ours, probe" count what it fills. A second heap is of models that
 //! are made of boxes.
 
 use std::time::Instant;
@@ -40,6 +40,9 @@ const DENSITY: f64 = 500.0;
 /// Falling, landing, and coming to rest.
 const STEPS: usize = 300;
 
+/// The radius of "ours, probe": of the models' diagonal.
+const PROBE: Length = Length::share(0.06);
+
 /// The first is its default.
 const VHACD_RESOLUTIONS: [u32; 2] = [64, 128];
 
@@ -69,12 +72,14 @@ fn main() {
 fn heap(names: &[&'static str], with_triangles: bool) {
     let models: Vec<Model> = names.iter().map(|name| load(name)).collect();
     let peers = VHACD_RESOLUTIONS.map(|resolution| vhacd(&models, resolution));
-    let default = vec![Parameters::default().max_error; models.len()];
-    let at_errors: Vec<Length> =
-        peers[0].errors.iter().map(|&error| Length::share(error)).collect();
+    let default = vec![Parameters::default(); models.len()];
+    let probe = vec![Parameters::default().probe_radius(PROBE); models.len()];
+    let at_error = |&error: &f64| Parameters::default().max_error(Length::share(error));
+    let at_errors: Vec<Parameters> = peers[0].errors.iter().map(at_error).collect();
     let mut kinds = vec![
         ours("ours", &models, &default, false),
         ours("ours, primitives", &models, &default, true),
+        ours("ours, probe", &models, &probe, false),
         ours("ours, its error", &models, &at_errors, false),
     ];
     let reference = kinds.len();
@@ -142,12 +147,11 @@ fn load(name: &'static str) -> Model {
 }
 
 /// With `primitives`, hulls that are boxes, balls or capsules within the bound are these.
-fn ours(name: &str, models: &[Model], max_errors: &[Length], primitives: bool) -> Kind {
+fn ours(name: &str, models: &[Model], parameters: &[Parameters], primitives: bool) -> Kind {
     let mut kind = Kind::new(name);
     let mut replaced = 0;
-    for (model, &max_error) in models.iter().zip(max_errors) {
-        let parameters = Parameters::default().max_error(max_error);
-        let result = decompose(&model.mesh, &parameters, &Control::new()).expect("a sound mesh");
+    for (model, parameters) in models.iter().zip(parameters) {
+        let result = decompose(&model.mesh, parameters, &Control::new()).expect("a sound mesh");
         let shape = match primitives {
             true => rapier::shape_with_primitives(&HullsFile::new("", &result), [1.0; 3]),
             false => rapier::shape(&result.hulls, [1.0; 3]),

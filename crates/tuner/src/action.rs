@@ -28,12 +28,14 @@ pub enum Action {
     Again,
     /// Throws balls.
     Throw,
-    /// Shows or hides hulls, mesh, edges.
+    /// Shows or hides hulls, mesh, edges, and what no ball reaches.
     Hulls,
     /// See above.
     Mesh,
     /// See above.
     Edges,
+    /// See above.
+    Filled,
     /// Moves hulls apart, or together.
     Explode,
     /// Turns a model upright whose third axis points up.
@@ -61,7 +63,7 @@ pub enum Action {
 }
 
 /// Keys, as their caps say, and what they do.
-pub const KEYS: [(&str, &str, Action); 21] = [
+pub const KEYS: [(&str, &str, Action); 22] = [
     ("1", "look at it", Action::Try(Trial::Look)),
     ("2", "drop it on the floor", Action::Try(Trial::Drop)),
     ("3", "hang it on a hook", Action::Try(Trial::Hook)),
@@ -71,6 +73,7 @@ pub const KEYS: [(&str, &str, Action); 21] = [
     ("h", "hulls on and off", Action::Hulls),
     ("m", "mesh on and off", Action::Mesh),
     ("e", "edges on and off", Action::Edges),
+    ("f", "what a probe fills instead of hulls", Action::Filled),
     ("x", "hulls apart and together", Action::Explode),
     ("z", "z points up, or y", Action::ZUp),
     ("[", "a smaller bound", Action::Finer),
@@ -126,6 +129,7 @@ pub fn act(
 ) {
     for action in actions.read() {
         let fit = library.current.as_ref().and_then(|model| fit_of(&tuning, model));
+        let diagonal = library.current.as_ref().map_or(1.0, |model| model.diagonal());
         match action {
             Action::Try(trial) => show.trial = *trial,
             Action::Again => show.attempt += 1,
@@ -137,6 +141,7 @@ pub fn act(
             Action::Hulls => show.hulls = !show.hulls,
             Action::Mesh => show.mesh = !show.mesh,
             Action::Edges => show.edges = !show.edges,
+            Action::Filled => show.filled = !show.filled,
             Action::Explode => {
                 show.trial = Trial::Look;
                 show.explosion = if show.explosion > 0.0 { 0.0 } else { EXPLOSION };
@@ -146,8 +151,12 @@ pub fn act(
             Action::Coarser => settings.bound = stepped(settings.bound, BOUND_STEP),
             Action::Next => open_neighbour(&mut library, 1),
             Action::Previous => open_neighbour(&mut library, BUNDLED.len() - 1),
-            Action::CopyRust => export.copy(&rust(&settings), "the component as Rust"),
-            Action::CopyExtras => export.copy(&extras(&settings), "the component as glTF extras"),
+            Action::CopyRust => {
+                export.copy(&rust(&settings, diagonal), "the component as Rust");
+            }
+            Action::CopyExtras => {
+                export.copy(&extras(&settings, diagonal), "the component as glTF extras");
+            }
             Action::SaveHulls | Action::SaveGlb => {
                 let suffix = if *action == Action::SaveGlb { "glb" } else { "hulls" };
                 match fit {

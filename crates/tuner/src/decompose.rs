@@ -8,13 +8,15 @@ use std::time::Instant;
 use bevy::prelude::*;
 use bevy::tasks::{Task, TaskPool, TaskPoolBuilder, block_on, poll_once};
 use bevy_rapier3d::prelude::{Collider, ColliderMassProperties, MassProperties};
+use bevy_rapier3d::rapier::geometry::{SharedShape, TriMeshFlags};
+use hullwright::measure::{FilledSurface, MeasuredMesh};
 use hullwright::{
-    Control, Decomposition, Error, Hull, Length, Openings, Parameters, Preset, decompose,
-    mass_properties_with, rapier,
+    Control, Decomposition, Error, Hull, Length, Openings, Parameters, Preset, TriangleMesh,
+    decompose, mass_properties_with, rapier,
 };
 use hullwright_demos::hulls::{Piece, pieces};
 
-use crate::model::{Library, Model};
+use crate::model::{Library, Model, SIZE};
 
 /// Mass per cubed metre of the stage: light enough for balls to move things, heavy enough to move balls.
 const DENSITY: f64 = 60.0;
@@ -34,6 +36,8 @@ pub struct Settings {
     pub openings: Openings,
     /// Whether cavities stay empty that nothing can enter.
     pub keep_cavities: bool,
+    /// The radius of what moves, as percent of the mesh's diagonal; 0 for no probe.
+    pub probe: f64,
 }
 
 impl Default for Settings {
@@ -46,6 +50,7 @@ impl Default for Settings {
             preset: parameters.preset,
             openings: parameters.openings,
             keep_cavities: parameters.keep_cavities,
+            probe: 0.0,
         }
     }
 }
@@ -60,6 +65,12 @@ impl Settings {
             .max_hulls(self.max_hulls)
             .keep_cavities(self.keep_cavities)
             .max_vertices(self.max_vertices)
+            .probe_radius((self.probe > 0.0).then(|| Length::share(self.probe / 100.0)))
+    }
+
+    /// The probe's radius on the stage, in metres.
+    pub fn ball(&self) -> f32 {
+        (SIZE * self.probe / 100.0) as f32
     }
 }
 
@@ -79,6 +90,8 @@ pub struct Fit {
     pub mass: ColliderMassProperties,
     /// What the collider is made of.
     pub pieces: Vec<Piece>,
+    /// With a probe: the mesh, which stops the ball at the pointer, and the surface of what no ball reaches. On the stage.
+    pub probed: Option<(SharedShape, TriangleMesh)>,
 }
 
 impl Fit {
@@ -101,7 +114,9 @@ impl Fit {
         let pieces = pieces(&shape);
         let mass = ColliderMassProperties::MassProperties(MassProperties::from_rapier(mass));
         let collider = Collider::from(shape);
-        Ok(Self { model, settings, decomposition, seconds, collider, mass, pieces })
+        let probed =
+            if settings.probe > 0.0 { probed(&model, &parameters, control)? } else { None };
+        Ok(Self { model, settings, decomposition, seconds, collider, mass, pieces, probed })
     }
 
     /// Vertices of all hulls.
@@ -115,6 +130,22 @@ impl Fit {
         let percent = |length: f64| 100.0 * length / run.diagonal;
         [percent(report.protrusion_max), percent(report.uncovered_max)]
     }
+}
+
+/// See [`Fit::probed`].
+fn probed(
+    model: &Model,
+    parameters: &Parameters,
+    control: &Control,
+) -> Result<Option<(SharedShape, TriangleMesh)>, String> {
+    let filled = MeasuredMesh::new(&model.mesh, parameters, control)
+        .and_then(|measured| measured.filled(control))
+        .map_err(|error| error.to_string())?;
+    let Some(FilledSurface { mesh: mut filled, .. }) = filled else { return Ok(None) };
+    filled.positions.iter_mut().for_each(|point| *point = model.on_stage(*point));
+    let whole = rapier::triangle_mesh(&model.mesh_on_stage(), TriMeshFlags::empty());
+    let whole = whole.map_err(|error| error.to_string())?;
+    Ok(Some((SharedShape::new(whole), filled)))
 }
 
 fn on_stage(model: &Model, hull: &Hull) -> Hull {

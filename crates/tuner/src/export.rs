@@ -105,8 +105,8 @@ fn write_hulls_file(fit: &Fit, path: &Path) -> Result<(), String> {
         .map_err(|error| error.to_string())
 }
 
-/// The component in Rust: what differs from its default.
-pub fn rust(settings: &Settings) -> String {
+/// The component in Rust: what differs from its default. For a mesh with this diagonal.
+pub fn rust(settings: &Settings, diagonal: f64) -> String {
     let default = Settings::default();
     let mut lines = vec!["ConvexDecomposition::default()".to_owned()];
     if settings.bound != default.bound {
@@ -130,11 +130,14 @@ pub fn rust(settings: &Settings) -> String {
         let name = capitalised(settings.openings.name());
         lines.push(format!(".with_openings(DecompositionOpenings::{name})"));
     }
+    if settings.probe > 0.0 {
+        lines.push(format!(".with_probe_radius({})", metres(settings.probe, diagonal)));
+    }
     lines.join("\n    ")
 }
 
 /// The same as extras of a glTF node.
-pub fn extras(settings: &Settings) -> String {
+pub fn extras(settings: &Settings, diagonal: f64) -> String {
     let default = Settings::default();
     let mut values = vec![r#""collider": "convex_decomposition""#.to_owned()];
     if settings.bound != default.bound {
@@ -156,7 +159,17 @@ pub fn extras(settings: &Settings) -> String {
     if settings.openings != default.openings {
         values.push(format!(r#""openings": "{}""#, settings.openings));
     }
+    if settings.probe > 0.0 {
+        values.push(format!(r#""probe_radius": "{}m""#, metres(settings.probe, diagonal)));
+    }
     format!("{{{}}}", values.join(", "))
+}
+
+/// A percentage of the diagonal in metres, if those are the mesh's units, to three digits.
+fn metres(percent: f64, diagonal: f64) -> String {
+    let length = percent / 100.0 * diagonal;
+    let digits = (2.0 - length.log10().floor()).max(1.0) as usize;
+    format!("{length:.digits$}")
 }
 
 /// Percent as a share, without zeros at its end.

@@ -9,6 +9,7 @@ mod export;
 mod follow;
 mod hang;
 mod model;
+mod pointer;
 mod scene;
 mod stopwatch;
 mod tour;
@@ -84,7 +85,7 @@ fn main() -> AppExit {
     .add_message::<PictureTaken>()
     .add_message::<action::Action>()
     .add_message::<balls::Throw>()
-    .add_systems(Startup, set_up)
+    .add_systems(Startup, (set_up, pointer::set_up))
     .add_systems(PostStartup, (ui::set_style, draw_less))
     .add_systems(EguiPrimaryContextPass, (ui::draw, mark("controls")).chain())
     .add_systems(
@@ -104,6 +105,7 @@ fn main() -> AppExit {
                 balls::throw,
                 follow::follow_stack,
                 follow::see_through_haze,
+                pointer::follow_pointer,
                 scene::show_layers,
                 picture::watch_sleep,
             ),

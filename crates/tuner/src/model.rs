@@ -66,7 +66,7 @@ impl Model {
         let half = Vec3::from(size.map(|side| (side * scale / 2.0) as f32));
         let centre = [0, 1, 2].map(|axis| (low[axis] + high[axis]) / 2.0);
         let mut model = Self { name, mesh, centre, scale, half, hang: Hang::default() };
-        model.hang = find_hang(&model.triangles());
+        model.hang = find_hang(&corners(&model.mesh_on_stage()));
         Ok(model)
     }
 
@@ -81,28 +81,32 @@ impl Model {
         TriangleMesh { positions, ..self.mesh.clone() }
     }
 
-    /// Corners of its triangles on the stage; those that can't be drawn are left out.
-    pub fn triangles(&self) -> Vec<[Vec3; 3]> {
-        let point = |vertex: u32| {
-            let point = self.mesh.positions.get(vertex as usize)?;
-            let point = Vec3::from(self.on_stage(*point).map(|x| x as f32));
-            point.is_finite().then_some(point)
-        };
-        let corners = |&[a, b, c]: &[u32; 3]| Some([point(a)?, point(b)?, point(c)?]);
-        self.mesh.triangles.iter().filter_map(corners).collect()
+    /// The diagonal of its box, in its own units.
+    pub fn diagonal(&self) -> f64 {
+        SIZE / self.scale
     }
+}
 
-    /// What is drawn: flat triangles, as the decomposition sees them.
-    pub fn drawn(&self) -> Mesh {
-        let triangles = self.triangles();
-        let normals: Vec<Vec3> = triangles
-            .iter()
-            .flat_map(|[a, b, c]| [(b - a).cross(c - a).normalize_or_zero(); 3])
-            .collect();
-        Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
-            .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, triangles.into_flattened())
-            .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, normals)
-    }
+/// Corners of triangles on the stage; those that can't be drawn are left out.
+fn corners(mesh: &TriangleMesh) -> Vec<[Vec3; 3]> {
+    let point = |vertex: u32| {
+        let point = Vec3::from(mesh.positions.get(vertex as usize)?.map(|x| x as f32));
+        point.is_finite().then_some(point)
+    };
+    let corners = |&[a, b, c]: &[u32; 3]| Some([point(a)?, point(b)?, point(c)?]);
+    mesh.triangles.iter().filter_map(corners).collect()
+}
+
+/// What is drawn of a mesh on the stage: flat triangles, as the decomposition sees them.
+pub fn drawn(mesh: &TriangleMesh) -> Mesh {
+    let triangles = corners(mesh);
+    let normals: Vec<Vec3> = triangles
+        .iter()
+        .flat_map(|[a, b, c]| [(b - a).cross(c - a).normalize_or_zero(); 3])
+        .collect();
+    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, triangles.into_flattened())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, normals)
 }
 
 /// The path of a bundled model.
@@ -132,7 +136,7 @@ impl Library {
         self.error = None;
         self.reading = Some(AsyncComputeTaskPool::get().spawn(async move {
             let model = Arc::new(Model::read(&path)?);
-            let drawn = model.drawn();
+            let drawn = drawn(&model.mesh_on_stage());
             Ok((model, drawn))
         }));
     }

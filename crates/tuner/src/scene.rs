@@ -13,7 +13,7 @@ use hullwright_demos::hulls::{HullMaterials, edges_mesh, hulls_mesh};
 use hullwright_demos::orbit::Orbit;
 
 use crate::decompose::{Fit, Tuning};
-use crate::model::{Library, Model};
+use crate::model::{Library, Model, drawn};
 
 /// How many are stacked.
 pub const STACK: usize = 10;
@@ -64,6 +64,8 @@ pub struct Show {
     pub mesh: bool,
     /// Whether the edges of hulls are shown.
     pub edges: bool,
+    /// Whether what no ball of the probe's radius reaches is shown instead of hulls.
+    pub filled: bool,
     /// How far hulls are moved apart while it is looked at.
     pub explosion: f32,
     /// Whether the file's third axis points up, and not its second.
@@ -78,6 +80,7 @@ impl Default for Show {
             hulls: true,
             mesh: true,
             edges: true,
+            filled: false,
             explosion: 0.0,
             z_up: false,
         }
@@ -113,6 +116,8 @@ pub enum Layer {
     Hulls,
     /// Their edges.
     Edges,
+    /// The surface of what no ball of the probe's radius reaches.
+    Filled,
 }
 
 /// What was arranged last; a change of any of it is a new arrangement.
@@ -131,6 +136,7 @@ pub struct Arranged {
 pub struct Materials {
     clay: Handle<StandardMaterial>,
     iron: Handle<StandardMaterial>,
+    water: Handle<StandardMaterial>,
 }
 
 impl FromWorld for Materials {
@@ -149,6 +155,10 @@ impl FromWorld for Materials {
         Self {
             clay: materials.add(matt(Color::srgb_u8(red, green, blue))),
             iron: materials.add(matt(Color::srgb_u8(120, 126, 136))),
+            water: materials.add(StandardMaterial {
+                alpha_mode: AlphaMode::Blend,
+                ..matt(Color::srgba_u8(58, 134, 200, 150))
+            }),
         }
     }
 }
@@ -193,8 +203,10 @@ pub fn arrange(
     for prop in &props {
         commands.entity(prop).despawn();
     }
+    let filled = fit.and_then(|fit| fit.probed.as_ref());
     let look = Look {
         mesh: library.drawn.clone(),
+        filled: filled.map(|(_, filled)| meshes.add(drawn(filled))),
         hulls: fit.map(|fit| {
             let hulls = meshes.add(hulls_mesh(&fit.pieces, apart));
             (hulls, meshes.add(edges_mesh(&fit.pieces, apart)))
@@ -237,6 +249,7 @@ pub fn arrange(
 struct Look {
     mesh: Handle<Mesh>,
     hulls: Option<(Handle<Mesh>, Handle<Mesh>)>,
+    filled: Option<Handle<Mesh>>,
 }
 
 /// Middle and radius of what the camera should see.
@@ -363,6 +376,10 @@ impl Builder<'_, '_, '_> {
                 let edges = (Mesh3d(lines.clone()), MeshMaterial3d(edges), NotShadowCaster);
                 parts.spawn((Layer::Edges, edges));
             }
+            if let Some(filled) = &self.look.filled {
+                let water = MeshMaterial3d(self.materials.water.clone());
+                parts.spawn((Layer::Filled, Mesh3d(filled.clone()), water, NotShadowCaster));
+            }
         });
         thing.id()
     }
@@ -386,12 +403,15 @@ pub fn show_layers(
     materials: Res<HullMaterials>,
     mut layers: Query<(&Layer, &mut Visibility, &mut MeshMaterial3d<StandardMaterial>)>,
 ) {
+    let has_filled = layers.iter().any(|(layer, ..)| *layer == Layer::Filled);
+    let is_filled = show.filled && has_filled && show.apart() == 0.0;
     let hulls = if show.mesh && show.apart() == 0.0 { &materials.glass } else { &materials.solid };
     for (layer, mut visibility, mut material) in &mut layers {
         let is_shown = match layer {
             // Hulls that have left it would hide behind it.
             Layer::Mesh => show.mesh && (show.apart() == 0.0 || !show.hulls),
-            Layer::Hulls => show.hulls,
+            Layer::Hulls => show.hulls && !is_filled,
+            Layer::Filled => is_filled,
             Layer::Edges => show.edges && show.hulls,
         };
         visibility.set_if_neq(if is_shown { Visibility::Inherited } else { Visibility::Hidden });

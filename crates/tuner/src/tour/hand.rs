@@ -37,6 +37,8 @@ pub enum Deed {
     Drag(f32, f32),
     /// Turns the wheel by clicks.
     Wheel(f32),
+    /// Moves the pointer to these shares of the window's width and height.
+    Point(f32, f32),
     /// Waits for frames.
     Wait(usize),
 }
@@ -99,6 +101,7 @@ impl Hand {
             }
             Deed::DropFile(path) => self.reports.push_back(Report::Dropped(path.clone())),
             Deed::Wheel(clicks) => self.reports.push_back(Report::Wheel(*clicks)),
+            Deed::Point(x, y) => self.reports.push_back(Report::At(Vec2::new(*x, *y))),
             Deed::Wait(frames) => self.reports.extend(vec![Report::Nothing; *frames]),
             Deed::Drag(x, y) => {
                 let way = Vec2::new(*x, *y) / DRAG_STEPS as f32;

@@ -16,6 +16,7 @@ use crate::balls::Ball;
 use crate::decompose::{Settings, Tuning};
 use crate::export::Export;
 use crate::model::Library;
+use crate::pointer::PointerBall;
 use crate::scene::{Show, Thing, fit_of};
 
 /// What a step may promise something about.
@@ -27,6 +28,12 @@ pub struct Seen {
     pub hulls: usize,
     /// See above.
     pub vertices: usize,
+    /// Triangles of what no ball of the probe's radius reaches.
+    pub filled: usize,
+    /// Whether the ball at the pointer is seen.
+    pub is_ball_seen: bool,
+    /// The model's diagonal, in its own units.
+    pub diagonal: f64,
     /// Verified, in percent.
     pub errors: [f64; 2],
     /// What the controls say.
@@ -86,6 +93,7 @@ pub struct Watched<'w, 's> {
     balls: Query<'w, 's, (), With<Ball>>,
     things: Query<'w, 's, &'static Transform, With<Thing>>,
     views: Query<'w, 's, &'static Orbit>,
+    pointer: Query<'w, 's, &'static Visibility, With<PointerBall>>,
     bodies: Bodies<'w, 's>,
     velocities: Query<'w, 's, &'static Velocity>,
 }
@@ -127,6 +135,14 @@ impl Watched<'_, '_> {
             model: model.map_or_else(String::new, |model| model.name.clone()),
             hulls: fit.map_or(0, |fit| fit.decomposition.hulls.len()),
             vertices: fit.map_or(0, |fit| fit.vertices()),
+            filled: fit
+                .and_then(|fit| fit.probed.as_ref())
+                .map_or(0, |(_, filled)| filled.triangles.len()),
+            is_ball_seen: self
+                .pointer
+                .iter()
+                .any(|visibility| *visibility == Visibility::Inherited),
+            diagonal: model.map_or(1.0, |model| model.diagonal()),
             errors: fit.map_or([0.0; 2], |fit| fit.errors()),
             settings: self.settings.clone(),
             show: self.show.clone(),

@@ -60,7 +60,7 @@ pub fn steps() -> Vec<Step> {
 }
 
 fn settings() -> Vec<Step> {
-    use Deed::{Click, Key, Slide};
+    use Deed::{Click, Key, Point, Slide};
     vec![
         step("start", [], "the mug has hulls within the bound", |_, now| {
             now.model == "mug" && now.hulls > 1 && now.errors.iter().all(|error| *error <= 2.0)
@@ -80,6 +80,21 @@ fn settings() -> Vec<Step> {
             "keys change it",
             |_, now| now.settings.bound < Settings::default().bound,
         ),
+        step(
+            "probe",
+            [Key("0"), Slide("probe", 0.5)],
+            "there are fewer hulls, and what they may fill",
+            |old, now| now.settings.probe > 4.0 && now.hulls < old.hulls && now.filled > 0,
+        ),
+        step(
+            "filled",
+            [Click("filled"), Point(0.62, 0.5)],
+            "it is seen, and a ball at the pointer",
+            |_, now| now.show.filled && now.is_ball_seen,
+        ),
+        step("no-probe", [Click("filled"), Slide("probe", 0.0)], "nothing is filled", |_, now| {
+            now.settings.probe == 0.0 && now.filled == 0 && !now.is_ball_seen
+        }),
         step(
             "cap-on-hulls",
             [Click("cap hulls"), Slide("max hulls", 0.45)],
@@ -229,7 +244,7 @@ fn exports() -> Vec<Step> {
             "copy-rust",
             [DropFile(bundled("mug")), Slide("bound", 0.45), Click("copy as Rust")],
             "the clipboard has it",
-            |_, now| now.copied.as_ref() == Some(&rust(&now.settings)),
+            |_, now| now.copied.as_ref() == Some(&rust(&now.settings, now.diagonal)),
         ),
         step(
             "copy-extras",
@@ -237,7 +252,7 @@ fn exports() -> Vec<Step> {
             "the clipboard has what the plugin reads",
             |_, now| {
                 let copied = now.copied.as_deref().map(read_extras);
-                now.copied.as_ref() == Some(&extras(&now.settings))
+                now.copied.as_ref() == Some(&extras(&now.settings, now.diagonal))
                     && copied.is_some_and(|(tag, wrong)| tag.is_some() && wrong.is_empty())
             },
         ),

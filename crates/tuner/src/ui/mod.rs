@@ -29,6 +29,9 @@ const FIRST_HULLS: usize = 16;
 const VERTICES: std::ops::RangeInclusive<usize> = 8..=256;
 const FIRST_VERTICES: usize = 64;
 
+/// Radii of the probe, in percent of the diagonal.
+const PROBES: std::ops::RangeInclusive<f64> = 0.0..=12.0;
+
 /// Farthest that hulls are moved apart.
 const MOST_APART: f32 = 1.5;
 
@@ -169,6 +172,27 @@ fn hulls_section(ui: &mut egui::Ui, state: &mut State) {
         let keep = ui.checkbox(&mut settings.keep_cavities, "stay empty");
         controls.mark("cavities", &keep);
     });
+    row(ui, "Probe", |ui| {
+        let slider =
+            egui::Slider::new(&mut settings.probe, PROBES).custom_formatter(
+                |value, _| match value {
+                    0.0 => "none".to_owned(),
+                    value => format!("{value:.1} %"),
+                },
+            );
+        let slider = ui.add(slider).on_hover_text(
+            "The radius of what moves: gaps that no such ball enters may be filled. In percent of the \
+             mesh's diagonal. A ball of it follows the pointer, and rests where it would.",
+        );
+        controls.mark("probe", &slider);
+    });
+    if settings.probe > 0.0 {
+        row(ui, "Filled", |ui| {
+            let filled =
+                ui.checkbox(&mut state.show.bypass_change_detection().filled, "instead of hulls");
+            controls.mark("filled", &filled);
+        });
+    }
     if *settings != before {
         state.settings.set_changed();
     }
