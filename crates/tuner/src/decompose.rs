@@ -115,7 +115,7 @@ impl Fit {
         let mass = ColliderMassProperties::MassProperties(MassProperties::from_rapier(mass));
         let collider = Collider::from(shape);
         let probed =
-            if settings.probe > 0.0 { probed(&model, &parameters, control)? } else { None };
+            if settings.probe > 0.0 { probed(&model, &mesh, &parameters, control)? } else { None };
         Ok(Self { model, settings, decomposition, seconds, collider, mass, pieces, probed })
     }
 
@@ -135,6 +135,7 @@ impl Fit {
 /// See [`Fit::probed`].
 fn probed(
     model: &Model,
+    on_stage: &TriangleMesh,
     parameters: &Parameters,
     control: &Control,
 ) -> Result<Option<(SharedShape, TriangleMesh)>, String> {
@@ -143,7 +144,7 @@ fn probed(
         .map_err(|error| error.to_string())?;
     let Some(FilledSurface { mesh: mut filled, .. }) = filled else { return Ok(None) };
     filled.positions.iter_mut().for_each(|point| *point = model.on_stage(*point));
-    let whole = rapier::triangle_mesh(&model.mesh_on_stage(), TriMeshFlags::empty());
+    let whole = rapier::triangle_mesh(on_stage, TriMeshFlags::empty());
     let whole = whole.map_err(|error| error.to_string())?;
     Ok(Some((SharedShape::new(whole), filled)))
 }

@@ -37,6 +37,9 @@ const UNDER: f32 = 0.35;
 const AIR: Damping = Damping { linear_damping: 0.1, angular_damping: 0.5 };
 const HANGING: Damping = Damping { linear_damping: 0.1, angular_damping: 1.5 };
 
+/// How much what a probe fills hides: the gaps below are seen.
+const WATER: f32 = 0.6;
+
 /// What is tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Trial {
@@ -141,7 +144,7 @@ pub struct Materials {
 
 impl FromWorld for Materials {
     fn from_world(world: &mut World) -> Self {
-        let [red, green, blue] = palette::CLAY;
+        let rgb = |[red, green, blue]: palette::Colour| Color::srgb_u8(red, green, blue);
         let mut materials = world.resource_mut::<Assets<StandardMaterial>>();
         let matt = |base_color| StandardMaterial {
             base_color,
@@ -153,11 +156,11 @@ impl FromWorld for Materials {
             ..default()
         };
         Self {
-            clay: materials.add(matt(Color::srgb_u8(red, green, blue))),
+            clay: materials.add(matt(rgb(palette::CLAY))),
             iron: materials.add(matt(Color::srgb_u8(120, 126, 136))),
             water: materials.add(StandardMaterial {
                 alpha_mode: AlphaMode::Blend,
-                ..matt(Color::srgba_u8(58, 134, 200, 150))
+                ..matt(rgb(palette::FILLED).with_alpha(WATER))
             }),
         }
     }
