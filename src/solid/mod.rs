@@ -28,7 +28,7 @@ mod surface;
 
 #[cfg(test)]
 pub(crate) use boundary::Boundary;
-pub(crate) use fit::FitTester;
+pub(crate) use fit::{FitTester, Refusal};
 pub(crate) use protrusion::{SharedSuspects, keeps_bound, protrusion};
 pub(crate) use solid::{COARSE, Solid};
 pub(crate) use subdivide::{Scratch, centre};
