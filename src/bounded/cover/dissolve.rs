@@ -14,8 +14,8 @@ use crate::parallel;
 use crate::solid::FitTester;
 
 /// Pieces that are attempted between two checks of the budget, and may be attempted in parallel: as many as there are
-/// processors in a desktop machine, and few enough for the deadline. Only where the budget ends the search does the
-/// result depend on it: with 4 or 64 no shared mesh has other hulls.
+/// processors in a desktop machine, and few enough for the deadline. They do not learn from each other. With 4, 471
+/// shared meshes have 5,804 hulls instead of 5,807, for 1 % less work.
 const AT_ONCE: usize = 16;
 
 /// Comparing with this many pieces takes about as long as testing a joint hull.

@@ -31,7 +31,7 @@ use nogoods::{Learning, Nogoods, PatchesOfPoints};
 /// all meshes need. Without a budget, a mesh of 464 hulls took ten times as long.
 const LAST_ROUND_BUDGET: f64 = 0.1;
 
-/// Pieces that grow at the same time: they do not learn from each other.
+/// Pieces that may grow at the same time. They do not learn from each other.
 const AT_ONCE: usize = 4;
 
 /// Few pieces that cover all patches.

@@ -89,13 +89,16 @@ impl<'a> Nogoods<'a> {
         }
     }
 
-    fn add(&mut self, [a, b, c]: [u32; 3]) {
-        self.partners[a as usize].push([b, c]);
-        if b != a {
-            self.partners[b as usize].push([a, c]);
-        }
-        if c != b {
-            self.partners[c as usize].push([a, b]);
+    fn add(&mut self, nogood: [u32; 3]) {
+        for (place, &patch) in nogood.iter().enumerate() {
+            // A patch that has two of the corners brings both.
+            let mut others = nogood.iter().copied().filter(|&other| other != patch);
+            if let Some(first) = others.next()
+                && !nogood[..place].contains(&patch)
+            {
+                let second = others.next().unwrap_or(first);
+                self.partners[patch as usize].push([first, second]);
+            }
         }
     }
 }
@@ -123,5 +126,89 @@ impl<'a> Learning<'a> {
     /// What was learned.
     pub(super) fn into_refusals(self) -> Vec<Refusal> {
         self.learned.refusals
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bounded::patch::Patch;
+    use crate::control::Control;
+    use crate::mesh::shapes::cuboid;
+    use crate::solid::Boundary;
+
+    const COUNT: usize = 5;
+
+    /// Points on the x-axis; patch k has the points k and k + 1.
+    fn patches() -> Patches {
+        let point = |x: usize| Vector::new(x as f64, 0.0, 0.0);
+        let patch = |k: usize| Patch { points: vec![point(k), point(k + 1)], ..Patch::default() };
+        Patches {
+            patches: (0..COUNT).map(patch).collect(),
+            neighbours: Vec::new(),
+            seeds: Vec::new(),
+            conflicts: vec![PatchSet::empty(COUNT); COUNT],
+            surface: Default::default(),
+            parents: Default::default(),
+            mesh: Default::default(),
+            labels: Vec::new(),
+        }
+    }
+
+    fn refusal(corners: [f64; 3]) -> Refusal {
+        let face = corners.map(|x| Vector::new(x, 0.0, 0.0));
+        Refusal { face, point: face[0] + Vector::Y }
+    }
+
+    #[test]
+    fn three_patches_are_refused_that_have_the_corners_of_a_face_and_no_two_of_them() {
+        let of_points = PatchesOfPoints::new(&patches());
+        let mut nogoods = Nogoods::new(&of_points, COUNT);
+        // The corners of patch 0 alone, of 1 and 2, and of 4 alone.
+        nogoods.learn(&refusal([0.0, 2.0, 5.0]));
+        let refuse =
+            |set: &[u32], patch| nogoods.refuse(&PatchSet::new(COUNT, set.iter().copied()), patch);
+        for middle in [1, 2] {
+            assert!(refuse(&[0, middle], 4) && refuse(&[0, 4], middle) && refuse(&[middle, 4], 0));
+            assert!(!refuse(&[0, 4], 3) && !refuse(&[middle], 4) && !refuse(&[0], middle));
+        }
+    }
+
+    #[test]
+    fn a_patch_with_two_corners_of_a_face_is_refused_with_one_that_has_the_third() {
+        let of_points = PatchesOfPoints::new(&patches());
+        let mut nogoods = Nogoods::new(&of_points, COUNT);
+        nogoods.learn(&refusal([0.0, 4.0, 5.0]));
+        assert!(nogoods.refuse(&PatchSet::new(COUNT, [0]), 4));
+        assert!(nogoods.refuse(&PatchSet::new(COUNT, [4]), 0));
+        assert!(!nogoods.refuse(&PatchSet::new(COUNT, [1, 2]), 0));
+    }
+
+    #[test]
+    fn what_was_learned_by_an_attempt_is_known_to_the_next_once_it_is_added() {
+        let of_points = PatchesOfPoints::new(&patches());
+        let mut nogoods = Nogoods::new(&of_points, COUNT);
+        let set = PatchSet::new(COUNT, [0]);
+        let mut learning = Learning::after(&nogoods);
+        learning.learn(&refusal([0.0, 4.0, 5.0]));
+        assert!(learning.refuse(&set, 4) && !nogoods.refuse(&set, 4));
+        let refusals = learning.into_refusals();
+        refusals.iter().for_each(|refusal| nogoods.learn(refusal));
+        assert!(Learning::after(&nogoods).refuse(&set, 4));
+    }
+
+    #[test]
+    fn nogoods_hold_under_a_larger_bound_where_the_point_still_protrudes() {
+        let of_points = PatchesOfPoints::new(&patches());
+        let mut nogoods = Nogoods::new(&of_points, COUNT);
+        nogoods.learn(&Refusal { point: Vector::new(0.5, 0.5, 1.05), ..refusal([0.0, 4.0, 5.0]) });
+        let cube = cuboid([0.0; 3], [1.0; 3]);
+        let boundary = Boundary::default();
+        let control = Control::new();
+        let solid =
+            Solid::of_surface(cube.points(), &cube.triangles, boundary, 0.04, &control).unwrap();
+        let set = PatchSet::new(COUNT, [0]);
+        assert!(nogoods.under(&solid, 0.04).refuse(&set, 4));
+        assert!(!nogoods.under(&solid, 0.06).refuse(&set, 4));
     }
 }
