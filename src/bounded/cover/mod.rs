@@ -25,7 +25,7 @@ use coverage::{area, assign_owners, drop_redundant};
 use dissolve::dissolve;
 use fill::fill;
 use grow::Grower;
-use nogoods::{Learning, Nogoods, PatchesOfPoints};
+use nogoods::{Learning, Nogoods, PointsOfPatches};
 
 /// Share of the first round's budget that the last round of dissolving may spend: more than nearly
 /// all meshes need. Without a budget, a mesh of 464 hulls took ten times as long.
@@ -48,8 +48,8 @@ pub(crate) fn cover(search: &Search<'_>, pieces: Vec<Piece>) -> Result<Cover, Er
         return Ok(Cover { pieces, before_last_round: None });
     }
     let &Search { solid, patches, settings, control } = search;
-    let of_points = PatchesOfPoints::new(patches);
-    let mut nogoods = Nogoods::new(&of_points, patches.count());
+    let points = PointsOfPatches::new(patches);
+    let mut nogoods = Nogoods::new(&points, patches.count());
     let mut pieces = grow_all(search, pieces, &mut nogoods)?;
     drop_redundant(patches, &mut pieces);
     let budget = settings.dissolve_attempts;

@@ -10,29 +10,50 @@
 
 use std::collections::{HashMap, HashSet};
 
-use crate::bounded::patch::{PatchSet, Patches};
+use crate::bounded::patch::{Patch, PatchSet, Patches};
 use crate::geometry::vector::Vector;
 use crate::solid::{Refusal, Solid};
 
-/// The patches that have a point.
-pub(super) struct PatchesOfPoints(HashMap<[u64; 3], Vec<u32>>);
+/// The points of patches by their place, and the patches that have each.
+pub(super) struct PointsOfPatches {
+    indices: HashMap<[u64; 3], u32>,
+    patches: Vec<Vec<u32>>,
+}
 
-impl PatchesOfPoints {
+impl PointsOfPatches {
     pub(super) fn new(patches: &Patches) -> Self {
-        let mut of_points: HashMap<[u64; 3], Vec<u32>> = HashMap::new();
-        for (index, patch) in (0..).zip(&patches.patches) {
-            for &point in &patch.points {
-                let of_point = of_points.entry(key(point)).or_default();
-                if of_point.last() != Some(&index) {
-                    of_point.push(index);
+        let mut points = Self { indices: HashMap::new(), patches: Vec::new() };
+        for (patch, Patch { points: of_patch, .. }) in (0..).zip(&patches.patches) {
+            for point in of_patch {
+                let next = points.patches.len() as u32;
+                let index = *points.indices.entry(key(*point)).or_insert(next);
+                if index == next {
+                    points.patches.push(Vec::new());
+                }
+                let patches = &mut points.patches[index as usize];
+                if patches.last() != Some(&patch) {
+                    patches.push(patch);
                 }
             }
         }
-        Self(of_points)
+        points
     }
 
-    fn of(&self, point: Vector) -> &[u32] {
-        self.0.get(&key(point)).map_or(&[], Vec::as_slice)
+    /// The three corners of a face as points of patches; `None` if one is not.
+    fn corners(&self, face: [Vector; 3]) -> Option<[u32; 3]> {
+        let [a, b, c] = face.map(|corner| self.indices.get(&key(corner)).copied());
+        let mut corners = [a?, b?, c?];
+        corners.sort_unstable();
+        Some(corners)
+    }
+
+    /// The patches that have a point.
+    fn patches_with(&self, point: u32) -> &[u32] {
+        &self.patches[point as usize]
+    }
+
+    fn is_in(&self, point: u32, set: &PatchSet) -> bool {
+        self.patches_with(point).iter().any(|&patch| set.contains(patch))
     }
 }
 
@@ -42,62 +63,56 @@ fn key(point: Vector) -> [u64; 3] {
 
 /// See the module.
 pub(super) struct Nogoods<'a> {
-    of_points: &'a PatchesOfPoints,
-    /// For each patch the pairs of others, or twice the same, with which it does not fit.
+    points: &'a PointsOfPatches,
+    /// For each patch the pairs of points, or twice the same, with which it does not fit.
     partners: Vec<Vec<[u32; 2]>>,
     known: HashSet<[u32; 3]>,
+    /// What taught them.
     refusals: Vec<Refusal>,
 }
 
 impl<'a> Nogoods<'a> {
     /// None yet, for a number of patches.
-    pub(super) fn new(of_points: &'a PatchesOfPoints, count: usize) -> Self {
+    pub(super) fn new(points: &'a PointsOfPatches, count: usize) -> Self {
         let partners = vec![Vec::new(); count];
-        Self { of_points, partners, known: HashSet::new(), refusals: Vec::new() }
+        Self { points, partners, known: HashSet::new(), refusals: Vec::new() }
     }
 
     /// Those that hold under a larger bound too.
     pub(super) fn under(&self, solid: &Solid, bound: f64) -> Self {
-        let mut nogoods = Self::new(self.of_points, self.partners.len());
+        let mut nogoods = Self::new(self.points, self.partners.len());
         let held = self.refusals.iter().filter(|refusal| !solid.point_fits(refusal.point, bound));
         held.for_each(|refusal| nogoods.learn(refusal));
         nogoods
     }
 
-    /// Whether no hull of a set of patches and another one fits.
+    /// Whether no hull of a set of patches and another one fits. O(nogoods of the patch).
     pub(super) fn refuse(&self, set: &PatchSet, patch: u32) -> bool {
-        self.partners[patch as usize].iter().any(|&[a, b]| set.contains(a) && set.contains(b))
+        let points = self.points;
+        self.partners[patch as usize].iter().any(|&[a, b]| points.is_in(a, set) && points.is_in(b, set))
     }
 
+    /// Learns from a face that protrudes. A face is no nogood unless its corners are points of patches: those of a flat
+    /// hull that was thickened are not.
     pub(super) fn learn(&mut self, refusal: &Refusal) {
-        let [first, second, third] = refusal.face.map(|corner| self.of_points.of(corner));
-        let mut is_new = false;
-        for &a in first {
-            for &b in second {
-                for &c in third {
-                    let mut nogood = [a, b, c];
-                    nogood.sort_unstable();
-                    if self.known.insert(nogood) {
-                        is_new = true;
-                        self.add(nogood);
-                    }
+        let Some(corners) = self.points.corners(refusal.face) else { return };
+        if !self.known.insert(corners) {
+            return;
+        }
+        self.refusals.push(refusal.clone());
+        let points = self.points;
+        for (place, &corner) in corners.iter().enumerate() {
+            for patch in points.patches_with(corner) {
+                let is_missing = |&&other: &&u32| !points.patches_with(other).contains(patch);
+                let is_known = !corners[..place].iter().all(|corner| is_missing(&corner));
+                let mut missing = corners.iter().filter(is_missing).copied();
+                // A patch that has all three corners does not fit, and is covered all the same.
+                if let Some(first) = missing.next()
+                    && !is_known
+                {
+                    let second = missing.next().unwrap_or(first);
+                    self.partners[*patch as usize].push([first, second]);
                 }
-            }
-        }
-        if is_new {
-            self.refusals.push(refusal.clone());
-        }
-    }
-
-    fn add(&mut self, nogood: [u32; 3]) {
-        for (place, &patch) in nogood.iter().enumerate() {
-            // A patch that has two of the corners brings both.
-            let mut others = nogood.iter().copied().filter(|&other| other != patch);
-            if let Some(first) = others.next()
-                && !nogood[..place].contains(&patch)
-            {
-                let second = others.next().unwrap_or(first);
-                self.partners[patch as usize].push([first, second]);
             }
         }
     }
@@ -111,7 +126,7 @@ pub(super) struct Learning<'a> {
 
 impl<'a> Learning<'a> {
     pub(super) fn after(before: &'a Nogoods<'a>) -> Self {
-        let learned = Nogoods::new(before.of_points, before.partners.len());
+        let learned = Nogoods::new(before.points, before.partners.len());
         Self { before, learned }
     }
 
@@ -132,7 +147,6 @@ impl<'a> Learning<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bounded::patch::Patch;
     use crate::control::Control;
     use crate::mesh::shapes::cuboid;
     use crate::solid::Boundary;
@@ -162,8 +176,8 @@ mod tests {
 
     #[test]
     fn three_patches_are_refused_that_have_the_corners_of_a_face_and_no_two_of_them() {
-        let of_points = PatchesOfPoints::new(&patches());
-        let mut nogoods = Nogoods::new(&of_points, COUNT);
+        let points = PointsOfPatches::new(&patches());
+        let mut nogoods = Nogoods::new(&points, COUNT);
         // The corners of patch 0 alone, of 1 and 2, and of 4 alone.
         nogoods.learn(&refusal([0.0, 2.0, 5.0]));
         let refuse =
@@ -176,8 +190,8 @@ mod tests {
 
     #[test]
     fn a_patch_with_two_corners_of_a_face_is_refused_with_one_that_has_the_third() {
-        let of_points = PatchesOfPoints::new(&patches());
-        let mut nogoods = Nogoods::new(&of_points, COUNT);
+        let points = PointsOfPatches::new(&patches());
+        let mut nogoods = Nogoods::new(&points, COUNT);
         nogoods.learn(&refusal([0.0, 4.0, 5.0]));
         assert!(nogoods.refuse(&PatchSet::new(COUNT, [0]), 4));
         assert!(nogoods.refuse(&PatchSet::new(COUNT, [4]), 0));
@@ -186,8 +200,8 @@ mod tests {
 
     #[test]
     fn what_was_learned_by_an_attempt_is_known_to_the_next_once_it_is_added() {
-        let of_points = PatchesOfPoints::new(&patches());
-        let mut nogoods = Nogoods::new(&of_points, COUNT);
+        let points = PointsOfPatches::new(&patches());
+        let mut nogoods = Nogoods::new(&points, COUNT);
         let set = PatchSet::new(COUNT, [0]);
         let mut learning = Learning::after(&nogoods);
         learning.learn(&refusal([0.0, 4.0, 5.0]));
@@ -199,8 +213,8 @@ mod tests {
 
     #[test]
     fn nogoods_hold_under_a_larger_bound_where_the_point_still_protrudes() {
-        let of_points = PatchesOfPoints::new(&patches());
-        let mut nogoods = Nogoods::new(&of_points, COUNT);
+        let points = PointsOfPatches::new(&patches());
+        let mut nogoods = Nogoods::new(&points, COUNT);
         nogoods.learn(&Refusal { point: Vector::new(0.5, 0.5, 1.05), ..refusal([0.0, 4.0, 5.0]) });
         let cube = cuboid([0.0; 3], [1.0; 3]);
         let boundary = Boundary::default();
