@@ -1,12 +1,12 @@
 //! Nogoods: patches that no hull that fits contains together, learned from hulls that did not fit.
 //!
-//! A hull is refused where a face protrudes. Its corners are points of patches, and every hull that contains these
+//! A hull is refused where a face protrudes. The corners are points of patches, and every hull that contains these
 //! three points contains the protruding point: it does not fit either, or it swallows a point that is outside the solid by
-//! more than the bound. So the three patches are a conflict of three, where [`Patches::conflicts`] are of two. A nogood
-//! refuses a hull before anything is built. The word is that of constraint solving, as is learning from refusals.
+//! more than the bound. So they are a conflict of three, where [`Patches::conflicts`] are of two. A nogood refuses a hull
+//! before anything is built: O(1) for each that the new patch is part of. The word is that of constraint solving.
 //!
-//! What is learned depends on the hull alone, not on what the cache of faces knows. Attempts at the same time do
-//! not learn from each other: what they have learned is added in their order. So no result depends on threads.
+//! What is learned depends on the hulls that an attempt tests, not on what the cache of faces knows. Attempts at the same
+//! time do not learn from each other: what they have learned is added in their order. So no result depends on threads.
 
 use std::collections::{HashMap, HashSet};
 
@@ -14,9 +14,11 @@ use crate::bounded::patch::{Patch, PatchSet, Patches};
 use crate::geometry::vector::Vector;
 use crate::solid::{Refusal, Solid};
 
-/// The points of patches by their place, and the patches that have each.
+/// The points of patches. Neighbours share points, so a nogood of patches would be several.
 pub(super) struct PointsOfPatches {
+    /// By their coordinates.
     indices: HashMap<[u64; 3], u32>,
+    /// For each point the patches that have it, ascending.
     patches: Vec<Vec<u32>>,
 }
 
@@ -64,10 +66,10 @@ fn key(point: Vector) -> [u64; 3] {
 /// See the module.
 pub(super) struct Nogoods<'a> {
     points: &'a PointsOfPatches,
-    /// For each patch the pairs of points, or twice the same, with which it does not fit.
+    /// For each patch the pairs of points, or twice the same, with which no hull of it fits.
     partners: Vec<Vec<[u32; 2]>>,
     known: HashSet<[u32; 3]>,
-    /// What taught them.
+    /// The first that led to each, in order.
     refusals: Vec<Refusal>,
 }
 
@@ -89,7 +91,9 @@ impl<'a> Nogoods<'a> {
     /// Whether no hull of a set of patches and another one fits. O(nogoods of the patch).
     pub(super) fn refuse(&self, set: &PatchSet, patch: u32) -> bool {
         let points = self.points;
-        self.partners[patch as usize].iter().any(|&[a, b]| points.is_in(a, set) && points.is_in(b, set))
+        self.partners[patch as usize]
+            .iter()
+            .any(|&[a, b]| points.is_in(a, set) && points.is_in(b, set))
     }
 
     /// Learns from a face that protrudes. A face is no nogood unless its corners are points of patches: those of a flat
@@ -150,6 +154,22 @@ mod tests {
     use crate::control::Control;
     use crate::mesh::shapes::cuboid;
     use crate::solid::Boundary;
+    #[cfg(feature = "parallel")]
+    use crate::{
+        bounded::{
+            cover::{dissolve::dissolve, grow_all},
+            merge::merge,
+            patches::divide_into_patches,
+            search::{Search, solid_and_patch_mesh},
+            settings::Settings,
+        },
+        mesh::{
+            canonical_order::MeshOrder,
+            repair::prepare,
+            shapes::{join, torus},
+        },
+        parameters::Parameters,
+    };
 
     const COUNT: usize = 5;
 
@@ -167,6 +187,12 @@ mod tests {
             mesh: Default::default(),
             labels: Vec::new(),
         }
+    }
+
+    fn unit_cube() -> Solid {
+        let cube = cuboid([0.0; 3], [1.0; 3]);
+        let boundary = Boundary::default();
+        Solid::of_surface(cube.points(), &cube.triangles, boundary, 0.04, &Control::new()).unwrap()
     }
 
     fn refusal(corners: [f64; 3]) -> Refusal {
@@ -212,17 +238,64 @@ mod tests {
     }
 
     #[test]
-    fn nogoods_hold_under_a_larger_bound_where_the_point_still_protrudes() {
+    fn a_face_with_a_corner_that_is_no_point_of_a_patch_is_no_nogood() {
         let points = PointsOfPatches::new(&patches());
         let mut nogoods = Nogoods::new(&points, COUNT);
-        nogoods.learn(&Refusal { point: Vector::new(0.5, 0.5, 1.05), ..refusal([0.0, 4.0, 5.0]) });
-        let cube = cuboid([0.0; 3], [1.0; 3]);
-        let boundary = Boundary::default();
-        let control = Control::new();
-        let solid =
-            Solid::of_surface(cube.points(), &cube.triangles, boundary, 0.04, &control).unwrap();
+        nogoods.learn(&refusal([0.0, 4.0, 5.5]));
+        assert!(nogoods.refusals.is_empty());
+        assert!(
+            (0..COUNT as u32).all(|k| !nogoods.refuse(&PatchSet::new(COUNT, 0..COUNT as u32), k))
+        );
+    }
+
+    #[test]
+    fn nogoods_hold_under_a_larger_bound_where_the_point_still_protrudes() {
+        let points = PointsOfPatches::new(&patches());
+        let solid = unit_cube();
         let set = PatchSet::new(COUNT, [0]);
-        assert!(nogoods.under(&solid, 0.04).refuse(&set, 4));
-        assert!(!nogoods.under(&solid, 0.06).refuse(&set, 4));
+        let [near, far] = [1.05, 1.5]
+            .map(|z| Refusal { point: Vector::new(0.5, 0.5, z), ..refusal([0.0, 4.0, 5.0]) });
+        // Of two reasons for one nogood the first is kept: attempts are added in their order.
+        for (reasons, holds) in [([&near, &far], false), ([&far, &near], true)] {
+            let mut nogoods = Nogoods::new(&points, COUNT);
+            reasons.into_iter().for_each(|refusal| nogoods.learn(refusal));
+            assert!(nogoods.under(&solid, 0.04).refuse(&set, 4));
+            assert_eq!(nogoods.under(&solid, 0.06).refuse(&set, 4), holds);
+        }
+    }
+
+    /// The corners of all nogoods in the order in which they were learned, and the patches of the pieces.
+    #[cfg(feature = "parallel")]
+    fn learned_on(threads: usize) -> (Vec<[Vector; 3]>, Vec<PatchSet>) {
+        let mesh = join(&[torus(48, 24), cuboid([0.2, 0.2, -0.1], [0.5, 0.6, 0.9])]);
+        let (parameters, control) = (Parameters::default(), Control::new());
+        let prepared = prepare(mesh.view(), MeshOrder::Place, &control).unwrap();
+        let settings = &Settings::of_preset(&parameters, &prepared.normalization)[0];
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let (solid, divided) =
+                solid_and_patch_mesh(&prepared, None, settings, &control).unwrap();
+            let patches = &divide_into_patches(divided, &solid, settings, &control).unwrap();
+            let search = &Search { solid: &solid, patches, settings, control: &control };
+            let points = PointsOfPatches::new(patches);
+            let mut nogoods = Nogoods::new(&points, patches.count());
+            let mut pieces = grow_all(search, merge(search).unwrap(), &mut nogoods).unwrap();
+            let (grown, while_growing) = (pieces.len(), nogoods.refusals.len());
+            let bound = settings.bound.search();
+            dissolve(search, &mut pieces, bound, usize::MAX, &mut nogoods).unwrap();
+            assert!(pieces.len() < grown && grown > 8, "{grown} pieces, then {}", pieces.len());
+            assert!(while_growing > 0 && nogoods.refusals.len() > while_growing);
+            let corners = nogoods.refusals.iter().map(|refusal| refusal.face).collect();
+            (corners, pieces.into_iter().map(|piece| piece.patches).collect())
+        })
+    }
+
+    #[cfg(feature = "parallel")]
+    #[test]
+    fn the_same_is_learned_in_the_same_order_on_one_two_and_four_threads() {
+        let one = learned_on(1);
+        for threads in [2, 4] {
+            assert!(learned_on(threads) == one, "{threads} threads");
+        }
     }
 }
