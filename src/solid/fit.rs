@@ -294,8 +294,8 @@ impl<'a> FitTester<'a> {
         fits
     }
 
-    /// Whether faces fit within a box. Those that are known to fit may be missing: neither the answer nor what is
-    /// found to protrude depends on it.
+    /// Whether faces fit. `corners` are those of a box around all faces of the hull. Faces that are known to fit may be
+    /// missing: neither the answer nor what is found to protrude depends on it.
     fn faces_fit(&mut self, faces: &mut [UntestedFace], corners: [Vector; 2]) -> bool {
         // Large faces are the most likely to protrude.
         faces.sort_unstable_by(|a, b| b.size.total_cmp(&a.size).then(a.key.cmp(&b.key)));
