@@ -40,6 +40,9 @@ const LARGE_AREA: f64 = 400.0;
 /// Places where a hull has protruded that are remembered while it grows: more take as long as they save.
 const MAX_SUSPECTS: usize = 16;
 
+/// Faces that say why a hull is refused.
+const MAX_REFUSALS: usize = 6;
+
 /// The rules of the search.
 struct Lenient<'a> {
     solid: &'a Solid,
@@ -168,8 +171,16 @@ impl Solid {
 
     /// The same for the centres of a large face's quarters, for coarse solids.
     pub(super) fn quarters_fit(&self, face: Face, bound: f64) -> bool {
-        let mut quarters = halves(face).into_iter().flat_map(halves);
-        !self.is_coarse() || quarters.all(|quarter| self.centre_fits(quarter, bound))
+        self.protruding_quarter(face, bound).is_none()
+    }
+
+    /// The first of them that does not fit.
+    fn protruding_quarter(&self, face: Face, bound: f64) -> Option<Vector> {
+        let mut centres = halves(face).into_iter().flat_map(halves).map(centre);
+        if !self.is_coarse() {
+            return None;
+        }
+        centres.find(|&centre| !self.point_fits(centre, bound))
     }
 
     /// Whether no point of a face is farther than `bound` from the solid, leniently.
@@ -200,6 +211,15 @@ struct UntestedFace {
     face: Face,
 }
 
+/// Why a hull is refused.
+#[derive(Debug, Clone)]
+pub(crate) struct Refusal {
+    /// A face of the hull.
+    pub face: Face,
+    /// A point of the face that is outside the solid by more than the bound.
+    pub point: Vector,
+}
+
 /// Tests hulls against a solid under a bound. Keeps scratch buffers between tests.
 pub(crate) struct FitTester<'a> {
     solid: &'a Solid,
@@ -211,6 +231,7 @@ pub(crate) struct FitTester<'a> {
     scratch: Scratch,
     points: Vec<Vector>,
     suspects: Suspects,
+    refusals: Vec<Refusal>,
     /// Joint hulls that [`try_insert`](Self::try_insert) has tested.
     pub attempts: usize,
 }
@@ -226,6 +247,7 @@ impl<'a> FitTester<'a> {
             scratch: Scratch::default(),
             points: Vec::new(),
             suspects: Suspects::new(MAX_SUSPECTS),
+            refusals: Vec::new(),
             attempts: 0,
         }
     }
@@ -236,30 +258,25 @@ impl<'a> FitTester<'a> {
         let mut faces = std::mem::take(&mut self.faces);
         faces.clear();
         let (cache, bound) = (&self.solid.face_cache, self.bound);
-        let mut is_refused = false;
-        // A face that is known not to fit saves testing the others.
+        let (mut min, mut max) = (Vector::INFINITY, Vector::NEG_INFINITY);
         let mut collect = |mut face: Face| {
             // A face is tested from the same corner on, whichever hull it belongs to.
             face.sort_unstable_by(|a, b| {
                 a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2]))
             });
+            let [a, b, c] = face;
+            (min, max) = (min.min(a).min(b).min(c), max.max(a).max(b).max(c));
             let key = FaceCache::key(face, bound);
-            match cache.get(key) {
-                Some(true) => {}
-                Some(false) => is_refused = true,
-                None => {
-                    let [a, b, c] = face;
-                    let size = area_normal(a, b, c).length_squared();
-                    faces.push(UntestedFace { size, key, face });
-                }
+            if !cache.is_known_to_fit(key) {
+                let size = area_normal(a, b, c).length_squared();
+                faces.push(UntestedFace { size, key, face });
             }
-            !is_refused
         };
         if hull.is_solid {
             if only_new {
-                hull.builder.new_faces().all(&mut collect);
+                hull.builder.new_faces().for_each(&mut collect);
             } else {
-                hull.builder.all_faces().all(&mut collect);
+                hull.builder.all_faces().for_each(&mut collect);
             }
         } else if let Ok((flat, _)) = solid_hull(
             &mut self.thickener,
@@ -267,53 +284,65 @@ impl<'a> FitTester<'a> {
             hull.outward.to_array(),
             LEAST_THICKNESS,
         ) {
-            flat.faces().all(&mut collect);
+            flat.faces().for_each(&mut collect);
         }
+        self.refusals.clear();
         let contains = |&(point, _): &(Vector, f64)| hull.builder.farthest_outside(&[point]) <= 0.0;
-        is_refused |= hull.is_solid && self.solid.cavities.iter().any(contains);
-        let fits = !is_refused && self.faces_fit(&mut faces);
+        let has_cavity = hull.is_solid && self.solid.cavities.iter().any(contains);
+        let fits = !has_cavity && self.faces_fit(&mut faces, [min, max]);
         self.faces = faces;
         fits
     }
 
-    fn faces_fit(&mut self, faces: &mut [UntestedFace]) -> bool {
+    /// Whether faces fit. `corners` are those of a box around all faces of the hull. Faces that are known to fit may be
+    /// missing: neither the answer nor what is found to protrude depends on it.
+    fn faces_fit(&mut self, faces: &mut [UntestedFace], corners: [Vector; 2]) -> bool {
         // Large faces are the most likely to protrude.
-        faces.sort_unstable_by(|a, b| b.size.total_cmp(&a.size));
-        let (solid, bound) = (self.solid, self.bound);
-        let fits = |untested: &UntestedFace, test: &mut dyn FnMut(Face) -> bool| {
-            let fits = test(untested.face);
-            if !fits {
-                solid.face_cache.insert(untested.key, false);
-            }
-            fits
-        };
-        let is_likely_to_fit =
-            faces.iter().all(|face| fits(face, &mut |face| solid.centre_fits(face, bound)))
-                && faces.iter().all(|face| {
-                    let is_large = face.size > LARGE_AREA * squared(squared(bound));
-                    !is_large || fits(face, &mut |face| solid.quarters_fit(face, bound))
-                });
-        if !is_likely_to_fit {
+        faces.sort_unstable_by(|a, b| b.size.total_cmp(&a.size).then(a.key.cmp(&b.key)));
+        let Self { solid, bound, scratch, suspects, refusals, .. } = self;
+        let (solid, bound) = (*solid, *bound);
+        let refused = |untested: &UntestedFace, point| Refusal { face: untested.face, point };
+        let by_centre = faces.iter().map(|untested| refused(untested, centre(untested.face)));
+        let by_centre = by_centre.filter(|refusal| !solid.point_fits(refusal.point, bound));
+        refusals.extend(by_centre.take(MAX_REFUSALS));
+        if !refusals.is_empty() {
             return false;
         }
-        let Self { scratch, suspects, .. } = self;
-        let protrudes = |face, point| {
-            !solid.point_fits(point, bound)
-                && solid.protruding_point(face, Some(point), bound, scratch).is_some()
-        };
-        if let Some(index) = suspects.find(faces, |untested| untested.face, protrudes) {
-            solid.face_cache.insert(faces[index].key, false);
+        let is_large = |face: &&UntestedFace| face.size > LARGE_AREA * squared(squared(bound));
+        let by_quarter = faces.iter().take_while(is_large).find_map(|untested| {
+            Some(refused(untested, solid.protruding_quarter(untested.face, bound)?))
+        });
+        if let Some(refusal) = by_quarter {
+            refusals.push(refusal);
             return false;
         }
-        for &UntestedFace { key, face, .. } in faces.iter() {
-            let protruding = solid.protruding_point(face, None, bound, scratch);
-            solid.face_cache.insert(key, protruding.is_none());
-            if let Some(point) = protruding {
-                suspects.remember(point, face);
+        let mut protrudes = |face, point| {
+            if solid.point_fits(point, bound) {
                 return false;
             }
+            let protruding = solid.protruding_point(face, Some(point), bound, scratch);
+            refusals.extend(protruding.map(|point| Refusal { face, point }));
+            protruding.is_some()
+        };
+        let corners_of = |untested: &UntestedFace| untested.face;
+        if suspects.find(faces, corners, corners_of, &mut protrudes).is_some() {
+            return false;
+        }
+        for untested in faces.iter() {
+            if let Some(point) = solid.protruding_point(untested.face, None, bound, scratch) {
+                suspects.remember(point, untested.face);
+                refusals.push(refused(untested, point));
+                return false;
+            }
+            solid.face_cache.insert(untested.key);
         }
         true
+    }
+
+    /// Why the last hull was refused: faces that protrude. There are none where it contains a cavity. What they are
+    /// depends on the hulls that were tested, and on nothing else.
+    pub fn refusals(&self) -> &[Refusal] {
+        &self.refusals
     }
 
     /// Grows a hull by parts of the surface, each given by its points and its outward direction, if

@@ -12,7 +12,7 @@ use super::subdivide::{Face, Part, Policy, Scratch, Suspects, Verdict, subdivide
 use super::surface::Side;
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::Vector;
+use crate::geometry::vector::{Vector, bounds};
 use crate::hull::ConvexHull;
 use crate::parallel;
 use crate::work;
@@ -107,7 +107,8 @@ pub(crate) fn keeps_bound(
             && exact.known > bound
     };
     let mut suspects_now = parallel::lock(&suspects.0).clone();
-    if suspects_now.find(&faces, |&face| face, exceeds_at).is_some() {
+    let (min, max) = bounds(hull.points().iter().copied());
+    if suspects_now.find(&faces, [min, max], |&face| face, exceeds_at).is_some() {
         return Ok(false);
     }
     let mut exact = new();

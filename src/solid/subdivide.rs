@@ -7,7 +7,7 @@
 use super::remainder::Remainder;
 use super::solid::Solid;
 use super::surface::Side;
-use crate::geometry::vector::{Vector, area_normal, bounds, squared};
+use crate::geometry::vector::{Vector, area_normal, squared};
 use crate::probe::Extent;
 
 /// The corners of a face, or of a part of one.
@@ -180,14 +180,15 @@ impl Suspects {
     }
 
     /// The first of the faces that protrudes at a suspect, by its index. A face is tested at the point above or
-    /// below a suspect. O(suspects · faces), and what `protrudes` takes.
+    /// below a suspect. `min` and `max` are the corners of a box around all of them. O(suspects · faces), and what
+    /// `protrudes` takes.
     pub(super) fn find<T>(
         &mut self,
         faces: &[T],
+        [min, max]: [Vector; 2],
         corners: impl Fn(&T) -> [Vector; 3],
         mut protrudes: impl FnMut([Vector; 3], Vector) -> bool,
     ) -> Option<usize> {
-        let (min, max) = bounds(faces.iter().flat_map(&corners));
         for index in 0..self.list.len() {
             let Suspect { point, outward } = self.list[index];
             if (0..3).any(|k| point[k] < min[k] - MARGIN || point[k] > max[k] + MARGIN) {
@@ -244,6 +245,7 @@ mod tests {
         let mut tested = Vec::new();
         let found = suspects.find(
             &faces,
+            [Vector::ZERO, Vector::splat(9.0)],
             |&face| face,
             |_, point| {
                 tested.push(point);
@@ -264,6 +266,7 @@ mod tests {
             let mut tested = 0;
             let found = suspects.find(
                 &[FACE],
+                [Vector::ZERO, Vector::ONE],
                 |&face| face,
                 |_, point| {
                     tested += 1;

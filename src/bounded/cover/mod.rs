@@ -7,12 +7,14 @@
 //! | `grow` | each piece takes the patches that fit |
 //! | `coverage` | pieces that others cover are dropped; each patch stays with one piece |
 //! | `dissolve` | pieces leave their patches to others and disappear |
+//! | `nogoods` | patches that do not fit together, learned from refusals |
 //! | `fill` | pieces extend over what they have left hollow |
 
 pub(super) mod coverage;
 mod dissolve;
 mod fill;
 mod grow;
+mod nogoods;
 
 use super::patch::Piece;
 use super::search::Search;
@@ -22,11 +24,15 @@ use crate::solid::FitTester;
 use coverage::{area, assign_owners, drop_redundant};
 use dissolve::dissolve;
 use fill::fill;
-use grow::grow;
+use grow::Grower;
+use nogoods::{Learning, Nogoods, PointsOfPatches};
 
 /// Share of the first round's budget that the last round of dissolving may spend: more than nearly
 /// all meshes need. Without a budget, a mesh of 464 hulls took ten times as long.
 const LAST_ROUND_BUDGET: f64 = 0.1;
+
+/// Pieces that may grow at the same time. They do not learn from each other.
+const AT_ONCE: usize = 4;
 
 /// Few pieces that cover all patches.
 pub(crate) struct Cover {
@@ -42,13 +48,17 @@ pub(crate) fn cover(search: &Search<'_>, pieces: Vec<Piece>) -> Result<Cover, Er
         return Ok(Cover { pieces, before_last_round: None });
     }
     let &Search { solid, patches, settings, control } = search;
-    let mut pieces = grow_all(search, pieces)?;
+    let points = PointsOfPatches::new(patches);
+    let mut nogoods = Nogoods::new(&points, patches.count());
+    let mut pieces = grow_all(search, pieces, &mut nogoods)?;
     drop_redundant(patches, &mut pieces);
     let budget = settings.dissolve_attempts;
-    dissolve(search, &mut pieces, settings.bound.search(), budget)?;
+    dissolve(search, &mut pieces, settings.bound.search(), budget, &mut nogoods)?;
     let before = pieces.clone();
     let budget = (LAST_ROUND_BUDGET * budget as f64) as usize;
-    dissolve(search, &mut pieces, settings.bound.last_round(), budget)?;
+    let bound = settings.bound.last_round();
+    let mut nogoods = nogoods.under(solid, bound);
+    dissolve(search, &mut pieces, bound, budget, &mut nogoods)?;
     let before_last_round = (pieces.len() < before.len()).then_some(before);
     let mut owned = assign_owners(patches, &pieces, control)?;
     if solid.is_coarse() && solid.is_closed() {
@@ -59,28 +69,41 @@ pub(crate) fn cover(search: &Search<'_>, pieces: Vec<Piece>) -> Result<Cover, Er
 
 /// Pieces that have taken the patches that fit, those of the largest area first. One that others cover by
 /// then is left out.
-fn grow_all(search: &Search<'_>, mut pieces: Vec<Piece>) -> Result<Vec<Piece>, Error> {
+fn grow_all(
+    search: &Search<'_>,
+    mut pieces: Vec<Piece>,
+    nogoods: &mut Nogoods<'_>,
+) -> Result<Vec<Piece>, Error> {
     let &Search { solid, patches, settings, control } = search;
     let all = patches.all();
-    let grow_one = |piece: &Piece| {
-        control.check()?;
-        let mut piece = piece.clone();
-        if !control.is_past_deadline() {
-            let mut tester = FitTester::new(solid, settings.bound.search());
-            grow(patches, &mut piece, &all, &mut tester, control)?;
-        }
-        Ok(piece)
-    };
     pieces.sort_by(|a, b| area(patches, &b.patches).total_cmp(&area(patches, &a.patches)));
-    let covered = parallel::fold_ahead(
-        &pieces,
-        (all.clone(), Vec::new()),
-        |(open, _), piece| piece.patches.intersects(open),
-        grow_one,
-        |(open, grown), piece| {
-            open.difference_with(&piece.patches);
-            grown.push(piece);
-        },
-    );
-    covered.map(|(_, grown)| grown)
+    let mut covered = (all.clone(), Vec::new());
+    for some in pieces.chunks(AT_ONCE) {
+        let known = &*nogoods;
+        let grow_one = |piece: &Piece| {
+            control.check()?;
+            let mut piece = piece.clone();
+            let tester = FitTester::new(solid, settings.bound.search());
+            let learning = Learning::after(known);
+            let mut grower = Grower { patches, tester, learning, control };
+            if !control.is_past_deadline() {
+                grower.grow(&mut piece, &all)?;
+            }
+            Ok((piece, grower.learning.into_refusals()))
+        };
+        let (open, grown, refusals) = parallel::fold_ahead(
+            some,
+            (covered.0, covered.1, Vec::new()),
+            |(open, ..), piece| piece.patches.intersects(open),
+            grow_one,
+            |(open, grown, refusals), (piece, learned)| {
+                open.difference_with(&piece.patches);
+                grown.push(piece);
+                refusals.extend(learned);
+            },
+        )?;
+        refusals.iter().for_each(|refusal| nogoods.learn(refusal));
+        covered = (open, grown);
+    }
+    Ok(covered.1)
 }
