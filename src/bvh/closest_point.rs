@@ -31,9 +31,17 @@ struct Best {
 
 impl Best {
     fn none(limit: f64) -> Self {
-        Self { squared: if limit < 0.0 { -1.0 } else { limit * limit }, triangle: EMPTY, slot: 0 }
+        Self { squared: squared_or_none(limit), triangle: EMPTY, slot: 0 }
     }
 }
+
+/// A squared length; -1, which nothing is as near as, for one below 0.
+fn squared_or_none(length: f64) -> f64 {
+    if length < 0.0 { -1.0 } else { length * length }
+}
+
+/// Of [`closest_point_near`](Bvh::closest_point_near): only the closest triangle is near enough.
+pub(crate) const EXACT: f64 = -1.0;
 
 /// Squared length of each child's gap to the point, a lower bound up to [`BOUND_SLACK`].
 #[inline(always)]
@@ -220,9 +228,9 @@ impl Tree {
         }
     }
 
-    /// Improves on `best`; if `any`, stops at the first triangle within its limit.
+    /// Improves on `best`; stops at the first triangle whose squared distance is at most `enough`.
     #[inline(always)]
-    fn traverse(&self, point: Vector, best: &mut Best, any: bool) -> bool {
+    fn traverse(&self, point: Vector, best: &mut Best, enough: f64) -> bool {
         let relative = self.relative(point);
         // Entries hold a squared gap's bits above a child's reference. Gaps are not negative, so
         // that entries compare like gaps.
@@ -243,7 +251,7 @@ impl Tree {
                         smaller(smaller(bounds[0], bounds[1]), smaller(bounds[2], bounds[3]));
                     if least <= largest_gap {
                         self.improve(leaf, point, &bounds, best);
-                        if any && best.triangle != EMPTY {
+                        if best.squared <= enough && best.triangle != EMPTY {
                             return true;
                         }
                         largest_gap = self::largest_gap(best.squared);
@@ -275,38 +283,40 @@ impl Bvh {
     /// The point of the mesh closest to `point`, at most `limit` away (`f64::INFINITY` for no
     /// limit). The smaller the limit, the faster.
     pub(crate) fn closest_point(&self, point: Vector, limit: f64) -> Option<ClosestPoint> {
-        self.improved(point, Best::none(limit))
+        self.improved(point, Best::none(limit), EXACT)
     }
 
-    /// The same as [`closest_point`](Self::closest_point), faster if the triangle `guess` is near.
+    /// The point of the mesh closest to `point`, or that of the first triangle that is found at most `enough` away (less
+    /// than 0 for none). Faster if the triangle `guess` is near.
     pub(crate) fn closest_point_near(
         &self,
         point: Vector,
-        limit: f64,
+        enough: f64,
         guess: u32,
     ) -> Option<ClosestPoint> {
-        self.improved(point, self.guessed(point, limit, guess))
+        let best = self.guessed(point, guess);
+        self.improved(point, best, squared_or_none(enough))
     }
 
-    fn improved(&self, point: Vector, mut best: Best) -> Option<ClosestPoint> {
-        self.tree.traverse(point, &mut best, false).then(|| ClosestPoint {
+    fn improved(&self, point: Vector, mut best: Best, enough: f64) -> Option<ClosestPoint> {
+        let is_enough = best.triangle != EMPTY && best.squared <= enough;
+        (is_enough || self.tree.traverse(point, &mut best, enough)).then(|| ClosestPoint {
             distance: best.squared.sqrt(),
             triangle: best.triangle,
             point: point + self.tree.closest_on(best.slot, point),
         })
     }
 
-    /// The triangle of [`closest_point_near`](Self::closest_point_near) without a limit.
+    /// The closest triangle. Faster if the triangle `guess` is near.
     pub(super) fn closest_triangle_near(&self, point: Vector, guess: u32) -> Option<u32> {
-        let mut best = self.guessed(point, f64::INFINITY, guess);
-        self.tree.traverse(point, &mut best, false).then_some(best.triangle)
+        let mut best = self.guessed(point, guess);
+        self.tree.traverse(point, &mut best, EXACT).then_some(best.triangle)
     }
 
-    fn guessed(&self, point: Vector, limit: f64, guess: u32) -> Best {
-        let best = Best::none(limit);
-        let Some(slot) = self.slot(guess) else { return best };
+    fn guessed(&self, point: Vector, guess: u32) -> Best {
+        let Some(slot) = self.slot(guess) else { return Best::none(f64::INFINITY) };
         let squared = self.tree.closest_on(slot, point).length_squared();
-        if squared <= best.squared { Best { squared, triangle: guess, slot } } else { best }
+        Best { squared, triangle: guess, slot }
     }
 
     /// The distance to one triangle; infinite if it does not exist.
@@ -317,6 +327,6 @@ impl Bvh {
 
     /// Whether the mesh comes within `limit` of `point`. Faster than the distance.
     pub(crate) fn is_within(&self, point: Vector, limit: f64) -> bool {
-        self.tree.traverse(point, &mut Best::none(limit), true)
+        self.tree.traverse(point, &mut Best::none(limit), f64::INFINITY)
     }
 }

@@ -315,7 +315,7 @@ fn centre([a, b, c]: [Vector; 3]) -> Vector {
 mod tests {
     use std::f64::consts::TAU;
 
-    use super::super::closest_point::closest_point_on_triangle;
+    use super::super::closest_point::{EXACT, closest_point_on_triangle};
     use super::*;
     use crate::geometry::TriangleMesh;
     use crate::geometry::vector::into_arrays;
@@ -506,14 +506,15 @@ mod tests {
         for (index, point) in (0..).zip(queries(&mesh, 300)) {
             let closest = bvh.closest_point(point, f64::INFINITY);
             for guess in [index, 0, 299, 1_000_000] {
-                assert_eq!(bvh.closest_point_near(point, f64::INFINITY, guess), closest);
+                assert_eq!(bvh.closest_point_near(point, EXACT, guess), closest);
             }
             let distance = closest.unwrap().distance;
             let (more, less, is_on) = (1.01 * distance, 0.99 * distance, distance == 0.0);
             assert_eq!(bvh.closest_point(point, more), closest);
             assert!(bvh.is_within(point, more));
             assert_eq!(bvh.is_within(point, less), is_on);
-            assert_eq!(bvh.closest_point_near(point, less, index).is_some(), is_on);
+            assert!(bvh.closest_point_near(point, more, index).unwrap().distance <= more);
+            assert!(is_on || bvh.closest_point_near(point, less, index) == closest);
         }
     }
 
@@ -542,7 +543,7 @@ mod tests {
         assert!((closest.distance - 0.1).abs() < 1e-15);
         assert_eq!(closest.triangle, 10);
         assert!((bvh.winding_number(Vector::ZERO) - 1.0).abs() < 1e-6);
-        assert_eq!(bvh.closest_point_near(point, f64::INFINITY, 0), Some(closest));
+        assert_eq!(bvh.closest_point_near(point, EXACT, 0), Some(closest));
     }
 
     #[test]

@@ -21,15 +21,16 @@
 use std::sync::OnceLock;
 
 use super::field::Field;
-use super::reach::{Cell, ProbeSettings, Reach};
+use super::reach::{Cell, ProbeSettings, Reach, closed_within};
 use crate::bvh::Bvh;
+use crate::bvh::closest_point::ClosestPoint;
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, squared};
 
 /// Half the side of a part that is not divided, as a fraction of the bound, at most: its planes are off by its squared
 /// half diagonal over the diameter.
-const LEAST_HALF: f64 = 0.1;
+const LEAST_HALF: f64 = 0.2;
 
 /// A ball that is entered farther than this, as a fraction of the radius, shows nothing: only the distance from the mesh
 /// counts. Otherwise a ball smaller than the bound could vanish in hulls.
@@ -65,21 +66,6 @@ enum Within {
 struct Plane {
     normal: Vector,
     offset: f64,
-}
-
-impl Part {
-    fn new(tree: &Bvh, middle: Vector, guess: u32) -> Self {
-        let within = OnceLock::new();
-        match tree.closest_point_near(middle, f64::INFINITY, guess) {
-            Some(found) => Self {
-                nearest: found.point,
-                distance: found.distance,
-                triangle: found.triangle,
-                within,
-            },
-            None => Self { nearest: middle, distance: f64::INFINITY, triangle: u32::MAX, within },
-        }
-    }
 }
 
 /// A cube by its middle and half its side.
@@ -176,6 +162,9 @@ const LEAST_GAIN: f64 = 1e-3;
 /// one of the finer field; the coarser one says at once where balls are entered far.
 const SPACINGS: [f64; 2] = [1.2, 0.29];
 
+/// What samples may be too small by, as a fraction of the distance between them.
+const SLACK: f64 = 0.2;
+
 /// Planes of a small part, at most: a ball rests on three points.
 const MAX_PLANES: usize = 8;
 
@@ -241,6 +230,8 @@ struct Search<'a> {
     nearest: f64,
     /// Once the bound is below this, it is near enough.
     enough: f64,
+    /// The bound may be too large by this.
+    slack: f64,
 }
 
 impl Probe {
@@ -300,14 +291,14 @@ impl Probe {
 
     /// Whether a ball may cover a point.
     pub fn reaches(&self, tree: &Bvh, point: Vector) -> bool {
-        self.clearance(tree, &Extent::point(point), self.radius, self.radius) < self.radius
+        self.clearance(tree, &Extent::point(point), self.radius, self.radius, 0.0) < self.radius
     }
 
     /// How much farther a point is from all centres than the radius, exact within `limit` of zero, and no farther from it.
     #[cfg(feature = "fill")]
     pub(super) fn beyond_reach(&self, tree: &Bvh, point: Vector, limit: f64) -> f64 {
         let (most, enough) = (self.radius + limit, self.radius - limit);
-        self.clearance(tree, &Extent::point(point), most, enough).max(enough) - self.radius
+        self.clearance(tree, &Extent::point(point), most, enough, 0.0).max(enough) - self.radius
     }
 
     /// Whether no ball is entered at a point by more than `bound`, and none by more than half its radius.
@@ -317,7 +308,7 @@ impl Probe {
         if least >= needed {
             return true;
         }
-        most >= needed && self.clearance(tree, &Extent::point(point), needed, needed) >= needed
+        most >= needed && self.clearance(tree, &Extent::point(point), needed, needed, 0.0) >= needed
     }
 
     /// How far balls are entered at a point, at most. Exact where that is more than `known`. `None` if it may be more
@@ -332,7 +323,7 @@ impl Probe {
         if most < least {
             return None;
         }
-        let clearance = self.clearance(tree, &Extent::point(point), needed.min(most), least);
+        let clearance = self.clearance(tree, &Extent::point(point), needed.min(most), least, 0.0);
         (clearance >= least).then_some(self.radius - clearance)
     }
 
@@ -344,7 +335,7 @@ impl Probe {
         if least - of.radius >= needed {
             return true;
         }
-        most >= needed && self.clearance(tree, of, needed, needed) >= needed
+        most >= needed && self.clearance(tree, of, needed, needed, 0.0) >= needed
     }
 
     /// How far balls are entered that can be entered farther by `more`; `None` as in [`entered`](Self::entered).
@@ -371,8 +362,10 @@ impl Probe {
         let away = sample.point.distance(point) + ROUNDING;
         // Below that, no point for which this is the nearest sample is clear enough.
         let least = (self.radius - self.bound - field.spacing).max(0.0);
+        let slack = SLACK * field.spacing;
         let known = sample.value(|| {
-            let clearance = self.clearance(tree, &Extent::point(sample.point), self.radius, least);
+            let of = Extent::point(sample.point);
+            let clearance = self.clearance(tree, &of, self.radius, least, slack);
             if clearance < least { 0.0 } else { clearance }
         });
         let most = match known {
@@ -380,12 +373,12 @@ impl Probe {
             known if known + ROUNDING >= self.radius => f64::INFINITY,
             known => known + away,
         };
-        (known - away, most)
+        (known - slack - away, most)
     }
 
-    /// No centre is nearer to a point, or to any point of a part. At most `most`; any value below `enough` if that is
-    /// not reached.
-    fn clearance(&self, tree: &Bvh, of: &Extent, most: f64, enough: f64) -> f64 {
+    /// No centre is nearer to a point, or to any point of a part, than this less `slack`. At most `most`; any value below
+    /// `enough` if that is not reached.
+    fn clearance(&self, tree: &Bvh, of: &Extent, most: f64, enough: f64, slack: f64) -> f64 {
         let (reach, point) = (&self.reach, of.centre);
         let half = 0.5 * reach.size;
         let own = reach.place(point);
@@ -421,14 +414,15 @@ impl Probe {
             }
         }
         near.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let mut search = Search { tree, of, nearest, enough };
+        let mut search = Search { tree, of, nearest, enough, slack };
         for (distance, place, middle) in near {
-            if distance >= search.nearest || search.nearest < enough {
+            if distance + slack >= search.nearest || search.nearest < enough {
                 break;
             }
             let Some(part) = self.parts.get(place as usize) else { continue };
-            let part = part.get_or_init(|| Part::new(tree, middle, u32::MAX));
-            self.descend(part, Cube { middle, half }, 0.0, None, &mut search);
+            let cube = Cube { middle, half };
+            let part = part.get_or_init(|| self.part(tree, cube, u32::MAX));
+            self.descend(part, cube, 0.0, None, &mut search);
         }
         search.nearest
     }
@@ -446,13 +440,13 @@ impl Probe {
             return;
         }
         let mut bound = bound.max(cube.distance(of));
-        if bound >= search.nearest {
+        if bound + search.slack >= search.nearest {
             return;
         }
         if let Some(plane) = cube.plane(part.nearest, self.clear) {
             bound = bound.max(cube.distance_beyond(&[plane], of, search.nearest));
         }
-        if bound >= search.nearest {
+        if bound + search.slack >= search.nearest {
             return;
         }
         match part.within.get_or_init(|| self.within(search.tree, part, cube, above)) {
@@ -477,9 +471,24 @@ impl Probe {
         }
     }
 
+    /// A part as large as a cube. Where a triangle is so near that it holds no centre, any such triangle is known.
+    fn part(&self, tree: &Bvh, cube: Cube, guess: u32) -> Part {
+        let closed = closed_within(self.clear, cube.radius());
+        let within = OnceLock::new();
+        match tree.closest_point_near(cube.middle, closed, guess) {
+            Some(ClosestPoint { point: nearest, distance, triangle }) => {
+                Part { nearest, distance, triangle, within }
+            }
+            None => {
+                let (nearest, distance, triangle) = (cube.middle, f64::INFINITY, u32::MAX);
+                Part { nearest, distance, triangle, within }
+            }
+        }
+    }
+
     fn within(&self, tree: &Bvh, part: &Part, cube: Cube, above: Option<&Above<'_>>) -> Within {
         if cube.half > self.least_half {
-            let child = |k| Part::new(tree, cube.child(k).middle, part.triangle);
+            let child = |k| self.part(tree, cube.child(k), part.triangle);
             return Within::Children(Box::new(std::array::from_fn(child)));
         }
         // Those nearest first. Parts beside the same convex piece of the surface have points no farther apart than the

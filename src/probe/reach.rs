@@ -133,7 +133,7 @@ impl Reach {
         let [width, height, depth] = dimensions;
         let rows = parallel::map_indices(height * depth, |row| {
             control.check()?;
-            Ok(reach.row(tree, row % height, row / height, clear))
+            Ok(reach.row(tree, (min, max), [row % height, row / height], clear))
         });
         let mut distances = Vec::new();
         for row in rows {
@@ -155,9 +155,16 @@ impl Reach {
         Ok(reach)
     }
 
-    /// A row of cells by their distances from the surface alone, with a lower bound of these.
-    fn row(&self, tree: &Bvh, y: usize, z: usize, clear: f64) -> Vec<(Cell, f32)> {
+    /// A row of cells by their distances from the surface alone, with a lower bound of these. The surface is in a box.
+    fn row(
+        &self,
+        tree: &Bvh,
+        (min, max): (Vector, Vector),
+        [y, z]: [usize; 2],
+        clear: f64,
+    ) -> Vec<(Cell, f32)> {
         let half_diagonal = 0.5 * self.size * 3f64.sqrt();
+        let closed = closed_within(clear, half_diagonal);
         let (mut known, mut at, mut guess) = (f64::NAN, 0, u32::MAX);
         let cell = |x: usize| {
             let way = (x - at) as f64 * self.size;
@@ -167,7 +174,12 @@ impl Reach {
             if known + way < clear - half_diagonal {
                 return (Cell::Closed, 0.0);
             }
-            let closest = tree.closest_point_near(self.centre([x, y, z]), f64::INFINITY, guess);
+            let centre = self.centre([x, y, z]);
+            let from_box = (min - centre).max(centre - max).max(Vector::ZERO).length();
+            if from_box >= clear + half_diagonal {
+                return (Cell::Open, from_box as f32);
+            }
+            let closest = tree.closest_point_near(centre, closed, guess);
             (known, at) = (closest.map_or(f64::INFINITY, |closest| closest.distance), x);
             guess = closest.map_or(guess, |closest| closest.triangle);
             (by_distance(known, clear, half_diagonal), known as f32)
@@ -310,12 +322,13 @@ impl Reach {
         let middle = self.centre(self.place_of(index));
         let step = self.size / FINE as f64;
         let half_diagonal = 0.5 * step * 3f64.sqrt();
+        let closed = closed_within(clear, half_diagonal);
         let mut guess = u32::MAX;
         std::array::from_fn(|part| {
             let inner = [part % FINE, part / FINE % FINE, part / FINE / FINE];
             let offset = inner.map(|x| (x as f64 - 0.5 * (FINE - 1) as f64) * step);
             let closest =
-                tree.closest_point_near(middle + Vector::from(offset), f64::INFINITY, guess);
+                tree.closest_point_near(middle + Vector::from(offset), closed, guess);
             guess = closest.as_ref().map_or(guess, |closest| closest.triangle);
             let distance = closest.map_or(f64::INFINITY, |closest| closest.distance);
             by_distance(distance, clear, half_diagonal) != Cell::Closed
@@ -340,6 +353,11 @@ impl Reach {
         let relative = ((point - self.origin) / self.size).to_array();
         [0, 1, 2].map(|k| (relative[k].max(0.0) as usize).min(self.dimensions[k] - 1))
     }
+}
+
+/// A part of that radius holds no centre if its middle is so near to the surface, however the square is rounded.
+pub(super) fn closed_within(clear: f64, radius: f64) -> f64 {
+    (clear - radius) * (1.0 - 1e-12)
 }
 
 /// A cell by the distance of its centre from the surface.

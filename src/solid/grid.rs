@@ -16,6 +16,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use super::boundary::Slope;
 use super::surface::{OPEN_INSIDE, Side, Surface, Winding};
+use crate::bvh::closest_point::EXACT;
 use crate::geometry::vector::{Vector, bounds};
 use crate::parallel;
 use crate::work;
@@ -341,7 +342,7 @@ impl Grid {
         let (mut nearest, mut distance) = (Vec3::NAN, f32::INFINITY);
         let (absolute, guess) = (self.absolute(centre), hint.load(Ordering::Relaxed));
         let tree = &self.surface.tree;
-        if let Some(closest) = tree.closest_point_near(absolute, f64::INFINITY, guess) {
+        if let Some(closest) = tree.closest_point_near(absolute, EXACT, guess) {
             nearest = self.place(closest.point).0;
             distance = centre.distance(nearest);
             cell.triangle.store(closest.triangle, Ordering::Relaxed);
@@ -365,7 +366,7 @@ impl Grid {
         work::count(work::CELL);
         let guess = block.triangle.load(Ordering::Relaxed);
         let tree = &self.surface.tree;
-        let closest = tree.closest_point_near(self.absolute(centre), f64::INFINITY, guess);
+        let closest = tree.closest_point_near(self.absolute(centre), EXACT, guess);
         let distance = closest.map_or(f32::INFINITY, |closest| {
             block.triangle.store(closest.triangle, Ordering::Relaxed);
             closest.distance as f32

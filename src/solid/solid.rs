@@ -10,6 +10,7 @@ use super::face_cache::FaceCache;
 use super::grid::{Ball, Grid, Location, ROUNDING};
 use super::surface::{Side, Surface};
 use crate::bvh::Bvh;
+use crate::bvh::closest_point::EXACT;
 use crate::clustering::Clustered;
 use crate::control::Control;
 use crate::error::Error;
@@ -181,7 +182,7 @@ impl Solid {
     /// Bounds on the distance of a point from the source. `guess` is a triangle of the solid that may be near
     /// and makes it faster. `None` if the solid has no surface. O(log n).
     pub(super) fn measure(&self, point: Vector, guess: u32) -> Option<SourceDistance> {
-        let closest = self.tree().closest_point_near(point, f64::INFINITY, guess)?;
+        let closest = self.tree().closest_point_near(point, EXACT, guess)?;
         let (own, triangle) = (closest.distance, closest.triangle);
         let (upper, triangle) = match &self.clustered {
             None => (own + self.displacement, triangle),
