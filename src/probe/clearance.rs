@@ -160,7 +160,7 @@ const LEAST_GAIN: f64 = 1e-3;
 
 /// Distances between samples along an axis, as fractions of the bound. No point is farther than a quarter of the bound from
 /// one of the finer field; the coarser one says at once where balls are entered far.
-const SPACINGS: [f64; 2] = [1.2, 0.29];
+const SPACINGS: [f64; 2] = [1.2, 0.58];
 
 /// What samples may be too small by, as a fraction of the distance between them.
 const SLACK: f64 = 0.2;

@@ -130,7 +130,7 @@ impl Reach {
         let origin = (min + max - count(size) * size) * 0.5;
         let dimensions = count(size).to_array().map(|count| count as usize);
         let mut reach = Self { origin, size, dimensions, cells: Vec::new() };
-        let [width, height, depth] = dimensions;
+        let [_, height, depth] = dimensions;
         let rows = parallel::map_indices(height * depth, |row| {
             control.check()?;
             Ok(reach.row(tree, (min, max), [row % height, row / height], clear))
@@ -142,15 +142,15 @@ impl Reach {
                 distances.push(distance);
             }
         }
-        let starts = reach.starts(from);
-        let is_reached = reach.flooded(&starts, |_, _| true);
+        let around = reach.around();
+        let is_reached = reach.flooded(from, &around, |_, _| true);
         control.check()?;
         reach.close_unless(|index| is_reached[index]);
         let certain = |a: usize, b: usize| {
-            let is_beside = [1, width, width * height].contains(&a.abs_diff(b));
-            is_beside && f64::from(distances[a]) + f64::from(distances[b]) >= 2.0 * clear + size
+            f64::from(distances[a]) + f64::from(distances[b]) >= 2.0 * clear + size
         };
-        let is_certain = reach.flooded(&starts, certain);
+        let beside = reach.beside().map(|step| [step as isize, -(step as isize)]).concat();
+        let is_certain = reach.flooded(from, &beside, certain);
         reach.close_doubtful(tree, clear, &is_certain, control)?;
         Ok(reach)
     }
@@ -187,54 +187,69 @@ impl Reach {
         (0..self.dimensions[0]).map(cell).collect()
     }
 
-    /// The cells of the border, and those of the given points.
-    fn starts(&self, from: &[Vector]) -> Vec<Place> {
-        let [width, height, depth] = self.dimensions;
-        let is_border = |&[x, y, z]: &Place| {
-            x == 0 || x + 1 == width || y == 0 || y + 1 == height || z == 0 || z + 1 == depth
-        };
-        let border = (0..self.cells.len()).map(|index| self.place_of(index)).filter(is_border);
-        border.chain(from.iter().map(|&point| self.place(point))).collect()
+    /// From a cell that is not of the border to three that share a face with it; the other three are in the opposite
+    /// directions.
+    fn beside(&self) -> [usize; 3] {
+        let [width, height, _] = self.dimensions;
+        [1, width, width * height]
     }
 
-    /// The cells that are not closed and connected to the starts, where the flood may pass between two cells.
-    fn flooded(&self, starts: &[Place], may_pass: impl Fn(usize, usize) -> bool) -> Vec<bool> {
+    /// From such a cell to those that share a face, an edge or a corner with it.
+    fn around(&self) -> Vec<isize> {
+        let [width, height, _] = self.dimensions.map(|cells| cells as isize);
+        let steps = [-1, 0, 1];
+        let rows = steps.map(|z| steps.map(|y| (z * height + y) * width)).concat();
+        rows.into_iter().flat_map(|row| steps.map(|x| row + x)).filter(|&step| step != 0).collect()
+    }
+
+    /// The cells that are not closed and connected to the border or to given points by some steps, where the flood may pass
+    /// between two cells.
+    fn flooded(
+        &self,
+        from: &[Vector],
+        steps: &[isize],
+        may_pass: impl Fn(usize, usize) -> bool,
+    ) -> Vec<bool> {
         let mut is_reached = vec![false; self.cells.len()];
         let mut stack: Vec<usize> = Vec::new();
-        for &start in starts {
-            let start = self.index(start);
-            if self.cells[start] != Cell::Closed && !std::mem::replace(&mut is_reached[start], true)
-            {
-                stack.push(start);
+        let mut start = |place: Place| {
+            let index = self.index(place);
+            // No cell of the two outermost layers is closed.
+            match self.layer(place) {
+                0 => is_reached[index] = true,
+                _ if is_reached[index] || self.cells[index] == Cell::Closed => {}
+                _ => {
+                    is_reached[index] = true;
+                    stack.push(index);
+                }
             }
-        }
+        };
+        let outermost = |&place: &Place| self.layer(place) <= 1;
+        (0..self.cells.len()).map(|index| self.place_of(index)).filter(outermost).for_each(&mut start);
+        from.iter().for_each(|&point| start(self.place(point)));
         while let Some(index) = stack.pop() {
-            self.neighbours(index, |other| {
+            for &step in steps {
+                let other = index.wrapping_add_signed(step);
                 let is_new = !is_reached[other] && self.cells[other] != Cell::Closed;
                 if is_new && may_pass(index, other) {
                     is_reached[other] = true;
                     stack.push(other);
                 }
-            });
+            }
         }
         is_reached
+    }
+
+    /// Cells between a cell and the border.
+    fn layer(&self, place: Place) -> usize {
+        let layer = |axis: usize| place[axis].min(self.dimensions[axis] - 1 - place[axis]);
+        layer(0).min(layer(1)).min(layer(2))
     }
 
     fn close_unless(&mut self, is_reached: impl Fn(usize) -> bool) {
         for (index, cell) in self.cells.iter_mut().enumerate() {
             if !is_reached(index) {
                 *cell = Cell::Closed;
-            }
-        }
-    }
-
-    /// Calls `visit` with the cells that share a face, an edge or a corner with a cell.
-    fn neighbours(&self, index: usize, mut visit: impl FnMut(usize)) {
-        let [x, y, z] = self.place_of(index);
-        let range = |x: usize, most: usize| x.saturating_sub(1)..(x + 2).min(most);
-        for k in range(z, self.dimensions[2]) {
-            for j in range(y, self.dimensions[1]) {
-                range(x, self.dimensions[0]).for_each(|i| visit(self.index([i, j, k])));
             }
         }
     }
@@ -247,9 +262,13 @@ impl Reach {
         is_certain: &[bool],
         control: &Control,
     ) -> Result<(), Error> {
+        // Cells of the border are certain: it does not matter what is beside them.
         let mut is_known = is_certain.to_vec();
-        for index in (0..self.cells.len()).filter(|&index| is_certain[index]) {
-            self.neighbours(index, |other| is_known[other] = true);
+        for step in self.beside() {
+            let before = is_known.clone();
+            for (index, is_known) in is_known.iter_mut().enumerate().skip(step) {
+                *is_known |= before[index - step] || before.get(index + step) == Some(&true);
+            }
         }
         let is_doubtful = |&index: &usize| !is_known[index] && self.cells[index] != Cell::Closed;
         let doubtful: Vec<usize> = (0..self.cells.len()).filter(is_doubtful).collect();
