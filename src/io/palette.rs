@@ -13,6 +13,9 @@ pub const CAP: Colour = [214, 92, 66];
 /// The colour of what a probe does not reach: water, which lies in no palette of clay.
 pub const FILLED: Colour = [58, 134, 200];
 
+/// The colour of a ball as large as the probe: brass, which is seen before water and clay.
+pub const BALL: Colour = [240, 190, 90];
+
 /// The golden angle in degrees: multiples of it stay as far from each other as they can, however
 /// many there are.
 const GOLDEN_ANGLE: f64 = 137.507_764_050_037_85;

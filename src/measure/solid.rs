@@ -38,7 +38,8 @@ impl MeasuredSolid {
     /// How far a point outside protrudes that is so far from the mesh: that, or how far balls are entered there,
     /// whichever is less.
     pub fn protrusion(&self, point: Vector, distance: f64) -> f64 {
-        let entered = self.probe.as_ref().and_then(|probe| probe.entered(&self.bvh, point, 0.0));
+        let Some(probe) = &self.probe else { return distance };
+        let entered = probe.entered(&self.bvh, point, 0.0, distance);
         entered.map_or(distance, |entered| entered.max(0.0).min(distance))
     }
 

@@ -3,7 +3,7 @@
 //! Cells of the grid that may hold centres are divided in eight, and those parts again, where a point is compared with
 //! them. A part with a half diagonal δ, whose middle m is D away from the closest point q of the surface, holds no centre
 //! if D + δ < r. Otherwise its centres lie in the part itself, and beyond a plane: they are r away from q at least, and
-//! off the line from q to m by δ at most.
+//! off the line from q to m by δ at most, less where the cube is seen from a side.
 //!
 //! ```text
 //!         ┌───────┐
@@ -23,7 +23,7 @@ use std::sync::OnceLock;
 use super::field::Field;
 use super::reach::{Cell, ProbeSettings, Reach, closed_within};
 use crate::bvh::Bvh;
-use crate::bvh::closest_point::ClosestPoint;
+use crate::bvh::closest_point::{ClosestPoint, EXACT};
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, squared};
@@ -103,7 +103,11 @@ impl Cube {
             return None;
         }
         let normal = along * (1.0 / distance);
-        let height = (squared(clear) - squared(radius)).sqrt();
+        // Of all corners, the one farthest off the line is the least along it.
+        let [x, y, z] = normal.abs().to_array();
+        let least = 2.0 * x.max(y).max(z) - (x + y + z);
+        let off = squared(self.half) * (3.0 - squared(least));
+        let height = (squared(clear) - off).sqrt();
         Some(Plane { normal, offset: normal.dot(on_surface) + height })
     }
 
@@ -158,11 +162,10 @@ impl Cube {
 /// The ascent ends with a step that gains less than this share.
 const LEAST_GAIN: f64 = 1e-3;
 
-/// Distances between samples along an axis, as fractions of the bound. No point is farther than a quarter of the bound from
-/// one of the finer field; the coarser one says at once where balls are entered far.
-const SPACINGS: [f64; 2] = [1.2, 0.58];
+/// Distance between samples along an axis, as a fraction of the bound: no point is farther than 0.7 of it from one.
+const SPACING: f64 = 0.8;
 
-/// What samples may be too small by, as a fraction of the distance between them.
+/// What samples may be too large by, as a fraction of the distance between them.
 const SLACK: f64 = 0.2;
 
 /// Planes of a small part, at most: a ball rests on three points.
@@ -182,7 +185,7 @@ pub(crate) struct Probe {
     /// For each cell that may hold centres its place among `parts`.
     places: Vec<u32>,
     parts: Vec<OnceLock<Part>>,
-    fields: [Field; 2],
+    field: Field,
 }
 
 /// A point, or a part of a face around it.
@@ -275,8 +278,8 @@ impl Probe {
         let places = reach.cells.iter().map(&mut number).collect();
         let mut parts = Vec::new();
         parts.resize_with(count as usize, OnceLock::new);
-        let fields = SPACINGS.map(|spacing| Field::new(bounds, spacing * bound.min(radius)));
-        Self { radius, bounds, clear, least_half, bound, reach, places, parts, fields }
+        let field = Field::new(bounds, SPACING * bound.min(radius));
+        Self { radius, bounds, clear, least_half, bound, reach, places, parts, field }
     }
 
     /// Side of the cells that were flooded.
@@ -294,17 +297,26 @@ impl Probe {
         self.clearance(tree, &Extent::point(point), self.radius, self.radius, 0.0) < self.radius
     }
 
-    /// How much farther a point is from all centres than the radius, exact within `limit` of zero, and no farther from it.
+    /// How much farther a point is from all centres than the radius, within `limit` of zero, and no farther from it. Off by
+    /// `tolerance` at most.
     #[cfg(feature = "fill")]
-    pub(super) fn beyond_reach(&self, tree: &Bvh, point: Vector, limit: f64) -> f64 {
+    pub(super) fn beyond_reach(
+        &self,
+        tree: &Bvh,
+        point: Vector,
+        limit: f64,
+        tolerance: f64,
+    ) -> f64 {
         let (most, enough) = (self.radius + limit, self.radius - limit);
-        self.clearance(tree, &Extent::point(point), most, enough, 0.0).max(enough) - self.radius
+        let of = Extent::point(point);
+        let clearance = self.clearance(tree, &of, most + tolerance, enough, 2.0 * tolerance);
+        (clearance - tolerance).clamp(enough, most) - self.radius
     }
 
     /// Whether no ball is entered at a point by more than `bound`, and none by more than half its radius.
     pub fn allows(&self, tree: &Bvh, point: Vector, bound: f64) -> bool {
         let needed = self.radius - bound.min(self.most_entered());
-        let (least, most) = self.clearance_by_fields(tree, point, needed);
+        let (least, most) = self.clearance_by_sample(tree, point);
         if least >= needed {
             return true;
         }
@@ -312,14 +324,14 @@ impl Probe {
     }
 
     /// How far balls are entered at a point, at most. Exact where that is more than `known`. `None` if it may be more
-    /// than half their radius.
-    pub fn entered(&self, tree: &Bvh, point: Vector, known: f64) -> Option<f64> {
+    /// than `limit` or half their radius.
+    pub fn entered(&self, tree: &Bvh, point: Vector, known: f64, limit: f64) -> Option<f64> {
         let needed = self.radius - known.min(self.most_entered());
-        let (least, most) = self.clearance_by_fields(tree, point, needed);
+        let (least, most) = self.clearance_by_sample(tree, point);
         if least >= needed {
             return Some(self.radius - least);
         }
-        let least = self.radius - self.most_entered();
+        let least = self.radius - limit.min(self.most_entered());
         if most < least {
             return None;
         }
@@ -331,7 +343,7 @@ impl Probe {
     /// at once.
     pub fn allows_all(&self, tree: &Bvh, of: &Extent, bound: f64) -> bool {
         let needed = self.radius - bound.min(self.most_entered());
-        let (least, most) = self.clearance_by_fields(tree, of.centre, needed);
+        let (least, most) = self.clearance_by_sample(tree, of.centre);
         if least - of.radius >= needed {
             return true;
         }
@@ -344,20 +356,9 @@ impl Probe {
         (most <= self.most_entered()).then_some(most)
     }
 
-    /// Bounds on [`clearance`](Self::clearance) by the nearest samples of the fields: those of the finer one only where
-    /// the coarser one does not say whether it is at least `needed`.
-    fn clearance_by_fields(&self, tree: &Bvh, point: Vector, needed: f64) -> (f64, f64) {
-        let mut known = (0.0, f64::INFINITY);
-        for field in &self.fields {
-            known = self.clearance_by_field(tree, field, point);
-            if known.0 >= needed || known.1 < needed {
-                break;
-            }
-        }
-        known
-    }
-
-    fn clearance_by_field(&self, tree: &Bvh, field: &Field, point: Vector) -> (f64, f64) {
+    /// Bounds on [`clearance`](Self::clearance) by the nearest sample.
+    fn clearance_by_sample(&self, tree: &Bvh, point: Vector) -> (f64, f64) {
+        let field = &self.field;
         let Some(sample) = field.sample(point) else { return (0.0, f64::INFINITY) };
         let away = sample.point.distance(point) + ROUNDING;
         // Below that, no point for which this is the nearest sample is clear enough.
@@ -473,7 +474,9 @@ impl Probe {
 
     /// A part as large as a cube. Where a triangle is so near that it holds no centre, any such triangle is known.
     fn part(&self, tree: &Bvh, cube: Cube, guess: u32) -> Part {
-        let closed = closed_within(self.clear, cube.radius());
+        // The smallest tell each other where the surface is.
+        let is_divided = cube.half > self.least_half;
+        let closed = if is_divided { closed_within(self.clear, cube.radius()) } else { EXACT };
         let within = OnceLock::new();
         match tree.closest_point_near(cube.middle, closed, guess) {
             Some(ClosestPoint { point: nearest, distance, triangle }) => {
@@ -543,7 +546,8 @@ mod tests {
                 let sunk = radius - height;
                 for depth in [0.0, 0.2 * sunk, 0.7 * sunk] {
                     let point = Vector::new(0.0, 0.013, -depth);
-                    let (found, expected) = (probe.entered(&tree, point, 0.0), sunk - depth);
+                    let (found, expected) =
+                        (probe.entered(&tree, point, 0.0, radius), sunk - depth);
                     if expected > 0.5 * radius {
                         assert_eq!(found, None, "{radius}, {share}");
                         continue;

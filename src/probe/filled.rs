@@ -36,6 +36,9 @@ const ON_MESH: f64 = 0.5;
 /// Half the side of the smallest parts of space that are told apart, in cells: their planes are off by 0.02 cells.
 const LEAST_HALF: f64 = 0.25;
 
+/// What samples may be off, in cells.
+const TOLERANCE: f64 = 0.1;
+
 /// The surface of what a probe does not reach outside a solid: see
 /// [`MeasuredMesh::filled`](crate::measure::MeasuredMesh::filled).
 #[non_exhaustive]
@@ -69,7 +72,7 @@ pub(crate) fn filled(probe: &Probe, tree: &Bvh, control: &Control) -> Result<Fil
         let sample = |x: u32| {
             let place = Vector::new(f64::from(x), f64::from(y), f64::from(z));
             // Surface nets cross zero from inside, where values are negative.
-            -probe.beyond_reach(tree, origin + place * cell, cell) as f32
+            -probe.beyond_reach(tree, origin + place * cell, cell, TOLERANCE * cell) as f32
         };
         Ok((0..width).map(sample).collect::<Vec<f32>>())
     });

@@ -225,7 +225,10 @@ impl Reach {
             }
         };
         let outermost = |&place: &Place| self.layer(place) <= 1;
-        (0..self.cells.len()).map(|index| self.place_of(index)).filter(outermost).for_each(&mut start);
+        (0..self.cells.len())
+            .map(|index| self.place_of(index))
+            .filter(outermost)
+            .for_each(&mut start);
         from.iter().for_each(|&point| start(self.place(point)));
         while let Some(index) = stack.pop() {
             for &step in steps {
@@ -346,8 +349,7 @@ impl Reach {
         std::array::from_fn(|part| {
             let inner = [part % FINE, part / FINE % FINE, part / FINE / FINE];
             let offset = inner.map(|x| (x as f64 - 0.5 * (FINE - 1) as f64) * step);
-            let closest =
-                tree.closest_point_near(middle + Vector::from(offset), closed, guess);
+            let closest = tree.closest_point_near(middle + Vector::from(offset), closed, guess);
             guess = closest.as_ref().map_or(guess, |closest| closest.triangle);
             let distance = closest.map_or(f64::INFINITY, |closest| closest.distance);
             by_distance(distance, clear, half_diagonal) != Cell::Closed

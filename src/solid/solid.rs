@@ -207,7 +207,8 @@ impl Solid {
 
     /// How far balls are entered at a point outside that is far from the surface: see [`Probe::entered`].
     pub(super) fn entered(&self, point: Vector, known: f64) -> Option<f64> {
-        self.probe.as_ref()?.entered(self.tree(), point, known)
+        let probe = self.probe.as_ref()?;
+        probe.entered(self.tree(), point, known, probe.radius)
     }
 
     /// Whether no ball is entered by more than `bound` at a point outside that is far from the surface.
@@ -246,7 +247,7 @@ impl Solid {
     pub fn outside(&self, point: Vector, least: f64) -> Option<SourceDistance> {
         let mut distance = self.outside_source(point, least)?;
         if let Some(probe) = &self.probe {
-            let entered = probe.entered(self.tree(), point, 0.0);
+            let entered = probe.entered(self.tree(), point, 0.0, probe.radius);
             // Where balls are entered too far, they are by half their radius at least.
             distance.lower = distance.lower.min(entered.unwrap_or(probe.most_entered()));
             distance.upper = distance.upper.min(entered.unwrap_or(f64::INFINITY));

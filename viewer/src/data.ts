@@ -55,6 +55,15 @@ interface SetEntry {
   };
 }
 
+/** What a probe does not reach, and the probe: its radius in diagonals. */
+interface FilledEntry {
+  radius: number;
+  colour: [number, number, number];
+  ball: [number, number, number];
+  positions: PointsPlace;
+  triangles: ArrayPlace;
+}
+
 interface Document {
   title: string;
   program: string;
@@ -72,7 +81,7 @@ interface Document {
     triangles: ArrayPlace;
     divisions: ArrayPlace;
   };
-  filled: { colour: [number, number, number]; positions: PointsPlace; triangles: ArrayPlace } | null;
+  filled: FilledEntry | null;
   openings: { outcome: string; centre: number[] }[];
   names: string[];
   sets: SetEntry[];

@@ -1,6 +1,7 @@
 // One set of hulls beside the others: its part of the stage, its slider, figures and curve.
 
 import { BufferGeometry, Color, FrontSide, Group, LineSegments, Mesh, Ray, Scene, ShaderMaterial, Vector3 } from "three";
+import { rest } from "./ball";
 import { Curve } from "./curve";
 import { alive, colourNumbers, HullSet, Page, State, uncoveredAfter } from "./data";
 import { element, number, percent, words } from "./dom";
@@ -53,6 +54,7 @@ export class Panel {
   private readonly meshCreases = new LineSegments(new BufferGeometry(), material("CREASES", 1));
   private readonly meshWires = new LineSegments(new BufferGeometry(), material("CREASES", 1));
   private readonly filled = new Mesh(new BufferGeometry(), material("FACES", 1));
+  private readonly ball = new Mesh(new BufferGeometry(), material("FACES", 1));
   /** What still has to be made before each of them is drawn: most are never seen. */
   private readonly stale = new Map<Mesh | LineSegments, () => BufferGeometry>();
 
@@ -76,13 +78,15 @@ export class Panel {
     this.stale.set(this.meshCreases, () => shapes.meshLines(page, false, earth));
     this.stale.set(this.meshWires, () => shapes.meshLines(page, true, earth));
     this.stale.set(this.filled, () => shapes.filledFaces(page, linear(page.document.filled?.colour ?? clay)));
+    this.stale.set(this.ball, () => shapes.ball(linear(page.document.filled?.ball ?? clay)));
+    this.ball.visible = false;
     Object.assign(this.filled.material, { transparent: true, depthWrite: false });
     this.filled.material.uniforms.opacity.value = FILLED;
     this.faces.material.uniforms.most.value = set.entry.protrusion_most;
     // Hulls hide each other, but not the mesh: their depth is drawn first, without a colour.
     this.depth.material.colorWrite = false;
     for (const [order, object] of [
-      this.meshFaces, this.meshCreases, this.meshWires, this.depth, this.faces, this.lines, this.filled,
+      this.meshFaces, this.meshCreases, this.meshWires, this.depth, this.faces, this.lines, this.ball, this.filled,
     ].entries()) {
       object.renderOrder = order;
       object.frustumCulled = false;
@@ -201,6 +205,7 @@ export class Panel {
     this.meshCreases.visible = look.mesh && !look.hulls && !wires;
     this.meshWires.visible = look.mesh && !look.hulls && wires;
     this.filled.visible = look.filled && this.page.filled !== null;
+    this.ball.visible &&= this.filled.visible;
     this.isMeshStale = true;
     this.root.rotation.x = look.up === "z" ? -Math.PI / 2 : 0;
     this.write(entry);
@@ -307,11 +312,29 @@ export class Panel {
     this.select(this.hulls[(now + by + count) % count]);
   }
 
+  /** Moves a ball of the probe's radius along a ray to where the mesh stops it, while what is filled is shown. */
+  roll(ray: Ray | null) {
+    const { filled } = this.page.document;
+    const wasVisible = this.ball.visible;
+    const at = ray && filled && this.filled.visible ? rest(this.own(ray), filled.radius, this.page.mesh) : null;
+    this.ball.visible = at !== null;
+    if (at && filled) {
+      this.ball.position.copy(at);
+      this.ball.scale.setScalar(filled.radius);
+    }
+    if (at || wasVisible) this.changed();
+  }
+
+  /** A ray as the mesh sees it, whichever axis is up. */
+  private own(ray: Ray): Ray {
+    this.root.updateMatrixWorld();
+    return ray.clone().applyMatrix4(this.root.matrixWorld.clone().invert());
+  }
+
   /** The hull that a ray hits first, if hulls are shown. */
   hit(ray: Ray): number | null {
     if (!this.look.hulls) return null;
-    this.root.updateMatrixWorld();
-    const own = ray.clone().applyMatrix4(this.root.matrixWorld.clone().invert());
+    const own = this.own(ray);
     const { positions, triangles } = this.set.surface;
     const corners = [new Vector3(), new Vector3(), new Vector3()];
     const [at, shift, moved] = [new Vector3(), new Vector3(), new Ray()];

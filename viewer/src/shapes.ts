@@ -1,6 +1,6 @@
 // Buffers of the hulls that are shown, and of the mesh.
 
-import { BufferAttribute, BufferGeometry } from "three";
+import { BufferAttribute, BufferGeometry, SphereGeometry } from "three";
 import { HullSet, Page, pointsOf, Surface } from "./data";
 
 /** Neighbouring faces whose normals have a greater cosine are one face to the eye. */
@@ -205,6 +205,12 @@ export function meshFaces(page: Page, clay: Colour, cap: Colour): BufferGeometry
 export function filledFaces({ filled }: Page, colour: Colour): BufferGeometry {
   const positions = filled?.positions ?? new Float32Array();
   return plain(positions, filled?.triangles ?? [], colour);
+}
+
+/** A ball of radius 1. */
+export function ball(colour: Colour): BufferGeometry {
+  const { attributes, index } = new SphereGeometry(1, 48, 24);
+  return plain(attributes.position.array as Float32Array, index?.array ?? [], colour);
 }
 
 /** One surface in one colour, which stays where it is. */

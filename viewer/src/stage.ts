@@ -1,6 +1,6 @@
 // One canvas for all panels, one camera for all: what is turned in one is turned in each.
 
-import { PerspectiveCamera, Raycaster, Vector2, WebGLRenderer } from "three";
+import { PerspectiveCamera, Ray, Raycaster, Vector2, WebGLRenderer } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { Look, Panel } from "./panel";
 import { shared } from "./shaders";
@@ -101,6 +101,11 @@ export class Stage {
     this.home();
     new ResizeObserver(() => this.resize()).observe(canvas);
     this.pickOnClick();
+    // A ball does not follow a pointer that turns the mesh.
+    canvas.addEventListener("pointermove", ({ clientX, clientY, buttons }) => {
+      for (const panel of this.panels) panel.roll(buttons === 0 ? this.rayAt(panel, clientX, clientY) : null);
+    });
+    canvas.addEventListener("pointerleave", () => this.panels.forEach((panel) => panel.roll(null)));
     // The first picture is there sooner without lines.
     if (isHeavy) this.slowFrames = SLOW_FRAMES + 1;
     this.lastTick = this.lastFrame = performance.now();
@@ -264,14 +269,21 @@ export class Stage {
 
   private pick(x: number, y: number) {
     for (const panel of this.panels) {
-      const box = panel.viewport.getBoundingClientRect();
-      const place = new Vector2((2 * (x - box.left)) / box.width - 1, 1 - (2 * (y - box.top)) / box.height);
-      if (Math.abs(place.x) > 1 || Math.abs(place.y) > 1) continue;
-      this.fit(box.width / box.height);
-      const caster = new Raycaster();
-      caster.setFromCamera(place, this.camera);
-      const hull = panel.hit(caster.ray);
+      const ray = this.rayAt(panel, x, y);
+      if (!ray) continue;
+      const hull = panel.hit(ray);
       panel.select(hull === panel.picked ? null : hull);
     }
+  }
+
+  /** From the camera through a place of the window; `null` outside the panel. */
+  private rayAt(panel: Panel, x: number, y: number): Ray | null {
+    const box = panel.viewport.getBoundingClientRect();
+    const place = new Vector2((2 * (x - box.left)) / box.width - 1, 1 - (2 * (y - box.top)) / box.height);
+    if (Math.abs(place.x) > 1 || Math.abs(place.y) > 1) return null;
+    this.fit(box.width / box.height);
+    const caster = new Raycaster();
+    caster.setFromCamera(place, this.camera);
+    return caster.ray;
   }
 }

@@ -204,7 +204,17 @@ test("what a probe does not reach is drawn over the mesh, by button and by key, 
   await changes(page, () => page.locator("#filled").click());
   expect(await shown()).toBe("true");
   expect(await page.locator("#mesh").getAttribute("aria-pressed")).toBe("true");
+  const middle = await page.locator(".viewport").evaluate((viewport) => {
+    const { left, top, width, height } = viewport.getBoundingClientRect();
+    return { x: left + width / 2, y: top + height / 2 };
+  });
+  // A ball comes as far as the mesh lets it, and is gone where it would pass.
+  const bare = await picture(page);
+  await changes(page, () => page.mouse.move(middle.x, middle.y));
   await page.screenshot({ path: `${shots}gear-filled.png` });
+  await changes(page, () => page.mouse.move(middle.x + 30, middle.y));
+  await page.mouse.move(middle.x, 2);
+  expect((await picture(page)).text).toBe(bare.text);
   await changes(page, () => page.keyboard.press("f"));
   expect(await shown()).toBe("false");
 });

@@ -6,6 +6,7 @@ use bevy_rapier3d::rapier::parry::math::Pose;
 use bevy_rapier3d::rapier::parry::query::{ShapeCastOptions, cast_shapes};
 use bevy_rapier3d::rapier::parry::shape::Ball as BallShape;
 use bevy_rapier3d::rapier::prelude::Vector;
+use hullwright::io::palette::BALL;
 
 use crate::decompose::Tuning;
 use crate::model::Library;
@@ -25,8 +26,9 @@ pub fn set_up(
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
-    let material =
-        StandardMaterial { perceptual_roughness: 0.5, ..Color::srgb_u8(240, 190, 90).into() };
+    let [red, green, blue] = BALL;
+    let colour = Color::srgb_u8(red, green, blue);
+    let material = StandardMaterial { perceptual_roughness: 0.5, ..colour.into() };
     commands.spawn((
         PointerBall,
         Mesh3d(meshes.add(Sphere::new(1.0).mesh().build())),

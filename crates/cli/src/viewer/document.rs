@@ -12,7 +12,7 @@ use serde::Serialize;
 use super::subject::Subject;
 use crate::{Vector, bounds};
 use hullwright::io::Object;
-use hullwright::io::palette::{CAP, CLAY, Colour, FILLED, colour};
+use hullwright::io::palette::{BALL, CAP, CLAY, Colour, FILLED, colour};
 use hullwright::measure::FilledSurface;
 use hullwright::{ClosedMesh, Opening};
 
@@ -61,10 +61,13 @@ struct MeshEntry {
     divisions: Array,
 }
 
-/// The surface of what a probe does not reach.
+/// The surface of what a probe does not reach, and the probe.
 #[derive(Debug, Serialize)]
 struct FilledEntry {
+    /// Of the probe, in diagonals.
+    radius: f64,
     colour: Colour,
+    ball: Colour,
     positions: Points,
     triangles: Array,
 }
@@ -159,12 +162,16 @@ impl Document {
         subject: &Subject<'_>,
         geometry: &mut Geometry,
     ) {
+        let Some(radius) = subject.parameters.probe_radius else { return };
         if mesh.triangles.is_empty() {
             return;
         }
+        let diagonal = subject.mesh.diagonal();
         let points = mesh.positions.iter().map(|&point| Vector::from(point));
         self.filled = Some(FilledEntry {
+            radius: radius.of_diagonal(diagonal) / diagonal,
             colour: FILLED,
+            ball: BALL,
             positions: geometry.push_points(points, subject),
             triangles: geometry.push_u32(mesh.triangles.iter().flatten().copied()),
         });
