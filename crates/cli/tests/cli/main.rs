@@ -5,7 +5,6 @@ mod curve;
 mod decompose;
 mod documents;
 mod inspect;
-#[cfg(unix)]
 mod interrupted;
 mod measure;
 mod view;
