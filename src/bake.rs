@@ -68,6 +68,8 @@ impl BakeOptions {
 pub struct BakeJob {
     /// The mesh's name, and those of the nodes that show it.
     pub names: Vec<String>,
+    /// The indices of the meshes with this content in the glTF file.
+    pub gltf_meshes: Vec<u32>,
     /// The mesh, in single precision, as engines have it.
     pub mesh: TriangleMesh,
     /// What it is decomposed with.
@@ -102,9 +104,16 @@ pub fn bake_jobs(meshes: Vec<SceneMesh>, options: &BakeOptions) -> Vec<BakeJob> 
             let job = same.unwrap_or_else(|| {
                 known.push(jobs.len());
                 let content = mesh.mesh.clone();
-                jobs.push(BakeJob { names: Vec::new(), mesh: content, parameters });
+                jobs.push(BakeJob {
+                    names: Vec::new(),
+                    gltf_meshes: Vec::new(),
+                    mesh: content,
+                    parameters,
+                });
                 jobs.len() - 1
             });
+            let indices = &mut jobs[job].gltf_meshes;
+            indices.extend(mesh.index.filter(|index| !indices.contains(index)));
             for name in [&mesh.name, &node.name] {
                 let names = &mut jobs[job].names;
                 if !name.is_empty() && !names.contains(name) {
@@ -141,7 +150,8 @@ impl BakeJob {
         let name = self.names.first().cloned().unwrap_or_default();
         let hulls = HullsFile::new(name, &made).with_mass_properties(mass);
         Ok(BakedMesh::new(&self.mesh, self.parameters.clone(), hulls)
-            .with_names(self.names.clone()))
+            .with_names(self.names.clone())
+            .with_gltf_meshes(self.gltf_meshes.clone()))
     }
 }
 

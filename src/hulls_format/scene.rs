@@ -6,8 +6,8 @@ use std::path::Path;
 use sha2::{Digest, Sha256};
 
 use super::file::{
-    HullsFile, HullsFileError, Reader, SCENE_MAGIC, begin, count, open, read_bytes, seal, text,
-    write_bytes,
+    HullsFile, HullsFileError, Reader, SCENE_FORMAT_VERSION, SCENE_MAGIC, Versions, begin, count,
+    open, read_bytes, seal, text, write_bytes,
 };
 use crate::decomposition::ALGORITHM_VERSION;
 use crate::geometry::MeshView;
@@ -114,6 +114,11 @@ pub struct HullScene {
 pub struct BakedMesh {
     /// The names of the mesh and of the nodes that show it.
     pub names: Vec<String>,
+    /// Its index among the meshes of the glTF file, and those of others with the same content; empty if it comes from
+    /// elsewhere, or a file of version 1.
+    pub gltf_meshes: Vec<u32>,
+    /// The least and the largest coordinates of the corners of its triangles; `None` in a file of version 1.
+    pub bounds: Option<[[f32; 3]; 2]>,
     /// The mesh's content.
     pub hash: MeshHash,
     /// What the mesh was decomposed with.
@@ -144,8 +149,22 @@ impl BakedMesh {
         parameters: impl Into<Method>,
         hulls: HullsFile,
     ) -> Self {
-        let names = vec![hulls.name.clone()];
-        Self { names, hash: MeshHash::of(mesh), parameters: parameters.into(), hulls }
+        let (names, mesh) = (vec![hulls.name.clone()], mesh.into());
+        Self {
+            names,
+            gltf_meshes: Vec::new(),
+            bounds: bounds_of(mesh),
+            hash: MeshHash::of(mesh),
+            parameters: parameters.into(),
+            hulls,
+        }
+    }
+
+    /// The same with its indices among the meshes of a glTF file.
+    #[must_use]
+    pub fn with_gltf_meshes(mut self, indices: Vec<u32>) -> Self {
+        self.gltf_meshes = indices;
+        self
     }
 
     /// The same with the names of nodes that show the mesh, each once.
@@ -191,7 +210,7 @@ impl HullScene {
     /// # Errors
     /// [`HullsFileError::Invalid`] if a text or a list has more parts than 32 bits count.
     pub fn to_bytes(&self) -> Result<Vec<u8>, HullsFileError> {
-        let mut bytes = begin(SCENE_MAGIC, ALGORITHM_VERSION);
+        let mut bytes = begin(SCENE_MAGIC, SCENE_FORMAT_VERSION, ALGORITHM_VERSION);
         text(&mut bytes, &self.name)?;
         count(&mut bytes, self.meshes.len())?;
         for baked in &self.meshes {
@@ -199,6 +218,9 @@ impl HullScene {
             for name in &baked.names {
                 text(&mut bytes, name)?;
             }
+            numbers(&mut bytes, &baked.gltf_meshes)?;
+            bytes.push(baked.bounds.is_some().into());
+            points(&mut bytes, baked.bounds.as_slice().as_flattened());
             bytes.extend(baked.hash.as_bytes());
             text(&mut bytes, &baked.parameters.to_string())?;
             let hulls = baked.hulls.to_bytes()?;
@@ -213,10 +235,11 @@ impl HullScene {
     /// # Errors
     /// [`HullsFileError`] says what is wrong with them.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, HullsFileError> {
-        let (_, mut reader) = open(bytes, SCENE_MAGIC)?;
+        let (Versions { format, .. }, mut reader) = open(bytes, SCENE_MAGIC, SCENE_FORMAT_VERSION)?;
         let name = reader.text()?;
         let meshes = reader.count(LEAST_MESH)?;
-        let meshes = (0..meshes).map(|_| baked_mesh(&mut reader)).collect::<Result<_, _>>()?;
+        let meshes =
+            (0..meshes).map(|_| baked_mesh(&mut reader, format)).collect::<Result<_, _>>()?;
         reader.end()?;
         Ok(Self { name, meshes })
     }
@@ -239,19 +262,56 @@ impl HullScene {
     }
 }
 
-/// The bytes of a mesh without names and hulls: a hash and three lengths.
+/// The box around the corners of triangles, as far as they are finite.
+fn bounds_of(mesh: MeshView<'_>) -> Option<[[f32; 3]; 2]> {
+    let corners = mesh.triangles().iter().flatten().filter_map(|vertex| mesh.position(*vertex));
+    let finite = corners.map(|corner| corner.map(|x| x as f32));
+    let finite = finite.filter(|corner| corner.iter().all(|x| x.is_finite()));
+    finite.fold(None, |bounds, corner| {
+        let [low, high] = bounds.unwrap_or([corner; 2]);
+        let pick = |of: [f32; 3], pick: fn(f32, f32) -> f32| {
+            std::array::from_fn(|axis| pick(of[axis], corner[axis]))
+        };
+        Some([pick(low, f32::min), pick(high, f32::max)])
+    })
+}
+
+fn numbers(bytes: &mut Vec<u8>, numbers: &[u32]) -> Result<(), HullsFileError> {
+    count(bytes, numbers.len())?;
+    bytes.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
+    Ok(())
+}
+
+fn points(bytes: &mut Vec<u8>, points: &[[f32; 3]]) {
+    bytes.extend(points.as_flattened().iter().flat_map(|x| x.to_le_bytes()));
+}
+
+/// The bytes of a mesh without names and hulls in version 1: a hash and three lengths.
 const LEAST_MESH: usize = 32 + 3 * 4;
 
-fn baked_mesh(reader: &mut Reader<'_>) -> Result<BakedMesh, HullsFileError> {
+fn baked_mesh(reader: &mut Reader<'_>, format: u32) -> Result<BakedMesh, HullsFileError> {
     // A name is at least its length.
     let names = reader.count(4)?;
     let names = (0..names).map(|_| reader.text()).collect::<Result<_, _>>()?;
+    let (gltf_meshes, bounds) = match format {
+        1 => (Vec::new(), None),
+        _ => {
+            let read =
+                |reader: &mut Reader<'_>| Ok([reader.single_point()?, reader.single_point()?]);
+            (read_numbers(reader)?, reader.optional(read)?)
+        }
+    };
     let hash = MeshHash::from_bytes(reader.array()?);
     let parameters = reader.text()?;
     let parameters = parameters.parse().map_err(|_| HullsFileError::Invalid(NO_PARAMETERS))?;
     let length = reader.count(1)?;
     let hulls = HullsFile::from_bytes(reader.take(length)?)?;
-    Ok(BakedMesh { names, hash, parameters, hulls })
+    Ok(BakedMesh { names, gltf_meshes, bounds, hash, parameters, hulls })
+}
+
+fn read_numbers(reader: &mut Reader<'_>) -> Result<Vec<u32>, HullsFileError> {
+    let numbers = reader.count(size_of::<u32>())?;
+    (0..numbers).map(|_| reader.u32()).collect()
 }
 
 const NO_PARAMETERS: &str = "a mesh's parameters are none that this library has";
@@ -279,7 +339,8 @@ mod tests {
                 let view = crate::MeshView::new(&mesh.positions, &mesh.triangles);
                 let made = decompose(view, &parameters, &Control::new()).unwrap();
                 let hulls = HullsFile::new(format!("bar {length}"), &made);
-                BakedMesh::new(view, parameters, hulls).with_names(["node".into(), "".into()])
+                let baked = BakedMesh::new(view, parameters, hulls).with_gltf_meshes(vec![7, 2]);
+                baked.with_names(["node".into(), "".into()])
             };
             let fine = Parameters::default().max_error(Length::share(0.01));
             let meshes = vec![baked(2.0, Parameters::default()), baked(3.0, fine)];
@@ -298,10 +359,30 @@ mod tests {
         let scene = scene();
         assert_eq!(scene.meshes[0].names, ["bar 2", "node"]);
         let bytes = scene.to_bytes().unwrap();
-        assert!(bytes.starts_with(b"\x89HULSC\r\n\x01\0\0\0"));
+        assert!(bytes.starts_with(b"\x89HULSC\r\n\x02\0\0\0"));
         assert_eq!(HullScene::from_bytes(&bytes), Ok(scene));
         let empty = HullScene::new("", Vec::new());
         assert_eq!(HullScene::from_bytes(&empty.to_bytes().unwrap()), Ok(empty));
+    }
+
+    #[test]
+    fn a_file_of_version_1_is_read_without_what_it_lacks() {
+        let mut scene = scene();
+        assert_eq!(scene.meshes[0].bounds, Some([[0.0; 3], [2.0, 1.0, 1.0]]));
+        let mut bytes = begin(SCENE_MAGIC, 1, ALGORITHM_VERSION);
+        text(&mut bytes, &scene.name).unwrap();
+        count(&mut bytes, scene.meshes.len()).unwrap();
+        for baked in &mut scene.meshes {
+            count(&mut bytes, baked.names.len()).unwrap();
+            baked.names.iter().for_each(|name| text(&mut bytes, name).unwrap());
+            bytes.extend(baked.hash.as_bytes());
+            text(&mut bytes, &baked.parameters.to_string()).unwrap();
+            let hulls = baked.hulls.to_bytes().unwrap();
+            count(&mut bytes, hulls.len()).unwrap();
+            bytes.extend(hulls);
+            (baked.gltf_meshes, baked.bounds) = (Vec::new(), None);
+        }
+        assert_eq!(HullScene::from_bytes(&seal(bytes)), Ok(scene));
     }
 
     #[test]

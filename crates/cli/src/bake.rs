@@ -219,7 +219,11 @@ fn bake_scene(scene: &Scene<'_>, control: impl Fn(usize) -> Control, results: &m
     for (index, job) in jobs.iter().enumerate() {
         let known = earlier.as_ref().and_then(|earlier| {
             match earlier.look_up(MeshHash::of(&job.mesh), &job.parameters, &[]) {
-                SceneLookup::Found(baked) if baked.names == job.names => Some(baked.clone()),
+                SceneLookup::Found(baked)
+                    if baked.names == job.names && baked.gltf_meshes == job.gltf_meshes =>
+                {
+                    Some(baked.clone())
+                }
                 _ => None,
             }
         });

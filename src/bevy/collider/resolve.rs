@@ -320,11 +320,21 @@ impl Scene<'_, '_> {
         for part in parts {
             let mesh = self.meshes.get(part.mesh);
             let positions = mesh.and_then(|mesh| mesh.try_attribute(Mesh::ATTRIBUTE_POSITION).ok());
-            // What is wrong with it is said elsewhere.
-            let Some(VertexAttributeValues::Float32x3(positions)) = positions else { return false };
+            // What is on the GPU only has its box.
+            let corners = mesh.and_then(|mesh| mesh.final_aabb).map(|aabb| {
+                let ends = [aabb.min, aabb.max];
+                let corner = |of: usize| [0, 1, 2].map(|axis| ends[of >> axis & 1][axis]);
+                [0, 1, 2, 3, 4, 5, 6, 7].map(corner)
+            });
+            let points = match (positions, &corners) {
+                (Some(VertexAttributeValues::Float32x3(positions)), _) => &positions[..],
+                (_, Some(corners)) => corners,
+                // What is wrong with it is said elsewhere.
+                (_, None) => return false,
+            };
             let to_world = *map * part.to_input;
-            for position in positions {
-                let point = to_world.transform_point3(Vec3::from(*position));
+            for point in points {
+                let point = to_world.transform_point3(Vec3::from(*point));
                 (low, high) = (low.min(point), high.max(point));
             }
         }

@@ -9,6 +9,7 @@ use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 
 use super::cache::ColliderGeometry;
+use super::label::Outline;
 use super::request::ContentKey;
 use crate::Method;
 use crate::bevy::tag::DEFAULT_DENSITY;
@@ -106,6 +107,7 @@ pub struct BakedScene {
     scene: Arc<HullScene>,
     /// Where the meshes are that may be used, by content.
     usable: Arc<HashMap<ContentKey, usize>>,
+    settings: BakedSceneSettings,
 }
 
 /// How a `.hullscene` file is taken. Bevy reads them from the file's `.meta`.
@@ -115,6 +117,9 @@ pub struct BakedSceneSettings {
     /// Whether a mesh gets its hulls also where another version of the algorithm made them. They keep the bound that
     /// the file says; a server and its players must decide alike. Default false: it is decomposed anew.
     pub accepts_other_versions: bool,
+    /// Whether a glTF mesh is found by its asset path and label alone, as one that is on the GPU only. It is compared by
+    /// its number of triangles and its bounding box then, and hashing takes no time. Default false: by its content.
+    pub by_label: bool,
 }
 
 impl BakedScene {
@@ -125,17 +130,14 @@ impl BakedScene {
 
     /// The same with settings.
     pub fn with_settings(scene: HullScene, settings: BakedSceneSettings) -> Self {
-        let BakedSceneSettings { accepts_other_versions } = settings;
-        let usable = scene.meshes.iter().enumerate().filter(|(_, baked)| {
-            (accepts_other_versions || baked.hulls.is_current())
-                && baked.hulls.mass_properties.is_some()
-        });
+        let all = scene.meshes.iter().enumerate();
+        let usable = all.filter(|(_, baked)| is_usable(baked, settings));
         let usable = usable.map(|(index, baked)| {
             let goal = Goal::Hulls(baked.parameters.clone()).hash();
             (ContentKey::Mesh { mesh: baked.hash, goal, scene: None }, index)
         });
         let usable = Arc::new(usable.collect());
-        Self { scene: Arc::new(scene), usable }
+        Self { scene: Arc::new(scene), usable, settings }
     }
 
     /// What the file holds.
@@ -163,6 +165,35 @@ impl BakedScene {
         })
     }
 
+    /// Whether meshes are found by their labels also where their content is there.
+    pub(super) fn is_found_by_label(&self) -> bool {
+        self.settings.by_label
+    }
+
+    /// The place of the hulls of a glTF mesh that looks like this from outside, or why there are none.
+    pub(super) fn index_of_gltf_mesh(
+        &self,
+        mesh: u32,
+        goal: &Goal,
+        outline: &Outline,
+    ) -> Result<usize, &'static str> {
+        let all = self.scene.meshes.iter().enumerate();
+        let mut of_mesh = all.filter(|(_, baked)| baked.gltf_meshes.contains(&mesh)).peekable();
+        of_mesh.peek().ok_or("no mesh with its label was baked")?;
+        let found = of_mesh.find(|(_, baked)| goal.parameters() == Some(&baked.parameters));
+        let (index, baked) = found.ok_or("it was baked with other parameters")?;
+        match () {
+            () if !is_usable(baked, self.settings) => Err("another version of Hullwright baked it"),
+            () if baked.hulls.source_triangles != outline.triangles => {
+                Err("its number of triangles has changed since it was baked")
+            }
+            () if baked.bounds != Some(outline.bounds) => {
+                Err("its bounding box has changed since it was baked")
+            }
+            () => Ok(index),
+        }
+    }
+
     /// The hulls of a mesh, whichever version of the algorithm made them.
     pub(super) fn geometry_of(&self, index: usize) -> Option<Arc<ColliderGeometry>> {
         let baked = self.scene.meshes.get(index)?;
@@ -188,6 +219,11 @@ impl BakedScene {
             }
         }
     }
+}
+
+fn is_usable(baked: &BakedMesh, settings: BakedSceneSettings) -> bool {
+    (settings.accepts_other_versions || baked.hulls.is_current())
+        && baked.hulls.mass_properties.is_some()
 }
 
 /// Why a scene has no hulls for a mesh.
