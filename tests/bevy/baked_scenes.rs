@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use bevy::asset::RenderAssetUsages;
 use bevy::gltf::{GltfAssetLabel, GltfLoaderSettings};
 use bevy::prelude::*;
-use bevy_rapier3d::prelude::RigidBody;
-use hullwright::bake::{BakeOptions, bake_jobs};
+use bevy_rapier3d::prelude::{Collider, RigidBody};
+use hullwright::bake::{BakeOptions, bake_jobs, bake_triangles};
 use hullwright::bevy::BakedSceneSettings;
 use hullwright::bevy::prelude::*;
 use hullwright::hulls_format::HullScene;
@@ -147,7 +147,7 @@ fn a_damaged_or_older_kind_of_file_is_told_and_all_is_decomposed() {
 
 /// Loads the scene of a place with its baked hulls, all its meshes for the GPU only. It is tagged at once, or when their
 /// data is gone.
-fn load_for_gpu_only(place: &tempfile::TempDir, is_late: bool) -> (App, Entity) {
+fn load_for_gpu_only(place: &tempfile::TempDir, body: RigidBody, is_late: bool) -> (App, Entity) {
     let mut app = app_with_gltf(place.path().display().to_string(), |app| {
         app.add_systems(Last, take_gpu_data);
     });
@@ -157,7 +157,7 @@ fn load_for_gpu_only(place: &tempfile::TempDir, is_late: bool) -> (App, Entity) 
     let scene = GltfAssetLabel::Scene(0).from_asset("scene.glb");
     let scene = server.load_builder().with_settings(settings).load(scene);
     let hierarchy = ConvexDecompositionHierarchy::default().with_baked(app.load("scene.hullscene"));
-    let root = app.put((WorldAssetRoot(scene), RigidBody::Dynamic));
+    let root = app.put((WorldAssetRoot(scene), body));
     let are_gone = |app: &App| {
         let mut meshes = app.world().resource::<Assets<Mesh>>().iter().peekable();
         meshes.peek().is_some()
@@ -208,7 +208,7 @@ fn meshes_on_the_gpu_only_have_their_hulls_and_mass_from_the_baked_file() {
     for name in ["lamp.glb", "chair.glb", "props.glb"] {
         let place = place(&bundled(name), &baked_as_scene(name).to_bytes().unwrap());
         for is_late in [false, true] {
-            let (mut app, _) = load_for_gpu_only(&place, is_late);
+            let (mut app, _) = load_for_gpu_only(&place, RigidBody::Dynamic, is_late);
             assert_eq!((counters(&app).decomposed, counters(&app).failed), (0, 0), "{name}");
             assert_eq!(counters(&app).baked, ready(&app).len());
             let (mut by_content, _) = load(&place, ConvexDecompositionHierarchy::default());
@@ -233,16 +233,66 @@ fn a_mesh_on_the_gpu_only_that_differs_from_the_baked_one_fails_and_says_in_what
         let mut scene = baked_as_scene("lamp.glb");
         change(&mut scene);
         let place = place(&bundled("lamp.glb"), &scene.to_bytes().unwrap());
-        let (app, _) = load_for_gpu_only(&place, true);
+        let (app, _) = load_for_gpu_only(&place, RigidBody::Dynamic, true);
         let [(_, why)] = failed(&app) else { panic!("{expected}: {:?}", failed(&app)) };
         assert!(why.contains("GPU only") && why.contains(expected), "{why}");
     }
 }
 
 #[test]
+fn what_never_moves_and_is_on_the_gpu_only_has_its_triangles_from_the_baked_file() {
+    let sizes = |app: &mut App| {
+        let mut colliders = app.world_mut().query::<&Collider>();
+        let sizes = colliders.iter(app.world()).map(|collider| {
+            let mesh = collider.raw.as_trimesh().expect("triangles");
+            let bounds = mesh.local_aabb();
+            (
+                mesh.indices().len(),
+                mesh.vertices().len(),
+                bounds.mins.to_array(),
+                bounds.maxs.to_array(),
+            )
+        });
+        let mut sizes: Vec<_> = sizes.collect();
+        sizes.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        sizes
+    };
+    for name in ["lamp.glb", "chair.glb"] {
+        let options = BakeOptions::default().triangles(true);
+        let triangles = bake_triangles(&read_scene(bundled(name)).unwrap(), &options);
+        let with = baked_as_scene(name).with_triangles(triangles).to_bytes().unwrap();
+        let place = place(&bundled(name), &with);
+        let (mut by_content, _) = app_with_scene_in(
+            place.path().display().to_string(),
+            "scene.glb",
+            ConvexDecompositionHierarchy::default(),
+        );
+        let mut roots = by_content.world_mut().query_filtered::<Entity, With<WorldAssetRoot>>();
+        let root = roots.single(by_content.world()).unwrap();
+        by_content.edit(root).insert(RigidBody::Fixed);
+        update_until_ready(&mut by_content);
+        let expected = sizes(&mut by_content);
+        assert!(!expected.is_empty());
+        for is_late in [false, true] {
+            let (mut app, _) = load_for_gpu_only(&place, RigidBody::Fixed, is_late);
+            assert_eq!((counters(&app).failed, failed(&app)), (0, &[][..]), "{name}");
+            assert_eq!(sizes(&mut app), expected, "{name}");
+        }
+    }
+}
+
+#[test]
+fn triangles_that_were_not_baked_fail_and_say_how_to_bake_them() {
+    let place = place(&bundled("lamp.glb"), &baked_as_scene("lamp.glb").to_bytes().unwrap());
+    let (app, _) = load_for_gpu_only(&place, RigidBody::Fixed, true);
+    let [(_, why)] = failed(&app) else { panic!("{:?}", failed(&app)) };
+    assert!(why.contains("--triangles"), "{why}");
+}
+
+#[test]
 fn the_report_of_a_scene_on_the_gpu_only_counts_what_was_baked() {
     let place = place(&bundled("props.glb"), &baked_as_scene("props.glb").to_bytes().unwrap());
-    let (mut app, root) = load_for_gpu_only(&place, false);
+    let (mut app, root) = load_for_gpu_only(&place, RigidBody::Dynamic, false);
     update_until(&mut app, |app| app.get::<HierarchyStatus>(root).unwrap().is_finished());
     let Some(HierarchyStatus::Finished(report)) = app.get::<HierarchyStatus>(root) else {
         unreachable!()

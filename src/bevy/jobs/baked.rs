@@ -9,13 +9,12 @@ use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 
 use super::cache::ColliderGeometry;
-use super::label::Outline;
-use super::request::ContentKey;
+use super::request::{ContentKey, MeshData};
 use crate::Method;
 use crate::bevy::tag::DEFAULT_DENSITY;
 use crate::bevy::tag::outcomes::{DecompositionError, DecompositionStatus};
 use crate::bevy::tag::parameters::Goal;
-use crate::hulls_format::{BakedMesh, HullScene, HullsFileError, SceneLookup};
+use crate::hulls_format::{BakedMesh, BakedTriangles, HullScene, HullsFileError, SceneLookup};
 
 /// Gives the entity a collider of baked hulls, without a look at any mesh. They are in the mesh's own space, so it
 /// belongs where the mesh is, on the entity that has the `Mesh3d` or on the glTF node.
@@ -117,8 +116,9 @@ pub struct BakedSceneSettings {
     /// Whether a mesh gets its hulls also where another version of the algorithm made them. They keep the bound that
     /// the file says; a server and its players must decide alike. Default false: it is decomposed anew.
     pub accepts_other_versions: bool,
-    /// Whether a glTF mesh is found by its asset path and label alone, as one that is on the GPU only. It is compared by
-    /// its number of triangles and its bounding box then, and hashing takes no time. Default false: by its content.
+    /// Whether a glTF mesh is found by its asset path and label, as one that is on the GPU only. It is compared by its
+    /// number of triangles and its bounding box alone, so what moved within that is not noticed, and hashing takes no time.
+    /// Default false: by its content.
     pub by_label: bool,
 }
 
@@ -130,14 +130,14 @@ impl BakedScene {
 
     /// The same with settings.
     pub fn with_settings(scene: HullScene, settings: BakedSceneSettings) -> Self {
-        let all = scene.meshes.iter().enumerate();
-        let usable = all.filter(|(_, baked)| is_usable(baked, settings));
-        let usable = usable.map(|(index, baked)| {
+        let mut made = Self { scene: Arc::new(scene), usable: Arc::default(), settings };
+        let all = made.scene.meshes.iter().enumerate();
+        let usable = all.filter(|(_, baked)| made.is_usable(baked)).map(|(index, baked)| {
             let goal = Goal::Hulls(baked.parameters.clone()).hash();
             (ContentKey::Mesh { mesh: baked.hash, goal, scene: None }, index)
         });
-        let usable = Arc::new(usable.collect());
-        Self { scene: Arc::new(scene), usable, settings }
+        made.usable = Arc::new(usable.collect());
+        made
     }
 
     /// What the file holds.
@@ -165,39 +165,27 @@ impl BakedScene {
         })
     }
 
+    /// Whether a mesh may have these hulls of it.
+    pub(super) fn is_usable(&self, baked: &BakedMesh) -> bool {
+        (self.settings.accepts_other_versions || baked.hulls.is_current())
+            && baked.hulls.mass_properties.is_some()
+    }
+
     /// Whether meshes are found by their labels also where their content is there.
-    pub(super) fn is_found_by_label(&self) -> bool {
+    pub(crate) fn is_found_by_label(&self) -> bool {
         self.settings.by_label
     }
 
-    /// The place of the hulls of a glTF mesh that looks like this from outside, or why there are none.
-    pub(super) fn index_of_gltf_mesh(
-        &self,
-        mesh: u32,
-        goal: &Goal,
-        outline: &Outline,
-    ) -> Result<usize, &'static str> {
-        let all = self.scene.meshes.iter().enumerate();
-        let mut of_mesh = all.filter(|(_, baked)| baked.gltf_meshes.contains(&mesh)).peekable();
-        of_mesh.peek().ok_or("no mesh with its label was baked")?;
-        let found = of_mesh.find(|(_, baked)| goal.parameters() == Some(&baked.parameters));
-        let (index, baked) = found.ok_or("it was baked with other parameters")?;
-        match () {
-            () if !is_usable(baked, self.settings) => Err("another version of Hullwright baked it"),
-            () if baked.hulls.source_triangles != outline.triangles => {
-                Err("its number of triangles has changed since it was baked")
-            }
-            () if baked.bounds != Some(outline.bounds) => {
-                Err("its bounding box has changed since it was baked")
-            }
-            () => Ok(index),
-        }
-    }
-
-    /// The hulls of a mesh, whichever version of the algorithm made them.
+    /// What is at a place: the hulls of a mesh, whichever version of the algorithm made them, or after all of these the
+    /// triangles of one.
     pub(super) fn geometry_of(&self, index: usize) -> Option<Arc<ColliderGeometry>> {
-        let baked = self.scene.meshes.get(index)?;
-        Some(ColliderGeometry::of_hulls(baked.hulls.clone()))
+        let HullScene { meshes, triangles, .. } = &*self.scene;
+        if let Some(baked) = meshes.get(index) {
+            return Some(ColliderGeometry::of_hulls(baked.hulls.clone()));
+        }
+        let BakedTriangles { positions, triangles, .. } = triangles.get(index - meshes.len())?;
+        let data = MeshData { positions: positions.clone(), triangles: triangles.clone() };
+        Some(ColliderGeometry::Triangles(data).into())
     }
 
     /// Why there are no hulls for a mesh with this content and one of these names.
@@ -219,11 +207,6 @@ impl BakedScene {
             }
         }
     }
-}
-
-fn is_usable(baked: &BakedMesh, settings: BakedSceneSettings) -> bool {
-    (settings.accepts_other_versions || baked.hulls.is_current())
-        && baked.hulls.mass_properties.is_some()
 }
 
 /// Why a scene has no hulls for a mesh.

@@ -13,6 +13,9 @@ use bevy::prelude::*;
 
 use super::baked::BakedScene;
 use super::request::{ColliderRequest, MeshPart};
+use crate::Method;
+use crate::bevy::tag::parameters::Goal;
+use crate::hulls_format::HullScene;
 
 /// What meshes look like from outside whose data the renderer takes away, worked out while it is there.
 #[derive(Resource, Debug, Default)]
@@ -48,10 +51,10 @@ pub(crate) fn is_for_gpu_only(mesh: &Mesh) -> bool {
 
 /// What a mesh looks like from outside.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Outline {
-    pub triangles: u64,
+struct Outline {
+    triangles: u64,
     /// The least and the largest coordinates of the corners of triangles.
-    pub bounds: [[f32; 3]; 2],
+    bounds: [[f32; 3]; 2],
 }
 
 impl Outline {
@@ -75,6 +78,19 @@ impl Outline {
             }
         }
         Some(Self { triangles, bounds })
+    }
+
+    /// Whether a baked mesh looks the same, or what differs.
+    fn compare(&self, triangles: u64, bounds: Option<[[f32; 3]; 2]>) -> Result<(), &'static str> {
+        match () {
+            () if self.triangles != triangles => {
+                Err("its number of triangles has changed since it was baked")
+            }
+            () if Some(self.bounds) != bounds => {
+                Err("its bounding box has changed since it was baked")
+            }
+            () => Ok(()),
+        }
     }
 }
 
@@ -103,7 +119,12 @@ impl Labels<'_> {
         let all = outlines.ok_or("it is not made of triangles")?.into_iter().reduce(|a, b| {
             Outline { triangles: a.triangles + b.triangles, bounds: union(a.bounds, b.bounds) }
         });
-        scene.index_of_gltf_mesh(mesh, goal, &all.ok_or(NOT_ONE_MESH)?)
+        let outline = all.ok_or(NOT_ONE_MESH)?;
+        match goal {
+            Goal::Hulls(method) => place_of_hulls(scene, mesh, method, &outline),
+            Goal::Triangles(_) => place_of_triangles(scene.scene(), mesh, &outline),
+            Goal::Primitive(_) => Err("it is to have a box, ball or capsule"),
+        }
     }
 
     /// The index of the one glTF mesh of which a request has primitives, as they are.
@@ -133,6 +154,37 @@ impl Labels<'_> {
         found.ok_or(NOT_ONE_MESH)
     }
 }
+
+fn place_of_hulls(
+    scene: &BakedScene,
+    mesh: u32,
+    method: &Method,
+    outline: &Outline,
+) -> Result<usize, &'static str> {
+    let all = scene.scene().meshes.iter().enumerate();
+    let mut of_mesh = all.filter(|(_, baked)| baked.gltf_meshes.contains(&mesh)).peekable();
+    of_mesh.peek().ok_or(NOT_THERE)?;
+    let found = of_mesh.find(|(_, baked)| baked.parameters == *method);
+    let (index, baked) = found.ok_or("it was baked with other parameters")?;
+    if !scene.is_usable(baked) {
+        return Err("another version of Hullwright baked it");
+    }
+    outline.compare(baked.hulls.source_triangles, baked.bounds).map(|()| index)
+}
+
+fn place_of_triangles(
+    scene: &HullScene,
+    mesh: u32,
+    outline: &Outline,
+) -> Result<usize, &'static str> {
+    let mut all = scene.triangles.iter().enumerate();
+    let found = all.find(|(_, baked)| baked.gltf_meshes.contains(&mesh));
+    let (index, baked) = found.ok_or("its triangles were not baked with `--triangles`")?;
+    let place = scene.meshes.len() + index;
+    outline.compare(baked.triangles.len() as u64, baked.bounds()).map(|()| place)
+}
+
+const NOT_THERE: &str = "no mesh with its label was baked";
 
 const NOT_ONE_MESH: &str = "it is not one mesh of a file, at its own scale";
 

@@ -639,7 +639,7 @@ impl Sources<'_, '_> {
         }
         // Once it is known that the scene does not have it, it is not looked for there again.
         let may_be_baked = jobs.key_of(&request.input).is_none_or(|key| key.is_baked());
-        let baked = request.input.scene().filter(|_| may_be_baked).and_then(|id| {
+        let mut baked = request.input.scene().filter(|_| may_be_baked).and_then(|id| {
             let scene = self.scenes.get(id.try_typed().ok()?)?;
             Some((id, scene.clone()))
         });
@@ -661,6 +661,10 @@ impl Sources<'_, '_> {
         })?;
         // Only baked hulls have no goal, and they are found above.
         let goal = request.goal.clone().ok_or(DecompositionError::NotLoaded)?;
+        // Triangles that are there are as good as those that are baked.
+        if goal.parameters().is_none() {
+            baked = None;
+        }
         Ok(TaskInput::Mesh { data, goal, baked })
     }
 
