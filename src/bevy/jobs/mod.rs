@@ -2,6 +2,10 @@
 
 pub(super) mod baked;
 pub(super) mod cache;
+#[cfg(all(target_family = "wasm", target_os = "unknown"))]
+mod database;
+#[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
+mod disk;
 pub(super) mod label;
 mod pool;
 #[cfg(feature = "io")]
@@ -381,14 +385,14 @@ impl Job {
     fn result(&mut self) -> Option<TaskResult> {
         match &mut self.worker {
             Worker::Background { task, .. } if task.is_finished() => block_on(poll_once(task)),
-            Worker::Slices(task) if task.awaits_worker() => task.step(&self.control).transpose(),
+            Worker::Slices(task) if task.awaits_answer() => task.step(&self.control).transpose(),
             Worker::Background { .. } | Worker::Slices(_) => None,
         }
     }
 
     /// Whether its next step is work for the main thread.
     fn is_sliced(&self) -> bool {
-        matches!(&self.worker, Worker::Slices(task) if !task.awaits_worker())
+        matches!(&self.worker, Worker::Slices(task) if !task.awaits_answer())
     }
 
     /// One step in the main thread, and the result if it was the last.
