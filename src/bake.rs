@@ -17,15 +17,17 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
 
 use crate::control::Control;
 use crate::conventions::{
-    NameTag, is_coarser_level, mesh_tag, node_tag, read_extras, whole_of, without_copy_number,
+    Body, ColliderKind, NameTag, is_coarser_level, mesh_tag, node_tag, read_extras, whole_of,
+    without_copy_number,
 };
 use crate::error::Error;
 use crate::geometry::TriangleMesh;
-use crate::hulls_format::{BakedMesh, HullsFile, MeshHash};
+use crate::hulls_format::{BakedMesh, BakedTriangles, HullsFile, MeshHash};
 use crate::io::{SceneMesh, SceneNode};
 use crate::mass::mass_properties_with;
 use crate::method::Method;
@@ -38,13 +40,20 @@ pub struct BakeOptions {
     pub parameters: Method,
     /// Whether only meshes are baked that an artist's name or extra tags. Default false.
     pub tagged_only: bool,
+    /// Whether triangles are baked too, for what never moves. Default false.
+    pub triangles: bool,
     /// Whether names and extras are followed, see [`conventions`](crate::conventions). Default true.
     pub follows_artists: bool,
 }
 
 impl Default for BakeOptions {
     fn default() -> Self {
-        Self { parameters: Method::default(), tagged_only: false, follows_artists: true }
+        Self {
+            parameters: Method::default(),
+            tagged_only: false,
+            triangles: false,
+            follows_artists: true,
+        }
     }
 }
 
@@ -60,6 +69,13 @@ impl BakeOptions {
         self.tagged_only = tagged_only;
         self
     }
+
+    /// The same with or without triangles.
+    #[must_use]
+    pub fn triangles(mut self, triangles: bool) -> Self {
+        self.triangles = triangles;
+        self
+    }
 }
 
 /// A mesh to bake, with one set of parameters.
@@ -68,6 +84,8 @@ impl BakeOptions {
 pub struct BakeJob {
     /// The mesh's name, and those of the nodes that show it.
     pub names: Vec<String>,
+    /// The indices of the meshes with this content in the glTF file.
+    pub gltf_meshes: Vec<u32>,
     /// The mesh, in single precision, as engines have it.
     pub mesh: TriangleMesh,
     /// What it is decomposed with.
@@ -102,9 +120,16 @@ pub fn bake_jobs(meshes: Vec<SceneMesh>, options: &BakeOptions) -> Vec<BakeJob> 
             let job = same.unwrap_or_else(|| {
                 known.push(jobs.len());
                 let content = mesh.mesh.clone();
-                jobs.push(BakeJob { names: Vec::new(), mesh: content, parameters });
+                jobs.push(BakeJob {
+                    names: Vec::new(),
+                    gltf_meshes: Vec::new(),
+                    mesh: content,
+                    parameters,
+                });
                 jobs.len() - 1
             });
+            let indices = &mut jobs[job].gltf_meshes;
+            indices.extend(mesh.index.filter(|index| !indices.contains(index)));
             for name in [&mesh.name, &node.name] {
                 let names = &mut jobs[job].names;
                 if !name.is_empty() && !names.contains(name) {
@@ -114,6 +139,31 @@ pub fn bake_jobs(meshes: Vec<SceneMesh>, options: &BakeOptions) -> Vec<BakeJob> 
         }
     }
     jobs
+}
+
+/// The triangles of the glTF meshes of a scene that may stand still, each content once, if the options say so: not of
+/// what the artist gives hulls, another shape, a body that moves, or no collider. O(size).
+pub fn bake_triangles(meshes: &[SceneMesh], options: &BakeOptions) -> Vec<BakedTriangles> {
+    let with_pieces = meshes_with_pieces(meshes);
+    let mut baked: Vec<BakedTriangles> = Vec::new();
+    let mut by_content: HashMap<MeshHash, usize> = HashMap::new();
+    for mesh in meshes.iter().filter(|_| options.triangles) {
+        let alone = [SceneNode::default()];
+        let mut nodes = if mesh.nodes.is_empty() { &alone[..] } else { &mesh.nodes }.iter();
+        let (Some(index), true) =
+            (mesh.index, nodes.any(|node| options.may_be_static(mesh, node, &with_pieces)))
+        else {
+            continue;
+        };
+        match by_content.entry(MeshHash::of(&mesh.mesh)) {
+            Entry::Occupied(known) => baked[*known.get()].gltf_meshes.push(index),
+            Entry::Vacant(new) => {
+                new.insert(baked.len());
+                baked.push(BakedTriangles::new(&mesh.mesh, vec![index]));
+            }
+        }
+    }
+    baked
 }
 
 /// What is wrong with the extras of a scene's meshes and nodes, each with the name of what has it. O(meshes).
@@ -141,7 +191,8 @@ impl BakeJob {
         let name = self.names.first().cloned().unwrap_or_default();
         let hulls = HullsFile::new(name, &made).with_mass_properties(mass);
         Ok(BakedMesh::new(&self.mesh, self.parameters.clone(), hulls)
-            .with_names(self.names.clone()))
+            .with_names(self.names.clone())
+            .with_gltf_meshes(self.gltf_meshes.clone()))
     }
 }
 
@@ -157,11 +208,7 @@ impl BakeOptions {
         if !self.follows_artists {
             return None;
         }
-        let names = [node.name.as_str(), mesh.name.as_str()];
-        let has_pieces = |name: &&str| {
-            with_pieces.contains(*name) || with_pieces.contains(without_copy_number(name))
-        };
-        if node_tag(&node.name) == Some(NameTag::LeftOut) || names.iter().any(has_pieces) {
+        if is_left_out(mesh, node, with_pieces) {
             return Some(None);
         }
         // `extras_complaints` has what is wrong in them.
@@ -172,6 +219,38 @@ impl BakeOptions {
         let tag = node_tag(&node.name).or_else(|| mesh_tag(&mesh.name))?;
         Some(tag.kind().and_then(|kind| kind.parameters(&self.parameters)))
     }
+
+    /// Whether a node's mesh gets its triangles where nothing moves it, or always.
+    fn may_be_static(
+        &self,
+        mesh: &SceneMesh,
+        node: &SceneNode,
+        with_pieces: &HashSet<String>,
+    ) -> bool {
+        if !self.follows_artists {
+            return true;
+        }
+        let extras = [&node.extras, &mesh.extras].into_iter().flatten();
+        let by_extras = extras.filter_map(|text| read_extras(text).0).next();
+        let by_name = || node_tag(&node.name).or_else(|| mesh_tag(&mesh.name));
+        let (kind, is_moved) = match (by_extras, by_name()) {
+            (Some(tag), _) => (tag.kind, matches!(tag.body, Some(Body::Dynamic | Body::Kinematic))),
+            (None, Some(tag)) => (tag.kind(), matches!(tag, NameTag::Body(_))),
+            (None, None) => ((!self.tagged_only).then_some(ColliderKind::Decomposition), false),
+        };
+        matches!(kind, Some(ColliderKind::Decomposition | ColliderKind::Triangles))
+            && !is_moved
+            && !is_left_out(mesh, node, with_pieces)
+    }
+}
+
+/// Whether the artist says that a mesh has no collider of its own.
+fn is_left_out(mesh: &SceneMesh, node: &SceneNode, with_pieces: &HashSet<String>) -> bool {
+    let has_pieces = |name: &&str| {
+        with_pieces.contains(*name) || with_pieces.contains(without_copy_number(name))
+    };
+    node_tag(&node.name) == Some(NameTag::LeftOut)
+        || [node.name.as_str(), mesh.name.as_str()].iter().any(has_pieces)
 }
 
 /// Meshes whose pieces the artist made.

@@ -314,10 +314,12 @@ impl Display for HullScene {
             0 => ALGORITHM_VERSION.to_string(),
             others => format!("another than this program's for {others} of {}", meshes.len()),
         };
+        let triangles: usize = self.triangles.iter().map(|baked| baked.triangles.len()).sum();
         let rows = pairs(&[
             ("scene", self.name.clone()),
             ("meshes", meshes.len().to_string()),
             ("hulls", hulls.to_string()),
+            ("triangles for what never moves", triangles.to_string()),
             ("algorithm version", algorithm),
         ]);
         formatter.write_str(&rows)?;

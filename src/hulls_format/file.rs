@@ -7,8 +7,12 @@ use crate::hull::ConvexHull;
 use crate::mass::{MassProperties, MassSource};
 use crate::method::MethodReport;
 
-/// Version of the format that is written, and the newest that is read.
+/// Version of the format of `.hulls` files that is written, and the newest that is read.
 pub const FORMAT_VERSION: u32 = 1;
+
+/// The same of `.hullscene` files.
+#[cfg(feature = "bake")]
+pub const SCENE_FORMAT_VERSION: u32 = 2;
 
 const MAGIC: [u8; 8] = *b"\x89HULLS\r\n";
 
@@ -76,10 +80,12 @@ pub enum HullsFileError {
     )]
     IsSingle,
     /// A newer library wrote it.
-    #[error("its format has version {found}, but this library reads up to {FORMAT_VERSION}")]
+    #[error("its format has version {found}, but this library reads up to {newest}")]
     NewerVersion {
         /// The file's version.
         found: u32,
+        /// The newest that can be read.
+        newest: u32,
     },
     /// Its length is not the one that its header says.
     #[error("it has {found} bytes instead of {expected}")]
@@ -157,7 +163,7 @@ impl HullsFile {
     /// # Errors
     /// [`HullsFileError::Invalid`] if a hull, a text or a list has more parts than 32 bits count.
     pub fn to_bytes(&self) -> Result<Vec<u8>, HullsFileError> {
-        let mut bytes = begin(MAGIC, self.algorithm_version);
+        let mut bytes = begin(MAGIC, FORMAT_VERSION, self.algorithm_version);
         text(&mut bytes, &self.name)?;
         text(&mut bytes, &self.method)?;
         bytes.extend(self.source_vertices.to_le_bytes());
@@ -186,7 +192,8 @@ impl HullsFile {
     /// # Errors
     /// [`HullsFileError`] says what is wrong with them.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, HullsFileError> {
-        let (algorithm_version, mut reader) = open(bytes, MAGIC)?;
+        let (Versions { algorithm, .. }, mut reader) = open(bytes, MAGIC, FORMAT_VERSION)?;
+        let algorithm_version = algorithm;
         let file = reader.file(algorithm_version)?;
         reader.end()?;
         Ok(file)
@@ -258,10 +265,10 @@ pub(super) fn read_bytes<T>(path: &Path, parse: impl FnOnce(&[u8]) -> Read<T>) -
 }
 
 /// A header whose length is still to be set.
-pub(super) fn begin(magic: [u8; 8], algorithm_version: u32) -> Vec<u8> {
+pub(super) fn begin(magic: [u8; 8], format_version: u32, algorithm_version: u32) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(HEADER + CHECKSUM);
     bytes.extend(magic);
-    bytes.extend(FORMAT_VERSION.to_le_bytes());
+    bytes.extend(format_version.to_le_bytes());
     bytes.extend(algorithm_version.to_le_bytes());
     bytes.extend([0; 8]);
     bytes
@@ -341,8 +348,14 @@ const TRIANGLE: usize = 3 * 4;
 
 type Read<T> = Result<T, HullsFileError>;
 
-/// Checks the header and the checksum. The algorithm's version, and a reader of the body.
-pub(super) fn open(bytes: &[u8], magic: [u8; 8]) -> Read<(u32, Reader<'_>)> {
+/// What a header says.
+pub(super) struct Versions {
+    pub format: u32,
+    pub algorithm: u32,
+}
+
+/// Checks the header and the checksum. The versions, and a reader of the body.
+pub(super) fn open(bytes: &[u8], magic: [u8; 8], newest: u32) -> Read<(Versions, Reader<'_>)> {
     if !bytes.starts_with(&magic) {
         let is_other = bytes.starts_with(&MAGIC) || bytes.starts_with(&SCENE_MAGIC);
         return Err(match (magic == SCENE_MAGIC, is_other) {
@@ -358,12 +371,12 @@ pub(super) fn open(bytes: &[u8], magic: [u8; 8]) -> Read<(u32, Reader<'_>)> {
         return Err(wrong_length((HEADER + CHECKSUM) as u64));
     }
     let mut header = Reader { rest: &bytes[magic.len()..HEADER] };
-    let version = header.u32()?;
-    if version > FORMAT_VERSION {
-        return Err(HullsFileError::NewerVersion { found: version });
+    let format = header.u32()?;
+    if format > newest {
+        return Err(HullsFileError::NewerVersion { found: format, newest });
     }
-    valid(version > 0, "there is no version 0 of the format")?;
-    let algorithm_version = header.u32()?;
+    valid(format > 0, "there is no version 0 of the format")?;
+    let algorithm = header.u32()?;
     let expected = header.u64()?.saturating_add((HEADER + CHECKSUM) as u64);
     if expected != bytes.len() as u64 {
         return Err(wrong_length(expected));
@@ -372,11 +385,11 @@ pub(super) fn open(bytes: &[u8], magic: [u8; 8]) -> Read<(u32, Reader<'_>)> {
     if crc32fast::hash(content) != (Reader { rest: checksum }).u32()? {
         return Err(HullsFileError::Damaged);
     }
-    Ok((algorithm_version, Reader { rest: &content[HEADER..] }))
+    Ok((Versions { format, algorithm }, Reader { rest: &content[HEADER..] }))
 }
 
 /// An error for a value that means nothing.
-fn valid(is_valid: bool, what: &'static str) -> Read<()> {
+pub(super) fn valid(is_valid: bool, what: &'static str) -> Read<()> {
     if is_valid { Ok(()) } else { Err(HullsFileError::Invalid(what)) }
 }
 
@@ -462,7 +475,10 @@ impl<'a> Reader<'a> {
         Ok(MassProperties { mass, centre, inertia, source })
     }
 
-    fn optional<T>(&mut self, read: impl FnOnce(&mut Self) -> Read<T>) -> Read<Option<T>> {
+    pub(super) fn optional<T>(
+        &mut self,
+        read: impl FnOnce(&mut Self) -> Read<T>,
+    ) -> Read<Option<T>> {
         match self.u8()? {
             0 => Ok(None),
             1 => read(self).map(Some),
@@ -479,6 +495,14 @@ impl<'a> Reader<'a> {
 
     fn point(&mut self) -> Read<[f64; 3]> {
         Ok([self.finite()?, self.finite()?, self.finite()?])
+    }
+
+    /// A point in single precision.
+    #[cfg(feature = "bake")]
+    pub(super) fn single_point(&mut self) -> Read<[f32; 3]> {
+        let mut single = || self.array().map(f32::from_le_bytes);
+        let point = [single()?, single()?, single()?];
+        valid(point.iter().all(|x| x.is_finite()), "a number is not finite").map(|()| point)
     }
 
     fn at_least_zero(&mut self) -> Read<f64> {
@@ -501,7 +525,7 @@ impl<'a> Reader<'a> {
         self.array().map(u8::from_le_bytes)
     }
 
-    fn u32(&mut self) -> Read<u32> {
+    pub(super) fn u32(&mut self) -> Read<u32> {
         self.array().map(u32::from_le_bytes)
     }
 
@@ -651,7 +675,8 @@ mod tests {
         bytes[8..12].copy_from_slice(&(FORMAT_VERSION + 1).to_le_bytes());
         bytes.truncate(60);
         let error = HullsFile::from_bytes(&bytes).unwrap_err();
-        assert_eq!(error, HullsFileError::NewerVersion { found: FORMAT_VERSION + 1 });
+        let (newest, found) = (FORMAT_VERSION, FORMAT_VERSION + 1);
+        assert_eq!(error, HullsFileError::NewerVersion { found, newest });
         assert!(changed(8, &[0; 4]).is_err());
     }
 

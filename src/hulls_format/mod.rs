@@ -32,7 +32,9 @@
 //! |---|---|
 //! | name of the scene | text |
 //! | number of meshes | `u32` |
-//! | per mesh: number of names `u32`, names (texts); hash of the mesh, 32 bytes; parameters as text; length (`u32`) and bytes of a whole `.hulls` file | |
+//! | per mesh: number of names `u32`, names (texts); since version 2 indices of glTF meshes (number, then each, `u32`), and the bounding box, an optional pair of points of three `f32`; hash of the mesh, 32 bytes; parameters as text; length (`u32`) and bytes of a whole `.hulls` file | |
+//! | since version 2 number of meshes with triangles | `u32` |
+//! | per such mesh: indices of glTF meshes, as above; number of points, points of three `f32`; number of corners, corners (indices of points), three in succession a triangle | `u32` each |
 //!
 //! It has a suffix of its own since engines choose the type of an asset by it.
 //!
@@ -43,7 +45,9 @@ mod file;
 #[cfg(feature = "bake")]
 mod scene;
 
+#[cfg(feature = "bake")]
+pub use file::SCENE_FORMAT_VERSION;
 pub(crate) use file::without_sources;
 pub use file::{FORMAT_VERSION, HullsFile, HullsFileError, VerifiedErrors};
 #[cfg(feature = "bake")]
-pub use scene::{BakedMesh, HullScene, MeshHash, SceneLookup};
+pub use scene::{BakedMesh, BakedTriangles, HullScene, MeshHash, SceneLookup};

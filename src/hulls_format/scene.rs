@@ -1,13 +1,14 @@
 //! `.hullscene`: the hulls of all meshes of a scene in one file, each mesh found by its content.
 
+use std::collections::HashMap;
 use std::fmt;
 use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
 use super::file::{
-    HullsFile, HullsFileError, Reader, SCENE_MAGIC, begin, count, open, read_bytes, seal, text,
-    write_bytes,
+    HullsFile, HullsFileError, Reader, SCENE_FORMAT_VERSION, SCENE_MAGIC, Versions, begin, count,
+    open, read_bytes, seal, text, valid, write_bytes,
 };
 use crate::decomposition::ALGORITHM_VERSION;
 use crate::geometry::MeshView;
@@ -106,6 +107,20 @@ pub struct HullScene {
     pub name: String,
     /// Its meshes, each with its parameters at most once.
     pub meshes: Vec<BakedMesh>,
+    /// The triangles of meshes, for what never moves; none in a file of version 1.
+    pub triangles: Vec<BakedTriangles>,
+}
+
+/// The triangles of one mesh of a scene.
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq)]
+pub struct BakedTriangles {
+    /// Its index among the meshes of the glTF file, and those of others with the same content.
+    pub gltf_meshes: Vec<u32>,
+    /// Finite coordinates.
+    pub positions: Vec<[f32; 3]>,
+    /// Indices of positions.
+    pub triangles: Vec<[u32; 3]>,
 }
 
 /// One mesh of a scene, and its hulls by one set of parameters.
@@ -114,6 +129,11 @@ pub struct HullScene {
 pub struct BakedMesh {
     /// The names of the mesh and of the nodes that show it.
     pub names: Vec<String>,
+    /// Its index among the meshes of the glTF file, and those of others with the same content; empty if it comes from
+    /// elsewhere, or a file of version 1.
+    pub gltf_meshes: Vec<u32>,
+    /// The least and the largest coordinates of the corners of its triangles; `None` in a file of version 1.
+    pub bounds: Option<[[f32; 3]; 2]>,
     /// The mesh's content.
     pub hash: MeshHash,
     /// What the mesh was decomposed with.
@@ -144,8 +164,22 @@ impl BakedMesh {
         parameters: impl Into<Method>,
         hulls: HullsFile,
     ) -> Self {
-        let names = vec![hulls.name.clone()];
-        Self { names, hash: MeshHash::of(mesh), parameters: parameters.into(), hulls }
+        let (names, mesh) = (vec![hulls.name.clone()], mesh.into());
+        Self {
+            names,
+            gltf_meshes: Vec::new(),
+            bounds: bounds_of(mesh),
+            hash: MeshHash::of(mesh),
+            parameters: parameters.into(),
+            hulls,
+        }
+    }
+
+    /// The same with its indices among the meshes of a glTF file.
+    #[must_use]
+    pub fn with_gltf_meshes(mut self, indices: Vec<u32>) -> Self {
+        self.gltf_meshes = indices;
+        self
     }
 
     /// The same with the names of nodes that show the mesh, each once.
@@ -160,10 +194,42 @@ impl BakedMesh {
     }
 }
 
+impl BakedTriangles {
+    /// The triangles of `mesh` with finite corners, in single precision, each place once. O(size).
+    pub fn new<'a>(mesh: impl Into<MeshView<'a>>, gltf_meshes: Vec<u32>) -> Self {
+        let mesh = mesh.into();
+        let (mut positions, mut indices) = (Vec::new(), HashMap::new());
+        let mut index_of = |vertex: u32| {
+            // The negative zero is the same place.
+            let position = mesh.position(vertex)?.map(|x| x as f32 + 0.0);
+            position.iter().all(|x| x.is_finite()).then_some(())?;
+            Some(*indices.entry(position.map(f32::to_bits)).or_insert_with(|| {
+                positions.push(position);
+                positions.len() as u32 - 1
+            }))
+        };
+        let corners = |[a, b, c]: &[u32; 3]| Some([index_of(*a)?, index_of(*b)?, index_of(*c)?]);
+        let triangles = mesh.triangles().iter().filter_map(corners).collect();
+        Self { gltf_meshes, positions, triangles }
+    }
+
+    /// The least and the largest coordinates; `None` without triangles. O(size).
+    pub fn bounds(&self) -> Option<[[f32; 3]; 2]> {
+        bounds_of(MeshView::new(&self.positions, &self.triangles))
+    }
+}
+
 impl HullScene {
     /// A scene of meshes.
     pub fn new(name: impl Into<String>, meshes: Vec<BakedMesh>) -> Self {
-        Self { name: name.into(), meshes }
+        Self { name: name.into(), meshes, triangles: Vec::new() }
+    }
+
+    /// The same with the triangles of meshes.
+    #[must_use]
+    pub fn with_triangles(mut self, triangles: Vec<BakedTriangles>) -> Self {
+        self.triangles = triangles;
+        self
     }
 
     /// What there is of a mesh with this content and one of these names, by these parameters.
@@ -191,7 +257,7 @@ impl HullScene {
     /// # Errors
     /// [`HullsFileError::Invalid`] if a text or a list has more parts than 32 bits count.
     pub fn to_bytes(&self) -> Result<Vec<u8>, HullsFileError> {
-        let mut bytes = begin(SCENE_MAGIC, ALGORITHM_VERSION);
+        let mut bytes = begin(SCENE_MAGIC, SCENE_FORMAT_VERSION, ALGORITHM_VERSION);
         text(&mut bytes, &self.name)?;
         count(&mut bytes, self.meshes.len())?;
         for baked in &self.meshes {
@@ -199,11 +265,21 @@ impl HullScene {
             for name in &baked.names {
                 text(&mut bytes, name)?;
             }
+            numbers(&mut bytes, &baked.gltf_meshes)?;
+            bytes.push(baked.bounds.is_some().into());
+            points(&mut bytes, baked.bounds.as_slice().as_flattened());
             bytes.extend(baked.hash.as_bytes());
             text(&mut bytes, &baked.parameters.to_string())?;
             let hulls = baked.hulls.to_bytes()?;
             count(&mut bytes, hulls.len())?;
             bytes.extend(hulls);
+        }
+        count(&mut bytes, self.triangles.len())?;
+        for baked in &self.triangles {
+            numbers(&mut bytes, &baked.gltf_meshes)?;
+            count(&mut bytes, baked.positions.len())?;
+            points(&mut bytes, &baked.positions);
+            numbers(&mut bytes, baked.triangles.as_flattened())?;
         }
         Ok(seal(bytes))
     }
@@ -213,12 +289,19 @@ impl HullScene {
     /// # Errors
     /// [`HullsFileError`] says what is wrong with them.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, HullsFileError> {
-        let (_, mut reader) = open(bytes, SCENE_MAGIC)?;
+        let (Versions { format, .. }, mut reader) = open(bytes, SCENE_MAGIC, SCENE_FORMAT_VERSION)?;
         let name = reader.text()?;
         let meshes = reader.count(LEAST_MESH)?;
-        let meshes = (0..meshes).map(|_| baked_mesh(&mut reader)).collect::<Result<_, _>>()?;
+        let meshes =
+            (0..meshes).map(|_| baked_mesh(&mut reader, format)).collect::<Result<_, _>>()?;
+        let triangles = match format {
+            1 => 0,
+            _ => reader.count(LEAST_TRIANGLES)?,
+        };
+        let triangles =
+            (0..triangles).map(|_| baked_triangles(&mut reader)).collect::<Result<_, _>>()?;
         reader.end()?;
-        Ok(Self { name, meshes })
+        Ok(Self { name, meshes, triangles })
     }
 
     /// Writes the file, all or nothing: a file that is already there is replaced in one step.
@@ -239,19 +322,71 @@ impl HullScene {
     }
 }
 
-/// The bytes of a mesh without names and hulls: a hash and three lengths.
+/// The box around the corners of triangles, as far as they are finite.
+fn bounds_of(mesh: MeshView<'_>) -> Option<[[f32; 3]; 2]> {
+    let corners = mesh.triangles().iter().flatten().filter_map(|vertex| mesh.position(*vertex));
+    let finite = corners.map(|corner| corner.map(|x| x as f32));
+    let finite = finite.filter(|corner| corner.iter().all(|x| x.is_finite()));
+    finite.fold(None, |bounds, corner| {
+        let [low, high] = bounds.unwrap_or([corner; 2]);
+        let pick = |of: [f32; 3], pick: fn(f32, f32) -> f32| {
+            std::array::from_fn(|axis| pick(of[axis], corner[axis]))
+        };
+        Some([pick(low, f32::min), pick(high, f32::max)])
+    })
+}
+
+fn numbers(bytes: &mut Vec<u8>, numbers: &[u32]) -> Result<(), HullsFileError> {
+    count(bytes, numbers.len())?;
+    bytes.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
+    Ok(())
+}
+
+fn points(bytes: &mut Vec<u8>, points: &[[f32; 3]]) {
+    bytes.extend(points.as_flattened().iter().flat_map(|x| x.to_le_bytes()));
+}
+
+/// The bytes of a mesh without names and hulls in version 1: a hash and three lengths.
 const LEAST_MESH: usize = 32 + 3 * 4;
 
-fn baked_mesh(reader: &mut Reader<'_>) -> Result<BakedMesh, HullsFileError> {
+fn baked_mesh(reader: &mut Reader<'_>, format: u32) -> Result<BakedMesh, HullsFileError> {
     // A name is at least its length.
     let names = reader.count(4)?;
     let names = (0..names).map(|_| reader.text()).collect::<Result<_, _>>()?;
+    let (gltf_meshes, bounds) = match format {
+        1 => (Vec::new(), None),
+        _ => {
+            let read =
+                |reader: &mut Reader<'_>| Ok([reader.single_point()?, reader.single_point()?]);
+            (read_numbers(reader)?, reader.optional(read)?)
+        }
+    };
     let hash = MeshHash::from_bytes(reader.array()?);
     let parameters = reader.text()?;
     let parameters = parameters.parse().map_err(|_| HullsFileError::Invalid(NO_PARAMETERS))?;
     let length = reader.count(1)?;
     let hulls = HullsFile::from_bytes(reader.take(length)?)?;
-    Ok(BakedMesh { names, hash, parameters, hulls })
+    Ok(BakedMesh { names, gltf_meshes, bounds, hash, parameters, hulls })
+}
+
+/// The bytes of a mesh without triangles: three lengths.
+const LEAST_TRIANGLES: usize = 3 * 4;
+
+fn baked_triangles(reader: &mut Reader<'_>) -> Result<BakedTriangles, HullsFileError> {
+    let gltf_meshes = read_numbers(reader)?;
+    let positions = reader.count(size_of::<[f32; 3]>())?;
+    let positions = (0..positions).map(|_| reader.single_point()).collect::<Result<Vec<_>, _>>()?;
+    let corners = read_numbers(reader)?;
+    let (triangles, rest) = corners.as_chunks::<3>();
+    valid(rest.is_empty(), "a triangle lacks a corner")?;
+    let all_exist = corners.iter().all(|corner| (*corner as usize) < positions.len());
+    valid(all_exist, "a triangle names a point that is not there")?;
+    Ok(BakedTriangles { gltf_meshes, positions, triangles: triangles.to_vec() })
+}
+
+fn read_numbers(reader: &mut Reader<'_>) -> Result<Vec<u32>, HullsFileError> {
+    let numbers = reader.count(size_of::<u32>())?;
+    (0..numbers).map(|_| reader.u32()).collect()
 }
 
 const NO_PARAMETERS: &str = "a mesh's parameters are none that this library has";
@@ -279,11 +414,15 @@ mod tests {
                 let view = crate::MeshView::new(&mesh.positions, &mesh.triangles);
                 let made = decompose(view, &parameters, &Control::new()).unwrap();
                 let hulls = HullsFile::new(format!("bar {length}"), &made);
-                BakedMesh::new(view, parameters, hulls).with_names(["node".into(), "".into()])
+                let baked = BakedMesh::new(view, parameters, hulls).with_gltf_meshes(vec![7, 2]);
+                baked.with_names(["node".into(), "".into()])
             };
             let fine = Parameters::default().max_error(Length::share(0.01));
             let meshes = vec![baked(2.0, Parameters::default()), baked(3.0, fine)];
-            HullScene::new("level", meshes)
+            let floor = bar(9.0);
+            let view = crate::MeshView::new(&floor.positions, &floor.triangles);
+            let floor = BakedTriangles::new(view, vec![3]);
+            HullScene::new("level", meshes).with_triangles(vec![floor])
         });
         SCENE.clone()
     }
@@ -298,10 +437,80 @@ mod tests {
         let scene = scene();
         assert_eq!(scene.meshes[0].names, ["bar 2", "node"]);
         let bytes = scene.to_bytes().unwrap();
-        assert!(bytes.starts_with(b"\x89HULSC\r\n\x01\0\0\0"));
+        assert!(bytes.starts_with(b"\x89HULSC\r\n\x02\0\0\0"));
         assert_eq!(HullScene::from_bytes(&bytes), Ok(scene));
         let empty = HullScene::new("", Vec::new());
         assert_eq!(HullScene::from_bytes(&empty.to_bytes().unwrap()), Ok(empty));
+    }
+
+    #[test]
+    fn a_file_of_version_1_is_read_without_what_it_lacks() {
+        let mut scene = scene();
+        assert_eq!(scene.meshes[0].bounds, Some([[0.0; 3], [2.0, 1.0, 1.0]]));
+        let mut bytes = begin(SCENE_MAGIC, 1, ALGORITHM_VERSION);
+        text(&mut bytes, &scene.name).unwrap();
+        count(&mut bytes, scene.meshes.len()).unwrap();
+        for baked in &mut scene.meshes {
+            count(&mut bytes, baked.names.len()).unwrap();
+            baked.names.iter().for_each(|name| text(&mut bytes, name).unwrap());
+            bytes.extend(baked.hash.as_bytes());
+            text(&mut bytes, &baked.parameters.to_string()).unwrap();
+            let hulls = baked.hulls.to_bytes().unwrap();
+            count(&mut bytes, hulls.len()).unwrap();
+            bytes.extend(hulls);
+            (baked.gltf_meshes, baked.bounds) = (Vec::new(), None);
+        }
+        scene.triangles.clear();
+        assert_eq!(HullScene::from_bytes(&seal(bytes)), Ok(scene));
+    }
+
+    #[test]
+    fn triangles_are_kept_with_each_place_once_and_without_what_is_not_finite() {
+        let mut mesh = bar(2.0);
+        let corners: Vec<[f64; 3]> =
+            mesh.triangles.iter().flatten().map(|v| mesh.positions[*v as usize]).collect();
+        let count = corners.len() as u32;
+        mesh.positions =
+            corners.into_iter().map(|p| p.map(|x| if x == 0.0 { -x } else { x })).collect();
+        mesh.positions.push([f64::NAN; 3]);
+        mesh.triangles = (0..count / 3).map(|of| [3 * of, 3 * of + 1, 3 * of + 2]).collect();
+        mesh.triangles.push([0, 1, count]);
+        let baked =
+            BakedTriangles::new(crate::MeshView::new(&mesh.positions, &mesh.triangles), vec![0]);
+        assert_eq!((baked.positions.len(), baked.triangles.len()), (8, 12));
+        assert_eq!(baked.bounds(), Some([[0.0; 3], [2.0, 1.0, 1.0]]));
+    }
+
+    #[test]
+    fn triangles_that_mean_nothing_are_refused_and_false_counts_allocate_nothing() {
+        let bytes = scene().to_bytes().unwrap();
+        let end = bytes.len() - CHECKSUM;
+        let corners = end - 12 * 3 * 4 - 4;
+        let points = corners - 8 * 3 * 4 - 4;
+        let indices = points - 4 - 4;
+        let changed = |at: usize, by: [u8; 4]| {
+            let mut bytes = bytes[..end].to_vec();
+            bytes[at..at + 4].copy_from_slice(&by);
+            bytes.truncate(end);
+            HullScene::from_bytes(&seal(bytes))
+        };
+        assert_eq!(changed(indices, 1_u32.to_le_bytes()), Ok(scene()));
+        for (at, value, why) in [
+            (end - 4, 8_u32.to_le_bytes(), "a triangle names"),
+            (corners, 35_u32.to_le_bytes(), "lacks a corner"),
+            (corners - 4, f32::NAN.to_le_bytes(), "not finite"),
+            (corners, u32::MAX.to_le_bytes(), "more than it holds"),
+            (points, u32::MAX.to_le_bytes(), "more than it holds"),
+            (indices, u32::MAX.to_le_bytes(), "more than it holds"),
+            (indices - 4, u32::MAX.to_le_bytes(), "more than it holds"),
+            (indices - 4, 0_u32.to_le_bytes(), "more after"),
+        ] {
+            let result = changed(at, value);
+            assert!(
+                matches!(result, Err(HullsFileError::Invalid(what)) if what.contains(why)),
+                "{why}: {result:?}"
+            );
+        }
     }
 
     #[test]

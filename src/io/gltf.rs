@@ -65,14 +65,14 @@ pub(super) fn read_scene(bytes: &[u8], beside: Beside<'_>) -> Result<Vec<SceneMe
             scene.add_own_space(index)?;
             // A mesh without triangles is no object.
             if scene.file.objects.len() > objects {
-                notes_of_objects.push(notes);
+                notes_of_objects.push((Some(index as u32), notes));
             }
         }
         Ok(())
     })?;
     let meshes = split_objects(&file).into_iter().zip(notes_of_objects).map(|(named, notes)| {
-        let (extras, nodes) = notes;
-        SceneMesh { name: named.name, mesh: named.mesh, extras, nodes }
+        let (index, (extras, nodes)) = notes;
+        SceneMesh { name: named.name, index, mesh: named.mesh, extras, nodes }
     });
     Ok(meshes.collect())
 }

@@ -206,6 +206,8 @@ pub(super) fn next_index(positions: &[[f64; 3]], more: usize) -> Result<u32, Str
 pub struct SceneMesh {
     /// Its name; `mesh_` and its index where it has none.
     pub name: String,
+    /// Its index among the meshes of the glTF file; `None` from a file of another format.
+    pub index: Option<u32>,
     /// All its primitives together, each vertex used by a triangle.
     pub mesh: TriangleMesh,
     /// Its extras: custom properties, as JSON.

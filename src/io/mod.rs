@@ -205,7 +205,7 @@ pub fn read_scene(path: impl AsRef<Path>) -> Result<Vec<SceneMesh>, Error> {
     }
     let MeshFile { mesh, .. } = read_mesh(path)?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    Ok(vec![SceneMesh { name, mesh, extras: None, nodes: Vec::new() }])
+    Ok(vec![SceneMesh { name, index: None, mesh, extras: None, nodes: Vec::new() }])
 }
 
 /// Reads the meshes of a glTF or GLB file that is already in memory, as [`read_scene`].

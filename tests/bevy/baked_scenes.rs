@@ -2,15 +2,19 @@
 
 use std::path::{Path, PathBuf};
 
+use bevy::asset::RenderAssetUsages;
+use bevy::gltf::{GltfAssetLabel, GltfLoaderSettings};
 use bevy::prelude::*;
-use hullwright::bake::{BakeOptions, bake_jobs};
+use bevy_rapier3d::prelude::{Collider, RigidBody};
+use hullwright::bake::{BakeOptions, bake_jobs, bake_triangles};
+use hullwright::bevy::BakedSceneSettings;
 use hullwright::bevy::prelude::*;
 use hullwright::hulls_format::HullScene;
 use hullwright::io::read_scene;
 use hullwright::{Control, Length, Parameters};
 
 use crate::app::*;
-use crate::gltf::app_with_scene_in;
+use crate::gltf::{app_with_gltf, app_with_scene_in, update_until_ready};
 
 /// What `hullwright bake` writes.
 fn bake(scene: &Path, options: &BakeOptions) -> HullScene {
@@ -139,6 +143,181 @@ fn a_damaged_or_older_kind_of_file_is_told_and_all_is_decomposed() {
         assert_eq!(counters(&app).decomposed, 1);
     }
     assert!(Log::lines_with("could not be loaded").len() >= 2);
+}
+
+/// Loads the scene of a place with its baked hulls, all its meshes for the GPU only. It is tagged at once, or when their
+/// data is gone.
+fn load_for_gpu_only(place: &tempfile::TempDir, body: RigidBody, is_late: bool) -> (App, Entity) {
+    let mut app = app_with_gltf(place.path().display().to_string(), |app| {
+        app.add_systems(Last, take_gpu_data);
+    });
+    let server = app.world().resource::<AssetServer>();
+    let settings =
+        |settings: &mut GltfLoaderSettings| settings.load_meshes = RenderAssetUsages::RENDER_WORLD;
+    let scene = GltfAssetLabel::Scene(0).from_asset("scene.glb");
+    let scene = server.load_builder().with_settings(settings).load(scene);
+    let hierarchy = ConvexDecompositionHierarchy::default().with_baked(app.load("scene.hullscene"));
+    let root = app.put((WorldAssetRoot(scene), body));
+    let are_gone = |app: &App| {
+        let mut meshes = app.world().resource::<Assets<Mesh>>().iter().peekable();
+        meshes.peek().is_some()
+            && meshes.all(|(_, mesh)| mesh.try_attribute(Mesh::ATTRIBUTE_POSITION).is_err())
+    };
+    if is_late {
+        update_until(&mut app, are_gone);
+    }
+    app.edit(root).insert(hierarchy);
+    update_until_ready(&mut app);
+    assert!(are_gone(&app));
+    (app, root)
+}
+
+/// What Bevy's renderer does after each frame.
+fn take_gpu_data(mut events: MessageReader<AssetEvent<Mesh>>, mut meshes: ResMut<Assets<Mesh>>) {
+    for event in events.read() {
+        if let AssetEvent::Added { id } = event
+            && let Some(mesh) = meshes.get_mut_untracked(*id)
+            && mesh.asset_usage == RenderAssetUsages::RENDER_WORLD
+        {
+            mesh.take_gpu_data().unwrap();
+        }
+    }
+}
+
+/// The masses of all bodies and pieces of them, in the order of their names.
+fn all_masses(app: &mut App) -> Vec<(String, f32)> {
+    let world = app.world_mut();
+    let mut nodes = world.query_filtered::<(Entity, &Name), With<ConvexDecomposition>>();
+    let nodes: Vec<(Entity, String)> =
+        nodes.iter(world).map(|(entity, name)| (entity, name.to_string())).collect();
+    let of = |(entity, name)| (name, mass(app, entity).mass);
+    let mut all: Vec<_> = nodes.into_iter().map(of).collect();
+    all.sort_by(|a, b| a.0.cmp(&b.0));
+    all
+}
+
+/// A scene with the name of the file in a place.
+fn baked_as_scene(name: &str) -> HullScene {
+    let mut baked = bake(&bundled(name), &BakeOptions::default());
+    baked.name = "scene".into();
+    baked
+}
+
+#[test]
+fn meshes_on_the_gpu_only_have_their_hulls_and_mass_from_the_baked_file() {
+    for name in ["lamp.glb", "chair.glb", "props.glb"] {
+        let place = place(&bundled(name), &baked_as_scene(name).to_bytes().unwrap());
+        for is_late in [false, true] {
+            let (mut app, _) = load_for_gpu_only(&place, RigidBody::Dynamic, is_late);
+            assert_eq!((counters(&app).decomposed, counters(&app).failed), (0, 0), "{name}");
+            assert_eq!(counters(&app).baked, ready(&app).len());
+            let (mut by_content, _) = load(&place, ConvexDecompositionHierarchy::default());
+            assert_eq!(all_hulls(&mut app), all_hulls(&mut by_content), "{name}");
+            assert_eq!(all_masses(&mut app), all_masses(&mut by_content), "{name}");
+        }
+    }
+}
+
+#[test]
+fn a_mesh_on_the_gpu_only_that_differs_from_the_baked_one_fails_and_says_in_what() {
+    type Change = fn(&mut HullScene);
+    let changes: [(Change, &str); 6] = [
+        (|scene| scene.meshes[0].hulls.source_triangles += 1, "number of triangles"),
+        (|scene| scene.meshes[0].bounds.as_mut().unwrap()[1][2] += 1.0, "bounding box"),
+        (|scene| scene.meshes[0].bounds = None, "bounding box"),
+        (|scene| scene.meshes[0].gltf_meshes = vec![9], "label"),
+        (|scene| scene.meshes[0].hulls.algorithm_version -= 1, "another version"),
+        (|scene| scene.name = "another".into(), "asset path"),
+    ];
+    for (change, expected) in changes {
+        let mut scene = baked_as_scene("lamp.glb");
+        change(&mut scene);
+        let place = place(&bundled("lamp.glb"), &scene.to_bytes().unwrap());
+        let (app, _) = load_for_gpu_only(&place, RigidBody::Dynamic, true);
+        let [(_, why)] = failed(&app) else { panic!("{expected}: {:?}", failed(&app)) };
+        assert!(why.contains("GPU only") && why.contains(expected), "{why}");
+    }
+}
+
+#[test]
+fn what_never_moves_and_is_on_the_gpu_only_has_its_triangles_from_the_baked_file() {
+    let sizes = |app: &mut App| {
+        let mut colliders = app.world_mut().query::<&Collider>();
+        let sizes = colliders.iter(app.world()).map(|collider| {
+            let mesh = collider.raw.as_trimesh().expect("triangles");
+            let bounds = mesh.local_aabb();
+            (
+                mesh.indices().len(),
+                mesh.vertices().len(),
+                bounds.mins.to_array(),
+                bounds.maxs.to_array(),
+            )
+        });
+        let mut sizes: Vec<_> = sizes.collect();
+        sizes.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        sizes
+    };
+    for name in ["lamp.glb", "chair.glb"] {
+        let options = BakeOptions::default().triangles(true);
+        let triangles = bake_triangles(&read_scene(bundled(name)).unwrap(), &options);
+        let with = baked_as_scene(name).with_triangles(triangles).to_bytes().unwrap();
+        let place = place(&bundled(name), &with);
+        let (mut by_content, _) = app_with_scene_in(
+            place.path().display().to_string(),
+            "scene.glb",
+            ConvexDecompositionHierarchy::default(),
+        );
+        let mut roots = by_content.world_mut().query_filtered::<Entity, With<WorldAssetRoot>>();
+        let root = roots.single(by_content.world()).unwrap();
+        by_content.edit(root).insert(RigidBody::Fixed);
+        update_until_ready(&mut by_content);
+        let expected = sizes(&mut by_content);
+        assert!(!expected.is_empty());
+        for is_late in [false, true] {
+            let (mut app, _) = load_for_gpu_only(&place, RigidBody::Fixed, is_late);
+            assert_eq!((counters(&app).failed, failed(&app)), (0, &[][..]), "{name}");
+            assert_eq!(sizes(&mut app), expected, "{name}");
+        }
+    }
+}
+
+#[test]
+fn triangles_that_were_not_baked_fail_and_say_how_to_bake_them() {
+    let place = place(&bundled("lamp.glb"), &baked_as_scene("lamp.glb").to_bytes().unwrap());
+    let (app, _) = load_for_gpu_only(&place, RigidBody::Fixed, true);
+    let [(_, why)] = failed(&app) else { panic!("{:?}", failed(&app)) };
+    assert!(why.contains("--triangles"), "{why}");
+}
+
+#[test]
+fn the_report_of_a_scene_on_the_gpu_only_counts_what_was_baked() {
+    let place = place(&bundled("props.glb"), &baked_as_scene("props.glb").to_bytes().unwrap());
+    let (mut app, root) = load_for_gpu_only(&place, RigidBody::Dynamic, false);
+    update_until(&mut app, |app| app.get::<HierarchyStatus>(root).unwrap().is_finished());
+    let Some(HierarchyStatus::Finished(report)) = app.get::<HierarchyStatus>(root) else {
+        unreachable!()
+    };
+    assert!(report.ready > 0 && report.from_baked == report.ready, "{report:?}");
+    assert_eq!((report.stale, report.missing, report.failed), (0, 0, 0), "{report:?}");
+}
+
+#[test]
+fn meshes_are_found_by_label_and_not_hashed_where_the_files_settings_say_so() {
+    let mut scene = baked_as_scene("lamp.glb");
+    scene.meshes[0].hash = hullwright::hulls_format::MeshHash::from_bytes([0; 32]);
+    for (by_label, expected) in [(true, HullSource::Baked), (false, HullSource::Decomposed)] {
+        let directory = assets();
+        let (mut app, root) =
+            app_with_scene_in(directory, "lamp.glb", ConvexDecompositionHierarchy::default());
+        scene.name = "lamp".into();
+        let settings = BakedSceneSettings { by_label, ..default() };
+        let scene = BakedScene::with_settings(scene.clone(), settings);
+        let handle = app.world_mut().resource_mut::<Assets<BakedScene>>().add(scene);
+        app.change::<ConvexDecompositionHierarchy>(root).baked = Some(handle);
+        update_until_ready(&mut app);
+        let (lamp, _) = ready(&app)[0];
+        assert_eq!(status(&app, lamp), DecompositionStatus::Ready(expected));
+    }
 }
 
 /// Files that nobody here made: `HULLWRIGHT_SCENES` names a folder of GLB files. With the features

@@ -3,8 +3,8 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use hullwright::bake::{BakeJob, BakeOptions, bake_jobs, extras_complaints};
-use hullwright::hulls_format::{HullScene, HullsFile, MeshHash, SceneLookup};
+use hullwright::bake::{BakeJob, BakeOptions, bake_jobs, bake_triangles, extras_complaints};
+use hullwright::hulls_format::{BakedTriangles, HullScene, HullsFile, MeshHash, SceneLookup};
 use hullwright::io::{Format, NamedMesh, read_own_meshes, read_scene};
 use hullwright::{Control, Error, Method};
 use hullwright_cli::terminal::{Failure, count, print, print_error, print_warning};
@@ -39,6 +39,11 @@ pub struct Arguments {
     /// Only meshes with an artist's name or extra, as `ConvexDecompositionHierarchy::tagged_only`
     #[arg(long, conflicts_with = "per_mesh")]
     tagged_only: bool,
+
+    /// Also triangles of meshes, for what never moves. The plugin takes them from the file where a mesh is on the
+    /// GPU only
+    #[arg(long, conflicts_with = "per_mesh")]
+    triangles: bool,
 
     /// Mass per cubed unit, with --per-mesh; in a scene the plugin's tags set it. Default: 1
     #[arg(long, value_name = "DENSITY", requires = "per_mesh", allow_negative_numbers = true)]
@@ -144,6 +149,7 @@ fn make_directory(output: &Path) -> Result<(), String> {
 struct Scene<'a> {
     input: &'a InputFile,
     jobs: Vec<BakeJob>,
+    triangles: Vec<BakedTriangles>,
     output: PathBuf,
 }
 
@@ -154,7 +160,9 @@ fn bake_scenes(
     method: &Method,
     results: &mut Results,
 ) -> Result<(), Failure> {
-    let options = BakeOptions::new(method.clone()).tagged_only(arguments.tagged_only);
+    let options = BakeOptions::new(method.clone())
+        .tagged_only(arguments.tagged_only)
+        .triangles(arguments.triangles);
     let scenes = scenes(arguments, inputs, &options, results)?;
     let pool = arguments.threads.pool()?;
     let bar = LateBar::start();
@@ -193,7 +201,8 @@ fn scenes<'a>(
             for complaint in extras_complaints(&meshes) {
                 print_warning(&format!("{}, {complaint}", input.path.display()));
             }
-            scenes.push(Scene { input, jobs: bake_jobs(meshes, options), output });
+            let triangles = bake_triangles(&meshes, options);
+            scenes.push(Scene { input, jobs: bake_jobs(meshes, options), triangles, output });
         }
     }
     Ok(scenes)
@@ -211,7 +220,7 @@ fn with_triangles<T>(read: Result<Vec<T>, Error>, input: &InputFile) -> Result<V
 }
 
 fn bake_scene(scene: &Scene<'_>, control: impl Fn(usize) -> Control, results: &mut Results) {
-    let Scene { input, jobs, output } = scene;
+    let Scene { input, jobs, triangles, output } = scene;
     // One that can't be read is replaced.
     let earlier = HullScene::read(output).ok();
     let mut meshes = Vec::new();
@@ -219,7 +228,11 @@ fn bake_scene(scene: &Scene<'_>, control: impl Fn(usize) -> Control, results: &m
     for (index, job) in jobs.iter().enumerate() {
         let known = earlier.as_ref().and_then(|earlier| {
             match earlier.look_up(MeshHash::of(&job.mesh), &job.parameters, &[]) {
-                SceneLookup::Found(baked) if baked.names == job.names => Some(baked.clone()),
+                SceneLookup::Found(baked)
+                    if baked.names == job.names && baked.gltf_meshes == job.gltf_meshes =>
+                {
+                    Some(baked.clone())
+                }
                 _ => None,
             }
         });
@@ -231,7 +244,7 @@ fn bake_scene(scene: &Scene<'_>, control: impl Fn(usize) -> Control, results: &m
         meshes.extend(results.keep(baked));
     }
     let name = input.path.file_stem().unwrap_or_default().to_string_lossy();
-    let baked = HullScene::new(name, meshes);
+    let baked = HullScene::new(name, meshes).with_triangles(triangles.clone());
     let written = make_directory(output)
         .and_then(|()| baked.write(output).map_err(|error| error.to_string()));
     if results.keep(written).is_some() {
@@ -253,8 +266,12 @@ fn wrote_scene(scene: &Scene<'_>, baked: &HullScene, kept: usize) -> String {
         0 => String::new(),
         kept => format!(" ({kept} as before)"),
     };
+    let triangles = match baked.triangles.iter().map(|of| of.triangles.len()).sum() {
+        0 => String::new(),
+        some => format!(", {}", count(some, "triangle", "triangles")),
+    };
     format!(
-        "wrote {}: {}{as_before}, {}, {}",
+        "wrote {}: {}{as_before}, {}, {}{triangles}",
         scene.output.display(),
         count(baked.meshes.len(), "mesh", "meshes"),
         count(hulls, "hull", "hulls"),

@@ -1,5 +1,6 @@
-// A Bevy game in Chromium with 300 baked props and 50 that are decomposed, in workers, in slices, and with files for
-// workers that are missing, of another build, faulty or never loaded; and the same game with boxes instead. Prints the gaps
+// A Bevy game in Chromium with 300 baked props and 50 that are decomposed, in workers, in slices, with files for
+// workers that are missing, of another build, faulty or never loaded, with a cache, also one that fails; and the same game
+// with boxes instead. Prints the gaps
 // between its frames. Fails unless each prop gets its hulls, from workers where these can work, and on any error in the
 // page. `npm run game -- ROUNDS`, of which 5 are the default. Needs the package built: `npm run build`.
 
@@ -19,6 +20,10 @@ const MODES = {
   "in workers": { mode: "worker", folder: "hullwright" },
   "in slices": { mode: "slices", folder: "hullwright" },
   "in workers, those unfinished in frame 60 despawned": { mode: "worker", folder: "hullwright", replaced: 60 },
+  // The page is loaded anew between its two plays.
+  "in workers, kept in IndexedDB": { mode: "cached", folder: "hullwright", once: true },
+  "in workers, IndexedDB denied": { mode: "cached", folder: "hullwright", once: true, indexedDb: "denied" },
+  "in workers, IndexedDB silent": { mode: "cached", folder: "hullwright", once: true, indexedDb: "silent" },
 };
 /** Folders whose files do not do. How long the work takes then is not of interest: they are played once. */
 const WITHOUT = {
@@ -67,6 +72,15 @@ function countAnswers() {
   };
 }
 
+/** Runs in the page. */
+function breakIndexedDb(how) {
+  const get = () => {
+    if (how === "denied") throw new DOMException("on purpose", "SecurityError");
+    return { open: () => ({}) };
+  };
+  Object.defineProperty(window, "indexedDB", { get });
+}
+
 /** Plays until all have their hulls, or two minutes. Runs in the page. */
 async function play({ mode, folder, replaced }) {
   const [PAUSE, MOST] = [4, 120_000];
@@ -111,19 +125,26 @@ async function playTwice(name, mode) {
   let started = 0;
   page.on("worker", () => started++);
   await page.route("**/stalled/*", () => undefined);
-  await page.evaluate(countAnswers);
-  const plays = [await page.evaluate(play, mode), await page.evaluate(play, mode)];
+  await page.addInitScript(countAnswers);
+  if (mode.indexedDb) await page.addInitScript(breakIndexedDb, mode.indexedDb);
+  await page.reload();
+  const plays = [await page.evaluate(play, mode)];
+  if (mode.mode === "cached") await page.reload();
+  plays.push(await page.evaluate(play, mode));
   await page.close();
-  for (const { counters } of plays) {
-    if (isRight(mode, counters, started)) continue;
+  for (const [number, { counters }] of plays.entries()) {
+    const isKept = mode.mode === "cached" && !mode.indexedDb && number === 1;
+    if (isRight(mode, counters, started, isKept)) continue;
     console.error(name, counters, `workers: ${started}`);
     process.exitCode = 1;
   }
   return plays;
 }
 
-function isRight({ mode, folder, replaced }, { baked, decomposed, left, failed, answers }, started) {
+function isRight({ mode, folder, replaced }, { baked, decomposed, cached, left, failed, answers }, started, isKept) {
   if (left + failed > 0) return false;
+  if (isKept) return baked === BAKED && cached === DECOMPOSED && decomposed + answers === 0;
+  if (cached > 0) return false;
   if (mode === "boxes") return baked + decomposed + started === 0;
   // Of those that are replaced some may be done before, and the new one comes after them.
   const isDone = replaced ? decomposed > 0 && decomposed < DECOMPOSED : decomposed === DECOMPOSED;

@@ -34,7 +34,7 @@ pub struct Game {
 
 #[wasm_bindgen]
 impl Game {
-    /// `mode` is `worker`, `slices`, or `boxes` for no decomposition. The files for workers are in `folder`.
+    /// `mode` is `worker`, `slices`, `cached` for workers and a cache, or `boxes` for no decomposition. The files for workers are in `folder`.
     #[wasm_bindgen(constructor)]
     pub fn new(mode: &str, folder: &str) -> Game {
         let mut app = App::new();
@@ -43,8 +43,10 @@ impl Game {
         app.add_plugins(RapierPhysicsPlugin::<NoUserData>::default());
         let mut settings = app.world_mut().resource_mut::<HullwrightSettings>();
         settings.budget.worker_folder = folder.into();
-        if mode == "slices" {
-            settings.budget.execution = Execution::Slices;
+        match mode {
+            "slices" => settings.budget.execution = Execution::Slices,
+            "cached" => settings.cache.disk = Some("hullwright".into()),
+            _ => {}
         }
         app.add_systems(
             PostUpdate,
@@ -100,13 +102,14 @@ impl Game {
     pub fn counters(&mut self) -> String {
         let counters = self.app.world().resource::<DecompositionCounters>();
         let (baked, decomposed) = (counters.baked, counters.decomposed);
+        let cached = counters.from_disk;
         let world = self.app.world_mut();
         let mut statuses = world.query::<&DecompositionStatus>();
         let left = statuses.iter(world).filter(|status| !status.is_finished()).count();
         let failed =
             statuses.iter(world).filter(|status| status.has_collider() == Some(false)).count();
         let plugin = 1e3 * TAKEN.get().as_secs_f64();
-        json!({ "plugin": plugin, "baked": baked, "decomposed": decomposed, "left": left, "failed": failed })
+        json!({ "plugin": plugin, "baked": baked, "decomposed": decomposed, "cached": cached, "left": left, "failed": failed })
             .to_string()
     }
 }

@@ -20,6 +20,7 @@ use super::work::{
 };
 use crate::bevy::jobs::Frame;
 use crate::bevy::jobs::baked::{BakedDecomposition, BakedScene, FromBakedScene};
+use crate::bevy::jobs::label::is_for_gpu_only;
 use crate::bevy::jobs::request::{ColliderRequest, InputId, MapKey, MeshPart};
 use crate::bevy::tag::outcomes::{
     DecompositionError, DecompositionStatus, Descriptions, Outcomes, SkipReason, WaitReason,
@@ -238,14 +239,24 @@ impl Scene<'_, '_> {
         }
         let goal = self.goal(entity, tag);
         let mut baked = None;
-        if let Some(FromBakedScene(scene)) = scene
-            && goal.parameters().is_some()
-        {
+        if let Some(FromBakedScene(scene)) = scene {
             let id = scene.id().untyped();
-            if self.scenes.contains(scene) {
-                baked = Some(id);
-            } else if !self.failed_to_load(id) {
-                return Resolution::Later(Some(id));
+            // Triangles are taken from there where the mesh has none, or shall not be looked at.
+            let is_needed = match goal {
+                Goal::Hulls(_) => true,
+                Goal::Triangles(_) => {
+                    let mut meshes = parts.iter().filter_map(|part| self.meshes.get(part.mesh));
+                    meshes.any(is_for_gpu_only)
+                }
+                Goal::Primitive(_) => false,
+            };
+            match self.scenes.get(scene) {
+                Some(baked) if !is_needed && !baked.is_found_by_label() => {}
+                Some(_) => baked = Some(id),
+                None if is_needed && !self.failed_to_load(id) => {
+                    return Resolution::Later(Some(id));
+                }
+                None => {}
             }
         }
         let placement = self.placements.placement(entity);
@@ -320,11 +331,21 @@ impl Scene<'_, '_> {
         for part in parts {
             let mesh = self.meshes.get(part.mesh);
             let positions = mesh.and_then(|mesh| mesh.try_attribute(Mesh::ATTRIBUTE_POSITION).ok());
-            // What is wrong with it is said elsewhere.
-            let Some(VertexAttributeValues::Float32x3(positions)) = positions else { return false };
+            // What is on the GPU only has its box.
+            let corners = mesh.and_then(|mesh| mesh.final_aabb).map(|aabb| {
+                let ends = [aabb.min, aabb.max];
+                let corner = |of: usize| [0, 1, 2].map(|axis| ends[of >> axis & 1][axis]);
+                [0, 1, 2, 3, 4, 5, 6, 7].map(corner)
+            });
+            let points = match (positions, &corners) {
+                (Some(VertexAttributeValues::Float32x3(positions)), _) => &positions[..],
+                (_, Some(corners)) => corners,
+                // What is wrong with it is said elsewhere.
+                (_, None) => return false,
+            };
             let to_world = *map * part.to_input;
-            for position in positions {
-                let point = to_world.transform_point3(Vec3::from(*position));
+            for point in points {
+                let point = to_world.transform_point3(Vec3::from(*point));
                 (low, high) = (low.min(point), high.max(point));
             }
         }

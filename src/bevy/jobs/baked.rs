@@ -9,12 +9,12 @@ use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 
 use super::cache::ColliderGeometry;
-use super::request::ContentKey;
+use super::request::{ContentKey, MeshData};
 use crate::Method;
 use crate::bevy::tag::DEFAULT_DENSITY;
 use crate::bevy::tag::outcomes::{DecompositionError, DecompositionStatus};
 use crate::bevy::tag::parameters::Goal;
-use crate::hulls_format::{BakedMesh, HullScene, HullsFileError, SceneLookup};
+use crate::hulls_format::{BakedMesh, BakedTriangles, HullScene, HullsFileError, SceneLookup};
 
 /// Gives the entity a collider of baked hulls, without a look at any mesh. They are in the mesh's own space, so it
 /// belongs where the mesh is, on the entity that has the `Mesh3d` or on the glTF node.
@@ -106,6 +106,7 @@ pub struct BakedScene {
     scene: Arc<HullScene>,
     /// Where the meshes are that may be used, by content.
     usable: Arc<HashMap<ContentKey, usize>>,
+    settings: BakedSceneSettings,
 }
 
 /// How a `.hullscene` file is taken. Bevy reads them from the file's `.meta`.
@@ -115,6 +116,10 @@ pub struct BakedSceneSettings {
     /// Whether a mesh gets its hulls also where another version of the algorithm made them. They keep the bound that
     /// the file says; a server and its players must decide alike. Default false: it is decomposed anew.
     pub accepts_other_versions: bool,
+    /// Whether a glTF mesh is found by its asset path and label, as one that is on the GPU only. It is compared by its
+    /// number of triangles and its bounding box alone, so what moved within that is not noticed, and hashing takes no time.
+    /// Default false: by its content.
+    pub by_label: bool,
 }
 
 impl BakedScene {
@@ -125,17 +130,14 @@ impl BakedScene {
 
     /// The same with settings.
     pub fn with_settings(scene: HullScene, settings: BakedSceneSettings) -> Self {
-        let BakedSceneSettings { accepts_other_versions } = settings;
-        let usable = scene.meshes.iter().enumerate().filter(|(_, baked)| {
-            (accepts_other_versions || baked.hulls.is_current())
-                && baked.hulls.mass_properties.is_some()
-        });
-        let usable = usable.map(|(index, baked)| {
+        let mut made = Self { scene: Arc::new(scene), usable: Arc::default(), settings };
+        let all = made.scene.meshes.iter().enumerate();
+        let usable = all.filter(|(_, baked)| made.is_usable(baked)).map(|(index, baked)| {
             let goal = Goal::Hulls(baked.parameters.clone()).hash();
             (ContentKey::Mesh { mesh: baked.hash, goal, scene: None }, index)
         });
-        let usable = Arc::new(usable.collect());
-        Self { scene: Arc::new(scene), usable }
+        made.usable = Arc::new(usable.collect());
+        made
     }
 
     /// What the file holds.
@@ -163,10 +165,27 @@ impl BakedScene {
         })
     }
 
-    /// The hulls of a mesh, whichever version of the algorithm made them.
+    /// Whether a mesh may have these hulls of it.
+    pub(super) fn is_usable(&self, baked: &BakedMesh) -> bool {
+        (self.settings.accepts_other_versions || baked.hulls.is_current())
+            && baked.hulls.mass_properties.is_some()
+    }
+
+    /// Whether meshes are found by their labels also where their content is there.
+    pub(crate) fn is_found_by_label(&self) -> bool {
+        self.settings.by_label
+    }
+
+    /// What is at a place: the hulls of a mesh, whichever version of the algorithm made them, or after all of these the
+    /// triangles of one.
     pub(super) fn geometry_of(&self, index: usize) -> Option<Arc<ColliderGeometry>> {
-        let baked = self.scene.meshes.get(index)?;
-        Some(ColliderGeometry::of_hulls(baked.hulls.clone()))
+        let HullScene { meshes, triangles, .. } = &*self.scene;
+        if let Some(baked) = meshes.get(index) {
+            return Some(ColliderGeometry::of_hulls(baked.hulls.clone()));
+        }
+        let BakedTriangles { positions, triangles, .. } = triangles.get(index - meshes.len())?;
+        let data = MeshData { positions: positions.clone(), triangles: triangles.clone() };
+        Some(ColliderGeometry::Triangles(data).into())
     }
 
     /// Why there are no hulls for a mesh with this content and one of these names.

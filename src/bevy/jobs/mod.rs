@@ -2,6 +2,11 @@
 
 pub(super) mod baked;
 pub(super) mod cache;
+#[cfg(all(target_family = "wasm", target_os = "unknown"))]
+mod database;
+#[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
+mod disk;
+pub(super) mod label;
 mod pool;
 #[cfg(feature = "io")]
 pub(super) mod recipe;
@@ -15,7 +20,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Duration;
 
-use bevy::asset::UntypedAssetId;
+use bevy::asset::{AssetEventSystems, UntypedAssetId};
 use bevy::ecs::system::SystemParam;
 use bevy::platform::collections::HashMap;
 use bevy::platform::time::Instant;
@@ -24,6 +29,7 @@ use bevy::tasks::{Task, TaskPool, block_on, poll_once};
 
 use self::baked::{BakedDecomposition, BakedScene, FromBakedScene, HullSceneLoader};
 use self::cache::{BuiltCollider, ColliderGeometry, GeometryCache};
+use self::label::{Labels, Outlines, is_for_gpu_only, note_outlines};
 use self::pool::{Pool, decomposition_threads};
 #[cfg(feature = "io")]
 use self::recipe::{HullRecipeLoader, HullRecipeProcessor};
@@ -48,6 +54,7 @@ impl Plugin for JobsPlugin {
         self.finish(app);
         app.init_resource::<Jobs>()
             .init_resource::<FrameTime>()
+            .init_resource::<Outlines>()
             .register_type::<BakedDecomposition>()
             .register_type::<FromBakedScene>()
             .add_systems(
@@ -57,6 +64,7 @@ impl Plugin for JobsPlugin {
                         .chain()
                         .in_set(HullwrightSystems::RunJobs),
                     run_slices.in_set(SlicesRun),
+                    note_outlines.after(AssetEventSystems),
                 ),
             )
             .configure_sets(PostUpdate, SlicesRun.in_set(HullwrightSystems::Attach));
@@ -377,14 +385,14 @@ impl Job {
     fn result(&mut self) -> Option<TaskResult> {
         match &mut self.worker {
             Worker::Background { task, .. } if task.is_finished() => block_on(poll_once(task)),
-            Worker::Slices(task) if task.awaits_worker() => task.step(&self.control).transpose(),
+            Worker::Slices(task) if task.awaits_answer() => task.step(&self.control).transpose(),
             Worker::Background { .. } | Worker::Slices(_) => None,
         }
     }
 
     /// Whether its next step is work for the main thread.
     fn is_sliced(&self) -> bool {
-        matches!(&self.worker, Worker::Slices(task) if !task.awaits_worker())
+        matches!(&self.worker, Worker::Slices(task) if !task.awaits_answer())
     }
 
     /// One step in the main thread, and the result if it was the last.
@@ -593,6 +601,7 @@ pub(super) struct Sources<'w, 's> {
     focuses: Query<'w, 's, Entity, With<DecompositionFocus>>,
     priorities: Query<'w, 's, &'static DecompositionPriority>,
     transforms: TransformHelper<'w, 's>,
+    labels: Labels<'w>,
 }
 
 impl Sources<'_, '_> {
@@ -625,26 +634,59 @@ impl Sources<'_, '_> {
         if let InputId::Baked { scene: id, mesh } = &*request.input {
             let scene = id.try_typed().ok().and_then(|id| self.scenes.get(id));
             let scene = scene.ok_or(DecompositionError::NotLoaded)?;
-            let index = scene.index_of(mesh.as_deref())?;
-            let (key, source) = (ContentKey::Baked { scene: *id, index }, HullSource::Baked);
-            let geometry = jobs.cache.geometry(key).or_else(|| scene.geometry_of(index));
-            let geometry = geometry.ok_or(DecompositionError::NotLoaded)?;
-            return Ok(TaskInput::Geometry { key, geometry, source });
+            return baked_input(jobs, *id, scene, scene.index_of(mesh.as_deref())?);
         }
         if let Some(key) = jobs.key_of(&request.input)
             && let Some(geometry) = jobs.cache.geometry(key)
         {
             return Ok(TaskInput::Geometry { key, geometry, source: key.source_of_known() });
         }
-        let data = read_parts(&request.parts, &request.map_before, &self.meshes)?;
-        // Only baked hulls have no goal, and they are found above.
-        let goal = request.goal.clone().ok_or(DecompositionError::NotLoaded)?;
         // Once it is known that the scene does not have it, it is not looked for there again.
         let may_be_baked = jobs.key_of(&request.input).is_none_or(|key| key.is_baked());
-        let baked = request.input.scene().filter(|_| may_be_baked).and_then(|id| {
+        let mut baked = request.input.scene().filter(|_| may_be_baked).and_then(|id| {
             let scene = self.scenes.get(id.try_typed().ok()?)?;
             Some((id, scene.clone()))
         });
+        let mut why_not_baked = None;
+        if let Some((id, scene)) = &baked
+            && (scene.is_found_by_label() || self.are_for_gpu_only(request))
+        {
+            match self.labels.find(request, scene, &self.meshes) {
+                Ok(index) => return baked_input(jobs, *id, scene, index),
+                Err(why) => why_not_baked = Some(why),
+            }
+        }
+        let data = read_parts(&request.parts, &request.map_before, &self.meshes);
+        let data = data.map_err(|error| match (&error, why_not_baked) {
+            (DecompositionError::RenderWorldOnly, Some(why)) => {
+                DecompositionError::NotBakedByLabel(why)
+            }
+            _ => error,
+        })?;
+        // Only baked hulls have no goal, and they are found above.
+        let goal = request.goal.clone().ok_or(DecompositionError::NotLoaded)?;
+        // Triangles that are there are as good as those that are baked.
+        if goal.parameters().is_none() {
+            baked = None;
+        }
         Ok(TaskInput::Mesh { data, goal, baked })
     }
+
+    fn are_for_gpu_only(&self, request: &ColliderRequest) -> bool {
+        let mut meshes = request.parts.iter().filter_map(|part| self.meshes.get(part.mesh));
+        meshes.any(is_for_gpu_only)
+    }
+}
+
+/// What a baked scene has at a place.
+fn baked_input(
+    jobs: &Jobs,
+    id: UntypedAssetId,
+    scene: &BakedScene,
+    index: usize,
+) -> Result<TaskInput, DecompositionError> {
+    let (key, source) = (ContentKey::Baked { scene: id, index }, HullSource::Baked);
+    let geometry = jobs.cache.geometry(key).or_else(|| scene.geometry_of(index));
+    let geometry = geometry.ok_or(DecompositionError::NotLoaded)?;
+    Ok(TaskInput::Geometry { key, geometry, source })
 }

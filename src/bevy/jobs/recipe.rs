@@ -9,14 +9,14 @@ use bevy::prelude::*;
 
 use super::baked::{BakedScene, BakedSceneSettings, HullSceneLoader, LoadHullsError};
 use super::task::contain_panics;
-use crate::bake::{BakeOptions, bake_jobs, extras_complaints};
+use crate::bake::{BakeOptions, bake_jobs, bake_triangles, extras_complaints};
 use crate::hulls_format::HullScene;
 use crate::io::read_scene_from_bytes;
 use crate::{Control, Method};
 
 /// Loads `.hullrecipe` files (feature `io`): JSON that names a scene beside it,
-/// `{"scene": "level.glb", "parameters": "max_error=1%", "tagged_only": false}`, the last two if need be. The hulls are
-/// made when it is loaded or, if Bevy processes assets, at build time.
+/// `{"scene": "level.glb", "parameters": "max_error=1%", "tagged_only": false, "triangles": false}`, the last three if need
+/// be. The hulls are made when it is loaded or, if Bevy processes assets, at build time.
 #[derive(TypePath, Debug, Clone, Copy, Default)]
 #[type_path = "hullwright"]
 pub struct HullRecipeLoader;
@@ -85,7 +85,7 @@ struct Recipe {
 }
 
 /// The keys there are.
-const KEYS: &str = "scene, parameters, tagged_only";
+const KEYS: &str = "scene, parameters, tagged_only, triangles";
 
 /// Bakes the scene that a recipe names.
 async fn bake(bytes: &[u8], context: &mut LoadContext<'_>) -> Result<HullScene, LoadHullsError> {
@@ -99,6 +99,7 @@ async fn bake(bytes: &[u8], context: &mut LoadContext<'_>) -> Result<HullScene, 
         log::warn!("{path}, {complaint}");
     }
     let mut baked = Vec::new();
+    let triangles = bake_triangles(&meshes, &options);
     for job in bake_jobs(meshes, &options) {
         // The others shall have their hulls all the same, and the hierarchy says what is missing.
         match contain_panics(|| Ok(job.run(&Control::new())?)) {
@@ -110,7 +111,7 @@ async fn bake(bytes: &[u8], context: &mut LoadContext<'_>) -> Result<HullScene, 
         }
     }
     let name = path.path().file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    Ok(HullScene::new(name, baked))
+    Ok(HullScene::new(name, baked).with_triangles(triangles))
 }
 
 fn read(bytes: &[u8]) -> Result<Recipe, LoadHullsError> {
@@ -131,9 +132,12 @@ fn read(bytes: &[u8]) -> Result<Recipe, LoadHullsError> {
                 parameters.validate().map_err(|error| wrong(error.to_string()))?;
                 recipe.options.parameters = parameters;
             }
-            "tagged_only" => {
-                recipe.options.tagged_only =
-                    value.as_bool().ok_or_else(|| expected("true or false"))?;
+            "tagged_only" | "triangles" => {
+                let value = value.as_bool().ok_or_else(|| expected("true or false"))?;
+                match key.as_str() {
+                    "triangles" => recipe.options.triangles = value,
+                    _ => recipe.options.tagged_only = value,
+                }
             }
             _ => return Err(wrong(format!("there is no `{key}`, but {KEYS}"))),
         }
@@ -158,18 +162,19 @@ mod tests {
 
     #[test]
     fn a_recipe_names_a_scene_and_its_parameters() {
-        let text = r#" {"scene": "level.glb", "parameters": "max_error=1%", "tagged_only": true}"#;
+        let text = r#" {"scene": "level.glb", "parameters": "max_error=1%", "tagged_only": true,
+            "triangles": true}"#;
         let recipe = read(text.as_bytes()).unwrap();
         let parameters = Parameters::default().max_error(Length::share(0.01));
         assert_eq!(recipe.scene, "level.glb");
-        assert_eq!(recipe.options, BakeOptions::new(parameters).tagged_only(true));
+        assert_eq!(recipe.options, BakeOptions::new(parameters).tagged_only(true).triangles(true));
         assert_eq!(read(br#"{"scene": "a.glb"}"#).unwrap().options, BakeOptions::default());
     }
 
     #[test]
     fn a_wrong_recipe_is_told_what_is_expected() {
         for (text, expected) in [
-            (r#"{"scene": "a.glb", "max_error": 1}"#, "scene, parameters, tagged_only"),
+            (r#"{"scene": "a.glb", "max_error": 1}"#, "scene, parameters, tagged_only, triangles"),
             (r#"{"scene": 3}"#, "a path"),
             (r#"{"scene": "a.glb", "parameters": "max_hull=3"}"#, "max_hulls"),
             (r#"{"scene": "a.glb", "parameters": "max_error=-1%"}"#, "max_error"),

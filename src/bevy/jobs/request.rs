@@ -7,6 +7,7 @@ use bevy::asset::{AssetId, RenderAssetUsages, UntypedAssetId};
 use bevy::math::Affine3A;
 use bevy::mesh::{Indices, MeshAccessError, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
+use sha2::{Digest, Sha256};
 
 use crate::bevy::tag::outcomes::{DecompositionError, HullSource, SkipReason};
 use crate::bevy::tag::parameters::Goal;
@@ -133,6 +134,14 @@ impl ContentKey {
             Self::Mesh { scene, .. } => *scene,
             Self::Baked { scene, .. } => Some(*scene),
         }
+    }
+
+    /// What caches outside of memory call it; `None` for what comes from a baked scene.
+    pub(super) fn name(&self) -> Option<String> {
+        let Self::Mesh { mesh, goal, scene: None } = self else { return None };
+        let mut hasher = Sha256::new_with_prefix(mesh.as_bytes());
+        hasher.update(goal);
+        Some(MeshHash::from_bytes(hasher.finalize().into()).to_string())
     }
 
     pub(crate) fn is_baked(&self) -> bool {

@@ -11,7 +11,11 @@ use bevy_rapier3d::rapier::geometry::{SharedShape, TriMeshFlags};
 use bevy_rapier3d::rapier::math::{Pose, Vector};
 
 use super::baked::BakedScene;
-use super::cache::{BuiltCollider, ColliderGeometry, DiskCache, GeometryCache, WorkClaim};
+use super::cache::{BuiltCollider, ColliderGeometry, GeometryCache, WorkClaim};
+#[cfg(all(target_family = "wasm", target_os = "unknown"))]
+use super::database::{self, DiskCache};
+#[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
+use super::disk::DiskCache;
 use super::request::{ContentKey, MapKey, MeshData};
 #[cfg(all(target_family = "wasm", target_os = "unknown"))]
 use super::worker;
@@ -82,6 +86,9 @@ enum Place {
     Here(Decomposer<MethodReport>),
     #[cfg(all(target_family = "wasm", target_os = "unknown"))]
     InWorker(worker::Call),
+    /// Nowhere yet: it may be in the cache.
+    #[cfg(all(target_family = "wasm", target_os = "unknown"))]
+    InDatabase(database::Look),
 }
 
 impl DecompositionTask {
@@ -114,9 +121,9 @@ impl DecompositionTask {
     }
 
     /// Whether a step does no more than ask.
-    pub(super) fn awaits_worker(&self) -> bool {
+    pub(super) fn awaits_answer(&self) -> bool {
         #[cfg(all(target_family = "wasm", target_os = "unknown"))]
-        return self.work.as_ref().is_some_and(|work| matches!(work.place, Place::InWorker(_)));
+        return self.work.as_ref().is_some_and(|work| !matches!(work.place, Place::Here(_)));
         #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
         false
     }
@@ -170,10 +177,18 @@ impl DecompositionTask {
             Goal::Triangles(_) => ColliderGeometry::Triangles(data).into(),
             Goal::Primitive(kind) => ColliderGeometry::Primitive(*kind, data).into(),
             Goal::Hulls(method) => {
-                if let Some(file) = self.disk_cache.as_ref().and_then(|cache| cache.read(key)) {
+                let disk_cache = self.disk_cache.as_ref();
+                #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
+                if let Some(file) = disk_cache.and_then(|cache| cache.read(key)) {
                     return self.build(key, ColliderGeometry::of_hulls(file), HullSource::Disk);
                 }
+                #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
                 let place = self.place(&data, method, control)?;
+                #[cfg(all(target_family = "wasm", target_os = "unknown"))]
+                let place = match disk_cache.and_then(|cache| cache.look(key)) {
+                    Some(look) => Place::InDatabase(look),
+                    None => self.place(&data, method, control)?,
+                };
                 let method = method.clone();
                 self.work = Some(MeshInProgress { place, method, data, key, claim });
                 return Ok(None);
@@ -220,6 +235,18 @@ impl DecompositionTask {
                 // had no worker is decomposed here.
                 worker::Answer::Refused => {
                     work.place = Place::Here(work.method.decomposer(work.data.view(), _control)?);
+                    None
+                }
+            },
+            #[cfg(all(target_family = "wasm", target_os = "unknown"))]
+            Place::InDatabase(look) => match look.answer() {
+                database::Answer::Pending => None,
+                database::Answer::Found(file) => {
+                    let geometry = ColliderGeometry::of_hulls(*file);
+                    return self.build(work.key, geometry, HullSource::Disk);
+                }
+                database::Answer::Missing => {
+                    work.place = self.place(&work.data, &work.method, _control)?;
                     None
                 }
             },

@@ -175,10 +175,13 @@ pub enum DecompositionError {
     NotLoaded,
     /// The mesh's data is gone: it was uploaded and not kept.
     #[error(
-        "the mesh is on the GPU only; load it with RenderAssetUsages::default(), which keeps \
-         MAIN_WORLD"
+        "the mesh is on the GPU only; bake its scene, or load it with \
+         RenderAssetUsages::default(), which keeps MAIN_WORLD"
     )]
     RenderWorldOnly,
+    /// The same, and the baked scene has nothing for its asset path and label. It says why.
+    #[error("the mesh is on the GPU only, and not taken from the baked scene: {0}")]
+    NotBakedByLabel(&'static str),
     /// The mesh has no positions, or not as three `f32`.
     #[error("the mesh has no positions of three f32")]
     NoPositions,

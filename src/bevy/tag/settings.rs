@@ -91,8 +91,8 @@ pub struct BudgetSettings {
 pub struct CacheSettings {
     /// Size of the cache in memory, in bytes; 0 for none. Default 64 MiB.
     pub memory_bytes: usize,
-    /// Directory of a cache on disk, made if need be; `None` for none. Several processes may share
-    /// it. Default `None`.
+    /// Directory of a cache on disk, made if need be. In a browser a database in IndexedDB, the first that is named while
+    /// the page is open. `None` for none, the default. Several processes may share it.
     pub disk: Option<PathBuf>,
     /// Size of the cache on disk, in bytes: the files that were used least recently are removed. It
     /// may be larger by a sixteenth for a while. Default 256 MiB.

@@ -162,6 +162,35 @@ fn a_scene_is_one_file_beside_it_and_is_kept_where_nothing_changed() {
 }
 
 #[test]
+fn triangles_are_baked_on_request_and_not_of_what_moves_or_has_another_collider() {
+    let place = place();
+    let shown = place.succeed(&["bake", "two.gltf", "--triangles"]);
+    assert_eq!(shown, "wrote two.hullscene: 1 mesh, 1 hull, 4 vertices, 4 triangles\n");
+    let scene = HullScene::read(place.path("two.hullscene")).unwrap();
+    assert_eq!((scene.meshes[0].gltf_meshes.as_slice(), scene.triangles.len()), (&[0, 1][..], 1));
+    let baked = &scene.triangles[0];
+    assert_eq!(baked.gltf_meshes, [0, 1]);
+    assert_eq!((baked.positions.len(), baked.triangles.len()), (4, 4));
+    assert!(
+        place.succeed(&["inspect", "two.hullscene"]).contains("triangles for what never moves")
+    );
+
+    let text = std::fs::read_to_string(place.path("two.gltf")).unwrap();
+    for (name, expected) in [("left-rigid", 1), ("left-convcol", 1), ("left-col", 2)] {
+        // No node shows the other mesh.
+        let named = ["\"left\"", "\"right\""]
+            .iter()
+            .fold(text.clone(), |text, node| text.replace(node, &format!("\"{name}\"")));
+        std::fs::write(place.path("named.gltf"), named).unwrap();
+        place.succeed(&["bake", "named.gltf", "--triangles"]);
+        let scene = HullScene::read(place.path("named.hullscene")).unwrap();
+        let meshes: usize = scene.triangles.iter().map(|baked| baked.gltf_meshes.len()).sum();
+        assert_eq!(meshes, expected, "{name}");
+    }
+    place.fail(&["bake", "--per-mesh", "two.gltf", "--triangles"], 2);
+}
+
+#[test]
 fn a_scene_is_baked_as_its_artist_says() {
     let place = place();
     let props = asset("props.glb");
