@@ -3,7 +3,7 @@
 //! Cells of the grid that may hold centres are divided in eight, and those parts again, where a point is compared with
 //! them. A part with a half diagonal δ, whose middle m is D away from the closest point q of the surface, holds no centre
 //! if D + δ < r. Otherwise its centres lie in the part itself, and beyond a plane: they are r away from q at least, and
-//! off the line from q to m by δ at most, less where the cube is seen from a side.
+//! off the line from q to m by δ at most.
 //!
 //! ```text
 //!         ┌───────┐
@@ -21,16 +21,16 @@
 use std::sync::OnceLock;
 
 use super::field::Field;
-use super::reach::{Cell, ProbeSettings, Reach, closed_within};
+use super::reach::{Cell, ProbeSettings, Reach};
 use crate::bvh::Bvh;
-use crate::bvh::closest_point::{ClosestPoint, EXACT};
+use crate::bvh::closest_point::EXACT;
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, squared};
 
 /// Half the side of a part that is not divided, as a fraction of the bound, at most: its planes are off by its squared
 /// half diagonal over the diameter.
-const LEAST_HALF: f64 = 0.2;
+const LEAST_HALF: f64 = 0.1;
 
 /// A ball that is entered farther than this, as a fraction of the radius, shows nothing: only the distance from the mesh
 /// counts. Otherwise a ball smaller than the bound could vanish in hulls.
@@ -68,6 +68,21 @@ struct Plane {
     offset: f64,
 }
 
+impl Part {
+    fn new(tree: &Bvh, middle: Vector, guess: u32) -> Self {
+        let within = OnceLock::new();
+        match tree.closest_point_near(middle, EXACT, guess) {
+            Some(found) => Self {
+                nearest: found.point,
+                distance: found.distance,
+                triangle: found.triangle,
+                within,
+            },
+            None => Self { nearest: middle, distance: f64::INFINITY, triangle: u32::MAX, within },
+        }
+    }
+}
+
 /// A cube by its middle and half its side.
 #[derive(Clone, Copy)]
 struct Cube {
@@ -103,11 +118,7 @@ impl Cube {
             return None;
         }
         let normal = along * (1.0 / distance);
-        // Of all corners, the one farthest off the line is the least along it.
-        let [x, y, z] = normal.abs().to_array();
-        let least = 2.0 * x.max(y).max(z) - (x + y + z);
-        let off = squared(self.half) * (3.0 - squared(least));
-        let height = (squared(clear) - off).sqrt();
+        let height = (squared(clear) - squared(radius)).sqrt();
         Some(Plane { normal, offset: normal.dot(on_surface) + height })
     }
 
@@ -421,9 +432,8 @@ impl Probe {
                 break;
             }
             let Some(part) = self.parts.get(place as usize) else { continue };
-            let cube = Cube { middle, half };
-            let part = part.get_or_init(|| self.part(tree, cube, u32::MAX));
-            self.descend(part, cube, 0.0, None, &mut search);
+            let part = part.get_or_init(|| Part::new(tree, middle, u32::MAX));
+            self.descend(part, Cube { middle, half }, 0.0, None, &mut search);
         }
         search.nearest
     }
@@ -472,26 +482,9 @@ impl Probe {
         }
     }
 
-    /// A part as large as a cube. Where a triangle is so near that it holds no centre, any such triangle is known.
-    fn part(&self, tree: &Bvh, cube: Cube, guess: u32) -> Part {
-        // The smallest tell each other where the surface is.
-        let is_divided = cube.half > self.least_half;
-        let closed = if is_divided { closed_within(self.clear, cube.radius()) } else { EXACT };
-        let within = OnceLock::new();
-        match tree.closest_point_near(cube.middle, closed, guess) {
-            Some(ClosestPoint { point: nearest, distance, triangle }) => {
-                Part { nearest, distance, triangle, within }
-            }
-            None => {
-                let (nearest, distance, triangle) = (cube.middle, f64::INFINITY, u32::MAX);
-                Part { nearest, distance, triangle, within }
-            }
-        }
-    }
-
     fn within(&self, tree: &Bvh, part: &Part, cube: Cube, above: Option<&Above<'_>>) -> Within {
         if cube.half > self.least_half {
-            let child = |k| self.part(tree, cube.child(k), part.triangle);
+            let child = |k| Part::new(tree, cube.child(k).middle, part.triangle);
             return Within::Children(Box::new(std::array::from_fn(child)));
         }
         // Those nearest first. Parts beside the same convex piece of the surface have points no farther apart than the

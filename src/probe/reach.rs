@@ -377,7 +377,7 @@ impl Reach {
 }
 
 /// A part of that radius holds no centre if its middle is so near to the surface, however the square is rounded.
-pub(super) fn closed_within(clear: f64, radius: f64) -> f64 {
+fn closed_within(clear: f64, radius: f64) -> f64 {
     (clear - radius) * (1.0 - 1e-12)
 }
 
