@@ -1,8 +1,8 @@
 // A Bevy game in Chromium with 300 baked props and 50 that are decomposed, in workers, in slices, with files for
 // workers that are missing, of another build, faulty or never loaded, with a cache, also one that fails; and the same game
-// with boxes instead. Prints the gaps
-// between its frames. Fails unless each prop gets its hulls, from workers where these can work, and on any error in the
-// page. `npm run game -- ROUNDS`, of which 5 are the default. Needs the package built: `npm run build`.
+// with boxes instead. Prints the gaps between its frames. Fails unless each prop gets its hulls, from workers where these
+// can work, from the cache at a second visit, and on any error in the page. `npm run game -- ROUNDS`, of which 5 are the
+// default. Needs the package built: `npm run build`.
 
 import { execFileSync } from "node:child_process";
 import { copyFileSync, mkdirSync, rmSync, writeFileSync } from "node:fs";
