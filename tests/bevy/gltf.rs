@@ -96,6 +96,20 @@ fn a_chair_of_ten_nodes_is_one_body() {
 }
 
 #[test]
+fn a_scene_that_is_tagged_once_it_is_there_ends_in_a_report_too() {
+    let mut app = app_with_gltf(assets(), |_| {});
+    let scene = app.load(GltfAssetLabel::Scene(0).from_asset("lamp.glb"));
+    let lamp = app.put((WorldAssetRoot(scene), RigidBody::Dynamic));
+    update_until(&mut app, |app| app.get::<Children>(lamp).is_some());
+    update_times(&mut app, 3);
+    app.world_mut().entity_mut(lamp).insert(ConvexDecompositionHierarchy::new(tag()));
+    update_until(&mut app, |app| {
+        app.get::<HierarchyStatus>(lamp).is_some_and(HierarchyStatus::is_finished)
+    });
+    assert_eq!(ready(&app).len(), 1);
+}
+
+#[test]
 fn a_scene_that_can_not_be_loaded_ends_in_a_report_that_says_so() {
     let hierarchy = ConvexDecompositionHierarchy::default();
     let (mut app, root) = app_with_scene_in(assets(), "nowhere.glb", hierarchy);

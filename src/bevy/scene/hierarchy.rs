@@ -196,8 +196,6 @@ pub(crate) struct HierarchyWork {
     pub left_out: usize,
     pub is_open: bool,
     pub start: Option<Instant>,
-    /// Whether Bevy has spawned its scene; otherwise its meshes come from somewhere else, or later.
-    pub is_spawned: bool,
 }
 
 impl HierarchyWork {

@@ -12,6 +12,8 @@ use std::time::Duration;
 use bevy::asset::LoadState;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
+#[cfg(feature = "bevy_gltf")]
+use bevy::world_serialization::{WorldInstance, WorldInstanceSpawner};
 
 use self::hierarchy::{
     ConvexDecompositionHierarchy, HierarchyFinished, HierarchyReport, HierarchyStatus,
@@ -40,8 +42,6 @@ impl Plugin for ScenePlugin {
             .register_type::<ColliderPieceOf>()
             .register_type::<ColliderPieces>()
             .register_type::<DecompositionProgress>();
-        #[cfg(feature = "bevy_gltf")]
-        app.add_observer(on_scene_spawned);
         #[cfg(feature = "bevy_gltf")]
         linked_levels::mark_linked_levels(app);
         app.add_systems(
@@ -72,6 +72,10 @@ struct Scenes<'w, 's> {
     #[cfg(feature = "bevy_gltf")]
     roots: Query<'w, 's, &'static WorldAssetRoot>,
     #[cfg(feature = "bevy_gltf")]
+    instances: Query<'w, 's, &'static WorldInstance>,
+    #[cfg(feature = "bevy_gltf")]
+    spawner: Option<Res<'w, WorldInstanceSpawner>>,
+    #[cfg(feature = "bevy_gltf")]
     server: Option<Res<'w, AssetServer>>,
     baked: Res<'w, Assets<BakedScene>>,
     jobs: Res<'w, Jobs>,
@@ -80,16 +84,18 @@ struct Scenes<'w, 's> {
 }
 
 impl Scenes<'_, '_> {
-    /// Whether Bevy has a scene to spawn below an entity, and whether that could not be loaded. Bevy spawns one
-    /// whose textures are missing.
-    fn is_scene_or_lost(&self, entity: Entity) -> (bool, bool) {
+    /// Whether Bevy has spawned the scene below an entity, and whether that could not be loaded; `None` if it has none to
+    /// spawn. It spawns one whose textures are missing.
+    fn is_spawned_or_lost(&self, entity: Entity) -> Option<(bool, bool)> {
         #[cfg(feature = "bevy_gltf")]
         if let Ok(root) = self.roots.get(entity) {
             let state = self.server.as_ref().and_then(|server| server.get_load_state(&root.0));
-            return (true, matches!(state, Some(LoadState::Failed(_))));
+            let instance = self.instances.get(entity).ok().zip(self.spawner.as_ref());
+            let is_spawned = instance.is_some_and(|(id, spawner)| spawner.instance_is_ready(**id));
+            return Some((is_spawned, matches!(state, Some(LoadState::Failed(_)))));
         }
         let _ = entity;
-        (false, false)
+        None
     }
 
     /// Counts what came from a baked scene, and returns what did not and why, as a sentence without subject.
@@ -179,10 +185,13 @@ fn finish_hierarchies(
         let is_running =
             |node: &Entity| statuses.get(*node).is_ok_and(|status| !status.is_finished());
         work.unfinished.retain(is_running);
-        let (is_scene, is_lost) = scenes.is_scene_or_lost(entity);
-        let is_to_be_spawned = is_scene && !work.is_spawned && !is_lost;
-        let has_begun = work.start.is_some() || work.is_spawned;
-        if is_to_be_spawned || !(has_begun || is_lost) {
+        let scene = scenes.is_spawned_or_lost(entity);
+        let is_lost = scene.is_some_and(|(_, is_lost)| is_lost);
+        let is_to_come = match scene {
+            Some((is_spawned, is_lost)) => !is_spawned && !is_lost,
+            None => work.start.is_none(),
+        };
+        if is_to_come {
             status.set_if_neq(HierarchyStatus::Waiting);
             continue;
         }
@@ -218,17 +227,6 @@ fn finish_hierarchies(
         (work.is_open, work.start) = (false, None);
         *status = HierarchyStatus::Finished(report);
         commands.trigger(HierarchyFinished { entity, report });
-    }
-}
-
-/// Bevy has spawned the scene below a hierarchy.
-#[cfg(feature = "bevy_gltf")]
-fn on_scene_spawned(
-    spawned: On<bevy::world_serialization::WorldInstanceReady>,
-    mut works: Query<&mut HierarchyWork>,
-) {
-    if let Ok(mut work) = works.get_mut(spawned.entity) {
-        work.is_spawned = true;
     }
 }
 
