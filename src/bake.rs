@@ -144,10 +144,13 @@ pub fn bake_jobs(meshes: Vec<SceneMesh>, options: &BakeOptions) -> Vec<BakeJob> 
 /// The triangles of the glTF meshes of a scene that may stand still, each content once, if the options say so: not of
 /// what the artist gives hulls, another shape, a body that moves, or no collider. O(size).
 pub fn bake_triangles(meshes: &[SceneMesh], options: &BakeOptions) -> Vec<BakedTriangles> {
+    if !options.triangles {
+        return Vec::new();
+    }
     let with_pieces = meshes_with_pieces(meshes);
     let mut baked: Vec<BakedTriangles> = Vec::new();
     let mut by_content: HashMap<MeshHash, usize> = HashMap::new();
-    for mesh in meshes.iter().filter(|_| options.triangles) {
+    for mesh in meshes {
         let alone = [SceneNode::default()];
         let mut nodes = if mesh.nodes.is_empty() { &alone[..] } else { &mesh.nodes }.iter();
         let (Some(index), true) =

@@ -33,6 +33,12 @@ impl Best {
     fn none(limit: f64) -> Self {
         Self { squared: squared_or_none(limit), triangle: EMPTY, slot: 0 }
     }
+
+    /// Whether a triangle is known whose squared distance is at most `enough`.
+    #[inline(always)]
+    fn is_within(&self, enough: f64) -> bool {
+        self.squared <= enough && self.triangle != EMPTY
+    }
 }
 
 /// A squared length; -1, which nothing is as near as, for one below 0.
@@ -251,7 +257,7 @@ impl Tree {
                         smaller(smaller(bounds[0], bounds[1]), smaller(bounds[2], bounds[3]));
                     if least <= largest_gap {
                         self.improve(leaf, point, &bounds, best);
-                        if best.squared <= enough && best.triangle != EMPTY {
+                        if best.is_within(enough) {
                             return true;
                         }
                         largest_gap = self::largest_gap(best.squared);
@@ -299,11 +305,12 @@ impl Bvh {
     }
 
     fn improved(&self, point: Vector, mut best: Best, enough: f64) -> Option<ClosestPoint> {
-        let is_enough = best.triangle != EMPTY && best.squared <= enough;
-        (is_enough || self.tree.traverse(point, &mut best, enough)).then(|| ClosestPoint {
-            distance: best.squared.sqrt(),
-            triangle: best.triangle,
-            point: point + self.tree.closest_on(best.slot, point),
+        (best.is_within(enough) || self.tree.traverse(point, &mut best, enough)).then(|| {
+            ClosestPoint {
+                distance: best.squared.sqrt(),
+                triangle: best.triangle,
+                point: point + self.tree.closest_on(best.slot, point),
+            }
         })
     }
 

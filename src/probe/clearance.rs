@@ -326,12 +326,7 @@ impl Probe {
 
     /// Whether no ball is entered at a point by more than `bound`, and none by more than half its radius.
     pub fn allows(&self, tree: &Bvh, point: Vector, bound: f64) -> bool {
-        let needed = self.radius - bound.min(self.most_entered());
-        let (least, most) = self.clearance_by_sample(tree, point);
-        if least >= needed {
-            return true;
-        }
-        most >= needed && self.clearance(tree, &Extent::point(point), needed, needed, 0.0) >= needed
+        self.allows_all(tree, &Extent::point(point), bound)
     }
 
     /// How far balls are entered at a point, at most. Exact where that is more than `known`. `None` if it may be more

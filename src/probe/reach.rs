@@ -142,15 +142,15 @@ impl Reach {
                 distances.push(distance);
             }
         }
-        let around = reach.around();
-        let is_reached = reach.flooded(from, &around, |_, _| true);
+        let starts = reach.starts(from);
+        let is_reached = reach.flooded(&starts, &reach.around(), |_, _| true);
         control.check()?;
         reach.close_unless(|index| is_reached[index]);
         let certain = |a: usize, b: usize| {
             f64::from(distances[a]) + f64::from(distances[b]) >= 2.0 * clear + size
         };
         let beside = reach.beside().map(|step| [step as isize, -(step as isize)]).concat();
-        let is_certain = reach.flooded(from, &beside, certain);
+        let is_certain = reach.flooded(&starts, &beside, certain);
         reach.close_doubtful(tree, clear, &is_certain, control)?;
         Ok(reach)
     }
@@ -202,34 +202,31 @@ impl Reach {
         rows.into_iter().flat_map(|row| steps.map(|x| row + x)).filter(|&step| step != 0).collect()
     }
 
-    /// The cells that are not closed and connected to the border or to given points by some steps, where the flood may pass
-    /// between two cells.
+    /// The cells of the two outermost layers, none of which is closed, and those of the given points.
+    fn starts(&self, from: &[Vector]) -> Vec<Place> {
+        let cells = (0..self.cells.len()).map(|index| self.place_of(index));
+        let outermost = cells.filter(|&place| self.layer(place) <= 1);
+        outermost.chain(from.iter().map(|&point| self.place(point))).collect()
+    }
+
+    /// The cells that are not closed and connected to the starts by some steps, where the flood may pass between two
+    /// cells. It does not leave the border, beyond which there are no cells.
     fn flooded(
         &self,
-        from: &[Vector],
+        starts: &[Place],
         steps: &[isize],
         may_pass: impl Fn(usize, usize) -> bool,
     ) -> Vec<bool> {
         let mut is_reached = vec![false; self.cells.len()];
         let mut stack: Vec<usize> = Vec::new();
-        let mut start = |place: Place| {
+        for &place in starts {
             let index = self.index(place);
-            // No cell of the two outermost layers is closed.
-            match self.layer(place) {
-                0 => is_reached[index] = true,
-                _ if is_reached[index] || self.cells[index] == Cell::Closed => {}
-                _ => {
-                    is_reached[index] = true;
-                    stack.push(index);
-                }
+            let is_new = !is_reached[index] && self.cells[index] != Cell::Closed;
+            is_reached[index] |= is_new;
+            if is_new && self.layer(place) > 0 {
+                stack.push(index);
             }
-        };
-        let outermost = |&place: &Place| self.layer(place) <= 1;
-        (0..self.cells.len())
-            .map(|index| self.place_of(index))
-            .filter(outermost)
-            .for_each(&mut start);
-        from.iter().for_each(|&point| start(self.place(point)));
+        }
         while let Some(index) = stack.pop() {
             for &step in steps {
                 let other = index.wrapping_add_signed(step);

@@ -12,14 +12,14 @@ const STEPS = 300;
 /** The centre of a ball of some radius that moves along a ray and touches the mesh; `null` if it passes. O(triangles). */
 export function rest(ray: Ray, radius: number, { positions, triangles }: Surface): Vector3 | null {
   const near: Triangle[] = [];
-  const around = new Sphere();
+  const [around, corners] = [new Sphere(), [new Vector3(), new Vector3(), new Vector3()]];
   let end = 0;
   for (let at = 0; at < triangles.length; at += 3) {
-    const corners = [0, 1, 2].map((k) => new Vector3().fromArray(positions, 3 * triangles[at + k]));
+    corners.forEach((corner, k) => corner.fromArray(positions, 3 * triangles[at + k]));
     around.setFromPoints(corners);
     around.radius += radius;
     if (!ray.intersectsSphere(around)) continue;
-    near.push(new Triangle(corners[0], corners[1], corners[2]));
+    near.push(new Triangle().setFromPointsAndIndices(corners, 0, 1, 2));
     end = Math.max(end, around.center.sub(ray.origin).dot(ray.direction) + around.radius);
   }
   const [centre, closest] = [ray.origin.clone(), new Vector3()];

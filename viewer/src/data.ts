@@ -55,7 +55,7 @@ interface SetEntry {
   };
 }
 
-/** What a probe does not reach, and the probe: its radius in diagonals. */
+/** What a probe does not reach, and the probe's radius as a fraction of the diagonal. */
 interface FilledEntry {
   radius: number;
   colour: [number, number, number];

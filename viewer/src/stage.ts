@@ -103,6 +103,7 @@ export class Stage {
     this.pickOnClick();
     // A ball does not follow a pointer that turns the mesh.
     canvas.addEventListener("pointermove", ({ clientX, clientY, buttons }) => {
+      if (!this.look.filled) return;
       for (const panel of this.panels) panel.roll(buttons === 0 ? this.rayAt(panel, clientX, clientY) : null);
     });
     canvas.addEventListener("pointerleave", () => this.panels.forEach((panel) => panel.roll(null)));

@@ -185,13 +185,9 @@ fn finish_hierarchies(
         let is_running =
             |node: &Entity| statuses.get(*node).is_ok_and(|status| !status.is_finished());
         work.unfinished.retain(is_running);
-        let scene = scenes.is_spawned_or_lost(entity);
-        let is_lost = scene.is_some_and(|(_, is_lost)| is_lost);
-        let is_to_come = match scene {
-            Some((is_spawned, is_lost)) => !is_spawned && !is_lost,
-            None => work.start.is_none(),
-        };
-        if is_to_come {
+        let from_elsewhere = (work.start.is_some(), false);
+        let (is_there, is_lost) = scenes.is_spawned_or_lost(entity).unwrap_or(from_elsewhere);
+        if !is_there && !is_lost {
             status.set_if_neq(HierarchyStatus::Waiting);
             continue;
         }

@@ -64,7 +64,7 @@ struct MeshEntry {
 /// The surface of what a probe does not reach, and the probe.
 #[derive(Debug, Serialize)]
 struct FilledEntry {
-    /// Of the probe, in diagonals.
+    /// Of the probe, as a fraction of the diagonal.
     radius: f64,
     colour: Colour,
     ball: Colour,
