@@ -4,15 +4,14 @@
 //! from the bound ε: d + r ≤ ε accepts; outside the solid d > ε rejects; inside it r - d ≤ ε accepts, since a path out of
 //! the solid crosses the surface. Otherwise the part is halved.
 //!
-//! The test is lenient: verification decides the result. A hull's faces are looked up in the cache, then tested by their
-//! centres, largest first, then where earlier hulls have protruded, then completely.
+//! The test is lenient: verification decides the result. A hull's faces are tested by their centres, largest first, then
+//! completely.
 
-use super::face_cache::{FaceCache, FaceKey};
 use super::grid::Location;
 use super::solid::Solid;
-use super::subdivide::{Face, Part, Policy, Scratch, Suspects, Verdict, centre, halves, subdivide};
+use super::subdivide::{Face, Part, Policy, Scratch, Verdict, centre, subdivide};
 use super::surface::Side;
-use crate::geometry::vector::{Vector, area_normal, as_arrays, squared};
+use crate::geometry::vector::{Vector, area_normal, as_arrays};
 use crate::hull::growing_hull::GrowingHull;
 use crate::hull::{HullBuilder, LEAST_THICKNESS, solid_hull};
 use crate::work;
@@ -32,13 +31,6 @@ const LENIENCE: f64 = 0.4;
 /// A part of a larger radius, as a multiple of the bound, is compared with the closest triangle as a whole: it
 /// may lie along it, and halving it down to the bound would be slow.
 const LONG: f64 = 3.0;
-
-/// Faces of a larger area, squared and times four, as a multiple of the bound to the fourth power, are tested at four
-/// points before they are tested completely: most that protrude do so there.
-const LARGE_AREA: f64 = 400.0;
-
-/// Places where a hull has protruded that are remembered while it grows: more take as long as they save.
-const MAX_SUSPECTS: usize = 16;
 
 /// Faces that say why a hull is refused.
 const MAX_REFUSALS: usize = 6;
@@ -169,46 +161,17 @@ impl Solid {
         self.point_fits(centre(face), bound)
     }
 
-    /// The same for the centres of a large face's quarters, for coarse solids.
-    pub(super) fn quarters_fit(&self, face: Face, bound: f64) -> bool {
-        self.protruding_quarter(face, bound).is_none()
-    }
-
-    /// The first of them that does not fit.
-    fn protruding_quarter(&self, face: Face, bound: f64) -> Option<Vector> {
-        let mut centres = halves(face).into_iter().flat_map(halves).map(centre);
-        if !self.is_coarse() {
-            return None;
-        }
-        centres.find(|&centre| !self.point_fits(centre, bound))
-    }
-
     /// Whether no point of a face is farther than `bound` from the solid, leniently.
     pub fn face_fits(&self, face: Face, bound: f64, scratch: &mut Scratch) -> bool {
-        self.centre_fits(face, bound) && self.protruding_point(face, None, bound, scratch).is_none()
+        self.centre_fits(face, bound) && self.protruding_point(face, bound, scratch).is_none()
     }
 
-    /// A point of the face that is farther than `bound` from the solid; `None` if there is none. With `around`, a point
-    /// of the face, only the parts that contain it are judged.
-    fn protruding_point(
-        &self,
-        face: Face,
-        around: Option<Vector>,
-        bound: f64,
-        scratch: &mut Scratch,
-    ) -> Option<Vector> {
+    /// A point of the face that is farther than `bound` from the solid; `None` if there is none.
+    fn protruding_point(&self, face: Face, bound: f64, scratch: &mut Scratch) -> Option<Vector> {
         let mut policy = Lenient { solid: self, bound, protruding: None };
-        subdivide(self, std::iter::once(face), around, &mut policy, scratch);
+        subdivide(self, std::iter::once(face), &mut policy, scratch);
         policy.protruding
     }
-}
-
-/// A face whose fit is not cached.
-struct UntestedFace {
-    /// Its squared area, times four.
-    size: f64,
-    key: FaceKey,
-    face: Face,
 }
 
 /// Why a hull is refused.
@@ -227,10 +190,10 @@ pub(crate) struct FitTester<'a> {
     /// A copy of the hull that is to grow.
     trial: GrowingHull,
     thickener: HullBuilder,
-    faces: Vec<UntestedFace>,
+    /// Faces to be tested, each with its squared area, times four.
+    faces: Vec<(f64, Face)>,
     scratch: Scratch,
     points: Vec<Vector>,
-    suspects: Suspects,
     refusals: Vec<Refusal>,
     /// Joint hulls that [`try_insert`](Self::try_insert) has tested.
     pub attempts: usize,
@@ -246,7 +209,6 @@ impl<'a> FitTester<'a> {
             faces: Vec::new(),
             scratch: Scratch::default(),
             points: Vec::new(),
-            suspects: Suspects::new(MAX_SUSPECTS),
             refusals: Vec::new(),
             attempts: 0,
         }
@@ -257,20 +219,9 @@ impl<'a> FitTester<'a> {
     pub fn fits(&mut self, hull: &GrowingHull, only_new: bool) -> bool {
         let mut faces = std::mem::take(&mut self.faces);
         faces.clear();
-        let (cache, bound) = (&self.solid.face_cache, self.bound);
-        let (mut min, mut max) = (Vector::INFINITY, Vector::NEG_INFINITY);
-        let mut collect = |mut face: Face| {
-            // A face is tested from the same corner on, whichever hull it belongs to.
-            face.sort_unstable_by(|a, b| {
-                a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2]))
-            });
+        let mut collect = |face: Face| {
             let [a, b, c] = face;
-            (min, max) = (min.min(a).min(b).min(c), max.max(a).max(b).max(c));
-            let key = FaceCache::key(face, bound);
-            if !cache.is_known_to_fit(key) {
-                let size = area_normal(a, b, c).length_squared();
-                faces.push(UntestedFace { size, key, face });
-            }
+            faces.push((area_normal(a, b, c).length_squared(), face));
         };
         if hull.is_solid {
             if only_new {
@@ -289,54 +240,28 @@ impl<'a> FitTester<'a> {
         self.refusals.clear();
         let contains = |&(point, _): &(Vector, f64)| hull.builder.farthest_outside(&[point]) <= 0.0;
         let has_cavity = hull.is_solid && self.solid.cavities.iter().any(contains);
-        let fits = !has_cavity && self.faces_fit(&mut faces, [min, max]);
+        let fits = !has_cavity && self.faces_fit(&mut faces);
         self.faces = faces;
         fits
     }
 
-    /// Whether faces fit. `corners` are those of a box around all faces of the hull. Faces that are known to fit may be
-    /// missing: neither the answer nor what is found to protrude depends on it.
-    fn faces_fit(&mut self, faces: &mut [UntestedFace], corners: [Vector; 2]) -> bool {
+    /// Whether faces fit.
+    fn faces_fit(&mut self, faces: &mut [(f64, Face)]) -> bool {
         // Large faces are the most likely to protrude.
-        faces.sort_unstable_by(|a, b| b.size.total_cmp(&a.size).then(a.key.cmp(&b.key)));
-        let Self { solid, bound, scratch, suspects, refusals, .. } = self;
+        faces.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let Self { solid, bound, scratch, refusals, .. } = self;
         let (solid, bound) = (*solid, *bound);
-        let refused = |untested: &UntestedFace, point| Refusal { face: untested.face, point };
-        let by_centre = faces.iter().map(|untested| refused(untested, centre(untested.face)));
+        let by_centre = faces.iter().map(|&(_, face)| Refusal { face, point: centre(face) });
         let by_centre = by_centre.filter(|refusal| !solid.point_fits(refusal.point, bound));
         refusals.extend(by_centre.take(MAX_REFUSALS));
-        if !refusals.is_empty() {
-            return false;
+        if refusals.is_empty() {
+            let protruding = faces.iter().find_map(|&(_, face)| {
+                let point = solid.protruding_point(face, bound, scratch)?;
+                Some(Refusal { face, point })
+            });
+            refusals.extend(protruding);
         }
-        let is_large = |face: &&UntestedFace| face.size > LARGE_AREA * squared(squared(bound));
-        let by_quarter = faces.iter().take_while(is_large).find_map(|untested| {
-            Some(refused(untested, solid.protruding_quarter(untested.face, bound)?))
-        });
-        if let Some(refusal) = by_quarter {
-            refusals.push(refusal);
-            return false;
-        }
-        let mut protrudes = |face, point| {
-            if solid.point_fits(point, bound) {
-                return false;
-            }
-            let protruding = solid.protruding_point(face, Some(point), bound, scratch);
-            refusals.extend(protruding.map(|point| Refusal { face, point }));
-            protruding.is_some()
-        };
-        let corners_of = |untested: &UntestedFace| untested.face;
-        if suspects.find(faces, corners, corners_of, &mut protrudes).is_some() {
-            return false;
-        }
-        for untested in faces.iter() {
-            if let Some(point) = solid.protruding_point(untested.face, None, bound, scratch) {
-                suspects.remember(point, untested.face);
-                refusals.push(refused(untested, point));
-                return false;
-            }
-            solid.face_cache.insert(untested.key);
-        }
-        true
+        refusals.is_empty()
     }
 
     /// Why the last hull was refused: faces that protrude. There are none where it contains a cavity. What they are
@@ -391,33 +316,6 @@ mod tests {
         let TriangleMesh { positions, triangles, .. } = mesh;
         Solid::of_surface(as_vectors(positions), triangles, boundary, BOUND, &Control::new())
             .unwrap()
-    }
-
-    #[test]
-    fn no_answer_depends_on_where_earlier_hulls_protruded() {
-        let two = join(&[torus(24, 12), cuboid([0.2, 0.2, -0.1], [0.5, 0.6, 0.9])]);
-        let bowl = hemisphere(10);
-        let rim = || Boundary::new(bowl.points(), &bowl.triangles);
-        let no_rim = Boundary::default;
-        let meshes: [(&TriangleMesh, &dyn Fn() -> Boundary); 2] = [(&two, &no_rim), (&bowl, &rim)];
-        for (mesh, boundary) in meshes {
-            // Each has a cache of its own.
-            let (solid, other) = (solid_of(mesh, boundary()), solid_of(mesh, boundary()));
-            let mut tester = FitTester::new(&solid, BOUND);
-            let count = mesh.positions.len();
-            let (mut fitting, mut refused) = (0, 0);
-            for start in (0..count).step_by(count / 24 + 1) {
-                for size in [6, 12, 22, 34, 60] {
-                    let points: Vec<Vector> =
-                        (start..start + size).map(|k| mesh.points()[k % count]).collect();
-                    let hull = GrowingHull::new(&points, Vector::ZERO);
-                    let alone = FitTester::new(&other, BOUND).fits(&hull, false);
-                    assert_eq!(tester.fits(&hull, false), alone);
-                    if alone { fitting += 1 } else { refused += 1 }
-                }
-            }
-            assert!(fitting > 10 && refused > 10, "{fitting} fit, {refused} do not");
-        }
     }
 
     #[test]
@@ -543,8 +441,7 @@ mod tests {
                 let mut scratch = Scratch::default();
                 let (mut fitting, mut overlooked, mut refused, mut wrongly) = (0, 0, 0, 0);
                 for face in case.faces() {
-                    let Some(point) = case.solid.protruding_point(face, None, bound, &mut scratch)
-                    else {
+                    let Some(point) = case.solid.protruding_point(face, bound, &mut scratch) else {
                         fitting += 1;
                         let sampled = case.sampled(face);
                         // What is accepted by d + LENIENCE · r ≤ bound is no farther than d + r.

@@ -9,14 +9,12 @@
 //! | `surface` | the side of a point, by the surface itself |
 //! | `grid` | a grid of cells that answers most questions about distance and side |
 //! | `solid` | the solid: what a point is, and what it is to the source |
-//! | `face_cache` | which faces are known to fit |
 //! | `remainder` | faces without what lies along the surface |
 //! | `subdivide` | the loop that halves faces until each part is decided |
 //! | `fit` | the lenient test of the search: whether hulls fit |
 //! | `protrusion` | the exact test of verification: how far hulls protrude |
 
 mod boundary;
-mod face_cache;
 mod fit;
 mod grid;
 mod protrusion;
@@ -29,7 +27,7 @@ mod surface;
 #[cfg(test)]
 pub(crate) use boundary::Boundary;
 pub(crate) use fit::{FitTester, Refusal};
-pub(crate) use protrusion::{SharedSuspects, keeps_bound, protrusion};
+pub(crate) use protrusion::{keeps_bound, protrusion};
 pub(crate) use solid::{COARSE, Solid};
 pub(crate) use subdivide::{Scratch, centre};
 pub(crate) use surface::Side;

@@ -4,17 +4,14 @@
 //! is small. Where the mesh was clustered, distances are those to the source, and what is inside the solid may be as far
 //! outside the source as vertices have moved: no result is below that.
 
-use std::sync::Mutex;
-
 use super::grid::Location;
 use super::solid::{Solid, SourceDistance};
-use super::subdivide::{Face, Part, Policy, Scratch, Suspects, Verdict, subdivide};
+use super::subdivide::{Face, Part, Policy, Scratch, Verdict, subdivide};
 use super::surface::Side;
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, bounds};
+use crate::geometry::vector::Vector;
 use crate::hull::ConvexHull;
-use crate::parallel;
 use crate::work;
 
 /// No triangle of the solid is known to be near.
@@ -47,9 +44,6 @@ const MANY_PARTS: usize = 20_000;
 /// Parts between two checks for cancellation: less than a millisecond.
 const PARTS_PER_CHECK: usize = 1024;
 
-/// Places where hulls have protruded that are remembered for all of them.
-const MAX_SUSPECTS: usize = 256;
-
 /// No point of the hull's faces is farther than this from the solid, as a fraction of the diagonal. If it exceeds
 /// `limit`, any value above `limit` may be returned.
 ///
@@ -68,21 +62,11 @@ pub(crate) fn protrusion(
         return Ok(exact.known);
     }
     let faces: Vec<Face> = hull.faces().collect();
-    exact.run(&faces, None)
-}
-
-/// Where hulls have protruded that were verified earlier, by any thread.
-pub(crate) struct SharedSuspects(Mutex<Suspects>);
-
-impl Default for SharedSuspects {
-    fn default() -> Self {
-        Self(Mutex::new(Suspects::new(MAX_SUSPECTS)))
-    }
+    exact.run(&faces)
 }
 
 /// Whether no point of the hull's faces is farther than the bound from the solid. Faster than the
-/// protrusion: nothing below the bound is resolved, and what protrudes mostly does so where another has protruded, which is
-/// looked at first. No verdict depends on it.
+/// protrusion: nothing below the bound is resolved.
 ///
 /// # Errors
 /// [`Error::Cancelled`].
@@ -90,33 +74,15 @@ pub(crate) fn keeps_bound(
     hull: &ConvexHull,
     solid: &Solid,
     bound: f64,
-    suspects: &SharedSuspects,
     control: &Control,
 ) -> Result<bool, Error> {
-    // Most hulls that protrude do so at one of few points.
-    let fits = |face| solid.centre_fits(face, bound) && solid.quarters_fit(face, bound);
     let faces: Vec<Face> = hull.faces().collect();
-    if !faces.iter().copied().all(fits) {
+    // Most hulls that protrude do so at one of few points.
+    if !faces.iter().all(|&face| solid.centre_fits(face, bound)) {
         return Ok(false);
     }
-    let new = || Exact::new(solid, bound, bound, (1.0 - RESOLUTION) * bound, control);
-    let exceeds_at = |face, point| {
-        let mut exact = new();
-        solid.outside(point, bound).is_some()
-            && exact.run(&[face], Some(point)).is_ok()
-            && exact.known > bound
-    };
-    let mut suspects_now = parallel::lock(&suspects.0).clone();
-    let (min, max) = bounds(hull.points().iter().copied());
-    if suspects_now.find(&faces, [min, max], |&face| face, exceeds_at).is_some() {
-        return Ok(false);
-    }
-    let mut exact = new();
-    let keeps = !exact.cavities_exceed(hull) && exact.run(&faces, None)? <= bound;
-    if let (false, Some((point, face))) = (keeps, exact.farthest) {
-        parallel::lock(&suspects.0).remember(point, face);
-    }
-    Ok(keeps)
+    let mut exact = Exact::new(solid, bound, bound, (1.0 - RESOLUTION) * bound, control);
+    Ok(!exact.cavities_exceed(hull) && exact.run(&faces)? <= bound)
 }
 
 /// The rules of verification: the greatest distance so far, and what it depends on.
@@ -128,8 +94,6 @@ struct Exact<'a> {
     control: &'a Control,
     /// A lower bound on the maximum.
     known: f64,
-    /// Where it was found, and the part.
-    farthest: Option<(Vector, Face)>,
     parts: usize,
     end: Option<End>,
 }
@@ -161,27 +125,25 @@ impl<'a> Exact<'a> {
     ) -> Self {
         let displacement = solid.displacement();
         let known = unresolved.max(displacement);
-        let (farthest, parts, end) = (None, 0, None);
-        Self { solid, bound, limit, displacement, control, known, farthest, parts, end }
+        let (parts, end) = (0, None);
+        Self { solid, bound, limit, displacement, control, known, parts, end }
     }
 
-    /// The protrusion of some faces, or any value above the limit. With `around`, a point of a face, only the
-    /// parts that contain it are judged. If one of them exceeds the limit, so does the whole: whatever else is
-    /// known there, it is halved as far.
-    fn run(&mut self, faces: &[Face], around: Option<Vector>) -> Result<f64, Error> {
+    /// The protrusion of some faces, or any value above the limit.
+    fn run(&mut self, faces: &[Face]) -> Result<f64, Error> {
         // One large protrusion makes all other faces cheap.
         for &face in faces {
             self.control.check()?;
             let centre = Part::new(face).centre;
             if let Some(distance) = self.solid.outside(centre, self.known) {
-                self.raise(distance.upper, centre, face);
+                self.known = distance.upper;
             }
             if self.known > self.limit {
                 return Ok(self.known);
             }
         }
         let (solid, mut scratch) = (self.solid, Scratch::default());
-        subdivide(solid, faces.iter().copied(), around, self, &mut scratch);
+        subdivide(solid, faces.iter().copied(), self, &mut scratch);
         match self.end.take() {
             None => Ok(self.enough()),
             Some(End::Exceeds(distance)) => Ok(distance),
@@ -192,11 +154,6 @@ impl<'a> Exact<'a> {
                 Ok(rest.fold(self.enough(), f64::max))
             }
         }
-    }
-
-    fn raise(&mut self, distance: f64, centre: Vector, part: Face) {
-        self.known = distance;
-        self.farthest = Some((centre, part));
     }
 
     fn stop(&mut self, end: End) -> Verdict {
@@ -317,7 +274,7 @@ impl Policy for Exact<'_> {
                     protrusion = of_part;
                 }
                 if protrusion > known {
-                    self.raise(protrusion, centre, corners);
+                    self.known = protrusion;
                 }
                 if self.known > limit {
                     let distance = self.known + radius;
@@ -376,8 +333,8 @@ mod tests {
             .unwrap()
     }
 
-    fn keeps(hull: &ConvexHull, solid: &Solid, bound: f64, suspects: &SharedSuspects) -> bool {
-        keeps_bound(hull, solid, bound, suspects, &Control::new()).unwrap()
+    fn keeps(hull: &ConvexHull, solid: &Solid, bound: f64) -> bool {
+        keeps_bound(hull, solid, bound, &Control::new()).unwrap()
     }
 
     #[test]
@@ -385,10 +342,9 @@ mod tests {
         let cube = |x: f64| cuboid([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
         let bound = 0.02;
         let solid = solid_of(&cube(0.0), Boundary::default(), bound);
-        let suspects = SharedSuspects::default();
         for share in [0.0, 0.5, 0.9, 0.97, 0.99, 1.01, 1.03, 1.1, 2.0, 20.0] {
             let moved = convex_hull(&cube(share * bound).positions).unwrap();
-            assert_eq!(keeps(&moved, &solid, bound, &suspects), share <= 1.0, "{share}");
+            assert_eq!(keeps(&moved, &solid, bound), share <= 1.0, "{share}");
         }
     }
 
@@ -397,14 +353,13 @@ mod tests {
         let mesh = cuboid([0.0; 3], [1.0; 3]);
         let bound = 0.02;
         let solid = solid_of(&mesh, Boundary::default(), bound);
-        let suspects = SharedSuspects::default();
         for share in [0.9, 0.97, 1.03, 1.5, 2.5] {
             let mut corners = mesh.positions.clone();
             // The centres of the faces are no higher than a third of this.
             corners.push([0.5, 0.5, 1.0 + share * bound]);
             let hull = convex_hull(&corners).unwrap();
             assert!(hull.faces().all(|face| solid.centre_fits(face, bound)));
-            assert_eq!(keeps(&hull, &solid, bound, &suspects), share <= 1.0, "{share}");
+            assert_eq!(keeps(&hull, &solid, bound), share <= 1.0, "{share}");
         }
     }
 
@@ -413,9 +368,9 @@ mod tests {
         let mesh = cuboid([0.0; 3], [1.0; 3]);
         let mut solid = solid_of(&mesh, Boundary::default(), 0.02);
         let hull = convex_hull(&mesh.positions).unwrap();
-        assert!(keeps(&hull, &solid, 0.02, &SharedSuspects::default()));
+        assert!(keeps(&hull, &solid, 0.02));
         solid.cavities = vec![(Vector::splat(0.5), 0.1)];
-        assert!(!keeps(&hull, &solid, 0.02, &SharedSuspects::default()));
+        assert!(!keeps(&hull, &solid, 0.02));
     }
 
     /// Hulls of some neighbouring vertices, from few to many.
@@ -433,21 +388,19 @@ mod tests {
     }
 
     #[test]
-    fn no_verdict_depends_on_where_others_protruded() {
+    fn a_hull_keeps_the_bound_where_its_protrusion_does() {
         let bound = 0.03;
         let two = join(&[torus(24, 12), cuboid([0.2, 0.2, -0.1], [0.5, 0.6, 0.9])]);
         let bowl = hemisphere(10);
         let rim = Boundary::new(bowl.points(), &bowl.triangles);
         for (mesh, boundary) in [(two, Boundary::default()), (bowl, rim)] {
             let solid = solid_of(&mesh, boundary, bound);
-            let suspects = SharedSuspects::default();
             let (mut kept, mut refused) = (0, 0);
             for hull in hulls(&mesh) {
-                let alone = keeps(&hull, &solid, bound, &SharedSuspects::default());
-                assert_eq!(keeps(&hull, &solid, bound, &suspects), alone);
+                let keeps = keeps(&hull, &solid, bound);
                 let found = protrusion(&hull, &solid, bound, bound, &Control::new()).unwrap();
-                assert_eq!(found <= bound, alone, "{found}");
-                if alone { kept += 1 } else { refused += 1 }
+                assert_eq!(found <= bound, keeps, "{found}");
+                if keeps { kept += 1 } else { refused += 1 }
             }
             assert!(kept > 10 && refused > 10, "{kept} kept, {refused} refused");
         }

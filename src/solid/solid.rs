@@ -6,7 +6,6 @@
 use std::sync::Arc;
 
 use super::boundary::Boundary;
-use super::face_cache::FaceCache;
 use super::grid::{Ball, Grid, Location, ROUNDING};
 use super::surface::{Side, Surface};
 use crate::bvh::Bvh;
@@ -32,8 +31,6 @@ pub(crate) struct Solid {
     pub(super) is_coarse: bool,
     /// The deepest point of each cavity that no hull may contain, and its distance from the surface.
     pub(super) cavities: Vec<(Vector, f64)>,
-    /// Results of the fit test.
-    pub(super) face_cache: FaceCache,
     /// Where the solid is that of a reduced mesh: what it represents.
     pub clustered: Option<Arc<Clustered>>,
     pub(super) displacement: f64,
@@ -131,7 +128,6 @@ impl Solid {
             grid: Grid::new(surface, positions, bound),
             is_coarse: triangles.len() <= COARSE,
             cavities: Vec::new(),
-            face_cache: FaceCache::new(),
             clustered: None,
             displacement: 0.0,
             probe: None,

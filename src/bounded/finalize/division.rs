@@ -16,8 +16,7 @@ use crate::geometry::vector::{Vector, as_arrays, bounds};
 use crate::hull::{ConvexHull, HullBuilder, LEAST_THICKNESS, joint_hull, solid_hull};
 use crate::parallel;
 use crate::solid::centre;
-use crate::solid::protrusion;
-use crate::solid::{SharedSuspects, keeps_bound};
+use crate::solid::{keeps_bound, protrusion};
 
 /// The hulls of a piece. Each keeps the bound, except single triangles whose hull has to be thicker.
 pub(super) fn hulls_of_piece(
@@ -188,7 +187,6 @@ pub(super) fn remerge(
     let mut pairs: Vec<Pair> =
         (0..count).flat_map(|second| (0..second).map(move |first| (first, second))).collect();
     let mut builder = HullBuilder::new();
-    let suspects = SharedSuspects::default();
     while !control.is_past_deadline() {
         let corners = |hull: u32| entries[hull as usize].corners;
         pairs.retain(|&(a, b)| queue.is_left(a) && are_near(corners(a), corners(b), gap));
@@ -198,7 +196,7 @@ pub(super) fn remerge(
                 queue.push(Cost(cost), pair, ());
             }
         }
-        let Some(pair) = cheapest(context, &entries, &mut queue, &suspects)? else { break };
+        let Some(pair) = cheapest(context, &entries, &mut queue)? else { break };
         let [first, second] = [pair.0, pair.1].map(|hull| &entries[hull as usize].hull.owned);
         let owned = Owned::union(&[first, second], patches);
         let joint = make_hull(context, owned, &mut builder)?;
@@ -235,14 +233,13 @@ fn cheapest(
     context: &FinalizeContext<'_>,
     entries: &[Entry],
     queue: &mut PairQueue<Cost, ()>,
-    suspects: &SharedSuspects,
 ) -> Result<Option<Pair>, Error> {
     let &Search { solid, settings, control, .. } = &context.search;
     let candidates = queue.pop_all();
     let pairs: Vec<Pair> = candidates.iter().map(|&(_, pair, ())| pair).collect();
     let keeps = |&pair: &Pair| {
         let joint = hull_of_pair(entries, pair)?;
-        keeps_bound(&joint, solid, settings.bound.verified(), suspects, control)
+        keeps_bound(&joint, solid, settings.bound.verified(), control)
     };
     let mut verdicts = parallel::map_until(&pairs, keeps, |verdict| !matches!(verdict, Ok(false)));
     let Some(last) = verdicts.pop() else { return Ok(None) };
