@@ -92,3 +92,16 @@ pub fn join(parts: &[TriangleMesh]) -> TriangleMesh {
     }
     mesh
 }
+
+/// Least and greatest corner of what is finite.
+pub fn bounds(points: &[[f64; 3]]) -> (Vector, Vector) {
+    let nothing = (Vector::INFINITY, Vector::NEG_INFINITY);
+    let points = points.iter().map(|&point| Vector::from(point)).filter(|point| point.is_finite());
+    points.fold(nothing, |(low, high), point| (low.min(point), high.max(point)))
+}
+
+/// Of the bounding box.
+pub fn middle(points: &[[f64; 3]]) -> Vector {
+    let (low, high) = bounds(points);
+    low.midpoint(high)
+}

@@ -37,11 +37,6 @@ impl Curve {
         Self { points: front }
     }
 
-    #[cfg(test)]
-    pub fn points(&self) -> &[Point] {
-        &self.points
-    }
-
     /// Hulls needed for an error: on the straight line between the settings around it, in
     /// logarithms. For an error larger than any setting has, the fewest hulls, which do with less;
     /// `None` for one that no setting reaches.
@@ -108,7 +103,7 @@ mod tests {
     #[test]
     fn a_curve_keeps_what_no_other_setting_beats() {
         let found = curve(&[(8.0, 0.02), (4.0, 0.08), (8.0, 0.03), (9.0, 0.02), (16.0, 0.01)]);
-        let hulls: Vec<f64> = found.points().iter().map(|point| point.hulls).collect();
+        let hulls: Vec<f64> = found.points.iter().map(|point| point.hulls).collect();
         assert_eq!(hulls, [4.0, 8.0, 16.0]);
     }
 
