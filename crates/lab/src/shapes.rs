@@ -93,6 +93,13 @@ pub fn join(parts: &[TriangleMesh]) -> TriangleMesh {
     mesh
 }
 
+/// Negative where triangles face inward.
+pub fn volume(mesh: &TriangleMesh) -> f64 {
+    let at = |vertex: u32| Vector::from(mesh.positions[vertex as usize]);
+    let corners = mesh.triangles.iter().map(|triangle| triangle.map(at));
+    corners.map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum()
+}
+
 /// Least and greatest corner of what is finite.
 pub fn bounds(points: &[[f64; 3]]) -> (Vector, Vector) {
     let nothing = (Vector::INFINITY, Vector::NEG_INFINITY);

@@ -7,15 +7,15 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use hullwright::io::{NamedMesh, read_hulls, read_mesh, write_hulls};
+use hullwright::io::{read_hulls, read_mesh, write_hulls};
 use hullwright::{Control, TriangleMesh, decompose};
 use rayon::prelude::*;
 
 use crate::independent::nearest::Tree;
-use crate::independent::oracle::{Triangle, cross, dot};
+use crate::independent::oracle::Triangle;
 use crate::independent::sampling::spread;
 use crate::report::{Table, number};
-use crate::shapes::bounds;
+use crate::shapes::{bounds, volume};
 use crate::statistics::{mean, range};
 use crate::targets::{BOUNDS, HALVINGS, bound_of_hulls};
 use crate::terminal::{Failure, print};
@@ -67,7 +67,7 @@ struct Concavity {
 
 impl Concavity {
     fn of(hull: &TriangleMesh, part: &TriangleMesh) -> Self {
-        let added = (six_volumes(hull) - six_volumes(part)).max(0.0) / 6.0;
+        let added = (volume(hull) - volume(part)).max(0.0);
         let volume = K * (3.0 * added / (4.0 * std::f64::consts::PI)).cbrt();
         let [hull, part] = [hull, part].map(|mesh| Triangle::all(&mesh.positions, &mesh.triangles));
         if part.is_empty() {
@@ -94,11 +94,6 @@ impl Concavity {
     fn largest(self) -> f64 {
         self.to_part.max(self.to_hull).max(self.volume)
     }
-}
-
-fn six_volumes(mesh: &TriangleMesh) -> f64 {
-    let corners = Triangle::all(&mesh.positions, &mesh.triangles);
-    corners.iter().map(|t| dot(t.corners[0], cross(t.corners[1], t.corners[2]))).sum()
 }
 
 /// Hulls of a mesh, measured.
@@ -135,7 +130,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
         let theirs = folder.as_ref().map(|folder| folder.coacd_hulls(&mesh.name));
         if let Some(theirs) = theirs.filter(|path| path.is_file()) {
-            let theirs = evaluator.measure(&read_hulls(theirs)?)?;
+            let theirs =
+                evaluator.measure(read_hulls(theirs)?.into_iter().map(|hull| hull.mesh))?;
             add("CoACD".into(), theirs)?;
             add("CoACD's hulls".into(), evaluator.ours(bound_of_hulls(&mesh, theirs.0)?)?)?;
             add("CoACD's concavity".into(), evaluator.no_more_than(theirs.1.largest())?)?;
@@ -195,12 +191,8 @@ impl<'a> Evaluator<'a> {
     /// The default method's hulls under a bound.
     fn ours(&self, bound: f64) -> Result<Measured, String> {
         let found = decompose(&self.mesh, &bounded(bound), &Control::new());
-        let hulls =
-            found.map_err(|error| error.to_string())?.hulls.into_iter().map(|hull| NamedMesh {
-                name: String::new(),
-                mesh: TriangleMesh::new(hull.shape.points, hull.shape.triangles),
-            });
-        self.measure(&hulls.collect::<Vec<_>>())
+        let hulls = found.map_err(|error| error.to_string())?.hulls.into_iter();
+        self.measure(hulls.map(|hull| TriangleMesh::new(hull.shape.points, hull.shape.triangles)))
     }
 
     /// Those of the largest bound that was found with no more concavity, or of the least one.
@@ -219,10 +211,9 @@ impl<'a> Evaluator<'a> {
         best.map_or_else(|| self.ours(low), Ok)
     }
 
-    fn measure(&self, hulls: &[NamedMesh]) -> Result<Measured, String> {
+    fn measure(&self, hulls: impl Iterator<Item = TriangleMesh>) -> Result<Measured, String> {
         let path = |name: &str| self.scratch.path().join(name);
-        let hulls: Vec<TriangleMesh> =
-            hulls.iter().map(|hull| scaled(&hull.mesh, self.scale)).collect();
+        let hulls: Vec<TriangleMesh> = hulls.map(|hull| scaled(&hull, self.scale)).collect();
         write_hulls(path("hulls.obj"), &hulls).map_err(|error| error.to_string())?;
         let parts = self.intersect(&path("parts.obj"))?;
         let found = hulls.par_iter().enumerate().map(|(index, hull)| {

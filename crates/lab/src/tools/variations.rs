@@ -295,7 +295,7 @@ fn decimate(mesh: &mut TriangleMesh) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shapes::uv_sphere;
+    use crate::shapes::{uv_sphere, volume};
     use crate::tools::kinds::*;
 
     fn tetrahedron() -> TriangleMesh {
@@ -303,16 +303,6 @@ mod tests {
             vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
             vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
         )
-    }
-
-    fn volume(mesh: &TriangleMesh) -> f64 {
-        let six = mesh.triangles.iter().map(|triangle| {
-            let [a, b, c] = triangle.map(|vertex| mesh.positions[vertex as usize]);
-            a[0] * (b[1] * c[2] - b[2] * c[1])
-                + a[1] * (b[2] * c[0] - b[0] * c[2])
-                + a[2] * (b[0] * c[1] - b[1] * c[0])
-        });
-        six.sum::<f64>() / 6.0
     }
 
     #[test]
