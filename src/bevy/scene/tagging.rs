@@ -52,7 +52,7 @@ pub struct ColliderPieces(Vec<Entity>);
 
 /// What is tied to what, and where it is: a piece moves with the body of its mesh.
 #[derive(SystemParam)]
-struct Pieces<'w, 's> {
+pub(super) struct Pieces<'w, 's> {
     tied: Query<'w, 's, &'static ColliderPieceOf>,
     parents: Query<'w, 's, &'static ChildOf>,
     global: TransformHelper<'w, 's>,
