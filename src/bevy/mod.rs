@@ -74,7 +74,7 @@ pub use jobs::recipe::{HullRecipeLoader, HullRecipeProcessor, HullSceneSaver};
 pub use scene::hierarchy::{
     ConvexDecompositionHierarchy, HierarchyFinished, HierarchyReport, HierarchyStatus,
 };
-pub use scene::pieces::{ColliderPieceOf, ColliderPieces};
+pub use scene::tagging::{ColliderPieceOf, ColliderPieces};
 pub use scene::{DecompositionProgress, all_decompositions_done, decompositions_pending};
 pub use tag::outcomes::{
     AbsentReason, ColliderAbsent, ColliderReady, DecompositionCancelled, DecompositionCounters,

@@ -18,7 +18,7 @@
 //! | `search` | solid, patches, settings and control |
 //! | `deadline` | what is left out where time is short |
 //! | `joins` | pairs that may join |
-//! | `join_tree`, `witness` | hulls join beyond the bound, the pair that protrudes least first |
+//! | `join_tree` | hulls join beyond the bound, the pair that protrudes least first |
 //! | `uncovered` | how far the source lies outside the hulls |
 //! | `output` | results in the input's units |
 
@@ -38,4 +38,3 @@ pub(crate) mod patches;
 pub(crate) mod search;
 pub(crate) mod settings;
 mod uncovered;
-mod witness;

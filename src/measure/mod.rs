@@ -32,14 +32,12 @@
 //! |---|---|
 //! | `mod` | options, the measurement, and how figures follow from samples |
 //! | `sampling` | evenly spread points on a surface and in a box |
-//! | `solid` | the solid that they are measured against |
 //! | `hulls` | each hull on its own, and the union of all |
-//! | `pointwise` | errors of points that the caller chooses |
+//! | `pointwise` | the solid that they are measured against; errors of points that the caller chooses |
 
 mod hulls;
 mod pointwise;
 mod sampling;
-mod solid;
 
 use crate::bvh::{Bvh, INSIDE};
 use crate::control::Control;
@@ -55,8 +53,8 @@ use crate::parallel::{self, map_indices};
 use crate::parameters::{Length, Openings, Parameters, UpAxis, check_positive};
 use crate::probe::ProbeSettings;
 use hulls::{Edges, MeasuredHull, Union};
+use pointwise::MeasuredSolid;
 use sampling::{SampledSurface, in_unit_cube};
-use solid::MeasuredSolid;
 
 #[cfg(feature = "fill")]
 pub use crate::probe::FilledSurface;

@@ -7,10 +7,15 @@
 //! *with respect to the group*: the area-weighted mean of the normals of the group's own
 //! triangles at M.
 
+use crate::decomposition::GroupedMesh;
+use crate::error::Error;
 use crate::geometry::vector::{Vector, area_normal, as_arrays, diagonal};
 use crate::hull::{ConvexHull, HullBuilder, Shape};
 use crate::mesh::TriangleMesh;
-use crate::mesh::grouping::group_vertices;
+use crate::mesh::grouping::{group_vertices, members};
+
+/// Groups of at most this many polygons are left out of the average.
+pub(super) const TOO_SMALL_TO_COUNT: usize = 2;
 
 /// A plane that the ray runs along cannot be left through it.
 const PARALLEL: f64 = 1e-9;
@@ -63,6 +68,41 @@ pub fn cost(mesh: &TriangleMesh, group: &[u32], scratch: &mut CostScratch) -> f6
         }
     }
     greatest / diagonal(points.iter().copied())
+}
+
+/// The cost of Table 1 for any grouped mesh: the average of equation (3) over the groups of more than two
+/// triangles; 0 without any. O(vertices · hull faces) per group.
+///
+/// # Errors
+/// [`Error::IndexOutOfRange`]; [`Error::InvalidParameter`] where the number of groups is not that of the
+/// triangles, or a group has a number that is no triangle's.
+pub fn average_cost(grouped: &GroupedMesh) -> Result<f64, Error> {
+    let GroupedMesh { positions, triangles, groups } = grouped;
+    let vertices = positions.len();
+    for (triangle, &index) in
+        triangles.iter().enumerate().flat_map(|(place, t)| t.iter().map(move |i| (place, i)))
+    {
+        if index as usize >= vertices {
+            return Err(Error::IndexOutOfRange { triangle, index, vertices });
+        }
+    }
+    let invalid = |reason: String| Error::InvalidParameter { name: "groups", reason };
+    let most = triangles.len();
+    if groups.len() != most {
+        return Err(invalid(format!("{} groups for {most} triangles", groups.len())));
+    }
+    let count = groups.iter().max().map_or(0, |&label| label as usize + 1);
+    if count > most {
+        return Err(invalid(format!("group {} of {most} triangles", count - 1)));
+    }
+    let mesh = TriangleMesh::new(positions.clone(), triangles.clone());
+    let mut scratch = CostScratch::default();
+    let (mut sum, mut counted) = (0.0, 0_u32);
+    for group in members(groups, count).iter().filter(|group| group.len() > TOO_SMALL_TO_COUNT) {
+        sum += cost(&mesh, group, &mut scratch);
+        counted += 1;
+    }
+    Ok(sum / f64::from(counted.max(1)))
 }
 
 impl CostScratch {
@@ -166,6 +206,21 @@ mod tests {
             });
             assert!(found < 1e-9, "{factor}: {found}");
         }
+    }
+
+    #[test]
+    fn the_average_is_over_the_groups_and_what_is_no_group_is_refused() {
+        let TriangleMesh { positions, triangles, .. } = cuboid([0.0; 3], [1.0; 3]);
+        let grouped = GroupedMesh { positions, triangles, groups: vec![0; 12] };
+        assert!(average_cost(&grouped).unwrap() < 1e-9);
+        for groups in [vec![0; 11], vec![12; 12]] {
+            let refused = average_cost(&GroupedMesh { groups, ..grouped.clone() });
+            assert!(matches!(refused, Err(Error::InvalidParameter { .. })), "{refused:?}");
+        }
+        let mut broken = grouped;
+        broken.triangles[3][1] = 99;
+        let expected = Error::IndexOutOfRange { triangle: 3, index: 99, vertices: 8 };
+        assert_eq!(average_cost(&broken), Err(expected));
     }
 
     #[test]

@@ -1,10 +1,8 @@
 //! The paper's method, stage by stage: simplify (3.2), search (3.4 and 3.5), merge (3.6), hulls.
 
-use super::group_merging::merge_groups;
 use super::parameters::SurfaceParameters;
-use super::pieces::Pieces;
-use super::report::SurfaceReport;
-use super::resolution_selection::{Level, Levels, first_cut_off, select};
+use super::pieces::{Pieces, merge_groups};
+use super::resolution_selection::{Level, Levels, ResolutionReport, first_cut_off, select};
 use super::threshold_selection::Thresholds;
 use crate::control::{Control, Stage};
 use crate::decomposer::{Input, admit, run_to_end};
@@ -16,6 +14,33 @@ use crate::mesh::canonical_order::MeshOrder;
 use crate::mesh::repair::prepare as repair;
 use crate::parameters::Length;
 use crate::stages::{PREPARED, SURFACE, Stages};
+
+/// The paper's search tree and what it chose: a row of its Table 1.
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct SurfaceReport {
+    /// Pieces, after group merging.
+    pub pieces: usize,
+    /// Pieces of the chosen candidate before group merging.
+    pub pieces_before_merging: usize,
+    /// k: average number of pieces over the candidates of all resolutions.
+    pub average_pieces: f64,
+    /// Average concavity cost of the chosen candidate, equation (3).
+    pub cost: f64,
+    /// p of the chosen candidate, in units of the thresholds.
+    pub planar_threshold: f64,
+    /// r of the chosen candidate.
+    pub resolution: usize,
+    /// Triangles of the simplified mesh.
+    pub polygons: usize,
+    /// Triangles before simplification.
+    pub initial_polygons: usize,
+    /// The length that counted as 1 for p and a, in the input's units.
+    pub unit: f64,
+    /// The whole tree, in the order of R.
+    pub resolutions: Vec<ResolutionReport>,
+}
 
 /// Decomposes a triangle mesh by the paper's method. Openings stay as they are, and nothing is verified.
 ///

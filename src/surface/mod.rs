@@ -22,30 +22,24 @@
 //!
 //! | file | section of the paper |
 //! |---|---|
-//! | `decompose` | the method, stage by stage |
-//! | `parameters`, `report` | its symbols; a row of its Table 1 |
+//! | `decompose` | the method, stage by stage; a row of its Table 1 |
+//! | `parameters` | its symbols |
 //! | `crate::mesh::simplify` | 3.2, simplification |
 //! | `crate::mesh::grouping` | 3.4.1, convex grouping |
 //! | `threshold_selection` | 3.4.2, selection among the planar thresholds |
 //! | `cost` | 3.4.3, concavity cost |
 //! | `resolution_selection` | 3.5, selection among the resolutions |
-//! | `group_merging` | 3.6, group merging |
-//! | `pieces` | 3.6, hulls of the groups |
-//! | `building_blocks` | the parts of the method around the grouping, for other groupings |
+//! | `pieces` | 3.6, group merging, and hulls of the groups |
 
-mod building_blocks;
 mod cost;
 pub(crate) mod decompose;
-mod group_merging;
 mod parameters;
 pub(crate) mod pieces;
-mod report;
 mod resolution_selection;
 mod threshold_selection;
 
-pub use building_blocks::{SimplifiedMeshes, average_cost};
-pub use decompose::decompose;
+pub use cost::average_cost;
+pub use decompose::{SurfaceReport, decompose};
 pub use parameters::SurfaceParameters;
-pub use report::{
-    ResolutionOutcome, ResolutionReport, SurfaceReport, ThresholdOutcome, ThresholdReport,
-};
+pub use resolution_selection::{ResolutionOutcome, ResolutionReport};
+pub use threshold_selection::{ThresholdOutcome, ThresholdReport};

@@ -18,8 +18,7 @@ use crate::mesh::simplify::{SimplifiedMesh, simplification_target, simplify};
 use crate::mesh::{PreparedMesh, TriangleMesh};
 
 use super::parameters::SurfaceParameters;
-use super::report::{ResolutionOutcome, ResolutionReport};
-use super::threshold_selection::{Candidate, ThresholdSearch, Thresholds};
+use super::threshold_selection::{Candidate, ThresholdReport, ThresholdSearch, Thresholds};
 
 /// From this maximum resolution on the cut-off μ may act.
 pub const LEAST_CUT_OFF_RESOLUTION: usize = 500;
@@ -30,6 +29,42 @@ const EQUAL_COSTS: f64 = 1e-9;
 
 /// Candidates with more than this many times k pieces are eliminated.
 pub const MOST_PIECES_FACTOR: f64 = 1.5;
+
+/// One subtree of the search: a maximum resolution.
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct ResolutionReport {
+    /// r.
+    pub resolution: usize,
+    /// Target triangle count: the initial one times powers of Q.
+    pub target: usize,
+    /// Triangle count that simplification reached.
+    pub polygons: usize,
+    /// What became of it.
+    pub outcome: ResolutionOutcome,
+    /// Its planar thresholds, in the order of the parameters.
+    pub thresholds: Vec<ThresholdReport>,
+}
+
+/// What became of a resolution (section 3.5).
+#[non_exhaustive]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum ResolutionOutcome {
+    /// Least cost of all that were left.
+    Selected,
+    /// Another has a lower cost.
+    CostlierThanSelected,
+    /// More than 1.5 k pieces.
+    TooManyPieces,
+    /// An earlier resolution had fewer than μ pieces.
+    CutOff,
+    /// The same simplified mesh as the resolution before, so the same result.
+    SameAsBefore,
+    /// The deadline came first.
+    DeadlineReached,
+}
 
 /// A subtree of the search: a simplified mesh, and the search over its thresholds.
 pub struct Level {

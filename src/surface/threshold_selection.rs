@@ -23,18 +23,54 @@ use crate::mesh::TriangleMesh;
 use crate::mesh::adjacency::Adjacency;
 use crate::mesh::grouping::{Grouping, Grown, grow, members};
 
-use super::cost::{CostScratch, cost};
+use super::cost::{CostScratch, TOO_SMALL_TO_COUNT, cost};
 use super::parameters::SurfaceParameters;
-use super::report::{ThresholdOutcome, ThresholdReport};
-
-/// Groups of at most this many polygons are left out of the average.
-pub(super) const TOO_SMALL_TO_COUNT: usize = 2;
 
 /// A running average above this many times ε and times the least average so far is given up.
 const ABORT_FACTOR: f64 = 3.0;
 
 /// Below this average cost a threshold is taken at once.
 const SUFFICIENTLY_CONVEX: f64 = 1e-6;
+
+/// One leaf of the search: a planar threshold.
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct ThresholdReport {
+    /// p.
+    pub planar_threshold: f64,
+    /// Number of groups.
+    pub pieces: usize,
+    /// Average cost, as far as it was computed.
+    pub cost: f64,
+    /// What became of it.
+    pub outcome: ThresholdOutcome,
+}
+
+/// What became of a threshold (section 3.4.2).
+#[non_exhaustive]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum ThresholdOutcome {
+    /// The resolution's candidate: fewest pieces under ε.
+    Candidate,
+    /// The resolution's candidate, taken at once for a cost below 1e-6.
+    CandidateAtOnce,
+    /// The resolution's candidate by the fail-safe: least cost, since none was under ε.
+    CandidateByFailSafe,
+    /// Under ε, but another has fewer pieces.
+    MorePieces,
+    /// Its cost is not under ε.
+    TooCostly,
+    /// Given up as its running average was above 3 ε; an earlier one had an average below ε.
+    AbortedAboveThreshold,
+    /// Given up as its running average was above three times the least so far, itself above ε.
+    AbortedAboveLeast,
+    /// A single group: the search of this resolution ends here.
+    SingleGroup,
+    /// Not tried, since an earlier threshold ended the search of this resolution.
+    NotTried,
+}
 
 /// What all resolutions are searched by.
 #[derive(Debug, Clone, Copy)]

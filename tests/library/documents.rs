@@ -243,7 +243,7 @@ const CONSTANTS: [(&str, &[(&str, &str)]); 17] = [
     ("src/solid/surface.rs", &[("0.52", "OPEN_INSIDE")]),
     ("src/solid/grid.rs", &[("1.5 million cells", "MAX_CELLS")]),
     ("src/solid/solid.rs", &[("2,400 triangles", "COARSE")]),
-    ("src/clustering/clustered.rs", &[("100,000 triangles", "MIN_TRIANGLES"), ("0.4 ε", "CELL")]),
+    ("src/clustering/mod.rs", &[("100,000 triangles", "MIN_TRIANGLES"), ("0.4 ε", "CELL")]),
     ("src/bounded/patch_mesh.rs", &[("within about 0.1 ε", "CRACK")]),
     (
         "src/bounded/facets.rs",
@@ -255,7 +255,7 @@ const CONSTANTS: [(&str, &[(&str, &str)]); 17] = [
     ),
     ("src/solid/fit.rs", &[("0.4 times as large", "LENIENCE"), ("radius below 0.25 ε", "SMALL")]),
     ("src/bounded/cover/grow.rs", &[("until 8 in turn", "MAX_REFUSED_IN_TURN")]),
-    ("src/bounded/cover/fill.rs", &[("600 points", "POINTS")]),
+    ("src/bounded/cover/mod.rs", &[("600 points", "POINTS")]),
     ("src/hull/convex_hull.rs", &[("0.001 times their diagonal", "MINIMUM_THICKNESS")]),
     ("src/bounded/finalize/mod.rs", &[("1.25 times as many", "DOUBTFUL")]),
     ("src/bounded/limit.rs", &[("6 searches", "SEARCHES"), ("0.85 times", "NEXT_BOUND")]),

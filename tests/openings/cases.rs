@@ -1,4 +1,4 @@
-//! The shapes whose openings the tests are about, and which `cargo lab openings --cases` draws.
+//! The shapes whose openings the tests are about, and which `cargo lab pictures opening-cases` draws.
 
 use hullwright::{Sidedness, TriangleMesh};
 

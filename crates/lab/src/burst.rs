@@ -16,6 +16,7 @@ use hullwright::{Control, Parameters, TriangleMesh, decompose, mass_properties, 
 use rapier3d::prelude::*;
 
 use crate::render::{Layout, Panel, Part, Picture, render_with};
+use crate::shapes::{bounds, middle};
 use crate::terminal::{Failure, print};
 use hullwright::io::palette::{CLAY, Colour, colour};
 
@@ -239,16 +240,4 @@ fn changed(before: Option<&Vec<u8>>, frame: &[u8]) -> [usize; 4] {
         let (x, y) = (index % width, index / width);
         [left.min(x), top.min(y), right.max(x + 1), bottom.max(y + 1)]
     })
-}
-
-/// Least and greatest corner.
-fn bounds(points: &[[f64; 3]]) -> (DVec3, DVec3) {
-    let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    let points = points.iter().map(|&point| DVec3::from(point));
-    points.fold(nothing, |(low, high), point| (low.min(point), high.max(point)))
-}
-
-fn middle(points: &[[f64; 3]]) -> DVec3 {
-    let (low, high) = bounds(points);
-    (low + high) / 2.0
 }

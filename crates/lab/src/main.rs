@@ -1,5 +1,5 @@
-//! The laboratory: benchmarks, the stability report, the experiments of the paper that the surface
-//! method comes from, HACD to compare with, and what makes assets and pictures. Run as `cargo lab COMMAND`.
+//! The laboratory: benchmarks, the stability report, Table 1 of the paper that the surface method comes from, and
+//! what makes assets and pictures. Run as `cargo lab COMMAND`.
 //!
 //! Exit code 0 is success, 1 an error in the input or the work, 2 wrong usage.
 
@@ -9,16 +9,13 @@ mod burst;
 mod concavity;
 mod floor;
 mod gallery;
-mod hacd;
 mod harness;
-mod identical;
 // The unused rest is for tests.
 #[allow(dead_code)]
 #[path = "../../../tests/independent/mod.rs"]
 mod independent;
 #[cfg(test)]
 mod independent_tests;
-mod openings;
 mod paper;
 mod pictures;
 mod reach;
@@ -30,7 +27,6 @@ mod statistics;
 mod sweep;
 mod targets;
 mod tools;
-mod versus_paper;
 
 use std::process::ExitCode;
 
@@ -53,9 +49,6 @@ enum Command {
     Stability(stability::Arguments),
     Targets(targets::Arguments),
     Paper(paper::Arguments),
-    VersusPaper(versus_paper::Arguments),
-    Openings(openings::Arguments),
-    Identical(identical::Arguments),
     Reach(reach::Arguments),
     Floor(floor::Arguments),
     Concavity(concavity::Arguments),
@@ -75,9 +68,6 @@ fn main() -> ExitCode {
         Command::Stability(arguments) => stability::run(&arguments),
         Command::Targets(arguments) => targets::run(&arguments),
         Command::Paper(arguments) => paper::run(&arguments),
-        Command::VersusPaper(arguments) => versus_paper::run(&arguments),
-        Command::Openings(arguments) => openings::run(&arguments),
-        Command::Identical(arguments) => identical::run(&arguments),
         Command::Reach(arguments) => reach::run(&arguments),
         Command::Floor(arguments) => floor::run(&arguments),
         Command::Concavity(arguments) => concavity::run(&arguments),

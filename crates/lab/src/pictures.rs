@@ -1,5 +1,11 @@
 //! `cargo lab pictures`: the pictures of the documents.
 
+// The unused rest is for tests.
+#[allow(dead_code)]
+#[path = "../../../tests/openings/cases.rs"]
+mod cases;
+
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use hullwright::io::read_mesh;
@@ -40,6 +46,11 @@ enum Picture {
         #[arg(required = true)]
         meshes: Vec<PathBuf>,
     },
+    /// docs/openings.md: the tests' cases, and a row of its tables for each
+    OpeningCases {
+        #[arg(default_value = "docs/pictures")]
+        folder: PathBuf,
+    },
     /// docs/probe.md: a mesh, its hulls without a probe, and with radii of 3, 6 and 12 %
     Probe {
         #[arg(default_value = "docs/pictures/probe.png")]
@@ -69,14 +80,18 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             }
             write(output, rows, (460, 340), FROM_BELOW)
         }
+        Picture::OpeningCases { folder } => {
+            opening_cases(&cases::solids(), FROM_BELOW, &folder.join("opening-cases-solid.png"))?;
+            opening_cases(&cases::hollows(), FROM_ABOVE, &folder.join("opening-cases-hollow.png"))
+        }
         Picture::Probe { output, mesh } => probe(output, mesh),
         Picture::Burst { output, mesh } => burst::draw(output, mesh),
     }
 }
 
 /// Degrees from which openings of solids are seen, and what is hollow.
-pub const FROM_BELOW: f64 = -25.0;
-pub const FROM_ABOVE: f64 = 35.0;
+const FROM_BELOW: f64 = -25.0;
+const FROM_ABOVE: f64 = 35.0;
 
 /// Writes rows of panels of a size in pixels, seen from so many degrees above.
 pub fn write(
@@ -98,7 +113,7 @@ pub fn write(
 
 /// The mesh with its caps in red, the hulls with all openings kept, those with openings closed, moved apart,
 /// and the numbers of both.
-pub fn openings(mesh: &TriangleMesh, apart: f64) -> Result<([Panel; 3], [usize; 2]), Error> {
+fn openings(mesh: &TriangleMesh, apart: f64) -> Result<([Panel; 3], [usize; 2]), Error> {
     let (auto, control) = (Parameters::default(), Control::new());
     let closed = close_openings(mesh, &auto, &control)?;
     let keep = auto.clone().openings(Openings::Keep);
@@ -109,6 +124,27 @@ pub fn openings(mesh: &TriangleMesh, apart: f64) -> Result<([Panel; 3], [usize; 
         Panel::hulls(&auto.hulls).exploded(apart),
     ];
     Ok((panels, [kept.hulls.len(), auto.hulls.len()]))
+}
+
+/// Draws cases, two in a row, and prints what became of each.
+fn opening_cases(
+    cases: &[(&str, TriangleMesh)],
+    elevation: f64,
+    path: &Path,
+) -> Result<(), Failure> {
+    let mut panels = Vec::new();
+    print("| case | hulls, openings kept | hulls | openings |\n|---|---|---|---|")?;
+    for (name, mesh) in cases {
+        let (of_case, [kept, closed]) = openings(mesh, 0.3)?;
+        panels.extend(of_case);
+        let found = decompose(mesh, &Parameters::default(), &Control::new())?.run.openings;
+        let outcomes = found.iter().map(|opening| opening.outcome.describe());
+        let outcomes = Vec::from_iter(outcomes.collect::<BTreeSet<_>>()).join("; ");
+        let outcomes = if outcomes.is_empty() { "none" } else { &outcomes };
+        print(&format!("| {name} | {kept} | {closed} | {outcomes} |"))?;
+    }
+    let rows = panels.chunks(6).map(<[_]>::to_vec).collect();
+    write(path, rows, (220, 180), elevation)
 }
 
 /// Colours of triangles that are no more than told apart.

@@ -99,8 +99,6 @@ pub struct Plot {
     pub title: &'static str,
     pub note: String,
     pub svg: String,
-    /// Whether it repeats another one for other pages, and so is left out of the report's own.
-    pub is_extra: bool,
 }
 
 impl Report {
@@ -119,7 +117,7 @@ impl Report {
     fn to_markdown(&self) -> String {
         let mut text = format!("# {}\n\n", self.title);
         self.words.iter().for_each(|words| text += &format!("{words}\n\n"));
-        for Plot { title, file, note, .. } in self.plots.iter().filter(|plot| !plot.is_extra) {
+        for Plot { title, file, note, .. } in &self.plots {
             text += &format!("![{title}]({file})\n\n{note}\n\n");
         }
         self.tables.iter().for_each(|table| text += &table.to_markdown());

@@ -92,3 +92,23 @@ pub fn join(parts: &[TriangleMesh]) -> TriangleMesh {
     }
     mesh
 }
+
+/// Negative where triangles face inward.
+pub fn volume(mesh: &TriangleMesh) -> f64 {
+    let at = |vertex: u32| Vector::from(mesh.positions[vertex as usize]);
+    let corners = mesh.triangles.iter().map(|triangle| triangle.map(at));
+    corners.map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum()
+}
+
+/// Least and greatest corner of what is finite.
+pub fn bounds(points: &[[f64; 3]]) -> (Vector, Vector) {
+    let nothing = (Vector::INFINITY, Vector::NEG_INFINITY);
+    let points = points.iter().map(|&point| Vector::from(point)).filter(|point| point.is_finite());
+    points.fold(nothing, |(low, high), point| (low.min(point), high.max(point)))
+}
+
+/// Of the bounding box.
+pub fn middle(points: &[[f64; 3]]) -> Vector {
+    let (low, high) = bounds(points);
+    low.midpoint(high)
+}

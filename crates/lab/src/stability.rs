@@ -4,11 +4,9 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use crate::harness::row::Figure;
 use crate::harness::session::limits;
-use crate::harness::{Judge, Row, Session, Status, Task};
-use crate::report::Report;
-use crate::report::{NOTHING, Table, count, number};
+use crate::harness::{FULL, Judge, Row, Session, Status, Task};
+use crate::report::{NOTHING, Report, Table, number};
 use crate::statistics::{median, range};
 use crate::terminal::Failure;
 use crate::tools::meshes;
@@ -44,13 +42,8 @@ const LIMITS: (f64, u64) = (120.0, 4096);
 
 /// Fewer points than in the benchmark, since there are many runs: shares of the volume are known to about a
 /// hundredth.
-const JUDGE: Judge = Judge {
-    is_timed: false,
-    surface_samples: 20_000,
-    volume_samples: 20_000,
-    by_brute_force: false,
-    probe_radius: None,
-};
+const JUDGE: Judge =
+    Judge { is_timed: false, surface_samples: 20_000, volume_samples: 20_000, ..FULL };
 
 /// A measured error may be above the promised one by this share: `measure` samples points, and
 /// rounding moves them.
@@ -61,9 +54,6 @@ const LEAST_ERROR: f64 = 1e-6;
 
 /// Processor times below this one, in seconds, are too short for their ratio to say anything.
 const LEAST_SECONDS: f64 = 0.02;
-
-/// Rows of a table of the worst.
-const WORST: usize = 10;
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let session = Session::open(&arguments.output, limits(LIMITS.0, LIMITS.1)?)?;
@@ -94,9 +84,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             .into(),
     ];
     let all = Rows::new(&rows);
-    let mut tables = vec![all.spread(), all.volumes()];
-    tables.extend(FIGURES.iter().map(|figure| all.worst(figure)));
-    tables.push(wrong(&rows));
+    let tables = vec![all.spread(), all.volumes(), wrong(&rows)];
     let (title, name) = ("Numerical stability", "stability");
     Ok(session.report(Report { title, name, words, tables, ..Report::default() })?)
 }
@@ -110,21 +98,16 @@ fn breaks_promise(row: &Row) -> bool {
 }
 
 /// A figure beside error and hulls, and how much worse it is than that of the mesh as it is.
-struct Comparison {
-    figure: Figure,
-    worse: fn(f64, f64) -> f64,
-}
+type Comparison = (fn(&Row) -> Option<f64>, fn(f64, f64) -> f64);
 
+/// Uncovered volume, intersection over union, and processor time.
 const FIGURES: [Comparison; 3] = [
-    Comparison {
-        figure: ("uncovered volume", |row| row.uncovered_volume),
-        worse: |varied, base| varied - base,
-    },
-    Comparison { figure: ("IoU", |row| row.iou), worse: |varied, base| base - varied },
-    Comparison {
-        figure: ("processor seconds", |row| row.processor_seconds),
-        worse: |varied, base| varied.max(LEAST_SECONDS) / base.max(LEAST_SECONDS),
-    },
+    (|row| row.uncovered_volume, |varied, base| varied - base),
+    (|row| row.iou, |varied, base| base - varied),
+    (
+        |row| row.processor_seconds,
+        |varied, base| varied.max(LEAST_SECONDS) / base.max(LEAST_SECONDS),
+    ),
 ];
 
 /// All rows, and those of the meshes as they are by mesh and method.
@@ -145,11 +128,9 @@ impl<'a> Rows<'a> {
         self.base.get(&(row.mesh.as_str(), row.method.as_str())).copied()
     }
 
-    /// How much worse a row is than that of the mesh as it is, with both figures.
-    fn compared(&self, of: &Comparison, row: &Row) -> Option<(f64, f64, f64)> {
-        let (varied, before) =
-            (of.figure.1)(row).filter(|_| row.is_done()).zip((of.figure.1)(self.base_of(row)?))?;
-        Some(((of.worse)(varied, before), varied, before))
+    /// How much worse a row is than that of the mesh as it is.
+    fn compared(&self, (figure, worse): Comparison, row: &Row) -> Option<f64> {
+        Some(worse(figure(row).filter(|_| row.is_done())?, figure(self.base_of(row)?)?))
     }
 
     /// The rows of each method and kind of variation, kinds in the order in which they are tried.
@@ -233,27 +214,12 @@ impl<'a> Rows<'a> {
         let mut table = Table::new("Volume and time", note, &header);
         for (method, kind, all) in self.groups() {
             let mut cells = vec![method.to_owned(), kind];
-            for figure in &FIGURES {
-                let values = all.iter().filter_map(|row| self.compared(figure, row));
-                let [_, median, most] = least_median_most(values.map(|found| found.0).collect());
+            for figure in FIGURES {
+                let values = all.iter().filter_map(|row| self.compared(figure, row)).collect();
+                let [_, median, most] = least_median_most(values);
                 cells.extend([median, most]);
             }
             table.rows.push(cells);
-        }
-        table
-    }
-
-    fn worst(&self, of: &Comparison) -> Table {
-        let mut found: Vec<((f64, f64, f64), &Row)> =
-            self.rows.iter().filter_map(|row| Some((self.compared(of, row)?, row))).collect();
-        found.sort_by(|a, b| b.0.0.total_cmp(&a.0.0));
-        let title = format!("Worst change of {}", of.figure.0);
-        let header = ["mesh", "method", "variation", "as it is", "varied", "hulls"];
-        let mut table = Table::new(&title, "", &header);
-        for ((_, varied, before), row) in found.into_iter().take(WORST) {
-            let names = [&row.mesh, &row.method, &row.variation].map(String::clone);
-            let figures = [number(before), number(varied), count(row.hulls)];
-            table.rows.push(names.into_iter().chain(figures).collect());
         }
         table
     }

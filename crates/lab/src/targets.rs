@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 
 use hullwright::io::read_mesh;
-use hullwright::{Control, Openings, Preset, decompose};
+use hullwright::{Control, Preset, decompose};
 
 use crate::harness::session::limits;
-use crate::harness::{Judge, Row, Session, Task};
+use crate::harness::{FULL, Judge, Row, Session, Task};
 use crate::report::{Table, number_or_nothing};
 use crate::statistics::{geometric_mean, mean, median, range};
 use crate::terminal::{Failure, print};
@@ -76,13 +76,7 @@ const LIMITS: (f64, u64) = (300.0, 4096);
 
 /// Points on hulls, on the mesh, and in space: those of the evaluator that `peers/results.tsv` is
 /// from.
-const JUDGE: Judge = Judge {
-    is_timed: true,
-    surface_samples: 20_000,
-    volume_samples: 60_000,
-    by_brute_force: false,
-    probe_radius: None,
-};
+const JUDGE: Judge = Judge { surface_samples: 20_000, volume_samples: 60_000, ..FULL };
 
 const PROP: std::ops::RangeInclusive<usize> = 50..=2000;
 
@@ -125,7 +119,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             print(&format!("{}: nothing to compare with", mesh.name))?;
             continue;
         };
-        let run = Run::Bounded { error, preset: arguments.preset, openings: Openings::Auto };
+        let run = Run::Bounded { error, preset: arguments.preset };
         if let Some(ours) = session.row(place, mesh, &Task::new(run, JUDGE))? {
             pairs.push(Pair { ours, vhacd, coacd: coacd.clone() });
         }

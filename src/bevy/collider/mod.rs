@@ -2,7 +2,6 @@
 //! one line of the log.
 
 pub(super) mod changes;
-pub(super) mod levels;
 pub(super) mod placement;
 pub(super) mod resolve;
 pub(super) mod waiting;

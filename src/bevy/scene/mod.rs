@@ -3,7 +3,6 @@
 pub(super) mod hierarchy;
 #[cfg(feature = "bevy_gltf")]
 mod linked_levels;
-pub(super) mod pieces;
 pub(super) mod tagging;
 
 use std::time::Duration;
@@ -19,8 +18,7 @@ use self::hierarchy::{
     ConvexDecompositionHierarchy, HierarchyFinished, HierarchyReport, HierarchyStatus,
     HierarchyWork,
 };
-use self::pieces::{ColliderPieceOf, ColliderPieces};
-use self::tagging::{Nodes, tag_hierarchies};
+use self::tagging::{ColliderPieceOf, ColliderPieces, Nodes, tag_hierarchies};
 use super::collider::CollidersAttached;
 use super::collider::changes::detect_tags;
 use super::collider::work::{AttachedCollider, Unfinished};

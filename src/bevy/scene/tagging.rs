@@ -1,5 +1,6 @@
 //! Tags the nodes of scenes: which have meshes, what they and their meshes are called, what their extras say, and
-//! which tag follows from that, by a default, by names, by the artist.
+//! which tag follows from that, by a default, by names, by the artist. Pieces of a collider that an artist made, as
+//! Unreal's `UCX_chair_01` is one of `chair`, are tied to their mesh.
 
 use std::collections::BTreeMap;
 
@@ -10,8 +11,7 @@ use bevy::prelude::*;
 use bevy_rapier3d::prelude::RigidBody;
 
 use super::hierarchy::{ConvexDecompositionHierarchy, HierarchyWork};
-use super::pieces::Pieces;
-use crate::bevy::collider::levels::Levels;
+use crate::bevy::collider::resolve::Levels;
 use crate::bevy::jobs::baked::{BakedDecomposition, FromBakedScene};
 use crate::bevy::tag::outcomes::{Descriptions, entities};
 use crate::bevy::tag::{ConvexDecomposition, DecompositionShape, NoConvexDecomposition};
@@ -33,6 +33,55 @@ pub(super) struct HiddenByHierarchy;
 /// Bevy spawns the primitives of a mesh below their node, without a transform of their own.
 fn is_identity(transform: Option<&Transform>) -> bool {
     transform.is_none_or(|transform| *transform == Transform::IDENTITY)
+}
+
+/// On a piece of a collider that an artist made: the entity of the mesh that it belongs to. The piece is below it, or is
+/// put there.
+#[derive(Component, Reflect, Debug, Clone, Copy, PartialEq, Eq)]
+#[reflect(Component, Clone, PartialEq)]
+#[type_path = "hullwright"]
+#[relationship(relationship_target = ColliderPieces)]
+pub struct ColliderPieceOf(#[entities] pub Entity);
+
+/// On a mesh: the pieces that an artist made of its collider. They stand for hulls of its own.
+#[derive(Component, Reflect, Debug, Default, Clone, PartialEq, Eq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+#[type_path = "hullwright"]
+#[relationship_target(relationship = ColliderPieceOf)]
+pub struct ColliderPieces(Vec<Entity>);
+
+/// What is tied to what, and where it is: a piece moves with the body of its mesh.
+#[derive(SystemParam)]
+pub(super) struct Pieces<'w, 's> {
+    tied: Query<'w, 's, &'static ColliderPieceOf>,
+    parents: Query<'w, 's, &'static ChildOf>,
+    global: TransformHelper<'w, 's>,
+}
+
+impl Pieces<'_, '_> {
+    /// Ties a piece to its mesh, or frees it. A collider belongs to the body above it, so a piece that is elsewhere comes
+    /// below its mesh, in the place where it is.
+    fn tie(&self, commands: &mut Commands, piece: Entity, whole: Option<Entity>) {
+        if self.tied.get(piece).ok().map(|tied| tied.0) == whole {
+            return;
+        }
+        let mut commands = commands.entity(piece);
+        let Some(whole) = whole else {
+            commands.try_remove::<ColliderPieceOf>();
+            return;
+        };
+        commands.try_insert(ColliderPieceOf(whole));
+        if self.parents.iter_ancestors(piece).any(|above| above == whole) {
+            return;
+        }
+        let local = self.place(piece).reparented_to(&self.place(whole));
+        commands.try_insert((ChildOf(whole), local));
+    }
+
+    /// Where an entity is, also in the frame in which it is spawned.
+    fn place(&self, entity: Entity) -> GlobalTransform {
+        self.global.compute_global_transform(entity).unwrap_or_default()
+    }
 }
 
 /// All of a scene that says what becomes of its meshes.

@@ -8,22 +8,26 @@
 //! | `coverage` | pieces that others cover are dropped; each patch stays with one piece |
 //! | `dissolve` | pieces leave their patches to others and disappear |
 //! | `nogoods` | patches that do not fit together, learned from refusals |
-//! | `fill` | pieces extend over what they have left hollow |
+//!
+//! Then filling: hulls of large patches cover the surface and may leave the inside of a solid hollow,
+//! above all after pieces have shrunk to what they own. Points inside that no piece contains go back
+//! to a piece that contained them before, or to one that can grow over them. There are as many hulls
+//! as before. O(points · faces of all pieces), and a limited number of joint hulls.
 
 pub(super) mod coverage;
 mod dissolve;
-mod fill;
 mod grow;
 mod nogoods;
 
 use super::patch::Piece;
 use super::search::Search;
 use crate::error::Error;
+use crate::geometry::vector::{Vector, bounds, spread_in_box};
+use crate::hull::growing_hull::GrowingHull;
 use crate::parallel;
-use crate::solid::FitTester;
+use crate::solid::{FitTester, Side, Solid};
 use coverage::{area, assign_owners, drop_redundant};
 use dissolve::dissolve;
-use fill::fill;
 use grow::Grower;
 use nogoods::{Learning, Nogoods, PointsOfPatches};
 
@@ -33,6 +37,21 @@ const LAST_ROUND_BUDGET: f64 = 0.1;
 
 /// Pieces that may grow at the same time. They do not learn from each other.
 const AT_ONCE: usize = 4;
+
+/// Points in the box around all pieces: a cavity of a hundredth of the box holds several.
+const POINTS: usize = 600;
+
+/// A piece gets back what it contained if that holds at least this many points that are uncovered: a single one of
+/// [`POINTS`] may be a crack between hulls. With 1 two, with 4 three of 196 shared and bundled coarse meshes have other
+/// hulls, as many in all.
+const MIN_POINTS: usize = 2;
+
+/// Joint hulls that are tested for points that no piece has contained: a limit on time. Without any, four of the same
+/// meshes have other hulls; with 24 or 200 none has, so none needs more.
+const MAX_ATTEMPTS: usize = 48;
+
+/// Points this near to a hull count as covered. As a fraction of the diagonal.
+const COVERED: f64 = 1e-3;
 
 /// Few pieces that cover all patches.
 pub(crate) struct Cover {
@@ -106,4 +125,87 @@ fn grow_all(
         covered = (open, grown);
     }
     Ok(covered.1)
+}
+
+/// Extends pieces over points inside the solid that none contains. `before` are pieces that fit,
+/// before they shrank.
+fn fill(pieces: &mut [Piece], before: &[Piece], search: &Search<'_>) -> Result<(), Error> {
+    let mut hollow = hollow(pieces, search.solid);
+    search.control.check()?;
+    while hollow.len() >= MIN_POINTS {
+        // A piece is extended by a piece before that has the same patches, and others.
+        let gain =
+            |piece: &Piece| hollow.iter().filter(|&&point| contains(&piece.hull, point)).count();
+        let best = before
+            .iter()
+            .map(|piece| (gain(piece), piece))
+            .filter(|&(gain, _)| gain >= MIN_POINTS)
+            .max_by_key(|&(gain, _)| gain);
+        let Some((_, whole)) = best else { break };
+        let owner = pieces
+            .iter_mut()
+            .find(|piece| piece.patches.iter().all(|patch| whole.patches.contains(patch)));
+        let Some(owner) = owner else { break };
+        let vertices = whole.hull.clone().vertices();
+        owner.hull.insert(&vertices, Vector::ZERO);
+        owner.hull.volume = owner.hull.current_volume();
+        owner.inner_points.extend(vertices);
+        let count = hollow.len();
+        hollow.retain(|&point| !contains(&owner.hull, point));
+        if hollow.len() == count {
+            break;
+        }
+    }
+    grow_over(pieces, hollow, search)
+}
+
+/// Extends pieces by single points.
+fn grow_over(
+    pieces: &mut [Piece],
+    mut hollow: Vec<Vector>,
+    search: &Search<'_>,
+) -> Result<(), Error> {
+    let mut tester = FitTester::new(search.solid, search.settings.bound.search());
+    while let Some(point) = hollow.pop() {
+        search.control.check()?;
+        let single = [point];
+        let mut order: Vec<(f64, usize)> = pieces
+            .iter()
+            .enumerate()
+            .filter(|(_, piece)| piece.hull.is_solid)
+            .map(|(index, piece)| (piece.hull.builder.farthest_outside(&[point]), index))
+            .collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        for (_, index) in order {
+            if tester.attempts >= MAX_ATTEMPTS {
+                return Ok(());
+            }
+            let Some(piece) = pieces.get_mut(index) else { continue };
+            if tester.try_insert(&mut piece.hull, [(&single[..], Vector::ZERO)].into_iter()) {
+                piece.hull.volume = piece.hull.current_volume();
+                piece.inner_points.push(point);
+                let hull = &piece.hull;
+                hollow.retain(|&point| !contains(hull, point));
+                break;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Points inside the solid that no piece contains.
+fn hollow(pieces: &[Piece], solid: &Solid) -> Vec<Vector> {
+    let corners = pieces.iter().flat_map(|piece| [piece.hull.min, piece.hull.max]);
+    let (min, max) = bounds(corners);
+    (0..POINTS)
+        .map(|index| spread_in_box(index, min, max))
+        .filter(|&point| !pieces.iter().any(|piece| contains(&piece.hull, point)))
+        .filter(|&point| solid.side(point) == Side::Inside)
+        .collect()
+}
+
+fn contains(hull: &GrowingHull, point: Vector) -> bool {
+    hull.is_solid
+        && (0..3).all(|k| hull.min[k] <= point[k] && point[k] <= hull.max[k])
+        && hull.builder.farthest_outside(&[point]) <= COVERED
 }

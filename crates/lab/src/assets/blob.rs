@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::shape::{Point, Shape, add, dot, length, normalize, scale, subtract};
+use super::shape::{Point, Shape};
 
 /// A capsule whose radius changes from one end to the other.
 #[derive(Debug, Clone, Copy)]
@@ -21,11 +21,10 @@ pub struct Blob {
 
 impl Limb {
     fn distance(&self, point: Point) -> f64 {
-        let axis = subtract(self.to, self.from);
-        let offset = subtract(point, self.from);
-        let share = (dot(offset, axis) / dot(axis, axis)).clamp(0.0, 1.0);
+        let (axis, offset) = (self.to - self.from, point - self.from);
+        let share = (offset.dot(axis) / axis.length_squared()).clamp(0.0, 1.0);
         let radius = self.radii[0] + (self.radii[1] - self.radii[0]) * share;
-        length(subtract(offset, scale(axis, share))) - radius
+        (offset - axis * share).length() - radius
     }
 }
 
@@ -42,29 +41,24 @@ impl Blob {
 
     fn gradient(&self, point: Point) -> Point {
         const STEP: f64 = 1e-4;
-        [0, 1, 2].map(|axis| {
-            let mut step = [0.0; 3];
-            step[axis] = STEP;
-            let ahead = self.value(add(point, step));
-            let behind = self.value(subtract(point, step));
-            (ahead - behind) / (2.0 * STEP)
-        })
+        Point::from_array([Point::X, Point::Y, Point::Z].map(|axis| {
+            let step = axis * STEP;
+            (self.value(point + step) - self.value(point - step)) / (2.0 * STEP)
+        }))
     }
 
     fn project(&self, point: Point) -> Point {
         let gradient = self.gradient(point);
-        let slope = dot(gradient, gradient).max(1e-6);
-        subtract(point, scale(gradient, self.value(point) / slope))
+        let slope = gradient.length_squared().max(1e-6);
+        point - gradient * (self.value(point) / slope)
     }
 
     fn bounds(&self) -> (Point, Point) {
-        let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        let (mut min, mut max) = (Point::INFINITY, Point::NEG_INFINITY);
         for limb in &self.limbs {
             for (end, radius) in [(limb.from, limb.radii[0]), (limb.to, limb.radii[1])] {
-                for axis in 0..3 {
-                    min[axis] = min[axis].min(end[axis] - radius - self.blend);
-                    max[axis] = max[axis].max(end[axis] + radius + self.blend);
-                }
+                min = min.min(end - radius - self.blend);
+                max = max.max(end + radius + self.blend);
             }
         }
         (min, max)
@@ -75,11 +69,11 @@ impl Blob {
     /// crossed grid edge.
     pub fn surface(&self, cell: f64) -> Shape {
         let (min, max) = self.bounds();
-        let counts = [0, 1, 2].map(|axis| ((max[axis] - min[axis]) / cell).ceil() as usize + 2);
+        let counts = ((max - min) / cell).ceil().to_array().map(|count| count as usize + 2);
+        let size = Point::from_array(counts.map(|count| (count - 1) as f64));
         // Centred, so that a mirrored body gets a mirrored mesh.
-        let start =
-            [0, 1, 2].map(|axis| 0.5 * (min[axis] + max[axis] - cell * (counts[axis] - 1) as f64));
-        let place = |node: [usize; 3]| [0, 1, 2].map(|axis| start[axis] + cell * node[axis] as f64);
+        let start = 0.5 * (min + max - cell * size);
+        let place = |node: [usize; 3]| start + cell * Point::from_array(node.map(|n| n as f64));
         let mut values = BTreeMap::new();
         for x in 0..counts[0] {
             for y in 0..counts[1] {
@@ -101,8 +95,7 @@ impl Blob {
                     continue;
                 }
                 let share = value / (value - end_value);
-                let way = scale(subtract(place(end), place(*node)), share);
-                let crossing = add(place(*node), way);
+                let crossing = place(*node) + (place(end) - place(*node)) * share;
                 let (second, third) = ((axis + 1) % 3, (axis + 2) % 3);
                 let mut around = [[1, 1], [0, 1], [0, 0], [1, 0]].map(|[s, t]| {
                     let mut cell = *node;
@@ -121,22 +114,19 @@ impl Blob {
         }
         let mut vertices: BTreeMap<[usize; 3], Point> = BTreeMap::new();
         for (cell, points) in crossings {
-            let sum = points.iter().fold([0.0; 3], |sum, point| add(sum, *point));
-            vertices.insert(cell, self.project(scale(sum, 1.0 / points.len() as f64)));
+            let sum = points.iter().sum::<Point>();
+            vertices.insert(cell, self.project(sum * (1.0 / points.len() as f64)));
         }
         for _ in 0..RELAXATIONS {
             vertices = self.relax(&vertices, &quads);
         }
         let corners = quads.iter().flat_map(|quad| {
             let [a, b, c, d] = quad.map(|cell| vertices[&cell]);
-            let bend = |p: Point, q: Point| dot(self.normal(p), self.normal(q));
+            let normal = |point| self.gradient(point).normalize_or_zero();
+            let bend = |p: Point, q: Point| normal(p).dot(normal(q));
             if bend(a, c) >= bend(b, d) { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] }
         });
         Shape::from_corners(corners)
-    }
-
-    fn normal(&self, point: Point) -> Point {
-        normalize(self.gradient(point))
     }
 
     /// Moves each vertex to the middle of its neighbours and back onto the surface: even quads.
@@ -148,15 +138,15 @@ impl Blob {
         let mut sums: BTreeMap<[usize; 3], (Point, f64)> = BTreeMap::new();
         for quad in quads {
             for corner in 0..4 {
-                let sum = sums.entry(quad[corner]).or_insert(([0.0; 3], 0.0));
+                let sum = sums.entry(quad[corner]).or_default();
                 for neighbour in [quad[(corner + 1) % 4], quad[(corner + 3) % 4]] {
-                    sum.0 = add(sum.0, vertices[&neighbour]);
+                    sum.0 += vertices[&neighbour];
                     sum.1 += 1.0;
                 }
             }
         }
         let middle =
-            |(cell, (sum, count)): (_, (Point, f64))| (cell, self.project(scale(sum, 1.0 / count)));
+            |(cell, (sum, count)): (_, (Point, f64))| (cell, self.project(sum * (1.0 / count)));
         sums.into_iter().map(middle).collect()
     }
 }

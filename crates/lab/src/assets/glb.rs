@@ -4,7 +4,7 @@ use hullwright::io::palette::linear;
 use serde_json::{Value, json};
 
 use super::model::Model;
-use super::shape::{Point, Shape, add, cross, dot, length, normalize, scale, subtract};
+use super::shape::{Point, Shape};
 
 /// Cosine of the greatest angle, 40 degrees, between faces that are shaded as one smooth surface.
 const SMOOTH: f64 = 0.766;
@@ -22,22 +22,21 @@ const INDICES: u32 = 34963;
 /// For each triangle the normals at its corners.
 fn corner_normals(shape: &Shape) -> Vec<[Point; 3]> {
     let corners: Vec<[Point; 3]> = shape.corners().collect();
-    let normal = |[a, b, c]: &[Point; 3]| normalize(cross(subtract(*b, *a), subtract(*c, *a)));
+    let normal = |&[a, b, c]: &[Point; 3]| (b - a).cross(c - a).normalize_or_zero();
     let faces: Vec<Point> = corners.iter().map(normal).collect();
     let mut incident = vec![Vec::new(); shape.positions.len()];
     for (triangle, indices) in shape.triangles.iter().enumerate() {
         for (corner, vertex) in indices.iter().enumerate() {
             let [a, b, c] = [0, 1, 2].map(|step| corners[triangle][(corner + step) % 3]);
-            let (first, second) = (subtract(b, a), subtract(c, a));
-            let angle = length(cross(first, second)).atan2(dot(first, second));
+            let (first, second) = (b - a, c - a);
+            let angle = first.cross(second).length().atan2(first.dot(second));
             incident[*vertex as usize].push((triangle, angle));
         }
     }
     let smooth = |face: Point, vertex: u32| {
-        let near =
-            incident[vertex as usize].iter().filter(|(other, _)| dot(faces[*other], face) > SMOOTH);
-        let sum = near.fold([0.0; 3], |sum, (other, angle)| add(sum, scale(faces[*other], *angle)));
-        normalize(sum)
+        let near = incident[vertex as usize].iter().map(|&(other, angle)| (faces[other], angle));
+        let near = near.filter(|(other, _)| other.dot(face) > SMOOTH);
+        near.map(|(other, angle)| other * angle).sum::<Point>().normalize_or_zero()
     };
     let triangles = shape.triangles.iter().zip(&faces);
     triangles.map(|(triangle, face)| triangle.map(|vertex| smooth(*face, vertex))).collect()
@@ -91,10 +90,11 @@ fn primitive(buffer: &mut Buffer, shape: &Shape, normals: &[[Point; 3]], materia
             continue;
         }
         for (vertex, normal) in vertices.iter().zip(normals[triangle]) {
-            let steps = normal.map(|value| (value * NORMAL_STEPS).round() as i32);
+            let steps = (normal * NORMAL_STEPS).round().as_ivec3().to_array();
             let index = *known.entry((*vertex, steps)).or_insert_with(|| {
-                positions.push(shape.positions[*vertex as usize].map(|value| value as f32));
-                directions.push(normalize(steps.map(f64::from)).map(|value| value as f32));
+                positions.push(shape.positions[*vertex as usize].as_vec3().to_array());
+                let direction = Point::from_array(steps.map(f64::from)).normalize_or_zero();
+                directions.push(direction.as_vec3().to_array());
                 positions.len() as u16 - 1
             });
             indices.push(index);

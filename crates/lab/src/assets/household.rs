@@ -14,11 +14,11 @@ const GLASS: Material = Material::new("frosted glass", [244, 236, 210]);
 const LINEN: Material = Material::new("linen", [216, 196, 160]);
 
 /// Across all curves that lie in the x-y plane.
-const ACROSS: Point = [0.0, 0.0, 1.0];
+const ACROSS: Point = Point::Z;
 
 /// Points by their coordinates x and y.
 fn flat(coordinates: &[f64]) -> Vec<Point> {
-    coordinates.as_chunks().0.iter().map(|[x, y]| [*x, *y, 0.0]).collect()
+    coordinates.as_chunks().0.iter().map(|&[x, y]| Point::new(x, y, 0.0)).collect()
 }
 
 pub fn mug() -> Model {
@@ -117,7 +117,7 @@ pub fn chair() -> Model {
     let half = [-0.5, 0.5];
     let cube: Shape = cells([&half, &half, &half], |_| true);
     let mut nodes = vec![Node::new("chair", None)];
-    let block = |name: &str, parent: usize, scale: Point, translation: Point| Node {
+    let block = |name: &str, parent: usize, scale: [f64; 3], translation: [f64; 3]| Node {
         parent: Some(parent),
         scale,
         translation,

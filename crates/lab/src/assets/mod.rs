@@ -78,7 +78,7 @@ fn panel(model: &Model) -> Panel {
         let of_material = triangles.filter(|(_, other)| **other == material);
         Part {
             mesh: TriangleMesh::new(
-                shape.positions.clone(),
+                shape.positions.iter().map(|place| place.to_array()).collect(),
                 of_material.map(|(triangle, _)| *triangle).collect(),
             ),
             colour: model.materials[material].colour,

@@ -1,6 +1,6 @@
 //! A model: shapes with materials, placed by nodes.
 
-use super::shape::{Point, Shape, add};
+use super::shape::{Point, Shape};
 
 #[derive(Debug, Clone, Copy)]
 pub struct Material {
@@ -27,10 +27,10 @@ pub struct Node {
     pub name: String,
     pub mesh: Option<usize>,
     pub parent: Option<usize>,
-    pub scale: Point,
+    pub scale: [f64; 3],
     /// Degrees about the x axis.
     pub tilt: f64,
-    pub translation: Point,
+    pub translation: [f64; 3],
     /// A custom property, as Blender calls it.
     pub extras: Option<(&'static str, &'static str)>,
 }
@@ -49,9 +49,10 @@ impl Node {
     }
 
     fn apply(&self, point: Point) -> Point {
-        let [x, y, z] = [0, 1, 2].map(|axis| point[axis] * self.scale[axis]);
+        let Point { x, y, z } = point * Point::from(self.scale);
         let (sine, cosine) = self.tilt.to_radians().sin_cos();
-        add([x, y * cosine - z * sine, y * sine + z * cosine], self.translation)
+        let turned = Point::new(x, y * cosine - z * sine, y * sine + z * cosine);
+        turned + Point::from(self.translation)
     }
 }
 

@@ -14,7 +14,11 @@ const GREEN: Material = Material::new("leaf green", [112, 156, 72]);
 const DOG_CELL: f64 = 0.024;
 
 pub fn dog() -> Model {
-    let limb = |from: Point, to: Point, radii: [f64; 2]| Limb { from, to, radii };
+    let limb = |from: [f64; 3], to: [f64; 3], radii: [f64; 2]| Limb {
+        from: from.into(),
+        to: to.into(),
+        radii,
+    };
     let mut limbs = vec![
         limb([-0.22, 0.400, 0.0], [0.20, 0.415, 0.0], [0.108, 0.132]),
         limb([0.24, 0.46, 0.0], [0.34, 0.60, 0.0], [0.088, 0.070]),
@@ -52,7 +56,7 @@ pub fn leaf() -> Model {
             let arch = 0.030 * (PI * along).sin() - 0.012 * along * along;
             let fold = 0.45 * half_width * across.abs().powf(1.4);
             let ripple = 0.0016 * across.abs() * (6.0 * PI * along).sin();
-            [LENGTH * along, arch + fold + ripple, half_width * across]
+            Point::new(LENGTH * along, arch + fold + ripple, half_width * across)
         };
         (-HALF_STEPS..=HALF_STEPS).map(point).collect()
     };

@@ -3,7 +3,7 @@
 use super::household::{lamp, mug, table};
 use super::model::{Model, Node};
 use super::nature::leaf;
-use super::shape::{Point, cells};
+use super::shape::cells;
 
 /// What each tag below asks for is said in `docs/bevy/artists.md`.
 pub fn props() -> Model {
@@ -18,7 +18,7 @@ pub fn props() -> Model {
         mesh_names: Vec::new(),
         nodes: Vec::new(),
     };
-    let at = |translation: Point, node: Node| Node { translation, ..node };
+    let at = |translation: [f64; 3], node: Node| Node { translation, ..node };
     let mesh = scene.add_mesh(mug());
     scene.nodes.push(at([-0.25, TOP, 0.1], Node::new("mug-convdecomp", Some(mesh))));
     let mesh = scene.add_mesh(lamp());
@@ -35,7 +35,7 @@ pub fn props() -> Model {
     cube.materials.fill(wood);
     scene.meshes.push(cube);
     scene.mesh_names.push("block");
-    let mut piece = |number: usize, scale: Point, translation: Point| {
+    let mut piece = |number: usize, scale: [f64; 3], translation: [f64; 3]| {
         let node = Node::new(&format!("UCX_table_{number:02}"), Some(mesh + 1));
         scene.nodes.push(Node { parent: Some(whole), scale, translation, ..node });
     };

@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-pub type Point = [f64; 3];
+pub type Point = crate::shapes::Vector;
 
 /// Places are rounded to a micrometre, so that the last bit of a sine cannot change a file.
 const RESOLUTION: f64 = 1e6;
@@ -24,9 +24,9 @@ impl Shape {
         let mut places = BTreeMap::new();
         for triangle in corners {
             let [a, b, c] = triangle.map(|corner| {
-                let place = corner.map(|value| (value * RESOLUTION).round() as i64);
+                let place = corner.to_array().map(|value| (value * RESOLUTION).round() as i64);
                 *places.entry(place).or_insert_with(|| {
-                    shape.positions.push(place.map(|steps| steps as f64 / RESOLUTION));
+                    shape.positions.push(place.map(|steps| steps as f64 / RESOLUTION).into());
                     shape.positions.len() as u32 - 1
                 })
             });
@@ -45,7 +45,7 @@ impl Shape {
 
     /// Positive if the triangles of a closed shape are wound counter-clockwise seen from outside.
     pub fn volume(&self) -> f64 {
-        self.corners().map(|[a, b, c]| dot(a, cross(b, c)) / 6.0).sum()
+        self.corners().map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum()
     }
 
     /// Turns a closed shape's triangles so that they face outward.
@@ -68,69 +68,34 @@ impl Shape {
 
     pub fn map(mut self, place: impl Fn(Point) -> Point) -> Self {
         for position in &mut self.positions {
-            let moved = place(*position);
-            *position = moved.map(|value| (value * RESOLUTION).round() / RESOLUTION);
+            *position = (place(*position) * RESOLUTION).round() / RESOLUTION;
         }
         self
     }
 
     /// Least and greatest coordinates.
     pub fn bounds(&self) -> (Point, Point) {
-        let fold = |start: f64, choose: fn(f64, f64) -> f64| {
-            [0, 1, 2].map(|axis| {
-                self.positions.iter().fold(start, |value, place| choose(value, place[axis]))
-            })
-        };
-        (fold(f64::INFINITY, f64::min), fold(f64::NEG_INFINITY, f64::max))
+        let nothing = (Point::INFINITY, Point::NEG_INFINITY);
+        self.positions.iter().fold(nothing, |(low, high), &place| (low.min(place), high.max(place)))
     }
 
     /// Stands it on the ground, centred above the origin.
     pub fn grounded(self) -> Self {
         let (min, max) = self.bounds();
-        let shift = [-0.5 * (min[0] + max[0]), -min[1], -0.5 * (min[2] + max[2])];
-        self.map(|place| add(place, shift))
+        let middle = (min + max) * 0.5;
+        self.map(|place| place - middle.with_y(min.y))
     }
 }
 
-pub fn add(a: Point, b: Point) -> Point {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-
-pub fn scale(a: Point, factor: f64) -> Point {
-    a.map(|value| value * factor)
-}
-
-pub fn subtract(a: Point, b: Point) -> Point {
-    add(a, scale(b, -1.0))
-}
-
-pub fn dot(a: Point, b: Point) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-pub fn cross(a: Point, b: Point) -> Point {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-pub fn length(a: Point) -> f64 {
-    dot(a, a).sqrt()
-}
-
-pub fn normalize(a: Point) -> Point {
-    let length = length(a);
-    if length > 0.0 { scale(a, 1.0 / length) } else { a }
-}
-
 fn centroid(points: &[Point]) -> Point {
-    let sum = points.iter().fold([0.0; 3], |sum, point| add(sum, *point));
-    scale(sum, 1.0 / points.len() as f64)
+    points.iter().sum::<Point>() * (1.0 / points.len() as f64)
 }
 
 /// Two triangles, split along the shorter diagonal.
 fn quad([a, b, c, d]: [Point; 4]) -> [[Point; 3]; 2] {
     // A tie must not be decided by rounding.
     const TIE: f64 = 1.0 + 1e-9;
-    if length(subtract(a, c)) <= length(subtract(b, d)) * TIE {
+    if a.distance(c) <= b.distance(d) * TIE {
         [[a, b, c], [a, c, d]]
     } else {
         [[a, b, d], [b, c, d]]
@@ -165,7 +130,7 @@ pub fn lathe(profile: &[f64], segments: usize, bands: impl Fn(usize) -> usize) -
         let rings: Vec<Vec<Point>> = (0..segments)
             .map(|segment| {
                 let (sine, cosine) = angle(segment).sin_cos();
-                ends.iter().map(|[r, y]| [r * cosine, *y, r * sine]).collect()
+                ends.iter().map(|[r, y]| Point::new(r * cosine, *y, r * sine)).collect()
             })
             .collect();
         let band_corners = Shape::from_corners(skin(&rings, true, false));
@@ -187,12 +152,9 @@ pub fn curve(controls: &[Point], steps: usize) -> Vec<Point> {
         let [a, b, c, d] = [-1, 0, 1, 2].map(|offset| control(piece + offset));
         for step in 0..steps {
             let t = step as f64 / steps as f64;
-            points.push([0, 1, 2].map(|axis| {
-                let (a, b, c, d) = (a[axis], b[axis], c[axis], d[axis]);
-                let cubic = (3.0 * b - 3.0 * c + d - a) * t.powi(3);
-                let square = (2.0 * a - 5.0 * b + 4.0 * c - d) * t * t;
-                b + 0.5 * (cubic + square + (c - a) * t)
-            }));
+            let cubic = (3.0 * b - 3.0 * c + d - a) * t.powi(3);
+            let square = (2.0 * a - 5.0 * b + 4.0 * c - d) * t * t;
+            points.push(b + 0.5 * (cubic + square + (c - a) * t));
         }
     }
     points.extend(controls.last());
@@ -210,15 +172,14 @@ pub fn tube(
 ) -> Shape {
     let last = path.len() - 1;
     let ring = |index: usize| -> Vec<Point> {
-        let tangent = subtract(path[(index + 1).min(last)], path[index.saturating_sub(1)]);
-        let side = normalize(cross(reference, tangent));
-        let other = normalize(cross(tangent, side));
+        let tangent = path[(index + 1).min(last)] - path[index.saturating_sub(1)];
+        let side = reference.cross(tangent).normalize_or_zero();
+        let other = tangent.cross(side).normalize_or_zero();
         let [a, b] = half_size(index as f64 / last as f64);
         (0..sides)
             .map(|corner| {
                 let angle = std::f64::consts::TAU * (corner as f64 + 0.5) / sides as f64;
-                let offset = add(scale(side, a * angle.cos()), scale(other, b * angle.sin()));
-                add(path[index], offset)
+                path[index] + (side * (a * angle.cos()) + other * (b * angle.sin()))
             })
             .collect()
     };
@@ -237,7 +198,7 @@ pub fn tube(
 /// A simple outline in x and y, counter-clockwise, pushed along z: the fewest triangles that it
 /// can have.
 pub fn prism(outline: &[[f64; 2]], depth: f64) -> Shape {
-    let place = |index: usize, z: f64| [outline[index][0], outline[index][1], z];
+    let place = |index: usize, z: f64| Point::new(outline[index][0], outline[index][1], z);
     let mut corners = Vec::new();
     for [a, b, c] in clip_ears(outline) {
         corners.push([place(a, 0.0), place(c, 0.0), place(b, 0.0)]);
@@ -303,7 +264,7 @@ pub fn cells(planes: [&[f64]; 3], filled: impl Fn([usize; 3]) -> bool) -> Shape 
                         corner[axis] += side;
                         corner[second] += s;
                         corner[third] += t;
-                        [0, 1, 2].map(|axis| planes[axis][corner[axis] as usize])
+                        Point::from_array([0, 1, 2].map(|axis| planes[axis][corner[axis] as usize]))
                     });
                     if side == 0 {
                         face.reverse();

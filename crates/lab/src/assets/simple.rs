@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use glam::Vec3Swizzles as _;
+
 use super::model::{Material, Model};
 use super::shape::{Point, Shape, prism, skin, tube};
 
@@ -40,7 +42,7 @@ pub fn plus() -> Model {
 /// The circle in the x-z plane, as places at a share of the turn, distance and height.
 fn around(share: f64, radius: f64, height: f64) -> Point {
     let (sine, cosine) = (TAU * share).sin_cos();
-    [radius * cosine, height, radius * sine]
+    Point::new(radius * cosine, height, radius * sine)
 }
 
 pub fn torus() -> Model {
@@ -75,9 +77,8 @@ pub fn gear() -> Model {
         let upper = SECTION.iter().chain([&teeth]).map(|[radius, half]| (*radius, *half));
         let lower = upper.clone().rev().map(|(radius, half)| (radius, -half));
         let point = |(radius, height)| {
-            let [x, y, z] = around(share, radius, height);
             // The axle lies along z, so that the gear stands on its teeth.
-            [x, z, y]
+            around(share, radius, height).xzy()
         };
         upper.chain(lower).map(point).collect()
     };
@@ -97,7 +98,7 @@ pub fn spring() -> Model {
         around(turn, RADIUS, RISE_PER_TURN * turn)
     };
     let path: Vec<Point> = (0..=(TURNS * STEPS_PER_TURN) as usize).map(point).collect();
-    let shape = tube(&path, 8, [0.0, 1.0, 0.0], |_| [0.004, 0.004]);
+    let shape = tube(&path, 8, Point::Y, |_| [0.004, 0.004]);
     let purpose = "a helix: no plane cuts it well";
     Model::single("spring", purpose, vec![STEEL], shape.grounded())
 }

@@ -37,48 +37,33 @@ impl Curve {
         Self { points: front }
     }
 
-    #[cfg(test)]
-    pub fn points(&self) -> &[Point] {
-        &self.points
-    }
-
-    /// Hulls needed for an error: on the straight line between the settings around it, in
-    /// logarithms. For an error larger than any setting has, the fewest hulls, which do with less;
+    /// Hulls needed for an error. For an error larger than any setting has, the fewest hulls, which do with less;
     /// `None` for one that no setting reaches.
     pub fn hulls_at(&self, error: f64) -> Option<f64> {
-        let error = error.max(LEAST_ERROR);
-        let first = self.points.first()?;
-        if error >= first.error {
-            return Some(first.hulls);
-        }
-        let (a, b) = self
-            .points
-            .windows(2)
-            .map(|pair| (pair[0], pair[1]))
-            .find(|(_, b)| error >= b.error)?;
-        Some(between(error, (a.error, a.hulls), (b.error, b.hulls)))
+        let points = self.points.iter().rev().map(|point| (point.error, point.hulls));
+        between(points, error.max(LEAST_ERROR))
     }
 
-    /// Error reached with so many hulls, in the same way: with more than any setting has, its
-    /// least error; `None` for fewer than any has.
+    /// Error reached with so many hulls: with more than any setting has, its least error; `None` for fewer than
+    /// any has.
     pub fn error_at(&self, hulls: f64) -> Option<f64> {
-        let last = self.points.last()?;
-        if hulls >= last.hulls {
-            return Some(last.error);
-        }
-        let (a, b) = self
-            .points
-            .windows(2)
-            .map(|pair| (pair[0], pair[1]))
-            .find(|(a, b)| hulls >= a.hulls && hulls < b.hulls)?;
-        Some(between(hulls, (a.hulls, a.error), (b.hulls, b.error)))
+        between(self.points.iter().map(|point| (point.hulls, point.error)), hulls)
     }
 }
 
-/// Straight in logarithms from one pair to the other; all values are positive.
-fn between(x: f64, (x0, y0): (f64, f64), (x1, y1): (f64, f64)) -> f64 {
-    let share = (x / x0).ln() / (x1 / x0).ln();
-    y0 * (y1 / y0).powf(share)
+/// The value at `x` of points by ascending `x`: on the straight line between those around it, in logarithms, since all
+/// are positive; the last one's beyond it.
+fn between(points: impl Iterator<Item = (f64, f64)>, x: f64) -> Option<f64> {
+    let mut before = None;
+    for (x1, y1) in points {
+        if x < x1 {
+            let (x0, y0): (f64, f64) = before?;
+            let share = (x / x0).ln() / (x1 / x0).ln();
+            return Some(y0 * (y1 / y0).powf(share));
+        }
+        before = Some((x1, y1));
+    }
+    before.map(|(_, y)| y)
 }
 
 /// How one method stands against another on one mesh: geometric means over the other's settings
@@ -108,7 +93,7 @@ mod tests {
     #[test]
     fn a_curve_keeps_what_no_other_setting_beats() {
         let found = curve(&[(8.0, 0.02), (4.0, 0.08), (8.0, 0.03), (9.0, 0.02), (16.0, 0.01)]);
-        let hulls: Vec<f64> = found.points().iter().map(|point| point.hulls).collect();
+        let hulls: Vec<f64> = found.points.iter().map(|point| point.hulls).collect();
         assert_eq!(hulls, [4.0, 8.0, 16.0]);
     }
 

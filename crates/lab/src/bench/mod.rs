@@ -5,8 +5,8 @@ mod curves;
 mod plot;
 mod summary;
 
-use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
 
 use serde_json::json;
 
@@ -14,11 +14,10 @@ use summary::Results;
 
 use crate::harness::session::limits;
 use crate::harness::{FULL, Judge, Session, Task, row};
-use crate::report::{Report, create_folder, write};
+use crate::report::{Report, write};
 use crate::terminal::Failure;
 use crate::tools::data_folder::DataFolder;
-use crate::tools::external_tools::ExternalTools;
-use crate::tools::meshes::{self, Mesh};
+use crate::tools::meshes;
 use crate::tools::methods::Run;
 
 /// Compare methods on every mesh below folders: time against error
@@ -46,13 +45,9 @@ pub struct Arguments {
     #[arg(long, value_name = "METHODS", value_delimiter = ',')]
     only: Vec<String>,
 
-    /// A folder with tools/peers.py and peers/results.tsv, for CoACD and V-HACD 4
+    /// A folder with peers/results.tsv and CoACD's hulls in peers/coacd, to judge them too
     #[arg(long, value_name = "DIR")]
     external_tools: Option<PathBuf>,
-
-    /// The Python that has the packages coacd, vhacdx and trimesh
-    #[arg(long, value_name = "PROGRAM", default_value = "python3")]
-    python: String,
 
     /// Judge protrusion where a ball of this radius comes, and fill the rest: a fraction of the diagonal. Into a report
     /// of its own
@@ -74,11 +69,6 @@ pub struct Arguments {
     /// Run nothing, only write the report of what is in REPORT/runs.jsonl, with its plots
     #[arg(long)]
     report_only: bool,
-
-    /// Copy the small plot into this folder too, under the name of the large one: docs/pictures for
-    /// the README
-    #[arg(long, value_name = "DIR")]
-    pictures: Option<PathBuf>,
 }
 
 /// How many meshes `--quick` takes, at least one of each folder: with about a second for each of its
@@ -87,37 +77,32 @@ const QUICK_MESHES: usize = 12;
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let limits = limits(arguments.time_limit, arguments.memory_limit)?;
-    let folder = arguments.external_tools.clone().map(DataFolder);
-    let tools = folder.map(|folder| ExternalTools::new(folder, &arguments.python));
+    let folder = arguments.external_tools.clone().map(DataFolder).filter(|_| !arguments.quick);
+    let coacd = folder.map_or_else(|| Ok(BTreeMap::new()), |folder| folder.coacd_runs())?;
     let mut session = Session::open(&arguments.output, limits)?;
-    (session.retries, session.tools) = (arguments.retry, tools.as_ref());
+    session.retries = arguments.retry;
     if !arguments.report_only {
         let mut meshes = meshes::find(&arguments.folders)?;
         if arguments.quick {
             meshes = meshes::spread_over_folders(meshes, QUICK_MESHES);
         }
-        for missing in tools.iter().flat_map(ExternalTools::missing) {
-            eprintln!("{missing}: its runs are left out");
-        }
-        session.rows(&meshes, |mesh| tasks(arguments, tools.as_ref(), mesh))?;
+        session.rows(&meshes, |mesh| tasks(arguments, coacd.get(&mesh.name)))?;
     }
-    Ok(report(&session, arguments.pictures.as_deref())?)
+    Ok(report(&session)?)
 }
 
 /// Every setting of the requested methods.
-fn tasks(arguments: &Arguments, tools: Option<&ExternalTools>, mesh: &Mesh) -> Vec<Task> {
+fn tasks(arguments: &Arguments, coacd: Option<&Run>) -> Vec<Task> {
     let mut runs = if arguments.quick { Run::quick() } else { Run::own() };
-    if let Some(tools) = tools.filter(|_| !arguments.quick) {
-        runs.extend(tools.runs(&mesh.name));
-    }
+    runs.extend(coacd.cloned());
     let only = &arguments.only;
     runs.retain(|run| only.is_empty() || only.iter().any(|method| method == run.method()));
     let judge = Judge { probe_radius: arguments.probe_radius, ..FULL };
     runs.into_iter().map(|run| Task::new(run, judge)).collect()
 }
 
-/// Writes the report of what the journal holds, and copies its small plot.
-fn report(session: &Session<'_>, pictures: Option<&Path>) -> Result<(), String> {
+/// Writes the report of what the journal holds.
+fn report(session: &Session) -> Result<(), String> {
     let rows = session.journal();
     let results = Results::new(&rows);
     if results.rows.is_empty() {
@@ -137,19 +122,13 @@ fn report(session: &Session<'_>, pictures: Option<&Path>) -> Result<(), String> 
             Vec::from_iter(versions).join("; "),
         ),
         "Seconds are the median of up to three repeats on one thread, reading and writing left \
-         out. CoACD and V-HACD 4 choose their threads themselves. Rows `coacd-files` are hull \
-         files that were computed on another machine, and so are their times. The memory is the \
-         peak of the process while it decomposes, mesh included. The cost is the paper's, for \
-         methods that group a surface."
+         out. Rows `coacd-files` are hull files that were computed on another machine, on as many \
+         threads as CoACD chose, and so are their times. The memory is the peak of the process \
+         while it decomposes, mesh included. The cost is the paper's, for methods that group a \
+         surface."
             .into(),
     ];
-    let plots = plot::plots(&results)?;
-    if let Some(pictures) = pictures {
-        create_folder(pictures)?;
-        for plot in plots.iter().filter(|plot| plot.is_extra) {
-            write(&pictures.join(plot.file.replace("-small", "")), &plot.svg)?;
-        }
-    }
+    let plots = vec![plot::plot(&results)?];
     write(&session.output.join("runs.csv"), &row::to_csv(&results.rows)?)?;
     write(&session.output.join("versus.csv"), &versus_csv(&results)?)?;
     let tables = results.tables();

@@ -1,5 +1,5 @@
-//! Error against time as SVG: one line per method through its settings. Its title says what it shows; text is in the
-//! reader's own sans-serif, so no fonts are needed to draw it.
+//! Error against time as SVG: one line per method through its settings. Text is in the reader's own
+//! sans-serif, so no fonts are needed to draw it.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -10,12 +10,10 @@ use plotters::prelude::*;
 use super::summary::{METHODS, Results};
 use crate::harness::Row;
 use crate::report::Plot;
-use crate::statistics::{geometric_mean, median, range};
+use crate::statistics::{geometric_mean, range};
 
-/// Width and height of the plot in the report, and of the small one for other pages. One of 560 pixels is shown
-/// at about that width in a README.
-const LARGE: (u32, u32) = (900, 560);
-const SMALL: (u32, u32) = (560, 360);
+/// Width and height.
+const SIZE: (u32, u32) = (900, 560);
 
 /// Of the viewer's pages: what is behind everything, letters, quiet letters, lines.
 const PAPER: RGBColor = RGBColor(245, 246, 249);
@@ -32,49 +30,31 @@ const FONT: &str = "sans-serif";
 /// What `sans-serif` becomes in the file: the letters of the reader's own system.
 const FONTS: &str = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Noto Sans', sans-serif";
 
-/// Sizes of letters in pixels; height of a line of the title, and width of a letter of it in the median.
+const TITLE: &str = "Error against time";
+
+/// Sizes of letters in pixels.
 const TITLE_SIZE: i32 = 17;
 const LABEL_SIZE: i32 = 13;
-const TITLE_LINE: i32 = 24;
-const TITLE_LETTER: f64 = 8.6;
 
 /// One per method, in the order of [`METHODS`]: distinct for colour-blind eyes too (Okabe and Ito). Then the
 /// method's name for people.
-const COLOURS: [(RGBColor, &str); 7] = [
+const COLOURS: [(RGBColor, &str); 4] = [
     (RGBColor(213, 94, 0), "Hullwright"),
     (RGBColor(0, 114, 178), "surface (the paper's)"),
-    (RGBColor(0, 158, 115), "HACD"),
     (RGBColor(204, 121, 167), "V-HACD in Parry"),
-    (RGBColor(150, 105, 75), "V-HACD 4"),
-    (RGBColor(230, 159, 0), "CoACD"),
     (RGBColor(180, 140, 0), "CoACD (files)"),
 ];
-
-/// Methods that ours is compared with in the title, the first that ran.
-const RIVALS: [(&str, &str); 4] =
-    [("vhacd", "V-HACD"), ("vhacd4", "V-HACD 4"), ("coacd", "CoACD"), ("coacd-files", "CoACD")];
 
 /// What lies on a logarithmic axis is at least this.
 const LEAST: f64 = 1e-5;
 
-/// Less than this factor would leave an axis with a single label.
-const LEAST_SPAN: f64 = 20.0;
-
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
-/// The plot with a dot for every run, and a small one without.
-pub fn plots(results: &Results<'_>) -> std::result::Result<Vec<Plot>, String> {
-    let note = "Large dots are geometric means over the meshes that all settings shown have done; lines \
-                join those that no other setting of the method beats.";
-    let plot = |file, note: String, size, with_runs| {
-        let svg = draw(size, results, with_runs).map_err(|error| format!("a plot: {error}"))?;
-        let title = "Error against time";
-        Ok::<_, String>(Plot { file, title, note, svg, is_extra: !with_runs })
-    };
-    Ok(vec![
-        plot("error-time.svg", format!("Every run (dots). {note}"), LARGE, true)?,
-        plot("error-time-small.svg", note.into(), SMALL, false)?,
-    ])
+pub fn plot(results: &Results<'_>) -> std::result::Result<Plot, String> {
+    let note = "Every run (dots). Large dots are geometric means over the meshes that all settings shown have done; \
+                lines join those that no other setting of the method beats.";
+    let svg = draw(results).map_err(|error| format!("a plot: {error}"))?;
+    Ok(Plot { file: "error-time.svg", title: TITLE, note: note.into(), svg })
 }
 
 /// A setting's geometric means over meshes.
@@ -126,55 +106,27 @@ fn front(mut points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     points
 }
 
-/// What the plot says: how the medians of our default and of the nearest rival's compare.
-fn title(results: &Results<'_>) -> String {
-    let defaults = results.defaults();
-    let default = |name: &str| {
-        let (_, rows) = defaults.iter().find(|(method, _)| *method == name)?;
-        let of = |figure: fn(&Row) -> Option<f64>| {
-            median(rows.iter().filter_map(|row| figure(row)).collect())
-        };
-        Some((of(|row| row.hausdorff), of(|row| row.seconds)))
-    };
-    let rival = RIVALS.iter().find_map(|&(rival, name)| Some((name, default(rival)?)));
-    let (Some(ours), Some((name, theirs))) = (default("bounded"), rival) else {
-        return "Error against time".into();
-    };
-    format!(
-        "By default {:.2} times the error of {name}, in {:.2} times its time (medians)",
-        ours.0 / theirs.0.max(LEAST),
-        ours.1 / theirs.1.max(LEAST)
-    )
-}
-
-fn draw(size: (u32, u32), results: &Results<'_>, with_runs: bool) -> Result<String> {
+fn draw(results: &Results<'_>) -> Result<String> {
     let colour = |method: &str| {
         let place = METHODS.iter().position(|&other| other == method);
         place.and_then(|place| COLOURS.get(place)).copied().unwrap_or((QUIET, "another"))
     };
     let mut svg = String::new();
     {
-        let area = SVGBackend::with_string(&mut svg, size).into_drawing_area();
+        let area = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
         area.fill(&PAPER)?;
-        let lines = wrapped(&title(results), (f64::from(size.0 - 28) / TITLE_LETTER) as usize);
         let style = (FONT, TITLE_SIZE).into_font().style(FontStyle::Bold).color(&INK);
-        for (place, line) in (0..).zip(&lines) {
-            area.draw_text(line, &style, (16, 14 + TITLE_LINE * place))?;
-        }
-        let (_, area) = area.split_vertically(16 + TITLE_LINE * lines.len() as i32);
+        area.draw_text(TITLE, &style, (16, 14))?;
+        let (_, area) = area.split_vertically(40);
 
-        let runs = results.rows.iter().filter(|row| with_runs && row.is_done());
+        let runs = results.rows.iter().filter(|row| row.is_done());
         let runs: Vec<(&str, (f64, f64))> = runs
             .filter_map(|row| Some((row.method.as_str(), row.seconds.zip(row.hausdorff)?)))
             .map(|(method, (x, y))| (method, (x.max(LEAST), y.max(LEAST))))
             .collect();
         let means = means(results);
-        let all = means.iter().flat_map(|(_, list)| list);
-        let (x, y) = if with_runs {
-            (decades(runs.iter().map(|run| run.1.0)), decades(runs.iter().map(|run| run.1.1)))
-        } else {
-            (decades(all.clone().map(|m| m.seconds)), room(all.map(|m| m.error)))
-        };
+        let (x, y) =
+            (decades(runs.iter().map(|run| run.1.0)), decades(runs.iter().map(|run| run.1.1)));
         let quiet = |size: i32| (FONT, size).into_font().color(&QUIET);
         let mut chart = ChartBuilder::on(&area)
             .margin(12)
@@ -186,7 +138,7 @@ fn draw(size: (u32, u32), results: &Results<'_>, with_runs: bool) -> Result<Stri
             .light_line_style(PAPER)
             .bold_line_style(LINE)
             .axis_style(LINE)
-            .x_desc("seconds, one thread (CoACD and V-HACD 4: as many as they choose)")
+            .x_desc("seconds, one thread (CoACD: as many as it chooses)")
             .y_desc("error: Hausdorff distance / diagonal")
             .x_label_formatter(&label)
             .y_label_formatter(&label)
@@ -225,21 +177,6 @@ fn draw(size: (u32, u32), results: &Results<'_>, with_runs: bool) -> Result<Stri
     Ok(for_dark_pages(&svg))
 }
 
-/// Words in lines of at most so many letters.
-fn wrapped(text: &str, letters: usize) -> Vec<String> {
-    let mut lines: Vec<String> = Vec::new();
-    for word in text.split_whitespace() {
-        match lines.last_mut() {
-            Some(line) if line.chars().count() + 1 + word.chars().count() <= letters => {
-                *line += " ";
-                *line += word;
-            }
-            _ => lines.push(word.to_owned()),
-        }
-    }
-    lines
-}
-
 /// The same picture, dark where the reader prefers that.
 fn for_dark_pages(svg: &str) -> String {
     let mut style = String::from("<style>@media (prefers-color-scheme: dark) {");
@@ -268,16 +205,6 @@ fn decades(values: impl Iterator<Item = f64>) -> Range<f64> {
     floor..if ceiling > floor { ceiling } else { 10.0 * floor }
 }
 
-/// Values with a little room around them.
-fn room(values: impl Iterator<Item = f64>) -> Range<f64> {
-    let (low, high) = range(values.filter(|value| value.is_finite() && *value > 0.0));
-    if low > high {
-        return 0.1..10.0;
-    }
-    let factor = (LEAST_SPAN / (high / low)).sqrt().max(1.3);
-    low / factor..high * factor
-}
-
 /// A number on a logarithmic axis; nothing where numbers would stand too close.
 fn label(value: &f64) -> String {
     let digit = value / 10_f64.powf(value.log10().floor());
@@ -298,16 +225,14 @@ mod tests {
 
     #[test]
     fn a_plot_says_its_title_and_is_dark_where_that_is_preferred() {
-        let svg = draw(SMALL, &Results::new(&[]), true).unwrap();
-        assert!(svg.starts_with("<svg") && svg.contains("Error against time"));
+        let svg = draw(&Results::new(&[])).unwrap();
+        assert!(svg.starts_with("<svg") && svg.contains(TITLE));
         assert!(svg.contains("prefers-color-scheme: dark") && svg.contains("#15181d"));
     }
 
     #[test]
-    fn labels_are_few_enough_to_be_read_and_lines_break_between_words() {
+    fn labels_are_few_enough_to_be_read() {
         let labels = [0.001, 0.002, 0.003, 0.009, 0.5, 1.0, 7.0, 20.0].map(|value| label(&value));
         assert_eq!(labels, ["0.001", "0.002", "", "", "0.5", "1", "", "20"]);
-        assert_eq!(wrapped("one two three", 7), ["one two", "three"]);
-        assert_eq!(wrapped("longer than that", 3), ["longer", "than", "that"]);
     }
 }

@@ -6,7 +6,7 @@ use super::curves::{Comparison, Curve, Point, versus};
 use crate::harness::row::Figure;
 use crate::harness::{Row, Status};
 use crate::report::{NOTHING, Table, number, number_or_nothing};
-use crate::statistics::{geometric_mean, mean, median};
+use crate::statistics::{geometric_mean, median};
 
 /// Rows by method and setting, methods in the order of [`METHODS`].
 pub struct Results<'a> {
@@ -20,8 +20,7 @@ pub type Variants<'a> = Vec<((&'a str, &'a str), Vec<&'a Row>)>;
 const EQUAL: f64 = 0.005;
 
 /// The order of methods in tables and plots.
-pub const METHODS: [&str; 7] =
-    ["bounded", "surface", "hacd", "vhacd", "vhacd4", "coacd", "coacd-files"];
+pub const METHODS: [&str; 4] = ["bounded", "surface", "vhacd", "coacd-files"];
 
 fn place(method: &str) -> Option<usize> {
     METHODS.iter().position(|&other| other == method)
@@ -63,12 +62,6 @@ impl<'a> Results<'a> {
         variants
     }
 
-    /// Each method's default setting, as far as done.
-    pub fn defaults(&self) -> Vec<(&'a str, Vec<&'a Row>)> {
-        let variants = self.only(|row| row.is_default() && row.is_done()).variants();
-        variants.into_iter().map(|((method, _), rows)| (method, rows)).collect()
-    }
-
     /// The curve of each method on each mesh.
     pub fn curves(&self) -> BTreeMap<&'a str, BTreeMap<&'a str, Curve>> {
         let mut points: BTreeMap<&str, BTreeMap<&str, Vec<Point>>> = BTreeMap::new();
@@ -100,46 +93,17 @@ impl<'a> Results<'a> {
 
     pub fn tables(&self) -> Vec<Table> {
         let all = "Over all meshes that a setting has done.";
-        let medians = |title: &str, note: &str, variants: &Variants<'a>| {
-            figures(title, note, variants, |values| median(values.to_vec()))
-        };
         let variants = self.variants();
-        let mut tables = vec![
-            medians("Medians", all, &variants),
-            figures("Means", all, &variants, mean),
-            self.against(),
-            success(&variants),
-        ];
+        let mut tables =
+            vec![medians("Medians", all, &variants), self.against(), success(&variants)];
         let folders: BTreeSet<&str> = self.rows.iter().map(|row| row.folder()).collect();
         for name in folders {
             let rows = self.only(|row| row.folder() == name && row.is_default()).variants();
             let title = format!("Medians in {name}");
             tables.push(medians(&title, "Each method's default setting.", &rows));
         }
-        tables.extend([self.where_others_win(), self.stages()]);
+        tables.push(self.where_others_win());
         tables
-    }
-
-    /// Mean seconds of each stage of each method's default setting.
-    fn stages(&self) -> Table {
-        let mut table =
-            Table::new("Time by stage", "Mean seconds, one thread.", &["method", "stages"]);
-        for (method, rows) in self.defaults() {
-            let mut stages: Vec<(&str, f64)> = Vec::new();
-            for (name, seconds) in rows.iter().flat_map(|row| &row.stages) {
-                let share = seconds / rows.len() as f64;
-                match stages.iter_mut().find(|(other, _)| other == name) {
-                    Some((_, sum)) => *sum += share,
-                    None => stages.push((name, share)),
-                }
-            }
-            let stages: Vec<String> = stages
-                .iter()
-                .map(|(name, seconds)| format!("{name} {}", number(*seconds)))
-                .collect();
-            table.rows.push(vec![method.into(), stages.join(", ")]);
-        }
-        table
     }
 
     /// Ratios and wins of every method against every other.
@@ -217,7 +181,7 @@ impl<'a> Results<'a> {
 /// Rows of the table of losses, as many as fit a page; all of them are in `versus.csv`.
 const MOST_LOSSES: usize = 40;
 
-fn figures(title: &str, note: &str, variants: &Variants<'_>, of: fn(&[f64]) -> f64) -> Table {
+fn medians(title: &str, note: &str, variants: &Variants<'_>) -> Table {
     let mut header = vec!["method", "setting", "meshes"];
     header.extend(FIGURES.iter().map(|(name, _)| *name));
     let mut table = Table::new(title, note, &header);
@@ -226,7 +190,7 @@ fn figures(title: &str, note: &str, variants: &Variants<'_>, of: fn(&[f64]) -> f
         let mut cells = vec![(*method).to_owned(), (*setting).to_owned(), done.len().to_string()];
         for (_, figure) in FIGURES {
             let values: Vec<f64> = done.iter().filter_map(|row| figure(row)).collect();
-            cells.push(number_or_nothing((!values.is_empty()).then(|| of(&values))));
+            cells.push(number_or_nothing((!values.is_empty()).then(|| median(values))));
         }
         table.rows.push(cells);
     }

@@ -7,14 +7,15 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use hullwright::io::{NamedMesh, read_hulls, read_mesh};
+use hullwright::io::{read_hulls, read_mesh, write_hulls};
 use hullwright::{Control, TriangleMesh, decompose};
 use rayon::prelude::*;
 
 use crate::independent::nearest::Tree;
-use crate::independent::oracle::{Triangle, cross, dot};
+use crate::independent::oracle::Triangle;
 use crate::independent::sampling::spread;
-use crate::report::{Table, number, write};
+use crate::report::{Table, number};
+use crate::shapes::{bounds, volume};
 use crate::statistics::{mean, range};
 use crate::targets::{BOUNDS, HALVINGS, bound_of_hulls};
 use crate::terminal::{Failure, print};
@@ -66,7 +67,7 @@ struct Concavity {
 
 impl Concavity {
     fn of(hull: &TriangleMesh, part: &TriangleMesh) -> Self {
-        let added = (six_volumes(hull) - six_volumes(part)).max(0.0) / 6.0;
+        let added = (volume(hull) - volume(part)).max(0.0);
         let volume = K * (3.0 * added / (4.0 * std::f64::consts::PI)).cbrt();
         let [hull, part] = [hull, part].map(|mesh| Triangle::all(&mesh.positions, &mesh.triangles));
         if part.is_empty() {
@@ -93,11 +94,6 @@ impl Concavity {
     fn largest(self) -> f64 {
         self.to_part.max(self.to_hull).max(self.volume)
     }
-}
-
-fn six_volumes(mesh: &TriangleMesh) -> f64 {
-    let corners = Triangle::all(&mesh.positions, &mesh.triangles);
-    corners.iter().map(|t| dot(t.corners[0], cross(t.corners[1], t.corners[2]))).sum()
 }
 
 /// Hulls of a mesh, measured.
@@ -134,7 +130,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
         let theirs = folder.as_ref().map(|folder| folder.coacd_hulls(&mesh.name));
         if let Some(theirs) = theirs.filter(|path| path.is_file()) {
-            let theirs = evaluator.measure(&read_hulls(theirs)?)?;
+            let theirs =
+                evaluator.measure(read_hulls(theirs)?.into_iter().map(|hull| hull.mesh))?;
             add("CoACD".into(), theirs)?;
             add("CoACD's hulls".into(), evaluator.ours(bound_of_hulls(&mesh, theirs.0)?)?)?;
             add("CoACD's concavity".into(), evaluator.no_more_than(theirs.1.largest())?)?;
@@ -184,25 +181,18 @@ struct Evaluator<'a> {
 impl<'a> Evaluator<'a> {
     fn new(mesh: &Mesh, python: &'a str) -> Result<Self, Failure> {
         let mesh = read_mesh(&mesh.path)?.mesh;
-        let longest = [0, 1, 2].map(|axis| {
-            let (low, high) = range(mesh.positions.iter().map(|point| point[axis]));
-            high - low
-        });
-        let scale = SIDE / longest.into_iter().fold(0.0, f64::max);
+        let (low, high) = bounds(&mesh.positions);
+        let scale = SIDE / (high - low).max_element();
         let scratch = tempfile::tempdir().map_err(|error| format!("no scratch folder: {error}"))?;
-        write(&scratch.path().join("mesh.obj"), &obj([scaled(&mesh, scale)].iter()))?;
+        write_hulls(scratch.path().join("mesh.obj"), [&scaled(&mesh, scale)])?;
         Ok(Self { mesh, scale, scratch, python })
     }
 
     /// The default method's hulls under a bound.
     fn ours(&self, bound: f64) -> Result<Measured, String> {
         let found = decompose(&self.mesh, &bounded(bound), &Control::new());
-        let hulls =
-            found.map_err(|error| error.to_string())?.hulls.into_iter().map(|hull| NamedMesh {
-                name: String::new(),
-                mesh: TriangleMesh::new(hull.shape.points, hull.shape.triangles),
-            });
-        self.measure(&hulls.collect::<Vec<_>>())
+        let hulls = found.map_err(|error| error.to_string())?.hulls.into_iter();
+        self.measure(hulls.map(|hull| TriangleMesh::new(hull.shape.points, hull.shape.triangles)))
     }
 
     /// Those of the largest bound that was found with no more concavity, or of the least one.
@@ -221,11 +211,10 @@ impl<'a> Evaluator<'a> {
         best.map_or_else(|| self.ours(low), Ok)
     }
 
-    fn measure(&self, hulls: &[NamedMesh]) -> Result<Measured, String> {
+    fn measure(&self, hulls: impl Iterator<Item = TriangleMesh>) -> Result<Measured, String> {
         let path = |name: &str| self.scratch.path().join(name);
-        let hulls: Vec<TriangleMesh> =
-            hulls.iter().map(|hull| scaled(&hull.mesh, self.scale)).collect();
-        write(&path("hulls.obj"), &obj(hulls.iter()))?;
+        let hulls: Vec<TriangleMesh> = hulls.map(|hull| scaled(&hull, self.scale)).collect();
+        write_hulls(path("hulls.obj"), &hulls).map_err(|error| error.to_string())?;
         let parts = self.intersect(&path("parts.obj"))?;
         let found = hulls.par_iter().enumerate().map(|(index, hull)| {
             let none = TriangleMesh::default();
@@ -252,20 +241,6 @@ impl<'a> Evaluator<'a> {
 fn scaled(mesh: &TriangleMesh, scale: f64) -> TriangleMesh {
     let positions = mesh.positions.iter().map(|point| point.map(|x| x * scale)).collect();
     TriangleMesh::new(positions, mesh.triangles.clone())
-}
-
-/// An object for each mesh.
-fn obj<'a>(meshes: impl Iterator<Item = &'a TriangleMesh>) -> String {
-    let (mut text, mut first) = (String::new(), 1);
-    for (index, mesh) in meshes.enumerate() {
-        text += &format!("o {index}\n");
-        mesh.positions.iter().for_each(|[x, y, z]| text += &format!("v {x} {y} {z}\n"));
-        for [a, b, c] in mesh.triangles.iter().map(|triangle| triangle.map(|v| v + first)) {
-            text += &format!("f {a} {b} {c}\n");
-        }
-        first += mesh.positions.len() as u32;
-    }
-    text
 }
 
 #[cfg(test)]
@@ -308,18 +283,5 @@ mod tests {
         assert!((to_hull - 0.5_f64.sqrt()).abs() < 0.01, "{to_hull}");
         let ball = (3.0 * 2.0 / (4.0 * std::f64::consts::PI)).cbrt();
         assert!((volume - K * ball).abs() < 1e-9, "{volume}");
-    }
-
-    #[test]
-    fn hulls_are_read_as_they_were_written() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("hulls.obj");
-        let cubes = [cuboid([0.0; 3], [1.0; 3]), cuboid([2.0; 3], [4.0; 3])];
-        write(&path, &obj(cubes.iter())).unwrap();
-        let read = read_hulls(&path).unwrap();
-        let names: Vec<&str> = read.iter().map(|hull| hull.name.as_str()).collect();
-        assert_eq!(names, ["0", "1"]);
-        // Vertices may have another order.
-        assert!((six_volumes(&read[1].mesh) / 6.0 - 8.0).abs() < 1e-12);
     }
 }

@@ -84,7 +84,6 @@ mod tests {
             status: Status::Error,
             reason: "no\nreason".into(),
             hausdorff: Some(0.1 + 0.2),
-            stages: vec![("merge".into(), 0.5)],
             ..Row::default()
         }
     }

@@ -119,8 +119,6 @@ pub struct Row {
     pub samples_boundary: Option<usize>,
     pub samples_mesh: Option<usize>,
     pub samples_space: Option<usize>,
-    /// Seconds by stage in the order of the work, of the first repeat.
-    pub stages: Vec<(String, f64)>,
     /// What else the method reports: the paper's p, r, average pieces and polygons.
     pub details: BTreeMap<String, f64>,
 }

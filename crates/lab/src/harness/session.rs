@@ -17,14 +17,11 @@ use super::row::{Row, Status};
 use super::worker::{Task, Work};
 use crate::report::{Report, create_folder};
 use crate::terminal::{Failure, print, time};
-use crate::tools::external_tools::ExternalTools;
 use crate::tools::meshes::Mesh;
-use crate::tools::methods::Run;
 
-pub struct Session<'a> {
+pub struct Session {
     pub output: PathBuf,
     pub limits: Limits,
-    pub tools: Option<&'a ExternalTools>,
     /// Repeats tasks that did not end well.
     pub retries: bool,
     /// Runs nothing.
@@ -36,14 +33,13 @@ pub struct Session<'a> {
     _folder: Option<TempDir>,
 }
 
-impl<'a> Session<'a> {
+impl Session {
     /// A session whose journal and report are in a folder.
     pub fn open(output: &Path, limits: Limits) -> Result<Self, String> {
         create_folder(output)?;
         Ok(Self {
             output: output.to_owned(),
             limits,
-            tools: None,
             retries: false,
             only_reports: false,
             jobs: 1,
@@ -100,7 +96,6 @@ impl<'a> Session<'a> {
         mesh: &Mesh,
         task: &Task,
     ) -> Result<Option<Row>, Failure> {
-        let versions = self.tools.map_or_else(Default::default, |tools| tools.versions.clone());
         let blank = Row {
             mesh: mesh.name.clone(),
             mesh_bytes: mesh.bytes,
@@ -108,7 +103,7 @@ impl<'a> Session<'a> {
             method: task.run.method().into(),
             setting: task.run.setting(),
             variation: task.variation.name(),
-            version: task.run.version(&versions),
+            version: task.run.version(),
             ..Row::default()
         };
         let known = self.lock().get(&blank.key()).cloned();
@@ -122,27 +117,9 @@ impl<'a> Session<'a> {
         Ok(Some(row))
     }
 
-    /// Runs a task: by a script where the method is no part of this program, and judges by this program.
-    fn execute(&self, mesh: &Mesh, task: &Task, mut row: Row) -> Result<Row, String> {
-        let scratch = self.output.join("external-hulls.obj");
-        let hulls = match (&task.run, self.tools) {
-            (Run::CoacdFiles, Some(tools)) => {
-                row.seconds = tools.coacd_seconds(&mesh.name);
-                row.taken_elsewhere = true;
-                Some(tools.folder.coacd_hulls(&mesh.name))
-            }
-            (Run::Coacd { .. } | Run::Vhacd4 { .. }, Some(tools)) => {
-                match tools.run(&task.run, &mesh.name, &mesh.path, &scratch, self.limits)? {
-                    Ok((seconds, memory)) => {
-                        (row.seconds, row.peak_memory) = (Some(seconds), memory);
-                    }
-                    Err((status, reason)) => return Ok(Row { status, reason, ..row }),
-                }
-                Some(scratch.clone())
-            }
-            _ => None,
-        };
-        let work = Work { mesh: mesh.path.clone(), hulls, task: task.clone(), row };
+    /// Runs a task in a process of its own.
+    fn execute(&self, mesh: &Mesh, task: &Task, row: Row) -> Result<Row, String> {
+        let work = Work { mesh: mesh.path.clone(), task: task.clone(), row };
         let text = serde_json::to_string(&work).map_err(|error| error.to_string())?;
         let program = std::env::current_exe().map_err(|error| format!("this program: {error}"))?;
         let mut command = Command::new(program);
@@ -152,8 +129,6 @@ impl<'a> Session<'a> {
             Some(line) => serde_json::from_str(line).map_err(|e| format!("a worker said: {e}"))?,
             None => work.row,
         };
-        // Where there is none, nothing is left behind.
-        let _ = std::fs::remove_file(scratch);
         match (ended.status, row.hulls.is_some(), row.status) {
             (Status::Done, true, _) | (Status::Done, _, Status::Error) => {}
             (Status::Done, ..) => {

@@ -16,7 +16,6 @@ use serde::{Deserialize, Serialize};
 
 use super::limits::{peak_memory, reset_peak_memory};
 use super::row::{Row, Status};
-use crate::hacd;
 use crate::independent::exact::faults;
 use crate::independent::sampling::{Sampled, sample};
 use crate::statistics::median;
@@ -92,8 +91,6 @@ pub struct Arguments {
 #[derive(Serialize, Deserialize)]
 pub struct Work {
     pub mesh: PathBuf,
-    /// Only judge these.
-    pub hulls: Option<PathBuf>,
     pub task: Task,
     /// What is known before.
     pub row: Row,
@@ -115,7 +112,6 @@ struct Output {
     hulls: Vec<NamedMesh>,
     /// Of our own methods.
     found: Option<Decomposition<MethodReport>>,
-    stages: Vec<(String, f64)>,
     cost: Option<f64>,
     details: Vec<(&'static str, f64)>,
 }
@@ -148,7 +144,8 @@ fn decompose_and_judge(work: &Work, row: &mut Row) -> Result<(), Error> {
     reset_peak_memory();
     let file = read_mesh(&work.mesh)?;
     row.triangles = Some(file.mesh.triangles.len());
-    if let Some(hulls) = &work.hulls {
+    if let Run::CoacdFiles { hulls, seconds } = run {
+        (row.seconds, row.taken_elsewhere) = (Some(*seconds), true);
         judge_by_measure(task, file.mesh.view(), &read_hulls(hulls)?, row)?;
         return tell(row);
     }
@@ -170,7 +167,6 @@ fn decompose_and_judge(work: &Work, row: &mut Row) -> Result<(), Error> {
     row.peak_memory = times.first().and_then(|time| time.2);
     row.hulls = Some(output.hulls.len());
     row.vertices = Some(output.hulls.iter().map(|hull| hull.mesh.positions.len()).sum());
-    row.stages = output.stages;
     row.cost = output.cost;
     row.details =
         output.details.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
@@ -215,7 +211,7 @@ fn repeat(
         let (wall, processor) = (Instant::now(), ProcessTime::now());
         let output = pool.install(|| decompose(task, mesh, threads != 1))?;
         let seconds = (wall.elapsed().as_secs_f64(), processor.elapsed().as_secs_f64());
-        times.push((seconds.0, seconds.1, peak_memory(std::process::id())));
+        times.push((seconds.0, seconds.1, peak_memory()));
         let all: f64 = times.iter().map(|time| time.0).sum();
         if times.len() >= most || all >= ENOUGH_SECONDS {
             return Ok((output, times));
@@ -234,34 +230,16 @@ fn decompose(task: &Task, mesh: MeshView<'_>, is_parallel: bool) -> Result<Outpu
         return Ok(Output { hulls, ..Output::default() });
     }
     let control = Control::new().with_parallel(is_parallel);
-    if let Some(parameters) = run.hacd_parameters() {
-        let found = hacd::decompose(mesh, &parameters, &control)?;
-        let times = found.times.iter().map(|(stage, seconds)| (stage.name().into(), *seconds));
-        return Ok(Output {
-            stages: times.collect(),
-            cost: Some(found.cost),
-            details: vec![
-                ("resolution", found.resolution as f64),
-                ("average_pieces", found.average_pieces),
-                ("polygons", found.grouped.triangles.len() as f64),
-                ("initial_polygons", found.initial_polygons as f64),
-            ],
-            hulls: hull_meshes(&found.hulls),
-            found: None,
-        });
-    }
     let method = task.own_method();
     let method = method.ok_or_else(|| invalid("method", "runs elsewhere".into()))?;
     let found = method.decompose(mesh, &control)?;
     let surface = found.report.surface();
-    let times = found.run.times.iter().map(|time| (time.stage.name().into(), time.seconds));
     let cost = match surface {
         Some(report) => Some(report.cost),
         None if found.grouped.triangles.is_empty() => None,
         None => Some(average_cost(&found.grouped)?),
     };
     Ok(Output {
-        stages: times.collect(),
         cost,
         details: match surface {
             Some(report) => vec![
@@ -271,12 +249,7 @@ fn decompose(task: &Task, mesh: MeshView<'_>, is_parallel: bool) -> Result<Outpu
                 ("polygons", report.polygons as f64),
                 ("initial_polygons", report.initial_polygons as f64),
             ],
-            None => {
-                let openings = &found.run.openings;
-                let closed = openings.iter().filter(|one| one.outcome.is_closed()).count();
-                let left = openings.len() - closed;
-                vec![("openings_closed", closed as f64), ("openings_left", left as f64)]
-            }
+            None => Vec::new(),
         },
         hulls: hull_meshes(&found.hulls),
         found: Some(found),

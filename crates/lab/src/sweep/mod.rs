@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 
 use crate::harness::session::limits;
-use crate::harness::{Judge, Row, Session, Status, Task, row};
+use crate::harness::{FULL, Judge, Row, Session, Status, Task, row};
 use crate::report::{Report, create_folder, write};
 use crate::terminal::{Failure, print};
 use crate::tools::meshes::{self, Mesh};
@@ -70,7 +70,7 @@ const JUDGE: Judge = Judge {
     surface_samples: 10_000,
     volume_samples: 20_000,
     by_brute_force: true,
-    probe_radius: None,
+    ..FULL
 };
 
 /// Of meshes that are damaged or random, of which there are most. Corners and middles come on top.

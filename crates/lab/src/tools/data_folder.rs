@@ -1,17 +1,19 @@
 //! The folder of meshes, of hulls that other tools made, and of the paper's own figures, which many
 //! experiments take as their argument.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
+use super::methods::Run;
+
 /// A folder with any of:
 /// - `meshes`;
 /// - `paper/table1.tsv`, the paper's Table 1 with the names of its meshes;
 /// - `peers/results.tsv`, what other tools returned, with CoACD's hulls in `peers/coacd`, and the meshes of
-///   glTF scenes flattened in `peers/src`;
-/// - `tools/peers.py`, which runs CoACD and V-HACD 4.
+///   glTF scenes flattened in `peers/src`.
 #[derive(Debug, Clone)]
 pub struct DataFolder(pub PathBuf);
 
@@ -67,9 +69,15 @@ impl DataFolder {
         self.0.join("peers/coacd").join(object(mesh))
     }
 
-    /// The script that runs CoACD and V-HACD 4.
-    pub fn script(&self) -> PathBuf {
-        self.0.join("tools/peers.py")
+    /// CoACD's hulls and time of each mesh that has a file of them, to judge.
+    pub fn coacd_runs(&self) -> Result<BTreeMap<String, Run>, String> {
+        let results = self.tool_results()?.into_iter();
+        let runs = results.filter(|result| result.method.starts_with("coacd")).map(|result| {
+            let hulls = self.coacd_hulls(&result.mesh);
+            (result.mesh, Run::CoacdFiles { hulls, seconds: result.seconds })
+        });
+        let is_there = |run: &Run| matches!(run, Run::CoacdFiles { hulls, .. } if hulls.is_file());
+        Ok(runs.filter(|(_, run)| is_there(run)).collect())
     }
 
     pub fn tool_results(&self) -> Result<Vec<ToolResult>, String> {
@@ -116,5 +124,6 @@ mod tests {
         let rows = folder.tool_results().unwrap();
         assert_eq!((&rows[0].mesh[..], rows[0].seconds, rows[0].hulls), ("a/1.off", 9.5, 7));
         assert_eq!((rows[0].hausdorff, rows[0].iou), (Some(0.02), None));
+        assert!(folder.coacd_runs().unwrap().is_empty(), "there are no hulls");
     }
 }

@@ -1,7 +1,6 @@
 //! What experiments run: meshes, what is done to them, and methods, ours and those of others.
 
 pub mod data_folder;
-pub mod external_tools;
 pub mod kinds;
 pub mod meshes;
 pub mod methods;

@@ -2,11 +2,11 @@
 
 use std::collections::HashMap;
 
+use glam::{DMat3, DQuat};
 use hullwright::TriangleMesh;
 use serde::{Deserialize, Serialize};
 
-use crate::shapes::join;
-use crate::statistics::range;
+use crate::shapes::{Vector, bounds, join, middle};
 
 /// What is done to a mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -115,7 +115,8 @@ impl Variation {
     /// The mesh as given to the method, and the sound mesh in the same place that its hulls are
     /// measured against.
     pub fn apply(self, mesh: &TriangleMesh) -> (TriangleMesh, TriangleMesh) {
-        let diagonal = diagonal(&mesh.positions);
+        let (low, high) = bounds(&mesh.positions);
+        let diagonal = low.distance(high);
         let moved = |place: &dyn Fn([f64; 3]) -> [f64; 3]| {
             let positions = mesh.positions.iter().map(|&point| place(point)).collect();
             TriangleMesh { positions, ..mesh.clone() }
@@ -124,9 +125,8 @@ impl Variation {
         match self {
             Self::None => {}
             Self::Rotation(number) => {
-                let rows = rotation(number);
-                let turn = |p: [f64; 3]| rows.map(|r| r[0] * p[0] + r[1] * p[1] + r[2] * p[2]);
-                given = moved(&turn);
+                let rotation = rotation(number);
+                given = moved(&|point| (rotation * Vector::from(point)).to_array());
             }
             Self::Scale(factor) => given = moved(&|point| point.map(|x| x * factor)),
             Self::Offset(distance) => {
@@ -161,20 +161,16 @@ impl Variation {
             Self::Split(share) => given = split(mesh, share),
             Self::Decimate => decimate(&mut given),
             Self::Cut => {
-                let (middle, [normal, ..]) = (middle(mesh), rotation(0));
+                let (middle, normal) = (middle(&mesh.positions), rotation(0).row(0));
                 keep(&mut given, &mut |_, corners| {
-                    let height = |p: [f64; 3]| (0..3).map(|k| normal[k] * (p[k] - middle[k])).sum();
+                    let height = |point| normal.dot(Vector::from(point) - middle);
                     corners.map(height).iter().sum::<f64>() > 0.0
                 });
             }
             Self::Join => {
-                let (middle, rows) = (middle(mesh), rotation(0));
-                let turned = moved(&|point| {
-                    let p = [0, 1, 2].map(|k| point[k] - middle[k]);
-                    let row = |k: usize| rows[k][0] * p[0] + rows[k][1] * p[1] + rows[k][2] * p[2];
-                    [0, 1, 2].map(|k| middle[k] + row(k))
-                });
-                given = join(&[mesh.clone(), turned]);
+                let (middle, rotation) = (middle(&mesh.positions), rotation(0));
+                let turn = |point| middle + rotation * (Vector::from(point) - middle);
+                given = join(&[mesh.clone(), moved(&|point| turn(point).to_array())]);
             }
         }
         let is_in_place = matches!(
@@ -214,18 +210,14 @@ impl Random {
     }
 }
 
-/// A rotation matrix by its rows, evenly drawn (Shoemake, "Uniform random rotations", 1992).
-fn rotation(number: u32) -> [[f64; 3]; 3] {
+/// A rotation, evenly drawn (Shoemake, "Uniform random rotations", 1992).
+fn rotation(number: u32) -> DMat3 {
     let mut random = Random(u64::from(number) + 1000);
     let share = random.unit();
     let [a, b] = [0, 1].map(|_| std::f64::consts::TAU * random.unit());
     let (s, t) = ((1.0 - share).sqrt(), share.sqrt());
     let [x, y, z, w] = [s * a.sin(), s * a.cos(), t * b.sin(), t * b.cos()];
-    [
-        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
-        [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
-        [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)],
-    ]
+    DMat3::from_quat(DQuat::from_xyzw(x, y, z, w))
 }
 
 fn shuffle(mesh: &mut TriangleMesh, random: &mut Random) {
@@ -273,9 +265,9 @@ fn keep(mesh: &mut TriangleMesh, keeps: &mut dyn FnMut(&mut Random, [[f64; 3]; 3
 
 fn split(mesh: &TriangleMesh, share: f64) -> TriangleMesh {
     let positions = mesh.triangles.iter().flat_map(|triangle| {
-        let corners = triangle.map(|vertex| mesh.positions[vertex as usize]);
-        let centre = [0, 1, 2].map(|k| corners.iter().map(|corner| corner[k]).sum::<f64>() / 3.0);
-        corners.map(|corner| [0, 1, 2].map(|k| corner[k] + share * (centre[k] - corner[k])))
+        let corners = triangle.map(|vertex| Vector::from(mesh.positions[vertex as usize]));
+        let centre = corners.iter().sum::<Vector>() / 3.0;
+        corners.map(|corner| (corner + share * (centre - corner)).to_array())
     });
     let triangles = (0..mesh.triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]);
     TriangleMesh { positions: positions.collect(), triangles: triangles.collect(), ..mesh.clone() }
@@ -300,28 +292,10 @@ fn decimate(mesh: &mut TriangleMesh) {
     }
 }
 
-/// Of the bounding box.
-fn middle(mesh: &TriangleMesh) -> [f64; 3] {
-    [0, 1, 2].map(|axis| {
-        let values = mesh.positions.iter().map(|point| point[axis]).filter(|x| x.is_finite());
-        let (low, high) = range(values);
-        f64::midpoint(low, high)
-    })
-}
-
-fn diagonal(positions: &[[f64; 3]]) -> f64 {
-    let extent = [0, 1, 2].map(|axis| {
-        let values = positions.iter().map(|point| point[axis]).filter(|x| x.is_finite());
-        let (low, high) = range(values);
-        high - low
-    });
-    extent.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shapes::uv_sphere;
+    use crate::shapes::{uv_sphere, volume};
     use crate::tools::kinds::*;
 
     fn tetrahedron() -> TriangleMesh {
@@ -329,16 +303,6 @@ mod tests {
             vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
             vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
         )
-    }
-
-    fn volume(mesh: &TriangleMesh) -> f64 {
-        let six = mesh.triangles.iter().map(|triangle| {
-            let [a, b, c] = triangle.map(|vertex| mesh.positions[vertex as usize]);
-            a[0] * (b[1] * c[2] - b[2] * c[1])
-                + a[1] * (b[2] * c[0] - b[0] * c[2])
-                + a[2] * (b[0] * c[1] - b[1] * c[0])
-        });
-        six.sum::<f64>() / 6.0
     }
 
     #[test]
