@@ -6,6 +6,7 @@ pub(super) mod cache;
 mod database;
 #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
 mod disk;
+mod kept;
 pub(super) mod label;
 mod pool;
 #[cfg(feature = "io")]
