@@ -22,8 +22,8 @@ use std::collections::{HashMap, HashSet};
 
 use crate::control::Control;
 use crate::conventions::{
-    Body, ColliderKind, NameTag, is_coarser_level, mesh_tag, node_tag, read_extras, whole_of,
-    without_copy_number,
+    Body, ColliderKind, ExtrasTag, NameTag, is_coarser_level, mesh_tag, node_tag, read_extras,
+    whole_of, without_copy_number,
 };
 use crate::error::Error;
 use crate::geometry::TriangleMesh;
@@ -214,13 +214,10 @@ impl BakeOptions {
         if is_left_out(mesh, node, with_pieces) {
             return Some(None);
         }
-        // `extras_complaints` has what is wrong in them.
-        let extras = [&node.extras, &mesh.extras].into_iter().flatten();
-        if let Some(tag) = extras.filter_map(|text| read_extras(text).0).next() {
-            return Some(tag.parameters(&self.parameters));
-        }
-        let tag = node_tag(&node.name).or_else(|| mesh_tag(&mesh.name))?;
-        Some(tag.kind().and_then(|kind| kind.parameters(&self.parameters)))
+        Some(match artist_tag(mesh, node)? {
+            ArtistTag::Extras(tag) => tag.parameters(&self.parameters),
+            ArtistTag::Name(tag) => tag.kind().and_then(|kind| kind.parameters(&self.parameters)),
+        })
     }
 
     /// Whether a node's mesh gets its triangles where nothing moves it, or always.
@@ -233,18 +230,31 @@ impl BakeOptions {
         if !self.follows_artists {
             return true;
         }
-        let extras = [&node.extras, &mesh.extras].into_iter().flatten();
-        let by_extras = extras.filter_map(|text| read_extras(text).0).next();
-        let by_name = || node_tag(&node.name).or_else(|| mesh_tag(&mesh.name));
-        let (kind, is_moved) = match (by_extras, by_name()) {
-            (Some(tag), _) => (tag.kind, matches!(tag.body, Some(Body::Dynamic | Body::Kinematic))),
-            (None, Some(tag)) => (tag.kind(), matches!(tag, NameTag::Body(_))),
-            (None, None) => ((!self.tagged_only).then_some(ColliderKind::Decomposition), false),
+        let (kind, is_moved) = match artist_tag(mesh, node) {
+            Some(ArtistTag::Extras(tag)) => {
+                (tag.kind, matches!(tag.body, Some(Body::Dynamic | Body::Kinematic)))
+            }
+            Some(ArtistTag::Name(tag)) => (tag.kind(), matches!(tag, NameTag::Body(_))),
+            None => ((!self.tagged_only).then_some(ColliderKind::Decomposition), false),
         };
         matches!(kind, Some(ColliderKind::Decomposition | ColliderKind::Triangles))
             && !is_moved
             && !is_left_out(mesh, node, with_pieces)
     }
+}
+
+/// How an artist tags a node's mesh.
+enum ArtistTag<'a> {
+    Extras(ExtrasTag),
+    Name(NameTag<'a>),
+}
+
+/// By extras, those of the node first, or else by name. [`extras_complaints`] has what is wrong in them.
+fn artist_tag<'a>(mesh: &'a SceneMesh, node: &'a SceneNode) -> Option<ArtistTag<'a>> {
+    let mut extras = [&node.extras, &mesh.extras].into_iter().flatten();
+    let by_extras = extras.find_map(|text| read_extras(text).0);
+    let by_name = || node_tag(&node.name).or_else(|| mesh_tag(&mesh.name));
+    by_extras.map(ArtistTag::Extras).or_else(|| by_name().map(ArtistTag::Name))
 }
 
 /// Whether the artist says that a mesh has no collider of its own.

@@ -372,8 +372,10 @@ pub fn rounded_hull(hull: &ConvexHull, scale: [f32; 3]) -> Option<SinglePrecisio
         let [Some(a), Some(b), Some(c)] = [a, b, c].map(corner) else { return false };
         let normal = area_normal(a, b, c).normalize_or_zero();
         let heights = points.iter().map(|point| normal.dot(*point - a));
-        let (lowest, highest) =
-            heights.fold((0.0f64, 0.0f64), |(low, high), x| (low.min(x), high.max(x)));
+        // By comparisons: `f64::min` and `f64::max` are calls in WebAssembly, and this is most of what a hull costs here.
+        let (lowest, highest) = heights.fold((0.0f64, 0.0f64), |(low, high), x| {
+            (if x < low { x } else { low }, if x > high { x } else { high })
+        });
         highest <= DEFAULT_TOLERANCE * extent && -lowest >= HEIGHT_PER_WIDTH * thickness
     };
     let turned = |&[a, b, c]: &[u32; 3]| if is_mirrored { [a, c, b] } else { [a, b, c] };

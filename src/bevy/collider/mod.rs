@@ -156,7 +156,7 @@ fn attach(
     mut sleepers: Sleepers,
     mut outcomes: Outcomes,
 ) {
-    let mut budget = time.budget(&settings);
+    let mut budget = time.attaching_budget(&settings);
     for _ in 0..settings.budget.max_attached_per_frame.max(1) {
         if !budget.allows_one() {
             break;

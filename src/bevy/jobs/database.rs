@@ -15,6 +15,7 @@ use js_sys::{Array, Date, Reflect, Uint8Array};
 use wasm_bindgen::prelude::{Closure, JsCast, JsValue};
 use web_sys::{IdbDatabase, IdbObjectStore, IdbRequest, IdbTransaction, IdbTransactionMode};
 
+use super::kept::{is_usable, kept, unseen};
 use super::request::ContentKey;
 use crate::hulls_format::HullsFile;
 
@@ -24,12 +25,6 @@ const STORES: [&str; 2] = ["hulls", "uses"];
 
 /// A browser may never answer, and entities wait meanwhile. Longer than any frame, after which answers come.
 const PATIENCE: Duration = Duration::from_secs(10);
-
-/// The database is looked at once this share of the budget has been written, and is larger than its budget by as much.
-const UNSEEN_SHARE: u64 = 16;
-
-/// After a removal there is room for this share of the budget, so that the next result does not remove again.
-const FREED_SHARE: u64 = 8;
 
 /// What the process knows is known to the thread of the game.
 #[derive(Debug, Default)]
@@ -120,7 +115,7 @@ impl DiskCache {
             });
             match written {
                 Err(error) => database.fail(&error),
-                Ok(()) if is_full => database.unseen = (self.budget / UNSEEN_SHARE) as i64,
+                Ok(()) if is_full => database.unseen = unseen(self.budget),
                 Ok(()) => {}
             }
         });
@@ -140,9 +135,7 @@ impl Look {
         let Some(bytes) = bytes else { return Answer::Pending };
         // What can't be read counts as missing.
         match bytes.and_then(|bytes| HullsFile::from_bytes(&bytes).ok()) {
-            Some(file) if file.is_current() && file.mass_properties.is_some() => {
-                Answer::Found(Box::new(file))
-            }
+            Some(file) if is_usable(&file) => Answer::Found(Box::new(file)),
             _ => Answer::Missing,
         }
     }
@@ -265,7 +258,7 @@ fn evict(database: &IdbDatabase, budget: u64) -> Result<(), JsValue> {
             return;
         }
         all.sort_by(|(a, ..), (b, ..)| a.total_cmp(b));
-        let kept = (budget - budget / FREED_SHARE) as f64;
+        let kept = kept(budget) as f64;
         for (_, size, name) in all {
             if bytes <= kept {
                 break;

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
 use std::time::{Duration, SystemTime};
 
+use super::kept::{is_usable, kept, unseen};
 use super::request::ContentKey;
 use crate::hulls_format::HullsFile;
 
@@ -27,14 +28,6 @@ pub(super) struct DiskState {
     /// Whether the log says that files can't be written.
     is_failure_logged: AtomicBool,
 }
-
-/// The directory is looked at once this share of the budget has been written, so that a thousand files
-/// are not looked at for each that is written. The cache is larger than its budget by as much.
-const UNSEEN_SHARE: u64 = 16;
-
-/// After a removal there is room for this share of the budget, so that the next file does not remove
-/// again.
-const FREED_SHARE: u64 = 8;
 
 /// No file takes so long to write: the process that began it is gone.
 const ABANDONED: Duration = Duration::from_secs(3600);
@@ -60,7 +53,7 @@ impl DiskCache {
             .append(true)
             .open(&path)
             .and_then(|file| file.set_modified(SystemTime::now()));
-        (file.is_current() && file.mass_properties.is_some()).then_some(file)
+        is_usable(&file).then_some(file)
     }
 
     /// The first file that can't be written is logged: the decomposition succeeded all the same.
@@ -77,8 +70,7 @@ impl DiskCache {
         }
         let bytes = std::fs::metadata(&path).map_or(0, |metadata| metadata.len() as i64);
         if self.state.unseen.fetch_sub(bytes, Ordering::Relaxed) <= bytes {
-            let unseen = (self.budget / UNSEEN_SHARE) as i64;
-            self.state.unseen.store(unseen, Ordering::Relaxed);
+            self.state.unseen.store(unseen(self.budget), Ordering::Relaxed);
             self.evict(SystemTime::now());
         }
     }
@@ -105,7 +97,7 @@ impl DiskCache {
         }
         // By name where times are equal, so that processes agree.
         files.sort();
-        let kept = self.budget - self.budget / FREED_SHARE;
+        let kept = kept(self.budget);
         for (_, path, size) in files {
             if bytes <= kept {
                 break;

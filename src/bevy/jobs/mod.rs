@@ -6,6 +6,7 @@ pub(super) mod cache;
 mod database;
 #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
 mod disk;
+mod kept;
 pub(super) mod label;
 mod pool;
 #[cfg(feature = "io")]
@@ -430,11 +431,28 @@ pub(super) struct FrameTime {
 }
 
 impl FrameTime {
-    /// The time that a system may take: what the others have left of the frame's budget.
+    /// The time that a system may take: what the others have left of the frame's budget, without the share for
+    /// attaching.
     pub(super) fn budget(&mut self, settings: &HullwrightSettings) -> Budget<'_> {
-        let length = settings.budget.frame_time.saturating_sub(self.spent);
+        let length = settings.budget.frame_time.saturating_sub(attaching_time(settings));
+        let length = length.saturating_sub(self.spent);
         Budget { frame: self, start: Instant::now(), length, has_started: false }
     }
+
+    /// The time for attaching: all that is left, and its share even where the others have taken more than theirs.
+    pub(super) fn attaching_budget(&mut self, settings: &HullwrightSettings) -> Budget<'_> {
+        let left = settings.budget.frame_time.saturating_sub(self.spent);
+        let length = left.max(attaching_time(settings));
+        Budget { frame: self, start: Instant::now(), length, has_started: false }
+    }
+}
+
+/// Attaching comes last, and has this share of a frame's budget. Otherwise colliders that are ready wait until the last
+/// one is built, and then take frames of their own. It is enough for all that is built in a frame.
+const ATTACHING_SHARE: u32 = 16;
+
+fn attaching_time(settings: &HullwrightSettings) -> Duration {
+    settings.budget.frame_time / ATTACHING_SHARE
 }
 
 /// The time that one system may take in this frame. What it has taken counts when this is dropped.
@@ -689,4 +707,24 @@ fn baked_input(
     let geometry = jobs.cache.geometry(key).or_else(|| scene.geometry_of(index));
     let geometry = geometry.ok_or(DecompositionError::NotLoaded)?;
     Ok(TaskInput::Geometry { key, geometry, source })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_ready_is_attached_also_where_the_rest_of_the_budget_is_spent() {
+        let settings = HullwrightSettings::default();
+        let whole = settings.budget.frame_time;
+        let left_after = |spent| {
+            let others = FrameTime { spent }.budget(&settings).length;
+            (others, FrameTime { spent }.attaching_budget(&settings).length)
+        };
+        let (others, all) = left_after(Duration::ZERO);
+        assert!(others < all && all == whole);
+        let (nothing, attaching) = left_after(others);
+        assert!(nothing.is_zero() && !attaching.is_zero() && others + attaching <= whole);
+        assert_eq!(left_after(2 * whole), (nothing, attaching));
+    }
 }
