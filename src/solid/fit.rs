@@ -18,7 +18,7 @@ use crate::work;
 
 /// A part of a smaller radius, as a fraction of the bound, is decided by its centre. With
 /// [`CERTAIN`] this saves a tenth of all instructions, and hulls stay the same.
-const SMALL: f64 = 0.25;
+const SMALL: f64 = 0.35;
 
 /// Where the surface is flat, the distance along its normal is exact. The tree decides only where
 /// that exceeds the bound by this factor, which covers surfaces that are slightly curved.

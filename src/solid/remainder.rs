@@ -27,9 +27,9 @@ const TRIANGLES_PER_PART: f64 = 0.25;
 /// The range. A quarter or four times as many change the time by 1 %, and no number of hulls.
 const MAX_TRIANGLES: RangeInclusive<f64> = 24.0..=256.0;
 
-/// A face of a smaller radius, as a multiple of the height, is halved: it ends with few parts. With 6 there are 3 hulls
-/// fewer in 4 % more time, with 24 there is 1 more in 4 % less.
-const MIN_RADIUS: f64 = 12.0;
+/// A face of a smaller radius, as a multiple of the height, is halved: it ends with few parts. With 12 there is 1 hull
+/// fewer in 4 % more time.
+const MIN_RADIUS: f64 = 24.0;
 
 /// A face that falls into more parts is halved instead: each further triangle takes time for all of them. A limit that
 /// few faces meet: 16 or 256 change no number of hulls, and the time by less than 1 %.

@@ -253,7 +253,7 @@ const CONSTANTS: [(&str, &[(&str, &str)]); 17] = [
             ("48 planes", "MAX_PLANES"),
         ],
     ),
-    ("src/solid/fit.rs", &[("0.4 times as large", "LENIENCE"), ("radius below 0.25 ε", "SMALL")]),
+    ("src/solid/fit.rs", &[("0.4 times as large", "LENIENCE"), ("radius below 0.35 ε", "SMALL")]),
     ("src/bounded/cover/grow.rs", &[("until 8 in turn", "MAX_REFUSED_IN_TURN")]),
     ("src/bounded/cover/mod.rs", &[("600 points", "POINTS")]),
     ("src/hull/convex_hull.rs", &[("0.001 times their diagonal", "MINIMUM_THICKNESS")]),
