@@ -78,7 +78,7 @@ fn work_shutter(
     shaders: Res<Shaders>,
 ) {
     let is_open = shutter.path.is_some();
-    let may_move = !shutter.holds_bodies && !(is_open && is_without_person());
+    let may_move = !(shutter.holds_bodies || is_open && is_without_person());
     for mut configuration in &mut physics {
         if configuration.physics_pipeline_active != may_move {
             configuration.physics_pipeline_active = may_move;
