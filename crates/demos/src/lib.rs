@@ -25,12 +25,17 @@ use hullwright::bevy::{HullwrightDebug, HullwrightDebugPlugin};
 use caption::Caption;
 use hulls::HullMaterials;
 use orbit::{Orbit, OrbitPlugin, camera};
-use picture::{Bodies, PicturePlugin, PictureTaken, Shutter, awake, is_tour, is_without_person};
+use picture::{
+    Bodies, PicturePlugin, PictureTaken, Shutter, arguments, awake, is_tour, is_without_person,
+};
 use shown::{ShownHulls, draw_new_hulls, note_ready, toggle};
 use studio::Studio;
 
-/// The bundled models, wherever a window is started from.
-pub const ASSETS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets");
+/// The bundled models, wherever a window is started from; in a browser beside the page.
+pub const ASSETS: &str = match cfg!(target_family = "wasm") {
+    false => concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets"),
+    true => "assets",
+};
 
 /// Size of the window, in pixels: what fits on a screen, and into `xvfb-run` with a screen of 1280 by 800.
 pub const WINDOW: [u32; 2] = [1280, 800];
@@ -125,7 +130,7 @@ impl Plugin for Stage {
         .add_systems(Update, (picture::watch_sleep, toggle, draw_new_hulls))
         .add_systems(Update, (take_picture, end).run_if(resource_exists::<Picture>))
         .add_observer(note_ready);
-        let mut arguments = std::env::args().skip_while(|argument| argument != "--screenshot");
+        let mut arguments = arguments().skip_while(|argument| argument != "--screenshot");
         if let Some(path) = arguments.nth(1) {
             // Without a person the window has no focus, and would be drawn less often.
             app.insert_resource(WinitSettings::continuous());
@@ -156,16 +161,17 @@ fn take_picture(
     picture.frames += 1;
     picture.still = if awake(&bodies).next().is_none() { picture.still + 1 } else { 0 };
     if picture.frames == MOST_FRAMES && picture.still < STILL_FRAMES {
-        println!("these bodies still move after {MOST_FRAMES} frames:");
+        warn!("these bodies still move after {MOST_FRAMES} frames:");
         for (name, speed) in awake(&bodies).filter_map(|body| named.get(body).ok()) {
             let name = name.map_or("one without a name", Name::as_str);
             let [linear, angular] = [speed.linear, speed.angular].map(Vec3::length);
-            println!("  {name}: {linear:.3} m/s, {angular:.3} rad/s");
+            warn!("  {name}: {linear:.3} m/s, {angular:.3} rad/s");
         }
         picture.still = STILL_FRAMES;
     }
     if picture.still == STILL_FRAMES {
-        println!("the picture is taken after {} frames", picture.frames);
+        let count = statuses.iter().filter(|status| status.has_collider() == Some(true)).count();
+        info!("{count} with colliders; the picture is taken after {} frames", picture.frames);
         shutter.take(&picture.path);
     }
 }

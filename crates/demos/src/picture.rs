@@ -4,8 +4,9 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use bevy::render::render_resource::PipelineCache;
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured, save_to_disk};
@@ -77,7 +78,7 @@ fn work_shutter(
     shaders: Res<Shaders>,
 ) {
     let is_open = shutter.path.is_some();
-    let may_move = !shutter.holds_bodies && !(is_open && is_without_person());
+    let may_move = !(shutter.holds_bodies || is_open && is_without_person());
     for mut configuration in &mut physics {
         if configuration.physics_pipeline_active != may_move {
             configuration.physics_pipeline_active = may_move;
@@ -104,8 +105,11 @@ fn capture(commands: &mut Commands, path: PathBuf) {
               mut taken: MessageWriter<PictureTaken>| {
             let (image, colours) = (&captured.image, colours(&captured.image));
             let [width, height] = [image.width(), image.height()];
-            println!("{}: {width} × {height} pixels of {colours} colours", path.display());
+            info!("{}: {width} × {height} pixels of {colours} colours", path.display());
             let is_empty = colours < FEWEST_COLOURS;
+            if is_empty {
+                error!("nothing is to be seen in {}", path.display());
+            }
             shutter.path = None;
             taken.write(PictureTaken { path: path.clone(), is_empty });
         },
@@ -128,7 +132,21 @@ pub fn is_tour() -> bool {
 }
 
 fn is_argument(name: &str) -> bool {
-    std::env::args().any(|argument| argument == name)
+    arguments().any(|argument| argument == name)
+}
+
+/// What the program was called with.
+#[cfg(not(target_family = "wasm"))]
+pub fn arguments() -> impl Iterator<Item = String> {
+    std::env::args()
+}
+
+/// What the page's address says, as in `?--screenshot&mugs.png`.
+#[cfg(target_family = "wasm")]
+pub fn arguments() -> impl Iterator<Item = String> {
+    let query = web_sys::window().and_then(|window| window.location().search().ok());
+    let query = query.unwrap_or_default();
+    query.trim_start_matches('?').split('&').map(String::from).collect::<Vec<_>>().into_iter()
 }
 
 /// Whether all shaders that are wanted are there: things without one are not drawn.

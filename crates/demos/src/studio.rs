@@ -90,14 +90,17 @@ fn set_up(
         shadows.build(),
         from(-1.1, 2.4, 1.3),
     ));
-    commands.spawn((
-        DirectionalLight {
-            illuminance: FILL_LIGHT,
-            color: Color::srgb(0.86, 0.92, 1.0),
-            ..default()
-        },
-        from(2.0, 0.7, 0.6),
-    ));
+    // With WebGL2 Bevy has one lamp.
+    if cfg!(not(target_family = "wasm")) {
+        commands.spawn((
+            DirectionalLight {
+                illuminance: FILL_LIGHT,
+                color: Color::srgb(0.86, 0.92, 1.0),
+                ..default()
+            },
+            from(2.0, 0.7, 0.6),
+        ));
+    }
     commands.spawn((
         Mesh3d(
             meshes.add(Plane3d::default().mesh().size(FLOOR * studio.width, FLOOR * studio.width)),

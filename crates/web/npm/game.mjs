@@ -4,13 +4,11 @@
 // can work, from the cache at a second visit, and on any error in the page. `npm run game -- ROUNDS`, of which 5 are the
 // default. Needs the package built: `npm run build`.
 
-import { execFileSync } from "node:child_process";
-import { copyFileSync, mkdirSync, rmSync, writeFileSync } from "node:fs";
-import { fileURLToPath } from "node:url";
+import { mkdirSync, rmSync, writeFileSync } from "node:fs";
+import { buildProgram, copyWorker, countAnswers, folderOf, run } from "./program.mjs";
 import { launch, openPage, serve } from "./tests/browser.mjs";
 
-const ROOT = fileURLToPath(new URL("../../..", import.meta.url));
-const GAME = fileURLToPath(new URL("build/game", import.meta.url));
+const GAME = folderOf("game");
 const BAKED = 300;
 const DECOMPOSED = 50;
 /** Gaps scatter with what else the machine does: all modes take turns. */
@@ -35,20 +33,13 @@ const WITHOUT = {
 };
 for (const [folder, what] of Object.entries(WITHOUT)) MODES[`in workers, ${what}`] = { mode: "worker", folder, once: true };
 
-const run = (program, ...args) => execFileSync(program, args, { cwd: ROOT, stdio: ["ignore", "pipe", "inherit"], maxBuffer: 1 << 26 }).toString();
-
 function build() {
-  const flags = ["--ignore-rust-version", "--package", "hullwright_web_game"];
-  const made = run("crates/web/toolchain", "build", "--quiet", "--lib", "--profile", "web-game", ...flags, "--message-format", "json-render-diagnostics");
-  const files = made.split("\n").filter((line) => line.startsWith("{")).flatMap((line) => JSON.parse(line).filenames ?? []);
-  run("cargo", "run", "--quiet", "--package", "hullwright_bindgen", "--", files.findLast((file) => file.endsWith("hullwright_web_game.wasm")), GAME);
-  for (const folder of ["hullwright", "no-script", "other-build", "faulty", "assets"]) mkdirSync(`${GAME}/${folder}`);
-  const [script, module] = ["worker-core.js", "hullwright-core.wasm"];
-  const copy = (file, folder) => copyFileSync(fileURLToPath(new URL(`dist/${file}`, import.meta.url)), `${GAME}/${folder}/${file}`);
-  for (const folder of ["hullwright", "other-build"]) copy(script, folder);
-  for (const folder of ["hullwright", "no-script", "faulty"]) copy(module, folder);
-  writeFileSync(`${GAME}/other-build/${module}`, Uint8Array.of(0, 0x61, 0x73, 0x6d, 1, 0, 0, 0));
-  writeFileSync(`${GAME}/faulty/${script}`, FAULTY);
+  buildProgram(GAME, "hullwright_web_game", "--package", "hullwright_web_game", "--lib");
+  for (const folder of ["hullwright", "no-script", "other-build", "faulty"]) copyWorker(`${GAME}/${folder}`);
+  rmSync(`${GAME}/no-script/worker-core.js`);
+  writeFileSync(`${GAME}/other-build/hullwright-core.wasm`, Uint8Array.of(0, 0x61, 0x73, 0x6d, 1, 0, 0, 0));
+  writeFileSync(`${GAME}/faulty/worker-core.js`, FAULTY);
+  mkdirSync(`${GAME}/assets`);
   run("cargo", "run", "--quiet", "--release", "--package", "hullwright_web_game", "--bin", "props", "--", "assets", `${GAME}/assets/props.hullscene`);
 }
 
@@ -60,17 +51,6 @@ onmessage = (event) => {
   if (++requests === 3) throw new Error("on purpose");
   answer(event);
 };`;
-
-/** Counts what workers answer: what is done without them has the same hulls. Runs in the page. */
-function countAnswers() {
-  const { Worker } = window;
-  window.answers = 0;
-  window.Worker = function (script) {
-    const worker = new Worker(script);
-    worker.addEventListener("message", ({ data }) => (window.answers += Number("value" in data)));
-    return worker;
-  };
-}
 
 /** Runs in the page. */
 function breakIndexedDb(how) {
@@ -111,8 +91,6 @@ async function play({ mode, folder, replaced }) {
   return { gaps, plugin, counters: { ...counters, answers: window.answers }, bakedAfter, seconds: (performance.now() - begin) / 1000 };
 }
 
-rmSync(GAME, { recursive: true, force: true });
-mkdirSync(GAME, { recursive: true });
 build();
 const server = await serve(GAME);
 const browser = await launch();

@@ -8,6 +8,7 @@ use bevy::gltf::extensions::{
     ErasedGltfExtensionHandler, GltfExtensionHandler, GltfExtensionHandlers,
 };
 use bevy::prelude::*;
+use bevy::tasks::block_on;
 
 use crate::bevy::tag::NoConvexDecomposition;
 
@@ -48,5 +49,6 @@ impl GltfExtensionHandler for LinkedLevels {
 pub(super) fn mark_linked_levels(app: &mut App) {
     app.init_resource::<GltfExtensionHandlers>();
     let handlers = app.world().resource::<GltfExtensionHandlers>();
-    handlers.0.write_blocking().push(Box::new(LinkedLevels::default()));
+    // Browsers have no `write_blocking`.
+    block_on(handlers.0.write()).push(Box::new(LinkedLevels::default()));
 }

@@ -64,11 +64,10 @@ fn open_desk(mut commands: Commands, server: Res<AssetServer>) {
     ));
 }
 
+type Tagged = (Added<ConvexDecomposition>, Without<Clutter>);
+
 /// Each tagged node of the desk is a body, and a node with pieces below it is one with all of them.
-fn make_bodies(
-    mut commands: Commands,
-    tagged: Query<(Entity, &Name, &ChildOf), (Added<ConvexDecomposition>, Without<Clutter>)>,
-) {
+fn make_bodies(mut commands: Commands, tagged: Query<(Entity, &Name, &ChildOf), Tagged>) {
     for (entity, name, parent) in &tagged {
         let body = if name.starts_with(PIECE) { parent.parent() } else { entity };
         commands.entity(body).insert((RigidBody::Dynamic, CALM));
