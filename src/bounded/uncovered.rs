@@ -9,7 +9,7 @@ use crate::bvh::Bvh;
 use crate::bvh::closest_point::closest_point_on_triangle;
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, bounds};
+use crate::geometry::vector::{Vector, bounds, greater, lesser};
 use crate::hull::ConvexHull;
 use crate::mesh::TriangleMesh;
 
@@ -259,18 +259,19 @@ fn outside_all(
             return least;
         }
         let outside = corners.iter().map(|&corner| hull.distance(corner, least));
-        least.min(outside.fold(0.0, f64::max))
+        lesser(least, outside.fold(0.0, greater))
     });
     if least <= worst || divisions == 0 {
         return least;
     }
     let [a, b, c] = corners;
     let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(p, q)| (p + q) * 0.5);
-    [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
-        .into_iter()
-        .fold(0.0, |most: f64, part| {
-            most.max(outside_all(part, hulls, worst.max(most), least, divisions - 1))
-        })
+    [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]].into_iter().fold(
+        0.0,
+        |most: f64, part| {
+            greater(most, outside_all(part, hulls, greater(worst, most), least, divisions - 1))
+        },
+    )
 }
 
 #[cfg(test)]

@@ -13,7 +13,9 @@ use super::growing_hull::{DEFAULT_TOLERANCE, HullBuilder};
 use super::quickhull::Shape;
 use crate::bvh::closest_point::closest_point_on_triangle;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, area_normal, as_arrays, as_vectors, bounds, diagonal};
+use crate::geometry::vector::{
+    Vector, area_normal, as_arrays, as_vectors, bounds, diagonal, greater, lesser,
+};
 use crate::geometry::{Bounds, MeshView};
 
 /// A closed convex polyhedron of triangles, wound counter-clockwise seen from outside.
@@ -372,10 +374,8 @@ pub fn rounded_hull(hull: &ConvexHull, scale: [f32; 3]) -> Option<SinglePrecisio
         let [Some(a), Some(b), Some(c)] = [a, b, c].map(corner) else { return false };
         let normal = area_normal(a, b, c).normalize_or_zero();
         let heights = points.iter().map(|point| normal.dot(*point - a));
-        // By comparisons: `f64::min` and `f64::max` are calls in WebAssembly, and this is most of what a hull costs here.
-        let (lowest, highest) = heights.fold((0.0f64, 0.0f64), |(low, high), x| {
-            (if x < low { x } else { low }, if x > high { x } else { high })
-        });
+        let (lowest, highest) =
+            heights.fold((0.0, 0.0), |(low, high), x| (lesser(low, x), greater(high, x)));
         highest <= DEFAULT_TOLERANCE * extent && -lowest >= HEIGHT_PER_WIDTH * thickness
     };
     let turned = |&[a, b, c]: &[u32; 3]| if is_mirrored { [a, c, b] } else { [a, b, c] };

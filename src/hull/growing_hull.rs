@@ -6,7 +6,9 @@ use super::face::{Face, FacePlane, Margins, NONE, after, before, edge_of, face_o
 use super::quickhull::{
     Frame, HullState, OutsideSet, Scratch, Shape, finite_bounds, first_simplex, height_of,
 };
-use crate::geometry::vector::{Vector, as_arrays, as_vectors, cubed, into_arrays, into_vectors};
+use crate::geometry::vector::{
+    Vector, as_arrays, as_vectors, cubed, greater, into_arrays, into_vectors,
+};
 use crate::work;
 
 /// A point is left out if it is closer to the hull than this fraction of the extent of the points.
@@ -412,15 +414,15 @@ fn farthest_outside(faces: &[Face], step: usize, frame: Frame, points: &[Vector]
     let mut farthest = f64::NEG_INFINITY;
     let (blocks, rest) = points.as_chunks::<4>();
     for &block in blocks {
-        farthest = farthest.max(farthest_of(faces, step, frame, block));
+        farthest = greater(farthest, farthest_of(faces, step, frame, block));
     }
     let (pairs, rest) = rest.as_chunks::<2>();
     for &pair in pairs {
-        farthest = farthest.max(farthest_of(faces, step, frame, pair));
+        farthest = greater(farthest, farthest_of(faces, step, frame, pair));
     }
     for &point in rest {
         // With a copy of itself: a single lane would not vectorise.
-        farthest = farthest.max(farthest_of(faces, step, frame, [point; 2]));
+        farthest = greater(farthest, farthest_of(faces, step, frame, [point; 2]));
     }
     farthest / frame.factor
 }
@@ -444,7 +446,7 @@ fn farthest_of<const N: usize>(
             farthest[lane] = if distance > farthest[lane] { distance } else { farthest[lane] };
         }
     }
-    farthest.into_iter().fold(f64::NEG_INFINITY, f64::max)
+    farthest.into_iter().fold(f64::NEG_INFINITY, greater)
 }
 
 /// The hull of the points inserted so far.
