@@ -192,7 +192,7 @@ impl HullsFile {
     /// # Errors
     /// [`HullsFileError`] says what is wrong with them.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, HullsFileError> {
-        let (Versions { algorithm, .. }, mut reader) = open(bytes, MAGIC, FORMAT_VERSION)?;
+        let ([_, algorithm], mut reader) = open(bytes, MAGIC, FORMAT_VERSION)?;
         let algorithm_version = algorithm;
         let file = reader.file(algorithm_version)?;
         reader.end()?;
@@ -348,14 +348,8 @@ const TRIANGLE: usize = 3 * 4;
 
 type Read<T> = Result<T, HullsFileError>;
 
-/// What a header says.
-pub(super) struct Versions {
-    pub format: u32,
-    pub algorithm: u32,
-}
-
-/// Checks the header and the checksum. The versions, and a reader of the body.
-pub(super) fn open(bytes: &[u8], magic: [u8; 8], newest: u32) -> Read<(Versions, Reader<'_>)> {
+/// Checks the header and the checksum. The versions of format and algorithm, and a reader of the body.
+pub(super) fn open(bytes: &[u8], magic: [u8; 8], newest: u32) -> Read<([u32; 2], Reader<'_>)> {
     if !bytes.starts_with(&magic) {
         let is_other = bytes.starts_with(&MAGIC) || bytes.starts_with(&SCENE_MAGIC);
         return Err(match (magic == SCENE_MAGIC, is_other) {
@@ -385,7 +379,7 @@ pub(super) fn open(bytes: &[u8], magic: [u8; 8], newest: u32) -> Read<(Versions,
     if crc32fast::hash(content) != (Reader { rest: checksum }).u32()? {
         return Err(HullsFileError::Damaged);
     }
-    Ok((Versions { format, algorithm }, Reader { rest: &content[HEADER..] }))
+    Ok(([format, algorithm], Reader { rest: &content[HEADER..] }))
 }
 
 /// An error for a value that means nothing.

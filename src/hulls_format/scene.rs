@@ -7,8 +7,8 @@ use std::path::Path;
 use sha2::{Digest, Sha256};
 
 use super::file::{
-    HullsFile, HullsFileError, Reader, SCENE_FORMAT_VERSION, SCENE_MAGIC, Versions, begin, count,
-    open, read_bytes, seal, text, valid, write_bytes,
+    HullsFile, HullsFileError, Reader, SCENE_FORMAT_VERSION, SCENE_MAGIC, begin, count, open,
+    read_bytes, seal, text, valid, write_bytes,
 };
 use crate::decomposition::ALGORITHM_VERSION;
 use crate::geometry::MeshView;
@@ -289,7 +289,7 @@ impl HullScene {
     /// # Errors
     /// [`HullsFileError`] says what is wrong with them.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, HullsFileError> {
-        let (Versions { format, .. }, mut reader) = open(bytes, SCENE_MAGIC, SCENE_FORMAT_VERSION)?;
+        let ([format, _], mut reader) = open(bytes, SCENE_MAGIC, SCENE_FORMAT_VERSION)?;
         let name = reader.text()?;
         let meshes = reader.count(LEAST_MESH)?;
         let meshes =

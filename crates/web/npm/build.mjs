@@ -23,9 +23,15 @@ const VARIANTS = {
   page: { features: ["--features", "page"] },
 };
 
-/** Less is inlined and no loop unrolled: a sixth less code, which is as fast. */
-const CODE = ["inline-threshold=50", "unroll-threshold=50", "unroll-partial-threshold=0"];
-const FLAGS = { CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS: CODE.map((flag) => `-Cllvm-args=-${flag}`).join(" ") };
+/**
+ * Two numbers at once, which each browser can since 2023 and which gives the same bits: a fifth less time. Less is inlined
+ * and no loop unrolled: a sixth less code, which is as fast.
+ */
+const CODE = [
+  "-Ctarget-feature=+simd128",
+  ...["inline-threshold=50", "unroll-threshold=50", "unroll-partial-threshold=0"].map((flag) => `-Cllvm-args=-${flag}`),
+];
+const FLAGS = { CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS: CODE.join(" ") };
 
 /** The module that cargo says it has built: where that is depends on the compiler that is taken. */
 function artifact(program, ...args) {
@@ -50,7 +56,7 @@ function buildModules() {
 }
 
 /** As fast as `-O3`, which makes it larger. */
-const OPTIMISE = ["-Oz"];
+const OPTIMISE = ["-Oz", "--enable-simd"];
 
 /** What the sources import under names that begin with `#`: the calls of a module, and texts. */
 const made = (variant, known) => ({
