@@ -12,7 +12,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("{} vertices, {} triangles", points.len(), triangles.len());
     }
 
-    // For Rapier: one compound, with the mass of the mesh at 500 kg per m³.
+    // For Rapier, beside its `ContactDispatcher`: a compound, with the mass of the mesh at 500 kg per m³.
     let mass = mass_properties(&mesh, &made.hulls, 500.0)?;
     let collider = hullwright::rapier::collider(&made.hulls, &mass, [1.0; 3])?.build();
     println!("{:.2} kg", collider.mass());

@@ -390,7 +390,7 @@ mod hulls {
                 demo += 1;
             }
         }
-        assert_eq!(demo, 3);
+        assert_eq!(demo, 2);
 
         let (_, shown) = text.split_once("\ncargo hulls assets/").unwrap();
         let (model, _) = shown.split_once(".glb").unwrap();

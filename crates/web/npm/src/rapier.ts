@@ -31,8 +31,7 @@ export interface ColliderOptions {
   density?: number;
   /** Multiplies the mesh. Default 1. */
   scale?: number;
-  /** One collider with all hulls, where Rapier has such (0.21): nothing stumbles over the seams between hulls. Default
-   * true. */
+  /** One collider with all hulls, where Rapier has such (0.21). Default true. */
   compound?: boolean;
 }
 

@@ -112,7 +112,7 @@ export interface Decomposition {
   hulls: Hull[];
   report: Report;
   mass: Mass;
-  /** A `.hulls` file: hulls in double precision with their errors and mass, as the command and the Bevy plugin read it. */
+  /** A `.hulls` file: hulls in double precision with their errors and mass, as the command and `HullsFile` in Rust read it. */
   hullsFile: Uint8Array;
 }
 
