@@ -119,6 +119,8 @@ pub(crate) async fn pipeline(
             best = Some(found);
         }
     }
+    // All passes have the same bound; searches for a limit divide as the last one does, the coarsest. There is at least
+    // one pass, and the first ends with a result or an error.
     let (Some(mut best), Some(settings)) = (best, passes.last()) else {
         return Err(Error::Finished);
     };
@@ -198,7 +200,7 @@ async fn limit(
 ) -> Result<Found, Error> {
     let mut bounds = BoundBracket::new(settings.bound.verified());
     stages.begin(LIMIT, SEARCHED..SEARCHED);
-    let mut best = joined(found, settings, stages).await?;
+    let mut best = within_limit(found, settings, stages).await?;
     while let Some(bound) = bounds.next_bound(best.hulls.error()) {
         if !deadline.allows_another_pass() {
             break;
@@ -212,7 +214,7 @@ async fn limit(
         if settings.max_hulls.is_some_and(|most| found.count() > most) {
             bounds.refuse(bound);
             stages.begin(LIMIT, middle..end);
-            found = joined(found, &settings, stages).await?;
+            found = within_limit(found, &settings, stages).await?;
         }
         if found.hulls.error() < best.hulls.error() {
             best = found;
@@ -222,7 +224,11 @@ async fn limit(
 }
 
 /// The hulls, joined until they keep the limit.
-async fn joined(found: Found, settings: &Settings, stages: &mut Stages) -> Result<Found, Error> {
+async fn within_limit(
+    found: Found,
+    settings: &Settings,
+    stages: &mut Stages,
+) -> Result<Found, Error> {
     let Found { solid, patches, hulls: FinalHulls { hulls, uncovered } } = found;
     let most = settings.max_hulls.unwrap_or(usize::MAX);
     let control = &stages.control();
@@ -231,7 +237,7 @@ async fn joined(found: Found, settings: &Settings, stages: &mut Stages) -> Resul
     Ok(Found { solid, patches, hulls: FinalHulls { hulls, uncovered } })
 }
 
-/// The end of repair: coordinates are rounded to 2^-38 of the diagonal. A mesh in other units, which differs in the last
+/// Once openings are closed, coordinates are rounded to 2^-38 of the diagonal. A mesh in other units, which differs in the last
 /// bits, then breaks ties of symmetric shapes the same way.
 const ROUNDING: f64 = (1_u64 << 38) as f64;
 

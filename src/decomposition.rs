@@ -45,7 +45,7 @@ pub struct HullErrors {
     pub simplification_growth: f64,
     /// Protrusion: no point of the hull's surface is farther than this outside the solid. It is
     /// verified against the source. An upper bound: of closed meshes never below 0.29 of the requested
-    /// bound and too large by at most 4 % of it, of open ones never below 0.79, of very dense ones never below what
+    /// bound and too large by at most 4 % of it, or of itself where it is above; of open ones never below 0.79, of very dense ones never below what
     /// reducing them has moved vertices by;
     /// where a closer look would take long it may be as large as the bound. `None` for methods that verify nothing.
     pub protrusion_max: Option<f64>,
@@ -168,7 +168,7 @@ pub struct Report {
     pub uncovered_max: f64,
     /// Patches of the surface that the search started from.
     pub patches: usize,
-    /// Triangles of the simplified or refined mesh that was grouped.
+    /// Triangles of the simplified, refined or cut mesh that was grouped.
     pub polygons: usize,
     /// What a probe found, if there was one.
     pub probe: Option<ProbeReport>,

@@ -63,8 +63,8 @@
 //! - **Protrusion**: how far a hull is outside of the solid. Objects stop before they touch.
 //! - **Uncovered distance**: how far the mesh's surface is outside of every hull. Objects sink in.
 //!
-//! Both are at most [`Parameters::max_error`], unless a limit on hulls forces more; the report says how
-//! much. *Uncovered volume* is the share of the solid that no
+//! Both are at most [`Parameters::max_error`], unless a limit on hulls forces more or a flat part has to be
+//! thicker to be a hull; the report says how much. *Uncovered volume* is the share of the solid that no
 //! hull holds. [`measure`] samples all three, for hulls of any tool.
 //!
 //! # Conventions

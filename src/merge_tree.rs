@@ -100,7 +100,7 @@ impl MergeTree {
     }
 
     /// Joins hulls of any tool, each taken as the convex hull that it is. Those without
-    /// verified errors are verified first. Of `parameters` the bound says how finely the solid is sampled, and
+    /// verified errors are verified first. Of `parameters` the bound says how finely protrusions are resolved, and
     /// the limit on vertices holds for joint hulls.
     ///
     /// # Errors

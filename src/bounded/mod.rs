@@ -3,10 +3,10 @@
 //!
 //! | stage | file | what it does |
 //! |---|---|---|
-//! | solid | [`crate::solid`], [`crate::clustering`] | whether hulls stay within the bound; very dense meshes are searched through reduced ones |
+//! | solid | `search`, [`crate::solid`], [`crate::clustering`] | whether hulls stay within the bound; very dense meshes are searched through reduced ones |
 //! | | `patch_mesh` | the mesh that is divided: simplified, or cut into facets |
 //! | | `facets`, `cuts` | coarse meshes are cut where their shape requires it |
-//! | patches | `patches`, `patch` | the surface is divided into patches |
+//! | patches | `patches` | the surface is divided into patches |
 //! | merge | `merge` | patches join into pieces |
 //! | cover | `cover/` | few pieces cover all patches, then shrink to those that they own |
 //! | finalize | `finalize/` | pieces become verified hulls with few vertices |
@@ -16,6 +16,7 @@
 //! |---|---|
 //! | `settings` | the bound, shares of it, and presets |
 //! | `search` | solid, patches, settings and control |
+//! | `patch` | patches, sets of them, and pieces |
 //! | `deadline` | what is left out where time is short |
 //! | `joins` | pairs that may join |
 //! | `join_tree` | hulls join beyond the bound, the pair that protrudes least first |

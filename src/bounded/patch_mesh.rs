@@ -19,12 +19,12 @@ use crate::mesh::{PreparedMesh, TriangleMesh};
 use crate::solid::COARSE;
 use crate::solid::centre;
 
-/// Simplification joins nothing, and each component is a patch or more. Of a surface in more pieces than this the search,
+/// Simplification joins nothing, and each component is a patch or more. Of a surface in more components than this the search,
 /// which compares all patches, takes seconds and gigabytes.
-const MOST_PIECES: usize = COARSE / 2;
+const MOST_COMPONENTS: usize = COARSE / 2;
 
-/// Such pieces are joined where they are nearer than about this share of the bound, or twice that and so on until
-/// simplification leaves no more than it was asked for: it removes nothing around vertices where joined pieces cross. What
+/// Such components are welded where they are nearer than about this share of the bound, or twice that and so on until
+/// simplification leaves no more than it was asked for: it removes nothing around vertices where welded components cross. What
 /// is made of them represents the source all the same.
 const CRACK: f64 = 0.1;
 
@@ -87,15 +87,15 @@ impl PatchMesh {
             simplified = simplify(source, source_components, COARSE, control)?;
             control.check()?;
         }
-        if prepared.closed.len() > MOST_PIECES {
+        if prepared.closed.len() > MOST_COMPONENTS {
             let mut size = CRACK * settings.bound.verified();
             while simplified.mesh.triangles.len() > settings.triangles {
-                let (joined, labels) = joined(source, source_components, size);
+                let (welded, labels) = welded(source, source_components, size);
                 // Far apart and small, they all vanish at once.
-                if joined.triangles.is_empty() {
+                if welded.triangles.is_empty() {
                     break;
                 }
-                match simplify(&joined, &labels, settings.triangles, control) {
+                match simplify(&welded, &labels, settings.triangles, control) {
                     Ok(fewer) => simplified = fewer,
                     // Many pieces that cross take the simplifier too long.
                     Err(Error::Simplification { .. }) => {}
@@ -197,7 +197,7 @@ impl PatchMesh {
 
 /// The same triangles, with vertices in the same cell of a lattice as one, and their components: what is connected by then
 /// gets the label of its first triangle. O(n log n).
-fn joined(source: &TriangleMesh, components: &[u32], size: f64) -> (TriangleMesh, Vec<u32>) {
+fn welded(source: &TriangleMesh, components: &[u32], size: f64) -> (TriangleMesh, Vec<u32>) {
     let cell = |vertex: u32| {
         let place = source.points()[vertex as usize] / size;
         place.to_array().map(|x| x.floor() as i64)
@@ -209,12 +209,12 @@ fn joined(source: &TriangleMesh, components: &[u32], size: f64) -> (TriangleMesh
     for same in cells.chunk_by(|a, b| a.0 == b.0) {
         same.iter().for_each(|&(_, vertex)| first[vertex as usize] = same[0].1);
     }
-    let mut joined = source.clone();
-    joined.triangles = source.triangles.iter().map(|t| t.map(|v| first[v as usize])).collect();
+    let mut welded = source.clone();
+    welded.triangles = source.triangles.iter().map(|t| t.map(|v| first[v as usize])).collect();
     let is_kept: Vec<bool> =
-        joined.triangles.iter().map(|&[a, b, c]| a != b && b != c && c != a).collect();
+        welded.triangles.iter().map(|&[a, b, c]| a != b && b != c && c != a).collect();
     let mut kept = is_kept.iter();
-    joined.triangles.retain(|_| kept.next() == Some(&true));
+    welded.triangles.retain(|_| kept.next() == Some(&true));
     let labels = components.iter().zip(&is_kept).filter(|(_, is_kept)| **is_kept);
     let labels: Vec<u32> = labels.map(|(&label, _)| label).collect();
 
@@ -228,20 +228,20 @@ fn joined(source: &TriangleMesh, components: &[u32], size: f64) -> (TriangleMesh
         }
         vertex
     };
-    for &[a, b, c] in &joined.triangles {
+    for &[a, b, c] in &welded.triangles {
         for other in [b, c] {
             let [a, other] = [a, other].map(|vertex| root(&mut parents, vertex));
             parents[a.max(other) as usize] = a.min(other);
         }
     }
     let mut of_root = vec![u32::MAX; first.len()];
-    let components = joined.triangles.iter().zip(labels).map(|(triangle, label)| {
+    let components = welded.triangles.iter().zip(labels).map(|(triangle, label)| {
         let own = &mut of_root[root(&mut parents, triangle[0]) as usize];
         *own = (*own).min(label);
         *own
     });
     let components = components.collect();
-    (joined, components)
+    (welded, components)
 }
 
 /// For each part of refined triangles what it represents: the first part of a triangle all of it,
@@ -276,7 +276,7 @@ mod tests {
     }
 
     #[test]
-    fn a_surface_in_pieces_is_joined_before_it_is_divided() {
+    fn a_surface_of_many_components_is_welded_before_it_is_divided() {
         let control = Control::new();
         let settings = &Settings::of_preset(&Parameters::default(), &Normalization::UNIT)[0];
         // A little more than what simplification is asked for, and much more.

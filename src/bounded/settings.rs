@@ -110,9 +110,19 @@ impl Bound {
         LAST_ROUND_SHARE * self.protrusion
     }
 
-    /// The bound whose shares, [`MAX_UNCOVERED`] above all, may stay uncovered.
-    pub(crate) fn uncovered(self) -> f64 {
+    /// The bound that was asked for, whose shares may stay uncovered.
+    pub(crate) fn requested(self) -> f64 {
         self.requested
+    }
+
+    /// How far the surface may be outside the hull that owns it.
+    pub(crate) fn max_uncovered(self) -> f64 {
+        MAX_UNCOVERED * self.requested
+    }
+
+    /// The same where the limit on vertices can't be kept otherwise.
+    pub(crate) fn max_uncovered_under_limit(self) -> f64 {
+        MAX_UNCOVERED_UNDER_LIMIT * self.requested
     }
 
     /// Points of a patch this near to the hull of its other points are left out, and uncovered surface

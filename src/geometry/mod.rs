@@ -1,4 +1,4 @@
-//! The ground floor: boxes, coordinates, vectors, and triangle meshes: one that is borrowed, which every function takes,
+//! Boxes, coordinates, vectors, and triangle meshes: one that is borrowed, which every function takes,
 //! and one that is owned.
 
 pub mod vector;

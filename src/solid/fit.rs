@@ -245,7 +245,7 @@ impl<'a> FitTester<'a> {
         fits
     }
 
-    /// Whether faces fit.
+    /// Whether faces fit: by their centres first, then as a whole, the largest first. Notes refusals.
     fn faces_fit(&mut self, faces: &mut [(f64, Face)]) -> bool {
         // Large faces are the most likely to protrude.
         faces.sort_by(|a, b| b.0.total_cmp(&a.0));

@@ -177,7 +177,7 @@ impl<'a> Exact<'a> {
         self.known > self.limit
     }
 
-    /// See [`enough`].
+    /// What the result may be anyway, by [`enough`].
     fn enough(&self) -> f64 {
         enough(self.known, self.bound)
     }

@@ -33,6 +33,7 @@ pub(crate) struct Solid {
     pub(super) cavities: Vec<(Vector, f64)>,
     /// Where the solid is that of a reduced mesh: what it represents.
     pub clustered: Option<Arc<Clustered>>,
+    /// See [`displacement`](Self::displacement): 0 unless the surface stands for the source.
     pub(super) displacement: f64,
     /// What moves in the scene, if that is known: what it does not reach may be filled.
     pub probe: Option<Probe>,

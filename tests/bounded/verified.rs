@@ -249,7 +249,7 @@ fn it_is_so_under_limits() {
     }
 }
 
-/// A tenth of the bound is what verification of open meshes samples at.
+/// Samples are a tenth of the bound apart.
 #[test]
 fn samples_of_open_sheets_are_at_most_a_tenth_of_the_bound_above_what_is_verified() {
     let mesh = open_sheet();

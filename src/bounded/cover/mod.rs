@@ -7,7 +7,7 @@
 //! | `grow` | each piece takes the patches that fit |
 //! | `coverage` | pieces that others cover are dropped; each patch stays with one piece |
 //! | `dissolve` | pieces leave their patches to others and disappear |
-//! | `nogoods` | patches that do not fit together, learned from refusals |
+//! | `nogoods` | three points of patches that no hull that fits contains, learned from refusals |
 //!
 //! Then filling: hulls of large patches cover the surface and may leave the inside of a solid hollow,
 //! above all after pieces have shrunk to what they own. Points inside that no piece contains go back

@@ -1,12 +1,11 @@
-//! Nogoods: patches that no hull that fits contains together, learned from hulls that did not fit.
+//! Nogoods: three points of patches that no hull that fits contains together, learned from hulls that did not fit.
 //!
 //! A hull is refused where a face protrudes. The corners are points of patches, and every hull that contains these
 //! three points contains the protruding point: it does not fit either, or it swallows a point that is outside the solid by
 //! more than the bound. So they are a conflict of three, where [`Patches::conflicts`] are of two. A nogood refuses a hull
 //! before anything is built: O(1) for each that the new patch is part of. The word is that of constraint solving.
 //!
-//! What is learned depends on the hulls that an attempt tests, not on what the cache of faces knows. Attempts at the same
-//! time do not learn from each other: what they have learned is added in their order. So no result depends on threads.
+//! What is learned depends only on the hulls that an attempt tests. Attempts at the same time do not learn from each other: what they have learned is added in their order. So no result depends on threads.
 
 use std::collections::{HashMap, HashSet};
 

@@ -8,7 +8,7 @@ use std::ops::Range;
 use super::hull_simplification::{FinalizeContext, Original, Simplified, simplify_hull};
 use crate::bounded::patch::{PatchSet, Patches, Piece};
 use crate::bounded::search::Search;
-use crate::bounded::settings::{MAX_UNCOVERED, MAX_UNCOVERED_UNDER_LIMIT, Settings};
+use crate::bounded::settings::Settings;
 use crate::bounded::uncovered::{PointBuckets, distance_outside};
 use crate::error::Error;
 use crate::geometry::vector::{Vector, area_normal, as_arrays};
@@ -92,7 +92,7 @@ impl FinalHull {
     /// Whether it may be returned.
     pub(super) fn keeps_bound(&self, settings: &Settings) -> bool {
         self.protrusion <= settings.bound.verified()
-            && self.uncovered <= MAX_UNCOVERED_UNDER_LIMIT * settings.bound.uncovered()
+            && self.uncovered <= settings.bound.max_uncovered_under_limit()
     }
 }
 
@@ -160,7 +160,7 @@ fn full_hull(
     builder: &mut HullBuilder,
 ) -> Result<(Original, f64), Error> {
     let &Search { settings, control, .. } = &context.search;
-    let max_uncovered = MAX_UNCOVERED * settings.bound.uncovered();
+    let max_uncovered = settings.bound.max_uncovered();
     let outward = hull.outward;
     let points = PointBuckets::new(&required);
     let thick =

@@ -13,7 +13,7 @@
 //! divided.
 
 use crate::bounded::search::Search;
-use crate::bounded::settings::{MAX_UNCOVERED, MAX_UNCOVERED_UNDER_LIMIT};
+use crate::bounded::settings::MAX_UNCOVERED;
 use crate::bounded::uncovered::{PointBuckets, distance_outside};
 use crate::error::Error;
 use crate::geometry::vector::Vector;
@@ -30,11 +30,11 @@ const MIN_VOLUME_SHARE: f64 = 0.95;
 
 /// Where the limit cannot be kept otherwise, vertices that protrude by less than these fractions of the
 /// bound are left out: more than [`MAX_UNCOVERED`]. A hull that then leaves more than
-/// [`MAX_UNCOVERED_UNDER_LIMIT`] uncovered is refused.
+/// `MAX_UNCOVERED_UNDER_LIMIT` uncovered is refused.
 const COARSER: [f64; 2] = [0.1, 0.2];
 
 /// By these fractions of the bound a hull that was grown to the limit shrinks again. It was larger than what it must
-/// contain: one that leaves more than [`MAX_UNCOVERED_UNDER_LIMIT`] uncovered is refused.
+/// contain: one that leaves more than `MAX_UNCOVERED_UNDER_LIMIT` uncovered is refused.
 const SHRINKING: [f64; 2] = [0.2, 0.4];
 
 /// A hull of more vertices does not collapse from the full hull to keep a limit once the hull of prominent vertices
@@ -110,8 +110,8 @@ impl Attempts<'_> {
     /// Attempts 1 and 2: as far as little volume is added and little surface left out.
     fn saving_vertices(&mut self) -> Result<Option<Simplified>, Error> {
         let original = self.original;
-        let max_uncovered = (MAX_UNCOVERED * self.context.search.settings.bound.uncovered())
-            .max(original.uncovered);
+        let max_uncovered =
+            self.context.search.settings.bound.max_uncovered().max(original.uncovered);
         let prominent = self.without_small(MAX_UNCOVERED)?;
         let has_prominent = prominent.is_some();
         if let Some(prominent) = prominent
@@ -128,9 +128,9 @@ impl Attempts<'_> {
     fn within_limit(&mut self) -> Result<Simplified, Error> {
         let (original, max_vertices) = (self.original, self.max_vertices);
         let &Search { solid, settings, control, .. } = &self.context.search;
-        let (bound, uncovered_bound) = (settings.bound.verified(), settings.bound.uncovered());
-        let max_uncovered = (MAX_UNCOVERED * uncovered_bound).max(original.uncovered);
-        let max_under_limit = (MAX_UNCOVERED_UNDER_LIMIT * uncovered_bound).max(original.uncovered);
+        let (bound, requested) = (settings.bound.verified(), settings.bound.requested());
+        let max_uncovered = settings.bound.max_uncovered().max(original.uncovered);
+        let max_under_limit = settings.bound.max_uncovered_under_limit().max(original.uncovered);
         for share in COARSER {
             let Some(prominent) = self.without_small(share)? else { continue };
             if let Some(simplified) = self.collapsed_or_as_is(prominent, max_under_limit)? {
@@ -143,7 +143,7 @@ impl Attempts<'_> {
             return Ok(simplified);
         }
         for share in SHRINKING {
-            let Some(smaller) = shrunk(&grown, share * uncovered_bound) else { break };
+            let Some(smaller) = shrunk(&grown, share * requested) else { break };
             if let Some(simplified) = self.accepted(smaller, growth, max_under_limit)? {
                 return Ok(simplified);
             }
@@ -160,7 +160,7 @@ impl Attempts<'_> {
     fn without_small(&mut self, share: f64) -> Result<Option<ConvexHull>, Error> {
         self.context.search.control.check()?;
         let original = self.original;
-        let tolerance = share * self.context.search.settings.bound.uncovered();
+        let tolerance = share * self.context.search.settings.bound.requested();
         let Some(prominent) = prominent(&original.hull, tolerance) else { return Ok(None) };
         let (_, added) = solid_hull(
             self.builder,

@@ -18,7 +18,6 @@ use super::cover::Cover;
 use super::cover::coverage::assign_owners;
 use super::patch::{PatchSet, Piece};
 use super::search::Search;
-use super::settings::MAX_UNCOVERED;
 use super::uncovered::{HullDistance, PointBuckets, distance_outside, uncovered_distance};
 use crate::error::Error;
 use crate::parallel;
@@ -45,19 +44,19 @@ pub(crate) fn finalize(
     let &Search { patches, settings, control, .. } = search;
     let verified = |pieces: &[Piece]| VerifiedPieces::new(*search, pieces);
     let last = verified(&pieces)?;
-    let Some(before) = before_last_round else { return last.joined() };
+    let Some(before) = before_last_round else { return last.remerged() };
     let verified_before = || verified(&assign_owners(patches, &before, control)?);
     if last.hulls.len() as f64 > DOUBTFUL * before.len() as f64 && !control.is_past_deadline() {
         let before = verified_before()?;
         let is_better = before.hulls.len() <= last.hulls.len();
-        return if is_better { before.joined() } else { last.joined() };
+        return if is_better { before.remerged() } else { last.remerged() };
     }
-    let last = last.joined()?;
-    let is_uncovered = last.uncovered > MAX_UNCOVERED * settings.bound.uncovered();
+    let last = last.remerged()?;
+    let is_uncovered = last.uncovered > settings.bound.max_uncovered();
     if !is_uncovered || control.is_past_deadline() {
         return Ok(last);
     }
-    let before = verified_before()?.joined()?;
+    let before = verified_before()?.remerged()?;
     Ok(if before.uncovered < last.uncovered { before } else { last })
 }
 
@@ -81,8 +80,8 @@ impl<'a> VerifiedPieces<'a> {
         Ok(Self { context, hulls: parts.into_iter().flatten().collect(), is_divided })
     }
 
-    /// The same, joined again where they were divided.
-    fn joined(self) -> Result<FinalHulls, Error> {
+    /// The same, remerged where they were divided, with how far the surface is outside all of them.
+    fn remerged(self) -> Result<FinalHulls, Error> {
         let Self { context, mut hulls, is_divided } = self;
         if is_divided {
             hulls = remerge(&context, hulls)?;
@@ -95,7 +94,7 @@ impl<'a> VerifiedPieces<'a> {
 /// No point of the surface is farther than this outside all hulls.
 fn uncovered(search: &Search<'_>, hulls: &[FinalHull]) -> Result<f64, Error> {
     let &Search { patches, settings, control, .. } = search;
-    let allowed = MAX_UNCOVERED * settings.bound.uncovered();
+    let allowed = settings.bound.max_uncovered();
     let (settled, open): (Vec<_>, Vec<_>) =
         (0..).zip(hulls).partition(|(_, hull)| hull.uncovered <= allowed);
     let mut uncovered = settled.iter().map(|(_, hull)| hull.uncovered).fold(0.0, f64::max);
