@@ -10,7 +10,7 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::mesh::PreparedMesh;
 use crate::parallel;
-use crate::solid::Solid;
+use crate::solid::{Solid, SolidSettings};
 
 /// The solid, the patches of its surface, and what they are searched under.
 #[derive(Clone, Copy)]
@@ -77,7 +77,7 @@ fn solid_of(
     settings: &Settings,
     control: &Control,
 ) -> Result<Solid, Error> {
-    let Settings { bound, keep_cavities, ref probe, .. } = *settings;
-    let bound = bound.verified();
-    Solid::new(prepared, clustered, bound, keep_cavities, probe.as_ref(), control)
+    let &Settings { bound, keep_cavities, ref probe, .. } = settings;
+    let settings = SolidSettings { bound: bound.verified(), keep_cavities, probe: probe.as_ref() };
+    Solid::new(prepared, clustered, &settings, control)
 }

@@ -236,11 +236,11 @@ struct Above<'a> {
     above: Option<&'a Above<'a>>,
 }
 
-/// A search for the nearest centre.
+/// A search for the centre that is nearest to a point or a part.
 struct Search<'a> {
     tree: &'a Bvh,
     of: &'a Extent,
-    /// The least bound so far.
+    /// The least bound so far; at first the largest that matters.
     nearest: f64,
     /// Once the bound is below this, it is near enough.
     enough: f64,
@@ -263,7 +263,7 @@ impl Probe {
         control: &Control,
     ) -> Result<Self, Error> {
         let clear = radius - displacement - ROUNDING;
-        let reach = Reach::new(tree, bounds, radius, clear, from, control)?;
+        let reach = Reach::new(tree, bounds, [radius, clear], from, control)?;
         let least_half = LEAST_HALF * bound.min(radius);
         Ok(Self::within_reach(reach, bounds, [radius, clear, least_half, bound]))
     }
@@ -305,7 +305,9 @@ impl Probe {
 
     /// Whether a ball may cover a point.
     pub fn reaches(&self, tree: &Bvh, point: Vector) -> bool {
-        self.clearance(tree, &Extent::point(point), self.radius, self.radius, 0.0) < self.radius
+        let of = &Extent::point(point);
+        let search = Search { tree, of, nearest: self.radius, enough: self.radius, slack: 0.0 };
+        self.clearance(search) < self.radius
     }
 
     /// How much farther a point is from all centres than the radius, within `limit` of zero, and no farther from it. Off by
@@ -320,7 +322,8 @@ impl Probe {
     ) -> f64 {
         let (most, enough) = (self.radius + limit, self.radius - limit);
         let of = Extent::point(point);
-        let clearance = self.clearance(tree, &of, most + tolerance, enough, 2.0 * tolerance);
+        let (nearest, slack) = (most + tolerance, 2.0 * tolerance);
+        let clearance = self.clearance(Search { tree, of: &of, nearest, enough, slack });
         (clearance - tolerance).clamp(enough, most) - self.radius
     }
 
@@ -341,7 +344,8 @@ impl Probe {
         if most < least {
             return None;
         }
-        let clearance = self.clearance(tree, &Extent::point(point), needed.min(most), least, 0.0);
+        let (of, nearest) = (&Extent::point(point), needed.min(most));
+        let clearance = self.clearance(Search { tree, of, nearest, enough: least, slack: 0.0 });
         (clearance >= least).then_some(self.radius - clearance)
     }
 
@@ -353,7 +357,8 @@ impl Probe {
         if least - of.radius >= needed {
             return true;
         }
-        most >= needed && self.clearance(tree, of, needed, needed, 0.0) >= needed
+        let search = Search { tree, of, nearest: needed, enough: needed, slack: 0.0 };
+        most >= needed && self.clearance(search) >= needed
     }
 
     /// How far balls are entered that can be entered farther by `more`; `None` as in [`entered`](Self::entered).
@@ -372,7 +377,8 @@ impl Probe {
         let slack = SLACK * field.spacing;
         let known = sample.value(|| {
             let of = Extent::point(sample.point);
-            let clearance = self.clearance(tree, &of, self.radius, least, slack);
+            let search = Search { tree, of: &of, nearest: self.radius, enough: least, slack };
+            let clearance = self.clearance(search);
             if clearance < least { 0.0 } else { clearance }
         });
         let most = match known {
@@ -383,9 +389,10 @@ impl Probe {
         (known - slack - away, most)
     }
 
-    /// No centre is nearer to a point, or to any point of a part, than this less `slack`. At most `most`; any value below
-    /// `enough` if that is not reached.
-    fn clearance(&self, tree: &Bvh, of: &Extent, most: f64, enough: f64, slack: f64) -> f64 {
+    /// No centre is nearer to a point, or to any point of a part, than this less the slack. At most `nearest`; any value
+    /// below `enough` if that is not reached.
+    fn clearance(&self, mut search: Search<'_>) -> f64 {
+        let Search { tree, of, nearest: most, enough, slack } = search;
         let (reach, point) = (&self.reach, of.centre);
         let half = 0.5 * reach.size;
         let own = reach.place(point);
@@ -395,7 +402,6 @@ impl Probe {
         let way = Vector::splat(most + of.radius);
         let (low, high) = (reach.place(point - way), reach.place(point + way));
         let mut near: Vec<(f64, u32, Vector)> = Vec::new();
-        let mut nearest = most;
         for z in low[2]..=high[2] {
             for y in low[1]..=high[1] {
                 for x in low[0]..=high[0] {
@@ -406,22 +412,21 @@ impl Probe {
                     }
                     let middle = reach.centre([x, y, z]);
                     let distance = Cube { middle, half }.distance(of);
-                    if distance >= nearest {
+                    if distance >= search.nearest {
                         continue;
                     }
                     if cell == Cell::Partial {
                         near.push((distance, self.places[index], middle));
                         continue;
                     }
-                    nearest = distance;
-                    if nearest < enough {
-                        return nearest;
+                    search.nearest = distance;
+                    if search.nearest < enough {
+                        return search.nearest;
                     }
                 }
             }
         }
         near.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let mut search = Search { tree, of, nearest, enough, slack };
         for (distance, place, middle) in near {
             if distance + slack >= search.nearest || search.nearest < enough {
                 break;

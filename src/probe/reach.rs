@@ -107,7 +107,7 @@ pub(super) struct Reach {
 }
 
 impl Reach {
-    /// The cells around a surface within a box that the centre of a ball may reach which stays at least `clear` away.
+    /// The cells around a surface within a box that the centre of a ball of a radius may reach which stays at least `clear` away.
     /// The size of cells follows the radius. O(cells), and a query of the tree for each cell about that far from the
     /// surface.
     ///
@@ -116,8 +116,7 @@ impl Reach {
     pub fn new(
         tree: &Bvh,
         (min, max): (Vector, Vector),
-        radius: f64,
-        clear: f64,
+        [radius, clear]: [f64; 2],
         from: &[Vector],
         control: &Control,
     ) -> Result<Self, Error> {

@@ -307,8 +307,8 @@ mod tests {
     use crate::mesh::canonical_order::MeshOrder;
     use crate::mesh::repair::prepare;
     use crate::mesh::shapes::{cuboid, hemisphere, join, torus};
-    use crate::solid::Boundary;
     use crate::solid::surface::{OPEN_INSIDE, Surface};
+    use crate::solid::{Boundary, SolidSettings};
 
     const BOUND: f64 = 0.03;
 
@@ -378,7 +378,8 @@ mod tests {
         fn coarse(name: &'static str, mesh: &TriangleMesh, bound: f64) -> Self {
             let control = Control::new();
             let prepared = prepare(mesh.view(), MeshOrder::Place, &control).unwrap();
-            let solid = Solid::new(&prepared, None, bound, false, None, &control).unwrap();
+            let settings = SolidSettings { bound, keep_cavities: false, probe: None };
+            let solid = Solid::new(&prepared, None, &settings, &control).unwrap();
             assert!(solid.is_coarse());
             Self { name, solid, corners: into_vectors(prepared.mesh.positions) }
         }

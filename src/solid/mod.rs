@@ -28,6 +28,6 @@ mod surface;
 pub(crate) use boundary::Boundary;
 pub(crate) use fit::{FitTester, Refusal};
 pub(crate) use protrusion::{keeps_bound, protrusion};
-pub(crate) use solid::{COARSE, Solid};
+pub(crate) use solid::{COARSE, Solid, SolidSettings};
 pub(crate) use subdivide::{Scratch, centre};
 pub(crate) use surface::Side;

@@ -325,7 +325,7 @@ mod tests {
     use crate::mesh::canonical_order::MeshOrder;
     use crate::mesh::repair::prepare;
     use crate::mesh::shapes::{cuboid, hemisphere, join, torus, uv_sphere};
-    use crate::solid::Boundary;
+    use crate::solid::{Boundary, SolidSettings};
 
     fn solid_of(mesh: &TriangleMesh, boundary: Boundary, bound: f64) -> Solid {
         let TriangleMesh { positions, triangles, .. } = mesh;
@@ -491,7 +491,8 @@ mod tests {
         let control = Control::new();
         let prepared = prepare(mesh.view(), MeshOrder::Place, &control).unwrap();
         let clustered = cluster(&prepared, BOUND, 4.0 * BOUND, &control).unwrap();
-        let solid = Solid::new(&prepared, clustered, BOUND, false, None, &control).unwrap();
+        let settings = SolidSettings { bound: BOUND, keep_cavities: false, probe: None };
+        let solid = Solid::new(&prepared, clustered, &settings, &control).unwrap();
         let TriangleMesh { positions, triangles, .. } = prepared.mesh;
         let source = Bvh::new(as_vectors(&positions), &triangles);
         (into_vectors(positions), solid, source)

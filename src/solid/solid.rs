@@ -39,6 +39,15 @@ pub(crate) struct Solid {
     pub probe: Option<Probe>,
 }
 
+/// What a solid is made for.
+pub(crate) struct SolidSettings<'a> {
+    pub bound: f64,
+    /// Hulls that contain a cavity deeper than the bound do not fit.
+    pub keep_cavities: bool,
+    /// The solid is as this one sees it.
+    pub probe: Option<&'a ProbeSettings>,
+}
+
 /// Bounds on the distance between a point and the source.
 pub(crate) struct SourceDistance {
     /// At least the distance.
@@ -52,18 +61,15 @@ pub(crate) struct SourceDistance {
 }
 
 impl Solid {
-    /// The solid of a mesh, or of the reduced mesh if there is one, as a probe sees it if there is one. With
-    /// `keep_cavities`, hulls that contain a cavity deeper than the bound do not fit. O(n log n) for n triangles, and a
-    /// grid of at most 1.5 million cells.
+    /// The solid of a mesh, or of the reduced mesh if there is one. O(n log n) for n triangles, and a grid of at most 1.5
+    /// million cells.
     ///
     /// # Errors
     /// [`Error::Cancelled`]; [`Error::InvalidParameter`] where a probe can't start.
     pub fn new(
         prepared: &PreparedMesh,
         clustered: Option<Arc<Clustered>>,
-        bound: f64,
-        keep_cavities: bool,
-        probe: Option<&ProbeSettings>,
+        &SolidSettings { bound, keep_cavities, probe }: &SolidSettings<'_>,
         control: &Control,
     ) -> Result<Self, Error> {
         let mut solid = Self::without_probe(prepared, clustered, bound, keep_cavities, control)?;
