@@ -17,7 +17,7 @@ const MODES = {
   "no decomposition": { mode: "boxes", folder: "hullwright" },
   "in workers": { mode: "worker", folder: "hullwright" },
   "in slices": { mode: "slices", folder: "hullwright" },
-  "in workers, those unfinished in frame 60 despawned": { mode: "worker", folder: "hullwright", replaced: 60 },
+  "in workers, those unfinished once 300 are baked despawned": { mode: "worker", folder: "hullwright", replaced: true },
   // The page is loaded anew between its two plays.
   "in workers, kept in IndexedDB": { mode: "cached", folder: "hullwright", once: true },
   "in workers, IndexedDB denied": { mode: "cached", folder: "hullwright", once: true, indexedDb: "denied" },
@@ -75,7 +75,7 @@ async function play({ mode, folder, replaced }) {
   const begin = performance.now();
   let bakedAfter = 0;
   for (let last = begin; ; ) {
-    if (gaps.length === replaced) game.replace_unfinished();
+    if (replaced && bakedAfter && bakedAfter === gaps.length) game.replace_unfinished();
     game.update();
     counters = JSON.parse(game.counters());
     if (!bakedAfter && counters.baked === 300) bakedAfter = gaps.length + 1;
