@@ -286,7 +286,7 @@ fn centre(node: &Node) -> Vector {
 
 /// A point outside of the solid, and the direction in which it is near to a joint hull's surface.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Witness {
+struct Witness {
     point: Vector,
     /// Of unit length.
     normal: Vector,
@@ -304,7 +304,7 @@ const ALONG: [f64; 3] = [0.5, 0.25, 0.75];
 
 /// How many bridges are tried.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Effort {
+enum Effort {
     /// Four, at their middle: they rule out most pairs.
     Few,
     /// Twelve, at three points each: as long as a tenth of verifying a joint hull.
@@ -313,7 +313,7 @@ pub(super) enum Effort {
 
 impl Witness {
     /// The joint hull of two hulls protrudes at least as far. Negative if the witness is too deep in it.
-    pub fn bound(&self, hulls: [&[Vector]; 2]) -> f64 {
+    fn bound(&self, hulls: [&[Vector]; 2]) -> f64 {
         if self.distance == 0.0 {
             return 0.0;
         }
@@ -324,7 +324,7 @@ impl Witness {
 
 /// The witness with the greatest bound on the protrusion of the joint hull of two hulls, and that
 /// bound; 0 if none is outside of the solid.
-pub(super) fn find_witness(
+fn find_witness(
     hulls: [&[Vector]; 2],
     centres: [Vector; 2],
     solid: &Solid,

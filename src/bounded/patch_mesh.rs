@@ -19,13 +19,13 @@ use crate::mesh::{PreparedMesh, TriangleMesh};
 use crate::solid::COARSE;
 use crate::solid::centre;
 
-/// Simplification joins nothing, and each component is a patch or more. Of a surface in more components than this the search,
-/// which compares all patches, takes seconds and gigabytes.
+/// Simplification joins nothing, and each component is a patch or more. Of a surface in more components than this the
+/// search, which compares all patches, takes seconds and gigabytes.
 const MOST_COMPONENTS: usize = COARSE / 2;
 
 /// Such components are welded where they are nearer than about this share of the bound, or twice that and so on until
-/// simplification leaves no more than it was asked for: it removes nothing around vertices where welded components cross. What
-/// is made of them represents the source all the same.
+/// simplification leaves few enough: it removes nothing around vertices where welded components cross. What is made of
+/// them represents the source all the same.
 const CRACK: f64 = 0.1;
 
 /// The mesh, and the surface that its triangles represent.
@@ -97,7 +97,7 @@ impl PatchMesh {
                 }
                 match simplify(&welded, &labels, settings.triangles, control) {
                     Ok(fewer) => simplified = fewer,
-                    // Many pieces that cross take the simplifier too long.
+                    // Many components that cross take the simplifier too long.
                     Err(Error::Simplification { .. }) => {}
                     Err(error) => return Err(error),
                 }

@@ -110,7 +110,7 @@ impl Bound {
         LAST_ROUND_SHARE * self.protrusion
     }
 
-    /// The bound that was asked for, whose shares may stay uncovered.
+    /// The bound of the parameters, whose shares may stay uncovered.
     pub(crate) fn requested(self) -> f64 {
         self.requested
     }

@@ -9,7 +9,7 @@ use crate::bvh::Bvh;
 use crate::bvh::closest_point::closest_point_on_triangle;
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, bounds, greater, lesser};
+use crate::geometry::vector::{Vector, bounds, larger, smaller};
 use crate::hull::ConvexHull;
 use crate::mesh::TriangleMesh;
 
@@ -259,7 +259,7 @@ fn outside_all(
             return least;
         }
         let outside = corners.iter().map(|&corner| hull.distance(corner, least));
-        lesser(least, outside.fold(0.0, greater))
+        smaller(least, outside.fold(0.0, larger))
     });
     if least <= worst || divisions == 0 {
         return least;
@@ -269,7 +269,7 @@ fn outside_all(
     [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]].into_iter().fold(
         0.0,
         |most: f64, part| {
-            greater(most, outside_all(part, hulls, greater(worst, most), least, divisions - 1))
+            larger(most, outside_all(part, hulls, larger(worst, most), least, divisions - 1))
         },
     )
 }

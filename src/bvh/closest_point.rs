@@ -6,10 +6,8 @@
 //! is found by Voronoi regions (Ericson, "Real-Time Collision Detection", 2005, section 5.1.5).
 
 use super::hierarchy::Bvh;
-use super::tree::{
-    BOUND_SLACK, Child, EMPTY, Leaf, Node, STACK, Tree, WIDTH, child, larger, smaller,
-};
-use crate::geometry::vector::Vector;
+use super::tree::{BOUND_SLACK, Child, EMPTY, Leaf, Node, STACK, Tree, WIDTH, child};
+use crate::geometry::vector::{Vector, larger, smaller};
 
 /// The point of the mesh closest to a query point.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -9,8 +9,8 @@
 //! between the two. Typically O(log n).
 
 use super::hierarchy::Bvh;
-use super::tree::{Child, EMPTY, Leaf, Node, STACK, Tree, WIDTH, child, larger, smaller};
-use crate::geometry::vector::Vector;
+use super::tree::{Child, EMPTY, Leaf, Node, STACK, Tree, WIDTH, child};
+use crate::geometry::vector::{Vector, larger, smaller};
 
 /// Slopes of the ray, which runs along the first axis: oblique, since the sides of many shapes are along axes. Not
 /// negative.

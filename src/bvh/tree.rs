@@ -5,7 +5,7 @@
 //! Volume Hierarchies for Fast SIMD Ray Tracing of Incoherent Rays", 2008). Boxes are rounded
 //! outward: a distance to a box is a lower bound for distances in double precision too.
 
-use crate::geometry::vector::Vector;
+use crate::geometry::vector::{Vector, larger, smaller};
 
 /// Children of a node, and triangles of a leaf: as many `f32` as a 128-bit register holds.
 pub(super) const WIDTH: usize = 4;
@@ -119,17 +119,6 @@ impl Tree {
         }
         true
     }
-}
-
-/// A single instruction, unlike `f32::min`, which handles NaN; no argument here is NaN.
-#[inline(always)]
-pub(super) fn smaller(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
-#[inline(always)]
-pub(super) fn larger(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
 }
 
 // Construction, top down, by the surface area heuristic with bins (Wald, "On Fast Construction of SAH-based

@@ -14,7 +14,7 @@ use super::quickhull::Shape;
 use crate::bvh::closest_point::closest_point_on_triangle;
 use crate::error::Error;
 use crate::geometry::vector::{
-    Vector, area_normal, as_arrays, as_vectors, bounds, diagonal, greater, lesser,
+    Vector, area_normal, as_arrays, as_vectors, bounds, diagonal, larger, smaller,
 };
 use crate::geometry::{Bounds, MeshView};
 
@@ -375,7 +375,7 @@ pub fn rounded_hull(hull: &ConvexHull, scale: [f32; 3]) -> Option<SinglePrecisio
         let normal = area_normal(a, b, c).normalize_or_zero();
         let heights = points.iter().map(|point| normal.dot(*point - a));
         let (lowest, highest) =
-            heights.fold((0.0, 0.0), |(low, high), x| (lesser(low, x), greater(high, x)));
+            heights.fold((0.0, 0.0), |(low, high), x| (smaller(low, x), larger(high, x)));
         highest <= DEFAULT_TOLERANCE * extent && -lowest >= HEIGHT_PER_WIDTH * thickness
     };
     let turned = |&[a, b, c]: &[u32; 3]| if is_mirrored { [a, c, b] } else { [a, b, c] };

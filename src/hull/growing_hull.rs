@@ -7,7 +7,7 @@ use super::quickhull::{
     Frame, HullState, OutsideSet, Scratch, Shape, finite_bounds, first_simplex, height_of,
 };
 use crate::geometry::vector::{
-    Vector, as_arrays, as_vectors, cubed, greater, into_arrays, into_vectors,
+    Vector, as_arrays, as_vectors, cubed, into_arrays, into_vectors, larger,
 };
 use crate::work;
 
@@ -414,15 +414,15 @@ fn farthest_outside(faces: &[Face], step: usize, frame: Frame, points: &[Vector]
     let mut farthest = f64::NEG_INFINITY;
     let (blocks, rest) = points.as_chunks::<4>();
     for &block in blocks {
-        farthest = greater(farthest, farthest_of(faces, step, frame, block));
+        farthest = larger(farthest, farthest_of(faces, step, frame, block));
     }
     let (pairs, rest) = rest.as_chunks::<2>();
     for &pair in pairs {
-        farthest = greater(farthest, farthest_of(faces, step, frame, pair));
+        farthest = larger(farthest, farthest_of(faces, step, frame, pair));
     }
     for &point in rest {
         // With a copy of itself: a single lane would not vectorise.
-        farthest = greater(farthest, farthest_of(faces, step, frame, [point; 2]));
+        farthest = larger(farthest, farthest_of(faces, step, frame, [point; 2]));
     }
     farthest / frame.factor
 }
@@ -446,7 +446,7 @@ fn farthest_of<const N: usize>(
             farthest[lane] = if distance > farthest[lane] { distance } else { farthest[lane] };
         }
     }
-    farthest.into_iter().fold(f64::NEG_INFINITY, greater)
+    farthest.into_iter().fold(f64::NEG_INFINITY, larger)
 }
 
 /// The hull of the points inserted so far.

@@ -18,7 +18,7 @@ use super::face::{
     half_edge, inverse_root, is_in_front, is_not_behind,
 };
 use crate::bvh::closest_point::closest_point_on_triangle;
-use crate::geometry::vector::{Vector, area_normal, greater};
+use crate::geometry::vector::{Vector, area_normal, larger};
 
 /// In how many dimensions points extend, up to the hull's tolerance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -620,7 +620,7 @@ impl HullState {
         let away = |&point: &Vector| self.frame.inward(point).distance_squared(centre);
         let radius = match points.len() {
             ..WORTH_A_BALL => f64::INFINITY,
-            _ => points.iter().map(away).fold(0.0, greater).sqrt(),
+            _ => points.iter().map(away).fold(0.0, larger).sqrt(),
         };
         let least = self.tolerance - radius - DISTANCE_ERROR * self.margins.largest.max(1.0);
         let faces = (0..).zip(&self.faces).filter(|(_, face)| face.distance(centre) > least);

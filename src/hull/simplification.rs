@@ -18,7 +18,7 @@ use super::growing_hull::HullBuilder;
 use super::quickhull::{HullState, Shape, first_simplex};
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, as_arrays, cubed, greater};
+use crate::geometry::vector::{Vector, as_arrays, cubed, larger};
 
 /// A new vertex lies this far in front of the faces that it replaces, in the builder's frame (where
 /// a hull's extent is between 1 and 2): more than the tolerance, so that they vanish.
@@ -292,7 +292,7 @@ fn projected(from: Vector, constraints: &mut [Constraint], outward: Vector) -> O
         let mut is_done = true;
         for constraint in &mut *constraints {
             let missing = constraint.offset - constraint.normal.dot(point);
-            let push = greater(constraint.push + missing, 0.0);
+            let push = larger(constraint.push + missing, 0.0);
             let more = push - constraint.push;
             if more != 0.0 {
                 is_done &= more.abs() < CLEARANCE;
@@ -308,7 +308,7 @@ fn projected(from: Vector, constraints: &mut [Constraint], outward: Vector) -> O
         let missing = constraint.offset - constraint.normal.dot(point);
         if missing > 0.0 { missing / constraint.normal.dot(outward) } else { 0.0 }
     });
-    let by = by.fold(0.0, greater);
+    let by = by.fold(0.0, larger);
     let point = point + outward * by;
     // Moving outward does not lead in front of faces that look away from the others.
     let is_in_front = |constraint: &Constraint| {

@@ -192,8 +192,7 @@ impl HullsFile {
     /// # Errors
     /// [`HullsFileError`] says what is wrong with them.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, HullsFileError> {
-        let ([_, algorithm], mut reader) = open(bytes, MAGIC, FORMAT_VERSION)?;
-        let algorithm_version = algorithm;
+        let ([_, algorithm_version], mut reader) = open(bytes, MAGIC, FORMAT_VERSION)?;
         let file = reader.file(algorithm_version)?;
         reader.end()?;
         Ok(file)

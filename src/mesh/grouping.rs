@@ -9,7 +9,7 @@
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::TriangleMesh;
-use crate::geometry::vector::Vector;
+use crate::geometry::vector::{Vector, larger};
 
 use super::adjacency::{Adjacency, NO_NEIGHBOUR};
 
@@ -405,7 +405,6 @@ fn farthest([x, y, z, offset]: &[[f64; BATCH]; 4], point: Vector) -> f64 {
     }
     // Halves, not one after the other: a chain of comparisons would not use wide registers.
     let [a, b, c, d, e, f, g, h] = distances;
-    let larger = |a: f64, b: f64| if a > b { a } else { b };
     let quarters = [larger(a, e), larger(b, f), larger(c, g), larger(d, h)];
     larger(larger(quarters[0], quarters[2]), larger(quarters[1], quarters[3]))
 }

@@ -3,7 +3,8 @@
 //!
 //! Biochemistry calls what a probe leaves the solvent-excluded volume (Connolly, "Analytical molecular surface
 //! calculation", 1983); in image processing it is a closing by a ball, restricted to what is connected to the outside.
-//! No promise rests on a surface of it; `filled` makes one to look at. A point is as safe as it is far from all centres that balls can have:
+//! No promise rests on a surface of it; `filled` makes one to look at. A point is as safe as it is far from all centres
+//! that balls can have:
 //!
 //! ```text
 //!        centres          no centre is nearer than `clearance`: no ball is entered

@@ -17,7 +17,7 @@ use std::f64::consts::TAU;
 
 use crate::bvh::SLOPES;
 use crate::geometry::Turns;
-use crate::geometry::vector::{Vector, greater, lesser};
+use crate::geometry::vector::{Vector, larger, smaller};
 
 /// A group whose radius is below this share of the distance to its ball counts as a whole: that is
 /// too much by less than a factor of 4, of edges that are far away.
@@ -132,13 +132,13 @@ impl Boundary {
         let mut slope = Slope { gradient: 0.0, clearance: f64::INFINITY };
         let mut next = 0;
         while let Some(group) = self.groups.get(next) {
-            let away = greater(point.distance(group.centre) - group.radius, nearest);
+            let away = larger(point.distance(group.centre) - group.radius, nearest);
             if group.radius <= FAR * away {
                 slope.add(group.length, group.weight, away);
                 next = group.after;
             } else if group.edges.len() <= LEAF {
                 for edge in self.edges.get(group.edges.clone()).into_iter().flatten() {
-                    let away = greater(edge.distance(point), nearest);
+                    let away = larger(edge.distance(point), nearest);
                     slope.add(edge.weight * edge.length, edge.weight, away);
                 }
                 next = group.after;
@@ -165,8 +165,8 @@ pub(crate) struct Slope {
 impl Slope {
     /// Adds edges that are `away` at least.
     fn add(&mut self, length: f64, weight: f64, away: f64) {
-        self.gradient += lesser(length / away, 2.0 * weight) / away;
-        self.clearance = lesser(self.clearance, away);
+        self.gradient += smaller(length / away, 2.0 * weight) / away;
+        self.clearance = smaller(self.clearance, away);
     }
 
     /// Over a way of a length the number changes by no more than this. The distance to an edge

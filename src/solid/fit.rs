@@ -16,8 +16,8 @@ use crate::hull::growing_hull::GrowingHull;
 use crate::hull::{HullBuilder, LEAST_THICKNESS, solid_hull};
 use crate::work;
 
-/// A part of a smaller radius, as a fraction of the bound, is decided by its centre. With
-/// [`CERTAIN`] this saves a tenth of all instructions, and hulls stay the same.
+/// A part of a smaller radius, as a fraction of the bound, is decided by its centre. With 0.25, 359 meshes have 4,825 hulls
+/// instead of 4,819, in 1 % more time.
 const SMALL: f64 = 0.35;
 
 /// Where the surface is flat, the distance along its normal is exact. The tree decides only where

@@ -17,7 +17,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use super::boundary::Slope;
 use super::surface::{OPEN_INSIDE, Side, Surface, Winding};
 use crate::bvh::closest_point::EXACT;
-use crate::geometry::vector::{Vector, bounds, greater, lesser};
+use crate::geometry::vector::{Vector, bounds, larger, smaller};
 use crate::parallel;
 use crate::work;
 
@@ -250,7 +250,7 @@ impl Grid {
     #[inline]
     pub fn upper_to_triangle(&self, face: [Vector; 3], triangle: u32) -> f64 {
         let [a, b, c] = face.map(|corner| self.surface.tree.distance_to_triangle(corner, triangle));
-        greater(greater(a, b), c)
+        larger(larger(a, b), c)
     }
 
     /// The cells that share a side with a cell, by their indices; `None` beyond the border.
@@ -672,11 +672,11 @@ impl Location<'_> {
         }
         let nearest = self.grid.absolute(nearest);
         let [a, b, c] = face.map(|corner| corner.distance_squared(nearest));
-        let to_point = greater(greater(a, b), c).sqrt() + ROUNDING;
+        let to_point = larger(larger(a, b), c).sqrt() + ROUNDING;
         if to_point <= enough {
             return to_point;
         }
-        lesser(self.grid.upper_to_triangle(face, self.triangle()), to_point)
+        smaller(self.grid.upper_to_triangle(face, self.triangle()), to_point)
     }
 
     /// Bounds on the winding number of an open surface, by the cell and its block.

@@ -17,7 +17,7 @@
 use std::ops::RangeInclusive;
 
 use crate::bvh::{Bvh, Slab};
-use crate::geometry::vector::{Vector, area_normal, bounds, greater, lesser};
+use crate::geometry::vector::{Vector, area_normal, bounds, larger, smaller};
 
 /// A face near more triangles is halved first: subtracting many triangles takes longer. The limit
 /// is a share of the parts that halving down to the height would end with, within a range. With 0.06 there is 1 hull more
@@ -273,8 +273,8 @@ impl Polygon {
         let place = self.vertices.get_mut(self.count).ok_or(TooComplex)?;
         *place = point;
         self.count += 1;
-        self.low = [0, 1].map(|axis| lesser(self.low[axis], point[axis]));
-        self.high = [0, 1].map(|axis| greater(self.high[axis], point[axis]));
+        self.low = [0, 1].map(|axis| smaller(self.low[axis], point[axis]));
+        self.high = [0, 1].map(|axis| larger(self.high[axis], point[axis]));
         Ok(())
     }
 

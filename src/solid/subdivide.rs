@@ -7,7 +7,7 @@
 use super::remainder::Remainder;
 use super::solid::Solid;
 use super::surface::Side;
-use crate::geometry::vector::{Vector, greater};
+use crate::geometry::vector::{Vector, larger};
 use crate::probe::Extent;
 
 /// The corners of a face, or of a part of one.
@@ -26,7 +26,7 @@ impl Part {
     pub fn new(corners: Face) -> Self {
         let centre = centre(corners);
         let [a, b, c] = corners.map(|corner| centre.distance_squared(corner));
-        Self { corners, centre, radius: greater(greater(a, b), c).sqrt() }
+        Self { corners, centre, radius: larger(larger(a, b), c).sqrt() }
     }
 
     /// The part for a probe, as if it were `factor` times as large.
