@@ -3,18 +3,12 @@
 use hullwright::{Control, Length, Parameters, decompose, mass_properties};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // Or `TriangleMesh::new(positions, triangles)`, or a `MeshView` of what you have.
     let mesh = hullwright::io::read_mesh("mug.glb")?;
     let parameters = Parameters::default().max_error(Length::share(0.02)).max_hulls(32);
     let made = decompose(&mesh, &parameters, &Control::new())?;
-    for hull in &made.hulls {
-        let (points, triangles) = hull.shape.to_single_precision()?;
-        println!("{} vertices, {} triangles", points.len(), triangles.len());
-    }
-
-    // For Rapier, beside its `ContactDispatcher`: a compound, with the mass of the mesh at 500 kg per m³.
+    // `hull.shape` has points and triangles. For Rapier: a compound, with the mass of the mesh at 500 kg per m³.
     let mass = mass_properties(&mesh, &made.hulls, 500.0)?;
     let collider = hullwright::rapier::collider(&made.hulls, &mass, [1.0; 3])?.build();
-    println!("{:.2} kg", collider.mass());
+    println!("{} hulls, {:.2} kg", made.hulls.len(), collider.mass());
     Ok(())
 }

@@ -4,8 +4,6 @@
 //! repair -> close openings -> solid -> patches -> merge -> cover -> finalize -> limit
 //! ```
 
-use std::sync::Arc;
-
 use crate::bounded::cover::cover;
 use crate::bounded::deadline::Deadline;
 use crate::bounded::finalize::final_hull::FinalHulls;
@@ -15,8 +13,9 @@ use crate::bounded::merge::merge;
 use crate::bounded::output::BoundedResult;
 use crate::bounded::patch::Patches;
 use crate::bounded::patches::divide_into_patches;
-use crate::bounded::search::{Search, solid_and_patch_mesh};
+use crate::bounded::search::Search;
 use crate::bounded::settings::Settings;
+use crate::bounded::shared::{Shared, solid_and_patch_mesh};
 use crate::control::{Control, Stage};
 use crate::decomposer::{Decomposer, Input, admit, run_to_end};
 use crate::decomposition::{Decomposition, ProbeReport};
@@ -112,8 +111,8 @@ pub(crate) async fn pipeline(
             break;
         }
         stages.begin_pass(nth(PREPARED..searched, index, passes.len()), best.is_some());
-        let solid = best.as_ref().map(|best| Arc::clone(&best.solid));
-        let pass = run_pass(prepared, solid, settings, &mut stages, &mut deadline).await;
+        let earlier = best.as_ref().map(|best| &best.shared);
+        let pass = run_pass(prepared, earlier, settings, &mut stages, &mut deadline).await;
         let Some(found) = deadline.end_pass(pass)? else { break };
         if best.as_ref().is_none_or(|best| found.count() < best.count()) {
             best = Some(found);
@@ -129,10 +128,10 @@ pub(crate) async fn pipeline(
     }
     let deadline_reached = deadline.is_cut_short() || stages.is_late();
     stages.begin(FINISH, FINISHED..1.0);
-    let Found { solid, patches, hulls } = &best;
+    let Found { shared, patches, hulls } = &best;
     let bound = settings.bound.verified();
     let restore = || {
-        let probe = probe_report(solid, prepared);
+        let probe = probe_report(&shared.solid, prepared);
         Ok(BoundedResult::new(prepared, patches, hulls, bound, probe))
     };
     let BoundedResult { hulls, grouped, report } = stages.run(Stage::Finalize, restore).await?;
@@ -141,7 +140,7 @@ pub(crate) async fn pipeline(
 
 /// What a pass has found: verified hulls of patches.
 struct Found {
-    solid: Arc<Solid>,
+    shared: Shared,
     patches: Patches,
     hulls: FinalHulls,
 }
@@ -163,30 +162,30 @@ fn probe_report(solid: &Solid, prepared: &PreparedMesh) -> Option<ProbeReport> {
     })
 }
 
-/// One pass, from the solid, unless an earlier pass has built it, to verified hulls.
+/// One pass, from the solid to verified hulls.
 async fn run_pass(
     prepared: &PreparedMesh,
-    solid: Option<Arc<Solid>>,
+    earlier: Option<&Shared>,
     settings: &Settings,
     stages: &mut Stages,
     deadline: &mut Deadline,
 ) -> Result<Found, Error> {
     let control = &stages.control();
-    let (solid, patch_mesh) = stages
-        .run(Stage::Solid, || solid_and_patch_mesh(prepared, solid, settings, control))
+    let (shared, patch_mesh) = stages
+        .run(Stage::Solid, || solid_and_patch_mesh(prepared, earlier, settings, control))
         .await?;
     let settings = &deadline.for_patches(settings, stages.taken())?;
     let patches = stages
-        .run(Stage::Patches, || divide_into_patches(patch_mesh, &solid, settings, control))
+        .run(Stage::Patches, || divide_into_patches(patch_mesh, &shared, settings, control))
         .await?;
-    let search = Search { solid: &solid, patches: &patches, settings, control };
+    let search = Search { solid: &shared.solid, patches: &patches, settings, control };
     let until_verifying = &deadline.for_search(control, stages.taken());
     let pieces = stages.run(Stage::Merge, || merge(&search)).await?;
     let hurried = &Search { control: until_verifying, ..search };
     let cover = stages.run(Stage::Cover, || cover(hurried, pieces)).await?;
     deadline.end_search(until_verifying);
     let hulls = stages.run(Stage::Finalize, || finalize(&search, cover)).await?;
-    Ok(Found { solid, patches, hulls })
+    Ok(Found { shared, patches, hulls })
 }
 
 /// The limit on hulls: hulls join, and the search is repeated under larger bounds as long as that may end with
@@ -209,7 +208,7 @@ async fn limit(
         let progress = |done| SEARCHED + (FINISHED - SEARCHED) * bounds.progress(done);
         let (begin, middle, end) = (progress(0.0), progress(0.9), progress(1.0));
         stages.begin_pass(begin..middle, true);
-        let pass = run_pass(prepared, None, &settings, stages, deadline).await;
+        let pass = run_pass(prepared, Some(&best.shared), &settings, stages, deadline).await;
         let Some(mut found) = deadline.end_pass(pass)? else { break };
         if settings.max_hulls.is_some_and(|most| found.count() > most) {
             bounds.refuse(bound);
@@ -229,12 +228,12 @@ async fn within_limit(
     settings: &Settings,
     stages: &mut Stages,
 ) -> Result<Found, Error> {
-    let Found { solid, patches, hulls: FinalHulls { hulls, uncovered } } = found;
+    let Found { shared, patches, hulls: FinalHulls { hulls, uncovered } } = found;
     let most = settings.max_hulls.unwrap_or(usize::MAX);
     let control = &stages.control();
-    let search = Search { solid: &solid, patches: &patches, settings, control };
+    let search = Search { solid: &shared.solid, patches: &patches, settings, control };
     let hulls = stages.run(Stage::Limit, || limit_hulls(&search, &hulls, most)).await?;
-    Ok(Found { solid, patches, hulls: FinalHulls { hulls, uncovered } })
+    Ok(Found { shared, patches, hulls: FinalHulls { hulls, uncovered } })
 }
 
 /// Once openings are closed, coordinates are rounded to 2^-38 of the diagonal. A mesh in other units, which differs in the last
@@ -259,9 +258,9 @@ mod tests {
         let mut prepared = prepare_closed(mesh, &parameters.into(), control).unwrap().prepared;
         round(&mut prepared.mesh);
         let settings = &Settings::of_preset(parameters, &prepared.normalization)[0];
-        let (solid, divided) = solid_and_patch_mesh(&prepared, None, settings, control).unwrap();
-        let patches = &divide_into_patches(divided, &solid, settings, control).unwrap();
-        let search = &Search { solid: &solid, patches, settings, control };
+        let (shared, divided) = solid_and_patch_mesh(&prepared, None, settings, control).unwrap();
+        let patches = &divide_into_patches(divided, &shared, settings, control).unwrap();
+        let search = &Search { solid: &shared.solid, patches, settings, control };
         let pieces = merge(search).unwrap();
         let merged = pieces.len();
         let covering = cover(search, pieces).unwrap();

@@ -15,7 +15,6 @@ use std::collections::HashMap;
 
 use super::joins::{Cost, Pair, PairQueue, ordered};
 use super::output::normalized;
-use super::search::solid;
 use super::settings::Settings;
 use super::uncovered::{HullDistance, uncovered_distance};
 use crate::control::Control;
@@ -81,7 +80,7 @@ impl JoinTree {
         control: &Control,
     ) -> Result<(Self, f64), Error> {
         let settings = Settings::after_search(parameters, &prepared.normalization);
-        let solid = solid(prepared, &settings, control)?;
+        let solid = Solid::new(prepared, &settings.solid(), control)?;
         let mut leaves = Vec::with_capacity(hulls.len());
         for (index, hull) in hulls.iter().enumerate() {
             let (hull, verified) = normalized(hull, index, &prepared.normalization)?;
@@ -352,11 +351,11 @@ fn find_witness(
         let Some((normal, [from, to])) = bridge(hulls, across, along) else { continue };
         for &share in shares {
             let point = from + (to - from) * share;
-            let Some(distance) = solid.outside(point, best.1) else { continue };
-            if distance.lower <= best.1 {
+            let Some(protruding) = solid.outside(point, best.1) else { continue };
+            if protruding.lower <= best.1 {
                 continue;
             }
-            let witness = Witness { point, normal, distance: distance.lower };
+            let witness = Witness { point, normal, distance: protruding.lower };
             let bound = witness.bound(hulls);
             if bound > best.1 {
                 best = (witness, bound);

@@ -3,8 +3,8 @@
 //!
 //! | stage | file | what it does |
 //! |---|---|---|
-//! | solid | `search`, [`crate::solid`], [`crate::clustering`] | whether hulls stay within the bound; very dense meshes are searched through reduced ones |
-//! | | `patch_mesh` | the mesh that is divided: simplified, or cut into facets |
+//! | solid | `shared`, [`crate::solid`] | whether hulls stay within the bound |
+//! | | `patch_mesh`, [`crate::clustering`] | the mesh that is divided: simplified, of very dense meshes after clustering, or cut into facets |
 //! | | `facets`, `cuts` | coarse meshes are cut where their shape requires it |
 //! | patches | `patches` | the surface is divided into patches |
 //! | merge | `merge` | patches join into pieces |
@@ -38,4 +38,5 @@ mod patch_mesh;
 pub(crate) mod patches;
 pub(crate) mod search;
 pub(crate) mod settings;
+pub(crate) mod shared;
 mod uncovered;

@@ -1,7 +1,7 @@
 //! The mesh that is divided into patches: a dense source simplified and refined, a coarse one cut into facets.
 //!
 //! Takes the repaired mesh or the clustered one, gives the mesh of which patches are made. Each of its triangles
-//! represents the source's surface that is closest to it. So the hulls of patches cover the source and not only
+//! represents the surface that is closest to it: the source, or what is left of it after clustering. So the hulls of patches cover the source and not only
 //! what simplification left of it.
 
 use super::facets::{Facets, facets};
@@ -33,7 +33,7 @@ pub(crate) struct PatchMesh {
     pub mesh: TriangleMesh,
     pub components: Vec<u32>,
     pub surface: TriangleMesh,
-    /// For each triangle of `surface` the prepared mesh's triangle that it is a part of.
+    /// For each triangle of `surface` the prepared mesh's triangle that it is a part of; after clustering itself.
     pub parents: Vec<u32>,
     /// For each triangle of `mesh` those of `surface` that it represents.
     pub represented: Vec<Vec<u32>>,

@@ -11,6 +11,7 @@ use super::facets::components;
 use super::patch::{Patch, PatchSet, Patches, far_pair};
 use super::patch_mesh::PatchMesh;
 use super::settings::Settings;
+use super::shared::Shared;
 use crate::clustering::Clustered;
 use crate::control::Control;
 use crate::error::Error;
@@ -55,7 +56,7 @@ type Part = (Patch, Vec<u32>);
 /// Divides the surface into patches.
 pub(crate) fn divide_into_patches(
     mesh: PatchMesh,
-    solid: &Solid,
+    Shared { solid, clustered }: &Shared,
     settings: &Settings,
     control: &Control,
 ) -> Result<Patches, Error> {
@@ -87,8 +88,8 @@ pub(crate) fn divide_into_patches(
     let neighbours = neighbours(&adjacency, &labels);
     let PatchMesh { mesh, surface, parents, .. } = mesh;
     let (mut surface, mut parents) = (Arc::new(surface), Arc::new(parents));
-    if let Some(clustered) = solid.clustered.as_deref() {
-        (surface, parents) = (clustered.surface.clone(), clustered.parents.clone());
+    if let Some(clustered) = clustered {
+        (surface, parents) = (Arc::clone(&clustered.surface), Arc::clone(&clustered.parents));
         represent_source(&mut patches, clustered, settings, control)?;
     }
     let conflicts = conflicts(&patches, solid, settings.bound.search(), control)?;

@@ -6,7 +6,7 @@ use std::ops::RangeInclusive;
 use crate::mesh::Normalization;
 use crate::parameters::{Length, Parameters, Preset};
 use crate::probe::ProbeSettings;
-use crate::solid::COARSE;
+use crate::solid::{COARSE, SolidSettings};
 
 /// The search uses this share of the bound. The rest is a margin for what the search's fit test
 /// overlooks. With 0.94 or more the search ends with 2 to 4 % fewer hulls, but verification divides
@@ -160,6 +160,12 @@ pub(crate) struct Settings {
 }
 
 impl Settings {
+    /// What the solid is made for.
+    pub(crate) fn solid(&self) -> SolidSettings<'_> {
+        let &Self { bound, keep_cavities, ref probe, .. } = self;
+        SolidSettings { bound: bound.verified(), keep_cavities, probe: probe.as_ref() }
+    }
+
     /// One for each pass over the surface that the preset makes. At least one.
     pub(crate) fn of_preset(parameters: &Parameters, normalization: &Normalization) -> Vec<Self> {
         let passes: &[PresetSettings] = match parameters.preset {

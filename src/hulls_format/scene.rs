@@ -27,6 +27,9 @@ const CONTEXT: &str = "hullwright 2026-11 corners of triangles in f32";
 /// Triangles that are hashed at once.
 const TRIANGLES_AT_ONCE: usize = 256;
 
+/// Of a triangle.
+const BYTES: usize = 3 * 3 * size_of::<f32>();
+
 impl MeshHash {
     /// Hashes a mesh. O(triangles).
     ///
@@ -39,23 +42,17 @@ impl MeshHash {
     /// assert_ne!(hash, MeshHash::of(MeshView::new(&positions[..3], &[[1, 0, 2]])));
     /// ```
     pub fn of<'a>(mesh: impl Into<MeshView<'a>>) -> Self {
-        let mesh = mesh.into();
-        let mut hasher = Sha256::new_with_prefix(CONTEXT);
-        let mut bytes = Vec::with_capacity(3 * 3 * size_of::<f32>() * TRIANGLES_AT_ONCE);
-        for triangles in mesh.triangles().chunks(TRIANGLES_AT_ONCE) {
-            bytes.clear();
-            for triangle in triangles {
-                // The negative zero is the same place.
-                let coordinate = |x: f64| (x as f32 + 0.0).to_le_bytes();
-                let mut corners = triangle.map(|v| mesh.at(v).to_array().map(coordinate));
-                // Beginning with the least corner, wound as before.
-                let least = (0..3).min_by_key(|&index| corners[index]).unwrap_or_default();
-                corners.rotate_left(least);
-                bytes.extend(corners.as_flattened().as_flattened());
-            }
-            hasher.update(&bytes);
-        }
+        let mut hasher = Sha256::new();
+        give_bytes(mesh.into(), |bytes| hasher.update(bytes));
         Self(hasher.finalize().into())
+    }
+
+    /// What is hashed by SHA-256. O(triangles).
+    #[cfg(all(feature = "bevy", target_family = "wasm", target_os = "unknown"))]
+    pub(crate) fn message(mesh: MeshView<'_>) -> Vec<u8> {
+        let mut message = Vec::with_capacity(CONTEXT.len() + BYTES * mesh.triangles().len());
+        give_bytes(mesh, |bytes| message.extend(bytes));
+        message
     }
 
     /// From the bytes of a hash.
@@ -66,6 +63,25 @@ impl MeshHash {
     /// The bytes of the hash.
     pub const fn as_bytes(&self) -> &[u8; 32] {
         &self.0
+    }
+}
+
+/// Gives the bytes of a mesh that are hashed, some triangles at a time.
+fn give_bytes(mesh: MeshView<'_>, mut take: impl FnMut(&[u8])) {
+    take(CONTEXT.as_bytes());
+    let mut bytes = Vec::with_capacity(BYTES * TRIANGLES_AT_ONCE);
+    for triangles in mesh.triangles().chunks(TRIANGLES_AT_ONCE) {
+        bytes.clear();
+        for triangle in triangles {
+            // The negative zero is the same place.
+            let coordinate = |x: f64| (x as f32 + 0.0).to_le_bytes();
+            let mut corners = triangle.map(|v| mesh.at(v).to_array().map(coordinate));
+            // Beginning with the least corner, wound as before.
+            let least = (0..3).min_by_key(|&index| corners[index]).unwrap_or_default();
+            corners.rotate_left(least);
+            bytes.extend(corners.as_flattened().as_flattened());
+        }
+        take(&bytes);
     }
 }
 

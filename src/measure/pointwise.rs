@@ -39,9 +39,9 @@ impl MeasuredSolid {
     ) -> Result<Self, Error> {
         let bvh = Bvh::with_control(points, triangles, control)?;
         let new = |settings: ProbeSettings| {
-            settings.check_starts(&bvh, 0.0, |point| bvh.is_inside(point))?;
+            settings.check_starts(&bvh, |point| bvh.is_inside(point))?;
             let bounds = bounds(points.iter().copied());
-            Probe::new(&bvh, bounds, &settings, 0.0, bound, control)
+            Probe::new(&bvh, bounds, &settings, bound, control)
         };
         let probe = probe.map(new).transpose()?;
         Ok(Self { bvh, probe })

@@ -249,8 +249,7 @@ struct Search<'a> {
 }
 
 impl Probe {
-    /// The probe around a surface whose points are at most `displacement` away from the source, under a bound on how
-    /// far balls may be entered.
+    /// The probe around a surface, under a bound on how far balls may be entered.
     ///
     /// # Errors
     /// [`Error::Cancelled`].
@@ -258,11 +257,10 @@ impl Probe {
         tree: &Bvh,
         bounds: (Vector, Vector),
         &ProbeSettings { radius, ref from }: &ProbeSettings,
-        displacement: f64,
         bound: f64,
         control: &Control,
     ) -> Result<Self, Error> {
-        let clear = radius - displacement - ROUNDING;
+        let clear = radius - ROUNDING;
         let reach = Reach::new(tree, bounds, [radius, clear], from, control)?;
         let least_half = LEAST_HALF * bound.min(radius);
         Ok(Self::within_reach(reach, bounds, [radius, clear, least_half, bound]))
@@ -524,7 +522,7 @@ mod tests {
 
     fn probe(tree: &Bvh, bounds: (Vector, Vector), radius: f64) -> Probe {
         let settings = ProbeSettings { radius, from: Vec::new() };
-        Probe::new(tree, bounds, &settings, 0.0, BOUND, &Control::new()).unwrap()
+        Probe::new(tree, bounds, &settings, BOUND, &Control::new()).unwrap()
     }
 
     #[test]

@@ -58,20 +58,19 @@ impl ProbeSettings {
         radius.map(|radius| Self { radius: radius.of_diagonal(diagonal) / diagonal, from })
     }
 
-    /// Whether a ball can start at each point, around a surface that is at most `displacement` away from the source.
+    /// Whether a ball can start at each point, around a surface.
     ///
     /// # Errors
     /// [`Error::InvalidParameter`] names the first that is inside, or too near.
     pub fn check_starts(
         &self,
         tree: &Bvh,
-        displacement: f64,
         is_inside: impl Fn(Vector) -> bool,
     ) -> Result<(), Error> {
         for (index, &point) in self.from.iter().enumerate() {
             let reason = if is_inside(point) {
                 "in the solid"
-            } else if tree.is_within(point, self.radius + displacement) {
+            } else if tree.is_within(point, self.radius) {
                 "nearer to the mesh than the radius"
             } else {
                 continue;

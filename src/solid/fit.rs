@@ -379,7 +379,7 @@ mod tests {
             let control = Control::new();
             let prepared = prepare(mesh.view(), MeshOrder::Place, &control).unwrap();
             let settings = SolidSettings { bound, keep_cavities: false, probe: None };
-            let solid = Solid::new(&prepared, None, &settings, &control).unwrap();
+            let solid = Solid::new(&prepared, &settings, &control).unwrap();
             assert!(solid.is_coarse());
             Self { name, solid, corners: into_vectors(prepared.mesh.positions) }
         }

@@ -11,8 +11,8 @@
 //! block. Neighbours share their turns, where no surface is between them.
 
 use glam::Vec3;
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Arc, OnceLock};
 
 use super::boundary::Slope;
 use super::surface::{OPEN_INSIDE, Side, Surface, Winding};
@@ -154,7 +154,7 @@ impl Block {
 
 /// The grid. See the module.
 pub(super) struct Grid {
-    pub surface: Surface,
+    pub surface: Arc<Surface>,
     /// Corner of the first cell.
     origin: Vector,
     /// Side of a cell.
@@ -174,7 +174,7 @@ pub(super) struct Ball {
 
 impl Grid {
     /// A grid over a surface: cells whose half diagonal is half the bound, or larger ones where those were too many.
-    pub fn new(surface: Surface, positions: &[Vector], bound: f64) -> Self {
+    pub fn new(surface: Arc<Surface>, positions: &[Vector], bound: f64) -> Self {
         let (min, max) = bounds(positions.iter().copied());
         let extent = [0, 1, 2].map(|k| (max[k] - min[k]).max(MIN_EXTENT));
         let mut size = bound / 3f64.sqrt();
@@ -739,7 +739,7 @@ mod tests {
 
     fn depths(numbers: impl Iterator<Item = u32>) -> Vec<(u32, Option<f64>)> {
         let (positions, surface) = surface();
-        let grid = Grid::new(surface, &positions, 0.02);
+        let grid = Grid::new(surface.into(), &positions, 0.02);
         let mut depths: Vec<(u32, Option<f64>)> = numbers
             .map(|number| {
                 let point = spread(number);

@@ -8,7 +8,7 @@
 //! | `boundary` | the edges where a surface ends, and how fast the winding number changes near them |
 //! | `surface` | the side of a point, by the surface itself |
 //! | `grid` | a grid of cells that answers most questions about distance and side |
-//! | `solid` | the solid: what a point is, and what it is to the source |
+//! | `solid` | the solid: on which side a point is, how far from the surface, and what a probe allows |
 //! | `remainder` | faces without what lies along the surface |
 //! | `subdivide` | the loop that halves faces until each part is decided |
 //! | `fit` | the lenient test of the search: whether hulls fit |

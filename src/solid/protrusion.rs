@@ -1,11 +1,10 @@
 //! Verification: how far a hull protrudes from the solid, as an upper bound, not by samples.
 //!
 //! The rules of the fit test decide a part, without its leniences: no part is accepted because it
-//! is small. Where the mesh was clustered, distances are those to the source, and what is inside the solid may be as far
-//! outside the source as vertices have moved: no result is below that.
+//! is small.
 
 use super::grid::Location;
-use super::solid::{Solid, SourceDistance};
+use super::solid::Solid;
 use super::subdivide::{Face, Part, Policy, Scratch, Verdict, subdivide};
 use super::surface::Side;
 use crate::control::Control;
@@ -90,9 +89,8 @@ struct Exact<'a> {
     solid: &'a Solid,
     bound: f64,
     limit: f64,
-    displacement: f64,
     control: &'a Control,
-    /// A lower bound on the maximum.
+    /// What the result is at least.
     known: f64,
     parts: usize,
     end: Option<End>,
@@ -123,10 +121,7 @@ impl<'a> Exact<'a> {
         unresolved: f64,
         control: &'a Control,
     ) -> Self {
-        let displacement = solid.displacement();
-        let known = unresolved.max(displacement);
-        let (parts, end) = (0, None);
-        Self { solid, bound, limit, displacement, control, known, parts, end }
+        Self { solid, bound, limit, control, known: unresolved, parts: 0, end: None }
     }
 
     /// The protrusion of some faces, or any value above the limit.
@@ -135,8 +130,8 @@ impl<'a> Exact<'a> {
         for &face in faces {
             self.control.check()?;
             let centre = Part::new(face).centre;
-            if let Some(distance) = self.solid.outside(centre, self.known) {
-                self.known = distance.upper;
+            if let Some(protruding) = self.solid.outside(centre, self.known) {
+                self.known = protruding.upper;
             }
             if self.known > self.limit {
                 return Ok(self.known);
@@ -182,16 +177,16 @@ impl<'a> Exact<'a> {
         enough(self.known, self.bound)
     }
 
-    fn side_in_open(&self, part: &Part, at: &Location<'_>, distance: &SourceDistance) -> OpenSide {
+    fn side_in_open(&self, part: &Part, at: &Location<'_>, distance: f64) -> OpenSide {
         // From the ball that is inside no point of the part is farther than the rest.
-        let needed = part.radius - (self.enough() - self.displacement);
+        let needed = part.radius - self.enough();
         if needed <= 0.0 {
             return match self.solid.side(part.centre) {
                 Side::Inside => OpenSide::AllInside,
                 Side::Outside => OpenSide::CentreOutside,
             };
         }
-        match at.depth_at_distance(part.centre, distance.lower, needed) {
+        match at.depth_at_distance(part.centre, distance, needed) {
             None => OpenSide::CentreOutside,
             Some(depth) if needed <= depth => OpenSide::AllInside,
             Some(_) => OpenSide::CentreInside,
@@ -202,10 +197,9 @@ impl<'a> Exact<'a> {
 impl Policy for Exact<'_> {
     fn judge(&mut self, part: &Part) -> Verdict {
         work::count(work::PART);
-        let &mut Self { solid, bound, displacement, limit, .. } = self;
+        let &mut Self { solid, bound, limit, .. } = self;
         self.parts += 1;
-        // In a clustered mesh, a single part may take a millisecond.
-        if (self.parts.is_multiple_of(PARTS_PER_CHECK) || displacement > 0.0)
+        if self.parts.is_multiple_of(PARTS_PER_CHECK)
             && let Err(error) = self.control.check()
         {
             return self.stop(End::Error(error));
@@ -218,10 +212,9 @@ impl Policy for Exact<'_> {
         }
         let &Part { corners, centre, radius } = part;
         let (known, enough) = (self.known, self.enough());
-        let to_own_surface = enough - displacement;
         let at = solid.locate(centre);
-        if at.upper_of_face(corners, to_own_surface) <= to_own_surface
-            || at.depth().is_some_and(|depth| radius - depth <= to_own_surface)
+        if at.upper_of_face(corners, enough) <= enough
+            || at.depth().is_some_and(|depth| radius - depth <= enough)
         {
             return Verdict::Settled;
         }
@@ -229,25 +222,25 @@ impl Policy for Exact<'_> {
         let slack = if known > bound { RESOLUTION * known } else { FINE_RESOLUTION * bound };
         let may_halve = radius > slack;
         // A distance below the maximum only decides where it is known to be small.
-        if may_halve
-            && displacement == 0.0
-            && solid.tree().distance_to_triangle(centre, guess) <= known
-        {
+        if may_halve && solid.tree().distance_to_triangle(centre, guess) <= known {
             return Verdict::Open;
         }
-        let Some(distance) = solid.measure(centre, guess) else {
+        let Some(closest) = solid.closest(centre, guess) else {
             return self.stop(End::Exceeds(f64::INFINITY));
         };
-        if distance.upper + radius <= enough || solid.upper_of_face(corners, &distance) <= enough {
+        let distance = closest.distance;
+        if distance + radius <= enough
+            || solid.grid.upper_to_triangle(corners, closest.triangle) <= enough
+        {
             return Verdict::Settled;
         }
         // Inside tests are expensive: only where they decide.
-        let is_enough_inside = solid.is_closed() && radius - distance.lower <= enough;
-        if distance.upper > known || is_enough_inside || !may_halve || !solid.is_closed() {
+        let is_enough_inside = solid.is_closed() && radius - distance <= enough;
+        if distance > known || is_enough_inside || !may_halve || !solid.is_closed() {
             let is_inside = if solid.is_closed() {
-                solid.side_of_measured(centre, &at, &distance) == Side::Inside
+                solid.side_at_distance(centre, &at, distance) == Side::Inside
             } else {
-                match self.side_in_open(part, &at, &distance) {
+                match self.side_in_open(part, &at, distance) {
                     OpenSide::AllInside => return Verdict::Settled,
                     OpenSide::CentreInside => true,
                     OpenSide::CentreOutside => false,
@@ -258,17 +251,16 @@ impl Policy for Exact<'_> {
                     return Verdict::Settled;
                 }
             } else {
-                if distance.upper > known && solid.probe_allows_all(|| part.extent(1.0), enough) {
+                if distance > known && solid.probe_allows_all(|| part.extent(1.0), enough) {
                     return Verdict::Settled;
                 }
                 let settled = (enough - radius).clamp(0.0, known);
-                let entered =
-                    if distance.upper > known { solid.entered(centre, settled) } else { None };
-                let of_part = solid.upper_around(distance.upper, entered, radius);
+                let entered = if distance > known { solid.entered(centre, settled) } else { None };
+                let of_part = solid.upper_around(distance, entered, radius);
                 if entered.is_some() && of_part <= enough {
                     return Verdict::Settled;
                 }
-                let mut protrusion = distance.upper.min(entered.unwrap_or(f64::INFINITY));
+                let mut protrusion = distance.min(entered.unwrap_or(f64::INFINITY));
                 // Just beyond a ball's half, the distance from the mesh counts.
                 if solid.probe.is_some() && !may_halve && of_part > enough {
                     protrusion = of_part;
@@ -294,11 +286,10 @@ impl Policy for Exact<'_> {
     }
 }
 
-/// No point of a part is farther than this from the source.
+/// No point of a part is farther than this from the surface.
 fn upper_distance(part: &Part, solid: &Solid) -> f64 {
-    let distance = solid.measure(part.centre, NO_GUESS);
-    distance.map_or(f64::INFINITY, |distance| {
-        solid.upper_around(distance.upper, solid.entered(part.centre, 0.0), part.radius)
+    solid.closest(part.centre, NO_GUESS).map_or(f64::INFINITY, |closest| {
+        solid.upper_around(closest.distance, solid.entered(part.centre, 0.0), part.radius)
     })
 }
 
@@ -318,7 +309,6 @@ fn enough(known: f64, bound: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::bvh::Bvh;
-    use crate::clustering::cluster;
     use crate::geometry::vector::{as_arrays, as_vectors, into_vectors};
     use crate::hull::convex_hull;
     use crate::mesh::TriangleMesh;
@@ -486,13 +476,12 @@ mod tests {
 
     const BOUND: f64 = 0.02;
 
-    /// A shape as it is searched: the points of its surface, its solid, and its source's surface.
+    /// The points of a shape, its solid, and a tree of its own.
     fn searched(mesh: &TriangleMesh) -> (Vec<Vector>, Solid, Bvh) {
         let control = Control::new();
         let prepared = prepare(mesh.view(), MeshOrder::Place, &control).unwrap();
-        let clustered = cluster(&prepared, BOUND, 4.0 * BOUND, &control).unwrap();
         let settings = SolidSettings { bound: BOUND, keep_cavities: false, probe: None };
-        let solid = Solid::new(&prepared, clustered, &settings, &control).unwrap();
+        let solid = Solid::new(&prepared, &settings, &control).unwrap();
         let TriangleMesh { positions, triangles, .. } = prepared.mesh;
         let source = Bvh::new(as_vectors(&positions), &triangles);
         (into_vectors(positions), solid, source)
@@ -522,13 +511,10 @@ mod tests {
         };
         let closed = |n| uv_sphere(n, [0.0; 3], 1.0);
         let control = Control::new();
-        // Of few triangles, of more, and of so many that they are clustered.
-        for mesh in [closed(20), closed(50), closed(300), open(20), open(50)] {
+        for mesh in [closed(20), closed(50), open(20), open(50)] {
             let (positions, solid, source) = searched(&mesh);
             let count = positions.len();
-            assert_eq!(solid.displacement() > 0.0, count > 10_000);
             let unresolved = if solid.is_closed() { UNRESOLVED } else { UNRESOLVED_IN_OPEN };
-            let least = (unresolved * BOUND).max(solid.displacement());
             let low = positions.into_iter().filter(|point| point[2] < 0.0);
             for (at, step) in low.step_by(count / 12).zip(0..) {
                 for share in [0.2, 0.4, 0.6, 0.7, 0.8, 0.9, 0.98, 1.01, 1.02, 1.03, 1.2, 1.5, 2.0] {
@@ -538,7 +524,7 @@ mod tests {
                     let expected = source.closest_point(tip, f64::INFINITY).unwrap().distance;
                     let of = |limit| protrusion(&hull, &solid, BOUND, limit, &control).unwrap();
                     let found = of(f64::INFINITY);
-                    let most = 1.001 * enough(expected.max(least), BOUND);
+                    let most = 1.001 * enough(expected.max(unresolved * BOUND), BOUND);
                     assert!(
                         (expected - 1e-12..=most).contains(&found),
                         "{count}, {share}: {found}, {expected}"
@@ -552,28 +538,22 @@ mod tests {
     }
 
     #[test]
-    fn against_a_second_solid_a_hull_protrudes_by_its_distance_and_how_far_that_solid_may_be_off() {
+    fn against_a_second_solid_a_hull_protrudes_by_its_distance() {
         let boxes = [cube(Vector::ZERO), cube(Vector::new(1.2, 0.0, 0.0))];
         let shapes = boxes.each_ref().map(|hull| hull.points.clone()).concat();
         let whole = convex_hull(&shapes).unwrap();
         let meshes = [0.0, 1.2].map(|x| cuboid([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]));
         let first = solid_of(&join(&meshes), Boundary::default(), BOUND);
         // The gap is filled, as where nothing can enter it.
-        let mut second = solid_of_hull(&whole, BOUND);
+        let second = solid_of_hull(&whole, BOUND);
         let shifted = cube(Vector::new(0.0, 0.0, 0.25));
         let of = |solid: &Solid, hull| {
             protrusion(hull, solid, BOUND, f64::INFINITY, &Control::new()).unwrap()
         };
         assert!((0.1..0.11).contains(&of(&first, &whole)), "half the gap");
-        for displacement in [0.0, 0.3 * BOUND, 0.9 * BOUND] {
-            second.displacement = displacement;
-            let (unmoved, moved) = (of(&second, &whole), of(&second, &shifted));
-            let least = (UNRESOLVED * BOUND).max(displacement);
-            let most = enough(least, BOUND) + displacement;
-            assert!((displacement..=most).contains(&unmoved), "{displacement}: {unmoved}");
-            let expected = 0.25 + displacement;
-            assert!((expected..1.05 * expected).contains(&moved), "{displacement}: {moved}");
-        }
+        let (unmoved, moved) = (of(&second, &whole), of(&second, &shifted));
+        assert!(unmoved <= enough(UNRESOLVED * BOUND, BOUND), "{unmoved}");
+        assert!((0.25..1.05 * 0.25).contains(&moved), "{moved}");
     }
 
     #[test]

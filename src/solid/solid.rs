@@ -1,7 +1,7 @@
 //! The solid that hulls must not protrude from.
 //!
-//! [`Solid::side`] and [`Solid::locate`] say what a point is to its surface; [`Solid::measure`] how far the source is.
-//! Where the mesh was clustered, the surface is that of the reduced mesh, and distances to the source follow from it.
+//! [`Solid::side`] says on which side of the surface a point is, [`Solid::closest`] how far it is from it, and
+//! [`Solid::locate`] bounds both by the grid.
 
 use std::sync::Arc;
 
@@ -9,8 +9,7 @@ use super::boundary::Boundary;
 use super::grid::{Ball, Grid, Location, ROUNDING};
 use super::surface::{Side, Surface};
 use crate::bvh::Bvh;
-use crate::bvh::closest_point::EXACT;
-use crate::clustering::Clustered;
+use crate::bvh::closest_point::{ClosestPoint, EXACT};
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, bounds, spread_in_box};
@@ -25,16 +24,14 @@ pub(crate) const COARSE: usize = 2400;
 /// Points by which the volume is estimated that a probe does not reach: as many take a few milliseconds.
 const VOLUME_SAMPLES: usize = 1000;
 
-/// The source mesh as a solid, or a reduced one that represents it.
+/// The source mesh as a solid.
 pub(crate) struct Solid {
     pub(super) grid: Grid,
+    /// The bound that it is made for.
+    pub bound: f64,
     pub(super) is_coarse: bool,
     /// The deepest point of each cavity that no hull may contain, and its distance from the surface.
     pub(super) cavities: Vec<(Vector, f64)>,
-    /// Where the solid is that of a reduced mesh: what it represents.
-    pub clustered: Option<Arc<Clustered>>,
-    /// See [`displacement`](Self::displacement): 0 unless the surface stands for the source.
-    pub(super) displacement: f64,
     /// What moves in the scene, if that is known: what it does not reach may be filled.
     pub probe: Option<Probe>,
 }
@@ -48,56 +45,22 @@ pub(crate) struct SolidSettings<'a> {
     pub probe: Option<&'a ProbeSettings>,
 }
 
-/// Bounds on the distance between a point and the source.
-pub(crate) struct SourceDistance {
-    /// At least the distance.
-    pub upper: f64,
-    /// At most the depth, if the point is inside the source or that near to it.
+/// Bounds on how far a point outside protrudes.
+pub(crate) struct Protruding {
     pub lower: f64,
-    /// The distance from the solid's own surface.
-    pub(super) own: f64,
-    /// A triangle of the source within `upper`.
-    triangle: u32,
+    pub upper: f64,
 }
 
 impl Solid {
-    /// The solid of a mesh, or of the reduced mesh if there is one. O(n log n) for n triangles, and a grid of at most 1.5
-    /// million cells.
+    /// The solid of a mesh. O(n log n) for n triangles, and a grid of at most 1.5 million cells.
     ///
     /// # Errors
     /// [`Error::Cancelled`]; [`Error::InvalidParameter`] where a probe can't start.
     pub fn new(
         prepared: &PreparedMesh,
-        clustered: Option<Arc<Clustered>>,
-        &SolidSettings { bound, keep_cavities, probe }: &SolidSettings<'_>,
+        settings: &SolidSettings<'_>,
         control: &Control,
     ) -> Result<Self, Error> {
-        let mut solid = Self::without_probe(prepared, clustered, bound, keep_cavities, control)?;
-        if let Some(settings) = probe {
-            let (tree, displacement) = (solid.tree(), solid.displacement);
-            let is_inside = |point| solid.side(point) == Side::Inside;
-            settings.check_starts(tree, displacement, is_inside)?;
-            let bounds = bounds(prepared.mesh.points().iter().copied());
-            let probe = Probe::new(tree, bounds, settings, displacement, bound, control)?;
-            solid.probe = Some(probe);
-        }
-        Ok(solid)
-    }
-
-    fn without_probe(
-        prepared: &PreparedMesh,
-        clustered: Option<Arc<Clustered>>,
-        bound: f64,
-        keep_cavities: bool,
-        control: &Control,
-    ) -> Result<Self, Error> {
-        if let Some(clustered) = clustered {
-            let (mesh, boundary) = (&clustered.mesh, Boundary::default());
-            let solid = Self::of_surface(mesh.points(), &mesh.triangles, boundary, bound, control)?;
-            let displacement = clustered.displacement;
-            let clustered = Some(clustered);
-            return Ok(Self { clustered, displacement, is_coarse: false, ..solid });
-        }
         let mesh = &prepared.mesh;
         let triangles = prepared.triangles_of_solid();
         // Where triangles run along each edge as often one way as the other, the surface ends nowhere,
@@ -107,18 +70,46 @@ impl Solid {
             true => Boundary::default(),
             false => Boundary::new(mesh.points(), &triangles),
         };
-        let mut solid = Self::of_surface(mesh.points(), &triangles, boundary, bound, control)?;
-        solid.is_coarse = mesh.triangles.len() <= COARSE;
+        let surface = Surface::new(mesh.points(), &triangles, boundary, control)?;
+        Self::around(Arc::new(surface), prepared, settings, control)
+    }
+
+    /// The solid of the same mesh with other settings. O(cells).
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn with_settings(
+        &self,
+        prepared: &PreparedMesh,
+        settings: &SolidSettings<'_>,
+        control: &Control,
+    ) -> Result<Self, Error> {
+        Self::around(Arc::clone(&self.grid.surface), prepared, settings, control)
+    }
+
+    fn around(
+        surface: Arc<Surface>,
+        prepared: &PreparedMesh,
+        &SolidSettings { bound, keep_cavities, probe }: &SolidSettings<'_>,
+        control: &Control,
+    ) -> Result<Self, Error> {
+        let mesh = &prepared.mesh;
+        let is_coarse = mesh.triangles.len() <= COARSE;
+        let grid = Grid::new(surface, mesh.points(), bound);
+        let mut solid = Self { grid, bound, is_coarse, cavities: Vec::new(), probe: None };
         if keep_cavities {
-            solid.cavities = solid.cavities(bound, control)?;
+            solid.cavities = solid.find_cavities(control)?;
+        }
+        if let Some(settings) = probe {
+            settings.check_starts(solid.tree(), |point| solid.side(point) == Side::Inside)?;
+            let bounds = bounds(mesh.points().iter().copied());
+            solid.probe = Some(Probe::new(solid.tree(), bounds, settings, bound, control)?);
         }
         Ok(solid)
     }
 
     /// The solid of a surface and its boundary.
-    ///
-    /// # Errors
-    /// [`Error::Cancelled`].
+    #[cfg(test)]
     pub fn of_surface(
         positions: &[Vector],
         triangles: &[[u32; 3]],
@@ -126,19 +117,10 @@ impl Solid {
         bound: f64,
         control: &Control,
     ) -> Result<Self, Error> {
-        let tree = Bvh::with_control(positions, triangles, control)?;
-        let surface = Surface { tree, boundary };
-        if !surface.is_closed() {
-            surface.tree.expect_winding_numbers(control)?;
-        }
-        Ok(Self {
-            grid: Grid::new(surface, positions, bound),
-            is_coarse: triangles.len() <= COARSE,
-            cavities: Vec::new(),
-            clustered: None,
-            displacement: 0.0,
-            probe: None,
-        })
+        let surface = Surface::new(positions, triangles, boundary, control)?;
+        let grid = Grid::new(Arc::new(surface), positions, bound);
+        let is_coarse = triangles.len() <= COARSE;
+        Ok(Self { grid, bound, is_coarse, cavities: Vec::new(), probe: None })
     }
 
     /// Whether the surface encloses the inside: see [`Surface::is_closed`].
@@ -163,49 +145,28 @@ impl Solid {
         &self.grid.surface
     }
 
-    /// No point of the solid's own surface is farther than this from the source, and what is inside the solid is
-    /// inside the source or no farther outside.
-    pub fn displacement(&self) -> f64 {
-        self.displacement
-    }
-
     /// The side of a point, by the surface. O(log n).
     #[inline]
     pub fn side(&self, point: Vector) -> Side {
         self.surface().side(point)
     }
 
-    /// Bounds on the distance of a point from the solid's own surface, and its side, by the grid. O(1) once the
-    /// point's cell is filled.
+    /// Bounds on the distance of a point from the surface, and its side, by the grid. O(1) once the point's cell is
+    /// filled.
     #[inline]
     pub(super) fn locate(&self, point: Vector) -> Location<'_> {
         self.grid.locate(point)
     }
 
-    /// Bounds on the distance of a point from the source. `guess` is a triangle of the solid that may be near
-    /// and makes it faster. `None` if the solid has no surface. O(log n).
-    pub(super) fn measure(&self, point: Vector, guess: u32) -> Option<SourceDistance> {
-        let closest = self.tree().closest_point_near(point, EXACT, guess)?;
-        let (own, triangle) = (closest.distance, closest.triangle);
-        let (upper, triangle) = match &self.clustered {
-            None => (own + self.displacement, triangle),
-            Some(clustered) => {
-                clustered.closest_around(clustered.mesh.triangles[triangle as usize], point, own)
-            }
-        };
-        Some(SourceDistance { upper, lower: own - self.displacement(), own, triangle })
+    /// The closest point of the surface. Faster if the triangle `guess` is near. `None` if there is no surface. O(log n).
+    pub(super) fn closest(&self, point: Vector, guess: u32) -> Option<ClosestPoint> {
+        self.tree().closest_point_near(point, EXACT, guess)
     }
 
-    /// The side of a measured point. Inside the source it is inside, or not farther outside than
-    /// [`displacement`](Self::displacement).
+    /// The side of a point whose distance from the surface is known.
     #[inline]
-    pub(super) fn side_of_measured(
-        &self,
-        point: Vector,
-        at: &Location<'_>,
-        distance: &SourceDistance,
-    ) -> Side {
-        at.side_at_distance(distance.own).unwrap_or_else(|| self.side(point))
+    pub(super) fn side_at_distance(&self, point: Vector, at: &Location<'_>, distance: f64) -> Side {
+        at.side_at_distance(distance).unwrap_or_else(|| self.side(point))
     }
 
     /// How far balls are entered at a point outside that is far from the surface: see [`Probe::entered`].
@@ -238,47 +199,32 @@ impl Solid {
         (max - min).element_product() * count as f64 / VOLUME_SAMPLES as f64
     }
 
-    /// No point of a part is farther than this from the source, or balls are entered no farther there. The distance
-    /// from the part's centre and how far balls are entered there are given.
-    pub(super) fn upper_around(&self, upper: f64, entered: Option<f64>, radius: f64) -> f64 {
+    /// No point of a part is farther than this from the surface, or balls are entered no farther there. The distance of
+    /// the part's centre and how far balls are entered there are given.
+    pub(super) fn upper_around(&self, distance: f64, entered: Option<f64>, radius: f64) -> f64 {
         let entered = entered.zip(self.probe.as_ref());
         let entered = entered.and_then(|(entered, probe)| probe.entered_around(entered, radius));
-        entered.map_or(f64::INFINITY, |entered| entered.max(0.0)).min(upper + radius)
+        entered.map_or(f64::INFINITY, |entered| entered.max(0.0)).min(distance + radius)
     }
 
-    /// Bounds on the protrusion of a point outside, if it may be more than `least`.
-    pub fn outside(&self, point: Vector, least: f64) -> Option<SourceDistance> {
-        let mut distance = self.outside_source(point, least)?;
-        if let Some(probe) = &self.probe {
-            let entered = probe.entered(self.tree(), point, 0.0, probe.radius);
-            // Where balls are entered too far, they are by half their radius at least.
-            distance.lower = distance.lower.min(entered.unwrap_or(probe.most_entered()));
-            distance.upper = distance.upper.min(entered.unwrap_or(f64::INFINITY));
-        }
-        (distance.upper > least).then_some(distance)
-    }
-
-    /// Bounds on the distance from the source to a point outside, if it may be more than `least`.
-    fn outside_source(&self, point: Vector, least: f64) -> Option<SourceDistance> {
+    /// How far a point outside protrudes, if that may be more than `least`.
+    pub fn outside(&self, point: Vector, least: f64) -> Option<Protruding> {
         let at = self.locate(point);
-        if at.upper + ROUNDING + self.displacement() <= least {
+        if at.upper + ROUNDING <= least {
             return None;
         }
-        let distance = self.measure(point, u32::MAX)?;
-        let is_outside = || self.side_of_measured(point, &at, &distance) == Side::Outside;
-        (distance.upper > least && is_outside()).then_some(distance)
-    }
-
-    /// No point of a face is farther than this from the source, by the triangle that is near one of them.
-    pub(super) fn upper_of_face(&self, face: [Vector; 3], distance: &SourceDistance) -> f64 {
-        let triangle = distance.triangle;
-        match &self.clustered {
-            None => self.grid.upper_to_triangle(face, triangle) + self.displacement,
-            Some(clustered) => {
-                let [a, b, c] = face.map(|corner| clustered.squared_distance_to(corner, triangle));
-                a.max(b).max(c).sqrt()
-            }
+        let distance = self.closest(point, u32::MAX)?.distance;
+        if distance <= least || self.side_at_distance(point, &at, distance) == Side::Inside {
+            return None;
         }
+        let Some(probe) = &self.probe else {
+            return Some(Protruding { lower: distance, upper: distance });
+        };
+        let entered = probe.entered(self.tree(), point, 0.0, probe.radius);
+        // Where balls are entered too far, they are by half their radius at least.
+        let lower = distance.min(entered.unwrap_or(probe.most_entered()));
+        let upper = distance.min(entered.unwrap_or(f64::INFINITY));
+        (upper > least).then_some(Protruding { lower, upper })
     }
 
     /// Whether a point is in the solid or at most `bound` away from it, or no ball is entered there by more.
@@ -313,14 +259,14 @@ impl Solid {
     }
 
     /// Cavities: empty space that is cut off from the outside, or connected to it only through mouths
-    /// narrower than twice the bound. The deepest point of each: outside the solid, farther than `bound` from the
+    /// narrower than twice the bound. The deepest point of each: outside the solid, farther than the bound from the
     /// surface, and without a path to infinity through such points, at the grid's resolution; and its distance.
     ///
     /// A hull whose surface passes through a cavity protrudes and is refused. But a hull may swallow a cavity whole: one
     /// point of each is enough to detect that. O(cells).
-    fn cavities(&self, bound: f64, control: &Control) -> Result<Vec<(Vector, f64)>, Error> {
+    fn find_cavities(&self, control: &Control) -> Result<Vec<(Vector, f64)>, Error> {
         let grid = &self.grid;
-        let is_free = grid.free_cells(bound);
+        let is_free = grid.free_cells(self.bound);
         control.check()?;
         let mut is_reached: Vec<bool> = is_free.iter().map(|free| !free).collect();
         let mut flood = |start: usize| {
@@ -348,10 +294,39 @@ impl Solid {
             control.check()?;
             let points = flood(start).into_iter().map(|cell| grid.centre_of(cell));
             let deepest = points
-                .filter_map(|point| Some((point, self.measure(point, u32::MAX)?.own)))
+                .filter_map(|point| Some((point, self.closest(point, u32::MAX)?.distance)))
                 .max_by(|a, b| a.1.total_cmp(&b.1));
             cavities.extend(deepest.filter(|&(point, _)| self.side(point) == Side::Outside));
         }
         Ok(cavities)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::canonical_order::MeshOrder;
+    use crate::mesh::repair::prepare;
+    use crate::mesh::shapes::{hemisphere, torus};
+
+    #[test]
+    fn with_other_settings_a_solid_answers_as_a_new_one() {
+        let control = Control::new();
+        for mesh in [torus(24, 12), hemisphere(10)] {
+            let prepared = prepare(mesh.view(), MeshOrder::Place, &control).unwrap();
+            let [first, other] =
+                [0.01, 0.04].map(|bound| SolidSettings { bound, keep_cavities: true, probe: None });
+            let solid = Solid::new(&prepared, &first, &control).unwrap();
+            let changed = solid.with_settings(&prepared, &other, &control).unwrap();
+            let anew = Solid::new(&prepared, &other, &control).unwrap();
+            assert_eq!(changed.cavities, anew.cavities);
+            let (low, high) = bounds(prepared.mesh.points().iter().copied());
+            for index in 0..2000 {
+                let point = spread_in_box(index, low, high);
+                assert_eq!(changed.side(point), anew.side(point));
+                let fits = [&solid, &changed, &anew].map(|solid| solid.point_fits(point, 0.04));
+                assert!(fits[1] == fits[2] && fits[0] == fits[1], "{point:?}");
+            }
+        }
     }
 }

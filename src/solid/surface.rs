@@ -7,6 +7,8 @@
 
 use super::boundary::{Boundary, Slope};
 use crate::bvh::Bvh;
+use crate::control::Control;
+use crate::error::Error;
 use crate::geometry::vector::Vector;
 
 /// Where the surface is open, a winding number above this is inside. On both sides of a flat sheet
@@ -28,6 +30,24 @@ pub(super) struct Surface {
 }
 
 impl Surface {
+    /// O(n log n) for n triangles.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
+    pub fn new(
+        positions: &[Vector],
+        triangles: &[[u32; 3]],
+        boundary: Boundary,
+        control: &Control,
+    ) -> Result<Self, Error> {
+        let tree = Bvh::with_control(positions, triangles, control)?;
+        let surface = Self { tree, boundary };
+        if !surface.is_closed() {
+            surface.tree.expect_winding_numbers(control)?;
+        }
+        Ok(surface)
+    }
+
     /// Whether the surface encloses the inside. Only then is a point's side also that of all points
     /// nearer to it than the surface.
     #[inline]

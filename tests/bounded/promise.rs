@@ -1,5 +1,5 @@
 //! The bound is kept: for every bound, every preset, and meshes of every kind, also of more than 100,000 triangles,
-//! which are searched through reduced ones.
+//! which are divided into patches through reduced ones.
 
 use hullwright::{Decomposition, Length, Parameters, Preset};
 
@@ -106,6 +106,20 @@ fn of_a_dense_mesh_no_triangle_is_lost() {
     assert_eq!(lost(&mesh, &result), None);
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     assert_eq!(one.install(|| run(&mesh).hulls), result.hulls);
+}
+
+#[test]
+fn an_open_dense_mesh_keeps_the_promise() {
+    // A can without walls' thickness and without a lid.
+    let profile = finely(&[[1e-3, -1.0], [1.0, -1.0], [1.0, 1.0]], 200);
+    let mut can = lathe(&profile[..400], 400);
+    // The lathe also joins the last ring with the first.
+    can.1.retain(|triangle| {
+        let along = triangle.map(|vertex| vertex % 400);
+        along.iter().max().unwrap() - along.iter().min().unwrap() < 399
+    });
+    assert!(can.1.len() > 100_000);
+    promised("an open can", &can);
 }
 
 #[test]

@@ -23,6 +23,9 @@ const BAKED: usize = 300;
 
 const DECOMPOSED: usize = 50;
 
+/// A cache in which some results have room.
+const SMALL_CACHE: u64 = 64 << 10;
+
 /// So far from each other that they never touch: Rapier's work is the same in all modes.
 const DISTANCE: f32 = 10.0;
 
@@ -34,7 +37,8 @@ pub struct Game {
 
 #[wasm_bindgen]
 impl Game {
-    /// `mode` is `worker`, `slices`, `cached` for workers and a cache, or `boxes` for no decomposition. The files for workers are in `folder`.
+    /// `mode` is `worker`, `slices`, `cached` for workers and a cache, `cached-some` for one that is too small, or `boxes`
+    /// for no decomposition. The files for workers are in `folder`.
     #[wasm_bindgen(constructor)]
     pub fn new(mode: &str, folder: &str) -> Game {
         let mut app = App::new();
@@ -45,8 +49,11 @@ impl Game {
         settings.budget.worker_folder = folder.into();
         match mode {
             "slices" => settings.budget.execution = Execution::Slices,
-            "cached" => settings.cache.disk = Some("hullwright".into()),
+            "cached" | "cached-some" => settings.cache.disk = Some("hullwright".into()),
             _ => {}
+        }
+        if mode == "cached-some" {
+            settings.cache.disk_bytes = SMALL_CACHE;
         }
         app.add_systems(
             PostUpdate,

@@ -4,6 +4,8 @@ pub(super) mod baked;
 pub(super) mod cache;
 #[cfg(all(target_family = "wasm", target_os = "unknown"))]
 mod database;
+#[cfg(all(target_family = "wasm", target_os = "unknown"))]
+mod digest;
 #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
 mod disk;
 mod kept;

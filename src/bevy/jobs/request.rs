@@ -115,9 +115,9 @@ pub(crate) enum ContentKey {
 }
 
 impl ContentKey {
-    /// Hashes what determines a result. O(size).
-    pub(super) fn of_mesh(data: &MeshData, goal: &Goal) -> Self {
-        Self::Mesh { mesh: MeshHash::of(data.view()), goal: goal.hash(), scene: None }
+    /// What is made of a mesh. O(1).
+    pub(super) fn of_mesh(mesh: MeshHash, goal: &Goal) -> Self {
+        Self::Mesh { mesh, goal: goal.hash(), scene: None }
     }
 
     /// The same content, as a baked scene has it.

@@ -14,6 +14,8 @@ use super::baked::BakedScene;
 use super::cache::{BuiltCollider, ColliderGeometry, GeometryCache, WorkClaim};
 #[cfg(all(target_family = "wasm", target_os = "unknown"))]
 use super::database::{self, DiskCache};
+#[cfg(all(target_family = "wasm", target_os = "unknown"))]
+use super::digest::Digest;
 #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
 use super::disk::DiskCache;
 use super::request::{ContentKey, MapKey, MeshData};
@@ -22,7 +24,7 @@ use super::worker;
 use crate::bevy::tag::outcomes::{DecompositionError, HullSource};
 use crate::bevy::tag::parameters::{Goal, PrimitiveKind};
 use crate::bevy::tag::settings::HullwrightSettings;
-use crate::hulls_format::HullsFile;
+use crate::hulls_format::{HullsFile, MeshHash};
 use crate::rapier::ColliderError;
 use crate::{
     Control, Decomposer, Error, MassProperties, MeshView, Method, MethodReport,
@@ -61,6 +63,9 @@ pub(super) enum TaskOutput {
 pub(super) struct DecompositionTask {
     /// What the first step takes.
     input: Option<TaskInput>,
+    /// Where the browser hashes the mesh that the next step takes.
+    #[cfg(all(target_family = "wasm", target_os = "unknown"))]
+    digest: Option<Digest>,
     /// What later steps go on with.
     work: Option<MeshInProgress>,
     map: Affine3A,
@@ -102,6 +107,8 @@ impl DecompositionTask {
         let (memory_bytes, primitives) = (settings.cache.memory_bytes, settings.primitives);
         Self {
             input: Some(input),
+            #[cfg(all(target_family = "wasm", target_os = "unknown"))]
+            digest: None,
             work: None,
             map,
             cache,
@@ -123,7 +130,8 @@ impl DecompositionTask {
     /// Whether a step does no more than ask.
     pub(super) fn awaits_answer(&self) -> bool {
         #[cfg(all(target_family = "wasm", target_os = "unknown"))]
-        return self.work.as_ref().is_some_and(|work| !matches!(work.place, Place::Here(_)));
+        return self.digest.is_some()
+            || self.work.as_ref().is_some_and(|work| !matches!(work.place, Place::Here(_)));
         #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
         false
     }
@@ -147,19 +155,45 @@ impl DecompositionTask {
             Some(TaskInput::Geometry { key, geometry, source }) => {
                 self.build(key, geometry, source)
             }
-            Some(TaskInput::Mesh { data, goal, baked }) => self.start(data, &goal, baked, control),
+            Some(TaskInput::Mesh { data, goal, baked }) => match self.hash(&data) {
+                Some(hash) => {
+                    let key = ContentKey::of_mesh(hash, &goal);
+                    self.start(key, data, &goal, baked, control)
+                }
+                None => {
+                    self.input = Some(TaskInput::Mesh { data, goal, baked });
+                    Ok(None)
+                }
+            },
             None => self.decompose(control),
         })
     }
 
+    /// The hash of a mesh; `None` as long as the browser makes it.
+    #[cfg(all(target_family = "wasm", target_os = "unknown"))]
+    fn hash(&mut self, data: &MeshData) -> Option<MeshHash> {
+        if let Some(digest) = &self.digest {
+            let hash = digest.answer()?;
+            self.digest = None;
+            return Some(hash.unwrap_or_else(|| MeshHash::of(data.view())));
+        }
+        self.digest = Digest::start(data);
+        self.digest.is_none().then(|| MeshHash::of(data.view()))
+    }
+
+    #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
+    fn hash(&mut self, data: &MeshData) -> Option<MeshHash> {
+        Some(MeshHash::of(data.view()))
+    }
+
     fn start(
         &mut self,
+        key: ContentKey,
         data: MeshData,
         goal: &Goal,
         baked: Option<(UntypedAssetId, BakedScene)>,
         control: &Control,
     ) -> StepResult {
-        let key = ContentKey::of_mesh(&data, goal);
         if let Some((id, scene)) = baked {
             let own = key.in_scene(id);
             return match self.cache.geometry(own).or_else(|| scene.geometry(key)) {

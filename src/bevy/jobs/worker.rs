@@ -376,7 +376,7 @@ fn end_idle_later() {
 }
 
 /// Calls `then` of a promise.
-fn then(promise: &JsValue, functions: &[JsValue]) -> Result<JsValue, JsValue> {
+pub(super) fn then(promise: &JsValue, functions: &[JsValue]) -> Result<JsValue, JsValue> {
     let method: Function = Reflect::get(promise, &"then".into())?.dyn_into()?;
     method.apply(promise, &functions.iter().collect::<Array>())
 }

@@ -160,7 +160,7 @@ mod tests {
             cover::{dissolve::dissolve, grow_all},
             merge::merge,
             patches::divide_into_patches,
-            search::{Search, solid_and_patch_mesh},
+            search::Search,
             settings::Settings,
         },
         mesh::{
@@ -274,10 +274,10 @@ mod tests {
         let settings = &Settings::of_preset(&parameters, &prepared.normalization)[0];
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let (solid, divided) =
+            let (shared, divided) =
                 solid_and_patch_mesh(&prepared, None, settings, &control).unwrap();
-            let patches = &divide_into_patches(divided, &solid, settings, &control).unwrap();
-            let search = &Search { solid: &solid, patches, settings, control: &control };
+            let patches = &divide_into_patches(divided, &shared, settings, &control).unwrap();
+            let search = &Search { solid: &shared.solid, patches, settings, control: &control };
             let points = PointsOfPatches::new(patches);
             let mut nogoods = Nogoods::new(&points, patches.count());
             let mut pieces = grow_all(search, merge(search).unwrap(), &mut nogoods).unwrap();
