@@ -162,6 +162,7 @@ mod tests {
             patches::divide_into_patches,
             search::Search,
             settings::Settings,
+            shared::solid_and_patch_mesh,
         },
         mesh::{
             canonical_order::MeshOrder,
