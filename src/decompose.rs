@@ -23,6 +23,7 @@ use crate::error::Error;
 use crate::geometry::vector::cubed;
 use crate::geometry::{MeshView, TriangleMesh};
 use crate::mesh::PreparedMesh;
+use crate::mesh::canonical_order::MeshOrder;
 use crate::mesh::repair::prepare as repair;
 use crate::openings::OpeningSettings;
 use crate::openings::prepare::close_prepared as close_openings;
@@ -96,7 +97,7 @@ pub(crate) async fn pipeline(
 ) -> Result<Decomposition, Error> {
     let mut stages = Stages::new(control);
     let openings = &OpeningSettings::from(parameters);
-    let repaired = stages.run(Stage::Repair, || repair(mesh, openings.order, control)).await?;
+    let repaired = stages.run(Stage::Repair, || repair(mesh, MeshOrder::Place, control)).await?;
     let close = || close_openings(repaired, mesh, openings, control);
     let mut input = Input::closed(mesh, stages.run(Stage::Openings, close).await?);
     let prepared = &mut input.prepared;

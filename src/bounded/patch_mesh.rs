@@ -11,13 +11,12 @@ use crate::bvh::{Bvh, closest_triangles};
 use crate::clustering::Clustered;
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, area_normal};
+use crate::geometry::vector::{Vector, area_normal, centre};
 use crate::hull::HullBuilder;
 use crate::mesh::refine::refine;
 use crate::mesh::simplify::simplify;
 use crate::mesh::{PreparedMesh, TriangleMesh};
 use crate::solid::COARSE;
-use crate::solid::centre;
 
 /// Simplification joins nothing, and each component is a patch or more. Of a surface in more components than this the
 /// search, which compares all patches, takes seconds and gigabytes.

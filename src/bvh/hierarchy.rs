@@ -8,7 +8,7 @@ use super::tree::{EMPTY, Node, Tree, WIDTH};
 use super::winding_number::{self, Expansions};
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, area_normal};
+use crate::geometry::vector::{Vector, area_normal, centre};
 use crate::parallel;
 
 /// A winding number above this is inside.
@@ -305,10 +305,6 @@ pub(crate) fn closest_labels(
 fn is_similar(a: Vector, b: Vector) -> bool {
     let product = a.dot(b);
     product > 0.0 && 4.0 * product * product > a.length_squared() * b.length_squared()
-}
-
-fn centre([a, b, c]: [Vector; 3]) -> Vector {
-    (a + b + c) * (1.0 / 3.0)
 }
 
 #[cfg(test)]

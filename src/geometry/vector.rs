@@ -87,6 +87,12 @@ pub fn mean(points: &[Vector]) -> Vector {
     sum * (1.0 / points.len().max(1) as f64)
 }
 
+/// The centre of a triangle.
+#[inline]
+pub fn centre([a, b, c]: [Vector; 3]) -> Vector {
+    (a + b + c) * (1.0 / 3.0)
+}
+
 /// Twice the area of a triangle times its unit normal.
 #[inline]
 pub fn area_normal(a: Vector, b: Vector, c: Vector) -> Vector {

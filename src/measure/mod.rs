@@ -44,7 +44,6 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::MeshView;
 use crate::geometry::vector::{Vector, bounds};
-use crate::mesh::canonical_order::MeshOrder;
 use crate::mesh::repair::Survey;
 use crate::mesh::{Normalization, TriangleMesh};
 use crate::openings::OpeningSettings;
@@ -383,8 +382,7 @@ impl Mesh {
         let &MeasureOptions { openings, flatness, up_axis, keep_cavities, .. } = options;
         // A probe may start in a cavity.
         let keep_cavities = keep_cavities || !options.probe_from.is_empty();
-        let settings =
-            OpeningSettings { openings, flatness, up_axis, keep_cavities, order: MeshOrder::Place };
+        let settings = OpeningSettings { openings, flatness, up_axis, keep_cavities };
         let closed = prepare_closed(source, &settings, control)?;
         let is_changed = closed.is_changed();
         let prepared = closed.prepared;

@@ -14,7 +14,6 @@ use crate::error::Error;
 use crate::geometry::vector::Vector;
 use crate::geometry::{MeshView, Sidedness};
 use crate::mesh::PreparedMesh;
-use crate::mesh::canonical_order::MeshOrder;
 use crate::parallel;
 use crate::parameters::{Length, Openings, Parameters, UpAxis};
 
@@ -65,7 +64,6 @@ pub(crate) struct OpeningSettings {
     pub up_axis: UpAxis,
     /// Whether closed components that nothing can reach stay.
     pub keep_cavities: bool,
-    pub order: MeshOrder,
 }
 
 impl From<&Parameters> for OpeningSettings {
@@ -73,7 +71,7 @@ impl From<&Parameters> for OpeningSettings {
         let &Parameters { openings, up_axis, max_error, keep_cavities, .. } = parameters;
         // A probe may start in a cavity.
         let keep_cavities = keep_cavities || !parameters.probe_from.is_empty();
-        Self { openings, flatness: max_error, up_axis, keep_cavities, order: MeshOrder::Place }
+        Self { openings, flatness: max_error, up_axis, keep_cavities }
     }
 }
 

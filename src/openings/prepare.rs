@@ -68,7 +68,7 @@ pub(crate) fn prepare_closed(
     settings: &OpeningSettings,
     control: &Control,
 ) -> Result<Closed, Error> {
-    close_prepared(prepare(source, settings.order, control)?, source, settings, control)
+    close_prepared(prepare(source, MeshOrder::Place, control)?, source, settings, control)
 }
 
 /// The same for a mesh that is repaired.

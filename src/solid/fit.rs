@@ -9,9 +9,9 @@
 
 use super::grid::Location;
 use super::solid::Solid;
-use super::subdivide::{Face, Part, Policy, Scratch, Verdict, centre, subdivide};
+use super::subdivide::{Face, Part, Policy, Scratch, Verdict, subdivide};
 use super::surface::Side;
-use crate::geometry::vector::{Vector, area_normal, as_arrays};
+use crate::geometry::vector::{Vector, area_normal, as_arrays, centre};
 use crate::hull::growing_hull::GrowingHull;
 use crate::hull::{HullBuilder, LEAST_THICKNESS, solid_hull};
 use crate::work;

@@ -29,5 +29,5 @@ pub(crate) use boundary::Boundary;
 pub(crate) use fit::{FitTester, Refusal};
 pub(crate) use protrusion::{keeps_bound, protrusion};
 pub(crate) use solid::{COARSE, Solid, SolidSettings};
-pub(crate) use subdivide::{Scratch, centre};
+pub(crate) use subdivide::Scratch;
 pub(crate) use surface::Side;

@@ -7,7 +7,7 @@
 use super::remainder::Remainder;
 use super::solid::Solid;
 use super::surface::Side;
-use crate::geometry::vector::{Vector, larger};
+use crate::geometry::vector::{Vector, centre, larger};
 use crate::probe::Extent;
 
 /// The corners of a face, or of a part of one.
@@ -100,11 +100,6 @@ pub(super) fn subdivide(
             stack.extend(triangles.map(|part| (part, false)));
         }
     }
-}
-
-#[inline]
-pub(crate) fn centre([a, b, c]: [Vector; 3]) -> Vector {
-    (a + b + c) * (1.0 / 3.0)
 }
 
 /// The halves of a triangle across its longest side.

@@ -12,10 +12,9 @@ use crate::bounded::joins::{Cost, Pair, PairQueue, are_near};
 use crate::bounded::patch::{Patch, PatchSet, Piece};
 use crate::bounded::search::Search;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, as_arrays, bounds};
+use crate::geometry::vector::{Vector, as_arrays, bounds, centre};
 use crate::hull::{ConvexHull, HullBuilder, LEAST_THICKNESS, joint_hull, solid_hull};
 use crate::parallel;
-use crate::solid::centre;
 use crate::solid::{keeps_bound, protrusion};
 
 /// The hulls of a piece. Each keeps the bound, except single triangles whose hull has to be thicker.
