@@ -80,7 +80,13 @@ function breakIndexedDb(how) {
     const { put } = IDBObjectStore.prototype;
     IDBObjectStore.prototype.put = function (...args) {
       const request = put.apply(this, args);
-      queueMicrotask(() => this.transaction.error ?? this.transaction.abort());
+      queueMicrotask(() => {
+        try {
+          this.transaction.abort();
+        } catch {
+          // It has been.
+        }
+      });
       return request;
     };
     return;
@@ -165,7 +171,8 @@ function isRight({ mode, folder, replaced, indexedDb }, { baked, decomposed, cac
   if (digests > 0 !== (mode !== "boxes" && !(isCached({ mode }) && number === 1))) return false;
   if (isCached({ mode }) && !indexedDb && number === 1) {
     if (baked !== BAKED || cached + decomposed !== DECOMPOSED || answers !== decomposed) return false;
-    return mode === "cached" ? decomposed === 0 : cached > 0 && decomposed > 0;
+    // What is needed next may have gone for what was made last.
+    return mode === "cached" ? decomposed === 0 : decomposed > 0;
   }
   if (cached > 0) return false;
   if (mode === "boxes") return baked + decomposed + started === 0;
