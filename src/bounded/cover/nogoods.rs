@@ -20,12 +20,19 @@ pub(super) struct PointsOfPatches {
     indices: HashMap<[u64; 3], u32>,
     /// For each point the patches that have it, ascending.
     patches: Vec<Vec<u32>>,
+    /// For each patch its points.
+    of_patch: Vec<Vec<u32>>,
 }
+
+/// Of a patch with more nogoods, the points of a set are looked up at once. Crossing triangles teach thousands.
+const MANY: usize = 64;
 
 impl PointsOfPatches {
     pub(super) fn new(patches: &Patches) -> Self {
-        let mut points = Self { indices: HashMap::new(), patches: Vec::new() };
+        let mut points =
+            Self { indices: HashMap::new(), patches: Vec::new(), of_patch: Vec::new() };
         for (patch, Patch { points: of_patch, .. }) in (0..).zip(&patches.patches) {
+            let mut own = Vec::with_capacity(of_patch.len());
             for point in of_patch {
                 let next = points.patches.len() as u32;
                 let index = *points.indices.entry(key(*point)).or_insert(next);
@@ -35,8 +42,10 @@ impl PointsOfPatches {
                 let patches = &mut points.patches[index as usize];
                 if patches.last() != Some(&patch) {
                     patches.push(patch);
+                    own.push(index);
                 }
             }
+            points.of_patch.push(own);
         }
         points
     }
@@ -90,10 +99,15 @@ impl<'a> Nogoods<'a> {
 
     /// Whether no hull of a set of patches and another one fits. O(nogoods of the patch).
     pub(super) fn refuse(&self, set: &PatchSet, patch: u32) -> bool {
-        let points = self.points;
-        self.partners[patch as usize]
-            .iter()
-            .any(|&[a, b]| points.is_in(a, set) && points.is_in(b, set))
+        let (points, partners) = (self.points, &self.partners[patch as usize]);
+        if partners.len() <= MANY {
+            return partners.iter().any(|&[a, b]| points.is_in(a, set) && points.is_in(b, set));
+        }
+        let mut is_in = vec![false; points.patches.len()];
+        for patch in set.iter() {
+            points.of_patch[patch as usize].iter().for_each(|&point| is_in[point as usize] = true);
+        }
+        partners.iter().any(|&[a, b]| is_in[a as usize] && is_in[b as usize])
     }
 
     /// Learns from a face that protrudes. A face is no nogood unless its corners are points of patches: those of a flat
