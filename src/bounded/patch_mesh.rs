@@ -1,8 +1,8 @@
 //! The mesh that is divided into patches: a dense source simplified and refined, a coarse one cut into facets.
 //!
 //! Takes the repaired mesh or the clustered one, gives the mesh of which patches are made. Each of its triangles
-//! represents the surface that is closest to it: the source, or what is left of it after clustering. So the hulls of patches cover the source and not only
-//! what simplification left of it.
+//! represents the surface that is closest to it: the source, or what is left of it after clustering. So the hulls of
+//! patches cover the source and not only what simplification left of it.
 
 use super::facets::{Facets, facets};
 use super::patch::Patch;

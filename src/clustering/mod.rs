@@ -138,7 +138,7 @@ mod tests {
     use crate::mesh::Normalization;
     use crate::mesh::canonical_order::MeshOrder;
     use crate::mesh::repair::prepare;
-    use crate::mesh::shapes::{cuboid, join, torus};
+    use crate::mesh::shapes::{cuboid, join, torus, uv_sphere};
 
     const BOUND: f64 = 0.02;
 
@@ -151,6 +151,18 @@ mod tests {
     #[test]
     fn a_mesh_of_few_triangles_is_not_clustered() {
         assert!(clustered(&torus(100, 40)).is_none());
+    }
+
+    #[test]
+    fn a_surface_with_a_hole_is_clustered_too() {
+        let mut mesh = torus(400, 160);
+        mesh.triangles.pop();
+        assert!(clustered(&mesh).is_some());
+    }
+
+    #[test]
+    fn the_many_triangles_at_a_pole_do_not_keep_a_sphere_from_being_clustered() {
+        assert!(clustered(&uv_sphere(800, [0.0; 3], 1.0)).is_some());
     }
 
     #[test]

@@ -4,7 +4,7 @@
 //! is small.
 
 use super::grid::Location;
-use super::solid::Solid;
+use super::solid::{NO_GUESS, Solid};
 use super::subdivide::{Face, Part, Policy, Scratch, Verdict, subdivide};
 use super::surface::Side;
 use crate::control::Control;
@@ -12,9 +12,6 @@ use crate::error::Error;
 use crate::geometry::vector::Vector;
 use crate::hull::ConvexHull;
 use crate::work;
-
-/// No triangle of the solid is known to be near.
-const NO_GUESS: u32 = u32::MAX;
 
 /// Protrusions below this share of the bound are not resolved: they decide nothing, and resolving
 /// them takes 3 to 14 % of the whole time. With [`RESOLUTION`], no result is below 0.29 of the
@@ -511,7 +508,7 @@ mod tests {
         };
         let closed = |n| uv_sphere(n, [0.0; 3], 1.0);
         let control = Control::new();
-        for mesh in [closed(20), closed(50), open(20), open(50)] {
+        for mesh in [closed(20), closed(50), closed(300), open(20), open(50)] {
             let (positions, solid, source) = searched(&mesh);
             let count = positions.len();
             let unresolved = if solid.is_closed() { UNRESOLVED } else { UNRESOLVED_IN_OPEN };

@@ -21,6 +21,9 @@ use crate::probe::{Extent, Probe, ProbeSettings};
 /// with the triangles near them. Denser ones are simplified.
 pub(crate) const COARSE: usize = 2400;
 
+/// No triangle of the solid is known to be near.
+pub(super) const NO_GUESS: u32 = u32::MAX;
+
 /// Points by which the volume is estimated that a probe does not reach: as many take a few milliseconds.
 const VOLUME_SAMPLES: usize = 1000;
 
@@ -94,9 +97,7 @@ impl Solid {
         control: &Control,
     ) -> Result<Self, Error> {
         let mesh = &prepared.mesh;
-        let is_coarse = mesh.triangles.len() <= COARSE;
-        let grid = Grid::new(surface, mesh.points(), bound);
-        let mut solid = Self { grid, bound, is_coarse, cavities: Vec::new(), probe: None };
+        let mut solid = Self::plain(surface, mesh.points(), mesh.triangles.len(), bound);
         if keep_cavities {
             solid.cavities = solid.find_cavities(control)?;
         }
@@ -106,6 +107,13 @@ impl Solid {
             solid.probe = Some(Probe::new(solid.tree(), bounds, settings, bound, control)?);
         }
         Ok(solid)
+    }
+
+    /// The solid of a surface, without cavities and a probe. `triangles` is the number that the mesh has.
+    fn plain(surface: Arc<Surface>, positions: &[Vector], triangles: usize, bound: f64) -> Self {
+        let grid = Grid::new(surface, positions, bound);
+        let is_coarse = triangles <= COARSE;
+        Self { grid, bound, is_coarse, cavities: Vec::new(), probe: None }
     }
 
     /// The solid of a surface and its boundary.
@@ -118,9 +126,7 @@ impl Solid {
         control: &Control,
     ) -> Result<Self, Error> {
         let surface = Surface::new(positions, triangles, boundary, control)?;
-        let grid = Grid::new(Arc::new(surface), positions, bound);
-        let is_coarse = triangles.len() <= COARSE;
-        Ok(Self { grid, bound, is_coarse, cavities: Vec::new(), probe: None })
+        Ok(Self::plain(Arc::new(surface), positions, triangles.len(), bound))
     }
 
     /// Whether the surface encloses the inside: see [`Surface::is_closed`].
@@ -213,7 +219,7 @@ impl Solid {
         if at.upper + ROUNDING <= least {
             return None;
         }
-        let distance = self.closest(point, u32::MAX)?.distance;
+        let distance = self.closest(point, NO_GUESS)?.distance;
         if distance <= least || self.side_at_distance(point, &at, distance) == Side::Inside {
             return None;
         }
@@ -294,7 +300,7 @@ impl Solid {
             control.check()?;
             let points = flood(start).into_iter().map(|cell| grid.centre_of(cell));
             let deepest = points
-                .filter_map(|point| Some((point, self.closest(point, u32::MAX)?.distance)))
+                .filter_map(|point| Some((point, self.closest(point, NO_GUESS)?.distance)))
                 .max_by(|a, b| a.1.total_cmp(&b.1));
             cavities.extend(deepest.filter(|&(point, _)| self.side(point) == Side::Outside));
         }

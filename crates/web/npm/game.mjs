@@ -1,8 +1,8 @@
 // A Bevy game in Chromium with 300 baked props and 50 that are decomposed, in workers, in slices, with files for
 // workers that are missing, of another build, faulty or never loaded, with a cache, also one that is too small or fails; and
-// the same game with boxes instead. Prints the gaps between its frames. Fails unless each prop gets its hulls, from workers where these
-// can work, from the cache at a second visit, and on any error in the page. `npm run game -- ROUNDS`, of which 5 are the
-// default. Needs the package built: `npm run build`.
+// the same game with boxes instead. Prints the gaps between its frames. Fails unless each prop gets its hulls, from workers
+// where these can work, from the cache at a second visit, and on any error in the page. `npm run game -- ROUNDS`, of which 5
+// are the default. Needs the package built: `npm run build`.
 
 import { mkdirSync, rmSync, writeFileSync } from "node:fs";
 import { buildProgram, copyWorker, countAnswers, folderOf, run } from "./program.mjs";
@@ -167,9 +167,11 @@ const isCached = ({ mode }) => mode.startsWith("cached");
 
 function isRight({ mode, folder, replaced, indexedDb }, { baked, decomposed, cached, left, failed, answers, digests }, started, number) {
   if (left + failed > 0) return false;
-  // The boxes have no meshes, and in the second play of a cache the browser does not hash.
-  if (digests > 0 !== (mode !== "boxes" && !(isCached({ mode }) && number === 1))) return false;
-  if (isCached({ mode }) && !indexedDb && number === 1) {
+  const isSecondVisit = isCached({ mode }) && number === 1;
+  // The boxes have no meshes, and at a second visit the browser does not hash.
+  const isHashed = mode !== "boxes" && !isSecondVisit;
+  if (digests > 0 !== isHashed) return false;
+  if (isSecondVisit && !indexedDb) {
     if (baked !== BAKED || cached + decomposed !== DECOMPOSED || answers !== decomposed) return false;
     // What is needed next may have gone for what was made last.
     return mode === "cached" ? decomposed === 0 : decomposed > 0;

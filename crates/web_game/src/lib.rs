@@ -49,11 +49,12 @@ impl Game {
         settings.budget.worker_folder = folder.into();
         match mode {
             "slices" => settings.budget.execution = Execution::Slices,
-            "cached" | "cached-some" => settings.cache.disk = Some("hullwright".into()),
+            "cached" => settings.cache.disk = Some("hullwright".into()),
+            "cached-some" => {
+                settings.cache.disk = Some("hullwright".into());
+                settings.cache.disk_bytes = SMALL_CACHE;
+            }
             _ => {}
-        }
-        if mode == "cached-some" {
-            settings.cache.disk_bytes = SMALL_CACHE;
         }
         app.add_systems(
             PostUpdate,

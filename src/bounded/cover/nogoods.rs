@@ -14,6 +14,9 @@ use crate::bounded::patch::{Patch, PatchSet, Patches};
 use crate::geometry::vector::Vector;
 use crate::solid::{Refusal, Solid};
 
+/// Of a patch with more nogoods, the points of a set are looked up at once. Crossing triangles teach thousands.
+const MANY: usize = 64;
+
 /// The points of patches. Neighbours share points, so a nogood of patches would be several.
 pub(super) struct PointsOfPatches {
     /// By their coordinates.
@@ -23,9 +26,6 @@ pub(super) struct PointsOfPatches {
     /// For each patch its points.
     of_patch: Vec<Vec<u32>>,
 }
-
-/// Of a patch with more nogoods, the points of a set are looked up at once. Crossing triangles teach thousands.
-const MANY: usize = 64;
 
 impl PointsOfPatches {
     pub(super) fn new(patches: &Patches) -> Self {
