@@ -1,32 +1,29 @@
 //! glTF 2.0 and GLB: the triangles of the scene.
 //!
-//! The crate `gltf` (1.4) splits the GLB and reads the JSON. Its typed document and accessor
-//! readers are not used: they panic on what its validation does not look at (a GLB length under
-//! 12, accessors beyond their buffer, short strides), and the validation refuses files over
-//! materials or missing bounds that don't matter here. The JSON's structures are walked instead,
-//! each index checked. Nodes must form trees; a node that is reached twice is an error, which
-//! also stops cycles.
-//!
-//! Extensions that a file requires are refused unless they leave geometry alone or are read here:
-//! `KHR_mesh_quantization`, `KHR_draco_mesh_compression`, `EXT_meshopt_compression` and
-//! `KHR_meshopt_compression`. Compressed data is preferred to an uncompressed copy beside it.
+//! Only what geometry needs is read, each index checked. Typed readers of whole documents refuse files over animations,
+//! cameras or materials, and panic on accessors beyond their buffer. Nodes must form trees; a node that is reached twice
+//! is an error, which also stops cycles. Compressed data is preferred to an uncompressed copy beside it.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
-use glam::{DAffine3, DMat3, DMat4};
-use gltf::json::accessor::Accessor;
-use gltf::json::mesh::{Mesh, Mode, Primitive, Semantic};
-use gltf::json::scene::Node;
-use gltf::json::validation::Checked;
-use gltf::json::{Extras, Index, Root};
+use glam::DAffine3;
+use serde_json::Value;
 
-use super::gltf_data::{Beside, DRACO, Data, DracoMesh, DracoStream, MESHOPT};
+use super::gltf_data::{Beside, Data, DracoMesh, DracoStream};
+use super::gltf_extensions::{INSTANCING, check_required};
+use super::gltf_json::{
+    Document, FIRST_VERSION, entries, entry, indices, is_true, key, list, needed_number,
+    optional_number, text,
+};
+use super::gltf_nodes::{
+    Instances, are_children, global_transforms, instance_transforms, is_hidden, transform,
+};
+use super::gltf_skins::{Pose, Skin, Vectors, is_elsewhere};
 use super::mesh_file::{MeshFile, SceneMesh, SceneNode, next_index, split_objects};
-use super::text::quote;
+use super::notes::{Note, NoteKind};
 use crate::geometry::Sidedness;
-use crate::geometry::vector::Vector;
 
 /// A small file can place a mesh any number of times. A scene may have this many vertices and
 /// this many triangles, and one more for each byte that was read and for each element that was
@@ -34,47 +31,50 @@ use crate::geometry::vector::Vector;
 const PLACED_FOR_FREE: usize = 1 << 22;
 
 /// A GLB begins with a magic number, its version and its length, each of four bytes.
-const GLB_HEADER: usize = 12;
+pub(super) const GLB_HEADER: usize = 12;
 
-/// Required extensions that are read, besides meshoptimizer's.
-const KNOWN_EXTENSIONS: [&str; 2] = ["KHR_mesh_quantization", DRACO];
-
-/// Required extensions that don't change where vertices are, by the beginning of their name.
-const HARMLESS_EXTENSIONS: [&str; 7] = [
-    "KHR_materials_",
-    "KHR_texture_",
-    "KHR_lights_",
-    "KHR_xmp",
-    "EXT_texture_",
-    "EXT_lights_",
-    "MSFT_texture_",
-];
+/// A chunk begins with its length and its kind, each of four bytes.
+const CHUNK_HEADER: usize = 8;
 
 /// All meshes of the scene, each node's transform applied.
 pub(super) fn read(bytes: &[u8], beside: Beside<'_>) -> Result<MeshFile, String> {
-    read_with(bytes, beside, |scene| scene.read())
+    read_with(bytes, beside, |scene| {
+        scene.read()?;
+        scene.file.notes = scene.take_notes();
+        Ok(())
+    })
 }
 
 /// Each mesh of the document once, in its own space, whether a scene shows it or not, with its extras and those of
 /// its nodes.
 pub(super) fn read_scene(bytes: &[u8], beside: Beside<'_>) -> Result<Vec<SceneMesh>, String> {
-    let mut notes_of_objects = Vec::new();
+    let mut told = Vec::new();
     let file = read_with(bytes, beside, |scene| {
-        for (index, notes) in extras_and_nodes(scene.root).into_iter().enumerate() {
+        let nodes_of = nodes_of_meshes(scene.document);
+        for (index, nodes) in nodes_of.into_iter().enumerate() {
             let objects = scene.file.objects.len();
             scene.add_own_space(index)?;
+            scene.note_skins(index, &nodes);
+            let notes = scene.take_notes();
             // A mesh without triangles is no object.
             if scene.file.objects.len() > objects {
-                notes_of_objects.push((Some(index as u32), notes));
+                let extras = entries(&scene.document.meshes).get(index).and_then(extras);
+                let nodes = nodes.into_iter().map(|(_, node)| scene_node(node)).collect();
+                told.push((Some(index as u32), extras, nodes, notes));
             }
         }
         Ok(())
     })?;
-    let meshes = split_objects(&file).into_iter().zip(notes_of_objects).map(|(named, notes)| {
-        let (index, (extras, nodes)) = notes;
-        SceneMesh { name: named.name, index, mesh: named.mesh, extras, nodes }
-    });
-    Ok(meshes.collect())
+    let meshes = split_objects(&file).into_iter().zip(told);
+    let mesh = |(named, (index, extras, nodes, notes)): (super::NamedMesh, _)| SceneMesh {
+        name: named.name,
+        index,
+        mesh: named.mesh,
+        extras,
+        nodes,
+        notes,
+    };
+    Ok(meshes.map(mesh).collect())
 }
 
 fn read_with(
@@ -83,61 +83,86 @@ fn read_with(
     read: impl FnOnce(&mut Scene<'_>) -> Result<(), String>,
 ) -> Result<MeshFile, String> {
     let (json, chunk) = if bytes.starts_with(b"glTF") { split_glb(bytes)? } else { (bytes, None) };
-    let root = Root::from_slice(json).map_err(|error| format!("JSON: {error}"))?;
-    for extension in &root.extensions_required {
-        if !is_read_or_harmless(extension) {
-            let extension = quote(extension.as_bytes());
-            return Err(format!("it requires the extension {extension}, which can't be read"));
-        }
+    let document = Document::parse(json)?;
+    for extension in entries(&document.extensions_required) {
+        check_required(extension.as_str().unwrap_or_default())?;
     }
     let mut scene = Scene {
-        root: &root,
-        data: Data::new(&root, chunk, beside, bytes.len()),
+        document: &document,
+        data: Data::new(&document, chunk, beside, bytes.len()),
         decompressed: BTreeMap::new(),
+        globals: None,
+        morphed: BTreeSet::new(),
+        looked_up: 0,
         file: MeshFile::default(),
     };
     read(&mut scene)?;
     Ok(scene.file)
 }
 
-fn is_read_or_harmless(extension: &str) -> bool {
-    KNOWN_EXTENSIONS.contains(&extension)
-        || MESHOPT.contains(&extension)
-        || HARMLESS_EXTENSIONS.iter().any(|harmless| extension.starts_with(harmless))
-}
-
 /// The JSON of a GLB, and the chunk of binary data if there is one.
 fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
-    let length = bytes.get(8..GLB_HEADER).and_then(|length| length.first_chunk::<4>());
-    let length = length.map_or(0, |length| u32::from_le_bytes(*length) as usize);
+    let number = |at: usize| bytes.get(at..at + 4).and_then(|four| four.first_chunk::<4>());
+    let number = |at: usize| number(at).map_or(0, |four| u32::from_le_bytes(*four));
+    match number(4) {
+        2 => {}
+        1 => return Err(FIRST_VERSION.into()),
+        other => {
+            return Err(format!("GLB: its version is {other}, and version 2 would be read"));
+        }
+    }
+    let length = number(8) as usize;
     if length < GLB_HEADER || length > bytes.len() {
         return Err(format!("its header announces {length} bytes, but it has {}", bytes.len()));
     }
-    let glb = gltf::Glb::from_slice(&bytes[..length]).map_err(|error| format!("GLB: {error}"))?;
-    match (glb.json, glb.bin) {
-        (Cow::Borrowed(json), None) => Ok((json, None)),
-        (Cow::Borrowed(json), Some(Cow::Borrowed(chunk))) => Ok((json, Some(chunk))),
-        _ => Err("GLB: its chunks could not be told apart".into()),
+    let (json, rest) = split_chunk(&bytes[GLB_HEADER..length], b"JSON")?
+        .ok_or("GLB: its first chunk is of another kind, and JSON would be read")?;
+    let chunk = split_chunk(rest, b"BIN\0")?.map(|(chunk, _)| chunk);
+    // Some exporters fill the chunk up with zeros, not with spaces.
+    let end = json.iter().rposition(|byte| *byte != 0).map_or(0, |last| last + 1);
+    Ok((&json[..end], chunk))
+}
+
+/// The first chunk and what follows it; `None` if there is none, or one of another kind.
+fn split_chunk<'a>(
+    bytes: &'a [u8],
+    kind: &[u8; 4],
+) -> Result<Option<(&'a [u8], &'a [u8])>, String> {
+    let Some((header, rest)) = bytes.split_first_chunk::<CHUNK_HEADER>() else { return Ok(None) };
+    let [a, b, c, d, found @ ..] = *header;
+    if found != *kind {
+        return Ok(None);
     }
+    let length = u32::from_le_bytes([a, b, c, d]) as usize;
+    rest.split_at_checked(length).map(Some).ok_or_else(|| {
+        format!("GLB: a chunk announces {length} bytes, but {} follow its header", rest.len())
+    })
 }
 
 struct Scene<'a> {
-    root: &'a Root,
+    document: &'a Document,
     data: Data<'a>,
     /// A mesh may be placed many times, and a Draco stream may be used by many primitives.
     decompressed: BTreeMap<DracoStream, Rc<DracoMesh>>,
+    /// The transforms of all nodes, once a skin needs them.
+    globals: Option<Rc<[Option<DAffine3>]>>,
+    /// Meshes with morph targets that have a weight at rest.
+    morphed: BTreeSet<usize>,
+    /// Elements that were read for skins and instances.
+    looked_up: usize,
     file: MeshFile,
 }
 
 /// Where vertices come from.
 #[derive(Clone, Copy, PartialEq)]
 enum Source {
-    Accessor(Index<Accessor>),
+    Accessor(usize),
     Draco(DracoStream),
 }
 
 /// The vertices of a mesh that are in the scene already.
 struct Placed {
+    primitive: usize,
     source: Source,
     first: u32,
     count: usize,
@@ -146,122 +171,170 @@ struct Placed {
 impl Scene<'_> {
     /// All meshes, in the order of the node trees.
     fn read(&mut self) -> Result<(), String> {
-        let nodes = &self.root.nodes;
+        let nodes = entries(&self.document.nodes);
         if nodes.is_empty() {
-            for index in 0..self.root.meshes.len() {
-                self.add_mesh(Index::new(index as u32), None, &DAffine3::IDENTITY)?;
+            for index in 0..entries(&self.document.meshes).len() {
+                self.add_mesh(index, None, &DAffine3::IDENTITY)?;
             }
             return Ok(());
         }
         let mut is_reached = vec![false; nodes.len()];
         for tree in self.trees()? {
-            if is_reached.get(tree.value()) == Some(&true) {
+            if is_reached.get(tree) == Some(&true) {
                 // Scenes may share trees, and a scene may name one twice.
                 continue;
             }
             let mut open = vec![(tree, DAffine3::IDENTITY)];
             while let Some((index, parent)) = open.pop() {
-                let node =
-                    nodes.get(index.value()).ok_or_else(|| format!("there is no node {index}"))?;
-                if std::mem::replace(&mut is_reached[index.value()], true) {
-                    return Err(format!("node {index} has two parents or is inside of itself"));
+                let node = entry(&self.document.nodes, "node", index)?;
+                if std::mem::replace(&mut is_reached[index], true) {
+                    return Err(format!(
+                        "node {index} has two parents or is inside of itself, and a tree would be read"
+                    ));
                 }
-                let transform = parent * transform(node);
-                if let Some(mesh) = node.mesh {
-                    self.add_mesh(mesh, node.name.as_deref(), &transform)?;
+                if is_hidden(node) {
+                    self.file.note(NoteKind::HiddenNodes, 1);
+                    continue;
                 }
-                let children = node.children.iter().flatten();
-                open.extend(children.rev().map(|child| (*child, transform)));
+                let at_node = |reason: String| format!("node {index}: {reason}");
+                let transform = parent * transform(node).map_err(at_node)?;
+                self.add_node(index, node, &transform).map_err(at_node)?;
+                let children = indices(node, "children").map_err(at_node)?;
+                open.extend(children.into_iter().rev().map(|child| (child, transform)));
             }
         }
         Ok(())
     }
 
+    /// The mesh of a node, once or as its instances.
+    fn add_node(&mut self, index: usize, node: &Value, transform: &DAffine3) -> Result<(), String> {
+        let Some(mesh) = optional_number(node, "mesh")? else { return Ok(()) };
+        let name = text(node, "name");
+        if has_weight(node) {
+            self.note_morph(mesh);
+        }
+        let Some(instances) = Instances::of(node)? else {
+            let start = self.file.mesh.triangles.len();
+            let placed = self.add_mesh(mesh, name, transform)?;
+            if let Some(skin) = optional_number(node, "skin")? {
+                self.apply_skin((skin, mesh), transform, &placed, start);
+            }
+            return Ok(());
+        };
+        let instances = self
+            .instances(&instances)
+            .map_err(|reason| format!("node {index}: {INSTANCING}: {reason}"))?;
+        for instance in instances {
+            let (vertices, triangles) =
+                (self.file.mesh.positions.len(), self.file.mesh.triangles.len());
+            self.add_mesh(mesh, name, &(*transform * instance))?;
+            // Nothing any number of times, which would take time without end.
+            if vertices == self.file.mesh.positions.len()
+                && triangles == self.file.mesh.triangles.len()
+            {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    fn instances(&mut self, of: &Instances) -> Result<Vec<DAffine3>, String> {
+        let translation = of.translation.map(|index| self.vectors(index)).transpose()?;
+        let rotation = of.rotation.map(|index| self.vectors(index)).transpose()?;
+        let scale = of.scale.map(|index| self.vectors(index)).transpose()?;
+        instance_transforms(translation, rotation, scale)
+    }
+
     fn add_own_space(&mut self, index: usize) -> Result<(), String> {
-        let name = self.root.meshes.get(index).and_then(|mesh| mesh.name.clone());
-        let name = name.filter(|name| !name.is_empty()).unwrap_or(format!("mesh_{index}"));
-        self.add_mesh(Index::new(index as u32), Some(&name), &DAffine3::IDENTITY)
+        let mesh = entry(&self.document.meshes, "mesh", index)?;
+        let name = text(mesh, "name").filter(|name| !name.is_empty());
+        let name = name.map_or_else(|| format!("mesh_{index}"), str::to_owned);
+        self.add_mesh(index, Some(&name), &DAffine3::IDENTITY).map(drop)
     }
 
     /// The roots of the default scene, or else of all scenes, or else of all nodes.
-    fn trees(&self) -> Result<Vec<Index<Node>>, String> {
-        let Root { nodes, scenes, scene, .. } = self.root;
-        if let Some(scene) = scene {
-            let found = self.root.get(*scene);
-            return Ok(found.ok_or_else(|| format!("there is no scene {scene}"))?.nodes.clone());
+    fn trees(&mut self) -> Result<Vec<usize>, String> {
+        let Document { nodes, scenes, scene, .. } = self.document;
+        let scenes = entries(scenes);
+        let roots = |(index, scene): (usize, &Value)| {
+            indices(scene, "nodes").map_err(|reason| format!("scene {index}: {reason}"))
+        };
+        let default = usize::try_from(scene.as_u64().unwrap_or(u64::MAX)).unwrap_or(usize::MAX);
+        if let Some(found) = scenes.get(default) {
+            return roots((default, found));
+        }
+        if !scene.is_null() {
+            self.file.note(NoteKind::MissingScenes, 1);
         }
         if !scenes.is_empty() {
-            return Ok(scenes.iter().flat_map(|scene| scene.nodes.clone()).collect());
+            let all: Vec<Vec<usize>> =
+                scenes.iter().enumerate().map(roots).collect::<Result<_, _>>()?;
+            return Ok(all.concat());
         }
-        let mut is_child = vec![false; nodes.len()];
-        for child in nodes.iter().flat_map(|node| node.children.iter().flatten()) {
-            if let Some(is_child) = is_child.get_mut(child.value()) {
-                *is_child = true;
-            }
-        }
+        let is_child = are_children(entries(nodes));
         let roots = is_child.iter().enumerate().filter(|(_, is_child)| !**is_child);
-        Ok(roots.map(|(index, _)| Index::new(index as u32)).collect())
+        Ok(roots.map(|(index, _)| index).collect())
     }
 
     fn add_mesh(
         &mut self,
-        index: Index<Mesh>,
+        index: usize,
         node_name: Option<&str>,
         transform: &DAffine3,
-    ) -> Result<(), String> {
-        let root = self.root;
-        let mesh = root.get(index).ok_or_else(|| format!("there is no mesh {index}"))?;
+    ) -> Result<Vec<Placed>, String> {
+        let mesh = entry(&self.document.meshes, "mesh", index)?;
         let start = self.file.mesh.triangles.len();
         // Primitives often share their vertices, each with a material of its own.
         let mut placed = Vec::new();
-        for (number, primitive) in mesh.primitives.iter().enumerate() {
-            self.add_primitive(primitive, transform, &mut placed)
+        let primitives =
+            list(mesh, "primitives").map_err(|reason| format!("mesh {index}: {reason}"))?;
+        for (number, primitive) in primitives.iter().enumerate() {
+            self.add_primitive((number, primitive), transform, &mut placed)
                 .map_err(|reason| format!("mesh {index}, primitive {number}: {reason}"))?;
         }
-        let name = node_name.or(mesh.name.as_deref()).unwrap_or_default();
+        if has_weight(mesh) {
+            self.note_morph(index);
+        }
+        let name = node_name.or(text(mesh, "name")).unwrap_or_default();
         self.file.close_object(name, start);
-        Ok(())
+        Ok(placed)
     }
 
     fn add_primitive(
         &mut self,
-        primitive: &Primitive,
+        (number, primitive): (usize, &Value),
         transform: &DAffine3,
         placed: &mut Vec<Placed>,
     ) -> Result<(), String> {
-        let Checked::Valid(mode) = primitive.mode else {
-            return Err("its mode is unknown".into());
-        };
-        if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
-            return Ok(());
-        }
-        let Some(accessor) = primitive.attributes.get(&Checked::Valid(Semantic::Positions)) else {
-            return Ok(());
-        };
-        let is_normalized = self.root.get(*accessor).is_some_and(|accessor| accessor.normalized);
+        let Some(mode) = Mode::of(primitive)? else { return Ok(()) };
+        let attributes = key(primitive, "attributes").unwrap_or(&Value::Null);
+        let Some(accessor) = optional_number(attributes, "POSITION")? else { return Ok(()) };
+        let is_normalized = entries(&self.document.accessors)
+            .get(accessor)
+            .is_some_and(|accessor| is_true(accessor, "normalized"));
         let stream = DracoStream::of(primitive, is_normalized)?;
         let geometry = stream.map(|stream| self.decompressed(stream)).transpose()?;
-        let source = stream.map_or(Source::Accessor(*accessor), Source::Draco);
+        let source = stream.map_or(Source::Accessor(accessor), Source::Draco);
         let known = placed.iter().find(|known| known.source == source);
         let (first, count) = match known {
             Some(known) => (known.first, known.count),
             None => {
                 let positions = match &geometry {
                     Some(geometry) => Cow::Borrowed(&geometry.positions),
-                    None => Cow::Owned(self.data.positions(*accessor)?),
+                    None => Cow::Owned(self.data.positions(accessor)?),
                 };
                 let count = positions.len();
                 self.check_growth("vertices", self.file.mesh.positions.len(), count)?;
                 let first = next_index(&self.file.mesh.positions, count)?;
                 let places = positions.iter().map(|&p| transform.transform_point3(p.into()));
                 self.file.mesh.positions.extend(places.map(|place| place.to_array()));
-                placed.push(Placed { source, first, count });
+                placed.push(Placed { primitive: number, source, first, count });
                 (first, count)
             }
         };
         // Draco holds triangles one by one, in whatever mode the primitive announces them.
         let mode = if geometry.is_some() { Mode::Triangles } else { mode };
-        let indices = match (&geometry, primitive.indices) {
+        let indices = match (&geometry, optional_number(primitive, "indices")?) {
             (Some(geometry), _) => Cow::Borrowed(&geometry.indices),
             (None, Some(accessor)) => Cow::Owned(self.data.indices(accessor)?),
             (None, None) => Cow::Owned((0..count as u32).collect()),
@@ -273,10 +346,14 @@ impl Scene<'_> {
         let corners = if mode == Mode::Triangles { 3 } else { 1 };
         let more = indices.len() / corners;
         self.check_growth("triangles", self.file.mesh.triangles.len(), more)?;
-        let triangles = triangles(mode, &indices)?;
+        let is_cut_off = match mode {
+            Mode::Triangles => !indices.len().is_multiple_of(3),
+            Mode::Strip | Mode::Fan => matches!(indices.len(), 1 | 2),
+        };
+        self.file.note(NoteKind::IncompleteTriangles, usize::from(is_cut_off));
         // Left and right change places.
         let is_mirrored = transform.matrix3.determinant() < 0.0;
-        self.file.mesh.triangles.extend(triangles.map(|triangle| {
+        self.file.mesh.triangles.extend(mode.triangles(&indices).map(|triangle| {
             let [a, b, c] = triangle.map(|index| first + index);
             if is_mirrored { [a, c, b] } else { [a, b, c] }
         }));
@@ -286,10 +363,11 @@ impl Scene<'_> {
     }
 
     /// By its material; without one a renderer draws one side.
-    fn sidedness(&self, primitive: &Primitive) -> Sidedness {
-        let material = primitive.material.and_then(|index| self.root.get(index));
+    fn sidedness(&self, primitive: &Value) -> Sidedness {
+        let material = optional_number(primitive, "material").ok().flatten();
+        let material = material.and_then(|index| entries(&self.document.materials).get(index));
         match material {
-            Some(material) if material.double_sided => Sidedness::Two,
+            Some(material) if is_true(material, "doubleSided") => Sidedness::Two,
             _ => Sidedness::One,
         }
     }
@@ -311,95 +389,200 @@ impl Scene<'_> {
         }
         Ok(())
     }
-}
 
-/// Each mesh's extras, and the nodes that show it.
-fn extras_and_nodes(root: &Root) -> Vec<(Option<String>, Vec<SceneNode>)> {
-    let text = |extras: &Extras| Some(extras.as_ref()?.get().to_owned());
-    let mut notes: Vec<_> =
-        root.meshes.iter().map(|mesh| (text(&mesh.extras), Vec::new())).collect();
-    for node in &root.nodes {
-        if let Some((_, nodes)) = node.mesh.and_then(|mesh| notes.get_mut(mesh.value())) {
-            let name = node.name.clone().unwrap_or_default();
-            nodes.push(SceneNode { name, extras: text(&node.extras) });
-        }
-    }
-    notes
-}
-
-/// Of a 4×4 matrix the last row is taken as (0, 0, 0, 1).
-fn transform(node: &Node) -> DAffine3 {
-    match node.matrix {
-        Some(matrix) => DAffine3::from_mat4(DMat4::from_cols_array(&matrix.map(f64::from))),
-        None => transform_from_parts(
-            node.translation.unwrap_or_default(),
-            node.rotation.unwrap_or_default().0,
-            node.scale.unwrap_or([1.0; 3]),
-        ),
-    }
-}
-
-/// First scaled, then rotated by a quaternion (x, y, z, w), then moved.
-fn transform_from_parts(translation: [f32; 3], rotation: [f32; 4], size: [f32; 3]) -> DAffine3 {
-    let [x, y, z, w] = rotation.map(f64::from);
-    let length_squared = x * x + y * y + z * z + w * w;
-    // A quaternion of length 0 or infinite turns nothing.
-    let s = if length_squared.is_normal() { 2.0 / length_squared } else { 0.0 };
-    let columns = [
-        [1.0 - s * (y * y + z * z), s * (x * y + z * w), s * (x * z - y * w)],
-        [s * (x * y - z * w), 1.0 - s * (x * x + z * z), s * (y * z + x * w)],
-        [s * (x * z + y * w), s * (y * z - x * w), 1.0 - s * (x * x + y * y)],
-    ];
-    let [a, b, c] = [0, 1, 2].map(|axis| Vector::from(columns[axis]) * f64::from(size[axis]));
-    DAffine3 {
-        matrix3: DMat3::from_cols(a, b, c),
-        translation: Vector::from(translation.map(f64::from)),
-    }
-}
-
-/// The triangles of a list, strip or fan of indices.
-fn triangles(
-    mode: Mode,
-    indices: &[u32],
-) -> Result<Box<dyn Iterator<Item = [u32; 3]> + '_>, String> {
-    let (whole, rest) = indices.as_chunks::<3>();
-    Ok(match (mode, indices) {
-        (Mode::TriangleFan, [centre, rim @ ..]) => {
-            Box::new(rim.windows(2).map(|pair| [*centre, pair[0], pair[1]]))
-        }
-        (Mode::TriangleStrip, _) => {
-            // Every other triangle of a strip is wound the other way.
-            Box::new(indices.windows(3).enumerate().map(|(number, corners)| {
-                let (second, third) = if number % 2 == 0 { (1, 2) } else { (2, 1) };
-                [corners[0], corners[second], corners[third]]
-            }))
-        }
-        _ if rest.is_empty() => Box::new(whole.iter().copied()),
-        _ => {
-            return Err(format!("{} indices don't make whole triangles", indices.len()));
-        }
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn scale_comes_before_rotation_and_translation() {
-        let half = std::f32::consts::FRAC_1_SQRT_2;
-        let quarter_turn_about_z = [0.0, 0.0, half, half];
-        let transform =
-            transform_from_parts([10.0, 0.0, 0.0], quarter_turn_about_z, [2.0, 1.0, -1.0]);
-        let placed = transform.transform_point3(Vector::new(1.0, 0.0, 5.0));
-        assert!(placed.distance(Vector::new(10.0, 2.0, -5.0)) < 1e-6);
+    /// What was left out or mended since the last call.
+    fn take_notes(&mut self) -> Vec<Note> {
+        self.file.note(NoteKind::MendedBase64, std::mem::take(&mut self.data.mended));
+        let morphed = std::mem::take(&mut self.morphed).len();
+        self.file.note(NoteKind::IgnoredMorphTargets, morphed);
+        std::mem::take(&mut self.file.notes)
     }
 
-    #[test]
-    fn an_unnormalised_quaternion_only_turns() {
-        let transform = transform_from_parts([0.0; 3], [0.0, 0.0, 3.0, 0.0], [1.0; 3]);
-        let placed = transform.transform_point3(Vector::new(1.0, 2.0, 3.0));
-        assert_eq!(placed, Vector::new(-1.0, -2.0, 3.0));
-        assert_eq!(transform_from_parts([0.0; 3], [0.0; 4], [1.0; 3]), DAffine3::IDENTITY);
+    /// Notes a mesh that has morph targets for its weights.
+    fn note_morph(&mut self, mesh: usize) {
+        let primitives = entries(&self.document.meshes).get(mesh);
+        let primitives = primitives.and_then(|mesh| list(mesh, "primitives").ok());
+        let has_targets =
+            |primitive: &Value| list(primitive, "targets").is_ok_and(|t| !t.is_empty());
+        if primitives.into_iter().flatten().any(has_targets) {
+            self.morphed.insert(mesh);
+        }
+    }
+}
+
+/// Skins. What can't be read of them is left out, since the mesh is there without.
+impl Scene<'_> {
+    /// Puts the vertices of a mesh, and turns its triangles from `start`, as its skin's joints say, if that is elsewhere.
+    fn apply_skin(
+        &mut self,
+        (skin, mesh): (usize, usize),
+        transform: &DAffine3,
+        placed: &[Placed],
+        start: usize,
+    ) {
+        let poses = match self.rest_poses(skin, mesh, transform) {
+            Ok(Some(poses)) => poses,
+            Ok(None) => return,
+            Err(_) => return self.file.note(NoteKind::UnreadableSkins, 1),
+        };
+        self.file.note(NoteKind::AppliedSkins, 1);
+        let is_mirrored = transform.matrix3.determinant() < 0.0;
+        if poses.first().is_some_and(|(_, pose)| pose.is_mirrored != is_mirrored) {
+            let triangles = self.file.mesh.triangles.iter_mut().skip(start);
+            triangles.for_each(|triangle| triangle.swap(1, 2));
+        }
+        for (primitive, pose) in poses {
+            let of = placed.iter().find(|placed| placed.primitive == primitive);
+            let first = of.map_or(usize::MAX, |placed| placed.first as usize);
+            let slots = self.file.mesh.positions.iter_mut().skip(first);
+            for (slot, position) in slots.zip(pose.positions) {
+                *slot = position.to_array();
+            }
+        }
+    }
+
+    /// Notes the first skin of a mesh that moves it, since in its own space the mesh stands as it was modelled.
+    fn note_skins(&mut self, mesh: usize, nodes: &[(usize, &Value)]) {
+        let skinned = |(index, node): &(usize, &Value)| {
+            Some((*index, optional_number(node, "skin").ok().flatten()?))
+        };
+        let Some((node, skin)) = nodes.iter().find_map(skinned) else { return };
+        let Some(transform) = self.globals().get(node).copied().flatten() else { return };
+        match self.rest_poses(skin, mesh, &transform) {
+            Ok(Some(_)) => self.file.note(NoteKind::IgnoredSkins, 1),
+            Ok(None) => {}
+            Err(_) => self.file.note(NoteKind::UnreadableSkins, 1),
+        }
+    }
+
+    /// Where a skin puts the primitives of a mesh; `None` if that is where the transform puts them.
+    fn rest_poses(
+        &mut self,
+        skin: usize,
+        mesh: usize,
+        transform: &DAffine3,
+    ) -> Result<Option<Vec<(usize, Pose)>>, String> {
+        let mesh = entry(&self.document.meshes, "mesh", mesh)?;
+        let globals = self.globals();
+        let skin = Skin::read(&self.document.skins, skin, &globals, self)?;
+        let mut poses = Vec::new();
+        let (mut places, mut posed) = (Vec::new(), Vec::new());
+        let mut sources = Vec::new();
+        for (number, primitive) in list(mesh, "primitives")?.iter().enumerate() {
+            let attributes = key(primitive, "attributes").unwrap_or(&Value::Null);
+            let Some(accessor) = optional_number(attributes, "POSITION")? else { continue };
+            if Mode::of(primitive)?.is_none() || sources.contains(&accessor) {
+                continue;
+            }
+            sources.push(accessor);
+            if DracoStream::of(primitive, false)?.is_some() {
+                return Err("its joints are compressed".into());
+            }
+            self.look_up(accessor)?;
+            let positions = self.data.positions(accessor)?;
+            let Some(pose) = skin.pose(primitive, &positions, self)? else { continue };
+            if !pose.positions.iter().all(|position| position.is_finite()) {
+                return Err("it puts a vertex nowhere".into());
+            }
+            places.extend(positions.iter().map(|&p| transform.transform_point3(p.into())));
+            posed.extend_from_slice(&pose.positions);
+            poses.push((number, pose));
+        }
+        Ok(is_elsewhere(&places, &posed).then_some(poses))
+    }
+
+    fn globals(&mut self) -> Rc<[Option<DAffine3>]> {
+        let nodes = &self.document.nodes;
+        Rc::clone(self.globals.get_or_insert_with(|| global_transforms(nodes).into()))
+    }
+
+    /// Counts the elements of an accessor that skins and instances may use any number of times.
+    fn look_up(&mut self, accessor: usize) -> Result<(), String> {
+        let count = needed_number(entry(&self.document.accessors, "accessor", accessor)?, "count")?;
+        self.looked_up = self.looked_up.saturating_add(count);
+        match self.looked_up > PLACED_FOR_FREE + self.data.elements_read() {
+            true => {
+                Err(format!("accessor {accessor} is used more often than the file's size allows"))
+            }
+            false => Ok(()),
+        }
+    }
+
+    fn vectors<const N: usize>(&mut self, accessor: usize) -> Result<Vec<[f64; N]>, String> {
+        self.look_up(accessor)?;
+        self.data.vectors(accessor)
+    }
+}
+
+impl Vectors for Scene<'_> {
+    fn fours(&mut self, accessor: usize) -> Result<Vec<[f64; 4]>, String> {
+        self.vectors(accessor)
+    }
+
+    fn matrices(&mut self, accessor: usize) -> Result<Vec<[f64; 16]>, String> {
+        self.vectors(accessor)
+    }
+}
+
+/// Whether morph targets have a weight at rest.
+fn has_weight(of: &Value) -> bool {
+    list(of, "weights").unwrap_or_default().iter().any(|weight| weight.as_f64() != Some(0.0))
+}
+
+fn extras(of: &Value) -> Option<String> {
+    key(of, "extras").map(Value::to_string)
+}
+
+fn scene_node(node: &Value) -> SceneNode {
+    SceneNode { name: text(node, "name").unwrap_or_default().to_owned(), extras: extras(node) }
+}
+
+/// The nodes that show each mesh, with their indices.
+fn nodes_of_meshes(document: &Document) -> Vec<Vec<(usize, &Value)>> {
+    let mut nodes_of = vec![Vec::new(); entries(&document.meshes).len()];
+    for (index, node) in entries(&document.nodes).iter().enumerate() {
+        let mesh = optional_number(node, "mesh").ok().flatten();
+        if let Some(nodes) = mesh.and_then(|mesh| nodes_of.get_mut(mesh)) {
+            nodes.push((index, node));
+        }
+    }
+    nodes_of
+}
+
+/// How indices make triangles.
+#[derive(Clone, Copy, PartialEq)]
+enum Mode {
+    Triangles,
+    Strip,
+    Fan,
+}
+
+impl Mode {
+    /// `None` for points and lines.
+    fn of(primitive: &Value) -> Result<Option<Self>, String> {
+        match optional_number(primitive, "mode")?.unwrap_or(4) {
+            0..=3 => Ok(None),
+            4 => Ok(Some(Self::Triangles)),
+            5 => Ok(Some(Self::Strip)),
+            6 => Ok(Some(Self::Fan)),
+            other => Err(format!("its `mode` is {other}, and 0 to 6 would be read")),
+        }
+    }
+
+    /// The triangles of a list, strip or fan of indices. The last ones that make none are left out.
+    fn triangles(self, indices: &[u32]) -> Box<dyn Iterator<Item = [u32; 3]> + '_> {
+        match (self, indices) {
+            (Self::Fan, [centre, rim @ ..]) => {
+                Box::new(rim.windows(2).map(|pair| [*centre, pair[0], pair[1]]))
+            }
+            (Self::Strip, _) => {
+                // Every other triangle of a strip is wound the other way.
+                Box::new(indices.windows(3).enumerate().map(|(number, corners)| {
+                    let (second, third) = if number % 2 == 0 { (1, 2) } else { (2, 1) };
+                    [corners[0], corners[second], corners[third]]
+                }))
+            }
+            _ => Box::new(indices.as_chunks::<3>().0.iter().copied()),
+        }
     }
 }

@@ -1,9 +1,6 @@
 //! The numbers behind a glTF document: buffers (the chunk of a GLB, data URIs, files beside it), views of them,
 //! decompressed where they are compressed, accessors, and Draco streams.
 //!
-//! The crate's own iterators panic where an accessor reaches beyond its buffer, where a stride is shorter than
-//! an element, or where a type is unknown. Here each number is checked instead.
-//!
 //! - `EXT_meshopt_compression` and `KHR_meshopt_compression`: views that hold streams of meshoptimizer's codecs. The
 //!   first has only version 0 of the vertex codec, and no filter for colours. Both are read in the same way, as the
 //!   library's own decoders do.
@@ -19,13 +16,8 @@ use std::io::Read;
 use std::path::Path;
 
 use base64::Engine;
+use base64::engine::general_purpose::{STANDARD, STANDARD_NO_PAD};
 use draco_core::{DataType, DecodeLimits, DecoderBuffer, MeshDecoder, PointAttribute, PointIndex};
-use gltf::json::accessor::{
-    Accessor, ComponentType, GenericComponentType, IndexComponentType, Type,
-};
-use gltf::json::mesh::Primitive;
-use gltf::json::validation::Checked;
-use gltf::json::{Buffer, Index, Root, buffer};
 use meshoptimizer_rs::codec::{
     Mode, decode_filter_color, decode_filter_exp, decode_filter_oct, decode_filter_quat,
     decode_index_buffer, decode_index_sequence, decode_vertex_buffer,
@@ -34,6 +26,9 @@ use meshoptimizer_rs::{Error, Limits, Workspace};
 use percent_encoding::percent_decode_str;
 use serde_json::Value;
 
+use super::gltf_json::{
+    Document, entries, entry, extension, is_true, key, needed_number, optional_number, text,
+};
 use super::text::quote;
 
 /// The names of meshoptimizer's extension, before and after it was adopted by Khronos.
@@ -72,7 +67,7 @@ impl<'a> From<Option<&'a Path>> for Beside<'a> {
 /// What a document refers to, loaded and decompressed when geometry first needs it, so that a missing file with
 /// nothing but images in it does no harm.
 pub(super) struct Data<'a> {
-    root: &'a Root,
+    document: &'a Document,
     chunk: Option<&'a [u8]>,
     beside: Beside<'a>,
     /// Bytes of the file itself, without the buffers beside it.
@@ -82,17 +77,27 @@ pub(super) struct Data<'a> {
     decompressed: BTreeMap<usize, Vec<u8>>,
     /// Bytes that all streams have grown to so far.
     growth: usize,
+    /// Buffers whose base64 was mended.
+    pub(super) mended: usize,
 }
 
 impl<'a> Data<'a> {
     pub(super) fn new(
-        root: &'a Root,
+        document: &'a Document,
         chunk: Option<&'a [u8]>,
         beside: Beside<'a>,
         file_length: usize,
     ) -> Self {
-        let buffers = vec![None; root.buffers.len()];
-        Self { root, chunk, beside, file_length, buffers, decompressed: BTreeMap::new(), growth: 0 }
+        Self {
+            document,
+            chunk,
+            beside,
+            file_length,
+            buffers: vec![None; entries(&document.buffers).len()],
+            decompressed: BTreeMap::new(),
+            growth: 0,
+            mended: 0,
+        }
     }
 
     fn bytes_read(&self) -> usize {
@@ -112,22 +117,21 @@ impl<'a> Data<'a> {
 
     /// The bytes of a buffer, as many as the document announces.
     fn buffer(&mut self, index: usize) -> Result<&[u8], String> {
-        let missing = || format!("there is no buffer {index}");
-        let Some(slot) = self.buffers.get_mut(index) else {
-            return Err(missing());
-        };
+        let buffer = entry(&self.document.buffers, "buffer", index)?;
+        let slot = self.buffers.get_mut(index).ok_or("there are fewer buffers")?;
         let loaded = match slot {
             Some(loaded) => loaded,
             None => {
-                let buffer = self.root.buffers.get(index).ok_or_else(missing)?;
-                if buffer.uri.is_none() && is_placeholder(buffer) {
-                    return Err(format!(
-                        "buffer {index}: it is a placeholder for compressed data and holds none"
-                    ));
-                }
-                let length = buffer.byte_length.0;
-                let bytes = load(buffer.uri.as_deref(), length, self.chunk, self.beside)
-                    .map_err(|reason| format!("buffer {index}: {reason}"))?;
+                let load = || {
+                    if text(buffer, "uri").is_none() && is_placeholder(buffer) {
+                        return Err("it is a placeholder for compressed data and holds none".into());
+                    }
+                    let length = needed_number(buffer, "byteLength")?;
+                    load(text(buffer, "uri"), length, self.chunk, self.beside)
+                };
+                let (bytes, is_mended) =
+                    load().map_err(|reason: String| format!("buffer {index}: {reason}"))?;
+                self.mended += usize::from(is_mended);
                 slot.insert(bytes)
             }
         };
@@ -143,24 +147,27 @@ impl<'a> Data<'a> {
         })
     }
 
-    fn find_view(&self, index: Index<buffer::View>) -> Result<&'a buffer::View, String> {
-        self.root.get(index).ok_or_else(|| format!("buffer view {index}: it does not exist"))
+    fn find_view(&self, index: usize) -> Result<&'a Value, String> {
+        entry(&self.document.buffer_views, "buffer view", index)
     }
 
     /// The bytes of a view.
-    fn view(&mut self, index: Index<buffer::View>) -> Result<&[u8], String> {
+    fn view(&mut self, index: usize) -> Result<&[u8], String> {
         let view = self.find_view(index)?;
-        let at_view = |reason: String| format!("buffer view {index}: {reason}");
-        let length = size(view.byte_length.0).map_err(at_view)?;
-        let Some(compressed) = Compressed::of(view).map_err(at_view)? else {
-            let offset = size(view.byte_offset.unwrap_or_default().0).map_err(at_view)?;
-            return self.slice(view.buffer.value(), offset, length).map_err(at_view);
+        self.bytes_of(view, index).map_err(|reason| format!("buffer view {index}: {reason}"))
+    }
+
+    fn bytes_of(&mut self, view: &Value, index: usize) -> Result<&[u8], String> {
+        let length = needed_number(view, "byteLength")?;
+        let Some(compressed) = Compressed::of(view)? else {
+            let offset = optional_number(view, "byteOffset")?.unwrap_or(0);
+            return self.slice(needed_number(view, "buffer")?, offset, length);
         };
-        let bytes = match self.decompressed.remove(&index.value()) {
+        let bytes = match self.decompressed.remove(&index) {
             Some(bytes) => bytes,
-            None => self.decompress(&compressed, length).map_err(at_view)?,
+            None => self.decompress(&compressed, length)?,
         };
-        Ok(self.decompressed.entry(index.value()).or_insert(bytes))
+        Ok(self.decompressed.entry(index).or_insert(bytes))
     }
 
     fn decompress(&mut self, compressed: &Compressed, length: usize) -> Result<Vec<u8>, String> {
@@ -179,7 +186,7 @@ impl<'a> Data<'a> {
 
     /// What a Draco stream holds, if decoding it takes no more than what is left to grow.
     pub(super) fn draco(&mut self, stream: DracoStream) -> Result<DracoMesh, String> {
-        let view: Index<buffer::View> = Index::new(stream.view);
+        let view = stream.view;
         // The first call loads the buffer, which the allowance depends on.
         self.view(view)?;
         let allowance = self.allowance();
@@ -196,64 +203,62 @@ impl<'a> Data<'a> {
 
     /// The positions that an accessor holds: floating-point, or integers as the extension
     /// `KHR_mesh_quantization` allows.
-    pub(super) fn positions(&mut self, index: Index<Accessor>) -> Result<Vec<[f64; 3]>, String> {
-        let read = |data: &mut Self| {
-            let (accessor, component) = data.find_accessor(index, Type::Vec3)?;
-            if component == ComponentType::U32 {
-                return Err("positions can't be 32-bit integers".into());
-            }
-            let layout =
-                ElementLayout { component, components: 3, is_normalized: accessor.normalized };
-            data.elements(accessor, layout, |element| {
-                [0, 1, 2].map(|axis| number(element, axis, layout))
-            })
+    pub(super) fn positions(&mut self, index: usize) -> Result<Vec<[f64; 3]>, String> {
+        let accessor = self.find_accessor(index)?;
+        if Component::of(accessor) == Ok(Component::U32) {
+            let reason =
+                "positions are 32-bit integers, and floating-point or shorter ones would be read";
+            return Err(at_accessor(index)(reason.into()));
+        }
+        self.vectors(index)
+    }
+
+    /// Vectors of N numbers, or matrices of 16.
+    pub(super) fn vectors<const N: usize>(
+        &mut self,
+        index: usize,
+    ) -> Result<Vec<[f64; N]>, String> {
+        let accessor = self.find_accessor(index)?;
+        let mut read = || {
+            let kind = if N == 16 { "MAT4".to_owned() } else { format!("VEC{N}") };
+            let component = Component::of_kind(accessor, &kind)?;
+            let is_normalized = is_true(accessor, "normalized");
+            let layout = ElementLayout { component, components: N, is_normalized };
+            self.elements(accessor, layout, |element| vector(element, layout))
         };
-        read(self).map_err(at_accessor(index))
+        read().map_err(at_accessor(index))
     }
 
     /// The vertex indices that an accessor holds.
-    pub(super) fn indices(&mut self, index: Index<Accessor>) -> Result<Vec<u32>, String> {
-        let read = |data: &mut Self| {
-            let (accessor, component) = data.find_accessor(index, Type::Scalar)?;
-            if !is_index(component) {
-                return Err("indices must be unsigned integers".into());
-            }
+    pub(super) fn indices(&mut self, index: usize) -> Result<Vec<u32>, String> {
+        let accessor = self.find_accessor(index)?;
+        let mut read = || {
+            let component = Component::of_kind(accessor, "SCALAR")?;
+            component.check_is_index()?;
             let layout = ElementLayout { component, components: 1, is_normalized: false };
-            data.elements(accessor, layout, |element| number(element, 0, layout) as u32)
+            self.elements(accessor, layout, |element| number(element, 0, layout) as u32)
         };
-        read(self).map_err(at_accessor(index))
+        read().map_err(at_accessor(index))
     }
 
-    fn find_accessor(
-        &self,
-        index: Index<Accessor>,
-        expected: Type,
-    ) -> Result<(&'a Accessor, ComponentType), String> {
-        let root = self.root;
-        let accessor = root.get(index).ok_or("it does not exist")?;
-        let Checked::Valid(GenericComponentType(component)) = accessor.component_type else {
-            return Err("its component type is unknown".into());
-        };
-        if !matches!(accessor.type_, Checked::Valid(found) if found == expected) {
-            return Err(format!("its type should be {expected:?}"));
-        }
-        Ok((accessor, component))
+    fn find_accessor(&self, index: usize) -> Result<&'a Value, String> {
+        entry(&self.document.accessors, "accessor", index)
     }
 
     fn elements<T: Clone>(
         &mut self,
-        accessor: &Accessor,
+        accessor: &Value,
         layout: ElementLayout,
         decode: impl Fn(&[u8]) -> T,
     ) -> Result<Vec<T>, String> {
-        let count = size(accessor.count.0)?;
-        let mut elements = match accessor.buffer_view {
+        let count = needed_number(accessor, "count")?;
+        let mut elements = match optional_number(accessor, "bufferView")? {
             Some(view) => {
-                let offset = size(accessor.byte_offset.unwrap_or_default().0)?;
+                let offset = optional_number(accessor, "byteOffset")?.unwrap_or(0);
                 self.strided(view, offset, count, layout)?.map(&decode).collect()
             }
             // Zeros, which the file need not hold.
-            None if count > self.file_length => {
+            None if count.saturating_mul(layout.components.div_ceil(3)) > self.file_length => {
                 return Err(format!(
                     "it announces {count} elements, but the file has only {} bytes",
                     self.file_length
@@ -261,20 +266,8 @@ impl<'a> Data<'a> {
             }
             None => vec![decode(&[]); count],
         };
-        if let Some(sparse) = &accessor.sparse {
-            let Checked::Valid(IndexComponentType(component)) = sparse.indices.component_type
-            else {
-                return Err("the type of its sparse indices is unknown".into());
-            };
-            let index_layout = ElementLayout { component, components: 1, is_normalized: false };
-            let changes = size(sparse.count.0)?;
-            let offset = size(sparse.indices.byte_offset.0)?;
-            let targets: Vec<usize> = self
-                .strided(sparse.indices.buffer_view, offset, changes, index_layout)?
-                .map(|element| number(element, 0, index_layout) as usize)
-                .collect();
-            let offset = size(sparse.values.byte_offset.0)?;
-            let values = self.strided(sparse.values.buffer_view, offset, changes, layout)?;
+        if let Some(sparse) = key(accessor, "sparse") {
+            let (targets, values) = self.sparse(sparse, layout)?;
             for (target, value) in targets.into_iter().zip(values.map(&decode)) {
                 *elements.get_mut(target).ok_or_else(|| {
                     format!("it has {count} elements, but changes number {target}")
@@ -284,16 +277,41 @@ impl<'a> Data<'a> {
         Ok(elements)
     }
 
+    /// The elements that a sparse accessor changes, and the bytes of what they become.
+    fn sparse(
+        &mut self,
+        sparse: &Value,
+        layout: ElementLayout,
+    ) -> Result<(Vec<usize>, impl Iterator<Item = &[u8]>), String> {
+        let count = needed_number(sparse, "count")?;
+        let part = |name: &str| {
+            let missing = || format!("the `{name}` of its `sparse` are missing");
+            let part = key(sparse, name).ok_or_else(missing)?;
+            let offset = optional_number(part, "byteOffset")?.unwrap_or(0);
+            Ok::<_, String>((part, needed_number(part, "bufferView")?, offset))
+        };
+        let (indices, view, offset) = part("indices")?;
+        let component = Component::of(indices)?;
+        component.check_is_index()?;
+        let index_layout = ElementLayout { component, components: 1, is_normalized: false };
+        let targets = self
+            .strided(view, offset, count, index_layout)?
+            .map(|element| number(element, 0, index_layout) as usize)
+            .collect();
+        let (_, view, offset) = part("values")?;
+        Ok((targets, self.strided(view, offset, count, layout)?))
+    }
+
     /// The bytes of `count` elements; each is at least as long as the layout says.
     fn strided(
         &mut self,
-        view: Index<buffer::View>,
+        view: usize,
         offset: usize,
         count: usize,
         layout: ElementLayout,
     ) -> Result<impl Iterator<Item = &[u8]>, String> {
         let element_length = layout.component.size() * layout.components;
-        let stride = match self.find_view(view)?.byte_stride.map(|stride| stride.0) {
+        let stride = match optional_number(self.find_view(view)?, "byteStride")? {
             None | Some(0) => element_length,
             Some(stride) if stride < element_length => {
                 return Err(format!(
@@ -320,24 +338,79 @@ impl<'a> Data<'a> {
     }
 }
 
-fn size(number: u64) -> Result<usize, String> {
-    usize::try_from(number).map_err(|_| format!("{number} bytes are too many"))
+/// A type of number in a buffer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Component {
+    I8,
+    U8,
+    I16,
+    U16,
+    U32,
+    F32,
+}
+
+impl Component {
+    /// That of an accessor, by its code.
+    fn of(accessor: &Value) -> Result<Self, String> {
+        Ok(match needed_number(accessor, "componentType")? {
+            5120 => Self::I8,
+            5121 => Self::U8,
+            5122 => Self::I16,
+            5123 => Self::U16,
+            5125 => Self::U32,
+            5126 => Self::F32,
+            code => {
+                return Err(format!(
+                    "its `componentType` is {code}, and 5120 to 5123, 5125 or 5126 would be read"
+                ));
+            }
+        })
+    }
+
+    /// The same, if the elements are of a kind such as `VEC3`.
+    fn of_kind(accessor: &Value, kind: &str) -> Result<Self, String> {
+        match text(accessor, "type") {
+            Some(found) if found == kind => Self::of(accessor),
+            found => {
+                let found = quote(found.unwrap_or_default().as_bytes());
+                Err(format!("its `type` is {found}, and {kind} would be read"))
+            }
+        }
+    }
+
+    fn check_is_index(self) -> Result<(), String> {
+        match self {
+            Self::U8 | Self::U16 | Self::U32 => Ok(()),
+            _ => {
+                Err("its indices are signed or have fractions, and unsigned integers would be read"
+                    .into())
+            }
+        }
+    }
+
+    fn size(self) -> usize {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::U32 | Self::F32 => 4,
+        }
+    }
 }
 
 /// Elements of one kind that lie in a buffer one after the other.
 #[derive(Clone, Copy)]
 struct ElementLayout {
-    component: ComponentType,
+    component: Component,
     components: usize,
     is_normalized: bool,
 }
 
-fn at_accessor(index: Index<Accessor>) -> impl Fn(String) -> String {
+fn at_accessor(index: usize) -> impl Fn(String) -> String {
     move |reason| format!("accessor {index}: {reason}")
 }
 
-fn is_index(component: ComponentType) -> bool {
-    matches!(component, ComponentType::U8 | ComponentType::U16 | ComponentType::U32)
+fn vector<const N: usize>(element: &[u8], layout: ElementLayout) -> [f64; N] {
+    std::array::from_fn(|axis| number(element, axis, layout))
 }
 
 /// A component of an element. What is not there is 0, as in an accessor without a buffer view.
@@ -351,51 +424,68 @@ fn number(element: &[u8], index: usize, layout: ElementLayout) -> f64 {
     let [low, high, ..] = four;
     // Normalised integers stand for -1 to 1 or 0 to 1.
     let (value, greatest) = match layout.component {
-        ComponentType::I8 => (f64::from(low as i8), f64::from(i8::MAX)),
-        ComponentType::U8 => (f64::from(low), f64::from(u8::MAX)),
-        ComponentType::I16 => (f64::from(i16::from_le_bytes([low, high])), f64::from(i16::MAX)),
-        ComponentType::U16 => (f64::from(u16::from_le_bytes([low, high])), f64::from(u16::MAX)),
-        ComponentType::U32 => (f64::from(u32::from_le_bytes(four)), f64::from(u32::MAX)),
-        ComponentType::F32 => return f64::from(f32::from_le_bytes(four)),
+        Component::I8 => (f64::from(low as i8), f64::from(i8::MAX)),
+        Component::U8 => (f64::from(low), f64::from(u8::MAX)),
+        Component::I16 => (f64::from(i16::from_le_bytes([low, high])), f64::from(i16::MAX)),
+        Component::U16 => (f64::from(u16::from_le_bytes([low, high])), f64::from(u16::MAX)),
+        Component::U32 => (f64::from(u32::from_le_bytes(four)), f64::from(u32::MAX)),
+        Component::F32 => return f64::from(f32::from_le_bytes(four)),
     };
     if layout.is_normalized { (value / greatest).max(-1.0) } else { value }
 }
 
+/// The bytes of a buffer, and whether they were mended.
 fn load<'a>(
     uri: Option<&str>,
-    length: u64,
+    length: usize,
     chunk: Option<&'a [u8]>,
     beside: Beside<'_>,
-) -> Result<Cow<'a, [u8]>, String> {
-    let mut bytes = match uri {
-        None => Cow::Borrowed(chunk.ok_or("it should be in the binary chunk, which is missing")?),
-        Some(uri) => Cow::Owned(match uri.strip_prefix("data:") {
-            Some(data) => decode_data(data)?,
-            None => read_beside(uri, length, beside)?,
-        }),
+) -> Result<(Cow<'a, [u8]>, bool), String> {
+    let (mut bytes, is_mended) = match uri {
+        None => {
+            let chunk = chunk.ok_or("it should be in the binary chunk, which is missing")?;
+            (Cow::Borrowed(chunk), false)
+        }
+        Some(uri) => match uri.strip_prefix("data:") {
+            Some(data) => decode_data(data).map(|(bytes, mended)| (Cow::Owned(bytes), mended))?,
+            None => (Cow::Owned(read_beside(uri, length as u64, beside)?), false),
+        },
     };
     let available = bytes.len();
-    if available as u64 >= length {
-        match &mut bytes {
-            Cow::Borrowed(bytes) => *bytes = bytes.get(..length as usize).unwrap_or(bytes),
-            Cow::Owned(bytes) => bytes.truncate(length as usize),
-        }
-        Ok(bytes)
-    } else {
-        Err(format!("it should have {length} bytes, but only {available} are there"))
+    if available < length {
+        return Err(format!("it should have {length} bytes, but only {available} are there"));
     }
+    match &mut bytes {
+        Cow::Borrowed(bytes) => *bytes = bytes.get(..length).unwrap_or(bytes),
+        Cow::Owned(bytes) => bytes.truncate(length),
+    }
+    Ok((bytes, is_mended))
 }
 
-/// What follows `data:`, which is a media type, a comma, and the data.
-fn decode_data(data: &str) -> Result<Vec<u8>, String> {
-    let (media_type, data) = data.split_once(',').ok_or("its data URI has no comma")?;
-    if media_type.ends_with(";base64") {
-        base64::engine::general_purpose::STANDARD
-            .decode(data)
-            .map_err(|error| format!("its base64 data: {error}"))
-    } else {
-        Ok(percent_decode_str(data).collect())
+/// What follows `data:`, which is a media type, a comma, and the data; and whether it was mended.
+fn decode_data(data: &str) -> Result<(Vec<u8>, bool), String> {
+    let (media_type, data) = data
+        .split_once(',')
+        .ok_or("its data URI has no comma, and one before the data would be read")?;
+    if !media_type.trim_end().to_ascii_lowercase().ends_with(";base64") {
+        return Ok((percent_decode_str(data).collect(), false));
     }
+    if let Ok(bytes) = STANDARD.decode(data) {
+        return Ok((bytes, false));
+    }
+    // Mended: escapes, line breaks, the letters of URLs, no padding.
+    let mut letters: Vec<u8> = percent_decode_str(data).collect();
+    letters.retain(|letter| !letter.is_ascii_whitespace());
+    while letters.pop_if(|letter| *letter == b'=').is_some() {}
+    for letter in &mut letters {
+        *letter = match *letter {
+            b'-' => b'+',
+            b'_' => b'/',
+            other => other,
+        };
+    }
+    let bytes = STANDARD_NO_PAD.decode(&letters);
+    Ok((bytes.map_err(|error| format!("its base64 data: {error}"))?, true))
 }
 
 /// Whether a decoded URI names a file in the document's folder or below. Others are refused: an uploaded
@@ -415,7 +505,7 @@ fn read_beside(uri: &str, length: u64, beside: Beside<'_>) -> Result<Vec<u8>, St
     if !stays_beside(&name) {
         return Err(format!("{quoted} is no path of a file beside or below the document"));
     }
-    let missing = || format!("it is in another file, {quoted}");
+    let missing = || format!("it is in another file, {quoted}, which is not at hand");
     let path = match beside {
         Beside::Nothing => return Err(missing()),
         Beside::Files(files) => return files(&name).ok_or_else(missing),
@@ -449,11 +539,8 @@ struct Compressed {
 
 impl Compressed {
     /// The stream of a view, if the view is compressed.
-    fn of(view: &buffer::View) -> Result<Option<Self>, String> {
-        let Some(extensions) = &view.extensions else {
-            return Ok(None);
-        };
-        let found = MESHOPT.iter().find_map(|name| Some((name, extensions.others.get(*name)?)));
+    fn of(view: &Value) -> Result<Option<Self>, String> {
+        let found = MESHOPT.iter().find_map(|name| Some((name, extension(view, name)?)));
         let Some((name, extension)) = found else {
             return Ok(None);
         };
@@ -461,15 +548,14 @@ impl Compressed {
     }
 
     fn parse(extension: &Value) -> Result<Self, String> {
-        let word = |key| extension.get(key).and_then(Value::as_str);
-        let mode = word("mode").ok_or("its `mode` is missing")?;
-        let filter = word("filter").unwrap_or("NONE");
+        let mode = text(extension, "mode").ok_or("its `mode` is missing")?;
+        let filter = text(extension, "filter").unwrap_or("NONE");
         let compressed = Self {
-            buffer: extension_number(extension, "buffer")?,
+            buffer: needed_number(extension, "buffer")?,
             offset: optional_number(extension, "byteOffset")?.unwrap_or(0),
-            length: extension_number(extension, "byteLength")?,
-            stride: extension_number(extension, "byteStride")?,
-            count: extension_number(extension, "count")?,
+            length: needed_number(extension, "byteLength")?,
+            stride: needed_number(extension, "byteStride")?,
+            count: needed_number(extension, "count")?,
             mode: Mode::parse(mode)
                 .map_err(|_| format!("the mode {} is unknown", quote(mode.as_bytes())))?,
             filter: match filter {
@@ -522,37 +608,17 @@ impl Compressed {
 }
 
 /// Whether a buffer stands only for what compressed views grow to.
-fn is_placeholder(buffer: &Buffer) -> bool {
-    let Some(extensions) = &buffer.extensions else {
-        return false;
-    };
-    MESHOPT.iter().any(|name| {
-        let fallback = extensions.others.get(*name).and_then(|extension| extension.get("fallback"));
-        fallback.and_then(Value::as_bool) == Some(true)
-    })
-}
-
-/// A whole number of an extension, which may be missing. The crate `gltf` has no types for extensions.
-fn optional_number(extension: &Value, key: &str) -> Result<Option<usize>, String> {
-    let Some(value) = extension.get(key) else {
-        return Ok(None);
-    };
-    match value.as_u64().and_then(|number| usize::try_from(number).ok()) {
-        Some(number) => Ok(Some(number)),
-        None => Err(format!("its `{key}` should be a whole number")),
-    }
-}
-
-/// A whole number of an extension, which must be there.
-fn extension_number(extension: &Value, key: &str) -> Result<usize, String> {
-    optional_number(extension, key)?.ok_or_else(|| format!("its `{key}` is missing"))
+fn is_placeholder(buffer: &Value) -> bool {
+    MESHOPT
+        .iter()
+        .any(|name| extension(buffer, name).is_some_and(|extension| is_true(extension, "fallback")))
 }
 
 /// The Draco stream of a primitive.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct DracoStream {
     /// The buffer view of the stream.
-    view: u32,
+    view: usize,
     /// The attribute of the stream that holds positions.
     attribute: u32,
     /// Whether positions that are integers stand for fractions.
@@ -568,18 +634,17 @@ pub(super) struct DracoMesh {
 
 impl DracoStream {
     /// The stream of a primitive, if the primitive is compressed.
-    pub(super) fn of(primitive: &Primitive, is_normalized: bool) -> Result<Option<Self>, String> {
-        let extensions = primitive.extensions.as_ref();
-        let Some(found) = extensions.and_then(|extensions| extensions.others.get(DRACO)) else {
+    pub(super) fn of(primitive: &Value, is_normalized: bool) -> Result<Option<Self>, String> {
+        let Some(found) = extension(primitive, DRACO) else {
             return Ok(None);
         };
         let parse = || {
-            let view = extension_number(found, "bufferView")?;
-            let attributes = found.get("attributes").ok_or("its `attributes` are missing")?;
-            let attribute = extension_number(attributes, "POSITION")?;
-            let narrow =
-                |number| u32::try_from(number).map_err(|_| format!("{number} is too many"));
-            Ok(Self { view: narrow(view)?, attribute: narrow(attribute)?, is_normalized })
+            let view = needed_number(found, "bufferView")?;
+            let attributes = key(found, "attributes").ok_or("its `attributes` are missing")?;
+            let attribute = needed_number(attributes, "POSITION")?;
+            let attribute = u32::try_from(attribute)
+                .map_err(|_| format!("its stream has no attribute {attribute}"))?;
+            Ok(Self { view, attribute, is_normalized })
         };
         parse().map(Some).map_err(|reason: String| format!("{DRACO}: {reason}"))
     }
@@ -615,7 +680,10 @@ fn draco_positions(
     let component = component(attribute.data_type())?;
     let layout = ElementLayout { component, components: 3, is_normalized };
     if usize::from(attribute.num_components()) != layout.components {
-        return Err(format!("its positions have {} components", attribute.num_components()));
+        return Err(format!(
+            "its positions have {} components, and three would be read",
+            attribute.num_components()
+        ));
     }
     let length = component.size() * layout.components;
     let stride = usize::try_from(attribute.byte_stride()).unwrap_or(0).max(length);
@@ -624,7 +692,7 @@ fn draco_positions(
         let value = attribute.mapped_index(PointIndex(point as u32)).0 as usize;
         let start = value.checked_mul(stride)?;
         let element = data.get(start..start.checked_add(length)?)?;
-        Some([0, 1, 2].map(|axis| number(element, axis, layout)))
+        Some(vector(element, layout))
     };
     (0..count)
         .map(|point| position(point).ok_or_else(|| format!("its vertex {point} has no position")))
@@ -632,13 +700,13 @@ fn draco_positions(
 }
 
 /// The type as glTF has it.
-fn component(data: DataType) -> Result<ComponentType, String> {
+fn component(data: DataType) -> Result<Component, String> {
     match data {
-        DataType::Int8 => Ok(ComponentType::I8),
-        DataType::Uint8 => Ok(ComponentType::U8),
-        DataType::Int16 => Ok(ComponentType::I16),
-        DataType::Uint16 => Ok(ComponentType::U16),
-        DataType::Float32 => Ok(ComponentType::F32),
+        DataType::Int8 => Ok(Component::I8),
+        DataType::Uint8 => Ok(Component::U8),
+        DataType::Int16 => Ok(Component::I16),
+        DataType::Uint16 => Ok(Component::U16),
+        DataType::Float32 => Ok(Component::F32),
         _ => Err(format!("its positions are of the type {data:?}, which glTF does not have")),
     }
 }

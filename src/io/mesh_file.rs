@@ -3,6 +3,7 @@
 use std::ops::Range;
 use std::path::Path;
 
+use super::notes::{self, Note, NoteKind};
 use crate::geometry::{MeshView, TriangleMesh};
 
 /// A format of mesh files.
@@ -125,8 +126,10 @@ pub struct MeshFile {
     pub mesh: TriangleMesh,
     /// The parts that hold triangles, in the file's order, which together hold all triangles: the
     /// objects of an OBJ (its groups, where it has no object), the solids of an STL, the nodes
-    /// with a mesh of a glTF scene. A file of another format is a single part.
+    /// with a mesh of a glTF scene, each of its instances. A file of another format is a single part.
     pub objects: Vec<Object>,
+    /// What was left out or mended, one note for each kind.
+    pub notes: Vec<Note>,
 }
 
 impl<'a> From<&'a MeshFile> for MeshView<'a> {
@@ -143,6 +146,11 @@ impl MeshFile {
             let name = name.into();
             self.objects.push(Object { name, triangles });
         }
+    }
+
+    /// Counts what was left out or mended.
+    pub(super) fn note(&mut self, kind: NoteKind, count: usize) {
+        notes::add(&mut self.notes, kind, count);
     }
 }
 
@@ -214,6 +222,8 @@ pub struct SceneMesh {
     pub extras: Option<String>,
     /// The nodes that show it, in the file's order, of all scenes.
     pub nodes: Vec<SceneNode>,
+    /// What was left out or mended of it, one note for each kind.
+    pub notes: Vec<Note>,
 }
 
 /// A node that shows a mesh.

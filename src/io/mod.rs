@@ -2,16 +2,18 @@
 //!
 //! | format | read by |
 //! |---|---|
-//! | glTF, GLB | crate `gltf` for the container and the JSON; buffers, accessors and nodes are walked here, since its own readers panic on hostile files |
+//! | glTF, GLB | crate `serde_json` for the JSON; the rest here, since the crate `gltf` refuses files over what moves no vertex, and panics on hostile ones |
 //! | Draco in glTF | crate `draco-core`, the decoder alone |
 //! | meshopt in glTF | crate `meshoptimizer-rs`, its codecs and filters |
-//! | PLY | crate `ply-rs-bw` for the header and binary elements; text elements here, since it refuses numbers such as `.5` and `nan` |
+//! | PLY | `ply`, since the crate `ply-rs-bw` reads files wrong that name a property twice, and refuses numbers such as `.5` and `nan` |
 //! | OBJ | `obj`, since the crate `tobj` refuses sound files, makes faces of polylines and names no line in its errors |
 //! | OFF | `off`, since the crate `off-rs` holds `f32` and reads one form of header |
 //! | STL | `stl`, since the crate `stl_io` holds `f32`, drops all solids but the first, and goes by the first word alone |
 //!
 //! All readers keep three promises on any input: no panic, no allocation beyond what the
-//! file's size justifies, whatever its counts are, and errors with what is wrong and where.
+//! file's size justifies, whatever its counts are, and errors of one line with what was found, where, and what would
+//! be read. What they leave out or mend stands in [`MeshFile::notes`]. Text may be UTF-8, UTF-16 with its mark, or any
+//! encoding that has ASCII as it is.
 //! Coordinates that are written as text keep their full `f64` precision, and `nan` and `inf` are
 //! let through, since repair counts and drops them. Points and lines are left out. Polygons,
 //! concave ones too, are triangulated by ear clipping and Delaunay refinement (crate `earcut`);
@@ -19,15 +21,22 @@
 
 mod gltf;
 mod gltf_data;
+mod gltf_extensions;
+mod gltf_json;
+mod gltf_nodes;
+mod gltf_skins;
 mod mesh_file;
+mod notes;
 mod obj;
 mod off;
 pub mod palette;
 mod ply;
+mod ply_header;
 mod stl;
 mod text;
 mod write;
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use crate::error::{Error, FileError};
@@ -39,13 +48,15 @@ use gltf_data::Beside;
 pub use mesh_file::{
     Format, HullFormat, MeshFile, NamedMesh, Object, SceneMesh, SceneNode, is_hulls_file,
 };
+pub use notes::{Note, NoteKind, sum_notes};
 pub use write::{check_output, hulls_to_bytes, write_file, write_hulls};
 
 /// Reads a mesh file; its suffix names the format.
 ///
 /// Of a glTF file all meshes of the default scene are read (of all scenes where none is the
-/// default, of all nodes where there is no scene) with the nodes' transforms applied. Skins and
-/// morph targets are not: a mesh stands as it was modelled. Geometry may be quantised
+/// default, of all nodes where there is no scene) with the nodes' transforms applied, without nodes
+/// that `KHR_node_visibility` hides, and with all instances of `EXT_mesh_gpu_instancing`. A skin is applied where its
+/// joints move or scale the mesh at rest; morph targets are not. Geometry may be quantised
 /// (`KHR_mesh_quantization`) and compressed (`KHR_draco_mesh_compression`,
 /// `EXT_meshopt_compression`, `KHR_meshopt_compression`).
 ///
@@ -133,20 +144,46 @@ pub fn read_own_meshes(path: impl AsRef<Path>) -> Result<Vec<NamedMesh>, Error> 
     Ok(meshes.map(|SceneMesh { name, mesh, .. }| NamedMesh { name, mesh }).collect())
 }
 
-/// Without the mark that some editors put before UTF-8 text, which would hide the first line.
-fn unmarked(bytes: &[u8]) -> &[u8] {
-    bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes)
+/// Text as UTF-8, without the mark that some editors put before it, which would hide the first line. What has no mark of
+/// UTF-16 is left as it is.
+fn decoded(bytes: &[u8]) -> Cow<'_, [u8]> {
+    let utf_16 = |from_bytes: fn([u8; 2]) -> u16| {
+        let (pairs, _) = bytes.as_chunks::<2>();
+        let units = pairs.iter().skip(1).map(|pair| from_bytes(*pair));
+        let text: String =
+            char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)).collect();
+        Cow::Owned(text.into_bytes())
+    };
+    match bytes {
+        [0xff, 0xfe, ..] => utf_16(u16::from_le_bytes),
+        [0xfe, 0xff, ..] => utf_16(u16::from_be_bytes),
+        _ => Cow::Borrowed(bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes)),
+    }
 }
 
 fn parse(format: Format, bytes: &[u8], beside: Beside<'_>) -> Result<MeshFile, String> {
-    let bytes = unmarked(bytes);
-    match format {
+    let bytes = &decoded(bytes);
+    let read = match format {
         Format::Obj => obj::read(bytes),
         Format::Off => off::read(bytes),
         Format::Ply => ply::read(bytes),
         Format::Stl => stl::read(bytes),
         Format::Gltf => gltf::read(bytes, beside),
+    };
+    read.map_err(|reason| stand_in(bytes).map_or(reason, str::to_owned))
+}
+
+/// What is wrong with a file that was not fetched whole.
+fn stand_in(bytes: &[u8]) -> Option<&'static str> {
+    let starts_with = |text: &[u8]| {
+        let start = bytes.trim_ascii_start().get(..text.len());
+        start.is_some_and(|start| start.eq_ignore_ascii_case(text))
+    };
+    if starts_with(b"version https://git-lfs") {
+        return Some("it is a pointer of Git LFS, not the file: `git lfs pull` fetches that");
     }
+    let is_page = starts_with(b"<!doctype html") || starts_with(b"<html");
+    is_page.then_some("it is a web page, not the file: the download went wrong")
 }
 
 /// Reads a set of hulls: each object of a mesh file is one, see [`MeshFile::objects`]; a
@@ -200,12 +237,12 @@ pub fn read_scene(path: impl AsRef<Path>) -> Result<Vec<SceneMesh>, Error> {
     let path = path.as_ref();
     if Format::from_path(path) == Some(Format::Gltf) {
         let bytes = std::fs::read(path).map_err(|error| Error::file(path, error))?;
-        return gltf::read_scene(unmarked(&bytes), path.parent().into())
+        return parse_scene(&bytes, path.parent().into())
             .map_err(|reason| Error::file(path, reason));
     }
-    let MeshFile { mesh, .. } = read_mesh(path)?;
+    let MeshFile { mesh, notes, .. } = read_mesh(path)?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    Ok(vec![SceneMesh { name, index: None, mesh, extras: None, nodes: Vec::new() }])
+    Ok(vec![SceneMesh { name, index: None, mesh, extras: None, nodes: Vec::new(), notes }])
 }
 
 /// Reads the meshes of a glTF or GLB file that is already in memory, as [`read_scene`].
@@ -213,6 +250,12 @@ pub fn read_scene(path: impl AsRef<Path>) -> Result<Vec<SceneMesh>, Error> {
 /// # Errors
 /// As [`read_mesh`]; a file that names buffers in other files is an error too.
 pub fn read_scene_from_bytes(bytes: &[u8]) -> Result<Vec<SceneMesh>, Error> {
-    gltf::read_scene(unmarked(bytes), Beside::Nothing)
+    parse_scene(bytes, Beside::Nothing)
         .map_err(|reason| Error::file(Path::new("glTF in memory"), reason))
+}
+
+fn parse_scene(bytes: &[u8], beside: Beside<'_>) -> Result<Vec<SceneMesh>, String> {
+    let bytes = &decoded(bytes);
+    let read = gltf::read_scene(bytes, beside);
+    read.map_err(|reason| stand_in(bytes).map_or(reason, str::to_owned))
 }

@@ -7,7 +7,9 @@
 use std::borrow::Cow;
 
 use super::mesh_file::{MeshFile, Object, next_index};
-use super::text::{Triangulator, at_line, coordinates, lines, name, number, words};
+use super::text::{
+    Triangulator, at_line, coordinates, lines, name, number, without_comment, words,
+};
 
 pub(super) fn read(bytes: &[u8]) -> Result<MeshFile, String> {
     let mut file = MeshFile::default();
@@ -49,7 +51,7 @@ fn read_vertices(bytes: &[u8]) -> Result<Vec<[f64; 3]>, String> {
     }
     if positions.is_empty() {
         // Any text is an OBJ file without vertices.
-        return Err("it holds no vertices".into());
+        return Err("it holds no vertices, and lines such as `v 0 0 0` would be read".into());
     }
     next_index(&positions, 0)?;
     Ok(positions)
@@ -90,20 +92,30 @@ fn divide(file: &mut MeshFile, parts: Vec<(String, usize)>) {
     }
 }
 
-/// Lines of vertices and faces may go on after a backslash. A comment's or a name's backslash is
-/// left alone, since it may end a Windows path.
+/// Lines of vertices and faces may end with a comment, or go on after a backslash. A comment's or a name's backslash
+/// is left alone, since it may end a Windows path.
 fn logical_lines(bytes: &[u8]) -> impl Iterator<Item = (usize, Cow<'_, [u8]>)> {
     let mut lines = lines(bytes);
     std::iter::from_fn(move || {
         let (number, first) = lines.next()?;
-        let mut text = Cow::Borrowed(first);
-        if matches!(first.trim_ascii_start().first(), Some(b'v' | b'f')) {
-            while let Some(begun) = text.trim_ascii_end().strip_suffix(b"\\") {
-                let next = lines.next().map_or(&[][..], |(_, next)| next);
-                text = Cow::Owned([begun, b" ", next].concat());
+        if !matches!(first.trim_ascii_start().first(), Some(b'v' | b'f')) {
+            return Some((number, Cow::Borrowed(first)));
+        }
+        let first = without_comment(first);
+        let Some(begun) = first.trim_ascii_end().strip_suffix(b"\\") else {
+            return Some((number, Cow::Borrowed(first)));
+        };
+        let mut text = begun.to_vec();
+        for (_, next) in lines.by_ref() {
+            let next = without_comment(next).trim_ascii_end();
+            let begun = next.strip_suffix(b"\\");
+            text.push(b' ');
+            text.extend(begun.unwrap_or(next));
+            if begun.is_none() {
+                break;
             }
         }
-        Some((number, text))
+        Some((number, Cow::Owned(text)))
     })
 }
 
@@ -159,6 +171,22 @@ mod tests {
     }
 
     #[test]
+    fn lines_that_go_on_without_end_take_time_in_proportion() {
+        let text = [FOUR_VERTICES.as_bytes(), b"f 1 2 3 ", &b"\\\n".repeat(1 << 20)].concat();
+        assert_eq!(read(&text).unwrap().mesh.triangles, [[0, 1, 2]]);
+    }
+
+    #[test]
+    fn a_comment_may_end_a_line_of_a_vertex_or_a_face() {
+        let text =
+            b"v 0 0 0 # 1\nv 1 0 0#2\nv 0 1 -1.#IND # C:\\meshes\\\nf 3 2 1 # C:\\meshes\\\n\
+                     f 1 \\ # a\n2 3 # b\nf 2 1 3#c";
+        let file = read(text).unwrap();
+        assert!(file.mesh.positions[2][2].is_nan());
+        assert_eq!(file.mesh.triangles, [[2, 1, 0], [0, 1, 2], [1, 0, 2]]);
+    }
+
+    #[test]
     fn objects_come_before_groups_and_empty_ones_are_left_out() {
         let named = |text: &str| {
             let file = read(format!("{FOUR_VERTICES}{text}").as_bytes()).unwrap();
@@ -184,6 +212,9 @@ mod tests {
             "line 3: a vertex needs three coordinates, here are 2"
         );
         assert!(read(b"v 0 0 1,5").unwrap_err().contains("`1,5`"));
-        assert_eq!(read(b"\x89PNG\r\n\x1a\n").unwrap_err(), "it holds no vertices");
+        assert_eq!(
+            read(b"\x89PNG\r\n\x1a\n").unwrap_err(),
+            "it holds no vertices, and lines such as `v 0 0 0` would be read"
+        );
     }
 }

@@ -1,234 +1,302 @@
 //! PLY: text and binary of both byte orders.
 //!
-//! Read are the element `vertex` with the properties `x`, `y`, `z` of any type, and the element
-//! `face` with the list `vertex_indices` or `vertex_index`. A file without faces is a point cloud.
+//! Read are the element `vertex` with the properties `x`, `y`, `z` of any type, and the elements `face` and `tristrips`
+//! with the list `vertex_indices` or `vertex_index`. A file without them is a point cloud. Where a property is there
+//! twice the first one counts that is of a kind that makes sense.
 //!
-//! The crate `ply-rs-bw` (4.0) reads the header and binary elements, one at a time. Two things
-//! are done here instead. First, counts are compared with the file's size before anything is
-//! read: an element without properties takes no bytes, so that a count could cause any amount
-//! of work. Second, text elements are read here, since the crate's grammar refuses numbers like
-//! `.5`, `1.` and `nan` that other programs write, and its `float` properties would round text
-//! to `f32`.
-
-use ply_rs_bw::parser::{ParseError, Parser, Reader};
-use ply_rs_bw::ply::{
-    ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType,
-    ScalarType,
-};
+//! Counts are compared with the file's size before anything is read: an element without properties takes no bytes, so
+//! that a count could cause any amount of work.
 
 use super::mesh_file::{MeshFile, next_index};
-use super::text::{Triangulator, at_line, known_vertex, lines, name, number, quote, words};
+use super::notes::NoteKind;
+use super::ply_header::{Element, Encoding, Header, Kind, Property, Scalar};
+use super::text::{Triangulator, at_line, known_vertex, lines, number, quote, words};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 const CORNER_LISTS: [&str; 2] = ["vertex_indices", "vertex_index"];
 
+/// Ends a strip within a list of strips.
+const END_OF_STRIP: i64 = -1;
+
 pub(super) fn read(bytes: &[u8]) -> Result<MeshFile, String> {
-    let mut reader = Reader::new(bytes);
-    if !bytes.starts_with(b"ply") {
-        return Err("line 1: it does not begin with `ply`".into());
-    }
-    let header = Parser::<Element>::new().read_header(&mut reader);
-    let header = header.map_err(|error| match in_one_line(error) {
-        reason if reason.starts_with("line ") => reason,
-        reason => format!("line {}: {reason}", reader.line()),
-    })?;
-    let header_lines = reader.line().saturating_sub(1);
-    let payload = reader.into_inner();
+    let (header, payload) = Header::split(bytes)?;
     check_header(&header, payload.len())?;
-
-    let mut mesh = MeshBuilder::new(&header);
+    let mut builder = MeshBuilder::new(&header);
     match header.encoding {
-        Encoding::Ascii => read_text(payload, header_lines, &header, &mut mesh)?,
-        Encoding::BinaryBigEndian | Encoding::BinaryLittleEndian => {
-            read_binary(payload, &header, &mut mesh)?;
-        }
+        Encoding::Text => read_text(payload, &header, &mut builder)?,
+        Encoding::BigEndian => read_binary(payload, true, &header, &mut builder)?,
+        Encoding::LittleEndian => read_binary(payload, false, &header, &mut builder)?,
     }
-    mesh.finish()
-}
-
-/// The crate's messages go over several lines: what is wrong, the file's text without limit,
-/// and sometimes the cause.
-fn in_one_line(error: ParseError) -> String {
-    let message = error.to_string();
-    let mut lines = message.lines();
-    let first = lines.next().unwrap_or_default().trim_end_matches('.');
-    let reason = match first.split_once("Line ") {
-        Some(("", reason)) => format!("line {reason}"),
-        _ => name(first.as_bytes()),
-    };
-    match lines.next().and_then(|text| text.trim().strip_prefix("String: ")) {
-        Some(text) => format!("{reason}: {}", quote(text.trim_matches('\'').as_bytes())),
-        None => reason,
-    }
+    let mut file = builder.finish()?;
+    file.note(NoteKind::RepeatedProperties, header.repeated_properties());
+    Ok(file)
 }
 
 /// Refuses what can't be a mesh, and counts that the rest of the file is too short for.
 fn check_header(header: &Header, payload_length: usize) -> Result<(), String> {
     let mut least_length: usize = 0;
-    for element in header.elements.values() {
+    for element in &header.elements {
         let length_each = match header.encoding {
             // A character and the line's end, or a space, for each property.
-            Encoding::Ascii => element.properties.len().saturating_mul(2),
-            _ => element.properties.values().map(|p| least_size(&p.data_type)).sum(),
+            Encoding::Text => element.properties.len().saturating_mul(2),
+            _ => element.properties.iter().map(|property| least_size(property.kind)).sum(),
         };
+        let quoted = quote(element.name.as_bytes());
         if length_each == 0 && element.count > 0 {
-            return Err(format!("the element `{}` has no properties", element.name));
+            return Err(format!("the element {quoted} has no properties"));
         }
         least_length = least_length.saturating_add(element.count.saturating_mul(length_each));
         // The last line of a text may lack its end.
         if least_length > payload_length.saturating_add(1) {
             return Err(format!(
-                "the header announces {} of the element `{}`, but only {payload_length} bytes \
-                 follow it",
-                element.count, element.name
+                "the header announces {} of the element {quoted}, but only {payload_length} bytes follow it",
+                element.count
             ));
         }
     }
-    let Some(vertex) = header.elements.get("vertex") else {
-        return Err("the header has no element `vertex`".into());
-    };
+    for known in ["vertex", "face", "tristrips"] {
+        if header.elements.iter().filter(|element| element.name == known).count() > 1 {
+            return Err(format!(
+                "the header has the element `{known}` twice, and one would be read"
+            ));
+        }
+    }
+    let vertex = header.element("vertex").ok_or("the header has no element `vertex`")?;
     for axis in AXES {
-        let scalar = vertex.properties.get(axis).map(|property| &property.data_type);
-        if !matches!(scalar, Some(PropertyType::Scalar(_))) {
+        if !vertex.properties.iter().any(|property| is_number(property, axis)) {
             return Err(format!("the element `vertex` has no number `{axis}`"));
         }
     }
-    if let Some(face) = header.elements.get("face")
-        && face.count > 0
-        && corner_list(face).is_none()
-    {
-        return Err("the element `face` has no list `vertex_indices` or `vertex_index`".into());
-    }
-    if header.elements.get("tristrips").is_some_and(|strips| strips.count > 0) {
-        return Err("triangle strips (`tristrips`) can't be read, only faces".into());
+    for name in ["face", "tristrips"] {
+        let unreadable = |element: &&Element| {
+            element.count > 0 && !element.properties.iter().any(is_corner_list)
+        };
+        if header.element(name).filter(unreadable).is_some() {
+            return Err(format!(
+                "the element `{name}` has no list `vertex_indices` or `vertex_index`"
+            ));
+        }
     }
     Ok(())
 }
 
-/// The list of a face's corners, if it has one.
-fn corner_list(face: &ElementDef) -> Option<&'static str> {
-    CORNER_LISTS.into_iter().find(|name| {
-        let list = face.properties.get(*name).map(|property| &property.data_type);
-        matches!(list, Some(PropertyType::List(..)))
-    })
+fn is_number(property: &Property, axis: &str) -> bool {
+    property.name == axis && matches!(property.kind, Kind::Number(_))
+}
+
+fn is_corner_list(property: &Property) -> bool {
+    CORNER_LISTS.contains(&property.name.as_str()) && matches!(property.kind, Kind::List { .. })
 }
 
 /// The fewest bytes that a property takes in a binary file; of a list that is its length.
-fn least_size(data_type: &PropertyType) -> usize {
-    let (PropertyType::Scalar(scalar) | PropertyType::List(scalar, _)) = data_type;
-    match scalar {
-        ScalarType::Char | ScalarType::UChar => 1,
-        ScalarType::Short | ScalarType::UShort => 2,
-        ScalarType::Int | ScalarType::UInt | ScalarType::Float => 4,
-        ScalarType::Double => 8,
-    }
+fn least_size(kind: Kind) -> usize {
+    let (Kind::Number(scalar) | Kind::List { length: scalar, .. }) = kind;
+    scalar.size()
 }
 
-/// The part of an element that makes the mesh: a vertex's position or a face's corners.
-#[derive(Default)]
-struct Element {
-    position: [f64; 3],
-    /// `None` where an index is negative or no integer.
-    corners: Option<Vec<u32>>,
+/// What a property is to the mesh.
+#[derive(Clone, Copy)]
+enum Role {
+    Axis(usize),
+    Corners,
+    Nothing,
 }
 
-impl PropertyAccess for Element {
-    fn new() -> Self {
-        Self::default()
-    }
-
-    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
-        if let Some(axis) = AXES.iter().position(|axis| *axis == name) {
-            self.position[axis] = scalar(&property);
-        } else if CORNER_LISTS.contains(&name) {
-            self.corners = property.to_u32_list();
+/// The role of each property of an element.
+fn roles(element: &Element) -> Vec<Role> {
+    let mut roles = vec![Role::Nothing; element.properties.len()];
+    let mut give = |role: Role, fits: &dyn Fn(&Property) -> bool| {
+        let first = element.properties.iter().position(fits);
+        if let Some(slot) = first.and_then(|first| roles.get_mut(first)) {
+            *slot = role;
         }
-        PropertyAccessResult::Set
-    }
-}
-
-fn scalar(property: &Property) -> f64 {
-    match property {
-        Property::Char(value) => f64::from(*value),
-        Property::UChar(value) => f64::from(*value),
-        Property::Short(value) => f64::from(*value),
-        Property::UShort(value) => f64::from(*value),
-        Property::Int(value) => f64::from(*value),
-        Property::UInt(value) => f64::from(*value),
-        Property::Float(value) => f64::from(*value),
-        Property::Double(value) => *value,
-        // By the header it is a number, so that it can't be a list.
-        _ => f64::NAN,
-    }
-}
-
-fn read_binary(mut payload: &[u8], header: &Header, mesh: &mut MeshBuilder) -> Result<(), String> {
-    let parser = Parser::<Element>::new();
-    for definition in header.elements.values() {
-        for index in 0..definition.count {
-            let element = if header.encoding == Encoding::BinaryBigEndian {
-                parser.read_big_endian_element(&mut payload, definition)
-            } else {
-                parser.read_little_endian_element(&mut payload, definition)
-            };
-            element
-                .map_err(in_one_line)
-                .and_then(|element| mesh.add(&definition.name, element))
-                .map_err(|reason| format!("element `{}` {index}: {reason}", definition.name))?;
-        }
-    }
-    Ok(())
-}
-
-fn read_text(
-    payload: &[u8],
-    header_lines: usize,
-    header: &Header,
-    mesh: &mut MeshBuilder,
-) -> Result<(), String> {
-    let mut lines = lines(payload).filter(|(_, text)| !text.trim_ascii().is_empty());
-    for definition in header.elements.values() {
-        for index in 0..definition.count {
-            let (line, text) = lines.next().ok_or_else(|| {
-                let ElementDef { name, count, .. } = definition;
-                format!("it ends after {index} of {count} of the element `{name}`")
-            })?;
-            read_element(text, definition)
-                .and_then(|element| mesh.add(&definition.name, element))
-                .map_err(at_line(header_lines + line))?;
-        }
-    }
-    Ok(())
-}
-
-fn read_element(text: &[u8], definition: &ElementDef) -> Result<Element, String> {
-    let mut words = words(text);
-    let mut next = |name: &str| words.next().ok_or_else(|| format!("`{name}` is missing"));
-    let mut element = Element::default();
-    for (name, property) in &definition.properties {
-        match property.data_type {
-            PropertyType::Scalar(_) => {
-                let word = next(name)?;
-                if let Some(axis) = AXES.iter().position(|axis| axis == name) {
-                    element.position[axis] = number(word)?;
-                }
+    };
+    match element.name.as_str() {
+        "vertex" => {
+            for (axis, name) in AXES.into_iter().enumerate() {
+                give(Role::Axis(axis), &|property| is_number(property, name));
             }
-            PropertyType::List(..) => {
-                let length: usize = number(next(name)?)?;
-                let mut corners = Vec::new();
-                for _ in 0..length {
-                    let word = next(name)?;
-                    if CORNER_LISTS.contains(&name.as_str()) {
-                        corners.push(number(word)?);
+        }
+        "face" | "tristrips" => give(Role::Corners, &is_corner_list),
+        _ => {}
+    }
+    roles
+}
+
+/// The part of an element that makes the mesh: a vertex's position, or the corners of a face or of strips.
+#[derive(Default)]
+struct Values {
+    position: [f64; 3],
+    corners: Vec<i64>,
+}
+
+fn read_binary(
+    payload: &[u8],
+    is_big: bool,
+    header: &Header,
+    builder: &mut MeshBuilder,
+) -> Result<(), String> {
+    let mut numbers = Numbers { rest: payload, is_big };
+    let mut values = Values::default();
+    for element in &header.elements {
+        let roles = roles(element);
+        for index in 0..element.count {
+            numbers
+                .read_element(element, &roles, &mut values)
+                .and_then(|()| builder.add(&element.name, &values))
+                .map_err(|reason| {
+                    format!("element {} {index}: {reason}", quote(element.name.as_bytes()))
+                })?;
+        }
+    }
+    Ok(())
+}
+
+/// The numbers of a binary file.
+struct Numbers<'a> {
+    rest: &'a [u8],
+    is_big: bool,
+}
+
+impl Numbers<'_> {
+    fn read_element(
+        &mut self,
+        element: &Element,
+        roles: &[Role],
+        values: &mut Values,
+    ) -> Result<(), String> {
+        for (property, role) in element.properties.iter().zip(roles) {
+            let is_read = match (property.kind, *role) {
+                (Kind::Number(scalar), Role::Axis(axis)) => {
+                    self.next(scalar).map(|number| values.position[axis] = number)
+                }
+                (Kind::Number(scalar), _) => self.skip(1, scalar),
+                (Kind::List { length, of }, role) => {
+                    let length = match self.next(length) {
+                        Some(length) => whole(length)?,
+                        None => return Err(ends_within(property)),
+                    };
+                    let length = usize::try_from(length)
+                        .map_err(|_| format!("{length} is no length of a list"))?;
+                    match role {
+                        Role::Corners => self.read_corners(length, of, &mut values.corners)?,
+                        _ => self.skip(length, of),
                     }
                 }
-                if CORNER_LISTS.contains(&name.as_str()) {
-                    element.corners = Some(corners);
+            };
+            is_read.ok_or_else(|| ends_within(property))?;
+        }
+        Ok(())
+    }
+
+    /// `None` if the file ends first.
+    fn read_corners(
+        &mut self,
+        length: usize,
+        of: Scalar,
+        corners: &mut Vec<i64>,
+    ) -> Result<Option<()>, String> {
+        corners.clear();
+        if length.checked_mul(of.size()).is_none_or(|bytes| bytes > self.rest.len()) {
+            return Ok(None);
+        }
+        for _ in 0..length {
+            let Some(number) = self.next(of) else { return Ok(None) };
+            corners.push(whole(number)?);
+        }
+        Ok(Some(()))
+    }
+
+    fn skip(&mut self, count: usize, of: Scalar) -> Option<()> {
+        self.rest = self.rest.get(count.checked_mul(of.size())?..)?;
+        Some(())
+    }
+
+    fn next(&mut self, scalar: Scalar) -> Option<f64> {
+        match scalar {
+            Scalar::I8 => self.bytes().map(i8::from_le_bytes).map(f64::from),
+            Scalar::U8 => self.bytes().map(u8::from_le_bytes).map(f64::from),
+            Scalar::I16 => self.bytes().map(i16::from_le_bytes).map(f64::from),
+            Scalar::U16 => self.bytes().map(u16::from_le_bytes).map(f64::from),
+            Scalar::I32 => self.bytes().map(i32::from_le_bytes).map(f64::from),
+            Scalar::U32 => self.bytes().map(u32::from_le_bytes).map(f64::from),
+            Scalar::F32 => self.bytes().map(f32::from_le_bytes).map(f64::from),
+            Scalar::F64 => self.bytes().map(f64::from_le_bytes),
+        }
+    }
+
+    /// The bytes of a number, in little-endian order.
+    fn bytes<const N: usize>(&mut self) -> Option<[u8; N]> {
+        let (bytes, rest) = self.rest.split_first_chunk::<N>()?;
+        self.rest = rest;
+        let mut bytes = *bytes;
+        if self.is_big {
+            bytes.reverse();
+        }
+        Some(bytes)
+    }
+}
+
+fn ends_within(property: &Property) -> String {
+    format!("the file ends within its {}", quote(property.name.as_bytes()))
+}
+
+/// A number as an integer: doubles hold all of these.
+fn whole(number: f64) -> Result<i64, String> {
+    const MOST: f64 = (1_u64 << 53) as f64;
+    if number.fract() == 0.0 && number.abs() <= MOST {
+        Ok(number as i64)
+    } else {
+        Err(format!("{number} stands where a whole number would be read"))
+    }
+}
+
+fn read_text(payload: &[u8], header: &Header, builder: &mut MeshBuilder) -> Result<(), String> {
+    let mut lines = lines(payload).filter(|(_, text)| !text.trim_ascii().is_empty());
+    let mut values = Values::default();
+    for element in &header.elements {
+        let roles = roles(element);
+        for index in 0..element.count {
+            let (line, text) = lines.next().ok_or_else(|| {
+                let quoted = quote(element.name.as_bytes());
+                format!("it ends after {index} of {} of the element {quoted}", element.count)
+            })?;
+            read_text_element(text, element, &roles, &mut values)
+                .and_then(|()| builder.add(&element.name, &values))
+                .map_err(at_line(header.lines + line))?;
+        }
+    }
+    Ok(())
+}
+
+fn read_text_element(
+    text: &[u8],
+    element: &Element,
+    roles: &[Role],
+    values: &mut Values,
+) -> Result<(), String> {
+    let mut words = words(text);
+    for (property, role) in element.properties.iter().zip(roles) {
+        let mut next = || {
+            let missing = || format!("{} is missing", quote(property.name.as_bytes()));
+            words.next().ok_or_else(missing)
+        };
+        match (property.kind, *role) {
+            (Kind::Number(_), Role::Axis(axis)) => values.position[axis] = number(next()?)?,
+            (Kind::Number(_), _) => drop(next()?),
+            (Kind::List { .. }, role) => {
+                let length: usize = number(next()?)?;
+                values.corners.clear();
+                for _ in 0..length {
+                    let word = next()?;
+                    if matches!(role, Role::Corners) {
+                        values.corners.push(number(word)?);
+                    }
                 }
             }
         }
     }
-    Ok(element)
+    Ok(())
 }
 
 /// Takes elements in the order of the file.
@@ -246,26 +314,35 @@ impl MeshBuilder {
             file: MeshFile::default(),
             triangulator: Triangulator::new(),
             early_faces: Vec::new(),
-            vertices: header.elements.get("vertex").map_or(0, |vertex| vertex.count),
+            vertices: header.element("vertex").map_or(0, |vertex| vertex.count),
         }
     }
 
-    fn add(&mut self, kind: &str, element: Element) -> Result<(), String> {
-        match kind {
-            "vertex" => self.file.mesh.positions.push(element.position),
-            "face" => {
-                let corners =
-                    element.corners.ok_or("the corners of a face must be whole numbers from 0")?;
-                for &corner in &corners {
-                    known_vertex(corner, self.vertices)?;
-                }
-                if self.file.mesh.positions.len() == self.vertices {
-                    self.triangulator.append(&mut self.file.mesh, &corners);
-                } else {
-                    self.early_faces.push(corners);
+    fn add(&mut self, name: &str, values: &Values) -> Result<(), String> {
+        match name {
+            "vertex" => self.file.mesh.positions.push(values.position),
+            "face" => self.add_face(&values.corners)?,
+            "tristrips" => {
+                for strip in values.corners.split(|corner| *corner == END_OF_STRIP) {
+                    for (number, corners) in strip.windows(3).enumerate() {
+                        // Every other triangle of a strip is wound the other way.
+                        let (second, third) = if number % 2 == 0 { (1, 2) } else { (2, 1) };
+                        self.add_face(&[corners[0], corners[second], corners[third]])?;
+                    }
                 }
             }
             _ => {}
+        }
+        Ok(())
+    }
+
+    fn add_face(&mut self, corners: &[i64]) -> Result<(), String> {
+        let known = corners.iter().map(|corner| known_vertex(*corner, self.vertices));
+        let corners: Vec<u32> = known.collect::<Result<_, _>>()?;
+        if self.file.mesh.positions.len() == self.vertices {
+            self.triangulator.append(&mut self.file.mesh, &corners);
+        } else {
+            self.early_faces.push(corners);
         }
         Ok(())
     }
@@ -283,6 +360,7 @@ impl MeshBuilder {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::io::notes::Note;
 
     fn header(format: &str, vertices: usize, faces: usize) -> String {
         format!(
@@ -377,7 +455,7 @@ mod tests {
     }
 
     #[test]
-    fn a_point_cloud_has_no_triangles_and_strips_are_refused() {
+    fn a_point_cloud_has_no_triangles() {
         let cloud = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n\
                      property float y\nproperty float z\nend_header\n1 2 3\n";
         let file = read(cloud.as_bytes()).unwrap();
@@ -386,7 +464,8 @@ mod tests {
             "end_header",
             "element tristrips 1\nproperty list int int vertex_indices\nend_header",
         );
-        assert!(read((strips + "3 0 0 0\n").as_bytes()).unwrap_err().contains("tristrips"));
+        let file = read((strips + "3 0 0 0\n").as_bytes()).unwrap();
+        assert_eq!(file.mesh.triangles, [[0; 3]]);
         assert!(read(cloud.replace("float z", "float w").as_bytes()).unwrap_err().contains("`z`"));
     }
 
@@ -401,9 +480,82 @@ mod tests {
     #[test]
     fn errors_stay_on_one_line() {
         let error = read(b"ply\nformat ascii 1.0\nelement vertex\0\n").unwrap_err();
-        assert!(error.starts_with("line 3: Couldn't parse line: `element"), "{error}");
+        assert!(error.starts_with("line 3: `element vertex\u{fffd}` stands where"), "{error}");
         assert!(!error.contains('\n') && error.len() < 200, "{error}");
         assert!(read(b"").is_err());
         assert!(read(b"ply\n").is_err());
+    }
+
+    /// Three vertices and a triangle, with a header's lines as they are given.
+    fn triangle(vertex_properties: &str, vertices: [&str; 3]) -> String {
+        format!(
+            "ply\nformat ascii 1.0\nelement vertex 3\n{vertex_properties}element face 1\n\
+             property list uchar int vertex_index\nend_header\n{}\n3 0 1 2\n",
+            vertices.join("\n")
+        )
+    }
+
+    const POSITIONS: [[f64; 3]; 3] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+
+    #[test]
+    fn a_property_that_is_named_twice_shifts_no_other() {
+        let xyz = "property float x\nproperty float y\nproperty float z\n";
+        let pads = "property float pad\nproperty float pad\n";
+        let padded = triangle(&format!("{pads}{xyz}"), ["5 7 0 0 0", "5 7 1 0 0", "5 7 0 1 0"]);
+        let twice = triangle(
+            &format!("property list uchar int x\n{xyz}property double x\n"),
+            ["1 9 0 0 0 8", "2 9 9 1 0 0 8", "0 0 1 0 8"],
+        );
+        for (text, count) in [(padded, 1), (twice, 2)] {
+            let file = read(text.as_bytes()).unwrap();
+            assert_eq!(file.mesh.positions, POSITIONS);
+            assert_eq!(file.notes, [Note { kind: NoteKind::RepeatedProperties, count }]);
+        }
+        let twice = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n\
+                     property float z\nelement vertex 1\nproperty float x\nend_header\n1 2 3\n4\n";
+        assert!(read(twice.as_bytes()).unwrap_err().contains("the element `vertex` twice"));
+    }
+
+    #[test]
+    fn a_property_that_is_named_twice_shifts_no_other_in_binary() {
+        let mut bytes =
+            b"ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty uchar pad\n\
+                          property list uchar short pad\nproperty float x\nproperty float y\n\
+                          property float z\nend_header\n\x07\x01\0\x09"
+                .to_vec();
+        bytes.extend([1.0_f32, 2.0, 3.0].iter().flat_map(|number| number.to_be_bytes()));
+        let file = read(&bytes).unwrap();
+        assert_eq!(file.mesh.positions, [[1.0, 2.0, 3.0]]);
+        assert_eq!(file.notes.len(), 1);
+    }
+
+    #[test]
+    fn lines_of_a_header_may_end_with_cr_or_be_indented_or_empty() {
+        let text = triangle(
+            "  property float x\n\tproperty float y\n\nproperty float z\n",
+            ["0 0 0", "1 0 0", "0 1 0"],
+        );
+        for end in ["\n", "\r\n", "\r"] {
+            let file = read(text.replace('\n', end).as_bytes()).unwrap();
+            assert_eq!(file.mesh.positions, POSITIONS, "{end:?}");
+        }
+        // The first byte after the header's last CR is a line feed by chance.
+        let mut bytes = b"ply\rformat binary_little_endian 1.0\relement vertex 1\rproperty int x\r\
+                          property uchar y\rproperty uchar z\rend_header\r"
+            .to_vec();
+        bytes.extend([10, 0, 0, 0, 2, 3]);
+        assert_eq!(read(&bytes).unwrap().mesh.positions, [[10.0, 2.0, 3.0]]);
+    }
+
+    #[test]
+    fn strips_become_triangles_of_one_winding_and_end_at_minus_one() {
+        let text = "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n\
+                    property float z\nelement tristrips 1\nproperty list int int vertex_indices\n\
+                    end_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n9 0 1 2 3 -1 2 3 4 -1\n";
+        let file = read(text.as_bytes()).unwrap();
+        assert_eq!(file.mesh.triangles, [[0, 1, 2], [1, 3, 2], [2, 3, 4]]);
+        let error = read(text.replace("-1 2", "-2 2").as_bytes()).unwrap_err();
+        assert!(error.contains("vertex -2, but the file's vertices are 0 to 4"), "{error}");
+        assert!(read(text.replace("-1 2", "5 2").as_bytes()).is_err());
     }
 }

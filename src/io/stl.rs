@@ -1,12 +1,15 @@
 //! STL, binary and text, distinguished by more than the first word.
 //!
 //! A file whose length is exactly what its binary header announces is binary, even if it begins
-//! with `solid` as many do. Otherwise it is text if it begins with `solid` and soon has a facet
-//! or an end, and else binary.
+//! with `solid` as many do. Otherwise it is text if it begins with `solid` or `facet` and soon has a facet
+//! or an end, and else binary. No text has a byte of zero, which the triangles of a binary file have.
 //!
 //! STL has no shared vertices: each triangle brings three of its own.
+//!
+//! In text, `solid` and `endsolid` may be doubled or missing, and ends may be two words, as some programs write them.
 
 use super::mesh_file::{MeshFile, next_index};
+use super::notes::NoteKind;
 use super::text::{Triangulator, at_line, coordinates, lines, name, quote, words};
 
 /// A binary file begins with a comment of this length, and the number of triangles as `u32`.
@@ -21,21 +24,27 @@ const BEGINNING: usize = 4096;
 
 pub(super) fn read(bytes: &[u8]) -> Result<MeshFile, String> {
     let announced = announced_length(bytes);
-    if announced != Some(bytes.len() as u64) && looks_like_text(bytes) {
-        return read_text(bytes);
+    let available = bytes.len() as u64;
+    let is_whole = announced.is_some_and(|length| length <= available);
+    let is_text = looks_like_text(bytes) && !(is_whole && beginning(bytes).contains(&0));
+    if announced != Some(available) && is_text {
+        return Text::default().read(bytes);
     }
     match announced {
         None => Err(format!(
-            "its {} bytes are neither text with the word `solid` nor a binary header",
+            "its {} bytes are neither text that begins with `solid` nor a binary header of {HEADER} bytes",
             bytes.len()
         )),
-        Some(length) if length > bytes.len() as u64 => Err(format!(
+        Some(length) if length > available => Err(format!(
             "it should have {length} bytes for the {} triangles that the header announces, but \
-             has only {}",
-            (length - HEADER as u64) / TRIANGLE as u64,
-            bytes.len()
+             has only {available}; text would begin with `solid`",
+            (length - HEADER as u64) / TRIANGLE as u64
         )),
-        Some(length) => read_binary(&bytes[HEADER..length as usize]),
+        Some(length) => {
+            let mut file = read_binary(&bytes[HEADER..length as usize])?;
+            file.note(NoteKind::TrailingBytes, (available - length) as usize);
+            Ok(file)
+        }
     }
 }
 
@@ -45,11 +54,16 @@ fn announced_length(bytes: &[u8]) -> Option<u64> {
     Some(HEADER as u64 + u64::from(u32::from_le_bytes(*count)) * TRIANGLE as u64)
 }
 
+fn beginning(bytes: &[u8]) -> &[u8] {
+    bytes.get(..BEGINNING).unwrap_or(bytes)
+}
+
 fn looks_like_text(bytes: &[u8]) -> bool {
-    let beginning = bytes.get(..BEGINNING).unwrap_or(bytes);
-    let beginning = beginning.trim_ascii_start().to_ascii_lowercase();
+    let beginning = beginning(bytes).trim_ascii_start().to_ascii_lowercase();
     let contains = |word: &[u8]| beginning.windows(word.len()).any(|at| at == word);
-    beginning.starts_with(b"solid") && (contains(b"facet") || contains(b"endsolid"))
+    let is_solid = beginning.starts_with(b"solid")
+        && (contains(b"facet") || contains(b"endsolid") || contains(b"end solid"));
+    is_solid || beginning.starts_with(b"facet") && contains(b"vertex")
 }
 
 fn read_binary(records: &[u8]) -> Result<MeshFile, String> {
@@ -70,61 +84,134 @@ fn read_binary(records: &[u8]) -> Result<MeshFile, String> {
     Ok(file)
 }
 
-fn read_text(bytes: &[u8]) -> Result<MeshFile, String> {
-    let mut file = MeshFile::default();
-    let mut triangulator = Triangulator::new();
-    let mut corners: Vec<u32> = Vec::new();
-    // The name and first triangle of the solid that is being read.
-    let mut solid: Option<(String, usize)> = None;
-    let mut is_in_facet = false;
-    for (line, text) in lines(bytes) {
-        let mut words = words(text);
-        let Some(keyword) = words.next() else {
-            continue;
-        };
-        let misplaced = || Err(at_line(line)(format!("{} can't stand here", quote(text))));
-        match keyword.to_ascii_lowercase().as_slice() {
-            b"solid" if solid.is_none() => {
-                let solid_name = &text.trim_ascii_start()[keyword.len()..];
-                solid = Some((name(solid_name), file.mesh.triangles.len()));
-            }
-            b"facet" if solid.is_some() && !is_in_facet => {
-                is_in_facet = true;
-                corners.clear();
-            }
-            b"vertex" if is_in_facet => {
-                corners.push(next_index(&file.mesh.positions, 1)?);
-                file.mesh.positions.push(coordinates(words).map_err(at_line(line))?);
-            }
-            b"outer" | b"endloop" if is_in_facet => {}
-            b"endfacet" if is_in_facet => {
-                if corners.len() < 3 {
-                    let reason = format!("the facet has only {} vertices", corners.len());
-                    return Err(at_line(line)(reason));
-                }
-                triangulator.append(&mut file.mesh, &corners);
-                is_in_facet = false;
-            }
-            b"endsolid" if !is_in_facet => match solid.take() {
-                Some((name, start)) => file.close_object(name, start),
-                None => return misplaced(),
-            },
-            _ => return misplaced(),
+/// Where in a text the reader is.
+#[derive(Clone, Copy, PartialEq)]
+enum Place {
+    Outside,
+    Solid,
+    Facet,
+}
+
+impl Place {
+    /// The lines that would be read here.
+    fn expected(self) -> &'static str {
+        match self {
+            Self::Outside => "`solid` or `facet`",
+            Self::Solid => "`facet` or `endsolid`",
+            Self::Facet => "`outer loop`, `vertex`, `endloop` or `endfacet`",
         }
     }
-    match solid {
-        Some((name, _)) => Err(format!(
-            "it ends inside of solid {}, after {} triangles",
-            quote(name.as_bytes()),
-            file.mesh.triangles.len()
-        )),
-        None => Ok(file),
+}
+
+/// A text while it is read.
+struct Text {
+    file: MeshFile,
+    triangulator: Triangulator,
+    place: Place,
+    /// The name and first triangle of the solid.
+    solid: (String, usize),
+    corners: Vec<u32>,
+}
+
+impl Default for Text {
+    fn default() -> Self {
+        Self {
+            file: MeshFile::default(),
+            triangulator: Triangulator::new(),
+            place: Place::Outside,
+            solid: Default::default(),
+            corners: Vec::new(),
+        }
+    }
+}
+
+impl Text {
+    fn read(mut self, bytes: &[u8]) -> Result<MeshFile, String> {
+        for (line, text) in lines(bytes) {
+            self.read_line(text).map_err(at_line(line))?;
+        }
+        match self.place {
+            Place::Outside => {}
+            Place::Solid => {
+                self.file.note(NoteKind::UnpairedSolids, 1);
+                self.close();
+            }
+            Place::Facet => {
+                return Err(format!(
+                    "it ends inside of a facet, after {} triangles",
+                    self.file.mesh.triangles.len()
+                ));
+            }
+        }
+        Ok(self.file)
+    }
+
+    fn read_line(&mut self, text: &[u8]) -> Result<(), String> {
+        let mut words = words(text);
+        let Some(first) = words.next() else { return Ok(()) };
+        let mut keyword = first.to_ascii_lowercase();
+        if keyword == b"end" {
+            keyword.extend(words.next().unwrap_or_default().to_ascii_lowercase());
+            self.file.note(NoteKind::DividedEnds, 1);
+        }
+        match (keyword.as_slice(), self.place) {
+            (b"solid", Place::Outside) => self.open(&text.trim_ascii_start()[first.len()..]),
+            (b"solid", Place::Solid) => {
+                self.file.note(NoteKind::UnpairedSolids, 1);
+                self.close();
+                self.open(&text.trim_ascii_start()[first.len()..]);
+            }
+            (b"facet", Place::Outside) => {
+                self.file.note(NoteKind::UnpairedSolids, 1);
+                self.open(b"");
+                self.place = Place::Facet;
+            }
+            (b"facet", Place::Solid) => self.place = Place::Facet,
+            (b"vertex", Place::Facet) => {
+                self.corners.push(next_index(&self.file.mesh.positions, 1)?);
+                self.file.mesh.positions.push(coordinates(words)?);
+            }
+            (b"outer" | b"endloop", Place::Facet) => {}
+            (b"endfacet", Place::Facet) => self.close_facet()?,
+            (b"endsolid", Place::Solid) => self.close(),
+            (b"endsolid", Place::Outside) => self.file.note(NoteKind::UnpairedSolids, 1),
+            _ => {
+                let expected = self.place.expected();
+                return Err(format!("{} stands where {expected} would be read", quote(text)));
+            }
+        }
+        Ok(())
+    }
+
+    fn open(&mut self, solid_name: &[u8]) {
+        self.solid = (name(solid_name), self.file.mesh.triangles.len());
+        self.place = Place::Solid;
+    }
+
+    fn close(&mut self) {
+        let (name, start) = std::mem::take(&mut self.solid);
+        self.file.close_object(name, start);
+        self.place = Place::Outside;
+    }
+
+    fn close_facet(&mut self) -> Result<(), String> {
+        if self.corners.len() < 3 {
+            return Err(format!(
+                "the facet has only {} vertices, and three would be read",
+                self.corners.len()
+            ));
+        }
+        self.triangulator.append(&mut self.file.mesh, &self.corners);
+        self.corners.clear();
+        self.place = Place::Solid;
+        Ok(())
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::io::notes::Note;
 
     const FACET: &str = "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0.1 0 0\n\
                          vertex 0 1e-1 0\nendloop\nendfacet\n";
@@ -152,7 +239,45 @@ mod tests {
         }
         let mut followed_by_more = binary(b"solid part", 1, 1);
         followed_by_more.extend(b"more");
-        assert_eq!(read(&followed_by_more).unwrap().mesh.triangles.len(), 1);
+        let file = read(&followed_by_more).unwrap();
+        assert_eq!(file.mesh.triangles.len(), 1);
+        assert_eq!(file.notes, [Note { kind: NoteKind::TrailingBytes, count: 4 }]);
+    }
+
+    #[test]
+    fn a_binary_header_that_reads_as_text_is_binary_with_bytes_after_its_triangles() {
+        for header in ["solid facet", "solid a\nfacet normal\nvertex 0 0 0\nendsolid"] {
+            let mut bytes = binary(header.as_bytes(), 1, 1);
+            bytes.push(0);
+            let file = read(&bytes).unwrap();
+            assert_eq!(file.mesh.triangles.len(), 1);
+            assert_eq!(file.notes, [Note { kind: NoteKind::TrailingBytes, count: 1 }]);
+        }
+    }
+
+    #[test]
+    fn ends_may_be_two_words_and_solids_may_lack_their_lines() {
+        let unpaired = |count| Note { kind: NoteKind::UnpairedSolids, count };
+        let divided = |count| Note { kind: NoteKind::DividedEnds, count };
+        let spaced = FACET.replace("endl", "end l").replace("endf", "end F");
+        for (text, notes) in [
+            (format!("solid a\n{FACET}{FACET}"), vec![unpaired(1)]),
+            (format!("solid a\n{FACET}{FACET}end solid a"), vec![divided(1)]),
+            (format!("solid a\n{spaced}{spaced}end SOLID"), vec![divided(5)]),
+            (format!("solid\nsolid a\n{FACET}{FACET}endsolid a\nendsolid\n"), vec![unpaired(2)]),
+            (format!("{FACET}{FACET}endsolid"), vec![unpaired(1)]),
+            (format!("{FACET}{FACET}"), vec![unpaired(2)]),
+        ] {
+            let file = read(text.as_bytes()).expect(&text);
+            assert_eq!(file.mesh.triangles, [[0, 1, 2], [3, 4, 5]], "{text}");
+            assert_eq!(file.objects.len(), 1, "{text}");
+            assert_eq!(file.notes, notes, "{text}");
+        }
+        let two = format!("solid a\n{FACET}solid b\n{FACET}endsolid b");
+        let names: Vec<String> =
+            read(two.as_bytes()).unwrap().objects.into_iter().map(|object| object.name).collect();
+        assert_eq!(names, ["a", "b"]);
+        assert!(read(b"solid\nend\nfacet").unwrap_err().contains("`end`"));
     }
 
     #[test]
@@ -180,12 +305,17 @@ mod tests {
         let whole = format!("solid a\n{FACET}endsolid a\n");
         assert!(read(whole.as_bytes()).is_ok());
         let cut = whole.find("endsolid").unwrap();
-        let error = read(&whole.as_bytes()[..cut]).unwrap_err();
-        assert_eq!(error, "it ends inside of solid `a`, after 1 triangles");
+        let error = read(&whole.as_bytes()[..cut - 2]).unwrap_err();
+        assert_eq!(
+            error,
+            "line 8: `endface` stands where `outer loop`, `vertex`, `endloop` or `endfacet` would be read"
+        );
+        let error = read(&whole.as_bytes()[..whole.find("endloop").unwrap()]).unwrap_err();
+        assert_eq!(error, "it ends inside of a facet, after 0 triangles");
         let error = read(whole.replace("endfacet\n", "").as_bytes()).unwrap_err();
         assert!(error.starts_with("line 8: "), "{error}");
         let error = read(whole.replace("vertex 0 0 0\n", "").as_bytes()).unwrap_err();
-        assert_eq!(error, "line 7: the facet has only 2 vertices");
+        assert_eq!(error, "line 7: the facet has only 2 vertices, and three would be read");
         let error = read(whole.replace("0.1", "0,1").as_bytes()).unwrap_err();
         assert!(error.starts_with("line 5: `0,1`"), "{error}");
     }

@@ -1,5 +1,7 @@
 //! What the readers of text formats share: lines, words, numbers, and polygons into triangles.
 
+use std::str::FromStr;
+
 use earcut::{Earcut, Refiner};
 
 use crate::geometry::TriangleMesh;
@@ -29,9 +31,17 @@ pub(super) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
 }
 
-/// The line without a comment that begins with `#`.
+/// The line without a comment that begins with `#`. That of a number such as `1.#IND` begins none.
 pub(super) fn without_comment(line: &[u8]) -> &[u8] {
-    line.split(|byte| *byte == b'#').next().unwrap_or_default()
+    let begins = |at: usize| {
+        let is_number = at.checked_sub(1).and_then(|before| line.get(before)) == Some(&b'.');
+        !is_number || !matches!(line.get(at + 1), Some(b'I' | b'N' | b'Q' | b'S'))
+    };
+    let marks = line.iter().enumerate().filter(|(_, byte)| **byte == b'#');
+    match marks.map(|(at, _)| at).find(|at| begins(*at)) {
+        Some(at) => line.get(..at).unwrap_or(line),
+        None => line,
+    }
 }
 
 /// A piece of a file as it may stand in an error message.
@@ -54,12 +64,47 @@ pub(super) fn name(text: &[u8]) -> String {
     String::from_utf8_lossy(text).trim().to_owned()
 }
 
-/// A number of any of Rust's types; for `f64` also `nan` and `inf`.
-pub(super) fn number<T: std::str::FromStr>(word: &[u8]) -> Result<T, String> {
-    std::str::from_utf8(word)
-        .ok()
-        .and_then(|word| word.parse().ok())
-        .ok_or_else(|| format!("{} is not a number that can stand here", quote(word)))
+/// A type of number that files hold as text.
+pub(super) trait Number: FromStr {
+    /// What a word should be, for a message.
+    const EXPECTED: &str;
+
+    /// What a word means that Rust does not read.
+    fn of_other_programs(_: &str) -> Option<Self> {
+        None
+    }
+}
+
+impl Number for f64 {
+    const EXPECTED: &str = "a number such as -0.5";
+
+    /// C libraries print what is not finite as `-nan(ind)`, `nan(0x8000)`, `1.#IND`, `-1.#QNAN` or `1.#INF00`.
+    fn of_other_programs(word: &str) -> Option<Self> {
+        let unsigned = word.trim_start_matches(['+', '-']).to_ascii_lowercase();
+        let is_in = |start: &str| unsigned.starts_with(start);
+        match () {
+            () if is_in("nan(") && unsigned.ends_with(')') => Some(Self::NAN),
+            () if is_in("1.#ind") || is_in("1.#qnan") || is_in("1.#snan") => Some(Self::NAN),
+            () if is_in("1.#inf") && word.starts_with('-') => Some(Self::NEG_INFINITY),
+            () if is_in("1.#inf") => Some(Self::INFINITY),
+            () => None,
+        }
+    }
+}
+
+impl Number for i64 {
+    const EXPECTED: &str = "a whole number";
+}
+
+impl Number for usize {
+    const EXPECTED: &str = "a whole number from 0";
+}
+
+/// A number; for `f64` also `nan` and `inf`.
+pub(super) fn number<T: Number>(word: &[u8]) -> Result<T, String> {
+    let text = std::str::from_utf8(word).ok();
+    text.and_then(|text| text.parse().ok().or_else(|| T::of_other_programs(text)))
+        .ok_or_else(|| format!("{} stands where {} would be read", quote(word), T::EXPECTED))
 }
 
 /// Three coordinates; words after them are ignored.
@@ -77,11 +122,15 @@ pub(super) fn coordinates<'a>(words: impl Iterator<Item = &'a [u8]>) -> Result<[
 }
 
 /// A face's corner, counted from 0, if there are so many vertices.
-pub(super) fn known_vertex(corner: u32, vertices: usize) -> Result<u32, String> {
-    if (corner as usize) < vertices {
-        return Ok(corner);
+pub(super) fn known_vertex(corner: i64, vertices: usize) -> Result<u32, String> {
+    match (u32::try_from(corner), vertices) {
+        (Ok(known), _) if (known as usize) < vertices => Ok(known),
+        (_, 0) => Err(format!("the face uses vertex {corner}, but the file has none")),
+        _ => Err(format!(
+            "the face uses vertex {corner}, but the file's vertices are 0 to {}",
+            vertices - 1
+        )),
     }
-    Err(format!("the face uses vertex {corner}, but there are only {vertices}, counted from 0"))
 }
 
 /// Puts the line's number before the reason.
@@ -224,6 +273,34 @@ mod tests {
     fn numbers_keep_all_digits_of_a_double() {
         assert_eq!(number::<f64>(b"0.1234567890123456789"), Ok(0.12345678901234568));
         assert!(number::<f64>(b"-nan").is_ok_and(f64::is_nan));
+    }
+
+    #[test]
+    fn what_c_libraries_print_of_numbers_that_are_not_finite_is_read() {
+        for word in ["-nan(ind)", "nan(0x8000)", "-1.#IND", "1.#IND00", "1.#QNAN", "-1.#SNAN"] {
+            assert!(number::<f64>(word.as_bytes()).is_ok_and(f64::is_nan), "{word}");
+        }
+        assert_eq!(number(b"1.#INF"), Ok(f64::INFINITY));
+        assert_eq!(number(b"-1.#INF00"), Ok(f64::NEG_INFINITY));
+        for word in ["1.#", "nan(", "1,5", "0x10", "", "1.#ABC"] {
+            assert!(number::<f64>(word.as_bytes()).is_err(), "{word}");
+        }
+        assert!(number::<i64>(b"1.#IND").is_err());
+    }
+
+    #[test]
+    fn a_comment_ends_a_line_but_not_within_a_number() {
+        for (line, kept) in [
+            ("3 0 1 2 # red", "3 0 1 2 "),
+            ("3 0 1 2#red", "3 0 1 2"),
+            ("# all", ""),
+            ("1. #x", "1. "),
+            ("1.#comment", "1."),
+            ("0 -1.#IND 1.#QNAN # y", "0 -1.#IND 1.#QNAN "),
+            ("0 1", "0 1"),
+        ] {
+            assert_eq!(without_comment(line.as_bytes()), kept.as_bytes());
+        }
     }
 
     #[test]

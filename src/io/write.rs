@@ -1,13 +1,12 @@
 //! Writes hull sets as OBJ and GLB, all or nothing.
 
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
-use gltf::binary::{Glb, Header};
 use serde_json::{Value, json};
 
+use super::gltf::GLB_HEADER;
 use super::mesh_file::{HullFormat, is_hulls_file};
 use super::palette::{colour, linear};
 use crate::atomic_write;
@@ -287,11 +286,20 @@ fn assemble(json: Vec<u8>, bytes: Vec<u8>) -> Result<Vec<u8>, String> {
     if u32::try_from(length.saturating_add(64)).is_err() {
         return Err(format!("its {length} bytes are more than a GLB can have"));
     }
-    let glb = Glb {
-        // The length is filled in when it is written.
-        header: Header { magic: *b"glTF", version: 2, length: 0 },
-        json: Cow::Owned(json),
-        bin: (!bytes.is_empty()).then_some(Cow::Owned(bytes)),
-    };
-    glb.to_vec().map_err(|error| error.to_string())
+    let mut chunks = chunk(b"JSON", json, b' ');
+    if !bytes.is_empty() {
+        chunks.extend(chunk(b"BIN\0", bytes, 0));
+    }
+    let mut glb = b"glTF".to_vec();
+    glb.extend(2_u32.to_le_bytes());
+    glb.extend((GLB_HEADER as u32 + chunks.len() as u32).to_le_bytes());
+    glb.extend(chunks);
+    Ok(glb)
+}
+
+/// A chunk of a GLB, filled up to a multiple of four bytes.
+fn chunk(kind: &[u8; 4], mut content: Vec<u8>, filler: u8) -> Vec<u8> {
+    content.resize(content.len().next_multiple_of(4), filler);
+    let length = content.len() as u32;
+    [&length.to_le_bytes(), kind, content.as_slice()].concat()
 }

@@ -98,13 +98,18 @@ fn obj() {
 }
 
 #[test]
-fn a_mark_before_the_text_hides_no_line() {
+fn a_mark_before_the_text_hides_no_line_and_utf_16_is_read() {
     let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\n";
     let off = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
     for (format, text) in [(Format::Obj, obj), (Format::Off, off)] {
         let marked = [b"\xEF\xBB\xBF", text.as_bytes()].concat();
+        let units = || std::iter::once(0xfeff).chain(text.encode_utf16());
+        let little = units().flat_map(u16::to_le_bytes).collect();
+        let big = units().flat_map(u16::to_be_bytes).collect();
         let expected = read_mesh_from_bytes(format, text.as_bytes()).unwrap();
-        assert_eq!(read_mesh_from_bytes(format, &marked).unwrap(), expected);
+        for bytes in [marked, little, big] {
+            assert_eq!(read_mesh_from_bytes(format, &bytes).unwrap(), expected);
+        }
     }
 }
 

@@ -43,7 +43,7 @@ impl MeshReader {
             let name = path.rsplit('/').next().unwrap_or(path);
             self.files.get(path).or_else(|| self.files.get(name)).cloned()
         };
-        let MeshFile { mesh, objects } =
+        let MeshFile { mesh, objects, .. } =
             read_mesh_from_files(format, bytes, &beside).map_err(library)?;
         let part = |Object { name, triangles }| Part { name, triangles };
         Ok(Mesh { mesh, parts: objects.into_iter().map(part).collect() })
