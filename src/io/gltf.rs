@@ -9,19 +9,19 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
 use glam::DAffine3;
-use serde_json::Value;
 
 use super::gltf_data::{Beside, Data, DracoMesh, DracoStream};
 use super::gltf_extensions::{INSTANCING, check_required};
 use super::gltf_json::{
     Document, FIRST_VERSION, entries, entry, indices, is_true, key, list, needed_number,
-    optional_number, text,
+    optional_number, text, whole,
 };
 use super::gltf_nodes::{
     Instances, are_children, global_transforms, instance_transforms, is_hidden, transform,
 };
-use super::gltf_skins::{Pose, Skin, Vectors, is_elsewhere};
-use super::mesh_file::{MeshFile, SceneMesh, SceneNode, next_index, split_objects};
+use super::gltf_skins::{Effect, Pose, Skin, Vectors};
+use super::gltf_tree::Json;
+use super::mesh_file::{MeshFile, NamedMesh, SceneMesh, SceneNode, next_index, split_objects};
 use super::notes::{Note, NoteKind};
 use crate::geometry::Sidedness;
 
@@ -66,7 +66,7 @@ pub(super) fn read_scene(bytes: &[u8], beside: Beside<'_>) -> Result<Vec<SceneMe
         Ok(())
     })?;
     let meshes = split_objects(&file).into_iter().zip(told);
-    let mesh = |(named, (index, extras, nodes, notes)): (super::NamedMesh, _)| SceneMesh {
+    let mesh = |(named, (index, extras, nodes, notes)): (NamedMesh, _)| SceneMesh {
         name: named.name,
         index,
         mesh: named.mesh,
@@ -102,45 +102,53 @@ fn read_with(
 
 /// The JSON of a GLB, and the chunk of binary data if there is one.
 fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
-    let number = |at: usize| bytes.get(at..at + 4).and_then(|four| four.first_chunk::<4>());
-    let number = |at: usize| number(at).map_or(0, |four| u32::from_le_bytes(*four));
-    match number(4) {
+    let header = bytes.first_chunk::<GLB_HEADER>().map(|header| header.as_chunks::<4>().0);
+    let Some(&[_, version, length]) = header else {
+        return Err(format!("GLB: it ends within its header of {GLB_HEADER} bytes"));
+    };
+    match u32::from_le_bytes(version) {
         2 => {}
         1 => return Err(FIRST_VERSION.into()),
         other => {
             return Err(format!("GLB: its version is {other}, and version 2 would be read"));
         }
     }
-    let length = number(8) as usize;
+    let length = u32::from_le_bytes(length) as usize;
     if length < GLB_HEADER || length > bytes.len() {
         return Err(format!("its header announces {length} bytes, but it has {}", bytes.len()));
     }
-    let (json, rest) = split_chunk(&bytes[GLB_HEADER..length], b"JSON")?
-        .ok_or("GLB: its first chunk is of another kind, and JSON would be read")?;
-    let chunk = split_chunk(rest, b"BIN\0")?.map(|(chunk, _)| chunk);
+    let (json, rest) = split_chunk(&bytes[GLB_HEADER..length], b"JSON")?;
+    let json = json.ok_or("GLB: its first chunk is of another kind, and JSON would be read")?;
+    let (chunk, _) = split_chunk(rest, b"BIN\0")?;
     // Some exporters fill the chunk up with zeros, not with spaces.
     let end = json.iter().rposition(|byte| *byte != 0).map_or(0, |last| last + 1);
     Ok((&json[..end], chunk))
 }
 
-/// The first chunk and what follows it; `None` if there is none, or one of another kind.
+/// The first chunk, if it is of this kind, and what follows it.
 fn split_chunk<'a>(
     bytes: &'a [u8],
     kind: &[u8; 4],
-) -> Result<Option<(&'a [u8], &'a [u8])>, String> {
-    let Some((header, rest)) = bytes.split_first_chunk::<CHUNK_HEADER>() else { return Ok(None) };
+) -> Result<(Option<&'a [u8]>, &'a [u8]), String> {
+    let Some((header, rest)) = bytes.split_first_chunk::<CHUNK_HEADER>() else {
+        return Ok((None, bytes));
+    };
     let [a, b, c, d, found @ ..] = *header;
     if found != *kind {
-        return Ok(None);
+        return Ok((None, bytes));
     }
     let length = u32::from_le_bytes([a, b, c, d]) as usize;
-    rest.split_at_checked(length).map(Some).ok_or_else(|| {
-        format!("GLB: a chunk announces {length} bytes, but {} follow its header", rest.len())
-    })
+    match rest.split_at_checked(length) {
+        Some((chunk, rest)) => Ok((Some(chunk), rest)),
+        None => Err(format!(
+            "GLB: a chunk announces {length} bytes, but {} follow its header",
+            rest.len()
+        )),
+    }
 }
 
 struct Scene<'a> {
-    document: &'a Document,
+    document: &'a Document<'a>,
     data: Data<'a>,
     /// A mesh may be placed many times, and a Draco stream may be used by many primitives.
     decompressed: BTreeMap<DracoStream, Rc<DracoMesh>>,
@@ -207,7 +215,12 @@ impl Scene<'_> {
     }
 
     /// The mesh of a node, once or as its instances.
-    fn add_node(&mut self, index: usize, node: &Value, transform: &DAffine3) -> Result<(), String> {
+    fn add_node(
+        &mut self,
+        index: usize,
+        node: &Json<'_>,
+        transform: &DAffine3,
+    ) -> Result<(), String> {
         let Some(mesh) = optional_number(node, "mesh")? else { return Ok(()) };
         let name = text(node, "name");
         if has_weight(node) {
@@ -256,14 +269,15 @@ impl Scene<'_> {
     fn trees(&mut self) -> Result<Vec<usize>, String> {
         let Document { nodes, scenes, scene, .. } = self.document;
         let scenes = entries(scenes);
-        let roots = |(index, scene): (usize, &Value)| {
+        let roots = |(index, scene): (usize, &Json<'_>)| {
             indices(scene, "nodes").map_err(|reason| format!("scene {index}: {reason}"))
         };
-        let default = usize::try_from(scene.as_u64().unwrap_or(u64::MAX)).unwrap_or(usize::MAX);
-        if let Some(found) = scenes.get(default) {
+        if let Some(default) = whole(scene)
+            && let Some(found) = scenes.get(default)
+        {
             return roots((default, found));
         }
-        if !scene.is_null() {
+        if *scene != Json::Null {
             self.file.note(NoteKind::MissingScenes, 1);
         }
         if !scenes.is_empty() {
@@ -302,12 +316,12 @@ impl Scene<'_> {
 
     fn add_primitive(
         &mut self,
-        (number, primitive): (usize, &Value),
+        (number, primitive): (usize, &Json<'_>),
         transform: &DAffine3,
         placed: &mut Vec<Placed>,
     ) -> Result<(), String> {
         let Some(mode) = Mode::of(primitive)? else { return Ok(()) };
-        let attributes = key(primitive, "attributes").unwrap_or(&Value::Null);
+        let attributes = key(primitive, "attributes").unwrap_or(&Json::Null);
         let Some(accessor) = optional_number(attributes, "POSITION")? else { return Ok(()) };
         let is_normalized = entries(&self.document.accessors)
             .get(accessor)
@@ -363,7 +377,7 @@ impl Scene<'_> {
     }
 
     /// By its material; without one a renderer draws one side.
-    fn sidedness(&self, primitive: &Value) -> Sidedness {
+    fn sidedness(&self, primitive: &Json<'_>) -> Sidedness {
         let material = optional_number(primitive, "material").ok().flatten();
         let material = material.and_then(|index| entries(&self.document.materials).get(index));
         match material {
@@ -403,7 +417,7 @@ impl Scene<'_> {
         let primitives = entries(&self.document.meshes).get(mesh);
         let primitives = primitives.and_then(|mesh| list(mesh, "primitives").ok());
         let has_targets =
-            |primitive: &Value| list(primitive, "targets").is_ok_and(|t| !t.is_empty());
+            |primitive: &Json<'_>| list(primitive, "targets").is_ok_and(|t| !t.is_empty());
         if primitives.into_iter().flatten().any(has_targets) {
             self.morphed.insert(mesh);
         }
@@ -412,7 +426,8 @@ impl Scene<'_> {
 
 /// Skins. What can't be read of them is left out, since the mesh is there without.
 impl Scene<'_> {
-    /// Puts the vertices of a mesh, and turns its triangles from `start`, as its skin's joints say, if that is elsewhere.
+    /// Puts the vertices of a mesh, and turns its triangles from `start`, as its skin's joints say, if they move all of
+    /// it.
     fn apply_skin(
         &mut self,
         (skin, mesh): (usize, usize),
@@ -420,12 +435,9 @@ impl Scene<'_> {
         placed: &[Placed],
         start: usize,
     ) {
-        let poses = match self.rest_poses(skin, mesh, transform) {
-            Ok(Some(poses)) => poses,
-            Ok(None) => return,
-            Err(_) => return self.file.note(NoteKind::UnreadableSkins, 1),
+        let Some(poses) = self.noted_poses((skin, mesh), transform, NoteKind::AppliedSkins) else {
+            return;
         };
-        self.file.note(NoteKind::AppliedSkins, 1);
         let is_mirrored = transform.matrix3.determinant() < 0.0;
         if poses.first().is_some_and(|(_, pose)| pose.is_mirrored != is_mirrored) {
             let triangles = self.file.mesh.triangles.iter_mut().skip(start);
@@ -442,26 +454,40 @@ impl Scene<'_> {
     }
 
     /// Notes the first skin of a mesh that moves it, since in its own space the mesh stands as it was modelled.
-    fn note_skins(&mut self, mesh: usize, nodes: &[(usize, &Value)]) {
-        let skinned = |(index, node): &(usize, &Value)| {
+    fn note_skins(&mut self, mesh: usize, nodes: &[(usize, &Json<'_>)]) {
+        let skinned = |(index, node): &(usize, &Json<'_>)| {
             Some((*index, optional_number(node, "skin").ok().flatten()?))
         };
         let Some((node, skin)) = nodes.iter().find_map(skinned) else { return };
         let Some(transform) = self.globals().get(node).copied().flatten() else { return };
-        match self.rest_poses(skin, mesh, &transform) {
-            Ok(Some(_)) => self.file.note(NoteKind::IgnoredSkins, 1),
-            Ok(None) => {}
-            Err(_) => self.file.note(NoteKind::UnreadableSkins, 1),
-        }
+        let _ = self.noted_poses((skin, mesh), &transform, NoteKind::IgnoredSkins);
     }
 
-    /// Where a skin puts the primitives of a mesh; `None` if that is where the transform puts them.
+    /// Where a skin puts the primitives of a mesh if it moves all of the mesh, and a note of what it does. `move_of_all` is
+    /// the kind for that.
+    fn noted_poses(
+        &mut self,
+        (skin, mesh): (usize, usize),
+        transform: &DAffine3,
+        move_of_all: NoteKind,
+    ) -> Option<Vec<(usize, Pose)>> {
+        let (kind, poses) = match self.rest_poses(skin, mesh, transform) {
+            Ok((Effect::Nothing, _)) => return None,
+            Ok((Effect::Pose, _)) => (NoteKind::PosingSkins, None),
+            Ok((Effect::MoveOfAll, poses)) => (move_of_all, Some(poses)),
+            Err(_) => (NoteKind::UnreadableSkins, None),
+        };
+        self.file.note(kind, 1);
+        poses
+    }
+
+    /// Where a skin puts the primitives of a mesh, and what it does to what the transform places.
     fn rest_poses(
         &mut self,
         skin: usize,
         mesh: usize,
         transform: &DAffine3,
-    ) -> Result<Option<Vec<(usize, Pose)>>, String> {
+    ) -> Result<(Effect, Vec<(usize, Pose)>), String> {
         let mesh = entry(&self.document.meshes, "mesh", mesh)?;
         let globals = self.globals();
         let skin = Skin::read(&self.document.skins, skin, &globals, self)?;
@@ -469,7 +495,7 @@ impl Scene<'_> {
         let (mut places, mut posed) = (Vec::new(), Vec::new());
         let mut sources = Vec::new();
         for (number, primitive) in list(mesh, "primitives")?.iter().enumerate() {
-            let attributes = key(primitive, "attributes").unwrap_or(&Value::Null);
+            let attributes = key(primitive, "attributes").unwrap_or(&Json::Null);
             let Some(accessor) = optional_number(attributes, "POSITION")? else { continue };
             if Mode::of(primitive)?.is_none() || sources.contains(&accessor) {
                 continue;
@@ -488,7 +514,7 @@ impl Scene<'_> {
             posed.extend_from_slice(&pose.positions);
             poses.push((number, pose));
         }
-        Ok(is_elsewhere(&places, &posed).then_some(poses))
+        Ok((Effect::of(&places, &posed), poses))
     }
 
     fn globals(&mut self) -> Rc<[Option<DAffine3>]> {
@@ -525,20 +551,23 @@ impl Vectors for Scene<'_> {
 }
 
 /// Whether morph targets have a weight at rest.
-fn has_weight(of: &Value) -> bool {
+fn has_weight(of: &Json<'_>) -> bool {
     list(of, "weights").unwrap_or_default().iter().any(|weight| weight.as_f64() != Some(0.0))
 }
 
-fn extras(of: &Value) -> Option<String> {
-    key(of, "extras").map(Value::to_string)
+fn extras(of: &Json<'_>) -> Option<String> {
+    match key(of, "extras") {
+        Some(Json::Extras(text)) => Some((*text).to_owned()),
+        _ => None,
+    }
 }
 
-fn scene_node(node: &Value) -> SceneNode {
+fn scene_node(node: &Json<'_>) -> SceneNode {
     SceneNode { name: text(node, "name").unwrap_or_default().to_owned(), extras: extras(node) }
 }
 
 /// The nodes that show each mesh, with their indices.
-fn nodes_of_meshes(document: &Document) -> Vec<Vec<(usize, &Value)>> {
+fn nodes_of_meshes<'a>(document: &'a Document<'a>) -> Vec<Vec<(usize, &'a Json<'a>)>> {
     let mut nodes_of = vec![Vec::new(); entries(&document.meshes).len()];
     for (index, node) in entries(&document.nodes).iter().enumerate() {
         let mesh = optional_number(node, "mesh").ok().flatten();
@@ -559,7 +588,7 @@ enum Mode {
 
 impl Mode {
     /// `None` for points and lines.
-    fn of(primitive: &Value) -> Result<Option<Self>, String> {
+    fn of(primitive: &Json<'_>) -> Result<Option<Self>, String> {
         match optional_number(primitive, "mode")?.unwrap_or(4) {
             0..=3 => Ok(None),
             4 => Ok(Some(Self::Triangles)),

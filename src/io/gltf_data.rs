@@ -24,11 +24,11 @@ use meshoptimizer_rs::codec::{
 };
 use meshoptimizer_rs::{Error, Limits, Workspace};
 use percent_encoding::percent_decode_str;
-use serde_json::Value;
 
 use super::gltf_json::{
     Document, entries, entry, extension, is_true, key, needed_number, optional_number, text,
 };
+use super::gltf_tree::Json;
 use super::text::quote;
 
 /// The names of meshoptimizer's extension, before and after it was adopted by Khronos.
@@ -67,7 +67,7 @@ impl<'a> From<Option<&'a Path>> for Beside<'a> {
 /// What a document refers to, loaded and decompressed when geometry first needs it, so that a missing file with
 /// nothing but images in it does no harm.
 pub(super) struct Data<'a> {
-    document: &'a Document,
+    document: &'a Document<'a>,
     chunk: Option<&'a [u8]>,
     beside: Beside<'a>,
     /// Bytes of the file itself, without the buffers beside it.
@@ -83,7 +83,7 @@ pub(super) struct Data<'a> {
 
 impl<'a> Data<'a> {
     pub(super) fn new(
-        document: &'a Document,
+        document: &'a Document<'a>,
         chunk: Option<&'a [u8]>,
         beside: Beside<'a>,
         file_length: usize,
@@ -147,7 +147,7 @@ impl<'a> Data<'a> {
         })
     }
 
-    fn find_view(&self, index: usize) -> Result<&'a Value, String> {
+    fn find_view(&self, index: usize) -> Result<&'a Json<'a>, String> {
         entry(&self.document.buffer_views, "buffer view", index)
     }
 
@@ -157,7 +157,7 @@ impl<'a> Data<'a> {
         self.bytes_of(view, index).map_err(|reason| format!("buffer view {index}: {reason}"))
     }
 
-    fn bytes_of(&mut self, view: &Value, index: usize) -> Result<&[u8], String> {
+    fn bytes_of(&mut self, view: &Json<'_>, index: usize) -> Result<&[u8], String> {
         let length = needed_number(view, "byteLength")?;
         let Some(compressed) = Compressed::of(view)? else {
             let offset = optional_number(view, "byteOffset")?.unwrap_or(0);
@@ -241,13 +241,13 @@ impl<'a> Data<'a> {
         read().map_err(at_accessor(index))
     }
 
-    fn find_accessor(&self, index: usize) -> Result<&'a Value, String> {
+    fn find_accessor(&self, index: usize) -> Result<&'a Json<'a>, String> {
         entry(&self.document.accessors, "accessor", index)
     }
 
     fn elements<T: Clone>(
         &mut self,
-        accessor: &Value,
+        accessor: &Json<'_>,
         layout: ElementLayout,
         decode: impl Fn(&[u8]) -> T,
     ) -> Result<Vec<T>, String> {
@@ -280,7 +280,7 @@ impl<'a> Data<'a> {
     /// The elements that a sparse accessor changes, and the bytes of what they become.
     fn sparse(
         &mut self,
-        sparse: &Value,
+        sparse: &Json<'_>,
         layout: ElementLayout,
     ) -> Result<(Vec<usize>, impl Iterator<Item = &[u8]>), String> {
         let count = needed_number(sparse, "count")?;
@@ -351,7 +351,7 @@ enum Component {
 
 impl Component {
     /// That of an accessor, by its code.
-    fn of(accessor: &Value) -> Result<Self, String> {
+    fn of(accessor: &Json<'_>) -> Result<Self, String> {
         Ok(match needed_number(accessor, "componentType")? {
             5120 => Self::I8,
             5121 => Self::U8,
@@ -368,7 +368,7 @@ impl Component {
     }
 
     /// The same, if the elements are of a kind such as `VEC3`.
-    fn of_kind(accessor: &Value, kind: &str) -> Result<Self, String> {
+    fn of_kind(accessor: &Json<'_>, kind: &str) -> Result<Self, String> {
         match text(accessor, "type") {
             Some(found) if found == kind => Self::of(accessor),
             found => {
@@ -539,7 +539,7 @@ struct Compressed {
 
 impl Compressed {
     /// The stream of a view, if the view is compressed.
-    fn of(view: &Value) -> Result<Option<Self>, String> {
+    fn of(view: &Json<'_>) -> Result<Option<Self>, String> {
         let found = MESHOPT.iter().find_map(|name| Some((name, extension(view, name)?)));
         let Some((name, extension)) = found else {
             return Ok(None);
@@ -547,7 +547,7 @@ impl Compressed {
         Self::parse(extension).map(Some).map_err(|reason| format!("{name}: {reason}"))
     }
 
-    fn parse(extension: &Value) -> Result<Self, String> {
+    fn parse(extension: &Json<'_>) -> Result<Self, String> {
         let mode = text(extension, "mode").ok_or("its `mode` is missing")?;
         let filter = text(extension, "filter").unwrap_or("NONE");
         let compressed = Self {
@@ -608,7 +608,7 @@ impl Compressed {
 }
 
 /// Whether a buffer stands only for what compressed views grow to.
-fn is_placeholder(buffer: &Value) -> bool {
+fn is_placeholder(buffer: &Json<'_>) -> bool {
     MESHOPT
         .iter()
         .any(|name| extension(buffer, name).is_some_and(|extension| is_true(extension, "fallback")))
@@ -634,7 +634,7 @@ pub(super) struct DracoMesh {
 
 impl DracoStream {
     /// The stream of a primitive, if the primitive is compressed.
-    pub(super) fn of(primitive: &Value, is_normalized: bool) -> Result<Option<Self>, String> {
+    pub(super) fn of(primitive: &Json<'_>, is_normalized: bool) -> Result<Option<Self>, String> {
         let Some(found) = extension(primitive, DRACO) else {
             return Ok(None);
         };

@@ -1,20 +1,20 @@
 //! Nodes of a glTF scene: their transforms, whether they are hidden, and their instances.
 
 use glam::{DAffine3, DMat3, DMat4};
-use serde_json::Value;
 
 use super::gltf_extensions::{INSTANCING, VISIBILITY};
 use super::gltf_json::{entries, extension, indices, key, numbers, optional_number};
+use super::gltf_tree::Json;
 use crate::geometry::vector::Vector;
 
 /// Whether a node and all that is below it is hidden.
-pub(super) fn is_hidden(node: &Value) -> bool {
+pub(super) fn is_hidden(node: &Json<'_>) -> bool {
     let visible = extension(node, VISIBILITY).and_then(|extension| key(extension, "visible"));
-    visible.and_then(Value::as_bool) == Some(false)
+    visible == Some(&Json::Bool(false))
 }
 
 /// Of a 4×4 matrix the last row is taken as (0, 0, 0, 1).
-pub(super) fn transform(node: &Value) -> Result<DAffine3, String> {
+pub(super) fn transform(node: &Json<'_>) -> Result<DAffine3, String> {
     Ok(match numbers(node, "matrix")? {
         Some(matrix) => affine(&matrix),
         None => transform_from_parts(
@@ -57,7 +57,7 @@ pub(super) struct Instances {
 
 impl Instances {
     /// `None` for a node that stands once.
-    pub(super) fn of(node: &Value) -> Result<Option<Self>, String> {
+    pub(super) fn of(node: &Json<'_>) -> Result<Option<Self>, String> {
         let attributes = extension(node, INSTANCING).and_then(|found| key(found, "attributes"));
         let Some(attributes) = attributes else { return Ok(None) };
         let accessor = |name| optional_number(attributes, name);
@@ -100,7 +100,7 @@ pub(super) fn instance_transforms(
 }
 
 /// Which nodes are below another.
-pub(super) fn are_children(nodes: &[Value]) -> Vec<bool> {
+pub(super) fn are_children(nodes: &[Json<'_>]) -> Vec<bool> {
     let mut is_child = vec![false; nodes.len()];
     for child in nodes.iter().flat_map(|node| indices(node, "children").unwrap_or_default()) {
         if let Some(is_child) = is_child.get_mut(child) {
@@ -112,7 +112,7 @@ pub(super) fn are_children(nodes: &[Value]) -> Vec<bool> {
 
 /// The transforms of all nodes to their scene; `None` where a node is in no tree, or above it one can't be read.
 /// O(nodes).
-pub(super) fn global_transforms(nodes: &Value) -> Vec<Option<DAffine3>> {
+pub(super) fn global_transforms(nodes: &Json<'_>) -> Vec<Option<DAffine3>> {
     let nodes = entries(nodes);
     let roots = are_children(nodes).into_iter().enumerate().filter(|(_, is_child)| !is_child);
     let mut open: Vec<(usize, DAffine3)> =
@@ -133,8 +133,6 @@ pub(super) fn global_transforms(nodes: &Value) -> Vec<Option<DAffine3>> {
 
 #[cfg(test)]
 mod tests {
-    use serde_json::json;
-
     use super::*;
 
     #[test]
@@ -157,14 +155,15 @@ mod tests {
 
     #[test]
     fn nodes_that_are_no_tree_have_no_place_and_take_no_time() {
-        let nodes = json!([
-            { "translation": [1, 0, 0], "children": [1, 1, 9] },
-            { "translation": [0, 2, 0] },
-            { "children": [3] },
-            { "children": [2] },
-            { "children": [5], "scale": "large" },
-            {},
-        ]);
+        let nodes = r#"[
+            {"translation": [1, 0, 0], "children": [1, 1, 9]},
+            {"translation": [0, 2, 0]},
+            {"children": [3]},
+            {"children": [2]},
+            {"children": [5], "scale": "large"},
+            {}
+        ]"#;
+        let nodes = Json::parse(nodes.as_bytes()).unwrap();
         let places: Vec<Option<Vector>> =
             global_transforms(&nodes).iter().map(|at| at.map(|at| at.translation)).collect();
         let (first, second) = (Vector::new(1.0, 0.0, 0.0), Vector::new(1.0, 2.0, 0.0));

@@ -25,6 +25,7 @@ mod gltf_extensions;
 mod gltf_json;
 mod gltf_nodes;
 mod gltf_skins;
+mod gltf_tree;
 mod mesh_file;
 mod notes;
 mod obj;

@@ -14,10 +14,12 @@ pub enum NoteKind {
     IncompleteTriangles,
     /// Base64 without padding, with line breaks or with escapes.
     MendedBase64,
-    /// Skins whose joints move or scale the mesh at rest, applied.
+    /// Skins whose joints move or scale all of the mesh at rest, applied.
     AppliedSkins,
     /// The same, not applied, since the mesh is read in the space that it was modelled in.
     IgnoredSkins,
+    /// Skins whose joints pose the mesh at rest, not applied.
+    PosingSkins,
     /// Skins that can't be read, not applied.
     UnreadableSkins,
     /// Morph targets that have a weight at rest, not applied.
@@ -70,6 +72,11 @@ impl NoteKind {
                 "ignored_skins",
                 "skin whose joints move or scale the mesh at rest: not applied, hulls are of the mesh as modelled",
                 "skins whose joints move or scale the mesh at rest: not applied, hulls are of the mesh as modelled",
+            ),
+            Self::PosingSkins => (
+                "posing_skins",
+                "skin whose joints pose the mesh at rest: not applied",
+                "skins whose joints pose the mesh at rest: not applied",
             ),
             Self::UnreadableSkins => (
                 "unreadable_skins",

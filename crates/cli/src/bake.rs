@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 
 use hullwright::bake::{BakeJob, BakeOptions, bake_jobs, bake_triangles, extras_complaints};
 use hullwright::hulls_format::{BakedTriangles, HullScene, HullsFile, MeshHash, SceneLookup};
-use hullwright::io::{Format, NamedMesh, read_own_meshes, read_scene};
+use hullwright::io::{Format, NamedMesh, SceneMesh, read_scene};
 use hullwright::{Control, Error, Method};
 use hullwright_cli::terminal::{Failure, count, print, print_error, print_warning};
 
 use crate::arguments::{ParameterArguments, SCENE_SUFFIX, ThreadArguments, Uses};
 use crate::decompose::{DEFAULT_DENSITY, hulls_file, wrote};
+use crate::notes;
 use crate::progress::LateBar;
 use crate::report::vertices;
 
@@ -198,6 +199,7 @@ fn scenes<'a>(
             return Err(Failure::Usage(reason));
         }
         if let Some(meshes) = results.keep(with_triangles(read_scene(&input.path), input)) {
+            notes::warn(meshes.iter().flat_map(|mesh| &mesh.notes), &input.path);
             for complaint in extras_complaints(&meshes) {
                 print_warning(&format!("{}, {complaint}", input.path.display()));
             }
@@ -209,7 +211,10 @@ fn scenes<'a>(
 }
 
 /// What was read of an input, if there are triangles in it.
-fn with_triangles<T>(read: Result<Vec<T>, Error>, input: &InputFile) -> Result<Vec<T>, String> {
+fn with_triangles(
+    read: Result<Vec<SceneMesh>, Error>,
+    input: &InputFile,
+) -> Result<Vec<SceneMesh>, String> {
     match read {
         Err(error) => Err(error.to_string()),
         Ok(meshes) if meshes.is_empty() => {
@@ -326,8 +331,11 @@ fn mesh_jobs<'a>(
     let mut names = HashSet::new();
     let mut jobs = Vec::new();
     for input in inputs {
-        let meshes = results.keep(with_triangles(read_own_meshes(&input.path), input));
-        for mesh in meshes.into_iter().flatten() {
+        let meshes = results.keep(with_triangles(read_scene(&input.path), input));
+        let meshes = meshes.unwrap_or_default();
+        notes::warn(meshes.iter().flat_map(|mesh| &mesh.notes), &input.path);
+        for SceneMesh { name, mesh, .. } in meshes {
+            let mesh = NamedMesh { name, mesh };
             let name = unique(&file_name(&mesh.name), &mut names);
             let output = output_of(arguments, input, &format!("{name}.hulls"));
             jobs.push(MeshJob { input: &input.path, mesh, output });

@@ -2,14 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use hullwright::io::{read_mesh, write_file};
+use hullwright::io::write_file;
 use hullwright::{CurvePoint, Error, MergeTree};
 use hullwright_cli::terminal::{Failure, print, print_json};
 use plotters::prelude::*;
 use serde_json::json;
 
 use crate::arguments::{ParameterArguments, ThreadArguments, Uses, mesh_help};
-use crate::progress::{LateBar, waiting};
+use crate::notes::read_with_warnings;
+use crate::progress::LateBar;
 use crate::report;
 
 /// Show hulls against error, from the decomposition down to one hull
@@ -46,7 +47,7 @@ fn parse_output(text: &str) -> Result<PathBuf, String> {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let chosen = arguments.parameters.checked(&Uses { bound: true, ..Uses::default() })?;
     let name = arguments.mesh.display().to_string();
-    let file = waiting("reading", || read_mesh(&arguments.mesh))?;
+    let file = read_with_warnings(&arguments.mesh)?;
     let pool = arguments.threads.pool()?;
     let bar = LateBar::start();
     let control = bar.control().with_parallel(arguments.threads.is_parallel());

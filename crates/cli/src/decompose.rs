@@ -82,12 +82,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         None => {}
     }
     if *json {
-        return print_json(&report::json(mesh, &decomposition, seconds, *search));
+        return print_json(&report::json(mesh, &file.notes, &decomposition, seconds, *search));
     }
     if let (true, Some(surface)) = (*search, decomposition.report.surface()) {
         print(&report::search(surface))?;
     }
-    print(&report::summary(&decomposition, seconds))?;
+    print(&report::summary(&file.notes, &decomposition, seconds))?;
     match output {
         Some(output) => print(&wrote(output, &decomposition.hulls)),
         None => Ok(()),

@@ -7,6 +7,7 @@ use hullwright::io::{is_hulls_file, read_mesh};
 use hullwright_cli::terminal::{Failure, count, print};
 
 use crate::arguments::{SolidArguments, is_scene_file, mesh_help};
+use crate::notes;
 use crate::progress::waiting;
 
 /// Show counts, bounds, components, open and non-manifold edges, and what would be repaired
@@ -33,5 +34,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let found = waiting("inspecting", || hullwright::inspect_with(&file, &parameters))
         .map_err(|error| format!("{}: {error}", path.display()))?;
     let objects = count(file.objects.len(), "object", "objects");
-    print(&format!("{}: {objects}\n{found}", path.display()))
+    let mut lines = vec![format!("{}: {objects}", path.display())];
+    lines.extend(notes::lines(&file.notes));
+    lines.push(found.to_string());
+    print(&lines.join("\n"))
 }

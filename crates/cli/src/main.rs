@@ -9,6 +9,7 @@ mod curve;
 mod decompose;
 mod inspect;
 mod measure;
+mod notes;
 mod progress;
 mod report;
 mod view;

@@ -2,13 +2,14 @@
 
 use std::path::PathBuf;
 
-use hullwright::io::{read_hulls, read_mesh};
+use hullwright::io::read_hulls;
 use hullwright::measure::{Distances, MeasureOptions, Measurement, measure};
 use hullwright::{Control, Length};
 use hullwright_cli::terminal::{Failure, print, print_json};
 use serde_json::{Value, json};
 
 use crate::arguments::{SolidArguments, mesh_help, parse_point};
+use crate::notes::read_with_warnings;
 use crate::progress::waiting;
 
 /// Measure a set of hulls, of any tool, against their mesh
@@ -45,7 +46,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let solid = arguments.solid.parameters()?;
     let solid = solid.probe_radius(arguments.probe_radius).probe_from(&arguments.probe_from[..]);
     solid.validate().map_err(|error| Failure::Usage(error.to_string()))?;
-    let mesh = waiting("reading", || read_mesh(&arguments.mesh))?;
+    let mesh = read_with_warnings(&arguments.mesh)?;
     let hulls = waiting("reading", || read_hulls(&arguments.hulls))?;
     let options = MeasureOptions::from(&solid);
     let judged = waiting("measuring", || measure(&mesh, &hulls, &options, &Control::new()));

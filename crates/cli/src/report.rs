@@ -4,10 +4,13 @@
 use std::path::Path;
 
 use comfy_table::{CellAlignment, Table, presets};
+use hullwright::io::Note;
 use hullwright::surface::{ResolutionOutcome, SurfaceReport, ThresholdOutcome};
 use hullwright::{CurvePoint, Decomposition, Hull, MethodReport, ProbeReport, Report};
 use hullwright_cli::terminal::time;
 use serde_json::{Map, Value, json};
+
+use crate::notes::lines;
 
 /// The columns of the paper's Table 1.
 const SUMMARY_HEADER: [&str; 8] =
@@ -31,10 +34,14 @@ pub fn vertices(hulls: &[Hull]) -> usize {
     hulls.iter().map(|hull| hull.shape.points.len()).sum()
 }
 
-/// A table with one row, and a line for each remark on the work.
+/// A table with one row, and a line for each remark on the file and on the work.
 ///
 /// `seconds` is the wall-clock time of the decomposition, without reading and writing.
-pub fn summary(decomposition: &Decomposition<MethodReport>, seconds: f64) -> String {
+pub fn summary(
+    notes: &[Note],
+    decomposition: &Decomposition<MethodReport>,
+    seconds: f64,
+) -> String {
     let Decomposition { hulls, run, report, .. } = decomposition;
     let pieces = hulls.len().to_string();
     let seconds = time(seconds);
@@ -72,7 +79,7 @@ pub fn summary(decomposition: &Decomposition<MethodReport>, seconds: f64) -> Str
     if let Some(probe) = report.bounded().and_then(|bounded| bounded.probe) {
         text += &format!("\n{}", of_probe(&probe, run.diagonal));
     }
-    for line in decomposition.remarks() {
+    for line in lines(notes).into_iter().chain(decomposition.remarks()) {
         text += &format!("\n{line}");
     }
     text
@@ -160,6 +167,7 @@ fn cost(cost: f64) -> String {
 /// `seconds` is the wall-clock time of the decomposition, without reading and writing.
 pub fn json(
     mesh: &Path,
+    notes: &[Note],
     decomposition: &Decomposition<MethodReport>,
     seconds: f64,
     with_search: bool,
@@ -171,10 +179,14 @@ pub fn json(
     };
     let area =
         |is_closed| closed(is_closed).map(|opening| opening.area).fold(0.0, |sum, area| sum + area);
+    let notes = notes.iter().map(
+        |note| json!({ "kind": note.kind.name(), "count": note.count, "text": note.to_string() }),
+    );
     let stages = run.times.iter().map(|time| (time.stage.name().into(), time.seconds.into()));
     let mut line = json!({
         "mesh": mesh.display().to_string(),
         "method": report.name(),
+        "notes": notes.collect::<Value>(),
         "triangles": run.source_triangles,
         "hulls": hulls.len(),
         "vertices": vertices(hulls),

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use hullwright::io::{MeshFile, read_hulls, read_mesh, write_file};
+use hullwright::io::{MeshFile, read_hulls, write_file};
 use hullwright::{Control, Error, Hull, MergeTree, Method};
 use hullwright_cli::render::{Layout, Panel, Picture, render_with};
 use hullwright_cli::terminal::{Failure, count, print, time};
@@ -12,6 +12,7 @@ use hullwright_cli::viewer::{HullSet, Page, hulls_of};
 use crate::arguments::{
     Chosen, ParameterArguments, ThreadArguments, Uses, mesh_help, parse_method,
 };
+use crate::notes::read_with_warnings;
 use crate::progress::{LateBar, waiting};
 
 /// Write a page, or a picture, that shows a mesh and its hulls
@@ -59,7 +60,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let uses = Uses { others: &arguments.compare, bound: true };
     let chosen = arguments.parameters.checked(&uses)?;
     let output = output(arguments)?;
-    let file = waiting("reading", || read_mesh(&arguments.mesh))?;
+    let file = read_with_warnings(&arguments.mesh)?;
     // All files first, so that a misspelt name ends the work before it begins.
     let mut others = Vec::new();
     for path in &arguments.hulls {

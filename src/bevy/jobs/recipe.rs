@@ -11,7 +11,7 @@ use super::baked::{BakedScene, BakedSceneSettings, HullSceneLoader, LoadHullsErr
 use super::task::contain_panics;
 use crate::bake::{BakeOptions, bake_jobs, bake_triangles, extras_complaints};
 use crate::hulls_format::HullScene;
-use crate::io::read_scene_from_bytes;
+use crate::io::{read_scene_from_bytes, sum_notes};
 use crate::{Control, Method};
 
 /// Loads `.hullrecipe` files (feature `io`): JSON that names a scene beside it,
@@ -95,6 +95,9 @@ async fn bake(bytes: &[u8], context: &mut LoadContext<'_>) -> Result<HullScene, 
         context.path().resolve_embed_str(&scene).map_err(|error| wrong(error.to_string()))?;
     let bytes = context.read_asset_bytes(&path).await.map_err(|error| wrong(error.to_string()))?;
     let meshes = read_scene_from_bytes(&bytes).map_err(|error| wrong(error.to_string()))?;
+    for note in sum_notes(meshes.iter().flat_map(|mesh| &mesh.notes)) {
+        log::warn!("{path}: {note}");
+    }
     for complaint in extras_complaints(&meshes) {
         log::warn!("{path}, {complaint}");
     }

@@ -65,6 +65,7 @@ fn json_has_the_same_keys_for_every_method() {
     let expected = [
         "mesh",
         "method",
+        "notes",
         "triangles",
         "hulls",
         "vertices",

@@ -41,7 +41,9 @@ fn add_keys(value: &Value, path: &str, keys: &mut BTreeSet<String>) {
 
 #[test]
 fn the_documented_keys_are_those_that_are_printed() {
-    let place = Place::new(&[]);
+    let cut = "solid cut\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n\
+               endloop\nendfacet\n";
+    let place = Place::new(&[("cut.stl", cut)]);
     let (open, solid) = (asset("props.glb"), asset("l_prism.glb"));
     place.succeed(&["decompose", &solid, "-o", "hulls.obj"]);
     for (command, lines) in [
@@ -49,6 +51,7 @@ fn the_documented_keys_are_those_that_are_printed() {
             "decompose",
             &[
                 &["decompose", &open][..],
+                &["decompose", "cut.stl"],
                 &["decompose", &solid, "--method", "surface", "--search"],
                 &["decompose", &solid, "--method", "hull"],
             ][..],

@@ -43,6 +43,35 @@ fn inspect_shows_repairs_and_holes() {
     assert!(kept.contains("nothing is closed"));
 }
 
+/// A tetrahedron, whose solid has no end.
+const UNENDED: &str = "solid a\n\
+    facet\nvertex 0 0 0\nvertex 0 1 0\nvertex 1 0 0\nend facet\n\
+    facet\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 0 1\nend facet\n\
+    facet\nvertex 0 0 0\nvertex 0 0 1\nvertex 0 1 0\nendfacet\n\
+    facet\nvertex 1 0 0\nvertex 0 1 0\nvertex 0 0 1\nendfacet\n";
+
+#[test]
+fn what_a_reader_mends_has_a_line_for_each_kind() {
+    let place = Place::new(&[("a.stl", UNENDED)]);
+    let expected = "file: 2 lines such as `end solid`: read as one word\n\
+                    file: 1 line `solid` or `endsolid` doubled or missing: mended\n";
+    for command in ["inspect", "decompose"] {
+        let shown = place.succeed(&[command, "a.stl"]);
+        assert!(shown.contains(expected), "{shown}");
+    }
+    let line = place.json(&["decompose", "a.stl"]);
+    assert_eq!(line["notes"][0]["kind"], "divided_ends");
+    assert_eq!(line["notes"][0]["count"], 2);
+    for arguments in [&["bake", "a.stl"][..], &["bake", "a.stl", "--per-mesh"], &["curve", "a.stl"]]
+    {
+        let output = place.run(arguments);
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success(), "{error}");
+        assert!(error.starts_with("warning: a.stl: 2 lines such as"), "{error}");
+        assert_eq!(error.lines().count(), 2, "{error}");
+    }
+}
+
 #[test]
 fn inspect_lists_the_meshes_of_a_baked_scene() {
     let place = Place::new(&[("box.obj", BOX)]);
@@ -65,9 +94,13 @@ fn files_that_hold_no_mesh_end_with_one_line_and_exit_code_1() {
         ("beyond.obj", "v 0 0 0\nf 1 1 2\n", "line 2"),
         ("lying.off", "OFF\n4000000000 1 0\n", "line 2"),
         ("cut.ply", "ply\nformat ascii 1.0\n", "end_header"),
-        ("cut.stl", "solid x\nfacet normal 0 0 1\n", "inside of solid"),
+        ("cut.stl", "solid x\nfacet normal 0 0 1\n", "inside of a facet"),
         ("noise.glb", "glTF\0\0\0\0", "header"),
-        ("noise.gltf", "{\"asset\":{\"version\":\"2.0\"},\n\"nodes\":3}", "line 2"),
+        (
+            "noise.gltf",
+            "{\"asset\":{\"version\":\"2.0\"},\n\"nodes\":3}",
+            "its `nodes` is `3`, and a list",
+        ),
         ("mesh.xyz", "0 0 0", "suffix"),
     ] {
         place.write(name, content);
