@@ -3,13 +3,19 @@
 use arbitrary::{Result, Unstructured};
 use hullwright::Error;
 use hullwright::hulls_format::HullsFile;
-use hullwright::io::{Format, MeshFile, read_mesh_from_bytes};
+use hullwright::io::{Format, MeshFile, read_mesh_from_bytes, read_scene_from_bytes};
 
 /// What is read names only what is there; what is refused says why.
 fn read(format: Format, bytes: &[u8]) {
+    if format == Format::Gltf {
+        let _ = read_scene_from_bytes(bytes);
+    }
     match read_mesh_from_bytes(format, bytes) {
         Ok(file) => assert_sound(&file),
-        Err(Error::File { source, .. }) => assert!(!source.to_string().is_empty()),
+        Err(Error::File { source, .. }) => {
+            let reason = source.to_string();
+            assert!(!reason.is_empty() && !reason.contains('\n'), "{reason}");
+        }
         Err(error) => panic!("an unexpected kind of error: {error}"),
     }
 }
@@ -24,6 +30,7 @@ fn assert_sound(file: &MeshFile) {
         end = object.triangles.end;
     }
     assert_eq!(end, file.mesh.triangles.len());
+    assert!(file.notes.iter().all(|note| note.count > 0));
 }
 
 /// Reads the bytes, and text of a format's own words that the bytes choose.
@@ -32,6 +39,11 @@ fn read_text(format: Format, bytes: &[u8], words: &[&str]) {
     let text: Vec<&str> =
         bytes.iter().map(|byte| words[usize::from(*byte) % words.len()]).collect();
     read(format, text.concat().as_bytes());
+}
+
+/// Bytes as text of UTF-16, with its mark.
+fn utf_16(bytes: &[u8]) -> Vec<u8> {
+    [0xff, 0xfe].into_iter().chain(bytes.iter().flat_map(|byte| [*byte, 0])).collect()
 }
 
 pub fn obj(bytes: &[u8]) {
@@ -68,8 +80,11 @@ pub fn obj(bytes: &[u8]) {
         "0 1 0 ",
         "0 0 1 ",
         "\r\n",
+        "-1.#IND ",
+        "-nan(ind) ",
     ];
     read_text(Format::Obj, bytes, WORDS);
+    read(Format::Obj, &utf_16(bytes));
 }
 
 pub fn off(bytes: &[u8]) {
@@ -102,6 +117,8 @@ pub fn off(bytes: &[u8]) {
         "3 0 2 9\n",
         "99999999999 ",
         ".5 ",
+        "off ",
+        "1.#INF ",
     ];
     read_text(Format::Off, bytes, WORDS);
     let text = [b"OFF\n".as_slice(), bytes].concat();
@@ -118,6 +135,7 @@ fn shaped_ply(mut bytes: Unstructured<'_>) -> Result<()> {
     const TYPES: [&str; 9] =
         ["float", "double", "uchar", "char", "ushort", "short", "uint", "int", "float32"];
     let format = *bytes.choose(&["ascii", "binary_little_endian", "binary_big_endian"])?;
+    let end = *bytes.choose(&["\n", "\r", "\r\n", "\n \t"])?;
     let mut header = format!("ply\nformat {format} 1.0\n");
     for _ in 0..bytes.int_in_range(0..=3)? {
         let element = *bytes.choose(&["vertex", "face", "edge", "tristrips"])?;
@@ -135,13 +153,14 @@ fn shaped_ply(mut bytes: Unstructured<'_>) -> Result<()> {
         }
     }
     header += "end_header\n";
+    let kind = *bytes.choose(&["face", "tristrips"])?;
     let rest = bytes.take_rest();
-    read(Format::Ply, &[header.as_bytes(), rest].concat());
+    read(Format::Ply, &[header.replace('\n', end).as_bytes(), rest].concat());
     // The same with vertices and faces as they should be, so that the values are reached.
     let vertices = rest.len().min(8);
     let header = format!(
         "ply\nformat {format} 1.0\nelement vertex {vertices}\nproperty float x\nproperty float y\n\
-         property float z\nelement face 3\nproperty list uchar int vertex_indices\nend_header\n"
+         property float z\nelement {kind} 3\nproperty list uchar int vertex_indices\nend_header\n"
     );
     read(Format::Ply, &[header.as_bytes(), rest].concat());
     Ok(())
@@ -167,9 +186,15 @@ pub fn stl(bytes: &[u8]) {
         "vertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n",
         " ",
         "-",
+        "\nend ",
+        "loop",
+        "facet",
+        "\nsolid a\nfacet\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendfacet\n",
     ];
     read_text(Format::Stl, bytes, WORDS);
-    let mut file = vec![b'x'; 80];
+    // A header that reads as text, before bytes that seldom are a whole number of triangles.
+    let mut file = b"solid facet vertex endsolid".to_vec();
+    file.resize(80, b' ');
     file.extend(((bytes.len() / FACET) as u32).to_le_bytes());
     file.extend(bytes);
     read(Format::Stl, &file);
@@ -241,6 +266,11 @@ fn gltf_json(bytes: &mut Unstructured<'_>) -> Result<serde_json::Value> {
         accessors.push(accessor);
     }
     let mut primitive = json!({ "attributes": { "POSITION": bytes.int_in_range(0..=3)? } });
+    if bytes.ratio(1, 4)? {
+        primitive["attributes"]["JOINTS_0"] = json!(bytes.int_in_range(0..=3)?);
+        primitive["attributes"]["WEIGHTS_0"] = json!(bytes.int_in_range(0..=3)?);
+        primitive["targets"] = json!([{}]);
+    }
     if bytes.arbitrary()? {
         primitive["indices"] = json!(bytes.int_in_range(0..=3)?);
     }
@@ -260,6 +290,17 @@ fn gltf_json(bytes: &mut Unstructured<'_>) -> Result<serde_json::Value> {
         if bytes.ratio(1, 3)? {
             node["scale"] = json!([bytes.arbitrary::<i8>()?, 1, 1e-30]);
         }
+        if bytes.ratio(1, 4)? {
+            node["skin"] = json!(bytes.int_in_range(0..=1)?);
+        }
+        if bytes.ratio(1, 4)? {
+            let accessor = bytes.int_in_range(0..=3)?;
+            let attribute = *bytes.choose(&["TRANSLATION", "ROTATION", "SCALE"])?;
+            node["extensions"] = json!({
+                "EXT_mesh_gpu_instancing": { "attributes": { attribute: accessor } },
+                "KHR_node_visibility": { "visible": bytes.arbitrary::<bool>()? },
+            });
+        }
         if bytes.ratio(1, 6)? {
             node["matrix"] =
                 json!([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, bytes.arbitrary::<i8>()?, 0, 1e30, 0, 0, 1]);
@@ -267,10 +308,11 @@ fn gltf_json(bytes: &mut Unstructured<'_>) -> Result<serde_json::Value> {
         nodes.push(node);
     }
     let length = number(bytes)?;
+    let skin = json!({ "joints": [bytes.int_in_range(0..=3)?, 0], "inverseBindMatrices": bytes.int_in_range(0..=3)? });
     Ok(json!({
         "asset": { "version": "2.0" }, "scene": 0,
         "scenes": [{ "nodes": [0, bytes.int_in_range(0..=2)?] }], "nodes": nodes,
-        "meshes": [{ "primitives": [primitive] }],
+        "meshes": [{ "primitives": [primitive] }], "skins": [skin],
         "buffers": [{ "byteLength": length }], "bufferViews": views, "accessors": accessors,
     }))
 }

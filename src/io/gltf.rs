@@ -1,8 +1,9 @@
 //! glTF 2.0 and GLB: the triangles of the scene.
 //!
-//! Only what geometry needs is read, each index checked. Typed readers of whole documents refuse files over animations,
-//! cameras or materials, and panic on accessors beyond their buffer. Nodes must form trees; a node that is reached twice
-//! is an error, which also stops cycles. Compressed data is preferred to an uncompressed copy beside it.
+//! Only what geometry needs is read, each index checked. Typed readers of whole documents refuse files over
+//! animations, cameras or materials, and panic on accessors beyond their buffer. Nodes must form trees; a node that
+//! is reached twice is an error, which also stops cycles. Compressed data is preferred to an uncompressed copy beside
+//! it.
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
@@ -463,8 +464,8 @@ impl Scene<'_> {
         let _ = self.noted_poses((skin, mesh), &transform, NoteKind::IgnoredSkins);
     }
 
-    /// Where a skin puts the primitives of a mesh if it moves all of the mesh, and a note of what it does. `move_of_all` is
-    /// the kind for that.
+    /// Where a skin puts the primitives of a mesh if it moves all of the mesh, and a note of what it does.
+    /// `move_of_all` is the kind for that.
     fn noted_poses(
         &mut self,
         (skin, mesh): (usize, usize),

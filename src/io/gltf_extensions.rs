@@ -11,7 +11,7 @@ const READ: [&str; 4] = ["KHR_mesh_quantization", DRACO, VISIBILITY, INSTANCING]
 
 /// Those that don't change where vertices are: physics, behaviour, animation, metadata, avatars, levels of detail, and
 /// triangles' properties.
-const HARMLESS: [&str; 27] = [
+const HARMLESS: [&str; 26] = [
     "AGI_stk_metadata",
     "ASOBO_normal_map_convention",
     "ASOBO_tags",
@@ -30,7 +30,6 @@ const HARMLESS: [&str; 27] = [
     "KHR_interactivity",
     "KHR_node_hoverability",
     "KHR_node_selectability",
-    "KHR_techniques_webgl",
     "MOZ_hubs_components",
     "MOZ_lightmap",
     "MSFT_audio_emitter",
@@ -42,7 +41,7 @@ const HARMLESS: [&str; 27] = [
 ];
 
 /// The same, by the beginning of their name: materials, textures, lights, cameras, and whole families.
-const HARMLESS_FAMILIES: [&str; 18] = [
+const HARMLESS_FAMILIES: [&str; 19] = [
     "ADOBE_materials_",
     "EXT_camera",
     "EXT_lights_",
@@ -53,6 +52,7 @@ const HARMLESS_FAMILIES: [&str; 18] = [
     "KHR_lights_",
     "KHR_materials_",
     "KHR_physics_",
+    "KHR_technique",
     "KHR_texture_",
     "KHR_xmp",
     "MOZ_texture_",

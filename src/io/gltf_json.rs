@@ -23,6 +23,9 @@ pub(super) struct Document<'a> {
 
 impl<'a> Document<'a> {
     pub(super) fn parse(json: &'a [u8]) -> Result<Self, String> {
+        if json.trim_ascii().is_empty() {
+            return Err("it is empty, and glTF 2.0 would be read".into());
+        }
         let Json::Object(mut parts) = Json::parse(json)? else {
             return Err("line 1: the JSON is no object, and one with `asset` would be read".into());
         };

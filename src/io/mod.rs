@@ -145,8 +145,8 @@ pub fn read_own_meshes(path: impl AsRef<Path>) -> Result<Vec<NamedMesh>, Error> 
     Ok(meshes.map(|SceneMesh { name, mesh, .. }| NamedMesh { name, mesh }).collect())
 }
 
-/// Text as UTF-8, without the mark that some editors put before it, which would hide the first line. What has no mark of
-/// UTF-16 is left as it is.
+/// Text as UTF-8, without the mark that some editors put before it, which would hide the first line. What has no mark
+/// of UTF-16 is left as it is.
 fn decoded(bytes: &[u8]) -> Cow<'_, [u8]> {
     let utf_16 = |from_bytes: fn([u8; 2]) -> u16| {
         let (pairs, _) = bytes.as_chunks::<2>();

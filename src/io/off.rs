@@ -1,8 +1,8 @@
 //! OFF, the Object File Format of Geomview: text, with or without colours and normals.
 //!
-//! The first line may lack the keyword, have it in lower case, or run into the counts (`OFF490 518 0`), as in files that
-//! are around. Vertices and faces are read line by line, since what follows them on their line is not always announced.
-//! Where that fails, numbers may stand on lines as they like, and nothing else may follow them.
+//! The first line may lack the keyword, have it in lower case, or run into the counts (`OFF490 518 0`), as in files
+//! that are around. Vertices and faces are read line by line, since what follows them on their line is not always
+//! announced. Where that fails, numbers may stand on lines as they like, and nothing else may follow them.
 
 use super::mesh_file::{MeshFile, next_index};
 use super::text::{

@@ -286,10 +286,13 @@ fn read_text_element(
             (Kind::Number(_), _) => drop(next()?),
             (Kind::List { .. }, role) => {
                 let length: usize = number(next()?)?;
-                values.corners.clear();
+                let is_read = matches!(role, Role::Corners);
+                if is_read {
+                    values.corners.clear();
+                }
                 for _ in 0..length {
                     let word = next()?;
-                    if matches!(role, Role::Corners) {
+                    if is_read {
                         values.corners.push(number(word)?);
                     }
                 }
@@ -527,6 +530,17 @@ mod tests {
         let file = read(&bytes).unwrap();
         assert_eq!(file.mesh.positions, [[1.0, 2.0, 3.0]]);
         assert_eq!(file.notes.len(), 1);
+    }
+
+    #[test]
+    fn other_lists_of_a_face_are_skipped_before_and_after_its_corners() {
+        let text = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
+                    property float z\nelement face 2\nproperty list uchar int flags\n\
+                    property list uchar int vertex_indices\nproperty list uchar float texcoord\n\
+                    property list uchar int vertex_index\nend_header\n0 0 0\n1 0 0\n0 1 0\n\
+                    1 9 3 0 1 2 2 0.5 0.5 1 7\n0 3 2 1 0 0 0\n";
+        let file = read(text.as_bytes()).unwrap();
+        assert_eq!(file.mesh.triangles, [[0, 1, 2], [2, 1, 0]]);
     }
 
     #[test]

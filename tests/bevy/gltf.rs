@@ -156,7 +156,8 @@ fn an_artists_tags_are_followed_and_nothing_else_is_decomposed() {
 }
 
 #[test]
-fn morph_targets_and_skins_of_a_file_are_taken_in_their_rest_pose() {
+fn morph_targets_and_skins_of_a_file_are_taken_as_modelled_and_a_skin_that_moves_them_is_logged() {
+    Log::install();
     let directory = tempfile::tempdir().unwrap();
     let written = morphing_and_skinned_cube();
     std::fs::write(directory.path().join("cube.gltf"), written).unwrap();
@@ -177,6 +178,10 @@ fn morph_targets_and_skins_of_a_file_are_taken_in_their_rest_pose() {
     assert_bounds(&app, entity, [0.0; 3], [1.0; 3], 1e-3);
     update_times(&mut app, 30);
     assert!(app.get::<Transform>(body).unwrap().translation.y < 2.9);
+    // The joint is far away, and said so once.
+    let lines = Log::lines_with("the joints of a skin move or scale the mesh of");
+    assert_eq!(lines.len(), 1, "{lines:?}");
+    assert!(lines[0].contains("cube.gltf#Mesh0"), "{lines:?}");
 }
 
 const FLOAT: u32 = 5126;

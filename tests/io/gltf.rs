@@ -472,7 +472,7 @@ fn what_a_key_should_hold_is_said_in_words_with_its_place() {
 #[test]
 fn documents_that_are_none_say_what_they_are() {
     for (text, expected) in [
-        ("", "line 1, column 0: it is no valid JSON"),
+        ("", "it is empty, and glTF 2.0 would be read"),
         ("[{\"version\": \"2.0\"}]", "the JSON is no object"),
         ("{\"asset\": {\"version\": \"2.0\"},\n}", "line 2, column 1: it is no valid JSON"),
         ("{\"meshes\": []}", "it has no `asset`"),

@@ -4,6 +4,7 @@
 pub(super) mod changes;
 pub(super) mod placement;
 pub(super) mod resolve;
+mod skins;
 pub(super) mod waiting;
 pub(super) mod work;
 
@@ -28,6 +29,7 @@ use self::changes::{
 };
 use self::placement::Placements;
 use self::resolve::resolve;
+use self::skins::warn_of_skins;
 use self::waiting::{
     Fallbacks, Frozen, attach_fallbacks, freeze, freeze_new, hold_in, release, remove_fallbacks,
 };
@@ -102,6 +104,10 @@ impl Plugin for ColliderPlugin {
                 )
                     .chain()
                     .in_set(CollidersAttached),
+                warn_of_skins
+                    .after(CollidersAttached)
+                    .in_set(HullwrightSystems::Attach)
+                    .run_if(any_match_filter::<Added<AttachedCollider>>),
             ),
         )
         .configure_sets(
