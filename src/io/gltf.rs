@@ -163,19 +163,14 @@ struct Scene<'a> {
 }
 
 /// Where vertices come from.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Source {
     Accessor(usize),
     Draco(DracoStream),
 }
 
-/// The vertices of a mesh that are in the scene already.
-struct Placed {
-    primitive: usize,
-    source: Source,
-    first: u32,
-    count: usize,
-}
+/// The vertices of a mesh that are in the scene already: where the first is, and how many there are.
+type Placed = BTreeMap<Source, (u32, usize)>;
 
 impl Scene<'_> {
     /// All meshes, in the order of the node trees.
@@ -207,7 +202,7 @@ impl Scene<'_> {
                 }
                 let at_node = |reason: String| format!("node {index}: {reason}");
                 let transform = parent * transform(node).map_err(at_node)?;
-                self.add_node(index, node, &transform).map_err(at_node)?;
+                self.add_node(node, &transform).map_err(at_node)?;
                 let children = indices(node, "children").map_err(at_node)?;
                 open.extend(children.into_iter().rev().map(|child| (child, transform)));
             }
@@ -216,12 +211,7 @@ impl Scene<'_> {
     }
 
     /// The mesh of a node, once or as its instances.
-    fn add_node(
-        &mut self,
-        index: usize,
-        node: &Json<'_>,
-        transform: &DAffine3,
-    ) -> Result<(), String> {
+    fn add_node(&mut self, node: &Json<'_>, transform: &DAffine3) -> Result<(), String> {
         let Some(mesh) = optional_number(node, "mesh")? else { return Ok(()) };
         let name = text(node, "name");
         if has_weight(node) {
@@ -230,14 +220,13 @@ impl Scene<'_> {
         let Some(instances) = Instances::of(node)? else {
             let start = self.file.mesh.triangles.len();
             let placed = self.add_mesh(mesh, name, transform)?;
-            if let Some(skin) = optional_number(node, "skin")? {
+            if let Ok(Some(skin)) = optional_number(node, "skin") {
                 self.apply_skin((skin, mesh), transform, &placed, start);
             }
             return Ok(());
         };
-        let instances = self
-            .instances(&instances)
-            .map_err(|reason| format!("node {index}: {INSTANCING}: {reason}"))?;
+        let instances =
+            self.instances(&instances).map_err(|reason| format!("{INSTANCING}: {reason}"))?;
         for instance in instances {
             let (vertices, triangles) =
                 (self.file.mesh.positions.len(), self.file.mesh.triangles.len());
@@ -296,15 +285,15 @@ impl Scene<'_> {
         index: usize,
         node_name: Option<&str>,
         transform: &DAffine3,
-    ) -> Result<Vec<Placed>, String> {
+    ) -> Result<Placed, String> {
         let mesh = entry(&self.document.meshes, "mesh", index)?;
         let start = self.file.mesh.triangles.len();
         // Primitives often share their vertices, each with a material of its own.
-        let mut placed = Vec::new();
+        let mut placed = Placed::new();
         let primitives =
             list(mesh, "primitives").map_err(|reason| format!("mesh {index}: {reason}"))?;
         for (number, primitive) in primitives.iter().enumerate() {
-            self.add_primitive((number, primitive), transform, &mut placed)
+            self.add_primitive(primitive, transform, &mut placed)
                 .map_err(|reason| format!("mesh {index}, primitive {number}: {reason}"))?;
         }
         if has_weight(mesh) {
@@ -317,9 +306,9 @@ impl Scene<'_> {
 
     fn add_primitive(
         &mut self,
-        (number, primitive): (usize, &Json<'_>),
+        primitive: &Json<'_>,
         transform: &DAffine3,
-        placed: &mut Vec<Placed>,
+        placed: &mut Placed,
     ) -> Result<(), String> {
         let Some(mode) = Mode::of(primitive)? else { return Ok(()) };
         let attributes = key(primitive, "attributes").unwrap_or(&Json::Null);
@@ -330,9 +319,8 @@ impl Scene<'_> {
         let stream = DracoStream::of(primitive, is_normalized)?;
         let geometry = stream.map(|stream| self.decompressed(stream)).transpose()?;
         let source = stream.map_or(Source::Accessor(accessor), Source::Draco);
-        let known = placed.iter().find(|known| known.source == source);
-        let (first, count) = match known {
-            Some(known) => (known.first, known.count),
+        let (first, count) = match placed.get(&source) {
+            Some(known) => *known,
             None => {
                 let positions = match &geometry {
                     Some(geometry) => Cow::Borrowed(&geometry.positions),
@@ -343,7 +331,7 @@ impl Scene<'_> {
                 let first = next_index(&self.file.mesh.positions, count)?;
                 let places = positions.iter().map(|&p| transform.transform_point3(p.into()));
                 self.file.mesh.positions.extend(places.map(|place| place.to_array()));
-                placed.push(Placed { primitive: number, source, first, count });
+                placed.insert(source, (first, count));
                 (first, count)
             }
         };
@@ -415,6 +403,9 @@ impl Scene<'_> {
 
     /// Notes a mesh that has morph targets for its weights.
     fn note_morph(&mut self, mesh: usize) {
+        if self.morphed.contains(&mesh) {
+            return;
+        }
         let primitives = entries(&self.document.meshes).get(mesh);
         let primitives = primitives.and_then(|mesh| list(mesh, "primitives").ok());
         let has_targets =
@@ -433,7 +424,7 @@ impl Scene<'_> {
         &mut self,
         (skin, mesh): (usize, usize),
         transform: &DAffine3,
-        placed: &[Placed],
+        placed: &Placed,
         start: usize,
     ) {
         let Some(poses) = self.noted_poses((skin, mesh), transform, NoteKind::AppliedSkins) else {
@@ -444,9 +435,9 @@ impl Scene<'_> {
             let triangles = self.file.mesh.triangles.iter_mut().skip(start);
             triangles.for_each(|triangle| triangle.swap(1, 2));
         }
-        for (primitive, pose) in poses {
-            let of = placed.iter().find(|placed| placed.primitive == primitive);
-            let first = of.map_or(usize::MAX, |placed| placed.first as usize);
+        for (accessor, pose) in poses {
+            let Some((first, _)) = placed.get(&Source::Accessor(accessor)) else { continue };
+            let first = *first as usize;
             let slots = self.file.mesh.positions.iter_mut().skip(first);
             for (slot, position) in slots.zip(pose.positions) {
                 *slot = position.to_array();
@@ -491,17 +482,18 @@ impl Scene<'_> {
     ) -> Result<(Effect, Vec<(usize, Pose)>), String> {
         let mesh = entry(&self.document.meshes, "mesh", mesh)?;
         let globals = self.globals();
-        let skin = Skin::read(&self.document.skins, skin, &globals, self)?;
+        let skin = entry(&self.document.skins, "skin", skin)?;
+        self.spend(list(skin, "joints")?.len())?;
+        let skin = Skin::read(skin, &globals, self)?;
         let mut poses = Vec::new();
         let (mut places, mut posed) = (Vec::new(), Vec::new());
-        let mut sources = Vec::new();
-        for (number, primitive) in list(mesh, "primitives")?.iter().enumerate() {
+        let mut sources = BTreeSet::new();
+        for primitive in list(mesh, "primitives")? {
             let attributes = key(primitive, "attributes").unwrap_or(&Json::Null);
             let Some(accessor) = optional_number(attributes, "POSITION")? else { continue };
-            if Mode::of(primitive)?.is_none() || sources.contains(&accessor) {
+            if Mode::of(primitive)?.is_none() || !sources.insert(accessor) {
                 continue;
             }
-            sources.push(accessor);
             if DracoStream::of(primitive, false)?.is_some() {
                 return Err("its joints are compressed".into());
             }
@@ -513,7 +505,7 @@ impl Scene<'_> {
             }
             places.extend(positions.iter().map(|&p| transform.transform_point3(p.into())));
             posed.extend_from_slice(&pose.positions);
-            poses.push((number, pose));
+            poses.push((accessor, pose));
         }
         Ok((Effect::of(&places, &posed), poses))
     }
@@ -526,11 +518,13 @@ impl Scene<'_> {
     /// Counts the elements of an accessor that skins and instances may use any number of times.
     fn look_up(&mut self, accessor: usize) -> Result<(), String> {
         let count = needed_number(entry(&self.document.accessors, "accessor", accessor)?, "count")?;
-        self.looked_up = self.looked_up.saturating_add(count);
+        self.spend(count).map_err(|reason| format!("accessor {accessor}: {reason}"))
+    }
+
+    fn spend(&mut self, elements: usize) -> Result<(), String> {
+        self.looked_up = self.looked_up.saturating_add(elements);
         match self.looked_up > PLACED_FOR_FREE + self.data.elements_read() {
-            true => {
-                Err(format!("accessor {accessor} is used more often than the file's size allows"))
-            }
+            true => Err("it is used more often than the file's size allows".into()),
             false => Ok(()),
         }
     }

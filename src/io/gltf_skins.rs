@@ -7,7 +7,7 @@
 
 use glam::DAffine3;
 
-use super::gltf_json::{entry, indices, key, optional_number};
+use super::gltf_json::{indices, key, optional_number};
 use super::gltf_nodes::affine;
 use super::gltf_tree::Json;
 use crate::geometry::vector::{Vector, diagonal};
@@ -48,12 +48,10 @@ pub(super) struct Pose {
 
 impl Skin {
     pub(super) fn read(
-        skins: &Json<'_>,
-        index: usize,
+        skin: &Json<'_>,
         globals: &[Option<DAffine3>],
         vectors: &mut impl Vectors,
     ) -> Result<Self, String> {
-        let skin = entry(skins, "skin", index)?;
         let joints = indices(skin, "joints")?;
         let inverse = match optional_number(skin, "inverseBindMatrices")? {
             Some(accessor) => Some(vectors.matrices(accessor)?),
