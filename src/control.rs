@@ -23,7 +23,7 @@ pub enum Stage {
     Repair,
     /// Flat openings are closed, and what lies within the solid is left out.
     Openings,
-    /// The solid of the default method, and the mesh that it divides.
+    /// The solid: its surface, and what is inside.
     Solid,
     /// The surface is divided into patches.
     Patches,
@@ -35,7 +35,8 @@ pub enum Stage {
     Finalize,
     /// Hulls join until they keep the limit on their number.
     Limit,
-    /// Simplification to the maximum resolutions (paper, section 3.2).
+    /// Triangles in one plane are merged, and detail below the bound goes; in the paper's method, simplification to the
+    /// maximum resolutions (section 3.2).
     Simplify,
     /// Search over resolutions and planar thresholds (sections 3.4 and 3.5).
     Search,

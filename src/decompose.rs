@@ -1,7 +1,7 @@
 //! The way in, and the pipeline on one page. `docs/algorithm.md` explains its stages.
 //!
 //! ```text
-//! repair -> close openings -> solid -> patches -> merge -> cover -> finalize -> limit
+//! repair -> close openings -> simplify -> solid -> patches -> merge -> cover -> finalize -> limit
 //! ```
 
 use crate::bounded::cover::cover;
@@ -12,10 +12,11 @@ use crate::bounded::limit::{BoundBracket, limit_hulls};
 use crate::bounded::merge::merge;
 use crate::bounded::output::BoundedResult;
 use crate::bounded::patch::Patches;
+use crate::bounded::patch_mesh::PatchMesh;
 use crate::bounded::patches::divide_into_patches;
 use crate::bounded::search::Search;
 use crate::bounded::settings::Settings;
-use crate::bounded::shared::{Shared, solid_and_patch_mesh};
+use crate::bounded::surfaces::{Solids, Surfaces, simplify, solids};
 use crate::control::{Control, Stage};
 use crate::decomposer::{Decomposer, Input, admit, run_to_end};
 use crate::decomposition::{Decomposition, ProbeReport};
@@ -112,7 +113,7 @@ pub(crate) async fn pipeline(
             break;
         }
         stages.begin_pass(nth(PREPARED..searched, index, passes.len()), best.is_some());
-        let earlier = best.as_ref().map(|best| &best.shared);
+        let earlier = best.as_ref();
         let pass = run_pass(prepared, earlier, settings, &mut stages, &mut deadline).await;
         let Some(found) = deadline.end_pass(pass)? else { break };
         if best.as_ref().is_none_or(|best| found.count() < best.count()) {
@@ -129,11 +130,11 @@ pub(crate) async fn pipeline(
     }
     let deadline_reached = deadline.is_cut_short() || stages.is_late();
     stages.begin(FINISH, FINISHED..1.0);
-    let Found { shared, patches, hulls } = &best;
+    let Found { surfaces, solids, patches, hulls } = &best;
     let bound = settings.bound.verified();
     let restore = || {
-        let probe = probe_report(&shared.solid, prepared);
-        Ok(BoundedResult::new(prepared, patches, hulls, bound, probe))
+        let probe = probe_report(&solids.exact, prepared);
+        Ok(BoundedResult::new((prepared, surfaces), patches, hulls, bound, probe))
     };
     let BoundedResult { hulls, grouped, report } = stages.run(Stage::Finalize, restore).await?;
     Ok(Decomposition { hulls, grouped, run: input.report(stages, deadline_reached), report })
@@ -141,7 +142,8 @@ pub(crate) async fn pipeline(
 
 /// What a pass has found: verified hulls of patches.
 struct Found {
-    shared: Shared,
+    surfaces: Surfaces,
+    solids: Solids,
     patches: Patches,
     hulls: FinalHulls,
 }
@@ -163,30 +165,43 @@ fn probe_report(solid: &Solid, prepared: &PreparedMesh) -> Option<ProbeReport> {
     })
 }
 
-/// One pass, from the solid to verified hulls.
+/// One pass, from the surfaces to verified hulls.
 async fn run_pass(
     prepared: &PreparedMesh,
-    earlier: Option<&Shared>,
+    earlier: Option<&Found>,
     settings: &Settings,
     stages: &mut Stages,
     deadline: &mut Deadline,
 ) -> Result<Found, Error> {
     let control = &stages.control();
-    let (shared, patch_mesh) = stages
-        .run(Stage::Solid, || solid_and_patch_mesh(prepared, earlier, settings, control))
-        .await?;
+    let known = earlier.map(|earlier| &earlier.surfaces);
+    let simplify = || simplify(prepared, known, settings, control);
+    let surfaces = stages.run(Stage::Simplify, simplify).await?;
+    let settings = &settings.for_surface(surfaces.exact.mesh.triangles.len());
+    let known = earlier.map(|earlier| &earlier.solids);
+    let make = || solids(&surfaces, known, settings, control);
+    let Solids { exact, coarse } = stages.run(Stage::Solid, make).await?;
     let settings = &deadline.for_patches(settings, stages.taken())?;
-    let patches = stages
-        .run(Stage::Patches, || divide_into_patches(patch_mesh, &shared, settings, control))
-        .await?;
-    let search = Search { solid: &shared.solid, patches: &patches, settings, control };
+    let divide = || {
+        let mesh = PatchMesh::new(&surfaces.coarse, settings, control)?;
+        divide_into_patches(mesh, &surfaces, &coarse, settings, control)
+    };
+    let patches = stages.run(Stage::Patches, divide).await?;
+    let search = Search {
+        solid: &coarse,
+        exact: &surfaces.exact,
+        exact_solid: &exact,
+        patches: &patches,
+        settings,
+        control,
+    };
     let until_verifying = &deadline.for_search(control, stages.taken());
     let pieces = stages.run(Stage::Merge, || merge(&search)).await?;
     let hurried = &Search { control: until_verifying, ..search };
     let cover = stages.run(Stage::Cover, || cover(hurried, pieces)).await?;
     deadline.end_search(until_verifying);
     let hulls = stages.run(Stage::Finalize, || finalize(&search, cover)).await?;
-    Ok(Found { shared, patches, hulls })
+    Ok(Found { surfaces, solids: Solids { exact, coarse }, patches, hulls })
 }
 
 /// The limit on hulls: hulls join, and the search is repeated under larger bounds as long as that may end with
@@ -209,7 +224,7 @@ async fn limit(
         let progress = |done| SEARCHED + (FINISHED - SEARCHED) * bounds.progress(done);
         let (begin, middle, end) = (progress(0.0), progress(0.9), progress(1.0));
         stages.begin_pass(begin..middle, true);
-        let pass = run_pass(prepared, Some(&best.shared), &settings, stages, deadline).await;
+        let pass = run_pass(prepared, Some(&best), &settings, stages, deadline).await;
         let Some(mut found) = deadline.end_pass(pass)? else { break };
         if settings.max_hulls.is_some_and(|most| found.count() > most) {
             bounds.refuse(bound);
@@ -229,12 +244,19 @@ async fn within_limit(
     settings: &Settings,
     stages: &mut Stages,
 ) -> Result<Found, Error> {
-    let Found { shared, patches, hulls: FinalHulls { hulls, uncovered } } = found;
+    let Found { surfaces, solids, patches, hulls: FinalHulls { hulls, uncovered } } = found;
     let most = settings.max_hulls.unwrap_or(usize::MAX);
     let control = &stages.control();
-    let search = Search { solid: &shared.solid, patches: &patches, settings, control };
+    let search = Search {
+        solid: &solids.coarse,
+        exact: &surfaces.exact,
+        exact_solid: &solids.exact,
+        patches: &patches,
+        settings,
+        control,
+    };
     let hulls = stages.run(Stage::Limit, || limit_hulls(&search, &hulls, most)).await?;
-    Ok(Found { shared, patches, hulls: FinalHulls { hulls, uncovered } })
+    Ok(Found { surfaces, solids, patches, hulls: FinalHulls { hulls, uncovered } })
 }
 
 /// Once openings are closed, coordinates are rounded to 2^-38 of the diagonal. A mesh in other units, which differs in the last
@@ -259,9 +281,19 @@ mod tests {
         let mut prepared = prepare_closed(mesh, &parameters.into(), control).unwrap().prepared;
         round(&mut prepared.mesh);
         let settings = &Settings::of_preset(parameters, &prepared.normalization)[0];
-        let (shared, divided) = solid_and_patch_mesh(&prepared, None, settings, control).unwrap();
-        let patches = &divide_into_patches(divided, &shared, settings, control).unwrap();
-        let search = &Search { solid: &shared.solid, patches, settings, control };
+        let surfaces = simplify(&prepared, None, settings, control).unwrap();
+        let settings = &settings.for_surface(surfaces.exact.mesh.triangles.len());
+        let Solids { exact, coarse } = &solids(&surfaces, None, settings, control).unwrap();
+        let divided = PatchMesh::new(&surfaces.coarse, settings, control).unwrap();
+        let patches = &divide_into_patches(divided, &surfaces, coarse, settings, control).unwrap();
+        let search = &Search {
+            solid: coarse,
+            exact: &surfaces.exact,
+            exact_solid: exact,
+            patches,
+            settings,
+            control,
+        };
         let pieces = merge(search).unwrap();
         let merged = pieces.len();
         let covering = cover(search, pieces).unwrap();

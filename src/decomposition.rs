@@ -6,7 +6,7 @@ use crate::mesh::Repairs;
 use crate::openings::Opening;
 
 /// Changes whenever the same input and parameters may give another result.
-pub const ALGORITHM_VERSION: u32 = 25;
+pub const ALGORITHM_VERSION: u32 = 26;
 
 /// One convex piece: its shape, where it comes from, and how far it is from the mesh.
 ///
@@ -45,9 +45,8 @@ pub struct HullErrors {
     pub simplification_growth: f64,
     /// Protrusion: no point of the hull's surface is farther than this outside the solid. It is
     /// verified against the source. An upper bound: of closed meshes never below 0.29 of the requested
-    /// bound and too large by at most 4 % of it, or of itself where it is above; of open ones never below 0.79, of very dense ones never below what
-    /// reducing them has moved vertices by;
-    /// where a closer look would take long it may be as large as the bound. `None` for methods that verify nothing.
+    /// bound and too large by at most 4 % of it, or of itself where it is above; of open ones never below 0.79.
+    /// Where a closer look would take long it may be as large as the bound. `None` for methods that verify nothing.
     pub protrusion_max: Option<f64>,
 }
 

@@ -109,7 +109,6 @@ pub mod bake;
 pub mod bevy;
 mod bounded;
 mod bvh;
-mod clustering;
 mod control;
 #[cfg(feature = "bake")]
 pub mod conventions;

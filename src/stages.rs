@@ -21,8 +21,9 @@ const PREPARE: Plan = &[(Stage::Repair, 0.0), (Stage::Openings, 0.7)];
 
 /// A pass of the default method, by usual times on props and scans.
 const PASS: Plan = &[
-    (Stage::Solid, 0.0),
-    (Stage::Patches, 0.15),
+    (Stage::Simplify, 0.0),
+    (Stage::Solid, 0.1),
+    (Stage::Patches, 0.2),
     (Stage::Merge, 0.35),
     (Stage::Cover, 0.4),
     (Stage::Finalize, 0.6),
@@ -227,7 +228,7 @@ mod tests {
             stages.run(Stage::Limit, || Ok(())).await.unwrap();
         });
         let names: Vec<&str> = stages.finish().iter().map(|time| time.stage.name()).collect();
-        let expected = "repair openings solid patches merge cover finalize limit";
+        let expected = "repair openings simplify solid patches merge cover finalize limit";
         assert_eq!(names.join(" "), expected);
         let seen = seen.lock().unwrap();
         assert!(seen.windows(2).all(|pair| pair[0].1 <= pair[1].1));

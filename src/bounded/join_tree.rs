@@ -23,6 +23,7 @@ use crate::error::Error;
 use crate::geometry::vector::{Vector, bounds};
 use crate::hull::{ConvexHull, HullBuilder, joint_hull, limit_vertices};
 use crate::mesh::PreparedMesh;
+use crate::mesh::simplification::Simplification;
 use crate::parallel;
 use crate::parameters::Parameters;
 use crate::solid::Solid;
@@ -80,7 +81,8 @@ impl JoinTree {
         control: &Control,
     ) -> Result<(Self, f64), Error> {
         let settings = Settings::after_search(parameters, &prepared.normalization);
-        let solid = Solid::new(prepared, &settings.solid(), control)?;
+        let exact = Simplification::exact(prepared, settings.bound.exact(), control)?;
+        let solid = Solid::new(&exact, &settings.solid(), control)?;
         let mut leaves = Vec::with_capacity(hulls.len());
         for (index, hull) in hulls.iter().enumerate() {
             let (hull, verified) = normalized(hull, index, &prepared.normalization)?;
@@ -99,11 +101,11 @@ impl JoinTree {
         let leaves = tree.nodes[..tree.leaves].iter();
         let distances: Vec<HullDistance> =
             leaves.map(|node| HullDistance::new(&node.hull)).collect();
-        let owners = vec![0; prepared.mesh.triangles.len()];
+        let all: Vec<(u32, u32)> =
+            (0..exact.mesh.triangles.len() as u32).map(|triangle| (triangle, 0)).collect();
         let tolerance = settings.bound.tolerance();
-        let uncovered =
-            uncovered_distance(&prepared.mesh, &owners, &distances, tolerance, control)?;
-        Ok((tree, uncovered))
+        let uncovered = uncovered_distance(&exact.mesh, &all, &distances, tolerance, control)?;
+        Ok((tree, uncovered + exact.most_moved()))
     }
 
     /// The number of joins.

@@ -19,7 +19,7 @@ pub(crate) fn limit_hulls(
     hulls: &[FinalHull],
     most: usize,
 ) -> Result<Vec<FinalHull>, Error> {
-    let &Search { solid, patches, settings, control } = search;
+    let &Search { exact_solid: solid, patches, settings, control, .. } = search;
     let leaves = hulls.iter().map(|hull| (hull.hull.clone(), hull.protrusion)).collect();
     let tree = JoinTree::new(leaves, most, solid, settings, control)?;
     let mut limited = Vec::new();

@@ -3,10 +3,11 @@
 //!
 //! | stage | file | what it does |
 //! |---|---|---|
-//! | solid | `shared`, [`crate::solid`] | whether hulls stay within the bound |
-//! | | `patch_mesh`, [`crate::clustering`] | the mesh that is divided: simplified, of very dense meshes after clustering, or cut into facets |
-//! | | `facets`, `cuts` | coarse meshes are cut where their shape requires it |
-//! | patches | `patches` | the surface is divided into patches |
+//! | simplify | `surfaces`, [`crate::mesh::simplification`] | the exact surface, and the coarse one without detail |
+//! | solid | `surfaces`, [`crate::solid`] | whether hulls stay within the bound |
+//! | patches | `patch_mesh` | the mesh that is divided: the coarse surface cut into facets, or simplified |
+//! | | `facets`, `cuts` | surfaces of few triangles are cut where their shape requires it |
+//! | | `patches`, `detail` | the coarse surface is divided into patches, which contain its detail |
 //! | merge | `merge` | patches join into pieces |
 //! | cover | `cover/` | few pieces cover all patches, then shrink to those that they own |
 //! | finalize | `finalize/` | pieces become verified hulls with few vertices |
@@ -15,17 +16,18 @@
 //! | used by several stages | |
 //! |---|---|
 //! | `settings` | the bound, shares of it, and presets |
-//! | `search` | solid, patches, settings and control |
+//! | `search` | surfaces, solids, patches, settings and control |
 //! | `patch` | patches, sets of them, and pieces |
 //! | `deadline` | what is left out where time is short |
 //! | `joins` | pairs that may join |
 //! | `join_tree` | hulls join beyond the bound, the pair that protrudes least first |
-//! | `uncovered` | how far the source lies outside the hulls |
+//! | `uncovered` | how far the exact surface lies outside the hulls |
 //! | `output` | results in the input's units |
 
 pub(crate) mod cover;
 mod cuts;
 pub(crate) mod deadline;
+mod detail;
 mod facets;
 pub(crate) mod finalize;
 pub(crate) mod join_tree;
@@ -34,9 +36,9 @@ pub(crate) mod limit;
 pub(crate) mod merge;
 pub(crate) mod output;
 pub(crate) mod patch;
-mod patch_mesh;
+pub(crate) mod patch_mesh;
 pub(crate) mod patches;
 pub(crate) mod search;
 pub(crate) mod settings;
-pub(crate) mod shared;
+pub(crate) mod surfaces;
 mod uncovered;

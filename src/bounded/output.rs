@@ -1,12 +1,16 @@
 //! Conversion to the public types and back: final hulls in the input's units, and public hulls as input.
 
+use std::sync::Arc;
+
+use super::detail::Parts;
 use super::finalize::final_hull::{FinalHull, FinalHulls};
 use super::patch::Patches;
+use super::surfaces::Surfaces;
 use crate::decomposition::{GroupedMesh, Hull, HullErrors, ProbeReport, Provenance, Report};
 use crate::error::Error;
+use crate::geometry::vector::centre;
 use crate::hull::ConvexHull;
 use crate::mesh::{CAP, Normalization, PreparedMesh};
-use crate::parallel;
 
 /// Hulls in the input's units, and what was verified about them.
 pub(crate) struct BoundedResult {
@@ -18,7 +22,7 @@ pub(crate) struct BoundedResult {
 impl BoundedResult {
     /// `bound`: as a fraction of the diagonal. `probe` is in units.
     pub(crate) fn new(
-        prepared: &PreparedMesh,
+        (prepared, surfaces): (&PreparedMesh, &Surfaces),
         patches: &Patches,
         FinalHulls { hulls, uncovered }: &FinalHulls,
         bound: f64,
@@ -36,26 +40,60 @@ impl BoundedResult {
             probe,
         };
         let grouped = grouped(patches, hulls, &normalization);
-        let hulls = parallel::map(hulls, |hull| {
-            let source =
-                |triangle| prepared.source_triangles[patches.parents[triangle as usize] as usize];
+        let sources = sources(prepared, surfaces, patches, hulls);
+        let hulls = hulls.iter().zip(sources).map(|(hull, source_triangles)| {
             NormalizedHull {
                 hull: &hull.hull,
                 component: hull.component,
-                source_triangles: hull
-                    .owned
-                    .triangles(patches)
-                    .map(source)
-                    .filter(|&triangle| triangle != CAP)
-                    .collect(),
+                source_triangles,
                 added_thickness: hull.added_thickness,
                 simplification_growth: hull.simplification_growth,
                 protrusion: hull.protrusion,
             }
             .restored(&normalization)
         });
-        Self { hulls, grouped, report }
+        Self { hulls: hulls.collect(), grouped, report }
     }
+}
+
+/// For each hull the source's triangles that it is made of: those closest to a part of the coarse surface that it owns, and of
+/// a part to which none is closest the one whose centre is.
+fn sources(
+    prepared: &PreparedMesh,
+    Surfaces { exact, coarse }: &Surfaces,
+    patches: &Patches,
+    hulls: &[FinalHull],
+) -> Vec<Vec<u32>> {
+    let (mesh, count) = (&prepared.mesh, coarse.mesh.triangles.len());
+    let is_same = Arc::ptr_eq(exact, coarse);
+    let of_coarse = |triangle: usize| {
+        let exact = exact.owners[triangle];
+        if is_same { exact } else { coarse.owners[exact as usize] }
+    };
+    let middle = |triangle: u32| centre(mesh.corners(mesh.triangles[triangle as usize]));
+    let finder = Parts::new(&patches.surface, &patches.parents, count);
+    // For each part what is closest to it, and for each coarse triangle all that it stands for.
+    let mut of_part: Vec<Vec<u32>> = vec![Vec::new(); patches.surface.triangles.len()];
+    let mut of_triangle: Vec<Vec<u32>> = vec![Vec::new(); count];
+    for triangle in 0..mesh.triangles.len() as u32 {
+        let parent = of_coarse(triangle as usize);
+        of_part[finder.closest(parent, || middle(triangle)) as usize].push(triangle);
+        if finder.of(parent).len() > 1 {
+            of_triangle[parent as usize].push(triangle);
+        }
+    }
+    for (part, own) in (0..).zip(&mut of_part).filter(|(_, own)| own.is_empty()) {
+        let all = &of_triangle[patches.parents[part as usize] as usize];
+        let at = centre(patches.surface.corners(patches.surface.triangles[part as usize]));
+        let distance = |&triangle: &u32| middle(triangle).distance_squared(at);
+        own.extend(all.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))));
+    }
+    let source = |&triangle: &u32| prepared.source_triangles[triangle as usize];
+    let of_hull = |hull: &FinalHull| {
+        let own = hull.owned.triangles(patches).flat_map(|part| &of_part[part as usize]);
+        own.map(source).filter(|&triangle| triangle != CAP).collect()
+    };
+    hulls.iter().map(of_hull).collect()
 }
 
 /// The patch mesh, its triangles labelled by hulls.

@@ -3,10 +3,10 @@
 //! Sets are bits, so that conflicts and covers are compared word by word.
 
 use std::ops::Index;
-use std::sync::Arc;
 
 use fixedbitset::FixedBitSet;
 
+use super::detail::Detail;
 use crate::geometry::vector::{Vector, bounds};
 use crate::hull::growing_hull::GrowingHull;
 use crate::mesh::TriangleMesh;
@@ -26,8 +26,6 @@ pub(crate) struct Patch {
     pub max: Vector,
     /// The triangles of [`Patches::surface`] that it represents.
     pub triangles: Vec<u32>,
-    /// Their vertices, where the mesh was clustered: collecting so many again would be slow.
-    pub surface_points: Vec<Vector>,
     pub component: u32,
 }
 
@@ -50,10 +48,12 @@ pub(crate) struct Patches {
     /// For each patch those that are not joined with it: a point between the two is outside by more than the search's
     /// bound.
     pub conflicts: Vec<PatchSet>,
-    /// The source, its long triangles halved.
-    pub surface: Arc<TriangleMesh>,
-    /// For each triangle of `surface` the prepared mesh's triangle that it is a part of.
-    pub parents: Arc<Vec<u32>>,
+    /// The coarse surface, cut, or its long triangles halved.
+    pub surface: TriangleMesh,
+    /// For each triangle of `surface` the coarse triangle that it is a part of.
+    pub parents: Vec<u32>,
+    /// The exact surface, and what of it the triangles of `surface` stand for.
+    pub detail: Detail,
     /// The mesh that was divided, and for each of its triangles its patch.
     pub mesh: TriangleMesh,
     pub labels: Vec<u32>,

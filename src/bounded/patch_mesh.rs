@@ -1,21 +1,22 @@
-//! The mesh that is divided into patches: a dense source simplified and refined, a coarse one cut into facets.
+//! The mesh that is divided into patches: the coarse surface cut into facets, or, if it has many triangles, simplified
+//! and refined.
 //!
-//! Takes the repaired mesh or the clustered one, gives the mesh of which patches are made. Each of its triangles
-//! represents the surface that is closest to it: the source, or what is left of it after clustering. So the hulls of
-//! patches cover the source and not only what simplification left of it.
+//! Takes the coarse surface, gives the mesh of which patches are made. Each of its triangles represents the triangles of
+//! the coarse surface that are closest to it. So the hulls of patches cover that surface, and not only what
+//! simplification left of it.
 
 use super::facets::{Facets, facets};
 use super::patch::Patch;
 use super::settings::Settings;
 use crate::bvh::{Bvh, closest_triangles};
-use crate::clustering::Clustered;
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, area_normal, centre};
 use crate::hull::HullBuilder;
+use crate::mesh::TriangleMesh;
 use crate::mesh::refine::refine;
+use crate::mesh::simplification::Simplification;
 use crate::mesh::simplify::simplify;
-use crate::mesh::{PreparedMesh, TriangleMesh};
 use crate::solid::COARSE;
 
 /// Simplification joins nothing, and each component is a patch or more. Of a surface in more components than this the
@@ -32,7 +33,7 @@ pub(crate) struct PatchMesh {
     pub mesh: TriangleMesh,
     pub components: Vec<u32>,
     pub surface: TriangleMesh,
-    /// For each triangle of `surface` the prepared mesh's triangle that it is a part of; after clustering itself.
+    /// For each triangle of `surface` the coarse triangle that it is a part of.
     pub parents: Vec<u32>,
     /// For each triangle of `mesh` those of `surface` that it represents.
     pub represented: Vec<Vec<u32>>,
@@ -45,37 +46,26 @@ pub(crate) struct PatchMesh {
 }
 
 impl PatchMesh {
-    /// A source of few triangles is divided into facets. The surface of a clustered mesh is not
-    /// refined: what its triangles represent has been.
+    /// A surface of few triangles is divided into facets.
     pub(crate) fn new(
-        prepared: &PreparedMesh,
-        clustered: Option<&Clustered>,
+        coarse: &Simplification,
         settings: &Settings,
         control: &Control,
     ) -> Result<Self, Error> {
-        if clustered.is_none() && prepared.mesh.triangles.len() <= COARSE {
-            return Ok(Self::from_facets(prepared, settings));
+        let (source, source_components) = (&coarse.mesh, &coarse.components);
+        if source.triangles.len() <= COARSE {
+            return Ok(Self::from_facets(coarse, settings));
         }
-        let (source, source_components) = match clustered {
-            Some(clustered) => (&clustered.mesh, &clustered.components),
-            None => (&prepared.mesh, &prepared.components),
-        };
         let mut surface = source.clone();
-        let parents: Vec<u32> = match clustered {
-            Some(_) => (0..surface.triangles.len() as u32).collect(),
-            None => refine(&mut surface, settings.bound.longest_edge()),
-        };
+        let parents = refine(&mut surface, settings.bound.longest_edge());
         control.check()?;
         let select = |indices: &[u32], components: &[u32]| {
             indices.iter().map(|&index| components[index as usize]).collect::<Vec<u32>>()
         };
         if source.triangles.len() <= settings.triangles {
-            let mut mesh = surface.clone();
-            let origins = match clustered {
-                Some(_) => refine(&mut mesh, settings.bound.longest_edge()),
-                None => (0..mesh.triangles.len() as u32).collect(),
-            };
-            let components = select(&select(&origins, &parents), source_components);
+            let mesh = surface.clone();
+            let origins: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
+            let components = select(&parents, source_components);
             let represented = first_parts(&origins);
             return Ok(Self::without_facets(mesh, components, surface, parents, represented));
         }
@@ -86,7 +76,7 @@ impl PatchMesh {
             simplified = simplify(source, source_components, COARSE, control)?;
             control.check()?;
         }
-        if prepared.closed.len() > MOST_COMPONENTS {
+        if coarse.closed.len() > MOST_COMPONENTS {
             let mut size = CRACK * settings.bound.verified();
             while simplified.mesh.triangles.len() > settings.triangles {
                 let (welded, labels) = welded(source, source_components, size);
@@ -119,10 +109,9 @@ impl PatchMesh {
     }
 
     /// The source itself, cut into facets.
-    fn from_facets(prepared: &PreparedMesh, settings: &Settings) -> Self {
-        let Facets { mesh, parents, planes, parts, facets } = facets(&prepared.mesh, settings);
-        let components =
-            parents.iter().map(|&parent| prepared.components[parent as usize]).collect();
+    fn from_facets(coarse: &Simplification, settings: &Settings) -> Self {
+        let Facets { mesh, parents, planes, parts, facets } = facets(&coarse.mesh, settings);
+        let components = parents.iter().map(|&parent| coarse.components[parent as usize]).collect();
         let represented = (0..mesh.triangles.len() as u32).map(|triangle| vec![triangle]).collect();
         let surface = mesh.clone();
         Self { mesh, components, surface, parents, represented, facets, planes, parts }
@@ -284,7 +273,8 @@ mod tests {
             assert!(pieces.triangles.len() > settings.triangles);
             let prepared = prepare(pieces.view(), MeshOrder::Place, &control).unwrap();
             assert_eq!(prepared.closed.len(), pieces.triangles.len());
-            let divided = PatchMesh::new(&prepared, None, settings, &control).unwrap();
+            let divided =
+                PatchMesh::new(&Simplification::unchanged(&prepared), settings, &control).unwrap();
             assert!(divided.mesh.triangles.len() <= 2 * settings.triangles);
             let mut components = divided.components;
             components.sort_unstable();

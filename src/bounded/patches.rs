@@ -5,14 +5,12 @@
 //! Components whose hull fits, above all convex ones, are one patch each. O(n log n) for n triangles, two fit
 //! tests per patch, and O(p²) segments between p patches.
 
-use std::sync::Arc;
-
+use super::detail::Detail;
 use super::facets::components;
 use super::patch::{Patch, PatchSet, Patches, far_pair};
 use super::patch_mesh::PatchMesh;
 use super::settings::Settings;
-use super::shared::Shared;
-use crate::clustering::Clustered;
+use super::surfaces::Surfaces;
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, diagonal};
@@ -56,7 +54,8 @@ type Part = (Patch, Vec<u32>);
 /// Divides the surface into patches.
 pub(crate) fn divide_into_patches(
     mesh: PatchMesh,
-    Shared { solid, clustered }: &Shared,
+    surfaces: &Surfaces,
+    solid: &Solid,
     settings: &Settings,
     control: &Control,
 ) -> Result<Patches, Error> {
@@ -73,7 +72,6 @@ pub(crate) fn divide_into_patches(
     };
     let (is_whole, wholes) = division.whole_components()?;
     let mut seeds: Vec<Vec<u32>> = wholes.into_iter().map(|whole| vec![add(whole)]).collect();
-    // A group of a clustered mesh may extend over several components.
     for group in &mut groups {
         group.retain(|&triangle| !is_whole[mesh.components[triangle as usize] as usize]);
     }
@@ -87,14 +85,13 @@ pub(crate) fn divide_into_patches(
     }
     let neighbours = neighbours(&adjacency, &labels);
     let PatchMesh { mesh, surface, parents, .. } = mesh;
-    let (mut surface, mut parents) = (Arc::new(surface), Arc::new(parents));
-    if let Some(clustered) = clustered {
-        (surface, parents) = (Arc::clone(&clustered.surface), Arc::clone(&clustered.parents));
-        represent_source(&mut patches, clustered, settings, control)?;
+    let detail = Detail::new(surfaces, solid, &surface, &parents, settings.bound.tolerance());
+    if !detail.points.is_empty() {
+        add_detail(&mut patches, &detail, settings);
     }
     let conflicts = conflicts(&patches, solid, settings.bound.search(), control)?;
     let seeds = agreeing(&conflicts, seeds);
-    Ok(Patches { patches, neighbours, seeds, conflicts, surface, parents, mesh, labels })
+    Ok(Patches { patches, neighbours, seeds, conflicts, surface, parents, detail, mesh, labels })
 }
 
 /// Pairs of labels with a common edge, ascending.
@@ -115,41 +112,23 @@ fn neighbours(adjacency: &Adjacency, labels: &[u32]) -> Vec<(u32, u32)> {
     neighbours
 }
 
-/// Gives patches of a clustered mesh the source's triangles that theirs represent, and the points
-/// of those.
-fn represent_source(
-    patches: &mut [Patch],
-    clustered: &Clustered,
-    settings: &Settings,
-    control: &Control,
-) -> Result<(), Error> {
-    let mut owners = vec![u32::MAX; clustered.mesh.triangles.len()];
-    for (index, patch) in (0..).zip(&mut *patches) {
-        patch.triangles.drain(..).for_each(|triangle| owners[triangle as usize] = index);
-    }
-    for (triangle, &representative) in (0..).zip(&clustered.representatives) {
-        if let Some(&owner) = owners.get(representative as usize)
-            && let Some(patch) = patches.get_mut(owner as usize)
-        {
-            patch.triangles.push(triangle);
+/// Adds the detail that patches stand for to their points, as far as hulls would leave too much of it uncovered. What a patch
+/// looks like to its neighbours does not change.
+fn add_detail(patches: &mut [Patch], detail: &Detail, settings: &Settings) {
+    let tolerance = settings.bound.max_uncovered();
+    let mut reducer = HullBuilder::new().with_least_tolerance(tolerance);
+    for patch in patches {
+        let own = patch.triangles.iter().flat_map(|&part| &detail.points[part as usize]);
+        let mut points: Vec<Vector> = own.copied().collect();
+        if points.is_empty() {
+            continue;
         }
+        points.extend_from_slice(&patch.points);
+        let points = reducer.vertices_of(&points).unwrap_or(points);
+        let representatives = std::mem::take(&mut patch.representatives);
+        patch.set_points(points);
+        patch.representatives = representatives;
     }
-    control.check()?;
-    let points = parallel::map(patches, |patch: &Patch| {
-        control.check()?;
-        let all = clustered.surface.positions_of(patch.triangles.iter().copied());
-        let mut reducer = HullBuilder::new().with_least_tolerance(settings.bound.tolerance());
-        let points = reducer.vertices_of(&all).unwrap_or_else(|| all.clone());
-        Ok((all, points))
-    });
-    for (patch, result) in patches.iter_mut().zip(points) {
-        let (all, points) = result?;
-        if !points.is_empty() {
-            patch.set_points(points);
-        }
-        patch.surface_points = all;
-    }
-    Ok(())
 }
 
 /// For each patch those that it conflicts with: a point between the two is outside the solid by more than the

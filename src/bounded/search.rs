@@ -3,12 +3,16 @@
 use super::patch::Patches;
 use super::settings::Settings;
 use crate::control::Control;
+use crate::mesh::simplification::Simplification;
 use crate::solid::Solid;
 
 /// The solid, the patches of its surface, and what they are searched under.
 #[derive(Clone, Copy)]
 pub(crate) struct Search<'a> {
     pub(crate) solid: &'a Solid,
+    /// The exact surface, which is verified, and its solid.
+    pub(crate) exact: &'a Simplification,
+    pub(crate) exact_solid: &'a Solid,
     pub(crate) patches: &'a Patches,
     pub(crate) settings: &'a Settings,
     pub(crate) control: &'a Control,

@@ -8,14 +8,27 @@ use crate::parameters::{Length, Parameters, Preset};
 use crate::probe::ProbeSettings;
 use crate::solid::{COARSE, SolidSettings};
 
-/// The search uses this share of the bound. The rest is a margin for what the search's fit test
-/// overlooks. With 0.94 or more the search ends with 2 to 4 % fewer hulls, but verification divides
-/// as many again.
-const SEARCH_SHARE: f64 = 0.9;
+/// What the exact surface may have moved, as a fraction of the bound.
+const EXACT_SHARE: f64 = 0.001;
 
-/// The last round of dissolving uses this share of the bound. With more, as many hulls fail
-/// verification, and are divided, as the round saves; with 0.97 it saves fewer.
-const LAST_ROUND_SHARE: f64 = 0.985;
+/// How far detail goes, and what of the bound is left for the search. Fractions of the bound.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Shares {
+    /// The coarse surface may be this far from the exact one.
+    coarse: f64,
+    /// The bound of the search. The rest is a margin for what its fit test overlooks, and for the detail that hulls
+    /// contain in the end. More gives fewer pieces, but verification divides as many again.
+    search: f64,
+    /// The bound of the last round of dissolving, which has less to overlook.
+    last_round: f64,
+}
+
+/// A surface of few triangles has little detail: removing more of it saves no time and costs hulls.
+const OF_FEW: Shares = Shares { coarse: 0.02, search: 0.9, last_round: 0.985 };
+
+/// The search sees a scan by a fifth of its triangles or fewer. What hulls grow by to contain its detail is
+/// taken from the last round.
+const OF_MANY: Shares = Shares { coarse: 0.2, search: 0.92, last_round: 0.95 };
 
 /// Distance, as a fraction of the bound, by which the surface may lie outside a hull that leaves out
 /// vertices: gaps under objects are more visible than protrusions; without it
@@ -87,12 +100,13 @@ pub(crate) struct Bound {
     protrusion: f64,
     /// The requested bound, also where [`Settings::with_bound`] allows more protrusion.
     requested: f64,
+    shares: Shares,
 }
 
 impl Bound {
     fn new(bound: f64) -> Self {
         let bound = bound.clamp(MIN_BOUND, MAX_BOUND);
-        Self { protrusion: bound, requested: bound }
+        Self { protrusion: bound, requested: bound, shares: OF_MANY }
     }
 
     /// The bound on the protrusion of the hulls that are returned.
@@ -102,12 +116,22 @@ impl Bound {
 
     /// The bound of the search.
     pub(crate) fn search(self) -> f64 {
-        SEARCH_SHARE * self.protrusion
+        self.shares.search * self.protrusion
     }
 
     /// The bound of the last round of dissolving.
     pub(crate) fn last_round(self) -> f64 {
-        LAST_ROUND_SHARE * self.protrusion
+        self.shares.last_round * self.protrusion
+    }
+
+    /// How far the exact surface may be from the source.
+    pub(crate) fn exact(self) -> f64 {
+        EXACT_SHARE * self.requested
+    }
+
+    /// How far the coarse surface may be from the exact one.
+    pub(crate) fn coarse(self) -> f64 {
+        self.shares.coarse * self.protrusion
     }
 
     /// The bound of the parameters, whose shares may stay uncovered.
@@ -222,9 +246,16 @@ impl Settings {
         Self { patch_size, dissolve_attempts, ..self.clone() }
     }
 
+    /// The same for an exact surface of this many triangles.
+    pub(crate) fn for_surface(&self, triangles: usize) -> Self {
+        let shares = if triangles <= COARSE { OF_FEW } else { OF_MANY };
+        Self { bound: Bound { shares, ..self.bound }, ..self.clone() }
+    }
+
     /// The same under another bound on protrusions. No more may stay uncovered.
     pub(crate) fn with_bound(&self, bound: f64) -> Self {
-        let bound = Bound { requested: self.bound.requested, ..Bound::new(bound) };
+        let Bound { requested, shares, .. } = self.bound;
+        let bound = Bound { requested, shares, ..Bound::new(bound) };
         Self { bound, ..self.clone() }
     }
 }

@@ -7,17 +7,22 @@
 //! | `adjacency` | half-edges, neighbours, components and shells |
 //! | `grouping` | the paper's convex groups of triangles |
 //! | `refine` | long edges halved |
-//! | `simplify` | fewer triangles, nearly the same surface |
+//! | `simplification` | the exact surface and the coarse one: fewer triangles, and how far they have moved |
+//! | `collapse`, `flip` | its steps: edge collapses, and diagonals within planes |
+//! | `simplify` | a number of triangles, by meshoptimizer |
 //! | `shapes` | small meshes for tests |
 
 pub(crate) mod adjacency;
 pub(crate) mod canonical_order;
+mod collapse;
+mod flip;
 pub(crate) mod grouping;
 mod orientation;
 pub(crate) mod refine;
 pub(crate) mod repair;
 #[cfg(test)]
 pub(crate) mod shapes;
+pub(crate) mod simplification;
 pub(crate) mod simplify;
 pub(crate) mod weld;
 

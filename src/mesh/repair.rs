@@ -116,23 +116,15 @@ impl PreparedMesh {
     /// their winding numbers cancel. Sheets are triangles that the input has both ways, and the open
     /// parts of a mesh that is inside out as a whole: which of their sides is the inside is not clear.
     pub(crate) fn triangles_of_solid(&self) -> Cow<'_, [[u32; 3]]> {
-        let triangles = &self.mesh.triangles;
+        with_sheets_both_ways(&self.mesh.triangles, &self.sheets(), &self.hidden_caps)
+    }
+
+    /// For each triangle whether it is a sheet.
+    pub(crate) fn sheets(&self) -> Vec<bool> {
         let is_inside_out = self.mesh.encloses_nothing();
-        let is_sheet = |triangle: usize| {
-            self.is_both_ways[triangle]
-                || is_inside_out && !self.closed[self.components[triangle] as usize]
-        };
-        let turned: Vec<[u32; 3]> = triangles
-            .iter()
-            .enumerate()
-            .filter(|&(triangle, _)| is_sheet(triangle))
-            .map(|(_, &[a, b, c])| [b, a, c])
-            .collect();
-        if turned.is_empty() && self.hidden_caps.is_empty() {
-            Cow::Borrowed(triangles)
-        } else {
-            Cow::Owned([triangles.as_slice(), &turned, &self.hidden_caps].concat())
-        }
+        let is_closed = |&component: &u32| self.closed[component as usize];
+        let of_both = self.is_both_ways.iter().zip(&self.components);
+        of_both.map(|(&both, component)| both || is_inside_out && !is_closed(component)).collect()
     }
 
     /// Keeps the triangles for which `keeps` holds, by their index in the input and their component.
@@ -145,6 +137,21 @@ impl PreparedMesh {
         self.source_triangles = kept.iter().map(|&t| self.source_triangles[t]).collect();
         self.is_both_ways = kept.iter().map(|&t| self.is_both_ways[t]).collect();
         self.components = kept.iter().map(|&t| self.components[t]).collect();
+    }
+}
+
+/// Triangles, sheets both ways round so that their winding numbers cancel, and hidden caps.
+pub(super) fn with_sheets_both_ways<'a>(
+    triangles: &'a [[u32; 3]],
+    is_sheet: &[bool],
+    hidden_caps: &[[u32; 3]],
+) -> Cow<'a, [[u32; 3]]> {
+    let sheets = triangles.iter().zip(is_sheet).filter(|(_, is_sheet)| **is_sheet);
+    let turned: Vec<[u32; 3]> = sheets.map(|(&[a, b, c], _)| [b, a, c]).collect();
+    if turned.is_empty() && hidden_caps.is_empty() {
+        Cow::Borrowed(triangles)
+    } else {
+        Cow::Owned([triangles, &turned, hidden_caps].concat())
     }
 }
 

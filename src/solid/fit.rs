@@ -307,6 +307,7 @@ mod tests {
     use crate::mesh::canonical_order::MeshOrder;
     use crate::mesh::repair::prepare;
     use crate::mesh::shapes::{cuboid, hemisphere, join, torus};
+    use crate::mesh::simplification::Simplification;
     use crate::solid::surface::{OPEN_INSIDE, Surface};
     use crate::solid::{Boundary, SolidSettings};
 
@@ -379,7 +380,8 @@ mod tests {
             let control = Control::new();
             let prepared = prepare(mesh.view(), MeshOrder::Place, &control).unwrap();
             let settings = SolidSettings { bound, keep_cavities: false, probe: None };
-            let solid = Solid::new(&prepared, &settings, &control).unwrap();
+            let solid =
+                Solid::new(&Simplification::unchanged(&prepared), &settings, &control).unwrap();
             assert!(solid.is_coarse());
             Self { name, solid, corners: into_vectors(prepared.mesh.positions) }
         }

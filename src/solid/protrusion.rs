@@ -40,8 +40,8 @@ const MANY_PARTS: usize = 20_000;
 /// Parts between two checks for cancellation: less than a millisecond.
 const PARTS_PER_CHECK: usize = 1024;
 
-/// No point of the hull's faces is farther than this from the solid, as a fraction of the diagonal. If it exceeds
-/// `limit`, any value above `limit` may be returned.
+/// No point of the hull's faces is farther than this from the solid of the source, as a fraction of the diagonal: what the
+/// surface has moved is added. If it exceeds `limit`, any value above `limit` may be returned.
 ///
 /// # Errors
 /// [`Error::Cancelled`].
@@ -53,12 +53,13 @@ pub(crate) fn protrusion(
     control: &Control,
 ) -> Result<f64, Error> {
     let unresolved = if solid.is_closed() { UNRESOLVED } else { UNRESOLVED_IN_OPEN };
+    let (bound, limit) = (bound - solid.moved, limit - solid.moved);
     let mut exact = Exact::new(solid, bound, limit, unresolved * bound, control);
     if exact.cavities_exceed(hull) {
-        return Ok(exact.known);
+        return Ok(exact.known + solid.moved);
     }
     let faces: Vec<Face> = hull.faces().collect();
-    exact.run(&faces)
+    Ok(exact.run(&faces)? + solid.moved)
 }
 
 /// Whether no point of the hull's faces is farther than the bound from the solid. Faster than the
@@ -72,6 +73,7 @@ pub(crate) fn keeps_bound(
     bound: f64,
     control: &Control,
 ) -> Result<bool, Error> {
+    let bound = bound - solid.moved;
     let faces: Vec<Face> = hull.faces().collect();
     // Most hulls that protrude do so at one of few points.
     if !faces.iter().all(|&face| solid.centre_fits(face, bound)) {
@@ -312,6 +314,7 @@ mod tests {
     use crate::mesh::canonical_order::MeshOrder;
     use crate::mesh::repair::prepare;
     use crate::mesh::shapes::{cuboid, hemisphere, join, torus, uv_sphere};
+    use crate::mesh::simplification::Simplification;
     use crate::solid::{Boundary, SolidSettings};
 
     fn solid_of(mesh: &TriangleMesh, boundary: Boundary, bound: f64) -> Solid {
@@ -478,7 +481,7 @@ mod tests {
         let control = Control::new();
         let prepared = prepare(mesh.view(), MeshOrder::Place, &control).unwrap();
         let settings = SolidSettings { bound: BOUND, keep_cavities: false, probe: None };
-        let solid = Solid::new(&prepared, &settings, &control).unwrap();
+        let solid = Solid::new(&Simplification::unchanged(&prepared), &settings, &control).unwrap();
         let TriangleMesh { positions, triangles, .. } = prepared.mesh;
         let source = Bvh::new(as_vectors(&positions), &triangles);
         (into_vectors(positions), solid, source)

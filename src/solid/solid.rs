@@ -13,7 +13,7 @@ use crate::bvh::closest_point::{ClosestPoint, EXACT};
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, bounds, spread_in_box};
-use crate::mesh::PreparedMesh;
+use crate::mesh::simplification::Simplification;
 use crate::parallel;
 use crate::probe::{Extent, Probe, ProbeSettings};
 
@@ -33,13 +33,16 @@ pub(crate) struct Solid {
     /// The bound that it is made for.
     pub bound: f64,
     pub(super) is_coarse: bool,
+    /// How far its surface is from the source at most.
+    pub moved: f64,
     /// The deepest point of each cavity that no hull may contain, and its distance from the surface.
-    pub(super) cavities: Vec<(Vector, f64)>,
+    pub(crate) cavities: Vec<(Vector, f64)>,
     /// What moves in the scene, if that is known: what it does not reach may be filled.
     pub probe: Option<Probe>,
 }
 
 /// What a solid is made for.
+#[derive(Clone, Copy)]
 pub(crate) struct SolidSettings<'a> {
     pub bound: f64,
     /// Hulls that contain a cavity deeper than the bound do not fit.
@@ -60,21 +63,21 @@ impl Solid {
     /// # Errors
     /// [`Error::Cancelled`]; [`Error::InvalidParameter`] where a probe can't start.
     pub fn new(
-        prepared: &PreparedMesh,
+        surface: &Simplification,
         settings: &SolidSettings<'_>,
         control: &Control,
     ) -> Result<Self, Error> {
-        let mesh = &prepared.mesh;
-        let triangles = prepared.triangles_of_solid();
+        let Simplification { mesh, closed, .. } = surface;
+        let triangles = surface.triangles_of_solid();
         // Where triangles run along each edge as often one way as the other, the surface ends nowhere,
         // even where more than two meet. Sheets in both orientations can close an open one.
         let is_as_given = triangles.len() == mesh.triangles.len();
-        let boundary = match is_as_given && prepared.closed.iter().all(|&closed| closed) {
+        let boundary = match is_as_given && closed.iter().all(|&closed| closed) {
             true => Boundary::default(),
             false => Boundary::new(mesh.points(), &triangles),
         };
-        let surface = Surface::new(mesh.points(), &triangles, boundary, control)?;
-        Self::around(Arc::new(surface), prepared, settings, control)
+        let tree = Surface::new(mesh.points(), &triangles, boundary, control)?;
+        Self::around(Arc::new(tree), surface, settings, control)
     }
 
     /// The solid of the same mesh with other settings. O(cells).
@@ -83,21 +86,22 @@ impl Solid {
     /// As [`new`](Self::new).
     pub fn with_settings(
         &self,
-        prepared: &PreparedMesh,
+        surface: &Simplification,
         settings: &SolidSettings<'_>,
         control: &Control,
     ) -> Result<Self, Error> {
-        Self::around(Arc::clone(&self.grid.surface), prepared, settings, control)
+        Self::around(Arc::clone(&self.grid.surface), surface, settings, control)
     }
 
     fn around(
-        surface: Arc<Surface>,
-        prepared: &PreparedMesh,
+        tree: Arc<Surface>,
+        surface: &Simplification,
         &SolidSettings { bound, keep_cavities, probe }: &SolidSettings<'_>,
         control: &Control,
     ) -> Result<Self, Error> {
-        let mesh = &prepared.mesh;
-        let mut solid = Self::plain(surface, mesh.points(), mesh.triangles.len(), bound);
+        let mesh = &surface.mesh;
+        let mut solid = Self::plain(tree, mesh.points(), mesh.triangles.len(), bound);
+        solid.moved = surface.most_moved();
         if keep_cavities {
             solid.cavities = solid.find_cavities(control)?;
         }
@@ -113,7 +117,7 @@ impl Solid {
     fn plain(surface: Arc<Surface>, positions: &[Vector], triangles: usize, bound: f64) -> Self {
         let grid = Grid::new(surface, positions, bound);
         let is_coarse = triangles <= COARSE;
-        Self { grid, bound, is_coarse, cavities: Vec::new(), probe: None }
+        Self { grid, bound, is_coarse, moved: 0.0, cavities: Vec::new(), probe: None }
     }
 
     /// The solid of a surface and its boundary.
@@ -165,7 +169,7 @@ impl Solid {
     }
 
     /// The closest point of the surface. Faster if the triangle `guess` is near. `None` if there is no surface. O(log n).
-    pub(super) fn closest(&self, point: Vector, guess: u32) -> Option<ClosestPoint> {
+    pub(crate) fn closest(&self, point: Vector, guess: u32) -> Option<ClosestPoint> {
         self.tree().closest_point_near(point, EXACT, guess)
     }
 
@@ -322,9 +326,10 @@ mod tests {
             let prepared = prepare(mesh.view(), MeshOrder::Place, &control).unwrap();
             let [first, other] =
                 [0.01, 0.04].map(|bound| SolidSettings { bound, keep_cavities: true, probe: None });
-            let solid = Solid::new(&prepared, &first, &control).unwrap();
-            let changed = solid.with_settings(&prepared, &other, &control).unwrap();
-            let anew = Solid::new(&prepared, &other, &control).unwrap();
+            let surface = Simplification::unchanged(&prepared);
+            let solid = Solid::new(&surface, &first, &control).unwrap();
+            let changed = solid.with_settings(&surface, &other, &control).unwrap();
+            let anew = Solid::new(&surface, &other, &control).unwrap();
             assert_eq!(changed.cavities, anew.cavities);
             let (low, high) = bounds(prepared.mesh.points().iter().copied());
             for index in 0..2000 {

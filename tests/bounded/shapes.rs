@@ -3,7 +3,7 @@
 
 use std::time::{Duration, Instant};
 
-use hullwright::{Control, Parameters, Preset, decompose};
+use hullwright::{Control, Length, Parameters, Preset, decompose};
 
 use crate::common::{
     Mesh, ball, both_ways, comb, cuboid, cup, is_filled, join, l_prism, lathe, plus_prism, polygon,
@@ -179,4 +179,56 @@ fn an_open_tile_with_a_relief_is_verified_at_once() {
     let report = &result.report;
     assert!(!result.run.deadline_reached);
     assert!(report.protrusion_max <= report.bound && report.uncovered_max <= report.bound);
+}
+
+/// Each triangle of a mesh in four, again and again.
+fn cut_finely((mut positions, mut triangles): Mesh, times: usize) -> Mesh {
+    for _ in 0..times {
+        let mut middles = std::collections::BTreeMap::new();
+        let mut cut = Vec::with_capacity(4 * triangles.len());
+        for [a, b, c] in triangles {
+            let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(from, to): (u32, u32)| {
+                *middles.entry((from.min(to), from.max(to))).or_insert_with(|| {
+                    let (p, q) = (positions[from as usize], positions[to as usize]);
+                    positions.push([0, 1, 2].map(|axis| 0.5 * (p[axis] + q[axis])));
+                    positions.len() as u32 - 1
+                })
+            });
+            cut.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
+        }
+        triangles = cut;
+    }
+    (positions, triangles)
+}
+
+#[test]
+fn a_plain_shape_has_the_same_hulls_however_finely_it_is_cut() {
+    for (name, mesh) in [("box", cuboid([0.0; 3], [1.0, 0.7, 0.4])), ("plus", plus_prism())] {
+        for share in [0.02, 0.005, 0.001, 0.0002] {
+            let parameters = Parameters::default().max_error(Length::share(share));
+            let [plain, fine] = [0, 4].map(|times| {
+                let cut = cut_finely(mesh.clone(), times);
+                let found = run_with(&cut, &parameters);
+                // All of the source has a hull.
+                let mut sources: Vec<u32> = found
+                    .hulls
+                    .iter()
+                    .flat_map(|hull| hull.provenance.source_triangles.clone())
+                    .collect();
+                sources.sort_unstable();
+                sources.dedup();
+                assert_eq!(sources.len(), cut.1.len(), "{name} {share}");
+                found.hulls
+            });
+            assert_eq!(plain.len(), fine.len(), "{name} {share}");
+            for (plain, fine) in plain.iter().zip(&fine) {
+                let (plain, fine) = (&plain.shape.points, &fine.shape.points);
+                assert_eq!(plain.len(), fine.len(), "{name} {share}");
+                let is_near =
+                    |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).all(|(x, y)| (x - y).abs() < 1e-9);
+                let has_match = |point| fine.iter().any(|other| is_near(point, other));
+                assert!(plain.iter().all(has_match), "{name} {share}: {plain:?} {fine:?}");
+            }
+        }
+    }
 }

@@ -221,7 +221,7 @@ fn constant<'a>(source: &'a str, name: &str) -> Option<&'a str> {
 }
 
 /// The numbers in the page about the method, as it says them, and the constants of the source that they are.
-const CONSTANTS: [(&str, &[(&str, &str)]); 17] = [
+const CONSTANTS: [(&str, &[(&str, &str)]); 16] = [
     (
         "src/parameters.rs",
         &[("2 % of the diagonal", "DEFAULT_MAX_ERROR"), ("64 vertices", "DEFAULT_MAX_VERTICES")],
@@ -229,8 +229,13 @@ const CONSTANTS: [(&str, &[(&str, &str)]); 17] = [
     (
         "src/bounded/settings.rs",
         &[
-            ("0.9 ε", "SEARCH_SHARE"),
-            ("0.985 ε", "LAST_ROUND_SHARE"),
+            ("0.001 ε", "EXACT_SHARE"),
+            ("0.02 ε", "OF_FEW.coarse"),
+            ("0.2 ε", "OF_MANY.coarse"),
+            ("0.9 ε", "OF_FEW.search"),
+            ("0.92 ε", "OF_MANY.search"),
+            ("0.985 ε", "OF_FEW.last_round"),
+            ("0.95 ε", "OF_MANY.last_round"),
             ("5 % of ε", "MAX_UNCOVERED"),
             ("15 % of ε", "MAX_UNCOVERED_UNDER_LIMIT"),
             ("longer than 4 ε", "LONGEST_EDGE"),
@@ -243,7 +248,6 @@ const CONSTANTS: [(&str, &[(&str, &str)]); 17] = [
     ("src/solid/surface.rs", &[("0.52", "OPEN_INSIDE")]),
     ("src/solid/grid.rs", &[("1.5 million cells", "MAX_CELLS")]),
     ("src/solid/solid.rs", &[("2,400 triangles", "COARSE")]),
-    ("src/clustering/mod.rs", &[("100,000 triangles", "MIN_TRIANGLES"), ("0.4 ε", "CELL")]),
     ("src/bounded/patch_mesh.rs", &[("within about 0.1 ε", "CRACK")]),
     (
         "src/bounded/facets.rs",

@@ -66,7 +66,7 @@ pub(crate) fn cover(search: &Search<'_>, pieces: Vec<Piece>) -> Result<Cover, Er
     if pieces.len() < 2 {
         return Ok(Cover { pieces, before_last_round: None });
     }
-    let &Search { solid, patches, settings, control } = search;
+    let &Search { solid, patches, settings, control, .. } = search;
     let points = PointsOfPatches::new(patches);
     let mut nogoods = Nogoods::new(&points, patches.count());
     let mut pieces = grow_all(search, pieces, &mut nogoods)?;
@@ -80,7 +80,7 @@ pub(crate) fn cover(search: &Search<'_>, pieces: Vec<Piece>) -> Result<Cover, Er
     dissolve(search, &mut pieces, bound, budget, &mut nogoods)?;
     let before_last_round = (pieces.len() < before.len()).then_some(before);
     let mut owned = assign_owners(patches, &pieces, control)?;
-    if solid.is_coarse() && solid.is_closed() {
+    if solid.is_closed() {
         fill(&mut owned, &pieces, search)?;
     }
     Ok(Cover { pieces: owned, before_last_round })
@@ -93,7 +93,7 @@ fn grow_all(
     mut pieces: Vec<Piece>,
     nogoods: &mut Nogoods<'_>,
 ) -> Result<Vec<Piece>, Error> {
-    let &Search { solid, patches, settings, control } = search;
+    let &Search { solid, patches, settings, control, .. } = search;
     let all = patches.all();
     pieces.sort_by(|a, b| area(patches, &b.patches).total_cmp(&area(patches, &a.patches)));
     let mut covered = (all.clone(), Vec::new());

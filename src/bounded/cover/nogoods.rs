@@ -173,10 +173,11 @@ mod tests {
         bounded::{
             cover::{dissolve::dissolve, grow_all},
             merge::merge,
+            patch_mesh::PatchMesh,
             patches::divide_into_patches,
             search::Search,
             settings::Settings,
-            shared::solid_and_patch_mesh,
+            surfaces::{Solids, simplify, solids},
         },
         mesh::{
             canonical_order::MeshOrder,
@@ -199,6 +200,7 @@ mod tests {
             conflicts: vec![PatchSet::empty(COUNT); COUNT],
             surface: Default::default(),
             parents: Default::default(),
+            detail: Default::default(),
             mesh: Default::default(),
             labels: Vec::new(),
         }
@@ -289,10 +291,19 @@ mod tests {
         let settings = &Settings::of_preset(&parameters, &prepared.normalization)[0];
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let (shared, divided) =
-                solid_and_patch_mesh(&prepared, None, settings, &control).unwrap();
-            let patches = &divide_into_patches(divided, &shared, settings, &control).unwrap();
-            let search = &Search { solid: &shared.solid, patches, settings, control: &control };
+            let surfaces = simplify(&prepared, None, settings, &control).unwrap();
+            let Solids { exact, coarse } = &solids(&surfaces, None, settings, &control).unwrap();
+            let divided = PatchMesh::new(&surfaces.coarse, settings, &control).unwrap();
+            let patches =
+                &divide_into_patches(divided, &surfaces, coarse, settings, &control).unwrap();
+            let search = &Search {
+                solid: coarse,
+                exact: &surfaces.exact,
+                exact_solid: exact,
+                patches,
+                settings,
+                control: &control,
+            };
             let points = PointsOfPatches::new(patches);
             let mut nogoods = Nogoods::new(&points, patches.count());
             let mut pieces = grow_all(search, merge(search).unwrap(), &mut nogoods).unwrap();

@@ -83,7 +83,7 @@ impl Division<'_> {
         may_fill: bool,
         inner_points: Vec<Vector>,
     ) -> Result<(), Error> {
-        let &Search { patches, solid, settings, control } = &self.context.search;
+        let &Search { patches, exact_solid: solid, settings, control, .. } = &self.context.search;
         let mut push = |patches: PatchSet, part: Option<Vec<u32>>| {
             let inner_points = inner_points.clone();
             let owned = Owned { patches, part, inner_points };
@@ -130,7 +130,7 @@ impl Division<'_> {
     /// The middle of a hull that would keep the bound without the limit on vertices. If all parts of the
     /// hull contain it, they fill the hull; parts of the surface alone would leave it hollow.
     fn middle(&mut self, hull: &FinalHull) -> Result<Option<Vector>, Error> {
-        let &Search { patches, solid, settings, control } = &self.context.search;
+        let &Search { patches, exact_solid: solid, settings, control, .. } = &self.context.search;
         let Some(max_vertices) = settings.max_vertices else { return Ok(None) };
         let points = hull.owned.surface_points(patches);
         if !solid.is_closed() || points.len() <= max_vertices {
@@ -233,7 +233,7 @@ fn cheapest(
     entries: &[Entry],
     queue: &mut PairQueue<Cost, ()>,
 ) -> Result<Option<Pair>, Error> {
-    let &Search { solid, settings, control, .. } = &context.search;
+    let &Search { exact_solid: solid, settings, control, .. } = &context.search;
     let candidates = queue.pop_all();
     let pairs: Vec<Pair> = candidates.iter().map(|&(_, pair, ())| pair).collect();
     let keeps = |&pair: &Pair| {

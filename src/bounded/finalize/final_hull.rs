@@ -3,25 +3,21 @@
 //! Takes what the hull owns, gives the hull with its errors. Lengths are fractions of the diagonal. Where it does not keep the bound,
 //! the caller divides it.
 
-use std::ops::Range;
-
 use super::hull_simplification::{FinalizeContext, Original, Simplified, simplify_hull};
-use crate::bounded::patch::{PatchSet, Patches, Piece};
+use crate::bounded::patch::{PatchSet, Patches};
 use crate::bounded::search::Search;
 use crate::bounded::settings::Settings;
 use crate::bounded::uncovered::{PointBuckets, distance_outside};
 use crate::error::Error;
-use crate::geometry::vector::{Vector, area_normal, as_arrays};
-use crate::hull::growing_hull::GrowingHull;
+use crate::geometry::vector::{Vector, area_normal, as_arrays, bounds};
 use crate::hull::{ConvexHull, HullBuilder, LEAST_THICKNESS, solid_hull};
 
-/// Numbers of points for which building their hull pays before computing how far they are outside
-/// another one. For fewer the distances are as fast; of more, the hull has thousands of vertices.
-const WORTH_A_HULL: Range<usize> = 64..8192;
+/// A hull is built of the points that protrude by more than this fraction of what may be left uncovered: of all it would
+/// have hundreds of vertices that do not matter.
+const TOLERANCE: f64 = 0.5;
 
-/// The hull of very many points is built of those that protrude by more than this share of what may
-/// be left uncovered: of all it would have thousands of vertices that do not matter.
-const TOLERANCE_OF_MANY: f64 = 0.25;
+/// Of a hull that is thinner than the tolerance over this the vertices all count: of a plate hardly any protrudes.
+const LEAST_SHARE_OF_THICKNESS: f64 = 0.05;
 
 /// What a hull owns: patches, or triangles of them where it was divided.
 #[derive(Clone)]
@@ -62,16 +58,16 @@ impl Owned {
 
     /// The vertices of the surface, which the hull must contain.
     pub(super) fn surface_points(&self, patches: &Patches) -> Vec<Vector> {
-        let set = &self.patches;
-        let has_points = |patch| !patches[patch].surface_points.is_empty();
-        if self.part.is_none() && set.iter().any(has_points) {
-            return set.iter().flat_map(|patch| &patches[patch].surface_points).copied().collect();
-        }
-        patches.surface.positions_of(self.triangles(patches))
+        let mut points = patches.surface.positions_of(self.triangles(patches));
+        let detail = &patches.detail.points;
+        let own = self.triangles(patches).filter_map(|triangle| detail.get(triangle as usize));
+        points.extend(own.flatten());
+        points
     }
 }
 
 /// A hull of the result, and what was verified about it.
+#[derive(Clone)]
 pub(crate) struct FinalHull {
     pub hull: ConvexHull,
     pub owned: Owned,
@@ -119,15 +115,22 @@ pub(super) fn make_hull(
 ) -> Result<FinalHull, Error> {
     let patches = context.search.patches;
     let Owned { patches: set, part, inner_points } = &owned;
-    let mut hull = match part {
-        None => Piece::new(patches, set).hull,
-        Some(triangles) => hull_of_triangles(patches, triangles),
+    let outward = match part {
+        None => set.iter().fold(Vector::ZERO, |sum, patch| sum + patches[patch].outward),
+        Some(triangles) => {
+            let mesh = &patches.surface;
+            let corners = triangles.iter().map(|&t| mesh.corners(mesh.triangles[t as usize]));
+            let normals = corners.map(|[a, b, c]| area_normal(a, b, c));
+            normals.fold(Vector::ZERO, |a, b| a + b)
+        }
     };
-    hull.insert(inner_points, Vector::ZERO);
     let mut required = owned.surface_points(patches);
     required.extend_from_slice(inner_points);
-    let required = extreme_points(builder, required);
-    let (original, added_thickness) = full_hull(context, &mut hull, required, builder)?;
+    if required.is_empty() {
+        // Patches to which nothing of the surface is closest.
+        required.extend(set.iter().flat_map(|patch| &patches[patch].points));
+    }
+    let (original, added_thickness) = full_hull(context, outward, required, builder)?;
     let component = set.iter().next().map_or(0, |patch| patches[patch].component);
     let Simplified { hull, growth, protrusion, uncovered } =
         simplify_hull(context, original, builder)?;
@@ -142,53 +145,37 @@ pub(super) fn make_hull(
     })
 }
 
-fn hull_of_triangles(Patches { surface, .. }: &Patches, triangles: &[u32]) -> GrowingHull {
-    let corners = |&triangle: &u32| {
-        surface.triangles[triangle as usize].map(|vertex| surface.points()[vertex as usize])
-    };
-    let points: Vec<Vector> = triangles.iter().flat_map(corners).collect();
-    let normals = triangles.iter().map(corners).map(|[a, b, c]| area_normal(a, b, c));
-    GrowingHull::new(&points, normals.fold(Vector::ZERO, |a, b| a + b))
-}
-
-/// The hull with all vertices that are needed to cover the `required` points, and the thickness
-/// that it was given.
+/// The hull of the vertices that are needed to cover the `required` points, and the thickness that it was given.
 fn full_hull(
     context: &FinalizeContext<'_>,
-    hull: &mut GrowingHull,
+    outward: Vector,
     required: Vec<Vector>,
     builder: &mut HullBuilder,
 ) -> Result<(Original, f64), Error> {
     let &Search { settings, control, .. } = &context.search;
     let max_uncovered = settings.bound.max_uncovered();
-    let outward = hull.outward;
-    let points = PointBuckets::new(&required);
     let thick =
         |builder: &mut HullBuilder, points: &[Vector]| -> Result<(ConvexHull, f64), Error> {
             control.check()?;
             solid_hull(builder, as_arrays(points), outward.to_array(), LEAST_THICKNESS)
         };
-    let (mut full, mut added_thickness) = thick(builder, &hull.vertices())?;
-    let mut uncovered = distance_outside(&full, &points, max_uncovered, control)?;
-    if uncovered > max_uncovered && required.len() > WORTH_A_HULL.end {
-        let mut reducer =
-            HullBuilder::new().with_least_tolerance(TOLERANCE_OF_MANY * max_uncovered);
-        if let Some(reduced) = reducer.vertices_of(&required) {
-            (full, added_thickness) = thick(builder, &reduced)?;
-            uncovered = distance_outside(&full, &points, max_uncovered, control)?;
+    let points = PointBuckets::new(&required);
+    let mut reducer = HullBuilder::new().with_least_tolerance(TOLERANCE * max_uncovered);
+    if let Some(reduced) = reducer.vertices_of(&required) {
+        let (hull, added_thickness) = thick(builder, &reduced)?;
+        let uncovered = distance_outside(&hull, &points, max_uncovered, control)?;
+        if uncovered <= max_uncovered && is_thick(&hull, TOLERANCE * max_uncovered) {
+            return Ok((Original { hull, uncovered, points, outward }, added_thickness));
         }
     }
-    if uncovered > max_uncovered {
-        // Beyond a sharp edge, a point that is hardly in front of any face can be far away.
-        (full, added_thickness) = thick(builder, &required)?;
-        uncovered = distance_outside(&full, &points, f64::INFINITY, control)?;
-    }
-    Ok((Original { hull: full, uncovered, points, outward }, added_thickness))
+    // Beyond a sharp edge, a point that is hardly in front of any face can be far away.
+    let (hull, added_thickness) = thick(builder, &required)?;
+    let uncovered = distance_outside(&hull, &points, f64::INFINITY, control)?;
+    Ok((Original { hull, uncovered, points, outward }, added_thickness))
 }
 
-/// Points that are as far outside any hull as all are: the vertices of their own hull, since the
-/// distance to a convex set is a convex function.
-fn extreme_points(builder: &mut HullBuilder, points: Vec<Vector>) -> Vec<Vector> {
-    let vertices = WORTH_A_HULL.contains(&points.len()).then(|| builder.vertices_of(&points));
-    vertices.flatten().unwrap_or(points)
+/// Whether a hull is so thick that leaving out vertices within the tolerance hardly changes it.
+fn is_thick(hull: &ConvexHull, tolerance: f64) -> bool {
+    let (min, max) = bounds(hull.points().iter().copied());
+    tolerance * max.distance_squared(min) <= LEAST_SHARE_OF_THICKNESS * hull.volume()
 }

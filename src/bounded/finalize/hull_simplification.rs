@@ -90,7 +90,7 @@ pub(super) fn simplify_hull(
     if original.hull.points.len() > max_vertices {
         return attempts.within_limit();
     }
-    let &Search { solid, settings, control, .. } = &context.search;
+    let &Search { exact_solid: solid, settings, control, .. } = &context.search;
     let bound = settings.bound.verified();
     let protrusion = protrusion(&original.hull, solid, bound, bound, control)?;
     let Original { hull, uncovered, .. } = original;
@@ -127,7 +127,7 @@ impl Attempts<'_> {
     /// Attempts 4 and 5, for a hull that only exceeds the limit.
     fn within_limit(&mut self) -> Result<Simplified, Error> {
         let (original, max_vertices) = (self.original, self.max_vertices);
-        let &Search { solid, settings, control, .. } = &self.context.search;
+        let &Search { exact_solid: solid, settings, control, .. } = &self.context.search;
         let (bound, requested) = (settings.bound.verified(), settings.bound.requested());
         let max_uncovered = settings.bound.max_uncovered().max(original.uncovered);
         let max_under_limit = settings.bound.max_uncovered_under_limit().max(original.uncovered);
@@ -210,7 +210,7 @@ impl Attempts<'_> {
         growth: f64,
         max_uncovered: f64,
     ) -> Result<Option<Simplified>, Error> {
-        let &Search { solid, settings, control, .. } = &self.context.search;
+        let &Search { exact_solid: solid, settings, control, .. } = &self.context.search;
         if hull.points.len() > self.max_vertices {
             return Ok(None);
         }

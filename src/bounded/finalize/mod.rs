@@ -16,13 +16,13 @@ mod hull_simplification;
 
 use super::cover::Cover;
 use super::cover::coverage::assign_owners;
-use super::patch::{PatchSet, Piece};
+use super::patch::Piece;
 use super::search::Search;
 use super::uncovered::{HullDistance, PointBuckets, distance_outside, uncovered_distance};
 use crate::error::Error;
 use crate::parallel;
 use division::{hulls_of_piece, remerge};
-use final_hull::{FinalHull, FinalHulls, Owned};
+use final_hull::{FinalHull, FinalHulls};
 use hull_simplification::FinalizeContext;
 
 /// Volume that saving a vertex may add, as a share of the mean volume of all pieces. With it, hulls
@@ -91,44 +91,41 @@ impl<'a> VerifiedPieces<'a> {
     }
 }
 
-/// No point of the surface is farther than this outside all hulls.
+/// No point of the source is farther than this outside all hulls.
 fn uncovered(search: &Search<'_>, hulls: &[FinalHull]) -> Result<f64, Error> {
-    let &Search { patches, settings, control, .. } = search;
+    let &Search { patches, settings, control, exact, .. } = search;
     let allowed = settings.bound.max_uncovered();
-    let (settled, open): (Vec<_>, Vec<_>) =
-        (0..).zip(hulls).partition(|(_, hull)| hull.uncovered <= allowed);
-    let mut uncovered = settled.iter().map(|(_, hull)| hull.uncovered).fold(0.0, f64::max);
-    if open.is_empty() {
-        return Ok(uncovered);
+    // The hull of each part of the coarse surface, and by that of each exact triangle.
+    let mut hull_of_part = vec![u32::MAX; patches.surface.triangles.len()];
+    for (index, hull) in (0..).zip(hulls) {
+        hull.owned.triangles(patches).for_each(|part| hull_of_part[part as usize] = index);
     }
-    control.check()?;
-    // Other hulls may contain what one has left out.
-    let mut owners = vec![u32::MAX; patches.surface.triangles.len()];
-    for (index, hull) in open {
-        let owned = &hull.owned;
-        if owned.part.is_some() {
-            owned.triangles(patches).for_each(|triangle| owners[triangle as usize] = index);
-            continue;
-        }
-        for patch in owned.patches.iter() {
-            let own = Owned {
-                patches: PatchSet::new(patches.count(), [patch]),
-                part: None,
-                inner_points: Vec::new(),
-            };
-            let points = PointBuckets::new(&own.surface_points(patches));
-            let distance = distance_outside(&hull.hull, &points, f64::INFINITY, control)?;
-            if distance <= allowed {
-                uncovered = uncovered.max(distance);
-            } else {
-                for &triangle in &patches[patch].triangles {
-                    owners[triangle as usize] = index;
-                }
-            }
+    let mut owned: Vec<Vec<u32>> = vec![Vec::new(); hulls.len()];
+    let mut open: Vec<(u32, u32)> = Vec::new();
+    for (triangle, &part) in (0..).zip(&patches.detail.owners) {
+        let hull = hull_of_part[part as usize];
+        match owned.get_mut(hull as usize) {
+            Some(own) => own.push(triangle),
+            None => open.push((triangle, hull)),
         }
     }
-    let distances: Vec<HullDistance> =
-        hulls.iter().map(|hull| HullDistance::new(&hull.hull)).collect();
-    let tolerance = uncovered.max(settings.bound.tolerance());
-    uncovered_distance(&patches.surface, &owners, &distances, tolerance, control)
+    let distances = parallel::map_indices(hulls.len(), |index| {
+        let points = PointBuckets::new(&exact.mesh.positions_of(owned[index].iter().copied()));
+        distance_outside(&hulls[index].hull, &points, allowed, control)
+    });
+    let mut uncovered: f64 = 0.0;
+    for (index, distance) in distances.into_iter().enumerate() {
+        match distance? {
+            distance if distance <= allowed => uncovered = uncovered.max(distance),
+            // Other hulls may contain what this one has left out.
+            _ => open.extend(owned[index].iter().map(|&triangle| (triangle, index as u32))),
+        }
+    }
+    if !open.is_empty() {
+        let distances: Vec<HullDistance> =
+            hulls.iter().map(|hull| HullDistance::new(&hull.hull)).collect();
+        let tolerance = uncovered.max(settings.bound.tolerance());
+        uncovered = uncovered_distance(&exact.mesh, &open, &distances, tolerance, control)?;
+    }
+    Ok(uncovered + exact.most_moved())
 }

@@ -1,0 +1,85 @@
+//! The surfaces that a search works with, and their solids: the exact one, which all results are verified against, and the coarse
+//! one, which the search sees.
+
+use std::sync::Arc;
+
+use super::settings::Settings;
+use crate::control::Control;
+use crate::error::Error;
+use crate::mesh::PreparedMesh;
+use crate::mesh::simplification::Simplification;
+use crate::parallel;
+use crate::probe::ProbeSettings;
+use crate::solid::{Solid, SolidSettings};
+
+/// The exact surface and the coarse one.
+#[derive(Clone)]
+pub(crate) struct Surfaces {
+    /// Stands for the repaired mesh.
+    pub exact: Arc<Simplification>,
+    /// Stands for the exact surface.
+    pub coarse: Arc<Simplification>,
+}
+
+/// Merges what lies in planes, and removes the detail below the bound. A pass of another bound has another coarse surface, and the
+/// same exact one.
+///
+/// # Errors
+/// [`Error::Cancelled`].
+pub(crate) fn simplify(
+    prepared: &PreparedMesh,
+    earlier: Option<&Surfaces>,
+    settings: &Settings,
+    control: &Control,
+) -> Result<Surfaces, Error> {
+    let exact = match earlier {
+        Some(earlier) => Arc::clone(&earlier.exact),
+        None => Arc::new(Simplification::exact(prepared, settings.bound.exact(), control)?),
+    };
+    let bound = settings.for_surface(exact.mesh.triangles.len()).bound;
+    let coarse = exact.coarser(bound.coarse(), control)?;
+    let is_same = coarse.is_unchanged();
+    let coarse = if is_same { Arc::clone(&exact) } else { Arc::new(coarse) };
+    Ok(Surfaces { exact, coarse })
+}
+
+/// The solids of the two surfaces; where these are the same, the same.
+#[derive(Clone)]
+pub(crate) struct Solids {
+    pub exact: Arc<Solid>,
+    pub coarse: Arc<Solid>,
+}
+
+/// Makes the solids. What an earlier pass has made is not made again.
+///
+/// # Errors
+/// [`Error::Cancelled`], and [`Error::InvalidParameter`] where a probe can't start.
+pub(crate) fn solids(
+    surfaces: &Surfaces,
+    earlier: Option<&Solids>,
+    settings: &Settings,
+    control: &Control,
+) -> Result<Solids, Error> {
+    let wanted = settings.solid();
+    let make_exact = || match earlier.map(|earlier| &earlier.exact) {
+        Some(solid) if solid.bound == wanted.bound => Ok(Arc::clone(solid)),
+        Some(solid) => solid.with_settings(&surfaces.exact, &wanted, control).map(Arc::new),
+        None => Solid::new(&surfaces.exact, &wanted, control).map(Arc::new),
+    };
+    if Arc::ptr_eq(&surfaces.exact, &surfaces.coarse) {
+        let exact = make_exact()?;
+        return Ok(Solids { coarse: Arc::clone(&exact), exact });
+    }
+    // A ball that passes the source passes the coarse surface if it is smaller by what that has moved.
+    let moved = surfaces.coarse.most_moved();
+    let probe = wanted
+        .probe
+        .map(|probe| ProbeSettings { radius: (probe.radius - moved).max(0.0), ..probe.clone() });
+    let (exact, coarse) = parallel::join(make_exact, || {
+        let wanted = SolidSettings { probe: probe.as_ref(), keep_cavities: false, ..wanted };
+        Solid::new(&surfaces.coarse, &wanted, control)
+    });
+    let (exact, mut coarse) = (exact?, coarse?);
+    coarse.cavities.clone_from(&exact.cavities);
+    Ok(Solids { exact, coarse: Arc::new(coarse) })
+}
