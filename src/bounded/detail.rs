@@ -1,5 +1,5 @@
-//! What the coarse surface stands for: for each triangle of the exact surface the part of the coarse one that is closest, and for
-//! each part the exact vertices that are too far from it to be contained with it.
+//! What the coarse surface stands for: for each triangle of the exact surface the part of the coarse one that is
+//! closest, and for each part the exact vertices that are too far from it to be contained with it.
 
 use super::surfaces::Surfaces;
 use crate::bvh::closest_point::closest_point_on_triangle;
@@ -18,8 +18,9 @@ pub(crate) struct Detail {
 }
 
 impl Detail {
-    /// `solid` is that of the coarse surface, `parts` is the surface itself, cut or refined; `parents` names for each part the coarse triangle, ascending. Vertices
-    /// within the tolerance of the coarse surface need not be contained. O(n log n) for n exact triangles.
+    /// `solid` is that of the coarse surface, `parts` is the surface itself, cut or refined; `parents` names for each
+    /// part the coarse triangle, ascending. Vertices within the tolerance of the coarse surface need not be
+    /// contained. O(n log n) for n exact triangles.
     pub(super) fn new(
         surfaces: &Surfaces,
         solid: &Solid,
@@ -30,24 +31,19 @@ impl Detail {
         let Surfaces { exact, coarse } = surfaces;
         let finder = Parts::new(parts, parents, coarse.mesh.triangles.len());
         let exact_points = exact.mesh.points();
-        let is_same = std::sync::Arc::ptr_eq(exact, coarse);
-        let of_coarse =
-            |triangle: usize| if is_same { triangle as u32 } else { coarse.owners[triangle] };
-        let all = exact.mesh.triangles.iter().enumerate();
-        let owners = all.map(|(triangle, corners)| {
-            finder
-                .closest(of_coarse(triangle), || centre(corners.map(|v| exact_points[v as usize])))
+        let owners = (0..).zip(&exact.mesh.triangles).map(|(triangle, &corners)| {
+            finder.closest(surfaces.coarse_of(triangle), || centre(exact.mesh.corners(corners)))
         });
         let owners: Vec<u32> = owners.collect();
-        if coarse.most_moved() <= tolerance || is_same {
+        if surfaces.are_one() || coarse.most_moved() <= tolerance {
             return Self { owners, points: Vec::new() };
         }
         let mut is_kept = vec![false; exact_points.len()];
         coarse.vertices.iter().for_each(|&vertex| is_kept[vertex as usize] = true);
         // Each vertex once, with a coarse triangle near it.
         let mut near = vec![u32::MAX; exact_points.len()];
-        for (triangle, corners) in exact.mesh.triangles.iter().enumerate() {
-            let parent = of_coarse(triangle);
+        for (triangle, corners) in (0..).zip(&exact.mesh.triangles) {
+            let parent = surfaces.coarse_of(triangle);
             if coarse.moved[parent as usize] > tolerance {
                 corners.iter().for_each(|&vertex| near[vertex as usize] = parent);
             }
@@ -105,8 +101,8 @@ impl<'a> Parts<'a> {
     }
 
     pub(super) fn distance(&self, part: u32, point: Vector) -> f64 {
-        let corners = self.mesh.triangles[part as usize];
-        let [a, b, c] = corners.map(|vertex| self.mesh.points()[vertex as usize] - point);
+        let corners = self.mesh.corners(self.mesh.triangles[part as usize]);
+        let [a, b, c] = corners.map(|corner| corner - point);
         closest_point_on_triangle(a, b, c).length()
     }
 }

@@ -1,7 +1,5 @@
 //! Conversion to the public types and back: final hulls in the input's units, and public hulls as input.
 
-use std::sync::Arc;
-
 use super::detail::Parts;
 use super::finalize::final_hull::{FinalHull, FinalHulls};
 use super::patch::Patches;
@@ -56,27 +54,22 @@ impl BoundedResult {
     }
 }
 
-/// For each hull the source's triangles that it is made of: those closest to a part of the coarse surface that it owns, and of
-/// a part to which none is closest the one whose centre is.
+/// For each hull the source's triangles that it is made of: those closest to a part of the coarse surface that it owns,
+/// and of a part to which none is closest the one whose centre is.
 fn sources(
     prepared: &PreparedMesh,
-    Surfaces { exact, coarse }: &Surfaces,
+    surfaces: &Surfaces,
     patches: &Patches,
     hulls: &[FinalHull],
 ) -> Vec<Vec<u32>> {
-    let (mesh, count) = (&prepared.mesh, coarse.mesh.triangles.len());
-    let is_same = Arc::ptr_eq(exact, coarse);
-    let of_coarse = |triangle: usize| {
-        let exact = exact.owners[triangle];
-        if is_same { exact } else { coarse.owners[exact as usize] }
-    };
+    let (mesh, count) = (&prepared.mesh, surfaces.coarse.mesh.triangles.len());
     let middle = |triangle: u32| centre(mesh.corners(mesh.triangles[triangle as usize]));
     let finder = Parts::new(&patches.surface, &patches.parents, count);
     // For each part what is closest to it, and for each coarse triangle all that it stands for.
     let mut of_part: Vec<Vec<u32>> = vec![Vec::new(); patches.surface.triangles.len()];
     let mut of_triangle: Vec<Vec<u32>> = vec![Vec::new(); count];
-    for triangle in 0..mesh.triangles.len() as u32 {
-        let parent = of_coarse(triangle as usize);
+    for (triangle, &exact) in (0..).zip(&surfaces.exact.owners) {
+        let parent = surfaces.coarse_of(exact);
         of_part[finder.closest(parent, || middle(triangle)) as usize].push(triangle);
         if finder.of(parent).len() > 1 {
             of_triangle[parent as usize].push(triangle);

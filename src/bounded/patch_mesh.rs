@@ -63,10 +63,8 @@ impl PatchMesh {
             indices.iter().map(|&index| components[index as usize]).collect::<Vec<u32>>()
         };
         if source.triangles.len() <= settings.triangles {
-            let mesh = surface.clone();
-            let origins: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
             let components = select(&parents, source_components);
-            let represented = first_parts(&origins);
+            let (mesh, represented) = (surface.clone(), each_itself(&surface));
             return Ok(Self::without_facets(mesh, components, surface, parents, represented));
         }
         let mut simplified = simplify(source, source_components, settings.triangles, control)?;
@@ -108,12 +106,11 @@ impl PatchMesh {
         Ok(Self::without_facets(mesh, components, surface, parents, represented))
     }
 
-    /// The source itself, cut into facets.
+    /// The coarse surface itself, cut into facets.
     fn from_facets(coarse: &Simplification, settings: &Settings) -> Self {
         let Facets { mesh, parents, planes, parts, facets } = facets(&coarse.mesh, settings);
         let components = parents.iter().map(|&parent| coarse.components[parent as usize]).collect();
-        let represented = (0..mesh.triangles.len() as u32).map(|triangle| vec![triangle]).collect();
-        let surface = mesh.clone();
+        let (surface, represented) = (mesh.clone(), each_itself(&mesh));
         Self { mesh, components, surface, parents, represented, facets, planes, parts }
     }
 
@@ -232,15 +229,9 @@ fn welded(source: &TriangleMesh, components: &[u32], size: f64) -> (TriangleMesh
     (welded, components)
 }
 
-/// For each part of refined triangles what it represents: the first part of a triangle all of it,
-/// the others nothing. Parts of the same origin follow each other.
-fn first_parts(origins: &[u32]) -> Vec<Vec<u32>> {
-    let mut last = u32::MAX;
-    let represented = origins.iter().map(|&origin| {
-        let is_first = std::mem::replace(&mut last, origin) != origin;
-        if is_first { vec![origin] } else { Vec::new() }
-    });
-    represented.collect()
+/// What the triangles of a surface represent that is divided as it is.
+fn each_itself(surface: &TriangleMesh) -> Vec<Vec<u32>> {
+    (0..surface.triangles.len() as u32).map(|triangle| vec![triangle]).collect()
 }
 
 #[cfg(test)]

@@ -21,6 +21,18 @@ pub(crate) struct Surfaces {
     pub coarse: Arc<Simplification>,
 }
 
+impl Surfaces {
+    /// Whether there is no detail: one surface serves as both.
+    pub(super) fn are_one(&self) -> bool {
+        Arc::ptr_eq(&self.exact, &self.coarse)
+    }
+
+    /// The coarse triangle that stands for an exact one.
+    pub(super) fn coarse_of(&self, exact: u32) -> u32 {
+        if self.are_one() { exact } else { self.coarse.owners[exact as usize] }
+    }
+}
+
 /// Merges what lies in planes, and removes the detail below the bound. A pass of another bound has another coarse surface, and the
 /// same exact one.
 ///
@@ -66,7 +78,7 @@ pub(crate) fn solids(
         Some(solid) => solid.with_settings(&surfaces.exact, &wanted, control).map(Arc::new),
         None => Solid::new(&surfaces.exact, &wanted, control).map(Arc::new),
     };
-    if Arc::ptr_eq(&surfaces.exact, &surfaces.coarse) {
+    if surfaces.are_one() {
         let exact = make_exact()?;
         return Ok(Solids { coarse: Arc::clone(&exact), exact });
     }

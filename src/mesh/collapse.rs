@@ -31,8 +31,8 @@ const MAX_STAR: usize = 32;
 /// Neighbours that are tried for a vertex, those nearest to the planes around it first.
 const MAX_TRIED: usize = 3;
 
-/// Neighbours this near to the planes around a vertex, as a fraction of what may move, are all tried.
-const FLAT: f64 = 0.1;
+/// What is this near to a plane, as a fraction of what may move, is in it.
+pub(super) const FLAT: f64 = 0.1;
 
 /// A neighbour farther from a plane around the vertex than this multiple of what the surface may still move is not tried: on
 /// a smooth surface the fan is about a quarter as far from the star as that.

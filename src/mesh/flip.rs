@@ -5,12 +5,9 @@
 //! Where four corners are on one circle, as those of a rectangle are, the diagonal with the least vertex is taken.
 
 use super::adjacency::{Adjacency, NO_NEIGHBOUR};
-use super::collapse::Collapsed;
+use super::collapse::{Collapsed, FLAT};
 use crate::geometry::TriangleMesh;
 use crate::geometry::vector::{Vector, area_normal, larger, squared};
-
-/// Triangles this flat, as a fraction of the tolerance, are in one plane.
-const FLAT: f64 = 0.1;
 
 /// Flips for each triangle, at most: Delaunay flips end, but rounding may make ties go round in circles.
 const MAX_FLIPS: usize = 16;
@@ -24,7 +21,8 @@ const LEAST_HEIGHT: f64 = 1e-6;
 /// Triangles around a vertex that are looked at before a diagonal to it. Beyond that it does not flip.
 const MAX_AROUND: usize = 256;
 
-/// Flips diagonals between triangles in one plane that `may_flip` allows, as long as nothing moves by more than the tolerance. O(n) but for long chains of flips. Returns how many were flipped.
+/// Flips diagonals between triangles in one plane that `may_flip` allows, as long as nothing moves by more than the
+/// tolerance. O(n), except for long chains of flips. Returns how many were flipped.
 pub(crate) fn flip_diagonals(
     mesh: &mut Collapsed,
     points: &[Vector],

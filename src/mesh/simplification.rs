@@ -12,7 +12,7 @@ use std::borrow::Cow;
 
 use super::adjacency::{Adjacency, NO_NEIGHBOUR};
 use super::canonical_order::rotated;
-use super::collapse::{Collapsed, collapse};
+use super::collapse::{Collapsed, FLAT, collapse};
 use super::flip::flip_diagonals;
 use super::repair::{PreparedMesh, compact, with_sheets_both_ways};
 use crate::bvh::Bvh;
@@ -215,9 +215,6 @@ fn has_planes(mesh: &TriangleMesh, tolerance: f64) -> bool {
     count as f64 >= LEAST_IN_PLANES * mesh.triangles.len() as f64
 }
 
-/// Corners this near to a plane, as a fraction of what may move, are in it.
-const FLAT: f64 = 0.1;
-
 /// Collapses leave owners that may be next to the closest triangle: from there on, each step goes to a neighbour that is
 /// closer to the centre of what is owned.
 fn settle_owners(
@@ -232,8 +229,8 @@ fn settle_owners(
     let adjacency = Adjacency::new(mesh);
     let mut tree = None;
     let distance = |point: Vector, triangle: u32| {
-        let corners = mesh.triangles[triangle as usize];
-        let [a, b, c] = corners.map(|vertex| mesh.points()[vertex as usize] - point);
+        let corners = mesh.corners(mesh.triangles[triangle as usize]);
+        let [a, b, c] = corners.map(|corner| corner - point);
         closest_point_on_triangle(a, b, c).length_squared()
     };
     for (triangle, owner) in source.triangles.iter().zip(owners) {
@@ -241,7 +238,7 @@ fn settle_owners(
         if triangle.iter().all(|vertex| corners.contains(vertex)) {
             continue;
         }
-        let middle = centre(triangle.map(|vertex| source.points()[vertex as usize]));
+        let middle = centre(source.corners(*triangle));
         let mut least = distance(middle, *owner);
         for _ in 0..MAX_STEPS {
             if least == 0.0 {

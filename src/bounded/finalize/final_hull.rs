@@ -67,7 +67,6 @@ impl Owned {
 }
 
 /// A hull of the result, and what was verified about it.
-#[derive(Clone)]
 pub(crate) struct FinalHull {
     pub hull: ConvexHull,
     pub owned: Owned,
