@@ -180,28 +180,21 @@ async fn run_pass(
     let settings = &settings.for_surface(surfaces.exact.mesh.triangles.len());
     let known = earlier.map(|earlier| &earlier.solids);
     let make = || solids(&surfaces, known, settings, control);
-    let Solids { exact, coarse } = stages.run(Stage::Solid, make).await?;
+    let solids = stages.run(Stage::Solid, make).await?;
     let settings = &deadline.for_patches(settings, stages.taken())?;
     let divide = || {
         let mesh = PatchMesh::new(&surfaces.coarse, settings, control)?;
-        divide_into_patches(mesh, &surfaces, &coarse, settings, control)
+        divide_into_patches(mesh, &surfaces, &solids.coarse, settings, control)
     };
     let patches = stages.run(Stage::Patches, divide).await?;
-    let search = Search {
-        solid: &coarse,
-        exact: &surfaces.exact,
-        exact_solid: &exact,
-        patches: &patches,
-        settings,
-        control,
-    };
+    let search = Search::new(&surfaces, &solids, &patches, settings, control);
     let until_verifying = &deadline.for_search(control, stages.taken());
     let pieces = stages.run(Stage::Merge, || merge(&search)).await?;
     let hurried = &Search { control: until_verifying, ..search };
     let cover = stages.run(Stage::Cover, || cover(hurried, pieces)).await?;
     deadline.end_search(until_verifying);
     let hulls = stages.run(Stage::Finalize, || finalize(&search, cover)).await?;
-    Ok(Found { surfaces, solids: Solids { exact, coarse }, patches, hulls })
+    Ok(Found { surfaces, solids, patches, hulls })
 }
 
 /// The limit on hulls: hulls join, and the search is repeated under larger bounds as long as that may end with
@@ -247,14 +240,7 @@ async fn within_limit(
     let Found { surfaces, solids, patches, hulls: FinalHulls { hulls, uncovered } } = found;
     let most = settings.max_hulls.unwrap_or(usize::MAX);
     let control = &stages.control();
-    let search = Search {
-        solid: &solids.coarse,
-        exact: &surfaces.exact,
-        exact_solid: &solids.exact,
-        patches: &patches,
-        settings,
-        control,
-    };
+    let search = Search::new(&surfaces, &solids, &patches, settings, control);
     let hulls = stages.run(Stage::Limit, || limit_hulls(&search, &hulls, most)).await?;
     Ok(Found { surfaces, solids, patches, hulls: FinalHulls { hulls, uncovered } })
 }
@@ -283,17 +269,11 @@ mod tests {
         let settings = &Settings::of_preset(parameters, &prepared.normalization)[0];
         let surfaces = simplify(&prepared, None, settings, control).unwrap();
         let settings = &settings.for_surface(surfaces.exact.mesh.triangles.len());
-        let Solids { exact, coarse } = &solids(&surfaces, None, settings, control).unwrap();
+        let solids = solids(&surfaces, None, settings, control).unwrap();
         let divided = PatchMesh::new(&surfaces.coarse, settings, control).unwrap();
-        let patches = &divide_into_patches(divided, &surfaces, coarse, settings, control).unwrap();
-        let search = &Search {
-            solid: coarse,
-            exact: &surfaces.exact,
-            exact_solid: exact,
-            patches,
-            settings,
-            control,
-        };
+        let solid = &solids.coarse;
+        let patches = &divide_into_patches(divided, &surfaces, solid, settings, control).unwrap();
+        let search = &Search::new(&surfaces, &solids, patches, settings, control);
         let pieces = merge(search).unwrap();
         let merged = pieces.len();
         let covering = cover(search, pieces).unwrap();

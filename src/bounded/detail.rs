@@ -28,7 +28,7 @@ impl Detail {
         parents: &[u32],
         tolerance: f64,
     ) -> Self {
-        let Surfaces { exact, coarse } = surfaces;
+        let Surfaces { exact, coarse, .. } = surfaces;
         let finder = Parts::new(parts, parents, coarse.mesh.triangles.len());
         let exact_points = exact.mesh.points();
         let owners = (0..).zip(&exact.mesh.triangles).map(|(triangle, &corners)| {

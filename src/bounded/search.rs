@@ -2,6 +2,7 @@
 
 use super::patch::Patches;
 use super::settings::Settings;
+use super::surfaces::{Solids, Surfaces};
 use crate::control::Control;
 use crate::mesh::simplification::Simplification;
 use crate::solid::Solid;
@@ -16,4 +17,17 @@ pub(crate) struct Search<'a> {
     pub(crate) patches: &'a Patches,
     pub(crate) settings: &'a Settings,
     pub(crate) control: &'a Control,
+}
+
+impl<'a> Search<'a> {
+    pub(crate) fn new(
+        surfaces: &'a Surfaces,
+        solids: &'a Solids,
+        patches: &'a Patches,
+        settings: &'a Settings,
+        control: &'a Control,
+    ) -> Self {
+        let (solid, exact, exact_solid) = (&*solids.coarse, &*surfaces.exact, &*solids.exact);
+        Self { solid, exact, exact_solid, patches, settings, control }
+    }
 }

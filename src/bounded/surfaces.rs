@@ -1,5 +1,5 @@
-//! The surfaces that a search works with, and their solids: the exact one, which all results are verified against, and the coarse
-//! one, which the search sees.
+//! The surfaces that a search works with, and their solids: the exact one, which all results are verified against, and
+//! the coarse one, which the search sees.
 
 use std::sync::Arc;
 
@@ -19,6 +19,8 @@ pub(crate) struct Surfaces {
     pub exact: Arc<Simplification>,
     /// Stands for the exact surface.
     pub coarse: Arc<Simplification>,
+    /// The bound below which detail is gone.
+    bound: f64,
 }
 
 impl Surfaces {
@@ -33,8 +35,8 @@ impl Surfaces {
     }
 }
 
-/// Merges what lies in planes, and removes the detail below the bound. A pass of another bound has another coarse surface, and the
-/// same exact one.
+/// Merges what lies in planes, and removes the detail below the bound. A pass of the same bound has the same surfaces, one
+/// of another bound another coarse one.
 ///
 /// # Errors
 /// [`Error::Cancelled`].
@@ -45,6 +47,7 @@ pub(crate) fn simplify(
     control: &Control,
 ) -> Result<Surfaces, Error> {
     let exact = match earlier {
+        Some(earlier) if earlier.bound == settings.bound.verified() => return Ok(earlier.clone()),
         Some(earlier) => Arc::clone(&earlier.exact),
         None => Arc::new(Simplification::exact(prepared, settings.bound.exact(), control)?),
     };
@@ -52,7 +55,7 @@ pub(crate) fn simplify(
     let coarse = exact.coarser(bound.coarse(), control)?;
     let is_same = coarse.is_unchanged();
     let coarse = if is_same { Arc::clone(&exact) } else { Arc::new(coarse) };
-    Ok(Surfaces { exact, coarse })
+    Ok(Surfaces { exact, coarse, bound: bound.verified() })
 }
 
 /// The solids of the two surfaces; where these are the same, the same.
@@ -73,8 +76,10 @@ pub(crate) fn solids(
     control: &Control,
 ) -> Result<Solids, Error> {
     let wanted = settings.solid();
+    if let Some(earlier) = earlier.filter(|earlier| earlier.exact.bound == wanted.bound) {
+        return Ok(earlier.clone());
+    }
     let make_exact = || match earlier.map(|earlier| &earlier.exact) {
-        Some(solid) if solid.bound == wanted.bound => Ok(Arc::clone(solid)),
         Some(solid) => solid.with_settings(&surfaces.exact, &wanted, control).map(Arc::new),
         None => Solid::new(&surfaces.exact, &wanted, control).map(Arc::new),
     };

@@ -121,7 +121,7 @@ impl Simplification {
             (&SHARES, WORTH_ANOTHER),
             control,
         )?;
-        Ok(self.clone().replaced(collapsed))
+        Ok(self.replaced(collapsed))
     }
 
     /// Whether it is the same as the mesh that it stands for.
@@ -161,10 +161,9 @@ impl Simplification {
     }
 
     /// The mesh that collapses have left, in an order that depends on places alone.
-    fn replaced(self, collapsed: Collapsed) -> Self {
+    fn replaced(&self, collapsed: Collapsed) -> Self {
         let Collapsed { mut triangles, origins, owners, moved } = collapsed;
         let count = triangles.len();
-        let moved_most = moved.iter().copied().fold(0.0, larger);
         let mut order: Vec<u32> = (0..count as u32).collect();
         triangles.iter_mut().for_each(|triangle| *triangle = rotated(*triangle));
         order.sort_unstable_by_key(|&triangle| triangles[triangle as usize]);
@@ -175,7 +174,7 @@ impl Simplification {
         let origin = |triangle: &u32| origins[*triangle as usize] as usize;
         let components = order.iter().map(|t| self.components[origin(t)]).collect();
         let is_sheet = order.iter().map(|t| self.is_sheet[origin(t)]).collect();
-        let moved = order.iter().map(|&triangle| moved[triangle as usize]).collect();
+        let moved: Vec<f64> = order.iter().map(|&triangle| moved[triangle as usize]).collect();
         let triangles: Vec<[u32; 3]> =
             order.iter().map(|&triangle| triangles[triangle as usize]).collect();
         let mut owners: Vec<u32> = owners.iter().map(|&owner| places[owner as usize]).collect();
@@ -185,9 +184,9 @@ impl Simplification {
         let hidden_caps = all.split_off(count);
         let positions = left.iter().map(|&vertex| self.mesh.positions[vertex as usize]).collect();
         let mesh = TriangleMesh::new(positions, all);
-        let most = moved_most.max(ROUNDING);
+        let most = moved.iter().copied().fold(ROUNDING, larger);
         settle_owners(&self.mesh, (&mesh, &left), &mut owners, most);
-        let closed = self.closed;
+        let closed = self.closed.clone();
         Self { mesh, components, closed, is_sheet, hidden_caps, owners, vertices: left, moved }
     }
 }

@@ -177,7 +177,7 @@ mod tests {
             patches::divide_into_patches,
             search::Search,
             settings::Settings,
-            surfaces::{Solids, simplify, solids},
+            surfaces::{simplify, solids},
         },
         mesh::{
             canonical_order::MeshOrder,
@@ -292,18 +292,12 @@ mod tests {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let surfaces = simplify(&prepared, None, settings, &control).unwrap();
-            let Solids { exact, coarse } = &solids(&surfaces, None, settings, &control).unwrap();
+            let solids = solids(&surfaces, None, settings, &control).unwrap();
             let divided = PatchMesh::new(&surfaces.coarse, settings, &control).unwrap();
             let patches =
-                &divide_into_patches(divided, &surfaces, coarse, settings, &control).unwrap();
-            let search = &Search {
-                solid: coarse,
-                exact: &surfaces.exact,
-                exact_solid: exact,
-                patches,
-                settings,
-                control: &control,
-            };
+                &divide_into_patches(divided, &surfaces, &solids.coarse, settings, &control)
+                    .unwrap();
+            let search = &Search::new(&surfaces, &solids, patches, settings, &control);
             let points = PointsOfPatches::new(patches);
             let mut nogoods = Nogoods::new(&points, patches.count());
             let mut pieces = grow_all(search, merge(search).unwrap(), &mut nogoods).unwrap();
