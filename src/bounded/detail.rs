@@ -1,5 +1,6 @@
-//! What the coarse surface stands for: for each triangle of the exact surface the part of the coarse one that is
-//! closest, and for each part the exact vertices that are too far from it to be contained with it.
+//! What the coarse surface stands for: for each triangle of the exact surface the part of the
+//! coarse one that is closest, and for each part the exact vertices that are too far from it to be
+//! contained with it.
 
 use super::surfaces::Surfaces;
 use crate::bvh::closest_point::closest_point_on_triangle;
@@ -13,14 +14,15 @@ use crate::solid::Solid;
 pub(crate) struct Detail {
     /// For each triangle of the exact surface the part that stands for it.
     pub owners: Vec<u32>,
-    /// For each part the exact vertices that its hull must contain beside its own; no list at all where there are none.
+    /// For each part the exact vertices that its hull must contain beside its own; no list at all
+    /// where there are none.
     pub points: Vec<Vec<Vector>>,
 }
 
 impl Detail {
-    /// `solid` is that of the coarse surface, `parts` is the surface itself, cut or refined; `parents` names for each
-    /// part the coarse triangle, ascending. Vertices within the tolerance of the coarse surface need not be
-    /// contained. O(n log n) for n exact triangles.
+    /// `solid` is that of the coarse surface, `parts` is the surface itself, cut or refined;
+    /// `parents` names for each part the coarse triangle, ascending. Vertices within the tolerance
+    /// of the coarse surface need not be contained. O(n log n) for n exact triangles.
     pub(super) fn new(
         surfaces: &Surfaces,
         solid: &Solid,

@@ -1,4 +1,5 @@
-//! Conversion to the public types and back: final hulls in the input's units, and public hulls as input.
+//! Conversion to the public types and back: final hulls in the input's units, and public hulls as
+//! input.
 
 use super::detail::Parts;
 use super::finalize::final_hull::{FinalHull, FinalHulls};
@@ -54,8 +55,8 @@ impl BoundedResult {
     }
 }
 
-/// For each hull the source's triangles that it is made of: those closest to a part of the coarse surface that it owns,
-/// and of a part to which none is closest the one whose centre is.
+/// For each hull the source's triangles that it is made of: those closest to a part of the coarse
+/// surface that it owns, and of a part to which none is closest the one whose centre is.
 fn sources(
     prepared: &PreparedMesh,
     surfaces: &Surfaces,

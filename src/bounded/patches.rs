@@ -1,9 +1,9 @@
-//! The surface is divided into patches: the paper's groups (section 3.4.1) of the patch mesh, halved between its
-//! facets until the hull of each patch, or of a part that contains it, fits.
+//! The surface is divided into patches: the paper's groups (section 3.4.1) of the patch mesh,
+//! halved between its facets until the hull of each patch, or of a part that contains it, fits.
 //!
-//! Takes the patch mesh and the solid, gives [`Patches`] with their neighbours, seeds and conflicts.
-//! Components whose hull fits, above all convex ones, are one patch each. O(n log n) for n triangles, two fit
-//! tests per patch, and O(p²) segments between p patches.
+//! Takes the patch mesh and the solid, gives [`Patches`] with their neighbours, seeds and
+//! conflicts. Components whose hull fits, above all convex ones, are one patch each. O(n log n) for
+//! n triangles, two fit tests per patch, and O(p²) segments between p patches.
 
 use super::detail::Detail;
 use super::facets::components;
@@ -112,8 +112,8 @@ fn neighbours(adjacency: &Adjacency, labels: &[u32]) -> Vec<(u32, u32)> {
     neighbours
 }
 
-/// Adds the detail that patches stand for to their points, as far as hulls would leave too much of it uncovered. What a patch
-/// looks like to its neighbours does not change.
+/// Adds the detail that patches stand for to their points, as far as hulls would leave too much of
+/// it uncovered. What a patch looks like to its neighbours does not change.
 fn add_detail(patches: &mut [Patch], detail: &Detail, settings: &Settings) {
     let tolerance = settings.bound.max_uncovered();
     let mut reducer = HullBuilder::new().with_least_tolerance(tolerance);
@@ -131,8 +131,8 @@ fn add_detail(patches: &mut [Patch], detail: &Detail, settings: &Settings) {
     }
 }
 
-/// For each patch those that it conflicts with: a point between the two is outside the solid by more than the
-/// bound, so that no hull that fits contains both.
+/// For each patch those that it conflicts with: a point between the two is outside the solid by
+/// more than the bound, so that no hull that fits contains both.
 fn conflicts(
     patches: &[Patch],
     solid: &Solid,
@@ -160,8 +160,8 @@ fn conflicts(
     Ok(conflicts)
 }
 
-/// Seeds without conflicts among their patches, then the patches of all others one by one: a hull whose
-/// faces all lie on the surface can still contain empty space.
+/// Seeds without conflicts among their patches, then the patches of all others one by one: a hull
+/// whose faces all lie on the surface can still contain empty space.
 fn agreeing(conflicts: &[PatchSet], seeds: Vec<Vec<u32>>) -> Vec<Vec<u32>> {
     let agrees = |seed: &Vec<u32>| {
         seed.iter().all(|&a| seed.iter().all(|&b| !conflicts[a as usize].contains(b)))
@@ -256,9 +256,9 @@ impl Division<'_> {
         tester.fits(&GrowingHull::new(&patch.points, patch.outward), false).then_some(patch)
     }
 
-    /// Halves a group along its longest principal axis until no part is larger than the largest patch, and the
-    /// hull of each part, or of one that contains it, fits. Parts of the same fitting hull form a seed, others
-    /// are seeds of their own.
+    /// Halves a group along its longest principal axis until no part is larger than the largest
+    /// patch, and the hull of each part, or of one that contains it, fits. Parts of the same
+    /// fitting hull form a seed, others are seeds of their own.
     fn divide(&self, group: &[u32]) -> Result<Vec<Vec<Part>>, Error> {
         let (mesh, bound) = (self.mesh, self.settings.bound);
         let mut tester = FitTester::new(self.solid, bound.search());
@@ -295,8 +295,8 @@ impl Division<'_> {
         Ok(seeds)
     }
 
-    /// Whether a hull of several facets, all of whose faces may lie on the surface, holds empty space: a
-    /// point between two facets does not fit. Small patches have no room for that.
+    /// Whether a hull of several facets, all of whose faces may lie on the surface, holds empty
+    /// space: a point between two facets does not fit. Small patches have no room for that.
     fn contains_space(&self, triangles: &[u32]) -> bool {
         if self.mesh.parts.is_empty() {
             return false;

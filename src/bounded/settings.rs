@@ -16,8 +16,9 @@ const EXACT_SHARE: f64 = 0.001;
 struct Shares {
     /// The coarse surface may be this far from the exact one.
     coarse: f64,
-    /// The bound of the search. The rest is a margin for what its fit test overlooks, and for the detail that hulls
-    /// contain in the end. More gives fewer pieces, but verification divides as many again.
+    /// The bound of the search. The rest is a margin for what its fit test overlooks, and for the
+    /// detail that hulls contain in the end. More gives fewer pieces, but verification divides as
+    /// many again.
     search: f64,
     /// The bound of the last round of dissolving, which has less to overlook.
     last_round: f64,
@@ -26,41 +27,41 @@ struct Shares {
 /// A surface of few triangles has little detail: removing more of it saves no time and costs hulls.
 const OF_FEW: Shares = Shares { coarse: 0.02, search: 0.9, last_round: 0.985 };
 
-/// The search sees a scan by a fifth of its triangles or fewer. What hulls grow by to contain its detail is
-/// taken from the last round.
+/// The search sees a scan by a fifth of its triangles or fewer. What hulls grow by to contain its
+/// detail is taken from the last round.
 const OF_MANY: Shares = Shares { coarse: 0.2, search: 0.92, last_round: 0.95 };
 
-/// Distance, as a fraction of the bound, by which the surface may lie outside a hull that leaves out
-/// vertices: gaps under objects are more visible than protrusions; without it
-/// hulls would keep every vertex.
+/// Distance, as a fraction of the bound, by which the surface may lie outside a hull that leaves
+/// out vertices: gaps under objects are more visible than protrusions; without it hulls would keep
+/// every vertex.
 pub(super) const MAX_UNCOVERED: f64 = 0.05;
 
-/// The same for a hull that exceeds only the limit on vertices. Beyond it the hull is divided instead: with half of
-/// the bound the teapot's foot goes, and it tips over.
+/// The same for a hull that exceeds only the limit on vertices. Beyond it the hull is divided
+/// instead: with half of the bound the teapot's foot goes, and it tips over.
 pub(super) const MAX_UNCOVERED_UNDER_LIMIT: f64 = 0.15;
 
-/// What patches may leave out, and the uncovered distance that counts as covered, as a fraction of the
-/// bound: half of what a hull may leave out in the end. With all of it, a model of a teapot left 0.36 % of its
-/// diagonal uncovered at its foot, and tipped over in a simulation.
+/// What patches may leave out, and the uncovered distance that counts as covered, as a fraction of
+/// the bound: half of what a hull may leave out in the end. With all of it, a model of a teapot
+/// left 0.36 % of its diagonal uncovered at its foot, and tipped over in a simulation.
 const PATCH_SHARE_OF_UNCOVERED: f64 = 0.5 * MAX_UNCOVERED;
 
-/// A smaller bound, as a fraction of the diagonal, is less than single precision and the minimum thickness of hulls
-/// leave of a shape.
+/// A smaller bound, as a fraction of the diagonal, is less than single precision and the minimum
+/// thickness of hulls leave of a shape.
 const MIN_BOUND: f64 = 1e-5;
 
 /// Half a diagonal is more than any hull of the mesh can protrude.
 const MAX_BOUND: f64 = 0.5;
 
-/// Longest edge of a simplified mesh that is divided into patches, as a multiple of the bound. Patches end at its edges:
-/// longer ones would keep hulls from ending where the shape does.
+/// Longest edge of a simplified mesh that is divided into patches, as a multiple of the bound.
+/// Patches end at its edges: longer ones would keep hulls from ending where the shape does.
 const LONGEST_EDGE: f64 = 4.0;
 
-/// Limits of the same, as fractions of the diagonal. Small bounds would take many triangles, and more time;
-/// under large bounds features of the shape are no larger than 16 % of the diagonal.
+/// Limits of the same, as fractions of the diagonal. Small bounds would take many triangles, and
+/// more time; under large bounds features of the shape are no larger than 16 % of the diagonal.
 const LONGEST_EDGE_LIMITS: RangeInclusive<f64> = 0.04..=0.16;
 
-/// Planar and angular threshold of the grouping, as a fraction of the bound: the hull of a group should fit with
-/// room to spare, since groups whose hulls do not fit are halved.
+/// Planar and angular threshold of the grouping, as a fraction of the bound: the hull of a group
+/// should fit with room to spare, since groups whose hulls do not fit are halved.
 const GROUPING_THRESHOLD: f64 = 0.1;
 
 /// How finely a preset divides the surface, and how long it searches.
@@ -75,11 +76,12 @@ struct PresetSettings {
     triangles: usize,
 }
 
-/// Larger patches and no dissolving. A search by 0.92 of the bound instead ends with 1 % fewer hulls, but
-/// tests other hulls than `BALANCED` does: a window took twice as long, since what `BALANCED` refuses at
-/// once was looked at in detail. On 63 shared dense meshes, 1,000 triangles give 1,344 hulls; 700 give 4 % more in 4 %
-/// less time, and 2,400 give 3 % fewer in 6 % more. But with 1,000, so much of 27 rings is divided in the end that they
-/// take 2 % more work than under `BALANCED`; with 1,200 they take 7 % less.
+/// Larger patches and no dissolving. A search by 0.92 of the bound instead ends with 1 % fewer
+/// hulls, but tests other hulls than `BALANCED` does: a window took twice as long, since what
+/// `BALANCED` refuses at once was looked at in detail. On 63 shared dense meshes, 1,000 triangles
+/// give 1,344 hulls; 700 give 4 % more in 4 % less time, and 2,400 give 3 % fewer in 6 % more. But
+/// with 1,000, so much of 27 rings is divided in the end that they take 2 % more work than under
+/// `BALANCED`; with 1,200 they take 7 % less.
 const FAST: PresetSettings =
     PresetSettings { patch_size: 0.35, dissolve_attempts: 0, triangles: 1200 };
 
@@ -94,7 +96,8 @@ const FINE: [PresetSettings; 3] = [
     PresetSettings { patch_size: 0.15, dissolve_attempts: 60_000, triangles: 1600 },
 ];
 
-/// The bound, and the shares of it that the stages work with. Lengths are fractions of the diagonal.
+/// The bound, and the shares of it that the stages work with. Lengths are fractions of the
+/// diagonal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Bound {
     protrusion: f64,
@@ -149,8 +152,8 @@ impl Bound {
         MAX_UNCOVERED_UNDER_LIMIT * self.requested
     }
 
-    /// Points of a patch this near to the hull of its other points are left out, and uncovered surface
-    /// nearer to a hull counts as covered.
+    /// Points of a patch this near to the hull of its other points are left out, and uncovered
+    /// surface nearer to a hull counts as covered.
     pub(crate) fn tolerance(self) -> f64 {
         PATCH_SHARE_OF_UNCOVERED * self.requested
     }
@@ -232,8 +235,8 @@ impl Settings {
         }
     }
 
-    /// Hulls may be this far apart and join within a bound: a ball that rests on both edges of a wider gap sinks in by
-    /// more than the bound.
+    /// Hulls may be this far apart and join within a bound: a ball that rests on both edges of a
+    /// wider gap sinks in by more than the bound.
     pub(crate) fn widest_gap(&self, bound: f64) -> f64 {
         let radius = self.probe.as_ref().map_or(0.0, |probe| probe.radius);
         let sunk = bound.min(radius);

@@ -1,5 +1,5 @@
-//! The surfaces that a search works with, and their solids: the exact one, which all results are verified against, and
-//! the coarse one, which the search sees.
+//! The surfaces that a search works with, and their solids: the exact one, which all results are
+//! verified against, and the coarse one, which the search sees.
 
 use std::sync::Arc;
 
@@ -35,8 +35,8 @@ impl Surfaces {
     }
 }
 
-/// Merges what lies in planes, and removes the detail below the bound. A pass of the same bound has the same surfaces, one
-/// of another bound another coarse one.
+/// Merges what lies in planes, and removes the detail below the bound. A pass of the same bound has
+/// the same surfaces, one of another bound another coarse one.
 ///
 /// # Errors
 /// [`Error::Cancelled`].
@@ -87,7 +87,8 @@ pub(crate) fn solids(
         let exact = make_exact()?;
         return Ok(Solids { coarse: Arc::clone(&exact), exact });
     }
-    // A ball that passes the source passes the coarse surface if it is smaller by what that has moved.
+    // A ball that passes the source passes the coarse surface if it is smaller by what that has
+    // moved.
     let moved = surfaces.coarse.most_moved();
     let probe = wanted
         .probe

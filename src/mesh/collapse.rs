@@ -1,6 +1,7 @@
 //! Edge collapses under a bound on how far the surface moves, both ways.
 //!
-//! A vertex collapses onto a neighbour: its star, the triangles around it, gives way to a fan around the neighbour.
+//! A vertex collapses onto a neighbour: its star, the triangles around it, gives way to a fan
+//! around the neighbour.
 //!
 //! ```text
 //!      ╱╲                ╱╲
@@ -10,22 +11,26 @@
 //!      ╲╱                ╲╱
 //! ```
 //!
-//! The difference in height is linear between u, the ring, and the places where an edge of the star crosses one of the
-//! fan, so that its maximum is at one of those (Cohen, Manocha, Olano, "Successive mappings", 2003). Along a chain of
-//! collapses these distances add up. The sum bounds the distance between the two surfaces in both directions, and
-//! since one is deformed into the other, a point farther from the surface than that keeps its winding number.
+//! The difference in height is linear between u, the ring, and the places where an edge of the star
+//! crosses one of the fan, so that its maximum is at one of those (Cohen, Manocha, Olano,
+//! "Successive mappings", 2003). Along a chain of collapses these distances add up. The sum bounds
+//! the distance between the two surfaces in both directions, and since one is deformed into the
+//! other, a point farther from the surface than that keeps its winding number.
 //!
-//! No collapse changes the topology: closed components stay closed, no two are joined, none vanishes. Vertices on edges
-//! of more than two triangles stay. Each vertex of the result is one of the source.
+//! No collapse changes the topology: closed components stay closed, no two are joined, none
+//! vanishes. Vertices on edges of more than two triangles stay. Each vertex of the result is one of
+//! the source.
 //!
-//! Each pass visits all vertices once, and collapses those whose neighbourhood no earlier collapse of the pass has changed.
-//! O(n) a pass for n triangles; a pass removes about a fifth of what can go.
+//! Each pass visits all vertices once, and collapses those whose neighbourhood no earlier collapse
+//! of the pass has changed. O(n) a pass for n triangles; a pass removes about a fifth of what can
+//! go.
 
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::{Vector, area_normal, larger};
 
-/// A vertex of more triangles stays until collapses around it have left fewer: the check is quadratic in them.
+/// A vertex of more triangles stays until collapses around it have left fewer: the check is
+/// quadratic in them.
 const MAX_STAR: usize = 32;
 
 /// Neighbours that are tried for a vertex, those nearest to the planes around it first.
@@ -34,16 +39,17 @@ const MAX_TRIED: usize = 3;
 /// What is this near to a plane, as a fraction of what may move, is in it.
 pub(super) const FLAT: f64 = 0.1;
 
-/// A neighbour farther from a plane around the vertex than this multiple of what the surface may still move is not tried: on
-/// a smooth surface the fan is about a quarter as far from the star as that.
+/// A neighbour farther from a plane around the vertex than this multiple of what the surface may
+/// still move is not tried: on a smooth surface the fan is about a quarter as far from the star as
+/// that.
 const HOPELESS: f64 = 4.0;
 
-/// Cosine of the greatest angle between the normal of a triangle and the direction of the graph: heights over steeper
-/// triangles are long.
+/// Cosine of the greatest angle between the normal of a triangle and the direction of the graph:
+/// heights over steeper triangles are long.
 const LEAST_COSINE: f64 = 0.05;
 
-/// Least height of a new triangle over its longest side, as a fraction of the diagonal: the normal of a thinner one is
-/// rounding.
+/// Least height of a new triangle over its longest side, as a fraction of the diagonal: the normal
+/// of a thinner one is rounding.
 const LEAST_HEIGHT: f64 = 1e-6;
 
 /// Steps that look for a direction in which a star with a sharp edge is a graph.
@@ -57,7 +63,8 @@ pub(crate) struct Collapsed {
     pub triangles: Vec<[u32; 3]>,
     /// For each triangle the one of the source whose place it has taken.
     pub origins: Vec<u32>,
-    /// For each triangle of the source one that stands for the place where it was, or is next to that.
+    /// For each triangle of the source one that stands for the place where it was, or is next to
+    /// that.
     pub owners: Vec<u32>,
     /// For each triangle how far what it stands for has moved at most.
     pub moved: Vec<f64>,
@@ -76,9 +83,10 @@ impl Collapsed {
     }
 }
 
-/// Collapses vertices, except locked ones, as long as nothing moves by more than the tolerance: at first by no more than the
-/// first of its `shares`. A pass that removes no more than the fraction `least` of the triangles is the last under its share.
-/// `points` are of a mesh with a diagonal of about 1.
+/// Collapses vertices, except locked ones, as long as nothing moves by more than the tolerance: at
+/// first by no more than the first of its `shares`. A pass that removes no more than the fraction
+/// `least` of the triangles is the last under its share. `points` are of a mesh with a diagonal of
+/// about 1.
 ///
 /// # Errors
 /// [`Error::Cancelled`].
@@ -196,8 +204,8 @@ impl Scratch {
 #[derive(Default)]
 struct Star {
     triangles: Vec<u32>,
-    /// Triangle `i` has the vertices `ring[i]` and the one after it. One more than there are triangles where the surface
-    /// ends at the vertex.
+    /// Triangle `i` has the vertices `ring[i]` and the one after it. One more than there are
+    /// triangles where the surface ends at the vertex.
     ring: Vec<u32>,
     /// The ring, relative to the place of the vertex.
     places: Vec<Vector>,
@@ -249,7 +257,8 @@ impl<'a> Pass<'a> {
         Ok(())
     }
 
-    /// For each triangle its index after the pass, or that of the one that takes its place, and whether it is left.
+    /// For each triangle its index after the pass, or that of the one that takes its place, and
+    /// whether it is left.
     fn next(&self) -> Vec<(u32, bool)> {
         let gone_to = &self.scratch.gone_to;
         let mut left = 0;
@@ -283,7 +292,8 @@ impl<'a> Pass<'a> {
                 _ => (a, b, triangle),
             };
         }
-        // A closed ring begins with its least vertex, whatever order the triangles have; an open one where nothing comes before.
+        // A closed ring begins with its least vertex, whatever order the triangles have; an open
+        // one where nothing comes before.
         let least = (0..edges.len()).min_by_key(|&index| edges[index].0).unwrap_or_default();
         edges.swap(0, least);
         let mut end = edges[0].1;
@@ -351,8 +361,8 @@ impl<'a> Pass<'a> {
         true
     }
 
-    /// The vertex of the ring, by its place there, onto which the star collapses with the surface moving within the tolerance,
-    /// and how far what the star stands for has moved then.
+    /// The vertex of the ring, by its place there, onto which the star collapses with the surface
+    /// moving within the tolerance, and how far what the star stands for has moved then.
     fn best_neighbour(&mut self, star: &mut Star) -> Option<(usize, f64)> {
         let moved = star.triangles.iter().map(|&triangle| self.mesh.moved[triangle as usize]);
         let before = moved.fold(0.0, larger) + star.straightened;
@@ -375,7 +385,8 @@ impl<'a> Pass<'a> {
         }
         candidates.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let candidates = std::mem::take(&mut self.scratch.candidates);
-        // In a plane all are as near, and those that come first may all lie on one line with others.
+        // In a plane all are as near, and those that come first may all lie on one line with
+        // others.
         let in_plane = FLAT * self.tolerance;
         let is_tried = |&(tried, candidate): &(usize, &(f64, u32, usize))| {
             tried < MAX_TRIED || candidate.0 <= in_plane
@@ -389,8 +400,8 @@ impl<'a> Pass<'a> {
         found
     }
 
-    /// Whether the edge to a vertex of the ring can collapse: no other vertex of the ring is its neighbour, and no
-    /// two triangles end with the same vertices.
+    /// Whether the edge to a vertex of the ring can collapse: no other vertex of the ring is its
+    /// neighbour, and no two triangles end with the same vertices.
     fn keeps_topology(&self, star: &Star, onto: usize) -> bool {
         let (ring, target) = (&star.ring, star.ring[onto]);
         if self.scratch.has_grown[target as usize] {
@@ -434,7 +445,8 @@ impl<'a> Pass<'a> {
     fn collapse(&mut self, vertex: u32, star: &Star, onto: usize, moved: f64) {
         let Star { triangles, ring, .. } = star;
         let (target, count) = (ring[onto], triangles.len());
-        // The triangles beside the edge vanish. Their neighbours on the other side take their place.
+        // The triangles beside the edge vanish. Their neighbours on the other side take their
+        // place.
         let before = match onto.checked_sub(1) {
             Some(before) => Some(before),
             None => (!star.is_border).then_some(count - 1),
@@ -463,8 +475,8 @@ impl<'a> Pass<'a> {
 }
 
 impl Star {
-    /// How far the fan around a vertex of the ring is from the star; `None` if that is more than `most`, or if they are no
-    /// graphs over a common plane.
+    /// How far the fan around a vertex of the ring is from the star; `None` if that is more than
+    /// `most`, or if they are no graphs over a common plane.
     fn deviation(&mut self, onto: usize, most: f64) -> Option<f64> {
         let count = self.triangles.len();
         let last = self.places.len();
@@ -538,7 +550,8 @@ impl Star {
         let cross = |a: [f64; 3], b: [f64; 3]| a[0] * b[1] - a[1] * b[0];
         let from = |a: [f64; 3], b: [f64; 3]| [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
         let apex = flat[onto];
-        // At the vertex itself: the triangle of the fan that contains it, as far as rounding lets one.
+        // At the vertex itself: the triangle of the fan that contains it, as far as rounding lets
+        // one.
         let mut at_vertex = (f64::NEG_INFINITY, 0.0);
         for (a, b) in new {
             let (a, b) = (flat[a], flat[b]);

@@ -1,28 +1,33 @@
-//! Diagonals within planes, flipped until they are those of the Delaunay triangulation (Lawson, "Software for C¹ surface
-//! interpolation", 1977): however a planar face was cut into triangles, the same ones are left, and no slivers that better ones could
-//! replace.
+//! Diagonals within planes, flipped until they are those of the Delaunay triangulation (Lawson,
+//! "Software for C¹ surface interpolation", 1977): however a planar face was cut into triangles,
+//! the same ones are left, and no slivers that better ones could replace.
 //!
-//! Where four corners are on one circle, as those of a rectangle are, the diagonal with the least vertex is taken.
+//! Where four corners are on one circle, as those of a rectangle are, the diagonal with the least
+//! vertex is taken.
 
 use super::adjacency::{Adjacency, NO_NEIGHBOUR};
 use super::collapse::{Collapsed, FLAT};
 use crate::geometry::TriangleMesh;
 use crate::geometry::vector::{Vector, area_normal, larger, squared};
 
-/// Flips for each triangle, at most: Delaunay flips end, but rounding may make ties go round in circles.
+/// Flips for each triangle, at most: Delaunay flips end, but rounding may make ties go round in
+/// circles.
 const MAX_FLIPS: usize = 16;
 
-/// A corner this near to the circle through three others is on it, as a fraction of the circle's scale.
+/// A corner this near to the circle through three others is on it, as a fraction of the circle's
+/// scale.
 const ON_CIRCLE: f64 = 1e-9;
 
 /// Least height of a new triangle over its longest side, as a fraction of that.
 const LEAST_HEIGHT: f64 = 1e-6;
 
-/// Triangles around a vertex that are looked at before a diagonal to it. Beyond that it does not flip.
+/// Triangles around a vertex that are looked at before a diagonal to it. Beyond that it does not
+/// flip.
 const MAX_AROUND: usize = 256;
 
-/// Flips diagonals between triangles in one plane that `may_flip` allows, as long as nothing moves by more than the
-/// tolerance. O(n), except for long chains of flips. Returns how many were flipped.
+/// Flips diagonals between triangles in one plane that `may_flip` allows, as long as nothing moves
+/// by more than the tolerance. O(n), except for long chains of flips. Returns how many were
+/// flipped.
 pub(crate) fn flip_diagonals(
     mesh: &mut Collapsed,
     points: &[Vector],
@@ -82,7 +87,8 @@ struct Quad {
 }
 
 impl Flips<'_> {
-    /// The two triangles at a half-edge, if they run along it in opposite directions and lie in one plane.
+    /// The two triangles at a half-edge, if they run along it in opposite directions and lie in one
+    /// plane.
     fn quad(&self, half_edge: u32) -> Option<Quad> {
         let (first, place) = (half_edge / 3, half_edge as usize % 3);
         let second = self.neighbours[half_edge as usize];
@@ -115,7 +121,8 @@ impl Flips<'_> {
         )
     }
 
-    /// Whether the other diagonal of a convex quad is the Delaunay one, or, of corners on one circle, has the least vertex.
+    /// Whether the other diagonal of a convex quad is the Delaunay one, or, of corners on one
+    /// circle, has the least vertex.
     fn is_better(&self, quad: &Quad) -> bool {
         let [a, b, c, d] = quad.corners;
         let [pa, pb, pc, pd] = quad.corners.map(|vertex| self.points[vertex as usize]);
@@ -239,7 +246,8 @@ mod tests {
 
     const LENGTH: u32 = 8;
 
-    /// Two rows of points, from 0 and from `LENGTH + 1` on, in a slanted plane. The upper row is shifted.
+    /// Two rows of points, from 0 and from `LENGTH + 1` on, in a slanted plane. The upper row is
+    /// shifted.
     fn rows(shift: f64) -> Vec<Vector> {
         let place = |x: f64, y: f64| Vector::new(x + y * shift, y, 0.3 * x + 0.2 * y);
         let row = |y: f64| (0..=LENGTH).map(move |i| place(f64::from(i), y));
@@ -303,7 +311,8 @@ mod tests {
         }
     }
 
-    /// A quad that is cut along its longer diagonal, bent there so that its last corner is that high.
+    /// A quad that is cut along its longer diagonal, bent there so that its last corner is that
+    /// high.
     fn bent(height: f64) -> [Vector; 4] {
         [[-1.0, 0.0, 0.0], [0.0, -0.5, 0.0], [1.0, 0.0, 0.0], [0.0, 0.5, height]].map(Vector::from)
     }

@@ -5,8 +5,8 @@
 //! | exact | triangles in one plane merged | all that is verified |
 //! | coarse | detail below the bound gone | the search |
 //!
-//! Both keep what repair and openings have decided: which components are closed, which triangles are sheets, where caps
-//! are.
+//! Both keep what repair and openings have decided: which components are closed, which triangles
+//! are sheets, where caps are.
 
 use std::borrow::Cow;
 
@@ -22,11 +22,12 @@ use crate::error::Error;
 use crate::geometry::TriangleMesh;
 use crate::geometry::vector::{Vector, centre, larger, squared};
 
-/// Rounds of collapses and flips for the exact mesh: a flip makes way for a collapse that was stuck, rarely more than twice.
+/// Rounds of collapses and flips for the exact mesh: a flip makes way for a collapse that was
+/// stuck, rarely more than twice.
 const MAX_ROUNDS: usize = 6;
 
-/// What may move at first, as fractions of the tolerance: flat places go before those that bend, which saves a tenth of the
-/// triangles.
+/// What may move at first, as fractions of the tolerance: flat places go before those that bend,
+/// which saves a tenth of the triangles.
 const SHARES: [f64; 2] = [0.25, 1.0];
 
 /// A pass that removes a smaller fraction of the triangles is the last.
@@ -73,8 +74,8 @@ impl Simplification {
         }
     }
 
-    /// The repaired mesh with triangles in one plane merged, so that a plain shape is the same however finely it was cut. No
-    /// point moves by more than the tolerance. O(n) for n triangles.
+    /// The repaired mesh with triangles in one plane merged, so that a plain shape is the same
+    /// however finely it was cut. No point moves by more than the tolerance. O(n) for n triangles.
     ///
     /// # Errors
     /// [`Error::Cancelled`].
@@ -106,7 +107,8 @@ impl Simplification {
         Ok(before.replaced(collapsed))
     }
 
-    /// The same without the detail that collapses within the tolerance remove. O(n) for n triangles.
+    /// The same without the detail that collapses within the tolerance remove. O(n) for n
+    /// triangles.
     ///
     /// # Errors
     /// [`Error::Cancelled`].
@@ -191,11 +193,12 @@ impl Simplification {
     }
 }
 
-/// Triangles that share a plane with a neighbour, as a fraction of all, from which on merging them is worth its time.
+/// Triangles that share a plane with a neighbour, as a fraction of all, from which on merging them
+/// is worth its time.
 const LEAST_IN_PLANES: f64 = 0.2;
 
-/// Whether so many triangles lie in a plane with a neighbour that merging them makes a difference. A curved surface, however
-/// finely it is cut, has few.
+/// Whether so many triangles lie in a plane with a neighbour that merging them makes a difference.
+/// A curved surface, however finely it is cut, has few.
 fn has_planes(mesh: &TriangleMesh, tolerance: f64) -> bool {
     let adjacency = Adjacency::new(mesh);
     let points = mesh.points();
@@ -214,8 +217,8 @@ fn has_planes(mesh: &TriangleMesh, tolerance: f64) -> bool {
     count as f64 >= LEAST_IN_PLANES * mesh.triangles.len() as f64
 }
 
-/// Collapses leave owners that may be next to the closest triangle: from there on, each step goes to a neighbour that is
-/// closer to the centre of what is owned.
+/// Collapses leave owners that may be next to the closest triangle: from there on, each step goes
+/// to a neighbour that is closer to the centre of what is owned.
 fn settle_owners(
     source: &TriangleMesh,
     (mesh, vertices): (&TriangleMesh, &[u32]),

@@ -1,7 +1,7 @@
 //! A final hull: of some patches, or of a part of one, with thickness, few vertices, and verified.
 //!
-//! Takes what the hull owns, gives the hull with its errors. Lengths are fractions of the diagonal. Where it does not keep the bound,
-//! the caller divides it.
+//! Takes what the hull owns, gives the hull with its errors. Lengths are fractions of the diagonal.
+//! Where it does not keep the bound, the caller divides it.
 
 use super::hull_simplification::{FinalizeContext, Original, Simplified, simplify_hull};
 use crate::bounded::patch::{PatchSet, Patches};
@@ -12,11 +12,12 @@ use crate::error::Error;
 use crate::geometry::vector::{Vector, area_normal, as_arrays, bounds};
 use crate::hull::{ConvexHull, HullBuilder, LEAST_THICKNESS, solid_hull};
 
-/// A hull is built of the points that protrude by more than this fraction of what may be left uncovered: of all it would
-/// have hundreds of vertices that do not matter.
+/// A hull is built of the points that protrude by more than this fraction of what may be left
+/// uncovered: of all it would have hundreds of vertices that do not matter.
 const TOLERANCE: f64 = 0.5;
 
-/// Of a hull that is thinner than the tolerance over this the vertices all count: of a plate hardly any protrudes.
+/// Of a hull that is thinner than the tolerance over this the vertices all count: of a plate hardly
+/// any protrudes.
 const LEAST_SHARE_OF_THICKNESS: f64 = 0.05;
 
 /// What a hull owns: patches, or triangles of them where it was divided.
@@ -74,8 +75,8 @@ pub(crate) struct FinalHull {
     pub added_thickness: f64,
     /// How far hull simplification made it grow.
     pub simplification_growth: f64,
-    /// No point of its surface is farther than this from the solid. While it may yet be divided, any value above
-    /// the bound if that is exceeded.
+    /// No point of its surface is farther than this from the solid. While it may yet be divided,
+    /// any value above the bound if that is exceeded.
     pub protrusion: f64,
     /// No point of the surface that it owns is farther than this outside it.
     pub uncovered: f64,
@@ -105,8 +106,8 @@ impl FinalHulls {
     }
 }
 
-/// The hull of patches, or of triangles that are a part of them, as far as it can keep the bound: see
-/// [`FinalHull::keeps_bound`].
+/// The hull of patches, or of triangles that are a part of them, as far as it can keep the bound:
+/// see [`FinalHull::keeps_bound`].
 pub(super) fn make_hull(
     context: &FinalizeContext<'_>,
     owned: Owned,
@@ -144,7 +145,8 @@ pub(super) fn make_hull(
     })
 }
 
-/// The hull of the vertices that are needed to cover the `required` points, and the thickness that it was given.
+/// The hull of the vertices that are needed to cover the `required` points, and the thickness that
+/// it was given.
 fn full_hull(
     context: &FinalizeContext<'_>,
     outward: Vector,
