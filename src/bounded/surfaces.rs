@@ -88,11 +88,12 @@ pub(crate) fn solids(
         return Ok(Solids { coarse: Arc::clone(&exact), exact });
     }
     // A ball that passes the source passes the coarse surface if it is smaller by what that has
-    // moved.
+    // moved. One that is no larger than that itself decides nothing, since what it can't reach is
+    // within the bound of the surface, and tiny ones take seconds.
     let moved = surfaces.coarse.most_moved();
-    let probe = wanted
-        .probe
-        .map(|probe| ProbeSettings { radius: (probe.radius - moved).max(0.0), ..probe.clone() });
+    let smaller =
+        |probe: &ProbeSettings| ProbeSettings { radius: probe.radius - moved, ..probe.clone() };
+    let probe = wanted.probe.map(smaller).filter(|probe| probe.radius > moved);
     let (exact, coarse) = parallel::join(make_exact, || {
         let wanted = SolidSettings { probe: probe.as_ref(), keep_cavities: false, ..wanted };
         Solid::new(&surfaces.coarse, &wanted, control)

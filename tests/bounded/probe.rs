@@ -7,8 +7,8 @@ use hullwright::{
 };
 
 use crate::common::{
-    CUP_PROFILE, Mesh, Point, both_ways, comb, cuboid, cup, is_filled, join, lathe, open_sheet,
-    plus_prism, prism, run, run_with, torus, turned, view,
+    CUP_PROFILE, Mesh, Point, ball, both_ways, comb, cuboid, cup, is_filled, join, lathe,
+    open_sheet, plus_prism, prism, run, run_with, torus, turned, view,
 };
 use crate::independent::oracle::{Convex, Triangle};
 use crate::independent::paths::deepest_entry;
@@ -168,6 +168,17 @@ fn a_smaller_radius_than_the_bound_opens_nothing_and_fills_nothing_that_can_be_r
     let coarse = Parameters::default().max_error(Length::units(0.2));
     let found = run_with(&cup, &coarse.probe_radius(Length::units(0.02)));
     assert!(!is_filled(&found, [0.0, 0.0, 1.9]) && !is_filled(&found, [0.0, 0.0, 0.9]));
+}
+
+#[test]
+fn a_ball_smaller_than_the_detail_that_the_search_leaves_out_has_the_hulls_of_none() {
+    // More triangles than are searched as they are.
+    let mesh = ball(60, 60);
+    let without = run_with(&mesh, &Parameters::default());
+    for share in [0.003, 0.004, 0.0041] {
+        let parameters = Parameters::default().probe_radius(Length::share(share));
+        assert_eq!(run_with(&mesh, &parameters).hulls, without.hulls, "{share}");
+    }
 }
 
 #[test]
