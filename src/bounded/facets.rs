@@ -19,7 +19,7 @@ use super::settings::Settings;
 use crate::geometry::vector::{Vector, area_normal};
 use crate::mesh::TriangleMesh;
 use crate::mesh::adjacency::{Adjacency, NO_NEIGHBOUR};
-use crate::mesh::refine::{edge, refine};
+use crate::mesh::refine::edge;
 
 /// Vertices this near to a plane are in it, as a fraction of the bound. A hull may leave as much uncovered.
 const FLATNESS: f64 = 0.05;
@@ -27,19 +27,6 @@ const FLATNESS: f64 = 0.05;
 /// A notch that is less deep needs no cut: a hull across it protrudes by its depth at most. As a fraction of
 /// the bound. With 0.5, 19 hard props had 303 hulls instead of 309, in 16 % more time.
 const LEAST_DEPTH: f64 = 1.5;
-
-/// Notches up to this deep, as a fraction of the bound, may be bridged in part: hulls that end between them are
-/// fewer than the pieces between cuts. Where there are such notches, each is cut along both of its
-/// planes, and facets are divided further.
-const SHALLOW: f64 = 2.0;
-
-/// The weight of a notch's second plane: all notches are resolved by one plane first. With 0 there are 2,512 hulls, with
-/// 1 there are 2,509: that it is small matters more than how small.
-const SECOND_WEIGHT: f64 = 0.3;
-
-/// Longest edge where there are shallow notches, as a fraction of the diagonal. With 0.15 the same 19 props had 288
-/// hulls instead of 289, in 36 % more time.
-const LONGEST_EDGE: f64 = 0.25;
 
 /// Planes that a mesh is cut along at most, those of the most important notches: curved concave
 /// surfaces have a notch at each edge, and their facets are small without cuts.
@@ -74,9 +61,7 @@ pub(super) struct Facets {
     pub parents: Vec<u32>,
     /// For each triangle its planar group.
     pub planes: Vec<u32>,
-    /// For each triangle the part of its planar group between cuts that it is in.
-    pub parts: Vec<u32>,
-    /// For each triangle its facet: the whole part, or the triangle alone where facets were divided.
+    /// For each triangle its facet: the part of its planar group between cuts that it is in.
     pub facets: Vec<u32>,
 }
 
@@ -86,32 +71,22 @@ pub(super) fn facets(mesh: &TriangleMesh, settings: &Settings) -> Facets {
     let flatness = FLATNESS * bound;
     let adjacency = Adjacency::new(mesh);
     let groups = planar_groups(mesh, &adjacency, flatness);
-    let deepest = SHALLOW * bound;
     let notches = notches(mesh, &adjacency, &groups, LEAST_DEPTH * bound);
-    let is_shallow = notches.iter().any(|notch| notch.depth <= deepest);
     let mut cut_mesh = CutMesh::new(mesh.clone(), groups.labels.clone());
-    cut_along(&mut cut_mesh, &groups, notches, is_shallow);
-    let CutMesh { mut mesh, mut parents, labels: mut planes, walls } = cut_mesh;
+    cut_along(&mut cut_mesh, &groups, notches);
+    let CutMesh { mesh, parents, labels: planes, walls } = cut_mesh;
     let is_wall = |triangle: u32, k: usize, other: u32| {
         let corners = mesh.triangles[triangle as usize];
         planes[triangle as usize] != planes[other as usize]
             || walls.contains(&edge(corners[k], corners[(k + 1) % 3]))
     };
-    let mut parts = components(&Adjacency::new(&mesh), is_wall);
-    let mut facets = parts.clone();
-    if is_shallow {
-        let origins = refine(&mut mesh, LONGEST_EDGE);
-        for labels in [&mut parents, &mut planes, &mut parts] {
-            *labels = origins.iter().map(|&origin| labels[origin as usize]).collect();
-        }
-        facets = (0..mesh.triangles.len() as u32).collect();
-    }
-    Facets { mesh, parents, planes, parts, facets }
+    let facets = components(&Adjacency::new(&mesh), is_wall);
+    Facets { mesh, parents, planes, facets }
 }
 
 /// Cuts along the planes that resolve the most notches, by length times depth, until each notch is
 /// resolved.
-fn cut_along(mesh: &mut CutMesh, groups: &PlanarGroups, mut notches: Vec<Notch>, is_shallow: bool) {
+fn cut_along(mesh: &mut CutMesh, groups: &PlanarGroups, mut notches: Vec<Notch>) {
     let most_triangles = MAX_GROWTH * mesh.mesh.triangles.len() + MAX_ADDED;
     for _ in 0..MAX_PLANES {
         // Ascending by plane, so that equal sums do not depend on the order of notches.
@@ -126,11 +101,8 @@ fn cut_along(mesh: &mut CutMesh, groups: &PlanarGroups, mut notches: Vec<Notch>,
         }
         let best = sums.into_iter().max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)));
         let Some((plane, _)) = best else { return };
-        let (resolved, mut open): (Vec<Notch>, Vec<Notch>) =
+        let (resolved, open): (Vec<Notch>, Vec<Notch>) =
             notches.into_iter().partition(|notch| notch.planes.contains(&plane));
-        if is_shallow {
-            open.extend(resolved.iter().filter_map(|notch| notch.without(plane, SECOND_WEIGHT)));
-        }
         notches = open;
         let starts = resolved.iter().map(|notch| notch.edge);
         let plane = groups.planes[plane as usize];
@@ -263,19 +235,8 @@ struct Notch {
     edge: (u32, u32),
     /// Groups in whose planes a cut resolves it. Of groups in one plane the same one.
     planes: [u32; 2],
-    /// How far a hull across it is from the edge.
-    depth: f64,
-    /// Its length times its depth.
+    /// Its length times its depth: how far a hull across it is from the edge.
     weight: f64,
-}
-
-impl Notch {
-    /// The notch as its other plane resolves it, with a share of the weight; `None` if both planes
-    /// are the same.
-    fn without(&self, plane: u32, share: f64) -> Option<Self> {
-        let other = self.planes.into_iter().find(|&other| other != plane)?;
-        Some(Self { planes: [other; 2], weight: share * self.weight, ..*self })
-    }
 }
 
 /// The notches deeper than `least_depth`.
@@ -303,7 +264,7 @@ fn notches(
             if depth > least_depth {
                 let [a, b] = ends.map(|vertex| mesh.points()[vertex as usize]);
                 let weight = depth * b.distance(a);
-                notches.push(Notch { edge: edge(ends[0], ends[1]), planes: pair, depth, weight });
+                notches.push(Notch { edge: edge(ends[0], ends[1]), planes: pair, weight });
             }
         }
     }

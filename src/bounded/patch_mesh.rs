@@ -39,10 +39,8 @@ pub(crate) struct PatchMesh {
     pub represented: Vec<Vec<u32>>,
     /// For each triangle of `mesh` its facet: patches end at borders of facets.
     pub facets: Vec<u32>,
-    /// For each triangle of `mesh` its planar group, and the part of it between cuts that it is
-    /// in. Empty where the mesh was not cut.
+    /// For each triangle of `mesh` its planar group. Empty where the mesh was not cut.
     pub planes: Vec<u32>,
-    pub parts: Vec<u32>,
 }
 
 impl PatchMesh {
@@ -108,10 +106,10 @@ impl PatchMesh {
 
     /// The coarse surface itself, cut into facets.
     fn from_facets(coarse: &Simplification, settings: &Settings) -> Self {
-        let Facets { mesh, parents, planes, parts, facets } = facets(&coarse.mesh, settings);
+        let Facets { mesh, parents, planes, facets } = facets(&coarse.mesh, settings);
         let components = parents.iter().map(|&parent| coarse.components[parent as usize]).collect();
         let (surface, represented) = (mesh.clone(), each_itself(&mesh));
-        Self { mesh, components, surface, parents, represented, facets, planes, parts }
+        Self { mesh, components, surface, parents, represented, facets, planes }
     }
 
     /// A mesh each of whose triangles is a facet.
@@ -123,8 +121,8 @@ impl PatchMesh {
         represented: Vec<Vec<u32>>,
     ) -> Self {
         let facets = (0..mesh.triangles.len() as u32).collect();
-        let (planes, parts) = (Vec::new(), Vec::new());
-        Self { mesh, components, surface, parents, represented, facets, planes, parts }
+        let planes = Vec::new();
+        Self { mesh, components, surface, parents, represented, facets, planes }
     }
 
     /// The patch of some triangles. `reducer` drops points within its tolerance of their hull.
@@ -148,7 +146,7 @@ impl PatchMesh {
         let component = triangles.first().map_or(0, |&triangle| components[triangle as usize]);
         let mut patch = Patch { outward, area, triangles: own, component, ..Patch::default() };
         patch.set_points(points);
-        if !self.parts.is_empty() {
+        if !self.planes.is_empty() {
             // Ends of large patches around empty space can all be near other patches.
             patch.representatives.push(self.centre_of(triangles));
         }

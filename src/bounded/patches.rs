@@ -76,7 +76,7 @@ pub(crate) fn divide_into_patches(
         group.retain(|&triangle| !is_whole[mesh.components[triangle as usize] as usize]);
     }
     groups.retain(|group| !group.is_empty());
-    if !mesh.parts.is_empty() {
+    if !mesh.planes.is_empty() {
         groups = between_cuts(&mesh, &adjacency, &groups);
     }
     let divided = parallel::map_largest_first(&groups, Vec::len, |group| division.divide(group));
@@ -140,9 +140,10 @@ fn conflicts(
     control: &Control,
 ) -> Result<Vec<PatchSet>, Error> {
     let count = patches.len();
+    // All pairs of representatives find more conflicts, for a tenth more time, and save no hulls.
     let is_conflict = |first: &Patch, second: &Patch| {
-        let separated = |&p| second.representatives.iter().any(|&q| solid.separates(p, q, bound));
-        first.representatives.iter().any(separated)
+        let mut pairs = first.representatives.iter().zip(&second.representatives);
+        pairs.any(|(&p, &q)| solid.separates(p, q, bound))
     };
     let rows = parallel::map_indices(count, |index| {
         control.check()?;
@@ -172,14 +173,14 @@ fn agreeing(conflicts: &[PatchSet], seeds: Vec<Vec<u32>>) -> Vec<Vec<u32>> {
 
 /// The connected parts of groups between cuts.
 fn between_cuts(mesh: &PatchMesh, adjacency: &Adjacency, groups: &[Vec<u32>]) -> Vec<Vec<u32>> {
-    let PatchMesh { planes, parts, .. } = mesh;
+    let PatchMesh { planes, facets, .. } = mesh;
     let mut labels = vec![u32::MAX; planes.len()];
     for (label, group) in (0..).zip(groups) {
         group.iter().for_each(|&triangle| labels[triangle as usize] = label);
     }
     let is_cut = |triangle: u32, _: usize, other: u32| {
         let (a, b) = (triangle as usize, other as usize);
-        labels[a] != labels[b] || planes[a] == planes[b] && parts[a] != parts[b]
+        labels[a] != labels[b] || planes[a] == planes[b] && facets[a] != facets[b]
     };
     let components = components(adjacency, is_cut);
     let count = components.iter().max().map_or(0, |&last| last as usize + 1);
@@ -298,7 +299,7 @@ impl Division<'_> {
     /// Whether a hull of several facets, all of whose faces may lie on the surface, holds empty
     /// space: a point between two facets does not fit. Small patches have no room for that.
     fn contains_space(&self, triangles: &[u32]) -> bool {
-        if self.mesh.parts.is_empty() {
+        if self.mesh.planes.is_empty() {
             return false;
         }
         let units = units(self.mesh, triangles);
@@ -316,10 +317,13 @@ fn area(mesh: &PatchMesh) -> f64 {
     (0..mesh.mesh.triangles.len() as u32).map(|t| 0.5 * mesh.normal(t).length()).sum()
 }
 
-/// Whether triangles extend farther than `largest`, and not because a single one does.
+/// Whether triangles extend farther than `largest`, and not because a single one or a single facet does.
 fn is_large(mesh: &PatchMesh, triangles: &[u32], largest: f64) -> bool {
+    let facet = |&triangle: &u32| mesh.facets[triangle as usize];
+    let first = triangles.first().map(facet);
     let all = extent(mesh, triangles);
     all > largest
+        && triangles.iter().any(|triangle| Some(facet(triangle)) != first)
         && units(mesh, triangles).iter().all(|unit| all > MIN_ELONGATION * extent(mesh, unit))
 }
 

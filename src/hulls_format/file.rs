@@ -445,8 +445,12 @@ impl<'a> Reader<'a> {
         let exists = |index: &u32| (*index as usize) < points.len();
         let all_exist = triangles.as_flattened().iter().all(exists);
         valid(all_exist, "a triangle names a point that is not there")?;
+        let shape = ConvexHull { points, triangles };
+        // What is written is the shape's own volume, whatever the file says.
+        let own = shape.volume();
+        valid(own > 0.0 && own.is_finite(), "a hull has no volume")?;
         Ok(Hull {
-            shape: ConvexHull { points, triangles },
+            shape,
             provenance: Provenance { component, source_triangles: Vec::new() },
             errors: HullErrors { added_thickness, simplification_growth, protrusion_max },
         })

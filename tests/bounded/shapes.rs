@@ -107,16 +107,13 @@ fn plates_and_rods_far_thinner_than_the_bound_keep_their_volume() {
 /// As fractions of the diagonal.
 const BOUNDS: [f64; 4] = [0.02, 0.005, 0.001, 0.0002];
 
-fn stairs(steps: u32) -> Mesh {
-    let size = f64::from(steps);
-    let mut outline = vec![[0.0, 0.0], [size, 0.0]];
+fn stairs(steps: u32, [width, height, depth]: [f64; 3]) -> Mesh {
+    let at = |along: u32, up: u32| [width * f64::from(along), height * f64::from(up)];
+    let mut outline = vec![at(0, 0), at(steps, 0)];
     for step in 0..steps {
-        let (x, y) = (size - f64::from(step), f64::from(step) + 1.0);
-        outline.extend([[x, y], [x - 1.0, y]]);
+        outline.extend([at(steps - step, step + 1), at(steps - step - 1, step + 1)]);
     }
-    outline.pop();
-    outline.push([0.0, size]);
-    prism(&outline, 0.5 * size)
+    prism(&outline, depth)
 }
 
 /// A square frame around a square hole.
@@ -143,23 +140,27 @@ fn plain_prisms_have_the_known_number_of_hulls_at_any_bound() {
     let l = [0.0, 0.0, 3.0, 0.0, 3.0, 1.0, 1.0, 1.0, 1.0, 3.0, 0.0, 3.0];
     let t = [0.0, 2.0, 1.0, 2.0, 1.0, 0.0, 2.0, 0.0, 2.0, 2.0, 3.0, 2.0, 3.0, 3.0, 0.0, 3.0];
     let u = [0.0, 0.0, 3.0, 0.0, 3.0, 3.0, 2.0, 3.0, 2.0, 1.0, 1.0, 1.0, 1.0, 3.0, 0.0, 3.0];
-    let shapes: [(&str, Mesh, usize); 7] = [
+    let shapes: [(&str, Mesh, usize); 8] = [
         ("box", prism(&polygon(&rectangle), 1.0), 1),
         ("L", prism(&polygon(&l), 1.0), 2),
         ("T", prism(&polygon(&t), 1.0), 2),
         ("U", prism(&polygon(&u), 1.0), 3),
         ("frame", frame(), 4),
         ("comb", comb(5, 4.0, 1.0), 6),
-        ("stairs", stairs(6), 6),
+        ("stairs", stairs(6, [1.0, 1.0, 3.0]), 6),
+        ("long stairs", stairs(12, [0.3, 0.17, 1.2]), 12),
     ];
     for (name, mesh, expected) in shapes {
         for bound in BOUNDS {
             let result = run_with(&mesh, &with_bound(bound));
             let report = result.report;
-            assert!(report.protrusion_max <= report.bound, "{name} at {bound}");
             assert!(report.uncovered_max <= report.bound, "{name} at {bound}");
             assert!(result.hulls.len() <= expected, "{name} at {bound}: {}", result.hulls.len());
-            if name != "stairs" {
+            // Hulls that bridge notches hardly deeper than the bound may be as many. Less than 0.29 of the bound is not
+            // resolved.
+            let most = if (name, bound) == ("long stairs", BOUNDS[0]) { 1.0 } else { 0.3 };
+            assert!(report.protrusion_max <= most * report.bound, "{name} at {bound}");
+            if !name.ends_with("stairs") {
                 for hull in &result.hulls {
                     assert_eq!(hull.shape.points.len(), 8, "{name} at {bound}");
                 }
@@ -171,7 +172,7 @@ fn plain_prisms_have_the_known_number_of_hulls_at_any_bound() {
 #[test]
 fn an_open_tile_with_a_relief_is_verified_at_once() {
     // Steps without the side that nobody sees: a closed mesh except the floor.
-    let (positions, mut triangles) = stairs(6);
+    let (positions, mut triangles) = stairs(6, [1.0, 1.0, 3.0]);
     triangles.retain(|triangle| !triangle.iter().all(|&v| positions[v as usize][1] == 0.0));
     let control = Control::new().with_deadline(Instant::now() + Duration::from_secs(20));
     let mesh = (positions, triangles);

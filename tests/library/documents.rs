@@ -249,14 +249,7 @@ const CONSTANTS: [(&str, &[(&str, &str)]); 16] = [
     ("src/solid/grid.rs", &[("1.5 million cells", "MAX_CELLS")]),
     ("src/solid/solid.rs", &[("2,400 triangles", "COARSE")]),
     ("src/bounded/patch_mesh.rs", &[("within about 0.1 ε", "CRACK")]),
-    (
-        "src/bounded/facets.rs",
-        &[
-            ("deeper than 1.5 ε", "LEAST_DEPTH"),
-            ("up to 2 ε", "SHALLOW"),
-            ("48 planes", "MAX_PLANES"),
-        ],
-    ),
+    ("src/bounded/facets.rs", &[("deeper than 1.5 ε", "LEAST_DEPTH"), ("48 planes", "MAX_PLANES")]),
     ("src/solid/fit.rs", &[("0.4 times as large", "LENIENCE"), ("radius below 0.35 ε", "SMALL")]),
     ("src/bounded/cover/grow.rs", &[("until 8 in turn", "MAX_REFUSED_IN_TURN")]),
     ("src/bounded/cover/mod.rs", &[("600 points", "POINTS")]),

@@ -62,14 +62,14 @@ pub(crate) struct Cover {
 }
 
 /// Covers all patches with fewer pieces.
-pub(crate) fn cover(search: &Search<'_>, pieces: Vec<Piece>) -> Result<Cover, Error> {
-    if pieces.len() < 2 {
-        return Ok(Cover { pieces, before_last_round: None });
+pub(crate) fn cover(search: &Search<'_>, merged: Vec<Piece>) -> Result<Cover, Error> {
+    if merged.len() < 2 {
+        return Ok(Cover { pieces: merged, before_last_round: None });
     }
     let &Search { solid, patches, settings, control, .. } = search;
     let points = PointsOfPatches::new(patches);
     let mut nogoods = Nogoods::new(&points, patches.count());
-    let mut pieces = grow_all(search, pieces, &mut nogoods)?;
+    let mut pieces = grow_all(search, &merged, &mut nogoods)?;
     drop_redundant(patches, &mut pieces);
     let budget = settings.dissolve_attempts;
     dissolve(search, &mut pieces, settings.bound.search(), budget, &mut nogoods)?;
@@ -79,7 +79,9 @@ pub(crate) fn cover(search: &Search<'_>, pieces: Vec<Piece>) -> Result<Cover, Er
     let mut nogoods = nogoods.under(solid, bound);
     dissolve(search, &mut pieces, bound, budget, &mut nogoods)?;
     let before_last_round = (pieces.len() < before.len()).then_some(before);
-    let mut owned = assign_owners(patches, &pieces, control)?;
+    // Merged pieces overlap less than those that have grown, and keep to the planes of a plain shape.
+    let is_saved = pieces.len() < merged.len();
+    let mut owned = if is_saved { assign_owners(patches, &pieces, control)? } else { merged };
     if solid.is_closed() {
         fill(&mut owned, &pieces, search)?;
     }
@@ -90,18 +92,19 @@ pub(crate) fn cover(search: &Search<'_>, pieces: Vec<Piece>) -> Result<Cover, Er
 /// then is left out.
 fn grow_all(
     search: &Search<'_>,
-    mut pieces: Vec<Piece>,
+    pieces: &[Piece],
     nogoods: &mut Nogoods<'_>,
 ) -> Result<Vec<Piece>, Error> {
     let &Search { solid, patches, settings, control, .. } = search;
     let all = patches.all();
+    let mut pieces: Vec<&Piece> = pieces.iter().collect();
     pieces.sort_by(|a, b| area(patches, &b.patches).total_cmp(&area(patches, &a.patches)));
     let mut covered = (all.clone(), Vec::new());
     for some in pieces.chunks(AT_ONCE) {
         let known = &*nogoods;
-        let grow_one = |piece: &Piece| {
+        let grow_one = |piece: &&Piece| {
             control.check()?;
-            let mut piece = piece.clone();
+            let mut piece = Piece::clone(piece);
             let tester = FitTester::new(solid, settings.bound.search());
             let learning = Learning::after(known);
             let mut grower = Grower { patches, tester, learning, control };
