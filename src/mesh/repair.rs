@@ -78,7 +78,7 @@ pub struct Repairs {
     pub degenerate_triangles: usize,
     /// Triangles dropped because another has the same vertices.
     pub duplicate_triangles: usize,
-    /// Triangles that were turned around.
+    /// Triangles that were turned around, of those that are there one way round.
     pub flipped_triangles: usize,
     /// Edges with more than two triangles, which stay.
     pub non_manifold_edges: usize,
@@ -98,7 +98,7 @@ pub struct PreparedMesh {
     pub source_triangles: Vec<u32>,
     /// For each vertex its index in the input; of welded ones the first.
     pub source_vertices: Vec<u32>,
-    /// For each triangle whether the input has it as often one way round as the other.
+    /// For each triangle whether the input has it as often one way round as the other, and it bounds no solid.
     pub is_both_ways: Vec<bool>,
     /// For each triangle its connected component (over shared edges).
     pub components: Vec<u32>,
@@ -175,6 +175,20 @@ pub fn prepare(
     order: MeshOrder,
     control: &Control,
 ) -> Result<PreparedMesh, Error> {
+    prepare_again(source, &[], order, control)
+}
+
+/// The same for a mesh that was repaired before and has changed since. `was_both_ways` says which of its triangles,
+/// from the first on, are there both ways round and are given once.
+///
+/// # Errors
+/// As [`prepare`].
+pub(crate) fn prepare_again(
+    source: MeshView<'_>,
+    was_both_ways: &[bool],
+    order: MeshOrder,
+    control: &Control,
+) -> Result<PreparedMesh, Error> {
     let (vertices, triangles) = (source.vertex_count(), source.triangles());
     validate(source)?;
     control.check()?;
@@ -208,8 +222,11 @@ pub fn prepare(
     if kept.is_empty() {
         return Err(nothing_usable(triangles.len(), repairs.non_finite_triangles));
     }
-    let (duplicates, is_both_ways) =
+    let (duplicates, mut is_both_ways) =
         drop_duplicates(&mut kept, &mut source_triangles, welded.vertices.len());
+    for (both_ways, &source) in is_both_ways.iter_mut().zip(&source_triangles) {
+        *both_ways |= was_both_ways.get(source as usize) == Some(&true);
+    }
     repairs.duplicate_triangles = duplicates;
     control.check()?;
 
@@ -231,11 +248,15 @@ pub fn prepare(
     repairs.open_edges = connectivity.open_edges;
     repairs.non_manifold_edges = connectivity.non_manifold_edges;
     control.check()?;
-    let turned = orient(as_vectors(&mesh.positions), &mut mesh.triangles, &connectivity);
+    let given_once: Vec<bool> = is_both_ways.iter().map(|&both_ways| !both_ways).collect();
+    let positions = as_vectors(&mesh.positions);
+    let turned = orient(positions, &mut mesh.triangles, &connectivity, &mut is_both_ways);
     if order == MeshOrder::Place {
         mesh.triangles.iter_mut().for_each(|triangle| *triangle = rotated(*triangle));
     }
-    repairs.flipped_triangles = turned.iter().filter(|&&turned| turned).count();
+    let pairs = turned.iter().zip(&given_once);
+    repairs.flipped_triangles =
+        pairs.filter(|&(&turned, &given_once)| turned && given_once).count();
     control.check()?;
 
     Ok(PreparedMesh {
@@ -539,7 +560,7 @@ fn drop_degenerate(
 
 /// Keeps one of the triangles that have the same vertices, wound as most of them are. Returns how many go, and
 /// for each triangle that is left whether there were as many of it one way round as the other:
-/// then it is a sheet without an inside.
+/// then it is a sheet without an inside, unless it bounds a solid.
 ///
 /// Triangles are sorted by their least vertex by counting, then by the others in short runs.
 fn drop_duplicates(
@@ -766,7 +787,6 @@ mod tests {
                     welded_vertices: 4,
                     degenerate_triangles: 8,
                     duplicate_triangles: 2,
-                    flipped_triangles: 1,
                     open_edges: 4,
                     ..none
                 },
@@ -890,11 +910,14 @@ mod tests {
     #[test]
     fn what_is_wound_both_ways_is_told_apart_from_what_is_there_twice() {
         let [a, b, c] = cube().triangles[4];
-        let prepared = repaired(&cube_and(&[], &[[b, a, c], cube().triangles[7]]));
+        let mut mesh = cube_and(&[], &[[b, a, c], cube().triangles[7]]);
+        assert_eq!(repaired(&mesh).is_both_ways, [false; 12], "it bounds the cube");
+        mesh.triangles.remove(11);
+        let prepared = repaired(&mesh);
         assert_eq!(prepared.repairs.duplicate_triangles, 2);
         for (&source, &is_both_ways) in prepared.source_triangles.iter().zip(&prepared.is_both_ways)
         {
-            assert_eq!(is_both_ways, source == 4 || source == 12, "{source}");
+            assert_eq!(is_both_ways, source == 4 || source == 11, "{source}");
         }
     }
 

@@ -275,16 +275,35 @@ impl Cap {
             })
     }
 
+    /// Whether something holds for most of the surface at the rim, by length.
+    pub(super) fn is_most_of_rim(
+        &self,
+        mesh: &TriangleMesh,
+        loops: &[Loop],
+        holds: impl Fn(u32) -> bool,
+    ) -> bool {
+        let (mut own, mut whole) = (0.0, 0.0);
+        for (neighbour, length) in self.rim(mesh, loops) {
+            whole += length;
+            own += if holds(neighbour) { length } else { 0.0 };
+        }
+        2.0 * own > whole
+    }
+
+    /// The triangles of the surface at the rim, each with the length of its side.
+    fn rim(&self, mesh: &TriangleMesh, loops: &[Loop]) -> impl Iterator<Item = (u32, f64)> {
+        self.loops.iter().flat_map(|&index| loops[index].sides(mesh.points()))
+    }
+
     /// The median over the rim, by length, of the angle inside of the solid between the cap and the
     /// surface, in radians: 0 where the surface folds back onto the cap, π where it goes straight on.
     pub(super) fn rim_angle(&self, mesh: &TriangleMesh, loops: &[Loop]) -> f64 {
-        let rim = self.loops.iter().flat_map(|&index| loops[index].sides(mesh.points()));
         let angle = |(neighbour, length): (u32, f64)| {
             let [a, b, c] = mesh.corners(mesh.triangles[neighbour as usize]);
             let normal = area_normal(a, b, c).normalize_or_zero();
             (libm::acos((-normal.dot(self.plane.normal)).clamp(-1.0, 1.0)), length)
         };
-        let mut angles: Vec<(f64, f64)> = rim.map(angle).collect();
+        let mut angles: Vec<(f64, f64)> = self.rim(mesh, loops).map(angle).collect();
         angles.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         let whole: f64 = angles.iter().map(|angle| angle.1).sum();
         let mut sum = 0.0;
