@@ -2,11 +2,12 @@
 //!
 //! 1. Within a shell that has two sides, the minority by area is turned around.
 //! 2. If the solid shells together enclose a negative volume, the whole mesh is turned around:
-//!    the input is left-handed. Those that are there both ways round say nothing about that.
+//!    the input is left-handed. Those that are there both ways round count only where there are no
+//!    others.
 //! 3. A solid shell whose volume is still negative is turned around, unless it is a cavity: unless
 //!    it lies inside others.
-//! 4. A shell that is there both ways round and bounds a solid is turned outward. Faces that bound one are no
-//!    sheet, however they were given.
+//!
+//! A face that is there both ways round is a sheet, unless it bounds a solid, whichever way its winding is.
 
 use robust::{Coord, orient2d};
 
@@ -25,23 +26,24 @@ const NEARLY_CLOSED: f64 = 0.1;
 /// that welding leaves has 1e-6.
 pub(super) const FLAT: f64 = 1e-9;
 
-/// Turns triangles around as the module's head says. Returns for each whether it was, by the first three steps.
+/// Turns triangles around as the module's head says. Returns for each whether it was.
 ///
 /// Linear time, and for cavities that times the logarithm of their number.
 pub(crate) fn orient(
     positions: &[Vector],
     triangles: &mut [[u32; 3]],
     connectivity: &Connectivity,
-    is_both_ways: &mut [bool],
+    is_both_ways: &[bool],
 ) -> Vec<bool> {
     let mut turned = make_consistent(positions, triangles, connectivity);
     let mut solids = Solids::measure(positions, triangles, connectivity, &turned);
-    let mut is_two_sided = vec![true; solids.volumes.len()];
-    for (&shell, &both_ways) in connectivity.shells.iter().zip(&*is_both_ways) {
-        is_two_sided[shell as usize] &= both_ways;
-    }
-    let one_sided = solids.volumes.iter().zip(&is_two_sided).filter(|(_, two_sided)| !**two_sided);
-    let sum: f64 = one_sided.map(|(volume, _)| volume).sum();
+    let is_two_sided = two_sided_shells(connectivity, is_both_ways);
+    let sum_of = |two_sided: bool| -> f64 {
+        let volumes = solids.volumes.iter().zip(&is_two_sided);
+        volumes.filter(|(_, is)| **is == two_sided).map(|(volume, _)| volume).sum()
+    };
+    let one_sided = sum_of(false);
+    let sum = if one_sided == 0.0 { sum_of(true) } else { one_sided };
     let sum_of_sizes: f64 = solids.volumes.iter().map(|volume| volume.abs()).sum();
     if sum < -FLAT * sum_of_sizes {
         turned.iter_mut().for_each(|turned| *turned = !*turned);
@@ -56,35 +58,49 @@ pub(crate) fn orient(
     for (triangle, _) in triangles.iter_mut().zip(&turned).filter(|(_, turned)| **turned) {
         triangle.swap(1, 2);
     }
-    for (triangle, is_behind) in bounding(positions, triangles, connectivity, is_both_ways) {
-        is_both_ways[triangle] = false;
-        if !is_behind && is_two_sided[connectivity.shells[triangle] as usize] {
-            triangles[triangle].swap(1, 2);
-        }
-    }
     turned
 }
 
-/// Of the triangles that are there both ways round those that bound a solid, and whether it is behind them.
-fn bounding(
+/// For each shell whether all of it is there both ways round.
+fn two_sided_shells(connectivity: &Connectivity, is_both_ways: &[bool]) -> Vec<bool> {
+    let mut is_two_sided = vec![true; connectivity.kinds.len()];
+    for (&shell, &both_ways) in connectivity.shells.iter().zip(is_both_ways) {
+        is_two_sided[shell as usize] &= both_ways;
+    }
+    is_two_sided
+}
+
+/// For each triangle whether it is a sheet: there both ways round, and the boundary of no solid. Shells
+/// that are there both ways round and bound one are turned outward.
+///
+/// O(n log n) for n triangles of components with some that are there both ways round.
+pub(crate) fn find_sheets(
     positions: &[Vector],
-    triangles: &[[u32; 3]],
+    triangles: &mut [[u32; 3]],
     connectivity: &Connectivity,
     is_both_ways: &[bool],
-) -> Vec<(usize, bool)> {
+) -> Vec<bool> {
     let mut has_both_ways = vec![false; connectivity.closed.len()];
     for (&component, &both_ways) in connectivity.components.iter().zip(is_both_ways) {
         has_both_ways[component as usize] |= both_ways;
     }
     let is_own = |&t: &usize| has_both_ways[connectivity.components[t] as usize];
     let own: Vec<usize> = (0..triangles.len()).filter(is_own).collect();
+    let mut is_sheet = is_both_ways.to_vec();
     if own.is_empty() {
-        return Vec::new();
+        return is_sheet;
     }
     let corners: Vec<[u32; 3]> = own.iter().map(|&t| triangles[t]).collect();
     let regions = Regions::new(positions, &corners);
-    let sides = own.iter().enumerate().filter(|&(_, &t)| is_both_ways[t]);
-    sides.filter_map(|(own, &t)| Some((t, regions.is_solid_behind(own)?))).collect()
+    let is_two_sided = two_sided_shells(connectivity, is_both_ways);
+    for (index, t) in own.into_iter().enumerate() {
+        let Some(is_behind) = regions.is_solid_behind(index) else { continue };
+        is_sheet[t] = false;
+        if !is_behind && is_two_sided[connectivity.shells[t] as usize] {
+            triangles[t].swap(1, 2);
+        }
+    }
+    is_sheet
 }
 
 fn corners(positions: &[Vector], triangle: [u32; 3]) -> [Vector; 3] {
@@ -320,9 +336,8 @@ mod tests {
     fn oriented(mesh: &TriangleMesh) -> (TriangleMesh, usize) {
         let mut mesh = mesh.clone();
         let connectivity = Connectivity::new(&mesh.triangles, mesh.positions.len());
-        let mut is_both_ways = vec![false; mesh.triangles.len()];
-        let positions = as_vectors(&mesh.positions);
-        let turned = orient(positions, &mut mesh.triangles, &connectivity, &mut is_both_ways);
+        let once = vec![false; mesh.triangles.len()];
+        let turned = orient(as_vectors(&mesh.positions), &mut mesh.triangles, &connectivity, &once);
         (mesh, turned.iter().filter(|&&turned| turned).count())
     }
 

@@ -10,7 +10,7 @@ use std::cmp::Ordering;
 
 use super::adjacency::{Connectivity, SortedHalfEdges};
 use super::canonical_order::{MeshOrder, rotated, triangle_key, used_vertices, vertices_by_place};
-use super::orientation::orient;
+use super::orientation::{find_sheets, orient};
 use super::weld::weld;
 use crate::control::Control;
 use crate::error::Error;
@@ -98,8 +98,10 @@ pub struct PreparedMesh {
     pub source_triangles: Vec<u32>,
     /// For each vertex its index in the input; of welded ones the first.
     pub source_vertices: Vec<u32>,
-    /// For each triangle whether the input has it as often one way round as the other, and it bounds no solid.
+    /// For each triangle whether the input has it as often one way round as the other.
     pub is_both_ways: Vec<bool>,
+    /// For each triangle whether it is, and bounds no solid.
+    pub is_sheet: Vec<bool>,
     /// For each triangle its connected component (over shared edges).
     pub components: Vec<u32>,
     /// For each component whether each of its edges has exactly two triangles, which run along
@@ -113,8 +115,8 @@ pub struct PreparedMesh {
 
 impl PreparedMesh {
     /// The triangles by whose winding number a point is inside: sheets are there both ways round, so that
-    /// their winding numbers cancel. Sheets are triangles that the input has both ways, and the open
-    /// parts of a mesh that is inside out as a whole: which of their sides is the inside is not clear.
+    /// their winding numbers cancel. Sheets are triangles that the input has both ways and that bound no solid, and
+    /// the open parts of a mesh that is inside out as a whole: which of their sides is the inside is not clear.
     pub(crate) fn triangles_of_solid(&self) -> Cow<'_, [[u32; 3]]> {
         with_sheets_both_ways(&self.mesh.triangles, &self.sheets(), &self.hidden_caps)
     }
@@ -123,8 +125,8 @@ impl PreparedMesh {
     pub(crate) fn sheets(&self) -> Vec<bool> {
         let is_inside_out = self.mesh.encloses_nothing();
         let is_closed = |&component: &u32| self.closed[component as usize];
-        let of_both = self.is_both_ways.iter().zip(&self.components);
-        of_both.map(|(&both, component)| both || is_inside_out && !is_closed(component)).collect()
+        let all = self.is_sheet.iter().zip(&self.components);
+        all.map(|(&sheet, component)| sheet || is_inside_out && !is_closed(component)).collect()
     }
 
     /// Keeps the triangles for which `keeps` holds, by their index in the input and their component.
@@ -136,6 +138,7 @@ impl PreparedMesh {
         self.mesh.triangles = kept.iter().map(|&t| self.mesh.triangles[t]).collect();
         self.source_triangles = kept.iter().map(|&t| self.source_triangles[t]).collect();
         self.is_both_ways = kept.iter().map(|&t| self.is_both_ways[t]).collect();
+        self.is_sheet = kept.iter().map(|&t| self.is_sheet[t]).collect();
         self.components = kept.iter().map(|&t| self.components[t]).collect();
     }
 }
@@ -248,15 +251,15 @@ pub(crate) fn prepare_again(
     repairs.open_edges = connectivity.open_edges;
     repairs.non_manifold_edges = connectivity.non_manifold_edges;
     control.check()?;
-    let given_once: Vec<bool> = is_both_ways.iter().map(|&both_ways| !both_ways).collect();
     let positions = as_vectors(&mesh.positions);
-    let turned = orient(positions, &mut mesh.triangles, &connectivity, &mut is_both_ways);
+    let turned = orient(positions, &mut mesh.triangles, &connectivity, &is_both_ways);
+    let is_sheet = find_sheets(positions, &mut mesh.triangles, &connectivity, &is_both_ways);
     if order == MeshOrder::Place {
         mesh.triangles.iter_mut().for_each(|triangle| *triangle = rotated(*triangle));
     }
-    let pairs = turned.iter().zip(&given_once);
-    repairs.flipped_triangles =
-        pairs.filter(|&(&turned, &given_once)| turned && given_once).count();
+    // One that is there both ways round already was as it is turned.
+    let of_both = turned.iter().zip(&is_both_ways);
+    repairs.flipped_triangles = of_both.filter(|&(&turned, &both)| turned && !both).count();
     control.check()?;
 
     Ok(PreparedMesh {
@@ -265,6 +268,7 @@ pub(crate) fn prepare_again(
         source_triangles,
         source_vertices,
         is_both_ways,
+        is_sheet,
         components: connectivity.components,
         closed: connectivity.closed,
         repairs,
@@ -911,10 +915,11 @@ mod tests {
     fn what_is_wound_both_ways_is_told_apart_from_what_is_there_twice() {
         let [a, b, c] = cube().triangles[4];
         let mut mesh = cube_and(&[], &[[b, a, c], cube().triangles[7]]);
-        assert_eq!(repaired(&mesh).is_both_ways, [false; 12], "it bounds the cube");
+        assert_eq!(repaired(&mesh).is_sheet, [false; 12], "it bounds the cube");
         mesh.triangles.remove(11);
         let prepared = repaired(&mesh);
         assert_eq!(prepared.repairs.duplicate_triangles, 2);
+        assert_eq!(prepared.is_sheet, prepared.is_both_ways);
         for (&source, &is_both_ways) in prepared.source_triangles.iter().zip(&prepared.is_both_ways)
         {
             assert_eq!(is_both_ways, source == 4 || source == 11, "{source}");

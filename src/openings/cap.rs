@@ -162,16 +162,34 @@ fn is_crack(points: &[Vector]) -> bool {
 
 /// Triangles without area between the two sides of a crack: repair splits what is beyond them.
 fn zip_crack(points: &[Vector], vertices: &[u32]) -> Vec<[u32; 3]> {
-    let count = vertices.len();
     let (first, second) = ends(points);
     let along = points[second] - points[first];
-    let share = |index: usize| along.dot(points[index % count]);
+    let share = |index: usize| along.dot(points[index % points.len()]);
+    zip(points, vertices, |left, right| share(left + 1) <= share(right - 1))
+}
+
+/// Triangles between the two sides of a loop that need not be flat, along the shorter diagonals.
+pub(super) fn zip_shortest(points: &[Vector], vertices: &[u32]) -> Vec<[u32; 3]> {
+    let at = |index: usize| points[index % points.len()];
+    let length = |left, right| at(left).distance_squared(at(right));
+    zip(points, vertices, |left, right| length(left + 1, right) <= length(left, right - 1))
+}
+
+/// Triangles between the two sides of a loop, from one of its ends to the other. `goes_left` says from which
+/// side the next vertex is, where both have one.
+fn zip(
+    points: &[Vector],
+    vertices: &[u32],
+    goes_left: impl Fn(usize, usize) -> bool,
+) -> Vec<[u32; 3]> {
+    let count = vertices.len();
+    let (first, second) = ends(points);
     // Both sides from the first end to the second.
     let (mut left, mut right) = (first, first + count);
     let end = if second > first { second } else { second + count };
     let mut triangles = Vec::new();
     while left < end || right > end {
-        let goes_left = left < end && (right <= end || share(left + 1) <= share(right - 1));
+        let goes_left = left < end && (right <= end || goes_left(left, right));
         let next = if goes_left { left + 1 } else { right - 1 };
         let corners = [left, next, right].map(|index| vertices[index % count]);
         if corners[0] != corners[1] && corners[1] != corners[2] && corners[2] != corners[0] {
@@ -275,35 +293,16 @@ impl Cap {
             })
     }
 
-    /// Whether something holds for most of the surface at the rim, by length.
-    pub(super) fn is_most_of_rim(
-        &self,
-        mesh: &TriangleMesh,
-        loops: &[Loop],
-        holds: impl Fn(u32) -> bool,
-    ) -> bool {
-        let (mut own, mut whole) = (0.0, 0.0);
-        for (neighbour, length) in self.rim(mesh, loops) {
-            whole += length;
-            own += if holds(neighbour) { length } else { 0.0 };
-        }
-        2.0 * own > whole
-    }
-
-    /// The triangles of the surface at the rim, each with the length of its side.
-    fn rim(&self, mesh: &TriangleMesh, loops: &[Loop]) -> impl Iterator<Item = (u32, f64)> {
-        self.loops.iter().flat_map(|&index| loops[index].sides(mesh.points()))
-    }
-
     /// The median over the rim, by length, of the angle inside of the solid between the cap and the
     /// surface, in radians: 0 where the surface folds back onto the cap, π where it goes straight on.
     pub(super) fn rim_angle(&self, mesh: &TriangleMesh, loops: &[Loop]) -> f64 {
+        let rim = self.loops.iter().flat_map(|&index| loops[index].sides(mesh.points()));
         let angle = |(neighbour, length): (u32, f64)| {
             let [a, b, c] = mesh.corners(mesh.triangles[neighbour as usize]);
             let normal = area_normal(a, b, c).normalize_or_zero();
             (libm::acos((-normal.dot(self.plane.normal)).clamp(-1.0, 1.0)), length)
         };
-        let mut angles: Vec<(f64, f64)> = self.rim(mesh, loops).map(angle).collect();
+        let mut angles: Vec<(f64, f64)> = rim.map(angle).collect();
         angles.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         let whole: f64 = angles.iter().map(|angle| angle.1).sum();
         let mut sum = 0.0;

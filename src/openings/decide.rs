@@ -261,11 +261,19 @@ impl Judge<'_> {
     /// Whether most of the surface around a cap, by the length of its rim, is drawn from both sides.
     fn is_two_sided(&self, cap: &Cap) -> bool {
         let Self { prepared, source, .. } = self;
-        cap.is_most_of_rim(&prepared.mesh, &self.loops, |neighbour| {
-            let source_triangle = prepared.source_triangles[neighbour as usize];
-            prepared.is_both_ways[neighbour as usize]
-                || source.sidedness(source_triangle) == Some(Sidedness::Two)
-        })
+        let (mut two, mut whole) = (0.0, 0.0);
+        for own in cap.loops.iter().map(|&index| &self.loops[index]) {
+            for (neighbour, length) in own.sides(self.positions()) {
+                let source_triangle = prepared.source_triangles[neighbour as usize];
+                whole += length;
+                if prepared.is_both_ways[neighbour as usize]
+                    || source.sidedness(source_triangle) == Some(Sidedness::Two)
+                {
+                    two += length;
+                }
+            }
+        }
+        2.0 * two > whole
     }
 
     /// Whether all of a cap's rim lies in the lowest plane of the mesh.

@@ -1,18 +1,17 @@
 //! Openings that no ball passes, in surfaces that are there both ways round.
 //!
 //! Where faces are there both ways round, nothing but its openings says whether a surface is a sheet or the skin
-//! of a solid. An opening counts as closed if no ball passes whose radius is the bound, and if a cap there
-//! has an enclosed region behind it: so a missing triangle changes nothing. What is wider follows
-//! the rules of `decide`.
+//! of a solid. An opening counts as closed if no ball passes whose radius is the bound, and if a cap
+//! there closes a region: so a missing triangle changes nothing. What is wider follows the rules of `decide`.
 //!
 //! Where all of a cap is within the radius of its rim, no ball crosses it: its centre would come too near to the rim.
 
-use super::cap::{Cap, LoopFill, fill_loops};
+use super::cap::{LoopFill, fill_loops, zip_shortest};
 use super::decide::{Closing, OpeningSettings, SHEET_ANGLE};
 use super::opening::{Loop, Opening, OpeningOutcome, boundary_loops, sides};
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, centre};
+use crate::geometry::vector::{Vector, area_normal, centre};
 use crate::mesh::PreparedMesh;
 use crate::mesh::regions::Regions;
 
@@ -22,7 +21,8 @@ const MOST_SIDES: usize = 2000;
 /// A part of a cap that is smaller than this, as a fraction of the radius, is as near to the rim as its centre.
 const LEAST_PART: f64 = 0.02;
 
-/// Closes the openings that no ball passes; `None` where there are none. Linear time where nothing is there both ways round.
+/// Closes the openings that no ball passes; `None` where there are none. Linear time where nothing is there both
+/// ways round.
 pub(super) fn close_narrow(
     prepared: &PreparedMesh,
     settings: &OpeningSettings,
@@ -34,20 +34,32 @@ pub(super) fn close_narrow(
     let PreparedMesh { mesh, components, is_both_ways, .. } = prepared;
     let radius = settings.flatness_in(prepared);
     let loops = boundary_loops(mesh.points(), &mesh.triangles);
-    let is_of_both_ways = |triangle: u32| is_both_ways[triangle as usize];
-    let (mut triangles, mut caps) = (Vec::new(), Vec::new());
+    let mut caps = Vec::new();
+    let mut closing = Closing { are_both_ways: true, ..Closing::default() };
     for fill in fill_loops(mesh.points(), &loops, radius) {
         control.check()?;
-        match fill {
-            LoopFill::Crack { triangles: zip, .. } => triangles.extend(zip),
-            LoopFill::Cap(cap)
-                if cap.is_most_of_rim(mesh, &loops, is_of_both_ways)
-                    && cap.rim_angle(mesh, &loops) >= SHEET_ANGLE
-                    && is_narrow(&cap, mesh.points(), &loops, radius) =>
-            {
-                caps.push(cap);
+        let cap = match fill {
+            LoopFill::Crack { triangles, .. } => {
+                closing.triangles.extend(triangles);
+                continue;
             }
-            _ => {}
+            LoopFill::Cap(cap) => NarrowCap {
+                rims: cap.loops.iter().map(|&index| &loops[index]).collect(),
+                triangles: cap.triangles,
+            },
+            LoopFill::Left { loop_index, .. } => {
+                let rim = &loops[loop_index];
+                if rim.vertices.len() > MOST_SIDES {
+                    continue;
+                }
+                let points =
+                    Vec::from_iter(rim.vertices.iter().map(|&v| mesh.points()[v as usize]));
+                let triangles = zip_shortest(&points, &rim.vertices);
+                NarrowCap { rims: vec![rim], triangles }
+            }
+        };
+        if cap.is_on_skin(prepared) && cap.is_narrow(mesh.points(), radius) {
+            caps.push(cap);
         }
     }
     if caps.is_empty() {
@@ -57,36 +69,79 @@ pub(super) fn close_narrow(
     for (&component, &both_ways) in components.iter().zip(is_both_ways) {
         has_both_ways[component as usize] |= both_ways;
     }
-    let of_components = mesh.triangles.iter().zip(components);
-    let own = of_components.filter(|&(_, &component)| has_both_ways[component as usize]);
+    let own = mesh.triangles.iter().zip(components);
+    let own = own.filter(|&(_, &component)| has_both_ways[component as usize]);
     let mut all: Vec<[u32; 3]> = own.map(|(&triangle, _)| triangle).collect();
-    all.extend(&triangles);
-    let first = all.len();
+    all.extend(&closing.triangles);
+    let mut start = all.len();
     all.extend(caps.iter().flat_map(|cap| &cap.triangles));
     let regions = Regions::new(mesh.points(), &all);
-    let mut openings = Vec::new();
-    let mut start = first;
     for cap in &caps {
-        let own = start..start + cap.triangles.len();
+        let mut own = start..start + cap.triangles.len();
         start = own.end;
-        if own.into_iter().all(|triangle| regions.closes(triangle)) {
-            triangles.extend(&cap.triangles);
-            let vertices = cap.loops.iter().flat_map(|&index| &loops[index].vertices);
-            let outcome = OpeningOutcome::Closed;
-            openings.push(Opening::new(vertices.copied(), cap.area, prepared, outcome));
+        if own.all(|triangle| regions.closes(triangle)) {
+            closing.triangles.extend(&cap.triangles);
+            closing.openings.push(cap.opening(prepared));
         }
     }
-    let closing = Closing { triangles, hidden: Vec::new(), openings, are_both_ways: true };
     Ok((!closing.openings.is_empty()).then_some(closing))
 }
 
-fn is_narrow(cap: &Cap, positions: &[Vector], loops: &[Loop], radius: f64) -> bool {
-    let own = cap.loops.iter().map(|&index| &loops[index]);
-    let at = |vertex: u32| positions[vertex as usize];
-    let rim: Vec<[Vector; 2]> =
-        own.flat_map(|own| sides(&own.vertices).map(|(&a, &b)| [at(a), at(b)])).collect();
-    let mut corners = cap.triangles.iter().map(|triangle| triangle.map(at));
-    rim.len() <= MOST_SIDES && corners.all(|corners| is_near(corners, &rim, radius))
+/// What would close an opening.
+struct NarrowCap<'a> {
+    rims: Vec<&'a Loop>,
+    triangles: Vec<[u32; 3]>,
+}
+
+impl NarrowCap<'_> {
+    /// Whether most of the surface at the rim, by length, is there both ways round and bends away from the cap: on
+    /// a leaf, or on a blade of grass, the cap would lie on the sheet.
+    fn is_on_skin(&self, prepared: &PreparedMesh) -> bool {
+        let PreparedMesh { mesh, is_both_ways, .. } = prepared;
+        let normal = |triangle: [u32; 3]| {
+            let [a, b, c] = mesh.corners(triangle);
+            area_normal(a, b, c).normalize_or_zero()
+        };
+        let half_edges =
+            |&[a, b, c]: &[u32; 3]| [[a, b], [b, c], [c, a]].map(|edge| (edge, [a, b, c]));
+        let mut of_edges: Vec<_> = self.triangles.iter().flat_map(half_edges).collect();
+        of_edges.sort_unstable();
+        let most = libm::cos(SHEET_ANGLE);
+        let (mut own, mut whole) = (0.0, 0.0);
+        for rim in &self.rims {
+            for ((&a, &b), (neighbour, length)) in
+                sides(&rim.vertices).zip(rim.sides(mesh.points()))
+            {
+                whole += length;
+                let Ok(place) = of_edges.binary_search_by_key(&[a, b], |edge| edge.0) else {
+                    continue;
+                };
+                let [cap, surface] =
+                    [of_edges[place].1, mesh.triangles[neighbour as usize]].map(normal);
+                let is_bent = -surface.dot(cap) <= most;
+                own += if is_bent && is_both_ways[neighbour as usize] { length } else { 0.0 };
+            }
+        }
+        2.0 * own > whole
+    }
+
+    /// Whether all of the cap is within the radius of its rim.
+    fn is_narrow(&self, positions: &[Vector], radius: f64) -> bool {
+        let at = |vertex: u32| positions[vertex as usize];
+        let sides = self.rims.iter().flat_map(|rim| sides(&rim.vertices));
+        let rim: Vec<[Vector; 2]> = sides.map(|(&a, &b)| [at(a), at(b)]).collect();
+        let mut corners = self.triangles.iter().map(|triangle| triangle.map(at));
+        rim.len() <= MOST_SIDES && corners.all(|corners| is_near(corners, &rim, radius))
+    }
+
+    fn opening(&self, prepared: &PreparedMesh) -> Opening {
+        let twice = self.triangles.iter().map(|&triangle| {
+            let [a, b, c] = prepared.mesh.corners(triangle);
+            area_normal(a, b, c).length()
+        });
+        let vertices = self.rims.iter().flat_map(|rim| rim.vertices.iter().copied());
+        Opening::new(vertices, 0.5 * twice.sum::<f64>(), prepared, OpeningOutcome::Closed)
+    }
 }
 
 /// Whether all points of a triangle are within the radius of the rim.

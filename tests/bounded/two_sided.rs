@@ -94,6 +94,11 @@ fn a_missing_triangle_changes_nothing() {
         let is_same = shapes(&found) == shapes(&run(&ball));
         assert!(is_same || gone.len() == 2 && found.hulls.len() == 1, "{gone:?}");
     }
+    // A slit around half of the ball, far from flat, as wide as a triangle.
+    let slit: Vec<usize> = (0..24).map(|side| 50 * side + 24).collect();
+    let slit: Vec<usize> = slit.iter().flat_map(|&first| [first, first + 1]).collect();
+    let found = promised("slit", &both_ways(&without(&ball, &slit)));
+    assert!(is_filled(&found, [0.0; 3]), "{:?}", found.run.openings);
     let half_a_side = without(&cuboid([0.0; 3], [1.0; 3]), &[0]);
     let found = run(&both_ways(&half_a_side));
     assert!(!is_filled(&found, [0.5; 3]), "a ball passes half a side of a cube");
