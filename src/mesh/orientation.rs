@@ -12,7 +12,7 @@
 use robust::{Coord, orient2d};
 
 use super::adjacency::{Connectivity, ShellKind, SortedHalfEdges};
-use super::regions::Regions;
+use super::regions::{FLAT, Regions};
 use crate::geometry::vector::{Vector, area_normal};
 
 /// A shell with holes counts as solid if its volume differs by less than this share of itself
@@ -20,11 +20,6 @@ use crate::geometry::vector::{Vector, area_normal};
 /// can be. Small holes pass. A box without a lid (0.2)
 /// does not: either of its sides may be the outer one.
 const NEARLY_CLOSED: f64 = 0.1;
-
-/// A shell whose volume is below this share of area times extent is flat, and volumes whose sum is
-/// below this share of their sizes cancel, as do areas: the sign of what is left is rounding. The thinnest box
-/// that welding leaves has 1e-6.
-pub(super) const FLAT: f64 = 1e-9;
 
 /// Turns triangles around as the module's head says. Returns for each whether it was.
 ///

@@ -9,8 +9,12 @@
 //! nothing: see [`Regions::is_solid_behind`]. O(n log n) for n triangles.
 
 use super::adjacency::{ParityForest, SortedHalfEdges, ascends};
-use super::orientation::FLAT;
 use crate::geometry::vector::{Vector, area_normal};
+
+/// A closed surface whose volume is below this share of area times extent is flat, and volumes whose sum is
+/// below this share of their sizes cancel, as do areas: the sign of what is left is rounding. The thinnest box
+/// that welding leaves has 1e-6.
+pub(super) const FLAT: f64 = 1e-9;
 
 /// The regions that some triangles bound.
 pub(crate) struct Regions {

@@ -31,7 +31,7 @@ pub(super) fn close_narrow(
     if !prepared.is_both_ways.contains(&true) {
         return Ok(None);
     }
-    let PreparedMesh { mesh, components, is_both_ways, .. } = prepared;
+    let mesh = &prepared.mesh;
     let radius = settings.flatness_in(prepared);
     let loops = boundary_loops(mesh.points(), &mesh.triangles);
     let mut caps = Vec::new();
@@ -65,14 +65,7 @@ pub(super) fn close_narrow(
     if caps.is_empty() {
         return Ok(None);
     }
-    let mut has_both_ways = vec![false; prepared.closed.len()];
-    for (&component, &both_ways) in components.iter().zip(is_both_ways) {
-        has_both_ways[component as usize] |= both_ways;
-    }
-    let own = mesh.triangles.iter().zip(components);
-    let own = own.filter(|&(_, &component)| has_both_ways[component as usize]);
-    let mut all: Vec<[u32; 3]> = own.map(|(&triangle, _)| triangle).collect();
-    all.extend(&closing.triangles);
+    let mut all = [&mesh.triangles[..], &closing.triangles].concat();
     let mut start = all.len();
     all.extend(caps.iter().flat_map(|cap| &cap.triangles));
     let regions = Regions::new(mesh.points(), &all);

@@ -7,8 +7,8 @@ use hullwright::{
 };
 
 use crate::common::{
-    Mesh, Point, ball, both_ways, cuboid, is_filled, join, l_prism, lathe, run, run_with, turned,
-    view,
+    Mesh, Point, ball, both_ways, cuboid, is_filled, join, l_prism, lathe, open_sheet, run,
+    run_with, turned, view,
 };
 use crate::{judge, promised, with_bound};
 
@@ -148,7 +148,12 @@ fn what_is_open_on_purpose_stays_hollow() {
     let holed = without(&kettle, &[48 * 20]);
     let tube = lathe(&walls, 24);
     let tube = (tube.0, tube.1.chunks(4).flat_map(|quads| quads[..2].to_vec()).collect());
+    // Narrower than any ball, but a cap of it would lie on it.
+    let (mut positions, triangles) = open_sheet();
+    positions.iter_mut().for_each(|point| point[1] *= 0.05);
+    let blade = (positions, triangles);
     for (name, mesh, middle) in [
+        ("blade", blade, [0.0, 0.02, 0.0]),
         ("bucket", bucket, [0.5; 3]),
         ("kettle", kettle, [0.0; 3]),
         ("kettle with a hole", holed, [0.0; 3]),
