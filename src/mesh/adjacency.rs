@@ -308,7 +308,7 @@ fn open_unbalanced_shells(
 }
 
 /// Disjoint sets that also record whether each element is turned against the first of its set.
-struct ParityForest {
+pub(super) struct ParityForest {
     /// For each element its parent; the highest bit says whether it is turned against it.
     links: Vec<u32>,
 }
@@ -317,7 +317,7 @@ struct ParityForest {
 const TURNED: u32 = 1 << 31;
 
 impl ParityForest {
-    fn new(elements: usize) -> Self {
+    pub(super) fn new(elements: usize) -> Self {
         Self { links: (0..elements as u32).collect() }
     }
 
@@ -339,7 +339,7 @@ impl ParityForest {
 
     /// Makes one set of two. False if they already are one in which `a` and `b` are not as
     /// `turned` requires.
-    fn join(&mut self, a: u32, b: u32, turned: bool) -> bool {
+    pub(super) fn join(&mut self, a: u32, b: u32, turned: bool) -> bool {
         let turned = if turned { TURNED } else { 0 };
         let (first, turned_a) = self.find(a);
         let (second, turned_b) = self.find(b);
@@ -353,7 +353,7 @@ impl ParityForest {
 
     /// For each element the number of its set and whether it is turned against the set's first;
     /// and the number of sets.
-    fn label(mut self) -> (Vec<u32>, Vec<bool>, usize) {
+    pub(super) fn label(mut self) -> (Vec<u32>, Vec<bool>, usize) {
         let mut sets = Vec::with_capacity(self.links.len());
         let mut turned = Vec::with_capacity(self.links.len());
         let mut count = 0_u32;

@@ -5,6 +5,7 @@
 //! | `repair` | any triangle soup as a clean, normalised mesh; counts of what was changed |
 //! | `weld`, `orientation`, `canonical_order` | its steps: vertices at one place, winding, an order by place |
 //! | `adjacency` | half-edges, neighbours, components and shells |
+//! | `regions` | the parts of space that faces bound, and on which side of a face the solid is |
 //! | `grouping` | the paper's convex groups of triangles |
 //! | `refine` | long edges halved |
 //! | `simplification` | the exact surface and the coarse one: fewer triangles, and how far they have moved |
@@ -19,6 +20,7 @@ mod flip;
 pub(crate) mod grouping;
 mod orientation;
 pub(crate) mod refine;
+pub(crate) mod regions;
 pub(crate) mod repair;
 #[cfg(test)]
 pub(crate) mod shapes;

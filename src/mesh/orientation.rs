@@ -2,13 +2,17 @@
 //!
 //! 1. Within a shell that has two sides, the minority by area is turned around.
 //! 2. If the solid shells together enclose a negative volume, the whole mesh is turned around:
-//!    the input is left-handed.
+//!    the input is left-handed. Those that are there both ways round count only where there are no
+//!    others.
 //! 3. A solid shell whose volume is still negative is turned around, unless it is a cavity: unless
 //!    it lies inside others.
+//!
+//! A face that is there both ways round is a sheet, unless it bounds a solid, whichever way its winding is.
 
 use robust::{Coord, orient2d};
 
 use super::adjacency::{Connectivity, ShellKind, SortedHalfEdges};
+use super::regions::{FLAT, Regions};
 use crate::geometry::vector::{Vector, area_normal};
 
 /// A shell with holes counts as solid if its volume differs by less than this share of itself
@@ -17,11 +21,6 @@ use crate::geometry::vector::{Vector, area_normal};
 /// does not: either of its sides may be the outer one.
 const NEARLY_CLOSED: f64 = 0.1;
 
-/// A shell whose volume is below this share of area times extent is flat, and volumes whose sum is
-/// below this share of their sizes cancel, as do areas: the sign of what is left is rounding. The thinnest box
-/// that welding leaves has 1e-6.
-const FLAT: f64 = 1e-9;
-
 /// Turns triangles around as the module's head says. Returns for each whether it was.
 ///
 /// Linear time, and for cavities that times the logarithm of their number.
@@ -29,10 +28,17 @@ pub(crate) fn orient(
     positions: &[Vector],
     triangles: &mut [[u32; 3]],
     connectivity: &Connectivity,
+    is_both_ways: &[bool],
 ) -> Vec<bool> {
     let mut turned = make_consistent(positions, triangles, connectivity);
     let mut solids = Solids::measure(positions, triangles, connectivity, &turned);
-    let sum: f64 = solids.volumes.iter().sum();
+    let is_two_sided = two_sided_shells(connectivity, is_both_ways);
+    let sum_of = |two_sided: bool| -> f64 {
+        let volumes = solids.volumes.iter().zip(&is_two_sided);
+        volumes.filter(|(_, is)| **is == two_sided).map(|(volume, _)| volume).sum()
+    };
+    let one_sided = sum_of(false);
+    let sum = if one_sided == 0.0 { sum_of(true) } else { one_sided };
     let sum_of_sizes: f64 = solids.volumes.iter().map(|volume| volume.abs()).sum();
     if sum < -FLAT * sum_of_sizes {
         turned.iter_mut().for_each(|turned| *turned = !*turned);
@@ -48,6 +54,48 @@ pub(crate) fn orient(
         triangle.swap(1, 2);
     }
     turned
+}
+
+/// For each shell whether all of it is there both ways round.
+fn two_sided_shells(connectivity: &Connectivity, is_both_ways: &[bool]) -> Vec<bool> {
+    let mut is_two_sided = vec![true; connectivity.kinds.len()];
+    for (&shell, &both_ways) in connectivity.shells.iter().zip(is_both_ways) {
+        is_two_sided[shell as usize] &= both_ways;
+    }
+    is_two_sided
+}
+
+/// For each triangle whether it is a sheet: there both ways round, and the boundary of no solid. Shells
+/// that are there both ways round and bound one are turned outward.
+///
+/// O(n log n) for n triangles of components with some that are there both ways round.
+pub(crate) fn find_sheets(
+    positions: &[Vector],
+    triangles: &mut [[u32; 3]],
+    connectivity: &Connectivity,
+    is_both_ways: &[bool],
+) -> Vec<bool> {
+    let mut has_both_ways = vec![false; connectivity.closed.len()];
+    for (&component, &both_ways) in connectivity.components.iter().zip(is_both_ways) {
+        has_both_ways[component as usize] |= both_ways;
+    }
+    let is_own = |&t: &usize| has_both_ways[connectivity.components[t] as usize];
+    let own: Vec<usize> = (0..triangles.len()).filter(is_own).collect();
+    let mut is_sheet = is_both_ways.to_vec();
+    if own.is_empty() {
+        return is_sheet;
+    }
+    let corners: Vec<[u32; 3]> = own.iter().map(|&t| triangles[t]).collect();
+    let regions = Regions::new(positions, &corners);
+    let is_two_sided = two_sided_shells(connectivity, is_both_ways);
+    for (index, t) in own.into_iter().enumerate() {
+        let Some(is_behind) = regions.is_solid_behind(index) else { continue };
+        is_sheet[t] = false;
+        if !is_behind && is_two_sided[connectivity.shells[t] as usize] {
+            triangles[t].swap(1, 2);
+        }
+    }
+    is_sheet
 }
 
 fn corners(positions: &[Vector], triangle: [u32; 3]) -> [Vector; 3] {
@@ -283,7 +331,8 @@ mod tests {
     fn oriented(mesh: &TriangleMesh) -> (TriangleMesh, usize) {
         let mut mesh = mesh.clone();
         let connectivity = Connectivity::new(&mesh.triangles, mesh.positions.len());
-        let turned = orient(as_vectors(&mesh.positions), &mut mesh.triangles, &connectivity);
+        let once = vec![false; mesh.triangles.len()];
+        let turned = orient(as_vectors(&mesh.positions), &mut mesh.triangles, &connectivity, &once);
         (mesh, turned.iter().filter(|&&turned| turned).count())
     }
 

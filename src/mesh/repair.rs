@@ -10,7 +10,7 @@ use std::cmp::Ordering;
 
 use super::adjacency::{Connectivity, SortedHalfEdges};
 use super::canonical_order::{MeshOrder, rotated, triangle_key, used_vertices, vertices_by_place};
-use super::orientation::orient;
+use super::orientation::{find_sheets, orient};
 use super::weld::weld;
 use crate::control::Control;
 use crate::error::Error;
@@ -78,7 +78,7 @@ pub struct Repairs {
     pub degenerate_triangles: usize,
     /// Triangles dropped because another has the same vertices.
     pub duplicate_triangles: usize,
-    /// Triangles that were turned around.
+    /// Triangles that were turned around, of those that are there one way round.
     pub flipped_triangles: usize,
     /// Edges with more than two triangles, which stay.
     pub non_manifold_edges: usize,
@@ -100,6 +100,8 @@ pub struct PreparedMesh {
     pub source_vertices: Vec<u32>,
     /// For each triangle whether the input has it as often one way round as the other.
     pub is_both_ways: Vec<bool>,
+    /// For each triangle whether it is, and bounds no solid.
+    pub is_sheet: Vec<bool>,
     /// For each triangle its connected component (over shared edges).
     pub components: Vec<u32>,
     /// For each component whether each of its edges has exactly two triangles, which run along
@@ -113,8 +115,8 @@ pub struct PreparedMesh {
 
 impl PreparedMesh {
     /// The triangles by whose winding number a point is inside: sheets are there both ways round, so that
-    /// their winding numbers cancel. Sheets are triangles that the input has both ways, and the open
-    /// parts of a mesh that is inside out as a whole: which of their sides is the inside is not clear.
+    /// their winding numbers cancel. Sheets are triangles that the input has both ways and that bound no solid, and
+    /// the open parts of a mesh that is inside out as a whole: which of their sides is the inside is not clear.
     pub(crate) fn triangles_of_solid(&self) -> Cow<'_, [[u32; 3]]> {
         with_sheets_both_ways(&self.mesh.triangles, &self.sheets(), &self.hidden_caps)
     }
@@ -123,8 +125,8 @@ impl PreparedMesh {
     pub(crate) fn sheets(&self) -> Vec<bool> {
         let is_inside_out = self.mesh.encloses_nothing();
         let is_closed = |&component: &u32| self.closed[component as usize];
-        let of_both = self.is_both_ways.iter().zip(&self.components);
-        of_both.map(|(&both, component)| both || is_inside_out && !is_closed(component)).collect()
+        let all = self.is_sheet.iter().zip(&self.components);
+        all.map(|(&sheet, component)| sheet || is_inside_out && !is_closed(component)).collect()
     }
 
     /// Keeps the triangles for which `keeps` holds, by their index in the input and their component.
@@ -136,6 +138,7 @@ impl PreparedMesh {
         self.mesh.triangles = kept.iter().map(|&t| self.mesh.triangles[t]).collect();
         self.source_triangles = kept.iter().map(|&t| self.source_triangles[t]).collect();
         self.is_both_ways = kept.iter().map(|&t| self.is_both_ways[t]).collect();
+        self.is_sheet = kept.iter().map(|&t| self.is_sheet[t]).collect();
         self.components = kept.iter().map(|&t| self.components[t]).collect();
     }
 }
@@ -175,6 +178,20 @@ pub fn prepare(
     order: MeshOrder,
     control: &Control,
 ) -> Result<PreparedMesh, Error> {
+    prepare_again(source, &[], order, control)
+}
+
+/// The same for a mesh that was repaired before and has changed since. `was_both_ways` says which of its triangles,
+/// from the first on, are there both ways round and are given once.
+///
+/// # Errors
+/// As [`prepare`].
+pub(crate) fn prepare_again(
+    source: MeshView<'_>,
+    was_both_ways: &[bool],
+    order: MeshOrder,
+    control: &Control,
+) -> Result<PreparedMesh, Error> {
     let (vertices, triangles) = (source.vertex_count(), source.triangles());
     validate(source)?;
     control.check()?;
@@ -208,8 +225,11 @@ pub fn prepare(
     if kept.is_empty() {
         return Err(nothing_usable(triangles.len(), repairs.non_finite_triangles));
     }
-    let (duplicates, is_both_ways) =
+    let (duplicates, mut is_both_ways) =
         drop_duplicates(&mut kept, &mut source_triangles, welded.vertices.len());
+    for (both_ways, &source) in is_both_ways.iter_mut().zip(&source_triangles) {
+        *both_ways |= was_both_ways.get(source as usize) == Some(&true);
+    }
     repairs.duplicate_triangles = duplicates;
     control.check()?;
 
@@ -231,11 +251,15 @@ pub fn prepare(
     repairs.open_edges = connectivity.open_edges;
     repairs.non_manifold_edges = connectivity.non_manifold_edges;
     control.check()?;
-    let turned = orient(as_vectors(&mesh.positions), &mut mesh.triangles, &connectivity);
+    let positions = as_vectors(&mesh.positions);
+    let turned = orient(positions, &mut mesh.triangles, &connectivity, &is_both_ways);
+    let is_sheet = find_sheets(positions, &mut mesh.triangles, &connectivity, &is_both_ways);
     if order == MeshOrder::Place {
         mesh.triangles.iter_mut().for_each(|triangle| *triangle = rotated(*triangle));
     }
-    repairs.flipped_triangles = turned.iter().filter(|&&turned| turned).count();
+    // One that is there both ways round already was as it is turned.
+    let of_both = turned.iter().zip(&is_both_ways);
+    repairs.flipped_triangles = of_both.filter(|&(&turned, &both)| turned && !both).count();
     control.check()?;
 
     Ok(PreparedMesh {
@@ -244,6 +268,7 @@ pub fn prepare(
         source_triangles,
         source_vertices,
         is_both_ways,
+        is_sheet,
         components: connectivity.components,
         closed: connectivity.closed,
         repairs,
@@ -539,7 +564,7 @@ fn drop_degenerate(
 
 /// Keeps one of the triangles that have the same vertices, wound as most of them are. Returns how many go, and
 /// for each triangle that is left whether there were as many of it one way round as the other:
-/// then it is a sheet without an inside.
+/// then it is a sheet without an inside, unless it bounds a solid.
 ///
 /// Triangles are sorted by their least vertex by counting, then by the others in short runs.
 fn drop_duplicates(
@@ -766,7 +791,6 @@ mod tests {
                     welded_vertices: 4,
                     degenerate_triangles: 8,
                     duplicate_triangles: 2,
-                    flipped_triangles: 1,
                     open_edges: 4,
                     ..none
                 },
@@ -890,11 +914,15 @@ mod tests {
     #[test]
     fn what_is_wound_both_ways_is_told_apart_from_what_is_there_twice() {
         let [a, b, c] = cube().triangles[4];
-        let prepared = repaired(&cube_and(&[], &[[b, a, c], cube().triangles[7]]));
+        let mut mesh = cube_and(&[], &[[b, a, c], cube().triangles[7]]);
+        assert_eq!(repaired(&mesh).is_sheet, [false; 12], "it bounds the cube");
+        mesh.triangles.remove(11);
+        let prepared = repaired(&mesh);
         assert_eq!(prepared.repairs.duplicate_triangles, 2);
+        assert_eq!(prepared.is_sheet, prepared.is_both_ways);
         for (&source, &is_both_ways) in prepared.source_triangles.iter().zip(&prepared.is_both_ways)
         {
-            assert_eq!(is_both_ways, source == 4 || source == 12, "{source}");
+            assert_eq!(is_both_ways, source == 4 || source == 11, "{source}");
         }
     }
 

@@ -162,16 +162,34 @@ fn is_crack(points: &[Vector]) -> bool {
 
 /// Triangles without area between the two sides of a crack: repair splits what is beyond them.
 fn zip_crack(points: &[Vector], vertices: &[u32]) -> Vec<[u32; 3]> {
-    let count = vertices.len();
     let (first, second) = ends(points);
     let along = points[second] - points[first];
-    let share = |index: usize| along.dot(points[index % count]);
+    let share = |index: usize| along.dot(points[index % points.len()]);
+    zip(points, vertices, |left, right| share(left + 1) <= share(right - 1))
+}
+
+/// Triangles between the two sides of a loop that need not be flat, along the shorter diagonals.
+pub(super) fn zip_shortest(points: &[Vector], vertices: &[u32]) -> Vec<[u32; 3]> {
+    let at = |index: usize| points[index % points.len()];
+    let length = |left, right| at(left).distance_squared(at(right));
+    zip(points, vertices, |left, right| length(left + 1, right) <= length(left, right - 1))
+}
+
+/// Triangles between the two sides of a loop, from one of its ends to the other. `goes_left` says from which
+/// side the next vertex is, where both have one.
+fn zip(
+    points: &[Vector],
+    vertices: &[u32],
+    goes_left: impl Fn(usize, usize) -> bool,
+) -> Vec<[u32; 3]> {
+    let count = vertices.len();
+    let (first, second) = ends(points);
     // Both sides from the first end to the second.
     let (mut left, mut right) = (first, first + count);
     let end = if second > first { second } else { second + count };
     let mut triangles = Vec::new();
     while left < end || right > end {
-        let goes_left = left < end && (right <= end || share(left + 1) <= share(right - 1));
+        let goes_left = left < end && (right <= end || goes_left(left, right));
         let next = if goes_left { left + 1 } else { right - 1 };
         let corners = [left, next, right].map(|index| vertices[index % count]);
         if corners[0] != corners[1] && corners[1] != corners[2] && corners[2] != corners[0] {

@@ -18,7 +18,7 @@ use crate::parallel;
 use crate::parameters::{Length, Openings, Parameters, UpAxis};
 
 /// A cap that meets the surface around it at less than this, in radians (30°), closes a sheet onto itself.
-const SHEET_ANGLE: f64 = std::f64::consts::PI / 6.0;
+pub(super) const SHEET_ANGLE: f64 = std::f64::consts::PI / 6.0;
 
 /// The same where all openings are to be closed: a sheet that is flat has no solid on it.
 const FLAT_ANGLE: f64 = SHEET_ANGLE / 6.0;
@@ -75,12 +75,23 @@ impl From<&Parameters> for OpeningSettings {
     }
 }
 
+impl OpeningSettings {
+    /// The flatness as a fraction of a mesh's diagonal.
+    pub(super) fn flatness_in(&self, prepared: &PreparedMesh) -> f64 {
+        let diagonal = prepared.normalization.diagonal;
+        self.flatness.of_diagonal(diagonal) / diagonal
+    }
+}
+
 /// Triangles that close openings, and what became of each.
+#[derive(Default)]
 pub(super) struct Closing {
     pub triangles: Vec<[u32; 3]>,
     /// Those within the solid.
     pub hidden: Vec<[u32; 3]>,
     pub openings: Vec<Opening>,
+    /// Whether they are there both ways round, as what is around them.
+    pub are_both_ways: bool,
 }
 
 /// A cap, and whether it is closed or why not.
@@ -95,8 +106,7 @@ pub(super) fn judge(
 ) -> Result<Closing, Error> {
     let loops = boundary_loops(prepared.mesh.points(), &prepared.mesh.triangles);
     control.check()?;
-    let diagonal = prepared.normalization.diagonal;
-    let flatness = settings.flatness.of_diagonal(diagonal) / diagonal;
+    let flatness = settings.flatness_in(prepared);
     Judge { prepared, source, settings, control, loops, flatness }.closing()
 }
 
@@ -117,8 +127,7 @@ impl Judge<'_> {
     }
 
     fn closing(&self) -> Result<Closing, Error> {
-        let mut closing =
-            Closing { triangles: Vec::new(), hidden: Vec::new(), openings: Vec::new() };
+        let mut closing = Closing::default();
         let mut caps: Vec<JudgedCap> = Vec::new();
         let mut is_crack = vec![false; self.loops.len()];
         for fill in fill_loops(self.positions(), &self.loops, self.flatness) {

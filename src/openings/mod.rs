@@ -9,6 +9,7 @@
 //! | `opening` | the boundary as simple loops; what became of each opening |
 //! | `cap` | flat polygons over loops, zips for cracks, and whether the surface goes through a cap |
 //! | `decide` | the rules of `docs/openings.md`, by the same numbers, and what is seen through an opening |
+//! | `narrow` | openings that no ball passes, in what is there both ways round |
 //! | `prepare` | the repaired mesh with its caps, without nested shells; also as a public result |
 //!
 //! A closed mesh whose normals all point inward has no opening: repair turns it around, since exporters that
@@ -16,6 +17,7 @@
 
 mod cap;
 mod decide;
+mod narrow;
 mod opening;
 pub(crate) mod prepare;
 

@@ -10,6 +10,7 @@
 //! they are.
 
 use super::decide::{Closing, OpeningSettings, judge};
+use super::narrow::close_narrow;
 use super::opening::Opening;
 use crate::bvh::Bvh;
 use crate::control::Control;
@@ -17,12 +18,12 @@ use crate::error::Error;
 use crate::geometry::vector::{Vector, area_normal, bounds, six_volumes};
 use crate::geometry::{MeshView, TriangleMesh};
 use crate::mesh::canonical_order::MeshOrder;
-use crate::mesh::repair::prepare;
+use crate::mesh::repair::{prepare, prepare_again};
 use crate::mesh::{CAP, HIDDEN_CAP, PreparedMesh};
 use crate::parameters::{Openings, Parameters};
 
 /// Caps have the vertices of their loops, and ear clipping leaves out those in the middle of a
-/// straight side: that is a crack, which the next pass zips.
+/// straight side: that is a crack, which the next pass zips. Openings that no ball passes take passes of their own.
 const PASSES: usize = 3;
 
 /// Points on a component's triangles that are tried, at most.
@@ -85,7 +86,10 @@ pub(crate) fn close_prepared(
         if settings.openings == Openings::Keep || is_closed(&prepared) {
             break;
         }
-        let mut closing = judge(&prepared, source, settings, control)?;
+        let mut closing = match close_narrow(&prepared, settings, control)? {
+            Some(closing) => closing,
+            None => judge(&prepared, source, settings, control)?,
+        };
         // The next pass judges again what this one leaves.
         openings.retain(|opening| opening.outcome.is_closed());
         openings.append(&mut closing.openings);
@@ -114,15 +118,10 @@ fn cap_and_repair(
     let surface = before.mesh.triangles.len() + closing.triangles.len();
     let triangles =
         [before.mesh.triangles.as_slice(), &closing.triangles, &closing.hidden].concat();
+    let mut is_both_ways = before.is_both_ways;
+    is_both_ways.resize(triangles.len(), closing.are_both_ways);
     let mesh = TriangleMesh::new(positions, triangles);
-    let mut after = prepare(mesh.view(), MeshOrder::Place, control)?;
-    let was_both_ways =
-        |triangle: u32| before.is_both_ways.get(triangle as usize).copied().unwrap_or(false);
-    for (t, &triangle) in after.source_triangles.iter().enumerate() {
-        // What caps close is a solid, however it was drawn.
-        let is_open = !after.closed[after.components[t] as usize];
-        after.is_both_ways[t] |= is_open && was_both_ways(triangle);
-    }
+    let mut after = prepare_again(mesh.view(), &is_both_ways, MeshOrder::Place, control)?;
     for triangle in &mut after.source_triangles {
         let is_hidden = *triangle as usize >= surface;
         let of_cap = if is_hidden { HIDDEN_CAP } else { CAP };

@@ -7,6 +7,7 @@
 //! | `bundled_models` | the bundled models keep it, with as many hulls as before |
 //! | `verified` | what is verified agrees with brute force |
 //! | `shapes` | simple shapes have few hulls, which fill the solid and leave empty what is empty |
+//! | `two_sided` | solids whose faces are there both ways round are solids; what is open on purpose stays a sheet |
 //! | `probe` | no ball that comes from outside is entered by more than the bound; what none reaches may fill |
 //! | `limits` | limits on vertices and hulls are kept; joins down to one hull |
 
@@ -24,6 +25,7 @@ mod limits;
 mod probe;
 mod promise;
 mod shapes;
+mod two_sided;
 mod verified;
 
 use hullwright::measure::{MeasureOptions, Measurement, measure};

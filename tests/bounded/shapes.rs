@@ -16,8 +16,9 @@ fn simple_shapes_have_as_few_hulls_as_a_person_would_use() {
     let cylinder = lathe(&[[0.005, 0.0], [1.0, 0.0], [1.0, 3.0], [0.005, 3.0]], 96);
     // A hull of 64 vertices needs nearly all of the bound.
     let ball = ball(40, 80);
-    // Without remerging, a cube with both orientations of each triangle is 244 hulls.
-    let double_cube = both_ways(&cuboid([0.0; 3], [1.0; 3]));
+    // Without remerging, such a sheet without a top is some 200 hulls.
+    let (positions, triangles) = cuboid([0.0; 3], [1.0; 3]);
+    let bucket = both_ways(&(positions, triangles[2..].to_vec()));
     for (name, mesh, expected) in [
         ("L", l_prism(), 2..=2),
         ("U", u_prism(), 3..=3),
@@ -25,7 +26,7 @@ fn simple_shapes_have_as_few_hulls_as_a_person_would_use() {
         ("torus", torus(), 1..=9),
         ("cylinder", cylinder, 1..=1),
         ("ball", ball, 1..=1),
-        ("double cube", double_cube, 1..=30),
+        ("bucket", bucket, 5..=30),
     ] {
         let result = promised(name, &mesh);
         assert!(expected.contains(&result.hulls.len()), "{name}: {}", result.hulls.len());
@@ -71,14 +72,6 @@ fn a_thin_walled_cup_stays_hollow() {
     for z in [0.5, 1.0, 1.9] {
         assert!(!is_filled(&result, [0.0, 0.0, z]), "{z}");
     }
-}
-
-#[test]
-fn a_box_of_both_orientations_is_a_sheet_and_stays_hollow() {
-    // Models whose sides are drawn from both sides have a winding number of 0 everywhere: hulls
-    // that fill their inside protrude.
-    let result = promised("double box", &both_ways(&cuboid([0.0; 3], [1.0, 1.2, 1.4])));
-    assert!(!is_filled(&result, [0.5, 0.6, 0.7]));
 }
 
 #[test]
