@@ -41,6 +41,10 @@ const SHRINKING: [f64; 2] = [0.2, 0.4];
 /// has failed: collapsing is quadratic in the vertices and hardly gives another result.
 const MAX_COLLAPSIBLE: usize = 256;
 
+/// A hull that needs more vertices than this multiple of the limit, without those within the errors that are allowed of
+/// the hull of the others, is divided at once. The fewest are about half as many as those.
+const MOST_OVER_LIMIT: usize = 2;
+
 /// The search, and what is finalize's own.
 #[derive(Clone, Copy)]
 pub(super) struct FinalizeContext<'a> {
@@ -84,6 +88,10 @@ pub(super) fn simplify_hull(
         scratch: Scratch::default(),
         max_vertices,
     };
+    if attempts.is_hopeless() {
+        let Original { hull, uncovered, .. } = original;
+        return Ok(Simplified { hull, growth: 0.0, protrusion: f64::INFINITY, uncovered });
+    }
     if let Some(simplified) = attempts.saving_vertices()? {
         return Ok(simplified);
     }
@@ -107,6 +115,20 @@ struct Attempts<'a> {
 }
 
 impl Attempts<'_> {
+    /// Whether the hull needs far more vertices than the limit allows, wherever they are between what may stay uncovered
+    /// and what may protrude.
+    fn is_hopeless(&self) -> bool {
+        let Self { original, max_vertices, .. } = self;
+        if original.hull.points.len() <= MOST_OVER_LIMIT * max_vertices {
+            return false;
+        }
+        let bound = self.context.search.settings.bound;
+        let band = bound.verified() + bound.max_uncovered_under_limit();
+        let mut reducer = HullBuilder::new().with_least_tolerance(band);
+        let needed = reducer.vertices_of(original.hull.points());
+        needed.is_some_and(|needed| needed.len() > MOST_OVER_LIMIT * max_vertices)
+    }
+
     /// Attempts 1 and 2: as far as little volume is added and little surface left out.
     fn saving_vertices(&mut self) -> Result<Option<Simplified>, Error> {
         let original = self.original;
