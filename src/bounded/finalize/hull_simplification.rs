@@ -119,14 +119,14 @@ impl Attempts<'_> {
     /// and what may protrude.
     fn is_hopeless(&self) -> bool {
         let Self { original, max_vertices, .. } = self;
-        if original.hull.points.len() <= MOST_OVER_LIMIT * max_vertices {
+        if original.hull.points.len() <= MOST_OVER_LIMIT.saturating_mul(*max_vertices) {
             return false;
         }
         let bound = self.context.search.settings.bound;
         let band = bound.verified() + bound.max_uncovered_under_limit();
         let mut reducer = HullBuilder::new().with_least_tolerance(band);
         let needed = reducer.vertices_of(original.hull.points());
-        needed.is_some_and(|needed| needed.len() > MOST_OVER_LIMIT * max_vertices)
+        needed.is_some_and(|needed| needed.len() > MOST_OVER_LIMIT.saturating_mul(*max_vertices))
     }
 
     /// Attempts 1 and 2: as far as little volume is added and little surface left out.
