@@ -237,12 +237,15 @@ async fn within_limit(
     settings: &Settings,
     stages: &mut Stages,
 ) -> Result<Found, Error> {
-    let Found { surfaces, solids, patches, hulls: FinalHulls { hulls, uncovered } } = found;
+    let Found { surfaces, solids, patches, hulls } = found;
+    let FinalHulls { hulls, uncovered, without_vertex_limit } = hulls;
     let most = settings.max_hulls.unwrap_or(usize::MAX);
     let control = &stages.control();
     let search = Search::new(&surfaces, &solids, &patches, settings, control);
     let hulls = stages.run(Stage::Limit, || limit_hulls(&search, &hulls, most)).await?;
-    Ok(Found { surfaces, solids, patches, hulls: FinalHulls { hulls, uncovered } })
+    let without_vertex_limit = without_vertex_limit.min(hulls.len());
+    let hulls = FinalHulls { hulls, uncovered, without_vertex_limit };
+    Ok(Found { surfaces, solids, patches, hulls })
 }
 
 /// Once openings are closed, coordinates are rounded to 2^-38 of the diagonal. A mesh in other units, which differs in the last

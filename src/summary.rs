@@ -29,9 +29,19 @@ impl<R: Clone + Into<MethodReport>> Decomposition<R> {
         exceeded_bound(&self.hulls, bound, protrusion_max, self.run.diagonal)
     }
 
-    /// The [exceeded bound](Self::exceeded_bound), then the run's [remarks](RunReport::remarks), one line each.
+    /// Says how many hulls there would be without the limit on vertices, if those are fewer.
+    pub fn forced_by_vertex_limit(&self) -> Option<String> {
+        let report: MethodReport = self.report.clone().into();
+        let without = report.bounded()?.hulls_without_vertex_limit;
+        let is_fewer = without < self.hulls.len();
+        is_fewer.then(|| format!("the vertex limit forces hulls: {without} without it"))
+    }
+
+    /// The [exceeded bound](Self::exceeded_bound), what the [vertex limit](Self::forced_by_vertex_limit) forces, then
+    /// the run's [remarks](RunReport::remarks), one line each.
     pub fn remarks(&self) -> Vec<String> {
-        self.exceeded_bound().into_iter().chain(self.run.remarks()).collect()
+        let of_hulls = [self.exceeded_bound(), self.forced_by_vertex_limit()];
+        of_hulls.into_iter().flatten().chain(self.run.remarks()).collect()
     }
 }
 

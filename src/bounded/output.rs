@@ -23,7 +23,7 @@ impl BoundedResult {
     pub(crate) fn new(
         (prepared, surfaces): (&PreparedMesh, &Surfaces),
         patches: &Patches,
-        FinalHulls { hulls, uncovered }: &FinalHulls,
+        FinalHulls { hulls, uncovered, without_vertex_limit }: &FinalHulls,
         bound: f64,
         probe: Option<ProbeReport>,
     ) -> Self {
@@ -34,6 +34,7 @@ impl BoundedResult {
             bound: bound * diagonal,
             protrusion_max: protrusion * diagonal,
             uncovered_max: uncovered * diagonal,
+            hulls_without_vertex_limit: *without_vertex_limit,
             patches: patches.count(),
             polygons: patches.mesh.triangles.len(),
             probe,

@@ -106,3 +106,16 @@ fn inconsistent_hulls_are_a_typed_error() {
     edited.hulls[0].shape.triangles[0][0] = 1_000_000;
     assert!(matches!(tree(&mesh, &edited), Err(Error::UnusableHull { hull: 0, .. })));
 }
+
+#[test]
+fn where_the_vertex_limit_forces_hulls_the_report_says_how_many_there_would_be_without_it() {
+    let ball = ball(40, 40);
+    let parameters = with_bound(0.005);
+    let limited = run_with(&ball, &parameters);
+    let free = run_with(&ball, &parameters.clone().max_vertices(None));
+    assert!(limited.hulls.len() > 1 && free.hulls.len() == 1);
+    assert_eq!(limited.report.hulls_without_vertex_limit, 1);
+    assert_eq!(limited.remarks(), ["the vertex limit forces hulls: 1 without it"]);
+    assert_eq!(free.report.hulls_without_vertex_limit, 1);
+    assert!(free.remarks().is_empty());
+}

@@ -194,6 +194,7 @@ pub fn json(
         "bound": bounded.map(|bounded| bounded.bound),
         "protrusion_max": bounded.map(|bounded| bounded.protrusion_max),
         "uncovered_max": bounded.map(|bounded| bounded.uncovered_max),
+        "hulls_without_vertex_limit": bounded.map(|bounded| bounded.hulls_without_vertex_limit),
         "patches": bounded.map(|bounded| bounded.patches),
         "probe": bounded.and_then(|bounded| bounded.probe),
         "cost": surface.map(|surface| surface.cost),

@@ -17,17 +17,32 @@ use crate::hull::{ConvexHull, HullBuilder, LEAST_THICKNESS, joint_hull, solid_hu
 use crate::parallel;
 use crate::solid::{keeps_bound, protrusion};
 
-/// The hulls of a piece. Each keeps the bound, except single triangles whose hull has to be thicker.
+/// What has become of a piece.
+pub(super) struct PieceHulls {
+    /// Each keeps the bound, except single triangles whose hull has to be thicker.
+    pub hulls: Vec<FinalHull>,
+    /// Whether only the limit on vertices divides it.
+    pub fits_without_limit: bool,
+}
+
+/// The hulls of a piece.
 pub(super) fn hulls_of_piece(
     context: &FinalizeContext<'_>,
     piece: &Piece,
-) -> Result<Vec<FinalHull>, Error> {
+) -> Result<PieceHulls, Error> {
     let Piece { patches, inner_points, .. } = piece;
     let owned = Owned { patches: patches.clone(), part: None, inner_points: inner_points.clone() };
     let open = vec![Open { owned, may_fill: true }];
-    let mut division = Division { context, builder: HullBuilder::new(), open, done: Vec::new() };
+    let mut division = Division {
+        context,
+        builder: HullBuilder::new(),
+        open,
+        done: Vec::new(),
+        fits_without_limit: false,
+    };
     division.run()?;
-    Ok(division.done)
+    let Division { done, fits_without_limit, .. } = division;
+    Ok(PieceHulls { hulls: done, fits_without_limit })
 }
 
 /// A part that is to become a hull.
@@ -42,6 +57,7 @@ struct Division<'a> {
     builder: HullBuilder,
     open: Vec<Open>,
     done: Vec<FinalHull>,
+    fits_without_limit: bool,
 }
 
 impl Division<'_> {
@@ -68,8 +84,13 @@ impl Division<'_> {
                 continue;
             }
             let mut inner_points = hull.owned.inner_points.clone();
-            if may_fill && inner_points.is_empty() {
-                inner_points.extend(self.middle(&hull)?);
+            if (may_fill || is_first) && inner_points.is_empty() {
+                let middle = self.middle(&hull)?;
+                self.fits_without_limit |= is_first && middle.is_some();
+                // If all parts of the hull contain it, they fill the hull; parts of the surface alone would leave it
+                // hollow.
+                let is_filled = may_fill && self.context.search.exact_solid.is_closed();
+                inner_points.extend(middle.filter(|_| is_filled));
             }
             self.divide(hull, may_fill, inner_points)?;
         }
@@ -127,13 +148,12 @@ impl Division<'_> {
         Ok(())
     }
 
-    /// The middle of a hull that would keep the bound without the limit on vertices. If all parts of the
-    /// hull contain it, they fill the hull; parts of the surface alone would leave it hollow.
+    /// The middle of a hull that would keep the bound without the limit on vertices; `None` of another one.
     fn middle(&mut self, hull: &FinalHull) -> Result<Option<Vector>, Error> {
         let &Search { patches, exact_solid: solid, settings, control, .. } = &self.context.search;
         let Some(max_vertices) = settings.max_vertices else { return Ok(None) };
         let points = hull.owned.surface_points(patches);
-        if !solid.is_closed() || points.len() <= max_vertices {
+        if points.len() <= max_vertices {
             return Ok(None);
         }
         let (unlimited, _) =

@@ -97,6 +97,8 @@ pub(crate) struct FinalHulls {
     pub hulls: Vec<FinalHull>,
     /// No point of the surface is farther than this outside all hulls.
     pub uncovered: f64,
+    /// How many of them there would be without the limit on vertices, at most.
+    pub without_vertex_limit: usize,
 }
 
 impl FinalHulls {

@@ -89,8 +89,9 @@ pub(super) fn simplify_hull(
         max_vertices,
     };
     if attempts.is_hopeless() {
-        let Original { hull, uncovered, .. } = original;
-        return Ok(Simplified { hull, growth: 0.0, protrusion: f64::INFINITY, uncovered });
+        // Nothing says that it protrudes.
+        let hull = original.hull;
+        return Ok(Simplified { hull, growth: 0.0, protrusion: 0.0, uncovered: f64::INFINITY });
     }
     if let Some(simplified) = attempts.saving_vertices()? {
         return Ok(simplified);

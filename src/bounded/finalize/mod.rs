@@ -21,7 +21,7 @@ use super::search::Search;
 use super::uncovered::{HullDistance, PointBuckets, distance_outside, uncovered_distance};
 use crate::error::Error;
 use crate::parallel;
-use division::{hulls_of_piece, remerge};
+use division::{PieceHulls, hulls_of_piece, remerge};
 use final_hull::{FinalHull, FinalHulls};
 use hull_simplification::FinalizeContext;
 
@@ -65,6 +65,8 @@ struct VerifiedPieces<'a> {
     context: FinalizeContext<'a>,
     hulls: Vec<FinalHull>,
     is_divided: bool,
+    /// See [`FinalHulls::without_vertex_limit`].
+    without_vertex_limit: usize,
 }
 
 impl<'a> VerifiedPieces<'a> {
@@ -75,19 +77,26 @@ impl<'a> VerifiedPieces<'a> {
         let size = |piece: &Piece| piece.patches.count();
         let parts =
             parallel::map_largest_first(pieces, size, |piece| hulls_of_piece(&context, piece));
-        let parts = parts.into_iter().collect::<Result<Vec<Vec<FinalHull>>, Error>>()?;
-        let is_divided = parts.iter().any(|part| part.len() > 1);
-        Ok(Self { context, hulls: parts.into_iter().flatten().collect(), is_divided })
+        let parts = parts.into_iter().collect::<Result<Vec<PieceHulls>, Error>>()?;
+        let is_divided = parts.iter().any(|part| part.hulls.len() > 1);
+        let without_limit = |part: &PieceHulls| match part.fits_without_limit {
+            true => 1,
+            false => part.hulls.len(),
+        };
+        let without_vertex_limit = parts.iter().map(without_limit).sum();
+        let hulls = parts.into_iter().flat_map(|part| part.hulls).collect();
+        Ok(Self { context, hulls, is_divided, without_vertex_limit })
     }
 
     /// The same, remerged where they were divided, with how far the surface is outside all of them.
     fn remerged(self) -> Result<FinalHulls, Error> {
-        let Self { context, mut hulls, is_divided } = self;
+        let Self { context, mut hulls, is_divided, without_vertex_limit } = self;
         if is_divided {
             hulls = remerge(&context, hulls)?;
         }
         let uncovered = uncovered(&context.search, &hulls)?;
-        Ok(FinalHulls { hulls, uncovered })
+        let without_vertex_limit = without_vertex_limit.min(hulls.len());
+        Ok(FinalHulls { hulls, uncovered, without_vertex_limit })
     }
 }
 

@@ -74,6 +74,8 @@ export interface Report {
   protrusionMax: number;
   /** No point of the mesh is farther than this outside every hull. */
   uncoveredMax: number;
+  /** As many hulls would keep the bound without the limit on vertices, at most. */
+  hullsWithoutVertexLimit: number;
   patches: number;
   polygons: number;
   probe: { radius: number; cell: number; unreachableVolume: number } | null;
