@@ -57,8 +57,12 @@ fn exceeded_bound(hulls: &[Hull], bound: f64, protrusion: f64, diagonal: f64) ->
     if protrusion <= bound {
         return None;
     }
-    let exceeds = |hull: &&Hull| hull.errors.protrusion_max.is_some_and(|most| most > bound);
-    let reason = match hulls.iter().filter(exceeds).all(|hull| hull.errors.added_thickness > 0.0) {
+    // A hull that keeps the bound but for its thickness.
+    let is_thick = |hull: &Hull| {
+        let most = hull.errors.protrusion_max.unwrap_or(0.0);
+        most - hull.errors.added_thickness <= bound
+    };
+    let reason = match hulls.iter().all(is_thick) {
         true => "a flat part has to be thicker to be a hull",
         false => "the limit on hulls forces it",
     };

@@ -73,6 +73,7 @@ fn json_has_the_same_keys_for_every_method() {
         "bound",
         "protrusion_max",
         "uncovered_max",
+        "hulls_without_vertex_limit",
         "patches",
         "probe",
         "cost",
