@@ -202,6 +202,12 @@ pub enum DecompositionError {
         /// The first name of each mesh that it has.
         names: Vec<String>,
     },
+    /// The body that moves it has a negative scale along y or z, and is not fixed: Rapier would turn it, and what is drawn.
+    #[error(
+        "its body is mirrored along y or z, which Rapier takes for another rotation; mirror the body along x alone, or \
+         the meshes below it"
+    )]
+    MirroredBody,
     /// The work panicked. The panic is contained to it.
     #[error("the work on it panicked")]
     Panicked,
@@ -403,6 +409,10 @@ impl Outcomes<'_, '_> {
         if let Ok(mut old) = self.statuses.get_mut(entity) {
             old.set_if_neq(status);
         }
+    }
+
+    pub(crate) fn status(&self, entity: Entity) -> Option<DecompositionStatus> {
+        self.statuses.get(entity).ok().cloned()
     }
 
     fn end(&mut self, entity: Entity, status: DecompositionStatus) {
