@@ -18,7 +18,8 @@ use super::work::{
 };
 use crate::bevy::jobs::baked::{BakedDecomposition, FromBakedScene};
 use crate::bevy::tag::outcomes::{
-    DecompositionError, DecompositionStatus, Outcomes, SkipReason, WaitReason,
+    DecompositionError, DecompositionStatus, Descriptions, Outcomes, SkipReason, WaitReason,
+    entities,
 };
 use crate::bevy::tag::settings::HullwrightSettings;
 use crate::bevy::tag::{ConvexDecomposition, NoConvexDecomposition};
@@ -211,6 +212,17 @@ pub(super) fn detect_moved_parts(
 /// What has moved and rests.
 pub(super) fn mark_resting(mut work: Work, settings: Res<HullwrightSettings>) {
     work.unfinished.mark_resting(settings.scale_delay);
+}
+
+/// What a baked scene is given for by mistake.
+pub(super) type LoneScene = (Added<FromBakedScene>, Without<ConvexDecomposition>);
+
+/// Logs entities that take hulls from a baked scene, but have no tag, one line a frame.
+pub(super) fn warn_of_lone_scenes(lone: Query<Entity, LoneScene>, descriptions: Descriptions) {
+    if let Some(first) = lone.iter().next() {
+        let who = entities(lone.iter().count(), &descriptions.entity(first, None));
+        log::warn!("FromBakedScene does nothing on {who}: it belongs beside a ConvexDecomposition");
+    }
 }
 
 /// A removed tag cancels its work, also when the entity is despawned.

@@ -10,8 +10,8 @@ use bevy_rapier3d::rapier::math::Pose;
 use bevy_rapier3d::rapier::parry::shape::{Ball, Capsule, TypedShape};
 
 use super::placement::Placements;
+use super::wake::Sleepers;
 use super::work::{AttachedCollider, OwnCollider, OwnMass, Work};
-use super::{Sleepers, wake_body};
 use crate::bevy::jobs::Frame;
 
 /// A larger triangle mesh takes more time than a frame has, and waits until its scale rests.
@@ -50,7 +50,7 @@ pub(super) fn follow_scales(
             && let Ok(follower) = followers.get_mut(*entity)
             && follow(*entity, follower, &placements) == Some(())
         {
-            wake_body(*entity, &placements, &mut sleepers);
+            sleepers.wake(&placements, *entity);
         }
     }
 }

@@ -7,6 +7,7 @@ pub(super) mod placement;
 pub(super) mod resolve;
 mod skins;
 pub(super) mod waiting;
+mod wake;
 pub(super) mod work;
 
 use std::collections::BTreeMap;
@@ -19,13 +20,12 @@ use bevy_rapier3d::plugin::PhysicsSet;
 use bevy_rapier3d::plugin::context::RapierContextSimulation;
 use bevy_rapier3d::prelude::{
     ActiveCollisionTypes, ActiveEvents, ActiveHooks, ColliderMassProperties, CollisionGroups,
-    ContactForceEventThreshold, ContactSkin, Friction, RapierContextEntityLink,
-    RapierRigidBodyHandle, RapierRigidBodySet, Restitution, Sensor, Sleeping, SolverGroups,
+    ContactForceEventThreshold, ContactSkin, Friction, Restitution, Sensor, SolverGroups,
 };
 
 use self::changes::{
-    detect_assets, detect_colliders, detect_moved_parts, detect_scales, detect_tags, drop_far,
-    mark_resting, on_untag, start_near,
+    LoneScene, detect_assets, detect_colliders, detect_moved_parts, detect_scales, detect_tags,
+    drop_far, mark_resting, on_untag, start_near,
 };
 use self::follow::{follow_scales, moved};
 use self::placement::{Placement, Placements, Stretch, maps_differ};
@@ -34,6 +34,7 @@ use self::skins::warn_of_skins;
 use self::waiting::{
     Fallbacks, Frozen, attach_fallbacks, freeze, freeze_new, hold_in, release, remove_fallbacks,
 };
+use self::wake::Sleepers;
 use self::work::{
     AttachedCollider, AttachedFallback, Ended, FailedRequest, FarFromFocus, MadeBefore,
     MadeBeforeItem, OwnCollider, OwnMass, Requested, Unfinished, Weight, Work, attach_shape,
@@ -112,6 +113,9 @@ impl Plugin for ColliderPlugin {
                     .after(CollidersAttached)
                     .in_set(HullwrightSystems::Attach)
                     .run_if(any_match_filter::<Added<AttachedCollider>>),
+                changes::warn_of_lone_scenes
+                    .in_set(HullwrightSystems::Attach)
+                    .run_if(any_match_filter::<LoneScene>),
             ),
         )
         .configure_sets(
@@ -200,7 +204,7 @@ fn attach(
         if let Some(stretch) = stretch {
             work.unfinished.moves(entity, stretch);
         }
-        wake_body(entity, &targets.placements, &mut sleepers);
+        sleepers.wake(&targets.placements, entity);
         if let Some(reason) = requested.request.why_triangles() {
             outcomes.skipped(entity, reason);
             continue;
@@ -264,39 +268,6 @@ fn report_failures(
     }
     for (text, (count, first)) in to_log {
         log::warn!("no convex decomposition for {}: {text}", entities(count, &first));
-    }
-}
-
-/// Bodies that may sleep.
-#[derive(SystemParam)]
-struct Sleepers<'w, 's> {
-    components: Query<'w, 's, &'static mut Sleeping>,
-    handles: Query<'w, 's, (&'static RapierRigidBodyHandle, &'static RapierContextEntityLink)>,
-    bodies: Query<'w, 's, &'static mut RapierRigidBodySet>,
-}
-
-impl Sleepers<'_, '_> {
-    fn wake(&mut self, body: Entity) {
-        if let Ok(mut sleeping) = self.components.get_mut(body)
-            && sleeping.sleeping
-        {
-            sleeping.sleeping = false;
-        }
-        // Bodies sleep without the component too.
-        let Ok((handle, context)) = self.handles.get(body) else { return };
-        let Ok(mut bodies) = self.bodies.get_mut(context.0) else { return };
-        if let Some(body) = bodies.bodies.get_mut(handle.0)
-            && body.is_sleeping()
-        {
-            body.wake_up(true);
-        }
-    }
-}
-
-/// Wakes the body of a collider that has changed.
-fn wake_body(entity: Entity, placements: &Placements, sleepers: &mut Sleepers) {
-    if let Some((body, _)) = placements.body(entity) {
-        sleepers.wake(body);
     }
 }
 

@@ -150,7 +150,7 @@ pub(super) struct AttachedFallback;
 
 /// On entities that failed: what they requested, to detect when another attempt may succeed.
 #[derive(Component, Debug, Clone)]
-pub(super) struct FailedRequest {
+pub(crate) struct FailedRequest {
     pub requested: Requested,
     pub error: DecompositionError,
 }
@@ -166,10 +166,10 @@ impl FailedRequest {
 
 /// What an entity's work came to before.
 #[derive(QueryData)]
-pub(super) struct MadeBefore {
+pub(crate) struct MadeBefore {
     pub attached: Option<&'static AttachedCollider>,
-    pub failed: Option<&'static FailedRequest>,
-    pub own: Option<&'static OwnCollider>,
+    pub(super) failed: Option<&'static FailedRequest>,
+    own: Option<&'static OwnCollider>,
     pub collider: Option<&'static Collider>,
     scale: Option<&'static ColliderScale>,
     mass: Option<&'static ColliderMassProperties>,
@@ -216,7 +216,7 @@ impl MadeBeforeItem<'_, '_> {
     }
 
     /// Takes the plugin's collider away, and the mass that it came with. One that the game has put in its place stays.
-    pub(super) fn detach(&self, entity: &mut EntityCommands) {
+    pub(crate) fn detach(&self, entity: &mut EntityCommands) {
         if self.own.is_none() {
             return;
         }

@@ -129,6 +129,7 @@ struct Job {
     shown_progress: f32,
     /// Whether it takes no decomposition.
     is_quick: bool,
+    since: Instant,
     worker: Worker,
 }
 
@@ -153,6 +154,8 @@ pub(super) struct Jobs {
     /// When the content of assets changed last, in changes of any; 0 for the others.
     editions: HashMap<UntypedAssetId, u64>,
     last_edition: u64,
+    /// Whether the log says that a debug build is slow.
+    is_hint_logged: bool,
     cache: GeometryCache,
     pool: Pool,
 }
@@ -382,6 +385,7 @@ impl Jobs {
             progress,
             shown_progress: 0.0,
             is_quick,
+            since: Instant::now(),
             worker: match settings.budget.execution.here() {
                 Execution::Slices | Execution::Worker => Worker::Slices(Box::new(task)),
                 Execution::Background => {
@@ -405,6 +409,7 @@ impl Jobs {
                 let goal = job.entities.first().and_then(|(_, request)| request.goal.as_ref());
                 let has_probe = goal.is_some_and(Goal::has_probe);
                 count_decomposition(&mut outcomes.counters, &built, has_probe);
+                self.hint_at_debug_build(built.source, job.since.elapsed());
                 self.complete(job, &built);
             }
             Ok(TaskOutput::Wait(key)) => {
@@ -418,6 +423,18 @@ impl Jobs {
                 let entities = job.entities.into_iter().map(|(entity, _)| entity);
                 self.fail_input(&job.input, entities, error);
             }
+        }
+    }
+
+    /// Logs once that a debug build may be the reason why work is slow.
+    fn hint_at_debug_build(&mut self, source: HullSource, time: Duration) {
+        let is_slow = source == HullSource::Decomposed && time > SLOW;
+        if cfg!(debug_assertions) && is_slow && !self.is_hint_logged {
+            self.is_hint_logged = true;
+            log::warn!(
+                "a convex decomposition took {time:.1?}; a debug build takes thirty times as long, unless Cargo.toml \
+                 has `[profile.dev.package.\"*\"]` with `opt-level = 3`"
+            );
         }
     }
 
@@ -530,6 +547,9 @@ impl Drop for Budget<'_> {
         self.frame.spent += self.start.elapsed();
     }
 }
+
+/// Longer than any bundled model takes where the library is optimised.
+const SLOW: Duration = Duration::from_secs(5);
 
 /// Smaller steps of progress are not worth a change of the status.
 const PROGRESS_STEP: f32 = 0.01;

@@ -3,6 +3,7 @@
 pub(super) mod outcomes;
 pub(super) mod parameters;
 pub(super) mod settings;
+pub(super) mod template;
 
 use bevy::prelude::*;
 
@@ -35,7 +36,7 @@ use crate::Method;
 #[derive(Component, Reflect, Debug, Clone, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[type_path = "hullwright"]
-#[require(DecompositionStatus)]
+#[require(DecompositionStatus, Transform)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct ConvexDecomposition {
     /// The bound: no point of the hulls is farther than this outside the solid, and no point of the

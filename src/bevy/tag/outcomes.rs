@@ -199,7 +199,7 @@ pub enum DecompositionError {
     NotBaked {
         /// The name that was given.
         name: Option<String>,
-        /// The first name of each mesh that it has.
+        /// The names of the meshes that it has, and of the nodes that show them.
         names: Vec<String>,
     },
     /// The body that moves it has a negative scale along y or z, and is not fixed: Rapier would turn it, and what is drawn.
@@ -227,7 +227,7 @@ fn skipped(reason: SkipReason) -> &'static str {
 }
 
 /// More names would not help.
-const MOST_NAMES: usize = 8;
+const MOST_NAMES: usize = 16;
 
 fn not_baked(name: Option<&str>, names: &[String]) -> String {
     let some = names.iter().take(MOST_NAMES).map(|name| format!("`{name}`"));
@@ -237,7 +237,7 @@ fn not_baked(name: Option<&str>, names: &[String]) -> String {
     }
     match name {
         Some(name) => format!("the baked scene has no mesh `{name}`, but {some}"),
-        None => format!("the baked scene has {} meshes, so name one: {some}", names.len()),
+        None => format!("the baked scene has several meshes, so name one: {some}"),
     }
 }
 
