@@ -67,6 +67,10 @@ struct TaggedByGame;
 #[reflect(Component, Default, Clone)]
 struct MeshNumber(usize);
 
+/// The game itself has put the collider there. A save has neither.
+#[derive(Component, Clone, Default)]
+struct GamesCollider;
+
 /// The last word about an entity's collider.
 #[derive(Resource, Default)]
 struct Last(EntityHashMap<bool>);
@@ -159,6 +163,9 @@ impl RandomWorld {
             }
             _ => self.put((ConvexDecompositionHierarchy::new(tag), place)),
         };
+        if self.random.below(6) == 0 {
+            self.app.edit(top).insert(Disabled);
+        }
         for number in 0..self.random.below(4) {
             let (mesh, place) = (self.mesh(), self.transform());
             self.put((mesh, place, Name::new(format!("part {number}")), ChildOf(top)));
@@ -204,7 +211,10 @@ impl RandomWorld {
                     false => _ = self.app.edit(entity).insert(ChildOf(above)),
                 }
             }
-            4 if !is_scene => _ = self.app.edit(entity).insert(Disabled),
+            // bevy_rapier panics where the mass of a disabled body changes.
+            4 if !is_scene && self.app.get::<RigidBody>(entity).is_none() => {
+                _ = self.app.edit(entity).insert(Disabled)
+            }
             5 | 6 => _ = self.app.edit(entity).remove::<Disabled>(),
             7 if self.entities.len() < ENTITIES => {
                 let clone = self.app.edit(entity).clone_and_spawn();
@@ -274,8 +284,8 @@ impl RandomWorld {
                 }
             },
             18 if is_tagged => match self.random.below(2) {
-                0 => _ = self.app.edit(entity).insert(Collider::ball(0.25)),
-                _ => _ = self.app.edit(entity).remove::<Collider>(),
+                0 => _ = self.app.edit(entity).insert((Collider::ball(0.25), GamesCollider)),
+                _ => _ = self.app.edit(entity).remove::<(Collider, GamesCollider)>(),
             },
             19 if is_scene => {
                 let tag = self.tag();
@@ -334,7 +344,7 @@ impl RandomWorld {
             if let Some(of) = self.app.get::<ChildOf>(entity) {
                 app.edit(copy).insert(ChildOf(copies[&of.parent()]));
             }
-            if self.app.get::<Collider>(entity).is_some_and(|of| of.as_ball().is_some()) {
+            if self.app.get::<GamesCollider>(entity).is_some() {
                 app.edit(copy).insert(Collider::ball(0.25));
             }
             if self.has_tag_of_its_own(entity) {
@@ -364,6 +374,10 @@ impl RandomWorld {
         settle(&mut fresh);
         let last = &self.app.world().resource::<Last>().0;
         for (entity, copy) in &copies {
+            if self.app.get(*entity) == Some(&HierarchyStatus::Running) {
+                // For a scene within that has no meshes yet.
+                assert_eq!(fresh.get(*copy), Some(&HierarchyStatus::Running), "{entity}");
+            }
             let tagged = [(&self.app, *entity), (&fresh, *copy)]
                 .map(|(app, entity)| app.get::<ConvexDecomposition>(entity).is_some());
             let is_disabled = self.app.get::<Disabled>(*entity).is_some();
@@ -385,15 +399,12 @@ impl RandomWorld {
                 );
                 assert_eq!(last.get(entity).copied(), found.has_collider(), "{entity}");
             }
-            if has_collider(&fresh, *copy) {
+            if has_collider(&fresh, *copy) && self.app.get::<GamesCollider>(*entity).is_none() {
                 self.assert_same_collider(*entity, &fresh, *copy);
             }
         }
         let counted = counters(&self.app);
         assert_eq!(counted.with_collider + counted.without_collider, seen(&self.app).all());
-        let world = self.app.world_mut();
-        let mut scenes = world.query::<&HierarchyStatus>();
-        assert!(scenes.iter(world).all(|status| *status != HierarchyStatus::Running));
     }
 
     fn assert_same_collider(&self, entity: Entity, fresh: &App, copy: Entity) {

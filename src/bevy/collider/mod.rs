@@ -316,6 +316,9 @@ impl Targets<'_, '_> {
             (true, _) => own.weigh(requested.weight, &map)?,
         };
         let mut commands = commands.entity(entity);
+        if before.owns_mass() && mass.is_none() {
+            commands.try_remove::<(ColliderMassProperties, OwnMass)>();
+        }
         let record = AttachedCollider { requested: requested.clone() };
         attach_shape(&mut commands, own, mass, record);
         commands.try_remove::<AttachedFallback>();

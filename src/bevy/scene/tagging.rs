@@ -297,6 +297,11 @@ impl Hierarchies<'_, '_> {
         let moved = moved.flat_map(|entity| {
             std::iter::once(entity).chain(self.children.iter_descendants(entity))
         });
+        let moved: Vec<Entity> = moved.collect();
+        // What has lost its mesh elsewhere is untagged here.
+        for node in moved.iter().filter(|node| nodes.tagged.contains(**node)) {
+            roots.extend(nearest(*node).map(|root| (root, false)));
+        }
         let meshes = self.new_meshes.iter().chain(self.meshes_gone.read()).chain(moved);
         for mesh in meshes {
             let now = nodes.meshes.contains(mesh).then(|| nearest(mesh)).flatten();
