@@ -225,15 +225,16 @@ pub(super) fn warn_of_lone_scenes(lone: Query<Entity, LoneScene>, descriptions: 
     }
 }
 
+/// What is there of an earlier work, also on what is disabled.
+type Earlier = (Has<FailedRequest>, Option<&'static OwnCollider>, Has<AttachedCollider>);
+type BothTags = (With<ConvexDecomposition>, With<BakedDecomposition>, Allow<Disabled>);
+
 /// A removed tag cancels its work, also when the entity is despawned.
 pub(super) fn on_untag<T: Component>(
     removed: On<Remove<T>>,
     mut work: Work,
-    results: Query<
-        (Has<FailedRequest>, Option<&OwnCollider>, Has<AttachedCollider>),
-        Allow<Disabled>,
-    >,
-    both_tags: Query<(), (With<ConvexDecomposition>, With<BakedDecomposition>, Allow<Disabled>)>,
+    results: Query<Earlier, Allow<Disabled>>,
+    both_tags: Query<(), BothTags>,
     mut outcomes: Outcomes,
 ) {
     let entity = removed.entity;

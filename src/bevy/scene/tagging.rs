@@ -281,7 +281,11 @@ pub(super) struct Hierarchies<'w, 's> {
 impl Hierarchies<'_, '_> {
     /// Those that are new or changed, and those to which meshes came or from which they went; whether more came than went.
     /// `owners` is the hierarchy to which each mesh belongs.
-    fn to_tag(&mut self, nodes: &Nodes, owners: &mut EntityHashMap<Entity>) -> EntityHashMap<bool> {
+    fn take_news(
+        &mut self,
+        nodes: &Nodes,
+        owners: &mut EntityHashMap<Entity>,
+    ) -> EntityHashMap<bool> {
         let nearest = |entity: Entity| {
             let above = std::iter::once(entity).chain(nodes.parents.iter_ancestors(entity));
             above.into_iter().find(|entity| nodes.hierarchies.contains(*entity))
@@ -306,7 +310,7 @@ impl Hierarchies<'_, '_> {
         for mesh in meshes {
             let now = nodes.meshes.contains(mesh).then(|| nearest(mesh)).flatten();
             let before = match now {
-                Some(root) => owners.insert(mesh, root),
+                Some(_) => owners.get(&mesh).copied(),
                 None => owners.remove(&mesh),
             };
             if let Some(root) = now {
@@ -329,8 +333,13 @@ pub(super) fn tag_hierarchies(
     mut complaints: Local<Complaints>,
     mut owners: Local<EntityHashMap<Entity>>,
 ) {
-    for (root, has_news) in hierarchies.to_tag(&nodes, &mut owners) {
+    if hierarchies.all.is_empty() && owners.is_empty() {
+        return;
+    }
+    for (root, has_news) in hierarchies.take_news(&nodes, &mut owners) {
         if let Ok((hierarchy, mut work)) = hierarchies.all.get_mut(root) {
+            let below = nodes.on_and_below(root).into_iter();
+            owners.extend(below.filter(|of| nodes.meshes.contains(*of)).map(|mesh| (mesh, root)));
             let all = nodes.nodes_with_meshes(root);
             let wholes = match hierarchy.follows_artists {
                 true => Wholes::of_pieces(&nodes, &all),
