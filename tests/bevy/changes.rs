@@ -239,6 +239,16 @@ fn mass_properties_that_the_game_sets_later_are_its_own() {
 }
 
 #[test]
+fn a_body_that_becomes_fixed_keeps_no_mass_of_its_hulls() {
+    let (mut app, cube) = with_mesh(app(), unit_cube());
+    let entity = finish(&mut app, &cube, (automatic(), RigidBody::Dynamic));
+    app.edit(entity).insert(RigidBody::Fixed);
+    settle(&mut app);
+    assert!(collider(&app, entity).as_trimesh().is_some());
+    assert!(app.get::<ColliderMassProperties>(entity).is_none());
+}
+
+#[test]
 fn a_result_is_attached_at_the_scale_of_then_and_so_is_a_fallback() {
     let mut settings = sliced();
     settings.fallback_collider = FallbackCollider::BoundingBox;

@@ -128,7 +128,8 @@ impl RandomWorld {
         let x = self.random.below(4) as f32;
         let turn = Quat::from_rotation_y(self.random.below(3) as f32);
         let scale = Vec3::splat(self.random.size());
-        Transform { translation: Vec3::X * x, rotation: turn, scale }
+        // Never the identity, by which primitives of one mesh are known.
+        Transform { translation: Vec3::new(x, 1.0, 0.0), rotation: turn, scale }
     }
 
     fn tag(&mut self) -> ConvexDecomposition {

@@ -487,6 +487,39 @@ fn a_node_that_loses_its_mesh_is_tagged_no_longer_and_one_that_moves_by_its_pare
 }
 
 #[test]
+fn a_node_that_has_lost_its_mesh_elsewhere_is_untagged_when_it_comes_back() {
+    let mut app = app();
+    let cube = cube(&mut app);
+    let root = root(&mut app, ConvexDecompositionHierarchy::new(tag()));
+    let place = Transform::from_xyz(1.0, 0.0, 0.0);
+    let chair = app.put((Mesh3d(cube.clone()), place, ChildOf(root)));
+    tag_and_finish(&mut app, &[chair]);
+    app.edit(chair).remove::<ChildOf>();
+    update_times(&mut app, 2);
+    app.edit(chair).remove::<Mesh3d>();
+    update_times(&mut app, 2);
+    app.edit(chair).insert(ChildOf(root));
+    update_times(&mut app, 2);
+    assert!(!is_tagged(&app, chair));
+    assert!(all_done(&mut app));
+}
+
+#[test]
+fn a_scene_whose_meshes_were_there_before_it_takes_back_what_it_tagged() {
+    let mut app = app();
+    let cube = cube(&mut app);
+    let root = app.put(Transform::default());
+    let chair = node(&mut app, root, "chair", &[&cube]);
+    update_times(&mut app, 3);
+    app.edit(root).insert(ConvexDecompositionHierarchy::new(tag()));
+    tag_and_finish(&mut app, &[chair]);
+    let primitive = app.get::<Children>(chair).unwrap()[0];
+    app.edit(primitive).remove::<Mesh3d>();
+    update_times(&mut app, 3);
+    assert!(!is_tagged(&app, chair) && all_done(&mut app));
+}
+
+#[test]
 fn a_scene_that_is_loaded_from_a_save_counts_its_meshes_again() {
     let mut app = app();
     observed(&mut app);

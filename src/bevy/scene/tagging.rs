@@ -13,6 +13,7 @@ use bevy::prelude::*;
 use bevy_rapier3d::prelude::RigidBody;
 
 use super::hierarchy::{ConvexDecompositionHierarchy, HierarchyStatus, HierarchyWork};
+use crate::bevy::collider::placement::GivesSurface;
 use crate::bevy::collider::resolve::Levels;
 use crate::bevy::collider::work::MadeBefore;
 use crate::bevy::jobs::baked::{BakedDecomposition, FromBakedScene};
@@ -360,7 +361,7 @@ pub(super) fn on_hierarchy_gone(
     statuses: Query<&HierarchyStatus, Allow<Disabled>>,
 ) {
     let mut commands = commands.entity(removed.entity);
-    commands.try_remove::<HierarchyWork>();
+    commands.try_remove::<(HierarchyWork, GivesSurface)>();
     if !statuses.get(removed.entity).is_ok_and(HierarchyStatus::is_finished) {
         commands.try_remove::<HierarchyStatus>();
     }

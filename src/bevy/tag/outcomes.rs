@@ -83,8 +83,8 @@ pub enum HullSource {
 #[derive(Reflect, Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[type_path = "hullwright"]
 pub enum SkipReason {
-    /// The entity had a `Collider` already, which stays. Also that of an earlier mesh or scale, where the tag was removed
-    /// before the new one was ready.
+    /// The entity has a `Collider` of the game's own, from before or since, which stays. Also that of an earlier mesh or
+    /// scale, where the tag was removed before the new one was ready.
     HasCollider,
     /// The body is fixed, so it got the triangle mesh itself.
     FixedBody,
