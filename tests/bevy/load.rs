@@ -188,7 +188,8 @@ impl RandomWorld {
         if kind < 3 && self.entities.len() < ENTITIES {
             return self.spawn();
         }
-        self.log.push(format!("{kind} {entity}"));
+        let above = self.app.get::<ChildOf>(entity).map(ChildOf::parent);
+        self.log.push(format!("{kind} {entity} below {above:?}"));
         let is_tagged = self.app.get::<TaggedByGame>(entity).is_some();
         let is_scene = self.app.get::<ConvexDecompositionHierarchy>(entity).is_some();
         let has_mesh = self.app.get::<Mesh3d>(entity).is_some();
@@ -484,6 +485,9 @@ fn play(seed: u64, frames: usize) -> usize {
         compared
     }));
     played.unwrap_or_else(|_| {
+        if std::env::var_os("WORLD").is_some() {
+            eprintln!("{}", world.log.join("\n"));
+        }
         let last = world.log.len().saturating_sub(60);
         panic!("world {seed}, {frames} frames; what happened last: {:?}", &world.log[last..])
     })

@@ -505,6 +505,21 @@ fn a_node_that_has_lost_its_mesh_elsewhere_is_untagged_when_it_comes_back() {
 }
 
 #[test]
+fn a_root_that_loses_its_own_mesh_leaves_its_children_to_themselves() {
+    let mut app = app();
+    let cube = cube(&mut app);
+    let root = root(&mut app, ConvexDecompositionHierarchy::new(tag()));
+    let place = Transform::from_xyz(1.0, 0.0, 0.0);
+    let chair = app.put((Mesh3d(cube.clone()), place, ChildOf(root)));
+    app.edit(root).insert(Mesh3d(cube));
+    tag_and_finish(&mut app, &[root, chair]);
+    app.edit(root).remove::<Mesh3d>();
+    update_times(&mut app, 3);
+    assert!(!is_tagged(&app, root) && !has_collider(&app, root));
+    assert!(is_ready(&app, chair));
+}
+
+#[test]
 fn a_scene_whose_meshes_were_there_before_it_takes_back_what_it_tagged() {
     let mut app = app();
     let cube = cube(&mut app);

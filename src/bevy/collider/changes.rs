@@ -10,7 +10,7 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::{Collider, ColliderScale, RigidBody, Sensor};
 
-use super::placement::Placements;
+use super::placement::{Placements, Stretch};
 use super::resolve::Distances;
 use super::work::{
     AttachedCollider, FailedRequest, FarFromFocus, InputBoundary, MadeBefore, MadeBeforeItem,
@@ -25,7 +25,7 @@ use crate::bevy::tag::settings::HullwrightSettings;
 use crate::bevy::tag::{ConvexDecomposition, NoConvexDecomposition};
 
 type Tagged = Or<(With<ConvexDecomposition>, With<BakedDecomposition>)>;
-type NewTag = (Or<(Added<ConvexDecomposition>, Added<BakedDecomposition>)>, Tagged);
+type Tags = (Option<Ref<'static, ConvexDecomposition>>, Option<Ref<'static, BakedDecomposition>>);
 type ChangedTag = (
     Or<(Changed<ConvexDecomposition>, Changed<BakedDecomposition>, Changed<FromBakedScene>)>,
     Tagged,
@@ -83,8 +83,7 @@ pub(crate) struct Structure<'w, 's> {
 /// Marks entities whose tag or surroundings changed; those with a new tag start.
 pub(crate) fn detect_tags(
     mut work: Work,
-    new: Query<Entity, NewTag>,
-    changed: Query<Entity, ChangedTag>,
+    changed: Query<(Entity, Tags), ChangedTag>,
     mut structure: Structure,
     owners: Owners,
     mut outcomes: Outcomes,
@@ -100,26 +99,37 @@ pub(crate) fn detect_tags(
     let parts = structure.parts.iter().chain(structure.meshes_gone.read());
     let parts = parts.chain(structure.children_gone.read()).chain(structure.exclusions_gone.read());
     let parts = parts.chain(structure.tags_gone.read()).chain(structure.baked_gone.read());
-    for entity in parts.chain(structure.scenes_gone.read()).chain(&changed) {
+    let changed_entities = changed.iter().map(|(entity, _)| entity);
+    for entity in parts.chain(structure.scenes_gone.read()).chain(changed_entities) {
         owners.of(entity).for_each(|entity| work.unfinished.mark(entity));
     }
-    for entity in &new {
-        work.restart(entity);
-        outcomes.show(entity, DecompositionStatus::Waiting(WaitReason::ForMesh));
+    for (entity, (tag, baked)) in &changed {
+        if tag.is_some_and(|tag| tag.is_added()) || baked.is_some_and(|baked| baked.is_added()) {
+            work.restart(entity);
+            outcomes.show(entity, DecompositionStatus::Waiting(WaitReason::ForMesh));
+        }
     }
 }
 
-/// Colliders that came from elsewhere, or went.
+/// The game has put a collider in the place of the plugin's, or where one is to come.
+pub(super) fn on_collider(
+    inserted: On<Insert<Collider>>,
+    mut work: Work,
+    before: Query<MadeBefore, Tagged>,
+) {
+    if before.get(inserted.entity).is_ok_and(|before| before.has_games_collider()) {
+        work.unfinished.mark(inserted.entity);
+    }
+}
+
+/// Colliders that went.
 pub(super) fn detect_colliders(
     mut work: Work,
-    changed: Query<(Entity, MadeBefore), (Changed<Collider>, Tagged)>,
     mut gone: RemovedComponents<Collider>,
     owners: Owners,
 ) {
-    let by_game = changed.iter().filter(|(_, before)| before.has_games_collider());
-    let by_game = by_game.map(|(entity, _)| entity);
     let gone = gone.read().filter(|entity| owners.tagged.contains(*entity));
-    by_game.chain(gone).for_each(|entity| work.unfinished.mark(entity));
+    gone.for_each(|entity| work.unfinished.mark(entity));
 }
 
 /// Meshes or baked scenes whose content came or changed.
@@ -153,8 +163,12 @@ pub(super) fn detect_assets<A: Asset>(
     }
 }
 
-type WithScale =
-    (Option<&'static OwnCollider>, Option<&'static FailedRequest>, Option<&'static TooSmallAt>);
+type WithScale = (
+    Has<ChildOf>,
+    Option<&'static OwnCollider>,
+    Option<&'static FailedRequest>,
+    Option<&'static TooSmallAt>,
+);
 
 /// Untagged colliders are no longer ours.
 type MovedAndTagged = (Changed<GlobalTransform>, Tagged);
@@ -165,8 +179,11 @@ pub(super) fn detect_scales(
     moved: Query<(Entity, &GlobalTransform, WithScale), MovedAndTagged>,
     placements: Placements,
 ) {
-    for (entity, transform, (own, failed, small)) in &moved {
-        let present = placements.stretch_of(entity, transform);
+    for (entity, transform, (is_below, own, failed, small)) in &moved {
+        let present = match is_below {
+            true => placements.stretch_of(entity, transform),
+            false => Stretch::of(transform, [false; 3]),
+        };
         if own.is_some_and(|own| own.stretch.differs(&present)) {
             work.unfinished.to_follow.insert(entity);
         }
@@ -177,7 +194,7 @@ pub(super) fn detect_scales(
         let baked = (failed.map(|failed| failed.requested.stretch))
             .or(small.map(|TooSmallAt(stretch)| *stretch))
             .or(own.map(|own| own.stretch))
-            .or(work.unfinished.requested(entity).map(|requested| requested.stretch));
+            .or_else(|| Some(work.unfinished.requested(entity)?.stretch));
         if let Some(baked) = baked {
             work.unfinished.detect_scale(entity, &baked, present);
         }

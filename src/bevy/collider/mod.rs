@@ -25,7 +25,7 @@ use bevy_rapier3d::prelude::{
 
 use self::changes::{
     LoneScene, detect_assets, detect_colliders, detect_moved_parts, detect_scales, detect_tags,
-    drop_far, mark_resting, on_untag, start_near,
+    drop_far, mark_resting, on_collider, on_untag, start_near,
 };
 use self::follow::{follow_scales, moved};
 use self::placement::{Placement, Placements, Stretch, maps_differ};
@@ -59,6 +59,7 @@ impl Plugin for ColliderPlugin {
         app.init_resource::<Unfinished>()
             .init_resource::<Fallbacks>()
             .register_type::<OwnMass>()
+            .add_observer(on_collider)
             .add_observer(on_untag::<ConvexDecomposition>)
             .add_observer(on_untag::<BakedDecomposition>);
         // Where Rapier runs in fixed steps: a body that is tagged before them does not fall.

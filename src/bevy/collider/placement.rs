@@ -42,7 +42,7 @@ const KEPT_BITS: u32 = 13;
 const MANTISSA_BITS: u32 = 23;
 
 impl Stretch {
-    fn of(transform: &GlobalTransform, signs: [bool; 3]) -> Self {
+    pub(super) fn of(transform: &GlobalTransform, signs: [bool; 3]) -> Self {
         let matrix = transform.affine().matrix3;
         let Mat3A { x_axis: x, y_axis: y, z_axis: z } = matrix;
         Self {

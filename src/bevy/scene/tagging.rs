@@ -473,22 +473,17 @@ impl Rules<'_, '_, '_> {
         return (node, complaints, None).2;
     }
 
-    /// Takes back what it said of nodes that have no mesh any more. One that was only put elsewhere keeps it.
+    /// Takes back what was said of nodes that stand for no mesh any more. What is put elsewhere keeps it.
     fn untag(&self, commands: &mut Commands, all: &[Entity]) {
         let nodes = self.nodes;
         let all: EntityHashSet = all.iter().copied().collect();
         let below = nodes.on_and_below(self.root).into_iter().filter(|node| !all.contains(node));
         for node in below.filter(|node| matches!(nodes.tagged.get(*node), Ok(Some(_)))) {
-            let children = nodes.children.get(node).into_iter().flatten().copied();
-            let has_mesh =
-                std::iter::once(node).chain(children).any(|of| nodes.meshes.contains(of));
-            if !has_mesh {
-                let mut commands = commands.entity(node);
-                if let Ok(before) = nodes.before.get(node) {
-                    before.detach(&mut commands);
-                }
-                commands.try_remove::<(ConvexDecomposition, FromBakedScene, TaggedByHierarchy)>();
+            let mut commands = commands.entity(node);
+            if let Ok(before) = nodes.before.get(node) {
+                before.detach(&mut commands);
             }
+            commands.try_remove::<(ConvexDecomposition, FromBakedScene, TaggedByHierarchy)>();
         }
     }
 
