@@ -184,8 +184,11 @@ pub(super) fn detect_scales(
             true => placements.stretch_of(entity, transform),
             false => Stretch::of(transform, [false; 3]),
         };
-        if own.is_some_and(|own| own.stretch.differs(&present)) {
-            work.unfinished.to_follow.insert(entity);
+        match own.map(|own| own.stretch.differs(&present)) {
+            Some(true) => _ = work.unfinished.to_follow.insert(entity),
+            // As it is with almost all that move.
+            Some(false) if failed.is_none() && small.is_none() => continue,
+            _ => {}
         }
         if failed.is_some_and(|failed| failed.error == DecompositionError::MirroredBody) {
             work.unfinished.mark(entity);
