@@ -80,6 +80,7 @@ fn main() {
     known_mesh();
     many_meshes();
     baked_props();
+    [30, 500].into_iter().for_each(pulsing);
     bevys_own_tasks();
     rapiers_own();
 }
@@ -308,6 +309,55 @@ fn baked_props() {
         assert_eq!((counters.baked, counters.decomposed), (PROPS, 0));
         println!("{PROPS} baked props {name}: all are ready after {frames} frames (target 20)");
     }
+}
+
+const PULSES: usize = 120;
+
+/// How late colliders are whose scale changes in each frame.
+fn pulsing(count: usize) {
+    let mut app = app_with_bodies();
+    let meshes: Vec<Handle<Mesh>> =
+        (0..MODELS.len()).map(|number| add(&mut app, mesh(number))).collect();
+    for number in 0..count {
+        spawn_body(&mut app, &meshes[number % meshes.len()], number);
+    }
+    update_until_finished(&mut app);
+    let world = app.world_mut();
+    let mut all = world.query::<(&mut Transform, &Collider)>();
+    let height = |collider: &Collider| collider.raw.compute_local_aabb().extents().y;
+    let before: Vec<f32> = all.iter(world).map(|(_, collider)| height(collider)).collect();
+    let (mut scales, mut times, mut latest) = (Vec::new(), Vec::new(), 0);
+    let is_near = |found: f32, scale: f32| (found / scale - 1.0).abs() < 2e-3;
+    for frame in 0..PULSES {
+        let scale = 1.0 + 0.01 * (frame + 1) as f32;
+        scales.push(scale);
+        all.iter_mut(app.world_mut()).for_each(|(mut place, _)| place.scale = Vec3::splat(scale));
+        app.update();
+        times.push(taken(&app));
+        for ((_, collider), before) in all.iter(app.world()).zip(&before) {
+            let found = height(collider) / before;
+            let at = scales.iter().rposition(|scale| is_near(found, *scale));
+            latest = latest.max(at.map_or(frame + 1, |at| frame - at));
+        }
+        std::thread::sleep(PAUSE);
+    }
+    let start = Instant::now();
+    let last = scales.last().copied().unwrap_or(1.0);
+    let are_right = |app: &mut App| {
+        let world = app.world_mut();
+        all.iter(world).zip(&before).all(|((_, of), before)| is_near(height(of) / before, last))
+    };
+    let mut are_right = are_right;
+    while !are_right(&mut app) {
+        app.update();
+        std::thread::sleep(PAUSE);
+    }
+    let seconds = start.elapsed().as_secs_f64();
+    let cost = microseconds(median(&mut times)) / 1e3;
+    println!(
+        "{count} pulsing scales: colliders are {latest} frames behind at most (target 1), at {cost:.2} ms per frame, \
+         and right {seconds:.2} s after the last change (target 0.5)"
+    );
 }
 
 /// A sphere with bumps, of about `triangles` triangles.

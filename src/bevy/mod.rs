@@ -46,7 +46,7 @@
 // |---|---|---|
 // | `debug` (feature) | gizmos, diagnostics | hulls drawn, and numbers among the diagnostics |
 // | `scene` | `HierarchyStatus`, `HierarchyWork`, `ColliderPieceOf`, `TaggedByHierarchy`, `HiddenByHierarchy`, `DecompositionProgress` | whole scenes, tagged by names and extras, and how far all work is |
-// | `collider` | `Unfinished`, `Fallbacks`, `AttachedCollider`, `AttachedFallback`, `FailedRequest`, `FarFromFocus`, `Frozen` | from tags to requests, from results to colliders; what is out of date; bodies that wait |
+// | `collider` | `Unfinished`, `Fallbacks`, `OwnCollider`, `OwnMass`, `AttachedCollider`, `AttachedFallback`, `FailedRequest`, `FarFromFocus`, `GivesSurface`, `Frozen` | from tags to requests, from results to colliders; what is out of date; colliders that follow a scale; bodies that wait |
 // | `jobs` | `Jobs` with the caches, `FrameTime`, the asset `BakedScene` | requests wait, become jobs, end in results |
 // | `tag` | `DecompositionStatus`, the events and counters of endings, by `Outcomes` alone | what users set, and what is reported |
 //
@@ -62,6 +62,7 @@ mod tag;
 use bevy::asset::AssetEventSystems;
 use bevy::prelude::*;
 use bevy_rapier3d::plugin::PhysicsSet;
+use bevy_rapier3d::prelude::CollisionEvent;
 
 #[cfg(feature = "debug")]
 pub use debug::{HullGizmos, HullwrightDebug, HullwrightDebugPlugin};
@@ -161,6 +162,28 @@ impl Plugin for HullwrightPlugin {
             collider::ColliderPlugin,
             scene::ScenePlugin,
         ));
+    }
+
+    /// Where a plugin is missing, Bevy's panic names a resource at best, and nothing at all may be said.
+    fn finish(&self, app: &mut App) {
+        let world = app.world();
+        assert!(
+            world.contains_resource::<AssetServer>(),
+            "HullwrightPlugin needs Bevy's AssetPlugin: add it, or DefaultPlugins"
+        );
+        let missing = [
+            (
+                world.contains_resource::<Messages<CollisionEvent>>(),
+                "RapierPhysicsPlugin is missing: colliders are made, but nothing moves or collides",
+            ),
+            (
+                app.is_plugin_added::<TransformPlugin>(),
+                "Bevy's TransformPlugin is missing: nothing has a place in the world, and Rapier's systems fail",
+            ),
+        ];
+        for (_, text) in missing.iter().filter(|(is_there, _)| !is_there) {
+            log::warn!("{text}; add it beside HullwrightPlugin");
+        }
     }
 }
 

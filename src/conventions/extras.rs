@@ -107,15 +107,15 @@ pub struct ExtrasTag {
 pub type Complaint = String;
 
 /// Reads extras. `None` if they say nothing about colliders, or are no JSON. Settings that are wrong are left
-/// out, and each has a complaint.
+/// out, and each has a complaint, as has a key that is almost that of a setting. Other keys are somebody else's.
 ///
 /// ```
 /// use hullwright::Length;
 /// use hullwright::conventions::read_extras;
 ///
-/// let (tag, complaints) = read_extras(r#"{"collider": "hulls", "max_error": 0.01, "size": 3}"#);
+/// let (tag, complaints) = read_extras(r#"{"collider": "hulls", "max_error": 0.01, "masss": 3}"#);
 /// assert_eq!(tag.map(|tag| tag.max_error), Some(Some(Length::share(0.01))));
-/// assert!(complaints[0].starts_with("\"size\" is no setting of a collider"));
+/// assert!(complaints[0].starts_with("\"masss\" is no setting of a collider"));
 /// ```
 pub fn read_extras(text: &str) -> (Option<ExtrasTag>, Vec<Complaint>) {
     let mut complaints = Vec::new();
@@ -132,6 +132,9 @@ pub fn read_extras(text: &str) -> (Option<ExtrasTag>, Vec<Complaint>) {
     let mut tag = ExtrasTag { kind, ..ExtrasTag::default() };
     for (key, value) in extras.iter().filter(|(key, _)| *key != COLLIDER) {
         let Some((_, expected)) = SETTINGS.iter().find(|(name, _)| name == key) else {
+            if !SETTINGS.iter().any(|(name, _)| is_misspelt(key, name)) {
+                continue;
+            }
             complaints.push(format!("\"{key}\" is no setting of a collider; {}", all_keys()));
             continue;
         };
@@ -151,6 +154,27 @@ fn settings_without_collider(extras: &Map<String, Value>) -> Option<Complaint> {
     let key = key.or(has_body.then_some("body"))?;
     let missing = format!("add \"{COLLIDER}\": \"convex_decomposition\"");
     Some(format!("\"{key}\" says nothing without \"{COLLIDER}\": {missing}; {}", all_keys()))
+}
+
+/// Whether a key is a setting's with few letters wrong: at most two, and a third of them.
+fn is_misspelt(key: &str, setting: &str) -> bool {
+    let most = (setting.len() / 3).min(2);
+    key.len().abs_diff(setting.len()) <= most && edits(key, setting) <= most
+}
+
+/// How many letters are inserted, removed or replaced between two words (Levenshtein 1966). O(product of lengths).
+fn edits(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, a) in a.chars().enumerate() {
+        let mut diagonal = std::mem::replace(&mut row[0], i + 1);
+        for (j, b) in b.iter().enumerate() {
+            let replaced = diagonal + usize::from(a != *b);
+            diagonal = row[j + 1];
+            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[b.len()]
 }
 
 fn all_keys() -> String {
@@ -349,6 +373,18 @@ mod tests {
         let (tag, complaints) = read_extras(r#"{"collider": "hulls", "maxerror": 0.01}"#);
         assert!(tag.is_some());
         assert!(complaints[0].starts_with("\"maxerror\" is no setting"), "{complaints:?}");
+    }
+
+    #[test]
+    fn a_key_that_resembles_no_setting_is_somebody_elses() {
+        for key in ["hp", "name", "loot_table", "max", "sound", "colour"] {
+            let text = format!(r#"{{"collider": "hulls", "{key}": 3}}"#);
+            assert_eq!(read_extras(&text).1, Vec::<String>::new(), "{key}");
+        }
+        for (key, setting) in [("max_eror", "max_error"), ("dencity", "density"), ("Mass", "mass")]
+        {
+            assert!(is_misspelt(key, setting), "{key}");
+        }
     }
 
     #[test]

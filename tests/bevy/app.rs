@@ -357,6 +357,29 @@ pub fn update_times(app: &mut App, times: usize) {
     (0..times).for_each(|_| app.update());
 }
 
+/// What a save has of an entity: the components that reflection knows.
+pub fn saved(app: &App, entity: Entity) -> Vec<Box<dyn PartialReflect>> {
+    let registry = app.world().resource::<AppTypeRegistry>().read();
+    let entity = app.world().entity(entity);
+    let all = registry.iter().filter_map(|it| it.data::<ReflectComponent>());
+    all.filter_map(|component| component.reflect(entity)?.to_dynamic().ok()).collect()
+}
+
+/// As scenes are loaded: what is computed is not.
+pub fn load(app: &mut App, saved: &[Box<dyn PartialReflect>]) -> Entity {
+    let loaded = app.put(());
+    let registry = app.world().resource::<AppTypeRegistry>().clone();
+    let registry = registry.read();
+    for component in saved {
+        let info = component.get_represented_type_info().expect("a type");
+        let data = registry.get_type_data::<ReflectComponent>(info.type_id()).expect("a component");
+        if !info.type_path().contains("GlobalTransform") {
+            data.insert(&mut app.edit(loaded), &**component, &registry);
+        }
+    }
+    loaded
+}
+
 /// Keeps what is logged, by all tests together.
 pub struct Log;
 

@@ -258,6 +258,16 @@ fn extras_choose_and_tune_the_collider() {
 }
 
 #[test]
+fn what_other_programs_put_beside_the_collider_is_no_mistake() {
+    Log::install();
+    let extras = r#"{"collider": "hulls", "loot_table_of_this_test": "chest", "hp": 30}"#;
+    let hierarchy = ConvexDecompositionHierarchy::tagged_only();
+    let (mut app, _directory) = app_with_nodes(&[("chest", Some(extras))], hierarchy, |_| {});
+    assert_eq!(outcome(&mut app, "chest").0, "hulls");
+    assert!(Log::lines_with("loot_table_of_this_test").is_empty());
+}
+
+#[test]
 fn wrong_extras_are_logged_once_with_the_nodes_name_and_the_keys() {
     Log::install();
     let (mut app, _directory) = app_with_nodes(

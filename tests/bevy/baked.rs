@@ -117,7 +117,7 @@ fn a_mesh_of_several_is_named_and_without_its_name_the_error_lists_them() {
         let DecompositionStatus::Failed(error) = status(&app, entity) else { panic!() };
         assert!(matches!(error, DecompositionError::NotBaked { .. }));
         let text = error.to_string();
-        assert!(text.contains("`u`, `other`"), "{text}");
+        assert!(text.contains("`u`, `other`, `node`"), "{text}");
     }
 }
 
@@ -209,4 +209,27 @@ fn a_file_that_could_not_be_loaded_takes_effect_when_it_is_there() {
     update_until_ready_times(&mut app, 2);
     assert_eq!(status(&app, entity), DecompositionStatus::Ready(HullSource::Baked));
     assert_eq!(hulls(&app, entity).len(), 1);
+}
+
+/// The program of the documentation has nothing but these.
+#[test]
+fn a_baked_body_without_a_transform_falls() {
+    let mut app = app();
+    let handle = add_scene(&mut app, baked());
+    let body = app.put((RigidBody::Dynamic, BakedDecomposition::new(handle)));
+    update_until_finished(&mut app, &[body]);
+    update_times(&mut app, 30);
+    assert!(translation(&app, body).y < -0.5);
+}
+
+#[test]
+fn a_baked_scene_beside_no_tag_is_logged() {
+    Log::install();
+    let mut app = app();
+    let scene = add_scene(&mut app, baked());
+    app.put((Name::new("forgot its tag"), FromBakedScene(scene.clone())));
+    app.put((Name::new("has its tag"), FromBakedScene(scene), ConvexDecomposition::default()));
+    update_times(&mut app, 3);
+    assert_eq!(Log::lines_with("forgot its tag").len(), 1);
+    assert!(Log::lines_with("has its tag").is_empty());
 }

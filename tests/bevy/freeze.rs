@@ -75,24 +75,8 @@ fn a_clone_of_a_frozen_body_and_one_that_was_saved_while_it_was_frozen_are_free_
     let body = spawn_with(&mut app, &handle, (RigidBody::Dynamic, Transform::default(), more));
     update_times(&mut app, 10);
     let clone = app.edit(body).clone_and_spawn();
-    // A save has the components that reflection knows.
-    let registry = app.world().resource::<AppTypeRegistry>().clone();
-    let saved: Vec<Box<dyn PartialReflect>> = {
-        let registry = registry.read();
-        let entity = app.world().entity(body);
-        let all = registry.iter().filter_map(|it| it.data::<ReflectComponent>());
-        all.filter_map(|component| component.reflect(entity)?.to_dynamic().ok()).collect()
-    };
-    let loaded = app.put(());
-    for component in &saved {
-        let info = component.get_represented_type_info().expect("a type");
-        let registry = registry.read();
-        let data = registry.get_type_data::<ReflectComponent>(info.type_id()).expect("a component");
-        // As scenes are loaded: what is computed is not.
-        if !info.type_path().contains("GlobalTransform") {
-            data.insert(&mut app.edit(loaded), &**component, &registry);
-        }
-    }
+    let saved = saved(&app, body);
+    let loaded = load(&mut app, &saved);
     app.edit(loaded).insert(Mesh3d(handle.clone()));
     update_times(&mut app, 10);
     for entity in [body, clone, loaded] {

@@ -184,6 +184,27 @@ fn morph_targets_and_skins_of_a_file_are_taken_as_modelled_and_a_skin_that_moves
     assert!(lines[0].contains("cube.gltf#Mesh0"), "{lines:?}");
 }
 
+#[test]
+fn a_skin_at_rest_is_said_to_be_none_that_moves_and_not_where_a_shape_is_chosen() {
+    Log::install();
+    let at_rest = morphing_and_skinned_cube().replace("[50.0,0.0,0.0]", "[0.0,0.0,0.0]");
+    for (name, shape, lines) in [
+        ("unchosen.gltf", DecompositionShape::Auto, 1),
+        ("preferred.gltf", DecompositionShape::Capsule, 0),
+    ] {
+        let directory = tempfile::tempdir().unwrap();
+        std::fs::write(directory.path().join(name), &at_rest).unwrap();
+        let path = directory.path().display().to_string();
+        let hierarchy = ConvexDecompositionHierarchy::new(tag().with_shape(shape));
+        let (mut app, _) = app_with_scene_in(path, name, hierarchy);
+        update_until_ready(&mut app);
+        update_times(&mut app, 3);
+        let found = Log::lines_with(name);
+        assert_eq!(found.len(), lines, "{found:?}");
+        assert!(found.iter().all(|line| line.contains("Capsule")), "{found:?}");
+    }
+}
+
 const FLOAT: u32 = 5126;
 const BYTE: u32 = 5121;
 const SHORT: u32 = 5123;

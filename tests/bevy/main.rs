@@ -6,6 +6,7 @@ mod artists;
 mod baked;
 #[cfg(feature = "bevy_gltf")]
 mod baked_scenes;
+mod changes;
 mod contacts;
 #[cfg(feature = "debug")]
 mod debug;

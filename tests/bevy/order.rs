@@ -121,3 +121,22 @@ fn it_works_after_bevys_mesh_plugin_and_throws_no_mesh_away() {
     assert!(app.world().resource::<Assets<Mesh>>().contains(&before));
     assert_it_works(app);
 }
+
+#[test]
+fn one_line_names_the_plugin_that_is_missing() {
+    Log::install();
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, AssetPlugin::default(), HullwrightPlugin::default()));
+    app.finish();
+    for name in ["RapierPhysicsPlugin is missing", "TransformPlugin is missing"] {
+        assert!(!Log::lines_with(name).is_empty(), "{name}");
+    }
+}
+
+#[test]
+#[should_panic(expected = "AssetPlugin")]
+fn without_assets_the_panic_names_the_plugin() {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, HullwrightPlugin::default()));
+    app.finish();
+}

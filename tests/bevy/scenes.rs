@@ -385,3 +385,170 @@ fn despawned_meshes_of_a_scene_count_as_cancelled() {
     let report = finished(&app)[0].1;
     assert_eq!((report.ready, report.cancelled), (1, 1));
 }
+
+#[test]
+fn a_scene_within_a_scene_ends_and_the_outer_one_after_it_with_all_counts() {
+    let mut app = app();
+    observed(&mut app);
+    let mesh = add(&mut app, model("u_prism"));
+    // A level that holds nothing but props, and one that has a mesh of its own, each prop with another tag.
+    for own in [0, 1] {
+        let level = root(&mut app, ConvexDecompositionHierarchy::new(tag().with_density(2.0)));
+        for number in 0..own {
+            node(&mut app, level, &format!("wall {number}"), &[&mesh]);
+        }
+        let prop = root(&mut app, ConvexDecompositionHierarchy::new(tag().with_density(7.0)));
+        app.edit(prop).insert(ChildOf(level));
+        let mug = node(&mut app, prop, "mug", &[&mesh]);
+        update_until(&mut app, |app| app.get::<HierarchyStatus>(level).unwrap().is_finished());
+        assert_eq!(app.get::<ConvexDecomposition>(mug).unwrap().density, 7.0);
+        let ends = finished(&app);
+        let [inner, outer] = [prop, level].map(|of| {
+            let mut ends = ends.iter().enumerate().filter(|(_, (entity, _))| *entity == of);
+            let (at, (_, report)) = ends.next().expect("an end");
+            assert!(ends.next().is_none());
+            (at, report.ready)
+        });
+        assert!(inner.0 < outer.0);
+        assert_eq!((inner.1, outer.1), (1, 1 + own));
+        assert!(progress(&app).is_done() && all_done(&mut app));
+        // What comes below the inner one is news of both.
+        node(&mut app, prop, "late", &[&mesh]);
+        update_until(&mut app, |app| finished(app).len() == ends.len() + 2);
+        assert_eq!(finished(&app).last().unwrap().1.ready, 2 + own);
+    }
+}
+
+#[test]
+fn a_scene_whose_hierarchy_is_removed_holds_nothing_back() {
+    let mut app = app_with(sliced());
+    let mesh = add(&mut app, model("dog"));
+    let outer = root(&mut app, ConvexDecompositionHierarchy::new(tag()));
+    let inner = root(&mut app, ConvexDecompositionHierarchy::new(tag()));
+    app.edit(inner).insert(ChildOf(outer));
+    let dog = node(&mut app, inner, "dog", &[&mesh]);
+    let waits = scene(&mut app, &[]);
+    update_times(&mut app, 3);
+    for scene in [inner, waits] {
+        app.edit(scene).remove::<ConvexDecompositionHierarchy>();
+        assert!(app.get::<HierarchyStatus>(scene).is_none());
+    }
+    // What was tagged goes on, and belongs to the scene above.
+    update_until_finished(&mut app, &[dog]);
+    update_until(&mut app, |app| app.get::<HierarchyStatus>(outer).unwrap().is_finished());
+    let Some(HierarchyStatus::Finished(report)) = app.get(outer) else { panic!() };
+    assert_eq!(report.ready, 1);
+    assert!(all_done(&mut app) && progress(&app).is_done());
+}
+
+#[test]
+fn what_stands_beside_a_scene_is_inherited_also_without_a_body() {
+    let mut app = app();
+    let cube = cube(&mut app);
+    let groups = CollisionGroups::new(Group::GROUP_2, Group::GROUP_3);
+    let more = (Friction::coefficient(0.9), groups, Sensor);
+    let root = root(&mut app, ConvexDecompositionHierarchy::new(automatic()));
+    app.edit(root).insert(more);
+    let [plain, own] = ["plain", "own"].map(|name| node(&mut app, root, name, &[&cube]));
+    let slippery = Friction::coefficient(0.1);
+    app.edit(own).insert(slippery);
+    tag_and_finish(&mut app, &[plain, own]);
+    update_times(&mut app, 2);
+    assert_eq!(app.get::<Friction>(plain), Some(&more.0));
+    assert_eq!(app.get::<Friction>(own), Some(&slippery));
+    assert_eq!(app.get::<CollisionGroups>(plain), Some(&groups));
+    assert!(app.get::<Sensor>(plain).is_some());
+    // A sensor's triangles would notice nothing inside.
+    assert!(collider(&app, plain).as_convex_polyhedron().is_some());
+}
+
+#[test]
+fn a_node_that_loses_its_mesh_is_tagged_no_longer_and_one_that_moves_by_its_parent_is() {
+    let mut app = app();
+    observed(&mut app);
+    let cube = cube(&mut app);
+    let root = root(&mut app, ConvexDecompositionHierarchy::new(tag()));
+    let elsewhere = app.put(Transform::default());
+    let chair = node(&mut app, root, "chair", &[&cube]);
+    let late = node(&mut app, elsewhere, "late", &[&cube]);
+    tag_and_finish(&mut app, &[chair]);
+    app.edit(elsewhere).insert(ChildOf(root));
+    update_until(&mut app, |app| is_tagged(app, late));
+    update_until(&mut app, |app| finished(app).len() == 2);
+    let primitive = app.get::<Children>(chair).unwrap()[0];
+    app.world_mut().despawn(primitive);
+    update_times(&mut app, 3);
+    assert!(!is_tagged(&app, chair) && !has_collider(&app, chair));
+    assert!(all_done(&mut app) && progress(&app).is_done());
+    // What is put elsewhere keeps what it has.
+    app.edit(late).remove::<ChildOf>();
+    update_times(&mut app, 3);
+    assert!(is_tagged(&app, late) && has_collider(&app, late));
+}
+
+#[test]
+fn a_node_that_has_lost_its_mesh_elsewhere_is_untagged_when_it_comes_back() {
+    let mut app = app();
+    let cube = cube(&mut app);
+    let root = root(&mut app, ConvexDecompositionHierarchy::new(tag()));
+    let place = Transform::from_xyz(1.0, 0.0, 0.0);
+    let chair = app.put((Mesh3d(cube.clone()), place, ChildOf(root)));
+    tag_and_finish(&mut app, &[chair]);
+    app.edit(chair).remove::<ChildOf>();
+    update_times(&mut app, 2);
+    app.edit(chair).remove::<Mesh3d>();
+    update_times(&mut app, 2);
+    app.edit(chair).insert(ChildOf(root));
+    update_times(&mut app, 2);
+    assert!(!is_tagged(&app, chair));
+    assert!(all_done(&mut app));
+}
+
+#[test]
+fn a_root_that_loses_its_own_mesh_leaves_its_children_to_themselves() {
+    let mut app = app();
+    let cube = cube(&mut app);
+    let root = root(&mut app, ConvexDecompositionHierarchy::new(tag()));
+    let place = Transform::from_xyz(1.0, 0.0, 0.0);
+    let chair = app.put((Mesh3d(cube.clone()), place, ChildOf(root)));
+    app.edit(root).insert(Mesh3d(cube));
+    tag_and_finish(&mut app, &[root, chair]);
+    app.edit(root).remove::<Mesh3d>();
+    update_times(&mut app, 3);
+    assert!(!is_tagged(&app, root) && !has_collider(&app, root));
+    assert!(is_ready(&app, chair));
+}
+
+#[test]
+fn a_scene_whose_meshes_were_there_before_it_takes_back_what_it_tagged() {
+    let mut app = app();
+    let cube = cube(&mut app);
+    let root = app.put(Transform::default());
+    let chair = node(&mut app, root, "chair", &[&cube]);
+    update_times(&mut app, 3);
+    app.edit(root).insert(ConvexDecompositionHierarchy::new(tag()));
+    tag_and_finish(&mut app, &[chair]);
+    let primitive = app.get::<Children>(chair).unwrap()[0];
+    app.edit(primitive).remove::<Mesh3d>();
+    update_times(&mut app, 3);
+    assert!(!is_tagged(&app, chair) && all_done(&mut app));
+}
+
+#[test]
+fn a_scene_that_is_loaded_from_a_save_counts_its_meshes_again() {
+    let mut app = app();
+    observed(&mut app);
+    let mesh = add(&mut app, model("u_prism"));
+    let root = scene(&mut app, &[]);
+    let chair = app.put((Mesh3d(mesh.clone()), Name::new("chair"), ChildOf(root)));
+    update_until(&mut app, |app| finished(app).len() == 1);
+    let [of_root, of_chair] = [root, chair].map(|entity| saved(&app, entity));
+    app.world_mut().despawn(root);
+    update_times(&mut app, 3);
+    let root = load(&mut app, &of_root);
+    app.edit(root).remove::<Children>();
+    let chair = load(&mut app, &of_chair);
+    app.edit(chair).insert((Mesh3d(mesh), ChildOf(root)));
+    update_until(&mut app, |app| finished(app).len() == 2);
+    assert_eq!((finished(&app)[1].0, finished(&app)[1].1.ready), (root, 1));
+}

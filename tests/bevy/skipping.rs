@@ -34,6 +34,19 @@ fn what_is_too_small_in_the_world_gets_no_collider() {
     assert_eq!(counters(&app).too_small, 1);
 }
 
+/// As the page about scenes says of what is skipped.
+#[test]
+fn a_body_that_is_too_small_hangs_where_it_is_unless_it_has_a_mass() {
+    let mut app = app_with(skipping(SkipSettings { min_size: 9.0, ..default() }));
+    let cube = add(&mut app, unit_cube());
+    let hangs = finish(&mut app, &cube, RigidBody::Dynamic);
+    let falls = (RigidBody::Dynamic, AdditionalMassProperties::Mass(1.0));
+    let falls = finish(&mut app, &cube, falls);
+    update_times(&mut app, 30);
+    assert_eq!(translation(&app, hangs), Vec3::ZERO);
+    assert!(translation(&app, falls).y < -0.5);
+}
+
 #[cfg(feature = "bevy_gltf")]
 #[test]
 fn what_is_hidden_starts_when_it_is_shown() {

@@ -258,3 +258,36 @@ fn components_with_handles_are_made_from_asset_paths_as_in_bsn() {
         assert_eq!(handle.path().unwrap().to_string(), "mug.hullscene");
     }
 }
+
+#[test]
+fn what_bsn_says_nothing_of_has_its_default() {
+    use bevy::ecs::template::{FromTemplate, SceneEntityReferences, Template, TemplateContext};
+    fn made<T: FromTemplate>(app: &mut App) -> T
+    where
+        T::Template: Default,
+    {
+        let mut entity = app.world_mut().spawn_empty();
+        let mut references = SceneEntityReferences::default();
+        let mut context = TemplateContext::new(&mut entity, &mut references);
+        T::Template::default().build_template(&mut context).unwrap()
+    }
+    let mut app = app();
+    assert_eq!(made::<ConvexDecomposition>(&mut app), default());
+    assert_eq!(made::<ConvexDecompositionHierarchy>(&mut app), default());
+    let baked = made::<BakedDecomposition>(&mut app);
+    let expected = BakedDecomposition::default();
+    assert_eq!((baked.mesh, baked.density, baked.mass), (None, expected.density, expected.mass));
+}
+
+#[test]
+fn each_tag_brings_a_place_in_the_world() {
+    let mut app = app();
+    let tagged = [
+        app.put(ConvexDecomposition::default()),
+        app.put(BakedDecomposition::default()),
+        app.put(ConvexDecompositionHierarchy::default()),
+    ];
+    for entity in tagged {
+        assert!(app.get::<Transform>(entity).is_some());
+    }
+}

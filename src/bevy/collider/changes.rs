@@ -1,129 +1,143 @@
-//! What makes an entity's collider out of date: a new tag, a changed mesh, a changed scale, a body that came or went,
-//! a focus that came near or left. Mostly by Bevy's change detection, so that finished entities cost next to
-//! nothing.
+//! What may have changed what a collider is made of: tags, meshes, what is below and above, scales, assets, a focus that
+//! came near or left. All of it only marks entities, by Bevy's change detection, so that finished ones cost next to
+//! nothing; whether anything differs is decided where marked entities are resolved.
 
 use bevy::asset::AssetEvent;
+use bevy::ecs::entity::EntityHashMap;
+use bevy::ecs::entity_disabling::Disabled;
+use bevy::ecs::query::Allow;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
-use bevy_rapier3d::prelude::{ColliderScale, RigidBody, Sensor};
+use bevy_rapier3d::prelude::{Collider, ColliderScale, RigidBody, Sensor};
 
 use super::placement::{Placements, Stretch};
 use super::resolve::Distances;
 use super::work::{
-    AttachedCollider, FailedRequest, FarFromFocus, InputBoundary, Requested, TooSmallAt, Work,
-    detach,
+    AttachedCollider, FailedRequest, FarFromFocus, InputBoundary, MadeBefore, MadeBeforeItem,
+    OwnCollider, TooSmallAt, Work,
 };
-use crate::bevy::jobs::baked::{BakedDecomposition, BakedScene, FromBakedScene};
-use crate::bevy::tag::ConvexDecomposition;
-use crate::bevy::tag::outcomes::{DecompositionStatus, Outcomes, SkipReason, WaitReason};
+use crate::bevy::jobs::baked::{BakedDecomposition, FromBakedScene};
+use crate::bevy::tag::outcomes::{
+    DecompositionError, DecompositionStatus, Descriptions, Outcomes, SkipReason, WaitReason,
+    entities,
+};
 use crate::bevy::tag::settings::HullwrightSettings;
+use crate::bevy::tag::{ConvexDecomposition, NoConvexDecomposition};
 
 type Tagged = Or<(With<ConvexDecomposition>, With<BakedDecomposition>)>;
+type Tags = (Option<Ref<'static, ConvexDecomposition>>, Option<Ref<'static, BakedDecomposition>>);
 type ChangedTag = (
     Or<(Changed<ConvexDecomposition>, Changed<BakedDecomposition>, Changed<FromBakedScene>)>,
     Tagged,
 );
-type MadeOfMeshes = (With<ConvexDecomposition>, Without<BakedDecomposition>);
 
-/// The tagged entities that meshes belong to.
+/// The tagged entities to which something belongs.
 #[derive(SystemParam)]
-pub(crate) struct MeshOwners<'w, 's> {
-    made_of_meshes: Query<'w, 's, (), MadeOfMeshes>,
-    boundaries: Query<'w, 's, (), InputBoundary>,
-    parents: Query<'w, 's, &'static ChildOf>,
+pub(crate) struct Owners<'w, 's> {
+    tagged: Query<'w, 's, (), (Tagged, Allow<Disabled>)>,
+    boundaries: Query<'w, 's, (), (InputBoundary, Allow<Disabled>)>,
+    parents: Query<'w, 's, &'static ChildOf, Allow<Disabled>>,
+    children: Query<'w, 's, &'static Children, Allow<Disabled>>,
 }
 
-impl MeshOwners<'_, '_> {
-    fn owner(&self, mesh: Entity) -> Option<Entity> {
-        let mut on_and_above = std::iter::once(mesh).chain(self.parents.iter_ancestors(mesh));
-        let top = on_and_above.find(|entity| self.boundaries.contains(*entity));
-        top.filter(|entity| self.made_of_meshes.contains(*entity))
+impl Owners<'_, '_> {
+    /// An entity itself, and the one whose input it may be a part of.
+    fn of(&self, entity: Entity) -> impl Iterator<Item = Entity> {
+        let above = self.above(entity);
+        std::iter::once(entity).chain(above).filter(|entity| self.tagged.contains(*entity))
+    }
+
+    fn above(&self, entity: Entity) -> Option<Entity> {
+        self.parents.iter_ancestors(entity).find(|above| self.boundaries.contains(*above))
+    }
+
+    /// All that is tagged below an entity.
+    fn below(&self, entity: Entity) -> impl Iterator<Item = Entity> {
+        self.children.iter_descendants(entity).filter(|entity| self.tagged.contains(*entity))
     }
 }
 
-/// Tags that are new or changed, and meshes that replaced another.
+/// What makes a part of an input another, or none.
+type ChangedPart = Or<(Changed<Mesh3d>, Changed<Children>, Added<NoConvexDecomposition>)>;
+
+/// What also concerns all below: bodies decide what moves, and where colliders are.
+type ChangedAbove = Or<(Changed<RigidBody>, Changed<ChildOf>, Added<Sensor>, Added<Disabled>)>;
+
+/// What came, changed or went above and below tagged entities.
+#[derive(SystemParam)]
+pub(crate) struct Structure<'w, 's> {
+    parts: Query<'w, 's, Entity, (ChangedPart, Allow<Disabled>)>,
+    above: Query<'w, 's, Entity, (ChangedAbove, Allow<Disabled>)>,
+    meshes_gone: RemovedComponents<'w, 's, Mesh3d>,
+    children_gone: RemovedComponents<'w, 's, Children>,
+    exclusions_gone: RemovedComponents<'w, 's, NoConvexDecomposition>,
+    tags_gone: RemovedComponents<'w, 's, ConvexDecomposition>,
+    baked_gone: RemovedComponents<'w, 's, BakedDecomposition>,
+    scenes_gone: RemovedComponents<'w, 's, FromBakedScene>,
+    bodies_gone: RemovedComponents<'w, 's, RigidBody>,
+    parents_gone: RemovedComponents<'w, 's, ChildOf>,
+    sensors_gone: RemovedComponents<'w, 's, Sensor>,
+    disabled_gone: RemovedComponents<'w, 's, Disabled>,
+}
+
+/// Marks entities whose tag or surroundings changed; those with a new tag start.
 pub(crate) fn detect_tags(
     mut work: Work,
-    changed_tags: Query<Entity, ChangedTag>,
-    changed_meshes: Query<Entity, Changed<Mesh3d>>,
-    owners: MeshOwners,
+    changed: Query<(Entity, Tags), ChangedTag>,
+    mut structure: Structure,
+    owners: Owners,
     mut outcomes: Outcomes,
 ) {
-    let mut restart = |work: &mut Work, entity| {
-        work.restart(entity);
-        outcomes.show(entity, DecompositionStatus::Waiting(WaitReason::ForMesh));
-    };
-    for entity in &changed_tags {
-        restart(&mut work, entity);
+    let above = structure.above.iter().chain(structure.bodies_gone.read());
+    let above = above.chain(structure.parents_gone.read()).chain(structure.sensors_gone.read());
+    for entity in above.chain(structure.disabled_gone.read()) {
+        owners
+            .of(entity)
+            .chain(owners.below(entity))
+            .for_each(|entity| work.unfinished.mark(entity));
     }
-    for mesh in &changed_meshes {
-        let owner = owners.owner(mesh);
-        if let Some(entity) = owner.filter(|entity| !work.unfinished.is_unresolved(*entity)) {
-            restart(&mut work, entity);
+    let parts = structure.parts.iter().chain(structure.meshes_gone.read());
+    let parts = parts.chain(structure.children_gone.read()).chain(structure.exclusions_gone.read());
+    let parts = parts.chain(structure.tags_gone.read()).chain(structure.baked_gone.read());
+    let changed_entities = changed.iter().map(|(entity, _)| entity);
+    for entity in parts.chain(structure.scenes_gone.read()).chain(changed_entities) {
+        owners.of(entity).for_each(|entity| work.unfinished.mark(entity));
+    }
+    for (entity, (tag, baked)) in &changed {
+        if tag.is_some_and(|tag| tag.is_added()) || baked.is_some_and(|baked| baked.is_added()) {
+            work.restart(entity);
+            outcomes.show(entity, DecompositionStatus::Waiting(WaitReason::ForMesh));
         }
     }
 }
 
-/// What may make a collider static, or no longer.
-type ChangedBody = Or<(Changed<RigidBody>, Changed<ChildOf>, Added<Sensor>)>;
-
-/// Bodies, parents and sensors that came, changed or went.
-#[derive(SystemParam)]
-pub(super) struct BodyChanges<'w, 's> {
-    changed: Query<'w, 's, Entity, ChangedBody>,
-    bodies: RemovedComponents<'w, 's, RigidBody>,
-    parents: RemovedComponents<'w, 's, ChildOf>,
-    sensors: RemovedComponents<'w, 's, Sensor>,
-}
-
-impl BodyChanges<'_, '_> {
-    fn entities(&mut self) -> impl Iterator<Item = Entity> {
-        let gone = self.bodies.read().chain(self.parents.read()).chain(self.sensors.read());
-        self.changed.iter().chain(gone)
-    }
-}
-
-/// What an entity's work came to before.
-type MadeBefore = (Option<&'static AttachedCollider>, Option<&'static FailedRequest>);
-
-/// What an entity requests, or has requested last. What failed has at most the collider of an earlier request.
-fn last_requested<'a>(
-    work: &'a Work,
-    entity: Entity,
-    (attached, failed): (Option<&'a AttachedCollider>, Option<&'a FailedRequest>),
-) -> Option<&'a Requested> {
-    (work.unfinished.requested(entity))
-        .or(failed.map(|failed| &failed.requested))
-        .or(attached.map(|attached| &attached.requested))
-}
-
-/// What never moves gets triangles, all else hulls.
-pub(super) fn detect_bodies(
+/// The game has put a collider in the place of the plugin's, or where one is to come.
+pub(super) fn on_collider(
+    inserted: On<Insert<Collider>>,
     mut work: Work,
-    mut changes: BodyChanges,
-    children: Query<&Children>,
-    tags: Query<(&ConvexDecomposition, MadeBefore), Without<BakedDecomposition>>,
-    placements: Placements,
+    before: Query<MadeBefore, Tagged>,
 ) {
-    for above in changes.entities() {
-        for entity in std::iter::once(above).chain(children.iter_descendants(above)) {
-            let Ok((tag, before)) = tags.get(entity) else { continue };
-            let requested = last_requested(&work, entity, before);
-            let present = requested.map(|requested| requested.request.why_triangles());
-            let wanted = placements.why_triangles(entity, tag.shape);
-            if present.is_some_and(|present| present != wanted) {
-                work.restart(entity);
-            }
-        }
+    if before.get(inserted.entity).is_ok_and(|before| before.has_games_collider()) {
+        work.unfinished.mark(inserted.entity);
     }
 }
 
-/// Meshes or baked scenes whose content came, changed or went.
+/// Colliders that went.
+pub(super) fn detect_colliders(
+    mut work: Work,
+    mut gone: RemovedComponents<Collider>,
+    owners: Owners,
+) {
+    let gone = gone.read().filter(|entity| owners.tagged.contains(*entity));
+    gone.for_each(|entity| work.unfinished.mark(entity));
+}
+
+/// Meshes or baked scenes whose content came or changed.
 pub(super) fn detect_assets<A: Asset>(
     mut work: Work,
     mut events: MessageReader<AssetEvent<A>>,
-    attached: Query<(Entity, &AttachedCollider), Tagged>,
-    failed: Query<(Entity, &FailedRequest)>,
+    made: Query<(Entity, MadeBefore), Tagged>,
+    takers: Query<(Entity, &FromBakedScene), With<ConvexDecomposition>>,
 ) {
     for event in events.read() {
         let (AssetEvent::Added { id } | AssetEvent::Modified { id } | AssetEvent::Removed { id }) =
@@ -132,91 +146,120 @@ pub(super) fn detect_assets<A: Asset>(
             continue;
         };
         let asset = id.untyped();
-        let is_added = matches!(event, AssetEvent::Added { .. });
-        let failed = failed.iter().filter(|(_, failed)| {
-            (failed.lacks_asset() || !is_added) && failed.requested.uses(asset)
-        });
-        let failed = failed.map(|(entity, _)| entity);
-        if !is_added {
-            work.jobs.forget_asset(asset);
+        let is_removed = matches!(event, AssetEvent::Removed { .. });
+        let uses = |before: &MadeBeforeItem| before.requested().is_some_and(|of| of.uses(asset));
+        let users = made.iter().filter(|(_, before)| uses(before)).map(|(entity, _)| entity);
+        let users: Vec<Entity> = users.chain(work.unfinished.users(asset)).collect();
+        let is_used = !users.is_empty();
+        work.jobs.note_asset(asset, is_removed, matches!(event, AssetEvent::Added { .. }), is_used);
+        // What was made of it stays.
+        if is_removed {
+            continue;
         }
-        let outdated: Vec<Entity> = match event {
-            AssetEvent::Added { .. } => failed.collect(),
-            AssetEvent::Modified { .. } => {
-                let attached =
-                    attached.iter().filter(|(_, attached)| attached.requested.uses(asset));
-                let attached = attached.map(|(entity, _)| entity);
-                work.unfinished.users(asset).chain(attached).chain(failed).collect()
-            }
-            _ => continue,
-        };
-        for entity in outdated {
-            work.restart(entity);
-        }
+        // A scene that comes late is in no request yet.
+        let takers = takers.iter().filter(|(_, of)| of.0.id().untyped() == asset);
+        let takers = takers.map(|(entity, _)| entity);
+        users.into_iter().chain(takers).for_each(|entity| work.unfinished.mark(entity));
     }
 }
 
-/// Baked scenes that came after what could be in them was made without them.
-pub(super) fn detect_late_scenes(
-    mut work: Work,
-    mut events: MessageReader<AssetEvent<BakedScene>>,
-    takers: Query<(Entity, &FromBakedScene, MadeBefore), With<ConvexDecomposition>>,
-) {
-    for event in events.read() {
-        let AssetEvent::Added { id } = event else { continue };
-        for (entity, FromBakedScene(scene), before) in &takers {
-            let requested = last_requested(&work, entity, before);
-            let is_without = |requested: &Requested| {
-                let makes_hulls = requested.request.why_triangles().is_none();
-                makes_hulls && requested.request.input.scene().is_none()
-            };
-            if scene.id() == *id && requested.is_some_and(is_without) {
-                work.restart(entity);
-            }
-        }
-    }
-}
-
-type WithScale = AnyOf<(&'static AttachedCollider, &'static FailedRequest, &'static TooSmallAt)>;
+type WithScale = (
+    Has<ChildOf>,
+    Option<&'static OwnCollider>,
+    Option<&'static FailedRequest>,
+    Option<&'static TooSmallAt>,
+);
 
 /// Untagged colliders are no longer ours.
 type MovedAndTagged = (Changed<GlobalTransform>, Tagged);
 
-/// Scales that changed, once they have not changed for a while.
+/// Scales that changed: colliders follow them, and are made anew once they have not changed for a while.
 pub(super) fn detect_scales(
     mut work: Work,
-    settings: Res<HullwrightSettings>,
     moved: Query<(Entity, &GlobalTransform, WithScale), MovedAndTagged>,
+    placements: Placements,
 ) {
-    for (entity, transform, (attached, failed, small)) in &moved {
-        // The work takes the scale that there is when it begins; one that changes later is noticed when it
-        // ends. Begun anew for each movement until the new collider is there, it would never end.
-        if work.unfinished.contains(entity) {
-            continue;
+    for (entity, transform, (is_below, own, failed, small)) in &moved {
+        let present = match is_below {
+            true => placements.stretch_of(entity, transform),
+            false => Stretch::of(transform, [false; 3]),
+        };
+        match own.map(|own| own.stretch.differs(&present)) {
+            Some(true) => _ = work.unfinished.to_follow.insert(entity),
+            // As it is with almost all that move.
+            Some(false) if failed.is_none() && small.is_none() => continue,
+            _ => {}
+        }
+        if failed.is_some_and(|failed| failed.error == DecompositionError::MirroredBody) {
+            work.unfinished.mark(entity);
         }
         let failed = failed.filter(|failed| failed.depends_on_scale());
-        let baked = (failed.map(|failed| &failed.requested.stretch))
-            .or(small.map(|TooSmallAt(stretch)| stretch))
-            .or(attached.map(|attached| &attached.requested.stretch));
+        let baked = (failed.map(|failed| failed.requested.stretch))
+            .or(small.map(|TooSmallAt(stretch)| *stretch))
+            .or(own.map(|own| own.stretch))
+            .or_else(|| Some(work.unfinished.requested(entity)?.stretch));
         if let Some(baked) = baked {
-            work.unfinished.detect_scale(entity, baked, Stretch::of(transform));
+            work.unfinished.detect_scale(entity, &baked, present);
         }
     }
-    for entity in work.unfinished.rescaled(settings.scale_delay) {
-        work.restart(entity);
+}
+
+type MovedPart = (Changed<Transform>, With<ChildOf>, Without<RigidBody>);
+
+/// Parts that moved relative to their tag: the collider is made anew once they rest.
+pub(super) fn detect_moved_parts(
+    mut work: Work,
+    moved: Query<(Entity, &Transform), MovedPart>,
+    owners: Owners,
+    placements: Placements,
+    mut last: Local<EntityHashMap<Transform>>,
+) {
+    let before = std::mem::take(&mut *last);
+    for (part, transform) in &moved {
+        let Some(owner) = owners.above(part).filter(|_| !owners.boundaries.contains(part)) else {
+            continue;
+        };
+        // Animations also write what is there.
+        if owners.tagged.contains(owner) {
+            last.insert(part, *transform);
+            if before.get(&part) != Some(transform) {
+                work.unfinished.moves(owner, placements.stretch(owner));
+            }
+        }
     }
 }
+
+/// What has moved and rests.
+pub(super) fn mark_resting(mut work: Work, settings: Res<HullwrightSettings>) {
+    work.unfinished.mark_resting(settings.scale_delay);
+}
+
+/// What a baked scene is given for by mistake.
+pub(super) type LoneScene = (Added<FromBakedScene>, Without<ConvexDecomposition>);
+
+/// Logs entities that take hulls from a baked scene, but have no tag, one line a frame.
+pub(super) fn warn_of_lone_scenes(lone: Query<Entity, LoneScene>, descriptions: Descriptions) {
+    if let Some(first) = lone.iter().next() {
+        let who = entities(lone.iter().count(), &descriptions.entity(first, None));
+        log::warn!("FromBakedScene does nothing on {who}: it belongs beside a ConvexDecomposition");
+    }
+}
+
+/// What is there of an earlier work, also on what is disabled.
+type Earlier = (Has<FailedRequest>, Option<&'static OwnCollider>, Has<AttachedCollider>);
+type BothTags = (With<ConvexDecomposition>, With<BakedDecomposition>, Allow<Disabled>);
 
 /// A removed tag cancels its work, also when the entity is despawned.
 pub(super) fn on_untag<T: Component>(
     removed: On<Remove<T>>,
     mut work: Work,
-    results: Query<(Has<FailedRequest>, Option<&AttachedCollider>)>,
-    both_tags: Query<(), (With<ConvexDecomposition>, With<BakedDecomposition>)>,
+    results: Query<Earlier, Allow<Disabled>>,
+    both_tags: Query<(), BothTags>,
     mut outcomes: Outcomes,
 ) {
     let entity = removed.entity;
-    let (has_failed, attached) = results.get(entity).unwrap_or_default();
+    let (has_failed, own, is_attached) = results.get(entity).unwrap_or_default();
+    let attached = own.filter(|_| is_attached);
     // The other tag takes over. If it goes in the same instant, as all do when an entity is despawned, the
     // work is cancelled where it is resolved.
     if both_tags.contains(entity) {
@@ -229,7 +272,7 @@ pub(super) fn on_untag<T: Component>(
         outcomes.commands.entity(entity).try_remove::<FailedRequest>();
     }
     // From now on the collider is Rapier's own, which scales it by what comes on top of what is baked.
-    if let Some(scale) = attached.and_then(|attached| attached.requested.stretch.scale()) {
+    if let Some(scale) = attached.and_then(|own| own.stretch.scale()) {
         let relative = ColliderScale::Relative(scale.recip());
         outcomes.commands.entity(entity).try_insert(relative);
     }
@@ -271,18 +314,18 @@ pub(super) fn start_near(
 pub(super) fn drop_far(
     mut work: Work,
     distances: Distances,
-    attached: Query<(Entity, &AttachedCollider), With<ConvexDecomposition>>,
+    attached: Query<(Entity, MadeBefore), (With<AttachedCollider>, With<ConvexDecomposition>)>,
     mut outcomes: Outcomes,
     mut next: Local<usize>,
 ) {
     let Some(radius) = distances.settings.skip.focus_radius else { return };
-    for (entity, attached) in turn(&mut next, attached.iter()) {
+    for (entity, before) in turn(&mut next, attached.iter()) {
         if !distances.is_beyond(entity, radius * DROP_MARGIN) {
             continue;
         }
         work.forget(entity);
         let mut commands = outcomes.commands.entity(entity);
-        detach::<AttachedCollider>(&mut commands, attached.owns_mass);
+        before.detach(&mut commands);
         commands.try_insert(FarFromFocus);
         outcomes.skipped(entity, SkipReason::TooFar);
     }
@@ -295,23 +338,16 @@ fn turn<T>(next: &mut usize, all: impl ExactSizeIterator<Item = T>) -> impl Iter
     all.skip(start).take(*next - start)
 }
 
-/// What was skipped since it was hidden starts when it is shown.
+/// What is shown or hidden may have something to do, or not.
 #[cfg(feature = "bevy_gltf")]
 pub(super) fn detect_shown(
     mut work: Work,
-    changed: Query<(Entity, &Visibility), Changed<Visibility>>,
-    children: Query<&Children>,
-    statuses: Query<&DecompositionStatus>,
+    changed: Query<Entity, Changed<Visibility>>,
+    owners: Owners,
 ) {
-    const HIDDEN: DecompositionStatus = DecompositionStatus::Skipped(SkipReason::Hidden);
-    for (entity, visibility) in &changed {
-        if *visibility == Visibility::Hidden {
-            continue;
-        }
-        for entity in std::iter::once(entity).chain(children.iter_descendants(entity)) {
-            if statuses.get(entity) == Ok(&HIDDEN) {
-                work.restart(entity);
-            }
-        }
+    for entity in &changed {
+        let all = std::iter::once(entity).chain(owners.children.iter_descendants(entity));
+        all.filter(|entity| owners.tagged.contains(*entity))
+            .for_each(|entity| work.unfinished.mark(entity));
     }
 }

@@ -2,10 +2,12 @@
 //! one line of the log.
 
 pub(super) mod changes;
+mod follow;
 pub(super) mod placement;
 pub(super) mod resolve;
 mod skins;
 pub(super) mod waiting;
+mod wake;
 pub(super) mod work;
 
 use std::collections::BTreeMap;
@@ -13,40 +15,39 @@ use std::collections::BTreeMap;
 use bevy::ecs::query::QueryData;
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
 use bevy::ecs::system::{EntityCommands, SystemParam};
-use bevy::math::Affine3A;
 use bevy::prelude::*;
 use bevy_rapier3d::plugin::PhysicsSet;
 use bevy_rapier3d::plugin::context::RapierContextSimulation;
 use bevy_rapier3d::prelude::{
     ActiveCollisionTypes, ActiveEvents, ActiveHooks, ColliderMassProperties, CollisionGroups,
-    ContactForceEventThreshold, ContactSkin, Friction, MassProperties, RapierContextEntityLink,
-    RapierRigidBodyHandle, RapierRigidBodySet, Restitution, Sensor, Sleeping, SolverGroups,
+    ContactForceEventThreshold, ContactSkin, Friction, Restitution, Sensor, SolverGroups,
 };
 
 use self::changes::{
-    detect_assets, detect_bodies, detect_late_scenes, detect_scales, detect_tags, drop_far,
-    on_untag, start_near,
+    LoneScene, detect_assets, detect_colliders, detect_moved_parts, detect_scales, detect_tags,
+    drop_far, mark_resting, on_collider, on_untag, start_near,
 };
-use self::placement::Placements;
-use self::resolve::resolve;
+use self::follow::{follow_scales, moved};
+use self::placement::{Placement, Placements, Stretch, maps_differ};
+use self::resolve::{compare_marked, resolve};
 use self::skins::warn_of_skins;
 use self::waiting::{
     Fallbacks, Frozen, attach_fallbacks, freeze, freeze_new, hold_in, release, remove_fallbacks,
 };
+use self::wake::Sleepers;
 use self::work::{
-    AttachedCollider, AttachedFallback, FailedRequest, FarFromFocus, Requested, Unfinished, Work,
-    attach_shape, detach,
+    AttachedCollider, AttachedFallback, Ended, FailedRequest, FarFromFocus, MadeBefore,
+    MadeBeforeItem, OwnCollider, OwnMass, Requested, Unfinished, Weight, Work, attach_shape,
 };
 use super::jobs::baked::{BakedDecomposition, BakedScene};
 use super::jobs::cache::{BuiltCollider, ColliderGeometry};
-use super::jobs::task::map_mass;
 use super::jobs::{Completed, Failed, Frame, Jobs, SlicesRun, finish_jobs, start_jobs};
+use super::tag::ConvexDecomposition;
 use super::tag::outcomes::{
     DecompositionCounters, DecompositionError, DecompositionReady, Descriptions, MadeOf, Outcomes,
-    VerifiedDistances, entities,
+    SkipReason, VerifiedDistances, entities,
 };
 use super::tag::settings::{HullwrightSettings, HullwrightSystems};
-use super::tag::{ConvexDecomposition, DEFAULT_DENSITY};
 use crate::hulls_format::HullsFile;
 use crate::rapier::{ColliderError, ContactDispatcher};
 
@@ -57,6 +58,8 @@ impl Plugin for ColliderPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<Unfinished>()
             .init_resource::<Fallbacks>()
+            .register_type::<OwnMass>()
+            .add_observer(on_collider)
             .add_observer(on_untag::<ConvexDecomposition>)
             .add_observer(on_untag::<BakedDecomposition>);
         // Where Rapier runs in fixed steps: a body that is tagged before them does not fall.
@@ -70,16 +73,18 @@ impl Plugin for ColliderPlugin {
                 set_dispatcher.in_set(HullwrightSystems::DetectChanges),
                 (
                     detect_tags,
-                    detect_bodies,
+                    detect_colliders,
                     detect_assets::<Mesh>,
                     detect_assets::<BakedScene>,
-                    detect_late_scenes,
                     detect_scales,
+                    detect_moved_parts,
+                    mark_resting,
                     #[cfg(feature = "bevy_gltf")]
                     changes::detect_shown
                         .run_if(|settings: Res<HullwrightSettings>| settings.skip.hidden),
                     start_near.run_if(any_with_component::<FarFromFocus>),
                     drop_far.run_if(|settings: Res<HullwrightSettings>| settings.skip.drop_far),
+                    compare_marked.run_if(|unfinished: Res<Unfinished>| unfinished.has_marked()),
                 )
                     .chain()
                     .in_set(HullwrightSystems::DetectChanges),
@@ -94,6 +99,7 @@ impl Plugin for ColliderPlugin {
                     .run_if(|fallbacks: Res<Fallbacks>| !fallbacks.is_empty()),
                 (
                     (attach, report_failures).chain().run_if(is_busy),
+                    follow_scales.run_if(|of: Res<Unfinished>| !of.to_follow.is_empty()),
                     freeze.run_if(
                         is_busy
                             .or_else(any_with_component::<Frozen>)
@@ -108,6 +114,9 @@ impl Plugin for ColliderPlugin {
                     .after(CollidersAttached)
                     .in_set(HullwrightSystems::Attach)
                     .run_if(any_match_filter::<Added<AttachedCollider>>),
+                changes::warn_of_lone_scenes
+                    .in_set(HullwrightSystems::Attach)
+                    .run_if(any_match_filter::<LoneScene>),
             ),
         )
         .configure_sets(
@@ -167,18 +176,36 @@ fn attach(
         if !budget.allows_one() {
             break;
         }
-        let Some(Completed { entity, built }) = work.jobs.pop_completed() else { break };
-        let Some(requested) = work.unfinished.requested(entity).cloned() else { continue };
-        if let Err(error) = targets.attach(&mut outcomes.commands, entity, &requested, &built) {
-            work.jobs.fail(entity, error);
+        let Some(Completed { entity, request, built }) = work.jobs.pop_completed() else { break };
+        if !work.unfinished.contains(entity) {
             continue;
         }
-        let Some((duration, _)) = work.unfinished.end(entity) else { continue };
-        let present = targets.placements.stretch(entity);
-        work.unfinished.detect_scale(entity, &requested.stretch, present);
-        if let Some((body, _)) = targets.placements.body(entity) {
-            sleepers.wake(body);
+        let Some(wanted) = work.unfinished.requested(entity).cloned() else { continue };
+        let Ok(target) = targets.before.get(entity) else {
+            work.unfinished.park(entity);
+            continue;
+        };
+        if target.has_games_collider() {
+            work.unfinished.end(entity);
+            target.detach(&mut outcomes.commands.entity(entity));
+            outcomes.skipped(entity, SkipReason::HasCollider);
+            continue;
         }
+        let requested = Requested { request, ..wanted };
+        let attached = targets.attach(&mut outcomes.commands, entity, &target, &requested, &built);
+        let stretch = match attached {
+            Ok(stretch) => stretch,
+            Err(error) => {
+                work.jobs.fail(entity, error);
+                continue;
+            }
+        };
+        let Some(Ended { time, .. }) = work.unfinished.end(entity) else { continue };
+        // It is made anew once its scale rests.
+        if let Some(stretch) = stretch {
+            work.unfinished.moves(entity, stretch);
+        }
+        sleepers.wake(&targets.placements, entity);
         if let Some(reason) = requested.request.why_triangles() {
             outcomes.skipped(entity, reason);
             continue;
@@ -191,7 +218,7 @@ fn attach(
                 (MadeOf::Hulls(hulls), hulls, verified_distances(file))
             }
         };
-        let (source, time) = (built.source, duration);
+        let source = built.source;
         outcomes.ready(DecompositionReady { entity, hulls, verified, source, time }, made_of);
     }
 }
@@ -208,13 +235,19 @@ fn report_failures(
     mut work: Work,
     placements: Placements,
     descriptions: Descriptions,
-    attached: Query<&AttachedCollider>,
+    before: Query<MadeBefore>,
     mut outcomes: Outcomes,
 ) {
     // By their text: how many, and the first of them.
     let mut to_log: BTreeMap<String, (usize, String)> = BTreeMap::new();
     for Failed { entity, error, is_known } in work.jobs.take_failed() {
-        let Some((_, requested)) = work.unfinished.end(entity) else { continue };
+        let Some(Ended { requested, is_outdated, .. }) = work.unfinished.end(entity) else {
+            continue;
+        };
+        // It has started anew, and the collider that it has stays meanwhile.
+        if is_outdated {
+            continue;
+        }
         if !is_known {
             let asset = requested.as_ref().and_then(|of| of.request.input.asset());
             let line = to_log.entry(error.to_string());
@@ -229,9 +262,8 @@ fn report_failures(
             outcomes.commands.entity(entity).try_insert(failed);
         }
         // One of another mesh or scale would be taken for this one.
-        if let Ok(attached) = attached.get(entity) {
-            let mut commands = outcomes.commands.entity(entity);
-            detach::<AttachedCollider>(&mut commands, attached.owns_mass);
+        if let Ok(before) = before.get(entity) {
+            before.detach(&mut outcomes.commands.entity(entity));
         }
         outcomes.failed(entity, error);
     }
@@ -240,86 +272,68 @@ fn report_failures(
     }
 }
 
-/// Bodies that may sleep.
-#[derive(SystemParam)]
-struct Sleepers<'w, 's> {
-    components: Query<'w, 's, &'static mut Sleeping>,
-    handles: Query<'w, 's, (&'static RapierRigidBodyHandle, &'static RapierContextEntityLink)>,
-    bodies: Query<'w, 's, &'static mut RapierRigidBodySet>,
-}
-
-impl Sleepers<'_, '_> {
-    fn wake(&mut self, body: Entity) {
-        if let Ok(mut sleeping) = self.components.get_mut(body)
-            && sleeping.sleeping
-        {
-            sleeping.sleeping = false;
-        }
-        // Bodies sleep without the component too.
-        let Ok((handle, context)) = self.handles.get(body) else { return };
-        let Ok(mut bodies) = self.bodies.get_mut(context.0) else { return };
-        if let Some(body) = bodies.bodies.get_mut(handle.0)
-            && body.is_sleeping()
-        {
-            body.wake_up(true);
-        }
-    }
-}
-
 /// The entities that colliders are attached to.
 #[derive(SystemParam)]
 struct Targets<'w, 's> {
-    targets: Query<'w, 's, Target>,
+    before: Query<'w, 's, MadeBefore>,
     surfaces: Query<'w, 's, Surface>,
     placements: Placements<'w, 's>,
 }
 
-#[derive(QueryData)]
-struct Target {
-    tag: Option<&'static ConvexDecomposition>,
-    baked: Option<&'static BakedDecomposition>,
-    attached: Option<&'static AttachedCollider>,
-    fallback: Option<&'static AttachedFallback>,
-    has_mass: Has<ColliderMassProperties>,
-}
-
 impl Targets<'_, '_> {
+    /// Attaches what was made, at the scale of now, which it returns if it was made at another.
     fn attach(
         &self,
         commands: &mut Commands,
         entity: Entity,
+        before: &MadeBeforeItem,
         requested: &Requested,
         built: &BuiltCollider,
-    ) -> Result<(), DecompositionError> {
-        let Ok(target) = self.targets.get(entity) else { return Ok(()) };
-        let owned = target.attached.map(|attached| attached.owns_mass);
-        let owned = owned.or_else(|| target.fallback.map(|fallback| fallback.owns_mass));
-        let owns_mass = owned.unwrap_or(!target.has_mass);
-        let mass = match owns_mass {
-            true => mass_of(&built.geometry, target.tag, target.baked, &requested.request.map)?,
-            false => None,
+    ) -> Result<Option<Stretch>, DecompositionError> {
+        let Placement { map, stretch } = self.placements.placement(entity);
+        let made_map = requested.request.to_collider();
+        let is_moved = maps_differ(&made_map, &map);
+        let moved = is_moved.then(|| moved(&built.shape, &(map * made_map.inverse()))).flatten();
+        // What can't follow has a scale that is no entity's, until it is made anew.
+        let (shape, stretch_of_shape) = match moved {
+            Some(shape) => (shape, stretch),
+            None if is_moved => (built.shape.clone(), Stretch::default()),
+            None => (built.shape.clone(), stretch),
+        };
+        let mass = match &*built.geometry {
+            ColliderGeometry::Hulls(file) => file.mass_properties,
+            ColliderGeometry::Triangles(_) | ColliderGeometry::Primitive(..) => None,
+        };
+        let own = OwnCollider {
+            made: built.shape.clone(),
+            made_map,
+            mass,
+            shape,
+            stretch: stretch_of_shape,
+        };
+        let mass = match (before.owns_mass(), &*built.geometry) {
+            (false, _) => None,
+            (true, ColliderGeometry::Primitive(..)) => Some(mass_of_primitive(requested.weight)?),
+            (true, _) => own.weigh(requested.weight, &map)?,
         };
         let mut commands = commands.entity(entity);
-        let record = AttachedCollider { requested: requested.clone(), owns_mass };
-        attach_shape(&mut commands, built.shape.clone(), record);
-        if target.fallback.is_some() {
-            commands.try_remove::<AttachedFallback>();
+        if before.owns_mass() && mass.is_none() {
+            commands.try_remove::<(ColliderMassProperties, OwnMass)>();
         }
-        if let Some(mass) = mass {
-            commands.try_insert(mass);
+        let record = AttachedCollider { requested: requested.clone() };
+        attach_shape(&mut commands, own, mass, record);
+        commands.try_remove::<AttachedFallback>();
+        // A collider inherits the components of its surface that it does not have itself.
+        if let Ok(own) = self.surfaces.get(entity) {
+            let givers = self.placements.givers(entity).filter(|giver| *giver != entity);
+            let givers: Vec<_> = givers.filter_map(|giver| self.surfaces.get(giver).ok()).collect();
+            own.inherit(&givers, &mut commands);
         }
-        // A collider below a body inherits the components of its surface that it does not have itself.
-        if let Some((body, _)) = self.placements.body(entity)
-            && body != entity
-            && let Ok([own, of_body]) = self.surfaces.get_many([entity, body])
-        {
-            own.inherit(&of_body, &mut commands);
-        }
-        Ok(())
+        Ok(is_moved.then_some(stretch))
     }
 }
 
-/// Declares what bevy_rapier reads from the entity of a collider, and people put on its body.
+/// Declares what bevy_rapier reads from the entity of a collider, and people put on its body or its scene.
 macro_rules! surface {
     ($($field:ident: $component:ty,)*) => {
         #[derive(QueryData)]
@@ -328,8 +342,10 @@ macro_rules! surface {
         }
 
         impl SurfaceItem<'_, '_> {
-            fn inherit(&self, from: &Self, to: &mut EntityCommands) {
-                $(if let (None, Some(component)) = (self.$field, from.$field) {
+            fn inherit(&self, from: &[Self], to: &mut EntityCommands) {
+                $(if self.$field.is_none()
+                    && let Some(component) = from.iter().find_map(|giver| giver.$field)
+                {
                     to.try_insert(*component);
                 })*
             }
@@ -350,43 +366,14 @@ surface! {
     contact_skin: ContactSkin,
 }
 
-/// The mass of a collider; `None` for what has none, as triangles.
-fn mass_of(
-    geometry: &ColliderGeometry,
-    tag: Option<&ConvexDecomposition>,
-    baked: Option<&BakedDecomposition>,
-    map: &Affine3A,
-) -> Result<Option<ColliderMassProperties>, ColliderError> {
-    // The mass is of the whole collider in the world.
-    let (density, given) = match (baked, tag) {
-        (Some(baked), _) => (baked.density, baked.mass),
-        (None, Some(tag)) => (tag.density, tag.mass),
-        (None, None) => (DEFAULT_DENSITY, None),
-    };
-    match geometry {
-        ColliderGeometry::Triangles(_) => Ok(None),
-        ColliderGeometry::Primitive(..) => {
-            let number = given.unwrap_or(density);
-            if !(number.is_finite() && number > 0.0) {
-                return Err(ColliderError::UnusableMass { mass: number.into() });
-            }
-            Ok(Some(match given {
-                Some(mass) => ColliderMassProperties::Mass(mass),
-                None => ColliderMassProperties::Density(density),
-            }))
-        }
-        ColliderGeometry::Hulls(file) => {
-            let Some(properties) = file.mass_properties else { return Ok(None) };
-            let mapped = map_mass(&properties.with_mass(properties.mass * f64::from(density)), map);
-            let mapped = given.map_or(mapped, |mass| mapped.with_mass(mass.into()));
-            rapier_mass(&mapped).map(Some)
-        }
+/// The mass of a box, ball or capsule, by its volume.
+fn mass_of_primitive(weight: Weight) -> Result<ColliderMassProperties, ColliderError> {
+    let number = weight.mass.unwrap_or(weight.density);
+    if !(number.is_finite() && number > 0.0) {
+        return Err(ColliderError::UnusableMass { mass: number.into() });
     }
-}
-
-fn rapier_mass(
-    properties: &crate::MassProperties,
-) -> Result<ColliderMassProperties, ColliderError> {
-    let properties = crate::rapier::mass_properties(properties, [1.0; 3])?;
-    Ok(ColliderMassProperties::MassProperties(MassProperties::from_rapier(properties)))
+    Ok(match weight.mass {
+        Some(mass) => ColliderMassProperties::Mass(mass),
+        None => ColliderMassProperties::Density(weight.density),
+    })
 }

@@ -23,11 +23,13 @@ pub(super) struct Placement {
 }
 
 /// The scale and shear of a transform, whatever its rotation and translation.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Stretch {
     /// Products of the columns with each other.
     products: [f32; 6],
     is_mirrored: bool,
+    /// Below a body, the axes along which transforms mirror: Rapier leaves out what they turn in pairs.
+    signs: [bool; 3],
 }
 
 /// Smaller changes are rounding errors of turned transforms. bevy_rapier draws the line there too.
@@ -40,12 +42,13 @@ const KEPT_BITS: u32 = 13;
 const MANTISSA_BITS: u32 = 23;
 
 impl Stretch {
-    pub(super) fn of(transform: &GlobalTransform) -> Self {
+    pub(super) fn of(transform: &GlobalTransform, signs: [bool; 3]) -> Self {
         let matrix = transform.affine().matrix3;
         let Mat3A { x_axis: x, y_axis: y, z_axis: z } = matrix;
         Self {
             products: [x.dot(x), y.dot(y), z.dot(z), x.dot(y), x.dot(z), y.dot(z)],
             is_mirrored: matrix.determinant() < 0.0,
+            signs,
         }
     }
 
@@ -61,11 +64,27 @@ impl Stretch {
         let [x, y, z, ..] = self.products;
         // Products of lengths: twice the relative error of the lengths.
         let sizes = [x, y, z, (x * y).sqrt(), (x * z).sqrt(), (y * z).sqrt()];
-        self.is_mirrored != other.is_mirrored
+        (self.is_mirrored, self.signs) != (other.is_mirrored, other.signs)
             || (self.products.iter().zip(other.products).zip(sizes))
                 .any(|((a, b), size)| (a - b).abs() > 2.0 * TOLERANCE * size)
     }
 }
+
+/// Whether two maps differ by more than rounding errors.
+pub(super) fn maps_differ(a: &Affine3A, b: &Affine3A) -> bool {
+    let [a, b] = [a, b].map(|map| map.to_cols_array());
+    let size = |of: &[f32]| of.iter().fold(0.0, |size: f32, x| size.max(x.abs()));
+    let differ = |a: &[f32], b: &[f32], size: f32| {
+        // What is no number differs from all else.
+        let is_near = |a: f32, b: f32| a == b || (a - b).abs() <= 4.0 * TOLERANCE * size;
+        a.iter().zip(b).any(|(a, b)| !is_near(*a, *b))
+    };
+    differ(&a[..9], &b[..9], size(&a[..9])) || differ(&a[9..], &b[9..], size(&a).max(size(&b)))
+}
+
+/// On what gives its physics components to the colliders below, beside bodies.
+#[derive(Component, Debug, Clone, Copy, Default)]
+pub(crate) struct GivesSurface;
 
 /// What placements are computed from, and whether colliders ever move.
 #[derive(SystemParam)]
@@ -75,6 +94,7 @@ pub(super) struct Placements<'w, 's> {
     parents: Query<'w, 's, &'static ChildOf>,
     bodies: Query<'w, 's, &'static RigidBody>,
     sensors: Query<'w, 's, (), With<Sensor>>,
+    givers: Query<'w, 's, (), With<GivesSurface>>,
     settings: Res<'w, HullwrightSettings>,
 }
 
@@ -83,6 +103,29 @@ impl Placements<'_, '_> {
     pub(super) fn body(&self, entity: Entity) -> Option<(Entity, RigidBody)> {
         let body = |entity| Some((entity, *self.bodies.get(entity).ok()?));
         body(entity).or_else(|| self.parents.iter_ancestors(entity).find_map(body))
+    }
+
+    /// Those whose physics components a collider inherits, the nearest first: hierarchies on it and above it up to its
+    /// body, and that.
+    pub(super) fn givers(&self, entity: Entity) -> impl Iterator<Item = Entity> {
+        let body = self.body(entity).map(|(body, _)| body);
+        let up_to_body = (std::iter::once(entity).chain(self.parents.iter_ancestors(entity))).scan(
+            false,
+            move |is_past, entity| {
+                let is_within = !*is_past;
+                *is_past = body == Some(entity);
+                is_within.then_some(entity)
+            },
+        );
+        up_to_body.filter(move |giver| body == Some(*giver) || self.givers.contains(*giver))
+    }
+
+    /// Whether Rapier would turn the body of an entity: it keeps a rotation and no mirroring, and Bevy takes any
+    /// mirroring for one along x and a rotation.
+    pub(super) fn has_mirrored_body(&self, entity: Entity) -> bool {
+        let Some((body, kind)) = self.body(entity) else { return false };
+        let scale = self.transforms.get(body).map_or(Vec3::ONE, |transform| transform.scale);
+        kind != RigidBody::Fixed && (scale.y < 0.0 || scale.z < 0.0)
     }
 
     /// Why an entity gets its triangles: what never moves does. `None` for what its tag says.
@@ -96,12 +139,11 @@ impl Placements<'_, '_> {
             DecompositionShape::Auto if self.settings.exact_static_colliders => {}
             _ => return None,
         }
-        let body = self.body(entity);
         let is_sensor = |entity| self.sensors.contains(entity);
-        if is_sensor(entity) || body.is_some_and(|(body, _)| is_sensor(body)) {
+        if is_sensor(entity) || self.givers(entity).any(is_sensor) {
             return None;
         }
-        match body {
+        match self.body(entity) {
             None => Some(SkipReason::NoBody),
             Some((_, RigidBody::Fixed)) => Some(SkipReason::FixedBody),
             Some(_) => None,
@@ -124,7 +166,7 @@ impl Placements<'_, '_> {
 
     pub(super) fn placement(&self, entity: Entity) -> Placement {
         let global = self.global_transform(entity);
-        let stretch = Stretch::of(&global);
+        let stretch = self.stretch_of(entity, &global);
         let map = match self.body(entity) {
             Some((body, _)) if body != entity => {
                 let body_scale = without_rotation(&self.global_transform(body));
@@ -139,7 +181,21 @@ impl Placements<'_, '_> {
 
     /// The scale that an entity has now, also before Bevy propagates it.
     pub(super) fn stretch(&self, entity: Entity) -> Stretch {
-        Stretch::of(&self.global_transform(entity))
+        self.stretch_of(entity, &self.global_transform(entity))
+    }
+
+    /// The same where the transform is known.
+    pub(super) fn stretch_of(&self, entity: Entity, transform: &GlobalTransform) -> Stretch {
+        let mut signs = [false; 3];
+        if self.parents.contains(entity)
+            && let Some((body, _)) = self.body(entity)
+        {
+            for transform in self.transforms_below(body, entity) {
+                let mirrors = transform.scale.to_array().map(|factor| factor < 0.0);
+                signs = [0, 1, 2].map(|axis| signs[axis] != mirrors[axis]);
+            }
+        }
+        Stretch::of(transform, signs)
     }
 
     fn global_transform(&self, entity: Entity) -> GlobalTransform {

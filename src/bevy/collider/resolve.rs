@@ -4,23 +4,23 @@
 use std::sync::Arc;
 
 use bevy::asset::{LoadState, UntypedAssetId};
+use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::QueryData;
 use bevy::ecs::system::SystemParam;
-use bevy::math::Affine3A;
+use bevy::math::{Affine3A, Vec3A};
 use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
-use bevy_rapier3d::prelude::Collider;
 
-use super::placement::{Placement, Placements, Stretch};
+use super::placement::{Placement, Placements};
 use super::waiting::Fallbacks;
 use super::work::{
-    AttachedCollider, AttachedFallback, FailedRequest, FarFromFocus, InputBoundary, Requested,
-    TooSmallAt, Work, detach,
+    FailedRequest, FarFromFocus, InputBoundary, MadeBefore, Presence, Requested, TooSmallAt,
+    Weight, Work,
 };
-use crate::bevy::jobs::Frame;
 use crate::bevy::jobs::baked::{BakedDecomposition, BakedScene, FromBakedScene};
 use crate::bevy::jobs::label::is_for_gpu_only;
 use crate::bevy::jobs::request::{ColliderRequest, InputId, MapKey, MeshPart};
+use crate::bevy::jobs::{Frame, Jobs};
 use crate::bevy::tag::outcomes::{
     DecompositionError, DecompositionStatus, Descriptions, Outcomes, SkipReason, WaitReason,
     entities,
@@ -29,6 +29,7 @@ use crate::bevy::tag::parameters::Goal;
 use crate::bevy::tag::settings::{FallbackCollider, HullwrightSettings};
 use crate::bevy::tag::{ConvexDecomposition, DecompositionFocus};
 use crate::conventions::is_coarser_level;
+use crate::rapier::ColliderError;
 
 /// Which meshes are coarser levels of detail: of those that stand for one thing the finest makes the collider.
 #[derive(SystemParam)]
@@ -69,6 +70,7 @@ impl Levels<'_, '_> {
 #[derive(SystemParam)]
 pub(super) struct Scene<'w, 's> {
     tags: Query<'w, 's, Tag>,
+    disabled: Query<'w, 's, (), With<Disabled>>,
     boundaries: Query<'w, 's, (), InputBoundary>,
     meshes_on: Query<'w, 's, &'static Mesh3d>,
     children: Query<'w, 's, &'static Children>,
@@ -90,23 +92,55 @@ struct Tag {
     tag: Option<&'static ConvexDecomposition>,
     baked: Option<&'static BakedDecomposition>,
     scene: Option<&'static FromBakedScene>,
-    has_collider: Has<Collider>,
-    attached: Option<&'static AttachedCollider>,
-    is_fallback: Has<AttachedFallback>,
-    has_failed: Has<FailedRequest>,
+    before: MadeBefore,
     is_too_small: Has<TooSmallAt>,
 }
 
 /// The next state of an entity.
 enum Resolution {
-    /// It is gone, or has no tag any more, nor a collider of the plugin's.
+    /// It has no tag any more, nor a collider of the plugin's.
     Gone,
-    /// What it is made of is not there yet: this asset, or any mesh at all.
-    Later(Option<UntypedAssetId>),
+    /// There is no mesh on it or below it.
+    NoMesh,
     Skipped(SkipReason),
-    /// What it requests can't be loaded.
-    NotLoaded(Requested),
-    Request(Requested),
+    Requested(Requested, Presence),
+}
+
+/// Compares what marked entities are made of now with what they were: those that differ start anew.
+pub(super) fn compare_marked(mut work: Work, scene: Scene, outcomes: Outcomes) {
+    for entity in work.unfinished.take_marked() {
+        if !work.is_resolved(entity) {
+            continue;
+        }
+        let Ok(tag) = scene.tags.get(entity) else {
+            work.unfinished.park(entity);
+            continue;
+        };
+        match scene.resolution(entity, &tag, &work.jobs) {
+            Resolution::Gone => {}
+            Resolution::NoMesh => work.restart(entity),
+            Resolution::Skipped(reason) => {
+                let status = outcomes.status(entity);
+                // What has a collider keeps it while it is hidden or far.
+                let is_small = reason == SkipReason::TooSmall;
+                let is_kept = !reason.has_collider() && !is_small && tag.before.attached.is_some();
+                let is_same = status == Some(DecompositionStatus::Skipped(reason)) || is_kept;
+                if work.unfinished.contains(entity) || !is_same {
+                    work.restart(entity);
+                }
+            }
+            Resolution::Requested(requested, presence) => {
+                let asset = requested.request.input.asset();
+                if work.update(entity, &tag.before, requested, &presence) {
+                    let who = scene.descriptions.entity(entity, asset);
+                    log::warn!(
+                        "{who} changes faster than its collider can be made, which follows with \
+                         the latest that could be finished; so do others of which nothing is said"
+                    );
+                }
+            }
+        }
+    }
 }
 
 /// Resolves entities whose meshes are not known yet, each at most once per frame.
@@ -124,29 +158,47 @@ pub(super) fn resolve(
             break;
         }
         let Some(entity) = work.unfinished.pop_unresolved() else { break };
-        let tag = scene.tags.get(entity).ok();
-        let resolution = tag.as_ref().map_or(Resolution::Gone, |tag| scene.resolution(entity, tag));
-        if tag.as_ref().is_some_and(|tag| tag.has_failed)
-            && !matches!(resolution, Resolution::Later(_))
-        {
+        let Ok(tag) = scene.tags.get(entity) else {
+            match scene.disabled.contains(entity) {
+                true => work.unfinished.park(entity),
+                false => {
+                    work.unfinished.end(entity);
+                    outcomes.cancelled(entity);
+                }
+            }
+            continue;
+        };
+        let resolution = scene.resolution(entity, &tag, &work.jobs);
+        let is_later =
+            matches!(resolution, Resolution::NoMesh | Resolution::Requested(_, Presence::Later(_)));
+        if tag.before.failed.is_some() && !is_later {
             outcomes.commands.entity(entity).try_remove::<FailedRequest>();
         }
-        if tag.as_ref().is_some_and(|tag| tag.is_too_small) {
+        if tag.is_too_small {
             outcomes.commands.entity(entity).try_remove::<TooSmallAt>();
         }
+        if is_later {
+            outcomes.show(entity, DecompositionStatus::Waiting(WaitReason::ForMesh));
+        }
+        let mut commands = outcomes.commands.entity(entity);
         match resolution {
             Resolution::Gone => {
                 work.unfinished.end(entity);
                 outcomes.cancelled(entity);
             }
-            Resolution::Later(asset) => {
+            Resolution::NoMesh => {
+                tag.before.detach(&mut commands);
                 if work.unfinished.resolve_later(entity, settings.warn_without_mesh_after) {
-                    overdue.push((entity, asset));
+                    overdue.push((entity, None));
+                }
+            }
+            Resolution::Requested(_, Presence::Later(asset)) => {
+                if work.unfinished.resolve_later(entity, settings.warn_without_mesh_after) {
+                    overdue.push((entity, Some(asset)));
                 }
             }
             Resolution::Skipped(reason) => {
                 work.unfinished.end(entity);
-                let mut commands = outcomes.commands.entity(entity);
                 match reason {
                     SkipReason::TooFar => commands.try_insert(FarFromFocus),
                     SkipReason::TooSmall => {
@@ -154,28 +206,25 @@ pub(super) fn resolve(
                     }
                     _ => &mut commands,
                 };
-                // One of another mesh or scale would be taken for this one.
-                if let Some(attached) = tag.and_then(|tag| tag.attached)
-                    && !reason.has_collider()
-                {
-                    detach::<AttachedCollider>(&mut commands, attached.owns_mass);
+                // One of another mesh or scale would be taken for this one, and the game's own is no business of ours.
+                if !reason.has_collider() || tag.before.has_games_collider() {
+                    tag.before.detach(&mut commands);
                 }
                 outcomes.skipped(entity, reason);
             }
-            Resolution::NotLoaded(requested) => {
+            Resolution::Requested(requested, Presence::Never(error)) => {
                 work.unfinished.resolve(entity, requested);
-                work.jobs.fail(entity, DecompositionError::NotLoaded);
+                work.jobs.fail(entity, error);
             }
-            Resolution::Request(requested) => {
+            Resolution::Requested(requested, Presence::There) => {
                 let request = requested.request.clone();
                 work.unfinished.resolve(entity, requested);
                 if work.jobs.submit(entity, request.clone()) {
                     outcomes.show(entity, DecompositionStatus::Waiting(WaitReason::InQueue));
                     // Before its first collider.
-                    if let Some(TagItem {
-                        tag: Some(tag), baked: None, has_collider: false, ..
-                    }) = tag
-                        && let kind = tag.fallback_collider.unwrap_or(settings.fallback_collider)
+                    if let TagItem { tag: Some(of), baked: None, before, .. } = tag
+                        && before.collider.is_none()
+                        && let kind = of.fallback_collider.unwrap_or(settings.fallback_collider)
                         && kind != FallbackCollider::None
                     {
                         fallbacks.push(entity, request, kind);
@@ -199,18 +248,20 @@ pub(super) fn resolve(
 }
 
 impl Scene<'_, '_> {
-    fn resolution(&self, entity: Entity, tag: &TagItem) -> Resolution {
-        if tag.has_collider && tag.attached.is_none() && !tag.is_fallback {
+    fn resolution(&self, entity: Entity, tag: &TagItem, jobs: &Jobs) -> Resolution {
+        if tag.before.has_games_collider() {
             return Resolution::Skipped(SkipReason::HasCollider);
         }
         match (tag.baked, tag.tag) {
-            (Some(baked), _) => self.baked_request(entity, baked),
+            (Some(baked), _) => self.baked_request(entity, baked, jobs),
             (None, Some(of_meshes)) => match self.reason_to_skip(entity) {
                 Some(reason) => Resolution::Skipped(reason),
-                None => self.mesh_request(entity, of_meshes, tag.scene),
+                None => self.mesh_request(entity, of_meshes, tag.scene, jobs),
             },
             // What it had is Rapier's own now.
-            (None, None) if tag.attached.is_some() => Resolution::Skipped(SkipReason::HasCollider),
+            (None, None) if tag.before.attached.is_some() => {
+                Resolution::Skipped(SkipReason::HasCollider)
+            }
             (None, None) => Resolution::Gone,
         }
     }
@@ -240,21 +291,47 @@ impl Scene<'_, '_> {
         }
     }
 
-    fn baked_request(&self, entity: Entity, baked: &BakedDecomposition) -> Resolution {
+    fn baked_request(&self, entity: Entity, baked: &BakedDecomposition, jobs: &Jobs) -> Resolution {
         let id = baked.scene.id().untyped();
-        let is_missing = !self.scenes.contains(&baked.scene);
-        if is_missing && !self.failed_to_load(id) {
-            return Resolution::Later(Some(id));
-        }
         let Placement { map, stretch } = self.placements.placement(entity);
+        let edition = jobs.edition([id]);
         let request = ColliderRequest {
-            input: Arc::new(InputId::Baked { scene: id, mesh: baked.mesh.clone() }),
+            input: Arc::new(InputId::Baked { scene: id, mesh: baked.mesh.clone(), edition }),
             parts: Vec::new(),
             goal: None,
             map_before: Affine3A::IDENTITY,
             map,
         };
-        request_unless(is_missing, request, stretch)
+        let missing = Some(id).filter(|_| !self.scenes.contains(&baked.scene));
+        let presence = self.presence(entity, missing, &map);
+        let weight = Weight { density: baked.density, mass: baked.mass };
+        let requested = Requested { request: Arc::new(request), stretch, weight };
+        Resolution::Requested(requested, presence)
+    }
+
+    /// Whether what an entity requests is there, but for this asset.
+    fn presence(
+        &self,
+        entity: Entity,
+        missing: Option<UntypedAssetId>,
+        map: &Affine3A,
+    ) -> Presence {
+        let matrix = map.matrix3;
+        match missing {
+            Some(asset) if self.failed_to_load(asset) => {
+                Presence::Never(DecompositionError::NotLoaded)
+            }
+            Some(asset) => Presence::Later(asset),
+            None if self.placements.has_mirrored_body(entity) => {
+                Presence::Never(DecompositionError::MirroredBody)
+            }
+            // A map that flattens leaves no body.
+            None if !(map.is_finite() && matrix.determinant().is_normal()) => {
+                let scale = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(Vec3A::length);
+                Presence::Never(ColliderError::InvalidScale { scale }.into())
+            }
+            None => Presence::There,
+        }
     }
 
     fn mesh_request(
@@ -262,16 +339,15 @@ impl Scene<'_, '_> {
         entity: Entity,
         tag: &ConvexDecomposition,
         scene: Option<&FromBakedScene>,
+        jobs: &Jobs,
     ) -> Resolution {
         let mut parts = Vec::new();
         self.collect(entity, entity, &mut parts);
         if parts.is_empty() {
-            return Resolution::Later(None);
+            return Resolution::NoMesh;
         }
         let missing = parts.iter().map(|part| part.mesh).find(|mesh| !self.meshes.contains(*mesh));
-        if let Some(mesh) = missing.filter(|mesh| !self.failed_to_load(mesh.untyped())) {
-            return Resolution::Later(Some(mesh.untyped()));
-        }
+        let mut missing = missing.map(AssetId::untyped);
         let goal = self.goal(entity, tag);
         let mut baked = None;
         if let Some(FromBakedScene(scene)) = scene {
@@ -286,31 +362,35 @@ impl Scene<'_, '_> {
                 Goal::Primitive(_) => false,
             };
             match self.scenes.get(scene) {
-                Some(baked) if !is_needed && !baked.is_found_by_label() => {}
-                Some(_) => baked = Some(id),
+                Some(of) => baked = (is_needed || of.is_found_by_label()).then_some(id),
                 None if is_needed && !self.failed_to_load(id) => {
-                    return Resolution::Later(Some(id));
+                    baked = Some(id);
+                    missing = missing.or(baked);
                 }
                 None => {}
             }
         }
-        let placement = self.placements.placement(entity);
-        if self.is_too_small(&parts, &placement.map) {
+        let Placement { map: to_collider, stretch } = self.placements.placement(entity);
+        if missing.is_none() && self.is_too_small(&parts, &to_collider) {
             return Resolution::Skipped(SkipReason::TooSmall);
         }
+        let presence = self.presence(entity, missing, &to_collider);
         // A bound in metres means metres of the world, so the mesh is scaled first.
         let (map_before, map) = match goal.has_absolute_length() {
-            true => (placement.map, Affine3A::IDENTITY),
-            false => (Affine3A::IDENTITY, placement.map),
+            true => (to_collider, Affine3A::IDENTITY),
+            false => (Affine3A::IDENTITY, to_collider),
         };
         let input = Arc::new(InputId::Meshes {
             parts: parts.iter().map(|part| (part.mesh, MapKey::new(&part.to_input))).collect(),
             goal: goal.hash(),
             map_before: MapKey::new(&map_before),
             scene: baked,
+            edition: jobs.edition(parts.iter().map(|part| part.mesh.untyped()).chain(baked)),
         });
         let request = ColliderRequest { input, parts, goal: Some(goal), map_before, map };
-        request_unless(missing.is_some(), request, placement.stretch)
+        let weight = Weight { density: tag.density, mass: tag.mass };
+        let requested = Requested { request: Arc::new(request), stretch, weight };
+        Resolution::Requested(requested, presence)
     }
 
     fn goal(&self, entity: Entity, tag: &ConvexDecomposition) -> Goal {
@@ -392,11 +472,6 @@ impl Scene<'_, '_> {
         let state = self.server.as_ref().and_then(|server| server.get_load_state(id));
         matches!(state, Some(LoadState::Failed(_)))
     }
-}
-
-fn request_unless(is_missing: bool, request: ColliderRequest, stretch: Stretch) -> Resolution {
-    let requested = Requested { request: Arc::new(request), stretch };
-    if is_missing { Resolution::NotLoaded(requested) } else { Resolution::Request(requested) }
 }
 
 /// Where entities and focuses are, and how far the settings let them be apart.

@@ -1,5 +1,5 @@
-//! Skins whose joints move or scale all of a mesh at rest: said once for each mesh, since its hulls are of the mesh
-//! as it was modelled, and so are baked ones.
+//! Skins: said once for each mesh, since its hulls are of the mesh as it was modelled, and so are baked ones, whatever
+//! joints do to it.
 
 use bevy::mesh::VertexAttributeValues;
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
@@ -8,34 +8,52 @@ use bevy::prelude::*;
 
 use super::work::AttachedCollider;
 use crate::bevy::tag::outcomes::{Descriptions, entities};
+use crate::bevy::tag::{ConvexDecomposition, DecompositionShape};
 
 /// Reading files, the same on average over all vertices moves all of a mesh.
 const LEAST_MOVE_OF_ALL: f32 = 0.1;
 
-/// Logs meshes whose skins move or scale them, one line a frame, after their collider is attached.
+/// Logs meshes with skins after their collider is attached, one line a frame of each kind: what became of them where the
+/// tag does not choose, and that skins move or scale all of them.
 pub(super) fn warn_of_skins(
-    attached: Query<Entity, Added<AttachedCollider>>,
+    attached: Query<(Entity, Option<&ConvexDecomposition>), Added<AttachedCollider>>,
     children: Query<&Children>,
     skinned: Query<(&Mesh3d, &SkinnedMesh)>,
     rest: Rest,
     mut known: Local<HashSet<AssetId<Mesh>>>,
 ) {
-    let mut moved = Vec::new();
-    for collider in &attached {
+    let (mut at_rest, mut moved) = (Vec::new(), Vec::new());
+    for (collider, tag) in &attached {
+        let is_chosen = tag.is_none_or(|tag| tag.shape != DecompositionShape::Auto);
         let below = std::iter::once(collider).chain(children.iter_descendants(collider));
         for entity in below {
             let Ok((mesh, skin)) = skinned.get(entity) else { continue };
-            if known.insert(mesh.id()) && rest.moves_all(entity, mesh, skin) == Some(true) {
+            if !known.insert(mesh.id()) {
+                continue;
+            }
+            if rest.moves_all(entity, mesh, skin) == Some(true) {
                 moved.push((entity, mesh.id()));
+            } else if !is_chosen {
+                at_rest.push((entity, mesh.id()));
             }
         }
     }
-    if let Some((entity, mesh)) = moved.first() {
-        let first = rest.descriptions.entity(*entity, Some(mesh.untyped()));
-        log::warn!(
+    for (meshes, text) in [
+        (
+            moved,
             "the joints of a skin move or scale the mesh of {}: its collider is of the mesh as modelled",
-            entities(moved.len(), &first)
-        );
+        ),
+        (
+            at_rest,
+            "the collider of {} is of the mesh as modelled, and does not move with the joints of its skin; choose \
+             DecompositionShape::Capsule or ConvexHull for one body around it, Hulls for hulls at rest, or \
+             NoConvexDecomposition for none",
+        ),
+    ] {
+        if let Some((entity, mesh)) = meshes.first() {
+            let first = rest.descriptions.entity(*entity, Some(mesh.untyped()));
+            log::warn!("{}", text.replace("{}", &entities(meshes.len(), &first)));
+        }
     }
 }
 

@@ -19,9 +19,11 @@ use bevy_rapier3d::rapier::dynamics;
 use bevy_rapier3d::rapier::geometry::SharedShape;
 use bevy_rapier3d::rapier::math::Vector;
 
-use super::placement::Placements;
+use super::follow::moved;
+use super::placement::{Placements, maps_differ};
 use super::work::{
-    AttachedCollider, AttachedFallback, FarFromFocus, Unfinished, Work, attach_shape, detach,
+    AttachedCollider, AttachedFallback, FarFromFocus, MadeBefore, OwnCollider, Unfinished, Work,
+    attach_shape,
 };
 use crate::bevy::jobs::Frame;
 use crate::bevy::jobs::baked::BakedDecomposition;
@@ -215,7 +217,8 @@ impl Fallbacks {
 #[derive(SystemParam)]
 pub(super) struct Targets<'w, 's> {
     meshes: Res<'w, Assets<Mesh>>,
-    tags: Query<'w, 's, (&'static ConvexDecomposition, Has<Collider>, Has<ColliderMassProperties>)>,
+    tags: Query<'w, 's, (&'static ConvexDecomposition, MadeBefore)>,
+    placements: Placements<'w, 's>,
 }
 
 /// Makes fallback colliders for entities in the queue, within the frame's budget.
@@ -224,20 +227,26 @@ pub(super) fn attach_fallbacks(
     mut fallbacks: ResMut<Fallbacks>,
     Frame { mut time, settings }: Frame,
     Work { unfinished, mut jobs }: Work,
-    Targets { meshes, tags }: Targets,
+    Targets { meshes, tags, placements }: Targets,
 ) {
     let fallbacks = &mut *fallbacks;
-    // An entity that was forgotten, or requests something else by now, has no use for it.
+    // An entity that was forgotten, or has other meshes by now, has no use for it.
     let is_wanted = |entity: Entity, request: &Arc<ColliderRequest>| {
-        unfinished.requested(entity).is_some_and(|now| Arc::ptr_eq(&now.request, request))
+        unfinished.requested(entity).is_some_and(|now| now.request.parts == request.parts)
     };
-    let mut attach = |entity: Entity, shape: SharedShape| {
-        let Ok((tag, false, has_mass)) = tags.get(entity) else { return };
-        let mut commands = commands.entity(entity);
-        attach_shape(&mut commands, shape, AttachedFallback { owns_mass: !has_mass });
-        if !has_mass {
-            commands.try_insert(ColliderMassProperties::Density(tag.density));
+    let mut attach = |entity: Entity, request: &ColliderRequest, made: SharedShape| {
+        let Ok((tag, before)) = tags.get(entity) else { return };
+        if before.collider.is_some() {
+            return;
         }
+        let (made_map, place) = (request.to_collider(), placements.placement(entity));
+        let now = maps_differ(&made_map, &place.map)
+            .then(|| moved(&made, &(place.map * made_map.inverse())))
+            .flatten();
+        let shape = now.unwrap_or_else(|| made.clone());
+        let own = OwnCollider { made, made_map, mass: None, shape, stretch: place.stretch };
+        let mass = before.owns_mass().then_some(ColliderMassProperties::Density(tag.density));
+        attach_shape(&mut commands.entity(entity), own, mass, AttachedFallback);
     };
     let mut budget = time.budget(&settings);
     while !fallbacks.waiting.is_empty() && budget.allows_one() {
@@ -258,12 +267,12 @@ pub(super) fn attach_fallbacks(
             }
             (FallbackCollider::ConvexHull, Execution::Background) => {
                 let task = jobs.spawn(&settings, move || convex_hull(&data));
-                fallbacks.tasks.push((entity, request, task));
+                fallbacks.tasks.push((entity, request.clone(), task));
                 None
             }
         };
         if let Some(shape) = shape {
-            attach(entity, shape);
+            attach(entity, &request, shape);
         }
     }
     fallbacks.tasks.retain_mut(|(entity, request, task)| {
@@ -273,7 +282,7 @@ pub(super) fn attach_fallbacks(
         if is_wanted(*entity, request)
             && let Some(Some(shape)) = block_on(poll_once(task))
         {
-            attach(*entity, shape);
+            attach(*entity, request, shape);
         }
         false
     });
@@ -282,11 +291,11 @@ pub(super) fn attach_fallbacks(
 /// Removes the fallback colliders of entities that get no collider.
 pub(super) fn remove_fallbacks(
     mut commands: Commands,
-    fallbacks: Query<(Entity, &AttachedFallback, &DecompositionStatus)>,
+    fallbacks: Query<(Entity, MadeBefore, &DecompositionStatus), With<AttachedFallback>>,
 ) {
-    for (entity, fallback, status) in &fallbacks {
+    for (entity, before, status) in &fallbacks {
         if status.has_collider() == Some(false) {
-            detach::<AttachedFallback>(&mut commands.entity(entity), fallback.owns_mass);
+            before.detach(&mut commands.entity(entity));
         }
     }
 }

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use bevy::asset::io::Reader;
-use bevy::asset::{AssetLoader, LoadContext};
+use bevy::asset::{AssetLoader, HandleTemplate, LoadContext};
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 
@@ -14,6 +14,7 @@ use crate::Method;
 use crate::bevy::tag::DEFAULT_DENSITY;
 use crate::bevy::tag::outcomes::{DecompositionError, DecompositionStatus};
 use crate::bevy::tag::parameters::Goal;
+use crate::bevy::tag::template::template_like_default;
 use crate::hulls_format::{BakedMesh, BakedTriangles, HullScene, HullsFileError, SceneLookup};
 
 /// Gives the entity a collider of baked hulls, without a look at any mesh. They are in the mesh's own space, so it
@@ -32,10 +33,10 @@ use crate::hulls_format::{BakedMesh, BakedTriangles, HullScene, HullsFileError, 
 ///     commands.spawn((RigidBody::Dynamic, BakedDecomposition::new(props).with_mesh("mug")));
 /// }
 /// ```
-#[derive(Component, Reflect, FromTemplate, Debug, Clone, PartialEq)]
+#[derive(Component, Reflect, Debug, Clone, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[type_path = "hullwright"]
-#[require(DecompositionStatus)]
+#[require(DecompositionStatus, Transform)]
 pub struct BakedDecomposition {
     /// The baked file.
     pub scene: Handle<BakedScene>,
@@ -46,6 +47,15 @@ pub struct BakedDecomposition {
     /// The mass of the whole collider in the world, whatever its scale, instead of the density; positive.
     /// Default `None`.
     pub mass: Option<f32>,
+}
+
+template_like_default! {
+    BakedDecomposition => BakedDecompositionTemplate {
+        handle scene: HandleTemplate<BakedScene>,
+        mesh: Option<String>,
+        density: f32,
+        mass: Option<f32>,
+    }
 }
 
 impl Default for BakedDecomposition {
@@ -159,7 +169,7 @@ impl BakedScene {
             None => (meshes.len() == 1).then_some(0),
         };
         found.ok_or_else(|| {
-            let names = meshes.iter().filter_map(|baked| baked.names.first());
+            let names = meshes.iter().flat_map(|baked| &baked.names);
             let (name, names) = (name.map(str::to_owned), names.cloned().collect());
             DecompositionError::NotBaked { name, names }
         })

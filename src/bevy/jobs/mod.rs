@@ -26,6 +26,7 @@ use std::time::Duration;
 use bevy::asset::{AssetEventSystems, UntypedAssetId};
 use bevy::ecs::system::SystemParam;
 use bevy::platform::collections::HashMap;
+use bevy::platform::collections::hash_map::Entry;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use bevy::tasks::{Task, TaskPool, block_on, poll_once};
@@ -104,6 +105,8 @@ pub(super) struct SlicesRun;
 /// A result on its way to its entity.
 pub(super) struct Completed {
     pub entity: Entity,
+    /// For which it was made.
+    pub request: Arc<ColliderRequest>,
     pub built: BuiltCollider,
 }
 
@@ -126,6 +129,7 @@ struct Job {
     shown_progress: f32,
     /// Whether it takes no decomposition.
     is_quick: bool,
+    since: Instant,
     worker: Worker,
 }
 
@@ -147,6 +151,11 @@ pub(super) struct Jobs {
     failed: Vec<Failed>,
     /// Results of inputs that need no look into them.
     known: HashMap<Arc<InputId>, Result<ContentKey, DecompositionError>>,
+    /// When the content of assets changed last, in changes of any; 0 for the others.
+    editions: HashMap<UntypedAssetId, u64>,
+    last_edition: u64,
+    /// Whether the log says that a debug build is slow.
+    is_hint_logged: bool,
     cache: GeometryCache,
     pool: Pool,
 }
@@ -164,7 +173,7 @@ impl Jobs {
         let known = self.known_result(&request);
         let waits = known.is_none();
         match known {
-            Some(known) => self.end(entity, known),
+            Some(known) => self.end(entity, request, known),
             None => self.waiting.push((entity, request)),
         }
         waits
@@ -184,10 +193,50 @@ impl Jobs {
         }
     }
 
-    /// Forgets what was made from an asset.
-    pub(super) fn forget_asset(&mut self, asset: UntypedAssetId) {
-        self.known.retain(|input, _| !input.uses(asset));
-        self.cache.forget_asset(asset);
+    /// Gives an entity that waits another request in its place. Whether it waits.
+    pub(super) fn exchange(&mut self, entity: Entity, request: &Arc<ColliderRequest>) -> bool {
+        let waiting = self.waiting.iter_mut().find(|(other, _)| *other == entity);
+        waiting.map(|(_, old)| old.clone_from(request)).is_some()
+    }
+
+    /// Whether a job runs for an entity, or its result is on the way.
+    pub(super) fn is_at_work_for(&self, entity: Entity) -> bool {
+        let in_jobs = self.running.iter().flat_map(|job| &job.entities).map(|(other, _)| *other);
+        let completed = self.completed.iter().map(|completed| completed.entity);
+        let failed = self.failed.iter().map(|failed| failed.entity);
+        in_jobs.chain(completed).chain(failed).any(|other| other == entity)
+    }
+
+    /// The content of an asset came, changed or went: what was made of it before is forgotten, and a job that still runs
+    /// on it is none for requests from now on.
+    pub(super) fn note_asset(
+        &mut self,
+        asset: UntypedAssetId,
+        is_removed: bool,
+        is_added: bool,
+        is_used: bool,
+    ) {
+        if !is_added {
+            self.known.retain(|input, _| !input.uses(asset));
+            self.cache.forget_asset(asset);
+        }
+        match (self.editions.entry(asset), is_removed) {
+            // It may come again, with another content.
+            (entry, true) if is_used => _ = entry.or_insert(0),
+            (Entry::Occupied(entry), true) => _ = entry.remove(),
+            (Entry::Vacant(_), true) => {}
+            (Entry::Vacant(_), false) if is_added => {}
+            (entry, false) => {
+                self.last_edition += 1;
+                entry.insert(self.last_edition);
+            }
+        }
+    }
+
+    /// Which content assets have.
+    pub(super) fn edition(&self, assets: impl IntoIterator<Item = UntypedAssetId>) -> u64 {
+        let all = assets.into_iter().filter_map(|asset| self.editions.get(&asset));
+        all.copied().max().unwrap_or_default()
     }
 
     /// Runs something short in the background. A panic of it ends in nothing.
@@ -241,9 +290,14 @@ impl Jobs {
         }
     }
 
-    fn end(&mut self, entity: Entity, result: Result<BuiltCollider, DecompositionError>) {
+    fn end(
+        &mut self,
+        entity: Entity,
+        request: Arc<ColliderRequest>,
+        result: Result<BuiltCollider, DecompositionError>,
+    ) {
         match result {
-            Ok(built) => self.completed.push_back(Completed { entity, built }),
+            Ok(built) => self.completed.push_back(Completed { entity, request, built }),
             Err(error) => self.failed.push(Failed { entity, error, is_known: true }),
         }
     }
@@ -331,6 +385,7 @@ impl Jobs {
             progress,
             shown_progress: 0.0,
             is_quick,
+            since: Instant::now(),
             worker: match settings.budget.execution.here() {
                 Execution::Slices | Execution::Worker => Worker::Slices(Box::new(task)),
                 Execution::Background => {
@@ -354,6 +409,7 @@ impl Jobs {
                 let goal = job.entities.first().and_then(|(_, request)| request.goal.as_ref());
                 let has_probe = goal.is_some_and(Goal::has_probe);
                 count_decomposition(&mut outcomes.counters, &built, has_probe);
+                self.hint_at_debug_build(built.source, job.since.elapsed());
                 self.complete(job, &built);
             }
             Ok(TaskOutput::Wait(key)) => {
@@ -370,15 +426,27 @@ impl Jobs {
         }
     }
 
+    /// Logs once that a debug build may be the reason why work is slow.
+    fn hint_at_debug_build(&mut self, source: HullSource, time: Duration) {
+        let is_slow = source == HullSource::Decomposed && time > SLOW;
+        if cfg!(debug_assertions) && is_slow && !self.is_hint_logged {
+            self.is_hint_logged = true;
+            log::warn!(
+                "a convex decomposition took {time:.1?}; a debug build takes thirty times as long, unless Cargo.toml \
+                 has `[profile.dev.package.\"*\"]` with `opt-level = 3`"
+            );
+        }
+    }
+
     /// The first entity of a job gets what was made for it, the others share it.
     fn complete(&mut self, job: Job, built: &BuiltCollider) {
         self.known.insert(job.input, Ok(built.key));
-        for (place, (entity, _)) in job.entities.into_iter().enumerate() {
+        for (place, (entity, request)) in job.entities.into_iter().enumerate() {
             let mut built = built.clone();
             if place > 0 && built.source == HullSource::Decomposed {
                 built.source = HullSource::Shared;
             }
-            self.completed.push_back(Completed { entity, built });
+            self.completed.push_back(Completed { entity, request, built });
         }
     }
 }
@@ -480,6 +548,9 @@ impl Drop for Budget<'_> {
     }
 }
 
+/// Longer than any bundled model takes where the library is optimised.
+const SLOW: Duration = Duration::from_secs(5);
+
 /// Smaller steps of progress are not worth a change of the status.
 const PROGRESS_STEP: f32 = 0.01;
 
@@ -575,7 +646,7 @@ pub(super) fn start_jobs(
     }
     for (entity, request) in waiting {
         match jobs.next_step(&request) {
-            NextStep::End(result) => jobs.end(entity, result),
+            NextStep::End(result) => jobs.end(entity, request, result),
             NextStep::Join(job) => {
                 if let Some(job) = jobs.running.get_mut(job) {
                     job.entities.push((entity, request));
@@ -651,7 +722,7 @@ impl Sources<'_, '_> {
         jobs: &Jobs,
         request: &ColliderRequest,
     ) -> Result<TaskInput, DecompositionError> {
-        if let InputId::Baked { scene: id, mesh } = &*request.input {
+        if let InputId::Baked { scene: id, mesh, .. } = &*request.input {
             let scene = id.try_typed().ok().and_then(|id| self.scenes.get(id));
             let scene = scene.ok_or(DecompositionError::NotLoaded)?;
             return baked_input(jobs, *id, scene, scene.index_of(mesh.as_deref())?);

@@ -54,12 +54,15 @@ pub(crate) enum InputId {
         map_before: MapKey,
         /// The baked scene in which their hulls may be found.
         scene: Option<UntypedAssetId>,
+        /// Which content all these have had since it changed last.
+        edition: u64,
     },
     /// Hulls of a baked scene, whatever mesh they were made from.
     Baked {
         scene: UntypedAssetId,
         /// The name of the mesh; `None` for the only one.
         mesh: Option<String>,
+        edition: u64,
     },
 }
 
@@ -70,6 +73,23 @@ impl InputId {
                 *scene == Some(asset) || parts.iter().any(|(mesh, _)| mesh.untyped() == asset)
             }
             Self::Baked { scene, .. } => *scene == asset,
+        }
+    }
+
+    /// Whether both differ in the scale that is applied before the work at most.
+    pub(crate) fn is_same_unscaled(&self, other: &Self) -> bool {
+        match (self, other) {
+            (
+                Self::Meshes { parts, goal, map_before: _, scene, edition },
+                Self::Meshes {
+                    parts: parts2,
+                    goal: goal2,
+                    map_before: _,
+                    scene: scene2,
+                    edition: edition2,
+                },
+            ) => (parts, goal, scene, edition) == (parts2, goal2, scene2, edition2),
+            _ => self == other,
         }
     }
 

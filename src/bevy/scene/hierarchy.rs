@@ -2,18 +2,25 @@
 
 use std::time::Duration;
 
+use bevy::asset::HandleTemplate;
+use bevy::ecs::template::OptionTemplate;
 use bevy::platform::collections::HashMap;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 
+use crate::bevy::collider::placement::GivesSurface;
 use crate::bevy::jobs::baked::BakedScene;
 use crate::bevy::tag::ConvexDecomposition;
+use crate::bevy::tag::template::template_like_default;
 
 /// Tags the meshes below this entity, such as all of a glTF scene, also those that come later.
 ///
 /// One glTF mesh is one input: children without a transform of their own below one parent, which
 /// is how Bevy spawns the primitives of a mesh, are tagged by their parent. Entities with a tag of
 /// their own keep it.
+///
+/// Below it, another hierarchy has its meshes to itself. What else stands beside it, such as `Friction`,
+/// `CollisionGroups` or a `Sensor`, is inherited by all of its colliders, as from a body above them.
 ///
 /// The first rule that matches a mesh applies: [`by_name`](Self::by_name), the artist's
 /// names and extras (if [`follows_artists`](Self::follows_artists)), then
@@ -30,10 +37,10 @@ use crate::bevy::tag::ConvexDecomposition;
 ///     .with_baked(server.load("level.hullscene"));
 /// # }
 /// ```
-#[derive(Component, Reflect, FromTemplate, Debug, Clone, PartialEq)]
+#[derive(Component, Reflect, Debug, Clone, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[type_path = "hullwright"]
-#[require(HierarchyStatus, HierarchyWork)]
+#[require(HierarchyStatus, HierarchyWork, GivesSurface, Transform)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct ConvexDecompositionHierarchy {
     /// For meshes of which nothing else is said; `None` to leave them alone.
@@ -51,8 +58,16 @@ pub struct ConvexDecompositionHierarchy {
     /// with other settings, is decomposed, and the log says so. Not in texts: paths belong to the code
     /// that loads them. Default `None`.
     #[cfg_attr(feature = "serde", serde(skip))]
-    #[template(built_in)]
     pub baked: Option<Handle<BakedScene>>,
+}
+
+template_like_default! {
+    ConvexDecompositionHierarchy => ConvexDecompositionHierarchyTemplate {
+        handle baked: OptionTemplate<HandleTemplate<BakedScene>>,
+        default_tag: Option<ConvexDecomposition>,
+        by_name: HashMap<String, Option<ConvexDecomposition>>,
+        follows_artists: bool,
+    }
 }
 
 impl Default for ConvexDecompositionHierarchy {
@@ -177,8 +192,26 @@ pub struct HierarchyReport {
     pub time: Duration,
 }
 
+impl HierarchyReport {
+    /// Counts what became of the meshes of a scene within.
+    pub(super) fn add(&mut self, inner: &Self) {
+        self.with_collider += inner.with_collider;
+        self.without_collider += inner.without_collider;
+        self.ready += inner.ready;
+        self.skipped += inner.skipped;
+        self.failed += inner.failed;
+        self.cancelled += inner.cancelled;
+        self.left_out += inner.left_out;
+        self.from_baked += inner.from_baked;
+        self.stale += inner.stale;
+        self.missing += inner.missing;
+        self.is_lost |= inner.is_lost;
+    }
+}
+
 /// All meshes below a [`ConvexDecompositionHierarchy`](crate::bevy::ConvexDecompositionHierarchy) are finished. Once for each scene; again only after
-/// meshes were added or the hierarchy was changed.
+/// meshes were added or the hierarchy was changed. One that holds other hierarchies ends after them, and counts their meshes
+/// too.
 #[derive(EntityEvent, Debug, Clone)]
 pub struct HierarchyFinished {
     /// The entity with the hierarchy.

@@ -9,6 +9,7 @@ use std::time::Duration;
 
 #[cfg(feature = "bevy_gltf")]
 use bevy::asset::LoadState;
+use bevy::ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 #[cfg(feature = "bevy_gltf")]
@@ -18,7 +19,9 @@ use self::hierarchy::{
     ConvexDecompositionHierarchy, HierarchyFinished, HierarchyReport, HierarchyStatus,
     HierarchyWork,
 };
-use self::tagging::{ColliderPieceOf, ColliderPieces, Nodes, tag_hierarchies};
+use self::tagging::{
+    ColliderPieceOf, ColliderPieces, Nodes, TaggedByHierarchy, on_hierarchy_gone, tag_hierarchies,
+};
 use super::collider::CollidersAttached;
 use super::collider::changes::detect_tags;
 use super::collider::work::{AttachedCollider, Unfinished};
@@ -35,6 +38,8 @@ pub(super) struct ScenePlugin;
 impl Plugin for ScenePlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<DecompositionProgress>()
+            .add_observer(on_hierarchy_gone)
+            .register_type::<TaggedByHierarchy>()
             .register_type::<ConvexDecompositionHierarchy>()
             .register_type::<HierarchyStatus>()
             .register_type::<ColliderPieceOf>()
@@ -42,6 +47,8 @@ impl Plugin for ScenePlugin {
             .register_type::<DecompositionProgress>();
         #[cfg(feature = "bevy_gltf")]
         linked_levels::mark_linked_levels(app);
+        #[cfg(feature = "bevy_gltf")]
+        app.register_type::<tagging::HiddenByHierarchy>();
         app.add_systems(
             PostUpdate,
             (
@@ -174,22 +181,43 @@ fn finish_hierarchies(
         &mut HierarchyStatus,
     )>,
     statuses: Query<&DecompositionStatus>,
+    parents: Query<&ChildOf>,
     scenes: Scenes,
 ) {
+    let above =
+        |entity| parents.iter_ancestors(entity).filter(|above| hierarchies.contains(*above));
+    let open = hierarchies.iter().filter(|(_, _, work, _)| work.is_open);
+    let open: Vec<Entity> = open.map(|(entity, ..)| entity).collect();
+    if open.is_empty() {
+        return;
+    }
+    // One that holds others ends after them, and anew when they do.
+    let waiting: EntityHashSet = open.iter().flat_map(|entity| above(*entity)).collect();
+    let mut inner: EntityHashMap<Vec<HierarchyReport>> = EntityHashMap::default();
+    for (entity, _, _, status) in &hierarchies {
+        if let (HierarchyStatus::Finished(report), Some(outer)) = (status, above(entity).next()) {
+            inner.entry(outer).or_default().push(*report);
+        }
+    }
     for (entity, hierarchy, mut work, mut status) in &mut hierarchies {
+        let waits = waiting.contains(&entity);
+        if waits && !work.is_open {
+            work.reopen();
+        }
         if !work.is_open {
             continue;
         }
         let is_running =
             |node: &Entity| statuses.get(*node).is_ok_and(|status| !status.is_finished());
         work.unfinished.retain(is_running);
-        let from_elsewhere = (work.start.is_some(), false);
+        let has_inner = waits || inner.contains_key(&entity);
+        let from_elsewhere = (work.start.is_some() || has_inner, false);
         let (is_there, is_lost) = scenes.is_spawned_or_lost(entity).unwrap_or(from_elsewhere);
         if !is_there && !is_lost {
             status.set_if_neq(HierarchyStatus::Waiting);
             continue;
         }
-        if !work.unfinished.is_empty() {
+        if waits || !work.unfinished.is_empty() {
             status.set_if_neq(HierarchyStatus::Running);
             continue;
         }
@@ -218,6 +246,7 @@ fn finish_hierarchies(
             let path = handle.path().map_or_else(|| "the baked scene".into(), ToString::to_string);
             log::warn!("{path} of {entity} {difference}");
         }
+        inner.get(&entity).into_iter().flatten().for_each(|inner| report.add(inner));
         (work.is_open, work.start) = (false, None);
         *status = HierarchyStatus::Finished(report);
         commands.trigger(HierarchyFinished { entity, report });

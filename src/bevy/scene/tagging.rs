@@ -5,13 +5,17 @@
 use std::collections::BTreeMap;
 
 use bevy::ecs::entity::{EntityHashMap, EntityHashSet};
+use bevy::ecs::entity_disabling::Disabled;
+use bevy::ecs::query::Allow;
 use bevy::ecs::system::SystemParam;
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::RigidBody;
 
-use super::hierarchy::{ConvexDecompositionHierarchy, HierarchyWork};
+use super::hierarchy::{ConvexDecompositionHierarchy, HierarchyStatus, HierarchyWork};
+use crate::bevy::collider::placement::GivesSurface;
 use crate::bevy::collider::resolve::Levels;
+use crate::bevy::collider::work::MadeBefore;
 use crate::bevy::jobs::baked::{BakedDecomposition, FromBakedScene};
 use crate::bevy::tag::outcomes::{Descriptions, entities};
 use crate::bevy::tag::{ConvexDecomposition, DecompositionShape, NoConvexDecomposition};
@@ -21,13 +25,17 @@ use crate::conventions::{
     ColliderKind, NameTag, mesh_tag, node_tag, whole_of, without_copy_number,
 };
 
-/// Set on what a hierarchy tagged, so that another setting can take it back.
-#[derive(Component, Debug, Clone, Copy)]
+/// Set on what a hierarchy tagged, so that another setting can take it back, also after it was saved and loaded.
+#[derive(Component, Reflect, Debug, Clone, Copy, Default)]
+#[reflect(Component, Default, Clone)]
+#[type_path = "hullwright"]
 pub(super) struct TaggedByHierarchy;
 
 /// Set on what a hierarchy hides, so that another setting can show it again.
 #[cfg(feature = "bevy_gltf")]
-#[derive(Component, Debug, Clone, Copy)]
+#[derive(Component, Reflect, Debug, Clone, Copy, Default)]
+#[reflect(Component, Default, Clone)]
+#[type_path = "hullwright"]
 pub(super) struct HiddenByHierarchy;
 
 /// Bevy spawns the primitives of a mesh below their node, without a transform of their own.
@@ -91,6 +99,9 @@ pub(super) struct Nodes<'w, 's> {
     names: Query<'w, 's, &'static Name>,
     pub parents: Query<'w, 's, &'static ChildOf>,
     children: Query<'w, 's, &'static Children>,
+    hierarchies: Query<'w, 's, (), With<ConvexDecompositionHierarchy>>,
+    exist: Query<'w, 's, (), Allow<Disabled>>,
+    before: Query<'w, 's, MadeBefore>,
     pub own_tags: Query<'w, 's, (), OwnTag>,
     /// What hierarchies said before; `None` for no collider.
     pub tagged: Query<'w, 's, Option<&'static ConvexDecomposition>, With<TaggedByHierarchy>>,
@@ -117,13 +128,24 @@ type Extras = (
 );
 
 impl Nodes<'_, '_> {
+    /// All of a scene. What is below another hierarchy is that one's.
+    fn on_and_below(&self, root: Entity) -> Vec<Entity> {
+        let (mut all, mut next) = (vec![root], 0);
+        while let Some(entity) = all.get(next) {
+            let children = self.children.get(*entity).into_iter().flatten().copied();
+            all.extend(children.filter(|child| !self.hierarchies.contains(*child)));
+            next += 1;
+        }
+        all
+    }
+
     /// The entities that stand for one mesh each: those with a `Mesh3d`, or the parents of
     /// primitives.
     pub(super) fn nodes_with_meshes(&self, root: Entity) -> Vec<Entity> {
         let mut seen = EntityHashSet::default();
         let is_root_node = self.is_gltf_node(root);
-        let below = std::iter::once(root).chain(self.children.iter_descendants(root));
-        let meshes = below.filter_map(|entity| self.meshes.get(entity).ok());
+        let meshes =
+            self.on_and_below(root).into_iter().filter_map(|entity| self.meshes.get(entity).ok());
         meshes
             .map(|(entity, transform)| match self.parents.get(entity) {
                 Ok(parent)
@@ -240,23 +262,64 @@ impl Complaints {
     }
 }
 
-type NewMesh = (With<Mesh3d>, Or<(Added<Mesh3d>, Changed<ChildOf>)>);
+/// What may have come below a hierarchy with all below it, or gone.
+type Moved = (Or<(Changed<ChildOf>, Added<Disabled>)>, Allow<Disabled>);
 
 /// Hierarchies, and what is new about them.
 #[derive(SystemParam)]
 pub(super) struct Hierarchies<'w, 's> {
     all: Query<'w, 's, (&'static ConvexDecompositionHierarchy, &'static mut HierarchyWork)>,
     changed: Query<'w, 's, Entity, Changed<ConvexDecompositionHierarchy>>,
-    new_meshes: Query<'w, 's, Entity, NewMesh>,
+    gone: RemovedComponents<'w, 's, ConvexDecompositionHierarchy>,
+    new_meshes: Query<'w, 's, Entity, Added<Mesh3d>>,
+    meshes_gone: RemovedComponents<'w, 's, Mesh3d>,
+    moved: Query<'w, 's, Entity, Moved>,
+    parents_gone: RemovedComponents<'w, 's, ChildOf>,
+    disabled_gone: RemovedComponents<'w, 's, Disabled>,
+    children: Query<'w, 's, &'static Children, Allow<Disabled>>,
 }
 
 impl Hierarchies<'_, '_> {
-    /// Those that are new or changed, and those with new meshes.
-    fn to_tag(&self, nodes: &Nodes) -> EntityHashSet {
-        let mut roots: EntityHashSet = self.changed.iter().collect();
-        for mesh in &self.new_meshes {
-            let mut above = std::iter::once(mesh).chain(nodes.parents.iter_ancestors(mesh));
-            roots.extend(above.find(|entity| self.all.contains(*entity)));
+    /// Those that are new or changed, and those to which meshes came or from which they went; whether more came than went.
+    /// `owners` is the hierarchy to which each mesh belongs.
+    fn take_news(
+        &mut self,
+        nodes: &Nodes,
+        owners: &mut EntityHashMap<Entity>,
+    ) -> EntityHashMap<bool> {
+        let nearest = |entity: Entity| {
+            let above = std::iter::once(entity).chain(nodes.parents.iter_ancestors(entity));
+            above.into_iter().find(|entity| nodes.hierarchies.contains(*entity))
+        };
+        let mut roots = EntityHashMap::default();
+        for root in self.changed.iter().chain(self.gone.read()) {
+            // What is below it belonged to the one above, or will.
+            let outer = nodes.parents.get(root).ok().and_then(|of| nearest(of.parent()));
+            roots.extend([Some(root), outer].into_iter().flatten().map(|root| (root, true)));
+        }
+        let moved = self.moved.iter().chain(self.parents_gone.read());
+        let moved = moved.chain(self.disabled_gone.read());
+        let moved = moved.flat_map(|entity| {
+            std::iter::once(entity).chain(self.children.iter_descendants(entity))
+        });
+        let moved: Vec<Entity> = moved.collect();
+        // What has lost its mesh elsewhere is untagged here.
+        for node in moved.iter().filter(|node| nodes.tagged.contains(**node)) {
+            roots.extend(nearest(*node).map(|root| (root, false)));
+        }
+        let meshes = self.new_meshes.iter().chain(self.meshes_gone.read()).chain(moved);
+        for mesh in meshes {
+            let now = nodes.meshes.contains(mesh).then(|| nearest(mesh)).flatten();
+            let before = match now {
+                Some(_) => owners.get(&mesh).copied(),
+                None => owners.remove(&mesh),
+            };
+            if let Some(root) = now {
+                roots.insert(root, true);
+            }
+            if let Some(root) = before.filter(|root| Some(*root) != now) {
+                roots.entry(root).or_insert(false);
+            }
         }
         roots
     }
@@ -269,22 +332,39 @@ pub(super) fn tag_hierarchies(
     nodes: Nodes,
     descriptions: Descriptions,
     mut complaints: Local<Complaints>,
+    mut owners: Local<EntityHashMap<Entity>>,
 ) {
-    if hierarchies.all.is_empty() {
+    if hierarchies.all.is_empty() && owners.is_empty() {
         return;
     }
-    for root in hierarchies.to_tag(&nodes) {
+    for (root, has_news) in hierarchies.take_news(&nodes, &mut owners) {
         if let Ok((hierarchy, mut work)) = hierarchies.all.get_mut(root) {
+            let below = nodes.on_and_below(root).into_iter();
+            owners.extend(below.filter(|of| nodes.meshes.contains(*of)).map(|mesh| (mesh, root)));
             let all = nodes.nodes_with_meshes(root);
             let wholes = match hierarchy.follows_artists {
                 true => Wholes::of_pieces(&nodes, &all),
                 false => Wholes::default(),
             };
             let rules = Rules { nodes: &nodes, root, hierarchy, wholes };
-            rules.tag(&mut commands, all, &mut work, &mut complaints);
+            rules.untag(&mut commands, &all);
+            rules.tag(&mut commands, all, &mut work, has_news, &mut complaints);
         }
     }
     complaints.log(&descriptions);
+}
+
+/// One that is removed before it has ended is waited for by nobody. What it has tagged stays tagged.
+pub(super) fn on_hierarchy_gone(
+    removed: On<Remove<ConvexDecompositionHierarchy>>,
+    mut commands: Commands,
+    statuses: Query<&HierarchyStatus, Allow<Disabled>>,
+) {
+    let mut commands = commands.entity(removed.entity);
+    commands.try_remove::<(HierarchyWork, GivesSurface)>();
+    if !statuses.get(removed.entity).is_ok_and(HierarchyStatus::is_finished) {
+        commands.try_remove::<HierarchyStatus>();
+    }
 }
 
 /// What becomes of each node of a scene.
@@ -393,12 +473,27 @@ impl Rules<'_, '_, '_> {
         return (node, complaints, None).2;
     }
 
+    /// Takes back what was said of nodes that stand for no mesh any more. What is put elsewhere keeps it.
+    fn untag(&self, commands: &mut Commands, all: &[Entity]) {
+        let nodes = self.nodes;
+        let all: EntityHashSet = all.iter().copied().collect();
+        let below = nodes.on_and_below(self.root).into_iter().filter(|node| !all.contains(node));
+        for node in below.filter(|node| matches!(nodes.tagged.get(*node), Ok(Some(_)))) {
+            let mut commands = commands.entity(node);
+            if let Ok(before) = nodes.before.get(node) {
+                before.detach(&mut commands);
+            }
+            commands.try_remove::<(ConvexDecomposition, FromBakedScene, TaggedByHierarchy)>();
+        }
+    }
+
     /// Tags all nodes with meshes.
     fn tag(
         &self,
         commands: &mut Commands,
         all: Vec<Entity>,
         work: &mut HierarchyWork,
+        has_news: bool,
         complaints: &mut Complaints,
     ) {
         let Self { nodes, hierarchy, .. } = self;
@@ -443,7 +538,14 @@ impl Rules<'_, '_, '_> {
                 }
             }
         }
-        work.begin(tagged, left_out, has_meshes);
+        if work.is_open {
+            // Those that are gone before they have ended are in the report.
+            tagged.extend(work.nodes.iter().filter(|node| !nodes.exist.contains(**node)));
+        }
+        match has_news || work.is_open {
+            true => work.begin(tagged, left_out, has_meshes),
+            false => (work.nodes, work.left_out) = (tagged, left_out),
+        }
     }
 }
 

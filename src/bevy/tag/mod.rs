@@ -3,6 +3,7 @@
 pub(super) mod outcomes;
 pub(super) mod parameters;
 pub(super) mod settings;
+pub(super) mod template;
 
 use bevy::prelude::*;
 
@@ -19,10 +20,11 @@ use crate::Method;
 /// It may come before the mesh is loaded, before `Mesh3d` exists, or sit on a parent whose
 /// children hold the meshes, as the nodes of a glTF scene do. Below it, what has a tag or a
 /// [`RigidBody`](bevy_rapier3d::prelude::RigidBody) of its own or [`NoConvexDecomposition`] is
-/// left out, with all its children.
+/// left out, with all its children, and so is what is `Disabled`.
 ///
-/// An entity that has a `Collider` already is skipped. The tag may be removed once the collider is
-/// there; the collider stays.
+/// The collider follows what it is made of: meshes that come, change or go, the scale, the tag itself. An entity to which the
+/// game gives a `Collider` of its own, at any time, is skipped. The tag may be removed once the collider is there; the
+/// collider stays.
 ///
 /// ```
 /// use hullwright::bevy::prelude::*;
@@ -35,7 +37,7 @@ use crate::Method;
 #[derive(Component, Reflect, Debug, Clone, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[type_path = "hullwright"]
-#[require(DecompositionStatus)]
+#[require(DecompositionStatus, Transform)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct ConvexDecomposition {
     /// The bound: no point of the hulls is farther than this outside the solid, and no point of the

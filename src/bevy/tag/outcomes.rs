@@ -83,8 +83,8 @@ pub enum HullSource {
 #[derive(Reflect, Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[type_path = "hullwright"]
 pub enum SkipReason {
-    /// The entity had a `Collider` already, which stays. Also that of an earlier mesh or scale, where the tag was removed
-    /// before the new one was ready.
+    /// The entity has a `Collider` of the game's own, from before or since, which stays. Also that of an earlier mesh or
+    /// scale, where the tag was removed before the new one was ready.
     HasCollider,
     /// The body is fixed, so it got the triangle mesh itself.
     FixedBody,
@@ -199,9 +199,15 @@ pub enum DecompositionError {
     NotBaked {
         /// The name that was given.
         name: Option<String>,
-        /// The first name of each mesh that it has.
+        /// The names of the meshes that it has, and of the nodes that show them.
         names: Vec<String>,
     },
+    /// The body that moves it has a negative scale along y or z, and is not fixed: Rapier would turn it, and what is drawn.
+    #[error(
+        "its body is mirrored along y or z, which Rapier takes for another rotation; mirror the body along x alone, or \
+         the meshes below it"
+    )]
+    MirroredBody,
     /// The work panicked. The panic is contained to it.
     #[error("the work on it panicked")]
     Panicked,
@@ -221,7 +227,7 @@ fn skipped(reason: SkipReason) -> &'static str {
 }
 
 /// More names would not help.
-const MOST_NAMES: usize = 8;
+const MOST_NAMES: usize = 16;
 
 fn not_baked(name: Option<&str>, names: &[String]) -> String {
     let some = names.iter().take(MOST_NAMES).map(|name| format!("`{name}`"));
@@ -231,7 +237,7 @@ fn not_baked(name: Option<&str>, names: &[String]) -> String {
     }
     match name {
         Some(name) => format!("the baked scene has no mesh `{name}`, but {some}"),
-        None => format!("the baked scene has {} meshes, so name one: {some}", names.len()),
+        None => format!("the baked scene has several meshes, so name one: {some}"),
     }
 }
 
@@ -403,6 +409,10 @@ impl Outcomes<'_, '_> {
         if let Ok(mut old) = self.statuses.get_mut(entity) {
             old.set_if_neq(status);
         }
+    }
+
+    pub(crate) fn status(&self, entity: Entity) -> Option<DecompositionStatus> {
+        self.statuses.get(entity).ok().cloned()
     }
 
     fn end(&mut self, entity: Entity, status: DecompositionStatus) {
