@@ -79,9 +79,7 @@ pub(crate) fn cover(search: &Search<'_>, merged: Vec<Piece>) -> Result<Cover, Er
     let mut nogoods = nogoods.under(solid, bound);
     dissolve(search, &mut pieces, bound, budget, &mut nogoods)?;
     let before_last_round = (pieces.len() < before.len()).then_some(before);
-    // Merged pieces overlap less than those that have grown, and keep to the planes of a plain shape.
-    let is_saved = pieces.len() < merged.len();
-    let mut owned = if is_saved { assign_owners(patches, &pieces, control)? } else { merged };
+    let mut owned = assign_owners(patches, &pieces, control)?;
     if solid.is_closed() {
         fill(&mut owned, &pieces, search)?;
     }
