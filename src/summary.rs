@@ -60,7 +60,7 @@ fn exceeded_bound(hulls: &[Hull], bound: f64, protrusion: f64, diagonal: f64) ->
     if protrusion <= bound {
         return None;
     }
-    // A hull that keeps the bound but for its thickness.
+    // A hull that would keep the bound without its thickness.
     let is_thick = |hull: &Hull| {
         let most = hull.errors.protrusion_max.unwrap_or(0.0);
         most - ROUNDED_UP * hull.errors.added_thickness <= bound

@@ -87,10 +87,36 @@ pub fn mean(points: &[Vector]) -> Vector {
     sum * (1.0 / points.len().max(1) as f64)
 }
 
+/// The distance from a point to the segment between two others.
+#[inline]
+pub fn distance_to_segment(point: Vector, [start, end]: [Vector; 2]) -> f64 {
+    let (arm, along) = (point - start, end - start);
+    let squared = along.dot(along);
+    let share = if squared > 0.0 { (arm.dot(along) / squared).clamp(0.0, 1.0) } else { 0.0 };
+    arm.distance(along * share)
+}
+
 /// The centre of a triangle.
 #[inline]
 pub fn centre([a, b, c]: [Vector; 3]) -> Vector {
     (a + b + c) * (1.0 / 3.0)
+}
+
+/// The halves of a triangle across its longest side.
+#[inline]
+pub fn halves_of_triangle([a, b, c]: [Vector; 3]) -> [[Vector; 3]; 2] {
+    let squared = |a: Vector, b: Vector| a.distance_squared(b);
+    let (ab, bc, ca) = (squared(a, b), squared(b, c), squared(c, a));
+    if ab >= bc && ab >= ca {
+        let middle = (a + b) * 0.5;
+        [[a, middle, c], [middle, b, c]]
+    } else if bc >= ca {
+        let middle = (b + c) * 0.5;
+        [[a, b, middle], [a, middle, c]]
+    } else {
+        let middle = (c + a) * 0.5;
+        [[a, b, middle], [middle, b, c]]
+    }
 }
 
 /// Twice the area of a triangle times its unit normal.

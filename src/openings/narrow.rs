@@ -11,7 +11,9 @@ use super::decide::{Closing, OpeningSettings, SHEET_ANGLE};
 use super::opening::{Loop, Opening, OpeningOutcome, boundary_loops, sides};
 use crate::control::Control;
 use crate::error::Error;
-use crate::geometry::vector::{Vector, area_normal, centre};
+use crate::geometry::vector::{
+    Vector, area_normal, centre, distance_to_segment, halves_of_triangle,
+};
 use crate::mesh::PreparedMesh;
 use crate::mesh::regions::Regions;
 
@@ -141,7 +143,7 @@ impl NarrowCap<'_> {
 fn is_near(corners: [Vector; 3], rim: &[[Vector; 2]], radius: f64) -> bool {
     let middle = centre(corners);
     let size = corners.iter().map(|corner| corner.distance(middle)).fold(0.0, f64::max);
-    let distances = rim.iter().map(|&side| distance_to_side(middle, side));
+    let distances = rim.iter().map(|&side| distance_to_segment(middle, side));
     let distance = distances.fold(f64::INFINITY, f64::min);
     if distance > radius {
         return false;
@@ -149,16 +151,5 @@ fn is_near(corners: [Vector; 3], rim: &[[Vector; 2]], radius: f64) -> bool {
     if distance + size <= radius || size <= LEAST_PART * radius {
         return true;
     }
-    // Halved across its longest side.
-    let length = |k: usize| corners[k].distance_squared(corners[(k + 1) % 3]);
-    let longest = (1..3).fold(0, |a, b| if length(b) > length(a) { b } else { a });
-    let [a, b, c] = [0, 1, 2].map(|k| corners[(longest + k) % 3]);
-    let halfway = (a + b) * 0.5;
-    is_near([a, halfway, c], rim, radius) && is_near([halfway, b, c], rim, radius)
-}
-
-fn distance_to_side(point: Vector, [a, b]: [Vector; 2]) -> f64 {
-    let along = b - a;
-    let share = along.dot(point - a) / along.length_squared();
-    point.distance(a + along * share.clamp(0.0, 1.0))
+    halves_of_triangle(corners).into_iter().all(|half| is_near(half, rim, radius))
 }

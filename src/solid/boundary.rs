@@ -17,7 +17,7 @@ use std::f64::consts::TAU;
 
 use crate::bvh::SLOPES;
 use crate::geometry::Turns;
-use crate::geometry::vector::{Vector, larger, smaller};
+use crate::geometry::vector::{Vector, distance_to_segment, larger, smaller};
 
 /// A group whose radius is below this share of the distance to its ball counts as a whole: that is
 /// too much by less than a factor of 4, of edges that are far away.
@@ -50,10 +50,7 @@ impl Edge {
     }
 
     fn distance(&self, point: Vector) -> f64 {
-        let (arm, along) = (point - self.start, self.end - self.start);
-        let squared = along.dot(along);
-        let share = if squared > 0.0 { (arm.dot(along) / squared).clamp(0.0, 1.0) } else { 0.0 };
-        arm.distance(along * share)
+        distance_to_segment(point, [self.start, self.end])
     }
 }
 

@@ -7,7 +7,7 @@
 use super::remainder::Remainder;
 use super::solid::Solid;
 use super::surface::Side;
-use crate::geometry::vector::{Vector, centre, larger};
+use crate::geometry::vector::{Vector, centre, halves_of_triangle, larger};
 use crate::probe::Extent;
 
 /// The corners of a face, or of a part of one.
@@ -83,7 +83,7 @@ pub(super) fn subdivide(
         let is_taken_apart =
             may_be_crossed && remainder.find(corners, part.radius, policy.near(), solid.tree());
         if !is_taken_apart {
-            stack.extend(halves(corners).map(|half| (half, may_be_crossed)));
+            stack.extend(halves_of_triangle(corners).map(|half| (half, may_be_crossed)));
             continue;
         }
         for (centre, triangles) in remainder.parts() {
@@ -99,22 +99,5 @@ pub(super) fn subdivide(
             }
             stack.extend(triangles.map(|part| (part, false)));
         }
-    }
-}
-
-/// The halves of a triangle across its longest side.
-#[inline]
-fn halves([a, b, c]: [Vector; 3]) -> [[Vector; 3]; 2] {
-    let squared = |a: Vector, b: Vector| a.distance_squared(b);
-    let (ab, bc, ca) = (squared(a, b), squared(b, c), squared(c, a));
-    if ab >= bc && ab >= ca {
-        let middle = (a + b) * 0.5;
-        [[a, middle, c], [middle, b, c]]
-    } else if bc >= ca {
-        let middle = (b + c) * 0.5;
-        [[a, b, middle], [a, middle, c]]
-    } else {
-        let middle = (c + a) * 0.5;
-        [[a, b, middle], [middle, b, c]]
     }
 }

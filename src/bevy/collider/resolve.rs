@@ -309,7 +309,7 @@ impl Scene<'_, '_> {
         Resolution::Requested(requested, presence)
     }
 
-    /// Whether what an entity requests is there, but for this asset.
+    /// Whether what an entity requests is there, apart from this asset.
     fn presence(
         &self,
         entity: Entity,

@@ -62,14 +62,14 @@ pub(crate) struct Cover {
 }
 
 /// Covers all patches with fewer pieces.
-pub(crate) fn cover(search: &Search<'_>, merged: Vec<Piece>) -> Result<Cover, Error> {
-    if merged.len() < 2 {
-        return Ok(Cover { pieces: merged, before_last_round: None });
+pub(crate) fn cover(search: &Search<'_>, pieces: Vec<Piece>) -> Result<Cover, Error> {
+    if pieces.len() < 2 {
+        return Ok(Cover { pieces, before_last_round: None });
     }
     let &Search { solid, patches, settings, control, .. } = search;
     let points = PointsOfPatches::new(patches);
     let mut nogoods = Nogoods::new(&points, patches.count());
-    let mut pieces = grow_all(search, &merged, &mut nogoods)?;
+    let mut pieces = grow_all(search, pieces, &mut nogoods)?;
     drop_redundant(patches, &mut pieces);
     let budget = settings.dissolve_attempts;
     dissolve(search, &mut pieces, settings.bound.search(), budget, &mut nogoods)?;
@@ -90,19 +90,18 @@ pub(crate) fn cover(search: &Search<'_>, merged: Vec<Piece>) -> Result<Cover, Er
 /// then is left out.
 fn grow_all(
     search: &Search<'_>,
-    pieces: &[Piece],
+    mut pieces: Vec<Piece>,
     nogoods: &mut Nogoods<'_>,
 ) -> Result<Vec<Piece>, Error> {
     let &Search { solid, patches, settings, control, .. } = search;
     let all = patches.all();
-    let mut pieces: Vec<&Piece> = pieces.iter().collect();
     pieces.sort_by(|a, b| area(patches, &b.patches).total_cmp(&area(patches, &a.patches)));
     let mut covered = (all.clone(), Vec::new());
     for some in pieces.chunks(AT_ONCE) {
         let known = &*nogoods;
-        let grow_one = |piece: &&Piece| {
+        let grow_one = |piece: &Piece| {
             control.check()?;
-            let mut piece = Piece::clone(piece);
+            let mut piece = piece.clone();
             let tester = FitTester::new(solid, settings.bound.search());
             let learning = Learning::after(known);
             let mut grower = Grower { patches, tester, learning, control };

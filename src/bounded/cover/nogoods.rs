@@ -300,7 +300,7 @@ mod tests {
             let search = &Search::new(&surfaces, &solids, patches, settings, &control);
             let points = PointsOfPatches::new(patches);
             let mut nogoods = Nogoods::new(&points, patches.count());
-            let mut pieces = grow_all(search, &merge(search).unwrap(), &mut nogoods).unwrap();
+            let mut pieces = grow_all(search, merge(search).unwrap(), &mut nogoods).unwrap();
             let (grown, while_growing) = (pieces.len(), nogoods.refusals.len());
             let bound = settings.bound.search();
             dissolve(search, &mut pieces, bound, usize::MAX, &mut nogoods).unwrap();

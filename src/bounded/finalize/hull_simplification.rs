@@ -1,7 +1,8 @@
 //! Hull simplification: as many vertices are saved as a small volume allows, and as many as the limit
 //! requires, within the bound. Physics engines pay for each vertex of a hull.
 //!
-//! The first attempt that keeps the bound is taken:
+//! A hull that needs far more vertices than the limit is divided at once. Of another one, the first
+//! attempt that keeps the bound is taken:
 //!
 //! 1. the hull without vertices that hardly protrude, its edges collapsed outward, or as it is;
 //! 2. the full hull with edges collapsed;
@@ -88,7 +89,7 @@ pub(super) fn simplify_hull(
         scratch: Scratch::default(),
         max_vertices,
     };
-    if attempts.is_hopeless() {
+    if attempts.needs_far_more_vertices() {
         // Nothing says that it protrudes.
         let hull = original.hull;
         return Ok(Simplified { hull, growth: 0.0, protrusion: 0.0, uncovered: f64::INFINITY });
@@ -118,16 +119,16 @@ struct Attempts<'a> {
 impl Attempts<'_> {
     /// Whether the hull needs far more vertices than the limit allows, wherever they are between what may stay uncovered
     /// and what may protrude.
-    fn is_hopeless(&self) -> bool {
-        let Self { original, max_vertices, .. } = self;
-        if original.hull.points.len() <= MOST_OVER_LIMIT.saturating_mul(*max_vertices) {
+    fn needs_far_more_vertices(&self) -> bool {
+        let points = self.original.hull.points();
+        let most = MOST_OVER_LIMIT.saturating_mul(self.max_vertices);
+        if points.len() <= most {
             return false;
         }
         let bound = self.context.search.settings.bound;
         let band = bound.verified() + bound.max_uncovered_under_limit();
         let mut reducer = HullBuilder::new().with_least_tolerance(band);
-        let needed = reducer.vertices_of(original.hull.points());
-        needed.is_some_and(|needed| needed.len() > MOST_OVER_LIMIT.saturating_mul(*max_vertices))
+        reducer.vertices_of(points).is_some_and(|needed| needed.len() > most)
     }
 
     /// Attempts 1 and 2: as far as little volume is added and little surface left out.
