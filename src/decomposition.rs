@@ -165,8 +165,8 @@ pub struct Report {
     /// thinner than 1e-6 of the diagonal in two directions is a line, and no surface:
     /// [`Repairs::degenerate_triangles`] counts it.
     pub uncovered_max: f64,
-    /// As many hulls would keep the bound without the limit on vertices: fewer than there are where that limit divides
-    /// some that keep it. An upper bound.
+    /// As many hulls would keep the bound without the limit on vertices: fewer than there are where
+    /// that limit divides some that keep it. An upper bound.
     pub hulls_without_vertex_limit: usize,
     /// Patches of the surface that the search started from.
     pub patches: usize,

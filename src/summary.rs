@@ -37,8 +37,9 @@ impl<R: Clone + Into<MethodReport>> Decomposition<R> {
         is_fewer.then(|| format!("the vertex limit forces hulls: {without} without it"))
     }
 
-    /// The [exceeded bound](Self::exceeded_bound), what the [vertex limit](Self::forced_by_vertex_limit) forces, then
-    /// the run's [remarks](RunReport::remarks), one line each.
+    /// The [exceeded bound](Self::exceeded_bound), what the [vertex
+    /// limit](Self::forced_by_vertex_limit) forces, then the run's [remarks](RunReport::remarks),
+    /// one line each.
     pub fn remarks(&self) -> Vec<String> {
         let of_hulls = [self.exceeded_bound(), self.forced_by_vertex_limit()];
         of_hulls.into_iter().flatten().chain(self.run.remarks()).collect()

@@ -164,7 +164,8 @@ impl Plugin for HullwrightPlugin {
         ));
     }
 
-    /// Where a plugin is missing, Bevy's panic names a resource at best, and nothing at all may be said.
+    /// Where a plugin is missing, Bevy's panic names a resource at best, and nothing at all may be
+    /// said.
     fn finish(&self, app: &mut App) {
         let world = app.world();
         assert!(

@@ -317,7 +317,8 @@ fn area(mesh: &PatchMesh) -> f64 {
     (0..mesh.mesh.triangles.len() as u32).map(|t| 0.5 * mesh.normal(t).length()).sum()
 }
 
-/// Whether triangles extend farther than `largest`, and not because a single one or a single facet does.
+/// Whether triangles extend farther than `largest`, and not because a single one or a single facet
+/// does.
 fn is_large(mesh: &PatchMesh, triangles: &[u32], largest: f64) -> bool {
     let facet = |&triangle: &u32| mesh.facets[triangle as usize];
     let first = triangles.first().map(facet);

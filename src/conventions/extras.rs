@@ -106,8 +106,9 @@ pub struct ExtrasTag {
 /// What is wrong with extras, in one line that names the keys that there are.
 pub type Complaint = String;
 
-/// Reads extras. `None` if they say nothing about colliders, or are no JSON. Settings that are wrong are left
-/// out, and each has a complaint, as has a key that is almost that of a setting. Other keys are somebody else's.
+/// Reads extras. `None` if they say nothing about colliders, or are no JSON. Settings that are
+/// wrong are left out, and each has a complaint, as has a key that is almost that of a setting.
+/// Other keys are somebody else's.
 ///
 /// ```
 /// use hullwright::Length;
@@ -162,7 +163,8 @@ fn is_misspelt(key: &str, setting: &str) -> bool {
     key.len().abs_diff(setting.len()) <= most && edits(key, setting) <= most
 }
 
-/// How many letters are inserted, removed or replaced between two words (Levenshtein 1966). O(product of lengths).
+/// How many letters are inserted, removed or replaced between two words (Levenshtein 1966).
+/// O(product of lengths).
 fn edits(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();

@@ -7,7 +7,8 @@
 //! 3. A solid shell whose volume is still negative is turned around, unless it is a cavity: unless
 //!    it lies inside others.
 //!
-//! A face that is there both ways round is a sheet, unless it bounds a solid, whichever way its winding is.
+//! A face that is there both ways round is a sheet, unless it bounds a solid, whichever way its
+//! winding is.
 
 use robust::{Coord, orient2d};
 
@@ -65,8 +66,8 @@ fn two_sided_shells(connectivity: &Connectivity, is_both_ways: &[bool]) -> Vec<b
     is_two_sided
 }
 
-/// For each triangle whether it is a sheet: there both ways round, and the boundary of no solid. Shells
-/// that are there both ways round and bound one are turned outward.
+/// For each triangle whether it is a sheet: there both ways round, and the boundary of no solid.
+/// Shells that are there both ways round and bound one are turned outward.
 ///
 /// O(n log n) for n triangles of components with some that are there both ways round.
 pub(crate) fn find_sheets(

@@ -1,19 +1,19 @@
 //! Regions: the parts of space that faces bound, whichever way round the faces are.
 //!
-//! A face has two sides. Around an edge, faces follow each other by angle (Weiler's radial edge structure,
-//! 1986), and the two sides that look at each other bound the same region; so do both sides of a face that is
-//! alone at its edge. Sides connected in this way bound a region. Where they face inward around a volume, it
-//! is enclosed.
+//! A face has two sides. Around an edge, faces follow each other by angle (Weiler's radial edge
+//! structure, 1986), and the two sides that look at each other bound the same region; so do both
+//! sides of a face that is alone at its edge. Sides connected in this way bound a region. Where
+//! they face inward around a volume, it is enclosed.
 //!
-//! What encloses a region is a solid, even where faces are there both ways round and their winding says
-//! nothing: see [`Regions::is_solid_behind`]. O(n log n) for n triangles.
+//! What encloses a region is a solid, even where faces are there both ways round and their winding
+//! says nothing: see [`Regions::is_solid_behind`]. O(n log n) for n triangles.
 
 use super::adjacency::{ParityForest, SortedHalfEdges, ascends};
 use crate::geometry::vector::{Vector, area_normal};
 
-/// A closed surface whose volume is below this share of area times extent is flat, and volumes whose sum is
-/// below this share of their sizes cancel, as do areas: the sign of what is left is rounding. The thinnest box
-/// that welding leaves has 1e-6.
+/// A closed surface whose volume is below this share of area times extent is flat, and volumes
+/// whose sum is below this share of their sizes cancel, as do areas: the sign of what is left is
+/// rounding. The thinnest box that welding leaves has 1e-6.
 pub(super) const FLAT: f64 = 1e-9;
 
 /// The regions that some triangles bound.
@@ -76,8 +76,8 @@ impl Regions {
         Self { of_sides, kinds: volumes.iter().zip(&areas).map(kind).collect() }
     }
 
-    /// Whether the solid that a triangle bounds is behind it, or in front of it. `None` if there is the solid on
-    /// both sides, or on neither.
+    /// Whether the solid that a triangle bounds is behind it, or in front of it. `None` if there is
+    /// the solid on both sides, or on neither.
     pub(crate) fn is_solid_behind(&self, triangle: usize) -> Option<bool> {
         let [front, back] =
             self.of_sides[triangle].map(|region| self.kinds[region] == Kind::Enclosed);
@@ -91,7 +91,8 @@ impl Regions {
     }
 }
 
-/// Sets the angle of each triangle around the edge that its half-edge is of, seen along the edge upward.
+/// Sets the angle of each triangle around the edge that its half-edge is of, seen along the edge
+/// upward.
 fn set_angles(points: &[Vector], triangles: &[[u32; 3]], around: &mut [(f64, u32)]) {
     let corners = |half_edge: u32| {
         let k = half_edge as usize % 3;

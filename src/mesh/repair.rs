@@ -114,9 +114,10 @@ pub struct PreparedMesh {
 }
 
 impl PreparedMesh {
-    /// The triangles by whose winding number a point is inside: sheets are there both ways round, so that
-    /// their winding numbers cancel. Sheets are triangles that the input has both ways and that bound no solid, and
-    /// the open parts of a mesh that is inside out as a whole: which of their sides is the inside is not clear.
+    /// The triangles by whose winding number a point is inside: sheets are there both ways round,
+    /// so that their winding numbers cancel. Sheets are triangles that the input has both ways and
+    /// that bound no solid, and the open parts of a mesh that is inside out as a whole: which of
+    /// their sides is the inside is not clear.
     pub(crate) fn triangles_of_solid(&self) -> Cow<'_, [[u32; 3]]> {
         with_sheets_both_ways(&self.mesh.triangles, &self.sheets(), &self.hidden_caps)
     }
@@ -181,8 +182,8 @@ pub fn prepare(
     prepare_again(source, &[], order, control)
 }
 
-/// The same for a mesh that was repaired before and has changed since. `was_both_ways` says which of its triangles,
-/// from the first on, are there both ways round and are given once.
+/// The same for a mesh that was repaired before and has changed since. `was_both_ways` says which
+/// of its triangles, from the first on, are there both ways round and are given once.
 ///
 /// # Errors
 /// As [`prepare`].

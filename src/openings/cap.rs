@@ -175,8 +175,8 @@ pub(super) fn zip_shortest(points: &[Vector], vertices: &[u32]) -> Vec<[u32; 3]>
     zip(points, vertices, |left, right| length(left + 1, right) <= length(left, right - 1))
 }
 
-/// Triangles between the two sides of a loop, from one of its ends to the other. `goes_left` says from which
-/// side the next vertex is, where both have one.
+/// Triangles between the two sides of a loop, from one of its ends to the other. `goes_left` says
+/// from which side the next vertex is, where both have one.
 fn zip(
     points: &[Vector],
     vertices: &[u32],

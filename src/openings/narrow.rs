@@ -1,10 +1,12 @@
 //! Openings that no ball passes, in surfaces that are there both ways round.
 //!
-//! Where faces are there both ways round, nothing but its openings says whether a surface is a sheet or the skin
-//! of a solid. An opening counts as closed if no ball passes whose radius is the bound, and if a cap
-//! there closes a region: so a missing triangle changes nothing. What is wider follows the rules of `decide`.
+//! Where faces are there both ways round, nothing but its openings says whether a surface is a
+//! sheet or the skin of a solid. An opening counts as closed if no ball passes whose radius is the
+//! bound, and if a cap there closes a region: so a missing triangle changes nothing. What is wider
+//! follows the rules of `decide`.
 //!
-//! Where all of a cap is within the radius of its rim, no ball crosses it: its centre would come too near to the rim.
+//! Where all of a cap is within the radius of its rim, no ball crosses it: its centre would come
+//! too near to the rim.
 
 use super::cap::{LoopFill, fill_loops, zip_shortest};
 use super::decide::{Closing, OpeningSettings, SHEET_ANGLE};
@@ -17,14 +19,16 @@ use crate::geometry::vector::{
 use crate::mesh::PreparedMesh;
 use crate::mesh::regions::Regions;
 
-/// A rim with more sides is not looked at, since each side is compared with each triangle of its cap.
+/// A rim with more sides is not looked at, since each side is compared with each triangle of its
+/// cap.
 const MOST_SIDES: usize = 2000;
 
-/// A part of a cap that is smaller than this, as a fraction of the radius, is as near to the rim as its centre.
+/// A part of a cap that is smaller than this, as a fraction of the radius, is as near to the rim as
+/// its centre.
 const LEAST_PART: f64 = 0.02;
 
-/// Closes the openings that no ball passes; `None` where there are none. Linear time where nothing is there both
-/// ways round.
+/// Closes the openings that no ball passes; `None` where there are none. Linear time where nothing
+/// is there both ways round.
 pub(super) fn close_narrow(
     prepared: &PreparedMesh,
     settings: &OpeningSettings,
@@ -89,8 +93,8 @@ struct NarrowCap<'a> {
 }
 
 impl NarrowCap<'_> {
-    /// Whether most of the surface at the rim, by length, is there both ways round and bends away from the cap: on
-    /// a leaf, or on a blade of grass, the cap would lie on the sheet.
+    /// Whether most of the surface at the rim, by length, is there both ways round and bends away
+    /// from the cap: on a leaf, or on a blade of grass, the cap would lie on the sheet.
     fn is_on_skin(&self, prepared: &PreparedMesh) -> bool {
         let PreparedMesh { mesh, is_both_ways, .. } = prepared;
         let normal = |triangle: [u32; 3]| {

@@ -23,7 +23,8 @@ use crate::mesh::{CAP, HIDDEN_CAP, PreparedMesh};
 use crate::parameters::{Openings, Parameters};
 
 /// Caps have the vertices of their loops, and ear clipping leaves out those in the middle of a
-/// straight side: that is a crack, which the next pass zips. Openings that no ball passes take passes of their own.
+/// straight side: that is a crack, which the next pass zips. Openings that no ball passes take
+/// passes of their own.
 const PASSES: usize = 3;
 
 /// Points on a component's triangles that are tried, at most.

@@ -1,4 +1,5 @@
-//! What starts work anew and what does not: a collider follows what it is made of, and nothing else.
+//! What starts work anew and what does not: a collider follows what it is made of, and nothing
+//! else.
 
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;

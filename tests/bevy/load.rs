@@ -1,5 +1,5 @@
-//! Random worlds: whatever happens to entities and meshes, in any order and while jobs are at work, in the end each
-//! collider is what a fresh app makes of that world, and nothing is left behind.
+//! Random worlds: whatever happens to entities and meshes, in any order and while jobs are at work,
+//! in the end each collider is what a fresh app makes of that world, and nothing is left behind.
 
 use std::collections::VecDeque;
 
@@ -251,7 +251,8 @@ impl RandomWorld {
                 let tag = self.app.get::<ConvexDecomposition>(entity).cloned().expect("a tag");
                 self.app.edit(entity).insert(tag);
             }
-            // What has no tag of its own any more is left alone by a scene, until something else changes there.
+            // What has no tag of its own any more is left alone by a scene, until something else
+            // changes there.
             13 if is_tagged && !self.is_in_scene(entity) => {
                 _ = self.app.edit(entity).remove::<(ConvexDecomposition, TaggedByGame)>();
             }
@@ -499,7 +500,8 @@ fn after_whatever_happens_each_collider_is_what_a_fresh_app_makes_of_that_world(
     assert!(compared > 100, "{compared}");
 }
 
-/// `cargo test … --test bevy two_thousand_frames -- --ignored`; `WORLD` and `WORLD_FRAMES` choose one to look into.
+/// `cargo test … --test bevy two_thousand_frames -- --ignored`; `WORLD` and `WORLD_FRAMES` choose
+/// one to look into.
 #[test]
 #[ignore = "it takes minutes"]
 fn two_thousand_frames_of_twenty_worlds() {

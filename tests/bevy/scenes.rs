@@ -391,7 +391,8 @@ fn a_scene_within_a_scene_ends_and_the_outer_one_after_it_with_all_counts() {
     let mut app = app();
     observed(&mut app);
     let mesh = add(&mut app, model("u_prism"));
-    // A level that holds nothing but props, and one that has a mesh of its own, each prop with another tag.
+    // A level that holds nothing but props, and one that has a mesh of its own, each prop with
+    // another tag.
     for own in [0, 1] {
         let level = root(&mut app, ConvexDecompositionHierarchy::new(tag().with_density(2.0)));
         for number in 0..own {

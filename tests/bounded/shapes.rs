@@ -149,8 +149,8 @@ fn plain_prisms_have_the_known_number_of_hulls_at_any_bound() {
             let report = result.report;
             assert!(report.uncovered_max <= report.bound, "{name} at {bound}");
             assert!(result.hulls.len() <= expected, "{name} at {bound}: {}", result.hulls.len());
-            // Hulls that bridge notches hardly deeper than the bound may be as many. Less than 0.29 of the bound is not
-            // resolved.
+            // Hulls that bridge notches hardly deeper than the bound may be as many. Less than 0.29
+            // of the bound is not resolved.
             let most = if (name, bound) == ("long stairs", BOUNDS[0]) { 1.0 } else { 0.3 };
             assert!(report.protrusion_max <= most * report.bound, "{name} at {bound}");
             if !name.ends_with("stairs") {

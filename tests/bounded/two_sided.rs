@@ -1,5 +1,5 @@
-//! A solid whose faces are all there both ways round has the hulls of the same solid with each face once. What is open
-//! on purpose stays a sheet.
+//! A solid whose faces are all there both ways round has the hulls of the same solid with each face
+//! once. What is open on purpose stays a sheet.
 
 use hullwright::{
     Control, Decomposition, MassSource, MergeTree, OpeningOutcome, Openings, Parameters,

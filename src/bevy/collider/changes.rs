@@ -1,6 +1,7 @@
-//! What may have changed what a collider is made of: tags, meshes, what is below and above, scales, assets, a focus that
-//! came near or left. All of it only marks entities, by Bevy's change detection, so that finished ones cost next to
-//! nothing; whether anything differs is decided where marked entities are resolved.
+//! What may have changed what a collider is made of: tags, meshes, what is below and above, scales,
+//! assets, a focus that came near or left. All of it only marks entities, by Bevy's change
+//! detection, so that finished ones cost next to nothing; whether anything differs is decided where
+//! marked entities are resolved.
 
 use bevy::asset::AssetEvent;
 use bevy::ecs::entity::EntityHashMap;
@@ -173,7 +174,8 @@ type WithScale = (
 /// Untagged colliders are no longer ours.
 type MovedAndTagged = (Changed<GlobalTransform>, Tagged);
 
-/// Scales that changed: colliders follow them, and are made anew once they have not changed for a while.
+/// Scales that changed: colliders follow them, and are made anew once they have not changed for a
+/// while.
 pub(super) fn detect_scales(
     mut work: Work,
     moved: Query<(Entity, &GlobalTransform, WithScale), MovedAndTagged>,

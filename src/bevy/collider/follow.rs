@@ -1,5 +1,5 @@
-//! Colliders that follow a changing scale: the hulls that are there, with their points moved. Once the scale rests they
-//! are made anew, so that no error adds up.
+//! Colliders that follow a changing scale: the hulls that are there, with their points moved. Once
+//! the scale rests they are made anew, so that no error adds up.
 
 use bevy::ecs::query::QueryData;
 use bevy::math::Affine3A;
@@ -28,7 +28,8 @@ pub(super) struct Follower {
     own_mass: Option<&'static mut OwnMass>,
 }
 
-/// Gives colliders the scales that their entities have, in turn where the frame's budget is too short for all.
+/// Gives colliders the scales that their entities have, in turn where the frame's budget is too
+/// short for all.
 pub(super) fn follow_scales(
     mut work: Work,
     Frame { mut time, settings }: Frame,
@@ -76,7 +77,8 @@ fn follow(entity: Entity, mut follower: FollowerItem, placements: &Placements) -
     Some(())
 }
 
-/// A shape whose points are moved by a map; `None` where it has none, or that takes too long. O(points).
+/// A shape whose points are moved by a map; `None` where it has none, or that takes too long.
+/// O(points).
 pub(super) fn moved(shape: &SharedShape, map: &Affine3A) -> Option<SharedShape> {
     let matrix = map.matrix3;
     if !(map.is_finite() && matrix.determinant().is_normal()) {

@@ -333,7 +333,8 @@ impl Targets<'_, '_> {
     }
 }
 
-/// Declares what bevy_rapier reads from the entity of a collider, and people put on its body or its scene.
+/// Declares what bevy_rapier reads from the entity of a collider, and people put on its body or its
+/// scene.
 macro_rules! surface {
     ($($field:ident: $component:ty,)*) => {
         #[derive(QueryData)]

@@ -28,7 +28,8 @@ pub(crate) struct Stretch {
     /// Products of the columns with each other.
     products: [f32; 6],
     is_mirrored: bool,
-    /// Below a body, the axes along which transforms mirror: Rapier leaves out what they turn in pairs.
+    /// Below a body, the axes along which transforms mirror: Rapier leaves out what they turn in
+    /// pairs.
     signs: [bool; 3],
 }
 
@@ -105,8 +106,8 @@ impl Placements<'_, '_> {
         body(entity).or_else(|| self.parents.iter_ancestors(entity).find_map(body))
     }
 
-    /// Those whose physics components a collider inherits, the nearest first: hierarchies on it and above it up to its
-    /// body, and that.
+    /// Those whose physics components a collider inherits, the nearest first: hierarchies on it and
+    /// above it up to its body, and that.
     pub(super) fn givers(&self, entity: Entity) -> impl Iterator<Item = Entity> {
         let body = self.body(entity).map(|(body, _)| body);
         let up_to_body = (std::iter::once(entity).chain(self.parents.iter_ancestors(entity))).scan(
@@ -120,8 +121,8 @@ impl Placements<'_, '_> {
         up_to_body.filter(move |giver| body == Some(*giver) || self.givers.contains(*giver))
     }
 
-    /// Whether Rapier would turn the body of an entity: it keeps a rotation and no mirroring, and Bevy takes any
-    /// mirroring for one along x and a rotation.
+    /// Whether Rapier would turn the body of an entity: it keeps a rotation and no mirroring, and
+    /// Bevy takes any mirroring for one along x and a rotation.
     pub(super) fn has_mirrored_body(&self, entity: Entity) -> bool {
         let Some((body, kind)) = self.body(entity) else { return false };
         let scale = self.transforms.get(body).map_or(Vec3::ONE, |transform| transform.scale);

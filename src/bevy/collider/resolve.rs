@@ -206,7 +206,8 @@ pub(super) fn resolve(
                     }
                     _ => &mut commands,
                 };
-                // One of another mesh or scale would be taken for this one, and the game's own is no business of ours.
+                // One of another mesh or scale would be taken for this one, and the game's own is
+                // no business of ours.
                 if !reason.has_collider() || tag.before.has_games_collider() {
                     tag.before.detach(&mut commands);
                 }

@@ -1,5 +1,5 @@
-//! Skins: said once for each mesh, since its hulls are of the mesh as it was modelled, and so are baked ones, whatever
-//! joints do to it.
+//! Skins: said once for each mesh, since its hulls are of the mesh as it was modelled, and so are
+//! baked ones, whatever joints do to it.
 
 use bevy::mesh::VertexAttributeValues;
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
@@ -13,8 +13,8 @@ use crate::bevy::tag::{ConvexDecomposition, DecompositionShape};
 /// Reading files, the same on average over all vertices moves all of a mesh.
 const LEAST_MOVE_OF_ALL: f32 = 0.1;
 
-/// Logs meshes with skins after their collider is attached, one line a frame of each kind: what became of them where the
-/// tag does not choose, and that skins move or scale all of them.
+/// Logs meshes with skins after their collider is attached, one line a frame of each kind: what
+/// became of them where the tag does not choose, and that skins move or scale all of them.
 pub(super) fn warn_of_skins(
     attached: Query<(Entity, Option<&ConvexDecomposition>), Added<AttachedCollider>>,
     children: Query<&Children>,

@@ -48,8 +48,8 @@ impl Weight {
     }
 }
 
-/// All that a collider is made of. It is compared wherever something may have changed: what requests the same keeps its
-/// collider, and its job.
+/// All that a collider is made of. It is compared wherever something may have changed: what
+/// requests the same keeps its collider, and its job.
 #[derive(Debug, Clone)]
 pub(crate) struct Requested {
     pub request: Arc<ColliderRequest>,
@@ -125,7 +125,8 @@ impl OwnCollider {
     }
 }
 
-/// The mass properties that the plugin gave an entity. Other ones are the game's own, and stay. A save has both.
+/// The mass properties that the plugin gave an entity. Other ones are the game's own, and stay. A
+/// save has both.
 #[derive(Component, Reflect, Debug, Clone, Copy, PartialEq)]
 #[reflect(Component, Clone, PartialEq)]
 #[type_path = "hullwright"]
@@ -215,7 +216,8 @@ impl MadeBeforeItem<'_, '_> {
             && *presence != Presence::Never(MirroredBody)
     }
 
-    /// Takes the plugin's collider away, and the mass that it came with. One that the game has put in its place stays.
+    /// Takes the plugin's collider away, and the mass that it came with. One that the game has put
+    /// in its place stays.
     pub(crate) fn detach(&self, entity: &mut EntityCommands) {
         if self.own.is_none() {
             return;
@@ -471,8 +473,8 @@ impl Work<'_> {
         }
     }
 
-    /// Takes note of what a marked entity requests now. Whether it has changed faster than it can be made, which is to
-    /// be logged.
+    /// Takes note of what a marked entity requests now. Whether it has changed faster than it can
+    /// be made, which is to be logged.
     pub(super) fn update(
         &mut self,
         entity: Entity,

@@ -207,8 +207,8 @@ impl Jobs {
         in_jobs.chain(completed).chain(failed).any(|other| other == entity)
     }
 
-    /// The content of an asset came, changed or went: what was made of it before is forgotten, and a job that still runs
-    /// on it is none for requests from now on.
+    /// The content of an asset came, changed or went: what was made of it before is forgotten, and
+    /// a job that still runs on it is none for requests from now on.
     pub(super) fn note_asset(
         &mut self,
         asset: UntypedAssetId,

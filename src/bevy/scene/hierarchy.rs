@@ -19,8 +19,9 @@ use crate::bevy::tag::template::template_like_default;
 /// is how Bevy spawns the primitives of a mesh, are tagged by their parent. Entities with a tag of
 /// their own keep it.
 ///
-/// Below it, another hierarchy has its meshes to itself. What else stands beside it, such as `Friction`,
-/// `CollisionGroups` or a `Sensor`, is inherited by all of its colliders, as from a body above them.
+/// Below it, another hierarchy has its meshes to itself. What else stands beside it, such as
+/// `Friction`, `CollisionGroups` or a `Sensor`, is inherited by all of its colliders, as from a
+/// body above them.
 ///
 /// The first rule that matches a mesh applies: [`by_name`](Self::by_name), the artist's
 /// names and extras (if [`follows_artists`](Self::follows_artists)), then
@@ -209,9 +210,9 @@ impl HierarchyReport {
     }
 }
 
-/// All meshes below a [`ConvexDecompositionHierarchy`](crate::bevy::ConvexDecompositionHierarchy) are finished. Once for each scene; again only after
-/// meshes were added or the hierarchy was changed. One that holds other hierarchies ends after them, and counts their meshes
-/// too.
+/// All meshes below a [`ConvexDecompositionHierarchy`](crate::bevy::ConvexDecompositionHierarchy)
+/// are finished. Once for each scene; again only after meshes were added or the hierarchy was
+/// changed. One that holds other hierarchies ends after them, and counts their meshes too.
 #[derive(EntityEvent, Debug, Clone)]
 pub struct HierarchyFinished {
     /// The entity with the hierarchy.

@@ -25,7 +25,8 @@ use crate::conventions::{
     ColliderKind, NameTag, mesh_tag, node_tag, whole_of, without_copy_number,
 };
 
-/// Set on what a hierarchy tagged, so that another setting can take it back, also after it was saved and loaded.
+/// Set on what a hierarchy tagged, so that another setting can take it back, also after it was
+/// saved and loaded.
 #[derive(Component, Reflect, Debug, Clone, Copy, Default)]
 #[reflect(Component, Default, Clone)]
 #[type_path = "hullwright"]
@@ -280,8 +281,8 @@ pub(super) struct Hierarchies<'w, 's> {
 }
 
 impl Hierarchies<'_, '_> {
-    /// Those that are new or changed, and those to which meshes came or from which they went; whether more came than went.
-    /// `owners` is the hierarchy to which each mesh belongs.
+    /// Those that are new or changed, and those to which meshes came or from which they went;
+    /// whether more came than went. `owners` is the hierarchy to which each mesh belongs.
     fn take_news(
         &mut self,
         nodes: &Nodes,
@@ -354,7 +355,8 @@ pub(super) fn tag_hierarchies(
     complaints.log(&descriptions);
 }
 
-/// One that is removed before it has ended is waited for by nobody. What it has tagged stays tagged.
+/// One that is removed before it has ended is waited for by nobody. What it has tagged stays
+/// tagged.
 pub(super) fn on_hierarchy_gone(
     removed: On<Remove<ConvexDecompositionHierarchy>>,
     mut commands: Commands,
@@ -473,7 +475,8 @@ impl Rules<'_, '_, '_> {
         return (node, complaints, None).2;
     }
 
-    /// Takes back what was said of nodes that stand for no mesh any more. What is put elsewhere keeps it.
+    /// Takes back what was said of nodes that stand for no mesh any more. What is put elsewhere
+    /// keeps it.
     fn untag(&self, commands: &mut Commands, all: &[Entity]) {
         let nodes = self.nodes;
         let all: EntityHashSet = all.iter().copied().collect();

@@ -22,9 +22,9 @@ use crate::Method;
 /// [`RigidBody`](bevy_rapier3d::prelude::RigidBody) of its own or [`NoConvexDecomposition`] is
 /// left out, with all its children, and so is what is `Disabled`.
 ///
-/// The collider follows what it is made of: meshes that come, change or go, the scale, the tag itself. An entity to which the
-/// game gives a `Collider` of its own, at any time, is skipped. The tag may be removed once the collider is there; the
-/// collider stays.
+/// The collider follows what it is made of: meshes that come, change or go, the scale, the tag
+/// itself. An entity to which the game gives a `Collider` of its own, at any time, is skipped. The
+/// tag may be removed once the collider is there; the collider stays.
 ///
 /// ```
 /// use hullwright::bevy::prelude::*;

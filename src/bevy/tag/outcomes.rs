@@ -83,8 +83,8 @@ pub enum HullSource {
 #[derive(Reflect, Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[type_path = "hullwright"]
 pub enum SkipReason {
-    /// The entity has a `Collider` of the game's own, from before or since, which stays. Also that of an earlier mesh or
-    /// scale, where the tag was removed before the new one was ready.
+    /// The entity has a `Collider` of the game's own, from before or since, which stays. Also that
+    /// of an earlier mesh or scale, where the tag was removed before the new one was ready.
     HasCollider,
     /// The body is fixed, so it got the triangle mesh itself.
     FixedBody,
@@ -202,7 +202,8 @@ pub enum DecompositionError {
         /// The names of the meshes that it has, and of the nodes that show them.
         names: Vec<String>,
     },
-    /// The body that moves it has a negative scale along y or z, and is not fixed: Rapier would turn it, and what is drawn.
+    /// The body that moves it has a negative scale along y or z, and is not fixed: Rapier would
+    /// turn it, and what is drawn.
     #[error(
         "its body is mirrored along y or z, which Rapier takes for another rotation; mirror the body along x alone, or \
          the meshes below it"

@@ -48,8 +48,8 @@ pub struct HullwrightSettings {
     /// which small things sink into each other. It concerns all colliders of the world. Set it to `false`
     /// if a world has a dispatcher of its own. Default `true`.
     pub contact_dispatcher: bool,
-    /// A collider is made anew once its scale, or a part of its input, has not moved for this long; hulls follow a scale
-    /// meanwhile. Default 0.1 s.
+    /// A collider is made anew once its scale, or a part of its input, has not moved for this long;
+    /// hulls follow a scale meanwhile. Default 0.1 s.
     pub scale_delay: Duration,
     /// Where the work is done, and how much of it at once.
     pub budget: BudgetSettings,

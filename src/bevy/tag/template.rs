@@ -1,7 +1,8 @@
-//! Templates for `bsn!` whose defaults are those of their components: what Bevy derives has the default of each field's
-//! type instead.
+//! Templates for `bsn!` whose defaults are those of their components: what Bevy derives has the
+//! default of each field's type instead.
 
-/// Declares the template of a component with a handle, by fields with a template of their own and others.
+/// Declares the template of a component with a handle, by fields with a template of their own and
+/// others.
 macro_rules! template_like_default {
     ($component:ident => $template:ident {
         handle $handle:ident: $handle_template:ty,

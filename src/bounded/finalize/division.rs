@@ -87,8 +87,8 @@ impl Division<'_> {
             if (may_fill || is_first) && inner_points.is_empty() {
                 let middle = self.middle(&hull)?;
                 self.fits_without_limit |= is_first && middle.is_some();
-                // If all parts of the hull contain it, they fill the hull; parts of the surface alone would leave it
-                // hollow.
+                // If all parts of the hull contain it, they fill the hull; parts of the surface
+                // alone would leave it hollow.
                 let is_filled = may_fill && self.context.search.exact_solid.is_closed();
                 inner_points.extend(middle.filter(|_| is_filled));
             }
@@ -148,7 +148,8 @@ impl Division<'_> {
         Ok(())
     }
 
-    /// The middle of a hull that would keep the bound without the limit on vertices; `None` of another one.
+    /// The middle of a hull that would keep the bound without the limit on vertices; `None` of
+    /// another one.
     fn middle(&mut self, hull: &FinalHull) -> Result<Option<Vector>, Error> {
         let &Search { patches, exact_solid: solid, settings, control, .. } = &self.context.search;
         let Some(max_vertices) = settings.max_vertices else { return Ok(None) };

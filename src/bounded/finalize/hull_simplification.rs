@@ -42,8 +42,9 @@ const SHRINKING: [f64; 2] = [0.2, 0.4];
 /// has failed: collapsing is quadratic in the vertices and hardly gives another result.
 const MAX_COLLAPSIBLE: usize = 256;
 
-/// A hull that needs more vertices than this multiple of the limit, without those within the errors that are allowed of
-/// the hull of the others, is divided at once. The fewest are about half as many as those.
+/// A hull that needs more vertices than this multiple of the limit, without those within the errors
+/// that are allowed of the hull of the others, is divided at once. The fewest are about half as
+/// many as those.
 const MOST_OVER_LIMIT: usize = 2;
 
 /// The search, and what is finalize's own.
@@ -117,8 +118,8 @@ struct Attempts<'a> {
 }
 
 impl Attempts<'_> {
-    /// Whether the hull needs far more vertices than the limit allows, wherever they are between what may stay uncovered
-    /// and what may protrude.
+    /// Whether the hull needs far more vertices than the limit allows, wherever they are between
+    /// what may stay uncovered and what may protrude.
     fn needs_far_more_vertices(&self) -> bool {
         let points = self.original.hull.points();
         let most = MOST_OVER_LIMIT.saturating_mul(self.max_vertices);
