@@ -553,3 +553,64 @@ fn a_scene_that_is_loaded_from_a_save_counts_its_meshes_again() {
     update_until(&mut app, |app| finished(app).len() == 2);
     assert_eq!((finished(&app)[1].0, finished(&app)[1].1.ready), (root, 1));
 }
+
+#[test]
+fn a_node_that_loses_its_own_tag_is_the_scenes() {
+    type Change = fn(&mut EntityWorldMut);
+    let changes: [(Change, Change); 3] = [
+        (
+            |node| _ = node.insert(tag().with_density(5.0)),
+            |node| _ = node.remove::<ConvexDecomposition>(),
+        ),
+        (
+            |node| _ = node.insert(BakedDecomposition::default()),
+            |node| _ = node.remove::<BakedDecomposition>(),
+        ),
+        (
+            |node| _ = node.insert(NoConvexDecomposition),
+            |node| _ = node.remove::<NoConvexDecomposition>(),
+        ),
+    ];
+    for (give, take) in changes {
+        let mut app = app();
+        observed(&mut app);
+        let cube = cube(&mut app);
+        let root = root(&mut app, ConvexDecompositionHierarchy::new(tag()));
+        let [other, own] = ["other", "own"].map(|name| node(&mut app, root, name, &[&cube]));
+        give(&mut app.edit(own));
+        tag_and_finish(&mut app, &[other]);
+        update_times(&mut app, 5);
+        assert_eq!(finished(&app).iter().map(|(_, of)| of.ready).collect::<Vec<_>>(), [1]);
+        take(&mut app.edit(own));
+        update_times(&mut app, 2);
+        assert_eq!(app.get::<ConvexDecomposition>(own), Some(&tag()));
+        update_until_finished(&mut app, &[own]);
+        assert!((mass(&app, own).mass / DENSITY - 1.0).abs() < 1e-3);
+        update_times(&mut app, 5);
+        assert_eq!(finished(&app).iter().map(|(_, of)| of.ready).collect::<Vec<_>>(), [1, 2]);
+    }
+}
+
+#[test]
+fn a_primitive_that_is_moved_is_a_mesh_of_its_own_until_it_is_back() {
+    let mut app = app();
+    observed(&mut app);
+    let (cube, other) = (cube(&mut app), add(&mut app, cuboid([2.0; 3], [3.0; 3])));
+    let root = root(&mut app, ConvexDecompositionHierarchy::new(tag()));
+    let chair = node(&mut app, root, "chair", &[&cube, &other]);
+    let primitive = app.get::<Children>(chair).unwrap()[1];
+    tag_and_finish(&mut app, &[chair]);
+    assert_near(bounds(&app, chair).1, [3.0; 3], 1e-3);
+    for _ in 0..2 {
+        *app.change::<Transform>(primitive) = Transform::from_xyz(1.0, 0.0, 0.0);
+        tag_and_finish(&mut app, &[chair]);
+        update_until_finished(&mut app, &[primitive, chair]);
+        assert_is_unit_cube(&app, chair);
+        assert_near(bounds(&app, primitive).1, [3.0; 3], 1e-3);
+        *app.change::<Transform>(primitive) = Transform::IDENTITY;
+        tag_and_finish(&mut app, &[chair]);
+        assert!(!is_tagged(&app, primitive) && !has_collider(&app, primitive));
+        assert_near(bounds(&app, chair).1, [3.0; 3], 1e-3);
+    }
+    assert!(finished(&app).iter().all(|(_, report)| report.cancelled == 0));
+}

@@ -49,6 +49,28 @@ fn a_body_that_is_too_small_hangs_where_it_is_unless_it_has_a_mass() {
 
 #[cfg(feature = "bevy_gltf")]
 #[test]
+fn a_body_that_is_hidden_hangs_where_it_is_and_falls_once_it_is_shown() {
+    let mut app = app_with(skipping(SkipSettings { hidden: true, ..default() }));
+    let cube = add(&mut app, unit_cube());
+    let hidden = (RigidBody::Dynamic, Visibility::Hidden);
+    let hangs = finish(&mut app, &cube, hidden);
+    let falls = finish(&mut app, &cube, (hidden, AdditionalMassProperties::Mass(1.0)));
+    update_times(&mut app, 30);
+    assert_eq!(skipped(&app, hangs), Some(SkipReason::Hidden));
+    assert_eq!(translation(&app, hangs), Vec3::ZERO);
+    assert!(translation(&app, falls).y < -0.5);
+    app.edit(hangs).insert(Visibility::Visible);
+    update_until(&mut app, |app| is_ready(app, hangs));
+    update_times(&mut app, 30);
+    assert!(translation(&app, hangs).y < -0.5);
+    // What is hidden later keeps its collider.
+    app.edit(hangs).insert(Visibility::Hidden);
+    update_times(&mut app, 30);
+    assert!(has_collider(&app, hangs));
+}
+
+#[cfg(feature = "bevy_gltf")]
+#[test]
 fn what_is_hidden_starts_when_it_is_shown() {
     let mut app = app_with(skipping(SkipSettings { hidden: true, ..default() }));
     let cube = add(&mut app, unit_cube());

@@ -25,7 +25,7 @@ use crate::bevy::tag::outcomes::{
 use crate::bevy::tag::settings::HullwrightSettings;
 use crate::bevy::tag::{ConvexDecomposition, NoConvexDecomposition};
 
-type Tagged = Or<(With<ConvexDecomposition>, With<BakedDecomposition>)>;
+pub(super) type Tagged = Or<(With<ConvexDecomposition>, With<BakedDecomposition>)>;
 type Tags = (Option<Ref<'static, ConvexDecomposition>>, Option<Ref<'static, BakedDecomposition>>);
 type ChangedTag = (
     Or<(Changed<ConvexDecomposition>, Changed<BakedDecomposition>, Changed<FromBakedScene>)>,
@@ -92,17 +92,14 @@ pub(crate) fn detect_tags(
     let above = structure.above.iter().chain(structure.bodies_gone.read());
     let above = above.chain(structure.parents_gone.read()).chain(structure.sensors_gone.read());
     for entity in above.chain(structure.disabled_gone.read()) {
-        owners
-            .of(entity)
-            .chain(owners.below(entity))
-            .for_each(|entity| work.unfinished.mark(entity));
+        work.unfinished.marked.extend(owners.of(entity).chain(owners.below(entity)));
     }
     let parts = structure.parts.iter().chain(structure.meshes_gone.read());
     let parts = parts.chain(structure.children_gone.read()).chain(structure.exclusions_gone.read());
     let parts = parts.chain(structure.tags_gone.read()).chain(structure.baked_gone.read());
     let changed_entities = changed.iter().map(|(entity, _)| entity);
     for entity in parts.chain(structure.scenes_gone.read()).chain(changed_entities) {
-        owners.of(entity).for_each(|entity| work.unfinished.mark(entity));
+        work.unfinished.marked.extend(owners.of(entity));
     }
     for (entity, (tag, baked)) in &changed {
         if tag.is_some_and(|tag| tag.is_added()) || baked.is_some_and(|baked| baked.is_added()) {
@@ -119,7 +116,7 @@ pub(super) fn on_collider(
     before: Query<MadeBefore, Tagged>,
 ) {
     if before.get(inserted.entity).is_ok_and(|before| before.has_games_collider()) {
-        work.unfinished.mark(inserted.entity);
+        work.unfinished.marked.insert(inserted.entity);
     }
 }
 
@@ -130,7 +127,7 @@ pub(super) fn detect_colliders(
     owners: Owners,
 ) {
     let gone = gone.read().filter(|entity| owners.tagged.contains(*entity));
-    gone.for_each(|entity| work.unfinished.mark(entity));
+    work.unfinished.marked.extend(gone);
 }
 
 /// Meshes or baked scenes whose content came or changed.
@@ -160,31 +157,35 @@ pub(super) fn detect_assets<A: Asset>(
         // A scene that comes late is in no request yet.
         let takers = takers.iter().filter(|(_, of)| of.0.id().untyped() == asset);
         let takers = takers.map(|(entity, _)| entity);
-        users.into_iter().chain(takers).for_each(|entity| work.unfinished.mark(entity));
+        work.unfinished.marked.extend(users.into_iter().chain(takers));
     }
 }
 
 type WithScale = (
+    Ref<'static, Transform>,
+    &'static GlobalTransform,
     Has<ChildOf>,
     Option<&'static OwnCollider>,
     Option<&'static FailedRequest>,
     Option<&'static TooSmallAt>,
 );
 
-/// Untagged colliders are no longer ours.
-type MovedAndTagged = (Changed<GlobalTransform>, Tagged);
+/// Untagged colliders are no longer ours. A transform of its own counts in this frame, those above
+/// it once Bevy has propagated them.
+type MovedAndTagged = (Or<(Changed<Transform>, Changed<GlobalTransform>)>, Tagged);
 
 /// Scales that changed: colliders follow them, and are made anew once they have not changed for a
 /// while.
 pub(super) fn detect_scales(
     mut work: Work,
-    moved: Query<(Entity, &GlobalTransform, WithScale), MovedAndTagged>,
+    moved: Query<(Entity, WithScale), MovedAndTagged>,
     placements: Placements,
 ) {
-    for (entity, transform, (is_below, own, failed, small)) in &moved {
-        let present = match is_below {
-            true => placements.stretch_of(entity, transform),
-            false => Stretch::of(transform, [false; 3]),
+    for (entity, (transform, global, is_below, own, failed, small)) in &moved {
+        let present = match (is_below, transform.is_changed()) {
+            (false, _) => Stretch::of(&GlobalTransform::from(*transform), [false; 3]),
+            (true, false) => placements.stretch_of(entity, global),
+            (true, true) => placements.stretch(entity),
         };
         match own.map(|own| own.stretch.differs(&present)) {
             Some(true) => _ = work.unfinished.to_follow.insert(entity),
@@ -193,7 +194,7 @@ pub(super) fn detect_scales(
             _ => {}
         }
         if failed.is_some_and(|failed| failed.error == DecompositionError::MirroredBody) {
-            work.unfinished.mark(entity);
+            work.unfinished.marked.insert(entity);
         }
         let failed = failed.filter(|failed| failed.depends_on_scale());
         let baked = (failed.map(|failed| failed.requested.stretch))
@@ -349,7 +350,6 @@ pub(super) fn detect_shown(
 ) {
     for entity in &changed {
         let all = std::iter::once(entity).chain(owners.children.iter_descendants(entity));
-        all.filter(|entity| owners.tagged.contains(*entity))
-            .for_each(|entity| work.unfinished.mark(entity));
+        work.unfinished.marked.extend(all.filter(|entity| owners.tagged.contains(*entity)));
     }
 }

@@ -9,6 +9,7 @@ use bevy_rapier3d::rapier::geometry::SharedShape;
 use bevy_rapier3d::rapier::math::Pose;
 use bevy_rapier3d::rapier::parry::shape::{Ball, Capsule, TypedShape};
 
+use super::changes::Tagged;
 use super::placement::Placements;
 use super::wake::Sleepers;
 use super::work::{AttachedCollider, OwnCollider, OwnMass, Work};
@@ -28,32 +29,29 @@ pub(super) struct Follower {
     own_mass: Option<&'static mut OwnMass>,
 }
 
-/// Gives colliders the scales that their entities have, in turn where the frame's budget is too
-/// short for all.
+/// Gives colliders the scales that their entities have. What the frame's budget is too short for
+/// comes first in the next one.
 pub(super) fn follow_scales(
     mut work: Work,
     Frame { mut time, settings }: Frame,
     placements: Placements,
-    mut followers: Query<Follower>,
+    mut followers: Query<Follower, Tagged>,
     mut sleepers: Sleepers,
-    mut next: Local<usize>,
 ) {
-    let all = std::mem::take(&mut work.unfinished.to_follow);
     let mut budget = time.attaching_budget(&settings);
-    let first = if *next < all.len() { *next } else { 0 };
-    *next = first;
-    for index in (first..all.len()).chain(0..first) {
-        if !budget.allows_one() {
-            break;
-        }
-        *next = (index + 1) % all.len();
-        if let Some(entity) = all.get_index(index)
-            && let Ok(follower) = followers.get_mut(*entity)
-            && follow(*entity, follower, &placements) == Some(())
+    let all = &mut work.unfinished.to_follow;
+    let mut done = 0;
+    while let Some(entity) = all.get_index(done).copied()
+        && budget.allows_one()
+    {
+        done += 1;
+        if let Ok(follower) = followers.get_mut(entity)
+            && follow(entity, follower, &placements) == Some(())
         {
-            sleepers.wake(&placements, *entity);
+            sleepers.wake(&placements, entity);
         }
     }
+    all.drain(..done);
 }
 
 fn follow(entity: Entity, mut follower: FollowerItem, placements: &Placements) -> Option<()> {

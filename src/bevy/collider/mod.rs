@@ -15,6 +15,7 @@ use std::collections::BTreeMap;
 use bevy::ecs::query::QueryData;
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
 use bevy::ecs::system::{EntityCommands, SystemParam};
+use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy_rapier3d::plugin::PhysicsSet;
 use bevy_rapier3d::plugin::context::RapierContextSimulation;
@@ -27,8 +28,8 @@ use self::changes::{
     LoneScene, detect_assets, detect_colliders, detect_moved_parts, detect_scales, detect_tags,
     drop_far, mark_resting, on_collider, on_untag, start_near,
 };
-use self::follow::{follow_scales, moved};
-use self::placement::{Placement, Placements, Stretch, maps_differ};
+use self::follow::follow_scales;
+use self::placement::{Placements, Stretch, maps_differ};
 use self::resolve::{compare_marked, resolve};
 use self::skins::warn_of_skins;
 use self::waiting::{
@@ -84,7 +85,7 @@ impl Plugin for ColliderPlugin {
                         .run_if(|settings: Res<HullwrightSettings>| settings.skip.hidden),
                     start_near.run_if(any_with_component::<FarFromFocus>),
                     drop_far.run_if(|settings: Res<HullwrightSettings>| settings.skip.drop_far),
-                    compare_marked.run_if(|unfinished: Res<Unfinished>| unfinished.has_marked()),
+                    compare_marked.run_if(|of: Res<Unfinished>| !of.marked.is_empty()),
                 )
                     .chain()
                     .in_set(HullwrightSystems::DetectChanges),
@@ -113,6 +114,7 @@ impl Plugin for ColliderPlugin {
                 warn_of_skins
                     .after(CollidersAttached)
                     .in_set(HullwrightSystems::Attach)
+                    .run_if(any_with_component::<SkinnedMesh>)
                     .run_if(any_match_filter::<Added<AttachedCollider>>),
                 changes::warn_of_lone_scenes
                     .in_set(HullwrightSystems::Attach)
@@ -290,31 +292,17 @@ impl Targets<'_, '_> {
         requested: &Requested,
         built: &BuiltCollider,
     ) -> Result<Option<Stretch>, DecompositionError> {
-        let Placement { map, stretch } = self.placements.placement(entity);
-        let made_map = requested.request.to_collider();
-        let is_moved = maps_differ(&made_map, &map);
-        let moved = is_moved.then(|| moved(&built.shape, &(map * made_map.inverse()))).flatten();
-        // What can't follow has a scale that is no entity's, until it is made anew.
-        let (shape, stretch_of_shape) = match moved {
-            Some(shape) => (shape, stretch),
-            None if is_moved => (built.shape.clone(), Stretch::default()),
-            None => (built.shape.clone(), stretch),
-        };
+        let place = self.placements.placement(entity);
         let mass = match &*built.geometry {
             ColliderGeometry::Hulls(file) => file.mass_properties,
             ColliderGeometry::Triangles(_) | ColliderGeometry::Primitive(..) => None,
         };
-        let own = OwnCollider {
-            made: built.shape.clone(),
-            made_map,
-            mass,
-            shape,
-            stretch: stretch_of_shape,
-        };
+        let made_map = requested.request.to_collider();
+        let own = OwnCollider::at(&place, built.shape.clone(), made_map, mass);
         let mass = match (before.owns_mass(), &*built.geometry) {
             (false, _) => None,
             (true, ColliderGeometry::Primitive(..)) => Some(mass_of_primitive(requested.weight)?),
-            (true, _) => own.weigh(requested.weight, &map)?,
+            (true, _) => own.weigh(requested.weight, &place.map)?,
         };
         let mut commands = commands.entity(entity);
         if before.owns_mass() && mass.is_none() {
@@ -329,7 +317,7 @@ impl Targets<'_, '_> {
             let givers: Vec<_> = givers.filter_map(|giver| self.surfaces.get(giver).ok()).collect();
             own.inherit(&givers, &mut commands);
         }
-        Ok(is_moved.then_some(stretch))
+        Ok(maps_differ(&made_map, &place.map).then_some(place.stretch))
     }
 }
 

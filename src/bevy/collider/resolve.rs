@@ -108,7 +108,7 @@ enum Resolution {
 
 /// Compares what marked entities are made of now with what they were: those that differ start anew.
 pub(super) fn compare_marked(mut work: Work, scene: Scene, outcomes: Outcomes) {
-    for entity in work.unfinished.take_marked() {
+    for entity in std::mem::take(&mut work.unfinished.marked) {
         if !work.is_resolved(entity) {
             continue;
         }
@@ -153,11 +153,11 @@ pub(super) fn resolve(
 ) {
     let mut budget = time.budget(&settings);
     let mut overdue = Vec::new();
-    for _ in 0..work.unfinished.unresolved() {
+    for _ in 0..work.unfinished.unresolved.len() {
         if !budget.allows_one() {
             break;
         }
-        let Some(entity) = work.unfinished.pop_unresolved() else { break };
+        let Some(entity) = work.unfinished.unresolved.pop_front() else { break };
         let Ok(tag) = scene.tags.get(entity) else {
             match scene.disabled.contains(entity) {
                 true => work.unfinished.park(entity),
@@ -234,7 +234,7 @@ pub(super) fn resolve(
             }
         }
     }
-    outcomes.counters.waiting_for_mesh = work.unfinished.unresolved();
+    outcomes.counters.waiting_for_mesh = work.unfinished.unresolved.len();
     // One line for those that have no mesh, and one for those whose asset is not loaded.
     for (is_asset, why) in
         [(false, "there is no Mesh3d on it or below it"), (true, "the asset is not loaded")]

@@ -19,8 +19,7 @@ use bevy_rapier3d::rapier::dynamics;
 use bevy_rapier3d::rapier::geometry::SharedShape;
 use bevy_rapier3d::rapier::math::Vector;
 
-use super::follow::moved;
-use super::placement::{Placements, maps_differ};
+use super::placement::Placements;
 use super::work::{
     AttachedCollider, AttachedFallback, FarFromFocus, MadeBefore, OwnCollider, Unfinished, Work,
     attach_shape,
@@ -91,7 +90,7 @@ pub(super) fn freeze(
     mut bodies: Bodies,
 ) {
     if settings.freeze_until_ready {
-        let waiting = unfinished.entities().chain(&far);
+        let waiting = unfinished.awake().chain(&far);
         bodies.freeze_for(waiting, &mut commands);
     }
 }
@@ -239,12 +238,8 @@ pub(super) fn attach_fallbacks(
         if before.collider.is_some() {
             return;
         }
-        let (made_map, place) = (request.to_collider(), placements.placement(entity));
-        let now = maps_differ(&made_map, &place.map)
-            .then(|| moved(&made, &(place.map * made_map.inverse())))
-            .flatten();
-        let shape = now.unwrap_or_else(|| made.clone());
-        let own = OwnCollider { made, made_map, mass: None, shape, stretch: place.stretch };
+        let place = placements.placement(entity);
+        let own = OwnCollider::at(&place, made, request.to_collider(), None);
         let mass = before.owns_mass().then_some(ColliderMassProperties::Density(tag.density));
         attach_shape(&mut commands.entity(entity), own, mass, AttachedFallback);
     };

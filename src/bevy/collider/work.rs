@@ -16,7 +16,8 @@ use bevy_rapier3d::prelude::{
 };
 use bevy_rapier3d::rapier::geometry::SharedShape;
 
-use super::placement::{Stretch, maps_differ};
+use super::follow::moved;
+use super::placement::{Placement, Stretch, maps_differ};
 use crate::MassProperties;
 use crate::bevy::jobs::Jobs;
 use crate::bevy::jobs::baked::BakedDecomposition;
@@ -103,6 +104,24 @@ pub(crate) struct OwnCollider {
 }
 
 impl OwnCollider {
+    /// A shape that was made with a map, moved to where its entity is.
+    pub(super) fn at(
+        place: &Placement,
+        made: SharedShape,
+        made_map: Affine3A,
+        mass: Option<MassProperties>,
+    ) -> Self {
+        let own = |shape, stretch| Self { made: made.clone(), made_map, mass, shape, stretch };
+        if !maps_differ(&made_map, &place.map) {
+            return own(made.clone(), place.stretch);
+        }
+        match moved(&made, &(place.map * made_map.inverse())) {
+            Some(shape) => own(shape, place.stretch),
+            // What can't follow has a scale that is no entity's, until it is made anew.
+            None => own(made.clone(), Stretch::default()),
+        }
+    }
+
     /// Whether an entity's collider is this one. One that was left to bevy_rapier has its scale.
     pub(super) fn is(&self, collider: &Collider, scale: Option<&ColliderScale>) -> bool {
         Arc::ptr_eq(&collider.raw.0, &self.shape.0)
@@ -287,12 +306,12 @@ pub(crate) struct Unfinished {
     /// Entities that were tagged since everything was finished.
     entered: usize,
     /// Entities whose meshes are not known yet.
-    unresolved: VecDeque<Entity>,
+    pub(super) unresolved: VecDeque<Entity>,
     /// Entities that may be made of something else by now.
-    marked: EntityIndexSet,
+    pub(super) marked: EntityIndexSet,
     /// Entities whose scale or parts moved, to which scale, and when they last did.
     moving: EntityHashMap<(Stretch, Instant)>,
-    /// Entities whose colliders have another scale than they.
+    /// Entities whose colliders have another scale than they, since the longest first.
     pub to_follow: EntityIndexSet,
     /// Whether the log says that something changes faster than it can be made.
     is_haste_logged: bool,
@@ -300,7 +319,7 @@ pub(crate) struct Unfinished {
 
 impl Unfinished {
     /// Those that are not disabled.
-    fn awake(&self) -> impl Iterator<Item = Entity> {
+    pub(super) fn awake(&self) -> impl Iterator<Item = Entity> {
         self.entries.iter().filter(|(_, entry)| !entry.is_parked).map(|(entity, _)| *entity)
     }
 
@@ -326,10 +345,6 @@ impl Unfinished {
         self.entries.get(&entity).is_some_and(|entry| !entry.is_parked)
     }
 
-    pub(super) fn entities(&self) -> impl Iterator<Item = Entity> {
-        self.awake()
-    }
-
     /// What an entity requests, once its meshes are known.
     pub(super) fn requested(&self, entity: Entity) -> Option<&Requested> {
         self.entries.get(&entity)?.requested.as_ref()
@@ -339,14 +354,6 @@ impl Unfinished {
     pub(super) fn users(&self, asset: UntypedAssetId) -> impl Iterator<Item = Entity> {
         let uses = move |entry: &Entry| entry.requested.as_ref().is_some_and(|of| of.uses(asset));
         self.entries.iter().filter(move |(_, entry)| uses(entry)).map(|(entity, _)| *entity)
-    }
-
-    pub(super) fn unresolved(&self) -> usize {
-        self.unresolved.len()
-    }
-
-    pub(super) fn pop_unresolved(&mut self) -> Option<Entity> {
-        self.unresolved.pop_front()
     }
 
     /// The meshes of an entity are not there yet. Whether it has waited for longer than `patience`, which is said
@@ -396,19 +403,6 @@ impl Unfinished {
         };
         self.entries.insert(entity, entry);
         self.unresolved.push_back(entity);
-    }
-
-    /// An entity may be made of something else by now.
-    pub(super) fn mark(&mut self, entity: Entity) {
-        self.marked.insert(entity);
-    }
-
-    pub(super) fn has_marked(&self) -> bool {
-        !self.marked.is_empty()
-    }
-
-    pub(super) fn take_marked(&mut self) -> EntityIndexSet {
-        std::mem::take(&mut self.marked)
     }
 
     /// Notes a scale that is another than the one that is baked, or that was noted before.

@@ -409,7 +409,10 @@ impl Jobs {
                 let goal = job.entities.first().and_then(|(_, request)| request.goal.as_ref());
                 let has_probe = goal.is_some_and(Goal::has_probe);
                 count_decomposition(&mut outcomes.counters, &built, has_probe);
-                self.hint_at_debug_build(built.source, job.since.elapsed());
+                let time = job.since.elapsed();
+                if self.is_hint_due(built.source, time) {
+                    log::warn!("a convex decomposition took {time:.1?}; {DEBUG_BUILD}");
+                }
                 self.complete(job, &built);
             }
             Ok(TaskOutput::Wait(key)) => {
@@ -426,16 +429,10 @@ impl Jobs {
         }
     }
 
-    /// Logs once that a debug build may be the reason why work is slow.
-    fn hint_at_debug_build(&mut self, source: HullSource, time: Duration) {
+    /// Whether to log, once, that a debug build may be the reason why work is slow.
+    fn is_hint_due(&mut self, source: HullSource, time: Duration) -> bool {
         let is_slow = source == HullSource::Decomposed && time > SLOW;
-        if cfg!(debug_assertions) && is_slow && !self.is_hint_logged {
-            self.is_hint_logged = true;
-            log::warn!(
-                "a convex decomposition took {time:.1?}; a debug build takes thirty times as long, unless Cargo.toml \
-                 has `[profile.dev.package.\"*\"]` with `opt-level = 3`"
-            );
-        }
+        cfg!(debug_assertions) && is_slow && !std::mem::replace(&mut self.is_hint_logged, true)
     }
 
     /// The first entity of a job gets what was made for it, the others share it.
@@ -550,6 +547,9 @@ impl Drop for Budget<'_> {
 
 /// Longer than any bundled model takes where the library is optimised.
 const SLOW: Duration = Duration::from_secs(5);
+
+const DEBUG_BUILD: &str = "a debug build takes thirty times as long, unless Cargo.toml has \
+                           `[profile.dev.package.\"*\"]` with `opt-level = 3`";
 
 /// Smaller steps of progress are not worth a change of the status.
 const PROGRESS_STEP: f32 = 0.01;
@@ -799,5 +799,19 @@ mod tests {
         let (nothing, attaching) = left_after(others);
         assert!(nothing.is_zero() && !attaching.is_zero() && others + attaching <= whole);
         assert_eq!(left_after(2 * whole), (nothing, attaching));
+    }
+
+    #[test]
+    fn a_slow_decomposition_of_a_debug_build_is_hinted_at_once_and_as_the_page_says() {
+        let mut jobs = Jobs::default();
+        assert!(!jobs.is_hint_due(HullSource::Decomposed, SLOW));
+        assert!(!jobs.is_hint_due(HullSource::Disk, 2 * SLOW));
+        let is_debug_build = cfg!(debug_assertions);
+        assert_eq!(jobs.is_hint_due(HullSource::Decomposed, 2 * SLOW), is_debug_build);
+        assert!(!jobs.is_hint_due(HullSource::Decomposed, 2 * SLOW));
+        let page = include_str!("../../../docs/bevy/troubleshooting.md");
+        for line in ["[profile.dev.package.\"*\"]", "opt-level = 3"] {
+            assert!(page.contains(line) && DEBUG_BUILD.contains(line), "{line}");
+        }
     }
 }

@@ -266,6 +266,15 @@ impl Complaints {
 /// What may have come below a hierarchy with all below it, or gone.
 type Moved = (Or<(Changed<ChildOf>, Added<Disabled>)>, Allow<Disabled>);
 
+/// Meshes that may be primitives now, or no longer.
+type Turned = (Changed<Transform>, With<Mesh3d>, With<ChildOf>);
+
+/// To which hierarchy a mesh belongs, and whether it has no transform of its own.
+pub(super) struct Owner {
+    root: Entity,
+    is_primitive: bool,
+}
+
 /// Hierarchies, and what is new about them.
 #[derive(SystemParam)]
 pub(super) struct Hierarchies<'w, 's> {
@@ -275,6 +284,10 @@ pub(super) struct Hierarchies<'w, 's> {
     new_meshes: Query<'w, 's, Entity, Added<Mesh3d>>,
     meshes_gone: RemovedComponents<'w, 's, Mesh3d>,
     moved: Query<'w, 's, Entity, Moved>,
+    turned: Query<'w, 's, (Entity, &'static Transform), Turned>,
+    tags_gone: RemovedComponents<'w, 's, ConvexDecomposition>,
+    baked_gone: RemovedComponents<'w, 's, BakedDecomposition>,
+    exclusions_gone: RemovedComponents<'w, 's, NoConvexDecomposition>,
     parents_gone: RemovedComponents<'w, 's, ChildOf>,
     disabled_gone: RemovedComponents<'w, 's, Disabled>,
     children: Query<'w, 's, &'static Children, Allow<Disabled>>,
@@ -282,11 +295,11 @@ pub(super) struct Hierarchies<'w, 's> {
 
 impl Hierarchies<'_, '_> {
     /// Those that are new or changed, and those to which meshes came or from which they went;
-    /// whether more came than went. `owners` is the hierarchy to which each mesh belongs.
+    /// whether more came than went.
     fn take_news(
         &mut self,
         nodes: &Nodes,
-        owners: &mut EntityHashMap<Entity>,
+        owners: &mut EntityHashMap<Owner>,
     ) -> EntityHashMap<bool> {
         let nearest = |entity: Entity| {
             let above = std::iter::once(entity).chain(nodes.parents.iter_ancestors(entity));
@@ -308,12 +321,26 @@ impl Hierarchies<'_, '_> {
         for node in moved.iter().filter(|node| nodes.tagged.contains(**node)) {
             roots.extend(nearest(*node).map(|root| (root, false)));
         }
+        // What has lost its own tag is the scene's to tag.
+        let untagged = self.tags_gone.read().chain(self.baked_gone.read());
+        for node in untagged.chain(self.exclusions_gone.read()) {
+            if !nodes.tagged.contains(node) && !nodes.own_tags.contains(node) {
+                nearest(node).map(|root| roots.entry(root).or_insert(false));
+            }
+        }
+        for (mesh, transform) in &self.turned {
+            if let Some(Owner { root, is_primitive }) = owners.get(&mesh)
+                && *is_primitive != is_identity(Some(transform))
+            {
+                roots.insert(*root, true);
+            }
+        }
         let meshes = self.new_meshes.iter().chain(self.meshes_gone.read()).chain(moved);
         for mesh in meshes {
             let now = nodes.meshes.contains(mesh).then(|| nearest(mesh)).flatten();
             let before = match now {
-                Some(_) => owners.get(&mesh).copied(),
-                None => owners.remove(&mesh),
+                Some(_) => owners.get(&mesh).map(|owner| owner.root),
+                None => owners.remove(&mesh).map(|owner| owner.root),
             };
             if let Some(root) = now {
                 roots.insert(root, true);
@@ -333,7 +360,7 @@ pub(super) fn tag_hierarchies(
     nodes: Nodes,
     descriptions: Descriptions,
     mut complaints: Local<Complaints>,
-    mut owners: Local<EntityHashMap<Entity>>,
+    mut owners: Local<EntityHashMap<Owner>>,
 ) {
     if hierarchies.all.is_empty() && owners.is_empty() {
         return;
@@ -341,7 +368,10 @@ pub(super) fn tag_hierarchies(
     for (root, has_news) in hierarchies.take_news(&nodes, &mut owners) {
         if let Ok((hierarchy, mut work)) = hierarchies.all.get_mut(root) {
             let below = nodes.on_and_below(root).into_iter();
-            owners.extend(below.filter(|of| nodes.meshes.contains(*of)).map(|mesh| (mesh, root)));
+            owners.extend(below.filter_map(|mesh| {
+                let is_primitive = is_identity(nodes.meshes.get(mesh).ok()?.1);
+                Some((mesh, Owner { root, is_primitive }))
+            }));
             let all = nodes.nodes_with_meshes(root);
             let wholes = match hierarchy.follows_artists {
                 true => Wholes::of_pieces(&nodes, &all),
@@ -496,7 +526,7 @@ impl Rules<'_, '_, '_> {
         commands: &mut Commands,
         all: Vec<Entity>,
         work: &mut HierarchyWork,
-        has_news: bool,
+        mut has_news: bool,
         complaints: &mut Complaints,
     ) {
         let Self { nodes, hierarchy, .. } = self;
@@ -523,6 +553,7 @@ impl Rules<'_, '_, '_> {
                     None => commands.try_remove::<FromBakedScene>(),
                 };
             }
+            has_news |= !nodes.tagged.contains(node);
             let is_as_before = nodes.tagged.get(node).is_ok_and(|before| before == tag.as_ref());
             match &tag {
                 Some(_) => tagged.push(node),
