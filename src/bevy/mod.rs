@@ -172,18 +172,16 @@ impl Plugin for HullwrightPlugin {
             world.contains_resource::<AssetServer>(),
             "HullwrightPlugin needs Bevy's AssetPlugin: add it, or DefaultPlugins"
         );
-        let missing = [
-            (
-                world.contains_resource::<Messages<CollisionEvent>>(),
-                "RapierPhysicsPlugin is missing: colliders are made, but nothing moves or collides",
-            ),
-            (
-                app.is_plugin_added::<TransformPlugin>(),
-                "Bevy's TransformPlugin is missing: nothing has a place in the world, and Rapier's systems fail",
-            ),
-        ];
-        for (_, text) in missing.iter().filter(|(is_there, _)| !is_there) {
-            log::warn!("{text}; add it beside HullwrightPlugin");
+        if !world.contains_resource::<Messages<CollisionEvent>>() {
+            log::warn!(
+                "RapierPhysicsPlugin is missing: colliders are made, but nothing moves or collides"
+            );
+        }
+        if !app.is_plugin_added::<TransformPlugin>() {
+            log::warn!(
+                "Bevy's TransformPlugin is missing: nothing has a place in the world, and Rapier's \
+                 systems fail"
+            );
         }
     }
 }

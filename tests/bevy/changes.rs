@@ -380,23 +380,83 @@ fn the_games_collider_in_place_of_the_plugins_stays_and_one_that_it_removes_come
 }
 
 #[test]
-fn an_animated_scale_is_followed_within_a_frame() {
+fn an_animated_scale_is_followed_in_the_same_frame_and_that_of_a_parent_in_the_next() {
     let (mut app, mesh) = with_mesh(app(), model("u_prism"));
-    let entity = finish(&mut app, &mesh, ());
-    let (before, density) = (bounds(&app, entity).1, mass(&app, entity).mass);
-    let mut last = 1.0;
-    for step in 0..60 {
-        let scale = 1.0 + (step as f32 / 5.0).sin() / 2.0;
-        set_scale(&mut app, entity, Vec3::splat(scale));
-        app.update();
-        let found = bounds(&app, entity).1.y / before.y;
-        let is_near = |scale: f32| (found - scale).abs() < 1e-2;
-        assert!(is_near(scale) || is_near(last), "{found} is neither {scale} nor {last}");
-        last = scale;
+    let above = app.put(Transform::default());
+    for (is_below, lateness) in [(false, 0), (true, 1)] {
+        let entity = finish(&mut app, &mesh, ());
+        let scaled = if is_below { above } else { entity };
+        if is_below {
+            app.edit(entity).insert(ChildOf(above));
+            settle(&mut app);
+        }
+        let events = ready(&app).len();
+        let (before, density) = (bounds(&app, entity).1, mass(&app, entity).mass);
+        let mut scales = vec![1.0; 2];
+        for step in 0..60 {
+            let scale = 1.0 + (step as f32 / 5.0).sin() / 2.0;
+            scales.push(scale);
+            set_scale(&mut app, scaled, Vec3::splat(scale));
+            app.update();
+            let found = bounds(&app, entity).1.y / before.y;
+            let is_near = |scale: &f32| (found - scale).abs() < 1e-2;
+            let last = &scales[scales.len() - 1 - lateness..];
+            assert!(last.iter().any(is_near), "{found} is none of {last:?}");
+            let handle = app.get::<RapierColliderHandle>(entity).unwrap().0;
+            let world = app.world_mut();
+            let set = world.query::<&RapierContextColliders>().single(world).unwrap();
+            let in_rapier = set.colliders[handle].shape().compute_local_aabb().maxs;
+            assert_near(in_rapier, bounds(&app, entity).1, 1e-3);
+        }
+        let now = bounds(&app, entity).1.y / before.y;
+        assert!((mass(&app, entity).mass / density / now.powi(3) - 1.0).abs() < 2e-2);
+        assert_eq!(app.get::<ColliderScale>(entity), Some(&ColliderScale::Absolute(Vec3::ONE)));
+        // No event for each frame, and one in the end.
+        assert!(ready(&app).len() <= events + 1, "{}", ready(&app).len() - events);
     }
-    let now = bounds(&app, entity).1.y / before.y;
-    assert!((mass(&app, entity).mass / density / now.powi(3) - 1.0).abs() < 2e-2);
-    assert_eq!(app.get::<ColliderScale>(entity), Some(&ColliderScale::Absolute(Vec3::ONE)));
-    // No event for each frame, and one in the end.
-    assert!(ready(&app).len() <= 2, "{}", ready(&app).len());
+}
+
+#[test]
+fn where_a_frame_has_no_time_for_all_those_that_have_waited_longest_follow_first() {
+    let scale_delay = std::time::Duration::from_secs(3600);
+    let settings = HullwrightSettings { scale_delay, ..sliced() };
+    let (mut app, mesh) = with_mesh(app_with(settings), model("u_prism"));
+    let all = [0; 4].map(|_| finish(&mut app, &mesh, ()));
+    let height = |app: &App, entity: Entity| bounds(app, entity).1.y;
+    let before = height(&app, all[0]);
+    all.iter().for_each(|entity| set_scale(&mut app, *entity, Vec3::splat(2.0)));
+    for frame in 1..=all.len() {
+        // One that pulses on keeps none of the others from their turn.
+        set_scale(&mut app, all[0], Vec3::splat(2.0 + 0.1 * frame as f32));
+        app.update();
+        let have_followed = all.iter().filter(|of| height(&app, **of) > 1.9 * before).count();
+        assert_eq!(have_followed, frame);
+    }
+}
+
+#[test]
+fn faces_of_hulls_that_follow_a_stretch_keep_normals_at_right_angles_to_them() {
+    let scale_delay = std::time::Duration::from_secs(3600);
+    let settings = HullwrightSettings { scale_delay, ..default() };
+    let (mut app, mesh) = with_mesh(app_with(settings), model("torus"));
+    let entity = finish(&mut app, &mesh, ());
+    let before = bounds(&app, entity).1;
+    set_scale(&mut app, entity, Vec3::new(1.0, 4.0, 2.0));
+    app.update();
+    assert_near(bounds(&app, entity).1, before * Vec3::new(1.0, 4.0, 2.0), 1e-2);
+    let shape = &collider(&app, entity).raw;
+    for (_, part) in shape.as_compound().unwrap().shapes() {
+        let hull = part.as_convex_polyhedron().unwrap();
+        for face in hull.faces() {
+            let first = face.first_vertex_or_edge as usize;
+            let count = face.num_vertices_or_edges as usize;
+            let corners = &hull.vertices_adj_to_face()[first..first + count];
+            let points: Vec<Vec3> =
+                corners.iter().map(|corner| hull.points()[*corner as usize]).collect();
+            for edge in points.windows(2).map(|pair| pair[1] - pair[0]) {
+                let cosine = edge.normalize_or_zero().dot(face.normal);
+                assert!(cosine.abs() < 0.05, "{cosine}");
+            }
+        }
+    }
 }

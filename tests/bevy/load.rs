@@ -128,8 +128,11 @@ impl RandomWorld {
         let x = self.random.below(4) as f32;
         let turn = Quat::from_rotation_y(self.random.below(3) as f32);
         let scale = Vec3::splat(self.random.size());
-        // Never the identity, by which primitives of one mesh are known.
-        Transform { translation: Vec3::new(x, 1.0, 0.0), rotation: turn, scale }
+        match self.random.below(4) {
+            // By which primitives of one mesh are known.
+            0 => Transform::IDENTITY,
+            _ => Transform { translation: Vec3::new(x, 1.0, 0.0), rotation: turn, scale },
+        }
     }
 
     fn tag(&mut self) -> ConvexDecomposition {
@@ -251,9 +254,7 @@ impl RandomWorld {
                 let tag = self.app.get::<ConvexDecomposition>(entity).cloned().expect("a tag");
                 self.app.edit(entity).insert(tag);
             }
-            // What has no tag of its own any more is left alone by a scene, until something else
-            // changes there.
-            13 if is_tagged && !self.is_in_scene(entity) => {
+            13 if is_tagged => {
                 _ = self.app.edit(entity).remove::<(ConvexDecomposition, TaggedByGame)>();
             }
             13 if self.app.get::<ConvexDecomposition>(entity).is_none() => {
@@ -271,8 +272,8 @@ impl RandomWorld {
                 *assets.get_mut(&self.meshes[number]).expect("a mesh") = mesh;
             }
             16 => {
-                let x = self.random.below(4) as f32;
-                self.app.change::<Transform>(entity).translation.x = x;
+                let place = self.transform();
+                *self.app.change::<Transform>(entity) = place;
             }
             17 => match self.random.below(3) {
                 0 if has_mesh => _ = self.app.edit(entity).remove::<(Mesh3d, MeshNumber)>(),

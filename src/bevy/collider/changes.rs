@@ -58,17 +58,22 @@ impl Owners<'_, '_> {
     }
 }
 
-/// What makes a part of an input another, or none.
-type ChangedPart = Or<(Changed<Mesh3d>, Changed<Children>, Added<NoConvexDecomposition>)>;
-
-/// What also concerns all below: bodies decide what moves, and where colliders are.
-type ChangedAbove = Or<(Changed<RigidBody>, Changed<ChildOf>, Added<Sensor>, Added<Disabled>)>;
+/// Entities where something came or changed, also disabled ones. One query for each component:
+/// all rows of all tables are looked at in each frame, and `Or` takes several times as long.
+type New<'w, 's, F> = Query<'w, 's, Entity, (F, Allow<Disabled>)>;
 
 /// What came, changed or went above and below tagged entities.
 #[derive(SystemParam)]
 pub(crate) struct Structure<'w, 's> {
-    parts: Query<'w, 's, Entity, (ChangedPart, Allow<Disabled>)>,
-    above: Query<'w, 's, Entity, (ChangedAbove, Allow<Disabled>)>,
+    // What makes a part of an input another, or none.
+    meshes: New<'w, 's, Changed<Mesh3d>>,
+    children: New<'w, 's, Changed<Children>>,
+    exclusions: New<'w, 's, Added<NoConvexDecomposition>>,
+    // What also concerns all below: bodies decide what moves, and where colliders are.
+    bodies: New<'w, 's, Changed<RigidBody>>,
+    parents: New<'w, 's, Changed<ChildOf>>,
+    sensors: New<'w, 's, Added<Sensor>>,
+    disabled: New<'w, 's, Added<Disabled>>,
     meshes_gone: RemovedComponents<'w, 's, Mesh3d>,
     children_gone: RemovedComponents<'w, 's, Children>,
     exclusions_gone: RemovedComponents<'w, 's, NoConvexDecomposition>,
@@ -79,6 +84,7 @@ pub(crate) struct Structure<'w, 's> {
     parents_gone: RemovedComponents<'w, 's, ChildOf>,
     sensors_gone: RemovedComponents<'w, 's, Sensor>,
     disabled_gone: RemovedComponents<'w, 's, Disabled>,
+    colliders_gone: RemovedComponents<'w, 's, Collider>,
 }
 
 /// Marks entities whose tag or surroundings changed; those with a new tag start.
@@ -89,18 +95,22 @@ pub(crate) fn detect_tags(
     owners: Owners,
     mut outcomes: Outcomes,
 ) {
-    let above = structure.above.iter().chain(structure.bodies_gone.read());
+    let above = structure.bodies.iter().chain(&structure.parents).chain(&structure.sensors);
+    let above = above.chain(&structure.disabled).chain(structure.bodies_gone.read());
     let above = above.chain(structure.parents_gone.read()).chain(structure.sensors_gone.read());
     for entity in above.chain(structure.disabled_gone.read()) {
         work.unfinished.marked.extend(owners.of(entity).chain(owners.below(entity)));
     }
-    let parts = structure.parts.iter().chain(structure.meshes_gone.read());
+    let parts = structure.meshes.iter().chain(&structure.children).chain(&structure.exclusions);
+    let parts = parts.chain(structure.meshes_gone.read());
     let parts = parts.chain(structure.children_gone.read()).chain(structure.exclusions_gone.read());
     let parts = parts.chain(structure.tags_gone.read()).chain(structure.baked_gone.read());
     let changed_entities = changed.iter().map(|(entity, _)| entity);
     for entity in parts.chain(structure.scenes_gone.read()).chain(changed_entities) {
         work.unfinished.marked.extend(owners.of(entity));
     }
+    let colliders = structure.colliders_gone.read();
+    work.unfinished.marked.extend(colliders.filter(|entity| owners.tagged.contains(*entity)));
     for (entity, (tag, baked)) in &changed {
         if tag.is_some_and(|tag| tag.is_added()) || baked.is_some_and(|baked| baked.is_added()) {
             work.restart(entity);
@@ -118,16 +128,6 @@ pub(super) fn on_collider(
     if before.get(inserted.entity).is_ok_and(|before| before.has_games_collider()) {
         work.unfinished.marked.insert(inserted.entity);
     }
-}
-
-/// Colliders that went.
-pub(super) fn detect_colliders(
-    mut work: Work,
-    mut gone: RemovedComponents<Collider>,
-    owners: Owners,
-) {
-    let gone = gone.read().filter(|entity| owners.tagged.contains(*entity));
-    work.unfinished.marked.extend(gone);
 }
 
 /// Meshes or baked scenes whose content came or changed.
@@ -162,6 +162,7 @@ pub(super) fn detect_assets<A: Asset>(
 }
 
 type WithScale = (
+    Entity,
     Ref<'static, Transform>,
     &'static GlobalTransform,
     Has<ChildOf>,
@@ -170,20 +171,24 @@ type WithScale = (
     Option<&'static TooSmallAt>,
 );
 
-/// Untagged colliders are no longer ours. A transform of its own counts in this frame, those above
-/// it once Bevy has propagated them.
-type MovedAndTagged = (Or<(Changed<Transform>, Changed<GlobalTransform>)>, Tagged);
+/// Untagged colliders are no longer ours.
+type Moved = (Changed<Transform>, Without<ChildOf>, Tagged);
+
+/// A transform of its own counts in this frame, those above it once Bevy has propagated them.
+type MovedBelow = (Or<(Changed<Transform>, Changed<GlobalTransform>)>, With<ChildOf>, Tagged);
 
 /// Scales that changed: colliders follow them, and are made anew once they have not changed for a
 /// while.
 pub(super) fn detect_scales(
     mut work: Work,
-    moved: Query<(Entity, WithScale), MovedAndTagged>,
+    moved: Query<WithScale, Moved>,
+    moved_below: Query<WithScale, MovedBelow>,
     placements: Placements,
 ) {
-    for (entity, (transform, global, is_below, own, failed, small)) in &moved {
+    let all = moved.iter().chain(&moved_below);
+    for (entity, transform, global, is_below, own, failed, small) in all {
         let present = match (is_below, transform.is_changed()) {
-            (false, _) => Stretch::of(&GlobalTransform::from(*transform), [false; 3]),
+            (false, _) => Stretch::of_scale(transform.scale),
             (true, false) => placements.stretch_of(entity, global),
             (true, true) => placements.stretch(entity),
         };
@@ -209,9 +214,11 @@ pub(super) fn detect_scales(
 
 type MovedPart = (Changed<Transform>, With<ChildOf>, Without<RigidBody>);
 
-/// Parts that moved relative to their tag: the collider is made anew once they rest.
+/// Parts that moved relative to their tag: the collider is made anew once they rest, and so are
+/// colliders whose scale does.
 pub(super) fn detect_moved_parts(
     mut work: Work,
+    settings: Res<HullwrightSettings>,
     moved: Query<(Entity, &Transform), MovedPart>,
     owners: Owners,
     placements: Placements,
@@ -230,10 +237,6 @@ pub(super) fn detect_moved_parts(
             }
         }
     }
-}
-
-/// What has moved and rests.
-pub(super) fn mark_resting(mut work: Work, settings: Res<HullwrightSettings>) {
     work.unfinished.mark_resting(settings.scale_delay);
 }
 

@@ -2,21 +2,18 @@
 //! the scale rests they are made anew, so that no error adds up.
 
 use bevy::ecs::query::QueryData;
-use bevy::math::Affine3A;
 use bevy::prelude::*;
-use bevy_rapier3d::prelude::{Collider, ColliderMassProperties};
-use bevy_rapier3d::rapier::geometry::SharedShape;
-use bevy_rapier3d::rapier::math::Pose;
-use bevy_rapier3d::rapier::parry::shape::{Ball, Capsule, TypedShape};
+use bevy_rapier3d::prelude::{
+    Collider, ColliderMassProperties, RapierColliderHandle, RapierContextColliders,
+    RapierContextEntityLink,
+};
 
 use super::changes::Tagged;
+use super::moved::moved;
 use super::placement::Placements;
 use super::wake::Sleepers;
 use super::work::{AttachedCollider, OwnCollider, OwnMass, Work};
 use crate::bevy::jobs::Frame;
-
-/// A larger triangle mesh takes more time than a frame has, and waits until its scale rests.
-const MOST_TRIANGLES: usize = 5_000;
 
 /// A collider that may follow.
 #[derive(QueryData)]
@@ -27,6 +24,7 @@ pub(super) struct Follower {
     attached: Option<&'static AttachedCollider>,
     mass: Option<&'static mut ColliderMassProperties>,
     own_mass: Option<&'static mut OwnMass>,
+    in_rapier: Option<(&'static RapierColliderHandle, &'static RapierContextEntityLink)>,
 }
 
 /// Gives colliders the scales that their entities have. What the frame's budget is too short for
@@ -36,6 +34,7 @@ pub(super) fn follow_scales(
     Frame { mut time, settings }: Frame,
     placements: Placements,
     mut followers: Query<Follower, Tagged>,
+    mut sets: Query<&mut RapierContextColliders>,
     mut sleepers: Sleepers,
 ) {
     let mut budget = time.attaching_budget(&settings);
@@ -46,7 +45,7 @@ pub(super) fn follow_scales(
     {
         done += 1;
         if let Ok(follower) = followers.get_mut(entity)
-            && follow(entity, follower, &placements) == Some(())
+            && follow(entity, follower, &placements, &mut sets) == Some(())
         {
             sleepers.wake(&placements, entity);
         }
@@ -54,7 +53,12 @@ pub(super) fn follow_scales(
     all.drain(..done);
 }
 
-fn follow(entity: Entity, mut follower: FollowerItem, placements: &Placements) -> Option<()> {
+fn follow(
+    entity: Entity,
+    mut follower: FollowerItem,
+    placements: &Placements,
+    sets: &mut Query<&mut RapierContextColliders>,
+) -> Option<()> {
     let own = &mut *follower.own;
     // One that the game has put in its place is its own.
     if !own.is(&follower.collider, None) {
@@ -62,71 +66,38 @@ fn follow(entity: Entity, mut follower: FollowerItem, placements: &Placements) -
     }
     let place = placements.placement(entity);
     let shape = moved(&own.made, &(place.map * own.made_map.inverse()))?;
-    *follower.collider = Collider::from(shape.clone());
-    (own.shape, own.stretch) = (shape, place.stretch);
-    if let Some(mass) = &mut follower.mass
-        && let Some(own_mass) = &mut follower.own_mass
-        && OwnMass::owns(Some(own_mass), Some(mass))
+    (own.shape, own.stretch) = (shape.clone(), place.stretch);
+    // Rapier's own collider is written to: where bevy_rapier sees a change it computes the volume
+    // and the density anew, which takes twice as long as to scale.
+    let mut set = follower.in_rapier.and_then(|(_, context)| sets.get_mut(context.0).ok());
+    let handle = follower.in_rapier.map(|(handle, _)| handle.0);
+    let in_rapier = set.as_mut().zip(handle);
+    // A clone may have the handle of the original.
+    let in_rapier = in_rapier.filter(|(set, of)| set.collider_entity(*of) == Some(entity));
+    let mut in_rapier = in_rapier.and_then(|(set, handle)| set.colliders.get_mut(handle));
+    let collider = match &mut in_rapier {
+        Some(in_rapier) => {
+            in_rapier.set_shape(shape.clone());
+            follower.collider.bypass_change_detection()
+        }
+        None => &mut *follower.collider,
+    };
+    *collider = Collider::from(shape);
+    if let Some(mut mass) = follower.mass
+        && let Some(mut own_mass) = follower.own_mass
+        && OwnMass::owns(Some(&own_mass), Some(&mass))
         && let Some(attached) = follower.attached
         && let Ok(Some(present)) = own.weigh(attached.requested.weight, &place.map)
     {
-        (**mass, own_mass.0) = (present, present);
+        own_mass.0 = present;
+        let mass = match (in_rapier, present) {
+            (Some(in_rapier), ColliderMassProperties::MassProperties(properties)) => {
+                in_rapier.set_mass_properties(properties.into_rapier());
+                mass.bypass_change_detection()
+            }
+            _ => &mut *mass,
+        };
+        *mass = present;
     }
     Some(())
-}
-
-/// A shape whose points are moved by a map; `None` where it has none, or that takes too long.
-/// O(points).
-pub(super) fn moved(shape: &SharedShape, map: &Affine3A) -> Option<SharedShape> {
-    let matrix = map.matrix3;
-    if !(map.is_finite() && matrix.determinant().is_normal()) {
-        return None;
-    }
-    let scale = Vec3::new(matrix.x_axis.x, matrix.y_axis.y, matrix.z_axis.z);
-    match scale.min_element() > 0.0 && *map == Affine3A::from_scale(scale) {
-        true => scaled(shape, scale),
-        false => mapped(shape, map),
-    }
-}
-
-fn scaled(shape: &SharedShape, scale: Vec3) -> Option<SharedShape> {
-    let uniform = (scale.x == scale.y && scale.y == scale.z).then_some(scale.x);
-    Some(match shape.as_typed_shape() {
-        TypedShape::ConvexPolyhedron(hull) => SharedShape::new(hull.clone().scaled(scale)?),
-        TypedShape::TriMesh(mesh) if mesh.indices().len() <= MOST_TRIANGLES => {
-            SharedShape::new(mesh.clone().scaled(scale))
-        }
-        TypedShape::Cuboid(cuboid) => SharedShape::new(cuboid.scaled(scale)),
-        TypedShape::Ball(Ball { radius }) => SharedShape::ball(radius * uniform?),
-        TypedShape::Capsule(Capsule { segment, radius }) => {
-            let factor = uniform?;
-            SharedShape::capsule(segment.a * factor, segment.b * factor, radius * factor)
-        }
-        TypedShape::Compound(parts) => {
-            let part = |(pose, part): &(Pose, SharedShape)| {
-                // What is turned would be sheared.
-                if pose.rotation != Pose::IDENTITY.rotation {
-                    uniform?;
-                }
-                let pose = Pose { translation: pose.translation * scale, ..*pose };
-                Some((pose, scaled(part, scale)?))
-            };
-            SharedShape::compound(parts.shapes().iter().map(part).collect::<Option<_>>()?)
-        }
-        _ => return None,
-    })
-}
-
-/// By hulls of the moved points.
-fn mapped(shape: &SharedShape, map: &Affine3A) -> Option<SharedShape> {
-    let one = [(Pose::IDENTITY, shape.clone())];
-    let parts = shape.as_compound().map_or(&one[..], |compound| compound.shapes());
-    let points = |(pose, part): &(Pose, SharedShape)| -> Option<Vec<[f64; 3]>> {
-        let place = |point: &Vec3| {
-            map.transform_point3(pose.transform_point(*point)).to_array().map(f64::from)
-        };
-        Some(part.as_convex_polyhedron()?.points().iter().map(place).collect())
-    };
-    let hulls: Vec<Vec<[f64; 3]>> = parts.iter().map(points).collect::<Option<_>>()?;
-    crate::rapier::shape_from_points(&hulls, [1.0; 3]).ok()
 }

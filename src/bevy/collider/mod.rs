@@ -3,6 +3,7 @@
 
 pub(super) mod changes;
 mod follow;
+mod moved;
 pub(super) mod placement;
 pub(super) mod resolve;
 mod skins;
@@ -25,8 +26,8 @@ use bevy_rapier3d::prelude::{
 };
 
 use self::changes::{
-    LoneScene, detect_assets, detect_colliders, detect_moved_parts, detect_scales, detect_tags,
-    drop_far, mark_resting, on_collider, on_untag, start_near,
+    LoneScene, detect_assets, detect_moved_parts, detect_scales, detect_tags, drop_far,
+    on_collider, on_untag, start_near,
 };
 use self::follow::follow_scales;
 use self::placement::{Placements, Stretch, maps_differ};
@@ -74,12 +75,10 @@ impl Plugin for ColliderPlugin {
                 set_dispatcher.in_set(HullwrightSystems::DetectChanges),
                 (
                     detect_tags,
-                    detect_colliders,
                     detect_assets::<Mesh>,
                     detect_assets::<BakedScene>,
                     detect_scales,
                     detect_moved_parts,
-                    mark_resting,
                     #[cfg(feature = "bevy_gltf")]
                     changes::detect_shown
                         .run_if(|settings: Res<HullwrightSettings>| settings.skip.hidden),
@@ -114,8 +113,7 @@ impl Plugin for ColliderPlugin {
                 warn_of_skins
                     .after(CollidersAttached)
                     .in_set(HullwrightSystems::Attach)
-                    .run_if(any_with_component::<SkinnedMesh>)
-                    .run_if(any_match_filter::<Added<AttachedCollider>>),
+                    .run_if(any_with_component::<SkinnedMesh>),
                 changes::warn_of_lone_scenes
                     .in_set(HullwrightSystems::Attach)
                     .run_if(any_match_filter::<LoneScene>),

@@ -43,6 +43,13 @@ const KEPT_BITS: u32 = 13;
 const MANTISSA_BITS: u32 = 23;
 
 impl Stretch {
+    /// The same as [`of`](Self::of) where nothing is above.
+    pub(super) fn of_scale(scale: Vec3) -> Self {
+        let Vec3 { x, y, z } = scale;
+        let products = [x * x, y * y, z * z, 0.0, 0.0, 0.0];
+        Self { products, is_mirrored: x * y * z < 0.0, signs: [false; 3] }
+    }
+
     pub(super) fn of(transform: &GlobalTransform, signs: [bool; 3]) -> Self {
         let matrix = transform.affine().matrix3;
         let Mat3A { x_axis: x, y_axis: y, z_axis: z } = matrix;
@@ -62,6 +69,10 @@ impl Stretch {
 
     /// Whether two transforms differ in scale by more than rounding errors.
     pub(super) fn differs(&self, other: &Self) -> bool {
+        // As it is with almost all that move.
+        if self == other {
+            return false;
+        }
         let [x, y, z, ..] = self.products;
         // Products of lengths: twice the relative error of the lengths.
         let sizes = [x, y, z, (x * y).sqrt(), (x * z).sqrt(), (y * z).sqrt()];
@@ -167,7 +178,7 @@ impl Placements<'_, '_> {
 
     pub(super) fn placement(&self, entity: Entity) -> Placement {
         let global = self.global_transform(entity);
-        let stretch = self.stretch_of(entity, &global);
+        let stretch = self.stretch(entity);
         let map = match self.body(entity) {
             Some((body, _)) if body != entity => {
                 let body_scale = without_rotation(&self.global_transform(body));
@@ -182,7 +193,10 @@ impl Placements<'_, '_> {
 
     /// The scale that an entity has now, also before Bevy propagates it.
     pub(super) fn stretch(&self, entity: Entity) -> Stretch {
-        self.stretch_of(entity, &self.global_transform(entity))
+        match (self.parents.contains(entity), self.transforms.get(entity)) {
+            (false, Ok(transform)) => Stretch::of_scale(transform.scale),
+            _ => self.stretch_of(entity, &self.global_transform(entity)),
+        }
     }
 
     /// The same where the transform is known.

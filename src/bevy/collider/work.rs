@@ -16,7 +16,7 @@ use bevy_rapier3d::prelude::{
 };
 use bevy_rapier3d::rapier::geometry::SharedShape;
 
-use super::follow::moved;
+use super::moved::moved;
 use super::placement::{Placement, Stretch, maps_differ};
 use crate::MassProperties;
 use crate::bevy::jobs::Jobs;

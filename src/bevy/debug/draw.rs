@@ -157,22 +157,6 @@ struct Pen<'w, 's> {
     left: usize,
 }
 
-/// The corners of a box of side 1 around the origin, by the bits of their number, and its edges.
-const BOX_EDGES: [[usize; 2]; 12] = [
-    [0, 1],
-    [2, 3],
-    [4, 5],
-    [6, 7],
-    [0, 2],
-    [1, 3],
-    [4, 6],
-    [5, 7],
-    [0, 4],
-    [1, 5],
-    [2, 6],
-    [3, 7],
-];
-
 /// Sides of the polygon that stands for a circle.
 const CIRCLE: usize = 24;
 
@@ -184,13 +168,16 @@ impl Pen<'_, '_> {
         }
     }
 
+    /// A box of side 1 around the origin, whose corners are numbered by the bits of their sides.
     fn unit_box(&mut self, to_world: &Affine3A, colour: Color) {
         let side = |index: usize, bit: usize| if index >> bit & 1 == 1 { 0.5 } else { -0.5 };
         let corner = |index| {
             to_world.transform_point3(Vec3::new(side(index, 0), side(index, 1), side(index, 2)))
         };
-        for [a, b] in BOX_EDGES {
-            self.line(corner(a), corner(b), colour);
+        for (a, bit) in
+            (0..8).flat_map(|a| [(a, 1), (a, 2), (a, 4)]).filter(|(a, bit)| a & bit == 0)
+        {
+            self.line(corner(a), corner(a | bit), colour);
         }
     }
 

@@ -11,10 +11,10 @@ use bevy::prelude::*;
 use super::cache::ColliderGeometry;
 use super::request::{ContentKey, MeshData};
 use crate::Method;
-use crate::bevy::tag::DEFAULT_DENSITY;
 use crate::bevy::tag::outcomes::{DecompositionError, DecompositionStatus};
 use crate::bevy::tag::parameters::Goal;
 use crate::bevy::tag::template::template_like_default;
+use crate::bevy::tag::{DEFAULT_DENSITY, setters};
 use crate::hulls_format::{BakedMesh, BakedTriangles, HullScene, HullsFileError, SceneLookup};
 
 /// Gives the entity a collider of baked hulls, without a look at any mesh. They are in the mesh's own space, so it
@@ -69,27 +69,15 @@ impl BakedDecomposition {
     pub fn new(scene: Handle<BakedScene>) -> Self {
         Self { scene, mesh: None, density: DEFAULT_DENSITY, mass: None }
     }
+}
 
+setters! { BakedDecomposition:
     /// The same of the mesh with this name.
-    #[must_use]
-    pub fn with_mesh(mut self, mesh: impl Into<String>) -> Self {
-        self.mesh = Some(mesh.into());
-        self
-    }
-
+    with_mesh(mesh: impl Into<String>) = Some(mesh.into());
     /// The same with another density.
-    #[must_use]
-    pub fn with_density(mut self, density: f32) -> Self {
-        self.density = density;
-        self
-    }
-
+    with_density(density: f32) = density;
     /// The same with a mass of the whole, or with `None` again a density.
-    #[must_use]
-    pub fn with_mass(mut self, mass: impl Into<Option<f32>>) -> Self {
-        self.mass = mass.into();
-        self
-    }
+    with_mass(mass: impl Into<Option<f32>>) = mass.into();
 }
 
 /// Why a baked file or a recipe could not be loaded, or a baked file not saved.

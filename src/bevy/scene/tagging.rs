@@ -129,12 +129,19 @@ type Extras = (
 );
 
 impl Nodes<'_, '_> {
+    fn children_of(&self, node: Entity) -> impl Iterator<Item = Entity> {
+        self.children.get(node).into_iter().flatten().copied()
+    }
+
+    fn meshes_right_below(&self, node: Entity) -> impl Iterator<Item = Entity> {
+        self.children_of(node).filter(|child| self.meshes.contains(*child))
+    }
+
     /// All of a scene. What is below another hierarchy is that one's.
     fn on_and_below(&self, root: Entity) -> Vec<Entity> {
         let (mut all, mut next) = (vec![root], 0);
         while let Some(entity) = all.get(next) {
-            let children = self.children.get(*entity).into_iter().flatten().copied();
-            all.extend(children.filter(|child| !self.hierarchies.contains(*child)));
+            all.extend(self.children_of(*entity).filter(|it| !self.hierarchies.contains(*it)));
             next += 1;
         }
         all
@@ -173,9 +180,7 @@ impl Nodes<'_, '_> {
     /// Whether the meshes right below are the primitives of one glTF mesh, whose name they have then,
     /// and not meshes of their own.
     fn is_gltf_node(&self, entity: Entity) -> bool {
-        let children = self.children.get(entity).into_iter().flatten().copied();
-        let meshes = children.filter(|child| self.meshes.contains(*child));
-        let mut names = meshes.map(|mesh| self.mesh_name(mesh));
+        let mut names = self.meshes_right_below(entity).map(|mesh| self.mesh_name(mesh));
         let Some(Some(first)) = names.next() else { return false };
         names.all(|name| name == Some(first))
     }
@@ -183,17 +188,14 @@ impl Nodes<'_, '_> {
     /// The node's own name, and the one that its primitives have of their mesh.
     pub(super) fn names_of(&self, node: Entity) -> [Option<&str>; 2] {
         let own = self.names.get(node).ok().map(Name::as_str);
-        let primitives = self.children.get(node).into_iter().flatten().copied();
-        let mut entities = std::iter::once(node).chain(primitives);
+        let mut entities = std::iter::once(node).chain(self.children_of(node));
         [own, entities.find_map(|entity| self.mesh_name(entity))]
     }
 
     /// The extras of a node, of its mesh, and of its primitives.
     #[cfg(feature = "bevy_gltf")]
     pub(super) fn extras_of(&self, node: Entity) -> impl Iterator<Item = &str> {
-        let children = self.children.get(node).into_iter().flatten().copied();
-        let primitives = children.filter(|child| self.meshes.contains(*child));
-        let with_extras = std::iter::once(node).chain(primitives);
+        let with_extras = std::iter::once(node).chain(self.meshes_right_below(node));
         with_extras.filter_map(|entity| self.extras.get(entity).ok()).flat_map(
             |(of_node, of_mesh, _)| {
                 let texts = [of_node.map(|of| &of.value), of_mesh.map(|of| &of.value)];
@@ -213,8 +215,7 @@ impl Nodes<'_, '_> {
 
     /// Whether a node is a coarser level of detail, by itself or by all its primitives.
     fn is_coarser_level(&self, node: Entity) -> bool {
-        let children = self.children.get(node).into_iter().flatten().copied();
-        let mut primitives = children.filter(|child| self.meshes.contains(*child)).peekable();
+        let mut primitives = self.meshes_right_below(node).peekable();
         self.levels.is_coarser(node)
             || primitives.peek().is_some()
                 && !self.meshes.contains(node)
@@ -224,10 +225,9 @@ impl Nodes<'_, '_> {
     /// Hides the meshes of a node, or shows those that were hidden.
     #[cfg(feature = "bevy_gltf")]
     pub(super) fn show(&self, commands: &mut Commands, node: Entity, is_drawn: bool) {
-        let children = self.children.get(node).into_iter().flatten().copied();
         // What else is below the node stays as it is.
         let is_mesh = |entity: &Entity| self.meshes.contains(*entity);
-        let primitives = children.filter(|child| {
+        let primitives = self.children_of(node).filter(|child| {
             self.meshes.get(*child).is_ok_and(|(_, transform)| is_identity(transform))
         });
         for mesh in std::iter::once(node).filter(is_mesh).chain(primitives) {

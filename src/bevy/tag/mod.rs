@@ -189,8 +189,8 @@ impl Default for ConvexDecomposition {
 
 /// Setters: the same tag with another value in one field.
 macro_rules! setters {
-    ($($(#[doc = $doc:literal])* $setter:ident($field:ident: $type:ty) = $value:expr;)*) => {
-        impl ConvexDecomposition {
+    ($tag:ident: $($(#[doc = $doc:literal])* $setter:ident($field:ident: $type:ty) = $value:expr;)*) => {
+        impl $tag {
             $($(#[doc = $doc])*
             #[must_use]
             pub fn $setter(mut self, $field: $type) -> Self {
@@ -201,7 +201,9 @@ macro_rules! setters {
     };
 }
 
-setters! {
+pub(crate) use setters;
+
+setters! { ConvexDecomposition:
     /// The same within another bound. A number is a share of the mesh's diagonal.
     with_max_error(max_error: impl Into<MaxError>) = max_error.into();
     /// The same with more or less work.
