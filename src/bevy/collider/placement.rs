@@ -231,7 +231,9 @@ impl Placements<'_, '_> {
 /// The linear part of a transform in the frame of the rotation that Rapier takes from it.
 fn without_rotation(transform: &GlobalTransform) -> Mat3A {
     let (_, rotation, _) = transform.to_scale_rotation_translation();
-    Mat3A::from_quat(rotation.inverse()) * transform.affine().matrix3
+    let matrix = transform.affine().matrix3;
+    // A scale of zero has no rotation.
+    if rotation.is_finite() { Mat3A::from_quat(rotation.inverse()) * matrix } else { matrix }
 }
 
 /// Removes rounding errors, so that equal scales have equal maps.

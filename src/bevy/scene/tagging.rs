@@ -324,8 +324,11 @@ impl Hierarchies<'_, '_> {
         // What has lost its own tag is the scene's to tag.
         let untagged = self.tags_gone.read().chain(self.baked_gone.read());
         for node in untagged.chain(self.exclusions_gone.read()) {
-            if !nodes.tagged.contains(node) && !nodes.own_tags.contains(node) {
-                nearest(node).map(|root| roots.entry(root).or_insert(false));
+            if !nodes.tagged.contains(node)
+                && !nodes.own_tags.contains(node)
+                && let Some(root) = nearest(node)
+            {
+                roots.entry(root).or_insert(false);
             }
         }
         for (mesh, transform) in &self.turned {
