@@ -26,4 +26,4 @@ mod tree;
 mod winding_number;
 
 pub(crate) use hierarchy::{Bvh, INSIDE, Slab, closest_labels, closest_triangles};
-pub(crate) use rays::SLOPES;
+pub(crate) use rays::{Hit, SLOPES};

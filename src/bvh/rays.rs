@@ -138,16 +138,36 @@ impl Bvh {
         start: f64,
         mut counts: impl FnMut(u32, bool) -> bool,
     ) -> Option<Hit> {
+        let mut best: Option<Hit> = None;
+        let mut end = f64::INFINITY;
+        self.visit_hits([origin, direction], start, |hit| {
+            let is_nearer = best
+                .is_none_or(|best| (hit.distance, hit.triangle) < (best.distance, best.triangle));
+            if is_nearer && counts(hit.triangle, hit.is_back) {
+                (best, end) = (Some(hit), hit.distance);
+            }
+            end
+        });
+        best
+    }
+
+    /// Calls `visit` for triangles beyond `start` along a ray, in no order, as far as it says after each.
+    pub(crate) fn visit_hits(
+        &self,
+        [origin, direction]: [Vector; 2],
+        start: f64,
+        mut visit: impl FnMut(Hit) -> f64,
+    ) {
         let tree = &self.tree;
         let ray = Ray::new(tree, origin, direction, start);
-        let mut best: Option<Hit> = None;
+        let mut end = f64::INFINITY;
         let mut stack = [(0.0_f32, EMPTY); STACK];
         let mut top = 1;
         stack[0] = (0.0, 0);
         while top > 0 {
             top -= 1;
             let (near, reference) = stack[top];
-            if best.is_some_and(|best| f64::from(near) > best.distance) {
+            if f64::from(near) > end {
                 continue;
             }
             match child(reference) {
@@ -175,21 +195,15 @@ impl Bvh {
                             continue;
                         }
                         let corners = tree.corners[leaf * WIDTH + lane];
-                        let Some((distance, is_back)) = intersect(origin, direction, corners)
-                        else {
-                            continue;
-                        };
-                        let is_nearer = best.is_none_or(|best| {
-                            (distance, triangle) < (best.distance, best.triangle)
-                        });
-                        if distance > start && is_nearer && counts(triangle, is_back) {
-                            best = Some(Hit { distance, triangle, is_back });
+                        if let Some((distance, is_back)) = intersect(origin, direction, corners)
+                            && distance > start
+                        {
+                            end = visit(Hit { distance, triangle, is_back });
                         }
                     }
                 }
             }
         }
-        best
     }
 }
 

@@ -8,7 +8,7 @@
 
 use super::cap::{Cap, LoopFill, fill_loops, is_cut};
 use super::opening::{Loop, Opening, OpeningOutcome, boundary_loops};
-use crate::bvh::Bvh;
+use crate::bvh::{Bvh, Hit};
 use crate::control::Control;
 use crate::error::Error;
 use crate::geometry::vector::Vector;
@@ -43,6 +43,10 @@ const MOST_SEEN: f64 = 0.05;
 /// Where more of the rays than this only see another cap, there is too little surface to decide: between the rim
 /// of a cup and that of its liner a little below.
 const MOST_CAPPED: f64 = 0.5;
+
+/// Points of every cap that rays start from before any cap has more of them. A surface that is no solid shows that by its
+/// first rays, and the others are left out.
+const POINTS_AT_ONCE: usize = 4;
 
 /// A ray through more faces than this decides nothing.
 const MOST_HITS: usize = 32;
@@ -145,7 +149,7 @@ impl Judge<'_> {
         }
         self.control.check()?;
         if !caps.is_empty() {
-            self.judge_caps(&mut caps)?;
+            self.judge_caps(&mut caps, &is_crack)?;
         }
         self.leave_fragments(&is_crack, &mut caps);
         let mut outcomes =
@@ -189,22 +193,23 @@ impl Judge<'_> {
     }
 
     /// Rules 2 to 6. The checks of rule 5 are repeated until no more caps fall.
-    fn judge_caps(&self, caps: &mut [JudgedCap]) -> Result<(), Error> {
+    fn judge_caps(&self, caps: &mut [JudgedCap], is_crack: &[bool]) -> Result<(), Error> {
         let capped = Capped::new(self, caps)?;
         capped.judge_shapes(caps)?;
         if self.settings.openings != Openings::Auto {
             return Ok(());
         }
-        let mut met = vec![None; caps.len()];
-        while capped.leave_seen(caps, &mut met)? {}
+        let mut views = vec![View::default(); caps.len()];
+        while capped.leave_seen(caps, is_crack, &mut views)? {}
         capped.mark_within(caps)?;
-        while capped.leave_emptied(caps)? || capped.leave_seen(caps, &mut met)? {}
+        while capped.leave_emptied(caps)? || capped.leave_seen(caps, is_crack, &mut views)? {}
         Ok(())
     }
 
     /// Rule 7: leaves the caps of components most of whose boundary, by length, stays open, and all of them where nearly
-    /// all of the mesh's boundary does: with a few caps such a mesh is no solid.
-    fn leave_fragments(&self, is_crack: &[bool], caps: &mut [JudgedCap]) {
+    /// all of the mesh's boundary does: with a few caps such a mesh is no solid. Whether there were any. What is left only
+    /// grows, so that a fragment stays one.
+    fn leave_fragments(&self, is_crack: &[bool], caps: &mut [JudgedCap]) -> bool {
         let Self { prepared, loops, .. } = self;
         let mut outcomes = vec![OpeningOutcome::NotFlat; loops.len()];
         for (cap, outcome) in caps.iter() {
@@ -228,15 +233,17 @@ impl Judge<'_> {
         let sum = |lengths: &[f64]| lengths.iter().sum::<f64>();
         let all_left = sum(&left) + if sum(&left) > 0.0 { within } else { 0.0 };
         let is_little = sum(&closed) < LEAST_CLOSED * all_left;
+        let mut has_changed = false;
         for (cap, outcome) in caps.iter_mut() {
             let is_fragment = cap.loops.iter().any(|&index| {
                 let component = component_of(&loops[index]);
                 left[component] > closed[component]
             });
             if outcome.is_closed() && (is_fragment || is_little) {
-                *outcome = OpeningOutcome::Fragment;
+                (*outcome, has_changed) = (OpeningOutcome::Fragment, true);
             }
         }
+        has_changed
     }
 
     /// The end of rule 6: of the caps within the solid, those that reach out of it become surface. All openings are closed.
@@ -283,6 +290,28 @@ impl Judge<'_> {
         let lowest = positions.iter().map(|point| point[axis]).fold(f64::INFINITY, f64::min);
         let mut rim = cap.loops.iter().flat_map(|&index| &self.loops[index].vertices);
         rim.all(|&vertex| positions[vertex as usize][axis] <= lowest + self.flatness)
+    }
+}
+
+/// What rays from a cap inward have seen.
+#[derive(Clone, Default)]
+struct View {
+    /// Points of the cap that rays have started from.
+    points: usize,
+    /// Rays that see a front, or a way out.
+    seen: usize,
+    /// Rays that leave the solid through another cap.
+    capped: usize,
+    /// The other caps that rays have met, ascending.
+    met: Vec<usize>,
+}
+
+impl View {
+    /// Whether more than `MOST_SEEN` of all rays see something, or more than `MOST_CAPPED` only another cap.
+    fn is_seen_into(&self) -> bool {
+        let is_more =
+            |count: usize, share: f64| count as f64 > share * (POINTS * RAYS_PER_POINT) as f64;
+        is_more(self.seen, MOST_SEEN) || is_more(self.capped, MOST_CAPPED)
     }
 }
 
@@ -349,56 +378,72 @@ impl<'a> Capped<'a> {
         Ok(())
     }
 
-    /// Leaves caps through which something is seen with all others closed. Whether there were any. `met` keeps
-    /// [`Capped::met_from`] of each cap from call to call: rays that met only caps which are still closed see what they
-    /// saw, and with thousands of openings most of the time would be theirs.
+    /// Leaves caps through which something is seen with all others closed, and the fragments that this makes of
+    /// components. Whether there were any. `views` keeps what was seen from each cap from call to call: rays that met
+    /// only caps which are still closed see what they saw, and with thousands of openings most of the time would be
+    /// theirs.
     fn leave_seen(
         &self,
         caps: &mut [JudgedCap],
-        met: &mut [Option<Vec<usize>>],
+        is_crack: &[bool],
+        views: &mut [View],
     ) -> Result<bool, Error> {
         let is_closed: Vec<bool> = caps.iter().map(|(_, outcome)| outcome.is_closed()).collect();
-        let is_known = |met: &[usize]| met.iter().all(|&cap| is_closed[cap]);
-        let found = parallel::map_indices(caps.len(), |index| {
-            self.judge.control.check()?;
-            let is_left = !is_closed[index] || met[index].as_deref().is_some_and(is_known);
-            Ok((!is_left).then(|| self.met_from(index, &caps[index].0, &is_closed)))
-        });
-        let mut has_changed = false;
-        for (index, found) in found.into_iter().enumerate() {
-            let Some(found) = found? else { continue };
-            if found.is_none() {
-                (caps[index].1, has_changed) = (OpeningOutcome::SeenInto, true);
+        for view in &mut *views {
+            if !view.met.iter().all(|&cap| is_closed[cap]) {
+                *view = View::default();
             }
-            met[index] = found;
+        }
+        let mut has_changed = false;
+        for _ in 0..POINTS / POINTS_AT_ONCE {
+            let found = parallel::map_indices(caps.len(), |index| {
+                self.judge.control.check()?;
+                let (cap, outcome) = &caps[index];
+                let is_open = outcome.is_closed() && views[index].points < POINTS;
+                Ok(is_open.then(|| self.seen_further(index, cap, &is_closed, &views[index])))
+            });
+            let mut has_fallen = false;
+            for (index, found) in found.into_iter().enumerate() {
+                let Some(found) = found? else { continue };
+                if found.is_seen_into() {
+                    (caps[index].1, has_fallen) = (OpeningOutcome::SeenInto, true);
+                }
+                views[index] = found;
+            }
+            if has_fallen {
+                self.judge.leave_fragments(is_crack, caps);
+                has_changed = true;
+            }
         }
         Ok(has_changed)
     }
 
-    /// The other caps that rays from a cap inward meet. `None` if more than `MOST_SEEN` of them see a front, or a way out,
-    /// or more than `MOST_CAPPED` leave the solid through another cap.
-    fn met_from(&self, index: usize, cap: &Cap, is_closed: &[bool]) -> Option<Vec<usize>> {
-        let is_more =
-            |count: usize, share: f64| count as f64 > share * (POINTS * RAYS_PER_POINT) as f64;
+    /// What is seen from a cap inward, by rays from some more of its points.
+    fn seen_further(&self, index: usize, cap: &Cap, is_closed: &[bool], before: &View) -> View {
         let is_there =
             |t: u32| self.cap_of(t).is_none_or(|owner| owner != index && is_closed[owner]);
-        let (mut seen, mut capped, mut met) = (0, 0, Vec::new());
-        for (number, point) in points(cap, self.judge.positions()).into_iter().enumerate() {
+        let mut view = before.clone();
+        let points = points(cap, self.judge.positions());
+        view.points += POINTS_AT_ONCE;
+        for order in before.points..view.points {
+            // By their bits the other way round, the first few are spread over the cap.
+            let number = order.reverse_bits() >> POINTS.leading_zeros() + 1;
+            let Some(&point) = points.get(number) else { continue };
             for ray in 0..RAYS_PER_POINT {
                 let direction = direction(cap, number * RAYS_PER_POINT + ray);
-                let meets = |t: u32| met.extend(self.cap_of(t));
+                let meets = |t: u32| view.met.extend(self.cap_of(t));
                 match leaves_through(&self.bvh, [point, direction], is_there, meets) {
-                    None => seen += 1,
-                    Some(triangle) => capped += usize::from(self.cap_of(triangle).is_some()),
+                    None => view.seen += 1,
+                    Some(triangle) => view.capped += usize::from(self.cap_of(triangle).is_some()),
                 }
             }
-            if is_more(seen, MOST_SEEN) || is_more(capped, MOST_CAPPED) {
-                return None;
+            if view.is_seen_into() {
+                break;
             }
         }
-        met.sort_unstable();
-        met.dedup();
-        Some(met)
+        view.met.sort_unstable();
+        view.met.dedup();
+        view
     }
 
     /// Separates caps within the solid from those on it.
@@ -471,17 +516,27 @@ fn leaves_through(
     mut meets: impl FnMut(u32),
 ) -> Option<u32> {
     let mut solids = 1;
-    let mut start = START;
-    for _ in 0..MOST_HITS {
-        let hit = bvh.first_hit(origin, direction, start, |triangle, _| counts(triangle))?;
+    let mut leaves = |hit: Hit| {
         meets(hit.triangle);
         solids += if hit.is_back { -1 } else { 1 };
-        if solids == 0 {
-            return Some(hit.triangle);
-        }
-        start = hit.distance;
+        (solids == 0).then_some(hit.triangle)
+    };
+    let first = bvh.first_hit(origin, direction, START, |triangle, _| counts(triangle))?;
+    if let Some(triangle) = leaves(first) {
+        return Some(triangle);
     }
-    None
+    // Most rays end there. One that does not goes through many faces.
+    let mut others = Vec::new();
+    bvh.visit_hits([origin, direction], first.distance, |hit| {
+        if counts(hit.triangle) {
+            others.push(hit);
+        }
+        f64::INFINITY
+    });
+    others.sort_by(|a, b| a.distance.total_cmp(&b.distance).then(a.triangle.cmp(&b.triangle)));
+    // Of faces at the same distance, as those on both sides of an edge, one counts.
+    others.dedup_by_key(|hit| hit.distance);
+    others.into_iter().take(MOST_HITS - 1).find_map(leaves)
 }
 
 /// An element of an additive recurrence.
