@@ -115,7 +115,7 @@ pub(crate) async fn pipeline(
         stages.begin_pass(nth(PREPARED..searched, index, passes.len()), best.is_some());
         let earlier = best.as_ref();
         let pass = run_pass(prepared, earlier, settings, &mut stages, &mut deadline).await;
-        let Some(found) = deadline.end_pass(pass)? else { break };
+        let Some(Some(found)) = deadline.end_pass(pass)? else { break };
         if best.as_ref().is_none_or(|best| found.count() < best.count()) {
             best = Some(found);
         }
@@ -165,14 +165,14 @@ fn probe_report(solid: &Solid, prepared: &PreparedMesh) -> Option<ProbeReport> {
     })
 }
 
-/// One pass, from the surfaces to verified hulls.
+/// One pass, from the surfaces to verified hulls. `None` where a search for a limit is given up.
 async fn run_pass(
     prepared: &PreparedMesh,
     earlier: Option<&Found>,
     settings: &Settings,
     stages: &mut Stages,
     deadline: &mut Deadline,
-) -> Result<Found, Error> {
+) -> Result<Option<Found>, Error> {
     let control = &stages.control();
     let known = earlier.map(|earlier| &earlier.surfaces);
     let simplify = || simplify(prepared, known, settings, control);
@@ -194,7 +194,7 @@ async fn run_pass(
     let cover = stages.run(Stage::Cover, || cover(hurried, pieces)).await?;
     deadline.end_search(until_verifying);
     let hulls = stages.run(Stage::Finalize, || finalize(&search, cover)).await?;
-    Ok(Found { surfaces, solids, patches, hulls })
+    Ok(hulls.map(|hulls| Found { surfaces, solids, patches, hulls }))
 }
 
 /// The limit on hulls: hulls join, and the search is repeated under larger bounds as long as that may end with
@@ -218,7 +218,11 @@ async fn limit(
         let (begin, middle, end) = (progress(0.0), progress(0.9), progress(1.0));
         stages.begin_pass(begin..middle, true);
         let pass = run_pass(prepared, Some(&best), &settings, stages, deadline).await;
-        let Some(mut found) = deadline.end_pass(pass)? else { break };
+        let Some(found) = deadline.end_pass(pass)? else { break };
+        let Some(mut found) = found else {
+            bounds.refuse(bound);
+            continue;
+        };
         if settings.max_hulls.is_some_and(|most| found.count() > most) {
             bounds.refuse(bound);
             stages.begin(LIMIT, middle..end);
@@ -281,7 +285,7 @@ mod tests {
         let merged = pieces.len();
         let covering = cover(search, pieces).unwrap();
         let covered = covering.pieces.len();
-        let hulls = finalize(search, covering).unwrap().hulls.len();
+        let hulls = finalize(search, covering).unwrap().unwrap().hulls.len();
         assert_eq!(hulls, decompose(mesh, parameters, control).unwrap().hulls.len());
         [patches.count(), merged, covered, hulls]
     }

@@ -139,6 +139,11 @@ impl JoinTree {
     }
 }
 
+/// Joint hulls that grow to keep the limit on vertices, of those that are built for a join, at most.
+/// Bounds know only the gaps between hulls: where joint hulls protrude by their growth, the bounds
+/// of all pairs are too low, and all would be built.
+const MOST_GROWN: usize = 8;
+
 /// How a pair's protrusion is known.
 enum Known {
     /// By bridges that its parts had, or by few of its own.
@@ -202,8 +207,10 @@ impl<'a> Pairs<'a> {
         Ok(pairs)
     }
 
-    /// The joint hull that protrudes least, whose pair leaves the queue; `None` if fewer than two hulls are left.
+    /// The joint hull that protrudes least, whose pair leaves the queue; `None` if fewer than two
+    /// hulls are left. Where many grow to keep the limit on vertices, the least of some.
     fn pop(&mut self, nodes: &[Node]) -> Result<Option<Node>, Error> {
+        let mut grown = 0;
         while let Some(((Cost(protrusion), _), pair, known)) = self.queue.pop() {
             match known {
                 Known::Verified(node) => return Ok(Some(*node)),
@@ -215,6 +222,10 @@ impl<'a> Pairs<'a> {
                     let bound = Cost(protrusion.max(bound));
                     self.queue.push((bound, true), pair, Known::Better);
                 }
+                Known::Better if grown == MOST_GROWN => {
+                    self.queue.push((Cost(protrusion), true), pair, known);
+                    return Ok(self.pop_verified());
+                }
                 Known::Better => {
                     self.control.check()?;
                     #[cfg(test)]
@@ -222,12 +233,25 @@ impl<'a> Pairs<'a> {
                         self.built += 1;
                     }
                     let node = self.joint(nodes, pair)?;
+                    grown += usize::from(node.growth > 0.0);
                     let protrusion = Cost(node.protrusion);
                     self.queue.push((protrusion, false), pair, Known::Verified(Box::new(node)));
                 }
             }
         }
         Ok(None)
+    }
+
+    /// The one that protrudes least of the joint hulls that are built.
+    fn pop_verified(&mut self) -> Option<Node> {
+        let mut found = None;
+        for (cost, pair, known) in self.queue.pop_all() {
+            match known {
+                Known::Verified(node) if found.is_none() => found = Some(*node),
+                known => self.queue.push(cost, pair, known),
+            }
+        }
+        found
     }
 
     /// Replaces two hulls by their joint hull, the last node. O(k) bounds for k hulls.

@@ -60,6 +60,10 @@ const LONGEST_EDGE: f64 = 4.0;
 /// more time; under large bounds features of the shape are no larger than 16 % of the diagonal.
 const LONGEST_EDGE_LIMITS: RangeInclusive<f64> = 0.04..=0.16;
 
+/// A search for the limit on hulls is given up once it has more than this multiple of them: joined
+/// down to the limit, hulls of a search that had far more are hardly ever the best.
+const GIVEN_UP_ABOVE: usize = 2;
+
 /// Planar and angular threshold of the grouping, as a fraction of the bound: the hull of a group
 /// should fit with room to spare, since groups whose hulls do not fit are halved.
 const GROUPING_THRESHOLD: f64 = 0.1;
@@ -182,6 +186,8 @@ pub(crate) struct Settings {
     pub dissolve_attempts: usize,
     pub max_vertices: Option<usize>,
     pub max_hulls: Option<usize>,
+    /// A search that divides its pieces into more hulls than this is given up.
+    pub given_up_above: Option<usize>,
     pub keep_cavities: bool,
     pub probe: Option<ProbeSettings>,
 }
@@ -226,6 +232,7 @@ impl Settings {
             dissolve_attempts,
             max_vertices,
             max_hulls,
+            given_up_above: None,
             keep_cavities,
             probe: ProbeSettings::new(
                 parameters.probe_radius,
@@ -255,10 +262,12 @@ impl Settings {
         Self { bound: Bound { shares, ..self.bound }, ..self.clone() }
     }
 
-    /// The same under another bound on protrusions. No more may stay uncovered.
+    /// The same under another bound on protrusions, for the limit on hulls. No more may stay
+    /// uncovered.
     pub(crate) fn with_bound(&self, bound: f64) -> Self {
         let Bound { requested, shares, .. } = self.bound;
         let bound = Bound { requested, shares, ..Bound::new(bound) };
-        Self { bound, ..self.clone() }
+        let given_up_above = self.max_hulls.map(|most| GIVEN_UP_ABOVE.saturating_mul(most));
+        Self { bound, given_up_above, ..self.clone() }
     }
 }

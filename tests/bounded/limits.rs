@@ -45,6 +45,18 @@ fn a_limit_on_hulls_costs_no_more_error_than_the_bound_that_ends_with_as_many() 
     }
 }
 
+/// Where the limit on vertices divides a hull, searches for a limit on hulls end with far more: they are given up.
+#[test]
+fn one_hull_of_a_ball_has_the_error_that_its_vertices_allow() {
+    let ball = ball(40, 40);
+    let one = run_with(&ball, &with_bound(0.005).max_hulls(1));
+    let larger = run_with(&ball, &with_bound(0.03));
+    assert_eq!((one.hulls.len(), larger.hulls.len()), (1, 1));
+    let error =
+        |result: &Decomposition| result.report.protrusion_max.max(result.report.uncovered_max);
+    assert!(error(&one) <= 1.05 * error(&larger), "{}", error(&one) / error(&larger));
+}
+
 fn tree(mesh: &Mesh, result: &Decomposition) -> Result<MergeTree, Error> {
     MergeTree::new(view(mesh), result, &Parameters::default(), &Control::new())
 }

@@ -25,11 +25,11 @@ pub(super) struct PieceHulls {
     pub fits_without_limit: bool,
 }
 
-/// The hulls of a piece.
+/// The hulls of a piece. `None` where there are so many that the search is given up.
 pub(super) fn hulls_of_piece(
     context: &FinalizeContext<'_>,
     piece: &Piece,
-) -> Result<PieceHulls, Error> {
+) -> Result<Option<PieceHulls>, Error> {
     let Piece { patches, inner_points, .. } = piece;
     let owned = Owned { patches: patches.clone(), part: None, inner_points: inner_points.clone() };
     let open = vec![Open { owned, may_fill: true }];
@@ -40,9 +40,9 @@ pub(super) fn hulls_of_piece(
         done: Vec::new(),
         fits_without_limit: false,
     };
-    division.run()?;
+    let is_whole = division.run()?;
     let Division { done, fits_without_limit, .. } = division;
-    Ok(PieceHulls { hulls: done, fits_without_limit })
+    Ok(is_whole.then_some(PieceHulls { hulls: done, fits_without_limit }))
 }
 
 /// A part that is to become a hull.
@@ -61,7 +61,8 @@ struct Division<'a> {
 }
 
 impl Division<'_> {
-    fn run(&mut self) -> Result<(), Error> {
+    /// Divides until nothing is open. Whether it was not given up before.
+    fn run(&mut self) -> Result<bool, Error> {
         let &Search { settings, control, .. } = &self.context.search;
         let mut is_first = true;
         while let Some(Open { owned, may_fill }) = self.open.pop() {
@@ -93,8 +94,12 @@ impl Division<'_> {
                 inner_points.extend(middle.filter(|_| is_filled));
             }
             self.divide(hull, may_fill, inner_points)?;
+            let count = self.done.len() + self.open.len();
+            if settings.given_up_above.is_some_and(|most| count > most) {
+                return Ok(false);
+            }
         }
-        Ok(())
+        Ok(true)
     }
 
     /// Halves a hull's patches; of a single patch its triangles. The halves contain the inner points.

@@ -36,28 +36,29 @@ const DOUBTFUL: f64 = 1.25;
 
 /// The hulls of a cover. Of the cover before the last round of dissolving where that serves better:
 /// verification may divide what the round has won, or the round may leave surface uncovered, which
-/// counts more than hulls.
+/// counts more than hulls. `None` where there are so many that the search is given up.
 pub(crate) fn finalize(
     search: &Search<'_>,
     Cover { pieces, before_last_round }: Cover,
-) -> Result<FinalHulls, Error> {
+) -> Result<Option<FinalHulls>, Error> {
     let &Search { patches, settings, control, .. } = search;
     let verified = |pieces: &[Piece]| VerifiedPieces::new(*search, pieces);
-    let last = verified(&pieces)?;
-    let Some(before) = before_last_round else { return last.remerged() };
+    let Some(last) = verified(&pieces)? else { return Ok(None) };
+    let Some(before) = before_last_round else { return last.remerged().map(Some) };
     let verified_before = || verified(&assign_owners(patches, &before, control)?);
     if last.hulls.len() as f64 > DOUBTFUL * before.len() as f64 && !control.is_past_deadline() {
         let before = verified_before()?;
-        let is_better = before.hulls.len() <= last.hulls.len();
-        return if is_better { before.remerged() } else { last.remerged() };
+        let before = before.filter(|before| before.hulls.len() <= last.hulls.len());
+        return before.unwrap_or(last).remerged().map(Some);
     }
     let last = last.remerged()?;
     let is_uncovered = last.uncovered > settings.bound.max_uncovered();
     if !is_uncovered || control.is_past_deadline() {
-        return Ok(last);
+        return Ok(Some(last));
     }
-    let before = verified_before()?.remerged()?;
-    Ok(if before.uncovered < last.uncovered { before } else { last })
+    let before = verified_before()?.map(VerifiedPieces::remerged).transpose()?;
+    let before = before.filter(|before| before.uncovered < last.uncovered);
+    Ok(Some(before.unwrap_or(last)))
 }
 
 /// The hulls of pieces: see [`hulls_of_piece`].
@@ -70,22 +71,32 @@ struct VerifiedPieces<'a> {
 }
 
 impl<'a> VerifiedPieces<'a> {
-    fn new(search: Search<'a>, pieces: &[Piece]) -> Result<Self, Error> {
+    /// `None` where there are so many that the search is given up.
+    fn new(search: Search<'a>, pieces: &[Piece]) -> Result<Option<Self>, Error> {
+        let is_given_up =
+            |count: usize| search.settings.given_up_above.is_some_and(|most| count > most);
+        if is_given_up(pieces.len()) {
+            return Ok(None);
+        }
         let volume =
             pieces.iter().map(|piece| piece.hull.volume).sum::<f64>() / pieces.len().max(1) as f64;
         let context = FinalizeContext { search, volume_per_vertex: VOLUME_PER_VERTEX * volume };
         let size = |piece: &Piece| piece.patches.count();
         let parts =
             parallel::map_largest_first(pieces, size, |piece| hulls_of_piece(&context, piece));
-        let parts = parts.into_iter().collect::<Result<Vec<PieceHulls>, Error>>()?;
+        let parts: Option<Result<Vec<PieceHulls>, Error>> =
+            parts.into_iter().map(Result::transpose).collect();
+        let Some(parts) = parts.transpose()? else { return Ok(None) };
         let is_divided = parts.iter().any(|part| part.hulls.len() > 1);
         let without_limit = |part: &PieceHulls| match part.fits_without_limit {
             true => 1,
             false => part.hulls.len(),
         };
         let without_vertex_limit = parts.iter().map(without_limit).sum();
-        let hulls = parts.into_iter().flat_map(|part| part.hulls).collect();
-        Ok(Self { context, hulls, is_divided, without_vertex_limit })
+        let hulls: Vec<FinalHull> = parts.into_iter().flat_map(|part| part.hulls).collect();
+        let is_given_up = is_given_up(hulls.len());
+        let made = Self { context, hulls, is_divided, without_vertex_limit };
+        Ok((!is_given_up).then_some(made))
     }
 
     /// The same, remerged where they were divided, with how far the surface is outside all of them.
