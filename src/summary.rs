@@ -37,11 +37,20 @@ impl<R: Clone + Into<MethodReport>> Decomposition<R> {
         is_fewer.then(|| format!("the vertex limit forces hulls: {without} without it"))
     }
 
+    /// Says that patches are larger than others, if they are.
+    fn across_folds(&self) -> Option<String> {
+        let report: MethodReport = self.report.clone().into();
+        let is_across = report.bounded()?.patches_across_folds;
+        is_across
+            .then(|| "the surface folds everywhere: larger patches, maybe a few more hulls".into())
+    }
+
     /// The [exceeded bound](Self::exceeded_bound), what the [vertex
-    /// limit](Self::forced_by_vertex_limit) forces, then the run's [remarks](RunReport::remarks),
-    /// one line each.
+    /// limit](Self::forced_by_vertex_limit) forces, whether [patches are
+    /// larger](Report::patches_across_folds), then the run's [remarks](RunReport::remarks), one line
+    /// each.
     pub fn remarks(&self) -> Vec<String> {
-        let of_hulls = [self.exceeded_bound(), self.forced_by_vertex_limit()];
+        let of_hulls = [self.exceeded_bound(), self.forced_by_vertex_limit(), self.across_folds()];
         of_hulls.into_iter().flatten().chain(self.run.remarks()).collect()
     }
 }

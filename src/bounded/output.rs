@@ -36,6 +36,7 @@ impl BoundedResult {
             uncovered_max: uncovered * diagonal,
             hulls_without_vertex_limit: *without_vertex_limit,
             patches: patches.count(),
+            patches_across_folds: patches.are_across_folds,
             polygons: patches.mesh.triangles.len(),
             probe,
         };

@@ -23,7 +23,9 @@ use crate::solid::FitTester;
 use crate::solid::Solid;
 
 /// Above this number of groups the grouping is repeated with a larger threshold: under the first
-/// one, each facet of a fine cylinder is a group.
+/// one, each facet of a fine cylinder is a group. Where the bound as the threshold leaves more, the
+/// surface folds everywhere, and whole components are divided instead: the search compares all
+/// patches, and 6,500 take it half a minute.
 const MAX_GROUPS: usize = 600;
 
 /// Factor between the thresholds of repeated groupings.
@@ -62,7 +64,7 @@ pub(crate) fn divide_into_patches(
     let adjacency = Adjacency::new(&mesh.mesh);
     let largest = settings.patch_size * area(&mesh).sqrt();
     let division = Division { mesh: &mesh, solid, settings, largest, control };
-    let mut groups = division.groups(&adjacency)?;
+    let (mut groups, are_across_folds) = division.groups(&adjacency)?;
     let mut patches = Vec::new();
     let mut labels = vec![0_u32; mesh.mesh.triangles.len()];
     let mut add = |(patch, triangles): Part| {
@@ -91,7 +93,18 @@ pub(crate) fn divide_into_patches(
     }
     let conflicts = conflicts(&patches, solid, settings.bound.search(), control)?;
     let seeds = agreeing(&conflicts, seeds);
-    Ok(Patches { patches, neighbours, seeds, conflicts, surface, parents, detail, mesh, labels })
+    Ok(Patches {
+        patches,
+        are_across_folds,
+        neighbours,
+        seeds,
+        conflicts,
+        surface,
+        parents,
+        detail,
+        mesh,
+        labels,
+    })
 }
 
 /// Pairs of labels with a common edge, ascending.
@@ -201,8 +214,8 @@ struct Division<'a> {
 }
 
 impl Division<'_> {
-    /// The paper's groups, each as its triangles.
-    fn groups(&self, adjacency: &Adjacency) -> Result<Vec<Vec<u32>>, Error> {
+    /// The paper's groups, each as its triangles; components where groups would be too many. Whether they are.
+    fn groups(&self, adjacency: &Adjacency) -> Result<(Vec<Vec<u32>>, bool), Error> {
         let (mesh, bound) = (&self.mesh.mesh, self.settings.bound);
         let mut threshold = bound.grouping_threshold();
         let mut grouping = group(mesh, adjacency, threshold, threshold, self.control)?;
@@ -210,14 +223,22 @@ impl Division<'_> {
             threshold *= THRESHOLD_GROWTH;
             grouping = group(mesh, adjacency, threshold, threshold, self.control)?;
         }
-        Ok(members(&grouping.labels, grouping.count))
+        if grouping.count > MAX_GROUPS {
+            return Ok((self.components(), true));
+        }
+        Ok((members(&grouping.labels, grouping.count), false))
+    }
+
+    /// The triangles of each component.
+    fn components(&self) -> Vec<Vec<u32>> {
+        let labels = &self.mesh.components;
+        let count = labels.iter().max().map_or(0, |&last| last as usize + 1);
+        members(labels, count)
     }
 
     /// For each component whether it is one patch, and those patches.
     fn whole_components(&self) -> Result<(Vec<bool>, Vec<Part>), Error> {
-        let labels = &self.mesh.components;
-        let count = labels.iter().max().map_or(0, |&last| last as usize + 1);
-        let components = members(labels, count);
+        let components = self.components();
         let patches = parallel::map_largest_first(&components, Vec::len, |triangles| {
             self.control.check()?;
             Ok(self.whole_patch(triangles))

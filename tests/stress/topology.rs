@@ -1,5 +1,6 @@
 //! Surfaces that bound no solid, or touch themselves.
 
+use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
 use crate::assert_sound;
@@ -20,6 +21,52 @@ fn grid(n: u32, m: u32, at: impl Fn(f64, f64) -> [f64; 3], wrap: impl Fn(u32) ->
         }
     }
     (positions.collect(), triangles)
+}
+
+/// All faces of the tetrahedra that a block of cells is divided into, its points moved: a surface that meets itself along each
+/// edge, and folds everywhere.
+fn tangle(cells: u32) -> Mesh {
+    const MOVED: f64 = 0.3;
+    let points = cells + 1;
+    let index = |[x, y, z]: [u32; 3]| (x * points + y) * points + z;
+    let positions = (0..points.pow(3)).map(|i| {
+        let place = [i / points.pow(2), i / points % points, i % points];
+        [0, 1, 2].map(|k| {
+            let wave = 12.9898 * f64::from(i) + 78.233 * k as f64;
+            f64::from(place[k]) + MOVED * wave.sin()
+        })
+    });
+    let mut triangles = BTreeSet::new();
+    for cell in 0..cells.pow(3) {
+        let low = [cell / cells.pow(2), cell / cells % cells, cell % cells];
+        for order in [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]] {
+            // Along one axis after the other, from a corner to the one across.
+            let (mut corner, mut path) = (low, vec![index(low)]);
+            for axis in order {
+                corner[axis] += 1;
+                path.push(index(corner));
+            }
+            for left_out in 0..4 {
+                let mut face = path.clone();
+                face.remove(left_out);
+                face.sort_unstable();
+                triangles.insert([face[0], face[1], face[2]]);
+            }
+        }
+    }
+    (positions.collect(), triangles.into_iter().collect())
+}
+
+/// The search compares all patches: with one for each fold, twice as many triangles would take four times as long.
+#[test]
+fn a_surface_that_folds_everywhere_is_divided_into_few_patches_and_the_report_says_so() {
+    let mesh = tangle(8);
+    let found = assert_sound("tangle", &mesh);
+    assert!(found.report.patches_across_folds);
+    assert!(10 * found.report.patches < mesh.1.len(), "{}", found.report.patches);
+    assert!(found.remarks()[0].starts_with("the surface folds everywhere"));
+    let plain = assert_sound("cuboid", &cuboid([0.0; 3], [1.0; 3]));
+    assert!(!plain.report.patches_across_folds && plain.remarks().is_empty());
 }
 
 /// One side only: no winding is consistent.

@@ -196,6 +196,7 @@ pub fn json(
         "uncovered_max": bounded.map(|bounded| bounded.uncovered_max),
         "hulls_without_vertex_limit": bounded.map(|bounded| bounded.hulls_without_vertex_limit),
         "patches": bounded.map(|bounded| bounded.patches),
+        "patches_across_folds": bounded.map(|bounded| bounded.patches_across_folds),
         "probe": bounded.and_then(|bounded| bounded.probe),
         "cost": surface.map(|surface| surface.cost),
         "planar_threshold": surface.map(|surface| surface.planar_threshold),

@@ -195,6 +195,7 @@ mod tests {
         let patch = |k: usize| Patch { points: vec![point(k), point(k + 1)], ..Patch::default() };
         Patches {
             patches: (0..COUNT).map(patch).collect(),
+            are_across_folds: false,
             neighbours: Vec::new(),
             seeds: Vec::new(),
             conflicts: vec![PatchSet::empty(COUNT); COUNT],

@@ -75,6 +75,7 @@ fn json_has_the_same_keys_for_every_method() {
         "uncovered_max",
         "hulls_without_vertex_limit",
         "patches",
+        "patches_across_folds",
         "probe",
         "cost",
         "planar_threshold",
