@@ -427,7 +427,7 @@ impl<'a> Capped<'a> {
         view.points += POINTS_AT_ONCE;
         for order in before.points..view.points {
             // By their bits the other way round, the first few are spread over the cap.
-            let number = order.reverse_bits() >> POINTS.leading_zeros() + 1;
+            let number = order.reverse_bits() >> (POINTS.leading_zeros() + 1);
             let Some(&point) = points.get(number) else { continue };
             for ray in 0..RAYS_PER_POINT {
                 let direction = direction(cap, number * RAYS_PER_POINT + ray);
