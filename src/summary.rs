@@ -47,8 +47,8 @@ impl<R: Clone + Into<MethodReport>> Decomposition<R> {
 
     /// The [exceeded bound](Self::exceeded_bound), what the [vertex
     /// limit](Self::forced_by_vertex_limit) forces, whether [patches are
-    /// larger](Report::patches_across_folds), then the run's [remarks](RunReport::remarks), one line
-    /// each.
+    /// larger](Report::patches_across_folds), then the run's [remarks](RunReport::remarks), one
+    /// line each.
     pub fn remarks(&self) -> Vec<String> {
         let of_hulls = [self.exceeded_bound(), self.forced_by_vertex_limit(), self.across_folds()];
         of_hulls.into_iter().flatten().chain(self.run.remarks()).collect()

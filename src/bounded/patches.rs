@@ -214,7 +214,8 @@ struct Division<'a> {
 }
 
 impl Division<'_> {
-    /// The paper's groups, each as its triangles; components where groups would be too many. Whether they are.
+    /// The paper's groups, each as its triangles, or, where those are too many, the components; and
+    /// whether it is those.
     fn groups(&self, adjacency: &Adjacency) -> Result<(Vec<Vec<u32>>, bool), Error> {
         let (mesh, bound) = (&self.mesh.mesh, self.settings.bound);
         let mut threshold = bound.grouping_threshold();

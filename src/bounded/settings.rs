@@ -186,8 +186,8 @@ pub(crate) struct Settings {
     pub dissolve_attempts: usize,
     pub max_vertices: Option<usize>,
     pub max_hulls: Option<usize>,
-    /// A search that divides its pieces into more hulls than this is given up.
-    pub given_up_above: Option<usize>,
+    /// A search with more hulls than this is given up.
+    given_up_above: Option<usize>,
     pub keep_cavities: bool,
     pub probe: Option<ProbeSettings>,
 }
@@ -260,6 +260,11 @@ impl Settings {
     pub(crate) fn for_surface(&self, triangles: usize) -> Self {
         let shares = if triangles <= COARSE { OF_FEW } else { OF_MANY };
         Self { bound: Bound { shares, ..self.bound }, ..self.clone() }
+    }
+
+    /// Whether a search with so many hulls is given up.
+    pub(crate) fn gives_up(&self, hulls: usize) -> bool {
+        self.given_up_above.is_some_and(|most| hulls > most)
     }
 
     /// The same under another bound on protrusions, for the limit on hulls. No more may stay

@@ -151,7 +151,8 @@ impl Bvh {
         best
     }
 
-    /// Calls `visit` for triangles beyond `start` along a ray, in no order, as far as it says after each.
+    /// Calls `visit` for triangles beyond `start` along a ray, in no order, up to the distance that
+    /// it last returned.
     pub(crate) fn visit_hits(
         &self,
         [origin, direction]: [Vector; 2],

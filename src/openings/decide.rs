@@ -44,8 +44,8 @@ const MOST_SEEN: f64 = 0.05;
 /// of a cup and that of its liner a little below.
 const MOST_CAPPED: f64 = 0.5;
 
-/// Points of every cap that rays start from before any cap has more of them. A surface that is no solid shows that by its
-/// first rays, and the others are left out.
+/// Points of every cap that rays start from before any cap has more of them. A surface that is no
+/// solid shows that by its first rays, and the others are left out.
 const POINTS_AT_ONCE: usize = 4;
 
 /// A ray through more faces than this decides nothing.
@@ -206,10 +206,10 @@ impl Judge<'_> {
         Ok(())
     }
 
-    /// Rule 7: leaves the caps of components most of whose boundary, by length, stays open, and all of them where nearly
-    /// all of the mesh's boundary does: with a few caps such a mesh is no solid. Whether there were any. What is left only
-    /// grows, so that a fragment stays one.
-    fn leave_fragments(&self, is_crack: &[bool], caps: &mut [JudgedCap]) -> bool {
+    /// Rule 7: leaves the caps of components most of whose boundary, by length, stays open, and all
+    /// of them where nearly all of the mesh's boundary does: with a few caps such a mesh is no
+    /// solid. What is left only grows, so that a fragment stays one.
+    fn leave_fragments(&self, is_crack: &[bool], caps: &mut [JudgedCap]) {
         let Self { prepared, loops, .. } = self;
         let mut outcomes = vec![OpeningOutcome::NotFlat; loops.len()];
         for (cap, outcome) in caps.iter() {
@@ -233,17 +233,15 @@ impl Judge<'_> {
         let sum = |lengths: &[f64]| lengths.iter().sum::<f64>();
         let all_left = sum(&left) + if sum(&left) > 0.0 { within } else { 0.0 };
         let is_little = sum(&closed) < LEAST_CLOSED * all_left;
-        let mut has_changed = false;
         for (cap, outcome) in caps.iter_mut() {
             let is_fragment = cap.loops.iter().any(|&index| {
                 let component = component_of(&loops[index]);
                 left[component] > closed[component]
             });
             if outcome.is_closed() && (is_fragment || is_little) {
-                (*outcome, has_changed) = (OpeningOutcome::Fragment, true);
+                *outcome = OpeningOutcome::Fragment;
             }
         }
-        has_changed
     }
 
     /// The end of rule 6: of the caps within the solid, those that reach out of it become surface. All openings are closed.
@@ -307,7 +305,8 @@ struct View {
 }
 
 impl View {
-    /// Whether more than `MOST_SEEN` of all rays see something, or more than `MOST_CAPPED` only another cap.
+    /// Whether more than `MOST_SEEN` of all rays see something, or more than `MOST_CAPPED` only
+    /// another cap.
     fn is_seen_into(&self) -> bool {
         let is_more =
             |count: usize, share: f64| count as f64 > share * (POINTS * RAYS_PER_POINT) as f64;
@@ -378,10 +377,10 @@ impl<'a> Capped<'a> {
         Ok(())
     }
 
-    /// Leaves caps through which something is seen with all others closed, and the fragments that this makes of
-    /// components. Whether there were any. `views` keeps what was seen from each cap from call to call: rays that met
-    /// only caps which are still closed see what they saw, and with thousands of openings most of the time would be
-    /// theirs.
+    /// Leaves caps through which something is seen with all others closed, and the fragments that
+    /// this makes of components. Whether there were any. `views` keeps what was seen from each cap
+    /// from call to call: rays that met only caps which are still closed see what they saw, and
+    /// with thousands of openings most of the time would be theirs.
     fn leave_seen(
         &self,
         caps: &mut [JudgedCap],

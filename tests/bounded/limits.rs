@@ -45,7 +45,8 @@ fn a_limit_on_hulls_costs_no_more_error_than_the_bound_that_ends_with_as_many() 
     }
 }
 
-/// Where the limit on vertices divides a hull, searches for a limit on hulls end with far more: they are given up.
+/// Where the limit on vertices divides a hull, searches for a limit on hulls end with far more:
+/// they are given up.
 #[test]
 fn one_hull_of_a_ball_has_the_error_that_its_vertices_allow() {
     let ball = ball(40, 40);

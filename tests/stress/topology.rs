@@ -23,8 +23,8 @@ fn grid(n: u32, m: u32, at: impl Fn(f64, f64) -> [f64; 3], wrap: impl Fn(u32) ->
     (positions.collect(), triangles)
 }
 
-/// All faces of the tetrahedra that a block of cells is divided into, its points moved: a surface that meets itself along each
-/// edge, and folds everywhere.
+/// All faces of the tetrahedra that a block of cells is divided into, its points moved: a surface
+/// that meets itself along each edge, and folds everywhere.
 fn tangle(cells: u32) -> Mesh {
     const MOVED: f64 = 0.3;
     let points = cells + 1;
@@ -57,7 +57,8 @@ fn tangle(cells: u32) -> Mesh {
     (positions.collect(), triangles.into_iter().collect())
 }
 
-/// The search compares all patches: with one for each fold, twice as many triangles would take four times as long.
+/// The search compares all patches: with one for each fold, twice as many triangles would take four
+/// times as long.
 #[test]
 fn a_surface_that_folds_everywhere_is_divided_into_few_patches_and_the_report_says_so() {
     let mesh = tangle(8);

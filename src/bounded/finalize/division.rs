@@ -94,8 +94,7 @@ impl Division<'_> {
                 inner_points.extend(middle.filter(|_| is_filled));
             }
             self.divide(hull, may_fill, inner_points)?;
-            let count = self.done.len() + self.open.len();
-            if settings.given_up_above.is_some_and(|most| count > most) {
+            if settings.gives_up(self.done.len() + self.open.len()) {
                 return Ok(false);
             }
         }

@@ -73,9 +73,8 @@ struct VerifiedPieces<'a> {
 impl<'a> VerifiedPieces<'a> {
     /// `None` where there are so many that the search is given up.
     fn new(search: Search<'a>, pieces: &[Piece]) -> Result<Option<Self>, Error> {
-        let is_given_up =
-            |count: usize| search.settings.given_up_above.is_some_and(|most| count > most);
-        if is_given_up(pieces.len()) {
+        let settings = search.settings;
+        if settings.gives_up(pieces.len()) {
             return Ok(None);
         }
         let volume =
@@ -94,7 +93,7 @@ impl<'a> VerifiedPieces<'a> {
         };
         let without_vertex_limit = parts.iter().map(without_limit).sum();
         let hulls: Vec<FinalHull> = parts.into_iter().flat_map(|part| part.hulls).collect();
-        let is_given_up = is_given_up(hulls.len());
+        let is_given_up = settings.gives_up(hulls.len());
         let made = Self { context, hulls, is_divided, without_vertex_limit };
         Ok((!is_given_up).then_some(made))
     }
