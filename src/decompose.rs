@@ -215,19 +215,13 @@ async fn limit(
         }
         let settings = settings.with_bound(bound);
         let progress = |done| SEARCHED + (FINISHED - SEARCHED) * bounds.progress(done);
-        let (begin, middle, end) = (progress(0.0), progress(0.9), progress(1.0));
-        stages.begin_pass(begin..middle, true);
+        stages.begin_pass(progress(0.0)..progress(1.0), true);
         let pass = run_pass(prepared, Some(&best), &settings, stages, deadline).await;
         let Some(found) = deadline.end_pass(pass)? else { break };
-        let Some(mut found) = found else {
+        let Some(found) = found else {
             bounds.refuse(bound);
             continue;
         };
-        if settings.max_hulls.is_some_and(|most| found.count() > most) {
-            bounds.refuse(bound);
-            stages.begin(LIMIT, middle..end);
-            found = within_limit(found, &settings, stages).await?;
-        }
         if found.hulls.error() < best.hulls.error() {
             best = found;
         }

@@ -44,7 +44,7 @@ pub struct Parameters {
     /// The largest number of hulls; `None` for no limit. Limits: at least 1. Default: `None`.
     ///
     /// A limit, not a target. Where the bound needs more, hulls are joined beyond it, or the search is
-    /// repeated up to six times under larger bounds, whichever has less error;
+    /// repeated up to four times under larger bounds, whichever has less error;
     /// [`Report::protrusion_max`](crate::Report::protrusion_max) says how much.
     pub max_hulls: Option<usize>,
     /// The largest number of vertices of a hull; `None` for no limit. Limits: at least 8. Default: 64.

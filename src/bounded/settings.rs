@@ -60,10 +60,6 @@ const LONGEST_EDGE: f64 = 4.0;
 /// more time; under large bounds features of the shape are no larger than 16 % of the diagonal.
 const LONGEST_EDGE_LIMITS: RangeInclusive<f64> = 0.04..=0.16;
 
-/// A search for the limit on hulls is given up once it has more than this multiple of them: joined
-/// down to the limit, hulls of a search that had far more are hardly ever the best.
-const GIVEN_UP_ABOVE: usize = 2;
-
 /// Planar and angular threshold of the grouping, as a fraction of the bound: the hull of a group
 /// should fit with room to spare, since groups whose hulls do not fit are halved.
 const GROUPING_THRESHOLD: f64 = 0.1;
@@ -272,7 +268,6 @@ impl Settings {
     pub(crate) fn with_bound(&self, bound: f64) -> Self {
         let Bound { requested, shares, .. } = self.bound;
         let bound = Bound { requested, shares, ..Bound::new(bound) };
-        let given_up_above = self.max_hulls.map(|most| GIVEN_UP_ABOVE.saturating_mul(most));
-        Self { bound, given_up_above, ..self.clone() }
+        Self { bound, given_up_above: self.max_hulls, ..self.clone() }
     }
 }

@@ -195,6 +195,26 @@ fn cut_finely((mut positions, mut triangles): Mesh, times: usize) -> Mesh {
     (positions, triangles)
 }
 
+/// The top of a plate may be covered by a hull as thin as a sheet, and the bottom by another: what lies between
+/// them belongs to a hull too.
+#[test]
+fn plates_are_filled_between_their_top_and_bottom() {
+    for (sides, foot, height) in [(12, 0.3, 0.1), (12, 0.3, 0.12), (16, 0.24, 0.12)] {
+        let profile = [
+            [5e-4, 0.0],
+            [foot, 0.0],
+            [0.5, height],
+            [0.5, height + 0.035],
+            [0.46, height + 0.035],
+            [1.25 * foot, height],
+            [5e-4, height],
+        ];
+        let mesh = lathe(&profile, sides);
+        let hollow = judge(&mesh, &run(&mesh).hulls).uncovered_volume;
+        assert!(hollow.is_some_and(|hollow| hollow <= 0.03), "{sides} {height}: {hollow:?}");
+    }
+}
+
 #[test]
 fn a_plain_shape_has_the_same_hulls_however_finely_it_is_cut() {
     for (name, mesh) in [("box", cuboid([0.0; 3], [1.0, 0.7, 0.4])), ("plus", plus_prism())] {

@@ -252,10 +252,10 @@ const CONSTANTS: [(&str, &[(&str, &str)]); 16] = [
     ("src/bounded/facets.rs", &[("deeper than 1.5 ε", "LEAST_DEPTH"), ("48 planes", "MAX_PLANES")]),
     ("src/solid/fit.rs", &[("0.4 times as large", "LENIENCE"), ("radius below 0.35 ε", "SMALL")]),
     ("src/bounded/cover/grow.rs", &[("until 8 in turn", "MAX_REFUSED_IN_TURN")]),
-    ("src/bounded/cover/mod.rs", &[("600 points", "POINTS")]),
+    ("src/bounded/cover/mod.rs", &[("2,000 points", "POINTS")]),
     ("src/hull/convex_hull.rs", &[("0.001 times their diagonal", "MINIMUM_THICKNESS")]),
     ("src/bounded/finalize/mod.rs", &[("1.25 times as many", "DOUBTFUL")]),
-    ("src/bounded/limit.rs", &[("6 searches", "SEARCHES"), ("0.85 times", "NEXT_BOUND")]),
+    ("src/bounded/limit.rs", &[("4 searches", "SEARCHES"), ("0.85 times", "NEXT_BOUND")]),
     (
         "src/solid/protrusion.rs",
         &[

@@ -38,17 +38,15 @@ const LAST_ROUND_BUDGET: f64 = 0.1;
 /// Pieces that may grow at the same time. They do not learn from each other.
 const AT_ONCE: usize = 4;
 
-/// Points in the box around all pieces: a cavity of a hundredth of the box holds several.
-const POINTS: usize = 600;
+/// Points in the box around all pieces: a cavity of a thousandth of the box holds a few.
+const POINTS: usize = 2000;
 
 /// A piece gets back what it contained if that holds at least this many points that are uncovered: a single one of
-/// [`POINTS`] may be a crack between hulls. With 1 two, with 4 three of 196 shared and bundled coarse meshes have other
-/// hulls, as many in all.
+/// [`POINTS`] may be a crack between hulls.
 const MIN_POINTS: usize = 2;
 
-/// Joint hulls that are tested for points that no piece has contained: a limit on time. Without any, four of the same
-/// meshes have other hulls; with 24 or 200 none has, so none needs more.
-const MAX_ATTEMPTS: usize = 48;
+/// Joint hulls that are tested for points that no piece has contained: a limit on time that hardly any mesh meets.
+const MAX_ATTEMPTS: usize = 96;
 
 /// Points this near to a hull count as covered. As a fraction of the diagonal.
 const COVERED: f64 = 1e-3;
@@ -159,7 +157,8 @@ fn fill(pieces: &mut [Piece], before: &[Piece], search: &Search<'_>) -> Result<(
     grow_over(pieces, hollow, search)
 }
 
-/// Extends pieces by single points.
+/// Extends pieces by single points, flat pieces among them: under a large face of a thin solid, the piece of that face
+/// is often the only one that can be extended.
 fn grow_over(
     pieces: &mut [Piece],
     mut hollow: Vec<Vector>,
@@ -172,8 +171,7 @@ fn grow_over(
         let mut order: Vec<(f64, usize)> = pieces
             .iter()
             .enumerate()
-            .filter(|(_, piece)| piece.hull.is_solid)
-            .map(|(index, piece)| (piece.hull.builder.farthest_outside(&[point]), index))
+            .map(|(index, piece)| (distance(&piece.hull, point), index))
             .collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         for (_, index) in order {
@@ -202,6 +200,14 @@ fn hollow(pieces: &[Piece], solid: &Solid) -> Vec<Vector> {
         .filter(|&point| !pieces.iter().any(|piece| contains(&piece.hull, point)))
         .filter(|&point| solid.side(point) == Side::Inside)
         .collect()
+}
+
+/// How far a point is outside a hull, or outside the box of a flat one.
+fn distance(hull: &GrowingHull, point: Vector) -> f64 {
+    match hull.is_solid {
+        true => hull.builder.farthest_outside(&[point]),
+        false => point.distance(point.clamp(hull.min, hull.max)),
+    }
 }
 
 fn contains(hull: &GrowingHull, point: Vector) -> bool {
