@@ -1,4 +1,4 @@
-//! What the Bevy plugin costs the main thread: `cargo bench --bench plugin --features io,bevy`.
+//! What the Bevy plugin costs the main thread: `cargo bench --bench plugin`.
 //!
 //! Other programs interrupt frames by milliseconds. On Linux, `chrt --fifo 10` before the program that `cargo bench
 //! --no-run` names keeps them away.
@@ -15,12 +15,12 @@ use bevy::ecs::schedule::SingleThreadedExecutor;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy::tasks::AsyncComputeTaskPool;
+use bevy_hullwright::prelude::*;
 use bevy_rapier3d::geometry::VHACDParameters;
 use bevy_rapier3d::prelude::*;
-use hullwright::bevy::prelude::*;
 use hullwright::hulls_format::{BakedMesh, HullScene, HullsFile};
-use hullwright::io::read_mesh;
-use hullwright::{Control, TriangleMesh, mass_properties};
+use hullwright::{Control, mass_properties};
+use hullwright_formats::read_mesh;
 
 const MODELS: [&str; 10] =
     ["mug", "table", "chair", "lamp", "bowl", "plus", "torus", "gear", "l_prism", "u_prism"];
@@ -275,7 +275,7 @@ fn baked_props() {
     let method = tag().to_parameters();
     let meshes: Vec<Mesh> = (0..PROPS).map(mesh).collect();
     let baked = meshes.iter().enumerate().map(|(number, mesh)| {
-        let mesh = TriangleMesh::try_from(mesh).unwrap();
+        let mesh = bevy_hullwright::triangle_mesh(mesh).unwrap();
         let made = method.decompose(&mesh, &Control::new()).unwrap();
         let mass = mass_properties(&mesh, &made.hulls, 1.0).unwrap();
         let file = HullsFile::new(number.to_string(), &made).with_mass_properties(mass);

@@ -1,15 +1,15 @@
 //! Bevy's asset processor bakes a scene at build time: beside `level.glb` lies a recipe, `level.hullrecipe`, a
 //! line of JSON. The first start makes the hulls and writes them to the folder of processed assets; the second
 //! one loads them. No other line of the game differs from one with a file of `hullwright bake`:
-//! `cargo run --release --example asset_processor --features io,bevy [SCENE.glb]`.
+//! `cargo run --release --example asset_processor --features bake [SCENE.glb]`.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 use bevy::asset::AssetMode;
 use bevy::prelude::*;
+use bevy_hullwright::prelude::*;
 use bevy_rapier3d::prelude::*;
-use hullwright::bevy::prelude::*;
 
 const RECIPE: &str = r#"{ "scene": "level.glb", "parameters": "max_error=1%" }"#;
 

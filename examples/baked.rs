@@ -1,16 +1,16 @@
 //! Bakes a scene as `hullwright bake` does, then starts a Bevy app without a window in which a
 //! hundred bodies take their colliders from the file, without any decomposition:
-//! `cargo run --release --example baked --features io,bevy [SCENE.glb]`.
+//! `cargo run --release --example baked [SCENE.glb]`.
 
 use std::time::Instant;
 
 use bevy::prelude::*;
+use bevy_hullwright::prelude::*;
 use bevy_rapier3d::prelude::*;
 use hullwright::Control;
-use hullwright::bake::{BakeOptions, bake_jobs};
-use hullwright::bevy::prelude::*;
 use hullwright::hulls_format::HullScene;
-use hullwright::io::read_scene;
+use hullwright_formats::bake::{BakeOptions, bake_jobs};
+use hullwright_formats::{read_scene, write_file};
 
 const BODIES: usize = 100;
 
@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let directory = std::env::temp_dir().join("hullwright-baked-example");
     std::fs::create_dir_all(&directory)?;
     let scene = HullScene::new("example", meshes);
-    scene.write(directory.join("example.hullscene"))?;
+    write_file(directory.join("example.hullscene"), &scene.to_bytes()?)?;
     let seconds = start.elapsed().as_secs_f64();
     let hulls: usize = scene.meshes.iter().map(|baked| baked.hulls.hulls.len()).sum();
     println!("baked {path}: {} meshes, {hulls} hulls, {seconds:.3} s", scene.meshes.len());

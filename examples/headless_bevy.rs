@@ -1,6 +1,6 @@
 //! Tags meshes in a Bevy app without a window, waits for their colliders while frames go on, lets
 //! them fall, prints a table:
-//! `cargo run --release --example headless_bevy --features io,bevy [MESH…]`.
+//! `cargo run --release --example headless_bevy [MESH…]`.
 
 mod headless;
 
@@ -8,8 +8,8 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
+use bevy_hullwright::prelude::*;
 use bevy_rapier3d::prelude::*;
-use hullwright::bevy::prelude::*;
 
 use headless::{bundled, is_finished, load};
 

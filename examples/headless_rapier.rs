@@ -1,10 +1,10 @@
 //! Loads a mesh, decomposes it, drops ten of it onto each other in Rapier, prints where they go:
-//! `cargo run --release --example headless_rapier --features io,rapier [MESH]`.
+//! `cargo run --release --example headless_rapier [MESH]`.
 
 use std::time::Instant;
 
-use hullwright::io::read_mesh;
-use hullwright::{Control, Parameters, decompose, mass_properties, rapier};
+use hullwright::{Control, Parameters, decompose, mass_properties};
+use hullwright_formats::read_mesh;
 use rapier3d::prelude::*;
 
 /// kg per m³, if the mesh is in metres.
@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("mass {:.3} kg, from {:?}", properties.mass, properties.source);
 
     // One shape, shared by all bodies.
-    let collider = rapier::collider(hulls, &properties, [1.0; 3])?;
+    let collider = hullwright_rapier::collider(hulls, &properties, [1.0; 3])?;
 
     let size = decomposition.run.diagonal as f32;
     let mut world = PhysicsWorld::new();

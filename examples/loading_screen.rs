@@ -1,7 +1,7 @@
 //! A loading screen without a window: a scene is loaded, its meshes get their colliders in the background
 //! while the progress is shown, and the level starts when all is done. With a `.hullscene` file beside the
 //! scene, as `hullwright bake SCENE` writes it, nothing is decomposed:
-//! `cargo run --release --example loading_screen --features io,bevy_gltf [SCENE.glb]`. One with textures in it
+//! `cargo run --release --example loading_screen --features bake,bevy_gltf [SCENE.glb]`. One with textures in it
 //! wants the features `bevy/png,bevy/jpeg` too.
 
 #[path = "headless/scenes.rs"]
@@ -13,8 +13,8 @@ use std::time::{Duration, Instant};
 use bevy::app::ScheduleRunnerPlugin;
 use bevy::asset::LoadState;
 use bevy::prelude::*;
+use bevy_hullwright::prelude::*;
 use bevy_rapier3d::prelude::*;
-use hullwright::bevy::prelude::*;
 
 use scenes::HeadlessScenes;
 

@@ -1,14 +1,14 @@
 //! Hundreds of props of ten kinds rain into a Bevy app without a window, first unknown to the
 //! plugin, then known; prints how long frames took:
-//! `cargo run --release --example stress --features io,bevy [PROPS]`.
+//! `cargo run --release --example stress [PROPS]`.
 
 mod headless;
 
 use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
+use bevy_hullwright::prelude::*;
 use bevy_rapier3d::prelude::*;
-use hullwright::bevy::prelude::*;
 
 use headless::{Model, bundled, is_finished, load};
 

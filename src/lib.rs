@@ -1,160 +1,208 @@
-//! Approximate convex decomposition of triangle meshes, with a measured and bounded error.
+//! The plugin for Bevy 0.20 with bevy_rapier3d 0.37: tag a mesh, get a moving concave body.
 //!
-//! A physics engine moves convex bodies. A concave mesh becomes a moving body as a compound of convex
-//! hulls. [`decompose`] makes few such hulls, and a [`Report`] that says how far they are from the mesh:
-//! the default method keeps a bound that you choose, and verifies it against the mesh.
+//! ```no_run
+//! use bevy::prelude::*;
+//! use bevy_rapier3d::prelude::*;
+//! use bevy_hullwright::prelude::*;
 //!
-//! ```
-//! use hullwright::{Control, Length, MeshView, Parameters, decompose};
-//!
-//! # fn main() -> Result<(), hullwright::Error> {
-//! // An L: two boxes.
-//! let outline = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0_f32]];
-//! let positions: Vec<[f32; 3]> =
-//!     [0.0, 1.0].iter().flat_map(|&z| outline.map(|[x, y]| [x, y, z])).collect();
-//! let mut triangles = vec![[0, 2, 1], [0, 3, 2], [0, 4, 3], [0, 5, 4]];
-//! triangles.extend([[6, 7, 8], [6, 8, 9], [6, 9, 10], [6, 10, 11]]);
-//! triangles.extend((0..6).flat_map(|a| {
-//!     let b = (a + 1) % 6;
-//!     [[a, b, b + 6], [a, b + 6, a + 6]]
-//! }));
-//!
-//! let mesh = MeshView::new(&positions, &triangles);
-//! let parameters = Parameters::default().max_error(Length::share(0.02));
-//! let result = decompose(mesh, &parameters, &Control::new())?;
-//! assert_eq!(result.hulls.len(), 2);
-//!
-//! let report = result.report;
-//! assert!(report.protrusion_max <= report.bound && report.uncovered_max <= report.bound);
-//! for hull in &result.hulls {
-//!     let (points, triangles) = hull.shape.to_single_precision()?;
-//!     println!("{} vertices, {} triangles", points.len(), triangles.len());
-//! }
-//! # Ok(())
+//! # fn setup(mut commands: Commands, mesh: Handle<Mesh>) {
+//! commands.spawn((
+//!     Mesh3d(mesh),
+//!     RigidBody::Dynamic,
+//!     // At most 1 % of the mesh's diagonal between hulls and mesh; 2 % without it.
+//!     ConvexDecomposition::default().with_max_error(0.01),
+//! ));
 //! # }
 //! ```
 //!
-//! # Where to start
+//! Work runs on threads of the plugin's own, of a lower priority than the game's; no frame waits for it. Every tag ends
+//! in exactly one of two events: [`ColliderReady`], or [`ColliderAbsent`] with the reason. [`DecompositionStatus`] says
+//! the same at any time, and the finer events [`DecompositionReady`], [`DecompositionSkipped`], [`DecompositionFailed`]
+//! and [`DecompositionCancelled`] say more.
+//!
+//! In metres, Rapier's own contacts let small things sink into each other, so the plugin gives each world of Rapier a
+//! [`ContactDispatcher`](hullwright_rapier::ContactDispatcher).
+//! [`without_contact_dispatcher`](HullwrightPlugin::without_contact_dispatcher) leaves worlds as they are.
 //!
 //! | you have | you want | use |
 //! |---|---|---|
-//! | a mesh, or a mesh file ([`io`](io/index.html)) | convex hulls | [`decompose`]; [`Decomposer`] in time slices |
-//! | the same | the paper's own hulls; the one hull of all points; the choice as one value | [`surface::decompose`](surface::decompose()); [`single_hull()`]; [`Method`] |
-//! | a decomposition, or hulls of any tool | fewer hulls | [`MergeTree`] |
-//! | a mesh and hulls of any tool | their errors | [`measure::measure`]; point by point [`measure::MeasuredMesh`] |
-//! | a mesh | mass, centre and inertia; a report on its defects | [`mass_properties()`]; [`inspect()`] |
-//! | hulls | a file that games load | [`hulls_format`]; [`bake`](bake/index.html) for a scene |
-//! | a mesh, Rapier or Bevy | a collider with the mesh's mass | [`rapier`](rapier/index.html), [`bevy`](bevy/index.html) |
-//! | a mesh and hulls | a picture, a page to look at them | the command `hullwright view`, or its crate `hullwright-cli` |
-//!
-//! # Methods
-//!
-//! - [`decompose`], the default: patches of the surface merge, under a bound on the error, into few
-//!   hulls that cover the surface. The bound is verified against the source. `docs/algorithm.md` in the
-//!   crate explains each stage, with pictures, and why the bound is sound.
-//! - [`surface::decompose`](surface::decompose()): the method of the paper *A surface-based approach for 3D
-//!   approximate convex decomposition*, with the paper's parameters. It promises no bound.
-//! - [`single_hull()`]: no decomposition, but the one hull of all points.
-//!
-//! A [`Method`] is one of the three with its parameters.
-//!
-//! # Two distances
-//!
-//! - **Protrusion**: how far a hull is outside of the solid. Objects stop before they touch.
-//! - **Uncovered distance**: how far the mesh's surface is outside of every hull. Objects sink in.
-//!
-//! Both are at most [`Parameters::max_error`], unless a limit on hulls forces more or a flat part has to be
-//! thicker to be a hull; the report says how much. *Uncovered volume* is the share of the solid that no
-//! hull holds. [`measure`] samples all three, for hulls of any tool.
-//!
-//! # Conventions
-//!
-//! - **Units** are the input's. A [`Length`] is a fraction of the diagonal of the bounding box of the vertices
-//!   that triangles use, or a number of the input's units.
-//! - **Winding**: right- and left-handed input both work. A closed mesh that encloses a negative volume is
-//!   turned around. Triangles of hulls run counter-clockwise seen from outside, in a right-handed frame.
-//! - **Precision**: everything is computed in `f64` on a copy that is moved to the origin and scaled to a
-//!   diagonal of 1.
-//! - **Determinism**: the same input and parameters give the same result, for any number of threads. Only a
-//!   deadline ([`Control::with_deadline`]) makes a result depend on time.
-//! - **Panics**: none, whatever the input. Every function that can fail returns a typed error:
-//!   [`Error`], or that of its module (`hulls_format::HullsFileError`, [`ParseError`], `rapier::ColliderError`).
-//!
-//! # Features
-//!
-//! | feature | what it adds |
-//! |---|---|
-//! | `parallel` (default) | independent parts of the work run on rayon's pool; the result stays the same |
-//! | `io` | readers of OBJ, OFF, PLY, STL, glTF and GLB; writers of OBJ and GLB |
-//! | `serde` | parameters, reports and measurements can be written and read, for example by serde_json |
-//! | `bake` (in `bevy`) | meshes by content, scenes in one `.hullscene` file |
-//! | `fill` | the surface of what a probe does not reach, for display |
-//! | `fs` (in `io` and `bake`) | `.hulls` files are written to disk, all or nothing |
-//! | `nalgebra` (in `rapier`) | principal axes of inertia |
-//! | `rapier` | colliders and mass properties for rapier3d 0.36 |
-//! | `bevy`, `bevy_gltf`, `debug` | the plugin for Bevy 0.20 with bevy_rapier3d 0.37; tags in glTF extras; hulls drawn as gizmos |
-//!
-//! # Inside
-//!
-//! Imports go down only: `bevy` and `rapier` use the public items; below them are the public functions, files, the two
-//! methods (`bounded`, `surface`), and what these share, from `solid` down to `geometry`. `CONTRIBUTING.md` has the table.
+//! | an app | the plugin | [`HullwrightPlugin`], [`HullwrightSettings`] |
+//! | a mesh, or a glTF node with meshes below it | a collider | [`ConvexDecomposition`] |
+//! | a whole scene | a collider per mesh, by names and extras | [`ConvexDecompositionHierarchy`] |
+//! | a `.hullscene` file | the colliders of a scene without any work | [`ConvexDecompositionHierarchy::with_baked`] |
+//! | the same, and no mesh | a collider | [`BakedDecomposition`] |
+//! | a body that waits for its hulls | a collider until then | [`FallbackCollider`] |
+//! | an entity | to know whether its collider is there | [`ColliderReady`], [`ColliderAbsent`], [`DecompositionStatus`] |
+//! | a scene | to know when all of it is done | [`HierarchyFinished`], [`all_decompositions_done`] |
+//! | a loading screen | to show how far it is | [`DecompositionProgress`] |
+//! | many entities | the nearest first; how many are done | [`DecompositionFocus`], [`DecompositionPriority`], [`DecompositionCounters`] |
+//! | the feature `debug` | hulls drawn, counters among the diagnostics | `HullwrightDebugPlugin` |
 
-#![cfg_attr(docsrs, feature(doc_cfg))]
+// Five concepts, each with a plugin of its own. Imports go down this table only; what a concept owns is private to
+// it, and others use verbs on it.
+//
+// | concept | owns, and alone writes | what |
+// |---|---|---|
+// | `debug` (feature) | gizmos, diagnostics | hulls drawn, and numbers among the diagnostics |
+// | `scene` | `HierarchyStatus`, `HierarchyWork`, `ColliderPieceOf`, `TaggedByHierarchy`, `HiddenByHierarchy`, `DecompositionProgress` | whole scenes, tagged by names and extras, and how far all work is |
+// | `collider` | `Unfinished`, `Fallbacks`, `OwnCollider`, `OwnMass`, `AttachedCollider`, `AttachedFallback`, `FailedRequest`, `FarFromFocus`, `GivesSurface`, `Frozen` | from tags to requests, from results to colliders; what is out of date; colliders that follow a scale; bodies that wait |
+// | `jobs` | `Jobs` with the caches, `FrameTime`, the asset `BakedScene` | requests wait, become jobs, end in results |
+// | `tag` | `DecompositionStatus`, the events and counters of endings, by `Outcomes` alone | what users set, and what is reported |
+//
+// `scene` writes tags as users do. In the counters `jobs` and `collider` write how much runs and waits.
 
-#[cfg(feature = "fs")]
-mod atomic_write;
-#[cfg(all(feature = "bake", feature = "io"))]
-pub mod bake;
-#[cfg(feature = "bevy")]
-pub mod bevy;
-mod bounded;
-mod bvh;
-mod control;
-#[cfg(feature = "bake")]
-pub mod conventions;
-mod decompose;
-mod decomposer;
-mod decomposition;
-mod error;
-mod geometry;
-pub mod hull;
-pub mod hulls_format;
-mod inspect;
-#[cfg(feature = "io")]
-pub mod io;
-mod mass;
-pub mod measure;
-mod merge_tree;
-mod mesh;
-mod method;
-mod openings;
-mod parallel;
-mod parameters;
-mod probe;
-#[cfg(feature = "rapier")]
-pub mod rapier;
-mod solid;
-mod stages;
-mod summary;
-pub mod surface;
-mod work;
+mod collider;
+#[cfg(feature = "debug")]
+mod debug;
+mod jobs;
+mod scene;
+mod tag;
 
-pub use control::{Control, Progress, Stage};
-pub use decompose::decompose;
-pub use decomposer::Decomposer;
-pub use decomposition::{
-    ALGORITHM_VERSION, Decomposition, GroupedMesh, Hull, HullErrors, ProbeReport, Provenance,
-    Report, RunReport, StageTime,
+use bevy::asset::AssetEventSystems;
+use bevy::prelude::*;
+use bevy_rapier3d::plugin::PhysicsSet;
+use bevy_rapier3d::prelude::CollisionEvent;
+
+#[cfg(feature = "debug")]
+pub use debug::{HullGizmos, HullwrightDebug, HullwrightDebugPlugin};
+pub use jobs::baked::{
+    BakedDecomposition, BakedScene, BakedSceneSettings, FromBakedScene, HullSceneLoader,
+    LoadHullsError,
 };
-pub use error::{Error, FileError};
-pub use geometry::{Bounds, Coordinate, MeshView, Sidedness, TriangleMesh};
-pub use hull::{ConvexHull, SinglePrecisionHull, convex_hull};
-pub use inspect::{Inspection, inspect, inspect_with};
-#[cfg(feature = "nalgebra")]
-pub use mass::PrincipalInertia;
-pub use mass::{MassProperties, MassSource, mass_properties, mass_properties_with};
-pub use merge_tree::{CurvePoint, Join, MergeTree};
-pub use mesh::Repairs;
-pub use method::{Method, MethodReport, single_hull};
-pub use openings::{ClosedMesh, Opening, OpeningOutcome, close_openings};
-pub use parameters::{Length, Openings, Parameters, ParseError, Preset, UpAxis};
+#[cfg(feature = "bake")]
+pub use jobs::recipe::{HullRecipeLoader, HullRecipeProcessor, HullSceneSaver};
+pub use jobs::request::{mesh_of_hull, triangle_mesh};
+pub use scene::hierarchy::{
+    ConvexDecompositionHierarchy, HierarchyFinished, HierarchyReport, HierarchyStatus,
+};
+pub use scene::tagging::{ColliderPieceOf, ColliderPieces};
+pub use scene::{DecompositionProgress, all_decompositions_done, decompositions_pending};
+pub use tag::outcomes::{
+    AbsentReason, ColliderAbsent, ColliderReady, DecompositionCancelled, DecompositionCounters,
+    DecompositionError, DecompositionFailed, DecompositionReady, DecompositionSkipped,
+    DecompositionStatus, HullSource, MadeOf, SkipReason, VerifiedDistances, WaitReason,
+};
+pub use tag::settings::{
+    BudgetSettings, CacheSettings, Execution, FallbackCollider, HullwrightSettings,
+    HullwrightSystems, SkipSettings,
+};
+pub use tag::{
+    ConvexDecomposition, DEFAULT_DENSITY, DecompositionFocus, DecompositionOpenings,
+    DecompositionPreset, DecompositionPriority, DecompositionShape, MaxError,
+    NoConvexDecomposition,
+};
+
+/// What most users need.
+pub mod prelude {
+    pub use super::{
+        AbsentReason, BakedDecomposition, BakedScene, BudgetSettings, CacheSettings,
+        ColliderAbsent, ColliderPieceOf, ColliderPieces, ColliderReady, ConvexDecomposition,
+        ConvexDecompositionHierarchy, DecompositionCancelled, DecompositionCounters,
+        DecompositionFailed, DecompositionFocus, DecompositionOpenings, DecompositionPreset,
+        DecompositionPriority, DecompositionProgress, DecompositionReady, DecompositionShape,
+        DecompositionSkipped, DecompositionStatus, Execution, FallbackCollider, FromBakedScene,
+        HierarchyFinished, HierarchyReport, HierarchyStatus, HullSource, HullwrightPlugin,
+        HullwrightSettings, HullwrightSystems, MadeOf, MaxError, NoConvexDecomposition, SkipReason,
+        SkipSettings, VerifiedDistances, WaitReason, all_decompositions_done,
+        decompositions_pending,
+    };
+    #[cfg(feature = "debug")]
+    pub use super::{HullwrightDebug, HullwrightDebugPlugin};
+}
+
+/// Gives entities with [`ConvexDecomposition`] their colliders.
+///
+/// Needs Bevy's `AssetPlugin`, and Rapier's plugin needs `TransformPlugin`; `MinimalPlugins` are
+/// enough otherwise. The order of plugins does not matter.
+#[derive(Debug, Clone, Default)]
+pub struct HullwrightPlugin {
+    /// The initial settings. Settings that were inserted before stay, unless these differ from the default in more than
+    /// the contacts.
+    pub settings: HullwrightSettings,
+}
+
+impl HullwrightPlugin {
+    /// The same, but worlds of Rapier keep their own contacts.
+    #[must_use]
+    pub fn without_contact_dispatcher(mut self) -> Self {
+        self.settings.contact_dispatcher = false;
+        self
+    }
+}
+
+impl Plugin for HullwrightPlugin {
+    fn build(&self, app: &mut App) {
+        // Worlds that keep their contacts are no reason to drop settings that were inserted before.
+        let with_contacts =
+            HullwrightSettings { contact_dispatcher: true, ..self.settings.clone() };
+        if with_contacts != HullwrightSettings::default() {
+            app.insert_resource(self.settings.clone());
+        } else if !self.settings.contact_dispatcher {
+            app.init_resource::<HullwrightSettings>();
+            app.world_mut().resource_mut::<HullwrightSettings>().contact_dispatcher = false;
+        }
+        app.configure_sets(
+            PostUpdate,
+            (
+                HullwrightSystems::DetectChanges,
+                HullwrightSystems::RunJobs,
+                HullwrightSystems::Attach,
+            )
+                .chain()
+                .before(TransformSystems::Propagate)
+                .before(PhysicsSet::SyncBackend)
+                // Bevy's UI and Rapier's soft bodies write assets after transforms and before the
+                // events about them, so these can't come first. A mesh that was modified is seen in
+                // the next frame, by its event and by the mark that Bevy then sets on `Mesh3d`.
+                .before(AssetEventSystems),
+        );
+        app.add_plugins((
+            tag::TagPlugin,
+            jobs::JobsPlugin,
+            collider::ColliderPlugin,
+            scene::ScenePlugin,
+        ));
+    }
+
+    /// Where a plugin is missing, Bevy's panic names a resource at best, and nothing at all may be
+    /// said.
+    fn finish(&self, app: &mut App) {
+        let world = app.world();
+        assert!(
+            world.contains_resource::<AssetServer>(),
+            "HullwrightPlugin needs Bevy's AssetPlugin: add it, or DefaultPlugins"
+        );
+        if !world.contains_resource::<Messages<CollisionEvent>>() {
+            log::warn!(
+                "RapierPhysicsPlugin is missing: colliders are made, but nothing moves or collides"
+            );
+        }
+        if !app.is_plugin_added::<TransformPlugin>() {
+            log::warn!(
+                "Bevy's TransformPlugin is missing: nothing has a place in the world, and Rapier's \
+                 systems fail"
+            );
+        }
+    }
+}
+
+/// The pages' programs run as tests.
+#[cfg(doctest)]
+mod pages {
+    #[doc = include_str!("../docs/bevy.md")]
+    struct Index;
+    #[doc = include_str!("../docs/bevy/bounds.md")]
+    struct Bounds;
+    #[doc = include_str!("../docs/bevy/behaviour.md")]
+    struct Behaviour;
+    #[doc = include_str!("../docs/bevy/artists.md")]
+    struct Artists;
+    #[doc = include_str!("../docs/bevy/fixed-timestep.md")]
+    struct FixedTimestep;
+    #[doc = include_str!("../docs/bevy/migration.md")]
+    struct Migration;
+    #[doc = include_str!("../docs/bevy/settings.md")]
+    struct Settings;
+    #[doc = include_str!("../docs/bevy/troubleshooting.md")]
+    struct Troubleshooting;
+}

@@ -7,9 +7,9 @@ use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
+use bevy_hullwright::prelude::*;
 use bevy_rapier3d::prelude::*;
-use hullwright::bevy::prelude::*;
-use hullwright::io::read_mesh;
+use hullwright_formats::read_mesh;
 
 /// Time that passes from update to update, however long they take.
 const FRAME: Duration = Duration::from_micros(16_667);

@@ -3,7 +3,7 @@
 use arbitrary::{Result, Unstructured};
 use hullwright::Error;
 use hullwright::hulls_format::HullsFile;
-use hullwright::io::{Format, MeshFile, read_mesh_from_bytes, read_scene_from_bytes};
+use hullwright_formats::{Format, MeshFile, read_mesh_from_bytes, read_scene_from_bytes};
 
 /// What is read names only what is there; what is refused says why.
 fn read(format: Format, bytes: &[u8]) {
@@ -344,9 +344,8 @@ pub fn hulls_file(bytes: &[u8]) {
 }
 
 /// Names and glTF extras by which artists ask for colliders.
-#[cfg(feature = "bake")]
 pub fn extras(bytes: &[u8]) {
-    use hullwright::conventions::{mesh_tag, node_tag, read_extras, without_copy_number};
+    use hullwright_formats::conventions::{mesh_tag, node_tag, read_extras, without_copy_number};
     let text = String::from_utf8_lossy(bytes);
     let _ = (read_extras(&text), node_tag(&text), mesh_tag(&text), without_copy_number(&text));
     let escaped = serde_json::Value::from(text.as_ref()).to_string();

@@ -1,7 +1,7 @@
 //! Inputs to begin with: bytes of which the targets make solids, sheets and hard sets of points. By chance bytes
 //! are a heap of loose triangles, which seldom reaches the stages behind the first.
 //!
-//! `FUZZ_STARTS=1 cargo test --features io --test fuzz_corpus starts` writes them where `fuzz/run` begins.
+//! `FUZZ_STARTS=1 cargo test --package hullwright --test fuzz_corpus starts` writes them where `fuzz/run` begins.
 
 use std::f64::consts::{PI, TAU};
 

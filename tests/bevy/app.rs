@@ -9,10 +9,10 @@ use bevy::ecs::component::Mutable;
 use bevy::mesh::{Indices, Mesh, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
+use bevy_hullwright::prelude::*;
 use bevy_rapier3d::prelude::*;
 use bevy_rapier3d::rapier::geometry::SharedShape;
-use hullwright::bevy::prelude::*;
-use hullwright::io::read_mesh;
+use hullwright_formats::read_mesh;
 
 pub const DENSITY: f32 = 1000.0;
 

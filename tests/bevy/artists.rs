@@ -2,8 +2,8 @@
 
 use bevy::gltf::GltfMeshName;
 use bevy::prelude::*;
+use bevy_hullwright::prelude::*;
 use bevy_rapier3d::prelude::*;
-use hullwright::bevy::prelude::*;
 use serde_json::{Value, json};
 
 use crate::app::*;

@@ -1,12 +1,12 @@
 //! Baked hulls need no work but their shape.
 
 use bevy::prelude::*;
+use bevy_hullwright::prelude::*;
+use bevy_hullwright::{BakedSceneSettings, DecompositionError};
 use bevy_rapier3d::prelude::*;
-use hullwright::bevy::prelude::*;
-use hullwright::bevy::{BakedSceneSettings, DecompositionError};
 use hullwright::hulls_format::{BakedMesh, HullScene, HullsFile};
-use hullwright::io::read_mesh;
 use hullwright::{Control, Parameters, decompose, mass_properties};
+use hullwright_formats::read_mesh;
 
 use crate::app::*;
 

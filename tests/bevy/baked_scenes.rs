@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use bevy::asset::RenderAssetUsages;
 use bevy::gltf::{GltfAssetLabel, GltfLoaderSettings};
 use bevy::prelude::*;
+use bevy_hullwright::BakedSceneSettings;
+use bevy_hullwright::prelude::*;
 use bevy_rapier3d::prelude::{Collider, RigidBody};
-use hullwright::bake::{BakeOptions, bake_jobs, bake_triangles};
-use hullwright::bevy::BakedSceneSettings;
-use hullwright::bevy::prelude::*;
 use hullwright::hulls_format::HullScene;
-use hullwright::io::read_scene;
 use hullwright::{Control, Length, Parameters};
+use hullwright_formats::bake::{BakeOptions, bake_jobs, bake_triangles};
+use hullwright_formats::read_scene;
 
 use crate::app::*;
 use crate::gltf::{app_with_gltf, app_with_scene_in, update_until_ready};

@@ -3,9 +3,9 @@
 
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
+use bevy_hullwright::DecompositionError;
+use bevy_hullwright::prelude::*;
 use bevy_rapier3d::prelude::*;
-use hullwright::bevy::DecompositionError;
-use hullwright::bevy::prelude::*;
 
 use crate::app::*;
 

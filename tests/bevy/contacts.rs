@@ -1,8 +1,8 @@
 //! A tagged mesh becomes a body that falls, touches and rests as its shape says, small things as large ones.
 
 use bevy::prelude::*;
+use bevy_hullwright::{DecompositionStatus, HullSource};
 use bevy_rapier3d::prelude::*;
-use hullwright::bevy::{DecompositionStatus, HullSource};
 
 use crate::app::*;
 

@@ -5,8 +5,8 @@ use bevy::diagnostic::{DiagnosticPath, DiagnosticsStore};
 use bevy::gizmos::{GizmoAsset, GizmoPlugin};
 use bevy::mesh::MeshPlugin;
 use bevy::prelude::*;
-use hullwright::bevy::prelude::*;
-use hullwright::bevy::{HullwrightDebug, HullwrightDebugPlugin};
+use bevy_hullwright::prelude::*;
+use bevy_hullwright::{HullwrightDebug, HullwrightDebugPlugin};
 
 use crate::app::*;
 

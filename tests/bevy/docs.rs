@@ -5,8 +5,8 @@ use std::path::Path;
 use bevy::prelude::*;
 use bevy::reflect::Typed;
 use bevy::reflect::structs::Struct;
+use bevy_hullwright::prelude::*;
 use bevy_rapier3d::prelude::RigidBody;
-use hullwright::bevy::prelude::*;
 
 use crate::app::*;
 

@@ -3,8 +3,8 @@
 
 use bevy::mesh::Indices;
 use bevy::prelude::*;
+use bevy_hullwright::prelude::*;
 use bevy_rapier3d::prelude::*;
-use hullwright::bevy::prelude::*;
 
 use crate::app::*;
 

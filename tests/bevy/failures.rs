@@ -5,10 +5,10 @@ use std::time::Duration;
 use bevy::asset::AssetPlugin;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
+use bevy_hullwright::DecompositionError;
+use bevy_hullwright::prelude::*;
 use bevy_rapier3d::prelude::*;
 use hullwright::Error;
-use hullwright::bevy::DecompositionError;
-use hullwright::bevy::prelude::*;
 
 use crate::app::*;
 use crate::baked::baked;

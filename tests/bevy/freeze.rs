@@ -1,8 +1,8 @@
 //! What an entity has until its collider is ready: a body that is frozen, a fallback collider.
 
 use bevy::prelude::*;
+use bevy_hullwright::prelude::*;
 use bevy_rapier3d::prelude::*;
-use hullwright::bevy::prelude::*;
 
 use crate::app::*;
 

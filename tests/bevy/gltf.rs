@@ -5,8 +5,8 @@ use bevy::gltf::GltfAssetLabel;
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
+use bevy_hullwright::prelude::*;
 use bevy_rapier3d::prelude::*;
-use hullwright::bevy::prelude::*;
 use serde_json::{Value, json};
 
 use crate::app::*;

@@ -2,8 +2,8 @@
 
 use bevy::camera::visibility::VisibilityRange;
 use bevy::prelude::*;
+use bevy_hullwright::prelude::*;
 use bevy_rapier3d::prelude::*;
-use hullwright::bevy::prelude::*;
 use serde_json::json;
 
 use crate::app::*;

@@ -7,9 +7,9 @@ use bevy::ecs::entity::EntityHashMap;
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::mesh::Mesh;
 use bevy::prelude::*;
+use bevy_hullwright::HullSource;
+use bevy_hullwright::prelude::*;
 use bevy_rapier3d::prelude::*;
-use hullwright::bevy::HullSource;
-use hullwright::bevy::prelude::*;
 use hullwright::hulls_format::HullsFile;
 
 use crate::app::*;
@@ -539,7 +539,7 @@ fn a_cached_entry_of_another_version_or_another_mesh_is_not_taken() {
 
     let mut file = HullsFile::read(&entry).unwrap();
     file.algorithm_version -= 1;
-    file.write(&entry).unwrap();
+    std::fs::write(&entry, file.to_bytes().unwrap()).unwrap();
     assert_eq!(source_with(folder.path()), FRESH);
     // It was replaced.
     assert_eq!(source_with(folder.path()), CACHED);

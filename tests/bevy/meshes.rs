@@ -3,8 +3,8 @@
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, Mesh, PrimitiveTopology};
 use bevy::prelude::*;
+use bevy_hullwright::{DecompositionError, DecompositionShape, DecompositionStatus};
 use hullwright::Error;
-use hullwright::bevy::{DecompositionError, DecompositionShape, DecompositionStatus};
 
 use crate::app::*;
 

@@ -6,8 +6,8 @@ use bevy::asset::{AssetEventSystems, AssetPlugin};
 use bevy::ecs::schedule::{LogLevel, ScheduleBuildSettings};
 use bevy::mesh::MeshPlugin;
 use bevy::prelude::*;
+use bevy_hullwright::prelude::*;
 use bevy_rapier3d::prelude::*;
-use hullwright::bevy::prelude::*;
 
 use crate::app::*;
 
@@ -23,7 +23,7 @@ fn full_app() -> App {
         HullwrightPlugin::default(),
     ));
     #[cfg(feature = "debug")]
-    app.add_plugins((bevy::gizmos::GizmoPlugin, hullwright::bevy::HullwrightDebugPlugin));
+    app.add_plugins((bevy::gizmos::GizmoPlugin, bevy_hullwright::HullwrightDebugPlugin));
     app.finish();
     app.cleanup();
     app

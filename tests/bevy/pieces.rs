@@ -1,9 +1,9 @@
 //! Pieces of colliders that an artist made belong to their mesh and move with its body, beside it or below it.
 
 use bevy::prelude::*;
+use bevy_hullwright::ColliderPieces;
+use bevy_hullwright::prelude::*;
 use bevy_rapier3d::prelude::*;
-use hullwright::bevy::ColliderPieces;
-use hullwright::bevy::prelude::*;
 use serde_json::{Value, json};
 
 use crate::app::*;

@@ -3,9 +3,9 @@
 use std::time::Duration;
 
 use bevy::prelude::*;
+use bevy_hullwright::prelude::*;
+use bevy_hullwright::{HullSource, WaitReason};
 use bevy_rapier3d::prelude::*;
-use hullwright::bevy::prelude::*;
-use hullwright::bevy::{HullSource, WaitReason};
 
 use crate::app::*;
 

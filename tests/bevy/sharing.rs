@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use bevy::prelude::*;
-use hullwright::bevy::HullSource;
-use hullwright::bevy::prelude::*;
+use bevy_hullwright::HullSource;
+use bevy_hullwright::prelude::*;
 
 use crate::app::*;
 

@@ -5,7 +5,7 @@ use bevy::ecs::reflect::ReflectCommandExt;
 use bevy::gltf::GltfExtras;
 use bevy::prelude::*;
 use bevy::reflect::serde::ReflectDeserializer;
-use hullwright::bevy::prelude::*;
+use bevy_hullwright::prelude::*;
 use serde::de::DeserializeSeed;
 use serde_json::Value;
 

@@ -3,10 +3,10 @@
 use std::time::Duration;
 
 use bevy::prelude::*;
+use bevy_hullwright::SkipReason;
+use bevy_hullwright::prelude::*;
 use bevy_rapier3d::prelude::*;
 use bevy_rapier3d::rapier::parry::shape::TriMeshFlags;
-use hullwright::bevy::SkipReason;
-use hullwright::bevy::prelude::*;
 
 use crate::app::*;
 

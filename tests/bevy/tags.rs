@@ -5,8 +5,8 @@ use bevy::reflect::enums::DynamicEnum;
 use bevy::reflect::structs::DynamicStruct;
 use bevy::reflect::tuple::DynamicTuple;
 use bevy::reflect::{FromReflect, TypePath};
-use hullwright::bevy::prelude::*;
-use hullwright::bevy::{DecompositionError, HullSceneLoader};
+use bevy_hullwright::prelude::*;
+use bevy_hullwright::{DecompositionError, HullSceneLoader};
 use hullwright::surface::SurfaceParameters;
 
 use crate::app::*;

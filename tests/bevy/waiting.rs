@@ -1,9 +1,9 @@
 //! A tag may come before the mesh, sit above it, and go away again.
 
 use bevy::prelude::*;
+use bevy_hullwright::WaitReason;
+use bevy_hullwright::prelude::*;
 use bevy_rapier3d::prelude::*;
-use hullwright::bevy::WaitReason;
-use hullwright::bevy::prelude::*;
 
 use crate::app::*;
 

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use hullwright::io::Format;
 use hullwright::surface::SurfaceParameters;
 use hullwright::{Length, Method, Openings, Parameters, Preset, UpAxis};
 use hullwright_cli::terminal::Failure;
+use hullwright_formats::Format;
 
 /// Says which files an argument takes.
 pub fn mesh_help() -> String {

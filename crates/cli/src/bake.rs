@@ -3,11 +3,13 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use hullwright::bake::{BakeJob, BakeOptions, bake_jobs, bake_triangles, extras_complaints};
 use hullwright::hulls_format::{BakedTriangles, HullScene, HullsFile, MeshHash, SceneLookup};
-use hullwright::io::{Format, NamedMesh, SceneMesh, read_scene};
 use hullwright::{Control, Error, Method};
 use hullwright_cli::terminal::{Failure, count, print, print_error, print_warning};
+use hullwright_formats::bake::{
+    BakeJob, BakeOptions, bake_jobs, bake_triangles, extras_complaints,
+};
+use hullwright_formats::{Format, NamedMesh, SceneMesh, read_scene, write_file};
 
 use crate::arguments::{ParameterArguments, SCENE_SUFFIX, ThreadArguments, Uses};
 use crate::decompose::{DEFAULT_DENSITY, hulls_file, wrote};
@@ -251,7 +253,8 @@ fn bake_scene(scene: &Scene<'_>, control: impl Fn(usize) -> Control, results: &m
     let name = input.path.file_stem().unwrap_or_default().to_string_lossy();
     let baked = HullScene::new(name, meshes).with_triangles(triangles.clone());
     let written = make_directory(output)
-        .and_then(|()| baked.write(output).map_err(|error| error.to_string()));
+        .and_then(|()| baked.to_bytes().map_err(|error| error.to_string()))
+        .and_then(|bytes| write_file(output, &bytes).map_err(|error| error.to_string()));
     if results.keep(written).is_some() {
         results.lines.push(wrote_scene(scene, &baked, kept));
         let exceeded = baked.meshes.iter().filter_map(|baked| exceeded_bound(&baked.hulls));
@@ -356,7 +359,8 @@ fn bake_mesh(
     let file = hulls_file(name.as_str(), mesh.view(), &decomposition, &method.solid(), density)
         .map_err(|error| error.to_string())?;
     make_directory(&job.output)?;
-    file.write(&job.output).map_err(|error| error.to_string())?;
+    let bytes = file.to_bytes().map_err(|error| error.to_string())?;
+    write_file(&job.output, &bytes).map_err(|error| error.to_string())?;
     let lines = [Some(wrote(&job.output, &file.hulls)), exceeded_bound(&file)];
     Ok(lines.into_iter().flatten().collect())
 }

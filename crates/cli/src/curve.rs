@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use hullwright::io::write_file;
 use hullwright::{CurvePoint, Error, MergeTree};
 use hullwright_cli::terminal::{Failure, print, print_json};
+use hullwright_formats::write_file;
 use plotters::prelude::*;
 use serde_json::json;
 

@@ -4,9 +4,11 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use hullwright::hulls_format::HullsFile;
-use hullwright::io::{HullFormat, check_output, is_hulls_file, read_mesh, write_hulls};
 use hullwright::{Decomposition, Error, Hull, MeshView, MethodReport, Parameters};
 use hullwright_cli::terminal::{Failure, count, print, print_json};
+use hullwright_formats::{
+    HullFormat, check_output, is_hulls_file, read_mesh, write_file, write_hulls,
+};
 
 use crate::arguments::{
     ParameterArguments, SURFACE_HEADING, ThreadArguments, Uses, check_is_surface, check_not_input,
@@ -75,8 +77,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Some(output) if is_hulls_file(output) => {
             let name = mesh.file_stem().unwrap_or_default().to_string_lossy();
             let view = (&file).into();
-            hulls_file(name, view, &decomposition, &method.solid(), DEFAULT_DENSITY)?
-                .write(output)?;
+            let file = hulls_file(name, view, &decomposition, &method.solid(), DEFAULT_DENSITY)?;
+            write_file(output, &file.to_bytes()?)?;
         }
         Some(output) => waiting("writing", || write_hulls(output, &decomposition.hulls))?,
         None => {}

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use hullwright::hulls_format::{HullScene, HullsFile};
-use hullwright::io::{is_hulls_file, read_mesh};
 use hullwright_cli::terminal::{Failure, count, print};
+use hullwright_formats::{is_hulls_file, read_mesh};
 
 use crate::arguments::{SolidArguments, is_scene_file, mesh_help};
 use crate::notes;

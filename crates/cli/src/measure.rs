@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use hullwright::io::read_hulls;
 use hullwright::measure::{Distances, MeasureOptions, Measurement, measure};
 use hullwright::{Control, Length};
 use hullwright_cli::terminal::{Failure, print, print_json};
+use hullwright_formats::read_hulls;
 use serde_json::{Value, json};
 
 use crate::arguments::{SolidArguments, mesh_help, parse_point};

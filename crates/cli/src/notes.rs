@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use hullwright::Error;
-use hullwright::io::{MeshFile, Note, read_mesh, sum_notes};
 use hullwright_cli::terminal::print_warning;
+use hullwright_formats::{MeshFile, Note, read_mesh, sum_notes};
 
 use crate::progress::waiting;
 

@@ -4,10 +4,10 @@
 use std::path::Path;
 
 use comfy_table::{CellAlignment, Table, presets};
-use hullwright::io::Note;
 use hullwright::surface::{ResolutionOutcome, SurfaceReport, ThresholdOutcome};
 use hullwright::{CurvePoint, Decomposition, Hull, MethodReport, ProbeReport, Report};
 use hullwright_cli::terminal::time;
+use hullwright_formats::Note;
 use serde_json::{Map, Value, json};
 
 use crate::notes::lines;

@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use hullwright::io::{MeshFile, read_hulls, write_file};
 use hullwright::{Control, Error, Hull, MergeTree, Method};
 use hullwright_cli::render::{Layout, Panel, Picture, render_with};
 use hullwright_cli::terminal::{Failure, count, print, time};
 use hullwright_cli::viewer::{HullSet, Page, hulls_of};
+use hullwright_formats::{MeshFile, read_hulls, write_file};
 
 use crate::arguments::{
     Chosen, ParameterArguments, ThreadArguments, Uses, mesh_help, parse_method,

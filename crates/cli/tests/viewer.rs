@@ -1,10 +1,10 @@
 //! What a page holds.
 
-use hullwright::io::Object;
 use hullwright::{
     Control, Error, Hull, MergeTree, Parameters, TriangleMesh, convex_hull, decompose,
 };
 use hullwright_cli::viewer::{HullSet, Page};
+use hullwright_formats::Object;
 use serde_json::Value;
 
 /// Two boxes apart: two hulls, and one join.

@@ -8,7 +8,7 @@ use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy_rapier3d::rapier::geometry::SharedShape;
 use bevy_rapier3d::rapier::parry::shape::TypedShape;
-use hullwright::io::palette;
+use hullwright_formats::palette;
 
 /// Faces of a hull whose normals have at least this cosine are one face: no edge is drawn between.
 const SAME_FACE: f32 = 0.998;

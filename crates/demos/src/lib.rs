@@ -18,9 +18,9 @@ use bevy::render::RenderPlugin;
 use bevy::window::WindowResolution;
 use bevy::winit::WinitSettings;
 use bevy_egui::EguiPlugin;
+use bevy_hullwright::prelude::*;
+use bevy_hullwright::{HullwrightDebug, HullwrightDebugPlugin};
 use bevy_rapier3d::prelude::*;
-use hullwright::bevy::prelude::*;
-use hullwright::bevy::{HullwrightDebug, HullwrightDebugPlugin};
 
 use caption::Caption;
 use hulls::HullMaterials;

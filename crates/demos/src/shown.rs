@@ -4,9 +4,9 @@ use bevy::ecs::system::SystemParam;
 use bevy::light::NotShadowCaster;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
+use bevy_hullwright::HullwrightDebug;
+use bevy_hullwright::prelude::*;
 use bevy_rapier3d::prelude::*;
-use hullwright::bevy::HullwrightDebug;
-use hullwright::bevy::prelude::*;
 
 use crate::hulls::{HullMaterials, edges_mesh, hulls_mesh, pieces};
 

@@ -11,14 +11,14 @@ use std::path::Path;
 
 use color_quant::NeuQuant;
 use glam::DVec3;
-use hullwright::io::read_mesh;
-use hullwright::{Control, Parameters, TriangleMesh, decompose, mass_properties, rapier};
+use hullwright::{Control, Parameters, TriangleMesh, decompose, mass_properties};
+use hullwright_formats::palette::{CLAY, Colour, colour};
+use hullwright_formats::read_mesh;
 use rapier3d::prelude::*;
 
 use crate::render::{Layout, Panel, Part, Picture, render_with};
 use crate::shapes::{bounds, middle};
 use crate::terminal::{Failure, print};
-use hullwright::io::palette::{CLAY, Colour, colour};
 
 /// Size of the picture, in pixels.
 const SIZE: (usize, usize) = (560, 400);
@@ -86,7 +86,7 @@ pub fn draw(output: &Path, mesh: &Path) -> Result<(), Failure> {
     }
     let start = poses.last().copied().unwrap_or(Pose::IDENTITY);
     let properties = mass_properties(&mesh, &hulls, DENSITY)?;
-    let collider = rapier::collider(&hulls, &properties, [1.0; 3]);
+    let collider = hullwright_rapier::collider(&hulls, &properties, [1.0; 3]);
     let collider = collider.map_err(|error| error.to_string())?;
     let floor = bounds(&mesh.positions).0.y;
     for pose in fall(collider, start, floor as f32) {

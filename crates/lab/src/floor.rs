@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use hullwright::io::read_mesh;
 use hullwright::{Control, Parameters, TriangleMesh, decompose};
+use hullwright_formats::read_mesh;
 use parry3d::math::Vector;
 use parry3d::query::PointQuery;
 use parry3d::shape::{TriMesh, TriMeshFlags};

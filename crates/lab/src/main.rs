@@ -12,7 +12,7 @@ mod gallery;
 mod harness;
 // The unused rest is for tests.
 #[allow(dead_code)]
-#[path = "../../../tests/independent/mod.rs"]
+#[path = "../../hullwright/tests/independent/mod.rs"]
 mod independent;
 #[cfg(test)]
 mod independent_tests;

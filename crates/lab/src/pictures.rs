@@ -2,23 +2,22 @@
 
 // The unused rest is for tests.
 #[allow(dead_code)]
-#[path = "../../../tests/openings/cases.rs"]
+#[path = "../../hullwright/tests/openings/cases.rs"]
 mod cases;
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use hullwright::io::read_mesh;
 use hullwright::{
     Control, Decomposition, Error, Hull, Length, MeshView, Openings, Parameters, TriangleMesh,
     close_openings, decompose,
 };
+use hullwright_formats::{palette, read_mesh};
 
 use crate::burst;
 use crate::render::{Layout, Panel, Part, render_with};
 use crate::shapes::{cuboid, join};
 use crate::terminal::{Failure, print};
-use hullwright::io::palette;
 
 /// Draw the pictures of the documents
 #[derive(clap::Args)]

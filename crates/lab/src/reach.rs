@@ -36,7 +36,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (parameters, control) = (Parameters::default().probe_radius(probe_radius), Control::new());
     let (mut kept, mut failed, mut open) = (0, 0, 0);
     for mesh in meshes::find(folders)? {
-        let Ok(file) = hullwright::io::read_mesh(&mesh.path) else { continue };
+        let Ok(file) = hullwright_formats::read_mesh(&mesh.path) else { continue };
         let found = decompose(&file, &parameters, &control);
         let (Ok(found), Ok(closed)) = (found, close_openings(&file, &parameters, &control)) else {
             continue;

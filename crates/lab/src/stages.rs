@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use hullwright::io::read_mesh;
 use hullwright::{Control, Parameters, Preset, decompose};
+use hullwright_formats::read_mesh;
 
 use crate::statistics::median;
 use crate::terminal::{Failure, print};

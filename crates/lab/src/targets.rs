@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use hullwright::io::read_mesh;
 use hullwright::{Control, Preset, decompose};
+use hullwright_formats::read_mesh;
 
 use crate::harness::session::limits;
 use crate::harness::{FULL, Judge, Row, Session, Task};

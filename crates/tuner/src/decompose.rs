@@ -12,7 +12,7 @@ use bevy_rapier3d::rapier::geometry::{SharedShape, TriMeshFlags};
 use hullwright::measure::{FilledSurface, MeasuredMesh};
 use hullwright::{
     Control, Decomposition, Error, Hull, Length, Openings, Parameters, Preset, TriangleMesh,
-    decompose, mass_properties_with, rapier,
+    decompose, mass_properties_with,
 };
 use hullwright_demos::hulls::{Piece, pieces};
 
@@ -109,8 +109,10 @@ impl Fit {
         let mesh = model.mesh_on_stage();
         let mass = mass_properties_with(&mesh, &hulls, DENSITY, &parameters)
             .map_err(|error| error.to_string())?;
-        let shape = rapier::shape(&hulls, [1.0; 3]).map_err(|error| error.to_string())?;
-        let mass = rapier::mass_properties(&mass, [1.0; 3]).map_err(|error| error.to_string())?;
+        let shape =
+            hullwright_rapier::shape(&hulls, [1.0; 3]).map_err(|error| error.to_string())?;
+        let mass = hullwright_rapier::mass_properties(&mass, [1.0; 3])
+            .map_err(|error| error.to_string())?;
         let pieces = pieces(&shape);
         let mass = ColliderMassProperties::MassProperties(MassProperties::from_rapier(mass));
         let collider = Collider::from(shape);
@@ -144,7 +146,7 @@ fn probed(
         .map_err(|error| error.to_string())?;
     let Some(FilledSurface { mesh: mut filled, .. }) = filled else { return Ok(None) };
     filled.positions.iter_mut().for_each(|point| *point = model.on_stage(*point));
-    let whole = rapier::triangle_mesh(on_stage, TriMeshFlags::empty());
+    let whole = hullwright_rapier::triangle_mesh(on_stage, TriMeshFlags::empty());
     let whole = whole.map_err(|error| error.to_string())?;
     Ok(Some((SharedShape::new(whole), filled)))
 }

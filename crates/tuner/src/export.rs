@@ -7,8 +7,8 @@ use arboard::Clipboard;
 use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, Task, block_on, poll_once};
 use hullwright::hulls_format::HullsFile;
-use hullwright::io::write_hulls;
 use hullwright::{Preset, mass_properties_with};
+use hullwright_formats::{write_file, write_hulls};
 
 use crate::decompose::{Fit, Settings};
 
@@ -99,10 +99,9 @@ fn write_hulls_file(fit: &Fit, path: &Path) -> Result<(), String> {
     let (mesh, hulls) = (&fit.model.mesh, &fit.decomposition.hulls);
     let mass = mass_properties_with(mesh, hulls, 1.0, &fit.settings.parameters())
         .map_err(|error| error.to_string())?;
-    HullsFile::new(&fit.model.name, &fit.decomposition)
-        .with_mass_properties(mass)
-        .write(path)
-        .map_err(|error| error.to_string())
+    let file = HullsFile::new(&fit.model.name, &fit.decomposition).with_mass_properties(mass);
+    let bytes = file.to_bytes().map_err(|error| error.to_string())?;
+    write_file(path, &bytes).map_err(|error| error.to_string())
 }
 
 /// The component in Rust: what differs from its default. For a mesh with this diagonal.
@@ -185,11 +184,14 @@ fn capitalised(word: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use hullwright::bevy::prelude::*;
-    use hullwright::conventions::read_extras;
+    use bevy_hullwright::prelude::*;
     use hullwright::{Length, Method, Openings, Parameters};
+    use hullwright_formats::conventions::read_extras;
 
     use super::*;
+
+    /// Of the mesh, in metres.
+    const DIAGONAL: f64 = 2.0;
 
     fn settings() -> Settings {
         Settings {
@@ -199,13 +201,17 @@ mod tests {
             preset: Preset::Fine,
             openings: Openings::Close,
             keep_cavities: true,
+            probe: 0.0,
         }
     }
 
     #[test]
     fn a_component_of_defaults_says_nothing_else() {
-        assert_eq!(rust(&Settings::default()), "ConvexDecomposition::default()");
-        assert_eq!(extras(&Settings::default()), r#"{"collider": "convex_decomposition"}"#);
+        assert_eq!(rust(&Settings::default(), DIAGONAL), "ConvexDecomposition::default()");
+        assert_eq!(
+            extras(&Settings::default(), DIAGONAL),
+            r#"{"collider": "convex_decomposition"}"#
+        );
     }
 
     /// Code, what it makes, and its text.
@@ -230,7 +236,7 @@ mod tests {
                 .with_keep_cavities(true)
                 .with_openings(DecompositionOpenings::Close)
         );
-        assert_eq!(without_spaces(&rust(&settings())), without_spaces(code));
+        assert_eq!(without_spaces(&rust(&settings(), DIAGONAL)), without_spaces(code));
         assert_eq!(in_single_precision(tag.to_parameters()), settings().parameters());
         let fast = Settings { preset: Preset::Fast, openings: Openings::Keep, ..settings() };
         let (_, code) = compiled!(
@@ -242,13 +248,29 @@ mod tests {
                 .with_keep_cavities(true)
                 .with_openings(DecompositionOpenings::Keep)
         );
-        assert_eq!(without_spaces(&rust(&fast)), without_spaces(code));
+        assert_eq!(without_spaces(&rust(&fast, DIAGONAL)), without_spaces(code));
+    }
+
+    #[test]
+    fn a_probe_is_a_length_in_metres() {
+        let settings = Settings { probe: 5.0, ..Settings::default() };
+        let (tag, code) = compiled!(ConvexDecomposition::default().with_probe_radius(0.100));
+        assert_eq!(without_spaces(&rust(&settings, DIAGONAL)), without_spaces(code));
+        let radius = |method: Method| match method {
+            Method::Bounded(parameters) => parameters.probe_radius,
+            _ => None,
+        };
+        assert_eq!(radius(tag.to_parameters()), Some(Length::units(0.1)));
+        let (tag, complaints) = read_extras(&extras(&settings, DIAGONAL));
+        assert_eq!(complaints, Vec::<String>::new());
+        let read = tag.and_then(|tag| tag.parameters(&Method::default()));
+        assert_eq!(read.and_then(radius), Some(Length::units(0.1)));
     }
 
     #[test]
     fn the_plugin_reads_every_key_of_the_extras() {
         for settings in [Settings::default(), settings()] {
-            let (tag, complaints) = read_extras(&extras(&settings));
+            let (tag, complaints) = read_extras(&extras(&settings, DIAGONAL));
             assert_eq!(complaints, Vec::<String>::new());
             let read = tag.and_then(|tag| tag.parameters(&Method::default()));
             let mut expected = settings.parameters();

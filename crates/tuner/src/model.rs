@@ -8,8 +8,8 @@ use bevy::mesh::PrimitiveTopology;
 use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, Task, block_on, poll_once};
 use hullwright::TriangleMesh;
-use hullwright::io::read_mesh;
 use hullwright_demos::ASSETS;
+use hullwright_formats::read_mesh;
 
 use crate::hang::{Hang, find_hang};
 

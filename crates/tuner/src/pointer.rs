@@ -6,7 +6,7 @@ use bevy_rapier3d::rapier::parry::math::Pose;
 use bevy_rapier3d::rapier::parry::query::{ShapeCastOptions, cast_shapes};
 use bevy_rapier3d::rapier::parry::shape::Ball as BallShape;
 use bevy_rapier3d::rapier::prelude::Vector;
-use hullwright::io::palette::BALL;
+use hullwright_formats::palette::BALL;
 
 use crate::decompose::Tuning;
 use crate::model::Library;

@@ -7,10 +7,10 @@ use bevy::prelude::*;
 use bevy_rapier3d::plugin::context::RapierContextSimulation;
 use bevy_rapier3d::prelude::*;
 use bevy_rapier3d::rapier::dynamics::IntegrationParameters;
-use hullwright::io::palette;
 use hullwright_demos::RECYCLED_FOR;
 use hullwright_demos::hulls::{HullMaterials, edges_mesh, hulls_mesh};
 use hullwright_demos::orbit::Orbit;
+use hullwright_formats::palette;
 
 use crate::decompose::{Fit, Tuning};
 use crate::model::{Library, Model, drawn};

@@ -1,11 +1,11 @@
 //! A decomposition that stays: its hulls in every state of the merge tree, and all that a page of `hullwright view` shows.
 
-use hullwright::io::{HullFormat, Object, hulls_to_bytes};
 use hullwright::surface::SurfaceParameters;
 use hullwright::{
     Error, MassProperties, MergeTree, Method, Parameters, decompose, mass_properties_with,
 };
 use hullwright_cli::viewer::{HullSet, Page};
+use hullwright_formats::{HullFormat, Object, hulls_to_bytes};
 use js_sys::Function;
 use wasm_bindgen::prelude::{JsValue, wasm_bindgen};
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use hullwright::io::{Format, MeshFile, Object, read_mesh_from_files};
+use hullwright_formats::{Format, MeshFile, Object, read_mesh_from_files};
 use wasm_bindgen::prelude::{JsValue, wasm_bindgen};
 
 use crate::errors::{argument, library};

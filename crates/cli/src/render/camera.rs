@@ -1,8 +1,9 @@
 //! Where the viewer stands, and how what is seen is fitted into a panel.
 
+use hullwright::UpAxis;
+
 use super::panel::View;
 use crate::{Vector, bounds};
-use hullwright::UpAxis;
 
 /// Share of a panel that stays free on each side.
 const MARGIN: f64 = 0.08;

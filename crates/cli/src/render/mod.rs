@@ -32,8 +32,8 @@ mod shade;
 use std::path::Path;
 
 use hullwright::Error;
-use hullwright::io::palette::Colour;
-use hullwright::io::write_file;
+use hullwright_formats::palette::Colour;
+use hullwright_formats::write_file;
 use rayon::prelude::*;
 
 use crate::{Vector, unwritable};

@@ -1,8 +1,9 @@
 //! What is seen: parts of one colour, in panels.
 
-use crate::Vector;
-use hullwright::io::palette::{self, Colour};
 use hullwright::{ClosedMesh, MeshView, TriangleMesh, UpAxis};
+use hullwright_formats::palette::{self, Colour};
+
+use crate::Vector;
 
 /// Coordinates beyond this would overflow when squared: what uses them is not drawn.
 const LARGEST_COORDINATE: f64 = 1e100;

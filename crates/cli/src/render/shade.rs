@@ -1,9 +1,10 @@
 //! Samples to pixels: soft light, shade in corners, quiet edges, anti-aliasing.
 
+use hullwright_formats::palette::{Colour, encode, linear};
+
 use super::camera::Projection;
 use super::raster::{NOTHING, Samples, SeenTriangle};
 use crate::Vector;
-use hullwright::io::palette::{Colour, encode, linear};
 
 /// Samples per pixel along each axis.
 pub(super) const SUPERSAMPLING: usize = 3;

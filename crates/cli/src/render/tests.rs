@@ -1,6 +1,7 @@
-use super::*;
-use hullwright::io::palette;
 use hullwright::{MeshView, TriangleMesh};
+use hullwright_formats::palette;
+
+use super::*;
 
 const RED: Colour = [220, 40, 30];
 

@@ -7,14 +7,14 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
+use hullwright::measure::FilledSurface;
+use hullwright::{ClosedMesh, Opening};
+use hullwright_formats::Object;
+use hullwright_formats::palette::{BALL, CAP, CLAY, Colour, FILLED, colour};
 use serde::Serialize;
 
 use super::subject::Subject;
 use crate::{Vector, bounds};
-use hullwright::io::Object;
-use hullwright::io::palette::{BALL, CAP, CLAY, Colour, FILLED, colour};
-use hullwright::measure::FilledSurface;
-use hullwright::{ClosedMesh, Opening};
 
 /// The viewer, as `npm run build` in `viewer/` makes it. The data comes before [`PLACE`].
 const TEMPLATE: &str = include_str!("template.html");

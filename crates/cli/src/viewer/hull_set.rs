@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use hullwright::io::NamedMesh;
 use hullwright::measure::{MeasuredHulls, Measurement, measure};
 use hullwright::{Control, ConvexHull, Error, Hull, MergeTree, TriangleMesh, convex_hull};
+use hullwright_formats::NamedMesh;
 use rayon::prelude::*;
 
 use super::document::{Geometry, HullEntry, SetEntry, StateEntry, UncoveredEntry};

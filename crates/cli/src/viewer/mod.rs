@@ -37,8 +37,8 @@ mod subject;
 
 use std::path::Path;
 
-use hullwright::io::{Object, write_file};
 use hullwright::{Control, Error, MeshView, Parameters};
+use hullwright_formats::{Object, write_file};
 
 use crate::unwritable;
 use document::{Document, Geometry};

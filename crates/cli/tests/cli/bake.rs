@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use hullwright::hulls_format::{HullScene, HullsFile};
-use hullwright::io::read_own_meshes;
+use hullwright_formats::read_own_meshes;
 
 use crate::{Place, asset};
 

@@ -2,7 +2,7 @@
 
 use std::process::Command;
 
-use hullwright::io::read_hulls;
+use hullwright_formats::read_hulls;
 use serde_json::Value;
 
 use crate::{PROGRAM, Place, asset};

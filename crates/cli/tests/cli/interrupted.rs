@@ -5,7 +5,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use hullwright::hulls_format::HullsFile;
-use hullwright::io::read_hulls;
+use hullwright_formats::read_hulls;
 
 use crate::{PROGRAM, asset};
 

@@ -3,8 +3,8 @@
 use std::f32::consts::TAU;
 
 use bevy::prelude::*;
+use bevy_hullwright::prelude::*;
 use bevy_rapier3d::prelude::*;
-use hullwright::bevy::prelude::*;
 use hullwright_demos::Stage;
 use hullwright_demos::orbit::Orbit;
 

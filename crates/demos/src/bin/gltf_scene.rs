@@ -3,8 +3,8 @@
 //! collider. What is dropped on the desk is tagged in code: `cargo window gltf_scene`.
 
 use bevy::prelude::*;
+use bevy_hullwright::prelude::*;
 use bevy_rapier3d::prelude::*;
-use hullwright::bevy::prelude::*;
 use hullwright_demos::Stage;
 use hullwright_demos::orbit::Orbit;
 

@@ -1,9 +1,9 @@
 //! Five mugs hang by their handles: `cargo window minimal`.
 
 use bevy::prelude::*;
+use bevy_hullwright::prelude::*;
 use bevy_rapier3d::plugin::context::RapierContextSimulation;
 use bevy_rapier3d::prelude::*;
-use hullwright::bevy::prelude::*;
 use hullwright_demos::orbit::Orbit;
 use hullwright_demos::{RECYCLED_FOR, Stage};
 

@@ -1,8 +1,8 @@
 //! The program of README.md, as it stands there; `.ci/run` compares them.
 
 use bevy::prelude::*;
+use bevy_hullwright::prelude::*;
 use bevy_rapier3d::prelude::*;
-use hullwright::bevy::prelude::*;
 
 fn main() {
     App::new()

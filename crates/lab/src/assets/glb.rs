@@ -1,6 +1,6 @@
 //! Writes a model as GLB (glTF 2.0, binary): one primitive per mesh and material.
 
-use hullwright::io::palette::linear;
+use hullwright_formats::palette::linear;
 use serde_json::{Value, json};
 
 use super::model::Model;

@@ -16,11 +16,11 @@ mod tests;
 use std::path::PathBuf;
 
 use hullwright::TriangleMesh;
-use model::Model;
 
 use crate::pictures;
 use crate::render::{Layout, Panel, Part};
 use crate::terminal::{Failure, print};
+use model::Model;
 
 /// Make the bundled models and their picture, and print the table that assets/README.md holds
 #[derive(clap::Args)]

@@ -1,7 +1,7 @@
 //! Promises about the bundled models.
 
-use hullwright::io::{Format, read_mesh_from_bytes};
 use hullwright::{Inspection, Repairs, inspect};
+use hullwright_formats::{Format, read_mesh_from_bytes};
 
 use super::shape::Shape;
 use super::*;

@@ -7,8 +7,8 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use hullwright::io::{read_hulls, read_mesh, write_hulls};
 use hullwright::{Control, TriangleMesh, decompose};
+use hullwright_formats::{read_hulls, read_mesh, write_hulls};
 use rayon::prelude::*;
 
 use crate::independent::nearest::Tree;

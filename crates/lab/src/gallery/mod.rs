@@ -5,17 +5,17 @@ mod shapes;
 
 use std::path::{Path, PathBuf};
 
-use crate::pictures;
-use crate::render::{Layout, Panel};
-use crate::terminal::{Failure, print};
-use hullwright::io::read_mesh;
 use hullwright::measure::{MeasureOptions, Measurement, measure};
 use hullwright::{
     ALGORITHM_VERSION, Control, Hull, MeshView, Parameters, TriangleMesh, close_openings, decompose,
 };
 use hullwright_cli::viewer::hulls_of;
+use hullwright_formats::read_mesh;
 
+use crate::pictures;
+use crate::render::{Layout, Panel};
 use crate::report;
+use crate::terminal::{Failure, print};
 use crate::tools::methods::Run;
 use crate::tools::vhacd;
 

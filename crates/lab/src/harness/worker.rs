@@ -5,13 +5,13 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use cpu_time::ProcessTime;
-use hullwright::io::{NamedMesh, read_hulls, read_mesh};
 use hullwright::measure::{MeasureOptions, measure};
 use hullwright::surface::average_cost;
 use hullwright::{
     Control, Decomposition, Error, Hull, Length, MeshView, Method, MethodReport, Parameters,
     TriangleMesh, close_openings,
 };
+use hullwright_formats::{NamedMesh, read_hulls, read_mesh};
 use serde::{Deserialize, Serialize};
 
 use super::limits::{peak_memory, reset_peak_memory};

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use hullwright::io::Format;
+use hullwright_formats::Format;
 
 /// A mesh file, and its name in tables.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]

@@ -149,8 +149,8 @@ mod tests {
     #[test]
     fn an_obj_file_is_the_same_mesh() {
         let mesh = soup(5);
-        let read = hullwright::io::read_mesh_from_bytes(
-            hullwright::io::Format::Obj,
+        let read = hullwright_formats::read_mesh_from_bytes(
+            hullwright_formats::Format::Obj,
             to_obj(&mesh).as_bytes(),
         );
         let read = read.unwrap().mesh;

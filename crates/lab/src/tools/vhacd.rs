@@ -1,10 +1,11 @@
 //! V-HACD as Parry has it and Rapier calls it: exact convex hulls of the parts.
 
-use super::methods::Run;
-use hullwright::io::NamedMesh;
 use hullwright::{MeshView, TriangleMesh};
+use hullwright_formats::NamedMesh;
 use parry3d::math::Vector;
 use parry3d::transformation::vhacd::VHACD;
+
+use super::methods::Run;
 pub use parry3d::transformation::vhacd::VHACDParameters;
 
 /// What a run asks of V-HACD; `None` for other methods.

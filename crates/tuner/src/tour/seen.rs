@@ -7,9 +7,9 @@ use bevy::prelude::*;
 use bevy_egui::input::EguiWantsInput;
 use bevy_rapier3d::prelude::Velocity;
 use hullwright::hulls_format::HullsFile;
-use hullwright::io::read_mesh;
 use hullwright_demos::orbit::Orbit;
 use hullwright_demos::picture::{Bodies, awake};
+use hullwright_formats::read_mesh;
 
 use crate::action::Help;
 use crate::balls::Ball;

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use hullwright::conventions::read_extras;
 use hullwright::{Openings, Preset};
+use hullwright_formats::conventions::read_extras;
 
 use super::hand::Deed;
 use super::seen::Seen;

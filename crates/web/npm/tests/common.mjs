@@ -12,11 +12,11 @@ export const models = () =>
     .filter((name) => name.endsWith(".glb"))
     .map((name) => ({ name: name.replace(".glb", ""), bytes: bytesOf(root(`assets/${name}`)) }));
 
-/** By name, as `tests/digests.rs` writes them. */
+/** By name, as `crates/hullwright/tests/digests.rs` writes them. */
 export const recorded = () =>
-  Object.fromEntries(readFileSync(root("tests/data/digests.txt"), "utf8").trim().split("\n").map((line) => line.split(" ")));
+  Object.fromEntries(readFileSync(root("crates/hullwright/tests/data/digests.txt"), "utf8").trim().split("\n").map((line) => line.split(" ")));
 
-/** FNV-1a of all points and triangles of a `.hulls` file, as in `tests/digests.rs`. Stands alone, to run in a page too. */
+/** FNV-1a of all points and triangles of a `.hulls` file, as in `crates/hullwright/tests/digests.rs`. Stands alone, to run in a page too. */
 export function digest(file) {
   const view = new DataView(file.buffer, file.byteOffset, file.byteLength);
   let at = 24;

@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut baked = Vec::new();
     for number in 0..PROPS {
         let name = MODELS[number % MODELS.len()];
-        let read = hullwright::io::read_mesh(Path::new(assets).join(format!("{name}.glb")))?;
+        let read = hullwright_formats::read_mesh(Path::new(assets).join(format!("{name}.glb")))?;
         let stretch = 1.0 + 0.02 * (number / MODELS.len()) as f64;
         let positions = read.mesh.positions.iter().map(|p| [p[0] * stretch, p[1], p[2]]);
         let mesh = TriangleMesh::new(positions.collect(), read.mesh.triangles);

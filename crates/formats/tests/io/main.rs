@@ -1,0 +1,8 @@
+//! What readers and writers of files promise.
+
+mod compressed;
+#[path = "../common/glb.rs"]
+mod glb;
+mod gltf;
+mod hostile;
+mod writers;
